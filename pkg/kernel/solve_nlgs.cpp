@@ -21,9 +21,11 @@ namespace {
 			const double        gn = u.n + c.bias - w[k].nn * p.n - w[k].nt * p.t;
 			const double        gt = u.t - w[k].nt * p.n - w[k].tt * p.t;
 			const Impulse       solved = solveCoulomb(w[k], gn, gt, c.friction);
-			const Impulse       change { relaxation * (solved.n - p.n), relaxation * (solved.t - p.t) };
-			p.n += change.n;
-			p.t += change.t;
+			const Impulse       next   = relaxation == 1
+                                ? solved
+                                : projectCone({ p.n + relaxation * (solved.n - p.n), p.t + relaxation * (solved.t - p.t) }, c.friction);
+			const Impulse       change { next.n - p.n, next.t - p.t };
+			p = next;
 			applyImpulse(c, change, problem.inverseMass[c.body1], problem.inverseMass[c.body2], v1, v2);
 		}
 	}
@@ -34,8 +36,8 @@ namespace {
 		for (const ContactPoint& c : problem.points)
 			w.push_back(delassus(c, problem.inverseMass[c.body1], problem.inverseMass[c.body2]));
 		updateVelocity(problem);
-		Report report { 0, residual(problem), false };
-		while (report.residual > settings.tolerance && report.iterations < settings.maxIterations) {
+		Report report { 0, residual(problem) };
+		while (!report.reached(settings) && report.iterations < settings.maxIterations) {
 			sweep(problem, w, relaxation);
 			if (++report.iterations % settings.checkInterval == 0 || report.iterations == settings.maxIterations)
 				report.residual = residual(problem);

@@ -22,6 +22,9 @@ struct Report {
 	int    iterations = 0;
 	double residual   = 0;
 	bool   converged  = true;
+
+	/// Tolerance 0 asks for all iterations, so it is never reached.
+	bool reached(const Settings& settings) const { return settings.tolerance > 0 && residual <= settings.tolerance; }
 };
 
 Report solveNlgs(ContactProblem&, const Settings&);     // plain Gauss–Seidel, the paper's
