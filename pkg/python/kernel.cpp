@@ -1,0 +1,192 @@
+// rcr._kernel: the kernels for NumPy, without YADE. Angles in rad, everything else as in the kernels' headers.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <sstream>
+
+#include "coulomb.hpp"
+#include "residual.hpp"
+#include "shadow_overlap.hpp"
+#include "solver.hpp"
+
+namespace py = pybind11;
+using namespace rcr;
+
+namespace {
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Ids   = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
+
+template <class A> void wantShape(const A& array, const char* name, py::ssize_t rows, py::ssize_t columns)
+{
+	const bool fits = columns == 1 ? array.ndim() == 1 && array.shape(0) == rows
+	                               : array.ndim() == 2 && array.shape(0) == rows && array.shape(1) == columns;
+	if (fits) return;
+	std::ostringstream message;
+	message << name << " has shape (";
+	for (py::ssize_t k = 0; k < array.ndim(); ++k)
+		message << (k ? ", " : "") << array.shape(k);
+	message << "); wanted (" << rows;
+	if (columns > 1) message << ", " << columns;
+	throw py::value_error(message.str() + ")");
+}
+
+py::dict toDict(const std::vector<Manifold>& manifolds)
+{
+	const py::ssize_t n = manifolds.size();
+	Ids               count(n), type(n);
+	Array             position({ n, py::ssize_t(2), py::ssize_t(2) }), normal({ n, py::ssize_t(2), py::ssize_t(2) });
+	Array             gap({ n, py::ssize_t(2) });
+	for (py::ssize_t i = 0; i < n; ++i) {
+		count.mutable_at(i) = manifolds[i].count;
+		type.mutable_at(i)  = int(manifolds[i].type);
+		for (int k = 0; k < 2; ++k) {
+			const ManifoldPoint& p          = manifolds[i].points[k];
+			const bool           there      = k < manifolds[i].count;
+			position.mutable_at(i, k, 0)    = there ? p.position.x : NAN;
+			position.mutable_at(i, k, 1)    = there ? p.position.y : NAN;
+			normal.mutable_at(i, k, 0)      = there ? p.normal.x : NAN;
+			normal.mutable_at(i, k, 1)      = there ? p.normal.y : NAN;
+			gap.mutable_at(i, k)            = there ? p.gap : NAN;
+		}
+	}
+	return py::dict(py::arg("count") = count, py::arg("type") = type, py::arg("position") = position, py::arg("normal") = normal, py::arg("gap") = gap);
+}
+
+Pose    poseAt(const Array& a, py::ssize_t i) { return pose({ a.at(i, 0), a.at(i, 1) }, a.at(i, 2)); }
+Stadium stadiumAt(const Array& a, py::ssize_t i) { return { a.at(i, 0), a.at(i, 1) }; }
+
+py::dict overlapStadiums(const Array& stadium1, const Array& pose1, const Array& stadium2, const Array& pose2, double alertDistance)
+{
+	const py::ssize_t n = stadium1.ndim() ? stadium1.shape(0) : 0;
+	wantShape(stadium1, "stadium1", n, 2), wantShape(pose1, "pose1", n, 3);
+	wantShape(stadium2, "stadium2", n, 2), wantShape(pose2, "pose2", n, 3);
+	std::vector<Manifold> result(n);
+	for (py::ssize_t i = 0; i < n; ++i)
+		result[i] = shadowOverlap(stadiumAt(stadium1, i), poseAt(pose1, i), stadiumAt(stadium2, i), poseAt(pose2, i), alertDistance);
+	return toDict(result);
+}
+
+py::dict overlapWall(const Array& origin, const Array& normal, const Array& stadium, const Array& at, double alertDistance)
+{
+	const py::ssize_t n = stadium.ndim() ? stadium.shape(0) : 0;
+	wantShape(origin, "origin", n, 2), wantShape(normal, "normal", n, 2), wantShape(stadium, "stadium", n, 2), wantShape(at, "pose", n, 3);
+	std::vector<Manifold> result(n);
+	for (py::ssize_t i = 0; i < n; ++i) {
+		const HalfPlane wall { { origin.at(i, 0), origin.at(i, 1) }, { normal.at(i, 0), normal.at(i, 1) } };
+		result[i] = shadowOverlap(wall, stadiumAt(stadium, i), poseAt(at, i), alertDistance);
+	}
+	return toDict(result);
+}
+
+py::dict overlapBox(const Array& halfExtent, const Array& boxPose, const Array& stadium, const Array& at, double alertDistance)
+{
+	const py::ssize_t n = stadium.ndim() ? stadium.shape(0) : 0;
+	wantShape(halfExtent, "half_extent", n, 2), wantShape(boxPose, "box_pose", n, 3), wantShape(stadium, "stadium", n, 2), wantShape(at, "pose", n, 3);
+	std::vector<Manifold> result(n);
+	for (py::ssize_t i = 0; i < n; ++i)
+		result[i] = shadowOverlap(Rectangle { { halfExtent.at(i, 0), halfExtent.at(i, 1) } }, poseAt(boxPose, i), stadiumAt(stadium, i), poseAt(at, i), alertDistance);
+	return toDict(result);
+}
+
+/// A problem from arrays; every array is checked, and no id or number can be out of range.
+ContactProblem problemFrom(
+        const Array& inverseMass, const Array& freeVelocity, const Ids& bodies, const Array& normal, const Array& arm1, const Array& arm2,
+        const Array& bias, const Array& friction, const Array& impulse)
+{
+	const py::ssize_t nb = inverseMass.ndim() ? inverseMass.shape(0) : 0, nc = bodies.ndim() ? bodies.shape(0) : 0;
+	wantShape(inverseMass, "inverse_mass", nb, 3), wantShape(freeVelocity, "free_velocity", nb, 3);
+	wantShape(bodies, "bodies", nc, 2), wantShape(normal, "normal", nc, 2), wantShape(arm1, "arm1", nc, 2), wantShape(arm2, "arm2", nc, 2);
+	wantShape(bias, "bias", nc, 1), wantShape(friction, "friction", nc, 1), wantShape(impulse, "impulse", nc, 2);
+
+	ContactProblem problem;
+	for (py::ssize_t i = 0; i < nb; ++i) {
+		problem.inverseMass.push_back({ inverseMass.at(i, 0), inverseMass.at(i, 1), inverseMass.at(i, 2) });
+		problem.freeVelocity.push_back({ freeVelocity.at(i, 0), freeVelocity.at(i, 1), freeVelocity.at(i, 2) });
+	}
+	for (py::ssize_t k = 0; k < nc; ++k) {
+		const auto vec = [k](const Array& a) { return Vec2 { a.at(k, 0), a.at(k, 1) }; };
+		problem.points.push_back({ bodies.at(k, 0), bodies.at(k, 1), vec(normal), vec(arm1), vec(arm2), bias.at(k), friction.at(k) });
+		problem.impulse.push_back({ impulse.at(k, 0), impulse.at(k, 1) });
+	}
+	checkProblem(problem);
+	return problem;
+}
+
+py::dict solveArrays(
+        const Array& inverseMass, const Array& freeVelocity, const Ids& bodies, const Array& normal, const Array& arm1, const Array& arm2,
+        const Array& bias, const Array& friction, const Array& impulse, const std::string& solver, double tolerance, int maxIterations, int threads)
+{
+	ContactProblem problem = problemFrom(inverseMass, freeVelocity, bodies, normal, arm1, arm2, bias, friction, impulse);
+	Settings       settings;
+	settings.tolerance     = tolerance;
+	settings.maxIterations = maxIterations;
+	settings.threads       = threads;
+	Report     report;
+	const auto start = std::chrono::steady_clock::now();
+	{
+		py::gil_scoped_release release;
+		report = solve(problem, solver, settings);
+	}
+	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+	const py::ssize_t nc = problem.points.size(), nb = problem.inverseMass.size();
+	Array             reaction({ nc, py::ssize_t(2) }), relative({ nc, py::ssize_t(2) }), velocity({ nb, py::ssize_t(3) });
+	for (py::ssize_t k = 0; k < nc; ++k) {
+		const ContactPoint& c = problem.points[k];
+		const Impulse       u = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
+		reaction.mutable_at(k, 0) = problem.impulse[k].n, reaction.mutable_at(k, 1) = problem.impulse[k].t;
+		relative.mutable_at(k, 0) = u.n, relative.mutable_at(k, 1) = u.t;
+	}
+	for (py::ssize_t i = 0; i < nb; ++i) {
+		const Twist& v = problem.velocity[i];
+		velocity.mutable_at(i, 0) = v.x, velocity.mutable_at(i, 1) = v.y, velocity.mutable_at(i, 2) = v.rotation;
+	}
+	return py::dict(
+	        py::arg("impulse") = reaction, py::arg("relative_velocity") = relative, py::arg("velocity") = velocity,
+	        py::arg("iterations") = report.iterations, py::arg("residual") = report.residual, py::arg("converged") = report.converged,
+	        py::arg("seconds") = seconds);
+}
+
+} // namespace
+
+PYBIND11_MODULE(_kernel, m)
+{
+	m.doc() = "Kernels of yade-rcr for NumPy: stadium, shadow overlap, contact problem. They need no YADE.";
+
+	m.def("area", [](double a, double r) { return area(Stadium { a, r }); }, py::arg("half_length"), py::arg("cap_radius"), "Area of a stadium [m²].");
+	m.def("polar_moment", [](double a, double r) { return polarMoment(Stadium { a, r }); }, py::arg("half_length"), py::arg("cap_radius"),
+	      "∫ |x|² dA of a stadium about its centre [m⁴].");
+	m.def("half_extent", [](double a, double r, double angle) {
+		const Vec2 h = halfExtent(Stadium { a, r }, pose({}, angle).axis);
+		return py::make_tuple(h.x, h.y);
+	}, py::arg("half_length"), py::arg("cap_radius"), py::arg("angle"), "Half widths of the axis-aligned bounding box [m].");
+	m.def("support", [](double a, double r, double angle, double direction) {
+		const Vec2 p = support(Stadium { a, r }, pose({}, angle), pose({}, direction).axis);
+		return py::make_tuple(p.x, p.y);
+	}, py::arg("half_length"), py::arg("cap_radius"), py::arg("angle"), py::arg("direction"), "Point of a stadium farthest along a direction [m].");
+
+	const char* manifold = "Manifolds of N pairs: dict of count (N,), type (N,) 0 cc, 1 cs, 2 ss, 3 wall, position, normal (N, 2, 2), gap (N, 2) [m];\n"
+	                       "unused points are NaN. A stadium is (half length, cap radius), a pose (x, y, angle).";
+	m.def("overlap_stadiums", overlapStadiums, py::arg("stadium1"), py::arg("pose1"), py::arg("stadium2"), py::arg("pose2"), py::arg("alert_distance"), manifold);
+	m.def("overlap_wall", overlapWall, py::arg("origin"), py::arg("normal"), py::arg("stadium"), py::arg("pose"), py::arg("alert_distance"), manifold);
+	m.def("overlap_box", overlapBox, py::arg("half_extent"), py::arg("box_pose"), py::arg("stadium"), py::arg("pose"), py::arg("alert_distance"), manifold);
+
+	m.def("solve_coulomb", [](double nn, double nt, double tt, double gn, double gt, double friction) {
+		const Impulse p = solveCoulomb({ nn, nt, tt }, gn, gt, friction);
+		return py::make_tuple(p.n, p.t);
+	}, py::arg("w_nn"), py::arg("w_nt"), py::arg("w_tt"), py::arg("g_n"), py::arg("g_t"), py::arg("friction"), "Impulse (p_n, p_t) of one contact point.");
+	m.def("project_cone", [](double n, double t, double friction) {
+		const Impulse p = projectCone({ n, t }, friction);
+		return py::make_tuple(p.n, p.t);
+	}, py::arg("n"), py::arg("t"), py::arg("friction"), "Projection onto |t| ≤ µ n.");
+
+	m.def("solver_names", solverNames, "Names that `solve` takes.");
+	m.def("solve", solveArrays, py::arg("inverse_mass"), py::arg("free_velocity"), py::arg("bodies"), py::arg("normal"), py::arg("arm1"), py::arg("arm2"),
+	      py::arg("bias"), py::arg("friction"), py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4,
+	      py::arg("max_iterations") = 1000, py::arg("threads") = 1,
+	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2) and velocity (nb, 3) [m/s, 1/s],\n"
+	      "iterations, residual, converged, seconds. Raises ValueError on arrays that do not fit together.");
+}
