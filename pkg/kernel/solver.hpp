@@ -12,10 +12,10 @@
 namespace rcr {
 
 struct Settings {
-	double tolerance      = 1e-4; // residual at which to stop [-]; 0 runs all iterations
-	int    maxIterations  = 1000; // sweeps over all points
-	int    checkInterval  = 10;   // sweeps between two evaluations of the residual
-	int    threads        = 1;
+	double tolerance     = 1e-4; // residual at which to stop [-]; 0 runs all iterations
+	int    maxIterations = 1000; // sweeps over all points
+	int    checkInterval = 10;   // sweeps between two evaluations of the residual
+	int    threads       = 1;
 };
 
 struct Report {
