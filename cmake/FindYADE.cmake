@@ -1,0 +1,83 @@
+# Finds an installed YADE and the headers of the same version.
+#
+# YADE ships no development package: the headers come from its source archive, whose unpacked folder is given as
+# YADE_SOURCE_DIR. Class layouts depend on how YADE was built, so the definitions are derived from the features that the
+# installed YADE states, and a feature that is not known here stops the configuration.
+#
+# Defines the target YADE::YADE and YADE_VERSION.
+
+file(GLOB yade_configs /usr/lib/*/yade*/py/yade/config.py /usr/lib/yade*/py/yade/config.py)
+if(NOT yade_configs)
+	message(FATAL_ERROR "No installed YADE found (looked for /usr/lib/*/yade*/py/yade/config.py). Install the packages yade, libyade and python3-yade, or let scripts/yade-rcr set everything up.")
+endif()
+list(GET yade_configs 0 yade_config)
+get_filename_component(yade_python "${yade_config}" DIRECTORY)
+get_filename_component(yade_library_dir "${yade_python}/../.." ABSOLUTE)
+
+execute_process(
+	COMMAND "${Python3_EXECUTABLE}" -c "import runpy, sys; c = runpy.run_path(sys.argv[1]); print(c['version'], c['highPrecisionBits'], c['highPrecisionDecimalPlaces'], *c['features'], sep=';')" "${yade_config}"
+	OUTPUT_VARIABLE yade_facts OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+list(POP_FRONT yade_facts YADE_VERSION yade_bits yade_decimals)
+
+if(NOT EXISTS "${YADE_SOURCE_DIR}/core/Scene.hpp")
+	message(FATAL_ERROR "YADE_SOURCE_DIR = '${YADE_SOURCE_DIR}' holds no YADE source (core/Scene.hpp). Unpack the source archive of YADE ${YADE_VERSION} (apt-get source --tar-only yade) and give its folder.")
+endif()
+file(READ "${YADE_SOURCE_DIR}/RELEASE" yade_release)
+string(STRIP "${yade_release}" yade_release)
+if(NOT yade_release STREQUAL YADE_VERSION)
+	message(FATAL_ERROR "The YADE source in ${YADE_SOURCE_DIR} is of version ${yade_release}, the installed YADE of ${YADE_VERSION}; they must be the same.")
+endif()
+
+# What each feature defines for the headers (CMakeLists.txt of YADE); an empty entry changes no class layout.
+set(yade_feature_LOGGER YADE_BOOST_LOG BOOST_LOG_DYN_LINK MAX_LOG_LEVEL=5)
+set(yade_feature_USEFUL_ERRORS "")
+set(yade_feature_COMPLEX_MP YADE_COMPLEX_MP)
+set(yade_feature_MPFR YADE_MPFR)
+set(yade_feature_MPC "")
+set(yade_feature_VTK YADE_VTK)
+set(yade_feature_OPENMP YADE_OPENMP)
+set(yade_feature_GTS YADE_GTS)
+set(yade_feature_QT5 YADE_OPENGL YADE_QT5 QT_NO_KEYWORDS)
+set(yade_feature_MPI YADE_MPI)
+set(yade_feature_LS_DEM YADE_LS_DEM)
+set(yade_feature_FEMLIKE YADE_FEM)
+set(yade_feature_GL2PS YADE_GL2PS)
+set(yade_feature_LBMFLOW LBM_ENGINE)
+set(yade_feature_POTENTIAL_PARTICLES YADE_POTENTIAL_PARTICLES)
+set(yade_feature_POTENTIAL_BLOCKS YADE_POTENTIAL_BLOCKS)
+set(yade_feature_CGAL YADE_CGAL)
+set(yade_feature_LINSOLV LINSOLV)
+set(yade_feature_THERMAL THERMAL)
+set(yade_feature_PARTIALSAT PARTIALSAT)
+set(yade_feature_SPH YADE_SPH)
+set(yade_feature_DEFORM YADE_DEFORM)
+set(yade_feature_LIQMIGRATION YADE_LIQMIGRATION)
+set(yade_definitions YADE_REAL_BIT=${yade_bits} YADE_REAL_DEC=${yade_decimals})
+foreach(feature IN LISTS yade_facts)
+	if(NOT DEFINED yade_feature_${feature})
+		message(FATAL_ERROR "The installed YADE ${YADE_VERSION} was built with the feature ${feature}, whose effect on class layouts is not known to cmake/FindYADE.cmake. Add what it defines in YADE's CMakeLists.txt there.")
+	endif()
+	list(APPEND yade_definitions ${yade_feature_${feature}})
+endforeach()
+if(NOT "VECTORIZE" IN_LIST yade_facts) # for the glue only: kernels share no Eigen type with it
+	list(APPEND yade_definitions EIGEN_DONT_VECTORIZE EIGEN_DONT_ALIGN EIGEN_DISABLE_UNALIGNED_ARRAY_ASSERT)
+endif()
+
+if(POLICY CMP0167) # Boost brings its own configuration
+	cmake_policy(SET CMP0167 NEW)
+endif()
+find_package(Boost REQUIRED COMPONENTS python${Python3_VERSION_MAJOR}${Python3_VERSION_MINOR} serialization log thread)
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(OpenMP REQUIRED COMPONENTS CXX)
+if("MPI" IN_LIST yade_facts)
+	find_package(MPI REQUIRED COMPONENTS CXX)
+endif()
+
+add_library(YADE::YADE INTERFACE IMPORTED)
+target_include_directories(YADE::YADE SYSTEM INTERFACE "${YADE_SOURCE_DIR}")
+target_compile_definitions(YADE::YADE INTERFACE ${yade_definitions})
+target_link_directories(YADE::YADE INTERFACE "${yade_library_dir}")
+target_link_options(YADE::YADE INTERFACE "-Wl,-rpath,${yade_library_dir}")
+target_link_libraries(YADE::YADE INTERFACE
+	yade pkg_common pkg_dem Boost::headers Boost::python${Python3_VERSION_MAJOR}${Python3_VERSION_MINOR} Boost::serialization Boost::log
+	Boost::thread Eigen3::Eigen OpenMP::OpenMP_CXX $<$<BOOL:${MPI_CXX_FOUND}>:MPI::MPI_CXX>)

@@ -1,0 +1,23 @@
+// How far ahead contacts are seen.
+//
+// A contact must be known to the law before it closes: 0 ≤ u_n + g/dt acts on open gaps too. A gap closes within one step
+// if g < dt |relative speed at the end of the step|. That speed is not known yet, so twice the present one is taken, and
+// never less than 1 % of the cap radius, which covers what starts from rest:
+//
+//   alert distance of a pair  = e₁ + e₂,   e = max(0.01 R', 2 dt (|v| + |ω| R))
+//
+// e is a property of one body, so that its bounding box, enlarged by e, holds all that it can meet.
+#pragma once
+
+#include <algorithm>
+
+#include "plane.hpp"
+
+namespace yade {
+
+inline double alertDistance(double capRadius, double circumscribedRadius, const rcr::Twist& v, double dt)
+{
+	return std::max(0.01 * capRadius, 2 * dt * plane::speed(v, circumscribedRadius));
+}
+
+} // namespace yade

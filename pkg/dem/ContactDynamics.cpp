@@ -1,0 +1,283 @@
+#include "ContactDynamics.hpp"
+
+#include <core/Interaction.hpp>
+#include <core/InteractionLoop.hpp>
+#include <core/Omega.hpp>
+#include <core/Scene.hpp>
+#include <pkg/dem/NewtonIntegrator.hpp>
+
+#include "AlertDistance.hpp"
+#include "CdPhys.hpp"
+#include "Rcr.hpp"
+#include "RcrGeom.hpp"
+
+namespace yade {
+
+YADE_PLUGIN((ContactDynamics));
+CREATE_LOGGER(ContactDynamics);
+
+namespace {
+
+	constexpr unsigned outOfPlane = State::DOF_Z | State::DOF_RX | State::DOF_RY;
+
+	[[noreturn]] void refuse(const std::string& message) { throw std::invalid_argument("ContactDynamics: " + message); }
+
+	std::string body(Body::id_t id) { return "body #" + std::to_string(id); }
+
+	template <class EngineType> int place(const std::vector<shared_ptr<Engine>>& engines)
+	{
+		for (std::size_t k = 0; k < engines.size(); ++k)
+			if (dynamic_cast<const EngineType*>(engines[k].get()) && !engines[k]->dead) return int(k);
+		return -1;
+	}
+
+	void checkBody(const Body& b)
+	{
+		const State& s = *b.state;
+		if (b.isClump() || b.isClumpMember())
+			refuse(body(b.getId()) + " belongs to a clump; clumps are not served. Use single bodies, or a smooth law.");
+		if (math::abs(s.ori.x()) > 1e-9 || math::abs(s.ori.y()) > 1e-9)
+			refuse(body(b.getId()) + " is tilted out of the plane z = const; turn it about z only.");
+		if (s.blockedDOFs == State::DOF_ALL) return;
+		if ((s.blockedDOFs & outOfPlane) != outOfPlane)
+			refuse(body(b.getId()) + " is free to leave the plane (blockedDOFs = '" + s.blockedDOFs_vec_get()
+			       + "'); wanted z, X and Y blocked: b.state.blockedDOFs = 'zXY', as rcr.particle sets it.");
+		const bool moves = (s.blockedDOFs & (State::DOF_X | State::DOF_Y)) != (State::DOF_X | State::DOF_Y);
+		if (moves && !(s.mass > 0 && math::isfinite(s.mass)))
+			refuse(body(b.getId()) + " is free but has the mass " + boost::lexical_cast<std::string>(s.mass)
+			       + "; give it a mass > 0 or block its degrees of freedom.");
+		if (!(s.blockedDOFs & State::DOF_RZ) && !(s.inertia[2] > 0 && math::isfinite(s.inertia[2])))
+			refuse(body(b.getId()) + " is free to turn but has the moment of inertia " + boost::lexical_cast<std::string>(s.inertia[2])
+			       + " about z; give it one > 0 or block Z.");
+	}
+
+} // namespace
+
+void ContactDynamics::action()
+{
+	if (!(scene->dt > 0 && math::isfinite(scene->dt)))
+		refuse("O.dt = " + boost::lexical_cast<std::string>(scene->dt) + "; wanted a finite time step > 0.");
+	if (!(correction >= 0 && correction <= 1))
+		refuse("correction = " + boost::lexical_cast<std::string>(correction) + "; wanted a share of the overlap, 0 to 1.");
+	const NewtonIntegrator& newton = checkedIntegrator();
+	checkBodies();
+
+	gatherBodies(newton);
+	gatherContacts();
+
+	rcr::Settings settings;
+	settings.tolerance       = double(tolerance);
+	settings.maxIterations   = maxIterations;
+	settings.threads         = threads > 0 ? threads : omp_get_max_threads();
+	const rcr::Report report = rcr::solve(problem_, solver, settings);
+
+	iterations    = report.iterations;
+	residual      = report.residual;
+	converged     = report.converged;
+	contactPoints = int(problem_.points.size());
+	if (!converged && tolerance > 0 && !warned) {
+		LOG_WARN(
+		        "step " << scene->iter << ": residual " << residual << " after " << iterations << " iterations, tolerance " << tolerance
+		                << "; this is said once. ContactDynamics.residual and .converged tell it for every step.");
+		warned = true;
+	}
+	scatterForces();
+	correctPositions();
+	keepColliderAhead();
+}
+
+const NewtonIntegrator& ContactDynamics::checkedIntegrator() const
+{
+	if (scene->isPeriodic) refuse("O.periodic = True; periodic cells are not served. Bound the scene by walls.");
+	const auto& engines    = scene->engines;
+	const int   integrator = place<NewtonIntegrator>(engines), loop = place<InteractionLoop>(engines), self = place<ContactDynamics>(engines);
+	if (integrator < 0) refuse("O.engines holds no NewtonIntegrator, so nothing would move; append NewtonIntegrator(damping=0).");
+	if (loop < 0) refuse("O.engines holds no InteractionLoop, so there are no contacts; put one before ContactDynamics.");
+	if (self < loop) refuse("stands before the InteractionLoop, so it would solve the contacts of the step before; put it after.");
+	if (self > integrator) refuse("stands after the NewtonIntegrator, so its forces would come too late; put it before.");
+	const auto& newton = static_cast<const NewtonIntegrator&>(*engines[integrator]);
+	if (newton.damping != 0)
+		refuse("NewtonIntegrator.damping = " + boost::lexical_cast<std::string>(newton.damping)
+		       + " would damp the contact forces; set damping=0 (restitution below 1 dissipates by itself).");
+	if (newton.densityScaling) refuse("NewtonIntegrator.densityScaling is on; switch it off, the time step is not bound by a stiffness.");
+	return newton;
+}
+
+void ContactDynamics::checkBodies() const
+{
+	for (const auto& b : *scene->bodies) {
+		if (!b || !b->shape || !dynamic_cast<const Rcr*>(b->shape.get())) continue;
+		if (!(static_cast<const Rcr&>(*b->shape).capRadius > 0)) refuse(body(b->getId()) + " has a Rcr shape without a cap radius; set it.");
+		checkBody(*b);
+	}
+}
+
+void ContactDynamics::gatherBodies(const NewtonIntegrator& newton)
+{
+	const std::size_t n = scene->bodies->size();
+	problem_.inverseMass.assign(n, {});
+	problem_.freeVelocity.assign(n, {});
+	scene->forces.sync();
+	const double dt = double(scene->dt);
+	for (const auto& b : *scene->bodies) {
+		if (!b) continue;
+		if (newton.mask > 0 && !b->maskCompatible(newton.mask)) continue; // the integrator leaves it where it is
+		const State&       s       = *b->state;
+		const Body::id_t   id      = b->getId();
+		const Vector3r     force   = scene->forces.getForce(id);
+		const auto         free    = [&](unsigned dof) { return !(s.blockedDOFs & dof); };
+		rcr::Twist&        v       = problem_.freeVelocity[id];
+		rcr::InverseMass&  inverse = problem_.inverseMass[id];
+		v                          = plane::twist(s);
+		if (free(State::DOF_X)) {
+			inverse.x = 1 / double(s.mass);
+			v.x += dt * double(force[0] / s.mass + newton.gravity[0]);
+		}
+		if (free(State::DOF_Y)) {
+			inverse.y = 1 / double(s.mass);
+			v.y += dt * double(force[1] / s.mass + newton.gravity[1]);
+		}
+		if (free(State::DOF_RZ)) {
+			inverse.rotation = 1 / double(s.inertia[2]);
+			v.rotation += dt * double(scene->forces.getTorque(id)[2] / s.inertia[2]);
+		}
+	}
+}
+
+void ContactDynamics::gatherContacts()
+{
+	contacts_.clear();
+	for (const auto& i : *scene->interactions) {
+		if (i->isReal() && dynamic_cast<const CdPhys*>(i->phys.get())) contacts_.push_back({ i.get(), 0 });
+		if (i->functorCache.geomExists) continue;
+		const Shape* shape1 = (*scene->bodies)[i->getId1()]->shape.get();
+		const Shape* shape2 = (*scene->bodies)[i->getId2()]->shape.get();
+		if (dynamic_cast<const Rcr*>(shape1) || dynamic_cast<const Rcr*>(shape2))
+			refuse("no Ig2 functor of the InteractionLoop serves " + shape1->getClassName() + " and " + shape2->getClassName() + " (bodies #"
+			       + std::to_string(i->getId1()) + ", #" + std::to_string(i->getId2())
+			       + "), so they would pass through each other. Add Ig2_Rcr_Rcr_RcrGeom, Ig2_Wall_Rcr_RcrGeom, Ig2_Box_Rcr_RcrGeom or "
+			         "Ig2_Sphere_Rcr_RcrGeom; make other shapes from Wall, Box or Rcr.");
+	}
+	// The order of the container changes when a scene is reloaded; the order of the contacts must not.
+	std::sort(contacts_.begin(), contacts_.end(), [](const Contact& a, const Contact& b) { return *a.interaction < *b.interaction; });
+
+	frictionless_ = true;
+	problem_.points.clear();
+	problem_.impulse.clear();
+	const double dt = double(scene->dt);
+	for (Contact& contact : contacts_) {
+		const RcrGeom& geom = static_cast<const RcrGeom&>(*contact.interaction->geom);
+		const CdPhys&  phys = static_cast<const CdPhys&>(*contact.interaction->phys);
+		const auto     id1 = contact.interaction->getId1(), id2 = contact.interaction->getId2();
+		const auto     pair = [&] { return "contact of bodies #" + std::to_string(id1) + " and #" + std::to_string(id2); };
+		if (!(phys.tangensOfFrictionAngle >= 0)) refuse(pair() + " has the friction coefficient " + boost::lexical_cast<std::string>(phys.tangensOfFrictionAngle) + "; wanted a friction angle from 0 to below π/2.");
+		if (!(phys.restitution >= 0 && phys.restitution <= 1)) refuse(pair() + " has the restitution " + boost::lexical_cast<std::string>(phys.restitution) + "; wanted 0 to 1.");
+		frictionless_ &= phys.tangensOfFrictionAngle == 0;
+		const rcr::Manifold manifold = geom.manifold();
+		contact.first                = int(problem_.points.size());
+		for (int k = 0; k < manifold.count; ++k) {
+			const rcr::ManifoldPoint& at    = manifold.points[k];
+			const Vector2r&           force = k == 0 ? phys.force1 : phys.force2;
+			rcr::ContactPoint         point;
+			point.body1    = id1;
+			point.body2    = id2;
+			point.normal   = at.normal;
+			point.arm1     = at.position - plane::toPlane((*scene->bodies)[id1]->state->pos);
+			point.arm2     = at.position - plane::toPlane((*scene->bodies)[id2]->state->pos);
+			point.bias     = double(phys.bias[k]);
+			point.friction = double(phys.tangensOfFrictionAngle);
+			problem_.points.push_back(point);
+			problem_.impulse.push_back({ dt * double(force[0]), dt * double(force[1]) });
+		}
+	}
+}
+
+void ContactDynamics::scatterForces()
+{
+	const double inverseDt = 1 / double(scene->dt);
+	for (const Contact& contact : contacts_) {
+		CdPhys&    phys = static_cast<CdPhys&>(*contact.interaction->phys);
+		const auto id1 = contact.interaction->getId1(), id2 = contact.interaction->getId2();
+		rcr::Vec2  normal, shear;
+		for (int k = 0; k < phys.points; ++k) {
+			const rcr::ContactPoint& c = problem_.points[contact.first + k];
+			const rcr::Impulse&      p = problem_.impulse[contact.first + k];
+			(k == 0 ? phys.force1 : phys.force2) = Vector2r(inverseDt * p.n, inverseDt * p.t);
+			const rcr::Vec2 fn = (inverseDt * p.n) * c.normal, ft = (inverseDt * p.t) * perp(c.normal), f = fn + ft;
+			normal = normal + fn;
+			shear  = shear + ft;
+			scene->forces.addForceUnsynced(id1, -plane::toSpace(f));
+			scene->forces.addForceUnsynced(id2, plane::toSpace(f));
+			scene->forces.addTorqueUnsynced(id1, Vector3r(0, 0, -cross(c.arm1, f)));
+			scene->forces.addTorqueUnsynced(id2, Vector3r(0, 0, cross(c.arm2, f)));
+		}
+		phys.normalForce = plane::toSpace(normal);
+		phys.shearForce  = plane::toSpace(shear);
+	}
+}
+
+// Overlaps left by the tolerance of the solver, and by curvature within a step, are taken back by a displacement that is
+// solved like a velocity but never becomes one: split impulses (Jourdan, Alart and Jean 1998), so no energy and no force.
+void ContactDynamics::correctPositions()
+{
+	const double dt       = double(scene->dt);
+	bool         overlaps = false;
+	for (const Contact& contact : contacts_) {
+		const RcrGeom& geom = static_cast<const RcrGeom&>(*contact.interaction->geom);
+		for (int k = 0; k < geom.points; ++k) {
+			const double gap = double(geom.gap[k]);
+			overlaps |= gap < 0;
+			problem_.points[contact.first + k].bias     = (gap < 0 ? double(correction) : 1) * gap / dt;
+			problem_.points[contact.first + k].friction = 0;
+		}
+	}
+	if (!overlaps || correction == 0) return;
+	problem_.freeVelocity.assign(problem_.freeVelocity.size(), {});
+	problem_.impulse.assign(problem_.impulse.size(), {});
+	const std::vector<rcr::Twist> velocity = problem_.velocity;
+	rcr::Settings                 few;
+	few.tolerance     = 0;
+	few.maxIterations = few.checkInterval = 5;
+	rcr::solveNlgs(problem_, few);
+	for (const auto& b : *scene->bodies) {
+		if (!b || b->state->blockedDOFs == State::DOF_ALL) continue;
+		const rcr::Twist& shift = problem_.velocity[b->getId()];
+		State&            s     = *b->state;
+		s.pos += dt * Vector3r(shift.x, shift.y, 0);
+		if (shift.rotation != 0) s.ori = (Quaternionr(AngleAxisr(dt * shift.rotation, Vector3r::UnitZ())) * s.ori).normalized();
+	}
+	problem_.velocity = velocity;
+}
+
+// The collider runs when a body has left its bounding box. It must also run when a body has become so fast that its alert
+// distance, of which the box was made for an earlier speed, reaches out of it.
+void ContactDynamics::keepColliderAhead() const
+{
+	const double dt = double(scene->dt);
+	for (const auto& b : *scene->bodies) {
+		if (!b || !b->bound) continue;
+		const Rcr* particle = dynamic_cast<const Rcr*>(b->shape.get());
+		if (!particle) continue;
+		const double      R     = particle->circumscribedRadius();
+		const rcr::Twist& v     = problem_.velocity[b->getId()];
+		const double      reach = R + alertDistance(double(particle->capRadius), R, v, dt);
+		const Vector3r    moved = b->state->pos + dt * Vector3r(v.x, v.y, 0) - b->bound->refPos;
+		const double      half  = 0.5 * double(b->bound->max[0] - b->bound->min[0]);
+		if (std::max(std::abs(double(moved[0])), std::abs(double(moved[1]))) + reach > half) {
+			scene->doSort = true;
+			return;
+		}
+	}
+}
+
+boost::python::dict ContactDynamics::modelDict() const
+{
+	boost::python::dict model;
+	model["bodies"]       = problem_.inverseMass.size();
+	model["pairs"]        = contacts_.size();
+	model["points"]       = contactPoints;
+	model["frictionless"] = frictionless_;
+	return model;
+}
+
+} // namespace yade

@@ -1,0 +1,59 @@
+#include "Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
+
+#include "plane.hpp"
+
+namespace yade {
+
+YADE_PLUGIN((Law2_RcrGeom_CdPhys_SignoriniCoulomb));
+
+namespace {
+
+	/// Hands the forces of the last step's points on to this step's: two points keep their order along the particle; where
+	/// one becomes two or two one, the nearest takes over, since the other has just opened or closed.
+	void carryForces(const RcrGeom& geom, CdPhys& phys)
+	{
+		if (phys.points == 1 && geom.points == 2) {
+			const bool second = math::abs(geom.along[1] - phys.along[0]) < math::abs(geom.along[0] - phys.along[0]);
+			phys.force2       = second ? phys.force1 : Vector2r(Vector2r::Zero());
+			if (second) phys.force1 = Vector2r::Zero();
+		} else if (phys.points == 2 && geom.points == 1) {
+			if (math::abs(phys.along[1] - geom.along[0]) < math::abs(phys.along[0] - geom.along[0])) phys.force1 = phys.force2;
+			phys.force2 = Vector2r::Zero();
+		}
+		phys.points = geom.points;
+		phys.along  = geom.along;
+	}
+
+	/// b_n of one point. An open gap may close within the step but not more. Where a bounce falls into this step, the
+	/// velocity of approach is returned by the factor e (Newton, Moreau 1999); in a lasting contact it is zero.
+	double bias(double gap, double restitution, double approach, double dt)
+	{
+		if (restitution > 0 && approach < 0 && gap + dt * approach < 0) return restitution * approach;
+		return gap > 0 ? gap / dt : 0;
+	}
+
+} // namespace
+
+bool Law2_RcrGeom_CdPhys_SignoriniCoulomb::go(shared_ptr<IGeom>& igeom, shared_ptr<IPhys>& iphys, Interaction* interaction)
+{
+	const RcrGeom& geom = static_cast<const RcrGeom&>(*igeom);
+	CdPhys&        phys = static_cast<CdPhys&>(*iphys);
+	if (geom.points == 0) return false;
+	carryForces(geom, phys);
+
+	const State&        state1   = *Body::byId(interaction->getId1(), scene)->state;
+	const State&        state2   = *Body::byId(interaction->getId2(), scene)->state;
+	const rcr::Manifold manifold = geom.manifold();
+	for (int k = 0; k < manifold.count; ++k) {
+		const rcr::ManifoldPoint& at = manifold.points[k];
+		rcr::ContactPoint         point;
+		point.normal          = at.normal;
+		point.arm1            = at.position - plane::toPlane(state1.pos);
+		point.arm2            = at.position - plane::toPlane(state2.pos);
+		const double approach = relativeVelocity(point, plane::twist(state1), plane::twist(state2)).n;
+		phys.bias[k]          = bias(at.gap, double(phys.restitution), approach, double(scene->dt));
+	}
+	return true;
+}
+
+} // namespace yade

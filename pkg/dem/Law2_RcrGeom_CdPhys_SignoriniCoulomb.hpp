@@ -1,0 +1,20 @@
+#pragma once
+
+#include <core/Dispatching.hpp>
+
+#include "CdPhys.hpp"
+#include "RcrGeom.hpp"
+
+namespace yade {
+
+class Law2_RcrGeom_CdPhys_SignoriniCoulomb : public LawFunctor {
+public:
+	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
+	FUNCTOR2D(RcrGeom, CdPhys);
+	// clang-format off
+	YADE_CLASS_BASE_DOC(Law2_RcrGeom_CdPhys_SignoriniCoulomb,LawFunctor,"Nonsmooth contact law without stiffness: $0\\leq u_n+b_n\\perp f_n\\geq 0$ (Signorini, with restitution by Newton's rule) and Coulomb friction. For one contact it states the law of this step, bias and starting forces; :yref:`ContactDynamics` then solves all contacts together.");
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(Law2_RcrGeom_CdPhys_SignoriniCoulomb);
+
+} // namespace yade

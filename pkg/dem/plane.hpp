@@ -1,0 +1,32 @@
+// From YADE's three dimensions to the plane z = const and back.
+#pragma once
+
+#include <core/Body.hpp>
+#include <core/Scene.hpp>
+#include <core/State.hpp>
+
+#include "../kernel/contact_problem.hpp"
+#include "../kernel/stadium.hpp"
+
+namespace yade {
+namespace plane {
+
+	inline rcr::Vec2 toPlane(const Vector3r& v) { return { double(v[0]), double(v[1]) }; }
+	inline Vector3r  toSpace(rcr::Vec2 v) { return Vector3r(v.x, v.y, 0); }
+
+	/// A body that is not tilted has an orientation (w, 0, 0, z): its axis follows without trigonometry.
+	inline rcr::Pose pose(const State& state)
+	{
+		const double w = double(state.ori.w()), z = double(state.ori.z());
+		return { toPlane(state.pos), { 1 - 2 * z * z, 2 * w * z } };
+	}
+
+	inline rcr::Twist twist(const State& state)
+	{
+		return { double(state.vel[0]), double(state.vel[1]), double(state.angVel[2]) };
+	}
+
+	inline double speed(rcr::Twist v, double radius) { return std::hypot(v.x, v.y) + std::abs(v.rotation) * radius; }
+
+} // namespace plane
+} // namespace yade

@@ -1,0 +1,93 @@
+// Memory layout of the packed contact problem, and the kernels that work on it.
+//
+// Pairs of bodies stand in blocks of eight that share no free body, so eight lanes may solve them at once. A pair has one
+// or two contact points; both are solved while its bodies are in registers. A slot without a pair holds zeros, which
+// leave everything as it is.
+//
+// | symbol | field        | unit    | meaning                                                       |
+// |--------|--------------|---------|---------------------------------------------------------------|
+// | k      |              | m       | radius of gyration √(I/m) of a body                            |
+// | kω     | spin         | m/s     | scaled so that one inverse mass serves all three components    |
+// | j      | turn…        | –       | (r × n)/k and (r × t)/k: lever arms in the scaled velocities   |
+// | w      |              | 1/kg    | Delassus block of the point                                    |
+// | 1/w_nn | inverseNn    | kg      |                                                               |
+// | r      | ratio        | –       | w_nt / w_nn                                                   |
+// | 1/s    | inverseSchur | kg      | s = w_tt − w_nt²/w_nn                                          |
+// | d±     | slide…       | –       | 1/(1 ± µ r), as coulomb.hpp: negative where the face is flipped |
+#pragma once
+
+#include <cstdint>
+
+namespace rcr {
+
+constexpr int blockWidth = 8;
+
+struct alignas(32) BodyRecord {
+	double x, y, spin, inverseMass;
+};
+
+/// Which records the eight pairs of a block join. A prescribed body has a record of its own in every slot.
+struct alignas(64) PairBlock {
+	std::int32_t body1[blockWidth], body2[blockWidth];
+};
+
+/// One contact point of each pair of a block.
+struct alignas(64) PointBlock {
+	double nx[blockWidth], ny[blockWidth];
+	double turn1n[blockWidth], turn1t[blockWidth], turn2n[blockWidth], turn2t[blockWidth]; // r/k as (x, y) until `prepare`
+	double bias[blockWidth], friction[blockWidth];
+	double inverseNn[blockWidth], ratio[blockWidth], inverseSchur[blockWidth], slidePlus[blockWidth], slideMinus[blockWidth];
+	double pn[blockWidth], pt[blockWidth];             // impulse
+	double oldPn[blockWidth], oldPt[blockWidth];       // impulse one sweep before, for momentum
+};
+
+/// A run of blocks of one colour, all with one or all with two points a pair: what a thread takes at a time.
+struct Chunk {
+	std::int32_t firstPair, blocks, firstPoint, pointsPerPair;
+};
+
+/// Everything the kernels touch.
+struct PackedView {
+	BodyRecord* body;
+	BodyRecord* oldBody; // one sweep before, for momentum
+	PairBlock*  pairs;
+	PointBlock* points;
+};
+
+/// Sums over points from which all stop criteria are made.
+struct Measures {
+	double error2;     // ‖p − P_K(…)‖², the numerator of the residual
+	double impulse2;   // ‖p‖²
+	double normal;     // Σ p_n
+	double violation2; // Σ min(u_n + b_n, 0)²
+	double velocity2;  // Σ |u|²
+};
+
+struct SweepParameters {
+	double momentum;   // β: sweeps start from p + β (p − p_old)
+	double relaxation; // 1 = the exact solution of each point
+};
+
+/// The kernels for one lane width; each works on one chunk.
+struct PackedKernels {
+	int width;
+	/// Lever arms and Delassus coefficients from the raw arms.
+	void (*prepare)(const PackedView&, const Chunk&);
+	/// Adds M⁻¹Jᵀp to the velocities.
+	void (*apply)(const PackedView&, const Chunk&);
+	/// Solves every point once; the velocities follow.
+	void (*sweep)(const PackedView&, const Chunk&, const SweepParameters&);
+	/// The same over-relaxed.
+	void (*sweepRelaxed)(const PackedView&, const Chunk&, const SweepParameters&);
+	/// The same with momentum; returns ‖p − p_old‖².
+	double (*sweepMomentum)(const PackedView&, const Chunk&, const SweepParameters&);
+	/// Sums for the stop criteria at the present impulses and velocities.
+	Measures (*measure)(const PackedView&, const Chunk&);
+	/// v ← v + β (v − v_old), v_old ← v for records first … last − 1.
+	void (*extrapolate)(const PackedView&, int first, int last, double momentum);
+};
+
+/// The kernels for at most that many lanes (0: as many as is best) that this processor runs.
+const PackedKernels& packedKernels(int lanes);
+
+} // namespace rcr

@@ -1,0 +1,221 @@
+// The inner loops of the sweep solvers. Compiled once for every lane width: RCR_LANES doubles at a time.
+//
+// Per point, with û_n = u_n + b_n and the symbols of packed_blocks.hpp, the solution of coulomb.hpp becomes
+//   n₀ = p_n + r p_t − û_n / w_nn            normal impulse without friction
+//   t  = p_t − (u_t − r û_n) / s             tangential impulse that stops sliding
+//   apart n₀ ≤ 0: 0;  stick |t| ≤ µ (n₀ − r t): (n₀ − r t, t);  else slide: n = n₀ d±, ± by the sign of t.
+#include "lane.hpp"
+
+namespace rcr {
+namespace RCR_LANE_NAMESPACE {
+
+	namespace {
+
+		using L = Lane<RCR_LANES>;
+		using B = Bodies<RCR_LANES>;
+
+		struct Vector { // (n, t) components
+			L n, t;
+		};
+
+		/// The velocity of body 2 relative to body 1 at the point.
+		inline Vector relativeVelocity(const PointBlock& c, int lane, const B& v1, const B& v2)
+		{
+			const L nx = L::load(c.nx + lane), ny = L::load(c.ny + lane);
+			const L x = v2.x - v1.x, y = v2.y - v1.y;
+			return { x * nx + y * ny + (v2.spin * L::load(c.turn2n + lane) - v1.spin * L::load(c.turn1n + lane)),
+				 y * nx - x * ny + (v2.spin * L::load(c.turn2t + lane) - v1.spin * L::load(c.turn1t + lane)) };
+		}
+
+		inline void applyImpulse(const PointBlock& c, int lane, const Vector& p, B& v1, B& v2)
+		{
+			const L nx = L::load(c.nx + lane), ny = L::load(c.ny + lane);
+			const L fx = p.n * nx - p.t * ny, fy = p.n * ny + p.t * nx;
+			v1.x    = v1.x - v1.inverseMass * fx;
+			v1.y    = v1.y - v1.inverseMass * fy;
+			v1.spin = v1.spin - v1.inverseMass * (p.n * L::load(c.turn1n + lane) + p.t * L::load(c.turn1t + lane));
+			v2.x    = v2.x + v2.inverseMass * fx;
+			v2.y    = v2.y + v2.inverseMass * fy;
+			v2.spin = v2.spin + v2.inverseMass * (p.n * L::load(c.turn2n + lane) + p.t * L::load(c.turn2t + lane));
+		}
+
+		/// The impulse that solves the point, given u for the impulse p.
+		inline Vector solvePoint(const PointBlock& c, int lane, const Vector& u, const Vector& p)
+		{
+			const L un = u.n + L::load(c.bias + lane), ratio = L::load(c.ratio + lane), friction = L::load(c.friction + lane);
+			const L free  = p.n + ratio * p.t - L::load(c.inverseNn + lane) * un;
+			const L t     = p.t - L::load(c.inverseSchur + lane) * (u.t - ratio * un);
+			const L n     = free - ratio * t;
+			const L slide = free * bySign(t, L::load(c.slidePlus + lane), L::load(c.slideMinus + lane));
+			const auto stick = abs(t) <= friction * n, apart = free <= L(0.0);
+			return { select(apart, L(0.0), select(stick, n, abs(slide))),
+				 select(apart, L(0.0), select(stick, t, copySign(friction, t) * slide)) };
+		}
+
+		inline Vector projectCone(const Vector& p, L friction)
+		{
+			const L    size = abs(p.t), n = (p.n + friction * size) / (L(1.0) + friction * friction);
+			const auto inside = size <= friction * p.n, polar = friction * size <= L(0.0) - p.n;
+			return { select(inside, p.n, select(polar, L(0.0), n)),
+				 select(inside, p.t, select(polar, L(0.0), copySign(friction * n, p.t))) };
+		}
+
+		/// Calls visit(pair block, its first point block, lane) for all pairs of a chunk, RCR_LANES at a time.
+		template <class Visit> inline void forEachPair(const PackedView& view, const Chunk& chunk, Visit visit)
+		{
+			for (int b = 0; b < chunk.blocks; ++b)
+				for (int lane = 0; lane < blockWidth; lane += RCR_LANES)
+					visit(view.pairs[chunk.firstPair + b], view.points + chunk.firstPoint + b * chunk.pointsPerPair, lane);
+		}
+
+		/// A sum kept apart for each slot of a block, so that its order is the same for every lane width.
+		struct SlotSum {
+			alignas(64) double slot[blockWidth] = {};
+
+			void   add(int lane, L value) { (L::load(slot + lane) + value).store(slot + lane); }
+			double total() const { return ((slot[0] + slot[1]) + (slot[2] + slot[3])) + ((slot[4] + slot[5]) + (slot[6] + slot[7])); }
+		};
+
+		void prepare(const PackedView& view, const Chunk& chunk)
+		{
+			const auto inverse = [](L value) { return select(value <= L(0.0), L(0.0), L(1.0) / value); };
+			const auto slide   = [](L with, L against) { // the other face where this one is inconsistent (Painlevé)
+                                return select(with <= L(0.0), L(-1.0) / against, L(1.0) / with);
+			};
+			forEachPair(view, chunk, [&](const PairBlock& pair, PointBlock* point, int lane) {
+				const L m1 = loadBodies<RCR_LANES>(view.body, pair.body1 + lane).inverseMass;
+				const L m2 = loadBodies<RCR_LANES>(view.body, pair.body2 + lane).inverseMass;
+				for (PointBlock* c = point; c < point + chunk.pointsPerPair; ++c) {
+					const L nx = L::load(c->nx + lane), ny = L::load(c->ny + lane), friction = L::load(c->friction + lane);
+					const L x1 = L::load(c->turn1n + lane), y1 = L::load(c->turn1t + lane);
+					const L x2 = L::load(c->turn2n + lane), y2 = L::load(c->turn2t + lane);
+					const L j1n = x1 * ny - y1 * nx, j1t = x1 * nx + y1 * ny, j2n = x2 * ny - y2 * nx, j2t = x2 * nx + y2 * ny;
+					const L nn = m1 + m2 + (m1 * (j1n * j1n) + m2 * (j2n * j2n));
+					const L nt = m1 * (j1n * j1t) + m2 * (j2n * j2t);
+					const L tt = m1 + m2 + (m1 * (j1t * j1t) + m2 * (j2t * j2t));
+					const L inverseNn = inverse(nn), ratio = nt * inverseNn, plus = L(1.0) + friction * ratio, minus = L(1.0) - friction * ratio;
+					j1n.store(c->turn1n + lane);
+					j1t.store(c->turn1t + lane);
+					j2n.store(c->turn2n + lane);
+					j2t.store(c->turn2t + lane);
+					inverseNn.store(c->inverseNn + lane);
+					ratio.store(c->ratio + lane);
+					inverse(tt - nt * ratio).store(c->inverseSchur + lane);
+					slide(plus, minus).store(c->slidePlus + lane);
+					slide(minus, plus).store(c->slideMinus + lane);
+				}
+			});
+		}
+
+		void apply(const PackedView& view, const Chunk& chunk)
+		{
+			forEachPair(view, chunk, [&](const PairBlock& pair, const PointBlock* point, int lane) {
+				B v1 = loadBodies<RCR_LANES>(view.body, pair.body1 + lane), v2 = loadBodies<RCR_LANES>(view.body, pair.body2 + lane);
+				for (const PointBlock* c = point; c < point + chunk.pointsPerPair; ++c)
+					applyImpulse(*c, lane, { L::load(c->pn + lane), L::load(c->pt + lane) }, v1, v2);
+				storeBodies<RCR_LANES>(v1, view.body, pair.body1 + lane);
+				storeBodies<RCR_LANES>(v2, view.body, pair.body2 + lane);
+			});
+		}
+
+		/// One sweep; `next(point, lane, u)` gives the change of the impulse and stores it.
+		template <int Points, class Next> inline void sweepPairs(const PackedView& view, const Chunk& chunk, Next next)
+		{
+			forEachPair(view, chunk, [&](const PairBlock& pair, PointBlock* point, int lane) {
+				B v1 = loadBodies<RCR_LANES>(view.body, pair.body1 + lane), v2 = loadBodies<RCR_LANES>(view.body, pair.body2 + lane);
+				for (int i = 0; i < Points; ++i)
+					applyImpulse(point[i], lane, next(point[i], lane, relativeVelocity(point[i], lane, v1, v2)), v1, v2);
+				storeBodies<RCR_LANES>(v1, view.body, pair.body1 + lane);
+				storeBodies<RCR_LANES>(v2, view.body, pair.body2 + lane);
+			});
+		}
+
+		template <class Next> inline void sweepChunk(const PackedView& view, const Chunk& chunk, Next next)
+		{
+			if (chunk.pointsPerPair == 1) sweepPairs<1>(view, chunk, next);
+			else
+				sweepPairs<2>(view, chunk, next);
+		}
+
+		void sweep(const PackedView& view, const Chunk& chunk, const SweepParameters&)
+		{
+			sweepChunk(view, chunk, [](PointBlock& c, int lane, const Vector& u) -> Vector {
+				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) }, q = solvePoint(c, lane, u, p);
+				q.n.store(c.pn + lane);
+				q.t.store(c.pt + lane);
+				return { q.n - p.n, q.t - p.t };
+			});
+		}
+
+		void sweepRelaxed(const PackedView& view, const Chunk& chunk, const SweepParameters& parameters)
+		{
+			const L relaxation = parameters.relaxation;
+			sweepChunk(view, chunk, [=](PointBlock& c, int lane, const Vector& u) -> Vector {
+				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) }, solved = solvePoint(c, lane, u, p);
+				const Vector q = projectCone(
+				        { p.n + relaxation * (solved.n - p.n), p.t + relaxation * (solved.t - p.t) }, L::load(c.friction + lane));
+				q.n.store(c.pn + lane);
+				q.t.store(c.pt + lane);
+				return { q.n - p.n, q.t - p.t };
+			});
+		}
+
+		double sweepMomentum(const PackedView& view, const Chunk& chunk, const SweepParameters& parameters)
+		{
+			const L beta = parameters.momentum;
+			SlotSum step2;
+			sweepChunk(view, chunk, [&](PointBlock& c, int lane, const Vector& u) -> Vector {
+				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) };
+				const Vector y { p.n + beta * (p.n - L::load(c.oldPn + lane)), p.t + beta * (p.t - L::load(c.oldPt + lane)) };
+				const Vector q = solvePoint(c, lane, u, y), step { q.n - p.n, q.t - p.t };
+				p.n.store(c.oldPn + lane);
+				p.t.store(c.oldPt + lane);
+				q.n.store(c.pn + lane);
+				q.t.store(c.pt + lane);
+				step2.add(lane, step.n * step.n + step.t * step.t);
+				return { q.n - y.n, q.t - y.t };
+			});
+			return step2.total();
+		}
+
+		Measures measure(const PackedView& view, const Chunk& chunk)
+		{
+			SlotSum error2, impulse2, normal, violation2, velocity2;
+			forEachPair(view, chunk, [&](const PairBlock& pair, const PointBlock* point, int lane) {
+				const B v1 = loadBodies<RCR_LANES>(view.body, pair.body1 + lane), v2 = loadBodies<RCR_LANES>(view.body, pair.body2 + lane);
+				for (const PointBlock* c = point; c < point + chunk.pointsPerPair; ++c) {
+					const Vector u = relativeVelocity(*c, lane, v1, v2), p { L::load(c->pn + lane), L::load(c->pt + lane) };
+					const L      un = u.n + L::load(c->bias + lane), friction = L::load(c->friction + lane);
+					const L      scale = L::load(c->inverseNn + lane);
+					const Vector q     = projectCone({ p.n - (un + friction * abs(u.t)) * scale, p.t - u.t * scale }, friction);
+					const L      below = select(un <= L(0.0), un, L(0.0));
+					error2.add(lane, (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t));
+					impulse2.add(lane, p.n * p.n + p.t * p.t);
+					normal.add(lane, p.n);
+					violation2.add(lane, below * below);
+					velocity2.add(lane, u.n * u.n + u.t * u.t);
+				}
+			});
+			return { error2.total(), impulse2.total(), normal.total(), violation2.total(), velocity2.total() };
+		}
+
+		void extrapolate(const PackedView& view, int first, int last, double momentum)
+		{
+			using Four       = Lane<RCR_LANES == 1 ? 1 : 4>;
+			const Four beta  = momentum;
+			double*    value = &view.body[0].x;
+			double*    old   = &view.oldBody[0].x;
+			for (long i = 4L * first; i < 4L * last; i += RCR_LANES == 1 ? 1 : 4) {
+				const Four v = Four::load(value + i);
+				(v + beta * (v - Four::load(old + i))).store(value + i);
+				v.store(old + i);
+			}
+		}
+
+	} // namespace
+
+	extern const PackedKernels kernels;
+	const PackedKernels        kernels { RCR_LANES, prepare, apply, sweep, sweepRelaxed, sweepMomentum, measure, extrapolate };
+
+} // namespace RCR_LANE_NAMESPACE
+} // namespace rcr

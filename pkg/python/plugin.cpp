@@ -1,0 +1,35 @@
+// rcr._plugin: importing it registers our classes with the YADE that runs.
+//
+// YADE itself loads plugins only once, at its start, and registers every name in ClassFactory::pluginClasses. Doing that a
+// second time would register all of YADE's own classes anew, so only the names that YADE does not know yet are left in
+// that list while Omega::loadPlugins runs.
+#include <boost/python.hpp>
+
+#include <core/Omega.hpp>
+#include <lib/factory/ClassFactory.hpp>
+
+namespace {
+
+void registerOwnClasses()
+{
+	std::list<std::string>& names = yade::ClassFactory::instance().pluginClasses;
+	const auto&             known = yade::Omega::instance().getDynlibsDescriptor();
+	std::list<std::string>  ours, all = names;
+	for (const std::string& name : names)
+		if (!known.count(name)) ours.push_back(name);
+	names = ours;
+	yade::Omega::instance().loadPlugins({});
+	names = all;
+	boost::python::list classes;
+	for (const std::string& name : ours)
+		classes.append(name);
+	boost::python::scope().attr("classes") = classes;
+}
+
+} // namespace
+
+BOOST_PYTHON_MODULE(_plugin)
+{
+	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
+	registerOwnClasses();
+}
