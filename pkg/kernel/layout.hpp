@@ -36,7 +36,8 @@ public:
 	const std::vector<std::int32_t>& vacated() const { return vacated_; } // slots that the last update left empty
 	int                              pointBlocks() const { return pointBlocks_; }
 	BodyKind                         kind(int body) const { return kind_[body]; }
-	int                              firstPoint(const Pair& pair) const { return blocks_[pair.slot / blockWidth].firstPoint; } // point block
+	int                              firstPoint(int slot) const { return blocks_[slot / blockWidth].firstPoint; } // its point block
+	int                              pointsPerPair(int slot) const { return blocks_[slot / blockWidth].points; }
 	/// Records of bodies, then of the prescribed or missing side of each slot.
 	int records() const { return int(kind_.size()) + 2 * blockWidth * int(pairBlocks_.size()); }
 

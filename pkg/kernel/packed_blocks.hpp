@@ -63,24 +63,19 @@ struct Measures {
 	double velocity2;  // Σ |u|²
 };
 
-struct SweepParameters {
-	double momentum;   // β: sweeps start from p + β (p − p_old)
-	double relaxation; // 1 = the exact solution of each point
-};
-
 /// The kernels for one lane width; each works on one chunk.
 struct PackedKernels {
 	int width;
-	/// Lever arms and Delassus coefficients from the raw arms.
-	void (*prepare)(const PackedView&, const Chunk&);
+	/// Lever arms and Delassus coefficients from the raw arms; returns Σ |u|² over the points.
+	double (*prepare)(const PackedView&, const Chunk&);
 	/// Adds M⁻¹Jᵀp to the velocities.
 	void (*apply)(const PackedView&, const Chunk&);
 	/// Solves every point once; the velocities follow.
-	void (*sweep)(const PackedView&, const Chunk&, const SweepParameters&);
-	/// The same over-relaxed.
-	void (*sweepRelaxed)(const PackedView&, const Chunk&, const SweepParameters&);
-	/// The same with momentum; returns ‖p − p_old‖².
-	double (*sweepMomentum)(const PackedView&, const Chunk&, const SweepParameters&);
+	void (*sweep)(const PackedView&, const Chunk&);
+	/// The same, each impulse changed by `relaxation` times as much.
+	void (*sweepRelaxed)(const PackedView&, const Chunk&, double relaxation);
+	/// The same from p + β (p − p_old); returns ‖p − p_old‖².
+	double (*sweepMomentum)(const PackedView&, const Chunk&, double momentum);
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures (*measure)(const PackedView&, const Chunk&);
 	/// v ← v + β (v − v_old), v_old ← v for records first … last − 1.

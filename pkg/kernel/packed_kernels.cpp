@@ -76,15 +76,16 @@ namespace RCR_LANE_NAMESPACE {
 			double total() const { return ((slot[0] + slot[1]) + (slot[2] + slot[3])) + ((slot[4] + slot[5]) + (slot[6] + slot[7])); }
 		};
 
-		void prepare(const PackedView& view, const Chunk& chunk)
+		double prepare(const PackedView& view, const Chunk& chunk)
 		{
+			SlotSum    velocity2;
 			const auto inverse = [](L value) { return select(value <= L(0.0), L(0.0), L(1.0) / value); };
 			const auto slide   = [](L with, L against) { // the other face where this one is inconsistent (Painlevé)
                                 return select(with <= L(0.0), L(-1.0) / against, L(1.0) / with);
 			};
 			forEachPair(view, chunk, [&](const PairBlock& pair, PointBlock* point, int lane) {
-				const L m1 = loadBodies<RCR_LANES>(view.body, pair.body1 + lane).inverseMass;
-				const L m2 = loadBodies<RCR_LANES>(view.body, pair.body2 + lane).inverseMass;
+				const B v1 = loadBodies<RCR_LANES>(view.body, pair.body1 + lane), v2 = loadBodies<RCR_LANES>(view.body, pair.body2 + lane);
+				const L m1 = v1.inverseMass, m2 = v2.inverseMass;
 				for (PointBlock* c = point; c < point + chunk.pointsPerPair; ++c) {
 					const L nx = L::load(c->nx + lane), ny = L::load(c->ny + lane), friction = L::load(c->friction + lane);
 					const L x1 = L::load(c->turn1n + lane), y1 = L::load(c->turn1t + lane);
@@ -103,8 +104,11 @@ namespace RCR_LANE_NAMESPACE {
 					inverse(tt - nt * ratio).store(c->inverseSchur + lane);
 					slide(plus, minus).store(c->slidePlus + lane);
 					slide(minus, plus).store(c->slideMinus + lane);
+					const Vector u = relativeVelocity(*c, lane, v1, v2);
+					velocity2.add(lane, u.n * u.n + u.t * u.t);
 				}
 			});
+			return velocity2.total();
 		}
 
 		void apply(const PackedView& view, const Chunk& chunk)
@@ -137,7 +141,7 @@ namespace RCR_LANE_NAMESPACE {
 				sweepPairs<2>(view, chunk, next);
 		}
 
-		void sweep(const PackedView& view, const Chunk& chunk, const SweepParameters&)
+		void sweep(const PackedView& view, const Chunk& chunk)
 		{
 			sweepChunk(view, chunk, [](PointBlock& c, int lane, const Vector& u) -> Vector {
 				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) }, q = solvePoint(c, lane, u, p);
@@ -147,9 +151,9 @@ namespace RCR_LANE_NAMESPACE {
 			});
 		}
 
-		void sweepRelaxed(const PackedView& view, const Chunk& chunk, const SweepParameters& parameters)
+		void sweepRelaxed(const PackedView& view, const Chunk& chunk, double by)
 		{
-			const L relaxation = parameters.relaxation;
+			const L relaxation = by;
 			sweepChunk(view, chunk, [=](PointBlock& c, int lane, const Vector& u) -> Vector {
 				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) }, solved = solvePoint(c, lane, u, p);
 				const Vector q = projectCone(
@@ -160,9 +164,9 @@ namespace RCR_LANE_NAMESPACE {
 			});
 		}
 
-		double sweepMomentum(const PackedView& view, const Chunk& chunk, const SweepParameters& parameters)
+		double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
 		{
-			const L beta = parameters.momentum;
+			const L beta = momentum;
 			SlotSum step2;
 			sweepChunk(view, chunk, [&](PointBlock& c, int lane, const Vector& u) -> Vector {
 				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) };

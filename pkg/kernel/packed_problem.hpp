@@ -36,8 +36,6 @@ public:
 	Measures measure();
 	/// Σ |u|² over the points for the free velocities.
 	double freeVelocity2() const { return freeVelocity2_; }
-	/// Points that count: all but those between prescribed bodies.
-	int points() const { return points_; }
 	/// How often all was laid out anew.
 	int layouts() const { return layouts_; }
 
@@ -53,13 +51,14 @@ private:
 		Impulse      p, old;
 	};
 
-	void    fillBodies(const ContactProblem&);
-	void    fillPair(const ContactProblem&, const Pair&);
-	void    addToTail(const ContactProblem&, const Pair&);
-	Impulse relativeVelocity(const TailPoint&) const;
-	void    applyImpulse(const TailPoint&, const Impulse&);
-	Impulse solve(const TailPoint&, const Impulse& from) const;
-	void    applyImpulses();
+	BodyRecord freeRecord(const ContactProblem&, int body) const;
+	void       clear(int slot);
+	void       fill(const ContactProblem&, const Pair&);
+	void       addToTail(const ContactProblem&, const Pair&);
+	Impulse    relativeVelocity(const TailPoint&) const;
+	void       applyImpulse(const TailPoint&, const Impulse&);
+	Impulse    solve(const TailPoint&, const Impulse& from) const;
+	void       applyImpulses();
 
 	PackedView view() { return { body_.data(), oldBody_.data(), layout_.pairBlocks().data(), point_.data() }; }
 	/// kernel(chunk number) for all chunks, colour after colour.
@@ -72,13 +71,13 @@ private:
 	const PackedKernels*    kernels_ = nullptr;
 	Layout                  layout_;
 	std::vector<double>     inverseGyration_; // a body: 1/k
-	std::vector<BodyRecord> body_, oldBody_;  // the records of the layout
+	std::vector<BodyRecord> body_, oldBody_;  // the records of the layout; old ones of the bodies only
 	std::vector<PointBlock> point_;
 	std::vector<TailPoint>  tail_;
 	std::vector<Measures>   partial_; // a chunk
 	std::vector<double>     step2_;   // a chunk
 	double                  freeVelocity2_ = 0;
-	int                     points_ = 0, layouts_ = 0;
+	int                     layouts_       = 0;
 };
 
 } // namespace rcr

@@ -20,7 +20,12 @@ namespace {
 		if (!(s.tolerance >= 0)) refuse("tolerance = ", s.tolerance, ": give a residual ≥ 0; 0 runs all iterations");
 		if (s.maxIterations < 1) refuse("maxIterations = ", s.maxIterations, ": give at least 1");
 		if (s.checkInterval < 1) refuse("checkInterval = ", s.checkInterval, ": give at least 1 sweep");
+		if (s.minIterations < 0) refuse("minIterations = ", s.minIterations, ": give at least 0");
 		if (s.threads < 1) refuse("threads = ", s.threads, ": give at least 1");
+		if (s.lanes != 0 && s.lanes != 1 && s.lanes != 4 && s.lanes != 8)
+			refuse("lanes = ", s.lanes, ": give 1, 4, 8, or 0 for as many as the processor has");
+		if (!(s.violation >= 0)) refuse("violation = ", s.violation, ": give a fraction ≥ 0, infinity for no test");
+		if (!(s.meanForceChange >= 0)) refuse("meanForceChange = ", s.meanForceChange, ": give a change ≥ 0; 0 does not use it");
 	}
 
 	void check(const ContactProblem& problem)
@@ -50,11 +55,17 @@ const std::vector<std::string>& solverNames()
 
 Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings)
 {
+	Workspace workspace;
+	return solve(problem, solver, settings, workspace);
+}
+
+Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings, Workspace& workspace)
+{
 	check(settings);
 	check(problem);
-	if (solver == "nlgs") return solveNlgs(problem, settings);
-	if (solver == "sor") return solveSor(problem, settings);
-	if (solver == "nesterov" || solver == "auto") return solveNesterov(problem, settings);
+	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
+	if (solver == "sor") return solveSor(problem, settings, workspace);
+	if (solver == "nesterov" || solver == "auto") return solveNesterov(problem, settings, workspace);
 	std::string known;
 	for (const std::string& name : solverNames())
 		known += " " + name;

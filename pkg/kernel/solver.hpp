@@ -4,6 +4,8 @@
 // velocities in problem.velocity, and reports the residual (residual.hpp) of exactly what it left.
 #pragma once
 
+#include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,26 +16,55 @@ namespace rcr {
 struct Settings {
 	double tolerance     = 1e-4; // residual at which to stop [-]; 0 runs all iterations
 	int    maxIterations = 1000; // sweeps over all points
-	int    checkInterval = 10;   // sweeps between two evaluations of the residual
+	int    minIterations = 0;    // sweeps before anything but maxIterations may stop the solver
+	int    checkInterval = 10;   // sweeps between two evaluations of the stop criteria
 	int    threads       = 1;
+	int    lanes         = 0;    // doubles per vector: 1, 4 or 8; 0 = as many as the processor has. Changes no bit.
+
+	/// Kinematic test, with the residual: the RMS of what is left of u_n + b_n < 0 must fall to this fraction of the RMS
+	/// relative velocity at the points (of the free velocities or the final ones, the larger) [-]. A residual of 1e-3
+	/// alone lets long particles sink into each other. Infinity: no test.
+	double violation = std::numeric_limits<double>::infinity();
+
+	/// The paper's criterion, instead of the above where it is met first: relative change of the mean normal impulse
+	/// between two evaluations [-]. Lax: from a warm start 1e-3 is met at a residual of 1e-2. 0: not used.
+	double meanForceChange = 0;
 };
 
 struct Report {
 	int    iterations = 0;
-	double residual   = 0;
-	bool   converged  = true;
+	double residual   = 0;    // of what was left [-]
+	bool   converged  = true; // a criterion of the settings was met
+	double violation  = 0;    // as in Settings, of what was left [-]
 
 	/// Tolerance 0 asks for all iterations, so it is never reached.
 	bool reached(const Settings& settings) const { return settings.tolerance > 0 && residual <= settings.tolerance; }
 };
 
-Report solveNlgs(ContactProblem&, const Settings&);     // plain Gauss–Seidel, the paper's
-Report solveSor(ContactProblem&, const Settings&);      // over-relaxed by 1.3
-Report solveNesterov(ContactProblem&, const Settings&); // Gauss–Seidel with momentum and restart
-Report solveExact(ContactProblem&, const Settings&);    // reaches 1e-8 where sweeps stall
+class PackedProblem;
+
+/// What the sweep solvers keep between steps: colours, order and packed arrays, updated in place while most pairs last.
+/// Give the same one for each step of a simulation, with points sorted by (body1, body2). Not for two threads at once.
+class Workspace {
+public:
+	Workspace();
+	~Workspace();
+	PackedProblem& packed() { return *packed_; }
+	int            layouts() const; // how often everything was laid out anew
+
+private:
+	std::unique_ptr<PackedProblem> packed_;
+};
+
+Report solveNlgs(ContactProblem&, const Settings&, Workspace&);     // plain Gauss–Seidel, the paper's
+Report solveSor(ContactProblem&, const Settings&, Workspace&);      // over-relaxed by 1.3
+Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // Gauss–Seidel with momentum and restart
+Report solveExact(ContactProblem&, const Settings&);                // reaches 1e-8 where sweeps stall
 
 /// Runs the solver of that name: nlgs, sor, nesterov, exact, auto.
-/// Throws std::invalid_argument for any other name, negative or NaN tolerance, less than one iteration.
+/// Throws std::invalid_argument, with what was given and what is wanted, for an unknown name, for settings out of range,
+/// for arrays of different sizes, for points with bodies that do not exist or a friction < 0.
+Report solve(ContactProblem&, const std::string& solver, const Settings&, Workspace&);
 Report solve(ContactProblem&, const std::string& solver, const Settings&);
 
 /// The names that `solve` knows.

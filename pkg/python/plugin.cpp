@@ -26,10 +26,22 @@ void registerOwnClasses()
 	boost::python::scope().attr("classes") = classes;
 }
 
+/// A class layout of another version would corrupt memory, so nothing is registered then.
+void checkVersion()
+{
+	const std::string running = boost::python::extract<std::string>(boost::python::import("yade.config").attr("version"));
+	if (running == RCR_YADE_VERSION) return;
+	const std::string message = "rcr was built for YADE " RCR_YADE_VERSION ", but YADE " + running
+	        + " is running. Build it anew: scripts/yade-rcr does so when it starts.";
+	PyErr_SetString(PyExc_ImportError, message.c_str());
+	boost::python::throw_error_already_set();
+}
+
 } // namespace
 
 BOOST_PYTHON_MODULE(_plugin)
 {
+	checkVersion();
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
 	registerOwnClasses();
 }

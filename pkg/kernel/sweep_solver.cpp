@@ -1,0 +1,49 @@
+#include "sweep_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rcr {
+
+Workspace::Workspace() : packed_(std::make_unique<PackedProblem>()) { }
+Workspace::~Workspace() = default;
+int Workspace::layouts() const { return packed_->layouts(); }
+
+bool StopTest::reached()
+{
+	bool stop = sweeps_ >= settings_.maxIterations;
+	if (!stop && sweeps_ >= settings_.minIterations && sweeps_ % settings_.checkInterval == 0) {
+		measure();
+		stop = met();
+	}
+	if (!stop) ++sweeps_;
+	return stop;
+}
+
+bool StopTest::met() const
+{
+	return (report_.reached(settings_) && report_.violation <= settings_.violation) || meanForceChange_ < settings_.meanForceChange;
+}
+
+Report StopTest::report()
+{
+	const double change = meanForceChange_; // between sweeps, not by the end
+	measure();
+	meanForceChange_   = change;
+	report_.iterations = sweeps_;
+	report_.converged  = met() || (settings_.tolerance == 0 && report_.residual == 0);
+	return report_;
+}
+
+void StopTest::measure()
+{
+	const auto     ratio = [](double part, double whole) { return part == 0 ? 0 : std::sqrt(part / whole); }; // whole = 0: infinite
+	const Measures m     = packed_.measure();
+	report_.residual     = ratio(m.error2, m.impulse2);
+	report_.violation    = ratio(m.violation2, std::max(m.velocity2, packed_.freeVelocity2()));
+	if (measured_) meanForceChange_ = std::abs(m.normal - normal_) / m.normal; // NaN without any force: not met
+	normal_   = m.normal;
+	measured_ = true;
+}
+
+} // namespace rcr

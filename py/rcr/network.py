@@ -1,0 +1,231 @@
+"""Contact network of a packing: its file, and what is measured on it. Needs NumPy and h5py, not YADE.
+
+Conventions
+-----------
+* The force of a contact acts on body 2 from body 1, the branch vector runs from the centre of 1 to the centre of 2, the
+  normal n from 1 to 2, the tangent t is n turned by +90°. Compression is positive.
+* One row is one pair of particles, whatever the number of its contact points; walls are body 2 with a negative id, and the
+  branch vector then ends at the contact point.
+* The stress counts all contacts, walls too; every other observable counts those between particles.
+* The ξ-network S(ξ) holds the contacts with f_n ≤ ξ ⟨f_n⟩. Its tensors are divided by the number of contacts of the whole
+  network, so that they add up: tr F(ξ) = N(ξ)/N.
+* An anisotropy is signed by the axes of the total stress: a = 2 (X₁₁ − X₂₂)/tr X(∞), axis 1 being that of σ₁.
+"""
+
+import os
+import tempfile
+
+import h5py
+import numpy as np
+
+LEFT, BOTTOM, RIGHT, TOP = -1, -2, -3, -4
+CAP_CAP, CAP_SIDE, SIDE_SIDE, WALL = range(4)
+
+_PARTICLES = dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(), velocity=(3,))
+_CONTACTS = dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,), points=())
+
+
+def _checked(group, arrays, columns):
+    """The columns of a group with their shapes checked, as arrays."""
+    missing = sorted(set(columns) - set(arrays))
+    if missing:
+        raise ValueError(f"group {group!r} lacks {', '.join(missing)}; wanted {', '.join(columns)}")
+    arrays = {name: np.asarray(arrays[name]) for name in columns}
+    rows = len(arrays[next(iter(columns))])
+    for name, shape in columns.items():
+        if arrays[name].shape != (rows, *shape):
+            raise ValueError(f"{group}/{name} has shape {arrays[name].shape}; wanted {(rows, *shape)}")
+        if not np.isfinite(arrays[name]).all():
+            raise ValueError(f"{group}/{name} holds a number that is not finite")
+    return arrays
+
+
+class Network:
+    """Force-bearing contacts of one snapshot.
+
+    Parameters
+    ----------
+    particles : dict of arrays
+        ``id`` (N,), ``position`` (N, 2) [m], ``angle`` (N,) [rad], ``R`` (N,), ``cap_radius`` (N,), ``half_length`` (N,) [m],
+        ``mass`` (N,) [kg/m], ``velocity`` (N, 3) [m/s, m/s, 1/s].
+    contacts : dict of arrays
+        ``body1``, ``body2`` (C,) ids, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 wall, ``normal`` (C, 2), ``branch`` (C, 2) [m],
+        ``force`` (C, 2) [N/m], ``position`` (C, 2) [m] the point of application, ``points`` (C,) 1 or 2.
+    attributes : dict
+        ``volume`` [m²] of the box, ``friction`` [-] between particles, and what the snapshot is of: ``time`` [s], ``strain``
+        [-], ``dt`` [s], ``eta`` [-], ``seed``, ``version``.
+
+    Raises
+    ------
+    ValueError
+        If a column is missing, has the wrong shape or is not finite.
+    """
+
+    def __init__(self, particles, contacts, attributes):
+        self.particles = _checked("particles", particles, _PARTICLES)
+        self.contacts = _checked("contacts", contacts, _CONTACTS)
+        self.attributes = dict(attributes)
+        if not self.attributes.get("volume", 0) > 0:
+            raise ValueError(f"volume = {self.attributes.get('volume')!r}; wanted the area of the box > 0 [m²]")
+
+    @classmethod
+    def load(cls, path):
+        """Network from a file ``network-*.h5``.
+
+        Raises
+        ------
+        ValueError
+            If the file is no such network; OSError if it cannot be read.
+        """
+        with h5py.File(path, "r") as file:
+            if not {"particles", "contacts"} <= set(file):
+                raise ValueError(f"{path} holds {sorted(file)}; wanted the groups particles and contacts")
+            groups = [{name: data[()] for name, data in file[group].items()} for group in ("particles", "contacts")]
+            return cls(*groups, {k: v for k, v in file.attrs.items() if k != "stress"})
+
+    def save(self, path):
+        """Write the network to `path`: whole or not at all."""
+        from rcr import __version__
+
+        folder, name = os.path.split(os.path.abspath(path))
+        handle, partial = tempfile.mkstemp(prefix=name, suffix=".part", dir=folder)
+        os.close(handle)
+        try:
+            with h5py.File(partial, "w") as file:
+                for group, columns in (("particles", self.particles), ("contacts", self.contacts)):
+                    for column, data in columns.items():
+                        file.create_dataset(f"{group}/{column}", data=data)
+                file.attrs.update({"version": __version__, **self.attributes, "stress": self.stress()})
+            os.replace(partial, path)
+        except BaseException:
+            os.unlink(partial)
+            raise
+
+    @property
+    def between_particles(self):
+        """Mask of the contacts between particles, (C,) bool."""
+        return self.contacts["body2"] >= 0
+
+    def stress(self):
+        """Stress tensor σ = (1/V) Σ f⊗ℓ over all contacts [paper, eq. sigma]; (2, 2), compression positive [Pa]."""
+        return np.einsum("ca,cb->ab", self.contacts["force"], self.contacts["branch"]) / self.attributes["volume"]
+
+    def stress_axes(self):
+        """Principal axes of the stress as columns, that of σ₁ first; (2, 2) [-]."""
+        stress = self.stress()
+        return np.linalg.eigh(0.5 * (stress + stress.T))[1][:, ::-1]
+
+    def sin_phi(self):
+        """q/p = (σ₁ − σ₂)/(σ₁ + σ₂) of the whole stress [-; paper, eq. qp]."""
+        stress = self.stress()
+        low, high = np.linalg.eigvalsh(0.5 * (stress + stress.T))
+        return (high - low) / (high + low)
+
+    def _local(self):
+        """Of the contacts between particles: n (C, 2), and (n, t) components of branch and force, (C, 2) each."""
+        pick = self.between_particles
+        if not pick.any():
+            raise ValueError("the network has no contact between particles")
+        n = self.contacts["normal"][pick]
+        t = np.column_stack([-n[:, 1], n[:, 0]])
+        branch, force = self.contacts["branch"][pick], self.contacts["force"][pick]
+        frame = np.stack([n, t], axis=1)
+        return n, t, np.einsum("cka,ca->ck", frame, branch), np.einsum("cka,ca->ck", frame, force)
+
+    def _within(self, force, xi):
+        """Mask of S(ξ), the contacts with f_n ≤ ξ ⟨f_n⟩."""
+        return force[:, 0] <= xi * force[:, 0].mean()
+
+    def fabric(self, xi=np.inf):
+        """Fabric tensor F(ξ) = (1/N) Σ_{S(ξ)} n⊗n, N of the whole network [paper, eq. F_xi]; (2, 2), tr F(∞) = 1 [-]."""
+        n, _, _, force = self._local()
+        pick = self._within(force, xi)
+        return np.einsum("ca,cb->ab", n[pick], n[pick]) / len(n)
+
+    def anisotropies(self, xi=np.inf):
+        """Anisotropies of contacts, branch vectors and forces of the ξ-network [-; paper, eqs. harmonique, Aniso_values_xi].
+
+        Returns
+        -------
+        (a_c, a_ln, a_lt, a_fn, a_ft) : floats
+            Positive along σ₁.
+        """
+        n, t, branch, force = self._local()
+        pick = self._within(force, xi)
+        axes = self.stress_axes()
+
+        def relative(normal, tangential):
+            """2 (X₁₁ − X₂₂)/tr X(∞) of X = (1/N) Σ (normal n⊗n + tangential n⊗t)."""
+            tensor = np.einsum("c,ca,cb->cab", normal, n, n) + np.einsum("c,ca,cb->cab", tangential, n, t)
+            along = np.diag(axes.T @ tensor[pick].sum(axis=0) @ axes)
+            return 2 * (along[0] - along[1]) / np.trace(tensor.sum(axis=0))
+
+        none = np.zeros(len(n))
+        a_c = relative(none + 1, none)
+        a_ln = relative(branch[:, 0], none) - a_c
+        a_lt = relative(branch[:, 0], branch[:, 1]) - a_c - a_ln
+        a_fn = relative(force[:, 0], none) - a_c
+        a_ft = relative(force[:, 0], force[:, 1]) - a_c - a_fn
+        return a_c, a_ln, a_lt, a_fn, a_ft
+
+    def shear_stress_ratio(self, xi=np.inf):
+        """q(ξ)/p: deviator of the partial stress along the axes of σ over the whole p, contacts between particles [-]."""
+        n, t, branch, force = self._local()
+        pick = self._within(force, xi)
+        ell = branch[:, :1] * n + branch[:, 1:] * t
+        f = force[:, :1] * n + force[:, 1:] * t
+        tensor = np.einsum("ca,cb->cab", f, ell)
+        axes = self.stress_axes()
+        along = np.diag(axes.T @ tensor[pick].sum(axis=0) @ axes)
+        return (along[0] - along[1]) / np.trace(tensor.sum(axis=0))
+
+    def force_pdf(self, bins=50):
+        """Probability density of f_n/⟨f_n⟩ between particles, in logarithmic classes.
+
+        Returns
+        -------
+        f : (bins,) float array
+            Centres of the classes, f_n/⟨f_n⟩ [-].
+        pdf : (bins,) float array
+            Density; Σ pdf Δf = share of contacts within the classes.
+        """
+        force = self._local()[3][:, 0]
+        force = force / force.mean()
+        edges = np.geomspace(max(force.min(), 1e-4), force.max() * (1 + 1e-12), bins + 1)
+        count, _ = np.histogram(force, edges)
+        return np.sqrt(edges[1:] * edges[:-1]), count / (np.diff(edges) * len(force))
+
+    def friction_mobilization(self):
+        """I_m = |f_t|/(µ f_n) of each contact between particles, (C,) [-].
+
+        Raises
+        ------
+        ValueError
+            If the network is frictionless.
+        """
+        friction = self.attributes.get("friction", 0)
+        if not friction > 0:
+            raise ValueError(f"friction = {friction!r}; the mobilisation needs a friction coefficient > 0")
+        force = self._local()[3]
+        return np.abs(force[:, 1]) / (friction * force[:, 0])
+
+    def coordination(self, count_side_contacts_twice=False):
+        """Mean number of contacts a particle, walls included, of the particles with at least two [-].
+
+        Rattlers, particles with fewer than two contacts, are removed together with their contacts until none is left.
+        `count_side_contacts_twice` counts a side-side contact, which takes two unknowns, as two.
+        """
+        one, two = self.contacts["body1"], self.contacts["body2"]
+        weight = np.where(count_side_contacts_twice & (self.contacts["points"] == 2), 2, 1)
+        size = int(max(one.max(initial=-1), self.particles["id"].max(initial=-1))) + 1
+        alive = np.zeros(size, dtype=bool)
+        alive[self.particles["id"]] = True
+        while True:
+            kept = alive[one] & ((two < 0) | alive[two])
+            total = np.bincount(one[kept], weights=weight[kept], minlength=size)
+            inner = kept & (two >= 0)
+            total += np.bincount(two[inner], weights=weight[inner], minlength=size)
+            rattlers = alive & (total < 2)
+            if not rattlers.any():
+                return float(total[alive].mean()) if alive.any() else 0.0
+            alive &= ~rattlers

@@ -1,0 +1,185 @@
+"""Scenes: bodies with the right mass and blocked degrees of freedom, walls, and the contact network of the present step.
+
+Everything is in the plane z = 0 and per unit depth: masses in kg a metre of depth, forces in N a metre.
+"""
+
+import math
+import numbers
+
+import numpy as np
+from yade import utils
+from yade.wrapper import Body, FrictMat, Omega, Rcr, Wall
+from yade.minieigenHP import Quaternion, Vector3
+
+from rcr import _kernel
+from rcr.network import LEFT, BOTTOM, RIGHT, TOP, Network
+
+O = Omega()
+
+
+def _number(name, value, wanted, fits):
+    """`value` as a float, or ValueError with what was given and what is wanted."""
+    if not isinstance(value, numbers.Real) or not math.isfinite(value) or not fits(value):
+        raise ValueError(f"{name} = {value!r}; wanted {wanted}")
+    return float(value)
+
+
+def _material(material):
+    """The material itself, from an id or a label too; YADE's default if there is none yet."""
+    if material == -1 and len(O.materials) == 0:
+        O.materials.append(utils.defaultMaterial())
+    return O.materials[material] if isinstance(material, (int, str)) else material
+
+
+def particle(center, R, eta, angle=0, material=-1, fixed=False):
+    """Body with the shape of a rounded-cap rectangle.
+
+    Parameters
+    ----------
+    center : (float, float)
+        Centre of mass [m].
+    R : float
+        Radius of the circumscribed circle [m], > 0.
+    eta : float
+        Elongation (R − R')/R [-], 0 ≤ eta < 1; 0 is a disc.
+    angle : float
+        Angle of the long axis to x [rad].
+    material : FrictMat, int or str
+        Material, or its id or label in O.materials; its density [kg/m³] sets the mass.
+    fixed : bool
+        Block all degrees of freedom; else the body moves in the plane.
+
+    Returns
+    -------
+    Body
+        To be given to ``O.bodies.append``.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite or out of its range.
+    """
+    x, y = (_number(f"center[{k}]", value, "a finite coordinate [m]", lambda v: True) for k, value in enumerate(center))
+    R = _number("R", R, "a finite radius of the circumscribed circle > 0 [m]", lambda v: v > 0)
+    eta = _number("eta", eta, "an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1)
+    angle = _number("angle", angle, "a finite angle [rad]", lambda v: True)
+    shape = Rcr(capRadius=(1 - eta) * R, halfLength=eta * R)
+    material = _material(material)
+    density = _number("material.density", material.density, "a finite density > 0 [kg/m³]", lambda v: v > 0)
+    about_z = density * _kernel.polar_moment(shape.halfLength, shape.capRadius)
+    body = Body(shape=shape, material=material)
+    body.state.mass = density * _kernel.area(shape.halfLength, shape.capRadius)
+    body.state.inertia = Vector3(about_z, about_z, about_z)  # only the moment about z acts; YADE wants all three > 0
+    body.state.pos = body.state.refPos = Vector3(x, y, 0)
+    body.state.ori = body.state.refOri = Quaternion(Vector3(0, 0, 1), angle)
+    body.state.blockedDOFs = "xyzXYZ" if fixed else "zXY"
+    return body
+
+
+def _axis(axis):
+    if axis not in ("x", "y"):
+        raise ValueError(f"axis = {axis!r}; wanted 'x' or 'y', the axis of the wall's normal")
+    return "xy".index(axis)
+
+
+def wall(axis, position, sense=0, velocity=0, material=-1):
+    """Infinite wall whose motion is prescribed.
+
+    Parameters
+    ----------
+    axis : str
+        'x' or 'y': the axis of its normal.
+    position : float
+        Coordinate along that axis [m].
+    sense : int
+        Side that acts: +1, −1, or 0 for both.
+    velocity : float
+        Prescribed velocity along the axis [m/s]; change it later by ``body.state.vel``.
+    material : FrictMat, int or str
+
+    Returns
+    -------
+    Body
+    """
+    k = _axis(axis)
+    body = utils.wall(_number("position", position, "a finite coordinate [m]", lambda v: True), k, sense=sense, material=_material(material))
+    body.state.vel[k] = _number("velocity", velocity, "a finite velocity [m/s]", lambda v: True)
+    return body
+
+
+def mobile_wall(axis, position, mass, sense=0, material=-1):
+    """Wall with one degree of freedom, along its normal: forces move it (``WallStress``, ``O.forces.setPermF``).
+
+    Parameters are those of `wall`, with the mass [kg] in the place of the velocity.
+    """
+    body = wall(axis, position, sense=sense, material=material)
+    body.state.mass = _number("mass", mass, "a finite mass > 0 [kg]", lambda v: v > 0)
+    body.state.blockedDOFs = "yzXYZ" if axis == "x" else "xzXYZ"
+    return body
+
+
+def contact_network(walls, **attributes):
+    """Force-bearing contacts of the step that has just been made, one row a pair.
+
+    Positions, lever arms and normals are those of the contact problem that was solved: a step moves the bodies after it,
+    so the branch vectors are taken from the positions that the forces belong to.
+
+    Parameters
+    ----------
+    walls : (int, int, int, int)
+        Ids of the left, bottom, right and top wall.
+    **attributes
+        Stored with the network: ``strain``, ``eta``, ``friction``, ``seed``.
+
+    Returns
+    -------
+    Network
+    """
+    left, bottom, right, top = (O.bodies[i] for i in walls)
+    code = dict(zip(walls, (LEFT, BOTTOM, RIGHT, TOP)))
+    # The integrator moved every body by dt v: the forces belong to where they were.
+    place = {b.id: np.array(b.state.pos[:2]) - O.dt * np.array(b.state.vel[:2]) for b in O.bodies if b}
+    bodies = [b for b in O.bodies if b and isinstance(b.shape, Rcr)]
+    contacts = []
+    for i in O.interactions:
+        if not i.isReal or not hasattr(i.phys, "force1"):
+            continue
+        force = np.array(i.phys.normalForce[:2]) + np.array(i.phys.shearForce[:2])
+        weights = np.array([i.phys.force1[0], i.phys.force2[0]][: i.geom.points])
+        if not weights.sum() > 0:
+            continue
+        points = np.array([i.geom.position1, i.geom.position2])[: i.geom.points]
+        normal = np.array(i.phys.normalForce[:2]) / np.linalg.norm(i.phys.normalForce[:2])
+        position = weights @ points / weights.sum()
+        if i.id1 in code:  # a wall is body 1 of its interaction; in the network it is body 2
+            one, two, force, normal = i.id2, code[i.id1], -force, -normal
+            branch = position - place[one]
+        else:
+            one, two = i.id1, i.id2
+            branch = place[two] - place[one]
+        contacts.append((one, two, i.geom.type, normal, branch, force, position, i.geom.points))
+    columns = list(zip(*contacts)) if contacts else [[] for _ in range(8)]
+    height, width = place[top.id][1] - place[bottom.id][1], place[right.id][0] - place[left.id][0]
+    return Network(
+        particles=dict(
+            id=np.array([b.id for b in bodies], dtype=np.int64),
+            position=np.array([place[b.id] for b in bodies]).reshape(-1, 2),
+            angle=np.array([2 * math.atan2(b.state.ori[2], b.state.ori[3]) for b in bodies]),
+            R=np.array([b.shape.halfLength + b.shape.capRadius for b in bodies]),
+            cap_radius=np.array([b.shape.capRadius for b in bodies]),
+            half_length=np.array([b.shape.halfLength for b in bodies]),
+            mass=np.array([b.state.mass for b in bodies]),
+            velocity=np.array([(b.state.vel[0], b.state.vel[1], b.state.angVel[2]) for b in bodies]).reshape(-1, 3),
+        ),
+        contacts=dict(
+            body1=np.array(columns[0], dtype=np.int64),
+            body2=np.array(columns[1], dtype=np.int64),
+            type=np.array(columns[2], dtype=np.int64),
+            normal=np.array(columns[3], dtype=float).reshape(-1, 2),
+            branch=np.array(columns[4], dtype=float).reshape(-1, 2),
+            force=np.array(columns[5], dtype=float).reshape(-1, 2),
+            position=np.array(columns[6], dtype=float).reshape(-1, 2),
+            points=np.array(columns[7], dtype=np.int64),
+        ),
+        attributes=dict(time=O.time, dt=O.dt, volume=height * width, **attributes),
+    )
