@@ -8,6 +8,8 @@ namespace rcr {
 
 namespace {
 
+	constexpr double finestForSweeps = 1e-5; // residual below which the exact tier is the faster way
+
 	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
 	{
 		std::ostringstream text;
@@ -49,7 +51,7 @@ namespace {
 
 const std::vector<std::string>& solverNames()
 {
-	static const std::vector<std::string> names { "nlgs", "sor", "nesterov", "auto" };
+	static const std::vector<std::string> names { "nlgs", "sor", "nesterov", "exact", "auto" };
 	return names;
 }
 
@@ -65,6 +67,8 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 	check(problem);
 	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
 	if (solver == "sor") return solveSor(problem, settings, workspace);
+	if (solver == "exact" || (solver == "auto" && settings.tolerance > 0 && settings.tolerance < finestForSweeps))
+		return solveExact(problem, settings);
 	if (solver == "nesterov" || solver == "auto") return solveNesterov(problem, settings, workspace);
 	std::string known;
 	for (const std::string& name : solverNames())
