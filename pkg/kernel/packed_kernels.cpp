@@ -164,10 +164,10 @@ namespace RCR_LANE_NAMESPACE {
 			});
 		}
 
-		double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
+		Step sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
 		{
 			const L beta = momentum;
-			SlotSum step2;
+			SlotSum size2, forward;
 			sweepChunk(view, chunk, [&](PointBlock& c, int lane, const Vector& u) -> Vector {
 				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) };
 				const Vector y { p.n + beta * (p.n - L::load(c.oldPn + lane)), p.t + beta * (p.t - L::load(c.oldPt + lane)) };
@@ -176,10 +176,12 @@ namespace RCR_LANE_NAMESPACE {
 				p.t.store(c.oldPt + lane);
 				q.n.store(c.pn + lane);
 				q.t.store(c.pt + lane);
-				step2.add(lane, step.n * step.n + step.t * step.t);
-				return { q.n - y.n, q.t - y.t };
+				const Vector change { q.n - y.n, q.t - y.t };
+				size2.add(lane, step.n * step.n + step.t * step.t);
+				forward.add(lane, change.n * step.n + change.t * step.t);
+				return change;
 			});
-			return step2.total();
+			return { size2.total(), forward.total() };
 		}
 
 		Measures measure(const PackedView& view, const Chunk& chunk)

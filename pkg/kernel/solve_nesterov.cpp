@@ -23,9 +23,9 @@ Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspac
 		while (!stop.reached()) {
 			const double next = (1 + std::sqrt(1 + 4 * tau * tau)) / 2, momentum = (tau - 1) / next;
 			packed.extrapolate(momentum);
-			const double last = step2;
-			step2             = packed.sweepMomentum(momentum);
-			tau               = step2 > maxGrowth * last ? 1 : next;
+			const Step   step = packed.sweepMomentum(momentum);
+			tau               = step.size2 > maxGrowth * step2 ? 1 : next;
+			step2 = step.size2;
 		}
 	});
 }
