@@ -69,7 +69,7 @@ void ContactDynamics::action()
 	settings.tolerance       = double(tolerance);
 	settings.maxIterations   = maxIterations;
 	settings.threads         = threads > 0 ? threads : omp_get_max_threads();
-	const rcr::Report report = rcr::solve(problem_, solver, settings);
+	const rcr::Report report = rcr::solve(problem_, solver, settings, workspace_);
 
 	iterations    = report.iterations;
 	residual      = report.residual;
@@ -238,7 +238,7 @@ void ContactDynamics::correctPositions()
 	rcr::Settings                 few;
 	few.tolerance     = 0;
 	few.maxIterations = few.checkInterval = 5;
-	rcr::solveNlgs(problem_, few);
+	rcr::solveNlgs(problem_, few, correctionWorkspace_);
 	for (const auto& b : *scene->bodies) {
 		if (!b || b->state->blockedDOFs == State::DOF_ALL) continue;
 		const rcr::Twist& shift = problem_.velocity[b->getId()];

@@ -52,6 +52,7 @@ private:
 
 	std::vector<Contact> contacts_; // of the present step only: interactions come and go
 	rcr::ContactProblem  problem_;
+	rcr::Workspace       workspace_, correctionWorkspace_; // colours and packed arrays, kept while the contacts last
 	bool                 frictionless_ = true;
 };
 REGISTER_SERIALIZABLE(ContactDynamics);

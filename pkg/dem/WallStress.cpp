@@ -18,11 +18,11 @@ void WallStress::action()
 			        "give the ids of the pressed wall and of the two that bound it.");
 		return std::pair<const State&, int>(*(*body)->state, wall->axis);
 	};
-	const auto pressed = wallOf(wall, "wall"), begin = wallOf(from, "from"), end = wallOf(to, "to");
-	if (begin.second != end.second || begin.second == pressed.second)
-		throw std::invalid_argument("WallStress: the walls `from` and `to` must be parallel to each other and not to `wall`.");
-	Vector3r force          = Vector3r::Zero();
-	force[pressed.second] = stress * math::abs(end.first.pos[end.second] - begin.first.pos[begin.second]);
+	const auto pressed = wallOf(wall, "wall"), one = wallOf(start, "start"), two = wallOf(end, "end");
+	if (one.second != two.second || one.second == pressed.second)
+		throw std::invalid_argument("WallStress: the walls `start` and `end` must be parallel to each other and not to `wall`.");
+	Vector3r force        = Vector3r::Zero();
+	force[pressed.second] = stress * math::abs(two.first.pos[two.second] - one.first.pos[one.second]);
 	scene->forces.addForce(wall, force);
 }
 

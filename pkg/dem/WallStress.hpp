@@ -10,8 +10,8 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(WallStress,GlobalEngine,"Presses a mobile :yref:`Wall` with a constant stress: each step the force stress × length, the length being the present distance of the two walls that bound it. The wall is a body with a mass and one degree of freedom (``rcr.wall`` makes it). Stands before :yref:`ContactDynamics` in ``O.engines``.",
 		((int,wall,-1,,"Id of the wall"))
-		((int,from,-1,,"Id of the wall at one end of it"))
-		((int,to,-1,,"Id of the wall at the other end"))
+		((int,start,-1,,"Id of the wall at one end of it"))
+		((int,end,-1,,"Id of the wall at the other end"))
 		((Real,stress,0,,"Force on the wall a unit length [N/m, per unit depth: Pa], along its axis: negative pushes towards smaller coordinates"))
 	);
 	// clang-format on

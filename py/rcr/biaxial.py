@@ -1,0 +1,339 @@
+"""The biaxial test of Azéma and Radjaï: isotropic compaction without friction, then shear at constant lateral stress.
+
+Units and rules
+---------------
+Grains have radii in [R_min, 2 R_min], uniform in volume fraction, and the density ρ; the confining stress is σ₀. With the
+mean grain mass m and the mean diameter d, the time unit is t₀ = √(m/σ₀). The time step is a fixed share of t₀, since no
+stiffness bounds it. The top wall moves at the rate ε̇ = I/t₀ of the first height, I being the inertial number; the strain is
+(h₀ − h)/h₀. All is per unit depth.
+"""
+
+import csv
+import json
+import math
+import os
+import time
+
+import numpy as np
+from yade import utils
+from yade.wrapper import Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop, NewtonIntegrator, Omega
+
+import rcr
+from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE
+
+O = Omega()
+
+R_MIN = 5e-3  # [m]; sets the scale only
+DENSITY = 2600.0  # [kg/m³]
+STRESS = 1e4  # σ₀ [Pa]
+TIME_STEP = 0.04  # dt/t₀
+INERTIAL_NUMBER = 1e-3  # quasi-static
+RAMP = 0.002  # strain over which the top wall takes up its velocity
+BALANCED = 1e-3  # largest net force of a grain over the mean contact force, at the end of the compaction
+ISOTROPIC = 1e-2  # largest relative deviation of the wall stresses from σ₀, likewise
+PATIENCE = 400  # time units after which a compaction that has not come to rest is given up
+RECORD = 1e-3  # strain between two rows of the history
+COLUMNS = "step time strain sin_phi stress_x stress_y packing_fraction points iterations residual".split()
+
+
+def random_radii(count, rng):
+    """Radii uniform in volume fraction, number density ∝ R⁻² in [R_min, 2 R_min]; (count,) [m]."""
+    return R_MIN / (1 - 0.5 * rng.random(count))
+
+
+def loose_packing(count, rng):
+    """Circles that do not touch, on a grid in random order.
+
+    Returns
+    -------
+    centres (count, 2), radii (count,), width, height of the box [m]
+    """
+    radii = random_radii(count, rng)
+    columns = math.ceil(math.sqrt(count))
+    rows = math.ceil(count / columns)
+    cell = 2.02 * radii.max()
+    place = rng.permutation(columns * rows)[:count]
+    centres = cell * (np.column_stack([place % columns, place // columns]) + 0.5)
+    centres += (cell / 2 - radii)[:, None] * rng.uniform(-1, 1, (count, 2))
+    return centres, radii, cell * columns, cell * rows
+
+
+class Biaxial:
+    """A biaxial test in the running YADE. It lives in the scene: `O.save` keeps it, `Biaxial.load` goes on to the same bits.
+
+    Attributes
+    ----------
+    parameters : dict
+        eta, particles, seed, friction: what the test is of.
+    progress : dict
+        phase ('compaction' or 'shear'), step and wall-clock counts, first height; kept in ``O.tags``.
+    rows : list of dict
+        History, one row every 0.1 % of strain.
+    """
+
+    def __init__(self, parameters, progress, rows):
+        self.parameters, self.progress, self.rows = parameters, progress, rows
+        count = parameters["particles"]
+        self.grains = range(count)
+        self.left, self.bottom, self.right, self.top = self.walls = range(count, count + 4)
+        masses = np.array([O.bodies[i].state.mass for i in self.grains])
+        shapes = [O.bodies[i].shape for i in self.grains]
+        self.area = masses.sum() / DENSITY
+        self.diameter = 2 * np.mean([shape.halfLength + shape.capRadius for shape in shapes])
+        self.time_unit = math.sqrt(masses.mean() / STRESS)
+        self.solver = utils.typedEngine("ContactDynamics")
+
+    @classmethod
+    def prepare(cls, eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e-4, solver="auto", threads=0):
+        """A new test in a loose state.
+
+        Parameters
+        ----------
+        eta : float
+            Elongation, 0 ≤ eta < 1.
+        particles : int
+            Number of grains, at least 10.
+        seed : int
+            Of radii, places and orientations.
+        friction : float
+            Coefficient between grains during shear; walls have none.
+        tolerance, solver, threads
+            Of `ContactDynamics`.
+
+        Raises
+        ------
+        ValueError
+            For a parameter out of its range.
+        """
+        if particles < 10:
+            raise ValueError(f"particles = {particles}; wanted at least 10")
+        if not (math.isfinite(friction) and friction >= 0):
+            raise ValueError(f"friction = {friction}; wanted a coefficient ≥ 0")
+        O.reset()
+        rng = np.random.default_rng(seed)
+        centres, radii, width, height = loose_packing(particles, rng)
+        angles = rng.uniform(0, math.pi, particles)
+        grain = O.materials.append(FrictMat(density=DENSITY, frictionAngle=0, label="grain"))
+        plate = O.materials.append(FrictMat(density=DENSITY, frictionAngle=0, label="plate"))
+        O.bodies.append([rcr.particle(c, R, eta, angle, grain) for c, R, angle in zip(centres, radii, angles)])
+        mass = sum(b.state.mass for b in O.bodies)  # a wall as heavy as the grains moves gently
+        left, bottom, right, top = O.bodies.append(
+            [
+                rcr.wall("x", 0, +1, material=plate),
+                rcr.wall("y", 0, +1, material=plate),
+                rcr.mobile_wall("x", width, mass, -1, plate),
+                rcr.mobile_wall("y", height, mass, -1, plate),
+            ]
+        )
+        O.dt = TIME_STEP * math.sqrt(mass / particles / STRESS)
+        O.engines = [
+            ForceResetter(),
+            InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R_MIN),
+            InteractionLoop(
+                [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()],
+                [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
+                [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()],
+            ),
+            rcr.WallStress(wall=right, start=bottom, end=top, stress=-STRESS, label="rightStress"),
+            rcr.WallStress(wall=top, start=left, end=right, stress=-STRESS, label="topStress"),
+            rcr.ContactDynamics(tolerance=tolerance, solver=solver, threads=threads),
+            NewtonIntegrator(damping=0),
+        ]
+        parameters = dict(eta=eta, particles=particles, seed=seed, friction=friction)
+        progress = dict(phase="compaction", iterations=0, residual_max=0.0, wall_seconds=0.0)
+        return cls(parameters, progress, [])
+
+    # --- what the walls feel -------------------------------------------------------------------------------------------
+
+    @property
+    def width(self):
+        return O.bodies[self.right].state.pos[0] - O.bodies[self.left].state.pos[0]
+
+    @property
+    def height(self):
+        return O.bodies[self.top].state.pos[1] - O.bodies[self.bottom].state.pos[1]
+
+    @property
+    def strain(self):
+        """(h₀ − h)/h₀ since the start of the shear; 0 before."""
+        first = self.progress.get("first_height")
+        return 0.0 if first is None else (first - self.height) / first
+
+    @property
+    def packing_fraction(self):
+        return self.area / (self.width * self.height)
+
+    def wall_stresses(self):
+        """σ_x and σ_y from the contact forces on opposite walls, averaged [Pa], compression positive."""
+        load = {engine.wall: engine for engine in O.engines if isinstance(engine, rcr.WallStress) and not engine.dead}
+
+        def contact_force(wall, axis, length):
+            applied = load[wall].stress * length if wall in load else 0.0
+            return abs(O.forces.f(wall)[axis] - applied)
+
+        x = [contact_force(wall, 0, self.height) for wall in (self.left, self.right)]
+        y = [contact_force(wall, 1, self.width) for wall in (self.bottom, self.top)]
+        return sum(x) / (2 * self.height), sum(y) / (2 * self.width)
+
+    def unbalance(self):
+        """Largest net force of a grain over the mean force of a contact [-]; ∞ without a contact."""
+        forces = [f for f in (i.phys.normalForce.norm() for i in O.interactions if i.isReal) if f > 0]
+        net = max(O.forces.f(i).norm() for i in self.grains)
+        return net / np.mean(forces) if forces else math.inf
+
+    # --- the two phases ------------------------------------------------------------------------------------------------
+
+    def compact(self, report=lambda test: None):
+        """Compress without friction under σ₀ from the right and the top until every grain is balanced.
+
+        Raises
+        ------
+        RuntimeError
+            If it has not come to rest after `PATIENCE` time units.
+        """
+        while True:
+            self._steps(50)
+            stresses = np.array(self.wall_stresses())
+            report(self)
+            if self.unbalance() < BALANCED and np.abs(stresses / STRESS - 1).max() < ISOTROPIC:
+                break
+            if O.time > PATIENCE * self.time_unit:
+                raise RuntimeError(
+                    f"the compaction has not come to rest after {O.iter} steps: net force {self.unbalance():.1e} of the mean "
+                    f"contact force (wanted {BALANCED:g}), stresses {stresses} (wanted {STRESS:g}); give a smaller tolerance"
+                )
+        self._start_shear()
+
+    def _start_shear(self):
+        self.progress.update(
+            phase="shear", first_height=self.height, packing_fraction_initial=self.packing_fraction, first_step=O.iter
+        )
+        utils.setContactFriction(math.atan(self.parameters["friction"]))
+        for i in O.interactions:  # setContactFriction leaves the walls alone, but not their contacts
+            if i.isReal and max(i.id1, i.id2) >= self.left:
+                i.phys.tangensOfFrictionAngle = 0
+        for engine in O.engines:
+            if isinstance(engine, rcr.WallStress) and engine.wall == self.top:
+                engine.dead = True
+        O.bodies[self.top].state.blockedDOFs = "xyzXYZ"
+
+    @property
+    def steps_a_record(self):
+        rate = INERTIAL_NUMBER / self.time_unit
+        return max(1, round(RECORD / (rate * O.dt)))
+
+    def shear_record(self):
+        """Shear by one record: 0.1 % of strain, and a row of the history."""
+        speed = INERTIAL_NUMBER / self.time_unit * self.progress["first_height"]
+        ramp = min(1, max(self.strain, RECORD / 10) / RAMP)
+        O.bodies[self.top].state.vel = (0, -ramp * speed, 0)
+        self._steps(self.steps_a_record)
+        x, y = self.wall_stresses()
+        self.rows.append(
+            dict(
+                step=O.iter,
+                time=O.time,
+                strain=self.strain,
+                sin_phi=(y - x) / (y + x),
+                stress_x=x,
+                stress_y=y,
+                packing_fraction=self.packing_fraction,
+                points=self.solver.contactPoints,
+                iterations=self.solver.iterations,
+                residual=self.solver.residual,
+            )
+        )
+
+    def _steps(self, count):
+        """Make steps; the solver's work is added up."""
+        start = time.perf_counter()
+        for _ in range(count):
+            O.step()
+            self.progress["iterations"] += self.solver.iterations
+            self.progress["residual_max"] = max(self.progress["residual_max"], self.solver.residual)
+        self.progress["wall_seconds"] += time.perf_counter() - start
+
+    # --- results -------------------------------------------------------------------------------------------------------
+
+    def network(self):
+        """Contact network of the last step; see `rcr.Network`."""
+        friction = self.parameters["friction"] if self.progress["phase"] == "shear" else 0.0
+        return rcr.contact_network(
+            self.walls, strain=self.strain, eta=self.parameters["eta"], friction=friction, seed=self.parameters["seed"]
+        )
+
+    def overlaps(self):
+        """Overlap of each contact point that has one, in mean diameters [-]."""
+        gaps = [i.geom.gap[k] for i in O.interactions if i.isReal for k in range(i.geom.points)]
+        return np.maximum(0, -np.array(gaps)) / self.diameter
+
+    def summary(self):
+        """What `summary.json` holds; stresses and fractions of the second half of the strain."""
+        network = self.network()
+        late = [row["sin_phi"] for row in self.rows if row["strain"] >= 0.5 * self.strain]
+        between = network.between_particles
+        types = network.contacts["type"][between]
+        force = np.einsum("ca,ca->c", network.contacts["force"], network.contacts["normal"])[between]
+        overlaps = self.overlaps()
+        frictional = network.attributes["friction"] > 0
+        return dict(
+            eta=self.parameters["eta"],
+            particles=self.parameters["particles"],
+            seed=self.parameters["seed"],
+            strain=self.strain,
+            sin_phi=float(np.mean(late)),
+            sin_phi_std=float(np.std(late)),
+            packing_fraction_initial=self.progress["packing_fraction_initial"],
+            packing_fraction_final=self.packing_fraction,
+            coordination_number=network.coordination(),
+            fraction_cc=float(np.mean(types == CAP_CAP)),
+            fraction_cs=float(np.mean(types == CAP_SIDE)),
+            fraction_ss=float(np.mean(types == SIDE_SIDE)),
+            friction_mobilization=float(network.friction_mobilization().mean()) if frictional else 0.0,
+            weak_fraction=float(np.mean(force < force.mean())),
+            mean_overlap=float(overlaps.mean()),
+            max_overlap=float(overlaps.max()),
+            inertial_number=INERTIAL_NUMBER,
+            steps=O.iter,
+            dt=O.dt,
+            iterations_mean=self.progress["iterations"] / O.iter,
+            residual_max=self.progress["residual_max"],
+            wall_seconds=self.progress["wall_seconds"],
+            threads=self.solver.threads or O.numThreads,
+            version=rcr.__version__,
+        )
+
+    # --- files ---------------------------------------------------------------------------------------------------------
+
+    def save(self, folder):
+        """Checkpoint: scene, parameters and history, each file whole or not at all."""
+        O.tags["biaxial"] = json.dumps(dict(parameters=self.parameters, progress=self.progress)).replace(" ", "")
+        history = os.path.join(folder, "history.csv")
+        with open(history + ".part", "w", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS)
+            writer.writeheader()
+            writer.writerows(self.rows)
+        os.replace(history + ".part", history)
+        partial = os.path.join(folder, "part-checkpoint.yade.gz")
+        O.save(partial, quiet=True)
+        os.replace(partial, os.path.join(folder, "checkpoint.yade.gz"))
+
+    @classmethod
+    def load(cls, folder):
+        """The test as its last checkpoint left it.
+
+        Raises
+        ------
+        FileNotFoundError
+            If the folder has no checkpoint.
+        """
+        checkpoint = os.path.join(folder, "checkpoint.yade.gz")
+        if not os.path.exists(checkpoint):
+            raise FileNotFoundError(f"{checkpoint} is missing: nothing to resume; run without --resume")
+        O.load(checkpoint, quiet=True)
+        kept = json.loads(O.tags["biaxial"])
+        with open(os.path.join(folder, "history.csv"), newline="") as file:
+            rows = [{k: (int if k in ("step", "points", "iterations") else float)(v) for k, v in row.items()} for row in csv.DictReader(file)]
+        return cls(kept["parameters"], kept["progress"], [row for row in rows if row["step"] <= O.iter])
+
+
