@@ -63,12 +63,6 @@ struct Measures {
 	double velocity2;  // Σ |u|²
 };
 
-/// What restarts of momentum are judged by.
-struct Step {
-	double size2;   // ‖p − p_old‖²
-	double forward; // (p − y) · (p − p_old): negative where the sweep from y turns the step back
-};
-
 /// The kernels for one lane width; each works on one chunk.
 struct PackedKernels {
 	int width;
@@ -80,8 +74,8 @@ struct PackedKernels {
 	void (*sweep)(const PackedView&, const Chunk&);
 	/// The same, each impulse changed by `relaxation` times as much.
 	void (*sweepRelaxed)(const PackedView&, const Chunk&, double relaxation);
-	/// The same from y = p + β (p − p_old).
-	Step (*sweepMomentum)(const PackedView&, const Chunk&, double momentum);
+	/// The same from y = p + β (p − p_old); returns ‖p − y‖².
+	double (*sweepMomentum)(const PackedView&, const Chunk&, double momentum);
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures (*measure)(const PackedView&, const Chunk&);
 	/// v ← v + β (v − v_old), v_old ← v for records first … last − 1.

@@ -164,24 +164,22 @@ namespace RCR_LANE_NAMESPACE {
 			});
 		}
 
-		Step sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
+		double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
 		{
 			const L beta = momentum;
-			SlotSum size2, forward;
+			SlotSum change2;
 			sweepChunk(view, chunk, [&](PointBlock& c, int lane, const Vector& u) -> Vector {
 				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) };
 				const Vector y { p.n + beta * (p.n - L::load(c.oldPn + lane)), p.t + beta * (p.t - L::load(c.oldPt + lane)) };
-				const Vector q = solvePoint(c, lane, u, y), step { q.n - p.n, q.t - p.t };
+				const Vector q = solvePoint(c, lane, u, y), change { q.n - y.n, q.t - y.t };
 				p.n.store(c.oldPn + lane);
 				p.t.store(c.oldPt + lane);
 				q.n.store(c.pn + lane);
 				q.t.store(c.pt + lane);
-				const Vector change { q.n - y.n, q.t - y.t };
-				size2.add(lane, step.n * step.n + step.t * step.t);
-				forward.add(lane, change.n * step.n + change.t * step.t);
+				change2.add(lane, change.n * change.n + change.t * change.t);
 				return change;
 			});
-			return { size2.total(), forward.total() };
+			return change2.total();
 		}
 
 		Measures measure(const PackedView& view, const Chunk& chunk)

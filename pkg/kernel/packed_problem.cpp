@@ -30,10 +30,7 @@ namespace {
 	Impulse operator+(Impulse a, Impulse b) { return { a.n + b.n, a.t + b.t }; }
 	Impulse operator-(Impulse a, Impulse b) { return { a.n - b.n, a.t - b.t }; }
 	Impulse operator*(double s, Impulse a) { return { s * a.n, s * a.t }; }
-	double  dot(Impulse a, Impulse b) { return a.n * b.n + a.t * b.t; }
-	double  square(Impulse a) { return dot(a, a); }
-
-	Step sum(const Step& a, const Step& b) { return { a.size2 + b.size2, a.forward + b.forward }; }
+	double  square(Impulse a) { return a.n * a.n + a.t * a.t; }
 
 	Measures sum(const Measures& a, const Measures& b)
 	{
@@ -55,8 +52,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes)
 	point_.resize(layout_.pointBlocks());
 	body_.resize(layout_.records());
 	partial_.resize(layout_.chunks().size());
-	step_.resize(layout_.chunks().size());
-	velocity2_.resize(layout_.chunks().size());
+	sum_.resize(layout_.chunks().size());
 
 	const std::vector<Pair>& pairs = layout_.pairs();
 	inverseGyration_.resize(problem.inverseMass.size());
@@ -73,8 +69,8 @@ void PackedProblem::load(const ContactProblem& problem, int lanes)
 	for (const Pair& pair : pairs)
 		if (pair.slot == Pair::outside) addToTail(problem, pair);
 
-	team.share(0, int(velocity2_.size()), [&, v = view()](int k) { velocity2_[k] = kernels_->prepare(v, layout_.chunks()[k]); });
-	freeVelocity2_ = std::accumulate(velocity2_.begin(), velocity2_.end(), 0.0);
+	team.share(0, int(sum_.size()), [&, v = view()](int k) { sum_[k] = kernels_->prepare(v, layout_.chunks()[k]); });
+	freeVelocity2_ = std::accumulate(sum_.begin(), sum_.end(), 0.0);
 	for (const TailPoint& c : tail_)
 		freeVelocity2_ += square(relativeVelocity(c));
 	applyImpulses();
@@ -195,18 +191,18 @@ void PackedProblem::sweepRelaxed(double relaxation)
 	}
 }
 
-Step PackedProblem::sweepMomentum(double momentum)
+double PackedProblem::sweepMomentum(double momentum)
 {
-	byColor([&, v = view()](int k) { step_[k] = kernels_->sweepMomentum(v, layout_.chunks()[k], momentum); });
-	Step step = std::accumulate(step_.begin(), step_.end(), Step {}, [](const Step& a, const Step& b) { return sum(a, b); });
+	byColor([&, v = view()](int k) { sum_[k] = kernels_->sweepMomentum(v, layout_.chunks()[k], momentum); });
+	double change2 = std::accumulate(sum_.begin(), sum_.end(), 0.0);
 	for (TailPoint& c : tail_) {
 		const Impulse from = c.p + momentum * (c.p - c.old), next = solve(c, from);
 		applyImpulse(c, next - from);
 		c.old = c.p;
 		c.p   = next;
-		step  = sum(step, Step { square(next - c.old), dot(next - from, next - c.old) });
+		change2 += square(next - from);
 	}
-	return step;
+	return change2;
 }
 
 void PackedProblem::extrapolate(double momentum)
@@ -220,12 +216,12 @@ void PackedProblem::extrapolate(double momentum)
 Measures PackedProblem::measure()
 {
 	team.share(0, int(partial_.size()), [&, v = view()](int k) { partial_[k] = kernels_->measure(v, layout_.chunks()[k]); });
-	Measures total = std::accumulate(partial_.begin(), partial_.end(), Measures {}, [](const Measures& a, const Measures& b) { return sum(a, b); });
+	Measures total = std::accumulate(partial_.begin(), partial_.end(), Measures {}, sum);
 	for (const TailPoint& c : tail_) {
 		const Impulse u = relativeVelocity(c);
 		const double  un = u.n + c.bias, below = std::min(un, 0.0);
 		const Impulse q = projectCone({ c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn }, c.friction);
-		total           = sum(total, Measures { square(c.p - q), square(c.p), c.p.n, below * below, square(u) });
+		total           = sum(total, { square(c.p - q), square(c.p), c.p.n, below * below, square(u) });
 	}
 	return total;
 }

@@ -27,8 +27,8 @@ public:
 	void sweep();
 	/// The same, each impulse changed by `relaxation` times as much.
 	void sweepRelaxed(double relaxation);
-	/// The same from y = p + β (p − p_old); the velocities must be extrapolated by the same β.
-	Step sweepMomentum(double momentum);
+	/// The same from y = p + β (p − p_old); the velocities must be extrapolated by the same β. Returns ‖p − y‖².
+	double sweepMomentum(double momentum);
 	/// v ← v + β (v − v_old), v_old ← v.
 	void extrapolate(double momentum);
 
@@ -75,8 +75,7 @@ private:
 	std::vector<PointBlock> point_;
 	std::vector<TailPoint>  tail_;
 	std::vector<Measures>   partial_; // a chunk
-	std::vector<Step>       step_;    // a chunk
-	std::vector<double>     velocity2_; // a chunk
+	std::vector<double>     sum_;     // a chunk
 	double                  freeVelocity2_ = 0;
 	int                     layouts_       = 0;
 };
