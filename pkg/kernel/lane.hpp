@@ -40,6 +40,8 @@ namespace RCR_LANE_NAMESPACE {
 			low.store(to);
 			high.store(to + N / 2);
 		}
+		friend Half    lowHalf(Lane a) { return a.low; }
+		friend Half    highHalf(Lane a) { return a.high; }
 		friend Lane    operator+(Lane a, Lane b) { return { a.low + b.low, a.high + b.high }; }
 		friend Lane    operator-(Lane a, Lane b) { return { a.low - b.low, a.high - b.high }; }
 		friend Lane    operator*(Lane a, Lane b) { return { a.low * b.low, a.high * b.high }; }
@@ -49,6 +51,8 @@ namespace RCR_LANE_NAMESPACE {
 		/// The size of a with the sign of b.
 		friend Lane copySign(Lane a, Lane b) { return { copySign(a.low, b.low), copySign(a.high, b.high) }; }
 		friend Lane select(Mask<N> m, Lane yes, Lane no) { return { select(m.low, yes.low, no.low), select(m.high, yes.high, no.high) }; }
+		/// 0 where m holds, else a.
+		friend Lane zeroWhere(Mask<N> m, Lane a) { return { zeroWhere(m.low, a.low), zeroWhere(m.high, a.high) }; }
 		/// `below` where the sign bit of a is set, else `above`.
 		friend Lane bySign(Lane a, Lane above, Lane below)
 		{
@@ -75,6 +79,7 @@ namespace RCR_LANE_NAMESPACE {
 		friend Lane    abs(Lane a) { return __builtin_fabs(a.value); }
 		friend Lane    copySign(Lane a, Lane b) { return __builtin_copysign(a.value, b.value); }
 		friend Lane    select(Mask<1> m, Lane yes, Lane no) { return m.value ? yes : no; }
+		friend Lane    zeroWhere(Mask<1> m, Lane a) { return m.value ? Lane(0.0) : a; }
 		friend Lane    bySign(Lane a, Lane above, Lane below) { return __builtin_signbit(a.value) ? below : above; }
 	};
 
@@ -103,6 +108,7 @@ namespace RCR_LANE_NAMESPACE {
 			return _mm256_or_pd(_mm256_andnot_pd(sign, a.value), _mm256_and_pd(sign, b.value));
 		}
 		friend Lane select(Mask<4> m, Lane yes, Lane no) { return _mm256_blendv_pd(no.value, yes.value, m.value); }
+		friend Lane zeroWhere(Mask<4> m, Lane a) { return _mm256_andnot_pd(m.value, a.value); }
 		friend Lane bySign(Lane a, Lane above, Lane below) { return _mm256_blendv_pd(above.value, below.value, a.value); }
 	};
 #endif
@@ -119,8 +125,8 @@ namespace RCR_LANE_NAMESPACE {
 		Lane(double all) : value(_mm512_set1_pd(all)) { }
 		Lane(__m512d v) : value(v) { }
 		Lane(Lane<4> low, Lane<4> high) : value(_mm512_insertf64x4(_mm512_castpd256_pd512(low.value), high.value, 1)) { }
-		Lane<4>        lowHalf() const { return _mm512_castpd512_pd256(value); }
-		Lane<4>        highHalf() const { return _mm512_extractf64x4_pd(value, 1); }
+		friend Lane<4> lowHalf(Lane a) { return _mm512_castpd512_pd256(a.value); }
+		friend Lane<4> highHalf(Lane a) { return _mm512_extractf64x4_pd(a.value, 1); }
 		static Lane    load(const double* from) { return _mm512_load_pd(from); }
 		void           store(double* to) const { _mm512_store_pd(to, value); }
 		friend Lane    operator+(Lane a, Lane b) { return _mm512_add_pd(a.value, b.value); }
@@ -136,6 +142,7 @@ namespace RCR_LANE_NAMESPACE {
 			return _mm512_castsi512_pd(_mm512_ternarylogic_epi64(sign, _mm512_castpd_si512(b.value), _mm512_castpd_si512(a.value), 0xca));
 		}
 		friend Lane select(Mask<8> m, Lane yes, Lane no) { return _mm512_mask_blend_pd(m.value, no.value, yes.value); }
+		friend Lane zeroWhere(Mask<8> m, Lane a) { return _mm512_mask_blend_pd(m.value, a.value, _mm512_setzero_pd()); }
 		friend Lane bySign(Lane a, Lane above, Lane below)
 		{
 			return _mm512_mask_blend_pd(_mm512_cmplt_epi64_mask(_mm512_castpd_si512(a.value), _mm512_setzero_si512()), above.value, below.value);
@@ -150,56 +157,52 @@ namespace RCR_LANE_NAMESPACE {
 		Lane<N> x, y, spin, inverseMass;
 	};
 
-	/// The records at index[0 … N−1].
-	template <int N> inline Bodies<N> loadBodies(const BodyRecord* body, const std::int32_t* index)
+	/// Where the records of N bodies are.
+	template <int N> struct Places {
+		BodyRecord* at[N];
+
+		Places(BodyRecord* body, const std::int32_t* index)
+		{
+			for (int i = 0; i < N; ++i)
+				at[i] = body + index[i];
+		}
+	};
+
+	template <int N> inline Bodies<N> loadBodies(BodyRecord* const* at)
 	{
-		if constexpr (N == 1) {
-			const BodyRecord& b = body[*index];
-			return { b.x, b.y, b.spin, b.inverseMass };
-		} else {
-			const Bodies<N / 2> low = loadBodies<N / 2>(body, index), high = loadBodies<N / 2>(body, index + N / 2);
+		if constexpr (N == 1) return { (*at)->x, (*at)->y, (*at)->spin, (*at)->inverseMass };
+		else {
+			const Bodies<N / 2> low = loadBodies<N / 2>(at), high = loadBodies<N / 2>(at + N / 2);
 			return { { low.x, high.x }, { low.y, high.y }, { low.spin, high.spin }, { low.inverseMass, high.inverseMass } };
 		}
 	}
 
-	/// Back to the same records, which must be distinct.
-	template <int N> inline void storeBodies(const Bodies<N>& v, BodyRecord* body, const std::int32_t* index)
+	/// Back to where they were; the bodies must be distinct.
+	template <int N> inline void storeBodies(const Bodies<N>& v, BodyRecord* const* at)
 	{
-		if constexpr (N == 1) {
-			body[*index] = { v.x.value, v.y.value, v.spin.value, v.inverseMass.value };
-		} else {
-#if defined(__AVX512F__)
-			if constexpr (N == 8) {
-				storeBodies<4>({ v.x.lowHalf(), v.y.lowHalf(), v.spin.lowHalf(), v.inverseMass.lowHalf() }, body, index);
-				storeBodies<4>({ v.x.highHalf(), v.y.highHalf(), v.spin.highHalf(), v.inverseMass.highHalf() }, body, index + 4);
-				return;
-			} else
-#endif
-			{
-				storeBodies<N / 2>({ v.x.low, v.y.low, v.spin.low, v.inverseMass.low }, body, index);
-				storeBodies<N / 2>({ v.x.high, v.y.high, v.spin.high, v.inverseMass.high }, body, index + N / 2);
-			}
+		if constexpr (N == 1) **at = { v.x.value, v.y.value, v.spin.value, v.inverseMass.value };
+		else {
+			storeBodies<N / 2>({ lowHalf(v.x), lowHalf(v.y), lowHalf(v.spin), lowHalf(v.inverseMass) }, at);
+			storeBodies<N / 2>({ highHalf(v.x), highHalf(v.y), highHalf(v.spin), highHalf(v.inverseMass) }, at + N / 2);
 		}
 	}
 
 #if defined(__AVX2__)
-	template <> inline Bodies<4> loadBodies<4>(const BodyRecord* body, const std::int32_t* index)
+	template <> inline Bodies<4> loadBodies<4>(BodyRecord* const* at)
 	{
 		// (x, y) of records 0 | 2 and 1 | 3, then unpack; the same for (spin, 1/m)
-		const auto halves = [&](int i, int part) {
-			const double* a = &body[index[i]].x + part;
-			const double* b = &body[index[i + 2]].x + part;
-			return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(a)), _mm_load_pd(b), 1);
+		const auto halves = [&](int i, int part) __attribute__((always_inline)) {
+			return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(&at[i]->x + part)), _mm_load_pd(&at[i + 2]->x + part), 1);
 		};
 		const __m256d v02 = halves(0, 0), v13 = halves(1, 0), w02 = halves(0, 2), w13 = halves(1, 2);
 		return { _mm256_unpacklo_pd(v02, v13), _mm256_unpackhi_pd(v02, v13), _mm256_unpacklo_pd(w02, w13), _mm256_unpackhi_pd(w02, w13) };
 	}
 
-	template <> inline void storeBodies<4>(const Bodies<4>& v, BodyRecord* body, const std::int32_t* index)
+	template <> inline void storeBodies<4>(const Bodies<4>& v, BodyRecord* const* at)
 	{
-		const auto put = [&](__m256d pair, int i, int part) {
-			_mm_store_pd(&body[index[i]].x + part, _mm256_castpd256_pd128(pair));
-			_mm_store_pd(&body[index[i + 2]].x + part, _mm256_extractf128_pd(pair, 1));
+		const auto put = [&](__m256d pair, int i, int part) __attribute__((always_inline)) {
+			_mm_store_pd(&at[i]->x + part, _mm256_castpd256_pd128(pair));
+			_mm_store_pd(&at[i + 2]->x + part, _mm256_extractf128_pd(pair, 1));
 		};
 		put(_mm256_unpacklo_pd(v.x.value, v.y.value), 0, 0);
 		put(_mm256_unpackhi_pd(v.x.value, v.y.value), 1, 0);

@@ -6,6 +6,8 @@
 //   apart n₀ ≤ 0: 0;  stick |t| ≤ µ (n₀ − r t): (n₀ − r t, t);  else slide: n = n₀ d±, ± by the sign of t.
 #include "lane.hpp"
 
+#define INLINE __attribute__((always_inline)) // lambdas of inner loops: a call costs as much as a tenth of a point
+
 namespace rcr {
 namespace RCR_LANE_NAMESPACE {
 
@@ -13,6 +15,7 @@ namespace RCR_LANE_NAMESPACE {
 
 		using L = Lane<RCR_LANES>;
 		using B = Bodies<RCR_LANES>;
+		using P = Places<RCR_LANES>;
 
 		struct Vector { // (n, t) components
 			L n, t;
@@ -48,24 +51,27 @@ namespace RCR_LANE_NAMESPACE {
 			const L n     = free - ratio * t;
 			const L slide = free * bySign(t, L::load(c.slidePlus + lane), L::load(c.slideMinus + lane));
 			const auto stick = abs(t) <= friction * n, apart = free <= L(0.0);
-			return { select(apart, L(0.0), select(stick, n, abs(slide))),
-				 select(apart, L(0.0), select(stick, t, copySign(friction, t) * slide)) };
+			return { zeroWhere(apart, select(stick, n, abs(slide))), zeroWhere(apart, select(stick, t, copySign(friction, t) * slide)) };
 		}
 
 		inline Vector projectCone(const Vector& p, L friction)
 		{
 			const L    size = abs(p.t), n = (p.n + friction * size) / (L(1.0) + friction * friction);
 			const auto inside = size <= friction * p.n, polar = friction * size <= L(0.0) - p.n;
-			return { select(inside, p.n, select(polar, L(0.0), n)),
-				 select(inside, p.t, select(polar, L(0.0), copySign(friction * n, p.t))) };
+			return { select(inside, p.n, zeroWhere(polar, n)),
+				 select(inside, p.t, zeroWhere(polar, copySign(friction * n, p.t))) };
 		}
 
-		/// Calls visit(pair block, its first point block, lane) for all pairs of a chunk, RCR_LANES at a time.
+		/// Calls visit(bodies 1, bodies 2, first point block, lane) for all pairs of a chunk, RCR_LANES at a time.
 		template <class Visit> inline void forEachPair(const PackedView& view, const Chunk& chunk, Visit visit)
 		{
 			for (int b = 0; b < chunk.blocks; ++b)
 				for (int lane = 0; lane < blockWidth; lane += RCR_LANES)
-					visit(view.pairs[chunk.firstPair + b], view.points + chunk.firstPoint + b * chunk.pointsPerPair, lane);
+					visit(
+					        P(view.body, view.pairs[chunk.firstPair + b].body1 + lane),
+					        P(view.body, view.pairs[chunk.firstPair + b].body2 + lane),
+					        view.points + chunk.firstPoint + b * chunk.pointsPerPair,
+					        lane);
 		}
 
 		/// A sum kept apart for each slot of a block, so that its order is the same for every lane width.
@@ -79,12 +85,12 @@ namespace RCR_LANE_NAMESPACE {
 		double prepare(const PackedView& view, const Chunk& chunk)
 		{
 			SlotSum    velocity2;
-			const auto inverse = [](L value) { return select(value <= L(0.0), L(0.0), L(1.0) / value); };
+			const auto inverse = [](L value) { return zeroWhere(value <= L(0.0), L(1.0) / value); };
 			const auto slide   = [](L with, L against) { // the other face where this one is inconsistent (Painlevé)
                                 return select(with <= L(0.0), L(-1.0) / against, L(1.0) / with);
 			};
-			forEachPair(view, chunk, [&](const PairBlock& pair, PointBlock* point, int lane) {
-				const B v1 = loadBodies<RCR_LANES>(view.body, pair.body1 + lane), v2 = loadBodies<RCR_LANES>(view.body, pair.body2 + lane);
+			forEachPair(view, chunk, [&](const P& at1, const P& at2, PointBlock* point, int lane) INLINE {
+				const B v1 = loadBodies<RCR_LANES>(at1.at), v2 = loadBodies<RCR_LANES>(at2.at);
 				const L m1 = v1.inverseMass, m2 = v2.inverseMass;
 				for (PointBlock* c = point; c < point + chunk.pointsPerPair; ++c) {
 					const L nx = L::load(c->nx + lane), ny = L::load(c->ny + lane), friction = L::load(c->friction + lane);
@@ -113,24 +119,24 @@ namespace RCR_LANE_NAMESPACE {
 
 		void apply(const PackedView& view, const Chunk& chunk)
 		{
-			forEachPair(view, chunk, [&](const PairBlock& pair, const PointBlock* point, int lane) {
-				B v1 = loadBodies<RCR_LANES>(view.body, pair.body1 + lane), v2 = loadBodies<RCR_LANES>(view.body, pair.body2 + lane);
+			forEachPair(view, chunk, [&](const P& at1, const P& at2, const PointBlock* point, int lane) INLINE {
+				B v1 = loadBodies<RCR_LANES>(at1.at), v2 = loadBodies<RCR_LANES>(at2.at);
 				for (const PointBlock* c = point; c < point + chunk.pointsPerPair; ++c)
 					applyImpulse(*c, lane, { L::load(c->pn + lane), L::load(c->pt + lane) }, v1, v2);
-				storeBodies<RCR_LANES>(v1, view.body, pair.body1 + lane);
-				storeBodies<RCR_LANES>(v2, view.body, pair.body2 + lane);
+				storeBodies<RCR_LANES>(v1, at1.at);
+				storeBodies<RCR_LANES>(v2, at2.at);
 			});
 		}
 
 		/// One sweep; `next(point, lane, u)` gives the change of the impulse and stores it.
 		template <int Points, class Next> inline void sweepPairs(const PackedView& view, const Chunk& chunk, Next next)
 		{
-			forEachPair(view, chunk, [&](const PairBlock& pair, PointBlock* point, int lane) {
-				B v1 = loadBodies<RCR_LANES>(view.body, pair.body1 + lane), v2 = loadBodies<RCR_LANES>(view.body, pair.body2 + lane);
+			forEachPair(view, chunk, [&](const P& at1, const P& at2, PointBlock* point, int lane) INLINE {
+				B v1 = loadBodies<RCR_LANES>(at1.at), v2 = loadBodies<RCR_LANES>(at2.at);
 				for (int i = 0; i < Points; ++i)
 					applyImpulse(point[i], lane, next(point[i], lane, relativeVelocity(point[i], lane, v1, v2)), v1, v2);
-				storeBodies<RCR_LANES>(v1, view.body, pair.body1 + lane);
-				storeBodies<RCR_LANES>(v2, view.body, pair.body2 + lane);
+				storeBodies<RCR_LANES>(v1, at1.at);
+				storeBodies<RCR_LANES>(v2, at2.at);
 			});
 		}
 
@@ -143,7 +149,7 @@ namespace RCR_LANE_NAMESPACE {
 
 		void sweep(const PackedView& view, const Chunk& chunk)
 		{
-			sweepChunk(view, chunk, [](PointBlock& c, int lane, const Vector& u) -> Vector {
+			sweepChunk(view, chunk, [](PointBlock& c, int lane, const Vector& u) INLINE -> Vector {
 				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) }, q = solvePoint(c, lane, u, p);
 				q.n.store(c.pn + lane);
 				q.t.store(c.pt + lane);
@@ -154,7 +160,7 @@ namespace RCR_LANE_NAMESPACE {
 		void sweepRelaxed(const PackedView& view, const Chunk& chunk, double by)
 		{
 			const L relaxation = by;
-			sweepChunk(view, chunk, [=](PointBlock& c, int lane, const Vector& u) -> Vector {
+			sweepChunk(view, chunk, [=](PointBlock& c, int lane, const Vector& u) INLINE -> Vector {
 				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) }, solved = solvePoint(c, lane, u, p);
 				const Vector q = projectCone(
 				        { p.n + relaxation * (solved.n - p.n), p.t + relaxation * (solved.t - p.t) }, L::load(c.friction + lane));
@@ -168,7 +174,7 @@ namespace RCR_LANE_NAMESPACE {
 		{
 			const L beta = momentum;
 			SlotSum change2;
-			sweepChunk(view, chunk, [&](PointBlock& c, int lane, const Vector& u) -> Vector {
+			sweepChunk(view, chunk, [&](PointBlock& c, int lane, const Vector& u) INLINE -> Vector {
 				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) };
 				const Vector y { p.n + beta * (p.n - L::load(c.oldPn + lane)), p.t + beta * (p.t - L::load(c.oldPt + lane)) };
 				const Vector q = solvePoint(c, lane, u, y), change { q.n - y.n, q.t - y.t };
@@ -185,8 +191,8 @@ namespace RCR_LANE_NAMESPACE {
 		Measures measure(const PackedView& view, const Chunk& chunk)
 		{
 			SlotSum error2, impulse2, normal, violation2, velocity2;
-			forEachPair(view, chunk, [&](const PairBlock& pair, const PointBlock* point, int lane) {
-				const B v1 = loadBodies<RCR_LANES>(view.body, pair.body1 + lane), v2 = loadBodies<RCR_LANES>(view.body, pair.body2 + lane);
+			forEachPair(view, chunk, [&](const P& at1, const P& at2, const PointBlock* point, int lane) INLINE {
+				const B v1 = loadBodies<RCR_LANES>(at1.at), v2 = loadBodies<RCR_LANES>(at2.at);
 				for (const PointBlock* c = point; c < point + chunk.pointsPerPair; ++c) {
 					const Vector u = relativeVelocity(*c, lane, v1, v2), p { L::load(c->pn + lane), L::load(c->pt + lane) };
 					const L      un = u.n + L::load(c->bias + lane), friction = L::load(c->friction + lane);
