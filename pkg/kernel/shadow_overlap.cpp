@@ -42,11 +42,13 @@ namespace {
 
 	Facing swapped(const Facing& f) { return { f.core2, f.core1, -f.normal, f.distance, f.side }; }
 
-	/// Do the two ends of each segment lie strictly on both sides of the other?
+	/// Do the two ends of each segment lie strictly on both sides of the other? Of segments on one line both sides are
+	/// rounding, so they must also reach each other along it.
 	bool crossing(Vec2 d, Vec2 axis1, double a1, Vec2 axis2, double a2)
 	{
 		const double sine = cross(axis1, axis2), h1 = cross(axis2, d), h2 = cross(axis1, d);
-		return std::abs(h2) < a2 * std::abs(sine) && std::abs(h1) < a1 * std::abs(sine);
+		return std::abs(h2) < a2 * std::abs(sine) && std::abs(h1) < a1 * std::abs(sine)
+		        && std::abs(dot(d, axis1)) < a1 + a2 * std::abs(dot(axis1, axis2));
 	}
 
 	ManifoldPoint manifoldPoint(const Facing& f, double radius1, double radius2)
@@ -149,7 +151,8 @@ Manifold shadowOverlap(const Rectangle& box, const Pose& boxAt, const Stadium& s
 		const Vec2   n      = axes[k];
 		const double nearest = std::min(dot(ends[0], n), dot(ends[1], n));
 		const double along   = nearest - std::abs(h.x * n.x) - std::abs(h.y * n.y);
-		if (along > separation) { separation = along, axis = n, face = k < 4; }
+		// Where the core is parallel to a face both axes are the same but for rounding: the face has two points.
+		if (along > separation + (k < 4 ? 0 : 1e-12 * (h.x + h.y))) { separation = along, axis = n, face = k < 4; }
 	}
 
 	Facing facing[6];
@@ -166,14 +169,15 @@ Manifold shadowOverlap(const Rectangle& box, const Pose& boxAt, const Stadium& s
 		}
 		if (s.halfLength == 0) break;
 	}
+	if (separation <= 0 && !face) { // out along the normal of the core, which the farthest corner touches last
+		const Vec2 corner = *std::max_element(corners, corners + 4, [&](Vec2 a, Vec2 b) { return dot(a, axis) < dot(b, axis); });
+		facing[count++]   = { corner, corner + separation * axis, axis, separation, true };
+	}
 	for (Vec2 corner : corners) {
-		if (separation <= 0 ? face : s.halfLength == 0) break;
+		if (separation <= 0 || s.halfLength == 0) break;
 		const double along = dot(corner - q, e), across = cross(e, corner - q);
 		if (std::abs(along) > s.halfLength) continue;
-		if (separation > 0)
-			facing[count++] = { corner, corner - across * perp(e), -sign(across) * perp(e), std::abs(across), true };
-		else if (dot(corner, axis) >= std::abs(h.x * axis.x) + std::abs(h.y * axis.y) - 1e-12 * (h.x + h.y))
-			facing[count++] = { corner, corner - across * perp(e), axis, separation, true };
+		facing[count++] = { corner, corner - across * perp(e), -sign(across) * perp(e), std::abs(across), true };
 	}
 	if (count == 0) return {};
 	for (int k = 0; k < count; ++k) { // back to the plane
