@@ -1,0 +1,102 @@
+"""The contact problem of one point: a case a branch, then its optimality conditions on random blocks.
+
+    u = W p + g,  0 ≤ u_n ⟂ p_n ≥ 0,  |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0
+"""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rcr import _kernel
+
+numbers = st.floats(-10, 10, allow_subnormal=False)
+frictions = st.one_of(st.just(0.0), st.floats(1e-3, 3))
+
+
+def check_laws(W, g, mu, p):
+    """Asserts the conditions above; the message holds what replays the case."""
+    W, g, p = np.asarray(W, float), np.asarray(g, float), np.asarray(p, float)
+    u = W @ p + g
+    speed = np.abs(g).sum() + (np.abs(W) @ np.abs(p)).sum()
+    small_u = 1e-11 * speed * np.linalg.cond(W) ** 0.5  # rounding of W p + g, and of the Schur complement
+    small_p = 1e-13 * np.abs(p).sum()
+    replay = f"solve_coulomb({W[0, 0]!r}, {W[0, 1]!r}, {W[1, 1]!r}, {g[0]!r}, {g[1]!r}, {mu!r}) = {p}, u = {u}"
+    assert p[0] >= 0 and u[0] >= -small_u, replay
+    assert p[0] == 0 or abs(u[0]) <= small_u, replay
+    assert abs(p[1]) <= mu * p[0] + small_p, replay
+    if abs(u[1]) > small_u:
+        assert p[1] == pytest.approx(-mu * p[0] * np.sign(u[1]), abs=small_p), replay
+
+
+def solve(W, g, mu):
+    return np.array(_kernel.solve_coulomb(W[0][0], W[0][1], W[1][1], g[0], g[1], mu))
+
+
+@pytest.mark.parametrize(
+    "W, g, mu, expected",
+    [
+        pytest.param([[2, 0], [0, 4]], (1, 3), 0.5, (0, 0), id="apart"),
+        pytest.param([[2, 0], [0, 4]], (0, 3), 0.5, (0, 0), id="touching without approach"),
+        pytest.param([[2, 0], [0, 4]], (-1, 3), 0, (0.5, 0), id="frictionless"),
+        pytest.param([[2, 0], [0, 4]], (-1, 0), 0.5, (0.5, 0), id="no slip to stop"),
+        pytest.param([[2, 0], [0, 4]], (-1, 0.8), 0.5, (0.5, -0.2), id="stick"),
+        pytest.param([[2, 0], [0, 4]], (-1, 8), 0.5, (0.5, -0.25), id="slide, slip > 0"),
+        pytest.param([[2, 0], [0, 4]], (-1, -8), 0.5, (0.5, 0.25), id="slide, slip < 0"),
+        pytest.param([[2, 1], [1, 4]], (-1, 8), 0.5, (2 / 3, -1 / 3), id="slide, coupled: p_n = -g_n/(w_nn - µ w_nt)"),
+        pytest.param([[2, 1], [1, 4]], (-1, -8), 0.5, (0.4, 0.2), id="slide, coupled: p_n = -g_n/(w_nn + µ w_nt)"),
+        pytest.param([[2, 0], [0, 0]], (-1, 3), 0.5, (0.5, -0.25), id="tt = 0: friction moves nothing, it slides"),
+        pytest.param([[2, 0], [0, 0]], (-1, 0), 0.5, (0.5, 0), id="tt = 0 at rest"),
+    ],
+)
+def test_one_case_a_branch(W, g, mu, expected):
+    assert solve(W, g, mu) == pytest.approx(np.array(expected), rel=1e-15)  # a few operations
+    check_laws(W, g, mu, expected)
+
+
+@settings(max_examples=400, deadline=None)
+@given(a=st.tuples(numbers, numbers), b=st.tuples(numbers, numbers), g=st.tuples(numbers, numbers), mu=frictions)
+def test_laws_hold_for_any_positive_definite_block(a, b, g, mu):
+    """W = A Aᵀ + 0.01 I covers mild coupling and Painlevé's; the laws have a solution for each."""
+    A = np.array([a, b])
+    W = A @ A.T + 0.01 * np.eye(2)
+    check_laws(W, g, mu, solve(W, g, mu))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_laws_hold_on_random_blocks(seed):
+    rng = np.random.default_rng(seed)
+    for _ in range(2000):
+        A, g, mu = rng.normal(size=(2, 2)), rng.normal(size=2), rng.choice([0, 0.1, 0.5, 1, 3])
+        W = A @ A.T + 1e-3 * np.eye(2)
+        check_laws(W, g, mu, solve(W, g, mu))
+
+
+@pytest.mark.parametrize("slip", [1e-3, 1.0, 100.0])
+def test_painleve_sticks(slip):
+    """w_nn ≤ µ w_nt: sliding against that side is inconsistent, and stick then always fits: |p_t| ≤ µ p_n since
+    p_n = (|g_n| + w_nt |p_t|)/w_nn ≥ |p_t|/µ. An impact without collision: the tangential shock adds to p_n."""
+    W, mu, g = np.array([[1.0, 1.5], [1.5, 3.0]]), 0.8, np.array([-1e-3, slip])
+    p = solve(W, g, mu)
+    assert W @ p + g == pytest.approx(0, abs=1e-12 * slip)  # rounding of W p + g
+    assert p[0] > 1e-3 / W[0, 0]
+    check_laws(W, g, mu, p)
+
+
+def test_painleve_without_a_solution_stays_in_the_cone():
+    """Rank one and w_nn ≤ µ w_nt: no impulse meets the laws; what comes out is finite, and admissible."""
+    p = solve([[1.0, 2.0], [2.0, 4.0]], (-1.0, 3.0), 0.8)
+    assert np.isfinite(p).all() and p[0] >= 0 and abs(p[1]) <= 0.8 * p[0] * (1 + 1e-15)
+
+
+@settings(max_examples=400, deadline=None)
+@given(n=numbers, t=numbers, mu=frictions)
+def test_projection_is_the_nearest_point_of_the_cone(n, t, mu):
+    """q = P_K(p) ⟺ q ∈ K, (p − q)·q = 0 and (p − q)·r ≤ 0 for the rays r = (1, ±µ) that span K."""
+    p = np.array([n, t])
+    q = np.array(_kernel.project_cone(n, t, mu))
+    small = 1e-14 * (1 + mu) * (1 + p @ p)  # rounding of a product
+    replay = f"project_cone({n!r}, {t!r}, {mu!r}) = {q}"
+    assert abs(q[1]) <= mu * q[0] + small, replay
+    assert abs((p - q) @ q) <= small, replay
+    for side in (-mu, mu):
+        assert (p - q) @ (1, side) <= small, replay

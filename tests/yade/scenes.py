@@ -1,0 +1,107 @@
+"""Scenes for the tests: one list of engines, a few bodies, and what is read off them."""
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import rcr
+import yade.utils
+from yade import O
+from yade.minieigenHP import Quaternion, Vector3
+from yade.wrapper import (
+    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop, MatchMaker,
+    NewtonIntegrator,
+)  # fmt: skip
+
+G = 9.81
+EXACT = dict(tolerance=1e-14, maxIterations=3000, solver="nlgs")  # for closed forms: the solver leaves rounding only
+
+
+def material(friction=0.5, density=1000.0):
+    """FrictMat with the friction coefficient µ [-] and the density [kg/m³]."""
+    return FrictMat(density=density, frictionAngle=math.atan(friction), young=1e9, poisson=0.3)
+
+
+def engines(gravity=(0, -G, 0), before=(), restitution=None, **solver):
+    """The engines of a rigid scene; `before` stands before ContactDynamics, `solver` goes to it."""
+    ip2 = rcr.Ip2_FrictMat_FrictMat_CdPhys()
+    if restitution is not None:
+        ip2.restitution = MatchMaker(algo="val", val=restitution)
+    return [
+        ForceResetter(),
+        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(), Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
+        InteractionLoop(
+            [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom(), rcr.Ig2_Sphere_Rcr_RcrGeom()],
+            [ip2],
+            [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()],
+        ),
+        *before,
+        rcr.ContactDynamics(**(solver or EXACT)),
+        NewtonIntegrator(gravity=gravity, damping=0),
+    ]
+
+
+def build(*bodies, dt=1e-3, **options):
+    """A fresh scene of these bodies; returns their ids."""
+    O.reset()
+    O.dt = dt
+    O.engines = engines(**options)
+    return [O.bodies.append(body) for body in bodies]
+
+
+def stadium(a, r, center, angle=0.0, **options):
+    """Body with the half length a and the cap radius r."""
+    return rcr.particle(center, R=a + r, eta=a / (a + r), angle=angle, **options)
+
+
+def box(center, half_extent, angle=0.0, material=None):
+    orientation = Quaternion(Vector3(0, 0, 1), angle)
+    return yade.utils.box((*center, 0), (*half_extent, 1), orientation=orientation, fixed=True, material=material)
+
+
+def inertia(a, r, density=1000.0):
+    """Mass and moment of inertia of a stadium."""
+    body = stadium(a, r, (0, 0), material=material(density=density))
+    return body.state.mass, body.state.inertia[2]
+
+
+def steps(n):
+    for _ in range(n):
+        O.step()
+
+
+def velocity(body_id):
+    """(v_x, v_y, ω)."""
+    state = O.bodies[body_id].state
+    return np.array([state.vel[0], state.vel[1], state.angVel[2]])
+
+
+def tilted(alpha):
+    """Gravity on a slope that falls by α towards +x, in the frame of the slope."""
+    return (G * math.sin(alpha), -G * math.cos(alpha), 0)
+
+
+def point_forces(id1, id2):
+    """Forces (normal, tangential) of the points of a contact, (points, 2), sorted along the particle."""
+    phys = O.interactions[id1, id2].phys
+    return np.array([phys.force1, phys.force2])[: phys.points]
+
+
+def snapshot():
+    """Everything that moves, and the forces: (n, 20) array, to be compared bit by bit."""
+    rows = []
+    for b in O.bodies:
+        s = b.state
+        rows.append([*s.pos, *s.ori, *s.vel, *s.angVel, *O.forces.f(b.id), *O.forces.t(b.id)])
+    return np.array(rows)
+
+
+def contact_forces():
+    """Point forces of all contacts by the ids of their bodies, bit by bit."""
+    return {(i.id1, i.id2): (i.phys.points, *i.phys.force1, *i.phys.force2) for i in O.interactions if i.isReal}
+
+
+def python(code, *arguments):
+    """Runs a script in a YADE of its own; returns the CompletedProcess."""
+    return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=120)

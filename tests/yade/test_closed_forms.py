@@ -1,0 +1,318 @@
+"""Scenes whose answer is known. Each docstring has the formula; all are in the plane and per unit depth."""
+
+import math
+
+import numpy as np
+import pytest
+import rcr
+from scenes import EXACT, G, box, build, inertia, material, point_forces, stadium, steps, tilted, velocity
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from yade import O
+
+DT = 1e-3
+MU = 0.5
+STILL = 1e-11  # m/s: rounding of gravity's dt g = 1e-2, summed over some steps
+ROUNDING = 1e-12  # relative: a few dozen operations
+slightly = pytest.mark.parametrize("factor", [0.99, 1.01], ids=["below", "above"])
+
+
+# ---------------------------------------------------------------------------------------------- mass
+
+@pytest.mark.parametrize("eta", [0, 0.3, 0.7, 0.95])
+@pytest.mark.parametrize("angle", [0, 1.0])
+def test_particle_has_the_mass_centre_and_inertia_of_its_shape(eta, angle):
+    """m = ρ ∫ dA, I = ρ ∫ |x|² dA, by integration over x of the half height y(x): 2y and 2x²y + 2y³/3."""
+    R, density = 0.3, 2600.0
+    a, r = eta * R, (1 - eta) * R
+
+    def integral(f):  # half of the shape: rectangle, then the half circle x = a + r sin t
+        return 2 * (quad(lambda x: f(x, r), 0, a)[0] + quad(lambda t: f(a + r * math.sin(t), r * math.cos(t)) * r * math.cos(t), 0, math.pi / 2)[0])
+
+    state = rcr.particle((1, 2), R, eta, angle, material(density=density)).state
+    assert state.mass == pytest.approx(density * integral(lambda x, y: 2 * y), rel=ROUNDING)
+    assert state.inertia[2] == pytest.approx(density * integral(lambda x, y: 2 * x * x * y + 2 * y**3 / 3), rel=ROUNDING)
+    assert tuple(state.pos) == (1, 2, 0) and state.blockedDOFs == "zXY"
+
+
+# ---------------------------------------------------------------------------------------------- slopes
+
+def floor_and_slope(kind, alpha, body, mu):
+    """A body on a slope that falls by α towards +x: tilted gravity on a wall, or a turned box. Returns (id, direction down)."""
+    a, r, angle = body
+    if kind == "wall":
+        _, i = build(rcr.wall("y", 0, material=material(mu)), stadium(a, r, (0, r + a * abs(math.sin(angle))), angle, material=material(10)), gravity=tilted(alpha))
+        return i, np.array([1.0, 0.0])
+    down, up = np.array([math.cos(alpha), -math.sin(alpha)]), np.array([math.sin(alpha), math.cos(alpha)])
+    center = (r + a * abs(math.sin(angle))) * up
+    _, i = build(box(-0.5 * up, (5, 0.5), -alpha, material(mu)), stadium(a, r, center, angle - alpha, material=material(10)))
+    return i, down
+
+
+@pytest.mark.parametrize("kind", ["wall", "box"])
+@slightly
+def test_flat_slider_on_a_slope(kind, factor):
+    """A flat RCR sticks for tan α ≤ µ, else a = g (sin α − µ cos α)."""
+    alpha = math.atan(factor * MU)
+    slider, down = floor_and_slope(kind, alpha, (0.4, 0.1, 0), MU)
+    steps(50)
+    v = velocity(slider)
+    expected = max(0, G * (math.sin(alpha) - MU * math.cos(alpha)))
+    assert v[:2] @ down / (50 * DT) == pytest.approx(expected, abs=1e-10 * G)
+    assert v[2] == pytest.approx(0, abs=1e-10)  # flat, whatever the friction
+
+
+@pytest.mark.parametrize("kind", ["wall", "box"])
+@slightly
+def test_disc_on_a_slope(kind, factor):
+    """Rolls for tan α ≤ µ (1 + mR²/I): a = g sin α/(1 + I/(mR²)), ω = −v/R; else it slides, a = g (sin α − µ cos α) and
+    ω' = −µ m g cos α R/I."""
+    R = 0.2
+    m, I = inertia(0, R)
+    alpha = math.atan(factor * MU * (1 + m * R**2 / I))
+    disc, down = floor_and_slope(kind, alpha, (0, R, 0), MU)
+    steps(50)
+    v = velocity(disc)
+    if factor < 1:
+        linear = G * math.sin(alpha) / (1 + I / (m * R**2))
+        angular = -linear / R
+    else:
+        linear = G * (math.sin(alpha) - MU * math.cos(alpha))
+        angular = -MU * m * G * math.cos(alpha) * R / I
+    assert v[:2] @ down / (50 * DT) == pytest.approx(linear, rel=1e-10)
+    assert v[2] / (50 * DT) == pytest.approx(angular, rel=1e-10)
+
+
+@pytest.mark.parametrize("kind", ["wall", "box"])
+@slightly
+def test_block_on_a_slope_tips_over_its_lower_edge(kind, factor):
+    """A flat RCR rests on the ends of its core, so it tips for tan α > a/r: ω' = −m g (r sin α − a cos α)/(I + m(a² + r²))."""
+    a, r = 0.3, 0.5
+    alpha = math.atan(factor * a / r)
+    block, _ = floor_and_slope(kind, alpha, (a, r, 0), 2.0)
+    steps(1)  # later the lever arm has changed
+    m, I = inertia(a, r)
+    expected = min(0, -m * G * (r * math.sin(alpha) - a * math.cos(alpha)) / (I + m * (a**2 + r**2)))
+    assert velocity(block)[2] / DT == pytest.approx(expected, abs=1e-10 * G / r)
+
+
+@pytest.mark.parametrize("angle", [0.2, 0.8, 1.5, math.pi / 2, 2.5])
+def test_rcr_starts_to_rock_about_its_contact(angle):
+    """On one cap, without sliding: ω' = −m g x/(I + m (x² + y²)), (x, y) from the contact to the centre."""
+    a, r = 0.4, 0.1
+    rod, _ = floor_and_slope("wall", 0, (a, r, angle), 100.0)
+    O.bodies[rod].material.frictionAngle = math.atan(100)
+    steps(1)
+    m, I = inertia(a, r)
+    x, y = a * math.cos(angle), r + a * math.sin(angle)
+    if angle > math.pi / 2:
+        x = -a * math.cos(math.pi - angle)
+    assert velocity(rod)[2] / DT == pytest.approx(-m * G * x / (I + m * (x * x + y * y)), rel=1e-10, abs=1e-10)
+
+
+def test_rcr_rocks_and_keeps_its_energy():
+    """Rolling on a cap is free of losses: E is kept but for O(dt) of the time stepping."""
+    a, r = 0.4, 0.1
+    m, I = inertia(a, r)
+    losses = []
+    for dt in (1e-3, 5e-4):
+        rod, _ = floor_and_slope("wall", 0, (a, r, 1.2), 100.0)
+        O.bodies[rod].material.frictionAngle = math.atan(100)
+        O.dt = dt
+        height = O.bodies[rod].state.pos[1]
+        steps(round(0.2 / dt))
+        v = velocity(rod)
+        gained = 0.5 * m * v[:2] @ v[:2] + 0.5 * I * v[2] ** 2
+        losses.append(1 - gained / (m * G * (height - O.bodies[rod].state.pos[1])))
+    assert abs(losses[0]) < 0.03  # g dt/v at v = 1 m/s, from the symplectic potential energy
+    assert losses[1] == pytest.approx(losses[0] / 2, rel=0.1)  # first order
+
+
+# ---------------------------------------------------------------------------------------------- statics
+
+@pytest.mark.parametrize("theta", [0.7, 1.0, 1.3])
+@pytest.mark.parametrize("factor", [0.999, 1.001], ids=["above", "below"])
+def test_ladder_against_a_smooth_wall(theta, factor):
+    """Moments about the foot: N_wall (r + 2a sin θ) = m g a cos θ, and N_wall = F ≤ µ m g, so it slips below the angle of
+    a cos θ = µ (r + 2a sin θ); for a thin ladder tan θ = 1/(2µ). The cap radius r raises the wall's lever arm over the
+    floor's by r, no more."""
+    a, r = 1.0, 0.05
+    mu = factor * a * math.cos(theta) / (r + 2 * a * math.sin(theta))
+    critical = brentq(lambda t: a * math.cos(t) - mu * (r + 2 * a * math.sin(t)), 0.1, 1.6)
+    assert abs(critical - theta) < 2e-3 and abs(math.tan(critical) - 1 / (2 * mu)) < r / a * (1 + 1 / mu)
+    *_, ladder = build(
+        rcr.wall("y", 0, material=material(mu)),
+        rcr.wall("x", a * math.cos(theta) + r, material=material(0)),
+        stadium(a, r, (0, r + a * math.sin(theta)), theta, material=material(10)),
+    )
+    steps(5)
+    slips = theta < critical
+    assert slips == (factor < 1)
+    speed = abs(velocity(ladder)[2])
+    assert speed > 1e-6 if slips else speed < STILL
+
+
+@pytest.mark.parametrize("where", ["discs", "floor"])
+@slightly
+def test_pyramid_of_three_discs(where, factor):
+    """One disc on two that touch on a floor, all of the weight W. Contact at 30° from the vertical, N and T; the lower disc is
+    free of torque, so the floor's friction is F = T too. Horizontally N sin 30° = T cos 30° + F:
+
+        T/N = sin 30°/(1 + cos 30°) = tan(π/12)          between the discs
+        2 (N cos 30° + T sin 30°) = W  ⟹  N = W/2,  F/(3W/2) = tan(π/12)/3   at the floor
+    """
+    critical = {"discs": math.tan(math.pi / 12), "floor": math.tan(math.pi / 12) / 3}
+    mu = {"discs": 1.0, "floor": 1.0, where: factor * critical[where]}
+    R = 0.1
+    discs = material(mu["discs"])
+    build(
+        rcr.wall("y", 0, material=material(mu["floor"])),
+        *(stadium(0, R, center, material=discs) for center in [(-R, R), (R, R), (0, R + math.sqrt(3) * R)]),
+    )
+    for i in (1, 2, 3):  # the smaller of two angles counts, so the discs may not limit the floor
+        O.bodies[i].material = discs if where == "discs" else material(1.0)
+    steps(5)
+    top = -velocity(3)[1]
+    assert top < STILL if factor > 1 else top > 1e-6
+
+
+@pytest.mark.parametrize("support", ["rcr", "box"])
+@pytest.mark.parametrize("shift", [0.0, 0.1, 0.25, 0.39])
+def test_eccentric_load_is_shared_by_the_lever_rule(support, shift):
+    """A flat RCR, shifted by s, rests on two points: its own end at s − a and the edge of its support at a. Lever rule:
+    N₁ = W (a − s)/(2a − s), N₂ = W a/(2a − s)."""
+    lower, upper = side_on_side(support, shift)
+    steps(20)
+    a, (m, _) = 0.4, inertia(0.4, 0.1)
+    expected = m * G / (2 * a - shift) * np.array([a - shift, a])
+    assert point_forces(lower, upper)[:, 0] == pytest.approx(expected, rel=1e-10)
+    assert velocity(upper) == pytest.approx(0, abs=STILL)
+
+
+@pytest.mark.parametrize("support", ["rcr", "box"])
+@pytest.mark.parametrize("shift", [0.41, 0.5])
+def test_load_beyond_the_edge_tips(support, shift):
+    """s > a: one point is left at the edge, ω' = −m g x/(I + m (x² + r²)) with x = s − a."""
+    lower, upper = side_on_side(support, shift, friction=100.0)
+    steps(1)
+    m, I = inertia(0.4, 0.1)
+    x = shift - 0.4
+    assert velocity(upper)[2] / DT == pytest.approx(-m * G * x / (I + m * (x * x + 0.1**2)), rel=1e-10)
+
+
+def side_on_side(support, shift, friction=0.5):
+    a, r = 0.4, 0.1
+    rough = material(friction)
+    below = stadium(a, r, (0, -r), material=rough, fixed=True) if support == "rcr" else box((0, -0.3), (a, 0.3), material=rough)
+    return build(below, stadium(a, r, (shift, r), material=rough))
+
+
+def test_zigzag_column_presses_like_a_fluid():
+    """Frictionless discs stacked from wall to wall: the contact under the k-th from the top carries kW at the angle φ,
+    tan φ = Δx/Δy, so disc k presses its wall by (2k − 1) W tan φ, linear in depth; the bottom one by (n − 1) W tan φ."""
+    n, R, dx = 20, 0.1, 0.09
+    dy = math.sqrt(4 * R * R - dx * dx)
+    smooth = material(0)
+    m, _ = inertia(0, R)
+    *_, lowest = ids = build(
+        rcr.wall("x", 0, material=smooth), rcr.wall("x", 2 * R + dx, material=smooth), rcr.wall("y", 0, material=smooth),
+        *(stadium(0, R, (R + dx * (k % 2), R + k * dy), material=smooth) for k in reversed(range(n))),
+        **EXACT | dict(maxIterations=1_000_000),
+    )  # fmt: skip
+    steps(3)
+    depth = np.arange(1, n + 1)
+    expected = (2 * depth - 1.0) * m * G * dx / dy
+    expected[-1] = (n - 1) * m * G * dx / dy
+    walls = [point_forces((n - 1 - k) % 2, ids[3 + k])[0, 0] for k in range(n)]
+    assert walls == pytest.approx(expected, rel=1e-10)
+    assert -O.forces.f(2)[1] == pytest.approx(n * m * G, rel=1e-10)
+
+
+def test_resting_pile_presses_with_its_weight():
+    """Sums of the wall forces: 0 and −Σ m g."""
+    rng = np.random.default_rng(5)
+    rough = material(0.4)
+    grains = [
+        rcr.particle((0.15 + 0.2 * (k % 5) + rng.uniform(-0.02, 0.02), 0.1 + 0.21 * (k // 5)), rng.uniform(0.06, 0.09), rng.uniform(0, 0.8), rng.uniform(0, 3), rough)
+        for k in range(30)
+    ]
+    walls = [rcr.wall("x", 0, material=rough), rcr.wall("x", 1.1, material=rough), rcr.wall("y", 0, material=rough)]
+    build(*walls, *grains, dt=4e-3, tolerance=1e-6, maxIterations=5000)
+    steps(3000)
+    O.engines[-2].tolerance = 1e-13
+    O.engines[-2].maxIterations = 200_000
+    steps(5)
+    weight = G * sum(b.state.mass for b in grains)
+    force = sum(np.array(O.forces.f(i)) for i in range(3))
+    replay = f"seed 5, residual {O.engines[-2].residual:g} after {O.engines[-2].iterations} iterations"
+    assert force[:2] == pytest.approx([0, -weight], abs=1e-8 * weight), replay
+
+
+# ---------------------------------------------------------------------------------------------- motion
+
+def test_free_flight_is_that_of_the_symplectic_scheme():
+    """v_n = v₀ + n dt g, x_n = x₀ + n dt v₀ + n(n+1)/2 dt² g, θ_n = θ₀ + n dt ω."""
+    (body,) = build(stadium(0.2, 0.1, (1, 2), 0.3))
+    state = O.bodies[body].state
+    state.vel, state.angVel = (3, 4, 0), (0, 0, 1.5)
+    n = 200
+    steps(n)
+    assert velocity(body) == pytest.approx([3, 4 - G * n * DT, 1.5], rel=ROUNDING)
+    assert tuple(state.pos) == pytest.approx((1 + 3 * n * DT, 2 + 4 * n * DT - G * DT**2 * n * (n + 1) / 2, 0), rel=ROUNDING)
+    assert 2 * math.atan2(state.ori[2], state.ori[3]) == pytest.approx(0.3 + 1.5 * n * DT, rel=ROUNDING)
+
+
+def test_plastic_disc_closes_its_gap_and_rests():
+    """e = 0: the gap that is left closes within one step, v = −gap/dt, and the next one stops the disc."""
+    h, R = 0.5, 0.1
+    _, disc = build(rcr.wall("y", 0, material=material()), stadium(0, R, (0, R + h)))
+    steps(round(math.sqrt(2 * h / G) / DT) + 3)  # a few steps after the impact
+    assert velocity(disc) == pytest.approx(0, abs=STILL)
+    assert O.bodies[disc].state.pos[1] == pytest.approx(R, abs=STILL * DT)
+
+
+@pytest.mark.parametrize("e", [0.3, 0.8, 1.0])
+def test_disc_bounces(e):
+    """v⁺ = −e v⁻ in the step of the impact, and the heights of the apexes are e^{2n} h but for O(dt): a step moves the disc
+    by v dt at the most, so the energy of one bounce is uncertain by m g v dt."""
+    h, R = 0.5, 0.1
+    _, disc = build(rcr.wall("y", 0, material=material()), stadium(0, R, (0, R + h)), restitution=e)
+    apexes, before = [], 0.0
+    for _ in range({0.3: 500, 0.8: 1300, 1.0: 1000}[e]):
+        O.step()
+        v = velocity(disc)[1]
+        if before < -10 * G * DT and v > before:  # an impact that is no resting contact
+            assert v == pytest.approx(-e * before, rel=ROUNDING, abs=STILL)
+        if before > 0 >= v:
+            apexes.append(O.bodies[disc].state.pos[1] - R)
+        before = v
+    speed = math.sqrt(2 * G * h)
+    bounces = {0.3: 1, 0.8: 2, 1.0: 1}[e]
+    assert len(apexes) >= bounces
+    for n, apex in enumerate(apexes[:bounces], start=1):
+        assert apex == pytest.approx(e ** (2 * n) * h, abs=2 * n * speed * DT)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("e", [0, 0.6])
+def test_collision_keeps_the_momenta(seed, e):
+    """Σ m v and Σ (I ω + m x × v) do not change. Position correction is off: it moves bodies without a velocity."""
+    rng = np.random.default_rng(seed)
+    rough = material(0.4)
+    ids = build(*(stadium(0.3, 0.1, (side * 0.5, rng.uniform(-0.1, 0.1)), rng.uniform(0, 3), material=rough) for side in (-1, 1)),
+                gravity=(0, 0, 0), restitution=e, correction=0, **EXACT)  # fmt: skip
+    for i, side in zip(ids, (1, -1)):
+        O.bodies[i].state.vel = (side * rng.uniform(1, 2), rng.uniform(-0.2, 0.2), 0)
+        O.bodies[i].state.angVel = (0, 0, rng.uniform(-2, 2))
+
+    def momenta():
+        states = [O.bodies[i].state for i in ids]
+        linear = sum(s.mass * np.array(s.vel) for s in states)
+        angular = sum(s.inertia[2] * s.angVel[2] + s.mass * (s.pos[0] * s.vel[1] - s.pos[1] * s.vel[0]) for s in states)
+        return np.array([linear[0], linear[1], angular])
+
+    before, start = momenta(), velocity(ids[0])
+    steps(400)
+    assert np.abs(velocity(ids[0]) - start).max() > 0.1, f"seed {seed}: they missed"
+    scale = sum(O.bodies[i].state.mass for i in ids)  # times 1 m/s and 1 m
+    assert momenta() == pytest.approx(before, abs=ROUNDING * scale), f"seed {seed}"
