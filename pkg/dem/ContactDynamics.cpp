@@ -82,6 +82,7 @@ void ContactDynamics::action()
 		warned = true;
 	}
 	scatterForces();
+	measureUnbalance();
 	correctPositions();
 	keepColliderAhead();
 }
@@ -214,6 +215,24 @@ void ContactDynamics::scatterForces()
 		phys.normalForce = plane::toSpace(normal);
 		phys.shearForce  = plane::toSpace(shear);
 	}
+}
+
+void ContactDynamics::measureUnbalance()
+{
+	double sum = 0, largest = 0;
+	int    closed = 0;
+	for (const rcr::Impulse& p : problem_.impulse) {
+		sum += p.n;
+		closed += p.n > 0;
+	}
+	for (const auto& b : *scene->bodies) {
+		if (!b || b->state->blockedDOFs == State::DOF_ALL) continue;
+		const rcr::InverseMass& inverse = problem_.inverseMass[b->getId()];
+		const rcr::Twist&       v       = problem_.velocity[b->getId()];
+		const rcr::Twist        before  = plane::twist(*b->state);
+		largest = std::max(largest, std::hypot(inverse.x > 0 ? (v.x - before.x) / inverse.x : 0, inverse.y > 0 ? (v.y - before.y) / inverse.y : 0));
+	}
+	unbalance = closed > 0 ? largest * closed / sum : std::numeric_limits<double>::infinity();
 }
 
 // Overlaps left by the tolerance of the solver, and by curvature within a step, are taken back by a displacement that is

@@ -28,6 +28,7 @@ public:
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
 		((bool,converged,true,Attr::readonly,"Whether the last step reached the tolerance"))
 		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance"))
+		((Real,unbalance,0,Attr::readonly,"Largest net force on a free body over the mean contact force, in the last step [-]; it falls to the tolerance of the solver as a packing comes to rest"))
 		((bool,warned,false,Attr::hidden,"A run that misses its tolerance says so once")),
 		/* ctor */,
 		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict: bodies, pairs, points, frictionless.")
@@ -47,6 +48,7 @@ private:
 	void                    gatherBodies(const NewtonIntegrator&);
 	void                    gatherContacts();
 	void                    scatterForces();
+	void                    measureUnbalance();
 	void                    correctPositions();
 	void                    keepColliderAhead() const;
 

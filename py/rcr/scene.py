@@ -76,6 +76,11 @@ def particle(center, R, eta, angle=0, material=-1, fixed=False):
     return body
 
 
+def _plane(vector):
+    """The x and y of a vector of YADE."""
+    return np.array([vector[0], vector[1]])
+
+
 def _axis(axis):
     if axis not in ("x", "y"):
         raise ValueError(f"axis = {axis!r}; wanted 'x' or 'y', the axis of the wall's normal")
@@ -138,18 +143,18 @@ def contact_network(walls, **attributes):
     left, bottom, right, top = (O.bodies[i] for i in walls)
     code = dict(zip(walls, (LEFT, BOTTOM, RIGHT, TOP)))
     # The integrator moved every body by dt v: the forces belong to where they were.
-    place = {b.id: np.array(b.state.pos[:2]) - O.dt * np.array(b.state.vel[:2]) for b in O.bodies if b}
+    place = {b.id: _plane(b.state.pos) - O.dt * _plane(b.state.vel) for b in O.bodies if b}
     bodies = [b for b in O.bodies if b and isinstance(b.shape, Rcr)]
     contacts = []
     for i in O.interactions:
         if not i.isReal or not hasattr(i.phys, "force1"):
             continue
-        force = np.array(i.phys.normalForce[:2]) + np.array(i.phys.shearForce[:2])
+        force = _plane(i.phys.normalForce) + _plane(i.phys.shearForce)
         weights = np.array([i.phys.force1[0], i.phys.force2[0]][: i.geom.points])
         if not weights.sum() > 0:
             continue
-        points = np.array([i.geom.position1, i.geom.position2])[: i.geom.points]
-        normal = np.array(i.phys.normalForce[:2]) / np.linalg.norm(i.phys.normalForce[:2])
+        points = np.array([_plane(i.geom.position1), _plane(i.geom.position2)])[: i.geom.points]
+        normal = _plane(i.phys.normalForce) / i.phys.normalForce.norm()
         position = weights @ points / weights.sum()
         if i.id1 in code:  # a wall is body 1 of its interaction; in the network it is body 2
             one, two, force, normal = i.id2, code[i.id1], -force, -normal
