@@ -27,6 +27,14 @@ void checkProblem(const ContactProblem& problem)
 		message << what << ' ' << index << ": " << wanted;
 		throw std::invalid_argument(message.str());
 	};
+	const auto sameSize = [](const char* what, std::size_t given, std::size_t wanted) {
+		if (given == wanted) return;
+		std::ostringstream message;
+		message << what << " holds " << given << " entries; wanted " << wanted;
+		throw std::invalid_argument(message.str());
+	};
+	sameSize("freeVelocity", problem.freeVelocity.size(), problem.inverseMass.size());
+	sameSize("impulse", problem.impulse.size(), problem.points.size());
 	const auto finite = [](std::initializer_list<double> values) {
 		for (double value : values)
 			if (!std::isfinite(value)) return false;

@@ -77,8 +77,8 @@ inline void applyImpulse(const ContactPoint& c, const Impulse& p, const InverseM
 /// v_free + M⁻¹ Jᵀ p for the impulses of the problem, written to `velocity`.
 void updateVelocity(ContactProblem&);
 
-/// Throws std::invalid_argument for an id out of range, a number that is not finite, a negative mass or friction, or a
-/// normal that is not of unit length.
+/// Throws std::invalid_argument for arrays of different lengths, an id out of range, a number that is not finite, a
+/// negative mass or friction, or a normal that is not of unit length.
 void checkProblem(const ContactProblem&);
 
 } // namespace rcr

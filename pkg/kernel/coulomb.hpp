@@ -54,8 +54,8 @@ inline Impulse solveCoulomb(const Delassus& w, double gn, double gt, double fric
 inline Impulse projectCone(Impulse p, double friction)
 {
 	const double t = std::abs(p.t);
+	if (friction * t <= -p.n) return {}; // first: where µ = t = 0 the other test holds for any n
 	if (t <= friction * p.n) return p;
-	if (friction * t <= -p.n) return {};
 	const double n = (p.n + friction * t) / (1 + friction * friction);
 	return { n, std::copysign(friction * n, p.t) };
 }

@@ -145,7 +145,7 @@ namespace RCR_LANE_NAMESPACE {
 		friend Lane zeroWhere(Mask<8> m, Lane a) { return _mm512_mask_blend_pd(m.value, a.value, _mm512_setzero_pd()); }
 		friend Lane bySign(Lane a, Lane above, Lane below)
 		{
-			return _mm512_mask_blend_pd(_mm512_cmplt_epi64_mask(_mm512_castpd_si512(a.value), _mm512_setzero_si512()), above.value, below.value);
+			return _mm512_mask_blend_pd(_mm512_cmpgt_epi64_mask(_mm512_setzero_si512(), _mm512_castpd_si512(a.value)), above.value, below.value);
 		}
 	};
 #endif

@@ -58,8 +58,7 @@ namespace RCR_LANE_NAMESPACE {
 		{
 			const L    size = abs(p.t), n = (p.n + friction * size) / (L(1.0) + friction * friction);
 			const auto inside = size <= friction * p.n, polar = friction * size <= L(0.0) - p.n;
-			return { select(inside, p.n, zeroWhere(polar, n)),
-				 select(inside, p.t, zeroWhere(polar, copySign(friction * n, p.t))) };
+			return { zeroWhere(polar, select(inside, p.n, n)), zeroWhere(polar, select(inside, p.t, copySign(friction * n, p.t))) };
 		}
 
 		/// Calls visit(bodies 1, bodies 2, first point block, lane) for all pairs of a chunk, RCR_LANES at a time.

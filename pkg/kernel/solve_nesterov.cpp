@@ -9,6 +9,7 @@
 // Source: Nesterov 1983; O'Donoghue and Candès 2015 (restart); Mazhar et al. 2015 (momentum in contact dynamics).
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sweep_solver.hpp"
 

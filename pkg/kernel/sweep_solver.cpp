@@ -14,7 +14,7 @@ bool StopTest::reached()
 	bool stop = sweeps_ >= settings_.maxIterations;
 	if (!stop && sweeps_ >= settings_.minIterations && sweeps_ % settings_.checkInterval == 0) {
 		measure();
-		stop = met();
+		stop = met() || stalled();
 	}
 	if (!stop) ++sweeps_;
 	return stop;
@@ -23,6 +23,15 @@ bool StopTest::reached()
 bool StopTest::met() const
 {
 	return (report_.reached(settings_) && report_.violation <= settings_.violation) || meanForceChange_ < settings_.meanForceChange;
+}
+
+bool StopTest::stalled()
+{
+	if (report_.residual < lowest_) {
+		lowest_   = report_.residual;
+		lowestAt_ = sweeps_;
+	}
+	return settings_.stallSweeps > 0 && sweeps_ - lowestAt_ >= settings_.stallSweeps;
 }
 
 Report StopTest::report()

@@ -1,6 +1,8 @@
 // What the sweep solvers share: the problem taken in and given back, and the decision to stop.
 #pragma once
 
+#include <limits>
+
 #include "packed_problem.hpp"
 #include "solver.hpp"
 
@@ -19,13 +21,15 @@ public:
 private:
 	void measure();
 	bool met() const;
+	bool stalled();
 
 	PackedProblem&  packed_;
 	const Settings& settings_;
 	Report          report_;
 	double          meanForceChange_ = std::numeric_limits<double>::infinity();
 	double          normal_          = 0; // Σ p_n at the last evaluation
-	int             sweeps_          = 0;
+	double          lowest_          = std::numeric_limits<double>::infinity(); // residual
+	int             sweeps_ = 0, lowestAt_ = 0;
 	bool            measured_        = false;
 };
 
