@@ -117,18 +117,25 @@ ContactProblem problemFrom(
 
 py::dict solveArrays(
         const Array& inverseMass, const Array& freeVelocity, const Ids& bodies, const Array& normal, const Array& arm1, const Array& arm2,
-        const Array& bias, const Array& friction, const Array& impulse, const std::string& solver, double tolerance, int maxIterations, int threads)
+        const Array& bias, const Array& friction, const Array& impulse, const std::string& solver, double tolerance, int maxIterations, int threads,
+        int lanes, int checkInterval, int minIterations, int stallSweeps, double violation, double meanForceChange, Workspace* workspace)
 {
 	ContactProblem problem = problemFrom(inverseMass, freeVelocity, bodies, normal, arm1, arm2, bias, friction, impulse);
 	Settings       settings;
 	settings.tolerance     = tolerance;
 	settings.maxIterations = maxIterations;
 	settings.threads       = threads;
+	settings.lanes         = lanes;
+	settings.checkInterval = checkInterval;
+	settings.minIterations = minIterations;
+	settings.stallSweeps   = stallSweeps;
+	settings.violation     = violation;
+	settings.meanForceChange = meanForceChange;
 	Report     report;
 	const auto start = std::chrono::steady_clock::now();
 	{
 		py::gil_scoped_release release;
-		report = solve(problem, solver, settings);
+		report = workspace ? solve(problem, solver, settings, *workspace) : solve(problem, solver, settings);
 	}
 	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -147,7 +154,7 @@ py::dict solveArrays(
 	return py::dict(
 	        py::arg("impulse") = reaction, py::arg("relative_velocity") = relative, py::arg("velocity") = velocity,
 	        py::arg("iterations") = report.iterations, py::arg("residual") = report.residual, py::arg("converged") = report.converged,
-	        py::arg("seconds") = seconds);
+	        py::arg("violation") = report.violation, py::arg("seconds") = seconds);
 }
 
 } // namespace
@@ -183,10 +190,15 @@ PYBIND11_MODULE(_kernel, m)
 		return py::make_tuple(p.n, p.t);
 	}, py::arg("n"), py::arg("t"), py::arg("friction"), "Projection onto |t| ≤ µ n.");
 
+	py::class_<Workspace>(m, "Workspace", "What the sweep solvers keep from one problem to the next: give the same one for each step of a simulation.")
+	        .def(py::init<>())
+	        .def_property_readonly("layouts", &Workspace::layouts, "How often everything was laid out anew.");
+
 	m.def("solver_names", solverNames, "Names that `solve` takes.");
 	m.def("solve", solveArrays, py::arg("inverse_mass"), py::arg("free_velocity"), py::arg("bodies"), py::arg("normal"), py::arg("arm1"), py::arg("arm2"),
 	      py::arg("bias"), py::arg("friction"), py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4,
-	      py::arg("max_iterations") = 1000, py::arg("threads") = 1,
+	      py::arg("max_iterations") = 1000, py::arg("threads") = 1, py::arg("lanes") = 0, py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
+	      py::arg("stall_sweeps") = 0, py::arg("violation") = Settings().violation, py::arg("mean_force_change") = 0, py::arg("workspace") = nullptr,
 	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2) and velocity (nb, 3) [m/s, 1/s],\n"
-	      "iterations, residual, converged, seconds. Raises ValueError on arrays that do not fit together.");
+	      "iterations, residual, converged, violation, seconds; settings as in solver.hpp. Raises ValueError on arrays that do not fit together.");
 }
