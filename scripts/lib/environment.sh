@@ -106,9 +106,15 @@ build() {
             quietly cmake -S "$repo" -B "$repo/build" -G Ninja -DYADE_SOURCE_DIR="$source"
             echo "$id" >build/environment
         fi
-        quietly cmake --build "$repo/build"
+        quietly cmake --build "$repo/build" --parallel "$(build_jobs)"
     )
     unlock
+}
+
+# As many compilers as there are processors, but each takes up to 3.5 GB.
+build_jobs() {
+    awk -v processors="$(nproc)" '/^MemAvailable/ { jobs = int($2 / 3.5e6) }
+        END { print jobs < 1 ? 1 : jobs < processors ? jobs : processors }' /proc/meminfo
 }
 
 # quietly COMMAND…: one line once it has something to do, its whole output if it fails

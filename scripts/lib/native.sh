@@ -2,8 +2,8 @@
 # YADE ships no headers: they come from its source archive, unpacked in the cache.
 
 native_installed() {
-    dpkg-query -W -f '${source:Version}\n' libyade 2>/dev/null | grep -q "^$yade_version-" &&
-        ! dpkg-query -W -f '${db:Status-Status}\n' $(required_packages) 2>&1 | grep -qv '^installed$'
+    [[ $(dpkg-query -W -f '${source:Version}' libyade 2>&1) == "$yade_version"-* ]] &&
+        [ "$(dpkg-query -W -f '${db:Status-Status}\n' $(required_packages) 2>&1 | sort -u)" = installed ]
 }
 
 native_source() { echo "$cache/source-$yade_version"; }

@@ -46,7 +46,7 @@ rootfs_mirrors() {
                 $2 != "main"      { next }
                 $1 ~ releases     { print $3, "trixie" }
                 $1 ~ "-updates$"  { print $3, "trixie-updates" }
-                $1 ~ "-security$" { print $3, "trixie-security" }' | sort -u)
+                $1 ~ "-security$" { print $3, "trixie-security" }' | sort -u) || true
         echo "$known" | sed 's/.*/deb & main;/' | tr -d '\n'
         echo
         echo "$known" | sed -n 's/.* trixie$/deb & main/p'
@@ -111,8 +111,8 @@ rootfs_bootstrap() {
     if [ "$(id -u)" = 0 ]; then
         unshare --mount "${bootstrap[@]}" --mode=root trixie "$new/root" "${sources[@]}" 2>&1 | record
     else
-        TMPDIR=/var/tmp "${bootstrap[@]}" --mode=unshare trixie - "${sources[@]}" 2> >(record) |
-            tar -x -C "$new/root" --exclude='./dev/*'
+        { TMPDIR=/var/tmp "${bootstrap[@]}" --mode=unshare trixie - "${sources[@]}" 2>&1 >&3 | record; } 3>&1 |
+            tar -x -C "$new/root" --exclude='./dev/*' 2>>"$log"
     fi
 }
 
@@ -151,10 +151,10 @@ rootfs_enter() {
     trap '' INT QUIT
     touch -c "$root" # in use: see rootfs_finish
     unset LD_LIBRARY_PATH LD_PRELOAD PYTHONHOME
-    export PATH=/usr/bin:/bin LC_ALL=C.UTF-8
     exec bwrap --die-with-parent --ro-bind "$root/usr" /usr --ro-bind "$root/etc" /etc \
         --dev-bind /dev /dev --bind /proc /proc --bind /sys /sys "${binds[@]}" \
-        --ro-bind-data 7 /etc/passwd --ro-bind-data 8 /etc/group --chdir "$PWD" \
+        --ro-bind-data 7 /etc/passwd --ro-bind-data 8 /etc/group \
+        --setenv PATH /usr/bin:/bin --setenv LC_ALL C.UTF-8 --chdir "$PWD" \
         env --default-signal=INT,QUIT "$@" \
         7< <(cat /etc/passwd; getent passwd "$(id -u)") 8< <(cat /etc/group; getent group "$(id -g)")
 }

@@ -1,0 +1,454 @@
+"""The set-up's logic: the real scripts of scripts/lib on a machine made of stand-ins.
+
+Each test has a temporary cache, a temporary /etc and a PATH with the plain tools of any system
+and stand-ins for what would touch the network or the machine: apt-get, dpkg-query, mmdebstrap,
+bwrap, id, df, uname. A stand-in writes its arguments to `calls`.
+"""
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parent.parent
+TOOLS = """awk basename bash bzip2 cat chmod cp cut date dirname echo env find flock getent grep head ln ls mkdir
+    mktemp mv nproc printf readlink realpath rm rmdir sed seq sh sha256sum sleep sort tail tar tee touch tr true wc""".split()
+
+
+class Machine:
+    """A machine for one test: add stand-ins, then run shell code with environment.sh sourced."""
+
+    def __init__(self, path):
+        self.path = path
+        self.bin = path / "bin"
+        self.cache = path / "cache" / "yade-rcr"
+        self.etc = path / "etc"
+        self.repo = path / "repo"
+        self.calls = path / "calls"
+        for directory in (self.bin, self.etc, self.repo / "py"):
+            directory.mkdir(parents=True)
+        shutil.copytree(REPOSITORY / "scripts" / "lib", self.repo / "scripts" / "lib")
+        for tool in TOOLS:
+            (self.bin / tool).symlink_to(shutil.which(tool))
+        self.calls.touch()
+        (self.etc / "subuid").write_text("alice:100000:65536\n")
+        self.debian("trixie")
+        self.user("alice", 1000)
+        self.command("uname", "echo x86_64")
+        self.free(50)
+
+    def command(self, name, body):
+        """A stand-in: `body` is shell code."""
+        file = self.bin / name
+        file.unlink(missing_ok=True)
+        file.write_text(f'#!/bin/sh\necho "{name} $*" >>{self.calls}\n{body}\n')
+        file.chmod(0o755)
+
+    def debian(self, codename):
+        (self.etc / "os-release").write_text(f"ID=debian\nVERSION_CODENAME={codename}\n")
+
+    def user(self, name, number):
+        self.command("id", f'case $1 in -un) echo {name} ;; *) echo {number} ;; esac')
+
+    def free(self, gigabytes):
+        self.command("df", f'echo head; echo "disk 0 0 {gigabytes * 2**20} 0% /"')
+
+    def installed(self, version="2025.2.0-1"):
+        """Every package is installed, YADE in the given version."""
+        self.command("dpkg-query", f'case "$*" in *ource:Version*) echo {version} ;; *) echo installed ;; esac')
+
+    def nothing_installed(self):
+        self.command("dpkg-query", "exit 1")
+
+    def archive(self):
+        """apt-get delivers YADE's source archive, and nothing else."""
+        source = self.path / "trunk" / "core"
+        source.mkdir(parents=True)
+        (source / "Scene.hpp").write_text("// YADE\n")
+        tar = self.path / "yade_2025.2.0.orig.tar.bz2"
+        subprocess.run(["tar", "-cjf", tar, "-C", self.path, "trunk"], check=True)
+        self.command("apt-get", f'case "$*" in *" source "*) cp {tar} . ;; esac')
+
+    def root_tools(self, mmdebstrap):
+        """The tools for a root file system, with `mmdebstrap` as the shell code of that command."""
+        self.command("mmdebstrap", mmdebstrap)
+        self.command("bwrap", "exit 0")
+        self.command("newuidmap", "exit 0")
+        self.command("apt-config", "echo 'Acquire::Check-Valid-Until \"false\";'")
+        if not (self.bin / "apt-get").exists():
+            self.command("apt-get", "exit 100")
+
+    def start(self, code, **environment):
+        return subprocess.Popen(
+            ["bash", "-c", f". {self.repo}/scripts/lib/environment.sh\n{code}"],
+            env={"PATH": str(self.bin), "HOME": str(self.path), "XDG_CACHE_HOME": str(self.path / "cache"),
+                 "YADE_RCR_ETC": str(self.etc), "LC_ALL": "C.UTF-8", **environment},
+            cwd=self.path, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            start_new_session=True)
+
+    def run(self, code, **environment):
+        """(exit code, standard output, standard error)"""
+        process = self.start(code, **environment)
+        output, errors = process.communicate(timeout=60)
+        return process.returncode, output, errors
+
+    def called(self, name):
+        return [line for line in self.calls.read_text().splitlines() if line.startswith(name + " ")]
+
+    def roots(self):
+        return sorted(self.cache.glob("root-*"))
+
+
+@pytest.fixture
+def machine(tmp_path):
+    return Machine(tmp_path)
+
+
+# A root file system as small as it goes, written as the archive that mmdebstrap would write.
+SMALL_ROOT = """
+work=$(mktemp -d)
+mkdir -p $work/usr/src/yade/core $work/usr/bin $work/usr/lib/x/yade-double/py $work/etc/ssl/certs $work/var
+echo root >$work/usr/bin/python3
+ln -s usr/bin $work/bin
+tar -c -C $work .
+"""
+
+
+# What a machine without the means is told: one line, what to do, a non-zero exit.
+
+def last_line(errors):
+    return errors.strip().splitlines()[-1]
+
+
+def test_an_ordinary_user_without_the_tools_is_told_their_packages(machine):
+    machine.debian("bookworm")
+    machine.nothing_installed()
+    code, _, errors = machine.run("ready")
+    assert code != 0
+    assert "apt-get install mmdebstrap bubblewrap uidmap" in last_line(errors)
+
+
+def test_an_ordinary_user_of_debian_13_is_told_the_missing_packages(machine):
+    machine.command("dpkg-query", """case "$*" in
+"-W g++") exit 1 ;;
+*ource:Version*) echo 2025.2.0-1 ;;
+*Status*) echo installed; echo "no packages found matching g++" >&2; exit 1 ;;
+esac""")
+    code, _, errors = machine.run("ready")
+    assert code != 0
+    assert "apt-get install g++" in last_line(errors)
+    assert "libyade" not in last_line(errors), "only what is missing"
+
+
+@pytest.mark.parametrize("break_it, words", [
+    (lambda m: m.command("uname", "echo riscv64"), "this is riscv64"),
+    (lambda m: (m.etc / "subuid").write_text("bob:1:1\n"), "usermod --add-subuids"),
+    (lambda m: m.command("bwrap", "exit 1"), "user namespaces"),
+    (lambda m: m.free(2), "2 GB free"),
+])
+def test_an_unsuitable_machine_is_told_why(machine, break_it, words):
+    machine.debian("bookworm")
+    machine.nothing_installed()
+    machine.root_tools(SMALL_ROOT)
+    break_it(machine)
+    code, _, errors = machine.run("ready")
+    assert code != 0
+    assert words in last_line(errors)
+    assert not machine.called("mmdebstrap")
+
+
+@pytest.mark.parametrize("output, words", [
+    ("E: Failed to fetch http://mirror/dists/trixie/InRelease  Temporary failure resolving 'mirror'", "is there a network?"),
+    ("E: Failed to fetch http://mirror/pool/main/d/dash_1_amd64.deb  404  Not Found", "dash_1_amd64.deb (404"),
+    ("dpkg: error: No space left on device", "the disk is full"),
+    ("E: something else", "E: something else"),
+])
+def test_a_failed_bootstrap_says_why_and_leaves_nothing(machine, output, words):
+    machine.debian("bookworm")
+    machine.nothing_installed()
+    machine.root_tools(f'echo "{output}" >&2; exit 1')
+    code, _, errors = machine.run("ready")
+    assert code != 0
+    assert words in last_line(errors)
+    assert str(machine.cache / "log") in last_line(errors)
+    assert output in (machine.cache / "log").read_text()
+    assert [file.name for file in machine.cache.iterdir()] == ["log"]
+
+
+def wait_for(condition, seconds=10):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.01)
+
+
+# Native
+
+def test_native_takes_the_headers_from_the_source_archive_once(machine):
+    machine.installed()
+    machine.archive()
+    code, _, errors = machine.run("ready; echo $way >way")
+    assert code == 0, errors
+    assert (machine.path / "way").read_text() == "native\n"
+    assert (machine.cache / "source-2025.2.0" / "core" / "Scene.hpp").exists()
+    assert not list(machine.cache.glob("new.*"))
+    assert any("yade=2025.2.0-1" in call for call in machine.called("apt-get")), "the installed version"
+
+    machine.command("apt-get", "exit 1")
+    machine.calls.write_text("")
+    code, _, errors = machine.run("ready")
+    assert (code, errors) == (0, "")
+    assert not machine.called("apt-get"), "no network once it is set up"
+
+
+def test_native_without_the_archive_goes_on_to_a_root_file_system(machine):
+    machine.installed()
+    machine.root_tools(SMALL_ROOT)
+    code, output, errors = machine.run("ready; echo $way")
+    assert (code, output) == (0, "rootfs\n"), errors
+    assert "source archive" in errors
+
+
+def test_another_version_of_yade_is_not_used(machine):
+    machine.debian("forky")
+    machine.installed("2026.1.0-1")
+    machine.root_tools(SMALL_ROOT)
+    code, output, errors = machine.run("ready; echo $way")
+    assert (code, output) == (0, "rootfs\n"), errors
+
+
+# The root file system
+
+def test_a_root_file_system_is_complete_or_not_there(machine):
+    machine.debian("bookworm")
+    machine.nothing_installed()
+    machine.root_tools("sleep 60")
+    process = machine.start("ready")
+    wait_for(lambda: machine.called("mmdebstrap"))
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    assert not machine.roots()
+    assert list(machine.cache.glob("new.*")), "the interrupted one's leftovers"
+
+    machine.root_tools(SMALL_ROOT)
+    code, output, errors = machine.run("ready; echo $way")
+    assert (code, output) == (0, "rootfs\n"), errors
+    assert len(machine.roots()) == 1
+    assert not list(machine.cache.glob("new.*"))
+
+    shutil.rmtree(machine.roots()[0])  # belongs to the user, so this is all it takes
+
+
+def test_ctrl_c_leaves_nothing(machine):
+    machine.debian("bookworm")
+    machine.nothing_installed()
+    machine.root_tools("sleep 60")
+    process = machine.start("ready")
+    wait_for(lambda: machine.called("mmdebstrap"))
+    os.killpg(process.pid, signal.SIGINT)
+    process.communicate(timeout=10)
+    assert process.returncode == 130
+    assert [file.name for file in machine.cache.iterdir()] == ["log"]
+
+
+def test_a_changed_package_list_makes_another_root(machine):
+    machine.debian("bookworm")
+    machine.nothing_installed()
+    machine.root_tools(SMALL_ROOT)
+    assert machine.run("ready")[0] == 0
+    packages = machine.repo / "scripts" / "lib" / "packages"
+
+    packages.write_text("# another comment\n" + packages.read_text())
+    machine.run("ready")
+    assert len(machine.roots()) == 1, "a comment changes nothing"
+
+    packages.write_text(packages.read_text() + "hello\n")
+    machine.run("ready")
+    assert len(machine.roots()) == 2
+
+
+def test_a_second_set_up_waits_for_the_first(machine):
+    machine.debian("bookworm")
+    machine.nothing_installed()
+    machine.root_tools("sleep 1" + SMALL_ROOT)
+    processes = [machine.start("ready; echo $way") for _ in range(2)]
+    results = [process.communicate(timeout=60) for process in processes]
+    assert [output for output, _ in results] == ["rootfs\n"] * 2, results
+    assert sum("waiting for another set-up" in errors for _, errors in results) == 1
+    assert len(machine.called("mmdebstrap")) == 1
+
+
+def test_mirrors_come_from_the_apt_sources(machine):
+    machine.debian("bookworm")
+    machine.command("apt-get", """cat <<END
+bookworm main http://one/debian/
+bookworm-updates main http://one/debian/
+bookworm-security main http://two/security/
+bookworm contrib http://one/debian/
+stable main http://three/debian/
+bookworm-tool main http://tool/
+END""")
+    _, output, errors = machine.run("rootfs_mirrors")
+    assert output.splitlines() == [
+        "deb http://one/debian/ trixie main;deb http://one/debian/ trixie-updates main;"
+        "deb http://three/debian/ trixie main;deb http://two/security/ trixie-security main;",
+        "deb http://one/debian/ trixie main",
+        "deb http://three/debian/ trixie main",
+        "",
+    ], errors
+
+
+def test_a_system_that_is_not_debian_uses_the_default_mirror(machine):
+    (machine.etc / "os-release").write_text("ID=ubuntu\nVERSION_CODENAME=noble\n")
+    machine.command("apt-get", "echo noble main http://ubuntu/")
+    assert machine.run("rootfs_mirrors")[1] == "\n"
+
+
+def test_the_next_mirror_is_tried(machine):
+    machine.debian("bookworm")
+    machine.nothing_installed()
+    machine.command("apt-get", "echo bookworm main http://one/debian/; echo bookworm-updates main http://one/debian/")
+    machine.root_tools(f"""case "$*" in
+*updates*) echo "E: Failed to fetch http://one/debian/pool/dash_1_amd64.deb  404  Not Found" >&2; exit 1 ;;
+esac {SMALL_ROOT}""")
+    code, output, errors = machine.run("ready; echo $way")
+    assert (code, output) == (0, "rootfs\n")
+    assert "dash_1_amd64.deb (404" in errors
+    assert len(machine.called("mmdebstrap")) == 2
+
+
+# Entering it
+
+@pytest.fixture
+def entered(machine):
+    """Runs a command in a small root file system; returns what bubblewrap was asked to bind, in order."""
+    machine.debian("bookworm")
+    machine.nothing_installed()
+    machine.root_tools(SMALL_ROOT)
+
+    def enter(*arguments, **environment):
+        machine.calls.write_text("")
+        code, _, errors = machine.run(f"ready; enter {' '.join(arguments)}", **environment)
+        assert code == 0, errors
+        call = [line for line in machine.called("bwrap") if "--die-with-parent" in line][-1].split()
+        return call, {call[i + 2] for i, word in enumerate(call) if word in ("--bind", "--dev-bind")}
+
+    return enter
+
+
+def test_every_directory_of_the_machine_is_there_but_usr_and_etc(entered):
+    call, bound = entered("python3", "scene.py")
+    own = {"/usr", "/etc", "/bin", "/sbin"}
+    machine = {str(path) for path in Path("/").iterdir() if path.is_dir()} - own
+    assert bound >= {path for path in machine if not path.startswith("/lib")}
+    assert not bound & own
+    assert call[-2:] == ["python3", "scene.py"]
+
+
+@pytest.mark.parametrize("argument, path", [
+    ("/usr/include/stdio.h", "/usr/include"),            # with its neighbours
+    ("--out=/usr/include/new/run", "/usr/include"),      # what is to be made
+    ("/etc/../usr/include/stdio.h", "/usr/include"),
+    ("/usr/bin/env", "/usr/bin/env"),                    # among the root's own: this file alone
+])
+def test_an_argument_under_usr_is_bound(entered, argument, path):
+    assert path in entered("python3", argument)[1]
+
+
+def test_what_the_root_file_system_has_itself_stays(entered):
+    assert "/usr/bin/python3" not in entered("/usr/bin/python3", "scene.py")[1]
+
+
+def test_a_bind_does_not_change_what_belongs_to_the_root(entered):
+    entered("python3", "/usr/include/linux/types.h")  # leaves a place to bind on: /usr/include/linux
+    assert "/usr/include" in entered("python3", "/usr/include/stdio.h")[1]
+
+
+def test_inside_it_nothing_is_entered_again(machine):
+    (machine.cache / "root").mkdir(parents=True)
+    code, output, errors = machine.run("ready; enter sh -c 'echo $PYTHONPATH'", YADE_RCR_WAY="native")
+    assert code == 0, errors
+    assert output.startswith(f"{machine.repo}/py:")
+    assert not machine.called("bwrap")
+
+
+# Packages: an index that names files the mirror does not have
+
+def install(machine, apt_get, packages="yade\ng++\n? python3-tqdm: progress bars\n"):
+    (machine.path / "list").write_text(packages)
+    machine.command("apt-get", apt_get)
+    return machine.run(f"{machine.repo}/scripts/lib/install-packages {machine.path}/list")
+
+
+HOLE = 'echo "E: Failed to fetch http://mirror/pool/g/g++_4%3a14.2-1%2bb1_amd64.deb  404  Not Found [IP: 1]"; exit 100'
+
+
+def test_required_packages_are_installed_together(machine):
+    code, _, errors = install(machine, "exit 0")
+    assert code == 0, errors
+    assert machine.called("apt-get")[1].endswith("install --no-install-recommends yade g++")
+
+
+def test_a_missing_file_is_named_and_another_version_tried(machine):
+    code, _, errors = install(machine, f"""
+for word in "$@"; do case $word in Dir::Etc::Preferences=*) pins=${{word#*=}} ;; esac; done
+case "$*" in *install*g++*) grep -q "^Pin: version 4:14.2-1+b1" $pins || {{ {HOLE}; }} ;; esac""")
+    assert code == 0, errors
+    assert "g++ 4:14.2-1+b1" in errors and "404" in errors
+
+
+def test_no_other_version_ends_it(machine):
+    code, _, errors = install(machine, f'case "$*" in *install*g++*) {HOLE} ;; esac')
+    assert code != 0
+    assert "cannot be installed" in errors and "g++" in last_line(errors)
+
+
+def test_an_optional_package_is_left_out_with_what_is_lost(machine):
+    code, _, errors = install(machine, 'case "$*" in *install*tqdm*) echo "E: Unable to locate"; exit 100 ;; esac')
+    assert code == 0, errors
+    assert "python3-tqdm" in errors and "progress bars" in errors
+
+
+# The build
+
+def build(machine, cmake, yade="2025.2.0"):
+    machine.command("cmake", cmake)
+    return machine.run(f"ready; yade_version={yade}; build", YADE_RCR_WAY="native")
+
+
+def test_a_build_with_nothing_to_do_is_silent(machine):
+    assert build(machine, 'echo "ninja: no work to do."') == (0, "", "")
+
+
+def test_a_failed_build_shows_everything(machine):
+    code, output, errors = build(machine, 'case $1 in --build) echo "[1/2] CXX a.cpp"; echo "a.cpp:1: error: x"; exit 1 ;; esac')
+    assert code != 0
+    assert "error: x" in errors
+    assert "the build failed" in last_line(errors)
+
+
+def test_a_failed_configuration_is_done_again(machine):
+    code, _, errors = build(machine, 'echo "CMake Error: no pybind11"; exit 1')
+    assert code != 0 and "no pybind11" in errors
+    assert build(machine, "exit 0")[0] == 0
+    assert any("-DYADE_SOURCE_DIR=" in call for call in machine.called("cmake")[1:])
+
+
+def test_another_environment_wipes_the_build(machine):
+    build(machine, "exit 0")
+    (machine.repo / "build" / "stale").touch()
+    build(machine, "exit 0")
+    assert (machine.repo / "build" / "stale").exists()
+    build(machine, "exit 0", yade="2026.1.0")
+    assert not (machine.repo / "build" / "stale").exists()
+
+
+def test_a_second_build_waits_for_the_first(machine):
+    machine.command("cmake", "sleep 0.5")
+    processes = [machine.start("ready; build", YADE_RCR_WAY="native") for _ in range(2)]
+    errors = [process.communicate(timeout=60)[1] for process in processes]
+    assert sum("waiting for another build" in text for text in errors) == 1
