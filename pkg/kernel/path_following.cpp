@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace rcr {
 
 namespace {
 
 	constexpr std::size_t maxUpdates = 20;    // of rank one between two factorisations: where both cost about the same
-	constexpr double      lowest     = -2;    // t below which a path that folded back has gone for good
 	constexpr double      onEdge     = 1e-13; // relative distance to the cone's boundary that counts as on it
 
 	/// A change of piece of one contact: K += column rowᵀ, in (n, t).
@@ -42,17 +40,16 @@ namespace {
 		PathEnd follow(int maxPivots)
 		{
 			start();
-			if (!findDirection()) return end_;
-			while (true) {
+			bool onWay = findDirection();
+			while (onWay && !end_.arrived) {
 				const Edge edge = nearestEdge();
-				if (!edge.found && forward_ < 0) return end_; // a ray away from t = 1
 				advance(edge.distance);
-				if (!edge.found) break;
-				if (end_.pivots == maxPivots || t_ < lowest || !cross(edge)) return end_;
+				if (!edge.found)
+					end_.arrived = true;
+				else
+					onWay = end_.pivots < maxPivots && cross(edge);
 			}
-			// Anew in the final pieces, free of the rounding of the way
-			end_.arrived = problem_.factor();
-			if (end_.arrived) problem_.solveLinear();
+			setPredictors();
 			return end_;
 		}
 
@@ -109,7 +106,7 @@ namespace {
 		Edge nearestEdge() const
 		{
 			Edge edge;
-			edge.distance       = forward_ > 0 ? 1 - t_ : std::numeric_limits<double>::infinity();
+			edge.distance       = 1 - t_;
 			const auto consider = [&](double value, double slope, std::size_t contact, Piece beyond) {
 				// `value` ≤ 0 inside the piece; rounding may have left it a little above
 				if (!(slope > 0) || -value >= edge.distance * slope) return;
@@ -118,8 +115,8 @@ namespace {
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
 				const double  k = problem_.stiffness[i], mu = problem_.contacts[i].friction;
 				const Impulse p = problem_.reference[i];
-				const double  n = p.n - k * velocity_[i].n, dn = -forward_ * k * rate_[i].n;
-				const double  t = p.t - k * velocity_[i].t, dt = -forward_ * k * rate_[i].t;
+				const double  n = p.n - k * velocity_[i].n, dn = -k * rate_[i].n;
+				const double  t = p.t - k * velocity_[i].t, dt = -k * rate_[i].t;
 				const Piece   piece = problem_.pieces[i];
 				if (piece.kind == Piece::apart) {
 					if (dn > 0) consider(n, dn, i, enter(mu, t + dt * std::max(0.0, -n / dn)));
@@ -142,15 +139,14 @@ namespace {
 
 		void advance(double distance)
 		{
-			t_ += forward_ * distance;
-			end_.reached = std::max(end_.reached, t_);
+			t_ += distance;
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				velocity_[i].n += forward_ * distance * rate_[i].n;
-				velocity_[i].t += forward_ * distance * rate_[i].t;
+				velocity_[i].n += distance * rate_[i].n;
+				velocity_[i].t += distance * rate_[i].t;
 			}
 		}
 
-		/// Takes the contact at an edge to its next piece and turns the direction accordingly.
+		/// Takes the contact at an edge to its next piece and turns the direction accordingly. False at a fold.
 		bool cross(const Edge& edge)
 		{
 			const RankOne        change = changeOf(edge);
@@ -160,12 +156,9 @@ namespace {
 			applyInverse(response_);
 			const Impulse r     = relativeVelocity(c, response_);
 			const double  delta = 1 + change.row.n * r.n + change.row.t * r.t; // ratio of the determinants
+			if (!(delta > 0)) return false; // a fold
 			problem_.pieces[change.contact] = edge.beyond;
 			++end_.pivots;
-			if (delta < 0) {
-				forward_ = -forward_;
-				++end_.folds;
-			}
 			if (updates_.size() == maxUpdates) return findDirection();
 			const Impulse du     = rate_[change.contact];
 			const double  amount = (change.row.n * du.n + change.row.t * du.t) / delta;
@@ -201,6 +194,15 @@ namespace {
 			}
 		}
 
+		void setPredictors()
+		{
+			for (std::size_t i = 0; i < problem_.size(); ++i) {
+				const Impulse p = problem_.reference[i], u = velocity_[i];
+				const double  k = problem_.stiffness[i];
+				problem_.predictor[i] = { p.n - k * u.n, p.t - k * u.t };
+			}
+		}
+
 		struct Update {
 			RankOne    change;
 			double     delta;
@@ -213,8 +215,7 @@ namespace {
 		std::vector<Impulse> rate_;     // its derivative by t
 		BodyVector           direction_, response_;
 		std::vector<Update>  updates_;
-		double               t_       = 0;
-		int                  forward_ = 1; // sign of dt along the path
+		double               t_ = 0;
 		PathEnd              end_;
 	};
 

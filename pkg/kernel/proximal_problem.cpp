@@ -50,21 +50,13 @@ namespace {
 		return pairs;
 	}
 
-	Piece pieceOf(Impulse predictor, double friction)
-	{
-		if (predictor.n <= 0) return { Piece::apart, 0 };
-		if (friction <= 0) return { Piece::slide, 0 };
-		if (std::abs(predictor.t) <= friction * predictor.n) return { Piece::stick, 0 };
-		return { Piece::slide, static_cast<std::int8_t>(predictor.t > 0 ? 1 : -1) };
-	}
-
-	/// The impulse that the law gives for a predictor: always inside the cone.
+	/// The impulse that the law gives for a predictor.
 	Impulse lawOf(Impulse predictor, double friction)
 	{
-		const Piece piece = pieceOf(predictor, friction);
-		if (piece.kind == Piece::apart) return {};
-		if (piece.kind == Piece::stick) return predictor;
-		return { predictor.n, piece.side * friction * predictor.n };
+		if (predictor.n <= 0) return {};
+		const double limit = friction * predictor.n;
+		if (std::abs(predictor.t) <= limit) return predictor;
+		return { predictor.n, std::copysign(limit, predictor.t) };
 	}
 
 	/// block += x yᵀ
@@ -96,7 +88,6 @@ ProximalProblem::ProximalProblem(const ContactProblem& problem)
 	reference.resize(size());
 	referenceVelocity.resize(size());
 	predictor.resize(size());
-	increment_.resize(bodyCount_);
 }
 
 double ProximalProblem::setReference(ContactProblem& problem)
@@ -125,14 +116,6 @@ void ProximalProblem::setStiffness(double rho)
 		stiffness[i] = rho / contacts[i].wnn;
 }
 
-void ProximalProblem::guessPieces()
-{
-	for (std::size_t i = 0; i < size(); ++i) {
-		const Impulse p = reference[i], u = referenceVelocity[i];
-		pieces[i] = pieceOf({ p.n - u.n / contacts[i].wnn, p.t - u.t / contacts[i].wnn }, contacts[i].friction);
-	}
-}
-
 bool ProximalProblem::factor()
 {
 	matrix.setIdentity();
@@ -152,36 +135,6 @@ bool ProximalProblem::factor()
 			add(slidingRow(c.tangent1, c.normal1, 0, k), slidingRow(c.tangent2, c.normal2, 0, k), c.tangent1, c.tangent2);
 	}
 	return matrix.factor();
-}
-
-void ProximalProblem::solveLinear()
-{
-	// (I + Ĵᵀ K Ĵ) y = Ĵᵀ (p(y = 0) − p_ref), p within the present piece
-	std::fill(increment_.begin(), increment_.end(), BlockVector {});
-	for (std::size_t i = 0; i < size(); ++i) {
-		const Impulse p = reference[i], u = referenceVelocity[i];
-		const double  k = stiffness[i], dn = -k * u.n;
-		Impulse       change { -p.n, -p.t };
-		if (pieces[i].kind == Piece::stick) change = { dn, -k * u.t };
-		if (pieces[i].kind == Piece::slide) change = { dn, pieces[i].side * contacts[i].friction * (p.n + dn) - p.t };
-		applyImpulse(contacts[i], change, increment_);
-	}
-	matrix.solve(increment_);
-	for (std::size_t i = 0; i < size(); ++i) {
-		const Impulse u = referenceVelocity[i], change = relativeVelocity(contacts[i], increment_);
-		predictor[i] = { reference[i].n - stiffness[i] * (u.n + change.n), reference[i].t - stiffness[i] * (u.t + change.t) };
-	}
-}
-
-int ProximalProblem::updatePieces()
-{
-	int changed = 0;
-	for (std::size_t i = 0; i < size(); ++i) {
-		const Piece piece = pieceOf(predictor[i], contacts[i].friction);
-		changed += piece != pieces[i];
-		pieces[i] = piece;
-	}
-	return changed;
 }
 
 void ProximalProblem::store(ContactProblem& problem) const

@@ -42,9 +42,6 @@ struct Piece {
 	enum Kind : std::int8_t { apart, stick, slide };
 	Kind        kind = apart;
 	std::int8_t side = 0; // s of sliding
-
-	bool operator==(const Piece& other) const { return kind == other.kind && side == other.side; }
-	bool operator!=(const Piece& other) const { return !(*this == other); }
 };
 
 using BodyVector = std::vector<BlockVector>;
@@ -81,17 +78,8 @@ public:
 	/// k = ρ/w_nn for every contact point.
 	void setStiffness(double rho);
 
-	/// Pieces that the reference alone suggests: those of the predictor at ρ = 1.
-	void guessPieces();
-
 	/// Factors I + Ĵᵀ K Ĵ for the present pieces. False when it is singular.
 	bool factor();
-
-	/// Solves the problem as if the present pieces held everywhere; needs `factor`. Sets the predictors.
-	void solveLinear();
-
-	/// The pieces that the predictors ask for; returns how many changed.
-	int updatePieces();
 
 	/// Writes the impulses that the law gives for the predictors to the problem.
 	void store(ContactProblem&) const;
@@ -104,13 +92,12 @@ public:
 	std::vector<Piece>         pieces;
 	std::vector<Impulse>       reference;         // p_ref
 	std::vector<Impulse>       referenceVelocity; // u_ref + b_n n
-	std::vector<Impulse>       predictor;         // π
+	std::vector<Impulse>       predictor;         // π, where the step ended
 	BlockLu                    matrix;
 
 private:
 	std::size_t              bodyCount_;
 	std::vector<std::size_t> origin_; // place of a contact in the contact problem
-	BodyVector               increment_;
 };
 
 } // namespace rcr

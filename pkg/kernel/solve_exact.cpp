@@ -1,11 +1,12 @@
 // Proximal point iteration with exact steps: residuals of 1e-8 and below, where sweeps stall.
 //
 //   p ← accelerated sweeps to about 1e-4
-//   repeat  p_ref ← p;  p ← solution of the contact law softened by w_nn/ρ about p_ref;  ρ ← 10 ρ
+//   repeat  p_ref ← p;  p ← solution of the contact law softened by w_nn/ρ about p_ref
 //
-// A step is one linear solve where the pieces guessed from p_ref hold, else a path from p_ref to the solution, pivot by
-// pivot (path_following.hpp). Where a path is lost, sweeps move the reference and ρ is lowered. The residual does not
-// fall monotonously, so the best iterate is kept.
+// A step follows the path from p_ref to its solution, pivot by pivot (path_following.hpp). The stiffer, the fewer steps,
+// until the path folds back: sliding is not associated, so the solution near p_ref can cease to exist, and the next one
+// is a finite way off. Then a softer step still has its one solution, and softer steps run away from the unstable
+// state until they come upon the next. The residual rises on the way, so the best iterate is kept.
 // Source: Rockafellar 1976; Acary, Brémond and Huber 2018, §5 (proximal point for frictional contact).
 #include <algorithm>
 
@@ -18,11 +19,43 @@ namespace rcr {
 
 namespace {
 
-	constexpr double handover     = 1e-4; // residual at which sweeps hand over
-	constexpr int    maxSweeps    = 3000; // … or their number
-	constexpr double rhoStart     = 1e3, rhoLeast = 1, rhoMost = 1e6, rhoFactor = 10; // beyond 1e6 rounding is seen
-	constexpr int    maxPivots    = 2000; // of one path
-	constexpr int    rescueSweeps = 300;  // after a lost path
+	constexpr double handover  = 1e-4; // residual at which sweeps hand over
+	constexpr int    maxSweeps = 3000; // … or their number
+	constexpr int    maxPivots = 2000; // of one path
+
+	/// ρ over the steps: stiffer while paths arrive, softer where one folds.
+	class Stiffness {
+	public:
+		double rho() const { return rho_; }
+
+		void arrived()
+		{
+			if (raised_) patience_ = std::max(1, patience_ / 2);
+			raised_ = ++steps_ >= patience_;
+			if (!raised_) return;
+			steps_ = 0;
+			rho_   = std::min(most, factor * rho_);
+		}
+
+		/// Running away takes time: after every fold twice as many steps before the next raise.
+		void folded()
+		{
+			patience_ = std::min(maxPatience, 2 * patience_);
+			steps_    = 0;
+			raised_   = false;
+			rho_      = std::max(least, rho_ / factor);
+		}
+
+	private:
+		static constexpr double least = 1e-2, start = 1e3, most = 1e6; // beyond 1e6 rounding is seen
+		static constexpr double factor = 10;
+		static constexpr int    maxPatience = 64;
+
+		double rho_      = start;
+		int    patience_ = 1; // steps at one ρ before it is raised
+		int    steps_    = 0;
+		bool   raised_   = false; // by the last step
+	};
 
 	/// The best impulses seen so far.
 	struct Best {
@@ -37,27 +70,11 @@ namespace {
 		}
 	};
 
-	struct Outcome {
-		bool solved;
-		int  iterations; // linear solves
-	};
-
-	/// Solves the proximal problem about its reference.
-	Outcome proximalStep(ProximalProblem& proximal, int maxIterations)
-	{
-		proximal.guessPieces();
-		if (!proximal.factor()) return { false, 1 };
-		proximal.solveLinear();
-		if (proximal.updatePieces() == 0) return { true, 1 };
-		const PathEnd end = followPath(proximal, std::min(maxPivots, maxIterations));
-		return { end.arrived, 2 + end.pivots };
-	}
-
-	Report sweep(ContactProblem& problem, double tolerance, int iterations, const Settings& settings)
+	Report sweep(ContactProblem& problem, const Settings& settings)
 	{
 		Settings sweeps      = settings;
-		sweeps.tolerance     = tolerance;
-		sweeps.maxIterations = iterations;
+		sweeps.tolerance     = std::max(settings.tolerance, handover);
+		sweeps.maxIterations = std::min(settings.maxIterations, maxSweeps);
 		return solve(problem, "nesterov", sweeps);
 	}
 
@@ -65,23 +82,17 @@ namespace {
 
 Report solveExact(ContactProblem& problem, const Settings& settings)
 {
-	Report report = sweep(problem, std::max(settings.tolerance, handover), std::min(settings.maxIterations, maxSweeps), settings);
-	if (report.reached(settings)) return report;
+	Report report = sweep(problem, settings);
+	if (report.reached(settings) || report.iterations >= settings.maxIterations) return report;
 	ProximalProblem proximal(problem);
-	double          residualNow = proximal.setReference(problem), rho = rhoStart;
-	Best            best { residualNow, problem.impulse };
-	while (!(settings.tolerance > 0 && best.residual <= settings.tolerance) && report.iterations < settings.maxIterations) {
-		proximal.setStiffness(rho);
-		const Outcome step = proximalStep(proximal, settings.maxIterations - report.iterations);
-		report.iterations += step.iterations;
-		if (step.solved) {
-			proximal.store(problem);
-			rho = std::min(rhoMost, rhoFactor * rho);
-		} else {
-			const int left = settings.maxIterations - report.iterations;
-			if (left > 0) report.iterations += sweep(problem, 0, std::min(rescueSweeps, left), settings).iterations;
-			rho = std::max(rhoLeast, rho / rhoFactor);
-		}
+	Stiffness       stiffness;
+	Best            best { proximal.setReference(problem), problem.impulse };
+	while (!(best.residual <= settings.tolerance) && report.iterations < settings.maxIterations) {
+		proximal.setStiffness(stiffness.rho());
+		const PathEnd end = followPath(proximal, std::min(maxPivots, settings.maxIterations - report.iterations));
+		report.iterations += 1 + end.pivots;
+		end.arrived ? stiffness.arrived() : stiffness.folded();
+		proximal.store(problem);
 		best.offer(proximal.setReference(problem), problem);
 	}
 	problem.impulse = best.impulse;
