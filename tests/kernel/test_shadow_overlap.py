@@ -1,0 +1,394 @@
+"""Shadow overlap against references that share nothing with it but the definition.
+
+The cores a₁e₁ and a₂e₂ overlap where the centre difference d lies in the parallelogram that they span (their Minkowski
+difference), so the gap of two stadiums is the signed distance of d to it, minus both cap radii.
+"""
+
+import numpy as np
+import pytest
+from rcr import _kernel
+
+ROUNDING = 1e-13  # lengths are of order 1, a gap is a handful of operations
+PAIRS = 100_000
+ALERT = 0.05
+CAP_CAP, CAP_SIDE, SIDE_SIDE, WALL = range(4)
+
+
+# ---------------------------------------------------------------------------------------------- poses
+
+def random_pairs(seed, n=PAIRS):
+    """Stadiums (n, 2) and poses (n, 3) twice: n pairs of all kinds, most of them near contact."""
+    rng = np.random.default_rng(seed)
+    stadium1, stadium2 = rng.uniform(0.02, 1, (n, 2)), rng.uniform(0.02, 1, (n, 2))
+    angle = rng.uniform(-np.pi, np.pi, (2, n))
+    kind = rng.integers(0, 7, n)
+    parallel = kind == 1  # sides that face each other, from exactly parallel to visibly not
+    angle[1] = np.where(parallel, angle[0] + rng.choice([0, np.pi], n) + rng.choice([0, 1e-15, 1e-9, 1e-6, 1e-3, 1e-2], n), angle[1])
+    stadium2[kind == 2, 0] = 0  # disc on the side or the end
+    stadium1[kind == 3, 0] = 0
+    stadium1[kind == 4, 0] = stadium2[kind == 4, 0] = 0
+    angle[1] = np.where(kind == 5, angle[0] + rng.choice([0, np.pi], n), angle[1])  # end to end
+
+    axis = np.stack([np.cos(angle[0]), np.sin(angle[0])], axis=1)
+    normal = np.stack([-axis[:, 1], axis[:, 0]], axis=1)
+    radii, lengths = stadium1[:, 1] + stadium2[:, 1], stadium1[:, 0] + stadium2[:, 0]
+    along = rng.uniform(-1.1, 1.1, n) * lengths
+    across = rng.choice([-1, 1], n) * (radii + rng.uniform(-0.5, 1.2, n) * ALERT)
+    d = along[:, None] * axis + across[:, None] * normal
+    d[kind == 5] = ((lengths + radii + rng.uniform(-0.5, 1.2, n) * ALERT)[:, None] * axis)[kind == 5]
+    d[kind == 6] = (rng.uniform(0, 1, (n, 1)) * d)[kind == 6]  # crossing cores, deep overlaps
+    center1 = rng.uniform(-1, 1, (n, 2))
+    return stadium1, np.column_stack([center1, angle[0]]), stadium2, np.column_stack([center1 + d, angle[1]])
+
+
+def axes(pose):
+    return np.stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])], axis=1)
+
+
+def replay(pairs, k, alert=ALERT):
+    """A line that makes one pair anew."""
+    arrays = ", ".join(repr(np.asarray(a)[k : k + 1].tolist()) for a in pairs)
+    return f"replay: _kernel.overlap_stadiums({arrays}, {alert})"
+
+
+def check(fails, pairs, what):
+    """Fails on the first True of `fails`, with its pose."""
+    bad = np.flatnonzero(fails)
+    assert len(bad) == 0, f"{what}: {len(bad)} of {len(fails)}, first #{bad[0]}; {replay(pairs, bad[0])}"
+
+
+# ---------------------------------------------------------------------------------------------- references
+
+def dot(a, b):
+    return np.einsum("...i,...i", a, b)
+
+
+def cross(a, b):
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def distance_to_segment(point, end1, end2):
+    edge = end2 - end1
+    length2 = dot(edge, edge)
+    t = np.clip(dot(point - end1, edge) / np.where(length2 > 0, length2, 1), 0, 1)
+    return np.linalg.norm(point - end1 - t[:, None] * edge, axis=1)
+
+
+def reference_gap(stadium1, pose1, stadium2, pose2):
+    """Signed distance of d to the parallelogram of the cores, minus the cap radii."""
+    d = pose2[:, :2] - pose1[:, :2]
+    e1, e2 = axes(pose1), axes(pose2)
+    u, v = stadium1[:, :1] * e1, stadium2[:, :1] * e2
+    corners = [u + v, u - v, -u - v, -u + v]
+    distance = np.min([distance_to_segment(d, corners[k], corners[k - 1]) for k in range(4)], axis=0)
+    sine = np.abs(cross(e1, e2))  # d = s e₁ + t e₂ with |s| < a₁ and |t| < a₂
+    inside = (np.abs(cross(d, e2)) < stadium1[:, 0] * sine) & (np.abs(cross(e1, d)) < stadium2[:, 0] * sine)
+    inside &= np.abs(dot(d, e1)) < stadium1[:, 0] + stadium2[:, 0] * np.abs(dot(e1, e2))  # parallel: the sines are rounding
+    return np.where(inside, -distance, distance) - stadium1[:, 1] - stadium2[:, 1]
+
+
+def reference_points(stadium1, pose1, stadium2, pose2, alert):
+    """The rule of the second point, written down from its statement: of the ends of one core that face the inside of the
+    other on the side of the closest point, within the alert distance, the farthest from it.
+
+    Returns the number of points and the distance of every decision from its threshold, infinite where there is none.
+    """
+    radii = stadium1[:, 1] + stadium2[:, 1]
+    found = []  # position, normal, gap, inside, margin of an end that projects onto a core
+    for (sa, pa), (sb, pb), flip in (((stadium1, pose1), (stadium2, pose2), 1), ((stadium2, pose2), (stadium1, pose1), -1)):
+        ea, eb = axes(pa), axes(pb)
+        for side in (-1, 1):
+            end = pb[:, :2] + side * sb[:, :1] * eb
+            s = dot(end - pa[:, :2], ea)
+            foot = pa[:, :2] + np.clip(s, -sa[:, 0], sa[:, 0])[:, None] * ea
+            delta = end - foot
+            distance = np.linalg.norm(delta, axis=1)
+            with np.errstate(invalid="ignore", divide="ignore"):
+                normal = flip * delta / distance[:, None]
+            middle = 0.5 * (foot + end + flip * normal * (sa[:, 1:] - sb[:, 1:]))
+            inside = (np.abs(s) <= sa[:, 0]) & (sa[:, 0] > 0)
+            found.append((middle, normal, distance - radii, inside, np.where(sa[:, 0] > 0, np.abs(np.abs(s) - sa[:, 0]), np.inf)))
+    position, normal, gap, inside, margin = (np.array(x) for x in zip(*found))
+    rows = np.arange(len(radii))
+    first = np.argmin(gap, axis=0)
+    facing = dot(normal, normal[first, rows])
+    far = np.linalg.norm(position - position[first, rows], axis=2)
+    second = inside & (gap <= alert) & (facing > 0) & (far > 1e-9 * radii)
+    count = np.where(gap.min(axis=0) <= alert, 1 + second.any(axis=0), 0)
+    margins = np.minimum(margin, np.abs(gap - alert)).min(axis=0)
+    margins = np.minimum(margins, np.abs(facing).min(axis=0))  # side by side, or on opposite sides
+    margins = np.minimum(margins, np.where(far > 0, np.abs(far - 1e-9 * radii), 1).min(axis=0))
+    return count, np.nan_to_num(margins)
+
+
+# ---------------------------------------------------------------------------------------------- two stadiums
+
+@pytest.mark.parametrize("seed", range(4))
+def test_gap_is_the_signed_distance_of_the_cores(seed):
+    pairs = random_pairs(seed)
+    found, gap = _kernel.overlap_stadiums(*pairs, ALERT), reference_gap(*pairs)
+    check((found["count"] > 0) != (gap <= ALERT), pairs, f"seed {seed}: seen or not, unlike gap ≤ alert distance")
+    seen = found["count"] > 0
+    assert 0.3 * PAIRS < seen.sum() < 0.95 * PAIRS and (gap < -0.2).sum() > 0.01 * PAIRS  # both branches are met
+    deepest = np.nanmin(np.where(seen[:, None], found["gap"], np.inf), axis=1)
+    with np.errstate(invalid="ignore"):
+        check(seen & ~(np.abs(deepest - gap) < ROUNDING), pairs, f"seed {seed}: gap of the deepest point")
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_gap_is_the_largest_separation_over_all_directions(seed):
+    """Signed distance of convex sets: max over directions n of n·d − h₁(n) − h₂(n). Sampled, it errs by the curvature."""
+    pairs = stadium1, pose1, stadium2, pose2 = random_pairs(seed, 2000)
+    found = _kernel.overlap_stadiums(*pairs, np.inf)
+    deepest = np.nanmin(found["gap"], axis=1)
+    directions = np.linspace(0, 2 * np.pi, 8000, endpoint=False)
+    n = np.stack([np.cos(directions), np.sin(directions)])
+    support = stadium1[:, :1] * np.abs(axes(pose1) @ n) + stadium2[:, :1] * np.abs(axes(pose2) @ n)
+    separation = ((pose2[:, :2] - pose1[:, :2]) @ n - support).max(axis=1) - stadium1[:, 1] - stadium2[:, 1]
+    step = 2 * np.pi / 8000
+    check(separation > deepest + ROUNDING, pairs, f"seed {seed}: a direction separates more")
+    check(separation < deepest - 4 * step, pairs, f"seed {seed}: no direction separates as much")  # kink of h at a side: 1st order, |core| < 2
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_points_lie_half_way_between_the_surfaces(seed):
+    """position ± (gap/2) n are on the two surfaces: R'₁ and R'₂ away from points of the cores (of their lines where the cores
+    cross), n is a unit vector from body 1 to body 2."""
+    pairs = stadium1, pose1, stadium2, pose2 = random_pairs(seed)
+    found = _kernel.overlap_stadiums(*pairs, ALERT)
+    crossed = reference_gap(*pairs) < -(stadium1[:, 1] + stadium2[:, 1]) + 1e-9
+    for k in range(2):
+        there = found["count"] > k
+        x, n, half = found["position"][:, k], found["normal"][:, k], 0.5 * found["gap"][:, k, None]
+        with np.errstate(invalid="ignore"):
+            check(there & (np.abs(np.linalg.norm(n, axis=1) - 1) > ROUNDING), pairs, "normal of unit length")
+            for core, stadium, pose in (
+                (x - (half + stadium1[:, 1:]) * n, stadium1, pose1),
+                (x + (half + stadium2[:, 1:]) * n, stadium2, pose2),
+            ):
+                off = distance_to_segment(core, pose[:, :2] - stadium[:, :1] * axes(pose), pose[:, :2] + stadium[:, :1] * axes(pose))
+                check(there & ~crossed & (off > ROUNDING), pairs, f"seed {seed}, point {k}: on the surface")
+    assert crossed.sum() > 100
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_second_point_follows_its_rule(seed):
+    pairs = random_pairs(seed)
+    found = _kernel.overlap_stadiums(*pairs, ALERT)
+    count, margin = reference_points(*pairs, ALERT)
+    crossed = reference_gap(*pairs) < -(pairs[0][:, 1] + pairs[2][:, 1]) + 1e-9
+    clear = (margin > 1e-10) & ~crossed  # nearer to a threshold, rounding decides
+    assert clear.sum() > 0.6 * PAIRS and (count[clear] == 2).sum() > 0.05 * PAIRS
+    check(clear & (found["count"] != count), pairs, f"seed {seed}: number of points")
+    check((found["type"] == SIDE_SIDE) != (found["count"] == 2), pairs, f"seed {seed}: side-side has two points")
+    along = dot(found["position"][:, 1] - found["position"][:, 0], axes(pairs[1]))
+    check((found["count"] == 2) & ~(along >= 0), pairs, f"seed {seed}: sorted along the axis of body 1")
+
+
+def one(stadium1, pose1, stadium2, pose2, alert=ALERT):
+    found = _kernel.overlap_stadiums([stadium1], [pose1], [stadium2], [pose2], alert)
+    return {name: values[0] for name, values in found.items()}
+
+
+@pytest.mark.parametrize(
+    "stadium1, pose1, stadium2, pose2, kind, gaps",
+    [
+        pytest.param((0, 0.5), (0, 0, 0), (0, 0.25), (0.77, 0, 1), CAP_CAP, [0.02], id="two discs"),
+        pytest.param((0, 0.5), (0, 0, 0), (0, 0.25), (0.7, 0, 1), CAP_CAP, [-0.05], id="two overlapping discs"),
+        pytest.param((1, 0.5), (0, 0, 0), (0, 0.25), (0.3, 0.75, 0), CAP_SIDE, [0], id="disc on a side"),
+        pytest.param((1, 0.5), (0, 0, 0), (0, 0.25), (1.75, 0, 0), CAP_CAP, [0], id="disc on an end"),
+        pytest.param((1, 0.5), (0, 0, 0), (1, 0.25), (2.8, 0, 0), CAP_CAP, [0.05], id="end to end"),
+        pytest.param((1, 0.5), (0, 0, 0), (1, 0.5), (0.5, 0.99, 0), SIDE_SIDE, [-0.01, -0.01], id="side on side"),
+        pytest.param((1, 0.5), (0, 0, 0), (1, 0.5), (0, 0, 0), SIDE_SIDE, [-1, -1], id="equal poses"),
+        pytest.param((1, 0.5), (0, 0, 0), (1, 0.25), (0, 1.75, np.pi / 2), CAP_SIDE, [0], id="upright on a side"),
+        pytest.param((1, 0.5), (0, 0, 0), (1, 0.5), (0.2, 0.4, np.pi / 2), CAP_SIDE, [-1.6], id="crossing: 0.6 back through the end"),
+        pytest.param((0, 0.5), (0, 0, 0), (0, 0.25), (0.81, 0, 0), CAP_CAP, [], id="out of reach"),
+    ],
+)
+def test_one_case_a_branch(stadium1, pose1, stadium2, pose2, kind, gaps):
+    found = one(stadium1, pose1, stadium2, pose2)
+    assert found["count"] == len(gaps)
+    assert found["gap"][: len(gaps)] == pytest.approx(gaps, abs=ROUNDING)
+    assert not gaps or found["type"] == kind
+
+
+def test_eccentric_side_contact_spans_the_shadow():
+    """Equal stadiums shifted by s along their sides face each other from s − a to a."""
+    found = one((1, 0.5), (0, 0, 0), (1, 0.5), (0.5, 1, 0))
+    assert found["position"] == pytest.approx(np.array([[-0.5, 0.5], [1, 0.5]]), abs=ROUNDING)
+    assert found["normal"] == pytest.approx(np.array([[0, 1], [0, 1]]), abs=ROUNDING)
+
+
+# ---------------------------------------------------------------------------------------------- invariance
+
+def moved(pairs, angle=0.0, shift=(0, 0), mirror=False):
+    """The same pairs, mirrored at the x axis, turned about the origin, and shifted."""
+    c, s = np.cos(angle), np.sin(angle)
+    matrix = np.array([[c, -s], [s, c]]) @ np.diag([1, -1 if mirror else 1])
+    poses = [np.column_stack([p[:, :2] @ matrix.T + shift, (-p[:, 2] if mirror else p[:, 2]) + angle]) for p in (pairs[1], pairs[3])]
+    return (pairs[0], poses[0], pairs[2], poses[1]), matrix
+
+
+def same_manifold(found, expected, pairs, clear, what, tolerance):
+    check(clear & (found["count"] != expected["count"]), pairs, f"{what}: number of points")
+    check(clear & (found["type"] != expected["type"]), pairs, f"{what}: type")
+    for name in ("position", "normal", "gap"):
+        difference = np.abs(found[name] - expected[name]).reshape(len(clear), -1)
+        with np.errstate(invalid="ignore"):
+            check(clear & (np.nan_to_num(difference) > tolerance).any(axis=1), pairs, f"{what}: {name}")
+
+
+def clear_pairs(seed):
+    """Pairs of which no decision is within rounding, so that a motion may not change them."""
+    pairs = random_pairs(seed)
+    count, margin = reference_points(*pairs, ALERT)
+    depth = -(reference_gap(*pairs) + pairs[0][:, 1] + pairs[2][:, 1])
+    clear = (margin > 1e-9) & (np.abs(depth) > 1e-6)
+    # Where a single closest point is one of several, rounding picks it: parallel sides out of reach of the second one.
+    tied = (count == 1) & (np.abs(cross(axes(pairs[1]), axes(pairs[3]))) < 1e-5)
+    crossed = depth > 0  # two ways out of about the same length
+    clear &= ~tied & ~crossed
+    assert clear.sum() > 0.4 * PAIRS
+    return pairs, clear
+
+
+@pytest.mark.parametrize("angle, shift, mirror", [(0, (3, -2), False), (1, (0, 0), False), (np.pi / 2, (1, 1), False), (0.4, (0, 0), True)])
+def test_manifold_moves_with_the_pair(angle, shift, mirror):
+    pairs, clear = clear_pairs(seed=7)
+    expected = _kernel.overlap_stadiums(*pairs, ALERT)
+    pairs, matrix = moved(pairs, angle, shift, mirror)
+    expected["position"] = expected["position"] @ matrix.T + shift
+    expected["normal"] = expected["normal"] @ matrix.T
+    # Normals of cap-cap contacts lose digits as the cores come close, 1e-6 at the least here.
+    same_manifold(_kernel.overlap_stadiums(*pairs, ALERT), expected, pairs, clear, f"turned by {angle}, mirrored {mirror}", 1e-8)
+
+
+def test_swapping_the_bodies_flips_the_normals():
+    pairs, clear = clear_pairs(seed=8)
+    found, expected = _kernel.overlap_stadiums(*pairs, ALERT), _kernel.overlap_stadiums(*pairs[2:], *pairs[:2], ALERT)
+    expected["normal"] = -expected["normal"]
+    along = dot(expected["position"][:, 1] - expected["position"][:, 0], axes(pairs[1]))
+    back = (expected["count"] == 2) & (along < 0)  # they are sorted along the other body's axis
+    for name in ("position", "normal", "gap"):
+        expected[name][back] = expected[name][back][:, ::-1]
+    same_manifold(found, expected, pairs, clear, "swapped", ROUNDING / 1e-6)
+
+
+@pytest.mark.parametrize("place", [(which, column) for which in range(4) for column in range(2 + which % 2)])
+def test_nan_is_no_contact(place):
+    arrays = [np.array([(1.0, 0.5)]), np.array([(0.0, 0, 0)]), np.array([(1.0, 0.5)]), np.array([(0.1, 0.9, 0.01)])]
+    assert _kernel.overlap_stadiums(*arrays, ALERT)["count"] == 2
+    arrays[place[0]][0, place[1]] = np.nan
+    assert _kernel.overlap_stadiums(*arrays, ALERT)["count"] == 0
+
+
+# ---------------------------------------------------------------------------------------------- wall and box
+
+def test_wall_meets_each_cap():
+    """gap of an end = (end − origin)·n − R'; a disc has one end."""
+    rng = np.random.default_rng(3)
+    n = 20_000
+    stadium = rng.uniform(0.05, 1, (n, 2)) * np.stack([rng.integers(0, 2, n), np.ones(n)], axis=1)
+    pose = rng.uniform(-1, 1, (n, 3)) * (1, 1, np.pi)
+    origin, direction = rng.uniform(-1, 1, (n, 2)), rng.uniform(0, 2 * np.pi, n)
+    normal = np.stack([np.cos(direction), np.sin(direction)], axis=1)
+    found = _kernel.overlap_wall(origin, normal, stadium, pose, ALERT)
+    ends = pose[:, None, :2] + np.array([-1, 1])[:, None] * (stadium[:, :1] * axes(pose))[:, None]
+    gap = dot(ends - origin[:, None], normal[:, None]) - stadium[:, 1:]
+    gap[stadium[:, 0] == 0, 1] = np.inf
+    order = np.argsort(gap > ALERT, axis=1, kind="stable")  # unused points come last
+    gap, ends = np.take_along_axis(gap, order, 1), np.take_along_axis(ends, order[:, :, None], 1)
+    seen = gap <= ALERT
+    assert (found["count"] == seen.sum(axis=1)).all() and (found["type"][seen[:, 0]] == WALL).all()
+    assert np.abs(found["gap"] - gap)[seen].max() < ROUNDING
+    middle = ends - (stadium[:, 1:] + gap / 2)[:, :, None] * normal[:, None]
+    assert np.abs(found["position"] - middle)[seen].max() < ROUNDING
+    assert np.abs(found["normal"] - normal[:, None])[seen].max() == 0
+
+
+def box_gap(half, stadium, pose):
+    """Signed distance of a core segment and the box |x| ≤ hx, |y| ≤ hy, minus the cap radius: max over directions of the
+    separation where they overlap, else the distance from ends to the box and from corners to the segment."""
+    e, q = axes(pose), pose[:, :2]
+    ends = [q - stadium[:, :1] * e, q + stadium[:, :1] * e]
+    outside = [np.linalg.norm(np.maximum(np.abs(end) - half, 0), axis=1) for end in ends]
+    corners = [half * np.array(sign) for sign in ((1, 1), (1, -1), (-1, -1), (-1, 1))]
+    outside += [distance_to_segment(corner, *ends) for corner in corners]
+    side = np.stack([-e[:, 1], e[:, 0]], axis=1)
+    depth = [np.abs(q[:, k]) - stadium[:, 0] * np.abs(e[:, k]) - half[:, k] for k in range(2)]
+    depth += [np.abs(dot(q, side)) - dot(half, np.abs(side))]
+    overlap = np.max(depth, axis=0)
+    return np.where(overlap <= 0, overlap, np.min(outside, axis=0)) - stadium[:, 1]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_box_gap_is_the_signed_distance(seed):
+    rng = np.random.default_rng(seed)
+    n = PAIRS
+    half, stadium = rng.uniform(0.05, 1, (n, 2)), rng.uniform(0.05, 1, (n, 2))
+    stadium[: n // 8, 0] = 0
+    local = rng.uniform(-1, 1, (n, 3)) * np.stack([half[:, 0] + 1, half[:, 1] + 1, np.full(n, np.pi)], axis=1)
+    local[n // 2 :, 2] = np.pi / 2 * rng.integers(0, 4, n - n // 2) + rng.choice([0, 1e-12, 1e-6, 1e-3], n - n // 2)
+    box = rng.uniform(-1, 1, (n, 3)) * (1, 1, np.pi)
+    e, f = axes(box), np.stack([-np.sin(box[:, 2]), np.cos(box[:, 2])], axis=1)
+    pose = np.column_stack([box[:, :2] + local[:, :1] * e + local[:, 1:2] * f, local[:, 2] + box[:, 2]])
+    found, gap = _kernel.overlap_box(half, box, stadium, pose, ALERT), box_gap(half, stadium, local)
+    clear = np.abs(gap - ALERT) > ROUNDING
+    seen = found["count"] > 0
+    bad = np.flatnonzero(clear & (seen != (gap <= ALERT)))
+    message = "{}: seed {}, _kernel.overlap_box([{}], [{}], [{}], [{}], {})"
+    say = lambda what, k: message.format(what, seed, *(a[k].tolist() for a in (half, box, stadium, pose)), ALERT)
+    assert len(bad) == 0, say(f"{len(bad)} seen or not", bad[0])
+    deepest = np.nanmin(np.where(seen[:, None], found["gap"], np.inf), axis=1)
+    with np.errstate(invalid="ignore"):
+        bad = np.flatnonzero(seen & ~(np.abs(deepest - gap) < 3e-12))  # faces are preferred within 1e-12 (h_x + h_y), < 2e-12
+    assert len(bad) == 0, say(f"{len(bad)} gaps, {deepest[bad[:1]]} instead of {gap[bad[:1]]}", bad[0])
+
+
+@pytest.mark.parametrize(
+    "pose, gaps, xs",
+    [
+        pytest.param((0, 1.5, 0), [0, 0], [-0.5, 0.5], id="lies on the top"),
+        pytest.param((1.7, 1.5, 0), [0, 0], [1.2, 2], id="overhangs the edge: its end and the corner"),
+        pytest.param((2.3, 1.5, 0), [0, 0], [1.8, 2], id="centre beyond the edge, still two points"),
+        pytest.param((2.52, 1.5, 0), [0.02 * 0.02 / 2 / 0.5], [2], id="cap on the corner"),
+        pytest.param((0, 0.9, 0), [-0.6, -0.6], [-0.5, 0.5], id="deep: out through the nearest face"),
+        pytest.param((0, 2, np.pi / 2), [0], [0], id="upright"),
+    ],
+)
+def test_box_one_case_a_branch(pose, gaps, xs):
+    """Stadium (0.5, 0.5) and the box |x| ≤ 2, |y| ≤ 1."""
+    found = _kernel.overlap_box([(2, 1)], [(0, 0, 0)], [(0.5, 0.5)], [pose], ALERT)
+    assert found["count"][0] == len(gaps) and found["type"][0] == WALL
+    assert found["gap"][0, : len(gaps)] == pytest.approx(gaps, abs=1e-6)  # the corner case is a Taylor expansion
+    assert found["position"][0, : len(gaps), 0] == pytest.approx(xs, abs=1e-3)
+
+
+# ---------------------------------------------------------------------------------------------- two points carry as much as four
+
+def side_contact(points, friction, free_velocity):
+    """Body 1 on the fixed body 0 through points (x, 0); its centre is at (0, 1), its mass 1 and its inertia 0.5."""
+    n = len(points)
+    arm0 = np.column_stack([points, np.zeros(n)])
+    return _kernel.solve(
+        inverse_mass=[(0, 0, 0), (1, 1, 2)], free_velocity=[(0, 0, 0), free_velocity], bodies=[(0, 1)] * n,
+        normal=[(0, 1)] * n, arm1=arm0, arm2=arm0 - (0, 1), bias=np.zeros(n), friction=np.full(n, friction),
+        impulse=np.zeros((n, 2)), solver="nlgs", tolerance=1e-14, max_iterations=100_000,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("friction", [0, 0.3, 0.8])
+@pytest.mark.parametrize("seed", range(5))
+def test_two_points_carry_what_four_do(friction, seed):
+    """The paper gives a side-side contact four points: two of the rectangles, two of a cap on a side. They stand in pairs at
+    the ends of the shadow, so only sums are determined: resultant and moment, the same as with two points."""
+    rng = np.random.default_rng(seed)
+    ends = np.sort(rng.uniform(-1, 1, 2))
+    velocity = (rng.normal(), -1, 0.3 * rng.normal())
+    two, four = side_contact(ends, friction, velocity), side_contact(np.repeat(ends, 2), friction, velocity)
+    wrench = lambda result, x: (*result["impulse"].sum(axis=0), x @ result["impulse"][:, 0])
+    message = f"ends {ends}, free velocity {velocity}, friction {friction}: {two['impulse']} and {four['impulse']}"
+    assert two["residual"] < 1e-13 and four["residual"] < 1e-13, message
+    # Residual 1e-13 times the condition of three balances over lever arms of 0.1 to 1.
+    assert wrench(four, np.repeat(ends, 2)) == pytest.approx(wrench(two, ends), abs=1e-10), message
+    assert four["velocity"] == pytest.approx(two["velocity"], abs=1e-10), message
