@@ -61,6 +61,7 @@ struct Measures {
 	double normal;     // Σ p_n
 	double violation2; // Σ min(u_n + b_n, 0)²
 	double velocity2;  // Σ |u|²
+	double stopping2;  // Σ ((|u_n| + |b_n|)/w_nn)²
 };
 
 /// The kernels for one lane width; each works on one chunk.

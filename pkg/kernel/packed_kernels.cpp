@@ -189,13 +189,13 @@ namespace RCR_LANE_NAMESPACE {
 
 		Measures measure(const PackedView& view, const Chunk& chunk)
 		{
-			SlotSum error2, impulse2, normal, violation2, velocity2;
+			SlotSum error2, impulse2, normal, violation2, velocity2, stopping2;
 			forEachPair(view, chunk, [&](const P& at1, const P& at2, const PointBlock* point, int lane) INLINE {
 				const B v1 = loadBodies<RCR_LANES>(at1.at), v2 = loadBodies<RCR_LANES>(at2.at);
 				for (const PointBlock* c = point; c < point + chunk.pointsPerPair; ++c) {
 					const Vector u = relativeVelocity(*c, lane, v1, v2), p { L::load(c->pn + lane), L::load(c->pt + lane) };
-					const L      un = u.n + L::load(c->bias + lane), friction = L::load(c->friction + lane);
-					const L      scale = L::load(c->inverseNn + lane);
+					const L      bias = L::load(c->bias + lane), un = u.n + bias, friction = L::load(c->friction + lane);
+					const L      scale = L::load(c->inverseNn + lane), stopping = (abs(u.n) + abs(bias)) * scale;
 					const Vector q     = projectCone({ p.n - (un + friction * abs(u.t)) * scale, p.t - u.t * scale }, friction);
 					const L      below = select(un <= L(0.0), un, L(0.0));
 					error2.add(lane, (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t));
@@ -203,9 +203,10 @@ namespace RCR_LANE_NAMESPACE {
 					normal.add(lane, p.n);
 					violation2.add(lane, below * below);
 					velocity2.add(lane, u.n * u.n + u.t * u.t);
+					stopping2.add(lane, stopping * stopping);
 				}
 			});
-			return { error2.total(), impulse2.total(), normal.total(), violation2.total(), velocity2.total() };
+			return { error2.total(), impulse2.total(), normal.total(), violation2.total(), velocity2.total(), stopping2.total() };
 		}
 
 		void extrapolate(const PackedView& view, int first, int last, double momentum)

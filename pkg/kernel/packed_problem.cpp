@@ -34,7 +34,8 @@ namespace {
 
 	Measures sum(const Measures& a, const Measures& b)
 	{
-		return { a.error2 + b.error2, a.impulse2 + b.impulse2, a.normal + b.normal, a.violation2 + b.violation2, a.velocity2 + b.velocity2 };
+		return { a.error2 + b.error2,         a.impulse2 + b.impulse2,   a.normal + b.normal,
+			 a.violation2 + b.violation2, a.velocity2 + b.velocity2, a.stopping2 + b.stopping2 };
 	}
 
 } // namespace
@@ -220,8 +221,9 @@ Measures PackedProblem::measure()
 	for (const TailPoint& c : tail_) {
 		const Impulse u = relativeVelocity(c);
 		const double  un = u.n + c.bias, below = std::min(un, 0.0);
+		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
 		const Impulse q = projectCone({ c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn }, c.friction);
-		total           = sum(total, { square(c.p - q), square(c.p), c.p.n, below * below, square(u) });
+		total           = sum(total, { square(c.p - q), square(c.p), c.p.n, below * below, square(u), stopping * stopping });
 	}
 	return total;
 }

@@ -1,7 +1,5 @@
 #include "residual.hpp"
 
-#include <limits>
-
 #include "coulomb.hpp"
 
 namespace rcr {
@@ -10,7 +8,7 @@ double residual(const ContactProblem& given)
 {
 	ContactProblem problem { given.inverseMass, given.freeVelocity, given.points, given.impulse, {} };
 	updateVelocity(problem);
-	double error2 = 0, norm2 = 0;
+	double error2 = 0, impulse2 = 0, stopping2 = 0;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		const Delassus      w = delassus(c, problem.inverseMass[c.body1], problem.inverseMass[c.body2]);
@@ -19,10 +17,11 @@ double residual(const ContactProblem& given)
 		const Impulse u = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 		const Impulse q = projectCone({ p.n - (u.n + c.bias + c.friction * std::abs(u.t)) / w.nn, p.t - u.t / w.nn }, c.friction);
 		error2 += (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
-		norm2 += p.n * p.n + p.t * p.t;
+		impulse2 += p.n * p.n + p.t * p.t;
+		const double stopping = (std::abs(u.n) + std::abs(c.bias)) / w.nn;
+		stopping2 += stopping * stopping;
 	}
-	if (error2 == 0) return 0;
-	return norm2 > 0 ? std::sqrt(error2 / norm2) : std::numeric_limits<double>::infinity();
+	return relativeError(error2, impulse2, stopping2);
 }
 
 } // namespace rcr

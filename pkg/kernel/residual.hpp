@@ -1,6 +1,9 @@
 // The error measure of a solution, used by every solver, test and chart.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "contact_problem.hpp"
 
 namespace rcr {
@@ -9,9 +12,15 @@ namespace rcr {
 ///
 ///   ‖ p − P_K( p − (u + (b_n + µ|u_t|) n) / w_nn ) ‖ / ‖p‖ ,   K = { |p_t| ≤ µ p_n },
 ///
-/// with u computed anew from `impulse` (not from `velocity`). 0 if and only if the laws hold exactly; +∞ where p = 0 is
-/// no solution. Points between two bodies of prescribed motion (w_nn = 0) carry nothing and do not count.
+/// with u computed anew from `impulse` (not from `velocity`). 0 if and only if the laws hold exactly. Points between two bodies of prescribed motion (w_nn = 0) carry nothing and do not count.
 /// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
 double residual(const ContactProblem&);
+
+/// The quotient above from its sums. Where nothing presses, ‖p‖ is rounding and no measure: then 1e-8 of the impulses that
+/// would stop the points, (|u_n| + |b_n|)/w_nn, takes its place; `stopping2` is the sum of their squares.
+inline double relativeError(double error2, double impulse2, double stopping2)
+{
+	return error2 == 0 ? 0 : std::sqrt(error2 / std::max(impulse2, 1e-16 * stopping2));
+}
 
 } // namespace rcr

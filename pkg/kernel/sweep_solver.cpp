@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "residual.hpp"
+
 namespace rcr {
 
 Workspace::Workspace() : packed_(std::make_unique<PackedProblem>()) { }
@@ -48,7 +50,7 @@ void StopTest::measure()
 {
 	const auto     ratio = [](double part, double whole) { return part == 0 ? 0 : std::sqrt(part / whole); }; // whole = 0: infinite
 	const Measures m     = packed_.measure();
-	report_.residual     = ratio(m.error2, m.impulse2);
+	report_.residual     = relativeError(m.error2, m.impulse2, m.stopping2);
 	report_.violation    = ratio(m.violation2, std::max(m.velocity2, packed_.freeVelocity2()));
 	if (measured_) meanForceChange_ = std::abs(m.normal - normal_) / m.normal; // NaN without any force: not met
 	normal_   = m.normal;
