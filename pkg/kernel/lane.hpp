@@ -8,7 +8,7 @@
 // would keep one of them for all machines. For the same reason this file includes no library code that is inlined.
 #pragma once
 
-#if defined(__AVX2__) || defined(__AVX512F__)
+#if defined(__AVX2__)
 #include <immintrin.h>
 #endif
 
@@ -61,9 +61,24 @@ namespace RCR_LANE_NAMESPACE {
 	};
 
 	template <> struct Mask<1> {
-		bool value;
+		std::uint64_t value; // all bits
 	};
 
+	inline std::uint64_t bitsOf(double a)
+	{
+		std::uint64_t bits;
+		__builtin_memcpy(&bits, &a, sizeof bits);
+		return bits;
+	}
+
+	inline double fromBits(std::uint64_t bits)
+	{
+		double a;
+		__builtin_memcpy(&a, &bits, sizeof a);
+		return a;
+	}
+
+	/// Choices are made on bits: whether a contact sticks or slides cannot be foreseen, and a branch would cost more.
 	template <> struct Lane<1> {
 		double value;
 
@@ -75,12 +90,12 @@ namespace RCR_LANE_NAMESPACE {
 		friend Lane    operator-(Lane a, Lane b) { return a.value - b.value; }
 		friend Lane    operator*(Lane a, Lane b) { return a.value * b.value; }
 		friend Lane    operator/(Lane a, Lane b) { return a.value / b.value; }
-		friend Mask<1> operator<=(Lane a, Lane b) { return { a.value <= b.value }; }
+		friend Mask<1> operator<=(Lane a, Lane b) { return { a.value <= b.value ? ~std::uint64_t(0) : 0 }; }
 		friend Lane    abs(Lane a) { return __builtin_fabs(a.value); }
 		friend Lane    copySign(Lane a, Lane b) { return __builtin_copysign(a.value, b.value); }
-		friend Lane    select(Mask<1> m, Lane yes, Lane no) { return m.value ? yes : no; }
-		friend Lane    zeroWhere(Mask<1> m, Lane a) { return m.value ? Lane(0.0) : a; }
-		friend Lane    bySign(Lane a, Lane above, Lane below) { return __builtin_signbit(a.value) ? below : above; }
+		friend Lane    select(Mask<1> m, Lane yes, Lane no) { return fromBits((bitsOf(yes.value) & m.value) | (bitsOf(no.value) & ~m.value)); }
+		friend Lane    zeroWhere(Mask<1> m, Lane a) { return fromBits(bitsOf(a.value) & ~m.value); }
+		friend Lane    bySign(Lane a, Lane above, Lane below) { return select({ std::uint64_t(0) - (bitsOf(a.value) >> 63) }, below, above); }
 	};
 
 #if defined(__AVX2__)

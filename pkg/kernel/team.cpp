@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#endif
 
 namespace rcr {
 
@@ -27,7 +24,7 @@ namespace {
 	void pause()
 	{
 #if defined(__x86_64__)
-		_mm_pause();
+		__builtin_ia32_pause();
 #endif
 	}
 
