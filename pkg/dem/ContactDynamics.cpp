@@ -8,6 +8,7 @@
 
 #include "AlertDistance.hpp"
 #include "CdPhys.hpp"
+#include "MissingFunctor.hpp"
 #include "Rcr.hpp"
 #include "RcrGeom.hpp"
 
@@ -31,9 +32,27 @@ namespace {
 		return -1;
 	}
 
-	void checkBody(const Body& b)
+	std::string text(const Vector3r& v)
+	{
+		std::ostringstream out;
+		out << '(' << v[0] << ", " << v[1] << ", " << v[2] << ')';
+		return out.str();
+	}
+
+	void checkFinite(const Body& b, const char* what, const Vector3r& v, const char* remedy)
+	{
+		if (math::isfinite(v[0]) && math::isfinite(v[1]) && math::isfinite(v[2])) return;
+		refuse(body(b.getId()) + " has the " + what + ' ' + text(v) + "; wanted finite numbers: " + remedy);
+	}
+
+	void checkBody(const Body& b, Scene& scene)
 	{
 		const State& s = *b.state;
+		checkFinite(b, "position", s.pos, "set b.state.pos.");
+		checkFinite(b, "velocity", s.vel, "set b.state.vel.");
+		checkFinite(b, "angular velocity", s.angVel, "set b.state.angVel.");
+		checkFinite(b, "force", scene.forces.getForce(b.getId()), "find the engine, or the O.forces of a script, that gave it.");
+		checkFinite(b, "torque", scene.forces.getTorque(b.getId()), "find the engine, or the O.forces of a script, that gave it.");
 		if (b.isClump() || b.isClumpMember())
 			refuse(body(b.getId()) + " belongs to a clump; clumps are not served. Use single bodies, or a smooth law.");
 		if (math::abs(s.ori.x()) > 1e-9 || math::abs(s.ori.y()) > 1e-9)
@@ -59,7 +78,10 @@ void ContactDynamics::action()
 		refuse("O.dt = " + boost::lexical_cast<std::string>(scene->dt) + "; wanted a finite time step > 0.");
 	if (!(correction >= 0 && correction <= 1))
 		refuse("correction = " + boost::lexical_cast<std::string>(correction) + "; wanted a share of the overlap, 0 to 1.");
-	const NewtonIntegrator& newton = checkedIntegrator();
+	const NewtonIntegrator& newton  = checkedIntegrator();
+	const std::string       missing = missingFunctor(*scene);
+	if (!missing.empty()) refuse(missing);
+	scene->forces.sync();
 	checkBodies();
 
 	gatherBodies(newton);
@@ -109,7 +131,7 @@ void ContactDynamics::checkBodies() const
 	for (const auto& b : *scene->bodies) {
 		if (!b || !b->shape || !dynamic_cast<const Rcr*>(b->shape.get())) continue;
 		if (!(static_cast<const Rcr&>(*b->shape).capRadius > 0)) refuse(body(b->getId()) + " has a Rcr shape without a cap radius; set it.");
-		checkBody(*b);
+		checkBody(*b, *scene);
 	}
 }
 
@@ -118,7 +140,6 @@ void ContactDynamics::gatherBodies(const NewtonIntegrator& newton)
 	const std::size_t n = scene->bodies->size();
 	problem_.inverseMass.assign(n, {});
 	problem_.freeVelocity.assign(n, {});
-	scene->forces.sync();
 	const double dt = double(scene->dt);
 	for (const auto& b : *scene->bodies) {
 		if (!b) continue;

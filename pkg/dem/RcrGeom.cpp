@@ -1,6 +1,7 @@
 #include "RcrGeom.hpp"
 
 #include "AlertDistance.hpp"
+#include "MissingFunctor.hpp"
 
 namespace yade {
 
@@ -17,10 +18,12 @@ namespace {
 
 	/// Stores a manifold in the interaction. An empty one creates nothing; where there was a contact, the Law2 erases it.
 	bool
-	store(const rcr::Manifold& manifold, const rcr::Pose& at, Real radius1, Real radius2, const shared_ptr<Interaction>& interaction)
+	store(const rcr::Manifold& manifold, const rcr::Pose& at, Real radius1, Real radius2, const shared_ptr<Interaction>& interaction, const Scene& scene)
 	{
-		if (manifold.count == 0 && !interaction->geom) return false;
-		if (!interaction->geom) interaction->geom = boost::make_shared<RcrGeom>();
+		if (!interaction->geom) {
+			if (manifold.count == 0 || !missingFunctor(scene).empty()) return false;
+			interaction->geom = boost::make_shared<RcrGeom>();
+		}
 		RcrGeom& geom = static_cast<RcrGeom&>(*interaction->geom);
 		geom.refR1    = radius1;
 		geom.refR2    = radius2;
@@ -75,7 +78,8 @@ bool Ig2_Rcr_Rcr_RcrGeom::go(
 	        at1,
 	        one.circumscribedRadius(),
 	        two.circumscribedRadius(),
-	        interaction);
+	        interaction,
+	        *scene);
 }
 
 bool Ig2_Wall_Rcr_RcrGeom::go(
@@ -89,7 +93,7 @@ bool Ig2_Wall_Rcr_RcrGeom::go(
 {
 	const Wall& wall     = static_cast<const Wall&>(*shape1);
 	const Rcr&  particle = static_cast<const Rcr&>(*shape2);
-	if (wall.axis > 1) return store({}, {}, 0, 0, interaction); // parallel to the plane: never met
+	if (wall.axis > 1) return store({}, {}, 0, 0, interaction, *scene); // parallel to the plane: never met
 	rcr::Pose at           = plane::pose(state2);
 	at.center              = at.center + plane::toPlane(shift2);
 	const rcr::Vec2 origin = plane::toPlane(state1.pos);
@@ -99,7 +103,7 @@ bool Ig2_Wall_Rcr_RcrGeom::go(
 	const double    R      = particle.circumscribedRadius();
 	const double    speed  = wall.axis == 0 ? double(state1.vel[0]) : double(state1.vel[1]);
 	const double    reach  = force ? anywhere : alert(particle, state2, double(scene->dt)) + 2 * double(scene->dt) * std::abs(speed);
-	return store(rcr::shadowOverlap(rcr::HalfPlane { origin, normal }, particle.stadium(), at, reach), at, R, R, interaction);
+	return store(rcr::shadowOverlap(rcr::HalfPlane { origin, normal }, particle.stadium(), at, reach), at, R, R, interaction, *scene);
 }
 
 bool Ig2_Sphere_Rcr_RcrGeom::go(
@@ -118,7 +122,7 @@ bool Ig2_Sphere_Rcr_RcrGeom::go(
 	const double dt     = double(scene->dt);
 	const double reach  = force ? anywhere : alert(particle, state2, dt) + 2 * dt * plane::speed(plane::twist(state1), radius);
 	const auto   result = rcr::shadowOverlap(rcr::Stadium { 0, radius }, at1, particle.stadium(), at2, reach);
-	return store(result, at2, radius, particle.circumscribedRadius(), interaction);
+	return store(result, at2, radius, particle.circumscribedRadius(), interaction, *scene);
 }
 
 bool Ig2_Box_Rcr_RcrGeom::go(
@@ -137,7 +141,7 @@ bool Ig2_Box_Rcr_RcrGeom::go(
 	const double R     = particle.circumscribedRadius();
 	const double speed = plane::speed(plane::twist(state1), norm(box.halfExtent));
 	const double reach = force ? anywhere : alert(particle, state2, double(scene->dt)) + 2 * double(scene->dt) * speed;
-	return store(rcr::shadowOverlap(box, at1, particle.stadium(), at2, reach), at2, R, R, interaction);
+	return store(rcr::shadowOverlap(box, at1, particle.stadium(), at2, reach), at2, R, R, interaction, *scene);
 }
 
 } // namespace yade

@@ -1,6 +1,7 @@
 """Scenes for the tests: one list of engines, a few bodies, and what is read off them."""
 
 import math
+import os
 import subprocess
 import sys
 
@@ -102,6 +103,6 @@ def contact_forces():
     return {(i.id1, i.id2): (i.phys.points, *i.phys.force1, *i.phys.force2) for i in O.interactions if i.isReal}
 
 
-def python(code, *arguments):
-    """Runs a script in a YADE of its own; returns the CompletedProcess."""
-    return subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, timeout=120)
+def python(code, **environment):
+    """Runs a script in a Python of its own, with these environment variables; returns the CompletedProcess."""
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, env={**os.environ, **environment})

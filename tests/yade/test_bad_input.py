@@ -1,0 +1,306 @@
+"""What a user may get wrong: each error says what was given, what is wanted and what to do, and nothing has moved by then.
+
+O.step() raises the engine's ValueError. O.run(wait=True) runs in a thread of YADE, which turns it into a RuntimeError with the
+same words; a run in the background stops at the error and logs it.
+"""
+
+import math
+import os
+import time
+
+import numpy as np
+import pytest
+import rcr
+import yade.utils
+from scenes import build, material, python, snapshot, stadium, steps
+from yade import O
+from yade.minieigenHP import Quaternion
+from yade.wrapper import Body, ForceEngine, MatchMaker, NewtonIntegrator
+
+NAN, INF = math.nan, math.inf
+
+
+def resting(**options):
+    """A grain at rest on a wall (0), a second one above it."""
+    rough = material()
+    ids = build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough), stadium(0.2, 0.1, (0, 0.3), material=rough), **options)
+    return O.bodies[ids[1]]
+
+
+def refused(match, moved=False):
+    """The next step raises ValueError with these words, and leaves positions, orientations and velocities as they were."""
+    before = snapshot()[:, :13]
+    with pytest.raises(ValueError, match=match):
+        O.step()
+    assert moved or np.array_equal(snapshot()[:, :13], before, equal_nan=True)
+
+
+def engine(kind):
+    return next(e for e in O.engines if isinstance(e, kind))
+
+
+# ---------------------------------------------------------------------------------------------- particles
+
+@pytest.mark.parametrize("R", [0, -0.1, NAN, INF, "0.1", None])
+def test_radius(R):
+    with pytest.raises(ValueError, match=r"R = .*; wanted a finite radius of the circumscribed circle > 0"):
+        rcr.particle((0, 0), R, 0.5)
+
+
+@pytest.mark.parametrize("eta", [-0.1, 1, 1.5, NAN])
+def test_elongation(eta):
+    with pytest.raises(ValueError, match=r"eta = .*; wanted an elongation 0 ≤ eta < 1"):
+        rcr.particle((0, 0), 0.1, eta)
+
+
+def test_pose_and_density():
+    with pytest.raises(ValueError, match=r"center\[1\] = nan; wanted a finite coordinate"):
+        rcr.particle((0, NAN), 0.1, 0.5)
+    with pytest.raises(ValueError, match=r"angle = inf; wanted a finite angle"):
+        rcr.particle((0, 0), 0.1, 0.5, angle=INF)
+    with pytest.raises(ValueError, match=r"material.density = 0.0; wanted a finite density > 0"):
+        rcr.particle((0, 0), 0.1, 0.5, material=material(density=0))
+
+
+@pytest.mark.parametrize("name, value", [("capRadius", 0), ("capRadius", -1), ("capRadius", INF), ("halfLength", -1), ("halfLength", NAN)])
+def test_shape(name, value):
+    with pytest.raises(ValueError, match=rf"Rcr.{name} = .*; wanted a finite length .* rcr.particle"):
+        rcr.Rcr(**({"capRadius": 0.1, "halfLength": 0.2} | {name: value}))
+
+
+def test_shape_without_a_radius():
+    resting()
+    body = Body(shape=rcr.Rcr(), material=material())
+    body.state.blockedDOFs = "xyzXYZ"
+    O.bodies.append(body)
+    refused("#3 has a Rcr shape without a cap radius")
+
+
+def test_walls():
+    with pytest.raises(ValueError, match="axis = 'z'; wanted 'x' or 'y'"):
+        rcr.wall("z", 0)
+    with pytest.raises(ValueError, match="position = nan; wanted a finite coordinate"):
+        rcr.wall("x", NAN)
+    with pytest.raises(ValueError, match="mass = 0; wanted a finite mass > 0"):
+        rcr.mobile_wall("x", 0, mass=0)
+
+
+# ---------------------------------------------------------------------------------------------- bodies
+
+def set_tilt(body):
+    body.state.ori = Quaternion((1, 0, 0), 0.1)
+
+
+@pytest.mark.parametrize(
+    "change, match",
+    [
+        (lambda b: setattr(b.state, "mass", 0), "#1 is free but has the mass 0; give it a mass > 0"),
+        (lambda b: setattr(b.state, "mass", NAN), "#1 is free but has the mass nan"),
+        (lambda b: setattr(b.state, "inertia", (1, 1, 0)), "#1 is free to turn but has the moment of inertia 0 about z"),
+        (lambda b: setattr(b.state, "blockedDOFs", "XY"), "#1 is free to leave the plane .blockedDOFs = 'XY'.; wanted z, X and Y blocked"),
+        (lambda b: setattr(b.state, "blockedDOFs", ""), "#1 is free to leave the plane"),
+        (set_tilt, "#1 is tilted out of the plane"),
+        (lambda b: setattr(b.state, "pos", (NAN, 0, 0)), "#1 .*position.*nan"),
+        (lambda b: setattr(b.state, "pos", (0, INF, 0)), "#1 .*position.*inf"),
+        (lambda b: setattr(b.state, "vel", (NAN, 0, 0)), "#1 .*velocity.*nan"),
+        (lambda b: setattr(b.state, "angVel", (0, 0, NAN)), "#1 .*velocity.*nan"),
+    ],
+)
+def test_body(change, match):
+    change(resting())
+    refused(match)
+
+
+@pytest.mark.parametrize("before", ["ForceEngine", "permanent force", "permanent torque"])
+def test_nan_force_of_another_engine(before):
+    resting(before=[ForceEngine(force=(NAN, 0, 0), ids=[1])] if before == "ForceEngine" else [])
+    if before == "permanent force":
+        O.forces.setPermF(1, (0, NAN, 0))
+    if before == "permanent torque":
+        O.forces.setPermT(1, (0, 0, NAN))
+    refused("#1 .*(force|torque).*nan")
+
+
+def test_clump():
+    resting()
+    O.bodies.appendClumped([stadium(0.1, 0.1, (1, 1), material=material()), stadium(0.1, 0.1, (1, 1.1), material=material())])
+    refused("belongs to a clump; clumps are not served")
+
+
+def test_periodic_scene():
+    rough = material()  # no walls: YADE's collider aborts on a wall in a periodic cell
+    build(stadium(0.2, 0.1, (1, 0.1), material=rough), stadium(0.2, 0.1, (1, 0.3), material=rough))
+    O.periodic = True
+    O.cell.setBox(5, 5, 5)
+    refused("O.periodic = True; periodic cells are not served")
+
+
+# ---------------------------------------------------------------------------------------------- engines
+
+def rearranged(order):
+    """The engines of `resting` in another order, as indices (3 is ContactDynamics, 4 the integrator)."""
+    resting()
+    old = list(O.engines)
+    O.engines = [old[k] for k in order]
+
+
+def test_no_integrator():
+    rearranged([0, 1, 2, 3])
+    O.engines[1].verletDist = 0  # else the collider asks for it first
+    refused("O.engines holds no NewtonIntegrator")
+
+
+def test_dead_integrator():
+    resting()
+    engine(NewtonIntegrator).dead = True
+    refused("O.engines holds no NewtonIntegrator")
+
+
+def test_no_interaction_loop():
+    rearranged([0, 1, 3, 4])
+    refused("O.engines holds no InteractionLoop")
+
+
+def test_before_the_interaction_loop():
+    rearranged([0, 1, 3, 2, 4])
+    refused("stands before the InteractionLoop")
+
+
+def test_after_the_integrator():
+    rearranged([0, 1, 2, 4, 3])
+    refused("stands after the NewtonIntegrator", moved=True)  # the integrator had its turn before
+
+
+def test_damping():
+    resting()
+    engine(NewtonIntegrator).damping = 0.2
+    refused("NewtonIntegrator.damping = 0.2.* would damp the contact forces; set damping=0")
+
+
+@pytest.mark.parametrize("dt", [0, NAN, INF])
+def test_time_step(dt):
+    resting()
+    O.dt = dt
+    refused("O.dt = .*; wanted a finite time step > 0")
+
+
+def test_negative_time_step_is_refused_by_yade():
+    resting()
+    with pytest.raises(RuntimeError, match="No TimeStepper"):
+        O.dt = -1e-3
+
+
+@pytest.mark.parametrize(
+    "name, value, match",
+    [
+        ("solver", "magic", "magic.*nlgs.*nesterov.*exact.*auto"),
+        ("tolerance", -1e-4, "tolerance = -0.0001"),
+        ("tolerance", NAN, "tolerance = -?nan"),
+        ("maxIterations", 0, "maxIterations = 0"),
+        ("maxIterations", -5, "maxIterations = -5"),
+        ("correction", -0.1, "correction = -0.1.*; wanted a share of the overlap, 0 to 1"),
+        ("correction", 1.1, "correction = 1.1.*; wanted a share of the overlap, 0 to 1"),
+        ("correction", NAN, "correction = nan"),
+    ],
+)
+def test_settings(name, value, match):
+    resting()
+    setattr(engine(rcr.ContactDynamics), name, value)
+    refused(match)
+
+
+@pytest.mark.parametrize("e", [-0.1, 1.1, NAN])
+def test_restitution(e):
+    resting(restitution=e)
+    refused("contact of bodies #0 and #1 has the restitution .*; wanted 0 to 1")
+
+
+@pytest.mark.parametrize("angle", [-0.1, 1.6, NAN])
+def test_friction(angle):
+    resting()
+    O.engines[2].physDispatcher.functors[0].frictAngle = MatchMaker(algo="val", val=angle)
+    refused("contact of bodies #0 and #1 has the friction coefficient .*; wanted a friction angle from 0 to below π/2")
+
+
+# ---------------------------------------------------------------------------------------------- functors
+
+def test_shape_that_is_not_served():
+    resting()
+    O.bodies.append(yade.utils.facet([(-1, 0.25, -1), (1, 0.25, -1), (0, 0.25, 1)], material=material()))
+    refused("no Ig2 functor of the InteractionLoop serves .*(Facet|Rcr) and (Rcr|Facet) .*make other shapes from Wall, Box or Rcr")
+
+
+def test_missing_ig2():
+    resting()
+    O.engines[2].geomDispatcher.functors = [rcr.Ig2_Wall_Rcr_RcrGeom()]
+    refused("no Ig2 functor of the InteractionLoop serves Rcr and Rcr .*Add Ig2_Rcr_Rcr_RcrGeom")
+
+
+SCENE = f"""
+import sys
+sys.path.insert(0, {os.path.dirname(__file__)!r})
+import yade
+from scenes import *
+build(rcr.wall("y", 0, material=material()), stadium(0.2, 0.1, (0, HEIGHT), material=material()))
+"""
+
+
+@pytest.mark.parametrize("height", [0.1, 5], ids=["in contact", "no contact yet"])
+@pytest.mark.parametrize(
+    "change, match",
+    [
+        ("O.engines[2].lawDispatcher.functors = []", "no Law2_RcrGeom_CdPhys_SignoriniCoulomb"),
+        ("O.engines[2].physDispatcher.functors = []", "no Ip2_FrictMat_FrictMat_CdPhys"),
+        ("O.engines[2].physDispatcher.functors = [yade.wrapper.Ip2_FrictMat_FrictMat_FrictPhys()]", "no Ip2_FrictMat_FrictMat_CdPhys"),
+    ],
+)
+def test_missing_functor_of_the_contact(change, match, height):
+    """YADE itself would end the process here: exit(1) without a law, an exception in a parallel loop without physics."""
+    attempt = f"{change}\ntry: O.step()\nexcept ValueError as error: print(error)"
+    result = python(SCENE.replace("HEIGHT", str(height)) + attempt)
+    assert result.returncode == 0 and match in result.stdout, result.stdout + result.stderr
+
+
+def test_plugin_of_another_version():
+    result = python(
+        """
+import yade, yade.config
+yade.config.version = "1999.1"
+try:
+    import rcr
+except ImportError as error:
+    print(error)
+assert "Rcr" not in yade.system.childClasses("Shape")
+"""
+    )
+    assert "rcr was built for YADE 20" in result.stdout and "but YADE 1999.1 is running. Build it anew" in result.stdout, result.stderr
+
+
+# ---------------------------------------------------------------------------------------------- how errors arrive
+
+def test_run_and_wait_raises():
+    """A later step fails, since YADE's wait() misses an error that comes before it looks (within the first 40 ms or less)."""
+    resting()
+    O.bodies[1].state.mass = 0
+    with pytest.raises(RuntimeError, match="#1 is free but has the mass 0"):
+        O.run(10, wait=True)
+        O.wait()
+
+
+def test_background_run_stops_at_the_error():
+    body = resting()
+    body.state.mass = 0
+    O.run(1000)
+    end = time.time() + 10
+    while O.running and time.time() < end:
+        time.sleep(0.01)
+    assert not O.running and O.iter == 0
+
+
+def test_scene_goes_on_once_the_error_is_put_right():
+    body = resting()
+    mass, body.state.mass = body.state.mass, 0
+    refused("#1 is free but has the mass 0")
+    body.state.mass = mass
+    steps(10)
+    assert body.state.pos[1] == pytest.approx(0.1, abs=1e-12)  # at rest but for rounding
