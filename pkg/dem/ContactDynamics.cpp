@@ -90,7 +90,7 @@ void ContactDynamics::action()
 	rcr::Settings settings;
 	settings.tolerance       = double(tolerance);
 	settings.maxIterations   = maxIterations;
-	settings.threads         = threads > 0 ? threads : omp_get_max_threads();
+	settings.threads         = solverThreads();
 	const rcr::Report report = rcr::solve(problem_, solver, settings, workspace_);
 
 	iterations    = report.iterations;
@@ -108,6 +108,8 @@ void ContactDynamics::action()
 	correctPositions();
 	keepColliderAhead();
 }
+
+int ContactDynamics::solverThreads() const { return threads > 0 ? threads : omp_get_max_threads(); }
 
 const NewtonIntegrator& ContactDynamics::checkedIntegrator() const
 {
@@ -258,35 +260,47 @@ void ContactDynamics::measureUnbalance()
 
 // Overlaps left by the tolerance of the solver, and by curvature within a step, are taken back by a displacement that is
 // solved like a velocity but never becomes one: split impulses (Jourdan, Alart and Jean 1998), so no energy and no force.
+//
+//   displacement δ = dt v,  0 ≤ δ_n + g⁺ ⟂ ≥ 0 with g⁺ = g + dt u_n for the gap after the step
+//
+// and only the share `correction` of what an overlap has beyond the slop. Without a slop, contacts at rest would open and
+// close for ever: each displacement opens some by what it closes others. A few sweeps must do, and what they leave is new
+// overlap, so as long as no overlap exceeds the slop nothing is displaced.
 void ContactDynamics::correctPositions()
 {
-	const double dt       = double(scene->dt);
-	bool         overlaps = false;
+	constexpr double slop = 1e-4; // of R₁ + R₂
+	if (correction == 0) return;
+	const double dt      = double(scene->dt);
+	bool         overlap = false;
+	shift_.points        = problem_.points;
 	for (const Contact& contact : contacts_) {
-		const RcrGeom& geom = static_cast<const RcrGeom&>(*contact.interaction->geom);
+		const RcrGeom& geom    = static_cast<const RcrGeom&>(*contact.interaction->geom);
+		const double   allowed = slop * double(geom.refR1 + geom.refR2);
 		for (int k = 0; k < geom.points; ++k) {
-			const double gap = double(geom.gap[k]);
-			overlaps |= gap < 0;
-			problem_.points[contact.first + k].bias     = (gap < 0 ? double(correction) : 1) * gap / dt;
-			problem_.points[contact.first + k].friction = 0;
+			rcr::ContactPoint& c = shift_.points[contact.first + k];
+			const double u       = relativeVelocity(c, problem_.velocity[c.body1], problem_.velocity[c.body2]).n;
+			const double gap     = double(geom.gap[k]) + dt * u;
+			overlap |= gap < -allowed;
+			c.bias     = (gap < 0 ? double(correction) * std::min(gap + allowed, 0.0) : gap) / dt;
+			c.friction = 0;
 		}
 	}
-	if (!overlaps || correction == 0) return;
-	problem_.freeVelocity.assign(problem_.freeVelocity.size(), {});
-	problem_.impulse.assign(problem_.impulse.size(), {});
-	const std::vector<rcr::Twist> velocity = problem_.velocity;
-	rcr::Settings                 few;
-	few.tolerance     = 0;
-	few.maxIterations = few.checkInterval = 5;
-	rcr::solveNlgs(problem_, few, correctionWorkspace_);
+	if (!overlap) return;
+	shift_.inverseMass = problem_.inverseMass;
+	shift_.freeVelocity.assign(problem_.freeVelocity.size(), {});
+	shift_.impulse.assign(problem_.impulse.size(), {});
+	rcr::Settings few;
+	few.tolerance     = 1e-2;
+	few.maxIterations = 20;
+	few.threads       = solverThreads();
+	rcr::solveNesterov(shift_, few, shiftWorkspace_);
 	for (const auto& b : *scene->bodies) {
 		if (!b || b->state->blockedDOFs == State::DOF_ALL) continue;
-		const rcr::Twist& shift = problem_.velocity[b->getId()];
+		const rcr::Twist& shift = shift_.velocity[b->getId()];
 		State&            s     = *b->state;
 		s.pos += dt * Vector3r(shift.x, shift.y, 0);
 		if (shift.rotation != 0) s.ori = (Quaternionr(AngleAxisr(dt * shift.rotation, Vector3r::UnitZ())) * s.ori).normalized();
 	}
-	problem_.velocity = velocity;
 }
 
 // The collider runs when a body has left its bounding box. It must also run when a body has become so fast that its alert
@@ -308,6 +322,14 @@ void ContactDynamics::keepColliderAhead() const
 			return;
 		}
 	}
+}
+
+// The order of the sweeps depends on the pairs of earlier steps, which no file holds. A scene that is saved forgets it, so
+// that it goes on to the same bits as the one that will be loaded.
+void ContactDynamics::preSave(ContactDynamics&)
+{
+	workspace_.forget();
+	shiftWorkspace_.forget();
 }
 
 boost::python::dict ContactDynamics::modelDict() const

@@ -14,6 +14,7 @@ class CdPhys;
 class ContactDynamics : public GlobalEngine {
 public:
 	void action() override;
+	void preSave(ContactDynamics&); // YADE calls it when the scene is saved
 
 	boost::python::dict modelDict() const;
 
@@ -23,7 +24,7 @@ public:
 		((int,maxIterations,1000,,"Most sweeps a step; ≥ 1"))
 		((std::string,solver,"auto",,"Name of the solver: nlgs, sor, nesterov, exact or auto"))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)"))
-		((Real,correction,0.02,,"Share of an overlap that is taken back each step by a position correction without velocity [-]; 0 switches it off. Impulses and velocities never see it."))
+		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that is taken back each step by a position correction without velocity [-]; 0 switches it off. Impulses and velocities never see it."))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
 		((bool,converged,true,Attr::readonly,"Whether the last step reached the tolerance"))
@@ -43,6 +44,7 @@ private:
 		int          first;
 	};
 
+	int                     solverThreads() const;
 	const NewtonIntegrator& checkedIntegrator() const;
 	void                    checkBodies() const;
 	void                    gatherBodies(const NewtonIntegrator&);
@@ -54,7 +56,8 @@ private:
 
 	std::vector<Contact> contacts_; // of the present step only: interactions come and go
 	rcr::ContactProblem  problem_;
-	rcr::Workspace       workspace_, correctionWorkspace_; // colours and packed arrays, kept while the contacts last
+	rcr::ContactProblem  shift_;                      // of the position correction
+	rcr::Workspace       workspace_, shiftWorkspace_; // colours and packed arrays, kept while the contacts last
 	bool                 frictionless_ = true;
 };
 REGISTER_SERIALIZABLE(ContactDynamics);

@@ -51,6 +51,7 @@ public:
 	Workspace();
 	~Workspace();
 	PackedProblem& packed() { return *packed_; }
+	void           forget(); // the next solve lays all out anew, as in a workspace that is new
 	int            layouts() const; // how often everything was laid out anew
 
 private:
