@@ -1,0 +1,163 @@
+"""What a YADE session sees of rcr: its classes, the engines in their order, saved scenes that go on to the same bits."""
+
+import math
+import os
+
+import numpy as np
+import pytest
+import rcr
+import yade
+import yade.utils
+from scenes import G, build, contact_forces, material, python, snapshot, stadium, steps, velocity
+from yade import O
+from yade.wrapper import MatchMaker
+
+OURS = {
+    "Shape": {"Rcr"},
+    "BoundFunctor": {"Bo1_Rcr_Aabb"},
+    "IGeom": {"RcrGeom"},
+    "IGeomFunctor": {"Ig2_Rcr_Rcr_RcrGeom", "Ig2_Wall_Rcr_RcrGeom", "Ig2_Box_Rcr_RcrGeom", "Ig2_Sphere_Rcr_RcrGeom"},
+    "IPhys": {"CdPhys"},
+    "IPhysFunctor": {"Ip2_FrictMat_FrictMat_CdPhys"},
+    "LawFunctor": {"Law2_RcrGeom_CdPhys_SignoriniCoulomb"},
+    "GlobalEngine": {"ContactDynamics", "WallStress"},
+}
+
+
+def test_import_prints_nothing_and_adds_only_our_classes():
+    """What C++ prints counts too, so whole streams are compared."""
+    run = lambda code: python("import yade.wrapper, sys; before = set(dir(yade.wrapper))\n" + code)
+    plain = run("")
+    loaded = run("import rcr; sys.__stdout__.flush(); print('added', *sorted(set(dir(yade.wrapper)) - before))")
+    assert loaded.returncode == 0 and loaded.stderr == plain.stderr
+    said, added = loaded.stdout.split("added")
+    assert said == plain.stdout
+    assert set(added.split()) == set().union(*OURS.values())
+
+
+@pytest.mark.parametrize("base, ours", OURS.items())
+def test_classes_are_known_to_yade(base, ours):
+    assert ours <= set(yade.system.childClasses(base))
+
+
+@pytest.mark.parametrize("name", sorted(set().union(*OURS.values())))
+def test_classes_are_documented(name):
+    assert len(getattr(rcr, name).__doc__) > 60
+
+
+# ---------------------------------------------------------------------------------------------- save and load
+
+def pile():
+    """40 grains of all elongations that fall onto each other."""
+    rng = np.random.default_rng(11)
+    rough = material(0.5)
+    grains = [
+        rcr.particle((0.15 + 0.2 * (k % 5), 0.12 + 0.22 * (k // 5)), rng.uniform(0.06, 0.09), rng.uniform(0, 0.8), rng.uniform(0, 3), rough)
+        for k in range(40)
+    ]
+    build(rcr.wall("x", 0, material=rough), rcr.wall("x", 1.1, material=rough), rcr.wall("y", 0, material=rough), *grains,
+          dt=2e-3, restitution=0.2, tolerance=1e-6)  # fmt: skip
+
+
+def pressed_box():
+    """20 grains between walls of which two are pushed by a stress."""
+    rng = np.random.default_rng(12)
+    rough = material(0.3)
+    walls = [rcr.wall("x", 0, material=rough), rcr.wall("y", 0, material=rough), rcr.mobile_wall("x", 1.0, mass=50, material=rough), rcr.mobile_wall("y", 0.8, mass=50, material=rough)]
+    grains = [rcr.particle((0.12 + 0.19 * (k % 5), 0.1 + 0.19 * (k // 5)), 0.08, rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
+    press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3), rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
+    build(*walls, *grains, dt=1e-3, gravity=(0, 0, 0), before=press, tolerance=1e-6)
+
+
+SCENES = {"pile": pile, "pressed box": pressed_box}
+
+
+@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("suffix", ["yade", "xml.bz2"])
+def test_saved_scene_goes_on_to_the_same_bits(name, suffix, tmp_path):
+    """Positions, orientations, velocities, forces and the forces that start the next iterations, 200 steps later."""
+    SCENES[name]()
+    steps(200)
+    path = str(tmp_path / f"scene.{suffix}")
+    O.save(path, quiet=True)
+    saved, warm = snapshot(), contact_forces()
+    assert len(warm) > 15 and max(np.abs(f[1:]).max() for f in warm.values()) > 0
+    steps(200)
+    uninterrupted, last = snapshot(), contact_forces()
+
+    O.reset()
+    O.load(path, quiet=True)
+    assert contact_forces() == warm
+    assert np.array_equal(snapshot()[:, :13], saved[:, :13])  # YADE does not save the forces on the bodies
+    steps(200)
+    difference = np.abs(snapshot() - uninterrupted).max(axis=0)
+    assert np.array_equal(snapshot(), uninterrupted), f"largest difference a column: {difference}"
+    assert contact_forces() == last
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_run_repeats_bit_by_bit(name):
+    runs = []
+    for _ in range(2):
+        SCENES[name]()
+        steps(200)
+        runs.append((snapshot(), contact_forces()))
+    assert np.array_equal(runs[0][0], runs[1][0]) and runs[0][1] == runs[1][1]
+
+
+def test_threads_change_no_bit():
+    code = f"""
+import sys
+sys.path[:0] = [{os.path.dirname(__file__)!r}]
+import yade, hashlib
+from test_session import *
+pile()
+steps(100)
+print(hashlib.sha256(snapshot().tobytes()).hexdigest())
+"""
+    hashes = {}
+    for threads in ("1", "2"):
+        result = python(code, OMP_NUM_THREADS=threads)
+        assert result.returncode == 0, result.stderr
+        hashes[threads] = result.stdout.split()[-1]
+    assert hashes["1"] == hashes["2"]
+
+
+# ---------------------------------------------------------------------------------------------- materials
+
+def slope(mu, tan_alpha, **options):
+    """A flat slider on a floor of friction µ under gravity at the angle α; returns its id."""
+    alpha = math.atan(tan_alpha)
+    rough = material(mu)
+    return build(rcr.wall("y", 0, material=rough), stadium(0.4, 0.1, (0, 0.1), material=rough),
+                 gravity=(G * math.sin(alpha), -G * math.cos(alpha), 0), **options)[1]  # fmt: skip
+
+
+def test_set_contact_friction_acts_on_contacts_that_exist():
+    slider = slope(0.5, 0.3)
+    steps(5)
+    assert velocity(slider)[0] == pytest.approx(0, abs=1e-12)  # rounding
+    yade.utils.setContactFriction(math.atan(0.1))
+    O.step()
+    alpha = math.atan(0.3)
+    assert velocity(slider)[0] / O.dt == pytest.approx(G * (math.sin(alpha) - 0.1 * math.cos(alpha)), rel=1e-10)
+
+
+@pytest.mark.parametrize("maker, expected", [(None, 0.2), (("val", 0.9), 0.9), (("max", None), 0.6)])
+def test_friction_of_two_materials(maker, expected):
+    """The smaller angle, as everywhere in YADE, unless a MatchMaker says otherwise."""
+    build(rcr.wall("y", 0, material=material(0.2)), stadium(0.4, 0.1, (0, 0.1), material=material(0.6)))
+    if maker:
+        algo, mu = maker
+        O.engines[2].physDispatcher.functors[0].frictAngle = MatchMaker(algo=algo, val=math.atan(mu or 0))
+    O.step()
+    assert O.interactions[0, 1].phys.tangensOfFrictionAngle == pytest.approx(expected, rel=1e-14)  # tan(atan(µ))
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5])
+def test_restitution_by_match_maker(e):
+    rough = material()
+    _, disc = build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.1), material=rough), gravity=(0, 0, 0), restitution=e)
+    O.bodies[disc].state.vel = (0, -1, 0)
+    O.step()
+    assert velocity(disc)[1] == pytest.approx(e, abs=1e-12)  # rounding
