@@ -279,12 +279,12 @@ assert "Rcr" not in yade.system.childClasses("Shape")
 # ---------------------------------------------------------------------------------------------- how errors arrive
 
 def test_run_and_wait_raises():
-    """A later step fails, since YADE's wait() misses an error that comes before it looks (within the first 40 ms or less)."""
-    resting()
-    O.bodies[1].state.mass = 0
-    with pytest.raises(RuntimeError, match="#1 is free but has the mass 0"):
-        O.run(10, wait=True)
-        O.wait()
+    """YADE's wait() misses an error that comes before it looks, so this one comes with a contact after 30 000 steps."""
+    rough = material()
+    build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-5, restitution=2)
+    with pytest.raises(RuntimeError, match="contact of bodies #0 and #1 has the restitution 2; wanted 0 to 1"):
+        O.run(100_000, wait=True)
+    assert 25_000 < O.iter < 35_000  # √(2h/g) / dt = 32 000
 
 
 def test_background_run_stops_at_the_error():
