@@ -1,7 +1,6 @@
 #include "proximal_problem.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "coulomb.hpp"
 
@@ -90,24 +89,15 @@ ProximalProblem::ProximalProblem(const ContactProblem& problem)
 	predictor.resize(size());
 }
 
-double ProximalProblem::setReference(ContactProblem& problem)
+void ProximalProblem::setReference(ContactProblem& problem)
 {
 	updateVelocity(problem);
-	double error2 = 0, norm2 = 0;
 	for (std::size_t i = 0; i < size(); ++i) {
-		const ScaledContact& c     = contacts[i];
-		const ContactPoint&  point = problem.points[origin_[i]];
-		const Impulse        p     = problem.impulse[origin_[i]];
-		Impulse              u     = relativeVelocity(point, problem.velocity[c.body1], problem.velocity[c.body2]);
-		u.n += c.bias;
-		reference[i]         = p;
-		referenceVelocity[i] = u;
-		const Impulse q      = projectCone({ p.n - (u.n + c.friction * std::abs(u.t)) / c.wnn, p.t - u.t / c.wnn }, c.friction);
-		error2 += (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
-		norm2 += p.n * p.n + p.t * p.t;
+		const ScaledContact& c = contacts[i];
+		referenceVelocity[i]   = relativeVelocity(problem.points[origin_[i]], problem.velocity[c.body1], problem.velocity[c.body2]);
+		referenceVelocity[i].n += c.bias;
+		reference[i] = problem.impulse[origin_[i]];
 	}
-	if (error2 == 0) return 0;
-	return norm2 > 0 ? std::sqrt(error2 / norm2) : std::numeric_limits<double>::infinity();
 }
 
 void ProximalProblem::setStiffness(double rho)

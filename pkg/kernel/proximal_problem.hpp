@@ -72,8 +72,8 @@ class ProximalProblem {
 public:
 	explicit ProximalProblem(const ContactProblem&);
 
-	/// Takes the impulses of the problem as reference; returns its residual (residual.hpp).
-	double setReference(ContactProblem&);
+	/// Takes the impulses of the problem as reference, and updates its velocities.
+	void setReference(ContactProblem&);
 
 	/// k = ρ/w_nn for every contact point.
 	void setStiffness(double rho);

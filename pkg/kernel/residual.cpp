@@ -24,4 +24,21 @@ double residual(const ContactProblem& given)
 	return relativeError(error2, impulse2, stopping2);
 }
 
+double violation(const ContactProblem& given)
+{
+	ContactProblem problem { given.inverseMass, given.freeVelocity, given.points, given.impulse, {} };
+	updateVelocity(problem);
+	double violation2 = 0, velocity2 = 0, freeVelocity2 = 0;
+	for (const ContactPoint& c : problem.points) {
+		if (delassus(c, problem.inverseMass[c.body1], problem.inverseMass[c.body2]).nn <= 0) continue;
+		const Impulse u     = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
+		const Impulse uFree = relativeVelocity(c, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
+		const double  below = std::min(0.0, u.n + c.bias);
+		violation2 += below * below;
+		velocity2 += u.n * u.n + u.t * u.t;
+		freeVelocity2 += uFree.n * uFree.n + uFree.t * uFree.t;
+	}
+	return violation2 == 0 ? 0 : std::sqrt(violation2 / std::max(velocity2, freeVelocity2));
+}
+
 } // namespace rcr

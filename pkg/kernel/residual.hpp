@@ -16,7 +16,11 @@ namespace rcr {
 /// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
 double residual(const ContactProblem&);
 
-/// The quotient above from its sums. Where nothing presses, ‖p‖ is rounding and no measure: then 1e-8 of the impulses that
+/// What is left of u_n + b_n < 0, root mean square over the points, in units of the root mean square relative velocity, the
+/// free one or the final one, the larger [-]. Computed from `impulse`.
+double violation(const ContactProblem&);
+
+/// The residual from its sums. Where nothing presses, ‖p‖ is rounding and no measure: then 1e-8 of the impulses that
 /// would stop the points, (|u_n| + |b_n|)/w_nn, takes its place; `stopping2` is the sum of their squares.
 inline double relativeError(double error2, double impulse2, double stopping2)
 {

@@ -83,22 +83,24 @@ namespace {
 Report solveExact(ContactProblem& problem, const Settings& settings)
 {
 	Report report = sweep(problem, settings);
-	if (report.reached(settings) || report.iterations >= settings.maxIterations) return report;
+	if ((report.converged && report.reached(settings)) || report.iterations >= settings.maxIterations) return report;
 	ProximalProblem proximal(problem);
 	Stiffness       stiffness;
-	Best            best { proximal.setReference(problem), problem.impulse };
+	Best            best { report.residual, problem.impulse };
 	while (!(best.residual <= settings.tolerance) && report.iterations < settings.maxIterations) {
+		proximal.setReference(problem);
 		proximal.setStiffness(stiffness.rho());
 		const PathEnd end = followPath(proximal, std::min(maxPivots, settings.maxIterations - report.iterations));
 		report.iterations += 1 + end.pivots;
 		end.arrived ? stiffness.arrived() : stiffness.folded();
 		proximal.store(problem);
-		best.offer(proximal.setReference(problem), problem);
+		best.offer(residual(problem), problem);
 	}
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
 	report.residual  = residual(problem);
-	report.converged = report.residual <= settings.tolerance;
+	report.violation = violation(problem);
+	report.converged = report.residual <= settings.tolerance && report.violation <= settings.violation;
 	return report;
 }
 

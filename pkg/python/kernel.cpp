@@ -6,7 +6,9 @@
 #include <chrono>
 #include <sstream>
 
+#include "block_lu.hpp"
 #include "coulomb.hpp"
+#include "minimum_degree.hpp"
 #include "residual.hpp"
 #include "shadow_overlap.hpp"
 #include "solver.hpp"
@@ -157,6 +159,55 @@ py::dict solveArrays(
 	        py::arg("violation") = report.violation, py::arg("seconds") = seconds);
 }
 
+/// x of A x = b for a matrix of 3×3 blocks: diagonal (n, 3, 3), A_ij and A_ji of every pair (i, j), b (n, 3).
+Array solveBlocks(const Ids& pairs, const Array& diagonal, const Array& upper, const Array& lower, const Array& b)
+{
+	const py::ssize_t n = b.ndim() ? b.shape(0) : 0, count = pairs.ndim() ? pairs.shape(0) : 0;
+	wantShape(b, "b", n, 3), wantShape(pairs, "pairs", count, 2);
+	const auto copy = [](const Array& from, py::ssize_t k, Block& to) {
+		for (int i = 0; i < 3; ++i)
+			for (int j = 0; j < 3; ++j)
+				to.entry[j][i] = from.at(k, i, j);
+	};
+	std::vector<BlockLu::Pair> list;
+	for (py::ssize_t k = 0; k < count; ++k)
+		list.emplace_back(pairs.at(k, 0), pairs.at(k, 1));
+	BlockLu matrix(static_cast<std::int32_t>(n), list);
+	matrix.setIdentity();
+	for (py::ssize_t i = 0; i < n; ++i)
+		copy(diagonal, i, matrix.diagonal(i));
+	for (py::ssize_t k = 0; k < count; ++k) {
+		copy(upper, k, matrix.pairBlock(k, false));
+		copy(lower, k, matrix.pairBlock(k, true));
+	}
+	if (!matrix.factor()) throw py::value_error("the matrix is singular: a diagonal block cannot be inverted");
+	std::vector<BlockVector> x(n);
+	for (py::ssize_t i = 0; i < n; ++i)
+		for (int j = 0; j < 3; ++j)
+			x[i].entry[j] = b.at(i, j);
+	matrix.solve(x);
+	Array result({ n, py::ssize_t(3) });
+	for (py::ssize_t i = 0; i < n; ++i)
+		for (int j = 0; j < 3; ++j)
+			result.mutable_at(i, j) = x[i].entry[j];
+	return result;
+}
+
+std::vector<std::int32_t> orderOf(std::int32_t size, const std::vector<BlockLu::Pair>& pairs)
+{
+	std::vector<std::vector<std::int32_t>> adjacent(size);
+	for (const BlockLu::Pair& pair : pairs) {
+		adjacent.at(pair.first).push_back(pair.second);
+		adjacent.at(pair.second).push_back(pair.first);
+	}
+	std::vector<std::int32_t> begin { 0 }, neighbours;
+	for (const auto& list : adjacent) {
+		neighbours.insert(neighbours.end(), list.begin(), list.end());
+		begin.push_back(static_cast<std::int32_t>(neighbours.size()));
+	}
+	return minimumDegreeOrder(begin, neighbours);
+}
+
 } // namespace
 
 PYBIND11_MODULE(_kernel, m)
@@ -189,6 +240,11 @@ PYBIND11_MODULE(_kernel, m)
 		const Impulse p = projectCone({ n, t }, friction);
 		return py::make_tuple(p.n, p.t);
 	}, py::arg("n"), py::arg("t"), py::arg("friction"), "Projection onto |t| ≤ µ n.");
+
+	m.def("solve_blocks", solveBlocks, py::arg("pairs"), py::arg("diagonal"), py::arg("upper"), py::arg("lower"), py::arg("b"),
+	      "Solve A x = b (n, 3) for a sparse matrix of 3×3 blocks: diagonal (n, 3, 3), and for each of the pairs (i, j) (np, 2) upper = A_ij and\n"
+	      "lower = A_ji (np, 3, 3). Raises ValueError where a diagonal block becomes singular.");
+	m.def("minimum_degree_order", orderOf, py::arg("size"), py::arg("pairs"), "Order in which to eliminate the nodes of a graph with these edges.");
 
 	py::class_<Workspace>(m, "Workspace", "What the sweep solvers keep from one problem to the next: give the same one for each step of a simulation.")
 	        .def(py::init<>())
