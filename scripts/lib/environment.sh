@@ -122,8 +122,7 @@ quietly() {
     local output=$repo/build/output announced=
     if ! (enter "$@") 2>&1 | while IFS= read -r line; do
         case $line in
-        "ninja: no work to do.") ;;
-        "["*)
+        "["[!0]*) # [0/1]: looking for new files
             [ -n "$announced" ] || say "building (about 2 min from scratch) …"
             announced=yes
             ;;
