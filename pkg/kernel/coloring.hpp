@@ -6,41 +6,29 @@
 
 namespace rcr {
 
-/// Greedy colouring that pairs may join and leave: each takes the lowest colour that is free at both of its bodies.
-/// Dense packings of particles need 7 to 9 colours.
+/// Greedy colouring: each pair takes the lowest colour that is free at both of its bodies. Dense packings of particles
+/// need 7 to 9 colours.
 class Coloring {
 public:
 	static constexpr int colors = 16; // a pair that finds none is left to the caller: a body with many contacts
 	static constexpr int none   = -1;
 
-	/// `limits[body]` says whether a body keeps its pairs apart; a prescribed one does not, nothing moves it.
-	explicit Coloring(std::vector<bool> limits = {}) : limits_(std::move(limits)), used_(limits_.size()) { }
+	void reset(std::size_t bodies) { used_.assign(bodies, 0); }
 
-	int take(int body1, int body2)
+	/// `limits1`, `limits2`: whether that body keeps its pairs apart; a prescribed one does not, nothing moves it.
+	int take(int body1, bool limits1, int body2, bool limits2)
 	{
-		const std::uint32_t used = used_[body1] | used_[body2];
-		for (int color = 0; color < colors; ++color) {
-			if (used >> color & 1u) continue;
-			mark(body1, color);
-			mark(body2, color);
-			return color;
-		}
-		return none;
-	}
-
-	void release(int body1, int body2, int color)
-	{
-		used_[body1] &= ~(1u << color);
-		used_[body2] &= ~(1u << color);
+		const std::uint32_t free = ~(used_[body1] | used_[body2]), lowest = free & (~free + 1);
+		if (lowest >> colors) return none;
+		if (limits1) used_[body1] |= lowest;
+		if (limits2) used_[body2] |= lowest;
+		int color = 0;
+		while (lowest >> color != 1)
+			++color;
+		return color;
 	}
 
 private:
-	void mark(int body, int color)
-	{
-		if (limits_[body]) used_[body] |= 1u << color;
-	}
-
-	std::vector<bool>          limits_;
 	std::vector<std::uint32_t> used_; // a body: bit c = colour c is taken
 };
 

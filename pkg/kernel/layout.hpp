@@ -1,7 +1,8 @@
-// Where each pair of bodies stands in the packed arrays, kept between steps.
+// Where each pair of bodies stands in the packed arrays.
 //
-// Pairs keep their slot while they last; a pair that comes takes a vacant slot of a colour that is free at both bodies.
-// All is laid out anew when bodies change kind or too many slots stand empty.
+// A pure function of the present problem, its pairs in order and the kinds of its bodies, so that a simulation that is
+// saved and loaded goes on to the same bits. Where these are as before it is kept, else made anew: as much work as one or
+// two sweeps.
 #pragma once
 
 #include <vector>
@@ -20,57 +21,52 @@ struct Pair {
 	static constexpr std::int32_t outside = -1;
 
 	std::int32_t body1, body2, firstPoint, points;
-	std::int32_t slot; // 8 · block + lane; or `outside` the colours: special bodies, bodies with too many contacts
-
-	bool before(const Pair& other) const { return body1 != other.body1 ? body1 < other.body1 : body2 < other.body2; }
-	bool sameAs(const Pair& other) const { return body1 == other.body1 && body2 == other.body2 && points == other.points; }
+	std::int32_t slot;       // 8 · block + lane; or `outside` the colours: special bodies, bodies with too many contacts
+	std::int32_t pointBlock; // of its first point; the second is in the next
 };
 
 class Layout {
 public:
-	/// Follows the bodies and points of the problem; true if all slots were laid out anew.
+	/// Lays the problem out; false if everything stands where it stood.
 	bool update(const ContactProblem&);
 
 	const std::vector<Pair>&         pairs() const { return pairs_; } // in the order of the problem
 	std::vector<PairBlock>&          pairBlocks() { return pairBlocks_; }
-	const std::vector<std::int32_t>& vacated() const { return vacated_; } // slots that the last update left empty
+	const std::vector<std::int32_t>& vacantBlocks() const { return vacantBlocks_; } // point blocks with vacant lanes
 	int                              pointBlocks() const { return pointBlocks_; }
 	BodyKind                         kind(int body) const { return kind_[body]; }
-	int                              firstPoint(int slot) const { return blocks_[slot / blockWidth].firstPoint; } // its point block
-	int                              pointsPerPair(int slot) const { return blocks_[slot / blockWidth].points; }
-	/// Records of bodies, then of the prescribed or missing side of each slot.
-	int records() const { return int(kind_.size()) + 2 * blockWidth * int(pairBlocks_.size()); }
+	/// Records of bodies, then of the prescribed sides of pairs and both sides of vacant slots.
+	int records() const { return records_; }
 
 	const std::vector<Chunk>& chunks() const { return chunks_; }
 	/// Chunks of a colour: from chunkBegin(color) to chunkBegin(color + 1).
 	int chunkBegin(int color) const { return chunkBegin_[color]; }
 
 private:
-	struct Block {
-		std::int32_t firstPoint, points, color;
+	/// The blocks of one colour and number of points: the next slot to fill and where they begin.
+	struct Row {
+		std::int32_t pairs = 0, nextSlot, firstBlock, firstPoint;
 	};
-	using Slots = std::vector<std::int32_t>;
 
-	bool   sortBodies(const ContactProblem&);
-	bool   keep(std::vector<Pair>&);
-	void   make(std::vector<Pair>&);
-	bool   packable(const Pair&) const;
-	void   place(Pair&);
-	void   settle(Pair&, int color);
-	void   vacate(const Pair&);
-	void   addBlocks(int color, int points, int count);
-	void   clear(int slot);
-	Slots& vacant(int color, int points) { return vacant_[color][points - 1]; }
+	bool sortBodies(const ContactProblem&);
+	bool findPairs(const ContactProblem&);
+	bool packable(const Pair&) const;
+	void color();
+	void makeBlocks();
+	void place(Pair&, int color);
+	int  ownRecord() { return records_++; }
+	Row& row(int color, int points) { return rows_[color][points - 1]; }
 
-	std::vector<BodyKind>  kind_;
-	std::vector<Pair>      pairs_;
-	std::vector<Block>     blocks_;
-	std::vector<PairBlock> pairBlocks_;
-	std::vector<Chunk>     chunks_; // by colour
-	int                    chunkBegin_[Coloring::colors + 1] = {};
-	int                    pointBlocks_                      = 0;
-	Slots                  vacant_[Coloring::colors][2], vacated_;
-	Coloring               coloring_;
+	std::vector<BodyKind>     kind_;
+	std::vector<Pair>         pairs_;
+	std::vector<signed char>  color_; // a pair
+	Row                       rows_[Coloring::colors][2];
+	std::vector<PairBlock>    pairBlocks_;
+	std::vector<Chunk>        chunks_; // by colour
+	int                       chunkBegin_[Coloring::colors + 1] = {};
+	int                       pointBlocks_ = 0, records_ = 0;
+	std::vector<std::int32_t> vacantBlocks_;
+	Coloring                  coloring_;
 };
 
 } // namespace rcr

@@ -47,11 +47,11 @@ void PackedProblem::load(const ContactProblem& problem, int lanes)
 	kernels_ = &packedKernels(lanes);
 	if (layout_.update(problem)) {
 		++layouts_;
-		point_.assign(layout_.pointBlocks(), PointBlock {});
-		body_.assign(layout_.records(), BodyRecord {});
+		point_.resize(layout_.pointBlocks());
+		for (int block : layout_.vacantBlocks())
+			point_[block] = {};
+		body_.assign(layout_.records(), {});
 	}
-	point_.resize(layout_.pointBlocks());
-	body_.resize(layout_.records());
 	partial_.resize(layout_.chunks().size());
 	sum_.resize(layout_.chunks().size());
 
@@ -61,8 +61,6 @@ void PackedProblem::load(const ContactProblem& problem, int lanes)
 		inverseGyration_[i] = inverseGyration(problem.inverseMass[i]);
 		body_[i]            = freeRecord(problem, i);
 	});
-	for (int slot : layout_.vacated())
-		clear(slot);
 	forEach(team, pairs.size(), [&](int k) {
 		if (pairs[k].slot != Pair::outside) fill(problem, pairs[k]);
 	});
@@ -85,15 +83,6 @@ BodyRecord PackedProblem::freeRecord(const ContactProblem& problem, int body) co
 	return { v.x, v.y, v.rotation / inverseGyration_[body], regular ? problem.inverseMass[body].x : 0 };
 }
 
-void PackedProblem::clear(int slot)
-{
-	const int lane  = slot % blockWidth;
-	const int first = layout_.firstPoint(slot), last = first + layout_.pointsPerPair(slot);
-	for (int k = first; k < last; ++k)
-		for (double* column = point_[k].nx; column < reinterpret_cast<double*>(&point_[k] + 1); column += blockWidth)
-			column[lane] = 0;
-}
-
 void PackedProblem::fill(const ContactProblem& problem, const Pair& pair)
 {
 	const int        lane = pair.slot % blockWidth;
@@ -104,7 +93,7 @@ void PackedProblem::fill(const ContactProblem& problem, const Pair& pair)
 	for (int i = 0; i < pair.points; ++i) {
 		const ContactPoint& c = problem.points[pair.firstPoint + i];
 		const Impulse&      p = problem.impulse[pair.firstPoint + i];
-		PointBlock&         k = point_[layout_.firstPoint(pair.slot) + i];
+		PointBlock&         k = point_[pair.pointBlock + i];
 		k.nx[lane]            = c.normal.x;
 		k.ny[lane]            = c.normal.y;
 		k.turn1n[lane]        = c.arm1.x * scale1;
@@ -239,7 +228,7 @@ void PackedProblem::store(ContactProblem& problem)
 			Impulse& p = problem.impulse[pair.firstPoint + i];
 			if (pair.slot == Pair::outside) p = {};
 			else {
-				const PointBlock& c = point_[layout_.firstPoint(pair.slot) + i];
+				const PointBlock& c = point_[pair.pointBlock + i];
 				p                   = { c.pn[pair.slot % blockWidth], c.pt[pair.slot % blockWidth] };
 			}
 		}

@@ -1,7 +1,8 @@
-// The contact problem of a step in the form that sweeps run on: coloured, packed, and kept between steps.
+// The contact problem of a step in the form that sweeps run on: coloured and packed.
 //
-// The order of work, and with it every bit of the result, depends on the problems seen so far, but not on the width of
-// the lanes or the number of threads. Points outside the colours (layout.hpp) are solved one by one after them.
+// The order of work, and with it every bit of the result, depends on the present problem alone: neither on problems seen
+// before, nor on the width of the lanes, nor on the number of threads. Points outside the colours (layout.hpp) are solved
+// one by one after them.
 #pragma once
 
 #include <vector>
@@ -36,7 +37,7 @@ public:
 	Measures measure();
 	/// Σ |u|² over the points for the free velocities.
 	double freeVelocity2() const { return freeVelocity2_; }
-	/// How often all was laid out anew.
+	/// How often a problem had to be laid out: other pairs or kinds of bodies than the one before.
 	int layouts() const { return layouts_; }
 
 private:
@@ -52,7 +53,6 @@ private:
 	};
 
 	BodyRecord freeRecord(const ContactProblem&, int body) const;
-	void       clear(int slot);
 	void       fill(const ContactProblem&, const Pair&);
 	void       addToTail(const ContactProblem&, const Pair&);
 	Impulse    relativeVelocity(const TailPoint&) const;

@@ -44,15 +44,15 @@ struct Report {
 
 class PackedProblem;
 
-/// What the sweep solvers keep between steps: colours, order and packed arrays, updated in place while most pairs last.
-/// Give the same one for each step of a simulation, with points sorted by (body1, body2). Not for two threads at once.
+/// What the sweep solvers keep between steps: threads, memory, and colours and order as long as all pairs last. It saves
+/// time and changes no bit. Give the same one for each step of a simulation. Not for two threads at once.
 class Workspace {
 public:
 	Workspace();
 	~Workspace();
 	PackedProblem& packed() { return *packed_; }
 	void           forget(); // the next solve lays all out anew, as in a workspace that is new
-	int            layouts() const; // how often everything was laid out anew
+	int            layouts() const; // how often a problem had other pairs or kinds of bodies than the one before
 
 private:
 	std::unique_ptr<PackedProblem> packed_;

@@ -248,7 +248,7 @@ PYBIND11_MODULE(_kernel, m)
 
 	py::class_<Workspace>(m, "Workspace", "What the sweep solvers keep from one problem to the next: give the same one for each step of a simulation.")
 	        .def(py::init<>())
-	        .def_property_readonly("layouts", &Workspace::layouts, "How often everything was laid out anew.");
+	        .def_property_readonly("layouts", &Workspace::layouts, "How often a problem had other pairs or kinds of bodies than the one before.");
 
 	m.def("solver_names", solverNames, "Names that `solve` takes.");
 	m.def("solve", solveArrays, py::arg("inverse_mass"), py::arg("free_velocity"), py::arg("bodies"), py::arg("normal"), py::arg("arm1"), py::arg("arm2"),
