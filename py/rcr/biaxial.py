@@ -136,8 +136,8 @@ class Biaxial:
                 [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
                 [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()],
             ),
-            rcr.WallStress(wall=right, start=bottom, end=top, stress=-STRESS, label="rightStress"),
-            rcr.WallStress(wall=top, start=left, end=right, stress=-STRESS, label="topStress"),
+            rcr.WallStress(wall=right, start=bottom, end=top, stress=-STRESS),
+            rcr.WallStress(wall=top, start=left, end=right, stress=-STRESS),
             rcr.ContactDynamics(tolerance=tolerance, maxIterations=3000, solver=solver, threads=threads),
             NewtonIntegrator(damping=0),
         ]

@@ -1,5 +1,6 @@
 """Scenes for the tests: one list of engines, a few bodies, and what is read off them."""
 
+import collections
 import math
 import os
 import subprocess
@@ -106,3 +107,17 @@ def contact_forces():
 def python(code, **environment):
     """Runs a script in a Python of its own, with these environment variables; returns the CompletedProcess."""
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, env={**os.environ, **environment})
+
+
+ClosedPoint = collections.namedtuple("ClosedPoint", "ids force")
+
+
+def closed_points():
+    """Contact points that carry a force: ids of the bodies, normal force [N]."""
+    return [
+        ClosedPoint((i.id1, i.id2), force[0])
+        for i in O.interactions
+        if i.isReal
+        for force in (i.phys.force1, i.phys.force2)[: i.phys.points]
+        if force[0] > 0
+    ]
