@@ -128,12 +128,19 @@ const NewtonIntegrator& ContactDynamics::checkedIntegrator() const
 	return newton;
 }
 
+// All particles, whether they touch anything yet or not, and whatever of another shape they touch.
 void ContactDynamics::checkBodies() const
 {
 	for (const auto& b : *scene->bodies) {
-		if (!b || !b->shape || !dynamic_cast<const Rcr*>(b->shape.get())) continue;
-		if (!(static_cast<const Rcr&>(*b->shape).capRadius > 0)) refuse(body(b->getId()) + " has a Rcr shape without a cap radius; set it.");
-		checkBody(*b, *scene);
+		if (!b || !b->shape) continue;
+		const Rcr* particle = dynamic_cast<const Rcr*>(b->shape.get());
+		if (particle && !(particle->capRadius > 0)) refuse(body(b->getId()) + " has a Rcr shape without a cap radius; set it.");
+		if (particle) checkBody(*b, *scene);
+	}
+	for (const auto& i : *scene->interactions) {
+		if (!i->isReal() || !dynamic_cast<const CdPhys*>(i->phys.get())) continue;
+		const Body& first = *(*scene->bodies)[i->getId1()]; // Wall, Box and Sphere come first in their contacts
+		if (!dynamic_cast<const Rcr*>(first.shape.get())) checkBody(first, *scene);
 	}
 }
 
@@ -322,14 +329,6 @@ void ContactDynamics::keepColliderAhead() const
 			return;
 		}
 	}
-}
-
-// The order of the sweeps depends on the pairs of earlier steps, which no file holds. A scene that is saved forgets it, so
-// that it goes on to the same bits as the one that will be loaded.
-void ContactDynamics::preSave(ContactDynamics&)
-{
-	workspace_.forget();
-	shiftWorkspace_.forget();
 }
 
 boost::python::dict ContactDynamics::modelDict() const

@@ -14,7 +14,6 @@ class CdPhys;
 class ContactDynamics : public GlobalEngine {
 public:
 	void action() override;
-	void preSave(ContactDynamics&); // YADE calls it when the scene is saved
 
 	boost::python::dict modelDict() const;
 

@@ -51,7 +51,6 @@ public:
 	Workspace();
 	~Workspace();
 	PackedProblem& packed() { return *packed_; }
-	void           forget(); // the next solve lays all out anew, as in a workspace that is new
 	int            layouts() const; // how often a problem had other pairs or kinds of bodies than the one before
 
 private:
@@ -72,5 +71,8 @@ Report solve(ContactProblem&, const std::string& solver, const Settings&);
 
 /// The names that `solve` knows.
 const std::vector<std::string>& solverNames();
+
+/// Throws std::invalid_argument, with what was given and what is wanted, for an unknown name or settings out of range.
+void checkSettings(const std::string& solver, const Settings&);
 
 } // namespace rcr

@@ -8,7 +8,6 @@
 namespace rcr {
 
 Workspace::Workspace() : packed_(std::make_unique<PackedProblem>()) { }
-void Workspace::forget() { packed_ = std::make_unique<PackedProblem>(); }
 Workspace::~Workspace() = default;
 int Workspace::layouts() const { return packed_->layouts(); }
 
