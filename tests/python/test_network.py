@@ -1,0 +1,166 @@
+"""`rcr.Network` on networks made here, whose tensors are known. Needs no YADE."""
+
+import numpy as np
+import pytest
+
+from rcr.network import Network
+
+TAU = 2 * np.pi
+
+
+def particles(count):
+    return dict(
+        id=np.arange(count),
+        position=np.zeros((count, 2)),
+        angle=np.zeros(count),
+        R=np.ones(count),
+        cap_radius=np.ones(count),
+        half_length=np.zeros(count),
+        mass=np.ones(count),
+        velocity=np.zeros((count, 3)),
+    )
+
+
+def network(theta, branch, force, friction=0.5, **columns):
+    """Contacts at angles θ with (n, t) components of branch and force."""
+    n = np.column_stack([np.cos(theta), np.sin(theta)])
+    t = np.column_stack([-n[:, 1], n[:, 0]])
+    count = len(theta)
+    contacts = dict(
+        body1=np.zeros(count, int),
+        body2=np.ones(count, int),
+        type=np.zeros(count, int),
+        normal=n,
+        branch=branch[:, :1] * n + branch[:, 1:] * t,
+        force=force[:, :1] * n + force[:, 1:] * t,
+        position=np.zeros((count, 2)),
+        points=np.ones(count, int),
+    )
+    return Network(particles(2), contacts | columns, dict(volume=10.0, friction=friction))
+
+
+def anisotropic(count, a_c, a_ln, a_lt, a_fn, a_ft, seed=0, axis=np.pi / 2):
+    """Contacts drawn from P(θ) ∝ 1 + a_c cos 2(θ − θσ) with branch and force functions of the paper's form."""
+    rng = np.random.default_rng(seed)
+    theta = rng.uniform(0, TAU, 4 * count)
+    theta = theta[rng.uniform(0, 1 + a_c, len(theta)) < 1 + a_c * np.cos(2 * (theta - axis))][:count]
+    cos, sin = np.cos(2 * (theta - axis)), np.sin(2 * (theta - axis))
+    branch = np.column_stack([1 + a_ln * cos, a_lt * sin])
+    force = np.column_stack([1 + a_fn * cos, a_ft * sin])
+    return network(theta, branch, force)
+
+
+def test_estimators_recover_known_anisotropies():
+    """Sampling error of a mean of cos² over C contacts: about 1/√C; the tangential signs follow t = n turned by +90°.
+
+    With t along +90° the work-conjugate of cos 2θ is −sin 2θ: a force function a_ft sin 2(θ − θσ) on n⊗t adds −a_ft.
+    The estimators are linear up to cross products a_c a, of the size 0.1 × 0.2 here.
+    """
+    given = (0.2, 0.05, 0.02, 0.15, 0.1)
+    a_c, a_ln, a_lt, a_fn, a_ft = anisotropic(200_000, *given).anisotropies()
+    error = 0.01
+    assert a_c == pytest.approx(given[0], abs=error)
+    assert a_ln == pytest.approx(given[1], abs=error)
+    assert a_lt == pytest.approx(-given[2], abs=error)
+    assert a_fn == pytest.approx(given[3], abs=error)
+    assert a_ft == pytest.approx(-given[4], abs=error)
+
+
+def test_half_sum_is_the_shear_stress_ratio():
+    """q/p ≈ ½ (a_c + a_ln + a_lt + a_fn + a_ft), cross products neglected [paper, eq. q_p_aniso2_xi]."""
+    test = anisotropic(200_000, 0.1, 0.05, -0.03, 0.1, -0.08)
+    assert test.shear_stress_ratio() == pytest.approx(0.5 * sum(test.anisotropies()), rel=0.03)
+
+
+def random_network(count=500, seed=3):
+    rng = np.random.default_rng(seed)
+    force = np.column_stack([rng.exponential(1, count), np.zeros(count)])
+    force[:, 1] = 0.5 * force[:, 0] * rng.uniform(-1, 1, count)
+    return network(rng.uniform(0, TAU, count), np.column_stack([rng.uniform(0.5, 2, count), rng.normal(0, 0.3, count)]), force)
+
+
+def test_partial_tensors_add_up():
+    """tr F(ξ) = N(ξ)/N, tr F(∞) = 1, and everything at ξ = ∞ is the whole."""
+    test = random_network()
+    force = np.einsum("ca,ca->c", test.contacts["force"], test.contacts["normal"])
+    assert np.trace(test.fabric()) == pytest.approx(1, abs=1e-12)
+    for xi in (0.3, 1.0, 2.5):
+        share = np.mean(force <= xi * force.mean())
+        assert np.trace(test.fabric(xi)) == pytest.approx(share, abs=1e-12)
+    largest = force.max() / force.mean()
+    assert test.anisotropies(largest * 1.001) == pytest.approx(test.anisotropies(), abs=1e-12)
+    assert test.shear_stress_ratio(largest * 1.001) == pytest.approx(test.shear_stress_ratio(), abs=1e-12)
+
+
+def test_stress_of_a_row_and_a_column():
+    """Two contacts: f = 3 along x on ℓ = 2, f = 1 along y on ℓ = 4, V = 10: σ = diag(0.6, 0.4), q/p = 0.2."""
+    test = network(np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]), np.array([[3.0, 0], [1, 0]]))
+    assert test.stress() == pytest.approx(np.diag([0.6, 0.4]), abs=1e-15)
+    assert test.sin_phi() == pytest.approx(0.2, abs=1e-14)
+    assert abs(test.stress_axes()[:, 0]) == pytest.approx([1, 0], abs=1e-14)
+
+
+def test_walls_count_for_the_stress_only():
+    test = network(
+        np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]), np.array([[3.0, 0], [1, 0]]), body2=np.array([1, -4]), type=np.array([0, 3])
+    )
+    assert test.stress() == pytest.approx(np.diag([0.6, 0.4]), abs=1e-15)
+    assert test.fabric() == pytest.approx(np.diag([1.0, 0]), abs=1e-15)
+
+
+def test_friction_mobilization():
+    """I_m = |f_t|/(µ f_n): 0.25/(0.5 × 1) = 0.5 and 1/(0.5 × 2) = 1."""
+    test = network(np.zeros(2), np.ones((2, 2)), np.array([[1, 0.25], [2, -1]]))
+    assert test.friction_mobilization() == pytest.approx([0.5, 1])
+    with pytest.raises(ValueError, match="friction = 0"):
+        network(np.zeros(2), np.ones((2, 2)), np.ones((2, 2)), friction=0).friction_mobilization()
+
+
+def test_force_pdf_is_a_density():
+    """∫ pdf df = 1 and ∫ f pdf df = 1 for forces over their mean; the classes are 50 in a range of 1e4, ±10 % each."""
+    test = random_network(20_000)
+    f, pdf = test.force_pdf()
+    width = np.gradient(f)
+    assert np.sum(pdf * width) == pytest.approx(1, rel=0.02)
+    assert np.sum(f * pdf * width) == pytest.approx(1, rel=0.05)
+
+
+def test_coordination_leaves_rattlers_out():
+    """A triangle of three with a fourth hanging on by one contact, which goes with it: Z = 2; one side contact: 8/3."""
+    pairs = np.array([[0, 1], [1, 2], [2, 0], [2, 3]])
+    theta = np.zeros(4)
+    test = network(theta, np.ones((4, 2)), np.ones((4, 2)), body1=pairs[:, 0], body2=pairs[:, 1], points=np.array([2, 1, 1, 1]))
+    test.particles = particles(4)
+    assert test.coordination() == pytest.approx(2)
+    assert test.coordination(count_side_contacts_twice=True) == pytest.approx(8 / 3)
+
+
+def test_file_round_trip_and_refusals(tmp_path):
+    test = random_network()
+    path = tmp_path / "network-0.h5"
+    test.save(path)
+    again = Network.load(path)
+    assert np.array_equal(again.contacts["force"], test.contacts["force"])
+    assert again.attributes["volume"] == 10 and again.attributes["friction"] == 0.5
+    assert [p.name for p in tmp_path.iterdir()] == ["network-0.h5"]
+
+    contacts = dict(test.contacts)
+    with pytest.raises(ValueError, match="lacks force"):
+        Network(test.particles, {k: v for k, v in contacts.items() if k != "force"}, dict(volume=1))
+    with pytest.raises(ValueError, match=r"contacts/force has shape \(500, 1\); wanted \(500, 2\)"):
+        Network(test.particles, contacts | dict(force=contacts["force"][:, :1]), dict(volume=1))
+    with pytest.raises(ValueError, match="contacts/force holds a number that is not finite"):
+        Network(test.particles, contacts | dict(force=contacts["force"] * np.nan), dict(volume=1))
+    with pytest.raises(ValueError, match="volume = 0"):
+        Network(test.particles, contacts, dict(volume=0))
+
+
+def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):
+    test = random_network()
+    path = tmp_path / "network-0.h5"
+    test.save(path)
+    before = path.read_bytes()
+    monkeypatch.setattr(Network, "stress", lambda self: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        test.save(path)
+    assert path.read_bytes() == before and len(list(tmp_path.iterdir())) == 1
