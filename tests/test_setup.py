@@ -16,7 +16,7 @@ import pytest
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 TOOLS = """awk basename bash bzip2 cat chmod cp cut date dirname echo env find flock getent grep head ln ls mkdir
-    mktemp mv nproc printf readlink realpath rm rmdir sed seq sh sha256sum sleep sort tail tar tee touch tr true wc""".split()
+    mktemp mv nproc paste printf readlink realpath rm rmdir sed seq sh sha256sum sleep sort tail tar tee touch tr true wc""".split()
 
 
 class Machine:
@@ -203,6 +203,17 @@ def test_native_takes_the_headers_from_the_source_archive_once(machine):
     code, _, errors = machine.run("ready")
     assert (code, errors) == (0, "")
     assert not machine.called("apt-get"), "no network once it is set up"
+
+
+def test_native_keeps_the_headers_when_a_package_is_installed_again(machine):
+    machine.user("root", 0)
+    machine.archive()
+    machine.nothing_installed()
+    machine.command("apt-get", """case "$*" in *" install "*) touch installed ;; *" source "*) exit 1 ;; esac""")
+    machine.command("dpkg-query", 'cd %s; [ -e installed ] || exit 1; case "$*" in *ource:Version*) echo 2025.2.0-1 ;; *) echo installed ;; esac' % machine.path)
+    (machine.cache / "source-2025.2.0").mkdir(parents=True)
+    code, output, errors = machine.run("ready; echo $way")
+    assert (code, output) == (0, "native\n"), errors
 
 
 def test_native_without_the_archive_goes_on_to_a_root_file_system(machine):

@@ -123,7 +123,7 @@ quietly() {
     if ! (enter "$@") 2>&1 | while IFS= read -r line; do
         case $line in
         "["[!0]*) # [0/1]: looking for new files
-            [ -n "$announced" ] || say "building (about 2 min from scratch) …"
+            [ -n "$announced" ] || say "building (2 to 5 min from scratch) …"
             announced=yes
             ;;
         esac

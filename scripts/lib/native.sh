@@ -15,26 +15,27 @@ native_possible() {
     native_installed && return
     (. "$etc/os-release" && [ "$ID $VERSION_CODENAME" = "debian trixie" ]) 2>/dev/null || return 1
     [ "$(id -u)" = 0 ] && return
-    why="an administrator can install what is missing: apt-get install $(native_missing)"
+    why="an administrator can install YADE's packages (apt-get install$(native_missing))"
     return 1
 }
 
 native_missing() {
     for package in $(required_packages); do
-        dpkg-query -W "$package" >/dev/null 2>&1 || printf '%s ' "$package"
+        dpkg-query -W "$package" >/dev/null 2>&1 || printf ' %s' "$package"
     done
 }
 
 native_make() {
     if ! native_installed; then
-        need_space /usr 3
-        say "set-up 1/2: YADE, a compiler and Python libraries with apt-get (about 1 min) …"
+        need_space /usr 4
+        say "set-up 1/2: YADE, a compiler and Python libraries with apt-get (2 to 5 min) …"
         "$lib/install-packages" "$lib/packages" 2>&1 | record ||
             { say "not on this machine itself, then: trying a root file system"; return 1; }
     fi
-    say "set-up 2/2: YADE's headers from its source archive (15 MB) …"
+    [ -d "$(native_source)" ] && return
+    say "set-up 2/2: the headers of YADE, from its source archive (15 MB) …"
     "$lib/fetch-source" "$new/source" "$new/apt" 2>&1 | record ||
-        { say "YADE's source archive is not to be had here: trying a root file system"; return 1; }
+        { say "no source archive of YADE to be had for this machine: trying a root file system"; return 1; }
     mv "$new/source" "$(native_source)"
 }
 

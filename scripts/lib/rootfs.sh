@@ -25,7 +25,7 @@ rootfs_possible() {
         { apt-get update; apt-get install -y --no-install-recommends $missing; } >>"$log" 2>&1 ||
             { why="apt-get cannot install$missing: is there a network?" && return 1; }
     elif [ -n "$missing" ]; then
-        why="${why:+$why, or }install$missing (on Debian and Ubuntu: apt-get install$missing)"
+        why="${why:+$why, or }the tools for a root file system are missing (on Debian and Ubuntu: apt-get install$missing)"
         return 1
     fi
     if [ "$(id -u)" != 0 ] && ! grep -q "^$(id -un):" "$etc/subuid"; then
@@ -57,7 +57,7 @@ rootfs_mirrors() {
 rootfs_make() {
     need_space "$cache" 5
     [ "$(id -u)" = 0 ] || need_space /var/tmp 5
-    say "set-up 1/3: Debian 13 root file system (about 20 s) …"
+    say "set-up 1/3: Debian 13 root file system (20 to 60 s) …"
     local sources
     while IFS= read -r sources; do
         mkdir "$new/root"
@@ -68,11 +68,13 @@ rootfs_make() {
         fi
         rm -rf --one-file-system "$new/root"
         why=$(rootfs_reason "$new/output")
-        say "not from ${sources:-the default mirror}: $why"
+        say "not from $(mirror_names "$sources"): $why"
         grep -q 'Failed to fetch\|apt-get update.*failed' "$new/output" || break # another mirror will not help
     done < <(rootfs_mirrors)
     return 1
 }
+
+mirror_names() { grep -oE '[a-z]+://[^ ;]+' <<<"$1" | sort -u | paste -sd ' ' | grep . || echo "the default mirror"; }
 
 # rootfs_reason OUTPUT: in a few words, why it failed
 rootfs_reason() {
@@ -103,7 +105,7 @@ rootfs_bootstrap() {
         --setup-hook='mkdir -p "$1/etc/ssl/certs"'
         --setup-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt"
         --customize-hook="copy-in '$lib/install-packages' '$lib/fetch-source' '$lib/packages' /tmp"
-        --customize-hook='echo "yade-rcr: set-up 2/3: YADE, a compiler and Python libraries (about 90 s) …" >&2'
+        --customize-hook='echo "yade-rcr: set-up 2/3: YADE, a compiler and Python libraries (2 to 5 min) …" >&2'
         --customize-hook='chroot "$1" /tmp/install-packages /tmp/packages >&2'
         --customize-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt"
         --customize-hook='echo "yade-rcr: set-up 3/3: the headers of YADE, from its source archive (15 MB) …" >&2'
