@@ -1,5 +1,8 @@
 #include "ContactDynamics.hpp"
 
+#include <numeric>
+#include <tuple>
+
 #include <core/Interaction.hpp>
 #include <core/InteractionLoop.hpp>
 #include <core/Omega.hpp>
@@ -68,6 +71,29 @@ namespace {
 		if (!(s.blockedDOFs & State::DOF_RZ) && !(s.inertia[2] > 0 && math::isfinite(s.inertia[2])))
 			refuse(body(b.getId()) + " is free to turn but has the moment of inertia " + boost::lexical_cast<std::string>(s.inertia[2])
 			       + " about z; give it one > 0 or block Z.");
+	}
+
+	/// A pair that no Ig2 functor serves: YADE would let the two bodies pass through each other.
+	void checkServed(const Interaction& i, const Scene& scene)
+	{
+		const Shape& shape1 = *(*scene.bodies)[i.getId1()]->shape;
+		const Shape& shape2 = *(*scene.bodies)[i.getId2()]->shape;
+		if (!dynamic_cast<const Rcr*>(&shape1) && !dynamic_cast<const Rcr*>(&shape2)) return;
+		refuse("no Ig2 functor of the InteractionLoop serves " + shape1.getClassName() + " and " + shape2.getClassName() + " (bodies #"
+		       + std::to_string(i.getId1()) + ", #" + std::to_string(i.getId2())
+		       + "), so they would pass through each other. Add Ig2_Rcr_Rcr_RcrGeom, Ig2_Wall_Rcr_RcrGeom, Ig2_Box_Rcr_RcrGeom or "
+		         "Ig2_Sphere_Rcr_RcrGeom; make other shapes from Wall, Box or Rcr.");
+	}
+
+	void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)
+	{
+		const bool friction = phys.tangensOfFrictionAngle >= 0, restitution = phys.restitution >= 0 && phys.restitution <= 1;
+		if (friction && restitution) return;
+		const std::string pair = "contact of bodies #" + std::to_string(id1) + " and #" + std::to_string(id2);
+		if (!friction)
+			refuse(pair + " has the friction coefficient " + boost::lexical_cast<std::string>(phys.tangensOfFrictionAngle)
+			       + "; wanted a friction angle from 0 to below π/2.");
+		refuse(pair + " has the restitution " + boost::lexical_cast<std::string>(phys.restitution) + "; wanted 0 to 1.");
 	}
 
 } // namespace
@@ -175,50 +201,58 @@ void ContactDynamics::gatherBodies(const NewtonIntegrator& newton)
 	}
 }
 
+void ContactDynamics::findContacts()
+{
+	found_.clear();
+	for (const auto& i : *scene->interactions) {
+		if (i->isReal() && dynamic_cast<const CdPhys*>(i->phys.get())) found_.push_back({ i.get(), i->getId1(), i->getId2(), 0 });
+		if (!i->functorCache.geomExists) checkServed(*i, *scene);
+	}
+	// The order of the container changes when a scene is reloaded; the order of the contacts must not. While the same
+	// contacts come in the same order, so does what sorts them.
+	const auto same = [](const Contact& a, const Contact& b) { return a.id1 == b.id1 && a.id2 == b.id2; };
+	if (!std::equal(found_.begin(), found_.end(), lastFound_.begin(), lastFound_.end(), same)) {
+		order_.resize(found_.size());
+		std::iota(order_.begin(), order_.end(), 0);
+		std::sort(order_.begin(), order_.end(), [this](int a, int b) {
+			return std::tie(found_[a].id1, found_[a].id2) < std::tie(found_[b].id1, found_[b].id2);
+		});
+		lastFound_ = found_;
+	}
+	contacts_.clear();
+	for (int k : order_)
+		contacts_.push_back(found_[k]);
+}
+
 void ContactDynamics::gatherContacts()
 {
-	contacts_.clear();
-	for (const auto& i : *scene->interactions) {
-		if (i->isReal() && dynamic_cast<const CdPhys*>(i->phys.get())) contacts_.push_back({ i.get(), 0 });
-		if (i->functorCache.geomExists) continue;
-		const Shape* shape1 = (*scene->bodies)[i->getId1()]->shape.get();
-		const Shape* shape2 = (*scene->bodies)[i->getId2()]->shape.get();
-		if (dynamic_cast<const Rcr*>(shape1) || dynamic_cast<const Rcr*>(shape2))
-			refuse("no Ig2 functor of the InteractionLoop serves " + shape1->getClassName() + " and " + shape2->getClassName() + " (bodies #"
-			       + std::to_string(i->getId1()) + ", #" + std::to_string(i->getId2())
-			       + "), so they would pass through each other. Add Ig2_Rcr_Rcr_RcrGeom, Ig2_Wall_Rcr_RcrGeom, Ig2_Box_Rcr_RcrGeom or "
-			         "Ig2_Sphere_Rcr_RcrGeom; make other shapes from Wall, Box or Rcr.");
-	}
-	// The order of the container changes when a scene is reloaded; the order of the contacts must not.
-	std::sort(contacts_.begin(), contacts_.end(), [](const Contact& a, const Contact& b) { return *a.interaction < *b.interaction; });
-
+	findContacts();
 	frictionless_ = true;
-	problem_.points.clear();
-	problem_.impulse.clear();
-	const double dt = double(scene->dt);
+	int points    = 0;
 	for (Contact& contact : contacts_) {
-		const RcrGeom& geom = static_cast<const RcrGeom&>(*contact.interaction->geom);
-		const CdPhys&  phys = static_cast<const CdPhys&>(*contact.interaction->phys);
-		const auto     id1 = contact.interaction->getId1(), id2 = contact.interaction->getId2();
-		const auto     pair = [&] { return "contact of bodies #" + std::to_string(id1) + " and #" + std::to_string(id2); };
-		if (!(phys.tangensOfFrictionAngle >= 0)) refuse(pair() + " has the friction coefficient " + boost::lexical_cast<std::string>(phys.tangensOfFrictionAngle) + "; wanted a friction angle from 0 to below π/2.");
-		if (!(phys.restitution >= 0 && phys.restitution <= 1)) refuse(pair() + " has the restitution " + boost::lexical_cast<std::string>(phys.restitution) + "; wanted 0 to 1.");
+		const CdPhys& phys = static_cast<const CdPhys&>(*contact.interaction->phys);
+		checkPhys(phys, contact.id1, contact.id2);
 		frictionless_ &= phys.tangensOfFrictionAngle == 0;
-		const rcr::Manifold manifold = geom.manifold();
-		contact.first                = int(problem_.points.size());
+		contact.first = points;
+		points += static_cast<const RcrGeom&>(*contact.interaction->geom).points;
+	}
+	problem_.points.resize(points);
+	problem_.impulse.resize(points);
+	const double dt = double(scene->dt);
+#pragma omp parallel for schedule(static) num_threads(solverThreads())
+	for (std::size_t i = 0; i < contacts_.size(); ++i) {
+		const Contact&      contact  = contacts_[i];
+		const CdPhys&       phys     = static_cast<const CdPhys&>(*contact.interaction->phys);
+		const rcr::Manifold manifold = static_cast<const RcrGeom&>(*contact.interaction->geom).manifold();
+		const rcr::Vec2     center1  = plane::toPlane((*scene->bodies)[contact.id1]->state->pos);
+		const rcr::Vec2     center2  = plane::toPlane((*scene->bodies)[contact.id2]->state->pos);
 		for (int k = 0; k < manifold.count; ++k) {
 			const rcr::ManifoldPoint& at    = manifold.points[k];
 			const Vector2r&           force = k == 0 ? phys.force1 : phys.force2;
-			rcr::ContactPoint         point;
-			point.body1    = id1;
-			point.body2    = id2;
-			point.normal   = at.normal;
-			point.arm1     = at.position - plane::toPlane((*scene->bodies)[id1]->state->pos);
-			point.arm2     = at.position - plane::toPlane((*scene->bodies)[id2]->state->pos);
-			point.bias     = double(phys.bias[k]);
-			point.friction = double(phys.tangensOfFrictionAngle);
-			problem_.points.push_back(point);
-			problem_.impulse.push_back({ dt * double(force[0]), dt * double(force[1]) });
+			problem_.points[contact.first + k]
+			        = { contact.id1,         contact.id2,           at.normal, at.position - center1, at.position - center2,
+				    double(phys.bias[k]), double(phys.tangensOfFrictionAngle) };
+			problem_.impulse[contact.first + k] = { dt * double(force[0]), dt * double(force[1]) };
 		}
 	}
 }
@@ -226,24 +260,29 @@ void ContactDynamics::gatherContacts()
 void ContactDynamics::scatterForces()
 {
 	const double inverseDt = 1 / double(scene->dt);
-	for (const Contact& contact : contacts_) {
-		CdPhys&    phys = static_cast<CdPhys&>(*contact.interaction->phys);
-		const auto id1 = contact.interaction->getId1(), id2 = contact.interaction->getId2();
-		rcr::Vec2  normal, shear;
+#pragma omp parallel for schedule(static) num_threads(solverThreads())
+	for (std::size_t i = 0; i < contacts_.size(); ++i) {
+		const Contact& contact = contacts_[i];
+		CdPhys&        phys    = static_cast<CdPhys&>(*contact.interaction->phys);
+		rcr::Vec2      normal, shear;
 		for (int k = 0; k < phys.points; ++k) {
-			const rcr::ContactPoint& c = problem_.points[contact.first + k];
-			const rcr::Impulse&      p = problem_.impulse[contact.first + k];
+			const rcr::Vec2     n = problem_.points[contact.first + k].normal;
+			const rcr::Impulse& p = problem_.impulse[contact.first + k];
 			(k == 0 ? phys.force1 : phys.force2) = Vector2r(inverseDt * p.n, inverseDt * p.t);
-			const rcr::Vec2 fn = (inverseDt * p.n) * c.normal, ft = (inverseDt * p.t) * perp(c.normal), f = fn + ft;
-			normal = normal + fn;
-			shear  = shear + ft;
-			scene->forces.addForceUnsynced(id1, -plane::toSpace(f));
-			scene->forces.addForceUnsynced(id2, plane::toSpace(f));
-			scene->forces.addTorqueUnsynced(id1, Vector3r(0, 0, -cross(c.arm1, f)));
-			scene->forces.addTorqueUnsynced(id2, Vector3r(0, 0, cross(c.arm2, f)));
+			normal                               = normal + (inverseDt * p.n) * n;
+			shear                                = shear + (inverseDt * p.t) * perp(n);
 		}
 		phys.normalForce = plane::toSpace(normal);
 		phys.shearForce  = plane::toSpace(shear);
+	}
+	for (std::size_t k = 0; k < problem_.points.size(); ++k) { // in one order, whatever the threads
+		const rcr::ContactPoint& c = problem_.points[k];
+		const rcr::Impulse&      p = problem_.impulse[k];
+		const rcr::Vec2          f = inverseDt * (p.n * c.normal + p.t * perp(c.normal));
+		scene->forces.addForceUnsynced(c.body1, -plane::toSpace(f));
+		scene->forces.addForceUnsynced(c.body2, plane::toSpace(f));
+		scene->forces.addTorqueUnsynced(c.body1, Vector3r(0, 0, -cross(c.arm1, f)));
+		scene->forces.addTorqueUnsynced(c.body2, Vector3r(0, 0, cross(c.arm2, f)));
 	}
 }
 

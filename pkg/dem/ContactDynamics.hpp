@@ -1,5 +1,6 @@
 #pragma once
 
+#include <core/Body.hpp>
 #include <core/GlobalEngine.hpp>
 
 #include "../kernel/solver.hpp"
@@ -40,6 +41,7 @@ private:
 	/// One pair of bodies with its points points[first] … points[first + geom.points − 1].
 	struct Contact {
 		Interaction* interaction;
+		Body::id_t   id1, id2;
 		int          first;
 	};
 
@@ -47,13 +49,16 @@ private:
 	const NewtonIntegrator& checkedIntegrator() const;
 	void                    checkBodies() const;
 	void                    gatherBodies(const NewtonIntegrator&);
+	void                    findContacts();
 	void                    gatherContacts();
 	void                    scatterForces();
 	void                    measureUnbalance();
 	void                    correctPositions();
 	void                    keepColliderAhead() const;
 
-	std::vector<Contact> contacts_; // of the present step only: interactions come and go
+	std::vector<Contact> contacts_;          // of the present step only, sorted by the ids: interactions come and go
+	std::vector<Contact> found_, lastFound_; // in the order of YADE's container
+	std::vector<int>     order_;             // found_[order_[k]] is contacts_[k]
 	rcr::ContactProblem  problem_;
 	rcr::ContactProblem  shift_;                      // of the position correction
 	rcr::Workspace       workspace_, shiftWorkspace_; // colours and packed arrays, kept while the contacts last
