@@ -1,5 +1,6 @@
 #include "solver.hpp"
 
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
@@ -15,20 +16,6 @@ namespace {
 		std::ostringstream text;
 		(text << ... << parts);
 		throw std::invalid_argument(text.str());
-	}
-
-	void check(const Settings& s)
-	{
-		if (!(s.tolerance >= 0)) refuse("tolerance = ", s.tolerance, ": give a residual ≥ 0; 0 runs all iterations");
-		if (s.maxIterations < 1) refuse("maxIterations = ", s.maxIterations, ": give at least 1");
-		if (s.checkInterval < 1) refuse("checkInterval = ", s.checkInterval, ": give at least 1 sweep");
-		if (s.minIterations < 0) refuse("minIterations = ", s.minIterations, ": give at least 0");
-		if (s.stallSweeps < 0) refuse("stallSweeps = ", s.stallSweeps, ": give at least 1, or 0 to go on in any case");
-		if (s.threads < 1) refuse("threads = ", s.threads, ": give at least 1");
-		if (s.lanes != 0 && s.lanes != 1 && s.lanes != 4 && s.lanes != 8)
-			refuse("lanes = ", s.lanes, ": give 1, 4, 8, or 0 for as many as the processor has");
-		if (!(s.violation >= 0)) refuse("violation = ", s.violation, ": give a fraction ≥ 0, infinity for no test");
-		if (!(s.meanForceChange >= 0)) refuse("meanForceChange = ", s.meanForceChange, ": give a change ≥ 0; 0 does not use it");
 	}
 
 	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
@@ -50,6 +37,27 @@ const std::vector<std::string>& solverNames()
 	return names;
 }
 
+void checkSettings(const std::string& solver, const Settings& s)
+{
+	const std::vector<std::string>& names = solverNames();
+	if (std::find(names.begin(), names.end(), solver) == names.end()) {
+		std::string known;
+		for (const std::string& name : names)
+			known += " " + name;
+		refuse("solver '", solver, "' is not known: give one of", known);
+	}
+	if (!(s.tolerance >= 0)) refuse("tolerance = ", s.tolerance, ": give a residual ≥ 0; 0 runs all iterations");
+	if (s.maxIterations < 1) refuse("maxIterations = ", s.maxIterations, ": give at least 1");
+	if (s.checkInterval < 1) refuse("checkInterval = ", s.checkInterval, ": give at least 1 sweep");
+	if (s.minIterations < 0) refuse("minIterations = ", s.minIterations, ": give at least 0");
+	if (s.stallSweeps < 0) refuse("stallSweeps = ", s.stallSweeps, ": give at least 1, or 0 to go on in any case");
+	if (s.threads < 1) refuse("threads = ", s.threads, ": give at least 1");
+	if (s.lanes != 0 && s.lanes != 1 && s.lanes != 4 && s.lanes != 8)
+		refuse("lanes = ", s.lanes, ": give 1, 4, 8, or 0 for as many as the processor has");
+	if (!(s.violation >= 0)) refuse("violation = ", s.violation, ": give a fraction ≥ 0, infinity for no test");
+	if (!(s.meanForceChange >= 0)) refuse("meanForceChange = ", s.meanForceChange, ": give a change ≥ 0; 0 does not use it");
+}
+
 Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings)
 {
 	Workspace workspace;
@@ -58,17 +66,13 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 
 Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings, Workspace& workspace)
 {
-	check(settings);
+	checkSettings(solver, settings);
 	checkProblem(problem);
 	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
 	if (solver == "sor") return solveSor(problem, settings, workspace);
 	if (solver == "nesterov") return solveNesterov(problem, settings, workspace);
 	if (solver == "exact") return solveExact(problem, settings);
-	if (solver == "auto") return solveAuto(problem, settings, workspace);
-	std::string known;
-	for (const std::string& name : solverNames())
-		known += " " + name;
-	refuse("solver '", solver, "' is not known: give one of", known);
+	return solveAuto(problem, settings, workspace);
 }
 
 } // namespace rcr

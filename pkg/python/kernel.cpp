@@ -8,6 +8,7 @@
 
 #include "block_lu.hpp"
 #include "coulomb.hpp"
+#include "delassus_problem.hpp"
 #include "minimum_degree.hpp"
 #include "residual.hpp"
 #include "shadow_overlap.hpp"
@@ -159,6 +160,44 @@ py::dict solveArrays(
 	        py::arg("violation") = report.violation, py::arg("seconds") = seconds);
 }
 
+py::dict solveDelassusArrays(
+        const Ids& rowStart, const Ids& column, const Array& block, const Array& free, const Array& friction, const Array& impulse,
+        const std::string& solver, double tolerance, int maxIterations, int checkInterval)
+{
+	const py::ssize_t nc = free.ndim() ? free.shape(0) : 0, entries = column.ndim() ? column.shape(0) : 0;
+	wantShape(free, "free", nc, 2), wantShape(friction, "friction", nc, 1), wantShape(impulse, "impulse", nc, 2);
+	wantShape(rowStart, "row_start", nc + 1, 1), wantShape(column, "column", entries, 1), wantShape(block, "block", entries, 4);
+	DelassusProblem problem;
+	problem.rowStart.assign(rowStart.data(), rowStart.data() + nc + 1);
+	problem.column.assign(column.data(), column.data() + entries);
+	for (py::ssize_t e = 0; e < entries; ++e)
+		problem.block.push_back({ block.at(e, 0), block.at(e, 1), block.at(e, 2), block.at(e, 3) });
+	for (py::ssize_t k = 0; k < nc; ++k) {
+		problem.free.push_back({ free.at(k, 0), free.at(k, 1) });
+		problem.friction.push_back(friction.at(k));
+		problem.impulse.push_back({ impulse.at(k, 0), impulse.at(k, 1) });
+	}
+	Settings settings;
+	settings.tolerance     = tolerance;
+	settings.maxIterations = maxIterations;
+	settings.checkInterval = checkInterval;
+	Report     report;
+	const auto start = std::chrono::steady_clock::now();
+	{
+		py::gil_scoped_release release;
+		report = solve(problem, solver, settings);
+	}
+	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+	Array        reaction({ nc, py::ssize_t(2) }), velocity({ nc, py::ssize_t(2) });
+	for (py::ssize_t k = 0; k < nc; ++k) {
+		reaction.mutable_at(k, 0) = problem.impulse[k].n, reaction.mutable_at(k, 1) = problem.impulse[k].t;
+		velocity.mutable_at(k, 0) = problem.velocity[k].n, velocity.mutable_at(k, 1) = problem.velocity[k].t;
+	}
+	return py::dict(
+	        py::arg("impulse") = reaction, py::arg("relative_velocity") = velocity, py::arg("iterations") = report.iterations,
+	        py::arg("residual") = report.residual, py::arg("converged") = report.converged, py::arg("seconds") = seconds);
+}
+
 /// x of A x = b for a matrix of 3×3 blocks: diagonal (n, 3, 3), A_ij and A_ji of every pair (i, j), b (n, 3).
 Array solveBlocks(const Ids& pairs, const Array& diagonal, const Array& upper, const Array& lower, const Array& b)
 {
@@ -257,4 +296,8 @@ PYBIND11_MODULE(_kernel, m)
 	      py::arg("stall_sweeps") = 0, py::arg("violation") = Settings().violation, py::arg("mean_force_change") = 0, py::arg("workspace") = nullptr,
 	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2) and velocity (nb, 3) [m/s, 1/s],\n"
 	      "iterations, residual, converged, violation, seconds; settings as in solver.hpp. Raises ValueError on arrays that do not fit together.");
+	m.def("solve_delassus", solveDelassusArrays, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"),
+	      py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000, py::arg("check_interval") = 10,
+	      "Solve one problem given by W and q (delassus_problem.hpp), W in rows of blocks: row_start (nc + 1,), column (nb,), block (nb, 4) as\n"
+	      "(nn, nt, tn, tt) [1/kg], free = q (nc, 2) [m/s]. Dict of impulse, relative_velocity (nc, 2), iterations, residual, converged, seconds.");
 }
