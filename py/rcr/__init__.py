@@ -1,16 +1,17 @@
 """Rigid elongated grains for YADE: rounded-cap rectangles (RCR) and nonsmooth Contact Dynamics.
 
 In a YADE session ``import rcr`` loads the plugin and adds its classes (``rcr.Rcr``, ``rcr.ContactDynamics``, …) and the
-scene helpers. In any other Python the analysis alone is there: ``rcr.Network``.
+scene helpers. In any other Python the analysis, ``rcr.Network``, and the solver of problems from files, ``rcr.solve``, are there.
 """
 
 import os
 import sys
 
 from rcr.network import Network
+from rcr.problems import solve
 
 __version__ = "0.1.0"
-__all__ = ["Network"]
+__all__ = ["Network", "solve"]
 
 
 def _load_plugin():

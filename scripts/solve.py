@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""Solve a one-step contact problem from a file: FCLIB HDF5 (fclib_local, 2D), Siconos 2D .dat, or .npz.
+
+Prints one line of JSON: solver, contacts, iterations, residual, converged, seconds (of the solver alone). Writes `reaction`
+and `velocity`, (contacts, 2) each, local (n, t).
+"""
+
+import argparse
+import json
+import os
+import sys
+
+SCRIPTS = os.path.dirname(os.path.realpath(__file__))
+sys.path.insert(0, os.path.join(SCRIPTS, os.pardir, "py"))
+try:
+    import rcr._kernel
+    from rcr import problems
+except ImportError:  # not for this Python: in the environment of yade-rcr there is one that fits
+    if os.environ.get("YADE_RCR_WAY"):
+        raise
+    os.execv(os.path.join(SCRIPTS, "lib", "run"), ["run", "python3", os.path.realpath(__file__), *sys.argv[1:]])
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="solve.py", description=__doc__.splitlines()[0])
+    parser.add_argument("problem", metavar="PROBLEM", help="file .npz, .h5, .hdf5 or .dat")
+    parser.add_argument("--solver", default="auto", metavar="S", help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
+    parser.add_argument("--tolerance", type=float, default=1e-4, metavar="T", help="residual to reach; 0 runs all iterations (default %(default)s)")
+    parser.add_argument("--max-iterations", type=int, default=10000, metavar="N", help="sweeps or steps at most (default %(default)s)")
+    parser.add_argument("--warm", action="store_true", help="start from the impulses in the file, not from zeros")
+    parser.add_argument("--out", required=True, metavar="FILE", help="results, as .npz or .h5")
+    return parser.parse_args()
+
+
+def main():
+    options = arguments()
+    problems.result_suffix(options.out)
+    solution = problems.solve(options.problem, options.solver, options.tolerance, options.max_iterations, options.warm)
+    solution.save(options.out)
+    keys = ("solver", "contacts", "iterations", "residual", "converged", "seconds")
+    print(json.dumps({key: getattr(solution, key) for key in keys}))
+
+
+try:
+    main()
+except (ValueError, OSError) as error:
+    sys.exit(f"solve.py: {error}")

@@ -1,0 +1,463 @@
+"""Problems from files: what comes in is what was written, what goes out satisfies the laws, and bad files are named so.
+
+Residuals are recomputed with NumPy from the written reactions alone, on the dense W and q.
+"""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+from rcr import problems, solve
+
+ROOT = Path(__file__).parents[2]
+DATA = ROOT.parent / "shared" / "data"
+SOLVERS = ["nlgs", "sor", "nesterov", "exact", "auto"]
+
+
+def heap(seed, count=30):
+    """Arrays of an `.npz` step: `count` discs fall onto each other and a floor between two walls, of which the right one is
+    free along x; some pairs touch at two points, some contacts are open."""
+    rng = np.random.default_rng(seed)
+    nb = count + 4
+    left, floor, right, top = range(count, nb)
+    columns = 6
+    rows = []
+
+    def touch(a, b, angle, points=1):
+        n = np.array([np.cos(angle), np.sin(angle)])
+        t = np.array([-n[1], n[0]])
+        for k in range(points):
+            along = 0.0 if points == 1 else (0.3, -0.3)[k]
+            open_ = rng.random() < 0.2
+            wall = a >= count
+            rows.append((a, b, *n, *(0 * n if wall else 0.5 * n + along * t), *(along * t - 0.5 * n), 0.05 * open_, 0.0 if wall else 0.5))
+
+    for k in range(count):
+        i, j = divmod(k, columns)
+        if i == 0:
+            touch(floor, k, np.pi / 2)
+        else:
+            touch(k - columns, k, np.pi / 2 + rng.normal(0, 0.2), rng.integers(1, 3))
+        if j == 0:
+            touch(left, k, 0)
+        else:
+            touch(k - 1, k, rng.normal(0, 0.1))
+        if j == columns - 1:
+            touch(right, k, np.pi)
+    touch(floor, top, np.pi / 2)  # both prescribed: carries nothing
+    t = np.array(rows)[rng.permutation(len(rows))]
+    im, iI, v = np.zeros(nb), np.zeros(nb), np.zeros((nb, 3))
+    im[:count], im[right] = 1 / rng.uniform(0.5, 2, count), 0.05
+    iI[:count] = 8 * im[:count]
+    v[:count] = rng.normal(0, 0.02, (count, 3)) + [0, -0.1, 0]
+    v[right] = -0.2, 0, 0
+    return dict(
+        a=t[:, 0].astype(int), b=t[:, 1].astype(int), n=t[:, 2:4], ra=t[:, 4:6], rb=t[:, 6:8], bn=t[:, 8], mu=t[:, 9], gap=0.01 * t[:, 8],
+        p0=abs(rng.normal(0, 0.01, (len(t), 2))) * [1, 0], im=im, iI=iI, vfree=v, vprev=v, meta=np.array([0.01, 1.0, count]),
+    )  # fmt: skip
+
+
+def dense(arrays):
+    """W (2 nc, 2 nc) and q (nc, 2) with b_n of an `.npz` step, from a dense Jacobian."""
+    nc, nb = len(arrays["a"]), len(arrays["im"])
+    m = np.column_stack([arrays["im"], arrays["im"], arrays["iI"]])
+    m[int(arrays["meta"][2]) :, 1] = 0
+    jacobian = np.zeros((nc, 2, nb, 3))
+    for k in range(nc):
+        n = arrays["n"][k]
+        for row, d in enumerate((n, np.array([-n[1], n[0]]))):
+            for body, arm, sign in ((arrays["a"][k], arrays["ra"][k], -1), (arrays["b"][k], arrays["rb"][k], 1)):
+                jacobian[k, row, body] += sign * np.array([d[0], d[1], arm[0] * d[1] - arm[1] * d[0]])
+    jacobian = jacobian.reshape(2 * nc, 3 * nb)
+    q = (jacobian @ arrays["vfree"].ravel()).reshape(nc, 2)
+    q[:, 0] += arrays["bn"]
+    return jacobian * m.ravel() @ jacobian.T, q
+
+
+def residual(w, q, mu, p):
+    """‖p − P_K(p − (u + µ|u_t| n)/w_nn)‖/‖p‖ with u = W p + q; points that nothing moves do not count."""
+    u = (w @ p.ravel()).reshape(-1, 2) + q
+    wnn = np.diag(w)[::2]
+    moves = wnn > 0
+    wnn = np.where(moves, wnn, 1)
+    x, y = p[:, 0] - (u[:, 0] + mu * abs(u[:, 1])) / wnn, p[:, 1] - u[:, 1] / wnn
+    face = np.maximum(x + mu * abs(y), 0) / (1 + mu**2)
+    inside = (abs(y) <= mu * x) & (x > 0)
+    error = p - np.where(inside[:, None], np.column_stack([x, y]), np.column_stack([face, mu * face * np.sign(y)]))
+    return np.linalg.norm(error[moves]) / np.linalg.norm(p[moves])
+
+
+def write_fclib(path, w, q, mu, kind=-1, change=None):
+    """The local problem as FCLIB writes it: nz = −1 columns, −2 rows, "triplets"; `change(group)` spoils it."""
+    row, column = np.nonzero(w if kind != -1 else w.T)
+    if kind == -1:
+        row, column = column, row
+    outer = column if kind == -1 else row
+    with h5py.File(path, "w") as file:
+        group = file.create_group("fclib_local")
+        group["spacedim"] = np.array([2], np.int32)
+        pointers, index = np.searchsorted(outer, np.arange(len(w) + 1)), row if kind == -1 else column
+        if kind == "triplets":
+            pointers, index = row, column
+        values = dict(nzmax=[len(row)], m=[len(w)], n=[len(w)], nz=[len(row) if kind == "triplets" else kind], p=pointers, i=index)
+        for name, value in values.items():
+            group[f"W/{name}"] = np.array(value, np.int32)
+        group["W/x"], group["vectors/q"], group["vectors/mu"] = w[row, column], q.ravel(), mu
+        if change:
+            change(group)
+
+
+def write_siconos(path, w, q, mu, storage="columns"):
+    """The text of Siconos: the matrix dense, as rows of 2×2 blocks, or as CSparse prints it, by columns or triplets."""
+    size, text = len(w), []
+    number = lambda x: f"{x:.17e}"
+    if storage == "dense":
+        text += ["0", size, size, f"{size}\t{size}", " ".join(map(number, w.T.ravel()))]
+    elif storage == "blocks":
+        nc = size // 2
+        blocks = [[j for j in range(nc) if w[2 * i : 2 * i + 2, 2 * j : 2 * j + 2].any() or i == j] for i in range(nc)]
+        ends = "\t".join(str(2 * i + 2) for i in range(nc))
+        count = np.cumsum([0] + [len(row) for row in blocks])
+        text += ["1", size, size, count[-1], nc, nc, ends, ends, nc + 1, count[-1], "\t".join(map(str, count)), "\t".join(str(j) for row in blocks for j in row)]
+        for i, row in enumerate(blocks):
+            for k, j in enumerate(row, count[i]):
+                text += [k, *(number(x) for x in w[2 * i : 2 * i + 2, 2 * j : 2 * j + 2].T.ravel())]
+    else:
+        column, row = np.nonzero(w.T)
+        triplets = storage == "triplets"
+        text += ["2", size, size, 1 if triplets else 2, "CSparse Version 3.1.9, May 4, 2016.  Copyright (c) Timothy A. Davis, 2006-2016"]
+        text += [f"{'triplet: ' * triplets}{size}-by-{size}, nzmax: {len(row)} nnz: {len(row)}" + ("" if triplets else ", 1-norm: 1")]
+        for j in range(size):
+            places = np.flatnonzero(column == j)
+            if not triplets:
+                text += [f"    col {j} : locations {places[0] if len(places) else 0} to {places[-1] if len(places) else -1}"]
+            text += [f"      {f'{row[k]} {j}' if triplets else row[k]} : {number(w[row[k], j])}" for k in places]
+    Path(path).write_text("\n".join(map(str, [2, size // 2, *text, " ".join(map(number, q.ravel())), " ".join(map(number, mu))])) + "\n")
+
+
+@pytest.fixture(scope="module")
+def step():
+    arrays = heap(1)
+    return arrays, *dense(arrays)
+
+
+@pytest.fixture
+def files(step, tmp_path):
+    """The same step in every form."""
+    arrays, w, q = step
+    np.savez(tmp_path / "step.npz", **arrays)
+    for name, kind in (("columns", -1), ("rows", -2), ("triplets", "triplets")):
+        write_fclib(tmp_path / f"{name}.h5", w, q, arrays["mu"], kind)
+    for storage in ("dense", "blocks", "columns", "triplets"):
+        write_siconos(tmp_path / f"{storage}.dat", w, q, arrays["mu"], storage)
+    return tmp_path
+
+
+FILES = ["step.npz", "columns.h5", "rows.h5", "triplets.h5", "dense.dat", "blocks.dat", "columns.dat", "triplets.dat"]
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_what_is_read_is_what_was_written(files, step, name):
+    arrays, w, q = step
+    problem = problems.load(files / name)
+    if name == "step.npz":
+        problem = problem.delassus()
+    row, column, value = problem.entries()
+    read = np.zeros_like(w)
+    read[row, column] = value
+    np.testing.assert_allclose(read, w, rtol=0, atol=1e-15 * abs(w).max())  # sums of six terms
+    np.testing.assert_allclose(problem.q, q, rtol=0, atol=1e-15)
+    np.testing.assert_array_equal(problem.friction, arrays["mu"])
+
+
+@pytest.mark.parametrize("name", ["step.npz", "columns.h5", "blocks.dat"])
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_every_solver_satisfies_the_laws(files, step, name, solver):
+    arrays, w, q = step
+    tolerance = 1e-10 if solver in ("exact", "auto") else 1e-5
+    found = solve(files / name, solver, tolerance, 20000)
+    recomputed = residual(w, q, arrays["mu"], found.reaction)
+    assert found.converged and recomputed <= tolerance * (1 + 1e-6), f"{name}, {solver}: {recomputed:.3e}, reported {found.residual:.3e}"
+    # rounding: of the sums that make u, 1e-16 of the impulses
+    assert recomputed == pytest.approx(found.residual, rel=1e-6, abs=1e-14)
+    u = (w @ found.reaction.ravel()).reshape(-1, 2) + q
+    if name == "step.npz":
+        u[:, 0] -= arrays["bn"]
+    np.testing.assert_allclose(found.velocity, u, rtol=0, atol=1e-13)
+    assert found.contacts == len(arrays["a"]) and found.seconds > 0
+
+
+def test_settings(files):
+    for name in ("step.npz", "rows.h5"):
+        assert solve(files / name, "nlgs", 0, 37).iterations == 37
+        short = solve(files / name, "exact", 1e-12, 7)
+        assert not short.converged and short.iterations <= 7 and short.residual > 1e-12
+        for bad, says in (({"solver": "newton"}, "newton"), ({"tolerance": -1}, "tolerance = -1"), ({"max_iterations": 0}, "maxIterations = 0")):
+            with pytest.raises(ValueError, match=says):
+                solve(files / name, **bad)
+
+
+def test_warm_start(files):
+    """From its own solution a problem needs no iteration; cold it needs some."""
+    problem = problems.load(files / "step.npz")
+    problem.impulse = solve(problem, "exact", 1e-9).reaction
+    problems.save_fclib(files / "warm.h5", problem)
+    for again in (problem, files / "warm.h5"):
+        assert solve(again, "nesterov", 1e-6, warm=True).iterations == 0 < solve(again, "nesterov", 1e-6).iterations
+
+
+def test_save_fclib_round_trip(files, step):
+    arrays, w, q = step
+    body = problems.load(files / "step.npz")
+    for problem in (body, body.delassus(), {name: getattr(body, name) for name in vars(body)}):
+        problems.save_fclib(files / "saved.h5", problem)
+        read = problems.load(files / "saved.h5")
+        for name in ("row_start", "column", "block", "q", "friction", "impulse"):
+            np.testing.assert_array_equal(getattr(read, name), getattr(body.delassus(), name), err_msg=name)
+    with h5py.File(files / "saved.h5") as file:  # the fields that fclib.h reads
+        group = file["fclib_local"]
+        assert group["spacedim"][()] == [2] and group["W/nz"][()] == [-2] and group["W/p"].dtype == np.int32
+        assert group["W/x"].shape == group["W/i"].shape == tuple(group["W/nzmax"][()])
+
+
+def test_one_contact_by_hand():
+    """W = [2 0; 0 1], q = (−2, −3), µ = 0.5: slides, p_n = 1, p_t = 0.5, u = (0, −2.5)."""
+    problem = problems.DelassusProblem(([0, 1], [0, 1], [2.0, 1.0]), [[-2.0, -3.0]], [0.5])
+    for solver in SOLVERS:
+        found = solve(problem, solver, 1e-12)
+        np.testing.assert_allclose(found.reaction, [[1, 0.5]], rtol=1e-12)
+        np.testing.assert_allclose(found.velocity, [[0, -2.5]], atol=1e-12)
+
+
+def test_no_contacts(tmp_path):
+    write_siconos(tmp_path / "none.dat", np.zeros((0, 0)), np.zeros((0, 2)), np.zeros(0), "dense")
+    found = solve(tmp_path / "none.dat")
+    assert found.contacts == 0 and found.residual == 0 and found.converged
+
+
+# ---------------------------------------------------------------------------------------------- malformed files
+
+
+def spoil(**changes):
+    def change(arrays):
+        for name, value in changes.items():
+            if value is None:
+                del arrays[name]
+            elif callable(value):
+                arrays[name] = value(np.array(arrays[name]))
+            else:
+                arrays[name] = value
+
+    return change
+
+
+def put(index, value):
+    def change(array):
+        array[index] = value
+        return array
+
+    return change
+
+
+@pytest.mark.parametrize(
+    "change, says",
+    [
+        (spoil(mu=None), r"lacks mu; wanted the arrays a, b"),
+        (spoil(mu=put(3, -0.1)), r"mu\[3\] = -0.1; wanted µ ≥ 0"),
+        (spoil(mu=lambda a: a[:-1]), r"mu has shape \(\d+,\); wanted \(\d+,\)"),
+        (spoil(vfree=put((2, 1), np.nan)), r"vfree\[2, 1\] = nan; wanted finite"),
+        (spoil(a=put(0, 999)), r"a\[0\] = 999; wanted whole numbers from 0 to 33"),
+        (spoil(b=put(1, -1)), r"b\[1\] = -1"),
+        (spoil(im=put(4, -1.0)), r"inverse_mass\[4, 0\] = -1; wanted ≥ 0"),
+        (spoil(n=put(5, 2.0)), r"the length of normal\[5\] = 2.8"),
+        (spoil(n=np.array([["x"]])), r"n does not hold numbers"),
+        (spoil(meta=put(2, 1000.0)), r"meta\[2\] = 1000; wanted the number of particles"),
+        (lambda arrays: arrays.update(b=arrays["a"]), r"wanted two different bodies"),
+    ],
+)
+def test_refuses_npz(step, tmp_path, change, says):
+    arrays = dict(step[0])
+    change(arrays)
+    np.savez(tmp_path / "bad.npz", **arrays)
+    with pytest.raises(ValueError, match=says) as error:
+        solve(tmp_path / "bad.npz")
+    assert "bad.npz: " in str(error.value) and "\n" not in str(error.value)
+
+
+def replace(name, value):
+    def change(group):
+        data = value(group[name][()]) if callable(value) else value
+        del group[name]
+        group[name] = data
+
+    return change
+
+
+def remove(name):
+    def change(group):
+        del group[name]
+
+    return change
+
+
+@pytest.mark.parametrize(
+    "change, says",
+    [
+        (remove("W/x"), "fclib_local lacks W/x"),
+        (remove("spacedim"), "fclib_local lacks spacedim"),
+        (remove("vectors/mu"), "fclib_local lacks vectors/mu"),
+        (replace("spacedim", np.array([3])), "spacedim = 3; wanted 2"),
+        (replace("W/m", np.array([7])), r"W is 7 × \d+"),
+        (replace("W/nz", np.array([-5])), "W/nz = -5; wanted −1"),
+        (replace("W/p", lambda p: p[:-1]), r"W/p is not \d+ ascending pointers"),
+        (replace("W/p", lambda p: p[::-1]), r"W/p is not \d+ ascending pointers"),
+        (replace("W/p", put(-1, 10**6)), r"W/p is not \d+ ascending pointers"),
+        (replace("W/i", put(2, 10**6)), r"a row of W\[2\] = 1e\+06"),
+        (replace("W/x", put(2, np.inf)), r"W\[2\] = inf; wanted finite"),
+        (replace("W/x", lambda x: -x), r"the diagonal of W\[\d+\] = -.*positive semi-definite"),
+        (replace("W/x", put(1, 123.0)), r"W is not symmetric: W\["),
+        (replace("vectors/q", lambda q: q[:-2]), r"q has shape"),
+        (replace("vectors/q", put(0, np.nan)), r"q\[0, 0\] = nan"),
+        (replace("vectors/mu", put(2, -1.0)), r"mu\[2\] = -1; wanted µ ≥ 0"),
+        (lambda group: group.create_group("V"), "equality constraints"),
+        (lambda group: group.file.move("fclib_local", "fclib_global"), "no group fclib_local but fclib_global"),
+    ],
+)
+def test_refuses_fclib(step, tmp_path, change, says):
+    arrays, w, q = step
+    write_fclib(tmp_path / "bad.h5", w, q, arrays["mu"], -1, change)
+    with pytest.raises(ValueError, match=says) as error:
+        solve(tmp_path / "bad.h5")
+    assert "bad.h5: " in str(error.value) and "\n" not in str(error.value)
+
+
+def test_asymmetry_of_rounded_files_is_accepted(step, tmp_path):
+    """Files of Siconos are off by 1e-10 of the largest entry; 1e-7 is refused."""
+    arrays, w, q = step
+    for size, good in ((1e-10, True), (1e-7, False)):
+        off = w.copy()
+        off[0, 1] += size * abs(w).max()
+        write_fclib(tmp_path / "off.h5", off, q, arrays["mu"])
+        if good:
+            assert residual(off, q, arrays["mu"], solve(tmp_path / "off.h5", "exact", 1e-9).reaction) < 1e-9 * 1.001
+        else:
+            with pytest.raises(ValueError, match="not symmetric"):
+                problems.load(tmp_path / "off.h5")
+
+
+@pytest.mark.parametrize(
+    "old, new, says",
+    [
+        ("2\n", "3\n", "dimension = 3; wanted 2"),
+        ("CSparse", "CSparse 1 : x\nCSparse", "no line of a sparse matrix"),
+        ("nnz: ", "nnz: 1", "its header says 1"),
+        ("      0 : ", "      x : ", "line 10 is no line of a sparse matrix"),
+        ("      0 : ", "      0 : nan ", r"W\[0\] = nan; wanted finite"),
+        ("col 0 ", "col y ", "no line of a sparse matrix"),
+        ("5.00000000000000000e-01 ", "0.5x ", "mu holds a word that is no number"),
+        ("5.00000000000000000e-01 ", "-0.5 ", r"mu\[\d+\] = -0.5; wanted µ ≥ 0"),
+    ],
+)
+def test_refuses_siconos(step, tmp_path, old, new, says):
+    arrays, w, q = step
+    path = tmp_path / "bad.dat"
+    write_siconos(path, w, q, arrays["mu"])
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(ValueError, match=says) as error:
+        problems.load(path)
+    assert "bad.dat: " in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("storage", ["dense", "blocks", "columns", "triplets"])
+def test_refuses_any_siconos_file_that_ends_early(step, tmp_path, storage):
+    arrays, w, q = step
+    path = tmp_path / "bad.dat"
+    write_siconos(path, w, q, arrays["mu"], storage)
+    words = path.read_text().splitlines()
+    for keep in np.linspace(0, len(words) - 1, 15).astype(int):
+        path.write_text("\n".join(words[:keep]))
+        with pytest.raises(ValueError):
+            problems.load(path)
+
+
+def test_refuses_other_files(tmp_path):
+    for name in ("x.npz", "x.h5", "x.dat"):
+        with pytest.raises(OSError):
+            solve(tmp_path / name)
+        (tmp_path / name).write_text("what is this\n")
+        with pytest.raises(ValueError, match=name):
+            solve(tmp_path / name)
+    with pytest.raises(ValueError, match=r"unknown suffix '.mat'; wanted one of .npz, .h5, .hdf5, .dat"):
+        solve(tmp_path / "x.mat")
+
+
+# ---------------------------------------------------------------------------------------------- the script
+
+
+def run(*arguments):
+    return subprocess.run([sys.executable, ROOT / "scripts" / "solve.py", *map(str, arguments)], capture_output=True, text=True, cwd="/")
+
+
+@pytest.mark.parametrize("name", ["step.npz", "columns.h5", "columns.dat"])
+@pytest.mark.parametrize("out", ["found.npz", "found.h5"])
+def test_script(files, step, name, out):
+    arrays, w, q = step
+    ended = run(files / name, "--solver", "nesterov", "--tolerance", "1e-5", "--max-iterations", "5000", "--out", files / out)
+    assert ended.returncode == 0 and ended.stderr == "", ended.stderr
+    report = json.loads(ended.stdout)
+    assert list(report) == ["solver", "contacts", "iterations", "residual", "converged", "seconds"] and report["converged"] is True
+    with np.load(files / out) if out.endswith("npz") else h5py.File(files / out) as file:
+        reaction, velocity = np.array(file["reaction"]), np.array(file["velocity"])
+    assert residual(w, q, arrays["mu"], reaction) == pytest.approx(report["residual"], rel=1e-6)
+    assert velocity.shape == reaction.shape == (report["contacts"], 2)
+    warm = json.loads(run(files / name, "--solver", "nlgs", "--tolerance", "0", "--max-iterations", "3", "--warm", "--out", files / out).stdout)
+    assert warm["iterations"] == 3
+
+
+def test_script_says_in_a_line_what_is_wrong(files):
+    for arguments, says in (
+        ((files / "none.npz", "--out", files / "o.npz"), "none.npz"),
+        ((files / "step.npz", "--out", files / "o.txt"), "unknown suffix '.txt'"),
+        ((files / "step.npz", "--solver", "best", "--out", files / "o.npz"), "solver 'best' is not known"),
+        ((files / "step.npz", "--tolerance", "-1", "--out", files / "o.npz"), "tolerance = -1"),
+    ):
+        ended = run(*arguments)
+        assert ended.returncode != 0 and ended.stdout == "" and says in ended.stderr and ended.stderr.count("\n") == 1, ended.stderr
+    assert run("--help").returncode == 0
+
+
+# ---------------------------------------------------------------------------------------------- problems of others
+
+
+def stored(name):
+    path = DATA / name
+    if not path.exists():
+        pytest.skip(f"{name} is not here")
+    return path
+
+
+@pytest.mark.parametrize("solver, tolerance", [("nesterov", 1e-4), ("auto", 1e-8), ("exact", 1e-10)])
+@pytest.mark.parametrize("name", ["n500_e0_0.npz", "n500_e0.7_0.npz", "fc2d_granularflowonwall_00667_00000.dat"])
+def test_stored_problems(name, solver, tolerance):
+    problem = problems.load(stored(name))
+    found = solve(problem, solver, tolerance, 20000)
+    delassus = problem.delassus() if name.endswith("npz") else problem
+    row, column, value = delassus.entries()
+    w = np.zeros((2 * problem.contacts, 2 * problem.contacts))
+    w[row, column] = value
+    recomputed = residual(w, delassus.q, delassus.friction, found.reaction)
+    assert found.converged and recomputed <= tolerance + 1e-12  # rounding: q is about 1e3 times the velocities left
+    assert recomputed == pytest.approx(found.residual, rel=1e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["n500_e0_0.npz", "n500_e0.7_0.npz"])
+def test_stored_problems_without_their_bodies(name):
+    problem = problems.load(stored(name)).delassus()
+    found = solve(problem, "exact", 1e-9, 20000)
+    assert found.converged and found.residual <= 1e-9
