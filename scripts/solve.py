@@ -15,9 +15,9 @@ sys.path.insert(0, os.path.join(SCRIPTS, os.pardir, "py"))
 try:
     import rcr._kernel
     from rcr import problems
-except ImportError:  # not for this Python: in the environment of yade-rcr there is one that fits
+except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
     if os.environ.get("YADE_RCR_WAY"):
-        raise
+        sys.exit(f"solve.py: {error}")
     os.execv(os.path.join(SCRIPTS, "lib", "run"), ["run", "python3", os.path.realpath(__file__), *sys.argv[1:]])
 
 
