@@ -15,7 +15,7 @@ set -euo pipefail
 yade_version=2025.2.0
 lib=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd -P)
 repo=$(cd "$lib/../.." && pwd -P)
-cache=${XDG_CACHE_HOME:-$HOME/.cache}/yade-rcr
+cache=${XDG_CACHE_HOME:-${HOME:?or XDG_CACHE_HOME must be set}/.cache}/yade-rcr
 log=$cache/log
 etc=${YADE_RCR_ETC:-/etc} # the tests put another in its place
 

@@ -7,7 +7,7 @@ machine_files=(resolv.conf hosts hostname localtime machine-id ssl/certs/ca-cert
 rootfs_source() { echo /usr/src/yade; }
 rootfs_yade_python() { (cd "$root" && echo usr/lib/*/yade-double/py | sed 's|^|/|'); }
 
-rootfs_ready() { [ -d "$root" ]; } # it gets this name when it is complete
+rootfs_ready() { [ -d "$root" ] && command -v bwrap >/dev/null; } # it gets this name when it is complete
 
 rootfs_possible() {
     case $(uname -m) in
@@ -55,6 +55,7 @@ rootfs_mirrors() {
 }
 
 rootfs_make() {
+    [ ! -d "$root" ] || return 0 # only bubblewrap was missing
     need_space "$cache" 5
     [ "$(id -u)" = 0 ] || need_space /var/tmp 5
     say "set-up 1/3: Debian 13 root file system (20 to 60 s) …"
@@ -101,7 +102,8 @@ rootfs_bootstrap() {
     local bootstrap=(mmdebstrap --variant=minbase
         --aptopt="$new/apt.conf" --aptopt='Acquire::Languages "none"'
         --dpkgopt=force-unsafe-io --dpkgopt='path-exclude=/usr/share/doc/*'
-        --dpkgopt='path-exclude=/usr/lib/*/yade-[!d]*' --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*'
+        --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*'
+        --dpkgopt='path-exclude=/usr/lib/*/yade-[!d]*' # its builds in higher precision
         --setup-hook='mkdir -p "$1/etc/ssl/certs"'
         --setup-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt"
         --customize-hook="copy-in '$lib/install-packages' '$lib/fetch-source' '$lib/packages' /tmp"
@@ -136,10 +138,9 @@ rootfs_finish() {
 rootfs_enter() {
     local directory link file binds=()
     for directory in /*; do
-        case $directory in
-        /usr | /etc | /bin | /sbin | /lib* | /dev | /proc | /sys) ;;
-        *) [ ! -d "$directory" ] || binds+=(--bind "$directory" "$directory") ;;
-        esac
+        if [ -d "$directory" ] && ! rootfs_shadows "$directory"; then
+            binds+=(--bind "$directory" "$directory")
+        fi
     done
     for link in "$root"/{bin,sbin,lib*}; do
         [ ! -L "$link" ] || binds+=(--symlink "$(readlink "$link")" "${link#"$root"}")
@@ -147,14 +148,14 @@ rootfs_enter() {
     for file in "${machine_files[@]}"; do
         binds+=(--ro-bind-try "/etc/$file" "/etc/$file")
     done
-    rootfs_bind_paths "$PWD" "$repo" "$HOME" "$@"
+    rootfs_bind_paths "$PWD" "$repo" "${HOME:-/}" "$@"
 
     # bubblewrap stands between the terminal and the command: Ctrl-C is for the command alone.
     trap '' INT QUIT
     touch -c "$root" # in use: see rootfs_finish
     unset LD_LIBRARY_PATH LD_PRELOAD PYTHONHOME
     exec bwrap --die-with-parent --ro-bind "$root/usr" /usr --ro-bind "$root/etc" /etc \
-        --dev-bind /dev /dev --bind /proc /proc --bind /sys /sys "${binds[@]}" \
+        "${binds[@]}" --dev-bind /dev /dev \
         --ro-bind-data 7 /etc/passwd --ro-bind-data 8 /etc/group \
         --setenv PATH /usr/bin:/bin --setenv LC_ALL C.UTF-8 --chdir "$PWD" \
         env --default-signal=INT,QUIT "$@" \
@@ -181,7 +182,11 @@ rootfs_bind_paths() {
     done
 }
 
-rootfs_shadows() { [[ $1 == /@(usr|etc|bin|sbin|lib*)/* ]]; }
+# rootfs_shadows PATH: it lies in a top-level directory that the root file system has itself
+rootfs_shadows() {
+    local top=${1#/}
+    [ -e "$root/${top%%/*}" ]
+}
 
 # rootfs_owns PATH: the root file system itself has something there, not only a place to bind on
 rootfs_owns() { [ -n "$(find "$root$1" -not -type d -not -size 0 -print -quit 2>/dev/null)" ]; }
