@@ -182,10 +182,11 @@ rootfs_bind_paths() {
     done
 }
 
-# rootfs_shadows PATH: it lies in a top-level directory that the root file system has itself
+# rootfs_shadows PATH: it lies in /usr, /etc or, by a symbolic link such as /bin, in /usr
 rootfs_shadows() {
     local top=${1#/}
-    [ -e "$root/${top%%/*}" ]
+    top=${top%%/*}
+    [ "$top" = usr ] || [ "$top" = etc ] || [ -L "$root/$top" ]
 }
 
 # rootfs_owns PATH: the root file system itself has something there, not only a place to bind on
