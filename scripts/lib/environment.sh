@@ -83,6 +83,8 @@ need_space() {
 }
 
 enter() {
+    # OpenMP's waiting threads would spin and take the processors from the solver's own.
+    export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
     export PYTHONPATH="$repo/py:$("${way}_yade_python")${PYTHONPATH:+:$PYTHONPATH}"
     if [ -n "${YADE_RCR_WAY:-}" ]; then
         exec "$@"
