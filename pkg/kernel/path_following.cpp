@@ -8,6 +8,7 @@ namespace rcr {
 namespace {
 
 	constexpr std::size_t maxUpdates = 20;    // of rank one between two factorisations: where both cost about the same
+	constexpr double      leastShare = 0.1;   // of the largest energy of a contact that counts as unstable
 	constexpr double      onEdge     = 1e-13; // relative distance to the cone's boundary that counts as on it
 
 	/// A change of piece of one contact: K += column rowᵀ, in (n, t).
@@ -156,7 +157,10 @@ namespace {
 			applyInverse(response_);
 			const Impulse r     = relativeVelocity(c, response_);
 			const double  delta = 1 + change.row.n * r.n + change.row.t * r.t; // ratio of the determinants
-			if (!(delta > 0)) return false; // a fold
+			if (!(delta > 0)) {
+				findUnstable();
+				return false;
+			}
 			problem_.pieces[change.contact] = edge.beyond;
 			++end_.pivots;
 			if (updates_.size() == maxUpdates) return findDirection();
@@ -192,6 +196,21 @@ namespace {
 					for (int j = 0; j < 4; ++j)
 						b[i].entry[j] -= amount * update.response[i].entry[j];
 			}
+		}
+
+		/// At a fold the matrix is singular somewhere between the two pieces, and A⁻¹ x spans its null space: the motion
+		/// that nothing resists. Its contacts are those with a share of its elastic energy Σ k |Ĵ A⁻¹ x|².
+		void findUnstable()
+		{
+			std::vector<double> energy(problem_.size(), 0);
+			for (std::size_t i = 0; i < problem_.size(); ++i) {
+				if (problem_.pieces[i].kind == Piece::apart) continue;
+				const Impulse u = relativeVelocity(problem_.contacts[i], response_);
+				energy[i]       = problem_.stiffness[i] * (u.n * u.n + u.t * u.t);
+			}
+			const double least = leastShare * *std::max_element(energy.begin(), energy.end());
+			for (std::size_t i = 0; i < problem_.size(); ++i)
+				if (energy[i] >= least && energy[i] > 0) end_.unstable.push_back(i);
 		}
 
 		void setPredictors()

@@ -20,6 +20,9 @@ namespace rcr {
 struct PathEnd {
 	bool arrived = false; // at t = 1; otherwise at a fold, or after `maxPivots`
 	int  pivots  = 0;
+
+	/// At a fold: the contacts that move in the state that becomes unstable there. None where the way ended otherwise.
+	std::vector<std::size_t> unstable;
 };
 
 /// Leaves the predictors of the point reached, at t = 1 those of the solution.

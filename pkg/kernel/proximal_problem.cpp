@@ -100,12 +100,6 @@ void ProximalProblem::setReference(ContactProblem& problem)
 	}
 }
 
-void ProximalProblem::setStiffness(double rho)
-{
-	for (std::size_t i = 0; i < size(); ++i)
-		stiffness[i] = rho / contacts[i].wnn;
-}
-
 bool ProximalProblem::factor()
 {
 	matrix.setIdentity();

@@ -75,9 +75,6 @@ public:
 	/// Takes the impulses of the problem as reference, and updates its velocities.
 	void setReference(ContactProblem&);
 
-	/// k = ρ/w_nn for every contact point.
-	void setStiffness(double rho);
-
 	/// Factors I + Ĵᵀ K Ĵ for the present pieces. False when it is singular.
 	bool factor();
 

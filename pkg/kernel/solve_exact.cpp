@@ -1,12 +1,12 @@
 // Proximal point iteration with exact steps: residuals of 1e-8 and below, where sweeps stall.
 //
-//   p ← accelerated sweeps to about 1e-4
+//   p ← accelerated sweeps to about 1e-5
 //   repeat  p_ref ← p;  p ← solution of the contact law softened by w_nn/ρ about p_ref
 //
 // A step follows the path from p_ref to its solution, pivot by pivot (path_following.hpp). The stiffer, the fewer steps,
 // until the path folds back: sliding is not associated, so the solution near p_ref can cease to exist, and the next one
-// is a finite way off. Then a softer step still has its one solution, and softer steps run away from the unstable
-// state until they come upon the next. The residual rises on the way, so the best iterate is kept.
+// is a finite way off. Then softer steps, at the contacts concerned, still have their one solution and run away from the
+// unstable state, as sweeps do, until they come upon the next. The residual rises on the way: the best iterate is kept.
 // Source: Rockafellar 1976; Acary, Brémond and Huber 2018, §5 (proximal point for frictional contact).
 #include <algorithm>
 
@@ -19,11 +19,12 @@ namespace rcr {
 
 namespace {
 
-	constexpr double handover  = 1e-4; // residual at which sweeps hand over
-	constexpr int    maxSweeps = 3000; // … or their number
-	constexpr int    maxPivots = 2000; // of one path
+	constexpr double handover     = 1e-5; // residual at which sweeps hand over; later gains little, earlier costs folds
+	constexpr int    maxSweeps    = 1000; // … or their number, at most half of all iterations
+	constexpr int    rescueSweeps = 300;  // after a fold; 100 to 1000 do as well
+	constexpr int    maxPivots    = 2000; // of one path
 
-	/// ρ over the steps: stiffer while paths arrive, softer where one folds.
+	/// ρ of a contact over the steps: stiffer while paths arrive, softer where one folds.
 	class Stiffness {
 	public:
 		double rho() const { return rho_; }
@@ -70,31 +71,48 @@ namespace {
 		}
 	};
 
-	Report sweep(ContactProblem& problem, const Settings& settings)
+	/// Accelerated sweeps, `most` of them or fewer if `tolerance` is reached before.
+	Report sweep(ContactProblem& problem, const Settings& settings, double tolerance, int most, Workspace& workspace)
 	{
 		Settings sweeps      = settings;
-		sweeps.tolerance     = std::max(settings.tolerance, handover);
-		sweeps.maxIterations = std::min(settings.maxIterations, maxSweeps);
-		return solve(problem, "nesterov", sweeps);
+		sweeps.tolerance     = tolerance;
+		sweeps.maxIterations = most;
+		return solveNesterov(problem, sweeps, workspace);
+	}
+
+	/// One step about the present impulses; returns how its path ended.
+	PathEnd step(ContactProblem& problem, ProximalProblem& proximal, std::vector<Stiffness>& stiffness, int maxIterations)
+	{
+		proximal.setReference(problem);
+		for (std::size_t i = 0; i < proximal.size(); ++i)
+			proximal.stiffness[i] = stiffness[i].rho() / proximal.contacts[i].wnn;
+		const PathEnd end = followPath(proximal, std::min(maxPivots, maxIterations - 1));
+		proximal.store(problem);
+		for (std::size_t i : end.unstable)
+			stiffness[i].folded();
+		if (end.unstable.empty())
+			for (Stiffness& one : stiffness)
+				end.arrived ? one.arrived() : one.folded();
+		return end;
 	}
 
 } // namespace
 
 Report solveExact(ContactProblem& problem, const Settings& settings)
 {
-	Report report = sweep(problem, settings);
+	Workspace workspace;
+	const int sweeps = std::min(maxSweeps, (settings.maxIterations + 1) / 2);
+	Report    report = sweep(problem, settings, std::max(settings.tolerance, handover), sweeps, workspace);
 	if ((report.converged && report.reached(settings)) || report.iterations >= settings.maxIterations) return report;
-	ProximalProblem proximal(problem);
-	Stiffness       stiffness;
-	Best            best { report.residual, problem.impulse };
-	while (!(best.residual <= settings.tolerance) && report.iterations < settings.maxIterations) {
-		proximal.setReference(problem);
-		proximal.setStiffness(stiffness.rho());
-		const PathEnd end = followPath(proximal, std::min(maxPivots, settings.maxIterations - report.iterations));
+	ProximalProblem        proximal(problem);
+	std::vector<Stiffness> stiffness(proximal.size());
+	Best                   best { report.residual, problem.impulse };
+	const auto             left = [&] { return settings.maxIterations - report.iterations; };
+	while (!(best.residual <= settings.tolerance) && left() > 0) {
+		const PathEnd end = step(problem, proximal, stiffness, left());
 		report.iterations += 1 + end.pivots;
-		end.arrived ? stiffness.arrived() : stiffness.folded();
-		proximal.store(problem);
 		best.offer(residual(problem), problem);
+		if (!end.arrived && left() > 0) report.iterations += sweep(problem, settings, 0, std::min(rescueSweeps, left()), workspace).iterations;
 	}
 	problem.impulse = best.impulse;
 	updateVelocity(problem);

@@ -155,7 +155,7 @@ def test_every_run_gives_the_same_bits():
 def test_stops_short_honestly(budget):
     """The budget is kept; what is reported is what is left, and it is no worse than where the sweeps handed over."""
     problem = pile(4, 20, 20)
-    swept = problem.solve("nesterov", tolerance=1e-4, max_iterations=budget)
+    swept = problem.solve("nesterov", tolerance=1e-5, max_iterations=(budget + 1) // 2)
     result = problem.solve("exact", tolerance=0, max_iterations=budget)
     error, size = errors(problem, result["impulse"])
     assert not result["converged"] and result["iterations"] == budget
