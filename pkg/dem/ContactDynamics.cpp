@@ -125,8 +125,9 @@ void ContactDynamics::action()
 	contactPoints = int(problem_.points.size());
 	if (!converged && tolerance > 0 && !warned) {
 		LOG_WARN(
-		        "step " << scene->iter << ": residual " << residual << " after " << iterations << " iterations, tolerance " << tolerance
-		                << "; this is said once. ContactDynamics.residual and .converged tell it for every step.");
+		        "step " << scene->iter << ": residual " << residual << " (tolerance " << tolerance << "), velocities still closing "
+		                << report.violation << " of the typical one (at most " << settings.violation << "), after " << iterations
+		                << " iterations; this is said once. ContactDynamics.residual and .converged tell it for every step.");
 		warned = true;
 	}
 	scatterForces();
@@ -299,7 +300,8 @@ void ContactDynamics::measureUnbalance()
 		const rcr::InverseMass& inverse = problem_.inverseMass[b->getId()];
 		const rcr::Twist&       v       = problem_.velocity[b->getId()];
 		const rcr::Twist        before  = plane::twist(*b->state);
-		largest = std::max(largest, std::hypot(inverse.x > 0 ? (v.x - before.x) / inverse.x : 0, inverse.y > 0 ? (v.y - before.y) / inverse.y : 0));
+		const double x = inverse.x > 0 ? (v.x - before.x) / inverse.x : 0, y = inverse.y > 0 ? (v.y - before.y) / inverse.y : 0;
+		largest        = std::max(largest, std::hypot(x, y)); // net impulse
 	}
 	unbalance = closed > 0 ? largest * closed / sum : std::numeric_limits<double>::infinity();
 }

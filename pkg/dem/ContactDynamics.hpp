@@ -20,7 +20,7 @@ public:
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,"Solves all rigid contacts of the step together (nonsmooth Contact Dynamics, Moreau time stepping). Takes the forces that other engines have put on the bodies and the gravity of :yref:`NewtonIntegrator`, finds the contact impulses that satisfy Signorini's and Coulomb's laws at the end of the step, and adds them as forces; :yref:`NewtonIntegrator` then moves the bodies. Stands after :yref:`InteractionLoop` and before :yref:`NewtonIntegrator`, whose damping must be 0. Bodies move in the plane: z, X and Y blocked. The time step is bound by accuracy, not by a stiffness.",
-		((Real,tolerance,1e-4,,"Residual at which the iterations stop [-]: natural map of the contact laws, relative to the impulses; 0 runs :yref:`maxIterations<ContactDynamics.maxIterations>`"))
+		((Real,tolerance,1e-4,,"Residual at which the iterations stop [-]: natural map of the contact laws, relative to the impulses. Velocities that still close a contact must also be below 1 % of the typical one. 0 runs :yref:`maxIterations<ContactDynamics.maxIterations>`"))
 		((int,maxIterations,1000,,"Most sweeps a step; ≥ 1"))
 		((std::string,solver,"auto",,"Name of the solver: nlgs, sor, nesterov, exact or auto"))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)"))
