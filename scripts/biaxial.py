@@ -13,6 +13,8 @@ from tqdm import tqdm
 
 from rcr.biaxial import RECORD, Biaxial
 
+BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
+
 
 def arguments():
     parser = argparse.ArgumentParser(prog="biaxial.py", description=__doc__.splitlines()[0])
@@ -62,9 +64,6 @@ def shear(test, options):
                 test.save(options.out)
 
 
-BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
-
-
 def main():
     options = arguments()
     os.makedirs(options.out, exist_ok=True)
@@ -77,11 +76,12 @@ def main():
     if test.progress["phase"] != "shear":
         compact(test, options)
     shear(test, options)
-    summary = os.path.join(options.out, "summary.json")
-    with open(summary + ".part", "w") as file:
-        json.dump(test.summary(), file, indent=2)
-    os.replace(summary + ".part", summary)
-    print(f"{summary}: q/p = {test.summary()['sin_phi']:.3f}, packing fraction {test.packing_fraction:.3f}")
+    summary = test.summary()
+    path = os.path.join(options.out, "summary.json")
+    with open(path + ".part", "w") as file:
+        json.dump(summary, file, indent=2)
+    os.replace(path + ".part", path)
+    print(f"{path}: q/p = {summary['sin_phi']:.3f}, packing fraction {summary['packing_fraction_final']:.3f}")
 
 
 try:

@@ -225,9 +225,7 @@ class Biaxial:
         self.progress["kinetic_energy"] = energy
 
     def _start_shear(self):
-        self.progress.update(
-            phase="shear", first_height=self.height, packing_fraction_initial=self.packing_fraction, first_step=O.iter
-        )
+        self.progress.update(phase="shear", first_height=self.height, packing_fraction_initial=self.packing_fraction)
         self.solver.tolerance = self.progress["tolerance"]
         friction = self.parameters["friction"]
         O.materials["grain"].frictionAngle = math.atan(friction)  # of contacts to come; those with a wall stay smooth
@@ -283,8 +281,8 @@ class Biaxial:
     # --- results -------------------------------------------------------------------------------------------------------
 
     def network(self):
-        """Contact network of the last step; see `rcr.Network`."""
-        friction = self.parameters["friction"] if self.progress["phase"] == "shear" else 0.0
+        """Contact network of the last step; see `rcr.Network`. It is frictionless until the first record of the shear."""
+        friction = self.parameters["friction"] if self.rows else 0.0
         return rcr.contact_network(
             self.walls, strain=self.strain, eta=self.parameters["eta"], friction=friction, seed=self.parameters["seed"]
         )

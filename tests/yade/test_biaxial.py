@@ -113,7 +113,7 @@ def test_network_file_keeps_everything(packing, tmp_path):
     for group in ("particles", "contacts"):
         for name, column in getattr(network, group).items():
             assert np.array_equal(getattr(again, group)[name], column), name
-    assert again.attributes["eta"] == packing.eta and again.attributes["strain"] == 0
+    assert again.attributes["eta"] == packing.eta and again.attributes["strain"] == again.attributes["friction"] == 0
     assert list(tmp_path.iterdir()) == [path]
 
 
