@@ -1,5 +1,7 @@
 #include "ContactDynamics.hpp"
 
+#include <array>
+#include <chrono>
 #include <numeric>
 #include <tuple>
 
@@ -108,32 +110,56 @@ void ContactDynamics::action()
 	const std::string       missing = missingFunctor(*scene);
 	if (!missing.empty()) refuse(missing);
 	scene->forces.sync();
-	checkBodies();
+	timed("check", [&] { checkBodies(); });
+	timed("gather", [&] {
+		if (quasiStatic) stopBodies();
+		gatherBodies(newton);
+		gatherContacts();
+		warmStart_ = problem_.impulse;
+	});
+	timed("solve", [&] { report(rcr::solve(problem_, solver, settings(), workspace_)); });
+	timed("scatter", [&] {
+		scatterForces();
+		measureUnbalance();
+	});
+	timed("correct", [&] {
+		correctPositions();
+		keepColliderAhead();
+	});
+}
 
-	gatherBodies(newton);
-	gatherContacts();
+template <class Work> void ContactDynamics::timed(const char* what, Work work)
+{
+	const auto start = std::chrono::steady_clock::now();
+	work();
+	seconds_[what] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
-	rcr::Settings settings;
-	settings.tolerance       = double(tolerance);
-	settings.maxIterations   = maxIterations;
-	settings.threads         = solverThreads();
-	const rcr::Report report = rcr::solve(problem_, solver, settings, workspace_);
+rcr::Settings ContactDynamics::settings() const
+{
+	rcr::Settings s;
+	s.tolerance       = double(tolerance);
+	s.maxIterations   = maxIterations;
+	s.minIterations   = minIterations;
+	s.violation       = double(maxViolation);
+	s.meanForceChange = double(meanForceChange);
+	s.threads         = solverThreads();
+	return s;
+}
 
+void ContactDynamics::report(const rcr::Report& report)
+{
 	iterations    = report.iterations;
 	residual      = report.residual;
+	violation     = report.violation;
 	converged     = report.converged;
 	contactPoints = int(problem_.points.size());
-	if (!converged && tolerance > 0 && !warned) {
-		LOG_WARN(
-		        "step " << scene->iter << ": residual " << residual << " (tolerance " << tolerance << "), velocities still closing "
-		                << report.violation << " of the typical one (at most " << settings.violation << "), after " << iterations
-		                << " iterations; this is said once. ContactDynamics.residual and .converged tell it for every step.");
-		warned = true;
-	}
-	scatterForces();
-	measureUnbalance();
-	correctPositions();
-	keepColliderAhead();
+	if (converged || tolerance == 0 || warned) return;
+	warned = true;
+	LOG_WARN(
+	        "step " << scene->iter << ": residual " << residual << " (tolerance " << tolerance << "), velocities still closing " << violation
+	                << " of the typical one (at most " << maxViolation << "), after " << iterations
+	                << " iterations; this is said once. ContactDynamics.residual and .converged tell it for every step.");
 }
 
 int ContactDynamics::solverThreads() const { return threads > 0 ? threads : omp_get_max_threads(); }
@@ -169,6 +195,17 @@ void ContactDynamics::checkBodies() const
 		const Body& first = *(*scene->bodies)[i->getId1()]; // Wall, Box and Sphere come first in their contacts
 		if (!dynamic_cast<const Rcr*>(first.shape.get())) checkBody(first, *scene);
 	}
+}
+
+void ContactDynamics::stopBodies() const
+{
+	for (const auto& b : *scene->bodies) {
+		if (!b || b->state->blockedDOFs == State::DOF_ALL) continue;
+		const State& s = *b->state;
+		scene->forces.addForce(b->getId(), -s.mass / scene->dt * s.vel);
+		scene->forces.addTorque(b->getId(), Vector3r(0, 0, -s.inertia[2] / scene->dt * s.angVel[2]));
+	}
+	scene->forces.sync();
 }
 
 void ContactDynamics::gatherBodies(const NewtonIntegrator& newton)
@@ -244,15 +281,17 @@ void ContactDynamics::gatherContacts()
 	for (std::size_t i = 0; i < contacts_.size(); ++i) {
 		const Contact&      contact  = contacts_[i];
 		const CdPhys&       phys     = static_cast<const CdPhys&>(*contact.interaction->phys);
-		const rcr::Manifold manifold = static_cast<const RcrGeom&>(*contact.interaction->geom).manifold();
+		const RcrGeom&      geom     = static_cast<const RcrGeom&>(*contact.interaction->geom);
+		const rcr::Manifold manifold = geom.manifold();
 		const rcr::Vec2     center1  = plane::toPlane((*scene->bodies)[contact.id1]->state->pos);
 		const rcr::Vec2     center2  = plane::toPlane((*scene->bodies)[contact.id2]->state->pos);
 		for (int k = 0; k < manifold.count; ++k) {
 			const rcr::ManifoldPoint& at    = manifold.points[k];
 			const Vector2r&           force = k == 0 ? phys.force1 : phys.force2;
+			// From rest to rest there is no velocity that an overlap's displacement could become.
+			const double bias = double(quasiStatic ? geom.gap[k] / scene->dt : phys.bias[k]);
 			problem_.points[contact.first + k]
-			        = { contact.id1,         contact.id2,           at.normal, at.position - center1, at.position - center2,
-				    double(phys.bias[k]), double(phys.tangensOfFrictionAngle) };
+			        = { contact.id1, contact.id2, at.normal, at.position - center1, at.position - center2, bias, double(phys.tangensOfFrictionAngle) };
 			problem_.impulse[contact.first + k] = { dt * double(force[0]), dt * double(force[1]) };
 		}
 	}
@@ -299,7 +338,7 @@ void ContactDynamics::measureUnbalance()
 		if (!b || b->state->blockedDOFs == State::DOF_ALL) continue;
 		const rcr::InverseMass& inverse = problem_.inverseMass[b->getId()];
 		const rcr::Twist&       v       = problem_.velocity[b->getId()];
-		const rcr::Twist        before  = plane::twist(*b->state);
+		const rcr::Twist        before  = quasiStatic ? rcr::Twist {} : plane::twist(*b->state);
 		const double x = inverse.x > 0 ? (v.x - before.x) / inverse.x : 0, y = inverse.y > 0 ? (v.y - before.y) / inverse.y : 0;
 		largest        = std::max(largest, std::hypot(x, y)); // net impulse
 	}
@@ -317,7 +356,7 @@ void ContactDynamics::measureUnbalance()
 void ContactDynamics::correctPositions()
 {
 	constexpr double slop = 1e-4; // of R₁ + R₂
-	if (correction == 0) return;
+	if (correction == 0 || quasiStatic) return;
 	const double dt      = double(scene->dt);
 	bool         overlap = false;
 	shift_.points        = problem_.points;
@@ -370,6 +409,33 @@ void ContactDynamics::keepColliderAhead() const
 			return;
 		}
 	}
+}
+
+boost::python::dict ContactDynamics::secondsDict() const
+{
+	boost::python::dict seconds;
+	for (const auto& [what, total] : seconds_)
+		seconds[what] = total;
+	return seconds;
+}
+
+boost::python::dict ContactDynamics::problemDict() const
+{
+	namespace py = boost::python;
+	py::dict   columns;
+	const auto add = [&](const char* name, const auto& rows) {
+		const char* bytes = reinterpret_cast<const char*>(rows.data());
+		columns[name]     = py::object(py::handle<>(PyBytes_FromStringAndSize(bytes, Py_ssize_t(rows.size() * sizeof(rows[0])))));
+	};
+	std::vector<std::array<double, 8>> points; // normal, arm1, arm2, bias, friction
+	std::vector<std::array<int, 2>>    bodies;
+	for (const rcr::ContactPoint& c : problem_.points) {
+		points.push_back({ c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction });
+		bodies.push_back({ c.body1, c.body2 });
+	}
+	add("points", points), add("bodies", bodies), add("impulse", warmStart_);
+	add("inverse_mass", problem_.inverseMass), add("free_velocity", problem_.freeVelocity);
+	return columns;
 }
 
 boost::python::dict ContactDynamics::modelDict() const

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <map>
+
 #include <core/Body.hpp>
 #include <core/GlobalEngine.hpp>
 
@@ -17,22 +19,31 @@ public:
 	void action() override;
 
 	boost::python::dict modelDict() const;
+	boost::python::dict secondsDict() const;
+	boost::python::dict problemDict() const;
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,"Solves all rigid contacts of the step together (nonsmooth Contact Dynamics, Moreau time stepping). Takes the forces that other engines have put on the bodies and the gravity of :yref:`NewtonIntegrator`, finds the contact impulses that satisfy Signorini's and Coulomb's laws at the end of the step, and adds them as forces; :yref:`NewtonIntegrator` then moves the bodies. Stands after :yref:`InteractionLoop` and before :yref:`NewtonIntegrator`, whose damping must be 0. Bodies move in the plane: z, X and Y blocked. The time step is bound by accuracy, not by a stiffness.",
 		((Real,tolerance,1e-4,,"Residual at which the iterations stop [-]: natural map of the contact laws, relative to the impulses. Velocities that still close a contact must also be below 1 % of the typical one. 0 runs :yref:`maxIterations<ContactDynamics.maxIterations>`"))
 		((int,maxIterations,1000,,"Most sweeps a step; ≥ 1"))
+		((int,minIterations,0,,"Sweeps before a criterion may stop the solver"))
+		((Real,maxViolation,0.01,,"Kinematic criterion, beside :yref:`tolerance<ContactDynamics.tolerance>`: RMS of the velocities that still close a contact, over the RMS relative velocity [-]. inf: no such test"))
+		((Real,meanForceChange,0,,"The paper's criterion, in the place of the others where it is met first: relative change of the mean normal force between two evaluations, 10 sweeps apart [-]. It is lax: from a warm start 1e-3 is met at a residual of 1e-2. 0: not used"))
 		((std::string,solver,"auto",,"Name of the solver: nlgs, sor, nesterov, exact or auto"))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)"))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that is taken back each step by a position correction without velocity [-]; 0 switches it off. Impulses and velocities never see it."))
+		((bool,quasiStatic,false,,"Every step starts from rest: a force −m v/dt takes away what velocity the step before left. Bodies then creep towards balance by displacements dt v that grow as O.dt², whatever the speed of sound"))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
+		((Real,violation,0,Attr::readonly,"Velocities that still closed a contact after the last step, RMS over the RMS relative velocity [-]"))
 		((bool,converged,true,Attr::readonly,"Whether the last step reached the tolerance"))
 		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance"))
 		((Real,unbalance,0,Attr::readonly,"Largest net force on a free body over the mean contact force, in the last step [-]; it falls to the tolerance of the solver as a packing comes to rest"))
 		((bool,warned,false,Attr::hidden,"A run that misses its tolerance says so once")),
 		/* ctor */,
 		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict: bodies, pairs, points, frictionless.")
+		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: check, gather, solve, scatter, correct [s].")
+		.def("_problem",&ContactDynamics::problemDict,"The contact problem of the last step, for rcr.scene.save_problem: its arrays as bytes.")
 	);
 	// clang-format on
 	DECLARE_LOGGER;
@@ -45,9 +56,14 @@ private:
 		int          first;
 	};
 
+	template <class Work> void timed(const char* what, Work);
+
 	int                     solverThreads() const;
+	rcr::Settings           settings() const;
+	void                    report(const rcr::Report&);
 	const NewtonIntegrator& checkedIntegrator() const;
 	void                    checkBodies() const;
+	void                    stopBodies() const;
 	void                    gatherBodies(const NewtonIntegrator&);
 	void                    findContacts();
 	void                    gatherContacts();
@@ -60,9 +76,11 @@ private:
 	std::vector<Contact> found_, lastFound_; // in the order of YADE's container
 	std::vector<int>     order_;             // found_[order_[k]] is contacts_[k]
 	rcr::ContactProblem  problem_;
+	std::vector<rcr::Impulse> warmStart_; // the impulses that problem_ was solved from
 	rcr::ContactProblem  shift_;                      // of the position correction
 	rcr::Workspace       workspace_, shiftWorkspace_; // colours and packed arrays, kept while the contacts last
 	bool                 frictionless_ = true;
+	std::map<std::string, double> seconds_;
 };
 REGISTER_SERIALIZABLE(ContactDynamics);
 

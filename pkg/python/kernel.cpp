@@ -9,6 +9,7 @@
 #include "block_lu.hpp"
 #include "coulomb.hpp"
 #include "delassus_problem.hpp"
+#include "deposition.hpp"
 #include "minimum_degree.hpp"
 #include "residual.hpp"
 #include "shadow_overlap.hpp"
@@ -247,6 +248,23 @@ std::vector<std::int32_t> orderOf(std::int32_t size, const std::vector<BlockLu::
 	return minimumDegreeOrder(begin, neighbours);
 }
 
+Array depositArrays(const Array& radii, double width)
+{
+	const py::ssize_t n = radii.ndim() ? radii.shape(0) : 0;
+	wantShape(radii, "radii", n, 1);
+	for (py::ssize_t i = 0; i < n; ++i)
+		if (!(radii.at(i) > 0 && 2 * radii.at(i) <= width && std::isfinite(width))) {
+			std::ostringstream message;
+			message << "radii[" << i << "] = " << radii.at(i) << " in a box of width " << width << "; wanted 0 < 2 radius <= width";
+			throw py::value_error(message.str());
+		}
+	const std::vector<Vec2> centers = deposit({ radii.data(), radii.data() + n }, width);
+	Array                   result({ n, py::ssize_t(2) });
+	for (py::ssize_t i = 0; i < n; ++i)
+		result.mutable_at(i, 0) = centers[i].x, result.mutable_at(i, 1) = centers[i].y;
+	return result;
+}
+
 } // namespace
 
 PYBIND11_MODULE(_kernel, m)
@@ -270,6 +288,9 @@ PYBIND11_MODULE(_kernel, m)
 	m.def("overlap_stadiums", overlapStadiums, py::arg("stadium1"), py::arg("pose1"), py::arg("stadium2"), py::arg("pose2"), py::arg("alert_distance"), manifold);
 	m.def("overlap_wall", overlapWall, py::arg("origin"), py::arg("normal"), py::arg("stadium"), py::arg("pose"), py::arg("alert_distance"), manifold);
 	m.def("overlap_box", overlapBox, py::arg("half_extent"), py::arg("box_pose"), py::arg("stadium"), py::arg("pose"), py::arg("alert_distance"), manifold);
+
+	m.def("deposit", depositArrays, py::arg("radii"), py::arg("width"),
+	      "Centres (n, 2) [m] of discs dropped one after the other to the lowest place of the free surface, in 0 <= x <= width, y >= 0.");
 
 	m.def("solve_coulomb", [](double nn, double nt, double tt, double gn, double gt, double friction) {
 		const Impulse p = solveCoulomb({ nn, nt, tt }, gn, gt, friction);

@@ -20,6 +20,7 @@ from yade.minieigenHP import Vector3
 from yade.wrapper import Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop, NewtonIntegrator, Omega
 
 import rcr
+from rcr import _kernel
 from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE
 
 O = Omega()
@@ -27,10 +28,14 @@ O = Omega()
 R_MIN = 5e-3  # [m]; sets the scale only
 DENSITY = 2600.0  # [kg/m³]
 STRESS = 1e4  # σ₀ [Pa]
-TIME_STEP = 0.04  # dt/t₀
+DEPOSITED = 0.82  # packing fraction of the circles that are deposited; it sets the width of the box
+CONTRACTION = 0.5  # first speed of the walls in the compaction [d/t₀]; the grains move along with them, homogeneously
+COLLAPSE_TIME_STEP = 0.1  # dt/t₀ while the grains come together
+REST_TIME_STEP = 0.2  # dt/t₀ while they come to rest
+TIME_STEP = 0.04  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quasi-static
 RAMP = 0.002  # strain over which the top wall takes up its velocity
-BALANCED = 1e-3  # largest net force of a grain over the mean contact force, at the end of the compaction
+BALANCED = 1e-2  # largest net force of a grain over the mean contact force, at the end of the compaction
 ISOTROPIC = 1e-2  # largest relative deviation of the wall stresses from σ₀, likewise
 REST_TOLERANCE = 1e-5  # residual of the solver while the packing comes to rest: its errors must stay below BALANCED
 PATIENCE = 2000  # time units after which a compaction that has not come to rest is given up
@@ -43,21 +48,17 @@ def random_radii(count, rng):
     return R_MIN / (1 - 0.5 * rng.random(count))
 
 
-def loose_packing(count, rng):
-    """Circles that do not touch, on a grid in random order.
+def deposited_packing(count, rng):
+    """Circles dropped layer by layer into a box about as high as wide (`deposition.hpp`), the same ones for every elongation.
 
     Returns
     -------
     centres (count, 2), radii (count,), width, height of the box [m]
     """
     radii = random_radii(count, rng)
-    columns = math.ceil(math.sqrt(count))
-    rows = math.ceil(count / columns)
-    cell = 2.02 * radii.max()
-    place = rng.permutation(columns * rows)[:count]
-    centres = cell * (np.column_stack([place % columns, place // columns]) + 0.5)
-    centres += (cell / 2 - radii)[:, None] * rng.uniform(-1, 1, (count, 2))
-    return centres, radii, cell * columns, cell * rows
+    width = max(math.sqrt(math.pi * np.sum(radii**2) / DEPOSITED), 2 * radii.max())
+    centres = _kernel.deposit(radii, width)
+    return centres, radii, width, (centres[:, 1] + radii).max()
 
 
 class Biaxial:
@@ -86,8 +87,9 @@ class Biaxial:
         self.solver = utils.typedEngine("ContactDynamics")
 
     @classmethod
-    def prepare(cls, eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e-4, solver="auto", threads=0):
-        """A new test in a loose state.
+    def prepare(cls, eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e-4, solver="auto", threads=0,
+                inertial_number=INERTIAL_NUMBER, time_step=TIME_STEP, wall=1.0):
+        """A new test in a loose state: particles of random orientation, each in its circle of a deposited packing.
 
         Parameters
         ----------
@@ -113,7 +115,7 @@ class Biaxial:
             raise ValueError(f"friction = {friction}; wanted a coefficient ≥ 0")
         O.reset()
         rng = np.random.default_rng(seed)
-        centres, radii, width, height = loose_packing(particles, rng)
+        centres, radii, width, height = deposited_packing(particles, rng)
         angles = rng.uniform(0, math.pi, particles)
         grain = O.materials.append(FrictMat(density=DENSITY, frictionAngle=0, label="grain"))
         plate = O.materials.append(FrictMat(density=DENSITY, frictionAngle=0, label="plate"))
@@ -127,7 +129,12 @@ class Biaxial:
                 rcr.mobile_wall("y", height, mass, -1, plate),
             ]
         )
-        O.dt = TIME_STEP * math.sqrt(mass / particles / STRESS)
+        time_unit = math.sqrt(mass / particles / STRESS)
+        speed = CONTRACTION * 2 * radii.mean() / time_unit
+        for body in O.bodies:  # walls and grains contract homogeneously, so that no wall sweeps the grains together
+            if body.dynamic:
+                body.state.vel = Vector3(-speed * body.state.pos[0] / width, -speed * body.state.pos[1] / height, 0)
+        O.dt = COLLAPSE_TIME_STEP * time_unit
         O.engines = [
             ForceResetter(),
             InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R_MIN),
@@ -141,7 +148,9 @@ class Biaxial:
             rcr.ContactDynamics(tolerance=tolerance, maxIterations=3000, solver=solver, threads=threads),
             NewtonIntegrator(damping=0),
         ]
-        parameters = dict(eta=eta, particles=particles, seed=seed, friction=friction)
+        parameters = dict(
+            eta=eta, particles=particles, seed=seed, friction=friction, inertial_number=inertial_number, time_step=time_step, wall=wall
+        )
         progress = dict(phase="collapse", kinetic_energy=0.0, iterations=0, residual_max=0.0, wall_seconds=0.0)
         return cls(parameters, progress, [])
 
@@ -203,6 +212,7 @@ class Biaxial:
                 self.progress["phase"] = "rest"
                 self.progress["tolerance"] = self.solver.tolerance
                 self.solver.tolerance = min(self.solver.tolerance, REST_TOLERANCE)
+                O.dt = REST_TIME_STEP * self.time_unit
             if self.progress["phase"] == "rest":
                 self._damp_kinetic_energy()
                 if self.solver.unbalance < BALANCED and np.abs(stresses - 1).max() < ISOTROPIC:
@@ -227,13 +237,14 @@ class Biaxial:
     def _start_shear(self):
         self.progress.update(phase="shear", first_height=self.height, packing_fraction_initial=self.packing_fraction)
         self.solver.tolerance = self.progress["tolerance"]
+        O.dt = self.parameters["time_step"] * self.time_unit
         friction = self.parameters["friction"]
         O.materials["grain"].frictionAngle = math.atan(friction)  # of contacts to come; those with a wall stay smooth
         for i in O.interactions:
             if i.isReal and max(i.id1, i.id2) < self.left:
                 i.phys.tangensOfFrictionAngle = friction
         # A light wall follows the grains; a heavy one would answer each of their jumps with its inertia.
-        O.bodies[self.right].state.mass = sum(O.bodies[i].state.mass for i in self.grains) / math.sqrt(len(self.grains))
+        O.bodies[self.right].state.mass = sum(O.bodies[i].state.mass for i in self.grains) / math.sqrt(len(self.grains)) * self.parameters["wall"]
         for engine in O.engines:
             if isinstance(engine, rcr.WallStress) and engine.wall == self.top:
                 engine.dead = True
@@ -241,12 +252,12 @@ class Biaxial:
 
     @property
     def steps_a_record(self):
-        rate = INERTIAL_NUMBER / self.time_unit
+        rate = self.parameters["inertial_number"] / self.time_unit
         return max(1, round(RECORD / (rate * O.dt)))
 
     def shear_record(self):
         """Shear by one record: 0.1 % of strain, and a row of the history."""
-        speed = INERTIAL_NUMBER / self.time_unit * self.progress["first_height"]
+        speed = self.parameters["inertial_number"] / self.time_unit * self.progress["first_height"]
         ramp = min(1, max(self.strain, RECORD / 10) / RAMP)
         O.bodies[self.top].state.vel = Vector3(0, -ramp * speed, 0)
         self._steps(self.steps_a_record)
@@ -318,7 +329,7 @@ class Biaxial:
             weak_fraction=float(np.mean(force < force.mean())),
             mean_overlap=float(overlaps.mean()),
             max_overlap=float(overlaps.max(initial=0)),
-            inertial_number=INERTIAL_NUMBER,
+            inertial_number=self.parameters["inertial_number"],
             steps=O.iter,
             dt=O.dt,
             iterations_mean=self.progress["iterations"] / O.iter,

@@ -273,15 +273,17 @@ def _load_npz(path):
         if missing:
             raise ValueError(f"lacks {', '.join(missing)}; wanted the arrays {', '.join(names)}")
         d = {name: file[name] for name in names}
-    nc, nb = np.size(d["a"]), np.size(d["im"])
-    shapes = dict(a=(nc,), b=(nc,), n=(nc, 2), ra=(nc, 2), rb=(nc, 2), bn=(nc,), mu=(nc,), p0=(nc, 2), im=(nb,), iI=(nb,), vfree=(nb, 3), meta=(3,))
+    nc, nb = np.size(d["a"]), np.size(d["iI"])
+    shapes = dict(a=(nc,), b=(nc,), n=(nc, 2), ra=(nc, 2), rb=(nc, 2), bn=(nc,), mu=(nc,), p0=(nc, 2), im=np.shape(d["im"]), iI=(nb,), vfree=(nb, 3), meta=(3,))
     d = {name: _numbers(name, d[name], shape) for name, shape in shapes.items()}
     _wanted(d["mu"] >= 0, "mu", d["mu"], "µ ≥ 0")
     particles = d["meta"][2]
     if not (particles == int(particles) and 0 <= particles <= nb):
         raise ValueError(f"meta[2] = {particles:g}; wanted the number of particles, at most {nb}")
-    inverse_mass = np.column_stack([d["im"], d["im"], d["iI"]])
-    inverse_mass[int(particles) :, 1] = 0  # walls move along x only
+    if d["im"].shape == (nb,):
+        d["im"] = np.column_stack([d["im"], d["im"]])
+        d["im"][int(particles) :, 1] = 0  # walls move along x only
+    inverse_mass = np.column_stack([_numbers("im", d["im"], (nb, 2)), d["iI"]])
     bodies = np.column_stack([_ids("a", d["a"], nb), _ids("b", d["b"], nb)])
     return BodyProblem(inverse_mass, d["vfree"], bodies, d["n"], d["ra"], d["rb"], d["bn"], d["mu"], d["p0"])
 
@@ -321,6 +323,32 @@ def _fclib_entries(group, size):
     index, value = index[: pointers[-1]], value[: pointers[-1]]
     outer = np.repeat(np.arange(size), np.diff(pointers))
     return (index, outer, value) if kind == -1 else (outer, index, value)
+
+
+def save(path, problem):
+    """Write a problem: with its bodies as ``.npz`` (``im`` is then (nb, 2), along x and y), or as FCLIB ``.h5``.
+
+    Parameters
+    ----------
+    path : str
+        Replaced if it exists.
+    problem : BodyProblem
+        A DelassusProblem has no bodies, so it goes to FCLIB only.
+
+    Raises
+    ------
+    ValueError
+        For another suffix, or a problem without bodies as ``.npz``.
+    """
+    if _suffix(path, (".npz", ".h5", ".hdf5")) != ".npz":
+        return save_fclib(path, problem)
+    if not isinstance(problem, BodyProblem):
+        raise ValueError(f"{path}: the problem has no bodies; write it as .h5")
+    p = problem
+    a, b = p.bodies.T
+    meta = [1.0, 1.0, len(p.inverse_mass)]  # dt and length: whatever units the problem is in
+    arrays = dict(a=a, b=b, n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias, mu=p.friction, p0=p.impulse)
+    np.savez_compressed(path, im=p.inverse_mass[:, :2], iI=p.inverse_mass[:, 2], vfree=p.free_velocity, meta=meta, **arrays)
 
 
 def save_fclib(path, problem, title="contact problem of yade-rcr"):

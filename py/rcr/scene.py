@@ -11,7 +11,7 @@ from yade import utils
 from yade.wrapper import Body, FrictMat, Omega, Rcr, Wall
 from yade.minieigenHP import Quaternion, Vector3
 
-from rcr import _kernel
+from rcr import _kernel, problems
 from rcr.network import LEFT, BOTTOM, RIGHT, TOP, Network
 
 O = Omega()
@@ -121,6 +121,40 @@ def mobile_wall(axis, position, mass, sense=0, material=-1):
     body.state.mass = _number("mass", mass, "a finite mass > 0 [kg]", lambda v: v > 0)
     body.state.blockedDOFs = "yzXYZ" if axis == "x" else "xzXYZ"
     return body
+
+
+def save_problem(engine, path):
+    """Write the contact problem of the last step, from the warm start that it had; the method ``ContactDynamics.save``.
+
+    Parameters
+    ----------
+    path : str
+        ``.h5`` for FCLIB (W, q, µ; for other solvers) or ``.npz`` (with the bodies; see `rcr.problems`).
+
+    Raises
+    ------
+    ValueError
+        For another suffix, or if no step has been made since the scene was made or loaded.
+    """
+    raw = engine._problem()
+    column = lambda name, width, kind=np.float64: np.frombuffer(raw[name], kind).reshape(-1, width)
+    inverse_mass, points = column("inverse_mass", 3), column("points", 8)
+    if not len(inverse_mass):
+        raise ValueError("ContactDynamics has solved no step yet: make one, O.step(), before save()")
+    problems.save(
+        path,
+        problems.BodyProblem(
+            inverse_mass=inverse_mass,
+            free_velocity=column("free_velocity", 3),
+            bodies=column("bodies", 2, np.int32),
+            normal=points[:, 0:2],
+            arm1=points[:, 2:4],
+            arm2=points[:, 4:6],
+            bias=points[:, 6],
+            friction=points[:, 7],
+            impulse=column("impulse", 2),
+        ),
+    )
 
 
 def contact_network(walls, **attributes):
