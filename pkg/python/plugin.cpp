@@ -8,6 +8,8 @@
 #include <core/Omega.hpp>
 #include <lib/factory/ClassFactory.hpp>
 
+#include "../dem/NetworkTable.hpp"
+
 namespace {
 
 void registerOwnClasses()
@@ -37,6 +39,18 @@ void checkVersion()
 	boost::python::throw_error_already_set();
 }
 
+template <class Row> boost::python::object bytes(const std::vector<Row>& rows)
+{
+	const char* data = reinterpret_cast<const char*>(rows.data());
+	return boost::python::object(boost::python::handle<>(PyBytes_FromStringAndSize(data, Py_ssize_t(rows.size() * sizeof(Row)))));
+}
+
+boost::python::tuple networkTable()
+{
+	const yade::NetworkTable table = yade::networkTable(*yade::Omega::instance().getScene());
+	return boost::python::make_tuple(bytes(table.pairs), bytes(table.particles));
+}
+
 } // namespace
 
 BOOST_PYTHON_MODULE(_plugin)
@@ -44,4 +58,5 @@ BOOST_PYTHON_MODULE(_plugin)
 	checkVersion();
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
 	registerOwnClasses();
+	boost::python::def("network_table", networkTable, "Rows of NetworkTable.hpp as bytes: pairs (4 int64, 8 doubles), particles (int64, 9 doubles).");
 }

@@ -11,10 +11,16 @@ from yade import utils
 from yade.wrapper import Body, FrictMat, Omega, Rcr, Wall
 from yade.minieigenHP import Quaternion, Vector3
 
-from rcr import _kernel, problems
+from rcr import _kernel, _plugin, problems
 from rcr.network import LEFT, BOTTOM, RIGHT, TOP, Network
 
 O = Omega()
+
+# Rows of pkg/dem/NetworkTable.hpp
+_PAIR = np.dtype([(name, np.int64) for name in ("body1", "body2", "type", "points")] + [(name, float, 2) for name in ("normal", "branch", "force", "position")])
+_PARTICLE = np.dtype(
+    [("id", np.int64), ("position", float, 2)] + [(name, float) for name in ("angle", "half_length", "cap_radius", "mass")] + [("velocity", float, 3)]
+)
 
 
 def _number(name, value, wanted, fits):
@@ -74,11 +80,6 @@ def particle(center, R, eta, angle=0, material=-1, fixed=False):
     body.state.ori = body.state.refOri = Quaternion(Vector3(0, 0, 1), angle)
     body.state.blockedDOFs = "xyzXYZ" if fixed else "zXY"
     return body
-
-
-def _plane(vector):
-    """The x and y of a vector of YADE."""
-    return np.array([vector[0], vector[1]])
 
 
 def _axis(axis):
@@ -174,51 +175,13 @@ def contact_network(walls, **attributes):
     -------
     Network
     """
-    left, bottom, right, top = (O.bodies[i] for i in walls)
-    code = dict(zip(walls, (LEFT, BOTTOM, RIGHT, TOP)))
-    # The integrator moved every body by dt v: the forces belong to where they were.
-    place = {b.id: _plane(b.state.pos) - O.dt * _plane(b.state.vel) for b in O.bodies if b}
-    bodies = [b for b in O.bodies if b and isinstance(b.shape, Rcr)]
-    contacts = []
-    for i in O.interactions:
-        if not i.isReal or not hasattr(i.phys, "force1"):
-            continue
-        force = _plane(i.phys.normalForce) + _plane(i.phys.shearForce)
-        weights = np.array([i.phys.force1[0], i.phys.force2[0]][: i.geom.points])
-        if not weights.sum() > 0:
-            continue
-        points = np.array([_plane(i.geom.position1), _plane(i.geom.position2)])[: i.geom.points]
-        normal = _plane(i.phys.normalForce) / i.phys.normalForce.norm()
-        position = weights @ points / weights.sum()
-        if i.id1 in code:  # a wall is body 1 of its interaction; in the network it is body 2
-            one, two, force, normal = i.id2, code[i.id1], -force, -normal
-            branch = position - place[one]
-        else:
-            one, two = i.id1, i.id2
-            branch = place[two] - place[one]
-        contacts.append((one, two, i.geom.type, normal, branch, force, position, i.geom.points))
-    columns = list(zip(*contacts)) if contacts else [[] for _ in range(8)]
-    height, width = place[top.id][1] - place[bottom.id][1], place[right.id][0] - place[left.id][0]
+    pairs, particles = (np.frombuffer(rows, kind) for rows, kind in zip(_plugin.network_table(), (_PAIR, _PARTICLE)))
+    body2 = pairs["body2"].copy()
+    for wall, code in zip(walls, (LEFT, BOTTOM, RIGHT, TOP)):
+        body2[pairs["body2"] == wall] = code
+    left, bottom, right, top = (O.bodies[i].state.pos - O.dt * O.bodies[i].state.vel for i in walls)
     return Network(
-        particles=dict(
-            id=np.array([b.id for b in bodies], dtype=np.int64),
-            position=np.array([place[b.id] for b in bodies]).reshape(-1, 2),
-            angle=np.array([2 * math.atan2(b.state.ori[2], b.state.ori[3]) for b in bodies]),
-            R=np.array([b.shape.halfLength + b.shape.capRadius for b in bodies]),
-            cap_radius=np.array([b.shape.capRadius for b in bodies]),
-            half_length=np.array([b.shape.halfLength for b in bodies]),
-            mass=np.array([b.state.mass for b in bodies]),
-            velocity=np.array([(b.state.vel[0], b.state.vel[1], b.state.angVel[2]) for b in bodies]).reshape(-1, 3),
-        ),
-        contacts=dict(
-            body1=np.array(columns[0], dtype=np.int64),
-            body2=np.array(columns[1], dtype=np.int64),
-            type=np.array(columns[2], dtype=np.int64),
-            normal=np.array(columns[3], dtype=float).reshape(-1, 2),
-            branch=np.array(columns[4], dtype=float).reshape(-1, 2),
-            force=np.array(columns[5], dtype=float).reshape(-1, 2),
-            position=np.array(columns[6], dtype=float).reshape(-1, 2),
-            points=np.array(columns[7], dtype=np.int64),
-        ),
-        attributes=dict(time=O.time, dt=O.dt, volume=height * width, **attributes),
+        particles={**{name: particles[name] for name in _PARTICLE.names}, "R": particles["half_length"] + particles["cap_radius"]},
+        contacts={**{name: pairs[name] for name in _PAIR.names}, "body2": body2},
+        attributes=dict(time=O.time, dt=O.dt, volume=(right[0] - left[0]) * (top[1] - bottom[1]), **attributes),
     )
