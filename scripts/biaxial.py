@@ -11,7 +11,7 @@ import sys
 
 from tqdm import tqdm
 
-from rcr.biaxial import RECORD, Biaxial
+from rcr.biaxial import INERTIAL_NUMBER, RECORD, TIME_STEP, Biaxial
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 
@@ -23,6 +23,8 @@ def arguments():
     parser.add_argument("--strain", type=float, default=0.5, help="strain of the shear, (h0 - h)/h0 (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of sizes, places and orientations (default %(default)s)")
     parser.add_argument("--friction", type=float, default=0.5, help="between grains during shear (default %(default)s)")
+    parser.add_argument("--inertial-number", type=float, default=INERTIAL_NUMBER, help="rate of the shear times √(m/σ0) (default %(default)s)")
+    parser.add_argument("--time-step", type=float, default=TIME_STEP, help="of the shear, over √(m/σ0) (default %(default)s)")
     parser.add_argument("--threads", type=int, default=0, help="of the contact solver (default: as YADE's -j)")
     parser.add_argument("--tolerance", type=float, default=1e-4, help="residual of the contact solver (default %(default)s)")
     parser.add_argument("--solver", default="auto", help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
@@ -71,7 +73,15 @@ def main():
         test = Biaxial.load(options.out)
     else:
         test = Biaxial.prepare(
-            options.eta, options.particles, options.seed, options.friction, options.tolerance, options.solver, options.threads
+            options.eta,
+            options.particles,
+            options.seed,
+            options.friction,
+            options.tolerance,
+            options.solver,
+            options.threads,
+            options.inertial_number,
+            options.time_step,
         )
     if test.progress["phase"] != "shear":
         compact(test, options)

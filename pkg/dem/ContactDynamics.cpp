@@ -112,7 +112,6 @@ void ContactDynamics::action()
 	scene->forces.sync();
 	timed("check", [&] { checkBodies(); });
 	timed("gather", [&] {
-		if (quasiStatic) stopBodies();
 		gatherBodies(newton);
 		gatherContacts();
 		warmStart_ = problem_.impulse;
@@ -197,17 +196,6 @@ void ContactDynamics::checkBodies() const
 	}
 }
 
-void ContactDynamics::stopBodies() const
-{
-	for (const auto& b : *scene->bodies) {
-		if (!b || b->state->blockedDOFs == State::DOF_ALL) continue;
-		const State& s = *b->state;
-		scene->forces.addForce(b->getId(), -s.mass / scene->dt * s.vel);
-		scene->forces.addTorque(b->getId(), Vector3r(0, 0, -s.inertia[2] / scene->dt * s.angVel[2]));
-	}
-	scene->forces.sync();
-}
-
 void ContactDynamics::gatherBodies(const NewtonIntegrator& newton)
 {
 	const std::size_t n = scene->bodies->size();
@@ -281,17 +269,15 @@ void ContactDynamics::gatherContacts()
 	for (std::size_t i = 0; i < contacts_.size(); ++i) {
 		const Contact&      contact  = contacts_[i];
 		const CdPhys&       phys     = static_cast<const CdPhys&>(*contact.interaction->phys);
-		const RcrGeom&      geom     = static_cast<const RcrGeom&>(*contact.interaction->geom);
-		const rcr::Manifold manifold = geom.manifold();
+		const rcr::Manifold manifold = static_cast<const RcrGeom&>(*contact.interaction->geom).manifold();
 		const rcr::Vec2     center1  = plane::toPlane((*scene->bodies)[contact.id1]->state->pos);
 		const rcr::Vec2     center2  = plane::toPlane((*scene->bodies)[contact.id2]->state->pos);
 		for (int k = 0; k < manifold.count; ++k) {
 			const rcr::ManifoldPoint& at    = manifold.points[k];
 			const Vector2r&           force = k == 0 ? phys.force1 : phys.force2;
-			// From rest to rest there is no velocity that an overlap's displacement could become.
-			const double bias = double(quasiStatic ? geom.gap[k] / scene->dt : phys.bias[k]);
 			problem_.points[contact.first + k]
-			        = { contact.id1, contact.id2, at.normal, at.position - center1, at.position - center2, bias, double(phys.tangensOfFrictionAngle) };
+			        = { contact.id1,         contact.id2,           at.normal, at.position - center1, at.position - center2,
+				    double(phys.bias[k]), double(phys.tangensOfFrictionAngle) };
 			problem_.impulse[contact.first + k] = { dt * double(force[0]), dt * double(force[1]) };
 		}
 	}
@@ -328,21 +314,25 @@ void ContactDynamics::scatterForces()
 
 void ContactDynamics::measureUnbalance()
 {
-	double sum = 0, largest = 0;
-	int    closed = 0;
+	double contact = 0, net = 0, largest = 0; // impulses
+	int    closed = 0, free = 0;
 	for (const rcr::Impulse& p : problem_.impulse) {
-		sum += p.n;
+		contact += p.n;
 		closed += p.n > 0;
 	}
 	for (const auto& b : *scene->bodies) {
 		if (!b || b->state->blockedDOFs == State::DOF_ALL) continue;
 		const rcr::InverseMass& inverse = problem_.inverseMass[b->getId()];
 		const rcr::Twist&       v       = problem_.velocity[b->getId()];
-		const rcr::Twist        before  = quasiStatic ? rcr::Twist {} : plane::twist(*b->state);
+		const rcr::Twist        before  = plane::twist(*b->state);
 		const double x = inverse.x > 0 ? (v.x - before.x) / inverse.x : 0, y = inverse.y > 0 ? (v.y - before.y) / inverse.y : 0;
-		largest        = std::max(largest, std::hypot(x, y)); // net impulse
+		largest        = std::max(largest, std::hypot(x, y));
+		net += std::hypot(x, y);
+		++free;
 	}
-	unbalance = closed > 0 ? largest * closed / sum : std::numeric_limits<double>::infinity();
+	constexpr double none = std::numeric_limits<double>::infinity();
+	unbalance        = closed > 0 && free > 0 ? (net / free) / (contact / closed) : none;
+	largestUnbalance = closed > 0 ? largest / (contact / closed) : none;
 }
 
 // Overlaps left by the tolerance of the solver, and by curvature within a step, are taken back by a displacement that is
@@ -356,7 +346,7 @@ void ContactDynamics::measureUnbalance()
 void ContactDynamics::correctPositions()
 {
 	constexpr double slop = 1e-4; // of R₁ + R₂
-	if (correction == 0 || quasiStatic) return;
+	if (correction == 0) return;
 	const double dt      = double(scene->dt);
 	bool         overlap = false;
 	shift_.points        = problem_.points;

@@ -32,13 +32,13 @@ public:
 		((std::string,solver,"auto",,"Name of the solver: nlgs, sor, nesterov, exact or auto"))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)"))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that is taken back each step by a position correction without velocity [-]; 0 switches it off. Impulses and velocities never see it."))
-		((bool,quasiStatic,false,,"Every step starts from rest: a force −m v/dt takes away what velocity the step before left. Bodies then creep towards balance by displacements dt v that grow as O.dt², whatever the speed of sound"))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
 		((Real,violation,0,Attr::readonly,"Velocities that still closed a contact after the last step, RMS over the RMS relative velocity [-]"))
 		((bool,converged,true,Attr::readonly,"Whether the last step reached the tolerance"))
 		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance"))
-		((Real,unbalance,0,Attr::readonly,"Largest net force on a free body over the mean contact force, in the last step [-]; it falls to the tolerance of the solver as a packing comes to rest"))
+		((Real,unbalance,0,Attr::readonly,"Mean net force on a free body over the mean contact force, in the last step [-], as utils.unbalancedForce; it falls to the tolerance of the solver as a packing comes to rest"))
+		((Real,largestUnbalance,0,Attr::readonly,"The same of the body with the largest net force [-]"))
 		((bool,warned,false,Attr::hidden,"A run that misses its tolerance says so once")),
 		/* ctor */,
 		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict: bodies, pairs, points, frictionless.")
@@ -63,7 +63,6 @@ private:
 	void                    report(const rcr::Report&);
 	const NewtonIntegrator& checkedIntegrator() const;
 	void                    checkBodies() const;
-	void                    stopBodies() const;
 	void                    gatherBodies(const NewtonIntegrator&);
 	void                    findContacts();
 	void                    gatherContacts();
