@@ -18,9 +18,12 @@ import tempfile
 import h5py
 import numpy as np
 
+from rcr.xi_networks import XiNetworks
+
 LEFT, BOTTOM, RIGHT, TOP = -1, -2, -3, -4
 CAP_CAP, CAP_SIDE, SIDE_SIDE, WALL = range(4)
 
+COMPLEX = np.array([1, 1j])  # components (n, t) as n + i t
 _PARTICLES = dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(), velocity=(3,))
 _CONTACTS = dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,), points=())
 
@@ -115,6 +118,11 @@ class Network:
         stress = self.stress()
         return np.linalg.eigh(0.5 * (stress + stress.T))[1][:, ::-1]
 
+    def stress_angle(self):
+        """θσ, the angle of the axis of σ₁ from x, in [0, π) [rad]."""
+        x, y = self.stress_axes()[:, 0]
+        return np.arctan2(y, x) % np.pi
+
     def sin_phi(self):
         """q/p = (σ₁ − σ₂)/(σ₁ + σ₂) of the whole stress [-; paper, eq. qp]."""
         stress = self.stress()
@@ -132,52 +140,36 @@ class Network:
         frame = np.stack([n, t], axis=1)
         return n, t, np.einsum("cka,ca->ck", frame, branch), np.einsum("cka,ca->ck", frame, force)
 
-    def _within(self, force, xi):
-        """Mask of S(ξ), the contacts with f_n ≤ ξ ⟨f_n⟩."""
-        return force[:, 0] <= xi * force[:, 0].mean()
+    def xi_networks(self):
+        """Partial sums over the contacts between particles, for any ξ; see `rcr.xi_networks.XiNetworks`."""
+        n, _, branch, force = self._local()
+        theta = np.arctan2(n[:, 1], n[:, 0]) - self.stress_angle()
+        return XiNetworks(theta, branch @ COMPLEX, force @ COMPLEX, force[:, 0] / force[:, 0].mean())
 
     def fabric(self, xi=np.inf):
         """Fabric tensor F(ξ) = (1/N) Σ_{S(ξ)} n⊗n, N of the whole network [paper, eq. F_xi]; (2, 2), tr F(∞) = 1 [-]."""
         n, _, _, force = self._local()
-        pick = self._within(force, xi)
+        pick = force[:, 0] <= xi * force[:, 0].mean()
         return np.einsum("ca,cb->ab", n[pick], n[pick]) / len(n)
 
     def anisotropies(self, xi=np.inf):
         """Anisotropies of contacts, branch vectors and forces of the ξ-network [-; paper, eqs. harmonique, Aniso_values_xi].
 
+        Parameters
+        ----------
+        xi : float or array
+            Cutoffs f_n/⟨f_n⟩ [-]; an array costs no more than a number.
+
         Returns
         -------
-        (a_c, a_ln, a_lt, a_fn, a_ft) : floats
-            Positive along σ₁.
+        (a_c, a_ln, a_lt, a_fn, a_ft) : floats, or arrays of the shape of ξ
+            Positive along σ₁. With t = n turned by +90° an average ⟨f_t⟩ = a sin 2(θ − θσ) is a_ft = −a, and so for a_lt.
         """
-        n, t, branch, force = self._local()
-        pick = self._within(force, xi)
-        axes = self.stress_axes()
-
-        def relative(normal, tangential):
-            """2 (X₁₁ − X₂₂)/tr X(∞) of X = (1/N) Σ (normal n⊗n + tangential n⊗t)."""
-            tensor = np.einsum("c,ca,cb->cab", normal, n, n) + np.einsum("c,ca,cb->cab", tangential, n, t)
-            along = np.diag(axes.T @ tensor[pick].sum(axis=0) @ axes)
-            return 2 * (along[0] - along[1]) / np.trace(tensor.sum(axis=0))
-
-        none = np.zeros(len(n))
-        a_c = relative(none + 1, none)
-        a_ln = relative(branch[:, 0], none) - a_c
-        a_lt = relative(branch[:, 0], branch[:, 1]) - a_c - a_ln
-        a_fn = relative(force[:, 0], none) - a_c
-        a_ft = relative(force[:, 0], force[:, 1]) - a_c - a_fn
-        return a_c, a_ln, a_lt, a_fn, a_ft
+        return self.xi_networks().anisotropies(xi)
 
     def shear_stress_ratio(self, xi=np.inf):
         """q(ξ)/p: deviator of the partial stress along the axes of σ over the whole p, contacts between particles [-]."""
-        n, t, branch, force = self._local()
-        pick = self._within(force, xi)
-        ell = branch[:, :1] * n + branch[:, 1:] * t
-        f = force[:, :1] * n + force[:, 1:] * t
-        tensor = np.einsum("ca,cb->cab", f, ell)
-        axes = self.stress_axes()
-        along = np.diag(axes.T @ tensor[pick].sum(axis=0) @ axes)
-        return (along[0] - along[1]) / np.trace(tensor.sum(axis=0))
+        return self.xi_networks().shear_stress_ratio(xi)
 
     def force_pdf(self, bins=50):
         """Probability density of f_n/⟨f_n⟩ between particles, in logarithmic classes.
