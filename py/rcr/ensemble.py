@@ -1,0 +1,90 @@
+"""Contacts of several snapshots of one elongation, cumulated as the paper does. Needs NumPy."""
+
+import numpy as np
+
+from rcr.network import COMPLEX
+from rcr.xi_networks import XiNetworks
+
+_COLUMNS = ("fn", "ft", "ln", "lt", "reduced_length", "mobilization", "angle", "theta", "type")
+
+
+class Ensemble:
+    """Contacts between particles of snapshots of the same elongation and friction.
+
+    Attributes
+    ----------
+    eta, friction : floats [-]
+    fn, ft : (C,) float arrays
+        Components of the force over ⟨f_n⟩ of its snapshot [-], t = n turned by +90°.
+    ln, lt : (C,) float arrays
+        Components of the branch vector over R_max of its snapshot [-].
+    reduced_length : (C,) float array
+        ℓ_r = ℓ/(R₁ + R₂) [-].
+    mobilization : (C,) float array
+        I_m = |f_t|/(µ f_n) [-].
+    angle : (C,) float array
+        Direction of the normal from x, in [0, π) [rad].
+    theta : (C,) float array
+        The same from the axis of σ₁ of its snapshot, θ − θσ [rad].
+    type : (C,) int array
+        0 cap-cap, 1 cap-side, 2 side-side.
+    stress_angle : float
+        Mean θσ, in [0, π) [rad].
+
+    Raises
+    ------
+    ValueError
+        If there is no snapshot, or they differ in elongation or friction, or have no friction.
+    """
+
+    def __init__(self, networks):
+        if not networks:
+            raise ValueError("no snapshots: an ensemble needs at least one network")
+        for name in ("eta", "friction"):
+            found = sorted({float(n.attributes.get(name, np.nan)) for n in networks})
+            if len(found) > 1 or not np.isfinite(found[0]):
+                raise ValueError(f"the snapshots have {name} = {', '.join(f'{v:g}' for v in found)}; wanted one and the same value")
+            setattr(self, name, found[0])
+        self._networks = list(networks)
+        parts = [_contacts(network) for network in networks]
+        for name in _COLUMNS:
+            setattr(self, name, np.concatenate([part[name] for part in parts]))
+        double_angles = [2 * network.stress_angle() for network in networks]
+        self.stress_angle = 0.5 * np.angle(np.mean(np.exp(1j * np.array(double_angles)))) % np.pi
+
+    def __len__(self):
+        return len(self.fn)
+
+    def snapshots(self):
+        """Each snapshot as an ensemble of its own."""
+        return [self] if len(self._networks) == 1 else [Ensemble([network]) for network in self._networks]
+
+    def sin_phi(self):
+        """Mean q/p of the snapshots [-]."""
+        return np.mean([network.sin_phi() for network in self._networks])
+
+    def xi_networks(self):
+        """Partial sums of the cumulated contacts; see `XiNetworks`."""
+        return XiNetworks(self.theta, self.ln + 1j * self.lt, self.fn + 1j * self.ft, self.fn)
+
+
+def _contacts(network):
+    """Columns of `Ensemble` of one snapshot."""
+    n, _, branch, force = network._local()
+    pick = network.between_particles
+    radius = np.zeros(network.particles["id"].max() + 1)
+    radius[network.particles["id"]] = network.particles["R"]
+    one, two = (network.contacts[body][pick] for body in ("body1", "body2"))
+    mean = force[:, 0].mean()
+    angle = np.angle(n @ COMPLEX)
+    return dict(
+        fn=force[:, 0] / mean,
+        ft=force[:, 1] / mean,
+        ln=branch[:, 0] / radius.max(),
+        lt=branch[:, 1] / radius.max(),
+        reduced_length=np.hypot(*branch.T) / (radius[one] + radius[two]),
+        mobilization=network.friction_mobilization(),
+        angle=angle % np.pi,
+        theta=angle - network.stress_angle(),
+        type=network.contacts["type"][pick],
+    )
