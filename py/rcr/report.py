@@ -1,0 +1,140 @@
+"""Tables, pictures and report of an analysis: everything that `scripts/network.py` writes. Needs NumPy, h5py and Matplotlib."""
+
+import base64
+import html
+import io
+import json
+import os
+import pathlib
+import tempfile
+
+from PIL import Image  # Matplotlib brings it
+
+from rcr import __version__, figures, maps
+from rcr.analysis import analyse, jsonable
+from rcr.claims import AGREES, DIFFERS, NOT_TESTED, findings
+from rcr.paper import MAPS, nearest
+
+_HEAD = """<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>Force networks of elongated particles</title><style>
+body { font: 15px/1.45 sans-serif; max-width: 62em; margin: 2em auto; padding: 0 1em; color: #222 }
+table { border-collapse: collapse; width: 100%; font-size: 13px }
+th, td { border-top: 1px solid #ccc; padding: 4px 8px; text-align: left; vertical-align: top }
+td.yes { background: #dff0d8 } td.no { background: #f6d5d2 } td.open { background: #eee }
+small { color: #666 } figure { margin: 2em 0 } img { max-width: 100%; height: auto } img.curve { max-height: 34em }
+</style></head><body>
+"""
+_CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
+
+
+def write(runs, out, progress=lambda name: None):
+    """Analyse runs and write analysis.json, report.html and every figure as PNG and PDF into a folder, each file whole.
+
+    Parameters
+    ----------
+    runs : list of Run
+    out : path
+        Folder, made if missing.
+    progress : callable
+        Called with the name of what comes next.
+
+    Returns
+    -------
+    list of Finding
+        The table paper against measured.
+
+    Raises
+    ------
+    ValueError
+        If the runs cannot be analysed together; nothing is written then.
+    """
+    progress("analysis")
+    analysis = analyse(runs)
+    out = pathlib.Path(out)
+    out.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=".part-", dir=out) as scratch:
+        folder = pathlib.Path(scratch)
+        pictures = {key: [] for key in analysis}
+        for key in figures.FIGURES:
+            progress(key)
+            pictures[key] += figures.save(figures.draw(key, analysis), folder / key)[:1]
+        for key, network in _map_networks(runs):
+            progress(f"{key} map")
+            picture = figures.save(maps.draw(key, network), folder / f"{key}-eta-{network.attributes['eta']:g}")[0]
+            analysis[key]["value"].setdefault("files", []).append(picture.name)
+            pictures[key].append(picture)
+        table = findings(analysis)
+        (folder / "analysis.json").write_text(json.dumps(jsonable(analysis), allow_nan=False))
+        (folder / "report.html").write_text(_page(runs, analysis, table, pictures), encoding="utf-8")
+        for path in folder.iterdir():
+            os.replace(path, out / path.name)
+    return table
+
+
+def _map_networks(runs):
+    """(observable, its network): the isotropic state for O2, the last snapshot for the others, of the first seed."""
+    etas = [run.eta for run in runs]
+    for key, wanted in MAPS.items():
+        for eta in nearest(etas, wanted):
+            run = runs[etas.index(eta)]
+            network = run.isotropic if key == "O2" else run.networks[-1]
+            if network is not None:
+                network.attributes["eta"] = eta
+                yield key, network
+
+
+def _page(runs, analysis, table, pictures):
+    parts = [_HEAD, "<h1>Force networks of elongated particles</h1>", f"<p>{_material(runs, analysis)}</p>"]
+    parts += ["<h2>Paper against measured</h2>", f"<p>{summary(table)}. {_RULE}</p>", _table(table), "<h2>Figures</h2>"]
+    for key, entry in analysis.items():
+        images = "".join(_image(path) for path in pictures[key])
+        parts.append(f"<figure id='{key}'>{images}<figcaption><b>{key}</b> Paper: {html.escape(entry['paper'])}.</figcaption></figure>")
+    return "\n".join([*parts, f"<p><small>yade-rcr {__version__}</small></p></body></html>\n"])
+
+
+_RULE = (
+    "A value agrees within its tolerance or two standard errors, a trend has to exceed two standard errors; errors are those of the"
+    " mean over snapshots. The small print under each statement is its criterion."
+)
+
+
+def summary(table):
+    """How many statements agree, in words."""
+    count = {verdict: sum(row.verdict == verdict for row in table) for verdict in _CLASS}
+    return f"{count[AGREES]} of {len(table)} statements agree, {count[DIFFERS]} do not, {count[NOT_TESTED]} are not tested"
+
+
+def _material(runs, analysis):
+    value = analysis["O1"]["value"]
+    strains = [float(network.attributes["strain"]) for run in runs for network in run.networks]
+    rows = zip(value["eta"], value["particles"], value["seeds"], value["snapshots"], value["contacts"])
+    listed = "; ".join(f"η = {eta:g}: {n:.0f} particles, {seeds} seed(s), {s} snapshots, {c} contacts" for eta, n, seeds, s, c in rows)
+    return f"Critical state: snapshots at strains from {min(strains):.3f} to {max(strains):.3f}. {listed}."
+
+
+def _table(table):
+    head = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
+    return f"<table>{head}{''.join(_row(row) for row in table)}</table>"
+
+
+def _row(row):
+    text = {name: html.escape(getattr(row, name)) for name in ("statement", "criterion", "value", "error", "verdict")}
+    return (
+        f"<tr><td><a href='#{row.observable}'>{row.observable}</a></td><td>{text['statement']}<br><small>{text['criterion']}</small></td>"
+        f"<td>{text['value']}</td><td>{text['error']}</td><td class='{_CLASS[row.verdict]}'>{text['verdict']}</td></tr>"
+    )
+
+
+def _image(path):
+    """A picture inside the page; maps, large as PNG, as WebP."""
+    kind, data, media = "curve", path.read_bytes(), "png"
+    if "-" in path.stem:
+        kind, data, media = "map", _webp(path), "webp"
+    return f"<img class='{kind}' alt='{path.stem}' src='data:image/{media};base64,{base64.b64encode(data).decode()}'>"
+
+
+def _webp(path):
+    stream = io.BytesIO()
+    with Image.open(path) as image:
+        image.convert("RGB").save(stream, "webp", quality=80)
+    return stream.getvalue()
