@@ -1,0 +1,55 @@
+# Workflow of scripts/campaign: one biaxial test a job, over elongations and seeds, then the analysis of all.
+#
+# Config: particles, strain, etas and seeds (with commas), threads of a test. Everything is made in the working directory:
+# runs/NAME/ as scripts/biaxial.py writes it, with its log, and report/. A run's name holds all of its parameters, so that a
+# checkpoint found there is its own.
+
+import pathlib
+import sys
+
+SCRIPTS = pathlib.Path(workflow.basedir).parent
+ETAS = str(config["etas"]).split(",")
+SEEDS = str(config["seeds"]).split(",")
+NAME = f"particles-{config['particles']}-strain-{config['strain']}-eta-{{eta}}-seed-{{seed}}"
+
+
+rule report:
+    input:
+        summaries=expand(f"runs/{NAME}/summary.json", eta=ETAS, seed=SEEDS),
+    output:
+        "report/analysis.json",
+        "report/report.html",
+    params:
+        runs=lambda wildcards, input: [str(pathlib.Path(path).parent) for path in input.summaries],
+    log:
+        "report/log",
+    shell:
+        "{SCRIPTS}/network.py {params.runs} --out report >{log} 2>&1"
+
+
+# A rule for each elongation, since a priority is one of a rule: the longest tests, those of long particles, start first.
+# The lock is for a test that outlived a killed campaign: its files are not touched before it ends.
+for eta in ETAS:
+
+    rule:
+        name:
+            f"biaxial_{eta}"
+        output:
+            f"runs/{NAME.replace('{eta}', eta)}/summary.json",
+        params:
+            eta=eta,
+            folder=f"runs/{NAME.replace('{eta}', eta)}",
+        threads: int(config.get("threads", 1))
+        priority: int(1000 * float(eta))
+        resources:
+            mem_mb=2000,
+        shell:
+            """
+            exec {{lock}}>{params.folder}/lock
+            flock $lock
+            resume=
+            [ ! -e {params.folder}/checkpoint.yade.gz ] || resume=--resume
+            {SCRIPTS}/yade-rcr -n -x -j {threads} {SCRIPTS}/biaxial.py --eta {params.eta} --seed {wildcards.seed} \
+                --particles {config[particles]} --strain {config[strain]} --threads {threads} --out {params.folder} $resume \
+                >{params.folder}/log 2>&1
+            """

@@ -1,0 +1,77 @@
+"""scripts/campaign: runs that are killed go on to the same results, and what is wrong is said in one line."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import time
+
+import h5py
+import numpy as np
+import pytest
+
+CAMPAIGN = os.path.join(os.path.dirname(__file__), "..", "..", "scripts", "campaign")
+SMALL = ["--particles", "60", "--etas", "0.4", "--seeds", "1", "--strain", "0.02"]
+
+needs_snakemake = pytest.mark.skipif(not shutil.which("snakemake"), reason="the optional package snakemake is not installed")
+needs_environment = pytest.mark.skipif("YADE_RCR_WAY" not in os.environ, reason="wants the environment of scripts/test")
+
+
+def campaign(out, *arguments):
+    return subprocess.run([CAMPAIGN, "--out", str(out), *arguments], capture_output=True, text=True, timeout=300)
+
+
+def contents(out):
+    """Everything that must not depend on interruptions."""
+    found = {}
+    for path in sorted((out / "runs").glob("*/*")):
+        name = str(path.relative_to(out))
+        if path.suffix == ".h5":
+            with h5py.File(path) as file:
+                file.visititems(lambda key, item: found.update({f"{name}/{key}": item[()]}) if isinstance(item, h5py.Dataset) else None)
+        elif path.name == "history.csv":
+            found[name] = path.read_text()
+    return found
+
+
+@needs_snakemake
+@needs_environment
+def test_killed_campaign_ends_with_the_same_results(tmp_path):
+    undisturbed = campaign(tmp_path / "a", *SMALL)
+    assert undisturbed.returncode == 0, undisturbed.stderr
+    assert undisturbed.stdout.startswith(f"{tmp_path / 'a' / 'report' / 'report.html'}: ") and undisturbed.stdout.count("\n") == 1
+
+    rng = np.random.default_rng(1)
+    for _ in range(3):
+        process = subprocess.Popen(
+            [CAMPAIGN, "--out", str(tmp_path / "b"), *SMALL], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+        )
+        time.sleep(rng.uniform(1.5, 4))
+        os.killpg(process.pid, signal.SIGKILL)  # its own session: the campaign, Snakemake and the tests
+        process.wait()
+    again = campaign(tmp_path / "b", *SMALL)
+    assert again.returncode == 0, again.stderr
+
+    one, two = contents(tmp_path / "a"), contents(tmp_path / "b")
+    assert one.keys() == two.keys() and any(".h5" in name for name in one)
+    different = [name for name in one if not np.array_equal(one[name], two[name])]
+    assert not different
+    assert json.loads((tmp_path / "a/report/analysis.json").read_text()) == json.loads((tmp_path / "b/report/analysis.json").read_text())
+
+
+@needs_environment
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        (["--etas", "0,1"], "wanted elongations 0 ≤ ETA < 1"),
+        (["--particles", "3"], "--particles 3: wanted at least 10"),
+        (["--strain", "0"], "--strain 0.0: wanted 0 < strain < 1"),
+        (["--jobs", "0"], "--jobs 0: wanted at least 1"),
+    ],
+)
+def test_refuses_bad_input(arguments, message, tmp_path):
+    run = campaign(tmp_path / "out", *arguments)
+    assert run.returncode != 0
+    assert run.stderr.strip().splitlines()[-1].endswith(message)
+    assert not (tmp_path / "out").exists()
