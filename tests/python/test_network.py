@@ -2,52 +2,9 @@
 
 import numpy as np
 import pytest
-
 from rcr.network import Network
 
-TAU = 2 * np.pi
-
-
-def particles(count):
-    return dict(
-        id=np.arange(count),
-        position=np.zeros((count, 2)),
-        angle=np.zeros(count),
-        R=np.ones(count),
-        cap_radius=np.ones(count),
-        half_length=np.zeros(count),
-        mass=np.ones(count),
-        velocity=np.zeros((count, 3)),
-    )
-
-
-def network(theta, branch, force, friction=0.5, **columns):
-    """Contacts at angles θ with (n, t) components of branch and force."""
-    n = np.column_stack([np.cos(theta), np.sin(theta)])
-    t = np.column_stack([-n[:, 1], n[:, 0]])
-    count = len(theta)
-    contacts = dict(
-        body1=np.zeros(count, int),
-        body2=np.ones(count, int),
-        type=np.zeros(count, int),
-        normal=n,
-        branch=branch[:, :1] * n + branch[:, 1:] * t,
-        force=force[:, :1] * n + force[:, 1:] * t,
-        position=np.zeros((count, 2)),
-        points=np.ones(count, int),
-    )
-    return Network(particles(2), contacts | columns, dict(volume=10.0, friction=friction))
-
-
-def anisotropic(count, a_c, a_ln, a_lt, a_fn, a_ft, seed=0, axis=np.pi / 2):
-    """Contacts drawn from P(θ) ∝ 1 + a_c cos 2(θ − θσ) with branch and force functions of the paper's form."""
-    rng = np.random.default_rng(seed)
-    theta = rng.uniform(0, TAU, 4 * count)
-    theta = theta[rng.uniform(0, 1 + a_c, len(theta)) < 1 + a_c * np.cos(2 * (theta - axis))][:count]
-    cos, sin = np.cos(2 * (theta - axis)), np.sin(2 * (theta - axis))
-    branch = np.column_stack([1 + a_ln * cos, a_lt * sin])
-    force = np.column_stack([1 + a_fn * cos, a_ft * sin])
-    return network(theta, branch, force)
+from synthetic import anisotropic, network, particles, random_network
 
 
 def test_estimators_recover_known_anisotropies():
@@ -70,13 +27,6 @@ def test_half_sum_is_the_shear_stress_ratio():
     """q/p ≈ ½ (a_c + a_ln + a_lt + a_fn + a_ft), cross products neglected [paper, eq. q_p_aniso2_xi]."""
     test = anisotropic(200_000, 0.1, 0.05, -0.03, 0.1, -0.08)
     assert test.shear_stress_ratio() == pytest.approx(0.5 * sum(test.anisotropies()), rel=0.03)
-
-
-def random_network(count=500, seed=3):
-    rng = np.random.default_rng(seed)
-    force = np.column_stack([rng.exponential(1, count), np.zeros(count)])
-    force[:, 1] = 0.5 * force[:, 0] * rng.uniform(-1, 1, count)
-    return network(rng.uniform(0, TAU, count), np.column_stack([rng.uniform(0.5, 2, count), rng.normal(0, 0.3, count)]), force)
 
 
 def test_partial_tensors_add_up():

@@ -1,0 +1,65 @@
+"""Exponents from samples of known exponent, with errors that are those of repeated samples; densities, means, correlation."""
+
+import numpy as np
+import pytest
+from rcr import statistics
+
+
+def power_sample(rng, beta, count, low=0.01):
+    """From a density ∝ x^β on [low, 1], by inversion."""
+    u = rng.uniform(size=count)
+    if beta == -1:
+        return low ** (1 - u)
+    return (low ** (beta + 1) + u * (1 - low ** (beta + 1))) ** (1 / (beta + 1))
+
+
+@pytest.mark.parametrize("beta", [0.1, -0.4, 0.0, -1.0, -1.5, 2.0])
+def test_power_exponent_and_its_error(beta):
+    """200 samples of 500: their mean off by at most 4 errors of the mean, their scatter the error that is given, ± 20 % (4 × 1/√400)."""
+    rng = np.random.default_rng(1)
+    found, errors = np.array([statistics.power_exponent(power_sample(rng, beta, 500), 0.01) for _ in range(200)]).T
+    bias = 3 / 500  # of a maximum-likelihood fit: of the order 1/n
+    assert found.mean() == pytest.approx(beta, abs=4 * found.std() / np.sqrt(200) + bias)
+    assert errors.mean() == pytest.approx(found.std(), rel=0.2)
+
+
+@pytest.mark.parametrize("alpha", [0.6, 1.6])
+def test_exponential_rate_and_its_error(alpha):
+    """As above, of the tail above 1."""
+    rng = np.random.default_rng(2)
+    found, errors = np.array([statistics.exponential_rate(1 + rng.exponential(1 / alpha, 500)) for _ in range(200)]).T
+    assert found.mean() == pytest.approx(alpha, abs=4 * found.std() / np.sqrt(200) + 3 * alpha / 500)
+    assert errors.mean() == pytest.approx(found.std(), rel=0.2)
+
+
+def test_exponents_look_at_their_range_only():
+    rng = np.random.default_rng(3)
+    x = power_sample(rng, -0.3, 1000)
+    assert statistics.power_exponent(np.append(x, [1e-9, 0.005, 5, 100]), 0.01) == statistics.power_exponent(x, 0.01)
+    tail = 1 + rng.exponential(1, 100)
+    assert statistics.exponential_rate(np.append(tail, [0.1, 1.0])) == statistics.exponential_rate(tail)
+    assert np.isnan(statistics.exponential_rate(np.array([0.5]))).all() and np.isnan(statistics.power_exponent(np.array([0.5]), 0.01)).all()
+
+
+def test_mean_and_variance_of_the_power_law_join_their_series():
+    """m(κ) and −dm/dκ on both sides of the switch to the series, against a difference quotient."""
+    for kappa in (1e-4, 9e-4, 1.1e-3, 9e-3, 1.1e-2, 0.5, -3, 40):
+        step = 1e-4
+        slope = (statistics._mean(kappa + step) - statistics._mean(kappa - step)) / (2 * step)
+        assert statistics._variance(kappa) == pytest.approx(-slope, rel=1e-4), kappa
+
+
+def test_density_and_class_means():
+    x, edges = np.array([0.1, 0.2, 0.6, 5.0]), np.array([0.0, 0.5, 1.0])
+    assert statistics.density(x, edges) == pytest.approx([1.0, 0.5])
+    x = np.repeat([0.1, 0.6], [statistics.LEAST, statistics.LEAST - 1])
+    means = statistics.class_means(x, 2 * x, edges)
+    assert means[0] == pytest.approx(0.2) and np.isnan(means[1])  # too few for a mean
+
+
+def test_pearson():
+    """y = c x + √(1 − c²) z has the coefficient c; of n pairs with the error (1 − c²)/√n."""
+    rng = np.random.default_rng(4)
+    x, z = rng.normal(size=(2, 100_000))
+    assert statistics.pearson(x, -0.22 * x + np.sqrt(1 - 0.22**2) * z) == pytest.approx(-0.22, abs=4 / np.sqrt(100_000))
+    assert np.isnan(statistics.pearson(np.ones(5), x[:5]))
