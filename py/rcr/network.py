@@ -84,7 +84,8 @@ class Network:
             if not {"particles", "contacts"} <= set(file):
                 raise ValueError(f"{path} holds {sorted(file)}; wanted the groups particles and contacts")
             groups = [{name: data[()] for name, data in file[group].items()} for group in ("particles", "contacts")]
-            return cls(*groups, {k: v for k, v in file.attrs.items() if k != "stress"})
+            attributes = {k: v.item() if isinstance(v, np.generic) else v for k, v in file.attrs.items() if k != "stress"}
+            return cls(*groups, attributes)
 
     def save(self, path):
         """Write the network to `path`: whole or not at all."""

@@ -1,0 +1,214 @@
+"""The observables on synthetic runs of known distributions: recovered within their errors, complete, of the shapes promised."""
+
+import json
+import time
+
+import numpy as np
+import pytest
+from rcr import analysis, claims, statistics
+from rcr.ensemble import Ensemble
+from rcr.network import Network
+from rcr.paper import STATEMENTS
+from rcr.runs import Run
+
+from synthetic import packing, write_run
+
+CONTRACT = dict(  # observable: (names of grids, names of arrays over elongation and those grids)
+    O1=((), ("sin_phi", "sin_phi_std")),
+    O3=(("f_n",), ("pdf",)),
+    O4=(("f_t",), ("pdf",)),
+    O5=((), ("friction_mobilization",)),
+    O7=(("f_n",), ("i_mf",)),
+    O8=(("i_m",), ("pdf",)),
+    O10=(("l_r",), ("pdf",)),
+    O12=((), ("c_f_lr", "c_f_l")),
+    O14=(("xi", "theta"), ("pdf",)),
+    O15=(("xi",), ("a_c",)),
+    O16=(("xi",), ("a_ln", "a_lt")),
+    O17=(("xi",), ("a_fn", "a_ft")),
+    O18=(("xi",), ("q_over_p", "half_sum")),
+)
+
+
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """η = 0 once, η = 0.5 twice."""
+    folder = tmp_path_factory.mktemp("runs")
+    return [Run.read(write_run(folder / f"{eta}-{seed}", eta, seed)) for eta, seed in ((0.5, 1), (0.0, 1), (0.5, 2))]
+
+
+@pytest.fixture(scope="module")
+def result(runs):
+    return analysis.analyse(runs)
+
+
+@pytest.mark.parametrize("observable", CONTRACT)
+def test_arrays_have_the_shapes_of_the_contract(result, observable):
+    value = result[observable]["value"]
+    grids, names = CONTRACT[observable]
+    assert value["eta"].tolist() == [0, 0.5]
+    for name in names:
+        assert value[name].shape == (2, *(len(value[grid]) for grid in grids)), name
+        assert value[f"{name}_error"].shape == value[name].shape if name != "sin_phi_std" else True
+    for exponent in {"O3": ("alpha_n", "beta_n", "weak_fraction"), "O4": ("alpha_t", "beta_t")}.get(observable, ()):
+        assert value[exponent].shape == value[f"{exponent}_error"].shape == (2,)
+
+
+def test_every_observable_is_there_and_the_file_is_strict_json(result):
+    assert list(result) == list(STATEMENTS) == [f"O{k}" for k in range(1, 19)]
+    assert all(set(entry) == {"value", "paper", "unit"} and "eta" in entry["value"] for entry in result.values())
+    assert result["O13"]["value"]["f_l_r"].shape == (2, len(result["O13"]["value"]["l_r"]))
+    assert result["O13"]["value"]["f_l"].shape == (2, len(result["O13"]["value"]["l"]))
+    again = json.loads(json.dumps(analysis.jsonable(result), allow_nan=False))
+    assert again["O12"]["value"]["c_f_lr"][0] is None  # discs have no ℓ_r
+    assert np.array(again["O15"]["value"]["a_c"]) == pytest.approx(result["O15"]["value"]["a_c"], abs=0)
+
+
+def test_seeds_are_cumulated_and_only_the_critical_state_counts(result, runs):
+    """Snapshots at strains 0.1, 0.2, 0.3, 0.4: the critical state is the second half, from 0.2 on."""
+    assert [len(run.networks) for run in runs] == [3, 3, 3]
+    value = result["O1"]["value"]
+    assert value["seeds"].tolist() == [1, 2] and value["snapshots"].tolist() == [3, 6] and value["contacts"].tolist() == [6000, 12000]
+    assert value["sin_phi"] == pytest.approx([0.30, 0.45], abs=0.001) and value["sin_phi_std"] == pytest.approx([0.01, 0.01], rel=0.01)
+    later = Run.read(runs[0].folder, from_strain=0.35)
+    assert [network.attributes["strain"] for network in later.networks] == [0.4]
+
+
+def test_known_distributions_are_recovered(result):
+    """η = 0.5, 12 000 contacts with exponential forces about ⟨f_n⟩(θ), a_c = 0.2, a_fn = 0.3, a_ft = 0.1: within 4 errors.
+
+    A moment of C contacts has the error √(2/C) = 0.013, with exponential forces √2 times that; the forces' mixture of
+    exponentials of means 1 ± 0.3 leaves α_n within 0.1 of 1 and the weak share within 0.01 of 1 − 1/e. Cross products: the
+    tensors add a_c a_fn/2 to tr χ(∞) and nothing else of that order, so that a_fn is off by up to its 10 %.
+    """
+    values = {key: {name: np.asarray(array)[1] for name, array in entry["value"].items() if len(np.shape(array)) and len(array) == 2}
+              for key, entry in result.items()}  # fmt: skip
+    assert values["O15"]["a_c"][-1] == pytest.approx(0.2, abs=4 * np.sqrt(2 / 12000))
+    assert values["O17"]["a_fn"][-1] == pytest.approx(0.3, abs=4 * np.sqrt(4 / 12000) + 0.03)
+    assert values["O17"]["f_n_amplitude"][-1] / values["O17"]["f_n_mean"][-1] == pytest.approx(0.3, abs=4 * np.sqrt(4 / 12000))
+    assert values["O17"]["f_t_amplitude"][-1] == pytest.approx(0.1, abs=4 * np.sqrt(1 / 12000))
+    assert values["O14"]["amplitude"][-1] == pytest.approx(0.2, abs=4 * np.sqrt(2 / 12000))
+    assert values["O14"]["theta_sigma"] == pytest.approx(np.pi / 2, abs=0.03)
+    assert values["O3"]["alpha_n"] == pytest.approx(1, abs=0.1)
+    x = np.geomspace(0.01, 1, 10_001)  # of e^{−x} on [0.01, 1] the fit finds the power law of the same mean logarithm
+    mean = np.trapezoid(np.log(1 / x) * np.exp(-x) * x, np.log(x)) / np.trapezoid(np.exp(-x) * x, np.log(x)) / np.log(100)
+    assert values["O3"]["beta_n"] == pytest.approx(statistics._root_of_mean(mean) / np.log(100) - 1, abs=0.1)
+    assert values["O3"]["weak_fraction"] == pytest.approx(1 - np.exp(-1), abs=0.02)
+
+
+def test_densities_and_networks_add_up(result):
+    """Integrals: 1 of P(θ, ξ), P(I_m) and P(ℓ_r); q(∞)/p and the half-sum agree to their cross products; errors are positive."""
+    for key, grid, edges in (("O8", "i_m", 0.05), ("O14", "theta", np.pi / 36), ("O10", "l_r", 0.01)):
+        assert result[key]["value"]["pdf"].sum(axis=-1) * edges == pytest.approx(1, abs=1e-9), key
+    v = result["O18"]["value"]
+    assert v["half_sum"] - v["q_over_p"] == pytest.approx(v["closure"], abs=1e-15)
+    assert np.abs(v["closure"][:, -1]) == pytest.approx(0, abs=0.05)
+    assert (v["q_over_p"][:, 0] == 0).all() and (v["q_over_p_error"][:, -1] > 0).all()
+
+
+def test_standard_error_is_that_of_repeated_sampling():
+    """a_c of S snapshots of C contacts has the error √(2/(S C)); the estimate from S = 20 scatters by 1/√(2 S) = 16 %."""
+    ensemble = Ensemble([packing(0.5, seed=k) for k in range(20)])
+    grids = analysis.Grids.of([ensemble], 0.4)
+    error = analysis.measures(ensemble, grids)["O15"]["a_c_error"][-1]
+    assert error == pytest.approx(np.sqrt(2 / (20 * 2000)), rel=0.5)
+    single = analysis.measures(Ensemble([packing(0.5)]), grids)["O15"]
+    assert np.isnan(single["a_c_error"]).all()  # of one snapshot it is unknown
+
+
+def test_standard_error_leaves_out_what_is_not_known():
+    values = [[1.0, np.nan], [3.0, np.nan], [np.nan, 5.0]]
+    error = analysis.standard_error(values)
+    assert error[0] == pytest.approx(np.std([1, 3], ddof=1) / np.sqrt(2)) and np.isnan(error[1])
+
+
+def test_rotated_runs_are_analysed_alike():
+    """θσ off the vertical changes directions, and no anisotropy."""
+    upright, tilted = (Ensemble([packing(0.5, axis=axis, contacts=20_000)]) for axis in (np.pi / 2, np.pi / 2 + 0.4))
+    assert tilted.stress_angle - upright.stress_angle == pytest.approx(0.4, abs=0.05)
+    assert np.array(tilted.xi_networks().anisotropies()) == pytest.approx(np.array(upright.xi_networks().anisotropies()), abs=0.05)
+
+
+def test_13000_particles_take_less_than_5_seconds():
+    """All observables of a snapshot of 13 000 particles and 26 000 contacts; 0.2 s is what it took."""
+    networks = [packing(0.5, particles_=13_000, contacts=26_000)]
+    start = time.perf_counter()
+    ensemble = Ensemble(networks)
+    analysis.measures(ensemble, analysis.Grids.of([ensemble], 0.4))
+    assert time.perf_counter() - start < 5
+
+
+# --- what is refused ----------------------------------------------------------------------------------------------------
+
+
+def test_bad_runs_are_refused(tmp_path):
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(ValueError, match="has no network-\\*.h5"):
+        Run.read(tmp_path / "empty")
+    with pytest.raises(ValueError, match="no runs"):
+        analysis.analyse([])
+    run = Run.read(write_run(tmp_path / "a", 0.5))
+    with pytest.raises(ValueError, match="no network at a strain ≥ 0.9; its last is at 0.4"):
+        Run.read(tmp_path / "a", from_strain=0.9)
+    slippery = Run.read(write_run(tmp_path / "b", 0.5, friction=0.3))
+    with pytest.raises(ValueError, match="friction 0.3, 0.5; wanted one friction"):
+        analysis.analyse([run, slippery])
+    with pytest.raises(ValueError, match="friction = 0"):
+        analysis.analyse([Run.read(write_run(tmp_path / "c", 0.5, friction=0.0))])
+    packing(0.3).save(tmp_path / "a" / "network-0.5000.h5")
+    with pytest.raises(ValueError, match="eta = 0.3, 0.5; wanted one"):
+        analysis.analyse([Run.read(tmp_path / "a")])
+    bare = packing(0.5)
+    del bare.attributes["strain"]
+    bare.save(tmp_path / "b" / "network-0.6000.h5")
+    with pytest.raises(ValueError, match="without the attribute strain"):
+        Run.read(tmp_path / "b")
+
+
+# --- verdicts -----------------------------------------------------------------------------------------------------------
+
+
+def rows(result, observable, start=""):
+    return [row for row in claims.findings(result) if row.observable == observable and row.statement.startswith(start)]
+
+
+def changed(result, observable, **arrays):
+    """The analysis with some arrays of an observable replaced."""
+    return result | {observable: result[observable] | dict(value=result[observable]["value"] | arrays)}
+
+
+def test_verdicts_follow_the_data(result):
+    (row,) = rows(result, "O1")
+    assert row.verdict == claims.AGREES
+    (row,) = rows(changed(result, "O1", sin_phi=np.array([0.30, 0.52]), sin_phi_error=np.array([0.01, 0.01])), "O1")
+    assert row.verdict == claims.DIFFERS and "off at η = 0.5" in row.value
+    (row,) = rows(changed(result, "O1", sin_phi=np.array([0.30, 0.52]), sin_phi_error=np.array([0.01, 0.04])), "O1")
+    assert row.verdict == claims.AGREES  # within two errors
+    weak = {row.verdict for row in rows(result, "O3", "share")}
+    assert weak == {claims.NOT_TESTED}  # no run of η = 0.7
+    tight = changed(result, "O18", closure=np.zeros_like(result["O18"]["value"]["closure"]))
+    assert rows(tight, "O18", "half-sum")[0].verdict == claims.AGREES
+    wide = changed(result, "O18", closure=0.2 + tight["O18"]["value"]["closure"])
+    assert rows(wide, "O18", "half-sum")[0].verdict == claims.DIFFERS
+
+
+def test_every_observable_has_a_row_and_every_verdict_a_reason(result):
+    table = claims.findings(result)
+    assert {row.observable for row in table} == set(STATEMENTS)
+    assert all(row.statement and row.criterion and row.value for row in table)
+    assert {row.verdict for row in table} <= {claims.AGREES, claims.DIFFERS, claims.NOT_TESTED}
+
+
+def test_one_elongation_is_enough(tmp_path):
+    result = analysis.analyse([Run.read(write_run(tmp_path / "a", 0.5, strains=(0.4,)))])
+    assert result["O15"]["value"]["a_c"].shape[0] == 1
+    assert all(isinstance(row, claims.Finding) for row in claims.findings(result))
+
+
+def test_ensembles_are_of_one_kind():
+    with pytest.raises(ValueError, match="no snapshots"):
+        Ensemble([])
+    empty = packing(0.5)
+    none = Network(empty.particles, {name: column[:0] for name, column in empty.contacts.items()}, empty.attributes)
+    with pytest.raises(ValueError, match="no contact between particles"):
+        Ensemble([none])
