@@ -80,12 +80,17 @@ class Network:
         ValueError
             If the file is no such network; OSError if it cannot be read.
         """
-        with h5py.File(path, "r") as file:
-            if not {"particles", "contacts"} <= set(file):
-                raise ValueError(f"{path} holds {sorted(file)}; wanted the groups particles and contacts")
-            groups = [{name: data[()] for name, data in file[group].items()} for group in ("particles", "contacts")]
-            attributes = {k: v.item() if isinstance(v, np.generic) else v for k, v in file.attrs.items() if k != "stress"}
+        try:
+            with h5py.File(path, "r") as file:
+                if not {"particles", "contacts"} <= set(file):
+                    raise ValueError(f"it holds {sorted(file)}; wanted the groups particles and contacts")
+                groups = [{name: data[()] for name, data in file[group].items()} for group in ("particles", "contacts")]
+                attributes = {k: v.item() if isinstance(v, np.generic) else v for k, v in file.attrs.items() if k != "stress"}
             return cls(*groups, attributes)
+        except FileNotFoundError:
+            raise
+        except (ValueError, OSError) as error:  # h5py does not say of which file
+            raise type(error)(f"{path}: {error}") from error
 
     def save(self, path):
         """Write the network to `path`: whole or not at all."""

@@ -1,0 +1,138 @@
+"""Figures, maps, the report and scripts/network.py, on synthetic runs."""
+
+import base64
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import matplotlib.colors
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from rcr import analysis, figures, maps
+from rcr.paper import MAPS, STATEMENTS, nearest
+from rcr.runs import Run
+
+from synthetic import packing, write_run
+
+SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "network.py"
+
+
+def network_script(*arguments):
+    """The script as this Python runs it; it must not look for another one."""
+    return subprocess.run(
+        [sys.executable, SCRIPT, *map(str, arguments)], capture_output=True, text=True, timeout=120, env=os.environ | {"YADE_RCR_WAY": "test"}
+    )
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs")
+    return [write_run(folder / f"{eta}", eta, particles_=100, contacts=400) for eta in (0.0, 0.5)]
+
+
+@pytest.fixture(scope="module")
+def result(folders):
+    return analysis.analyse([Run.read(folder) for folder in folders])
+
+
+@pytest.fixture(scope="module")
+def written(folders, tmp_path_factory):
+    out = tmp_path_factory.mktemp("out") / "new"
+    run = network_script(*folders, "--out", out)
+    assert run.returncode == 0, run.stderr
+    return out, run.stdout
+
+
+def test_script_writes_everything(written):
+    out, line = written
+    assert re.fullmatch(rf"{out}/report.html: \d+ of \d+ statements agree, \d+ do not, \d+ are not tested\n", line)
+    content = json.loads((out / "analysis.json").read_text())
+    assert list(content) == list(STATEMENTS)
+    names = [*figures.FIGURES, *(name.removesuffix(".png") for key in MAPS for name in content[key]["value"]["files"])]
+    assert {path.name for path in out.iterdir()} == {"analysis.json", "report.html"} | {f"{n}.{s}" for n in names for s in ("png", "pdf")}
+    assert content["O2"]["value"]["files"] == ["O2-eta-0.png", "O2-eta-0.5.png"]
+    assert set(STATEMENTS) <= {name.split("-")[0] for name in names}
+
+
+def test_report_is_self_contained(written):
+    page = (written[0] / "report.html").read_text()
+    sources = re.findall(r"""(?:src|href)=['"]([^'"]{1,30})""", page)
+    assert all(source.startswith(("data:image/", "#O")) for source in sources)
+    assert {f"id='{key}'" in page for key in STATEMENTS} == {True}
+    image = re.search(r"data:image/png;base64,([^']+)", page).group(1)
+    assert base64.b64decode(image).startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("case", ["nothing", "empty", "broken", "mixed"])
+def test_script_refuses_bad_input(case, folders, tmp_path):
+    bad, out = tmp_path / "bad", tmp_path / "out"
+    if case != "nothing":
+        bad.mkdir()
+    if case == "broken":
+        (bad / "network-0.1.h5").write_text("no HDF5")
+    if case == "mixed":
+        packing(0.3, friction=0.2).save(bad / "network-0.1.h5")
+    run = network_script(folders[0], bad, "--out", out)
+    assert run.returncode == 1 and run.stdout == ""
+    assert run.stderr.startswith("network.py: ") and run.stderr.count("\n") == 1
+    assert ("friction 0.2, 0.5" if case == "mixed" else str(bad)) in run.stderr
+    assert not out.exists()
+
+
+def test_plots_draw_into_the_axes_given(result):
+    ax = figures.plot_strength(result["O1"]["value"])
+    assert isinstance(ax, Axes) and figures.plot_mobilization(result["O5"]["value"], ax) is ax
+
+
+def test_plots_read_the_file_as_well(result):
+    """analysis.json has null where the arrays have NaN."""
+    again = json.loads(json.dumps(analysis.jsonable(result)))
+    for observable in figures.FIGURES:
+        figures.draw(observable, again)
+
+
+def test_an_elongation_has_one_colour(result):
+    ax = figures.plot_xi(result["O15"]["value"], "a_c", "a_c")
+    drawn = [matplotlib.colors.to_hex(line.get_color()) for line in ax.lines if line.get_label().startswith(r"$\eta")]
+    assert drawn == [matplotlib.colors.to_hex(figures.color(eta)) for eta in (0, 0.5)]
+
+
+def test_maps_are_a_few_collections():
+    """13 000 grains and 26 000 contacts in at most five artists."""
+    network = packing(0.5, particles_=13_000, contacts=26_000)
+    for plot in (maps.plot_packing, maps.plot_mobilization, maps.plot_nematic, maps.plot_types):
+        assert len(plot(network).collections) <= 5
+
+
+def test_outlines_are_those_of_rounded_cap_rectangles():
+    """Every vertex at the distance R' from the core segment; the longest extent is 2 R, the area that of the shape, inscribed by 1 %."""
+    network = packing(0.6, particles_=20)
+    p = network.particles
+    vertices = maps.outlines(p, points=32) - p["position"][:, None]
+    axis = np.stack([np.cos(p["angle"]), np.sin(p["angle"])], axis=-1)
+    along = np.einsum("nka,na->nk", vertices, axis)
+    core = np.clip(along, -p["half_length"][:, None], p["half_length"][:, None])
+    distance = np.linalg.norm(vertices - core[..., None] * axis[:, None], axis=-1)
+    assert distance == pytest.approx(np.broadcast_to(p["cap_radius"][:, None], distance.shape), abs=1e-12)
+    x, y = np.moveaxis(vertices, -1, 0)
+    area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
+    assert area == pytest.approx(np.pi * p["cap_radius"] ** 2 + 4 * p["cap_radius"] * p["half_length"], rel=0.01)
+
+
+def test_segments_join_the_right_grains():
+    """Ids need not be in order."""
+    network = packing(0.5, particles_=50, contacts=100)
+    segments = maps._segments(network)
+    turned = packing(0.5, particles_=50, contacts=100)
+    turned.particles = {name: column[::-1] for name, column in turned.particles.items()}
+    assert np.array_equal(maps._segments(turned), segments)
+    assert np.array_equal(segments[:, 0], network.particles["position"][network.contacts["body1"]])
+
+
+def test_nearest_elongations():
+    assert nearest([0, 0.5, 0.7], (0.2, 0.7)) == [0, 0.7]
+    assert nearest([0.5], (0, 0.4, 0.7)) == [0.5]
