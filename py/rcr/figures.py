@@ -270,14 +270,19 @@ def plot_polar(theta, rows, fits, labels, ax=None):
         ax.plot(dense, np.abs(fit(dense)), color=tint, lw=0.9)
         ax.plot(circle[around >= 0], around[around >= 0], ls="", marker=MARKERS[k], ms=2.5, color=tint, mew=0, label=label)
         ax.plot(circle[around < 0], -around[around < 0], ls="", marker=MARKERS[k], ms=2.5, color=tint, mfc="none", mew=0.5)
-    ax.set_rlabel_position(np.degrees(theta[np.argmin(np.abs(rows[-1]))]))  # where there is room
-    return _polar_style(ax)
+    quiet = np.degrees(theta[np.nanargmin(np.abs(rows[-1]))]) if np.isfinite(rows[-1]).any() else 0  # there is room for the labels
+    return _polar_style(ax, quiet)
 
 
-def _polar_style(ax):
+def _polar_style(ax, labels_at=None):
+    """Radial labels at an angle [°], only in the outer half, where they cover nothing; none without an angle."""
+    top = ax.get_ylim()[1]
+    ticks = [tick for tick in matplotlib.ticker.MaxNLocator(4).tick_values(0, top) if 0 < tick < 0.92 * top]
+    shown = [f"{tick:g}" if labels_at is not None and tick > 0.45 * top else "" for tick in ticks]
+    ax.set_yticks(ticks, shown)
+    ax.set_rlabel_position(labels_at or 0)
     ax.set_axisbelow(True)
     ax.tick_params(labelsize=7, pad=0)
-    ax.yaxis.set_major_locator(matplotlib.ticker.MaxNLocator(3, prune="lower"))
     ax.grid(lw=0.3, color="0.8")
     return ax
 
@@ -321,8 +326,7 @@ def plot_isotropy(value, ax=None):
         ax.plot(np.linspace(theta[0], theta[0] + 2 * np.pi, len(closed)), closed, color=color(eta), lw=0.7, label=rf"$\eta = {eta:g}$")
     ax.plot(np.linspace(0, 2 * np.pi, 361), np.full(361, 1 / np.pi), "k--", lw=0.9, label=r"$1/\pi$")
     ax.set_ylim(0, None)
-    _polar_style(ax).set_yticklabels([])
-    return ax
+    return _polar_style(ax)
 
 
 # --- whole figures ------------------------------------------------------------------------------------------------------
