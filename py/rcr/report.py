@@ -28,7 +28,7 @@ _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
 
 
 def write(runs, out, progress=lambda name: None):
-    """Analyse runs and write analysis.json, report.html and every figure as PNG and PDF into a folder, each file whole.
+    """Analyse runs and write analysis.json, report.html, table.md and every figure as PNG and PDF into a folder, each file whole.
 
     Parameters
     ----------
@@ -65,6 +65,7 @@ def write(runs, out, progress=lambda name: None):
             pictures[key].append(picture)
         table = findings(analysis)
         (folder / "analysis.json").write_text(json.dumps(jsonable(analysis), allow_nan=False))
+        (folder / "table.md").write_text(markdown(table), encoding="utf-8")
         (folder / "report.html").write_text(_page(runs, analysis, table, pictures), encoding="utf-8")
         for path in folder.iterdir():
             os.replace(path, out / path.name)
@@ -115,6 +116,13 @@ def _material(runs, analysis):
 def _table(table):
     head = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
     return f"<table>{head}{''.join(_row(row) for row in table)}</table>"
+
+
+def markdown(table):
+    """The table for a README."""
+    rows = [("", "paper", "measured", "error", "verdict"), ("---",) * 5]
+    rows += [(row.observable, row.statement, row.value, row.error, row.verdict) for row in table]
+    return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |\n" for row in rows)
 
 
 def _row(row):

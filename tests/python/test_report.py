@@ -53,9 +53,15 @@ def test_script_writes_everything(written):
     content = json.loads((out / "analysis.json").read_text())
     assert list(content) == list(STATEMENTS)
     names = [*figures.FIGURES, *(name.removesuffix(".png") for key in MAPS for name in content[key]["value"]["files"])]
-    assert {path.name for path in out.iterdir()} == {"analysis.json", "report.html"} | {f"{n}.{s}" for n in names for s in ("png", "pdf")}
+    assert {path.name for path in out.iterdir()} == {"analysis.json", "report.html", "table.md"} | {f"{n}.{s}" for n in names for s in ("png", "pdf")}
     assert content["O2"]["value"]["files"] == ["O2-eta-0.png", "O2-eta-0.5.png"]
     assert set(STATEMENTS) <= {name.split("-")[0] for name in names}
+
+
+def test_table_has_five_columns_in_every_row(written):
+    """Bars within a cell are escaped."""
+    rows = (written[0] / "table.md").read_text().splitlines()
+    assert {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {6} and len(rows) > 40
 
 
 def test_report_is_self_contained(written):
