@@ -70,7 +70,7 @@ class Ensemble:
 
 def _contacts(network):
     """Columns of `Ensemble` of one snapshot."""
-    n, _, branch, force = network._local()
+    n, _, branch, force = network.local_components()
     pick = network.between_particles
     radius = np.zeros(network.particles["id"].max() + 1)
     radius[network.particles["id"]] = network.particles["R"]

@@ -135,7 +135,7 @@ class Network:
         low, high = np.linalg.eigvalsh(0.5 * (stress + stress.T))
         return (high - low) / (high + low)
 
-    def _local(self):
+    def local_components(self):
         """Of the contacts between particles: n (C, 2), and (n, t) components of branch and force, (C, 2) each."""
         pick = self.between_particles
         if not pick.any():
@@ -148,13 +148,13 @@ class Network:
 
     def xi_networks(self):
         """Partial sums over the contacts between particles, for any ξ; see `rcr.xi_networks.XiNetworks`."""
-        n, _, branch, force = self._local()
+        n, _, branch, force = self.local_components()
         theta = np.arctan2(n[:, 1], n[:, 0]) - self.stress_angle()
         return XiNetworks(theta, branch @ COMPLEX, force @ COMPLEX, force[:, 0] / force[:, 0].mean())
 
     def fabric(self, xi=np.inf):
         """Fabric tensor F(ξ) = (1/N) Σ_{S(ξ)} n⊗n, N of the whole network [paper, eq. F_xi]; (2, 2), tr F(∞) = 1 [-]."""
-        n, _, _, force = self._local()
+        n, _, _, force = self.local_components()
         pick = force[:, 0] <= xi * force[:, 0].mean()
         return np.einsum("ca,cb->ab", n[pick], n[pick]) / len(n)
 
@@ -187,7 +187,7 @@ class Network:
         pdf : (bins,) float array
             Density; Σ pdf Δf = share of contacts within the classes.
         """
-        force = self._local()[3][:, 0]
+        force = self.local_components()[3][:, 0]
         force = force / force.mean()
         edges = np.geomspace(max(force.min(), 1e-4), force.max() * (1 + 1e-12), bins + 1)
         count, _ = np.histogram(force, edges)
@@ -204,7 +204,7 @@ class Network:
         friction = self.attributes.get("friction", 0)
         if not friction > 0:
             raise ValueError(f"friction = {friction!r}; the mobilisation needs a friction coefficient > 0")
-        force = self._local()[3]
+        force = self.local_components()[3]
         return np.abs(force[:, 1]) / (friction * force[:, 0])
 
     def coordination(self, count_side_contacts_twice=False):

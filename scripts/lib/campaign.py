@@ -52,7 +52,7 @@ def arguments():
 
 
 def command(options, extra):
-    """Snakemake's; its own lock outlives a kill, ours does not, hence --nolock."""
+    """Snakemake's. It dies with this process, and its jobs with it; its own lock outlives a kill, ours does not, hence --nolock."""
     threads = max(1, options.jobs // (len(options.etas) * len(options.seeds)))
     config = {
         "particles": options.particles,
@@ -62,7 +62,7 @@ def command(options, extra):
         "threads": threads,
     }
     return [
-        *("snakemake", "--snakefile", str(HERE / "campaign.smk"), "--directory", options.out),
+        *("setpriv", "--pdeathsig", "KILL", "snakemake", "--snakefile", str(HERE / "campaign.smk"), "--directory", options.out),
         *("--cores", str(options.jobs), "--scheduler", "greedy", "--keep-going", "--rerun-incomplete", "--nolock", "--quiet", "rules"),
         *("--config", *(f"{name}={value}" for name, value in config.items())),
         *extra,

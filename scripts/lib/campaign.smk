@@ -28,7 +28,7 @@ rule report:
 
 
 # A rule for each elongation, since a priority is one of a rule: the longest tests, those of long particles, start first.
-# The lock is for a test that outlived a killed campaign: its files are not touched before it ends.
+# A test dies with Snakemake; the lock is for one that does not, on another machine of a cluster: its files are not touched before it ends.
 for eta in ETAS:
 
     rule:
@@ -49,7 +49,7 @@ for eta in ETAS:
             flock $lock
             resume=
             [ ! -e {params.folder}/checkpoint.yade.gz ] || resume=--resume
-            {SCRIPTS}/yade-rcr -n -x -j {threads} {SCRIPTS}/biaxial.py --eta {params.eta} --seed {wildcards.seed} \
+            exec setpriv --pdeathsig KILL {SCRIPTS}/yade-rcr -n -x -j {threads} {SCRIPTS}/biaxial.py --eta {params.eta} --seed {wildcards.seed} \
                 --particles {config[particles]} --strain {config[strain]} --threads {threads} --out {params.folder} $resume \
                 >{params.folder}/log 2>&1
             """
