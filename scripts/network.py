@@ -24,7 +24,7 @@ def arguments():
     parser = argparse.ArgumentParser(prog="network.py", description=__doc__)
     parser.add_argument("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder of the results, made if missing")
-    parser.add_argument("--from-strain", type=float, metavar="E", help="the critical state starts here (default: half of each test's last strain)")
+    parser.add_argument("--from-strain", type=float, metavar="E", help="start of the critical state (default: half of each test's last strain)")
     return parser.parse_args()
 
 

@@ -23,6 +23,7 @@ from rcr.runs import by_elongation
 
 POWER_RANGE = 0.01  # of the mean: below it forces are as small as the solver's tolerance leaves them undecided
 BLOCKS = 5  # of a history, each longer than the correlation of sin φ, for its standard error
+ISOTROPIC = ("a_c", "contacts", "order", "packing_fraction", "coordination_number", "coordination_number_twice")
 NAMES = ("a_c", "a_ln", "a_lt", "a_fn", "a_ft")
 
 
@@ -270,9 +271,10 @@ def strength(runs, ensemble, grids):
 def compaction(runs, grids):
     """Isotropic state: directions of contacts and particles, density, coordination; NaN of a run without isotropic.h5."""
     states = [isotropic(run.isotropic, grids) for run in runs if run.isotropic is not None]
-    unknown = dict.fromkeys(("a_c", "contacts", "order", "packing_fraction", "coordination_number", "coordination_number_twice"), np.nan)
-    mean = {name: np.mean([state[name] for state in states], axis=0) for name in states[0]} if states else unknown | dict(pdf=grids.theta[1:] * np.nan)
-    return mean | dict(a_c_error=np.sqrt(2 / mean["contacts"] / max(len(states), 1)))
+    if not states:
+        states = [dict.fromkeys(ISOTROPIC, np.nan) | dict(pdf=np.full(len(grids.theta) - 1, np.nan))]
+    mean = {name: np.mean([state[name] for state in states], axis=0) for name in states[0]}
+    return mean | dict(a_c_error=np.sqrt(2 / mean["contacts"] / len(states)))
 
 
 def isotropic(network, grids):
@@ -321,7 +323,8 @@ def analyse(runs):
     eta = np.array(list(groups))
 
     def stacked(rows, axes):
-        return dict(eta=eta) | {name: named[grid] for name, grid in axes.items()} | {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
+        return dict(eta=eta) | {name: named[grid] for name, grid in axes.items()} | columns
 
     values = {key: stacked([results[e][key] for e in groups], axes) for key, (_, axes) in MEASURES.items()}
     values["O1"] = stacked([strength(groups[e], ensembles[e], grids) for e in groups], dict(strain="strain"))

@@ -124,8 +124,9 @@ def _trend(v, name, sign, low=0, high=1):
     """Does a value grow (sign +1) or fall (−1) with η?"""
     rows = _rows(v, low, high, 3)
     slope, error = _slope(v["eta"][rows], v[name][rows])
-    first, last = v[name][rows[0]], v[name][rows[-1]]
-    return sign * slope > SIGMAS * error, f"{first:.3g} → {last:.3g} (η = {v['eta'][rows[0]]:g} → {v['eta'][rows[-1]]:g})", f"slope {slope:.2g} ± {error:.1g}"
+    (first, last), (low, high) = v[name][rows[[0, -1]]], v["eta"][rows[[0, -1]]]
+    value = f"{first:.3g} → {last:.3g} (η = {low:g} → {high:g})"
+    return sign * slope > SIGMAS * error, value, f"slope {slope:.2g} ± {error:.1g}"
 
 
 def _listed(v, rows, values, form="{:.2f}"):
@@ -168,7 +169,11 @@ def _(all_):
     return _all(v, range(len(away)), agrees, v["sin_phi"], v["sin_phi_error"])
 
 
-@claim("O2", "P(θ) is isotropic after compaction", "|a_c| below 0.05, a tenth of that of the critical state, or 3 √(2/C), that of C independent directions")
+@claim(
+    "O2",
+    "P(θ) is isotropic after compaction",
+    "|a_c| below 0.05, a tenth of that of the critical state, or 3 √(2/C), that of C independent directions",
+)
 def _(all_):
     v = all_["O2"]
     if not np.isfinite(v["a_c"]).all():
@@ -176,7 +181,11 @@ def _(all_):
     return _all(v, range(len(v["eta"])), v["a_c"] <= np.maximum(0.05, 3 * v["a_c_error"]), v["a_c"], v["a_c_error"])
 
 
-@claim("O2", "frictionless packings are isostatic: Z = 4 for discs, Z_c = 6 for long particles (each ss twice)", "within 5 %, η = 0 and η ≥ 0.3")
+@claim(
+    "O2",
+    "frictionless packings are isostatic: Z = 4 for discs, Z_c = 6 for long particles (each ss twice)",
+    "within 5 %, η = 0 and η ≥ 0.3",
+)
 def _(all_):
     v = all_["O2"]
     rows = [*_rows(v, 0, 0, 0), *_rows(v, 0.3, 1, 0)]
@@ -193,7 +202,8 @@ def _(all_):
         _rows(v, low, high)
     if not np.isfinite(v["packing_fraction"]).all():
         raise NotTested("no isotropic.h5")
-    return 0.3 - 1e-9 <= v["eta"][np.argmax(v["packing_fraction"])] <= 0.5 + 1e-9, _listed(v, range(len(v["eta"])), v["packing_fraction"], "{:.3f}"), ""
+    densest = v["eta"][np.argmax(v["packing_fraction"])]
+    return 0.3 - 1e-9 <= densest <= 0.5 + 1e-9, _listed(v, range(len(v["eta"])), v["packing_fraction"], "{:.3f}"), ""
 
 
 # --- forces -------------------------------------------------------------------------------------------------------------
@@ -236,7 +246,11 @@ def _(all_):
     return _ends(all_["O5"], "friction_mobilization", 0.4, 0.6, 0.05)
 
 
-@claim("O6", "mobilised contacts (I_m > 0.99) belong mostly to the weak network", "a larger share of them is weak than of all contacts, at every η")
+@claim(
+    "O6",
+    "mobilised contacts (I_m > 0.99) belong mostly to the weak network",
+    "a larger share of them is weak than of all contacts, at every η",
+)
 def _(all_):
     v, weak = all_["O5"], all_["O3"]["weak_fraction"]
     if not np.isfinite(v["mobilized_weak_share"]).all():
@@ -277,12 +291,17 @@ def _(all_):
     return slope < 0 and r2 >= 0.8, value, f"slope {error:.1g}"
 
 
-@claim("O8", "long particles: a class of contacts close to I_m = 1 stands out", "at the largest η ≥ 0.5 P(I_m) of the last class is over twice the mean of the others")
+@claim(
+    "O8",
+    "long particles: a class of contacts close to I_m = 1 stands out",
+    "at the largest η ≥ 0.5 P(I_m) of the last class is over twice the mean of the others",
+)
 def _(all_):
     v = all_["O8"]
     row = _rows(v, 0.5, 1)[-1]
     pdf = v["pdf"][row]
-    return pdf[-1] > 2 * pdf[:-1].mean(), f"{pdf[-1]:.2f} against {pdf[:-1].mean():.2f} (η = {v['eta'][row]:g})", _errors(v["pdf_error"][row, -1])
+    last, others = pdf[-1], pdf[:-1].mean()
+    return last > 2 * others, f"{last:.2f} against {others:.2f} (η = {v['eta'][row]:g})", _errors(v["pdf_error"][row, -1])
 
 
 @claim("O9", "chains of particles with side-side contacts, of like orientation", "a map: to be looked at")
@@ -317,8 +336,9 @@ def _modes(all_, where, sign):
     if sign:
         slope, error = _slope(v["eta"][rows], heights)
         agrees &= sign * slope > SIGMAS * error
-    value = "at ℓ_r (height): " + ", ".join(f"{at:.2f} ({height:.2f})" for at, height, _ in modes) + f" for η = {', '.join(f'{e:g}' for e in v['eta'][rows])}"
-    return agrees, value, f"height ≤ {_known(v['pdf_error'][rows]).max():.1g}"
+    listed = ", ".join(f"{at:.2f} ({height:.2f})" for at, height, _ in modes)
+    etas = ", ".join(f"{eta:g}" for eta in v["eta"][rows])
+    return agrees, f"at ℓ_r (height): {listed} for η = {etas}", f"height ≤ {_known(v['pdf_error'][rows]).max():.1g}"
 
 
 @claim("O10", "P(ℓ_r) has a mode at 1 − η that grows with η", "a local maximum there at every η ≥ 0.2, rising beyond two errors")
@@ -355,7 +375,8 @@ def _sign_change(name):
 
 
 for name, label in (("c_f_lr", "C(f, ℓ_r)"), ("c_f_l", "C(f, ℓ)")):
-    claim("O12", f"{label} is positive for η ≤ 0.3, negative above", "its sign, within two errors, at every η (discs have no ℓ_r)")(_sign_change(name))
+    statement = f"{label} is positive for η ≤ 0.3, negative above"
+    claim("O12", statement, "its sign, within two errors, at every η (discs have no ℓ_r)")(_sign_change(name))
 
 
 @claim("O12", "down to −0.22", "smaller of the two at η = 0.7 within 0.05 or two errors of −0.22")
@@ -366,7 +387,11 @@ def _(all_):
     return abs(value + 0.22) <= max(0.05, SIGMAS * np.nan_to_num(error)), f"{value:.3f}", _errors(error)
 
 
-@claim("O13", "force above the mean for side-side contacts, well below it for aligned cap-cap ones", "first class of ℓ_r above 1, last below 0.8, at every η ≥ 0.4")
+@claim(
+    "O13",
+    "force above the mean for side-side contacts, well below it for aligned cap-cap ones",
+    "first class of ℓ_r above 1, last below 0.8, at every η ≥ 0.4",
+)
 def _(all_):
     v = all_["O13"]
     rows = _rows(v, 0.4, 1)
@@ -387,7 +412,11 @@ def _(all_):
 # --- anisotropies -------------------------------------------------------------------------------------------------------
 
 
-@claim("O14", "at η = 0.5 P(θ, ξ) has the axis of σ₁ for every ξ", "axis of its Fourier fit within 10° or two errors of θσ for each ξ shown")
+@claim(
+    "O14",
+    "at η = 0.5 P(θ, ξ) has the axis of σ₁ for every ξ",
+    "axis of its Fourier fit within 10° or two errors of θσ for each ξ shown",
+)
 def _(all_):
     v = all_["O14"]
     row = _row(v, 0.5)
@@ -405,7 +434,11 @@ def _(all_):
     return rises.all() and amplitude[-1] > amplitude[0], ", ".join(f"{a:.2f}" for a in amplitude), f"≤ {error.max():.1g}"
 
 
-@claim("O15", "discs: a_c(ξ) negative with its extremum at ξ ≈ 1, then positive", "lowest at ξ in [0.7, 1.3] and below 0 by two errors; positive at the end")
+@claim(
+    "O15",
+    "discs: a_c(ξ) negative with its extremum at ξ ≈ 1, then positive",
+    "lowest at ξ in [0.7, 1.3] and below 0 by two errors; positive at the end",
+)
 def _(all_):
     v = all_["O15"]
     row = _row(v, 0)
@@ -471,7 +504,11 @@ def _(all_):
     return bool((value >= -SIGMAS * error).all()), f"{value.min():.3f}", f"≤ {error.max():.1g}"
 
 
-@claim("O17", "η > 0: a_fn(ξ) negative for ξ < 1 with its extremum at ξ = 1", "lowest at ξ in [0.9, 1.1] and below 0 by two errors, for every η > 0 (ξ given)")
+@claim(
+    "O17",
+    "η > 0: a_fn(ξ) negative for ξ < 1 with its extremum at ξ = 1",
+    "lowest at ξ in [0.9, 1.1] and below 0 by two errors, for every η > 0 (ξ given)",
+)
 def _(all_):
     v = all_["O17"]
     rows = _rows(v, 0.01, 1)
@@ -516,7 +553,11 @@ def _(all_):
     return _all(v, range(len(value)), value - SIGMAS * error < 0.1, value, error)
 
 
-@claim("O18", "half-sum of the anisotropies fits q(ξ)/p at every ξ", "difference below 10 % of q(∞)/p at every ξ and η (largest share given)")
+@claim(
+    "O18",
+    "half-sum of the anisotropies fits q(ξ)/p at every ξ",
+    "difference below 10 % of q(∞)/p at every ξ and η (largest share given)",
+)
 def _(all_):
     v = all_["O18"]
     share = np.abs(v["closure"]).max(axis=1) / np.abs(v["q_over_p"][:, -1])

@@ -140,7 +140,8 @@ def plot_types(network, ax=None):
 
 
 def _force_keys():
-    return [Line2D([], [], color=STRONG, lw=2), Line2D([], [], color=WEAK, lw=1)], [r"$f_n > \langle f_n\rangle$", r"$f_n < \langle f_n\rangle$"]
+    keys = [Line2D([], [], color=STRONG, lw=2), Line2D([], [], color=WEAK, lw=1)]
+    return keys, [r"$f_n > \langle f_n\rangle$", r"$f_n < \langle f_n\rangle$"]
 
 
 def _mobilization_keys():

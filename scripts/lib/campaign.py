@@ -34,7 +34,8 @@ def arguments():
                         help="elongations, with commas or spaces between them (default 0,0.1,…,0.7)")  # fmt: skip
     parser.add_argument("--seeds", type=numbers(int), nargs="+", metavar="SEED", default=[[1]], help="seeds, likewise (default 1)")
     parser.add_argument("--strain", type=float, default=0.5, metavar="E", help="of the shear (default %(default)s)")
-    parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)), metavar="N", help="processors to use (default all: %(default)s)")
+    processors = len(os.sched_getaffinity(0))
+    parser.add_argument("--jobs", type=int, default=processors, metavar="N", help="processors to use (default all: %(default)s)")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder of the runs and the report, made if missing")
     options = parser.parse_args(own)
     options.etas = sorted({eta for part in options.etas for eta in part})

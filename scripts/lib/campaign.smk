@@ -49,7 +49,8 @@ for eta in ETAS:
             flock $lock
             resume=
             [ ! -e {params.folder}/checkpoint.yade.gz ] || resume=--resume
-            exec setpriv --pdeathsig KILL {SCRIPTS}/yade-rcr -n -x -j {threads} {SCRIPTS}/biaxial.py --eta {params.eta} --seed {wildcards.seed} \
-                --particles {config[particles]} --strain {config[strain]} --threads {threads} --out {params.folder} $resume \
+            exec setpriv --pdeathsig KILL {SCRIPTS}/yade-rcr -n -x -j {threads} {SCRIPTS}/biaxial.py \
+                --eta {params.eta} --seed {wildcards.seed} --particles {config[particles]} --strain {config[strain]} \
+                --threads {threads} --out {params.folder} $resume \
                 >{params.folder}/log 2>&1
             """

@@ -69,7 +69,8 @@ def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5
     theta = directions(rng, contacts, a_c, axis)
     cos, sin = np.cos(2 * (theta - axis)), np.sin(2 * (theta - axis))
     fn = rng.exponential(1, contacts) * (1 + a_fn * cos)
-    along = np.clip(rng.uniform(-0.3, 0.3, contacts) + a_ft * sin / (1 + a_fn * cos), -friction, friction) if friction else np.zeros(contacts)
+    along = rng.uniform(-0.3, 0.3, contacts) + a_ft * sin / (1 + a_fn * cos)
+    along = np.clip(along, -friction, friction)
     branch = np.column_stack([1 - eta * rng.uniform(0, 0.5, contacts), eta * rng.uniform(-0.2, 0.2, contacts)]) * 2
     one = rng.integers(0, particles_, contacts)
     grains = particles(particles_) | dict(position=rng.uniform(0, 30, (particles_, 2)), angle=rng.uniform(0, np.pi, particles_))

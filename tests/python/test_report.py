@@ -8,10 +8,13 @@ import re
 import subprocess
 import sys
 
-import matplotlib.colors
 import numpy as np
 import pytest
+
+matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysis do without
+
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex
 from rcr import analysis, figures, maps
 from rcr.paper import MAPS, STATEMENTS, nearest
 from rcr.runs import Run
@@ -23,9 +26,8 @@ SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "network.py"
 
 def network_script(*arguments):
     """The script as this Python runs it; it must not look for another one."""
-    return subprocess.run(
-        [sys.executable, SCRIPT, *map(str, arguments)], capture_output=True, text=True, timeout=120, env=os.environ | {"YADE_RCR_WAY": "test"}
-    )
+    command = [sys.executable, SCRIPT, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=os.environ | {"YADE_RCR_WAY": "test"})
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +55,8 @@ def test_script_writes_everything(written):
     content = json.loads((out / "analysis.json").read_text())
     assert list(content) == list(STATEMENTS)
     names = [*figures.FIGURES, *(name.removesuffix(".png") for key in MAPS for name in content[key]["value"]["files"])]
-    assert {path.name for path in out.iterdir()} == {"analysis.json", "report.html", "table.md"} | {f"{n}.{s}" for n in names for s in ("png", "pdf")}
+    pictures = {f"{name}.{suffix}" for name in names for suffix in ("png", "pdf")}
+    assert {path.name for path in out.iterdir()} == {"analysis.json", "report.html", "table.md"} | pictures
     assert content["O2"]["value"]["files"] == ["O2-eta-0.png", "O2-eta-0.5.png"]
     assert set(STATEMENTS) <= {name.split("-")[0] for name in names}
 
@@ -103,8 +106,8 @@ def test_plots_read_the_file_as_well(result):
 
 def test_an_elongation_has_one_colour(result):
     ax = figures.plot_xi(result["O15"]["value"], "a_c", "a_c")
-    drawn = [matplotlib.colors.to_hex(line.get_color()) for line in ax.lines if line.get_label().startswith(r"$\eta")]
-    assert drawn == [matplotlib.colors.to_hex(figures.color(eta)) for eta in (0, 0.5)]
+    drawn = [to_hex(line.get_color()) for line in ax.lines if line.get_label().startswith(r"$\eta")]
+    assert drawn == [to_hex(figures.color(eta)) for eta in (0, 0.5)]
 
 
 def test_maps_are_a_few_collections():

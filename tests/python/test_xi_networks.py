@@ -18,7 +18,8 @@ def by_loops(network, xi):
     part, whole = ({name: zero.copy() for name in ("n", "ln", "l", "fn", "f", "s")} for _ in range(2))
     inside = 0
     for n, f, b, fn in rows:
-        tensors = dict(n=np.outer(n, n), ln=(b @ n) * np.outer(n, n), l=np.outer(n, b), fn=fn * np.outer(n, n), f=np.outer(n, f), s=np.outer(f, b))
+        nn = np.outer(n, n)
+        tensors = dict(n=nn, ln=(b @ n) * nn, l=np.outer(n, b), fn=fn * nn, f=np.outer(n, f), s=np.outer(f, b))
         for name, tensor in tensors.items():
             whole[name] += tensor
             if fn <= xi * mean:
@@ -43,7 +44,8 @@ def test_equals_the_loop_over_contacts(xi):
 
 def test_all_cutoffs_at_once():
     partial = random_network(1000).xi_networks()
-    together = np.array([*partial.anisotropies(np.array(CUTOFFS)), partial.shear_stress_ratio(np.array(CUTOFFS)), partial.share(np.array(CUTOFFS))])
+    cutoffs = np.array(CUTOFFS)
+    together = np.array([*partial.anisotropies(cutoffs), partial.shear_stress_ratio(cutoffs), partial.share(cutoffs)])
     alone = np.array([[*partial.anisotropies(xi), partial.shear_stress_ratio(xi), partial.share(xi)] for xi in CUTOFFS]).T
     assert np.array_equal(together, alone)
     assert together[:, 0] == pytest.approx(np.zeros(7), abs=0) and together[-1, -1] == 1  # nothing at ξ = 0, all at ∞
