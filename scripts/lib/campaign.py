@@ -78,7 +78,8 @@ def failure(out):
     """One line on the runs that failed: the last line of each of their logs."""
     failed = [path for path in sorted(out.glob("runs/*/log")) if not (path.parent / "summary.json").exists()]
     reasons = "; ".join(f"{path}: {last_line(path)}" for path in failed)
-    return f"not complete{': ' + reasons if reasons else ', see above'}; the same command goes on from here"
+    what = f": {reasons}; scripts/network.py analyses the tests that are complete" if reasons else ", see above"
+    return f"not complete{what}; the same command goes on from here"
 
 
 def main():
