@@ -195,9 +195,11 @@ def _anisotropies(e, grids, vector, normal, tangential, which):
 
 
 def shear_stress(e, grids):
+    """q(ξ)/p, the half-sum, their difference, and what makes it: κ q(ξ)/p = half-sum + cross products exactly."""
     xi_networks = e.xi_networks()
     ratio, half_sum = xi_networks.shear_stress_ratio(grids.xi), 0.5 * np.sum(xi_networks.anisotropies(grids.xi), axis=0)
-    return dict(q_over_p=ratio, half_sum=half_sum, closure=half_sum - ratio)
+    neglected = dict(cross_products=xi_networks.cross_products(grids.xi), pressure_factor=xi_networks.pressure_factor())
+    return dict(q_over_p=ratio, half_sum=half_sum, closure=half_sum - ratio) | neglected
 
 
 MEASURES = dict(  # of one ensemble, and the grids that belong to its arrays by their names in analysis.json

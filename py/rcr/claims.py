@@ -422,7 +422,7 @@ def _(all_):
     row = _row(v, 0.5)
     away, error = np.degrees(v["off_axis"][row]), np.degrees(_known(v["off_axis_error"][row]))
     agrees = (np.abs(away) <= np.maximum(10, SIGMAS * error)).all()
-    return agrees, ", ".join(f"{a:.1f}° (ξ = {xi:g})" for a, xi in zip(away, [*v["xi"][:-1], np.inf])), f"≤ {error.max():.1g}°"
+    return agrees, ", ".join(f"{a:.1f}° (ξ = {xi})" for a, xi in zip(away, [*(f"{xi:g}" for xi in v["xi"][:-1]), "∞"])), f"≤ {error.max():.1g}°"
 
 
 @claim("O14", "at η = 0.5 its anisotropy grows with ξ", "amplitude of each ξ shown not below that of the one before by two errors")

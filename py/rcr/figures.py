@@ -277,7 +277,7 @@ def plot_polar(theta, rows, fits, labels, ax=None):
 def _polar_style(ax, labels_at=None):
     """Radial labels at an angle [°], only in the outer half, where they cover nothing; none without an angle."""
     top = ax.get_ylim()[1]
-    ticks = [tick for tick in matplotlib.ticker.MaxNLocator(4).tick_values(0, top) if 0 < tick < 0.92 * top]
+    ticks = [tick for tick in matplotlib.ticker.MaxNLocator(4).tick_values(0, top) if 0 < tick < 0.85 * top]
     shown = [f"{tick:g}" if labels_at is not None and tick > 0.45 * top else "" for tick in ticks]
     ax.set_yticks(ticks, shown)
     ax.set_rlabel_position(labels_at or 0)

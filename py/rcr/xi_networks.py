@@ -57,3 +57,17 @@ class XiNetworks:
     def shear_stress_ratio(self, xi=np.inf):
         """q(ξ)/p, p of the whole network [-; paper, eq. sigma_xi], of the shape of ξ."""
         return self._deviators(xi)[5]
+
+    def pressure_factor(self):
+        """κ = Σ f·ℓ/(C ⟨f_n⟩⟨ℓ_n⟩) [-]: 1 but for the correlation of force and branch vector, which the half-sum neglects."""
+        count, _, branch, _, force, pressure = self._traces
+        return pressure * count / (force * branch)
+
+    def cross_products(self, xi=np.inf):
+        """What else the half-sum neglects, of the shape of ξ [-].
+
+        With f = ⟨f_n⟩(1 + φ) and ℓ = ⟨ℓ_n⟩(1 + λ), φ and λ complex, it is X(ξ) = (1/C) Re Σ_{S(ξ)} φ λ e^{2iθ}, and exactly
+        κ q(ξ)/p = ½ (a_c + a_ln + a_lt + a_fn + a_ft) + X(ξ)  [paper, eqs. isig2_xi and q_p_aniso2_xi].
+        """
+        contact, _, branch, _, force, stress = self._deviators(xi)
+        return self.pressure_factor() * stress - force - branch + contact

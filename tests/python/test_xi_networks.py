@@ -42,6 +42,21 @@ def test_equals_the_loop_over_contacts(xi):
     assert (*test.anisotropies(xi), test.shear_stress_ratio(xi), np.trace(test.fabric(xi))) == pytest.approx(measured, abs=1e-12)
 
 
+@pytest.mark.parametrize("xi", CUTOFFS)
+def test_half_sum_and_what_it_neglects(xi):
+    """X(ξ) from its definition, contact by contact; κ q(ξ)/p = half-sum + X(ξ)."""
+    test = random_network(1000)
+    n, _, branch, force = test.local_components()
+    theta = np.arctan2(n[:, 1], n[:, 0]) - test.stress_angle()
+    phi, lam = ((v[:, 0] + 1j * v[:, 1]) / v[:, 0].mean() - 1 for v in (force, branch))
+    inside = force[:, 0] <= xi * force[:, 0].mean()
+    partial = test.xi_networks()
+    assert partial.cross_products(xi) == pytest.approx((phi * lam * np.exp(2j * theta))[inside].sum().real / len(n), abs=1e-12)
+    factor = np.einsum("ck,ck->", force, branch) / (len(n) * force[:, 0].mean() * branch[:, 0].mean())
+    half_sum = 0.5 * sum(partial.anisotropies(xi))
+    assert factor * partial.shear_stress_ratio(xi) == pytest.approx(half_sum + partial.cross_products(xi), abs=1e-12)
+
+
 def test_all_cutoffs_at_once():
     partial = random_network(1000).xi_networks()
     cutoffs = np.array(CUTOFFS)
