@@ -372,7 +372,7 @@ def _four(vector, names, symbols, titles):
         polar = [upper.add_subplot(1, 2, k + 1, projection="polar") for k in range(2)]
         for ax, suffix, title in zip(polar, "nt", titles):
             plot_vector_directions(value, f"{vector}_{suffix}", sigma, ax)
-            ax.set_title(rf"{title}, $\eta = {value['eta'][row]:g}$", fontsize=8)
+            ax.set_title(rf"{title}, $\eta = {value['eta'][row]:g}$" + (" (open: negative)" if suffix == "t" else ""), fontsize=8)
         upper.legend(*polar[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
         axes = lower.subplots(1, 2)
         for ax, name, symbol in zip(axes, names, symbols):
