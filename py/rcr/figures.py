@@ -163,7 +163,7 @@ def plot_force_power(value, ax=None, suffix="n"):
 def plot_mobilization(value, ax=None):
     """I_M(η) [O5]."""
     ax = _by_eta(value, "friction_mobilization", _axes(ax))
-    ax.set(ylabel=r"$I_M$", ylim=(0.3, 0.8))
+    ax.set(ylabel=r"$I_M$", ylim=(0, 1))
     return ax
 
 
