@@ -37,7 +37,7 @@ INERTIAL_NUMBER = 2.5e-4  # quasi-static: the net force of a grain in a single s
 RAMP = 0.002  # strain over which the top wall takes up its velocity
 BALANCED = 1e-3  # mean net force of a grain over the mean contact force, at the end of the compaction
 ISOTROPIC = 1e-2  # largest relative deviation of the wall stresses from σ₀, likewise
-REST_TOLERANCE = 0.01  # residual of the solver while the packing comes to rest, over the balance wanted: its errors must stay below
+REST_TOLERANCE = 0.01  # residual of the solver over the net forces that are left, while the packing comes to rest: its errors must stay below
 PATIENCE = 2000  # time units after which a compaction that has not come to rest is given up
 RECORD = 1e-3  # strain between two rows of the history
 COLUMNS = "step time strain sin_phi stress_x stress_y packing_fraction points iterations residual".split()
@@ -228,9 +228,9 @@ class Biaxial:
             if self.progress["phase"] == "collapse" and stresses.min() > 0.5:
                 self.progress["phase"] = "rest"
                 self.progress["tolerance"] = self.solver.tolerance
-                self.solver.tolerance = min(self.solver.tolerance, REST_TOLERANCE * balanced)
                 O.dt = REST_TIME_STEP * self.time_unit
             if self.progress["phase"] == "rest":
+                self.solver.tolerance = REST_TOLERANCE * min(0.1, max(self.solver.unbalance, balanced))
                 self._damp_kinetic_energy()
                 if self.solver.unbalance < balanced and np.abs(stresses - 1).max() < ISOTROPIC:
                     self._start_shear()
