@@ -1,8 +1,8 @@
 // N doubles side by side: one kernel source for scalars, AVX2 and AVX-512. All intrinsics of the project live here.
 //
 // Lane<1> is a double, Lane<4> an AVX2 and Lane<8> an AVX-512 register where the compiler may use them; any other width
-// is made of two halves. Every operation is one IEEE operation a lane, so the bits do not depend on the width (given
-// -ffp-contract=off).
+// is made of two halves. Every operation is one IEEE operation a lane, a product with its sum (FMA) too, so the bits do not
+// depend on the width (given -ffp-contract=off); without FMA in hardware the library computes the same bits, slowly.
 //
 // The same source is compiled once a width with other flags. RCR_LANE_NAMESPACE keeps those copies apart, or the linker
 // would keep one of them for all machines. For the same reason this file includes no library code that is inlined.
@@ -46,18 +46,22 @@ namespace RCR_LANE_NAMESPACE {
 		friend Lane    operator-(Lane a, Lane b) { return { a.low - b.low, a.high - b.high }; }
 		friend Lane    operator*(Lane a, Lane b) { return { a.low * b.low, a.high * b.high }; }
 		friend Lane    operator/(Lane a, Lane b) { return { a.low / b.low, a.high / b.high }; }
+		/// c + a b and c − a b, rounded once.
+		friend Lane    addProduct(Lane c, Lane a, Lane b) { return { addProduct(c.low, a.low, b.low), addProduct(c.high, a.high, b.high) }; }
+		friend Lane    subtractProduct(Lane c, Lane a, Lane b)
+		{
+			return { subtractProduct(c.low, a.low, b.low), subtractProduct(c.high, a.high, b.high) };
+		}
 		friend Mask<N> operator<=(Lane a, Lane b) { return { a.low <= b.low, a.high <= b.high }; }
+		/// a < b ? a : b and a > b ? a : b, also for zeros of either sign.
+		friend Lane    min(Lane a, Lane b) { return { min(a.low, b.low), min(a.high, b.high) }; }
+		friend Lane    max(Lane a, Lane b) { return { max(a.low, b.low), max(a.high, b.high) }; }
 		friend Lane    abs(Lane a) { return { abs(a.low), abs(a.high) }; }
 		/// The size of a with the sign of b.
 		friend Lane copySign(Lane a, Lane b) { return { copySign(a.low, b.low), copySign(a.high, b.high) }; }
 		friend Lane select(Mask<N> m, Lane yes, Lane no) { return { select(m.low, yes.low, no.low), select(m.high, yes.high, no.high) }; }
 		/// 0 where m holds, else a.
 		friend Lane zeroWhere(Mask<N> m, Lane a) { return { zeroWhere(m.low, a.low), zeroWhere(m.high, a.high) }; }
-		/// `below` where the sign bit of a is set, else `above`.
-		friend Lane bySign(Lane a, Lane above, Lane below)
-		{
-			return { bySign(a.low, above.low, below.low), bySign(a.high, above.high, below.high) };
-		}
 	};
 
 	template <> struct Mask<1> {
@@ -90,12 +94,15 @@ namespace RCR_LANE_NAMESPACE {
 		friend Lane    operator-(Lane a, Lane b) { return a.value - b.value; }
 		friend Lane    operator*(Lane a, Lane b) { return a.value * b.value; }
 		friend Lane    operator/(Lane a, Lane b) { return a.value / b.value; }
+		friend Lane    addProduct(Lane c, Lane a, Lane b) { return __builtin_fma(a.value, b.value, c.value); }
+		friend Lane    subtractProduct(Lane c, Lane a, Lane b) { return __builtin_fma(-a.value, b.value, c.value); }
 		friend Mask<1> operator<=(Lane a, Lane b) { return { a.value <= b.value ? ~std::uint64_t(0) : 0 }; }
+		friend Lane    min(Lane a, Lane b) { return a.value < b.value ? a.value : b.value; }
+		friend Lane    max(Lane a, Lane b) { return a.value > b.value ? a.value : b.value; }
 		friend Lane    abs(Lane a) { return __builtin_fabs(a.value); }
 		friend Lane    copySign(Lane a, Lane b) { return __builtin_copysign(a.value, b.value); }
 		friend Lane    select(Mask<1> m, Lane yes, Lane no) { return fromBits((bitsOf(yes.value) & m.value) | (bitsOf(no.value) & ~m.value)); }
 		friend Lane    zeroWhere(Mask<1> m, Lane a) { return fromBits(bitsOf(a.value) & ~m.value); }
-		friend Lane    bySign(Lane a, Lane above, Lane below) { return select({ std::uint64_t(0) - (bitsOf(a.value) >> 63) }, below, above); }
 	};
 
 #if defined(__AVX2__)
@@ -115,7 +122,11 @@ namespace RCR_LANE_NAMESPACE {
 		friend Lane    operator-(Lane a, Lane b) { return _mm256_sub_pd(a.value, b.value); }
 		friend Lane    operator*(Lane a, Lane b) { return _mm256_mul_pd(a.value, b.value); }
 		friend Lane    operator/(Lane a, Lane b) { return _mm256_div_pd(a.value, b.value); }
+		friend Lane    addProduct(Lane c, Lane a, Lane b) { return _mm256_fmadd_pd(a.value, b.value, c.value); }
+		friend Lane    subtractProduct(Lane c, Lane a, Lane b) { return _mm256_fnmadd_pd(a.value, b.value, c.value); }
 		friend Mask<4> operator<=(Lane a, Lane b) { return { _mm256_cmp_pd(a.value, b.value, _CMP_LE_OQ) }; }
+		friend Lane    min(Lane a, Lane b) { return _mm256_min_pd(a.value, b.value); }
+		friend Lane    max(Lane a, Lane b) { return _mm256_max_pd(a.value, b.value); }
 		friend Lane    abs(Lane a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a.value); }
 		friend Lane    copySign(Lane a, Lane b)
 		{
@@ -124,7 +135,6 @@ namespace RCR_LANE_NAMESPACE {
 		}
 		friend Lane select(Mask<4> m, Lane yes, Lane no) { return _mm256_blendv_pd(no.value, yes.value, m.value); }
 		friend Lane zeroWhere(Mask<4> m, Lane a) { return _mm256_andnot_pd(m.value, a.value); }
-		friend Lane bySign(Lane a, Lane above, Lane below) { return _mm256_blendv_pd(above.value, below.value, a.value); }
 	};
 #endif
 
@@ -148,7 +158,11 @@ namespace RCR_LANE_NAMESPACE {
 		friend Lane    operator-(Lane a, Lane b) { return _mm512_sub_pd(a.value, b.value); }
 		friend Lane    operator*(Lane a, Lane b) { return _mm512_mul_pd(a.value, b.value); }
 		friend Lane    operator/(Lane a, Lane b) { return _mm512_div_pd(a.value, b.value); }
+		friend Lane    addProduct(Lane c, Lane a, Lane b) { return _mm512_fmadd_pd(a.value, b.value, c.value); }
+		friend Lane    subtractProduct(Lane c, Lane a, Lane b) { return _mm512_fnmadd_pd(a.value, b.value, c.value); }
 		friend Mask<8> operator<=(Lane a, Lane b) { return { _mm512_cmp_pd_mask(a.value, b.value, _CMP_LE_OQ) }; }
+		friend Lane    min(Lane a, Lane b) { return _mm512_min_pd(a.value, b.value); }
+		friend Lane    max(Lane a, Lane b) { return _mm512_max_pd(a.value, b.value); }
 		friend Lane    abs(Lane a) { return _mm512_abs_pd(a.value); }
 		friend Lane    copySign(Lane a, Lane b)
 		{
@@ -158,10 +172,6 @@ namespace RCR_LANE_NAMESPACE {
 		}
 		friend Lane select(Mask<8> m, Lane yes, Lane no) { return _mm512_mask_blend_pd(m.value, no.value, yes.value); }
 		friend Lane zeroWhere(Mask<8> m, Lane a) { return _mm512_mask_blend_pd(m.value, a.value, _mm512_setzero_pd()); }
-		friend Lane bySign(Lane a, Lane above, Lane below)
-		{
-			return _mm512_mask_blend_pd(_mm512_cmpgt_epi64_mask(_mm512_setzero_si512(), _mm512_castpd_si512(a.value)), above.value, below.value);
-		}
 	};
 #endif
 
@@ -174,55 +184,88 @@ namespace RCR_LANE_NAMESPACE {
 
 	/// Where the records of N bodies are.
 	template <int N> struct Places {
-		BodyRecord* at[N];
+		BodyRecord*          body;
+		const std::uint32_t* offset;
 
-		Places(BodyRecord* body, const std::int32_t* index)
-		{
-			for (int i = 0; i < N; ++i)
-				at[i] = body + index[i];
-		}
+		BodyRecord&   operator[](int i) const { return recordAt(body, offset[i]); }
+		Places<N / 2> low() const { return { body, offset }; }
+		Places<N / 2> high() const { return { body, offset + N / 2 }; }
 	};
 
-	template <int N> inline Bodies<N> loadBodies(BodyRecord* const* at)
+	template <int N> inline Bodies<N> loadBodies(const Places<N>& at)
 	{
-		if constexpr (N == 1) return { (*at)->x, (*at)->y, (*at)->spin, (*at)->inverseMass };
+		if constexpr (N == 1) return { at[0].x, at[0].y, at[0].spin, at[0].inverseMass };
 		else {
-			const Bodies<N / 2> low = loadBodies<N / 2>(at), high = loadBodies<N / 2>(at + N / 2);
+			const Bodies<N / 2> low = loadBodies<N / 2>(at.low()), high = loadBodies<N / 2>(at.high());
 			return { { low.x, high.x }, { low.y, high.y }, { low.spin, high.spin }, { low.inverseMass, high.inverseMass } };
 		}
 	}
 
 	/// Back to where they were; the bodies must be distinct.
-	template <int N> inline void storeBodies(const Bodies<N>& v, BodyRecord* const* at)
+	template <int N> inline void storeBodies(const Bodies<N>& v, const Places<N>& at)
 	{
-		if constexpr (N == 1) **at = { v.x.value, v.y.value, v.spin.value, v.inverseMass.value };
+		if constexpr (N == 1) at[0] = { v.x.value, v.y.value, v.spin.value, v.inverseMass.value };
 		else {
-			storeBodies<N / 2>({ lowHalf(v.x), lowHalf(v.y), lowHalf(v.spin), lowHalf(v.inverseMass) }, at);
-			storeBodies<N / 2>({ highHalf(v.x), highHalf(v.y), highHalf(v.spin), highHalf(v.inverseMass) }, at + N / 2);
+			storeBodies<N / 2>({ lowHalf(v.x), lowHalf(v.y), lowHalf(v.spin), lowHalf(v.inverseMass) }, at.low());
+			storeBodies<N / 2>({ highHalf(v.x), highHalf(v.y), highHalf(v.spin), highHalf(v.inverseMass) }, at.high());
 		}
 	}
 
 #if defined(__AVX2__)
-	template <> inline Bodies<4> loadBodies<4>(BodyRecord* const* at)
+	template <> inline Bodies<4> loadBodies<4>(const Places<4>& at)
 	{
 		// (x, y) of records 0 | 2 and 1 | 3, then unpack; the same for (spin, 1/m)
 		const auto halves = [&](int i, int part) __attribute__((always_inline)) {
-			return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(&at[i]->x + part)), _mm_load_pd(&at[i + 2]->x + part), 1);
+			return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(&at[i].x + part)), _mm_load_pd(&at[i + 2].x + part), 1);
 		};
 		const __m256d v02 = halves(0, 0), v13 = halves(1, 0), w02 = halves(0, 2), w13 = halves(1, 2);
 		return { _mm256_unpacklo_pd(v02, v13), _mm256_unpackhi_pd(v02, v13), _mm256_unpacklo_pd(w02, w13), _mm256_unpackhi_pd(w02, w13) };
 	}
 
-	template <> inline void storeBodies<4>(const Bodies<4>& v, BodyRecord* const* at)
+	template <> inline void storeBodies<4>(const Bodies<4>& v, const Places<4>& at)
 	{
 		const auto put = [&](__m256d pair, int i, int part) __attribute__((always_inline)) {
-			_mm_store_pd(&at[i]->x + part, _mm256_castpd256_pd128(pair));
-			_mm_store_pd(&at[i + 2]->x + part, _mm256_extractf128_pd(pair, 1));
+			_mm_store_pd(&at[i].x + part, _mm256_castpd256_pd128(pair));
+			_mm_store_pd(&at[i + 2].x + part, _mm256_extractf128_pd(pair, 1));
 		};
 		put(_mm256_unpacklo_pd(v.x.value, v.y.value), 0, 0);
 		put(_mm256_unpackhi_pd(v.x.value, v.y.value), 1, 0);
 		put(_mm256_unpacklo_pd(v.spin.value, v.inverseMass.value), 0, 2);
 		put(_mm256_unpackhi_pd(v.spin.value, v.inverseMass.value), 1, 2);
+	}
+#endif
+
+#if defined(__AVX512F__)
+	// Four 4×4 transposes at a time. The low half of a register takes one record, the high half another, so that every
+	// record is one load and one store.
+	template <> inline Bodies<8> loadBodies<8>(const Places<8>& at)
+	{
+		const auto two = [&](int low, int high) __attribute__((always_inline)) {
+			return _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(&at[low].x)), _mm256_load_pd(&at[high].x), 1);
+		};
+		// (x₀ x₁ s₀ s₁ x₂ x₃ s₂ s₃), likewise with y and 1/m, and the same of the upper four
+		const __m512d v02 = two(0, 2), v13 = two(1, 3), v46 = two(4, 6), v57 = two(5, 7);
+		const __m512d xs0 = _mm512_unpacklo_pd(v02, v13), ym0 = _mm512_unpackhi_pd(v02, v13);
+		const __m512d xs4 = _mm512_unpacklo_pd(v46, v57), ym4 = _mm512_unpackhi_pd(v46, v57);
+		constexpr int even = 0x88, odd = 0xdd; // 128-bit parts 0, 2 or 1, 3 of both
+		return { _mm512_shuffle_f64x2(xs0, xs4, even), _mm512_shuffle_f64x2(ym0, ym4, even),
+			 _mm512_shuffle_f64x2(xs0, xs4, odd), _mm512_shuffle_f64x2(ym0, ym4, odd) };
+	}
+
+	template <> inline void storeBodies<8>(const Bodies<8>& v, const Places<8>& at)
+	{
+		const auto put = [&](__m512d pair, int low, int high) __attribute__((always_inline)) {
+			_mm256_store_pd(&at[low].x, _mm512_castpd512_pd256(pair));
+			_mm256_store_pd(&at[high].x, _mm512_extractf64x4_pd(pair, 1));
+		};
+		// (x₀ y₀ x₂ y₂ x₄ y₄ x₆ y₆) and so on; then a record is part i of both
+		const __m512d xy0 = _mm512_unpacklo_pd(v.x.value, v.y.value), xy1 = _mm512_unpackhi_pd(v.x.value, v.y.value);
+		const __m512d sm0 = _mm512_unpacklo_pd(v.spin.value, v.inverseMass.value), sm1 = _mm512_unpackhi_pd(v.spin.value, v.inverseMass.value);
+		const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+		put(_mm512_permutex2var_pd(xy0, low, sm0), 0, 2);
+		put(_mm512_permutex2var_pd(xy1, low, sm1), 1, 3);
+		put(_mm512_permutex2var_pd(xy0, high, sm0), 4, 6);
+		put(_mm512_permutex2var_pd(xy1, high, sm1), 5, 7);
 	}
 #endif
 

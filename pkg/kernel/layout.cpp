@@ -6,7 +6,7 @@ namespace rcr {
 
 namespace {
 
-	constexpr int chunkBlocks = 16; // 128 pairs, under a microsecond: small against a colour, large against sharing it
+	constexpr int chunkBlocks = 8; // 128 pairs, under a microsecond: small against a colour, large against sharing it
 
 	BodyKind kindOf(const InverseMass& m)
 	{
@@ -108,8 +108,8 @@ void Layout::makeBlocks()
 			pointBlocks_ += blocks * points;
 			if (row.pairs == blocks * blockWidth) continue;
 			for (int lane = row.pairs % blockWidth; lane < blockWidth; ++lane) {
-				pairBlocks_.back().body1[lane] = ownRecord();
-				pairBlocks_.back().body2[lane] = ownRecord();
+				pairBlocks_.back().body1[lane] = offsetOf(ownRecord());
+				pairBlocks_.back().body2[lane] = offsetOf(ownRecord());
 			}
 			for (int k = pointBlocks_ - points; k < pointBlocks_; ++k)
 				vacantBlocks_.push_back(k);
@@ -125,8 +125,8 @@ void Layout::place(Pair& pair, int color)
 	pair.slot       = row.nextSlot++;
 	const int block = pair.slot / blockWidth, lane = pair.slot % blockWidth;
 	pair.pointBlock = row.firstPoint + (block - row.firstBlock) * pair.points;
-	pairBlocks_[block].body1[lane] = kind_[pair.body1] == BodyKind::regular ? pair.body1 : ownRecord();
-	pairBlocks_[block].body2[lane] = kind_[pair.body2] == BodyKind::regular ? pair.body2 : ownRecord();
+	pairBlocks_[block].body1[lane] = offsetOf(kind_[pair.body1] == BodyKind::regular ? pair.body1 : ownRecord());
+	pairBlocks_[block].body2[lane] = offsetOf(kind_[pair.body2] == BodyKind::regular ? pair.body2 : ownRecord());
 }
 
 } // namespace rcr

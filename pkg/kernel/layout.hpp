@@ -21,7 +21,7 @@ struct Pair {
 	static constexpr std::int32_t outside = -1;
 
 	std::int32_t body1, body2, firstPoint, points;
-	std::int32_t slot;       // 8 · block + lane; or `outside` the colours: special bodies, bodies with too many contacts
+	std::int32_t slot;       // blockWidth · block + lane; or `outside` the colours: special bodies, bodies with too many contacts
 	std::int32_t pointBlock; // of its first point; the second is in the next
 };
 

@@ -1,8 +1,9 @@
 // Memory layout of the packed contact problem, and the kernels that work on it.
 //
-// Pairs of bodies stand in blocks of eight that share no free body, so eight lanes may solve them at once. A pair has one
-// or two contact points; both are solved while its bodies are in registers. A slot without a pair holds zeros, which
-// leave everything as it is.
+// Pairs of bodies stand in blocks of sixteen that share no free body, so as many lanes may solve them at once: two AVX-512
+// registers, since a point is a long chain of operations and one register alone would wait for it. A pair has one or two
+// contact points; both are solved while its bodies are in registers. A slot without a pair holds zeros, which leave
+// everything as it is.
 //
 // | symbol | field        | unit    | meaning                                                       |
 // |--------|--------------|---------|---------------------------------------------------------------|
@@ -13,23 +14,30 @@
 // | 1/w_nn | inverseNn    | kg      |                                                               |
 // | r      | ratio        | –       | w_nt / w_nn                                                   |
 // | 1/s    | inverseSchur | kg      | s = w_tt − w_nt²/w_nn                                          |
-// | d±     | slide…       | –       | 1/(1 ± µ r), as coulomb.hpp: negative where the face is flipped |
+// | d±     | slide…       | –       | µ/(1 ± µ r), the largest ±p_t/n₀; `unlimited` where 1 ± µ r ≤ 0: any p_t sticks |
 #pragma once
 
 #include <cstdint>
 
 namespace rcr {
 
-constexpr int blockWidth = 8;
+constexpr int    blockWidth = 16;
+constexpr double unlimited  = 1e300; // finite: 0 · unlimited is 0
 
 struct alignas(32) BodyRecord {
 	double x, y, spin, inverseMass;
 };
 
-/// Which records the eight pairs of a block join. A prescribed body has a record of its own in every slot.
+/// Which records the pairs of a block join, as offsets in bytes. A prescribed body has a record of its own in every slot.
 struct alignas(64) PairBlock {
-	std::int32_t body1[blockWidth], body2[blockWidth];
+	std::uint32_t body1[blockWidth], body2[blockWidth];
 };
+
+inline std::uint32_t offsetOf(std::int32_t record) { return record * std::uint32_t(sizeof(BodyRecord)); }
+inline BodyRecord&   recordAt(BodyRecord* first, std::uint32_t offset)
+{
+	return *reinterpret_cast<BodyRecord*>(reinterpret_cast<char*>(first) + offset);
+}
 
 /// One contact point of each pair of a block.
 struct alignas(64) PointBlock {

@@ -1,9 +1,10 @@
 // The inner loops of the sweep solvers. Compiled once for every lane width: RCR_LANES doubles at a time.
 //
 // Per point, with û_n = u_n + b_n and the symbols of packed_blocks.hpp, the solution of coulomb.hpp becomes
-//   n₀ = p_n + r p_t − û_n / w_nn            normal impulse without friction
-//   t  = p_t − (u_t − r û_n) / s             tangential impulse that stops sliding
-//   apart n₀ ≤ 0: 0;  stick |t| ≤ µ (n₀ − r t): (n₀ − r t, t);  else slide: n = n₀ d±, ± by the sign of t.
+//   n₀ = max(p_n + r p_t − û_n / w_nn, 0)    normal impulse without friction; 0 where the point opens
+//   t₀ = p_t − (u_t − r û_n) / s             tangential impulse that stops sliding
+//   p_t = t₀ clamped to n₀ [−d₋, d₊],  p_n = n₀ − r p_t
+// for |t| ≤ µ (n₀ − r t) says −n₀ d₋ ≤ t ≤ n₀ d₊, and a point that slides is at the end of that range.
 #include "lane.hpp"
 
 #define INLINE __attribute__((always_inline)) // lambdas of inner loops: a call costs as much as a tenth of a point
@@ -26,32 +27,33 @@ namespace RCR_LANE_NAMESPACE {
 		{
 			const L nx = L::load(c.nx + lane), ny = L::load(c.ny + lane);
 			const L x = v2.x - v1.x, y = v2.y - v1.y;
-			return { x * nx + y * ny + (v2.spin * L::load(c.turn2n + lane) - v1.spin * L::load(c.turn1n + lane)),
-				 y * nx - x * ny + (v2.spin * L::load(c.turn2t + lane) - v1.spin * L::load(c.turn1t + lane)) };
+			const L n = subtractProduct(v2.spin * L::load(c.turn2n + lane), v1.spin, L::load(c.turn1n + lane));
+			const L t = subtractProduct(v2.spin * L::load(c.turn2t + lane), v1.spin, L::load(c.turn1t + lane));
+			return { addProduct(addProduct(n, y, ny), x, nx), subtractProduct(addProduct(t, y, nx), x, ny) };
 		}
 
 		inline void applyImpulse(const PointBlock& c, int lane, const Vector& p, B& v1, B& v2)
 		{
 			const L nx = L::load(c.nx + lane), ny = L::load(c.ny + lane);
-			const L fx = p.n * nx - p.t * ny, fy = p.n * ny + p.t * nx;
-			v1.x    = v1.x - v1.inverseMass * fx;
-			v1.y    = v1.y - v1.inverseMass * fy;
-			v1.spin = v1.spin - v1.inverseMass * (p.n * L::load(c.turn1n + lane) + p.t * L::load(c.turn1t + lane));
-			v2.x    = v2.x + v2.inverseMass * fx;
-			v2.y    = v2.y + v2.inverseMass * fy;
-			v2.spin = v2.spin + v2.inverseMass * (p.n * L::load(c.turn2n + lane) + p.t * L::load(c.turn2t + lane));
+			const L fx = subtractProduct(p.n * nx, p.t, ny), fy = addProduct(p.n * ny, p.t, nx);
+			const L turn1 = addProduct(p.n * L::load(c.turn1n + lane), p.t, L::load(c.turn1t + lane));
+			const L turn2 = addProduct(p.n * L::load(c.turn2n + lane), p.t, L::load(c.turn2t + lane));
+			v1.x    = subtractProduct(v1.x, v1.inverseMass, fx);
+			v1.y    = subtractProduct(v1.y, v1.inverseMass, fy);
+			v1.spin = subtractProduct(v1.spin, v1.inverseMass, turn1);
+			v2.x    = addProduct(v2.x, v2.inverseMass, fx);
+			v2.y    = addProduct(v2.y, v2.inverseMass, fy);
+			v2.spin = addProduct(v2.spin, v2.inverseMass, turn2);
 		}
 
 		/// The impulse that solves the point, given u for the impulse p.
 		inline Vector solvePoint(const PointBlock& c, int lane, const Vector& u, const Vector& p)
 		{
-			const L un = u.n + L::load(c.bias + lane), ratio = L::load(c.ratio + lane), friction = L::load(c.friction + lane);
-			const L free  = p.n + ratio * p.t - L::load(c.inverseNn + lane) * un;
-			const L t     = p.t - L::load(c.inverseSchur + lane) * (u.t - ratio * un);
-			const L n     = free - ratio * t;
-			const L slide = free * bySign(t, L::load(c.slidePlus + lane), L::load(c.slideMinus + lane));
-			const auto stick = abs(t) <= friction * n, apart = free <= L(0.0);
-			return { zeroWhere(apart, select(stick, n, abs(slide))), zeroWhere(apart, select(stick, t, copySign(friction, t) * slide)) };
+			const L un = u.n + L::load(c.bias + lane), ratio = L::load(c.ratio + lane);
+			const L n0 = max(subtractProduct(addProduct(p.n, ratio, p.t), L::load(c.inverseNn + lane), un), L(0.0));
+			const L t0 = subtractProduct(p.t, L::load(c.inverseSchur + lane), subtractProduct(u.t, ratio, un));
+			const L t  = max(min(t0, n0 * L::load(c.slidePlus + lane)), subtractProduct(L(0.0), n0, L::load(c.slideMinus + lane)));
+			return { subtractProduct(n0, ratio, t), t };
 		}
 
 		inline Vector projectCone(const Vector& p, L friction)
@@ -67,8 +69,8 @@ namespace RCR_LANE_NAMESPACE {
 			for (int b = 0; b < chunk.blocks; ++b)
 				for (int lane = 0; lane < blockWidth; lane += RCR_LANES)
 					visit(
-					        P(view.body, view.pairs[chunk.firstPair + b].body1 + lane),
-					        P(view.body, view.pairs[chunk.firstPair + b].body2 + lane),
+					        P { view.body, view.pairs[chunk.firstPair + b].body1 + lane },
+					        P { view.body, view.pairs[chunk.firstPair + b].body2 + lane },
 					        view.points + chunk.firstPoint + b * chunk.pointsPerPair,
 					        lane);
 		}
@@ -78,18 +80,22 @@ namespace RCR_LANE_NAMESPACE {
 			alignas(64) double slot[blockWidth] = {};
 
 			void   add(int lane, L value) { (L::load(slot + lane) + value).store(slot + lane); }
-			double total() const { return ((slot[0] + slot[1]) + (slot[2] + slot[3])) + ((slot[4] + slot[5]) + (slot[6] + slot[7])); }
+			double total() const
+			{
+				double sum = 0;
+				for (double part : slot)
+					sum += part;
+				return sum;
+			}
 		};
 
 		double prepare(const PackedView& view, const Chunk& chunk)
 		{
 			SlotSum    velocity2;
 			const auto inverse = [](L value) { return zeroWhere(value <= L(0.0), L(1.0) / value); };
-			const auto slide   = [](L with, L against) { // the other face where this one is inconsistent (Painlevé)
-                                return select(with <= L(0.0), L(-1.0) / against, L(1.0) / with);
-			};
+			const auto slide   = [](L friction, L with) { return select(with <= L(0.0), L(unlimited), friction / with); };
 			forEachPair(view, chunk, [&](const P& at1, const P& at2, PointBlock* point, int lane) INLINE {
-				const B v1 = loadBodies<RCR_LANES>(at1.at), v2 = loadBodies<RCR_LANES>(at2.at);
+				const B v1 = loadBodies<RCR_LANES>(at1), v2 = loadBodies<RCR_LANES>(at2);
 				const L m1 = v1.inverseMass, m2 = v2.inverseMass;
 				for (PointBlock* c = point; c < point + chunk.pointsPerPair; ++c) {
 					const L nx = L::load(c->nx + lane), ny = L::load(c->ny + lane), friction = L::load(c->friction + lane);
@@ -99,7 +105,7 @@ namespace RCR_LANE_NAMESPACE {
 					const L nn = m1 + m2 + (m1 * (j1n * j1n) + m2 * (j2n * j2n));
 					const L nt = m1 * (j1n * j1t) + m2 * (j2n * j2t);
 					const L tt = m1 + m2 + (m1 * (j1t * j1t) + m2 * (j2t * j2t));
-					const L inverseNn = inverse(nn), ratio = nt * inverseNn, plus = L(1.0) + friction * ratio, minus = L(1.0) - friction * ratio;
+					const L inverseNn = inverse(nn), ratio = nt * inverseNn;
 					j1n.store(c->turn1n + lane);
 					j1t.store(c->turn1t + lane);
 					j2n.store(c->turn2n + lane);
@@ -107,8 +113,8 @@ namespace RCR_LANE_NAMESPACE {
 					inverseNn.store(c->inverseNn + lane);
 					ratio.store(c->ratio + lane);
 					inverse(tt - nt * ratio).store(c->inverseSchur + lane);
-					slide(plus, minus).store(c->slidePlus + lane);
-					slide(minus, plus).store(c->slideMinus + lane);
+					slide(friction, L(1.0) + friction * ratio).store(c->slidePlus + lane);
+					slide(friction, L(1.0) - friction * ratio).store(c->slideMinus + lane);
 					const Vector u = relativeVelocity(*c, lane, v1, v2);
 					velocity2.add(lane, u.n * u.n + u.t * u.t);
 				}
@@ -119,11 +125,11 @@ namespace RCR_LANE_NAMESPACE {
 		void apply(const PackedView& view, const Chunk& chunk)
 		{
 			forEachPair(view, chunk, [&](const P& at1, const P& at2, const PointBlock* point, int lane) INLINE {
-				B v1 = loadBodies<RCR_LANES>(at1.at), v2 = loadBodies<RCR_LANES>(at2.at);
+				B v1 = loadBodies<RCR_LANES>(at1), v2 = loadBodies<RCR_LANES>(at2);
 				for (const PointBlock* c = point; c < point + chunk.pointsPerPair; ++c)
 					applyImpulse(*c, lane, { L::load(c->pn + lane), L::load(c->pt + lane) }, v1, v2);
-				storeBodies<RCR_LANES>(v1, at1.at);
-				storeBodies<RCR_LANES>(v2, at2.at);
+				storeBodies<RCR_LANES>(v1, at1);
+				storeBodies<RCR_LANES>(v2, at2);
 			});
 		}
 
@@ -131,11 +137,11 @@ namespace RCR_LANE_NAMESPACE {
 		template <int Points, class Next> inline void sweepPairs(const PackedView& view, const Chunk& chunk, Next next)
 		{
 			forEachPair(view, chunk, [&](const P& at1, const P& at2, PointBlock* point, int lane) INLINE {
-				B v1 = loadBodies<RCR_LANES>(at1.at), v2 = loadBodies<RCR_LANES>(at2.at);
+				B v1 = loadBodies<RCR_LANES>(at1), v2 = loadBodies<RCR_LANES>(at2);
 				for (int i = 0; i < Points; ++i)
 					applyImpulse(point[i], lane, next(point[i], lane, relativeVelocity(point[i], lane, v1, v2)), v1, v2);
-				storeBodies<RCR_LANES>(v1, at1.at);
-				storeBodies<RCR_LANES>(v2, at2.at);
+				storeBodies<RCR_LANES>(v1, at1);
+				storeBodies<RCR_LANES>(v2, at2);
 			});
 		}
 
@@ -175,7 +181,7 @@ namespace RCR_LANE_NAMESPACE {
 			SlotSum change2;
 			sweepChunk(view, chunk, [&](PointBlock& c, int lane, const Vector& u) INLINE -> Vector {
 				const Vector p { L::load(c.pn + lane), L::load(c.pt + lane) };
-				const Vector y { p.n + beta * (p.n - L::load(c.oldPn + lane)), p.t + beta * (p.t - L::load(c.oldPt + lane)) };
+				const Vector y { addProduct(p.n, beta, p.n - L::load(c.oldPn + lane)), addProduct(p.t, beta, p.t - L::load(c.oldPt + lane)) };
 				const Vector q = solvePoint(c, lane, u, y), change { q.n - y.n, q.t - y.t };
 				p.n.store(c.oldPn + lane);
 				p.t.store(c.oldPt + lane);
@@ -191,7 +197,7 @@ namespace RCR_LANE_NAMESPACE {
 		{
 			SlotSum error2, impulse2, normal, violation2, velocity2, stopping2;
 			forEachPair(view, chunk, [&](const P& at1, const P& at2, const PointBlock* point, int lane) INLINE {
-				const B v1 = loadBodies<RCR_LANES>(at1.at), v2 = loadBodies<RCR_LANES>(at2.at);
+				const B v1 = loadBodies<RCR_LANES>(at1), v2 = loadBodies<RCR_LANES>(at2);
 				for (const PointBlock* c = point; c < point + chunk.pointsPerPair; ++c) {
 					const Vector u = relativeVelocity(*c, lane, v1, v2), p { L::load(c->pn + lane), L::load(c->pt + lane) };
 					const L      bias = L::load(c->bias + lane), un = u.n + bias, friction = L::load(c->friction + lane);
@@ -217,7 +223,7 @@ namespace RCR_LANE_NAMESPACE {
 			double*    old   = &view.oldBody[0].x;
 			for (long i = 4L * first; i < 4L * last; i += RCR_LANES == 1 ? 1 : 4) {
 				const Four v = Four::load(value + i);
-				(v + beta * (v - Four::load(old + i))).store(value + i);
+				addProduct(v, beta, v - Four::load(old + i)).store(value + i);
 				v.store(old + i);
 			}
 		}

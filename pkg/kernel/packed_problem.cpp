@@ -87,8 +87,8 @@ void PackedProblem::fill(const ContactProblem& problem, const Pair& pair)
 {
 	const int        lane = pair.slot % blockWidth;
 	const PairBlock& home = layout_.pairBlocks()[pair.slot / blockWidth];
-	if (home.body1[lane] != pair.body1) body_[home.body1[lane]] = body_[pair.body1]; // a prescribed side
-	if (home.body2[lane] != pair.body2) body_[home.body2[lane]] = body_[pair.body2];
+	if (home.body1[lane] != offsetOf(pair.body1)) recordAt(body_.data(), home.body1[lane]) = body_[pair.body1]; // a prescribed side
+	if (home.body2[lane] != offsetOf(pair.body2)) recordAt(body_.data(), home.body2[lane]) = body_[pair.body2];
 	const double scale1 = inverseGyration_[pair.body1], scale2 = inverseGyration_[pair.body2];
 	for (int i = 0; i < pair.points; ++i) {
 		const ContactPoint& c = problem.points[pair.firstPoint + i];
