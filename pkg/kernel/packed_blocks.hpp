@@ -43,10 +43,11 @@ inline BodyRecord&   recordAt(BodyRecord* first, std::uint32_t offset)
 struct alignas(64) PointBlock {
 	double nx[blockWidth], ny[blockWidth];
 	double turn1n[blockWidth], turn1t[blockWidth], turn2n[blockWidth], turn2t[blockWidth]; // r/k as (x, y) until `prepare`
-	double bias[blockWidth], friction[blockWidth];
-	double inverseNn[blockWidth], ratio[blockWidth], inverseSchur[blockWidth], slidePlus[blockWidth], slideMinus[blockWidth];
-	double pn[blockWidth], pt[blockWidth];             // impulse
-	double oldPn[blockWidth], oldPt[blockWidth];       // impulse one sweep before, for momentum
+	double bias[blockWidth], inverseNn[blockWidth], ratio[blockWidth], inverseSchur[blockWidth];
+	double slidePlus[blockWidth], slideMinus[blockWidth];
+	double pn[blockWidth], pt[blockWidth];       // impulse
+	double oldPn[blockWidth], oldPt[blockWidth]; // impulse one sweep before, for momentum
+	double friction[blockWidth];                 // µ: the plain sweep reads neither this nor the old impulse
 };
 
 /// A run of blocks of one colour, all with one or all with two points a pair: what a thread takes at a time.
@@ -87,7 +88,7 @@ struct PackedKernels {
 	double (*sweepMomentum)(const PackedView&, const Chunk&, double momentum);
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures (*measure)(const PackedView&, const Chunk&);
-	/// v ← v + β (v − v_old), v_old ← v for records first … last − 1.
+	/// v_old ← v + β (v − v_old) for records first … last − 1: the two then change places.
 	void (*extrapolate)(const PackedView&, int first, int last, double momentum);
 };
 

@@ -223,8 +223,7 @@ namespace RCR_LANE_NAMESPACE {
 			double*    old   = &view.oldBody[0].x;
 			for (long i = 4L * first; i < 4L * last; i += RCR_LANES == 1 ? 1 : 4) {
 				const Four v = Four::load(value + i);
-				addProduct(v, beta, v - Four::load(old + i)).store(value + i);
-				v.store(old + i);
+				addProduct(v, beta, v - Four::load(old + i)).store(old + i);
 			}
 		}
 

@@ -73,7 +73,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes)
 	for (const TailPoint& c : tail_)
 		freeVelocity2_ += square(relativeVelocity(c));
 	applyImpulses();
-	oldBody_.assign(body_.begin(), body_.begin() + problem.inverseMass.size());
+	oldBody_ = body_;
 }
 
 BodyRecord PackedProblem::freeRecord(const ContactProblem& problem, int body) const
@@ -197,10 +197,11 @@ double PackedProblem::sweepMomentum(double momentum)
 
 void PackedProblem::extrapolate(double momentum)
 {
-	const int bodies = int(oldBody_.size());
+	const int bodies = int(inverseGyration_.size());
 	team.share(0, (bodies + itemsAtATime - 1) / itemsAtATime, [&, v = view()](int part) {
 		kernels_->extrapolate(v, part * itemsAtATime, std::min(bodies, (part + 1) * itemsAtATime), momentum);
 	});
+	body_.swap(oldBody_);
 }
 
 Measures PackedProblem::measure()
@@ -236,10 +237,10 @@ void PackedProblem::store(ContactProblem& problem)
 	for (const TailPoint& c : tail_)
 		problem.impulse[c.point] = c.p;
 
-	forEach(team, oldBody_.size(), [&](int i) { body_[i] = freeRecord(problem, i); });
+	forEach(team, inverseGyration_.size(), [&](int i) { body_[i] = freeRecord(problem, i); });
 	applyImpulses();
 	problem.velocity.resize(problem.freeVelocity.size());
-	forEach(team, oldBody_.size(), [&](int i) {
+	forEach(team, inverseGyration_.size(), [&](int i) {
 		const bool turns    = problem.inverseMass[i].rotation > 0;
 		problem.velocity[i] = { body_[i].x, body_[i].y, turns ? body_[i].spin * inverseGyration_[i] : problem.freeVelocity[i].rotation };
 	});

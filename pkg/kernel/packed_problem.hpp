@@ -71,7 +71,7 @@ private:
 	const PackedKernels*    kernels_ = nullptr;
 	Layout                  layout_;
 	std::vector<double>     inverseGyration_; // a body: 1/k
-	std::vector<BodyRecord> body_, oldBody_;  // the records of the layout; old ones of the bodies only
+	std::vector<BodyRecord> body_, oldBody_;  // the records of the layout, and one sweep before
 	std::vector<PointBlock> point_;
 	std::vector<TailPoint>  tail_;
 	std::vector<Measures>   partial_; // a chunk
