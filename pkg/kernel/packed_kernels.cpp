@@ -187,7 +187,7 @@ namespace RCR_LANE_NAMESPACE {
 				p.t.store(c.oldPt + lane);
 				q.n.store(c.pn + lane);
 				q.t.store(c.pt + lane);
-				change2.add(lane, change.n * change.n + change.t * change.t);
+				change2.add(lane, addProduct(change.n * change.n, change.t, change.t));
 				return change;
 			});
 			return change2.total();
