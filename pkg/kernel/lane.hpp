@@ -175,6 +175,9 @@ namespace RCR_LANE_NAMESPACE {
 	};
 #endif
 
+	/// Parts a calculation in two for the compiler, which would mix them and run out of registers.
+	inline void keepOrder() { __atomic_signal_fence(__ATOMIC_SEQ_CST); }
+
 	// ---- body records: N records of four doubles to and from four lanes. Plain loads and a transpose in registers are
 	// more than twice as fast as hardware gathers and scatters.
 

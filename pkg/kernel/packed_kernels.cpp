@@ -138,8 +138,11 @@ namespace RCR_LANE_NAMESPACE {
 		{
 			forEachPair(view, chunk, [&](const P& at1, const P& at2, PointBlock* point, int lane) INLINE {
 				B v1 = loadBodies<RCR_LANES>(at1), v2 = loadBodies<RCR_LANES>(at2);
-				for (int i = 0; i < Points; ++i)
-					applyImpulse(point[i], lane, next(point[i], lane, relativeVelocity(point[i], lane, v1, v2)), v1, v2);
+				for (int i = 0; i < Points; ++i) {
+					const Vector change = next(point[i], lane, relativeVelocity(point[i], lane, v1, v2));
+					if (RCR_LANES > 8) keepOrder();
+					applyImpulse(point[i], lane, change, v1, v2);
+				}
 				storeBodies<RCR_LANES>(v1, at1);
 				storeBodies<RCR_LANES>(v2, at2);
 			});
