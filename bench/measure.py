@@ -1,0 +1,218 @@
+"""What the benchmarks share: the residual in NumPy, problems made larger, minimum of runs, tables. Needs NumPy and SciPy."""
+
+import csv
+import os
+import time
+
+import numpy as np
+
+
+def residual(matrix, q, friction, p):
+    """Relative natural-map residual ‖p − P_K(p − (û + µ|u_t| n)/w_nn)‖/‖p‖, û = W p + q [-].
+
+    Parameters
+    ----------
+    matrix : (2 nc, 2 nc) SciPy sparse array
+        W in the order n₀, t₀, n₁, t₁ … [1/kg].
+    q : (nc, 2) float array
+        Velocities without impulses, b_n included, local (n, t) [m/s].
+    friction : (nc,) float array
+    p : (nc, 2) float array
+        Impulses, local (n, t) [N s].
+    """
+    u = (matrix @ p.ravel()).reshape(-1, 2) + q
+    w = matrix.diagonal()[::2]
+    w = np.where(w > 0, w, np.inf)
+    n, t = p[:, 0] - (u[:, 0] + friction * abs(u[:, 1])) / w, p[:, 1] - u[:, 1] / w
+    edge = np.maximum(n + friction * abs(t), 0) / (1 + friction**2)  # normal part of the nearest point of the cone's edge
+    inside = abs(t) <= friction * n
+    error = np.hypot(p[:, 0] - np.where(inside, n, edge), p[:, 1] - np.where(inside, t, friction * edge * np.sign(t)))
+    error[np.isinf(w)] = 0
+    size = np.linalg.norm(p)
+    return float(np.linalg.norm(error) / size) if size else float(error.any())
+
+
+def matrix(problem):
+    """W of a DelassusProblem as a SciPy sparse array by columns."""
+    from scipy.sparse import csc_array
+
+    rows, columns, values = problem.entries()
+    return csc_array((values, (rows, columns)), shape=(2 * problem.contacts,) * 2)
+
+
+def best(repeats, budget, *functions):
+    """The least result of each function, called in turn; results compare by their ``seconds`` or are seconds.
+
+    Parameters
+    ----------
+    repeats : int
+        Rounds at most.
+    budget : float
+        No further round is begun after so many seconds.
+    """
+    seconds = lambda result: result["seconds"] if isinstance(result, dict) else result
+    start, least = time.perf_counter(), [None] * len(functions)
+    for _ in range(repeats):
+        for k, function in enumerate(functions):
+            result = function()
+            if least[k] is None or seconds(result) < seconds(least[k]):
+                least[k] = result
+        if time.perf_counter() - start > budget:
+            break
+    return least
+
+
+def triad_bandwidth(size):
+    """Traffic of a = b + s c on arrays of `size` bytes together, in two passes of NumPy (five words an element) [B/s]."""
+    count = max(64, int(size) // 24)
+    a, b, c = np.zeros(count), np.ones(count), np.full(count, 2.0)
+    turns = max(1, 2_000_000 // count)
+
+    def run():
+        start = time.perf_counter()
+        for _ in range(turns):
+            np.multiply(c, 0.5, out=a)
+            np.add(a, b, out=a)
+        return (time.perf_counter() - start) / turns
+
+    return 40 * count / best(10, 0.5, run)[0]
+
+
+def exponent(x, y):
+    """Slope of log y over log x by least squares; NaN for fewer than two different x."""
+    x, y = np.log(np.asarray(x, float)), np.log(np.asarray(y, float))
+    return float(np.polyfit(x, y, 1)[0]) if len(set(x)) > 1 else float("nan")
+
+
+# ------------------------------------------------------------------------------------------ larger problems
+
+
+def mirrored(problem, seed=1):
+    """A problem twice as large: its mirror image beyond one of its straight walls, which disappears.
+
+    The wall is a prescribed body whose contacts share one normal along x or y; grains that touched it touch their own images,
+    at twice the gap and without friction. So the solution is that of the problem and its image. Velocities of
+    free bodies are then changed by 5 % at random, which takes the symmetry away.
+
+    Raises
+    ------
+    ValueError
+        If there is no such wall.
+    """
+    axis, sign, speed = _straight_wall(problem)
+    flip = 1 - 2 * np.eye(2)[axis]
+    turn = np.append(flip, -1)
+    gone = _walls(problem, axis, sign, speed)
+    count = len(problem.inverse_mass)
+    at_wall = np.isin(problem.bodies, gone).any(1)
+    kept = ~at_wall
+
+    image_velocity = problem.free_velocity * turn
+    image_velocity[:, axis] += 2 * speed
+    free = (problem.inverse_mass > 0).any(1)
+    velocity = np.concatenate([problem.free_velocity, image_velocity])
+    velocity *= np.where(np.tile(free, 2), 1 + 0.05 * np.random.default_rng(seed).normal(size=2 * count), 1)[:, None]
+
+    inside = np.where(np.isin(problem.bodies[at_wall, 0], gone), 1, 0)  # which side of a wall contact is the grain
+    rows = np.arange(len(inside))
+    grain = problem.bodies[at_wall][rows, inside]
+    arm = np.stack([problem.arm1[at_wall], problem.arm2[at_wall]], 1)[rows, inside]
+    normal = problem.normal[at_wall] * np.where(inside, -1, 1)[:, None]  # out of the grain
+    join = lambda name, image, wall: np.concatenate([getattr(problem, name)[kept], image[kept], wall])
+    return type(problem)(
+        inverse_mass=np.tile(problem.inverse_mass, (2, 1)),
+        free_velocity=velocity,
+        bodies=join("bodies", problem.bodies + count, np.column_stack([grain, grain + count])),
+        normal=join("normal", problem.normal * flip, normal),
+        arm1=join("arm1", problem.arm1 * flip, arm),
+        arm2=join("arm2", problem.arm2 * flip, arm * flip),
+        bias=join("bias", problem.bias, 2 * problem.bias[at_wall]),
+        friction=join("friction", problem.friction, 0 * problem.friction[at_wall]),
+        impulse=join("impulse", problem.impulse * [1, -1], problem.impulse[at_wall]),
+    )
+
+
+def _walls_seen(problem):
+    """(body, axis, sign, speed along the axis) of every straight wall; the sign is that of the normal out of it."""
+    for body in np.flatnonzero(~(problem.inverse_mass > 0).any(1)):
+        first, second = (problem.bodies == body).T
+        normals = np.concatenate([problem.normal[first], -problem.normal[second]])
+        if len(normals) and (normals == normals[0]).all() and abs(normals[0]).max() == 1:
+            axis = int(abs(normals[0, 1]) == 1)
+            yield body, axis, normals[0, axis], problem.free_velocity[body, axis]
+
+
+def _straight_wall(problem):
+    for _, axis, sign, speed in _walls_seen(problem):
+        return axis, sign, speed
+    raise ValueError("no prescribed body whose contacts share one normal along x or y: nothing to mirror the problem at")
+
+
+def _walls(problem, axis, sign, speed):
+    return [body for body, *wall in _walls_seen(problem) if wall == [axis, sign, speed]]
+
+
+def lattice(count, seed=1):
+    """A stand-in where no packing is given: a triangular lattice of about `count` equal discs, a third of its bonds open,
+    pressed from above. Not a packing at rest: good for times of sweeps, not for numbers of sweeps.
+
+    Returns
+    -------
+    dict of the arrays of `rcr.problems.BodyProblem`
+    """
+    rng = np.random.default_rng(seed)
+    side = max(2, round(np.sqrt(count)))
+    discs = side * side
+    left, bottom, right, top = range(discs, discs + 4)
+    disc = np.arange(discs)
+    row, column = np.divmod(disc, side)
+    odd = row % 2  # these rows are shifted by half a diameter
+    joints = []  # body 1, body 2, angle of the normal, friction, closed
+    for up, across, angle in (0, 1 + 0 * odd, 0), (1, odd, np.pi / 3), (1, odd - 1, 2 * np.pi / 3):
+        there = (row + up < side) & (0 <= column + across) & (column + across < side)
+        joints.append((disc[there], (disc + up * side + across)[there], angle, 0.5, rng.random(there.sum()) < 2 / 3))
+    for wall, there, angle in (left, (column == 0) & (odd == 0), 0), (bottom, row == 0, np.pi / 2), \
+            (right, (column == side - 1) & (odd == 1), np.pi), (top, row == side - 1, -np.pi / 2):  # fmt: skip
+        joints.append((np.full(there.sum(), wall), disc[there], angle, 0.0, np.full(there.sum(), True)))
+    a, b, angle, friction, closed = (np.concatenate(part) for part in zip(*(np.broadcast_arrays(*joint) for joint in joints)))
+    normal = np.round(np.column_stack([np.cos(angle), np.sin(angle)]), 15) + 0.0
+    inverse_mass = np.zeros((discs + 4, 3))
+    inverse_mass[:discs] = [1, 1, 8]
+    inverse_mass[right, 0] = 1 / side
+    velocity = np.zeros((discs + 4, 3))
+    velocity[:discs] = rng.normal(0, 0.01, (discs, 3))
+    velocity[top, 1], velocity[right, 0] = -0.01, -0.01
+    return dict(
+        inverse_mass=inverse_mass, free_velocity=velocity, bodies=np.column_stack([a, b]), normal=normal,
+        arm1=np.where((a >= discs)[:, None], 0, 0.5 * normal), arm2=-0.5 * normal, bias=np.where(closed, 0, 0.1), friction=friction,
+        impulse=np.zeros((len(a), 2)),
+    )  # fmt: skip
+
+
+# ------------------------------------------------------------------------------------------ tables
+
+
+def show(title, rows, columns):
+    """Print rows (dicts) as a table."""
+    if not rows:
+        return
+    cells = [list(columns)] + [[_cell(row.get(column)) for column in columns] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*cells)]
+    print(f"\n{title}")
+    for line in cells:
+        print("  ".join(cell.rjust(width) if k else cell.ljust(width) for k, (cell, width) in enumerate(zip(line, widths))).rstrip())
+
+
+def write(path, rows, columns):
+    """Write rows (dicts) as CSV, the file whole or not at all."""
+    with open(path + ".part", "w", newline="") as file:
+        writer = csv.DictWriter(file, columns, extrasaction="ignore")
+        writer.writeheader()
+        writer.writerows(rows)
+    os.replace(path + ".part", path)
+
+
+def _cell(value):
+    if value is None:
+        return ""
+    return f"{value:.3g}" if isinstance(value, float) and not float(value).is_integer() else f"{value:.0f}" if isinstance(value, float) else str(value)

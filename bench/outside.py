@@ -1,0 +1,79 @@
+"""A way out of the environment: peers are installed where the environment is not, so their programs run outside of it.
+
+`reenter` replaces a script that lacks its libraries by itself in the environment, and leaves this file running outside;
+`run` then has commands executed there. Where a script needs no re-entry, `run` executes them itself. Needs nothing but
+Python, since nothing but Python is sure to be there.
+"""
+
+import json
+import os
+import subprocess
+import sys
+
+HERE = os.path.dirname(os.path.realpath(__file__))
+_PIPES = "YADE_RCR_OUTSIDE"
+_DESCRIPTORS = 20, 21  # the environment's shell scripts use the lower ones
+_ends = None
+
+
+def reenter(script, error):
+    """Start `script` with the present arguments again, in the environment; say why in one line if this is the environment.
+
+    Parameters
+    ----------
+    script : str
+        Path.
+    error : ImportError
+        What was missing.
+    """
+    if os.environ.get("YADE_RCR_WAY"):
+        sys.exit(f"{os.path.basename(script)}: {error}")
+    process = subprocess.Popen([sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    for end, descriptor in zip((process.stdout, process.stdin), _DESCRIPTORS):
+        os.dup2(end.fileno(), descriptor, inheritable=True)
+    os.environ[_PIPES] = "{},{}".format(*_DESCRIPTORS)
+    run_script = os.path.join(HERE, os.pardir, "scripts", "lib", "run")
+    os.execv(run_script, ["run", "python3", os.path.realpath(script), *sys.argv[1:]])
+
+
+def run(arguments):
+    """Output of a command, executed outside of the environment.
+
+    Parameters
+    ----------
+    arguments : list of str
+        The command; paths of files must be absolute.
+
+    Raises
+    ------
+    RuntimeError
+        If it cannot be started or fails, with the last line of its standard error.
+    """
+    answer = _ask(arguments) if _PIPES in os.environ else _execute(arguments)
+    if answer["code"]:
+        lines = answer["error"].strip().splitlines() or [f"exit code {answer['code']}"]
+        raise RuntimeError(f"{arguments[0]}: {lines[-1]}")
+    return answer["output"]
+
+
+def _ask(arguments):
+    global _ends
+    if _ends is None:
+        reading, writing = map(int, os.environ[_PIPES].split(","))
+        _ends = os.fdopen(reading), os.fdopen(writing, "w")
+    _ends[1].write(json.dumps(arguments) + "\n")
+    _ends[1].flush()
+    return json.loads(_ends[0].readline() or '{"code": 1, "error": "nobody answers outside of the environment", "output": ""}')
+
+
+def _execute(arguments):
+    try:
+        done = subprocess.run(arguments, stdin=subprocess.DEVNULL, capture_output=True, text=True)
+    except OSError as error:
+        return dict(code=1, output="", error=error.strerror)
+    return dict(code=done.returncode, output=done.stdout, error=done.stderr)
+
+
+if __name__ == "__main__":
+    for line in sys.stdin:
+        print(json.dumps(_execute(json.loads(line))), flush=True)

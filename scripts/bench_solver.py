@@ -1,0 +1,292 @@
+#!/usr/bin/env python3
+"""Time the contact solvers on one-step problems from files, alone and against Siconos, and check their residuals in NumPy.
+
+Prints tables and writes them as CSV: sweeps (time per contact point and sweep), tolerances (time to a residual), peers,
+growth (with the size of the problem), roofline. Ratios are of one run; times are the minimum of several.
+"""
+
+import argparse
+import csv
+import json
+import os
+import re
+import sys
+import tempfile
+
+SCRIPTS = os.path.dirname(os.path.realpath(__file__))
+BENCH = os.path.join(SCRIPTS, os.pardir, "bench")
+sys.path[:0] = [os.path.join(SCRIPTS, os.pardir, "py"), BENCH]
+import outside
+
+try:
+    import measure
+    import numpy as np
+    import rcr._kernel as kernel
+    from rcr import problems
+except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
+    outside.reenter(__file__, error)
+
+TOLERANCES = 1e-4, 1e-6, 1e-8, 1e-10
+SOLVERS = "nesterov", "exact", "auto"
+SWEEPERS = "nlgs", "nesterov"
+LANES = 1, 4, 8
+FEW = 10  # sweeps that are subtracted, with all that a call does once
+UNITS_OF_WORK = 2_000_000  # points times sweeps that one timing takes, some ms
+
+ABOUT = ["problem", "shape", "bodies", "points"]
+COLUMNS = dict(
+    sweeps=[*ABOUT, "solver", "lanes", "threads", "ns", "ratio_to_one_thread"],
+    tolerances=[*ABOUT, "solver", "start", "tolerance", "iterations", "seconds", "residual", "residual_numpy", "reached",
+                "siconos_seconds", "siconos_figure", "siconos_ratio"],
+    peers=[*ABOUT, "peer", "figure", "start", "tolerance", "iterations", "seconds", "residual", "reached", "ns"],
+    growth=["shape", "solver", "start", "problems", "points_from", "points_to", "sweeps_exponent", "seconds_exponent"],
+    roofline=[*ABOUT, "solver", "megabytes", "bytes_per_point", "flops_per_point", "triad_gb_per_s", "ns_of_bytes", "ns_of_flops", "ns"],
+)  # fmt: skip
+
+# What a sweep touches and computes for one contact point (packed_blocks.hpp, packed_kernels.cpp): doubles of the point read
+# and written, additions and multiplications. A pair reads two bodies of 32 bytes and two ids of 4 and writes the bodies;
+# momentum also reads and writes each body and its old record.
+FIELDS_READ = dict(nlgs=15, nesterov=17)
+FIELDS_WRITTEN = dict(nlgs=2, nesterov=4)
+FLOPS = dict(nlgs=56, nesterov=67)
+PAIR_BYTES, MOMENTUM_BODY_BYTES = 4 * 32 + 2 * 4, 4 * 32
+POINT_BLOCK_BYTES, BODY_BYTES = 17 * 8, 32
+
+
+class Case:
+    """A problem with what the tables say about it, its points ordered as the kernels want them."""
+
+    def __init__(self, name, problem):
+        self.name, self.points = name, problem.contacts
+        if isinstance(problem, problems.BodyProblem):
+            order = np.lexsort(problem.bodies.T[::-1])  # points of a pair side by side
+            whole = "inverse_mass", "free_velocity"
+            self.arrays = {key: value if key in whole else value[order] for key, value in vars(problem).items()}
+            self.problem = problems.BodyProblem(**self.arrays)
+            self.bodies = int((problem.inverse_mass > 0).all(1).sum())
+            turn = lambda r: abs(r[:, 0] * problem.normal[:, 1] - r[:, 1] * problem.normal[:, 0]).max(initial=0)
+            size = max(np.hypot(*problem.arm2.T).max(initial=0), 1e-300)
+            self.shape = "discs" if max(turn(problem.arm1), turn(problem.arm2)) < 1e-6 * size else "long"
+            self.delassus = self.problem.delassus()
+        else:
+            self.arrays, self.problem, self.delassus, self.bodies, self.shape = None, problem, problem, None, "unknown"
+        self.matrix = measure.matrix(self.delassus)
+        self.about = dict(problem=name, shape=self.shape, bodies=self.bodies, points=self.points)
+
+    def solve(self, solver, tolerance, iterations, warm=False, **settings):
+        """What the kernels return; without momentary allocations of a first call where a workspace is given."""
+        start = self.delassus.impulse if warm else np.zeros((self.points, 2))
+        settings.update(solver=solver, tolerance=tolerance, max_iterations=iterations)
+        if self.arrays is not None:
+            return kernel.solve(**{**self.arrays, "impulse": start}, violation=np.inf, **settings)
+        d = self.delassus
+        return kernel.solve_delassus(d.row_start, d.column, d.block.reshape(-1, 4), d.q, d.friction, start, **settings)
+
+    def residual(self, p):
+        return measure.residual(self.matrix, self.delassus.q, self.delassus.friction, p)
+
+
+# ---------------------------------------------------------------------------------------------- measurements
+
+
+def sweep_rows(case, repeats, threads):
+    """ns per contact point and sweep: the difference of many and few sweeps, all settings in turn."""
+    many = FEW + max(40, UNITS_OF_WORK // max(1, case.points))
+    if case.arrays is None:
+        settings = [dict(solver=solver) for solver in SWEEPERS]
+    else:
+        settings = [dict(solver=s, lanes=n, threads=t, workspace=kernel.Workspace()) for s in SWEEPERS for n in LANES for t in threads]
+    runs = [
+        lambda setting=setting, count=count: case.solve(tolerance=0, iterations=count, check_interval=10**9, **setting)["seconds"]
+        for setting in settings
+        for count in (FEW, many)
+    ]
+    least = measure.best(repeats, 60, *runs)
+    rows, of_one = [], {}
+    for setting, few_seconds, many_seconds in zip(settings, least[::2], least[1::2]):
+        ns = 1e9 * (many_seconds - few_seconds) / (many - FEW) / case.points
+        row = dict(case.about, ns=ns, **{key: setting.get(key) for key in ("solver", "lanes", "threads")})
+        of_one.setdefault((row["solver"], row["lanes"]), ns)
+        row["ratio_to_one_thread"] = of_one[row["solver"], row["lanes"]] / ns if row["threads"] else None
+        rows.append(row)
+    return rows
+
+
+def tolerance_rows(case, solver, warm, options):
+    """Time and iterations to each tolerance, from large to small, up to the first that is not reached."""
+    for tolerance in sorted(options.tolerances, reverse=True):
+        run = lambda: case.solve(solver, tolerance, options.max_iterations, warm)
+        (found,) = measure.best(options.repeats, options.budget, run)
+        reached = bool(found["residual"] <= tolerance)
+        yield dict(
+            case.about, solver=solver, start="warm" if warm else "cold", tolerance=tolerance, iterations=found["iterations"],
+            seconds=found["seconds"], residual=found["residual"], residual_numpy=case.residual(found["impulse"]), reached=reached,
+        )  # fmt: skip
+        if not reached:
+            return
+
+
+def siconos_rows(case, warm, options):
+    """The same of Siconos, solved by its own Python."""
+    rows, columns, values = case.delassus.entries()
+    d = case.delassus
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "problem.npz")
+        start = d.impulse if warm else np.zeros((case.points, 2))
+        np.savez(path, rows=rows, columns=columns, values=values, q=d.q, friction=d.friction, start=start)
+        for method in options.siconos_methods:
+            answer = outside.run(
+                [options.siconos, os.path.join(BENCH, "siconos_solve.py"), path, "--method", method, "--limit", str(options.limit)]
+                + ["--tolerances", *map(str, options.tolerances)]
+            )
+            found = json.loads(answer)
+            for row in found["rows"]:
+                reached = row["residual"] <= row["tolerance"]
+                yield dict(
+                    case.about, peer=f"Siconos {method.upper()}", figure="measured", start="warm" if warm else "cold", **row,
+                    reached=reached, ns=found["ns"],
+                )  # fmt: skip
+
+
+def stated_rows(case):
+    """Figures measured before, on another machine of this kind, for problems of the same name."""
+    with open(os.path.join(BENCH, "reference.csv"), newline="") as file:
+        for row in csv.DictReader(file):
+            if row["problem"] == case.name:
+                numbers = {key: float(row[key]) for key in ("tolerance", "seconds", "ns")}
+                yield dict(case.about, peer=row["peer"], figure="stated", start="cold", reached=True, **numbers)
+
+
+def compare(rows, peers):
+    """Adds the best figure of Siconos for the same start and tolerance."""
+    for row in rows:
+        same = [p for p in peers if p["reached"] and all(p[key] == row[key] for key in ("problem", "start", "tolerance"))]
+        if same:
+            best = min(same, key=lambda peer: peer["seconds"])
+            row.update(siconos_seconds=best["seconds"], siconos_figure=best["figure"])
+            if row["reached"]:
+                row["siconos_ratio"] = best["seconds"] / row["seconds"]
+
+
+def growth_rows(rows):
+    """Exponents of sweeps and seconds to the largest tolerance over the number of contact points, discs and long grains apart."""
+    largest = max((row["tolerance"] for row in rows), default=None)
+    groups = {}
+    for row in rows:
+        if row["tolerance"] == largest and row["reached"] and row["iterations"]:
+            groups.setdefault((row["shape"], row["solver"], row["start"]), []).append(row)
+    for (shape, solver, start), group in groups.items():
+        points = [row["points"] for row in group]
+        if len(set(points)) > 1:
+            yield dict(
+                shape=shape, solver=solver, start=start, problems=len(group), points_from=min(points), points_to=max(points),
+                sweeps_exponent=measure.exponent(points, [row["iterations"] for row in group]),
+                seconds_exponent=measure.exponent(points, [row["seconds"] for row in group]),
+            )  # fmt: skip
+
+
+def roofline_rows(case, sweeps):
+    """What bytes and arithmetic alone would take at one thread and 8 lanes, beside what was measured."""
+    if case.arrays is None:
+        return
+    pairs = len(np.unique(case.problem.bodies, axis=0)) / case.points
+    bodies = len(case.problem.inverse_mass) / case.points
+    megabytes = 1e-6 * case.points * (POINT_BLOCK_BYTES + 8 * pairs + BODY_BYTES * bodies)
+    bandwidth = measure.triad_bandwidth(1e6 * megabytes)
+    for solver in SWEEPERS:
+        volume = 8 * (FIELDS_READ[solver] + FIELDS_WRITTEN[solver]) + PAIR_BYTES * pairs
+        volume += MOMENTUM_BODY_BYTES * bodies if solver == "nesterov" else 0
+        ns = next((row["ns"] for row in sweeps if (row["solver"], row["lanes"], row["threads"]) == (solver, LANES[-1], 1)), None)
+        yield dict(
+            case.about, solver=solver, megabytes=megabytes, bytes_per_point=volume, flops_per_point=FLOPS[solver],
+            triad_gb_per_s=1e-9 * bandwidth, ns_of_bytes=1e9 * volume / bandwidth, ns_of_flops=FLOPS[solver] / (2 * LANES[-1]) / clock_ghz(), ns=ns,
+        )  # fmt: skip
+
+
+def clock_ghz():
+    """Clock of the processor as the system states it; NaN where it does not."""
+    try:
+        with open("/proc/cpuinfo") as file:
+            found = re.search(r"cpu MHz\s*: ([\d.]+)", file.read())
+    except OSError:
+        found = None
+    return float(found[1]) / 1000 if found else float("nan")
+
+
+# ---------------------------------------------------------------------------------------------- the script
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="bench_solver.py", description=__doc__.splitlines()[0])
+    parser.add_argument("problems", nargs="*", metavar="PROBLEM", help="file .npz, .h5, .hdf5 or .dat (default: triangular lattices, good for sweeps alone)")
+    parser.add_argument("--mirror", type=int, default=0, metavar="K", help="also each problem with bodies doubled 1 … K times at its walls")
+    parser.add_argument("--only", nargs="+", choices=("sweeps", "tolerances"), default=["sweeps", "tolerances"], help="what to measure")
+    parser.add_argument("--solvers", nargs="+", default=list(SOLVERS), metavar="S", help="for the tolerances (default: nesterov exact auto)")
+    parser.add_argument("--tolerances", type=float, nargs="+", default=list(TOLERANCES), metavar="T", help="(default: 1e-4 1e-6 1e-8 1e-10)")
+    parser.add_argument("--warm", action="store_true", help="start from the impulses in the files too")
+    parser.add_argument("--threads", type=int, nargs="+", default=[1, 2], metavar="N", help="(default: 1 2)")
+    parser.add_argument("--repeats", type=int, default=10, metavar="N", help="runs of which the least counts (default %(default)s)")
+    parser.add_argument("--budget", type=float, default=5, metavar="S", help="seconds after which a time is not repeated (default %(default)s)")
+    parser.add_argument("--max-iterations", type=int, default=20000, metavar="N", help="sweeps or steps at most (default %(default)s)")
+    parser.add_argument("--siconos", metavar="PYTHON", help="a Python that has siconos.numerics and scipy, also one outside of the environment")
+    parser.add_argument("--siconos-methods", nargs="+", choices=("nsgs", "admm"), default=["nsgs"], help="(default: nsgs)")
+    parser.add_argument("--limit", type=float, default=20, metavar="S", help="seconds after which Siconos is given up (default %(default)s)")
+    parser.add_argument("--out", required=True, metavar="DIR", help="folder of the CSV files, made if missing")
+    return parser.parse_args()
+
+
+def check(options):
+    wrong = [name for name in options.solvers if name not in kernel.solver_names()]
+    if wrong:
+        raise ValueError(f"--solvers {wrong[0]}: wanted some of {', '.join(kernel.solver_names())}")
+    for name, least in dict(mirror=0, repeats=1, max_iterations=1).items():
+        if getattr(options, name) < least:
+            raise ValueError(f"--{name.replace('_', '-')} {getattr(options, name)}: wanted at least {least}")
+    if min(options.threads) < 1:
+        raise ValueError(f"--threads {min(options.threads)}: wanted at least 1")
+    if not all(0 < t < 1 for t in options.tolerances):
+        raise ValueError(f"--tolerances {' '.join(map(str, options.tolerances))}: wanted numbers between 0 and 1")
+
+
+def given(options):
+    """(name, problem) of every problem, each followed by its doubled ones."""
+    loaded = [(os.path.splitext(os.path.basename(path))[0], problems.load(path)) for path in options.problems]
+    if not options.problems:
+        loaded = [(f"lattice-{count}", problems.BodyProblem(**measure.lattice(count))) for count in (500, 2000, 8000)]
+    for name, problem in loaded:
+        if not problem.contacts:
+            raise ValueError(f"{name}: has no contacts, nothing to time")
+        yield name, problem
+        for k in range(1, options.mirror + 1 if isinstance(problem, problems.BodyProblem) else 1):
+            problem = measure.mirrored(problem, seed=k)
+            yield f"{name} x{2**k}", problem
+
+
+def main():
+    options = arguments()
+    check(options)
+    os.makedirs(options.out, exist_ok=True)
+    tables = {name: [] for name in COLUMNS}
+    for name, problem in given(options):
+        case = Case(name, problem)
+        print(f"{name}: {case.points} contact points", file=sys.stderr)
+        if "sweeps" in options.only:
+            tables["sweeps"] += sweep_rows(case, options.repeats, options.threads)
+            tables["roofline"] += roofline_rows(case, tables["sweeps"][-len(SWEEPERS) * len(LANES) * len(options.threads) :])
+        if "tolerances" in options.only:
+            for warm in (False, True) if options.warm else (False,):
+                rows = [row for solver in options.solvers for row in tolerance_rows(case, solver, warm, options)]
+                peers = list(siconos_rows(case, warm, options)) if options.siconos else [] if warm else list(stated_rows(case))
+                compare(rows, peers)
+                tables["tolerances"] += rows
+                tables["peers"] += peers
+    tables["growth"] = list(growth_rows(tables["tolerances"]))
+    for name, rows in tables.items():
+        measure.show(name, rows, COLUMNS[name])
+        measure.write(os.path.join(options.out, f"{name}.csv"), rows, COLUMNS[name])
+
+
+try:
+    main()
+except (ValueError, OSError, RuntimeError) as error:
+    sys.exit(f"bench_solver.py: {error}")
