@@ -14,6 +14,7 @@ HERE = os.path.dirname(os.path.realpath(__file__))
 _PIPES = "YADE_RCR_OUTSIDE"
 _DESCRIPTORS = 20, 21  # the environment's shell scripts use the lower ones
 _ends = None
+CANNOT_START = 126, 127  # not there or not executable; its libraries are not there
 
 
 def reenter(script, error):
@@ -36,20 +37,26 @@ def reenter(script, error):
     os.execv(run_script, ["run", "python3", os.path.realpath(script), *sys.argv[1:]])
 
 
-def run(arguments):
+def run(arguments, try_here=False):
     """Output of a command, executed outside of the environment.
 
     Parameters
     ----------
     arguments : list of str
         The command; paths of files must be absolute.
+    try_here : bool
+        Execute it here, and outside only where it cannot be started here: a program may have been linked with the
+        libraries of either.
 
     Raises
     ------
     RuntimeError
         If it cannot be started or fails, with the last line of its standard error.
     """
-    answer = _ask(arguments) if _PIPES in os.environ else _execute(arguments)
+    outside = _PIPES in os.environ
+    answer = _execute(arguments) if try_here or not outside else _ask(arguments)
+    if try_here and outside and answer["code"] in CANNOT_START:
+        answer = _ask(arguments)
     if answer["code"]:
         lines = answer["error"].strip().splitlines() or [f"exit code {answer['code']}"]
         raise RuntimeError(f"{arguments[0]}: {lines[-1]}")
@@ -70,7 +77,7 @@ def _execute(arguments):
     try:
         done = subprocess.run(arguments, stdin=subprocess.DEVNULL, capture_output=True, text=True)
     except OSError as error:
-        return dict(code=1, output="", error=error.strerror)
+        return dict(code=CANNOT_START[0], output="", error=error.strerror)
     return dict(code=done.returncode, output=done.stdout, error=done.stderr)
 
 

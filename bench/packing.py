@@ -1,0 +1,145 @@
+"""Packings for step benchmarks: bodies and walls from a file, for other libraries as a table, for us as a contact problem.
+
+Mean diameter and mean mass are 1; time stays in s. A wall is the half plane behind a point of its face.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+WALL_NORMALS = np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])  # left, bottom, right, top
+COLUMNS = "x y angle half_length radius mass inertia vx vy omega force_x force_y normal_x normal_y".split()
+
+
+@dataclass
+class Packing:
+    """N grains and the walls left, bottom, right, top."""
+
+    pose: np.ndarray  # (N + 4, 3) x, y, angle; of a wall a point of its face
+    stadium: np.ndarray  # (N, 2) half length and cap radius
+    mass: np.ndarray  # (N + 4,); 0 = prescribed motion
+    inertia: np.ndarray  # (N,)
+    velocity: np.ndarray  # (N + 4, 3) at the start of the step
+    force: np.ndarray  # (N + 4, 2)
+    dt: float
+
+    @property
+    def grains(self):
+        return len(self.stadium)
+
+    @property
+    def inverse_mass(self):
+        """(N + 4, 3) along x, y and about z; the right wall moves along x only."""
+        inverse = np.divide(1, self.mass, out=np.zeros(len(self.mass)), where=self.mass > 0)
+        result = np.column_stack([inverse, inverse, np.append(1 / self.inertia, np.zeros(4))])
+        result[self.grains :, 1] = 0
+        return result
+
+    @property
+    def shape(self):
+        return "long" if (self.stadium[:, 0] > 0).any() else "discs"
+
+    def table(self, skin):
+        """One row a body, `COLUMNS`, the grains larger by `skin`: what the step programs read."""
+        pad = lambda values, width: np.concatenate([values, np.zeros((4, width))])
+        normals = np.concatenate([np.zeros((self.grains, 2)), WALL_NORMALS])
+        stadium, inertia = pad(self.stadium + [0, skin], 2), pad(self.inertia[:, None], 1)
+        return np.column_stack([self.pose, stadium, self.mass, inertia, self.velocity, self.force, normals])
+
+    def free_velocity(self, before):
+        return before + self.dt * self.inverse_mass * np.column_stack([self.force, np.zeros(len(self.force))])
+
+    def problem(self, friction, alert):
+        """Our contact problem of the step: points up to `alert` apart between grains, half of it at walls; cold start."""
+        from rcr import _kernel as kernel
+        from rcr.problems import BodyProblem
+        from scipy.spatial import cKDTree
+
+        centre, reach = self.pose[: self.grains, :2], self.stadium.sum(1)
+        pairs = cKDTree(centre).query_pairs(2 * reach.max() + alert, output_type="ndarray")
+        pairs = pairs[np.hypot(*(centre[pairs[:, 0]] - centre[pairs[:, 1]]).T) < reach[pairs].sum(1) + alert]
+        pairs = pairs[np.lexsort(pairs.T[::-1])].reshape(-1, 2)
+        pose = np.ascontiguousarray(self.pose[: self.grains])
+        i, j = pairs.T
+        found = [(pairs, kernel.overlap_stadiums(self.stadium[i], pose[i], self.stadium[j], pose[j], alert), friction)]
+        for k, normal in enumerate(WALL_NORMALS):
+            wall = self.grains + k
+            face = np.tile(self.pose[wall, :2], (self.grains, 1))
+            at = kernel.overlap_wall(face, np.tile(normal, (self.grains, 1)), self.stadium, pose, alert / 2)
+            found.append((np.column_stack([np.full(self.grains, wall), np.arange(self.grains)]), at, 0.0))
+        bodies, position, normal, gap, mu = [], [], [], [], []
+        for ids, manifold, coefficient in found:
+            there = np.arange(2) < manifold["count"][:, None]
+            bodies.append(np.repeat(ids[:, None], 2, 1)[there])
+            position.append(manifold["position"][there])
+            normal.append(manifold["normal"][there])
+            gap.append(manifold["gap"][there])
+            mu.append(np.full(there.sum(), coefficient))
+        bodies, position, normal, gap, mu = map(np.concatenate, (bodies, position, normal, gap, mu))
+        arm1, arm2 = (position - self.pose[bodies[:, side], :2] for side in (0, 1))
+        return BodyProblem(
+            self.inverse_mass, self.free_velocity(self.velocity), bodies, normal, np.where((bodies[:, :1] < self.grains), arm1, 0), arm2,
+            np.maximum(gap, 0) / self.dt, mu, np.zeros((len(mu), 2)),
+        )  # fmt: skip
+
+
+def load(path):
+    """Packing of a step `.npz` with its `state`, or of a network `.h5`.
+
+    Raises
+    ------
+    ValueError
+        If the file has no bodies, or is of another kind; OSError if it cannot be read.
+    """
+    if path.endswith(".npz"):
+        return _from_step(path)
+    if path.endswith((".h5", ".hdf5")):
+        return _from_network(path)
+    raise ValueError(f"{path}: wanted a step .npz or a network .h5")
+
+
+def _from_step(path):
+    names = "state vprev vfree im iI meta".split()
+    with np.load(path) as file:
+        missing = [name for name in names if name not in file]
+        if missing:
+            raise ValueError(f"{path}: lacks {', '.join(missing)}; wanted the bodies of a step, {', '.join(names)}")
+        state, before, free, inverse_mass, inverse_inertia, (dt, _, count) = (np.asarray(file[name], float) for name in names)
+    count = int(count)
+    if len(state) != count + 4:
+        raise ValueError(f"{path}: state has {len(state)} rows for {count} particles; wanted four walls after them")
+    mass = np.divide(1, inverse_mass, out=np.zeros(count + 4), where=inverse_mass > 0)
+    force = (free - before)[:, :2] * mass[:, None] / dt
+    pose = state[:, :3].copy()
+    pose[count:, 2] = 0
+    return _scaled(pose, state[:count, 4:6], mass, 1 / inverse_inertia[:count], before, force, dt)
+
+
+def _from_network(path):
+    """Walls stand where the grains touch them; left, bottom and top are at rest, the right one feels the stress."""
+    from rcr import Network
+    from rcr import _kernel as kernel
+
+    network = Network.load(path)
+    p, c, count = network.particles, network.contacts, len(network.particles["id"])
+    stadium = np.column_stack([p["half_length"], p["cap_radius"]])
+    pose = np.concatenate([np.column_stack([p["position"], p["angle"]]), np.zeros((4, 3))])
+    for wall in range(4):
+        touching = c["position"][c["body2"] == -1 - wall]
+        if not len(touching):
+            raise ValueError(f"{path}: no grain touches wall {-1 - wall}; wanted a packing between four walls")
+        pose[count + wall, wall % 2] = touching[:, wall % 2].mean()
+    mass = np.append(p["mass"], [0, 0, p["mass"].sum() / np.sqrt(count), 0])
+    inertia = p["mass"] * [kernel.polar_moment(*s) / kernel.area(*s) for s in stadium]
+    velocity, force = np.concatenate([p["velocity"], np.zeros((4, 3))]), np.zeros((count + 4, 2))
+    height = pose[count + 3, 1] - pose[count + 1, 1]
+    force[count + 2, 0] = -network.attributes["stress"][0, 0] * height
+    return _scaled(pose, stadium, mass, inertia, velocity, force, float(network.attributes["dt"]))
+
+
+def _scaled(pose, stadium, mass, inertia, velocity, force, dt):
+    length, unit = 2 * stadium.sum(1).mean(), mass[: len(stadium)].mean()
+    per_length = np.array([1 / length, 1 / length, 1])
+    return Packing(
+        pose * per_length, stadium / length, mass / unit, inertia / (unit * length**2), velocity * per_length, force / (unit * length), float(dt)
+    )

@@ -1,0 +1,261 @@
+#!/usr/bin/env python3
+"""Time steps: a packing in Chipmunk, Box2D and our solver, or, run with YADE, a checkpoint of scripts/biaxial.py.
+
+    python3 scripts/bench_step.py PACKING… --out DIR          step .npz with bodies, or network .h5
+    scripts/yade-rcr -n -x scripts/bench_step.py FOLDER… --out DIR
+
+The first compares the cost of an iteration, of a step, and how well its contact laws hold; the second shows the share of
+each engine. Times are the minimum of several runs; tables are printed and written as CSV.
+"""
+
+import argparse
+import json
+import os
+import sys
+import tempfile
+
+SCRIPT = os.path.realpath(sys.argv[0])
+ROOT = os.path.join(os.path.dirname(SCRIPT), os.pardir)
+sys.path[:0] = [os.path.join(ROOT, "py"), os.path.join(ROOT, "bench")]
+import outside
+
+try:
+    import measure
+    import numpy as np
+    import packing as packings
+    import rcr._kernel as kernel
+    from rcr.problems import BodyProblem
+except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
+    outside.reenter(SCRIPT, error)
+
+FEW, MANY = 10, 210  # iterations whose difference gives the cost of one
+SKIN = 1e-3  # mean diameters by which grains are larger in the other libraries, so that they see contacts before they overlap
+SETTLE = 10  # steps in YADE before the time is taken
+PEERS = dict(chipmunk="libchipmunk-dev", box2d="libbox2d-dev")
+
+STEP_COLUMNS = "packing shape grains points library start iterations ns covers ms ms_without_iterations residual mean_overlap velocity_error".split()
+ENGINE_COLUMNS = "folder grains points threads engine ms share".split()
+YADE_COLUMNS = (
+    "folder eta grains points threads steps ms ms_least iterations residual_max ms_sweeps ms_bookkeeping bookkeeping_per_sweeps".split()
+)
+
+
+# ---------------------------------------------------------------------------------------------- other libraries
+
+
+def run_program(program, packing, options, iterations, steps):
+    """What a step program prints, for the packing from its present state."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "packing.txt")
+        np.savetxt(path, packing.table(SKIN))
+        numbers = packing.dt, options.friction, 2 * SKIN, iterations, steps
+        output = outside.run([os.path.abspath(program), path, *map(str, numbers)], try_here=True)
+        return json.loads(output[output.index("{") :])  # Chipmunk may print a line of its own
+
+
+def accuracy(packing, outcome):
+    """How well the contact laws hold after the last step of a library, over the contacts that it found itself."""
+    table = np.array(outcome["contacts"]).reshape(-1, 12)
+    bodies, normal, arm1, arm2 = table[:, :2].astype(int), table[:, 2:4], table[:, 4:6], table[:, 6:8]
+    friction, impulse, gap = table[:, 8], table[:, 9:11], table[:, 11]
+    normal = normal / np.hypot(*normal.T)[:, None]
+    free = packing.free_velocity(np.array(outcome["before"]))
+    problem = BodyProblem(packing.inverse_mass, free, bodies, normal, arm1, arm2, 0 * friction, friction, impulse).delassus()
+    after = free + packing.inverse_mass * generalised(bodies, normal, arm1, arm2, impulse, len(free))
+    stated = np.array(outcome["after"])
+    overlap = -gap - SKIN * (bodies < packing.grains).sum(1)
+    return dict(
+        points=len(table), residual=measure.residual(measure.matrix(problem), problem.q, friction, impulse),
+        mean_overlap=float(np.maximum(0, overlap).mean()),
+        velocity_error=float(np.linalg.norm(stated - after) / max(np.linalg.norm(stated), 1e-300)),
+    )  # fmt: skip
+
+
+def generalised(bodies, normal, arm1, arm2, impulse, count):
+    """Jᵀp, (count, 3)."""
+    force = impulse[:, :1] * normal + impulse[:, 1:] * np.stack([-normal[:, 1], normal[:, 0]], 1)
+    result = np.zeros((count, 3))
+    for side, arm, sign in (0, arm1, -1), (1, arm2, 1):
+        torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+        np.add.at(result, bodies[:, side], sign * np.column_stack([force, torque]))
+    return result
+
+
+def peer_rows(name, program, packing, options):
+    """Cold: the first step from the packing. Warm: the last of several, each started from the impulses of the one before."""
+
+    def least(iterations, steps):
+        def run():
+            outcome = run_program(program, packing, options, iterations, steps)
+            return dict(outcome, seconds=min(outcome["seconds"][steps // 2 :]))
+
+        return run
+
+    runs = least(FEW, 1), least(MANY, 1), least(options.iterations, 1), least(options.iterations, options.steps)
+    few, many, cold, warm = measure.best(options.repeats, options.budget, *runs)
+    points = len(cold["contacts"])
+    if not points:
+        raise ValueError(f"{name} finds no contact in {options.present}; wanted a dense packing")
+    an_iteration = (many["seconds"] - few["seconds"]) / (MANY - FEW)
+    for start, outcome in ("cold", cold), ("warm", warm):
+        yield dict(
+            library=outcome["library"], start=start, iterations=options.iterations, ns=1e9 * an_iteration / points if start == "cold" else None,
+            covers="step", ms=1e3 * outcome["seconds"], ms_without_iterations=1e3 * (outcome["seconds"] - options.iterations * an_iteration),
+            **accuracy(packing, outcome),
+        )  # fmt: skip
+
+
+def chipmunk_rows(packing, options):
+    """Rows of Chipmunk; none where its program is missing."""
+    return _peer("chipmunk", packing, options)
+
+
+def box2d_rows(packing, options):
+    """Rows of Box2D; none where its program is missing."""
+    return _peer("box2d", packing, options)
+
+
+def _peer(name, packing, options):
+    program = getattr(options, name)
+    if program is None:
+        program = os.path.join(ROOT, "build", "bench", f"{name}_step")
+        if not os.path.exists(program):
+            print(f"bench_step.py: {name} is left out: its program is not built ({PEERS[name]}; see bench/CMakeLists.txt)", file=sys.stderr)
+            return []
+    return list(peer_rows(name, program, packing, options))
+
+
+def our_rows(packing, options):
+    """The solver alone, on the contacts that we find in the packing, cold."""
+    problem = packing.problem(options.friction, 2 * SKIN)
+    order = np.lexsort(problem.bodies.T[::-1])
+    whole = "inverse_mass", "free_velocity"
+    arrays = {name: value if name in whole else value[order] for name, value in vars(problem).items()}
+    delassus = BodyProblem(**arrays).delassus()
+    matrix = measure.matrix(delassus)
+    for solver in "nlgs", "nesterov":
+        workspace = kernel.Workspace()
+        run = lambda count: lambda: kernel.solve(
+            **arrays, solver=solver, tolerance=0, max_iterations=count, check_interval=10**9, violation=np.inf, workspace=workspace
+        )
+        few, many, found = measure.best(5 * options.repeats, options.budget, run(FEW), run(MANY), run(options.iterations))
+        an_iteration = (many["seconds"] - few["seconds"]) / (MANY - FEW)
+        yield dict(
+            points=problem.contacts, library=f"rcr {solver}", start="cold", iterations=options.iterations, ns=1e9 * an_iteration / problem.contacts,
+            covers="solver", ms=1e3 * found["seconds"], ms_without_iterations=1e3 * (found["seconds"] - options.iterations * an_iteration),
+            residual=measure.residual(matrix, delassus.q, delassus.friction, found["impulse"]),
+        )  # fmt: skip
+
+
+def compare_libraries(options):
+    rows = []
+    for path in options.inputs:
+        packing, options.present = packings.load(path), path
+        about = dict(packing=os.path.splitext(os.path.basename(path))[0], shape=packing.shape, grains=packing.grains)
+        for library in our_rows, chipmunk_rows, box2d_rows:
+            rows += [dict(about, **row) for row in library(packing, options)]
+    return dict(step=(rows, STEP_COLUMNS))
+
+
+# ---------------------------------------------------------------------------------------------- inside YADE
+
+
+def time_checkpoint(folder, options):
+    """Rows of the engines and of the whole, for a checkpoint that goes on for some steps."""
+    import time
+
+    from rcr.biaxial import Biaxial
+    from yade import timing
+    from yade.wrapper import Omega
+
+    scene = Omega()
+    test = Biaxial.load(folder)
+    solver = test.solver
+    solver.threads = options.threads
+    scene.run(SETTLE, True)
+    scene.timingEnabled = True
+    timing.reset()
+    parts = dict(getattr(solver, "seconds", {}))
+    times, iterations, residuals = [], [], []
+    for _ in range(options.steps):
+        start = time.perf_counter()
+        scene.step()
+        times.append(time.perf_counter() - start)
+        iterations.append(solver.iterations)
+        residuals.append(solver.residual)
+    scene.timingEnabled = False
+    parts = {name: 1e3 * (seconds - parts.get(name, 0)) / options.steps for name, seconds in getattr(solver, "seconds", {}).items()}
+    about = dict(folder=os.path.basename(os.path.normpath(folder)), grains=len(test.grains), points=solver.contactPoints, threads=options.threads)
+    engines = [(engine.label or type(engine).__name__, 1e-6 * engine.execTime / options.steps) for engine in scene.engines if not engine.dead]
+    total = sum(ms for _, ms in engines)
+    rows = [dict(about, engine=name, ms=ms, share=ms / total) for name, ms in engines]
+    rows += [dict(about, engine=f"ContactDynamics: {name}", ms=ms, share=ms / total) for name, ms in parts.items()]
+    sweeps, bookkeeping = parts.get("solve"), sum(ms for name, ms in parts.items() if name in ("gather", "scatter")) if parts else None
+    whole = dict(
+        about, eta=test.parameters["eta"], steps=options.steps, ms=1e3 * float(np.mean(times)), ms_least=1e3 * min(times),
+        iterations=float(np.mean(iterations)), residual_max=max(residuals), ms_sweeps=sweeps, ms_bookkeeping=bookkeeping,
+        bookkeeping_per_sweeps=bookkeeping / sweeps if sweeps else None,
+    )  # fmt: skip
+    return rows, whole
+
+
+def time_yade(options):
+    engines, whole = [], []
+    for folder in options.inputs:
+        rows, row = time_checkpoint(folder, options)
+        engines += rows
+        whole.append(row)
+    return dict(yade_engines=(engines, ENGINE_COLUMNS), yade_step=(whole, YADE_COLUMNS))
+
+
+# ---------------------------------------------------------------------------------------------- the script
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="bench_step.py", description=__doc__.splitlines()[0])
+    parser.add_argument("inputs", nargs="+", metavar="PACKING|FOLDER", help="step .npz or network .h5; with YADE, a folder of scripts/biaxial.py")
+    parser.add_argument("--iterations", type=int, default=40, metavar="N", help="of a step in every library (default %(default)s)")
+    parser.add_argument("--steps", type=int, default=None, metavar="N", help="warm steps in the libraries (default 20), steps in YADE (default 200)")
+    parser.add_argument("--friction", type=float, default=0.5, help="between grains (default %(default)s)")
+    parser.add_argument("--threads", type=int, default=1, metavar="N", help="of our solver in YADE (default %(default)s)")
+    parser.add_argument("--repeats", type=int, default=5, metavar="N", help="runs of which the least counts (default %(default)s)")
+    parser.add_argument("--budget", type=float, default=20, metavar="S", help="seconds after which a time is not repeated (default %(default)s)")
+    for name in PEERS:
+        parser.add_argument(f"--{name}", metavar="PROGRAM", help=f"{name}_step, of this or another system (default: build/bench/{name}_step)")
+    parser.add_argument("--out", required=True, metavar="DIR", help="folder of the CSV files, made if missing")
+    return parser.parse_args()
+
+
+def check(options, in_yade):
+    for name in "iterations", "threads", "repeats":
+        if getattr(options, name) < 1:
+            raise ValueError(f"--{name} {getattr(options, name)}: wanted at least 1")
+    if options.steps is None:
+        options.steps = 200 if in_yade else 20
+    if options.steps < 1:
+        raise ValueError(f"--steps {options.steps}: wanted at least 1")
+    if not options.friction >= 0:
+        raise ValueError(f"--friction {options.friction}: wanted a coefficient ≥ 0")
+    for path in options.inputs:
+        if os.path.isdir(path) and not in_yade:
+            raise ValueError(f"{path} is a folder: a checkpoint needs YADE, scripts/yade-rcr -n -x scripts/bench_step.py {path} --out DIR")
+        if in_yade and not os.path.isdir(path):
+            raise ValueError(f"{path} is no folder: with YADE, a folder of scripts/biaxial.py is wanted; without, a packing")
+
+
+def main():
+    options = arguments()
+    in_yade = "yade" in sys.modules
+    check(options, in_yade)
+    os.makedirs(options.out, exist_ok=True)
+    for name, (rows, columns) in (time_yade if in_yade else compare_libraries)(options).items():
+        measure.show(name, rows, columns)
+        measure.write(os.path.join(options.out, f"{name}.csv"), rows, columns)
+
+
+try:
+    main()
+except (ValueError, OSError, RuntimeError) as error:
+    print(f"bench_step.py: {error}", file=sys.stderr)
+    sys.stdout.flush()
+    os._exit(1)  # YADE's own exit would forget the code
