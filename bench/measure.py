@@ -62,6 +62,17 @@ def best(repeats, budget, *functions):
     return least
 
 
+def minima(repeats, budget, *functions):
+    """Elementwise minimum of the tuples that each function returns, called in turn; as `best`."""
+    start, least = time.perf_counter(), None
+    for _ in range(repeats):
+        results = np.array([function() for function in functions])
+        least = results if least is None else np.minimum(least, results)
+        if time.perf_counter() - start > budget:
+            break
+    return least
+
+
 def triad_bandwidth(size):
     """Traffic of a = b + s c on arrays of `size` bytes together, in two passes of NumPy (five words an element) [B/s]."""
     count = max(64, int(size) // 24)

@@ -4,10 +4,10 @@
 // outward normal, and its x, y is a point of its face. Mass 0: prescribed motion. Any consistent units, mean diameter 1.
 #pragma once
 
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <stdexcept>
 #include <string>
@@ -70,11 +70,12 @@ inline Task readTask(int argc, char** argv)
 	return task;
 }
 
+/// Processor time: the libraries run on one thread, and others may want the processor.
 template <class Step> double secondsOf(Step step)
 {
-	const auto start = std::chrono::steady_clock::now();
+	const std::clock_t start = std::clock();
 	step();
-	return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+	return double(std::clock() - start) / CLOCKS_PER_SEC;
 }
 
 template <class Row, class Write> void printList(const char* name, const std::vector<Row>& rows, Write write)

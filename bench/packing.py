@@ -133,7 +133,7 @@ def _from_network(path):
     inertia = p["mass"] * [kernel.polar_moment(*s) / kernel.area(*s) for s in stadium]
     velocity, force = np.concatenate([p["velocity"], np.zeros((4, 3))]), np.zeros((count + 4, 2))
     height = pose[count + 3, 1] - pose[count + 1, 1]
-    force[count + 2, 0] = -network.attributes["stress"][0, 0] * height
+    force[count + 2, 0] = -network.stress()[0, 0] * height
     return _scaled(pose, stadium, mass, inertia, velocity, force, float(network.attributes["dt"]))
 
 

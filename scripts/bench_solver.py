@@ -2,7 +2,8 @@
 """Time the contact solvers on one-step problems from files, alone and against Siconos, and check their residuals in NumPy.
 
 Prints tables and writes them as CSV: sweeps (time per contact point and sweep), tolerances (time to a residual), peers,
-growth (with the size of the problem), roofline. Ratios are of one run; times are the minimum of several.
+growth (with the size of the problem), roofline. Ratios are of one run; times are the minimum of several. Times of one
+thread are processor time, which other programs on the machine hardly change; those of more are by the clock.
 """
 
 import argparse
@@ -31,11 +32,11 @@ SOLVERS = "nesterov", "exact", "auto"
 SWEEPERS = "nlgs", "nesterov"
 LANES = 1, 4, 8
 FEW = 10  # sweeps that are subtracted, with all that a call does once
-UNITS_OF_WORK = 2_000_000  # points times sweeps that one timing takes, some ms
+UNITS_OF_WORK = 300_000  # points times sweeps that one timing takes: a few ms, short enough to come off undisturbed now and then
 
 ABOUT = ["problem", "shape", "bodies", "points"]
 COLUMNS = dict(
-    sweeps=[*ABOUT, "solver", "lanes", "threads", "ns", "ratio_to_one_thread"],
+    sweeps=[*ABOUT, "solver", "lanes", "threads", "ns", "ns_by_clock", "ratio_to_one_thread"],
     tolerances=[*ABOUT, "solver", "start", "tolerance", "iterations", "seconds", "residual", "residual_numpy", "reached",
                 "siconos_seconds", "siconos_figure", "siconos_ratio"],
     peers=[*ABOUT, "peer", "figure", "start", "tolerance", "iterations", "seconds", "residual", "reached", "ns"],
@@ -74,7 +75,7 @@ class Case:
         self.about = dict(problem=name, shape=self.shape, bodies=self.bodies, points=self.points)
 
     def solve(self, solver, tolerance, iterations, warm=False, **settings):
-        """What the kernels return; without momentary allocations of a first call where a workspace is given."""
+        """What the kernels return."""
         start = self.delassus.impulse if warm else np.zeros((self.points, 2))
         settings.update(solver=solver, tolerance=tolerance, max_iterations=iterations)
         if self.arrays is not None:
@@ -96,18 +97,19 @@ def sweep_rows(case, repeats, threads):
         settings = [dict(solver=solver) for solver in SWEEPERS]
     else:
         settings = [dict(solver=s, lanes=n, threads=t, workspace=kernel.Workspace()) for s in SWEEPERS for n in LANES for t in threads]
-    runs = [
-        lambda setting=setting, count=count: case.solve(tolerance=0, iterations=count, check_interval=10**9, **setting)["seconds"]
-        for setting in settings
-        for count in (FEW, many)
-    ]
-    least = measure.best(repeats, 60, *runs)
+
+    def run(setting, count):
+        found = case.solve(tolerance=0, iterations=count, check_interval=10**9, **setting)
+        return found["seconds"], found["processor_seconds"]
+
+    runs = [lambda setting=setting, count=count: run(setting, count) for setting in settings for count in (FEW, many)]
+    least = measure.minima(repeats, 60, *runs)
     rows, of_one = [], {}
-    for setting, few_seconds, many_seconds in zip(settings, least[::2], least[1::2]):
-        ns = 1e9 * (many_seconds - few_seconds) / (many - FEW) / case.points
-        row = dict(case.about, ns=ns, **{key: setting.get(key) for key in ("solver", "lanes", "threads")})
-        of_one.setdefault((row["solver"], row["lanes"]), ns)
-        row["ratio_to_one_thread"] = of_one[row["solver"], row["lanes"]] / ns if row["threads"] else None
+    for setting, (clock, processor) in zip(settings, 1e9 * (least[1::2] - least[::2]) / (many - FEW) / case.points):
+        row = dict(case.about, ns_by_clock=clock, **{key: setting.get(key) for key in ("solver", "lanes", "threads")})
+        row["ns"] = processor if setting.get("threads", 1) == 1 else clock
+        if "threads" in setting:
+            row["ratio_to_one_thread"] = of_one.setdefault((row["solver"], row["lanes"]), clock) / clock
         rows.append(row)
     return rows
 
@@ -115,7 +117,11 @@ def sweep_rows(case, repeats, threads):
 def tolerance_rows(case, solver, warm, options):
     """Time and iterations to each tolerance, from large to small, up to the first that is not reached."""
     for tolerance in sorted(options.tolerances, reverse=True):
-        run = lambda: case.solve(solver, tolerance, options.max_iterations, warm)
+
+        def run():
+            found = case.solve(solver, tolerance, options.max_iterations, warm)
+            return dict(found, seconds=found["processor_seconds"])
+
         (found,) = measure.best(options.repeats, options.budget, run)
         reached = bool(found["residual"] <= tolerance)
         yield dict(
@@ -225,7 +231,7 @@ def arguments():
     parser.add_argument("--tolerances", type=float, nargs="+", default=list(TOLERANCES), metavar="T", help="(default: 1e-4 1e-6 1e-8 1e-10)")
     parser.add_argument("--warm", action="store_true", help="start from the impulses in the files too")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2], metavar="N", help="(default: 1 2)")
-    parser.add_argument("--repeats", type=int, default=10, metavar="N", help="runs of which the least counts (default %(default)s)")
+    parser.add_argument("--repeats", type=int, default=20, metavar="N", help="runs of which the least counts (default %(default)s)")
     parser.add_argument("--budget", type=float, default=5, metavar="S", help="seconds after which a time is not repeated (default %(default)s)")
     parser.add_argument("--max-iterations", type=int, default=20000, metavar="N", help="sweeps or steps at most (default %(default)s)")
     parser.add_argument("--siconos", metavar="PYTHON", help="a Python that has siconos.numerics and scipy, also one outside of the environment")

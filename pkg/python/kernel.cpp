@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <chrono>
+#include <ctime>
 #include <sstream>
 
 #include "block_lu.hpp"
@@ -22,6 +23,26 @@ namespace {
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Ids   = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
+
+/// Time since it was made [s]: by the clock, and of the processor on this thread, which other programs do not lengthen.
+class Stopwatch {
+public:
+	double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+	double processorSeconds() const { return processorNow() - processorStart_; }
+
+private:
+	using Clock = std::chrono::steady_clock;
+
+	static double processorNow()
+	{
+		timespec now;
+		clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+		return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+	}
+
+	Clock::time_point start_          = Clock::now();
+	double            processorStart_ = processorNow();
+};
 
 template <class A> void wantShape(const A& array, const char* name, py::ssize_t rows, py::ssize_t columns)
 {
@@ -135,13 +156,14 @@ py::dict solveArrays(
 	settings.stallSweeps   = stallSweeps;
 	settings.violation     = violation;
 	settings.meanForceChange = meanForceChange;
-	Report     report;
-	const auto start = std::chrono::steady_clock::now();
+	Report report;
+	double seconds, processorSeconds;
 	{
 		py::gil_scoped_release release;
+		const Stopwatch        watch;
 		report = workspace ? solve(problem, solver, settings, *workspace) : solve(problem, solver, settings);
+		seconds = watch.seconds(), processorSeconds = watch.processorSeconds();
 	}
-	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
 	const py::ssize_t nc = problem.points.size(), nb = problem.inverseMass.size();
 	Array             reaction({ nc, py::ssize_t(2) }), relative({ nc, py::ssize_t(2) }), velocity({ nb, py::ssize_t(3) });
@@ -158,7 +180,8 @@ py::dict solveArrays(
 	return py::dict(
 	        py::arg("impulse") = reaction, py::arg("relative_velocity") = relative, py::arg("velocity") = velocity,
 	        py::arg("iterations") = report.iterations, py::arg("residual") = report.residual, py::arg("converged") = report.converged,
-	        py::arg("violation") = report.violation, py::arg("seconds") = seconds);
+	        py::arg("violation") = report.violation, py::arg("seconds") = seconds,
+	        py::arg("processor_seconds") = processorSeconds);
 }
 
 py::dict solveDelassusArrays(
@@ -182,13 +205,14 @@ py::dict solveDelassusArrays(
 	settings.tolerance     = tolerance;
 	settings.maxIterations = maxIterations;
 	settings.checkInterval = checkInterval;
-	Report     report;
-	const auto start = std::chrono::steady_clock::now();
+	Report report;
+	double seconds, processorSeconds;
 	{
 		py::gil_scoped_release release;
-		report = solve(problem, solver, settings);
+		const Stopwatch        watch;
+		report  = solve(problem, solver, settings);
+		seconds = watch.seconds(), processorSeconds = watch.processorSeconds();
 	}
-	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 	Array        reaction({ nc, py::ssize_t(2) }), velocity({ nc, py::ssize_t(2) });
 	for (py::ssize_t k = 0; k < nc; ++k) {
 		reaction.mutable_at(k, 0) = problem.impulse[k].n, reaction.mutable_at(k, 1) = problem.impulse[k].t;
@@ -196,7 +220,8 @@ py::dict solveDelassusArrays(
 	}
 	return py::dict(
 	        py::arg("impulse") = reaction, py::arg("relative_velocity") = velocity, py::arg("iterations") = report.iterations,
-	        py::arg("residual") = report.residual, py::arg("converged") = report.converged, py::arg("seconds") = seconds);
+	        py::arg("residual") = report.residual, py::arg("converged") = report.converged, py::arg("seconds") = seconds,
+	        py::arg("processor_seconds") = processorSeconds);
 }
 
 /// x of A x = b for a matrix of 3×3 blocks: diagonal (n, 3, 3), A_ij and A_ji of every pair (i, j), b (n, 3).
@@ -316,9 +341,11 @@ PYBIND11_MODULE(_kernel, m)
 	      py::arg("max_iterations") = 1000, py::arg("threads") = 1, py::arg("lanes") = 0, py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
 	      py::arg("stall_sweeps") = 0, py::arg("violation") = Settings().violation, py::arg("mean_force_change") = 0, py::arg("workspace") = nullptr,
 	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2) and velocity (nb, 3) [m/s, 1/s],\n"
-	      "iterations, residual, converged, violation, seconds; settings as in solver.hpp. Raises ValueError on arrays that do not fit together.");
+	      "iterations, residual, converged, violation, seconds, processor_seconds (of the calling thread); settings as in solver.hpp.\n"
+	      "Raises ValueError on arrays that do not fit together.");
 	m.def("solve_delassus", solveDelassusArrays, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"),
 	      py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000, py::arg("check_interval") = 10,
 	      "Solve one problem given by W and q (delassus_problem.hpp), W in rows of blocks: row_start (nc + 1,), column (nb,), block (nb, 4) as\n"
-	      "(nn, nt, tn, tt) [1/kg], free = q (nc, 2) [m/s]. Dict of impulse, relative_velocity (nc, 2), iterations, residual, converged, seconds.");
+	      "(nn, nt, tn, tt) [1/kg], free = q (nc, 2) [m/s]. Dict of impulse, relative_velocity (nc, 2), iterations, residual, converged, seconds,\n"
+	      "processor_seconds.");
 }
