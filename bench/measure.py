@@ -25,7 +25,7 @@ def residual(matrix, q, friction, p):
     w = np.where(w > 0, w, np.inf)
     n, t = p[:, 0] - (u[:, 0] + friction * abs(u[:, 1])) / w, p[:, 1] - u[:, 1] / w
     edge = np.maximum(n + friction * abs(t), 0) / (1 + friction**2)  # normal part of the nearest point of the cone's edge
-    inside = abs(t) <= friction * n
+    inside = (abs(t) <= friction * n) & (n > 0)
     error = np.hypot(p[:, 0] - np.where(inside, n, edge), p[:, 1] - np.where(inside, t, friction * edge * np.sign(t)))
     error[np.isinf(w)] = 0
     size = np.linalg.norm(p)
@@ -98,12 +98,12 @@ def exponent(x, y):
 # ------------------------------------------------------------------------------------------ larger problems
 
 
-def mirrored(problem, seed=1):
+def mirrored(problem, seed=1, change=0.05):
     """A problem twice as large: its mirror image beyond one of its straight walls, which disappears.
 
     The wall is a prescribed body whose contacts share one normal along x or y; grains that touched it touch their own images,
-    at twice the gap and without friction. So the solution is that of the problem and its image. Velocities of
-    free bodies are then changed by 5 % at random, which takes the symmetry away.
+    at twice the gap and without friction. So the solution is that of the problem and its image. Free velocities
+    are then changed by the share `change` at random, which takes the symmetry away; 0 keeps it.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def mirrored(problem, seed=1):
     image_velocity[:, axis] += 2 * speed
     free = (problem.inverse_mass > 0).any(1)
     velocity = np.concatenate([problem.free_velocity, image_velocity])
-    velocity *= np.where(np.tile(free, 2), 1 + 0.05 * np.random.default_rng(seed).normal(size=2 * count), 1)[:, None]
+    velocity *= np.where(np.tile(free, 2), 1 + change * np.random.default_rng(seed).normal(size=2 * count), 1)[:, None]
 
     inside = np.where(np.isin(problem.bodies[at_wall, 0], gone), 1, 0)  # which side of a wall contact is the grain
     rows = np.arange(len(inside))

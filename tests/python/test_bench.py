@@ -1,0 +1,333 @@
+"""Benchmarks: what they measure with is right, they run on tiny problems and write the columns they state. No time is tested."""
+
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rcr import _kernel, problems
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "bench"))
+measure = pytest.importorskip("measure")
+packings = pytest.importorskip("packing")
+
+SWEEP_COLUMNS = "problem,shape,bodies,points,solver,lanes,threads,ns,ns_by_clock,ratio_to_one_thread"
+TOLERANCE_COLUMNS = (
+    "problem,shape,bodies,points,solver,start,tolerance,iterations,seconds,residual,residual_numpy,reached,"
+    "siconos_seconds,siconos_figure,siconos_ratio"
+)
+STEP_COLUMNS = "packing,shape,grains,points,library,start,iterations,ns,covers,ms,ms_without_iterations,residual,mean_overlap,velocity_error"
+
+
+def lattice(count=25, seed=3):
+    return problems.BodyProblem(**measure.lattice(count, seed))
+
+
+def solved(problem, tolerance=1e-10):
+    """The problem with its solution as warm start, and what the kernels reported."""
+    order = np.lexsort(problem.bodies.T[::-1])
+    whole = "inverse_mass", "free_velocity"
+    arrays = {name: value if name in whole else value[order] for name, value in vars(problem).items()}
+    found = _kernel.solve(**arrays, solver="exact", tolerance=tolerance, max_iterations=100000, violation=np.inf)
+    return problems.BodyProblem(**{**arrays, "impulse": found["impulse"]}), found
+
+
+def residual(problem):
+    delassus = problem.delassus()
+    return measure.residual(measure.matrix(delassus), delassus.q, delassus.friction, problem.impulse)
+
+
+def as_npz(path, problem):
+    """A step file of ours; the four walls are the last bodies."""
+    p = problem
+    np.savez(
+        path, a=p.bodies[:, 0], b=p.bodies[:, 1], n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias, mu=p.friction, p0=p.impulse,
+        im=p.inverse_mass[:, 0], iI=p.inverse_mass[:, 2], vfree=p.free_velocity, meta=np.array([0.01, 1, len(p.inverse_mass) - 4]),
+    )  # fmt: skip
+
+
+def rows_of(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def header(path):
+    return path.read_text().splitlines()[0]
+
+
+# ---------------------------------------------------------------------------------------------- what is measured with
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-5, 1e-9])
+def test_residual_is_the_one_that_the_kernels_report(tolerance):
+    problem, found = solved(lattice(), tolerance)
+    assert residual(problem) == pytest.approx(found["residual"], rel=1e-5, abs=1e-13)  # rounding of W p
+
+
+def test_residual_by_hand():
+    """One contact, w = 2 in both directions, falling at 1 and sliding at 0.3 with µ = 0.5: p_n = 1/2 stops it and friction holds it."""
+    from scipy.sparse import csc_array
+
+    matrix, q = csc_array(2 * np.eye(2)), np.array([[-1, 0.3]])
+    assert measure.residual(matrix, q, np.array([0.5]), np.array([[0.5, -0.15]])) < 1e-15
+    # without friction impulse: û = (0, 0.3), p − (û + µ|u_t| n)/w = (0.425, −0.15), which is in the cone
+    assert measure.residual(matrix, q, np.array([0.5]), np.array([[0.5, 0]])) == pytest.approx(np.hypot(0.075, 0.15) / 0.5)
+    assert measure.residual(matrix, -q, np.array([0.5]), np.zeros((1, 2))) == 0  # opens: no impulse
+    assert measure.residual(matrix, np.array([[1, 0]]), np.array([0.0]), np.zeros((1, 2))) == 0  # also without friction and sliding
+
+
+@pytest.mark.parametrize("times", [1, 2, 3])
+def test_the_image_of_a_solution_solves_the_mirrored_problem(times):
+    problem, _ = solved(lattice())
+    before = residual(problem)
+    mirrored = problem
+    for _ in range(times):
+        mirrored = measure.mirrored(mirrored, change=0)
+    assert len(mirrored.inverse_mass) == 2**times * len(problem.inverse_mass)
+    assert residual(mirrored) < 10 * before + 1e-14
+    changed = measure.mirrored(problem)
+    assert residual(changed) > 1e-4  # other velocities, another solution
+
+
+def test_a_problem_without_walls_has_no_mirror():
+    problem = lattice()
+    problem.inverse_mass[-4:] = 1
+    with pytest.raises(ValueError, match="nothing to mirror"):
+        measure.mirrored(problem)
+
+
+def test_lattice_is_one():
+    """Discs of diameter 1 touch their neighbours in rows shifted by half, and the walls."""
+    side, problem = 5, lattice(25)
+    row, column = np.divmod(np.arange(25), side)
+    centre = np.column_stack([column + 0.5 * (row % 2), np.sqrt(0.75) * row])
+    inner = (problem.bodies < 25).all(1)
+    a, b = problem.bodies[inner].T
+    assert inner.sum() == side * (side - 1) + (side - 1) * (2 * side - 1)
+    np.testing.assert_allclose(problem.normal[inner], centre[b] - centre[a], atol=1e-14)
+    assert (~inner).sum() == 2 * side + side // 2 + (side + 1) // 2
+
+
+def test_exponent():
+    assert measure.exponent([1, 10, 100], [3, 30, 300]) == pytest.approx(1)
+    assert np.isnan(measure.exponent([5, 5], [1, 2]))
+
+
+# ---------------------------------------------------------------------------------------------- scripts/bench_solver.py
+
+
+def bench(script, *arguments, **settings):
+    return subprocess.run(
+        [sys.executable, ROOT / "scripts" / script, *map(str, arguments)], capture_output=True, text=True, cwd="/", timeout=300, **settings
+    )
+
+
+FAST = ["--repeats", "1", "--budget", "0"]
+
+
+@pytest.fixture
+def files(tmp_path):
+    problem, _ = solved(lattice())
+    as_npz(tmp_path / "small.npz", problem)
+    as_npz(tmp_path / "larger.npz", lattice(64))
+    problems.save_fclib(tmp_path / "small.h5", problem)
+    return tmp_path
+
+
+def test_bench_solver_writes_its_tables(files):
+    names = [files / name for name in ("small.npz", "larger.npz", "small.h5")]
+    ended = bench("bench_solver.py", *names, "--mirror", 1, "--warm", "--tolerances", "1e-3", "1e-6", "--out", files / "out", *FAST)
+    assert ended.returncode == 0, ended.stderr
+    assert header(files / "out" / "sweeps.csv") == SWEEP_COLUMNS and header(files / "out" / "tolerances.csv") == TOLERANCE_COLUMNS
+    sweeps = rows_of(files / "out" / "sweeps.csv")
+    assert len(sweeps) == 4 * 2 * 3 * 2 + 2  # with bodies: solvers, lanes, threads
+    rows = rows_of(files / "out" / "tolerances.csv")
+    assert {row["problem"] for row in rows} == {"small", "small x2", "larger", "larger x2"}
+    for row in rows:
+        assert float(row["residual_numpy"]) == pytest.approx(float(row["residual"]), rel=1e-5, abs=1e-13)
+        assert (row["reached"] == "True") == (float(row["residual"]) <= float(row["tolerance"]))
+        assert float(row["seconds"]) > 0 and row["siconos_seconds"] == ""
+    assert {(row["solver"], row["start"]) for row in rows if row["reached"] == "True"} >= {("exact", "cold"), ("exact", "warm")}
+    growth = rows_of(files / "out" / "growth.csv")
+    assert {row["shape"] for row in growth} == {"discs"} and all(np.isfinite(float(row["sweeps_exponent"])) for row in growth)
+    roofline = rows_of(files / "out" / "roofline.csv")
+    assert len(roofline) == 8 and all(float(row["ns_of_bytes"]) > 0 for row in roofline)
+
+
+def test_bench_solver_compares_with_siconos(files):
+    """A program in the place of Siconos' Python answers; ratios are its time over ours, and only where both arrived."""
+    rows = [dict(tolerance=1e-3, iterations=10, seconds=2.0, residual=5e-4), dict(tolerance=1e-6, iterations=20, seconds=4.0, residual=2e-6)]
+    answer = files / "answer"
+    answer.write_text("#!/bin/sh\necho '" + json.dumps(dict(rows=rows, ns=100.0)) + "'\n")
+    answer.chmod(0o755)
+    ended = bench(
+        "bench_solver.py", files / "small.npz", "--only", "tolerances", "--solvers", "exact", "--tolerances", "1e-3", "1e-6",
+        "--siconos", answer, "--out", files / "out", *FAST,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stderr
+    first, second = rows_of(files / "out" / "tolerances.csv")
+    assert float(first["siconos_ratio"]) == pytest.approx(2.0 / float(first["seconds"])) and first["siconos_figure"] == "measured"
+    assert second["siconos_ratio"] == ""
+    peers = rows_of(files / "out" / "peers.csv")
+    assert [(row["peer"], row["reached"]) for row in peers] == [("Siconos NSGS", "True"), ("Siconos NSGS", "False")]
+
+
+def test_bench_solver_marks_stated_figures(files):
+    shutil.copy(files / "small.npz", files / "n500_e0_0.npz")
+    ended = bench("bench_solver.py", files / "n500_e0_0.npz", "--only", "tolerances", "--solvers", "exact", "--out", files / "out", *FAST)
+    assert ended.returncode == 0, ended.stderr
+    assert [row["siconos_figure"] for row in rows_of(files / "out" / "tolerances.csv")] == ["stated", "", "stated", ""]
+
+
+def test_siconos_gives_what_its_residual_says(files):
+    """With Siconos itself, where this Python has it: its impulses at 1e-8 have the residual that it prints."""
+    pytest.importorskip("siconos.numerics", reason="this Python has no Siconos")
+    out = files / "out"
+    ended = bench("bench_solver.py", files / "small.npz", "--only", "tolerances", "--siconos", sys.executable, "--out", out, *FAST)
+    assert ended.returncode == 0, ended.stderr
+    assert all(row["reached"] == "True" for row in rows_of(out / "peers.csv"))
+
+
+@pytest.mark.parametrize(
+    "arguments, says",
+    [
+        (["none.npz"], "none.npz"),
+        (["small.npz", "--solvers", "best"], "--solvers best: wanted some of nlgs"),
+        (["small.npz", "--tolerances", "2"], "--tolerances 2.0: wanted numbers between 0 and 1"),
+        (["small.npz", "--mirror", "-1"], "--mirror -1: wanted at least 0"),
+        (["small.npz", "--threads", "0"], "--threads 0: wanted at least 1"),
+        (["small.npz", "--repeats", "0"], "--repeats 0: wanted at least 1"),
+        (["small.npz", "--siconos", "/none/python", "--only", "tolerances", "--solvers", "nlgs"], "/none/python: No such file or directory"),
+    ],
+)
+def test_bench_solver_says_in_a_line_what_is_wrong(files, arguments, says):
+    arguments = [str(files / word) if word.endswith(".npz") else word for word in arguments]
+    ended = bench("bench_solver.py", *arguments, "--out", files / "out", *(FAST if "--repeats" not in arguments else []))
+    complaint = [line for line in ended.stderr.splitlines() if "contact points" not in line]
+    assert ended.returncode != 0 and len(complaint) == 1 and says in complaint[0], ended.stderr
+    assert not list((files / "out").glob("*")) if (files / "out").exists() else True
+
+
+# ---------------------------------------------------------------------------------------------- scripts/bench_step.py
+
+
+@pytest.fixture
+def packing(tmp_path):
+    """Six discs of diameter 1 and mass 1 in two rows between walls that they touch, moving at random; the right wall is pushed."""
+    count, (j, i) = 6, np.divmod(np.arange(6), 3)
+    state = np.zeros((count + 4, 8))
+    state[:count, 0], state[:count, 1], state[:count, 3], state[:count, 5] = i + 0.5, j + 0.5, 0.5, 0.5
+    state[count + 2, 0], state[count + 3, 1] = 3, 2
+    im = np.append(np.ones(count), [0, 0, 0.5, 0])
+    iI = np.append(np.full(count, 8.0), np.zeros(4))
+    before = np.zeros((count + 4, 3))
+    before[:count] = np.random.default_rng(1).normal(0, 0.05, (count, 3))
+    free = before.copy()
+    free[count + 2, 0] -= 0.01 * 0.5 * 2  # dt, 1/m, force
+    path = tmp_path / "six.npz"
+    np.savez(path, state=state, vprev=before, vfree=free, im=im, iI=iI, meta=np.array([0.01, 1, count]))
+    return path
+
+
+def test_packing_and_its_contacts(packing):
+    six = packings.load(str(packing))
+    assert (six.grains, six.shape, six.dt) == (6, "discs", 0.01)
+    np.testing.assert_allclose(six.force[-2], [-2, 0], atol=1e-12)
+    problem = six.problem(friction=0.5, alert=1e-3)
+    assert problem.contacts == 7 + 10  # between discs; at walls, which touch a side each
+    np.testing.assert_allclose(problem.bias, 0, atol=1e-10)
+    at_walls = (problem.bodies >= 6).any(1)
+    assert at_walls.sum() == 10 and (problem.friction == np.where(at_walls, 0, 0.5)).all()
+    table = six.table(skin=1e-3)
+    assert table.shape == (10, len(packings.COLUMNS))
+    np.testing.assert_allclose(table[:6, 4], 0.501)
+
+
+def test_bench_step_writes_its_table(packing, tmp_path):
+    """With no other library but one that a script stands for: disc 0 falls on the floor and is stopped, which is exact."""
+    contact = [7, 0, 0, 1, 0.5, 0, 0, -0.5, 0.0, 1.0, 0.0, -0.003]
+    before, after = np.zeros((10, 3)), np.zeros((10, 3))
+    before[0, 1] = -1
+    after[8, 0] = -0.01  # pushed
+    outcome = dict(library="Other 1", seconds=[1e-3] * 20, contacts=[contact], before=before.tolist(), after=after.tolist())
+    program = tmp_path / "other"
+    program.write_text(f"#!/bin/sh\necho a line of its own\necho '{json.dumps(outcome)}'\n")
+    program.chmod(0o755)
+    ended = bench("bench_step.py", packing, "--chipmunk", program, "--box2d", program, "--repeats", 1, "--out", tmp_path / "out")
+    assert ended.returncode == 0, ended.stderr
+    assert header(tmp_path / "out" / "step.csv") == STEP_COLUMNS
+    ours, others = [], []
+    for row in rows_of(tmp_path / "out" / "step.csv"):
+        (ours if row["library"].startswith("rcr") else others).append(row)
+    assert [row["library"] for row in ours] == ["rcr nlgs", "rcr nesterov"] and len(others) == 4
+    for row in others:
+        assert float(row["residual"]) < 1e-15 and float(row["velocity_error"]) < 1e-15
+        assert float(row["mean_overlap"]) == pytest.approx(0.003 - 0.001) and row["points"] == "1"
+
+
+@pytest.mark.parametrize("name", ["chipmunk", "box2d"])
+def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
+    """Where its program is built: velocities follow from impulses, and many iterations satisfy the laws of its own contacts."""
+    program = ROOT / "build" / "bench" / f"{name}_step"
+    if not program.exists():
+        pytest.skip(f"{program.name} is not built")
+    arguments = [packing, f"--{name}", program, "--iterations", 2000, "--repeats", 1, "--out", tmp_path / "out"]
+    ended = bench("bench_step.py", *arguments)
+    assert ended.returncode == 0, ended.stderr
+    cold, warm = (row for row in rows_of(tmp_path / "out" / "step.csv") if row["library"].lower().startswith(name))
+    rounding = 1e-12 if name == "chipmunk" else 1e-4  # Box2D computes in single precision
+    for row in cold, warm:
+        assert float(row["velocity_error"]) < rounding and float(row["residual"]) < 10 * rounding
+    assert int(cold["points"]) == 17
+
+
+@pytest.mark.parametrize(
+    "arguments, says",
+    [
+        (["none.npz"], "none.npz"),
+        (["six.txt"], "wanted a step .npz or a network .h5"),
+        (["."], "a checkpoint needs YADE"),
+        (["six.npz", "--iterations", "0"], "--iterations 0: wanted at least 1"),
+        (["six.npz", "--steps", "0"], "--steps 0: wanted at least 1"),
+        (["six.npz", "--friction", "-1"], "--friction -1.0: wanted a coefficient ≥ 0"),
+        (["six.npz", "--chipmunk", "/none/program"], "/none/program: No such file or directory"),
+    ],
+)
+def test_bench_step_says_in_a_line_what_is_wrong(packing, tmp_path, arguments, says):
+    (tmp_path / "six.txt").write_text("1 2 3\n")
+    ended = bench("bench_step.py", tmp_path / arguments[0], *arguments[1:], "--repeats", 1, "--out", tmp_path / "out")
+    complaint = [line for line in ended.stderr.splitlines() if "is left out" not in line]
+    assert ended.returncode != 0 and len(complaint) == 1 and says in complaint[0], ended.stderr
+
+
+def test_a_step_without_its_bodies_is_refused(files):
+    ended = bench("bench_step.py", files / "small.npz", "--out", files / "out")
+    assert ended.returncode != 0 and "small.npz: lacks state, vprev" in ended.stderr and "Traceback" not in ended.stderr
+
+
+# ---------------------------------------------------------------------------------------------- bench/outside.py
+
+
+def test_commands_run_outside_through_pipes():
+    """As `reenter` arranges it: a server at the other end of two pipes executes what is asked."""
+    script = f"""
+import os, subprocess, sys
+sys.path.insert(0, {str(ROOT / "bench")!r})
+import outside
+process = subprocess.Popen([sys.executable, outside.__file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+os.environ["YADE_RCR_OUTSIDE"] = f"{{process.stdout.fileno()}},{{process.stdin.fileno()}}"
+print(outside.run(["echo", "a b", "ü"]), end="")
+for command in ["/none/program"], ["sh", "-c", "echo first; echo why >&2; exit 3"]:
+    try:
+        outside.run(command)
+    except RuntimeError as error:
+        print(error)
+"""
+    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env={**os.environ, "PYTHONIOENCODING": "utf-8"})
+    assert ended.stdout == "a b ü\n/none/program: No such file or directory\nsh: why\n", ended.stderr

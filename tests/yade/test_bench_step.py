@@ -1,0 +1,50 @@
+"""scripts/bench_step.py with YADE: a checkpoint goes on, and the tables say what its engines did. No time is tested."""
+
+import csv
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from rcr.biaxial import Biaxial
+
+SCRIPT = str(Path(__file__).parents[2] / "scripts" / "bench_step.py")
+ENGINES = ["ForceResetter", "InsertionSortCollider", "InteractionLoop", "WallStress", "WallStress", "ContactDynamics", "NewtonIntegrator"]
+
+
+def bench(*arguments):
+    return subprocess.run(
+        [sys.executable, "-c", "import sys, yade, runpy; sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')"]
+        + [SCRIPT, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+
+
+def rows_of(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_checkpoint(tmp_path):
+    test = Biaxial.prepare(eta=0.5, particles=20)
+    (tmp_path / "scene").mkdir()
+    test.save(tmp_path / "scene")
+    ended = bench(tmp_path / "scene", "--steps", 7, "--threads", 2, "--out", tmp_path / "out")
+    assert ended.returncode == 0, ended.stderr
+    engines = [row for row in rows_of(tmp_path / "out" / "yade_engines.csv") if ":" not in row["engine"]]
+    assert [row["engine"] for row in engines] == ENGINES
+    assert sum(float(row["share"]) for row in engines) == pytest.approx(1)
+    (whole,) = rows_of(tmp_path / "out" / "yade_step.csv")
+    assert (whole["folder"], whole["grains"], whole["eta"], whole["steps"], whole["threads"]) == ("scene", "20", "0.5", "7", "2")
+    assert float(whole["ms_least"]) <= float(whole["ms"])
+    assert sum(float(row["ms"]) for row in engines) <= float(whole["ms"])
+
+
+@pytest.mark.parametrize("what, says", [("file.npz", "is no folder"), ("empty", "nothing to resume")])
+def test_says_in_a_line_what_is_wrong(what, says, tmp_path):
+    (tmp_path / "file.npz").touch()
+    (tmp_path / "empty").mkdir()
+    ended = bench(tmp_path / what, "--out", tmp_path / "out")
+    assert ended.returncode != 0 and says in ended.stderr and "Traceback" not in ended.stderr
