@@ -105,7 +105,7 @@ def _from_step(path):
         if missing:
             raise ValueError(f"{path}: lacks {', '.join(missing)}; wanted the bodies of a step, {', '.join(names)}")
         state, before, free, inverse_mass, inverse_inertia, (dt, _, count) = (np.asarray(file[name], float) for name in names)
-    count = int(count)
+    count, inverse_mass = int(count), inverse_mass.reshape(len(inverse_mass), -1)[:, 0]
     if len(state) != count + 4:
         raise ValueError(f"{path}: state has {len(state)} rows for {count} particles; wanted four walls after them")
     mass = np.divide(1, inverse_mass, out=np.zeros(count + 4), where=inverse_mass > 0)

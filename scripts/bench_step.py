@@ -32,13 +32,14 @@ except ImportError as error:  # not for this Python: in the environment of yade-
 
 FEW, MANY = 10, 210  # iterations whose difference gives the cost of one
 SKIN = 1e-3  # mean diameters by which grains are larger in the other libraries, so that they see contacts before they overlap
+BOOKKEEPING = "check", "gather", "scatter"  # of ContactDynamics.seconds; colours are a part of "solve"
 SETTLE = 10  # steps in YADE before the time is taken
 PEERS = dict(chipmunk="libchipmunk-dev", box2d="libbox2d-dev")
 
 STEP_COLUMNS = "packing shape grains points library start iterations ns covers ms ms_without_iterations residual mean_overlap velocity_error".split()
 ENGINE_COLUMNS = "folder grains points threads engine ms share".split()
 YADE_COLUMNS = (
-    "folder eta grains points threads steps ms ms_least iterations residual_max ms_sweeps ms_bookkeeping bookkeeping_per_sweeps".split()
+    "folder eta grains points threads steps ms ms_least ms_processor iterations residual_max ms_sweeps ms_bookkeeping bookkeeping_per_sweeps".split()
 )
 
 
@@ -184,26 +185,27 @@ def time_checkpoint(folder, options):
     scene.run(SETTLE, True)
     scene.timingEnabled = True
     timing.reset()
-    parts = dict(getattr(solver, "seconds", {}))
-    times, iterations, residuals = [], [], []
+    parts = dict(solver.seconds)
+    times, iterations, residuals, processor = [], [], [], time.process_time()
     for _ in range(options.steps):
         start = time.perf_counter()
         scene.step()
         times.append(time.perf_counter() - start)
         iterations.append(solver.iterations)
         residuals.append(solver.residual)
+    processor = time.process_time() - processor
     scene.timingEnabled = False
-    parts = {name: 1e3 * (seconds - parts.get(name, 0)) / options.steps for name, seconds in getattr(solver, "seconds", {}).items()}
+    parts = {name: 1e3 * (seconds - parts.get(name, 0)) / options.steps for name, seconds in solver.seconds.items()}
     about = dict(folder=os.path.basename(os.path.normpath(folder)), grains=len(test.grains), points=solver.contactPoints, threads=options.threads)
     engines = [(engine.label or type(engine).__name__, 1e-6 * engine.execTime / options.steps) for engine in scene.engines if not engine.dead]
     total = sum(ms for _, ms in engines)
     rows = [dict(about, engine=name, ms=ms, share=ms / total) for name, ms in engines]
     rows += [dict(about, engine=f"ContactDynamics: {name}", ms=ms, share=ms / total) for name, ms in parts.items()]
-    sweeps, bookkeeping = parts.get("solve"), sum(ms for name, ms in parts.items() if name in ("gather", "scatter")) if parts else None
+    sweeps, bookkeeping = parts["solve"], sum(parts.get(name, 0) for name in BOOKKEEPING)
     whole = dict(
-        about, eta=test.parameters["eta"], steps=options.steps, ms=1e3 * float(np.mean(times)), ms_least=1e3 * min(times),
-        iterations=float(np.mean(iterations)), residual_max=max(residuals), ms_sweeps=sweeps, ms_bookkeeping=bookkeeping,
-        bookkeeping_per_sweeps=bookkeeping / sweeps if sweeps else None,
+        about, eta=test.parameters["eta"], steps=options.steps, ms=1e3 * float(np.mean(times)), ms_least=1e3 * min(times), ms_processor=1e3 * processor / options.steps,
+        iterations=float(np.mean(iterations)), residual_max=max(residuals), ms_sweeps=sweeps,
+        ms_bookkeeping=bookkeeping, bookkeeping_per_sweeps=bookkeeping / sweeps,
     )  # fmt: skip
     return rows, whole
 

@@ -33,9 +33,13 @@ def test_checkpoint(tmp_path):
     test.save(tmp_path / "scene")
     ended = bench(tmp_path / "scene", "--steps", 7, "--threads", 2, "--out", tmp_path / "out")
     assert ended.returncode == 0, ended.stderr
-    engines = [row for row in rows_of(tmp_path / "out" / "yade_engines.csv") if ":" not in row["engine"]]
+    rows = rows_of(tmp_path / "out" / "yade_engines.csv")
+    engines = [row for row in rows if ":" not in row["engine"]]
     assert [row["engine"] for row in engines] == ENGINES
     assert sum(float(row["share"]) for row in engines) == pytest.approx(1)
+    parts = {row["engine"].removeprefix("ContactDynamics: "): float(row["ms"]) for row in rows if row not in engines}
+    assert {"gather", "solve", "scatter"} <= set(parts)
+    assert sum(parts.values()) <= float(engines[ENGINES.index("ContactDynamics")]["ms"])
     (whole,) = rows_of(tmp_path / "out" / "yade_step.csv")
     assert (whole["folder"], whole["grains"], whole["eta"], whole["steps"], whole["threads"]) == ("scene", "20", "0.5", "7", "2")
     assert float(whole["ms_least"]) <= float(whole["ms"])
