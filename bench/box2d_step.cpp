@@ -39,7 +39,8 @@ void addWall(b2Body* body, const BodyRow& row)
 {
 	const double   depth = wallThickness / 2 + b2_polygonRadius;
 	b2PolygonShape slab;
-	slab.SetAsBox(float(wallThickness / 2), float(wallHalfLength), vect(-depth * row.normalX, -depth * row.normalY), float(std::atan2(row.normalY, row.normalX)));
+	const double   angle = std::atan2(row.normalY, row.normalX);
+	slab.SetAsBox(float(wallThickness / 2), float(wallHalfLength), vect(-depth * row.normalX, -depth * row.normalY), float(angle));
 	addFixture(body, slab, 0, -1); // a negative group: walls do not touch each other
 }
 

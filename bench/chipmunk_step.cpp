@@ -24,8 +24,9 @@ cpBody* add(cpSpace* space, const BodyRow& row, double friction, int id)
 	cpBodySetUserData(body, reinterpret_cast<cpDataPointer>(static_cast<std::intptr_t>(id)));
 	cpShape* shape;
 	if (row.isGrain()) {
-		const cpVect end = vect(row.halfLength, 0);
-		shape            = row.halfLength > 0 ? cpSegmentShapeNew(body, cpvneg(end), end, row.radius) : cpCircleShapeNew(body, row.radius, cpvzero);
+		const cpVect end  = vect(row.halfLength, 0);
+		const bool   disc = row.halfLength == 0;
+		shape             = disc ? cpCircleShapeNew(body, row.radius, cpvzero) : cpSegmentShapeNew(body, cpvneg(end), end, row.radius);
 		cpShapeSetFriction(shape, std::sqrt(friction)); // Chipmunk multiplies those of the two shapes
 	} else {
 		const cpVect normal = vect(row.normalX, row.normalY), along = cpvmult(cpvperp(normal), wallHalfLength);
@@ -82,8 +83,8 @@ Outcome run(const Task& task)
 	for (cpBody* body : bodies)
 		cpBodyEachArbiter(body, list, &outcome.contacts);
 	for (ContactRow& c : outcome.contacts) { // positions are those that the contacts were found at
-		const cpVect gap = cpvsub(cpvadd(cpBodyGetPosition(bodies[c.body2]), vect(c.r2x, c.r2y)), cpvadd(cpBodyGetPosition(bodies[c.body1]), vect(c.r1x, c.r1y)));
-		c.gap            = cpvdot(gap, vect(c.nx, c.ny));
+		const cpVect x1 = cpBodyGetPosition(bodies[c.body1]), x2 = cpBodyGetPosition(bodies[c.body2]);
+		c.gap           = cpvdot(cpvsub(cpvadd(x2, vect(c.r2x, c.r2y)), cpvadd(x1, vect(c.r1x, c.r1y))), vect(c.nx, c.ny));
 	}
 	return outcome;
 }

@@ -226,4 +226,4 @@ def write(path, rows, columns):
 def _cell(value):
     if value is None:
         return ""
-    return f"{value:.3g}" if isinstance(value, float) and not float(value).is_integer() else f"{value:.0f}" if isinstance(value, float) else str(value)
+    return f"{value:.3g}" if isinstance(value, float) else str(value)

@@ -58,7 +58,8 @@ inline std::vector<BodyRow> readBodies(const char* path)
 			bodies.emplace_back();
 			std::memcpy(&bodies.back(), value, sizeof value);
 		}
-	if (bodies.empty() || !file.eof()) throw std::runtime_error(std::string(path) + ": is no table of " + std::to_string(columns) + " numbers a body");
+	if (bodies.empty() || !file.eof())
+		throw std::runtime_error(std::string(path) + ": is no table of " + std::to_string(columns) + " numbers a body");
 	return bodies;
 }
 

@@ -141,5 +141,11 @@ def _scaled(pose, stadium, mass, inertia, velocity, force, dt):
     length, unit = 2 * stadium.sum(1).mean(), mass[: len(stadium)].mean()
     per_length = np.array([1 / length, 1 / length, 1])
     return Packing(
-        pose * per_length, stadium / length, mass / unit, inertia / (unit * length**2), velocity * per_length, force / (unit * length), float(dt)
+        pose=pose * per_length,
+        stadium=stadium / length,
+        mass=mass / unit,
+        inertia=inertia / (unit * length**2),
+        velocity=velocity * per_length,
+        force=force / (unit * length),
+        dt=float(dt),
     )

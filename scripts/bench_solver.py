@@ -50,6 +50,7 @@ COLUMNS = dict(
 FIELDS_READ = dict(nlgs=15, nesterov=17)
 FIELDS_WRITTEN = dict(nlgs=2, nesterov=4)
 FLOPS = dict(nlgs=56, nesterov=67)
+FLOPS_A_CYCLE = 2 * LANES[-1]  # one addition and one multiplication of 8 lanes, never fused
 PAIR_BYTES, MOMENTUM_BODY_BYTES = 4 * 32 + 2 * 4, 4 * 32
 POINT_BLOCK_BYTES, BODY_BYTES = 17 * 8, 32
 
@@ -205,7 +206,8 @@ def roofline_rows(case, sweeps):
         ns = next((row["ns"] for row in sweeps if (row["solver"], row["lanes"], row["threads"]) == (solver, LANES[-1], 1)), None)
         yield dict(
             case.about, solver=solver, megabytes=megabytes, bytes_per_point=volume, flops_per_point=FLOPS[solver],
-            triad_gb_per_s=1e-9 * bandwidth, ns_of_bytes=1e9 * volume / bandwidth, ns_of_flops=FLOPS[solver] / (2 * LANES[-1]) / clock_ghz(), ns=ns,
+            triad_gb_per_s=1e-9 * bandwidth, ns_of_bytes=1e9 * volume / bandwidth,
+            ns_of_flops=FLOPS[solver] / FLOPS_A_CYCLE / clock_ghz(), ns=ns,
         )  # fmt: skip
 
 
@@ -224,20 +226,21 @@ def clock_ghz():
 
 def arguments():
     parser = argparse.ArgumentParser(prog="bench_solver.py", description=__doc__.splitlines()[0])
-    parser.add_argument("problems", nargs="*", metavar="PROBLEM", help="file .npz, .h5, .hdf5 or .dat (default: triangular lattices, good for sweeps alone)")
-    parser.add_argument("--mirror", type=int, default=0, metavar="K", help="also each problem with bodies doubled 1 … K times at its walls")
-    parser.add_argument("--only", nargs="+", choices=("sweeps", "tolerances"), default=["sweeps", "tolerances"], help="what to measure")
-    parser.add_argument("--solvers", nargs="+", default=list(SOLVERS), metavar="S", help="for the tolerances (default: nesterov exact auto)")
-    parser.add_argument("--tolerances", type=float, nargs="+", default=list(TOLERANCES), metavar="T", help="(default: 1e-4 1e-6 1e-8 1e-10)")
-    parser.add_argument("--warm", action="store_true", help="start from the impulses in the files too")
-    parser.add_argument("--threads", type=int, nargs="+", default=[1, 2], metavar="N", help="(default: 1 2)")
-    parser.add_argument("--repeats", type=int, default=20, metavar="N", help="runs of which the least counts (default %(default)s)")
-    parser.add_argument("--budget", type=float, default=5, metavar="S", help="seconds after which a time is not repeated (default %(default)s)")
-    parser.add_argument("--max-iterations", type=int, default=20000, metavar="N", help="sweeps or steps at most (default %(default)s)")
-    parser.add_argument("--siconos", metavar="PYTHON", help="a Python that has siconos.numerics and scipy, also one outside of the environment")
-    parser.add_argument("--siconos-methods", nargs="+", choices=("nsgs", "admm"), default=["nsgs"], help="(default: nsgs)")
-    parser.add_argument("--limit", type=float, default=20, metavar="S", help="seconds after which Siconos is given up (default %(default)s)")
-    parser.add_argument("--out", required=True, metavar="DIR", help="folder of the CSV files, made if missing")
+    add = parser.add_argument
+    add("problems", nargs="*", metavar="PROBLEM", help="file .npz, .h5, .hdf5 or .dat (default: lattices, good for sweeps alone)")
+    add("--mirror", type=int, default=0, metavar="K", help="also each problem with bodies doubled 1 … K times at its walls")
+    add("--only", nargs="+", choices=("sweeps", "tolerances"), default=["sweeps", "tolerances"], help="what to measure")
+    add("--solvers", nargs="+", default=list(SOLVERS), metavar="S", help="for the tolerances (default: nesterov exact auto)")
+    add("--tolerances", type=float, nargs="+", default=list(TOLERANCES), metavar="T", help="(default: 1e-4 1e-6 1e-8 1e-10)")
+    add("--warm", action="store_true", help="start from the impulses in the files too")
+    add("--threads", type=int, nargs="+", default=[1, 2], metavar="N", help="(default: 1 2)")
+    add("--repeats", type=int, default=20, metavar="N", help="runs of which the least counts (default %(default)s)")
+    add("--budget", type=float, default=5, metavar="S", help="s after which a time is not repeated (default %(default)s)")
+    add("--max-iterations", type=int, default=20000, metavar="N", help="sweeps or steps at most (default %(default)s)")
+    add("--siconos", metavar="PYTHON", help="a Python with siconos.numerics and scipy, also one outside of the environment")
+    add("--siconos-methods", nargs="+", choices=("nsgs", "admm"), default=["nsgs"], help="(default: nsgs)")
+    add("--limit", type=float, default=20, metavar="S", help="seconds after which Siconos is given up (default %(default)s)")
+    add("--out", required=True, metavar="DIR", help="folder of the CSV files, made if missing")
     return parser.parse_args()
 
 

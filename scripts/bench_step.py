@@ -36,11 +36,14 @@ BOOKKEEPING = "check", "gather", "scatter"  # of ContactDynamics.seconds; colour
 SETTLE = 10  # steps in YADE before the time is taken
 PEERS = dict(chipmunk="libchipmunk-dev", box2d="libbox2d-dev")
 
-STEP_COLUMNS = "packing shape grains points library start iterations ns covers ms ms_without_iterations residual mean_overlap velocity_error".split()
+STEP_COLUMNS = (
+    "packing shape grains points library start iterations ns covers ms ms_without_iterations residual mean_overlap velocity_error"
+).split()
 ENGINE_COLUMNS = "folder grains points threads engine ms share".split()
 YADE_COLUMNS = (
-    "folder eta grains points threads steps ms ms_least ms_processor iterations residual_max ms_sweeps ms_bookkeeping bookkeeping_per_sweeps".split()
-)
+    "folder eta grains points threads steps ms ms_least ms_processor iterations residual_max "
+    "ms_sweeps ms_bookkeeping bookkeeping_per_sweeps"
+).split()
 
 
 # ---------------------------------------------------------------------------------------------- other libraries
@@ -106,10 +109,14 @@ def peer_rows(name, program, packing, options):
     an_iteration = (many["seconds"] - few["seconds"]) / (MANY - FEW)
     for start, outcome in ("cold", cold), ("warm", warm):
         yield dict(
-            library=outcome["library"], start=start, iterations=options.iterations, ns=1e9 * an_iteration / points if start == "cold" else None,
-            covers="step", ms=1e3 * outcome["seconds"], ms_without_iterations=1e3 * (outcome["seconds"] - options.iterations * an_iteration),
-            **accuracy(packing, outcome),
+            library=outcome["library"], start=start, ns=1e9 * an_iteration / points if start == "cold" else None, covers="step",
+            **step_times(outcome["seconds"], an_iteration, options), **accuracy(packing, outcome),
         )  # fmt: skip
+
+
+def step_times(seconds, an_iteration, options):
+    rest = seconds - options.iterations * an_iteration
+    return dict(iterations=options.iterations, ms=1e3 * seconds, ms_without_iterations=1e3 * rest)
 
 
 def chipmunk_rows(packing, options):
@@ -148,11 +155,12 @@ def our_rows(packing, options):
             found = kernel.solve(**arrays, **settings)
             return dict(found, seconds=found["processor_seconds"])
 
-        few, many, found = measure.best(5 * options.repeats, options.budget, *(partial(run, count) for count in (FEW, MANY, options.iterations)))
+        runs = (partial(run, count) for count in (FEW, MANY, options.iterations))
+        few, many, found = measure.best(5 * options.repeats, options.budget, *runs)
         an_iteration = (many["seconds"] - few["seconds"]) / (MANY - FEW)
         yield dict(
-            points=problem.contacts, library=f"rcr {solver}", start="cold", iterations=options.iterations, ns=1e9 * an_iteration / problem.contacts,
-            covers="solver", ms=1e3 * found["seconds"], ms_without_iterations=1e3 * (found["seconds"] - options.iterations * an_iteration),
+            points=problem.contacts, library=f"rcr {solver}", start="cold", ns=1e9 * an_iteration / problem.contacts, covers="solver",
+            **step_times(found["seconds"], an_iteration, options),
             residual=measure.residual(matrix, delassus.q, delassus.friction, found["impulse"]),
         )  # fmt: skip
 
@@ -196,14 +204,17 @@ def time_checkpoint(folder, options):
     processor = time.process_time() - processor
     scene.timingEnabled = False
     parts = {name: 1e3 * (seconds - parts.get(name, 0)) / options.steps for name, seconds in solver.seconds.items()}
-    about = dict(folder=os.path.basename(os.path.normpath(folder)), grains=len(test.grains), points=solver.contactPoints, threads=options.threads)
-    engines = [(engine.label or type(engine).__name__, 1e-6 * engine.execTime / options.steps) for engine in scene.engines if not engine.dead]
+    name = os.path.basename(os.path.normpath(folder))
+    about = dict(folder=name, grains=len(test.grains), points=solver.contactPoints, threads=options.threads)
+    alive = [engine for engine in scene.engines if not engine.dead]
+    engines = [(engine.label or type(engine).__name__, 1e-6 * engine.execTime / options.steps) for engine in alive]
     total = sum(ms for _, ms in engines)
     rows = [dict(about, engine=name, ms=ms, share=ms / total) for name, ms in engines]
     rows += [dict(about, engine=f"ContactDynamics: {name}", ms=ms, share=ms / total) for name, ms in parts.items()]
     sweeps, bookkeeping = parts["solve"], sum(parts.get(name, 0) for name in BOOKKEEPING)
     whole = dict(
-        about, eta=test.parameters["eta"], steps=options.steps, ms=1e3 * float(np.mean(times)), ms_least=1e3 * min(times), ms_processor=1e3 * processor / options.steps,
+        about, eta=test.parameters["eta"], steps=options.steps,
+        ms=1e3 * float(np.mean(times)), ms_least=1e3 * min(times), ms_processor=1e3 * processor / options.steps,
         iterations=float(np.mean(iterations)), residual_max=max(residuals), ms_sweeps=sweeps,
         ms_bookkeeping=bookkeeping, bookkeeping_per_sweeps=bookkeeping / sweeps,
     )  # fmt: skip
@@ -224,16 +235,17 @@ def time_yade(options):
 
 def arguments():
     parser = argparse.ArgumentParser(prog="bench_step.py", description=__doc__.splitlines()[0])
-    parser.add_argument("inputs", nargs="+", metavar="PACKING|FOLDER", help="step .npz or network .h5; with YADE, a folder of scripts/biaxial.py")
-    parser.add_argument("--iterations", type=int, default=40, metavar="N", help="of a step in every library (default %(default)s)")
-    parser.add_argument("--steps", type=int, default=None, metavar="N", help="warm steps in the libraries (default 20), steps in YADE (default 200)")
-    parser.add_argument("--friction", type=float, default=0.5, help="between grains (default %(default)s)")
-    parser.add_argument("--threads", type=int, default=1, metavar="N", help="of our solver in YADE (default %(default)s)")
-    parser.add_argument("--repeats", type=int, default=5, metavar="N", help="runs of which the least counts (default %(default)s)")
-    parser.add_argument("--budget", type=float, default=20, metavar="S", help="seconds after which a time is not repeated (default %(default)s)")
+    add = parser.add_argument
+    add("inputs", nargs="+", metavar="PACKING|FOLDER", help="step .npz or network .h5; with YADE, a folder of scripts/biaxial.py")
+    add("--iterations", type=int, default=40, metavar="N", help="of a step in every library (default %(default)s)")
+    add("--steps", type=int, default=None, metavar="N", help="warm steps in the libraries (default 20), steps in YADE (default 200)")
+    add("--friction", type=float, default=0.5, help="between grains (default %(default)s)")
+    add("--threads", type=int, default=1, metavar="N", help="of our solver in YADE (default %(default)s)")
+    add("--repeats", type=int, default=5, metavar="N", help="runs of which the least counts (default %(default)s)")
+    add("--budget", type=float, default=20, metavar="S", help="s after which a time is not repeated (default %(default)s)")
     for name in PEERS:
-        parser.add_argument(f"--{name}", metavar="PROGRAM", help=f"{name}_step, of this or another system (default: build/bench/{name}_step)")
-    parser.add_argument("--out", required=True, metavar="DIR", help="folder of the CSV files, made if missing")
+        add(f"--{name}", metavar="PROGRAM", help=f"program, of this system or outside (default: build/bench/{name}_step)")
+    add("--out", required=True, metavar="DIR", help="folder of the CSV files, made if missing")
     return parser.parse_args()
 
 
