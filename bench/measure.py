@@ -163,6 +163,19 @@ def _walls(problem, axis, sign, speed):
     return [body for body, *wall in _walls_seen(problem) if wall == [axis, sign, speed]]
 
 
+def with_two_points(problem):
+    """The problem with two points for every pair of bodies that has one: the same pairs, more points. For times of sweeps."""
+    _, pair, points = np.unique(problem.bodies, axis=0, return_inverse=True, return_counts=True)
+    single = (points[pair.ravel()] == 1)[:, None]
+    shift = 0.1 * np.hypot(*problem.arm2.T)[:, None] * np.stack([-problem.normal[:, 1], problem.normal[:, 0]], 1) * single
+    arrays = dict(vars(problem))
+    for name in "bodies", "normal", "arm1", "arm2", "bias", "friction", "impulse":
+        arrays[name] = np.concatenate([arrays[name], arrays[name][single.ravel()]])
+    for name in "arm1", "arm2":
+        arrays[name] = arrays[name] + np.concatenate([shift, -shift[single.ravel()]])
+    return type(problem)(**arrays)
+
+
 def lattice(count, seed=1):
     """A stand-in where no packing is given: a triangular lattice of about `count` equal discs, a third of its bonds open,
     pressed from above. Not a packing at rest: good for times of sweeps, not for numbers of sweeps.

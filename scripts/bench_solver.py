@@ -13,6 +13,7 @@ import os
 import re
 import sys
 import tempfile
+from functools import partial
 
 SCRIPTS = os.path.dirname(os.path.realpath(__file__))
 BENCH = os.path.join(SCRIPTS, os.pardir, "bench")
@@ -41,7 +42,8 @@ COLUMNS = dict(
                 "siconos_seconds", "siconos_figure", "siconos_ratio"],
     peers=[*ABOUT, "peer", "figure", "start", "tolerance", "iterations", "seconds", "residual", "reached", "ns"],
     growth=["shape", "solver", "start", "problems", "points_from", "points_to", "sweeps_exponent", "seconds_exponent"],
-    roofline=[*ABOUT, "solver", "megabytes", "bytes_per_point", "flops_per_point", "triad_gb_per_s", "ns_of_bytes", "ns_of_flops", "ns"],
+    roofline=[*ABOUT, "solver", "megabytes", "bytes_per_point", "flops_per_point", "triad_gb_per_s", "ns_of_bytes", "ns_of_flops", "ns",
+              "ns_a_point", "ns_a_pair"],
 )  # fmt: skip
 
 # What a sweep touches and computes for one contact point (packed_blocks.hpp, packed_kernels.cpp): doubles of the point read
@@ -91,22 +93,32 @@ class Case:
 # ---------------------------------------------------------------------------------------------- measurements
 
 
+def sweep_times(runs, repeats):
+    """ns per contact point and sweep, (runs, 2) by the clock and of the processor: the difference of many and few sweeps.
+
+    Each run is a case with settings; all are run in turn.
+    """
+
+    def run(case, settings, count):
+        found = case.solve(tolerance=0, iterations=count, check_interval=10**9, **settings)
+        return found["seconds"], found["processor_seconds"]
+
+    points = np.array([case.points for case, _ in runs])
+    many = FEW + np.maximum(40, UNITS_OF_WORK // points)
+    counts = [(FEW, int(count)) for count in many]
+    calls = [partial(run, *pair, count) for pair, both in zip(runs, counts) for count in both]
+    least = measure.minima(repeats, 60, *calls)
+    return 1e9 * (least[1::2] - least[::2]) / ((many - FEW) * points)[:, None]
+
+
 def sweep_rows(case, repeats, threads):
-    """ns per contact point and sweep: the difference of many and few sweeps, all settings in turn."""
-    many = FEW + max(40, UNITS_OF_WORK // max(1, case.points))
+    """Time of a sweep for every solver, number of lanes and number of threads."""
     if case.arrays is None:
         settings = [dict(solver=solver) for solver in SWEEPERS]
     else:
         settings = [dict(solver=s, lanes=n, threads=t, workspace=kernel.Workspace()) for s in SWEEPERS for n in LANES for t in threads]
-
-    def run(setting, count):
-        found = case.solve(tolerance=0, iterations=count, check_interval=10**9, **setting)
-        return found["seconds"], found["processor_seconds"]
-
-    runs = [lambda setting=setting, count=count: run(setting, count) for setting in settings for count in (FEW, many)]
-    least = measure.minima(repeats, 60, *runs)
     rows, of_one = [], {}
-    for setting, (clock, processor) in zip(settings, 1e9 * (least[1::2] - least[::2]) / (many - FEW) / case.points):
+    for setting, (clock, processor) in zip(settings, sweep_times([(case, setting) for setting in settings], repeats)):
         row = dict(case.about, ns_by_clock=clock, **{key: setting.get(key) for key in ("solver", "lanes", "threads")})
         row["ns"] = processor if setting.get("threads", 1) == 1 else clock
         if "threads" in setting:
@@ -192,22 +204,29 @@ def growth_rows(rows):
             )  # fmt: skip
 
 
-def roofline_rows(case, sweeps):
-    """What bytes and arithmetic alone would take at one thread and 8 lanes, beside what was measured."""
+def roofline_rows(case, repeats):
+    """What bytes and arithmetic alone would take at one thread and 8 lanes, beside what was measured.
+
+    What a pair costs, whatever its points, and what a point costs, follow from the same pairs with two points each.
+    """
     if case.arrays is None:
         return
+    doubled = Case(case.name, measure.with_two_points(case.problem))
+    settings = [dict(solver=solver, lanes=LANES[-1], workspace=kernel.Workspace()) for solver in SWEEPERS for _ in range(2)]
+    times = sweep_times(list(zip([case, doubled] * len(SWEEPERS), settings)), repeats)[:, 1]
     pairs = len(np.unique(case.problem.bodies, axis=0)) / case.points
     bodies = len(case.problem.inverse_mass) / case.points
     megabytes = 1e-6 * case.points * (POINT_BLOCK_BYTES + 8 * pairs + BODY_BYTES * bodies)
     bandwidth = measure.triad_bandwidth(1e6 * megabytes)
-    for solver in SWEEPERS:
+    for solver, ns, ns_doubled in zip(SWEEPERS, times[::2], times[1::2]):
+        of_point = (ns_doubled * doubled.points - ns * case.points) / (doubled.points - case.points)
         volume = 8 * (FIELDS_READ[solver] + FIELDS_WRITTEN[solver]) + PAIR_BYTES * pairs
         volume += MOMENTUM_BODY_BYTES * bodies if solver == "nesterov" else 0
-        ns = next((row["ns"] for row in sweeps if (row["solver"], row["lanes"], row["threads"]) == (solver, LANES[-1], 1)), None)
         yield dict(
             case.about, solver=solver, megabytes=megabytes, bytes_per_point=volume, flops_per_point=FLOPS[solver],
             triad_gb_per_s=1e-9 * bandwidth, ns_of_bytes=1e9 * volume / bandwidth,
             ns_of_flops=FLOPS[solver] / FLOPS_A_CYCLE / clock_ghz(), ns=ns,
+            ns_a_point=of_point, ns_a_pair=(ns - of_point) / pairs,
         )  # fmt: skip
 
 
@@ -281,7 +300,7 @@ def main():
         print(f"{name}: {case.points} contact points", file=sys.stderr)
         if "sweeps" in options.only:
             tables["sweeps"] += sweep_rows(case, options.repeats, options.threads)
-            tables["roofline"] += roofline_rows(case, tables["sweeps"][-len(SWEEPERS) * len(LANES) * len(options.threads) :])
+            tables["roofline"] += roofline_rows(case, options.repeats)
         if "tolerances" in options.only:
             for warm in (False, True) if options.warm else (False,):
                 rows = [row for solver in options.solvers for row in tolerance_rows(case, solver, warm, options)]

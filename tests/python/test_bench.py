@@ -116,6 +116,13 @@ def test_lattice_is_one():
     assert (~inner).sum() == 2 * side + side // 2 + (side + 1) // 2
 
 
+def test_with_two_points():
+    problem = measure.with_two_points(lattice())
+    points = np.unique(problem.bodies, axis=0, return_counts=True)[1]
+    assert (points == 2).all() and problem.contacts == 2 * lattice().contacts
+    assert measure.with_two_points(problem).contacts == problem.contacts
+
+
 def test_exponent():
     assert measure.exponent([1, 10, 100], [3, 30, 300]) == pytest.approx(1)
     assert np.isnan(measure.exponent([5, 5], [1, 2]))
@@ -159,7 +166,7 @@ def test_bench_solver_writes_its_tables(files):
     growth = rows_of(files / "out" / "growth.csv")
     assert {row["shape"] for row in growth} == {"discs"} and all(np.isfinite(float(row["sweeps_exponent"])) for row in growth)
     roofline = rows_of(files / "out" / "roofline.csv")
-    assert len(roofline) == 8 and all(float(row["ns_of_bytes"]) > 0 for row in roofline)
+    assert len(roofline) == 8 and all(float(row["ns_of_bytes"]) > 0 and row["ns_a_pair"] for row in roofline)
 
 
 def test_bench_solver_compares_with_siconos(files):
