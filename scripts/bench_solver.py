@@ -158,7 +158,7 @@ def siconos_rows(case, warm, options):
                 [options.siconos, os.path.join(BENCH, "siconos_solve.py"), path, "--method", method, "--limit", str(options.limit)]
                 + ["--tolerances", *map(str, options.tolerances)]
             )
-            found = json.loads(answer)
+            found = json.loads(answer.splitlines()[-1])  # Siconos may print lines of its own
             for row in found["rows"]:
                 reached = row["residual"] <= row["tolerance"]
                 yield dict(
