@@ -41,7 +41,7 @@ STEP_COLUMNS = (
 ).split()
 ENGINE_COLUMNS = "folder grains points threads engine ms share".split()
 YADE_COLUMNS = (
-    "folder eta grains points threads steps ms ms_least ms_processor iterations residual_max "
+    "folder eta grains points threads steps ms ms_least ms_processor iterations tolerance residual_max "
     "ms_sweeps ms_bookkeeping bookkeeping_per_sweeps"
 ).split()
 
@@ -190,6 +190,8 @@ def time_checkpoint(folder, options):
     test = Biaxial.load(folder)
     solver = test.solver
     solver.threads = options.threads
+    if options.iterations:
+        solver.solver, solver.tolerance, solver.maxIterations = "nesterov", 0, options.iterations
     scene.run(SETTLE, True)
     scene.timingEnabled = True
     timing.reset()
@@ -215,7 +217,7 @@ def time_checkpoint(folder, options):
     whole = dict(
         about, eta=test.parameters["eta"], steps=options.steps,
         ms=1e3 * float(np.mean(times)), ms_least=1e3 * min(times), ms_processor=1e3 * processor / options.steps,
-        iterations=float(np.mean(iterations)), residual_max=max(residuals), ms_sweeps=sweeps,
+        iterations=float(np.mean(iterations)), tolerance=solver.tolerance, residual_max=max(residuals), ms_sweeps=sweeps,
         ms_bookkeeping=bookkeeping, bookkeeping_per_sweeps=bookkeeping / sweeps,
     )  # fmt: skip
     return rows, whole
@@ -237,7 +239,7 @@ def arguments():
     parser = argparse.ArgumentParser(prog="bench_step.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("inputs", nargs="+", metavar="PACKING|FOLDER", help="step .npz or network .h5; with YADE, a folder of scripts/biaxial.py")
-    add("--iterations", type=int, default=40, metavar="N", help="of a step in every library (default %(default)s)")
+    add("--iterations", type=int, metavar="N", help="of a step (default 40; in YADE as the tolerance of the scene asks)")
     add("--steps", type=int, default=None, metavar="N", help="warm steps in the libraries (default 20), steps in YADE (default 200)")
     add("--friction", type=float, default=0.5, help="between grains (default %(default)s)")
     add("--threads", type=int, default=1, metavar="N", help="of our solver in YADE (default %(default)s)")
@@ -250,8 +252,10 @@ def arguments():
 
 
 def check(options, in_yade):
+    if options.iterations is None and not in_yade:
+        options.iterations = 40
     for name in "iterations", "threads", "repeats":
-        if getattr(options, name) < 1:
+        if getattr(options, name) is not None and getattr(options, name) < 1:
             raise ValueError(f"--{name} {getattr(options, name)}: wanted at least 1")
     if options.steps is None:
         options.steps = 200 if in_yade else 20

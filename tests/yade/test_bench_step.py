@@ -42,8 +42,16 @@ def test_checkpoint(tmp_path):
     assert sum(parts.values()) <= float(engines[ENGINES.index("ContactDynamics")]["ms"])
     (whole,) = rows_of(tmp_path / "out" / "yade_step.csv")
     assert (whole["folder"], whole["grains"], whole["eta"], whole["steps"], whole["threads"]) == ("scene", "20", "0.5", "7", "2")
-    assert float(whole["ms_least"]) <= float(whole["ms"])
+    assert float(whole["ms_least"]) <= float(whole["ms"]) and float(whole["tolerance"]) == 1e-4
     assert sum(float(row["ms"]) for row in engines) <= float(whole["ms"])
+
+
+def test_so_many_sweeps(tmp_path):
+    Biaxial.prepare(eta=0.5, particles=20).save(tmp_path)
+    ended = bench(tmp_path, "--steps", 3, "--iterations", 13, "--out", tmp_path / "out")
+    assert ended.returncode == 0, ended.stderr
+    (whole,) = rows_of(tmp_path / "out" / "yade_step.csv")
+    assert float(whole["iterations"]) == 13 and float(whole["tolerance"]) == 0
 
 
 @pytest.mark.parametrize("what, says", [("file.npz", "is no folder"), ("empty", "nothing to resume")])
