@@ -163,6 +163,18 @@ def _walls(problem, axis, sign, speed):
     return [body for body, *wall in _walls_seen(problem) if wall == [axis, sign, speed]]
 
 
+def lever(problem):
+    """Largest share of an arm that is not along the normal, over the bodies that can turn [-]: 0 for discs."""
+    largest = 0.0
+    for side, arm in enumerate((problem.arm1, problem.arm2)):
+        turns = problem.inverse_mass[problem.bodies[:, side], 2] > 0
+        r, n = arm[turns], problem.normal[turns]
+        size = np.hypot(*r.T)
+        across = abs(r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0])
+        largest = max(largest, np.divide(across, size, out=np.zeros_like(size), where=size > 0).max(initial=0))
+    return float(largest)
+
+
 def with_two_points(problem):
     """The problem with two points for every pair of bodies that has one: the same pairs, more points. For times of sweeps."""
     _, pair, points = np.unique(problem.bodies, axis=0, return_inverse=True, return_counts=True)

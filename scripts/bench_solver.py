@@ -68,9 +68,7 @@ class Case:
             self.arrays = {key: value if key in whole else value[order] for key, value in vars(problem).items()}
             self.problem = problems.BodyProblem(**self.arrays)
             self.bodies = int((problem.inverse_mass > 0).all(1).sum())
-            turn = lambda r: abs(r[:, 0] * problem.normal[:, 1] - r[:, 1] * problem.normal[:, 0]).max(initial=0)
-            size = max(np.hypot(*problem.arm2.T).max(initial=0), 1e-300)
-            self.shape = "discs" if max(turn(problem.arm1), turn(problem.arm2)) < 1e-6 * size else "long"
+            self.shape = "discs" if measure.lever(problem) < 1e-6 else "long"
             self.delassus = self.problem.delassus()
         else:
             self.arrays, self.problem, self.delassus, self.bodies, self.shape = None, problem, problem, None, "unknown"

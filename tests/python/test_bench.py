@@ -123,6 +123,14 @@ def test_with_two_points():
     assert measure.with_two_points(problem).contacts == problem.contacts
 
 
+def test_lever_tells_discs_from_long_grains():
+    problem = lattice()
+    wall = (problem.bodies[:, 0] >= 25)[:, None]
+    problem.arm1 = np.where(wall, [3.0, 4.0], problem.arm1)  # from a centre of the wall that says nothing
+    assert measure.lever(problem) < 1e-14
+    assert measure.lever(measure.with_two_points(problem)) == pytest.approx(0.1 / np.hypot(1, 0.1))
+
+
 def test_exponent():
     assert measure.exponent([1, 10, 100], [3, 30, 300]) == pytest.approx(1)
     assert np.isnan(measure.exponent([5, 5], [1, 2]))
