@@ -111,20 +111,21 @@ void ContactDynamics::action()
 	if (!missing.empty()) refuse(missing);
 	scene->forces.sync();
 	timed("check", [&] { checkBodies(); });
-	timed("gather", [&] {
-		gatherBodies(newton);
-		gatherContacts();
-		warmStart_ = problem_.impulse;
-	});
-	timed("solve", [&] { report(rcr::solve(problem_, solver, settings(), workspace_)); });
+	iterations = 0;
+	timed("gather", [&] { gatherBodies(newton); });
+	for (int pass = 0; pass < 4; ++pass) {
+		timed("gather", [&] { gatherContacts(); });
+		timed("solve", [&] { report(rcr::solve(problem_, solver, settings(), workspace_)); });
+		timed("scatter", [&] { keepForces(); });
+		if (!lateContacts()) break;
+	}
 	timed("scatter", [&] {
 		scatterForces();
 		measureUnbalance();
 	});
-	timed("correct", [&] {
-		correctPositions();
-		keepColliderAhead();
-	});
+	timed("correct", [&] { correctPositions(); });
+	late_.forget();
+	keepColliderAhead();
 }
 
 template <class Work> void ContactDynamics::timed(const char* what, Work work)
@@ -148,7 +149,7 @@ rcr::Settings ContactDynamics::settings() const
 
 void ContactDynamics::report(const rcr::Report& report)
 {
-	iterations    = report.iterations;
+	iterations += report.iterations;
 	residual      = report.residual;
 	violation     = report.violation;
 	converged     = report.converged;
@@ -281,9 +282,18 @@ void ContactDynamics::gatherContacts()
 			problem_.impulse[contact.first + k] = { dt * double(force[0]), dt * double(force[1]) };
 		}
 	}
+	warmStart_ = problem_.impulse;
 }
 
-void ContactDynamics::scatterForces()
+bool ContactDynamics::lateContacts()
+{
+	const InteractionLoop& loop = static_cast<const InteractionLoop&>(*scene->engines[place<InteractionLoop>(scene->engines)]);
+	bool                   some = false;
+	timed("late", [&] { some = late_.find(*scene, loop, problem_); });
+	return some;
+}
+
+void ContactDynamics::keepForces()
 {
 	const double inverseDt = 1 / double(scene->dt);
 #pragma omp parallel for schedule(static) num_threads(solverThreads())
@@ -301,6 +311,11 @@ void ContactDynamics::scatterForces()
 		phys.normalForce = plane::toSpace(normal);
 		phys.shearForce  = plane::toSpace(shear);
 	}
+}
+
+void ContactDynamics::scatterForces()
+{
+	const double inverseDt = 1 / double(scene->dt);
 	for (std::size_t k = 0; k < problem_.points.size(); ++k) { // in one order, whatever the threads
 		const rcr::ContactPoint& c = problem_.points[k];
 		const rcr::Impulse&      p = problem_.impulse[k];
@@ -345,14 +360,13 @@ void ContactDynamics::measureUnbalance()
 // overlap, so as long as no overlap exceeds the slop nothing is displaced.
 void ContactDynamics::correctPositions()
 {
-	constexpr double slop = 1e-4; // of R₁ + R₂
 	if (correction == 0) return;
 	const double dt      = double(scene->dt);
 	bool         overlap = false;
 	shift_.points        = problem_.points;
 	for (const Contact& contact : contacts_) {
 		const RcrGeom& geom    = static_cast<const RcrGeom&>(*contact.interaction->geom);
-		const double   allowed = slop * double(geom.refR1 + geom.refR2);
+		const double   allowed = RcrGeom::slop * double(geom.refR1 + geom.refR2);
 		for (int k = 0; k < geom.points; ++k) {
 			rcr::ContactPoint& c = shift_.points[contact.first + k];
 			const double u       = relativeVelocity(c, problem_.velocity[c.body1], problem_.velocity[c.body2]).n;
@@ -389,9 +403,8 @@ void ContactDynamics::keepColliderAhead() const
 		if (!b || !b->bound) continue;
 		const Rcr* particle = dynamic_cast<const Rcr*>(b->shape.get());
 		if (!particle) continue;
-		const double      R     = particle->circumscribedRadius();
 		const rcr::Twist& v     = problem_.velocity[b->getId()];
-		const double      reach = R + alertDistance(double(particle->capRadius), R, v, dt);
+		const double      reach = particle->circumscribedRadius() + alertDistance(*particle, v, dt);
 		const Vector3r    moved = b->state->pos + dt * Vector3r(v.x, v.y, 0) - b->bound->refPos;
 		const double      half  = 0.5 * double(b->bound->max[0] - b->bound->min[0]);
 		if (std::max(std::abs(double(moved[0])), std::abs(double(moved[1]))) + reach > half) {

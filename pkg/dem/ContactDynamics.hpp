@@ -6,6 +6,7 @@
 #include <core/GlobalEngine.hpp>
 
 #include "../kernel/solver.hpp"
+#include "LateContacts.hpp"
 
 namespace yade {
 
@@ -32,7 +33,7 @@ public:
 		((std::string,solver,"auto",,"Name of the solver: nlgs, sor, nesterov, exact or auto"))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)"))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that is taken back each step by a position correction without velocity [-]; 0 switches it off. Impulses and velocities never see it."))
-		((int,iterations,0,Attr::readonly,"Sweeps of the last step"))
+		((int,iterations,0,Attr::readonly,"Sweeps of the last step, of all its passes: one, and one more where contacts were not foreseen"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
 		((Real,violation,0,Attr::readonly,"Velocities that still closed a contact after the last step, RMS over the RMS relative velocity [-]"))
 		((bool,converged,true,Attr::readonly,"Whether the last step reached the tolerance"))
@@ -42,7 +43,7 @@ public:
 		((bool,warned,false,Attr::hidden,"A run that misses its tolerance says so once")),
 		/* ctor */,
 		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict: bodies, pairs, points, frictionless.")
-		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: check, gather, solve, scatter, correct [s].")
+		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: check, gather, solve, late (contacts that were not foreseen), scatter, correct [s].")
 		.def("_problem",&ContactDynamics::problemDict,"The contact problem of the last step, for rcr.scene.save_problem: its arrays as bytes.")
 	);
 	// clang-format on
@@ -66,6 +67,8 @@ private:
 	void                    gatherBodies(const NewtonIntegrator&);
 	void                    findContacts();
 	void                    gatherContacts();
+	bool                    lateContacts();
+	void                    keepForces();
 	void                    scatterForces();
 	void                    measureUnbalance();
 	void                    correctPositions();
@@ -79,6 +82,7 @@ private:
 	rcr::ContactProblem  shift_;                      // of the position correction
 	rcr::Workspace       workspace_, shiftWorkspace_; // colours and packed arrays, kept while the contacts last
 	bool                 frictionless_ = true;
+	LateContacts         late_;
 	std::map<std::string, double> seconds_;
 };
 REGISTER_SERIALIZABLE(ContactDynamics);

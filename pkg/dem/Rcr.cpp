@@ -24,8 +24,7 @@ void Bo1_Rcr_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, 
 {
 	const Rcr& particle = static_cast<const Rcr&>(*shape);
 	if (!bound) bound = boost::make_shared<Aabb>();
-	const double   R     = particle.circumscribedRadius();
-	const double   half  = R + alertDistance(double(particle.capRadius), R, plane::twist(*body->state), double(scene->dt));
+	const double   half  = particle.circumscribedRadius() + alertDistance(particle, plane::twist(*body->state), double(scene->dt));
 	const Vector3r reach = Vector3r::Constant(half);
 	bound->min           = se3.position - reach;
 	bound->max           = se3.position + reach;

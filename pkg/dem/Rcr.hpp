@@ -13,6 +13,7 @@ public:
 	void postLoad(Rcr&); // refuses what is no stadium
 
 	rcr::Stadium stadium() const { return { double(halfLength), double(capRadius) }; }
+	double       foreseen = 0; // [m] how far ContactDynamics has found it to go in this step, where that is further than expected
 	double       circumscribedRadius() const { return double(halfLength + capRadius); }
 
 	// clang-format off

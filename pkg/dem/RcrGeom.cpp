@@ -13,7 +13,7 @@ namespace {
 
 	double alert(const Rcr& particle, const State& state, double dt)
 	{
-		return alertDistance(double(particle.capRadius), particle.circumscribedRadius(), plane::twist(state), dt);
+		return alertDistance(particle, plane::twist(state), dt);
 	}
 
 	/// Stores a manifold in the interaction. An empty one creates nothing; where there was a contact, the Law2 erases it.

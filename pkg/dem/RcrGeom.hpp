@@ -15,6 +15,8 @@ class RcrGeom : public GenericSpheresContact {
 public:
 	virtual ~RcrGeom() = default;
 
+	static constexpr double slop = 1e-4; // of R₁ + R₂: overlaps below it are left as they are
+
 	/// Takes over a manifold; `axis` is the line from `center` along which its points are sorted.
 	void          set(const rcr::Manifold&, rcr::Vec2 center, rcr::Vec2 axis);
 	rcr::Manifold manifold() const;

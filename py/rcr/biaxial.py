@@ -31,7 +31,7 @@ STRESS = 1e4  # σ₀ [Pa]
 DEPOSITED = 0.82  # packing fraction of the circles that are deposited; it sets the width of the box
 CONTRACTION = 0.5  # first speed of the walls in the compaction [d/t₀]; the grains move along with them, homogeneously
 COLLAPSE_TIME_STEP = 0.1  # dt/t₀ while the grains come together
-REST_TIME_STEP = 0.2  # dt/t₀ while they come to rest
+REST_TIME_STEP = 0.1  # dt/t₀ while they come to rest
 TIME_STEP = 0.2  # dt/t₀ of the shear; a grain that rolls on its neighbours swings with some 5/t₀, stable below dt = 2 t₀/5
 INERTIAL_NUMBER = 2.5e-4  # quasi-static: the net force of a grain in a single step is then a few per cent of a contact force
 RAMP = 0.002  # strain over which the top wall takes up its velocity
