@@ -30,8 +30,7 @@ DENSITY = 2600.0  # [kg/m³]
 STRESS = 1e4  # σ₀ [Pa]
 DEPOSITED = 0.82  # packing fraction of the circles that are deposited; it sets the width of the box
 CONTRACTION = 0.5  # first speed of the walls in the compaction [d/t₀]; the grains move along with them, homogeneously
-COLLAPSE_TIME_STEP = 0.1  # dt/t₀ while the grains come together
-REST_TIME_STEP = 0.1  # dt/t₀ while they come to rest
+COMPACTION_TIME_STEP = 0.05  # dt/t₀ of the compaction; 0.1 lets spinning grains overlap by 0.1 d
 TIME_STEP = 0.2  # dt/t₀ of the shear; a grain that rolls on its neighbours swings with some 5/t₀, stable below dt = 2 t₀/5
 INERTIAL_NUMBER = 2.5e-4  # quasi-static: the net force of a grain in a single step is then a few per cent of a contact force
 RAMP = 0.002  # strain over which the top wall takes up its velocity
@@ -151,7 +150,7 @@ class Biaxial:
         for body in O.bodies:  # walls and grains contract homogeneously, so that no wall sweeps the grains together
             if body.dynamic:
                 body.state.vel = Vector3(-speed * body.state.pos[0] / width, -speed * body.state.pos[1] / height, 0)
-        O.dt = COLLAPSE_TIME_STEP * time_unit
+        O.dt = COMPACTION_TIME_STEP * time_unit
         O.engines = [
             ForceResetter(),
             InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R_MIN),
@@ -228,7 +227,6 @@ class Biaxial:
             if self.progress["phase"] == "collapse" and stresses.min() > 0.5:
                 self.progress["phase"] = "rest"
                 self.progress["tolerance"] = self.solver.tolerance
-                O.dt = REST_TIME_STEP * self.time_unit
             if self.progress["phase"] == "rest":
                 self.solver.tolerance = REST_TOLERANCE * min(0.1, max(self.solver.unbalance, balanced))
                 self._damp_kinetic_energy()
