@@ -157,7 +157,7 @@ void ContactDynamics::report(const rcr::Report& report)
 	if (converged || tolerance == 0 || warned) return;
 	warned = true;
 	LOG_WARN(
-	        "step " << scene->iter << ": residual " << residual << " (tolerance " << tolerance << "), velocities still closing " << violation
+	        "step " << scene->iter << ": residual " << residual << " (tolerance " << tolerance << "), velocities still wrong by " << violation
 	                << " of the typical one (at most " << maxViolation << "), after " << iterations
 	                << " iterations; this is said once. ContactDynamics.residual and .converged tell it for every step.");
 }

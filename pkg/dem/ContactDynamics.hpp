@@ -25,17 +25,17 @@ public:
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,"Solves all rigid contacts of the step together (nonsmooth Contact Dynamics, Moreau time stepping). Takes the forces that other engines have put on the bodies and the gravity of :yref:`NewtonIntegrator`, finds the contact impulses that satisfy Signorini's and Coulomb's laws at the end of the step, and adds them as forces; :yref:`NewtonIntegrator` then moves the bodies. Stands after :yref:`InteractionLoop` and before :yref:`NewtonIntegrator`, whose damping must be 0. Bodies move in the plane: z, X and Y blocked. The time step is bound by accuracy, not by a stiffness.",
-		((Real,tolerance,1e-4,,"Residual at which the iterations stop [-]: natural map of the contact laws, relative to the impulses. Velocities that still close a contact must also be below 1 % of the typical one. 0 runs :yref:`maxIterations<ContactDynamics.maxIterations>`"))
+		((Real,tolerance,1e-4,,"Residual at which the iterations stop [-]: natural map of the contact laws, relative to the impulses. :yref:`maxViolation<ContactDynamics.maxViolation>` must be met too. 0 runs :yref:`maxIterations<ContactDynamics.maxIterations>`"))
 		((int,maxIterations,1000,,"Most sweeps a step; ≥ 1"))
 		((int,minIterations,0,,"Sweeps before a criterion may stop the solver"))
-		((Real,maxViolation,0.01,,"Kinematic criterion, beside :yref:`tolerance<ContactDynamics.tolerance>`: RMS of the velocities that still close a contact, over the RMS relative velocity [-]. inf: no such test"))
+		((Real,maxViolation,0.01,,"Kinematic criterion, beside :yref:`tolerance<ContactDynamics.tolerance>`: velocities by which points still close, or slip where they should stick, RMS over the RMS relative velocity of all points (or over 1 % of the one without contacts, if that is larger) [-]. inf: no such test"))
 		((Real,meanForceChange,0,,"The paper's criterion, in the place of the others where it is met first: relative change of the mean normal force between two evaluations, 10 sweeps apart [-]. It is lax: from a warm start 1e-3 is met at a residual of 1e-2. 0: not used"))
 		((std::string,solver,"auto",,"Name of the solver: nlgs, sor, nesterov, exact or auto"))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)"))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that is taken back each step by a position correction without velocity [-]; 0 switches it off. Impulses and velocities never see it."))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step, of all its passes: one, and one more where contacts were not foreseen"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
-		((Real,violation,0,Attr::readonly,"Velocities that still closed a contact after the last step, RMS over the RMS relative velocity [-]"))
+		((Real,violation,0,Attr::readonly,"What :yref:`maxViolation<ContactDynamics.maxViolation>` bounds, after the last step [-]"))
 		((bool,converged,true,Attr::readonly,"Whether the last step reached the tolerance"))
 		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance"))
 		((Real,unbalance,0,Attr::readonly,"Mean net force on a free body over the mean contact force, in the last step [-], as utils.unbalancedForce; it falls to the tolerance of the solver as a packing comes to rest"))

@@ -68,7 +68,7 @@ struct Measures {
 	double error2;     // ‖p − P_K(…)‖², the numerator of the residual
 	double impulse2;   // ‖p‖²
 	double normal;     // Σ p_n
-	double violation2; // Σ min(u_n + b_n, 0)²
+	double violation2; // Σ w_nn² |p − P_K(…)|²
 	double velocity2;  // Σ |u|²
 	double stopping2;  // Σ ((|u_n| + |b_n|)/w_nn)²
 };

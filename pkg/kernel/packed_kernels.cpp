@@ -206,11 +206,11 @@ namespace RCR_LANE_NAMESPACE {
 					const L      bias = L::load(c->bias + lane), un = u.n + bias, friction = L::load(c->friction + lane);
 					const L      scale = L::load(c->inverseNn + lane), stopping = (abs(u.n) + abs(bias)) * scale;
 					const Vector q     = projectCone({ p.n - (un + friction * abs(u.t)) * scale, p.t - u.t * scale }, friction);
-					const L      below = select(un <= L(0.0), un, L(0.0));
-					error2.add(lane, (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t));
+					const L      miss = (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
+					error2.add(lane, miss);
 					impulse2.add(lane, p.n * p.n + p.t * p.t);
 					normal.add(lane, p.n);
-					violation2.add(lane, below * below);
+					violation2.add(lane, select(scale <= L(0.0), L(0.0), miss / (scale * scale)));
 					velocity2.add(lane, u.n * u.n + u.t * u.t);
 					stopping2.add(lane, stopping * stopping);
 				}

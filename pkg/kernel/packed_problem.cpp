@@ -210,10 +210,11 @@ Measures PackedProblem::measure()
 	Measures total = std::accumulate(partial_.begin(), partial_.end(), Measures {}, sum);
 	for (const TailPoint& c : tail_) {
 		const Impulse u = relativeVelocity(c);
-		const double  un = u.n + c.bias, below = std::min(un, 0.0);
+		const double  un = u.n + c.bias;
 		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
 		const Impulse q = projectCone({ c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn }, c.friction);
-		total           = sum(total, { square(c.p - q), square(c.p), c.p.n, below * below, square(u), stopping * stopping });
+		const double  miss = square(c.p - q);
+		total              = sum(total, { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping });
 	}
 	return total;
 }

@@ -22,9 +22,9 @@ struct Settings {
 
 	int    stallSweeps   = 0;    // stops where the residual has reached no new low in so many sweeps; 0: goes on
 
-	/// Kinematic test, with the residual: the RMS of what is left of u_n + b_n < 0 must fall to this fraction of the RMS
-	/// relative velocity at the points (of the free velocities or the final ones, the larger) [-]. A residual of 1e-3
-	/// alone lets long particles sink into each other; 1e-4 brings 5e-4 of violation with it. Infinity: no test.
+	/// Kinematic test, with the residual: by how much points still close, or slip where they should stick, over the typical
+	/// velocity (residual.hpp, `violation`) [-]. The residual weighs these errors by the forces: in slow flow, large steps or
+	/// long particles, 1e-4 of the forces can be as much as the flow itself. Infinity: no test.
 	double violation = 0.01;
 
 	/// The paper's criterion, instead of the above where it is met first: relative change of the mean normal impulse

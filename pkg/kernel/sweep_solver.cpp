@@ -48,10 +48,9 @@ Report StopTest::report()
 
 void StopTest::measure()
 {
-	const auto     ratio = [](double part, double whole) { return part == 0 ? 0 : std::sqrt(part / whole); }; // whole = 0: infinite
-	const Measures m     = packed_.measure();
-	report_.residual     = relativeError(m.error2, m.impulse2, m.stopping2);
-	report_.violation    = ratio(m.violation2, std::max(m.velocity2, packed_.freeVelocity2()));
+	const Measures m  = packed_.measure();
+	report_.residual  = relativeError(m.error2, m.impulse2, m.stopping2);
+	report_.violation = kinematicError(m.violation2, m.velocity2, packed_.freeVelocity2());
 	if (measured_) meanForceChange_ = std::abs(m.normal - normal_) / m.normal; // NaN without any force: not met
 	normal_   = m.normal;
 	measured_ = true;

@@ -31,8 +31,8 @@ STRESS = 1e4  # σ₀ [Pa]
 DEPOSITED = 0.82  # packing fraction of the circles that are deposited; it sets the width of the box
 CONTRACTION = 0.5  # first speed of the walls in the compaction [d/t₀]; the grains move along with them, homogeneously
 COMPACTION_TIME_STEP = 0.05  # dt/t₀ of the compaction; 0.1 lets spinning grains overlap by 0.1 d
-TIME_STEP = 0.2  # dt/t₀ of the shear; a grain that rolls on its neighbours swings with some 5/t₀, stable below dt = 2 t₀/5
-INERTIAL_NUMBER = 2.5e-4  # quasi-static: the net force of a grain in a single step is then a few per cent of a contact force
+TIME_STEP = 0.1  # dt/t₀ of the shear
+INERTIAL_NUMBER = 1e-3  # quasi-static: the largest net force of a grain in a step is then some 15 % of the mean contact force
 RAMP = 0.002  # strain over which the top wall takes up its velocity
 BALANCED = 1e-3  # mean net force of a grain over the mean contact force, at the end of the compaction
 ISOTROPIC = 1e-2  # largest relative deviation of the wall stresses from σ₀, likewise
