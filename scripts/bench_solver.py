@@ -42,17 +42,17 @@ COLUMNS = dict(
                 "siconos_seconds", "siconos_figure", "siconos_ratio"],
     peers=[*ABOUT, "peer", "figure", "start", "tolerance", "iterations", "seconds", "residual", "reached", "ns"],
     growth=["shape", "solver", "start", "problems", "points_from", "points_to", "sweeps_exponent", "seconds_exponent"],
-    roofline=[*ABOUT, "solver", "megabytes", "bytes_per_point", "flops_per_point", "triad_gb_per_s", "ns_of_bytes", "ns_of_flops", "ns",
+    roofline=[*ABOUT, "solver", "megabytes", "bytes_per_point", "operations_per_point", "triad_gb_per_s", "ns_of_bytes", "ns_of_operations", "ns",
               "ns_a_point", "ns_a_pair"],
 )  # fmt: skip
 
 # What a sweep touches and computes for one contact point (packed_blocks.hpp, packed_kernels.cpp): doubles of the point read
-# and written, additions and multiplications. A pair reads two bodies of 32 bytes and two ids of 4 and writes the bodies;
+# and written; sums, products, products with their sum, minima and maxima. A pair reads two bodies of 32 bytes and two ids of 4 and writes the bodies;
 # momentum also reads and writes each body and its old record.
-FIELDS_READ = dict(nlgs=15, nesterov=17)
+FIELDS_READ = dict(nlgs=14, nesterov=16)
 FIELDS_WRITTEN = dict(nlgs=2, nesterov=4)
-FLOPS = dict(nlgs=56, nesterov=67)
-FLOPS_A_CYCLE = 2 * LANES[-1]  # one addition and one multiplication of 8 lanes, never fused
+OPERATIONS = dict(nlgs=37, nesterov=44)
+OPERATIONS_A_CYCLE = LANES[-1]  # one AVX-512 register
 PAIR_BYTES, MOMENTUM_BODY_BYTES = 4 * 32 + 2 * 4, 4 * 32
 POINT_BLOCK_BYTES, BODY_BYTES = 17 * 8, 32
 
@@ -221,9 +221,9 @@ def roofline_rows(case, repeats):
         volume = 8 * (FIELDS_READ[solver] + FIELDS_WRITTEN[solver]) + PAIR_BYTES * pairs
         volume += MOMENTUM_BODY_BYTES * bodies if solver == "nesterov" else 0
         yield dict(
-            case.about, solver=solver, megabytes=megabytes, bytes_per_point=volume, flops_per_point=FLOPS[solver],
+            case.about, solver=solver, megabytes=megabytes, bytes_per_point=volume, operations_per_point=OPERATIONS[solver],
             triad_gb_per_s=1e-9 * bandwidth, ns_of_bytes=1e9 * volume / bandwidth,
-            ns_of_flops=FLOPS[solver] / FLOPS_A_CYCLE / clock_ghz(), ns=ns,
+            ns_of_operations=OPERATIONS[solver] / OPERATIONS_A_CYCLE / clock_ghz(), ns=ns,
             ns_a_point=of_point, ns_a_pair=(ns - of_point) / pairs,
         )  # fmt: skip
 
