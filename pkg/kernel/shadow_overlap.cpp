@@ -36,20 +36,34 @@ namespace {
 			const Vec2   n    = sign(h != 0 ? h : cross(axis, away)) * perp(axis);
 			return { center + s * axis, end, n, std::abs(h), true };
 		}
-		const Vec2 foot = center + (s < 0 ? -a : a) * axis;
-		return { foot, end, direction(end - foot, direction(away, perp(axis))), norm(end - foot), false };
+		const Vec2   foot = center + (s < 0 ? -a : a) * axis, gap = end - foot;
+		const double distance = norm(gap);
+		return { foot, end, distance > 0 ? (1 / distance) * gap : direction(away, perp(axis)), distance, false };
 	}
 
 	Facing swapped(const Facing& f) { return { f.core2, f.core1, -f.normal, f.distance, f.side }; }
 
-	/// Do the two ends of each segment lie strictly on both sides of the other? Of segments on one line both sides are
-	/// rounding, so they must also reach each other along it.
-	bool crossing(Vec2 d, Vec2 axis1, double a1, Vec2 axis2, double a2)
-	{
-		const double sine = cross(axis1, axis2), h1 = cross(axis2, d), h2 = cross(axis1, d);
-		return std::abs(h2) < a2 * std::abs(sine) && std::abs(h1) < a1 * std::abs(sine)
-		        && std::abs(dot(d, axis1)) < a1 + a2 * std::abs(dot(axis1, axis2));
-	}
+	/// How two core segments stand to each other along and across each of them: by how far their projections on these four
+	/// directions are apart.
+	struct Separation {
+		double along1, across1, along2, across2; // negative where the projections overlap
+
+		Separation(Vec2 d, Vec2 axis1, double a1, Vec2 axis2, double a2)
+		{
+			const double sine = std::abs(cross(axis1, axis2)), cosine = std::abs(dot(axis1, axis2));
+			along1  = std::abs(dot(axis1, d)) - a1 - a2 * cosine;
+			across1 = std::abs(cross(axis1, d)) - a2 * sine;
+			along2  = std::abs(dot(axis2, d)) - a2 - a1 * cosine;
+			across2 = std::abs(cross(axis2, d)) - a1 * sine;
+		}
+
+		/// No two points of the segments are nearer.
+		double least() const { return std::max(std::max(along1, across1), std::max(along2, across2)); }
+
+		/// Do the two ends of each segment lie strictly on both sides of the other? Of segments on one line both sides are
+		/// rounding, so they must also reach each other along it.
+		bool crossing() const { return across1 < 0 && across2 < 0 && along1 < 0; }
+	};
 
 	ManifoldPoint manifoldPoint(const Facing& f, double radius1, double radius2)
 	{
@@ -93,6 +107,8 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
 	const Vec2   d     = at2.center - at1.center;
 	const double reach = s1.halfLength + s1.capRadius + s2.halfLength + s2.capRadius + alertDistance;
 	if (dot(d, d) > reach * reach) return {};
+	const Separation separation(d, at1.axis, s1.halfLength, at2.axis, s2.halfLength);
+	if (separation.least() > s1.capRadius + s2.capRadius + alertDistance) return {};
 
 	const Vec2 core1 = s1.halfLength * at1.axis, core2 = s2.halfLength * at2.axis;
 	Facing     facing[4] = {
@@ -101,7 +117,7 @@ Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, co
                 swapped(project(at1.center - core1, at2.center, at2.axis, s2.halfLength, -d)),
                 swapped(project(at1.center + core1, at2.center, at2.axis, s2.halfLength, -d)),
 	};
-	if (crossing(d, at1.axis, s1.halfLength, at2.axis, s2.halfLength)) {
+	if (separation.crossing()) {
 		// Push the end that is least through back to the side it came from. An end that falls outside the other core
 		// still bounds the translation, so its distance is taken to the line of that core.
 		Facing least;
