@@ -6,14 +6,16 @@
 #include <core/GlobalEngine.hpp>
 
 #include "../kernel/solver.hpp"
+#include "../kernel/team.hpp"
 #include "LateContacts.hpp"
 
 namespace yade {
 
+class CdPhys;
 class Interaction;
 class NewtonIntegrator;
 class RcrGeom;
-class CdPhys;
+struct Engines;
 
 class ContactDynamics : public GlobalEngine {
 public:
@@ -32,6 +34,7 @@ public:
 		((Real,meanForceChange,0,,"The paper's criterion, in the place of the others where it is met first: relative change of the mean normal force between two evaluations, 10 sweeps apart [-]. It is lax: from a warm start 1e-3 is met at a residual of 1e-2. 0: not used"))
 		((std::string,solver,"auto",,"Name of the solver: nlgs, sor, nesterov, exact or auto"))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)"))
+		((int,lanes,0,Attr::noSave,"Doubles that the solver works on at a time: 1, 4 or 8; 0: as many as the processor has. Changes no bit; not saved, it is the processor's"))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that is taken back each step by a position correction without velocity [-]; 0 switches it off. Impulses and velocities never see it."))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step, of all its passes: one, and one more where contacts were not foreseen"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
@@ -43,46 +46,57 @@ public:
 		((bool,warned,false,Attr::hidden,"A run that misses its tolerance says so once")),
 		/* ctor */,
 		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict: bodies, pairs, points, frictionless.")
-		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: check, gather, solve, late (contacts that were not foreseen), scatter, correct [s].")
+		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: gather, layout (colours and order of the pairs), solve, scatter, late (bodies that go further than foreseen), correct [s].")
 		.def("_problem",&ContactDynamics::problemDict,"The contact problem of the last step, for rcr.scene.save_problem: its arrays as bytes.")
 	);
 	// clang-format on
 	DECLARE_LOGGER;
 
 private:
-	/// One pair of bodies with its points points[first] … points[first + geom.points − 1].
+	/// One pair of bodies with its points points[first] … points[first + points − 1].
 	struct Contact {
-		Interaction* interaction;
-		Body::id_t   id1, id2;
-		int          first;
+		RcrGeom*   geom = nullptr;
+		CdPhys*    phys = nullptr;
+		Body::id_t id1 = 0, id2 = 0;
+		int        points = 0, first = 0;
+	};
+
+	/// Gap of a point and the least one that is left as it is.
+	struct Gap {
+		double now, allowed;
 	};
 
 	template <class Work> void timed(const char* what, Work);
 
-	int                     solverThreads() const;
-	rcr::Settings           settings() const;
-	void                    report(const rcr::Report&);
-	const NewtonIntegrator& checkedIntegrator() const;
-	void                    checkBodies() const;
-	void                    gatherBodies(const NewtonIntegrator&);
-	void                    findContacts();
-	void                    gatherContacts();
-	bool                    lateContacts();
-	void                    keepForces();
-	void                    scatterForces();
-	void                    measureUnbalance();
-	void                    correctPositions();
-	void                    keepColliderAhead() const;
+	int           solverThreads() const;
+	rcr::Settings settings() const;
+	void          step(const Engines&);
+	void          gatherBodies(const NewtonIntegrator&);
+	void          gatherBody(const Body&, const NewtonIntegrator&);
+	void          findContacts();
+	Contact       contactOf(Interaction&) const;
+	void          gatherContacts();
+	void          solve();
+	void          report(const rcr::Report&);
+	void          keepForces();
+	void          scatterForces();
+	void          measureUnbalance();
+	void          correctPositions();
+	void          keepColliderAhead();
 
-	std::vector<Contact> contacts_;          // of the present step only, sorted by the ids: interactions come and go
-	std::vector<Contact> found_, lastFound_; // in the order of YADE's container
-	std::vector<int>     order_;             // found_[order_[k]] is contacts_[k]
-	rcr::ContactProblem  problem_;
+	// of the present step only: bodies and interactions come and go
+	std::vector<StepBody>     bodies_;
+	std::vector<Contact>      found_;          // in the order of YADE's container
+	std::vector<Contact>      contacts_;       // sorted by the ids
+	std::vector<int>          firstOf_, next_; // a body: its first contact as body 1; where its next one goes
+	std::vector<Gap>          gap_;            // a point
+	rcr::ContactProblem       problem_;
 	std::vector<rcr::Impulse> warmStart_; // the impulses that problem_ was solved from
-	rcr::ContactProblem  shift_;                      // of the position correction
-	rcr::Workspace       workspace_, shiftWorkspace_; // colours and packed arrays, kept while the contacts last
-	bool                 frictionless_ = true;
-	LateContacts         late_;
+	std::vector<rcr::Twist>   load_;      // a body: sum of its contact impulses and their moments
+	rcr::ContactProblem       shift_;     // of the position correction
+
+	rcr::Workspace                workspace_; // threads; colours and packed arrays, kept while the pairs last
+	LateContacts                  late_;
 	std::map<std::string, double> seconds_;
 };
 REGISTER_SERIALIZABLE(ContactDynamics);

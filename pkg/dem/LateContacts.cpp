@@ -37,20 +37,19 @@ namespace {
 
 } // namespace
 
-bool LateContacts::find(Scene& scene, const InteractionLoop& loop, const rcr::ContactProblem& solved)
+bool LateContacts::find(Scene& scene, const InteractionLoop& loop, const std::vector<StepBody>& bodies, const rcr::ContactProblem& solved)
 {
 	const double      dt    = double(scene.dt);
 	const std::size_t known = fast_.size();
-	for (const auto& b : *scene.bodies) {
-		if (!b || !b->shape || b->state->blockedDOFs == State::DOF_ALL) continue;
-		const Rcr*       particle = dynamic_cast<const Rcr*>(b->shape.get());
-		const rcr::Twist before = plane::twist(*b->state), after = solved.velocity[b->getId()];
-		if (particle) {
-			const double distance = dt * plane::speed(after, particle->circumscribedRadius());
-			if (distance > alertDistance(*particle, before, dt)) foresee(b, distance, dt);
-		} else if (const double distance = dt * plane::speed(after, 0); distance > 2 * dt * plane::speed(before, 0)) {
-			for (const auto& [id, i] : b->intrs) // a wall: those beside it look further
-				if (dynamic_cast<const Rcr*>((*scene.bodies)[id]->shape.get())) foresee((*scene.bodies)[id], distance, dt);
+	for (std::size_t id = 0; id < bodies.size(); ++id) {
+		const double distance = dt * plane::speed(solved.velocity[id], bodies[id].radius);
+		if (distance <= bodies[id].expected) continue;
+		const shared_ptr<Body>& b = (*scene.bodies)[id];
+		if (const Rcr* particle = bodies[id].particle) {
+			if (distance > particle->foreseen) foresee(b, distance, dt);
+		} else {
+			for (const auto& [other, i] : b->intrs) // a wall: those beside it look further
+				if (bodies[other].particle) foresee((*scene.bodies)[other], distance, dt);
 		}
 	}
 	if (fast_.size() == known) return false;

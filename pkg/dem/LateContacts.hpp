@@ -12,15 +12,14 @@
 #include <core/Scene.hpp>
 
 #include "../kernel/contact_problem.hpp"
+#include "StepBody.hpp"
 
 namespace yade {
-
-class Rcr;
 
 class LateContacts {
 public:
 	/// Looks for them in a solved step; true if some were made.
-	bool find(Scene&, const InteractionLoop&, const rcr::ContactProblem& solved);
+	bool find(Scene&, const InteractionLoop&, const std::vector<StepBody>&, const rcr::ContactProblem& solved);
 	/// At the end of the step: the next one starts from its own speeds.
 	void forget();
 

@@ -1,6 +1,7 @@
 #include "packed_problem.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numeric>
 
@@ -8,18 +9,8 @@ namespace rcr {
 
 namespace {
 
-	constexpr int    itemsAtATime    = 512;  // pairs or bodies that a thread takes at a time
+	constexpr int    bodiesAtATime   = 512;  // that a thread takes at a time
 	constexpr double blockedGyration = 1e30; // of a body that cannot turn: no impulse turns it, and the square is finite
-
-	/// Calls work(i) for 0 ≤ i < count, shared among the team.
-	template <class Work> void forEach(Team& team, std::size_t count, Work work)
-	{
-		const int size = int(count);
-		team.share(0, (size + itemsAtATime - 1) / itemsAtATime, [&](int part) {
-			for (int i = part * itemsAtATime; i < std::min(size, (part + 1) * itemsAtATime); ++i)
-				work(i);
-		});
-	}
 
 	double inverseGyration(const InverseMass& m)
 	{
@@ -45,7 +36,10 @@ namespace {
 void PackedProblem::load(const ContactProblem& problem, int lanes)
 {
 	kernels_ = &packedKernels(lanes);
-	if (layout_.update(problem)) {
+	const auto start = std::chrono::steady_clock::now();
+	const bool fresh = layout_.update(problem);
+	layoutSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+	if (fresh) {
 		++layouts_;
 		point_.resize(layout_.pointBlocks());
 		for (int block : layout_.vacantBlocks())
@@ -57,11 +51,11 @@ void PackedProblem::load(const ContactProblem& problem, int lanes)
 
 	const std::vector<Pair>& pairs = layout_.pairs();
 	inverseGyration_.resize(problem.inverseMass.size());
-	forEach(team, problem.inverseMass.size(), [&](int i) {
+	team.forEach(problem.inverseMass.size(), [&](int i) {
 		inverseGyration_[i] = inverseGyration(problem.inverseMass[i]);
 		body_[i]            = freeRecord(problem, i);
 	});
-	forEach(team, pairs.size(), [&](int k) {
+	team.forEach(pairs.size(), [&](int k) {
 		if (pairs[k].slot != Pair::outside) fill(problem, pairs[k]);
 	});
 	tail_.clear();
@@ -198,8 +192,8 @@ double PackedProblem::sweepMomentum(double momentum)
 void PackedProblem::extrapolate(double momentum)
 {
 	const int bodies = int(inverseGyration_.size());
-	team.share(0, (bodies + itemsAtATime - 1) / itemsAtATime, [&, v = view()](int part) {
-		kernels_->extrapolate(v, part * itemsAtATime, std::min(bodies, (part + 1) * itemsAtATime), momentum);
+	team.share(0, (bodies + bodiesAtATime - 1) / bodiesAtATime, [&, v = view()](int part) {
+		kernels_->extrapolate(v, part * bodiesAtATime, std::min(bodies, (part + 1) * bodiesAtATime), momentum);
 	});
 	body_.swap(oldBody_);
 }
@@ -224,7 +218,7 @@ Measures PackedProblem::measure()
 void PackedProblem::store(ContactProblem& problem)
 {
 	const std::vector<Pair>& pairs = layout_.pairs();
-	forEach(team, pairs.size(), [&](int k) {
+	team.forEach(pairs.size(), [&](int k) {
 		const Pair& pair = pairs[k];
 		for (int i = 0; i < pair.points; ++i) {
 			Impulse& p = problem.impulse[pair.firstPoint + i];
@@ -238,10 +232,10 @@ void PackedProblem::store(ContactProblem& problem)
 	for (const TailPoint& c : tail_)
 		problem.impulse[c.point] = c.p;
 
-	forEach(team, inverseGyration_.size(), [&](int i) { body_[i] = freeRecord(problem, i); });
+	team.forEach(inverseGyration_.size(), [&](int i) { body_[i] = freeRecord(problem, i); });
 	applyImpulses();
 	problem.velocity.resize(problem.freeVelocity.size());
-	forEach(team, inverseGyration_.size(), [&](int i) {
+	team.forEach(inverseGyration_.size(), [&](int i) {
 		const bool turns    = problem.inverseMass[i].rotation > 0;
 		problem.velocity[i] = { body_[i].x, body_[i].y, turns ? body_[i].spin * inverseGyration_[i] : problem.freeVelocity[i].rotation };
 	});

@@ -39,6 +39,8 @@ public:
 	double freeVelocity2() const { return freeVelocity2_; }
 	/// How often a problem had to be laid out: other pairs or kinds of bodies than the one before.
 	int layouts() const { return layouts_; }
+	/// Time spent on layouts so far, to find that one still stands too.
+	double layoutSeconds() const { return layoutSeconds_; }
 
 private:
 	/// A point outside the colours, in the scaled velocities of packed_blocks.hpp.
@@ -76,7 +78,7 @@ private:
 	std::vector<TailPoint>  tail_;
 	std::vector<Measures>   partial_; // a chunk
 	std::vector<double>     sum_;     // a chunk
-	double                  freeVelocity2_ = 0;
+	double                  freeVelocity2_ = 0, layoutSeconds_ = 0;
 	int                     layouts_       = 0;
 };
 

@@ -43,6 +43,7 @@ struct Report {
 };
 
 class PackedProblem;
+class Team;
 
 /// What the sweep solvers keep between steps: threads, memory, and colours and order as long as all pairs last. It saves
 /// time and changes no bit. Give the same one for each step of a simulation. Not for two threads at once.
@@ -51,7 +52,9 @@ public:
 	Workspace();
 	~Workspace();
 	PackedProblem& packed() { return *packed_; }
+	Team&          team(); // for other loops of the same step: a run that holds all of it keeps the helpers awake
 	int            layouts() const; // how often a problem had other pairs or kinds of bodies than the one before
+	double         layoutSeconds() const; // that colours and order have taken so far
 
 private:
 	std::unique_ptr<PackedProblem> packed_;

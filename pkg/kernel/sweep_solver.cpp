@@ -9,7 +9,9 @@ namespace rcr {
 
 Workspace::Workspace() : packed_(std::make_unique<PackedProblem>()) { }
 Workspace::~Workspace() = default;
+Team& Workspace::team() { return packed_->team; }
 int Workspace::layouts() const { return packed_->layouts(); }
+double Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
 
 bool StopTest::reached()
 {

@@ -46,6 +46,7 @@ namespace {
 
 void Team::begin(int threads)
 {
+	running_ = true;
 	if (threads - 1 != int(helpers_.size())) {
 		dismiss();
 		hire(threads);
@@ -64,8 +65,9 @@ void Team::begin(int threads)
 void Team::end()
 {
 	if (helped_) alone_ = alone_ / 2;
-	helped_ = false;
-	open_   = false;
+	helped_  = false;
+	open_    = false;
+	running_ = false;
 }
 
 void Team::hire(int threads)

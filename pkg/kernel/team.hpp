@@ -7,10 +7,12 @@
 // leader had to wait long for a helper that lost its core in the midst of work, it goes on alone for a while.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -23,12 +25,16 @@ public:
 	Team() = default;
 	~Team() { dismiss(); }
 
-	/// Calls lead() on this thread while up to threads − 1 others help.
+	/// Calls lead() on this thread while up to threads − 1 others help. Within another run of the team it is a part of that.
 	template <class Lead> void run(int threads, Lead lead)
 	{
-		begin(threads);
+		if (running_) return lead();
+		struct Run {
+			Team& team;
+			Run(Team& t, int threads) : team(t) { team.begin(threads); }
+			~Run() { team.end(); }
+		} run(*this, threads);
 		lead();
-		end();
 	}
 
 	/// Inside run: work(i) for begin ≤ i < end, each once, by any thread and in any order; returns when all are done.
@@ -40,6 +46,27 @@ public:
 			return;
 		}
 		share(begin, end, [](void* context, int i) { (*static_cast<Work*>(context))(i); }, &work);
+	}
+
+	/// Inside run: work(i) for 0 ≤ i < count, 512 at a time, for work too short to be shared out one by one. Where some throw,
+	/// the exception of the least i is thrown on.
+	template <class Work> void forEach(std::size_t count, Work work)
+	{
+		constexpr int      atATime = 512;
+		const int          size    = int(count);
+		std::mutex         mutex;
+		std::exception_ptr error;
+		int                errorPart = size;
+		share(0, (size + atATime - 1) / atATime, [&](int part) {
+			try {
+				for (int i = part * atATime; i < std::min(size, (part + 1) * atATime); ++i)
+					work(i);
+			} catch (...) {
+				const std::lock_guard<std::mutex> lock(mutex);
+				if (part < errorPart) errorPart = part, error = std::current_exception();
+			}
+		});
+		if (error) std::rethrow_exception(error);
 	}
 
 private:
@@ -59,7 +86,8 @@ private:
 	int  work(int self); // takes what it can, own part first; returns how many
 
 	// the leader's
-	bool              helped_ = false; // in this run
+	bool              running_ = false;
+	bool              helped_  = false; // in this run
 	std::uint64_t     serial_ = 0;
 	Clock::time_point aloneUntil_;
 	Clock::duration   alone_ { 0 }; // how long after the next stall
