@@ -2,6 +2,7 @@
 
 #include "AlertDistance.hpp"
 #include "MissingFunctor.hpp"
+#include "prefetch.hpp"
 
 namespace yade {
 
@@ -67,6 +68,7 @@ bool Ig2_Rcr_Rcr_RcrGeom::go(
         const bool&                    force,
         const shared_ptr<Interaction>& interaction)
 {
+	prefetchPair(*scene, interaction->linIx); // for pairs to come
 	const Rcr&    one = static_cast<const Rcr&>(*shape1);
 	const Rcr&    two = static_cast<const Rcr&>(*shape2);
 	rcr::Pose     at1 = plane::pose(state1), at2 = plane::pose(state2);

@@ -45,4 +45,21 @@ inline void prefetchContact(const InteractionContainer& interactions, std::size_
 	prefetch<CdPhys>(later.phys.get());
 }
 
+/// The same, and for the bodies that meet there.
+inline void prefetchPair(const Scene& scene, std::size_t k)
+{
+	const InteractionContainer& interactions = *scene.interactions;
+	const std::size_t           count        = scene.interactions->size();
+	if (k + 2 * prefetchAhead >= count) return;
+	prefetchContact(interactions, count, k);
+	const BodyContainer& bodies = *scene.bodies;
+	const auto           both   = [&](std::size_t turns, auto ask) {
+                const Interaction& later = *interactions[k + turns];
+                ask(bodies[later.getId1()].get());
+                ask(bodies[later.getId2()].get());
+	};
+	both(prefetchAhead, prefetch<Body>);
+	both(prefetchAhead / 2, prefetchBody);
+}
+
 } // namespace yade
