@@ -1,0 +1,85 @@
+"""A shear test gives the same bits for any number of threads and lanes of the solver."""
+
+import hashlib
+
+import numpy as np
+import pytest
+from rcr.biaxial import Biaxial
+from yade import O
+from yade.minieigenHP import Vector3
+
+STEPS = 1000
+RUNS = [(1, 8), (2, 4), (4, 1)]  # threads, lanes
+ENTRIES = [f"state.{name}[{k}]" for name, size in (("pos", 3), ("ori", 4), ("vel", 3), ("angVel", 3)) for k in range(size)]
+
+
+@pytest.fixture(scope="module")
+def packing(tmp_path_factory):
+    """Checkpoint of 1000 long particles, compacted until they carry each other, about to be sheared."""
+    test = Biaxial.prepare(eta=0.5, particles=1000, seed=1, tolerance=1e-3)
+    test.compact(balanced=0.05)
+    folder = str(tmp_path_factory.mktemp("packing"))
+    test.save(folder)
+    return folder
+
+
+def shear(folder, threads, lanes, steps):
+    """Yields after each step what it was solved from, as a digest: all velocities, contact points and starting impulses."""
+    test = Biaxial.load(folder)
+    test.solver.threads, test.solver.lanes = threads, lanes
+    speed = test.parameters["inertial_number"] / test.time_unit * test.progress["first_height"]
+    O.bodies[test.top].state.vel = Vector3(0, -speed, 0)
+    for _ in range(steps):
+        O.step()
+        digest = hashlib.blake2b()
+        for column in test.solver._problem().values():
+            digest.update(column)
+        yield digest.digest()
+
+
+def bodies():
+    """Position, orientation, velocities of each body, as ENTRIES; (bodies, 13)."""
+    return np.array([(*b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel) for b in O.bodies])
+
+
+def state_after(folder, threads, lanes, steps):
+    for _ in shear(folder, threads, lanes, steps):
+        pass
+    return bodies()
+
+
+def test_threads_and_lanes_change_no_bit(packing):
+    """1000 steps of a shear of 1000 particles (η = 0.5, friction 0.5, 5 % of strain), compared after every step.
+
+    Three runs take 1, 2 and 4 threads and 8, 4 and 1 lanes at once, so that each number of either meets the others. Compared
+    are the contact problems of all steps, which hold the velocities, contact points and impulses that the step before left,
+    and at the end the places of all bodies. Of 4 threads two or more share a processor here, so it does not matter either
+    who takes which piece of work. YADE's own threads are another test (test_session.py).
+    """
+    first, *others = RUNS
+    reference = list(shear(packing, *first, STEPS))
+    last = bodies()
+    assert len(set(reference)) == STEPS
+    for run in others:
+        for step, digest in enumerate(shear(packing, *run, STEPS)):
+            if digest != reference[step]:
+                pytest.fail(difference(packing, first, run, step))
+        assert np.array_equal(bodies(), last), difference(packing, first, run, STEPS)
+
+
+def difference(folder, first, second, step):
+    """The first step whose result differs and a body that shows it, found by running both once more to there."""
+    one, two = (state_after(folder, *run, step) for run in (first, second))
+    different = np.flatnonzero((one != two).any(axis=1))
+    where = f"first in step {step} of {STEPS}: "
+    if not len(different):
+        where = f"in step {step + 1} of {STEPS}, of equal bodies: "
+        one, two = (state_after(folder, *run, step + 1) for run in (first, second))
+        different = np.flatnonzero((one != two).any(axis=1))
+    runs = " and ".join("{} threads with {} lanes".format(*run) for run in (first, second))
+    if not len(different):
+        return f"{runs} differ {where}the forces of contacts alone"
+    body = int(different[0])
+    entry = int(np.flatnonzero(one[body] != two[body])[0])
+    values = f"{ENTRIES[entry]} = {one[body, entry].item()} and {two[body, entry].item()}"
+    return f"{runs} differ {where}body #{body} with {values} ({len(different)} bodies in all)"
