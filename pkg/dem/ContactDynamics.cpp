@@ -282,46 +282,46 @@ void ContactDynamics::measureUnbalance()
 	largestUnbalance = closed > 0 ? largest / (contact / closed) : none;
 }
 
-// Overlaps left by the tolerance of the solver, and by curvature within a step, are taken back by a displacement that is
-// solved like a velocity but never becomes one: split impulses (Jourdan, Alart and Jean 1998), so no energy and no force.
+// Overlaps left by the tolerance of the solver, and by curvature within a step, are taken back by displacements that never
+// become velocities (split impulses; Jourdan, Alart and Jean 1998): the step is solved once more from its own impulses, now
+// with u_n ≥ β |g|/dt where g overlaps, and the bodies move by dt (v_β − v) besides. The loads of the step are in both, so
+// contacts stay closed that a displacement alone would open, for the law to close them in the next step with a blow.
 //
-//   displacement δ = dt v,  0 ≤ δ_n + g⁺ ⟂ ≥ 0 with g⁺ = g + dt u_n for the gap after the step
-//
-// and only the share `correction` of what an overlap has beyond the slop. Without a slop, contacts at rest would open and
-// close for ever: each displacement opens some by what it closes others. A few sweeps must do, and what they leave is new
-// overlap, so as long as no overlap exceeds the slop nothing is displaced.
+// Only what an overlap has beyond the slop counts; without a slop, contacts at rest would open and close for ever. In a
+// marginal packing one contact opens only if others move much further, and by the square of that they overlap anew: the
+// farthest shift is bounded, all others in proportion.
 void ContactDynamics::correctPositions()
 {
+	constexpr double farthestShift = 1e-4; // of a radius
 	if (correction == 0) return;
 	const double      dt = double(scene->dt);
-	std::atomic<bool> overlap { false };
-	shift_.points.resize(problem_.points.size());
-	workspace_.team().forEach(problem_.points.size(), [&](int k) {
-		rcr::ContactPoint& c = shift_.points[k];
-		c                    = problem_.points[k];
-		const double gap     = gap_[k].now + dt * relativeVelocity(c, problem_.velocity[c.body1], problem_.velocity[c.body2]).n;
-		const double excess  = gap - gap_[k].allowed;
-		c.bias               = (gap < 0 ? double(correction) * std::min(excess, 0.0) : gap) / dt;
-		c.friction           = 0;
-		if (excess < 0) overlap.store(true, std::memory_order_relaxed);
+	if (std::none_of(gap_.begin(), gap_.end(), [](const Gap& gap) { return gap.now < gap.allowed; })) return;
+	shift_ = problem_;
+	workspace_.team().forEach(gap_.size(), [&](int k) {
+		const double excess = gap_[k].now - gap_[k].allowed;
+		if (excess < 0) shift_.points[k].bias = std::min(shift_.points[k].bias, double(correction) * excess / dt);
 	});
-	if (!overlap) return;
-	shift_.inverseMass = problem_.inverseMass;
-	shift_.freeVelocity.assign(bodies_.size(), {});
-	shift_.impulse.assign(problem_.impulse.size(), {});
 	rcr::Settings few;
-	few.tolerance     = 1e-2;
+	few.tolerance     = 0;
 	few.maxIterations = 20;
 	few.threads       = solverThreads();
 	few.lanes         = lanes;
 	rcr::solveNesterov(shift_, few, workspace_); // the same pairs: their colours stand
+	const auto shift = [&](Body::id_t id) -> rcr::Twist {
+		const rcr::Twist &v = problem_.velocity[id], &with = shift_.velocity[id];
+		return { dt * (with.x - v.x), dt * (with.y - v.y), dt * (with.rotation - v.rotation) };
+	};
+	double farthest = 0; // over the radius of a particle
+	for (std::size_t id = 0; id < bodies_.size(); ++id)
+		if (bodies_[id].free && bodies_[id].particle) farthest = std::max(farthest, plane::speed(shift(id), bodies_[id].radius) / bodies_[id].radius);
+	const double share = std::min(1.0, farthestShift / farthest);
 	workspace_.team().forEach(bodies_.size(), [&](Body::id_t id) {
 		prefetch<State>(bodies_[std::min(id + prefetchAhead, bodies_.size() - 1)].state);
 		if (!bodies_[id].free) return;
-		const rcr::Twist& shift = shift_.velocity[id];
-		State&            s     = *bodies_[id].state;
-		s.pos += dt * Vector3r(shift.x, shift.y, 0);
-		if (shift.rotation != 0) s.ori = (Quaternionr(AngleAxisr(dt * shift.rotation, Vector3r::UnitZ())) * s.ori).normalized();
+		const rcr::Twist by = shift(id);
+		State&           s  = *bodies_[id].state;
+		s.pos += share * Vector3r(by.x, by.y, 0);
+		if (by.rotation != 0) s.ori = (Quaternionr(AngleAxisr(share * by.rotation, Vector3r::UnitZ())) * s.ori).normalized();
 	});
 }
 
