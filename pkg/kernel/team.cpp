@@ -54,11 +54,17 @@ void Team::begin(int threads)
 	helped_ = threads > 1 && Clock::now() >= aloneUntil_;
 	if (!helped_) return;
 	open_ = true;
+	wake();
+}
+
+void Team::wake()
+{
+	if (!helped_) return;
 	{
 		const std::lock_guard<std::mutex> lock(mutex_);
-		++runs_;
+		++calls_;
 	}
-	wake_.notify_all();
+	call_.notify_all();
 }
 
 /// Helpers find out by themselves; none holds work any more.
@@ -73,14 +79,14 @@ void Team::end()
 void Team::hire(int threads)
 {
 	parts_ = std::make_unique<Part[]>(threads);
-	runs_  = 0;
+	calls_ = 0;
 	for (int self = 1; self < threads; ++self)
 		helpers_.emplace_back([this, self] {
 			for (std::uint64_t seen = 0;;) {
 				{
 					std::unique_lock<std::mutex> lock(mutex_);
-					wake_.wait(lock, [&] { return runs_ != seen; });
-					seen = runs_;
+					call_.wait(lock, [&] { return calls_ != seen; });
+					seen = calls_;
 				}
 				if (seen == over) return;
 				help(self);
@@ -92,9 +98,9 @@ void Team::dismiss()
 {
 	{
 		const std::lock_guard<std::mutex> lock(mutex_);
-		runs_ = over;
+		calls_ = over;
 	}
-	wake_.notify_all();
+	call_.notify_all();
 	for (std::thread& helper : helpers_)
 		helper.join();
 	helpers_.clear();

@@ -25,10 +25,15 @@ public:
 	Team() = default;
 	~Team() { dismiss(); }
 
-	/// Calls lead() on this thread while up to threads − 1 others help. Within another run of the team it is a part of that.
+	/// Calls lead() on this thread while up to threads − 1 others help. Within another run it is a part of that, for which
+	/// helpers that have gone to sleep are woken.
 	template <class Lead> void run(int threads, Lead lead)
 	{
-		if (running_) return lead();
+		if (running_) {
+			wake();
+			lead();
+			return;
+		}
 		struct Run {
 			Team& team;
 			Run(Team& t, int threads) : team(t) { team.begin(threads); }
@@ -79,6 +84,7 @@ private:
 
 	void begin(int threads);
 	void end();
+	void wake();
 	void hire(int threads);
 	void dismiss();
 	void share(int begin, int end, void (*work)(void*, int), void* context);
@@ -100,8 +106,8 @@ private:
 	std::vector<std::thread>      helpers_;
 	std::unique_ptr<Part[]>       parts_; // the leader's and one a helper
 	std::mutex                    mutex_;
-	std::condition_variable       wake_;
-	std::uint64_t                 runs_ = 0; // under the mutex; the helpers leave at `over`
+	std::condition_variable       call_;
+	std::uint64_t                 calls_ = 0; // under the mutex; the helpers leave at `over`
 	static constexpr std::uint64_t over = ~0ull;
 	alignas(128) std::atomic<int> done_ { 0 };
 	alignas(128) std::atomic<bool> open_ { false };
