@@ -204,20 +204,17 @@ void ContactDynamics::gatherContacts()
 		const CdPhys&       phys     = *contact.phys;
 		const RcrGeom&      geom     = *contact.geom;
 		const rcr::Manifold manifold = geom.manifold();
+		const rcr::Vec2     center1 = bodies_[contact.id1].center, center2 = bodies_[contact.id2].center;
+		const double        friction = double(phys.tangensOfFrictionAngle);
 		checkPhys(phys, contact.id1, contact.id2);
 		for (int k = 0; k < contact.points; ++k) {
 			const rcr::ManifoldPoint& at    = manifold.points[k];
 			const Vector2r&           force = k == 0 ? phys.force1 : phys.force2;
 			const int                 point = contact.first + k;
-			problem_.points[point]          = { contact.id1,
-				                            contact.id2,
-				                            at.normal,
-				                            at.position - bodies_[contact.id1].center,
-				                            at.position - bodies_[contact.id2].center,
-				                            double(phys.bias[k]),
-				                            double(phys.tangensOfFrictionAngle) };
-			problem_.impulse[point]         = { dt * double(force[0]), dt * double(force[1]) };
-			gap_[point]                     = { at.gap, -RcrGeom::slop * double(geom.refR1 + geom.refR2) };
+			problem_.points[point]
+			        = { contact.id1, contact.id2, at.normal, at.position - center1, at.position - center2, double(phys.bias[k]), friction };
+			problem_.impulse[point] = { dt * double(force[0]), dt * double(force[1]) };
+			gap_[point]             = { at.gap, -RcrGeom::slop * double(geom.refR1 + geom.refR2) };
 		}
 	});
 	warmStart_ = problem_.impulse;
@@ -377,7 +374,8 @@ boost::python::dict ContactDynamics::modelDict() const
 	model["bodies"]       = problem_.inverseMass.size();
 	model["pairs"]        = contacts_.size();
 	model["points"]       = contactPoints;
-	model["frictionless"] = std::all_of(problem_.points.begin(), problem_.points.end(), [](const rcr::ContactPoint& c) { return c.friction == 0; });
+	const auto& points    = problem_.points;
+	model["frictionless"] = std::all_of(points.begin(), points.end(), [](const rcr::ContactPoint& c) { return c.friction == 0; });
 	return model;
 }
 
