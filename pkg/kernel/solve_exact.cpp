@@ -21,7 +21,8 @@ namespace {
 
 	constexpr double handover     = 1e-5; // residual at which sweeps hand over; later gains little, earlier costs folds
 	constexpr int    maxSweeps    = 1000; // … or their number, at most half of all iterations
-	constexpr int    rescueSweeps = 300;  // after a fold; 100 to 1000 do as well
+	constexpr int    rescueSweeps = 300;  // after a fold; 100 to 1000 do as well …
+	constexpr int    pivotSweeps  = 20;   // … and for each pivot of the path as many as it cost, about
 	constexpr int    maxPivots    = 2000; // of one path
 
 	/// ρ of a contact over the steps: stiffer while paths arrive, softer where one folds.
@@ -112,7 +113,10 @@ Report solveExact(ContactProblem& problem, const Settings& settings)
 		const PathEnd end = step(problem, proximal, stiffness, left());
 		report.iterations += 1 + end.pivots;
 		best.offer(residual(problem), problem);
-		if (!end.arrived && left() > 0) report.iterations += sweep(problem, settings, 0, std::min(rescueSweeps, left()), workspace).iterations;
+		if (!end.arrived && left() > 0) {
+			const int most = std::min(rescueSweeps + pivotSweeps * end.pivots, left());
+			report.iterations += sweep(problem, settings, 0, most, workspace).iterations;
+		}
 	}
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
