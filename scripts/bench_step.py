@@ -32,7 +32,7 @@ except ImportError as error:  # not for this Python: in the environment of yade-
 
 FEW, MANY = 10, 210  # iterations whose difference gives the cost of one
 SKIN = 1e-3  # mean diameters by which grains are larger in the other libraries, so that they see contacts before they overlap
-BOOKKEEPING = "check", "gather", "scatter"  # of ContactDynamics.seconds; colours are a part of "solve"
+BOOKKEEPING = "gather", "layout", "scatter"
 SETTLE = 10  # steps in YADE before the time is taken
 PEERS = dict(chipmunk="libchipmunk-dev", box2d="libbox2d-dev")
 
