@@ -250,7 +250,13 @@ class Biaxial:
         self.progress["kinetic_energy"] = energy
 
     def _start_shear(self):
-        self.progress.update(phase="shear", first_height=self.height, packing_fraction_initial=self.packing_fraction, unbalance_initial=self.solver.unbalance)
+        self.progress.update(
+            phase="shear",
+            first_height=self.height,
+            packing_fraction_initial=self.packing_fraction,
+            unbalance_initial=self.solver.unbalance,
+            residual_max=0.0,  # of the shear; the compaction is solved as finely as it is balanced
+        )
         self.solver.tolerance = self.progress["tolerance"]
         O.dt = self.parameters["time_step"] * self.time_unit
         friction = self.parameters["friction"]
