@@ -176,6 +176,7 @@ def contact_network(walls, **attributes):
     Network
     """
     pairs, particles = (np.frombuffer(rows, kind) for rows, kind in zip(_plugin.network_table(), (_PAIR, _PARTICLE)))
+    pairs = pairs[np.lexsort((pairs["body2"], pairs["body1"]))]  # YADE's order changes when a scene is reloaded
     body2 = pairs["body2"].copy()
     for wall, code in zip(walls, (LEFT, BOTTOM, RIGHT, TOP)):
         body2[pairs["body2"] == wall] = code

@@ -53,7 +53,7 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
     one, two = contents(tmp_path / "a"), contents(tmp_path / "b")
     assert one.keys() == two.keys() and any(".h5" in name for name in one)
     different = [name for name in one if not np.array_equal(one[name], two[name])]
-    assert not different
+    assert not different, different
     assert json.loads((tmp_path / "a/report/analysis.json").read_text()) == json.loads((tmp_path / "b/report/analysis.json").read_text())
 
 
