@@ -61,14 +61,15 @@ namespace {
 
 	/// The best impulses seen so far.
 	struct Best {
-		double               residual;
+		double               residual, violation;
 		std::vector<Impulse> impulse;
 
-		void offer(double candidate, const ContactProblem& problem)
+		/// How far from both criteria; ≤ 1 where both are met.
+		double distance(const Settings& s) const { return std::max(residual / s.tolerance, violation / s.violation); }
+
+		void offer(const Best& other, const Settings& settings)
 		{
-			if (!(candidate < residual)) return;
-			residual = candidate;
-			impulse  = problem.impulse;
+			if (other.distance(settings) < distance(settings)) *this = other;
 		}
 	};
 
@@ -107,12 +108,12 @@ Report solveExact(ContactProblem& problem, const Settings& settings)
 	if ((report.converged && report.reached(settings)) || report.iterations >= settings.maxIterations) return report;
 	ProximalProblem        proximal(problem);
 	std::vector<Stiffness> stiffness(proximal.size());
-	Best                   best { report.residual, problem.impulse };
+	Best                   best { report.residual, report.violation, problem.impulse };
 	const auto             left = [&] { return settings.maxIterations - report.iterations; };
-	while (!(best.residual <= settings.tolerance) && left() > 0) {
+	while (!(best.distance(settings) <= 1) && left() > 0) {
 		const PathEnd end = step(problem, proximal, stiffness, left());
 		report.iterations += 1 + end.pivots;
-		best.offer(residual(problem), problem);
+		best.offer({ residual(problem), violation(problem), problem.impulse }, settings);
 		if (!end.arrived && left() > 0) {
 			const int most = std::min(rescueSweeps + pivotSweeps * end.pivots, left());
 			report.iterations += sweep(problem, settings, 0, most, workspace).iterations;
