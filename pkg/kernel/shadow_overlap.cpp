@@ -8,6 +8,10 @@ namespace rcr {
 
 namespace {
 
+	/// Ends that lie exactly above each other face a side, both ways: else rounding may leave equal bodies that lie flush on each
+	/// other without their second point.
+	constexpr double withRounding = 1 + 1e-9;
+
 	/// A point of body 1's core facing a point of body 2's core.
 	struct Facing {
 		Vec2   core1, core2;
@@ -31,7 +35,7 @@ namespace {
 	{
 		const Vec2   q = end - center;
 		const double s = dot(q, axis);
-		if (a > 0 && std::abs(s) <= a) {
+		if (a > 0 && std::abs(s) <= withRounding * a) {
 			const double h    = cross(axis, q);
 			const Vec2   n    = sign(h != 0 ? h : cross(axis, away)) * perp(axis);
 			return { center + s * axis, end, n, std::abs(h), true };
@@ -192,7 +196,7 @@ Manifold shadowOverlap(const Rectangle& box, const Pose& boxAt, const Stadium& s
 	for (Vec2 corner : corners) {
 		if (separation <= 0 || s.halfLength == 0) break;
 		const double along = dot(corner - q, e), across = cross(e, corner - q);
-		if (std::abs(along) > s.halfLength) continue;
+		if (std::abs(along) > withRounding * s.halfLength) continue;
 		facing[count++] = { corner, corner - across * perp(e), -sign(across) * perp(e), std::abs(across), true };
 	}
 	if (count == 0) return {};

@@ -221,6 +221,18 @@ def test_eccentric_side_contact_spans_the_shadow():
 
 # ---------------------------------------------------------------------------------------------- invariance
 
+def test_equal_bodies_that_lie_flush_have_two_points(seed=7):
+    """Wherever and however turned: their ends face each other but for rounding."""
+    rng = np.random.default_rng(seed)
+    n = 10_000
+    stadium, pose = np.tile([0.5, 0.5], (n, 1)), np.column_stack([rng.uniform(-10, 10, (n, 2)), rng.choice([0, rng.uniform(-3, 3)], n)])
+    normal = np.column_stack([-np.sin(pose[:, 2]), np.cos(pose[:, 2])])
+    above = pose + np.column_stack([normal, np.zeros(n)])
+    pairs = stadium, pose, stadium, above
+    count = _kernel.overlap_stadiums(*pairs, ALERT)["count"]
+    check(count != 2, pairs, "one point")
+
+
 def moved(pairs, angle=0.0, shift=(0, 0), mirror=False):
     """The same pairs, mirrored at the x axis, turned about the origin, and shifted."""
     c, s = np.cos(angle), np.sin(angle)
