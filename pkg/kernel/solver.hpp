@@ -66,7 +66,7 @@ Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // Gauss–S
 Report solveExact(ContactProblem&, const Settings&);                // reaches 1e-8 where sweeps stall
 
 /// Runs the solver of that name: nlgs, sor, nesterov, exact, or auto, which sweeps where the tolerance allows, and takes
-/// the exact tier where it asks for less than 1e-5 or where 300 sweeps lead no further.
+/// the exact tier where it asks for less than 1e-5, where 300 sweeps lead no further, or, up to 1000 points, where 300 do not do.
 /// Throws std::invalid_argument, with what was given and what is wanted, for an unknown name, for settings out of range,
 /// for a problem that checkProblem refuses.
 Report solve(ContactProblem&, const std::string& solver, const Settings&, Workspace&);
