@@ -9,6 +9,7 @@
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 
+#include "../kernel/coulomb.hpp"
 #include "AlertDistance.hpp"
 #include "CdPhys.hpp"
 #include "RcrGeom.hpp"
@@ -39,12 +40,13 @@ void ContactDynamics::step(const Engines& engines)
 		timed("scatter", [&] { keepForces(); });
 		bool late = false;
 		timed("late", [&] { late = late_.find(*scene, engines.loop, bodies_, problem_); });
-		if (!late) break;
+		if (!late && !adaptBiases()) break;
 	}
 	timed("scatter", [&] {
 		scatterForces();
 		measureUnbalance();
 	});
+	watchForJam();
 	timed("correct", [&] { correctPositions(); });
 	timed("late", [&] {
 		late_.forget();
@@ -277,6 +279,46 @@ void ContactDynamics::measureUnbalance()
 	constexpr double none = std::numeric_limits<double>::infinity();
 	unbalance        = closed > 0 && free > 0 ? (net / free) / (contact / closed) : none;
 	largestUnbalance = closed > 0 ? largest / (contact / closed) : none;
+}
+
+/// What a solved step shows to be wrong with its own biases; true if one has changed and the step is to be solved once more.
+bool ContactDynamics::adaptBiases()
+{
+	bool changed = false;
+	for (const Contact& contact : contacts_) {
+		if (contact.phys->restitution > 0) changed |= restrainBounce(contact);
+	}
+	return changed;
+}
+
+/// Newton's rule returns the normal velocity whatever friction does meanwhile, and where the slip reverses it gives energy (Kane and
+/// Levinson 1985). There the restitution is lowered to what keeps it.
+bool ContactDynamics::restrainBounce(const Contact& contact)
+{
+	bool changed = false;
+	for (int k = 0; k < contact.points; ++k) {
+		const rcr::ContactPoint& c = problem_.points[contact.first + k];
+		if (!(c.bias < 0)) continue; // no bounce in this step
+		const rcr::Impulse  before = relativeVelocity(c, bodies_[c.body1].velocity, bodies_[c.body2].velocity);
+		const rcr::Impulse  after  = relativeVelocity(c, problem_.velocity[c.body1], problem_.velocity[c.body2]);
+		const rcr::Delassus w      = rcr::delassus(c, problem_.inverseMass[c.body1], problem_.inverseMass[c.body2]);
+		const double        share  = rcr::passiveShare(w, problem_.impulse[contact.first + k], before, after, c.bias, c.friction);
+		contact.phys->bias[k] *= share;
+		changed |= share < 1;
+	}
+	return changed;
+}
+
+void ContactDynamics::watchForJam()
+{
+	if (converged) return jam_.forget();
+	std::size_t deepest = 0;
+	double      overlap = 0; // over R₁ + R₂
+	for (std::size_t k = 0; k < gap_.size(); ++k) {
+		const double share = RcrGeom::slop * gap_[k].now / gap_[k].allowed;
+		if (share > overlap) overlap = share, deepest = k;
+	}
+	jam_.failed(overlap, deepest, problem_);
 }
 
 // Overlaps left by the tolerance of the solver, and by curvature within a step, are taken back by displacements that never

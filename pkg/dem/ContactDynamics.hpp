@@ -7,6 +7,7 @@
 
 #include "../kernel/solver.hpp"
 #include "../kernel/team.hpp"
+#include "JamGuard.hpp"
 #include "LateContacts.hpp"
 
 namespace yade {
@@ -81,6 +82,9 @@ private:
 	void          keepForces();
 	void          scatterForces();
 	void          measureUnbalance();
+	bool          adaptBiases();
+	bool          restrainBounce(const Contact&);
+	void          watchForJam();
 	void          correctPositions();
 	void          keepColliderAhead();
 
@@ -97,6 +101,7 @@ private:
 
 	rcr::Workspace                workspace_; // threads; colours and packed arrays, kept while the pairs last
 	LateContacts                  late_;
+	JamGuard                      jam_;
 	std::map<std::string, double> seconds_;
 };
 REGISTER_SERIALIZABLE(ContactDynamics);

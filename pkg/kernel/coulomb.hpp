@@ -50,6 +50,22 @@ inline Impulse solveCoulomb(const Delassus& w, double gn, double gt, double fric
 	return { n, slide * n };
 }
 
+/// Share of the restitution b_n < 0 that one point keeps so as to give no energy: the largest φ ≤ 1 with p · (u + u⁻) ≤ 0 for the p
+/// and u of φ b_n, all other points as they are. 1 unless the point gains more than a thousandth of |p| |u⁻|, which is the solver's.
+inline double passiveShare(const Delassus& w, Impulse p, Impulse before, Impulse after, double bias, double friction)
+{
+	const auto    work = [&](Impulse q, Impulse u) { return q.n * (u.n + before.n) + q.t * (u.t + before.t); };
+	const Impulse rest { after.n - w.nn * p.n - w.nt * p.t, after.t - w.nt * p.n - w.tt * p.t }; // u without p
+	if (work(p, after) <= 1e-3 * std::hypot(p.n, p.t) * std::hypot(before.n, before.t)) return 1;
+	double passive = 0, active = 1;
+	for (int halving = 0; halving < 30; ++halving) {
+		const double  share = 0.5 * (passive + active);
+		const Impulse q     = solveCoulomb(w, rest.n + share * bias, rest.t, friction);
+		(work(q, { rest.n + w.nn * q.n + w.nt * q.t, rest.t + w.nt * q.n + w.tt * q.t }) > 0 ? active : passive) = share;
+	}
+	return passive;
+}
+
 /// Orthogonal projection onto the cone |t| ≤ µ n.
 inline Impulse projectCone(Impulse p, double friction)
 {
