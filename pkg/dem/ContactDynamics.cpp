@@ -34,13 +34,13 @@ void ContactDynamics::action()
 void ContactDynamics::step(const Engines& engines)
 {
 	timed("gather", [&] { gatherBodies(engines.integrator); });
-	for (int pass = 0; pass < 4; ++pass) {
+	for (int pass = 0; pass < 10; ++pass) {
 		timed("gather", [&] { gatherContacts(); });
 		solve();
 		timed("scatter", [&] { keepForces(); });
 		bool late = false;
 		timed("late", [&] { late = late_.find(*scene, engines.loop, bodies_, problem_); });
-		if (!late && !adaptBiases()) break;
+		if (!late && !adaptBiases(engines)) break;
 	}
 	timed("scatter", [&] {
 		scatterForces();
@@ -282,10 +282,11 @@ void ContactDynamics::measureUnbalance()
 }
 
 /// What a solved step shows to be wrong with its own biases; true if one has changed and the step is to be solved once more.
-bool ContactDynamics::adaptBiases()
+bool ContactDynamics::adaptBiases(const Engines& engines)
 {
 	bool changed = false;
 	for (const Contact& contact : contacts_) {
+		changed |= curved_.correct(*scene, engines.loop, bodies_, problem_, contact.id1, contact.id2, *contact.geom, *contact.phys, contact.first);
 		if (contact.phys->restitution > 0) changed |= restrainBounce(contact);
 	}
 	return changed;

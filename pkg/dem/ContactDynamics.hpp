@@ -7,6 +7,7 @@
 
 #include "../kernel/solver.hpp"
 #include "../kernel/team.hpp"
+#include "CurvedWays.hpp"
 #include "JamGuard.hpp"
 #include "LateContacts.hpp"
 
@@ -82,7 +83,7 @@ private:
 	void          keepForces();
 	void          scatterForces();
 	void          measureUnbalance();
-	bool          adaptBiases();
+	bool          adaptBiases(const Engines&);
 	bool          restrainBounce(const Contact&);
 	void          watchForJam();
 	void          correctPositions();
@@ -101,6 +102,7 @@ private:
 
 	rcr::Workspace                workspace_; // threads; colours and packed arrays, kept while the pairs last
 	LateContacts                  late_;
+	CurvedWays                    curved_;
 	JamGuard                      jam_;
 	std::map<std::string, double> seconds_;
 };

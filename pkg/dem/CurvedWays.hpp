@@ -1,0 +1,49 @@
+// Bodies that pass each other or turn by much within one step.
+//
+// The law of a step knows each contact by the plane of its beginning: g + dt u_n ≥ 0. The gap in which a solution really ends differs
+// from that by the curvature of the way, some s²/2ρ for a relative way s. A disc that flies past a corner is thus deflected by a
+// plane that it never meets, and a spinning rod ends inside what it sweeps along. Where the way is long, the gap is measured at the
+// moved positions, and its difference to the plane's goes into the bias for the step to be solved once more:
+//
+//   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
+//
+// Quasi-static flow never comes here: its ways are a thousandth of a radius a step.
+#pragma once
+
+#include <core/Interaction.hpp>
+#include <core/InteractionLoop.hpp>
+#include <core/Scene.hpp>
+
+#include "../kernel/contact_problem.hpp"
+#include "CdPhys.hpp"
+#include "RcrGeom.hpp"
+#include "StepBody.hpp"
+
+namespace yade {
+
+class CurvedWays {
+public:
+	static constexpr double longWay = 0.01; // relative way in a step over R₁ + R₂ whose curvature, s²/2ρ, may exceed the slop
+
+	CurvedWays();
+
+	/// One pair of a solved step, whose points are problem.points[first] …; true if a bias has changed.
+	bool correct(
+	        const Scene&,
+	        const InteractionLoop&,
+	        const std::vector<StepBody>&,
+	        const rcr::ContactProblem& solved,
+	        Body::id_t                 id1,
+	        Body::id_t                 id2,
+	        const RcrGeom&,
+	        CdPhys&,
+	        int first);
+
+private:
+	rcr::Manifold after(double time, const StepBody&, const StepBody&, const rcr::Twist&, const rcr::Twist&, const Body&, const Body&, IGeomFunctor&);
+
+	shared_ptr<State>       moved1_, moved2_;
+	shared_ptr<Interaction> scratch_;
+};
+
+} // namespace yade
