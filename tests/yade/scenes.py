@@ -1,28 +1,20 @@
 """Scenes for the tests: one list of engines, a few bodies, and what is read off them."""
 
 import collections
-import math
 import os
 import subprocess
 import sys
 
 import numpy as np
 import rcr
-import yade.utils
+from rcr.hard_scenes.stage import G, box, material, stadium, tilted
 from yade import O
-from yade.minieigenHP import Quaternion, Vector3
 from yade.wrapper import (
-    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop, MatchMaker,
+    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, InsertionSortCollider, InteractionLoop, MatchMaker,
     NewtonIntegrator,
 )  # fmt: skip
 
-G = 9.81
 EXACT = dict(tolerance=1e-14, maxIterations=3000, solver="nlgs")  # for closed forms: the solver leaves rounding only
-
-
-def material(friction=0.5, density=1000.0):
-    """FrictMat with the friction coefficient µ [-] and the density [kg/m³]."""
-    return FrictMat(density=density, frictionAngle=math.atan(friction), young=1e9, poisson=0.3)
 
 
 def engines(gravity=(0, -G, 0), before=(), restitution=None, **solver):
@@ -52,16 +44,6 @@ def build(*bodies, dt=1e-3, **options):
     return [O.bodies.append(body) for body in bodies]
 
 
-def stadium(a, r, center, angle=0.0, **options):
-    """Body with the half length a and the cap radius r."""
-    return rcr.particle(center, R=a + r, eta=a / (a + r), angle=angle, **options)
-
-
-def box(center, half_extent, angle=0.0, material=None):
-    orientation = Quaternion(Vector3(0, 0, 1), angle)
-    return yade.utils.box((*center, 0), (*half_extent, 1), orientation=orientation, fixed=True, material=material)
-
-
 def inertia(a, r, density=1000.0):
     """Mass and moment of inertia of a stadium."""
     body = stadium(a, r, (0, 0), material=material(density=density))
@@ -77,11 +59,6 @@ def velocity(body_id):
     """(v_x, v_y, ω)."""
     state = O.bodies[body_id].state
     return np.array([state.vel[0], state.vel[1], state.angVel[2]])
-
-
-def tilted(alpha):
-    """Gravity on a slope that falls by α towards +x, in the frame of the slope."""
-    return (G * math.sin(alpha), -G * math.cos(alpha), 0)
 
 
 def point_forces(id1, id2):

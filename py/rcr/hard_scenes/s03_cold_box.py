@@ -1,0 +1,32 @@
+"""S3. A dense box of 95 RCRs under a heavy lid, without any force to start from.
+
+All forces have to be found in the first step; what is missing lets the lid sink.
+"""
+
+import rcr
+
+from .stage import D, R, build as scene, material, positions, stadium
+
+TITLE = "cold dense box under a heavy lid"
+PREDICATE = "way of the lid in 1 s, in diameters"
+BOUND = 1e-3
+REASON = "geometry right to 1e-3 of a diameter, as in all scenes"
+ROWS, COLUMNS = 10, 10
+
+
+def build(law, dt):
+    rough = material()
+    a = r = R / 2  # bricks of 2R by R, each on the ends of two
+    bricks = [
+        stadium(a, r, (R * (1 + row % 2) + D * k, r * (1 + 2 * row)), material=rough) for row in range(ROWS) for k in range(COLUMNS - row % 2)
+    ]
+    mass = sum(b.state.mass for b in bricks)
+    walls = rcr.wall("x", 0, material=rough), rcr.wall("x", COLUMNS * D, material=rough), rcr.wall("y", 0, material=rough)
+    ids = scene(law, dt, *walls, rcr.mobile_wall("y", 2 * r * ROWS, mass, sense=-1, material=rough), *bricks)
+    return ids[3:4]
+
+
+def measure(lid, clock):
+    start = positions(lid)
+    clock.pass_(1.0)
+    return abs(positions(lid) - start).max() / D

@@ -1,0 +1,15 @@
+"""S7. Three long RCRs (η = 0.9) on each other slide down a slope; the floor is smoother (µ = 0.3) than they are (0.5)."""
+
+import math
+
+from .s07_parallel_at_rest import long_stack, measure
+from .stage import tilted
+
+TITLE = "long parallel RCRs sliding"
+PREDICATE = "steps of 1000 in which a contact changes its type or points"
+BOUND = 0
+REASON = "they slide as one block"
+
+
+def build(law, dt):
+    return long_stack(law, dt, 0.3, tilted(math.atan(0.4)), 3)

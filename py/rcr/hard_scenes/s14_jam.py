@@ -1,0 +1,35 @@
+"""S14. A lid that is driven, not pressed, crushes a box of 39 discs.
+
+Rigid grains have no answer to that. A solver that stops at its last sweep lets them sink into each other without a word.
+"""
+
+import math
+
+import rcr
+
+from .stage import D, R, build as scene, deepest, material, stadium
+
+TITLE = "box crushed by a driven lid"
+PREDICATE = "overlap at which the run stops with a message, over R"
+BOUND = 0.2
+REASON = "well before two discs can change places"
+RIGID_ONLY = True  # springs give way
+SPEED = 5 * R
+
+
+def build(law, dt):
+    rough = material()
+    centers = [(R * (1 + row % 2) + D * k, R + row * math.sqrt(3) * R) for row in range(6) for k in range(7 - row % 2)]
+    top = 2 * R + 5 * math.sqrt(3) * R
+    walls = rcr.wall("x", 0, material=rough), rcr.wall("x", 7 * D, material=rough), rcr.wall("y", 0, material=rough)
+    lid = rcr.wall("y", top, sense=-1, velocity=-SPEED, material=rough)
+    return scene(law, dt, *walls, lid, *(stadium(0, R, c, material=rough) for c in centers))
+
+
+def measure(ids, clock):
+    try:
+        clock.pass_(0.5)
+    except RuntimeError as stopped:
+        assert "jam" in str(stopped), stopped
+        return deepest()
+    return math.inf

@@ -1,0 +1,29 @@
+"""S16. A disc flies past the corner of a box, 1e-3 d above it, and past another disc.
+
+A contact that is foreseen knows a plane only, the tangent at the closest point; a curved way past it may be taken for a hit.
+"""
+
+import numpy as np
+
+from .stage import D, R, box, build as scene, material, stadium, state, twist
+
+TITLE = "near miss of a corner and of a disc"
+PREDICATE = "|change of velocity| / speed"
+BOUND = 1e-3
+REASON = "nothing is touched: the answer is 0, and a thousandth, as in all scenes"
+SPEED = 100 * R
+CLEARANCE = 1e-3 * D
+
+
+def build(law, dt):
+    rough = material()
+    obstacles = box((0, -R), (R / 2, R), material=rough), stadium(0, R, (4 * R, -R), material=rough, fixed=True)
+    disc = scene(law, dt, *obstacles, stadium(0, R, (-5.03 * R, R + CLEARANCE), material=rough), gravity=(0, 0, 0))[-1]
+    state(disc).vel = (SPEED, 0, 0)
+    return disc
+
+
+def measure(disc, clock):
+    clock.pass_(10 * R / SPEED)
+    change = (twist(disc) - [SPEED, 0, 0]) * [1, 1, R]
+    return np.linalg.norm(change) / SPEED

@@ -1,0 +1,218 @@
+"""What the hard scenes share: the law under test, bodies, and a clock that watches energy and overlaps while time passes.
+
+Lengths are in units of a grain: R = 0.01 m is the half length of every body unless a scene says otherwise, d = 2R.
+"""
+
+import dataclasses
+import math
+
+import numpy as np
+import yade.utils
+from yade import O
+from yade.minieigenHP import Quaternion, Vector3
+from yade.wrapper import (
+    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop,
+    Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, NewtonIntegrator,
+)  # fmt: skip
+
+import rcr
+
+G = 9.81  # m/s²
+R = 0.01  # m
+D = 2 * R
+DENSITY = 1000.0  # kg/m³
+DT = 1e-3  # s, the default: a grain falls 5e-4 d in it from rest
+COARSE = 10 * DT
+X = 0.1234567  # where stacks stand: at 0 sums are exact, and rounding would be spared them
+
+_pushes = {}  # constant forces on bodies of the present scene; YADE cannot be asked for one that is not there
+
+
+@dataclasses.dataclass(frozen=True)
+class ContactDynamics:
+    """The rigid law with the engine's own defaults, but for the attributes in `options`."""
+
+    options: dict = dataclasses.field(default_factory=dict)
+    young = 1e9  # not used
+
+    def engines(self, gravity, restitution):
+        ip2 = rcr.Ip2_FrictMat_FrictMat_CdPhys()
+        if restitution:
+            ip2.restitution = MatchMaker(algo="val", val=restitution)
+        return [*_detection(ip2, rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()), rcr.ContactDynamics(**self.options), _newton(gravity)]
+
+
+@dataclasses.dataclass(frozen=True)
+class Smooth:
+    """The smooth law with the stiffness of `young` [Pa] and the share `damping` of critical damping [-], whatever restitution a scene asks for."""
+
+    young: float = 1e8
+    damping: float = 0.2
+
+    def engines(self, gravity, restitution):
+        law2 = rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=self.damping)
+        return [*_detection(Ip2_FrictMat_FrictMat_FrictPhys(), law2), _newton(gravity)]
+
+
+def _detection(ip2, law2):
+    boxes = [rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(), Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()]
+    points = [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom(), rcr.Ig2_Sphere_Rcr_RcrGeom()]
+    return [ForceResetter(), InsertionSortCollider(boxes, verletDist=0.1 * R), InteractionLoop(points, [ip2], [law2])]
+
+
+def _newton(gravity):
+    return NewtonIntegrator(gravity=gravity, damping=0)
+
+
+def build(law, dt, *bodies, gravity=(0, -G, 0), restitution=0):
+    """A fresh scene of these bodies under the law; returns their ids.
+
+    Parameters
+    ----------
+    law : ContactDynamics or Smooth
+    dt : float
+        Time step [s].
+    *bodies : Body
+    gravity : (float, float, float)
+        [m/s²].
+    restitution : float
+        Coefficient of restitution of all contacts [-].
+    """
+    for body in bodies:
+        body.material.young = law.young
+    O.reset()
+    _pushes.clear()
+    O.dt = dt
+    O.engines = law.engines(gravity, restitution)
+    return [O.bodies.append(body) for body in bodies]
+
+
+def material(friction=0.5, density=DENSITY):
+    """FrictMat with the friction coefficient µ [-] and the density [kg/m³]."""
+    return FrictMat(density=density, frictionAngle=math.atan(friction), young=1e9, poisson=0.3)
+
+
+def stadium(a, r, center, angle=0.0, **options):
+    """Body with the half length a and the cap radius r [m]; a = 0 is a disc."""
+    return rcr.particle(center, R=a + r, eta=a / (a + r), angle=angle, **options)
+
+
+def box(center, half_extent, angle=0.0, material=None):
+    """Fixed rectangle [m, rad]."""
+    orientation = Quaternion(Vector3(0, 0, 1), angle)
+    return yade.utils.box((*center, 0), (*half_extent, 1), orientation=orientation, fixed=True, material=material)
+
+
+def tilted(alpha):
+    """Gravity on a slope that falls by α towards +x, in the frame of the slope."""
+    return (G * math.sin(alpha), -G * math.cos(alpha), 0)
+
+
+def push(i, force):
+    """A constant force (x, y) on body i [N/m]."""
+    _pushes[i] = np.array([*force, 0.0])
+    O.forces.setPermF(i, Vector3(*_pushes[i]))
+
+
+def state(i):
+    return O.bodies[i].state
+
+
+def positions(ids):
+    """(n, 2) array [m]."""
+    return np.array([state(i).pos for i in ids])[:, :2]
+
+
+def angle(i):
+    """Of the long axis to x [rad], in (−π, π]."""
+    q = state(i).ori
+    return math.remainder(2 * math.atan2(q[2], q[3]), 2 * math.pi)
+
+
+def twist(i):
+    """(v_x, v_y, ω)."""
+    s = state(i)
+    return np.array([s.vel[0], s.vel[1], s.angVel[2]])
+
+
+def real_contacts():
+    return [i for i in O.interactions if i.isReal]
+
+
+def _free():
+    return [b for b in O.bodies if b and b.state.blockedDOFs != "xyzXYZ" and b.state.mass > 0]
+
+
+def kinetic():
+    """Kinetic energy of all free bodies [J/m]."""
+    return sum(0.5 * b.state.mass * b.state.vel.squaredNorm() + 0.5 * b.state.inertia[2] * b.state.angVel[2] ** 2 for b in _free())
+
+
+def potential():
+    """Energy in gravity and in constant forces [J/m]."""
+    gravity = np.array(next(e for e in O.engines if isinstance(e, NewtonIntegrator)).gravity)
+    return -sum((b.state.mass * gravity + _pushes.get(b.id, 0)) @ np.array(b.state.pos) for b in _free())
+
+
+def deepest():
+    """Largest overlap over the cap radius of the smaller body [-], 0 where none overlap."""
+    overlaps = [0.0]
+    for i in real_contacts():
+        radii = [s.capRadius for s in (O.bodies[k].shape for k in (i.id1, i.id2)) if isinstance(s, rcr.Rcr)]
+        overlaps += [-gap / min(radii) for gap in tuple(i.geom.gap)[: i.geom.points]]
+    return max(overlaps)
+
+
+def solver():
+    """The engine ContactDynamics of the scene."""
+    return yade.utils.typedEngine("ContactDynamics")
+
+
+def farthest(ids, clock, seconds):
+    """Largest displacement of these bodies while the time passes [m]."""
+    start, way = positions(ids), [0.0]
+    clock.pass_(seconds, lambda: way.append(np.linalg.norm(positions(ids) - start, axis=1).max()))
+    return max(way)
+
+
+class Clock:
+    """Lets time pass in the scene, and notes what must hold in every scene at any time step.
+
+    Attributes
+    ----------
+    gain : float
+        Largest kinetic energy above that of the start and what the loads have given since [J/m]. No contact may give any.
+    scale : float
+        What to compare it with: the kinetic energy of the start, and what all loads do over d [J/m].
+    overlap : float
+        Largest overlap seen, over the cap radius of the smaller body [-]. At 1 bodies tunnel.
+    steps : int
+        Made so far.
+    """
+
+    def __init__(self, samples=1000):
+        self.samples = samples
+        self.gain = self.overlap = self.steps = 0
+        self.restart()
+
+    def restart(self):
+        """After a change by hand: the energy is counted from here."""
+        self.kinetic, self.potential = kinetic(), potential()
+        loads = sum(b.state.mass for b in _free()) * G + sum(np.linalg.norm(force) for force in _pushes.values())
+        self.scale = self.kinetic + loads * D
+
+    def pass_(self, seconds, each=None):
+        """`seconds` of simulated time, rounded to steps; `each()` is called at every sample."""
+        self.step(max(1, round(seconds / O.dt)), each)
+
+    def step(self, count, each=None):
+        chunk = max(1, count // self.samples)
+        while count > 0:
+            for _ in range(min(chunk, count)):  # O.run(…, True) looks only every 40 ms whether it is done
+                O.step()
+            self.steps += min(chunk, count)
+            count -= chunk
+            self.gain = max(self.gain, kinetic() - self.kinetic - max(0, self.potential - potential()))
+            self.overlap = max(self.overlap, deepest())
+            if each:
+                each()

@@ -1,0 +1,52 @@
+"""Hard scenes of the Contact Dynamics law: default settings, ten times the default time step, and a tight solver; table and CSV.
+
+Run it with YADE:  scripts/yade-rcr -n -x scripts/hard_scenes.py --out hard-scenes.csv
+"""
+
+import argparse
+import csv
+
+from rcr import hard_scenes
+from rcr.hard_scenes import COARSE, TIGHT
+
+RUNS = dict(default={}, coarse=dict(dt=COARSE), tight=dict(law=TIGHT))
+MEASURES = "measured gain overlap steps seconds holds stable".split()
+COLUMNS = "scene title predicate bound reason".split() + [f"{measure}_{run}" for run in RUNS for measure in MEASURES]
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="hard_scenes.py", description=__doc__.splitlines()[0])
+    parser.add_argument("--only", default="", metavar="NAME,…", help="scenes whose names begin so (default: all, some minutes)")
+    parser.add_argument("--out", default="hard-scenes.csv", metavar="FILE", help="CSV (default %(default)s)")
+    options = parser.parse_args()
+    options.names = [name for name in hard_scenes.names() if name.startswith(tuple(options.only.split(",")))]
+    if not options.names:
+        parser.error(f"--only {options.only}: no scene begins so; there are {', '.join(hard_scenes.names())}")
+    return options
+
+
+def verdict(results):
+    """In words: the predicate at the defaults, else with the tight solver, then stability at 10 dt."""
+    holds = lambda result: result.holds and result.stable
+    first = "holds" if holds(results["default"]) else "holds if tight" if holds(results["tight"]) else "fails"
+    return f"{first}; {'stable' if results['coarse'].stable else 'unstable'} at 10 dt"
+
+
+def main():
+    options = arguments()
+    print("| scene | predicate | bound | measured | at 10 dt | tight | verdict |\n|---|---|---|---|---|---|---|")
+    with open(options.out, "w", newline="") as file:
+        table = csv.DictWriter(file, COLUMNS)
+        table.writeheader()
+        for name in options.names:
+            module = hard_scenes.scene(name)
+            results = {run: hard_scenes.run(name, **how) for run, how in RUNS.items()}
+            measured = " | ".join(f"{result.measured:.2g}" for result in results.values())
+            print(f"| {name}: {module.TITLE} | {module.PREDICATE} | {module.BOUND:g} | {measured} | {verdict(results)} |", flush=True)
+            row = dict(scene=name, title=module.TITLE, predicate=module.PREDICATE, bound=module.BOUND, reason=module.REASON)
+            row |= {f"{measure}_{run}": getattr(result, measure) for run, result in results.items() for measure in MEASURES}
+            table.writerow(row)
+            file.flush()
+
+
+main()
