@@ -4,6 +4,7 @@
 #include <core/Scene.hpp>
 
 #include "CdPhys.hpp"
+#include "Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 #include "Rcr.hpp"
 #include "RcrGeom.hpp"
 #include "plane.hpp"
@@ -14,7 +15,7 @@ namespace {
 
 	rcr::Vec2 placeOfForces(const Body& b, const Scene& scene) { return plane::toPlane(b.state->pos - scene.dt * b.state->vel); }
 
-	NetworkTable::Pair row(const Interaction& i, const CdPhys& phys, const Scene& scene)
+	template <class Phys> NetworkTable::Pair row(const Interaction& i, const Phys& phys, const Scene& scene)
 	{
 		const RcrGeom& geom    = static_cast<const RcrGeom&>(*i.geom);
 		const Body&    first   = *(*scene.bodies)[i.getId1()];
@@ -38,8 +39,12 @@ NetworkTable networkTable(const Scene& scene)
 {
 	NetworkTable table;
 	for (const auto& i : *scene.interactions) {
-		const CdPhys* phys = i->isReal() ? dynamic_cast<const CdPhys*>(i->phys.get()) : nullptr;
-		if (phys && phys->normalForce.squaredNorm() > 0) table.pairs.push_back(row(*i, *phys, scene));
+		if (!i->isReal() || !dynamic_cast<const RcrGeom*>(i->geom.get())) continue;
+		const auto add = [&](const auto* phys) {
+			if (phys && phys->normalForce.squaredNorm() > 0) table.pairs.push_back(row(*i, *phys, scene));
+		};
+		add(dynamic_cast<const CdPhys*>(i->phys.get()));
+		add(dynamic_cast<const RcrFrictPhys*>(i->phys.get()));
 	}
 	for (const auto& b : *scene.bodies) {
 		const Rcr* shape = b ? dynamic_cast<const Rcr*>(b->shape.get()) : nullptr;

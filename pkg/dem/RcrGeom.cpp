@@ -3,6 +3,7 @@
 #include "AlertDistance.hpp"
 #include "MissingFunctor.hpp"
 #include "prefetch.hpp"
+#include "refuseLater.hpp"
 
 namespace yade {
 
@@ -22,7 +23,12 @@ namespace {
 	store(const rcr::Manifold& manifold, const rcr::Pose& at, Real radius1, Real radius2, const shared_ptr<Interaction>& interaction, const Scene& scene)
 	{
 		if (!interaction->geom) {
-			if (manifold.count == 0 || !missingFunctor(scene).empty()) return false;
+			if (manifold.count == 0) return false;
+			const std::string missing = missingFunctor(scene);
+			if (!missing.empty()) {
+				if (!livingEngine<ContactDynamics>(scene)) refuseLater(missing);
+				return false;
+			}
 			interaction->geom = boost::make_shared<RcrGeom>();
 		}
 		RcrGeom& geom = static_cast<RcrGeom&>(*interaction->geom);

@@ -8,7 +8,9 @@ import numbers
 
 import numpy as np
 from yade import utils
-from yade.wrapper import Body, FrictMat, Omega, Rcr, Wall
+from yade.wrapper import (
+    Body, FrictMat, FrictPhys, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack, Omega, Rcr, Wall,
+)  # fmt: skip
 from yade.minieigenHP import Quaternion, Vector3
 
 from rcr import _kernel, _plugin, problems
@@ -122,6 +124,67 @@ def mobile_wall(axis, position, mass, sense=0, material=-1):
     body.state.mass = _number("mass", mass, "a finite mass > 0 [kg]", lambda v: v > 0)
     body.state.blockedDOFs = "yzXYZ" if axis == "x" else "xzXYZ"
     return body
+
+
+def critical_time_step(points=6):
+    """Largest stable time step of a scene with the smooth law [s]; take half of it or less.
+
+    A body on which `points` contact points press at the worst place, its neighbours being like it, vibrates at most at
+
+        ω_n² = 2 z k_n max(1/m, a²/I),   ω_s² = 2 z k_s max(1/m, R²/I),   z = `points`,
+
+    along the normals and the tangents; the leapfrog is stable for dt ω < 2 (√(1 + ζ²) − ζ), where ζ is the damping ratio of that
+    motion: the one of the law, which is of one point and two bodies (ω² = 2 k_n/m), times the ratio of the ω; tangents have no
+    dashpot. k_n and k_s are those of the body's contacts; of a body without any, those that the Ip2 functor is
+    going to give it: its MatchMaker of the kind "val", else k_n = E R and k_s = k_n times `FrictMat.poisson`.
+
+    YADE's PWaveTimeStep knows spheres only. Its GlobalStiffnessTimeStepper works, but counts a side-side contact of two points
+    as one and knows no dashpot of ours: give it timestepSafetyCoefficient ≤ 0.4.
+
+    Parameters
+    ----------
+    points : int
+        Contact points on one body; dense packings in the plane have 4 to 6.
+
+    Returns
+    -------
+    float
+        Time step [s]; per unit depth, k in N/m.
+
+    Raises
+    ------
+    ValueError
+        If no body of shape `Rcr` is free, the scene has no Law2_RcrGeom_FrictPhys_CundallStrack, or a stiffness is not > 0.
+    """
+    loops = [engine for engine in O.engines if isinstance(engine, InteractionLoop) and not engine.dead]
+    laws = [law for loop in loops for law in loop.lawDispatcher.functors if isinstance(law, Law2_RcrGeom_FrictPhys_CundallStrack)]
+    if not laws:
+        raise ValueError("O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack; rigid contacts do not bound the time step")
+    stock = [ip2 for loop in loops for ip2 in loop.physDispatcher.functors if isinstance(ip2, Ip2_FrictMat_FrictMat_FrictPhys)]
+    given = lambda name: next((maker.val for ip2 in stock if (maker := getattr(ip2, name)) and maker.algo == "val"), None)
+    stiffness = {}  # a body: its stiffest contact
+    for i in O.interactions:
+        if i.isReal and isinstance(i.phys, FrictPhys):
+            for body in (i.id1, i.id2):
+                stiffness[body] = np.maximum((i.phys.kn, i.phys.ks), stiffness.get(body, 0))
+    steps = []
+    for body in O.bodies:
+        if not isinstance(body.shape, Rcr) or body.state.blockedDOFs == "xyzXYZ":
+            continue
+        m, inertia, a = body.state.mass, body.state.inertia[2], body.shape.halfLength
+        R = a + body.shape.capRadius
+        of_material = body.material.young * R
+        ip2 = (of_material if given("kn") is None else given("kn"), of_material * body.material.poisson if given("ks") is None else given("ks"))
+        kn, ks = stiffness.get(body.id, ip2)
+        if not (kn > 0 and ks >= 0):
+            raise ValueError(f"body #{body.id} has the stiffnesses kn = {kn}, ks = {ks}; wanted > 0 and ≥ 0 [N/m]")
+        normal = math.sqrt(2 * points * kn * max(1 / m, a * a / inertia))
+        shear = math.sqrt(2 * points * ks * max(1 / m, R * R / inertia))
+        ratio = laws[0].damping * normal / math.sqrt(2 * kn / m)
+        steps.append(min(2 / normal * (math.sqrt(1 + ratio**2) - ratio), 2 / shear if shear > 0 else math.inf))
+    if not steps:
+        raise ValueError("no body of the shape Rcr is free to move: nothing bounds the time step")
+    return min(steps)
 
 
 def save_problem(engine, path):

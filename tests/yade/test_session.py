@@ -17,9 +17,9 @@ OURS = {
     "BoundFunctor": {"Bo1_Rcr_Aabb"},
     "IGeom": {"RcrGeom"},
     "IGeomFunctor": {"Ig2_Rcr_Rcr_RcrGeom", "Ig2_Wall_Rcr_RcrGeom", "Ig2_Box_Rcr_RcrGeom", "Ig2_Sphere_Rcr_RcrGeom"},
-    "IPhys": {"CdPhys"},
+    "IPhys": {"CdPhys", "RcrFrictPhys"},
     "IPhysFunctor": {"Ip2_FrictMat_FrictMat_CdPhys"},
-    "LawFunctor": {"Law2_RcrGeom_CdPhys_SignoriniCoulomb"},
+    "LawFunctor": {"Law2_RcrGeom_CdPhys_SignoriniCoulomb", "Law2_RcrGeom_FrictPhys_CundallStrack"},
     "GlobalEngine": {"ContactDynamics", "WallStress"},
 }
 

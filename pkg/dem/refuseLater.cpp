@@ -1,0 +1,35 @@
+#include "refuseLater.hpp"
+
+#include <mutex>
+
+#include <boost/python.hpp>
+#include <core/Omega.hpp>
+#include <core/Scene.hpp>
+
+namespace yade {
+
+namespace {
+
+	std::mutex  mutex;
+	std::string pending; // of the first error; empty: none waits
+
+	int raise(void*)
+	{
+		const std::lock_guard<std::mutex> lock(mutex);
+		PyErr_SetString(PyExc_ValueError, pending.c_str());
+		pending.clear();
+		return -1;
+	}
+
+} // namespace
+
+void refuseLater(const std::string& message)
+{
+	const std::lock_guard<std::mutex> lock(mutex);
+	if (!pending.empty()) return;
+	pending = message;
+	Py_AddPendingCall(raise, nullptr);
+	Omega::instance().getScene()->stopAtIter = Omega::instance().getScene()->iter + 1;
+}
+
+} // namespace yade

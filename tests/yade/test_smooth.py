@@ -1,0 +1,363 @@
+"""The smooth law, Law2_RcrGeom_FrictPhys_CundallStrack: closed forms of spring, dashpot and slider, saved scenes, what it refuses."""
+
+import math
+
+import numpy as np
+import pytest
+import rcr
+import yade.utils
+from scenes import G, build, inertia, material, point_forces, python, snapshot, stadium, steps, velocity
+from yade import O
+from yade.wrapper import (
+    Bo1_Box_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat, GlobalStiffnessTimeStepper, InsertionSortCollider, InteractionLoop,
+    Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, NewtonIntegrator,
+)  # fmt: skip
+
+KN, KS = 1e6, 8e5  # N/m a point
+MU = 0.5
+
+
+def engines(gravity=(0, -G, 0), damping=0.0, local_damping=0.0, before=(), kn=KN, ks=KS):
+    return [
+        ForceResetter(),
+        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()], verletDist=0.01),
+        InteractionLoop(
+            [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom()],
+            [Ip2_FrictMat_FrictMat_FrictPhys(kn=MatchMaker(algo="val", val=kn), ks=MatchMaker(algo="val", val=ks))],
+            [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping)],
+        ),
+        *before,
+        NewtonIntegrator(gravity=gravity, damping=local_damping),
+    ]
+
+
+def smooth(*bodies, share=0.02, **options):
+    """A fresh scene of these bodies, dt a share of the critical one; returns their ids."""
+    O.reset()
+    O.engines = engines(**options)
+    ids = [O.bodies.append(body) for body in bodies]
+    O.dt = share * rcr.critical_time_step()
+    return ids
+
+
+def disc_on_floor(R=0.1, height=None, **options):
+    rough = material(MU)
+    return smooth(rcr.wall("y", 0, material=rough), stadium(0, R, (0, R if height is None else height), material=rough), **options)[1]
+
+
+# ---------------------------------------------------------------------------------------------- normal spring and dashpot
+
+def bounce(disc, speed, R=0.1):
+    """Contact time and speed afterwards of a disc that hits the floor."""
+    O.bodies[disc].state.vel = (0, -speed, 0)
+    start = end = None
+    while end is None:
+        O.step()
+        overlap = R - O.bodies[disc].state.pos[1]
+        if start is None and overlap > 0:
+            start = O.time
+        if start is not None and O.bodies[disc].state.vel[1] > 0 and overlap <= 0:
+            end = O.time
+    return end - start, O.bodies[disc].state.vel[1]
+
+
+def test_elastic_rebound():
+    """Half a period of m x'' = −k_n x: contact time π √(m/k_n), all speed returned."""
+    disc = disc_on_floor(height=0.1005, gravity=(0, 0, 0))
+    m, _ = inertia(0, 0.1)
+    time, speed = bounce(disc, 0.1)
+    assert time == pytest.approx(math.pi * math.sqrt(m / KN), abs=2 * O.dt)  # touch and leave are seen a step late
+    assert speed == pytest.approx(0.1, rel=1e-2)  # work at touch and leave: of the order dt ω = 1e-2
+
+
+@pytest.mark.parametrize("zeta", [0.1, 0.5])
+def test_damped_rebound(zeta):
+    """m x'' + c x' + k x = 0 until the force vanishes, where k x + c x' = 0 (no tension): x ∝ exp(−ζωt) sin(ω_d t).
+
+    ω_d = ω √(1−ζ²); the first zero of the force is ω_d t₁ = π − arctan(2ζ√(1−ζ²)/(1−2ζ²)), and e = exp(−ζ ω t₁) (Schwager and
+    Pöschel 2007).
+    """
+    disc = disc_on_floor(height=0.1005, gravity=(0, 0, 0), damping=zeta, share=0.01)
+    root = math.sqrt(1 - zeta**2)
+    phase = math.atan2(2 * zeta * root, 1 - 2 * zeta**2)  # k x + c x' = 0 ⟺ tan(ω_d t) = −tan(phase)
+    _, speed = bounce(disc, 0.1)
+    assert speed / 0.1 == pytest.approx(math.exp(-zeta / root * (math.pi - phase)), rel=2e-2)  # first order in dt ω
+
+
+def test_resting_grain_sinks_by_its_weight():
+    """Two points a grain: δ = m g/(2 k_n), reached with the dashpot alone and with YADE's local damping."""
+    for damped in (dict(damping=0.5), dict(local_damping=0.3)):
+        rough = material(MU)
+        _, block = smooth(rcr.wall("y", 0, material=rough), stadium(0.3, 0.1, (0, 0.1), material=rough), share=0.2, **damped)
+        m, _ = inertia(0.3, 0.1)
+        steps(3000)
+        assert 0.1 - O.bodies[block].state.pos[1] == pytest.approx(m * G / (2 * KN), rel=1e-3)
+        assert point_forces(0, block)[:, 0] == pytest.approx(m * G / 2, rel=1e-3)
+
+
+def test_two_points_resist_tilting():
+    """Rocking about the centre: I θ'' = −2 k_n a² θ while both ends press. Period 2π √(I/(2 k_n a²))."""
+    a, r = 0.4, 0.1
+    smoothly = material(0)
+    m, I = inertia(a, r)
+    sunk = m * G / (2 * KN)
+    _, block = smooth(rcr.wall("y", 0, material=smoothly), stadium(a, r, (0, r - sunk), material=smoothly))
+    O.bodies[block].state.angVel = (0, 0, 1e-5)  # θ a = v/ω a stays below `sunk`
+    rotation = []
+    while len(rotation) < 2 or not rotation[-2] < 0 <= rotation[-1]:
+        O.step()
+        rotation.append(O.bodies[block].state.angVel[2])
+    # ω starts at a maximum and is zero, rising, after three quarters of a period
+    assert len(rotation) * O.dt == pytest.approx(0.75 * 2 * math.pi * math.sqrt(I / (2 * KN * a * a)), rel=5e-3)
+
+
+# ---------------------------------------------------------------------------------------------- friction
+
+def block_on_a_slope(alpha):
+    """A flat block on a floor that has been tilted slowly: a sudden load would swing to twice its deflection."""
+    rough = material(MU)
+    m, _ = inertia(0.3, 0.1)
+    _, block = smooth(rcr.wall("y", 0, material=rough), stadium(0.3, 0.1, (0, 0.1 - m * G / (2 * KN)), material=rough), damping=0.3, share=0.2)
+    O.engines[-1].damping = 0.3  # tangential springs have no dashpot of their own
+    for now in np.linspace(0, alpha, 10000):
+        O.engines[-1].gravity = (G * math.sin(now), -G * math.cos(now), 0)
+        O.step()
+    return block, m
+
+
+def test_block_that_sticks_hangs_in_its_springs():
+    """Both points carry T/2, T = m g sin α; the moment T r of the floor turns the block by θ = T r/(2 k_n a²), so its centre
+    moves by T/(2 k_s) + r θ. No point slides while T/2 ≤ µ (N/2 − T r/(2a))."""
+    a, r = 0.3, 0.1
+    alpha = math.atan(0.5 * MU)
+    block, m = block_on_a_slope(alpha)
+    steps(5000)
+    T = m * G * math.sin(alpha)
+    assert O.bodies[block].state.pos[0] == pytest.approx(T / (2 * KS) + T * r**2 / (2 * KN * a**2), rel=1e-2)
+    assert point_forces(0, block)[:, 1] == pytest.approx(np.full(2, T / 2), rel=1e-2)
+
+
+@pytest.mark.parametrize("factor", [0.98, 1.02], ids=["below", "above"])
+def test_block_on_a_slope(factor):
+    """Sticks for tan α ≤ µ; else a = g (sin α − µ cos α)."""
+    alpha = math.atan(factor * MU)
+    block, _ = block_on_a_slope(alpha)
+    O.engines[-1].damping = 0
+    steps(1000)
+    before, time = velocity(block)[0], O.time
+    steps(2000)
+    expected = max(0, G * (math.sin(alpha) - MU * math.cos(alpha)))
+    assert (velocity(block)[0] - before) / (O.time - time) == pytest.approx(expected, abs=1e-3 * G)
+
+
+def test_tangential_springs_stay_with_their_points():
+    """A block pushed to and fro on a floor tips on one end and back: the spring of the end that stays closed does not jump."""
+    rough = material(10)
+    m, _ = inertia(0.4, 0.1)
+    _, block = smooth(rcr.wall("y", 0, material=rough), stadium(0.4, 0.1, (0, 0.1 - m * G / (2 * KN)), material=rough), share=0.1, damping=0.3)
+    O.engines[-1].damping = 0.2
+    O.forces.setPermF(block, (0.3 * m * G, 0, 0))
+    steps(3000)
+    points, held = [], []
+    for torque in np.linspace(0, 1.3 * m * G * 0.4, 4000):  # tips over its right end
+        O.forces.setPermT(block, (0, 0, -torque))
+        O.step()
+        points.append(O.interactions[0, block].geom.points)
+        held.append(O.interactions[0, block].phys.shearForce[0])
+    assert set(points) == {1, 2}
+    jump = points.index(1)
+    assert np.abs(np.diff(held[jump - 5 : jump + 5])).max() < 0.02 * 0.3 * m * G  # the open point carried nothing any more
+
+
+def test_energy_is_kept_or_accounted_for():
+    """A block thrown onto the floor: kinetic + gravity + springs + friction + dashpot is constant to first order in dt."""
+    rough = material(0.3)
+    worst = []
+    for share in (0.1, 0.05):
+        _, rod = smooth(rcr.wall("y", 0, material=rough), stadium(0.3, 0.1, (0, 0.4), 0.7, material=rough), share=share, damping=0.1)
+        O.trackEnergy = True
+        m, _ = inertia(0.3, 0.1)
+        O.bodies[rod].state.vel = (1.0, -1.0, 0)
+        first, losses = None, []
+        for _ in range(round(0.4 / O.dt)):
+            O.step()
+            energy = yade.utils.kineticEnergy() + sum(O.energy[k] for k in O.energy.keys() if k in ("elastPotential", "plastDissip", "viscDissip"))
+            energy += m * G * O.bodies[rod].state.pos[1]
+            first = first or energy
+            losses.append(energy / first - 1)
+        worst.append(np.abs(losses[-100:]).max())
+        assert O.energy["plastDissip"] > 0 and O.energy["viscDissip"] > 0
+    assert worst[0] < 0.02 and worst[1] < 0.7 * worst[0]
+
+
+# ---------------------------------------------------------------------------------------------- YADE's own around it
+
+def test_stock_stiffness_from_materials():
+    """Ip2_FrictMat_FrictMat_FrictPhys takes the circumscribed radii: k_n = 2 E R₁R₂/(R₁ + R₂), k_s = ν k_n; at a wall R₂ = R₁."""
+    rough = FrictMat(density=1000, frictionAngle=0.4, young=1e7, poisson=0.25)
+    O.reset()
+    O.engines = engines()
+    O.engines[2].physDispatcher.functors = [Ip2_FrictMat_FrictMat_FrictPhys()]
+    O.bodies.append([rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.0999), material=rough), stadium(0.05, 0.1, (0, 0.2997), material=rough)])
+    before = rcr.critical_time_step()
+    O.dt = 0.1 * before
+    O.step()
+    wall, pair = O.interactions[0, 1].phys, O.interactions[1, 2].phys
+    assert (wall.kn, wall.ks) == pytest.approx((1e7 * 0.3, 0.25e7 * 0.3))
+    assert pair.kn == pytest.approx(2e7 * 0.3 * 0.15 / 0.45)
+    assert math.tan(0.4) == pytest.approx(pair.tangensOfFrictionAngle)
+    yade.utils.setContactFriction(0.1)
+    assert O.interactions[1, 2].phys.tangensOfFrictionAngle == pytest.approx(math.tan(0.1))
+
+
+def test_contact_that_opens_is_erased():
+    disc = disc_on_floor(height=0.0999, gravity=(0, 0, 0))
+    O.step()
+    assert O.interactions[0, disc].isReal
+    O.bodies[disc].state.pos = (0, 0.11, 0)  # beyond 1 % of the radius
+    O.bodies[disc].state.vel = (0, 0, 0)
+    steps(2)
+    assert not any(i.isReal for i in O.interactions)
+    O.bodies[disc].state.pos = (0, 0.1005, 0)  # seen, but open
+    steps(2)
+    assert O.interactions[0, disc].isReal and O.forces.f(disc).norm() == 0
+
+
+@pytest.mark.parametrize("share, holds", [(0.9, True), (8, False)])
+@pytest.mark.parametrize("zeta", [0, 0.3])
+def test_critical_time_step(share, holds, zeta):
+    """A pressed box at rest stays so below the critical step and flies apart well above it."""
+    pressed_box(damping=zeta, local_damping=0.2)
+    steps(10000)
+    O.engines[-1].damping = 0
+    still = yade.utils.kineticEnergy()
+    O.dt = share * rcr.critical_time_step()
+    steps(2000)
+    grown = yade.utils.kineticEnergy() / still
+    assert grown < 2 if holds else grown > 1e3, grown
+
+
+def test_stock_time_stepper():
+    """GlobalStiffnessTimeStepper: 1.41044 s √(m/k) for a disc on its floor (k of one contact), s its safety coefficient."""
+    disc = disc_on_floor(height=0.0999, before=[GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4, timeStepUpdateInterval=1)])
+    O.dynDt = True
+    steps(3)
+    m, I = inertia(0, 0.1)
+    stiffest = max(KN / m, KS / m, KS * 0.1**2 / I)
+    assert O.dt == pytest.approx(1.41044 * 0.4 / math.sqrt(stiffest), rel=1e-6)
+
+
+def pressed_box(share=0.3, mu=0.3, **options):
+    """20 grains between walls of which two are pushed by a stress."""
+    rng = np.random.default_rng(12)
+    rough, plate = material(mu), material(0)
+    walls = [rcr.wall(axis, 0, material=plate) for axis in "xy"]
+    walls += [rcr.mobile_wall(axis, end, mass=50, material=plate) for axis, end in (("x", 1.0), ("y", 0.8))]
+    grains = [rcr.particle((0.12 + 0.19 * (k % 5), 0.1 + 0.19 * (k // 5)), 0.08, rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
+    press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3), rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
+    smooth(*walls, *grains, gravity=(0, 0, 0), before=press, share=share, **options)
+
+
+@pytest.mark.parametrize("suffix", ["yade", "xml.bz2"])
+def test_saved_scene_goes_on_to_the_same_bits(suffix, tmp_path):
+    """One thread: YADE adds forces in the order of its container, which a reload changes; so, as in YADE, to rounding."""
+    pressed_box(damping=0.2)
+    steps(1500)
+    path = str(tmp_path / f"scene.{suffix}")
+    forces = {(i.id1, i.id2): point_forces(i.id1, i.id2) for i in O.interactions if i.isReal}
+    O.save(path)
+    steps(100)
+    straight = snapshot()[:, :13]
+    O.load(path)
+    loaded = {(i.id1, i.id2): point_forces(i.id1, i.id2) for i in O.interactions if i.isReal}
+    assert forces.keys() == loaded.keys() and all(np.array_equal(forces[pair], loaded[pair]) for pair in forces)
+    assert any(np.abs(f[:, 1]).max(initial=0) > 0 for f in loaded.values())
+    steps(100)
+    assert snapshot()[:, :13] == pytest.approx(straight, abs=1e-12)  # 100 steps of rounding
+
+
+def test_network_carries_what_the_walls_feel():
+    """σ = (1/V) Σ f⊗ℓ is the load of the walls, once the box is at rest."""
+    pressed_box(mu=0.3, damping=0.3, local_damping=0.2)
+    steps(40000)
+    network = rcr.contact_network((0, 1, 2, 3), strain=0.0, eta=0.5, friction=0.3, seed=1)
+    assert len(network.contacts["force"]) > 20
+    assert np.diag(network.stress()) == pytest.approx(1e3, rel=5e-3)
+    assert network.stress()[0, 1] == pytest.approx(network.stress()[1, 0], abs=5)
+    assert network.friction_mobilization().max() <= 1 + 1e-9
+
+
+# ---------------------------------------------------------------------------------------------- what is refused
+
+@pytest.mark.parametrize("damping", [-0.1, math.nan, math.inf])
+def test_damping_out_of_range(damping):
+    with pytest.raises(ValueError, match=r"CundallStrack.damping = .*; wanted a share of the critical damping"):
+        rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping)
+
+
+@pytest.mark.parametrize(
+    "change, match",
+    [
+        (dict(kn=-1.0), "bodies #0 and #1 has kn = -1; wanted a stiffness > 0: set FrictMat.young"),
+        (dict(kn=math.nan), "kn = -?nan"),
+        (dict(ks=-1.0), "ks = -1; wanted a stiffness ≥ 0"),
+    ],
+)
+def test_stiffness_that_is_none(change, match):
+    rough = material()
+    O.reset()
+    O.engines = engines(**change)
+    O.bodies.append([rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.0999), material=rough)])
+    O.dt = 1e-5
+    with pytest.raises(ValueError, match=match):
+        O.step()
+
+
+def test_critical_time_step_wants_a_smooth_scene():
+    build(rcr.wall("y", 0, material=material()), stadium(0, 0.1, (0, 0.1), material=material()))
+    with pytest.raises(ValueError, match="O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack"):
+        rcr.critical_time_step()
+    O.reset()
+    O.engines = engines()
+    with pytest.raises(ValueError, match="no body of the shape Rcr is free"):
+        rcr.critical_time_step()
+
+
+@pytest.mark.parametrize("extra", ["engine", "law", "ip2"])
+def test_mixed_laws(extra):
+    """Each says which class does not belong there; with ContactDynamics nothing has moved, without it the step has been made."""
+    disc_on_floor(height=0.0999)
+    loop = O.engines[2]
+    if extra == "engine":
+        O.engines = [*O.engines[:3], rcr.ContactDynamics(), O.engines[3]]
+    if extra == "law":
+        loop.lawDispatcher.functors = [*loop.lawDispatcher.functors, rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]
+    if extra == "ip2":
+        loop.physDispatcher.functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()]
+    name = dict(engine="the engine ContactDynamics", law="Law2_RcrGeom_CdPhys_SignoriniCoulomb", ip2="Ip2_FrictMat_FrictMat_CdPhys")[extra]
+    with pytest.raises(ValueError, match=f"mix Law2_RcrGeom_FrictPhys_CundallStrack, the smooth law, with {name}"):
+        O.step()
+    assert not any(i.isReal for i in O.interactions)
+
+
+def test_error_stops_a_run_and_reaches_the_main_thread():
+    disc_on_floor(height=0.0999)
+    O.engines[2].physDispatcher.functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()]
+    with pytest.raises(ValueError, match="O.engines mix"):
+        O.run(1000, wait=True)
+    assert O.iter <= 1
+
+
+def test_contacts_of_the_other_law():
+    """A scene that changes its law with its contacts: those made for ContactDynamics have no stiffness."""
+    rough = material()
+    build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.1), material=rough))
+    O.step()
+    O.engines = engines()
+    O.saveTmp(quiet=True)
+    O.loadTmp(quiet=True)  # else YADE goes on with the functors that each contact has kept
+    with pytest.raises(ValueError, match=r"has a CdPhys, made for ContactDynamics; .*O.interactions.clear\(\)"):
+        O.step()
+    O.interactions.clear()
+    steps(2)
+    assert isinstance(O.interactions[0, 1].phys, rcr.RcrFrictPhys)
