@@ -11,7 +11,7 @@ import sys
 
 from tqdm import tqdm
 
-from rcr.biaxial import INERTIAL_NUMBER, RECORD, TIME_STEP, Biaxial
+from rcr.biaxial import INERTIAL_NUMBER, RECORD, STIFFNESS, TIME_STEP, Biaxial
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 
@@ -24,11 +24,12 @@ def arguments():
     parser.add_argument("--seed", type=int, default=1, help="of sizes, places and orientations (default %(default)s)")
     parser.add_argument("--friction", type=float, default=0.5, help="between grains during shear (default %(default)s)")
     parser.add_argument("--inertial-number", type=float, default=INERTIAL_NUMBER, help="rate of the shear times √(m/σ0) (default %(default)s)")
-    parser.add_argument("--time-step", type=float, default=TIME_STEP, help="of the shear, over √(m/σ0) (default %(default)s)")
+    parser.add_argument("--time-step", type=float, default=TIME_STEP, help="of the shear, over √(m/σ0); the smooth law's follows from its stiffness (default %(default)s)")
     parser.add_argument("--threads", type=int, default=0, help="of the contact solver (default: as YADE's -j)")
     parser.add_argument("--tolerance", type=float, default=1e-4, help="residual of the contact solver (default %(default)s)")
     parser.add_argument("--solver", default="auto", help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
-    parser.add_argument("--law", choices=["cd"], default="cd", help="contact law (default %(default)s: rigid, Contact Dynamics)")
+    parser.add_argument("--law", choices=["cd", "smooth"], default="cd", help="rigid contacts, or springs and dashpots (default %(default)s)")
+    parser.add_argument("--stiffness", type=float, default=STIFFNESS, help="kn/σ0 of the smooth law (default %(default)s)")
     parser.add_argument("--networks", type=int, default=10, help="number of networks saved, at equal strains (default %(default)s)")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder of the results, made if missing")
     parser.add_argument("--resume", action="store_true", help="go on from DIR's checkpoint")
@@ -82,6 +83,8 @@ def main():
             options.threads,
             options.inertial_number,
             options.time_step,
+            options.law,
+            options.stiffness,
         )
     if test.progress["phase"] != "shear":
         compact(test, options)

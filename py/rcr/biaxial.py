@@ -4,7 +4,7 @@ Units and rules
 ---------------
 Grains have radii in [R_min, 2 R_min], uniform in volume fraction, and the density ρ; the confining stress is σ₀. With the
 mean grain mass m and the mean diameter d, the time unit is t₀ = √(m/σ₀). The time step is a fixed share of t₀, since no
-stiffness bounds it. The top wall moves at the rate ε̇ = I/t₀ of the first height, I being the inertial number; the strain is
+stiffness bounds it; with the smooth law it is a fixed share of the critical one (`rcr.critical_time_step`). The top wall moves at the rate ε̇ = I/t₀ of the first height, I being the inertial number; the strain is
 (h₀ − h)/h₀. All is per unit depth.
 """
 
@@ -17,7 +17,10 @@ import time
 import numpy as np
 from yade import utils
 from yade.minieigenHP import Vector3
-from yade.wrapper import Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop, NewtonIntegrator, Omega
+from yade.wrapper import (
+    Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, NewtonIntegrator,
+    Omega,
+)  # fmt: skip
 
 import rcr
 from rcr import _kernel
@@ -38,6 +41,11 @@ BALANCED = 1e-3  # mean net force of a grain over the mean contact force, at the
 ISOTROPIC = 1e-2  # largest relative deviation of the wall stresses from σ₀, likewise
 REST_TOLERANCE = 0.01  # residual of the solver over the net forces that are left, while the packing comes to rest: its errors must stay below
 PATIENCE = 2000  # time units after which a compaction that has not come to rest is given up
+STIFFNESS = 1e3  # k_n/σ₀ of the smooth law: mean overlaps of some 1e-3 d
+SHEAR_STIFFNESS = 0.8  # k_s/k_n
+VISCOUS_DAMPING = 0.3  # of the smooth law, along normals, in shares of the critical one; there is no other damping in the shear
+SMOOTH_TIME_STEP = 0.5  # dt over `rcr.critical_time_step`
+SMOOTH_STRIDE = 10  # steps of the smooth law between two looks at the wall stresses
 RECORD = 1e-3  # strain between two rows of the history
 COLUMNS = "step time strain sin_phi stress_x stress_y packing_fraction points iterations residual".split()
 
@@ -58,6 +66,33 @@ def deposited_packing(count, rng):
     width = max(math.sqrt(math.pi * np.sum(radii**2) / DEPOSITED), 2 * radii.max())
     centres = _kernel.deposit(radii, width)
     return centres, radii, width, (centres[:, 1] + radii).max()
+
+
+def smooth_functors(stiffness):
+    """Ip2 and Law2 of the smooth law with k_n = `stiffness` σ₀ for every pair."""
+    value = lambda k: MatchMaker(algo="val", val=k)
+    kn = stiffness * STRESS
+    return (
+        [Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(SHEAR_STIFFNESS * kn))],
+        [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=VISCOUS_DAMPING)],
+    )
+
+
+class Springs:
+    """What a test asks of its `ContactDynamics`, answered for the smooth law, which iterates nothing."""
+
+    tolerance = residual = 0.0
+    iterations = threads = 0
+
+    @property
+    def unbalance(self):
+        """Mean net force of a body over the mean contact force [-]; infinite without contacts."""
+        ratio = utils.unbalancedForce()
+        return ratio if math.isfinite(ratio) and ratio > 0 else math.inf
+
+    @property
+    def contactPoints(self):
+        return sum(i.geom.points for i in O.interactions if i.isReal)
 
 
 class Biaxial:
@@ -83,7 +118,8 @@ class Biaxial:
         self.area = masses.sum() / DENSITY
         self.diameter = 2 * np.mean([shape.halfLength + shape.capRadius for shape in shapes])
         self.time_unit = math.sqrt(masses.mean() / STRESS)
-        self.solver = utils.typedEngine("ContactDynamics")
+        self.smooth = parameters.get("law", "cd") == "smooth"
+        self.solver = Springs() if self.smooth else utils.typedEngine("ContactDynamics")
 
     @classmethod
     def prepare(
@@ -97,6 +133,8 @@ class Biaxial:
         threads=0,
         inertial_number=INERTIAL_NUMBER,
         time_step=TIME_STEP,
+        law="cd",
+        stiffness=STIFFNESS,
     ):
         """A new test in a loose state: particles of random orientation, each in its circle of a deposited packing.
 
@@ -115,7 +153,11 @@ class Biaxial:
         inertial_number : float
             Rate of the shear times t₀, > 0.
         time_step : float
-            dt/t₀ of the shear, > 0.
+            dt/t₀ of the shear, > 0; with the smooth law the stiffness sets the step.
+        law : str
+            'cd', rigid contacts, or 'smooth': springs, with `VISCOUS_DAMPING` along normals and no other damping.
+        stiffness : float
+            k_n/σ₀ of the smooth law [-], > 0.
 
         Raises
         ------
@@ -126,7 +168,9 @@ class Biaxial:
             raise ValueError(f"particles = {particles}; wanted at least 10")
         if not (math.isfinite(friction) and friction >= 0):
             raise ValueError(f"friction = {friction}; wanted a coefficient ≥ 0")
-        for name, value in dict(inertial_number=inertial_number, time_step=time_step).items():
+        if law not in ("cd", "smooth"):
+            raise ValueError(f"law = {law!r}; wanted 'cd' or 'smooth'")
+        for name, value in dict(inertial_number=inertial_number, time_step=time_step, stiffness=stiffness).items():
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"{name} = {value}; wanted a number > 0")
         O.reset()
@@ -151,20 +195,24 @@ class Biaxial:
             if body.dynamic:
                 body.state.vel = Vector3(-speed * body.state.pos[0] / width, -speed * body.state.pos[1] / height, 0)
         O.dt = COMPACTION_TIME_STEP * time_unit
+        rigid_functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]
+        rigid_engine = rcr.ContactDynamics(tolerance=tolerance, maxIterations=3000, solver=solver, threads=threads)
         O.engines = [
             ForceResetter(),
             InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R_MIN),
             InteractionLoop(
                 [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()],
-                [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
-                [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()],
+                *(smooth_functors(stiffness) if law == "smooth" else rigid_functors),
             ),
             rcr.WallStress(wall=right, start=bottom, end=top, stress=-STRESS),
             rcr.WallStress(wall=top, start=left, end=right, stress=-STRESS),
-            rcr.ContactDynamics(tolerance=tolerance, maxIterations=3000, solver=solver, threads=threads),
+            *([] if law == "smooth" else [rigid_engine]),
             NewtonIntegrator(damping=0),
         ]
+        if law == "smooth":
+            O.dt = SMOOTH_TIME_STEP * rcr.critical_time_step()
         parameters = dict(eta=eta, particles=particles, seed=seed, friction=friction, inertial_number=inertial_number, time_step=time_step)
+        parameters.update(law=law, stiffness=stiffness)
         progress = dict(phase="collapse", kinetic_energy=0.0, iterations=0, residual_max=0.0, wall_seconds=0.0)
         return cls(parameters, progress, [])
 
@@ -258,7 +306,8 @@ class Biaxial:
             residual_max=0.0,  # of the shear; the compaction is solved as finely as it is balanced
         )
         self.solver.tolerance = self.progress["tolerance"]
-        O.dt = self.parameters["time_step"] * self.time_unit
+        if not self.smooth:
+            O.dt = self.parameters["time_step"] * self.time_unit
         friction = self.parameters["friction"]
         O.materials["grain"].frictionAngle = math.atan(friction)  # of contacts to come; those with a wall stay smooth
         for i in O.interactions:
@@ -301,13 +350,15 @@ class Biaxial:
     def _steps(self, count):
         """Make steps; add up the solver's work and average the wall stresses, which fluctuate from step to step."""
         start = time.perf_counter()
-        stresses = np.zeros(2)
-        for _ in range(count):
+        stresses = []
+        stride = SMOOTH_STRIDE if self.smooth else 1
+        for left in reversed(range(count)):
             O.step()
-            stresses += self.wall_stresses()
+            if left % stride == 0:
+                stresses.append(self.wall_stresses())
             self.progress["iterations"] += self.solver.iterations
             self.progress["residual_max"] = max(self.progress["residual_max"], self.solver.residual)
-        self.mean_stresses = stresses / count
+        self.mean_stresses = np.mean(stresses, axis=0)
         self.progress["wall_seconds"] += time.perf_counter() - start
 
     # --- results -------------------------------------------------------------------------------------------------------

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import rcr
 import yade.utils
-from scenes import G, build, inertia, material, point_forces, python, snapshot, stadium, steps, velocity
+from rcr.biaxial import STRESS, Biaxial
+from scenes import G, build, inertia, material, point_forces, snapshot, stadium, steps, velocity
 from yade import O
 from yade.wrapper import (
     Bo1_Box_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat, GlobalStiffnessTimeStepper, InsertionSortCollider, InteractionLoop,
@@ -361,3 +362,42 @@ def test_contacts_of_the_other_law():
     O.interactions.clear()
     steps(2)
     assert isinstance(O.interactions[0, 1].phys, rcr.RcrFrictPhys)
+
+
+# ---------------------------------------------------------------------------------------------- the biaxial test
+
+def test_biaxial_test_with_springs():
+    """The compaction comes to rest with overlaps of σ₀/k_n d; σ from the contacts is what the walls feel; the same summary as rigid."""
+    stiffness = 1e3
+    test = Biaxial.prepare(eta=0.5, particles=100, seed=1, law="smooth", stiffness=stiffness)
+    test.compact()
+    network = test.network()
+    assert np.diag(network.stress()) == pytest.approx(test.mean_stresses, rel=1e-2)  # net forces of 1e-3 over arms of 10 d
+    assert test.mean_stresses == pytest.approx(STRESS, rel=1e-2)
+    points = test.overlaps()
+    assert 0.1 / stiffness < points[points > 0].mean() < 2 / stiffness  # of f/k_n, f ≈ σ₀ d, shared by two points
+    for _ in range(3):
+        test.shear_record()
+    summary = test.summary()
+    assert summary["iterations_mean"] == summary["residual_max"] == 0
+    assert summary["dt"] < 0.02 * test.time_unit
+    assert 0 < summary["friction_mobilization"] <= 1 and summary["sin_phi"] > 0
+    friction = {(max(i.id1, i.id2) in test.walls): i.phys.tangensOfFrictionAngle for i in O.interactions if i.isReal}
+    assert friction == {True: 0, False: pytest.approx(0.5)}
+
+
+def test_checkpoint_of_springs(tmp_path):
+    test = Biaxial.prepare(eta=0.3, particles=20, seed=1, law="smooth")
+    test.compact()
+    test.shear_record()
+    test.save(tmp_path)
+    again = Biaxial.load(tmp_path)
+    assert again.smooth and again.parameters == test.parameters
+    again.shear_record()
+    assert len(again.rows) == 2
+
+
+@pytest.mark.parametrize("wrong, message", [(dict(law="soft"), "law = 'soft'; wanted 'cd' or 'smooth'"), (dict(law="smooth", stiffness=0), "stiffness = 0; wanted a number > 0")])
+def test_biaxial_refuses(wrong, message):
+    with pytest.raises(ValueError, match=message):
+        Biaxial.prepare(particles=20, **wrong)
