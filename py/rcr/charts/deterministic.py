@@ -1,0 +1,182 @@
+"""Chart b. Scenes with a known answer: error against time, over dt and tolerance for rigid contacts, over stiffness for springs.
+
+| scene   | answer                                                                                                |
+|---------|-------------------------------------------------------------------------------------------------------|
+| incline | a flat RCR slides down a slope, tan α = 0.6, µ = 0.5: x = g (sin α − µ cos α) t²/2                      |
+| disc    | a disc rolls down the same slope: x = g sin α/(1 + I/(m R²)) t²/2                                       |
+| ladder  | a rod slides down between a wall and a floor without friction: θ'' = −m g a cos θ/(m a² + I), integrated |
+| column  | 60 RCRs, η = 0.5, collapse beside a wall: mean x. Chaotic: every setting is the mean of 4 runs whose grains begin 0.01 R elsewhere, the reference that of more at the finest setting |
+
+What YADE's leapfrog leaves at rest at the start, it moves one step too early: x = a dt² n (n + 1)/2. This error dt/t is the one of rigid contacts.
+
+The law of springs has k_n = K m g/R, k_s = 0.8 k_n, ζ = 0.3 and dt = 0.2 `rcr.critical_time_step()`.
+"""
+
+import math
+
+import numpy as np
+from yade.minieigenHP import Vector3
+from yade.wrapper import (
+    Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, NewtonIntegrator,
+    Omega,
+)  # fmt: skip
+
+import rcr
+from rcr.charts import least_time
+
+O = Omega()
+G, DENSITY = 9.81, 1000.0
+TITLE = "Scenes with a known answer: error against processor time"
+COLUMNS = "scene law dt tolerance stiffness steps seconds value reference".split()
+FINEST = dict(dt=1e-4, tolerance=1e-6)  # of the column's reference
+SMOOTH_SHARE = 0.2  # of the critical time step
+RUNS = 4  # of the column, a setting
+TOLERANCES = 1e-2, 1e-4, 1e-8
+
+
+# ---------------------------------------------------------------------------------------------- scenes
+
+
+def _material(friction):
+    return FrictMat(density=DENSITY, frictionAngle=math.atan(friction), young=1e7, poisson=0.3)
+
+
+def _slope(body):
+    rough = _material(0.5)
+    alpha = math.atan(0.6)
+    grain = body(rough)
+    m, inertia = grain.state.mass, grain.state.inertia[2]
+    gravity = (G * math.sin(alpha), -G * math.cos(alpha), 0)
+    return [rcr.wall("y", 0, material=rough), grain], gravity, m, inertia, alpha
+
+
+def incline(seed):
+    bodies, gravity, *_, alpha = _slope(lambda rough: rcr.particle((0, 0.1), 0.4, 0.75, 0, rough))
+    exact = 0.5 * G * (math.sin(alpha) - 0.5 * math.cos(alpha)) * 0.5**2
+    return bodies, gravity, 0.5, lambda: O.bodies[1].state.pos[0], exact
+
+
+def disc(seed):
+    bodies, gravity, m, inertia, alpha = _slope(lambda rough: rcr.particle((0, 0.1), 0.1, 0, 0, rough))
+    exact = 0.5 * G * math.sin(alpha) / (1 + inertia / (m * 0.1**2)) * 0.5**2
+    return bodies, gravity, 0.5, lambda: O.bodies[1].state.pos[0], exact
+
+
+def ladder(seed):
+    from scipy.integrate import solve_ivp
+
+    a, r, theta, omega, seconds = 0.5, 0.05, 1.3, -0.3, 0.4
+    smooth = _material(0)
+    rod = rcr.particle((r + a * math.cos(theta), r + a * math.sin(theta)), a + r, a / (a + r), math.pi - theta, smooth)
+    m, inertia = rod.state.mass, rod.state.inertia[2]
+    rod.state.vel = Vector3(-a * math.sin(theta) * omega, a * math.cos(theta) * omega, 0)
+    rod.state.angVel = Vector3(0, 0, -omega)
+    fall = lambda t, y: (y[1], -m * G * a * math.cos(y[0]) / (m * a * a + inertia))
+    end = solve_ivp(fall, (0, seconds), (theta, omega), method="DOP853", rtol=1e-12, atol=1e-12).y[0, -1]
+    bodies = [rcr.wall("y", 0, +1, material=smooth), rcr.wall("x", 0, +1, material=smooth), rod]
+    return bodies, (0, -G, 0), seconds, lambda: theta - math.asin((O.bodies[2].state.pos[1] - r) / a), theta - end
+
+
+def column(seed):
+    R, rng = 0.02, np.random.default_rng(7)
+    rough = _material(0.5)
+    centers = [(R + 2.05 * R * k, R + 2.05 * R * row) for row in range(10) for k in range(6)]
+    angles = rng.uniform(0, math.pi, len(centers))
+    centers = np.array(centers) + 0.01 * R * np.random.default_rng(seed).uniform(-1, 1, (len(centers), 2))
+    grains = [rcr.particle(c, R, 0.5, angle, rough) for c, angle in zip(centers, angles)]
+    first = centers[:, 0].mean()
+    spread = lambda: np.mean([O.bodies[2 + k].state.pos[0] for k in range(len(centers))]) - first
+    return [rcr.wall("y", 0, +1, material=rough), rcr.wall("x", 0, +1, material=rough), *grains], (0, -G, 0), 1.0, spread, ""
+
+
+SCENES = dict(incline=incline, disc=disc, ladder=ladder, column=column)
+
+
+def _engines(gravity, law, stiffness, tolerance):
+    value = lambda k: MatchMaker(algo="val", val=k)
+    m = min(b.state.mass for b in O.bodies if isinstance(b.shape, rcr.Rcr))
+    R = min(b.shape.capRadius + b.shape.halfLength for b in O.bodies if isinstance(b.shape, rcr.Rcr))
+    if law == "cd":
+        functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]
+        engine = [rcr.ContactDynamics(tolerance=tolerance, maxIterations=5000, threads=1)]
+    else:
+        kn = stiffness * m * G / R
+        functors = [Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(0.8 * kn))], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=0.3)]
+        engine = []
+    return [
+        ForceResetter(),
+        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
+        InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()], *functors),
+        *engine,
+        NewtonIntegrator(gravity=gravity, damping=0),
+    ]
+
+
+def _simulate(scene, law, dt, tolerance, stiffness, seed):
+    O.reset()
+    bodies, gravity, seconds, observed, exact = SCENES[scene](seed)
+    O.bodies.append(bodies)
+    O.engines = _engines(gravity, law, stiffness, tolerance)
+    steps = math.ceil(seconds / (dt if law == "cd" else SMOOTH_SHARE * rcr.critical_time_step()) - 1e-9)
+    O.dt = seconds / steps
+    for _ in range(steps):
+        O.step()
+    return dict(steps=steps, dt=O.dt, value=float(observed()), reference=exact)
+
+
+# ---------------------------------------------------------------------------------------------- the chart
+
+
+def points(options):
+    dts = (2e-2, 5e-3, 1e-3) if options.quick else (2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4)
+    stiffnesses = (1e2, 1e3, 1e4) if options.quick else (1e2, 1e3, 1e4, 1e5, 1e6)
+    names = [f"column/reference/{seed}" for seed in range(101, 107 if options.quick else 113)]
+    for scene in SCENES:
+        names += [f"{scene}/cd/{dt:g}/{tolerance:g}" for dt in dts for tolerance in TOLERANCES]
+        names += [f"{scene}/smooth/{k:g}" for k in stiffnesses]
+    return names
+
+
+def run(name, options):
+    scene, law, *numbers = name.split("/")
+    if law == "reference":
+        setting = dict(law="cd", stiffness="", **(dict(FINEST, dt=5e-4) if options.quick else FINEST))
+    elif law == "cd":
+        setting = dict(law=law, dt=float(numbers[0]), tolerance=float(numbers[1]), stiffness="")
+    else:
+        setting = dict(law=law, dt="", tolerance="", stiffness=float(numbers[0]))
+    seeds = [int(numbers[0])] if law == "reference" else range(RUNS if scene == "column" else 1)
+    runs = [least_time(1 if scene == "column" else 3, lambda: _simulate(scene, seed=seed, **setting)) for seed in seeds]
+    mean = lambda key: float(np.mean([found[key] for found, _ in runs]))
+    about = dict(setting, scene=scene, law=law, seconds=float(np.mean([seconds for _, seconds in runs])))
+    return [dict(about, **{key: mean(key) for key in ("steps", "dt", "value")}, reference=runs[0][0]["reference"])]
+
+
+def plot(rows, options):
+    from matplotlib.figure import Figure
+
+    rows = [row for row in rows if row["status"] == "ok"]
+    figure = Figure(figsize=(10, 7.5))
+    for ax, scene in zip(figure.subplots(2, 2).flat, SCENES):
+        of_scene = [row for row in rows if row["scene"] == scene]
+        finest = [row["value"] for row in of_scene if row["law"] == "reference"]
+        reference = np.mean(finest) if finest else None
+        error = lambda row: max(1e-12, abs(row["value"] / (row["reference"] if reference is None else reference) - 1))
+        for tolerance, marker in zip(TOLERANCES, "vso"):
+            curve = [(row["seconds"], error(row)) for row in of_scene if row["law"] == "cd" and row["tolerance"] == tolerance]
+            if curve:
+                ax.loglog(*np.array(curve).T, marker + "-", ms=4, lw=1, label=f"rigid, tolerance {tolerance:.0e}")
+        curve = [(row["seconds"], error(row)) for row in of_scene if row["law"] == "smooth"]
+        if curve:
+            ax.loglog(*np.array(curve).T, "k^--", ms=5, lw=1, label="springs, K = 10² …")
+        if len(finest) > 1:
+            chance = np.std(finest, ddof=1) * math.sqrt(1 / len(finest) + 1 / RUNS)  # of the difference of two means
+            ax.axhspan(1e-12, chance / abs(reference), color="0.9", label="standard error of the difference")
+            ax.set_ylim(1e-2, 1)
+        ax.set_title({"incline": "slider on an incline", "disc": "rolling disc", "ladder": "ladder without friction", "column": "collapse of a column"}[scene])
+        ax.set_xlabel("processor time [s]")
+        ax.set_ylabel("relative error of the displacement")
+        ax.grid(alpha=0.3)
+        ax.legend(fontsize=7)
+    figure.tight_layout()
+    return figure

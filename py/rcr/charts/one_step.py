@@ -1,0 +1,142 @@
+"""Chart a. One step of a sheared packing: residual against time for each solver, cold and warm; other libraries beside.
+
+Rows are those of scripts/bench_solver.py and scripts/bench_step.py. Problems with 'x8' are mirrored and changed by 5 %
+(`bench/measure.py`), so that large ones need no large test.
+"""
+
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+from rcr.biaxial import RECORD, Biaxial
+
+TITLE = "One step: residual against processor time"
+COLUMNS = "problem eta particles contacts library start tolerance iterations seconds residual".split()
+SOLVERS = "nlgs", "sor", "nesterov", "exact", "auto"
+ETAS = 0.0, 0.4, 0.7
+ROOT = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, os.pardir, os.pardir)
+STRAIN = 0.01
+COLORS = dict(zip((*SOLVERS, "Siconos NSGS", "Chipmunk", "Box2D"), ("C0", "C9", "C1", "C3", "k", "C2", "C4", "C5")))
+
+
+def sizes(options):
+    """(particles of the test, how often mirrored)."""
+    return [(250, 0), (250, 3)] if options.quick else [(500, 0), (1600, 1), (1600, 3)]
+
+
+def points(options):
+    names = [(n, k, eta) for n, k in sizes(options) for eta in ETAS]
+    libraries = [*SOLVERS, *(["siconos"] if options.siconos else []), *(name for name in ("chipmunk", "box2d") if os.path.exists(_program(name, options)))]
+    return [f"{n * 2**k}/{eta:g}/{library}" for n, k, eta in names for library in libraries if library not in ("chipmunk", "box2d") or k == 0]
+
+
+def _program(name, options):
+    return os.path.join(options.peers, f"{name}_step")
+
+
+def _script(script, *arguments):
+    """Output of one of our benchmark scripts, which may call programs outside of the environment."""
+    pipes = tuple(map(int, os.environ["YADE_RCR_OUTSIDE"].split(","))) if "YADE_RCR_OUTSIDE" in os.environ else ()
+    command = [sys.executable, os.path.join(ROOT, "scripts", script), *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, pass_fds=pipes)
+    if done.returncode:
+        raise RuntimeError((done.stderr.strip().splitlines() or [f"{script} failed"])[-1])
+
+
+def _files(particles, eta, options):
+    """Problem and network of a sheared packing, made once."""
+    folder = os.path.join(options.out, "problems")
+    base = os.path.join(folder, f"n{particles}_e{eta:g}")
+    if not os.path.exists(base + ".h5"):
+        os.makedirs(folder, exist_ok=True)
+        test = Biaxial.prepare(eta, particles, threads=1)
+        test.compact()
+        while test.strain < STRAIN - 0.5 * RECORD:
+            test.shear_record()
+        test.solver.save(base + ".npz")
+        test.network().save(base + ".h5")
+    return base + ".npz", base + ".h5"
+
+
+def run(name, options):
+    count, eta, library = name.split("/")
+    particles, mirror = next((n, k) for n, k in sizes(options) if n * 2**k == int(count))
+    problem, network = _files(particles, float(eta), options)
+    about = dict(eta=float(eta), particles=int(count), problem=os.path.basename(problem)[:-4] + (f" x{2**mirror}" if mirror else ""))
+    with tempfile.TemporaryDirectory() as folder:
+        if library in ("chipmunk", "box2d"):
+            return [dict(about, **row) for row in _stepped(library, network, folder, options)]
+        return [dict(about, **row) for row in _solved(library, problem, mirror, about["problem"], folder, options)]
+
+
+def _solved(library, problem, mirror, wanted, folder, options):
+    """Time to each tolerance, up to the first that is not reached."""
+    ours = library != "siconos"
+    tolerances = [f"1e-{k}" for k in range(1, 11) if ours or k <= 8]
+    if mirror:
+        import measure
+        from rcr import problems
+
+        larger = problems.load(problem)
+        for k in range(1, mirror + 1):
+            larger = measure.mirrored(larger, seed=k)
+        problem = os.path.join(folder, f"{os.path.basename(problem)[:-4]} x{2**mirror}.npz")
+        problems.save(problem, larger)
+    arguments = [problem, "--only", "tolerances", "--warm", "--repeats", 3, "--budget", 1, "--out", folder]
+    arguments += ["--max-iterations", 5000 if options.quick else 20000, "--limit", 2 if options.quick else 10, "--tolerances", *tolerances]
+    _script("bench_solver.py", *arguments, "--solvers", *([library] if ours else ["nesterov", "--siconos", options.siconos]))
+    with open(os.path.join(folder, "tolerances.csv" if ours else "peers.csv"), newline="") as file:
+        for row in csv.DictReader(file):
+            if ours or row["reached"] == "True":
+                yield dict(
+                    library=row.get("solver") or row["peer"], contacts=int(row["points"]), start=row["start"], tolerance=float(row["tolerance"]),
+                    iterations=float(row["iterations"]), seconds=float(row["seconds"]), residual=float(row["residual"]),
+                )  # fmt: skip
+
+
+def _stepped(library, network, folder, options):
+    """A step of a game library with more and more iterations: all that a step does, not the solver alone."""
+    for iterations in (10, 40, 160) if options.quick else (10, 40, 160, 640):
+        arguments = [network, f"--{library}", _program(library, options), "--iterations", iterations, "--repeats", 3, "--budget", 1]
+        _script("bench_step.py", *arguments, "--out", folder)
+        with open(os.path.join(folder, "step.csv"), newline="") as file:
+            for row in csv.DictReader(file):
+                if not row["library"].startswith("rcr"):
+                    yield dict(
+                        library=row["library"], contacts=int(row["points"]), start=row["start"], iterations=iterations,
+                        seconds=1e-3 * float(row["ms"]), residual=float(row["residual"]),
+                    )  # fmt: skip
+
+
+def plot(rows, options):
+    from matplotlib.figure import Figure
+
+    rows = [row for row in rows if row["status"] == "ok"]
+    counts = sorted({row["particles"] for row in rows})
+    figure = Figure(figsize=(4 * len(counts), 9))
+    axes = figure.subplots(len(ETAS), len(counts), squeeze=False, sharey=True)
+    for line, eta in zip(axes, ETAS):
+        for ax, count in zip(line, counts):
+            of_panel = [row for row in rows if row["particles"] == count and row["eta"] == eta]
+            for library in dict.fromkeys(row["library"] for row in of_panel):
+                color = next((value for key, value in COLORS.items() if library.startswith(key)), "0.5")
+                for start, style in ("cold", "o-"), ("warm", "s--"):
+                    curve = [row for row in of_panel if row["library"] == library and row["start"] == start]
+                    if curve:
+                        label = library if start == "cold" else None
+                        x, y = np.array([(row["seconds"], max(row["residual"], 1e-13)) for row in curve]).T
+                        ax.loglog(x, y, style, color=color, label=label, ms=3, lw=1, mfc=color if start == "cold" else "w")
+            ax.set_title(f"{count:g} particles, η = {eta:g}", fontsize=9)
+            ax.grid(alpha=0.3)
+        line[0].set_ylabel("residual of the contact laws")
+    for ax in axes[-1]:
+        ax.set_xlabel("processor time [s]")
+    handles = {label: handle for ax in axes.flat for handle, label in zip(*ax.get_legend_handles_labels())}
+    figure.legend(handles.values(), handles.keys(), ncols=4, loc="upper center", bbox_to_anchor=(0.5, 1.0), fontsize=8)
+    figure.text(0.5, 0.93, "filled, full line: cold start; open, dashed: warm start", ha="center", fontsize=8)
+    figure.subplots_adjust(top=0.89, hspace=0.35, wspace=0.1)
+    return figure

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Error against time, and where methods hold: four charts, each as CSV (a row a point, with its command), PNG and SVG.
+
+a  one step: residual against time for every solver, warm and cold, beside Siconos, Chipmunk and Box2D where they are there
+b  scenes with a known answer: error against time over dt and tolerance (rigid) and stiffness (smooth)
+c  biaxial test: error of stress, packing fraction, friction, fabric and overlap against time for 20 % of strain
+d  which hard scenes hold, drift or blow up, over dt and law
+
+Points that the CSV already has are not run again: an interrupted call goes on. Times are processor time of one thread.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import threading
+
+SCRIPT = os.path.realpath(__file__)
+ROOT = os.path.join(os.path.dirname(SCRIPT), os.pardir)
+sys.path[:0] = [os.path.join(ROOT, "py"), os.path.join(ROOT, "bench")]
+os.environ["OMP_NUM_THREADS"] = "1"
+import outside
+
+try:
+    import matplotlib
+    import yade  # noqa: F401
+    from tqdm import tqdm
+except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
+    outside.reenter(SCRIPT, error)
+
+matplotlib.use("Agg")
+from rcr import charts
+
+MARK = "chart.py rows: "  # what YADE or a library prints has no such line
+
+
+def arguments():
+    parser = argparse.ArgumentParser(prog="chart.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    add = parser.add_argument
+    add("--out", required=True, metavar="DIR", help="folder of the charts, made if missing")
+    add("--charts", nargs="+", choices=list(charts.NAMES), default=list(charts.NAMES), metavar="C", help="some of a b c d (default: all)")
+    add("--quick", action="store_true", help="smaller packings, fewer points: ten minutes at most on two cores")
+    add("--only", metavar="POINT", help="run this point of one chart anew and print its rows; its name stands in the CSV")
+    add("--particles", type=int, default=None, metavar="N", help="of the biaxial tests (default 400, --quick 100)")
+    add("--siconos", default="", metavar="PYTHON", help="a Python with siconos.numerics and scipy, also one outside of the environment")
+    add("--peers", default=os.path.join(ROOT, "build", "bench"), metavar="DIR", help="folder of chipmunk_step and box2d_step (default build/bench)")
+    add("--limit", type=float, default=None, metavar="S", help="seconds after which a point is given up (default 120, --quick 20)")
+    add("--worker", action="store_true", help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.only and len(given.charts) != 1:
+        parser.error(f"--only {given.only}: say which chart it is of, --charts C")
+    particles = given.particles or (100 if given.quick else 400)
+    if particles < 50:
+        parser.error(f"--particles {particles}: wanted at least 50")
+    limit = given.limit or (20 if given.quick else 120)
+    return given, charts.Options(os.path.abspath(given.out), given.quick, particles, given.siconos, os.path.abspath(given.peers), limit)
+
+
+def command(letter, point, given):
+    """What runs a point again."""
+    flags = ["--quick"] if given.quick else []
+    flags += [word for name in ("particles", "siconos") if getattr(given, name) for word in (f"--{name}", str(getattr(given, name)))]
+    return " ".join(["python3 scripts/chart.py --out", given.out, *flags, "--charts", letter, "--only", f"'{point}'"])
+
+
+# ---------------------------------------------------------------------------------------------- the process that computes
+
+
+def work(options):
+    """Answers each line (chart, point) on stdin by one of rows on stdout."""
+    for line in sys.stdin:
+        letter, point = json.loads(line)
+        try:
+            rows = [dict(dict(status="ok"), **row) for row in charts.chart(letter).run(point, options)]
+        except (ValueError, RuntimeError, OSError) as error:
+            rows = [dict(status=f"{type(error).__name__}: {error}".splitlines()[0][:200])]
+        print(MARK + json.dumps(rows), flush=True)
+
+
+class Worker:
+    """A process of its own: a point that runs too long, or that ends YADE, ends only that."""
+
+    def __init__(self, limit):
+        self.limit, self.process = limit, None
+
+    def run(self, letter, point):
+        """Rows of a point; one that says what happened if it did not come to an end."""
+        if self.process is None:
+            pipes = tuple(map(int, os.environ["YADE_RCR_OUTSIDE"].split(","))) if "YADE_RCR_OUTSIDE" in os.environ else ()
+            arguments = [sys.executable, SCRIPT, *sys.argv[1:], "--worker"]
+            streams = dict(stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+            self.process = subprocess.Popen(arguments, **streams, text=True, pass_fds=pipes)
+        self.process.stdin.write(json.dumps([letter, point]) + "\n")
+        self.process.stdin.flush()
+        timer = threading.Timer(self.limit, self.process.kill)
+        timer.start()
+        answer = next((line for line in self.process.stdout if line.startswith(MARK)), None)
+        expired = not timer.is_alive()
+        timer.cancel()
+        if answer is not None:
+            return json.loads(answer[len(MARK) :])
+        code = self.process.wait()
+        self.process = None
+        return [dict(status=f"given up after {self.limit:g} s" if expired else f"the process ended with code {code}")]
+
+    def end(self):
+        if self.process:
+            self.process.stdin.close()
+            self.process.wait()
+
+
+# ---------------------------------------------------------------------------------------------- the script
+
+
+def draw(letter, given, options, worker):
+    module = charts.chart(letter)
+    base = os.path.join(options.out, f"{letter}-{charts.NAMES[letter].replace('_', '-')}")
+    table = charts.Table(base + ".csv", module.COLUMNS)
+    names = module.points(options)
+    if given.only:
+        if given.only not in names:
+            raise ValueError(f"--only {given.only}: chart {letter} has no such point; it has {', '.join(names[:5])} … (see its CSV)")
+        todo = [given.only]
+    else:
+        todo = [name for name in names if not table.has(name)]
+    for name in tqdm(todo, desc=f"chart {letter}", disable=None):
+        rows = [dict(row, point=name, command=command(letter, name, given)) for row in worker.run(letter, name)]
+        table.put(name, rows)
+        if given.only:
+            print(json.dumps(rows, indent=2))
+    figure = module.plot([row for row in table.rows if row["point"] in names], options)
+    for suffix in "png", "svg":
+        figure.savefig(f"{base}.{suffix}", dpi=150, bbox_inches="tight")
+    failed = [row for row in table.rows if row["status"] != "ok"]
+    print(f"{base}.png: {len(table.rows)} rows" + (f", {len(failed)} without numbers (column status)" if failed else ""))
+
+
+def main():
+    given, options = arguments()
+    if given.worker:
+        return work(options)
+    os.makedirs(options.out, exist_ok=True)
+    worker = Worker(options.limit)
+    for letter in given.charts:
+        draw(letter, given, options, worker)
+    worker.end()
+
+
+try:
+    main()
+    sys.stdout.flush()
+    os._exit(0)  # YADE's own end may forget the code
+except (ValueError, OSError) as error:
+    print(f"chart.py: {error}", file=sys.stderr)
+    sys.stdout.flush()
+    os._exit(1)
