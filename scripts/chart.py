@@ -45,7 +45,7 @@ def arguments():
     add("--particles", type=int, default=None, metavar="N", help="of the biaxial tests (default 400, --quick 100)")
     add("--siconos", default="", metavar="PYTHON", help="a Python with siconos.numerics and scipy, also one outside of the environment")
     add("--peers", default=os.path.join(ROOT, "build", "bench"), metavar="DIR", help="folder of chipmunk_step and box2d_step (default build/bench)")
-    add("--limit", type=float, default=None, metavar="S", help="seconds after which a point is given up (default 120, --quick 20)")
+    add("--limit", type=float, default=None, metavar="S", help="seconds after which a point is given up (default 400, --quick 40)")
     add("--worker", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.only and len(given.charts) != 1:
@@ -53,7 +53,7 @@ def arguments():
     particles = given.particles or (100 if given.quick else 400)
     if particles < 50:
         parser.error(f"--particles {particles}: wanted at least 50")
-    limit = given.limit or (20 if given.quick else 120)
+    limit = given.limit or (40 if given.quick else 400)
     return given, charts.Options(os.path.abspath(given.out), given.quick, particles, given.siconos, os.path.abspath(given.peers), limit)
 
 

@@ -1,0 +1,92 @@
+"""scripts/chart.py and rcr.charts: tables go on where they stopped, known answers are known, the stock test is the same test."""
+
+import math
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from rcr import charts
+from rcr.biaxial import STRESS
+from rcr.charts import biaxial_cost, deterministic
+from yade import O
+
+SCRIPT = os.path.join(os.path.dirname(__file__), "..", "..", "scripts", "chart.py")
+OPTIONS = charts.Options(out="", quick=True, particles=50, siconos="", peers="", limit=60)
+
+
+def test_table_goes_on_where_it_stopped(tmp_path):
+    path = str(tmp_path / "t.csv")
+    charts.Table(path, ["x"]).put("a/1", [dict(point="a/1", status="ok", x=0.5), dict(point="a/1", status="ok", x=1.5)])
+    table = charts.Table(path, ["x"])
+    assert table.has("a/1") and not table.has("a/2")
+    table.put("a/2", [dict(point="a/2", status="given up")])
+    table.put("a/1", [dict(point="a/1", status="ok", x=2.0)])
+    assert [(row["point"], row["x"]) for row in charts.Table(path, ["x"]).rows] == [("a/2", ""), ("a/1", 2.0)]
+
+
+def error(name):
+    (row,) = deterministic.run(name, OPTIONS)
+    return row["value"] / row["reference"] - 1, row
+
+
+@pytest.mark.parametrize("scene", ["incline", "disc"])
+def test_rigid_error_is_that_of_the_leapfrog(scene):
+    """x = a dt² n (n + 1)/2 is a t²/2 (1 + dt/t); the law adds nothing beyond its tolerance."""
+    found, row = error(f"{scene}/cd/0.005/1e-08")
+    assert found == pytest.approx(0.005 / 0.5, abs=1e-5)
+    assert row["steps"] == 100
+
+
+def test_errors_fall_with_dt_and_stiffness():
+    coarse, fine = (abs(error(f"ladder/cd/{dt}/1e-08")[0]) for dt in ("0.005", "0.0025"))
+    assert fine == pytest.approx(coarse / 2, rel=0.1)  # first order
+    soft, stiff = (abs(error(f"ladder/smooth/{k}")[0]) for k in ("100", "10000"))
+    assert stiff < 0.1 * soft
+
+
+@pytest.mark.parametrize("eta", [0.0, 0.5])
+def test_all_laws_shear_the_same_packing(eta, tmp_path):
+    """Mass, walls and stress are kept; the network of the clumps carries what the walls feel."""
+    options = charts.Options(**{**vars(OPTIONS), "out": str(tmp_path)})
+    rigid = biaxial_cost._compacted(eta, 1, options)
+    fraction, masses = rigid.packing_fraction, [O.bodies[i].state.mass for i in rigid.grains]
+    smooth = biaxial_cost.smooth(biaxial_cost._compacted(eta, 1, options), 1e3)
+    assert smooth.packing_fraction == fraction and smooth.smooth
+    smooth.shear_record()
+    assert smooth.mean_stresses[0] == pytest.approx(STRESS, rel=0.3)  # one record after its springs were unloaded
+
+    stock = biaxial_cost.Stock(biaxial_cost._compacted(eta, 1, options), 1e3)
+    assert stock.packing_fraction == pytest.approx(fraction)
+    assert [O.bodies[i].state.mass for i in stock.ids] == masses
+    spheres = sum(hasattr(b.shape, "radius") for b in O.bodies)
+    assert spheres == 50 * (1 if eta == 0 else 1 + math.ceil(4 * eta / (1 - eta)))
+    for _ in range(20):
+        stock.shear_record()
+    network = stock.network()
+    # forces of one step and their virial, against walls averaged over a record: unbalanced grains remain in the difference
+    assert np.diag(network.stress()) == pytest.approx(stock.mean_stresses, rel=0.15)
+    assert 0 < network.friction_mobilization().mean() <= 1
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        (["--only", "x"], "--only x: say which chart it is of"),
+        (["--charts", "b", "--only", "x"], "--only x: chart b has no such point; it has column/reference"),
+        (["--particles", "10"], "--particles 10: wanted at least 50"),
+    ],
+)
+def test_script_refuses_bad_input(arguments, message, tmp_path):
+    done = subprocess.run([sys.executable, SCRIPT, "--out", str(tmp_path), "--quick", *arguments], capture_output=True, text=True, timeout=120)
+    assert done.returncode != 0 and message in done.stderr and "Traceback" not in done.stderr
+
+
+def test_script_runs_a_point_again(tmp_path):
+    command = [sys.executable, SCRIPT, "--out", str(tmp_path), "--quick", "--charts", "b", "--only", "disc/cd/0.02/0.0001"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0 and '"scene": "disc"' in done.stdout, done.stderr
+    assert {"b-deterministic.csv", "b-deterministic.png", "b-deterministic.svg"} <= set(os.listdir(tmp_path))
+    (row,) = charts.Table(str(tmp_path / "b-deterministic.csv"), deterministic.COLUMNS).rows
+    assert row["command"].endswith("--quick --charts b --only 'disc/cd/0.02/0.0001'")
