@@ -45,7 +45,7 @@ def arguments():
     add("--particles", type=int, default=None, metavar="N", help="of the biaxial tests (default 400, --quick 100)")
     add("--siconos", default="", metavar="PYTHON", help="a Python with siconos.numerics and scipy, also one outside of the environment")
     add("--peers", default=os.path.join(ROOT, "build", "bench"), metavar="DIR", help="folder of chipmunk_step and box2d_step (default build/bench)")
-    add("--limit", type=float, default=None, metavar="S", help="seconds after which a point is given up (default 400, --quick 40)")
+    add("--limit", type=float, default=None, metavar="S", help="seconds after which a point is given up (default 200, --quick 40)")
     add("--worker", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.only and len(given.charts) != 1:
@@ -53,7 +53,7 @@ def arguments():
     particles = given.particles or (100 if given.quick else 400)
     if particles < 50:
         parser.error(f"--particles {particles}: wanted at least 50")
-    limit = given.limit or (40 if given.quick else 400)
+    limit = given.limit or (40 if given.quick else 200)
     return given, charts.Options(os.path.abspath(given.out), given.quick, particles, given.siconos, os.path.abspath(given.peers), limit)
 
 
@@ -131,7 +131,7 @@ def draw(letter, given, options, worker):
             print(json.dumps(rows, indent=2))
     figure = module.plot([row for row in table.rows if row["point"] in names], options)
     for suffix in "png", "svg":
-        figure.savefig(f"{base}.{suffix}", dpi=150, bbox_inches="tight")
+        figure.savefig(f"{base}.{suffix}", dpi=110, bbox_inches="tight")
     failed = [row for row in table.rows if row["status"] != "ok"]
     print(f"{base}.png: {len(table.rows)} rows" + (f", {len(failed)} without numbers (column status)" if failed else ""))
 

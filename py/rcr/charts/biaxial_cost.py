@@ -204,7 +204,7 @@ def points(options):
     for eta in ETAS:
         names += [f"{eta:g}/reference/{seed}" for seed in range(1, 7)]
         names += [f"{eta:g}/{setting}/{seed}" for setting in settings for seed in ((1, 2, 3) if quick else (1, 2))]
-        names += [] if quick else [f"{eta:g}/smooth/{1e5:g}/1"]
+        names += [] if quick else [f"{eta:g}/smooth/{1e5:g}/1"]  # takes minutes
     return names
 
 

@@ -87,7 +87,7 @@ def _solved(library, problem, mirror, wanted, folder, options):
         problem = os.path.join(folder, f"{os.path.basename(problem)[:-4]} x{2**mirror}.npz")
         problems.save(problem, larger)
     arguments = [problem, "--only", "tolerances", "--warm", "--repeats", 3, "--budget", 1, "--out", folder]
-    arguments += ["--max-iterations", 5000 if options.quick else 20000, "--limit", 2 if options.quick else 10, "--tolerances", *tolerances]
+    arguments += ["--max-iterations", 5000 if options.quick else 10000, "--limit", 2 if options.quick else 10, "--tolerances", *tolerances]
     _script("bench_solver.py", *arguments, "--solvers", *([library] if ours else ["nesterov", "--siconos", options.siconos]))
     with open(os.path.join(folder, "tolerances.csv" if ours else "peers.csv"), newline="") as file:
         for row in csv.DictReader(file):
