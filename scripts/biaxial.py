@@ -45,7 +45,7 @@ def compact(test, options):
     with tqdm(desc="compaction", unit=" steps", disable=None) as bar:
 
         def report(test):
-            bar.update(10)
+            bar.update()
             bar.set_postfix_str(f"packing fraction {test.packing_fraction:.4f}, net force {test.solver.unbalance:.1e}")
 
         test.compact(report)

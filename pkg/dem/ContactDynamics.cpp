@@ -120,16 +120,33 @@ void ContactDynamics::gatherBodies(const NewtonIntegrator& newton)
 	});
 }
 
+namespace {
+
+	/// Velocities that are not prescribed become zero.
+	void stop(State& s)
+	{
+		for (int axis = 0; axis < 3; ++axis) {
+			if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] = 0;
+			if (!(s.blockedDOFs & State::axisDOF(axis, true))) s.angVel[axis] = 0;
+		}
+	}
+
+} // namespace
+
 /// Checks all particles, whether they touch anything yet or not; others are checked with their contacts.
 void ContactDynamics::gatherBody(const Body& b, const NewtonIntegrator& newton)
 {
 	const Body::id_t id       = b.getId();
-	const State&     s        = *b.state;
+	State&           s        = *b.state;
 	const double     dt       = double(scene->dt);
 	Rcr*             particle = dynamic_cast<Rcr*>(b.shape.get());
 	if (particle) checkParticle(b, *particle, *scene);
 	bodies_[id] = StepBody(b, particle, dt);
 	if (newton.mask > 0 && !b.maskCompatible(newton.mask)) return; // the integrator leaves it where it is
+	if (overdamped) {
+		stop(s);
+		bodies_[id].velocity = plane::twist(s);
+	}
 	const Vector3r    force   = scene->forces.getForce(id);
 	const auto        free    = [&](unsigned dof) { return !(s.blockedDOFs & dof); };
 	rcr::Twist&       v       = problem_.freeVelocity[id];
@@ -213,8 +230,8 @@ void ContactDynamics::gatherContacts()
 			const rcr::ManifoldPoint& at    = manifold.points[k];
 			const Vector2r&           force = k == 0 ? phys.force1 : phys.force2;
 			const int                 point = contact.first + k;
-			problem_.points[point]
-			        = { contact.id1, contact.id2, at.normal, at.position - center1, at.position - center2, double(phys.bias[k]), friction };
+			const double              bias  = overdamped ? at.gap / dt : double(phys.bias[k]);
+			problem_.points[point]  = { contact.id1, contact.id2, at.normal, at.position - center1, at.position - center2, bias, friction };
 			problem_.impulse[point] = { dt * double(force[0]), dt * double(force[1]) };
 			gap_[point]             = { at.gap, -RcrGeom::slop * double(geom.refR1 + geom.refR2) };
 		}
@@ -268,7 +285,7 @@ void ContactDynamics::measureUnbalance()
 		closed += p.n > 0;
 	}
 	for (std::size_t id = 0; id < bodies_.size(); ++id) {
-		if (!bodies_[id].free) continue;
+		if (!bodies_[id].free || !bodies_[id].particle) continue;
 		const rcr::InverseMass& inverse = problem_.inverseMass[id];
 		const rcr::Twist &      v = problem_.velocity[id], &before = bodies_[id].velocity;
 		const rcr::Vec2         change { inverse.x > 0 ? (v.x - before.x) / inverse.x : 0, inverse.y > 0 ? (v.y - before.y) / inverse.y : 0 };
@@ -333,7 +350,7 @@ void ContactDynamics::watchForJam()
 void ContactDynamics::correctPositions()
 {
 	constexpr double farthestShift = 1e-4; // of a radius
-	if (correction == 0) return;
+	if (correction == 0 || overdamped) return;
 	const double      dt = double(scene->dt);
 	if (std::none_of(gap_.begin(), gap_.end(), [](const Gap& gap) { return gap.now < gap.allowed; })) return;
 	shift_ = problem_;

@@ -4,8 +4,11 @@ Units and rules
 ---------------
 Grains have radii in [R_min, 2 R_min], uniform in volume fraction, and the density ρ; the confining stress is σ₀. With the
 mean grain mass m and the mean diameter d, the time unit is t₀ = √(m/σ₀). The time step is a fixed share of t₀, since no
-stiffness bounds it; with the smooth law it is a fixed share of the critical one (`rcr.critical_time_step`). The top wall moves at the rate ε̇ = I/t₀ of the first height, I being the inertial number; the strain is
+stiffness bounds it. The top wall moves at the rate ε̇ = I/t₀ of the first height, I being the inertial number; the strain is
 (h₀ − h)/h₀. All is per unit depth.
+
+With the smooth law the packing is made by rigid contacts too. Springs replace them where the shear starts, and the time step
+is a fixed share of theirs (`rcr.critical_time_step`).
 """
 
 import csv
@@ -32,15 +35,20 @@ R_MIN = 5e-3  # [m]; sets the scale only
 DENSITY = 2600.0  # [kg/m³]
 STRESS = 1e4  # σ₀ [Pa]
 DEPOSITED = 0.82  # packing fraction of the circles that are deposited; it sets the width of the box
-CONTRACTION = 0.5  # first speed of the walls in the compaction [d/t₀]; the grains move along with them, homogeneously
-COMPACTION_TIME_STEP = 0.05  # dt/t₀ of the compaction; 0.1 lets spinning grains overlap by 0.1 d
+MOST_CONTRACTION = 0.005  # strain of a step of the collapse, at most: overlaps that it makes are taken back in the same step
+CONTRACTION = 0.1  # displacement of the walls in a step of the collapse, at most [d]; the grains move along, homogeneously
+TIME_STEPS = 0.1, 2.0  # shortest and longest dt/t₀ of the compaction
+FARTHEST = 0.1  # displacement of a grain in a step of the approach to rest, at most [d] …
+APPROACH = 20.0  # … and this times the mean net force over the mean contact force [d] …
+CYCLES = 200  # … halved after so many steps, a third after twice as many: a cycle of flips that long steps keep up ends so
 TIME_STEP = 0.1  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quasi-static: the largest net force of a grain in a step is then some 15 % of the mean contact force
+SHEAR_ITERATIONS = 300  # of a step of the shear, at most: where a large packing is about to yield, thousands would change no average
 RAMP = 0.002  # strain over which the top wall takes up its velocity
-BALANCED = 1e-3  # mean net force of a grain over the mean contact force, at the end of the compaction
+BALANCED = 2e-3  # mean net force of a grain over the mean contact force, at the end of the compaction
 ISOTROPIC = 1e-2  # largest relative deviation of the wall stresses from σ₀, likewise
 REST_TOLERANCE = 0.01  # residual of the solver over the net forces that are left, while the packing comes to rest: its errors must stay below
-PATIENCE = 2000  # time units after which a compaction that has not come to rest is given up
+PATIENCE = 20_000  # steps after which a compaction that has not come to rest is given up
 STIFFNESS = 1e3  # k_n/σ₀ of the smooth law: mean overlaps of some 1e-3 d
 SHEAR_STIFFNESS = 0.8  # k_s/k_n
 VISCOUS_DAMPING = 0.3  # of the smooth law, along normals, in shares of the critical one; there is no other damping in the shear
@@ -85,12 +93,6 @@ class Springs:
     iterations = threads = 0
 
     @property
-    def unbalance(self):
-        """Mean net force of a body over the mean contact force [-]; infinite without contacts."""
-        ratio = utils.unbalancedForce()
-        return ratio if math.isfinite(ratio) and ratio > 0 else math.inf
-
-    @property
     def contactPoints(self):
         return sum(i.geom.points for i in O.interactions if i.isReal)
 
@@ -118,8 +120,8 @@ class Biaxial:
         self.area = masses.sum() / DENSITY
         self.diameter = 2 * np.mean([shape.halfLength + shape.capRadius for shape in shapes])
         self.time_unit = math.sqrt(masses.mean() / STRESS)
-        self.smooth = parameters.get("law", "cd") == "smooth"
-        self.solver = Springs() if self.smooth else utils.typedEngine("ContactDynamics")
+        engines = [engine for engine in O.engines if isinstance(engine, rcr.ContactDynamics)]
+        self.solver = engines[0] if engines else Springs()
 
     @classmethod
     def prepare(
@@ -155,7 +157,7 @@ class Biaxial:
         time_step : float
             dt/t₀ of the shear, > 0; with the smooth law the stiffness sets the step.
         law : str
-            'cd', rigid contacts, or 'smooth': springs, with `VISCOUS_DAMPING` along normals and no other damping.
+            Of the shear: 'cd', rigid contacts, or 'smooth', springs, with `VISCOUS_DAMPING` along normals and no other damping.
         stiffness : float
             k_n/σ₀ of the smooth law [-], > 0.
 
@@ -180,40 +182,33 @@ class Biaxial:
         grain = O.materials.append(FrictMat(density=DENSITY, frictionAngle=0, label="grain"))
         plate = O.materials.append(FrictMat(density=DENSITY, frictionAngle=0, label="plate"))
         O.bodies.append([rcr.particle(c, R, eta, angle, grain) for c, R, angle in zip(centres, radii, angles)])
-        mass = sum(b.state.mass for b in O.bodies)  # a wall as heavy as the grains moves gently
+        mass = sum(b.state.mass for b in O.bodies)
+        row = mass / math.sqrt(particles)  # a wall as heavy as a row of grains follows them; a heavier one answers each jump with its inertia
         left, bottom, right, top = O.bodies.append(
             [
                 rcr.wall("x", 0, +1, material=plate),
                 rcr.wall("y", 0, +1, material=plate),
-                rcr.mobile_wall("x", width, mass, -1, plate),
-                rcr.mobile_wall("y", height, mass, -1, plate),
+                rcr.mobile_wall("x", width, row, -1, plate),
+                rcr.mobile_wall("y", height, row, -1, plate),
             ]
         )
-        time_unit = math.sqrt(mass / particles / STRESS)
-        speed = CONTRACTION * 2 * radii.mean() / time_unit
-        for body in O.bodies:  # walls and grains contract homogeneously, so that no wall sweeps the grains together
-            if body.dynamic:
-                body.state.vel = Vector3(-speed * body.state.pos[0] / width, -speed * body.state.pos[1] / height, 0)
-        O.dt = COMPACTION_TIME_STEP * time_unit
-        rigid_functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]
-        rigid_engine = rcr.ContactDynamics(tolerance=tolerance, maxIterations=3000, solver=solver, threads=threads)
+        O.dt = TIME_STEPS[0] * math.sqrt(mass / particles / STRESS)
         O.engines = [
             ForceResetter(),
             InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R_MIN),
             InteractionLoop(
                 [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()],
-                *(smooth_functors(stiffness) if law == "smooth" else rigid_functors),
+                [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
+                [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()],
             ),
             rcr.WallStress(wall=right, start=bottom, end=top, stress=-STRESS),
             rcr.WallStress(wall=top, start=left, end=right, stress=-STRESS),
-            *([] if law == "smooth" else [rigid_engine]),
+            rcr.ContactDynamics(tolerance=tolerance, maxIterations=3000, solver=solver, threads=threads, overdamped=True),
             NewtonIntegrator(damping=0),
         ]
-        if law == "smooth":
-            O.dt = SMOOTH_TIME_STEP * rcr.critical_time_step()
         parameters = dict(eta=eta, particles=particles, seed=seed, friction=friction, inertial_number=inertial_number, time_step=time_step)
         parameters.update(law=law, stiffness=stiffness)
-        progress = dict(phase="collapse", kinetic_energy=0.0, iterations=0, residual_max=0.0, wall_seconds=0.0)
+        progress = dict(phase="collapse", tolerance=tolerance, iterations=0, residual_max=0.0, wall_seconds=0.0)
         return cls(parameters, progress, [])
 
     # --- what the walls feel -------------------------------------------------------------------------------------------
@@ -253,49 +248,55 @@ class Biaxial:
     def compact(self, report=lambda test: None, balanced=BALANCED):
         """Compress without friction under σ₀ from the right and the top until every grain is balanced.
 
-        The grains first collapse freely. Once both pairs of walls feel half of σ₀, kinetic damping brings the packing to
-        rest: at each maximum of the kinetic energy all velocities are set to zero (Cundall 1976), which takes nothing from
-        the forces of the balanced state.
+        Grains and walls have no inertia (`ContactDynamics.overdamped`). First they collapse: the loose packing is contracted
+        homogeneously, 0.5 % a step, and moves as little as its contacts ask for, until these push the walls back. Then they
+        come to rest under the walls' load. The longer a step the faster, as long as its chords follow the paths: no grain
+        shall move farther than 0.1 d, nor than 20 d times (later less) the share of its forces that is not balanced yet.
 
         Parameters
         ----------
         report : callable
-            Called with the test every 10 steps.
+            Called with the test after every step.
         balanced : float
             Mean net force of a grain over the mean contact force at which the packing counts as balanced [-].
 
         Raises
         ------
         RuntimeError
-            If it has not come to rest after `PATIENCE` time units.
+            If it has not come to rest after `PATIENCE` steps.
         """
         while self.progress["phase"] != "shear":
-            self._steps(10)
-            stresses = self.mean_stresses / STRESS
-            if self.progress["phase"] == "collapse" and stresses.min() > 0.5:
-                self.progress["phase"] = "rest"
-                self.progress["tolerance"] = self.solver.tolerance
-            if self.progress["phase"] == "rest":
-                self.solver.tolerance = REST_TOLERANCE * min(0.1, max(self.solver.unbalance, balanced))
-                self._damp_kinetic_energy()
-                if self.solver.unbalance < balanced and np.abs(stresses - 1).max() < ISOTROPIC:
+            self.solver.tolerance = REST_TOLERANCE * min(0.1, max(self.solver.unbalance, balanced))
+            if self.progress["phase"] == "collapse":
+                self._collapse()
+            else:
+                self._approach_rest()
+                if self.solver.unbalance < balanced and np.abs(self.mean_stresses / STRESS - 1).max() < ISOTROPIC:
                     self._start_shear()
             report(self)
-            if O.time > PATIENCE * self.time_unit:
+            if O.iter > PATIENCE:
                 raise RuntimeError(
                     f"the compaction has not come to rest after {O.iter} steps: mean net force of a grain "
                     f"{self.solver.unbalance:.1e} of the mean contact force (wanted {balanced:g}), wall stresses "
-                    f"{stresses} σ₀ (wanted 1); another seed or a smaller tolerance may help"
+                    f"{self.mean_stresses / STRESS} σ₀ (wanted 1); another seed or a smaller tolerance may help"
                 )
 
-    def _damp_kinetic_energy(self):
-        energy = utils.kineticEnergy()
-        if energy < self.progress["kinetic_energy"]:
-            for body in O.bodies:
-                if body.dynamic:
-                    body.state.vel = body.state.angVel = Vector3.Zero
-            energy = 0.0
-        self.progress["kinetic_energy"] = energy
+    def _collapse(self):
+        contraction = min(MOST_CONTRACTION, CONTRACTION * self.diameter / max(self.width, self.height))
+        for body in O.bodies:
+            body.state.pos *= 1 - contraction
+        width, height = self.width, self.height
+        self._steps(1)
+        if max(self.width / width, self.height / height) > 1 + contraction / 2:
+            self.progress.update(phase="rest", approach=0)
+
+    def _approach_rest(self):
+        """A step no longer than the last net forces allow: under the net force F ⟨f⟩ a grain moves by about F d (dt/t₀)²."""
+        self.progress["approach"] += 1
+        farthest = min(FARTHEST, APPROACH / (1 + self.progress["approach"] / CYCLES) * self.solver.unbalance)
+        shortest, longest = TIME_STEPS
+        O.dt = self.time_unit * min(longest, max(shortest, math.sqrt(farthest / self.solver.largestUnbalance)))
+        self._steps(1)
 
     def _start_shear(self):
         self.progress.update(
@@ -306,19 +307,33 @@ class Biaxial:
             residual_max=0.0,  # of the shear; the compaction is solved as finely as it is balanced
         )
         self.solver.tolerance = self.progress["tolerance"]
-        if not self.smooth:
-            O.dt = self.parameters["time_step"] * self.time_unit
+        self.solver.maxIterations = SHEAR_ITERATIONS
+        self.solver.overdamped = False
+        for body in O.bodies:
+            body.state.vel = body.state.angVel = Vector3.Zero
         friction = self.parameters["friction"]
         O.materials["grain"].frictionAngle = math.atan(friction)  # of contacts to come; those with a wall stay smooth
         for i in O.interactions:
             if i.isReal and max(i.id1, i.id2) < self.left:
                 i.phys.tangensOfFrictionAngle = friction
-        # A light wall follows the grains; a heavy one would answer each of their jumps with its inertia.
-        O.bodies[self.right].state.mass = sum(O.bodies[i].state.mass for i in self.grains) / math.sqrt(len(self.grains))
         for engine in O.engines:
             if isinstance(engine, rcr.WallStress) and engine.wall == self.top:
                 engine.dead = True
         O.bodies[self.top].state.blockedDOFs = "xyzXYZ"
+        if self.parameters["law"] == "smooth":
+            self.soften(self.parameters["stiffness"])
+        else:
+            O.dt = self.parameters["time_step"] * self.time_unit
+
+    def soften(self, stiffness):
+        """Let springs of k_n = `stiffness` σ₀ replace the rigid contacts; they are unloaded at first, and the packing shrinks by some σ₀/k_n."""
+        O.interactions.clear()
+        O.engines = [engine for engine in O.engines if engine is not self.solver]
+        loop = utils.typedEngine("InteractionLoop")
+        loop.physDispatcher.functors, loop.lawDispatcher.functors = smooth_functors(stiffness)
+        O.dt = SMOOTH_TIME_STEP * rcr.critical_time_step()
+        self.parameters.update(law="smooth", stiffness=stiffness)
+        self.solver = Springs()
 
     @property
     def steps_a_record(self):
@@ -351,7 +366,7 @@ class Biaxial:
         """Make steps; add up the solver's work and average the wall stresses, which fluctuate from step to step."""
         start = time.perf_counter()
         stresses = []
-        stride = SMOOTH_STRIDE if self.smooth else 1
+        stride = SMOOTH_STRIDE if isinstance(self.solver, Springs) else 1
         for left in reversed(range(count)):
             O.step()
             if left % stride == 0:

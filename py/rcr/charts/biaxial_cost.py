@@ -27,7 +27,7 @@ from yade.wrapper import (
 )  # fmt: skip
 
 import rcr
-from rcr.biaxial import DENSITY, R_MIN, RECORD, SHEAR_STIFFNESS, SMOOTH_TIME_STEP, STRESS, Biaxial, Springs, smooth_functors
+from rcr.biaxial import DENSITY, R_MIN, RECORD, SHEAR_STIFFNESS, SMOOTH_TIME_STEP, STRESS, Biaxial, Springs
 from rcr.network import BOTTOM, LEFT, RIGHT, TOP, Network
 
 O = Omega()
@@ -60,17 +60,6 @@ def rigid(test, solver, time_step, tolerance):
     return test
 
 
-def smooth(test, stiffness):
-    """The same packing with springs, unloaded at first: it shrinks by some σ₀/k_n."""
-    O.interactions.clear()
-    O.engines = [engine for engine in O.engines if not isinstance(engine, rcr.ContactDynamics)]
-    loop = utils.typedEngine("InteractionLoop")
-    loop.physDispatcher.functors, loop.lawDispatcher.functors = smooth_functors(stiffness)
-    O.dt = SMOOTH_TIME_STEP * rcr.critical_time_step()
-    test.parameters["law"] = "smooth"
-    return Biaxial(test.parameters, test.progress, [])
-
-
 class StockSprings(Springs):
     @property
     def contactPoints(self):
@@ -83,7 +72,7 @@ class Stock(Biaxial):
     def __init__(self, test, stiffness):
         self.parameters, self.progress, self.rows = test.parameters, test.progress, []
         self.area, self.diameter, self.time_unit = test.area, test.diameter, test.time_unit
-        self.smooth, self.solver = True, StockSprings()
+        self.solver = StockSprings()
         axis = lambda b: 2 * math.atan2(b.state.ori[2], b.state.ori[3])
         grains = [
             (tuple(b.state.pos), axis(b), b.shape.halfLength, b.shape.capRadius, b.state.mass, b.state.inertia[2])
@@ -220,7 +209,7 @@ def run(name, options):
     test = _compacted(row["eta"], row["seed"], options)
     first = O.iter
     if law == "smooth":
-        test = smooth(test, row["stiffness"])
+        test.soften(row["stiffness"])
     elif law == "stock":
         test, first = Stock(test, row["stiffness"]), 0
     else:
