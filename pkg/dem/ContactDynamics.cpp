@@ -40,7 +40,8 @@ void ContactDynamics::step(const Engines& engines)
 		timed("scatter", [&] { keepForces(); });
 		bool late = false;
 		timed("late", [&] { late = late_.find(*scene, engines.loop, bodies_, problem_); });
-		if (!late && !adaptBiases(engines)) break;
+		if (!late) timed("late", [&] { late = adaptBiases(engines); });
+		if (!late) break;
 	}
 	timed("scatter", [&] {
 		scatterForces();
@@ -303,8 +304,11 @@ bool ContactDynamics::adaptBiases(const Engines& engines)
 {
 	bool changed = false;
 	for (const Contact& contact : contacts_) {
-		changed |= curved_.correct(*scene, engines.loop, bodies_, problem_, contact.id1, contact.id2, *contact.geom, *contact.phys, contact.first);
-		if (contact.phys->restitution > 0) changed |= restrainBounce(contact);
+		const int one = contact.id1, two = contact.id2;
+		if (CurvedWays::isLong(bodies_[one], bodies_[two], problem_.velocity[one], problem_.velocity[two], double(scene->dt)))
+			changed |= curved_.correct(*scene, engines.loop, bodies_, problem_, one, two, *contact.geom, *contact.phys, contact.first);
+		const auto begin = problem_.points.begin() + contact.first;
+		if (std::any_of(begin, begin + contact.points, [](const rcr::ContactPoint& c) { return c.bias < 0; })) changed |= restrainBounce(contact);
 	}
 	return changed;
 }
@@ -314,7 +318,7 @@ bool ContactDynamics::adaptBiases(const Engines& engines)
 bool ContactDynamics::restrainBounce(const Contact& contact)
 {
 	bool changed = false;
-	for (int k = 0; k < contact.points; ++k) {
+	for (int k = 0; k < contact.points && contact.phys->restitution > 0; ++k) {
 		const rcr::ContactPoint& c = problem_.points[contact.first + k];
 		if (!(c.bias < 0)) continue; // no bounce in this step
 		const rcr::Impulse  before = relativeVelocity(c, bodies_[c.body1].velocity, bodies_[c.body2].velocity);

@@ -46,11 +46,9 @@ bool CurvedWays::correct(
         CdPhys&                      phys,
         int                          first)
 {
-	const double      dt = double(scene.dt), size = double(geom.refR1 + geom.refR2), slop = RcrGeom::slop * size;
+	const double      dt = double(scene.dt), slop = RcrGeom::slop * double(geom.refR1 + geom.refR2);
 	const StepBody &  one = bodies[id1], &two = bodies[id2];
 	const rcr::Twist &v1 = solved.velocity[id1], &v2 = solved.velocity[id2];
-	const double      way = dt * (norm(rcr::Vec2 { v2.x - v1.x, v2.y - v1.y }) + std::abs(v1.rotation) * one.radius + std::abs(v2.rotation) * two.radius);
-	if (way <= longWay * size) return false;
 	Body &      b1 = *(*scene.bodies)[id1], &b2 = *(*scene.bodies)[id2];
 	bool        swap = false;
 	const auto  functor = loop.geomDispatcher->getFunctor2D(b1.shape, b2.shape, swap);

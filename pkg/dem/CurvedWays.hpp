@@ -27,7 +27,15 @@ public:
 
 	CurvedWays();
 
-	/// One pair of a solved step, whose points are problem.points[first] …; true if a bias has changed.
+	/// Has this pair a long way in this step? Told from the bodies alone: nearly no pair has.
+	static bool isLong(const StepBody& one, const StepBody& two, const rcr::Twist& v1, const rcr::Twist& v2, double dt)
+	{
+		const double size = one.radius + two.radius + (one.radius == 0 ? two.radius : two.radius == 0 ? one.radius : 0); // a wall has none
+		return dt * (norm(rcr::Vec2 { v2.x - v1.x, v2.y - v1.y }) + std::abs(v1.rotation) * one.radius + std::abs(v2.rotation) * two.radius)
+		        > longWay * size;
+	}
+
+	/// One such pair of a solved step, whose points are problem.points[first] …; true if a bias has changed.
 	bool correct(
 	        const Scene&,
 	        const InteractionLoop&,
