@@ -33,15 +33,16 @@ void ContactDynamics::action()
 
 void ContactDynamics::step(const Engines& engines)
 {
+	constexpr int mostPasses = 10; // late contacts and long ways settle in two or three
 	timed("gather", [&] { gatherBodies(engines.integrator); });
-	for (int pass = 0; pass < 10; ++pass) {
+	for (int pass = 1;; ++pass) {
 		timed("gather", [&] { gatherContacts(); });
 		solve();
 		timed("scatter", [&] { keepForces(); });
-		bool late = false;
-		timed("late", [&] { late = late_.find(*scene, engines.loop, bodies_, problem_); });
-		if (!late) timed("late", [&] { late = adaptBiases(engines); });
-		if (!late) break;
+		bool again = false;
+		if (pass < mostPasses)
+			timed("late", [&] { again = late_.find(*scene, engines.loop, bodies_, problem_) || (!overdamped && adaptBiases(engines)); });
+		if (!again) break;
 	}
 	timed("scatter", [&] {
 		scatterForces();
