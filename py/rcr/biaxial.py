@@ -328,7 +328,7 @@ class Biaxial:
     def soften(self, stiffness):
         """Let springs of k_n = `stiffness` σ₀ replace the rigid contacts; they are unloaded at first, and the packing shrinks by some σ₀/k_n."""
         O.interactions.clear()
-        O.engines = [engine for engine in O.engines if engine is not self.solver]
+        O.engines = [engine for engine in O.engines if not isinstance(engine, rcr.ContactDynamics)]
         loop = utils.typedEngine("InteractionLoop")
         loop.physDispatcher.functors, loop.lawDispatcher.functors = smooth_functors(stiffness)
         O.dt = SMOOTH_TIME_STEP * rcr.critical_time_step()
