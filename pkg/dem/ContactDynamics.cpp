@@ -35,16 +35,24 @@ void ContactDynamics::step(const Engines& engines)
 {
 	constexpr int mostPasses = 10; // late contacts and long ways settle in two or three
 	timed("gather", [&] { gatherBodies(engines.integrator); });
+	timed("gather", [&] { gatherContacts(); });
 	for (int pass = 1;; ++pass) {
-		timed("gather", [&] { gatherContacts(); });
 		solve();
-		timed("scatter", [&] { keepForces(); });
-		bool again = false;
+		bool late = false, again = false;
 		if (pass < mostPasses)
-			timed("late", [&] { again = late_.find(*scene, engines.loop, bodies_, problem_) || (!overdamped && adaptBiases(engines)); });
+			timed("late", [&] {
+				late  = late_.find(*scene, engines.loop, bodies_, problem_);
+				again = late || (!overdamped && adaptBiases(engines));
+			});
 		if (!again) break;
+		if (late)
+			timed("gather", [&] {
+				keepForces();
+				gatherContacts();
+			});
 	}
 	timed("scatter", [&] {
+		keepForces();
 		scatterForces();
 		measureUnbalance();
 	});
@@ -80,6 +88,7 @@ rcr::Settings ContactDynamics::settings() const
 void ContactDynamics::solve()
 {
 	const double layout = workspace_.layoutSeconds();
+	warmStart_          = problem_.impulse;
 	timed("solve", [&] { report(rcr::solve(problem_, solver, settings(), workspace_)); });
 	const double laidOut = workspace_.layoutSeconds() - layout;
 	seconds_["layout"] += laidOut;
@@ -238,7 +247,6 @@ void ContactDynamics::gatherContacts()
 			gap_[point]             = { at.gap, -RcrGeom::slop * double(geom.refR1 + geom.refR2) };
 		}
 	});
-	warmStart_ = problem_.impulse;
 }
 
 void ContactDynamics::keepForces()
@@ -327,6 +335,7 @@ bool ContactDynamics::restrainBounce(const Contact& contact)
 		const rcr::Delassus w      = rcr::delassus(c, problem_.inverseMass[c.body1], problem_.inverseMass[c.body2]);
 		const double        share  = rcr::passiveShare(w, problem_.impulse[contact.first + k], before, after, c.bias, c.friction);
 		contact.phys->bias[k] *= share;
+		problem_.points[contact.first + k].bias = contact.phys->bias[k];
 		changed |= share < 1;
 	}
 	return changed;

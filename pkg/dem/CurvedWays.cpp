@@ -39,7 +39,7 @@ bool CurvedWays::correct(
         const Scene&                 scene,
         const InteractionLoop&       loop,
         const std::vector<StepBody>& bodies,
-        const rcr::ContactProblem&   solved,
+        rcr::ContactProblem&         solved,
         Body::id_t                   id1,
         Body::id_t                   id2,
         const RcrGeom&               geom,
@@ -59,7 +59,7 @@ bool CurvedWays::correct(
 	const rcr::Manifold begin   = geom.manifold();
 	bool                changed = false;
 	for (int k = 0; k < begin.count; ++k) {
-		const rcr::ContactPoint& c   = solved.points[first + k];
+		rcr::ContactPoint&       c   = solved.points[first + k];
 		const double             gap = begin.points[k].gap, plane = gap + dt * relativeVelocity(c, v1, v2).n;
 		double                   least = std::numeric_limits<double>::infinity();
 		for (const rcr::Manifold& now : at)
@@ -69,8 +69,10 @@ bool CurvedWays::correct(
 		const bool   passes = solved.impulse[first + k].n > 0 && least > clear * slop && std::isfinite(least);
 		if (phys.restitution > 0 && c.bias < 0) continue; // it bounces at the beginning of the step
 		if (!sinks && !passes) continue;
-		phys.bias[k] = (std::max(gap, 0.0) + (sinks ? end : least) - plane) / dt;
-		changed      = true;
+		const double bias = (std::max(gap, 0.0) + (sinks ? end : least) - plane) / dt;
+		if (dt * std::abs(bias - c.bias) < clear * slop) continue; // what the tolerance of the solver leaves would come up again and again
+		c.bias = phys.bias[k] = bias;
+		changed               = true;
 	}
 	return changed;
 }

@@ -35,12 +35,12 @@ public:
 		        > longWay * size;
 	}
 
-	/// One such pair of a solved step, whose points are problem.points[first] …; true if a bias has changed.
+	/// One such pair of a solved step, whose points are solved.points[first] …; true if a bias has changed, there and in its CdPhys.
 	bool correct(
 	        const Scene&,
 	        const InteractionLoop&,
 	        const std::vector<StepBody>&,
-	        const rcr::ContactProblem& solved,
+	        rcr::ContactProblem&       solved,
 	        Body::id_t                 id1,
 	        Body::id_t                 id2,
 	        const RcrGeom&,
