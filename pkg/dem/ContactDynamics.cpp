@@ -38,6 +38,7 @@ void ContactDynamics::step(const Engines& engines)
 	timed("gather", [&] { gatherContacts(); });
 	for (int pass = 1;; ++pass) {
 		solve();
+		timed("scatter", [&] { keepForces(); });
 		bool late = false, again = false;
 		if (pass < mostPasses)
 			timed("late", [&] {
@@ -45,14 +46,9 @@ void ContactDynamics::step(const Engines& engines)
 				again = late || (!overdamped && adaptBiases(engines));
 			});
 		if (!again) break;
-		if (late)
-			timed("gather", [&] {
-				keepForces();
-				gatherContacts();
-			});
+		if (late) timed("gather", [&] { gatherContacts(); });
 	}
 	timed("scatter", [&] {
-		keepForces();
 		scatterForces();
 		measureUnbalance();
 	});
