@@ -44,7 +44,7 @@ double residual(const ContactProblem& problem)
 	return relativeError(error2, impulse2, stopping2);
 }
 
-double violation(const ContactProblem& problem)
+double violation(const ContactProblem& problem, double rest)
 {
 	double violation2 = 0, velocity2 = 0, freeVelocity2 = 0;
 	forEachPoint(problem, [&](const Point& point) {
@@ -52,7 +52,7 @@ double violation(const ContactProblem& problem)
 		velocity2 += square(point.u);
 		freeVelocity2 += square(relativeVelocity(point.c, problem.freeVelocity[point.c.body1], problem.freeVelocity[point.c.body2]));
 	});
-	return kinematicError(violation2, velocity2, freeVelocity2);
+	return kinematicError(violation2, velocity2, freeVelocity2, rest);
 }
 
 } // namespace rcr

@@ -16,14 +16,14 @@ namespace rcr {
 /// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
 double residual(const ContactProblem&);
 
-/// The same error as a velocity, RMS of w_nn |p − P_K(…)| over the points, relative to the RMS of |u| or to 1 % of that of the
-/// free velocities, the larger [-]: by how much points still close, or slip where they should stick. Computed from `impulse`.
-double violation(const ContactProblem&);
+/// The same error as a velocity, RMS of w_nn |p − P_K(…)| over the points, relative to the RMS of |u| or to the share `rest` of that
+/// of the free velocities, the larger [-]: by how much points still close, or slip where they should stick. Computed from `impulse`.
+double violation(const ContactProblem&, double rest);
 
 /// The violation from its sums.
-inline double kinematicError(double violation2, double velocity2, double freeVelocity2)
+inline double kinematicError(double violation2, double velocity2, double freeVelocity2, double rest)
 {
-	return violation2 == 0 ? 0 : std::sqrt(violation2 / std::max(velocity2, 1e-4 * freeVelocity2));
+	return violation2 == 0 ? 0 : std::sqrt(violation2 / std::max(velocity2, rest * rest * freeVelocity2));
 }
 
 /// The residual from its sums. Where nothing presses, ‖p‖ is rounding and no measure: then 1e-8 of the impulses that

@@ -9,6 +9,7 @@
 // unstable state, as sweeps do, until they come upon the next. The residual rises on the way: the best iterate is kept.
 // Source: Rockafellar 1976; Acary, Brémond and Huber 2018, §5 (proximal point for frictional contact).
 #include <algorithm>
+#include <limits>
 
 #include "path_following.hpp"
 #include "proximal_problem.hpp"
@@ -73,11 +74,12 @@ namespace {
 		}
 	};
 
-	/// Accelerated sweeps, `most` of them or fewer if `tolerance` is reached before.
+	/// Accelerated sweeps, `most` of them or fewer if the residual `tolerance` is reached before.
 	Report sweep(ContactProblem& problem, const Settings& settings, double tolerance, int most, Workspace& workspace)
 	{
 		Settings sweeps      = settings;
 		sweeps.tolerance     = tolerance;
+		sweeps.violation     = std::numeric_limits<double>::infinity(); // left to the exact steps
 		sweeps.maxIterations = most;
 		return solveNesterov(problem, sweeps, workspace);
 	}
@@ -105,7 +107,8 @@ Report solveExact(ContactProblem& problem, const Settings& settings)
 	Workspace workspace;
 	const int sweeps = std::min(maxSweeps, (settings.maxIterations + 1) / 2);
 	Report    report = sweep(problem, settings, std::max(settings.tolerance, handover), sweeps, workspace);
-	if ((report.converged && report.reached(settings)) || report.iterations >= settings.maxIterations) return report;
+	report.converged = report.reached(settings) && report.violation <= settings.violation;
+	if (report.converged || report.iterations >= settings.maxIterations) return report;
 	ProximalProblem        proximal(problem);
 	std::vector<Stiffness> stiffness(proximal.size());
 	Best                   best { report.residual, report.violation, problem.impulse };
@@ -113,7 +116,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings)
 	while (!(best.distance(settings) <= 1) && left() > 0) {
 		const PathEnd end = step(problem, proximal, stiffness, left());
 		report.iterations += 1 + end.pivots;
-		best.offer({ residual(problem), violation(problem), problem.impulse }, settings);
+		best.offer({ residual(problem), violation(problem, settings.rest), problem.impulse }, settings);
 		if (!end.arrived && left() > 0) {
 			const int most = std::min(rescueSweeps + pivotSweeps * end.pivots, left());
 			report.iterations += sweep(problem, settings, 0, most, workspace).iterations;
@@ -122,7 +125,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings)
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
 	report.residual  = residual(problem);
-	report.violation = violation(problem);
+	report.violation = violation(problem, settings.rest);
 	report.converged = report.residual <= settings.tolerance && report.violation <= settings.violation;
 	return report;
 }

@@ -11,6 +11,7 @@ namespace {
 	constexpr double finestForSweeps = 1e-5; // residual below which the exact tier is the faster way
 	constexpr int    hopeless        = 300;  // sweeps without a new low of the residual
 	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps
+	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it
 
 	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
 	{
@@ -19,12 +20,14 @@ namespace {
 		throw std::invalid_argument(text.str());
 	}
 
-	Report solveAuto(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
 	{
+		const bool few = settings.tolerance > 0 && int(problem.points.size()) <= fewPoints;
+		if (few) settings.rest *= finerRest;
 		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps) return solveExact(problem, settings);
 		Settings sweeps    = settings;
 		sweeps.stallSweeps = hopeless;
-		if (settings.tolerance > 0 && int(problem.points.size()) <= fewPoints) sweeps.maxIterations = std::min(hopeless, settings.maxIterations);
+		if (few) sweeps.maxIterations = std::min(hopeless, settings.maxIterations);
 		const Report swept = solveNesterov(problem, sweeps, workspace);
 		if (swept.converged || settings.tolerance == 0 || swept.iterations == settings.maxIterations) return swept;
 		Report report = solveExact(problem, settings);

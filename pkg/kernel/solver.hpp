@@ -27,6 +27,9 @@ struct Settings {
 	/// long particles, 1e-4 of the forces can be as much as the flow itself. Infinity: no test.
 	double violation = 0.01;
 
+	/// The typical velocity is never less than this share of the velocities without contacts: at rest there is no other [-].
+	double rest = 0.01;
+
 	/// The paper's criterion, instead of the above where it is met first: relative change of the mean normal impulse
 	/// between two evaluations [-]. Lax: from a warm start 1e-3 is met at a residual of 1e-2. 0: not used.
 	double meanForceChange = 0;

@@ -52,7 +52,7 @@ void StopTest::measure()
 {
 	const Measures m  = packed_.measure();
 	report_.residual  = relativeError(m.error2, m.impulse2, m.stopping2);
-	report_.violation = kinematicError(m.violation2, m.velocity2, packed_.freeVelocity2());
+	report_.violation = kinematicError(m.violation2, m.velocity2, packed_.freeVelocity2(), settings_.rest);
 	if (measured_) meanForceChange_ = std::abs(m.normal - normal_) / m.normal; // NaN without any force: not met
 	normal_   = m.normal;
 	measured_ = true;

@@ -228,15 +228,16 @@ def plot(rows, options):
     from matplotlib.figure import Figure
 
     rows = [row for row in rows if row["status"] == "ok"]
-    figure = Figure(figsize=(4 * len(OBSERVED), 8))
-    for line, eta in zip(figure.subplots(len(ETAS), len(OBSERVED)), ETAS):
-        for ax, name in zip(line, OBSERVED):
+    figure = Figure(figsize=(9, 3 * len(OBSERVED)))
+    for line, name in zip(figure.subplots(len(OBSERVED), len(ETAS)), OBSERVED):
+        for ax, eta in zip(line, ETAS):
             _panel(ax, [row for row in rows if row["eta"] == eta], name)
-            ax.set_title(f"η = {eta:g}: {TITLES[name]}", fontsize=9)
-            ax.set_xlabel("processor time [s]", fontsize=8)
+            ax.set_title(f"η = {eta:g}: {TITLES[name]}", fontsize=10)
+            if name == OBSERVED[-1]:
+                ax.set_xlabel("processor time [s]")
     handles = {label: handle for ax in figure.axes for handle, label in zip(*ax.get_legend_handles_labels())}
-    figure.tight_layout(rect=(0, 0, 1, 0.92))
-    figure.legend(handles.values(), handles.keys(), ncols=5, loc="upper center", fontsize=9)
+    figure.tight_layout(rect=(0, 0, 1, 0.94))
+    figure.legend(handles.values(), handles.keys(), ncols=3, loc="upper center", fontsize=9)
     return figure
 
 
