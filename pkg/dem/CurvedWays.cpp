@@ -69,7 +69,7 @@ bool CurvedWays::correct(
 		const bool   passes = solved.impulse[first + k].n > 0 && least > clear * slop && std::isfinite(least);
 		if (phys.restitution > 0 && c.bias < 0) continue; // it bounces at the beginning of the step
 		if (!sinks && !passes) continue;
-		const double bias = (std::max(gap, 0.0) + (sinks ? end : least) - plane) / dt;
+		const double bias = (std::max(gap, 0.0) + (sinks ? end : 2 * least) - plane) / dt; // lets go where another contact carries as well
 		if (dt * std::abs(bias - c.bias) < clear * slop) continue; // what the tolerance of the solver leaves would come up again and again
 		c.bias = phys.bias[k] = bias;
 		changed               = true;
