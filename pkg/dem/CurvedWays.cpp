@@ -13,12 +13,21 @@ namespace {
 		moved.ori = v.rotation == 0 ? from.ori : Quaternionr(AngleAxisr(time * v.rotation, Vector3r::UnitZ())) * from.ori;
 	}
 
+	constexpr double far = std::numeric_limits<double>::infinity();
+
 	/// Gap of the point that was number k of `count`; the deepest where their number has changed. Behind a body it is no gap.
 	double gapOf(const rcr::Manifold& now, int k, int count, rcr::Vec2 normal)
 	{
-		if (now.count == 0) return std::numeric_limits<double>::infinity();
-		const int at = now.count == count ? k : now.count == 2 && now.points[1].gap < now.points[0].gap ? 1 : 0;
-		return dot(now.points[at].normal, normal) > 0 ? now.points[at].gap : -std::numeric_limits<double>::infinity();
+		if (now.count == 0) return far;
+		const int    at  = now.count == count ? k : now.count == 2 && now.points[1].gap < now.points[0].gap ? 1 : 0;
+		const double gap = now.points[at].gap;
+		return dot(now.points[at].normal, normal) > 0 ? gap : -far;
+	}
+
+	/// Has it gone through the other body, so that the overlap is now on the far side?
+	bool through(const rcr::Manifold& now, rcr::Vec2 normal)
+	{
+		return now.count > 0 && dot(now.points[0].normal, normal) <= 0 && now.points[0].gap < 0;
 	}
 
 } // namespace
@@ -60,16 +69,20 @@ bool CurvedWays::correct(
 	bool                changed = false;
 	for (int k = 0; k < begin.count; ++k) {
 		rcr::ContactPoint&       c   = solved.points[first + k];
-		const double             gap = begin.points[k].gap, plane = gap + dt * relativeVelocity(c, v1, v2).n;
-		double                   least = std::numeric_limits<double>::infinity();
+		const double             gap = begin.points[k].gap, way = dt * relativeVelocity(c, v1, v2).n;
+		double                   least = far;
 		for (const rcr::Manifold& now : at)
 			least = std::min(least, gapOf(now, k, begin.count, c.normal));
-		const double end    = gapOf(at[looks - 1], k, begin.count, c.normal);
-		const bool   sinks  = end < std::min(0.0, gap) - slop && std::isfinite(end);
+		int last = looks; // look at which it is still on this side
+		while (last > 1 && through(at[last - 1], c.normal))
+			--last;
+		const double share = double(last) / looks, end = gapOf(at[last - 1], k, begin.count, c.normal);
+		const bool   sinks  = (end < std::min(0.0, gap) - slop || last < looks) && std::isfinite(end);
 		const bool   passes = solved.impulse[first + k].n > 0 && least > clear * slop && std::isfinite(least);
 		if (phys.restitution > 0 && c.bias < 0) continue; // it bounces at the beginning of the step
 		if (!sinks && !passes) continue;
-		const double bias = (std::max(gap, 0.0) + (sinks ? end : 2 * least) - plane) / dt; // lets go where another contact carries as well
+		const double curve = sinks ? (end - gap - share * way) / (share * share) : 2 * least - gap - way; // 2: lets go where another one carries too
+		const double bias  = (std::max(gap, 0.0) + curve) / dt;
 		if (dt * std::abs(bias - c.bias) < clear * slop) continue; // what the tolerance of the solver leaves would come up again and again
 		c.bias = phys.bias[k] = bias;
 		changed               = true;
