@@ -28,6 +28,7 @@ void ContactDynamics::action()
 	const Engines engines = checkedEngines(*scene);
 	scene->forces.sync();
 	iterations = 0;
+	work_      = 0;
 	workspace_.team().run(solverThreads(), [&] { step(engines); });
 }
 
@@ -77,6 +78,7 @@ rcr::Settings ContactDynamics::settings() const
 	s.meanForceChange = double(meanForceChange);
 	s.threads         = solverThreads();
 	s.lanes           = lanes;
+	s.reductions      = rcr::Reductions::of(reductions);
 	return s;
 }
 
@@ -94,6 +96,7 @@ void ContactDynamics::solve()
 void ContactDynamics::report(const rcr::Report& report)
 {
 	iterations += report.iterations;
+	work_ += report.work;
 	residual      = report.residual;
 	violation     = report.violation;
 	converged     = report.converged;
@@ -373,6 +376,7 @@ void ContactDynamics::correctPositions()
 	few.maxIterations = 20;
 	few.threads       = solverThreads();
 	few.lanes         = lanes;
+	few.reductions    = rcr::Reductions::of(reductions);
 	rcr::solveNesterov(shift_, few, workspace_); // the same pairs: their colours stand
 	const auto shift = [&](Body::id_t id) -> rcr::Twist {
 		const rcr::Twist &v = problem_.velocity[id], &with = shift_.velocity[id];
@@ -440,12 +444,18 @@ boost::python::dict ContactDynamics::problemDict() const
 
 boost::python::dict ContactDynamics::modelDict() const
 {
-	boost::python::dict model;
-	model["bodies"]       = problem_.inverseMass.size();
-	model["pairs"]        = contacts_.size();
-	model["points"]       = contactPoints;
-	const auto& points    = problem_.points;
-	model["frictionless"] = std::all_of(points.begin(), points.end(), [](const rcr::ContactPoint& c) { return c.friction == 0; });
+	const rcr::ModelSummary m = workspace_.summary();
+	boost::python::dict     model;
+	model["bodies"]       = m.bodies;
+	model["rotations"]    = m.turning;
+	model["fixed"]        = m.fixed;
+	model["pairs"]        = m.pairs;
+	model["points"]       = m.points;
+	model["unknowns"]     = m.unknowns();
+	model["frictionless"] = m.frictionalPoints == 0;
+	model["islands"]      = m.islands;
+	model["layouts"]      = m.layouts;
+	model["work"]         = work_;
 	return model;
 }
 

@@ -39,7 +39,8 @@ public:
 		((int,lanes,0,Attr::noSave,"Doubles that the solver works on at a time: 1, 4 or 8; 0: as many as the processor has. Changes no bit; not saved, it is the processor's"))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that is taken back each step by a position correction without velocity [-]; 0 switches it off. Impulses and velocities never see it."))
 		((bool,overdamped,false,,"Preparation without inertia: bodies start every step from rest (prescribed velocities stay), and overlaps are taken back whole within the step, since no velocity is kept of it. A step then goes down the potential energy as far as the time step allows and ends at rest where the forces balance. Restitution and :yref:`correction<ContactDynamics.correction>` do not apply."))
-		((int,iterations,0,Attr::readonly,"Sweeps of the last step, of all its passes: one, and one more where contacts were not foreseen"))
+		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"What the solver may drop where the scene does not need it, seen anew in each step; :yref:`model<ContactDynamics.model>` tells what is left. frictionless: pairs without friction carry one unknown a point. discs: without friction and levers nothing turns. fixed: bodies of prescribed motion have no unknowns. islands: what does not touch is solved apart, each to its own convergence. layout: order and colours are kept while the contacts last. All of them change nothing but the time; leave names out to compare"))
+		((int,iterations,0,Attr::readonly,"Sweeps of the last step (of the island that needs most), of all its passes: one, and one more where contacts were not foreseen"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
 		((Real,violation,0,Attr::readonly,"What :yref:`maxViolation<ContactDynamics.maxViolation>` bounds, after the last step [-]"))
 		((bool,converged,true,Attr::readonly,"Whether the last step reached the tolerance"))
@@ -48,7 +49,7 @@ public:
 		((Real,largestUnbalance,0,Attr::readonly,"The same of the particle with the largest net force [-]"))
 		((bool,warned,false,Attr::hidden,"A run that misses its tolerance says so once")),
 		/* ctor */,
-		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict: bodies, pairs, points, frictionless.")
+		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict. bodies: that an impulse can move; rotations: how many of these can turn; fixed: of prescribed motion, without unknowns; pairs, points: that can carry something; unknowns: one a point without friction, else two; frictionless: no point has friction; islands: solved apart; layouts: how often order and colours have been made in all steps so far; work: sweeps × points, summed over the islands.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: gather, layout (colours and order of the pairs), solve, scatter, late (bodies that go further than foreseen), correct [s].")
 		.def("_problem",&ContactDynamics::problemDict,"The contact problem of the last step, for rcr.scene.save_problem: its arrays as bytes.")
 	);
@@ -106,6 +107,7 @@ private:
 	CurvedWays                    curved_;
 	JamGuard                      jam_;
 	std::map<std::string, double> seconds_;
+	double                        work_ = 0; // sweeps × points of the last step
 };
 REGISTER_SERIALIZABLE(ContactDynamics);
 

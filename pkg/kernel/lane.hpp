@@ -12,6 +12,8 @@
 #include <immintrin.h>
 #endif
 
+#include <type_traits>
+
 #include "packed_blocks.hpp"
 
 #ifndef RCR_LANE_NAMESPACE
@@ -185,12 +187,18 @@ namespace RCR_LANE_NAMESPACE {
 		Lane<N> x, y, spin, inverseMass;
 	};
 
+	/// Without what turns.
+	template <int N> struct Centres {
+		Lane<N> x, y;
+	};
+
 	/// Where the records of N bodies are.
 	template <int N> struct Places {
-		BodyRecord*          body;
+		HalfRecord*          body;
 		const std::uint32_t* offset;
 
-		BodyRecord&   operator[](int i) const { return recordAt(body, offset[i]); }
+		BodyRecord&   operator[](int i) const { return recordAt<BodyRecord>(body, offset[i]); }
+		HalfRecord&   half(int i) const { return recordAt<HalfRecord>(body, offset[i]); }
 		Places<N / 2> low() const { return { body, offset }; }
 		Places<N / 2> high() const { return { body, offset + N / 2 }; }
 	};
@@ -204,6 +212,15 @@ namespace RCR_LANE_NAMESPACE {
 		}
 	}
 
+	template <int N> inline Centres<N> loadCentres(const Places<N>& at)
+	{
+		if constexpr (N == 1) return { at.half(0).x, at.half(0).y };
+		else {
+			const Centres<N / 2> low = loadCentres<N / 2>(at.low()), high = loadCentres<N / 2>(at.high());
+			return { { low.x, high.x }, { low.y, high.y } };
+		}
+	}
+
 	/// Back to where they were; the bodies must be distinct.
 	template <int N> inline void storeBodies(const Bodies<N>& v, const Places<N>& at)
 	{
@@ -211,6 +228,15 @@ namespace RCR_LANE_NAMESPACE {
 		else {
 			storeBodies<N / 2>({ lowHalf(v.x), lowHalf(v.y), lowHalf(v.spin), lowHalf(v.inverseMass) }, at.low());
 			storeBodies<N / 2>({ highHalf(v.x), highHalf(v.y), highHalf(v.spin), highHalf(v.inverseMass) }, at.high());
+		}
+	}
+
+	template <int N> inline void storeCentres(const Centres<N>& v, const Places<N>& at)
+	{
+		if constexpr (N == 1) at.half(0).x = v.x.value, at.half(0).y = v.y.value;
+		else {
+			storeCentres<N / 2>({ lowHalf(v.x), lowHalf(v.y) }, at.low());
+			storeCentres<N / 2>({ highHalf(v.x), highHalf(v.y) }, at.high());
 		}
 	}
 
@@ -235,6 +261,25 @@ namespace RCR_LANE_NAMESPACE {
 		put(_mm256_unpackhi_pd(v.x.value, v.y.value), 1, 0);
 		put(_mm256_unpacklo_pd(v.spin.value, v.inverseMass.value), 0, 2);
 		put(_mm256_unpackhi_pd(v.spin.value, v.inverseMass.value), 1, 2);
+	}
+
+	template <> inline Centres<4> loadCentres<4>(const Places<4>& at)
+	{
+		const auto halves = [&](int i) __attribute__((always_inline)) {
+			return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(&at.half(i).x)), _mm_load_pd(&at.half(i + 2).x), 1);
+		};
+		const __m256d v02 = halves(0), v13 = halves(1);
+		return { _mm256_unpacklo_pd(v02, v13), _mm256_unpackhi_pd(v02, v13) };
+	}
+
+	template <> inline void storeCentres<4>(const Centres<4>& v, const Places<4>& at)
+	{
+		const auto put = [&](__m256d pair, int i) __attribute__((always_inline)) {
+			_mm_store_pd(&at.half(i).x, _mm256_castpd256_pd128(pair));
+			_mm_store_pd(&at.half(i + 2).x, _mm256_extractf128_pd(pair, 1));
+		};
+		put(_mm256_unpacklo_pd(v.x.value, v.y.value), 0);
+		put(_mm256_unpackhi_pd(v.x.value, v.y.value), 1);
 	}
 #endif
 
@@ -269,6 +314,33 @@ namespace RCR_LANE_NAMESPACE {
 		put(_mm512_permutex2var_pd(xy1, low, sm1), 1, 3);
 		put(_mm512_permutex2var_pd(xy0, high, sm0), 4, 6);
 		put(_mm512_permutex2var_pd(xy1, high, sm1), 5, 7);
+	}
+
+	// A register takes four records, so that (x, y) pairs unpack in place.
+	template <> inline Centres<8> loadCentres<8>(const Places<8>& at)
+	{
+		const auto two = [&](int i) __attribute__((always_inline)) {
+			return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(&at.half(i).x)), _mm_load_pd(&at.half(i + 2).x), 1);
+		};
+		const auto four = [&](int i) __attribute__((always_inline)) {
+			return _mm512_insertf64x4(_mm512_castpd256_pd512(two(i)), two(i + 4), 1);
+		};
+		const __m512d even = four(0), odd = four(1);
+		return { _mm512_unpacklo_pd(even, odd), _mm512_unpackhi_pd(even, odd) };
+	}
+
+	template <> inline void storeCentres<8>(const Centres<8>& v, const Places<8>& at)
+	{
+		const auto two = [&](__m256d pair, int i) __attribute__((always_inline)) {
+			_mm_store_pd(&at.half(i).x, _mm256_castpd256_pd128(pair));
+			_mm_store_pd(&at.half(i + 2).x, _mm256_extractf128_pd(pair, 1));
+		};
+		const auto four = [&](__m512d pairs, int i) __attribute__((always_inline)) {
+			two(_mm512_castpd512_pd256(pairs), i);
+			two(_mm512_extractf64x4_pd(pairs, 1), i + 4);
+		};
+		four(_mm512_unpacklo_pd(v.x.value, v.y.value), 0);
+		four(_mm512_unpackhi_pd(v.x.value, v.y.value), 1);
 	}
 #endif
 

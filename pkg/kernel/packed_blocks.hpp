@@ -5,6 +5,12 @@
 // contact points; both are solved while its bodies are in registers. A slot without a pair holds zeros, which leave
 // everything as it is.
 //
+// A pair is swept by the least model that serves it:
+//   frictional     two unknowns a point; its bodies turn
+//   frictionless   µ = 0: one unknown a point, the normal impulse
+//   central        the same on an island where no normal has a lever, as between discs: nothing turns, two numbers a body
+// The arithmetic is that of the frictional model without what is zero, so the bits are the same.
+//
 // | symbol | field        | unit    | meaning                                                       |
 // |--------|--------------|---------|---------------------------------------------------------------|
 // | k      |              | m       | radius of gyration √(I/m) of a body                            |
@@ -24,6 +30,13 @@ namespace rcr {
 constexpr int    blockWidth = 16;
 constexpr double unlimited  = 1e300; // finite: 0 · unlimited is 0
 
+enum class Model : std::uint8_t { frictional, frictionless, central };
+constexpr int models = 3;
+
+/// Where the velocity of a body stands; an island of central pairs needs no more than the first half.
+struct alignas(16) HalfRecord {
+	double x, y;
+};
 struct alignas(32) BodyRecord {
 	double x, y, spin, inverseMass;
 };
@@ -33,44 +46,86 @@ struct alignas(64) PairBlock {
 	std::uint32_t body1[blockWidth], body2[blockWidth];
 };
 
-inline std::uint32_t offsetOf(std::int32_t record) { return record * std::uint32_t(sizeof(BodyRecord)); }
-inline BodyRecord&   recordAt(BodyRecord* first, std::uint32_t offset)
+/// A record is known by the number of its first half.
+inline std::uint32_t offsetOf(std::int32_t record) { return record * std::uint32_t(sizeof(HalfRecord)); }
+inline std::int32_t  recordOf(std::uint32_t offset) { return std::int32_t(offset / sizeof(HalfRecord)); }
+template <class Record> Record& recordAt(HalfRecord* first, std::uint32_t offset)
 {
-	return *reinterpret_cast<BodyRecord*>(reinterpret_cast<char*>(first) + offset);
+	return *reinterpret_cast<Record*>(reinterpret_cast<char*>(first) + offset);
 }
 
-/// One contact point of each pair of a block.
-struct alignas(64) PointBlock {
-	double nx[blockWidth], ny[blockWidth];
-	double turn1n[blockWidth], turn1t[blockWidth], turn2n[blockWidth], turn2t[blockWidth]; // r/k as (x, y) until `prepare`
-	double bias[blockWidth], inverseNn[blockWidth], ratio[blockWidth], inverseSchur[blockWidth];
-	double slidePlus[blockWidth], slideMinus[blockWidth];
-	double pn[blockWidth], pt[blockWidth];       // impulse
-	double oldPn[blockWidth], oldPt[blockWidth]; // impulse one sweep before, for momentum
-	double friction[blockWidth];                 // µ: the plain sweep reads neither this nor the old impulse
+// One contact point of each pair of a block, by model; all are made of columns.
+
+struct alignas(64) Column {
+	double of[blockWidth];
 };
 
-/// A run of blocks of one colour, all with one or all with two points a pair: what a thread takes at a time.
+/// What all models have.
+struct alignas(64) PointBlock {
+	double oldPn[blockWidth]; // impulse one sweep before, for momentum
+	double nx[blockWidth], ny[blockWidth];
+	double bias[blockWidth], inverseNn[blockWidth];
+	double pn[blockWidth]; // impulse
+};
+
+struct CentralBlock : PointBlock {
+	double mass1[blockWidth], mass2[blockWidth]; // inverse
+	double slip[blockWidth];                     // tangential velocity of the spins, which stay as they are
+};
+
+struct FrictionlessBlock : PointBlock {
+	double turn1n[blockWidth], turn2n[blockWidth], turn1t[blockWidth], turn2t[blockWidth]; // r/k as (x, y) until `prepare`
+};
+
+struct FrictionalBlock : FrictionlessBlock {
+	double ratio[blockWidth], inverseSchur[blockWidth];
+	double slidePlus[blockWidth], slideMinus[blockWidth];
+	double pt[blockWidth];
+	double oldPt[blockWidth];
+	double friction[blockWidth]; // µ
+};
+
+/// How many columns a block of that model takes.
+constexpr int columnsOf(Model model)
+{
+	return int((model == Model::central              ? sizeof(CentralBlock)
+	                    : model == Model::frictionless ? sizeof(FrictionlessBlock)
+	                                                   : sizeof(FrictionalBlock))
+	           / sizeof(Column));
+}
+
+/// A run of blocks of one colour, with one model and one number of points a pair: what a thread takes at a time.
 struct Chunk {
-	std::int32_t firstPair, blocks, firstPoint, pointsPerPair;
+	std::int32_t firstPair, blocks, firstColumn, pointsPerPair;
+	Model        model;
 };
 
 /// Everything the kernels touch.
 struct PackedView {
-	BodyRecord* body;
-	BodyRecord* oldBody; // one sweep before, for momentum
+	HalfRecord* body;
+	HalfRecord* oldBody; // one sweep before, for momentum
 	PairBlock*  pairs;
-	PointBlock* points;
+	Column*     points;
+
+	HalfRecord& halfBody(std::int32_t record) const { return body[record]; }
+	BodyRecord& wholeBody(std::int32_t record) const { return recordAt<BodyRecord>(body, offsetOf(record)); }
 };
 
 /// Sums over points from which all stop criteria are made.
 struct Measures {
-	double error2;     // ‖p − P_K(…)‖², the numerator of the residual
-	double impulse2;   // ‖p‖²
-	double normal;     // Σ p_n
-	double violation2; // Σ w_nn² |p − P_K(…)|²
-	double velocity2;  // Σ |u|²
-	double stopping2;  // Σ ((|u_n| + |b_n|)/w_nn)²
+	double error2     = 0; // ‖p − P_K(…)‖², the numerator of the residual
+	double impulse2   = 0; // ‖p‖²
+	double normal     = 0; // Σ p_n
+	double violation2 = 0; // Σ w_nn² |p − P_K(…)|²
+	double velocity2  = 0; // Σ |u|²
+	double stopping2  = 0; // Σ ((|u_n| + |b_n|)/w_nn)²
+
+	Measures& operator+=(const Measures& other)
+	{
+		error2 += other.error2, impulse2 += other.impulse2, normal += other.normal;
+		violation2 += other.violation2, velocity2 += other.velocity2, stopping2 += other.stopping2;
+		return *this;
+	}
 };
 
 /// The kernels for one lane width; each works on one chunk.
@@ -88,7 +143,7 @@ struct PackedKernels {
 	double (*sweepMomentum)(const PackedView&, const Chunk&, double momentum);
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures (*measure)(const PackedView&, const Chunk&);
-	/// v_old ← v + β (v − v_old) for records first … last − 1: the two then change places.
+	/// v_old ← v + β (v − v_old) for halves of records first … last − 1: the two then change places.
 	void (*extrapolate)(const PackedView&, int first, int last, double momentum);
 };
 

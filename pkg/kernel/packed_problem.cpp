@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <numeric>
 
 namespace rcr {
 
 namespace {
 
-	constexpr int    bodiesAtATime   = 512;  // that a thread takes at a time
+	constexpr int    recordsAtATime  = 512;  // that a thread takes at a time
 	constexpr double blockedGyration = 1e30; // of a body that cannot turn: no impulse turns it, and the square is finite
 
 	double inverseGyration(const InverseMass& m)
@@ -18,199 +17,142 @@ namespace {
 		return m.rotation > 0 ? std::sqrt(m.rotation / m.x) : 1 / blockedGyration;
 	}
 
+	/// The impulse to start from; the tangential one of a point that has lost its friction is no unknown.
+	Impulse startOf(const ContactProblem& problem, int point)
+	{
+		const Impulse p = problem.impulse[point];
+		return { p.n, problem.points[point].friction == 0 ? 0 : p.t };
+	}
+
+	/// The tangential velocity of spins that stay as they are.
+	double slip(const ContactProblem& problem, const ContactPoint& c)
+	{
+		return problem.freeVelocity[c.body2].rotation * dot(c.arm2, c.normal) - problem.freeVelocity[c.body1].rotation * dot(c.arm1, c.normal);
+	}
+
 	Impulse operator+(Impulse a, Impulse b) { return { a.n + b.n, a.t + b.t }; }
 	Impulse operator-(Impulse a, Impulse b) { return { a.n - b.n, a.t - b.t }; }
 	Impulse operator*(double s, Impulse a) { return { s * a.n, s * a.t }; }
 	double  square(Impulse a) { return a.n * a.n + a.t * a.t; }
 
-	Measures sum(const Measures& a, const Measures& b)
-	{
-		return { a.error2 + b.error2,         a.impulse2 + b.impulse2,   a.normal + b.normal,
-			 a.violation2 + b.violation2, a.velocity2 + b.velocity2, a.stopping2 + b.stopping2 };
-	}
-
 } // namespace
 
 // ---- the problem in
 
-void PackedProblem::load(const ContactProblem& problem, int lanes)
+void PackedProblem::load(const ContactProblem& problem, int lanes, const Reductions& reductions)
 {
 	kernels_ = &packedKernels(lanes);
 	const auto start = std::chrono::steady_clock::now();
-	const bool fresh = layout_.update(problem);
+	const bool fresh = layout_.update(problem, reductions);
 	layoutSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 	if (fresh) {
 		++layouts_;
-		point_.resize(layout_.pointBlocks());
-		for (int block : layout_.vacantBlocks())
-			point_[block] = {};
-		body_.assign(layout_.records(), {});
+		point_.resize(layout_.columns());
+		for (const Range& vacant : layout_.vacant())
+			std::fill(point_.begin() + vacant.begin, point_.begin() + vacant.end, Column {});
+		body_.assign((layout_.records() + 1) / 2, {});
 	}
 	partial_.resize(layout_.chunks().size());
 	sum_.resize(layout_.chunks().size());
+	freeVelocity2_.resize(islands());
 
 	const std::vector<Pair>& pairs = layout_.pairs();
 	inverseGyration_.resize(problem.inverseMass.size());
-	team.forEach(problem.inverseMass.size(), [&](int i) {
-		inverseGyration_[i] = inverseGyration(problem.inverseMass[i]);
-		body_[i]            = freeRecord(problem, i);
-	});
+	team.forEach(problem.inverseMass.size(), [&](int i) { inverseGyration_[i] = inverseGyration(problem.inverseMass[i]); });
+	loadBodies(problem);
 	team.forEach(pairs.size(), [&](int k) {
 		if (pairs[k].slot != Pair::outside) fill(problem, pairs[k]);
 	});
 	tail_.clear();
-	for (const Pair& pair : pairs)
-		if (pair.slot == Pair::outside) addToTail(problem, pair);
-
-	team.share(0, int(sum_.size()), [&, v = view()](int k) { sum_[k] = kernels_->prepare(v, layout_.chunks()[k]); });
-	freeVelocity2_ = std::accumulate(sum_.begin(), sum_.end(), 0.0);
-	for (const TailPoint& c : tail_)
-		freeVelocity2_ += square(relativeVelocity(c));
-	applyImpulses();
+	tailOf_.clear();
+	for (const Island& island : layout_.islands()) {
+		const int begin = int(tail_.size());
+		for (int k = island.outside.begin; k < island.outside.end; ++k)
+			addToTail(problem, pairs[layout_.outside()[k]], island.central);
+		tailOf_.push_back({ begin, int(tail_.size()) });
+	}
+	forEachIsland([](PackedIsland&& island) {
+		island.prepare();
+		island.applyImpulses();
+	});
 	oldBody_ = body_;
 }
 
-BodyRecord PackedProblem::freeRecord(const ContactProblem& problem, int body) const
+void PackedProblem::loadBody(const ContactProblem& problem, int body, int record, bool central)
 {
-	const Twist& v       = problem.freeVelocity[body];
-	const bool   regular = layout_.kind(body) == BodyKind::regular;
-	return { v.x, v.y, v.rotation / inverseGyration_[body], regular ? problem.inverseMass[body].x : 0 };
+	const Twist& v = problem.freeVelocity[body];
+	const double x = layout_.kind(body) == BodyKind::regular ? problem.inverseMass[body].x : 0;
+	if (central) view().halfBody(record) = { v.x, v.y };
+	else
+		view().wholeBody(record) = { v.x, v.y, v.rotation / inverseGyration_[body], x };
+}
+
+void PackedProblem::loadBodies(const ContactProblem& problem)
+{
+	team.forEach(problem.inverseMass.size(), [&](int i) { loadBody(problem, i, layout_.record(i), layout_.central(i)); });
 }
 
 void PackedProblem::fill(const ContactProblem& problem, const Pair& pair)
 {
 	const int        lane = pair.slot % blockWidth;
 	const PairBlock& home = layout_.pairBlocks()[pair.slot / blockWidth];
-	if (home.body1[lane] != offsetOf(pair.body1)) recordAt(body_.data(), home.body1[lane]) = body_[pair.body1]; // a prescribed side
-	if (home.body2[lane] != offsetOf(pair.body2)) recordAt(body_.data(), home.body2[lane]) = body_[pair.body2];
-	const double scale1 = inverseGyration_[pair.body1], scale2 = inverseGyration_[pair.body2];
-	for (int i = 0; i < pair.points; ++i) {
-		const ContactPoint& c = problem.points[pair.firstPoint + i];
-		const Impulse&      p = problem.impulse[pair.firstPoint + i];
-		PointBlock&         k = point_[pair.pointBlock + i];
-		k.nx[lane]            = c.normal.x;
-		k.ny[lane]            = c.normal.y;
-		k.turn1n[lane]        = c.arm1.x * scale1;
-		k.turn1t[lane]        = c.arm1.y * scale1;
-		k.turn2n[lane]        = c.arm2.x * scale2;
-		k.turn2t[lane]        = c.arm2.y * scale2;
-		k.bias[lane]          = c.bias;
-		k.friction[lane]      = c.friction;
-		k.pn[lane] = k.oldPn[lane] = p.n;
-		k.pt[lane] = k.oldPt[lane] = p.t;
-	}
+	const bool       central = pair.model == Model::central;
+	const auto       load    = [&](int body, std::uint32_t offset) { // a prescribed side
+                if (offset != offsetOf(layout_.record(body))) loadBody(problem, body, recordOf(offset), central);
+	};
+	load(pair.body1, home.body1[lane]);
+	load(pair.body2, home.body2[lane]);
+	for (int i = 0; i < pair.points; ++i)
+		fillPoint(problem, pair, pair.firstPoint + i, &point_[pair.column + i * columnsOf(pair.model)]);
 }
 
-void PackedProblem::addToTail(const ContactProblem& problem, const Pair& pair)
+/// Not inlined: the loop over one or two points is then taken apart into many.
+[[gnu::noinline]] void PackedProblem::fillPoint(const ContactProblem& problem, const Pair& pair, int point, Column* column)
+{
+	const int           lane   = pair.slot % blockWidth;
+	const double        scale1 = inverseGyration_[pair.body1], scale2 = inverseGyration_[pair.body2];
+	const ContactPoint& c      = problem.points[point];
+	const Impulse       p      = startOf(problem, point);
+	auto&               any    = *reinterpret_cast<PointBlock*>(column);
+	any.nx[lane]               = c.normal.x;
+	any.ny[lane]               = c.normal.y;
+	any.bias[lane]             = c.bias;
+	any.pn[lane] = any.oldPn[lane] = p.n;
+	if (pair.model == Model::central) {
+		auto& disc       = *reinterpret_cast<CentralBlock*>(column);
+		disc.mass1[lane] = problem.inverseMass[pair.body1].x;
+		disc.mass2[lane] = problem.inverseMass[pair.body2].x;
+		disc.slip[lane]  = slip(problem, c);
+		return;
+	}
+	auto& turning        = *reinterpret_cast<FrictionlessBlock*>(column);
+	turning.turn1n[lane] = c.arm1.x * scale1;
+	turning.turn1t[lane] = c.arm1.y * scale1;
+	turning.turn2n[lane] = c.arm2.x * scale2;
+	turning.turn2t[lane] = c.arm2.y * scale2;
+	if (pair.model == Model::frictionless) return;
+	auto& rough          = *reinterpret_cast<FrictionalBlock*>(column);
+	rough.friction[lane] = c.friction;
+	rough.pt[lane] = rough.oldPt[lane] = p.t;
+}
+
+void PackedProblem::addToTail(const ContactProblem& problem, const Pair& pair, bool central)
 {
 	const double scale1 = inverseGyration_[pair.body1], scale2 = inverseGyration_[pair.body2];
+	const double lever  = pair.model == Model::central ? 0 : 1; // rounding is none
 	for (int k = pair.firstPoint; k < pair.firstPoint + pair.points; ++k) {
 		const ContactPoint& c = problem.points[k];
 		const InverseMass & m1 = problem.inverseMass[c.body1], &m2 = problem.inverseMass[c.body2];
 		const Delassus      w  = delassus(c, m1, m2);
 		if (w.nn <= 0) continue;
-		const Vec2 t = perp(c.normal);
-		tail_.push_back({ c.body1, c.body2, k, c.normal,
-		                  cross(c.arm1, c.normal) * scale1, cross(c.arm1, t) * scale1,
-		                  cross(c.arm2, c.normal) * scale2, cross(c.arm2, t) * scale2,
+		const Vec2    t = perp(c.normal);
+		const Impulse p = startOf(problem, k);
+		tail_.push_back({ layout_.record(c.body1), layout_.record(c.body2), k, !central, c.normal,
+		                  lever * cross(c.arm1, c.normal) * scale1, cross(c.arm1, t) * scale1,
+		                  lever * cross(c.arm2, c.normal) * scale2, cross(c.arm2, t) * scale2, central ? slip(problem, c) : 0,
 		                  { m1.x, m1.y, m1.rotation / (scale1 * scale1) }, { m2.x, m2.y, m2.rotation / (scale2 * scale2) },
-		                  c.bias, c.friction, w, problem.impulse[k], problem.impulse[k] });
+		                  c.bias, c.friction, w, p, p });
 	}
-}
-
-// ---- points outside the colours
-
-Impulse PackedProblem::relativeVelocity(const TailPoint& c) const
-{
-	const BodyRecord &v1 = body_[c.body1], &v2 = body_[c.body2];
-	const Vec2        u { v2.x - v1.x, v2.y - v1.y };
-	return { dot(u, c.normal) + v2.spin * c.turn2n - v1.spin * c.turn1n, dot(u, perp(c.normal)) + v2.spin * c.turn2t - v1.spin * c.turn1t };
-}
-
-void PackedProblem::applyImpulse(const TailPoint& c, const Impulse& p)
-{
-	BodyRecord &v1 = body_[c.body1], &v2 = body_[c.body2];
-	const Vec2  f = p.n * c.normal + p.t * perp(c.normal);
-	v1.x -= c.mass1.x * f.x;
-	v1.y -= c.mass1.y * f.y;
-	v1.spin -= c.mass1.rotation * (p.n * c.turn1n + p.t * c.turn1t);
-	v2.x += c.mass2.x * f.x;
-	v2.y += c.mass2.y * f.y;
-	v2.spin += c.mass2.rotation * (p.n * c.turn2n + p.t * c.turn2t);
-}
-
-/// The impulse that solves the point while all others stay; `p` is what the velocities hold of it.
-Impulse PackedProblem::solve(const TailPoint& c, const Impulse& p) const
-{
-	const Impulse u = relativeVelocity(c);
-	return solveCoulomb(c.w, u.n + c.bias - c.w.nn * p.n - c.w.nt * p.t, u.t - c.w.nt * p.n - c.w.tt * p.t, c.friction);
-}
-
-// ---- the steps of the solvers
-
-void PackedProblem::applyImpulses()
-{
-	byColor([&, v = view()](int k) { kernels_->apply(v, layout_.chunks()[k]); });
-	for (const TailPoint& c : tail_)
-		applyImpulse(c, c.p);
-}
-
-void PackedProblem::sweep()
-{
-	byColor([&, v = view()](int k) { kernels_->sweep(v, layout_.chunks()[k]); });
-	for (TailPoint& c : tail_) {
-		const Impulse next = solve(c, c.p);
-		applyImpulse(c, next - c.p);
-		c.p = next;
-	}
-}
-
-void PackedProblem::sweepRelaxed(double relaxation)
-{
-	byColor([&, v = view()](int k) { kernels_->sweepRelaxed(v, layout_.chunks()[k], relaxation); });
-	for (TailPoint& c : tail_) {
-		const Impulse next = projectCone(c.p + relaxation * (solve(c, c.p) - c.p), c.friction);
-		applyImpulse(c, next - c.p);
-		c.p = next;
-	}
-}
-
-double PackedProblem::sweepMomentum(double momentum)
-{
-	byColor([&, v = view()](int k) { sum_[k] = kernels_->sweepMomentum(v, layout_.chunks()[k], momentum); });
-	double change2 = std::accumulate(sum_.begin(), sum_.end(), 0.0);
-	for (TailPoint& c : tail_) {
-		const Impulse from = c.p + momentum * (c.p - c.old), next = solve(c, from);
-		applyImpulse(c, next - from);
-		c.old = c.p;
-		c.p   = next;
-		change2 += square(next - from);
-	}
-	return change2;
-}
-
-void PackedProblem::extrapolate(double momentum)
-{
-	const int bodies = int(inverseGyration_.size());
-	team.share(0, (bodies + bodiesAtATime - 1) / bodiesAtATime, [&, v = view()](int part) {
-		kernels_->extrapolate(v, part * bodiesAtATime, std::min(bodies, (part + 1) * bodiesAtATime), momentum);
-	});
-	body_.swap(oldBody_);
-}
-
-Measures PackedProblem::measure()
-{
-	team.share(0, int(partial_.size()), [&, v = view()](int k) { partial_[k] = kernels_->measure(v, layout_.chunks()[k]); });
-	Measures total = std::accumulate(partial_.begin(), partial_.end(), Measures {}, sum);
-	for (const TailPoint& c : tail_) {
-		const Impulse u = relativeVelocity(c);
-		const double  un = u.n + c.bias;
-		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
-		const Impulse q = projectCone({ c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn }, c.friction);
-		const double  miss = square(c.p - q);
-		total              = sum(total, { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping });
-	}
-	return total;
 }
 
 // ---- the solution out
@@ -224,21 +166,140 @@ void PackedProblem::store(ContactProblem& problem)
 			Impulse& p = problem.impulse[pair.firstPoint + i];
 			if (pair.slot == Pair::outside) p = {};
 			else {
-				const PointBlock& c = point_[pair.pointBlock + i];
-				p                   = { c.pn[pair.slot % blockWidth], c.pt[pair.slot % blockWidth] };
+				const Column* column = &point_[pair.column + i * columnsOf(pair.model)];
+				const int     lane   = pair.slot % blockWidth;
+				p.n                  = reinterpret_cast<const PointBlock*>(column)->pn[lane];
+				p.t                  = pair.model == Model::frictional ? reinterpret_cast<const FrictionalBlock*>(column)->pt[lane] : 0;
 			}
 		}
 	});
 	for (const TailPoint& c : tail_)
 		problem.impulse[c.point] = c.p;
 
-	team.forEach(inverseGyration_.size(), [&](int i) { body_[i] = freeRecord(problem, i); });
-	applyImpulses();
+	loadBodies(problem);
+	forEachIsland([](PackedIsland&& island) { island.applyImpulses(); });
 	problem.velocity.resize(problem.freeVelocity.size());
 	team.forEach(inverseGyration_.size(), [&](int i) {
-		const bool turns    = problem.inverseMass[i].rotation > 0;
-		problem.velocity[i] = { body_[i].x, body_[i].y, turns ? body_[i].spin * inverseGyration_[i] : problem.freeVelocity[i].rotation };
+		const int record    = layout_.record(i);
+		problem.velocity[i] = problem.freeVelocity[i];
+		problem.velocity[i].x = view().halfBody(record).x;
+		problem.velocity[i].y = view().halfBody(record).y;
+		if (!layout_.central(i) && problem.inverseMass[i].rotation > 0)
+			problem.velocity[i].rotation = view().wholeBody(record).spin * inverseGyration_[i];
 	});
+}
+
+ModelSummary PackedProblem::summary() const
+{
+	ModelSummary s = layout_.summary();
+	s.layouts      = layouts_;
+	return s;
+}
+
+// ---- points outside the colours
+
+Impulse PackedIsland::relativeVelocity(const TailPoint& c) const
+{
+	const HalfRecord &v1 = view_.halfBody(c.record1), &v2 = view_.halfBody(c.record2);
+	const Vec2        u { v2.x - v1.x, v2.y - v1.y };
+	const double      spin1 = c.turns ? view_.wholeBody(c.record1).spin : 0, spin2 = c.turns ? view_.wholeBody(c.record2).spin : 0;
+	return { dot(u, c.normal) + spin2 * c.turn2n - spin1 * c.turn1n, dot(u, perp(c.normal)) + spin2 * c.turn2t - spin1 * c.turn1t + c.slip };
+}
+
+void PackedIsland::applyImpulse(const TailPoint& c, const Impulse& p)
+{
+	const Vec2 f    = p.n * c.normal + p.t * perp(c.normal);
+	const auto push = [&](int record, const InverseMass& mass, double sign, double torque) {
+		if (mass.x == 0 && mass.y == 0 && mass.rotation == 0) return; // other islands may share it
+		HalfRecord& v = view_.halfBody(record);
+		v.x += sign * (mass.x * f.x);
+		v.y += sign * (mass.y * f.y);
+		if (c.turns) view_.wholeBody(record).spin += sign * (mass.rotation * torque);
+	};
+	push(c.record1, c.mass1, -1, p.n * c.turn1n + p.t * c.turn1t);
+	push(c.record2, c.mass2, +1, p.n * c.turn2n + p.t * c.turn2t);
+}
+
+/// The impulse that solves the point while all others stay; `p` is what the velocities hold of it.
+Impulse PackedIsland::solve(const TailPoint& c, const Impulse& p) const
+{
+	const Impulse u = relativeVelocity(c);
+	return solveCoulomb(c.w, u.n + c.bias - c.w.nn * p.n - c.w.nt * p.t, u.t - c.w.nt * p.n - c.w.tt * p.t, c.friction);
+}
+
+// ---- the steps of the solvers
+
+void PackedIsland::prepare()
+{
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = packed_.kernels_->prepare(view_, chunk); });
+	double velocity2 = sum(packed_.sum_);
+	forEachTailPoint([&](TailPoint& c) { velocity2 += square(relativeVelocity(c)); });
+	packed_.freeVelocity2_[number_] = velocity2;
+}
+
+void PackedIsland::applyImpulses()
+{
+	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->apply(view_, chunk); });
+	forEachTailPoint([&](TailPoint& c) { applyImpulse(c, c.p); });
+}
+
+void PackedIsland::sweep()
+{
+	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweep(view_, chunk); });
+	forEachTailPoint([&](TailPoint& c) {
+		const Impulse next = solve(c, c.p);
+		applyImpulse(c, next - c.p);
+		c.p = next;
+	});
+}
+
+void PackedIsland::sweepRelaxed(double relaxation)
+{
+	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweepRelaxed(view_, chunk, relaxation); });
+	forEachTailPoint([&](TailPoint& c) {
+		const Impulse next = projectCone(c.p + relaxation * (solve(c, c.p) - c.p), c.friction);
+		applyImpulse(c, next - c.p);
+		c.p = next;
+	});
+}
+
+double PackedIsland::sweepMomentum(double momentum)
+{
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = packed_.kernels_->sweepMomentum(view_, chunk, momentum); });
+	double change2 = sum(packed_.sum_);
+	forEachTailPoint([&](TailPoint& c) {
+		const Impulse from = c.p + momentum * (c.p - c.old), next = solve(c, from);
+		applyImpulse(c, next - from);
+		c.old = c.p;
+		c.p   = next;
+		change2 += square(next - from);
+	});
+	return change2;
+}
+
+void PackedIsland::extrapolate(double momentum)
+{
+	const Range records = island_.records;
+	share(0, (records.end - records.begin + recordsAtATime - 1) / recordsAtATime, [&](int part) {
+		const int first = records.begin + part * recordsAtATime;
+		packed_.kernels_->extrapolate(view_, first, std::min(records.end, first + recordsAtATime), momentum);
+	});
+	std::swap(view_.body, view_.oldBody);
+}
+
+Measures PackedIsland::measure()
+{
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.partial_[k] = packed_.kernels_->measure(view_, chunk); });
+	Measures total = sum(packed_.partial_);
+	forEachTailPoint([&](TailPoint& c) {
+		const Impulse u = relativeVelocity(c);
+		const double  un = u.n + c.bias;
+		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
+		const Impulse q = projectCone({ c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn }, c.friction);
+		const double  miss = square(c.p - q);
+		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping };
+	});
+	return total;
 }
 
 } // namespace rcr

@@ -102,9 +102,8 @@ namespace {
 
 } // namespace
 
-Report solveExact(ContactProblem& problem, const Settings& settings)
+Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	Workspace workspace;
 	const int sweeps = std::min(maxSweeps, (settings.maxIterations + 1) / 2);
 	Report    report = sweep(problem, settings, std::max(settings.tolerance, handover), sweeps, workspace);
 	report.converged = report.reached(settings) && report.violation <= settings.violation;

@@ -8,11 +8,11 @@ namespace rcr {
 
 Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	return solveBySweeps(problem, settings, workspace, [](PackedProblem& packed, StopTest& stop) {
+	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, StopTest& stop) {
 		Momentum momentum;
 		while (!stop.reached()) {
-			packed.extrapolate(momentum.beta());
-			momentum.advance(packed.sweepMomentum(momentum.beta()));
+			island.extrapolate(momentum.beta());
+			momentum.advance(island.sweepMomentum(momentum.beta()));
 		}
 	});
 }

@@ -10,17 +10,17 @@ namespace {
 
 Report solveNlgs(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	return solveBySweeps(problem, settings, workspace, [](PackedProblem& packed, StopTest& stop) {
+	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, StopTest& stop) {
 		while (!stop.reached())
-			packed.sweep();
+			island.sweep();
 	});
 }
 
 Report solveSor(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	return solveBySweeps(problem, settings, workspace, [](PackedProblem& packed, StopTest& stop) {
+	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, StopTest& stop) {
 		while (!stop.reached())
-			packed.sweepRelaxed(relaxation);
+			island.sweepRelaxed(relaxation);
 	});
 }
 

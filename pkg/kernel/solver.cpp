@@ -24,14 +24,15 @@ namespace {
 	{
 		const bool few = settings.tolerance > 0 && int(problem.points.size()) <= fewPoints;
 		if (few) settings.rest *= finerRest;
-		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps) return solveExact(problem, settings);
+		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps) return solveExact(problem, settings, workspace);
 		Settings sweeps    = settings;
 		sweeps.stallSweeps = hopeless;
 		if (few) sweeps.maxIterations = std::min(hopeless, settings.maxIterations);
 		const Report swept = solveNesterov(problem, sweeps, workspace);
 		if (swept.converged || settings.tolerance == 0 || swept.iterations == settings.maxIterations) return swept;
-		Report report = solveExact(problem, settings);
+		Report report = solveExact(problem, settings, workspace);
 		report.iterations += swept.iterations;
+		report.work += swept.work;
 		return report;
 	}
 
@@ -77,7 +78,7 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
 	if (solver == "sor") return solveSor(problem, settings, workspace);
 	if (solver == "nesterov") return solveNesterov(problem, settings, workspace);
-	if (solver == "exact") return solveExact(problem, settings);
+	if (solver == "exact") return solveExact(problem, settings, workspace);
 	return solveAuto(problem, settings, workspace);
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "contact_problem.hpp"
+#include "reductions.hpp"
 
 namespace rcr {
 
@@ -33,13 +34,16 @@ struct Settings {
 	/// The paper's criterion, instead of the above where it is met first: relative change of the mean normal impulse
 	/// between two evaluations [-]. Lax: from a warm start 1e-3 is met at a residual of 1e-2. 0: not used.
 	double meanForceChange = 0;
+
+	Reductions reductions;
 };
 
 struct Report {
-	int    iterations = 0;
+	int    iterations = 0;    // of the island that needs most
 	double residual   = 0;    // of what was left [-]
-	bool   converged  = true; // a criterion of the settings was met
+	bool   converged  = true; // each island has met a criterion of the settings
 	double violation  = 0;    // as in Settings, of what was left [-]
+	double work       = 0;    // sweeps × points, summed over the islands, each to its own convergence; without those between exact steps
 
 	/// Tolerance 0 asks for all iterations, so it is never reached.
 	bool reached(const Settings& settings) const { return settings.tolerance > 0 && residual <= settings.tolerance; }
@@ -56,7 +60,8 @@ public:
 	~Workspace();
 	PackedProblem& packed() { return *packed_; }
 	Team&          team(); // for other loops of the same step: a run that holds all of it keeps the helpers awake
-	int            layouts() const; // how often a problem had other pairs or kinds of bodies than the one before
+	ModelSummary   summary() const; // of the last problem
+	int            layouts() const; // how often a problem had other pairs, needs or kinds of bodies than the one before
 	double         layoutSeconds() const; // that colours and order have taken so far
 
 private:
@@ -66,7 +71,7 @@ private:
 Report solveNlgs(ContactProblem&, const Settings&, Workspace&);     // plain Gauss–Seidel, the paper's
 Report solveSor(ContactProblem&, const Settings&, Workspace&);      // over-relaxed by 1.3
 Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // Gauss–Seidel with momentum and restart
-Report solveExact(ContactProblem&, const Settings&);                // reaches 1e-8 where sweeps stall
+Report solveExact(ContactProblem&, const Settings&, Workspace&);    // reaches 1e-8 where sweeps stall
 
 /// Runs the solver of that name: nlgs, sor, nesterov, exact, or auto, which sweeps where the tolerance allows, and takes
 /// the exact tier where it asks for less than 1e-5, where 300 sweeps lead no further, or, up to 1000 points, where 300 do not do.

@@ -2,48 +2,68 @@
 #pragma once
 
 #include <limits>
+#include <vector>
 
 #include "packed_problem.hpp"
 #include "solver.hpp"
 
 namespace rcr {
 
-/// Counts sweeps, evaluates the criteria of the settings every few of them, and says when to stop.
+/// What says that sweeps may stop.
+struct Criteria {
+	double residual = 0, violation = 0; // as in Report
+	double meanForceChange = std::numeric_limits<double>::infinity();
+
+	bool met(const Settings&) const;
+};
+
+/// Counts the sweeps of an island, evaluates the criteria of the settings every few of them, and says when to stop.
 class StopTest {
 public:
-	StopTest(PackedProblem& packed, const Settings& settings) : packed_(packed), settings_(settings) { }
+	StopTest(PackedIsland& island, const Settings& settings) : island_(island), settings_(settings) { }
 
 	/// To be asked before each sweep.
-	bool reached();
-	/// The criteria at the end, of what was written.
-	Report report();
+	bool   reached();
+	int    sweeps() const { return sweeps_; }
+	double meanForceChange() const { return criteria_.meanForceChange; }
 
 private:
 	void measure();
-	bool met() const;
 	bool stalled();
 
-	PackedProblem&  packed_;
+	PackedIsland&   island_;
 	const Settings& settings_;
-	Report          report_;
-	double          meanForceChange_ = std::numeric_limits<double>::infinity();
-	double          normal_          = 0; // Σ p_n at the last evaluation
-	double          lowest_          = std::numeric_limits<double>::infinity(); // residual
+	Criteria        criteria_;
+	double          normal_ = 0; // Σ p_n at the last evaluation
+	double          lowest_ = std::numeric_limits<double>::infinity(); // residual
 	int             sweeps_ = 0, lowestAt_ = 0;
-	bool            measured_        = false;
+	bool            measured_ = false;
 };
 
-/// Takes the problem in, calls iterate(packed, stop) in a team of threads, gives the solution back.
+/// How an island was left.
+struct IslandEnd {
+	int    sweeps;
+	double meanForceChange; // between sweeps, not by the end
+};
+
+/// The criteria at the end, of what was written: of all, and whether each island has met its own.
+Report reportOf(PackedProblem&, const Settings&, const std::vector<IslandEnd>&);
+
+/// Takes the problem in, calls iterate(island, stop) for each island in a team of threads, gives the solution back.
 template <class Iterate> Report solveBySweeps(ContactProblem& problem, const Settings& settings, Workspace& workspace, Iterate iterate)
 {
 	PackedProblem& packed = workspace.packed();
 	Report         report;
 	packed.team.run(settings.threads, [&] {
-		packed.load(problem, settings.lanes);
-		StopTest stop(packed, settings);
-		iterate(packed, stop);
+		packed.load(problem, settings.lanes, settings.reductions);
+		std::vector<IslandEnd> ends(packed.islands());
+		packed.forEachIsland([&](PackedIsland&& island) {
+			StopTest stop(island, settings);
+			iterate(island, stop);
+			ends[island.number()] = { stop.sweeps(), stop.meanForceChange() };
+		});
 		packed.store(problem);
-		report = stop.report();
+		report = reportOf(packed, settings, ends);
 	});
 	return report;
 }

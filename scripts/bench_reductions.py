@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""What each reduction of the model saves: the same problems with it and without, one thread.
+
+Problems are lattices of discs, or those given; friction is switched off where a reduction asks for it. Times are processor
+time, the minimum of several runs; `sweeps` is the time per contact point and sweep, `call` that of a whole solution.
+"""
+
+import argparse
+import os
+import sys
+
+SCRIPTS = os.path.dirname(os.path.realpath(__file__))
+BENCH = os.path.join(SCRIPTS, os.pardir, "bench")
+sys.path[:0] = [os.path.join(SCRIPTS, os.pardir, "py"), BENCH]
+import outside
+
+try:
+    import measure
+    import numpy as np
+    import rcr._kernel as kernel
+    from rcr import problems
+except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
+    outside.reenter(__file__, error)
+
+ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
+COLUMNS = ["reduction", "problem", "points", "what", "full", "reduced", "full_over_reduced"]
+FEW = 10  # sweeps that are subtracted, with all that a call does once
+UNITS_OF_WORK = 300_000  # points times sweeps of one timing
+
+
+def without(*names):
+    return [name for name in ALL if name not in names]
+
+
+def arrays(problem, **changes):
+    """What the kernel takes, the points of a pair side by side."""
+    order = np.lexsort(problem.bodies.T[::-1])
+    whole = "inverse_mass", "free_velocity"
+    return {**{key: value if key in whole else value[order] for key, value in vars(problem).items()}, **changes}
+
+
+def frictionless(given):
+    return {**given, "friction": 0 * given["friction"], "impulse": given["impulse"] * [1, 0]}
+
+
+def beside(parts):
+    """Problems side by side."""
+    columns, count = {key: [] for key in parts[0]}, 0
+    for part in parts:
+        for key, value in part.items():
+            columns[key].append(value + count if key == "bodies" else value)
+        count += len(part["inverse_mass"])
+    return {key: np.concatenate(values).astype(np.int32 if key == "bodies" else float) for key, values in columns.items()}
+
+
+def heap(discs, seed):
+    """A lattice that falls on the floor of a fixed box: the more discs, the more sweeps."""
+    given = measure.lattice(discs, seed)
+    walls = slice(len(given["inverse_mass"]) - 4, None)
+    given["inverse_mass"][walls] = given["free_velocity"][walls] = 0
+    given["free_velocity"][: walls.start, 1] -= 0.05
+    return given
+
+
+def single_grains(count):
+    """Each touches the fixed floor and nothing else."""
+    return dict(
+        inverse_mass=np.vstack([np.tile([1.0, 1, 8], (count, 1)), np.zeros((1, 3))]),
+        free_velocity=np.vstack([np.tile([0.1, -0.1, 0.3], (count, 1)), np.zeros((1, 3))]),
+        bodies=np.column_stack([np.arange(count), np.full(count, count)]).astype(np.int32), normal=np.tile([0.0, -1.0], (count, 1)),
+        arm1=np.tile([0.1, -0.5], (count, 1)), arm2=np.zeros((count, 2)), bias=np.zeros(count), friction=np.full(count, 0.5),
+        impulse=np.zeros((count, 2)),
+    )  # fmt: skip
+
+
+def compare(repeats, runs):
+    """The least processor time of each run (problem, settings), all taken in turn [s]."""
+
+    def timed(given, settings):
+        return kernel.solve(**given, violation=np.inf, **settings)["processor_seconds"]
+
+    return measure.best(repeats, 60, *(lambda run=run: timed(*run) for run in runs))
+
+
+def sweep_row(name, about, given, left_out, solver, repeats):
+    points = len(given["bodies"])
+    many = FEW + max(40, UNITS_OF_WORK // points)
+    settings = lambda left, count: dict(
+        solver=solver, tolerance=0, max_iterations=count, check_interval=10**9, workspace=kernel.Workspace(), reductions=without(*left)
+    )
+    full_few, full, few, reduced = compare(
+        repeats, [(given, settings(left, count)) for left in (left_out, ()) for count in (FEW, many)]
+    )
+    full, reduced = (1e9 * time / (many - FEW) / points for time in (full - full_few, reduced - few))
+    return dict(
+        reduction=name, problem=about, points=points, what=f"sweeps of {solver} [ns]", full=full, reduced=reduced,
+        full_over_reduced=full / reduced,
+    )  # fmt: skip
+
+
+def call_row(name, about, given, left_out, repeats, what, **settings):
+    settings = [dict(settings, workspace=kernel.Workspace(), reductions=without(*left)) for left in (left_out, ())]
+    full, reduced = compare(repeats, [(given, each) for each in settings])
+    return dict(
+        reduction=name, problem=about, points=len(given["bodies"]), what=f"{what} [µs]", full=1e6 * full, reduced=1e6 * reduced,
+        full_over_reduced=full / reduced,
+    )  # fmt: skip
+
+
+def work_row(name, about, given, left_out, **settings):
+    full, reduced = (kernel.solve(**given, **settings, violation=np.inf, reductions=without(*left))["work"] for left in (left_out, ()))
+    return dict(
+        reduction=name, problem=about, points=len(given["bodies"]), what="sweeps × points", full=full, reduced=reduced,
+        full_over_reduced=full / reduced,
+    )  # fmt: skip
+
+
+def rows(given, options):
+    to_tolerance = dict(solver="nesterov", tolerance=1e-4, max_iterations=20000)
+    repeats = options.repeats
+    for name, problem in given:
+        slippery = frictionless(problem)
+        turning = {**slippery, "arm1": slippery["arm1"] + 0.1, "arm2": slippery["arm2"] - 0.1}  # every normal has a lever
+        for solver in "nlgs", "nesterov":
+            yield sweep_row("frictionless", name, turning, ["frictionless", "discs"], solver, repeats)
+            yield sweep_row("discs", name, slippery, ["discs"], solver, repeats)
+            yield sweep_row("both", name, slippery, ["frictionless", "discs"], solver, repeats)
+        yield sweep_row("fixed", name, problem, ["fixed"], "nesterov", repeats)
+        yield sweep_row("islands", name + ", one island", problem, ["islands"], "nesterov", repeats)
+        yield call_row("islands", name + ", one island", problem, ["islands"], repeats, "40 sweeps", solver="nesterov", tolerance=0, max_iterations=40)
+        yield call_row("layout", name, problem, ["layout"], repeats, "40 sweeps", solver="nesterov", tolerance=0, max_iterations=40)
+    heaps = beside([heap(40 * 2**k, k) for k in range(6)] + [heap(60, 10 + k) for k in range(4)])
+    yield work_row("islands", "ten heaps", heaps, ["islands"], **to_tolerance)
+    yield call_row("islands", "ten heaps", heaps, ["islands"], repeats, "to 1e-4", **to_tolerance)
+    grains = single_grains(1000)
+    yield call_row("islands", "1000 grains on a floor", grains, ["islands"], repeats, "to 1e-4", **to_tolerance)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="bench_reductions.py", description=__doc__.splitlines()[0])
+    parser.add_argument("problems", nargs="*", metavar="PROBLEM", help="file .npz with bodies (default: lattices of 500, 2000 and 8000 discs)")
+    parser.add_argument("--repeats", type=int, default=20, metavar="N", help="runs of which the least counts (default %(default)s)")
+    parser.add_argument("--out", metavar="DIR", help="also writes reductions.csv there")
+    options = parser.parse_args()
+    if options.repeats < 1:
+        raise ValueError(f"--repeats {options.repeats}: wanted at least 1")
+    given = [(os.path.splitext(os.path.basename(path))[0], problems.load(path)) for path in options.problems]
+    for name, problem in given:
+        if not isinstance(problem, problems.BodyProblem):
+            raise ValueError(f"{name}: holds W and q, not bodies; give a .npz file")
+    if not given:
+        given = [(f"lattice-{count}", problems.BodyProblem(**measure.lattice(count))) for count in (500, 2000, 8000)]
+    table = list(rows([(name, arrays(problem)) for name, problem in given], options))
+    measure.show("reductions", table, COLUMNS)
+    if options.out:
+        os.makedirs(options.out, exist_ok=True)
+        measure.write(os.path.join(options.out, "reductions.csv"), table, COLUMNS)
+
+
+try:
+    main()
+except (ValueError, OSError, RuntimeError) as error:
+    sys.exit(f"bench_reductions.py: {error}")
