@@ -1,0 +1,65 @@
+"""`ContactDynamics.model` follows the scene: friction switched on, a body freed, heaps that touch."""
+
+import numpy as np
+import pytest
+import rcr
+from rcr.hard_scenes.stage import box, material, stadium
+from scenes import build, snapshot, steps
+from yade import O, utils
+
+SOLVER = dict(tolerance=1e-6, maxIterations=5000, solver="nesterov")
+
+
+def solver():
+    return next(e for e in O.engines if isinstance(e, rcr.ContactDynamics))
+
+
+def heaps(count, friction, length=0.0, **options):
+    """Heaps of 5 × 4 particles side by side on a fixed floor, too far apart to touch."""
+    one = material(friction=friction)
+    grains = [
+        stadium(length, 0.05, (2 * heap + 0.1 * column + 0.03 * (row % 2), 0.05 + 0.09 * row), material=one)
+        for heap in range(count) for row in range(4) for column in range(5)
+    ]  # fmt: skip
+    return build(box((count, -0.1), (2 * count, 0.1), material=one), *grains, **{**SOLVER, **options})
+
+
+def test_model_of_discs_without_friction():
+    heaps(3, 0)
+    steps(3)
+    model = solver().model
+    assert model["islands"] == 3 and model["fixed"] == 1
+    assert model["bodies"] == 60 and model["rotations"] == 0
+    assert model["frictionless"] and model["unknowns"] == model["points"] == solver().contactPoints
+
+
+def test_model_follows_the_scene():
+    """Friction switched on: two unknowns a point, and rotations; the floor freed: it joins the heaps."""
+    heaps(3, 0)
+    steps(3)
+    utils.setContactFriction(0.5)
+    O.step()
+    model = solver().model
+    assert not model["frictionless"] and model["unknowns"] > model["points"] and model["rotations"] > 0 and model["islands"] == 3
+    O.bodies[0].dynamic = True
+    O.bodies[0].state.blockedDOFs = "xzXYZ"
+    O.bodies[0].state.mass = 100.0
+    O.step()
+    assert solver().model["fixed"] == 0 and solver().model["islands"] == 1
+
+
+def test_reductions_change_nothing_but_the_time():
+    """The same fall with all of them and with none: without friction there is one motion, known to the tolerance."""
+    states = []
+    for reductions in (rcr.ContactDynamics().reductions, []):
+        heaps(2, 0, reductions=reductions)
+        steps(50)
+        assert solver().converged
+        states.append(snapshot()[:, :7])
+    np.testing.assert_allclose(*states, rtol=0, atol=2e-4 * 0.05)
+
+
+def test_unknown_reduction_is_refused():
+    heaps(1, 0, reductions=["walls"])
+    with pytest.raises(Exception, match="reduction 'walls' is not known"):
+        O.step()
