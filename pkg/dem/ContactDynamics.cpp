@@ -44,7 +44,7 @@ void ContactDynamics::step(const Engines& engines)
 		if (pass < mostPasses)
 			timed("late", [&] {
 				late  = late_.find(*scene, engines.loop, bodies_, problem_);
-				again = late || (!overdamped && adaptBiases(engines));
+				again = late || (!overdamped && adaptBiases(engines, pass <= mostPasses / 2));
 			});
 		if (!again) break;
 		if (late) timed("gather", [&] { gatherContacts(); });
@@ -308,13 +308,13 @@ void ContactDynamics::measureUnbalance()
 }
 
 /// What a solved step shows to be wrong with its own biases; true if one has changed and the step is to be solved once more.
-bool ContactDynamics::adaptBiases(const Engines& engines)
+bool ContactDynamics::adaptBiases(const Engines& engines, bool letGo)
 {
 	bool changed = false;
 	for (const Contact& contact : contacts_) {
 		const int one = contact.id1, two = contact.id2;
 		if (CurvedWays::isLong(bodies_[one], bodies_[two], problem_.velocity[one], problem_.velocity[two], double(scene->dt)))
-			changed |= curved_.correct(*scene, engines.loop, bodies_, problem_, one, two, *contact.geom, *contact.phys, contact.first);
+			changed |= curved_.correct(*scene, engines.loop, bodies_, problem_, one, two, *contact.geom, *contact.phys, contact.first, letGo);
 		const auto begin = problem_.points.begin() + contact.first;
 		if (std::any_of(begin, begin + contact.points, [](const rcr::ContactPoint& c) { return c.bias < 0; })) changed |= restrainBounce(contact);
 	}

@@ -85,7 +85,7 @@ private:
 	void          keepForces();
 	void          scatterForces();
 	void          measureUnbalance();
-	bool          adaptBiases(const Engines&);
+	bool          adaptBiases(const Engines&, bool letGo);
 	bool          restrainBounce(const Contact&);
 	void          watchForJam();
 	void          correctPositions();

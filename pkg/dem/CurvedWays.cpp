@@ -53,7 +53,8 @@ bool CurvedWays::correct(
         Body::id_t                   id2,
         const RcrGeom&               geom,
         CdPhys&                      phys,
-        int                          first)
+        int                          first,
+        bool                         letGo)
 {
 	const double      dt = double(scene.dt), slop = RcrGeom::slop * double(geom.refR1 + geom.refR2);
 	const StepBody &  one = bodies[id1], &two = bodies[id2];
@@ -78,7 +79,7 @@ bool CurvedWays::correct(
 			--last;
 		const double share = double(last) / looks, end = gapOf(at[last - 1], k, begin.count, c.normal);
 		const bool   sinks  = (end < std::min(0.0, gap) - slop || last < looks) && std::isfinite(end);
-		const bool   passes = solved.impulse[first + k].n > 0 && least > clear * slop && std::isfinite(least);
+		const bool   passes = letGo && solved.impulse[first + k].n > 0 && least > clear * slop && std::isfinite(least);
 		if (phys.restitution > 0 && c.bias < 0) continue; // it bounces at the beginning of the step
 		if (!sinks && !passes) continue;
 		const double curve = sinks ? (end - gap - share * way) / (share * share) : 2 * least - gap - way; // 2: lets go where another one carries too

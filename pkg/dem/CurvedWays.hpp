@@ -36,6 +36,7 @@ public:
 	}
 
 	/// One such pair of a solved step, whose points are solved.points[first] …; true if a bias has changed, there and in its CdPhys.
+	/// Contacts that the way passes are let go only where `letGo` says so: what is let go may sink in.
 	bool correct(
 	        const Scene&,
 	        const InteractionLoop&,
@@ -45,7 +46,8 @@ public:
 	        Body::id_t                 id2,
 	        const RcrGeom&,
 	        CdPhys&,
-	        int first);
+	        int                        first,
+	        bool                       letGo);
 
 private:
 	rcr::Manifold after(double time, const StepBody&, const StepBody&, const rcr::Twist&, const rcr::Twist&, const Body&, const Body&, IGeomFunctor&);

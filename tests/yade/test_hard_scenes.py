@@ -6,18 +6,11 @@ scripts/hard_scenes.py. S20, the same bits for any threads, is tests/yade/test_s
 
 import pytest
 from rcr import hard_scenes
-from rcr.hard_scenes import COARSE, TIGHT
+from rcr.hard_scenes import COARSE
 
 SHORTENED = dict(s18_creep=10.0, s19_tall_stack=5.0)  # seconds of simulated time
 # What is known to fail, with its figure in the README; a cure makes these tests fail, and is to be entered here and there.
-FAILS = {
-    "s02_chain": "1.2 % of the force are missing at the default tolerance",
-    "s08_joints": "joints brake by 2.6e-3: the next box is known by a tilted plane",
-    "s19_disc_pyramid": "rest and collapse both satisfy the laws, and ours collapses",
-    "s19_tall_stack": "drifts sideways within the tolerance",
-}
-FAILS_COARSE = {"s17_fast_spin": "1 rad a step"}
-NEEDS_TIGHT = ["s02_chain", "s19_tall_stack"]
+FAILS = {"s19_disc_pyramid": "rest and collapse both satisfy the laws, and ours collapses"}
 
 
 def run(name, **how):
@@ -25,24 +18,16 @@ def run(name, **how):
     return hard_scenes.run(name, **how, **shortened)
 
 
-def known(reasons):
-    return [pytest.param(name, marks=pytest.mark.xfail(reason=reasons[name], strict=True) if name in reasons else ()) for name in hard_scenes.names()]
-
-
-@pytest.mark.parametrize("name", known(FAILS))
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.xfail(reason=FAILS[name], strict=True) if name in FAILS else ()) for name in hard_scenes.names()]
+)
 def test_scene_keeps_its_bound(name):
     result, scene = run(name), hard_scenes.scene(name)
     assert result.measured <= scene.BOUND, f"{scene.PREDICATE}: {result}"
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
 
 
-@pytest.mark.parametrize("name", NEEDS_TIGHT)
-def test_scene_keeps_its_bound_with_a_tight_solver(name):
-    result, scene = run(name, law=TIGHT), hard_scenes.scene(name)
-    assert result.measured <= scene.BOUND and result.stable, f"{scene.PREDICATE}: {result}"
-
-
-@pytest.mark.parametrize("name", known(FAILS_COARSE))
+@pytest.mark.parametrize("name", hard_scenes.names())
 def test_scene_is_stable_at_ten_time_steps(name):
     result = run(name, dt=COARSE)
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
