@@ -61,7 +61,7 @@ def test_frictionless_packing_is_isostatic(packing):
 def test_frictionless_packing_is_balanced_and_isotropic(packing):
     """Net forces below 5e-5 of the mean contact force; σ = σ₀ on all walls within 1 %."""
     mean = np.mean([point.force for point in packing.points])
-    assert packing.net_forces.mean() < 1.01 * BALANCED * mean  # 1.01: the engine counts the two mobile walls too
+    assert packing.net_forces.mean() < BALANCED * mean
     assert packing.net_forces.max() < 0.02 * mean  # of 400; one that is still settling
     assert packing.wall_stresses == pytest.approx(STRESS, rel=0.01)
 
