@@ -8,7 +8,8 @@ Rules
   ``_fit_error`` is that of the fit, and ``_half`` the β found up to half of the mean: how much the range matters.
 * Angular functions ⟨·⟩(θ, ξ) are means over the contacts of S(ξ) with a normal near θ, least-squares fitted by the paper's forms;
   tangential components are along n turned by −90° there, the sense in which ⟨f_t⟩ = ⟨f_n⟩ a_ft sin 2(θ − θσ) with a_ft > 0.
-* sin φ is that of the walls, averaged over the history; ``sin_phi_network`` is that of the snapshots.
+* sin φ is that of the mean stresses of the walls over the history, not the mean of sin φ: stresses of a large packing fluctuate by its
+  inertia, and then the latter is too small. ``sin_phi_std`` is the scatter of records; ``sin_phi_network`` is the mean of the snapshots.
 """
 
 import dataclasses
@@ -19,7 +20,7 @@ from rcr import statistics
 from rcr.ensemble import Ensemble
 from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE
 from rcr.paper import MAPS, STATEMENTS
-from rcr.runs import by_elongation
+from rcr.runs import by_elongation, sin_phi
 
 POWER_RANGE = 0.01  # of the mean: below it forces are as small as the solver's tolerance leaves them undecided
 BLOCKS = 5  # of a history, each longer than the correlation of sin φ, for its standard error
@@ -252,13 +253,13 @@ def measures(ensemble, grids):
 
 def strength(runs, ensemble, grids):
     """sin φ of the critical state and along the strain, of the runs of one elongation."""
-    late = [run.critical_history() for run in runs]
-    blocks = [block.mean() for history in late for block in np.array_split(history, min(BLOCKS, len(history)))]
+    late = [run.critical_stresses() for run in runs]
+    blocks = [sin_phi(block.mean(axis=0)) for stresses in late for block in np.array_split(stresses, min(BLOCKS, len(stresses)))]
     histories = [run.history for run in runs if run.history is not None]
-    curves = [np.interp(grids.strain, h["strain"], h["sin_phi"], left=np.nan, right=np.nan) for h in histories]
+    curves = [np.interp(grids.strain, h["strain"], sin_phi(np.column_stack([h["stress_x"], h["stress_y"]])), left=np.nan, right=np.nan) for h in histories]
     return dict(
-        sin_phi=np.mean([history.mean() for history in late]),
-        sin_phi_std=np.concatenate(late).std(),
+        sin_phi=np.mean([sin_phi(stresses.mean(axis=0)) for stresses in late]),
+        sin_phi_std=sin_phi(np.concatenate(late)).std(),
         sin_phi_error=standard_error(blocks),
         sin_phi_network=ensemble.sin_phi(),
         sin_phi_network_error=standard_error([part.sin_phi() for part in ensemble.snapshots()]),

@@ -393,7 +393,8 @@ class Biaxial:
     def summary(self):
         """What `summary.json` holds; stresses and fractions of the second half of the strain."""
         network = self.network()
-        late = [row["sin_phi"] for row in self.rows if row["strain"] >= 0.5 * self.strain]
+        late = [row for row in self.rows if row["strain"] >= 0.5 * self.strain]
+        x, y = (np.mean([row[name] for row in late]) for name in ("stress_x", "stress_y"))
         between = network.between_particles
         types = network.contacts["type"][between]
         force = np.einsum("ca,ca->c", network.contacts["force"], network.contacts["normal"])[between]
@@ -404,8 +405,8 @@ class Biaxial:
             particles=self.parameters["particles"],
             seed=self.parameters["seed"],
             strain=self.strain,
-            sin_phi=float(np.mean(late)),
-            sin_phi_std=float(np.std(late)),
+            sin_phi=float((y - x) / (y + x)),
+            sin_phi_std=float(np.std([row["sin_phi"] for row in late])),
             packing_fraction_initial=self.progress["packing_fraction_initial"],
             packing_fraction_final=self.packing_fraction,
             coordination_number=network.coordination(),

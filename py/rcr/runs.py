@@ -22,7 +22,7 @@ class Run:
     isotropic : Network or None
         End of the compaction.
     history : dict of arrays, or None
-        ``strain`` and ``sin_phi``, one value every record of the shear [-].
+        ``strain`` [-], ``stress_x`` and ``stress_y`` on the walls [Pa], one value every record of the shear.
     """
 
     folder: pathlib.Path
@@ -60,10 +60,20 @@ class Run:
         isotropic = folder / "isotropic.h5"
         return cls(folder, critical, from_strain, Network.load(isotropic) if isotropic.exists() else None, _history(folder / "history.csv"))
 
-    def critical_history(self):
-        """sin φ of the records in the critical state, (rows,) [-]; of the networks if it has none."""
-        late = [] if self.history is None else self.history["sin_phi"][self.history["strain"] >= self.from_strain]
-        return late if len(late) else np.array([network.sin_phi() for network in self.networks])
+    def critical_stresses(self):
+        """σ₂ and σ₁ of the records in the critical state, (rows, 2) [Pa]: σ_x and σ_y of the walls, or those of the networks without a history."""
+        if self.history is not None:
+            late = self.history["strain"] >= self.from_strain
+            if late.any():
+                return np.column_stack([self.history["stress_x"], self.history["stress_y"]])[late]
+        stresses = np.array([network.stress() for network in self.networks])
+        return np.linalg.eigvalsh(0.5 * (stresses + stresses.transpose(0, 2, 1)))
+
+
+def sin_phi(stresses):
+    """q/p = (σ₁ − σ₂)/(σ₁ + σ₂) of stresses (…, 2) [-]."""
+    low, high = np.moveaxis(np.asarray(stresses), -1, 0)
+    return (high - low) / (high + low)
 
 
 def _strain(network):
@@ -75,10 +85,11 @@ def _history(path):
     if not path.exists():
         return None
     rows = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True))
-    missing = {"strain", "sin_phi"} - set(rows.dtype.names or ())
+    columns = ("strain", "stress_x", "stress_y")
+    missing = set(columns) - set(rows.dtype.names or ())
     if missing:
         raise ValueError(f"{path} lacks the column {' and '.join(sorted(missing))}")
-    return {name: rows[name] for name in ("strain", "sin_phi")}
+    return {name: rows[name] for name in columns}
 
 
 def by_elongation(runs):
