@@ -23,6 +23,7 @@ from rcr.paper import MAPS, STATEMENTS
 from rcr.runs import by_elongation, sin_phi
 
 POWER_RANGE = 0.01  # of the mean: below it forces are as small as the solver's tolerance leaves them undecided
+WINDOW = 0.01  # of strain, over which stresses are averaged for the curve of sin φ
 BLOCKS = 5  # of a history, each longer than the correlation of sin φ, for its standard error
 ISOTROPIC = ("a_c", "contacts", "order", "packing_fraction", "coordination_number", "coordination_number_twice")
 NAMES = ("a_c", "a_ln", "a_lt", "a_fn", "a_ft")
@@ -251,12 +252,19 @@ def measures(ensemble, grids):
 # --- runs ---------------------------------------------------------------------------------------------------------------
 
 
+def along_strain(history, strain):
+    """sin φ of the wall stresses averaged over `WINDOW` about each strain; NaN where there is no record."""
+    near = np.abs(history["strain"] - strain[:, None]) <= WINDOW / 2
+    count = np.where(near.any(axis=1), near.sum(axis=1), np.nan)
+    return sin_phi(np.column_stack([near @ history["stress_x"] / count, near @ history["stress_y"] / count]))
+
+
 def strength(runs, ensemble, grids):
     """sin φ of the critical state and along the strain, of the runs of one elongation."""
     late = [run.critical_stresses() for run in runs]
     blocks = [sin_phi(block.mean(axis=0)) for stresses in late for block in np.array_split(stresses, min(BLOCKS, len(stresses)))]
     histories = [run.history for run in runs if run.history is not None]
-    curves = [np.interp(grids.strain, h["strain"], sin_phi(np.column_stack([h["stress_x"], h["stress_y"]])), left=np.nan, right=np.nan) for h in histories]
+    curves = [along_strain(history, grids.strain) for history in histories]
     return dict(
         sin_phi=np.mean([sin_phi(stresses.mean(axis=0)) for stresses in late]),
         sin_phi_std=sin_phi(np.concatenate(late)).std(),
