@@ -132,6 +132,8 @@ def draw(letter, given, options, worker):
     figure = module.plot([row for row in table.rows if row["point"] in names], options)
     for suffix in "png", "svg":
         figure.savefig(f"{base}.{suffix}", dpi=110, bbox_inches="tight")
+    if hasattr(module, "ratios"):
+        print("\n".join(module.ratios(table.rows)))
     failed = [row for row in table.rows if row["status"] != "ok"]
     print(f"{base}.png: {len(table.rows)} rows" + (f", {len(failed)} without numbers (column status)" if failed else ""))
 

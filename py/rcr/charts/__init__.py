@@ -6,6 +6,7 @@ Each module of this package is a chart:
     points(options)             names of its points, in the order in which they are run
     run(name, options)          the rows (dicts) of one point; most have one
     plot(rows, options)         the figure
+    ratios(rows)                lines of a table of what is compared, where something is (a and c)
     COLUMNS                     of the CSV, after `point` and before `command`
 
 A row whose `status` is not 'ok' says why it has no numbers. Times are processor time of one thread.

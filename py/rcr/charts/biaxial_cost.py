@@ -241,27 +241,53 @@ def plot(rows, options):
     return figure
 
 
-def _panel(ax, rows, name):
-    """Overlaps as they are; everything else as its distance from the reference, relative but for a_c, which may be small."""
+def _errors(rows, name):
+    """Of one elongation: [(a row of the setting, seconds, error)], and the error that is chance, 0 where it is not known.
+
+    Overlaps are errors as they are; everything else as its distance from the reference, relative but for a_c, which may be small.
+    """
     finest = np.array([row[name] for row in rows if row["law"] == "reference"])
-    plain = name == "mean_overlap"
-    scale = 1 if plain or name == "a_c" or not len(finest) else abs(finest.mean())
-    target = 0 if plain or not len(finest) else finest.mean()
+    plain = name == "mean_overlap" or not len(finest)
+    target, scale = 0 if plain else finest.mean(), 1 if plain or name == "a_c" else abs(finest.mean())
     settings = {}  # the seeds of each
     for row in rows:
         if row["law"] != "reference":
             settings.setdefault(row["point"].rsplit("/", 1)[0], []).append(row)
+    mean = lambda runs, key: np.mean([row[key] for row in runs])
+    errors = [(runs[0], mean(runs, "seconds"), max(1e-6, abs(mean(runs, name) - target) / scale)) for runs in settings.values()]
+    seeds = max(map(len, settings.values()), default=1)
+    chance = 0 if plain or len(finest) < 2 else finest.std(ddof=1) * math.sqrt(1 / seeds + 1 / len(finest)) / scale
+    return errors, chance
+
+
+def ratios(rows):
+    """Processor time of springs and clumps over the least of rigid contacts with no larger error, chance aside, for each observable."""
+    rows = [row for row in rows if row["status"] == "ok"]
+    yield "time over that of rigid contacts | " + " | ".join(TITLES[name] for name in OBSERVED)
+    yield "---|" * len(OBSERVED) + "---"
+    for eta in ETAS:
+        cells = {}
+        for name in OBSERVED:
+            errors, chance = _errors([row for row in rows if row["eta"] == eta], name)
+            for row, seconds, error in errors:
+                if row["law"] != "cd":
+                    rigid = [t for other, t, e in errors if other["law"] == "cd" and e <= max(error, chance)]
+                    cell = f"{seconds / min(rigid):.2g}" if rigid else "not reached"
+                    cells.setdefault(f"η = {eta:g}, {row['law']}, k_n/σ₀ = {row['stiffness']:.0e}, {seconds:.2g} s", []).append(cell)
+        for setting, line in cells.items():
+            yield f"{setting} | " + " | ".join(line)
+
+
+def _panel(ax, rows, name):
+    errors, chance = _errors(rows, name)
     curves = {}
-    for runs in settings.values():
-        mean = lambda key: np.mean([row[key] for row in runs])
-        curves.setdefault(_label(runs[0]), []).append((mean("seconds"), max(1e-6, abs(mean(name) - target) / scale)))
+    for row, seconds, error in errors:
+        curves.setdefault(_label(row), []).append((seconds, error))
     for label, curve in curves.items():
         color = "k" if "springs" in label else "0.5" if "clumps" in label else "C3" if "nlgs" in label else "C0"
         marker = {"1e-02": "v", "1e-03": "s", "1e-04": "o"}.get(label[-5:], "^" if "springs" in label else "D")
         ax.loglog(*np.array(sorted(curve)).T, marker + "-", color=color, ms=5, lw=0.8, mfc="w" if "nlgs" in label else color, label=label)
-    if len(finest) > 1 and not plain:
-        seeds = max(map(len, settings.values()), default=1)
-        chance = finest.std(ddof=1) * math.sqrt(1 / seeds + 1 / len(finest)) / scale
+    if chance:
         ax.axhspan(1e-6, chance, color="0.9", label="chance (standard error of the difference)")
         ax.set_ylim(bottom=1e-3)
     ax.grid(alpha=0.3)

@@ -20,6 +20,7 @@ SOLVERS = "nlgs", "sor", "nesterov", "exact", "auto"
 ETAS = 0.0, 0.4, 0.7
 ROOT = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, os.pardir, os.pardir)
 STRAIN = 0.01
+LEVELS = [10.0**-k for k in range(2, 11)]
 COLORS = dict(zip((*SOLVERS, "Siconos NSGS", "Chipmunk", "Box2D"), ("C0", "C9", "C1", "C3", "k", "C2", "C4", "C5")))
 
 
@@ -110,6 +111,25 @@ def _stepped(library, network, folder, options):
                         library=row["library"], contacts=int(row["points"]), start=row["start"], iterations=iterations,
                         seconds=1e-3 * float(row["ms"]), residual=float(row["residual"]),
                     )  # fmt: skip
+
+
+def ratios(rows):
+    """Processor time of each library over that of `auto` to each residual, over problems and starts: least – largest (how many)."""
+    least = {}  # (residual, library, problem and start): seconds
+    for row in rows:
+        for level in LEVELS if row["status"] == "ok" else ():
+            key = level, row["library"], (row["particles"], row["eta"], row["start"])
+            if row["residual"] <= level:
+                least[key] = min(row["seconds"], least.get(key, np.inf))
+    others = list(dict.fromkeys(library for _, library, _ in least if library != "auto"))
+    yield "time over that of auto | " + " | ".join(others)
+    yield "---|" * len(others) + "---"
+    for level in LEVELS:
+        cells = []
+        for library in others:
+            found = [seconds / least[level, "auto", of] for (at, who, of), seconds in least.items() if (at, who) == (level, library) and (level, "auto", of) in least]
+            cells.append(f"{min(found):.2g} – {max(found):.2g} ({len(found)})" if found else "")
+        yield f"{level:.0e} | " + " | ".join(cells)
 
 
 def plot(rows, options):
