@@ -4,6 +4,7 @@ namespace yade {
 
 namespace {
 
+	constexpr double far   = std::numeric_limits<double>::infinity();
 	constexpr int    looks = 4;    // times within the step at which a gap is measured before its contact is let pass
 	constexpr double clear = 0.02; // share of the slop by which it must stay open: a push, unlike an overlap, is felt at once
 
@@ -13,15 +14,12 @@ namespace {
 		moved.ori = v.rotation == 0 ? from.ori : Quaternionr(AngleAxisr(time * v.rotation, Vector3r::UnitZ())) * from.ori;
 	}
 
-	constexpr double far = std::numeric_limits<double>::infinity();
-
 	/// Gap of the point that was number k of `count`; the deepest where their number has changed. Behind a body it is no gap.
 	double gapOf(const rcr::Manifold& now, int k, int count, rcr::Vec2 normal)
 	{
 		if (now.count == 0) return far;
-		const int    at  = now.count == count ? k : now.count == 2 && now.points[1].gap < now.points[0].gap ? 1 : 0;
-		const double gap = now.points[at].gap;
-		return dot(now.points[at].normal, normal) > 0 ? gap : -far;
+		const int at = now.count == count ? k : now.count == 2 && now.points[1].gap < now.points[0].gap ? 1 : 0;
+		return dot(now.points[at].normal, normal) > 0 ? now.points[at].gap : -far;
 	}
 
 	/// Has it gone through the other body, so that the overlap is now on the far side?
