@@ -11,7 +11,7 @@ import sys
 
 from tqdm import tqdm
 
-from rcr.biaxial import INERTIAL_NUMBER, RECORD, STIFFNESS, TIME_STEP, Biaxial
+from rcr.biaxial import INERTIAL_NUMBER, RECORD, SHEAR_ITERATIONS, STIFFNESS, TIME_STEP, Biaxial
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 
@@ -27,6 +27,7 @@ def arguments():
     parser.add_argument("--time-step", type=float, default=TIME_STEP, help="of the shear, over √(m/σ0); the smooth law's follows from its stiffness (default %(default)s)")
     parser.add_argument("--threads", type=int, default=0, help="of the contact solver (default: as YADE's -j)")
     parser.add_argument("--tolerance", type=float, default=1e-4, help="residual of the contact solver (default %(default)s)")
+    parser.add_argument("--iterations", type=int, default=SHEAR_ITERATIONS, help="of the solver in a step of the shear at most (default %(default)s)")
     parser.add_argument("--solver", default="auto", help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
     parser.add_argument("--law", choices=["cd", "smooth"], default="cd", help="rigid contacts, or springs and dashpots (default %(default)s)")
     parser.add_argument("--stiffness", type=float, default=STIFFNESS, help="kn/σ0 of the smooth law (default %(default)s)")
@@ -85,6 +86,7 @@ def main():
             options.time_step,
             options.law,
             options.stiffness,
+            options.iterations,
         )
     if test.progress["phase"] != "shear":
         compact(test, options)

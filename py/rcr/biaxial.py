@@ -137,6 +137,7 @@ class Biaxial:
         time_step=TIME_STEP,
         law="cd",
         stiffness=STIFFNESS,
+        iterations=SHEAR_ITERATIONS,
     ):
         """A new test in a loose state: particles of random orientation, each in its circle of a deposited packing.
 
@@ -160,6 +161,8 @@ class Biaxial:
             Of the shear: 'cd', rigid contacts, or 'smooth', springs, with `VISCOUS_DAMPING` along normals and no other damping.
         stiffness : float
             k_n/σ₀ of the smooth law [-], > 0.
+        iterations : int
+            Of the solver in a step of the shear at most, > 0; a tolerance below 1e-4 wants thousands.
 
         Raises
         ------
@@ -172,7 +175,8 @@ class Biaxial:
             raise ValueError(f"friction = {friction}; wanted a coefficient ≥ 0")
         if law not in ("cd", "smooth"):
             raise ValueError(f"law = {law!r}; wanted 'cd' or 'smooth'")
-        for name, value in dict(inertial_number=inertial_number, time_step=time_step, stiffness=stiffness).items():
+        positive = dict(inertial_number=inertial_number, time_step=time_step, stiffness=stiffness, iterations=iterations)
+        for name, value in positive.items():
             if not (math.isfinite(value) and value > 0):
                 raise ValueError(f"{name} = {value}; wanted a number > 0")
         O.reset()
@@ -208,7 +212,7 @@ class Biaxial:
         ]
         parameters = dict(eta=eta, particles=particles, seed=seed, friction=friction, inertial_number=inertial_number, time_step=time_step)
         parameters.update(law=law, stiffness=stiffness)
-        progress = dict(phase="collapse", tolerance=tolerance, iterations=0, residual_max=0.0, wall_seconds=0.0)
+        progress = dict(phase="collapse", tolerance=tolerance, shear_iterations=iterations, iterations=0, residual_max=0.0, wall_seconds=0.0)
         return cls(parameters, progress, [])
 
     # --- what the walls feel -------------------------------------------------------------------------------------------
@@ -307,7 +311,7 @@ class Biaxial:
             residual_max=0.0,  # of the shear; the compaction is solved as finely as it is balanced
         )
         self.solver.tolerance = self.progress["tolerance"]
-        self.solver.maxIterations = SHEAR_ITERATIONS
+        self.solver.maxIterations = self.progress["shear_iterations"]
         self.solver.overdamped = False
         for body in O.bodies:
             body.state.vel = body.state.angVel = Vector3.Zero
