@@ -363,23 +363,18 @@ void ContactDynamics::watchForJam()
 void ContactDynamics::correctPositions()
 {
 	constexpr double farthestShift = 1e-4; // of a radius
+	constexpr int    sweeps        = 20;
 	if (correction == 0 || overdamped) return;
 	const double      dt = double(scene->dt);
 	if (std::none_of(gap_.begin(), gap_.end(), [](const Gap& gap) { return gap.now < gap.allowed; })) return;
-	shift_ = problem_;
+	shiftBias_.resize(gap_.size());
 	workspace_.team().forEach(gap_.size(), [&](int k) {
-		const double excess = gap_[k].now - gap_[k].allowed;
-		if (excess < 0) shift_.points[k].bias = std::min(shift_.points[k].bias, double(correction) * excess / dt);
+		const double excess = gap_[k].now - gap_[k].allowed, bias = problem_.points[k].bias;
+		shiftBias_[k] = excess < 0 ? std::min(bias, double(correction) * excess / dt) : bias;
 	});
-	rcr::Settings few;
-	few.tolerance     = 0;
-	few.maxIterations = 20;
-	few.threads       = solverThreads();
-	few.lanes         = lanes;
-	few.reductions    = rcr::Reductions::of(reductions);
-	rcr::solveNesterov(shift_, few, workspace_); // the same pairs: their colours stand
+	rcr::sweepWithBias(problem_, shiftBias_, sweeps, shiftVelocity_, workspace_);
 	const auto shift = [&](Body::id_t id) -> rcr::Twist {
-		const rcr::Twist &v = problem_.velocity[id], &with = shift_.velocity[id];
+		const rcr::Twist &v = problem_.velocity[id], &with = shiftVelocity_[id];
 		return { dt * (with.x - v.x), dt * (with.y - v.y), dt * (with.rotation - v.rotation) };
 	};
 	double farthest = 0; // over the radius of a particle

@@ -100,7 +100,8 @@ private:
 	rcr::ContactProblem       problem_;
 	std::vector<rcr::Impulse> warmStart_; // the impulses that problem_ was solved from
 	std::vector<rcr::Twist>   load_;      // a body: sum of its contact impulses and their moments
-	rcr::ContactProblem       shift_;     // of the position correction
+	std::vector<double>       shiftBias_; // of the position correction
+	std::vector<rcr::Twist>   shiftVelocity_;
 
 	rcr::Workspace                workspace_; // threads; colours and packed arrays, kept while the pairs last
 	LateContacts                  late_;

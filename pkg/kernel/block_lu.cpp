@@ -79,6 +79,8 @@ namespace {
 		return true;
 	}
 
+	bool isZero(const BlockVector& x) { return x.entry[0] == 0 && x.entry[1] == 0 && x.entry[2] == 0; }
+
 } // namespace
 
 BlockLu::BlockLu(std::int32_t size, const std::vector<Pair>& pairs)
@@ -205,9 +207,11 @@ RCR_CLONES void BlockLu::solve(std::vector<BlockVector>& b) const
 	BlockVector* x = work_.data();
 	for (std::int32_t k = 0; k < size_; ++k)
 		x[k] = b[order_[k]];
-	for (std::int32_t k = 0; k < size_; ++k)
+	for (std::int32_t k = 0; k < size_; ++k) {
+		if (isZero(x[k])) continue; // few bodies feel a single contact before the way back
 		for (std::int32_t m = start_[k]; m < start_[k + 1]; ++m)
 			subtractProduct(x[rows_[m]], lower_[m], x[k]);
+	}
 	for (std::int32_t k = size_ - 1; k >= 0; --k) {
 		for (std::int32_t m = start_[k]; m < start_[k + 1]; ++m)
 			subtractProduct(x[k], upper_[m], x[rows_[m]]);

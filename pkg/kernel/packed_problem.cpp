@@ -155,37 +155,65 @@ void PackedProblem::addToTail(const ContactProblem& problem, const Pair& pair, b
 	}
 }
 
+template <class Visit> void PackedProblem::forEachPoint(const Pair& pair, Visit visit)
+{
+	if (pair.slot == Pair::outside) return;
+	for (int i = 0; i < pair.points; ++i)
+		visit(pair.firstPoint + i, reinterpret_cast<PointBlock&>(point_[pair.column + i * columnsOf(pair.model)]), pair.slot % blockWidth);
+}
+
+void PackedProblem::rebias(const ContactProblem& problem, const std::vector<double>& bias)
+{
+	const std::vector<Pair>& pairs = layout_.pairs();
+	team.forEach(pairs.size(), [&](int k) {
+		forEachPoint(pairs[k], [&](int point, PointBlock& at, int lane) {
+			const Impulse p = startOf(problem, point);
+			at.bias[lane]   = bias[point];
+			at.pn[lane]     = p.n;
+			if (pairs[k].model == Model::frictional) static_cast<FrictionalBlock&>(at).pt[lane] = p.t;
+		});
+	});
+	for (TailPoint& c : tail_) {
+		c.bias = bias[c.point];
+		c.p    = startOf(problem, c.point);
+	}
+	startVelocity(problem);
+}
+
+/// v = v_free + M⁻¹Jᵀp
+void PackedProblem::startVelocity(const ContactProblem& problem)
+{
+	loadBodies(problem);
+	forEachIsland([](PackedIsland&& island) { island.applyImpulses(); });
+}
+
 // ---- the solution out
 
 void PackedProblem::store(ContactProblem& problem)
 {
 	const std::vector<Pair>& pairs = layout_.pairs();
 	team.forEach(pairs.size(), [&](int k) {
-		const Pair& pair = pairs[k];
-		for (int i = 0; i < pair.points; ++i) {
-			Impulse& p = problem.impulse[pair.firstPoint + i];
-			if (pair.slot == Pair::outside) p = {};
-			else {
-				const Column* column = &point_[pair.column + i * columnsOf(pair.model)];
-				const int     lane   = pair.slot % blockWidth;
-				p.n                  = reinterpret_cast<const PointBlock*>(column)->pn[lane];
-				p.t                  = pair.model == Model::frictional ? reinterpret_cast<const FrictionalBlock*>(column)->pt[lane] : 0;
-			}
-		}
+		for (int point = pairs[k].firstPoint; point < pairs[k].firstPoint + pairs[k].points; ++point)
+			problem.impulse[point] = {};
+		forEachPoint(pairs[k], [&](int point, const PointBlock& at, int lane) {
+			problem.impulse[point] = { at.pn[lane], pairs[k].model == Model::frictional ? static_cast<const FrictionalBlock&>(at).pt[lane] : 0 };
+		});
 	});
 	for (const TailPoint& c : tail_)
 		problem.impulse[c.point] = c.p;
+	storeVelocity(problem, problem.velocity);
+}
 
-	loadBodies(problem);
-	forEachIsland([](PackedIsland&& island) { island.applyImpulses(); });
-	problem.velocity.resize(problem.freeVelocity.size());
+void PackedProblem::storeVelocity(const ContactProblem& problem, std::vector<Twist>& velocity)
+{
+	startVelocity(problem);
+	velocity.resize(problem.freeVelocity.size());
 	team.forEach(inverseGyration_.size(), [&](int i) {
-		const int record    = layout_.record(i);
-		problem.velocity[i] = problem.freeVelocity[i];
-		problem.velocity[i].x = view().halfBody(record).x;
-		problem.velocity[i].y = view().halfBody(record).y;
-		if (!layout_.central(i) && problem.inverseMass[i].rotation > 0)
-			problem.velocity[i].rotation = view().wholeBody(record).spin * inverseGyration_[i];
+		const int record = layout_.record(i);
+		velocity[i]      = problem.freeVelocity[i];
+		velocity[i].x    = view().halfBody(record).x;
+		velocity[i].y    = view().halfBody(record).y;
+		if (!layout_.central(i) && problem.inverseMass[i].rotation > 0) velocity[i].rotation = view().wholeBody(record).spin * inverseGyration_[i];
 	});
 }
 

@@ -23,8 +23,12 @@ public:
 
 	/// Takes the problem over, v = v_free + M⁻¹Jᵀp for its impulses; on as many lanes as packedKernels says.
 	void load(const ContactProblem&, int lanes, const Reductions&);
+	/// Takes other biases of the same problem over, and its present impulses.
+	void rebias(const ContactProblem&, const std::vector<double>& bias);
 	/// Writes impulses, and velocities computed anew from them; `measure` then measures what was written.
 	void store(ContactProblem&);
+	/// Computes the velocities anew from the impulses and writes them alone.
+	void storeVelocity(const ContactProblem&, std::vector<Twist>& velocity);
 
 	int islands() const { return int(layout_.islands().size()); }
 	/// work(island) for each: small ones at once, each by one thread; large ones one after the other, each by all.
@@ -59,9 +63,12 @@ private:
 
 	void       loadBody(const ContactProblem&, int body, int record, bool central);
 	void       loadBodies(const ContactProblem&);
+	void       startVelocity(const ContactProblem&);
 	void       fill(const ContactProblem&, const Pair&);
 	void       fillPoint(const ContactProblem&, const Pair&, int point, Column*);
 	void       addToTail(const ContactProblem&, const Pair&, bool central);
+	/// visit(number of the point, its block, its lane) for the points of a pair within the colours.
+	template <class Visit> void forEachPoint(const Pair&, Visit visit);
 	PackedView view() { return { body_.data()->half, oldBody_.data()->half, layout_.pairBlocks().data(), point_.data() }; }
 
 	const PackedKernels*    kernels_ = nullptr;
