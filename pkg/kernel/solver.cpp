@@ -8,7 +8,7 @@ namespace rcr {
 
 namespace {
 
-	constexpr double finestForSweeps = 1e-5; // residual below which the exact tier is the faster way
+	constexpr double finestForSweeps = 1e-6; // residual below which the exact tier is the faster way, if there is friction
 	constexpr int    hopeless        = 300;  // sweeps without a new low of the residual
 	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps
 	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it
@@ -20,11 +20,16 @@ namespace {
 		throw std::invalid_argument(text.str());
 	}
 
+	bool frictionless(const ContactProblem& problem)
+	{
+		return std::all_of(problem.points.begin(), problem.points.end(), [](const ContactPoint& c) { return c.friction == 0; });
+	}
+
 	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
 	{
 		const bool few = settings.tolerance > 0 && int(problem.points.size()) <= fewPoints;
 		if (few) settings.rest *= finerRest;
-		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps) return solveExact(problem, settings, workspace);
+		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps && !frictionless(problem)) return solveExact(problem, settings, workspace);
 		Settings sweeps    = settings;
 		sweeps.stallSweeps = hopeless;
 		if (few) sweeps.maxIterations = std::min(hopeless, settings.maxIterations);
