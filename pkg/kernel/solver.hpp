@@ -73,8 +73,8 @@ Report solveSor(ContactProblem&, const Settings&, Workspace&);      // over-rela
 Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // Gauss–Seidel with momentum and restart
 Report solveExact(ContactProblem&, const Settings&, Workspace&);    // reaches 1e-8 where sweeps stall
 
-/// Runs the solver of that name: nlgs, sor, nesterov, exact, or auto, which sweeps where the tolerance allows, and takes
-/// the exact tier where it asks for less than 1e-5, where 300 sweeps lead no further, or, up to 1000 points, where 300 do not do.
+/// Runs the solver of that name: nlgs, sor, nesterov, exact, or auto, which sweeps down to 1e-6, without any friction further, and
+/// takes the exact tier below, where 300 sweeps lead no further, or, up to 1000 points, where 300 do not do.
 /// Throws std::invalid_argument, with what was given and what is wanted, for an unknown name, for settings out of range,
 /// for a problem that checkProblem refuses.
 Report solve(ContactProblem&, const std::string& solver, const Settings&, Workspace&);

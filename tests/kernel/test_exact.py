@@ -187,6 +187,16 @@ def test_auto_takes_the_exact_tier_for_fine_tolerances(name):
     assert_solved(problem, problem.solve("auto", tolerance=1e-9, max_iterations=BUDGET), 1e-9)
 
 
+@pytest.mark.parametrize("friction, same", [(0.0, "nesterov"), (0.5, "exact")])
+def test_auto_sweeps_to_fine_tolerances_where_nothing_has_friction(friction, same):
+    problem = pile(1, 30, 30).cold()
+    problem["friction"][:] = friction
+    auto, other = (problem.solve(solver, tolerance=1e-9, max_iterations=1500) for solver in ("auto", same))
+    assert auto["iterations"] == other["iterations"] and (auto["impulse"] == other["impulse"]).all()
+    if not friction:
+        assert_solved(problem, auto, 1e-9)
+
+
 # --- linear algebra -----------------------------------------------------------------------------------------------------
 
 
