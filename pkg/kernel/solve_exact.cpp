@@ -65,8 +65,12 @@ namespace {
 		double               residual, violation;
 		std::vector<Impulse> impulse;
 
-		/// How far from both criteria; ≤ 1 where both are met.
-		double distance(const Settings& s) const { return std::max(residual / s.tolerance, violation / s.violation); }
+		/// How far from both criteria; ≤ 1 where both are met. Of a criterion of 0 the lower value is still the better one.
+		double distance(const Settings& s) const
+		{
+			constexpr double least = std::numeric_limits<double>::min();
+			return std::max(residual / std::max(s.tolerance, least), violation / std::max(s.violation, least));
+		}
 
 		void offer(const Best& other, const Settings& settings)
 		{

@@ -164,6 +164,17 @@ def test_stops_short_honestly(budget):
     np.testing.assert_allclose(result["velocity"], velocity(problem, result["impulse"]), rtol=0, atol=1e-11)
 
 
+@pytest.mark.parametrize("tolerance, violation", [(0, 0.01), (0, np.inf), (1e-10, 0), (0, 0)])
+def test_all_iterations_count_where_a_criterion_is_0(tolerance, violation):
+    """Nothing meets it, but the best iterate is that of the steps, not that of the sweeps before them."""
+    problem = pile(4, 20, 20)
+    settings = dict(tolerance=tolerance, violation=violation, max_iterations=2000)
+    swept, result = (problem.solve(solver, **settings) for solver in ("nesterov", "exact"))
+    error, size = errors(problem, result["impulse"])
+    assert not result["converged"] and result["iterations"] == 2000
+    assert np.linalg.norm(error) / size < 1e-6 * swept["residual"] and result["violation"] < 1e-6 * swept["violation"]
+
+
 def test_box_that_is_crushed_has_no_solution():
     """No impulse keeps rigid discs out of a wall that comes down on a full box. The impulses grow without bound, so that a
     relative residual falls all the same; the velocities tell, and all numbers stay finite."""
