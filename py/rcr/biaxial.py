@@ -27,7 +27,7 @@ from yade.wrapper import (
 
 import rcr
 from rcr import _kernel
-from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE
+from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE, sin_phi
 
 O = Omega()
 
@@ -356,7 +356,7 @@ class Biaxial:
                 step=O.iter,
                 time=O.time,
                 strain=self.strain,
-                sin_phi=(y - x) / (y + x),
+                sin_phi=sin_phi(self.mean_stresses),
                 stress_x=x,
                 stress_y=y,
                 packing_fraction=self.packing_fraction,
@@ -398,7 +398,7 @@ class Biaxial:
         """What `summary.json` holds; stresses and fractions of the second half of the strain."""
         network = self.network()
         late = [row for row in self.rows if row["strain"] >= 0.5 * self.strain]
-        x, y = (np.mean([row[name] for row in late]) for name in ("stress_x", "stress_y"))
+        stresses = [np.mean([row[name] for row in late]) for name in ("stress_x", "stress_y")]
         between = network.between_particles
         types = network.contacts["type"][between]
         force = np.einsum("ca,ca->c", network.contacts["force"], network.contacts["normal"])[between]
@@ -409,7 +409,7 @@ class Biaxial:
             particles=self.parameters["particles"],
             seed=self.parameters["seed"],
             strain=self.strain,
-            sin_phi=float((y - x) / (y + x)),
+            sin_phi=float(sin_phi(stresses)),
             sin_phi_std=float(np.std([row["sin_phi"] for row in late])),
             packing_fraction_initial=self.progress["packing_fraction_initial"],
             packing_fraction_final=self.packing_fraction,

@@ -43,6 +43,12 @@ def _checked(group, arrays, columns):
     return arrays
 
 
+def sin_phi(stresses):
+    """q/p = (σ₁ − σ₂)/(σ₁ + σ₂) of stresses (…, 2), σ₂ first [-; paper, eq. qp]."""
+    low, high = np.moveaxis(np.asarray(stresses), -1, 0)
+    return (high - low) / (high + low)
+
+
 class Network:
     """Force-bearing contacts of one snapshot.
 
@@ -129,11 +135,14 @@ class Network:
         x, y = self.stress_axes()[:, 0]
         return np.arctan2(y, x) % np.pi
 
-    def sin_phi(self):
-        """q/p = (σ₁ − σ₂)/(σ₁ + σ₂) of the whole stress [-; paper, eq. qp]."""
+    def principal_stresses(self):
+        """σ₂ and σ₁, (2,) [Pa]."""
         stress = self.stress()
-        low, high = np.linalg.eigvalsh(0.5 * (stress + stress.T))
-        return (high - low) / (high + low)
+        return np.linalg.eigvalsh(0.5 * (stress + stress.T))
+
+    def sin_phi(self):
+        """q/p of the whole stress [-]."""
+        return sin_phi(self.principal_stresses())
 
     def local_components(self):
         """Of the contacts between particles: n (C, 2), and (n, t) components of branch and force, (C, 2) each."""

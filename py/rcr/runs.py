@@ -66,14 +66,7 @@ class Run:
             late = self.history["strain"] >= self.from_strain
             if late.any():
                 return np.column_stack([self.history["stress_x"], self.history["stress_y"]])[late]
-        stresses = np.array([network.stress() for network in self.networks])
-        return np.linalg.eigvalsh(0.5 * (stresses + stresses.transpose(0, 2, 1)))
-
-
-def sin_phi(stresses):
-    """q/p = (σ₁ − σ₂)/(σ₁ + σ₂) of stresses (…, 2) [-]."""
-    low, high = np.moveaxis(np.asarray(stresses), -1, 0)
-    return (high - low) / (high + low)
+        return np.array([network.principal_stresses() for network in self.networks])
 
 
 def _strain(network):
