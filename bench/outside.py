@@ -1,8 +1,7 @@
 """A way out of the environment: peers are installed where the environment is not, so their programs run outside of it.
 
-`reenter` replaces a script that lacks its libraries by itself in the environment, and leaves this file running outside;
-`run` then has commands executed there. Where a script needs no re-entry, `run` executes them itself. Needs nothing but
-Python, since nothing but Python is sure to be there.
+A script that is about to start itself again in the environment leaves this file running outside by `stay`; `run` then has
+commands executed there. Where a script needs no re-entry, `run` executes them itself. Needs nothing but Python.
 """
 
 import json
@@ -10,31 +9,18 @@ import os
 import subprocess
 import sys
 
-HERE = os.path.dirname(os.path.realpath(__file__))
 _PIPES = "YADE_RCR_OUTSIDE"
 _DESCRIPTORS = 20, 21  # the environment's shell scripts use the lower ones
 _ends = None
 CANNOT_START = 126, 127  # not there or not executable; its libraries are not there
 
 
-def reenter(script, error):
-    """Start `script` with the present arguments again, in the environment; say why in one line if this is the environment.
-
-    Parameters
-    ----------
-    script : str
-        Path.
-    error : ImportError
-        What was missing.
-    """
-    if os.environ.get("YADE_RCR_WAY"):
-        sys.exit(f"{os.path.basename(script)}: {error}")
+def stay():
+    """Execute here what `run` asks for later in this process, whatever program it has become by then."""
     process = subprocess.Popen([sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     for end, descriptor in zip((process.stdout, process.stdin), _DESCRIPTORS):
         os.dup2(end.fileno(), descriptor, inheritable=True)
     os.environ[_PIPES] = "{},{}".format(*_DESCRIPTORS)
-    run_script = os.path.join(HERE, os.pardir, "scripts", "lib", "run")
-    os.execv(run_script, ["run", "python3", os.path.realpath(script), *sys.argv[1:]])
 
 
 def run(arguments, try_here=False):

@@ -9,10 +9,7 @@ import argparse
 import os
 import sys
 
-SCRIPTS = os.path.dirname(os.path.realpath(__file__))
-BENCH = os.path.join(SCRIPTS, os.pardir, "bench")
-sys.path[:0] = [os.path.join(SCRIPTS, os.pardir, "py"), BENCH]
-import outside
+from lib import environment
 
 try:
     import measure
@@ -20,7 +17,7 @@ try:
     import rcr._kernel as kernel
     from rcr import problems
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
-    outside.reenter(__file__, error)
+    environment.reenter(error)
 
 ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
 COLUMNS = ["reduction", "problem", "points", "what", "full", "reduced", "full_over_reduced"]

@@ -15,9 +15,8 @@ import sys
 import tempfile
 from functools import partial
 
-SCRIPTS = os.path.dirname(os.path.realpath(__file__))
-BENCH = os.path.join(SCRIPTS, os.pardir, "bench")
-sys.path[:0] = [os.path.join(SCRIPTS, os.pardir, "py"), BENCH]
+from lib import environment  # puts bench on the path
+
 import outside
 
 try:
@@ -26,7 +25,7 @@ try:
     import rcr._kernel as kernel
     from rcr import problems
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
-    outside.reenter(__file__, error)
+    environment.reenter(error, outside.stay)
 
 TOLERANCES = 1e-4, 1e-6, 1e-8, 1e-10
 SOLVERS = "nesterov", "exact", "auto"
@@ -153,7 +152,7 @@ def siconos_rows(case, warm, options):
         np.savez(path, rows=rows, columns=columns, values=values, q=d.q, friction=d.friction, start=start)
         for method in options.siconos_methods:
             answer = outside.run(
-                [options.siconos, os.path.join(BENCH, "siconos_solve.py"), path, "--method", method, "--limit", str(options.limit)]
+                [options.siconos, os.path.join(environment.BENCH, "siconos_solve.py"), path, "--method", method, "--limit", str(options.limit)]
                 + ["--tolerances", *map(str, options.tolerances)]
             )
             found = json.loads(answer.splitlines()[-1])  # Siconos may print lines of its own
@@ -167,7 +166,7 @@ def siconos_rows(case, warm, options):
 
 def stated_rows(case):
     """Figures measured before, on another machine of this kind, for problems of the same name."""
-    with open(os.path.join(BENCH, "reference.csv"), newline="") as file:
+    with open(os.path.join(environment.BENCH, "reference.csv"), newline="") as file:
         for row in csv.DictReader(file):
             if row["problem"] == case.name:
                 numbers = {key: float(row[key]) for key in ("tolerance", "seconds", "ns")}

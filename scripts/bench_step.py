@@ -16,9 +16,9 @@ import sys
 import tempfile
 from functools import partial
 
-SCRIPT = os.path.realpath(sys.argv[0])
-ROOT = os.path.join(os.path.dirname(SCRIPT), os.pardir)
-sys.path[:0] = [os.path.join(ROOT, "py"), os.path.join(ROOT, "bench")]
+sys.path.insert(0, os.path.dirname(os.path.realpath(sys.argv[0])))  # YADE does not
+from lib import environment
+
 import outside
 
 try:
@@ -28,7 +28,7 @@ try:
     import rcr._kernel as kernel
     from rcr.problems import BodyProblem
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
-    outside.reenter(SCRIPT, error)
+    environment.reenter(error, outside.stay)
 
 FEW, MANY = 10, 210  # iterations whose difference gives the cost of one
 SKIN = 1e-3  # mean diameters by which grains are larger in the other libraries, so that they see contacts before they overlap
@@ -132,7 +132,7 @@ def box2d_rows(packing, options):
 def _peer(name, packing, options):
     program = getattr(options, name)
     if program is None:
-        program = os.path.join(ROOT, "build", "bench", f"{name}_step")
+        program = os.path.join(environment.ROOT, "build", "bench", f"{name}_step")
         if not os.path.exists(program):
             print(f"bench_step.py: {name} is left out: its program is not built ({PEERS[name]}; see bench/CMakeLists.txt)", file=sys.stderr)
             return []

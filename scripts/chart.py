@@ -16,10 +16,9 @@ import subprocess
 import sys
 import threading
 
-SCRIPT = os.path.realpath(__file__)
-ROOT = os.path.join(os.path.dirname(SCRIPT), os.pardir)
-sys.path[:0] = [os.path.join(ROOT, "py"), os.path.join(ROOT, "bench")]
 os.environ["OMP_NUM_THREADS"] = "1"
+from lib import environment
+
 import outside
 
 try:
@@ -27,7 +26,7 @@ try:
     import yade  # noqa: F401
     from tqdm import tqdm
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
-    outside.reenter(SCRIPT, error)
+    environment.reenter(error, outside.stay)
 
 matplotlib.use("Agg")
 from rcr import charts
@@ -44,7 +43,7 @@ def arguments():
     add("--only", metavar="POINT", help="run this point of one chart anew and print its rows; its name stands in the CSV")
     add("--particles", type=int, default=None, metavar="N", help="of the biaxial tests (default 400, --quick 100)")
     add("--siconos", default="", metavar="PYTHON", help="a Python with siconos.numerics and scipy, also one outside of the environment")
-    add("--peers", default=os.path.join(ROOT, "build", "bench"), metavar="DIR", help="folder of chipmunk_step and box2d_step (default build/bench)")
+    add("--peers", default=os.path.join(environment.ROOT, "build", "bench"), metavar="DIR", help="folder of chipmunk_step and box2d_step (default build/bench)")
     add("--limit", type=float, default=None, metavar="S", help="seconds after which a point is given up (default 200, --quick 40)")
     add("--worker", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
@@ -88,7 +87,7 @@ class Worker:
         """Rows of a point; one that says what happened if it did not come to an end."""
         if self.process is None:
             pipes = tuple(map(int, os.environ["YADE_RCR_OUTSIDE"].split(","))) if "YADE_RCR_OUTSIDE" in os.environ else ()
-            arguments = [sys.executable, SCRIPT, *sys.argv[1:], "--worker"]
+            arguments = [sys.executable, environment.SCRIPT, *sys.argv[1:], "--worker"]
             streams = dict(stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
             self.process = subprocess.Popen(arguments, **streams, text=True, pass_fds=pipes)
         self.process.stdin.write(json.dumps([letter, point]) + "\n")

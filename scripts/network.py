@@ -9,15 +9,13 @@ import argparse
 import os
 import sys
 
-SCRIPTS = os.path.dirname(os.path.realpath(__file__))
-sys.path.insert(0, os.path.join(SCRIPTS, os.pardir, "py"))
+from lib import environment
+
 try:
     from rcr import report
     from rcr.runs import Run
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
-    if os.environ.get("YADE_RCR_WAY"):
-        sys.exit(f"network.py: {error}")
-    os.execv(os.path.join(SCRIPTS, "lib", "run"), ["run", "python3", os.path.realpath(__file__), *sys.argv[1:]])
+    environment.reenter(error)
 
 
 def arguments():

@@ -10,15 +10,13 @@ import json
 import os
 import sys
 
-SCRIPTS = os.path.dirname(os.path.realpath(__file__))
-sys.path.insert(0, os.path.join(SCRIPTS, os.pardir, "py"))
+from lib import environment
+
 try:
     import rcr._kernel
     from rcr import problems
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
-    if os.environ.get("YADE_RCR_WAY"):
-        sys.exit(f"solve.py: {error}")
-    os.execv(os.path.join(SCRIPTS, "lib", "run"), ["run", "python3", os.path.realpath(__file__), *sys.argv[1:]])
+    environment.reenter(error)
 
 
 def arguments():

@@ -333,13 +333,12 @@ def test_a_step_without_its_bodies_is_refused(files):
 
 
 def test_commands_run_outside_through_pipes():
-    """As `reenter` arranges it: a server at the other end of two pipes executes what is asked."""
+    """What is asked after `stay` is executed by a server at the other end of two pipes."""
     script = f"""
-import os, subprocess, sys
+import sys
 sys.path.insert(0, {str(ROOT / "bench")!r})
 import outside
-process = subprocess.Popen([sys.executable, outside.__file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-os.environ["YADE_RCR_OUTSIDE"] = f"{{process.stdout.fileno()}},{{process.stdin.fileno()}}"
+outside.stay()
 print(outside.run(["echo", "a b", "ü"]), end="")
 for command in ["/none/program"], ["sh", "-c", "echo first; echo why >&2; exit 3"]:
     try:
