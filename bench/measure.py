@@ -1,10 +1,14 @@
-"""What the benchmarks share: the residual in NumPy, problems made larger, minimum of runs, tables. Needs NumPy and SciPy."""
+"""What the benchmarks share: the residual in NumPy, problems made larger, times of sweeps, tables. Needs NumPy and SciPy."""
 
 import csv
 import os
 import time
+from functools import partial
 
 import numpy as np
+
+FEW = 10  # sweeps that are subtracted, with all that a call does once
+UNITS_OF_WORK = 300_000  # points times sweeps that one timing takes: a few ms, short enough to come off undisturbed now and then
 
 
 def residual(matrix, q, friction, p):
@@ -73,6 +77,31 @@ def minima(repeats, budget, *functions):
     return least
 
 
+def sweep_times(runs, repeats):
+    """Time per contact point and sweep, from the difference of many and few sweeps.
+
+    Parameters
+    ----------
+    runs : list of (number of points, function)
+        The function takes settings and returns as `rcr._kernel.solve`; all are called in turn.
+
+    Returns
+    -------
+    (runs, 2) float array
+        By the clock and of the processor [ns].
+    """
+
+    def run(solve, count):
+        found = solve(tolerance=0, max_iterations=count, check_interval=10**9)
+        return found["seconds"], found["processor_seconds"]
+
+    points = np.array([count for count, _ in runs])
+    many = FEW + np.maximum(40, UNITS_OF_WORK // points)
+    calls = [partial(run, solve, int(count)) for (_, solve), most in zip(runs, many) for count in (FEW, most)]
+    least = minima(repeats, 60, *calls)
+    return 1e9 * (least[1::2] - least[::2]) / ((many - FEW) * points)[:, None]
+
+
 def triad_bandwidth(size):
     """Traffic of a = b + s c on arrays of `size` bytes together, in two passes of NumPy (five words an element) [B/s]."""
     count = max(64, int(size) // 24)
@@ -95,7 +124,16 @@ def exponent(x, y):
     return float(np.polyfit(x, y, 1)[0]) if len(set(x)) > 1 else float("nan")
 
 
-# ------------------------------------------------------------------------------------------ larger problems
+# ------------------------------------------------------------------------------------------ problems
+
+
+def given(paths):
+    """(name, problem) of each file; of lattices of 500, 2000 and 8000 discs where there is none."""
+    from rcr import problems
+
+    if paths:
+        return [(os.path.splitext(os.path.basename(path))[0], problems.load(path)) for path in paths]
+    return [(f"lattice-{count}", problems.BodyProblem(**lattice(count))) for count in (500, 2000, 8000)]
 
 
 def mirrored(problem, seed=1, change=0.05):

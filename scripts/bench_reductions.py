@@ -8,6 +8,7 @@ time, the minimum of several runs; `sweeps` is the time per contact point and sw
 import argparse
 import os
 import sys
+from functools import partial
 
 from lib import environment
 
@@ -21,19 +22,10 @@ except ImportError as error:  # not for this Python: in the environment of yade-
 
 ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
 COLUMNS = ["reduction", "problem", "points", "what", "full", "reduced", "full_over_reduced"]
-FEW = 10  # sweeps that are subtracted, with all that a call does once
-UNITS_OF_WORK = 300_000  # points times sweeps of one timing
 
 
 def without(*names):
     return [name for name in ALL if name not in names]
-
-
-def arrays(problem, **changes):
-    """What the kernel takes, the points of a pair side by side."""
-    order = np.lexsort(problem.bodies.T[::-1])
-    whole = "inverse_mass", "free_velocity"
-    return {**{key: value if key in whole else value[order] for key, value in vars(problem).items()}, **changes}
 
 
 def frictionless(given):
@@ -70,46 +62,30 @@ def single_grains(count):
     )  # fmt: skip
 
 
-def compare(repeats, runs):
-    """The least processor time of each run (problem, settings), all taken in turn [s]."""
+def full_and_reduced(given, left_out, **settings):
+    """The kernel for the problem with these settings, without the reductions left out and with all."""
+    settings.update(given, violation=np.inf)
+    return [partial(kernel.solve, **settings, workspace=kernel.Workspace(), reductions=without(*left)) for left in (left_out, ())]
 
-    def timed(given, settings):
-        return kernel.solve(**given, violation=np.inf, **settings)["processor_seconds"]
 
-    return measure.best(repeats, 60, *(lambda run=run: timed(*run) for run in runs))
+def row(name, about, given, what, full, reduced):
+    return dict(
+        reduction=name, problem=about, points=len(given["bodies"]), what=what, full=full, reduced=reduced, full_over_reduced=full / reduced
+    )  # fmt: skip
 
 
 def sweep_row(name, about, given, left_out, solver, repeats):
-    points = len(given["bodies"])
-    many = FEW + max(40, UNITS_OF_WORK // points)
-    settings = lambda left, count: dict(
-        solver=solver, tolerance=0, max_iterations=count, check_interval=10**9, workspace=kernel.Workspace(), reductions=without(*left)
-    )
-    full_few, full, few, reduced = compare(
-        repeats, [(given, settings(left, count)) for left in (left_out, ()) for count in (FEW, many)]
-    )
-    full, reduced = (1e9 * time / (many - FEW) / points for time in (full - full_few, reduced - few))
-    return dict(
-        reduction=name, problem=about, points=points, what=f"sweeps of {solver} [ns]", full=full, reduced=reduced,
-        full_over_reduced=full / reduced,
-    )  # fmt: skip
+    runs = [(len(given["bodies"]), solve) for solve in full_and_reduced(given, left_out, solver=solver)]
+    return row(name, about, given, f"sweeps of {solver} [ns]", *measure.sweep_times(runs, repeats)[:, 1])
 
 
 def call_row(name, about, given, left_out, repeats, what, **settings):
-    settings = [dict(settings, workspace=kernel.Workspace(), reductions=without(*left)) for left in (left_out, ())]
-    full, reduced = compare(repeats, [(given, each) for each in settings])
-    return dict(
-        reduction=name, problem=about, points=len(given["bodies"]), what=f"{what} [µs]", full=1e6 * full, reduced=1e6 * reduced,
-        full_over_reduced=full / reduced,
-    )  # fmt: skip
+    calls = [lambda solve=solve: solve()["processor_seconds"] for solve in full_and_reduced(given, left_out, **settings)]
+    return row(name, about, given, f"{what} [µs]", *(1e6 * time for time in measure.best(repeats, 60, *calls)))
 
 
 def work_row(name, about, given, left_out, **settings):
-    full, reduced = (kernel.solve(**given, **settings, violation=np.inf, reductions=without(*left))["work"] for left in (left_out, ()))
-    return dict(
-        reduction=name, problem=about, points=len(given["bodies"]), what="sweeps × points", full=full, reduced=reduced,
-        full_over_reduced=full / reduced,
-    )  # fmt: skip
+    return row(name, about, given, "sweeps × points", *(solve()["work"] for solve in full_and_reduced(given, left_out, **settings)))
 
 
 def rows(given, options):
@@ -141,13 +117,11 @@ def main():
     options = parser.parse_args()
     if options.repeats < 1:
         raise ValueError(f"--repeats {options.repeats}: wanted at least 1")
-    given = [(os.path.splitext(os.path.basename(path))[0], problems.load(path)) for path in options.problems]
+    given = measure.given(options.problems)
     for name, problem in given:
         if not isinstance(problem, problems.BodyProblem):
             raise ValueError(f"{name}: holds W and q, not bodies; give a .npz file")
-    if not given:
-        given = [(f"lattice-{count}", problems.BodyProblem(**measure.lattice(count))) for count in (500, 2000, 8000)]
-    table = list(rows([(name, arrays(problem)) for name, problem in given], options))
+    table = list(rows([(name, problem.arrays()) for name, problem in given], options))
     measure.show("reductions", table, COLUMNS)
     if options.out:
         os.makedirs(options.out, exist_ok=True)

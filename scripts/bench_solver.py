@@ -31,8 +31,6 @@ TOLERANCES = 1e-4, 1e-6, 1e-8, 1e-10
 SOLVERS = "nesterov", "exact", "auto"
 SWEEPERS = "nlgs", "nesterov"
 LANES = 1, 4, 8
-FEW = 10  # sweeps that are subtracted, with all that a call does once
-UNITS_OF_WORK = 300_000  # points times sweeps that one timing takes: a few ms, short enough to come off undisturbed now and then
 
 ABOUT = ["problem", "shape", "bodies", "points"]
 COLUMNS = dict(
@@ -62,9 +60,7 @@ class Case:
     def __init__(self, name, problem):
         self.name, self.points = name, problem.contacts
         if isinstance(problem, problems.BodyProblem):
-            order = np.lexsort(problem.bodies.T[::-1])  # points of a pair side by side
-            whole = "inverse_mass", "free_velocity"
-            self.arrays = {key: value if key in whole else value[order] for key, value in vars(problem).items()}
+            self.arrays = problem.arrays()
             self.problem = problems.BodyProblem(**self.arrays)
             self.bodies = int((problem.inverse_mass > 0).all(1).sum())
             self.shape = "discs" if measure.lever(problem) < 1e-6 else "long"
@@ -74,10 +70,9 @@ class Case:
         self.matrix = measure.matrix(self.delassus)
         self.about = dict(problem=name, shape=self.shape, bodies=self.bodies, points=self.points)
 
-    def solve(self, solver, tolerance, iterations, warm=False, **settings):
+    def solve(self, warm=False, **settings):
         """What the kernels return."""
         start = self.delassus.impulse if warm else np.zeros((self.points, 2))
-        settings.update(solver=solver, tolerance=tolerance, max_iterations=iterations)
         if self.arrays is not None:
             return kernel.solve(**{**self.arrays, "impulse": start}, violation=np.inf, **settings)
         d = self.delassus
@@ -90,24 +85,6 @@ class Case:
 # ---------------------------------------------------------------------------------------------- measurements
 
 
-def sweep_times(runs, repeats):
-    """ns per contact point and sweep, (runs, 2) by the clock and of the processor: the difference of many and few sweeps.
-
-    Each run is a case with settings; all are run in turn.
-    """
-
-    def run(case, settings, count):
-        found = case.solve(tolerance=0, iterations=count, check_interval=10**9, **settings)
-        return found["seconds"], found["processor_seconds"]
-
-    points = np.array([case.points for case, _ in runs])
-    many = FEW + np.maximum(40, UNITS_OF_WORK // points)
-    counts = [(FEW, int(count)) for count in many]
-    calls = [partial(run, *pair, count) for pair, both in zip(runs, counts) for count in both]
-    least = measure.minima(repeats, 60, *calls)
-    return 1e9 * (least[1::2] - least[::2]) / ((many - FEW) * points)[:, None]
-
-
 def sweep_rows(case, repeats, threads):
     """Time of a sweep for every solver, number of lanes and number of threads."""
     if case.arrays is None:
@@ -115,7 +92,8 @@ def sweep_rows(case, repeats, threads):
     else:
         settings = [dict(solver=s, lanes=n, threads=t, workspace=kernel.Workspace()) for s in SWEEPERS for n in LANES for t in threads]
     rows, of_one = [], {}
-    for setting, (clock, processor) in zip(settings, sweep_times([(case, setting) for setting in settings], repeats)):
+    runs = [(case.points, partial(case.solve, **setting)) for setting in settings]
+    for setting, (clock, processor) in zip(settings, measure.sweep_times(runs, repeats)):
         row = dict(case.about, ns_by_clock=clock, **{key: setting.get(key) for key in ("solver", "lanes", "threads")})
         row["ns"] = processor if setting.get("threads", 1) == 1 else clock
         if "threads" in setting:
@@ -129,7 +107,7 @@ def tolerance_rows(case, solver, warm, options):
     for tolerance in sorted(options.tolerances, reverse=True):
 
         def run():
-            found = case.solve(solver, tolerance, options.max_iterations, warm)
+            found = case.solve(warm, solver=solver, tolerance=tolerance, max_iterations=options.max_iterations)
             return dict(found, seconds=found["processor_seconds"])
 
         (found,) = measure.best(options.repeats, options.budget, run)
@@ -209,8 +187,12 @@ def roofline_rows(case, repeats):
     if case.arrays is None:
         return
     doubled = Case(case.name, measure.with_two_points(case.problem))
-    settings = [dict(solver=solver, lanes=LANES[-1], workspace=kernel.Workspace()) for solver in SWEEPERS for _ in range(2)]
-    times = sweep_times(list(zip([case, doubled] * len(SWEEPERS), settings)), repeats)[:, 1]
+    runs = [
+        (each.points, partial(each.solve, solver=solver, lanes=LANES[-1], workspace=kernel.Workspace()))
+        for solver in SWEEPERS
+        for each in (case, doubled)
+    ]
+    times = measure.sweep_times(runs, repeats)[:, 1]
     pairs = len(np.unique(case.problem.bodies, axis=0)) / case.points
     bodies = len(case.problem.inverse_mass) / case.points
     megabytes = 1e-6 * case.points * (POINT_BLOCK_BYTES + 8 * pairs + BODY_BYTES * bodies)
@@ -275,10 +257,7 @@ def check(options):
 
 def given(options):
     """(name, problem) of every problem, each followed by its doubled ones."""
-    loaded = [(os.path.splitext(os.path.basename(path))[0], problems.load(path)) for path in options.problems]
-    if not options.problems:
-        loaded = [(f"lattice-{count}", problems.BodyProblem(**measure.lattice(count))) for count in (500, 2000, 8000)]
-    for name, problem in loaded:
+    for name, problem in measure.given(options.problems):
         if not problem.contacts:
             raise ValueError(f"{name}: has no contacts, nothing to time")
         yield name, problem

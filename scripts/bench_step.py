@@ -142,9 +142,7 @@ def _peer(name, packing, options):
 def our_rows(packing, options):
     """The solver alone, on the contacts that we find in the packing, cold."""
     problem = packing.problem(options.friction, 2 * SKIN)
-    order = np.lexsort(problem.bodies.T[::-1])
-    whole = "inverse_mass", "free_velocity"
-    arrays = {name: value if name in whole else value[order] for name, value in vars(problem).items()}
+    arrays = problem.arrays()
     delassus = BodyProblem(**arrays).delassus()
     matrix = measure.matrix(delassus)
     for solver in "nlgs", "nesterov":

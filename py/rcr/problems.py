@@ -55,6 +55,15 @@ class BodyProblem:
         """Number of contact points."""
         return len(self.bodies)
 
+    def order(self):
+        """In which the kernels want the points: those of a pair side by side, (nc,)."""
+        return np.lexsort(self.bodies.T[::-1])
+
+    def arrays(self):
+        """What the kernels take, points in their `order`."""
+        order = self.order()
+        return {name: value if name in ("inverse_mass", "free_velocity") else value[order] for name, value in vars(self).items()}
+
     def delassus(self):
         """The same problem as W and q."""
         nc, (a, b) = self.contacts, self.bodies.T
@@ -226,13 +235,8 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     settings = dict(solver=solver, tolerance=tolerance, max_iterations=max_iterations)
     start = problem.impulse if warm else np.zeros((problem.contacts, 2))
     if isinstance(problem, BodyProblem):
-        order = np.lexsort(problem.bodies.T[::-1])  # points of a pair side by side
-        arrays = {
-            field.name: getattr(problem, field.name)[order if field.name not in ("inverse_mass", "free_velocity") else slice(None)]
-            for field in fields(problem)
-        }
-        arrays["impulse"] = start[order]
-        found = _kernel.solve(**arrays, **settings, violation=np.inf)
+        order = problem.order()
+        found = _kernel.solve(**{**problem.arrays(), "impulse": start[order]}, **settings, violation=np.inf)
         for name in ("impulse", "relative_velocity"):
             found[name][order] = found[name].copy()
     else:

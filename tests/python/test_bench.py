@@ -33,9 +33,7 @@ def lattice(count=25, seed=3):
 
 def solved(problem, tolerance=1e-10):
     """The problem with its solution as warm start, and what the kernels reported."""
-    order = np.lexsort(problem.bodies.T[::-1])
-    whole = "inverse_mass", "free_velocity"
-    arrays = {name: value if name in whole else value[order] for name, value in vars(problem).items()}
+    arrays = problem.arrays()
     found = _kernel.solve(**arrays, solver="exact", tolerance=tolerance, max_iterations=100000, violation=np.inf)
     return problems.BodyProblem(**{**arrays, "impulse": found["impulse"]}), found
 
