@@ -41,11 +41,10 @@ void ContactDynamics::step(const Engines& engines)
 		solve();
 		timed("scatter", [&] { keepForces(); });
 		bool late = false, again = false;
-		if (pass < mostPasses)
-			timed("late", [&] {
-				late  = late_.find(*scene, engines.loop, bodies_, problem_);
-				again = late || (!overdamped && adaptBiases(engines, pass <= mostPasses / 2));
-			});
+		if (pass < mostPasses) {
+			timed("late", [&] { late = late_.find(*scene, engines.loop, bodies_, problem_); });
+			timed("adapt", [&] { again = late || (!overdamped && adaptBiases(engines, pass <= mostPasses / 2)); });
+		}
 		if (!again) break;
 		if (late) timed("gather", [&] { gatherContacts(); });
 	}

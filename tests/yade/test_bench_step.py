@@ -38,7 +38,7 @@ def test_checkpoint(tmp_path):
     assert [row["engine"] for row in engines] == ENGINES
     assert sum(float(row["share"]) for row in engines) == pytest.approx(1)
     parts = {row["engine"].removeprefix("ContactDynamics: "): float(row["ms"]) for row in rows if row not in engines}
-    assert {"gather", "solve", "scatter"} <= set(parts)
+    assert set(parts) == {"gather", "layout", "solve", "scatter", "late", "adapt", "correct"}
     assert sum(parts.values()) <= float(engines[ENGINES.index("ContactDynamics")]["ms"])
     (whole,) = rows_of(tmp_path / "out" / "yade_step.csv")
     assert (whole["folder"], whole["grains"], whole["eta"], whole["steps"], whole["threads"]) == ("scene", "20", "0.5", "7", "2")
