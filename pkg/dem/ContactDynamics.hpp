@@ -73,14 +73,14 @@ private:
 	template <class Work> void timed(const char* what, Work);
 
 	int           solverThreads() const;
-	rcr::Settings settings() const;
+	rcr::Settings settings(bool again) const;
 	void          step(const Engines&);
 	void          gatherBodies(const NewtonIntegrator&);
 	void          gatherBody(const Body&, const NewtonIntegrator&);
 	void          findContacts();
 	Contact       contactOf(Interaction&) const;
 	void          gatherContacts();
-	void          solve();
+	void          solve(bool again);
 	void          report(const rcr::Report&);
 	void          keepForces();
 	void          scatterForces();
