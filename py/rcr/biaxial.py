@@ -275,8 +275,11 @@ class Biaxial:
                 self._collapse()
             else:
                 self._approach_rest()
-                if self.solver.unbalance < balanced and np.abs(self.mean_stresses / STRESS - 1).max() < ISOTROPIC:
-                    self._start_shear()
+                if self.solver.unbalance < balanced:
+                    if np.abs(self.mean_stresses / STRESS - 1).max() < ISOTROPIC:
+                        self._start_shear()
+                    else:
+                        self.progress["approach"] = 0  # the packing still creeps, and the faster the longer the steps
             report(self)
             if O.iter > PATIENCE:
                 raise RuntimeError(
