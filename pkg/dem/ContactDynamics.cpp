@@ -30,6 +30,7 @@ void ContactDynamics::action()
 	iterations = 0;
 	work_      = 0;
 	workspace_.team().run(solverThreads(), [&] { step(engines); });
+	keepInteractionsTogether();
 }
 
 void ContactDynamics::step(const Engines& engines)
@@ -247,6 +248,28 @@ void ContactDynamics::gatherContacts()
 			gap_[point]             = { at.gap, -RcrGeom::slop * double(geom.refR1 + geom.refR2) };
 		}
 	});
+}
+
+/// YADE's container is in the order in which interactions came and went. Where it is sorted by bodies, a body is still at hand when its
+/// next interaction comes, here as in InteractionLoop: a third less time there for 13 000 particles.
+void ContactDynamics::keepInteractionsTogether()
+{
+	constexpr double most = 0.1; // share of contacts that may be out of order
+	std::size_t      back = 0;
+	Body::id_t       last = 0;
+	for (const Contact& contact : found_) {
+		if (contact.points == 0) continue;
+		const Body::id_t id = std::min(contact.id1, contact.id2);
+		back += id < last;
+		last = id;
+	}
+	if (double(back) <= most * double(contacts_.size())) return;
+	InteractionContainer&             all = *scene->interactions;
+	const std::lock_guard<std::mutex> lock(all.drawloopmutex);
+	const auto                        ids = [](const Interaction& i) { return std::minmax({ i.getId1(), i.getId2() }); };
+	std::sort(all.begin(), all.begin() + all.size(), [&](const auto& a, const auto& b) { return ids(*a) < ids(*b); });
+	for (std::size_t k = 0; k < all.size(); ++k)
+		all[k]->linIx = k;
 }
 
 void ContactDynamics::keepForces()

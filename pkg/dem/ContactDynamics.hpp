@@ -82,6 +82,7 @@ private:
 	void          gatherContacts();
 	void          solve(bool again);
 	void          report(const rcr::Report&);
+	void          keepInteractionsTogether();
 	void          keepForces();
 	void          scatterForces();
 	void          measureUnbalance();
