@@ -38,8 +38,9 @@ void ContactDynamics::step(const Engines& engines)
 	constexpr int mostPasses = 10; // late contacts and long ways settle in two or three
 	timed("gather", [&] { gatherBodies(engines.integrator); });
 	timed("gather", [&] { gatherContacts(); });
+	rcr::Settings how = settings();
 	for (int pass = 1;; ++pass) {
-		solve(pass > 1);
+		solve(how);
 		timed("scatter", [&] { keepForces(); });
 		bool late = false, again = false;
 		if (pass < mostPasses) {
@@ -48,6 +49,8 @@ void ContactDynamics::step(const Engines& engines)
 		}
 		if (!again) break;
 		if (late) timed("gather", [&] { gatherContacts(); });
+		how           = settingsOfFurtherPass();
+		how.continued = !late;
 	}
 	timed("scatter", [&] {
 		scatterForces();
@@ -68,14 +71,12 @@ template <class Work> void ContactDynamics::timed(const char* what, Work work)
 	seconds_[what] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// A further pass mends a few contacts: too few to be seen in a residual of all, and next to them some sweeps are enough.
-rcr::Settings ContactDynamics::settings(bool again) const
+rcr::Settings ContactDynamics::settings() const
 {
-	constexpr int some = 10;
 	rcr::Settings s;
 	s.tolerance       = double(tolerance);
-	s.maxIterations   = again && tolerance == 0 ? std::min(maxIterations, some) : maxIterations;
-	s.minIterations   = again ? std::max(minIterations, some) : minIterations;
+	s.maxIterations   = maxIterations;
+	s.minIterations   = minIterations;
 	s.violation       = double(maxViolation);
 	s.meanForceChange = double(meanForceChange);
 	s.threads         = solverThreads();
@@ -84,12 +85,22 @@ rcr::Settings ContactDynamics::settings(bool again) const
 	return s;
 }
 
+/// It mends a few contacts: too few to be seen in a residual of all, and next to them some sweeps are enough.
+rcr::Settings ContactDynamics::settingsOfFurtherPass() const
+{
+	constexpr int some = 10;
+	rcr::Settings s    = settings();
+	s.minIterations    = std::max(s.minIterations, some);
+	if (tolerance == 0) s.maxIterations = std::min(s.maxIterations, some);
+	return s;
+}
+
 /// Colours and order are a key of their own.
-void ContactDynamics::solve(bool again)
+void ContactDynamics::solve(const rcr::Settings& how)
 {
 	const double layout = workspace_.layoutSeconds();
 	warmStart_          = problem_.impulse;
-	timed("solve", [&] { report(rcr::solve(problem_, solver, settings(again), workspace_)); });
+	timed("solve", [&] { report(rcr::solve(problem_, solver, how, workspace_)); });
 	const double laidOut = workspace_.layoutSeconds() - layout;
 	seconds_["layout"] += laidOut;
 	seconds_["solve"] -= laidOut;

@@ -73,14 +73,15 @@ private:
 	template <class Work> void timed(const char* what, Work);
 
 	int           solverThreads() const;
-	rcr::Settings settings(bool again) const;
+	rcr::Settings settings() const;
+	rcr::Settings settingsOfFurtherPass() const;
 	void          step(const Engines&);
 	void          gatherBodies(const NewtonIntegrator&);
 	void          gatherBody(const Body&, const NewtonIntegrator&);
 	void          findContacts();
 	Contact       contactOf(Interaction&) const;
 	void          gatherContacts();
-	void          solve(bool again);
+	void          solve(const rcr::Settings&);
 	void          report(const rcr::Report&);
 	void          keepInteractionsTogether();
 	void          keepForces();

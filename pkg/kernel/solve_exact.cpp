@@ -122,7 +122,9 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 		best.offer({ residual(problem), violation(problem, settings.rest), problem.impulse }, settings);
 		if (!end.arrived && left() > 0) {
 			const int most = std::min(rescueSweeps + pivotSweeps * end.pivots, left());
-			report.iterations += sweep(problem, settings, 0, most, workspace).iterations;
+			Settings  again     = settings;
+			again.continued     = true;
+			report.iterations += sweep(problem, again, 0, most, workspace).iterations;
 		}
 	}
 	problem.impulse = best.impulse;

@@ -36,6 +36,9 @@ struct Settings {
 	double meanForceChange = 0;
 
 	Reductions reductions;
+
+	/// The problem is the one that this workspace has solved last, but for biases and impulses: what was made of it stands.
+	bool continued = false;
 };
 
 struct Report {

@@ -49,13 +49,17 @@ struct IslandEnd {
 /// The criteria at the end, of what was written: of all, and whether each island has met its own.
 Report reportOf(PackedProblem&, const Settings&, const std::vector<IslandEnd>&);
 
+std::vector<double> biases(const ContactProblem&);
+
 /// Takes the problem in, calls iterate(island, stop) for each island in a team of threads, gives the solution back.
 template <class Iterate> Report solveBySweeps(ContactProblem& problem, const Settings& settings, Workspace& workspace, Iterate iterate)
 {
 	PackedProblem& packed = workspace.packed();
 	Report         report;
 	packed.team.run(settings.threads, [&] {
-		packed.load(problem, settings.lanes, settings.reductions);
+		if (settings.continued) packed.rebias(problem, biases(problem));
+		else
+			packed.load(problem, settings.lanes, settings.reductions);
 		std::vector<IslandEnd> ends(packed.islands());
 		packed.forEachIsland([&](PackedIsland&& island) {
 			StopTest stop(island, settings);
