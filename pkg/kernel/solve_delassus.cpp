@@ -8,8 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
-#include <stdexcept>
 
 #include "block_lu.hpp"
 #include "coulomb.hpp"
@@ -27,13 +25,6 @@ namespace {
 	constexpr int    stall      = 300;  // … or sweeps without a new low
 	constexpr int    between    = 200;  // sweeps where Newton has not arrived: they cost less than one of its steps
 	constexpr int    maxNewton  = 6;    // steps; beyond, it cycles
-
-	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
-	{
-		std::ostringstream text;
-		(text << ... << parts);
-		throw std::invalid_argument(text.str());
-	}
 
 	Impulse operator+(Impulse a, Impulse b) { return { a.n + b.n, a.t + b.t }; }
 	Impulse operator-(Impulse a, Impulse b) { return { a.n - b.n, a.t - b.t }; }
@@ -321,40 +312,7 @@ namespace {
 		return report;
 	}
 
-	bool finite(Impulse p) { return std::isfinite(p.n) && std::isfinite(p.t); }
-
 } // namespace
-
-void checkProblem(const DelassusProblem& problem)
-{
-	const std::size_t count = problem.free.size(), entries = problem.column.size();
-	if (problem.friction.size() != count || problem.impulse.size() != count || problem.rowStart.size() != count + 1)
-		refuse("q, µ, impulse and rows of W stand for ", count, ", ", problem.friction.size(), ", ", problem.impulse.size(), " and ",
-		       std::ptrdiff_t(problem.rowStart.size()) - 1, " contacts; wanted one number");
-	if (problem.block.size() != entries || problem.rowStart.front() != 0 || std::size_t(problem.rowStart.back()) != entries
-	    || !std::is_sorted(problem.rowStart.begin(), problem.rowStart.end()))
-		refuse("the rows of W do not fit its ", entries, " blocks");
-	for (std::size_t k = 0; k < count; ++k) {
-		bool diagonal = false;
-		for (std::int32_t e = problem.rowStart[k]; e < problem.rowStart[k + 1]; ++e) {
-			const std::int32_t   j = problem.column[e];
-			const DelassusBlock& w = problem.block[e];
-			if (j < 0 || std::size_t(j) >= count || (e > problem.rowStart[k] && problem.column[e - 1] >= j))
-				refuse("row ", k, " of W: columns are out of range or order");
-			const auto row = problem.column.begin();
-			if (!std::binary_search(row + problem.rowStart[j], row + problem.rowStart[j + 1], std::int32_t(k)))
-				refuse("block (", k, ", ", j, ") of W has no mirror image");
-			if (!std::isfinite(w.nn) || !std::isfinite(w.nt) || !std::isfinite(w.tn) || !std::isfinite(w.tt))
-				refuse("block (", k, ", ", j, ") of W holds a number that is not finite");
-			if (std::size_t(j) != k) continue;
-			diagonal = true;
-			if (w.nn < 0 || w.tt < 0) refuse("W has a negative diagonal at contact ", k, "; wanted a positive semi-definite matrix");
-		}
-		if (!diagonal) refuse("row ", k, " of W has no diagonal block");
-		if (!finite(problem.free[k]) || !finite(problem.impulse[k])) refuse("contact ", k, ": q or the impulse is not finite");
-		if (!(problem.friction[k] >= 0 && std::isfinite(problem.friction[k]))) refuse("contact ", k, ": µ = ", problem.friction[k], "; wanted µ ≥ 0");
-	}
-}
 
 Report solve(DelassusProblem& problem, const std::string& solver, const Settings& settings)
 {
