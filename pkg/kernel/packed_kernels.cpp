@@ -5,7 +5,7 @@
 //   t₀ = p_t − (u_t − r û_n) / s             tangential impulse that stops sliding
 //   p_t = t₀ clamped to n₀ [−d₋, d₊],  p_n = n₀ − r p_t
 // for |t| ≤ µ (n₀ − r t) says −n₀ d₋ ≤ t ≤ n₀ d₊, and a point that slides is at the end of that range. Without friction that is p_n = n₀.
-#include "lane.hpp"
+#include "lane_vector.hpp"
 
 #define INLINE __attribute__((always_inline)) // lambdas of inner loops: a call costs as much as a tenth of a point
 #define APART  __attribute__((noinline))      // one loop a function: together they run out of registers
@@ -19,17 +19,9 @@ namespace RCR_LANE_NAMESPACE {
 		using B = Bodies<RCR_LANES>;
 		using P = Places<RCR_LANES>;
 
-		struct Vector { // (n, t) components
-			L n, t;
+		using Vector = Components<RCR_LANES>;
 
-			friend Vector operator+(Vector a, Vector b) { return { a.n + b.n, a.t + b.t }; }
-			friend Vector operator*(L s, Vector a) { return { s * a.n, s * a.t }; }
-			friend Vector operator-(Vector a, Vector b) { return { a.n - b.n, a.t - b.t }; }
-		};
-
-		inline Vector addProduct(Vector a, L s, Vector b) { return { addProduct(a.n, s, b.n), addProduct(a.t, s, b.t) }; }
-		inline L      square(Vector a) { return addProduct(a.n * a.n, a.t, a.t); }
-		inline L      square(L a) { return a * a; }
+		inline L square(L a) { return a * a; }
 
 		// what the lesser models have not
 		inline L turn1n(const CentralBlock&, int) { return 0.0; }
@@ -77,13 +69,6 @@ namespace RCR_LANE_NAMESPACE {
 			const L t0 = subtractProduct(p.t, L::load(c.inverseSchur + lane), subtractProduct(u.t, ratio, un));
 			const L t  = max(min(t0, n0 * L::load(c.slidePlus + lane)), subtractProduct(L(0.0), n0, L::load(c.slideMinus + lane)));
 			return { subtractProduct(n0, ratio, t), t };
-		}
-
-		inline Vector projectCone(const Vector& p, L friction)
-		{
-			const L    size = abs(p.t), n = (p.n + friction * size) / (L(1.0) + friction * friction);
-			const auto inside = size <= friction * p.n, polar = friction * size <= L(0.0) - p.n;
-			return { zeroWhere(polar, select(inside, p.n, n)), zeroWhere(polar, select(inside, p.t, copySign(friction * n, p.t))) };
 		}
 
 		// ---- what a sweep does at a point, for each model
@@ -196,19 +181,7 @@ namespace RCR_LANE_NAMESPACE {
 					        lane);
 		}
 
-		/// A sum kept apart for each slot of a block, so that its order is the same for every lane width.
-		struct SlotSum {
-			alignas(64) double slot[blockWidth] = {};
-
-			void   add(int lane, L value) { (L::load(slot + lane) + value).store(slot + lane); }
-			double total() const
-			{
-				double sum = 0;
-				for (double part : slot)
-					sum += part;
-				return sum;
-			}
-		};
+		using Sum = SlotSum<blockWidth>;
 
 		// bodies as the frictional model has them, of central pairs without spin
 
@@ -273,7 +246,7 @@ namespace RCR_LANE_NAMESPACE {
 
 		double prepare(const PackedView& view, const Chunk& chunk)
 		{
-			SlotSum velocity2;
+			Sum velocity2;
 			dispatch(chunk, [&](auto model, auto) {
 				using M = decltype(model);
 				forEachPair<M>(view, chunk, [&](const P& at1, const P& at2, auto* point, int lane) INLINE {
@@ -349,7 +322,7 @@ namespace RCR_LANE_NAMESPACE {
 		template <class M, int Points> APART double sweepMomentumAs(const PackedView& view, const Chunk& chunk, double momentum)
 		{
 			const L beta = momentum;
-			SlotSum change2;
+			Sum change2;
 			sweepPairs<M, Points>(view, chunk, [&](auto& c, int lane, const auto& u) INLINE {
 				const auto p = M::impulse(c, lane), y = addProduct(p, beta, p - M::oldImpulse(c, lane));
 				const auto q = M::solve(c, lane, u, y), change = q - y;
@@ -370,7 +343,7 @@ namespace RCR_LANE_NAMESPACE {
 
 		Measures measure(const PackedView& view, const Chunk& chunk)
 		{
-			SlotSum error2, impulse2, normal, violation2, velocity2, stopping2;
+			Sum error2, impulse2, normal, violation2, velocity2, stopping2;
 			dispatch(chunk, [&](auto model, auto) {
 				using M = decltype(model);
 				forEachPair<M>(view, chunk, [&](const P& at1, const P& at2, const auto* point, int lane) INLINE {
