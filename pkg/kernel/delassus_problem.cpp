@@ -94,4 +94,25 @@ void checkProblem(const DelassusProblem& problem)
 	checkNumbers(problem);
 }
 
+DelassusProblem partOf(const DelassusProblem& problem, const std::vector<std::int32_t>& rows)
+{
+	DelassusProblem           part;
+	std::vector<std::int32_t> place(problem.free.size());
+	for (std::size_t i = 0; i < rows.size(); ++i)
+		place[rows[i]] = std::int32_t(i);
+	part.rowStart.push_back(0);
+	for (const std::int32_t row : rows) {
+		for (std::int32_t e = problem.rowStart[row]; e < problem.rowStart[row + 1]; ++e) {
+			part.column.push_back(place[problem.column[e]]);
+			part.block.push_back(problem.block[e]);
+		}
+		part.rowStart.push_back(std::int32_t(part.column.size()));
+		part.free.push_back(problem.free[row]);
+		part.friction.push_back(problem.friction[row]);
+		part.impulse.push_back(problem.impulse[row]);
+	}
+	part.velocity.resize(rows.size());
+	return part;
+}
+
 } // namespace rcr

@@ -10,7 +10,7 @@
 // | p      | impulse  | N s  | p_n ≥ 0 pushes apart                                              |
 //
 // Contact laws and residual are those of contact_problem.hpp and residual.hpp. It serves problems that come in this form
-// from elsewhere; with the bodies at hand the solvers of solver.hpp are several times faster.
+// from elsewhere; with the bodies at hand a sweep costs half as much, and exact steps far less.
 // Source: Jean 1999; Acary, Brémond and Huber 2018 (FCLIB).
 #pragma once
 
@@ -35,13 +35,16 @@ struct DelassusProblem {
 	std::vector<Impulse>       velocity; // out: u for `impulse`
 };
 
+/// The problem of these rows alone, in ascending order; no block may join them to others.
+DelassusProblem partOf(const DelassusProblem&, const std::vector<std::int32_t>& rows);
+
 /// Throws std::invalid_argument for arrays of different lengths, columns out of range or order or without their mirror
 /// image, a number that is not finite, a negative w_nn, w_tt or friction.
 void checkProblem(const DelassusProblem&);
 
-/// Runs the solver of that name, as `solve` does for problems with bodies; exact and auto both sweep first, then take
-/// Newton steps where the tolerance asks for less than 1e-6 or where sweeps lead no further. `threads`, `lanes`, `violation` and
-/// `meanForceChange` of the settings are not used.
+/// Runs the solver of that name, as `solve` does for problems with bodies, on each part that nothing joins to others; exact and
+/// auto both sweep first, then take Newton steps where sweeps lead no further. The residual is also measured between two of
+/// `checkInterval` where a sweep changed so little that it may do. `threads`, `violation` and `meanForceChange` are not used.
 Report solve(DelassusProblem&, const std::string& solver, const Settings&);
 
 } // namespace rcr

@@ -197,7 +197,7 @@ py::dict modelOf(const Workspace& workspace)
 
 py::dict solveDelassusArrays(
         const Ids& rowStart, const Ids& column, const Array& block, const Array& free, const Array& friction, const Array& impulse,
-        const std::string& solver, double tolerance, int maxIterations, int checkInterval)
+        const std::string& solver, double tolerance, int maxIterations, int checkInterval, int lanes)
 {
 	const py::ssize_t nc = free.ndim() ? free.shape(0) : 0, entries = column.ndim() ? column.shape(0) : 0;
 	wantShape(free, "free", nc, 2), wantShape(friction, "friction", nc, 1), wantShape(impulse, "impulse", nc, 2);
@@ -216,6 +216,7 @@ py::dict solveDelassusArrays(
 	settings.tolerance     = tolerance;
 	settings.maxIterations = maxIterations;
 	settings.checkInterval = checkInterval;
+	settings.lanes         = lanes;
 	Report report;
 	double seconds, processorSeconds;
 	{
@@ -358,6 +359,7 @@ PYBIND11_MODULE(_kernel, m)
 	      "Raises ValueError on arrays that do not fit together.");
 	m.def("solve_delassus", solveDelassusArrays, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"),
 	      py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000, py::arg("check_interval") = 10,
+	      py::arg("lanes") = 0,
 	      "Solve one problem given by W and q (delassus_problem.hpp), W in rows of blocks: row_start (nc + 1,), column (nb,), block (nb, 4) as\n"
 	      "(nn, nt, tn, tt) [1/kg], free = q (nc, 2) [m/s]. Dict of impulse, relative_velocity (nc, 2), iterations, residual, converged, seconds,\n"
 	      "processor_seconds.");

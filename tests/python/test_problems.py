@@ -228,7 +228,7 @@ def test_one_contact_by_hand():
     """W = [2 0; 0 1], q = (−2, −3), µ = 0.5: slides, p_n = 1, p_t = 0.5, u = (0, −2.5)."""
     problem = problems.DelassusProblem(([0, 1], [0, 1], [2.0, 1.0]), [[-2.0, -3.0]], [0.5])
     for solver in SOLVERS:
-        found = solve(problem, solver, 1e-12)
+        found = solve(problem, solver, 1e-13)
         np.testing.assert_allclose(found.reaction, [[1, 0.5]], rtol=1e-12)
         np.testing.assert_allclose(found.velocity, [[0, -2.5]], atol=1e-12)
 
