@@ -6,8 +6,8 @@ namespace rcr {
 
 namespace {
 
-	constexpr int together = 96; // rows of small islands in a batch: 64 to 128 are as good
-	constexpr int alone    = 2;  // rows left over that cost less one by one than as a slice
+	constexpr int together = 256; // rows of small islands in a batch: more end together, fewer leave lanes empty
+	constexpr int alone    = 2;   // rows left over that cost less one by one than as a slice
 
 	/// Orders items by their key, 0 to `largest`; those of one key stay as they are.
 	template <class Key> void sortByKey(RowIds& items, int largest, Key key)

@@ -15,7 +15,7 @@ namespace rcr {
 
 using RowIds = std::vector<std::int32_t>;
 
-/// How the rows of a problem are shared out. Takes about as long as three sweeps.
+/// How the rows of a problem are shared out. Takes as long as two to five sweeps.
 class Batches {
 public:
 	explicit Batches(const DelassusProblem&);
