@@ -8,7 +8,7 @@ import argparse
 import os
 import sys
 
-from rcr.biaxial import RECORD, Biaxial
+from rcr.biaxial import RECORD, TIME_STEP, Biaxial
 
 
 def arguments():
@@ -16,6 +16,7 @@ def arguments():
     parser.add_argument("--particles", type=int, default=2000, help="number of grains (default %(default)s)")
     parser.add_argument("--eta", type=float, default=0.7, help="elongation, 0 = disc (default %(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="of sizes, places and orientations (default %(default)s)")
+    parser.add_argument("--time-step", type=float, default=TIME_STEP, help="of the shear, over √(m/σ0) (default %(default)s)")
     parser.add_argument("--states", type=int, default=5, help="number of problems, at equal strains (default %(default)s)")
     parser.add_argument("--strain", type=float, default=0.05, help="strain of the last one (default %(default)s)")
     parser.add_argument("--out", required=True, metavar="DIR", help="folder of the problems, made if missing")
@@ -30,7 +31,7 @@ def arguments():
 def main():
     options = arguments()
     os.makedirs(options.out, exist_ok=True)
-    test = Biaxial.prepare(options.eta, options.particles, options.seed)
+    test = Biaxial.prepare(options.eta, options.particles, options.seed, time_step=options.time_step)
     test.compact()
     for state in range(1, options.states + 1):
         while test.strain < state * options.strain / options.states - 0.5 * RECORD:
