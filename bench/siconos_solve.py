@@ -18,6 +18,7 @@ from measure import residual
 from scipy.sparse import csc_matrix
 
 FIRST, GROWTH = 20, 0.1  # iterations of the first piece; share of all so far in a later one
+REPEATS, BUDGET = 12, 2.0  # the least of so many runs counts; no further one is begun after so many seconds
 
 
 def arguments():
@@ -87,6 +88,19 @@ def admm(data, matrix, tolerances, limit):
     return found, best["seconds"] / max(1, best["iterations"]) / nc
 
 
+def least(run):
+    """Rows and cost of a run, each the least of several."""
+    rows, cost = run()
+    spent = rows[-1]["seconds"]
+    for _ in range(REPEATS - 1):
+        if spent > BUDGET:
+            break
+        again, other = run()
+        spent += again[-1]["seconds"]
+        rows, cost = [min(pair, key=lambda row: row["seconds"]) for pair in zip(rows, again)], min(cost, other)
+    return rows, cost
+
+
 def main():
     options = arguments()
     warnings.simplefilter("ignore")
@@ -94,7 +108,8 @@ def main():
     size = 2 * len(data["friction"])
     matrix = csc_matrix((data["values"], (data["rows"], data["columns"])), shape=(size, size))
     sn.numerics_set_verbose(0)
-    rows, cost = (nsgs if options.method == "nsgs" else admm)(data, matrix, options.tolerances, options.limit)
+    method = nsgs if options.method == "nsgs" else admm
+    rows, cost = least(lambda: method(data, matrix, options.tolerances, options.limit))
     print(json.dumps(dict(rows=rows, ns=1e9 * cost)))
 
 
