@@ -262,7 +262,7 @@ void ContactDynamics::gatherContacts()
 }
 
 /// YADE's container is in the order in which interactions came and went. Where it is sorted by bodies, a body is still at hand when its
-/// next interaction comes, here as in InteractionLoop: a third less time there for 13 000 particles.
+/// next interaction comes, here as in InteractionLoop, which takes a fifth to a third less time for 13 000 particles.
 void ContactDynamics::keepInteractionsTogether()
 {
 	constexpr double most = 0.1; // share of contacts that may be out of order

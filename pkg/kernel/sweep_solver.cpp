@@ -32,7 +32,8 @@ bool Criteria::met(const Settings& settings) const
 bool StopTest::reached()
 {
 	bool stop = sweeps_ >= settings_.maxIterations;
-	if (!stop && sweeps_ >= settings_.minIterations && sweeps_ % settings_.checkInterval == 0) {
+	const bool due = sweeps_ % settings_.checkInterval == 0 || (sweeps_ == 1 && island_.points() == 1); // one sweep solves one point
+	if (!stop && sweeps_ >= settings_.minIterations && due) {
 		measure();
 		stop = criteria_.met(settings_) || stalled();
 	}
