@@ -14,7 +14,7 @@ namespace {
 	Impulse operator*(double s, Impulse a) { return { s * a.n, s * a.t }; }
 	Impulse operator*(const DelassusBlock& w, Impulse a) { return { w.nn * a.n + w.nt * a.t, w.tn * a.n + w.tt * a.t }; }
 
-	Piece pieceAt(Impulse predictor, double friction)
+	PieceMap pieceAt(Impulse predictor, double friction)
 	{
 		if (predictor.n <= 0) return {};
 		if (std::abs(predictor.t) <= friction * predictor.n) return { 1, 1, 0 };
@@ -85,7 +85,7 @@ bool PieceSteps::updatePieces(double rho)
 {
 	bool changed = false;
 	for (std::size_t k = 0; k < pieces_.size(); ++k) {
-		const Piece piece = inverseNn_[k] > 0 ? pieceAt(predictor(k, rho), problem_.friction[k]) : Piece {};
+		const PieceMap piece = inverseNn_[k] > 0 ? pieceAt(predictor(k, rho), problem_.friction[k]) : PieceMap {};
 		changed |= !(piece == pieces_[k]);
 		pieces_[k] = piece;
 	}
@@ -98,7 +98,7 @@ bool PieceSteps::solvePieces(double rho)
 	std::vector<BlockVector> right(pieces_.size());
 	matrix_.setIdentity();
 	for (std::size_t k = 0; k < pieces_.size(); ++k) {
-		const Piece& piece = pieces_[k];
+		const PieceMap& piece = pieces_[k];
 		const double stiff = stiffness(k, rho);
 		for (std::int32_t e = problem_.rowStart[k]; e < problem_.rowStart[k + 1]; ++e) {
 			const std::size_t    j     = problem_.column[e];

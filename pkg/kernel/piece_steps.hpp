@@ -14,10 +14,10 @@
 namespace rcr {
 
 /// S of one point.
-struct Piece {
+struct PieceMap {
 	double n = 0, t = 0, side = 0; // p_n = n π_n,  p_t = t π_t + side π_n
 
-	bool    operator==(const Piece& o) const { return n == o.n && t == o.t && side == o.side; }
+	bool    operator==(const PieceMap& o) const { return n == o.n && t == o.t && side == o.side; }
 	Impulse operator*(Impulse p) const { return { n * p.n, t * p.t + side * p.n }; }
 };
 
@@ -38,7 +38,7 @@ private:
 	std::vector<std::int32_t> pairOf_;    // a block of W: its pair in the matrix
 	std::vector<double>       inverseNn_; // 0 between two prescribed bodies
 	BlockLu                   matrix_;    // 1 + S k W; the third row of each block is idle
-	std::vector<Piece>        pieces_;
+	std::vector<PieceMap>        pieces_;
 	std::vector<Impulse>      change_;    // d
 };
 
