@@ -30,7 +30,7 @@ void ContactDynamics::action()
 	iterations = 0;
 	work_      = 0;
 	workspace_.team().run(solverThreads(), [&] { step(engines); });
-	keepInteractionsTogether();
+	timed("gather", [&] { keepInteractionsTogether(); });
 }
 
 void ContactDynamics::step(const Engines& engines)

@@ -38,7 +38,7 @@ private:
 	std::vector<std::int32_t> pairOf_;    // a block of W: its pair in the matrix
 	std::vector<double>       inverseNn_; // 0 between two prescribed bodies
 	BlockLu                   matrix_;    // 1 + S k W; the third row of each block is idle
-	std::vector<PieceMap>        pieces_;
+	std::vector<PieceMap>     pieces_;
 	std::vector<Impulse>      change_;    // d
 };
 

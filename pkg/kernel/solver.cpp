@@ -35,7 +35,8 @@ namespace {
 		if (few) sweeps.maxIterations = std::min(hopeless, settings.maxIterations);
 		const Report swept = solveNesterov(problem, sweeps, workspace);
 		if (swept.converged || settings.tolerance == 0 || swept.iterations == settings.maxIterations) return swept;
-		Report report = solveExact(problem, settings, workspace);
+		settings.continued = true;
+		Report report      = solveExact(problem, settings, workspace);
 		report.iterations += swept.iterations;
 		report.work += swept.work;
 		return report;

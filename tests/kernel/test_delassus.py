@@ -5,6 +5,7 @@ Residuals and velocities are recomputed here with NumPy from the impulses alone,
 
 import numpy as np
 import pytest
+from natural_map import residual
 from rcr import _kernel, problems
 
 SWEEPS = ["nlgs", "sor", "nesterov"]
@@ -28,16 +29,7 @@ class Problem:
         return (self.w @ p.ravel()).reshape(-1, 2) + self.q
 
     def residual(self, p):
-        """‖p − P_K(p − (u + µ|u_t| n)/w_nn)‖/‖p‖; points that nothing moves do not count."""
-        u, wnn, mu = self.velocity(p), np.diag(self.w)[::2], self.friction
-        moves = wnn > 0
-        wnn = np.where(moves, wnn, 1)
-        x, y = p[:, 0] - (u[:, 0] + mu * abs(u[:, 1])) / wnn, p[:, 1] - u[:, 1] / wnn
-        face = np.maximum(x + mu * abs(y), 0) / (1 + mu**2)
-        inside = (abs(y) <= mu * x) & (x > 0)
-        error = p - np.where(inside[:, None], np.column_stack([x, y]), np.column_stack([face, mu * face * np.sign(y)]))
-        size = np.linalg.norm(p)
-        return np.linalg.norm(error[moves]) / size if size else np.linalg.norm(error[moves])
+        return residual(self.w, self.q, self.friction, p)
 
     def permuted(self, order):
         place = (2 * order[:, None] + [0, 1]).ravel()

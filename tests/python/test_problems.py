@@ -11,6 +11,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from natural_map import residual
 from rcr import problems, solve
 
 ROOT = Path(__file__).parents[2]
@@ -76,19 +77,6 @@ def dense(arrays):
     q = (jacobian @ arrays["vfree"].ravel()).reshape(nc, 2)
     q[:, 0] += arrays["bn"]
     return jacobian * m.ravel() @ jacobian.T, q
-
-
-def residual(w, q, mu, p):
-    """‖p − P_K(p − (u + µ|u_t| n)/w_nn)‖/‖p‖ with u = W p + q; points that nothing moves do not count."""
-    u = (w @ p.ravel()).reshape(-1, 2) + q
-    wnn = np.diag(w)[::2]
-    moves = wnn > 0
-    wnn = np.where(moves, wnn, 1)
-    x, y = p[:, 0] - (u[:, 0] + mu * abs(u[:, 1])) / wnn, p[:, 1] - u[:, 1] / wnn
-    face = np.maximum(x + mu * abs(y), 0) / (1 + mu**2)
-    inside = (abs(y) <= mu * x) & (x > 0)
-    error = p - np.where(inside[:, None], np.column_stack([x, y]), np.column_stack([face, mu * face * np.sign(y)]))
-    return np.linalg.norm(error[moves]) / np.linalg.norm(p[moves])
 
 
 def write_fclib(path, w, q, mu, kind=-1, change=None):
