@@ -88,6 +88,7 @@ bool LateContacts::wasMissed(const shared_ptr<Interaction>& i, Scene& scene, con
 	if (!interact(i, scene, loop) || !dynamic_cast<const CdPhys*>(i->phys.get())) return false;
 	const RcrGeom& geom = static_cast<const RcrGeom&>(*i->geom);
 	if (geom.points == before) return false;
+	if (before > 0) return true; // a known pair with other points than those gathered: the step is gathered anew
 	const Body::id_t    id1 = i->getId1(), id2 = i->getId2();
 	const rcr::Vec2     center1  = plane::toPlane((*scene.bodies)[id1]->state->pos), center2 = plane::toPlane((*scene.bodies)[id2]->state->pos);
 	const rcr::Manifold manifold = geom.manifold();
