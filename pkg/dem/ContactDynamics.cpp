@@ -9,7 +9,7 @@
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 
-#include "../kernel/coulomb.hpp"
+#include "../kernel/problem/coulomb.hpp"
 #include "AlertDistance.hpp"
 #include "CdPhys.hpp"
 #include "RcrGeom.hpp"

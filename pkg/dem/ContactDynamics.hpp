@@ -5,8 +5,8 @@
 #include <core/Body.hpp>
 #include <core/GlobalEngine.hpp>
 
-#include "../kernel/solver.hpp"
-#include "../kernel/team.hpp"
+#include "../kernel/problem/solver.hpp"
+#include "../kernel/parallel/team.hpp"
 #include "CurvedWays.hpp"
 #include "JamGuard.hpp"
 #include "LateContacts.hpp"

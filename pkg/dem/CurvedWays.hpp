@@ -14,7 +14,7 @@
 #include <core/InteractionLoop.hpp>
 #include <core/Scene.hpp>
 
-#include "../kernel/contact_problem.hpp"
+#include "../kernel/problem/contact_problem.hpp"
 #include "CdPhys.hpp"
 #include "RcrGeom.hpp"
 #include "StepBody.hpp"

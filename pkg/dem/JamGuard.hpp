@@ -7,7 +7,7 @@
 
 #include <core/Body.hpp>
 
-#include "../kernel/contact_problem.hpp"
+#include "../kernel/problem/contact_problem.hpp"
 
 namespace yade {
 

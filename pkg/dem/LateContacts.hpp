@@ -11,7 +11,7 @@
 #include <core/InteractionLoop.hpp>
 #include <core/Scene.hpp>
 
-#include "../kernel/contact_problem.hpp"
+#include "../kernel/problem/contact_problem.hpp"
 #include "StepBody.hpp"
 
 namespace yade {

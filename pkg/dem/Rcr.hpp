@@ -3,7 +3,7 @@
 #include <core/Dispatching.hpp>
 #include <core/Shape.hpp>
 
-#include "../kernel/stadium.hpp"
+#include "../kernel/geometry/stadium.hpp"
 
 namespace yade {
 

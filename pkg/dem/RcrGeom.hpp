@@ -6,7 +6,7 @@
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/DemXDofGeom.hpp>
 
-#include "../kernel/shadow_overlap.hpp"
+#include "../kernel/geometry/shadow_overlap.hpp"
 #include "Rcr.hpp"
 
 namespace yade {

@@ -5,8 +5,8 @@
 #include <core/Scene.hpp>
 #include <core/State.hpp>
 
-#include "../kernel/contact_problem.hpp"
-#include "../kernel/stadium.hpp"
+#include "../kernel/problem/contact_problem.hpp"
+#include "../kernel/geometry/stadium.hpp"
 
 namespace yade {
 namespace plane {

@@ -7,14 +7,14 @@
 #include <ctime>
 #include <sstream>
 
-#include "block_lu.hpp"
-#include "coulomb.hpp"
-#include "delassus_problem.hpp"
-#include "deposition.hpp"
-#include "minimum_degree.hpp"
-#include "residual.hpp"
-#include "shadow_overlap.hpp"
-#include "solver.hpp"
+#include "exact/block_lu.hpp"
+#include "problem/coulomb.hpp"
+#include "delassus/delassus_problem.hpp"
+#include "geometry/deposition.hpp"
+#include "exact/minimum_degree.hpp"
+#include "problem/residual.hpp"
+#include "geometry/shadow_overlap.hpp"
+#include "problem/solver.hpp"
 
 namespace py = pybind11;
 using namespace rcr;

@@ -10,7 +10,7 @@ from scenes import build, material, stadium
 
 
 def residual():
-    """Natural-map residual of the last step from forces, geometry and velocities in the scene; pkg/kernel/residual.hpp.
+    """Natural-map residual of the last step from forces, geometry and velocities in the scene; pkg/kernel/problem/residual.hpp.
 
     The geometry of an interaction is that of the beginning of the step, the velocities of the bodies are those of its end.
     """

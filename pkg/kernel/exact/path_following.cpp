@@ -1,0 +1,245 @@
+#include "exact/path_following.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rcr {
+
+namespace {
+
+	constexpr std::size_t maxUpdates = 20;    // of rank one between two factorisations: where both cost about the same
+	constexpr double      leastShare = 0.1;   // of the largest energy of a contact that counts as unstable
+	constexpr double      onEdge     = 1e-13; // relative distance to the cone's boundary that counts as on it
+
+	/// A change of piece of one contact: K += column rowᵀ, in (n, t).
+	struct RankOne {
+		std::size_t contact;
+		Impulse     column, row;
+	};
+
+	/// The nearest edge of the present pieces.
+	struct Edge {
+		double      distance = 0;
+		std::size_t contact  = 0;
+		Piece       beyond   = {};
+		bool        found    = false;
+	};
+
+	class Path {
+	public:
+		explicit Path(ProximalProblem& problem)
+		        : problem_(problem)
+		        , shift_(problem.size())
+		        , velocity_(problem.size())
+		        , rate_(problem.size())
+		        , direction_(problem.bodies())
+		        , response_(problem.bodies())
+		{
+			updates_.reserve(maxUpdates);
+		}
+
+		PathEnd follow(int maxPivots)
+		{
+			start();
+			bool onWay = findDirection();
+			while (onWay && !end_.arrived) {
+				const Edge edge = nearestEdge();
+				advance(edge.distance);
+				if (!edge.found)
+					end_.arrived = true;
+				else
+					onWay = end_.pivots < maxPivots && cross(edge);
+			}
+			setPredictors();
+			return end_;
+		}
+
+	private:
+		/// Pieces and shift for which y = 0, p = p_ref is the solution.
+		void start()
+		{
+			for (std::size_t i = 0; i < problem_.size(); ++i) {
+				const Impulse p = problem_.reference[i], u = problem_.referenceVelocity[i];
+				const double  limit = problem_.contacts[i].friction * p.n;
+				const int     side  = p.t > 0 ? 1 : -1;
+				Piece&        piece = problem_.pieces[i];
+				shift_[i]           = {};
+				if (p.n <= 0) {
+					piece = { Piece::apart, 0 };
+					if (u.n < 0) shift_[i].n = -u.n;
+				} else if (limit <= 0) {
+					piece    = { Piece::slide, 0 };
+					shift_[i] = { -u.n, 0 };
+				} else if (std::abs(p.t) >= limit * (1 - onEdge) && side * u.t < 0) {
+					piece    = { Piece::slide, static_cast<std::int8_t>(side) };
+					shift_[i] = { -u.n, 0 };
+				} else {
+					piece    = { Piece::stick, 0 };
+					shift_[i] = { -u.n, -u.t };
+				}
+				velocity_[i] = { u.n + shift_[i].n, u.t + shift_[i].t };
+			}
+		}
+
+		/// dy/dt = (I + Ĵᵀ K Ĵ)⁻¹ Ĵᵀ K e, from a new factorisation.
+		bool findDirection()
+		{
+			updates_.clear();
+			if (!problem_.factor()) return false;
+			std::fill(direction_.begin(), direction_.end(), BlockVector {});
+			for (std::size_t i = 0; i < problem_.size(); ++i) {
+				const Piece   piece = problem_.pieces[i];
+				const double  k     = problem_.stiffness[i];
+				const Impulse e     = shift_[i];
+				if (piece.kind == Piece::apart) continue;
+				const double t = piece.kind == Piece::stick ? k * e.t : piece.side * problem_.contacts[i].friction * k * e.n;
+				applyImpulse(problem_.contacts[i], { k * e.n, t }, direction_);
+			}
+			problem_.matrix.solve(direction_);
+			for (std::size_t i = 0; i < problem_.size(); ++i) {
+				const Impulse u = relativeVelocity(problem_.contacts[i], direction_);
+				rate_[i]        = { u.n - shift_[i].n, u.t - shift_[i].t };
+			}
+			return true;
+		}
+
+		/// The first contact, along the path, whose predictor leaves its piece.
+		Edge nearestEdge() const
+		{
+			Edge edge;
+			edge.distance       = 1 - t_;
+			const auto consider = [&](double value, double slope, std::size_t contact, Piece beyond) {
+				// `value` ≤ 0 inside the piece; rounding may have left it a little above
+				if (!(slope > 0) || -value >= edge.distance * slope) return;
+				edge = { std::max(0.0, -value / slope), contact, beyond, true };
+			};
+			for (std::size_t i = 0; i < problem_.size(); ++i) {
+				const double  k = problem_.stiffness[i], mu = problem_.contacts[i].friction;
+				const Impulse p = problem_.reference[i];
+				const double  n = p.n - k * velocity_[i].n, dn = -k * rate_[i].n;
+				const double  t = p.t - k * velocity_[i].t, dt = -k * rate_[i].t;
+				const Piece   piece = problem_.pieces[i];
+				if (piece.kind == Piece::apart) {
+					if (dn > 0) consider(n, dn, i, enter(mu, t + dt * std::max(0.0, -n / dn)));
+				} else if (piece.kind == Piece::stick) {
+					consider(t - mu * n, dt - mu * dn, i, { Piece::slide, 1 });
+					consider(-t - mu * n, -dt - mu * dn, i, { Piece::slide, -1 });
+				} else {
+					consider(-n, -dn, i, { Piece::apart, 0 });
+					if (mu > 0) consider(mu * n - piece.side * t, mu * dn - piece.side * dt, i, { Piece::stick, 0 });
+				}
+			}
+			return edge;
+		}
+
+		/// A contact that closes slides at first: its cone is still a point.
+		static Piece enter(double friction, double tangential)
+		{
+			return { Piece::slide, static_cast<std::int8_t>(friction <= 0 ? 0 : tangential > 0 ? 1 : -1) };
+		}
+
+		void advance(double distance)
+		{
+			t_ += distance;
+			for (std::size_t i = 0; i < problem_.size(); ++i) {
+				velocity_[i].n += distance * rate_[i].n;
+				velocity_[i].t += distance * rate_[i].t;
+			}
+		}
+
+		/// Takes the contact at an edge to its next piece and turns the direction accordingly. False at a fold.
+		bool cross(const Edge& edge)
+		{
+			const RankOne        change = changeOf(edge);
+			const ScaledContact& c      = problem_.contacts[change.contact];
+			std::fill(response_.begin(), response_.end(), BlockVector {});
+			applyImpulse(c, change.column, response_);
+			applyInverse(response_);
+			const Impulse r     = relativeVelocity(c, response_);
+			const double  delta = 1 + change.row.n * r.n + change.row.t * r.t; // ratio of the determinants
+			if (!(delta > 0)) {
+				findUnstable();
+				return false;
+			}
+			problem_.pieces[change.contact] = edge.beyond;
+			++end_.pivots;
+			if (updates_.size() == maxUpdates) return findDirection();
+			const Impulse du     = rate_[change.contact];
+			const double  amount = (change.row.n * du.n + change.row.t * du.t) / delta;
+			for (std::size_t i = 0; i < problem_.size(); ++i) {
+				const Impulse u = relativeVelocity(problem_.contacts[i], response_);
+				rate_[i].n -= amount * u.n;
+				rate_[i].t -= amount * u.t;
+			}
+			updates_.push_back({ change, delta, response_ });
+			return true;
+		}
+
+		RankOne changeOf(const Edge& edge) const
+		{
+			const Piece  from = problem_.pieces[edge.contact], to = edge.beyond;
+			const double k = problem_.stiffness[edge.contact], mu = problem_.contacts[edge.contact].friction;
+			if (from.kind == Piece::apart) return { edge.contact, { k, k * to.side * mu }, { 1, 0 } };
+			if (to.kind == Piece::apart) return { edge.contact, { -k, -k * from.side * mu }, { 1, 0 } };
+			if (to.kind == Piece::stick) return { edge.contact, { 0, k }, { -from.side * mu, 1 } };
+			return { edge.contact, { 0, -k }, { -to.side * mu, 1 } };
+		}
+
+		/// b ← A⁻¹ b, A the factored matrix and the changes since.
+		void applyInverse(BodyVector& b) const
+		{
+			problem_.matrix.solve(b);
+			for (const Update& update : updates_) {
+				const Impulse u      = relativeVelocity(problem_.contacts[update.change.contact], b);
+				const double  amount = (update.change.row.n * u.n + update.change.row.t * u.t) / update.delta;
+				for (std::size_t i = 0; i < b.size(); ++i)
+					for (int j = 0; j < 4; ++j)
+						b[i].entry[j] -= amount * update.response[i].entry[j];
+			}
+		}
+
+		/// At a fold the matrix is singular somewhere between the two pieces, and A⁻¹ x spans its null space: the motion
+		/// that nothing resists. Its contacts are those with a share of its elastic energy Σ k |Ĵ A⁻¹ x|².
+		void findUnstable()
+		{
+			std::vector<double> energy(problem_.size(), 0);
+			for (std::size_t i = 0; i < problem_.size(); ++i) {
+				if (problem_.pieces[i].kind == Piece::apart) continue;
+				const Impulse u = relativeVelocity(problem_.contacts[i], response_);
+				energy[i]       = problem_.stiffness[i] * (u.n * u.n + u.t * u.t);
+			}
+			const double least = leastShare * *std::max_element(energy.begin(), energy.end());
+			for (std::size_t i = 0; i < problem_.size(); ++i)
+				if (energy[i] >= least && energy[i] > 0) end_.unstable.push_back(i);
+		}
+
+		void setPredictors()
+		{
+			for (std::size_t i = 0; i < problem_.size(); ++i) {
+				const Impulse p = problem_.reference[i], u = velocity_[i];
+				const double  k = problem_.stiffness[i];
+				problem_.predictor[i] = { p.n - k * u.n, p.t - k * u.t };
+			}
+		}
+
+		struct Update {
+			RankOne    change;
+			double     delta;
+			BodyVector response; // A⁻¹ x just before the change
+		};
+
+		ProximalProblem&     problem_;
+		std::vector<Impulse> shift_;    // e
+		std::vector<Impulse> velocity_; // u + (1 − t) e on the path
+		std::vector<Impulse> rate_;     // its derivative by t
+		BodyVector           direction_, response_;
+		std::vector<Update>  updates_;
+		double               t_ = 0;
+		PathEnd              end_;
+	};
+
+} // namespace
+
+PathEnd followPath(ProximalProblem& problem, int maxPivots) { return Path(problem).follow(maxPivots); }
+
+} // namespace rcr

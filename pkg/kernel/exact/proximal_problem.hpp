@@ -1,0 +1,100 @@
+// One proximal step of the contact problem: the contact law softened about a reference, as a piecewise linear map.
+//
+//   y = Ĵᵀ (p − p_ref),   u = u_ref + b_n n + Ĵ y,   Ĵ = J M^(−1/2)
+//   the contact law between p and u + (p − p_ref)/k,   k = ρ/w_nn
+//
+// y = M^(1/2) (v − v_ref) are the body velocities scaled by the masses, so the matrix of the problem is I + Ĵᵀ K Ĵ and a
+// prescribed degree of freedom is one that Ĵ does not reach. All quantities are increments about the reference: near the
+// solution they are small, and so are their rounding errors. With π = p_ref − k u the law is explicit, in pieces,
+//   apart   π_n ≤ 0           p = 0
+//   stick   |π_t| ≤ µ π_n     p = π
+//   slide   s π_t > µ π_n     p = (π_n, s µ π_n),  s = ±1 (0 where µ = 0)
+// A fixed point p = p_ref solves the contact problem itself, whatever ρ.
+//
+// | symbol | unit            | meaning                                                    |
+// |--------|-----------------|------------------------------------------------------------|
+// | y      | √kg m/s         | mass-scaled change of velocity                             |
+// | Ĵ      | 1/√kg           | rows of one contact point: n and t, on body 1 and body 2   |
+// | k      | kg              | stiffness of the proximal term                             |
+// | ρ      | –               | stiffness in units of 1/w_nn: 0 rigid reference, ∞ the law |
+// | π      | N s             | predictor                                                  |
+// Source: Rockafellar 1976 (proximal point); Alart and Curnier 1991 (the pieces).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "exact/block_lu.hpp"
+#include "problem/contact_problem.hpp"
+
+namespace rcr {
+
+/// Rows of Ĵ for one contact point, and what its law needs.
+struct ScaledContact {
+	std::int32_t body1, body2;
+	BlockVector  normal1, tangent1, normal2, tangent2;
+	double       friction, bias, wnn;
+	std::int32_t pair;  // the block of its two bodies, −1 where one of them is prescribed
+	bool         flipped; // body 1 is the second of that pair
+};
+
+struct Piece {
+	enum Kind : std::int8_t { apart, stick, slide };
+	Kind        kind = apart;
+	std::int8_t side = 0; // s of sliding
+};
+
+using BodyVector = std::vector<BlockVector>;
+
+/// Ĵ y of one contact point.
+inline Impulse relativeVelocity(const ScaledContact& c, const BodyVector& y)
+{
+	const double* a = y[c.body1].entry;
+	const double* b = y[c.body2].entry;
+	Impulse       u;
+	for (int i = 0; i < 3; ++i) {
+		u.n += c.normal1.entry[i] * a[i] + c.normal2.entry[i] * b[i];
+		u.t += c.tangent1.entry[i] * a[i] + c.tangent2.entry[i] * b[i];
+	}
+	return u;
+}
+
+/// Adds Ĵᵀ p of one contact point to y.
+inline void applyImpulse(const ScaledContact& c, const Impulse& p, BodyVector& y)
+{
+	for (int i = 0; i < 3; ++i) {
+		y[c.body1].entry[i] += c.normal1.entry[i] * p.n + c.tangent1.entry[i] * p.t;
+		y[c.body2].entry[i] += c.normal2.entry[i] * p.n + c.tangent2.entry[i] * p.t;
+	}
+}
+
+class ProximalProblem {
+public:
+	explicit ProximalProblem(const ContactProblem&);
+
+	/// Takes the impulses of the problem as reference, and updates its velocities.
+	void setReference(ContactProblem&);
+
+	/// Factors I + Ĵᵀ K Ĵ for the present pieces. False when it is singular.
+	bool factor();
+
+	/// Writes the impulses that the law gives for the predictors to the problem.
+	void store(ContactProblem&) const;
+
+	std::size_t size() const { return contacts.size(); }
+	std::size_t bodies() const { return bodyCount_; }
+
+	std::vector<ScaledContact> contacts;
+	std::vector<double>        stiffness; // k
+	std::vector<Piece>         pieces;
+	std::vector<Impulse>       reference;         // p_ref
+	std::vector<Impulse>       referenceVelocity; // u_ref + b_n n
+	std::vector<Impulse>       predictor;         // π, where the step ended
+	BlockLu                    matrix;
+
+private:
+	std::size_t              bodyCount_;
+	std::vector<std::size_t> origin_; // place of a contact in the contact problem
+};
+
+} // namespace rcr

@@ -1,0 +1,138 @@
+// Proximal point iteration with exact steps: residuals of 1e-8 and below, where sweeps stall.
+//
+//   p ← accelerated sweeps to about 1e-5
+//   repeat  p_ref ← p;  p ← solution of the contact law softened by w_nn/ρ about p_ref
+//
+// A step follows the path from p_ref to its solution, pivot by pivot (path_following.hpp). The stiffer, the fewer steps,
+// until the path folds back: sliding is not associated, so the solution near p_ref can cease to exist, and the next one
+// is a finite way off. Then softer steps, at the contacts concerned, still have their one solution and run away from the
+// unstable state, as sweeps do, until they come upon the next. The residual rises on the way: the best iterate is kept.
+// Source: Rockafellar 1976; Acary, Brémond and Huber 2018, §5 (proximal point for frictional contact).
+#include <algorithm>
+#include <limits>
+
+#include "exact/path_following.hpp"
+#include "exact/proximal_problem.hpp"
+#include "problem/residual.hpp"
+#include "problem/solver.hpp"
+
+namespace rcr {
+
+namespace {
+
+	constexpr double handover     = 1e-5; // residual at which sweeps hand over; later gains little, earlier costs folds
+	constexpr int    maxSweeps    = 1000; // … or their number, at most half of all iterations
+	constexpr int    rescueSweeps = 300;  // after a fold; 100 to 1000 do as well …
+	constexpr int    pivotSweeps  = 20;   // … and for each pivot of the path as many as it cost, about
+	constexpr int    maxPivots    = 2000; // of one path
+
+	/// ρ of a contact over the steps: stiffer while paths arrive, softer where one folds.
+	class Stiffness {
+	public:
+		double rho() const { return rho_; }
+
+		void arrived()
+		{
+			if (raised_) patience_ = std::max(1, patience_ / 2);
+			raised_ = ++steps_ >= patience_;
+			if (!raised_) return;
+			steps_ = 0;
+			rho_   = std::min(most, factor * rho_);
+		}
+
+		/// Running away takes time: after every fold twice as many steps before the next raise.
+		void folded()
+		{
+			patience_ = std::min(maxPatience, 2 * patience_);
+			steps_    = 0;
+			raised_   = false;
+			rho_      = std::max(least, rho_ / factor);
+		}
+
+	private:
+		static constexpr double least = 1e-2, start = 1e3, most = 1e6; // beyond 1e6 rounding is seen
+		static constexpr double factor = 10;
+		static constexpr int    maxPatience = 64;
+
+		double rho_      = start;
+		int    patience_ = 1; // steps at one ρ before it is raised
+		int    steps_    = 0;
+		bool   raised_   = false; // by the last step
+	};
+
+	/// The best impulses seen so far.
+	struct Best {
+		double               residual, violation;
+		std::vector<Impulse> impulse;
+
+		/// How far from both criteria; ≤ 1 where both are met. Of a criterion of 0 the lower value is still the better one.
+		double distance(const Settings& s) const
+		{
+			constexpr double least = std::numeric_limits<double>::min();
+			return std::max(residual / std::max(s.tolerance, least), violation / std::max(s.violation, least));
+		}
+
+		void offer(const Best& other, const Settings& settings)
+		{
+			if (other.distance(settings) < distance(settings)) *this = other;
+		}
+	};
+
+	/// Accelerated sweeps, `most` of them or fewer if the residual `tolerance` is reached before.
+	Report sweep(ContactProblem& problem, const Settings& settings, double tolerance, int most, Workspace& workspace)
+	{
+		Settings sweeps      = settings;
+		sweeps.tolerance     = tolerance;
+		sweeps.violation     = std::numeric_limits<double>::infinity(); // left to the exact steps
+		sweeps.maxIterations = most;
+		return solveNesterov(problem, sweeps, workspace);
+	}
+
+	/// One step about the present impulses; returns how its path ended.
+	PathEnd step(ContactProblem& problem, ProximalProblem& proximal, std::vector<Stiffness>& stiffness, int maxIterations)
+	{
+		proximal.setReference(problem);
+		for (std::size_t i = 0; i < proximal.size(); ++i)
+			proximal.stiffness[i] = stiffness[i].rho() / proximal.contacts[i].wnn;
+		const PathEnd end = followPath(proximal, std::min(maxPivots, maxIterations - 1));
+		proximal.store(problem);
+		for (std::size_t i : end.unstable)
+			stiffness[i].folded();
+		if (end.unstable.empty())
+			for (Stiffness& one : stiffness)
+				end.arrived ? one.arrived() : one.folded();
+		return end;
+	}
+
+} // namespace
+
+Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+{
+	const int sweeps = std::min(maxSweeps, (settings.maxIterations + 1) / 2);
+	Report    report = sweep(problem, settings, std::max(settings.tolerance, handover), sweeps, workspace);
+	report.converged = report.reached(settings) && report.violation <= settings.violation;
+	if (report.converged || report.iterations >= settings.maxIterations) return report;
+	ProximalProblem        proximal(problem);
+	std::vector<Stiffness> stiffness(proximal.size());
+	Best                   best { report.residual, report.violation, problem.impulse };
+	const auto             left = [&] { return settings.maxIterations - report.iterations; };
+	while (!(best.distance(settings) <= 1) && left() > 0) {
+		const PathEnd end = step(problem, proximal, stiffness, left());
+		report.iterations += 1 + end.pivots;
+		best.offer({ residual(problem), violation(problem, settings.rest), problem.impulse }, settings);
+		if (!end.arrived && left() > 0) {
+			const int most = std::min(rescueSweeps + pivotSweeps * end.pivots, left());
+			Settings  again     = settings;
+			again.continued     = true;
+			report.iterations += sweep(problem, again, 0, most, workspace).iterations;
+		}
+	}
+	problem.impulse = best.impulse;
+	updateVelocity(problem);
+	report.residual  = residual(problem);
+	report.violation = violation(problem, settings.rest);
+	report.converged = report.residual <= settings.tolerance && report.violation <= settings.violation;
+	return report;
+}
+
+} // namespace rcr

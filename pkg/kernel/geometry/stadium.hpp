@@ -1,0 +1,58 @@
+// The stadium, or rounded-cap rectangle (RCR): all points within the cap radius R' of a core segment of half length a.
+//
+//   circumscribed radius  R = a + R'
+//   elongation            η = (R − R') / R = a / R       0 = disc   [paper, eq. 1]
+//
+// All quantities are per unit depth; the centre of mass is the centre of the core segment.
+#pragma once
+
+#include <cmath>
+
+#include "geometry/vec2.hpp"
+
+namespace rcr {
+
+struct Stadium {
+	double halfLength = 0; // a [m], 0 = disc
+	double capRadius  = 0; // R' [m]
+};
+
+/// Where a body stands: its centre, and its axis (cos θ, sin θ).
+struct Pose {
+	Vec2 center;
+	Vec2 axis { 1, 0 };
+};
+
+inline Pose pose(Vec2 center, double angle) { return { center, { std::cos(angle), std::sin(angle) } }; }
+
+inline Stadium stadium(double circumscribedRadius, double elongation)
+{
+	return { elongation * circumscribedRadius, (1 - elongation) * circumscribedRadius };
+}
+
+/// [m²]: the rectangle 2a × 2R' and two half discs.
+inline double area(const Stadium& s) { return M_PI * s.capRadius * s.capRadius + 4 * s.halfLength * s.capRadius; }
+
+/// ∫ |x|² dA about the centre [m⁴]; times density and depth it is the moment of inertia about z.
+inline double polarMoment(const Stadium& s)
+{
+	const double a = s.halfLength, r = s.capRadius;
+	const double rectangle = 4 * a * r * (a * a + r * r) / 3;
+	const double halfDiscs = M_PI * r * r * (r * r / 2 + a * a) + 8 * a * r * r * r / 3; // centroid at 4r/3π from the cut
+	return rectangle + halfDiscs;
+}
+
+/// The point of the stadium farthest along a unit direction.
+inline Vec2 support(const Stadium& s, const Pose& at, Vec2 direction)
+{
+	const double end = dot(at.axis, direction) < 0 ? -s.halfLength : s.halfLength;
+	return at.center + end * at.axis + s.capRadius * direction;
+}
+
+/// Half widths of the axis-aligned bounding box [m].
+inline Vec2 halfExtent(const Stadium& s, Vec2 axis)
+{
+	return { std::abs(axis.x) * s.halfLength + s.capRadius, std::abs(axis.y) * s.halfLength + s.capRadius };
+}
+
+} // namespace rcr

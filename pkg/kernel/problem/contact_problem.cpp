@@ -1,0 +1,92 @@
+#include "problem/contact_problem.hpp"
+
+#include <sstream>
+#include <stdexcept>
+
+namespace rcr {
+
+namespace {
+
+	constexpr double unitLength2 = 2e-6; // how far the square of a normal's length may be from 1
+
+	[[noreturn]] void refuse(const char* what, std::size_t index, const char* wanted)
+	{
+		std::ostringstream message;
+		message << what << ' ' << index << ": " << wanted;
+		throw std::invalid_argument(message.str());
+	}
+
+	void checkSize(const char* what, std::size_t given, std::size_t wanted)
+	{
+		if (given == wanted) return;
+		std::ostringstream message;
+		message << what << " holds " << given << " entries; wanted " << wanted;
+		throw std::invalid_argument(message.str());
+	}
+
+	/// Without a branch: x − x is 0, or NaN where x is not finite.
+	template <class... Values> bool finite(Values... values) { return ((values - values) + ...) == 0; }
+
+	bool sound(const InverseMass& m, const Twist& v)
+	{
+		return finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation) & (m.x >= 0) & (m.y >= 0) & (m.rotation >= 0);
+	}
+
+	bool inRange(const ContactPoint& c, std::size_t bodies)
+	{
+		return (std::size_t(c.body1) < bodies) & (std::size_t(c.body2) < bodies); // a negative id is a huge one
+	}
+
+	bool unit(Vec2 normal) { return std::abs(dot(normal, normal) - 1) <= unitLength2; }
+
+	bool sound(const ContactPoint& c, const Impulse& p, std::size_t bodies)
+	{
+		return inRange(c, bodies) & (c.body1 != c.body2) & unit(c.normal) & (c.friction >= 0)
+		        & finite(c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, p.n, p.t);
+	}
+
+	[[noreturn]] void refuseBody(std::size_t i, const InverseMass& m, const Twist& v)
+	{
+		if (!finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation)) refuse("body", i, "a mass or velocity is not finite");
+		refuse("body", i, "an inverse mass is negative; wanted 1/m > 0, or 0 for prescribed motion");
+	}
+
+	[[noreturn]] void refusePoint(std::size_t k, const ContactPoint& c, const Impulse& p, std::size_t bodies)
+	{
+		if (!inRange(c, bodies)) refuse("contact point", k, "body id out of range");
+		if (c.body1 == c.body2) refuse("contact point", k, "both bodies are the same");
+		if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, p.n, p.t))
+			refuse("contact point", k, "a number is not finite");
+		if (!unit(c.normal)) refuse("contact point", k, "the normal is not of unit length");
+		refuse("contact point", k, "the friction coefficient is negative; wanted µ ≥ 0");
+	}
+
+} // namespace
+
+void updateVelocity(ContactProblem& problem)
+{
+	problem.velocity = problem.freeVelocity;
+	for (std::size_t k = 0; k < problem.points.size(); ++k) {
+		const ContactPoint& c = problem.points[k];
+		applyImpulse(
+		        c,
+		        problem.impulse[k],
+		        problem.inverseMass[c.body1],
+		        problem.inverseMass[c.body2],
+		        problem.velocity[c.body1],
+		        problem.velocity[c.body2]);
+	}
+}
+
+void checkProblem(const ContactProblem& problem)
+{
+	const std::size_t bodies = problem.inverseMass.size();
+	checkSize("freeVelocity", problem.freeVelocity.size(), bodies);
+	checkSize("impulse", problem.impulse.size(), problem.points.size());
+	for (std::size_t i = 0; i < bodies; ++i)
+		if (!sound(problem.inverseMass[i], problem.freeVelocity[i])) refuseBody(i, problem.inverseMass[i], problem.freeVelocity[i]);
+	for (std::size_t k = 0; k < problem.points.size(); ++k)
+		if (!sound(problem.points[k], problem.impulse[k], bodies)) refusePoint(k, problem.points[k], problem.impulse[k], bodies);
+}
+
+} // namespace rcr

@@ -1,0 +1,84 @@
+// The contact problem of one time step: all bodies and contact points, solved together.
+//
+//   v = v_free + M⁻¹ Jᵀ p             equation of motion over one step
+//   u = v₂ + ω₂ × r₂ − v₁ − ω₁ × r₁   relative velocity at a point, (n, t) components
+//   0 ≤ u_n + b_n  ⟂  p_n ≥ 0         Signorini
+//   |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0     Coulomb
+//
+// | symbol     | field                | unit      | meaning                                        |
+// |------------|----------------------|-----------|------------------------------------------------|
+// | v, ω       | Twist                | m/s, 1/s  | velocity of a body                             |
+// | M⁻¹        | InverseMass          | 1/kg, 1/(kg m²) | 0 = that degree of freedom is prescribed |
+// | n          | normal               | –         | unit, from body 1 to body 2; t = n turned by +90° |
+// | r₁, r₂     | arm1, arm2           | m         | point minus centre of body 1, of body 2        |
+// | b_n        | bias                 | m/s       | gap/dt where open, restitution where it bounces |
+// | µ          | friction             | –         | Coulomb coefficient                            |
+// | p          | Impulse              | N s       | on body 2, reaction on body 1; p_n ≥ 0 pushes apart |
+//
+// Masses, impulses and forces are per unit depth of the plane.
+// Source: Moreau 1999 (contact dynamics); Jean 1999; De Saxcé and Feng 1998 (residual.hpp).
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "geometry/vec2.hpp"
+
+namespace rcr {
+
+struct InverseMass {
+	double x = 0, y = 0; // 1/m along each axis: a mobile wall is free along one
+	double rotation = 0; // 1/I
+};
+
+struct Twist {
+	double x = 0, y = 0, rotation = 0;
+};
+
+struct Impulse {
+	double n = 0, t = 0;
+};
+
+struct ContactPoint {
+	std::int32_t body1 = 0, body2 = 0;
+	Vec2         normal;
+	Vec2         arm1, arm2;
+	double       bias     = 0;
+	double       friction = 0;
+};
+
+struct ContactProblem {
+	std::vector<InverseMass>  inverseMass;  // a body
+	std::vector<Twist>        freeVelocity; // a body: velocity at the end of the step without contact impulses
+	std::vector<ContactPoint> points;       // a contact point; the points of a pair stand side by side
+	std::vector<Impulse>      impulse;      // a contact point: warm start in, solution out
+	std::vector<Twist>        velocity;     // a body: out, consistent with `impulse`
+};
+
+/// u at a point for the body velocities given, in (n, t).
+inline Impulse relativeVelocity(const ContactPoint& c, const Twist& v1, const Twist& v2)
+{
+	const Vec2 u = Vec2 { v2.x, v2.y } + cross(v2.rotation, c.arm2) - Vec2 { v1.x, v1.y } - cross(v1.rotation, c.arm1);
+	return { dot(u, c.normal), dot(u, perp(c.normal)) };
+}
+
+/// Adds M⁻¹ Jᵀ p of one point to the velocities of its two bodies.
+inline void applyImpulse(const ContactPoint& c, const Impulse& p, const InverseMass& m1, const InverseMass& m2, Twist& v1, Twist& v2)
+{
+	const Vec2 f = p.n * c.normal + p.t * perp(c.normal);
+	v1.x -= m1.x * f.x;
+	v1.y -= m1.y * f.y;
+	v1.rotation -= m1.rotation * cross(c.arm1, f);
+	v2.x += m2.x * f.x;
+	v2.y += m2.y * f.y;
+	v2.rotation += m2.rotation * cross(c.arm2, f);
+}
+
+/// v_free + M⁻¹ Jᵀ p for the impulses of the problem, written to `velocity`.
+void updateVelocity(ContactProblem&);
+
+/// Throws std::invalid_argument for arrays of different lengths, an id out of range, a number that is not finite, a
+/// negative mass or friction, or a normal that is not of unit length.
+void checkProblem(const ContactProblem&);
+
+} // namespace rcr

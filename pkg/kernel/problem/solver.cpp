@@ -1,0 +1,91 @@
+#include "problem/solver.hpp"
+
+#include <algorithm>
+#include <sstream>
+#include <stdexcept>
+
+namespace rcr {
+
+namespace {
+
+	constexpr double finestForSweeps = 1e-6; // residual below which the exact tier is the faster way, if there is friction
+	constexpr int    hopeless        = 300;  // sweeps without a new low of the residual
+	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps
+	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it
+
+	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
+	{
+		std::ostringstream text;
+		(text << ... << parts);
+		throw std::invalid_argument(text.str());
+	}
+
+	bool frictionless(const ContactProblem& problem)
+	{
+		return std::all_of(problem.points.begin(), problem.points.end(), [](const ContactPoint& c) { return c.friction == 0; });
+	}
+
+	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
+	{
+		const bool few = settings.tolerance > 0 && int(problem.points.size()) <= fewPoints;
+		if (few) settings.rest *= finerRest;
+		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps && !frictionless(problem)) return solveExact(problem, settings, workspace);
+		Settings sweeps    = settings;
+		sweeps.stallSweeps = hopeless;
+		if (few) sweeps.maxIterations = std::min(hopeless, settings.maxIterations);
+		const Report swept = solveNesterov(problem, sweeps, workspace);
+		if (swept.converged || settings.tolerance == 0 || swept.iterations == settings.maxIterations) return swept;
+		settings.continued = true;
+		Report report      = solveExact(problem, settings, workspace);
+		report.iterations += swept.iterations;
+		report.work += swept.work;
+		return report;
+	}
+
+} // namespace
+
+const std::vector<std::string>& solverNames()
+{
+	static const std::vector<std::string> names { "nlgs", "sor", "nesterov", "exact", "auto" };
+	return names;
+}
+
+void checkSettings(const std::string& solver, const Settings& s)
+{
+	const std::vector<std::string>& names = solverNames();
+	if (std::find(names.begin(), names.end(), solver) == names.end()) {
+		std::string known;
+		for (const std::string& name : names)
+			known += " " + name;
+		refuse("solver '", solver, "' is not known: give one of", known);
+	}
+	if (!(s.tolerance >= 0)) refuse("tolerance = ", s.tolerance, ": give a residual ≥ 0; 0 runs all iterations");
+	if (s.maxIterations < 1) refuse("maxIterations = ", s.maxIterations, ": give at least 1");
+	if (s.checkInterval < 1) refuse("checkInterval = ", s.checkInterval, ": give at least 1 sweep");
+	if (s.minIterations < 0) refuse("minIterations = ", s.minIterations, ": give at least 0");
+	if (s.stallSweeps < 0) refuse("stallSweeps = ", s.stallSweeps, ": give at least 1, or 0 to go on in any case");
+	if (s.threads < 1) refuse("threads = ", s.threads, ": give at least 1");
+	if (s.lanes != 0 && s.lanes != 1 && s.lanes != 4 && s.lanes != 8)
+		refuse("lanes = ", s.lanes, ": give 1, 4, 8, or 0 for as many as the processor has");
+	if (!(s.violation >= 0)) refuse("violation = ", s.violation, ": give a fraction ≥ 0, infinity for no test");
+	if (!(s.meanForceChange >= 0)) refuse("meanForceChange = ", s.meanForceChange, ": give a change ≥ 0; 0 does not use it");
+}
+
+Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings)
+{
+	Workspace workspace;
+	return solve(problem, solver, settings, workspace);
+}
+
+Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings, Workspace& workspace)
+{
+	checkSettings(solver, settings);
+	checkProblem(problem);
+	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
+	if (solver == "sor") return solveSor(problem, settings, workspace);
+	if (solver == "nesterov") return solveNesterov(problem, settings, workspace);
+	if (solver == "exact") return solveExact(problem, settings, workspace);
+	return solveAuto(problem, settings, workspace);
+}
+
+} // namespace rcr

@@ -1,0 +1,298 @@
+#include "sweep/layout.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace rcr {
+
+namespace {
+
+	constexpr int    chunkBlocks = 8;     // 128 pairs, under a microsecond: small against a colour, large against sharing it
+	constexpr int    fewPairs    = 16;    // of an island that is solved pair after pair
+	constexpr int    manyPairs   = 1024;  // from which threads share an island: two chunks a colour
+	constexpr int    fewOfModel  = 4;     // less than this part of an island's pairs fill no blocks of their own
+	constexpr double noLever     = 1e-10; // of the arm: rounding of positions far from the origin
+
+	BodyKind kindOf(const InverseMass& m)
+	{
+		if (m.x == 0 && m.y == 0 && m.rotation == 0) return BodyKind::prescribed;
+		return m.x == m.y && m.x > 0 ? BodyKind::regular : BodyKind::special;
+	}
+
+	/// Whether the normal velocity at a point depends on the rotation of a body.
+	bool turns(const InverseMass& m, const Twist& v, Vec2 arm, Vec2 normal)
+	{
+		const double lever = cross(arm, normal);
+		return (m.rotation != 0 || v.rotation != 0) && lever * lever > noLever * noLever * dot(arm, arm);
+	}
+
+	/// The representative of a body among those it is joined to.
+	int root(std::vector<std::int32_t>& parent, int body)
+	{
+		while (parent[body] != body)
+			body = parent[body] = parent[parent[body]];
+		return body;
+	}
+
+} // namespace
+
+bool Layout::update(const ContactProblem& problem, const Reductions& reductions)
+{
+	const bool sameReductions = reductions == reductions_;
+	reductions_               = reductions;
+	const bool sameBodies = sortBodies(problem), samePairs = findPairs(problem);
+	if (sameReductions && sameBodies && samePairs && reductions.layout) return false;
+	findIslands();
+	sortPairs();
+	for (Island& island : islands_)
+		chooseModels(island);
+	numberRecords();
+	chunks_.clear();
+	chunkBegin_.assign(1, 0);
+	vacant_.clear();
+	pairBlocks_.clear();
+	outside_.clear();
+	columns_ = 0;
+	coloring_.reset(kind_.size());
+	color_.resize(pairs_.size());
+	for (Island& island : islands_)
+		layOut(island);
+	return true;
+}
+
+/// Sorts the bodies by kind; false if that differs from before.
+bool Layout::sortBodies(const ContactProblem& problem)
+{
+	bool same = kind_.size() == problem.inverseMass.size();
+	kind_.resize(problem.inverseMass.size());
+	for (std::size_t i = 0; i < kind_.size(); ++i) {
+		const BodyKind kind = kindOf(problem.inverseMass[i]);
+		same                = same && kind == kind_[i];
+		kind_[i]            = kind;
+	}
+	return same;
+}
+
+/// The least model that serves a point.
+Model Layout::need(const ContactProblem& problem, const ContactPoint& c) const
+{
+	if (c.friction != 0 || !reductions_.frictionless) return Model::frictional;
+	if (!reductions_.discs) return Model::frictionless;
+	const auto turned = [&](int body, Vec2 arm) { return turns(problem.inverseMass[body], problem.freeVelocity[body], arm, c.normal); };
+	return turned(c.body1, c.arm1) || turned(c.body2, c.arm2) ? Model::frictionless : Model::central;
+}
+
+/// Joins neighbouring points of the same bodies, two at most; false if the pairs or their needs differ from before.
+bool Layout::findPairs(const ContactProblem& problem)
+{
+	const std::vector<ContactPoint>& points = problem.points;
+	const std::size_t                before = pairs_.size();
+	std::size_t                      count  = 0;
+	bool                             same   = true;
+	for (std::size_t k = 0; k < points.size(); ++count) {
+		const ContactPoint& c     = points[k];
+		const bool          joins = k + 1 < points.size() && points[k + 1].body1 == c.body1 && points[k + 1].body2 == c.body2;
+		const Model         needs = joins ? std::min(need(problem, c), need(problem, points[k + 1])) : need(problem, c);
+		const Pair          pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, needs, needs, Pair::outside, 0 };
+		if (count == pairs_.size()) pairs_.push_back(pair);
+		Pair& old = pairs_[count];
+		// `firstPoint` follows from the pairs before
+		if (old.body1 != pair.body1 || old.body2 != pair.body2 || old.points != pair.points || old.needs != needs) same = false;
+		if (!same) old = pair;
+		k += pair.points;
+	}
+	pairs_.resize(count);
+	return same && count == before;
+}
+
+bool Layout::packable(const Pair& pair) const
+{
+	const BodyKind a = kind_[pair.body1], b = kind_[pair.body2];
+	return (a == BodyKind::regular && b != BodyKind::special) || (b == BodyKind::regular && a != BodyKind::special);
+}
+
+/// Numbers the connected parts in the order of their first pairs.
+void Layout::findIslands()
+{
+	std::vector<std::int32_t> parent(kind_.size()), number(kind_.size(), none);
+	std::iota(parent.begin(), parent.end(), 0);
+	int whole = none; // without this reduction all is one
+	for (const Pair& pair : pairs_)
+		if (moves(pair.body1) && moves(pair.body2)) {
+			const int a = root(parent, pair.body1), b = root(parent, pair.body2);
+			parent[std::max(a, b)] = std::min(a, b);
+		}
+	island_.assign(kind_.size(), none);
+	islands_.clear();
+	for (const Pair& pair : pairs_) {
+		const int body = moves(pair.body1) ? pair.body1 : pair.body2;
+		if (!moves(body)) continue;
+		std::int32_t& island = reductions_.islands ? number[root(parent, body)] : whole;
+		if (island == none) {
+			island = int(islands_.size());
+			islands_.push_back({});
+		}
+		for (int one : { pair.body1, pair.body2 })
+			if (moves(one)) island_[one] = island;
+		++islands_[island].pairs.end;
+		islands_[island].points += pair.points;
+	}
+}
+
+/// The pairs of each island, in order; pairs of prescribed bodies alone are in none.
+void Layout::sortPairs()
+{
+	int next = 0;
+	for (Island& island : islands_) {
+		const int count    = island.pairs.end;
+		island.pairs.begin = island.pairs.end = next;
+		next += count;
+	}
+	byIsland_.resize(next);
+	for (std::size_t k = 0; k < pairs_.size(); ++k) {
+		pairs_[k].slot   = Pair::outside;
+		const int island = islandOf(pairs_[k]);
+		if (island != none) byIsland_[islands_[island].pairs.end++] = int(k);
+	}
+}
+
+/// The records of each island's bodies, in order; whole ones of all others.
+void Layout::numberRecords()
+{
+	std::vector<std::int32_t> bodies(islands_.size());
+	for (std::int32_t island : island_)
+		if (island != none) ++bodies[island];
+	records_ = 0;
+	for (std::size_t i = 0; i < islands_.size(); ++i) {
+		islands_[i].records = { records_, records_ };
+		records_ += islands_[i].central ? (bodies[i] + 1) / 2 * 2 : 2 * bodies[i];
+	}
+	record_.resize(kind_.size());
+	for (std::size_t body = 0; body < kind_.size(); ++body) {
+		if (island_[body] == none) {
+			record_[body] = ownRecord(Model::frictional);
+			continue;
+		}
+		Island& island = islands_[island_[body]];
+		record_[body]  = island.records.end;
+		island.records.end += island.central ? 1 : 2;
+	}
+}
+
+int Layout::ownRecord(Model model)
+{
+	if (model == Model::central) return records_++;
+	records_ = (records_ + 1) / 2 * 2;
+	return (records_ += 2) - 2;
+}
+
+/// An island in blocks of its own, a stage for each colour; a small one outside.
+void Layout::layOut(Island& island)
+{
+	const int pairs = island.pairs.end - island.pairs.begin;
+	island.shared   = pairs > manyPairs;
+	island.stages.begin  = int(chunkBegin_.size()) - 1;
+	island.outside.begin = int(outside_.size());
+	if (pairs > fewPairs) {
+		color(island);
+		for (auto& ofColor : rows_) {
+			for (int m = 0; m < models; ++m)
+				for (int points : { 2, 1 })
+					makeBlocks(ofColor[m][points - 1], Model(m), points);
+			if (int(chunks_.size()) > chunkBegin_.back()) chunkBegin_.push_back(int(chunks_.size()));
+		}
+	}
+	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
+		const int number = byIsland_[k];
+		if (pairs <= fewPairs || color_[number] == Coloring::none) outside_.push_back(number);
+		else
+			place(pairs_[number], row(color_[number], pairs_[number]));
+	}
+	island.stages.end  = int(chunkBegin_.size()) - 1;
+	island.outside.end = int(outside_.size());
+}
+
+/// Each pair the least model that serves it; none for a few pairs alone, and central ones where all are, in their half records.
+void Layout::chooseModels(Island& island)
+{
+	int       count[models] = {};
+	const int all           = island.pairs.end - island.pairs.begin;
+	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
+		++count[int(pairs_[byIsland_[k]].needs)];
+	island.central   = count[int(Model::central)] == all && all > fewPairs;
+	const bool few   = fewOfModel * (all - count[int(Model::frictional)]) < all && all > fewPairs;
+	const Model most = few ? Model::frictional : island.central || all <= fewPairs ? Model::central : Model::frictionless;
+	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
+		Pair& pair = pairs_[byIsland_[k]];
+		pair.model = std::min(pair.needs, most);
+	}
+}
+
+/// Colours the pairs of an island and counts them.
+void Layout::color(const Island& island)
+{
+	for (auto& ofColor : rows_)
+		for (auto& ofModel : ofColor)
+			ofModel[0] = ofModel[1] = {};
+	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
+		const int   number = byIsland_[k];
+		const Pair& pair   = pairs_[number];
+		color_[number]     = Coloring::none;
+		if (!packable(pair)) continue;
+		const int color = coloring_.take(pair.body1, moves(pair.body1), pair.body2, moves(pair.body2));
+		color_[number]  = static_cast<signed char>(color);
+		if (color != Coloring::none) ++row(color, pair).pairs;
+	}
+}
+
+/// Blocks for the pairs counted; the slots that stay vacant are the last of each row.
+void Layout::makeBlocks(Row& row, Model model, int points)
+{
+	const int first = int(pairBlocks_.size()), blocks = (row.pairs + blockWidth - 1) / blockWidth;
+	row.firstBlock  = first;
+	row.nextSlot    = first * blockWidth;
+	row.firstColumn = columns_;
+	for (int b = 0; b < blocks; b += chunkBlocks)
+		chunks_.push_back({ first + b, std::min(chunkBlocks, blocks - b), columns_ + b * points * columnsOf(model), points, model });
+	pairBlocks_.resize(first + blocks);
+	columns_ += blocks * points * columnsOf(model);
+	if (row.pairs == blocks * blockWidth) return;
+	for (int lane = row.pairs % blockWidth; lane < blockWidth; ++lane) {
+		pairBlocks_.back().body1[lane] = offsetOf(ownRecord(model));
+		pairBlocks_.back().body2[lane] = offsetOf(ownRecord(model));
+	}
+	vacant_.push_back({ columns_ - points * columnsOf(model), columns_ });
+}
+
+/// Into the next slot of its row; a prescribed side gets a record of its own, which nothing moves.
+void Layout::place(Pair& pair, Row& row)
+{
+	const auto side = [&](int body) { return offsetOf(moves(body) ? record_[body] : ownRecord(pair.model)); };
+	pair.slot       = row.nextSlot++;
+	const int block = pair.slot / blockWidth, lane = pair.slot % blockWidth;
+	pair.column     = row.firstColumn + (block - row.firstBlock) * pair.points * columnsOf(pair.model);
+	pairBlocks_[block].body1[lane] = side(pair.body1);
+	pairBlocks_[block].body2[lane] = side(pair.body2);
+}
+
+ModelSummary Layout::summary() const
+{
+	ModelSummary      s;
+	std::vector<bool> turns(kind_.size());
+	for (const Pair& pair : pairs_) {
+		if (islandOf(pair) == none) continue;
+		++s.pairs;
+		s.points += pair.points;
+		s.frictionalPoints += pair.model == Model::frictional ? pair.points : 0;
+		if (pair.model != Model::central) turns[pair.body1] = turns[pair.body2] = true;
+	}
+	for (std::size_t body = 0; body < kind_.size(); ++body) {
+		s.fixed += kind_[body] == BodyKind::prescribed;
+		s.bodies += island_[body] != none;
+		s.turning += island_[body] != none && turns[body];
+	}
+	s.islands = int(islands_.size());
+	return s;
+}
+
+} // namespace rcr

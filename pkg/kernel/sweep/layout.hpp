@@ -1,0 +1,116 @@
+// Where each pair of bodies stands in the packed arrays, which model it has, and what can be solved apart.
+//
+// A pure function of the present problem, its pairs in order, what they need and the kinds of its bodies, so that a
+// simulation that is saved and loaded goes on to the same bits. Where these are as before it is kept, else made anew: as
+// much work as three sweeps.
+//
+// Islands are the connected parts of the graph of bodies; prescribed bodies do not connect. Each has blocks of its own,
+// coloured; one of a few pairs would leave most slots vacant and goes the scalar way, pair after pair. The result of an
+// island does not depend on what else is there.
+#pragma once
+
+#include <vector>
+
+#include "sweep/coloring.hpp"
+#include "problem/contact_problem.hpp"
+#include "sweep/packed_blocks.hpp"
+#include "problem/reductions.hpp"
+
+namespace rcr {
+
+/// Regular: one inverse mass along x and y. Prescribed: none at all. Special: a wall free along one axis, a pivot.
+enum class BodyKind : unsigned char { regular, prescribed, special };
+
+/// One or two neighbouring points between the same two bodies.
+struct Pair {
+	static constexpr std::int32_t outside = -1;
+
+	std::int32_t body1, body2, firstPoint, points;
+	Model        needs;      // the least that serves it
+	Model        model;      // the one it has
+	std::int32_t slot;       // blockWidth · block + lane; or `outside` the colours
+	std::int32_t column;     // where the block of its first point begins; that of the second follows
+};
+
+struct Range {
+	std::int32_t begin = 0, end = 0;
+};
+
+/// What is solved apart.
+struct Island {
+	std::int32_t points = 0;
+	bool         shared  = false; // large enough that several threads work on it
+	bool         central = false; // nothing turns: half records
+	Range        pairs;          // in Layout::byIsland
+	Range        records;        // halves, of its bodies
+	Range        stages;         // of chunks that may be worked on at once: a colour
+	Range        outside;        // in Layout::outside
+};
+
+class Layout {
+public:
+	/// Lays the problem out; false if everything stands where it stood.
+	bool update(const ContactProblem&, const Reductions&);
+
+	const std::vector<Pair>&         pairs() const { return pairs_; } // in the order of the problem
+	std::vector<PairBlock>&          pairBlocks() { return pairBlocks_; }
+	const std::vector<Range>&        vacant() const { return vacant_; } // columns of point blocks with vacant lanes
+	int                              columns() const { return columns_; }
+	BodyKind                         kind(int body) const { return kind_[body]; }
+
+	/// Halves of records of bodies, then of the prescribed sides of pairs and both sides of vacant slots.
+	int records() const { return records_; }
+	/// That of a body: island after island, then those in none.
+	int  record(int body) const { return record_[body]; }
+	bool central(int body) const { return island_[body] != none && islands_[island_[body]].central; }
+
+	const std::vector<Island>&       islands() const { return islands_; }
+	const std::vector<std::int32_t>& outside() const { return outside_; } // pairs, by island
+	const std::vector<Chunk>&        chunks() const { return chunks_; }
+	/// Chunks of a stage: from chunkBegin(stage) to chunkBegin(stage + 1).
+	int chunkBegin(int stage) const { return chunkBegin_[stage]; }
+
+	ModelSummary summary() const;
+
+private:
+	/// The blocks of one colour, model and number of points: the next slot to fill and where they begin.
+	struct Row {
+		std::int32_t pairs = 0, nextSlot = 0, firstBlock = 0, firstColumn = 0;
+	};
+
+	bool  sortBodies(const ContactProblem&);
+	bool  findPairs(const ContactProblem&);
+	Model need(const ContactProblem&, const ContactPoint&) const;
+	bool  moves(int body) const { return kind_[body] != BodyKind::prescribed || !reductions_.fixed; }
+	bool  packable(const Pair&) const;
+	void  findIslands();
+	int   islandOf(const Pair& pair) const { return island_[moves(pair.body1) ? pair.body1 : pair.body2]; }
+	void  sortPairs();
+	void  numberRecords();
+	void  layOut(Island&);
+	void  chooseModels(Island&);
+	void  color(const Island&);
+	void  makeBlocks(Row&, Model, int points);
+	void  place(Pair&, Row&);
+	int   ownRecord(Model);
+	Row&  row(int color, const Pair& pair) { return rows_[color][int(pair.model)][pair.points - 1]; }
+
+	static constexpr std::int32_t none = -1;
+
+	Reductions                reductions_;
+	std::vector<BodyKind>     kind_;
+	std::vector<Pair>         pairs_;
+	std::vector<std::int32_t> island_, record_; // a body
+	std::vector<Island>       islands_;
+	std::vector<std::int32_t> byIsland_, outside_; // pairs
+	std::vector<signed char>  color_;              // a pair
+	Row                       rows_[Coloring::colors][models][2];
+	std::vector<PairBlock>    pairBlocks_;
+	std::vector<Chunk>        chunks_;     // by stage
+	std::vector<int>          chunkBegin_; // a stage, and the end
+	int                       columns_ = 0, records_ = 0;
+	std::vector<Range>        vacant_;
+	Coloring                  coloring_;
+};
+
+} // namespace rcr

@@ -1,0 +1,333 @@
+#include "sweep/packed_problem.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace rcr {
+
+namespace {
+
+	constexpr int    recordsAtATime  = 512;  // that a thread takes at a time
+	constexpr double blockedGyration = 1e30; // of a body that cannot turn: no impulse turns it, and the square is finite
+
+	double inverseGyration(const InverseMass& m)
+	{
+		if (m.x != m.y || m.x <= 0) return 1; // prescribed or special: any scale will do
+		return m.rotation > 0 ? std::sqrt(m.rotation / m.x) : 1 / blockedGyration;
+	}
+
+	/// The impulse to start from; the tangential one of a point that has lost its friction is no unknown.
+	Impulse startOf(const ContactProblem& problem, int point)
+	{
+		const Impulse p = problem.impulse[point];
+		return { p.n, problem.points[point].friction == 0 ? 0 : p.t };
+	}
+
+	/// The tangential velocity of spins that stay as they are.
+	double slip(const ContactProblem& problem, const ContactPoint& c)
+	{
+		return problem.freeVelocity[c.body2].rotation * dot(c.arm2, c.normal) - problem.freeVelocity[c.body1].rotation * dot(c.arm1, c.normal);
+	}
+
+	Impulse operator+(Impulse a, Impulse b) { return { a.n + b.n, a.t + b.t }; }
+	Impulse operator-(Impulse a, Impulse b) { return { a.n - b.n, a.t - b.t }; }
+	Impulse operator*(double s, Impulse a) { return { s * a.n, s * a.t }; }
+	double  square(Impulse a) { return a.n * a.n + a.t * a.t; }
+
+} // namespace
+
+// ---- the problem in
+
+void PackedProblem::load(const ContactProblem& problem, int lanes, const Reductions& reductions)
+{
+	kernels_ = &packedKernels(lanes);
+	const auto start = std::chrono::steady_clock::now();
+	const bool fresh = layout_.update(problem, reductions);
+	layoutSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+	if (fresh) {
+		++layouts_;
+		point_.resize(layout_.columns());
+		for (const Range& vacant : layout_.vacant())
+			std::fill(point_.begin() + vacant.begin, point_.begin() + vacant.end, Column {});
+		body_.assign((layout_.records() + 1) / 2, {});
+	}
+	partial_.resize(layout_.chunks().size());
+	sum_.resize(layout_.chunks().size());
+	freeVelocity2_.resize(islands());
+
+	const std::vector<Pair>& pairs = layout_.pairs();
+	inverseGyration_.resize(problem.inverseMass.size());
+	team.forEach(problem.inverseMass.size(), [&](int i) { inverseGyration_[i] = inverseGyration(problem.inverseMass[i]); });
+	loadBodies(problem);
+	team.forEach(pairs.size(), [&](int k) {
+		if (pairs[k].slot != Pair::outside) fill(problem, pairs[k]);
+	});
+	tail_.clear();
+	tailOf_.clear();
+	for (const Island& island : layout_.islands()) {
+		const int begin = int(tail_.size());
+		for (int k = island.outside.begin; k < island.outside.end; ++k)
+			addToTail(problem, pairs[layout_.outside()[k]], island.central);
+		tailOf_.push_back({ begin, int(tail_.size()) });
+	}
+	forEachIsland([](PackedIsland&& island) {
+		island.prepare();
+		island.applyImpulses();
+	});
+	oldBody_ = body_;
+}
+
+void PackedProblem::loadBody(const ContactProblem& problem, int body, int record, bool central)
+{
+	const Twist& v = problem.freeVelocity[body];
+	const double x = layout_.kind(body) == BodyKind::regular ? problem.inverseMass[body].x : 0;
+	if (central) view().halfBody(record) = { v.x, v.y };
+	else
+		view().wholeBody(record) = { v.x, v.y, v.rotation / inverseGyration_[body], x };
+}
+
+void PackedProblem::loadBodies(const ContactProblem& problem)
+{
+	team.forEach(problem.inverseMass.size(), [&](int i) { loadBody(problem, i, layout_.record(i), layout_.central(i)); });
+}
+
+void PackedProblem::fill(const ContactProblem& problem, const Pair& pair)
+{
+	const int        lane = pair.slot % blockWidth;
+	const PairBlock& home = layout_.pairBlocks()[pair.slot / blockWidth];
+	const bool       central = pair.model == Model::central;
+	const auto       load    = [&](int body, std::uint32_t offset) { // a prescribed side
+                if (offset != offsetOf(layout_.record(body))) loadBody(problem, body, recordOf(offset), central);
+	};
+	load(pair.body1, home.body1[lane]);
+	load(pair.body2, home.body2[lane]);
+	for (int i = 0; i < pair.points; ++i)
+		fillPoint(problem, pair, pair.firstPoint + i, &point_[pair.column + i * columnsOf(pair.model)]);
+}
+
+/// Not inlined: the loop over one or two points is then taken apart into many.
+[[gnu::noinline]] void PackedProblem::fillPoint(const ContactProblem& problem, const Pair& pair, int point, Column* column)
+{
+	const int           lane   = pair.slot % blockWidth;
+	const double        scale1 = inverseGyration_[pair.body1], scale2 = inverseGyration_[pair.body2];
+	const ContactPoint& c      = problem.points[point];
+	const Impulse       p      = startOf(problem, point);
+	auto&               any    = *reinterpret_cast<PointBlock*>(column);
+	any.nx[lane]               = c.normal.x;
+	any.ny[lane]               = c.normal.y;
+	any.bias[lane]             = c.bias;
+	any.pn[lane] = any.oldPn[lane] = p.n;
+	if (pair.model == Model::central) {
+		auto& disc       = *reinterpret_cast<CentralBlock*>(column);
+		disc.mass1[lane] = problem.inverseMass[pair.body1].x;
+		disc.mass2[lane] = problem.inverseMass[pair.body2].x;
+		disc.slip[lane]  = slip(problem, c);
+		return;
+	}
+	auto& turning        = *reinterpret_cast<FrictionlessBlock*>(column);
+	turning.turn1n[lane] = c.arm1.x * scale1;
+	turning.turn1t[lane] = c.arm1.y * scale1;
+	turning.turn2n[lane] = c.arm2.x * scale2;
+	turning.turn2t[lane] = c.arm2.y * scale2;
+	if (pair.model == Model::frictionless) return;
+	auto& rough          = *reinterpret_cast<FrictionalBlock*>(column);
+	rough.friction[lane] = c.friction;
+	rough.pt[lane] = rough.oldPt[lane] = p.t;
+}
+
+void PackedProblem::addToTail(const ContactProblem& problem, const Pair& pair, bool central)
+{
+	const double scale1 = inverseGyration_[pair.body1], scale2 = inverseGyration_[pair.body2];
+	const double lever  = pair.model == Model::central ? 0 : 1; // rounding is none
+	for (int k = pair.firstPoint; k < pair.firstPoint + pair.points; ++k) {
+		const ContactPoint& c = problem.points[k];
+		const InverseMass & m1 = problem.inverseMass[c.body1], &m2 = problem.inverseMass[c.body2];
+		const Delassus      w  = delassus(c, m1, m2);
+		if (w.nn <= 0) continue;
+		const Vec2    t = perp(c.normal);
+		const Impulse p = startOf(problem, k);
+		tail_.push_back({ layout_.record(c.body1), layout_.record(c.body2), k, !central, c.normal,
+		                  lever * cross(c.arm1, c.normal) * scale1, cross(c.arm1, t) * scale1,
+		                  lever * cross(c.arm2, c.normal) * scale2, cross(c.arm2, t) * scale2, central ? slip(problem, c) : 0,
+		                  { m1.x, m1.y, m1.rotation / (scale1 * scale1) }, { m2.x, m2.y, m2.rotation / (scale2 * scale2) },
+		                  c.bias, c.friction, w, p, p });
+	}
+}
+
+template <class Visit> void PackedProblem::forEachPoint(const Pair& pair, Visit visit)
+{
+	if (pair.slot == Pair::outside) return;
+	for (int i = 0; i < pair.points; ++i)
+		visit(pair.firstPoint + i, reinterpret_cast<PointBlock&>(point_[pair.column + i * columnsOf(pair.model)]), pair.slot % blockWidth);
+}
+
+void PackedProblem::rebias(const ContactProblem& problem, const std::vector<double>& bias)
+{
+	const std::vector<Pair>& pairs = layout_.pairs();
+	team.forEach(pairs.size(), [&](int k) {
+		forEachPoint(pairs[k], [&](int point, PointBlock& at, int lane) {
+			const Impulse p = startOf(problem, point);
+			at.bias[lane]   = bias[point];
+			at.pn[lane]     = p.n;
+			if (pairs[k].model == Model::frictional) static_cast<FrictionalBlock&>(at).pt[lane] = p.t;
+		});
+	});
+	for (TailPoint& c : tail_) {
+		c.bias = bias[c.point];
+		c.p    = startOf(problem, c.point);
+	}
+	startVelocity(problem);
+}
+
+/// v = v_free + M⁻¹Jᵀp
+void PackedProblem::startVelocity(const ContactProblem& problem)
+{
+	loadBodies(problem);
+	forEachIsland([](PackedIsland&& island) { island.applyImpulses(); });
+}
+
+// ---- the solution out
+
+void PackedProblem::store(ContactProblem& problem)
+{
+	const std::vector<Pair>& pairs = layout_.pairs();
+	team.forEach(pairs.size(), [&](int k) {
+		for (int point = pairs[k].firstPoint; point < pairs[k].firstPoint + pairs[k].points; ++point)
+			problem.impulse[point] = {};
+		forEachPoint(pairs[k], [&](int point, const PointBlock& at, int lane) {
+			problem.impulse[point] = { at.pn[lane], pairs[k].model == Model::frictional ? static_cast<const FrictionalBlock&>(at).pt[lane] : 0 };
+		});
+	});
+	for (const TailPoint& c : tail_)
+		problem.impulse[c.point] = c.p;
+	storeVelocity(problem, problem.velocity);
+}
+
+void PackedProblem::storeVelocity(const ContactProblem& problem, std::vector<Twist>& velocity)
+{
+	startVelocity(problem);
+	velocity.resize(problem.freeVelocity.size());
+	team.forEach(inverseGyration_.size(), [&](int i) {
+		const int record = layout_.record(i);
+		velocity[i]      = problem.freeVelocity[i];
+		velocity[i].x    = view().halfBody(record).x;
+		velocity[i].y    = view().halfBody(record).y;
+		if (!layout_.central(i) && problem.inverseMass[i].rotation > 0) velocity[i].rotation = view().wholeBody(record).spin * inverseGyration_[i];
+	});
+}
+
+ModelSummary PackedProblem::summary() const
+{
+	ModelSummary s = layout_.summary();
+	s.layouts      = layouts_;
+	return s;
+}
+
+// ---- points outside the colours
+
+Impulse PackedIsland::relativeVelocity(const TailPoint& c) const
+{
+	const HalfRecord &v1 = view_.halfBody(c.record1), &v2 = view_.halfBody(c.record2);
+	const Vec2        u { v2.x - v1.x, v2.y - v1.y };
+	const double      spin1 = c.turns ? view_.wholeBody(c.record1).spin : 0, spin2 = c.turns ? view_.wholeBody(c.record2).spin : 0;
+	return { dot(u, c.normal) + spin2 * c.turn2n - spin1 * c.turn1n, dot(u, perp(c.normal)) + spin2 * c.turn2t - spin1 * c.turn1t + c.slip };
+}
+
+void PackedIsland::applyImpulse(const TailPoint& c, const Impulse& p)
+{
+	const Vec2 f    = p.n * c.normal + p.t * perp(c.normal);
+	const auto push = [&](int record, const InverseMass& mass, double sign, double torque) {
+		if (mass.x == 0 && mass.y == 0 && mass.rotation == 0) return; // other islands may share it
+		HalfRecord& v = view_.halfBody(record);
+		v.x += sign * (mass.x * f.x);
+		v.y += sign * (mass.y * f.y);
+		if (c.turns) view_.wholeBody(record).spin += sign * (mass.rotation * torque);
+	};
+	push(c.record1, c.mass1, -1, p.n * c.turn1n + p.t * c.turn1t);
+	push(c.record2, c.mass2, +1, p.n * c.turn2n + p.t * c.turn2t);
+}
+
+/// The impulse that solves the point while all others stay; `p` is what the velocities hold of it.
+Impulse PackedIsland::solve(const TailPoint& c, const Impulse& p) const
+{
+	const Impulse u = relativeVelocity(c);
+	return solveCoulomb(c.w, u.n + c.bias - c.w.nn * p.n - c.w.nt * p.t, u.t - c.w.nt * p.n - c.w.tt * p.t, c.friction);
+}
+
+// ---- the steps of the solvers
+
+void PackedIsland::prepare()
+{
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = packed_.kernels_->prepare(view_, chunk); });
+	double velocity2 = sum(packed_.sum_);
+	forEachTailPoint([&](TailPoint& c) { velocity2 += square(relativeVelocity(c)); });
+	packed_.freeVelocity2_[number_] = velocity2;
+}
+
+void PackedIsland::applyImpulses()
+{
+	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->apply(view_, chunk); });
+	forEachTailPoint([&](TailPoint& c) { applyImpulse(c, c.p); });
+}
+
+void PackedIsland::sweep()
+{
+	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweep(view_, chunk); });
+	forEachTailPoint([&](TailPoint& c) {
+		const Impulse next = solve(c, c.p);
+		applyImpulse(c, next - c.p);
+		c.p = next;
+	});
+}
+
+void PackedIsland::sweepRelaxed(double relaxation)
+{
+	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweepRelaxed(view_, chunk, relaxation); });
+	forEachTailPoint([&](TailPoint& c) {
+		const Impulse next = projectCone(c.p + relaxation * (solve(c, c.p) - c.p), c.friction);
+		applyImpulse(c, next - c.p);
+		c.p = next;
+	});
+}
+
+double PackedIsland::sweepMomentum(double momentum)
+{
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = packed_.kernels_->sweepMomentum(view_, chunk, momentum); });
+	double change2 = sum(packed_.sum_);
+	forEachTailPoint([&](TailPoint& c) {
+		const Impulse from = c.p + momentum * (c.p - c.old), next = solve(c, from);
+		applyImpulse(c, next - from);
+		c.old = c.p;
+		c.p   = next;
+		change2 += square(next - from);
+	});
+	return change2;
+}
+
+void PackedIsland::extrapolate(double momentum)
+{
+	const Range records = island_.records;
+	share(0, (records.end - records.begin + recordsAtATime - 1) / recordsAtATime, [&](int part) {
+		const int first = records.begin + part * recordsAtATime;
+		packed_.kernels_->extrapolate(view_, first, std::min(records.end, first + recordsAtATime), momentum);
+	});
+	std::swap(view_.body, view_.oldBody);
+}
+
+Measures PackedIsland::measure()
+{
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.partial_[k] = packed_.kernels_->measure(view_, chunk); });
+	Measures total = sum(packed_.partial_);
+	forEachTailPoint([&](TailPoint& c) {
+		const Impulse u = relativeVelocity(c);
+		const double  un = u.n + c.bias;
+		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
+		const Impulse q = projectCone({ c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn }, c.friction);
+		const double  miss = square(c.p - q);
+		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping };
+	});
+	return total;
+}
+
+} // namespace rcr

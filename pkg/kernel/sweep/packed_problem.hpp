@@ -1,0 +1,172 @@
+// The contact problem of a step in the form that sweeps run on: by islands, coloured and packed.
+//
+// The order of work, and with it every bit of the result, depends on the present problem alone: neither on problems seen
+// before, nor on the width of the lanes, nor on the number of threads; and that of an island not on the others. Points
+// outside the colours (layout.hpp) are solved one by one after them.
+#pragma once
+
+#include <vector>
+
+#include "problem/contact_problem.hpp"
+#include "problem/coulomb.hpp"
+#include "sweep/layout.hpp"
+#include "sweep/packed_blocks.hpp"
+#include "parallel/team.hpp"
+
+namespace rcr {
+
+class PackedIsland;
+
+class PackedProblem {
+public:
+	Team team; // shares out what follows
+
+	/// Takes the problem over, v = v_free + M⁻¹Jᵀp for its impulses; on as many lanes as packedKernels says.
+	void load(const ContactProblem&, int lanes, const Reductions&);
+	/// Takes other biases of the same problem over, and its present impulses.
+	void rebias(const ContactProblem&, const std::vector<double>& bias);
+	/// Writes impulses, and velocities computed anew from them; `measure` then measures what was written.
+	void store(ContactProblem&);
+	/// Computes the velocities anew from the impulses and writes them alone.
+	void storeVelocity(const ContactProblem&, std::vector<Twist>& velocity);
+
+	int islands() const { return int(layout_.islands().size()); }
+	/// work(island) for each: small ones at once, each by one thread; large ones one after the other, each by all.
+	template <class Work> void forEachIsland(Work work);
+
+	/// What was made of the problem.
+	ModelSummary summary() const;
+	/// How often a problem had to be laid out: other pairs, needs or kinds of bodies than the one before.
+	int layouts() const { return layouts_; }
+	/// Time spent on layouts so far, to find that one still stands too.
+	double layoutSeconds() const { return layoutSeconds_; }
+
+private:
+	friend class PackedIsland;
+
+	struct alignas(32) TwoHalves { // of one record, or of two bodies that nothing turns
+		HalfRecord half[2];
+	};
+
+	/// A point outside the colours, in the scaled velocities of packed_blocks.hpp.
+	struct TailPoint {
+		std::int32_t record1, record2, point;
+		bool         turns; // or the records are halves
+		Vec2         normal;
+		double       turn1n, turn1t, turn2n, turn2t;
+		double       slip; // tangential velocity of spins that stay as they are, where the records have none
+		InverseMass  mass1, mass2;
+		double       bias, friction;
+		Delassus     w;
+		Impulse      p, old;
+	};
+
+	void       loadBody(const ContactProblem&, int body, int record, bool central);
+	void       loadBodies(const ContactProblem&);
+	void       startVelocity(const ContactProblem&);
+	void       fill(const ContactProblem&, const Pair&);
+	void       fillPoint(const ContactProblem&, const Pair&, int point, Column*);
+	void       addToTail(const ContactProblem&, const Pair&, bool central);
+	/// visit(number of the point, its block, its lane) for the points of a pair within the colours.
+	template <class Visit> void forEachPoint(const Pair&, Visit visit);
+	PackedView view() { return { body_.data()->half, oldBody_.data()->half, layout_.pairBlocks().data(), point_.data() }; }
+
+	const PackedKernels*    kernels_ = nullptr;
+	Layout                  layout_;
+	std::vector<double>     inverseGyration_; // a body: 1/k
+	std::vector<TwoHalves>  body_, oldBody_;  // the records of the layout, and one sweep before
+	std::vector<Column>     point_;
+	std::vector<TailPoint>  tail_;
+	std::vector<Range>      tailOf_;        // an island
+	std::vector<double>     freeVelocity2_; // an island
+	std::vector<Measures>   partial_;       // a chunk
+	std::vector<double>     sum_;           // a chunk
+	double                  layoutSeconds_ = 0;
+	int                     layouts_       = 0;
+};
+
+/// What is swept to its own convergence.
+class PackedIsland {
+public:
+	PackedIsland(PackedProblem& packed, int number)
+	        : packed_(packed)
+	        , number_(number)
+	        , island_(packed.layout_.islands()[number])
+	        , view_(packed.view())
+	{
+	}
+
+	int number() const { return number_; }
+	int points() const { return island_.points; }
+
+	/// Lever arms and coefficients.
+	void prepare();
+	/// v ← v + M⁻¹Jᵀp
+	void applyImpulses();
+	/// Solves every point once.
+	void sweep();
+	/// The same, each impulse changed by `relaxation` times as much.
+	void sweepRelaxed(double relaxation);
+	/// The same from y = p + β (p − p_old); the velocities must be extrapolated by the same β. Returns ‖p − y‖².
+	double sweepMomentum(double momentum);
+	/// v ← v + β (v − v_old), v_old ← v.
+	void extrapolate(double momentum);
+
+	/// Sums for the stop criteria at the present impulses and velocities.
+	Measures measure();
+	/// Σ |u|² over the points for the free velocities.
+	double freeVelocity2() const { return packed_.freeVelocity2_[number_]; }
+
+private:
+	using TailPoint = PackedProblem::TailPoint;
+
+	Impulse relativeVelocity(const TailPoint&) const;
+	void    applyImpulse(const TailPoint&, const Impulse&);
+	Impulse solve(const TailPoint&, const Impulse& from) const;
+
+	/// work(i) for begin ≤ i < end, by all threads where the island is theirs.
+	template <class Work> void share(int begin, int end, Work work)
+	{
+		if (island_.shared) return packed_.team.share(begin, end, work);
+		for (int i = begin; i < end; ++i)
+			work(i);
+	}
+	/// kernel(chunk, its number) for all chunks, stage after stage.
+	template <class Kernel> void forEachChunk(Kernel kernel)
+	{
+		const Layout& layout = packed_.layout_;
+		for (int stage = island_.stages.begin; stage < island_.stages.end; ++stage)
+			share(layout.chunkBegin(stage), layout.chunkBegin(stage + 1), [&](int k) { kernel(layout.chunks()[k], k); });
+	}
+	/// The sum over all chunks of what a kernel left for each, in their order.
+	template <class Value> Value sum(const std::vector<Value>& ofChunk) const
+	{
+		Value total {};
+		for (int k = packed_.layout_.chunkBegin(island_.stages.begin); k < packed_.layout_.chunkBegin(island_.stages.end); ++k)
+			total += ofChunk[k];
+		return total;
+	}
+	template <class Visit> void forEachTailPoint(Visit visit)
+	{
+		const Range tail = packed_.tailOf_[number_];
+		for (int k = tail.begin; k < tail.end; ++k)
+			visit(packed_.tail_[k]);
+	}
+
+	PackedProblem& packed_;
+	const int      number_;
+	const Island&  island_;
+	PackedView     view_;
+};
+
+template <class Work> void PackedProblem::forEachIsland(Work work)
+{
+	const auto shared = [&](int number) { return layout_.islands()[number].shared; };
+	team.share(0, islands(), [&](int number) {
+		if (!shared(number)) work(PackedIsland(*this, number));
+	});
+	for (int number = 0; number < islands(); ++number)
+		if (shared(number)) work(PackedIsland(*this, number));
+}
+
+} // namespace rcr

@@ -1,0 +1,40 @@
+// Gauss–Seidel sweeps with Nesterov momentum on the impulses (momentum.hpp), restarted when it leads away.
+//
+// The velocities are linear in the impulses and extrapolated with them.
+#include "sweep/momentum.hpp"
+#include "sweep/sweep_solver.hpp"
+
+namespace rcr {
+
+namespace {
+
+	void sweep(PackedIsland& island, Momentum& momentum)
+	{
+		island.extrapolate(momentum.beta());
+		momentum.advance(island.sweepMomentum(momentum.beta()));
+	}
+
+} // namespace
+
+Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+{
+	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, StopTest& stop) {
+		Momentum momentum;
+		while (!stop.reached())
+			sweep(island, momentum);
+	});
+}
+
+void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bias, int sweeps, std::vector<Twist>& velocity, Workspace& workspace)
+{
+	PackedProblem& packed = workspace.packed();
+	packed.rebias(problem, bias);
+	packed.forEachIsland([&](PackedIsland&& island) {
+		Momentum momentum;
+		for (int k = 0; k < sweeps; ++k)
+			sweep(island, momentum);
+	});
+	packed.storeVelocity(problem, velocity);
+}
+
+} // namespace rcr

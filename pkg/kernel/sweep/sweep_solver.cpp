@@ -1,0 +1,98 @@
+#include "sweep/sweep_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "problem/residual.hpp"
+
+namespace rcr {
+
+Workspace::Workspace() : packed_(std::make_unique<PackedProblem>()) { }
+Workspace::~Workspace() = default;
+Team& Workspace::team() { return packed_->team; }
+ModelSummary Workspace::summary() const { return packed_->summary(); }
+int Workspace::layouts() const { return packed_->layouts(); }
+double Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
+
+namespace {
+
+	Criteria criteriaOf(const Measures& m, double freeVelocity2, double rest)
+	{
+		return { relativeError(m.error2, m.impulse2, m.stopping2), kinematicError(m.violation2, m.velocity2, freeVelocity2, rest) };
+	}
+
+} // namespace
+
+bool Criteria::met(const Settings& settings) const
+{
+	const bool accurate = settings.tolerance > 0 && residual <= settings.tolerance; // 0 asks for all iterations
+	return (accurate && violation <= settings.violation) || meanForceChange < settings.meanForceChange;
+}
+
+bool StopTest::reached()
+{
+	bool stop = sweeps_ >= settings_.maxIterations;
+	const bool due = sweeps_ % settings_.checkInterval == 0 || (sweeps_ == 1 && island_.points() == 1); // one sweep solves one point
+	if (!stop && sweeps_ >= settings_.minIterations && due) {
+		measure();
+		stop = criteria_.met(settings_) || stalled();
+	}
+	if (!stop) ++sweeps_;
+	return stop;
+}
+
+bool StopTest::stalled()
+{
+	if (criteria_.residual < lowest_) {
+		lowest_   = criteria_.residual;
+		lowestAt_ = sweeps_;
+	}
+	return settings_.stallSweeps > 0 && sweeps_ - lowestAt_ >= settings_.stallSweeps;
+}
+
+void StopTest::measure()
+{
+	const Measures m = island_.measure();
+	criteria_        = criteriaOf(m, island_.freeVelocity2(), settings_.rest);
+	if (measured_) criteria_.meanForceChange = std::abs(m.normal - normal_) / m.normal; // NaN without any force: not met
+	normal_   = m.normal;
+	measured_ = true;
+}
+
+std::vector<double> biases(const ContactProblem& problem)
+{
+	std::vector<double> bias;
+	bias.reserve(problem.points.size());
+	for (const ContactPoint& point : problem.points)
+		bias.push_back(point.bias);
+	return bias;
+}
+
+Report reportOf(PackedProblem& packed, const Settings& settings, const std::vector<IslandEnd>& ends)
+{
+	struct Part {
+		Measures measures;
+		double   freeVelocity2;
+		int      points;
+	};
+	std::vector<Part> parts(packed.islands());
+	packed.forEachIsland([&](PackedIsland&& island) { parts[island.number()] = { island.measure(), island.freeVelocity2(), island.points() }; });
+	Report report;
+	Part   whole {};
+	for (std::size_t k = 0; k < parts.size(); ++k) {
+		Criteria criteria        = criteriaOf(parts[k].measures, parts[k].freeVelocity2, settings.rest);
+		criteria.meanForceChange = ends[k].meanForceChange;
+		const bool met           = criteria.met(settings) || (settings.tolerance == 0 && criteria.residual == 0);
+		report.converged         = report.converged && met;
+		report.iterations        = std::max(report.iterations, ends[k].sweeps);
+		report.work += double(ends[k].sweeps) * parts[k].points;
+		whole.measures += parts[k].measures;
+		whole.freeVelocity2 += parts[k].freeVelocity2;
+	}
+	const Criteria criteria = criteriaOf(whole.measures, whole.freeVelocity2, settings.rest);
+	report.residual         = criteria.residual;
+	report.violation        = criteria.violation;
+	return report;
+}
+
+} // namespace rcr
