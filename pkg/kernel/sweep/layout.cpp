@@ -93,11 +93,11 @@ bool Layout::findPairs(const ContactProblem& problem)
 		const ContactPoint& c     = points[k];
 		const bool          joins = k + 1 < points.size() && points[k + 1].body1 == c.body1 && points[k + 1].body2 == c.body2;
 		const Model         needs = joins ? std::min(need(problem, c), need(problem, points[k + 1])) : need(problem, c);
-		const Pair          pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, needs, needs, Pair::outside, 0 };
+		const Pair          pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, needs, needs, c.drifts() || (joins && points[k + 1].drifts()), Pair::outside, 0 };
 		if (count == pairs_.size()) pairs_.push_back(pair);
 		Pair& old = pairs_[count];
 		// `firstPoint` follows from the pairs before
-		if (old.body1 != pair.body1 || old.body2 != pair.body2 || old.points != pair.points || old.needs != needs) same = false;
+		if (old.body1 != pair.body1 || old.body2 != pair.body2 || old.points != pair.points || old.needs != needs || old.drifts != pair.drifts) same = false;
 		if (!same) old = pair;
 		k += pair.points;
 	}
@@ -108,6 +108,7 @@ bool Layout::findPairs(const ContactProblem& problem)
 bool Layout::packable(const Pair& pair) const
 {
 	const BodyKind a = kind_[pair.body1], b = kind_[pair.body2];
+	if (pair.drifts) return false;
 	return (a == BodyKind::regular && b != BodyKind::special) || (b == BodyKind::regular && a != BodyKind::special);
 }
 

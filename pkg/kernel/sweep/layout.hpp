@@ -28,6 +28,7 @@ struct Pair {
 	std::int32_t body1, body2, firstPoint, points;
 	Model        needs;      // the least that serves it
 	Model        model;      // the one it has
+	bool         drifts;     // across a periodic boundary: outside the colours
 	std::int32_t slot;       // blockWidth · block + lane; or `outside` the colours
 	std::int32_t column;     // where the block of its first point begins; that of the second follows
 };

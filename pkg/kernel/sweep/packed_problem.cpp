@@ -149,7 +149,7 @@ void PackedProblem::addToTail(const ContactProblem& problem, const Pair& pair, b
 		const Impulse p = startOf(problem, k);
 		tail_.push_back({ layout_.record(c.body1), layout_.record(c.body2), k, !central, c.normal,
 		                  lever * cross(c.arm1, c.normal) * scale1, cross(c.arm1, t) * scale1,
-		                  lever * cross(c.arm2, c.normal) * scale2, cross(c.arm2, t) * scale2, central ? slip(problem, c) : 0,
+		                  lever * cross(c.arm2, c.normal) * scale2, cross(c.arm2, t) * scale2, { dot(c.drift, c.normal), dot(c.drift, t) + (central ? slip(problem, c) : 0) },
 		                  { m1.x, m1.y, m1.rotation / (scale1 * scale1) }, { m2.x, m2.y, m2.rotation / (scale2 * scale2) },
 		                  c.bias, c.friction, w, p, p });
 	}
@@ -231,7 +231,7 @@ Impulse PackedIsland::relativeVelocity(const TailPoint& c) const
 	const HalfRecord &v1 = view_.halfBody(c.record1), &v2 = view_.halfBody(c.record2);
 	const Vec2        u { v2.x - v1.x, v2.y - v1.y };
 	const double      spin1 = c.turns ? view_.wholeBody(c.record1).spin : 0, spin2 = c.turns ? view_.wholeBody(c.record2).spin : 0;
-	return { dot(u, c.normal) + spin2 * c.turn2n - spin1 * c.turn1n, dot(u, perp(c.normal)) + spin2 * c.turn2t - spin1 * c.turn1t + c.slip };
+	return { dot(u, c.normal) + spin2 * c.turn2n - spin1 * c.turn1n + c.drift.n, dot(u, perp(c.normal)) + spin2 * c.turn2t - spin1 * c.turn1t + c.drift.t };
 }
 
 void PackedIsland::applyImpulse(const TailPoint& c, const Impulse& p)

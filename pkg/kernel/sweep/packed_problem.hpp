@@ -54,7 +54,7 @@ private:
 		bool         turns; // or the records are halves
 		Vec2         normal;
 		double       turn1n, turn1t, turn2n, turn2t;
-		double       slip; // tangential velocity of spins that stay as they are, where the records have none
+		Impulse      drift; // added to u: of a periodic image, and of spins that stay as they are, where the records have none
 		InverseMass  mass1, mass2;
 		double       bias, friction;
 		Delassus     w;
