@@ -30,11 +30,6 @@ namespace {
 		return problem.freeVelocity[c.body2].rotation * dot(c.arm2, c.normal) - problem.freeVelocity[c.body1].rotation * dot(c.arm1, c.normal);
 	}
 
-	Impulse operator+(Impulse a, Impulse b) { return { a.n + b.n, a.t + b.t }; }
-	Impulse operator-(Impulse a, Impulse b) { return { a.n - b.n, a.t - b.t }; }
-	Impulse operator*(double s, Impulse a) { return { s * a.n, s * a.t }; }
-	double  square(Impulse a) { return a.n * a.n + a.t * a.t; }
-
 } // namespace
 
 // ---- the problem in
