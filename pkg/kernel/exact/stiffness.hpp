@@ -15,7 +15,7 @@ public:
 		int    maxPatience;        // steps at one ρ, at most
 	};
 
-	explicit Stiffness(const Limits& limits) : limits_(&limits), rho_(limits.start) { }
+	explicit Stiffness(const Limits& limits) : limits_(limits), rho_(limits.start) { }
 
 	double rho() const { return rho_; }
 
@@ -25,23 +25,23 @@ public:
 		raised_ = ++steps_ >= patience_;
 		if (!raised_) return;
 		steps_ = 0;
-		rho_   = std::min(limits_->most, limits_->rise * rho_);
+		rho_   = std::min(limits_.most, limits_.rise * rho_);
 	}
 
 	void failed()
 	{
-		patience_ = std::min(limits_->maxPatience, 2 * patience_);
+		patience_ = std::min(limits_.maxPatience, 2 * patience_);
 		steps_    = 0;
 		raised_   = false;
-		rho_      = std::max(limits_->least, rho_ / limits_->fall);
+		rho_      = std::max(limits_.least, rho_ / limits_.fall);
 	}
 
 private:
-	const Limits* limits_;
-	double        rho_;
-	int           patience_ = 1;     // steps that must arrive before the next rise
-	int           steps_    = 0;     // that have arrived since the last change
-	bool          raised_   = false; // by the last step
+	Limits limits_;
+	double rho_;
+	int    patience_ = 1;     // steps that must arrive before the next rise
+	int    steps_    = 0;     // that have arrived since the last change
+	bool   raised_   = false; // by the last step
 };
 
 } // namespace rcr
