@@ -36,9 +36,15 @@ struct Twist {
 	double x = 0, y = 0, rotation = 0;
 };
 
+/// (n, t) components at a contact point: of an impulse, and of the velocity that goes with it.
 struct Impulse {
 	double n = 0, t = 0;
 };
+
+inline Impulse operator+(Impulse a, Impulse b) { return { a.n + b.n, a.t + b.t }; }
+inline Impulse operator-(Impulse a, Impulse b) { return { a.n - b.n, a.t - b.t }; }
+inline Impulse operator*(double s, Impulse a) { return { s * a.n, s * a.t }; }
+inline double  square(Impulse a) { return a.n * a.n + a.t * a.t; } // |a|²
 
 struct ContactPoint {
 	std::int32_t body1 = 0, body2 = 0;

@@ -6,96 +6,11 @@ one solution (no friction), to the accuracy it is solved to.
 
 import numpy as np
 import pytest
+from kernel.contact_problems import (
+    ALL, SWEEPS, Problem, assert_laws, assert_same_bits, beside, discs, errors, frictionless, grains_on_a_floor, heaps, model, parts_of, pile, square_discs,
+    stored, without,
+)  # fmt: skip
 from rcr import _kernel
-from test_solvers import SWEEPS, Problem, assert_laws, errors, pile, stored
-
-ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
-OF_BODIES = "inverse_mass", "free_velocity"
-
-
-def without(*names):
-    return [name for name in ALL if name not in names]
-
-
-def frictionless(problem):
-    return Problem(f"{problem.name}, no friction", problem.seed, **{**problem, "friction": np.zeros_like(problem["friction"])})
-
-
-def discs(problem):
-    """The problem with all arms along the normals: nothing turns without friction."""
-    n = problem["normal"]
-    return Problem(f"{problem.name}, discs", problem.seed, **{**frictionless(problem), "arm1": 0.5 * n, "arm2": -0.5 * n})
-
-
-def square_discs(seed, side=20):
-    """Discs on a square lattice: normals along the axes, so that no lever is even rounding."""
-    rng = np.random.default_rng(seed)
-    ids = np.arange(side * side).reshape(side, side)
-    floor, wall = side * side, side * side + 1
-    sides = [(ids[:, :-1].ravel(), ids[:, 1:].ravel(), (1, 0)), (ids[:-1].ravel(), ids[1:].ravel(), (0, 1))]
-    sides += [(np.full(side, floor), ids[0], (0, 1)), (ids[:, -1], np.full(side, wall), (1, 0))]
-    a, b = (np.concatenate([part[k] for part in sides]) for k in (0, 1))
-    n = np.concatenate([np.tile(np.array(part[2], float), (len(part[0]), 1)) for part in sides])
-    inverse_mass = np.vstack([rng.uniform(0.5, 2, (side * side, 1)) * [1, 1, 8], [[0, 0, 0], [0.1, 0, 0]]])
-    velocity = rng.normal([0, -0.1, 0.5], 0.02, (side * side + 2, 3))
-    velocity[floor], velocity[wall] = 0, (-0.3, 0, 0)
-    return Problem(
-        f"square discs {seed}", seed, inverse_mass=inverse_mass, free_velocity=velocity, bodies=np.column_stack([a, b]).astype(np.int32), normal=n,
-        arm1=0.5 * n, arm2=-0.5 * n, bias=np.where(rng.random(len(a)) < 0.2, 0.05, 0), friction=np.zeros(len(a)), impulse=np.zeros((len(a), 2)),
-    )  # fmt: skip
-
-
-def beside(*problems):
-    """Problems side by side, which share nothing but a floor: the first body of each that is at rest for ever."""
-    columns = {key: [] for key in problems[0]}
-    count, floor = 0, None
-    for problem in problems:
-        number = np.arange(count, count + len(problem["inverse_mass"]))
-        body = np.flatnonzero(~problem["inverse_mass"].any(1) & ~problem["free_velocity"].any(1))[0]
-        floor = number[body] = number[body] if floor is None else floor
-        count += len(number)
-        for key, value in problem.items():
-            columns[key].append(number[value].astype(np.int32) if key == "bodies" else value)
-    together = {key: np.concatenate(parts) for key, parts in columns.items()}
-    return Problem(" beside ".join(p.name for p in problems), **together)
-
-
-def grains_on_a_floor(count, seed=0, points=1):
-    """Grains that touch a fixed floor (the last body) and nothing else, each at one or two points."""
-    rng = np.random.default_rng(seed)
-    mass, pairs = rng.uniform(0.5, 2, count), np.repeat(np.arange(count), points)
-    along = np.where(np.arange(len(pairs)) % 2, 0.3, -0.3) + rng.normal(0, 0.01, len(pairs))
-    return Problem(
-        f"{count} grains on a floor", seed, inverse_mass=np.vstack([np.column_stack([1 / mass, 1 / mass, 6 / mass]), np.zeros((1, 3))]),
-        free_velocity=np.vstack([rng.normal([0.1, -0.3, 1], 0.05, (count, 3)), np.zeros((1, 3))]),
-        bodies=np.column_stack([pairs, np.full_like(pairs, count)]).astype(np.int32), normal=np.tile([0.0, -1.0], (len(pairs), 1)),
-        arm1=np.column_stack([along, np.full(len(pairs), -0.5)]), arm2=np.zeros((len(pairs), 2)), bias=np.zeros(len(pairs)),
-        friction=np.full(len(pairs), 0.4), impulse=np.zeros((len(pairs), 2)),
-    )  # fmt: skip
-
-
-def assert_same_bits(one, other, where, keys=("impulse", "velocity")):
-    for key in keys:
-        differ = np.flatnonzero(np.asarray(one[key]).ravel() != np.asarray(other[key]).ravel())
-        assert not len(differ), f"{where}: {key} differs first at entry {differ[0]} of {np.size(one[key])}"
-
-
-def parts_of(result, problems):
-    """The part of each problem in the result of those side by side."""
-    body = point = 0
-    for problem in problems:
-        bodies, points = len(problem["inverse_mass"]), len(problem["bodies"])
-        yield {"velocity": result["velocity"][body : body + bodies], "impulse": result["impulse"][point : point + points]}
-        body, point = body + bodies, point + points
-
-
-def model(problem, **settings):
-    workspace = _kernel.Workspace()
-    problem.solve(tolerance=0, max_iterations=1, workspace=workspace, **settings)
-    return workspace.model
-
-
-# ------------------------------------------------------------------------------- one unknown a point, no rotations
 
 
 @pytest.mark.parametrize("solver", SWEEPS)
@@ -199,24 +114,12 @@ def test_the_model_follows_the_problem(change):
         assert second["rotations"] > 0 and second["frictionless"] == (change == "lever")
 
 
-# ------------------------------------------------------------------------------------------------- fixed bodies
-
-
 def test_fixed_bodies_without_unknowns():
     problem = discs(pile(8, 40, 5))
     reduced, full = (problem.solve(tolerance=1e-11, max_iterations=100000, violation=np.inf, reductions=r) for r in (ALL, without("fixed")))
     np.testing.assert_allclose(reduced["velocity"][:, :2], full["velocity"][:, :2], rtol=0, atol=1e-8)
     assert reduced["converged"] and full["converged"]
     assert model(problem)["bodies"] == model(problem, reductions=without("fixed"))["bodies"] - 2  # floor and left wall
-
-
-# ------------------------------------------------------------------------------------------------------- islands
-
-
-def heaps(count):
-    """Heaps of different sizes and numbers of sweeps, with and without friction, some without rotations."""
-    kinds = (lambda p: p), frictionless, discs
-    return [kinds[k % 3](pile(20 + k, 6 + 3 * k, 4 + k % 5)) for k in range(count)]
 
 
 @pytest.mark.parametrize("solver", SWEEPS)
@@ -293,36 +196,6 @@ def test_a_grain_that_lands_beside_a_heap_at_rest_is_not_missed():
     error, size = errors(grain, seen["impulse"][-2:])
     assert np.linalg.norm(error) < 1e-4 * size
     assert seen["work"] == 2 * seen["iterations"], "the heap was swept too"
-
-
-def test_islands_come_and_go_in_a_workspace():
-    """Pairs that vanish part an island, and join it again: the same bits as without a history."""
-    whole = pile(11, 24, 3)
-    rng = np.random.default_rng(0)
-    workspace = _kernel.Workspace()
-    seen = set()
-    for step in range(30):
-        kept = rng.random(len(whole["bodies"])) < rng.choice([0.1, 0.4, 0.9])
-        problem = Problem(f"step {step}", 11, **{key: value if key in OF_BODIES else value[kept] for key, value in whole.items()})
-        settings = dict(tolerance=1e-3, max_iterations=20000)
-        result = problem.solve(workspace=workspace, **settings)
-        assert_same_bits(result, problem.solve(**settings), problem.name, ("impulse", "velocity", "residual"))
-        assert_laws(problem, result, 1e-3)
-        seen.add(workspace.model["islands"])
-    assert len(seen) > 5
-
-
-# --------------------------------------------------------------------------------------------------------- layout
-
-
-def test_a_kept_layout_changes_no_bit():
-    problem = pile(12)
-    workspace, other = _kernel.Workspace(), _kernel.Workspace()
-    for _ in range(3):
-        kept = problem.solve(tolerance=0, max_iterations=20, workspace=workspace)
-        anew = problem.solve(tolerance=0, max_iterations=20, workspace=other, reductions=without("layout"))
-        assert_same_bits(kept, anew, problem.name)
-    assert workspace.layouts == 1 and other.layouts == 3
 
 
 def test_refuses_an_unknown_reduction():
