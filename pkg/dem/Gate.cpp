@@ -25,7 +25,6 @@ namespace gate {
 
 		enum Law { rigid = 1, smooth = 2, both = 3, neither = 4 };
 
-		std::string text(Real value) { return boost::lexical_cast<std::string>(value); }
 
 		template <class Kind> bool is(const shared_ptr<Engine>& engine) { return !engine->dead && dynamic_cast<const Kind*>(engine.get()); }
 
@@ -319,6 +318,8 @@ namespace gate {
 		}
 		return {};
 	}
+
+	bool serves(const Scene& scene) { return View(scene).law != neither; }
 
 	Engines Watch::pass(const Scene& scene)
 	{

@@ -15,6 +15,8 @@
 // bodies and contacts, is looked at where it is gathered. Each refusal says what was found, what is wanted and what to do.
 #pragma once
 
+#include <sstream>
+
 #include <core/Interaction.hpp>
 #include <core/InteractionLoop.hpp>
 #include <core/Scene.hpp>
@@ -28,6 +30,15 @@ class Collider;
 
 namespace gate {
 
+	/// A number as a user would write it.
+	inline std::string text(Real value)
+	{
+		std::ostringstream out;
+		out.precision(12);
+		out << value;
+		return out.str();
+	}
+
 	/// Throws std::invalid_argument with this text.
 	[[noreturn]] void refuse(const std::string& message);
 
@@ -40,6 +51,12 @@ namespace gate {
 
 	/// What of a scene with our classes is refused; empty where nothing is, or where none of our classes is there.
 	std::string refusal(const Scene&);
+
+	/// Is a law of ours in the scene?
+	bool serves(const Scene&);
+
+	/// What of a scene is served but hardly meant; empty where nothing is.
+	std::string advice(const Scene&);
 
 	/// Looks at the scene when its engines, their functors or its number of bodies have changed.
 	class Watch {

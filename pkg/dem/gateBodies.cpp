@@ -18,8 +18,7 @@ namespace gate {
 		constexpr double   mostFriction = 1e6; // µ beyond which the residual, in which µ |u_t| stands beside u_n, sees no normal velocity
 
 		std::string body(Body::id_t id) { return "body #" + std::to_string(id); }
-		std::string text(Real value) { return boost::lexical_cast<std::string>(value); }
-		std::string text(const Vector3r& v) { return '(' + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + ')'; }
+		std::string coordinates(const Vector3r& v) { return '(' + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + ')'; }
 		bool        finite(const Vector3r& v) { return math::isfinite(v[0]) && math::isfinite(v[1]) && math::isfinite(v[2]); }
 
 		bool isGrain(const Body& b) { return b.shape && (dynamic_cast<const Rcr*>(b.shape.get()) || dynamic_cast<const Sphere*>(b.shape.get())); }
@@ -34,7 +33,7 @@ namespace gate {
 
 		void checkFinite(const Body& b, const char* what, const Vector3r& v, const char* remedy)
 		{
-			if (!finite(v)) refuse(body(b.getId()) + " has the " + what + ' ' + text(v) + "; wanted finite numbers: " + remedy);
+			if (!finite(v)) refuse(body(b.getId()) + " has the " + what + ' ' + coordinates(v) + "; wanted finite numbers: " + remedy);
 		}
 
 	} // namespace
@@ -78,6 +77,24 @@ namespace gate {
 		if (!heavy(s))
 			refuse(body(b.getId()) + " is free but has the mass " + text(s.mass) + "; give it a mass > 0 or block its degrees of freedom.");
 		refuse(body(b.getId()) + " is free to turn but has the moment of inertia " + text(s.inertia[2]) + " about z; give it one > 0 or block Z.");
+	}
+
+	/// A Sphere among Rcrs that has the mass of a ball: those of Rcrs are per unit depth.
+	std::string advice(const Scene& scene)
+	{
+		bool        rcrs = false;
+		const Body* ball = nullptr;
+		for (const auto& b : *scene.bodies) {
+			if (!b || !b->shape || !b->material) continue;
+			rcrs = rcrs || dynamic_cast<const Rcr*>(b->shape.get());
+			const Sphere* sphere = b->state->blockedDOFs == State::DOF_ALL ? nullptr : dynamic_cast<const Sphere*>(b->shape.get());
+			if (!sphere) continue;
+			const Real mass = 4 * Mathr::PI / 3 * math::pow(sphere->radius, 3) * b->material->density;
+			if (math::abs(b->state->mass - mass) <= 1e-9 * mass && !ball) ball = b.get();
+		}
+		if (!rcrs || !ball) return {};
+		return body(ball->getId()) + " is a Sphere with the mass of a ball, " + text(ball->state->mass)
+		        + " kg, among Rcrs, whose masses are per unit depth; make it by rcr.disc(center, R), which gives it that of a disc.";
 	}
 
 	void checkServed(const Interaction& i, const Scene& scene)

@@ -139,7 +139,9 @@ namespace {
 			if (body.free) body.expected = body.alertDistance;
 			move(b, s, body);
 		}
-		if (body.shape.grain()) from_.bound[id] = b.bound.get();
+		from_.bound[id] = b.bound.get();
+		// An obstacle's box is not enlarged by its alert distance: where it outruns the collider's margin, it looks by itself.
+		if (!body.free && !body.shape.grain() && b.bound && body.alertDistance > double(b.bound->sweepLength)) body.expected = 0;
 	}
 
 	/// Inverse mass, and the velocity at the end of the step without contacts: what NewtonIntegrator will make of the forces so far.

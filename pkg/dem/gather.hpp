@@ -25,7 +25,7 @@ struct StepSources {
 	};
 
 	std::vector<State*>       state; // a body; null where there is none
-	std::vector<const Bound*> bound; // a grain; null for others
+	std::vector<const Bound*> bound; // a body
 	std::vector<Contact>      found; // in the order of YADE's container; without points where it is none of ours
 	std::vector<Contact>      sorted; // by body 1, then body 2
 	Real                      z = 0; // of the plane

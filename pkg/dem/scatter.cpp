@@ -82,8 +82,28 @@ namespace {
 		if (by.rotation != 0) s.ori = (Quaternionr(AngleAxisr(by.rotation, Vector3r::UnitZ())) * s.ori).normalized();
 	}
 
+	/// Does a grain, with the alert distance of its new velocity, reach out of the box that the collider knows?
+	bool outruns(const rcr::StepBody& b, const rcr::Twist& v, double dt, const State& state, const Bound& bound)
+	{
+		const double   reach = b.radius + rcr::alertDistance(b.shape, v, dt);
+		const Vector3r moved = state.pos + dt * Vector3r(v.x, v.y, 0) - bound.refPos;
+		const double   half  = 0.5 * double(bound.max[0] - bound.min[0]);
+		return std::max(std::abs(double(moved[0])), std::abs(double(moved[1]))) + reach > half;
+	}
+
+	/// Does an obstacle that turns reach out of its box? YADE watches displacements, not rotations.
+	bool turnsOut(const rcr::StepBody& b, const rcr::StepBody& owner, const rcr::Twist& v, double dt, const Bound& bound)
+	{
+		if (v.rotation == 0 || b.shape.kind < rcr::PlanarShape::box) return false;
+		rcr::Pose at = rcr::moved(b, owner, v, dt);
+		if (b.shape.kind == rcr::PlanarShape::segment) at = rcr::middleOf(b.shape, at);
+		const rcr::Vec2 half = rcr::halfExtent(b.shape, at.axis);
+		return at.center.x + half.x > bound.max[0] || at.center.x - half.x < bound.min[0] || at.center.y + half.y > bound.max[1]
+		        || at.center.y - half.y < bound.min[1];
+	}
+
 	// The collider runs when a body has left its bounding box. It must also run when a body has become so fast that its alert
-	// distance, of which the box was made for an earlier speed, reaches out of it.
+	// distance, of which the box was made for an earlier speed, reaches out of it, and where an obstacle turns out of its box.
 	void keepColliderAhead(Scene& scene, rcr::Team& team, const StepSources& sources, const rcr::Step& step)
 	{
 		std::atomic<bool> out { false };
@@ -91,12 +111,11 @@ namespace {
 			const Bound* bound = sources.bound[id];
 			prefetch<Bound>(sources.bound[std::min(id + prefetchAhead, step.bodies.size() - 1)]);
 			if (!bound) return;
-			const rcr::StepBody& b     = step.bodies[id];
-			const rcr::Twist&    v     = step.problem.velocity[id];
-			const double         reach = b.radius + rcr::alertDistance(b.shape, v, step.dt);
-			const Vector3r       moved = sources.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0) - bound->refPos;
-			const double         half  = 0.5 * double(bound->max[0] - bound->min[0]);
-			if (std::max(std::abs(double(moved[0])), std::abs(double(moved[1]))) + reach > half) out.store(true, std::memory_order_relaxed);
+			const rcr::StepBody& b = step.bodies[id];
+			const rcr::Twist&    v = step.problem.velocity[id];
+			const bool           leaves = b.shape.grain() ? outruns(b, v, step.dt, *sources.state[id], *bound)
+			                                              : turnsOut(b, step.bodies[b.owner], step.problem.velocity[b.owner], step.dt, *bound);
+			if (leaves) out.store(true, std::memory_order_relaxed);
 		});
 		if (out) scene.doSort = true;
 	}

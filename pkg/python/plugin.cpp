@@ -8,7 +8,9 @@
 #include <core/Omega.hpp>
 #include <lib/factory/ClassFactory.hpp>
 
+#include "../dem/Gate.hpp"
 #include "../dem/NetworkTable.hpp"
+#include "../dem/planarClump.hpp"
 
 namespace {
 
@@ -51,6 +53,10 @@ boost::python::tuple networkTable()
 	return boost::python::make_tuple(bytes(table.pairs), bytes(table.particles));
 }
 
+std::string refusal() { return yade::gate::refusal(*yade::Omega::instance().getScene()); }
+bool        serves() { return yade::gate::serves(*yade::Omega::instance().getScene()); }
+std::string advice() { return yade::gate::advice(*yade::Omega::instance().getScene()); }
+
 } // namespace
 
 BOOST_PYTHON_MODULE(_plugin)
@@ -59,4 +65,8 @@ BOOST_PYTHON_MODULE(_plugin)
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
 	registerOwnClasses();
 	boost::python::def("network_table", networkTable, "Rows of NetworkTable.hpp as bytes: pairs (4 int64, 8 doubles), particles (int64, 9 doubles).");
+	boost::python::def("refusal", refusal, "What of the scene is not served, and what to do; empty where all is.");
+	boost::python::def("serves", serves, "Whether a law of ours is in the scene.");
+	boost::python::def("advice", advice, "What of the scene is served but hardly meant.");
+	boost::python::def("planar_clump", yade::planarClump, "Joins bodies of the scene, (ids, x, y, mass, inertia about z); returns the id of the clump.");
 }

@@ -38,8 +38,11 @@ def _load_plugin():
 if "yade" in sys.modules:
     _classes = _load_plugin()
     globals().update(_classes)
-    from rcr.scene import contact_network, critical_time_step, mobile_wall, particle, save_problem, wall
+    from rcr import session
+    from rcr.scene import clump, contact_network, critical_time_step, disc, mobile_wall, particle, save_problem, wall
+
+    session.guard()
 
     _classes["ContactDynamics"].save = save_problem
 
-    __all__ += [*sorted(_classes), "contact_network", "critical_time_step", "mobile_wall", "particle", "wall"]
+    __all__ += [*sorted(_classes), "clump", "contact_network", "critical_time_step", "disc", "mobile_wall", "particle", "wall"]

@@ -17,9 +17,7 @@ namespace {
 	/// A segment is a stadium without thickness.
 	Manifold onSegment(const PlanarShape& segment, const Pose& body, const PlanarShape& grain, const Pose& at, double reach)
 	{
-		const auto     turned = [&](Vec2 v) { return v.x * body.axis + v.y * perp(body.axis); };
-		const Pose     middle { body.center + turned(segment.offset), turned(segment.along) };
-		Manifold       result = shadowOverlap(stadiumOf(segment), middle, stadiumOf(grain), at, reach);
+		Manifold result = shadowOverlap(stadiumOf(segment), middleOf(segment, body), stadiumOf(grain), at, reach);
 		if (result.count == 2 && dot(result.points[1].position - result.points[0].position, at.axis) < 0) std::swap(result.points[0], result.points[1]);
 		result.type = ContactType::wall;
 		return result;

@@ -45,6 +45,20 @@ struct PlanarShape {
 	double contactRadius() const { return grain() ? halfLength + halfWidth : 0; }
 };
 
+/// Half widths of the axis-aligned bounding box of a box or a grain about its centre, of a segment about its middle [m].
+inline Vec2 halfExtent(const PlanarShape& s, Vec2 axis)
+{
+	if (s.grain()) return halfExtent(Stadium { s.halfLength, s.halfWidth }, axis);
+	return { std::abs(axis.x) * s.halfLength + std::abs(axis.y) * s.halfWidth, std::abs(axis.y) * s.halfLength + std::abs(axis.x) * s.halfWidth };
+}
+
+/// Where a segment stands: its middle and direction.
+inline Pose middleOf(const PlanarShape& segment, const Pose& body)
+{
+	const auto turned = [&](Vec2 v) { return v.x * body.axis + v.y * perp(body.axis); };
+	return { body.center + turned(segment.offset), turned(segment.along) };
+}
+
 /// R₁ + R₂ of a pair [m], by which overlaps are judged; an obstacle counts as the grain that it meets.
 inline double contactSize(const PlanarShape& one, const PlanarShape& two)
 {
