@@ -177,6 +177,8 @@ void ContactDynamics::watchForJam()
 	std::size_t deepest = 0;
 	double      overlap = 0; // over R₁ + R₂
 	for (std::size_t k = 0; k < step_.gap.size(); ++k) {
+		const rcr::ContactPoint& c = step_.problem.points[k];
+		if (step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2)) continue; // obstacles may stand in each other
 		const double share = rcr::contactSlop * step_.gap[k].now / step_.gap[k].allowed;
 		if (share > overlap) overlap = share, deepest = k;
 	}

@@ -8,6 +8,7 @@
 #include <pkg/common/Facet.hpp>
 #include <pkg/common/FieldApplier.hpp>
 #include <pkg/common/ForceResetter.hpp>
+#include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
 
 #include "ContactDynamics.hpp"
@@ -303,6 +304,8 @@ namespace gate {
 							auto functors           = collider->boundDispatcher->functors;
 							std::replace(functors.begin(), functors.end(), functor, shared_ptr<BoundFunctor>(disc));
 							collider->boundDispatcher->functors_set(functors);
+							for (const auto& b : *scene.bodies)
+								if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get())) b->shape->boundFunctor = nullptr; // a cache
 							return;
 						}
 		}

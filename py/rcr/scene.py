@@ -156,17 +156,17 @@ def _union(bodies, strips=20_000):
     left, right = (f(b.state.pos[0] + sign * R for b, R in zip(bodies, reach)) for f, sign in ((min, -1), (max, 1)))
     width = (right - left) / strips
     x = left + width * (np.arange(strips) + 0.5)
-    spans = np.array([_section(b, x) for b in bodies])  # (bodies, strips, 2)
+    spans = np.array([_section(b, x) for b in bodies])  # (members, strips, 2)
     order = np.argsort(np.where(np.isnan(spans[..., 0]), np.inf, spans[..., 0]), axis=0)
     spans = np.take_along_axis(spans, order[..., None], axis=0)
     covered = np.full(strips, -np.inf)
     moments = np.zeros(5)  # ∫ 1, x, y, x², y² over the union
     for low, high in np.moveaxis(spans, 2, 1):
-        begin, end = np.fmax(low, covered), np.fmax(high, covered)
-        begin, end = np.nan_to_num(begin), np.where(np.isnan(low), np.nan_to_num(begin), end)
-        length = np.maximum(end - begin, 0)
-        moments += width * np.array([f.sum() for f in (length, x * length, (end**2 - begin**2) / 2 * (length > 0), x**2 * length, (end**3 - begin**3) / 3 * (length > 0))])
-        covered = np.fmax(covered, high)
+        there = ~np.isnan(low)
+        begin, end, at = np.maximum(low[there], covered[there]), np.maximum(high[there], covered[there]), x[there]
+        length = end - begin
+        moments += width * np.array([f.sum() for f in (length, at * length, (end**2 - begin**2) / 2, at**2 * length, (end**3 - begin**3) / 3)])
+        covered[there] = end
     area, x_mean, y_mean = moments[0], moments[1] / moments[0], moments[2] / moments[0]
     return area, (x_mean, y_mean), moments[3] + moments[4] - area * (x_mean**2 + y_mean**2)
 

@@ -67,7 +67,7 @@ def test_column_that_collapses(law):
     else:
         smooth(*bodies)
         O.engines[2].lawDispatcher.functors[0].damping = 0.3
-        O.dt = 0.2 * rcr.critical_time_step()
+        O.dt = 0.1 * rcr.critical_time_step()
         count = int(1.0 / O.dt)
     free = [b for b in O.bodies if isinstance(b.shape, rcr.Rcr)]
     height = lambda: sum(b.state.mass * G * b.state.pos[1] for b in free)

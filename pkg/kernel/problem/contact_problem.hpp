@@ -63,6 +63,8 @@ struct ContactProblem {
 	std::vector<ContactPoint> points;       // a contact point; the points of a pair stand side by side
 	std::vector<Impulse>      impulse;      // a contact point: warm start in, solution out
 	std::vector<Twist>        velocity;     // a body: out, consistent with `impulse`
+
+	bool prescribed(int body) const { return inverseMass[body].x == 0 && inverseMass[body].y == 0 && inverseMass[body].rotation == 0; }
 };
 
 /// u at a point for the body velocities given, in (n, t).
