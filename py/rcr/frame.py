@@ -207,22 +207,22 @@ class Frame:
     def extent(self):
         """Lower left and upper right corner of what a picture of the frame shows, (2, 2) [m].
 
-        All grains, the periodic cell, and of obstacles what lies within half the size of these: a long floor does not make them dots.
+        The periodic cell and the grains, but for strays: those farther from the box of 98 % of all, along x and along y, than half its
+        size. Of obstacles what lies within half the size of all that: a long floor does not make the grains dots.
         """
-        corners = [self.cell @ np.array([[0, 1, 0, 1], [0, 0, 1, 1]])] if self.cell is not None else []
+        corners = [(self.cell @ np.array([[0, 1, 0, 1], [0, 0, 1, 1]])).T] if self.cell is not None else []
         if len(self.grains["id"]):
             place = self.grains["position"] + self.wrap(self.grains["position"])
+            low, high = np.quantile(place, (0.01, 0.99), axis=0)
+            near = (np.abs(place - 0.5 * (low + high)) <= 0.5 * (high - low) + 0.5 * (high - low).max() + 2 * self.mean_radius()).all(axis=1)
             reach = np.column_stack([half_extents(self.grains, k) for k in (0, 1)])
-            corners += [(place - reach).T, (place + reach).T]
-        around = np.concatenate(corners, axis=1).T if corners else np.empty((0, 2))
-        obstacles = [corner for _, _, vertices in self.outlines for corner in vertices]
-        if not len(around):
-            around = np.array(obstacles) if obstacles else np.zeros((1, 2))
+            corners += [(place - reach)[near], (place + reach)[near]]
+        obstacles = [vertices for _, _, vertices in self.outlines]
+        around = np.concatenate(corners or obstacles or [np.zeros((1, 2))])
         low, high = around.min(axis=0), around.max(axis=0)
-        reach = 0.5 * (high - low).max()
-        middle = 0.5 * (low + high)
-        obstacles += [np.where([axis == 0, axis == 1], at, middle) for axis, at in zip(self.walls["axis"], self.walls["position"])]
-        shown = np.clip(np.array([low, high, *obstacles]), low - reach, high + reach)
+        reach, middle = 0.5 * (high - low).max(), 0.5 * (low + high)
+        obstacles += [np.where([axis == 0, axis == 1], at, middle)[None] for axis, at in zip(self.walls["axis"], self.walls["position"])]
+        shown = np.clip(np.concatenate([[low, high], *obstacles]), low - reach, high + reach)
         return np.stack([shown.min(axis=0), shown.max(axis=0)])
 
 

@@ -33,6 +33,7 @@ class Scale:
     values: object  # of a Frame, (N,)
     cmap: str = "viridis"
     range: tuple = None  # None: from the smallest to the largest
+    ticks: tuple = None
 
 
 def _orientation(frame):
@@ -45,7 +46,7 @@ def _pressure(frame):
 
 
 SCALES = dict(
-    orientation=Scale("long axis from $x$ [°]", _orientation, "hsv", (0, 180)),
+    orientation=Scale("long axis from $x$ [°]", _orientation, "hsv", (0, 180), (0, 45, 90, 135, 180)),
     speed=Scale("speed [m/s]", lambda frame: np.hypot(*frame.grains["velocity"][:, :2].T)),
     spin=Scale("angular velocity [1/s]", lambda frame: frame.grains["velocity"][:, 2], "coolwarm"),
     load=Scale("sum of normal forces [N/m]", lambda frame: frame.per_grain(frame.normal_force()), "magma_r"),
@@ -120,7 +121,7 @@ class _Style:
     faces: object = None
     values: np.ndarray = None
     mappable: ScalarMappable = None
-    label: str = ""
+    scale: Scale = None
     kinds: bool = False
 
     @property
@@ -146,7 +147,7 @@ class _Style:
         low, high = range or scale.range or ((shown.min(), shown.max()) if len(shown) else (0, 1))
         map_ = matplotlib.colormaps[cmap or scale.cmap] if isinstance(cmap or scale.cmap, str) else cmap
         mappable = ScalarMappable(Normalize(low, high), map_.with_extremes(bad=GRAIN)) if len(shown) else None
-        return cls(faces=mappable.to_rgba(values) if mappable else np.tile(matplotlib.colors.to_rgba(GRAIN), (count, 1)), mappable=mappable, label=scale.label)
+        return cls(faces=mappable.to_rgba(values) if mappable else np.tile(matplotlib.colors.to_rgba(GRAIN), (count, 1)), mappable=mappable, scale=scale)
 
 
 def _add_grains(ax, frame, style, unit):
@@ -201,9 +202,9 @@ def _add_keys(ax, frame, style, contacts):
     figure = ax.figure
     height = figure.get_figheight()
 
-    def bar(left, mappable, label):
+    def bar(left, mappable, label, ticks=None):
         scale = figure.add_axes((left, 0.26 / height, 0.36, 0.1 / height))
-        figure.colorbar(mappable, cax=scale, orientation="horizontal")
+        figure.colorbar(mappable, cax=scale, orientation="horizontal", ticks=ticks)
         scale.tick_params(labelsize=7, pad=1, top=False)
         figure.text(left - 0.01, 0.31 / height, label, ha="right", va="center", fontsize=8)
 
@@ -211,7 +212,7 @@ def _add_keys(ax, frame, style, contacts):
         figure.legend(handles=handles, loc="center left", bbox_to_anchor=(left, 0.2 / height), ncols=4, fontsize=8)
 
     if style.mappable is not None:
-        bar(0.62, style.mappable, style.label)
+        bar(0.62, style.mappable, style.scale.label, style.scale.ticks)
     elif style.kinds:
         key([Patch(fc=KIND_COLORS[k], ec="0.3", lw=0.5, label=KINDS[k]) for k in np.unique(frame.kinds())], 0.55)
     if contacts == "type":
