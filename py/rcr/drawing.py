@@ -12,6 +12,7 @@ from rcr.frame import polygons
 
 COLUMN, PAGE = 3.4, 7.0  # widths [in]
 TALLEST = 9.0  # height of a picture [in]
+LEGEND = 5.5  # what a legend below takes at least [in]
 STYLE = {
     "font.size": 8,
     "font.family": "sans-serif",
@@ -47,7 +48,7 @@ def page(limits, foot=0.0, width=PAGE):
     """Axes of equal scales and without ticks in a Figure of their own, as high as the limits (2, 2) want, `foot` inches free below."""
     across, up = np.maximum(limits[1] - limits[0], 1e-9 * np.abs(limits).max() + 1e-300)
     body = min(width * up / across, TALLEST)
-    width = min(width, max(body * across / up, COLUMN))
+    width = min(width, max(body * across / up, LEGEND if foot else 1))
     figure = Figure(figsize=(width, body + foot))
     return canvas(limits, figure.add_axes((0, foot / (body + foot), 1, body / (body + foot))))
 

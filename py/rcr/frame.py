@@ -258,11 +258,17 @@ def _corners(shape, state):
     return np.column_stack([z.real, z.imag]) + np.array(state.pos)[:2]
 
 
-def _cut(shape, state):
-    """Ends of the longest line between corners of a facet, seen along z."""
-    corners = np.array([state.pos + state.ori * v for v in shape.vertices])[:, :2]
-    one, two = max(((0, 1), (1, 2), (2, 0)), key=lambda edge: np.linalg.norm(corners[edge[1]] - corners[edge[0]]))
-    return corners[[one, two]]
+def _cut(shape, state, z):
+    """Ends of the line in which a facet cuts the plane at z, None where it does not or lies in it."""
+    corners = np.array([state.pos + state.ori * v for v in shape.vertices])
+    ends = []
+    for one, two in zip(corners, np.roll(corners, -1, axis=0)):
+        above, below = one[2] - z, two[2] - z
+        if above != below and above * below <= 0:
+            t = above / (above - below)
+            ends.append(((1 - t) * one + t * two)[:2])
+    one, two = max(((a, b) for a in ends for b in ends), key=lambda pair: np.linalg.norm(pair[1] - pair[0]), default=(None, None))
+    return None if one is None or np.array_equal(one, two) else np.array([one, two])
 
 
 def _read_scene(O):
@@ -270,7 +276,8 @@ def _read_scene(O):
 
     prescribed = {"x", "y", "Z"}.issubset
     blocked = {}  # of clumps
-    grains, walls, outlines = [], [], []
+    grains, walls, outlines, facets = [], [], [], []
+    z = 0.0  # of the grains' plane
     for body in O.bodies:
         shape, state = body.shape, body.state
         if isinstance(shape, (Rcr, Sphere)):
@@ -283,6 +290,7 @@ def _read_scene(O):
             else:
                 clump, fixed = -1, prescribed(state.blockedDOFs)
             pos, vel = state.pos, state.vel
+            z = pos[2]
             grains.append((body.id, clump, fixed, (pos[0], pos[1]), _about_z(state.ori), half, cap, state.mass,
                            (vel[0], vel[1], state.angVel[2]), tuple(shape.color)))  # fmt: skip
         elif isinstance(shape, Wall):
@@ -291,7 +299,9 @@ def _read_scene(O):
         elif isinstance(shape, Box):
             outlines.append((body.id, "box", _corners(shape, state)))
         elif isinstance(shape, Facet):
-            outlines.append((body.id, "facet", _cut(shape, state)))
+            facets.append((body.id, shape, state))
+    cuts = [(id_, "facet", _cut(shape, state, z)) for id_, shape, state in facets]
+    outlines += [cut for cut in cuts if cut[2] is not None]
     cell = np.array(O.cell.hSize)[:2, :2] if O.periodic else None
     frame = Frame(_columns(_GRAINS, grains), {}, _columns(_WALLS, walls), outlines, cell, O.time)
     frame.contacts = _contacts(O, frame)

@@ -118,8 +118,7 @@ def packing(what=None, ax=None, color="orientation", contacts=None, range=None, 
 class _Style:
     """Colours of the grains: faces, or numbers to be mapped."""
 
-    faces: object = None
-    values: np.ndarray = None
+    faces: np.ndarray = None
     mappable: ScalarMappable = None
     scale: Scale = None
     kinds: bool = False
@@ -134,14 +133,15 @@ class _Style:
         if isinstance(color, str) and color in CATEGORIES:
             tints = matplotlib.colors.to_rgba_array(KIND_COLORS)[frame.kinds()] if color == "type" else frame.grains["color"]
             return cls(faces=matplotlib.colors.to_rgba_array(tints), kinds=color == "type")
-        scale = SCALES.get(color) if isinstance(color, str) else None
-        if scale is None and matplotlib.colors.is_color_like(color):
-            return cls(faces=np.tile(matplotlib.colors.to_rgba(color), (count, 1)))
-        if scale is None:
-            if isinstance(color, str) or np.shape(color) != (count,):
-                given = repr(color) if isinstance(color, str) else f"an array of the shape {np.shape(color)}"
-                raise ValueError(f"color = {given}; wanted {', '.join([*SCALES, *CATEGORIES])}, a colour of Matplotlib, or a number for each of the {count} grains")
+        if isinstance(color, str) and color in SCALES:
+            scale = SCALES[color]
+        elif not isinstance(color, (str, tuple)) and np.shape(color) == (count,):
             scale = Scale("", lambda frame: np.asarray(color, float))
+        elif matplotlib.colors.is_color_like(color):
+            return cls(faces=np.tile(matplotlib.colors.to_rgba(color), (count, 1)))
+        else:
+            given = repr(color) if isinstance(color, str) else f"an array of the shape {np.shape(color)}"
+            raise ValueError(f"color = {given}; wanted {', '.join([*SCALES, *CATEGORIES])}, a colour of Matplotlib, or a number for each of the {count} grains")
         values = np.ma.masked_invalid(scale.values(frame))
         shown = values[~frame.grains["fixed"]].compressed()
         low, high = range or scale.range or ((shown.min(), shown.max()) if len(shown) else (0, 1))
@@ -324,8 +324,11 @@ def _film_networks(paths, options):
     """The figure and, for each network, a function that draws it; limits and range of colours are those of all."""
     frames = sorted((Frame.of(path) for path in paths), key=lambda frame: frame.time)
     corners = np.array([frame.extent() for frame in frames])
-    limits = options.pop("limits", None) or np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
-    scale = SCALES.get(options.get("color", "orientation"))
+    limits = options.pop("limits", None)
+    if limits is None:
+        limits = np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
+    color = options.get("color", "orientation")
+    scale = SCALES.get(color) if isinstance(color, str) else None
     if scale is not None and scale.range is None and "range" not in options:
         values = np.concatenate([scale.values(frame) for frame in frames])
         options["range"] = (values.min(), values.max())

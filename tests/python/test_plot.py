@@ -89,6 +89,11 @@ def test_numbers_of_the_user_as_colours():
     assert colors == pytest.approx(np.array([[0, 0, 0, 1], [1, 1, 1, 1], to_rgba(drawing.GRAIN)]))
 
 
+def test_three_numbers_for_three_grains_are_no_colour():
+    faces = grains_of(plot.packing(frame(3), color=[0.0, 0.5, 1.0], cmap="gray")).get_facecolor()
+    assert faces[:, 0] == pytest.approx([0, 0.5, 1], abs=0.01)  # of 256 greys
+
+
 def test_speed_is_that_of_the_centre():
     moving = frame(2, velocity=np.array([[3.0, 4.0, 100.0], [0, 0, 0]]))
     assert plot.SCALES["speed"].values(moving) == pytest.approx([5, 0])

@@ -25,9 +25,10 @@ def zoo():
     turned = yade.utils.box((3, -1, 0), (1.0, 0.2, 0.5), fixed=True, material=rough)
     turned.state.ori = Quaternion(Vector3(0, 0, 1), 0.5)
     fixed = rcr.particle((6, 0), 0.5, 0.4, material=rough, fixed=True)
-    ids = dict(zip(("rcr", "fixed", "wall", "box", "facet", "flat"), build(
+    ids = dict(zip(("rcr", "fixed", "wall", "box", "facet", "flat", "beside"), build(
         rcr.particle((0, 0), 1.0, 0.75, 0.3, rough), fixed, rcr.wall("y", -2, material=rough), turned,
-        yade.utils.facet([(-3, 0, -1), (-3, 0, 1), (-2, 1, 0)], material=rough), yade.utils.wall(5, 2),
+        yade.utils.facet([(-3, 0, -1), (-3, 0, 1), (-2, 1, 1)], material=rough), yade.utils.wall(5, 2),
+        yade.utils.facet([(0, 0, 1), (1, 0, 1), (0, 1, 2)], material=rough),
     )))  # fmt: skip
     ids["sphere"] = O.bodies.append(yade.utils.sphere((-1, 3, 0), 0.3, material=rough))
     ids["clump"], ids["members"] = O.bodies.appendClumped([rcr.particle((x, 5), 0.4, 0.5, angle, rough) for x, angle in ((0, 0), (0.2, math.pi / 2))])
@@ -54,7 +55,8 @@ def test_every_kind_of_body():
     c, s = math.cos(0.5), math.sin(0.5)
     assert kind == "box" and corners[0] == pytest.approx(np.array([3 + c - 0.2 * s, -1 + s + 0.2 * c]))
     kind, ends = outlines[ids["facet"]]
-    assert kind == "facet" and np.sort(ends, axis=0) == pytest.approx(np.array([[-3, 0], [-2, 1]]))
+    assert kind == "facet" and np.sort(ends, axis=0) == pytest.approx(np.array([[-3, 0], [-2.5, 0.5]]))
+    assert len(frame.outlines) == 2  # a facet beside the plane is not seen
 
 
 def test_a_picture_of_every_kind_of_body(tmp_path):
