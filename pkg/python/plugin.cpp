@@ -8,6 +8,10 @@
 #include <core/Omega.hpp>
 #include <lib/factory/ClassFactory.hpp>
 
+#ifdef RCR_OPENGL
+#include <pkg/common/OpenGLRenderer.hpp>
+#endif
+
 #include "../dem/Gate.hpp"
 #include "../dem/NetworkTable.hpp"
 #include "../dem/planarClump.hpp"
@@ -28,6 +32,9 @@ void registerOwnClasses()
 	for (const std::string& name : ours)
 		classes.append(name);
 	boost::python::scope().attr("classes") = classes;
+#ifdef RCR_OPENGL
+	yade::OpenGLRenderer::initDone = false; // a view that is open already looks for functors anew when it draws next
+#endif
 }
 
 /// A class layout of another version would corrupt memory, so nothing is registered then.

@@ -23,6 +23,8 @@ OURS = {
     "LawFunctor": {"Law2_RcrGeom_CdPhys_SignoriniCoulomb", "Law2_RcrGeom_FrictPhys_CundallStrack"},
     "GlobalEngine": {"ContactDynamics", "WallStress"},
 }
+if hasattr(rcr, "Gl1_Rcr"):  # built with OpenGL
+    OURS |= {"GlShapeFunctor": {"Gl1_Rcr"}, "GlIGeomFunctor": {"Gl1_RcrGeom"}, "GlIPhysFunctor": {"Gl1_CdPhys", "Gl1_RcrFrictPhys"}}
 
 
 def test_import_prints_nothing_and_adds_only_our_classes():
