@@ -271,6 +271,7 @@ namespace gate {
 			{ both,    materials },
 			{ both,    wallsInCell },
 			{ both,    outOfPlane },
+			{ both,    [](const View& v) { return grainsOf(v.scene); } },
 		};
 		// clang-format on
 

@@ -75,7 +75,11 @@ namespace gate {
 
 	/// Whether the numbers of a body that takes part are in order: finite, in the plane, with a mass where it is free.
 	bool fine(const Body&, Real z);
-	/// Says what is wrong with it. Forces must be synced.
+	/// What is wrong with it; empty where nothing is.
+	std::string wrongWith(const Body&, Real z);
+	/// The same of the first grain or clump of the scene that has something.
+	std::string grainsOf(const Scene&);
+	/// Throws it, or tells of forces that are not finite. Forces must be synced.
 	[[noreturn]] void refuseBody(const Body&, Scene&, Real z);
 
 	/// A pair that no Ig2 functor serves, of which one could move into the other.

@@ -31,11 +31,6 @@ namespace gate {
 		bool heavy(const State& s) { return !moves(s) || (s.mass > 0 && math::isfinite(s.mass)); }
 		bool inert(const State& s) { return !turns(s) || (s.inertia[2] > 0 && math::isfinite(s.inertia[2])); }
 
-		void checkFinite(const Body& b, const char* what, const Vector3r& v, const char* remedy)
-		{
-			if (!finite(v)) refuse(body(b.getId()) + " has the " + what + ' ' + coordinates(v) + "; wanted finite numbers: " + remedy);
-		}
-
 	} // namespace
 
 	void refuse(const std::string& message) { throw std::invalid_argument("rcr: " + message); }
@@ -54,29 +49,52 @@ namespace gate {
 		return b.isClumpMember() || (keepsToPlane(s) && heavy(s) && inert(s));
 	}
 
+	std::string wrongWith(const Body& b, Real z)
+	{
+		const State&      s      = *b.state;
+		const std::string name   = body(b.getId());
+		const auto        vector = [&](const char* what, const Vector3r& v, const char* remedy) {
+                        return name + " has the " + what + ' ' + coordinates(v) + "; wanted finite numbers: " + remedy;
+		};
+		if (!shaped(b)) return name + " has a Rcr shape without a cap radius; set it.";
+		if (!finite(s.pos)) return vector("position", s.pos, "set b.state.pos.");
+		if (!finite(s.vel)) return vector("velocity", s.vel, "set b.state.vel.");
+		if (!finite(s.angVel)) return vector("angular velocity", s.angVel, "set b.state.angVel.");
+		if (!math::isfinite(s.ori.w() + s.ori.x() + s.ori.y() + s.ori.z()))
+			return name + " has an orientation that is not finite; set b.state.ori = Quaternion((0, 0, 1), angle).";
+		if (!upright(s))
+			return name + " is tilted out of the plane z = const; turn it about z only"
+			        + (b.isClump() ? ": make the clump by rcr.clump, which YADE's own appendClumped turns to principal axes." : ".");
+		if (!inPlane(b, z))
+			return name + " lies at z = " + text(s.pos.z()) + ", other grains at z = " + text(z)
+			        + ", so they would not meet in the plane; give all the same z.";
+		if (b.isClumpMember()) return {};
+		if (!keepsToPlane(s))
+			return name + " is free to leave the plane (blockedDOFs = '" + s.blockedDOFs_vec_get()
+			        + "'); wanted z, X and Y blocked: b.state.blockedDOFs = 'zXY', as rcr.particle, rcr.disc and rcr.clump set it.";
+		if (!heavy(s)) return name + " is free but has the mass " + text(s.mass) + "; give it a mass > 0 or block its degrees of freedom.";
+		if (!inert(s)) return name + " is free to turn but has the moment of inertia " + text(s.inertia[2]) + " about z; give it one > 0 or block Z.";
+		return {};
+	}
+
 	void refuseBody(const Body& b, Scene& scene, Real z)
 	{
-		const State& s = *b.state;
-		if (!shaped(b)) refuse(body(b.getId()) + " has a Rcr shape without a cap radius; set it.");
-		checkFinite(b, "position", s.pos, "set b.state.pos.");
-		checkFinite(b, "velocity", s.vel, "set b.state.vel.");
-		checkFinite(b, "angular velocity", s.angVel, "set b.state.angVel.");
-		checkFinite(b, "force", scene.forces.getForce(b.getId()), "find the engine, or the O.forces of a script, that gave it.");
-		checkFinite(b, "torque", scene.forces.getTorque(b.getId()), "find the engine, or the O.forces of a script, that gave it.");
-		if (!math::isfinite(s.ori.w() + s.ori.x() + s.ori.y() + s.ori.z()))
-			refuse(body(b.getId()) + " has an orientation that is not finite; set b.state.ori = Quaternion((0, 0, 1), angle).");
-		if (!upright(s))
-			refuse(body(b.getId()) + " is tilted out of the plane z = const; turn it about z only"
-			       + (b.isClump() ? ": make the clump by rcr.clump, which YADE's own appendClumped turns to principal axes." : "."));
-		if (!inPlane(b, z))
-			refuse(body(b.getId()) + " lies at z = " + text(s.pos.z()) + ", other grains at z = " + text(z)
-			       + ", so they would not meet in the plane; give all the same z.");
-		if (!keepsToPlane(s))
-			refuse(body(b.getId()) + " is free to leave the plane (blockedDOFs = '" + s.blockedDOFs_vec_get()
-			       + "'); wanted z, X and Y blocked: b.state.blockedDOFs = 'zXY', as rcr.particle, rcr.disc and rcr.clump set it.");
-		if (!heavy(s))
-			refuse(body(b.getId()) + " is free but has the mass " + text(s.mass) + "; give it a mass > 0 or block its degrees of freedom.");
-		refuse(body(b.getId()) + " is free to turn but has the moment of inertia " + text(s.inertia[2]) + " about z; give it one > 0 or block Z.");
+		const std::string wrong = wrongWith(b, z);
+		if (!wrong.empty()) refuse(wrong);
+		refuse(
+		        body(b.getId()) + " has the force " + coordinates(scene.forces.getForce(b.getId())) + " and the torque "
+		        + coordinates(scene.forces.getTorque(b.getId())) + "; wanted finite numbers: find the engine, or the O.forces of a script, that gave them.");
+	}
+
+	std::string grainsOf(const Scene& scene)
+	{
+		const Real z = planeOf(scene);
+		for (const auto& b : *scene.bodies) {
+			if (!b || !(isGrain(*b) || b->isClump()) || fine(*b, z)) continue;
+			const std::string wrong = wrongWith(*b, z);
+			if (!wrong.empty()) return wrong;
+		}
+		return {};
 	}
 
 	/// A Sphere among Rcrs that has the mass of a ball: those of Rcrs are per unit depth.

@@ -1,0 +1,315 @@
+"""Scenes drawn at random: shapes, laws, engines, their order, states of bodies, boundary conditions.
+
+Each either runs with residual, overlap and energy within their bounds, or is refused before anything moves; there is no third outcome.
+
+    scripts/lib/run python3 tests/endurance/scene_fuzzer.py --scenes 2000 [--first 0] [--steps 60]
+
+prints counts and, for every scene that ended otherwise, its seed and what it did; `--only SEED` runs one again in this process.
+Batches run in processes of their own, so that an abort is an outcome too.
+"""
+
+import argparse
+import collections
+import math
+import os
+import pathlib
+import subprocess
+import sys
+import warnings
+
+DEEPEST = 0.05  # overlap over R₁ + R₂ that a scene of free grains may reach
+SPEED = 3.0  # of the fastest grain, over what was given to it at the start, by drives and by the fall
+BATCH = 50
+
+
+def draw(rng):
+    """A scene as plain data, so that it can be printed."""
+    periodic = rng.random() < 0.2
+    law = "rigid" if rng.random() < 0.7 else "smooth"
+    scene = dict(
+        law=law,
+        periodic=periodic,
+        count=int(rng.integers(1, 25)),
+        eta=float(rng.choice([0, 0.3, 0.6, 0.9])),
+        friction=float(rng.choice([0, 0.3, 0.8])),
+        restitution=float(rng.choice([0, 0, 0.5, 1])),
+        gravity=float(rng.choice([0, 9.81])) if not periodic else 0.0,
+        dt=float(rng.choice([1e-4, 1e-3, 5e-3])) if law == "rigid" else None,
+        solver=str(rng.choice(["auto", "nlgs", "sor", "nesterov", "exact"])),
+        threads=int(rng.integers(1, 4)),
+        overdamped=bool(rng.random() < 0.05),
+        kinds=[str(k) for k in rng.choice(["Rcr", "Sphere", "clump"], 25, p=[0.6, 0.3, 0.1])],
+        floor=str(rng.choice(["Wall", "Box", "Facet", "Rcr", "none"])),
+        turning=bool(rng.random() < 0.1),
+        speed=float(rng.choice([0, 1, 20])),
+        energy=bool(rng.random() < 0.3),
+        gradient=[float(g) for g in rng.choice([0, 0, -0.3, 0.5], 4)] if periodic else None,
+        fault=str(rng.choice(["none"] * 12 + FAULTS)),
+        reload=bool(rng.random() < 0.1),
+        erase=bool(rng.random() < 0.2),
+    )
+    return scene
+
+
+FAULTS = [
+    "no solver", "dead solver", "two solvers", "no integrator", "two integrators", "no collider", "no bound", "no resetter", "late force", "damping",
+    "solver first", "no law", "no physics", "no geometry", "stock geometry", "nan position", "nan velocity", "nan orientation", "zero mass", "zero inertia",
+    "free z", "tilted", "another plane", "box out of plane", "elastic material", "nan force", "huge friction", "negative restitution", "zero dt", "wall in cell",
+    "stepper", "facet out of plane", "stock clump",
+]  # fmt: skip
+
+
+def build(scene, rng):
+    """The scene in YADE; returns the functors and engines by name for the faults."""
+    import rcr
+    from yade import O, utils
+    from yade.minieigenHP import Matrix3
+    from yade import wrapper as w
+
+    O.reset()
+    m = w.FrictMat(density=1000, frictionAngle=math.atan(scene["friction"]), young=1e7, poisson=0.5)
+    O.materials.append(m)
+    R = 0.1
+    width = 6 * R
+    size = 24 * R
+    if scene["periodic"]:
+        O.periodic = True
+        O.cell.setBox(size, size, size)
+    else:
+        floors = {
+            "Wall": lambda: rcr.wall("y", 0, material=m),
+            "Box": lambda: utils.box((0, -0.5, 0), (9, 0.5, 1), material=m, fixed=True),
+            "Facet": lambda: utils.facet([(-9, 0, -1), (9, 0, -1), (0, 0, 1)], material=m),
+            "Rcr": lambda: rcr.particle((0, -0.1), 5, 0.98, fixed=True, material=m),
+        }
+        if scene["floor"] != "none":
+            O.bodies.append(floors[scene["floor"]]())
+        if scene["turning"]:
+            box = utils.box((0.3, 0.3, 0), (0.3, 0.02, 1), material=m, fixed=True)
+            box.state.angVel = (0, 0, 5)
+            O.bodies.append(box)
+    for k in range(scene["count"]):
+        step = 2.6 * R
+        at = (step * (k % 5) + rng.uniform(0, 0.2 * R) - width, 0.8 + step * (k // 5)) if not scene["periodic"] else (step * (k % 5) + R, step * (k // 5) + R)
+        more = dict(material=m, velocity=tuple(rng.uniform(-1, 1, 2) * scene["speed"]), angular_velocity=rng.uniform(-1, 1) * scene["speed"] / R)
+        kind = scene["kinds"][k]
+        if kind == "Sphere":
+            O.bodies.append(rcr.disc(at, R, **more))
+        elif kind == "Rcr":
+            O.bodies.append(rcr.particle(at, R, scene["eta"], angle=rng.uniform(0, 3), **more))
+        else:
+            half = R / 2
+            rcr.clump([rcr.disc((at[0] + s * half, at[1]), half, material=m) for s in (-1, 1)])
+    names = [f"Ig2_{one}_{two}_RcrGeom" for two in ("Rcr", "Sphere") for one in ("Wall", "Box", "Facet", "Sphere")] + ["Ig2_Rcr_Rcr_RcrGeom"]
+    ig2 = [getattr(rcr, name)() for name in names]
+    bounds = [rcr.Bo1_Rcr_Aabb(), w.Bo1_Sphere_Aabb(), *([] if scene["periodic"] else [w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Facet_Aabb()])]
+    newton = w.NewtonIntegrator(gravity=(0, -scene["gravity"], 0), damping=0)
+    collider = w.InsertionSortCollider(bounds, verletDist=0.1 * R)
+    if scene["law"] == "rigid":
+        ip2 = rcr.Ip2_FrictMat_FrictMat_CdPhys()
+        if scene["restitution"]:
+            ip2.restitution = w.MatchMaker(algo="val", val=scene["restitution"])
+        loop = w.InteractionLoop(ig2, [ip2], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()])
+        solver = rcr.ContactDynamics(solver=scene["solver"], threads=scene["threads"], overdamped=scene["overdamped"])
+        O.engines = [w.ForceResetter(), collider, loop, solver, newton]
+        O.dt = scene["dt"]
+    else:
+        loop = w.InteractionLoop(ig2, [w.Ip2_FrictMat_FrictMat_FrictPhys()], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=0.3)])
+        O.engines = [w.ForceResetter(), collider, loop, newton]
+        O.dt = 2e-5
+    if scene["periodic"]:
+        a, b, c, d = scene["gradient"]
+        O.cell.velGrad = Matrix3(a, b, 0, c, d, 0, 0, 0, 0)
+    O.trackEnergy = scene["energy"]
+
+
+def spoil(scene):
+    """The fault of the scene; False where it cannot have it, so that it is a sound one."""
+    import rcr
+    from yade import O, utils
+    from yade import wrapper as w
+    from yade.minieigenHP import Quaternion
+
+    fault, engines = scene["fault"], list(O.engines)
+    of = lambda kind: next((e for e in engines if isinstance(e, kind)), None)
+    solver, newton, loop, collider = of(rcr.ContactDynamics), of(w.NewtonIntegrator), of(w.InteractionLoop), of(w.InsertionSortCollider)
+    rigid = solver is not None
+    body = next((b for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump and not b.isClumpMember), None)
+    needs_body = fault.startswith(("nan", "zero", "free", "tilted", "another", "elastic")) and fault != "zero dt"
+    if fault == "none" or (needs_body and body is None):
+        return False
+    if not rigid and fault in ("no solver", "dead solver", "two solvers", "late force", "damping", "solver first", "stepper", "huge friction", "negative restitution", "nan force"):
+        return False
+    nan = math.nan
+    if fault == "no solver": O.engines = [e for e in engines if e is not solver]
+    elif fault == "dead solver": solver.dead = True
+    elif fault == "two solvers": O.engines = [*engines[:3], rcr.ContactDynamics(), *engines[3:]]
+    elif fault == "no integrator": O.engines = engines[:-1]
+    elif fault == "two integrators": O.engines = [*engines, w.NewtonIntegrator(damping=0)]
+    elif fault == "no collider": O.engines = [e for e in engines if e is not collider]
+    elif fault == "no bound": collider.boundDispatcher.functors = []
+    elif fault == "no resetter": O.engines = engines[1:]
+    elif fault == "late force": O.engines = [*engines[:-1], w.ForceEngine(force=(1, 0, 0), ids=[0]), newton]
+    elif fault == "damping": newton.damping = 0.3
+    elif fault == "solver first": O.engines = [engines[0], engines[1], solver, loop, newton]
+    elif fault == "no law": loop.lawDispatcher.functors = []
+    elif fault == "no physics": loop.physDispatcher.functors = []
+    elif fault == "no geometry":
+        loop.geomDispatcher.functors = []
+        return "late"
+    elif fault == "stock geometry": loop.geomDispatcher.functors = [*loop.geomDispatcher.functors, w.Ig2_Sphere_Sphere_ScGeom()]
+    elif fault == "nan position": body.state.pos = (nan, 0, 0)
+    elif fault == "nan velocity": body.state.vel = (nan, 0, 0)
+    elif fault == "nan orientation": body.state.ori = Quaternion(nan, nan, nan, nan)
+    elif fault == "zero mass": body.state.mass = 0
+    elif fault == "zero inertia": body.state.inertia = (1, 1, 0)
+    elif fault == "free z": body.state.blockedDOFs = "XY"
+    elif fault == "tilted": body.state.ori = Quaternion((1, 0, 0), 0.3)
+    elif fault == "another plane":
+        if sum(isinstance(b.shape, (rcr.Rcr, w.Sphere)) for b in O.bodies) < 2: return False
+        body.state.pos = (body.state.pos[0], body.state.pos[1], 0.7)
+    elif fault == "box out of plane":
+        if scene["periodic"]: return False
+        O.bodies.append(utils.box((0, 0, 9), (1, 1, 1), material=O.materials[0], fixed=True))
+    elif fault == "facet out of plane":
+        if scene["periodic"]: return False
+        O.bodies.append(utils.facet([(0, 0, 3), (1, 0, 3), (0, 0, 4)], material=O.materials[0]))
+    elif fault == "elastic material": body.material = w.ElastMat(density=1000)
+    elif fault == "nan force": O.forces.setPermF(body.id, (nan, 0, 0))
+    elif fault == "huge friction":
+        O.materials[0].frictionAngle = math.pi / 2
+        return "late"
+    elif fault == "negative restitution":
+        loop.physDispatcher.functors[0].restitution = w.MatchMaker(algo="val", val=-0.5)
+        return "late"
+    elif fault == "zero dt": O.dt = 0
+    elif fault == "wall in cell":
+        if not scene["periodic"]: return False
+        O.bodies.append(rcr.wall("y", 0, material=O.materials[0]))
+    elif fault == "stepper": O.engines = [w.GlobalStiffnessTimeStepper(), *engines]
+    elif fault == "stock clump": O.bodies.appendClumped([rcr.disc((50, 50), 0.1, material=O.materials[0]), rcr.disc((50.1, 50), 0.1, material=O.materials[0])])
+    return True
+
+
+def state():
+    import numpy as np
+    from yade import O
+
+    return np.array([[*b.state.pos, *b.state.vel, *b.state.angVel] for b in O.bodies])
+
+
+def outcome(seed, steps):
+    """'ran', 'refused' or a sentence on what is wrong."""
+    import numpy as np
+    import rcr
+    from yade import O
+    from yade import wrapper as w
+
+    rng = np.random.default_rng(seed)
+    scene = draw(rng)
+    build(scene, rng)
+    spoiled = spoil(scene)
+    zero_smooth = scene["fault"] == "zero dt" and scene["law"] == "smooth"
+    given = scene["speed"] * 2 + 5 * 0.4 * scene["turning"] + 0.5
+    fallen = scene["gravity"] * O.dt * steps
+    deepest = 0.0
+    total = None
+    for k in range(steps):
+        before = state()
+        try:
+            O.step()
+        except (ValueError, RuntimeError) as error:
+            if not np.array_equal(state(), before, equal_nan=True):
+                return f"refused after something had moved: {error}"
+            if not spoiled and "squeeze" not in str(error) and "jam" not in str(error):
+                return f"refused without a fault: {error}"
+            return "refused"
+        if spoiled is True and not zero_smooth:
+            return f"accepted with the fault '{scene['fault']}'"
+        now = state()
+        if not np.isfinite(now).all():
+            return f"numbers that are not finite after step {k}"
+        fastest = np.abs(now[:, 3:5]).max() if len(now) else 0
+        cell = 0 if not scene["periodic"] else np.abs(scene["gradient"]).max() * 2.4 * 1.5
+        if fastest > SPEED * (given + fallen) + cell:
+            return f"a grain at {fastest:.3g} m/s after step {k}, where {given + fallen:.3g} was given"
+        for i in O.interactions:
+            if i.isReal and isinstance(i.geom, rcr.RcrGeom):
+                moving = any(O.bodies[b].state.blockedDOFs != "xyzXYZ" or O.bodies[b].isClumpMember for b in (i.id1, i.id2))
+                if moving and i.geom.points:
+                    deepest = max(deepest, max(-i.geom.gap[p] for p in range(i.geom.points)) / (i.geom.refR1 + i.geom.refR2))
+        bound = DEEPEST if scene["law"] == "rigid" else 0.3
+        missed = any(not e.converged for e in O.engines if isinstance(e, rcr.ContactDynamics))
+        if deepest > bound and not missed:
+            return f"an overlap of {deepest:.3g} (R₁ + R₂) after step {k}"
+        if scene["energy"] and not scene["periodic"] and scene["law"] == "rigid" and not scene["overdamped"] and k > 0:
+            accounts = dict(O.energy.items())
+            scale = sum(abs(v) for v in accounts.values()) + 1e-12
+            total = O.energy.total() if total is None else total
+            if abs(O.energy.total() - total) > 0.02 * scale + 1e-9 * 1e3:
+                return f"energy off by {O.energy.total() - total:.3g} J of {scale:.3g} after step {k}"
+        if scene["reload"] and k == steps // 2:
+            path = f"/tmp/scene-fuzzer-{os.getpid()}.yade"
+            O.save(path), O.load(path), os.unlink(path)
+        if scene["erase"] and k == steps // 3:
+            loose = [b.id for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump and not b.isClumpMember]
+            if len(loose) > 1:
+                O.bodies.erase(loose[0])
+                total = None
+                scene["energy"] = False
+    if spoiled == "late" and scene["law"] == "rigid" and any(i.isReal for i in O.interactions):
+        return f"ran with the fault '{scene['fault']}'"
+    return "ran"
+
+
+def batch(first, count, steps):
+    warnings.simplefilter("ignore")
+    import yade
+    import rcr
+
+    for seed in range(first, first + count):
+        print(f"seed {seed}", flush=True)
+        print(f"outcome {seed} {outcome(seed, steps)}", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scenes", type=int, default=2000)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--steps", type=int, default=60)
+    parser.add_argument("--only", type=int, help="run one seed again, here")
+    parser.add_argument("--batch", nargs=2, type=int, help=argparse.SUPPRESS)
+    arguments = parser.parse_args()
+    if arguments.only is not None:
+        import numpy as np
+
+        print(draw(np.random.default_rng(arguments.only)))
+        return batch(arguments.only, 1, arguments.steps)
+    if arguments.batch:
+        return batch(*arguments.batch, arguments.steps)
+    counts, wrong = collections.Counter(), []
+    first, end = arguments.first, arguments.first + arguments.scenes
+    while first < end:
+        count = min(BATCH, end - first)
+        command = [sys.executable, str(pathlib.Path(__file__).resolve()), "--batch", str(first), str(count), "--steps", str(arguments.steps)]
+        result = subprocess.run(command, capture_output=True, text=True, timeout=1800)
+        lines = [line.split(" ", 2) for line in result.stdout.splitlines()]
+        for line in lines:
+            if line[0] == "outcome":
+                counts[line[2] if line[2] in ("ran", "refused") else "otherwise"] += 1
+                if line[2] not in ("ran", "refused"):
+                    wrong.append((int(line[1]), line[2]))
+        started = max((int(line[1]) for line in lines if line[0] == "seed"), default=first)
+        if result.returncode != 0:
+            counts["otherwise"] += 1
+            wrong.append((started, f"the process ended with {result.returncode}: {result.stderr[-300:]}"))
+        first = started + 1
+        print(dict(counts), flush=True)
+    for seed, what in wrong:
+        print(f"seed {seed}: {what}")
+    print(f"{counts['ran'] + counts['refused']} passed, {counts['otherwise']} failed")
+    sys.exit(bool(wrong))
+
+
+if __name__ == "__main__":
+    main()
