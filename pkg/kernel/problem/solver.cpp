@@ -25,6 +25,13 @@ namespace {
 		return std::all_of(problem.points.begin(), problem.points.end(), [](const ContactPoint& c) { return c.friction == 0; });
 	}
 
+	/// Whether there is no use in going on with rigid contacts; noted in the report, since it takes some sweeps to see.
+	bool mustYield(Report& report, const ContactProblem& problem, const Settings& settings, Workspace& workspace)
+	{
+		report.yielded = report.yielded || (settings.compliance > 0 && !report.converged && hasNoSolution(problem, settings, workspace));
+		return report.yielded;
+	}
+
 	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
 	{
 		const bool few = settings.tolerance > 0 && int(problem.points.size()) <= fewPoints;
@@ -33,13 +40,23 @@ namespace {
 		Settings sweeps    = settings;
 		sweeps.stallSweeps = hopeless;
 		if (few) sweeps.maxIterations = std::min(hopeless, settings.maxIterations);
-		const Report swept = solveNesterov(problem, sweeps, workspace);
+		Report swept = solveNesterov(problem, sweeps, workspace);
 		if (swept.converged || settings.tolerance == 0 || swept.iterations == settings.maxIterations) return swept;
+		if (mustYield(swept, problem, settings, workspace)) return swept; // exact steps would do no better, and take long
 		settings.continued = true;
 		Report report      = solveExact(problem, settings, workspace);
 		report.iterations += swept.iterations;
 		report.work += swept.work;
 		return report;
+	}
+
+	Report solveRigid(ContactProblem& problem, const std::string& solver, const Settings& settings, Workspace& workspace)
+	{
+		if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
+		if (solver == "sor") return solveSor(problem, settings, workspace);
+		if (solver == "nesterov") return solveNesterov(problem, settings, workspace);
+		if (solver == "exact") return solveExact(problem, settings, workspace);
+		return solveAuto(problem, settings, workspace);
 	}
 
 } // namespace
@@ -68,6 +85,7 @@ void checkSettings(const std::string& solver, const Settings& s)
 	if (s.lanes != 0 && s.lanes != 1 && s.lanes != 4 && s.lanes != 8)
 		refuse("lanes = ", s.lanes, ": give 1, 4, 8, or 0 for as many as the processor has");
 	if (!(s.violation >= 0)) refuse("violation = ", s.violation, ": give a fraction ≥ 0, infinity for no test");
+	if (!(s.compliance >= 0)) refuse("compliance = ", s.compliance, ": give a share ≥ 0 of the response of a contact; 0 does not use it");
 	if (!(s.meanForceChange >= 0)) refuse("meanForceChange = ", s.meanForceChange, ": give a change ≥ 0; 0 does not use it");
 }
 
@@ -81,11 +99,12 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 {
 	checkSettings(solver, settings);
 	checkProblem(problem);
-	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
-	if (solver == "sor") return solveSor(problem, settings, workspace);
-	if (solver == "nesterov") return solveNesterov(problem, settings, workspace);
-	if (solver == "exact") return solveExact(problem, settings, workspace);
-	return solveAuto(problem, settings, workspace);
+	Report rigid = solveRigid(problem, solver, settings, workspace);
+	if (!mustYield(rigid, problem, settings, workspace)) return rigid;
+	Report report = solveYielding(problem, settings, workspace);
+	report.iterations += rigid.iterations;
+	report.work += rigid.work;
+	return report;
 }
 
 } // namespace rcr

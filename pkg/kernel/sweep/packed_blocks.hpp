@@ -141,6 +141,8 @@ struct PackedKernels {
 	void (*sweepRelaxed)(const PackedView&, const Chunk&, double relaxation);
 	/// The same from y = p + β (p − p_old); returns ‖p − y‖².
 	double (*sweepMomentum)(const PackedView&, const Chunk&, double momentum);
+	/// The same with contacts that yield: the share `kept` of every solution.
+	double (*sweepYielding)(const PackedView&, const Chunk&, double momentum, double kept);
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures (*measure)(const PackedView&, const Chunk&);
 	/// v_old ← v + β (v − v_old) for halves of records first … last − 1: the two then change places.

@@ -319,13 +319,13 @@ namespace RCR_LANE_NAMESPACE {
 			dispatch(chunk, [&](auto model, auto points) { sweepRelaxedAs<decltype(model), points.value>(view, chunk, relaxation); });
 		}
 
-		template <class M, int Points> APART double sweepMomentumAs(const PackedView& view, const Chunk& chunk, double momentum)
+		template <class M, int Points, class Keep> APART double sweepMomentumAs(const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
 		{
 			const L beta = momentum;
 			Sum change2;
 			sweepPairs<M, Points>(view, chunk, [&](auto& c, int lane, const auto& u) INLINE {
 				const auto p = M::impulse(c, lane), y = addProduct(p, beta, p - M::oldImpulse(c, lane));
-				const auto q = M::solve(c, lane, u, y), change = q - y;
+				const auto q = keep(M::solve(c, lane, u, y)), change = q - y;
 				M::setOld(c, lane, p);
 				M::set(c, lane, q);
 				change2.add(lane, square(change));
@@ -334,11 +334,30 @@ namespace RCR_LANE_NAMESPACE {
 			return change2.total();
 		}
 
-		double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
+		struct All {
+			template <class Impulse> INLINE Impulse operator()(const Impulse& p) const { return p; }
+		};
+
+		struct Share {
+			L kept;
+
+			template <class Impulse> INLINE Impulse operator()(const Impulse& p) const { return kept * p; }
+		};
+
+		template <class Keep> double sweepKeeping(const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
 		{
 			double change2 = 0;
-			dispatch(chunk, [&](auto model, auto points) { change2 = sweepMomentumAs<decltype(model), points.value>(view, chunk, momentum); });
+			dispatch(chunk, [&](auto model, auto points) {
+				change2 = sweepMomentumAs<decltype(model), points.value>(view, chunk, momentum, keep);
+			});
 			return change2;
+		}
+
+		double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum) { return sweepKeeping(view, chunk, momentum, All()); }
+
+		double sweepYielding(const PackedView& view, const Chunk& chunk, double momentum, double kept)
+		{
+			return sweepKeeping(view, chunk, momentum, Share { kept });
 		}
 
 		Measures measure(const PackedView& view, const Chunk& chunk)
@@ -381,7 +400,7 @@ namespace RCR_LANE_NAMESPACE {
 	} // namespace
 
 	extern const PackedKernels kernels;
-	const PackedKernels        kernels { RCR_LANES, prepare, apply, sweep, sweepRelaxed, sweepMomentum, measure, extrapolate };
+	const PackedKernels        kernels { RCR_LANES, prepare, apply, sweep, sweepRelaxed, sweepMomentum, sweepYielding, measure, extrapolate };
 
 } // namespace RCR_LANE_NAMESPACE
 } // namespace rcr

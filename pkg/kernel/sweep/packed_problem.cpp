@@ -293,10 +293,21 @@ void PackedIsland::sweepRelaxed(double relaxation)
 
 double PackedIsland::sweepMomentum(double momentum)
 {
-	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = packed_.kernels_->sweepMomentum(view_, chunk, momentum); });
+	return sweepMomentum(momentum, 1, [&](const Chunk& chunk) { return packed_.kernels_->sweepMomentum(view_, chunk, momentum); });
+}
+
+double PackedIsland::sweepYielding(double momentum, double compliance)
+{
+	const double kept = 1 / (1 + compliance);
+	return sweepMomentum(momentum, kept, [&](const Chunk& chunk) { return packed_.kernels_->sweepYielding(view_, chunk, momentum, kept); });
+}
+
+template <class Kernel> double PackedIsland::sweepMomentum(double momentum, double kept, Kernel sweepChunk)
+{
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = sweepChunk(chunk); });
 	double change2 = sum(packed_.sum_);
 	forEachTailPoint([&](TailPoint& c) {
-		const Impulse from = c.p + momentum * (c.p - c.old), next = solve(c, from);
+		const Impulse from = c.p + momentum * (c.p - c.old), next = kept * solve(c, from);
 		applyImpulse(c, next - from);
 		c.old = c.p;
 		c.p   = next;

@@ -41,6 +41,12 @@ bool StopTest::reached()
 	return stop;
 }
 
+bool StopTest::meets(const Settings& settings)
+{
+	measure();
+	return criteria_.met(settings);
+}
+
 bool StopTest::stalled()
 {
 	if (criteria_.residual < lowest_) {

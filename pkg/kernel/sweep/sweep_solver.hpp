@@ -24,6 +24,8 @@ public:
 
 	/// To be asked before each sweep.
 	bool   reached();
+	/// Whether the island meets the criteria of these settings as it is.
+	bool   meets(const Settings&);
 	int    sweeps() const { return sweeps_; }
 	double meanForceChange() const { return criteria_.meanForceChange; }
 

@@ -1,0 +1,78 @@
+// A step without a solution, in the sense of the least violation: contacts yield.
+//
+//   the contact laws between p and u + ε W p,   W = the point's own Delassus block,  ε = Settings::compliance
+//
+// Then a solution exists for any driven motion: u' = (A + ε W) p + q with A = J M⁻¹Jᵀ ≥ 0, and p · u' = −µ p_n |u'_t| ≤ 0 bounds it,
+// ε pᵀWp ≤ −pᵀq. No energy is given: p · u = p · u' − ε pᵀWp ≤ 0. A point closes by ε w_nn p_n: what wedges shares out what the drive imposes,
+// as dashpots of the mass 1/w_nn and the time ε dt would. At a point, the solution is 1/(1 + ε) of the rigid one, since the laws are
+// homogeneous; sweeps with momentum reach it in some 1/√ε.
+// Source: Acary, Cadoux, Lemaréchal and Malick 2011 (existence); Castro et al. 2022 (near-rigid regime of a convex relative).
+#include "problem/infeasibility.hpp"
+#include "sweep/momentum.hpp"
+#include "sweep/sweep_solver.hpp"
+
+namespace rcr {
+
+namespace {
+
+	constexpr double beyond      = 10;  // RMS change of speed that is no solution any more, over the typical velocity
+	constexpr int    probeSweeps = 100; // that let impulses grow; their error grows less
+
+	std::vector<Impulse> difference(const std::vector<Impulse>& a, std::vector<Impulse> b)
+	{
+		for (std::size_t k = 0; k < b.size(); ++k)
+			b[k] = { a[k].n - b[k].n, a[k].t - b[k].t };
+		return b;
+	}
+
+	/// Sweeps until one changes the impulses by less than the share `tolerance`, or the settings end it.
+	void sweepToRest(PackedIsland& island, StopTest& stop, double compliance, double tolerance)
+	{
+		constexpr int interval = 10;
+		Momentum      momentum;
+		while (!stop.reached()) {
+			island.extrapolate(momentum.beta());
+			const double change2 = island.sweepYielding(momentum.beta(), compliance);
+			momentum.advance(change2);
+			if (stop.sweeps() % interval == 0 && change2 <= tolerance * tolerance * island.measure().impulse2) break;
+		}
+	}
+
+} // namespace
+
+bool hasNoSolution(const ContactProblem& problem, const Settings& settings, Workspace& workspace)
+{
+	if (requiredSpeed(problem, problem.impulse) > beyond) return true;
+	if (settings.tolerance == 0) return false; // as many sweeps as asked for, no more
+	Settings sweeps      = settings;
+	sweeps.continued     = true;
+	sweeps.tolerance     = 0;
+	sweeps.maxIterations = probeSweeps;
+	ContactProblem probe = problem;
+	solveNesterov(probe, sweeps, workspace);
+	return requiredSpeed(problem, difference(probe.impulse, problem.impulse)) > beyond;
+}
+
+Report solveYielding(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+{
+	constexpr int most  = 1000; // sweeps
+	Settings      sweeps   = settings;
+	sweeps.continued       = true;
+	sweeps.tolerance       = 0;
+	sweeps.meanForceChange = 0;
+	sweeps.minIterations   = 0;
+	sweeps.stallSweeps     = 0;
+	sweeps.checkInterval   = most;
+	sweeps.maxIterations   = most;
+	const double tolerance = settings.tolerance > 0 ? settings.tolerance : Settings().tolerance;
+	Report       report    = solveBySweeps(problem, sweeps, workspace, [&](PackedIsland& island, StopTest& stop) {
+                if (!stop.meets(settings)) sweepToRest(island, stop, settings.compliance, tolerance);
+        });
+	report.yielded         = true;
+	report.converged       = false;
+	for (const ContactPoint& c : problem.points)
+		report.closing = std::max(report.closing, -c.bias - relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]).n);
+	return report;
+}
+
+} // namespace rcr
