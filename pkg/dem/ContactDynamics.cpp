@@ -52,6 +52,7 @@ void ContactDynamics::step(const Engines& engines)
 		how           = settingsOfFurtherPass();
 		how.continued = !late;
 	}
+	yieldedSteps += yielded;
 	timed("scatter", [&] {
 		scatterForces();
 		measureUnbalance();
@@ -81,6 +82,7 @@ rcr::Settings ContactDynamics::settings() const
 	s.meanForceChange = double(meanForceChange);
 	s.threads         = solverThreads();
 	s.lanes           = lanes;
+	s.compliance      = double(compliance);
 	s.reductions      = rcr::Reductions::of(reductions);
 	return s;
 }
@@ -113,6 +115,7 @@ void ContactDynamics::report(const rcr::Report& report)
 	residual      = report.residual;
 	violation     = report.violation;
 	converged     = report.converged;
+	yielded       = report.yielded;
 	contactPoints = int(problem_.points.size());
 	if (converged || tolerance == 0 || warned) return;
 	warned = true;
