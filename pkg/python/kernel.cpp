@@ -15,6 +15,8 @@
 #include "problem/residual.hpp"
 #include "geometry/shadow_overlap.hpp"
 #include "problem/solver.hpp"
+#include "watch/missed_steps.hpp"
+#include "watch/squeeze.hpp"
 
 namespace py = pybind11;
 using namespace rcr;
@@ -183,7 +185,7 @@ py::dict solveArrays(
 	return py::dict(
 	        py::arg("impulse") = reaction, py::arg("relative_velocity") = relative, py::arg("velocity") = velocity,
 	        py::arg("iterations") = report.iterations, py::arg("residual") = report.residual, py::arg("converged") = report.converged,
-	        py::arg("violation") = report.violation, py::arg("yielded") = report.yielded, py::arg("closing") = report.closing, py::arg("work") = report.work, py::arg("seconds") = seconds,
+	        py::arg("violation") = report.violation, py::arg("yielded") = report.yielded, py::arg("taken") = report.taken, py::arg("closing") = report.closing, py::arg("work") = report.work, py::arg("seconds") = seconds,
 	        py::arg("processor_seconds") = processorSeconds);
 }
 
@@ -356,7 +358,7 @@ PYBIND11_MODULE(_kernel, m)
 	      py::arg("stall_sweeps") = 0, py::arg("violation") = Settings().violation, py::arg("mean_force_change") = 0, py::arg("compliance") = 0,
 	      py::arg("reductions") = Reductions::names(), py::arg("workspace") = nullptr,
 	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2) and velocity (nb, 3) [m/s, 1/s],\n"
-	      "iterations, residual, converged, violation, yielded, closing [m/s], work (sweeps × points), seconds, processor_seconds (of the calling thread); settings as in solver.hpp.\n"
+	      "iterations, residual, converged, violation, yielded, taken [J/m], closing [m/s], work (sweeps × points), seconds, processor_seconds (of the calling thread); settings as in solver.hpp.\n"
 	      "Raises ValueError on arrays that do not fit together.");
 	m.def("solve_delassus", solveDelassusArrays, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"),
 	      py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000, py::arg("check_interval") = 10,
@@ -364,4 +366,20 @@ PYBIND11_MODULE(_kernel, m)
 	      "Solve one problem given by W and q (delassus_problem.hpp), W in rows of blocks: row_start (nc + 1,), column (nb,), block (nb, 4) as\n"
 	      "(nn, nt, tn, tt) [1/kg], free = q (nc, 2) [m/s]. Dict of impulse, relative_velocity (nc, 2), iterations, residual, converged, seconds,\n"
 	      "processor_seconds.");
+	py::class_<Squeeze>(m, "Squeeze", "Grains that are squeezed on and on (watch/squeeze.hpp).")
+	        .def(py::init<>())
+	        .def_readwrite("grown", &Squeeze::grown)
+	        .def_readwrite("deepest", &Squeeze::deepest)
+	        .def_readonly_static("crushed", &Squeeze::crushed)
+	        .def_readonly_static("patience", &Squeeze::patience)
+	        .def("goes_on", &Squeeze::goesOn, py::arg("overlap"), "After a step, with its deepest overlap over R₁ + R₂: whether it is to be told.");
+	py::class_<MissedSteps>(m, "MissedSteps", "Steps that missed the tolerance, and whether they did harm (watch/missed_steps.hpp).")
+	        .def(py::init<>())
+	        .def_readonly("steps", &MissedSteps::steps)
+	        .def_readonly("missed", &MissedSteps::missed)
+	        .def_readonly("yielded", &MissedSteps::yielded)
+	        .def_readonly("deepest", &MissedSteps::deepest)
+	        .def_property_readonly("share", &MissedSteps::share)
+	        .def("count", &MissedSteps::count, py::arg("missed"), py::arg("yielded"), py::arg("overlap"), "After a step: whether there is something to tell.")
+	        .def("message", &MissedSteps::message);
 }

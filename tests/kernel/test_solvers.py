@@ -352,6 +352,7 @@ def test_refuses_what_makes_no_sense(change, says):
         ("bias", 9, np.nan, "contact point 9: a number is not finite"),
         ("friction", 10, -0.1, "contact point 10: the friction coefficient is negative"),
         ("friction", 10, np.inf, "contact point 10: a number is not finite"),
+        ("friction", 10, 1.6e16, "contact point 10: the friction coefficient is above 1000"),
         ("impulse", (11, 1), np.nan, "contact point 11: a number is not finite"),
     ],
 )

@@ -1,5 +1,7 @@
 #include "problem/solver.hpp"
 
+#include "problem/infeasibility.hpp"
+
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
@@ -10,6 +12,7 @@ namespace {
 
 	constexpr double finestForSweeps = 1e-6; // residual below which the exact tier is the faster way, if there is friction
 	constexpr int    hopeless        = 300;  // sweeps without a new low of the residual
+	constexpr int    someSweeps      = 50;   // of a further pass on a step that has no solution
 	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps
 	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it
 
@@ -25,11 +28,14 @@ namespace {
 		return std::all_of(problem.points.begin(), problem.points.end(), [](const ContactPoint& c) { return c.friction == 0; });
 	}
 
-	/// Whether there is no use in going on with rigid contacts; noted in the report, since it takes some sweeps to see.
-	bool mustYield(Report& report, const ContactProblem& problem, const Settings& settings, Workspace& workspace)
+	/// Whether there is no use in going on with rigid contacts. A solution that was found may be none: errors are measured by forces and by
+	/// velocities, and both can be those of a wedge.
+	bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings, Workspace& workspace)
 	{
-		report.yielded = report.yielded || (settings.compliance > 0 && !report.converged && hasNoSolution(problem, settings, workspace));
-		return report.yielded;
+		if (settings.compliance == 0) return false;
+		if (report.yielded) return true;
+		if (mayTakeTooMuch(problem, report.taken, report.freeSpeed) && takesTooMuch(problem)) return true;
+		return !report.converged && settings.tolerance > 0 && (settings.yielded || growsWithoutBound(problem, settings, workspace));
 	}
 
 	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
@@ -42,7 +48,8 @@ namespace {
 		if (few) sweeps.maxIterations = std::min(hopeless, settings.maxIterations);
 		Report swept = solveNesterov(problem, sweeps, workspace);
 		if (swept.converged || settings.tolerance == 0 || swept.iterations == settings.maxIterations) return swept;
-		if (mustYield(swept, problem, settings, workspace)) return swept; // exact steps would do no better, and take long
+		swept.yielded = mustYield(swept, problem, settings, workspace);
+		if (swept.yielded) return swept; // exact steps would do no better, and take long
 		settings.continued = true;
 		Report report      = solveExact(problem, settings, workspace);
 		report.iterations += swept.iterations;
@@ -50,8 +57,14 @@ namespace {
 		return report;
 	}
 
+	/// With rigid contacts; `yielded` says that the solver has seen that there is no solution.
 	Report solveRigid(ContactProblem& problem, const std::string& solver, const Settings& settings, Workspace& workspace)
 	{
+		if (settings.yielded) {
+			Settings some      = settings;
+			some.maxIterations = std::min(settings.maxIterations, someSweeps);
+			return solveNesterov(problem, some, workspace);
+		}
 		if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
 		if (solver == "sor") return solveSor(problem, settings, workspace);
 		if (solver == "nesterov") return solveNesterov(problem, settings, workspace);
@@ -99,9 +112,9 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 {
 	checkSettings(solver, settings);
 	checkProblem(problem);
-	Report rigid = solveRigid(problem, solver, settings, workspace);
+	const Report rigid = solveRigid(problem, solver, settings, workspace);
 	if (!mustYield(rigid, problem, settings, workspace)) return rigid;
-	Report report = solveYielding(problem, settings, workspace);
+	Report report = solveYielding(problem, settings, rigid, workspace);
 	report.iterations += rigid.iterations;
 	report.work += rigid.work;
 	return report;

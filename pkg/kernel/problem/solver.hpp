@@ -35,6 +35,9 @@ struct Settings {
 	/// where a solver has missed its tolerance and impulses prove that none can meet it.
 	double compliance = 0;
 
+	/// An earlier pass of this step has yielded, and so does this one where some sweeps do not solve it.
+	bool yielded = false;
+
 	/// The paper's criterion, instead of the above where it is met first: relative change of the mean normal impulse
 	/// between two evaluations [-]. Lax: from a warm start 1e-3 is met at a residual of 1e-2. 0: not used.
 	double meanForceChange = 0;
@@ -51,6 +54,8 @@ struct Report {
 	bool   converged  = true; // each island has met a criterion of the settings
 	double violation  = 0;    // as in Settings, of what was left [-]
 	bool   yielded    = false; // the step has no solution: its contacts have yielded, as Settings::compliance lets them
+	double taken      = 0;     // energy that contacts take in the step, −Σ p · (u + b_n n) [J/m]
+	double freeSpeed  = 0;     // RMS relative velocity without contact impulses [m/s]
 	double closing    = 0;     // of a step that has yielded: the greatest speed at which a point still closes, −(u_n + b_n) [m/s]
 	double work       = 0;    // sweeps × points, summed over the islands, each to its own convergence; without those between exact steps
 
@@ -82,10 +87,10 @@ Report solveSor(ContactProblem&, const Settings&, Workspace&);      // over-rela
 Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // Gauss–Seidel with momentum and restart
 Report solveExact(ContactProblem&, const Settings&, Workspace&);    // reaches 1e-8 where sweeps stall
 
-/// Whether impulses prove that a step which a solver has not solved asks for more than its bodies can do (infeasibility.hpp): those that
-/// it has left, or those by which they grow in further sweeps. The problem stays as it is.
-bool   hasNoSolution(const ContactProblem&, const Settings&, Workspace&);
-Report solveYielding(ContactProblem&, const Settings&, Workspace&); // of the problem that this workspace has solved last
+/// Lets the contacts yield, of the problem that this workspace has solved last and of what was left of it, as told by the report.
+Report solveYielding(ContactProblem&, const Settings&, const Report&, Workspace&);
+/// Whether the impulses grow without bound in further sweeps on the problem that this workspace has solved last (infeasibility.hpp).
+bool growsWithoutBound(const ContactProblem&, const Settings&, Workspace&);
 
 /// Runs the solver of that name: nlgs, sor, nesterov, exact, or auto, which sweeps down to 1e-6, without any friction further, and
 /// takes the exact tier below, where 300 sweeps lead no further, or, up to 1000 points, where 300 do not do.

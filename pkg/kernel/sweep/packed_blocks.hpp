@@ -119,11 +119,12 @@ struct Measures {
 	double violation2 = 0; // Σ w_nn² |p − P_K(…)|²
 	double velocity2  = 0; // Σ |u|²
 	double stopping2  = 0; // Σ ((|u_n| + |b_n|)/w_nn)²
+	double taken      = 0; // −Σ p · (u + b_n n), energy
 
 	Measures& operator+=(const Measures& other)
 	{
 		error2 += other.error2, impulse2 += other.impulse2, normal += other.normal;
-		violation2 += other.violation2, velocity2 += other.velocity2, stopping2 += other.stopping2;
+		violation2 += other.violation2, velocity2 += other.velocity2, stopping2 += other.stopping2, taken += other.taken;
 		return *this;
 	}
 };

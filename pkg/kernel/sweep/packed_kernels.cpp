@@ -362,7 +362,7 @@ namespace RCR_LANE_NAMESPACE {
 
 		Measures measure(const PackedView& view, const Chunk& chunk)
 		{
-			Sum error2, impulse2, normal, violation2, velocity2, stopping2;
+			Sum error2, impulse2, normal, violation2, velocity2, stopping2, taken;
 			dispatch(chunk, [&](auto model, auto) {
 				using M = decltype(model);
 				forEachPair<M>(view, chunk, [&](const P& at1, const P& at2, const auto* point, int lane) INLINE {
@@ -379,10 +379,11 @@ namespace RCR_LANE_NAMESPACE {
 						violation2.add(lane, select(scale <= L(0.0), L(0.0), miss / (scale * scale)));
 						velocity2.add(lane, u.n * u.n + u.t * u.t);
 						stopping2.add(lane, stopping * stopping);
+						taken.add(lane, L(0.0) - (p.n * un + p.t * u.t));
 					}
 				});
 			});
-			return { error2.total(), impulse2.total(), normal.total(), violation2.total(), velocity2.total(), stopping2.total() };
+			return { error2.total(), impulse2.total(), normal.total(), violation2.total(), velocity2.total(), stopping2.total(), taken.total() };
 		}
 
 		void extrapolate(const PackedView& view, int first, int last, double momentum)

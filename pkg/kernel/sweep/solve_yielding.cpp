@@ -15,15 +15,8 @@ namespace rcr {
 
 namespace {
 
-	constexpr double beyond      = 10;  // RMS change of speed that is no solution any more, over the typical velocity
-	constexpr int    probeSweeps = 100; // that let impulses grow; their error grows less
-
-	std::vector<Impulse> difference(const std::vector<Impulse>& a, std::vector<Impulse> b)
-	{
-		for (std::size_t k = 0; k < b.size(); ++k)
-			b[k] = { a[k].n - b[k].n, a[k].t - b[k].t };
-		return b;
-	}
+	constexpr int    probeSweeps = 100;  // that let impulses grow
+	constexpr double negligible  = 0.01; // of all energy that contacts take: an island that takes less and is solved stays rigid
 
 	/// Sweeps until one changes the impulses by less than the share `tolerance`, or the settings end it.
 	void sweepToRest(PackedIsland& island, StopTest& stop, double compliance, double tolerance)
@@ -40,20 +33,18 @@ namespace {
 
 } // namespace
 
-bool hasNoSolution(const ContactProblem& problem, const Settings& settings, Workspace& workspace)
+bool growsWithoutBound(const ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	if (requiredSpeed(problem, problem.impulse) > beyond) return true;
-	if (settings.tolerance == 0) return false; // as many sweeps as asked for, no more
 	Settings sweeps      = settings;
 	sweeps.continued     = true;
 	sweeps.tolerance     = 0;
-	sweeps.maxIterations = probeSweeps;
+	sweeps.minIterations = sweeps.maxIterations = probeSweeps;
 	ContactProblem probe = problem;
 	solveNesterov(probe, sweeps, workspace);
-	return requiredSpeed(problem, difference(probe.impulse, problem.impulse)) > beyond;
+	return growsWithoutBound(probe, problem.impulse);
 }
 
-Report solveYielding(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+Report solveYielding(ContactProblem& problem, const Settings& settings, const Report& rigid, Workspace& workspace)
 {
 	constexpr int most  = 1000; // sweeps
 	Settings      sweeps   = settings;
@@ -66,7 +57,7 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, Workspac
 	sweeps.maxIterations   = most;
 	const double tolerance = settings.tolerance > 0 ? settings.tolerance : Settings().tolerance;
 	Report       report    = solveBySweeps(problem, sweeps, workspace, [&](PackedIsland& island, StopTest& stop) {
-                if (!stop.meets(settings)) sweepToRest(island, stop, settings.compliance, tolerance);
+                if (!stop.meets(settings) || island.measure().taken > negligible * rigid.taken) sweepToRest(island, stop, settings.compliance, tolerance);
         });
 	report.yielded         = true;
 	report.converged       = false;
