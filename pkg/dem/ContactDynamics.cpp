@@ -51,13 +51,13 @@ void ContactDynamics::step(const Engines& engines)
 		if (late) timed("gather", [&] { gatherContacts(); });
 		how           = settingsOfFurtherPass();
 		how.continued = !late;
+		how.yielded   = yielded;
 	}
-	yieldedSteps += yielded;
 	timed("scatter", [&] {
 		scatterForces();
 		measureUnbalance();
 	});
-	watchForJam();
+	watch();
 	timed("correct", [&] { correctPositions(); });
 	timed("late", [&] {
 		late_.forget();
@@ -117,12 +117,6 @@ void ContactDynamics::report(const rcr::Report& report)
 	converged     = report.converged;
 	yielded       = report.yielded;
 	contactPoints = int(problem_.points.size());
-	if (converged || tolerance == 0 || warned) return;
-	warned = true;
-	LOG_WARN(
-	        "step " << scene->iter << ": residual " << residual << " (tolerance " << tolerance << "), velocities still wrong by " << violation
-	                << " of the typical one (at most " << maxViolation << "), after " << iterations
-	                << " iterations; this is said once. ContactDynamics.residual and .converged tell it for every step.");
 }
 
 int ContactDynamics::solverThreads() const { return threads > 0 ? threads : omp_get_max_threads(); }
@@ -378,16 +372,28 @@ bool ContactDynamics::restrainBounce(const Contact& contact)
 	return changed;
 }
 
-void ContactDynamics::watchForJam()
+void ContactDynamics::watch()
 {
-	if (converged) return jam_.forget();
 	std::size_t deepest = 0;
 	double      overlap = 0; // over R₁ + R₂
 	for (std::size_t k = 0; k < gap_.size(); ++k) {
 		const double share = RcrGeom::slop * gap_[k].now / gap_[k].allowed;
 		if (share > overlap) overlap = share, deepest = k;
 	}
-	jam_.failed(overlap, deepest, problem_);
+	if (missedSteps_.count(!converged && tolerance > 0, yielded, overlap)) LOG_WARN("step " << scene->iter << ": " << missedSteps_.message());
+	missedSteps    = int(missedSteps_.missed);
+	yieldedSteps   = int(missedSteps_.yielded);
+	deepestOverlap = missedSteps_.deepest;
+	if (!squeeze_.goesOn(overlap)) return;
+	std::string culprits;
+	for (int id : rcr::drivenBodies(problem_))
+		culprits += (culprits.empty() ? "#" : ", #") + std::to_string(id);
+	if (culprits.empty()) return;
+	const rcr::ContactPoint& c = problem_.points[deepest];
+	std::ostringstream       text;
+	text << "ContactDynamics: jam. Bodies #" << c.body1 << " and #" << c.body2 << " overlap by " << overlap << " of their radii, and more and more. Rigid grains do not give way; the motion prescribed to bodies "
+	     << culprits << " asks for it. Stop or reverse that motion (b.state.vel), or press by a force (rcr.mobile_wall, WallStress).";
+	throw std::runtime_error(text.str());
 }
 
 // Overlaps left by the tolerance of the solver, and by curvature within a step, are taken back by displacements that never

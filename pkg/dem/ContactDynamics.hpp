@@ -7,8 +7,9 @@
 
 #include "../kernel/problem/solver.hpp"
 #include "../kernel/parallel/team.hpp"
+#include "../kernel/watch/missed_steps.hpp"
+#include "../kernel/watch/squeeze.hpp"
 #include "CurvedWays.hpp"
-#include "JamGuard.hpp"
 #include "LateContacts.hpp"
 
 namespace yade {
@@ -50,7 +51,8 @@ public:
 		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance"))
 		((Real,unbalance,0,Attr::readonly,"Mean net force on a free particle over the mean contact force, in the last step [-], as utils.unbalancedForce; it falls to the tolerance of the solver as a packing comes to rest"))
 		((Real,largestUnbalance,0,Attr::readonly,"The same of the particle with the largest net force [-]"))
-		((bool,warned,false,Attr::hidden,"A run that misses its tolerance says so once")),
+		((int,missedSteps,0,Attr::readonly,"Steps so far that have missed the tolerance"))
+		((Real,deepestOverlap,0,Attr::readonly,"Deepest overlap of all steps so far, over R₁ + R₂ [-]")),
 		/* ctor */,
 		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict. bodies: that an impulse can move; rotations: how many of these can turn; fixed: of prescribed motion, without unknowns; pairs, points: that can carry something; unknowns: one a point without friction, else two; frictionless: no point has friction; islands: solved apart; layouts: how often order and colours have been made in all steps so far; work: sweeps × points, summed over the islands.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: gather, layout (colours and order of the pairs), solve, scatter, late (bodies that go further than foreseen), adapt (biases to long ways, and to bounces that would give energy), correct [s].")
@@ -92,7 +94,7 @@ private:
 	void          measureUnbalance();
 	bool          adaptBiases(const Engines&, bool letGo);
 	bool          restrainBounce(const Contact&);
-	void          watchForJam();
+	void          watch();
 	void          correctPositions();
 	void          keepColliderAhead();
 
@@ -111,7 +113,8 @@ private:
 	rcr::Workspace                workspace_; // threads; colours and packed arrays, kept while the pairs last
 	LateContacts                  late_;
 	CurvedWays                    curved_;
-	JamGuard                      jam_;
+	rcr::Squeeze                  squeeze_;
+	rcr::MissedSteps              missedSteps_;
 	std::map<std::string, double> seconds_;
 	double                        work_ = 0; // sweeps × points of the last step
 };
