@@ -110,7 +110,7 @@ namespace {
 Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
 	const int            sweeps = std::min(maxSweeps, (settings.maxIterations + 1) / 2);
-	std::vector<Impulse> before; // the last sweeps, where these may show that there is no solution
+	std::vector<Impulse> before; // the last sweeps or steps, where these may show that there is no solution
 	const auto           sweepAndLook = [&](const Settings& how, double tolerance, int most) {
                 if (settings.compliance > 0) before = problem.impulse;
                 return sweep(problem, how, tolerance, most, workspace);
@@ -126,8 +126,11 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	Best                   best { report.residual, report.violation, problem.impulse };
 	const auto             left = [&] { return settings.maxIterations - report.iterations; };
 	while (!(best.distance(settings) <= 1) && left() > 0) {
+		if (settings.compliance > 0) before = problem.impulse;
 		const PathEnd end = step(problem, proximal, stiffness, left());
 		report.iterations += 1 + end.pivots;
+		report.yielded = hasNoSolution();
+		if (report.yielded) return report;
 		best.offer({ residual(problem), violation(problem, settings.rest), problem.impulse }, settings);
 		if (!end.arrived && left() > 0) {
 			const int most = std::min(rescueSweeps + pivotSweeps * end.pivots, left());
