@@ -1,4 +1,4 @@
-"""Contact network of a packing: its file, and what is measured on it. Needs NumPy and h5py, not YADE.
+"""Contact network of a packing: its file, and what is measured on it. Needs NumPy, and h5py for files; not YADE.
 
 Conventions
 -----------
@@ -12,12 +12,9 @@ Conventions
 * An anisotropy is signed by the axes of the total stress: a = 2 (X₁₁ − X₂₂)/tr X(∞), axis 1 being that of σ₁.
 """
 
-import os
-import tempfile
-
-import h5py
 import numpy as np
 
+from rcr.files import whole
 from rcr.xi_networks import XiNetworks
 
 LEFT, BOTTOM, RIGHT, TOP = -1, -2, -3, -4
@@ -86,6 +83,8 @@ class Network:
         ValueError
             If the file is no such network; OSError if it cannot be read.
         """
+        import h5py
+
         try:
             with h5py.File(path, "r") as file:
                 if not {"particles", "contacts"} <= set(file):
@@ -100,21 +99,15 @@ class Network:
 
     def save(self, path):
         """Write the network to `path`: whole or not at all."""
+        import h5py
+
         from rcr import __version__
 
-        folder, name = os.path.split(os.path.abspath(path))
-        handle, partial = tempfile.mkstemp(prefix=name, suffix=".part", dir=folder)
-        os.close(handle)
-        try:
-            with h5py.File(partial, "w") as file:
-                for group, columns in (("particles", self.particles), ("contacts", self.contacts)):
-                    for column, data in columns.items():
-                        file.create_dataset(f"{group}/{column}", data=data)
-                file.attrs.update({"version": __version__, **self.attributes, "stress": self.stress()})
-            os.replace(partial, path)
-        except BaseException:
-            os.unlink(partial)
-            raise
+        with whole(path) as partial, h5py.File(partial, "w") as file:
+            for group, columns in (("particles", self.particles), ("contacts", self.contacts)):
+                for column, data in columns.items():
+                    file.create_dataset(f"{group}/{column}", data=data)
+            file.attrs.update({"version": __version__, **self.attributes, "stress": self.stress()})
 
     @property
     def between_particles(self):

@@ -1,4 +1,4 @@
-"""One-step contact problems from files, and their solution. Needs NumPy, h5py and the compiled kernels, not YADE.
+"""One-step contact problems from files, and their solution. Needs NumPy and the compiled kernels, h5py for ``.h5``; not YADE.
 
     u = J v,  v = v_free + M⁻¹ Jᵀ p        with bodies:     BodyProblem
     u = W p + q                            without them:    DelassusProblem,  W = J M⁻¹ Jᵀ,  q = J v_free + b_n n
@@ -17,7 +17,6 @@ A file that is malformed is refused with a ValueError of one line that says what
 import os
 from dataclasses import dataclass, fields
 
-import h5py
 import numpy as np
 
 SYMMETRY = 1e-8  # largest |W − Wᵀ| over largest |W|: files of Siconos are off by 1e-10
@@ -193,6 +192,8 @@ class Solution:
             with open(path, "wb") as file:
                 np.savez(file, reaction=self.reaction, velocity=self.velocity)
             return
+        import h5py
+
         with h5py.File(path, "w") as file:
             file["reaction"], file["velocity"] = self.reaction, self.velocity
             file.attrs.update({field.name: getattr(self, field.name) for field in fields(self)[:6]})
@@ -293,6 +294,8 @@ def _load_npz(path):
 
 
 def _load_fclib(path):
+    import h5py
+
     with h5py.File(path, "r") as file:
         if "fclib_local" not in file:
             groups = [name for name in ("fclib_global", "fclib_global_rolling") if name in file]
@@ -371,6 +374,8 @@ def save_fclib(path, problem, title="contact problem of yade-rcr"):
         problem = problem.delassus()
     row, column, value = problem.entries()
     size = 2 * problem.contacts
+    import h5py
+
     with h5py.File(path, "w") as file:
         integer = lambda name, data: file.create_dataset(name, data=np.atleast_1d(data).astype(np.int32))
         integer("fclib_local/spacedim", 2)
@@ -532,7 +537,7 @@ def _wanted(good, name, array, wanted):
 
 
 def _dataset(group, name):
-    if name not in group or not isinstance(group[name], h5py.Dataset):
+    if name not in group or not hasattr(group[name], "dtype"):  # a group
         raise ValueError(f"{group.name[1:]} lacks {name}")
     return np.atleast_1d(group[name][()])
 

@@ -63,7 +63,9 @@ double requiredSpeed(const ContactProblem& problem, const std::vector<Impulse>& 
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		pressed -= work(d[k], freeVelocity(problem, c)) + d[k].n * c.bias;
-		energy += work(d[k], relativeVelocity(c, moved[c.body1], moved[c.body2]));
+		ContactPoint still = c; // impulses move bodies, not the image of one
+		still.drift        = {};
+		energy += work(d[k], relativeVelocity(still, moved[c.body1], moved[c.body2]));
 	}
 	if (!(pressed > 0)) return 0;
 	return energy > 0 ? pressed / (std::sqrt(energy) * typicalChange(problem, d)) : std::numeric_limits<double>::infinity();

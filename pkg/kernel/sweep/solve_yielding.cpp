@@ -19,7 +19,7 @@ namespace {
 	constexpr double negligible  = 0.01; // of all energy that contacts take: an island that takes less and is solved stays rigid
 
 	/// Sweeps until one changes the impulses by less than the share `tolerance`, or the settings end it.
-	void sweepToRest(PackedIsland& island, StopTest& stop, double compliance, double tolerance)
+	void sweepToRest(PackedIsland& island, IslandStop& stop, double compliance, double tolerance)
 	{
 		constexpr int interval = 10;
 		Momentum      momentum;
@@ -56,7 +56,7 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, const Re
 	sweeps.checkInterval   = most;
 	sweeps.maxIterations   = most;
 	const double tolerance = settings.tolerance > 0 ? settings.tolerance : Settings().tolerance;
-	Report       report    = solveBySweeps(problem, sweeps, workspace, [&](PackedIsland& island, StopTest& stop) {
+	Report       report    = solveBySweeps(problem, sweeps, workspace, [&](PackedIsland& island, IslandStop& stop) {
                 if (!stop.meets(settings) || island.measure().taken > negligible * rigid.taken) sweepToRest(island, stop, settings.compliance, tolerance);
         });
 	report.yielded         = true;
