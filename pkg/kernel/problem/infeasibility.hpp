@@ -10,7 +10,7 @@
 // velocities do, as for a wedge between driven walls. Solvers of a step without a solution find such impulses by themselves.
 //
 // The scale of such a change is V = √(Σ m) max |u_free|, of the bodies and points where d acts. Measured on beds that rest, flow or are
-// driven, of 20 to 2000 grains: solved steps need at most 0.9 V by their impulses and take at most 0.2 V² of energy; sweeps on from where a
+// driven, of 20 to 2000 grains: solved steps need at most 1.0 V by their impulses and take at most 0.2 V² of energy; sweeps on from where a
 // solver missed its tolerance prove at most 0.2 V. In steps without a solution all of them grow beyond any bound.
 // Source: Acary, Cadoux, Lemaréchal and Malick 2011 (criterion); its dual by Farkas' lemma.
 #pragma once
