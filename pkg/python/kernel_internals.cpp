@@ -23,6 +23,8 @@
 #include "sweep/layout.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/stop_test.hpp"
+#include "watch/missed_steps.hpp"
+#include "watch/squeeze.hpp"
 
 namespace rcr {
 
@@ -291,6 +293,22 @@ void bindInternals(py::module_& m)
 	        .def(py::init<>())
 	        .def_property_readonly("beta", &Momentum::beta)
 	        .def("advance", &Momentum::advance, py::arg("error"));
+	py::class_<Squeeze>(m, "Squeeze", "Grains that are squeezed on and on (watch/squeeze.hpp).")
+	        .def(py::init<>())
+	        .def_readwrite("grown", &Squeeze::grown)
+	        .def_readwrite("deepest", &Squeeze::deepest)
+	        .def_readonly_static("crushed", &Squeeze::crushed)
+	        .def_readonly_static("patience", &Squeeze::patience)
+	        .def("goes_on", &Squeeze::goesOn, py::arg("overlap"), "After a step, with its deepest overlap over R₁ + R₂: whether it is to be told.");
+	py::class_<MissedSteps>(m, "MissedSteps", "Steps that missed the tolerance, and whether they did harm (watch/missed_steps.hpp).")
+	        .def(py::init<>())
+	        .def_readonly("steps", &MissedSteps::steps)
+	        .def_readonly("missed", &MissedSteps::missed)
+	        .def_readonly("yielded", &MissedSteps::yielded)
+	        .def_readonly("deepest", &MissedSteps::deepest)
+	        .def_property_readonly("share", &MissedSteps::share)
+	        .def("count", &MissedSteps::count, py::arg("missed"), py::arg("yielded"), py::arg("overlap"), "After a step: whether there is something to tell.")
+	        .def("message", &MissedSteps::message);
 	py::class_<OwnStopTest>(m, "StopTest", "The decision to stop sweeping; settings as of `solve`.")
 	        .def(py::init(&stopTest), py::arg("tolerance") = 1e-4, py::arg("violation") = 0.01, py::arg("mean_force_change") = 0, py::arg("check_interval") = 10,
 	             py::arg("min_iterations") = 0, py::arg("max_iterations") = 1000, py::arg("stall_sweeps") = 0, py::arg("first") = 0)

@@ -13,7 +13,7 @@ namespace {
 	py::dict solveArrays(
 	        const Array& inverseMass, const Array& freeVelocity, const py::object& bodies, const Array& normal, const Array& arm1, const Array& arm2,
 	        const Array& bias, const Array& friction, const Array& impulse, const std::string& solver, double tolerance, int maxIterations, int threads,
-	        int lanes, int checkInterval, int minIterations, int stallSweeps, double violation, double meanForceChange,
+	        int lanes, int checkInterval, int minIterations, int stallSweeps, double violation, double meanForceChange, double compliance,
 	        const std::vector<std::string>& reductions, Workspace* workspace)
 	{
 		ContactProblem problem = problemFrom(inverseMass, freeVelocity, bodies, normal, arm1, arm2, bias, friction, impulse);
@@ -27,6 +27,7 @@ namespace {
 		settings.stallSweeps   = stallSweeps;
 		settings.violation     = violation;
 		settings.meanForceChange = meanForceChange;
+		settings.compliance    = compliance;
 		settings.reductions    = Reductions::of(reductions);
 		Report report;
 		double seconds, processorSeconds;
@@ -44,7 +45,8 @@ namespace {
 		        py::arg("impulse") = arrayOf(problem.impulse), py::arg("relative_velocity") = arrayOf(relative),
 		        py::arg("velocity") = arrayOf(problem.velocity),
 		        py::arg("iterations") = report.iterations, py::arg("residual") = report.residual, py::arg("converged") = report.converged,
-		        py::arg("violation") = report.violation, py::arg("work") = report.work, py::arg("seconds") = seconds,
+		        py::arg("violation") = report.violation, py::arg("yielded") = report.yielded, py::arg("taken") = report.taken,
+		        py::arg("closing") = report.closing, py::arg("work") = report.work, py::arg("seconds") = seconds,
 		        py::arg("processor_seconds") = processorSeconds);
 	}
 
@@ -103,10 +105,10 @@ void bindSolvers(py::module_& m)
 	m.def("solve", solveArrays, py::arg("inverse_mass"), py::arg("free_velocity"), py::arg("bodies"), py::arg("normal"), py::arg("arm1"), py::arg("arm2"),
 	      py::arg("bias"), py::arg("friction"), py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4,
 	      py::arg("max_iterations") = 1000, py::arg("threads") = 1, py::arg("lanes") = 0, py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
-	      py::arg("stall_sweeps") = 0, py::arg("violation") = Settings().violation, py::arg("mean_force_change") = 0,
+	      py::arg("stall_sweeps") = 0, py::arg("violation") = Settings().violation, py::arg("mean_force_change") = 0, py::arg("compliance") = 0,
 	      py::arg("reductions") = Reductions::names(), py::arg("workspace") = nullptr,
 	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2) and velocity (nb, 3) [m/s, 1/s],\n"
-	      "iterations, residual, converged, violation, work (sweeps × points), seconds, processor_seconds (of the calling thread); settings as in solver.hpp.\n"
+	      "iterations, residual, converged, violation, yielded, taken [J/m], closing [m/s], work (sweeps × points), seconds, processor_seconds (of the calling thread); settings as in solver.hpp.\n"
 	      "Raises ValueError on arrays that do not fit together.");
 	m.def("solve_delassus", solveDelassusArrays, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"),
 	      py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000, py::arg("check_interval") = 10,

@@ -14,6 +14,7 @@
 #include "exact/path_following.hpp"
 #include "exact/proximal_problem.hpp"
 #include "exact/stiffness.hpp"
+#include "problem/infeasibility.hpp"
 #include "problem/residual.hpp"
 #include "problem/solver.hpp"
 
@@ -78,29 +79,43 @@ namespace {
 
 Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	const int sweeps = std::min(maxSweeps, (settings.maxIterations + 1) / 2);
-	Report    report = sweep(problem, settings, std::max(settings.tolerance, handover), sweeps, workspace);
-	report.converged = report.reached(settings) && report.violation <= settings.violation;
+	const int            sweeps = std::min(maxSweeps, (settings.maxIterations + 1) / 2);
+	std::vector<Impulse> before; // the last sweeps or steps, where these may show that there is no solution
+	const auto           sweepAndLook = [&](const Settings& how, double tolerance, int most) {
+                if (settings.compliance > 0) before = problem.impulse;
+                return sweep(problem, how, tolerance, most, workspace);
+	};
+	const auto hasNoSolution = [&] { return settings.compliance > 0 && (takesTooMuch(problem) || growsWithoutBound(problem, before)); };
+	Report     report        = sweepAndLook(settings, std::max(settings.tolerance, handover), sweeps);
+	report.converged         = report.reached(settings) && report.violation <= settings.violation;
 	if (report.converged || report.iterations >= settings.maxIterations) return report;
+	report.yielded = hasNoSolution();
+	if (report.yielded) return report;
 	ProximalProblem        proximal(problem);
 	std::vector<Stiffness> stiffness(proximal.size(), Stiffness(stiffnessLimits));
 	Best                   best { report.residual, report.violation, problem.impulse };
 	const auto             left = [&] { return settings.maxIterations - report.iterations; };
 	while (!(best.distance(settings) <= 1) && left() > 0) {
+		if (settings.compliance > 0) before = problem.impulse;
 		const PathEnd end = step(problem, proximal, stiffness, left());
 		report.iterations += 1 + end.pivots;
+		report.yielded = hasNoSolution();
+		if (report.yielded) return report;
 		best.offer({ residual(problem), violation(problem, settings.rest), problem.impulse }, settings);
 		if (!end.arrived && left() > 0) {
 			const int most = std::min(rescueSweeps + pivotSweeps * end.pivots, left());
 			Settings  again     = settings;
 			again.continued     = true;
-			report.iterations += sweep(problem, again, 0, most, workspace).iterations;
+			report.iterations += sweepAndLook(again, 0, most).iterations;
+			report.yielded = hasNoSolution();
+			if (report.yielded) return report;
 		}
 	}
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
 	report.residual  = residual(problem);
 	report.violation = violation(problem, settings.rest);
+	report.taken     = energyTaken(problem);
 	report.converged = report.residual <= settings.tolerance && report.violation <= settings.violation;
 	return report;
 }

@@ -8,6 +8,9 @@ namespace rcr {
 namespace {
 
 	constexpr double unitLength2 = 2e-6; // how far the square of a normal's length may be from 1
+	// A point that closes and slips has a residual of some 1/µ only (µ |u_t| outweighs u_n), and counts as solved at the usual tolerance of 1e-4
+	// where µ > 1e4. 1e3 is 89.94°: nothing slides there any more.
+	constexpr double maxFriction = 1e3;
 
 	[[noreturn]] void refuse(const char* what, std::size_t index, const char* wanted)
 	{
@@ -41,7 +44,7 @@ namespace {
 
 	bool sound(const ContactPoint& c, const Impulse& p, std::size_t bodies)
 	{
-		return inRange(c, bodies) & (c.body1 != c.body2) & unit(c.normal) & (c.friction >= 0)
+		return inRange(c, bodies) & (c.body1 != c.body2) & unit(c.normal) & (c.friction >= 0) & (c.friction <= maxFriction)
 		        & finite(c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, p.n, p.t);
 	}
 
@@ -58,7 +61,8 @@ namespace {
 		if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, p.n, p.t))
 			refuse("contact point", k, "a number is not finite");
 		if (!unit(c.normal)) refuse("contact point", k, "the normal is not of unit length");
-		refuse("contact point", k, "the friction coefficient is negative; wanted µ ≥ 0");
+		if (c.friction < 0) refuse("contact point", k, "the friction coefficient is negative; wanted µ ≥ 0");
+		refuse("contact point", k, "the friction coefficient is above 1000, where errors cannot be seen beside it; give a friction angle of at most 89.9°");
 	}
 
 } // namespace

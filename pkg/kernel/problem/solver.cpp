@@ -1,5 +1,7 @@
 #include "problem/solver.hpp"
 
+#include "problem/infeasibility.hpp"
+
 #include <algorithm>
 #include <sstream>
 #include <stdexcept>
@@ -10,6 +12,7 @@ namespace {
 
 	constexpr double finestForSweeps = 1e-6; // residual below which the exact tier is the faster way, if there is friction
 	constexpr int    hopeless        = 300;  // sweeps without a new low of the residual
+	constexpr int    someSweeps      = 50;   // of a further pass on a step that has no solution
 	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps
 	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it
 
@@ -25,6 +28,16 @@ namespace {
 		return std::all_of(problem.points.begin(), problem.points.end(), [](const ContactPoint& c) { return c.friction == 0; });
 	}
 
+	/// Whether there is no use in going on with rigid contacts. A solution that was found may be none: errors are measured by forces and by
+	/// velocities, and both can be those of a wedge.
+	bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings, Workspace& workspace)
+	{
+		if (settings.compliance == 0) return false;
+		if (report.yielded) return true;
+		if (mayTakeTooMuch(problem, report.taken, report.freeSpeed) && takesTooMuch(problem)) return true;
+		return !report.converged && settings.tolerance > 0 && (settings.yielded || growsWithoutBound(problem, settings, workspace));
+	}
+
 	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
 	{
 		const bool few = settings.tolerance > 0 && int(problem.points.size()) <= fewPoints;
@@ -33,13 +46,30 @@ namespace {
 		Settings sweeps    = settings;
 		sweeps.stallSweeps = hopeless;
 		if (few) sweeps.maxIterations = std::min(hopeless, settings.maxIterations);
-		const Report swept = solveNesterov(problem, sweeps, workspace);
+		Report swept = solveNesterov(problem, sweeps, workspace);
 		if (swept.converged || settings.tolerance == 0 || swept.iterations == settings.maxIterations) return swept;
+		swept.yielded = mustYield(swept, problem, settings, workspace);
+		if (swept.yielded) return swept; // exact steps would do no better, and take long
 		settings.continued = true;
 		Report report      = solveExact(problem, settings, workspace);
 		report.iterations += swept.iterations;
 		report.work += swept.work;
 		return report;
+	}
+
+	/// With rigid contacts; `yielded` says that the solver has seen that there is no solution.
+	Report solveRigid(ContactProblem& problem, const std::string& solver, const Settings& settings, Workspace& workspace)
+	{
+		if (settings.yielded) {
+			Settings some      = settings;
+			some.maxIterations = std::min(settings.maxIterations, someSweeps);
+			return solveNesterov(problem, some, workspace);
+		}
+		if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
+		if (solver == "sor") return solveSor(problem, settings, workspace);
+		if (solver == "nesterov") return solveNesterov(problem, settings, workspace);
+		if (solver == "exact") return solveExact(problem, settings, workspace);
+		return solveAuto(problem, settings, workspace);
 	}
 
 } // namespace
@@ -68,6 +98,7 @@ void checkSettings(const std::string& solver, const Settings& s)
 	if (s.lanes != 0 && s.lanes != 1 && s.lanes != 4 && s.lanes != 8)
 		refuse("lanes = ", s.lanes, ": give 1, 4, 8, or 0 for as many as the processor has");
 	if (!(s.violation >= 0)) refuse("violation = ", s.violation, ": give a fraction ≥ 0, infinity for no test");
+	if (!(s.compliance >= 0)) refuse("compliance = ", s.compliance, ": give a share ≥ 0 of the response of a contact; 0 does not use it");
 	if (!(s.meanForceChange >= 0)) refuse("meanForceChange = ", s.meanForceChange, ": give a change ≥ 0; 0 does not use it");
 }
 
@@ -81,11 +112,12 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 {
 	checkSettings(solver, settings);
 	checkProblem(problem);
-	if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
-	if (solver == "sor") return solveSor(problem, settings, workspace);
-	if (solver == "nesterov") return solveNesterov(problem, settings, workspace);
-	if (solver == "exact") return solveExact(problem, settings, workspace);
-	return solveAuto(problem, settings, workspace);
+	const Report rigid = solveRigid(problem, solver, settings, workspace);
+	if (!mustYield(rigid, problem, settings, workspace)) return rigid;
+	Report report = solveYielding(problem, settings, rigid, workspace);
+	report.iterations += rigid.iterations;
+	report.work += rigid.work;
+	return report;
 }
 
 } // namespace rcr

@@ -31,6 +31,13 @@ struct Settings {
 	/// The typical velocity is never less than this share of the velocities without contacts: at rest there is no other [-].
 	double rest = 0.01;
 
+	/// Compliance ε of the contacts of a step that has no solution (solve_yielding.cpp) [-]; 0: such a step ends anywhere. Used only
+	/// where a solver has missed its tolerance and impulses prove that none can meet it.
+	double compliance = 0;
+
+	/// An earlier pass of this step has yielded, and so does this one where some sweeps do not solve it.
+	bool yielded = false;
+
 	/// The paper's criterion, instead of the above where it is met first: relative change of the mean normal impulse
 	/// between two evaluations [-]. Lax: from a warm start 1e-3 is met at a residual of 1e-2. 0: not used.
 	double meanForceChange = 0;
@@ -46,6 +53,10 @@ struct Report {
 	double residual   = 0;    // of what was left [-]
 	bool   converged  = true; // each island has met a criterion of the settings
 	double violation  = 0;    // as in Settings, of what was left [-]
+	bool   yielded    = false; // the step has no solution: its contacts have yielded, as Settings::compliance lets them
+	double taken      = 0;     // energy that contacts take in the step, −Σ p · (u + b_n n) [J/m]
+	double freeSpeed  = 0;     // RMS relative velocity without contact impulses [m/s]
+	double closing    = 0;     // of a step that has yielded: the greatest speed at which a point still closes, −(u_n + b_n) [m/s]
 	double work       = 0;    // sweeps × points, summed over the islands, each to its own convergence; without those between exact steps
 
 	/// Tolerance 0 asks for all iterations, so it is never reached.
@@ -75,6 +86,11 @@ Report solveNlgs(ContactProblem&, const Settings&, Workspace&);     // plain Gau
 Report solveSor(ContactProblem&, const Settings&, Workspace&);      // over-relaxed by 1.3
 Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // Gauss–Seidel with momentum and restart
 Report solveExact(ContactProblem&, const Settings&, Workspace&);    // reaches 1e-8 where sweeps stall
+
+/// Lets the contacts yield, of the problem that this workspace has solved last and of what was left of it, as told by the report.
+Report solveYielding(ContactProblem&, const Settings&, const Report&, Workspace&);
+/// Whether the impulses grow without bound in further sweeps on the problem that this workspace has solved last (infeasibility.hpp).
+bool growsWithoutBound(const ContactProblem&, const Settings&, Workspace&);
 
 /// Runs the solver of that name: nlgs, sor, nesterov, exact, or auto, which sweeps down to 1e-6, without any friction further, and
 /// takes the exact tier below, where 300 sweeps lead no further, or, up to 1000 points, where 300 do not do.

@@ -119,11 +119,12 @@ struct Measures {
 	double violation2 = 0; // Σ w_nn² |p − P_K(…)|²
 	double velocity2  = 0; // Σ |u|²
 	double stopping2  = 0; // Σ ((|u_n| + |b_n|)/w_nn)²
+	double taken      = 0; // −Σ p · (u + b_n n), energy
 
 	Measures& operator+=(const Measures& other)
 	{
 		error2 += other.error2, impulse2 += other.impulse2, normal += other.normal;
-		violation2 += other.violation2, velocity2 += other.velocity2, stopping2 += other.stopping2;
+		violation2 += other.violation2, velocity2 += other.velocity2, stopping2 += other.stopping2, taken += other.taken;
 		return *this;
 	}
 };
@@ -141,6 +142,8 @@ struct PackedKernels {
 	void (*sweepRelaxed)(const PackedView&, const Chunk&, double relaxation);
 	/// The same from y = p + β (p − p_old); returns ‖p − y‖².
 	double (*sweepMomentum)(const PackedView&, const Chunk&, double momentum);
+	/// The same with contacts that yield: the share `kept` of every solution.
+	double (*sweepYielding)(const PackedView&, const Chunk&, double momentum, double kept);
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures (*measure)(const PackedView&, const Chunk&);
 	/// v_old ← v + β (v − v_old) for halves of records first … last − 1: the two then change places.

@@ -80,10 +80,21 @@ void PackedIsland::sweepRelaxed(double relaxation)
 
 double PackedIsland::sweepMomentum(double momentum)
 {
-	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = packed_.kernels_->sweepMomentum(view_, chunk, momentum); });
+	return sweepMomentum(momentum, 1, [&](const Chunk& chunk) { return packed_.kernels_->sweepMomentum(view_, chunk, momentum); });
+}
+
+double PackedIsland::sweepYielding(double momentum, double compliance)
+{
+	const double kept = 1 / (1 + compliance);
+	return sweepMomentum(momentum, kept, [&](const Chunk& chunk) { return packed_.kernels_->sweepYielding(view_, chunk, momentum, kept); });
+}
+
+template <class Kernel> double PackedIsland::sweepMomentum(double momentum, double kept, Kernel sweepChunk)
+{
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = sweepChunk(chunk); });
 	double change2 = sum(packed_.sum_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
-		const Impulse from = c.p + momentum * (c.p - c.old), next = solve(c, from);
+		const Impulse from = c.p + momentum * (c.p - c.old), next = kept * solve(c, from);
 		applyImpulse(c, next - from);
 		c.old = c.p;
 		c.p   = next;
@@ -112,7 +123,7 @@ Measures PackedIsland::measure()
 		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
 		const Impulse q = projectCone({ c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn }, c.friction);
 		const double  miss = square(c.p - q);
-		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping };
+		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping, -(c.p.n * un + c.p.t * u.t) };
 	});
 	return total;
 }

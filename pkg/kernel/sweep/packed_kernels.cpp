@@ -179,13 +179,13 @@ namespace RCR_LANE_NAMESPACE {
 			dispatch(chunk, [&](auto model, auto points) { sweepRelaxedAs<decltype(model), points.value>(view, chunk, relaxation); });
 		}
 
-		template <class M, int Points> APART double sweepMomentumAs(const PackedView& view, const Chunk& chunk, double momentum)
+		template <class M, int Points, class Keep> APART double sweepMomentumAs(const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
 		{
 			const L beta = momentum;
 			Sum change2;
 			sweepPairs<M, Points>(view, chunk, [&](auto& c, int lane, const auto& u) INLINE {
 				const auto p = M::impulse(c, lane), y = addProduct(p, beta, p - M::oldImpulse(c, lane));
-				const auto q = M::solve(c, lane, u, y), change = q - y;
+				const auto q = keep(M::solve(c, lane, u, y)), change = q - y;
 				M::setOld(c, lane, p);
 				M::set(c, lane, q);
 				change2.add(lane, square(change));
@@ -194,16 +194,35 @@ namespace RCR_LANE_NAMESPACE {
 			return change2.total();
 		}
 
-		double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
+		struct All {
+			template <class Impulse> INLINE Impulse operator()(const Impulse& p) const { return p; }
+		};
+
+		struct Share {
+			L kept;
+
+			template <class Impulse> INLINE Impulse operator()(const Impulse& p) const { return kept * p; }
+		};
+
+		template <class Keep> double sweepKeeping(const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
 		{
 			double change2 = 0;
-			dispatch(chunk, [&](auto model, auto points) { change2 = sweepMomentumAs<decltype(model), points.value>(view, chunk, momentum); });
+			dispatch(chunk, [&](auto model, auto points) {
+				change2 = sweepMomentumAs<decltype(model), points.value>(view, chunk, momentum, keep);
+			});
 			return change2;
+		}
+
+		double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum) { return sweepKeeping(view, chunk, momentum, All()); }
+
+		double sweepYielding(const PackedView& view, const Chunk& chunk, double momentum, double kept)
+		{
+			return sweepKeeping(view, chunk, momentum, Share { kept });
 		}
 
 		Measures measure(const PackedView& view, const Chunk& chunk)
 		{
-			Sum error2, impulse2, normal, violation2, velocity2, stopping2;
+			Sum error2, impulse2, normal, violation2, velocity2, stopping2, taken;
 			dispatch(chunk, [&](auto model, auto) {
 				using M = decltype(model);
 				forEachPair<M>(view, chunk, [&](const P& at1, const P& at2, const auto* point, int lane) INLINE {
@@ -220,10 +239,11 @@ namespace RCR_LANE_NAMESPACE {
 						violation2.add(lane, select(scale <= L(0.0), L(0.0), miss / (scale * scale)));
 						velocity2.add(lane, u.n * u.n + u.t * u.t);
 						stopping2.add(lane, stopping * stopping);
+						taken.add(lane, L(0.0) - (p.n * un + p.t * u.t));
 					}
 				});
 			});
-			return { error2.total(), impulse2.total(), normal.total(), violation2.total(), velocity2.total(), stopping2.total() };
+			return { error2.total(), impulse2.total(), normal.total(), violation2.total(), velocity2.total(), stopping2.total(), taken.total() };
 		}
 
 		void extrapolate(const PackedView& view, int first, int last, double momentum)
@@ -241,7 +261,7 @@ namespace RCR_LANE_NAMESPACE {
 	} // namespace
 
 	extern const PackedKernels kernels;
-	const PackedKernels        kernels { RCR_LANES, prepare, apply, sweep, sweepRelaxed, sweepMomentum, measure, extrapolate };
+	const PackedKernels        kernels { RCR_LANES, prepare, apply, sweep, sweepRelaxed, sweepMomentum, sweepYielding, measure, extrapolate };
 
 } // namespace RCR_LANE_NAMESPACE
 } // namespace rcr

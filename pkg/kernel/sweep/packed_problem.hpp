@@ -109,6 +109,8 @@ public:
 	void sweepRelaxed(double relaxation);
 	/// The same from y = p + β (p − p_old); the velocities must be extrapolated by the same β. Returns ‖p − y‖².
 	double sweepMomentum(double momentum);
+	/// The same with contacts that yield by u = −ε W p, W the point's own Delassus block: its solution is 1/(1 + ε) of the rigid one.
+	double sweepYielding(double momentum, double compliance);
 	/// v ← v + β (v − v_old), v_old ← v.
 	void extrapolate(double momentum);
 
@@ -120,6 +122,7 @@ public:
 private:
 	using OverflowPoint = PackedProblem::OverflowPoint;
 
+	template <class Kernel> double sweepMomentum(double momentum, double kept, Kernel);
 	Impulse relativeVelocity(const OverflowPoint&) const;
 	void    applyImpulse(const OverflowPoint&, const Impulse&);
 	Impulse solve(const OverflowPoint&, const Impulse& from) const;

@@ -53,6 +53,7 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 	packed.forEachIsland([&](PackedIsland&& island) { parts[island.number()] = { island.measure(), island.freeVelocity2(), island.points() }; });
 	Report report;
 	Part   whole {};
+	int    points = 0;
 	for (std::size_t k = 0; k < parts.size(); ++k) {
 		Criteria criteria        = criteriaOf(parts[k].measures, parts[k].freeVelocity2, settings.rest);
 		criteria.meanForceChange = ends[k].meanForceChange;
@@ -60,12 +61,15 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 		report.converged         = report.converged && met;
 		report.iterations        = std::max(report.iterations, ends[k].sweeps);
 		report.work += double(ends[k].sweeps) * parts[k].points;
+		points += parts[k].points;
 		whole.measures += parts[k].measures;
 		whole.freeVelocity2 += parts[k].freeVelocity2;
 	}
 	const Criteria criteria = criteriaOf(whole.measures, whole.freeVelocity2, settings.rest);
 	report.residual         = criteria.residual;
 	report.violation        = criteria.violation;
+	report.taken            = whole.measures.taken;
+	report.freeSpeed        = points > 0 ? std::sqrt(whole.freeVelocity2 / points) : 0;
 	return report;
 }
 

@@ -19,6 +19,8 @@ public:
 	{
 		return stop_.reached(stop_.sweeps() == 1 && island_.points() == 1, [this] { return measure(); });
 	}
+	/// Whether the island meets the criteria of these settings as it is.
+	bool   meets(const Settings& settings) { return measure().met(settings); }
 	int    sweeps() const { return stop_.sweeps(); }
 	double meanForceChange() const { return stop_.criteria().meanForceChange; }
 

@@ -20,6 +20,7 @@ from kernel.contact_problems import pile
         ("arm2", (8, 1), -np.inf, "contact point 8: a number is not finite"),
         ("bias", 9, np.nan, "contact point 9: a number is not finite"),
         ("friction", 10, -0.1, "contact point 10: the friction coefficient is negative"),
+        ("friction", 10, 1.6e16, "contact point 10: the friction coefficient is above 1000"),
         ("friction", 10, np.inf, "contact point 10: a number is not finite"),
         ("impulse", (11, 1), np.nan, "contact point 11: a number is not finite"),
     ],

@@ -1,0 +1,69 @@
+// A step without a solution, in the sense of the least violation: contacts yield.
+//
+//   the contact laws between p and u + ε W p,   W = the point's own Delassus block,  ε = Settings::compliance
+//
+// Then a solution exists for any driven motion: u' = (A + ε W) p + q with A = J M⁻¹Jᵀ ≥ 0, and p · u' = −µ p_n |u'_t| ≤ 0 bounds it,
+// ε pᵀWp ≤ −pᵀq. No energy is given: p · u = p · u' − ε pᵀWp ≤ 0. A point closes by ε w_nn p_n: what wedges shares out what the drive imposes,
+// as dashpots of the mass 1/w_nn and the time ε dt would. At a point, the solution is 1/(1 + ε) of the rigid one, since the laws are
+// homogeneous; sweeps with momentum reach it in some 1/√ε.
+// Source: Acary, Cadoux, Lemaréchal and Malick 2011 (existence); Castro et al. 2022 (near-rigid regime of a convex relative).
+#include "problem/infeasibility.hpp"
+#include "sweep/momentum.hpp"
+#include "sweep/sweep_solver.hpp"
+
+namespace rcr {
+
+namespace {
+
+	constexpr int    probeSweeps = 100;  // that let impulses grow
+	constexpr double negligible  = 0.01; // of all energy that contacts take: an island that takes less and is solved stays rigid
+
+	/// Sweeps until one changes the impulses by less than the share `tolerance`, or the settings end it.
+	void sweepToRest(PackedIsland& island, IslandStop& stop, double compliance, double tolerance)
+	{
+		constexpr int interval = 10;
+		Momentum      momentum;
+		while (!stop.reached()) {
+			island.extrapolate(momentum.beta());
+			const double change2 = island.sweepYielding(momentum.beta(), compliance);
+			momentum.advance(change2);
+			if (stop.sweeps() % interval == 0 && change2 <= tolerance * tolerance * island.measure().impulse2) break;
+		}
+	}
+
+} // namespace
+
+bool growsWithoutBound(const ContactProblem& problem, const Settings& settings, Workspace& workspace)
+{
+	Settings sweeps      = settings;
+	sweeps.continued     = true;
+	sweeps.tolerance     = 0;
+	sweeps.minIterations = sweeps.maxIterations = probeSweeps;
+	ContactProblem probe = problem;
+	solveNesterov(probe, sweeps, workspace);
+	return growsWithoutBound(probe, problem.impulse);
+}
+
+Report solveYielding(ContactProblem& problem, const Settings& settings, const Report& rigid, Workspace& workspace)
+{
+	constexpr int most  = 1000; // sweeps
+	Settings      sweeps   = settings;
+	sweeps.continued       = true;
+	sweeps.tolerance       = 0;
+	sweeps.meanForceChange = 0;
+	sweeps.minIterations   = 0;
+	sweeps.stallSweeps     = 0;
+	sweeps.checkInterval   = most;
+	sweeps.maxIterations   = most;
+	const double tolerance = settings.tolerance > 0 ? settings.tolerance : Settings().tolerance;
+	Report       report    = solveBySweeps(problem, sweeps, workspace, [&](PackedIsland& island, IslandStop& stop) {
+                if (!stop.meets(settings) || island.measure().taken > negligible * rigid.taken) sweepToRest(island, stop, settings.compliance, tolerance);
+        });
+	report.yielded         = true;
+	report.converged       = false;
+	for (const ContactPoint& c : problem.points)
+		report.closing = std::max(report.closing, -c.bias - relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]).n);
+	return report;
+}
+
+} // namespace rcr

@@ -1,0 +1,34 @@
+// Steps that missed the tolerance of the solver: how many, and whether they did harm.
+//
+// A missed step is harmless while the overlaps that it leaves are taken back: those of beds at rest and in flow stay below 5e-3 of R₁ + R₂. It is told
+// once, and again each time things get worse: overlaps twice as deep as those told of, or ten times as many steps without a solution.
+#pragma once
+
+#include <string>
+
+namespace rcr {
+
+class MissedSteps {
+public:
+	static constexpr double harmless = 5e-3; // overlap over R₁ + R₂
+
+	// Plain numbers, to be saved with the scene.
+	long   steps   = 0; // all
+	long   missed  = 0; // that ended beyond the tolerance
+	long   yielded = 0; // of these, without a solution: their contacts have yielded
+	double deepest = 0; // overlap over R₁ + R₂, of all steps
+
+	long   toldMissed = 0, toldYielded = 0; // of the last message
+	double toldDeepest = 0;
+
+	/// After each step: whether it missed the tolerance, whether it had no solution, its deepest overlap over R₁ + R₂. True when there
+	/// is something to tell.
+	bool count(bool missed, bool yielded, double overlap);
+
+	double share() const { return steps > 0 ? double(missed) / double(steps) : 0; } // of missed steps
+
+	/// What to tell: numbers, whether they are harmless, and what to do where they are not.
+	std::string message() const;
+};
+
+} // namespace rcr

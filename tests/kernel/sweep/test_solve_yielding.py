@@ -1,0 +1,126 @@
+"""Steps without a solution: recognised by a certificate, solved with contacts that yield.
+
+Closed form: a body of mass m between two walls that close at the speeds V₁ and V₂, no friction. W = 1/m at both points, so with
+contacts that yield by ε W p:  p₁ ε/m + (p₁ − p₂)/m = V₁,  p₂ ε/m − (p₁ − p₂)/m = V₂.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rcr import _kernel, problems
+from kernel.contact_problems import Problem, jacobian_times, velocity
+
+WEDGE = Path(__file__).parents[2] / "data" / "wedge_without_solution.npz"
+COMPLIANCE = 0.01
+
+
+def wedge(**changes):
+    arrays = problems.load(WEDGE).arrays()
+    return Problem("wedge", **{**arrays, **{name: np.full_like(arrays[name], value) for name, value in changes.items()}})
+
+
+def vice(v1=1.0, v2=1.0, mass=2.0, mu=0.0):
+    """A body between a wall at its left that comes at v1 and one at its right that comes at v2."""
+    still = [0.0, 0, 0]
+    return Problem(
+        "vice", inverse_mass=np.array([still, [1 / mass, 1 / mass, 1 / mass], still]), free_velocity=np.array([[v1, 0, 0], still, [-v2, 0, 0]]),
+        bodies=np.array([[0, 1], [1, 2]], np.int32), normal=np.array([[1.0, 0]] * 2), arm1=np.zeros((2, 2)), arm2=np.zeros((2, 2)),
+        bias=np.zeros(2), friction=np.full(2, mu), impulse=np.zeros((2, 2)),
+    )  # fmt: skip
+
+
+def kinetic(problem, v):
+    inverse = problem["inverse_mass"]
+    return (v**2 / np.where(inverse > 0, inverse, np.inf)).sum() / 2
+
+
+@pytest.mark.parametrize("solver", ["nlgs", "sor", "nesterov", "exact", "auto"])
+@pytest.mark.parametrize("compliance", [1e-3, 1e-2, 1e-1])
+def test_vice_closes_as_its_closed_form(solver, compliance):
+    problem, (v1, v2), mass = vice(1.0, 0.5), (1.0, 0.5), 2.0
+    found = problem.solve(solver, tolerance=1e-8, compliance=compliance, violation=1e-6)
+    p = np.linalg.solve(np.array([[compliance + 1, -1], [-1, compliance + 1]]) / mass, [v1, v2])
+    assert found["yielded"] and not found["converged"]
+    np.testing.assert_allclose(found["impulse"][:, 0], p, rtol=1e-5)  # sweeps stop at a change of 1e-8, their error is some 1/√ε of it
+    np.testing.assert_allclose(found["closing"], compliance * p.max() / mass, rtol=1e-5)
+
+
+@pytest.mark.parametrize("start", [0.0, 1.0, 1e6], ids="cold warm grown".split())
+def test_wedge_ends_with_bounded_forces(start):
+    problem = wedge()
+    size = np.linalg.norm(problem["impulse"])
+    problem["impulse"] = problem["impulse"] * (start / size)
+    rigid = problem.solve("auto")
+    found = problem.solve("auto", compliance=COMPLIANCE)
+    assert not rigid["yielded"] and found["yielded"]
+    drive = 0.08  # m/s, of lid and wall together
+    assert 0 < found["closing"] < 0.1 * drive
+    assert found["impulse"][:, 0].max() < 0.1  # N s; weights are 0.005 N s, and the rigid ones grow to 13 and beyond
+    assert abs(found["velocity"][:, :2]).max() < 10 * drive
+    assert kinetic(problem, velocity(problem, found["impulse"])) <= kinetic(problem, problem["free_velocity"]) * (1 + 1e-12)
+
+
+def test_yielding_contacts_obey_the_laws_of_their_own():
+    """u + ε W p obeys Signorini and Coulomb at every point."""
+    problem = wedge()
+    p = problem.solve("auto", compliance=COMPLIANCE, tolerance=1e-7)["impulse"]
+    u = jacobian_times(problem, velocity(problem, p))
+    for k, (n, t) in enumerate(p):
+        block = np.array([response(problem, k, direction) for direction in ((1, 0), (0, 1))]).T
+        un, ut = u[k] + COMPLIANCE * block @ [n, t] + [problem["bias"][k], 0]
+        small = 1e-4 * abs(problem["free_velocity"]).max()
+        assert n >= 0 and abs(t) <= problem["friction"][k] * n * (1 + 1e-9)
+        assert un > -small and (n == 0 or abs(un) < small), f"point {k}: u_n = {un}, p_n = {n}"
+        if abs(t) < problem["friction"][k] * n * (1 - 1e-6):
+            assert abs(ut) < small, f"point {k} sticks with u_t = {ut}"
+        elif n > 0:
+            assert ut * t <= small * abs(t), f"point {k} slides with friction: u_t = {ut}, p_t = {t}"
+
+
+def response(problem, k, direction):
+    """Change of u at point k by a unit impulse there."""
+    p = np.zeros_like(problem["impulse"])
+    p[k] = direction
+    return (jacobian_times(problem, velocity(problem, p)) - jacobian_times(problem, problem["free_velocity"]))[k]
+
+
+def test_what_has_a_solution_stays_rigid_to_the_bit():
+    """Without friction the wedge can open."""
+    problem = wedge(friction=0.0).cold()
+    rigid, found = (problem.solve("auto", compliance=c) for c in (0, COMPLIANCE))
+    assert rigid["converged"] and not found["yielded"]
+    np.testing.assert_array_equal(found["impulse"], rigid["impulse"])
+
+
+def test_a_step_that_only_was_stopped_early_stays_rigid_to_the_bit():
+    problem = wedge(friction=0.0).cold()
+    rigid, found = (problem.solve("nesterov", tolerance=1e-12, max_iterations=20, compliance=c) for c in (0, COMPLIANCE))
+    assert not rigid["converged"] and not found["yielded"]
+    np.testing.assert_array_equal(found["impulse"], rigid["impulse"])
+
+
+def test_only_the_island_without_a_solution_yields():
+    """A vice beside a body that falls on the floor at 1 m/s: that one stops dead."""
+    vice_, mass = vice(), 2.0
+    problem = Problem("vice and body", **{name: np.concatenate([vice_[name], vice_[name][:0]]) for name in vice_})
+    fall = dict(inverse_mass=[[0.0, 0, 0], [1 / mass] * 3], free_velocity=[[0.0, 0, 0], [0, -1.0, 0]], bodies=[[3, 4]], normal=[[0.0, 1]],
+                arm1=[[0.0, 0]], arm2=[[0.0, 0]], bias=[0.0], friction=[0.0], impulse=[[0.0, 0]])  # fmt: skip
+    for name, value in fall.items():
+        problem[name] = np.concatenate([problem[name], np.array(value, problem[name].dtype)])
+    found = problem.solve("auto", compliance=COMPLIANCE)
+    assert found["yielded"]
+    assert abs(found["velocity"][4, 1]) < 1e-12
+
+
+def test_bits_do_not_depend_on_lanes_and_threads():
+    problem = wedge()
+    results = [problem.solve("auto", compliance=COMPLIANCE, lanes=lanes, threads=threads)["impulse"] for lanes in (1, 4, 8) for threads in (1, 2)]
+    for other in results[1:]:
+        np.testing.assert_array_equal(other, results[0])
+
+
+@pytest.mark.parametrize("compliance", [-1.0, np.nan])
+def test_a_compliance_out_of_range_is_refused(compliance):
+    with pytest.raises(ValueError, match="compliance"):
+        vice().solve("auto", compliance=compliance)

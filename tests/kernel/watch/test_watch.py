@@ -1,0 +1,81 @@
+"""What watches a run: a squeeze that goes on, and steps that missed the tolerance."""
+
+from rcr._kernel import MissedSteps, Squeeze
+
+CRUSHED, PATIENCE = Squeeze.crushed, Squeeze.patience
+
+
+def tell(squeeze, overlaps):
+    """Steps in which the squeeze is told."""
+    return [step for step, overlap in enumerate(overlaps) if squeeze.goes_on(overlap)]
+
+
+def growing(steps, start=1.1, rate=0.1):
+    return [CRUSHED * (start + rate * k) for k in range(steps)]
+
+
+def test_a_squeeze_is_told_after_its_patience_and_again():
+    assert tell(Squeeze(), growing(25)) == [PATIENCE - 1, 2 * PATIENCE - 1]
+
+
+def test_overlaps_of_beds_at_rest_and_in_flow_are_not_told():
+    assert tell(Squeeze(), [CRUSHED * k / 200 for k in range(200)]) == []
+
+
+def test_a_blow_that_is_taken_back_is_not_told():
+    assert tell(Squeeze(), [10 * CRUSHED * 0.99**k for k in range(200)]) == []
+
+
+def test_pauses_and_small_recessions_do_not_end_a_squeeze():
+    overlaps = [value for overlap in growing(PATIENCE) for value in (overlap, overlap, 0.99 * overlap, 0.98 * overlap)]
+    assert tell(Squeeze(), overlaps) == [4 * (PATIENCE - 1)]
+
+
+def test_what_is_taken_back_whole_ends_a_squeeze():
+    half = growing(PATIENCE - 1)
+    assert tell(Squeeze(), [*half, 0.9 * CRUSHED, *half]) == []
+
+
+def test_a_saved_squeeze_speaks_in_the_same_step():
+    overlaps = growing(PATIENCE)
+    first = Squeeze()
+    assert tell(first, overlaps[:4]) == []
+    again = Squeeze()
+    again.grown, again.deepest = first.grown, first.deepest
+    assert tell(again, overlaps[4:]) == [PATIENCE - 1 - 4]
+
+
+def told(steps):
+    """(number of the step, message) of every message, for (missed, yielded, overlap) of each step."""
+    watch = MissedSteps()
+    return [(k, watch.message()) for k, step in enumerate(steps) if watch.count(*step)]
+
+
+def test_steps_that_all_converge_are_silent():
+    assert told([(False, False, 0.1)] * 100) == []
+
+
+def test_harmless_misses_are_told_once():
+    messages = told([(False, False, 1e-4)] * 9 + [(True, False, 1e-4)] * 500)
+    assert [k for k, _ in messages] == [9]
+    assert "1 of 10 steps" in messages[0][1] and "10 %" in messages[0][1]
+    assert "harmless" in messages[0][1]
+
+
+def test_misses_are_told_again_when_overlaps_double():
+    messages = told([(True, False, overlap) for overlap in (1e-4, 4e-3, 6e-3, 1e-2, 1.3e-2, 2e-2, 5e-2)])
+    assert [k for k, _ in messages] == [0, 2, 4, 6]
+    assert "harmless" not in messages[-1][1] and "0.05" in messages[-1][1] and "smaller time step" in messages[-1][1]
+
+
+def test_steps_without_a_solution_are_told_at_each_tenfold():
+    messages = told([(True, True, 0.0)] * 1000)
+    assert [k for k, _ in messages] == [0, 9, 99, 999]
+    assert "without a solution" in messages[0][1]
+
+
+def test_counts_and_share():
+    watch = MissedSteps()
+    for step in [(False, False, 0.01), (True, False, 0.02), (True, True, 0.0), (False, False, 0.0)]:
+        watch.count(*step)
+    assert (watch.steps, watch.missed, watch.yielded, watch.deepest, watch.share) == (4, 2, 1, 0.02, 0.5)

@@ -1,0 +1,50 @@
+"""Driven scenes: some of those that scripts/driven_scenes.py runs, small and short, and the recorded kind that once exploded (F9)."""
+
+import dataclasses
+
+import pytest
+from rcr.hard_scenes import driven
+
+BOUNDS = {"ended", "speed", "force"}  # of the rest, times are those of a busy machine, and these scenes are too short for the message
+
+
+@pytest.mark.parametrize("seed", range(len(driven.MOTIONS)), ids=driven.MOTIONS)
+def test_a_driven_scene_keeps_what_springs_keep(seed):
+    scene = driven.draw(seed, grains=(20, 40), steps=150)
+    rigid, springs = driven.run(scene)
+    assert not BOUNDS & set(driven.violations(scene, rigid, springs)), f"{scene}\n{rigid}\n{springs}"
+
+
+def test_a_lid_beside_a_receding_wall_does_not_explode():
+    scene = driven.Scene(seed=2, motion="receding", eta=0.5, friction=0.5, grains=60, dt=1e-3, speed=0.03, steps=300)
+    rigid, springs = driven.run(scene)
+    assert rigid.yielded > 0, "no step without a solution: this scene tests nothing"
+    assert not BOUNDS & set(driven.violations(scene, rigid, springs)), f"{rigid}\n{springs}"
+
+
+def test_draws_cover_what_they_shall():
+    scenes = [driven.draw(seed) for seed in range(200)]
+    for name, low, high in (("eta", 0, 0.9), ("friction", 0, 1), ("grains", 20, 300), ("dt", 1e-4, 1e-2)):
+        values = [getattr(scene, name) for scene in scenes]
+        assert low <= min(values) and max(values) <= high and max(values) - min(values) > 0.8 * (high - low), name
+    assert {scene.motion for scene in scenes} == set(driven.MOTIONS)
+
+
+@pytest.mark.parametrize(
+    "rigid, springs, broken",
+    [
+        (dict(fastest=1.2), {}, ["speed"]),
+        (dict(force=101.0), {}, ["force"]),
+        (dict(slowest=11.0), {}, ["time"]),
+        (dict(ended=False), {}, ["ended"]),
+        (dict(crushed=0.1, stopped=0.14), {}, ["false_alarm"]),
+        (dict(crushed=0.1), dict(crushed=0.2), ["no_alarm"]),
+        (dict(crushed=0.1, stopped=0.5), dict(crushed=0.1), ["late_alarm"]),
+        (dict(crushed=0.1, stopped=0.14), dict(crushed=0.3), []),
+        ({}, dict(crushed=0.1), []),
+    ],
+)
+def test_each_bound_is_seen(rigid, springs, broken):
+    scene = driven.Scene(seed=0, motion="lid", eta=0, friction=0, grains=20, dt=1e-3, speed=0.1, steps=1000)
+    course = driven.Course(fastest=0.5, force=1.0, median=1.0, slowest=2.0, steps=1000)
+    assert driven.violations(scene, dataclasses.replace(course, **rigid), dataclasses.replace(course, **springs)) == broken
