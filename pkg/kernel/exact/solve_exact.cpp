@@ -9,6 +9,7 @@
 // unstable state, as sweeps do, until they come upon the next. The residual rises on the way: the best iterate is kept.
 // Source: Rockafellar 1976; Acary, Brémond and Huber 2018, §5 (proximal point for frictional contact).
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "exact/path_following.hpp"
@@ -35,10 +36,12 @@ namespace {
 		double               residual, violation;
 		std::vector<Impulse> impulse;
 
-		/// How far from both criteria; ≤ 1 where both are met. Of a criterion of 0 the lower value is still the better one.
+		/// How far from both criteria; ≤ 1 where both are met, infinite where one is no number. Of a criterion of 0 the lower
+		/// value is still the better one.
 		double distance(const Settings& s) const
 		{
 			constexpr double least = std::numeric_limits<double>::min();
+			if (std::isnan(residual) || std::isnan(violation)) return std::numeric_limits<double>::infinity();
 			return std::max(residual / std::max(s.tolerance, least), violation / std::max(s.violation, least));
 		}
 
@@ -56,6 +59,23 @@ namespace {
 		sweeps.violation     = std::numeric_limits<double>::infinity(); // left to the exact steps
 		sweeps.maxIterations = most;
 		return solveNesterov(problem, sweeps, workspace);
+	}
+
+	/// Sweeps to the handover. A start with impulses so large that their squares overflow is given up for one without any.
+	Report begin(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+	{
+		const double tolerance = std::max(settings.tolerance, handover);
+		const auto   most      = [](int left) { return std::min(maxSweeps, (left + 1) / 2); };
+		const Report report    = sweep(problem, settings, tolerance, most(settings.maxIterations), workspace);
+		const int    left      = settings.maxIterations - report.iterations;
+		if (!std::isnan(report.residual) || left == 0) return report;
+		problem.impulse.assign(problem.points.size(), {});
+		Settings cold  = settings;
+		cold.continued = false;
+		Report again   = sweep(problem, cold, tolerance, most(left), workspace);
+		again.iterations += report.iterations;
+		again.work += report.work;
+		return again;
 	}
 
 	/// One step about the present impulses; returns how its path ended.
@@ -78,8 +98,7 @@ namespace {
 
 Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	const int sweeps = std::min(maxSweeps, (settings.maxIterations + 1) / 2);
-	Report    report = sweep(problem, settings, std::max(settings.tolerance, handover), sweeps, workspace);
+	Report report    = begin(problem, settings, workspace);
 	report.converged = report.reached(settings) && report.violation <= settings.violation;
 	if (report.converged || report.iterations >= settings.maxIterations) return report;
 	ProximalProblem        proximal(problem);
