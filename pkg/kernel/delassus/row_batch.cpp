@@ -118,8 +118,8 @@ void RowBatch::makeSlices()
 		numbers += (4 * slice.length * slice.width() + sliceWidth - 1) / sliceWidth * sliceWidth; // whole columns
 	}
 	blocks_.resize(slices_.size());
-	numbers_.resize(numbers / sliceWidth);
-	neighbour_.resize(entries);
+	numbers_.resize(numbers / sliceWidth + 1); // never empty: rows without neighbours point into them, too
+	neighbour_.resize(entries + sliceWidth);
 }
 
 /// Rows of W, padded with zeros. All rows of a slice take the same way through the loop: branches foreseen are half of the time.

@@ -52,7 +52,7 @@ def test_pairs_that_make_no_sense_are_refused(pairs, says):
     with pytest.raises(ValueError, match=says):
         _kernel.solve_blocks(np.array(pairs), np.tile(np.eye(3), (3, 1, 1)), blocks, blocks, np.ones((3, 3)))
     with pytest.raises(ValueError, match=says):
-        _kernel.minimum_degree_order(3, np.array(pairs))
+        _kernel.block_fill(3, np.array(pairs))
 
 
 @pytest.mark.parametrize("name, shape", [("diagonal", (2, 3, 3)), ("diagonal", (3, 9)), ("upper", (2, 3, 3)), ("lower", (1, 3, 2)), ("b", (3, 2))])
@@ -80,3 +80,17 @@ def test_factors_of_a_packing_like_a_dense_one():
     for b in (sparse, rng.normal(0, 1, (size, 3))):
         x = _kernel.solve_blocks(np.array(pairs), diagonal, upper, lower, b)
         np.testing.assert_allclose(x.ravel(), np.linalg.solve(dense, b.ravel()), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("size, pairs", [star(30), (40, [(i, i + 1) for i in range(39)]), (31, [((k - 1) // 2, k) for k in range(1, 31)]), (5, []), (1, [])])
+def test_a_tree_has_no_fill(size, pairs):
+    assert _kernel.block_fill(size, pairs) == len(pairs)
+
+
+def test_a_grid_has_little_fill():
+    """20 × 20: about n^1.5 = 8000 blocks in the order of its rows, 3302 by approximate minimum degree."""
+    assert 1000 < _kernel.block_fill(*grid(20, 20)) < 3500
+
+
+def test_a_full_matrix_is_full():
+    assert _kernel.block_fill(12, [(i, j) for i in range(12) for j in range(i)]) == 66
