@@ -4,6 +4,7 @@ Builds stand in build/check/NAME, logs beside them in build/check/NAME.log.
 """
 
 import argparse
+import importlib
 import os
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "check"
 TESTS = "tests/kernel"
+PYTEST = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--confcutdir={TESTS}"]  # without what loads YADE
 
 # The sanitizers have address spaces, threads and processes of their own, so these tests cannot do what they want to.
 LEFT_OUT = {
@@ -38,7 +40,7 @@ def build_kernel(name, flags, source=ROOT):
     """Builds the kernels alone with these flags; returns the folder that holds the package `rcr`, or None."""
     folder, package = FOLDER / name, FOLDER / name / "package" / "rcr"
     package.mkdir(parents=True, exist_ok=True)
-    for entry in (source / "py" / "rcr").iterdir():
+    for entry in (ROOT / "py" / "rcr").iterdir():
         if entry.suffix != ".so" and not (package / entry.name).exists():
             (package / entry.name).symlink_to(entry)
     configure = ["cmake", "-S", source, "-B", folder / "build", "-G", "Ninja", "-DRCR_PLUGIN=OFF", f"-DRCR_PACKAGE={package}",
@@ -68,7 +70,7 @@ def sanitize(name, arguments):
     changes = dict([sanitizer["options"].split("=", 1)], OMP_NUM_THREADS="1")
     if sanitizer["preload"]:
         changes["LD_PRELOAD"] = subprocess.check_output(["g++", f"-print-file-name={sanitizer['preload']}"], text=True).strip()
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", TESTS, *arguments]
+    command = [*PYTEST, TESTS, *arguments]
     if LEFT_OUT[name]:
         command += ["-k", " and ".join(f"not {test}" for test in LEFT_OUT[name])]
     # addresses at random may lie where the sanitizers' shadows do
@@ -76,18 +78,11 @@ def sanitize(name, arguments):
     return code == 0, last_line(log) if code == 0 else f"exit code {code}, {last_line(log)}; see {log.relative_to(ROOT)}"
 
 
-def mutants(arguments):
-    """Breaks the kernels in one place after the other; their tests must see each."""
-    import mutants
-
-    return mutants.run(arguments)
-
-
 CHECKS = {
     "asan": (lambda arguments: sanitize("asan", arguments), "the kernels' tests under AddressSanitizer, with bounds checks"),
     "ubsan": (lambda arguments: sanitize("ubsan", arguments), "the kernels' tests under UndefinedBehaviorSanitizer"),
     "tsan": (lambda arguments: sanitize("tsan", arguments), "the kernels' tests under ThreadSanitizer"),
-    "mutants": (mutants, "the kernels' tests against kernels with one mistake each"),
+    "mutants": (lambda arguments: importlib.import_module("mutants").run(arguments), "the kernels' tests against kernels with one mistake each"),
 }
 
 
@@ -118,4 +113,5 @@ def main():
 
 
 if __name__ == "__main__":
+    sys.modules["check"] = sys.modules["__main__"]  # for the checks in files of their own
     main()
