@@ -23,9 +23,9 @@ LEFT_OUT = {
     "tsan": ["cannot_hire", "forked", "million", "dropped_teams"],
 }
 SANITIZERS = {
-    "asan": dict(flags="-fsanitize=address -D_GLIBCXX_ASSERTIONS", preload="libasan.so", options="ASAN_OPTIONS=detect_leaks=0"),
-    "ubsan": dict(flags="-fsanitize=undefined -fno-sanitize-recover=all", preload=None, options="UBSAN_OPTIONS=print_stacktrace=1"),
-    "tsan": dict(flags="-fsanitize=thread", preload="libtsan.so", options="TSAN_OPTIONS=halt_on_error=1"),
+    "asan": dict(flags="-fsanitize=address -D_GLIBCXX_ASSERTIONS", preload="libasan.so", variable="ASAN_OPTIONS", options="detect_leaks=0"),
+    "ubsan": dict(flags="-fsanitize=undefined -fno-sanitize-recover=all", preload=None, variable="UBSAN_OPTIONS", options="print_stacktrace=1"),
+    "tsan": dict(flags="-fsanitize=thread", preload="libtsan.so", variable="TSAN_OPTIONS", options="halt_on_error=1"),
 }
 
 
@@ -67,7 +67,10 @@ def sanitize(name, arguments):
     package = build_kernel(name, f"-O1 -g -fno-omit-frame-pointer {sanitizer['flags']}")
     if package is None:
         return False, f"does not build, see {log.relative_to(ROOT)}"
-    changes = dict([sanitizer["options"].split("=", 1)], OMP_NUM_THREADS="1")
+    reports = FOLDER / name / "report"  # what goes to stderr, pytest keeps to itself
+    for report in reports.parent.glob("report.*"):
+        report.unlink()
+    changes = {sanitizer["variable"]: f"{sanitizer['options']}:log_path={reports}", "OMP_NUM_THREADS": "1"}
     if sanitizer["preload"]:
         changes["LD_PRELOAD"] = subprocess.check_output(["g++", f"-print-file-name={sanitizer['preload']}"], text=True).strip()
     command = [*PYTEST, TESTS, *arguments]
@@ -75,6 +78,10 @@ def sanitize(name, arguments):
         command += ["-k", " and ".join(f"not {test}" for test in LEFT_OUT[name])]
     # addresses at random may lie where the sanitizers' shadows do
     code = run(["setarch", "-R", *command], log, cwd=ROOT, env=environment(package, **changes))
+    found = sorted(reports.parent.glob("report.*"))
+    if found:
+        line = next((line for line in found[0].read_text(errors="replace").splitlines() if "rror" in line or "WARNING" in line), "")
+        return False, f"{len(found)} reports, first {found[0].relative_to(ROOT)}: {line.strip()}"
     return code == 0, last_line(log) if code == 0 else f"exit code {code}, {last_line(log)}; see {log.relative_to(ROOT)}"
 
 
