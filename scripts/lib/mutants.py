@@ -29,7 +29,7 @@ TABLE = {
         ("crossing-on-one-line", "across1 < 0 && across2 < 0 && along1 < 0", "across1 < 0 && across2 < 0"),
         ("deepest-end", "if (-std::abs(h) <= least.distance) continue;", "if (k > 0 && -std::abs(h) >= least.distance) continue;"),
         ("wall-of-one-cap", "if (s.halfLength == 0) break;\n\t}\n\treturn result;", "break;\n\t}\n\treturn result;"),
-        ("corner-of-the-box", "std::abs(along) > withRounding * s.halfLength) continue", "std::abs(along) < withRounding * s.halfLength) continue"),
+        ("corner-of-the-box", "std::abs(along) > sideReach * s.halfLength) continue", "std::abs(along) < sideReach * s.halfLength) continue"),
     ],
     "problem/coulomb.hpp": [
         ("sticks-beyond-the-cone", "std::abs(t) <= friction * n) return", "std::abs(t) <= 1.001 * friction * n) return"),
@@ -62,7 +62,7 @@ TABLE = {
         ("layout-kept-for-other-kinds", "sameReductions && sameBodies && samePairs", "sameReductions && samePairs"),
         ("special-bodies-packed", "if (!packable(pair)) continue;", ""),
         ("prescribed-bodies-share-a-record", "moves(body) ? record_[body] : ownRecord(pair.model)", "record_[body]"),
-        ("threads-share-small-islands", "pairs > manyPairs", "pairs > 0"),
+        ("threads-share-small-islands", "pairs > loneIslandPairs", "pairs > 0"),
         ("levers-of-one-body", "turned(c.body1, c.arm1) || turned(c.body2, c.arm2)", "turned(c.body1, c.arm1)"),
         ("vacant-lanes-of-one-side", "pairBlocks_.back().body2[lane] = offsetOf(ownRecord(model));", "pairBlocks_.back().body2[lane] = pairBlocks_.back().body1[lane];"),
     ],
@@ -88,7 +88,7 @@ TABLE = {
         ("friction-without-coupling", "return { subtractProduct(n0, ratio, t), t };", "return { n0, t };"),
     ],
     "delassus/row_batch.cpp": [
-        ("islands-cut", "total - begin_.back() + size[i] > together", "total - begin_.back() + size[i] > 2 * together"),
+        ("islands-cut", "total - begin_.back() + size[i] > maxBatchRows", "total - begin_.back() + size[i] > 2 * maxBatchRows"),
         ("colour-of-a-neighbour", "taken |= bit[other];", "taken |= other % 7 ? bit[other] : 0;"),
         ("starts-without-impulses", "impulse_[slice].of[lane] = { p.n, p.t };", "impulse_[slice].of[lane] = { p.n, 0 };"),
     ],

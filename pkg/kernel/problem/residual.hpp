@@ -13,7 +13,8 @@ namespace rcr {
 ///
 ///   ‖ p − P_K( p − (u + (b_n + µ|u_t|) n) / w_nn ) ‖ / ‖p‖ ,   K = { |p_t| ≤ µ p_n },
 ///
-/// with u computed anew from `impulse` (not from `velocity`). 0 if and only if the laws hold exactly. Points between two bodies of prescribed motion (w_nn = 0) carry nothing and do not count.
+/// with u computed anew from `impulse` (not from `velocity`). It is 0 if and only if the laws hold exactly. Points between two bodies
+/// of prescribed motion (w_nn = 0) carry nothing and do not count.
 /// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
 double residual(const ContactProblem&);
 
