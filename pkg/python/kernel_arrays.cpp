@@ -67,7 +67,7 @@ ContactProblem problemFrom(
 	}
 	for (py::ssize_t k = 0; k < nc; ++k) {
 		const auto vec = [k](const Array& a) { return Vec2 { a.at(k, 0), a.at(k, 1) }; };
-		problem.points.push_back({ bodies.at(k, 0), bodies.at(k, 1), vec(normal), vec(arm1), vec(arm2), bias.at(k), friction.at(k) });
+		problem.points.push_back({ bodies.at(k, 0), bodies.at(k, 1), vec(normal), vec(arm1), vec(arm2), bias.at(k), friction.at(k), {} });
 		problem.impulse.push_back({ impulse.at(k, 0), impulse.at(k, 1) });
 	}
 	checkProblem(problem);

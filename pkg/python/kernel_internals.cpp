@@ -12,7 +12,6 @@
 
 #include "delassus/row_batch.hpp"
 #include "exact/block_lu.hpp"
-#include "exact/minimum_degree.hpp"
 #include "exact/path_following.hpp"
 #include "exact/stiffness.hpp"
 #include "kernel_arrays.hpp"
@@ -90,21 +89,6 @@ namespace {
 			for (int j = 0; j < 3; ++j)
 				result.mutable_at(i, j) = x[i].entry[j];
 		return result;
-	}
-
-	std::vector<std::int32_t> orderOf(std::int32_t size, const py::object& givenPairs)
-	{
-		std::vector<std::vector<std::int32_t>> adjacent(size);
-		for (const BlockLu::Pair& pair : pairsFrom(givenPairs, size)) {
-			adjacent[pair.first].push_back(pair.second);
-			adjacent[pair.second].push_back(pair.first);
-		}
-		std::vector<std::int32_t> begin { 0 }, neighbours;
-		for (const auto& list : adjacent) {
-			neighbours.insert(neighbours.end(), list.begin(), list.end());
-			begin.push_back(std::int32_t(neighbours.size()));
-		}
-		return minimumDegreeOrder(begin, neighbours);
 	}
 
 	// ---- proximal steps
@@ -277,7 +261,8 @@ void bindInternals(py::module_& m)
 	m.def("solve_blocks", solveBlocks, py::arg("pairs"), py::arg("diagonal"), py::arg("upper"), py::arg("lower"), py::arg("b"),
 	      "Solve A x = b (n, 3) for a sparse matrix of 3×3 blocks: diagonal (n, 3, 3), and for each of the pairs (i, j) (np, 2) upper = A_ij and\n"
 	      "lower = A_ji (np, 3, 3). Raises ValueError for a pair out of range, of one row, or given twice, and where a diagonal block becomes singular.");
-	m.def("minimum_degree_order", orderOf, py::arg("size"), py::arg("pairs"), "Order in which to eliminate the nodes of a graph with these edges.");
+	m.def("block_fill", [](std::int32_t size, const py::object& pairs) { return BlockLu(size, pairsFrom(pairs, size)).fill(); }, py::arg("size"), py::arg("pairs"),
+	      "Blocks of L below the diagonal for a matrix with these pairs of rows.");
 	m.def("follow_path", followPathFrom, py::arg("rho"), py::arg("max_pivots"),
 	      "One proximal step about the impulses of a problem, arrays as of `solve`: dict of impulse, arrived, pivots, unstable.");
 	py::class_<Stiffness>(m, "Stiffness", "ρ of proximal steps.")

@@ -1,6 +1,8 @@
 // The solvers for NumPy, of problems with bodies and of W and q, and the problem of one point.
 #include <pybind11/stl.h>
 
+#include <array>
+
 #include "delassus/delassus_problem.hpp"
 #include "kernel_arrays.hpp"
 #include "problem/coulomb.hpp"
@@ -91,6 +93,11 @@ void bindSolvers(py::module_& m)
 		const Impulse p = solveCoulomb({ nn, nt, tt }, gn, gt, friction);
 		return py::make_tuple(p.n, p.t);
 	}, py::arg("w_nn"), py::arg("w_nt"), py::arg("w_tt"), py::arg("g_n"), py::arg("g_t"), py::arg("friction"), "Impulse (p_n, p_t) of one contact point.");
+	m.def("passive_share", [](double nn, double nt, double tt, const std::array<double, 2>& p, const std::array<double, 2>& before,
+	                          const std::array<double, 2>& after, double bias, double friction) {
+		return passiveShare({ nn, nt, tt }, { p[0], p[1] }, { before[0], before[1] }, { after[0], after[1] }, bias, friction);
+	}, py::arg("w_nn"), py::arg("w_nt"), py::arg("w_tt"), py::arg("impulse"), py::arg("before"), py::arg("after"), py::arg("bias"), py::arg("friction"),
+	      "Share of the restitution `bias` < 0 that one point keeps so as to give no energy.");
 	m.def("project_cone", [](double n, double t, double friction) {
 		const Impulse p = projectCone({ n, t }, friction);
 		return py::make_tuple(p.n, p.t);

@@ -48,12 +48,17 @@ def velocity(problem, p):
     return problem["free_velocity"] + problem["inverse_mass"] * sums
 
 
-def errors(problem, p):
-    """Natural-map error of every point (nc,) and ‖p‖; residual.hpp."""
+def weights(problem):
+    """w_nn of every point (nc,)."""
     a, b = problem["bodies"].T
     n, m = problem["normal"], problem["inverse_mass"]
     turn = lambda r: r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0]
-    w = ((m[a, :2] + m[b, :2]) * n**2).sum(1) + m[a, 2] * turn(problem["arm1"]) ** 2 + m[b, 2] * turn(problem["arm2"]) ** 2
+    return ((m[a, :2] + m[b, :2]) * n**2).sum(1) + m[a, 2] * turn(problem["arm1"]) ** 2 + m[b, 2] * turn(problem["arm2"]) ** 2
+
+
+def errors(problem, p):
+    """Natural-map error of every point (nc,) and ‖p‖; residual.hpp."""
+    w = weights(problem)
     mu, moves = problem["friction"], w > 0
     u = jacobian_times(problem, velocity(problem, p))
     w = np.where(moves, w, 1)
@@ -119,6 +124,14 @@ def problem_of(name, seed, inverse_mass, free_velocity, points):
         name, seed, inverse_mass=np.array(inverse_mass, float), free_velocity=np.array(free_velocity, float), bodies=t[:, :2].astype(np.int32),
         normal=t[:, 2:4], arm1=t[:, 4:6], arm2=t[:, 6:8], bias=t[:, 8], friction=t[:, 9], impulse=np.zeros((len(t), 2)),
     )
+
+
+def grain(p, bias=0.0, v=(0.5, -1.0), friction=0.5, mass=2.0):
+    """A grain that does not turn on a floor, below it, with the impulse p."""
+    point = (0, 1, 0, 1, 0, 0, 0, -0.1, bias, friction)
+    problem = problem_of("grain", None, [[0, 0, 0], [1 / mass, 1 / mass, 0]], [[0, 0, 0], [*v, 0]], [point])
+    problem["impulse"] = np.array([p], float)
+    return problem
 
 
 def pile(seed, columns=12, rows=9):

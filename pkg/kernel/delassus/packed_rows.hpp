@@ -34,7 +34,7 @@ struct alignas(64) RowBlock {
 	double un[sliceWidth], ut[sliceWidth];
 };
 
-/// Where the blocks of a slice stand.
+/// The places of a slice's blocks.
 struct RowSlice {
 	std::int32_t firstNeighbour; // in RowView::neighbours
 	std::int32_t firstNumber;    // in RowView::numbers
@@ -55,7 +55,7 @@ struct RowView {
 	HalfRecord*          old; // one sweep before, for momentum
 };
 
-/// What a sweep changed.
+/// The change that a sweep made.
 struct RowChange {
 	double change2  = 0; // ‖p − p_before‖²
 	double impulse2 = 0; // ‖p‖²
@@ -80,7 +80,7 @@ struct RowKernels {
 	void (*prepare)(const RowView&);
 	/// Solves every row once.
 	RowChange (*sweep)(const RowView&);
-	/// The same, each impulse changed by `relaxation` times as much.
+	/// An over-relaxed sweep: each impulse changes by `relaxation` times as much.
 	RowChange (*sweepRelaxed)(const RowView&, double relaxation);
 	/// p_old ← p + β (p − p_old): the two then change places.
 	void (*extrapolate)(const RowView&, double momentum);

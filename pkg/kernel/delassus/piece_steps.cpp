@@ -7,7 +7,7 @@ namespace rcr {
 
 namespace {
 
-	constexpr int maxNewton = 6; // steps; beyond, it cycles
+	constexpr int maxNewtonSteps = 6; // of one proximal step; Newton that needs more cycles
 
 	PieceMap pieceAt(Impulse predictor, double friction)
 	{
@@ -53,7 +53,7 @@ bool PieceSteps::step(double rho, int& iterations, int maxIterations)
 {
 	std::fill(change_.begin(), change_.end(), Impulse {});
 	updatePieces(rho);
-	for (int i = 0; i < maxNewton && iterations < maxIterations; ++i) {
+	for (int i = 0; i < maxNewtonSteps && iterations < maxIterations; ++i) {
 		++iterations;
 		if (!solvePieces(rho)) return false;
 		if (updatePieces(rho)) continue;
@@ -66,7 +66,7 @@ bool PieceSteps::step(double rho, int& iterations, int maxIterations)
 	return false;
 }
 
-/// π
+/// π of point k.
 Impulse PieceSteps::predictor(std::size_t k, double rho) const
 {
 	Impulse u = problem_.velocity[k];
@@ -75,7 +75,7 @@ Impulse PieceSteps::predictor(std::size_t k, double rho) const
 	return problem_.impulse[k] - stiffness(k, rho) * u;
 }
 
-/// True if a piece is another than before.
+/// Takes the pieces of the present predictors; true if one has changed.
 bool PieceSteps::updatePieces(double rho)
 {
 	bool changed = false;
@@ -87,7 +87,7 @@ bool PieceSteps::updatePieces(double rho)
 	return changed;
 }
 
-/// d on the present pieces.
+/// Solves for d on the present pieces; false where the matrix is singular.
 bool PieceSteps::solvePieces(double rho)
 {
 	std::vector<BlockVector> right(pieces_.size());

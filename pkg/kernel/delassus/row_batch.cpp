@@ -6,8 +6,8 @@ namespace rcr {
 
 namespace {
 
-	constexpr int together = 256; // rows of small islands in a batch: more end together, fewer leave lanes empty
-	constexpr int alone    = 2;   // rows left over that cost less one by one than as a slice
+	constexpr int maxBatchRows = 256; // rows of small islands in a batch: more would end maxBatchRows, fewer leave lanes empty
+	constexpr int maxLoneRows  = 2;   // rows of a colour left over that cost less one by one than as a slice
 
 	/// Orders items by their key, 0 to `largest`; those of one key stay as they are.
 	template <class Key> void sortByKey(RowIds& items, int largest, Key key)
@@ -35,10 +35,10 @@ Batches::Batches(const DelassusProblem& problem) : color_(problem.free.size()), 
 	}
 	for (std::int32_t k = 0; k < count; ++k)
 		if (moves[k]) islands.push_back(k);
-	sortByKey(islands, together, [&](std::int32_t i) { return std::min(size[i], together); });
+	sortByKey(islands, maxBatchRows, [&](std::int32_t i) { return std::min(size[i], maxBatchRows); });
 	std::int32_t total = 0;
 	for (const std::int32_t i : islands) {
-		if (begin_.empty() || total - begin_.back() + size[i] > together) begin_.push_back(total);
+		if (begin_.empty() || total - begin_.back() + size[i] > maxBatchRows) begin_.push_back(total);
 		batch[i] = std::int32_t(begin_.size()) - 1;
 		total += size[i];
 	}
@@ -90,7 +90,7 @@ void RowBatch::load(const std::int32_t* begin, const std::int32_t* end)
 	loadImpulses();
 }
 
-/// By colour, of one colour the longest first.
+/// Sorts the rows by colour, those of one colour by length, the longest first.
 void RowBatch::sortRows()
 {
 	int longest = 0, last = 0;
@@ -110,7 +110,7 @@ void RowBatch::makeSlices()
 		const int  color = batches_.color(*row);
 		const auto limit = row + std::min<std::ptrdiff_t>(rows_.end() - row, color == Batches::colors ? 1 : sliceWidth);
 		const int  rows  = int(std::find_if(row, limit, [&](std::int32_t other) { return batches_.color(other) != color; }) - row);
-		slices_.push_back({ entries, numbers, neighbours(*row), rows <= alone ? 1 : rows });
+		slices_.push_back({ entries, numbers, neighbours(*row), rows <= maxLoneRows ? 1 : rows });
 		const RowSlice& slice = slices_.back();
 		for (int lane = 0; lane < slice.rows; ++lane)
 			slot_[*row++] = sliceWidth * (std::int32_t(slices_.size()) - 1) + lane;
@@ -118,8 +118,8 @@ void RowBatch::makeSlices()
 		numbers += (4 * slice.length * slice.width() + sliceWidth - 1) / sliceWidth * sliceWidth; // whole columns
 	}
 	blocks_.resize(slices_.size());
-	numbers_.resize(numbers / sliceWidth);
-	neighbour_.resize(entries);
+	numbers_.resize(numbers / sliceWidth + 1); // never empty: rows without neighbours point into them, too
+	neighbour_.resize(entries + sliceWidth);
 }
 
 /// Rows of W, padded with zeros. All rows of a slice take the same way through the loop: branches foreseen are half of the time.

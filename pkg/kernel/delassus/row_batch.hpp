@@ -1,7 +1,7 @@
-// Rows of W and q in the form that sweeps run on: by batches that nothing joins, coloured and packed.
+// Rows of W and q as the sweeps need them: in batches that no block joins, coloured and packed.
 //
-// Islands are the connected parts of the graph of W. One at rest, without impulses and with no point that approaches, is solved as it
-// stands. A large one is a batch of its own; small ones of like size share one, enough of them to fill lanes, and end together.
+// Islands are the connected parts of the graph of W. An island at rest, without impulses and with no point that approaches, is solved
+// as it stands. A large island is a batch of its own; small islands of like size share one, which fills the lanes, and end together.
 // The order of work, and with it every bit, depends on the problem alone, not on the width of the lanes.
 #pragma once
 
@@ -15,7 +15,7 @@ namespace rcr {
 
 using RowIds = std::vector<std::int32_t>;
 
-/// How the rows of a problem are shared out. Takes as long as two to five sweeps.
+/// The batches of a problem: which rows are swept together. They take as long as two to five sweeps.
 class Batches {
 public:
 	explicit Batches(const DelassusProblem&);
@@ -24,10 +24,10 @@ public:
 	const std::int32_t* begin(int batch) const { return rows_.data() + begin_[batch]; }
 	const std::int32_t* end(int batch) const { return rows_.data() + begin_[batch + 1]; }
 
-	/// Colour of a row, 0 to colors − 1: that of none of its neighbours; `colors` if none was left.
-	static constexpr int colors = 64;
+	/// Colour of a row, 0 … colors − 1, which none of its neighbours has; `colors` for the overflow.
+	static constexpr int colors = 64; // rows that no colour takes are overflow
 	int                  color(std::int32_t row) const { return color_[row]; }
-	/// Its block on the diagonal.
+	/// Number of the diagonal block of a row.
 	std::int32_t diagonal(std::int32_t row) const { return diagonal_[row]; }
 
 private:
@@ -48,20 +48,20 @@ public:
 	{
 	}
 
-	/// Takes these rows, with their impulses.
+	/// Loads these rows, with their impulses.
 	void load(const std::int32_t* begin, const std::int32_t* end);
-	/// Takes their impulses anew.
+	/// Loads the impulses of the problem anew.
 	void loadImpulses();
-	/// Gives impulses, and velocities of the last `measure`.
+	/// Stores impulses, and velocities of the last `measure`, in the problem.
 	void store();
 
 	const RowIds& rows() const { return rows_; }
-	/// It was loaded without any impulse.
+	/// Whether all impulses were zero when they were loaded.
 	bool cold() const { return cold_; }
 
-	/// Solves every row once.
+	/// A sweep solves every row once.
 	RowChange sweep() { return kernels_.sweep(view()); }
-	/// The same, each impulse changed by `relaxation` times as much.
+	/// An over-relaxed sweep changes each impulse by `relaxation` times as much.
 	RowChange sweepRelaxed(double relaxation) { return kernels_.sweepRelaxed(view(), relaxation); }
 	/// p ← p + β (p − p_old), p_old ← p
 	void extrapolate(double momentum)
@@ -69,7 +69,7 @@ public:
 		kernels_.extrapolate(view(), momentum);
 		impulse_.swap(old_);
 	}
-	/// Velocities for the present impulses, and what the residual is made of.
+	/// Computes the velocities for the present impulses, and the sums of the residual.
 	RowSums measure() { return kernels_.measure(view()); }
 
 private:

@@ -16,14 +16,14 @@ namespace rcr {
 
 namespace {
 
-	constexpr double relaxation = 1.3;   // as for problems with bodies
-	constexpr int    stall      = 1000;  // sweeps without a new low of the residual, before a proximal step is tried
-	constexpr int    maxSweeps  = 20000; // … or so many; a proximal step costs as much as some hundred
-	constexpr int    between    = 1000;  // sweeps where Newton has not arrived: they cost less than its steps
+	constexpr double relaxation   = 1.3;   // factor of over-relaxation [-], that of problems with bodies
+	constexpr int    stallSweeps  = 1000;  // sweeps without a new low of the residual after which a proximal step is tried
+	constexpr int    maxSweeps    = 20000; // sweeps before the first proximal step, which costs as much as some hundred
+	constexpr int    rescueSweeps = 1000;  // sweeps after a step at which Newton has not arrived: they cost less than its steps
 
 	constexpr double infinity = std::numeric_limits<double>::infinity();
 
-	/// How a batch was left.
+	/// The state in which sweeps left a batch.
 	struct End {
 		int     sweeps = 0;
 		RowSums sums;
@@ -76,7 +76,7 @@ namespace {
 		});
 	}
 
-	/// Stiffer while Newton arrives, much softer where it does not. Beyond 1e5 rounding is seen.
+	/// ρ grows while Newton arrives and falls far where it does not. Beyond 1e5 rounding shows.
 	constexpr Stiffness::Limits stiffnessLimits { 100, 1e-3, 1e5, 4, 16, 1 };
 
 	/// Proximal steps, and sweeps where Newton does not arrive; the best iterate stays. Returns sweeps and Newton's steps.
@@ -103,7 +103,7 @@ namespace {
 				stiffness.failed();
 				Settings few      = settings;
 				few.tolerance     = 0;
-				few.maxIterations = std::min(between, settings.maxIterations - iterations);
+				few.maxIterations = std::min(rescueSweeps, settings.maxIterations - iterations);
 				iterations += accelerated(batch, few).sweeps;
 				batch.store();
 			}
@@ -121,7 +121,7 @@ namespace {
 	{
 		Settings sweeps      = settings;
 		sweeps.maxIterations = std::min(settings.maxIterations, maxSweeps);
-		sweeps.stallSweeps   = stall;
+		sweeps.stallSweeps   = stallSweeps;
 		End end              = accelerated(batch, sweeps);
 		if (end.residual() <= settings.tolerance || end.sweeps >= settings.maxIterations) return end;
 		batch.store();

@@ -1,13 +1,15 @@
 #include "exact/block_lu.hpp"
 
+#include <amd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <new>
 
-#include "exact/minimum_degree.hpp"
 
 // Clones for wider registers, chosen at load time. Products and sums stay apart (-ffp-contract=off), so all give the
-// same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
+// same bits. ThreadSanitizer is not ready when they are chosen.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define RCR_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define RCR_CLONES
@@ -79,6 +81,16 @@ namespace {
 		return true;
 	}
 
+	/// Order in which to eliminate the nodes of a graph; node i has the neighbours neighbours[begin[i]] … neighbours[begin[i + 1] − 1].
+	std::vector<std::int32_t> minimumDegreeOrder(std::int32_t size, const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbours)
+	{
+		const std::vector<std::int32_t> none(1); // a graph without edges has no array of neighbours, and AMD wants one
+		std::vector<std::int32_t>       order(size);
+		if (size > 0 && amd_order(size, begin.data(), (neighbours.empty() ? none : neighbours).data(), order.data(), nullptr, nullptr) < AMD_OK)
+			throw std::bad_alloc();
+		return order;
+	}
+
 	bool isZero(const BlockVector& x) { return x.entry[0] == 0 && x.entry[1] == 0 && x.entry[2] == 0; }
 
 } // namespace
@@ -115,7 +127,7 @@ BlockLu::BlockLu(std::int32_t size, const std::vector<Pair>& pairs)
 /// Column k of L: the later neighbours of row k, and the columns of its children in the elimination tree.
 void BlockLu::findPattern(const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbours)
 {
-	order_ = minimumDegreeOrder(begin, neighbours);
+	order_ = minimumDegreeOrder(size_, begin, neighbours);
 	place_.resize(size_);
 	for (std::int32_t k = 0; k < size_; ++k)
 		place_[order_[k]] = k;

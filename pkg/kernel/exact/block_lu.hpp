@@ -2,9 +2,9 @@
 //
 //   A = L D U,   L and U unit triangular, D block diagonal;  A_ij ≠ 0 only where bodies i and j share a contact
 //
-// The pattern is symmetric, the values need not be. Rows are ordered once by minimum degree and not pivoted across
-// blocks: A = I + Ĵᵀ K Ĵ of the contact problem is far from singular blocks, save by coincidence, which is reported.
-// Source: Duff, Erisman and Reid 2017, ch. 5 and 12; Davis 2006, ch. 4 and 6 (left-looking factorisation).
+// The pattern is symmetric, the values need not be. Rows are ordered once by approximate minimum degree (AMD of SuiteSparse)
+// and not pivoted across blocks: A = I + Ĵᵀ K Ĵ of the contact problem is far from singular blocks, save by coincidence, which is reported.
+// Source: Amestoy, Davis and Duff 1996 (order); Duff, Erisman and Reid 2017, ch. 5 and 12; Davis 2006, ch. 4 and 6 (left-looking factorisation).
 #pragma once
 
 #include <cstddef>

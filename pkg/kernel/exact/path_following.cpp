@@ -7,9 +7,9 @@ namespace rcr {
 
 namespace {
 
-	constexpr std::size_t maxUpdates = 20;    // of rank one between two factorisations: where both cost about the same
-	constexpr double      leastShare = 0.1;   // of the largest energy of a contact that counts as unstable
-	constexpr double      onEdge     = 1e-13; // relative distance to the cone's boundary that counts as on it
+	constexpr std::size_t maxUpdates       = 20;    // updates of rank one between two factorisations: both cost about the same there
+	constexpr double      leastEnergyShare = 0.1;   // energy of an unstable contact over the largest [-]
+	constexpr double      edgeTolerance    = 1e-13; // relative distance to the cone's boundary that counts as on it [-]
 
 	/// A change of piece of one contact: K += column rowᵀ, in (n, t).
 	struct RankOne {
@@ -70,7 +70,7 @@ namespace {
 				} else if (limit <= 0) {
 					piece    = { Piece::slide, 0 };
 					shift_[i] = { -u.n, 0 };
-				} else if (std::abs(p.t) >= limit * (1 - onEdge) && side * u.t < 0) {
+				} else if (std::abs(p.t) >= limit * (1 - edgeTolerance) && side * u.t < 0) {
 					piece    = { Piece::slide, static_cast<std::int8_t>(side) };
 					shift_[i] = { -u.n, 0 };
 				} else {
@@ -201,7 +201,7 @@ namespace {
 				const Impulse u = relativeVelocity(problem_.contacts[i], response_);
 				energy[i]       = problem_.stiffness[i] * square(u);
 			}
-			const double least = leastShare * *std::max_element(energy.begin(), energy.end());
+			const double least = leastEnergyShare * *std::max_element(energy.begin(), energy.end());
 			for (std::size_t i = 0; i < problem_.size(); ++i)
 				if (energy[i] >= least && energy[i] > 0) end_.unstable.push_back(i);
 		}

@@ -9,6 +9,7 @@
 // unstable state, as sweeps do, until they come upon the next. The residual rises on the way: the best iterate is kept.
 // Source: Rockafellar 1976; Acary, Brémond and Huber 2018, §5 (proximal point for frictional contact).
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "exact/path_following.hpp"
@@ -36,10 +37,12 @@ namespace {
 		double               residual, violation;
 		std::vector<Impulse> impulse;
 
-		/// How far from both criteria; ≤ 1 where both are met. Of a criterion of 0 the lower value is still the better one.
+		/// How far from both criteria; ≤ 1 where both are met, infinite where one is no number. Of a criterion of 0 the lower
+		/// value is still the better one.
 		double distance(const Settings& s) const
 		{
 			constexpr double least = std::numeric_limits<double>::min();
+			if (std::isnan(residual) || std::isnan(violation)) return std::numeric_limits<double>::infinity();
 			return std::max(residual / std::max(s.tolerance, least), violation / std::max(s.violation, least));
 		}
 
@@ -57,6 +60,23 @@ namespace {
 		sweeps.violation     = std::numeric_limits<double>::infinity(); // left to the exact steps
 		sweeps.maxIterations = most;
 		return solveNesterov(problem, sweeps, workspace);
+	}
+
+	/// Sweeps to the handover. A start with impulses so large that their squares overflow is given up for one without any.
+	Report begin(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+	{
+		const double tolerance = std::max(settings.tolerance, handover);
+		const auto   most      = [](int left) { return std::min(maxSweeps, (left + 1) / 2); };
+		const Report report    = sweep(problem, settings, tolerance, most(settings.maxIterations), workspace);
+		const int    left      = settings.maxIterations - report.iterations;
+		if (!std::isnan(report.residual) || left == 0) return report;
+		problem.impulse.assign(problem.points.size(), {});
+		Settings cold  = settings;
+		cold.continued = false;
+		Report again   = sweep(problem, cold, tolerance, most(left), workspace);
+		again.iterations += report.iterations;
+		again.work += report.work;
+		return again;
 	}
 
 	/// One step about the present impulses; returns how its path ended.
@@ -79,15 +99,14 @@ namespace {
 
 Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	const int            sweeps = std::min(maxSweeps, (settings.maxIterations + 1) / 2);
 	std::vector<Impulse> before; // the last sweeps or steps, where these may show that there is no solution
-	const auto           sweepAndLook = [&](const Settings& how, double tolerance, int most) {
+	const auto           remember      = [&] {
                 if (settings.compliance > 0) before = problem.impulse;
-                return sweep(problem, how, tolerance, most, workspace);
 	};
 	const auto hasNoSolution = [&] { return settings.compliance > 0 && (takesTooMuch(problem) || growsWithoutBound(problem, before)); };
-	Report     report        = sweepAndLook(settings, std::max(settings.tolerance, handover), sweeps);
-	report.converged         = report.reached(settings) && report.violation <= settings.violation;
+	remember();
+	Report report    = begin(problem, settings, workspace);
+	report.converged = report.reached(settings) && report.violation <= settings.violation;
 	if (report.converged || report.iterations >= settings.maxIterations) return report;
 	report.yielded = hasNoSolution();
 	if (report.yielded) return report;
@@ -96,7 +115,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	Best                   best { report.residual, report.violation, problem.impulse };
 	const auto             left = [&] { return settings.maxIterations - report.iterations; };
 	while (!(best.distance(settings) <= 1) && left() > 0) {
-		if (settings.compliance > 0) before = problem.impulse;
+		remember();
 		const PathEnd end = step(problem, proximal, stiffness, left());
 		report.iterations += 1 + end.pivots;
 		report.yielded = hasNoSolution();
@@ -106,7 +125,8 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 			const int most = std::min(rescueSweeps + pivotSweeps * end.pivots, left());
 			Settings  again     = settings;
 			again.continued     = true;
-			report.iterations += sweepAndLook(again, 0, most).iterations;
+			remember();
+			report.iterations += sweep(problem, again, 0, most, workspace).iterations;
 			report.yielded = hasNoSolution();
 			if (report.yielded) return report;
 		}

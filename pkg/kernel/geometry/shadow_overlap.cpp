@@ -8,9 +8,9 @@ namespace rcr {
 
 namespace {
 
-	/// Ends that lie exactly above each other face a side, both ways: else rounding may leave equal bodies that lie flush on each
-	/// other without their second point.
-	constexpr double withRounding = 1 + 1e-9;
+	/// Half lengths [-] within which an end faces a side. The 1e-9 beyond 1 lets ends that lie exactly above each other face both
+	/// sides: rounding would leave equal bodies that lie flush on each other without their second point.
+	constexpr double sideReach = 1 + 1e-9;
 
 	/// A point of body 1's core facing a point of body 2's core.
 	struct Facing {
@@ -35,7 +35,7 @@ namespace {
 	{
 		const Vec2   q = end - center;
 		const double s = dot(q, axis);
-		if (a > 0 && std::abs(s) <= withRounding * a) {
+		if (a > 0 && std::abs(s) <= sideReach * a) {
 			const double h    = cross(axis, q);
 			const Vec2   n    = sign(h != 0 ? h : cross(axis, away)) * perp(axis);
 			return { center + s * axis, end, n, std::abs(h), true };
@@ -47,8 +47,7 @@ namespace {
 
 	Facing swapped(const Facing& f) { return { f.core2, f.core1, -f.normal, f.distance, f.side }; }
 
-	/// How two core segments stand to each other along and across each of them: by how far their projections on these four
-	/// directions are apart.
+	/// The distances between the projections of two core segments on four directions: along and across each of them.
 	struct Separation {
 		double along1, across1, along2, across2; // negative where the projections overlap
 
@@ -196,7 +195,7 @@ Manifold shadowOverlap(const Rectangle& box, const Pose& boxAt, const Stadium& s
 	for (Vec2 corner : corners) {
 		if (separation <= 0 || s.halfLength == 0) break;
 		const double along = dot(corner - q, e), across = cross(e, corner - q);
-		if (std::abs(along) > withRounding * s.halfLength) continue;
+		if (std::abs(along) > sideReach * s.halfLength) continue;
 		facing[count++] = { corner, corner - across * perp(e), -sign(across) * perp(e), std::abs(across), true };
 	}
 	if (count == 0) return {};

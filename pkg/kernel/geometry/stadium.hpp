@@ -17,7 +17,7 @@ struct Stadium {
 	double capRadius  = 0; // R' [m]
 };
 
-/// Where a body stands: its centre, and its axis (cos θ, sin θ).
+/// The pose of a body: its centre, and its axis (cos θ, sin θ).
 struct Pose {
 	Vec2 center;
 	Vec2 axis { 1, 0 };

@@ -9,9 +9,9 @@ namespace rcr {
 namespace {
 
 	using namespace std::chrono_literals;
-	constexpr int  spins    = 100;   // before a waiting thread yields its core: about a microsecond
-	constexpr auto patience = 1ms;   // of a helper: no serial part of a solver lasts longer
-	constexpr auto stall    = 100us; // of the leader: an index takes one, so the helper has lost its core
+	constexpr int  maxSpins       = 100;   // of a waiting thread before it yields its core: about a microsecond
+	constexpr auto helperPatience = 1ms;   // of a helper between two loops: no serial part of a solver lasts longer
+	constexpr auto leaderStall    = 100us; // of the leader after its own work: an index takes one, so the helper has lost its core
 
 	constexpr int           indexBits = 20; // 24 are left for the serial number
 	constexpr std::uint64_t indexMask = (1u << indexBits) - 1;
@@ -32,7 +32,7 @@ namespace {
 	/// Waits until ready(), for a limited time; true if ready.
 	template <class Ready> bool wait(Ready ready, std::chrono::steady_clock::duration limit)
 	{
-		for (int i = 0; i < spins; ++i) {
+		for (int i = 0; i < maxSpins; ++i) {
 			if (ready()) return true;
 			pause();
 		}
@@ -68,7 +68,7 @@ bool SharedLoop::leadSlice(int begin, int count)
 		parts_[t].word.store(pack(serial_, size * t / threads, size * (t + 1) / threads), std::memory_order_release);
 	done_.fetch_add(take(0), std::memory_order_acq_rel);
 	const auto complete = [&] { return done_.load(std::memory_order_acquire) == count; };
-	if (wait(complete, stall)) return true;
+	if (wait(complete, leaderStall)) return true;
 	wait(complete, std::chrono::steady_clock::duration::max());
 	return false;
 }
@@ -95,7 +95,7 @@ void SharedLoop::help(int self)
 	while (isOpen()) {
 		if (const int taken = take(self)) done_.fetch_add(taken, std::memory_order_acq_rel);
 		const auto news = [&] { return parts_[self].word.load(std::memory_order_acquire) != seen || !isOpen(); };
-		if (!wait(news, patience)) return;
+		if (!wait(news, helperPatience)) return;
 		seen = parts_[self].word.load(std::memory_order_acquire);
 	}
 }

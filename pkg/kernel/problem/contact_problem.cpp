@@ -7,7 +7,7 @@ namespace rcr {
 
 namespace {
 
-	constexpr double unitLength2 = 2e-6; // how far the square of a normal's length may be from 1
+	constexpr double normalTolerance = 2e-6; // distance of a normal's squared length from 1 [-]
 	// A point that closes and slips has a residual of some 1/µ only (µ |u_t| outweighs u_n), and counts as solved at the usual tolerance of 1e-4
 	// where µ > 1e4. 1e3 is 89.94°: nothing slides there any more.
 	constexpr double maxFriction = 1e3;
@@ -40,7 +40,7 @@ namespace {
 		return (std::size_t(c.body1) < bodies) & (std::size_t(c.body2) < bodies); // a negative id is a huge one
 	}
 
-	bool unit(Vec2 normal) { return std::abs(dot(normal, normal) - 1) <= unitLength2; }
+	bool unit(Vec2 normal) { return std::abs(dot(normal, normal) - 1) <= normalTolerance; }
 
 	bool sound(const ContactPoint& c, const Impulse& p, std::size_t bodies)
 	{

@@ -1,5 +1,6 @@
-// What a solver drops because the scene does not need it. It looks at every problem anew; each reduction can be switched
-// off, and changes nothing but the time: not a bit where the arithmetic is the same, else rounding.
+// The reductions of a problem: unknowns that the scene does not need are left out. Every problem is looked at anew, and each
+// reduction can be switched off. A reduction changes the run time only. Results are bitwise equal where the arithmetic is the same,
+// and equal to rounding elsewhere.
 #pragma once
 
 #include <string>
@@ -11,10 +12,10 @@ struct Reductions {
 	bool frictionless = true; // pairs without friction carry one unknown a point, the normal impulse
 	bool discs        = true; // an island without friction where no normal has a lever does not turn
 	bool fixed        = true; // bodies of prescribed motion have no unknowns: they join no islands and wait for no colour
-	bool islands      = true; // what does not touch is solved apart, each to its own convergence
+	bool islands      = true; // parts that do not touch are solved apart, each to its own convergence
 	bool layout       = true; // colours and order are kept while the pairs last
 
-	/// Those of these names alone. Throws std::invalid_argument for a name that is not known.
+	/// The reductions of these names alone. Throws std::invalid_argument for a name that is not known.
 	static Reductions of(const std::vector<std::string>& names);
 	static const std::vector<std::string>& names();
 
@@ -24,7 +25,7 @@ struct Reductions {
 	}
 };
 
-/// What a solver made of a problem.
+/// The model that a solver made of a problem.
 struct ModelSummary {
 	int bodies = 0, turning = 0;                // that an impulse can move; of these, with a rotation
 	int fixed = 0;                              // of prescribed motion: no unknowns

@@ -13,12 +13,12 @@ namespace RCR_LANE_NAMESPACE {
 		Lane<N> x, y, spin, inverseMass;
 	};
 
-	/// Without what turns.
+	/// Bodies without their spins.
 	template <int N> struct Centres {
 		Lane<N> x, y;
 	};
 
-	/// Where the records of N bodies are.
+	/// The places of N bodies' records.
 	template <int N> struct Places {
 		HalfRecord*          body;
 		const std::uint32_t* offset;

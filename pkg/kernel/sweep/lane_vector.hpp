@@ -1,4 +1,4 @@
-// What the kernels of sweeps share, N contact points at a time: (n, t) components, the cone, sums. Compiled as lane.hpp is.
+// (n, t) components, the cone and sums of N contact points at a time, for the kernels of all sweeps. Compiled as lane.hpp is.
 #pragma once
 
 #include "sweep/lane.hpp"

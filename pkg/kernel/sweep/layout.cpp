@@ -7,11 +7,11 @@ namespace rcr {
 
 namespace {
 
-	constexpr int    chunkBlocks = 8;     // 128 pairs, under a microsecond: small against a colour, large against sharing it
-	constexpr int    fewPairs    = 16;    // of an island that is solved pair after pair
-	constexpr int    manyPairs   = 1024;  // from which threads share an island: two chunks a colour
-	constexpr int    fewOfModel  = 4;     // less than this part of an island's pairs fill no blocks of their own
-	constexpr double noLever     = 1e-10; // of the arm: rounding of positions far from the origin
+	constexpr int    chunkBlocks      = 8;     // blocks a chunk, 128 pairs: a microsecond, small against a colour, large against sharing it
+	constexpr int    smallIslandPairs = 16;    // pairs of an island up to which all of it is overflow
+	constexpr int    loneIslandPairs  = 1024;  // pairs of an island up to which one thread sweeps it: two chunks a colour
+	constexpr int    leastModelPart   = 4;     // a model needs 1/4 of an island's pairs to have blocks of its own
+	constexpr double leverTolerance   = 1e-10; // lever over arm [-] that counts as none: rounding of positions far from the origin
 
 	BodyKind kindOf(const InverseMass& m)
 	{
@@ -23,7 +23,7 @@ namespace {
 	bool turns(const InverseMass& m, const Twist& v, Vec2 arm, Vec2 normal)
 	{
 		const double lever = cross(arm, normal);
-		return (m.rotation != 0 || v.rotation != 0) && lever * lever > noLever * noLever * dot(arm, arm);
+		return (m.rotation != 0 || v.rotation != 0) && lever * lever > leverTolerance * leverTolerance * dot(arm, arm);
 	}
 
 	/// The representative of a body among those it is joined to.
@@ -140,7 +140,7 @@ void Layout::findIslands()
 	}
 }
 
-/// The pairs of each island, in order; pairs of prescribed bodies alone are in none.
+/// Sorts the pairs by island; pairs of two prescribed bodies belong to none.
 void Layout::sortPairs()
 {
 	int next = 0;
@@ -157,7 +157,7 @@ void Layout::sortPairs()
 	}
 }
 
-/// The records of each island's bodies, in order; whole ones of all others.
+/// Numbers the records of bodies, island after island; bodies without an island get whole records.
 void Layout::numberRecords()
 {
 	std::vector<std::int32_t> bodies(islands_.size());
@@ -187,14 +187,14 @@ int Layout::ownRecord(Model model)
 	return (records_ += 2) - 2;
 }
 
-/// An island in blocks of its own, a stage for each colour; a small one is all overflow.
+/// Lays an island out in blocks of its own, a stage for each colour; a small one is all overflow.
 void Layout::layOut(Island& island)
 {
 	const int pairs = island.pairs.end - island.pairs.begin;
-	island.shared   = pairs > manyPairs;
+	island.shared   = pairs > loneIslandPairs;
 	island.stages.begin  = int(chunkBegin_.size()) - 1;
 	island.overflow.begin = int(overflow_.size());
-	if (pairs > fewPairs) {
+	if (pairs > smallIslandPairs) {
 		color(island);
 		for (auto& ofColor : rows_) {
 			for (int m = 0; m < models; ++m)
@@ -205,7 +205,7 @@ void Layout::layOut(Island& island)
 	}
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
 		const int number = byIsland_[k];
-		if (pairs <= fewPairs || color_[number] == Coloring::none) overflow_.push_back(number);
+		if (pairs <= smallIslandPairs || color_[number] == Coloring::none) overflow_.push_back(number);
 		else
 			place(pairs_[number], row(color_[number], pairs_[number]));
 	}
@@ -213,16 +213,17 @@ void Layout::layOut(Island& island)
 	island.overflow.end = int(overflow_.size());
 }
 
-/// Each pair the least model that serves it; none for a few pairs alone, and central ones where all are, in their half records.
+/// Gives each pair the least model that serves it. A model of few pairs is not used, and the central one only where all pairs of
+/// the island are central: its records are halves.
 void Layout::chooseModels(Island& island)
 {
 	int       count[models] = {};
 	const int all           = island.pairs.end - island.pairs.begin;
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
 		++count[int(pairs_[byIsland_[k]].needs)];
-	island.central   = count[int(Model::central)] == all && all > fewPairs;
-	const bool few   = fewOfModel * (all - count[int(Model::frictional)]) < all && all > fewPairs;
-	const Model most = few ? Model::frictional : island.central || all <= fewPairs ? Model::central : Model::frictionless;
+	island.central   = count[int(Model::central)] == all && all > smallIslandPairs;
+	const bool few   = leastModelPart * (all - count[int(Model::frictional)]) < all && all > smallIslandPairs;
+	const Model most = few ? Model::frictional : island.central || all <= smallIslandPairs ? Model::central : Model::frictionless;
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
 		Pair& pair = pairs_[byIsland_[k]];
 		pair.model = std::min(pair.needs, most);
@@ -246,7 +247,7 @@ void Layout::color(const Island& island)
 	}
 }
 
-/// Blocks for the pairs counted; the slots that stay vacant are the last of each row.
+/// Makes the blocks for the pairs counted; the slots that stay vacant are the last of each row.
 void Layout::makeBlocks(Row& row, Model model, int points)
 {
 	const int first = int(pairBlocks_.size()), blocks = (row.pairs + blockWidth - 1) / blockWidth;
@@ -265,7 +266,7 @@ void Layout::makeBlocks(Row& row, Model model, int points)
 	vacant_.push_back({ columns_ - points * columnsOf(model), columns_ });
 }
 
-/// Into the next slot of its row; a prescribed side gets a record of its own, which nothing moves.
+/// Gives a pair the next slot of its row; a prescribed side gets a record of its own, which no impulse moves.
 void Layout::place(Pair& pair, Row& row)
 {
 	const auto side = [&](int body) { return offsetOf(moves(body) ? record_[body] : ownRecord(pair.model)); };

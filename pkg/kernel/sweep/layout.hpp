@@ -1,7 +1,7 @@
-// Where each pair of bodies stands in the packed arrays, which model it has, and what can be solved apart.
+// The layout of a problem: the place of each pair of bodies in the packed arrays, its model, and the islands solved apart.
 //
-// A pure function of the present problem, its pairs in order, what they need and the kinds of its bodies, so that a
-// simulation that is saved and loaded goes on to the same bits. Where these are as before it is kept, else made anew: as
+// The layout is a pure function of the present problem: its pairs in order, their needs and the kinds of its bodies. So a
+// simulation that is saved and loaded goes on to the same bits. A layout is kept while these stay as they are; a new one is as
 // much work as three sweeps.
 //
 // Islands are the connected parts of the graph of bodies; prescribed bodies do not connect. Each has blocks of its own,
@@ -37,7 +37,7 @@ struct Range {
 	std::int32_t begin = 0, end = 0;
 };
 
-/// What is solved apart.
+/// A part of the problem that is solved apart.
 struct Island {
 	std::int32_t points = 0;
 	bool         shared  = false; // large enough that several threads work on it
@@ -61,7 +61,7 @@ public:
 
 	/// Halves of records of bodies, then of the prescribed sides of pairs and both sides of vacant slots.
 	int records() const { return records_; }
-	/// That of a body: island after island, then those in none.
+	/// Record of a body. Order: bodies of island 0, of island 1, …; bodies without an island last.
 	int  record(int body) const { return record_[body]; }
 	bool central(int body) const { return island_[body] != none && islands_[island_[body]].central; }
 

@@ -33,7 +33,7 @@ constexpr double unlimited  = 1e300; // finite: 0 · unlimited is 0
 enum class Model : std::uint8_t { frictional, frictionless, central };
 constexpr int models = 3;
 
-/// Where the velocity of a body stands; an island of central pairs needs no more than the first half.
+/// The record of a body's velocity; an island of central pairs needs no more than its first half.
 struct alignas(16) HalfRecord {
 	double x, y;
 };
@@ -60,7 +60,7 @@ struct alignas(64) Column {
 	double of[blockWidth];
 };
 
-/// What all models have.
+/// The fields of all models.
 struct alignas(64) PointBlock {
 	double oldPn[blockWidth]; // impulse one sweep before, for momentum
 	double nx[blockWidth], ny[blockWidth];
@@ -85,7 +85,7 @@ struct FrictionalBlock : FrictionlessBlock {
 	double friction[blockWidth]; // µ
 };
 
-/// How many columns a block of that model takes.
+/// Columns of a block of that model.
 constexpr int columnsOf(Model model)
 {
 	return int((model == Model::central              ? sizeof(CentralBlock)
@@ -138,9 +138,9 @@ struct PackedKernels {
 	void (*apply)(const PackedView&, const Chunk&);
 	/// Solves every point once; the velocities follow.
 	void (*sweep)(const PackedView&, const Chunk&);
-	/// The same, each impulse changed by `relaxation` times as much.
+	/// An over-relaxed sweep: each impulse changes by `relaxation` times as much.
 	void (*sweepRelaxed)(const PackedView&, const Chunk&, double relaxation);
-	/// The same from y = p + β (p − p_old); returns ‖p − y‖².
+	/// A sweep from y = p + β (p − p_old); returns ‖p − y‖².
 	double (*sweepMomentum)(const PackedView&, const Chunk&, double momentum);
 	/// The same with contacts that yield: the share `kept` of every solution.
 	double (*sweepYielding)(const PackedView&, const Chunk&, double momentum, double kept);

@@ -1,4 +1,4 @@
-// The contact problem of a step in the form that sweeps run on: by islands, coloured and packed.
+// The contact problem of a step as the sweeps need it: by islands, coloured and packed.
 //
 // The order of work, and with it every bit of the result, depends on the present problem alone: neither on problems seen
 // before, nor on the width of the lanes, nor on the number of threads; and that of an island not on the others. The
@@ -21,9 +21,9 @@ class PackedProblem {
 public:
 	Team team; // shares out what follows
 
-	/// Takes the problem over, v = v_free + M⁻¹Jᵀp for its impulses; on as many lanes as packedKernels says.
+	/// Loads the problem, v = v_free + M⁻¹Jᵀp for its impulses; the lanes are those of packedKernels.
 	void load(const ContactProblem&, int lanes, const Reductions&);
-	/// Takes other biases of the same problem over, and its present impulses.
+	/// Loads other biases of the same problem, and its present impulses.
 	void rebias(const ContactProblem&, const std::vector<double>& bias);
 	/// Writes impulses, and velocities computed anew from them; `measure` then measures what was written.
 	void store(ContactProblem&);
@@ -34,9 +34,9 @@ public:
 	/// work(island) for each: small ones at once, each by one thread; large ones one after the other, each by all.
 	template <class Work> void forEachIsland(Work work);
 
-	/// What was made of the problem.
+	/// The model of the last problem.
 	ModelSummary summary() const;
-	/// How often a problem had to be laid out: other pairs, needs or kinds of bodies than the one before.
+	/// Number of layouts made: problems with other pairs, needs or kinds of bodies than the one before.
 	int layouts() const { return layouts_; }
 	/// Time spent on layouts so far, to find that one still stands too.
 	double layoutSeconds() const { return layoutSeconds_; }
@@ -85,7 +85,7 @@ private:
 	int                     layouts_       = 0;
 };
 
-/// What is swept to its own convergence.
+/// An island, swept to its own convergence.
 class PackedIsland {
 public:
 	PackedIsland(PackedProblem& packed, int number)
@@ -105,9 +105,9 @@ public:
 	void applyImpulses();
 	/// Solves every point once.
 	void sweep();
-	/// The same, each impulse changed by `relaxation` times as much.
+	/// An over-relaxed sweep changes each impulse by `relaxation` times as much.
 	void sweepRelaxed(double relaxation);
-	/// The same from y = p + β (p − p_old); the velocities must be extrapolated by the same β. Returns ‖p − y‖².
+	/// A sweep from y = p + β (p − p_old); the velocities must be extrapolated by the same β. Returns ‖p − y‖².
 	double sweepMomentum(double momentum);
 	/// The same with contacts that yield by u = −ε W p, W the point's own Delassus block: its solution is 1/(1 + ε) of the rigid one.
 	double sweepYielding(double momentum, double compliance);

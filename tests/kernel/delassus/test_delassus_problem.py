@@ -36,6 +36,8 @@ def put(shape, index, value):
         (dict(friction=put(3, 1, -0.5)), "contact 1: µ = -0.5; wanted µ ≥ 0"),
         (dict(friction=put(3, 0, np.inf)), "contact 0: µ = inf; wanted µ ≥ 0"),
         (dict(lanes=3), "lanes = 3"),
+        (dict(column=[0, 1, 0, 1, 2.5]), "column holds float64; wanted integers"),
+        (dict(row_start=[0, 2, 4, 2**32 + 5]), "row_start holds 4294967301; wanted integers of 32 bits"),
     ],
 )
 def test_refuses(changes, says):

@@ -4,6 +4,47 @@ import numpy as np
 import pytest
 from kernel.delassus_problems import PROBLEMS, Problem, heap, of, packed
 from rcr import _kernel
+from scipy.sparse.csgraph import connected_components
+
+TOGETHER = 256  # rows of small islands in one batch
+OVERFLOW = 64  # the colour of rows that find none
+
+
+@pytest.fixture(params=[*PROBLEMS, "large heaps"])
+def case(request):
+    """A problem, which of its rows share a block, and its batches."""
+    problem = packed(*[heap(seed, 90, 150) for seed in range(5)], *[heap(seed, 3, 4) for seed in range(100)]) if request.param == "large heaps" else of(request.param)
+    blocks = problem.w.reshape(len(problem.q), 2, -1, 2).any((1, 3))
+    np.fill_diagonal(blocks, False)
+    return problem, blocks, _kernel.batches(**problem.rows, free=problem.q, friction=problem.friction, impulse=problem.impulse)
+
+
+def test_rows_of_one_colour_share_no_block(case):
+    """Each has the lowest colour that none of its earlier neighbours has; where all are taken it is overflow."""
+    _, blocks, found = case
+    colors = np.array(found["colors"])
+    for k, color in enumerate(colors):
+        taken = set(colors[:k][blocks[k, :k]].tolist())
+        assert color == next((c for c in range(OVERFLOW) if c not in taken), OVERFLOW), f"row {k}"
+
+
+def test_a_batch_holds_whole_islands_that_move(case):
+    """Each row that is not at rest once; small islands together, ordered by size, as many as fit."""
+    problem, blocks, found = case
+    island = connected_components(blocks, directed=False)[1]
+    moves = np.zeros(island.max() + 1, bool)
+    np.logical_or.at(moves, island, (problem.q[:, 0] < 0) | problem.impulse.any(1))
+    rows = np.concatenate(found["batches"])
+    np.testing.assert_array_equal(np.sort(rows), np.flatnonzero(moves[island]))
+    for batch in found["batches"]:
+        islands = np.unique(island[batch])
+        assert len(batch) == np.isin(island, islands).sum(), "a part of an island"
+        assert len(batch) <= TOGETHER or len(islands) == 1
+        assert batch == sorted(batch), "rows in the order of the problem"
+    if len(found["batches"]) > 1:
+        first, second = found["batches"][:2]
+        smallest = min(np.bincount(island)[np.unique(island[second])])
+        assert len(first) + smallest > TOGETHER, "more would have fitted"
 
 
 @pytest.mark.parametrize("name", PROBLEMS)

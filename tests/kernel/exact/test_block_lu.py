@@ -31,3 +31,66 @@ def test_block_lu_solves_like_a_dense_one(size, pairs):
 def test_block_lu_says_that_a_block_is_singular():
     with pytest.raises(ValueError, match="singular"):
         _kernel.solve_blocks(np.zeros((0, 2), np.int32), np.zeros((2, 3, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3, 3)), np.ones((2, 3)))
+
+
+@pytest.mark.parametrize(
+    "pairs, says",
+    [
+        ([(0, 1), (1, 3)], r"pairs\[1\] = \(1, 3\); wanted rows from 0 to 2"),
+        ([(-1, 0)], r"pairs\[0\] = \(-1, 0\); wanted rows from 0 to 2"),
+        ([(2**31 - 1, 0)], "wanted rows from 0 to 2"),
+        ([(2**32 + 1, 0)], "pairs holds 4294967297; wanted integers of 32 bits"),
+        ([(0.7, 1)], "pairs holds float64; wanted integers"),
+        ([(2, 2)], r"pairs\[0\] = \(2, 2\); wanted two different rows"),
+        ([(0, 1), (1, 2), (1, 0)], r"pairs\[2\] = \(1, 0\) is there twice"),
+        ([(0, 1, 2)], r"pairs has shape \(1, 3\); wanted \(1, 2\)"),
+    ],
+)
+def test_pairs_that_make_no_sense_are_refused(pairs, says):
+    """Before anything is written where they say (F19)."""
+    blocks = np.tile(np.eye(3), (len(pairs), 1, 1))
+    with pytest.raises(ValueError, match=says):
+        _kernel.solve_blocks(np.array(pairs), np.tile(np.eye(3), (3, 1, 1)), blocks, blocks, np.ones((3, 3)))
+    with pytest.raises(ValueError, match=says):
+        _kernel.block_fill(3, np.array(pairs))
+
+
+@pytest.mark.parametrize("name, shape", [("diagonal", (2, 3, 3)), ("diagonal", (3, 9)), ("upper", (2, 3, 3)), ("lower", (1, 3, 2)), ("b", (3, 2))])
+def test_blocks_of_another_shape_are_refused(name, shape):
+    arrays = dict(pairs=np.array([(0, 1)]), diagonal=np.ones((3, 3, 3)), upper=np.ones((1, 3, 3)), lower=np.ones((1, 3, 3)), b=np.ones((3, 3)))
+    with pytest.raises(ValueError, match=f"{name} has shape"):
+        _kernel.solve_blocks(**{**arrays, name: np.ones(shape)})
+
+
+def test_factors_of_a_packing_like_a_dense_one():
+    """Rows of a random planar graph, in any order, with pairs named either way; solved from the same factors for sparse and full b."""
+    rng = np.random.default_rng(0)
+    size, pairs = grid(7, 8)
+    name = rng.permutation(size)
+    pairs = [(int(name[i]), int(name[j])) if rng.random() < 0.5 else (int(name[j]), int(name[i])) for i, j in pairs]
+    upper, lower = rng.normal(0, 1, (2, len(pairs), 3, 3))
+    diagonal = rng.normal(0, 1, (size, 3, 3)) + 12 * np.eye(3)
+    dense = np.zeros((size, 3, size, 3))
+    dense[np.arange(size), :, np.arange(size)] = diagonal
+    for (i, j), a, c in zip(pairs, upper, lower):
+        dense[i, :, j], dense[j, :, i] = a, c
+    dense = dense.reshape(3 * size, 3 * size)
+    sparse = np.zeros((size, 3))
+    sparse[name[5], 1] = 1
+    for b in (sparse, rng.normal(0, 1, (size, 3))):
+        x = _kernel.solve_blocks(np.array(pairs), diagonal, upper, lower, b)
+        np.testing.assert_allclose(x.ravel(), np.linalg.solve(dense, b.ravel()), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("size, pairs", [star(30), (40, [(i, i + 1) for i in range(39)]), (31, [((k - 1) // 2, k) for k in range(1, 31)]), (5, []), (1, [])])
+def test_a_tree_has_no_fill(size, pairs):
+    assert _kernel.block_fill(size, pairs) == len(pairs)
+
+
+def test_a_grid_has_little_fill():
+    """20 × 20: about n^1.5 = 8000 blocks in the order of its rows, 3302 by approximate minimum degree."""
+    assert 1000 < _kernel.block_fill(*grid(20, 20)) < 3500
+
+
+def test_a_full_matrix_is_full():
+    assert _kernel.block_fill(12, [(i, j) for i in range(12) for j in range(i)]) == 66

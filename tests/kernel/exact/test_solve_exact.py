@@ -99,3 +99,15 @@ def test_box_that_is_crushed_has_no_solution():
         result = problem.solve("exact", tolerance=tolerance, max_iterations=3000)
         assert not result["converged"] and result["violation"] > 0.01, (tolerance, result["residual"], result["violation"])
         assert np.isfinite(result["impulse"]).all() and np.isfinite(result["velocity"]).all()
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_start_whose_squares_overflow_is_given_up(seed):
+    """Its residual is no number, and no later one was ever less than that (F22). It ends as from nothing."""
+    problem = pile(seed)
+    cold = problem.solve("exact", tolerance=1e-8, max_iterations=BUDGET)
+    problem["impulse"] = np.full_like(problem["impulse"], 1e200)
+    found = problem.solve("exact", tolerance=1e-8, max_iterations=BUDGET)
+    assert_solved(problem, found, 1e-8)
+    np.testing.assert_allclose(found["velocity"], cold["velocity"], rtol=0, atol=1e-6)
+    assert problem.solve("exact", tolerance=1e-8, max_iterations=30)["iterations"] <= 30

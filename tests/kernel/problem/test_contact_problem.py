@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import pile
+from kernel.contact_problems import Problem, pile
 
 
 @pytest.mark.parametrize(
@@ -31,3 +31,40 @@ def test_refuses_a_problem_that_makes_no_sense(name, index, value, says):
     problem[name][index] = value
     with pytest.raises(ValueError, match=says):
         problem.solve()
+
+
+@pytest.mark.parametrize(
+    "value, says",
+    [
+        (0.7, "bodies holds float64; wanted integers"),
+        (2**32 + 1, "bodies holds 4294967297; wanted integers of 32 bits"),
+        (-(2**33), "bodies holds -8589934592; wanted integers of 32 bits"),
+        (2**63, "wanted integers of 32 bits"),
+        ("1", "bodies holds .*; wanted integers"),
+        (None, "bodies holds object; wanted integers"),
+    ],
+)
+def test_ids_are_not_rounded_or_cut(value, says):
+    """0.7 is not body 0, nor 2³² + 1 body 1 (F19)."""
+    problem = pile(1)
+    ids = problem["bodies"].astype(np.array(value).dtype if not isinstance(value, int) else np.uint64 if value > 2**62 else np.int64)
+    ids[5, 0] = value
+    problem["bodies"] = ids
+    with pytest.raises(ValueError, match=says):
+        problem.solve()
+
+
+@pytest.mark.parametrize("kind", [np.int8, np.uint16, np.int64, np.uint64])
+def test_ids_of_any_integer_type(kind):
+    problem = pile(1)
+    expected = problem.solve(tolerance=0, max_iterations=5)["impulse"]
+    problem["bodies"] = problem["bodies"].astype(kind)
+    np.testing.assert_array_equal(problem.solve(tolerance=0, max_iterations=5)["impulse"], expected)
+
+
+@pytest.mark.parametrize("name", ["inverse_mass", "free_velocity", "bodies", "normal", "arm1", "arm2", "bias", "friction", "impulse"])
+def test_arrays_that_do_not_fit_together(name):
+    problem = pile(1)
+    for wrong in (problem[name][:-1], problem[name][..., None]):
+        with pytest.raises(ValueError, match="has shape"):
+            Problem("wrong", **{**problem, name: wrong}).solve()

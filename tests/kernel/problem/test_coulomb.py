@@ -100,3 +100,41 @@ def test_projection_is_the_nearest_point_of_the_cone(n, t, mu):
     assert abs((p - q) @ q) <= small, replay
     for side in (-mu, mu):
         assert (p - q) @ (1, side) <= small, replay
+
+
+# --- restitution that gives no energy ------------------------------------------------------------------------------------
+
+
+def work(p, before, after):
+    """2 × the energy that an impulse takes in, p · (u + u⁻)."""
+    return np.dot(p, np.add(before, after))
+
+
+@pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
+def test_a_point_without_friction_keeps_all_its_restitution(e):
+    """u⁺ = −e u⁻: (1 − e²) of the energy is taken, none given."""
+    p = _kernel.solve_coulomb(1, 0, 1, -1 - e, 0.3, 0)
+    assert _kernel.passive_share(1, 0, 1, p, (-1, 0.3), (e, 0.3), -e, 0) == 1
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_share_that_gives_no_energy(seed):
+    """Full restitution along n may give energy where the coupling w_nt turns the slip. The largest share that does not is kept."""
+    rng = np.random.default_rng(seed)
+    gains = 0
+    for _ in range(300):
+        A = rng.normal(size=(2, 2))
+        W, mu, before = A @ A.T + 0.1 * np.eye(2), rng.uniform(0, 1), np.array([-1.0, rng.normal(0, 1)])
+        w = W[0, 0], W[0, 1], W[1, 1]
+        of = lambda share: np.array(_kernel.solve_coulomb(*w, before[0] - share, before[1], mu))  # restitution 1, no other impulse
+        given = lambda share: work(of(share), before, before + W @ of(share))
+        p = of(1)
+        share = _kernel.passive_share(*w, p, before, before + W @ p, -1.0, mu)
+        replay = f"seed {seed}: passive_share({w}, {p}, {before}, µ = {mu}) = {share}"
+        scale = np.hypot(*p) * np.hypot(*before)
+        if given(1) <= 1e-3 * scale:
+            assert share == 1, replay
+            continue
+        gains += 1
+        assert 0 <= share < 1 and given(share) <= 1e-12 * scale and given(share + 1e-6) > 0, replay
+    assert gains > 3, "the cases show nothing"

@@ -1,6 +1,5 @@
 """The solver chosen by name: settings refused, problems without contacts, which tier `auto` takes."""
 
-import numpy as np
 import pytest
 from kernel.contact_problems import Problem, assert_solved, pile, stored
 

@@ -1,0 +1,194 @@
+"""Kernels with one mistake each: every one must fail a test. A list of mistakes, and the loop that builds and tests each.
+
+A mutant that is built and passes all tests of the kernels has survived: it is listed, and the check fails.
+"""
+
+import shutil
+import subprocess
+import sys
+import time
+from collections import namedtuple
+
+import check
+
+Mutant = namedtuple("Mutant", "name file before after")
+
+KERNEL = "pkg/kernel"
+LIMIT = 600  # s for the tests of one mutant: one that never ends is seen
+
+TABLE = {
+    "geometry/shadow_overlap.cpp": [
+        ("rounding-of-ends", "1 + 1e-9", "1 - 1e-9"),
+        ("foot-at-the-other-end", "(s < 0 ? -a : a) * axis, gap", "(s < 0 ? a : -a) * axis, gap"),
+        ("gap-with-one-radius", "f.distance - radius1 - radius2", "f.distance - radius1"),
+        ("position-on-body-1", "0.5 * (surface1 + surface2)", "surface1"),
+        ("second-point-of-the-back", "!facing[k].side || dot(facing[k].normal, first.normal) <= 0", "!facing[k].side"),
+        ("nearest-second-point", "distance <= reach) continue", "(result.count == 2 && distance >= reach)) continue"),
+        ("points-not-sorted", "result.points[0].position, axis) < 0)", "result.points[0].position, axis) < -1e300)"),
+        ("reach-without-alert", "s2.halfLength + s2.capRadius + alertDistance;", "s2.halfLength + s2.capRadius;"),
+        ("crossing-on-one-line", "across1 < 0 && across2 < 0 && along1 < 0", "across1 < 0 && across2 < 0"),
+        ("deepest-end", "if (-std::abs(h) <= least.distance) continue;", "if (k > 0 && -std::abs(h) >= least.distance) continue;"),
+        ("wall-of-one-cap", "if (s.halfLength == 0) break;\n\t}\n\treturn result;", "break;\n\t}\n\treturn result;"),
+        ("corner-of-the-box", "std::abs(along) > sideReach * s.halfLength) continue", "std::abs(along) < sideReach * s.halfLength) continue"),
+    ],
+    "problem/coulomb.hpp": [
+        ("sticks-beyond-the-cone", "std::abs(t) <= friction * n) return", "std::abs(t) <= 1.001 * friction * n) return"),
+        ("slides-along-the-slip", "slip > 0 ? -friction : friction", "slip > 0 ? friction : -friction"),
+        ("no-painleve", "w.nn + s * w.nt > 0 ? s : -s", "s"),
+        ("uncoupled-normal", "n = -(gn + w.nt * t) / w.nn", "n = -gn / w.nn"),
+        ("projection-without-polar", "if (friction * t <= -p.n) return {};", "if (p.n < 0) return {};"),
+        ("projection-off-the-cone", "(1 + friction * friction)", "(1 + friction)"),
+        ("restitution-not-cut", "> 0 ? active : passive) = share", "< 0 ? active : passive) = share"),
+    ],
+    "problem/residual.cpp": [
+        ("without-de-saxce", "(u.n + c.bias + c.friction * std::abs(u.t)) / w.nn", "(u.n + c.bias) / w.nn"),
+        ("without-bias", "(u.n + c.bias + c.friction", "(u.n + c.friction"),
+        ("violation-of-impulses", "point.w.nn * point.w.nn * square(point.miss)", "square(point.miss)"),
+    ],
+    "problem/residual.hpp": [
+        ("scale-overflows", "scale2 <= std::numeric_limits<double>::max() ?", "true ?"),
+        ("no-scale-of-stopping", "std::max(impulse2, 1e-16 * stopping2)", "impulse2"),
+    ],
+    "problem/contact_problem.cpp": [
+        ("nan-is-finite", "((values - values) + ...) == 0", "!(((values - values) + ...) > 0)"),
+        ("one-id-unchecked", "(std::size_t(c.body1) < bodies) & (std::size_t(c.body2) < bodies)", "(std::size_t(c.body1) < bodies)"),
+    ],
+    "sweep/coloring.hpp": [
+        ("second-body-free", "if (limits2) used_[body2] |= lowest;", ""),
+        ("overflow-takes-a-colour", "if (lowest >> colors) return none;\n\t\tif (limits1) used_[body1] |= lowest;", "if (limits1) used_[body1] |= lowest;\n\t\tif (lowest >> colors) return none;"),
+    ],
+    "sweep/layout.cpp": [
+        ("model-of-the-first-point", "joins ? std::min(need(problem, c), need(problem, points[k + 1])) : need(problem, c)", "need(problem, c)"),
+        ("layout-kept-for-other-kinds", "sameReductions && sameBodies && samePairs", "sameReductions && samePairs"),
+        ("special-bodies-packed", "if (!packable(pair)) continue;", ""),
+        ("prescribed-bodies-share-a-record", "moves(body) ? record_[body] : ownRecord(pair.model)", "record_[body]"),
+        ("threads-share-small-islands", "pairs > loneIslandPairs", "pairs > 0"),
+        ("levers-of-one-body", "turned(c.body1, c.arm1) || turned(c.body2, c.arm2)", "turned(c.body1, c.arm1)"),
+        ("vacant-lanes-of-one-side", "pairBlocks_.back().body2[lane] = offsetOf(ownRecord(model));", "pairBlocks_.back().body2[lane] = pairBlocks_.back().body1[lane];"),
+    ],
+    "sweep/momentum.hpp": [
+        ("never-restarts", "if (error <= (1 + growth_) * least_)", "if (true)"),
+        ("growth-the-wrong-way", "least_ < lastLeast_ ?", "least_ > lastLeast_ ?"),
+    ],
+    "sweep/stop_test.hpp": [
+        ("violation-not-asked", "(accurate && violation <= settings.violation)", "accurate"),
+        ("stall-never-seen", "sweeps_ - lowestAt_ >= settings_.stallSweeps", "sweeps_ - lowestAt_ > 1000000"),
+    ],
+    "sweep/packed_island.cpp": [
+        ("overflow-not-swept-with-momentum", "const Impulse from = c.p + momentum * (c.p - c.old)", "const Impulse from = c.p"),
+        ("overflow-not-measured", "total += { miss, square(c.p)", "total += { 0, square(c.p)"),
+        ("relaxed-without-projection", "projectCone(c.p + relaxation * (solve(c, c.p) - c.p), c.friction)", "c.p + relaxation * (solve(c, c.p) - c.p)"),
+    ],
+    "sweep/packed_problem.cpp": [
+        ("rebias-keeps-the-overflow", "c.bias = bias[c.point];", ""),
+        ("spin-not-scaled-back", ".spin * inverseGyration_[i]", ".spin"),
+    ],
+    "sweep/point_models.hpp": [
+        ("slides-one-way", "max(min(t0, n0 * L::load(c.slidePlus + lane))", "max(t0"),
+        ("friction-without-coupling", "return { subtractProduct(n0, ratio, t), t };", "return { n0, t };"),
+    ],
+    "delassus/row_batch.cpp": [
+        ("islands-cut", "total - begin_.back() + size[i] > maxBatchRows", "total - begin_.back() + size[i] > 2 * maxBatchRows"),
+        ("colour-of-a-neighbour", "taken |= bit[other];", "taken |= other % 7 ? bit[other] : 0;"),
+        ("starts-without-impulses", "impulse_[slice].of[lane] = { p.n, p.t };", "impulse_[slice].of[lane] = { p.n, 0 };"),
+    ],
+    "delassus/piece_steps.cpp": [
+        ("blocks-transposed", "matrix_.pairBlock(pairOf_[e], j < k)", "matrix_.pairBlock(pairOf_[e], j > k)"),
+    ],
+    "exact/block_lu.cpp": [
+        ("inverse-without-exchange", "std::swap(a[largest], a[k]);", ""),
+        ("upper-not-eliminated", "subtractProduct(upper_[entry], l, upper_[m]);", ""),
+        ("singular-not-seen", "if (!(std::abs(a[largest][k]) > 0)) return false;", ""),
+    ],
+    "exact/path_following.cpp": [
+        ("edge-passed", "-value >= edge.distance * slope) return;", "-value >= edge.distance * slope * 0.5) return;"),
+        ("fold-not-seen", "if (!(delta > 0)) {", "if (delta == 0) {"),
+        ("update-forgotten", "updates_.push_back({ change, delta, response_ });", ""),
+        ("no-shift-of-sliding", "shift_[i] = { -u.n, 0 };\n\t\t\t\t} else {", "shift_[i] = { 0, 0 };\n\t\t\t\t} else {"),
+        ("enters-sticking", "friction <= 0 ? 0 : tangential > 0 ? 1 : -1", "0"),
+    ],
+    "exact/proximal_problem.cpp": [
+        ("bias-forgotten", "referenceVelocity[i].n += c.bias;", ""),
+        ("pair-turned-round", "c.body1 > c.body2 });", "false });"),
+    ],
+    "exact/solve_exact.cpp": [
+        ("last-instead-of-best", "problem.impulse = best.impulse;", ""),
+        ("nan-stays-the-best", "if (std::isnan(residual) || std::isnan(violation)) return std::numeric_limits<double>::infinity();", ""),
+        ("no-cold-start", "problem.impulse.assign(problem.points.size(), {});", ""),
+    ],
+    "exact/stiffness.hpp": [
+        ("patience-without-limit", "std::min(limits_.maxPatience, 2 * patience_)", "2 * patience_"),
+    ],
+    "parallel/shared_loop.cpp": [
+        ("slices-too-large", "maxSlice  = int(indexMask)", "maxSlice  = int(indexMask) + 1"),
+        ("own-part-alone", "for (int k = 0; k < threads_; ++k) {\n\t\tstd::atomic", "for (int k = 0; k < 1; ++k) {\n\t\tstd::atomic"),
+        ("begin-forgotten", "work_(context_, begin_ + int(word & indexMask))", "work_(context_, int(word & indexMask))"),
+    ],
+    "parallel/team.hpp": [
+        ("last-exception", "if (!error || i < least)", "if (!error || i > least)"),
+        ("exception-kept", "if (guarded.error) std::rethrow_exception(guarded.error);", ""),
+    ],
+    "parallel/crew.cpp": [
+        ("hiring-throws", "} catch (const std::system_error&) {", "} catch (const std::bad_alloc&) {"),
+        ("no-helper-reused", "h.idle || !h.loop->isOpen()", "false"),
+        ("children-inherit-helpers", "pthread_atfork(nullptr, nullptr, [] { crew = new Crew; });", ""),
+        ("never-retires", "std::chrono::seconds(10)", "std::chrono::seconds(1000)"),
+    ],
+}  # fmt: skip
+
+
+def all_mutants():
+    return [Mutant(f"{file.split('/')[-1].split('.')[0]}:{name}", f"{KERNEL}/{file}", before, after)
+            for file, mistakes in TABLE.items() for name, before, after in mistakes]  # fmt: skip
+
+
+def tests_of(file):
+    """The unit's own tests, then those of all."""
+    room, unit = file.split("/")[-2], file.split("/")[-1].split(".")[0]
+    own = check.ROOT / check.TESTS / room / f"test_{unit}.py"
+    return [str(own.relative_to(check.ROOT))] * own.exists() + [check.TESTS]
+
+
+def copy_sources(folder):
+    for part in ("pkg/kernel", "pkg/python"):
+        shutil.copytree(check.ROOT / part, folder / part, dirs_exist_ok=True)
+    for part in ("CMakeLists.txt", "bench/CMakeLists.txt"):
+        (folder / part).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(check.ROOT / part, folder / part)
+
+
+def caught(mutant, package, log):
+    """Whether some test fails; the tests of the unit first."""
+    for tests in tests_of(mutant.file):
+        try:
+            if check.run([*check.PYTEST, "-x", tests], log, cwd=check.ROOT, env=check.environment(package, OMP_NUM_THREADS="1"), timeout=LIMIT):
+                return True
+        except subprocess.TimeoutExpired:
+            return True
+    return False
+
+
+def run(names):
+    """Builds and tests the mutants of these names, or all; returns the verdict and a line about it."""
+    chosen = [mutant for mutant in all_mutants() if not names or any(name in mutant.name for name in names)]
+    folder, log, flags = check.FOLDER / "mutants" / "source", check.FOLDER / "mutants.log", "-O1"
+    copy_sources(folder)
+    for mutant in chosen:
+        if (folder / mutant.file).read_text().count(mutant.before) != 1:
+            return False, f"{mutant.name}: '{mutant.before}' does not stand once in {mutant.file}: write the mutant anew"
+    survivors, broken = [], []
+    for number, mutant in enumerate(chosen, 1):
+        start, source = time.monotonic(), folder / mutant.file
+        whole = source.read_text()
+        source.write_text(whole.replace(mutant.before, mutant.after))
+        try:
+            package = check.build_kernel("mutants", flags, folder)
+            verdict = "does not build" if package is None else "caught" if caught(mutant, package, log) else "SURVIVED"
+        finally:
+            source.write_text(whole)
+        (survivors if verdict == "SURVIVED" else broken if verdict != "caught" else []).append(mutant.name)
+        print(f"check: mutant {number} of {len(chosen)}: {mutant.name}: {verdict} ({time.monotonic() - start:.0f} s)", file=sys.stderr, flush=True)
+    about = f"{len(chosen) - len(survivors) - len(broken)} of {len(chosen)} caught"
+    for kind, list_ in ("survived", survivors), ("do not build", broken):
+        about += f"; {kind}: {', '.join(list_)}" if list_ else ""
+    return not (survivors or broken), about

@@ -1,0 +1,172 @@
+"""The layout of a problem: what stands in one stage shares no moving body, and every pair that can carry something is there once."""
+
+import numpy as np
+import pytest
+from kernel.contact_problems import ALL, Problem, beside, discs, frictionless, grains_on_a_floor, pile, square_discs, wall_of_bricks, without
+from rcr import _kernel
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+WIDTH, NO_SLOT = 16, -1  # slots of a block; of a pair without one
+FRICTIONAL, FRICTIONLESS, CENTRAL = range(3)
+FEW_PAIRS, MANY_PAIRS = 16, 1024  # an island solved pair after pair; one that threads share
+
+PROBLEMS = {
+    "pile": lambda: pile(1),
+    "large pile": lambda: pile(2, 40, 20),
+    "bricks": lambda: wall_of_bricks(1, 12, 15),
+    "discs": lambda: square_discs(1),
+    "grains": lambda: grains_on_a_floor(40, points=2),
+    "heaps": lambda: beside(pile(3, 9, 7), discs(pile(4, 9, 7)), frictionless(pile(5, 12, 9)), grains_on_a_floor(5), pile(6, 2, 2)),
+    "hub": lambda: hub(40),
+}
+
+
+def hub(count):
+    """A disc that touches many."""
+    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    n = np.column_stack([np.cos(angle), np.sin(angle)])
+    return Problem(
+        "hub", inverse_mass=np.ones((count + 1, 3)), free_velocity=np.zeros((count + 1, 3)), normal=n, arm1=3 * n, arm2=-0.5 * n,
+        bodies=np.column_stack([np.zeros(count), np.arange(1, count + 1)]).astype(np.int32), bias=np.zeros(count), friction=np.full(count, 0.4),
+        impulse=np.zeros((count, 2)),
+    )  # fmt: skip
+
+
+@pytest.fixture(params=PROBLEMS)
+def case(request):
+    problem = PROBLEMS[request.param]()
+    return problem, {key: np.array(value) if key in ("pairs", "islands", "chunks", "blocks1", "blocks2", "records") else value
+                     for key, value in _kernel.layout(ALL, **problem).items()}  # fmt: skip
+
+
+def kinds(problem):
+    m = problem["inverse_mass"]
+    fixed = ~m.any(1)
+    return fixed, (m[:, 0] == m[:, 1]) & (m[:, 0] > 0)
+
+
+def joined_pairs(problem):
+    """Bodies and number of points of neighbouring points of the same two bodies, two at most."""
+    pairs = []
+    for a, b in problem["bodies"].tolist():
+        if pairs and pairs[-1][:2] == [a, b] and pairs[-1][2] == 1:
+            pairs[-1][2] = 2
+        else:
+            pairs.append([a, b, 1])
+    return np.array(pairs)
+
+
+def test_pairs_join_neighbouring_points(case):
+    problem, layout = case
+    np.testing.assert_array_equal(layout["pairs"][:, :3], joined_pairs(problem))
+
+
+def islands_of(problem, pairs):
+    """The island of each pair, in the order of their first pairs; −1 between prescribed bodies."""
+    fixed, _ = kinds(problem)
+    free = pairs[~fixed[pairs[:, :2]].any(1)]
+    part = connected_components(coo_array((np.ones(len(free)), free[:, :2].T), (len(fixed), len(fixed))), directed=False)[1]
+    number = {}
+    return np.array([-1 if fixed[a] and fixed[b] else number.setdefault(part[b if fixed[a] else a], len(number)) for a, b, *_ in pairs.tolist()])
+
+
+def test_islands_are_the_connected_parts(case):
+    """Of the graph of bodies without the prescribed ones, in the order of their first pairs."""
+    problem, layout = case
+    pairs = layout["pairs"]
+    of = islands_of(problem, pairs)
+    points = [pairs[of == k, 2].sum() for k in range(of.max() + 1)]
+    np.testing.assert_array_equal(layout["islands"][:, 0], points)
+    np.testing.assert_array_equal(layout["islands"][:, 1], [(of == k).sum() > MANY_PAIRS for k in range(of.max() + 1)])
+
+
+def test_every_pair_has_a_slot_or_is_overflow(case):
+    """Once; special bodies, small islands and prescribed pairs have no slot, and of these only the last are left out."""
+    problem, layout = case
+    fixed, regular = kinds(problem)
+    pairs, of = layout["pairs"], islands_of(problem, layout["pairs"])
+    slots = pairs[:, 4]
+    with_slot = slots[slots != NO_SLOT]
+    assert len(np.unique(with_slot)) == len(with_slot)
+    for island, overflow in enumerate(layout["overflow"]):
+        assert sorted(overflow) == overflow, "in the order of the problem"
+        np.testing.assert_array_equal(overflow, np.flatnonzero((of == island) & (slots == NO_SLOT)))
+    small = np.isin(of, np.flatnonzero(np.bincount(of[of >= 0]) <= FEW_PAIRS))
+    special = ~(fixed | regular)[pairs[:, :2]].all(1) | (of < 0)
+    assert (slots[small | special] == NO_SLOT).all()
+    if problem.name == "hub":  # one colour a pair, of sixteen
+        assert (slots != NO_SLOT).sum() == _kernel.Coloring.colors
+    else:
+        assert (slots[~(small | special)] != NO_SLOT).all()
+
+
+def test_pairs_of_a_stage_share_no_moving_body(case):
+    problem, layout = case
+    fixed, _ = kinds(problem)
+    for stage in np.unique(layout["chunks"][:, 4]) if len(layout["chunks"]) else []:
+        blocks = np.concatenate([np.arange(first, first + count) for first, count, *_ in layout["chunks"][layout["chunks"][:, 4] == stage]])
+        pairs = layout["pairs"][np.isin(layout["pairs"][:, 4] // WIDTH, blocks) & (layout["pairs"][:, 4] != NO_SLOT)]
+        bodies = pairs[:, :2].ravel()
+        moving = bodies[~fixed[bodies]]
+        assert len(np.unique(moving)) == len(moving), f"stage {stage}"
+
+
+def test_blocks_have_one_model_and_number_of_points(case):
+    _, layout = case
+    chunk_of = {block: chunk for chunk in layout["chunks"].tolist() for block in range(chunk[0], chunk[0] + chunk[1])}
+    assert len(chunk_of) == len(layout["blocks1"]), "a block belongs to one chunk"
+    for _, _, points, model, slot in layout["pairs"].tolist():
+        if slot != NO_SLOT:
+            assert chunk_of[slot // WIDTH][2:4] == [points, model]
+
+
+def test_records(case):
+    """A moving body has one record, wherever it stands; a prescribed side and a vacant slot each have one of their own."""
+    problem, layout = case
+    fixed, _ = kinds(problem)
+    pairs, sides = layout["pairs"], np.stack([layout["blocks1"].ravel(), layout["blocks2"].ravel()]) if len(layout["blocks1"]) else np.empty((2, 0))
+    placed = pairs[pairs[:, 4] != NO_SLOT]
+    own = np.ones(sides.shape, bool)
+    for side in range(2):
+        body, slot = placed[:, side], placed[:, 4]
+        moves = ~fixed[body]
+        np.testing.assert_array_equal(sides[side, slot[moves]], layout["records"][body[moves]])
+        own[side, slot[moves]] = False
+    alone = sides[own]
+    assert len(np.unique(alone)) == len(alone) and not np.isin(alone, layout["records"]).any()
+    assert len(np.unique(layout["records"])) == len(layout["records"])
+    whole = ~np.isin(np.arange(len(fixed)), pairs[pairs[:, 3] == CENTRAL][:, :2])
+    assert (layout["records"][whole] % 2 == 0).all(), "a whole record begins at an even half"
+    assert max([*layout["records"], *alone]) < layout["record_count"]
+
+
+def test_models():
+    """The least that serves: none without friction or lever; a few pairs get no blocks of their own."""
+
+    def models(problem, reductions=ALL):
+        pairs = np.array(_kernel.layout(reductions, **problem)["pairs"])
+        return set(pairs[pairs[:, 4] != NO_SLOT, 3].tolist())
+
+    assert models(square_discs(1)) == {CENTRAL} and models(square_discs(1), without("discs")) == {FRICTIONLESS}
+    assert models(square_discs(1), without("frictionless", "discs")) == {FRICTIONAL}
+    rough = pile(1)
+    rough["friction"][:] = 0.3
+    assert models(rough) == {FRICTIONAL}
+    for share, expected in (0.3, {FRICTIONAL, FRICTIONLESS}), (0.1, {FRICTIONAL}):
+        mixed = pile(2, 30, 12)
+        pair = np.unique(mixed["bodies"], axis=0, return_inverse=True)[1].ravel()
+        mixed["friction"] = np.where(np.random.default_rng(0).random(pair.max() + 1)[pair] < share, 0, 0.4)
+        assert models(mixed) == expected, f"{share} of the pairs without friction"
+
+
+def test_small_islands_are_swept_pair_after_pair():
+    layouts = [_kernel.layout(ALL, **grains_on_a_floor(1, points=2)), _kernel.layout(ALL, **hub(FEW_PAIRS)), _kernel.layout(ALL, **hub(FEW_PAIRS + 1))]
+    assert [len(layout["chunks"]) > 0 for layout in layouts] == [False, False, True]
+
+
+def test_the_layout_is_a_function_of_the_problem(case):
+    problem, layout = case
+    again = _kernel.layout(ALL, **problem)
+    np.testing.assert_array_equal(np.array(again["pairs"]), layout["pairs"])
+    np.testing.assert_array_equal(np.array(again["blocks1"]), layout["blocks1"])
