@@ -13,11 +13,11 @@ Conventions
 """
 
 import os
-import tempfile
 
 import h5py
 import numpy as np
 
+from rcr import checks, files
 from rcr.xi_networks import XiNetworks
 
 LEFT, BOTTOM, RIGHT, TOP = -1, -2, -3, -4
@@ -99,22 +99,16 @@ class Network:
             raise type(error)(f"{path}: {error}") from error
 
     def save(self, path):
-        """Write the network to `path`: whole or not at all."""
+        """Write the network to `path`: whole or not at all. Check sums in the file tell a reader of flipped bits."""
         from rcr import __version__
 
-        folder, name = os.path.split(os.path.abspath(path))
-        handle, partial = tempfile.mkstemp(prefix=name, suffix=".part", dir=folder)
-        os.close(handle)
-        try:
-            with h5py.File(partial, "w") as file:
-                for group, columns in (("particles", self.particles), ("contacts", self.contacts)):
-                    for column, data in columns.items():
-                        file.create_dataset(f"{group}/{column}", data=data)
-                file.attrs.update({"version": __version__, **self.attributes, "stress": self.stress()})
-            os.replace(partial, path)
-        except BaseException:
-            os.unlink(partial)
-            raise
+        def fill(file):
+            for group, columns in (("particles", self.particles), ("contacts", self.contacts)):
+                for column, data in columns.items():
+                    file.create_dataset(f"{group}/{column}", data=data, fletcher32=len(data) > 0)
+            file.attrs.update({"version": __version__, **self.attributes, "stress": self.stress()})
+
+        files.write(path, files.hdf5(fill, libver="v110"))
 
     @property
     def between_particles(self):
