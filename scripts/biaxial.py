@@ -115,8 +115,9 @@ def main():
     parameters = checked(**{name: value for name, value in vars(options).items() if name not in ("out", "resume", "overwrite", *HOW_LONG)})
     told = dict(parameters, strain=options.strain, networks=options.networks)
     how = dict(free=[*FREE, *HOW_LONG], checkpoint=CHECKPOINT, last="summary.json", resume=options.resume, overwrite=options.overwrite)
-    with script.stoppable() as stop, results.owned(options.out, "biaxial.py", told, MADE, **how):
+    with script.stoppable() as stop, results.owned(options.out, "biaxial.py", told, MADE, **how) as begin:
         test = load(options, parameters) if options.resume else Biaxial.prepare(**parameters)
+        begin()
         checkpoints = Checkpoints(test, options.out, stop)
         if test.progress["phase"] != "shear":
             compact(test, options, checkpoints)

@@ -50,6 +50,13 @@ def array(name, value, shape=None):
     ValueError
         If it holds something else than real numbers, has another shape, or a number is not finite.
     """
+    value = reals(name, value, shape)
+    every(np.isfinite(value), name, value, "finite numbers")
+    return value
+
+
+def reals(name, value, shape=None):
+    """The same, infinite ones and NaN too."""
     try:
         value = np.asarray(value)
     except ValueError:
@@ -59,9 +66,7 @@ def array(name, value, shape=None):
     if shape is not None and (value.ndim != len(shape) or any(k is not None and k != n for k, n in zip(shape, value.shape))):
         given = str(tuple("any" if k is None else k for k in shape)).replace("'", "")
         raise ValueError(f"{name} has shape {value.shape}; wanted {given}")
-    value = np.ascontiguousarray(value, float)
-    every(np.isfinite(value), name, value, "finite numbers")
-    return value
+    return np.asarray(value, float, order="C")
 
 
 def ids(name, value, end):

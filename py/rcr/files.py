@@ -34,7 +34,7 @@ def write(path, content):
     target = os.path.realpath(path)
     partial = _beside(target)
     try:
-        with _locked(partial) as file:
+        with locked(partial) as file:
             try:
                 file.truncate(0)
                 file.write(content.encode() if isinstance(content, str) else content)
@@ -69,15 +69,26 @@ def _beside(target):
     return os.path.join(folder, PART + os.fsdecode(os.fsencode(name)[-200:]))
 
 
-def _locked(partial):
-    """`partial` open for writing, and its lock: two that write the same file do so one after the other."""
+def locked(path, wait=True):
+    """The file `path` open for appending, made if missing, and locked until it is closed or the process ends.
+
+    Raises
+    ------
+    BlockingIOError
+        If another process has the lock and this one is not to wait.
+    """
     while True:
-        file = open(partial, "ab")
-        fcntl.flock(file, fcntl.LOCK_EX)
-        with contextlib.suppress(FileNotFoundError):
-            if os.path.samestat(os.fstat(file.fileno()), os.stat(partial)):
+        file = open(path, "ab")
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+            if os.path.samestat(os.fstat(file.fileno()), os.stat(path)):
                 return file
-        file.close()  # the other has renamed it meanwhile
+        except FileNotFoundError:
+            pass
+        except BaseException:
+            file.close()
+            raise
+        file.close()  # the other process has renamed or removed it meanwhile
 
 
 def _flush_names(folder):

@@ -7,7 +7,6 @@ can tell a mixture.
 
 import contextlib
 import datetime
-import fcntl
 import functools
 import hashlib
 import json
@@ -60,7 +59,10 @@ def read(folder):
 
 @contextlib.contextmanager
 def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None, resume=False, overwrite=False):
-    """Block in which the folder, made if missing, belongs to this run and to no other process.
+    """Block in which the folder, made if missing, belongs to this process. It yields `begin`, which makes it this run's.
+
+    `begin()` removes the files of the run before, unless it is resumed, writes run.json and returns what that holds: to be called when
+    what could fail before has not.
 
     Parameters
     ----------
@@ -96,38 +98,50 @@ def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None
         old = [path for pattern in made for path in sorted(folder.glob(pattern))]
         if kept is not None and kept["program"] != program:
             raise ValueError(f"{folder} holds results of {kept['program']}; wanted another --out")
-        own = dict(program=program, run=identity({name: value for name, value in parameters.items() if name not in free}), parameters=parameters)
-        now = dict(version=_version(), commit=commit(), date=datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"))
         if resume:
             _check_resumable(folder, kept, parameters, free)
-            kept = kept or dict(own, **now)
-            record = dict(kept, parameters=parameters, continued=[*kept.get("continued", ()), now])
-        else:
-            if not overwrite:
-                _check_new(folder, kept, old, parameters)
-                if checkpoint and (folder / checkpoint).exists() and not (folder / last).exists():
-                    raise ValueError(f"{folder} holds this run, not complete; --resume goes on with it, --overwrite starts anew")
-            for path in old:
-                path.unlink()
+        elif not overwrite:
+            _check_new(folder, kept, old, parameters)
+            if checkpoint and (folder / checkpoint).exists() and not (folder / last).exists():
+                raise ValueError(f"{folder} holds this run, not complete; --resume goes on with it, --overwrite starts anew")
+        own = dict(program=program, run=identity({name: value for name, value in parameters.items() if name not in free}), parameters=parameters)
+
+        def begin():
+            now = dict(version=_version(), commit=commit(), date=datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"))
             record = dict(own, **now)
-        files.write(folder / RUN, json.dumps(record, indent=2, ensure_ascii=False) + "\n")
-        yield record
+            if resume and kept:
+                record = dict(kept, parameters=parameters, continued=[*kept.get("continued", ()), now])
+            for path in [] if resume else old:
+                path.unlink()
+            files.write(folder / RUN, json.dumps(record, indent=2, ensure_ascii=False) + "\n")
+            return record
+
+        yield begin
 
 
 @contextlib.contextmanager
 def _locked(folder):
-    with open(folder / LOCK, "a") as lock:
+    path = folder / LOCK
+    try:
+        lock = files.locked(path, wait=False)
+    except BlockingIOError:
+        raise ValueError(f"{folder}: another process is writing there; wait for it or choose another --out") from None
+    with lock:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise ValueError(f"{folder}: another process is writing there; wait for it or choose another --out") from None
-        yield
+            yield
+        finally:
+            path.unlink(missing_ok=True)
 
 
 def differing(one, other, free=()):
     """Names of the parameters that differ, with both values in words; '' if none does."""
     names = [name for name in dict.fromkeys([*one, *other]) if name not in free and one.get(name) != other.get(name)]
-    return ", ".join(f"{name} = {one.get(name)} (here {other.get(name)})" for name in names)
+    return ", ".join(f"{name} = {_short(one.get(name))} (here {_short(other.get(name))})" for name in names)
+
+
+def _short(value):
+    text = str(value)
+    return text if len(text) <= 80 else f"{text[:79]}…"
 
 
 def _check_resumable(folder, kept, parameters, free):

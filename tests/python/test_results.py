@@ -19,14 +19,15 @@ def owned(folder, parameters=PARAMETERS, **how):
 
 
 def make(folder, parameters=PARAMETERS, files=("data-1.txt", "checkpoint", "summary.json"), **how):
-    with owned(folder, parameters, **how) as record:
+    with owned(folder, parameters, **how) as begin:
+        record = begin()
         for name in files:
             (folder / name).write_text(json.dumps(parameters))
     return record
 
 
 def names(folder):
-    return sorted(path.name for path in folder.iterdir() if path.name != ".lock")
+    return sorted(path.name for path in folder.iterdir())
 
 
 def test_the_record(tmp_path):
@@ -67,6 +68,13 @@ def test_the_same_run_again(tmp_path):
     make(tmp_path)
 
 
+def test_what_fails_before_it_begins_loses_nothing(tmp_path):
+    make(tmp_path)
+    with pytest.raises(RuntimeError), owned(tmp_path, dict(PARAMETERS, eta=0.4), overwrite=True):
+        raise RuntimeError
+    assert "data-1.txt" in names(tmp_path) and results.read(tmp_path)["parameters"] == PARAMETERS
+
+
 def test_resume_keeps_the_files_and_may_change_what_is_free(tmp_path):
     first = make(tmp_path, files=("checkpoint",))
     record = make(tmp_path, dict(PARAMETERS, threads=4), files=("summary.json",), resume=True)
@@ -95,7 +103,7 @@ def test_parts_of_a_killed_process_go(tmp_path):
 def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
     code = (
         "import sys; from rcr import results\n"
-        "with results.owned(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), []): print('in', flush=True); sys.stdin.read()"
+        "with results.owned(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), []) as begin: begin(); print('in', flush=True); sys.stdin.read()"
     )
     other = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     assert other.stdout.readline() == b"in\n"
