@@ -139,7 +139,9 @@ def reading(path, kind):
     OSError
         If the file is missing, is a folder or may not be read.
     """
-    with open(path_of("the path of a file", path), "rb"):
+    if stat.S_ISFIFO(os.stat(path_of("the path of a file", path)).st_mode):
+        raise OSError(22, "is a pipe; wanted a file", os.fspath(path))
+    with open(path, "rb"):
         pass
     try:
         yield
