@@ -23,10 +23,9 @@ MADE = ["analysis.json", "report.html", "table.md", "O[0-9]*.png", "O[0-9]*.pdf"
 def arguments():
     parser = script.Parser(prog="network.py", description=__doc__)
     parser.add_argument("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
-    parser.add_argument("--out", type=script.folder, required=True, metavar="DIR", help="folder of the results, made if missing")
+    script.add_results(parser, "results")
     parser.add_argument("--from-strain", type=script.number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1), metavar="E",
                         help="start of the critical state (default: half of each test's last strain)")  # fmt: skip
-    parser.add_argument("--overwrite", action="store_true", help="remove the analysis of other runs that is in the folder of the results")
     return parser.parse_args()
 
 

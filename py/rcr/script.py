@@ -72,6 +72,12 @@ def new_file(text):
     return path
 
 
+def add_results(parser, what, required=True):
+    """The options --out, a folder, and --overwrite, as `rcr.results.owned` wants them."""
+    parser.add_argument("--out", type=folder, required=required, metavar="DIR", help=f"folder of the {what}, made if missing")
+    parser.add_argument("--overwrite", action="store_true", help=f"remove {what} of other options that are there")
+
+
 def _path(text):
     try:
         return files.path_of("the path", text)

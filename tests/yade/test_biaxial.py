@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from rcr.biaxial import CHECKPOINT, STRESS, Biaxial
 from rcr.network import Network
+from run_contents import contents, different
 from yade import O
 
 import forked
@@ -273,16 +274,6 @@ def script(*arguments, **settings):
     return subprocess.run([*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300, **settings)
 
 
-def contents(folder):
-    """Everything that must not depend on interruptions."""
-    found = {"history": (folder / "history.csv").read_text()}
-    for path in folder.glob("*.h5"):
-        network = Network.load(path)
-        found[path.name] = [column.tolist() for group in (network.particles, network.contacts) for column in group.values()]
-    summary = json.loads((folder / "summary.json").read_text())
-    return found | {"summary": {key: value for key, value in summary.items() if key != "wall_seconds"}}
-
-
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("run") / "out"
@@ -337,7 +328,7 @@ def test_script_goes_on_to_a_larger_strain(done, tmp_path):
     assert script(*SMALL, "--strain", "0.02", "--threads", "2", "--resume", "--out", done).returncode == 0
     assert script(*SMALL, "--strain", "0.02", "--out", tmp_path / "straight").returncode == 0
     one, two = contents(done), contents(tmp_path / "straight")
-    assert one["history"] == two["history"] and one["network-0.0196.h5"] == two["network-0.0196.h5"]
+    assert one["history.csv"] == two["history.csv"] and one["network-0.0196.h5"] == two["network-0.0196.h5"]
 
 
 def test_script_stops_cleanly_and_goes_on_to_the_same_results(tmp_path):
@@ -361,7 +352,7 @@ def test_script_stops_cleanly_and_goes_on_to_the_same_results(tmp_path):
             assert process.returncode in (0, -signal.SIGKILL), errors
     assert 130 in codes
     assert script(*arguments, "--resume", "--out", out).returncode == 0
-    assert contents(out) == contents(tmp_path / "straight")
+    assert not different(contents(out), contents(tmp_path / "straight"))
 
 
 def test_script_with_the_smooth_law(tmp_path):
