@@ -145,12 +145,13 @@ def main():
     if given.worker:
         return work(options)
     parameters = dict(charts=given.charts, quick=options.quick, particles=options.particles, siconos=options.siconos, limit=options.limit)
-    with results.owned(options.out, "chart.py", parameters, [], free=list(parameters), resume=True) as begin:
+    with results.owned(options.out, "chart.py", parameters, [], free=list(parameters), resume=True, wait=True) as begin:
         begin()  # many calls may fill a folder: its rows tell their settings
-        worker = Worker(options.limit)
-        for letter in given.charts:
+    worker = Worker(options.limit)
+    for letter in given.charts:
+        with results.alone(options.out, f".lock-{letter}"):
             draw(letter, given, options, worker)
-        worker.end()
+    worker.end()
 
 
 script.run(main)

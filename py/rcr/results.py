@@ -58,7 +58,7 @@ def read(folder):
 
 
 @contextlib.contextmanager
-def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None, resume=False, overwrite=False):
+def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None, resume=False, overwrite=False, wait=False):
     """Block in which the folder, made if missing, belongs to this process. It yields `begin`, which makes it this run's.
 
     `begin()` removes the files of the run before, unless it is resumed, writes run.json and returns what that holds: to be called when
@@ -81,6 +81,8 @@ def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None
         Go on with the run that is there.
     overwrite : bool
         Remove a run of other parameters, or one that has a checkpoint and is not complete.
+    wait : bool
+        For another process that has the folder, instead of a refusal.
 
     Raises
     ------
@@ -91,9 +93,8 @@ def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None
     """
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    with _locked(folder):
-        for partial in folder.glob(files.PART + "*"):  # of a process that was killed
-            shutil.rmtree(partial) if partial.is_dir() else partial.unlink()
+    with alone(folder, wait=wait):
+        _remove_parts(folder)
         kept = read(folder)
         old = [path for pattern in made for path in sorted(folder.glob(pattern))]
         if kept is not None and kept["program"] != program:
@@ -120,10 +121,17 @@ def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None
 
 
 @contextlib.contextmanager
-def _locked(folder):
-    path = folder / LOCK
+def alone(folder, name=LOCK, wait=False):
+    """Block in which no other process is in its block for the folder and the name; the lock ends with the process.
+
+    Raises
+    ------
+    ValueError
+        If another one is, and this one is not to wait.
+    """
+    path = pathlib.Path(folder) / name
     try:
-        lock = files.locked(path, wait=False)
+        lock = files.locked(path, wait)
     except BlockingIOError:
         raise ValueError(f"{folder}: another process is writing there; wait for it or choose another --out") from None
     with lock:
@@ -142,6 +150,16 @@ def differing(one, other, free=()):
 def _short(value):
     text = str(value)
     return text if len(text) <= 80 else f"{text[:79]}…"
+
+
+def _remove_parts(folder):
+    """What killed processes have left half written; not what another one is writing, as charts side by side do."""
+    for partial in folder.glob(files.PART + "*"):
+        if partial.is_dir():
+            shutil.rmtree(partial)
+            continue
+        with contextlib.suppress(BlockingIOError), files.locked(partial, wait=False):
+            partial.unlink()
 
 
 def _check_resumable(folder, kept, parameters, free):

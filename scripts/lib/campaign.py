@@ -49,7 +49,7 @@ def arguments():
 
 def command(options, extra):
     """Snakemake's. It dies with this process, and its jobs with it; its own lock outlives a kill, ours does not, hence --nolock."""
-    threads = max(1, options.jobs // (len(options.etas) * len(options.seeds)))
+    threads = min(1024, max(1, options.jobs // (len(options.etas) * len(options.seeds))))
     config = {
         "particles": options.particles,
         "strain": options.strain,
