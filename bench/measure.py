@@ -1,6 +1,5 @@
 """What the benchmarks share: the residual in NumPy, problems made larger, times of sweeps, tables. Needs NumPy and SciPy."""
 
-import csv
 import os
 import time
 from functools import partial
@@ -279,11 +278,14 @@ def show(title, rows, columns):
 
 def write(path, rows, columns):
     """Write rows (dicts) as CSV, the file whole or not at all."""
-    with open(path + ".part", "w", newline="") as file:
-        writer = csv.DictWriter(file, columns, extrasaction="ignore")
-        writer.writeheader()
-        writer.writerows(rows)
-    os.replace(path + ".part", path)
+    from rcr import files
+
+    files.write(path, files.table(columns, rows))
+
+
+def told(options):
+    """Options of a script, for its run.json."""
+    return {name: value for name, value in vars(options).items() if name not in ("out", "overwrite")}
 
 
 def _cell(value):

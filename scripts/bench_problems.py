@@ -4,25 +4,22 @@ Run it with YADE:  scripts/yade-rcr -n -x scripts/bench_problems.py --particles 
 Writes DIR/nPARTICLES_eETA_STRAIN.npz, to be read by scripts/solve.py, scripts/bench_solver.py and rcr.problems.load.
 """
 
-import argparse
 import os
-import sys
 
-from rcr.biaxial import RECORD, TIME_STEP, Biaxial
+from rcr import results, script
+from rcr.biaxial import RECORD, TIME_STEP, Biaxial, checked
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="bench_problems.py", description=__doc__.splitlines()[0])
-    parser.add_argument("--particles", type=int, default=2000, help="number of grains (default %(default)s)")
-    parser.add_argument("--eta", type=float, default=0.7, help="elongation, 0 = disc (default %(default)s)")
-    parser.add_argument("--seed", type=int, default=1, help="of sizes, places and orientations (default %(default)s)")
-    parser.add_argument("--time-step", type=float, default=TIME_STEP, help="of the shear, over √(m/σ0) (default %(default)s)")
-    parser.add_argument("--states", type=int, default=5, help="number of problems, at equal strains (default %(default)s)")
-    parser.add_argument("--strain", type=float, default=0.05, help="strain of the last one (default %(default)s)")
-    parser.add_argument("--out", required=True, metavar="DIR", help="folder of the problems, made if missing")
+    parser = script.Parser(prog="bench_problems.py", description=__doc__.splitlines()[0])
+    parser.add_argument("--particles", type=script.whole(), default=2000, help="number of grains (default %(default)s)")
+    parser.add_argument("--eta", type=script.number(), default=0.7, help="elongation, 0 = disc (default %(default)s)")
+    parser.add_argument("--seed", type=script.whole(), default=1, help="of sizes, places and orientations (default %(default)s)")
+    parser.add_argument("--time-step", type=script.number(), default=TIME_STEP, help="of the shear, over √(m/σ0) (default %(default)s)")
+    parser.add_argument("--states", type=script.at_least(1), default=5, help="number of problems, at equal strains (default %(default)s)")
+    parser.add_argument("--strain", type=script.number(), default=0.05, help="strain of the last one (default %(default)s)")
+    script.add_results(parser, "problems")
     options = parser.parse_args()
-    if options.states < 1:
-        parser.error(f"--states {options.states}: wanted at least 1")
     if not options.states * RECORD <= options.strain < 1:
         parser.error(f"--strain {options.strain}: wanted at least {RECORD:g} a state, below 1")
     return options
@@ -30,19 +27,18 @@ def arguments():
 
 def main():
     options = arguments()
-    os.makedirs(options.out, exist_ok=True)
-    test = Biaxial.prepare(options.eta, options.particles, options.seed, time_step=options.time_step)
-    test.compact()
-    for state in range(1, options.states + 1):
-        while test.strain < state * options.strain / options.states - 0.5 * RECORD:
-            test.shear_record()
-        path = os.path.join(options.out, f"n{options.particles}_e{options.eta:g}_{test.strain:.4f}.npz")
-        test.solver.save(path)
-        print(f"{path}: {test.solver.contactPoints} contact points", flush=True)
+    parameters = checked(options.eta, options.particles, options.seed, time_step=options.time_step)
+    told = dict(parameters, states=options.states, strain=options.strain)
+    with results.owned(options.out, "bench_problems.py", told, ["n*_e*.npz"], overwrite=options.overwrite) as begin:
+        test = Biaxial.prepare(**parameters)
+        test.compact()
+        begin()
+        for state in range(1, options.states + 1):
+            while test.strain < state * options.strain / options.states - 0.5 * RECORD:
+                test.shear_record()
+            path = os.path.join(options.out, f"n{options.particles}_e{options.eta:g}_{test.strain:.4f}.npz")
+            test.solver.save(path)
+            print(f"{path}: {test.solver.contactPoints} contact points", flush=True)
 
 
-try:
-    main()
-except (ValueError, RuntimeError, OSError) as error:
-    print(f"bench_problems.py: {error}", file=sys.stderr)
-    os._exit(1)  # YADE's own exit would forget the code
+script.run(main)

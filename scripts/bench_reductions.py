@@ -5,9 +5,8 @@ Problems are lattices of discs, or those given; friction is switched off where a
 time, the minimum of several runs; `sweeps` is the time per contact point and sweep, `call` that of a whole solution.
 """
 
-import argparse
+import contextlib
 import os
-import sys
 from functools import partial
 
 from lib import environment
@@ -16,7 +15,7 @@ try:
     import measure
     import numpy as np
     import rcr._kernel as kernel
-    from rcr import problems
+    from rcr import problems, results, script
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
     environment.reenter(error)
 
@@ -121,25 +120,22 @@ def rows(given, options):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="bench_reductions.py", description=__doc__.splitlines()[0])
+    parser = script.Parser(prog="bench_reductions.py", description=__doc__.splitlines()[0])
     parser.add_argument("problems", nargs="*", metavar="PROBLEM", help="file .npz with bodies (default: lattices of 500, 2000 and 8000 discs)")
-    parser.add_argument("--repeats", type=int, default=20, metavar="N", help="runs of which the least counts (default %(default)s)")
-    parser.add_argument("--out", metavar="DIR", help="also writes reductions.csv there")
+    parser.add_argument("--repeats", type=script.at_least(1), default=20, metavar="N", help="runs of which the least counts (default %(default)s)")
+    script.add_results(parser, "table", required=False)
     options = parser.parse_args()
-    if options.repeats < 1:
-        raise ValueError(f"--repeats {options.repeats}: wanted at least 1")
     given = measure.given(options.problems)
     for name, problem in given:
         if not isinstance(problem, problems.BodyProblem):
             raise ValueError(f"{name}: holds W and q, not bodies; give a .npz file")
-    table = list(rows([(name, problem.arrays()) for name, problem in given], options))
-    measure.show("reductions", table, COLUMNS)
-    if options.out:
-        os.makedirs(options.out, exist_ok=True)
-        measure.write(os.path.join(options.out, "reductions.csv"), table, COLUMNS)
+    told = dict(parameters=measure.told(options), made=["reductions.csv"], overwrite=options.overwrite)
+    with results.owned(options.out, "bench_reductions.py", **told) if options.out else contextlib.nullcontext() as begin:
+        table = list(rows([(name, problem.arrays()) for name, problem in given], options))
+        measure.show("reductions", table, COLUMNS)
+        if options.out:
+            begin()
+            measure.write(os.path.join(options.out, "reductions.csv"), table, COLUMNS)
 
 
-try:
-    main()
-except (ValueError, OSError, RuntimeError) as error:
-    sys.exit(f"bench_reductions.py: {error}")
+script.run(main)

@@ -6,7 +6,6 @@ growth (with the size of the problem), roofline. Ratios are of one run; times ar
 thread are processor time, which other programs on the machine hardly change; those of more are by the clock.
 """
 
-import argparse
 import csv
 import json
 import os
@@ -23,7 +22,7 @@ try:
     import measure
     import numpy as np
     import rcr._kernel as kernel
-    from rcr import problems
+    from rcr import problems, results, script
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
     environment.reenter(error, outside.stay)
 
@@ -223,22 +222,22 @@ def clock_ghz():
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="bench_solver.py", description=__doc__.splitlines()[0])
+    parser = script.Parser(prog="bench_solver.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("problems", nargs="*", metavar="PROBLEM", help="file .npz, .h5, .hdf5 or .dat (default: lattices, good for sweeps alone)")
-    add("--mirror", type=int, default=0, metavar="K", help="also each problem with bodies doubled 1 … K times at its walls")
+    add("--mirror", type=script.at_least(0, 20), default=0, metavar="K", help="also each problem with bodies doubled 1 … K times at its walls")
     add("--only", nargs="+", choices=("sweeps", "tolerances"), default=["sweeps", "tolerances"], help="what to measure")
     add("--solvers", nargs="+", default=list(SOLVERS), metavar="S", help="for the tolerances (default: nesterov exact auto)")
-    add("--tolerances", type=float, nargs="+", default=list(TOLERANCES), metavar="T", help="(default: 1e-4 1e-6 1e-8 1e-10)")
+    add("--tolerances", type=script.number("numbers between 0 and 1", lambda v: 0 < v < 1), nargs="+", default=list(TOLERANCES), metavar="T", help="(default: 1e-4 1e-6 1e-8 1e-10)")
     add("--warm", action="store_true", help="start from the impulses in the files too")
-    add("--threads", type=int, nargs="+", default=[1, 2], metavar="N", help="(default: 1 2)")
-    add("--repeats", type=int, default=20, metavar="N", help="runs of which the least counts (default %(default)s)")
-    add("--budget", type=float, default=5, metavar="S", help="s after which a time is not repeated (default %(default)s)")
-    add("--max-iterations", type=int, default=100000, metavar="N", help="sweeps or steps at most (default %(default)s)")
+    add("--threads", type=script.THREADS, nargs="+", default=[1, 2], metavar="N", help="(default: 1 2)")
+    add("--repeats", type=script.at_least(1), default=20, metavar="N", help="runs of which the least counts (default %(default)s)")
+    add("--budget", type=script.number("seconds ≥ 0", lambda v: v >= 0), default=5, metavar="S", help="s after which a time is not repeated (default %(default)s)")
+    add("--max-iterations", type=script.at_least(1), default=100000, metavar="N", help="sweeps or steps at most (default %(default)s)")
     add("--siconos", metavar="PYTHON", help="a Python with siconos.numerics and scipy, also one outside of the environment")
     add("--siconos-methods", nargs="+", choices=("nsgs", "admm"), default=["nsgs"], help="(default: nsgs)")
-    add("--limit", type=float, default=20, metavar="S", help="seconds after which Siconos is given up (default %(default)s)")
-    add("--out", required=True, metavar="DIR", help="folder of the CSV files, made if missing")
+    add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=20, metavar="S", help="seconds after which Siconos is given up (default %(default)s)")
+    script.add_results(parser, "tables")
     return parser.parse_args()
 
 
@@ -246,13 +245,6 @@ def check(options):
     wrong = [name for name in options.solvers if name not in kernel.solver_names()]
     if wrong:
         raise ValueError(f"--solvers {wrong[0]}: wanted some of {', '.join(kernel.solver_names())}")
-    for name, least in dict(mirror=0, repeats=1, max_iterations=1).items():
-        if getattr(options, name) < least:
-            raise ValueError(f"--{name.replace('_', '-')} {getattr(options, name)}: wanted at least {least}")
-    if min(options.threads) < 1:
-        raise ValueError(f"--threads {min(options.threads)}: wanted at least 1")
-    if not all(0 < t < 1 for t in options.tolerances):
-        raise ValueError(f"--tolerances {' '.join(map(str, options.tolerances))}: wanted numbers between 0 and 1")
 
 
 def given(options):
@@ -269,7 +261,16 @@ def given(options):
 def main():
     options = arguments()
     check(options)
-    os.makedirs(options.out, exist_ok=True)
+    with results.owned(options.out, "bench_solver.py", measure.told(options), [f"{name}.csv" for name in COLUMNS], overwrite=options.overwrite) as begin:
+        tables = measured(options)
+        begin()
+        for name, rows in tables.items():
+            measure.show(name, rows, COLUMNS[name])
+            measure.write(os.path.join(options.out, f"{name}.csv"), rows, COLUMNS[name])
+
+
+def measured(options):
+    """Rows of every table."""
     tables = {name: [] for name in COLUMNS}
     for name, problem in given(options):
         case = Case(name, problem)
@@ -285,12 +286,7 @@ def main():
                 tables["tolerances"] += rows
                 tables["peers"] += peers
     tables["growth"] = list(growth_rows(tables["tolerances"]))
-    for name, rows in tables.items():
-        measure.show(name, rows, COLUMNS[name])
-        measure.write(os.path.join(options.out, f"{name}.csv"), rows, COLUMNS[name])
+    return tables
 
 
-try:
-    main()
-except (ValueError, OSError, RuntimeError) as error:
-    sys.exit(f"bench_solver.py: {error}")
+script.run(main)

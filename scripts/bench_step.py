@@ -9,7 +9,6 @@ each engine. Times are the minimum of several runs, of the libraries and our sol
 tables are printed and written as CSV.
 """
 
-import argparse
 import json
 import os
 import sys
@@ -26,6 +25,7 @@ try:
     import numpy as np
     import packing as packings
     import rcr._kernel as kernel
+    from rcr import results, script
     from rcr.problems import BodyProblem
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
     environment.reenter(error, outside.stay)
@@ -187,6 +187,8 @@ def time_checkpoint(folder, options):
     scene = Omega()
     test = Biaxial.load(folder)
     solver = test.solver
+    if test.parameters["law"] != "cd":
+        raise ValueError(f"{folder} holds a test with springs; wanted one with rigid contacts")
     solver.threads = options.threads
     if options.iterations:
         solver.solver, solver.tolerance, solver.maxIterations = "nesterov", 0, options.iterations
@@ -234,33 +236,26 @@ def time_yade(options):
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="bench_step.py", description=__doc__.splitlines()[0])
+    parser = script.Parser(prog="bench_step.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("inputs", nargs="+", metavar="PACKING|FOLDER", help="step .npz or network .h5; with YADE, a folder of scripts/biaxial.py")
-    add("--iterations", type=int, metavar="N", help="of a step (default 40; in YADE as the tolerance of the scene asks)")
-    add("--steps", type=int, default=None, metavar="N", help="warm steps in the libraries (default 20), steps in YADE (default 200)")
-    add("--friction", type=float, default=0.5, help="between grains (default %(default)s)")
-    add("--threads", type=int, default=1, metavar="N", help="of our solver in YADE (default %(default)s)")
-    add("--repeats", type=int, default=5, metavar="N", help="runs of which the least counts (default %(default)s)")
-    add("--budget", type=float, default=20, metavar="S", help="s after which a time is not repeated (default %(default)s)")
+    add("--iterations", type=script.at_least(1), metavar="N", help="of a step (default 40; in YADE as the tolerance of the scene asks)")
+    add("--steps", type=script.at_least(1), default=None, metavar="N", help="warm steps in the libraries (default 20), steps in YADE (default 200)")
+    add("--friction", type=script.number("a coefficient ≥ 0", lambda v: v >= 0), default=0.5, help="between grains (default %(default)s)")
+    add("--threads", type=script.THREADS, default=1, metavar="N", help="of our solver in YADE (default %(default)s)")
+    add("--repeats", type=script.at_least(1), default=5, metavar="N", help="runs of which the least counts (default %(default)s)")
+    add("--budget", type=script.number("seconds ≥ 0", lambda v: v >= 0), default=20, metavar="S", help="s after which a time is not repeated (default %(default)s)")
     for name in PEERS:
         add(f"--{name}", metavar="PROGRAM", help=f"program, of this system or outside (default: build/bench/{name}_step)")
-    add("--out", required=True, metavar="DIR", help="folder of the CSV files, made if missing")
+    script.add_results(parser, "tables")
     return parser.parse_args()
 
 
 def check(options, in_yade):
     if options.iterations is None and not in_yade:
         options.iterations = 40
-    for name in "iterations", "threads", "repeats":
-        if getattr(options, name) is not None and getattr(options, name) < 1:
-            raise ValueError(f"--{name} {getattr(options, name)}: wanted at least 1")
     if options.steps is None:
         options.steps = 200 if in_yade else 20
-    if options.steps < 1:
-        raise ValueError(f"--steps {options.steps}: wanted at least 1")
-    if not options.friction >= 0:
-        raise ValueError(f"--friction {options.friction}: wanted a coefficient ≥ 0")
     for path in options.inputs:
         if os.path.isdir(path) and not in_yade:
             raise ValueError(f"{path} is a folder: a checkpoint needs YADE, scripts/yade-rcr -n -x scripts/bench_step.py {path} --out DIR")
@@ -272,15 +267,13 @@ def main():
     options = arguments()
     in_yade = "yade" in sys.modules
     check(options, in_yade)
-    os.makedirs(options.out, exist_ok=True)
-    for name, (rows, columns) in (time_yade if in_yade else compare_libraries)(options).items():
-        measure.show(name, rows, columns)
-        measure.write(os.path.join(options.out, f"{name}.csv"), rows, columns)
+    made = [f"{name}.csv" for name in ("yade_engines", "yade_step", "step")]
+    with results.owned(options.out, "bench_step.py", measure.told(options), made, overwrite=options.overwrite) as begin:
+        tables = (time_yade if in_yade else compare_libraries)(options)
+        begin()
+        for name, (rows, columns) in tables.items():
+            measure.show(name, rows, columns)
+            measure.write(os.path.join(options.out, f"{name}.csv"), rows, columns)
 
 
-try:
-    main()
-except (ValueError, OSError, RuntimeError) as error:
-    print(f"bench_step.py: {error}", file=sys.stderr)
-    sys.stdout.flush()
-    os._exit(1)  # YADE's own exit would forget the code
+script.run(main)

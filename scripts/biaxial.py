@@ -1,106 +1,131 @@
 """Biaxial test of rounded-cap rectangles: loose start, frictionless isotropic compaction, shear.
 
 Run it with YADE:  scripts/yade-rcr -n -x scripts/biaxial.py --eta 0.5 --particles 400 --strain 0.1 --out out
-Writes DIR/summary.json, DIR/history.csv, DIR/isotropic.h5 and DIR/network-*.h5; DIR/checkpoint.yade.gz is for --resume.
+Writes DIR/summary.json, DIR/history.csv, DIR/isotropic.h5 and DIR/network-*.h5; DIR/checkpoint.yade.gz is for --resume, DIR/run.json tells
+whose results these are. Ctrl-C stops it after a checkpoint, a kill at the last one.
 """
 
-import argparse
 import json
+import math
 import os
-import sys
+import time
 
 from tqdm import tqdm
 
-from rcr.biaxial import INERTIAL_NUMBER, RECORD, SHEAR_ITERATIONS, STIFFNESS, TIME_STEP, Biaxial
+from rcr import files, results, script
+from rcr.biaxial import CHECKPOINT, FREE, INERTIAL_NUMBER, RECORD, SHEAR_ITERATIONS, STIFFNESS, TIME_STEP, Biaxial, checked
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
+MADE = ["summary.json", CHECKPOINT, "history.csv", "isotropic.h5", "network-*.h5"]
+HOW_LONG = ["strain", "networks"]  # how far the test goes and what is saved on the way: no part of what it is
+PAUSE = 60  # seconds between two checkpoints at most, and 20 times as long as one takes at least
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="biaxial.py", description=__doc__.splitlines()[0])
-    parser.add_argument("--eta", type=float, default=0.5, help="elongation (R - R')/R, 0 = disc (default %(default)s)")
-    parser.add_argument("--particles", type=int, default=1000, help="number of grains (default %(default)s)")
-    parser.add_argument("--strain", type=float, default=0.5, help="strain of the shear, (h0 - h)/h0 (default %(default)s)")
-    parser.add_argument("--seed", type=int, default=1, help="of sizes, places and orientations (default %(default)s)")
-    parser.add_argument("--friction", type=float, default=0.5, help="between grains during shear (default %(default)s)")
-    parser.add_argument("--inertial-number", type=float, default=INERTIAL_NUMBER, help="rate of the shear times √(m/σ0) (default %(default)s)")
-    parser.add_argument("--time-step", type=float, default=TIME_STEP, help="of the shear, over √(m/σ0); the smooth law's follows from its stiffness (default %(default)s)")
-    parser.add_argument("--threads", type=int, default=0, help="of the contact solver (default: as YADE's -j)")
-    parser.add_argument("--tolerance", type=float, default=1e-4, help="residual of the contact solver (default %(default)s)")
-    parser.add_argument("--iterations", type=int, default=SHEAR_ITERATIONS, help="of the solver in a step of the shear at most (default %(default)s)")
+    number, whole = script.number(), script.whole()
+    parser = script.Parser(prog="biaxial.py", description=__doc__.splitlines()[0])
+    parser.add_argument("--eta", type=number, default=0.5, help="elongation (R - R')/R, 0 = disc (default %(default)s)")
+    parser.add_argument("--particles", type=whole, default=1000, help="number of grains (default %(default)s)")
+    parser.add_argument("--strain", type=script.number("0 < strain < 1", lambda v: 0 < v < 1), default=0.5, help="strain of the shear, (h0 - h)/h0 (default %(default)s)")
+    parser.add_argument("--seed", type=whole, default=1, help="of sizes, places and orientations (default %(default)s)")
+    parser.add_argument("--friction", type=number, default=0.5, help="between grains during shear (default %(default)s)")
+    parser.add_argument("--inertial-number", type=number, default=INERTIAL_NUMBER, help="rate of the shear times √(m/σ0) (default %(default)s)")
+    parser.add_argument("--time-step", type=number, default=TIME_STEP, help="of the shear, over √(m/σ0); the smooth law's follows from its stiffness (default %(default)s)")
+    parser.add_argument("--threads", type=whole, default=0, help="of the contact solver (default: as YADE's -j)")
+    parser.add_argument("--tolerance", type=number, default=1e-4, help="residual of the contact solver (default %(default)s)")
+    parser.add_argument("--iterations", type=whole, default=SHEAR_ITERATIONS, help="of the solver in a step of the shear at most (default %(default)s)")
     parser.add_argument("--solver", default="auto", help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
     parser.add_argument("--law", choices=["cd", "smooth"], default="cd", help="rigid contacts, or springs and dashpots (default %(default)s)")
-    parser.add_argument("--stiffness", type=float, default=STIFFNESS, help="kn/σ0 of the smooth law (default %(default)s)")
-    parser.add_argument("--networks", type=int, default=10, help="number of networks saved, at equal strains (default %(default)s)")
-    parser.add_argument("--out", required=True, metavar="DIR", help="folder of the results, made if missing")
-    parser.add_argument("--resume", action="store_true", help="go on from DIR's checkpoint")
+    parser.add_argument("--stiffness", type=number, default=STIFFNESS, help="kn/σ0 of the smooth law (default %(default)s)")
+    parser.add_argument("--networks", type=script.at_least(1), default=10, help="number of networks saved, at equal strains (default %(default)s)")
+    parser.add_argument("--out", type=script.folder, required=True, metavar="DIR", help="folder of the results, made if missing")
+    parser.add_argument("--resume", action="store_true", help="go on from DIR's checkpoint; --strain, --networks and --threads may be others than before")
+    parser.add_argument("--overwrite", action="store_true", help="remove the results of another run, or of this one if it is not complete")
     options = parser.parse_args()
-    if not 0 < options.strain < 1:
-        parser.error(f"--strain {options.strain}: wanted 0 < strain < 1")
-    if options.networks < 1:
-        parser.error(f"--networks {options.networks}: wanted at least 1")
+    if options.resume and options.overwrite:
+        parser.error("--resume goes on with the run in DIR, --overwrite removes it: wanted one of them")
+    if options.strain < RECORD:
+        parser.error(f"--strain {options.strain}: wanted at least {RECORD:g}, that of a record of the history")
     return options
 
 
-def compact(test, options):
+class Checkpoints:
+    """When the test is saved, besides at its networks: every minute, and where the user asks for the end."""
+
+    def __init__(self, test, folder, stop):
+        self.test, self.folder, self.stop = test, folder, stop
+        self.next = time.monotonic() + PAUSE
+
+    def save(self):
+        start = time.monotonic()
+        self.test.save(self.folder)
+        end = time.monotonic()
+        self.next = end + max(PAUSE, 20 * (end - start))
+
+    def pause(self):
+        """After every step of the compaction and every record of the shear: what is saved here goes on to the same bits."""
+        if self.stop.asked or time.monotonic() > self.next:
+            self.save()
+        if self.stop.asked:
+            at = f"a strain of {self.test.strain:.4f}" if self.test.rows else "the compaction"
+            raise script.Stopped(f"stopped at {at}; --resume goes on from there")
+
+
+def compact(test, options, checkpoints):
     with tqdm(desc="compaction", unit=" steps", disable=None) as bar:
 
         def report(test):
             bar.update()
-            bar.set_postfix_str(f"packing fraction {test.packing_fraction:.4f}, net force {test.solver.unbalance:.1e}")
+            bar.set_postfix_str(f"packing fraction {test.packing_fraction:.4f}, net force {test.unbalance:.1e}")
+            if test.progress["phase"] != "shear":  # its last step is saved below, with its network
+                checkpoints.pause()
 
         test.compact(report)
-    test.network().save(os.path.join(options.out, "isotropic.h5"))
-    test.save(options.out)
+    test.isotropic.save(os.path.join(options.out, "isotropic.h5"))
+    checkpoints.save()
 
 
-def shear(test, options):
+def shear(test, options, checkpoints):
     """Records of 0.1 % of strain up to the strain asked for, a network and a checkpoint at equal strains."""
-    saved = int(test.strain * options.networks / options.strain + 0.5)
+    due = lambda: math.floor((test.strain + 0.5 * RECORD) * options.networks / options.strain)
     with tqdm(desc="shear", total=100 * options.strain, initial=100 * test.strain, unit="%", disable=None, bar_format=BAR) as bar:
         while test.strain < options.strain - 0.5 * RECORD:
+            saved = due()
             test.shear_record()
             bar.n = 100 * test.strain
             bar.set_postfix_str(f"q/p {test.rows[-1]['sin_phi']:.3f}, {test.rows[-1]['iterations']} iterations")
-            if test.strain >= (saved + 1) * options.strain / options.networks - 0.5 * RECORD:
-                saved += 1
+            if due() > saved:
                 test.network().save(os.path.join(options.out, f"network-{test.strain:.4f}.h5"))
-                test.save(options.out)
+                checkpoints.save()
+            checkpoints.pause()
+
+
+def load(options, parameters):
+    """The test of the folder's checkpoint, refused if its parameters are others."""
+    test = Biaxial.load(options.out)
+    other = results.differing(test.parameters, parameters, FREE)
+    if other:
+        raise ValueError(f"--resume: the checkpoint in {options.out} has {other}; give its options, or start anew with --overwrite")
+    test.parameters["threads"] = test.solver.threads = parameters["threads"]
+    return test
 
 
 def main():
     options = arguments()
-    os.makedirs(options.out, exist_ok=True)
-    if options.resume:
-        test = Biaxial.load(options.out)
-    else:
-        test = Biaxial.prepare(
-            options.eta,
-            options.particles,
-            options.seed,
-            options.friction,
-            options.tolerance,
-            options.solver,
-            options.threads,
-            options.inertial_number,
-            options.time_step,
-            options.law,
-            options.stiffness,
-            options.iterations,
-        )
-    if test.progress["phase"] != "shear":
-        compact(test, options)
-    shear(test, options)
-    summary = test.summary()
-    path = os.path.join(options.out, "summary.json")
-    with open(path + ".part", "w") as file:
-        json.dump(summary, file, indent=2)
-    os.replace(path + ".part", path)
+    parameters = checked(**{name: value for name, value in vars(options).items() if name not in ("out", "resume", "overwrite", *HOW_LONG)})
+    told = dict(parameters, strain=options.strain, networks=options.networks)
+    how = dict(free=[*FREE, *HOW_LONG], checkpoint=CHECKPOINT, last="summary.json", resume=options.resume, overwrite=options.overwrite)
+    with script.stoppable() as stop, results.owned(options.out, "biaxial.py", told, MADE, **how) as begin:
+        test = load(options, parameters) if options.resume else Biaxial.prepare(**parameters)
+        begin()
+        checkpoints = Checkpoints(test, options.out, stop)
+        if test.progress["phase"] != "shear":
+            compact(test, options, checkpoints)
+        shear(test, options, checkpoints)
+        summary = test.summary()
+        path = os.path.join(options.out, "summary.json")
+        files.write(path, json.dumps(summary, indent=2, allow_nan=False) + "\n")
     print(f"{path}: q/p = {summary['sin_phi']:.3f}, packing fraction {summary['packing_fraction_final']:.3f}")
 
 
-try:
-    main()
-except (ValueError, RuntimeError, OSError) as error:
-    print(f"biaxial.py: {error}", file=sys.stderr)
-    os._exit(1)  # YADE's own exit would forget the code
+script.run(main)

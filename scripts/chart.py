@@ -6,10 +6,12 @@ b  scenes with a known answer: error against time over dt and tolerance (rigid) 
 c  biaxial test: error of stress, packing fraction, friction, fabric and overlap against time for 20 % of strain
 d  which hard scenes hold, drift or blow up, over dt and law
 
-Points that the CSV already has are not run again: an interrupted call goes on. Times are processor time of one thread.
+Points that the CSV already has for the same settings are not run again: an interrupted call goes on, one that was given up is tried
+again with a larger --limit. Times are processor time of one thread.
 """
 
 import argparse
+import io
 import json
 import os
 import subprocess
@@ -29,29 +31,28 @@ except ImportError as error:  # not for this Python: in the environment of yade-
     environment.reenter(error, outside.stay)
 
 matplotlib.use("Agg")
-from rcr import charts
+from rcr import charts, files, results, script
 
 MARK = "chart.py rows: "  # what YADE or a library prints has no such line
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="chart.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = script.Parser(prog="chart.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     add = parser.add_argument
-    add("--out", required=True, metavar="DIR", help="folder of the charts, made if missing")
+    add("--out", type=script.folder, required=True, metavar="DIR", help="folder of the charts, made if missing")
     add("--charts", nargs="+", choices=list(charts.NAMES), default=list(charts.NAMES), metavar="C", help="some of a b c d (default: all)")
     add("--quick", action="store_true", help="smaller packings, fewer points: ten minutes at most on two cores")
     add("--only", metavar="POINT", help="run this point of one chart anew and print its rows; its name stands in the CSV")
-    add("--particles", type=int, default=None, metavar="N", help="of the biaxial tests (default 400, --quick 100)")
+    add("--particles", type=script.at_least(50, 10**7), default=None, metavar="N", help="of the biaxial tests (default 400, --quick 100)")
     add("--siconos", default="", metavar="PYTHON", help="a Python with siconos.numerics and scipy, also one outside of the environment")
     add("--peers", default=os.path.join(environment.ROOT, "build", "bench"), metavar="DIR", help="folder of chipmunk_step and box2d_step (default build/bench)")
-    add("--limit", type=float, default=None, metavar="S", help="seconds after which a point is given up (default 200, --quick 40)")
+    add("--retry", action="store_true", help="run the points without numbers again")
+    add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=None, metavar="S", help="seconds after which a point is given up (default 200, --quick 40)")
     add("--worker", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.only and len(given.charts) != 1:
         parser.error(f"--only {given.only}: say which chart it is of, --charts C")
     particles = given.particles or (100 if given.quick else 400)
-    if particles < 50:
-        parser.error(f"--particles {particles}: wanted at least 50")
     limit = given.limit or (40 if given.quick else 200)
     return given, charts.Options(os.path.abspath(given.out), given.quick, particles, given.siconos, os.path.abspath(given.peers), limit)
 
@@ -101,7 +102,7 @@ class Worker:
             return json.loads(answer[len(MARK) :])
         code = self.process.wait()
         self.process = None
-        return [dict(status=f"given up after {self.limit:g} s" if expired else f"the process ended with code {code}")]
+        return [dict(status=f"{charts.GIVEN_UP}{self.limit:g} s" if expired else f"the process ended with code {code}")]
 
     def end(self):
         if self.process:
@@ -115,14 +116,14 @@ class Worker:
 def draw(letter, given, options, worker):
     module = charts.chart(letter)
     base = os.path.join(options.out, f"{letter}-{charts.NAMES[letter].replace('_', '-')}")
-    table = charts.Table(base + ".csv", module.COLUMNS)
+    table = charts.Table(base + ".csv", module.COLUMNS, charts.settings(letter, options))
     names = module.points(options)
     if given.only:
         if given.only not in names:
             raise ValueError(f"--only {given.only}: chart {letter} has no such point; it has {', '.join(names[:5])} … (see its CSV)")
         todo = [given.only]
     else:
-        todo = [name for name in names if not table.has(name)]
+        todo = [name for name in names if not table.has(name, lambda status: charts.settled(status, options.limit, given.retry))]
     for name in tqdm(todo, desc=f"chart {letter}", disable=None):
         rows = [dict(row, point=name, command=command(letter, name, given)) for row in worker.run(letter, name)]
         table.put(name, rows)
@@ -130,7 +131,9 @@ def draw(letter, given, options, worker):
             print(json.dumps(rows, indent=2))
     figure = module.plot([row for row in table.rows if row["point"] in names], options)
     for suffix in "png", "svg":
-        figure.savefig(f"{base}.{suffix}", dpi=110, bbox_inches="tight")
+        image = io.BytesIO()
+        figure.savefig(image, format=suffix, dpi=110, bbox_inches="tight")
+        files.write(f"{base}.{suffix}", image.getvalue())
     if hasattr(module, "ratios"):
         print("\n".join(module.ratios(table.rows)))
     failed = [row for row in table.rows if row["status"] != "ok"]
@@ -141,18 +144,14 @@ def main():
     given, options = arguments()
     if given.worker:
         return work(options)
-    os.makedirs(options.out, exist_ok=True)
+    parameters = dict(charts=given.charts, quick=options.quick, particles=options.particles, siconos=options.siconos, limit=options.limit)
+    with results.owned(options.out, "chart.py", parameters, [], free=list(parameters), resume=True, wait=True) as begin:
+        begin()  # many calls may fill a folder: its rows tell their settings
     worker = Worker(options.limit)
     for letter in given.charts:
-        draw(letter, given, options, worker)
+        with results.alone(options.out, f".lock-{letter}"):
+            draw(letter, given, options, worker)
     worker.end()
 
 
-try:
-    main()
-    sys.stdout.flush()
-    os._exit(0)  # YADE's own end may forget the code
-except (ValueError, OSError) as error:
-    print(f"chart.py: {error}", file=sys.stderr)
-    sys.stdout.flush()
-    os._exit(1)
+script.run(main)

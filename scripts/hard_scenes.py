@@ -1,12 +1,11 @@
 """Hard scenes of the Contact Dynamics law: default settings, ten times the default time step, and a tight solver; table and CSV.
 
+Ends with 1 if a scene fails with the default settings and with the tight solver.
+
 Run it with YADE:  scripts/yade-rcr -n -x scripts/hard_scenes.py --out hard-scenes.csv
 """
 
-import argparse
-import csv
-
-from rcr import hard_scenes
+from rcr import files, hard_scenes, script
 from rcr.hard_scenes import COARSE, TIGHT
 
 RUNS = dict(default={}, coarse=dict(dt=COARSE), tight=dict(law=TIGHT))
@@ -15,9 +14,9 @@ COLUMNS = "scene title predicate bound reason".split() + [f"{measure}_{run}" for
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="hard_scenes.py", description=__doc__.splitlines()[0])
+    parser = script.Parser(prog="hard_scenes.py", description=__doc__.splitlines()[0])
     parser.add_argument("--only", default="", metavar="NAME,…", help="scenes whose names begin so (default: all, some minutes)")
-    parser.add_argument("--out", default="hard-scenes.csv", metavar="FILE", help="CSV (default %(default)s)")
+    parser.add_argument("--out", type=script.new_file, default="hard-scenes.csv", metavar="FILE", help="CSV (default %(default)s)")
     options = parser.parse_args()
     options.names = [name for name in hard_scenes.names() if name.startswith(tuple(options.only.split(",")))]
     if not options.names:
@@ -35,18 +34,19 @@ def verdict(results):
 def main():
     options = arguments()
     print("| scene | predicate | bound | measured | at 10 dt | tight | verdict |\n|---|---|---|---|---|---|---|")
-    with open(options.out, "w", newline="") as file:
-        table = csv.DictWriter(file, COLUMNS)
-        table.writeheader()
-        for name in options.names:
-            module = hard_scenes.scene(name)
-            results = {run: hard_scenes.run(name, **how) for run, how in RUNS.items()}
-            measured = " | ".join(f"{result.measured:.2g}" for result in results.values())
-            print(f"| {name}: {module.TITLE} | {module.PREDICATE} | {module.BOUND:g} | {measured} | {verdict(results)} |", flush=True)
-            row = dict(scene=name, title=module.TITLE, predicate=module.PREDICATE, bound=module.BOUND, reason=module.REASON)
-            row |= {f"{measure}_{run}": getattr(result, measure) for run, result in results.items() for measure in MEASURES}
-            table.writerow(row)
-            file.flush()
+    rows, failed = [], []
+    for name in options.names:
+        module = hard_scenes.scene(name)
+        results = {run: hard_scenes.run(name, **how) for run, how in RUNS.items()}
+        measured = " | ".join(f"{result.measured:.2g}" for result in results.values())
+        judged = verdict(results)
+        print(f"| {name}: {module.TITLE} | {module.PREDICATE} | {module.BOUND:g} | {measured} | {judged} |", flush=True)
+        row = dict(scene=name, title=module.TITLE, predicate=module.PREDICATE, bound=module.BOUND, reason=module.REASON)
+        rows.append(row | {f"{measure}_{run}": getattr(result, measure) for run, result in results.items() for measure in MEASURES})
+        files.write(options.out, files.table(COLUMNS, rows))
+        failed += [name] if judged.startswith("fails") else []
+    if failed:
+        raise RuntimeError(f"{len(failed)} of {len(rows)} scenes fail: {', '.join(failed)}")
 
 
-main()
+script.run(main)

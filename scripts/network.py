@@ -5,24 +5,27 @@ Each DIR is a folder written by scripts/biaxial.py. Tests of the same elongation
 are the curves of each figure. Needs Python with NumPy, h5py and Matplotlib, not YADE.
 """
 
-import argparse
 import os
 import sys
 
 from lib import environment
 
 try:
-    from rcr import report
+    from rcr import report, results, script
+    from rcr.analysis import analyse
     from rcr.runs import Run
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
     environment.reenter(error)
 
+MADE = ["analysis.json", "report.html", "table.md", "O[0-9]*.png", "O[0-9]*.pdf"]
+
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="network.py", description=__doc__)
+    parser = script.Parser(prog="network.py", description=__doc__)
     parser.add_argument("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
-    parser.add_argument("--out", required=True, metavar="DIR", help="folder of the results, made if missing")
-    parser.add_argument("--from-strain", type=float, metavar="E", help="start of the critical state (default: half of each test's last strain)")
+    script.add_results(parser, "results")
+    parser.add_argument("--from-strain", type=script.number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1), metavar="E",
+                        help="start of the critical state (default: half of each test's last strain)")  # fmt: skip
     return parser.parse_args()
 
 
@@ -35,12 +38,14 @@ def show(name):
 def main():
     options = arguments()
     runs = [Run.read(folder, options.from_strain) for folder in options.folders]
-    table = report.write(runs, options.out, show)
+    of = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"]) for run in runs]
+    parameters = dict(runs=of, from_strain=options.from_strain)
+    show("analysis")
+    found = analyse(runs)
+    with results.owned(options.out, "network.py", parameters, MADE, overwrite=options.overwrite) as begin:
+        table = report.write(runs, options.out, show, found, begin)
     show("")
     print(f"{os.path.join(options.out, 'report.html')}: {report.summary(table)}")
 
 
-try:
-    main()
-except (ValueError, OSError) as error:
-    sys.exit(f"network.py: {error}")
+script.run(main)

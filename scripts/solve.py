@@ -5,29 +5,30 @@ Prints one line of JSON: solver, contacts, iterations, residual, converged, seco
 and `velocity`, (contacts, 2) each, local (n, t).
 """
 
-import argparse
 import json
 import os
-import sys
 
 from lib import environment
 
 try:
     import rcr._kernel
-    from rcr import problems
+    from rcr import problems, script
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
     environment.reenter(error)
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="solve.py", description=__doc__.splitlines()[0])
+    parser = script.Parser(prog="solve.py", description=__doc__.splitlines()[0])
     parser.add_argument("problem", metavar="PROBLEM", help="file .npz, .h5, .hdf5 or .dat")
     parser.add_argument("--solver", default="auto", metavar="S", help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
-    parser.add_argument("--tolerance", type=float, default=1e-4, metavar="T", help="residual to reach; 0 runs all iterations (default %(default)s)")
-    parser.add_argument("--max-iterations", type=int, default=10000, metavar="N", help="sweeps or steps at most (default %(default)s)")
+    parser.add_argument("--tolerance", type=script.number(), default=1e-4, metavar="T", help="residual to reach; 0 runs all iterations (default %(default)s)")
+    parser.add_argument("--max-iterations", type=script.whole(), default=10000, metavar="N", help="sweeps or steps at most (default %(default)s)")
     parser.add_argument("--warm", action="store_true", help="start from the impulses in the file, not from zeros")
-    parser.add_argument("--out", required=True, metavar="FILE", help="results, as .npz or .h5")
-    return parser.parse_args()
+    parser.add_argument("--out", type=script.new_file, required=True, metavar="FILE", help="results, as .npz or .h5")
+    options = parser.parse_args()
+    if os.path.exists(options.out) and os.path.exists(options.problem) and os.path.samefile(options.out, options.problem):
+        parser.error(f"--out {options.out}: this is the problem itself; wanted another file")
+    return options
 
 
 def main():
@@ -36,10 +37,7 @@ def main():
     solution = problems.solve(options.problem, options.solver, options.tolerance, options.max_iterations, options.warm)
     solution.save(options.out)
     keys = ("solver", "contacts", "iterations", "residual", "converged", "seconds")
-    print(json.dumps({key: getattr(solution, key) for key in keys}))
+    print(json.dumps({key: getattr(solution, key) for key in keys}, allow_nan=False))
 
 
-try:
-    main()
-except (ValueError, OSError) as error:
-    sys.exit(f"solve.py: {error}")
+script.run(main)

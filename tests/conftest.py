@@ -7,3 +7,11 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # scenes are tiny: a team of thre
 
 if importlib.util.find_spec("yade"):
     import yade
+
+if importlib.util.find_spec("hypothesis"):
+    import hypothesis
+
+    # the same examples in every run, and no verdict on the speed of a machine that does other things too
+    slow = [hypothesis.HealthCheck.too_slow]
+    hypothesis.settings.register_profile("steady", deadline=None, derandomize=True, suppress_health_check=slow)
+    hypothesis.settings.load_profile("steady")

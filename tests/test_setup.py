@@ -300,7 +300,7 @@ def test_a_second_set_up_waits_for_the_first(machine):
     machine.debian("bookworm")
     machine.nothing_installed()
     machine.root_tools("sleep 1" + SMALL_ROOT)
-    processes = [machine.start("ready; echo $way") for _ in range(2)]
+    processes = [machine.start("ready; echo $way", YADE_RCR_PATIENCE="0.1") for _ in range(2)]
     results = [process.communicate(timeout=60) for process in processes]
     assert [output for output, _ in results] == ["rootfs\n"] * 2, results
     assert sum("waiting for another set-up" in errors for _, errors in results) == 1
@@ -471,8 +471,20 @@ def test_another_environment_wipes_the_build(machine):
     assert not (machine.repo / "build" / "stale").exists()
 
 
+def two_builds(machine, **environment):
+    """What two builds at once say on stderr."""
+    processes = [machine.start("ready; build", YADE_RCR_WAY="native", **environment) for _ in range(2)]
+    return [process.communicate(timeout=60)[1] for process in processes]
+
+
 def test_a_second_build_waits_for_the_first(machine):
     machine.command("cmake", "sleep 0.5")
-    processes = [machine.start("ready; build", YADE_RCR_WAY="native") for _ in range(2)]
-    errors = [process.communicate(timeout=60)[1] for process in processes]
+    errors = two_builds(machine, YADE_RCR_PATIENCE="0.1")
     assert sum("waiting for another build" in text for text in errors) == 1
+
+
+def test_two_builds_with_nothing_to_do_are_silent(machine):
+    """Each looks for new files for a moment, one after the other."""
+    build(machine, "exit 0")
+    machine.command("cmake", "sleep 0.2")
+    assert two_builds(machine) == ["", ""]

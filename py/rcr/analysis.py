@@ -45,7 +45,7 @@ class Grids:
     @classmethod
     def of(cls, ensembles, strain):
         """Grids that hold every force of the ensembles, up to a strain."""
-        top = float(np.ceil(max(max(e.fn.max(), np.abs(e.ft).max() / np.abs(e.ft).mean()) for e in ensembles)))
+        top = float(np.ceil(max(max(e.fn.max(), over_mean(np.abs(e.ft)).max()) for e in ensembles)))
         shortest = 1 - max(e.eta for e in ensembles)
         steps = int(np.ceil((1 - shortest) / 0.01 - 1e-9)) or 1
         return cls(
@@ -69,9 +69,15 @@ class Grids:
 # --- one ensemble -------------------------------------------------------------------------------------------------------
 
 
+def over_mean(force):
+    """f/⟨f⟩; zeros stay zeros."""
+    mean = force.mean()
+    return force / mean if mean > 0 else force
+
+
 def force_distribution(force, edges, suffix):
     """Density of f/⟨f⟩ and its exponents α above and β below the mean [paper, eqs. strong_fn, strong_ft]."""
-    force = force / force.mean()
+    force = over_mean(force)
     alpha, alpha_error = statistics.exponential_rate(force)
     beta, beta_error = statistics.power_exponent(force, POWER_RANGE)
     half, _ = statistics.power_exponent(force, POWER_RANGE, 0.5)

@@ -8,6 +8,8 @@ import dataclasses
 
 import numpy as np
 
+from rcr.statistics import pearson
+
 AGREES, DIFFERS, NOT_TESTED = "agrees", "does not agree", "not tested"
 SIGMAS = 2  # standard errors that a deviation may have by chance
 
@@ -91,6 +93,13 @@ def _at(v, name, xi, rows=slice(None)):
     return v[name][rows, k], _known(v[f"{name}_error"][rows, k])
 
 
+def _told(values):
+    """The values; not tested if one is no number, as of a class with too few contacts."""
+    if not np.isfinite(values).all():
+        raise NotTested("too few contacts")
+    return values
+
+
 def _known(error):
     """Errors with 0 for the unknown ones of a single snapshot: only the tolerance counts then."""
     return np.nan_to_num(error)
@@ -99,7 +108,7 @@ def _known(error):
 def _ends(v, name, low, high, tolerance):
     """Values at η = 0 and 0.7 against those of the paper."""
     rows = [_row(v, 0), _row(v, 0.7)]
-    value, error = v[name][rows], v[f"{name}_error"][rows]
+    value, error = _told(v[name][rows]), v[f"{name}_error"][rows]
     agrees = np.abs(value - (low, high)) <= np.maximum(tolerance, SIGMAS * _known(error))
     return agrees.all(), f"{value[0]:.3g} → {value[1]:.3g}", _errors(error)
 
@@ -124,7 +133,7 @@ def _trend(v, name, sign, low=0, high=1):
     """Does a value grow (sign +1) or fall (−1) with η?"""
     rows = _rows(v, low, high, 3)
     slope, error = _slope(v["eta"][rows], v[name][rows])
-    (first, last), (low, high) = v[name][rows[[0, -1]]], v["eta"][rows[[0, -1]]]
+    (first, last), (low, high) = _told(v[name][rows[[0, -1]]]), v["eta"][rows[[0, -1]]]
     value = f"{first:.3g} → {last:.3g} (η = {low:g} → {high:g})"
     return sign * slope > SIGMAS * error, value, f"slope {slope:.2g} ± {error:.1g}"
 
@@ -136,8 +145,8 @@ def _listed(v, rows, values, form="{:.2f}"):
 def _all(v, rows, agrees, values, errors=None):
     """Verdict on several elongations: the value of each, η in brackets, and where it fails."""
     off = ", ".join(f"{v['eta'][row]:g}" for row, fine in zip(rows, agrees) if not fine)
-    value = _listed(v, rows, values) + (f"; off at η = {off}" if off else "")
-    return not off, value, "" if errors is None else f"≤ {np.nanmax(errors):.1g}"
+    value = _listed(v, rows, _told(values)) + (f"; off at η = {off}" if off else "")
+    return not off, value, "" if errors is None else f"≤ {_known(errors).max():.1g}"
 
 
 def _monotonic(v, name, sign, rows, low=0.2):
@@ -261,7 +270,9 @@ def _(all_):
 def _force_levels(v):
     """Mean I_mf of the weak classes, f_n in [0.1, 1], and the strong ones, [1, 4]; (2, η)."""
     levels = [(v["f_n"] > 0.1) & (v["f_n"] < 1), (v["f_n"] > 1) & (v["f_n"] < 4)]
-    return np.array([np.nanmean(np.where(level, v["i_mf"], np.nan), axis=1) for level in levels])
+    told = [np.isfinite(v["i_mf"]) & level for level in levels]
+    count = _told(np.where(np.array(told).any(axis=2), np.sum(told, axis=2), np.nan))
+    return np.array([np.where(level, v["i_mf"], 0).sum(axis=1) for level in told]) / count
 
 
 @claim("O7", "I_mf falls with f_n", "I_mf of strong classes below that of weak ones, at every η (difference given)")
@@ -284,9 +295,9 @@ def _(all_):
     v = all_["O8"]
     pdf = v["pdf"][_row(v, 0)]
     slope, error = _slope(v["i_m"], pdf)
-    r2 = np.corrcoef(v["i_m"], pdf)[0, 1] ** 2
+    r2 = _told(pearson(v["i_m"], pdf)) ** 2
     inner, _ = _slope(v["i_m"][:-1], pdf[:-1])
-    inner_r2 = np.corrcoef(v["i_m"][:-1], pdf[:-1])[0, 1] ** 2
+    inner_r2 = _told(pearson(v["i_m"][:-1], pdf[:-1])) ** 2
     value = f"slope {slope:.2f}, r² {r2:.2f}; without the last class {inner:.2f}, {inner_r2:.2f}; last class {pdf[-1]:.2f}"
     return slope < 0 and r2 >= 0.8, value, f"slope {error:.1g}"
 
@@ -384,6 +395,7 @@ def _(all_):
     v = all_["O12"]
     row = _row(v, 0.7)
     value, error = min((v[name][row], v[f"{name}_error"][row]) for name in ("c_f_lr", "c_f_l"))
+    _told(value)
     return abs(value + 0.22) <= max(0.05, SIGMAS * np.nan_to_num(error)), f"{value:.3f}", _errors(error)
 
 
@@ -395,7 +407,10 @@ def _(all_):
 def _(all_):
     v = all_["O13"]
     rows = _rows(v, 0.4, 1)
-    ends = np.array([v["f_l_r"][row][np.isfinite(v["f_l_r"][row])][[0, -1]] for row in rows])
+    classes = [v["f_l_r"][row][np.isfinite(v["f_l_r"][row])] for row in rows]
+    if not all(map(len, classes)):
+        raise NotTested("too few contacts")
+    ends = np.array([means[[0, -1]] for means in classes])
     value = ", ".join(f"{first:.2f} and {last:.2f} ({v['eta'][row]:g})" for row, (first, last) in zip(rows, ends))
     return ((ends[:, 0] > 1) & (ends[:, 1] < 0.8)).all(), value, ""
 
@@ -420,7 +435,7 @@ def _(all_):
 def _(all_):
     v = all_["O14"]
     row = _row(v, 0.5)
-    away, error = np.degrees(v["off_axis"][row]), np.degrees(_known(v["off_axis_error"][row]))
+    away, error = np.degrees(_told(v["off_axis"][row])), np.degrees(_known(v["off_axis_error"][row]))
     agrees = (np.abs(away) <= np.maximum(10, SIGMAS * error)).all()
     return agrees, ", ".join(f"{a:.1f}° (ξ = {xi})" for a, xi in zip(away, [*(f"{xi:g}" for xi in v["xi"][:-1]), "∞"])), f"≤ {error.max():.1g}°"
 
@@ -429,7 +444,7 @@ def _(all_):
 def _(all_):
     v = all_["O14"]
     row = _row(v, 0.5)
-    amplitude, error = v["amplitude"][row], _known(v["amplitude_error"][row])
+    amplitude, error = _told(v["amplitude"][row]), _known(v["amplitude_error"][row])
     rises = np.diff(amplitude) > -SIGMAS * np.hypot(error[1:], error[:-1])
     return rises.all() and amplitude[-1] > amplitude[0], ", ".join(f"{a:.2f}" for a in amplitude), f"≤ {error.max():.1g}"
 
@@ -493,7 +508,7 @@ def _(all_):
     v = all_["O16"]
     rows = _rows(v, 0.2, 1)
     a_c, a_ln, a_lt = all_["O15"]["a_c"][rows, -1], np.abs(v["a_ln"][rows, -1]), np.abs(v["a_lt"][rows, -1])
-    return _all(v, rows, (a_ln < a_lt) & (a_lt < 0.5 * a_c), a_lt / a_ln)
+    return _all(v, rows, (a_ln < a_lt) & (a_lt < 0.5 * a_c), np.divide(a_lt, a_ln, out=np.full_like(a_lt, np.nan), where=a_ln > 0))
 
 
 @claim("O17", "discs: a_fn(ξ) positive", "not below 0 by two errors at any ξ ≥ 0.2 (lowest value given)")

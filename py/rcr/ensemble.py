@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from rcr.network import COMPLEX
+from rcr.network import COMPLEX, Network
 from rcr.xi_networks import XiNetworks
 
 _COLUMNS = ("fn", "ft", "ln", "lt", "reduced_length", "mobilization", "angle", "theta", "type")
@@ -40,6 +40,9 @@ class Ensemble:
     def __init__(self, networks):
         if not networks:
             raise ValueError("no snapshots: an ensemble needs at least one network")
+        strange = [network for network in networks if not isinstance(network, Network)]
+        if strange:
+            raise ValueError(f"{strange[0]!r:.60} is no network; wanted what rcr.Network.load returns")
         for name in ("eta", "friction"):
             found = sorted({float(n.attributes.get(name, np.nan)) for n in networks})
             if len(found) > 1 or not np.isfinite(found[0]):

@@ -12,38 +12,83 @@ Conventions
 * An anisotropy is signed by the axes of the total stress: a = 2 (X₁₁ − X₂₂)/tr X(∞), axis 1 being that of σ₁.
 """
 
+import math
+import os
+
 import numpy as np
 
-from rcr.files import whole
-from rcr.xi_networks import XiNetworks
+from rcr import checks, files
+from rcr.xi_networks import XiNetworks, cutoffs
 
 LEFT, BOTTOM, RIGHT, TOP = -1, -2, -3, -4
 CAP_CAP, CAP_SIDE, SIDE_SIDE, WALL = range(4)
 
 COMPLEX = np.array([1, 1j])  # components (n, t) as n + i t
 _PARTICLES = dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(), velocity=(3,))
+_WHOLE = {"id", "body1", "body2", "type", "points"}
 _CONTACTS = dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,), points=())
 
 
 def _checked(group, arrays, columns):
-    """The columns of a group with their shapes checked, as arrays."""
+    """The columns of a group with their shapes checked, as arrays: whole numbers as they are, others in doubles."""
     missing = sorted(set(columns) - set(arrays))
     if missing:
         raise ValueError(f"group {group!r} lacks {', '.join(missing)}; wanted {', '.join(columns)}")
     arrays = {name: np.asarray(arrays[name]) for name in columns}
-    rows = len(arrays[next(iter(columns))])
+    first = arrays[next(iter(columns))]
+    if first.ndim != 1:
+        raise ValueError(f"{group}/{next(iter(columns))} has shape {first.shape}; wanted (rows,)")
     for name, shape in columns.items():
-        if arrays[name].shape != (rows, *shape):
-            raise ValueError(f"{group}/{name} has shape {arrays[name].shape}; wanted {(rows, *shape)}")
-        if not np.isfinite(arrays[name]).all():
+        checked = checks.reals(f"{group}/{name}", arrays[name], (len(first), *shape))
+        if not np.isfinite(checked).all():
             raise ValueError(f"{group}/{name} holds a number that is not finite")
+        if name in _WHOLE:
+            checks.every(checked == np.floor(checked), f"{group}/{name}", checked, "whole numbers")
+            checked = arrays[name].astype(np.int64)
+        arrays[name] = checked
     return arrays
+
+
+def _check_meaning(particles, contacts, attributes):
+    """What holds in every file that a scene has left: ids that exist, unit normals, grains with a size, forces that push."""
+    ids = particles["id"]
+    for name in ("R", "cap_radius", "mass"):
+        checks.every(particles[name] > 0, f"particles/{name}", particles[name], "> 0")
+    checks.every(particles["half_length"] >= 0, "particles/half_length", particles["half_length"], "≥ 0")
+    unique, count = np.unique(ids, return_counts=True)
+    if (count > 1).any() or (ids < 0).any():
+        raise ValueError(f"particles/id holds {unique[(count > 1) | (unique < 0)][0]} {count.max()} times; wanted ids ≥ 0, each once")
+    one, two = contacts["body1"], contacts["body2"]
+    checks.every(np.isin(one, ids), "contacts/body1", one, "the id of a particle")
+    checks.every((two < 0) | np.isin(two, ids), "contacts/body2", two, "the id of a particle, or a negative one of a wall")
+    checks.every(one != two, "contacts/body2", two, "another body than body 1")
+    checks.every((contacts["type"] >= CAP_CAP) & (contacts["type"] <= WALL), "contacts/type", contacts["type"], "0 to 3")
+    length = np.hypot(*contacts["normal"].T)
+    checks.every(abs(length - 1) < 1e-6, "the length of contacts/normal", length, "1")
+    normal_force = np.einsum("ca,ca->c", contacts["force"], contacts["normal"])
+    if len(length) and not normal_force.mean() > 0:
+        raise ValueError(f"the mean normal force is {normal_force.mean():g}; wanted > 0, compression")
+    for name, fits in dict(strain=math.isfinite, eta=lambda v: 0 <= v < 1, friction=lambda v: 0 <= v < math.inf, volume=math.isfinite).items():
+        if name in attributes:
+            checks.number(f"the attribute {name}", attributes[name], "a finite number in its range", fits)
 
 
 def sin_phi(stresses):
     """q/p = (σ₁ − σ₂)/(σ₁ + σ₂) of stresses (…, 2), σ₂ first [-; paper, eq. qp]."""
     low, high = np.moveaxis(np.asarray(stresses), -1, 0)
     return (high - low) / (high + low)
+
+
+def _columns(file, group, path):
+    if not isinstance(file[group], h5py.Group):
+        raise ValueError(f"{group} is no group of columns")
+    columns = {}
+    for name, data in file[group].items():
+        if not isinstance(data, h5py.Dataset) or data.shape is None:
+            raise ValueError(f"{group}/{name} is no column")
+        files.check_size(f"{group}/{name}", data.nbytes, path)
+        columns[name] = data[()]
+    return columns
 
 
 class Network:
@@ -71,8 +116,7 @@ class Network:
         self.particles = _checked("particles", particles, _PARTICLES)
         self.contacts = _checked("contacts", contacts, _CONTACTS)
         self.attributes = dict(attributes)
-        if not self.attributes.get("volume", 0) > 0:
-            raise ValueError(f"volume = {self.attributes.get('volume')!r}; wanted the area of the box > 0 [m²]")
+        checks.number("volume", self.attributes.get("volume"), "the area of the box > 0 [m²]", lambda v: v > 0)
 
     @classmethod
     def load(cls, path):
@@ -85,29 +129,26 @@ class Network:
         """
         import h5py
 
-        try:
-            with h5py.File(path, "r") as file:
-                if not {"particles", "contacts"} <= set(file):
-                    raise ValueError(f"it holds {sorted(file)}; wanted the groups particles and contacts")
-                groups = [{name: data[()] for name, data in file[group].items()} for group in ("particles", "contacts")]
-                attributes = {k: v.item() if isinstance(v, np.generic) else v for k, v in file.attrs.items() if k != "stress"}
-            return cls(*groups, attributes)
-        except FileNotFoundError:
-            raise
-        except (ValueError, OSError) as error:  # h5py does not say of which file
-            raise type(error)(f"{path}: {error}") from error
+        with files.reading(path, "an HDF5 file"), h5py.File(path, "r") as file:
+            if not {"particles", "contacts"} <= set(file):
+                raise ValueError(f"it holds {sorted(file)}; wanted the groups particles and contacts")
+            groups = [_columns(file, group, path) for group in ("particles", "contacts")]
+            attributes = {k: v.item() if isinstance(v, np.generic) else v for k, v in file.attrs.items() if k != "stress"}
+            network = cls(*groups, attributes)
+            _check_meaning(network.particles, network.contacts, network.attributes)
+            return network
 
     def save(self, path):
-        """Write the network to `path`: whole or not at all."""
-        import h5py
-
+        """Write the network to `path`: whole or not at all. Check sums in the file tell a reader of flipped bits."""
         from rcr import __version__
 
-        with whole(path) as partial, h5py.File(partial, "w") as file:
+        def fill(file):
             for group, columns in (("particles", self.particles), ("contacts", self.contacts)):
                 for column, data in columns.items():
-                    file.create_dataset(f"{group}/{column}", data=data)
+                    file.create_dataset(f"{group}/{column}", data=data, fletcher32=len(data) > 0)
             file.attrs.update({"version": __version__, **self.attributes, "stress": self.stress()})
+
+        files.write(path, files.hdf5(fill, libver="v110"))
 
     @property
     def between_particles(self):
@@ -156,8 +197,10 @@ class Network:
 
     def fabric(self, xi=np.inf):
         """Fabric tensor F(ξ) = (1/N) Σ_{S(ξ)} n⊗n, N of the whole network [paper, eq. F_xi]; (2, 2), tr F(∞) = 1 [-]."""
+        if np.ndim(xi):
+            raise ValueError(f"xi = {xi!r}; wanted one cutoff")
         n, _, _, force = self.local_components()
-        pick = force[:, 0] <= xi * force[:, 0].mean()
+        pick = force[:, 0] <= cutoffs(xi) * force[:, 0].mean()
         return np.einsum("ca,cb->ab", n[pick], n[pick]) / len(n)
 
     def anisotropies(self, xi=np.inf):
@@ -189,6 +232,7 @@ class Network:
         pdf : (bins,) float array
             Density; Σ pdf Δf = share of contacts within the classes.
         """
+        bins = checks.whole("bins", bins, "at least 1", lambda v: 1 <= v <= 10**6)
         force = self.local_components()[3][:, 0]
         force = force / force.mean()
         edges = np.geomspace(max(force.min(), 1e-4), force.max() * (1 + 1e-12), bins + 1)

@@ -14,10 +14,14 @@
 A file that is malformed is refused with a ValueError of one line that says what is wrong.
 """
 
+import io
 import os
+import zipfile
 from dataclasses import dataclass, fields
 
 import numpy as np
+
+from rcr import checks, files
 
 SYMMETRY = 1e-8  # largest |W − Wᵀ| over largest |W|: files of Siconos are off by 1e-10
 
@@ -37,17 +41,18 @@ class BodyProblem:
     impulse: np.ndarray  # (nc, 2) warm start, local (n, t) [N s]
 
     def __post_init__(self):
-        nb, nc = len(np.atleast_1d(self.inverse_mass)), len(np.atleast_1d(self.bodies))
-        for name in ("inverse_mass", "free_velocity"):
-            setattr(self, name, _numbers(name, getattr(self, name), (nb, 3)))
-        for name, shape in dict(bodies=(nc, 2), normal=(nc, 2), arm1=(nc, 2), arm2=(nc, 2), bias=(nc,), friction=(nc,), impulse=(nc, 2)).items():
-            setattr(self, name, _numbers(name, getattr(self, name), shape))
-        self.bodies = _ids("bodies", self.bodies, nb)
-        _wanted(self.inverse_mass >= 0, "inverse_mass", self.inverse_mass, "≥ 0")
-        _wanted(self.friction >= 0, "friction", self.friction, "µ ≥ 0")
+        self.inverse_mass = checks.array("inverse_mass", self.inverse_mass, (None, 3))
+        self.bodies = checks.array("bodies", self.bodies, (None, 2))
+        nb, nc = len(self.inverse_mass), len(self.bodies)
+        self.free_velocity = checks.array("free_velocity", self.free_velocity, (nb, 3))
+        for name, shape in dict(normal=(nc, 2), arm1=(nc, 2), arm2=(nc, 2), bias=(nc,), friction=(nc,), impulse=(nc, 2)).items():
+            setattr(self, name, checks.array(name, getattr(self, name), shape))
+        self.bodies = checks.ids("bodies", self.bodies, nb)
+        checks.every(self.inverse_mass >= 0, "inverse_mass", self.inverse_mass, "≥ 0")
+        checks.every(self.friction >= 0, "friction", self.friction, "µ ≥ 0")
         length = np.hypot(*self.normal.T)
-        _wanted(abs(length - 1) <= 1e-6, "the length of normal", length, "1")
-        _wanted(self.bodies[:, 0] != self.bodies[:, 1], "bodies", self.bodies[:, 0], "two different bodies")
+        checks.every(abs(length - 1) <= 1e-6, "the length of normal", length, "1")
+        checks.every(self.bodies[:, 0] != self.bodies[:, 1], "bodies", self.bodies[:, 0], "two different bodies")
 
     @property
     def contacts(self):
@@ -116,14 +121,18 @@ class DelassusProblem:
     """
 
     def __init__(self, entries, q, friction, impulse=None):
-        nc = np.size(friction)
-        self.friction = _numbers("mu", friction, (nc,))
-        self.q = _numbers("q", np.reshape(q, (-1, 2)) if np.size(q) == 2 * nc else q, (nc, 2))
-        self.impulse = np.zeros((nc, 2)) if impulse is None else _numbers("the warm start", np.reshape(impulse, (-1, 2)), (nc, 2))
-        _wanted(self.friction >= 0, "mu", self.friction, "µ ≥ 0")
-        row, column, value = entries
-        value = _numbers("W", value, np.shape(row))
-        row, column = _ids("a row of W", row, 2 * nc), _ids("a column of W", column, 2 * nc)
+        self.friction = checks.array("mu", friction, (None,))
+        nc = len(self.friction)
+        self.q = _pairs("q", q, nc)
+        self.impulse = np.zeros((nc, 2)) if impulse is None else _pairs("the warm start", impulse, nc)
+        checks.every(self.friction >= 0, "mu", self.friction, "µ ≥ 0")
+        try:
+            row, column, value = entries
+        except (TypeError, ValueError):
+            raise ValueError("entries: wanted (rows, columns, values) of W") from None
+        value = checks.array("W", value, (None,))
+        row, column = (checks.array(f"a {name} of W", places, value.shape) for name, places in (("row", row), ("column", column)))
+        row, column = checks.ids("a row of W", row, 2 * nc), checks.ids("a column of W", column, 2 * nc)
         self._assemble(nc, row.astype(np.int64), column.astype(np.int64), value)
 
     def _assemble(self, nc, row, column, value):
@@ -143,7 +152,7 @@ class DelassusProblem:
                 f"a difference of at most {SYMMETRY:g} of its largest entry"
             )
         on_diagonal = value[row == column]
-        _wanted(on_diagonal >= 0, "the diagonal of W", on_diagonal, "≥ 0, W being positive semi-definite")
+        checks.every(on_diagonal >= 0, "the diagonal of W", on_diagonal, "≥ 0, W being positive semi-definite")
         places, at = np.unique(row // 2 * nc + column // 2, return_inverse=True)
         self.block = np.zeros((len(places), 2, 2))
         self.block[at.ravel(), row % 2, column % 2] = value
@@ -186,17 +195,17 @@ class Solution:
     velocity: np.ndarray  # (nc, 2) relative velocities, local (n, t)
 
     def save(self, path):
-        """Write reaction and velocity as ``.npz`` or ``.h5``."""
-        suffix = result_suffix(path)
-        if suffix == ".npz":
-            with open(path, "wb") as file:
-                np.savez(file, reaction=self.reaction, velocity=self.velocity)
-            return
-        import h5py
+        """Write reaction and velocity as ``.npz`` or ``.h5``, whole or not at all."""
+        if result_suffix(path) == ".npz":
+            image = _npz(np.savez, reaction=self.reaction, velocity=self.velocity)
+        else:
 
-        with h5py.File(path, "w") as file:
-            file["reaction"], file["velocity"] = self.reaction, self.velocity
-            file.attrs.update({field.name: getattr(self, field.name) for field in fields(self)[:6]})
+            def fill(file):
+                file["reaction"], file["velocity"] = self.reaction, self.velocity
+                file.attrs.update({field.name: getattr(self, field.name) for field in fields(self)[:6]})
+
+            image = files.hdf5(fill)
+        files.write(path, image)
 
 
 def result_suffix(path):
@@ -227,13 +236,17 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     Raises
     ------
     ValueError
-        If the problem is malformed, the solver unknown or a setting out of range.
+        If the problem is malformed, the solver unknown or a setting out of range, or if numbers grow beyond those of doubles.
     """
     from rcr import _kernel
 
-    if isinstance(problem, (str, os.PathLike)):
+    settings = dict(
+        solver=solver if isinstance(solver, str) else checks.choice("solver", solver, _kernel.solver_names()),
+        tolerance=checks.number("tolerance", tolerance, "a residual ≥ 0", lambda v: v >= 0),
+        max_iterations=checks.whole("maxIterations", max_iterations, "at least 1 and at most 2147483647", lambda v: 1 <= v < 2**31),
+    )
+    if not isinstance(problem, (BodyProblem, DelassusProblem)):
         problem = load(problem)
-    settings = dict(solver=solver, tolerance=tolerance, max_iterations=max_iterations)
     start = problem.impulse if warm else np.zeros((problem.contacts, 2))
     if isinstance(problem, BodyProblem):
         order = problem.order()
@@ -244,6 +257,8 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
         found = _kernel.solve_delassus(
             problem.row_start, problem.column, problem.block.reshape(-1, 4), problem.q, problem.friction, start, **settings
         )
+    if not (np.isfinite(found["residual"]) and np.isfinite(found["impulse"]).all() and np.isfinite(found["relative_velocity"]).all()):
+        raise ValueError(f"solver {solver!r} ended with numbers that are not finite; masses, velocities or W of the problem differ too much in size")
     return Solution(
         solver, problem.contacts, found["iterations"], found["residual"], found["converged"], found["seconds"],
         found["impulse"], found["relative_velocity"],
@@ -262,16 +277,14 @@ def load(path):
         If the file is malformed or of another kind; OSError if it cannot be read.
     """
     suffix = _suffix(path, (".npz", ".h5", ".hdf5", ".dat"))
-    open(path, "rb").close()  # a missing file is an OSError, whatever the reader would say
-    try:
+    with files.reading(path, f"a {suffix} file"):
         return {".npz": _load_npz, ".dat": _load_siconos}.get(suffix, _load_fclib)(path)
-    except OSError as error:
-        raise ValueError(f"{path}: not a readable {suffix} file ({error})") from error
-    except ValueError as error:
-        raise ValueError(f"{path}: {error}") from error
 
 
 def _load_npz(path):
+    with zipfile.ZipFile(path) as archive:
+        for member in archive.infolist():
+            files.check_size(member.filename, member.file_size, path)
     with np.load(path) as file:
         names = ("a", "b", "n", "ra", "rb", "bn", "mu", "p0", "im", "iI", "vfree", "meta")
         missing = [name for name in names if name not in file]
@@ -280,16 +293,16 @@ def _load_npz(path):
         d = {name: file[name] for name in names}
     nc, nb = np.size(d["a"]), np.size(d["iI"])
     shapes = dict(a=(nc,), b=(nc,), n=(nc, 2), ra=(nc, 2), rb=(nc, 2), bn=(nc,), mu=(nc,), p0=(nc, 2), im=np.shape(d["im"]), iI=(nb,), vfree=(nb, 3), meta=(3,))
-    d = {name: _numbers(name, d[name], shape) for name, shape in shapes.items()}
-    _wanted(d["mu"] >= 0, "mu", d["mu"], "µ ≥ 0")
+    d = {name: checks.array(name, d[name], shape) for name, shape in shapes.items()}
+    checks.every(d["mu"] >= 0, "mu", d["mu"], "µ ≥ 0")
     particles = d["meta"][2]
     if not (particles == int(particles) and 0 <= particles <= nb):
         raise ValueError(f"meta[2] = {particles:g}; wanted the number of particles, at most {nb}")
     if d["im"].shape == (nb,):
         d["im"] = np.column_stack([d["im"], d["im"]])
         d["im"][int(particles) :, 1] = 0  # walls move along x only
-    inverse_mass = np.column_stack([_numbers("im", d["im"], (nb, 2)), d["iI"]])
-    bodies = np.column_stack([_ids("a", d["a"], nb), _ids("b", d["b"], nb)])
+    inverse_mass = np.column_stack([checks.array("im", d["im"], (nb, 2)), d["iI"]])
+    bodies = np.column_stack([checks.ids("a", d["a"], nb), checks.ids("b", d["b"], nb)])
     return BodyProblem(inverse_mass, d["vfree"], bodies, d["n"], d["ra"], d["rb"], d["bn"], d["mu"], d["p0"])
 
 
@@ -307,8 +320,7 @@ def _load_fclib(path):
         if "V" in group or "R" in group:
             raise ValueError("holds equality constraints (V, R), which are not served; wanted W, q and mu alone")
         q, mu = _dataset(group, "vectors/q"), _dataset(group, "vectors/mu")
-        guess = file.get("guesses/1/r")
-        guess = None if guess is None else np.asarray(guess[()])
+        guess = _dataset(file, "guesses/1/r") if "guesses/1/r" in file else None
         return DelassusProblem(_fclib_entries(group, 2 * len(mu)), q, mu, guess)
 
 
@@ -324,7 +336,7 @@ def _fclib_entries(group, size):
         return pointers[:kind], index[:kind], value[:kind]
     if kind not in (-1, -2):
         raise ValueError(f"W/nz = {kind}; wanted −1 (compressed columns), −2 (compressed rows) or a number of triplets")
-    pointers = _ids("W/p", pointers, 2**31)
+    pointers = checks.ids("W/p", checks.array("W/p", pointers, (None,)), 2**31)
     if len(pointers) != size + 1 or pointers[0] != 0 or (np.diff(pointers) < 0).any() or min(len(index), len(value)) < pointers[-1]:
         raise ValueError(f"W/p is not {size + 1} ascending pointers into the {len(index)} entries of W/i and {len(value)} of W/x")
     index, value = index[: pointers[-1]], value[: pointers[-1]]
@@ -355,7 +367,15 @@ def save(path, problem):
     a, b = p.bodies.T
     meta = [1.0, 1.0, len(p.inverse_mass)]  # dt and length: whatever units the problem is in
     arrays = dict(a=a, b=b, n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias, mu=p.friction, p0=p.impulse)
-    np.savez_compressed(path, im=p.inverse_mass[:, :2], iI=p.inverse_mass[:, 2], vfree=p.free_velocity, meta=meta, **arrays)
+    image = _npz(np.savez_compressed, im=p.inverse_mass[:, :2], iI=p.inverse_mass[:, 2], vfree=p.free_velocity, meta=meta, **arrays)
+    files.write(path, image)
+
+
+def _npz(save, **arrays):
+    """Bytes of an ``.npz`` file, written by NumPy's `save`."""
+    image = io.BytesIO()
+    save(image, **arrays)
+    return image.getvalue()
 
 
 def save_fclib(path, problem, title="contact problem of yade-rcr"):
@@ -374,9 +394,8 @@ def save_fclib(path, problem, title="contact problem of yade-rcr"):
         problem = problem.delassus()
     row, column, value = problem.entries()
     size = 2 * problem.contacts
-    import h5py
 
-    with h5py.File(path, "w") as file:
+    def fill(file):
         integer = lambda name, data: file.create_dataset(name, data=np.atleast_1d(data).astype(np.int32))
         integer("fclib_local/spacedim", 2)
         for name, data in dict(nzmax=len(value), m=size, n=size, nz=-2, p=np.searchsorted(row, np.arange(size + 1)), i=column).items():
@@ -387,6 +406,8 @@ def save_fclib(path, problem, title="contact problem of yade-rcr"):
             file[f"fclib_local/info/{name}"] = np.bytes_(text)
         integer("guesses/number_of_guesses", 1)
         file["guesses/1/r"], file["guesses/1/u"] = problem.impulse.ravel(), problem.velocity(problem.impulse).ravel()
+
+    files.write(path, files.hdf5(fill))
 
 
 def _load_siconos(path):
@@ -411,6 +432,7 @@ class _Words:
 
     def __init__(self, lines):
         self.lines, self.line, self.word = [line.split() for line in lines], 0, 0
+        self.count = sum(map(len, self.lines))
 
     def skip_line(self):
         self.line, self.word = self.line + 1, 0
@@ -422,6 +444,8 @@ class _Words:
         return self.lines[self.line][self.word :] if self.line < len(self.lines) else []
 
     def numbers(self, what, count):
+        if not 0 <= count <= self.count:
+            raise ValueError(f"{count} numbers of {what} are announced in a file of {self.count} words")
         found = []
         while len(found) < count and (words := self.next_line()):
             words = words[: count - len(found)]
@@ -436,18 +460,21 @@ class _Words:
 
     def integer(self, what):
         (value,) = self.numbers(what, 1)
-        if value != np.floor(value):
-            raise ValueError(f"the {what} is {value:g}; wanted a whole number")
+        if not (abs(value) < 2**31 and value == np.floor(value)):
+            raise ValueError(f"the {what} is {value:g}; wanted a whole number of 32 bits")
         return int(value)
 
     def integers(self, what, count):
-        return np.array([self.integer(what) for _ in range(count)], int)
+        value = self.numbers(what, count)
+        checks.every((abs(value) < 2**31) & (value == np.floor(value)), f"the {what}", value, "whole numbers of 32 bits")
+        return value.astype(int)
 
 
 def _siconos_dense(words, size):
     words.numbers("the size of the matrix", 2)
+    value = words.numbers("the matrix", size * size)
     column, row = np.divmod(np.arange(size * size), size or 1)  # column by column
-    return row, column, words.numbers("the matrix", size * size)
+    return row, column, value
 
 
 def _siconos_blocks(words, size):
@@ -456,8 +483,9 @@ def _siconos_blocks(words, size):
     row_end, column_end = words.integers("block rows", rows), words.integers("block columns", columns)
     filled1, filled2 = words.integers("index", 2)
     start, block_column = words.integers("index1", filled1), words.integers("index2", filled2)
-    if rows and columns and not row_end[-1] == column_end[-1] == size:
-        raise ValueError(f"the block rows and columns end at {row_end[-1]} and {column_end[-1]}; wanted {size}")
+    for ends, name in (row_end, "rows"), (column_end, "columns"):
+        if (np.diff(ends, prepend=0) < 0).any() or (ends[-1] if len(ends) else 0) != size:
+            raise ValueError(f"the ends of the block {name} do not rise from 0 to {size}")
     if count != filled2 or filled1 != rows + 1 or (np.diff(start) < 0).any() or start[-1] != count or ((block_column < 0) | (block_column >= columns)).any():
         raise ValueError(f"the index of the {count} blocks does not fit {rows} block rows and {columns} block columns")
     entries = []
@@ -504,42 +532,26 @@ def _siconos_sparse(words, size):
 
 
 def _suffix(path, known):
-    suffix = os.path.splitext(path)[1].lower()
+    suffix = os.path.splitext(files.path_of("the path of a problem", path))[1].lower()
     if suffix not in known:
         raise ValueError(f"{path}: unknown suffix {suffix!r}; wanted one of {', '.join(known)}")
     return suffix
 
 
-def _numbers(name, array, shape):
-    """The array in doubles; ValueError if its shape is another or a number is not finite."""
-    try:
-        array = np.ascontiguousarray(array, float)
-    except (TypeError, ValueError):
-        raise ValueError(f"{name} does not hold numbers") from None
-    if array.shape != tuple(shape):
-        raise ValueError(f"{name} has shape {array.shape}; wanted {tuple(shape)}")
-    _wanted(np.isfinite(array), name, array, "finite numbers")
-    return array
-
-
-def _ids(name, array, end):
-    """The array in integers; ValueError if one is not whole, negative or not below `end`."""
-    array = np.asarray(array)
-    _wanted((array == np.floor(array)) & (array >= 0) & (array < end), name, array, f"whole numbers from 0 to {end - 1}")
-    return array.astype(np.int32 if end <= 2**31 else np.int64)
-
-
-def _wanted(good, name, array, wanted):
-    if np.all(good):
-        return
-    index = np.unravel_index(np.argmin(good), np.shape(good))
-    raise ValueError(f"{name}[{', '.join(map(str, index))}] = {array[index]:g}; wanted {wanted}")
+def _pairs(name, array, count):
+    """(count, 2) doubles, also from a flat array."""
+    array = checks.reals(name, array)
+    return checks.array(name, array.reshape(-1, 2) if array.size == 2 * count else array, (count, 2))
 
 
 def _dataset(group, name):
     if name not in group or not hasattr(group[name], "dtype"):  # a group
         raise ValueError(f"{group.name[1:]} lacks {name}")
-    return np.atleast_1d(group[name][()])
+    data = group[name]
+    if data.shape is None or data.dtype.kind not in "iuf":
+        raise ValueError(f"{group.name[1:]}/{name} does not hold numbers")
+    files.check_size(data.name[1:], data.nbytes, group.file.filename)
+    return np.atleast_1d(data[()])
 
 
 def _scalar(group, name):

@@ -4,13 +4,12 @@ import base64
 import html
 import io
 import json
-import os
 import pathlib
 import tempfile
 
 from PIL import Image  # Matplotlib brings it
 
-from rcr import __version__, figures, maps
+from rcr import __version__, figures, files, maps
 from rcr.analysis import analyse, jsonable
 from rcr.claims import AGREES, DIFFERS, NOT_TESTED, findings
 from rcr.paper import MAPS, nearest
@@ -27,8 +26,10 @@ small { color: #666 } figure { margin: 2em 0 } img { max-width: 100%; height: au
 _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
 
 
-def write(runs, out, progress=lambda name: None):
-    """Analyse runs and write analysis.json, report.html, table.md and every figure as PNG and PDF into a folder, each file whole.
+def write(runs, out, progress=lambda name: None, analysis=None, begin=lambda: None):
+    """Analyse runs and write analysis.json, report.html, table.md and every figure as PNG and PDF into a folder.
+
+    All of them are made beside the old ones and take their places at the end.
 
     Parameters
     ----------
@@ -37,6 +38,10 @@ def write(runs, out, progress=lambda name: None):
         Folder, made if missing.
     progress : callable
         Called with the name of what comes next.
+    analysis : dict
+        What `rcr.analysis.analyse` has found, if it has been called already.
+    begin : callable
+        Called when everything is made, before it takes its place.
 
     Returns
     -------
@@ -48,11 +53,12 @@ def write(runs, out, progress=lambda name: None):
     ValueError
         If the runs cannot be analysed together; nothing is written then.
     """
-    progress("analysis")
-    analysis = analyse(runs)
+    if analysis is None:
+        progress("analysis")
+        analysis = analyse(runs)
     out = pathlib.Path(out)
     out.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".part-", dir=out) as scratch:
+    with tempfile.TemporaryDirectory(prefix=files.PART, dir=out) as scratch:
         folder = pathlib.Path(scratch)
         pictures = {key: [] for key in analysis}
         for key in figures.FIGURES:
@@ -67,8 +73,9 @@ def write(runs, out, progress=lambda name: None):
         (folder / "analysis.json").write_text(json.dumps(jsonable(analysis), allow_nan=False))
         (folder / "table.md").write_text(markdown(table), encoding="utf-8")
         (folder / "report.html").write_text(_page(runs, analysis, table, pictures), encoding="utf-8")
-        for path in folder.iterdir():
-            os.replace(path, out / path.name)
+        begin()
+        for path in sorted(folder.iterdir()):
+            files.write(out / path.name, path.read_bytes())
     return table
 
 
@@ -110,7 +117,28 @@ def _material(runs, analysis):
     strains = [float(network.attributes["strain"]) for run in runs for network in run.networks]
     rows = zip(value["eta"], value["particles"], value["seeds"], value["snapshots"], value["contacts"])
     listed = "; ".join(f"η = {eta:g}: {n:.0f} particles, {seeds} seed(s), {s} snapshots, {c} contacts" for eta, n, seeds, s, c in rows)
-    return f"Critical state: snapshots at strains from {min(strains):.3f} to {max(strains):.3f}. {listed}."
+    return f"Critical state: snapshots at strains from {min(strains):.3f} to {max(strains):.3f}. {listed}. {_misses(runs)}"
+
+
+def _misses(runs):
+    """How often and by how much the steps of the shear missed the tolerance of the solver, of the runs that tell it."""
+    named = "missed_fraction", "missed_mean", "missed_max", "tolerance"
+    told = {}
+    for run in runs:
+        numbers = [(run.summary or {}).get(name) for name in named]
+        if all(isinstance(value, (int, float)) for value in numbers):
+            told.setdefault(run.eta, []).append(numbers)
+    if not told:
+        return "No run tells how many of its steps missed the tolerance of the solver."
+    parts = []
+    for eta, rows in sorted(told.items()):
+        share, mean, largest, tolerance = zip(*rows)
+        if not any(share):
+            parts.append(f"η = {eta:g}: none")
+            continue
+        times = sum(a * b for a, b in zip(share, mean)) / sum(share)
+        parts.append(f"η = {eta:g}: {100 * sum(share) / len(share):.1f} %, {times:.2g} times {max(tolerance):g} in the mean, {max(largest):.2g} at most")
+    return f"Steps whose residual missed the tolerance of the solver: {'; '.join(parts)}."
 
 
 def _table(table):

@@ -1,11 +1,18 @@
 """What `scripts/biaxial.py` wrote: its networks of the critical state, its history, its isotropic state. Needs NumPy and h5py."""
 
+import csv
 import dataclasses
+import json
+import os
 import pathlib
 
 import numpy as np
 
+from rcr import checks, files, results
 from rcr.network import Network
+
+_TWO_RUNS = "files of two runs; remove those of one"
+_HISTORY = "strain", "stress_x", "stress_y"
 
 
 @dataclasses.dataclass
@@ -23,6 +30,10 @@ class Run:
         End of the compaction.
     history : dict of arrays, or None
         ``strain`` [-], ``stress_x`` and ``stress_y`` on the walls [Pa], one value every record of the shear.
+    record : dict or None
+        run.json, which has the parameters; see `rcr.results`.
+    summary : dict or None
+        summary.json, of a run that is complete.
     """
 
     folder: pathlib.Path
@@ -30,6 +41,8 @@ class Run:
     from_strain: float
     isotropic: object = None
     history: object = None
+    record: object = None
+    summary: object = None
 
     @property
     def eta(self):
@@ -42,23 +55,28 @@ class Run:
         Raises
         ------
         ValueError
-            If the folder has no network, none in the critical state, or networks of several elongations.
+            If the folder has no network, none in the critical state, networks of several runs, or a damaged file.
+        OSError
+            If a file cannot be read.
         """
-        folder = pathlib.Path(folder)
-        networks = [Network.load(path) for path in folder.glob("network-*.h5")]
-        if not networks:
+        folder = pathlib.Path(files.path_of("the folder", folder))
+        if not folder.is_dir():
+            raise ValueError(f"{folder} is no folder; wanted one written by scripts/biaxial.py")
+        paths = sorted(folder.glob("network-*.h5"))
+        if not paths:
             raise ValueError(f"{folder} has no network-*.h5; wanted a folder written by scripts/biaxial.py")
-        for name in ("strain", "eta", "friction"):
-            if any(name not in network.attributes for network in networks):
-                raise ValueError(f"{folder} has a network without the attribute {name}; wanted networks as scripts/biaxial.py writes them")
-        networks.sort(key=_strain)
-        if from_strain is None:
-            from_strain = 0.5 * _strain(networks[-1])
-        critical = [network for network in networks if _strain(network) >= from_strain]
-        if not critical:
-            raise ValueError(f"{folder} has no network at a strain ≥ {from_strain:g}; its last is at {_strain(networks[-1]):.4f}")
+        networks = {path: Network.load(path) for path in paths}
         isotropic = folder / "isotropic.h5"
-        return cls(folder, critical, from_strain, Network.load(isotropic) if isotropic.exists() else None, _history(folder / "history.csv"))
+        initial = {isotropic: Network.load(isotropic)} if isotropic.exists() else {}
+        record = results.read(folder)
+        _check_one_run(networks | initial, record)
+        last = max(map(_strain, networks.values()))
+        from_strain = 0.5 * last if from_strain is None else checks.number("from_strain", from_strain)
+        critical = sorted((network for network in networks.values() if _strain(network) >= from_strain), key=_strain)
+        if not critical:
+            raise ValueError(f"{folder} has no network at a strain ≥ {from_strain:g}; its last is at {last:.4f}")
+        history = _history(folder / "history.csv")
+        return cls(folder, critical, from_strain, initial.get(isotropic), history, record, _summary(folder / "summary.json"))
 
     def critical_stresses(self):
         """σ₂ and σ₁ of the records in the critical state, (rows, 2) [Pa]: σ_x and σ_y of the walls, or those of the networks without a history."""
@@ -73,16 +91,67 @@ def _strain(network):
     return float(network.attributes["strain"])
 
 
+def _check_one_run(networks, record):
+    """ValueError if the networks (by path) are not all of one run: of one packing, one elongation, one set of parameters."""
+    told = record["parameters"] if record else {}
+    for path, network in networks.items():
+        for name in ("strain", "eta", "friction"):
+            if name not in network.attributes:
+                raise ValueError(f"{path} is a network without the attribute {name}; wanted networks as scripts/biaxial.py writes them")
+        for name in ("eta", "seed"):
+            if name in told and network.attributes.get(name) != told[name]:
+                raise ValueError(f"{path} has {name} = {network.attributes.get(name)}, run.json {told[name]}: {_TWO_RUNS}")
+        if record and network.attributes.get("run", record["run"]) != record["run"]:
+            raise ValueError(f"{path} is of another run than run.json: {_TWO_RUNS}")
+    (first_path, first), *others = ((path, network) for path, network in networks.items() if path.name != "isotropic.h5")
+    for name in ("eta", "friction"):
+        found = sorted({float(network.attributes[name]) for _, network in (*others, (first_path, first))})
+        if len(found) > 1:
+            listed = ", ".join(f"{value:g}" for value in found)
+            raise ValueError(f"the networks in {first_path.parent} have {name} = {listed}; wanted one and the same value: {_TWO_RUNS}")
+    for path, network in others:
+        if not all(np.array_equal(network.particles[name], first.particles[name]) for name in ("id", "R", "mass")):
+            raise ValueError(f"{path} and {first_path.name} hold different grains: {_TWO_RUNS}")
+        if _strain(network) == _strain(first):
+            raise ValueError(f"{path} and {first_path.name} are of the same strain: {_TWO_RUNS}")
+
+
 def _history(path):
     """Columns of history.csv, None if there is no such file."""
     if not path.exists():
         return None
-    rows = np.atleast_1d(np.genfromtxt(path, delimiter=",", names=True))
-    columns = ("strain", "stress_x", "stress_y")
-    missing = set(columns) - set(rows.dtype.names or ())
-    if missing:
-        raise ValueError(f"{path} lacks the column {' and '.join(sorted(missing))}")
-    return {name: rows[name] for name in columns}
+    with files.reading(path, "a history"):
+        with open(path, newline="", encoding="utf-8") as file:
+            reader = csv.DictReader(file, strict=True)
+            missing = [name for name in _HISTORY if name not in (reader.fieldnames or ())]
+            if missing:
+                raise ValueError(f"lacks the column {' and '.join(missing)}")
+            rows = list(reader)
+        if not rows:
+            raise ValueError("holds no record; scripts/biaxial.py writes it anew with --resume")
+        history = {name: [] for name in _HISTORY}
+        for line, row in enumerate(rows, 2):
+            for name in _HISTORY:
+                try:
+                    value = float(row[name])
+                except (TypeError, ValueError):
+                    raise ValueError(f"line {line}: {name} = {row[name]!r}; wanted a number") from None
+                history[name].append(checks.number(f"line {line}: {name}", value))
+        history = {name: np.array(column) for name, column in history.items()}
+        rises = np.append(True, np.diff(history["strain"]) > 0)
+        checks.every(rises, "the strain", history["strain"], "more than in the record before")
+        return history
+
+
+def _summary(path):
+    """summary.json, None if there is no such file."""
+    if not path.exists():
+        return None
+    with files.reading(path, "a summary"):
+        summary = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(summary, dict):
+            raise ValueError("holds no keys")
+        return summary
 
 
 def by_elongation(runs):
@@ -91,9 +160,26 @@ def by_elongation(runs):
     Raises
     ------
     ValueError
-        If the runs differ in friction.
+        If the runs differ in friction, a run is there twice, or runs of one elongation differ in more than their seed.
     """
     frictions = sorted({float(network.attributes["friction"]) for run in runs for network in run.networks})
     if len(frictions) > 1:
         raise ValueError(f"the networks have friction {', '.join(f'{v:g}' for v in frictions)}; wanted one friction for all")
-    return {eta: [run for run in runs if run.eta == eta] for eta in sorted({run.eta for run in runs})}
+    groups = {eta: [run for run in runs if run.eta == eta] for eta in sorted({run.eta for run in runs})}
+    for group in groups.values():
+        _check_seeds(group)
+    return groups
+
+
+def _check_seeds(runs):
+    """ValueError unless the runs are of different packings and else of the same parameters."""
+    for k, run in enumerate(runs):
+        for other in runs[:k]:
+            if os.path.realpath(run.folder) == os.path.realpath(other.folder):
+                raise ValueError(f"{run.folder} is given twice; wanted every run once")
+            if run.record and other.record:
+                if run.record["run"] == other.record["run"]:
+                    raise ValueError(f"{run.folder} and {other.folder} hold the same run; wanted runs of different seeds")
+                different = results.differing(other.record["parameters"], run.record["parameters"], ("seed", "threads", "strain", "networks"))
+                if different:
+                    raise ValueError(f"{other.folder} has {different.replace('here', f'{run.folder}')}; wanted runs that differ in their seed alone")

@@ -1,22 +1,32 @@
-"""Densities, class means, correlation and exponents of samples. Needs NumPy."""
+"""Densities, class means, correlation and exponents of samples. Needs NumPy.
+
+Samples are (n,) arrays of real numbers, edges of classes rise; anything else is refused with a ValueError. What too few values do
+not tell is NaN.
+"""
 
 import numpy as np
+
+from rcr import checks
 
 LEAST = 10  # values that a class needs for its mean to be given
 
 
 def density(x, edges):
     """Share of x in each class over the class width; (classes,), Σ density Δ = share of x within the edges [1/unit of x]."""
-    return np.histogram(x, edges)[0] / (np.diff(edges) * len(x))
+    x, edges = _sample("x", x), _edges(edges)
+    return np.histogram(x, edges)[0] / (np.diff(edges) * len(x)) if len(x) else np.full(len(edges) - 1, np.nan)
 
 
 def centres(edges):
     """Middle of each class; (classes,)."""
+    edges = _edges(edges)
     return 0.5 * (edges[1:] + edges[:-1])
 
 
 def class_means(x, y, edges):
     """Mean of y over the classes of x; (classes,), NaN where a class has fewer than `LEAST` values."""
+    x, edges = _sample("x", x), _edges(edges)
+    y = _sample("y", y, len(x))
     count = np.histogram(x, edges)[0]
     total = np.histogram(x, edges, weights=y)[0]
     return np.where(count >= LEAST, total / np.maximum(count, 1), np.nan)
@@ -24,6 +34,8 @@ def class_means(x, y, edges):
 
 def pearson(x, y):
     """Pearson's coefficient of x and y [-; paper, eq. pearson]; NaN if either does not vary."""
+    x = _sample("x", x)
+    y = _sample("y", y, len(x))
     if len(x) < 2 or min(np.ptp(x), np.ptp(y)) == 0:
         return np.nan
     return float(np.corrcoef(x, y)[0, 1])
@@ -37,6 +49,7 @@ def exponential_rate(x, low=1.0):
     (α, standard error α/√n) : floats
         NaN if no x is above `low`.
     """
+    x, low = _sample("x", x), checks.number("low", low)
     x = x[x > low]
     if len(x) == 0:
         return np.nan, np.nan
@@ -55,12 +68,25 @@ def power_exponent(x, low, high=1.0):
     (β, standard error) : floats
         NaN if fewer than two x lie in the range.
     """
+    x, low = _sample("x", x), checks.number("low", low, "a number > 0", lambda v: v > 0)
+    high = checks.number("high", high, f"a number > low = {low:g}", lambda v: v > low)
     x = x[(x > low) & (x < high)]
     if len(x) < 2:
         return np.nan, np.nan
     scale = np.log(high / low)
     kappa = _root_of_mean(np.mean(np.log(high / x)) / scale)
     return kappa / scale - 1, 1 / (scale * np.sqrt(len(x) * _variance(kappa)))
+
+
+def _sample(name, values, count=None):
+    return checks.array(name, values, (count,))
+
+
+def _edges(values):
+    values = checks.array("edges", values, (None,))
+    if len(values) < 2 or not (np.diff(values) > 0).all():
+        raise ValueError(f"edges = {values}; wanted at least two that rise")
+    return values
 
 
 def _mean(kappa):

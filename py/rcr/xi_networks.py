@@ -12,6 +12,16 @@ anisotropies here are those of the tensors, for which the half-sum holds.
 
 import numpy as np
 
+from rcr import checks
+
+
+def cutoffs(xi):
+    """ξ as a float array of its shape; ValueError if one is no number, NaN or negative."""
+    xi = checks.reals("xi", xi)
+    if not (xi >= 0).all():
+        raise ValueError(f"xi = {xi}; wanted cutoffs ≥ 0")
+    return xi
+
 
 class XiNetworks:
     """Partial sums over the contacts with f_n ≤ ξ ⟨f_n⟩, for any ξ in O(log C) after one sort of C contacts.
@@ -24,11 +34,18 @@ class XiNetworks:
         ℓ_n + i ℓ_t and f_n + i f_t, in any unit.
     scaled_force : (C,) float array
         What ξ cuts on: f_n/⟨f_n⟩ [-].
+
+    Raises
+    ------
+    ValueError
+        If there is no contact or the arrays differ in length.
     """
 
     def __init__(self, theta, branch, force, scaled_force):
         if len(theta) == 0:
             raise ValueError("no contacts: a ξ-network needs at least one contact between particles")
+        if not len(theta) == len(branch) == len(force) == len(scaled_force):
+            raise ValueError(f"theta, branch, force and scaled_force hold {len(theta)}, {len(branch)}, {len(force)} and {len(scaled_force)}; wanted one length")
         order = np.argsort(scaled_force, kind="stable")
         self._scaled_force = scaled_force[order]
         weights = np.array([np.ones_like(branch), branch.real, branch, force.real, force, force * branch])
@@ -39,7 +56,7 @@ class XiNetworks:
 
     def count(self, xi=np.inf):
         """Number of contacts N(ξ), of the shape of ξ."""
-        return np.searchsorted(self._scaled_force, xi, side="right")
+        return np.searchsorted(self._scaled_force, cutoffs(xi), side="right")
 
     def share(self, xi=np.inf):
         """N(ξ)/N = tr F(ξ) [-], of the shape of ξ."""

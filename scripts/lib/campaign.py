@@ -5,12 +5,13 @@ What follows a lone -- goes to Snakemake.
 """
 
 import argparse
-import fcntl
 import os
 import pathlib
 import shutil
 import subprocess
 import sys
+
+from rcr import results, script
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -21,44 +22,38 @@ def numbers(kind):
     def parse(text):
         return [kind(word) for word in text.replace(",", " ").split()]
 
-    parse.__name__ = f"list of {kind.__name__}"
     return parse
 
 
 def arguments():
     words = sys.argv[1:]
     own, extra = (words[: words.index("--")], words[words.index("--") + 1 :]) if "--" in words else (words, [])
-    parser = argparse.ArgumentParser(prog="campaign", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--particles", type=int, default=13000, metavar="N", help="grains of each test (default %(default)s)")
-    parser.add_argument("--etas", type=numbers(float), nargs="+", metavar="ETA", default=[[0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]],
+    parser = script.Parser(prog="campaign", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--particles", type=script.at_least(10), default=13000, metavar="N", help="grains of each test (default %(default)s)")
+    elongation = script.number("elongations 0 ≤ ETA < 1", lambda v: 0 <= v < 1)
+    parser.add_argument("--etas", type=numbers(elongation), nargs="+", metavar="ETA", default=[[0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]],
                         help="elongations, with commas or spaces between them (default 0,0.1,…,0.7)")  # fmt: skip
-    parser.add_argument("--seeds", type=numbers(int), nargs="+", metavar="SEED", default=[[1]], help="seeds, likewise (default 1)")
-    parser.add_argument("--strain", type=float, default=0.5, metavar="E", help="of the shear (default %(default)s)")
+    parser.add_argument("--seeds", type=numbers(script.whole("seeds ≥ 0", lambda v: v >= 0)), nargs="+", metavar="SEED", default=[[1]], help="seeds, likewise (default 1)")
+    parser.add_argument("--strain", type=script.number("0 < strain < 1", lambda v: 0 < v < 1), default=0.5, metavar="E", help="of the shear (default %(default)s)")
     processors = len(os.sched_getaffinity(0))
-    parser.add_argument("--jobs", type=int, default=processors, metavar="N", help="processors to use (default all: %(default)s)")
-    parser.add_argument("--out", required=True, metavar="DIR", help="folder of the runs and the report, made if missing")
+    parser.add_argument("--jobs", type=script.at_least(1), default=processors, metavar="N", help="processors to use (default all: %(default)s)")
+    parser.add_argument("--out", type=script.folder, required=True, metavar="DIR", help="folder of the runs and the report, made if missing")
     options = parser.parse_args(own)
-    options.etas = sorted({eta for part in options.etas for eta in part})
-    options.seeds = sorted({seed for part in options.seeds for seed in part})
-    for fits, message in (
-        (options.particles >= 10, f"--particles {options.particles}: wanted at least 10"),
-        (options.etas and all(0 <= eta < 1 for eta in options.etas), f"--etas {options.etas}: wanted elongations 0 ≤ ETA < 1"),
-        (options.seeds and all(seed >= 0 for seed in options.seeds), f"--seeds {options.seeds}: wanted seeds ≥ 0"),
-        (0 < options.strain < 1, f"--strain {options.strain}: wanted 0 < strain < 1"),
-        (options.jobs >= 1, f"--jobs {options.jobs}: wanted at least 1"),
-    ):
-        if not fits:
-            parser.error(message)
+    for name in "etas", "seeds":
+        values = sorted({value for part in getattr(options, name) for value in part})
+        if not values:
+            parser.error(f"--{name}: wanted at least one")
+        setattr(options, name, values)
     return options, extra
 
 
 def command(options, extra):
     """Snakemake's. It dies with this process, and its jobs with it; its own lock outlives a kill, ours does not, hence --nolock."""
-    threads = max(1, options.jobs // (len(options.etas) * len(options.seeds)))
+    threads = min(1024, max(1, options.jobs // (len(options.etas) * len(options.seeds))))
     config = {
         "particles": options.particles,
         "strain": options.strain,
-        "etas": ",".join(f"{eta:g}" for eta in options.etas),
+        "etas": ",".join(repr(eta).removesuffix(".0") for eta in options.etas),
         "seeds": ",".join(map(str, options.seeds)),
         "threads": threads,
     }
@@ -85,24 +80,19 @@ def failure(out):
 def main():
     options, extra = arguments()
     if not shutil.which("snakemake"):
-        sys.exit("campaign: the package snakemake is not installed here; install it (apt-get install snakemake) and run this again")
+        raise RuntimeError("the package snakemake is not installed here; install it (apt-get install snakemake) and run this again")
     out = pathlib.Path(options.out)
-    out.mkdir(parents=True, exist_ok=True)
-    with open(out / ".lock", "w") as lock:
+    parameters = {name: getattr(options, name) for name in ("particles", "etas", "seeds", "strain")}
+    with results.owned(out, "campaign", parameters, [], free=list(parameters), resume=True) as begin:
+        begin()  # one folder may hold several campaigns: the names of its runs tell their parameters
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            sys.exit(f"campaign: another campaign runs in {out}; wait for it or choose another --out")
-        run = subprocess.run(command(options, extra), stdout=sys.stderr)
+            run = subprocess.run(command(options, extra), stdout=sys.stderr)
+        except KeyboardInterrupt:
+            raise script.Stopped("stopped; the same command goes on from here") from None
     if run.returncode:
-        sys.exit(f"campaign: {failure(out)}")
+        raise RuntimeError(failure(out))
     if "--dry-run" not in extra:
         print(out / last_line(out / "report" / "log"))
 
 
-try:
-    main()
-except OSError as error:
-    sys.exit(f"campaign: {error}")
-except KeyboardInterrupt:
-    sys.exit("campaign: stopped; the same command goes on from here")
+script.run(main)

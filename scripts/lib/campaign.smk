@@ -24,7 +24,7 @@ rule report:
     log:
         "report/log",
     shell:
-        "{SCRIPTS}/network.py {params.runs} --out report >{log} 2>&1"
+        "{SCRIPTS}/network.py {params.runs} --out report --overwrite >{log} 2>&1"
 
 
 # A rule for each elongation, since a priority is one of a rule: the longest tests, those of long particles, start first.

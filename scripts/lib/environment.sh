@@ -32,10 +32,11 @@ record() { tee -a "$log" "$new/output" | grep --line-buffered '^yade-rcr: ' >&2 
 required_packages() { sed -n 's/^\([a-z][^ ]*\).*/\1/p' "$lib/packages"; }
 packages_id() { sed 's/#.*//; /^ *$/d' "$lib/packages" | sha256sum | cut -c1-12; }
 
-# lock PATH NOTICE: held until `unlock`, or the end of this process
+# lock PATH NOTICE: held until `unlock`, or the end of this process. Who waits is told why, unless
+# the other is only looking whether there is something to do.
 lock() {
     exec 9<"$1"
-    flock -n 9 || { say "$2" && flock 9; }
+    flock -w "${YADE_RCR_PATIENCE:-0.5}" 9 || { say "$2" && flock 9; }
 }
 unlock() { exec 9<&-; }
 
@@ -90,6 +91,7 @@ enter() {
         exec "$@"
     fi
     export YADE_RCR_WAY=$way
+    export YADE_RCR_COMMIT=${YADE_RCR_COMMIT:-$(git -C "$repo" describe --always --dirty=+ --abbrev=12 --exclude='*' 2>/dev/null || true)}
     "${way}_enter" "$@"
 }
 

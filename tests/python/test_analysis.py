@@ -1,6 +1,7 @@
 """The observables on synthetic runs of known distributions: recovered within their errors, complete, of the shapes promised."""
 
 import json
+import pathlib
 import time
 
 import numpy as np
@@ -163,6 +164,88 @@ def test_bad_runs_are_refused(tmp_path):
     bare.save(tmp_path / "b" / "network-0.6000.h5")
     with pytest.raises(ValueError, match="without the attribute strain"):
         Run.read(tmp_path / "b")
+
+
+def _of(change, network):
+    """The network with all forces frictionless, equal or fully mobilised, or half of its contacts at walls."""
+    n = network.contacts["normal"]
+    t = np.column_stack([-n[:, 1], n[:, 0]])
+    fn = np.einsum("ca,ca->c", network.contacts["force"], n)[:, None]
+    forces = dict(frictionless=fn * n, equal=n, mobilised=fn * (n + 0.5 * t))
+    network.contacts["force"] = forces.get(change, network.contacts["force"])
+    if change == "walls":
+        network.contacts["body2"][1::2] = -1
+    return network
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("change", ["none", "frictionless", "equal", "mobilised", "walls"])
+@pytest.mark.parametrize("particles, contacts", [(2, 1), (3, 2), (10, 15), (30, 60)])
+def test_tiny_packings_are_analysed(particles, contacts, change):
+    """From one contact on: what too few contacts do not tell is not tested; no error, no warning, a strict file."""
+    for etas in ([0.0], [0.5], [0.0, 0.2, 0.5, 0.7]):
+        runs = []
+        for k, eta in enumerate(etas):
+            networks = [_of(change, packing(eta, seed=3 * k + j, particles_=particles, contacts=contacts, strain=0.1 * (j + 1))) for j in range(1 + k % 2)]
+            runs.append(Run(pathlib.Path(f"/{k}"), networks, 0.0))
+        result = analysis.analyse(runs)
+        table = claims.findings(result)
+        json.dumps(analysis.jsonable(result), allow_nan=False)
+        assert not [row for row in table if row.verdict != claims.NOT_TESTED and "nan" in row.value + row.error]
+
+
+def test_runs_that_are_no_seeds_are_refused(tmp_path):
+    """Of one elongation: a run twice, a run that differs in more than its seed, the networks of two runs in a folder."""
+    folders = [write_run(tmp_path / name, 0.5, seed, strains=(0.1, 0.2)) for name, seed in (("a", 1), ("b", 2))]
+    (tmp_path / "link").symlink_to("a")
+    for again in (folders[0], tmp_path / "link", tmp_path / "b" / ".." / "a"):
+        with pytest.raises(ValueError, match="is given twice"):
+            analysis.analyse([Run.read(folders[0]), Run.read(again)])
+
+    def record(folder, **parameters):
+        run = dict(program="biaxial.py", run=json.dumps(parameters), parameters=dict(eta=0.5, **parameters))
+        (folder / "run.json").write_text(json.dumps(run))
+        return Run.read(folder)
+
+    analysis.analyse([record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-4, threads=2)])
+    with pytest.raises(ValueError, match=r"a has tolerance = 0.0001 \(.*b 0.001\); wanted runs that differ in their seed alone"):
+        analysis.analyse([record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-3)])
+    with pytest.raises(ValueError, match="hold the same run"):
+        analysis.analyse([record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-4)])
+    (folders[1] / "run.json").write_text((folders[1] / "run.json").read_text().replace('"eta": 0.5', '"eta": 0.4'))
+    with pytest.raises(ValueError, match="has eta = 0.5, run.json 0.4: files of two runs"):
+        Run.read(folders[1])
+
+
+def test_mixed_networks_are_refused(tmp_path):
+    """What a run into the folder of another one once left."""
+    folder = write_run(tmp_path / "a", 0.5, strains=(0.1, 0.2))
+    other = packing(0.5, strain=0.3)
+    other.particles["R"] *= 1.01
+    other.save(folder / "network-0.3000.h5")
+    with pytest.raises(ValueError, match="network-0.3000.h5 and network-0.1000.h5 hold different grains: files of two runs"):
+        Run.read(folder)
+    packing(0.5, strain=0.1).save(folder / "network-0.3000.h5")
+    with pytest.raises(ValueError, match="are of the same strain"):
+        Run.read(folder)
+
+
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        ("", "lacks the column strain and stress_x and stress_y"),
+        ("strain,stress_x,stress_y\n", "holds no record"),
+        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,abc,2\n", "line 3: stress_x = 'abc'; wanted a number"),
+        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,1,nan\n", "line 3: stress_y = nan; wanted a finite number"),
+        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,1\n", "line 3: stress_y = None; wanted a number"),
+        ("strain,stress_x,stress_y\n0.1,1,2\n0.1,1,2\n", "the strain\\[1\\] = 0.1; wanted more than"),
+    ],
+)
+def test_bad_histories_are_refused(tmp_path, text, says):
+    folder = write_run(tmp_path / "a", 0.5, strains=(0.1, 0.2))
+    (folder / "history.csv").write_text(text)
+    with pytest.raises(ValueError, match=f"history.csv: {says}"):
+        Run.read(folder)
 
 
 # --- verdicts -----------------------------------------------------------------------------------------------------------

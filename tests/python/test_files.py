@@ -1,60 +1,136 @@
-"""Files appear whole or not at all, readable by whom the user's umask lets; what does without h5py does."""
+"""Files are whole or not there: damaged disks, kills and two writers at once; damaged files are named by their readers."""
 
+import multiprocessing
 import os
-import stat
+import signal
 import subprocess
 import sys
+import time
 
+import h5py
 import numpy as np
 import pytest
-from rcr.files import whole
-
-from synthetic import packing
-
-
-def mode(path):
-    return stat.S_IMODE(os.stat(path).st_mode)
+from hypothesis import given
+from hypothesis import strategies as st
+from rcr import files
 
 
-@pytest.mark.parametrize("mask, wanted", [(0o022, 0o644), (0o027, 0o640)])
-def test_networks_have_the_permissions_of_any_file(tmp_path, mask, wanted):
-    """F26: they were written with mode 0600."""
-    before = os.umask(mask)
-    try:
-        packing(0.5).save(tmp_path / "network.h5")
-    finally:
-        os.umask(before)
-    assert mode(tmp_path / "network.h5") == wanted
+def test_writes_bytes_and_text(tmp_path):
+    path = tmp_path / "ä.txt"
+    files.write(path, "µ = 0.5\n")
+    assert path.read_text(encoding="utf-8") == "µ = 0.5\n"
+    files.write(path, b"\0\1")
+    assert path.read_bytes() == b"\0\1" and [p.name for p in tmp_path.iterdir()] == ["ä.txt"]
+    assert path.stat().st_mode & 0o777 == 0o666 & ~_umask()  # as of any new file
 
 
-@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
-def test_a_failed_write_leaves_the_old_file_alone(tmp_path, error):
-    path = tmp_path / "file.txt"
-    path.write_text("old")
-    with pytest.raises(error), whole(path) as partial:
-        with open(partial, "w") as file:
-            file.write("half")
-        raise error
-    assert path.read_text() == "old" and os.listdir(tmp_path) == ["file.txt"]
+def _umask():
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
 
 
-def test_relative_paths(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with whole("file.txt") as partial, open(partial, "w") as file:
-        file.write("new")
-    assert (tmp_path / "file.txt").read_text() == "new" and os.listdir(tmp_path) == ["file.txt"]
+def test_a_link_is_kept(tmp_path):
+    (tmp_path / "link").symlink_to("behind")
+    files.write(tmp_path / "link", "x")
+    assert (tmp_path / "link").is_symlink() and (tmp_path / "behind").read_text() == "x"
 
 
-def test_solve_does_without_h5py(tmp_path):
-    """F26: `import rcr` needed h5py even to solve a problem from .npz."""
-    one = dict(a=[0], b=[1], n=[[0, 1]], ra=[[0, 0]], rb=[[0, 0]], bn=[0.0], mu=[0.5], p0=[[0, 0]])
-    np.savez(tmp_path / "p.npz", im=[0, 1], iI=[0, 1], vfree=[[0, 0, 0], [0, -2, 0]], meta=[1, 1, 2], **one)
-    code = f"""
-import sys
-sys.modules["h5py"] = None  # as if it were not installed
-import rcr
-print(*rcr.solve({str(tmp_path / "p.npz")!r}).reaction[0])
-"""
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
-    assert [float(v) for v in done.stdout.split()] == pytest.approx([2, 0], abs=1e-3)
+def test_long_names(tmp_path):
+    """The name beside must not be too long where the name itself is not."""
+    path = tmp_path / ("ü" * 127)
+    files.write(path, "x")
+    assert path.read_text() == "x"
+
+
+@pytest.mark.parametrize(
+    "path, error",
+    [("folder", IsADirectoryError), ("none/file", FileNotFoundError), ("file/below", OSError), ("pipe", OSError), ("x" * 300, OSError)],
+)
+def test_what_cannot_be_written_is_said_first(tmp_path, path, error):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").touch()
+    os.mkfifo(tmp_path / "pipe")
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises(error) as raised:
+        files.write(tmp_path / path, "x")
+    assert str(tmp_path) in files.one_line(raised.value) and sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("path", [0, None, "", "a\0b", 1.5])
+def test_no_path(path):
+    with pytest.raises(ValueError, match="wanted a path"):
+        files.write(path, "x")
+
+
+def test_a_full_disk_loses_nothing(tmp_path):
+    """A limit on the size of files is what a full disk is to a writer."""
+    path = tmp_path / "kept"
+    files.write(path, b"old")
+    code = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); from rcr import files; files.write(sys.argv[1], bytes(10**6))"
+    ended = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True)
+    assert ended.returncode == 1 and str(path) in ended.stderr.splitlines()[-1]
+    assert path.read_bytes() == b"old" and [p.name for p in tmp_path.iterdir()] == ["kept"]
+
+
+def _fill(path, letter):
+    while True:
+        files.write(path, letter * 100_000)
+
+
+def test_two_writers_at_once_and_kills(tmp_path):
+    """At any moment the file is whole and of one of them; a kill leaves at most one part, which the next writer takes."""
+    path = tmp_path / "shared"
+    files.write(path, b"a" * 100_000)
+    rng = np.random.default_rng(1)
+    for _ in range(20):
+        writers = [multiprocessing.get_context("fork").Process(target=_fill, args=(path, letter)) for letter in (b"a", b"b")]
+        for writer in writers:
+            writer.start()
+        time.sleep(rng.uniform(0.01, 0.05))
+        found = path.read_bytes()
+        for writer in writers:
+            os.kill(writer.pid, signal.SIGKILL)
+            writer.join()
+        assert found in (b"a" * 100_000, b"b" * 100_000)
+        assert path.read_bytes() in (b"a" * 100_000, b"b" * 100_000)
+        assert len(list(tmp_path.iterdir())) <= 2
+    files.write(path, b"c")
+    assert path.read_bytes() == b"c" and len(list(tmp_path.iterdir())) == 1
+
+
+def test_hdf5_never_meets_the_disk(tmp_path):
+    image = files.hdf5(lambda file: file.create_dataset("x", data=np.arange(10)))
+    (tmp_path / "x.h5").write_bytes(image)
+    with h5py.File(tmp_path / "x.h5") as file:
+        assert file["x"][()].tolist() == list(range(10))
+
+
+def test_table():
+    assert files.table(["a", "b"], [dict(a=1, c=2), dict(b="x,y")]) == 'a,b\n1,\n,"x,y"\n'
+
+
+@given(st.text(max_size=50))
+def test_errors_are_one_line(text):
+    assert "\n" not in files.one_line(ValueError(text)) and files.one_line(ValueError(text))
+
+
+@pytest.mark.parametrize("error", [KeyError("x"), EOFError(), RuntimeError("a\nb"), TypeError("t"), MemoryError(), IndexError(1), OSError("truncated"), ValueError("v\nw")])
+def test_whatever_a_reader_throws_names_the_file(tmp_path, error):
+    path = tmp_path / "x"
+    path.touch()
+    with pytest.raises(ValueError) as raised:
+        with files.reading(path, "a table"):
+            raise error
+    assert str(raised.value).startswith(f"{path}: ") and "\n" not in str(raised.value)
+
+
+def test_missing_files_and_folders_are_os_errors(tmp_path):
+    for path in (tmp_path, tmp_path / "none"):
+        with pytest.raises(OSError):
+            with files.reading(path, "a table"):
+                pass
+    with pytest.raises(KeyboardInterrupt):  # not an error of the file
+        (tmp_path / "x").touch()
+        with files.reading(tmp_path / "x", "a table"):
+            raise KeyboardInterrupt

@@ -1,7 +1,10 @@
 """`rcr.Network` on networks made here, whose tensors are known. Needs no YADE."""
 
+import h5py
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from rcr.network import Network
 
 from synthetic import anisotropic, network, particles, random_network
@@ -114,3 +117,76 @@ def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):
     with pytest.raises(ZeroDivisionError):
         test.save(path)
     assert path.read_bytes() == before and len(list(tmp_path.iterdir())) == 1
+
+
+def spoil(path, name, change):
+    """Change a column of a network's file."""
+    with h5py.File(path, "r+") as file:
+        column = file[name][()]
+        del file[name]
+        file[name] = change(column)
+
+
+def put(index, value):
+    def change(column):
+        column = np.array(column)
+        column[index] = value
+        return column
+
+    return change
+
+
+@pytest.mark.parametrize(
+    "name, change, says",
+    [
+        ("contacts/body1", put(3, 77), r"contacts/body1\[3\] = 77; wanted the id of a particle"),
+        ("contacts/body2", put(2, 77), r"contacts/body2\[2\] = 77; wanted the id of a particle, or a negative one"),
+        ("contacts/body2", put(0, 0), r"contacts/body2\[0\] = 0; wanted another body"),
+        ("contacts/body1", lambda c: c + 0.5, "wanted whole numbers"),
+        ("contacts/type", put(1, 4), r"contacts/type\[1\] = 4; wanted 0 to 3"),
+        ("contacts/normal", put((4, 0), 3.0), r"the length of contacts/normal\[4\] = 3.*; wanted 1"),
+        ("contacts/normal", lambda c: c.astype("S5"), "contacts/normal does not hold numbers, but"),
+        ("contacts/force", lambda c: c + 1j, "contacts/force does not hold numbers, but complex ones"),
+        ("contacts/force", lambda c: -c, "the mean normal force is -.*; wanted > 0"),
+        ("contacts/force", put((0, 1), np.inf), "contacts/force holds a number that is not finite"),
+        ("contacts/force", lambda c: 1.0, r"contacts/force has shape \(\)"),
+        ("particles/id", lambda c: 0 * c, "particles/id holds 0 2 times"),
+        ("particles/id", lambda c: c - 1, "particles/id holds -1"),
+        ("particles/R", lambda c: 0 * c, r"particles/R\[0\] = 0; wanted > 0"),
+        ("particles/R", lambda c: c[:1], r"particles/R has shape \(1,\); wanted \(2,\)"),
+    ],
+)
+def test_files_without_meaning_are_refused(tmp_path, name, change, says):
+    path = tmp_path / "network-0.h5"
+    random_network().save(path)
+    spoil(path, name, change)
+    with pytest.raises(ValueError, match=says) as error:
+        Network.load(path)
+    assert str(path) in str(error.value) and "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize("attribute, value", [("eta", 1.0), ("eta", "long"), ("friction", np.nan), ("volume", -1.0), ("volume", "big"), ("strain", np.inf)])
+def test_attributes_without_meaning_are_refused(tmp_path, attribute, value):
+    path = tmp_path / "network-0.h5"
+    random_network().save(path)
+    with h5py.File(path, "r+") as file:
+        file.attrs[attribute] = value
+    with pytest.raises(ValueError, match=attribute):
+        Network.load(path)
+
+
+@given(xi=st.one_of(st.floats(), st.integers(), st.none(), st.text(max_size=2), st.booleans(), st.complex_numbers(), st.lists(st.floats(), max_size=3)))
+def test_cutoffs_are_checked(xi):
+    """Numbers ≥ 0 give numbers; everything else is refused."""
+    test = random_network(50)
+    for function in (test.fabric, test.anisotropies, test.shear_stress_ratio):
+        try:
+            assert np.isfinite(function(xi)).all()
+        except ValueError as error:
+            assert "xi" in str(error)
+
+
+@pytest.mark.parametrize("bins", [0, -1, 1.5, None, 10**9, "many"])
+def test_bins_are_checked(bins):
+    with pytest.raises(ValueError, match="bins"):
+        random_network(50).force_pdf(bins)

@@ -9,8 +9,11 @@ import sys
 from pathlib import Path
 
 import h5py
+import hypothesis
+import hypothesis.extra.numpy as hnp
 import numpy as np
 import pytest
+from hypothesis import strategies as st
 from natural_map import residual
 from rcr import problems, solve
 
@@ -418,6 +421,106 @@ def test_script_says_in_a_line_what_is_wrong(files):
         ended = run(*arguments)
         assert ended.returncode != 0 and ended.stdout == "" and says in ended.stderr and ended.stderr.count("\n") == 1, ended.stderr
     assert run("--help").returncode == 0
+
+
+def test_script_refuses_before_anything_is_lost(files):
+    """The problem is never overwritten, whatever name it is given by; nothing is left where nothing was found."""
+    (files / "link.npz").symlink_to("step.npz")
+    (files / "folder.npz").mkdir()
+    names, before = sorted(files.iterdir()), (files / "step.npz").read_bytes()
+    for arguments, says in (
+        ((files / "step.npz", "--out", files / "step.npz"), "this is the problem itself"),
+        ((files / "step.npz", "--out", files / "link.npz"), "this is the problem itself"),
+        ((files / "step.npz", "--out", files / "folder.npz"), "is a folder"),
+        ((files / "step.npz", "--out", files / "none" / "o.npz"), "there is no such folder"),
+        ((files / "step.npz", "--out", ""), "--out '': wanted a path"),
+        ((files, "--out", files / "o.npz"), "unknown suffix"),
+        ((files / "folder.npz", "--out", files / "o.npz"), "Is a directory"),
+        ((files / "step.npz", "--tolerance", "nan", "--out", files / "o.npz"), "--tolerance nan: wanted a finite number"),
+        ((files / "step.npz", "--max-iterations", "9" * 30, "--out", files / "o.npz"), "--max-iterations 999"),
+        ((files / "step.npz", "--max-iterations", 2**31, "--out", files / "o.npz"), "maxIterations = 2147483648"),
+        ((files / "step.npz", "--max-iterations", "1.5", "--out", files / "o.npz"), "--max-iterations '1.5': wanted a whole number"),
+    ):
+        ended = run(*arguments)
+        assert ended.returncode != 0 and ended.stdout == "" and says in ended.stderr and ended.stderr.count("\n") == 1, ended.stderr
+    assert sorted(files.iterdir()) == names and (files / "step.npz").read_bytes() == before
+
+
+def test_numbers_beyond_doubles_are_no_result(files, step):
+    """A residual that is not finite would be no JSON."""
+    arrays = dict(step[0], im=step[0]["im"] * 1e300, vfree=step[0]["vfree"] * 1e300)
+    np.savez(files / "huge.npz", **arrays)
+    ended = run(files / "huge.npz", "--solver", "nlgs", "--out", files / "o.npz")
+    if ended.returncode == 0:
+        assert np.isfinite(json.loads(ended.stdout)["residual"])
+    else:
+        assert ended.stderr.count("\n") == 1 and "not finite" in ended.stderr and not (files / "o.npz").exists()
+
+
+# ---------------------------------------------------------------------------------------------- values from Python
+
+
+SCALARS = st.one_of(
+    st.floats(), st.integers(), st.booleans(), st.none(), st.text(max_size=3), st.complex_numbers(), st.sampled_from([5e-324, 1e308, -0.0, 2**31, 2**63, 2**70]),
+)  # fmt: skip
+
+
+def one_contact(**changes):
+    """Arguments of a BodyProblem of a grain on a floor."""
+    given = dict(
+        inverse_mass=[[1.0, 1, 8], [0, 0, 0]], free_velocity=[[0.1, -0.1, 0.3], [0, 0, 0]], bodies=[[0, 1]], normal=[[0.0, -1]], arm1=[[0.1, -0.5]],
+        arm2=[[0.0, 0]], bias=[0.0], friction=[0.5], impulse=[[0.0, 0]],
+    )  # fmt: skip
+    return given | changes
+
+
+@hypothesis.given(tolerance=SCALARS, max_iterations=SCALARS, solver=st.one_of(SCALARS, st.sampled_from(SOLVERS)))
+def test_settings_are_checked(tolerance, max_iterations, solver):
+    """Whatever is given: a solution, or one ValueError of one line."""
+    hypothesis.assume(not (isinstance(max_iterations, int) and max_iterations > 10**4 and tolerance == 0))  # takes as long as it is told
+    try:
+        found = solve(problems.BodyProblem(**one_contact()), solver, tolerance, max_iterations)
+    except ValueError as error:
+        assert "\n" not in str(error)
+    else:
+        assert found.residual >= 0 and np.isfinite(found.reaction).all()
+
+
+@hypothesis.given(
+    name=st.sampled_from(list(one_contact())),
+    value=st.one_of(SCALARS, st.lists(SCALARS, max_size=4), st.lists(st.lists(SCALARS, min_size=2, max_size=3), max_size=3),
+                    hnp.arrays(hnp.scalar_dtypes(), hnp.array_shapes(max_dims=3, max_side=3))),
+)  # fmt: skip
+def test_arrays_of_a_problem_are_checked(name, value):
+    """Whatever stands in one of the arrays: a problem of finite numbers that is solved, or one ValueError of one line."""
+    try:
+        problem = problems.BodyProblem(**one_contact(**{name: value}))
+        assert all(np.isfinite(array).all() for array in vars(problem).values())
+        solve(problem, "nlgs", 1e-4, 10)
+    except ValueError as error:
+        assert "\n" not in str(error)
+
+
+@hypothesis.given(
+    entries=st.one_of(SCALARS, st.tuples(*[st.lists(SCALARS, max_size=3)] * 3), st.lists(SCALARS, max_size=3)),
+    q=st.one_of(SCALARS, st.lists(SCALARS, max_size=4)),
+    friction=st.one_of(SCALARS, st.lists(SCALARS, max_size=2)),
+    impulse=st.one_of(st.none(), SCALARS, st.lists(SCALARS, max_size=4)),
+)
+def test_w_and_q_are_checked(entries, q, friction, impulse):
+    try:
+        problem = problems.DelassusProblem(entries, q, friction, impulse)
+        assert np.isfinite(problem.block).all() and np.isfinite(problem.q).all()
+    except ValueError as error:
+        assert "\n" not in str(error)
+
+
+def test_imaginary_parts_are_not_lost():
+    for name in ("friction", "bias", "normal"):
+        with pytest.raises(ValueError, match=f"{name} does not hold numbers, but complex ones"):
+            problems.BodyProblem(**one_contact(**{name: np.array(one_contact()[name]) + 1j}))
+    with pytest.raises(ValueError, match="mu does not hold numbers, but complex"):
+        problems.DelassusProblem(([0], [0], [1.0]), [[1.0, 0]], [0.5 + 0j])
 
 
 # ---------------------------------------------------------------------------------------------- problems of others

@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 
@@ -15,7 +16,7 @@ matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysi
 
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
-from rcr import analysis, drawing, figures, maps
+from rcr import analysis, drawing, figures, maps, report
 from rcr.frame import Frame, polygons
 from rcr.paper import MAPS, STATEMENTS, nearest
 from rcr.runs import Run
@@ -57,7 +58,7 @@ def test_script_writes_everything(written):
     assert list(content) == list(STATEMENTS)
     names = [*figures.FIGURES, *(name.removesuffix(".png") for key in MAPS for name in content[key]["value"]["files"])]
     pictures = {f"{name}.{suffix}" for name in names for suffix in ("png", "pdf")}
-    assert {path.name for path in out.iterdir()} == {"analysis.json", "report.html", "table.md"} | pictures
+    assert {path.name for path in out.iterdir()} == {"analysis.json", "report.html", "table.md", "run.json"} | pictures
     assert content["O2"]["value"]["files"] == ["O2-eta-0.png", "O2-eta-0.5.png"]
     assert set(STATEMENTS) <= {name.split("-")[0] for name in names}
 
@@ -75,6 +76,29 @@ def test_report_is_self_contained(written):
     assert {f"id='{key}'" in page for key in STATEMENTS} == {True}
     image = re.search(r"data:image/png;base64,([^']+)", page).group(1)
     assert base64.b64decode(image).startswith(b"\x89PNG")
+
+
+def test_analysis_of_other_runs_is_refused(written, folders, tmp_path):
+    """Maps of an elongation that is no longer there would stay."""
+    out = tmp_path / "out"
+    shutil.copytree(written[0], out)
+    before = {path.name: path.read_bytes() for path in out.iterdir()}
+    for arguments in ([folders[0]], [*folders, "--from-strain", "0.3"]):
+        run = network_script(*arguments, "--out", out)
+        assert run.returncode == 1 and "--overwrite, which removes it" in run.stderr and run.stderr.count("\n") == 1
+    assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+    assert network_script(folders[0], "--out", out, "--overwrite").returncode == 0
+    assert not (out / "O6-eta-0.5.png").exists() and (out / "O6-eta-0.png").exists()
+
+
+def test_report_tells_missed_tolerances(folders, tmp_path):
+    """Shares of 1 and 3 % of two seeds, 2 and 4 times the tolerance: 2 %, (1 × 2 + 3 × 4)/4 = 3.5 times."""
+    summaries = [dict(missed_fraction=0.01, missed_mean=2.0, missed_max=3.0, tolerance=1e-4), dict(missed_fraction=0.03, missed_mean=4.0, missed_max=9.0, tolerance=1e-4)]
+    runs = [Run.read(folders[1]) for _ in summaries]
+    assert report._misses(runs) == "No run tells how many of its steps missed the tolerance of the solver."
+    for run, summary in zip(runs, summaries):
+        run.summary = summary
+    assert "η = 0.5: 2.0 %, 3.5 times 0.0001 in the mean, 9 at most." in report._misses(runs)
 
 
 @pytest.mark.parametrize("case", ["nothing", "empty", "broken", "mixed"])

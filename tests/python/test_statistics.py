@@ -1,7 +1,10 @@
 """Exponents from samples of known exponent, with errors that are those of repeated samples; densities, means, correlation."""
 
+import hypothesis.extra.numpy as hnp
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from rcr import statistics
 
 
@@ -63,3 +66,28 @@ def test_pearson():
     x, z = rng.normal(size=(2, 100_000))
     assert statistics.pearson(x, -0.22 * x + np.sqrt(1 - 0.22**2) * z) == pytest.approx(-0.22, abs=4 / np.sqrt(100_000))
     assert np.isnan(statistics.pearson(np.ones(5), x[:5]))
+
+
+ARRAYS = hnp.arrays(st.sampled_from(["f8", "f4", "i8", "u1", "c16", "?", "U3", "M8[s]"]), hnp.array_shapes(max_dims=2, max_side=4))
+VALUES = st.one_of(st.none(), st.floats(), st.text(max_size=3), ARRAYS, st.lists(st.floats(), max_size=5))
+
+
+@pytest.mark.filterwarnings("error")
+@given(x=VALUES, y=VALUES, edges=VALUES, low=VALUES, high=VALUES)
+def test_what_is_no_sample_is_refused(x, y, edges, low, high):
+    """Whatever is given: numbers or NaN without a warning, or a ValueError."""
+    calls = (
+        lambda: statistics.density(x, edges), lambda: statistics.centres(edges), lambda: statistics.class_means(x, y, edges),
+        lambda: statistics.pearson(x, y), lambda: statistics.exponential_rate(x, low), lambda: statistics.power_exponent(x, low, high),
+    )  # fmt: skip
+    for call in calls:
+        try:
+            call()
+        except ValueError as error:
+            assert str(error)
+
+
+def test_no_values_tell_nothing():
+    edges = np.array([0.0, 1, 2])
+    assert np.isnan(statistics.density(np.zeros(0), edges)).all() and np.isnan(statistics.class_means(np.zeros(0), np.zeros(0), edges)).all()
+    assert np.isnan(statistics.pearson([], []))

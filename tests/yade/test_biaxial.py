@@ -1,16 +1,25 @@
 """The biaxial test: a balanced isostatic start, walls that feel what the contacts carry, checkpoints, the script's manners."""
 
 import dataclasses
+import gzip
+import json
 import os
+import random
+import resource
+import shutil
+import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
-from rcr.biaxial import STRESS, Biaxial
+from rcr.biaxial import CHECKPOINT, STRESS, Biaxial
 from rcr.network import Network
+from run_contents import contents, different
 from yade import O
 
+import forked
 from scenes import closed_points
 
 BALANCED = 5e-5  # mean net force over mean contact force: finer than a study needs, for the laws of a balanced packing
@@ -103,8 +112,10 @@ def test_walls_stay_smooth_in_shear(packing):
         test.shear_record()
     friction = {(max(i.id1, i.id2) in test.walls): i.phys.tangensOfFrictionAngle for i in O.interactions if i.isReal}
     assert friction == {True: 0, False: pytest.approx(0.5, rel=1e-15)}
-    left, right = (abs(O.forces.f(i)[0]) for i in (test.left, test.right))
-    assert left > 0 and right >= 0
+    at_walls = [i.phys for i in O.interactions if i.isReal and max(i.id1, i.id2) in test.walls]
+    assert max(phys.normalForce.norm() for phys in at_walls) > 0 and max(phys.shearForce.norm() for phys in at_walls) == 0
+    between = [i.phys for i in O.interactions if i.isReal and max(i.id1, i.id2) not in test.walls]
+    assert max(phys.shearForce.norm() for phys in between) > 0
 
 
 def test_network_file_keeps_everything(packing, tmp_path):
@@ -119,11 +130,266 @@ def test_network_file_keeps_everything(packing, tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
+# ---------------------------------------------------------------------------------------------- checkpoints and results
+
+
+def test_compaction_goes_on_from_a_checkpoint_to_the_same_bits(tmp_path):
+    """The test is left in its collapse and in its rest, loaded and balanced; it is the packing that was never left."""
+
+    class Left(Exception):
+        pass
+
+    def leave_after(steps):
+        def report(test):
+            if O.iter == steps:
+                test.save(tmp_path)
+                raise Left
+
+        return report
+
+    state = lambda test: np.array([(*O.bodies[i].state.pos, *O.bodies[i].state.ori) for i in (*test.grains, *test.walls)])
+    phases = []
+    test = Biaxial.prepare(0.5, 60, seed=2)
+    test.compact(lambda test: phases.append(test.progress["phase"]))
+    straight, steps = state(test), O.iter
+    in_collapse, in_rest = phases.count("collapse") // 2, (phases.count("collapse") + steps) // 2
+    for left_at in (in_collapse, in_rest):
+        test = Biaxial.prepare(0.5, 60, seed=2)
+        with pytest.raises(Left):
+            test.compact(leave_after(left_at))
+        test = Biaxial.load(tmp_path)
+        assert test.progress["phase"] == phases[left_at - 1] and O.iter == left_at
+        test.compact()
+        assert O.iter == steps and np.array_equal(state(test), straight)
+
+
+def test_results_do_not_know_the_order_of_the_container(packing, tmp_path):
+    """Loading a scene changes YADE's order of interactions, and must not change a mean by an ulp."""
+    test = Biaxial.load(packing.folder)
+    for _ in range(2):
+        test.shear_record()
+    before, order = test.summary(), [(i.id1, i.id2) for i in O.interactions]
+    test.save(tmp_path)
+    assert Biaxial.load(tmp_path).summary() == before
+    overlaps = test.overlaps()
+    assert (np.diff(overlaps) >= 0).all() and len(order) > 400
+
+
+def test_history_is_in_the_checkpoint(packing, tmp_path):
+    """A history.csv that is lost or cut changes nothing."""
+    test = Biaxial.load(packing.folder)
+    test.shear_record()
+    test.save(tmp_path)
+    rows, text = test.rows, (tmp_path / "history.csv").read_text()
+    (tmp_path / "history.csv").write_text("")
+    test = Biaxial.load(tmp_path)
+    assert test.rows == rows
+    test.save(tmp_path)
+    assert (tmp_path / "history.csv").read_text() == text
+
+
+def test_every_damage_of_a_checkpoint_is_named(packing, tmp_path):
+    """Bytes flipped and files cut at random; also a file that is whole, but no checkpoint."""
+    whole = open(os.path.join(packing.folder, CHECKPOINT), "rb").read()
+    rng = random.Random(1)
+    path = tmp_path / CHECKPOINT
+    harmless = 0
+    for k in range(60):
+        damaged = bytearray(whole)
+        if k % 3:
+            damaged[rng.randrange(len(whole))] ^= 1 << rng.randrange(8)
+        else:
+            del damaged[rng.randrange(len(whole)) :]
+        path.write_bytes(damaged)
+        try:
+            Biaxial.load(tmp_path)
+            harmless += 1  # in the header: time, system and flags of gzip mean nothing to the content
+        except ValueError as error:
+            assert str(error).startswith(f"{path}: ") and "\n" not in str(error)
+    assert harmless <= 3
+    for content in (b"", gzip.compress(b""), gzip.compress(b"no scene"), b"text"):
+        path.write_bytes(content)
+        with pytest.raises(ValueError, match=CHECKPOINT):
+            Biaxial.load(tmp_path)
+
+
+def test_checkpoint_of_another_scene_is_refused(tmp_path):
+    O.reset()
+    O.save(str(tmp_path / CHECKPOINT), quiet=True)
+    with pytest.raises(ValueError, match="not a checkpoint of a biaxial test"):
+        Biaxial.load(tmp_path)
+
+
+def test_missed_tolerances_are_counted(packing):
+    """Two iterations reach no tolerance, thousands do; by what factor follows from the residuals of the steps."""
+    test = Biaxial.load(packing.folder)
+    test.solver.maxIterations, test.solver.solver = 2, "nlgs"
+    for _ in range(2):
+        test.shear_record()
+    summary = test.summary()
+    steps = 2 * test.steps_a_record
+    assert summary["missed_fraction"] == test.progress["missed"] / steps > 0.9
+    assert 1 < summary["missed_mean"] <= summary["missed_max"] == summary["residual_max"] / test.solver.tolerance
+
+    test = Biaxial.load(packing.folder)
+    test.solver.maxIterations = 100_000
+    test.shear_record()
+    summary = test.summary()
+    assert summary["missed_fraction"] == summary["missed_mean"] == summary["missed_max"] == 0
+
+
+def test_a_packing_that_blows_up_ends_the_test(packing):
+    test = Biaxial.load(packing.folder)
+    O.bodies[test.right].state.pos *= 10  # along x alone: its y is 0
+    with pytest.raises(RuntimeError, match="the packing has blown up by step .* packing fraction 0.0"):
+        test.shear_record()
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        dict(eta=float("nan")), dict(eta=1), dict(eta="0.5"), dict(eta=True), dict(eta=1j), dict(particles=9), dict(particles=10.5), dict(particles=2**70),
+        dict(seed=-1), dict(seed=2**64), dict(friction=float("inf")), dict(friction=1e10), dict(tolerance=-1e-9), dict(tolerance=1),
+        dict(solver="magic"), dict(solver=None), dict(solver=["auto"]), dict(threads=-1), dict(threads=10**6), dict(inertial_number=0),
+        dict(inertial_number=1e9), dict(time_step=1e6), dict(time_step=-5e-324), dict(law="springs"), dict(stiffness=0),
+        dict(iterations=0), dict(iterations=2**31),
+    ],
+)  # fmt: skip
+def test_parameters_out_of_range_are_refused_before_the_scene_is_lost(wrong):
+    O.reset()
+    O.tags["mine"] = "kept"
+    with pytest.raises(ValueError) as error:
+        Biaxial.prepare(**wrong)
+    assert list(wrong)[0] in str(error.value) and O.tags["mine"] == "kept"
+
+
+# ---------------------------------------------------------------------------------------------- the script
+
+
+SMALL = ["--eta", "0.5", "--particles", "60", "--seed", "2", "--strain", "0.01", "--networks", "2"]  # at rest after 255 steps
+COMMAND = [sys.executable, "-c", "import sys, yade, runpy; sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')", SCRIPT]
+
+
+def script(*arguments, **settings):
+    return subprocess.run([*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=300, **settings)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("run") / "out"
+    run = script(*SMALL, "--out", folder)
+    assert run.returncode == 0, run.stderr
+    return folder
+
+
+@pytest.fixture
+def done(finished, tmp_path):
+    """A copy of a run that is complete."""
+    shutil.copytree(finished, tmp_path / "out")
+    return tmp_path / "out"
+
+
+def test_script_leaves_an_identity(done):
+    record = json.loads((done / "run.json").read_text())
+    summary = json.loads((done / "summary.json").read_text())
+    assert record["program"] == "biaxial.py" and record["parameters"]["eta"] == 0.5 and record["parameters"]["strain"] == 0.01
+    assert {"version", "commit", "date"} <= set(record)
+    assert {Network.load(path).attributes["run"] for path in done.glob("*.h5")} == {record["run"]} == {summary["run"]}
+    assert not list(done.glob(".part-*"))
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        (["--eta", "0.4"], "eta = 0.5 (here 0.4)"),
+        (["--strain", "0.02"], "strain = 0.01 (here 0.02)"),
+        (["--resume", "--tolerance", "1e-3"], "tolerance = 0.0001 (here 0.001)"),
+        (["--resume", "--law", "smooth"], "law = cd (here smooth)"),
+        (["--resume", "--overwrite"], "wanted one of them"),
+    ],
+)
+def test_script_refuses_the_folder_of_another_run(done, arguments, message):
+    before = {path.name: path.read_bytes() for path in done.iterdir()}
+    assert message in forked.complaint(forked.run(SCRIPT, *SMALL, *arguments, "--out", done))
+    assert {path.name: path.read_bytes() for path in done.iterdir()} == before
+
+
+def test_script_overwrites_on_demand(done):
+    (done / "network-0.9999.h5").touch()
+    (done / "notes").touch()
+    run = script(*SMALL, "--seed", "3", "--overwrite", "--out", done)
+    assert run.returncode == 0, run.stderr
+    assert not (done / "network-0.9999.h5").exists() and (done / "notes").exists()
+    assert {Network.load(path).attributes["seed"] for path in done.glob("*.h5")} == {3}
+
+
+def test_script_goes_on_to_a_larger_strain(done, tmp_path):
+    """As if it had been asked for at once; threads may change on the way."""
+    assert script(*SMALL, "--strain", "0.02", "--threads", "2", "--resume", "--out", done).returncode == 0
+    assert script(*SMALL, "--strain", "0.02", "--out", tmp_path / "straight").returncode == 0
+    one, two = contents(done), contents(tmp_path / "straight")
+    assert one["history.csv"] == two["history.csv"] and one["network-0.0196.h5"] == two["network-0.0196.h5"]
+
+
+def test_script_stops_cleanly_and_goes_on_to_the_same_results(tmp_path):
+    """Ctrl-C and SIGTERM: one line, code 130, a checkpoint. SIGKILL: what was saved stands."""
+    arguments = [*SMALL, "--strain", "0.04"]
+    assert script(*arguments, "--out", tmp_path / "straight").returncode == 0
+    out, rng, codes = tmp_path / "out", random.Random(3), []
+    begun = lambda: (out / "run.json").stat().st_mtime_ns if (out / "run.json").exists() else 0
+    for number in (signal.SIGINT, signal.SIGKILL, signal.SIGTERM, signal.SIGKILL):
+        resume, before = ["--resume"] if (out / CHECKPOINT).exists() else [], begun()
+        process = subprocess.Popen([*COMMAND, *arguments, *resume, "--out", out], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        while process.poll() is None and begun() == before:
+            time.sleep(0.01)
+        time.sleep(rng.uniform(0.1, 0.4))
+        process.send_signal(number)
+        errors = process.communicate(timeout=120)[1]
+        codes.append(process.returncode)
+        if process.returncode == 130:
+            assert errors.splitlines()[-1].startswith("biaxial.py: stopped at ") and "Traceback" not in errors, errors
+        else:
+            assert process.returncode in (0, -signal.SIGKILL), errors
+    assert 130 in codes
+    assert script(*arguments, "--resume", "--out", out).returncode == 0
+    assert not different(contents(out), contents(tmp_path / "straight"))
+
+
+def test_script_with_the_smooth_law(tmp_path):
+    run = script(*SMALL, "--law", "smooth", "--stiffness", "300", "--out", tmp_path / "out")
+    assert run.returncode == 0, run.stderr
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["residual_max"] == summary["missed_fraction"] == 0 and 0 < summary["mean_overlap"] < 0.1
+    assert len(Network.load(tmp_path / "out" / "isotropic.h5").contacts["body1"]) > 30  # of the rigid packing, before springs replace its contacts
+
+
+def test_a_full_disk_leaves_what_was_whole(done):
+    """A limit on the size of files stands for the disk."""
+    before = {path.name: path.read_bytes() for path in done.iterdir() if path.name != "run.json"}
+    limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))
+    run = script(*SMALL, "--strain", "0.02", "--resume", "--out", done, preexec_fn=limit)
+    assert run.returncode == 1 and run.stderr.splitlines()[-1].startswith(f"biaxial.py: {done}") and "Traceback" not in run.stderr
+    assert {path.name: path.read_bytes() for path in done.iterdir() if path.name != "run.json"} == before
+    assert script(*SMALL, "--strain", "0.02", "--resume", "--out", done).returncode == 0
+
+
 @pytest.mark.parametrize(
     "arguments, message",
     [
         (["--eta", "1"], "eta = 1.0; wanted an elongation 0 ≤ eta < 1"),
         (["--particles", "3"], "particles = 3; wanted at least 10"),
+        (["--particles", "9" * 30], "wanted a whole number"),
+        (["--particles", "abc"], "--particles 'abc': wanted a whole number"),
+        (["--eta", "nan"], "--eta nan: wanted a finite number"),
+        (["--time-step", "1e6"], "time_step = 1000000.0; wanted a number > 0, at most 1"),
+        (["--inertial-number", "1e9"], "is the strain of a step"),
+        (["--threads", "1000000"], "threads = 1000000; wanted 0 (as YADE has) to 1024"),
+        (["--seed", "-1"], "seed = -1; wanted a whole number ≥ 0"),
+        (["--strain", "1e-9"], "--strain 1e-09: wanted at least 0.001"),
+        (["--networks", "0"], "--networks 0: wanted at least 1"),
+        (["--iterations", "1e3"], "--iterations '1e3': wanted a whole number"),
+        (["--out", ""], "--out '': wanted a path"),
+        (["--out", SCRIPT], "is no folder"),
         (["--friction", "-1"], "friction = -1.0; wanted a coefficient ≥ 0"),
         (["--strain", "2"], "--strain 2.0: wanted 0 < strain < 1"),
         (["--solver", "magic"], "solver 'magic' is not known"),
@@ -132,14 +398,5 @@ def test_network_file_keeps_everything(packing, tmp_path):
 )
 def test_script_refuses_bad_input(arguments, message, tmp_path):
     """One clear line on stderr, a non-zero exit code, nothing written."""
-    run = subprocess.run(
-        [sys.executable, "-c", "import sys, yade, runpy; sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')"]
-        + [SCRIPT, "--out", str(tmp_path / "out"), *arguments],
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
-    assert run.returncode != 0
-    assert message in run.stderr
-    assert "Traceback" not in run.stderr
+    assert message in forked.complaint(forked.run(SCRIPT, "--out", tmp_path / "out", *arguments))
     assert not (tmp_path / "out" / "summary.json").exists()

@@ -6,12 +6,11 @@ import shutil
 import subprocess
 import time
 
-import h5py
-import numpy as np
 import pytest
+from run_contents import contents, different
 
 CAMPAIGN = os.path.join(os.path.dirname(__file__), "..", "..", "scripts", "campaign")
-SMALL = ["--particles", "60", "--etas", "0.4", "--seeds", "1", "--strain", "0.02"]
+SMALL = ["--particles", "60", "--etas", "0.5", "--seeds", "2", "--strain", "0.04"]  # at rest after 255 steps
 
 needs_snakemake = pytest.mark.skipif(not shutil.which("snakemake"), reason="the optional package snakemake is not installed")
 needs_environment = pytest.mark.skipif("YADE_RCR_WAY" not in os.environ, reason="wants the environment of scripts/test")
@@ -21,19 +20,6 @@ def campaign(out, *arguments):
     return subprocess.run([CAMPAIGN, "--out", str(out), *arguments], capture_output=True, text=True, timeout=300)
 
 
-def contents(out):
-    """Everything that must not depend on interruptions."""
-    found = {}
-    for path in sorted((out / "runs").glob("*/*")):
-        name = str(path.relative_to(out))
-        if path.suffix == ".h5":
-            with h5py.File(path) as file:
-                file.visititems(lambda key, item: found.update({f"{name}/{key}": item[()]}) if isinstance(item, h5py.Dataset) else None)
-        elif path.name == "history.csv":
-            found[name] = path.read_text()
-    return found
-
-
 @needs_snakemake
 @needs_environment
 def test_killed_campaign_ends_with_the_same_results(tmp_path):
@@ -41,19 +27,22 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
     assert undisturbed.returncode == 0, undisturbed.stderr
     assert undisturbed.stdout.startswith(f"{tmp_path / 'a' / 'report' / 'report.html'}: ") and undisturbed.stdout.count("\n") == 1
 
-    rng = np.random.default_rng(1)
+    checkpoint = tmp_path / "b" / "runs" / "particles-60-strain-0.04-eta-0.5-seed-2" / "checkpoint.yade.gz"
+    saved = lambda: checkpoint.stat().st_mtime_ns if checkpoint.exists() else 0
     for _ in range(3):
+        before = saved()
         process = subprocess.Popen([CAMPAIGN, "--out", str(tmp_path / "b"), *SMALL], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        time.sleep(rng.uniform(1.5, 4))
+        while process.poll() is None and saved() == before:
+            time.sleep(0.01)
         process.kill()  # it alone: Snakemake and the tests have to end with it
         process.wait()
     again = campaign(tmp_path / "b", *SMALL)
     assert again.returncode == 0, again.stderr
 
-    one, two = contents(tmp_path / "a"), contents(tmp_path / "b")
-    assert one.keys() == two.keys() and any(".h5" in name for name in one)
-    different = [name for name in one if not np.array_equal(one[name], two[name])]
-    assert not different, different
+    record = json.loads((checkpoint.parent / "run.json").read_text())
+    assert len(record["continued"]) >= 2, "no run went on from a checkpoint"
+    one, two = (contents(checkpoint.parent.parents[2] / name / "runs" / checkpoint.parent.name) for name in "ab")
+    assert not different(one, two) and any(".h5" in name for name in one)
     assert json.loads((tmp_path / "a/report/analysis.json").read_text()) == json.loads((tmp_path / "b/report/analysis.json").read_text())
 
 
@@ -65,6 +54,10 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
         (["--particles", "3"], "--particles 3: wanted at least 10"),
         (["--strain", "0"], "--strain 0.0: wanted 0 < strain < 1"),
         (["--jobs", "0"], "--jobs 0: wanted at least 1"),
+        (["--seeds", "1,-2"], "wanted seeds ≥ 0"),
+        (["--etas", ","], "--etas: wanted at least one"),
+        (["--etas", "nan"], "wanted elongations 0 ≤ ETA < 1"),
+        (["--out", ""], "--out '': wanted a path"),
     ],
 )
 def test_refuses_bad_input(arguments, message, tmp_path):

@@ -1,5 +1,6 @@
 """scripts/chart.py and rcr.charts: tables go on where they stopped, known answers are known, the stock test is the same test."""
 
+import dataclasses
 import math
 import os
 import subprocess
@@ -11,6 +12,8 @@ from rcr import charts
 from rcr.biaxial import STRESS
 from rcr.charts import biaxial_cost, deterministic
 from yade import O
+
+import forked
 
 SCRIPT = os.path.join(os.path.dirname(__file__), "..", "..", "scripts", "chart.py")
 OPTIONS = charts.Options(out="", quick=True, particles=50, siconos="", peers="", limit=60)
@@ -24,6 +27,27 @@ def test_table_goes_on_where_it_stopped(tmp_path):
     table.put("a/2", [dict(point="a/2", status="given up")])
     table.put("a/1", [dict(point="a/1", status="ok", x=2.0)])
     assert [(row["point"], row["x"]) for row in charts.Table(path, ["x"]).rows] == [("a/2", ""), ("a/1", 2.0)]
+
+
+def test_rows_of_other_settings_are_other_rows(tmp_path):
+    """A quick run and a full one share a file, and neither sees the other's rows."""
+    path = str(tmp_path / "t.csv")
+    for settings, x in (("quick = True", 1.0), ("quick = False", 2.0)):
+        table = charts.Table(path, ["x"], settings)
+        assert not table.has("a/1") and table.rows == []
+        table.put("a/1", [dict(point="a/1", status="ok", x=x)])
+    assert [row["x"] for row in charts.Table(path, ["x"], "quick = True").rows] == [1.0]
+    assert charts.settings("c", OPTIONS) == "quick = True, particles = 50"
+    assert charts.settings("a", OPTIONS) != charts.settings("a", dataclasses.replace(OPTIONS, quick=False))
+
+
+@pytest.mark.parametrize("content", ["", "x\n1\n", "point,status\na\n", 'point,status\n"a', "point,status\na,ok,1\n", b"\xff\x00"])
+def test_damaged_tables_are_named(tmp_path, content):
+    path = tmp_path / "t.csv"
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    with pytest.raises(ValueError, match="t.csv: ") as error:
+        charts.Table(str(path), ["x"])
+    assert "\n" not in str(error.value)
 
 
 def error(name):
@@ -77,17 +101,31 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
         (["--only", "x"], "--only x: say which chart it is of"),
         (["--charts", "b", "--only", "x"], "--only x: chart b has no such point; it has column/reference"),
         (["--particles", "10"], "--particles 10: wanted at least 50"),
+        (["--particles", "9" * 20], "wanted at least 50"),
+        (["--limit", "nan"], "--limit nan: wanted seconds > 0"),
+        (["--limit", "0"], "--limit 0.0: wanted seconds > 0"),
+        (["--out", SCRIPT], "is no folder"),
     ],
 )
 def test_script_refuses_bad_input(arguments, message, tmp_path):
-    done = subprocess.run([sys.executable, SCRIPT, "--out", str(tmp_path), "--quick", *arguments], capture_output=True, text=True, timeout=120)
-    assert done.returncode != 0 and message in done.stderr and "Traceback" not in done.stderr
+    assert message in forked.complaint(forked.run(SCRIPT, "--out", tmp_path, "--quick", *arguments))
+
+
+def chart(out, *arguments):
+    command = [sys.executable, SCRIPT, "--out", str(out), "--quick", "--charts", "b", "--only", "disc/cd/0.02/0.0001", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120)
 
 
 def test_script_runs_a_point_again(tmp_path):
-    command = [sys.executable, SCRIPT, "--out", str(tmp_path), "--quick", "--charts", "b", "--only", "disc/cd/0.02/0.0001"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = chart(tmp_path)
     assert done.returncode == 0 and '"scene": "disc"' in done.stdout, done.stderr
-    assert {"b-deterministic.csv", "b-deterministic.png", "b-deterministic.svg"} <= set(os.listdir(tmp_path))
+    assert {"b-deterministic.csv", "b-deterministic.png", "b-deterministic.svg", "run.json"} == set(os.listdir(tmp_path))
     (row,) = charts.Table(str(tmp_path / "b-deterministic.csv"), deterministic.COLUMNS).rows
-    assert row["command"].endswith("--quick --charts b --only 'disc/cd/0.02/0.0001'")
+    assert row["command"].endswith("--quick --charts b --only 'disc/cd/0.02/0.0001'") and row["settings"] == "quick = True"
+
+
+def test_points_that_were_given_up_are_tried_again_with_more_time():
+    """One that failed otherwise is a finding; --retry runs both again."""
+    statuses = "ok", "given up after 40 s", "given up after 60 s", "RuntimeError: flew apart"
+    assert [charts.settled(status, 60) for status in statuses] == [True, False, True, True]
+    assert [charts.settled(status, 60, retry=True) for status in statuses] == [True, False, False, False]

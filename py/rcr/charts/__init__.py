@@ -8,6 +8,7 @@ Each module of this package is a chart:
     plot(rows, options)         the figure
     ratios(rows)                lines of a table of what is compared, where something is (a and c)
     COLUMNS                     of the CSV, after `point` and before `command`
+    DEPENDS                     names of the `Options` that its numbers depend on
 
 A row whose `status` is not 'ok' says why it has no numbers. Times are processor time of one thread.
 """
@@ -18,6 +19,9 @@ import importlib
 import os
 import time
 
+from rcr import files
+
+GIVEN_UP = "given up after "  # begins the status of a point that took too long; its seconds follow
 NAMES = dict(a="one_step", b="deterministic", c="biaxial_cost", d="stability")
 
 
@@ -38,29 +42,80 @@ def chart(letter):
     return importlib.import_module(f"{__name__}.{NAMES[letter]}")
 
 
+def settings(letter, options):
+    """What the numbers of a chart depend on, in words: rows of other settings are other rows, whatever the name of their point."""
+    return ", ".join(f"{name} = {getattr(options, name)}" for name in chart(letter).DEPENDS)
+
+
+def settled(status, limit, retry=False):
+    """Whether a point with this status is not to be run again: it has numbers, or did not get them within `limit` seconds.
+
+    One that failed otherwise is settled too, as a finding; `retry` runs every point without numbers again.
+    """
+    if status.startswith(GIVEN_UP) and float(status.removeprefix(GIVEN_UP).split()[0]) < limit:
+        return False
+    return status == "ok" or not retry
+
+
 class Table:
-    """The CSV of a chart: grows by a point's rows at a time, so that an interrupted run goes on where it stopped."""
+    """The CSV of a chart: grows by a point's rows at a time, so that an interrupted run goes on where it stopped.
 
-    def __init__(self, path, columns):
-        self.path, self.columns, self.rows = path, ["point", "status", *columns, "command"], []
-        if os.path.exists(path):
-            with open(path, newline="") as file:
-                self.rows = [{name: _value(cell) for name, cell in row.items()} for row in csv.DictReader(file)]
+    Parameters
+    ----------
+    path : path
+        Read if it exists.
+    columns : list of str
+        Of the chart.
+    settings : str
+        Of the rows that count here; those of others stay in the file as they are. None: all count.
 
-    def has(self, point):
-        return any(row["point"] == point for row in self.rows)
+    Raises
+    ------
+    ValueError
+        If the file is damaged.
+    """
+
+    def __init__(self, path, columns, settings=None):
+        self.path, self.settings = path, settings
+        self.columns = ["point", "settings", "status", *columns, "command"]
+        self.all = self._read() if os.path.exists(path) else []
+
+    def _read(self):
+        with files.reading(self.path, "a table of a chart"), open(self.path, newline="", encoding="utf-8") as file:
+            reader = csv.DictReader(file, strict=True)
+            lacking = [name for name in ("point", "status") if name not in (reader.fieldnames or ())]
+            if lacking:
+                raise ValueError(f"lacks the column {' and '.join(lacking)}; remove it to make it anew")
+            rows = []
+            for row in reader:
+                if None in row or None in row.values():
+                    raise ValueError(f"line {reader.line_num} has not the {len(reader.fieldnames)} cells of the header")
+                rows.append({"settings": ""} | {name: _value(name, cell) for name, cell in row.items()})
+            return rows
+
+    @property
+    def rows(self):
+        """Those of these settings."""
+        return [row for row in self.all if self.settings in (None, row["settings"])]
+
+    def has(self, point, counts=lambda status: True):
+        """Whether the point has rows with a status that counts."""
+        return any(row["point"] == point and counts(row["status"]) for row in self.rows)
 
     def put(self, point, rows):
         """The rows of a point, in the place of those that it had."""
-        self.rows = [row for row in self.rows if row["point"] != point] + rows
-        with open(self.path + ".part", "w", newline="") as file:
-            writer = csv.DictWriter(file, self.columns, extrasaction="ignore")
-            writer.writeheader()
-            writer.writerows(self.rows)
-        os.replace(self.path + ".part", self.path)
+        settings = self.settings or ""
+        others = [row for row in self.all if (row["point"], row["settings"]) != (point, settings)]
+        self.all = others + [dict(row, settings=settings) for row in rows]
+        files.write(self.path, files.table(self.columns, self.all))
 
 
-def _value(cell):
+_WORDS = {"point", "settings", "status", "command"}
+
+
+def _value(name, cell):
+    if name in _WORDS:
+        return cell
     try:
         return float(cell)
     except ValueError:

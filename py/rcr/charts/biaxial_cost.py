@@ -34,6 +34,7 @@ O = Omega()
 TITLE = "Biaxial test: error against processor time of 20 % of strain"
 OBSERVED = "sin_phi", "packing_fraction", "friction_mobilization", "a_c", "mean_overlap"
 COLUMNS = ["eta", "particles", "law", "solver", "dt", "tolerance", "stiffness", "seed", "steps", "seconds", *OBSERVED]
+DEPENDS = ("quick", "particles")
 ETAS = 0.0, 0.5
 STRAIN, FROM, LOOK = 0.2, 0.1, 0.01
 STOCK_DAMPING = 0.2

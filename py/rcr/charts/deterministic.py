@@ -30,6 +30,7 @@ O = Omega()
 G, DENSITY = 9.81, 1000.0
 TITLE = "Scenes with a known answer: error against processor time"
 COLUMNS = "scene law dt tolerance stiffness steps seconds value reference".split()
+DEPENDS = ("quick",)
 FINEST = dict(dt=1e-4, tolerance=1e-6)  # of the column's reference
 SMOOTH_SHARE = 0.2  # of the critical time step
 SMOOTH_DAMPING = 1.0

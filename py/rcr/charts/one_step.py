@@ -16,6 +16,7 @@ from rcr.biaxial import RECORD, Biaxial
 
 TITLE = "One step: residual against processor time"
 COLUMNS = "problem eta particles contacts library start tolerance iterations seconds residual".split()
+DEPENDS = ("quick",)
 SOLVERS = "nlgs", "sor", "nesterov", "exact", "auto"
 ETAS = 0.0, 0.4, 0.7
 ROOT = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, os.pardir, os.pardir)

@@ -9,6 +9,7 @@ import inspect
 
 TITLE = "Hard scenes: holds, drifts, blows up"
 COLUMNS = "scene title law dt verdict measured bound gain overlap steps seconds".split()
+DEPENDS = ("quick",)
 LAWS = "cd", "smooth"
 LABELS = dict(cd="rigid", smooth="springs, E = 10⁸ Pa")
 QUICK = "s02_chain", "s04_mass", "s05", "s06_overlap", "s07_parallel_at_rest", "s08", "s12", "s13", "s16", "s17", "s18", "s19_tall_stack"

@@ -1,0 +1,215 @@
+#!/usr/bin/env python3
+"""SIGKILL at random moments: what was whole is whole, and what goes on ends as if it had never been killed.
+
+Run it in the environment:  scripts/lib/run python3 tests/endurance/kills.py writes 1000 runs 50 campaigns 5
+Prints a line for each with its counts; ends with 1 if a file was damaged or a result differs.
+
+writes     a process that writes files of all kinds for ever is killed; each file must be one of those that it writes
+runs       scripts/biaxial.py is killed and resumed; whenever it has come to its end, its results are compared and it starts anew
+campaigns  scripts/campaign is killed three times and called again; runs and analysis are compared
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+TESTS = pathlib.Path(__file__).resolve().parents[1]
+SCRIPTS = TESTS.parent / "scripts"
+sys.path[:0] = [str(TESTS), str(TESTS / "python")]
+
+import numpy as np
+import synthetic
+from rcr import files, problems
+from rcr.network import Network
+from run_contents import contents, different
+
+# at rest after 255 steps
+TEST = ["--eta", "0.5", "--particles", "60", "--seed", "2", "--strain", "0.1", "--networks", "40"]
+CAMPAIGN = ["--particles", "60", "--etas", "0.5", "--seeds", "2", "--strain", "0.1"]
+
+
+def quietly(command, **settings):
+    return subprocess.Popen([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, **settings)
+
+
+# ---------------------------------------------------------------------------------------------- writes
+
+
+VERSIONS = 2
+SIZES = 40, 400  # contacts and rows of the two versions of each file
+
+
+def _network(version):
+    return synthetic.packing(0.5, seed=version, particles_=30, contacts=SIZES[version])
+
+
+def _problem(version):
+    count = SIZES[version]
+    return problems.DelassusProblem((range(2 * count), range(2 * count), [1.0 + version] * (2 * count)), [[-1.0, 0.0]] * count, [0.5] * count)
+
+
+def _solution(version):
+    return problems.solve(_problem(version), "nlgs")
+
+
+def writers(folder):
+    """{path: (how a version of it is written, how its version is read)}."""
+    rows = [[dict(x=version)] * SIZES[version] for version in range(VERSIONS)]
+    networks, solutions = [_network(v) for v in range(VERSIONS)], [_solution(v) for v in range(VERSIONS)]
+    steps = [_problem(v) for v in range(VERSIONS)]
+    contacts = lambda path: SIZES.index(len(Network.load(path).contacts["body1"]))
+
+    def table(path):
+        words = path.read_text().split()
+        assert words[0] == "x" and len(words) - 1 == SIZES[int(words[1])] and set(words[1:]) == {words[1]}
+        return int(words[1])
+
+    def reaction(path):
+        with np.load(path) as file:
+            return SIZES.index(len(file["reaction"]))
+
+    return {
+        folder / "network-0.1.h5": (lambda path, v: networks[v].save(path), contacts),
+        folder / "history.csv": (lambda path, v: files.write(path, files.table(["x"], rows[v])), table),
+        folder / "reaction.npz": (lambda path, v: solutions[v].save(path), reaction),
+        folder / "problem.h5": (lambda path, v: problems.save(str(path), steps[v]), lambda path: SIZES.index(problems.load(path).contacts)),
+    }
+
+
+def kill_writes(count, folder, rng):
+    made = writers(folder)
+    for path, (write, _) in made.items():
+        write(path, 0)
+    for _ in range(count):
+        child = os.fork()
+        if child == 0:
+            version = 0
+            while True:
+                version = 1 - version
+                for path, (write, _) in made.items():
+                    write(path, version)
+        time.sleep(rng.uniform(0, 0.03))
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        for path, (_, read) in made.items():
+            try:
+                read(path)
+            except Exception as error:
+                raise SystemExit(f"kills.py: {path.name} was damaged by a kill: {error}")
+        parts = [path for path in folder.iterdir() if path not in made]
+        if len(parts) > len(made):
+            raise SystemExit(f"kills.py: kills have left {len(parts)} parts of files; wanted at most one for each of {len(made)}")
+    return f"{count} SIGKILLs, {len(made)} kinds of files, all whole"
+
+
+# ---------------------------------------------------------------------------------------------- runs
+
+
+def biaxial(out, *more):
+    return quietly(["yade", "-n", "-x", SCRIPTS / "biaxial.py", *TEST, "--out", out, *more])
+
+
+def complete(process):
+    """Wait for its end, which must be a good one."""
+    errors = process.communicate()[1]
+    if process.returncode:
+        raise SystemExit(f"kills.py: {process.args[0]} ended with {process.returncode}: {errors.splitlines()[-1:]}")
+
+
+def same(folder, reference, what):
+    names = different(contents(folder), reference)
+    if names:
+        raise SystemExit(f"kills.py: {what} differs in {', '.join(names)} from one that was not killed")
+
+
+def kill_runs(count, folder, rng):
+    start = time.monotonic()
+    complete(biaxial(folder / "straight"))
+    seconds = time.monotonic() - start
+    reference, out = contents(folder / "straight"), folder / "killed"
+    kills = resumed = ends = 0
+    while kills < count:
+        resume = (out / "checkpoint.yade.gz").exists()
+        resumed += resume
+        process = biaxial(out, *(["--resume"] if resume else []))
+        try:
+            process.wait(rng.uniform(0, seconds))
+        except subprocess.TimeoutExpired:
+            process.kill()
+            kills += 1
+            process.communicate()
+            continue
+        complete(process)
+        same(out, reference, "a killed run")
+        ends += 1
+        shutil.rmtree(out)
+    if out.exists():
+        complete(biaxial(out, *(["--resume"] if (out / "checkpoint.yade.gz").exists() else [])))
+        same(out, reference, "a killed run")
+        ends += 1
+    return f"{kills} SIGKILLs, {resumed} resumed, {ends} runs ended, all with equal results"
+
+
+# ---------------------------------------------------------------------------------------------- campaigns
+
+
+def campaign(out):
+    return quietly([SCRIPTS / "campaign", *CAMPAIGN, "--out", out])
+
+
+def campaign_contents(out):
+    (run,) = (out / "runs").iterdir()
+    return contents(run) | {"analysis.json": json.loads((out / "report" / "analysis.json").read_text())}
+
+
+def kill_campaigns(count, folder, rng, times=3):
+    start = time.monotonic()
+    complete(campaign(folder / "straight"))
+    seconds = time.monotonic() - start
+    reference, kills = campaign_contents(folder / "straight"), 0
+    for k in range(count):
+        out = folder / f"killed-{k}"
+        for _ in range(times):
+            process = campaign(out)
+            try:
+                process.wait(rng.uniform(0.1, 0.7) * seconds)
+            except subprocess.TimeoutExpired:
+                process.kill()  # it alone: Snakemake and the tests have to end with it
+                kills += 1
+            process.communicate()
+        complete(campaign(out))
+        names = different(campaign_contents(out), reference)
+        if names:
+            raise SystemExit(f"kills.py: a killed campaign differs in {', '.join(names)} from one that was not killed")
+        shutil.rmtree(out)
+    return f"{count} campaigns, {kills} SIGKILLs, all with equal results"
+
+
+KINDS = dict(writes=kill_writes, runs=kill_runs, campaigns=kill_campaigns)
+
+
+def main(words=None):
+    parser = argparse.ArgumentParser(prog="kills.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", nargs="+", metavar="KIND COUNT", help=f"{', '.join(KINDS)}, each with a count")
+    parser.add_argument("--seed", type=int, default=1, help="of the moments (default %(default)s)")
+    options = parser.parse_args(words)
+    pairs = list(zip(options.what[::2], options.what[1::2]))
+    if len(options.what) % 2 or not all(kind in KINDS and count.isdigit() and int(count) > 0 for kind, count in pairs):
+        parser.error(f"{' '.join(options.what)}: wanted pairs of one of {', '.join(KINDS)} and a count")
+    for kind, count in pairs:
+        start = time.monotonic()
+        with tempfile.TemporaryDirectory() as folder:
+            told = KINDS[kind](int(count), pathlib.Path(folder), random.Random(options.seed))
+        print(f"{kind}: {told} ({time.monotonic() - start:.0f} s)", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,141 @@
+"""Readers and damaged files: each is read, or refused by one ValueError of one line that names it; never anything else.
+
+A file that is read although it is damaged must still be a problem, a network or a history: its numbers are finite and fit.
+The number of variants is small here; `RCR_DAMAGE=20 scripts/test tests/python/test_damaged_files.py` takes twenty times as many.
+"""
+
+import os
+
+import numpy as np
+import pytest
+from rcr import problems, solve
+from rcr.network import Network
+from rcr.runs import Run
+
+import synthetic
+from damage import damaged, damaged_text
+from test_problems import dense, heap, write_fclib, write_siconos
+
+TIMES = int(os.environ.get("RCR_DAMAGE", 1))
+
+
+def survey(path, variants, read):
+    """(read, refused) over the variants of a file."""
+    count = [0, 0]
+    for content in variants:
+        path.write_bytes(content)
+        try:
+            read(path)
+            count[0] += 1
+        except ValueError as error:
+            assert str(path) in str(error) and "\n" not in str(error) and len(str(error)) < 1000 + len(str(path)), str(error)
+            count[1] += 1
+    return count
+
+
+@pytest.fixture(scope="module")
+def step():
+    arrays = heap(1)
+    return arrays, *dense(arrays)
+
+
+def read_problem(path):
+    problem = problems.load(path)
+    assert np.isfinite(problem.friction).all() and (problem.friction >= 0).all() and np.isfinite(problem.impulse).all()
+
+
+def test_npz_problems(step, tmp_path):
+    path = tmp_path / "x.npz"
+    for save in (np.savez, np.savez_compressed):
+        save(path, **step[0])
+        read, refused = survey(path, damaged(path.read_bytes(), 200 * TIMES), read_problem)
+        assert refused > 4 * read  # each array has a check sum; what is left lies in names, dates and arrays that are not asked for
+
+
+@pytest.mark.parametrize("kind", [-1, -2, "triplets"])
+def test_fclib_problems(step, tmp_path, kind):
+    path = tmp_path / "x.h5"
+    write_fclib(path, step[1], step[2], step[0]["mu"], kind)
+    assert survey(path, damaged(path.read_bytes(), 150 * TIMES), read_problem)[1] > 50
+
+
+@pytest.mark.parametrize("storage", ["dense", "blocks", "columns", "triplets"])
+def test_siconos_problems(step, tmp_path, storage):
+    path = tmp_path / "x.dat"
+    write_siconos(path, step[1], step[2], step[0]["mu"], storage)
+    assert survey(path, damaged_text(path.read_text(), 60 * TIMES), read_problem)[1] > 30
+
+
+@pytest.mark.parametrize("header", ["2 3 1 6 6 -5 3 3", "2 3 0 6 6 1e999", "2 1e9 0 2e9 2e9", "2 3 1 6 6 9 1e9 1e9", "inf", "nan 3", "2 -1 0 -2 -2", "2 3 1 6 6 9 3 3 -6 4 6"])
+def test_siconos_sizes_beyond_the_file(tmp_path, header):
+    path = tmp_path / "x.dat"
+    path.write_text(header.replace(" ", "\n"))
+    with pytest.raises(ValueError, match="x.dat: "):
+        problems.load(path)
+
+
+def test_networks(tmp_path):
+    """Files that the package has written: check sums tell nearly every flipped bit."""
+    path = tmp_path / "network-0.1.h5"
+    network = synthetic.packing(0.5, particles_=30, contacts=60)
+    network.save(path)
+
+    def read(path):
+        again = Network.load(path)
+        assert again.stress().shape == (2, 2) and all(np.isfinite(column).all() for column in again.contacts.values())
+        again.anisotropies(), again.coordination(), again.force_pdf()
+
+    read_, refused = survey(path, damaged(path.read_bytes(), 300 * TIMES), read)
+    assert refused > 100 and read_ < 250  # half of such a small file is space between its parts
+
+
+def test_no_flipped_bit_changes_a_number(tmp_path):
+    """One bit at a time: the file is refused, or holds what it held."""
+    path = tmp_path / "network-0.1.h5"
+    network = synthetic.packing(0.5, particles_=30, contacts=60)
+    network.save(path)
+    whole, rng = path.read_bytes(), np.random.default_rng(1)
+    for _ in range(200 * TIMES):
+        content = bytearray(whole)
+        content[rng.integers(len(content))] ^= 1 << rng.integers(8)
+        path.write_bytes(content)
+        try:
+            again = Network.load(path)
+        except ValueError:
+            continue
+        for group in ("particles", "contacts"):
+            for name, column in getattr(network, group).items():
+                assert np.array_equal(getattr(again, group)[name], column), name
+        assert again.attributes["strain"] == network.attributes["strain"]
+
+
+def test_histories_records_and_summaries(tmp_path):
+    folder = synthetic.write_run(tmp_path / "run", 0.5, particles_=30, contacts=60)
+    (folder / "run.json").write_text('{"program": "biaxial.py", "run": "x", "parameters": {"eta": 0.5}}')
+    (folder / "summary.json").write_text('{"eta": 0.5, "missed_fraction": 0.1}')
+    Run.read(folder)
+    for name, most in (("history.csv", 40), ("run.json", 20), ("summary.json", 20)):
+        text = (folder / name).read_text()
+        assert survey(folder / name, damaged_text(text, most * TIMES), lambda path: Run.read(path.parent))[1] > 10
+        (folder / name).write_text(text)
+
+
+@pytest.mark.parametrize("strange", ["folder", "none", "fifo"])
+@pytest.mark.parametrize("name", ["x.npz", "x.h5", "x.dat"])
+def test_no_files(tmp_path, name, strange):
+    path = tmp_path / name
+    if strange == "folder":
+        path.mkdir()
+    if strange == "fifo":
+        os.mkfifo(path)
+    for read in (problems.load, Network.load, solve):
+        with pytest.raises(OSError) as error:
+            read(path)
+        assert name in str(error.value)
+
+
+@pytest.mark.parametrize("path", [None, 3, "", b"", 1.5, ["x.npz"], "a\0.npz"])
+def test_no_paths(path):
+    for read in (problems.load, solve, Network.load):
+        with pytest.raises(ValueError, match="wanted"):
+            read(path)

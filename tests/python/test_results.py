@@ -1,0 +1,148 @@
+"""A folder belongs to one run: others are refused, two at once too, and what is removed is what the script itself has made."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rcr import files, results
+
+PARAMETERS = dict(eta=0.5, seed=1, threads=1)
+MADE = ["data-*.txt", "summary.json", "checkpoint"]
+
+
+def owned(folder, parameters=PARAMETERS, **how):
+    return results.owned(folder, "test.py", parameters, MADE, free=["threads"], checkpoint="checkpoint", last="summary.json", **how)
+
+
+def make(folder, parameters=PARAMETERS, files=("data-1.txt", "checkpoint", "summary.json"), **how):
+    with owned(folder, parameters, **how) as begin:
+        record = begin()
+        for name in files:
+            (folder / name).write_text(json.dumps(parameters))
+    return record
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_the_record(tmp_path):
+    record = make(tmp_path / "a" / "ü")
+    assert results.read(tmp_path / "a" / "ü") == record
+    assert record["parameters"] == PARAMETERS and record["program"] == "test.py" and {"version", "commit", "date", "run"} <= set(record)
+    assert results.read(tmp_path) is None
+    more = make(tmp_path / "b", dict(PARAMETERS, threads=2))
+    assert more["run"] == record["run"] != make(tmp_path / "c", dict(PARAMETERS, eta=0.25))["run"]
+
+
+def test_another_run_is_refused_and_nothing_changes(tmp_path):
+    make(tmp_path)
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    with pytest.raises(ValueError, match=r"eta = 0.5 \(here 0.4\), seed = 1 \(here 2\); wanted another --out, or --overwrite"):
+        make(tmp_path, dict(PARAMETERS, eta=0.4, seed=2))
+    with pytest.raises(ValueError, match="--resume: the run in .* has eta = 0.5"):
+        make(tmp_path, dict(PARAMETERS, eta=0.4), resume=True)
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_overwrite_removes_the_files_of_the_old_run_only(tmp_path):
+    make(tmp_path, files=("data-1.txt", "data-2.txt", "mine.txt"))
+    make(tmp_path, dict(PARAMETERS, eta=0.4), files=("data-1.txt",), overwrite=True)
+    assert names(tmp_path) == ["data-1.txt", "mine.txt", "run.json"]
+    assert results.read(tmp_path)["parameters"]["eta"] == 0.4
+
+
+def test_the_same_run_again(tmp_path):
+    """Complete, it is made anew; with a checkpoint only, nothing may be lost by a forgotten --resume."""
+    make(tmp_path, files=("data-1.txt", "checkpoint", "summary.json"))
+    make(tmp_path, files=("checkpoint",))
+    assert names(tmp_path) == ["checkpoint", "run.json"]
+    with pytest.raises(ValueError, match="not complete; --resume goes on with it, --overwrite starts anew"):
+        make(tmp_path)
+    make(tmp_path, files=(), overwrite=True)
+    make(tmp_path, files=("data-1.txt",))  # what was killed before its first checkpoint
+    make(tmp_path)
+
+
+def test_what_fails_before_it_begins_loses_nothing(tmp_path):
+    make(tmp_path)
+    with pytest.raises(RuntimeError), owned(tmp_path, dict(PARAMETERS, eta=0.4), overwrite=True):
+        raise RuntimeError
+    assert "data-1.txt" in names(tmp_path) and results.read(tmp_path)["parameters"] == PARAMETERS
+
+
+def test_resume_keeps_the_files_and_may_change_what_is_free(tmp_path):
+    first = make(tmp_path, files=("checkpoint",))
+    record = make(tmp_path, dict(PARAMETERS, threads=4), files=("summary.json",), resume=True)
+    assert names(tmp_path) == ["checkpoint", "run.json", "summary.json"]
+    assert record["date"] == first["date"] and record["parameters"]["threads"] == 4 and len(record["continued"]) == 1
+
+
+def test_results_of_nobody_or_of_another_script_are_kept(tmp_path):
+    (tmp_path / "data-old.txt").touch()
+    with pytest.raises(ValueError, match="holds data-old.txt of an unknown run"):
+        make(tmp_path)
+    make(tmp_path, overwrite=True)
+    with pytest.raises(ValueError, match="holds results of test.py; wanted another --out"):
+        with results.owned(tmp_path, "other.py", {}, ["*"], overwrite=True):
+            pass
+    assert "data-1.txt" in names(tmp_path)
+
+
+def test_parts_of_a_killed_process_go(tmp_path):
+    (tmp_path / ".part-x").touch()
+    (tmp_path / ".part-folder").mkdir()
+    with files.locked(tmp_path / ".part-of-another"):  # which is writing just now
+        make(tmp_path, files=())
+        assert names(tmp_path) == [".part-of-another", "run.json"]
+
+
+def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
+    code = (
+        "import sys; from rcr import results\n"
+        "with results.owned(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), []) as begin: begin(); print('in', flush=True); sys.stdin.read()"
+    )
+    other = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    assert other.stdout.readline() == b"in\n"
+    for how in ({}, dict(resume=True), dict(overwrite=True)):
+        with pytest.raises(ValueError, match="another process is writing there"):
+            make(tmp_path, **how)
+    other.kill()
+    other.wait()
+    make(tmp_path)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"program": 1, "parameters": {}}', '{"program": "test.py"}', "\0" * 9, "[" * 100_000])
+def test_a_damaged_record_is_named(tmp_path, text):
+    (tmp_path / "run.json").write_text(text)
+    with pytest.raises(ValueError, match="run.json: ") as error:
+        make(tmp_path)
+    assert "\n" not in str(error.value)
+
+
+def test_what_is_no_folder(tmp_path):
+    (tmp_path / "file").touch()
+    for path in (tmp_path / "file", tmp_path / "file" / "below"):
+        with pytest.raises(OSError):
+            make(path)
+
+
+@given(st.dictionaries(st.text(max_size=5), st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.integers(), st.text(max_size=5)), max_size=4))
+def test_equal_parameters_have_equal_identities(parameters):
+    assert results.identity(parameters) == results.identity(dict(reversed(parameters.items())))
+    assert results.differing(parameters, json.loads(json.dumps(parameters))) == ""
+
+
+def test_commit_is_stated_or_asked(monkeypatch):
+    results.commit.cache_clear()
+    monkeypatch.setenv("YADE_RCR_COMMIT", "abc+")
+    assert results.commit() == "abc+"
+    results.commit.cache_clear()
+    monkeypatch.setitem(os.environ, "PATH", "/none")
+    monkeypatch.delenv("YADE_RCR_COMMIT")
+    assert results.commit() == "unknown"
+    results.commit.cache_clear()

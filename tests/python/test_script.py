@@ -1,0 +1,83 @@
+"""Options are checked where they are given, and a script ends in one line."""
+
+import argparse
+import math
+import signal
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from rcr import checks, script
+
+WORDS = st.one_of(st.text(max_size=20), st.floats().map(repr), st.integers().map(str), st.sampled_from(["1e400", "-0", "5e-324", "1_0", "٣", "0x1", "9" * 5000, "1e3", " 1", "1j"]))
+
+
+@given(WORDS)
+def test_numbers(text):
+    """Finite, in the range and of 64 bits, or a message without line breaks that is no longer than a line."""
+    for kind, fits in ((script.number("0 ≤ x < 1", lambda v: 0 <= v < 1), lambda v: 0 <= v < 1), (script.whole(), lambda v: isinstance(v, int) and abs(v) <= 2**63),
+                       (script.at_least(3), lambda v: 3 <= v < 2**31), (script.number(), math.isfinite)):  # fmt: skip
+        try:
+            assert fits(kind(text))
+        except argparse.ArgumentTypeError as error:
+            assert ": wanted " in str(error) and "\n" not in str(error) and len(str(error)) < 200
+
+
+@given(WORDS)
+def test_paths(text):
+    for kind in (script.folder, script.new_file):
+        try:
+            kind(text)
+        except argparse.ArgumentTypeError as error:
+            assert str(error)
+
+
+VALUES = st.one_of(st.floats(), st.integers(), st.complex_numbers(), st.text(max_size=3), st.none(), st.booleans(), st.fractions(), st.decimals(), st.binary(max_size=3), st.lists(st.floats(), max_size=2))
+
+
+@given(VALUES)
+def test_values_from_python(value):
+    """As of options: a finite real number (no bool), or what was given and what is wanted."""
+    for check, kind in ((checks.number, float), (checks.whole, int)):
+        try:
+            assert type(check("x", value)) is kind and not isinstance(value, bool)
+        except ValueError as error:
+            assert str(error).startswith("x = ") and "; wanted " in str(error)
+
+
+def ended(body):
+    """Exit code, stdout and stderr of a script with this main."""
+    code = f"import sys\nfrom rcr import script\ndef main():\n    {body}\nsys.argv = ['/some/where/x.py']\nscript.run(main)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    return run.returncode, run.stdout, run.stderr
+
+
+@pytest.mark.parametrize(
+    "body, code, errors",
+    [
+        ("print('fine')", 0, ""),
+        ("raise ValueError('a\\nb')", 1, "x.py: a b\n"),
+        ("open('/none/x')", 1, "x.py: /none/x: No such file or directory\n"),
+        ("raise KeyboardInterrupt", 130, "x.py: stopped\n"),
+        ("raise script.Stopped('stopped here; go on so')", 130, "x.py: stopped here; go on so\n"),
+        ("raise MemoryError", 1, "x.py: the memory does not suffice; choose something smaller\n"),
+        ("sys.exit('why')", 1, "x.py: why\n"),
+        ("script.Parser(prog='x.py').parse_args(['--what'])", 2, "x.py: unrecognized arguments: --what\n"),
+    ],
+)
+def test_ends(body, code, errors):
+    assert ended(body) == (code, "fine\n" if code == 0 else "", errors)
+
+
+def test_a_first_signal_asks_and_a_second_one_ends():
+    body = "with script.stoppable() as stop:\n        print('in', flush=True)\n        while True:\n            if stop.asked: print('asked', flush=True); stop.asked = 2\n            sys.stdin"
+    code = f"import sys\nfrom rcr import script\ndef main():\n    {body}\nsys.argv = ['x.py']\nscript.run(main)"
+    for number in (signal.SIGINT, signal.SIGTERM):
+        process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        assert process.stdout.readline() == "in\n"
+        process.send_signal(number)
+        assert process.stdout.readline() == "asked\n"
+        process.send_signal(number)
+        assert process.communicate(timeout=60)[1] == "x.py: stopped\n" and process.returncode == 130

@@ -1,0 +1,45 @@
+"""A script run in a copy of this process, which has YADE already: dozens of refusals in the time of one start."""
+
+import os
+import runpy
+import signal
+import sys
+import tempfile
+import types
+
+SECONDS = 60
+
+
+def run(script, *arguments):
+    """Exit code, stdout and stderr of a script that ends before it makes threads; refusals do."""
+    with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
+        child = os.fork()
+        if child == 0:
+            signal.alarm(SECONDS)
+            os.dup2(output.fileno(), 1)
+            os.dup2(errors.fileno(), 2)
+            sys.stdout, sys.stderr = (open(number, "w", closefd=False) for number in (1, 2))
+            sys.argv, sys.path = [script, *map(str, arguments)], [os.path.dirname(script), *sys.path]
+            code = 99  # an exception that the script let through, or an end that was not its own
+            try:
+                runpy.run_path(script, run_name="__main__")
+                code = 0
+            except BaseException:
+                sys.excepthook(*sys.exc_info())
+            finally:
+                sys.stdout.flush()
+                sys.stderr.flush()
+                os._exit(code)
+        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        texts = []
+        for stream in (output, errors):
+            stream.seek(0)
+            texts.append(stream.read().decode(errors="replace"))
+        return types.SimpleNamespace(returncode=code, stdout=texts[0], stderr=texts[1])
+
+
+def complaint(ended):
+    """The one line on stderr of a script that failed, and nothing else."""
+    assert ended.returncode not in (0, 99) and ended.returncode > 0, ended.stderr
+    assert ended.stderr.count("\n") == 1 and ended.stdout == "", ended.stderr + ended.stdout
+    return ended.stderr.strip()
