@@ -50,9 +50,10 @@ void ContactDynamics::step(const gate::Engines& engines)
 		if (!missed && !adapted) break;
 		how           = settingsOfFurtherPass();
 		how.continued = !missed;
+		how.yielded   = yielded;
 	}
 	if (overlap_ > deepOverlap) converged = false;
-	watchForJam();
+	watch();
 	timed("correct", [&] { correctPositions(step_, double(correction), workspace_); });
 	timed("scatter", [&] {
 		measureUnbalance();
@@ -80,6 +81,7 @@ rcr::Settings ContactDynamics::settings() const
 	s.meanForceChange = double(meanForceChange);
 	s.threads         = solverThreads();
 	s.lanes           = lanes;
+	s.compliance      = double(compliance);
 	s.reductions      = rcr::Reductions::of(reductions);
 	return s;
 }
@@ -116,13 +118,8 @@ void ContactDynamics::report(const rcr::Report& report)
 	residual      = report.residual;
 	violation     = report.violation;
 	converged     = report.converged;
+	yielded       = report.yielded;
 	contactPoints = int(step_.problem.points.size());
-	if (converged || tolerance == 0 || warned) return;
-	warned = true;
-	LOG_WARN(
-	        "step " << scene->iter << ": residual " << residual << " (tolerance " << tolerance << "), velocities still wrong by " << violation
-	                << " of the typical one (at most " << maxViolation << "), after " << iterations
-	                << " iterations; this is said once. ContactDynamics.residual and .converged tell it for every step.");
 }
 
 int ContactDynamics::solverThreads() const { return threads > 0 ? threads : omp_get_max_threads(); }
@@ -146,56 +143,6 @@ bool ContactDynamics::adaptBiases(bool letGo)
 		if (contact.restitution > 0) changed |= rcr::restrainBounce(step_, contact);
 	}
 	return changed;
-}
-
-void ContactDynamics::measureUnbalance()
-{
-	double contact = 0, net = 0, largest = 0; // impulses
-	int    closed = 0, free = 0;
-	for (const rcr::Impulse& p : step_.problem.impulse) {
-		contact += p.n;
-		closed += p.n > 0;
-	}
-	for (std::size_t id = 0; id < step_.bodies.size(); ++id) {
-		const rcr::StepBody& body = step_.bodies[id];
-		if (!body.free || !(body.shape.grain() || body.shape.kind == rcr::PlanarShape::none)) continue;
-		const rcr::InverseMass& inverse = step_.problem.inverseMass[id];
-		const rcr::Twist &      v = step_.problem.velocity[id], &before = body.velocity;
-		const rcr::Vec2         change { inverse.x > 0 ? (v.x - before.x) / inverse.x : 0, inverse.y > 0 ? (v.y - before.y) / inverse.y : 0 };
-		largest = std::max(largest, norm(change));
-		net += norm(change);
-		++free;
-	}
-	constexpr double none = std::numeric_limits<double>::infinity();
-	unbalance        = closed > 0 && free > 0 ? (net / free) / (contact / closed) : none;
-	largestUnbalance = closed > 0 ? largest / (contact / closed) : none;
-}
-
-void ContactDynamics::watchForJam()
-{
-	if (converged) return jam_.forget();
-	std::size_t deepest = 0;
-	double      overlap = 0; // over R₁ + R₂
-	for (std::size_t k = 0; k < step_.gap.size(); ++k) {
-		const rcr::ContactPoint& c = step_.problem.points[k];
-		if (step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2)) continue; // obstacles may stand in each other
-		const double share = rcr::contactSlop * step_.gap[k].now / step_.gap[k].allowed;
-		if (share > overlap) overlap = share, deepest = k;
-	}
-	jam_.failed(overlap, deepest, step_.problem);
-}
-
-/// YADE's kinetic energy is that of the beginning of a step, so what the contacts of a step take is added in the next one.
-void ContactDynamics::bookEnergy(const std::vector<rcr::Twist>& loads, const Vector3r& gravity)
-{
-	EnergyTracker& energy = *scene->energy;
-	energy.add(pendingEnergy[0], "plastDissip", frictionIx, false);
-	energy.add(pendingEnergy[1], "impactDissip", impactIx, false);
-	energy.add(pendingEnergy[2], "driveWork", driveIx, false);
-	energy.add(-pendingEnergy[3], "correctionWork", correctionIx, false);
-	energy.add(pendingEnergy[3], "gravWork", gravityIx, false);
-	const rcr::StepEnergy now = rcr::stepEnergy(step_, loads, plane::toPlane(gravity));
-	pendingEnergy             = { now.friction, now.impact, now.driven, now.lifted };
 }
 
 } // namespace yade

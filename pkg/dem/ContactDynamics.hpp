@@ -17,8 +17,9 @@
 #include "../kernel/parallel/team.hpp"
 #include "../kernel/problem/solver.hpp"
 #include "../kernel/step/energy.hpp"
+#include "../kernel/watch/missed_steps.hpp"
+#include "../kernel/watch/squeeze.hpp"
 #include "Gate.hpp"
-#include "JamGuard.hpp"
 #include "gather.hpp"
 
 namespace yade {
@@ -29,6 +30,7 @@ public:
 
 	boost::python::dict modelDict() const;
 	boost::python::dict secondsDict() const;
+	boost::python::dict missedDict() const;
 	boost::python::dict problemDict() const;
 
 	// clang-format off
@@ -42,6 +44,7 @@ public:
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)"))
 		((int,lanes,0,Attr::noSave,"Doubles that the solver works on at a time: 1, 4 or 8; 0: as many as the processor has. Changes no bit; not saved, it is the processor's"))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that is taken back each step by a position correction without velocity [-]; 0 switches it off. Impulses and velocities never see it."))
+		((Real,compliance,0.01,,"How far contacts yield in a step that has no solution, as a share of what their impulse alone would do [-]. Driven walls can ask for more than rigid grains and friction can do; such a step is solved with contacts that give way, and counted in :yref:`yieldedSteps<ContactDynamics.yieldedSteps>`. All other steps are rigid. 0: never"))
 		((bool,overdamped,false,,"Preparation without inertia: bodies start every step from rest (prescribed velocities stay), and overlaps are taken back whole within the step, since no velocity is kept of it. A step then goes down the potential energy as far as the time step allows and ends at rest where the forces balance. Restitution and :yref:`correction<ContactDynamics.correction>` do not apply."))
 		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"What the solver may drop where the scene does not need it, seen anew in each step; :yref:`model<ContactDynamics.model>` tells what is left. frictionless: pairs without friction carry one unknown a point. discs: without friction and levers nothing turns. fixed: bodies of prescribed motion have no unknowns. islands: what does not touch is solved apart, each to its own convergence. layout: order and colours are kept while the contacts last. All of them change nothing but the time; leave names out to compare"))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step (of the island that needs most), of all its passes: one, and one more where contacts were not foreseen"))
@@ -51,7 +54,11 @@ public:
 		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance"))
 		((Real,unbalance,0,Attr::readonly,"Mean net force on a free particle over the mean contact force, in the last step [-], as utils.unbalancedForce; it falls to the tolerance of the solver as a packing comes to rest"))
 		((Real,largestUnbalance,0,Attr::readonly,"The same of the particle with the largest net force [-]"))
-		((bool,warned,false,Attr::hidden,"A run that misses its tolerance says so once"))
+		((bool,yielded,false,Attr::readonly,"Whether the last step had no solution and its contacts have yielded (:yref:`compliance<ContactDynamics.compliance>`)"))
+		((int,missedSteps,0,Attr::readonly,"Steps so far that have missed the tolerance"))
+		((int,yieldedSteps,0,Attr::readonly,"Steps so far whose contacts have yielded"))
+		((Real,deepestOverlap,0,Attr::readonly,"Deepest overlap of all steps so far, over R₁ + R₂ [-]"))
+		((std::vector<Real>,watched,std::vector<Real>(6),Attr::hidden,"Steps; missed steps, yielded steps and overlap told last; growth and depth of the present squeeze"))
 		((std::vector<Real>,pendingEnergy,std::vector<Real>(4),Attr::hidden,"Friction, impacts, drive and lift of the last step [J], added to O.energy with the kinetic energy that they lead to"))
 		((int,frictionIx,-1,(Attr::hidden|Attr::noSave),"Index of plastDissip"))
 		((int,impactIx,-1,(Attr::hidden|Attr::noSave),"Index of impactDissip"))
@@ -61,6 +68,7 @@ public:
 		/* ctor */,
 		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict. bodies: that an impulse can move; rotations: how many of these can turn; fixed: of prescribed motion, without unknowns; pairs, points: that can carry something; unknowns: one a point without friction, else two; frictionless: no point has friction; islands: solved apart; layouts: how often order and colours have been made in all steps so far; work: sweeps × points, summed over the islands.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: gather, layout (colours and order of the pairs), solve, scatter, late (bodies that go further than foreseen), adapt (biases to long ways, and to bounces that would give energy), correct [s].")
+		.add_property("missed",&ContactDynamics::missedDict,"Steps that missed the tolerance, as a dict: steps (all so far), missed, share (of all), yielded (those without a solution), deepest_overlap (over R₁ + R₂) [-].")
 		.def("_problem",&ContactDynamics::problemDict,"The contact problem of the last step, for rcr.scene.save_problem: its arrays as bytes.")
 	);
 	// clang-format on
@@ -78,7 +86,7 @@ private:
 	bool          adaptBiases(bool letGo);
 	void          report(const rcr::Report&);
 	void          measureUnbalance();
-	void          watchForJam();
+	void          watch();
 	void          bookEnergy(const std::vector<rcr::Twist>& loads, const Vector3r& gravity);
 
 	gate::Watch                   gate_;
@@ -86,7 +94,6 @@ private:
 	StepSources                   sources_;
 	std::vector<rcr::Impulse>     warmStart_; // the impulses that the last problem was solved from
 	rcr::Workspace                workspace_; // threads; colours and packed arrays, kept while the pairs last
-	JamGuard                      jam_;
 	std::map<std::string, double> seconds_;
 	double                        work_    = 0; // sweeps × points of the last step
 	double                        overlap_ = 0; // deepest at the end of the step where bodies are displaced far, over R₁ + R₂

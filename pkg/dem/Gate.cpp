@@ -1,4 +1,4 @@
-#include "Gate.hpp"
+#include "GateView.hpp"
 
 #include <core/PartialEngine.hpp>
 #include <core/TimeStepper.hpp>
@@ -23,58 +23,6 @@ namespace yade {
 namespace gate {
 
 	namespace {
-
-		enum Law { rigid = 1, smooth = 2, both = 3, neither = 4 };
-
-
-		template <class Kind> bool is(const shared_ptr<Engine>& engine) { return !engine->dead && dynamic_cast<const Kind*>(engine.get()); }
-
-		template <class Functor, class List> bool has(const List& functors)
-		{
-			return std::any_of(functors.begin(), functors.end(), [](const auto& f) { return bool(dynamic_cast<const Functor*>(f.get())); });
-		}
-
-		/// A scene as the rules see it.
-		struct View {
-			const Scene&                           scene;
-			const std::vector<shared_ptr<Engine>>& engines;
-			const InteractionLoop*                 loop = nullptr;
-			Law                                    law  = neither;
-
-			explicit View(const Scene& s) : scene(s), engines(s.engines)
-			{
-				loop = first<InteractionLoop>();
-				const bool solver = place<ContactDynamics>() >= 0;
-				const bool laws = loop && has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(loop->lawDispatcher->functors);
-				const bool phys = loop && has<Ip2_FrictMat_FrictMat_CdPhys>(loop->physDispatcher->functors);
-				const bool springs = loop && has<Law2_RcrGeom_FrictPhys_CundallStrack>(loop->lawDispatcher->functors);
-				if (solver || laws || phys) law = springs ? both : rigid;
-				else if (springs)
-					law = smooth;
-			}
-
-			template <class Kind> Kind* first() const
-			{
-				const int at = place<Kind>();
-				return at < 0 ? nullptr : dynamic_cast<Kind*>(engines[at].get());
-			}
-			template <class Kind> int place() const
-			{
-				const auto found = std::find_if(engines.begin(), engines.end(), is<Kind>);
-				return found == engines.end() ? -1 : int(found - engines.begin());
-			}
-			template <class Kind> int count() const { return int(std::count_if(engines.begin(), engines.end(), is<Kind>)); }
-			template <class Kind> bool dead() const
-			{
-				return std::any_of(engines.begin(), engines.end(), [](const auto& e) { return e->dead && dynamic_cast<const Kind*>(e.get()); });
-			}
-			template <class Shape> const Body* body() const
-			{
-				for (const auto& b : *scene.bodies)
-					if (b && dynamic_cast<const Shape*>(b->shape.get())) return b.get();
-				return nullptr;
-			}
-		};
 
 		// ---- engines
 

@@ -12,10 +12,10 @@ namespace gate {
 
 	namespace {
 
-		constexpr unsigned outOfPlane  = State::DOF_Z | State::DOF_RX | State::DOF_RY;
-		constexpr double   tilted      = 1e-9; // of a quaternion
-		constexpr double   sameHeight  = 1e-9; // of 1 m, and of z
-		constexpr double   mostFriction = 1e6; // µ beyond which the residual, in which µ |u_t| stands beside u_n, sees no normal velocity
+		constexpr unsigned outOfPlane   = State::DOF_Z | State::DOF_RX | State::DOF_RY;
+		constexpr double   tilted       = 1e-9; // of a quaternion
+		constexpr double   sameHeight   = 1e-9; // of 1 m, and of z
+		constexpr double   mostFriction = 1e3; // µ beyond which the residual, in which µ |u_t| outweighs u_n, says nothing of a point that slips
 
 		std::string body(Body::id_t id) { return "body #" + std::to_string(id); }
 		std::string coordinates(const Vector3r& v) { return '(' + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + ')'; }

@@ -80,11 +80,11 @@ def sin_phi(stresses):
 
 
 def _columns(file, group, path):
-    if not isinstance(file[group], h5py.Group):
+    if not hasattr(file[group], "keys"):  # a dataset
         raise ValueError(f"{group} is no group of columns")
     columns = {}
     for name, data in file[group].items():
-        if not isinstance(data, h5py.Dataset) or data.shape is None:
+        if not hasattr(data, "dtype") or data.shape is None:
             raise ValueError(f"{group}/{name} is no column")
         files.check_size(f"{group}/{name}", data.nbytes, path)
         columns[name] = data[()]

@@ -1,0 +1,133 @@
+// What ContactDynamics tells of a step: balance, missed steps, energy, and what Python asks for.
+#include <array>
+
+#include <core/Omega.hpp>
+#include <core/Scene.hpp>
+
+#include "ContactDynamics.hpp"
+#include "plane.hpp"
+
+namespace yade {
+
+void ContactDynamics::measureUnbalance()
+{
+	double contact = 0, net = 0, largest = 0; // impulses
+	int    closed = 0, free = 0;
+	for (const rcr::Impulse& p : step_.problem.impulse) {
+		contact += p.n;
+		closed += p.n > 0;
+	}
+	for (std::size_t id = 0; id < step_.bodies.size(); ++id) {
+		const rcr::StepBody& body = step_.bodies[id];
+		if (!body.free || !(body.shape.grain() || body.shape.kind == rcr::PlanarShape::none)) continue;
+		const rcr::InverseMass& inverse = step_.problem.inverseMass[id];
+		const rcr::Twist &      v = step_.problem.velocity[id], &before = body.velocity;
+		const rcr::Vec2         change { inverse.x > 0 ? (v.x - before.x) / inverse.x : 0, inverse.y > 0 ? (v.y - before.y) / inverse.y : 0 };
+		largest = std::max(largest, norm(change));
+		net += norm(change);
+		++free;
+	}
+	constexpr double none = std::numeric_limits<double>::infinity();
+	unbalance        = closed > 0 && free > 0 ? (net / free) / (contact / closed) : none;
+	largestUnbalance = closed > 0 ? largest / (contact / closed) : none;
+}
+
+/// Counts missed steps, and ends a run whose driven bodies squeeze the grains on and on.
+void ContactDynamics::watch()
+{
+	std::size_t deepest = 0;
+	double      overlap = 0; // over R₁ + R₂
+	for (std::size_t k = 0; k < step_.gap.size(); ++k) {
+		const rcr::ContactPoint& c = step_.problem.points[k];
+		if (step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2)) continue; // obstacles may stand in each other
+		const double share = rcr::contactSlop * step_.gap[k].now / step_.gap[k].allowed;
+		if (share > overlap) overlap = share, deepest = k;
+	}
+	watched.resize(6);
+	rcr::MissedSteps count { long(watched[0]), missedSteps, yieldedSteps, double(deepestOverlap), long(watched[1]), long(watched[2]), double(watched[3]) };
+	rcr::Squeeze     squeeze { int(watched[4]), double(watched[5]) };
+	if (count.count(!converged && tolerance > 0, yielded, overlap)) LOG_WARN("step " << scene->iter << ": " << count.message());
+	const bool goesOn = squeeze.goesOn(overlap);
+	missedSteps = int(count.missed), yieldedSteps = int(count.yielded), deepestOverlap = count.deepest;
+	watched = { Real(count.steps), Real(count.toldMissed), Real(count.toldYielded), count.toldDeepest, Real(squeeze.grown), squeeze.deepest };
+	if (!goesOn) return;
+	std::string culprits;
+	for (int id : rcr::drivenBodies(step_.problem))
+		culprits += (culprits.empty() ? "#" : ", #") + std::to_string(id);
+	if (culprits.empty()) return;
+	const rcr::ContactPoint& c = step_.problem.points[deepest];
+	throw std::runtime_error(
+	        "ContactDynamics: jam. Bodies #" + std::to_string(c.body1) + " and #" + std::to_string(c.body2) + " overlap by " + gate::text(overlap)
+	        + " of their radii, and more and more. Rigid grains do not give way; the motion prescribed to bodies " + culprits
+	        + " asks for it. Stop or reverse that motion (b.state.vel), or press by a force (rcr.mobile_wall, WallStress).");
+}
+
+/// YADE's kinetic energy is that of the beginning of a step, so what the contacts of a step take is added in the next one.
+void ContactDynamics::bookEnergy(const std::vector<rcr::Twist>& loads, const Vector3r& gravity)
+{
+	EnergyTracker& energy = *scene->energy;
+	energy.add(pendingEnergy[0], "plastDissip", frictionIx, false);
+	energy.add(pendingEnergy[1], "impactDissip", impactIx, false);
+	energy.add(pendingEnergy[2], "driveWork", driveIx, false);
+	energy.add(-pendingEnergy[3], "correctionWork", correctionIx, false);
+	energy.add(pendingEnergy[3], "gravWork", gravityIx, false);
+	const rcr::StepEnergy now = rcr::stepEnergy(step_, loads, plane::toPlane(gravity));
+	pendingEnergy             = { now.friction, now.impact, now.driven, now.lifted };
+}
+
+boost::python::dict ContactDynamics::secondsDict() const
+{
+	boost::python::dict seconds;
+	for (const auto& [what, total] : seconds_)
+		seconds[what] = total;
+	return seconds;
+}
+
+boost::python::dict ContactDynamics::missedDict() const
+{
+	boost::python::dict missed;
+	missed["steps"]           = long(watched[0]);
+	missed["missed"]          = missedSteps;
+	missed["share"]           = watched[0] > 0 ? double(missedSteps / watched[0]) : 0.0;
+	missed["yielded"]         = yieldedSteps;
+	missed["deepest_overlap"] = double(deepestOverlap);
+	return missed;
+}
+
+boost::python::dict ContactDynamics::problemDict() const
+{
+	namespace py = boost::python;
+	py::dict   columns;
+	const auto add = [&](const char* name, const auto& rows) {
+		const char* bytes = reinterpret_cast<const char*>(rows.data());
+		columns[name]     = py::object(py::handle<>(PyBytes_FromStringAndSize(bytes, Py_ssize_t(rows.size() * sizeof(rows[0])))));
+	};
+	std::vector<std::array<double, 8>> points; // normal, arm1, arm2, bias, friction
+	std::vector<std::array<int, 2>>    bodies;
+	for (const rcr::ContactPoint& c : step_.problem.points) {
+		points.push_back({ c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction });
+		bodies.push_back({ c.body1, c.body2 });
+	}
+	add("points", points), add("bodies", bodies), add("impulse", warmStart_);
+	add("inverse_mass", step_.problem.inverseMass), add("free_velocity", step_.problem.freeVelocity);
+	return columns;
+}
+
+boost::python::dict ContactDynamics::modelDict() const
+{
+	const rcr::ModelSummary m = workspace_.summary();
+	boost::python::dict     model;
+	model["bodies"]       = m.bodies;
+	model["rotations"]    = m.turning;
+	model["fixed"]        = m.fixed;
+	model["pairs"]        = m.pairs;
+	model["points"]       = m.points;
+	model["unknowns"]     = m.unknowns();
+	model["frictionless"] = m.frictionalPoints == 0;
+	model["islands"]      = m.islands;
+	model["layouts"]      = m.layouts;
+	model["work"]         = work_;
+	return model;
+}
+
+} // namespace yade
