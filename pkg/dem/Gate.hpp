@@ -22,6 +22,7 @@
 #include <core/Scene.hpp>
 #include <pkg/dem/NewtonIntegrator.hpp>
 
+#include "../kernel/geometry/planar_shape.hpp"
 #include "CdPhys.hpp"
 
 namespace yade {
@@ -74,7 +75,7 @@ namespace gate {
 	Real planeOf(const Scene&);
 
 	/// Whether the numbers of a body that takes part are in order: finite, in the plane, with a mass where it is free.
-	bool fine(const Body&, Real z);
+	bool fine(const Body&, const rcr::PlanarShape&, Real z);
 	/// What is wrong with it; empty where nothing is.
 	std::string wrongWith(const Body&, Real z);
 	/// The same of the first grain or clump of the scene that has something.

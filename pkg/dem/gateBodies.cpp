@@ -6,6 +6,7 @@
 
 #include "Gate.hpp"
 #include "Rcr.hpp"
+#include "planarShape.hpp"
 
 namespace yade {
 namespace gate {
@@ -22,9 +23,10 @@ namespace gate {
 		bool        finite(const Vector3r& v) { return math::isfinite(v[0]) && math::isfinite(v[1]) && math::isfinite(v[2]); }
 
 		bool isGrain(const Body& b) { return b.shape && (dynamic_cast<const Rcr*>(b.shape.get()) || dynamic_cast<const Sphere*>(b.shape.get())); }
+		rcr::PlanarShape shapeOf(const Body& b, Real z) { return b.isClump() ? rcr::PlanarShape {} : plane::shapeOf(*b.shape, *b.state, z); }
 		bool upright(const State& s) { return math::abs(s.ori.x()) <= tilted && math::abs(s.ori.y()) <= tilted && math::isfinite(s.ori.w() + s.ori.z()); }
-		bool inPlane(const Body& b, Real z) { return !isGrain(b) || math::abs(b.state->pos.z() - z) <= sameHeight * (1 + math::abs(z)); }
-		bool shaped(const Body& b) { return !dynamic_cast<const Rcr*>(b.shape.get()) || static_cast<const Rcr&>(*b.shape).capRadius > 0; }
+		bool inPlane(const State& s, const rcr::PlanarShape& shape, Real z) { return !shape.grain() || math::abs(s.pos.z() - z) <= sameHeight * (1 + math::abs(z)); }
+		bool shaped(const rcr::PlanarShape& shape) { return !shape.grain() || shape.halfWidth > 0; }
 		bool keepsToPlane(const State& s) { return s.blockedDOFs == State::DOF_ALL || (s.blockedDOFs & outOfPlane) == outOfPlane; }
 		bool moves(const State& s) { return (s.blockedDOFs & (State::DOF_X | State::DOF_Y)) != (State::DOF_X | State::DOF_Y); }
 		bool turns(const State& s) { return !(s.blockedDOFs & State::DOF_RZ); }
@@ -42,10 +44,10 @@ namespace gate {
 		return std::numeric_limits<Real>::quiet_NaN();
 	}
 
-	bool fine(const Body& b, Real z)
+	bool fine(const Body& b, const rcr::PlanarShape& shape, Real z)
 	{
 		const State& s = *b.state;
-		if (!finite(s.pos) || !finite(s.vel) || !finite(s.angVel) || !upright(s) || !inPlane(b, z) || !shaped(b)) return false;
+		if (!finite(s.pos) || !finite(s.vel) || !finite(s.angVel) || !upright(s) || !inPlane(s, shape, z) || !shaped(shape)) return false;
 		return b.isClumpMember() || (keepsToPlane(s) && heavy(s) && inert(s));
 	}
 
@@ -56,7 +58,8 @@ namespace gate {
 		const auto        vector = [&](const char* what, const Vector3r& v, const char* remedy) {
                         return name + " has the " + what + ' ' + coordinates(v) + "; wanted finite numbers: " + remedy;
 		};
-		if (!shaped(b)) return name + " has a Rcr shape without a cap radius; set it.";
+		const rcr::PlanarShape shape = shapeOf(b, z);
+		if (!shaped(shape)) return name + " has a Rcr shape without a cap radius; set it.";
 		if (!finite(s.pos)) return vector("position", s.pos, "set b.state.pos.");
 		if (!finite(s.vel)) return vector("velocity", s.vel, "set b.state.vel.");
 		if (!finite(s.angVel)) return vector("angular velocity", s.angVel, "set b.state.angVel.");
@@ -65,7 +68,7 @@ namespace gate {
 		if (!upright(s))
 			return name + " is tilted out of the plane z = const; turn it about z only"
 			        + (b.isClump() ? ": make the clump by rcr.clump, which YADE's own appendClumped turns to principal axes." : ".");
-		if (!inPlane(b, z))
+		if (!inPlane(s, shape, z))
 			return name + " lies at z = " + text(s.pos.z()) + ", other grains at z = " + text(z)
 			        + ", so they would not meet in the plane; give all the same z.";
 		if (b.isClumpMember()) return {};
@@ -90,7 +93,7 @@ namespace gate {
 	{
 		const Real z = planeOf(scene);
 		for (const auto& b : *scene.bodies) {
-			if (!b || !(isGrain(*b) || b->isClump()) || fine(*b, z)) continue;
+			if (!b || !(isGrain(*b) || b->isClump()) || fine(*b, shapeOf(*b, z), z)) continue;
 			const std::string wrong = wrongWith(*b, z);
 			if (!wrong.empty()) return wrong;
 		}

@@ -122,7 +122,7 @@ namespace {
 		const bool       clump = b.isClump();
 		if (b.shape && !clump) body.shape = plane::shapeOf(*b.shape, s, from_.z);
 		if ((clump || body.shape.kind != rcr::PlanarShape::none) && body.shape.kind != rcr::PlanarShape::wall
-		    && body.shape.kind != rcr::PlanarShape::segment && !gate::fine(b, from_.z))
+		    && body.shape.kind != rcr::PlanarShape::segment && !gate::fine(b, body.shape, from_.z))
 			gate::refuseBody(b, scene_, from_.z);
 		from_.state[id]    = b.state.get();
 		body.center        = plane::toPlane(s.pos);
@@ -191,7 +191,7 @@ namespace {
 		if (!i.functorCache.geomExists) gate::checkServed(i, scene_);
 		if (!i.isReal()) return {};
 		CdPhys*  phys = dynamic_cast<CdPhys*>(i.phys.get());
-		RcrGeom* geom = dynamic_cast<RcrGeom*>(i.geom.get());
+		RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic() ? static_cast<RcrGeom*>(i.geom.get()) : nullptr;
 		if (!phys && !geom) return {};
 		if (!phys || !geom)
 			gate::refuse(
