@@ -241,24 +241,6 @@ namespace gate {
 			return seen;
 		}
 
-		/// Discs must be seen as far ahead as Rcrs: Bo1_Disc_Aabb in the place of a Bo1_Sphere_Aabb.
-		void lookAheadOfDiscs(const Scene& scene)
-		{
-			for (const auto& e : scene.engines)
-				if (Collider* collider = dynamic_cast<Collider*>(e.get()))
-					for (const auto& functor : collider->boundDispatcher->functors)
-						if (functor->getClassName() == "Bo1_Sphere_Aabb") {
-							auto disc               = boost::make_shared<Bo1_Disc_Aabb>();
-							disc->aabbEnlargeFactor = static_cast<const Bo1_Sphere_Aabb&>(*functor).aabbEnlargeFactor;
-							auto functors           = collider->boundDispatcher->functors;
-							std::replace(functors.begin(), functors.end(), functor, shared_ptr<BoundFunctor>(disc));
-							collider->boundDispatcher->functors_set(functors);
-							for (const auto& b : *scene.bodies)
-								if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get())) b->shape->boundFunctor = nullptr; // a cache
-							return;
-						}
-		}
-
 	} // namespace
 
 	std::string refusal(const Scene& scene)
@@ -272,6 +254,24 @@ namespace gate {
 	}
 
 	bool serves(const Scene& scene) { return View(scene).law != neither; }
+
+	void lookAheadOfDiscs(const Scene& scene)
+	{
+		if (View(scene).law != rigid) return;
+		for (const auto& e : scene.engines)
+			if (Collider* collider = dynamic_cast<Collider*>(e.get()))
+				for (const auto& functor : collider->boundDispatcher->functors)
+					if (functor->getClassName() == "Bo1_Sphere_Aabb") {
+						auto disc               = boost::make_shared<Bo1_Disc_Aabb>();
+						disc->aabbEnlargeFactor = static_cast<const Bo1_Sphere_Aabb&>(*functor).aabbEnlargeFactor;
+						auto functors           = collider->boundDispatcher->functors;
+						std::replace(functors.begin(), functors.end(), functor, shared_ptr<BoundFunctor>(disc));
+						collider->boundDispatcher->functors_set(functors);
+						for (const auto& b : *scene.bodies)
+							if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get())) b->shape->boundFunctor = nullptr; // a cache
+						return;
+					}
+	}
 
 	Engines Watch::pass(const Scene& scene)
 	{

@@ -53,6 +53,9 @@ namespace gate {
 	/// What of a scene with our classes is refused; empty where nothing is, or where none of our classes is there.
 	std::string refusal(const Scene&);
 
+	/// Lets discs of a scene with ContactDynamics be seen as far ahead as Rcrs: a Bo1_Disc_Aabb in the place of a Bo1_Sphere_Aabb.
+	void lookAheadOfDiscs(const Scene&);
+
 	/// Is a law of ours in the scene?
 	bool serves(const Scene&);
 

@@ -60,7 +60,14 @@ boost::python::tuple networkTable()
 	return boost::python::make_tuple(bytes(table.pairs), bytes(table.particles));
 }
 
-std::string refusal() { return yade::gate::refusal(*yade::Omega::instance().getScene()); }
+std::string refusal()
+{
+	const yade::Scene& scene = *yade::Omega::instance().getScene();
+	const std::string  told  = yade::gate::refusal(scene);
+	if (told.empty()) yade::gate::lookAheadOfDiscs(scene);
+	return told;
+}
+
 bool        serves() { return yade::gate::serves(*yade::Omega::instance().getScene()); }
 std::string advice() { return yade::gate::advice(*yade::Omega::instance().getScene()); }
 

@@ -279,14 +279,22 @@ def test_run_and_wait_raises():
     assert 25_000 < O.iter < 35_000  # √(2h/g) / dt = 32 000
 
 
-def test_background_run_stops_at_the_error():
+def test_background_run_is_refused_before_it_begins():
     body = resting()
     body.state.mass = 0
-    O.run(1000)
-    end = time.time() + 10
+    with pytest.raises(ValueError, match="#1 is free but has the mass 0"):
+        O.run(1000)
+    assert not O.running and O.iter == 0
+
+
+def test_background_run_stops_at_the_error():
+    rough = material()
+    build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-4, restitution=2)
+    O.run(100_000)
+    end = time.time() + 20
     while O.running and time.time() < end:
         time.sleep(0.01)
-    assert not O.running and O.iter == 0
+    assert not O.running and 2500 < O.iter < 3500  # √(2h/g) / dt = 3200
 
 
 def test_scene_goes_on_once_the_error_is_put_right():
