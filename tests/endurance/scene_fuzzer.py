@@ -215,11 +215,11 @@ def outcome(seed, steps):
     deepest, missed = 0.0, False
     total = None
     for k in range(steps):
-        before = state()
+        old = state()
         try:
             O.step()
         except (ValueError, RuntimeError) as error:
-            if not np.array_equal(state(), before, equal_nan=True):
+            if not np.array_equal(state(), old, equal_nan=True):
                 return f"refused after something had moved: {error}"
             if not spoiled and "squeeze" not in str(error) and "jam" not in str(error):
                 return f"refused without a fault: {error}"
@@ -233,14 +233,15 @@ def outcome(seed, steps):
         cell = 0 if not scene["periodic"] else np.abs(scene["gradient"]).max() * 2.4 * 1.5
         if fastest > SPEED * (given + fallen) + cell:
             return f"a grain at {fastest:.3g} m/s after step {k}, where {given + fallen:.3g} was given"
+        deepest = 0.0
         for i in O.interactions:
             if i.isReal and isinstance(i.geom, rcr.RcrGeom):
                 moving = any(O.bodies[b].state.blockedDOFs != "xyzXYZ" or O.bodies[b].isClumpMember for b in (i.id1, i.id2))
                 if moving and i.geom.points:
                     deepest = max(deepest, max(-i.geom.gap[p] for p in range(i.geom.points)) / (i.geom.refR1 + i.geom.refR2))
         bound = DEEPEST if scene["law"] == "rigid" else 0.3
-        missed = missed or any(not e.converged for e in O.engines if isinstance(e, rcr.ContactDynamics))  # overlaps show one step later
-        if deepest > bound and not missed:
+        before, missed = missed, any(not e.converged for e in O.engines if isinstance(e, rcr.ContactDynamics))
+        if deepest > bound and not before and not missed:  # an overlap shows one step after the one that left it
             return f"an overlap of {deepest:.3g} (R₁ + R₂) after step {k}"
         if scene["energy"] and not scene["periodic"] and scene["law"] == "rigid" and not scene["overdamped"] and k > 0:
             accounts = dict(O.energy.items())
