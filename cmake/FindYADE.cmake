@@ -4,7 +4,7 @@
 # YADE_SOURCE_DIR. Class layouts depend on how YADE was built, so the definitions are derived from the features that the
 # installed YADE states, and a feature that is not known here stops the configuration.
 #
-# Defines the target YADE::YADE and YADE_VERSION.
+# Defines the target YADE::YADE, YADE_VERSION and YADE_OPENGL, whether it has a 3D view.
 
 file(GLOB yade_configs /usr/lib/*/yade*/py/yade/config.py /usr/lib/yade*/py/yade/config.py)
 if(NOT yade_configs)
@@ -61,6 +61,10 @@ foreach(feature IN LISTS yade_facts)
 endforeach()
 if(NOT "VECTORIZE" IN_LIST yade_facts) # for the glue only: kernels share no Eigen type with it
 	list(APPEND yade_definitions EIGEN_DONT_VECTORIZE EIGEN_DONT_ALIGN EIGEN_DISABLE_UNALIGNED_ARRAY_ASSERT)
+endif()
+
+if("YADE_OPENGL" IN_LIST yade_definitions)
+	set(YADE_OPENGL TRUE)
 endif()
 
 if(POLICY CMP0167) # Boost brings its own configuration

@@ -1,3 +1,12 @@
+// The engine of rigid contacts: one step of nonsmooth Contact Dynamics.
+//
+//   v⁺ = v⁻ + M⁻¹ (dt f + Jᵀ p)          f: gravity and the forces of all engines before this one [N, per unit depth]
+//   0 ≤ u_n + b_n ⟂ p_n ≥ 0               u = J v⁺ relative velocity of a point [m/s], p its impulse [N s]
+//   |p_t| ≤ µ p_n, against the sliding
+//
+// The stages stand in files of their own (../kernel/step/step.hpp names them); `step` calls them in the order of the algorithm. The
+// scene is read by the first and changed by the last alone, so that an exception at any place leaves it as it was. NewtonIntegrator
+// then moves the bodies by the forces p/dt that were added. Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
 #include <map>
@@ -5,19 +14,14 @@
 #include <core/Body.hpp>
 #include <core/GlobalEngine.hpp>
 
-#include "../kernel/problem/solver.hpp"
 #include "../kernel/parallel/team.hpp"
-#include "CurvedWays.hpp"
+#include "../kernel/problem/solver.hpp"
+#include "../kernel/step/energy.hpp"
+#include "Gate.hpp"
 #include "JamGuard.hpp"
-#include "LateContacts.hpp"
+#include "gather.hpp"
 
 namespace yade {
-
-class CdPhys;
-class Interaction;
-class NewtonIntegrator;
-class RcrGeom;
-struct Engines;
 
 class ContactDynamics : public GlobalEngine {
 public:
@@ -28,7 +32,7 @@ public:
 	boost::python::dict problemDict() const;
 
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,"Solves all rigid contacts of the step together (nonsmooth Contact Dynamics, Moreau time stepping). Takes the forces that other engines have put on the bodies and the gravity of :yref:`NewtonIntegrator`, finds the contact impulses that satisfy Signorini's and Coulomb's laws at the end of the step, and adds them as forces; :yref:`NewtonIntegrator` then moves the bodies. Stands after :yref:`InteractionLoop` and before :yref:`NewtonIntegrator`, whose damping must be 0. Bodies move in the plane: z, X and Y blocked. The time step is bound by accuracy, not by a stiffness.",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,"Solves all rigid contacts of the step together (nonsmooth Contact Dynamics, Moreau time stepping). Takes the forces that other engines have put on the bodies and the gravity of :yref:`NewtonIntegrator`, finds the contact impulses that satisfy Signorini's and Coulomb's laws at the end of the step, and adds them as forces; :yref:`NewtonIntegrator` then moves the bodies. Stands after :yref:`InteractionLoop` and before :yref:`NewtonIntegrator`, whose damping must be 0. Bodies move in the plane: z, X and Y blocked. The time step is bound by accuracy, not by a stiffness. With ``O.trackEnergy`` it adds to ``O.energy`` what the contacts take: plastDissip (friction), impactDissip (normal impulses), driveWork (given to bodies of prescribed motion; negative where these drive) and correctionWork (potential energy that the position correction has given, negative; gravWork has its counterpart), so that ``O.energy.total()`` stays.",
 		((Real,tolerance,1e-4,,"Residual at which the iterations stop [-]: natural map of the contact laws, relative to the impulses. :yref:`maxViolation<ContactDynamics.maxViolation>` must be met too. 0 runs :yref:`maxIterations<ContactDynamics.maxIterations>`"))
 		((int,maxIterations,1000,,"Most sweeps a step; ≥ 1"))
 		((int,minIterations,0,,"Sweeps before a criterion may stop the solver"))
@@ -47,7 +51,13 @@ public:
 		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance"))
 		((Real,unbalance,0,Attr::readonly,"Mean net force on a free particle over the mean contact force, in the last step [-], as utils.unbalancedForce; it falls to the tolerance of the solver as a packing comes to rest"))
 		((Real,largestUnbalance,0,Attr::readonly,"The same of the particle with the largest net force [-]"))
-		((bool,warned,false,Attr::hidden,"A run that misses its tolerance says so once")),
+		((bool,warned,false,Attr::hidden,"A run that misses its tolerance says so once"))
+		((std::vector<Real>,pendingEnergy,std::vector<Real>(4),Attr::hidden,"Friction, impacts, drive and lift of the last step [J], added to O.energy with the kinetic energy that they lead to"))
+		((int,frictionIx,-1,(Attr::hidden|Attr::noSave),"Index of plastDissip"))
+		((int,impactIx,-1,(Attr::hidden|Attr::noSave),"Index of impactDissip"))
+		((int,driveIx,-1,(Attr::hidden|Attr::noSave),"Index of driveWork"))
+		((int,correctionIx,-1,(Attr::hidden|Attr::noSave),"Index of correctionWork"))
+		((int,gravityIx,-1,(Attr::hidden|Attr::noSave),"Index of gravWork")),
 		/* ctor */,
 		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict. bodies: that an impulse can move; rotations: how many of these can turn; fixed: of prescribed motion, without unknowns; pairs, points: that can carry something; unknowns: one a point without friction, else two; frictionless: no point has friction; islands: solved apart; layouts: how often order and colours have been made in all steps so far; work: sweeps × points, summed over the islands.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: gather, layout (colours and order of the pairs), solve, scatter, late (bodies that go further than foreseen), adapt (biases to long ways, and to bounces that would give energy), correct [s].")
@@ -57,60 +67,29 @@ public:
 	DECLARE_LOGGER;
 
 private:
-	/// One pair of bodies with its points points[first] … points[first + points − 1].
-	struct Contact {
-		RcrGeom*   geom = nullptr;
-		CdPhys*    phys = nullptr;
-		Body::id_t id1 = 0, id2 = 0;
-		int        points = 0, first = 0;
-	};
-
-	/// Gap of a point and the least one that is left as it is.
-	struct Gap {
-		double now, allowed;
-	};
-
 	template <class Work> void timed(const char* what, Work);
 
 	int           solverThreads() const;
 	rcr::Settings settings() const;
 	rcr::Settings settingsOfFurtherPass() const;
-	void          step(const Engines&);
-	void          gatherBodies(const NewtonIntegrator&);
-	void          gatherBody(const Body&, const NewtonIntegrator&);
-	void          findContacts();
-	Contact       contactOf(Interaction&) const;
-	void          gatherContacts();
+	void          step(const gate::Engines&);
 	void          solve(const rcr::Settings&);
+	bool          takeInMissedContacts(const gate::Engines&);
+	bool          adaptBiases(bool letGo);
 	void          report(const rcr::Report&);
-	void          keepInteractionsTogether();
-	void          keepForces();
-	void          scatterForces();
 	void          measureUnbalance();
-	bool          adaptBiases(const Engines&, bool letGo);
-	bool          restrainBounce(const Contact&);
 	void          watchForJam();
-	void          correctPositions();
-	void          keepColliderAhead();
+	void          bookEnergy(const std::vector<rcr::Twist>& loads, const Vector3r& gravity);
 
-	// of the present step only: bodies and interactions come and go
-	std::vector<StepBody>     bodies_;
-	std::vector<Contact>      found_;          // in the order of YADE's container
-	std::vector<Contact>      contacts_;       // sorted by the ids
-	std::vector<int>          firstOf_, next_; // a body: its first contact as body 1; where its next one goes
-	std::vector<Gap>          gap_;            // a point
-	rcr::ContactProblem       problem_;
-	std::vector<rcr::Impulse> warmStart_; // the impulses that problem_ was solved from
-	std::vector<rcr::Twist>   load_;      // a body: sum of its contact impulses and their moments
-	std::vector<double>       shiftBias_; // of the position correction
-	std::vector<rcr::Twist>   shiftVelocity_;
-
+	gate::Watch                   gate_;
+	rcr::Step                     step_; // memory is kept between steps; the contents are of the last one
+	StepSources                   sources_;
+	std::vector<rcr::Impulse>     warmStart_; // the impulses that the last problem was solved from
 	rcr::Workspace                workspace_; // threads; colours and packed arrays, kept while the pairs last
-	LateContacts                  late_;
-	CurvedWays                    curved_;
 	JamGuard                      jam_;
 	std::map<std::string, double> seconds_;
-	double                        work_ = 0; // sweeps × points of the last step
+	double                        work_    = 0; // sweeps × points of the last step
+	double                        overlap_ = 0; // deepest at the end of the step where bodies are displaced far, over R₁ + R₂
 };
 REGISTER_SERIALIZABLE(ContactDynamics);
 

@@ -12,7 +12,7 @@ public:
 	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
 	FUNCTOR2D(RcrGeom, CdPhys);
 	// clang-format off
-	YADE_CLASS_BASE_DOC(Law2_RcrGeom_CdPhys_SignoriniCoulomb,LawFunctor,"Nonsmooth contact law without stiffness: $0\\leq u_n+b_n\\perp f_n\\geq 0$ (Signorini, with restitution by Newton's rule) and Coulomb friction. For one contact it states the law of this step, bias and starting forces; :yref:`ContactDynamics` then solves all contacts together.");
+	YADE_CLASS_BASE_DOC(Law2_RcrGeom_CdPhys_SignoriniCoulomb,LawFunctor,"Nonsmooth contact law without stiffness: $0\\leq u_n+b_n\\perp f_n\\geq 0$ (Signorini, with restitution by Newton's rule) and Coulomb friction. For one contact it hands the forces of the last step on to its present points, or ends it; :yref:`ContactDynamics` then solves all contacts together.");
 	// clang-format on
 };
 REGISTER_SERIALIZABLE(Law2_RcrGeom_CdPhys_SignoriniCoulomb);

@@ -28,7 +28,13 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::postLoad(Law2_RcrGeom_FrictPhys_Cunda
 
 namespace {
 
-	double inverseMass(const State& s) { return s.blockedDOFs == State::DOF_ALL || s.mass == 0 ? 0 : 1 / double(s.mass); }
+	/// Of a body or of the clump that moves it; 0 where its motion is prescribed.
+	double inverseMass(Body::id_t id, Scene* scene)
+	{
+		const shared_ptr<Body>& b = Body::byId(id, scene);
+		const State&            s = *(b->isClumpMember() ? Body::byId(b->clumpId, scene) : b)->state;
+		return s.blockedDOFs == State::DOF_ALL || s.mass == 0 ? 0 : 1 / double(s.mass);
+	}
 
 	std::string wrong(const FrictPhys& phys)
 	{
@@ -73,7 +79,10 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(shared_ptr<IGeom>& igeom, shared_p
 	const State &       state1 = *Body::byId(id1, scene)->state, &state2 = *Body::byId(id2, scene)->state;
 	const rcr::Manifold manifold = geom.manifold();
 	const double        dt = double(scene->dt), kn = double(phys.kn), ks = double(phys.ks), mu = double(phys.tangensOfFrictionAngle);
-	const double        inverse = inverseMass(state1) + inverseMass(state2);
+	const double        inverse = inverseMass(id1, scene) + inverseMass(id2, scene);
+	const bool          periodic = scene->isPeriodic;
+	const rcr::Vec2     shift = periodic ? plane::toPlane(scene->cell->intrShiftPos(interaction->cellDist)) : rcr::Vec2 {};
+	const rcr::Vec2     drift = periodic ? plane::toPlane(scene->cell->intrShiftVel(interaction->cellDist)) : rcr::Vec2 {};
 	const double        dashpot = damping > 0 && inverse > 0 ? 2 * double(damping) * std::sqrt(kn / inverse) : 0;
 
 	rcr::Twist load1, load2; // forces and moments
@@ -88,7 +97,8 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(shared_ptr<IGeom>& igeom, shared_p
 		rcr::ContactPoint point;
 		point.normal            = at.normal;
 		point.arm1              = at.position - plane::toPlane(state1.pos);
-		point.arm2              = at.position - plane::toPlane(state2.pos);
+		point.arm2              = at.position - (plane::toPlane(state2.pos) + shift);
+		point.drift             = drift;
 		const rcr::Impulse u    = relativeVelocity(point, plane::twist(state1), plane::twist(state2));
 		const double       n    = std::max(0.0, -kn * at.gap - dashpot * u.n);
 		const double       free = double(force[1]) - ks * u.t * dt;
@@ -101,11 +111,12 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(shared_ptr<IGeom>& igeom, shared_p
 	}
 	phys.normalForce = plane::toSpace(normalForce);
 	phys.shearForce  = plane::toSpace(shearForce);
-	const auto apply = [this](Body::id_t id, const rcr::Twist& load) {
+	const auto apply = [&](Body::id_t id, const State& s, const rcr::Twist& load) {
 		scene->forces.addForce(id, Vector3r(load.x, load.y, 0));
 		scene->forces.addTorque(id, Vector3r(0, 0, load.rotation));
+		if (scene->trackEnergy && !Body::byId(id, scene)->isClumpMember()) trackDrive(s, load, dt);
 	};
-	apply(id1, load1), apply(id2, load2);
+	apply(id1, state1, load1), apply(id2, state2, load2);
 	return true;
 }
 
@@ -117,6 +128,17 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::trackEnergy(const FrictPhys& phys, do
 	scene->energy->add(stored, "elastPotential", elasticIx, /*reset every step*/ true);
 	scene->energy->add(slider * slip, "plastDissip", plasticIx, false);
 	scene->energy->add(dashpotWork, "viscDissip", viscousIx, false);
+}
+
+/// Work that a contact does on prescribed motion [J]; negative where that drives.
+void Law2_RcrGeom_FrictPhys_CundallStrack::trackDrive(const State& s, const rcr::Twist& load, double dt)
+{
+	const rcr::Twist v    = plane::twist(s);
+	double           work = 0;
+	if (s.blockedDOFs & State::DOF_X) work += load.x * v.x * dt;
+	if (s.blockedDOFs & State::DOF_Y) work += load.y * v.y * dt;
+	if (s.blockedDOFs & State::DOF_RZ) work += load.rotation * v.rotation * dt;
+	if (work != 0) scene->energy->add(work, "driveWork", driveIx, false);
 }
 
 } // namespace yade

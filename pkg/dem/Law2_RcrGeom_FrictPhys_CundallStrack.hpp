@@ -12,6 +12,7 @@
 #include <pkg/dem/FrictPhys.hpp>
 
 #include "RcrGeom.hpp"
+#include "plane.hpp"
 
 namespace yade {
 
@@ -38,15 +39,17 @@ public:
 	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
 	FUNCTOR2D(RcrGeom, FrictPhys);
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS(Law2_RcrGeom_FrictPhys_CundallStrack,LawFunctor,"Smooth contact law, the alternative to :yref:`ContactDynamics` on the same geometry: at each contact point a linear spring $k_n$, a dashpot, and a Coulomb slider with a spring $k_s$. Physics are YADE's own, from :yref:`Ip2_FrictMat_FrictMat_FrictPhys`; $k_n$ and $k_s$ belong to one point, so that a side-side contact with two points is twice as stiff. Open gaps feel nothing. The time step is bound by the stiffness: ``rcr.critical_time_step()``. With ``O.trackEnergy`` it adds elastPotential, plastDissip and viscDissip to ``O.energy``.",
+	YADE_CLASS_BASE_DOC_ATTRS(Law2_RcrGeom_FrictPhys_CundallStrack,LawFunctor,"Smooth contact law, the alternative to :yref:`ContactDynamics` on the same geometry: at each contact point a linear spring $k_n$, a dashpot, and a Coulomb slider with a spring $k_s$. Physics are YADE's own, from :yref:`Ip2_FrictMat_FrictMat_FrictPhys`; $k_n$ and $k_s$ belong to one point, so that a side-side contact with two points is twice as stiff. Open gaps feel nothing. The time step is bound by the stiffness: ``rcr.critical_time_step()``. With ``O.trackEnergy`` it adds elastPotential, plastDissip, viscDissip and driveWork (given to bodies of prescribed motion) to ``O.energy``.",
 		((Real,damping,0,Attr::triggerPostLoad,"Share ζ of the critical damping of two bodies that meet at one point [-]: a dashpot $c=2\\zeta\\sqrt{k_n m_1m_2/(m_1+m_2)}$ along the normal. The total force never pulls. 0: none; use it or :yref:`NewtonIntegrator.damping`"))
 		((int,elasticIx,-1,(Attr::hidden|Attr::noSave),"Index of elastPotential"))
 		((int,plasticIx,-1,(Attr::hidden|Attr::noSave),"Index of plastDissip"))
 		((int,viscousIx,-1,(Attr::hidden|Attr::noSave),"Index of viscDissip"))
+		((int,driveIx,-1,(Attr::hidden|Attr::noSave),"Index of driveWork"))
 	);
 	// clang-format on
 
 private:
+	void trackDrive(const State&, const rcr::Twist& load, double dt);
 	void trackEnergy(const FrictPhys&, double overlap, double dashpotWork, double slider, double slip);
 };
 REGISTER_SERIALIZABLE(Law2_RcrGeom_FrictPhys_CundallStrack);

@@ -2,11 +2,11 @@
 
 #include <core/Aabb.hpp>
 
-#include "AlertDistance.hpp"
+#include "planarShape.hpp"
 
 namespace yade {
 
-YADE_PLUGIN((Rcr)(Bo1_Rcr_Aabb));
+YADE_PLUGIN((Rcr)(Bo1_Rcr_Aabb)(Bo1_Disc_Aabb));
 
 void Rcr::postLoad(Rcr&)
 {
@@ -20,14 +20,42 @@ void Rcr::postLoad(Rcr&)
 	if (!(halfLength >= 0 && math::isfinite(halfLength))) refuse("halfLength", halfLength, "a finite length ≥ 0");
 }
 
+namespace {
+
+	/// The box of a circle; in a sheared cell that of the unsheared space, wide enough for the circle seen there.
+	void setBox(shared_ptr<Bound>& bound, const Se3r& se3, Real radius, const Scene& scene)
+	{
+		if (!bound) bound = boost::make_shared<Aabb>();
+		Vector3r half = Vector3r::Constant(radius), center = se3.position;
+		if (scene.isPeriodic) {
+			const Cell& cell = *scene.cell;
+			center           = cell.unshearPt(center);
+			for (int axis = 0; cell.hasShear() && axis < 3; ++axis) {
+				const Real wider = 0.5 * radius * (1 / cell.getCos()[axis] - 1);
+				half[(axis + 1) % 3] += wider;
+				half[(axis + 2) % 3] += wider;
+			}
+		}
+		bound->min = center - half;
+		bound->max = center + half;
+	}
+
+	Real reach(const Shape& shape, const Body& body, const Scene& scene)
+	{
+		const rcr::PlanarShape planar = plane::shapeOf(shape, *body.state, body.state->pos.z());
+		return planar.radius() + rcr::alertDistance(planar, plane::twist(*body.state), double(scene.dt));
+	}
+
+} // namespace
+
 void Bo1_Rcr_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body)
 {
-	const Rcr& particle = static_cast<const Rcr&>(*shape);
-	if (!bound) bound = boost::make_shared<Aabb>();
-	const double   half  = particle.circumscribedRadius() + alertDistance(particle, plane::twist(*body->state), double(scene->dt));
-	const Vector3r reach = Vector3r::Constant(half);
-	bound->min           = se3.position - reach;
-	bound->max           = se3.position + reach;
+	setBox(bound, se3, reach(*shape, *body, *scene), *scene);
+}
+
+void Bo1_Disc_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body)
+{
+	setBox(bound, se3, math::max(Real(1), aabbEnlargeFactor) * reach(*shape, *body, *scene), *scene);
 }
 
 } // namespace yade

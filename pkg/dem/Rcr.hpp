@@ -2,6 +2,7 @@
 
 #include <core/Dispatching.hpp>
 #include <core/Shape.hpp>
+#include <pkg/common/Bo1_Aabb.hpp>
 
 #include "../kernel/geometry/stadium.hpp"
 
@@ -13,7 +14,6 @@ public:
 	void postLoad(Rcr&); // refuses what is no stadium
 
 	rcr::Stadium stadium() const { return { double(halfLength), double(capRadius) }; }
-	double       foreseen = 0; // [m] how far ContactDynamics has found it to go in this step, where that is further than expected
 	double       circumscribedRadius() const { return double(halfLength + capRadius); }
 
 	// clang-format off
@@ -32,9 +32,18 @@ public:
 	void go(const shared_ptr<Shape>&, shared_ptr<Bound>&, const Se3r&, const Body*) override;
 	FUNCTOR1D(Rcr);
 	// clang-format off
-	YADE_CLASS_BASE_DOC(Bo1_Rcr_Aabb,BoundFunctor,"Creates the :yref:`Aabb` of a :yref:`Rcr`: the box of its circumscribed circle, which a rotation between two runs of the collider does not leave, enlarged by the distance within which the contact law needs to see it (see ``AlertDistance.hpp``). :yref:`InsertionSortCollider.verletDist` is added by YADE; set it to a positive value, since YADE finds one by itself for spheres only.");
+	YADE_CLASS_BASE_DOC(Bo1_Rcr_Aabb,BoundFunctor,"Creates the :yref:`Aabb` of a :yref:`Rcr`: the box of its circumscribed circle, which a rotation between two runs of the collider does not leave, enlarged by the distance within which the contact law needs to see it (``kernel/step/missed_contacts.hpp``). :yref:`InsertionSortCollider.verletDist` is added by YADE; set it to a positive value, since YADE finds one by itself for spheres only.");
 	// clang-format on
 };
 REGISTER_SERIALIZABLE(Bo1_Rcr_Aabb);
+
+class Bo1_Disc_Aabb : public Bo1_Sphere_Aabb {
+public:
+	void go(const shared_ptr<Shape>&, shared_ptr<Bound>&, const Se3r&, const Body*) override;
+	// clang-format off
+	YADE_CLASS_BASE_DOC(Bo1_Disc_Aabb,Bo1_Sphere_Aabb,"Creates the :yref:`Aabb` of a :yref:`Sphere` that is a disc of a scene with :yref:`ContactDynamics`: enlarged by the distance within which the contact law needs to see it, as :yref:`Bo1_Rcr_Aabb` does. ContactDynamics puts it in the place of a :yref:`Bo1_Sphere_Aabb`.");
+	// clang-format on
+};
+REGISTER_SERIALIZABLE(Bo1_Disc_Aabb);
 
 } // namespace yade

@@ -26,7 +26,5 @@ namespace plane {
 		return { double(state.vel[0]), double(state.vel[1]), double(state.angVel[2]) };
 	}
 
-	inline double speed(rcr::Twist v, double radius) { return norm(rcr::Vec2 { v.x, v.y }) + std::abs(v.rotation) * radius; }
-
 } // namespace plane
 } // namespace yade

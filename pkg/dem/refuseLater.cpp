@@ -27,8 +27,8 @@ void refuseLater(const std::string& message)
 {
 	const std::lock_guard<std::mutex> lock(mutex);
 	if (!pending.empty()) return;
+	if (Py_AddPendingCall(raise, nullptr) != 0) return; // the queue is full; what is wrong will be found again
 	pending = message;
-	Py_AddPendingCall(raise, nullptr);
 	Omega::instance().getScene()->stopAtIter = Omega::instance().getScene()->iter + 1;
 }
 

@@ -8,7 +8,13 @@
 #include <core/Omega.hpp>
 #include <lib/factory/ClassFactory.hpp>
 
+#ifdef RCR_OPENGL
+#include <pkg/common/OpenGLRenderer.hpp>
+#endif
+
+#include "../dem/Gate.hpp"
 #include "../dem/NetworkTable.hpp"
+#include "../dem/planarClump.hpp"
 
 namespace {
 
@@ -26,6 +32,9 @@ void registerOwnClasses()
 	for (const std::string& name : ours)
 		classes.append(name);
 	boost::python::scope().attr("classes") = classes;
+#ifdef RCR_OPENGL
+	yade::OpenGLRenderer::initDone = false; // a view that is open already looks for functors anew when it draws next
+#endif
 }
 
 /// A class layout of another version would corrupt memory, so nothing is registered then.
@@ -51,6 +60,10 @@ boost::python::tuple networkTable()
 	return boost::python::make_tuple(bytes(table.pairs), bytes(table.particles));
 }
 
+std::string refusal() { return yade::gate::refusal(*yade::Omega::instance().getScene()); }
+bool        serves() { return yade::gate::serves(*yade::Omega::instance().getScene()); }
+std::string advice() { return yade::gate::advice(*yade::Omega::instance().getScene()); }
+
 } // namespace
 
 BOOST_PYTHON_MODULE(_plugin)
@@ -59,4 +72,8 @@ BOOST_PYTHON_MODULE(_plugin)
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
 	registerOwnClasses();
 	boost::python::def("network_table", networkTable, "Rows of NetworkTable.hpp as bytes: pairs (4 int64, 8 doubles), particles (int64, 9 doubles).");
+	boost::python::def("refusal", refusal, "What of the scene is not served, and what to do; empty where all is.");
+	boost::python::def("serves", serves, "Whether a law of ours is in the scene.");
+	boost::python::def("advice", advice, "What of the scene is served but hardly meant.");
+	boost::python::def("planar_clump", yade::planarClump, "Joins bodies of the scene, (ids, x, y, mass, inertia about z); returns the id of the clump.");
 }

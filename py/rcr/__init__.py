@@ -2,16 +2,34 @@
 
 In a YADE session ``import rcr`` loads the plugin and adds its classes (``rcr.Rcr``, ``rcr.ContactDynamics``, …) and the
 scene helpers. In any other Python the analysis, ``rcr.Network``, and the solver of problems from files, ``rcr.solve``, are there.
+
+Pictures (``rcr.snapshot``, ``rcr.movie``, ``rcr.plot``), files for ParaView (``rcr.export``) and measures (``rcr.measure``) take the present
+scene or a saved network. ``from rcr import *`` leaves out names that YADE has itself, such as ``rcr.wall``.
 """
 
+import importlib
 import os
 import sys
 
+from rcr.info import info
 from rcr.network import Network
 from rcr.problems import solve
 
 __version__ = "0.1.0"
-__all__ = ["Network", "solve"]
+
+_MODULES = ("export", "measure", "plot")  # loaded when they are used: the libraries that they need take time
+_LAZY = dict(snapshot="plot", movie="plot")  # name: its module
+
+
+def __getattr__(name):
+    if name in _MODULES:
+        return importlib.import_module(f"rcr.{name}")
+    if name in _LAZY:
+        return getattr(importlib.import_module(f"rcr.{_LAZY[name]}"), name)
+    raise AttributeError(f"module 'rcr' has no attribute {name!r}")
+
+
+__all__ = ["Network", "info", "solve", *_MODULES, *_LAZY]
 
 
 def _load_plugin():
@@ -35,11 +53,25 @@ def _load_plugin():
     return {name: getattr(yade.wrapper, name) for name in _plugin.classes}
 
 
+def _names_of_yade():
+    """What a script of YADE has without an import, or by ``from yade import …``."""
+    import pkgutil
+
+    import yade
+    from yade import pack, utils
+
+    return {*dir(yade), *dir(utils), *dir(pack), *(module.name for module in pkgutil.iter_modules(yade.__path__))}
+
+
 if "yade" in sys.modules:
     _classes = _load_plugin()
     globals().update(_classes)
-    from rcr.scene import contact_network, critical_time_step, mobile_wall, particle, save_problem, wall
+    from rcr import counterparts, session
+    from rcr.scene import clump, contact_network, critical_time_step, disc, mobile_wall, particle, save_problem, wall
 
     _classes["ContactDynamics"].save = save_problem
+    counterparts.install()
+    session.guard()
 
-    __all__ += [*sorted(_classes), "contact_network", "critical_time_step", "mobile_wall", "particle", "wall"]
+    __all__ += [*sorted(_classes), "clump", "contact_network", "critical_time_step", "disc", "mobile_wall", "particle", "wall"]
+    __all__ = [name for name in __all__ if name not in _names_of_yade()]

@@ -11,33 +11,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from rcr.drawing import COLUMN, PAGE, STYLE
 from rcr.paper import ETAS, POLAR_ETA, nearest
 
-COLUMN, PAGE = 3.4, 7.0  # widths [in]
-STYLE = {
-    "font.size": 8,
-    "font.family": "sans-serif",
-    "mathtext.fontset": "dejavusans",
-    "axes.labelsize": 9,
-    "axes.linewidth": 0.6,
-    "axes.grid": False,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "legend.handlelength": 1.6,
-    "legend.columnspacing": 1.2,
-    "lines.linewidth": 1.0,
-    "lines.markersize": 3,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "errorbar.capsize": 1.5,
-    "pdf.fonttype": 42,
-    "svg.fonttype": "none",
-    "savefig.dpi": 300,
-}
 MARKERS = "osD^v<>p"
 XI_SHOWN = 6  # end of the ξ axes: few forces are larger
 FEWEST = 1e-4  # densities below are of single contacts

@@ -10,6 +10,7 @@ import fcntl
 import io
 import os
 import stat
+import tempfile
 
 PART = ".part-"  # begins the name of a file that is being written
 LARGEST_RATIO = 1100  # of the size of unpacked data over that of the file: deflate reaches 1032
@@ -44,9 +45,31 @@ def write(path, content):
             except BaseException:
                 os.unlink(partial)
                 raise
-        _flush_names(os.path.dirname(target))
+        _flush(os.path.dirname(target))
     except OSError as error:
         raise OSError(error.errno, error.strerror, os.fspath(path)) from error
+
+
+@contextlib.contextmanager
+def whole(path):
+    """Path to write to in the place of `path`: a file of the same name, which takes its place when the block ends well.
+
+    For libraries that write to a name. It lies in a hidden folder beside it until then, and nothing is left of it when the block
+    fails. The file has the permissions of any file that the user makes.
+
+    Raises
+    ------
+    OSError
+        If the folder does not exist or cannot be written to.
+    """
+    check_writable(path)
+    folder, name = os.path.split(os.path.realpath(path))
+    with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as hidden:
+        partial = os.path.join(hidden, name)
+        yield partial
+        _flush(partial)
+        os.replace(partial, os.path.join(folder, name))
+        _flush(folder)
 
 
 def check_writable(path):
@@ -91,9 +114,9 @@ def locked(path, wait=True):
         file.close()  # the other process has renamed or removed it meanwhile
 
 
-def _flush_names(folder):
-    """The new name too survives a loss of power."""
-    handle = os.open(folder, os.O_RDONLY)
+def _flush(path):
+    """A file, or the names in a folder, survive a loss of power from here on."""
+    handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
     finally:

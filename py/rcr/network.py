@@ -1,4 +1,4 @@
-"""Contact network of a packing: its file, and what is measured on it. Needs NumPy and h5py, not YADE.
+"""Contact network of a packing: its file, and what is measured on it. Needs NumPy, and h5py for files; not YADE.
 
 Conventions
 -----------
@@ -13,9 +13,7 @@ Conventions
 """
 
 import math
-import os
 
-import h5py
 import numpy as np
 
 from rcr import checks, files
@@ -81,11 +79,11 @@ def sin_phi(stresses):
 
 
 def _columns(file, group, path):
-    if not isinstance(file[group], h5py.Group):
+    if not hasattr(file[group], "items"):
         raise ValueError(f"{group} is no group of columns")
     columns = {}
     for name, data in file[group].items():
-        if not isinstance(data, h5py.Dataset) or data.shape is None:
+        if getattr(data, "shape", None) is None:
             raise ValueError(f"{group}/{name} is no column")
         files.check_size(f"{group}/{name}", data.nbytes, path)
         columns[name] = data[()]
@@ -128,6 +126,8 @@ class Network:
         ValueError
             If the file is no such network; OSError if it cannot be read.
         """
+        import h5py
+
         with files.reading(path, "an HDF5 file"), h5py.File(path, "r") as file:
             if not {"particles", "contacts"} <= set(file):
                 raise ValueError(f"it holds {sorted(file)}; wanted the groups particles and contacts")

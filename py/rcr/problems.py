@@ -1,4 +1,4 @@
-"""One-step contact problems from files, and their solution. Needs NumPy, h5py and the compiled kernels, not YADE.
+"""One-step contact problems from files, and their solution. Needs NumPy and the compiled kernels, h5py for ``.h5``; not YADE.
 
     u = J v,  v = v_free + M⁻¹ Jᵀ p        with bodies:     BodyProblem
     u = W p + q                            without them:    DelassusProblem,  W = J M⁻¹ Jᵀ,  q = J v_free + b_n n
@@ -19,7 +19,6 @@ import os
 import zipfile
 from dataclasses import dataclass, fields
 
-import h5py
 import numpy as np
 
 from rcr import checks, files
@@ -308,6 +307,8 @@ def _load_npz(path):
 
 
 def _load_fclib(path):
+    import h5py
+
     with h5py.File(path, "r") as file:
         if "fclib_local" not in file:
             groups = [name for name in ("fclib_global", "fclib_global_rolling") if name in file]
@@ -544,7 +545,7 @@ def _pairs(name, array, count):
 
 
 def _dataset(group, name):
-    if name not in group or not isinstance(group[name], h5py.Dataset):
+    if name not in group or not hasattr(group[name], "dtype"):  # a group
         raise ValueError(f"{group.name[1:]} lacks {name}")
     data = group[name]
     if data.shape is None or data.dtype.kind not in "iuf":

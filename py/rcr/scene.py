@@ -5,13 +5,14 @@ Everything is in the plane z = 0 and per unit depth: masses in kg a metre of dep
 
 import math
 import numbers
+from collections.abc import Sequence
 
 import numpy as np
 from yade import utils
 from yade.wrapper import (
-    Body, FrictMat, FrictPhys, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack, Omega, Rcr, Wall,
+    Body, FrictMat, FrictPhys, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack, Omega, Rcr, Sphere, Wall,
 )  # fmt: skip
-from yade.minieigenHP import Quaternion, Vector3
+from yade.minieigenHP import Quaternion, Vector2, Vector3
 
 from rcr import _kernel, _plugin, problems
 from rcr.network import LEFT, BOTTOM, RIGHT, TOP, Network
@@ -39,13 +40,46 @@ def _material(material):
     return O.materials[material] if isinstance(material, (int, str)) else material
 
 
-def particle(center, R, eta, angle=0, material=-1, fixed=False):
+def _center(center):
+    """A place of two or three finite coordinates as a Vector3."""
+    coordinates = list(center) if isinstance(center, (Sequence, np.ndarray, Vector2, Vector3)) else None
+    if coordinates is None or len(coordinates) not in (2, 3):
+        raise ValueError(f"center = {center!r}; wanted two or three coordinates (x, y) or (x, y, z) [m]")
+    return Vector3(*[_number(f"center[{k}]", value, "a finite coordinate [m]", lambda v: True) for k, value in enumerate(coordinates)], *[0] * (3 - len(coordinates)))
+
+
+def _velocity(velocity):
+    components = list(velocity)
+    if len(components) not in (2, 3) or (len(components) == 3 and components[2] != 0):
+        raise ValueError(f"velocity = {velocity!r}; wanted two components (v_x, v_y) in the plane [m/s]")
+    return Vector3(*[_number(f"velocity[{k}]", value, "a finite velocity [m/s]", lambda v: True) for k, value in enumerate(components[:2])], 0)
+
+
+def _grain(shape, center, angle, material, area, polar_moment, *, fixed, color, mask, velocity, angular_velocity):
+    """A body in the plane with mass and inertia per unit depth."""
+    material = _material(material)
+    density = _number("material.density", material.density, "a finite density > 0 [kg/m³]", lambda v: v > 0)
+    body = Body(shape=shape, material=material)
+    state = body.state
+    state.mass = density * area
+    state.inertia = Vector3(1, 1, 1) * (density * polar_moment)  # only the moment about z acts; YADE wants all three > 0
+    state.pos = state.refPos = _center(center)
+    state.ori = state.refOri = Quaternion(Vector3(0, 0, 1), _number("angle", angle, "a finite angle [rad]", lambda v: True))
+    state.vel = _velocity(velocity)
+    state.angVel = Vector3(0, 0, _number("angular_velocity", angular_velocity, "a finite angular velocity [1/s]", lambda v: True))
+    state.blockedDOFs = "xyzXYZ" if fixed else "zXY"
+    shape.color = Vector3(*color) if color is not None else utils.randomColor()
+    body.mask = mask
+    return body
+
+
+def particle(center, R, eta, angle=0, material=-1, fixed=False, color=None, mask=1, velocity=(0, 0), angular_velocity=0):
     """Body with the shape of a rounded-cap rectangle.
 
     Parameters
     ----------
-    center : (float, float)
-        Centre of mass [m].
+    center : (float, float) or (float, float, float)
+        Centre of mass [m]; all grains of a scene lie at one z, 0 by default.
     R : float
         Radius of the circumscribed circle [m], > 0.
     eta : float
@@ -56,6 +90,14 @@ def particle(center, R, eta, angle=0, material=-1, fixed=False):
         Material, or its id or label in O.materials; its density [kg/m³] sets the mass.
     fixed : bool
         Block all degrees of freedom; else the body moves in the plane.
+    color : (float, float, float) or None
+        Red, green, blue, 0 to 1; None: a random one.
+    mask : int
+        Group mask, as ``Body.mask``.
+    velocity : (float, float)
+        [m/s]
+    angular_velocity : float
+        About z [1/s].
 
     Returns
     -------
@@ -67,21 +109,101 @@ def particle(center, R, eta, angle=0, material=-1, fixed=False):
     ValueError
         If a number is not finite or out of its range.
     """
-    x, y = (_number(f"center[{k}]", value, "a finite coordinate [m]", lambda v: True) for k, value in enumerate(center))
     R = _number("R", R, "a finite radius of the circumscribed circle > 0 [m]", lambda v: v > 0)
     eta = _number("eta", eta, "an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1)
-    angle = _number("angle", angle, "a finite angle [rad]", lambda v: True)
     shape = Rcr(capRadius=(1 - eta) * R, halfLength=eta * R)
-    material = _material(material)
-    density = _number("material.density", material.density, "a finite density > 0 [kg/m³]", lambda v: v > 0)
-    about_z = density * _kernel.polar_moment(shape.halfLength, shape.capRadius)
-    body = Body(shape=shape, material=material)
-    body.state.mass = density * _kernel.area(shape.halfLength, shape.capRadius)
-    body.state.inertia = Vector3(about_z, about_z, about_z)  # only the moment about z acts; YADE wants all three > 0
-    body.state.pos = body.state.refPos = Vector3(x, y, 0)
-    body.state.ori = body.state.refOri = Quaternion(Vector3(0, 0, 1), angle)
-    body.state.blockedDOFs = "xyzXYZ" if fixed else "zXY"
-    return body
+    area, moment = _kernel.area(shape.halfLength, shape.capRadius), _kernel.polar_moment(shape.halfLength, shape.capRadius)
+    return _grain(shape, center, angle, material, area, moment, fixed=fixed, color=color, mask=mask, velocity=velocity, angular_velocity=angular_velocity)
+
+
+def disc(center, R, material=-1, angle=0, fixed=False, color=None, mask=1, velocity=(0, 0), angular_velocity=0):
+    """YADE `Sphere` in the plane with the mass π R² ρ and the moment of inertia m R²/2 of a disc, per unit depth.
+
+    ``utils.sphere`` gives the mass of a ball, which does not fit to those of `particle`. Parameters, errors and the returned
+    body are those of `particle`, without the elongation.
+    """
+    R = _number("R", R, "a finite radius > 0 [m]", lambda v: v > 0)
+    keywords = dict(fixed=fixed, color=color, mask=mask, velocity=velocity, angular_velocity=angular_velocity)
+    return _grain(Sphere(radius=R), center, angle, material, math.pi * R**2, math.pi * R**4 / 2, **keywords)
+
+
+def _section(body, x):
+    """Where a grain meets the vertical lines at x (n,): lower and upper y, (n, 2); NaN where it does not."""
+    state, shape = body.state, body.shape
+    a, r = (shape.halfLength, shape.capRadius) if isinstance(shape, Rcr) else (0.0, shape.radius)
+    angle = 2 * math.atan2(state.ori[2], state.ori[3])
+    axis = np.array([math.cos(angle), math.sin(angle)])
+    ends = np.array([state.pos[0], state.pos[1]]) + np.array([[-a], [a]]) * axis
+    candidates = []
+    with np.errstate(invalid="ignore", divide="ignore"):
+        for end in ends:
+            half = np.sqrt(r**2 - (x - end[0]) ** 2)
+            candidates += [end[1] - half, end[1] + half]
+        for side in (-1, 1):  # the straight sides
+            (x0, y0), (x1, y1) = ends + side * r * np.array([-axis[1], axis[0]])
+            share = (x - x0) / (x1 - x0)
+            candidates.append(np.where((share >= 0) & (share <= 1), y0 + share * (y1 - y0), np.nan))
+    candidates = np.array(candidates)
+    touched = ~np.isnan(candidates).all(axis=0)
+    result = np.full((len(x), 2), np.nan)
+    result[touched, 0], result[touched, 1] = np.nanmin(candidates[:, touched], axis=0), np.nanmax(candidates[:, touched], axis=0)
+    return result
+
+
+def _union(bodies, strips=20_000):
+    """Area, centroid and polar moment about it of the union of grains: exact along y, midpoint rule along x."""
+    reach = [b.shape.halfLength + b.shape.capRadius if isinstance(b.shape, Rcr) else b.shape.radius for b in bodies]
+    left, right = (f(b.state.pos[0] + sign * R for b, R in zip(bodies, reach)) for f, sign in ((min, -1), (max, 1)))
+    width = (right - left) / strips
+    x = left + width * (np.arange(strips) + 0.5)
+    spans = np.array([_section(b, x) for b in bodies])  # (members, strips, 2)
+    order = np.argsort(np.where(np.isnan(spans[..., 0]), np.inf, spans[..., 0]), axis=0)
+    spans = np.take_along_axis(spans, order[..., None], axis=0)
+    covered = np.full(strips, -np.inf)
+    moments = np.zeros(5)  # ∫ 1, x, y, x², y² over the union
+    for low, high in np.moveaxis(spans, 2, 1):
+        there = ~np.isnan(low)
+        begin, end, at = np.maximum(low[there], covered[there]), np.maximum(high[there], covered[there]), x[there]
+        length = end - begin
+        moments += width * np.array([f.sum() for f in (length, at * length, (end**2 - begin**2) / 2, at**2 * length, (end**3 - begin**3) / 3)])
+        covered[there] = end
+    area, x_mean, y_mean = moments[0], moments[1] / moments[0], moments[2] / moments[0]
+    return area, (x_mean, y_mean), moments[3] + moments[4] - area * (x_mean**2 + y_mean**2)
+
+
+def clump(members, mass=None, inertia=None):
+    """Join `Rcr` and `Sphere` bodies into one that moves rigidly in the plane, and append it to the scene.
+
+    YADE's own ``O.bodies.appendClumped`` makes three-dimensional bodies: with the mass of balls, and turned to principal axes that
+    may lie out of the plane.
+
+    Parameters
+    ----------
+    members : list of Body
+        Of `particle` and `disc`, not appended yet; they may overlap. All have the density of the first one's material.
+    mass : float or None
+        [kg], per unit depth; None: density × area of the union of the members.
+    inertia : float or None
+        Moment about z through the centre of the union [kg m²]; None: that of the union, for this mass.
+
+    Returns
+    -------
+    int, list of int
+        Ids of the clump and of its members. Velocities are set on the clump: ``O.bodies[id].state.vel``.
+
+    Raises
+    ------
+    ValueError
+        If there are no members, one has another shape, or a number is out of its range.
+    """
+    members = list(members)
+    if not members or not all(isinstance(b, Body) and isinstance(b.shape, (Rcr, Sphere)) for b in members):
+        raise ValueError(f"members = {members!r}; wanted at least one body of rcr.particle or rcr.disc")
+    area, (x, y), polar_moment = _union(members)
+    mass = members[0].material.density * area if mass is None else _number("mass", mass, "a finite mass > 0 [kg]", lambda v: v > 0)
+    inertia = mass / area * polar_moment if inertia is None else _number("inertia", inertia, "a finite moment of inertia > 0 [kg m²]", lambda v: v > 0)
+    ids = O.bodies.append(members)
+    return _plugin.planar_clump(ids, x, y, mass, inertia), ids
 
 
 def _axis(axis):
@@ -110,6 +232,8 @@ def wall(axis, position, sense=0, velocity=0, material=-1):
     Body
     """
     k = _axis(axis)
+    if sense not in (-1, 0, 1):
+        raise ValueError(f"sense = {sense!r}; wanted +1, −1, or 0 for both sides")
     body = utils.wall(_number("position", position, "a finite coordinate [m]", lambda v: True), k, sense=sense, material=_material(material))
     body.state.vel[k] = _number("velocity", velocity, "a finite velocity [m/s]", lambda v: True)
     return body

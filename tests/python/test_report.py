@@ -16,7 +16,8 @@ matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysi
 
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
-from rcr import analysis, figures, maps, report
+from rcr import analysis, drawing, figures, maps, report
+from rcr.frame import Frame, polygons
 from rcr.paper import MAPS, STATEMENTS, nearest
 from rcr.runs import Run
 
@@ -145,7 +146,7 @@ def test_outlines_are_those_of_rounded_cap_rectangles():
     """Every vertex at the distance R' from the core segment; the longest extent is 2 R, the area that of the shape, inscribed by 1 %."""
     network = packing(0.6, particles_=20)
     p = network.particles
-    vertices = maps.outlines(p, points=32) - p["position"][:, None]
+    vertices = polygons(p, points=32) - p["position"][:, None]
     axis = np.stack([np.cos(p["angle"]), np.sin(p["angle"])], axis=-1)
     along = np.einsum("nka,na->nk", vertices, axis)
     core = np.clip(along, -p["half_length"][:, None], p["half_length"][:, None])
@@ -159,10 +160,10 @@ def test_outlines_are_those_of_rounded_cap_rectangles():
 def test_segments_join_the_right_grains():
     """Ids need not be in order."""
     network = packing(0.5, particles_=50, contacts=100)
-    segments = maps._segments(network)
+    segments = Frame.of(network).segments()
     turned = packing(0.5, particles_=50, contacts=100)
     turned.particles = {name: column[::-1] for name, column in turned.particles.items()}
-    assert np.array_equal(maps._segments(turned), segments)
+    assert np.array_equal(Frame.of(turned).segments(), segments)
     assert np.array_equal(segments[:, 0], network.particles["position"][network.contacts["body1"]])
 
 

@@ -14,14 +14,17 @@ from yade.wrapper import MatchMaker
 
 OURS = {
     "Shape": {"Rcr"},
-    "BoundFunctor": {"Bo1_Rcr_Aabb"},
+    "BoundFunctor": {"Bo1_Rcr_Aabb", "Bo1_Disc_Aabb"},
     "IGeom": {"RcrGeom"},
-    "IGeomFunctor": {"Ig2_Rcr_Rcr_RcrGeom", "Ig2_Wall_Rcr_RcrGeom", "Ig2_Box_Rcr_RcrGeom", "Ig2_Sphere_Rcr_RcrGeom"},
+    "IGeomFunctor": {f"Ig2_{obstacle}_{grain}_RcrGeom" for grain in ("Rcr", "Sphere") for obstacle in ("Wall", "Box", "Facet", "Sphere")}
+    | {"Ig2_Planar_RcrGeom", "Ig2_Rcr_Rcr_RcrGeom"},
     "IPhys": {"CdPhys", "RcrFrictPhys"},
     "IPhysFunctor": {"Ip2_FrictMat_FrictMat_CdPhys"},
     "LawFunctor": {"Law2_RcrGeom_CdPhys_SignoriniCoulomb", "Law2_RcrGeom_FrictPhys_CundallStrack"},
     "GlobalEngine": {"ContactDynamics", "WallStress"},
 }
+if hasattr(rcr, "Gl1_Rcr"):  # built with OpenGL
+    OURS |= {"GlShapeFunctor": {"Gl1_Rcr"}, "GlIGeomFunctor": {"Gl1_RcrGeom"}, "GlIPhysFunctor": {"Gl1_CdPhys", "Gl1_RcrFrictPhys"}}
 
 
 def test_import_prints_nothing_and_adds_only_our_classes():

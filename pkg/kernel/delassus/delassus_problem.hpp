@@ -25,6 +25,8 @@ struct DelassusBlock {
 	double nn = 0, nt = 0, tn = 0, tt = 0; // nt: what p_t does to u_n
 };
 
+inline Impulse operator*(const DelassusBlock& w, Impulse p) { return { w.nn * p.n + w.nt * p.t, w.tn * p.n + w.tt * p.t }; }
+
 struct DelassusProblem {
 	std::vector<std::int32_t>  rowStart; // a point: its blocks are rowStart[k] … rowStart[k + 1] − 1
 	std::vector<std::int32_t>  column;   // a block: ascending in a row, the diagonal among them; symmetric as a pattern

@@ -9,11 +9,6 @@ namespace {
 
 	constexpr int maxNewton = 6; // steps; beyond, it cycles
 
-	Impulse operator+(Impulse a, Impulse b) { return { a.n + b.n, a.t + b.t }; }
-	Impulse operator-(Impulse a, Impulse b) { return { a.n - b.n, a.t - b.t }; }
-	Impulse operator*(double s, Impulse a) { return { s * a.n, s * a.t }; }
-	Impulse operator*(const DelassusBlock& w, Impulse a) { return { w.nn * a.n + w.nt * a.t, w.tn * a.n + w.tt * a.t }; }
-
 	PieceMap pieceAt(Impulse predictor, double friction)
 	{
 		if (predictor.n <= 0) return {};

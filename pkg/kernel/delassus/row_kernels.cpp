@@ -5,7 +5,7 @@
 //   t₀ = −(g_t − w_tn g_n / w_nn) / s       tangential impulse that stops sliding
 //   p_t = t₀ clamped to n₀ [−d₋, d₊],  p_n = n₀ − r p_t
 #include "delassus/packed_rows.hpp"
-
+#include "sweep/lane_records.hpp"
 #include "sweep/lane_vector.hpp"
 
 #define INLINE __attribute__((always_inline))

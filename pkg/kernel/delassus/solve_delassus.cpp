@@ -5,10 +5,12 @@
 #include <numeric>
 
 #include "delassus/delassus_problem.hpp"
-#include "sweep/momentum.hpp"
 #include "delassus/piece_steps.hpp"
-#include "problem/residual.hpp"
 #include "delassus/row_batch.hpp"
+#include "exact/stiffness.hpp"
+#include "problem/residual.hpp"
+#include "sweep/momentum.hpp"
+#include "sweep/stop_test.hpp"
 
 namespace rcr {
 
@@ -30,30 +32,27 @@ namespace {
 		bool   reached(const Settings& settings) const { return settings.tolerance > 0 && residual() <= settings.tolerance; }
 	};
 
-	/// Calls sweep() until the settings stop it. To measure costs as much as a sweep: it is done every few sweeps, and where what
-	/// the last one changed, at the ratio of residual to change that was measured last, lets the tolerance be met.
+	/// Calls sweep() until the settings stop it. A measurement costs as much as a sweep, so it is also made early, where the last
+	/// change, at the ratio of residual to change that was measured last, lets the tolerance be met. A batch that starts cold has
+	/// points that approach, or it would be at rest: its first sweep needs no measurement.
 	template <class Sweep> End sweepUntil(RowBatch& batch, const Settings& settings, Sweep sweep)
 	{
-		End    end;
-		double changed = infinity, ratio = 1, lowest = infinity;
-		int    lowestAt = 0;
-		for (;; ++end.sweeps) {
-			const bool last = end.sweeps >= settings.maxIterations;
-			const bool may  = end.sweeps >= settings.minIterations && (end.sweeps > 0 || !batch.cold()); // a cold one approaches, or it were at rest
-			const bool due  = end.sweeps % settings.checkInterval == 0 || (settings.tolerance > 0 && ratio * changed <= settings.tolerance);
-			if (last || (may && due)) {
-				end.sums              = batch.measure();
-				const double residual = end.residual();
-				if (residual < lowest) {
-					lowest   = residual;
-					lowestAt = end.sweeps;
-				}
-				if (last || end.reached(settings) || (settings.stallSweeps > 0 && end.sweeps - lowestAt >= settings.stallSweeps)) return end;
-				if (changed > 0 && changed < infinity) ratio = residual / changed;
-			}
+		StopTest stop(settings, batch.cold() ? 1 : 0);
+		End      end;
+		double   changed = infinity, ratio = 1; // last change of the impulses, relative; residual over change
+		const auto measure = [&] {
+			end.sums              = batch.measure();
+			const double residual = end.residual();
+			if (changed > 0 && changed < infinity) ratio = residual / changed;
+			return Criteria { residual };
+		};
+		while (!stop.reached(settings.tolerance > 0 && ratio * changed <= settings.tolerance, measure)) {
 			const RowChange change = sweep();
 			changed                = relativeError(change.change2, change.impulse2, 0);
 		}
+		if (!stop.measured()) end.sums = batch.measure();
+		end.sweeps = stop.sweeps();
+		return end;
 	}
 
 	End plain(RowBatch& batch, const Settings& settings)
@@ -77,16 +76,8 @@ namespace {
 		});
 	}
 
-	/// ρ over the steps: stiffer while Newton arrives, much softer where it does not.
-	class Stiffness {
-	public:
-		double rho() const { return rho_; }
-		void   arrived() { rho_ = std::min(1e5, 4 * rho_); } // beyond 1e5 rounding is seen
-		void   failed() { rho_ = std::max(1e-3, rho_ / 16); }
-
-	private:
-		double rho_ = 100;
-	};
+	/// Stiffer while Newton arrives, much softer where it does not. Beyond 1e5 rounding is seen.
+	constexpr Stiffness::Limits stiffnessLimits { 100, 1e-3, 1e5, 4, 16, 1 };
 
 	/// Proximal steps, and sweeps where Newton does not arrive; the best iterate stays. Returns sweeps and Newton's steps.
 	int proximal(DelassusProblem& problem, const Settings& settings, int iterations)
@@ -103,7 +94,7 @@ namespace {
 			return end.residual();
 		};
 		PieceSteps           steps(problem);
-		Stiffness            stiffness;
+		Stiffness            stiffness(stiffnessLimits);
 		double               lowest = measure();
 		std::vector<Impulse> best   = problem.impulse;
 		while (lowest > settings.tolerance && iterations < settings.maxIterations) {

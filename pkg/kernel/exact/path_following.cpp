@@ -77,7 +77,7 @@ namespace {
 					piece    = { Piece::stick, 0 };
 					shift_[i] = { -u.n, -u.t };
 				}
-				velocity_[i] = { u.n + shift_[i].n, u.t + shift_[i].t };
+				velocity_[i] = u + shift_[i];
 			}
 		}
 
@@ -96,10 +96,8 @@ namespace {
 				applyImpulse(problem_.contacts[i], { k * e.n, t }, direction_);
 			}
 			problem_.matrix.solve(direction_);
-			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				const Impulse u = relativeVelocity(problem_.contacts[i], direction_);
-				rate_[i]        = { u.n - shift_[i].n, u.t - shift_[i].t };
-			}
+			for (std::size_t i = 0; i < problem_.size(); ++i)
+				rate_[i] = relativeVelocity(problem_.contacts[i], direction_) - shift_[i];
 			return true;
 		}
 
@@ -141,10 +139,8 @@ namespace {
 		void advance(double distance)
 		{
 			t_ += distance;
-			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				velocity_[i].n += distance * rate_[i].n;
-				velocity_[i].t += distance * rate_[i].t;
-			}
+			for (std::size_t i = 0; i < problem_.size(); ++i)
+				velocity_[i] = velocity_[i] + distance * rate_[i];
 		}
 
 		/// Takes the contact at an edge to its next piece and turns the direction accordingly. False at a fold.
@@ -166,11 +162,8 @@ namespace {
 			if (updates_.size() == maxUpdates) return findDirection();
 			const Impulse du     = rate_[change.contact];
 			const double  amount = (change.row.n * du.n + change.row.t * du.t) / delta;
-			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				const Impulse u = relativeVelocity(problem_.contacts[i], response_);
-				rate_[i].n -= amount * u.n;
-				rate_[i].t -= amount * u.t;
-			}
+			for (std::size_t i = 0; i < problem_.size(); ++i)
+				rate_[i] = rate_[i] - amount * relativeVelocity(problem_.contacts[i], response_);
 			updates_.push_back({ change, delta, response_ });
 			return true;
 		}
@@ -206,7 +199,7 @@ namespace {
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
 				if (problem_.pieces[i].kind == Piece::apart) continue;
 				const Impulse u = relativeVelocity(problem_.contacts[i], response_);
-				energy[i]       = problem_.stiffness[i] * (u.n * u.n + u.t * u.t);
+				energy[i]       = problem_.stiffness[i] * square(u);
 			}
 			const double least = leastShare * *std::max_element(energy.begin(), energy.end());
 			for (std::size_t i = 0; i < problem_.size(); ++i)
@@ -215,11 +208,8 @@ namespace {
 
 		void setPredictors()
 		{
-			for (std::size_t i = 0; i < problem_.size(); ++i) {
-				const Impulse p = problem_.reference[i], u = velocity_[i];
-				const double  k = problem_.stiffness[i];
-				problem_.predictor[i] = { p.n - k * u.n, p.t - k * u.t };
-			}
+			for (std::size_t i = 0; i < problem_.size(); ++i)
+				problem_.predictor[i] = problem_.reference[i] - problem_.stiffness[i] * velocity_[i];
 		}
 
 		struct Update {

@@ -13,6 +13,7 @@
 
 #include "exact/path_following.hpp"
 #include "exact/proximal_problem.hpp"
+#include "exact/stiffness.hpp"
 #include "problem/residual.hpp"
 #include "problem/solver.hpp"
 
@@ -26,39 +27,8 @@ namespace {
 	constexpr int    pivotSweeps  = 20;   // … and for each pivot of the path as many as it cost, about
 	constexpr int    maxPivots    = 2000; // of one path
 
-	/// ρ of a contact over the steps: stiffer while paths arrive, softer where one folds.
-	class Stiffness {
-	public:
-		double rho() const { return rho_; }
-
-		void arrived()
-		{
-			if (raised_) patience_ = std::max(1, patience_ / 2);
-			raised_ = ++steps_ >= patience_;
-			if (!raised_) return;
-			steps_ = 0;
-			rho_   = std::min(most, factor * rho_);
-		}
-
-		/// Running away takes time: after every fold twice as many steps before the next raise.
-		void folded()
-		{
-			patience_ = std::min(maxPatience, 2 * patience_);
-			steps_    = 0;
-			raised_   = false;
-			rho_      = std::max(least, rho_ / factor);
-		}
-
-	private:
-		static constexpr double least = 1e-2, start = 1e3, most = 1e6; // beyond 1e6 rounding is seen
-		static constexpr double factor = 10;
-		static constexpr int    maxPatience = 64;
-
-		double rho_      = start;
-		int    patience_ = 1; // steps at one ρ before it is raised
-		int    steps_    = 0;
-		bool   raised_   = false; // by the last step
-	};
+	/// Of each contact: stiffer while paths arrive, softer where one folds. Beyond 1e6 rounding is seen.
+	constexpr Stiffness::Limits stiffnessLimits { 1e3, 1e-2, 1e6, 10, 10, 64 };
 
 	/// The best impulses seen so far.
 	struct Best {
@@ -97,10 +67,10 @@ namespace {
 		const PathEnd end = followPath(proximal, std::min(maxPivots, maxIterations - 1));
 		proximal.store(problem);
 		for (std::size_t i : end.unstable)
-			stiffness[i].folded();
+			stiffness[i].failed();
 		if (end.unstable.empty())
 			for (Stiffness& one : stiffness)
-				end.arrived ? one.arrived() : one.folded();
+				end.arrived ? one.arrived() : one.failed();
 		return end;
 	}
 
@@ -113,7 +83,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	report.converged = report.reached(settings) && report.violation <= settings.violation;
 	if (report.converged || report.iterations >= settings.maxIterations) return report;
 	ProximalProblem        proximal(problem);
-	std::vector<Stiffness> stiffness(proximal.size());
+	std::vector<Stiffness> stiffness(proximal.size(), Stiffness(stiffnessLimits));
 	Best                   best { report.residual, report.violation, problem.impulse };
 	const auto             left = [&] { return settings.maxIterations - report.iterations; };
 	while (!(best.distance(settings) <= 1) && left() > 0) {

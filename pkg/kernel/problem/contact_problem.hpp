@@ -1,7 +1,7 @@
 // The contact problem of one time step: all bodies and contact points, solved together.
 //
 //   v = v_free + M⁻¹ Jᵀ p             equation of motion over one step
-//   u = v₂ + ω₂ × r₂ − v₁ − ω₁ × r₁   relative velocity at a point, (n, t) components
+//   u = v₂ + d + ω₂ × r₂ − v₁ − ω₁ × r₁   relative velocity at a point, (n, t) components
 //   0 ≤ u_n + b_n  ⟂  p_n ≥ 0         Signorini
 //   |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0     Coulomb
 //
@@ -13,6 +13,7 @@
 // | r₁, r₂     | arm1, arm2           | m         | point minus centre of body 1, of body 2        |
 // | b_n        | bias                 | m/s       | gap/dt where open, restitution where it bounces |
 // | µ          | friction             | –         | Coulomb coefficient                            |
+// | d          | drift                | m/s       | velocity of the image of body 2 that body 1 meets, relative to body 2 (periodic cell) |
 // | p          | Impulse              | N s       | on body 2, reaction on body 1; p_n ≥ 0 pushes apart |
 //
 // Masses, impulses and forces are per unit depth of the plane.
@@ -35,9 +36,15 @@ struct Twist {
 	double x = 0, y = 0, rotation = 0;
 };
 
+/// (n, t) components at a contact point: of an impulse, and of the velocity that goes with it.
 struct Impulse {
 	double n = 0, t = 0;
 };
+
+inline Impulse operator+(Impulse a, Impulse b) { return { a.n + b.n, a.t + b.t }; }
+inline Impulse operator-(Impulse a, Impulse b) { return { a.n - b.n, a.t - b.t }; }
+inline Impulse operator*(double s, Impulse a) { return { s * a.n, s * a.t }; }
+inline double  square(Impulse a) { return a.n * a.n + a.t * a.t; } // |a|²
 
 struct ContactPoint {
 	std::int32_t body1 = 0, body2 = 0;
@@ -45,6 +52,9 @@ struct ContactPoint {
 	Vec2         arm1, arm2;
 	double       bias     = 0;
 	double       friction = 0;
+	Vec2         drift;
+
+	bool drifts() const { return drift.x != 0 || drift.y != 0; }
 };
 
 struct ContactProblem {
@@ -53,12 +63,14 @@ struct ContactProblem {
 	std::vector<ContactPoint> points;       // a contact point; the points of a pair stand side by side
 	std::vector<Impulse>      impulse;      // a contact point: warm start in, solution out
 	std::vector<Twist>        velocity;     // a body: out, consistent with `impulse`
+
+	bool prescribed(int body) const { return inverseMass[body].x == 0 && inverseMass[body].y == 0 && inverseMass[body].rotation == 0; }
 };
 
 /// u at a point for the body velocities given, in (n, t).
 inline Impulse relativeVelocity(const ContactPoint& c, const Twist& v1, const Twist& v2)
 {
-	const Vec2 u = Vec2 { v2.x, v2.y } + cross(v2.rotation, c.arm2) - Vec2 { v1.x, v1.y } - cross(v1.rotation, c.arm1);
+	const Vec2 u = Vec2 { v2.x, v2.y } + cross(v2.rotation, c.arm2) - Vec2 { v1.x, v1.y } - cross(v1.rotation, c.arm1) + c.drift;
 	return { dot(u, c.normal), dot(u, perp(c.normal)) };
 }
 

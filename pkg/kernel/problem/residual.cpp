@@ -24,11 +24,9 @@ namespace {
 			const Impulse p = problem.impulse[k];
 			const Impulse u = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 			const Impulse q = projectCone({ p.n - (u.n + c.bias + c.friction * std::abs(u.t)) / w.nn, p.t - u.t / w.nn }, c.friction);
-			visit(Point { c, w, p, u, { p.n - q.n, p.t - q.t } });
+			visit(Point { c, w, p, u, p - q });
 		}
 	}
-
-	double square(const Impulse& v) { return v.n * v.n + v.t * v.t; }
 
 } // namespace
 

@@ -51,7 +51,7 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions)
 	chunkBegin_.assign(1, 0);
 	vacant_.clear();
 	pairBlocks_.clear();
-	outside_.clear();
+	overflow_.clear();
 	columns_ = 0;
 	coloring_.reset(kind_.size());
 	color_.resize(pairs_.size());
@@ -93,11 +93,11 @@ bool Layout::findPairs(const ContactProblem& problem)
 		const ContactPoint& c     = points[k];
 		const bool          joins = k + 1 < points.size() && points[k + 1].body1 == c.body1 && points[k + 1].body2 == c.body2;
 		const Model         needs = joins ? std::min(need(problem, c), need(problem, points[k + 1])) : need(problem, c);
-		const Pair          pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, needs, needs, Pair::outside, 0 };
+		const Pair          pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, needs, needs, c.drifts() || (joins && points[k + 1].drifts()), Pair::noSlot, 0 };
 		if (count == pairs_.size()) pairs_.push_back(pair);
 		Pair& old = pairs_[count];
 		// `firstPoint` follows from the pairs before
-		if (old.body1 != pair.body1 || old.body2 != pair.body2 || old.points != pair.points || old.needs != needs) same = false;
+		if (old.body1 != pair.body1 || old.body2 != pair.body2 || old.points != pair.points || old.needs != needs || old.drifts != pair.drifts) same = false;
 		if (!same) old = pair;
 		k += pair.points;
 	}
@@ -108,6 +108,7 @@ bool Layout::findPairs(const ContactProblem& problem)
 bool Layout::packable(const Pair& pair) const
 {
 	const BodyKind a = kind_[pair.body1], b = kind_[pair.body2];
+	if (pair.drifts) return false;
 	return (a == BodyKind::regular && b != BodyKind::special) || (b == BodyKind::regular && a != BodyKind::special);
 }
 
@@ -150,7 +151,7 @@ void Layout::sortPairs()
 	}
 	byIsland_.resize(next);
 	for (std::size_t k = 0; k < pairs_.size(); ++k) {
-		pairs_[k].slot   = Pair::outside;
+		pairs_[k].slot   = Pair::noSlot;
 		const int island = islandOf(pairs_[k]);
 		if (island != none) byIsland_[islands_[island].pairs.end++] = int(k);
 	}
@@ -186,13 +187,13 @@ int Layout::ownRecord(Model model)
 	return (records_ += 2) - 2;
 }
 
-/// An island in blocks of its own, a stage for each colour; a small one outside.
+/// An island in blocks of its own, a stage for each colour; a small one is all overflow.
 void Layout::layOut(Island& island)
 {
 	const int pairs = island.pairs.end - island.pairs.begin;
 	island.shared   = pairs > manyPairs;
 	island.stages.begin  = int(chunkBegin_.size()) - 1;
-	island.outside.begin = int(outside_.size());
+	island.overflow.begin = int(overflow_.size());
 	if (pairs > fewPairs) {
 		color(island);
 		for (auto& ofColor : rows_) {
@@ -204,12 +205,12 @@ void Layout::layOut(Island& island)
 	}
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
 		const int number = byIsland_[k];
-		if (pairs <= fewPairs || color_[number] == Coloring::none) outside_.push_back(number);
+		if (pairs <= fewPairs || color_[number] == Coloring::none) overflow_.push_back(number);
 		else
 			place(pairs_[number], row(color_[number], pairs_[number]));
 	}
 	island.stages.end  = int(chunkBegin_.size()) - 1;
-	island.outside.end = int(outside_.size());
+	island.overflow.end = int(overflow_.size());
 }
 
 /// Each pair the least model that serves it; none for a few pairs alone, and central ones where all are, in their half records.

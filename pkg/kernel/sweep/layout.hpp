@@ -5,8 +5,8 @@
 // much work as three sweeps.
 //
 // Islands are the connected parts of the graph of bodies; prescribed bodies do not connect. Each has blocks of its own,
-// coloured; one of a few pairs would leave most slots vacant and goes the scalar way, pair after pair. The result of an
-// island does not depend on what else is there.
+// coloured. The overflow is solved pair after pair: pairs that no colour takes, pairs of special bodies, and all pairs of an
+// island so small that it would leave most slots vacant. The result of an island does not depend on what else is there.
 #pragma once
 
 #include <vector>
@@ -23,12 +23,13 @@ enum class BodyKind : unsigned char { regular, prescribed, special };
 
 /// One or two neighbouring points between the same two bodies.
 struct Pair {
-	static constexpr std::int32_t outside = -1;
+	static constexpr std::int32_t noSlot = -1; // of the overflow, and of pairs that belong to no island
 
 	std::int32_t body1, body2, firstPoint, points;
 	Model        needs;      // the least that serves it
 	Model        model;      // the one it has
-	std::int32_t slot;       // blockWidth · block + lane; or `outside` the colours
+	bool         drifts;     // across a periodic boundary: no colour takes it
+	std::int32_t slot;       // blockWidth · block + lane, or noSlot
 	std::int32_t column;     // where the block of its first point begins; that of the second follows
 };
 
@@ -44,7 +45,7 @@ struct Island {
 	Range        pairs;          // in Layout::byIsland
 	Range        records;        // halves, of its bodies
 	Range        stages;         // of chunks that may be worked on at once: a colour
-	Range        outside;        // in Layout::outside
+	Range        overflow;       // in Layout::overflow
 };
 
 class Layout {
@@ -65,7 +66,7 @@ public:
 	bool central(int body) const { return island_[body] != none && islands_[island_[body]].central; }
 
 	const std::vector<Island>&       islands() const { return islands_; }
-	const std::vector<std::int32_t>& outside() const { return outside_; } // pairs, by island
+	const std::vector<std::int32_t>& overflow() const { return overflow_; } // pairs, by island
 	const std::vector<Chunk>&        chunks() const { return chunks_; }
 	/// Chunks of a stage: from chunkBegin(stage) to chunkBegin(stage + 1).
 	int chunkBegin(int stage) const { return chunkBegin_[stage]; }
@@ -102,7 +103,7 @@ private:
 	std::vector<Pair>         pairs_;
 	std::vector<std::int32_t> island_, record_; // a body
 	std::vector<Island>       islands_;
-	std::vector<std::int32_t> byIsland_, outside_; // pairs
+	std::vector<std::int32_t> byIsland_, overflow_; // pairs
 	std::vector<signed char>  color_;              // a pair
 	Row                       rows_[Coloring::colors][models][2];
 	std::vector<PairBlock>    pairBlocks_;

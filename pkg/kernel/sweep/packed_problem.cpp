@@ -8,7 +8,6 @@ namespace rcr {
 
 namespace {
 
-	constexpr int    recordsAtATime  = 512;  // that a thread takes at a time
 	constexpr double blockedGyration = 1e30; // of a body that cannot turn: no impulse turns it, and the square is finite
 
 	double inverseGyration(const InverseMass& m)
@@ -29,11 +28,6 @@ namespace {
 	{
 		return problem.freeVelocity[c.body2].rotation * dot(c.arm2, c.normal) - problem.freeVelocity[c.body1].rotation * dot(c.arm1, c.normal);
 	}
-
-	Impulse operator+(Impulse a, Impulse b) { return { a.n + b.n, a.t + b.t }; }
-	Impulse operator-(Impulse a, Impulse b) { return { a.n - b.n, a.t - b.t }; }
-	Impulse operator*(double s, Impulse a) { return { s * a.n, s * a.t }; }
-	double  square(Impulse a) { return a.n * a.n + a.t * a.t; }
 
 } // namespace
 
@@ -61,15 +55,15 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	team.forEach(problem.inverseMass.size(), [&](int i) { inverseGyration_[i] = inverseGyration(problem.inverseMass[i]); });
 	loadBodies(problem);
 	team.forEach(pairs.size(), [&](int k) {
-		if (pairs[k].slot != Pair::outside) fill(problem, pairs[k]);
+		if (pairs[k].slot != Pair::noSlot) fill(problem, pairs[k]);
 	});
-	tail_.clear();
-	tailOf_.clear();
+	overflow_.clear();
+	overflowOf_.clear();
 	for (const Island& island : layout_.islands()) {
-		const int begin = int(tail_.size());
-		for (int k = island.outside.begin; k < island.outside.end; ++k)
-			addToTail(problem, pairs[layout_.outside()[k]], island.central);
-		tailOf_.push_back({ begin, int(tail_.size()) });
+		const int begin = int(overflow_.size());
+		for (int k = island.overflow.begin; k < island.overflow.end; ++k)
+			addToOverflow(problem, pairs[layout_.overflow()[k]], island.central);
+		overflowOf_.push_back({ begin, int(overflow_.size()) });
 	}
 	forEachIsland([](PackedIsland&& island) {
 		island.prepare();
@@ -136,7 +130,7 @@ void PackedProblem::fill(const ContactProblem& problem, const Pair& pair)
 	rough.pt[lane] = rough.oldPt[lane] = p.t;
 }
 
-void PackedProblem::addToTail(const ContactProblem& problem, const Pair& pair, bool central)
+void PackedProblem::addToOverflow(const ContactProblem& problem, const Pair& pair, bool central)
 {
 	const double scale1 = inverseGyration_[pair.body1], scale2 = inverseGyration_[pair.body2];
 	const double lever  = pair.model == Model::central ? 0 : 1; // rounding is none
@@ -147,9 +141,9 @@ void PackedProblem::addToTail(const ContactProblem& problem, const Pair& pair, b
 		if (w.nn <= 0) continue;
 		const Vec2    t = perp(c.normal);
 		const Impulse p = startOf(problem, k);
-		tail_.push_back({ layout_.record(c.body1), layout_.record(c.body2), k, !central, c.normal,
+		overflow_.push_back({ layout_.record(c.body1), layout_.record(c.body2), k, !central, c.normal,
 		                  lever * cross(c.arm1, c.normal) * scale1, cross(c.arm1, t) * scale1,
-		                  lever * cross(c.arm2, c.normal) * scale2, cross(c.arm2, t) * scale2, central ? slip(problem, c) : 0,
+		                  lever * cross(c.arm2, c.normal) * scale2, cross(c.arm2, t) * scale2, { dot(c.drift, c.normal), dot(c.drift, t) + (central ? slip(problem, c) : 0) },
 		                  { m1.x, m1.y, m1.rotation / (scale1 * scale1) }, { m2.x, m2.y, m2.rotation / (scale2 * scale2) },
 		                  c.bias, c.friction, w, p, p });
 	}
@@ -157,7 +151,7 @@ void PackedProblem::addToTail(const ContactProblem& problem, const Pair& pair, b
 
 template <class Visit> void PackedProblem::forEachPoint(const Pair& pair, Visit visit)
 {
-	if (pair.slot == Pair::outside) return;
+	if (pair.slot == Pair::noSlot) return;
 	for (int i = 0; i < pair.points; ++i)
 		visit(pair.firstPoint + i, reinterpret_cast<PointBlock&>(point_[pair.column + i * columnsOf(pair.model)]), pair.slot % blockWidth);
 }
@@ -173,7 +167,7 @@ void PackedProblem::rebias(const ContactProblem& problem, const std::vector<doub
 			if (pairs[k].model == Model::frictional) static_cast<FrictionalBlock&>(at).pt[lane] = p.t;
 		});
 	});
-	for (TailPoint& c : tail_) {
+	for (OverflowPoint& c : overflow_) {
 		c.bias = bias[c.point];
 		c.p    = startOf(problem, c.point);
 	}
@@ -199,7 +193,7 @@ void PackedProblem::store(ContactProblem& problem)
 			problem.impulse[point] = { at.pn[lane], pairs[k].model == Model::frictional ? static_cast<const FrictionalBlock&>(at).pt[lane] : 0 };
 		});
 	});
-	for (const TailPoint& c : tail_)
+	for (const OverflowPoint& c : overflow_)
 		problem.impulse[c.point] = c.p;
 	storeVelocity(problem, problem.velocity);
 }
@@ -222,112 +216,6 @@ ModelSummary PackedProblem::summary() const
 	ModelSummary s = layout_.summary();
 	s.layouts      = layouts_;
 	return s;
-}
-
-// ---- points outside the colours
-
-Impulse PackedIsland::relativeVelocity(const TailPoint& c) const
-{
-	const HalfRecord &v1 = view_.halfBody(c.record1), &v2 = view_.halfBody(c.record2);
-	const Vec2        u { v2.x - v1.x, v2.y - v1.y };
-	const double      spin1 = c.turns ? view_.wholeBody(c.record1).spin : 0, spin2 = c.turns ? view_.wholeBody(c.record2).spin : 0;
-	return { dot(u, c.normal) + spin2 * c.turn2n - spin1 * c.turn1n, dot(u, perp(c.normal)) + spin2 * c.turn2t - spin1 * c.turn1t + c.slip };
-}
-
-void PackedIsland::applyImpulse(const TailPoint& c, const Impulse& p)
-{
-	const Vec2 f    = p.n * c.normal + p.t * perp(c.normal);
-	const auto push = [&](int record, const InverseMass& mass, double sign, double torque) {
-		if (mass.x == 0 && mass.y == 0 && mass.rotation == 0) return; // other islands may share it
-		HalfRecord& v = view_.halfBody(record);
-		v.x += sign * (mass.x * f.x);
-		v.y += sign * (mass.y * f.y);
-		if (c.turns) view_.wholeBody(record).spin += sign * (mass.rotation * torque);
-	};
-	push(c.record1, c.mass1, -1, p.n * c.turn1n + p.t * c.turn1t);
-	push(c.record2, c.mass2, +1, p.n * c.turn2n + p.t * c.turn2t);
-}
-
-/// The impulse that solves the point while all others stay; `p` is what the velocities hold of it.
-Impulse PackedIsland::solve(const TailPoint& c, const Impulse& p) const
-{
-	const Impulse u = relativeVelocity(c);
-	return solveCoulomb(c.w, u.n + c.bias - c.w.nn * p.n - c.w.nt * p.t, u.t - c.w.nt * p.n - c.w.tt * p.t, c.friction);
-}
-
-// ---- the steps of the solvers
-
-void PackedIsland::prepare()
-{
-	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = packed_.kernels_->prepare(view_, chunk); });
-	double velocity2 = sum(packed_.sum_);
-	forEachTailPoint([&](TailPoint& c) { velocity2 += square(relativeVelocity(c)); });
-	packed_.freeVelocity2_[number_] = velocity2;
-}
-
-void PackedIsland::applyImpulses()
-{
-	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->apply(view_, chunk); });
-	forEachTailPoint([&](TailPoint& c) { applyImpulse(c, c.p); });
-}
-
-void PackedIsland::sweep()
-{
-	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweep(view_, chunk); });
-	forEachTailPoint([&](TailPoint& c) {
-		const Impulse next = solve(c, c.p);
-		applyImpulse(c, next - c.p);
-		c.p = next;
-	});
-}
-
-void PackedIsland::sweepRelaxed(double relaxation)
-{
-	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweepRelaxed(view_, chunk, relaxation); });
-	forEachTailPoint([&](TailPoint& c) {
-		const Impulse next = projectCone(c.p + relaxation * (solve(c, c.p) - c.p), c.friction);
-		applyImpulse(c, next - c.p);
-		c.p = next;
-	});
-}
-
-double PackedIsland::sweepMomentum(double momentum)
-{
-	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = packed_.kernels_->sweepMomentum(view_, chunk, momentum); });
-	double change2 = sum(packed_.sum_);
-	forEachTailPoint([&](TailPoint& c) {
-		const Impulse from = c.p + momentum * (c.p - c.old), next = solve(c, from);
-		applyImpulse(c, next - from);
-		c.old = c.p;
-		c.p   = next;
-		change2 += square(next - from);
-	});
-	return change2;
-}
-
-void PackedIsland::extrapolate(double momentum)
-{
-	const Range records = island_.records;
-	share(0, (records.end - records.begin + recordsAtATime - 1) / recordsAtATime, [&](int part) {
-		const int first = records.begin + part * recordsAtATime;
-		packed_.kernels_->extrapolate(view_, first, std::min(records.end, first + recordsAtATime), momentum);
-	});
-	std::swap(view_.body, view_.oldBody);
-}
-
-Measures PackedIsland::measure()
-{
-	forEachChunk([&](const Chunk& chunk, int k) { packed_.partial_[k] = packed_.kernels_->measure(view_, chunk); });
-	Measures total = sum(packed_.partial_);
-	forEachTailPoint([&](TailPoint& c) {
-		const Impulse u = relativeVelocity(c);
-		const double  un = u.n + c.bias;
-		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
-		const Impulse q = projectCone({ c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn }, c.friction);
-		const double  miss = square(c.p - q);
-		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping };
-	});
-	return total;
 }
 
 } // namespace rcr

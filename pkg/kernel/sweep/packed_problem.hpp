@@ -1,8 +1,8 @@
 // The contact problem of a step in the form that sweeps run on: by islands, coloured and packed.
 //
 // The order of work, and with it every bit of the result, depends on the present problem alone: neither on problems seen
-// before, nor on the width of the lanes, nor on the number of threads; and that of an island not on the others. Points
-// outside the colours (layout.hpp) are solved one by one after them.
+// before, nor on the width of the lanes, nor on the number of threads; and that of an island not on the others. The
+// overflow (layout.hpp) is solved point by point, after all colours.
 #pragma once
 
 #include <vector>
@@ -48,13 +48,13 @@ private:
 		HalfRecord half[2];
 	};
 
-	/// A point outside the colours, in the scaled velocities of packed_blocks.hpp.
-	struct TailPoint {
+	/// A point of the overflow, in the scaled velocities of packed_blocks.hpp.
+	struct OverflowPoint {
 		std::int32_t record1, record2, point;
 		bool         turns; // or the records are halves
 		Vec2         normal;
 		double       turn1n, turn1t, turn2n, turn2t;
-		double       slip; // tangential velocity of spins that stay as they are, where the records have none
+		Impulse      drift; // added to u: of a periodic image, and of spins that stay as they are, where the records have none
 		InverseMass  mass1, mass2;
 		double       bias, friction;
 		Delassus     w;
@@ -66,8 +66,8 @@ private:
 	void       startVelocity(const ContactProblem&);
 	void       fill(const ContactProblem&, const Pair&);
 	void       fillPoint(const ContactProblem&, const Pair&, int point, Column*);
-	void       addToTail(const ContactProblem&, const Pair&, bool central);
-	/// visit(number of the point, its block, its lane) for the points of a pair within the colours.
+	void       addToOverflow(const ContactProblem&, const Pair&, bool central);
+	/// visit(number of the point, its block, its lane) for the points of a pair that has a slot.
 	template <class Visit> void forEachPoint(const Pair&, Visit visit);
 	PackedView view() { return { body_.data()->half, oldBody_.data()->half, layout_.pairBlocks().data(), point_.data() }; }
 
@@ -76,8 +76,8 @@ private:
 	std::vector<double>     inverseGyration_; // a body: 1/k
 	std::vector<TwoHalves>  body_, oldBody_;  // the records of the layout, and one sweep before
 	std::vector<Column>     point_;
-	std::vector<TailPoint>  tail_;
-	std::vector<Range>      tailOf_;        // an island
+	std::vector<OverflowPoint>  overflow_;
+	std::vector<Range>      overflowOf_;        // an island
 	std::vector<double>     freeVelocity2_; // an island
 	std::vector<Measures>   partial_;       // a chunk
 	std::vector<double>     sum_;           // a chunk
@@ -118,11 +118,11 @@ public:
 	double freeVelocity2() const { return packed_.freeVelocity2_[number_]; }
 
 private:
-	using TailPoint = PackedProblem::TailPoint;
+	using OverflowPoint = PackedProblem::OverflowPoint;
 
-	Impulse relativeVelocity(const TailPoint&) const;
-	void    applyImpulse(const TailPoint&, const Impulse&);
-	Impulse solve(const TailPoint&, const Impulse& from) const;
+	Impulse relativeVelocity(const OverflowPoint&) const;
+	void    applyImpulse(const OverflowPoint&, const Impulse&);
+	Impulse solve(const OverflowPoint&, const Impulse& from) const;
 
 	/// work(i) for begin ≤ i < end, by all threads where the island is theirs.
 	template <class Work> void share(int begin, int end, Work work)
@@ -146,11 +146,11 @@ private:
 			total += ofChunk[k];
 		return total;
 	}
-	template <class Visit> void forEachTailPoint(Visit visit)
+	template <class Visit> void forEachOverflowPoint(Visit visit)
 	{
-		const Range tail = packed_.tailOf_[number_];
-		for (int k = tail.begin; k < tail.end; ++k)
-			visit(packed_.tail_[k]);
+		const Range overflow = packed_.overflowOf_[number_];
+		for (int k = overflow.begin; k < overflow.end; ++k)
+			visit(packed_.overflow_[k]);
 	}
 
 	PackedProblem& packed_;

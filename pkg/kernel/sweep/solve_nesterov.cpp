@@ -18,7 +18,7 @@ namespace {
 
 Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, StopTest& stop) {
+	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, IslandStop& stop) {
 		Momentum momentum;
 		while (!stop.reached())
 			sweep(island, momentum);

@@ -10,7 +10,7 @@ namespace {
 
 Report solveNlgs(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, StopTest& stop) {
+	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, IslandStop& stop) {
 		while (!stop.reached())
 			island.sweep();
 	});
@@ -18,7 +18,7 @@ Report solveNlgs(ContactProblem& problem, const Settings& settings, Workspace& w
 
 Report solveSor(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, StopTest& stop) {
+	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, IslandStop& stop) {
 		while (!stop.reached())
 			island.sweepRelaxed(relaxation);
 	});

@@ -23,40 +23,14 @@ namespace {
 
 } // namespace
 
-bool Criteria::met(const Settings& settings) const
+Criteria IslandStop::measure()
 {
-	const bool accurate = settings.tolerance > 0 && residual <= settings.tolerance; // 0 asks for all iterations
-	return (accurate && violation <= settings.violation) || meanForceChange < settings.meanForceChange;
-}
-
-bool StopTest::reached()
-{
-	bool stop = sweeps_ >= settings_.maxIterations;
-	const bool due = sweeps_ % settings_.checkInterval == 0 || (sweeps_ == 1 && island_.points() == 1); // one sweep solves one point
-	if (!stop && sweeps_ >= settings_.minIterations && due) {
-		measure();
-		stop = criteria_.met(settings_) || stalled();
-	}
-	if (!stop) ++sweeps_;
-	return stop;
-}
-
-bool StopTest::stalled()
-{
-	if (criteria_.residual < lowest_) {
-		lowest_   = criteria_.residual;
-		lowestAt_ = sweeps_;
-	}
-	return settings_.stallSweeps > 0 && sweeps_ - lowestAt_ >= settings_.stallSweeps;
-}
-
-void StopTest::measure()
-{
-	const Measures m = island_.measure();
-	criteria_        = criteriaOf(m, island_.freeVelocity2(), settings_.rest);
-	if (measured_) criteria_.meanForceChange = std::abs(m.normal - normal_) / m.normal; // NaN without any force: not met
+	const Measures m        = island_.measure();
+	Criteria       criteria = criteriaOf(m, island_.freeVelocity2(), settings_.rest);
+	if (measured_) criteria.meanForceChange = std::abs(m.normal - normal_) / m.normal; // NaN without any force: not met
 	normal_   = m.normal;
 	measured_ = true;
+	return criteria;
 }
 
 std::vector<double> biases(const ContactProblem& problem)

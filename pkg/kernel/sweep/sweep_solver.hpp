@@ -1,42 +1,34 @@
 // What the sweep solvers share: the problem taken in and given back, and the decision to stop.
 #pragma once
 
-#include <limits>
 #include <vector>
 
-#include "sweep/packed_problem.hpp"
 #include "problem/solver.hpp"
+#include "sweep/packed_problem.hpp"
+#include "sweep/stop_test.hpp"
 
 namespace rcr {
 
-/// What says that sweeps may stop.
-struct Criteria {
-	double residual = 0, violation = 0; // as in Report
-	double meanForceChange = std::numeric_limits<double>::infinity();
-
-	bool met(const Settings&) const;
-};
-
-/// Counts the sweeps of an island, evaluates the criteria of the settings every few of them, and says when to stop.
-class StopTest {
+/// The stop test of an island.
+class IslandStop {
 public:
-	StopTest(PackedIsland& island, const Settings& settings) : island_(island), settings_(settings) { }
+	IslandStop(PackedIsland& island, const Settings& settings) : island_(island), settings_(settings), stop_(settings) { }
 
-	/// To be asked before each sweep.
-	bool   reached();
-	int    sweeps() const { return sweeps_; }
-	double meanForceChange() const { return criteria_.meanForceChange; }
+	/// Asked before each sweep. One sweep solves an island of one point.
+	bool reached()
+	{
+		return stop_.reached(stop_.sweeps() == 1 && island_.points() == 1, [this] { return measure(); });
+	}
+	int    sweeps() const { return stop_.sweeps(); }
+	double meanForceChange() const { return stop_.criteria().meanForceChange; }
 
 private:
-	void measure();
-	bool stalled();
+	Criteria measure();
 
 	PackedIsland&   island_;
 	const Settings& settings_;
-	Criteria        criteria_;
-	double          normal_ = 0; // Σ p_n at the last evaluation
-	double          lowest_ = std::numeric_limits<double>::infinity(); // residual
-	int             sweeps_ = 0, lowestAt_ = 0;
+	StopTest        stop_;
+	double          normal_   = 0; // Σ p_n at the last evaluation
 	bool            measured_ = false;
 };
 
@@ -62,7 +54,7 @@ template <class Iterate> Report solveBySweeps(ContactProblem& problem, const Set
 			packed.load(problem, settings.lanes, settings.reductions);
 		std::vector<IslandEnd> ends(packed.islands());
 		packed.forEachIsland([&](PackedIsland&& island) {
-			StopTest stop(island, settings);
+			IslandStop stop(island, settings);
 			iterate(island, stop);
 			ends[island.number()] = { stop.sweeps(), stop.meanForceChange() };
 		});

@@ -1,0 +1,55 @@
+"""A column of grains of all elongations collapses over a block; pictures of the pile, and a film.
+
+Run it with YADE:  scripts/yade-rcr -n -x examples/packing.py
+Writes DIR/packing.png (grains by the orientation of their long axes), DIR/forces.png (contact forces) and DIR/pile.gif.
+"""
+
+import argparse
+import math
+import os
+import random
+
+from tqdm import tqdm
+
+import rcr
+from rcr import *
+
+parser = argparse.ArgumentParser(prog="packing.py", description=__doc__.splitlines()[0])
+parser.add_argument("--out", default="packing", metavar="DIR", help="folder of the pictures, made if missing (default %(default)s)")
+parser.add_argument("--quick", action="store_true", help="a small pile, in a few seconds")
+options = parser.parse_args()
+pictures = os.path.join(options.out, "film")
+os.makedirs(pictures, exist_ok=True)
+
+R = 0.01  # m, circumscribed radius of the largest grain
+WIDE, HIGH, SECONDS = (5, 10, 0.8) if options.quick else (12, 28, 1.6)
+
+rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5)))
+LENGTH = 5 * WIDE * R
+O.bodies.append([rcr.wall("y", 0, +1, material=rough), rcr.wall("x", 0, +1, material=rough), rcr.wall("x", LENGTH, -1, material=rough)])
+O.bodies.append(box((0.7 * LENGTH, R, 0), (2 * R, R, R), orientation=Quaternion((0, 0, 1), 0.4), fixed=True, material=rough))
+draw = random.Random(1)
+for i in range(WIDE):
+    for j in range(HIGH):
+        place = (2.1 * R * (i + 0.5), 2.1 * R * (j + 0.5))
+        O.bodies.append(particle(place, draw.uniform(0.7, 1) * R, draw.choice((0, 0.3, 0.5, 0.7)), draw.uniform(0, math.pi), rough))
+
+O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()], verletDist=0.1 * R),
+    InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom(), Ig2_Box_Rcr_RcrGeom()],
+                    [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+    ContactDynamics(tolerance=1e-4),
+    NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
+]
+O.dt = 1e-3
+
+SHOTS = 20
+view = ((0, 0), (LENGTH, 2.2 * R * HIGH))
+for shot in tqdm(range(SHOTS), desc="collapse", unit="picture", disable=None):
+    rcr.snapshot(os.path.join(pictures, f"{shot:03d}.png"), limits=view, legend=False, dpi=60)
+    O.run(round(SECONDS / O.dt / SHOTS), True)
+
+rcr.movie(pictures, os.path.join(options.out, "pile.gif"))
+print(rcr.snapshot(os.path.join(options.out, "packing.png")))
+print(rcr.snapshot(os.path.join(options.out, "forces.png"), color="#e8e4da", contacts="force"))

@@ -1,0 +1,360 @@
+#include "Gate.hpp"
+
+#include <core/PartialEngine.hpp>
+#include <core/TimeStepper.hpp>
+#include <pkg/common/Box.hpp>
+#include <pkg/common/Collider.hpp>
+#include <pkg/common/BoundaryController.hpp>
+#include <pkg/common/Facet.hpp>
+#include <pkg/common/FieldApplier.hpp>
+#include <pkg/common/ForceResetter.hpp>
+#include <pkg/common/Sphere.hpp>
+#include <pkg/common/Wall.hpp>
+
+#include "ContactDynamics.hpp"
+#include "Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
+#include "Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
+#include "Rcr.hpp"
+#include "RcrGeom.hpp"
+#include "planarShape.hpp"
+#include "refuseLater.hpp"
+
+namespace yade {
+namespace gate {
+
+	namespace {
+
+		enum Law { rigid = 1, smooth = 2, both = 3, neither = 4 };
+
+
+		template <class Kind> bool is(const shared_ptr<Engine>& engine) { return !engine->dead && dynamic_cast<const Kind*>(engine.get()); }
+
+		template <class Functor, class List> bool has(const List& functors)
+		{
+			return std::any_of(functors.begin(), functors.end(), [](const auto& f) { return bool(dynamic_cast<const Functor*>(f.get())); });
+		}
+
+		/// A scene as the rules see it.
+		struct View {
+			const Scene&                           scene;
+			const std::vector<shared_ptr<Engine>>& engines;
+			const InteractionLoop*                 loop = nullptr;
+			Law                                    law  = neither;
+
+			explicit View(const Scene& s) : scene(s), engines(s.engines)
+			{
+				loop = first<InteractionLoop>();
+				const bool solver = place<ContactDynamics>() >= 0;
+				const bool laws = loop && has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(loop->lawDispatcher->functors);
+				const bool phys = loop && has<Ip2_FrictMat_FrictMat_CdPhys>(loop->physDispatcher->functors);
+				const bool springs = loop && has<Law2_RcrGeom_FrictPhys_CundallStrack>(loop->lawDispatcher->functors);
+				if (solver || laws || phys) law = springs ? both : rigid;
+				else if (springs)
+					law = smooth;
+			}
+
+			template <class Kind> Kind* first() const
+			{
+				const int at = place<Kind>();
+				return at < 0 ? nullptr : dynamic_cast<Kind*>(engines[at].get());
+			}
+			template <class Kind> int place() const
+			{
+				const auto found = std::find_if(engines.begin(), engines.end(), is<Kind>);
+				return found == engines.end() ? -1 : int(found - engines.begin());
+			}
+			template <class Kind> int count() const { return int(std::count_if(engines.begin(), engines.end(), is<Kind>)); }
+			template <class Kind> bool dead() const
+			{
+				return std::any_of(engines.begin(), engines.end(), [](const auto& e) { return e->dead && dynamic_cast<const Kind*>(e.get()); });
+			}
+			template <class Shape> const Body* body() const
+			{
+				for (const auto& b : *scene.bodies)
+					if (b && dynamic_cast<const Shape*>(b->shape.get())) return b.get();
+				return nullptr;
+			}
+		};
+
+		// ---- engines
+
+		template <class Kind> std::string missing(const View& v, const char* name, const char* why)
+		{
+			if (v.place<Kind>() >= 0) return {};
+			return std::string("O.engines holds ") + "no " + name + (v.dead<Kind>() ? " that is not dead, " : ", ") + why;
+		}
+
+		template <class Kind> std::string twice(const View& v, const char* name)
+		{
+			const int count = v.count<Kind>();
+			return count < 2 ? std::string() : "O.engines holds " + std::to_string(count) + " of " + name + "; wanted one: remove the others.";
+		}
+
+		template <class Before, class After> std::string order(const View& v, const char* text)
+		{
+			const int before = v.place<Before>(), after = v.place<After>();
+			return before >= 0 && after >= 0 && before > after ? text : std::string();
+		}
+
+		/// Whether an engine puts forces on bodies or prescribes their motion.
+		bool loads(const Engine& engine)
+		{
+			return (dynamic_cast<const PartialEngine*>(&engine) || dynamic_cast<const FieldApplier*>(&engine) || dynamic_cast<const BoundaryController*>(&engine)
+			        || engine.getClassName() == "WallStress")
+			        && !dynamic_cast<const NewtonIntegrator*>(&engine);
+		}
+
+		std::string lateLoad(const View& v)
+		{
+			const int solver = v.place<ContactDynamics>(), integrator = v.place<NewtonIntegrator>();
+			for (int k = solver + 1; solver >= 0 && k < integrator; ++k)
+				if (!v.engines[k]->dead && loads(*v.engines[k]))
+					return "the " + v.engines[k]->getClassName() + " stands after ContactDynamics, which would not see its load; put it before.";
+			return {};
+		}
+
+		std::string integrator(const View& v)
+		{
+			const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
+			if (newton && newton->damping != 0)
+				return "NewtonIntegrator.damping = " + text(newton->damping)
+				        + " would damp the contact forces; set damping=0 (restitution below 1 dissipates by itself).";
+			if (newton && newton->densityScaling) return "NewtonIntegrator.densityScaling is on; switch it off, the time step is not bound by a stiffness.";
+			return {};
+		}
+
+		std::string timeStepper(const View& v)
+		{
+			const TimeStepper* stepper = v.first<TimeStepper>();
+			if (!stepper || !stepper->active) return {};
+			return "the " + stepper->getClassName()
+			        + " would set O.dt from stiffnesses, which rigid contacts have none of; remove it and set O.dt by the accuracy you want.";
+		}
+
+		std::string bounds(const View& v)
+		{
+			const Collider* collider = v.first<Collider>();
+			if (!collider) return {};
+			for (const auto& b : *v.scene.bodies) {
+				if (!b || !b->shape || b->isClump() || !b->isBounded() || collider->boundDispatcher->getFunctor1D(b->shape)) continue;
+				const std::string shape = b->shape->getClassName();
+				return "the collider has no Bo1_" + shape + "_Aabb, so body #" + std::to_string(b->getId()) + " would meet nothing; put Bo1_" + shape
+				        + "_Aabb() into its list.";
+			}
+			return {};
+		}
+
+		// ---- functors
+
+		std::string mixedLaws(const View& v)
+		{
+			if (v.law != both) return {};
+			const char* with = v.place<ContactDynamics>() >= 0 ? "the engine ContactDynamics"
+			        : has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(v.loop->lawDispatcher->functors) ? "Law2_RcrGeom_CdPhys_SignoriniCoulomb"
+			                                                                                      : "Ip2_FrictMat_FrictMat_CdPhys";
+			return std::string("O.engines mix Law2_RcrGeom_FrictPhys_CundallStrack, the smooth law, with ") + with
+			        + ". Smooth contacts want Ip2_FrictMat_FrictMat_FrictPhys, this law and no ContactDynamics; rigid ones "
+			          "Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb and ContactDynamics before the NewtonIntegrator.";
+		}
+
+		std::string noLaw(const View& v)
+		{
+			if (!v.loop || !v.body<Rcr>()) return {};
+			return "the InteractionLoop has no law for Rcrs; put Law2_RcrGeom_CdPhys_SignoriniCoulomb (with ContactDynamics) or "
+			       "Law2_RcrGeom_FrictPhys_CundallStrack into its third list.";
+		}
+
+		std::string rigidFunctors(const View& v)
+		{
+			if (!v.loop) return {};
+			bool                 swap;
+			shared_ptr<Material> material = boost::make_shared<FrictMat>();
+			if (!dynamic_cast<Ip2_FrictMat_FrictMat_CdPhys*>(v.loop->physDispatcher->getFunctor2D(material, material, swap).get()))
+				return "the InteractionLoop has no Ip2_FrictMat_FrictMat_CdPhys for two FrictMats; put it into its second list.";
+			shared_ptr<IGeom> geom = boost::make_shared<RcrGeom>();
+			shared_ptr<IPhys> phys = boost::make_shared<CdPhys>();
+			if (!dynamic_cast<Law2_RcrGeom_CdPhys_SignoriniCoulomb*>(v.loop->lawDispatcher->getFunctor2D(geom, phys, swap).get()))
+				return "the InteractionLoop has no Law2_RcrGeom_CdPhys_SignoriniCoulomb; put it into its third list.";
+			return {};
+		}
+
+		std::string smoothFunctors(const View& v)
+		{
+			bool                 swap;
+			shared_ptr<Material> material = boost::make_shared<FrictMat>();
+			if (v.loop && !v.loop->physDispatcher->getFunctor2D(material, material, swap))
+				return "the InteractionLoop has no Ip2_FrictMat_FrictMat_FrictPhys; put it into its second list.";
+			return {};
+		}
+
+		/// Functors that make contacts which our laws cannot take, of shapes that both serve.
+		std::string foreignGeometry(const View& v)
+		{
+			if (!v.loop) return {};
+			for (const auto& functor : v.loop->geomDispatcher->functors) {
+				if (dynamic_cast<const Ig2_Planar_RcrGeom*>(functor.get())) continue;
+				const std::string name = functor->getClassName(), pair = name.substr(0, name.rfind('_'));
+				return name + " makes contacts that " + (v.law == rigid ? "ContactDynamics does" : "Law2_RcrGeom_FrictPhys_CundallStrack does")
+				        + " not solve; take " + (pair.rfind("Ig2_", 0) == 0 ? pair + "_RcrGeom" : "an Ig2_…_RcrGeom") + " in its place.";
+			}
+			return {};
+		}
+
+		// ---- bodies
+
+		std::string materials(const View& v)
+		{
+			for (const auto& b : *v.scene.bodies)
+				if (b && b->material && !b->isClump() && b->shape && !dynamic_cast<const FrictMat*>(b->material.get()))
+					return "body #" + std::to_string(b->getId()) + " has the material " + b->material->getClassName()
+					        + ", which knows no friction; give it a FrictMat.";
+			return {};
+		}
+
+		std::string wallsInCell(const View& v)
+		{
+			const Body* wall = v.scene.isPeriodic ? v.body<Wall>() : nullptr;
+			return wall ? "body #" + std::to_string(wall->getId()) + " is a Wall in a periodic cell, which has no boundary; remove it, or use a Box or fixed Rcrs."
+			            : std::string();
+		}
+
+		/// Obstacles that never meet the plane of the grains.
+		std::string outOfPlane(const View& v)
+		{
+			const Real z = planeOf(v.scene);
+			if (math::isnan(z)) return {};
+			for (const auto& b : *v.scene.bodies) {
+				if (!b || !b->shape) continue;
+				const std::string id = "body #" + std::to_string(b->getId());
+				if (const Box* box = dynamic_cast<const Box*>(b->shape.get()))
+					if (!(math::abs(b->state->pos.z() - z) <= box->extents.z()))
+						return id + " is a Box at z = " + text(b->state->pos.z()) + " that does not reach the plane z = " + text(z)
+						        + " of the grains, so nothing would meet it; set its z, or its extents.";
+				if (dynamic_cast<const Facet*>(b->shape.get()) && plane::shapeOf(*b->shape, *b->state, z).kind == rcr::PlanarShape::none)
+					return id + " is a Facet that does not cut the plane z = " + text(z)
+					        + " of the grains; a Facet is the segment in which it does: put a corner on either side, or remove it.";
+			}
+			return {};
+		}
+
+		/// One row of the table: asked of scenes with these laws; what is not empty is told.
+		struct Rule {
+			int laws;
+			std::string (*told)(const View&);
+		};
+
+		// clang-format off
+		const Rule rules[] = {
+			{ neither, noLaw },
+			{ both,    mixedLaws },
+			{ both,    [](const View& v) { return missing<NewtonIntegrator>(v, "NewtonIntegrator", "so nothing would move; append NewtonIntegrator(damping=0)."); } },
+			{ both,    [](const View& v) { return missing<InteractionLoop>(v, "InteractionLoop", "so there are no contacts; put one after the collider."); } },
+			{ both,    [](const View& v) { return missing<Collider>(v, "collider", "so no bodies would meet; put InsertionSortCollider([Bo1_Rcr_Aabb(), …]) before the InteractionLoop."); } },
+			{ both,    [](const View& v) { return missing<ForceResetter>(v, "ForceResetter", "so forces would add up from step to step; put ForceResetter() first."); } },
+			{ rigid,   [](const View& v) { return missing<ContactDynamics>(v, "ContactDynamics", "so rigid contacts would carry nothing; put ContactDynamics() between the InteractionLoop and the NewtonIntegrator."); } },
+			{ both,    [](const View& v) { return twice<NewtonIntegrator>(v, "NewtonIntegrator"); } },
+			{ both,    [](const View& v) { return twice<InteractionLoop>(v, "InteractionLoop"); } },
+			{ both,    [](const View& v) { return twice<ContactDynamics>(v, "ContactDynamics"); } },
+			{ both,    [](const View& v) { return twice<Collider>(v, "the collider"); } },
+			{ both,    [](const View& v) { return order<ForceResetter, InteractionLoop>(v, "the ForceResetter stands after the InteractionLoop, so it would take its forces away; put it first."); } },
+			{ both,    [](const View& v) { return order<Collider, InteractionLoop>(v, "the collider stands after the InteractionLoop; put it before."); } },
+			{ rigid,   [](const View& v) { return order<InteractionLoop, ContactDynamics>(v, "ContactDynamics stands before the InteractionLoop, so it would solve the contacts of the step before; put it after."); } },
+			{ rigid,   [](const View& v) { return order<ContactDynamics, NewtonIntegrator>(v, "ContactDynamics stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
+			{ smooth,  [](const View& v) { return order<InteractionLoop, NewtonIntegrator>(v, "the InteractionLoop stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
+			{ rigid,   lateLoad },
+			{ rigid,   integrator },
+			{ rigid,   timeStepper },
+			{ both,    bounds },
+			{ rigid,   rigidFunctors },
+			{ smooth,  smoothFunctors },
+			{ both,    foreignGeometry },
+			{ both,    materials },
+			{ both,    wallsInCell },
+			{ both,    outOfPlane },
+		};
+		// clang-format on
+
+		/// What the rules depend on, as far as it changes seldom.
+		std::vector<const void*> signature(const Scene& scene)
+		{
+			std::vector<const void*> seen { reinterpret_cast<const void*>(scene.bodies->size()), reinterpret_cast<const void*>(std::size_t(scene.isPeriodic)) };
+			const auto               add = [&](const auto& functors) {
+                                for (const auto& f : functors)
+                                        seen.push_back(f.get());
+			};
+			for (const auto& e : scene.engines) {
+				seen.push_back(e->dead ? nullptr : e.get());
+				if (const auto* loop = dynamic_cast<const InteractionLoop*>(e.get()))
+					add(loop->geomDispatcher->functors), add(loop->physDispatcher->functors), add(loop->lawDispatcher->functors);
+				if (const auto* collider = dynamic_cast<const Collider*>(e.get())) add(collider->boundDispatcher->functors);
+				if (const auto* stepper = dynamic_cast<const TimeStepper*>(e.get())) seen.push_back(stepper->active ? stepper : nullptr);
+			}
+			return seen;
+		}
+
+		/// Discs must be seen as far ahead as Rcrs: Bo1_Disc_Aabb in the place of a Bo1_Sphere_Aabb.
+		void lookAheadOfDiscs(const Scene& scene)
+		{
+			for (const auto& e : scene.engines)
+				if (Collider* collider = dynamic_cast<Collider*>(e.get()))
+					for (const auto& functor : collider->boundDispatcher->functors)
+						if (functor->getClassName() == "Bo1_Sphere_Aabb") {
+							auto disc               = boost::make_shared<Bo1_Disc_Aabb>();
+							disc->aabbEnlargeFactor = static_cast<const Bo1_Sphere_Aabb&>(*functor).aabbEnlargeFactor;
+							auto functors           = collider->boundDispatcher->functors;
+							std::replace(functors.begin(), functors.end(), functor, shared_ptr<BoundFunctor>(disc));
+							collider->boundDispatcher->functors_set(functors);
+							for (const auto& b : *scene.bodies)
+								if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get())) b->shape->boundFunctor = nullptr; // a cache
+							return;
+						}
+		}
+
+	} // namespace
+
+	std::string refusal(const Scene& scene)
+	{
+		const View view(scene);
+		for (const Rule& rule : rules) {
+			const std::string told = rule.laws & view.law ? rule.told(view) : std::string();
+			if (!told.empty()) return told;
+		}
+		return {};
+	}
+
+	bool serves(const Scene& scene) { return View(scene).law != neither; }
+
+	Engines Watch::pass(const Scene& scene)
+	{
+		if (!(scene.dt > 0 && math::isfinite(scene.dt))) refuse("O.dt = " + text(scene.dt) + "; wanted a finite time step > 0.");
+		const View        view(scene);
+		const std::string wrong = integrator(view); // may change with nothing else
+		if (!wrong.empty()) refuse(wrong);
+		const std::vector<const void*> now = signature(scene);
+		if (now == seen_) return engines_;
+		const std::string told = refusal(scene);
+		if (!told.empty()) refuse(told);
+		lookAheadOfDiscs(scene);
+		engines_ = { view.first<NewtonIntegrator>(), view.first<InteractionLoop>(), view.first<Collider>() };
+		seen_    = signature(scene);
+		return engines_;
+	}
+
+	bool mayTouch(const Interaction& i, const Scene& scene)
+	{
+		for (Body::id_t id : { i.getId1(), i.getId2() }) {
+			const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
+			if (dynamic_cast<const FrictMat*>(material.get())) continue;
+			refuseLater(
+			        "body #" + std::to_string(id) + " has " + (material ? "the material " + material->getClassName() : std::string("no material"))
+			        + " and touches #" + std::to_string(id == i.getId1() ? i.getId2() : i.getId1()) + "; give it a FrictMat, which knows friction.");
+			return false;
+		}
+		const std::string told = refusal(scene);
+		if (told.empty()) return true;
+		if (View(scene).place<ContactDynamics>() < 0) refuseLater(told); // else it tells it itself, later in this step
+		return false;
+	}
+
+} // namespace gate
+} // namespace yade

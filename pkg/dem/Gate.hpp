@@ -1,0 +1,88 @@
+// What is served, by which law, and what is told otherwise: the one place where scenes are accepted or refused.
+//
+// Served by both laws, in the plane z = const and per unit depth:
+//
+//   grains     Rcr, Sphere (a disc), and clumps of them
+//   obstacles  Wall normal to x or y, Box turned about z, Facet that cuts the plane in a segment; a Box may also be free
+//   cell       open, or periodic without walls
+//   material   FrictMat
+//   engines    ForceResetter, a collider with a Bo1 for every shape, loads, InteractionLoop with an Ig2_…_RcrGeom for every pair, and
+//     rigid    Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb; loads and kinematic engines; ContactDynamics; NewtonIntegrator(damping=0)
+//     smooth   Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack; NewtonIntegrator
+//
+// The rules stand in one table in Gate.cpp. They are looked at when a run starts (rcr.session), by ContactDynamics when engines
+// or the number of bodies have changed, and by the Ig2 functors when a contact is new; what may change from step to step, numbers of
+// bodies and contacts, is looked at where it is gathered. Each refusal says what was found, what is wanted and what to do.
+#pragma once
+
+#include <sstream>
+
+#include <core/Interaction.hpp>
+#include <core/InteractionLoop.hpp>
+#include <core/Scene.hpp>
+#include <pkg/dem/NewtonIntegrator.hpp>
+
+#include "CdPhys.hpp"
+
+namespace yade {
+
+class Collider;
+
+namespace gate {
+
+	/// A number as a user would write it.
+	inline std::string text(Real value)
+	{
+		std::ostringstream out;
+		out.precision(12);
+		out << value;
+		return out.str();
+	}
+
+	/// Throws std::invalid_argument with this text.
+	[[noreturn]] void refuse(const std::string& message);
+
+	/// The engines that ContactDynamics works with.
+	struct Engines {
+		const NewtonIntegrator* integrator = nullptr;
+		const InteractionLoop*  loop       = nullptr;
+		Collider*               collider   = nullptr;
+	};
+
+	/// What of a scene with our classes is refused; empty where nothing is, or where none of our classes is there.
+	std::string refusal(const Scene&);
+
+	/// Is a law of ours in the scene?
+	bool serves(const Scene&);
+
+	/// What of a scene is served but hardly meant; empty where nothing is.
+	std::string advice(const Scene&);
+
+	/// Looks at the scene when its engines, their functors or its number of bodies have changed.
+	class Watch {
+	public:
+		Engines pass(const Scene&); // throws what `refusal` says
+	private:
+		std::vector<const void*> seen_;
+		Engines                  engines_;
+	};
+
+	/// May a contact be made of this interaction? If not, the reason is raised in Python as soon as that is possible.
+	bool mayTouch(const Interaction&, const Scene&);
+
+	/// The z of the plane of the grains; NaN where there are none.
+	Real planeOf(const Scene&);
+
+	/// Whether the numbers of a body that takes part are in order: finite, in the plane, with a mass where it is free.
+	bool fine(const Body&, Real z);
+	/// Says what is wrong with it. Forces must be synced.
+	[[noreturn]] void refuseBody(const Body&, Scene&, Real z);
+
+	/// A pair that no Ig2 functor serves, of which one could move into the other.
+	void checkServed(const Interaction&, const Scene&);
+
+	/// Friction and restitution of a contact.
+	void checkPhys(const CdPhys&, Body::id_t id1, Body::id_t id2);
+
+} // namespace gate
+} // namespace yade

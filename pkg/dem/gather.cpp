@@ -1,0 +1,314 @@
+#include "gather.hpp"
+
+#include <numeric>
+
+#include <core/Clump.hpp>
+#include <core/InteractionLoop.hpp>
+#include <pkg/common/Collider.hpp>
+
+#include "Gate.hpp"
+#include "planarShape.hpp"
+#include "prefetch.hpp"
+
+namespace yade {
+
+namespace {
+
+	/// The cell as it moves in this step: its images follow the gradient that NewtonIntegrator is going to take.
+	rcr::PeriodicCell cellOf(const Scene& scene, const Matrix3r& gradient)
+	{
+		rcr::PeriodicCell cell;
+		if (!scene.isPeriodic) return cell;
+		cell.periodic    = true;
+		const Matrix3r& h = scene.cell->hSize;
+		for (int i = 0; i < 2; ++i)
+			for (int j = 0; j < 2; ++j)
+				cell.h[i][j] = double(h(i, j)), cell.gradient[i][j] = double(gradient(i, j));
+		const double determinant = cell.h[0][0] * cell.h[1][1] - cell.h[0][1] * cell.h[1][0];
+		cell.inverse[0][0] = cell.h[1][1] / determinant, cell.inverse[0][1] = -cell.h[0][1] / determinant;
+		cell.inverse[1][0] = -cell.h[1][0] / determinant, cell.inverse[1][1] = cell.h[0][0] / determinant;
+		return cell;
+	}
+
+	/// What NewtonIntegrator adds to the velocities of bodies in a cell, beside forces: the change of the mean field, and its convection.
+	struct MeanField {
+		bool     periodic = false;
+		Matrix3r gradient = Matrix3r::Zero(), change = Matrix3r::Zero(), convection = Matrix3r::Zero();
+
+		MeanField(const Scene& scene, const NewtonIntegrator& newton)
+		{
+			if (!scene.isPeriodic) return;
+			const Cell& cell = *scene.cell;
+			periodic         = true;
+			gradient         = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad;
+			if (cell.homoDeform > 0) change = gradient - newton.prevVelGrad;
+			if (cell.homoDeform > 1) convection = newton.prevVelGrad;
+		}
+
+		rcr::Twist added(const State& s, double dt) const
+		{
+			if (!periodic) return {};
+			const Vector3r v = change * s.pos + Real(dt) * (convection * s.vel);
+			return { double(v[0]), double(v[1]), 0.5 * double(change(1, 0) - change(0, 1)) };
+		}
+	};
+
+	class Gatherer {
+	public:
+		Gatherer(Scene& scene, const NewtonIntegrator& newton, rcr::Team& team, StepSources& from, rcr::Step& step)
+		        : scene_(scene), newton_(newton), team_(team), from_(from), step_(step), field_(scene, newton)
+		{
+		}
+
+		void bodies();
+		void contacts();
+
+	private:
+		void                 body(const Body&);
+		void                 move(const Body&, const State&, rcr::StepBody&);
+		std::pair<Vector3r, Vector3r> load(const Body&) const;
+		StepSources::Contact contactOf(Interaction&) const;
+		void                 sort();
+		void                 points(std::size_t number);
+
+		Scene&                  scene_;
+		const NewtonIntegrator& newton_;
+		rcr::Team&              team_;
+		StepSources&            from_;
+		rcr::Step&              step_;
+		MeanField               field_;
+	};
+
+	void Gatherer::bodies()
+	{
+		const BodyContainer& bodies = *scene_.bodies;
+		const std::size_t    count  = bodies.size();
+		step_.dt                    = double(scene_.dt);
+		step_.cell                  = cellOf(scene_, field_.gradient);
+		step_.problem.inverseMass.resize(count);
+		step_.problem.freeVelocity.resize(count);
+		step_.bodies.resize(count);
+		from_.state.resize(count);
+		from_.bound.resize(count);
+		from_.z = gate::planeOf(scene_);
+		team_.forEach(count, [&](Body::id_t id) {
+			if (id + 2 * prefetchAhead < count) {
+				prefetch<Body>(bodies[id + 2 * prefetchAhead].get());
+				prefetchBody(bodies[id + prefetchAhead].get());
+			}
+			step_.problem.inverseMass[id]  = {};
+			step_.problem.freeVelocity[id] = {};
+			step_.bodies[id]               = {};
+			step_.bodies[id].owner         = id;
+			from_.state[id]                = nullptr;
+			from_.bound[id]                = nullptr;
+			if (const Body* b = bodies[id].get()) body(*b);
+		});
+		step_.members.clear();
+		for (std::size_t id = 0; id < count; ++id) {
+			const int owner = step_.bodies[id].owner;
+			if (owner == int(id)) continue;
+			step_.members.push_back(int(id));
+			const double reach = norm(step_.bodies[id].center - step_.bodies[owner].center) + step_.bodies[id].radius;
+			step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, reach);
+		}
+	}
+
+	void Gatherer::body(const Body& b)
+	{
+		const Body::id_t id    = b.getId();
+		const State&     s     = *b.state;
+		rcr::StepBody&   body  = step_.bodies[id];
+		const bool       clump = b.isClump();
+		if (b.shape && !clump) body.shape = plane::shapeOf(*b.shape, s, from_.z);
+		if ((clump || body.shape.kind != rcr::PlanarShape::none) && body.shape.kind != rcr::PlanarShape::wall
+		    && body.shape.kind != rcr::PlanarShape::segment && !gate::fine(b, from_.z))
+			gate::refuseBody(b, scene_, from_.z);
+		from_.state[id]    = b.state.get();
+		body.center        = plane::toPlane(s.pos);
+		body.turn          = plane::turnOf(body.shape, s);
+		body.velocity      = plane::twist(s);
+		body.radius        = body.shape.radius();
+		body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step_.dt);
+		if (b.isClumpMember()) {
+			body.owner          = b.clumpId;
+			const State& moving = *(*scene_.bodies)[b.clumpId]->state;
+			if (moving.blockedDOFs != State::DOF_ALL) body.expected = body.alertDistance;
+		} else {
+			body.free = s.blockedDOFs != State::DOF_ALL;
+			if (body.free) body.expected = body.alertDistance;
+			move(b, s, body);
+		}
+		from_.bound[id] = b.bound.get();
+		// An obstacle's box is not enlarged by its alert distance: where it outruns the collider's margin, it looks by itself.
+		if (!body.free && !body.shape.grain() && b.bound && body.alertDistance > double(b.bound->sweepLength)) body.expected = 0;
+	}
+
+	/// Inverse mass, and the velocity at the end of the step without contacts: what NewtonIntegrator will make of the forces so far.
+	void Gatherer::move(const Body& b, const State& s, rcr::StepBody& body)
+	{
+		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) return; // the integrator leaves it where it is
+		if (step_.overdamped) {
+			if (!(s.blockedDOFs & State::DOF_X)) body.velocity.x = 0;
+			if (!(s.blockedDOFs & State::DOF_Y)) body.velocity.y = 0;
+			if (!(s.blockedDOFs & State::DOF_RZ)) body.velocity.rotation = 0;
+		}
+		const Body::id_t  id      = b.getId();
+		const double      dt      = step_.dt;
+		const auto        load    = this->load(b);
+		const auto        free    = [&](unsigned dof) { return !(s.blockedDOFs & dof); };
+		rcr::Twist&       v       = step_.problem.freeVelocity[id];
+		rcr::InverseMass& inverse = step_.problem.inverseMass[id];
+		if (!math::isfinite(load.first.sum() + load.second[2])) gate::refuseBody(b, scene_, from_.z);
+		v = body.velocity;
+		if (free(State::DOF_X)) {
+			inverse.x = 1 / double(s.mass);
+			v.x += dt * double(load.first[0] / s.mass + newton_.gravity[0]);
+		}
+		if (free(State::DOF_Y)) {
+			inverse.y = 1 / double(s.mass);
+			v.y += dt * double(load.first[1] / s.mass + newton_.gravity[1]);
+		}
+		if (free(State::DOF_RZ)) {
+			inverse.rotation = 1 / double(s.inertia[2]);
+			v.rotation += dt * double(load.second[2] / s.inertia[2]);
+		}
+		if (!field_.periodic) return;
+		const rcr::Twist more = field_.added(s, dt);
+		v                     = { v.x + more.x, v.y + more.y, v.rotation + more.rotation };
+	}
+
+	/// Force and torque on a body, on a clump with those on its members.
+	std::pair<Vector3r, Vector3r> Gatherer::load(const Body& b) const
+	{
+		Vector3r force = scene_.forces.getForce(b.getId()), torque = scene_.forces.getTorque(b.getId());
+		if (b.isClump()) static_cast<Clump&>(*b.shape).addForceTorqueFromMembers(b.state.get(), &scene_, force, torque);
+		return { force, torque };
+	}
+
+	StepSources::Contact Gatherer::contactOf(Interaction& i) const
+	{
+		if (!i.functorCache.geomExists) gate::checkServed(i, scene_);
+		if (!i.isReal()) return {};
+		CdPhys*  phys = dynamic_cast<CdPhys*>(i.phys.get());
+		RcrGeom* geom = dynamic_cast<RcrGeom*>(i.geom.get());
+		if (!phys && !geom) return {};
+		if (!phys || !geom)
+			gate::refuse(
+			        "the contact of bodies #" + std::to_string(i.getId1()) + " and #" + std::to_string(i.getId2()) + " has the geometry "
+			        + i.geom->getClassName() + " and the physics " + i.phys->getClassName()
+			        + "; wanted RcrGeom and CdPhys: take Ig2_…_RcrGeom and Ip2_FrictMat_FrictMat_CdPhys alone, and O.interactions.clear() after a change.");
+		return { geom, phys, &i, i.getId1(), i.getId2(), geom->points };
+	}
+
+	/// Sorted by the ids, since the order of YADE's container changes when a scene is reloaded: counted into place by the first
+	/// id, then the few of one body by the second.
+	void Gatherer::sort()
+	{
+		std::vector<int>& first = step_.firstOf;
+		first.assign(step_.bodies.size() + 1, 0);
+		for (const StepSources::Contact& contact : from_.found)
+			if (contact.points > 0) ++first[contact.id1 + 1];
+		std::partial_sum(first.begin(), first.end(), first.begin());
+		from_.sorted.resize(first.back());
+		std::vector<int> next = first;
+		for (const StepSources::Contact& contact : from_.found)
+			if (contact.points > 0) from_.sorted[next[contact.id1]++] = contact;
+		team_.forEach(step_.bodies.size(), [&](Body::id_t id) {
+			const auto begin = from_.sorted.begin();
+			std::sort(begin + first[id], begin + first[id + 1], [](const auto& a, const auto& b) { return a.id2 < b.id2; });
+		});
+	}
+
+	void Gatherer::contacts()
+	{
+		InteractionContainer& interactions = *scene_.interactions;
+		from_.found.resize(interactions.size());
+		team_.forEach(from_.found.size(), [&](int k) {
+			prefetchContact(interactions, from_.found.size(), k);
+			from_.found[k] = contactOf(*interactions[k]);
+		});
+		sort();
+		step_.contacts.resize(from_.sorted.size());
+		int points = 0;
+		for (std::size_t k = 0; k < from_.sorted.size(); ++k) {
+			const StepSources::Contact& source = from_.sorted[k];
+			step_.contacts[k]                  = { source.id1, source.id2, points, source.points, int(k), 0, 0, {}, {} };
+			points += source.points;
+		}
+		step_.problem.points.resize(points);
+		step_.gap.resize(points);
+		step_.force.resize(points);
+		step_.problem.impulse.resize(points);
+		step_.reach.assign(step_.reach.size(), 0);
+		step_.grown.clear();
+		step_.taken.clear();
+		step_.displacement.clear();
+		team_.forEach(step_.contacts.size(), [&](std::size_t k) {
+			const StepSources::Contact& later = from_.sorted[std::min(k + prefetchAhead, from_.sorted.size() - 1)];
+			prefetch<RcrGeom>(later.geom);
+			prefetch<CdPhys>(later.phys);
+			this->points(k);
+		});
+	}
+
+	void Gatherer::points(std::size_t number)
+	{
+		rcr::StepContact&           contact = step_.contacts[number];
+		const StepSources::Contact& source  = from_.sorted[number];
+		const CdPhys&               phys    = *source.phys;
+		const rcr::Manifold         manifold = source.geom->manifold();
+		gate::checkPhys(phys, contact.body1, contact.body2);
+		contact.restitution = double(phys.restitution);
+		contact.size        = double(source.geom->refR1 + source.geom->refR2);
+		if (scene_.isPeriodic) {
+			contact.shift = plane::toPlane(scene_.cell->intrShiftPos(source.interaction->cellDist));
+			contact.drift = step_.cell.drift(contact.shift);
+		}
+		for (int k = 0; k < contact.count; ++k) {
+			const Vector2r& force               = k == 0 ? phys.force1 : phys.force2;
+			step_.problem.points[contact.first + k] = step_.contactPoint(contact, manifold.points[k], double(phys.tangensOfFrictionAngle));
+			step_.gap[contact.first + k]            = { manifold.points[k].gap, -contact.slop() };
+			step_.force[contact.first + k]          = { double(force[0]), double(force[1]) };
+			step_.problem.impulse[contact.first + k] = { step_.dt * double(force[0]), step_.dt * double(force[1]) };
+		}
+	}
+
+} // namespace
+
+void gather(Scene& scene, const NewtonIntegrator& newton, rcr::Team& team, StepSources& sources, rcr::Step& step)
+{
+	Gatherer gatherer(scene, newton, team, sources, step);
+	gatherer.bodies();
+	gatherer.contacts();
+}
+
+void gatherPhysics(Scene& scene, const InteractionLoop& loop, rcr::Step& step)
+{
+	for (rcr::GrownContact& grown : step.grown) {
+		if (grown.known) continue;
+		shared_ptr<Material>&one = (*scene.bodies)[grown.body1]->material, &two = (*scene.bodies)[grown.body2]->material;
+		const auto  scratch = boost::make_shared<Interaction>(grown.body1, grown.body2);
+		bool        swap    = false;
+		loop.physDispatcher->getFunctor2D(one, two, swap)->go(one, two, scratch);
+		const CdPhys& phys = static_cast<const CdPhys&>(*scratch->phys);
+		gate::checkPhys(phys, grown.body1, grown.body2);
+		grown.friction    = double(phys.tangensOfFrictionAngle);
+		grown.restitution = double(phys.restitution);
+	}
+}
+
+bool mayMeet(Scene& scene, const gate::Engines& engines, Body::id_t id1, Body::id_t id2)
+{
+	Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
+	bool  swap;
+#ifdef YADE_MPI
+	if (!engines.collider->mayCollide(&one, &two, scene.subdomain)) return false;
+#else
+	if (!engines.collider->mayCollide(&one, &two)) return false;
+#endif
+	return one.isBounded() && two.isBounded() && engines.loop->geomDispatcher->getFunctor2D(one.shape, two.shape, swap)
+	        && dynamic_cast<const FrictMat*>(one.material.get()) && dynamic_cast<const FrictMat*>(two.material.get());
+}
+
+} // namespace yade

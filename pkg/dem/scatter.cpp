@@ -1,0 +1,182 @@
+#include "scatter.hpp"
+
+#include <atomic>
+
+#include <core/InteractionContainer.hpp>
+
+#include "../kernel/step/missed_contacts.hpp"
+#include "plane.hpp"
+#include "prefetch.hpp"
+
+namespace yade {
+
+namespace {
+
+	void writeForces(const rcr::Step& step, const rcr::StepContact& contact, CdPhys& phys)
+	{
+		rcr::Vec2 normal, shear;
+		for (int k = 0; k < contact.count; ++k) {
+			const rcr::ContactPoint& c     = step.problem.points[contact.first + k];
+			const rcr::Impulse&      force = step.force[contact.first + k];
+			(k == 0 ? phys.force1 : phys.force2) = Vector2r(force.n, force.t);
+			phys.bias[k]                         = c.bias;
+			normal                               = normal + force.n * c.normal;
+			shear                                = shear + force.t * perp(c.normal);
+		}
+		phys.normalForce = plane::toSpace(normal);
+		phys.shearForce  = plane::toSpace(shear);
+	}
+
+	/// Geometry and physics of a contact that was missed, as InteractionLoop would have made them.
+	StepSources::Contact make(Scene& scene, const rcr::Step& step, const rcr::GrownContact& grown)
+	{
+		shared_ptr<Interaction> i = scene.interactions->find(grown.body1, grown.body2);
+		if (!i) {
+			i = boost::make_shared<Interaction>(grown.body1, grown.body2);
+			if (scene.isPeriodic) i->cellDist = (scene.cell->hSize.inverse() * plane::toSpace(grown.shift)).array().round().matrix().cast<int>();
+			scene.interactions->insert(i);
+		}
+		if (!i->geom && i->getId1() != grown.body1) i->swapOrder();
+		if (!i->geom) i->geom = boost::make_shared<RcrGeom>();
+		if (!i->phys) {
+			auto phys                    = boost::make_shared<CdPhys>();
+			phys->tangensOfFrictionAngle = grown.friction;
+			phys->restitution            = grown.restitution;
+			i->phys                      = phys;
+			i->iterMadeReal              = scene.iter;
+		}
+		RcrGeom&             geom = static_cast<RcrGeom&>(*i->geom);
+		CdPhys&              phys = static_cast<CdPhys&>(*i->phys);
+		const rcr::StepBody &one = step.bodies[grown.body1], &two = step.bodies[grown.body2];
+		rcr::Pose            at2 = two.pose();
+		at2.center               = at2.center + grown.shift;
+		const rcr::Pose by       = rcr::sortedAlong(one.shape, one.pose(), at2);
+		geom.refR1               = one.shape.grain() ? one.shape.contactRadius() : two.shape.contactRadius();
+		geom.refR2               = two.shape.contactRadius();
+		geom.set(grown.manifold, by.center, by.axis);
+		phys.points = geom.points;
+		phys.along  = geom.along;
+		return { &geom, &phys, i.get(), grown.body1, grown.body2, geom.points };
+	}
+
+	void takeOver(Scene& scene, StepSources& sources, rcr::Step& step)
+	{
+		for (const rcr::GrownContact& grown : step.taken) {
+			step.contacts[step.find(grown.body1, grown.body2) - step.contacts.data()].source = int(sources.sorted.size());
+			sources.sorted.push_back(make(scene, step, grown));
+		}
+	}
+
+	/// Velocities that are not prescribed become zero.
+	void stop(State& s)
+	{
+		for (int axis = 0; axis < 3; ++axis) {
+			if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] = 0;
+			if (!(s.blockedDOFs & State::axisDOF(axis, true))) s.angVel[axis] = 0;
+		}
+	}
+
+	void displace(State& s, const rcr::Twist& by)
+	{
+		s.pos += Vector3r(by.x, by.y, 0);
+		if (by.rotation != 0) s.ori = (Quaternionr(AngleAxisr(by.rotation, Vector3r::UnitZ())) * s.ori).normalized();
+	}
+
+	/// Does a grain, with the alert distance of its new velocity, reach out of the box that the collider knows?
+	bool outruns(const rcr::StepBody& b, const rcr::Twist& v, double dt, const State& state, const Bound& bound)
+	{
+		const double   reach = b.radius + rcr::alertDistance(b.shape, v, dt);
+		const Vector3r moved = state.pos + dt * Vector3r(v.x, v.y, 0) - bound.refPos;
+		const double   half  = 0.5 * double(bound.max[0] - bound.min[0]);
+		return std::max(std::abs(double(moved[0])), std::abs(double(moved[1]))) + reach > half;
+	}
+
+	/// Does an obstacle that turns reach out of its box? YADE watches displacements, not rotations.
+	bool turnsOut(const rcr::StepBody& b, const rcr::StepBody& owner, const rcr::Twist& v, double dt, const Bound& bound)
+	{
+		if (v.rotation == 0 || b.shape.kind < rcr::PlanarShape::box) return false;
+		rcr::Pose at = rcr::moved(b, owner, v, dt);
+		if (b.shape.kind == rcr::PlanarShape::segment) at = rcr::middleOf(b.shape, at);
+		const rcr::Vec2 half = rcr::halfExtent(b.shape, at.axis);
+		return at.center.x + half.x > bound.max[0] || at.center.x - half.x < bound.min[0] || at.center.y + half.y > bound.max[1]
+		        || at.center.y - half.y < bound.min[1];
+	}
+
+	// The collider runs when a body has left its bounding box. It must also run when a body has become so fast that its alert
+	// distance, of which the box was made for an earlier speed, reaches out of it, and where an obstacle turns out of its box.
+	void keepColliderAhead(Scene& scene, rcr::Team& team, const StepSources& sources, const rcr::Step& step)
+	{
+		std::atomic<bool> out { false };
+		team.forEach(step.bodies.size(), [&](Body::id_t id) {
+			const Bound* bound = sources.bound[id];
+			prefetch<Bound>(sources.bound[std::min(id + prefetchAhead, step.bodies.size() - 1)]);
+			if (!bound) return;
+			const rcr::StepBody& b = step.bodies[id];
+			const rcr::Twist&    v = step.problem.velocity[id];
+			const bool           leaves = b.shape.grain() ? outruns(b, v, step.dt, *sources.state[id], *bound)
+			                                              : turnsOut(b, step.bodies[b.owner], step.problem.velocity[b.owner], step.dt, *bound);
+			if (leaves) out.store(true, std::memory_order_relaxed);
+		});
+		if (out) scene.doSort = true;
+	}
+
+} // namespace
+
+std::vector<rcr::Twist> loadsOf(const rcr::Step& step)
+{
+	std::vector<rcr::Twist> loads(step.bodies.size());
+	const rcr::InverseMass  unit = { 1, 1, 1 };
+	for (std::size_t k = 0; k < step.problem.points.size(); ++k) { // in one order, whatever the threads
+		const rcr::ContactPoint& c = step.problem.points[k];
+		applyImpulse(c, step.problem.impulse[k], unit, unit, loads[c.body1], loads[c.body2]);
+	}
+	return loads;
+}
+
+void scatter(Scene& scene, rcr::Team& team, const std::vector<rcr::Twist>& loads, StepSources& sources, rcr::Step& step)
+{
+	takeOver(scene, sources, step);
+	team.forEach(step.contacts.size(), [&](std::size_t k) {
+		const auto physOf = [&](std::size_t number) { return sources.sorted[step.contacts[number].source].phys; };
+		prefetch<CdPhys>(physOf(std::min(k + prefetchAhead, step.contacts.size() - 1)));
+		writeForces(step, step.contacts[k], *physOf(k));
+	});
+	const double inverseDt = 1 / step.dt;
+	team.forEach(step.bodies.size(), [&](Body::id_t id) {
+		const rcr::StepBody& body = step.bodies[id];
+		State*               s    = sources.state[std::min(id + prefetchAhead, step.bodies.size() - 1)];
+		if (!step.displacement.empty()) prefetch<State>(s);
+		const rcr::Twist& load = loads[id];
+		if (load.x != 0 || load.y != 0 || load.rotation != 0) {
+			scene.forces.addForceUnsynced(id, inverseDt * Vector3r(load.x, load.y, 0));
+			scene.forces.addTorqueUnsynced(id, inverseDt * Vector3r(0, 0, load.rotation));
+		}
+		if (!sources.state[id] || body.owner != id) return;
+		if (step.overdamped) stop(*sources.state[id]);
+		if (!step.displacement.empty() && body.free) displace(*sources.state[id], step.displacement[id]);
+	});
+	keepColliderAhead(scene, team, sources, step);
+}
+
+void keepInteractionsTogether(Scene& scene, const StepSources& sources)
+{
+	constexpr double most = 0.1; // share of contacts that may be out of order
+	std::size_t      back = 0, contacts = 0;
+	Body::id_t       last = 0;
+	for (const StepSources::Contact& contact : sources.found) {
+		if (contact.points == 0) continue;
+		const Body::id_t id = std::min(contact.id1, contact.id2);
+		back += id < last;
+		last = id;
+		++contacts;
+	}
+	if (double(back) <= most * double(contacts)) return;
+	InteractionContainer&             all = *scene.interactions;
+	const std::lock_guard<std::mutex> lock(all.drawloopmutex);
+	const auto                        ids = [](const Interaction& i) { return std::minmax({ i.getId1(), i.getId2() }); };
+	std::sort(all.begin(), all.begin() + all.size(), [&](const auto& a, const auto& b) { return ids(*a) < ids(*b); });
+	for (std::size_t k = 0; k < all.size(); ++k)
+		all[k]->linIx = k;
+}
+
+} // namespace yade

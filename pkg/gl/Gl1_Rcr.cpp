@@ -1,0 +1,93 @@
+#include "Gl1_Rcr.hpp"
+
+#include <GL/gl.h>
+
+namespace yade {
+
+YADE_PLUGIN((Gl1_Rcr));
+
+bool Gl1_Rcr::wire;
+bool Gl1_Rcr::mark;
+Real Gl1_Rcr::depth;
+int  Gl1_Rcr::slices;
+
+namespace {
+
+	struct OutlinePoint {
+		double x, y;   // from the centre, along the axes of the particle [m]
+		double nx, ny; // outward normal
+	};
+
+	/// Counter-clockwise from the lower end of the cap on the right.
+	std::vector<OutlinePoint> outline(const Rcr& shape, int slices)
+	{
+		std::vector<OutlinePoint> points;
+		const double              a = double(shape.halfLength), r = double(shape.capRadius), pi = std::acos(-1.0);
+		for (int cap = 0; cap < 2; ++cap)
+			for (int k = 0; k <= slices; ++k) {
+				const double angle = pi * (cap - 0.5 + double(k) / slices), c = std::cos(angle), s = std::sin(angle);
+				points.push_back({ (cap == 0 ? a : -a) + r * c, r * s, c, s });
+			}
+		return points;
+	}
+
+	/// A face of the plate, or its edge as a line.
+	void drawFace(const std::vector<OutlinePoint>& points, double z, bool wire)
+	{
+		glBegin(wire ? GL_LINE_LOOP : GL_POLYGON);
+		glNormal3d(0, 0, z < 0 ? -1 : 1);
+		for (const OutlinePoint& p : points)
+			glVertex3d(p.x, p.y, z);
+		glEnd();
+	}
+
+	void drawRim(const std::vector<OutlinePoint>& points, double z)
+	{
+		glBegin(GL_QUAD_STRIP);
+		for (std::size_t k = 0; k <= points.size(); ++k) {
+			const OutlinePoint& p = points[k % points.size()];
+			glNormal3d(p.nx, p.ny, 0);
+			glVertex3d(p.x, p.y, z);
+			glVertex3d(p.x, p.y, -z);
+		}
+		glEnd();
+	}
+
+	/// A line to the end of the long axis, just above each face.
+	void drawMark(double length, double z)
+	{
+		glDisable(GL_LIGHTING);
+		glBegin(GL_LINES);
+		for (const double side : { z, -z }) {
+			glVertex3d(0, 0, side);
+			glVertex3d(length, 0, side);
+		}
+		glEnd();
+	}
+
+} // namespace
+
+void Gl1_Rcr::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool wireOfView, const GLViewInfo&)
+{
+	const Rcr&                      particle = static_cast<const Rcr&>(*shape);
+	const std::vector<OutlinePoint> points   = outline(particle, std::max(slices, 1));
+	const Vector3r&                 color    = particle.color;
+	const double                    z        = double(depth * particle.capRadius);
+	const bool                      lines    = wire || wireOfView;
+	glPushAttrib(GL_ENABLE_BIT | GL_LINE_BIT | GL_CURRENT_BIT);
+	glDisable(GL_CULL_FACE);
+	glEnable(GL_NORMALIZE);
+	glColor3d(double(color[0]), double(color[1]), double(color[2]));
+	for (const double side : { z, -z })
+		drawFace(points, side, lines);
+	if (!lines && z > 0) drawRim(points, z);
+	if (mark) {
+		const double shade = lines ? 1 : 0.3;
+		glColor3d(shade * double(color[0]), shade * double(color[1]), shade * double(color[2]));
+		glLineWidth(2);
+		drawMark(double(particle.halfLength + particle.capRadius), z + (lines ? 0 : 0.01 * double(particle.capRadius)));
+	}
+	glPopAttrib();
+}
+
+} // namespace yade

@@ -1,0 +1,103 @@
+#include "parallel/shared_loop.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+namespace rcr {
+
+namespace {
+
+	using namespace std::chrono_literals;
+	constexpr int  spins    = 100;   // before a waiting thread yields its core: about a microsecond
+	constexpr auto patience = 1ms;   // of a helper: no serial part of a solver lasts longer
+	constexpr auto stall    = 100us; // of the leader: an index takes one, so the helper has lost its core
+
+	constexpr int           indexBits = 20; // 24 are left for the serial number
+	constexpr std::uint64_t indexMask = (1u << indexBits) - 1;
+	constexpr int           maxSlice  = int(indexMask); // indices of one slice: its end fits into the bits
+
+	constexpr std::uint64_t pack(std::uint64_t serial, std::uint64_t next, std::uint64_t end)
+	{
+		return serial << (2 * indexBits) | end << indexBits | next;
+	}
+
+	void pause()
+	{
+#if defined(__x86_64__)
+		__builtin_ia32_pause();
+#endif
+	}
+
+	/// Waits until ready(), for a limited time; true if ready.
+	template <class Ready> bool wait(Ready ready, std::chrono::steady_clock::duration limit)
+	{
+		for (int i = 0; i < spins; ++i) {
+			if (ready()) return true;
+			pause();
+		}
+		const auto start = std::chrono::steady_clock::now();
+		while (!ready()) {
+			std::this_thread::yield();
+			if (std::chrono::steady_clock::now() - start > limit) return false;
+		}
+		return true;
+	}
+
+} // namespace
+
+bool SharedLoop::lead(int begin, int end, void (*work)(void*, int), void* context)
+{
+	work_       = work;
+	context_    = context;
+	bool prompt = true;
+	for (int count; begin < end; begin += count) {
+		count  = std::min(end - begin, maxSlice);
+		prompt = leadSlice(begin, count) && prompt;
+	}
+	return prompt;
+}
+
+bool SharedLoop::leadSlice(int begin, int count)
+{
+	const std::uint64_t size = count, threads = threads_;
+	begin_                   = begin;
+	++serial_;
+	done_.store(0, std::memory_order_relaxed);
+	for (std::uint64_t t = 0; t < threads; ++t)
+		parts_[t].word.store(pack(serial_, size * t / threads, size * (t + 1) / threads), std::memory_order_release);
+	done_.fetch_add(take(0), std::memory_order_acq_rel);
+	const auto complete = [&] { return done_.load(std::memory_order_acquire) == count; };
+	if (wait(complete, stall)) return true;
+	wait(complete, std::chrono::steady_clock::duration::max());
+	return false;
+}
+
+int SharedLoop::take(int self)
+{
+	int taken = 0;
+	for (int k = 0; k < threads_; ++k) {
+		std::atomic<std::uint64_t>& part = parts_[(self + k) % threads_].word;
+		std::uint64_t               word = part.load(std::memory_order_acquire);
+		while ((word & indexMask) < (word >> indexBits & indexMask)) {
+			if (!part.compare_exchange_weak(word, word + 1, std::memory_order_acq_rel, std::memory_order_acquire)) continue;
+			work_(context_, begin_ + int(word & indexMask)); // the loop stands until this index is counted as done
+			++taken;
+			word = part.load(std::memory_order_acquire);
+		}
+	}
+	return taken;
+}
+
+void SharedLoop::help(int self)
+{
+	std::uint64_t seen = parts_[self].word.load(std::memory_order_acquire);
+	while (isOpen()) {
+		if (const int taken = take(self)) done_.fetch_add(taken, std::memory_order_acq_rel);
+		const auto news = [&] { return parts_[self].word.load(std::memory_order_acquire) != seen || !isOpen(); };
+		if (!wait(news, patience)) return;
+		seen = parts_[self].word.load(std::memory_order_acquire);
+	}
+}
+
+} // namespace rcr

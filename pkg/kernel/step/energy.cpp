@@ -1,0 +1,29 @@
+#include "step/energy.hpp"
+
+namespace rcr {
+
+StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& load, Vec2 gravity)
+{
+	StepEnergy            energy;
+	const ContactProblem& problem = step.problem;
+	for (std::size_t k = 0; k < problem.points.size(); ++k) {
+		const ContactPoint& c      = problem.points[k];
+		const Impulse       before = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
+		const Impulse       after  = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
+		energy.friction -= 0.5 * problem.impulse[k].t * (before.t + after.t);
+		energy.impact -= 0.5 * problem.impulse[k].n * (before.n + after.n);
+	}
+	for (std::size_t id = 0; id < load.size(); ++id) {
+		const InverseMass& inverse = problem.inverseMass[id];
+		const Twist &      before = step.bodies[id].velocity, &after = problem.velocity[id];
+		if (inverse.x == 0) energy.driven += 0.5 * load[id].x * (before.x + after.x);
+		if (inverse.y == 0) energy.driven += 0.5 * load[id].y * (before.y + after.y);
+		if (inverse.rotation == 0) energy.driven += 0.5 * load[id].rotation * (before.rotation + after.rotation);
+		if (step.displacement.empty() || !step.bodies[id].free) continue;
+		if (inverse.x > 0) energy.lifted -= gravity.x * step.displacement[id].x / inverse.x;
+		if (inverse.y > 0) energy.lifted -= gravity.y * step.displacement[id].y / inverse.y;
+	}
+	return energy;
+}
+
+} // namespace rcr

@@ -1,0 +1,73 @@
+#include "step/large_displacements.hpp"
+
+#include <algorithm>
+
+namespace rcr {
+
+namespace {
+
+	constexpr double infinity  = std::numeric_limits<double>::infinity();
+	constexpr int    looks     = 4;    // times within the step at which a gap is measured before its contact is let pass
+	constexpr double clearance = 0.02; // share of the slop by which a gap must stay open: a push, unlike an overlap, is felt at once
+
+	Manifold pointsAfter(const Step& step, const StepContact& c, double time)
+	{
+		const auto at = [&](int id) {
+			const StepBody& body = step.bodies[id];
+			return moved(body, step.bodies[body.owner], step.problem.velocity[body.owner], time);
+		};
+		Pose at2   = at(c.body2);
+		at2.center = at2.center + c.shift + time * c.drift;
+		return contactPoints(step.bodies[c.body1].shape, at(c.body1), step.bodies[c.body2].shape, at2, std::numeric_limits<double>::max());
+	}
+
+	/// Gap of the point that was number k of `count`; the deepest where their number has changed. Behind a body it is no gap.
+	double gapOf(const Manifold& now, int k, int count, Vec2 normal)
+	{
+		if (now.count == 0) return infinity;
+		const int at = now.count == count ? k : now.count == 2 && now.points[1].gap < now.points[0].gap ? 1 : 0;
+		return dot(now.points[at].normal, normal) > 0 ? now.points[at].gap : -infinity;
+	}
+
+	/// Has it gone through the other body, so that the overlap is now on the far side?
+	bool through(const Manifold& now, Vec2 normal)
+	{
+		return now.count > 0 && dot(now.points[0].normal, normal) <= 0 && now.points[0].gap < 0;
+	}
+
+} // namespace
+
+bool adaptToDisplacement(Step& step, const StepContact& contact, bool letGo, double& overlap)
+{
+	const double dt = step.dt, slop = contact.slop();
+	Manifold     at[looks];
+	for (int look = 0; look < looks; ++look)
+		at[look] = pointsAfter(step, contact, dt * (look + 1) / looks);
+	bool changed = false;
+	for (int k = 0; k < contact.count; ++k) {
+		const int     number = contact.first + k;
+		ContactPoint& c      = step.problem.points[number];
+		const double  gap    = step.gap[number].now;
+		const double  way    = dt * relativeVelocity(c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]).n;
+		double        least  = infinity;
+		for (const Manifold& now : at)
+			least = std::min(least, gapOf(now, k, contact.count, c.normal));
+		int last = looks; // look at which it is still on this side
+		while (last > 1 && through(at[last - 1], c.normal))
+			--last;
+		const double share = double(last) / looks, end = gapOf(at[last - 1], k, contact.count, c.normal);
+		if (std::isfinite(end)) overlap = std::max(overlap, -end / contact.size);
+		const bool sinks  = (end < std::min(0.0, gap) - slop || last < looks) && std::isfinite(end);
+		const bool passes = letGo && step.problem.impulse[number].n > 0 && least > clearance * slop && std::isfinite(least);
+		if (contact.restitution > 0 && c.bias < 0) continue; // it bounces at the beginning of the step
+		if (!sinks && !passes) continue;
+		const double curve = sinks ? (end - gap - share * way) / (share * share) : 2 * least - gap - way; // 2: lets go where another one carries too
+		const double bias  = (std::max(gap, 0.0) + curve) / dt;
+		if (dt * std::abs(bias - c.bias) < clearance * slop) continue; // what the tolerance of the solver leaves would come up again and again
+		c.bias  = bias;
+		changed = true;
+	}
+	return changed;
+}
+
+} // namespace rcr

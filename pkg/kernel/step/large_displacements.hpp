@@ -1,0 +1,34 @@
+// Bodies that pass each other or turn by much within one step.
+//
+// The law of a step knows each contact by the plane of its beginning: g + dt u_n ≥ 0. The gap in which a solution really ends differs
+// from that by the curvature of the way, some s²/2ρ for a relative way s. A disc that flies past a corner is thus deflected by a
+// plane that it never meets, and a spinning rod ends inside what it sweeps along. Where the way is long, the gap is measured at the
+// moved positions, and its difference to the plane's goes into the bias for the step to be solved once more:
+//
+//   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
+//
+// Quasi-static flow never comes here: its ways are a thousandth of a radius a step.
+#pragma once
+
+#include "step/step.hpp"
+
+namespace rcr {
+
+/// Relative way in a step over R₁ + R₂ [-] whose curvature, s²/2ρ, may exceed the slop.
+constexpr double largeDisplacement = 0.01;
+
+/// Has a contact of the solved step a large displacement? Told from the velocities of its bodies alone: nearly none has.
+inline bool displacesFar(const Step& step, const StepContact& c)
+{
+	const StepBody &  one = step.bodies[c.body1], &two = step.bodies[c.body2];
+	const Twist &     v1 = step.problem.velocity[c.body1], &v2 = step.problem.velocity[c.body2];
+	const double      translation = norm(Vec2 { v2.x + c.drift.x - v1.x, v2.y + c.drift.y - v1.y });
+	return step.dt * (translation + std::abs(v1.rotation) * one.radius + std::abs(v2.rotation) * two.radius) > largeDisplacement * c.size;
+}
+
+/// Puts the gap in which such a contact really ends into its biases; true if one has changed. Contacts that the way passes are let
+/// go only where `letGo` says so: what is let go may sink in. The deepest overlap at the end of the step is kept in `overlap`, over
+/// R₁ + R₂ [-].
+bool adaptToDisplacement(Step&, const StepContact&, bool letGo, double& overlap);
+
+} // namespace rcr

@@ -1,0 +1,38 @@
+#include "step/position_correction.hpp"
+
+#include <algorithm>
+
+#include "parallel/team.hpp"
+
+namespace rcr {
+
+namespace {
+	constexpr double farthestShift = 1e-4; // of a radius
+	constexpr int    sweeps        = 10;   // 5 to 20 leave as little
+}
+
+void correctPositions(Step& step, double beta, Workspace& workspace)
+{
+	step.displacement.clear();
+	if (beta == 0 || step.overdamped) return;
+	if (std::none_of(step.gap.begin(), step.gap.end(), [](const Gap& gap) { return gap.now < gap.allowed; })) return;
+	const ContactProblem& problem = step.problem;
+	std::vector<double>   bias(step.gap.size());
+	workspace.team().forEach(bias.size(), [&](int k) {
+		const double excess = step.gap[k].now - step.gap[k].allowed, law = problem.points[k].bias;
+		bias[k]             = excess < 0 ? std::min(law, beta * excess / step.dt) : law;
+	});
+	sweepWithBias(problem, bias, sweeps, step.displacement, workspace);
+	double farthest = 0; // over the radius of a grain
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const StepBody& body = step.bodies[id];
+		const Twist &   v = problem.velocity[id], &with = step.displacement[id];
+		step.displacement[id] = body.free ? Twist { step.dt * (with.x - v.x), step.dt * (with.y - v.y), step.dt * (with.rotation - v.rotation) } : Twist {};
+		if (body.free && body.radius > 0) farthest = std::max(farthest, speed(step.displacement[id], body.radius) / body.radius);
+	}
+	const double share = std::min(1.0, farthestShift / farthest);
+	for (Twist& shift : step.displacement)
+		shift = { share * shift.x, share * shift.y, share * shift.rotation };
+}
+
+} // namespace rcr

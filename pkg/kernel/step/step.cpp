@@ -1,0 +1,78 @@
+#include "step/step.hpp"
+
+#include <algorithm>
+
+#include "step/restitution.hpp"
+
+namespace rcr {
+
+namespace {
+
+	Turn turned(Turn from, double angle)
+	{
+		const double c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
+		return { c * from.w - s * from.z, c * from.z + s * from.w };
+	}
+
+} // namespace
+
+Pose moved(const StepBody& body, const StepBody& owner, const Twist& v, double time)
+{
+	const Turn turn   = v.rotation == 0 ? body.turn : turned(body.turn, time * v.rotation);
+	Vec2       center = { body.center.x + time * v.x, body.center.y + time * v.y };
+	if (&body != &owner) {
+		const Vec2   arm = body.center - owner.center;
+		const double c = std::cos(time * v.rotation), s = std::sin(time * v.rotation);
+		center = { owner.center.x + time * v.x + c * arm.x - s * arm.y, owner.center.y + time * v.y + s * arm.x + c * arm.y };
+	}
+	return { center, turn.axis() };
+}
+
+ContactPoint Step::contactPoint(const StepContact& c, const ManifoldPoint& at, double friction) const
+{
+	ContactPoint p;
+	p.body1    = bodies[c.body1].owner;
+	p.body2    = bodies[c.body2].owner;
+	p.normal   = at.normal;
+	p.arm1     = at.position - bodies[p.body1].center;
+	p.arm2     = at.position - (bodies[p.body2].center + c.shift);
+	p.friction = friction;
+	p.drift    = c.drift;
+	p.bias     = overdamped ? at.gap / dt : lawBias(at.gap, c.restitution, dt, [&] {
+                             return relativeVelocity(p, bodies[p.body1].velocity, bodies[p.body2].velocity).n;
+                     });
+	return p;
+}
+
+void Step::indexContacts()
+{
+	firstOf.assign(bodies.size() + 1, 0);
+	for (const StepContact& c : contacts)
+		++firstOf[c.body1 + 1];
+	for (std::size_t id = 0; id < bodies.size(); ++id)
+		firstOf[id + 1] += firstOf[id];
+}
+
+const StepContact* Step::find(int body1, int body2) const
+{
+	const auto begin = contacts.begin() + firstOf[body1], end = contacts.begin() + firstOf[body1 + 1];
+	const auto found = std::lower_bound(begin, end, body2, [](const StepContact& c, int body) { return c.body2 < body; });
+	return found != end && found->body2 == body2 ? &*found : nullptr;
+}
+
+void Step::startFromForces()
+{
+	problem.impulse.resize(force.size());
+	for (std::size_t k = 0; k < force.size(); ++k)
+		problem.impulse[k] = { dt * force[k].n, dt * force[k].t };
+}
+
+void Step::keepForces()
+{
+	const double inverseDt = 1 / dt;
+	force.resize(problem.impulse.size());
+	for (std::size_t k = 0; k < force.size(); ++k)
+		force[k] = { inverseDt * problem.impulse[k].n, inverseDt * problem.impulse[k].t };
+}
+
+} // namespace rcr

@@ -1,0 +1,120 @@
+// The steps of the sweep solvers on one island: what has slots by the kernels, the overflow here.
+#include <algorithm>
+#include <cmath>
+
+#include "sweep/packed_problem.hpp"
+
+namespace rcr {
+
+namespace {
+	constexpr int recordsAtATime = 512; // half records that a thread takes at a time
+}
+
+// ---- points of the overflow
+
+Impulse PackedIsland::relativeVelocity(const OverflowPoint& c) const
+{
+	const HalfRecord &v1 = view_.halfBody(c.record1), &v2 = view_.halfBody(c.record2);
+	const Vec2        u { v2.x - v1.x, v2.y - v1.y };
+	const double      spin1 = c.turns ? view_.wholeBody(c.record1).spin : 0, spin2 = c.turns ? view_.wholeBody(c.record2).spin : 0;
+	return { dot(u, c.normal) + spin2 * c.turn2n - spin1 * c.turn1n + c.drift.n,
+		 dot(u, perp(c.normal)) + spin2 * c.turn2t - spin1 * c.turn1t + c.drift.t };
+}
+
+void PackedIsland::applyImpulse(const OverflowPoint& c, const Impulse& p)
+{
+	const Vec2 f    = p.n * c.normal + p.t * perp(c.normal);
+	const auto push = [&](int record, const InverseMass& mass, double sign, double torque) {
+		if (mass.x == 0 && mass.y == 0 && mass.rotation == 0) return; // other islands may share it
+		HalfRecord& v = view_.halfBody(record);
+		v.x += sign * (mass.x * f.x);
+		v.y += sign * (mass.y * f.y);
+		if (c.turns) view_.wholeBody(record).spin += sign * (mass.rotation * torque);
+	};
+	push(c.record1, c.mass1, -1, p.n * c.turn1n + p.t * c.turn1t);
+	push(c.record2, c.mass2, +1, p.n * c.turn2n + p.t * c.turn2t);
+}
+
+/// The impulse that solves the point while all others stay; `p` is what the velocities hold of it.
+Impulse PackedIsland::solve(const OverflowPoint& c, const Impulse& p) const
+{
+	const Impulse u = relativeVelocity(c);
+	return solveCoulomb(c.w, u.n + c.bias - c.w.nn * p.n - c.w.nt * p.t, u.t - c.w.nt * p.n - c.w.tt * p.t, c.friction);
+}
+
+// ---- the steps of the solvers
+
+void PackedIsland::prepare()
+{
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = packed_.kernels_->prepare(view_, chunk); });
+	double velocity2 = sum(packed_.sum_);
+	forEachOverflowPoint([&](OverflowPoint& c) { velocity2 += square(relativeVelocity(c)); });
+	packed_.freeVelocity2_[number_] = velocity2;
+}
+
+void PackedIsland::applyImpulses()
+{
+	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->apply(view_, chunk); });
+	forEachOverflowPoint([&](OverflowPoint& c) { applyImpulse(c, c.p); });
+}
+
+void PackedIsland::sweep()
+{
+	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweep(view_, chunk); });
+	forEachOverflowPoint([&](OverflowPoint& c) {
+		const Impulse next = solve(c, c.p);
+		applyImpulse(c, next - c.p);
+		c.p = next;
+	});
+}
+
+void PackedIsland::sweepRelaxed(double relaxation)
+{
+	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweepRelaxed(view_, chunk, relaxation); });
+	forEachOverflowPoint([&](OverflowPoint& c) {
+		const Impulse next = projectCone(c.p + relaxation * (solve(c, c.p) - c.p), c.friction);
+		applyImpulse(c, next - c.p);
+		c.p = next;
+	});
+}
+
+double PackedIsland::sweepMomentum(double momentum)
+{
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = packed_.kernels_->sweepMomentum(view_, chunk, momentum); });
+	double change2 = sum(packed_.sum_);
+	forEachOverflowPoint([&](OverflowPoint& c) {
+		const Impulse from = c.p + momentum * (c.p - c.old), next = solve(c, from);
+		applyImpulse(c, next - from);
+		c.old = c.p;
+		c.p   = next;
+		change2 += square(next - from);
+	});
+	return change2;
+}
+
+void PackedIsland::extrapolate(double momentum)
+{
+	const Range records = island_.records;
+	share(0, (records.end - records.begin + recordsAtATime - 1) / recordsAtATime, [&](int part) {
+		const int first = records.begin + part * recordsAtATime;
+		packed_.kernels_->extrapolate(view_, first, std::min(records.end, first + recordsAtATime), momentum);
+	});
+	std::swap(view_.body, view_.oldBody);
+}
+
+Measures PackedIsland::measure()
+{
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.partial_[k] = packed_.kernels_->measure(view_, chunk); });
+	Measures total = sum(packed_.partial_);
+	forEachOverflowPoint([&](OverflowPoint& c) {
+		const Impulse u = relativeVelocity(c);
+		const double  un = u.n + c.bias;
+		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
+		const Impulse q = projectCone({ c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn }, c.friction);
+		const double  miss = square(c.p - q);
+		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping };
+	});
+	return total;
+}
+
+} // namespace rcr

@@ -1,0 +1,329 @@
+// What tests need of the kernels' inside: residual, layout, momentum, stop test, paths, block LU, threads, lanes.
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <atomic>
+#include <array>
+#include <functional>
+#include <memory>
+#include <set>
+#include <stdexcept>
+
+#include "delassus/row_batch.hpp"
+#include "exact/block_lu.hpp"
+#include "exact/minimum_degree.hpp"
+#include "exact/path_following.hpp"
+#include "exact/stiffness.hpp"
+#include "kernel_arrays.hpp"
+#include "parallel/crew.hpp"
+#include "parallel/team.hpp"
+#include "problem/residual.hpp"
+#include "sweep/lane_check.hpp"
+#include "sweep/layout.hpp"
+#include "sweep/momentum.hpp"
+#include "sweep/stop_test.hpp"
+
+namespace rcr {
+
+namespace {
+
+	/// The problem of keyword arguments, named as those of `solve`.
+	ContactProblem problemOf(const py::kwargs& arrays)
+	{
+		const auto array = [&](const char* name) { return arrays[name].cast<Array>(); };
+		return problemFrom(
+		        array("inverse_mass"), array("free_velocity"), arrays["bodies"], array("normal"), array("arm1"), array("arm2"), array("bias"),
+		        array("friction"), array("impulse"));
+	}
+
+	// ---- linear algebra
+
+	/// Pairs of different nodes of a graph, each once, as the kernels want them.
+	std::vector<BlockLu::Pair> pairsFrom(const py::object& given, std::int32_t size)
+	{
+		const Ids ids = wholeIds(given, "pairs");
+		if (ids.size() > 0) wantShape(ids, "pairs", ids.shape(0), 2);
+		std::vector<BlockLu::Pair> pairs;
+		std::set<BlockLu::Pair>    seen;
+		for (py::ssize_t k = 0; k < (ids.size() > 0 ? ids.shape(0) : 0); ++k) {
+			const std::int32_t i = ids.at(k, 0), j = ids.at(k, 1);
+			const std::string  what = "pairs[" + std::to_string(k) + "] = (" + std::to_string(i) + ", " + std::to_string(j) + ")";
+			if (std::min(i, j) < 0 || std::max(i, j) >= size) throw py::value_error(what + "; wanted rows from 0 to " + std::to_string(size - 1));
+			if (i == j) throw py::value_error(what + "; wanted two different rows");
+			if (!seen.insert(std::minmax(i, j)).second) throw py::value_error(what + " is there twice; wanted each pair once");
+			pairs.emplace_back(i, j);
+		}
+		return pairs;
+	}
+
+	/// x of A x = b for a matrix of 3×3 blocks: diagonal (n, 3, 3), A_ij and A_ji of every pair (i, j), b (n, 3).
+	Array solveBlocks(const py::object& givenPairs, const Array& diagonal, const Array& upper, const Array& lower, const Array& b)
+	{
+		const py::ssize_t                n     = rowsOf(b);
+		const std::vector<BlockLu::Pair> pairs = pairsFrom(givenPairs, std::int32_t(n));
+		const py::ssize_t                count = pairs.size();
+		wantShape(b, "b", n, 3), wantBlocks(diagonal, "diagonal", n), wantBlocks(upper, "upper", count), wantBlocks(lower, "lower", count);
+		const auto copy = [](const Array& from, py::ssize_t k, Block& to) {
+			for (int i = 0; i < 3; ++i)
+				for (int j = 0; j < 3; ++j)
+					to.entry[j][i] = from.at(k, i, j);
+		};
+		BlockLu matrix(std::int32_t(n), pairs);
+		matrix.setIdentity();
+		for (py::ssize_t i = 0; i < n; ++i)
+			copy(diagonal, i, matrix.diagonal(std::int32_t(i)));
+		for (py::ssize_t k = 0; k < count; ++k) {
+			copy(upper, k, matrix.pairBlock(std::int32_t(k), false));
+			copy(lower, k, matrix.pairBlock(std::int32_t(k), true));
+		}
+		if (!matrix.factor()) throw py::value_error("the matrix is singular: a diagonal block cannot be inverted");
+		std::vector<BlockVector> x(n);
+		for (py::ssize_t i = 0; i < n; ++i)
+			for (int j = 0; j < 3; ++j)
+				x[i].entry[j] = b.at(i, j);
+		matrix.solve(x);
+		Array result({ n, py::ssize_t(3) });
+		for (py::ssize_t i = 0; i < n; ++i)
+			for (int j = 0; j < 3; ++j)
+				result.mutable_at(i, j) = x[i].entry[j];
+		return result;
+	}
+
+	std::vector<std::int32_t> orderOf(std::int32_t size, const py::object& givenPairs)
+	{
+		std::vector<std::vector<std::int32_t>> adjacent(size);
+		for (const BlockLu::Pair& pair : pairsFrom(givenPairs, size)) {
+			adjacent[pair.first].push_back(pair.second);
+			adjacent[pair.second].push_back(pair.first);
+		}
+		std::vector<std::int32_t> begin { 0 }, neighbours;
+		for (const auto& list : adjacent) {
+			neighbours.insert(neighbours.end(), list.begin(), list.end());
+			begin.push_back(std::int32_t(neighbours.size()));
+		}
+		return minimumDegreeOrder(begin, neighbours);
+	}
+
+	// ---- proximal steps
+
+	/// One proximal step about the impulses of the problem, with the same ρ at all points.
+	py::dict followPathFrom(double rho, int maxPivots, const py::kwargs& arrays)
+	{
+		ContactProblem  problem = problemOf(arrays);
+		ProximalProblem proximal(problem);
+		proximal.setReference(problem);
+		for (std::size_t i = 0; i < proximal.size(); ++i)
+			proximal.stiffness[i] = rho / proximal.contacts[i].wnn;
+		const PathEnd end = followPath(proximal, maxPivots);
+		proximal.store(problem);
+		return py::dict(
+		        py::arg("impulse") = arrayOf(problem.impulse), py::arg("arrived") = end.arrived, py::arg("pivots") = end.pivots,
+		        py::arg("unstable") = end.unstable);
+	}
+
+	// ---- sweeps
+
+	/// A stop test with settings of its own.
+	struct OwnStopTest {
+		Settings settings;
+		StopTest test;
+
+		OwnStopTest(const Settings& given, int first) : settings(given), test(settings, first) { }
+		OwnStopTest(const OwnStopTest&) = delete;
+	};
+
+	std::unique_ptr<OwnStopTest> stopTest(
+	        double tolerance, double violation, double meanForceChange, int checkInterval, int minIterations, int maxIterations, int stallSweeps, int first)
+	{
+		Settings settings;
+		settings.tolerance       = tolerance;
+		settings.violation       = violation;
+		settings.meanForceChange = meanForceChange;
+		settings.checkInterval   = checkInterval;
+		settings.minIterations   = minIterations;
+		settings.maxIterations   = maxIterations;
+		settings.stallSweeps     = stallSweeps;
+		return std::make_unique<OwnStopTest>(settings, first);
+	}
+
+	/// Where everything stands: of pairs (body 1, body 2, points, model, slot), of islands (points, shared, central) and the pairs of
+	/// the overflow, of chunks (first block, blocks, points a pair, model, stage), of blocks the records on both sides, of bodies theirs.
+	py::dict layoutOf(const std::vector<std::string>& reductions, const py::kwargs& arrays)
+	{
+		using Rows = std::vector<std::vector<std::int32_t>>;
+		const ContactProblem problem = problemOf(arrays);
+		Layout               layout;
+		layout.update(problem, Reductions::of(reductions));
+		Rows pairs, islands, overflow, chunks, blocks1, blocks2;
+		for (const Pair& p : layout.pairs())
+			pairs.push_back({ p.body1, p.body2, p.points, int(p.model), p.slot });
+		for (const Island& island : layout.islands()) {
+			islands.push_back({ island.points, island.shared, island.central });
+			overflow.emplace_back(layout.overflow().begin() + island.overflow.begin, layout.overflow().begin() + island.overflow.end);
+			for (int stage = island.stages.begin; stage < island.stages.end; ++stage)
+				for (int k = layout.chunkBegin(stage); k < layout.chunkBegin(stage + 1); ++k) {
+					const Chunk& c = layout.chunks()[k];
+					chunks.push_back({ c.firstPair, c.blocks, c.pointsPerPair, int(c.model), stage });
+				}
+		}
+		for (const PairBlock& block : layout.pairBlocks()) {
+			blocks1.emplace_back(), blocks2.emplace_back();
+			for (int lane = 0; lane < blockWidth; ++lane) {
+				blocks1.back().push_back(recordOf(block.body1[lane]));
+				blocks2.back().push_back(recordOf(block.body2[lane]));
+			}
+		}
+		std::vector<std::int32_t> records;
+		for (std::size_t body = 0; body < problem.inverseMass.size(); ++body)
+			records.push_back(layout.record(int(body)));
+		return py::dict(
+		        py::arg("pairs") = pairs, py::arg("islands") = islands, py::arg("overflow") = overflow, py::arg("chunks") = chunks,
+		        py::arg("blocks1") = blocks1, py::arg("blocks2") = blocks2, py::arg("records") = records, py::arg("record_count") = layout.records());
+	}
+
+	/// Rows of each batch and the colours of all rows.
+	py::dict batchesOf(const py::object& rowStart, const py::object& column, const Array& block, const Array& free, const Array& friction, const Array& impulse)
+	{
+		const DelassusProblem problem = delassusFrom(rowStart, column, block, free, friction, impulse);
+		checkProblem(problem);
+		const Batches       batches(problem);
+		std::vector<RowIds> rows;
+		for (int b = 0; b < batches.count(); ++b)
+			rows.emplace_back(batches.begin(b), batches.end(b));
+		RowIds colors;
+		for (std::size_t k = 0; k < problem.free.size(); ++k)
+			colors.push_back(batches.color(std::int32_t(k)));
+		return py::dict(py::arg("batches") = rows, py::arg("colors") = colors);
+	}
+
+	// ---- threads
+
+	/// How often each index is worked on, in `loops` loops after each other; those in `failing` throw, the message is their number.
+	std::vector<int> shareCounts(Team& team, int threads, int count, int loops, const std::vector<int>& failing, bool each, bool nested)
+	{
+		const py::gil_scoped_release  release;
+		std::vector<std::atomic<int>> counts(count);
+		const auto                    work = [&](int i) {
+                        counts[i].fetch_add(1, std::memory_order_relaxed);
+                        if (std::find(failing.begin(), failing.end(), i) != failing.end()) throw std::runtime_error(std::to_string(i));
+		};
+		const auto loop = [&] { each ? team.forEach(count, work) : team.share(0, count, work); };
+		team.run(threads, [&] {
+			for (int k = 0; k < loops; ++k)
+				nested ? team.run(threads, loop) : loop();
+		});
+		return { counts.begin(), counts.end() };
+	}
+
+	// ---- lanes
+
+	struct alignas(64) Sixteen {
+		double of[blockWidth];
+
+		Sixteen() = default;
+		explicit Sixteen(const Array& from) { std::copy_n(from.data(), blockWidth, of); }
+	};
+
+	Array applyLanes(int lanes, const std::string& name, const Array& a, const Array& b, const Array& c)
+	{
+		static const char* const names[] = { "add", "subtract", "multiply", "divide", "add_product", "subtract_product",
+			                             "min", "max", "abs", "copy_sign", "select", "zero_where" };
+		const auto               found   = std::find(std::begin(names), std::end(names), name);
+		if (found == std::end(names)) throw py::value_error("operation '" + name + "' is not known");
+		for (const Array* array : { &a, &b, &c })
+			wantShape(*array, "operand", blockWidth, 1);
+		const Sixteen x(a), y(b), z(c);
+		Sixteen       out;
+		laneCheck(lanes).apply(LaneOperation(found - std::begin(names)), x.of, y.of, z.of, out.of);
+		return Array(blockWidth, out.of);
+	}
+
+	/// Records (n, 2) as halves; moves whole ones or halves from places to places, given as numbers of halves.
+	Array moveLanes(int lanes, bool whole, const Array& records, const py::object& givenFrom, const py::object& givenTo)
+	{
+		struct alignas(32) Two {
+			HalfRecord half[2];
+		};
+		const Ids from = wholeIds(givenFrom, "from"), to = wholeIds(givenTo, "to");
+		const int count = int(rowsOf(records));
+		wantShape(records, "records", count, 2), wantShape(from, "from", blockWidth, 1), wantShape(to, "to", blockWidth, 1);
+		std::vector<Two> body((count + 1) / 2);
+		for (int i = 0; i < count; ++i)
+			body[i / 2].half[i % 2] = { records.at(i, 0), records.at(i, 1) };
+		PairBlock places;
+		for (int lane = 0; lane < blockWidth; ++lane) {
+			for (const int place : { from.at(lane), to.at(lane) })
+				if (place < 0 || place + whole >= count || (whole && place % 2)) throw py::value_error("a place is out of range");
+			places.body1[lane] = offsetOf(from.at(lane)), places.body2[lane] = offsetOf(to.at(lane));
+		}
+		(whole ? laneCheck(lanes).moveBodies : laneCheck(lanes).moveCentres)(body.data()->half, places.body1, places.body2);
+		Array result({ py::ssize_t(count), py::ssize_t(2) });
+		for (int i = 0; i < count; ++i)
+			result.mutable_at(i, 0) = body[i / 2].half[i % 2].x, result.mutable_at(i, 1) = body[i / 2].half[i % 2].y;
+		return result;
+	}
+
+} // namespace
+
+void bindInternals(py::module_& m)
+{
+	m.def("residual", [](const py::kwargs& arrays) { return residual(problemOf(arrays)); }, "Residual [-] of the impulses of a problem, arrays as of `solve`.");
+	m.def("violation", [](double rest, const py::kwargs& arrays) { return violation(problemOf(arrays), rest); }, py::arg("rest"),
+	      "Kinematic violation [-] of the impulses of a problem, arrays as of `solve`; `rest` as in solver.hpp.");
+
+	m.def("solve_blocks", solveBlocks, py::arg("pairs"), py::arg("diagonal"), py::arg("upper"), py::arg("lower"), py::arg("b"),
+	      "Solve A x = b (n, 3) for a sparse matrix of 3×3 blocks: diagonal (n, 3, 3), and for each of the pairs (i, j) (np, 2) upper = A_ij and\n"
+	      "lower = A_ji (np, 3, 3). Raises ValueError for a pair out of range, of one row, or given twice, and where a diagonal block becomes singular.");
+	m.def("minimum_degree_order", orderOf, py::arg("size"), py::arg("pairs"), "Order in which to eliminate the nodes of a graph with these edges.");
+	m.def("follow_path", followPathFrom, py::arg("rho"), py::arg("max_pivots"),
+	      "One proximal step about the impulses of a problem, arrays as of `solve`: dict of impulse, arrived, pivots, unstable.");
+	py::class_<Stiffness>(m, "Stiffness", "ρ of proximal steps.")
+	        .def(py::init([](double start, double least, double most, double rise, double fall, int maxPatience) {
+		             return Stiffness(Stiffness::Limits { start, least, most, rise, fall, maxPatience });
+	             }),
+	             py::arg("start"), py::arg("least"), py::arg("most"), py::arg("rise"), py::arg("fall"), py::arg("max_patience"))
+	        .def_property_readonly("rho", &Stiffness::rho)
+	        .def("arrived", &Stiffness::arrived)
+	        .def("failed", &Stiffness::failed);
+
+	py::class_<Momentum>(m, "Momentum", "Nesterov momentum and its restart.")
+	        .def(py::init<>())
+	        .def_property_readonly("beta", &Momentum::beta)
+	        .def("advance", &Momentum::advance, py::arg("error"));
+	py::class_<OwnStopTest>(m, "StopTest", "The decision to stop sweeping; settings as of `solve`.")
+	        .def(py::init(&stopTest), py::arg("tolerance") = 1e-4, py::arg("violation") = 0.01, py::arg("mean_force_change") = 0, py::arg("check_interval") = 10,
+	             py::arg("min_iterations") = 0, py::arg("max_iterations") = 1000, py::arg("stall_sweeps") = 0, py::arg("first") = 0)
+	        .def("reached", [](OwnStopTest& own, const std::function<std::array<double, 3>()>& measure, bool early) {
+		             return own.test.reached(early, [&] {
+			             const auto [residual, violation, change] = measure();
+			             return Criteria { residual, violation, change };
+		             });
+	             }, py::arg("measure"), py::arg("early") = false, "`measure()` gives residual, violation and mean force change.")
+	        .def_property_readonly("sweeps", [](const OwnStopTest& own) { return own.test.sweeps(); })
+	        .def_property_readonly("measured", [](const OwnStopTest& own) { return own.test.measured(); });
+	py::class_<Coloring>(m, "Coloring", "Greedy colouring of pairs.")
+	        .def(py::init([](std::size_t bodies) {
+		             Coloring coloring;
+		             coloring.reset(bodies);
+		             return coloring;
+	             }), py::arg("bodies"))
+	        .def("take", &Coloring::take, py::arg("body1"), py::arg("limits1"), py::arg("body2"), py::arg("limits2"), "The colour, or −1 for the overflow.")
+	        .def_property_readonly_static("colors", [](const py::object&) { return Coloring::colors; });
+	m.def("layout", layoutOf, py::arg("reductions"), "Where pairs and bodies of a problem stand, arrays as of `solve`.");
+	m.def("batches", batchesOf, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"), py::arg("impulse"),
+	      "How the rows of a problem of W and q are shared out.");
+
+	py::class_<Team>(m, "Team", "Threads that share out loops.")
+	        .def(py::init<>())
+	        .def("share_counts", shareCounts, py::arg("threads"), py::arg("count"), py::arg("loops") = 1, py::arg("failing") = std::vector<int>(),
+	             py::arg("each") = false, py::arg("nested") = false, "How often each index of a loop is worked on; those in `failing` throw.");
+	m.def("helper_count", helperCount, "Helper threads that the process has now.");
+
+	m.def("lane_width", [](int lanes) { return laneCheck(lanes).width; }, py::arg("lanes"), "Width that runs where `lanes` are asked for.");
+	m.def("apply_lanes", applyLanes, py::arg("lanes"), py::arg("operation"), py::arg("a"), py::arg("b"), py::arg("c"), "An operation of lane.hpp on 16 numbers.");
+	m.def("move_lanes", moveLanes, py::arg("lanes"), py::arg("whole"), py::arg("records"), py::arg("source"), py::arg("target"),
+	      "Records moved through the registers of lane_records.hpp.");
+}
+
+} // namespace rcr

@@ -1,0 +1,119 @@
+// The solvers for NumPy, of problems with bodies and of W and q, and the problem of one point.
+#include <pybind11/stl.h>
+
+#include "delassus/delassus_problem.hpp"
+#include "kernel_arrays.hpp"
+#include "problem/coulomb.hpp"
+#include "problem/solver.hpp"
+
+namespace rcr {
+
+namespace {
+
+	py::dict solveArrays(
+	        const Array& inverseMass, const Array& freeVelocity, const py::object& bodies, const Array& normal, const Array& arm1, const Array& arm2,
+	        const Array& bias, const Array& friction, const Array& impulse, const std::string& solver, double tolerance, int maxIterations, int threads,
+	        int lanes, int checkInterval, int minIterations, int stallSweeps, double violation, double meanForceChange,
+	        const std::vector<std::string>& reductions, Workspace* workspace)
+	{
+		ContactProblem problem = problemFrom(inverseMass, freeVelocity, bodies, normal, arm1, arm2, bias, friction, impulse);
+		Settings       settings;
+		settings.tolerance     = tolerance;
+		settings.maxIterations = maxIterations;
+		settings.threads       = threads;
+		settings.lanes         = lanes;
+		settings.checkInterval = checkInterval;
+		settings.minIterations = minIterations;
+		settings.stallSweeps   = stallSweeps;
+		settings.violation     = violation;
+		settings.meanForceChange = meanForceChange;
+		settings.reductions    = Reductions::of(reductions);
+		Report report;
+		double seconds, processorSeconds;
+		{
+			py::gil_scoped_release release;
+			const Stopwatch        watch;
+			report = workspace ? solve(problem, solver, settings, *workspace) : solve(problem, solver, settings);
+			seconds = watch.seconds(), processorSeconds = watch.processorSeconds();
+		}
+
+		std::vector<Impulse> relative;
+		for (const ContactPoint& c : problem.points)
+			relative.push_back(relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]));
+		return py::dict(
+		        py::arg("impulse") = arrayOf(problem.impulse), py::arg("relative_velocity") = arrayOf(relative),
+		        py::arg("velocity") = arrayOf(problem.velocity),
+		        py::arg("iterations") = report.iterations, py::arg("residual") = report.residual, py::arg("converged") = report.converged,
+		        py::arg("violation") = report.violation, py::arg("work") = report.work, py::arg("seconds") = seconds,
+		        py::arg("processor_seconds") = processorSeconds);
+	}
+
+	py::dict modelOf(const Workspace& workspace)
+	{
+		const ModelSummary m = workspace.summary();
+		return py::dict(
+		        py::arg("bodies") = m.bodies, py::arg("rotations") = m.turning, py::arg("fixed") = m.fixed, py::arg("pairs") = m.pairs,
+		        py::arg("points") = m.points, py::arg("unknowns") = m.unknowns(), py::arg("frictionless") = m.frictionalPoints == 0,
+		        py::arg("islands") = m.islands, py::arg("layouts") = m.layouts);
+	}
+
+	py::dict solveDelassusArrays(
+	        const py::object& rowStart, const py::object& column, const Array& block, const Array& free, const Array& friction, const Array& impulse,
+	        const std::string& solver, double tolerance, int maxIterations, int checkInterval, int lanes)
+	{
+		DelassusProblem problem = delassusFrom(rowStart, column, block, free, friction, impulse);
+		Settings settings;
+		settings.tolerance     = tolerance;
+		settings.maxIterations = maxIterations;
+		settings.checkInterval = checkInterval;
+		settings.lanes         = lanes;
+		Report report;
+		double seconds, processorSeconds;
+		{
+			py::gil_scoped_release release;
+			const Stopwatch        watch;
+			report  = solve(problem, solver, settings);
+			seconds = watch.seconds(), processorSeconds = watch.processorSeconds();
+		}
+		return py::dict(
+		        py::arg("impulse") = arrayOf(problem.impulse), py::arg("relative_velocity") = arrayOf(problem.velocity), py::arg("iterations") = report.iterations,
+		        py::arg("residual") = report.residual, py::arg("converged") = report.converged, py::arg("seconds") = seconds,
+		        py::arg("processor_seconds") = processorSeconds);
+	}
+
+} // namespace
+
+void bindSolvers(py::module_& m)
+{
+	m.def("solve_coulomb", [](double nn, double nt, double tt, double gn, double gt, double friction) {
+		const Impulse p = solveCoulomb({ nn, nt, tt }, gn, gt, friction);
+		return py::make_tuple(p.n, p.t);
+	}, py::arg("w_nn"), py::arg("w_nt"), py::arg("w_tt"), py::arg("g_n"), py::arg("g_t"), py::arg("friction"), "Impulse (p_n, p_t) of one contact point.");
+	m.def("project_cone", [](double n, double t, double friction) {
+		const Impulse p = projectCone({ n, t }, friction);
+		return py::make_tuple(p.n, p.t);
+	}, py::arg("n"), py::arg("t"), py::arg("friction"), "Projection onto |t| ≤ µ n.");
+
+	py::class_<Workspace>(m, "Workspace", "What the sweep solvers keep from one problem to the next: give the same one for each step of a simulation.")
+	        .def(py::init<>())
+	        .def_property_readonly("model", modelOf, "What the sweeps made of the last problem, as ContactDynamics.model tells it.")
+	        .def_property_readonly("layouts", &Workspace::layouts, "How often a problem had other pairs or kinds of bodies than the one before.");
+
+	m.def("solver_names", solverNames, "Names that `solve` takes.");
+	m.def("solve", solveArrays, py::arg("inverse_mass"), py::arg("free_velocity"), py::arg("bodies"), py::arg("normal"), py::arg("arm1"), py::arg("arm2"),
+	      py::arg("bias"), py::arg("friction"), py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4,
+	      py::arg("max_iterations") = 1000, py::arg("threads") = 1, py::arg("lanes") = 0, py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
+	      py::arg("stall_sweeps") = 0, py::arg("violation") = Settings().violation, py::arg("mean_force_change") = 0,
+	      py::arg("reductions") = Reductions::names(), py::arg("workspace") = nullptr,
+	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2) and velocity (nb, 3) [m/s, 1/s],\n"
+	      "iterations, residual, converged, violation, work (sweeps × points), seconds, processor_seconds (of the calling thread); settings as in solver.hpp.\n"
+	      "Raises ValueError on arrays that do not fit together.");
+	m.def("solve_delassus", solveDelassusArrays, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"),
+	      py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000, py::arg("check_interval") = 10,
+	      py::arg("lanes") = 0,
+	      "Solve one problem given by W and q (delassus_problem.hpp), W in rows of blocks: row_start (nc + 1,), column (nb,), block (nb, 4) as\n"
+	      "(nn, nt, tn, tt) [1/kg], free = q (nc, 2) [m/s]. Dict of impulse, relative_velocity (nc, 2), iterations, residual, converged, seconds,\n"
+	      "processor_seconds.");
+}
+
+} // namespace rcr

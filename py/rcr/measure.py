@@ -1,0 +1,154 @@
+"""Measures of a scene with Rcrs. Needs NumPy; a scene needs YADE, a saved network does not.
+
+YADE's own functions know spheres only. Their counterparts, all in the plane and per unit depth:
+
+=============================  ==============================
+YADE                           here
+=============================  ==============================
+``utils.porosity``             `porosity`
+``utils.aabbExtrema``          `extent`
+``utils.bodyStressTensors``    `stress_tensors`
+``export.text``                `text`
+``VTKRecorder``                `rcr.export.vtk`, `rcr.export.VtkSeries`
+=============================  ==============================
+"""
+
+import numpy as np
+
+from rcr.files import whole
+from rcr.frame import Frame, half_extents
+
+LINES = 2000  # that an overlapping clump is cut into: its area is right to 1e-5
+FAR = 1e300  # where cuts end that there are none of
+
+
+def extent(what=None):
+    """Lower left and upper right corner of the box around all grains.
+
+    Parameters
+    ----------
+    what : None, Frame, Network or path
+        The present scene of YADE, or what `Frame.of` takes.
+
+    Returns
+    -------
+    (2, 2) float array
+        [m]
+
+    Raises
+    ------
+    ValueError
+        If there is no grain.
+    """
+    grains = _grains(what).grains
+    reach = np.column_stack([half_extents(grains, axis) for axis in (0, 1)])
+    return np.stack([(grains["position"] - reach).min(axis=0), (grains["position"] + reach).max(axis=0)])
+
+
+def areas(what=None):
+    """Area that each grain adds to the solid: members of a clump share the area of their union by their own.
+
+    Returns
+    -------
+    ids : (N,) int array
+    areas : (N,) float array
+        [m²]
+    """
+    frame = _grains(what)
+    own, clump = frame.areas(), frame.grains["clump"]
+    for number in np.unique(clump[clump >= 0]):
+        members = clump == number
+        own[members] *= _union(frame, members) / own[members].sum()
+    return frame.grains["id"], own
+
+
+def porosity(volume=None, what=None):
+    """Share of voids, 1 − Σ areas/volume; overlaps of grains that are not clumped count twice.
+
+    Parameters
+    ----------
+    volume : float, optional
+        Area of the region [m²]; by default that of the periodic cell, or else of the box around all grains.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ValueError
+        If the volume is not > 0, or there is no grain.
+    """
+    frame = _grains(what)
+    if volume is None:
+        volume = abs(np.linalg.det(frame.cell)) if frame.cell is not None else np.prod(np.diff(extent(frame), axis=0))
+    if not volume > 0:
+        raise ValueError(f"volume = {volume!r}; wanted the area of the region > 0 [m²]")
+    return float(1 - areas(frame)[1].sum() / volume)
+
+
+def stress_tensors(what=None):
+    """Mean stress in each grain by the moments of its contact forces (Love, Weber); see `Frame.stress_tensors`.
+
+    Returns
+    -------
+    ids : (N,) int array
+    stresses : (N, 2, 2) float array
+        Compression positive [Pa].
+    """
+    frame = _grains(what)
+    return frame.grains["id"], frame.stress_tensors()
+
+
+def text(path, what=None):
+    """Write the grains as a table of numbers, one a line; its head names the columns. The file appears whole or not at all.
+
+    Returns
+    -------
+    int
+        Number of grains.
+    """
+    grains = _grains(what).grains
+    columns = dict(id=grains["id"], x=grains["position"][:, 0], y=grains["position"][:, 1], angle=grains["angle"], half_length=grains["half_length"],
+                   cap_radius=grains["cap_radius"], mass=grains["mass"], vx=grains["velocity"][:, 0], vy=grains["velocity"][:, 1],
+                   spin=grains["velocity"][:, 2], clump=grains["clump"], fixed=grains["fixed"])  # fmt: skip
+    integers = ("id", "clump", "fixed")
+    with whole(path) as partial:
+        np.savetxt(partial, np.column_stack(list(columns.values())), ["%d" if name in integers else "%.17g" for name in columns], header=" ".join(columns))
+    return len(grains["id"])
+
+
+def _grains(what):
+    frame = Frame.of(what)
+    if not len(frame.grains["id"]):
+        raise ValueError("the scene holds no Rcr and no Sphere: there is nothing to measure")
+    return frame
+
+
+def _union(frame, members):
+    """Area of the union of grains, from its cuts by `LINES` horizontal lines [m²]."""
+    grains = {name: frame.grains[name][members][:, None] for name in ("angle", "half_length", "cap_radius")}
+    x, y = frame.grains["position"][members].T
+    reach = half_extents(grains, 1)[:, 0]
+    low, high = (y - reach).min(), (y + reach).max()
+    step = (high - low) / LINES
+    left, right = _cuts(grains, low + step * (np.arange(LINES) + 0.5) - y[:, None])
+    order = np.argsort(left + x[:, None], axis=0)
+    left, right = (np.take_along_axis(end + x[:, None], order, axis=0) for end in (left, right))
+    covered = np.maximum.accumulate(np.vstack([left[:1], right[:-1]]), axis=0)  # to its left all is counted
+    return float(step * np.maximum(right - np.maximum(left, covered), 0).sum())
+
+
+def _cuts(grains, height):
+    """Left and right end, from the centre, of the cuts of grains (N, 1) by lines at these heights above it (N, L); both `FAR` where a line
+    misses the grain. The outline is convex: its caps and sides hold both ends."""
+    a, r = grains["half_length"], grains["cap_radius"]
+    c, s = np.cos(grains["angle"]), np.sin(grains["angle"])
+    ends = []
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for sign in (-1, 1):
+            half = np.sqrt(r**2 - (height - sign * a * s) ** 2)  # of a cap; NaN beside it
+            ends += [sign * a * c - half, sign * a * c + half]
+            along = (height - sign * r * c) / s  # where the side at the distance r from the axis crosses the line
+            ends.append(np.where(np.abs(along) <= a, along * c - sign * r * s, np.nan))
+    return (np.nan_to_num(np.fmin.reduce(ends), nan=FAR), np.nan_to_num(np.fmax.reduce(ends), nan=FAR))

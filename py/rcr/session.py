@@ -1,0 +1,45 @@
+"""What a session is told before a run: ``O.run`` and ``O.step`` refuse scenes that would go wrong without a word.
+
+The rules stand in pkg/dem/Gate.cpp. A scene without any class of rcr is none of its business.
+"""
+
+import functools
+import warnings
+
+from yade.wrapper import Omega
+
+from rcr import _plugin
+
+_DEFAULT_TIME_STEP = 1e-8  # YADE's, of a scene that nobody has set one for
+_advised = 0  # bodies of the scene when advice was given last
+
+
+def _advise(omega):
+    global _advised
+    if omega.iter > 0 and len(omega.bodies) == _advised:
+        return
+    _advised = len(omega.bodies)
+    told = [_plugin.advice()]
+    if omega.iter == 0 and omega.dt == _DEFAULT_TIME_STEP and _plugin.serves():
+        told.append("O.dt = 1e-8 s is YADE's default; set it by the accuracy you want (rigid contacts) or to 0.5 * rcr.critical_time_step() (springs).")
+    for text in filter(None, told):
+        warnings.warn(text, stacklevel=4)
+
+
+def _guarded(method):
+    @functools.wraps(method)
+    def run(omega, *arguments, **keywords):
+        told = _plugin.refusal()
+        if told:
+            raise ValueError("rcr: " + told)
+        _advise(omega)
+        return method(omega, *arguments, **keywords)
+
+    return run
+
+
+def guard():
+    """Let every O.run and O.step of this session look at the scene first."""
+    for name in ("run", "step"):
+        if not hasattr(getattr(Omega, name), "__wrapped__"):
+            setattr(Omega, name, _guarded(getattr(Omega, name)))

@@ -1,0 +1,336 @@
+"""Problems with bodies that the kernels' tests share, and what is recomputed of their solutions with NumPy, from the impulses alone."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rcr import _kernel
+
+SWEEPS = ["nlgs", "sor", "nesterov"]
+DATA = Path(__file__).parents[3] / "shared" / "data"
+ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
+ROUNDING = 1e-13  # of a residual: sums of some thousand velocities, each to 1e-16
+OF_BODIES = "inverse_mass", "free_velocity"
+
+
+class Problem(dict):
+    """Arrays of `_kernel.solve`, with the seed that made them."""
+
+    def __init__(self, name, seed=None, **arrays):
+        super().__init__(arrays)
+        self.name, self.seed = name, seed
+
+    def cold(self):
+        return Problem(self.name, self.seed, **{**self, "impulse": np.zeros_like(self["impulse"])})
+
+    def solve(self, solver="nesterov", **settings):
+        return _kernel.solve(**self, solver=solver, **settings)
+
+
+def jacobian_times(problem, v):
+    """Relative velocities (nc, 2) for body velocities (nb, 3)."""
+    a, b = problem["bodies"].T
+    n, r1, r2 = problem["normal"], problem["arm1"], problem["arm2"]
+    turned = lambda w, r: w[:, None] * np.stack([-r[:, 1], r[:, 0]], 1)
+    u = v[b, :2] + turned(v[b, 2], r2) - v[a, :2] - turned(v[a, 2], r1)
+    return np.stack([(u * n).sum(1), n[:, 0] * u[:, 1] - n[:, 1] * u[:, 0]], 1)
+
+
+def velocity(problem, p):
+    """v_free + M⁻¹Jᵀp, (nb, 3)."""
+    a, b = problem["bodies"].T
+    n, r1, r2 = problem["normal"], problem["arm1"], problem["arm2"]
+    f = p[:, :1] * n + p[:, 1:] * np.stack([-n[:, 1], n[:, 0]], 1)
+    cross = lambda r: r[:, 0] * f[:, 1] - r[:, 1] * f[:, 0]
+    sums = np.zeros_like(problem["free_velocity"])
+    np.add.at(sums, b, np.column_stack([f, cross(r2)]))
+    np.add.at(sums, a, -np.column_stack([f, cross(r1)]))
+    return problem["free_velocity"] + problem["inverse_mass"] * sums
+
+
+def errors(problem, p):
+    """Natural-map error of every point (nc,) and ‖p‖; residual.hpp."""
+    a, b = problem["bodies"].T
+    n, m = problem["normal"], problem["inverse_mass"]
+    turn = lambda r: r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0]
+    w = ((m[a, :2] + m[b, :2]) * n**2).sum(1) + m[a, 2] * turn(problem["arm1"]) ** 2 + m[b, 2] * turn(problem["arm2"]) ** 2
+    mu, moves = problem["friction"], w > 0
+    u = jacobian_times(problem, velocity(problem, p))
+    w = np.where(moves, w, 1)
+    x = p[:, 0] - (u[:, 0] + problem["bias"] + mu * abs(u[:, 1])) / w
+    y = p[:, 1] - u[:, 1] / w
+    face = np.maximum(x + mu * abs(y), 0) / (1 + mu**2)
+    inside = (abs(y) <= mu * x) & (x > 0)
+    error = np.hypot(p[:, 0] - np.where(inside, x, face), p[:, 1] - np.where(inside, y, mu * face * np.sign(y)))
+    return np.where(moves, error, 0), np.linalg.norm(p[moves])
+
+
+def assert_laws(problem, result, tolerance):
+    """The residual is the one reported and below the tolerance; the velocities follow from the impulses."""
+    error, size = errors(problem, result["impulse"])
+    k = int(error.argmax())
+    replay = (
+        f"{problem.name}, seed {problem.seed}: worst point {k}, bodies {problem['bodies'][k]}, impulse {result['impulse'][k]}, "
+        f"u {result['relative_velocity'][k]}, error {error[k]:.3e} of {size:.3e}; reported residual {result['residual']:.6e}, tolerance {tolerance:g}"
+    )
+    residual = np.linalg.norm(error) / size
+    # rounding: velocities are sums of some thousand terms, and a residual of 1e-4 holds 1e-16 / 1e-4 of them
+    assert residual == pytest.approx(result["residual"], rel=1e-9), f"recomputed {residual:.12e}. {replay}"
+    assert residual <= tolerance and result["converged"], replay
+    expected = velocity(problem, result["impulse"])
+    np.testing.assert_allclose(result["velocity"], expected, rtol=0, atol=1e-12 * abs(expected).max(), err_msg=replay)
+
+
+def assert_same_bits(one, other, where, keys=("impulse", "velocity")):
+    for key in keys:
+        differ = np.flatnonzero(np.asarray(one[key]).ravel() != np.asarray(other[key]).ravel())
+        assert not len(differ), f"{where}: {key} differs first at entry {differ[0]} of {np.size(one[key])}"
+
+
+def model(problem, **settings):
+    workspace = _kernel.Workspace()
+    problem.solve(tolerance=0, max_iterations=1, workspace=workspace, **settings)
+    return workspace.model
+
+
+def without(*names):
+    return [name for name in ALL if name not in names]
+
+
+def assert_solved(problem, result, tolerance):
+    error, size = errors(problem, result["impulse"])
+    residual, k = np.linalg.norm(error) / size, int(error.argmax())
+    replay = (
+        f"{problem.name}, seed {problem.seed}: worst point {k}, bodies {problem['bodies'][k]}, impulse {result['impulse'][k]}, "
+        f"error {error[k]:.3e} of {size:.3e}; reported {result['residual']:.3e} after {result['iterations']} iterations, "
+        f"recomputed {residual:.3e}, wanted {tolerance:g}"
+    )
+    assert result["converged"] and residual <= tolerance + ROUNDING, replay
+    assert abs(residual - result["residual"]) <= ROUNDING, replay
+
+
+# ---------------------------------------------------------------------------------------------- problems
+
+
+def problem_of(name, seed, inverse_mass, free_velocity, points):
+    """From rows (body 1, body 2, normal, arm 1, arm 2, bias, friction)."""
+    t = np.array(points, float)
+    return Problem(
+        name, seed, inverse_mass=np.array(inverse_mass, float), free_velocity=np.array(free_velocity, float), bodies=t[:, :2].astype(np.int32),
+        normal=t[:, 2:4], arm1=t[:, 4:6], arm2=t[:, 6:8], bias=t[:, 8], friction=t[:, 9], impulse=np.zeros((len(t), 2)),
+    )
+
+
+def pile(seed, columns=12, rows=9):
+    """Polydisperse particles in loose rows on a fixed floor between a fixed wall and one pushed along x; some pairs touch
+    at two points, some contacts are open, some rub against a body that may only turn."""
+    rng = np.random.default_rng(seed)
+    count = columns * rows
+    floor, left, right, spinner = count, count + 1, count + 2, count + 3
+    mass = rng.uniform(0.5, 2, count)
+    inverse_mass = np.zeros((count + 4, 3))
+    inverse_mass[:count] = np.column_stack([1 / mass, 1 / mass, rng.uniform(4, 9, count) / mass])
+    inverse_mass[right, 0], inverse_mass[spinner, 2] = 0.02, 1.0
+    inverse_mass[rng.integers(count), 2] = 0  # one particle cannot turn
+    v = rng.normal(0, 0.02, (count + 4, 3))
+    v[:count, 1] -= 0.1
+    v[[floor, left]] = 0
+    v[right] = -0.3, 0, 0
+    v[spinner] = 0, 0, 0.2
+    rows_of_points = []
+
+    def touch(a, b, angle, points):
+        normal = np.array([np.cos(angle), np.sin(angle)])
+        tangent = np.array([-normal[1], normal[0]])
+        for k in range(points):
+            along = 0.0 if points == 1 else (0.3 if k else -0.3)
+            arm1 = 0.5 * normal + along * tangent
+            arm2 = -0.5 * normal + (along + 0.05) * tangent
+            if a >= count:
+                arm1 = np.zeros(2) if a != spinner else arm1
+            if b >= count:
+                arm2 = np.zeros(2) if b != spinner else arm2
+            bias = rng.uniform(0, 0.1) if rng.random() < 0.2 else 0
+            rows_of_points.append((a, b, *normal, *arm1, *arm2, bias, rng.choice([0.0, 0.3, 0.6])))
+
+    id_of = rng.permutation(count).reshape(rows, columns)
+    for i in range(rows):
+        for j in range(columns):
+            here = id_of[i, j]
+            if i == 0:
+                touch(here, floor, -np.pi / 2, 1)
+            if j == 0:
+                touch(here, left, np.pi, 1)
+            if j == columns - 1:
+                touch(here, right, 0, 1)
+            if j + 1 < columns and rng.random() < 0.8:
+                touch(here, id_of[i, j + 1], rng.normal(0, 0.1), rng.integers(1, 3))
+            if i + 1 < rows:
+                touch(here, id_of[i + 1, j], np.pi / 2 + rng.normal(0, 0.2), rng.integers(1, 3))
+            if i + 1 < rows and j and rng.random() < 0.5:
+                touch(here, id_of[i + 1, j - 1], 2.3, 1)
+    touch(id_of[-1, 0], spinner, np.pi / 2, 1)
+    touch(floor, left, 0, 1)  # both prescribed: carries nothing
+    t = np.array(rows_of_points)
+    t = t[np.lexsort((t[:, 1], t[:, 0]))]
+    return Problem(
+        f"pile {seed}", seed, inverse_mass=inverse_mass, free_velocity=v, bodies=t[:, :2].astype(np.int32), normal=t[:, 2:4],
+        arm1=t[:, 4:6], arm2=t[:, 6:8], bias=t[:, 8], friction=t[:, 9], impulse=np.zeros((len(t), 2)),
+    )
+
+
+def stored(name):
+    """A packing under shear (data README), or a skip where it is not there."""
+    path = DATA / f"{name}.npz"
+    if not path.exists():
+        pytest.skip(f"{path.name} is not here")
+    d = np.load(path)
+    order = np.lexsort((d["b"], d["a"]))
+    m = np.column_stack([d["im"], d["im"], d["iI"]])
+    m[int(d["meta"][2]) :, 1] = 0  # walls move along x only
+    take = lambda key: np.ascontiguousarray(d[key][order], float)
+    return Problem(
+        name, inverse_mass=m, free_velocity=d["vfree"], bodies=np.column_stack([d["a"], d["b"]])[order].astype(np.int32), normal=take("n"),
+        arm1=take("ra"), arm2=take("rb"), bias=take("bn"), friction=take("mu"), impulse=take("p0"),
+    )
+
+
+def wall_of_bricks(seed, courses=8, bricks=10, tilt=1e-3):
+    """Long particles in courses, each on two of the course below: pairs of near-parallel sides, two points each, so that
+    the forces are indeterminate. Gravity and small random velocities; the floor is fixed, the ends are free."""
+    rng = np.random.default_rng(seed)
+    length, height = 1.0, 0.2
+    floor = courses * bricks
+    m = np.ones((floor + 1, 3)) * [1, 1, 12 / (length**2 + height**2)]
+    m[floor] = 0
+    v = rng.normal(0, 0.05, (floor + 1, 3)) + [0, -1, 0]
+    v[floor] = 0
+    x = lambda course, k: (k + 0.5 * (course % 2)) * length * 1.02
+    points = []
+
+    def side(below, above, x1, x2):
+        """Two points at the ends of the common side; positions along x are those of the centres."""
+        low, high = max(x1, x2) - length / 2, min(x1, x2) + length / 2
+        if high - low < 0.05 * length:
+            return
+        angle = np.pi / 2 + rng.normal(0, tilt)
+        normal = [np.cos(angle), np.sin(angle)]
+        for at in (low, high):
+            arm1 = [0, 0] if below == floor else [at - x1, height / 2]
+            points.append((below, above, *normal, *arm1, at - x2, -height / 2, 0, 0.5))
+
+    for k in range(bricks):
+        side(floor, k, x(0, k), x(0, k))
+    for course in range(1, courses):
+        for k in range(bricks):
+            for under in (k - 1, k, k + 1):
+                if 0 <= under < bricks:
+                    side((course - 1) * bricks + under, course * bricks + k, x(course - 1, under), x(course, k))
+    return problem_of(f"bricks {seed}", seed, m, v, points)
+
+
+def jammed_box(seed, size=14, closing=0.0):
+    """Discs on a square grid that fills a box of four prescribed walls, in contact with all neighbours; the top wall comes
+    down at the speed `closing`, which nothing can follow."""
+    rng = np.random.default_rng(seed)
+    count = size * size
+    m = np.tile([1.0, 1.0, 8.0], (count + 4, 1))
+    m[count:] = 0
+    v = rng.normal(0, 0.3, (count + 4, 3))
+    v[count:] = 0
+    v[count + 3, 1] = -closing
+    points = []
+    for i in range(size):
+        for j in range(size):
+            here = i * size + j
+            for other, normal in (
+                (here + 1 if j + 1 < size else count + 1, (1, 0)),
+                (here + size if i + 1 < size else count + 3, (0, 1)),
+                (count if j == 0 else None, (-1, 0)),
+                (count + 2 if i == 0 else None, (0, -1)),
+            ):
+                if other is not None:
+                    n = np.array(normal)
+                    points.append((here, other, *n, *(0.5 * n), *(-0.5 * n if other < count else 0 * n), 0, 0.4))
+    return problem_of(f"jammed box {seed}", seed, m, v, points)
+
+
+def frictionless(problem):
+    return Problem(f"{problem.name}, no friction", problem.seed, **{**problem, "friction": np.zeros_like(problem["friction"])})
+
+
+def discs(problem):
+    """The problem with all arms along the normals: nothing turns without friction."""
+    n = problem["normal"]
+    return Problem(f"{problem.name}, discs", problem.seed, **{**frictionless(problem), "arm1": 0.5 * n, "arm2": -0.5 * n})
+
+
+def square_discs(seed, side=20):
+    """Discs on a square lattice: normals along the axes, so that no lever is even rounding."""
+    rng = np.random.default_rng(seed)
+    ids = np.arange(side * side).reshape(side, side)
+    floor, wall = side * side, side * side + 1
+    sides = [(ids[:, :-1].ravel(), ids[:, 1:].ravel(), (1, 0)), (ids[:-1].ravel(), ids[1:].ravel(), (0, 1))]
+    sides += [(np.full(side, floor), ids[0], (0, 1)), (ids[:, -1], np.full(side, wall), (1, 0))]
+    a, b = (np.concatenate([part[k] for part in sides]) for k in (0, 1))
+    n = np.concatenate([np.tile(np.array(part[2], float), (len(part[0]), 1)) for part in sides])
+    inverse_mass = np.vstack([rng.uniform(0.5, 2, (side * side, 1)) * [1, 1, 8], [[0, 0, 0], [0.1, 0, 0]]])
+    velocity = rng.normal([0, -0.1, 0.5], 0.02, (side * side + 2, 3))
+    velocity[floor], velocity[wall] = 0, (-0.3, 0, 0)
+    return Problem(
+        f"square discs {seed}", seed, inverse_mass=inverse_mass, free_velocity=velocity, bodies=np.column_stack([a, b]).astype(np.int32), normal=n,
+        arm1=0.5 * n, arm2=-0.5 * n, bias=np.where(rng.random(len(a)) < 0.2, 0.05, 0), friction=np.zeros(len(a)), impulse=np.zeros((len(a), 2)),
+    )  # fmt: skip
+
+
+def grains_on_a_floor(count, seed=0, points=1):
+    """Grains that touch a fixed floor (the last body) and nothing else, each at one or two points."""
+    rng = np.random.default_rng(seed)
+    mass, pairs = rng.uniform(0.5, 2, count), np.repeat(np.arange(count), points)
+    along = np.where(np.arange(len(pairs)) % 2, 0.3, -0.3) + rng.normal(0, 0.01, len(pairs))
+    return Problem(
+        f"{count} grains on a floor", seed, inverse_mass=np.vstack([np.column_stack([1 / mass, 1 / mass, 6 / mass]), np.zeros((1, 3))]),
+        free_velocity=np.vstack([rng.normal([0.1, -0.3, 1], 0.05, (count, 3)), np.zeros((1, 3))]),
+        bodies=np.column_stack([pairs, np.full_like(pairs, count)]).astype(np.int32), normal=np.tile([0.0, -1.0], (len(pairs), 1)),
+        arm1=np.column_stack([along, np.full(len(pairs), -0.5)]), arm2=np.zeros((len(pairs), 2)), bias=np.zeros(len(pairs)),
+        friction=np.full(len(pairs), 0.4), impulse=np.zeros((len(pairs), 2)),
+    )  # fmt: skip
+
+
+def beside(*problems):
+    """Problems side by side, which share nothing but a floor: the first body of each that is at rest for ever."""
+    columns = {key: [] for key in problems[0]}
+    count, floor = 0, None
+    for problem in problems:
+        number = np.arange(count, count + len(problem["inverse_mass"]))
+        body = np.flatnonzero(~problem["inverse_mass"].any(1) & ~problem["free_velocity"].any(1))[0]
+        floor = number[body] = number[body] if floor is None else floor
+        count += len(number)
+        for key, value in problem.items():
+            columns[key].append(number[value].astype(np.int32) if key == "bodies" else value)
+    together = {key: np.concatenate(parts) for key, parts in columns.items()}
+    return Problem(" beside ".join(p.name for p in problems), **together)
+
+
+def parts_of(result, problems):
+    """The part of each problem in the result of those side by side."""
+    body = point = 0
+    for problem in problems:
+        bodies, points = len(problem["inverse_mass"]), len(problem["bodies"])
+        yield {"velocity": result["velocity"][body : body + bodies], "impulse": result["impulse"][point : point + points]}
+        body, point = body + bodies, point + points
+
+
+def heaps(count):
+    """Heaps of different sizes and numbers of sweeps, with and without friction, some without rotations."""
+    kinds = (lambda p: p), frictionless, discs
+    return [kinds[k % 3](pile(20 + k, 6 + 3 * k, 4 + k % 5)) for k in range(count)]
+
+
+PROBLEMS = [
+    pytest.param(lambda: pile(1), id="pile 1"),
+    pytest.param(lambda: pile(2, 30, 12), id="pile 2"),
+    pytest.param(lambda: stored("n500_e0_0"), id="n500 eta 0"),
+    pytest.param(lambda: stored("n500_e0.7_0"), id="n500 eta 0.7"),
+    pytest.param(lambda: stored("n2000_e0_0"), id="n2000 eta 0"),
+]

@@ -1,0 +1,44 @@
+"""What makes no problem of W and q is refused, with the row."""
+
+import numpy as np
+import pytest
+from rcr import _kernel
+
+
+def spoiled(**changes):
+    arrays = dict(row_start=[0, 2, 4, 5], column=[0, 1, 0, 1, 2], block=np.tile([1.0, 0, 0, 1], (5, 1)), free=np.zeros((3, 2)), friction=np.zeros(3),
+                  impulse=np.zeros((3, 2)))  # fmt: skip
+    return _kernel.solve_delassus(**{**arrays, **changes})
+
+
+def put(shape, index, value):
+    array = np.tile([1.0, 0, 0, 1], (5, 1)) if shape is None else np.zeros(shape)
+    array[index] = value
+    return array
+
+
+@pytest.mark.parametrize(
+    "changes, says",
+    [
+        (dict(column=[1, 0, 0, 1, 2]), "row 0 of W: columns are out of range or order"),
+        (dict(column=[0, 1, 0, 1, 3]), "row 2 of W: columns are out of range or order"),
+        (dict(column=[-1, 0, 0, 1, 2]), "row 0 of W: columns are out of range or order"),
+        (dict(row_start=[0, 2, 3, 4], column=[0, 1, 1, 2], block=np.ones((4, 4))), r"block \(0, 1\) of W has no mirror image"),
+        (dict(row_start=[0, 1, 3, 4], column=[0, 0, 1, 2], block=np.ones((4, 4))), r"block \(1, 0\) of W has no mirror image"),
+        (dict(row_start=[0, 3, 4, 6], column=[0, 1, 2, 1, 0, 2], block=np.ones((6, 4))), r"block \(0, 1\) of W has no mirror image"),
+        (dict(row_start=[0, 2, 3, 4], column=[0, 1, 0, 2], block=np.ones((4, 4))), "row 1 of W has no diagonal block"),
+        (dict(row_start=[0, 4, 2, 5]), "the rows of W do not fit its 5 blocks"),
+        (dict(row_start=[0, 2, 4, 4]), "the rows of W do not fit its 5 blocks"),
+        (dict(block=put(None, (3, 2), np.nan)), r"block \(1, 1\) of W holds a number that is not finite"),
+        (dict(block=put(None, (4, 0), -1)), "W has a negative diagonal at contact 2"),
+        (dict(free=put((3, 2), (1, 0), np.inf)), "contact 1: q or the impulse is not finite"),
+        (dict(impulse=put((3, 2), (2, 1), np.nan)), "contact 2: q or the impulse is not finite"),
+        (dict(friction=put(3, 1, -0.5)), "contact 1: µ = -0.5; wanted µ ≥ 0"),
+        (dict(friction=put(3, 0, np.inf)), "contact 0: µ = inf; wanted µ ≥ 0"),
+        (dict(lanes=3), "lanes = 3"),
+    ],
+)
+def test_refuses(changes, says):
+    spoiled()
+    with pytest.raises(ValueError, match=says):
+        spoiled(**changes)

@@ -1,0 +1,101 @@
+"""The exact solver: residuals of 1e-10 where sweeps stall, the same bits each time, an honest end where there is none.
+
+Residuals are recomputed with NumPy from the impulses alone.
+"""
+
+import numpy as np
+import pytest
+from kernel.contact_problems import ROUNDING, assert_solved, errors, jammed_box, pile, problem_of, stored, velocity, wall_of_bricks
+
+TOLERANCE = 1e-10
+BUDGET = 20000  # iterations; the problems below need a tenth of it
+
+PROBLEMS = [
+    pytest.param(lambda: pile(1), id="pile 1"),
+    pytest.param(lambda: pile(2, 30, 12), id="pile 2"),
+    pytest.param(lambda: pile(4, 20, 20), id="pile 4"),
+    pytest.param(lambda: wall_of_bricks(1), id="bricks 1"),
+    pytest.param(lambda: wall_of_bricks(2, 15, 20), id="bricks 2"),
+    pytest.param(lambda: wall_of_bricks(3, tilt=0), id="bricks parallel"),
+    pytest.param(lambda: jammed_box(1), id="jammed box"),
+    pytest.param(lambda: stored("n500_e0_0"), id="n500 eta 0"),
+    pytest.param(lambda: stored("n500_e0.7_0"), id="n500 eta 0.7"),
+    pytest.param(lambda: stored("n2000_e0_0"), id="n2000 eta 0"),
+]
+
+
+@pytest.mark.parametrize("make", PROBLEMS)
+def test_reaches_1e_10_from_a_cold_start(make):
+    problem = make().cold()
+    assert_solved(problem, problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET), TOLERANCE)
+
+
+@pytest.mark.parametrize("name", ["n500_e0_0", "n500_e0.7_0"])
+def test_reaches_1e_10_from_a_warm_start(name):
+    problem = stored(name)
+    assert_solved(problem, problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET), TOLERANCE)
+
+
+@pytest.mark.parametrize("make", [lambda: pile(3), lambda: wall_of_bricks(4)])
+def test_reaches_1e_10_without_friction(make):
+    problem = make()
+    problem["friction"] = np.zeros_like(problem["friction"])
+    result = problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET)
+    assert_solved(problem, result, TOLERANCE)
+    assert not result["impulse"][:, 1].any()
+
+
+def test_resultant_of_an_indeterminate_support_is_the_weight():
+    """A beam falls at 1 m/s onto five points of a floor: Σ p_n = m v, Σ x p_n = 0, no sliding, whatever the shares."""
+    mass = 3.0
+    points = [(0, 1, 0, 1, 0, 0, x, -0.1, 0, 0.5) for x in (-2.0, -1.0, 0.0, 0.5, 2.0)]
+    problem = problem_of("beam", None, [[0, 0, 0], [1 / mass, 1 / mass, 0.2]], [[0, 0, 0], [0, -1, 0]], points)
+    result = problem.solve("exact", tolerance=1e-12, max_iterations=BUDGET)
+    assert_solved(problem, result, 1e-12)
+    p = result["impulse"]
+    assert p[:, 0].sum() == pytest.approx(mass, rel=1e-11)
+    assert (p[:, 0] * problem["arm2"][:, 0]).sum() == pytest.approx(0, abs=1e-11)
+    np.testing.assert_allclose(result["velocity"][1], 0, atol=1e-11)
+
+
+def test_every_run_gives_the_same_bits():
+    problem = pile(2, 30, 12)
+    first = problem.solve("exact", tolerance=1e-8, max_iterations=BUDGET)
+    for settings in ({}, {"lanes": 1}, {"lanes": 4}, {"threads": 2}):
+        other = problem.solve("exact", tolerance=1e-8, max_iterations=BUDGET, **settings)
+        np.testing.assert_array_equal(other["impulse"], first["impulse"], err_msg=str(settings))
+        assert other["iterations"] == first["iterations"]
+
+
+@pytest.mark.parametrize("budget", [1, 7, 50, 200, 300])
+def test_stops_short_honestly(budget):
+    """The budget is kept; what is reported is what is left, and it is no worse than where the sweeps handed over."""
+    problem = pile(4, 20, 20)
+    swept = problem.solve("nesterov", tolerance=1e-5, max_iterations=(budget + 1) // 2)
+    result = problem.solve("exact", tolerance=0, max_iterations=budget)
+    error, size = errors(problem, result["impulse"])
+    assert not result["converged"] and result["iterations"] == budget
+    assert abs(np.linalg.norm(error) / size - result["residual"]) <= ROUNDING
+    assert result["residual"] <= swept["residual"] * (1 + 1e-9)
+    np.testing.assert_allclose(result["velocity"], velocity(problem, result["impulse"]), rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("tolerance, violation", [(0, 0.01), (0, np.inf), (1e-10, 0), (0, 0)])
+def test_all_iterations_count_where_a_criterion_is_0(tolerance, violation):
+    """Nothing meets it, but the best iterate is that of the steps, not that of the sweeps before them."""
+    problem = pile(4, 20, 20)
+    settings = dict(tolerance=tolerance, violation=violation, max_iterations=2000)
+    swept, result = (problem.solve(solver, **settings) for solver in ("nesterov", "exact"))
+    error, size = errors(problem, result["impulse"])
+    assert not result["converged"] and result["iterations"] == 2000
+    assert np.linalg.norm(error) / size < 1e-6 * swept["residual"] and result["violation"] < 1e-6 * swept["violation"]
+
+
+def test_box_that_is_crushed_has_no_solution():
+    """No impulse keeps rigid discs out of a wall that comes down on a full box. The impulses grow without bound, so that a
+    relative residual falls all the same; the velocities tell, and all numbers stay finite."""
+    problem = jammed_box(2, 6, closing=0.1)
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        result = problem.solve("exact", tolerance=tolerance, max_iterations=3000)
+        assert not result["converged"] and result["violation"] > 0.01, (tolerance, result["residual"], result["violation"])
+        assert np.isfinite(result["impulse"]).all() and np.isfinite(result["velocity"]).all()

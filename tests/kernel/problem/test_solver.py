@@ -1,0 +1,46 @@
+"""The solver chosen by name: settings refused, problems without contacts, which tier `auto` takes."""
+
+import numpy as np
+import pytest
+from kernel.contact_problems import Problem, assert_solved, pile, stored
+
+BUDGET = 20000  # iterations; the problems below need a tenth of it
+
+
+@pytest.mark.parametrize(
+    "change, says",
+    [
+        ({"solver": "newton"}, "newton"),
+        ({"tolerance": -1.0}, "tolerance = -1"),
+        ({"tolerance": float("nan")}, "tolerance = nan"),
+        ({"max_iterations": 0}, "maxIterations = 0"),
+        ({"threads": 0}, "threads = 0"),
+        ({"lanes": 3}, "lanes = 3"),
+    ],
+)
+def test_refuses_what_makes_no_sense(change, says):
+    with pytest.raises(ValueError, match=says):
+        pile(1).solve(**change)
+
+
+def test_a_problem_without_contacts():
+    problem = pile(1)
+    none = Problem("none", **{k: v if k in ("inverse_mass", "free_velocity") else v[:0] for k, v in problem.items()})
+    result = none.solve("exact", tolerance=1e-10)
+    assert result["converged"] and result["residual"] == 0
+
+
+@pytest.mark.parametrize("name", ["n500_e0.7_0", "n2000_e0_0"])
+def test_auto_takes_the_exact_tier_for_fine_tolerances(name):
+    problem = stored(name).cold()
+    assert_solved(problem, problem.solve("auto", tolerance=1e-9, max_iterations=BUDGET), 1e-9)
+
+
+@pytest.mark.parametrize("friction, same", [(0.0, "nesterov"), (0.5, "exact")])
+def test_auto_sweeps_to_fine_tolerances_where_nothing_has_friction(friction, same):
+    problem = pile(1, 30, 30).cold()
+    problem["friction"][:] = friction
+    auto, other = (problem.solve(solver, tolerance=1e-9, max_iterations=1500) for solver in ("auto", same))
+    assert auto["iterations"] == other["iterations"] and (auto["impulse"] == other["impulse"]).all()
+    if not friction:
+        assert_solved(problem, auto, 1e-9)

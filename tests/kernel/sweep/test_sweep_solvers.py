@@ -1,0 +1,62 @@
+"""Sweep solvers: one problem set, every solver, one residual; what must not change a bit."""
+
+import numpy as np
+import pytest
+from kernel.contact_problems import PROBLEMS, SWEEPS, Problem, assert_laws, pile
+
+
+@pytest.mark.parametrize("make", PROBLEMS)
+@pytest.mark.parametrize("solver", SWEEPS)
+def test_reaches_the_tolerance_and_says_so(make, solver):
+    problem = make().cold()
+    tolerance = 1e-4 if solver == "nesterov" else 1e-3
+    assert_laws(problem, problem.solve(solver, tolerance=tolerance, max_iterations=20000), tolerance)
+
+
+@pytest.mark.parametrize("make", PROBLEMS)
+@pytest.mark.parametrize("solver", SWEEPS)
+def test_lanes_and_threads_change_no_bit(make, solver):
+    problem = make()
+    first = problem.solve(solver, tolerance=0, max_iterations=35, lanes=1)
+    for lanes in (1, 4, 8):
+        for threads in (1, 2, 4):
+            other = problem.solve(solver, tolerance=0, max_iterations=35, lanes=lanes, threads=threads)
+            for key in ("impulse", "velocity", "residual", "violation"):
+                differ = np.flatnonzero(np.asarray(other[key]) != np.asarray(first[key]))
+                assert not len(differ), f"{problem.name}, seed {problem.seed}: {key} differs at {differ[0]} with {lanes} lanes, {threads} threads"
+
+
+def test_momentum_needs_fewer_sweeps():
+    problem = pile(2, 30, 12)
+    plain, fast = (problem.solve(s, tolerance=1e-4, max_iterations=20000)["iterations"] for s in ("nlgs", "nesterov"))
+    assert fast < plain / 2, f"{fast} accelerated sweeps against {plain}"
+
+
+def test_body_with_more_contacts_than_colours():
+    """A disc of 40 contacts between 40 fixed neighbours' rims: most pairs find no colour; all are solved."""
+    count = 40
+    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    normal = np.column_stack([np.cos(angle), np.sin(angle)])
+    m = np.ones((count + 1, 3))
+    v = np.zeros((count + 1, 3))
+    v[1:, :2] = -0.1 * normal + 0.01
+    problem = Problem(
+        "hub", inverse_mass=m, free_velocity=v, bodies=np.column_stack([np.zeros(count), np.arange(1, count + 1)]).astype(np.int32),
+        normal=normal, arm1=3 * normal, arm2=-0.5 * normal, bias=np.zeros(count), friction=np.full(count, 0.4), impulse=np.zeros((count, 2)),
+    )
+    for solver in SWEEPS:
+        assert_laws(problem, problem.solve(solver, tolerance=1e-6, max_iterations=5000), 1e-6)
+
+
+def test_stop_criteria():
+    problem = pile(2, 30, 12)
+    loose = problem.solve(tolerance=0.5, max_iterations=5000, check_interval=1, violation=np.inf)
+    tight = problem.solve(tolerance=0.5, max_iterations=5000, check_interval=1, violation=1e-4)
+    assert loose["violation"] > 1e-4 >= tight["violation"] and tight["converged"], (loose["violation"], tight["violation"])
+    assert tight["iterations"] > loose["iterations"]
+    assert problem.solve(tolerance=0.5, min_iterations=77)["iterations"] >= 77
+    mean_force = problem.solve("nlgs", tolerance=0, max_iterations=5000, check_interval=1, mean_force_change=1e-3)
+    assert mean_force["converged"] and 1 < mean_force["iterations"] < 5000
+    stuck = problem.solve("nlgs", tolerance=1e-300, max_iterations=20000, stall_sweeps=50)
+    assert not stuck["converged"] and stuck["iterations"] < 20000
+    assert problem.solve(tolerance=0, max_iterations=33)["iterations"] == 33

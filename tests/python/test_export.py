@@ -1,0 +1,148 @@
+"""Files for ParaView, written and read back: areas, positions, forces, obstacles, series."""
+
+import xml.etree.ElementTree as xml
+
+import numpy as np
+import pytest
+
+meshio = pytest.importorskip("meshio")
+
+from rcr import export
+from rcr.export import KINDS, VtkSeries, vtk
+from rcr.frame import Frame
+
+from synthetic import packing
+
+
+def polygon_areas(mesh):
+    """Of every polygon, by the shoelace formula."""
+    x, y = np.moveaxis(mesh.points[mesh.cells_dict["polygon"]][..., :2], -1, 0)
+    return 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+
+
+def data(mesh, name):
+    return mesh.cell_data[name][0]
+
+
+def counts(file):
+    """Points and cells of a file; meshio reads none that is empty."""
+    piece = next(xml.parse(file).iter("Piece"))
+    return int(piece.attrib["NumberOfPoints"]), int(piece.attrib["NumberOfCells"])
+
+
+def test_areas_and_state_come_back(tmp_path):
+    """Polygons of 24 corners: their caps are 12-gons, so their areas are those of stadiums with 11 sin(π/11) for π, exactly."""
+    network = packing(0.6)
+    grains = meshio.read(vtk(tmp_path / "pile.vtm", network)[0])
+    p = network.particles
+    r, a = p["cap_radius"], p["half_length"]
+    assert polygon_areas(grains) == pytest.approx(11 * np.sin(np.pi / 11) * r**2 + 4 * a * r, rel=1e-12)
+    assert data(grains, "area") == pytest.approx(np.pi * r**2 + 4 * a * r, rel=1e-14)
+    centres = grains.points[grains.cells_dict["polygon"]].mean(axis=1)
+    assert centres[:, :2] == pytest.approx(p["position"], abs=1e-9) and not centres[:, 2].any()
+    for name in ("id", "angle", "half_length", "mass"):
+        assert np.array_equal(data(grains, name), p[name])
+    assert data(grains, "velocity").shape == (200, 3)
+    frame = Frame.of(network)
+    assert data(grains, "stress") == pytest.approx(frame.stress_tensors().reshape(-1, 4))
+
+
+def test_contacts_are_lines_with_forces(tmp_path):
+    network = packing(0.6)
+    contacts = meshio.read(vtk(tmp_path / "pile.vtm", network)[1])
+    lines = contacts.points[contacts.cells_dict["line"]][..., :2]
+    count = len(network.contacts["body1"])
+    assert lines.shape == (2 * count, 2, 2)
+    assert lines[0::2, 0] == pytest.approx(network.particles["position"][network.contacts["body1"]])
+    assert lines[0::2, 1] == pytest.approx(network.contacts["position"]) and np.array_equal(lines[0::2, 1], lines[1::2, 0])
+    assert lines[1::2, 1] - lines[0::2, 0] == pytest.approx(network.contacts["branch"])
+    force = data(contacts, "force")[::2, :2]
+    assert np.array_equal(force, network.contacts["force"])
+    n = network.contacts["normal"]
+    assert data(contacts, "normal_force")[::2] == pytest.approx((force * n).sum(axis=1))
+    assert data(contacts, "shear_force")[::2] ** 2 == pytest.approx((force**2).sum(axis=1) - (force * n).sum(axis=1) ** 2, abs=1e-9)
+    assert contacts.point_data["normal_force"] == pytest.approx(np.repeat((force * n).sum(axis=1), 3))
+
+
+def scene(time=0.0):
+    frame = Frame.of(packing(0.5))
+    frame.time = time
+    return frame
+
+
+def test_obstacles(tmp_path):
+    frame = scene()
+    frame.outlines = [(7, "box", np.array([[0.0, 0], [2, 0], [2, 1], [0, 1]])), (8, "facet", np.array([[0.0, 0], [3, 4]]))]
+    frame.walls = dict(id=np.array([9]), axis=np.array([1]), position=np.array([-1.0]))
+    frame.cell = np.array([[40.0, 5], [0, 40]])
+    obstacles = meshio.read(vtk(tmp_path / "o.vtm", frame)[2])
+    lines, quads = obstacles.cells_dict["line"], obstacles.cells_dict["quad"]
+    kinds = [[KINDS[k] for k in column] for column in obstacles.cell_data["kind"]]
+    assert kinds == [["facet", "wall", "cell", "cell", "cell", "cell"], ["box"]]
+    assert [list(column) for column in obstacles.cell_data["id"]] == [[8, 9, -1, -1, -1, -1], [7]]
+    assert np.linalg.norm(np.diff(obstacles.points[lines[0]], axis=0)) == pytest.approx(5)
+    assert (obstacles.points[lines[1]][:, 1] == -1).all()
+    assert obstacles.points[lines[2:, 0], :2] == pytest.approx(np.array([[0, 0], [40, 0], [45, 40], [5, 40]]))
+    assert obstacles.points[quads[0], :2] == pytest.approx(np.array([[0, 0], [2, 0], [2, 1], [0, 1]]))
+
+
+def test_index_names_the_three_files(tmp_path):
+    files = vtk(tmp_path / "pile.vtm", packing(0.5))
+    parts = list(xml.parse(tmp_path / "pile.vtm").iter("DataSet"))
+    assert [(p.attrib["name"], tmp_path / p.attrib["file"]) for p in parts] == list(zip(("grains", "contacts", "obstacles"), files))
+    with pytest.raises(ValueError, match="ends in .vtm"):
+        vtk(tmp_path / "pile.vtk", packing(0.5))
+
+
+def test_a_scene_without_contacts_and_obstacles(tmp_path):
+    """VTK wants the element Cells even where there is none."""
+    frame = scene()
+    frame.contacts = {name: column[:0] for name, column in frame.contacts.items()}
+    files = vtk(tmp_path / "a.vtm", frame)
+    assert [counts(file) for file in files] == [(24 * 200, 200), (0, 0), (0, 0)]
+    assert all("<Cells>" in file.read_text() for file in files)
+
+
+def test_a_failed_write_leaves_nothing(tmp_path, monkeypatch):
+    def stop(file, *_):
+        open(file, "w").close()
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(meshio, "write", stop)
+    with pytest.raises(KeyboardInterrupt):
+        vtk(tmp_path / "a.vtm", scene())
+    assert not list(tmp_path.iterdir())
+
+
+# --- series -------------------------------------------------------------------------------------------------------------
+
+
+def test_series_grows_and_its_files_are_there(tmp_path):
+    series = VtkSeries(tmp_path / "out")
+    for time in (0.0, 0.1, 0.3):
+        series.save(scene(time))
+    moments = VtkSeries(tmp_path / "out").moments()
+    assert [time for time, _ in moments] == [0, 0, 0, 0.1, 0.1, 0.1, 0.3, 0.3, 0.3]
+    assert len({file for _, file in moments}) == 9 and all((tmp_path / "out" / file).exists() for _, file in moments)
+    assert [part.attrib["part"] for part in xml.parse(series.index).iter("DataSet")] == 3 * ["0", "1", "2"]
+
+
+def test_series_goes_on_from_an_earlier_moment(tmp_path):
+    """A run that is loaded again at 0.15 replaces what it had made after it."""
+    for time in (0.0, 0.1, 0.2, 0.3, 0.15, 0.25):
+        VtkSeries(tmp_path).save(scene(time))
+    assert [time for time, _ in VtkSeries(tmp_path).moments()[::3]] == [0, 0.1, 0.15, 0.25]
+
+
+def test_series_refuses_what_it_cannot_place(tmp_path):
+    with pytest.raises(ValueError, match="time"):
+        VtkSeries(tmp_path).save(packing(0.5))
+    (tmp_path / "scene.pvd").write_text("<VTKFile><Coll")
+    with pytest.raises(ValueError, match="not a series"):
+        VtkSeries(tmp_path).save(scene())
+
+
+def test_without_meshio_it_is_named(tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "meshio", None)
+    with pytest.raises(ImportError, match="python3-meshio"):
+        export.vtk(tmp_path / "a.vtm", scene())

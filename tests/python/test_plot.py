@@ -1,0 +1,274 @@
+"""Pictures of networks, without YADE and without a display: what is drawn, in which colour, how thick; films."""
+
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+matplotlib = pytest.importorskip("matplotlib")
+
+import matplotlib.animation
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import to_rgba
+from matplotlib.figure import Figure
+from matplotlib.image import imread
+from rcr import drawing, plot
+from rcr.frame import Frame, polygons
+
+from synthetic import packing
+
+
+def frame(count=3, **columns):
+    """Grains in a row, a diameter of 2 apart, without contacts."""
+    grains = dict(
+        id=np.arange(count), clump=np.full(count, -1), fixed=np.zeros(count, bool), position=np.column_stack([2.0 * np.arange(count), np.zeros(count)]),
+        angle=np.zeros(count), half_length=np.full(count, 0.5), cap_radius=np.full(count, 0.5), mass=np.ones(count),
+        velocity=np.zeros((count, 3)), color=np.tile([0.1, 0.2, 0.3], (count, 1)),
+    )  # fmt: skip
+    return Frame(grains | columns, contacts(0))
+
+
+def contacts(count, **columns):
+    zeros = np.zeros((count, 2))
+    made = dict(body1=np.arange(count), body2=np.arange(count) + 1, type=np.zeros(count, int), points=np.ones(count, int), friction=np.full(count, 0.5))
+    made |= dict(position=zeros, normal=zeros + [1, 0], force=zeros + [1, 0], arm1=zeros + [1, 0], arm2=zeros - [1, 0])
+    return made | columns
+
+
+def grains_of(ax):
+    return next(c for c in ax.collections if isinstance(c, PolyCollection))
+
+
+def test_a_picture_needs_neither_a_display_nor_pyplot(tmp_path):
+    packing(0.5).save(tmp_path / "network.h5")
+    code = f"""
+import sys, rcr.plot
+rcr.plot.snapshot({str(tmp_path / "a.png")!r}, {str(tmp_path / "network.h5")!r}, contacts="force")
+sys.exit("matplotlib.pyplot" in sys.modules or "yade" in sys.modules)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, env={"PATH": "/usr/bin", "PYTHONPATH": ":".join(sys.path)})
+    assert done.returncode == 0, done.stderr
+    assert imread(tmp_path / "a.png").std() > 0.1
+
+
+def test_grains_stand_where_they_are():
+    """Pixels of the centres are of the grains, those between them of the paper."""
+    ax = plot.packing(frame(3), color="red", legend=False)
+    canvas = FigureCanvasAgg(ax.figure)
+    canvas.draw()
+    picture = np.asarray(canvas.buffer_rgba()) / 255
+
+    def pixel(x, y):
+        column, row = ax.transData.transform((x, y))
+        return picture[-1 - int(row), int(column), :3]
+
+    for k in range(3):
+        assert pixel(2 * k, 0) == pytest.approx([1, 0, 0], abs=0.01)  # 8 bits a colour
+        assert pixel(2 * k + 0.8, 0.45) == pytest.approx([1, 1, 1], abs=0.01)  # beside the cap
+
+
+def test_orientations_repeat_after_half_a_turn():
+    around = frame(3, angle=np.array([0.3, 0.3 + np.pi, 0.3 - 5 * np.pi]))
+    colors = grains_of(plot.packing(around)).get_facecolor()
+    assert np.ptp(colors, axis=0) == pytest.approx(0, abs=1e-6)  # of the 256 steps of the map
+    disc = frame(1, half_length=np.zeros(1))
+    assert grains_of(plot.packing(disc)).get_facecolor()[0] == pytest.approx(to_rgba(drawing.GRAIN))
+
+
+@pytest.mark.parametrize("color", [*plot.SCALES, *plot.CATEGORIES, "0.5", "tab:blue"])
+def test_every_name_of_a_colour(color):
+    assert len(grains_of(plot.packing(packing(0.5), color=color)).get_facecolor()) == 200
+
+
+def test_numbers_of_the_user_as_colours():
+    colors = grains_of(plot.packing(frame(3), color=np.array([1.0, 2.0, np.nan]), cmap="gray", range=(1, 2))).get_facecolor()
+    assert colors == pytest.approx(np.array([[0, 0, 0, 1], [1, 1, 1, 1], to_rgba(drawing.GRAIN)]))
+
+
+def test_three_numbers_for_three_grains_are_no_colour():
+    faces = grains_of(plot.packing(frame(3), color=[0.0, 0.5, 1.0], cmap="gray")).get_facecolor()
+    assert faces[:, 0] == pytest.approx([0, 0.5, 1], abs=0.01)  # of 256 greys
+
+
+def test_speed_is_that_of_the_centre():
+    moving = frame(2, velocity=np.array([[3.0, 4.0, 100.0], [0, 0, 0]]))
+    assert plot.SCALES["speed"].values(moving) == pytest.approx([5, 0])
+
+
+def test_load_and_pressure_of_a_grain_between_two():
+    """Three discs in a row under a force of 7: the middle one bears it twice; a disc squeezed by F along x has the stress F·2r/A."""
+    row = frame(3, half_length=np.zeros(3), cap_radius=np.ones(3))
+    row.contacts = contacts(2, force=np.array([[7.0, 0], [7.0, 0]]))
+    assert plot.SCALES["load"].values(row) == pytest.approx([7, 14, 7])
+    assert plot.SCALES["pressure"].values(row)[1] == pytest.approx(0.5 * 7 * 2 / np.pi)
+    assert plot.SCALES["contacts"].values(row) == pytest.approx([1, 2, 1])
+
+
+def test_segments_are_as_thick_as_their_force():
+    row = frame(4)
+    row.contacts = contacts(3, force=np.array([[1.0, 0], [2.0, 0], [3.0, 0]]))
+    lines = [c for c in plot.packing(row, contacts="type").collections if isinstance(c, LineCollection)]
+    widths = np.sort(np.concatenate([c.get_linewidths() for c in lines]))
+    assert widths / widths[0] == pytest.approx([1, 2, 3])
+
+
+def test_fixed_grains_are_grey():
+    colors = grains_of(plot.packing(frame(2, fixed=np.array([False, True])), color="red")).get_facecolor()
+    assert colors == pytest.approx(np.array([to_rgba("red"), to_rgba(drawing.OBSTACLE)]))
+
+
+def test_obstacles_are_in_the_picture_but_do_not_fill_it():
+    scene = frame(3)
+    floor = np.array([[-1e3, -2], [1e3, -2], [1e3, -1], [-1e3, -1]])
+    scene.outlines = [(7, "box", floor), (8, "facet", np.array([[0.0, 2.0], [1.0, 3.0]]))]
+    scene.walls = dict(id=np.array([9]), axis=np.array([0]), position=np.array([-1.5]))
+    (left, bottom), (right, top) = scene.extent()
+    assert (left, right) == (-4, 8) and top == 3 and bottom == -2  # grains from −1 to 5, half of that on each side
+    ax = plot.packing(scene)
+    assert len(ax.lines) == 1 and list(ax.lines[0].get_xdata()) == [-1.5, -1.5]
+    assert len(ax.collections) == 3
+
+
+def test_a_stray_grain_does_not_make_the_others_dots():
+    place = np.column_stack([2.0 * (np.arange(200) % 20), 2.0 * (np.arange(200) // 20)])
+    place[7] = [500, -300]
+    (left, bottom), (right, top) = frame(200, position=place).extent()
+    assert (left, right) == (-1, 39) and (bottom, top) == (-0.5, 18.5)
+    both = frame(2, position=np.array([[0.0, 0], [500, -300]]))
+    assert np.diff(both.extent(), axis=0)[0] == pytest.approx([502, 301])
+
+
+def test_a_cell_shows_grains_inside_and_their_images():
+    """A grain across the corner has three images; one outside by a period is drawn inside."""
+    cell = frame(2, position=np.array([[9.9, 9.9], [-5.0, 25.0]]))
+    cell.cell = np.array([[10.0, 0], [0, 10.0]])
+    inside, images = [c for c in plot.packing(cell).collections if isinstance(c, PolyCollection)][1:]
+    centres = lambda c: np.array([path.vertices[:-1].mean(axis=0) for path in c.get_paths()])
+    assert centres(inside) == pytest.approx(np.array([[9.9, 9.9], [5, 5]]))
+    assert sorted(map(tuple, np.round(centres(images), 9))) == [(-0.1, -0.1), (-0.1, 9.9), (9.9, -0.1)]
+
+
+def test_images_in_a_sheared_cell():
+    """Every image reaches into the cell, and no grain that does is missed: against a search of all neighbours."""
+    rng = np.random.default_rng(5)
+    scene = frame(40, position=rng.uniform(0, 30, (40, 2)))
+    scene.cell = np.array([[10.0, 4.0], [0.5, 8.0]])
+    at = scene.grains["position"] + scene.wrap(scene.grains["position"])
+    rows, shifts = plot._images(scene, at)
+    found = {(row, *np.round(np.linalg.solve(scene.cell, shift)).astype(int)) for row, shift in zip(rows, shifts)}
+    inverse = np.linalg.inv(scene.cell)
+    for row, outline in enumerate(polygons(scene.grains | dict(position=at))):
+        for step in np.ndindex(3, 3):
+            i, j = np.array(step) - 1
+            inside = (outline + scene.cell @ [i, j]) @ inverse.T
+            if (i or j) and ((inside > 0) & (inside < 1)).all(axis=1).any():
+                assert (row, i, j) in found
+
+
+def test_users_axes_are_kept_and_get_no_legend():
+    figure = Figure()
+    ax = figure.add_subplot()
+    assert plot.packing(frame(3), ax=ax, contacts="type") is ax
+    assert len(figure.axes) == 1 and not figure.legends
+
+
+@pytest.mark.parametrize("options, wanted", [(dict(color="sped"), "orientation"), (dict(color=[1, 2]), "each of the 3 grains"), (dict(contacts="forces"), "'force'")])
+def test_what_is_not_known_is_refused(options, wanted):
+    with pytest.raises(ValueError, match=wanted):
+        plot.packing(frame(3), **options)
+
+
+def test_an_empty_scene_and_other_things_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="nothing to draw"):
+        plot.packing(frame(0))
+    with pytest.raises(TypeError, match="Network"):
+        plot.packing(3)
+    with pytest.raises(ValueError, match="picture format"):
+        plot.snapshot(tmp_path / "a.xyz", frame(1))
+    assert not list(tmp_path.iterdir())
+
+
+# --- films --------------------------------------------------------------------------------------------------------------
+
+
+def test_film_of_networks(tmp_path):
+    """In the order of time, all to one scale: a grain that moves right does so in the pictures."""
+    from PIL import Image
+
+    for k, name in enumerate(["b", "a", "c"]):
+        network = packing(0.5, particles_=5, contacts=20, seed=0)
+        network.particles["position"] = np.tile([1.0 + 4.0 * k, 2.0], (5, 1))
+        network.attributes["time"] = float(k)
+        network.save(tmp_path / f"network-{name}.h5")
+    path = plot.movie(tmp_path, color="black", legend=False)
+    film = Image.open(path)
+    assert path.name == "movie.gif" and film.n_frames == 3
+    middles = []
+    for k in range(3):
+        film.seek(k)
+        dark = np.asarray(film.convert("L")) < 50
+        middles.append(np.nonzero(dark)[1].mean())
+    assert np.diff(middles) == pytest.approx(np.diff(middles)[0], rel=0.05) and middles[0] < middles[1]
+
+
+def test_film_of_pictures(tmp_path):
+    """9 before 10."""
+    from PIL import Image
+
+    for k in (10, 9):
+        plot.snapshot(tmp_path / f"p{k}.png", frame(3), color="black" if k == 9 else "white", legend=False, dpi=30)
+    film = Image.open(plot.movie(tmp_path, tmp_path / "film.gif"))
+    brightness = []
+    for k in range(2):
+        film.seek(k)
+        brightness.append(np.asarray(film.convert("L")).mean())
+    assert film.n_frames == 2 and brightness[0] < brightness[1] - 50
+
+
+def test_films_of_nothing(tmp_path, monkeypatch):
+    with pytest.raises(ValueError, match="no snapshots"):
+        plot.movie(tmp_path)
+    packing(0.5).save(tmp_path / "network.h5")
+    monkeypatch.setattr(matplotlib.animation.FFMpegWriter, "isAvailable", lambda: False)
+    with pytest.raises(ValueError, match="ffmpeg, which is not installed"):
+        plot.movie(tmp_path, tmp_path / "a.mp4")
+    assert [p.name for p in tmp_path.iterdir()] == ["network.h5"]
+
+
+def test_a_film_that_is_stopped_leaves_nothing(tmp_path, monkeypatch):
+    packing(0.5).save(tmp_path / "network.h5")
+
+    def stop(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(matplotlib.animation.PillowWriter, "grab_frame", stop)
+    with pytest.raises(KeyboardInterrupt):
+        plot.movie(tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == ["network.h5"]
+
+
+@pytest.mark.skipif(not matplotlib.animation.FFMpegWriter.isAvailable(), reason="ffmpeg is not installed")
+def test_film_by_ffmpeg(tmp_path):
+    packing(0.5).save(tmp_path / "network.h5")
+    assert plot.movie(tmp_path, tmp_path / "a.mp4").stat().st_size > 1000
+
+
+def test_13000_grains_and_their_contacts_in_two_seconds(tmp_path):
+    """Of the processor, best of three: 1.1 s were measured."""
+    side = 114
+    at = np.arange(side**2)
+    dense = frame(side**2, position=2.0 * np.column_stack([at % side, at // side]), angle=0.1 * at)
+    pairs = np.concatenate([np.column_stack([at[at % side < side - 1]] * 2) + [0, 1], np.column_stack([at[:-side]] * 2) + [0, side]])
+    away = 0.5 * (dense.grains["position"][pairs[:, 1]] - dense.grains["position"][pairs[:, 0]])
+    force = np.random.default_rng(1).exponential(1, len(pairs))[:, None] * away
+    dense.contacts = contacts(len(pairs), body1=pairs[:, 0], body2=pairs[:, 1], position=dense.grains["position"][pairs[:, 0]] + away, normal=away, force=force, arm1=away, arm2=-away)
+    seconds = []
+    for _ in range(3):
+        start = time.process_time()
+        plot.snapshot(tmp_path / "a.png", dense, contacts="force")
+        seconds.append(time.process_time() - start)
+    assert min(seconds) < 2

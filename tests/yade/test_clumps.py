@@ -1,0 +1,152 @@
+"""Clumps of Rcrs and discs: contacts act on the motion of the whole."""
+
+import math
+
+import numpy as np
+import pytest
+import rcr
+from scenes import build, material, steps, velocity
+from test_gate import ALL_IG2, smooth
+from yade import O
+from yade.wrapper import ForceEngine
+
+G = 9.81
+
+
+def scene(*obstacles, **options):
+    ids = build(*obstacles, **options)
+    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in ALL_IG2]
+    return ids
+
+
+def two_discs(center, angle, m, R=0.1, **options):
+    half = np.array([math.cos(angle), math.sin(angle)]) * R
+    return rcr.clump([rcr.disc(tuple(np.array(center) + sign * half), R, material=m) for sign in (-1, 1)], **options)
+
+
+def test_mass_and_inertia_of_two_discs():
+    scene()
+    m = material(density=2000)
+    clump, members = two_discs((1, 2), 0.3, m)
+    s, disc = O.bodies[clump].state, 2000 * math.pi * 0.01
+    assert (s.pos[0], s.pos[1]) == pytest.approx((1, 2), abs=1e-9)
+    assert s.mass == pytest.approx(2 * disc, rel=1e-5)
+    assert s.inertia[2] == pytest.approx(2 * (disc * 0.01 / 2 + disc * 0.01), rel=1e-5)
+    assert len(members) == 2 and all(O.bodies[i].isClumpMember for i in members)
+
+
+def test_union_of_overlapping_members_is_counted_once():
+    """Discs along the core of an Rcr, side by side: its area and moment, from below."""
+    scene()
+    m = material()
+    grain = rcr.particle((0, 0), 0.3, 0.6, angle=0.4, material=m)
+    a, r = grain.shape.halfLength, grain.shape.capRadius
+    places = np.linspace(-a, a, 60)[:, None] * [math.cos(0.4), math.sin(0.4)]
+    clump, _ = rcr.clump([rcr.disc(tuple(at), r, material=m) for at in places])
+    s = O.bodies[clump].state
+    assert s.mass == pytest.approx(grain.state.mass, rel=1e-3) and s.inertia[2] == pytest.approx(grain.state.inertia[2], rel=2e-3)
+
+
+def test_falls_freely():
+    scene()
+    clump, members = two_discs((0, 0), 0.3, material())
+    O.bodies[clump].state.angVel = (0, 0, 2)
+    steps(100)
+    assert O.bodies[clump].state.vel[1] == pytest.approx(-G * 0.1, rel=1e-12)
+    middle = sum((O.bodies[i].state.pos for i in members), type(O.bodies[clump].state.pos)()) / 2
+    assert (middle - O.bodies[clump].state.pos).norm() < 1e-12
+
+
+@pytest.mark.parametrize("law", ["rigid", "smooth"])
+def test_an_upright_pair_topples_over_its_lower_disc(law):
+    """Two discs, one on the other, tilted by θ₀, on a floor without slip: (I + m R²-type) rolling, checked by energy.
+
+    While the lower disc rolls without slip, ½ m v² + ½ I ω² = m g (h₀ − h).
+    """
+    m = material(friction=1.2)
+    m.young, m.poisson = 1e8, 0.5
+    floor = rcr.wall("y", 0, material=m)
+    tilt = 0.2
+    center = (0.1 * math.sin(tilt), 0.1 + 0.1 * math.cos(tilt))
+    if law == "rigid":
+        scene(floor, dt=1e-4)
+    else:
+        smooth(floor)
+        O.dt = 2e-5
+    clump, members = two_discs(center, math.pi / 2 - tilt, m)
+    s = O.bodies[clump].state
+    height = s.pos[1]
+    steps(int(0.25 / O.dt))
+    fallen = s.mass * G * (height - s.pos[1])
+    moving = 0.5 * s.mass * s.vel.squaredNorm() + 0.5 * s.inertia[2] * s.angVel[2] ** 2
+    assert height - s.pos[1] > 0.002 and moving == pytest.approx(fallen, rel=0.02)
+    lower = O.bodies[members[0]].state
+    assert lower.pos[1] == pytest.approx(0.1, abs=2e-4)
+    assert lower.vel[0] == pytest.approx(-0.1 * s.angVel[2], abs=5e-3 if law == "rigid" else 2e-2)  # it rolls; the shear spring has no dashpot and swings
+
+
+def test_glued_into_an_rcr_falls_as_the_rcr():
+    """Discs every R'/10 along the core, with the mass and moment of the grain, and the grain itself: the same fall and roll."""
+    def fall(make):
+        m = material(friction=0.5)
+        scene(rcr.wall("y", 0, material=m), dt=2e-4)
+        moving = make(m)
+        steps(2500)
+        s = O.bodies[moving].state
+        return np.array([s.pos[0], s.pos[1], 2 * math.atan2(s.ori[2], s.ori[3])])
+
+    def grain(m):
+        return O.bodies.append(rcr.particle((0, 0.35), 0.3, 0.5, angle=1.0, material=m))
+
+    def glued(m):
+        twin = rcr.particle((0, 0.35), 0.3, 0.5, angle=1.0, material=m)
+        a, r = twin.shape.halfLength, twin.shape.capRadius
+        places = np.array([0, 0.35]) + np.linspace(-a, a, 2 + int(20 * a / r))[:, None] * [math.cos(1), math.sin(1)]
+        clump, _ = rcr.clump([rcr.disc(tuple(at), r, material=m) for at in places], mass=twin.state.mass, inertia=twin.state.inertia[2])
+        return clump
+
+    def turned(end):
+        return [end[0], end[1], math.remainder(end[2] + (1.0 if end is two else 0), math.pi)]
+
+    one, two = fall(grain), fall(glued)
+    assert turned(two) == pytest.approx(turned(one), abs=0.01)
+
+
+def test_forces_on_members_are_loads_of_the_clump():
+    m = material()
+    scene(rcr.wall("y", 0, material=m), gravity=(0, 0, 0))
+    clump, members = two_discs((0, 0.1), 0, m)
+    engine_list = list(O.engines)
+    O.engines = [*engine_list[:3], ForceEngine(force=(0, -100, 0), ids=members), *engine_list[3:]]
+    steps(50)
+    pressed = sum(i.phys.normalForce[1] for i in O.interactions if i.isReal)
+    assert pressed == pytest.approx(200, rel=1e-6)
+    assert O.bodies[clump].state.pos[1] == pytest.approx(0.1, abs=1e-6) and np.abs(velocity(clump)).max() < 1e-9
+
+
+def test_a_pile_of_clumps_comes_to_rest_and_reloads_to_the_same_bits(tmp_path):
+    m = material()
+    scene(rcr.wall("y", 0, material=m), rcr.wall("x", -1, material=m), rcr.wall("x", 1, material=m))
+    rng = np.random.default_rng(1)
+    for k in range(20):
+        at = np.array([-0.6 + 0.4 * (k % 4), 0.2 + 0.4 * (k // 4)])
+        if k % 2:
+            two_discs(at, rng.uniform(0, 3), m, R=0.07)
+        else:
+            cross = [rcr.particle(tuple(at), 0.14, 0.7, angle=rng.uniform(0, 3), material=m) for _ in range(2)]
+            rcr.clump(cross)
+    steps(2500)
+    moving = [b for b in O.bodies if b.isClump]
+    assert max(b.state.vel.norm() for b in moving) < 5e-3
+    O.save(str(tmp_path / "pile.yade"))
+    steps(10)
+    first = [tuple(b.state.pos) for b in O.bodies]
+    O.load(str(tmp_path / "pile.yade"))
+    steps(10)
+    assert [tuple(b.state.pos) for b in O.bodies] == first
+
+
+@pytest.mark.parametrize("given, match", [([], "at least one body"), (["grain"], "at least one body")])
+def test_bad_members(given, match):
+    with pytest.raises(ValueError, match=match):
+        rcr.clump(given)

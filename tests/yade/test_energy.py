@@ -1,0 +1,111 @@
+"""Energy with O.trackEnergy: what friction, impacts, drive and position correction take, so that the total stays."""
+
+import math
+
+import numpy as np
+import pytest
+import rcr
+from scenes import build, material, stadium
+from test_gate import ALL_IG2, smooth
+from yade import O
+
+G = 9.81
+
+
+def run(steps):
+    """The largest change of the total, and what is dissipated, over the steps."""
+    O.trackEnergy = True
+    O.step()
+    start = O.energy.total()
+    off, dissipated = 0.0, []
+    for _ in range(steps):
+        O.step()
+        off = max(off, abs(O.energy.total() - start))
+        energy = dict(O.energy.items())
+        dissipated.append([energy.get(name, 0) for name in ("plastDissip", "impactDissip", "viscDissip")])
+    return off, np.array(dissipated)
+
+
+def never_gives(dissipated, scale):
+    """No account ever falls, beyond what one step's rounding of velocities is worth."""
+    return (np.diff(dissipated, axis=0) >= -1e-3 * scale).all() and (dissipated[-1] >= 0).all()
+
+
+def test_sliding():
+    """A brick slides to rest: friction takes ½ m v²."""
+    m = material(friction=0.4)
+    _, brick = build(rcr.wall("y", 0, material=m), stadium(0.2, 0.1, (0, 0.1), material=m))
+    s = O.bodies[brick].state
+    s.vel = (2, 0, 0)
+    kinetic = 0.5 * s.mass * 4
+    off, dissipated = run(800)
+    assert s.vel.norm() < 1e-9 and off < 0.01 * kinetic and never_gives(dissipated, kinetic)
+    assert dissipated[-1, 0] == pytest.approx(kinetic, rel=0.01) and dissipated[-1, 1] < 0.01 * kinetic
+
+
+@pytest.mark.parametrize("e", [0, 0.5, 0.9])
+def test_bouncing(e):
+    """A disc falls by h and bounces: an impact takes (1 − e²) m g h."""
+    m = material()
+    _, disc = build(rcr.wall("y", 0, material=m), stadium(0, 0.1, (0, 0.6), material=m), restitution=e, dt=1e-4)
+    released = O.bodies[disc].state.mass * G * 0.5
+    off, dissipated = run(4000)
+    assert off < 0.01 * released and never_gives(dissipated, released)
+    assert dissipated[-1, 1] == pytest.approx((1 - e**2) * released, rel=0.01)
+
+
+@pytest.mark.parametrize("law", ["rigid", "smooth"])
+def test_column_that_collapses(law):
+    m = material(friction=0.5)
+    m.young, m.poisson = 1e7, 0.5
+    bodies = [rcr.wall("y", 0, material=m)]
+    rng = np.random.default_rng(3)
+    bodies += [rcr.particle((0.22 * i, 0.12 + 0.24 * j), 0.1, 0.5, angle=rng.uniform(0, 3), material=m) for i in range(3) for j in range(8)]
+    if law == "rigid":
+        build(*bodies)
+        count = 1500
+    else:
+        smooth(*bodies)
+        O.engines[2].lawDispatcher.functors[0].damping = 0.3
+        O.dt = 0.1 * rcr.critical_time_step()
+        count = int(1.0 / O.dt)
+    free = [b for b in O.bodies if isinstance(b.shape, rcr.Rcr)]
+    height = lambda: sum(b.state.mass * G * b.state.pos[1] for b in free)
+    before = height()
+    off, dissipated = run(count)
+    released = before - height()
+    assert off < 0.01 * released and never_gives(dissipated, released)
+
+
+def test_shear_between_driven_walls():
+    """What two lids of prescribed motion put in, friction and impacts take."""
+    m = material(friction=0.5)
+    rng = np.random.default_rng(5)
+    walls = [rcr.wall("y", 0, material=m), rcr.wall("x", -0.15, material=m), rcr.wall("x", 1.35, material=m)]
+    grains = [rcr.particle((0.25 * i, 0.13 + 0.26 * j), 0.1, 0.4, angle=rng.uniform(0, 3), material=m) for i in range(6) for j in range(4)]
+    lid = [rcr.particle((0.3 * i, 1.2), 0.15, 0, fixed=True, velocity=(0.5, 0), material=m) for i in range(-8, 5)]
+    build(*walls, *grains, *lid, gravity=(0, -G, 0))
+    off, dissipated = run(1500)
+    work = -dict(O.energy.items())["driveWork"]
+    given = max(work, dissipated[-1].sum())
+    assert given > 0 and off < 0.01 * given and never_gives(dissipated, given)
+
+
+def test_position_correction_lifts():
+    """Overlaps displaced away lift a grain: gravity's account tells it, and the correction's takes it back."""
+    m = material()
+    _, disc = build(rcr.wall("y", 0, material=m), stadium(0, 0.1, (0, 0.099), material=m))
+    s = O.bodies[disc].state
+    at = s.pos[1]
+    off, _ = run(200)
+    lifted = s.mass * G * (s.pos[1] - at)
+    assert lifted > 0 and off < 1e-9
+    assert dict(O.energy.items())["correctionWork"] == pytest.approx(-lifted, rel=0.02)
+
+
+def test_nothing_is_booked_where_nobody_asks():
+    m = material()
+    build(rcr.wall("y", 0, material=m), stadium(0, 0.1, (0, 0.1), material=m))
+    for _ in range(3):
+        O.step()
+    assert not dict(O.energy.items())

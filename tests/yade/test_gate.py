@@ -1,0 +1,267 @@
+"""Scenes that used to go wrong without a word: each is refused before anything moves, under both laws where both can have it.
+
+Named by the defects F2 to F43 that they stood for.
+"""
+
+import math
+
+import numpy as np
+import pytest
+import rcr
+from scenes import build, engines, material, python, snapshot, stadium, steps
+from yade import O, utils
+from yade.minieigenHP import Quaternion
+from yade.wrapper import (
+    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ElastMat, ForceEngine, ForceResetter, GlobalStiffnessTimeStepper,
+    Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, Law2_ScGeom_FrictPhys_CundallStrack,
+    NewtonIntegrator,
+)  # fmt: skip
+
+NAN = math.nan
+OBSTACLES = ("Wall", "Box", "Facet", "Sphere")
+ALL_IG2 = [f"Ig2_{one}_{two}_RcrGeom" for two in ("Rcr", "Sphere") for one in OBSTACLES] + ["Ig2_Rcr_Rcr_RcrGeom"]
+
+
+def rigid(**options):
+    """A grain on a floor under the rigid law."""
+    rough = material()
+    return build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough), **options)
+
+
+def smooth(*bodies):
+    """The same under the smooth law, or other bodies."""
+    O.reset()
+    O.dt = 1e-5
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(), Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
+        InteractionLoop([getattr(rcr, name)() for name in ALL_IG2], [Ip2_FrictMat_FrictMat_FrictPhys()], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
+        NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
+    ]
+    rough = material()
+    rough.young, rough.poisson = 1e8, 0.5
+    return [O.bodies.append(b) for b in bodies or (rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough))]
+
+
+LAWS = pytest.mark.parametrize("scene", [rigid, smooth])
+
+
+def refused(match):
+    before = snapshot()[:, :13]
+    with pytest.raises(ValueError, match=match):
+        O.step()
+    assert np.array_equal(snapshot()[:, :13], before, equal_nan=True)
+
+
+def place(kind):
+    return next(k for k, e in enumerate(O.engines) if isinstance(e, kind))
+
+
+def without(kind):
+    O.engines = [e for e in O.engines if not isinstance(e, kind)]
+
+
+def inserted(at, engine):
+    old = list(O.engines)
+    O.engines = old[:at] + [engine] + old[at:]
+
+
+# ---------------------------------------------------------------------------------------------- engines
+
+def test_f6_contact_dynamics_forgotten():
+    rigid()
+    without(rcr.ContactDynamics)
+    refused(r"O.engines holds no ContactDynamics, .*put ContactDynamics\(\) between the InteractionLoop and the NewtonIntegrator")
+
+
+def test_f6_contact_dynamics_dead():
+    rigid()
+    O.engines[place(rcr.ContactDynamics)].dead = True
+    refused("O.engines holds no ContactDynamics that is not dead")
+
+
+def test_f5_two_solvers():
+    rigid()
+    inserted(place(rcr.ContactDynamics), rcr.ContactDynamics())
+    refused("O.engines holds 2 of ContactDynamics; wanted one")
+
+
+@LAWS
+def test_f5_two_integrators(scene):
+    scene()
+    inserted(len(O.engines), NewtonIntegrator(damping=0))
+    refused("O.engines holds 2 of NewtonIntegrator; wanted one")
+
+
+@LAWS
+@pytest.mark.parametrize("kind, match", [(InsertionSortCollider, "no collider"), (ForceResetter, "no ForceResetter"), (NewtonIntegrator, "no NewtonIntegrator")])
+def test_f10_engine_forgotten(scene, kind, match):
+    scene()
+    without(kind)
+    refused("O.engines holds " + match)
+
+
+@LAWS
+def test_f10_bound_functor_forgotten(scene):
+    scene()
+    O.engines[1].boundDispatcher.functors = [Bo1_Wall_Aabb()]
+    refused(r"the collider has no Bo1_Rcr_Aabb, so body #1 would meet nothing; put Bo1_Rcr_Aabb\(\) into its list")
+
+
+@pytest.mark.parametrize(
+    "load", [lambda: ForceEngine(force=(500, 0, 0), ids=[1]), lambda: rcr.WallStress(wall=0, start=0, end=0)], ids=["ForceEngine", "WallStress"]
+)
+def test_f4_load_after_the_solver(load):
+    rigid()
+    inserted(place(NewtonIntegrator), load())
+    refused("stands after ContactDynamics, which would not see its load; put it before")
+
+
+def test_f4_load_before_the_solver_is_seen():
+    rigid(before=[ForceEngine(force=(0, -500, 0), ids=[1])])
+    steps(20)
+    assert O.bodies[1].state.pos[1] == pytest.approx(0.1, abs=1e-9)
+
+
+def test_f10_time_stepper():
+    rigid()
+    inserted(0, GlobalStiffnessTimeStepper())
+    refused("the GlobalStiffnessTimeStepper would set O.dt from stiffnesses")
+
+
+@LAWS
+def test_f10_time_step_forgotten(scene):
+    scene()
+    O.dt = 1e-8
+    with pytest.warns(UserWarning, match="O.dt = 1e-8 s is YADE's default; set it"):
+        O.step()
+
+
+# ---------------------------------------------------------------------------------------------- functors and materials
+
+def test_f2_stock_spheres_beside_the_rigid_law():
+    rigid()
+    loop = O.engines[2]
+    loop.geomDispatcher.functors = [*loop.geomDispatcher.functors, Ig2_Sphere_Sphere_ScGeom()]
+    loop.lawDispatcher.functors = [*loop.lawDispatcher.functors, Law2_ScGeom_FrictPhys_CundallStrack()]
+    refused("Ig2_Sphere_Sphere_ScGeom makes contacts that ContactDynamics does not solve; take Ig2_Sphere_Sphere_RcrGeom in its place")
+
+
+@LAWS
+def test_f18_material_without_friction(scene):
+    scene()
+    O.bodies[1].material = ElastMat(density=1000)
+    refused("#1 has the material ElastMat, which knows no friction; give it a FrictMat")
+
+
+def test_f43_material_that_loses_its_friction_in_a_run():
+    """YADE would end the process in its parallel loop."""
+    result = python(
+        f"""
+import sys, time
+sys.path.insert(0, {__file__.rsplit('/', 1)[0]!r})
+import yade
+from scenes import *
+from yade.wrapper import ElastMat, PyRunner
+rough = material()
+build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.15), material=rough))
+O.engines = [*O.engines, PyRunner(iterPeriod=1, command="O.bodies[1].material = ElastMat(density=1000)")]
+import __main__
+__main__.ElastMat = ElastMat
+try:
+    O.run(500, True)
+    O.step()
+except (ValueError, RuntimeError) as error:
+    print("told:", error)
+"""
+    )
+    assert result.returncode == 0 and "give it a FrictMat" in result.stdout, result.stdout + result.stderr
+
+
+def test_f33_friction_beyond_measure():
+    rough = material()
+    rough.frictionAngle = math.pi / 2
+    build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough))
+    refused("has the friction coefficient .*; wanted a friction angle from 0 to below π/2")
+
+
+# ---------------------------------------------------------------------------------------------- bodies
+
+def test_f3_orientation_that_is_not_finite():
+    rigid()
+    O.bodies[1].state.ori = Quaternion(NAN, NAN, NAN, NAN)
+    refused("#1 has an orientation that is not finite")
+
+
+@pytest.mark.parametrize("z", [3, 0.3])
+def test_f38_grains_in_two_planes(z):
+    rigid()
+    O.bodies.append(rcr.disc((0, 0.5, z), 0.1, material=O.bodies[1].material))
+    refused(f"#2 lies at z = {z}, other grains at z = 0")
+
+
+@LAWS
+def test_f38_box_out_of_the_plane(scene):
+    scene()
+    O.bodies.append(utils.box((0, 0, 5), (1, 1, 1), material=O.bodies[1].material))
+    refused("#2 is a Box at z = 5 that does not reach the plane z = 0")
+
+
+@LAWS
+def test_f10_facet_that_does_not_cut_the_plane(scene):
+    scene()
+    O.bodies.append(utils.facet([(0, -1, 1), (1, -1, 1), (0, -1, 2)], material=O.bodies[1].material))
+    refused("#2 is a Facet that does not cut the plane z = 0")
+
+
+@pytest.mark.parametrize("sense", [5, -2, 0.5, "left"])
+def test_f43_sense_of_a_wall(sense):
+    with pytest.raises(ValueError, match="sense = .*; wanted [+]1, −1, or 0"):
+        rcr.wall("y", 0, sense=sense)
+
+
+def test_f7_ball_among_rcrs():
+    rigid()
+    O.bodies.append(utils.sphere((0, 1, 0), 0.1, material=O.bodies[1].material))
+    O.bodies[2].state.blockedDOFs = "zXY"
+    with pytest.warns(UserWarning, match="#2 is a Sphere with the mass of a ball, .*make it by rcr.disc"):
+        O.step()
+
+
+# ---------------------------------------------------------------------------------------------- numbers of a step
+
+@pytest.mark.parametrize("dt", [1, 30, 1000])
+def test_f43_step_that_ends_in_an_overlap_has_not_converged(dt):
+    rough = material()
+    ids = build(stadium(0.2, 0.1, (0, 0), material=rough), stadium(0.2, 0.1, (1.0, 0.1), angle=1.0, material=rough), dt=dt, gravity=(0, 0, 0))
+    O.bodies[ids[0]].state.vel, O.bodies[ids[0]].state.angVel = (1.0 / dt, 0, 0), (0, 0, 5.0 / dt)
+    solver = O.engines[place(rcr.ContactDynamics)]
+    before = True
+    for _ in range(3):
+        O.step()
+        converged = solver.converged
+        gaps = [i.geom.gap[k] for i in O.interactions if i.isReal for k in range(i.geom.points)]  # of the beginning of that step
+        assert not gaps or min(gaps) > -0.02 * 0.6 or not before
+        before = converged
+
+
+def test_f12_an_exception_leaves_no_trace():
+    """A refused step, put right and made, has the bits of one that was never refused."""
+    def run(fault):
+        ids = rigid()
+        O.bodies[ids[1]].state.vel = (3.0, -2.0, 0)
+        steps(5)
+        if fault:
+            O.bodies[ids[1]].state.inertia = (1, 1, 0)
+            before = snapshot()
+            with pytest.raises(ValueError, match="moment of inertia 0"):
+                O.step()
+            assert np.array_equal(snapshot()[:, :13], before[:, :13])
+            O.bodies[ids[1]].state.inertia = inertia
+        inertia_now = O.bodies[ids[1]].state.inertia
+        steps(20)
+        return snapshot(), inertia_now
+
+    clean, inertia = run(False)
+    faulty, _ = run(True)
+    assert np.array_equal(clean, faulty)

@@ -1,0 +1,111 @@
+"""Discs, boxes and facets in one solve (F7, F10, F11), under both laws."""
+
+import math
+
+import numpy as np
+import pytest
+import rcr
+from scenes import build, material, steps, velocity
+from test_gate import ALL_IG2, smooth
+from yade import O, utils
+
+G = 9.81
+FLOORS = {
+    "Wall": lambda m: rcr.wall("y", 0, material=m),
+    "Box": lambda m: utils.box((0, -0.5, 0), (5, 0.5, 1), material=m, fixed=True),
+    "Facet": lambda m: utils.facet([(-9, 0, -1), (9, 0, -1), (0, 0, 1)], material=m),
+    "Rcr": lambda m: rcr.particle((0, -0.1), 5, 0.98, fixed=True, material=m),
+}
+GRAINS = {"Sphere": lambda at, m: rcr.disc(at, 0.1, material=m), "Rcr": lambda at, m: rcr.particle(at, 0.1, 0, material=m)}
+
+
+def rigid(*bodies, **options):
+    ids = build(*bodies, **options)
+    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in ALL_IG2]
+    return ids
+
+
+def test_disc_has_mass_and_inertia_of_a_disc():
+    m = material(density=2000)
+    disc, twin = rcr.disc((1, 2), 0.1, material=m), rcr.particle((1, 2), 0.1, 0, material=m)
+    assert disc.state.mass == pytest.approx(2000 * math.pi * 0.01, rel=1e-15)
+    assert disc.state.inertia[2] == pytest.approx(disc.state.mass * 0.01 / 2, rel=1e-15)
+    assert (disc.state.mass, *disc.state.inertia) == pytest.approx((twin.state.mass, *twin.state.inertia), rel=1e-14)
+    assert disc.state.blockedDOFs == twin.state.blockedDOFs
+
+
+@pytest.mark.parametrize("floor", FLOORS)
+@pytest.mark.parametrize("grain", GRAINS)
+def test_a_grain_comes_to_rest_on_every_floor(floor, grain):
+    m = material()
+    _, top = rigid(FLOORS[floor](m), GRAINS[grain]((0.02, 0.25), m))
+    steps(600)
+    assert O.bodies[top].state.pos[1] == pytest.approx(0.1, abs=1e-5) and np.abs(velocity(top)).max() < 1e-8
+
+
+@pytest.mark.parametrize("floor", FLOORS)
+def test_spheres_and_rcrs_of_one_size_do_the_same(floor):
+    """A pile of discs as Spheres, as Rcrs and mixed: the same motion, to rounding."""
+    places = [(0.21 * i + 0.03 * j, 0.15 + 0.22 * j) for i in range(3) for j in range(3)]
+
+    def run(kinds):
+        m = material()
+        ids = rigid(FLOORS[floor](m), *[GRAINS[kind](at, m) for at, kind in zip(places, kinds)])
+        steps(60)
+        return np.array([[*O.bodies[i].state.pos, *velocity(i)] for i in ids[1:]])
+
+    rcrs, spheres, mixed = run(["Rcr"] * 9), run(["Sphere"] * 9), run(["Rcr", "Sphere"] * 5)
+    assert spheres == pytest.approx(rcrs, abs=1e-9) and mixed == pytest.approx(rcrs, abs=1e-9)
+
+
+@pytest.mark.parametrize("floor", FLOORS)
+@pytest.mark.parametrize("grain", GRAINS)
+def test_the_smooth_law_knows_the_same_floors(floor, grain):
+    m = material()
+    m.young, m.poisson = 1e7, 0.5
+    _, top = smooth(FLOORS[floor](m), GRAINS[grain]((0.02, 0.1), m))
+    O.dt = 2e-5
+    steps(5000)
+    assert 0.09 < O.bodies[top].state.pos[1] < 0.1001
+
+
+def test_a_disc_rolls_over_the_joint_of_two_facets_and_under_none():
+    m = material()
+    floor = [utils.facet([(x, 0, -1), (x + 1, 0, -1), (x, 0, 1)], material=m) for x in (-2, -1, 0, 1)]
+    floor += [utils.facet([(x + 1, 0, 1), (x + 1, 0, -1), (x, 0, 1)], material=m) for x in (-2, -1, 0, 1)]
+    ids = rigid(*floor, rcr.disc((-1.5, 0.1), 0.1, material=m, velocity=(1, 0), angular_velocity=-10))
+    steps(2000)
+    assert O.bodies[ids[-1]].state.pos[0] == pytest.approx(0.5, abs=2e-3) and O.bodies[ids[-1]].state.pos[1] == pytest.approx(0.1, abs=1e-4)
+
+
+def test_facet_turned_as_a_slope():
+    """45° slope without friction: a = g sin 45°."""
+    smoothly = material(friction=0)
+    slope = utils.facet([(-3, 3, -1), (3, -3, -1), (0, 0, 1)], material=smoothly)
+    at = 0.1 * math.sqrt(0.5)
+    _, grain = rigid(slope, rcr.disc((at, at), 0.1, material=smoothly))
+    steps(200)
+    assert O.bodies[grain].state.vel[0] == pytest.approx(G / 2 * 0.2, rel=1e-6)
+
+
+def test_f11_fast_free_disc_does_not_tunnel():
+    m = material()
+    _, disc = rigid(FLOORS["Box"](m), rcr.disc((0, 5), 0.1, material=m, velocity=(0, -400)))
+    steps(40)
+    assert O.bodies[disc].state.pos[1] > 0.09
+
+
+def test_f11_spinning_box_meets_what_it_sweeps():
+    m = material()
+    box = utils.box((0, 0, 0), (1, 0.1, 1), material=m, fixed=True)
+    box.state.angVel = (0, 0, 20)
+    _, disc = rigid(box, rcr.disc((0.8, 0.5), 0.1, material=m), gravity=(0, 0, 0), dt=5e-3)
+    steps(40)
+    assert O.bodies[disc].state.vel.norm() > 5
+
+
+def test_bound_of_a_stock_sphere_functor_looks_ahead():
+    m = material()
+    rigid(FLOORS["Wall"](m), rcr.disc((0, 0.1), 0.1, material=m))
+    O.step()
+    assert [type(f).__name__ for f in O.engines[1].boundDispatcher.functors].count("Bo1_Disc_Aabb") == 1
