@@ -128,26 +128,28 @@ class Network:
         """
         import h5py
 
-        with files.reading(path, "an HDF5 file"), h5py.File(path, "r") as file:
-            if not {"particles", "contacts"} <= set(file):
-                raise ValueError(f"it holds {sorted(file)}; wanted the groups particles and contacts")
-            groups = [_columns(file, group, path) for group in ("particles", "contacts")]
-            attributes = {k: v.item() if isinstance(v, np.generic) else v for k, v in file.attrs.items() if k != "stress"}
+        with files.reading(path, "an HDF5 file"):
+            files.check_seal(path)
+            with h5py.File(path, "r") as file:
+                if not {"particles", "contacts"} <= set(file):
+                    raise ValueError(f"it holds {sorted(file)}; wanted the groups particles and contacts")
+                groups = [_columns(file, group, path) for group in ("particles", "contacts")]
+                attributes = {k: v.item() if isinstance(v, np.generic) else v for k, v in file.attrs.items() if k != "stress"}
             network = cls(*groups, attributes)
             _check_meaning(network.particles, network.contacts, network.attributes)
             return network
 
     def save(self, path):
-        """Write the network to `path`: whole or not at all. Check sums in the file tell a reader of flipped bits."""
+        """Write the network to `path`: whole or not at all, with a check sum at its end."""
         from rcr import __version__
 
         def fill(file):
             for group, columns in (("particles", self.particles), ("contacts", self.contacts)):
                 for column, data in columns.items():
-                    file.create_dataset(f"{group}/{column}", data=data, fletcher32=len(data) > 0)
+                    file.create_dataset(f"{group}/{column}", data=data)
             file.attrs.update({"version": __version__, **self.attributes, "stress": self.stress()})
 
-        files.write(path, files.hdf5(fill, libver="v110"))
+        files.write(path, files.hdf5(fill))
 
     @property
     def between_particles(self):
