@@ -59,7 +59,7 @@ ContactProblem problemFrom(
 	wantShape(inverseMass, "inverse_mass", nb, 3), wantShape(freeVelocity, "free_velocity", nb, 3);
 	wantShape(bodies, "bodies", nc, 2), wantShape(normal, "normal", nc, 2), wantShape(arm1, "arm1", nc, 2), wantShape(arm2, "arm2", nc, 2);
 	wantShape(bias, "bias", nc, 1), wantShape(friction, "friction", nc, 1), wantShape(impulse, "impulse", nc, 2);
-	const Array drift = givenDrift.is_none() ? Array({ py::ssize_t(0), py::ssize_t(2) }) : givenDrift.cast<Array>();
+	const Array drift = givenDrift.is_none() ? Array(std::vector<py::ssize_t> { 0, 2 }) : givenDrift.cast<Array>();
 	if (!givenDrift.is_none()) wantShape(drift, "drift", nc, 2);
 
 	ContactProblem problem;

@@ -7,12 +7,14 @@ full, the file of before stands as it was. HDF5 is made in memory too, since its
 import contextlib
 import csv
 import fcntl
+import hashlib
 import io
 import os
 import stat
 import tempfile
 
 PART = ".part-"  # begins the name of a file that is being written
+SEAL = b"\nrcr sha256 "  # ends an HDF5 file of ours, with the 64 digits of the rest; HDF5 ignores what follows its own end
 LARGEST_RATIO = 1100  # of the size of unpacked data over that of the file: deflate reaches 1032
 
 
@@ -45,7 +47,7 @@ def write(path, content):
             except BaseException:
                 os.unlink(partial)
                 raise
-        _flush_names(os.path.dirname(target))
+        _flush(os.path.dirname(target))
     except OSError as error:
         raise OSError(error.errno, error.strerror, os.fspath(path)) from error
 
@@ -54,19 +56,22 @@ def write(path, content):
 def whole(path):
     """Path to write to in the place of `path`: a file of the same name, which takes its place when the block ends well.
 
-    It lies in a hidden folder beside it until then, and nothing is left of it when the block fails. The file has the permissions of
-    any file that the user makes.
+    For libraries that write to a name. It lies in a hidden folder beside it until then, and nothing is left of it when the block
+    fails. The file has the permissions of any file that the user makes.
 
     Raises
     ------
     OSError
         If the folder does not exist or cannot be written to.
     """
-    folder, name = os.path.split(os.path.abspath(path))
-    with tempfile.TemporaryDirectory(prefix=".rcr-", dir=folder) as hidden:
+    check_writable(path)
+    folder, name = os.path.split(os.path.realpath(path))
+    with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as hidden:
         partial = os.path.join(hidden, name)
         yield partial
-        os.replace(partial, path)
+        _flush(partial)
+        os.replace(partial, os.path.join(folder, name))
+        _flush(folder)
 
 
 def check_writable(path):
@@ -111,23 +116,24 @@ def locked(path, wait=True):
         file.close()  # the other process has renamed or removed it meanwhile
 
 
-def _flush_names(folder):
-    """The new name too survives a loss of power."""
-    handle = os.open(folder, os.O_RDONLY)
+def _flush(path):
+    """A file, or the names in a folder, survive a loss of power from here on."""
+    handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
     finally:
         os.close(handle)
 
 
-def hdf5(fill, **settings):
-    """Bytes of an HDF5 file; `fill(file)` puts its contents in, `settings` are those of h5py.File."""
+def hdf5(fill):
+    """Bytes of an HDF5 file, sealed; `fill(file)` puts its contents in. A program that changes the file takes the seal off."""
     import h5py
 
     image = io.BytesIO()
-    with h5py.File(image, "w", **settings) as file:
+    with h5py.File(image, "w") as file:
         fill(file)
-    return image.getvalue()
+    content = image.getvalue()
+    return content + SEAL + hashlib.sha256(content).hexdigest().encode()
 
 
 def table(columns, rows):
@@ -171,6 +177,14 @@ def reading(path, kind):
         raise ValueError(f"{path}: damaged, or more than the memory holds") from error
     except Exception as error:  # libraries meet damaged bytes in many ways: zlib.error, BadZipFile, EOFError, KeyError, RuntimeError …
         raise ValueError(f"{path}: damaged, or not {kind} ({one_line(error)})") from error
+
+
+def check_seal(path):
+    """ValueError if a sealed file is damaged. HDF5 would find most of that, but not all, and not always come to an end."""
+    with open(path, "rb") as file:
+        content = file.read()
+    if content[-76:-64] == SEAL and content[-64:] != hashlib.sha256(content[:-76]).hexdigest().encode():
+        raise ValueError("damaged: its content is not what was written")
 
 
 def check_size(name, size, path):

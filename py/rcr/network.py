@@ -13,7 +13,6 @@ Conventions
 """
 
 import math
-import os
 
 import numpy as np
 
@@ -80,11 +79,11 @@ def sin_phi(stresses):
 
 
 def _columns(file, group, path):
-    if not hasattr(file[group], "keys"):  # a dataset
+    if not hasattr(file[group], "items"):
         raise ValueError(f"{group} is no group of columns")
     columns = {}
     for name, data in file[group].items():
-        if not hasattr(data, "dtype") or data.shape is None:
+        if getattr(data, "shape", None) is None:
             raise ValueError(f"{group}/{name} is no column")
         files.check_size(f"{group}/{name}", data.nbytes, path)
         columns[name] = data[()]
@@ -129,26 +128,28 @@ class Network:
         """
         import h5py
 
-        with files.reading(path, "an HDF5 file"), h5py.File(path, "r") as file:
-            if not {"particles", "contacts"} <= set(file):
-                raise ValueError(f"it holds {sorted(file)}; wanted the groups particles and contacts")
-            groups = [_columns(file, group, path) for group in ("particles", "contacts")]
-            attributes = {k: v.item() if isinstance(v, np.generic) else v for k, v in file.attrs.items() if k != "stress"}
+        with files.reading(path, "an HDF5 file"):
+            files.check_seal(path)
+            with h5py.File(path, "r") as file:
+                if not {"particles", "contacts"} <= set(file):
+                    raise ValueError(f"it holds {sorted(file)}; wanted the groups particles and contacts")
+                groups = [_columns(file, group, path) for group in ("particles", "contacts")]
+                attributes = {k: v.item() if isinstance(v, np.generic) else v for k, v in file.attrs.items() if k != "stress"}
             network = cls(*groups, attributes)
             _check_meaning(network.particles, network.contacts, network.attributes)
             return network
 
     def save(self, path):
-        """Write the network to `path`: whole or not at all. Check sums in the file tell a reader of flipped bits."""
+        """Write the network to `path`: whole or not at all, with a check sum at its end."""
         from rcr import __version__
 
         def fill(file):
             for group, columns in (("particles", self.particles), ("contacts", self.contacts)):
                 for column, data in columns.items():
-                    file.create_dataset(f"{group}/{column}", data=data, fletcher32=len(data) > 0)
+                    file.create_dataset(f"{group}/{column}", data=data)
             file.attrs.update({"version": __version__, **self.attributes, "stress": self.stress()})
 
-        files.write(path, files.hdf5(fill, libver="v110"))
+        files.write(path, files.hdf5(fill))
 
     @property
     def between_particles(self):

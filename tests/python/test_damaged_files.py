@@ -5,10 +5,12 @@ The number of variants is small here; `RCR_DAMAGE=20 scripts/test tests/python/t
 """
 
 import os
+import signal
 
+import h5py
 import numpy as np
 import pytest
-from rcr import problems, solve
+from rcr import files, problems, solve
 from rcr.network import Network
 from rcr.runs import Run
 
@@ -20,16 +22,18 @@ TIMES = int(os.environ.get("RCR_DAMAGE", 1))
 
 
 def survey(path, variants, read):
-    """(read, refused) over the variants of a file."""
+    """(read, refused) over the variants of a file; each must come to an end."""
     count = [0, 0]
     for content in variants:
         path.write_bytes(content)
+        signal.alarm(60)
         try:
             read(path)
             count[0] += 1
         except ValueError as error:
             assert str(path) in str(error) and "\n" not in str(error) and len(str(error)) < 1000 + len(str(path)), str(error)
             count[1] += 1
+    signal.alarm(0)
     return count
 
 
@@ -74,39 +78,47 @@ def test_siconos_sizes_beyond_the_file(tmp_path, header):
         problems.load(path)
 
 
+def same(network, again):
+    pairs = [(getattr(network, group), getattr(again, group)) for group in ("particles", "contacts")]
+    return all(np.array_equal(one[name], other[name]) for one, other in pairs for name in one) and again.attributes["strain"] == network.attributes["strain"]
+
+
 def test_networks(tmp_path):
-    """Files that the package has written: check sums tell nearly every flipped bit."""
+    """Files of ours are refused, or hold what they held: the damage was in the seal alone."""
     path = tmp_path / "network-0.1.h5"
     network = synthetic.packing(0.5, particles_=30, contacts=60)
     network.save(path)
 
     def read(path):
-        again = Network.load(path)
-        assert again.stress().shape == (2, 2) and all(np.isfinite(column).all() for column in again.contacts.values())
-        again.anisotropies(), again.coordination(), again.force_pdf()
+        assert same(network, Network.load(path))
 
     read_, refused = survey(path, damaged(path.read_bytes(), 300 * TIMES), read)
-    assert refused > 100 and read_ < 250  # half of such a small file is space between its parts
+    assert read_ < 0.2 * refused  # zeros over zeros change nothing
 
 
-def test_no_flipped_bit_changes_a_number(tmp_path):
-    """One bit at a time: the file is refused, or holds what it held."""
+def test_networks_that_others_have_written(tmp_path):
+    """Without a seal HDF5 itself and the meaning of the columns tell: no more is asked than that what is read is a network."""
     path = tmp_path / "network-0.1.h5"
-    network = synthetic.packing(0.5, particles_=30, contacts=60)
-    network.save(path)
-    whole, rng = path.read_bytes(), np.random.default_rng(1)
-    for _ in range(200 * TIMES):
-        content = bytearray(whole)
-        content[rng.integers(len(content))] ^= 1 << rng.integers(8)
-        path.write_bytes(content)
-        try:
-            again = Network.load(path)
-        except ValueError:
-            continue
-        for group in ("particles", "contacts"):
-            for name, column in getattr(network, group).items():
-                assert np.array_equal(getattr(again, group)[name], column), name
-        assert again.attributes["strain"] == network.attributes["strain"]
+    synthetic.packing(0.5, particles_=30, contacts=60).save(path)
+    with h5py.File(path, "r+") as file:
+        del file.attrs["version"]  # HDF5 may search its heap of words without end
+    assert files.SEAL not in path.read_bytes()
+
+    def read(path):
+        again = Network.load(path)
+        assert again.stress().shape == (2, 2) and all(np.isfinite(column).all() for column in again.contacts.values())
+
+    assert survey(path, damaged(path.read_bytes(), 200 * TIMES), read)[1] > 30
+
+
+def test_a_network_that_was_changed_on_purpose(tmp_path):
+    """Whoever changes a file by HDF5 takes the seal off."""
+    path = tmp_path / "network-0.1.h5"
+    synthetic.packing(0.5, particles_=30, contacts=60).save(path)
+    with h5py.File(path, "r+") as file:
+        file.attrs["strain"] = 0.25
+        file["contacts/type"][0] = 2
+    assert Network.load(path).attributes["strain"] == 0.25
 
 
 def test_histories_records_and_summaries(tmp_path):
