@@ -8,6 +8,7 @@
 #include <pkg/common/Facet.hpp>
 #include <pkg/common/FieldApplier.hpp>
 #include <pkg/common/ForceResetter.hpp>
+#include <pkg/common/InsertionSortCollider.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
 
@@ -166,6 +167,23 @@ namespace gate {
 			            : std::string();
 		}
 
+		/// YADE's collider ends the process where a body spans half of the cell.
+		std::string smallCell(const View& v)
+		{
+			if (!v.scene.isPeriodic) return {};
+			const auto* collider = v.first<InsertionSortCollider>();
+			const Real  size = v.scene.cell->getSize().minCoeff(), margin = collider ? math::max(Real(0), collider->verletDist) : Real(0);
+			for (const auto& b : *v.scene.bodies) {
+				if (!b || !b->shape || b->isClump()) continue;
+				const Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
+				if (half + margin < 0.25 * size && largestShare * size + margin < 0.25 * size) continue;
+				return "the periodic cell is " + text(size) + " wide at its narrowest, body #" + std::to_string(b->getId()) + " has the radius " + text(half)
+				        + " and the collider a verletDist of " + text(margin)
+				        + "; wanted a cell of more than four times radius + verletDist, and 20 times verletDist, along all three axes: O.cell.setBox(…).";
+			}
+			return {};
+		}
+
 		/// Obstacles that never meet the plane of the grains.
 		std::string outOfPlane(const View& v)
 		{
@@ -218,6 +236,7 @@ namespace gate {
 			{ both,    foreignGeometry },
 			{ both,    materials },
 			{ both,    wallsInCell },
+			{ both,    smallCell },
 			{ both,    outOfPlane },
 			{ both,    [](const View& v) { return grainsOf(v.scene); } },
 		};
@@ -277,7 +296,7 @@ namespace gate {
 	{
 		if (!(scene.dt > 0 && math::isfinite(scene.dt))) refuse("O.dt = " + text(scene.dt) + "; wanted a finite time step > 0.");
 		const View        view(scene);
-		const std::string wrong = integrator(view); // may change with nothing else
+		const std::string wrong = integrator(view) + smallCell(view); // may change with nothing else
 		if (!wrong.empty()) refuse(wrong);
 		const std::vector<const void*> now = signature(scene);
 		if (now == seen_) return engines_;

@@ -31,6 +31,10 @@ class Collider;
 
 namespace gate {
 
+	/// Half the box of a body over the size of a periodic cell, at most: YADE's collider takes boxes of less than half a cell, its margin
+	/// (verletDist) included.
+	constexpr double largestShare = 0.2;
+
 	/// A number as a user would write it.
 	inline std::string text(Real value)
 	{

@@ -2,6 +2,7 @@
 
 #include <core/Aabb.hpp>
 
+#include "Gate.hpp"
 #include "planarShape.hpp"
 
 namespace yade {
@@ -22,10 +23,13 @@ void Rcr::postLoad(Rcr&)
 
 namespace {
 
-	/// The box of a circle; in a sheared cell that of the unsheared space, wide enough for the circle seen there.
-	void setBox(shared_ptr<Bound>& bound, const Se3r& se3, Real radius, const Scene& scene)
+	/// The box of a circle; in a sheared cell that of the unsheared space, wide enough for the circle seen there. YADE's collider ends the
+	/// process where a box spans half of a cell, so a fast body looks less far ahead there; what it misses is found within the step.
+	void setBox(shared_ptr<Bound>& bound, const Se3r& se3, Real radius, Real ahead, const Scene& scene)
 	{
 		if (!bound) bound = boost::make_shared<Aabb>();
+		if (scene.isPeriodic) ahead = math::max(Real(0), math::min(ahead, gate::largestShare * scene.cell->getSize().minCoeff() - radius));
+		radius += ahead;
 		Vector3r half = Vector3r::Constant(radius), center = se3.position;
 		if (scene.isPeriodic) {
 			const Cell& cell = *scene.cell;
@@ -40,22 +44,22 @@ namespace {
 		bound->max = center + half;
 	}
 
-	Real reach(const Shape& shape, const Body& body, const Scene& scene)
+	void setBox(const Shape& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body& body, Real factor, const Scene& scene)
 	{
 		const rcr::PlanarShape planar = plane::shapeOf(shape, *body.state, body.state->pos.z());
-		return planar.radius() + rcr::alertDistance(planar, plane::twist(*body.state), double(scene.dt));
+		setBox(bound, se3, factor * planar.radius(), factor * rcr::alertDistance(planar, plane::twist(*body.state), double(scene.dt)), scene);
 	}
 
 } // namespace
 
 void Bo1_Rcr_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body)
 {
-	setBox(bound, se3, reach(*shape, *body, *scene), *scene);
+	setBox(*shape, bound, se3, *body, 1, *scene);
 }
 
 void Bo1_Disc_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body)
 {
-	setBox(bound, se3, math::max(Real(1), aabbEnlargeFactor) * reach(*shape, *body, *scene), *scene);
+	setBox(*shape, bound, se3, *body, math::max(Real(1), aabbEnlargeFactor), *scene);
 }
 
 } // namespace yade

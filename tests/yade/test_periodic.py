@@ -129,3 +129,18 @@ def test_walls_in_a_cell_are_refused():
     O.bodies.append(rcr.wall("y", 0, material=O.bodies[0].material))
     with pytest.raises(ValueError, match="#1 is a Wall in a periodic cell, which has no boundary"):
         O.step()
+
+
+def test_cell_that_is_too_small_for_a_body_is_refused():
+    """YADE's collider would end the process."""
+    scene("rigid", rcr.particle((0.3, 0.3), 0.2, 0.5, material=material()), size=0.7)
+    with pytest.raises(ValueError, match="the periodic cell is 0.7 wide at its narrowest, body #0 has the radius 0.2"):
+        O.step()
+
+
+def test_fast_body_in_a_cell_looks_less_far_ahead():
+    m = material()
+    fast = rcr.particle((0.3, 1), 0.1, 0.5, material=m, velocity=(200, 0))
+    ids = scene("rigid", fast, rcr.disc((1.5, 1), 0.1, material=m), size=2.0, dt=5e-3)
+    steps(20)
+    assert O.bodies[ids[1]].state.vel[0] > 50  # it was hit, not passed
