@@ -52,13 +52,15 @@ Ids wholeIds(const py::object& given, const char* name)
 
 ContactProblem problemFrom(
         const Array& inverseMass, const Array& freeVelocity, const py::object& givenBodies, const Array& normal, const Array& arm1, const Array& arm2,
-        const Array& bias, const Array& friction, const Array& impulse)
+        const Array& bias, const Array& friction, const Array& impulse, const py::object& givenDrift)
 {
 	const Ids         bodies = wholeIds(givenBodies, "bodies");
 	const py::ssize_t nb = rowsOf(inverseMass), nc = rowsOf(bodies);
 	wantShape(inverseMass, "inverse_mass", nb, 3), wantShape(freeVelocity, "free_velocity", nb, 3);
 	wantShape(bodies, "bodies", nc, 2), wantShape(normal, "normal", nc, 2), wantShape(arm1, "arm1", nc, 2), wantShape(arm2, "arm2", nc, 2);
 	wantShape(bias, "bias", nc, 1), wantShape(friction, "friction", nc, 1), wantShape(impulse, "impulse", nc, 2);
+	const Array drift = givenDrift.is_none() ? Array(0) : givenDrift.cast<Array>();
+	if (!givenDrift.is_none()) wantShape(drift, "drift", nc, 2);
 
 	ContactProblem problem;
 	for (py::ssize_t i = 0; i < nb; ++i) {
@@ -67,7 +69,7 @@ ContactProblem problemFrom(
 	}
 	for (py::ssize_t k = 0; k < nc; ++k) {
 		const auto vec = [k](const Array& a) { return Vec2 { a.at(k, 0), a.at(k, 1) }; };
-		problem.points.push_back({ bodies.at(k, 0), bodies.at(k, 1), vec(normal), vec(arm1), vec(arm2), bias.at(k), friction.at(k), {} });
+		problem.points.push_back({ bodies.at(k, 0), bodies.at(k, 1), vec(normal), vec(arm1), vec(arm2), bias.at(k), friction.at(k), givenDrift.is_none() ? Vec2 {} : vec(drift) });
 		problem.impulse.push_back({ impulse.at(k, 0), impulse.at(k, 1) });
 	}
 	checkProblem(problem);

@@ -27,10 +27,10 @@ void wantBlocks(const py::array&, const char* name, py::ssize_t count); // (coun
 /// Ids as they were given: throws ValueError for numbers that are not integers or do not fit into 32 bits.
 Ids wholeIds(const py::object&, const char* name);
 
-/// A problem from arrays; every array is checked, and no id or number can be out of range.
+/// A problem from arrays; every array is checked, and no id or number can be out of range. No drift: none of the points has one.
 ContactProblem problemFrom(
         const Array& inverseMass, const Array& freeVelocity, const py::object& bodies, const Array& normal, const Array& arm1, const Array& arm2,
-        const Array& bias, const Array& friction, const Array& impulse);
+        const Array& bias, const Array& friction, const Array& impulse, const py::object& drift = py::none());
 
 /// Arrays of the right shapes; what they hold is checked by the solver.
 DelassusProblem delassusFrom(

@@ -35,7 +35,7 @@ namespace {
 		const auto array = [&](const char* name) { return arrays[name].cast<Array>(); };
 		return problemFrom(
 		        array("inverse_mass"), array("free_velocity"), arrays["bodies"], array("normal"), array("arm1"), array("arm2"), array("bias"),
-		        array("friction"), array("impulse"));
+		        array("friction"), array("impulse"), arrays.contains("drift") ? py::object(arrays["drift"]) : py::none());
 	}
 
 	// ---- linear algebra

@@ -24,7 +24,7 @@ LEFT_OUT = {
 }
 SANITIZERS = {
     "asan": dict(flags="-fsanitize=address -D_GLIBCXX_ASSERTIONS", preload="libasan.so", variable="ASAN_OPTIONS", options="detect_leaks=0"),
-    "ubsan": dict(flags="-fsanitize=undefined -fno-sanitize-recover=all", preload=None, variable="UBSAN_OPTIONS", options="print_stacktrace=1"),
+    "ubsan": dict(flags="-fsanitize=undefined", preload=None, variable="UBSAN_OPTIONS", options="print_stacktrace=1"),
     "tsan": dict(flags="-fsanitize=thread", preload="libtsan.so", variable="TSAN_OPTIONS", options="halt_on_error=1"),
 }
 

@@ -32,7 +32,7 @@ def jacobian_times(problem, v):
     a, b = problem["bodies"].T
     n, r1, r2 = problem["normal"], problem["arm1"], problem["arm2"]
     turned = lambda w, r: w[:, None] * np.stack([-r[:, 1], r[:, 0]], 1)
-    u = v[b, :2] + turned(v[b, 2], r2) - v[a, :2] - turned(v[a, 2], r1)
+    u = v[b, :2] + turned(v[b, 2], r2) - v[a, :2] - turned(v[a, 2], r1) + problem.get("drift", 0)
     return np.stack([(u * n).sum(1), n[:, 0] * u[:, 1] - n[:, 1] * u[:, 0]], 1)
 
 

@@ -118,6 +118,8 @@ void RowBatch::makeSlices()
 		numbers += (4 * slice.length * slice.width() + sliceWidth - 1) / sliceWidth * sliceWidth; // whole columns
 	}
 	blocks_.resize(slices_.size());
+	impulse_.resize(slices_.size());
+	old_.resize(slices_.size());
 	numbers_.resize(numbers / sliceWidth + 1); // never empty: rows without neighbours point into them, too
 	neighbour_.resize(entries + sliceWidth);
 }

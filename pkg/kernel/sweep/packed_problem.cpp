@@ -45,6 +45,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 		for (const Range& vacant : layout_.vacant())
 			std::fill(point_.begin() + vacant.begin, point_.begin() + vacant.end, Column {});
 		body_.assign(layout_.records() / 2 + 1, {}); // never empty: a problem without bodies has a view, too
+		oldBody_.resize(body_.size());
 	}
 	partial_.resize(layout_.chunks().size());
 	sum_.resize(layout_.chunks().size());

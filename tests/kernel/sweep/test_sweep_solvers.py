@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import PROBLEMS, SWEEPS, Problem, assert_laws, pile
+from kernel.contact_problems import PROBLEMS, SWEEPS, Problem, assert_laws, jacobian_times, pile
 
 
 @pytest.mark.parametrize("make", PROBLEMS)
@@ -11,6 +11,20 @@ def test_reaches_the_tolerance_and_says_so(make, solver):
     problem = make().cold()
     tolerance = 1e-4 if solver == "nesterov" else 1e-3
     assert_laws(problem, problem.solve(solver, tolerance=tolerance, max_iterations=20000), tolerance)
+
+
+@pytest.mark.parametrize("share", [0.05, 0.6])
+@pytest.mark.parametrize("solver", [*SWEEPS, "exact"])
+def test_points_that_drift(solver, share):
+    """Body 1 meets an image of body 2 that moves relative to it, as across the boundary of a cell that shears."""
+    problem, rng = pile(7, 20, 12), np.random.default_rng(7)
+    problem["drift"] = rng.normal(0, 0.1, (len(problem["bodies"]), 2)) * (rng.random(len(problem["bodies"])) < share)[:, None]
+    tolerance = 1e-6 if solver == "exact" else 1e-3
+    result = problem.solve(solver, tolerance=tolerance, max_iterations=20000)
+    assert_laws(problem, result, tolerance)
+    np.testing.assert_allclose(result["relative_velocity"], jacobian_times(problem, result["velocity"]), rtol=0, atol=1e-12)
+    two = problem.solve(solver, tolerance=tolerance, max_iterations=20000, threads=2, lanes=4)
+    np.testing.assert_array_equal(two["impulse"], result["impulse"])
 
 
 @pytest.mark.parametrize("make", PROBLEMS)
