@@ -85,12 +85,25 @@ def sanitize(name, arguments):
     return code == 0, last_line(log) if code == 0 else f"exit code {code}, {last_line(log)}; see {log.relative_to(ROOT)}"
 
 
+def script(name, *command):
+    """Runs a script that ends with a line on what it found, and with an exit code other than 0 where that is wrong."""
+    log = FOLDER / f"{name}.log"
+    code = run([str(part) for part in command], log, cwd=ROOT)
+    return code == 0, last_line(log) + ("" if code == 0 else f"; see {log.relative_to(ROOT)}")
+
+
 CHECKS = {
     "asan": (lambda arguments: sanitize("asan", arguments), "the kernels' tests under AddressSanitizer, with bounds checks"),
     "ubsan": (lambda arguments: sanitize("ubsan", arguments), "the kernels' tests under UndefinedBehaviorSanitizer"),
     "tsan": (lambda arguments: sanitize("tsan", arguments), "the kernels' tests under ThreadSanitizer"),
     "mutants": (lambda arguments: importlib.import_module("mutants").run(arguments), "the kernels' tests against kernels with one mistake each"),
-}
+    "scenes": (lambda arguments: script("scenes", sys.executable, "tests/endurance/scene_fuzzer.py", *(arguments or ["--scenes", "2000"])),
+               "scenes drawn at random: each runs within its bounds or is refused before anything moves"),
+    "driven": (lambda arguments: script("driven", "scripts/yade-rcr", "-n", "-x", "scripts/driven_scenes.py", *(arguments or ["--count", "200", "--out", str(FOLDER / "driven.csv")])),
+               "driven scenes drawn at random, rigid beside springs"),
+    "kills": (lambda arguments: script("kills", sys.executable, "tests/endurance/kills.py", *(arguments or ["writes", "1000", "runs", "50", "campaigns", "5"])),
+              "writes, runs and campaigns killed at random moments"),
+}  # fmt: skip
 
 
 def main():
