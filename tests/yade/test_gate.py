@@ -265,3 +265,18 @@ def test_f12_an_exception_leaves_no_trace():
     clean, inertia = run(False)
     faulty, _ = run(True)
     assert np.array_equal(clean, faulty)
+
+
+def test_f27_missed_steps_are_counted_and_the_counts_are_saved(tmp_path):
+    rough = material()
+    pile = [stadium(0, 0.1, (0.01 * k, 0.1 + 0.2 * k), material=rough) for k in range(6)]
+    build(rcr.wall("y", 0, material=rough), *pile, tolerance=1e-13, maxIterations=1, solver="nlgs")
+    solver = lambda: O.engines[place(rcr.ContactDynamics)]
+    steps(20)
+    told = solver().missed
+    assert told["steps"] == 20 and 0 < told["missed"] <= 20 and told["share"] == told["missed"] / 20 and told["yielded"] == 0
+    O.save(str(tmp_path / "pile.yade"))
+    O.load(str(tmp_path / "pile.yade"))
+    assert solver().missed == told
+    steps(5)
+    assert solver().missed["steps"] == 25
