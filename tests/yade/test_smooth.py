@@ -395,7 +395,7 @@ def test_checkpoint_of_springs(tmp_path):
     assert len(again.rows) == 2
 
 
-@pytest.mark.parametrize("wrong, message", [(dict(law="soft"), "law = 'soft'; wanted 'cd' or 'smooth'"), (dict(law="smooth", stiffness=0), "stiffness = 0; wanted a number > 0"), (dict(iterations=0), "iterations = 0; wanted a number > 0")])
+@pytest.mark.parametrize("wrong, message", [(dict(law="soft"), "law = 'soft'; wanted one of cd, smooth"), (dict(law="smooth", stiffness=0), "stiffness = 0; wanted a number ≥ 1"), (dict(iterations=0), "iterations = 0; wanted a whole number > 0")])
 def test_biaxial_refuses(wrong, message):
     with pytest.raises(ValueError, match=message):
         Biaxial.prepare(particles=20, **wrong)
