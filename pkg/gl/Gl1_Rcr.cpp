@@ -74,9 +74,9 @@ void Gl1_Rcr::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool 
 	const Vector3r&                 color    = particle.color;
 	const double                    z        = double(depth * particle.capRadius);
 	const bool                      lines    = wire || wireOfView;
+	glEnable(GL_NORMALIZE); // stays, as after a Sphere: without it YADE's boxes, drawn to scale, are white
 	glPushAttrib(GL_ENABLE_BIT | GL_LINE_BIT | GL_CURRENT_BIT);
 	glDisable(GL_CULL_FACE);
-	glEnable(GL_NORMALIZE);
 	glColor3d(double(color[0]), double(color[1]), double(color[2]));
 	for (const double side : { z, -z })
 		drawFace(points, side, lines);

@@ -137,6 +137,14 @@ def test_grains_have_their_outlines_and_colours(pictures):
     assert seen(picture, (1, 1, 0)).sum() == pytest.approx((np.pi * 0.5**2 + 4 * 0.5 * 0.5) * scale**2, rel=0.06)  # turned
 
 
+def test_boxes_keep_their_colour(pictures):
+    """YADE draws them to scale; with normals that are scaled too they are white."""
+    picture = pictures["unmarked"]
+    rows, columns = np.nonzero(seen(picture, (0, 1, 0)))
+    below = picture[rows.max() + 10, int(columns.mean())]
+    assert 0.1 < below.min() and below.max() < 0.8
+
+
 def test_a_mark_shows_rotations(pictures):
     """A line to the right end of the disc, dark on its colour."""
     changed = np.abs(pictures["plain"] - pictures["unmarked"]).max(axis=-1) > 0.15
