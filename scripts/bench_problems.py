@@ -7,7 +7,7 @@ Writes DIR/nPARTICLES_eETA_STRAIN.npz, to be read by scripts/solve.py, scripts/b
 import os
 
 from rcr import results, script
-from rcr.biaxial import RECORD, TIME_STEP, Biaxial, checked
+from rcr.study.biaxial import RECORD, TIME_STEP, Biaxial, checked
 
 
 def arguments():

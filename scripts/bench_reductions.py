@@ -12,7 +12,7 @@ from functools import partial
 from lib import environment
 
 try:
-    import measure
+    from benchmarks import measure
     import numpy as np
     import rcr._kernel as kernel
     from rcr import problems, results, script

@@ -16,10 +16,10 @@ from functools import partial
 
 from lib import environment  # puts bench on the path
 
-import outside
+from benchmarks import outside
 
 try:
-    import measure
+    from benchmarks import measure
     import numpy as np
     import rcr._kernel as kernel
     from rcr import problems, results, script
@@ -129,7 +129,7 @@ def siconos_rows(case, warm, options):
         np.savez(path, rows=rows, columns=columns, values=values, q=d.q, friction=d.friction, start=start)
         for method in options.siconos_methods:
             answer = outside.run(
-                [options.siconos, os.path.join(environment.BENCH, "siconos_solve.py"), path, "--method", method, "--limit", str(options.limit)]
+                [options.siconos, os.path.join(environment.BENCHMARKS, "peers", "siconos_solve.py"), path, "--method", method, "--limit", str(options.limit)]
                 + ["--tolerances", *map(str, options.tolerances)]
             )
             found = json.loads(answer.splitlines()[-1])  # Siconos may print lines of its own
@@ -143,7 +143,7 @@ def siconos_rows(case, warm, options):
 
 def stated_rows(case):
     """Figures measured before, on another machine of this kind, for problems of the same name."""
-    with open(os.path.join(environment.BENCH, "reference.csv"), newline="") as file:
+    with open(os.path.join(environment.BENCHMARKS, "reference.csv"), newline="") as file:
         for row in csv.DictReader(file):
             if row["problem"] == case.name:
                 numbers = {key: float(row[key]) for key in ("tolerance", "seconds", "ns")}

@@ -18,12 +18,12 @@ from functools import partial
 sys.path.insert(0, os.path.dirname(os.path.realpath(sys.argv[0])))  # YADE does not
 from lib import environment
 
-import outside
+from benchmarks import outside
 
 try:
-    import measure
+    from benchmarks import measure
     import numpy as np
-    import packing as packings
+    from benchmarks import packing as packings
     import rcr._kernel as kernel
     from rcr import results, script
     from rcr.problems import BodyProblem
@@ -132,9 +132,9 @@ def box2d_rows(packing, options):
 def _peer(name, packing, options):
     program = getattr(options, name)
     if program is None:
-        program = os.path.join(environment.ROOT, "build", "bench", f"{name}_step")
+        program = os.path.join(environment.ROOT, "build", "peers", f"{name}_step")
         if not os.path.exists(program):
-            print(f"bench_step.py: {name} is left out: its program is not built ({PEERS[name]}; see bench/CMakeLists.txt)", file=sys.stderr)
+            print(f"bench_step.py: {name} is left out: its program is not built ({PEERS[name]}; see benchmarks/peers/CMakeLists.txt)", file=sys.stderr)
             return []
     return list(peer_rows(name, program, packing, options))
 
@@ -180,7 +180,7 @@ def time_checkpoint(folder, options):
     """Rows of the engines and of the whole, for a checkpoint that goes on for some steps."""
     import time
 
-    from rcr.biaxial import Biaxial
+    from rcr.study.biaxial import Biaxial
     from yade import timing
     from yade.wrapper import Omega
 
@@ -246,7 +246,7 @@ def arguments():
     add("--repeats", type=script.at_least(1), default=5, metavar="N", help="runs of which the least counts (default %(default)s)")
     add("--budget", type=script.number("seconds ≥ 0", lambda v: v >= 0), default=20, metavar="S", help="s after which a time is not repeated (default %(default)s)")
     for name in PEERS:
-        add(f"--{name}", metavar="PROGRAM", help=f"program, of this system or outside (default: build/bench/{name}_step)")
+        add(f"--{name}", metavar="PROGRAM", help=f"program, of this system or outside (default: build/peers/{name}_step)")
     script.add_results(parser, "tables")
     return parser.parse_args()
 

@@ -13,7 +13,7 @@ import time
 from tqdm import tqdm
 
 from rcr import files, results, script
-from rcr.biaxial import CHECKPOINT, FREE, INERTIAL_NUMBER, RECORD, SHEAR_ITERATIONS, STIFFNESS, TIME_STEP, Biaxial, checked
+from rcr.study.biaxial import CHECKPOINT, FREE, INERTIAL_NUMBER, RECORD, SHEAR_ITERATIONS, STIFFNESS, TIME_STEP, Biaxial, checked
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, "history.csv", "isotropic.h5", "network-*.h5"]

@@ -21,7 +21,7 @@ import threading
 os.environ["OMP_NUM_THREADS"] = "1"
 from lib import environment
 
-import outside
+from benchmarks import outside
 
 try:
     import matplotlib
@@ -31,7 +31,8 @@ except ImportError as error:  # not for this Python: in the environment of yade-
     environment.reenter(error, outside.stay)
 
 matplotlib.use("Agg")
-from rcr import charts, files, results, script
+from benchmarks import charts
+from rcr import files, results, script
 
 MARK = "chart.py rows: "  # what YADE or a library prints has no such line
 
@@ -45,7 +46,7 @@ def arguments():
     add("--only", metavar="POINT", help="run this point of one chart anew and print its rows; its name stands in the CSV")
     add("--particles", type=script.at_least(50, 10**7), default=None, metavar="N", help="of the biaxial tests (default 400, --quick 100)")
     add("--siconos", default="", metavar="PYTHON", help="a Python with siconos.numerics and scipy, also one outside of the environment")
-    add("--peers", default=os.path.join(environment.ROOT, "build", "bench"), metavar="DIR", help="folder of chipmunk_step and box2d_step (default build/bench)")
+    add("--peers", default=os.path.join(environment.ROOT, "build", "peers"), metavar="DIR", help="folder of chipmunk_step and box2d_step (default build/peers)")
     add("--retry", action="store_true", help="run the points without numbers again")
     add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=None, metavar="S", help="seconds after which a point is given up (default 200, --quick 40)")
     add("--worker", action="store_true", help=argparse.SUPPRESS)

@@ -1,4 +1,4 @@
-"""Driven scenes drawn at random (rcr.hard_scenes.driven), rigid beside springs: how many keep the bounds; table and CSV.
+"""Driven scenes drawn at random (benchmarks.hard_scenes.driven), rigid beside springs: how many keep the bounds; table and CSV.
 
 Run it with YADE:  scripts/yade-rcr -n -x scripts/driven_scenes.py --count 200 --out driven-scenes.csv
 """
@@ -8,7 +8,7 @@ import csv
 import dataclasses
 from collections import Counter
 
-from rcr.hard_scenes import driven
+from benchmarks.hard_scenes import driven
 
 
 def arguments():

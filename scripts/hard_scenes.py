@@ -5,8 +5,9 @@ Ends with 1 if a scene fails with the default settings and with the tight solver
 Run it with YADE:  scripts/yade-rcr -n -x scripts/hard_scenes.py --out hard-scenes.csv
 """
 
-from rcr import files, hard_scenes, script
-from rcr.hard_scenes import COARSE, TIGHT
+from benchmarks import hard_scenes
+from rcr import files, script
+from benchmarks.hard_scenes import COARSE, TIGHT
 
 RUNS = dict(default={}, coarse=dict(dt=COARSE), tight=dict(law=TIGHT))
 MEASURES = "measured gain overlap steps seconds holds stable".split()

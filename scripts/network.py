@@ -11,9 +11,10 @@ import sys
 from lib import environment
 
 try:
-    from rcr import report, results, script
-    from rcr.analysis import analyse
-    from rcr.runs import Run
+    from rcr import results, script
+    from rcr.study import report
+    from rcr.study.analysis import analyse
+    from rcr.study.runs import Run
 except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
     environment.reenter(error)
 

@@ -9,8 +9,8 @@ import sys
 SCRIPT = os.path.realpath(sys.argv[0])
 LIB = os.path.dirname(os.path.realpath(__file__))
 ROOT = os.path.dirname(os.path.dirname(LIB))
-BENCH = os.path.join(ROOT, "bench")
-sys.path[:0] = [os.path.join(ROOT, "py"), BENCH]
+BENCHMARKS = os.path.join(ROOT, "benchmarks")
+sys.path[:0] = [os.path.join(ROOT, "py"), ROOT]
 
 
 def reenter(error, before=lambda: None):

@@ -86,7 +86,7 @@ need_space() {
 enter() {
     # OpenMP's waiting threads would spin and take the processors from the solver's own.
     export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
-    export PYTHONPATH="$repo/py:$("${way}_yade_python")${PYTHONPATH:+:$PYTHONPATH}"
+    export PYTHONPATH="$repo/py:$("${way}_yade_python")${PYTHONPATH:+:$PYTHONPATH}:$repo" # of $repo itself: benchmarks
     if [ -n "${YADE_RCR_WAY:-}" ]; then
         exec "$@"
     fi
@@ -98,7 +98,7 @@ enter() {
 build() {
     local source id
     source=$("${way}_source")
-    id="$way $yade_version $source"
+    id="$way $yade_version $source $(packages_id)"
     [ -w "$repo" ] || { say "$repo is not writable: running what was built there" && return; }
     lock "$repo" "waiting for another build in $repo …"
     (

@@ -152,9 +152,7 @@ def tests_of(file):
 def copy_sources(folder):
     for part in ("pkg/kernel", "pkg/python"):
         shutil.copytree(check.ROOT / part, folder / part, dirs_exist_ok=True)
-    for part in ("CMakeLists.txt", "bench/CMakeLists.txt"):
-        (folder / part).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy2(check.ROOT / part, folder / part)
+    shutil.copy2(check.ROOT / "CMakeLists.txt", folder)
 
 
 def caught(mutant, package, log):

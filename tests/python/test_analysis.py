@@ -6,11 +6,11 @@ import time
 
 import numpy as np
 import pytest
-from rcr import analysis, claims, statistics
-from rcr.ensemble import Ensemble
+from rcr.study import analysis, claims, statistics
+from rcr.study.ensemble import Ensemble
 from rcr.network import Network
-from rcr.paper import STATEMENTS
-from rcr.runs import Run
+from rcr.study.paper import STATEMENTS
+from rcr.study.runs import Run
 
 from synthetic import packing, write_run
 

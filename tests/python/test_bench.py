@@ -13,7 +13,7 @@ import pytest
 from rcr import _kernel, problems
 
 ROOT = Path(__file__).parents[2]
-sys.path.insert(0, str(ROOT / "bench"))
+sys.path.insert(0, str(ROOT))
 measure = pytest.importorskip("measure")
 packings = pytest.importorskip("packing")
 
@@ -290,7 +290,7 @@ def test_bench_step_writes_its_table(packing, tmp_path):
 @pytest.mark.parametrize("name", ["chipmunk", "box2d"])
 def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
     """Where its program is built: velocities follow from impulses, and many iterations satisfy the laws of its own contacts."""
-    program = ROOT / "build" / "bench" / f"{name}_step"
+    program = ROOT / "build" / "peers" / f"{name}_step"
     if not program.exists():
         pytest.skip(f"{program.name} is not built")
     arguments = [packing, f"--{name}", program, "--iterations", 2000, "--repeats", 1, "--out", tmp_path / "out"]
@@ -327,15 +327,15 @@ def test_a_step_without_its_bodies_is_refused(files):
     assert ended.returncode != 0 and "small.npz: lacks state, vprev" in ended.stderr and "Traceback" not in ended.stderr
 
 
-# ---------------------------------------------------------------------------------------------- bench/outside.py
+# ---------------------------------------------------------------------------------------------- benchmarks/outside.py
 
 
 def test_commands_run_outside_through_pipes():
     """What is asked after `stay` is executed by a server at the other end of two pipes."""
     script = f"""
 import sys
-sys.path.insert(0, {str(ROOT / "bench")!r})
-import outside
+sys.path.insert(0, {str(ROOT)!r})
+from benchmarks import outside
 outside.stay()
 print(outside.run(["echo", "a b", "ü"]), end="")
 for command in ["/none/program"], ["sh", "-c", "echo first; echo why >&2; exit 3"]:

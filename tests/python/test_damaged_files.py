@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from rcr import files, problems, solve
 from rcr.network import Network
-from rcr.runs import Run
+from rcr.study.runs import Run
 
 import synthetic
 from damage import damaged, damaged_text

@@ -16,10 +16,11 @@ matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysi
 
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
-from rcr import analysis, drawing, figures, maps, report
+from rcr import drawing
+from rcr.study import analysis, figures, maps, report
 from rcr.frame import Frame, polygons
-from rcr.paper import MAPS, STATEMENTS, nearest
-from rcr.runs import Run
+from rcr.study.paper import MAPS, STATEMENTS, nearest
+from rcr.study.runs import Run
 
 from synthetic import packing, write_run
 

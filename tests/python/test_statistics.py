@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcr import statistics
+from rcr.study import statistics
 
 
 def power_sample(rng, beta, count, low=0.01):

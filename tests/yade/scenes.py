@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 import rcr
-from rcr.hard_scenes.stage import G, box, material, stadium, tilted
+from benchmarks.hard_scenes.stage import G, box, material, stadium, tilted
 from yade import O
 from yade.wrapper import (
     Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, InsertionSortCollider, InteractionLoop, MatchMaker,

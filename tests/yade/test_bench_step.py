@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from rcr.biaxial import Biaxial
+from rcr.study.biaxial import Biaxial
 
 SCRIPT = str(Path(__file__).parents[2] / "scripts" / "bench_step.py")
 ENGINES = ["ForceResetter", "InsertionSortCollider", "InteractionLoop", "WallStress", "WallStress", "ContactDynamics", "NewtonIntegrator"]

@@ -14,7 +14,7 @@ import time
 
 import numpy as np
 import pytest
-from rcr.biaxial import CHECKPOINT, STRESS, Biaxial
+from rcr.study.biaxial import CHECKPOINT, STRESS, Biaxial
 from rcr.network import Network
 from run_contents import contents, different
 from yade import O

@@ -1,4 +1,4 @@
-"""scripts/chart.py and rcr.charts: tables go on where they stopped, known answers are known, the stock test is the same test."""
+"""scripts/chart.py and benchmarks.charts: tables go on where they stopped, known answers are known, the stock test is the same test."""
 
 import dataclasses
 import math
@@ -8,9 +8,9 @@ import sys
 
 import numpy as np
 import pytest
-from rcr import charts
-from rcr.biaxial import STRESS
-from rcr.charts import biaxial_cost, deterministic
+from benchmarks import charts
+from rcr.study.biaxial import STRESS
+from benchmarks.charts import biaxial_cost, deterministic
 from yade import O
 
 import forked

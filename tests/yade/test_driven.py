@@ -3,7 +3,7 @@
 import dataclasses
 
 import pytest
-from rcr.hard_scenes import driven
+from benchmarks.hard_scenes import driven
 
 BOUNDS = {"ended", "speed", "force"}  # of the rest, times are those of a busy machine, and these scenes are too short for the message
 

@@ -5,8 +5,8 @@ scripts/hard_scenes.py. S20, the same bits for any threads, is tests/yade/test_s
 """
 
 import pytest
-from rcr import hard_scenes
-from rcr.hard_scenes import COARSE
+from benchmarks import hard_scenes
+from benchmarks.hard_scenes import COARSE
 
 SHORTENED = dict(s18_creep=10.0, s19_tall_stack=5.0)  # seconds of simulated time
 # What is known to fail, with its figure in the README; a cure makes these tests fail, and is to be entered here and there.

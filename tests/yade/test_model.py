@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import rcr
-from rcr.hard_scenes.stage import box, material, stadium
+from benchmarks.hard_scenes.stage import box, material, stadium
 from scenes import build, snapshot, steps
 from yade import O, utils
 

@@ -4,7 +4,7 @@ import hashlib
 
 import numpy as np
 import pytest
-from rcr.biaxial import Biaxial
+from rcr.study.biaxial import Biaxial
 from yade import O
 from yade.minieigenHP import Vector3
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import rcr
 import yade.utils
-from rcr.biaxial import STRESS, Biaxial
+from rcr.study.biaxial import STRESS, Biaxial
 from scenes import G, build, inertia, material, point_forces, snapshot, stadium, steps, velocity
 from yade import O
 from yade.wrapper import (

@@ -9,10 +9,11 @@ import tempfile
 
 from PIL import Image  # Matplotlib brings it
 
-from rcr import __version__, figures, files, maps
-from rcr.analysis import analyse, jsonable
-from rcr.claims import AGREES, DIFFERS, NOT_TESTED, findings
-from rcr.paper import MAPS, nearest
+from rcr import __version__, files
+from rcr.study import figures, maps
+from rcr.study.analysis import analyse, jsonable
+from rcr.study.claims import AGREES, DIFFERS, NOT_TESTED, findings
+from rcr.study.paper import MAPS, nearest
 
 _HEAD = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>Force networks of elongated particles</title><style>
@@ -39,7 +40,7 @@ def write(runs, out, progress=lambda name: None, analysis=None, begin=lambda: No
     progress : callable
         Called with the name of what comes next.
     analysis : dict
-        What `rcr.analysis.analyse` has found, if it has been called already.
+        What `rcr.study.analysis.analyse` has found, if it has been called already.
     begin : callable
         Called when everything is made, before it takes its place.
 

@@ -16,11 +16,11 @@ import dataclasses
 
 import numpy as np
 
-from rcr import statistics
-from rcr.ensemble import Ensemble
+from rcr.study import statistics
+from rcr.study.ensemble import Ensemble
 from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE, sin_phi
-from rcr.paper import MAPS, STATEMENTS
-from rcr.runs import by_elongation
+from rcr.study.paper import MAPS, STATEMENTS
+from rcr.study.runs import by_elongation
 
 POWER_RANGE = 0.01  # of the mean: below it forces are as small as the solver's tolerance leaves them undecided
 WINDOW = 0.01  # of strain, over which stresses are averaged for the curve of sin φ

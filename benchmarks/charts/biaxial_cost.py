@@ -27,7 +27,7 @@ from yade.wrapper import (
 )  # fmt: skip
 
 import rcr
-from rcr.biaxial import DENSITY, R_MIN, RECORD, SHEAR_STIFFNESS, SMOOTH_TIME_STEP, STRESS, Biaxial, Springs
+from rcr.study.biaxial import DENSITY, R_MIN, RECORD, SHEAR_STIFFNESS, SMOOTH_TIME_STEP, STRESS, Biaxial, Springs
 from rcr.network import BOTTOM, LEFT, RIGHT, TOP, Network
 
 O = Omega()

@@ -8,7 +8,7 @@ import dataclasses
 
 import numpy as np
 
-from rcr.statistics import pearson
+from rcr.study.statistics import pearson
 
 AGREES, DIFFERS, NOT_TESTED = "agrees", "does not agree", "not tested"
 SIGMAS = 2  # standard errors that a deviation may have by chance
@@ -56,7 +56,7 @@ def claim(observable, statement, criterion):
 
 
 def findings(analysis):
-    """The table: a list of `Finding`, in the order of the observables; `analysis` as `rcr.analysis.analyse` returns it."""
+    """The table: a list of `Finding`, in the order of the observables; `analysis` as `rcr.study.analysis.analyse` returns it."""
     rows = []
     for observable, statement, criterion, test in _CLAIMS:
         try:

@@ -1,6 +1,6 @@
 """The figures of the paper, drawn from the analysis. Needs NumPy and Matplotlib.
 
-Each ``plot_…(value, ax=None)`` takes the value of an observable, as `rcr.analysis.analyse` or analysis.json gives it, draws all its
+Each ``plot_…(value, ax=None)`` takes the value of an observable, as `rcr.study.analysis.analyse` or analysis.json gives it, draws all its
 elongations into the Axes and returns them; `draw` makes the whole figure of an observable. An elongation has the same colour and
 marker in every figure, a cutoff ξ too.
 """
@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from rcr.drawing import COLUMN, PAGE, STYLE
-from rcr.paper import ETAS, POLAR_ETA, nearest
+from rcr.study.paper import ETAS, POLAR_ETA, nearest
 
 MARKERS = "osD^v<>p"
 XI_SHOWN = 6  # end of the ξ axes: few forces are larger
@@ -405,7 +405,7 @@ def draw(observable, analysis):
     observable : str
         A key of `FIGURES`.
     analysis : dict
-        As `rcr.analysis.analyse` returns it.
+        As `rcr.study.analysis.analyse` returns it.
 
     Returns
     -------

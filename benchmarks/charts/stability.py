@@ -1,4 +1,4 @@
-"""Chart d. Which hard scenes (`rcr.hard_scenes`) hold, drift or blow up, over dt, with rigid contacts and with springs.
+"""Chart d. Which hard scenes (`benchmarks.hard_scenes`) hold, drift or blow up, over dt, with rigid contacts and with springs.
 
 holds: the scene's predicate is met and nothing gains energy or tunnels; drifts: the predicate is missed, but nothing gains energy or
 tunnels; blows up: contacts gave energy beyond 5 % of the scale of the scene, a centre line was reached, or numbers became infinite.
@@ -18,9 +18,9 @@ VERDICTS = dict([("holds", "#4daf4a"), ("drifts", "#ffcc33"), ("blows up", "#e41
 
 def _suite():
     try:
-        from rcr import hard_scenes
+        from benchmarks import hard_scenes
     except ImportError as error:
-        raise ValueError(f"chart d needs the hard scenes, rcr.hard_scenes: {error}") from error
+        raise ValueError(f"chart d needs the hard scenes, benchmarks.hard_scenes: {error}") from error
     return hard_scenes
 
 

@@ -1,7 +1,7 @@
 """Chart a. One step of a sheared packing: residual against time for each solver, cold and warm; other libraries beside.
 
 Rows are those of scripts/bench_solver.py and scripts/bench_step.py. Problems with 'x8' are mirrored and changed by 5 %
-(`bench/measure.py`), so that large ones need no large test.
+(`benchmarks/measure.py`), so that large ones need no large test.
 """
 
 import csv
@@ -12,7 +12,7 @@ import tempfile
 
 import numpy as np
 
-from rcr.biaxial import RECORD, Biaxial
+from rcr.study.biaxial import RECORD, Biaxial
 
 TITLE = "One step: residual against processor time"
 COLUMNS = "problem eta particles contacts library start tolerance iterations seconds residual".split()
@@ -80,7 +80,7 @@ def _solved(library, problem, mirror, wanted, folder, options):
     ours = library != "siconos"
     tolerances = [f"1e-{k}" for k in range(1, 11) if ours or k <= 8]
     if mirror:
-        import measure
+        from benchmarks import measure
         from rcr import problems
 
         larger = problems.load(problem)

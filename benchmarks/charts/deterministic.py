@@ -24,7 +24,7 @@ from yade.wrapper import (
 )  # fmt: skip
 
 import rcr
-from rcr.charts import least_time
+from benchmarks.charts import least_time
 
 O = Omega()
 G, DENSITY = 9.81, 1000.0

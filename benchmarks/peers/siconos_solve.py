@@ -11,11 +11,14 @@ import json
 import sys
 import time
 import warnings
+from pathlib import Path
 
 import numpy as np
 import siconos.numerics as sn
-from measure import residual
 from scipy.sparse import csc_matrix
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+from benchmarks.measure import residual
 
 FIRST, GROWTH = 20, 0.1  # iterations of the first piece; share of all so far in a later one
 REPEATS, BUDGET = 12, 2.0  # the least of so many runs counts; no further one is begun after so many seconds
