@@ -28,6 +28,7 @@ void ContactDynamics::action()
 	if (!(correction >= 0 && correction <= 1))
 		gate::refuse("ContactDynamics.correction = " + boost::lexical_cast<std::string>(correction) + "; wanted a share of the overlap, 0 to 1.");
 	const gate::Engines engines = gate_.pass(*scene);
+	if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0; // rest is the cell's own motion, see gather
 	scene->forces.sync();
 	workspace_.team().run(solverThreads(), [&] { step(engines); });
 }
@@ -38,7 +39,7 @@ void ContactDynamics::step(const gate::Engines& engines)
 	iterations       = 0;
 	work_            = 0;
 	overlap_         = 0;
-	timed("gather", [&] { gather(*scene, *engines.integrator, workspace_.team(), sources_, step_); });
+	timed("gather", [&] { gather(*scene, engines, workspace_.team(), sources_, step_); });
 	rcr::Settings how = settings();
 	for (int pass = 1;; ++pass) {
 		solve(how);
@@ -101,12 +102,14 @@ void ContactDynamics::solve(const rcr::Settings& how)
 {
 	const double layout = workspace_.layoutSeconds();
 	warmStart_          = step_.problem.impulse;
+	const rcr::Vec2 stretch = step_.problem.stretch;
 	timed("solve", [&] { report(rcr::solve(step_.problem, solver, how, workspace_)); });
 	const double laidOut = workspace_.layoutSeconds() - layout;
 	seconds_["layout"] += laidOut;
 	seconds_["solve"] -= laidOut;
 	timed("scatter", [&] {
 		step_.moveMembers();
+		step_.stretchCell(stretch);
 		step_.keepForces();
 	});
 }

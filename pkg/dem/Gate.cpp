@@ -11,7 +11,9 @@
 #include <pkg/common/InsertionSortCollider.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
+#include <pkg/dem/PeriIsoCompressor.hpp>
 
+#include "CellStress.hpp"
 #include "ContactDynamics.hpp"
 #include "Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
 #include "Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
@@ -167,19 +169,31 @@ namespace gate {
 			            : std::string();
 		}
 
+		std::string cellStress(const View& v)
+		{
+			if (v.law == smooth && v.place<CellStress>() >= 0)
+				return "CellStress presses the cell of ContactDynamics, and contacts are smooth; take PeriTriaxController(dynCell=True).";
+			if (v.place<CellStress>() >= 0 && !v.scene.isPeriodic) return "CellStress has no cell to press; set O.periodic = True and O.cell.setBox(…), or remove it.";
+			if (v.law == rigid && v.place<PeriTriaxController>() >= 0)
+				return "PeriTriaxController moves the cell by stiffnesses or by last stresses, which rigid contacts have none of or answer without bound; take "
+				       "rcr.CellStress.";
+			return {};
+		}
+
 		/// YADE's collider ends the process where a body spans half of the cell.
 		std::string smallCell(const View& v)
 		{
 			if (!v.scene.isPeriodic) return {};
-			const auto* collider = v.first<InsertionSortCollider>();
+			constexpr Real most = 0.24; // a quarter ends the process, and a cell that shrinks does so by some per cent before it is looked at again
+			const auto*    collider = v.first<InsertionSortCollider>();
 			const Real  size = v.scene.cell->getSize().minCoeff(), margin = collider ? math::max(Real(0), collider->verletDist) : Real(0);
 			for (const auto& b : *v.scene.bodies) {
 				if (!b || !b->shape || b->isClump()) continue;
 				const Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
-				if (half + margin < 0.25 * size && largestShare * size + margin < 0.25 * size) continue;
+				if (half + margin < most * size && largestShare * size + margin < most * size) continue;
 				return "the periodic cell is " + text(size) + " wide at its narrowest, body #" + std::to_string(b->getId()) + " has the radius " + text(half)
 				        + " and the collider a verletDist of " + text(margin)
-				        + "; wanted a cell of more than four times radius + verletDist, and 20 times verletDist, along all three axes: O.cell.setBox(…).";
+				        + "; wanted a cell of more than 4.2 times radius + verletDist, and 25 times verletDist, along all three axes: O.cell.setBox(…).";
 			}
 			return {};
 		}
@@ -222,12 +236,15 @@ namespace gate {
 			{ both,    [](const View& v) { return twice<InteractionLoop>(v, "InteractionLoop"); } },
 			{ both,    [](const View& v) { return twice<ContactDynamics>(v, "ContactDynamics"); } },
 			{ both,    [](const View& v) { return twice<Collider>(v, "the collider"); } },
+			{ both,    [](const View& v) { return twice<CellStress>(v, "CellStress"); } },
 			{ both,    [](const View& v) { return order<ForceResetter, InteractionLoop>(v, "the ForceResetter stands after the InteractionLoop, so it would take its forces away; put it first."); } },
 			{ both,    [](const View& v) { return order<Collider, InteractionLoop>(v, "the collider stands after the InteractionLoop; put it before."); } },
 			{ rigid,   [](const View& v) { return order<InteractionLoop, ContactDynamics>(v, "ContactDynamics stands before the InteractionLoop, so it would solve the contacts of the step before; put it after."); } },
 			{ rigid,   [](const View& v) { return order<ContactDynamics, NewtonIntegrator>(v, "ContactDynamics stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
 			{ smooth,  [](const View& v) { return order<InteractionLoop, NewtonIntegrator>(v, "the InteractionLoop stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
 			{ rigid,   lateLoad },
+			{ both,    cellStress },
+			{ rigid,   [](const View& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
 			{ rigid,   integrator },
 			{ rigid,   timeStepper },
 			{ both,    bounds },
@@ -303,7 +320,7 @@ namespace gate {
 		const std::string told = refusal(scene);
 		if (!told.empty()) refuse(told);
 		lookAheadOfDiscs(scene);
-		engines_ = { view.first<NewtonIntegrator>(), view.first<InteractionLoop>(), view.first<Collider>() };
+		engines_ = { view.first<NewtonIntegrator>(), view.first<InteractionLoop>(), view.first<Collider>(), view.first<CellStress>() };
 		seen_    = signature(scene);
 		return engines_;
 	}

@@ -4,7 +4,7 @@
 //
 //   grains     Rcr, Sphere (a disc), and clumps of them
 //   obstacles  Wall normal to x or y, Box turned about z, Facet that cuts the plane in a segment; a Box may also be free
-//   cell       open, or periodic without walls
+//   cell       open, or periodic without walls; rigid: stresses by CellStress
 //   material   FrictMat
 //   engines    ForceResetter, a collider with a Bo1 for every shape, loads, InteractionLoop with an Ig2_…_RcrGeom for every pair, and
 //     rigid    Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb; loads and kinematic engines; ContactDynamics; NewtonIntegrator(damping=0)
@@ -27,6 +27,7 @@
 
 namespace yade {
 
+class CellStress;
 class Collider;
 
 namespace gate {
@@ -52,6 +53,7 @@ namespace gate {
 		const NewtonIntegrator* integrator = nullptr;
 		const InteractionLoop*  loop       = nullptr;
 		Collider*               collider   = nullptr;
+		const CellStress*       cellStress = nullptr;
 	};
 
 	/// What of a scene with our classes is refused; empty where nothing is, or where none of our classes is there.

@@ -53,13 +53,14 @@ void ContactDynamics::watch()
 	if (!goesOn) return;
 	std::string culprits;
 	for (int id : rcr::drivenBodies(step_.problem))
-		culprits += (culprits.empty() ? "#" : ", #") + std::to_string(id);
+		culprits += (culprits.empty() ? "bodies #" : ", #") + std::to_string(id);
+	if (step_.cell.driven()) culprits += std::string(culprits.empty() ? "" : " and ") + "the velocity gradient of the cell";
 	if (culprits.empty()) return;
 	const rcr::ContactPoint& c = step_.problem.points[deepest];
 	throw std::runtime_error(
 	        "ContactDynamics: jam. Bodies #" + std::to_string(c.body1) + " and #" + std::to_string(c.body2) + " overlap by " + gate::text(overlap)
-	        + " of their radii, and more and more. Rigid grains do not give way; the motion prescribed to bodies " + culprits
-	        + " asks for it. Stop or reverse that motion (b.state.vel), or press by a force (rcr.mobile_wall, WallStress).");
+	        + " of their radii, and more and more. Rigid grains do not give way; the motion prescribed to " + culprits
+	        + " asks for it. Stop or reverse that motion (b.state.vel, O.cell.velGrad), or press by a force (WallStress, CellStress).");
 }
 
 /// YADE's kinetic energy is that of the beginning of a step, so what the contacts of a step take is added in the next one.

@@ -6,6 +6,7 @@
 #include <core/InteractionLoop.hpp>
 #include <pkg/common/Collider.hpp>
 
+#include "CellStress.hpp"
 #include "Gate.hpp"
 #include "planarShape.hpp"
 #include "prefetch.hpp"
@@ -34,15 +35,25 @@ namespace {
 	struct MeanField {
 		bool     periodic = false;
 		Matrix3r gradient = Matrix3r::Zero(), change = Matrix3r::Zero(), convection = Matrix3r::Zero();
+		Matrix3r rest = Matrix3r::Zero(); // what is prescribed: a body without inertia follows it
 
-		MeanField(const Scene& scene, const NewtonIntegrator& newton)
+		MeanField(const Scene& scene, const gate::Engines& engines)
 		{
 			if (!scene.isPeriodic) return;
+			const NewtonIntegrator& newton = *engines.integrator;
 			const Cell& cell = *scene.cell;
 			periodic         = true;
 			gradient         = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad;
 			if (cell.homoDeform > 0) change = gradient - newton.prevVelGrad;
 			if (cell.homoDeform > 1) convection = newton.prevVelGrad;
+			rest = gradient;
+			if (engines.cellStress) engines.cellStress->release(rest);
+		}
+
+		rcr::Twist atRest(const State& s) const
+		{
+			const Vector3r v = rest * s.pos;
+			return { double(v[0]), double(v[1]), 0.5 * double(rest(1, 0) - rest(0, 1)) };
 		}
 
 		rcr::Twist added(const State& s, double dt) const
@@ -55,8 +66,8 @@ namespace {
 
 	class Gatherer {
 	public:
-		Gatherer(Scene& scene, const NewtonIntegrator& newton, rcr::Team& team, StepSources& from, rcr::Step& step)
-		        : scene_(scene), newton_(newton), team_(team), from_(from), step_(step), field_(scene, newton)
+		Gatherer(Scene& scene, const gate::Engines& engines, rcr::Team& team, StepSources& from, rcr::Step& step)
+		        : scene_(scene), newton_(*engines.integrator), team_(team), from_(from), step_(step), field_(scene, engines)
 		{
 		}
 
@@ -149,9 +160,10 @@ namespace {
 	{
 		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) return; // the integrator leaves it where it is
 		if (step_.overdamped) {
-			if (!(s.blockedDOFs & State::DOF_X)) body.velocity.x = 0;
-			if (!(s.blockedDOFs & State::DOF_Y)) body.velocity.y = 0;
-			if (!(s.blockedDOFs & State::DOF_RZ)) body.velocity.rotation = 0;
+			const rcr::Twist rest = field_.atRest(s);
+			if (!(s.blockedDOFs & State::DOF_X)) body.velocity.x = rest.x;
+			if (!(s.blockedDOFs & State::DOF_Y)) body.velocity.y = rest.y;
+			if (!(s.blockedDOFs & State::DOF_RZ)) body.velocity.rotation = rest.rotation;
 		}
 		const Body::id_t  id      = b.getId();
 		const double      dt      = step_.dt;
@@ -276,10 +288,12 @@ namespace {
 
 } // namespace
 
-void gather(Scene& scene, const NewtonIntegrator& newton, rcr::Team& team, StepSources& sources, rcr::Step& step)
+void gather(Scene& scene, const gate::Engines& engines, rcr::Team& team, StepSources& sources, rcr::Step& step)
 {
-	Gatherer gatherer(scene, newton, team, sources, step);
+	Gatherer gatherer(scene, engines, team, sources, step);
 	gatherer.bodies();
+	step.problem.inverseStretchMass = step.problem.stretch = {};
+	if (engines.cellStress) engines.cellStress->load(step);
 	gatherer.contacts();
 }
 

@@ -3,8 +3,6 @@
 
 #include <core/Interaction.hpp>
 #include <core/Scene.hpp>
-#include <pkg/dem/NewtonIntegrator.hpp>
-
 #include "../kernel/parallel/team.hpp"
 #include "../kernel/step/step.hpp"
 #include "CdPhys.hpp"
@@ -32,7 +30,7 @@ struct StepSources {
 };
 
 /// Bodies, contacts, loads and the forces to start from. Throws std::invalid_argument for what is not served; changes nothing.
-void gather(Scene&, const NewtonIntegrator&, rcr::Team&, StepSources&, rcr::Step&);
+void gather(Scene&, const gate::Engines&, rcr::Team&, StepSources&, rcr::Step&);
 
 /// Friction and restitution of the contacts in step.grown that are new, as the scene's Ip2 functor gives them.
 void gatherPhysics(Scene&, const InteractionLoop&, rcr::Step&);

@@ -67,12 +67,22 @@ namespace {
 		}
 	}
 
-	/// Velocities that are not prescribed become zero.
-	void stop(State& s)
+	/// The NewtonIntegrator takes it over in this step.
+	void stretch(Cell& cell, const rcr::PeriodicCell& now)
 	{
+		Matrix3r gradient = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad;
+		for (int axis = 0; axis < 2; ++axis)
+			gradient(axis, axis) = now.gradient[axis][axis];
+		cell.setVelGrad(gradient);
+	}
+
+	/// Velocities that are not prescribed become those of a body without inertia.
+	void stop(State& s, const rcr::Twist& rest)
+	{
+		const Vector3r velocity(rest.x, rest.y, 0), spin(0, 0, rest.rotation);
 		for (int axis = 0; axis < 3; ++axis) {
-			if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] = 0;
-			if (!(s.blockedDOFs & State::axisDOF(axis, true))) s.angVel[axis] = 0;
+			if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] = velocity[axis];
+			if (!(s.blockedDOFs & State::axisDOF(axis, true))) s.angVel[axis] = spin[axis];
 		}
 	}
 
@@ -106,6 +116,7 @@ namespace {
 	// distance, of which the box was made for an earlier speed, reaches out of it, and where an obstacle turns out of its box.
 	void keepColliderAhead(Scene& scene, rcr::Team& team, const StepSources& sources, const rcr::Step& step)
 	{
+		const Real widest = scene.isPeriodic ? 0.45 * scene.cell->getSize().minCoeff() : std::numeric_limits<Real>::infinity(); // YADE ends with 0.5
 		std::atomic<bool> out { false };
 		team.forEach(step.bodies.size(), [&](Body::id_t id) {
 			const Bound* bound = sources.bound[id];
@@ -113,7 +124,8 @@ namespace {
 			if (!bound) return;
 			const rcr::StepBody& b = step.bodies[id];
 			const rcr::Twist&    v = step.problem.velocity[id];
-			const bool           leaves = b.shape.grain() ? outruns(b, v, step.dt, *sources.state[id], *bound)
+			const bool           leaves = bound->max[0] - bound->min[0] > widest ? true
+			        : b.shape.grain() ? outruns(b, v, step.dt, *sources.state[id], *bound)
 			                                              : turnsOut(b, step.bodies[b.owner], step.problem.velocity[b.owner], step.dt, *bound);
 			if (leaves) out.store(true, std::memory_order_relaxed);
 		});
@@ -152,9 +164,10 @@ void scatter(Scene& scene, rcr::Team& team, const std::vector<rcr::Twist>& loads
 			scene.forces.addTorqueUnsynced(id, inverseDt * Vector3r(0, 0, load.rotation));
 		}
 		if (!sources.state[id] || body.owner != id) return;
-		if (step.overdamped) stop(*sources.state[id]);
+		if (step.overdamped) stop(*sources.state[id], body.velocity);
 		if (!step.displacement.empty() && body.free) displace(*sources.state[id], step.displacement[id]);
 	});
+	if (step.cell.stretches()) stretch(*scene.cell, step.cell);
 	keepColliderAhead(scene, team, sources, step);
 }
 

@@ -9,7 +9,7 @@ from scenes import engines, material, steps
 from test_gate import ALL_IG2
 from yade import O
 from yade.minieigenHP import Matrix3
-from yade.wrapper import ForceResetter, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, NewtonIntegrator
+from yade.wrapper import ForceResetter, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, NewtonIntegrator, PeriTriaxController
 
 
 def scene(law, *bodies, size=2.0, gravity=(0, 0, 0), dt=1e-3, periodic=True, **options):
@@ -144,3 +144,87 @@ def test_fast_body_in_a_cell_looks_less_far_ahead():
     ids = scene("rigid", fast, rcr.disc((1.5, 1), 0.1, material=m), size=2.0, dt=5e-3)
     steps(20)
     assert O.bodies[ids[1]].state.vel[0] > 50  # it was hit, not passed
+
+
+def pressed(*bodies, size, stress, mass=1, **options):
+    scene("rigid", *bodies, size=size, **options)
+    O.engines = O.engines[:3] + [rcr.CellStress(stress=stress, mass=mass)] + O.engines[3:]
+
+
+def test_row_of_discs_carries_the_stress_of_its_cell():
+    """Ten discs fill the cell along x: each contact carries stress times the height of the cell, from the first step on."""
+    m, R = material(), 0.1
+    pressed(*[rcr.disc((2 * R * (k + 0.5), 1), R, material=m) for k in range(10)], size=2.0, stress=(50, math.nan), tolerance=1e-8, maxIterations=5000)
+    for _ in range(3):
+        O.step()
+        forces = [abs(i.phys.normalForce[0]) for i in O.interactions if i.isReal]
+        assert len(forces) == 10 and forces == pytest.approx([50 * 2.0] * 10, rel=1e-5)
+    assert abs(O.cell.velGrad[0, 0]) < 1e-8
+
+
+def test_empty_cell_falls_together_as_a_body_of_its_mass():
+    m, R, size, dt = material(), 0.1, 2.0, 1e-3
+    pressed(rcr.disc((0.5, 0.5), R, material=m), rcr.disc((1.5, 1.5), R, material=m), size=size, stress=(3, 5), mass=2, dt=dt)
+    steps(1)
+    inertia = 2 * sum(b.state.mass for b in O.bodies) * size**2 / 12
+    assert [O.cell.velGrad[k, k] for k in range(2)] == pytest.approx([-stress * size**2 * dt / inertia for stress in (3, 5)], rel=1e-12)
+    assert O.cell.velGrad[0, 1] == O.cell.velGrad[2, 2] == 0 and all(b.state.vel.norm() == 0 for b in O.bodies)
+
+
+@pytest.mark.parametrize("eta", [0, 0.5])
+def test_grains_come_to_rest_under_the_stress_of_their_cell(eta):
+    """Contracted until they touch, then pressed without inertia."""
+    size, m, grains = packing(eta)
+    stress, mass = 100.0, np.mean([b.state.mass for b in grains])
+    dt = 0.1 * math.sqrt(mass / stress)
+    pressed(*grains, size=size, stress=(math.nan, math.nan), mass=12 / len(grains), dt=dt, tolerance=1e-6, solver="auto", maxIterations=3000)
+    O.engines[4].overdamped = True
+    area = sum(b.state.mass for b in O.bodies) / m.density
+    fraction = lambda: area / (O.cell.hSize[0, 0] * O.cell.hSize[1, 1])
+    O.cell.velGrad = Matrix3(-0.004 / dt, 0, 0, 0, -0.004 / dt, 0, 0, 0, 0)
+    while fraction() < 0.7:
+        steps(5)
+    assert max(np.abs(np.array(list(b.state.pos)[:2]) / O.cell.size[0] - 0.5).max() for b in O.bodies) < 0.6  # carried along, none thrown out
+    O.cell.velGrad, O.engines[3].stress = Matrix3.Zero, (stress, stress)
+    steps(200)
+    O.dt = 5 * dt
+    steps(300)
+    overlap = max(-i.geom.gap[k] / (i.geom.refR1 + i.geom.refR2) for i in O.interactions if i.isReal for k in range(i.geom.points))
+    assert 0.78 < fraction() < 0.92 and overlap < 1e-3
+    network = rcr.contact_network()
+    assert np.linalg.eigvalsh(network.stress()) == pytest.approx([stress] * 2, rel=0.02)
+
+
+def test_cell_stress_says_what_is_wrong():
+    m = material()
+    pressed(rcr.disc((0.5, 0.5), 0.1, material=m), size=2.0, stress=(1, 1), mass=0)
+    with pytest.raises(ValueError, match="CellStress.mass = 0; wanted a finite share > 0"):
+        O.step()
+    O.engines[3].mass, O.engines[3].stress = 1, (math.inf, 0)
+    with pytest.raises(ValueError, match="CellStress.stress is infinite"):
+        O.step()
+    scene("rigid", rcr.disc((0.5, 0.5), 0.1, material=m), periodic=False)
+    O.engines = O.engines[:3] + [rcr.CellStress(stress=(1, 1))] + O.engines[3:]
+    with pytest.raises(ValueError, match="CellStress has no cell to press"):
+        O.step()
+    scene("smooth", rcr.disc((0.5, 0.5), 0.1, material=m))
+    O.engines = O.engines[:3] + [rcr.CellStress(stress=(1, 1))] + O.engines[3:]
+    with pytest.raises(ValueError, match="contacts are smooth; take PeriTriaxController"):
+        O.step()
+
+
+def test_periodic_triaxial_controller_is_refused_beside_rigid_contacts():
+    """It creeps into the grains: rigid contacts have no stiffness, and answer to a motion of the cell without bound."""
+    scene("rigid", rcr.disc((0.5, 0.5), 0.1, material=material()))
+    O.engines = O.engines[:3] + [PeriTriaxController(dynCell=True, mass=1, goal=(-1, -1, 0), stressMask=3)] + O.engines[3:]
+    with pytest.raises(ValueError, match="take rcr.CellStress"):
+        O.step()
+
+
+def test_cell_that_is_driven_into_its_grains_is_told():
+    """A cell that goes on shrinking when its grains are jammed."""
+    size, m, grains = packing(0)
+    scene("rigid", *grains, size=size, tolerance=1e-4, solver="auto", maxIterations=500)
+    O.cell.velGrad = Matrix3(-0.3, 0, 0, 0, -0.3, 0, 0, 0, 0)
+    with pytest.raises(RuntimeError, match="jam.*the velocity gradient of the cell"):
+        steps(3000)

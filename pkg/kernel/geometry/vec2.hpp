@@ -18,6 +18,7 @@ inline double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
 inline double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; } // z of a × b
 inline Vec2   cross(double w, Vec2 r) { return { -w * r.y, w * r.x }; } // (0, 0, w) × r
 inline Vec2   perp(Vec2 a) { return { -a.y, a.x }; } // a turned by +90°; the tangent of a normal
+inline Vec2   componentwise(Vec2 a, Vec2 b) { return { a.x * b.x, a.y * b.y }; }
 inline double norm(Vec2 a) { return std::sqrt(dot(a, a)); }
 
 } // namespace rcr

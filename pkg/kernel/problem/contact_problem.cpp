@@ -45,7 +45,7 @@ namespace {
 	bool sound(const ContactPoint& c, const Impulse& p, std::size_t bodies)
 	{
 		return inRange(c, bodies) & (c.body1 != c.body2) & unit(c.normal) & (c.friction >= 0) & (c.friction <= maxFriction)
-		        & finite(c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, p.n, p.t);
+		        & finite(c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t);
 	}
 
 	[[noreturn]] void refuseBody(std::size_t i, const InverseMass& m, const Twist& v)
@@ -58,7 +58,7 @@ namespace {
 	{
 		if (!inRange(c, bodies)) refuse("contact point", k, "body id out of range");
 		if (c.body1 == c.body2) refuse("contact point", k, "both bodies are the same");
-		if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, p.n, p.t))
+		if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t))
 			refuse("contact point", k, "a number is not finite");
 		if (!unit(c.normal)) refuse("contact point", k, "the normal is not of unit length");
 		if (c.friction < 0) refuse("contact point", k, "the friction coefficient is negative; wanted µ ≥ 0");
@@ -67,9 +67,17 @@ namespace {
 
 } // namespace
 
+void ContactProblem::setStretch(Vec2 now)
+{
+	for (ContactPoint& c : points)
+		c.drift = c.freeDrift(stretch) + componentwise(now, c.shift);
+	stretch = now;
+}
+
 void updateVelocity(ContactProblem& problem)
 {
 	problem.velocity = problem.freeVelocity;
+	Vec2 stretching; // M_c δg
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		applyImpulse(
@@ -79,7 +87,9 @@ void updateVelocity(ContactProblem& problem)
 		        problem.inverseMass[c.body2],
 		        problem.velocity[c.body1],
 		        problem.velocity[c.body2]);
+		stretching = stretching + componentwise(c.shift, problem.impulse[k].n * c.normal + problem.impulse[k].t * perp(c.normal));
 	}
+	if (problem.stretches()) problem.setStretch(componentwise(problem.inverseStretchMass, stretching));
 }
 
 void checkProblem(const ContactProblem& problem)
@@ -87,6 +97,8 @@ void checkProblem(const ContactProblem& problem)
 	const std::size_t bodies = problem.inverseMass.size();
 	checkSize("freeVelocity", problem.freeVelocity.size(), bodies);
 	checkSize("impulse", problem.impulse.size(), problem.points.size());
+	const Vec2 m = problem.inverseStretchMass, g = problem.stretch;
+	if (!finite(m.x, m.y, g.x, g.y) || m.x < 0 || m.y < 0) throw std::invalid_argument("the cell: a mass or rate is not finite, or an inverse mass is negative");
 	for (std::size_t i = 0; i < bodies; ++i)
 		if (!sound(problem.inverseMass[i], problem.freeVelocity[i])) refuseBody(i, problem.inverseMass[i], problem.freeVelocity[i]);
 	for (std::size_t k = 0; k < problem.points.size(); ++k)

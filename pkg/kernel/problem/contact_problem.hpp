@@ -5,6 +5,9 @@
 //   0 ≤ u_n + b_n  ⟂  p_n ≥ 0         Signorini
 //   |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0     Coulomb
 //
+// A periodic cell may stretch under its contacts, as a body of two more degrees of freedom: its rates of stretching g along x and y change
+// by  δg = M_c⁻¹ Σ f ∘ s,  f the impulse of a point and s the shift of the image of its body 2, and d holds δg ∘ s.
+//
 // | symbol     | field                | unit      | meaning                                        |
 // |------------|----------------------|-----------|------------------------------------------------|
 // | v, ω       | Twist                | m/s, 1/s  | velocity of a body                             |
@@ -14,6 +17,9 @@
 // | b_n        | bias                 | m/s       | gap/dt where open, restitution where it bounces |
 // | µ          | friction             | –         | Coulomb coefficient                            |
 // | d          | drift                | m/s       | velocity of the image of body 2 that body 1 meets, relative to body 2 (periodic cell) |
+// | s          | shift                | m         | from body 2 to that image, where the cell may stretch; else 0 |
+// | M_c⁻¹      | inverseStretchMass   | 1/(kg m²) | 0 = the cell's motion is prescribed |
+// | δg         | stretch              | 1/s       | change of the rates of stretching that contacts make; out |
 // | p          | Impulse              | N s       | on body 2, reaction on body 1; p_n ≥ 0 pushes apart |
 //
 // Masses, impulses and forces are per unit depth of the plane.
@@ -53,8 +59,11 @@ struct ContactPoint {
 	double       bias     = 0;
 	double       friction = 0;
 	Vec2         drift;
+	Vec2         shift;
 
-	bool drifts() const { return drift.x != 0 || drift.y != 0; }
+	bool drifts() const { return drift.x != 0 || drift.y != 0 || shift.x != 0 || shift.y != 0; }
+	/// d without the stretch δg that it holds.
+	Vec2 freeDrift(Vec2 stretch) const { return drift - componentwise(stretch, shift); }
 };
 
 struct ContactProblem {
@@ -63,6 +72,12 @@ struct ContactProblem {
 	std::vector<ContactPoint> points;       // a contact point; the points of a pair stand side by side
 	std::vector<Impulse>      impulse;      // a contact point: warm start in, solution out
 	std::vector<Twist>        velocity;     // a body: out, consistent with `impulse`
+	Vec2                      inverseStretchMass;
+	Vec2                      stretch;      // what the points' drifts hold of it
+
+	bool stretches() const { return inverseStretchMass.x > 0 || inverseStretchMass.y > 0; }
+	/// Another stretch: the drifts of all points follow.
+	void setStretch(Vec2);
 
 	bool prescribed(int body) const { return inverseMass[body].x == 0 && inverseMass[body].y == 0 && inverseMass[body].rotation == 0; }
 };
@@ -86,7 +101,7 @@ inline void applyImpulse(const ContactPoint& c, const Impulse& p, const InverseM
 	v2.rotation += m2.rotation * cross(c.arm2, f);
 }
 
-/// v_free + M⁻¹ Jᵀ p for the impulses of the problem, written to `velocity`.
+/// v_free + M⁻¹ Jᵀ p for the impulses of the problem, written to `velocity`; and the stretch, where the cell may.
 void updateVelocity(ContactProblem&);
 
 /// Throws std::invalid_argument for arrays of different lengths, an id out of range, a number that is not finite, a

@@ -33,6 +33,16 @@ inline Delassus delassus(const ContactPoint& c, const InverseMass& m1, const Inv
 		 x * t.x * t.x + y * t.y * t.y + m1.rotation * t1 * t1 + m2.rotation * t2 * t2 };
 }
 
+/// The same in a cell that may stretch: body 2 is lighter, since its image moves with the cell too.
+inline Delassus delassus(const ContactProblem& problem, const ContactPoint& c)
+{
+	const Vec2  cell = componentwise(problem.inverseStretchMass, componentwise(c.shift, c.shift));
+	InverseMass m2   = problem.inverseMass[c.body2];
+	m2.x += cell.x;
+	m2.y += cell.y;
+	return delassus(c, problem.inverseMass[c.body1], m2);
+}
+
 /// The impulse of one point; `gn` holds g_n + b_n. Needs w.nn > 0.
 inline Impulse solveCoulomb(const Delassus& w, double gn, double gt, double friction)
 {

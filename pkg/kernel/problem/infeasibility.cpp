@@ -24,7 +24,9 @@ namespace {
 
 	Impulse freeVelocity(const ContactProblem& problem, const ContactPoint& c)
 	{
-		return relativeVelocity(c, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
+		ContactPoint free = c;
+		free.drift        = c.freeDrift(problem.stretch);
+		return relativeVelocity(free, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
 	}
 
 	/// V of a direction.
@@ -55,17 +57,20 @@ double requiredSpeed(const ContactProblem& problem, const std::vector<Impulse>& 
 {
 	std::vector<Impulse> d(direction.size());
 	std::vector<Twist>   moved(problem.inverseMass.size()); // M⁻¹Jᵀd
+	Vec2                 stretching;
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		d[k]                  = projectCone(direction[k], c.friction);
 		applyImpulse(c, d[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2], moved[c.body1], moved[c.body2]);
+		stretching = stretching + componentwise(c.shift, d[k].n * c.normal + d[k].t * perp(c.normal));
 	}
+	const Vec2 stretch = componentwise(problem.inverseStretchMass, stretching);
 	double pressed = 0, energy = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		pressed -= work(d[k], freeVelocity(problem, c)) + d[k].n * c.bias;
-		ContactPoint still = c; // impulses move bodies, not the image of one
-		still.drift        = {};
+		ContactPoint still = c; // impulses move the image of a body by the cell's stretch alone
+		still.drift        = componentwise(stretch, c.shift);
 		energy += work(d[k], relativeVelocity(still, moved[c.body1], moved[c.body2]));
 	}
 	if (!(pressed > 0)) return 0;

@@ -15,11 +15,11 @@ namespace {
 	/// Calls visit(point) for every point that can carry something, with the velocities computed anew from the impulses.
 	template <class Visit> void forEachPoint(const ContactProblem& given, Visit visit)
 	{
-		ContactProblem problem { given.inverseMass, given.freeVelocity, given.points, given.impulse, {} };
+		ContactProblem problem = given;
 		updateVelocity(problem);
 		for (std::size_t k = 0; k < problem.points.size(); ++k) {
 			const ContactPoint& c = problem.points[k];
-			const Delassus      w = delassus(c, problem.inverseMass[c.body1], problem.inverseMass[c.body2]);
+			const Delassus      w = delassus(problem, c);
 			if (w.nn <= 0) continue;
 			const Impulse p = problem.impulse[k];
 			const Impulse u = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);

@@ -67,7 +67,7 @@ namespace {
 		}
 		if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
 		if (solver == "sor") return solveSor(problem, settings, workspace);
-		if (solver == "nesterov") return solveNesterov(problem, settings, workspace);
+		if (solver == "nesterov" || problem.stretches()) return solveNesterov(problem, settings, workspace); // exact steps know no cell
 		if (solver == "exact") return solveExact(problem, settings, workspace);
 		return solveAuto(problem, settings, workspace);
 	}

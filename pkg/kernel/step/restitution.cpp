@@ -13,7 +13,7 @@ bool restrainBounce(Step& step, const StepContact& contact)
 		const ContactProblem& problem = step.problem;
 		const Impulse         before  = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
 		const Impulse         after   = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
-		const Delassus        w       = delassus(c, problem.inverseMass[c.body1], problem.inverseMass[c.body2]);
+		const Delassus        w       = delassus(problem, c);
 		const double          share   = passiveShare(w, problem.impulse[k], before, after, c.bias, c.friction);
 		c.bias *= share;
 		changed |= share < 1;

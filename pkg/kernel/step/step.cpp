@@ -38,10 +38,20 @@ ContactPoint Step::contactPoint(const StepContact& c, const ManifoldPoint& at, d
 	p.arm2     = at.position - (bodies[p.body2].center + c.shift);
 	p.friction = friction;
 	p.drift    = c.drift;
+	p.shift    = cell.stretches() ? c.shift : Vec2 {};
 	p.bias     = overdamped ? at.gap / dt : lawBias(at.gap, c.restitution, dt, [&] {
                              return relativeVelocity(p, bodies[p.body1].velocity, bodies[p.body2].velocity).n;
                      });
 	return p;
+}
+
+void Step::stretchCell(Vec2 before)
+{
+	if (!cell.stretches()) return;
+	cell.gradient[0][0] += problem.stretch.x - before.x;
+	cell.gradient[1][1] += problem.stretch.y - before.y;
+	for (StepContact& c : contacts)
+		c.drift = cell.drift(c.shift);
 }
 
 void Step::indexContacts()

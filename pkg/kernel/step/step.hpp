@@ -91,10 +91,19 @@ struct GrownContact {
 	double       friction = 0, restitution = 0; // of one that is new: the simulation's
 };
 
-/// A periodic cell: base vectors as columns, and the gradient of the velocity that its images follow. Without one, all zero.
+/// A periodic cell: base vectors as columns, and the gradient of the velocity that its images follow. Without one, all zero. Along an axis
+/// with a mass it stretches as stress and contacts drive it; the gradient is that without contacts until a step is solved.
 struct PeriodicCell {
 	bool   periodic = false;
 	double h[2][2] {}, inverse[2][2] {}, gradient[2][2] {};
+	Vec2   inverseMass; // of stretching [1/(kg m²)]
+
+	bool stretches() const { return inverseMass.x > 0 || inverseMass.y > 0; }
+	/// Is a motion prescribed to it?
+	bool driven() const
+	{
+		return gradient[0][1] != 0 || gradient[1][0] != 0 || (gradient[0][0] != 0 && inverseMass.x == 0) || (gradient[1][1] != 0 && inverseMass.y == 0);
+	}
 
 	/// The vector to the image of body 2 that is nearest to body 1, as a shift of body 2.
 	Vec2 nearestShift(Vec2 from1To2) const
@@ -110,7 +119,7 @@ struct PeriodicCell {
 
 struct Step {
 	double                    dt         = 0; // [s]
-	bool                      overdamped = false; // every body starts from rest, gaps and overlaps are taken back whole
+	bool                      overdamped = false; // every body starts from rest (in a cell: from its prescribed motion), gaps and overlaps are taken back whole
 	PeriodicCell              cell;
 	std::vector<StepBody>     bodies;
 	std::vector<std::int32_t> members;  // bodies that share the motion of another
@@ -144,6 +153,9 @@ struct Step {
 	/// Impulses from forces, and forces from impulses.
 	void startFromForces();
 	void keepForces();
+
+	/// The gradient of the cell and the drifts of contacts from the stretch that a solve has found.
+	void stretchCell(Vec2 before);
 
 	/// Velocities of members, from those of their clumps, after a solve.
 	void moveMembers()

@@ -40,8 +40,10 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions)
 {
 	const bool sameReductions = reductions == reductions_;
 	reductions_               = reductions;
+	const bool sameCell   = stretches_ == problem.stretches();
+	stretches_            = problem.stretches();
 	const bool sameBodies = sortBodies(problem), samePairs = findPairs(problem);
-	if (sameReductions && sameBodies && samePairs && reductions.layout) return false;
+	if (sameReductions && sameCell && sameBodies && samePairs && reductions.layout) return false;
 	findIslands();
 	sortPairs();
 	for (Island& island : islands_)
@@ -118,11 +120,19 @@ void Layout::findIslands()
 	std::vector<std::int32_t> parent(kind_.size()), number(kind_.size(), none);
 	std::iota(parent.begin(), parent.end(), 0);
 	int whole = none; // without this reduction all is one
-	for (const Pair& pair : pairs_)
-		if (moves(pair.body1) && moves(pair.body2)) {
-			const int a = root(parent, pair.body1), b = root(parent, pair.body2);
-			parent[std::max(a, b)] = std::min(a, b);
-		}
+	int cell  = none; // a body at its boundary
+	const auto join = [&](int body1, int body2) {
+		const int a = root(parent, body1), b = root(parent, body2);
+		parent[std::max(a, b)] = std::min(a, b);
+	};
+	for (const Pair& pair : pairs_) {
+		if (moves(pair.body1) && moves(pair.body2)) join(pair.body1, pair.body2);
+		if (!stretches_ || !pair.drifts) continue;
+		const int body = moves(pair.body1) ? pair.body1 : pair.body2;
+		if (!moves(body)) continue;
+		if (cell != none) join(cell, body);
+		cell = body;
+	}
 	island_.assign(kind_.size(), none);
 	islands_.clear();
 	for (const Pair& pair : pairs_) {
@@ -135,6 +145,7 @@ void Layout::findIslands()
 		}
 		for (int one : { pair.body1, pair.body2 })
 			if (moves(one)) island_[one] = island;
+		islands_[island].cell |= stretches_ && pair.drifts;
 		++islands_[island].pairs.end;
 		islands_[island].points += pair.points;
 	}

@@ -42,6 +42,7 @@ struct Island {
 	std::int32_t points = 0;
 	bool         shared  = false; // large enough that several threads work on it
 	bool         central = false; // nothing turns: half records
+	bool         cell    = false; // the one of all pairs across the boundary of a cell that may stretch
 	Range        pairs;          // in Layout::byIsland
 	Range        records;        // halves, of its bodies
 	Range        stages;         // of chunks that may be worked on at once: a colour
@@ -99,6 +100,7 @@ private:
 	static constexpr std::int32_t none = -1;
 
 	Reductions                reductions_;
+	bool                      stretches_ = false; // the cell may
 	std::vector<BodyKind>     kind_;
 	std::vector<Pair>         pairs_;
 	std::vector<std::int32_t> island_, record_; // a body

@@ -15,7 +15,7 @@ namespace {
 Impulse PackedIsland::relativeVelocity(const OverflowPoint& c) const
 {
 	const HalfRecord &v1 = view_.halfBody(c.record1), &v2 = view_.halfBody(c.record2);
-	const Vec2        u { v2.x - v1.x, v2.y - v1.y };
+	const Vec2        u = Vec2 { v2.x - v1.x, v2.y - v1.y } + componentwise(packed_.stretch_, c.shift);
 	const double      spin1 = c.turns ? view_.wholeBody(c.record1).spin : 0, spin2 = c.turns ? view_.wholeBody(c.record2).spin : 0;
 	return { dot(u, c.normal) + spin2 * c.turn2n - spin1 * c.turn1n + c.drift.n,
 		 dot(u, perp(c.normal)) + spin2 * c.turn2t - spin1 * c.turn1t + c.drift.t };
@@ -33,6 +33,7 @@ void PackedIsland::applyImpulse(const OverflowPoint& c, const Impulse& p)
 	};
 	push(c.record1, c.mass1, -1, p.n * c.turn1n + p.t * c.turn1t);
 	push(c.record2, c.mass2, +1, p.n * c.turn2n + p.t * c.turn2t);
+	if (stretches()) packed_.stretch_ = packed_.stretch_ + componentwise(packed_.inverseStretchMass_, componentwise(c.shift, f));
 }
 
 /// The impulse that solves the point while all others stay; `p` is what the velocities hold of it.
@@ -111,6 +112,10 @@ void PackedIsland::extrapolate(double momentum)
 		packed_.kernels_->extrapolate(view_, first, std::min(records.end, first + recordsAtATime), momentum);
 	});
 	std::swap(view_.body, view_.oldBody);
+	if (!stretches()) return;
+	const Vec2 now = packed_.stretch_;
+	packed_.stretch_    = now + momentum * (now - packed_.oldStretch_);
+	packed_.oldStretch_ = now;
 }
 
 Measures PackedIsland::measure()

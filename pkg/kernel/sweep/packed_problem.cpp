@@ -58,6 +58,8 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	team.forEach(pairs.size(), [&](int k) {
 		if (pairs[k].slot != Pair::noSlot) fill(problem, pairs[k]);
 	});
+	inverseStretchMass_ = problem.inverseStretchMass;
+	stretch_            = {};
 	overflow_.clear();
 	overflowOf_.clear();
 	for (const Island& island : layout_.islands()) {
@@ -70,7 +72,8 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 		island.prepare();
 		island.applyImpulses();
 	});
-	oldBody_ = body_;
+	oldBody_    = body_;
+	oldStretch_ = stretch_;
 }
 
 void PackedProblem::loadBody(const ContactProblem& problem, int body, int record, bool central)
@@ -138,15 +141,16 @@ void PackedProblem::addToOverflow(const ContactProblem& problem, const Pair& pai
 	for (int k = pair.firstPoint; k < pair.firstPoint + pair.points; ++k) {
 		const ContactPoint& c = problem.points[k];
 		const InverseMass & m1 = problem.inverseMass[c.body1], &m2 = problem.inverseMass[c.body2];
-		const Delassus      w  = delassus(c, m1, m2);
+		const Delassus      w = delassus(problem, c);
+		const Vec2          drift = c.freeDrift(problem.stretch);
 		if (w.nn <= 0) continue;
 		const Vec2    t = perp(c.normal);
 		const Impulse p = startOf(problem, k);
 		overflow_.push_back({ layout_.record(c.body1), layout_.record(c.body2), k, !central, c.normal,
 		                  lever * cross(c.arm1, c.normal) * scale1, cross(c.arm1, t) * scale1,
-		                  lever * cross(c.arm2, c.normal) * scale2, cross(c.arm2, t) * scale2, { dot(c.drift, c.normal), dot(c.drift, t) + (central ? slip(problem, c) : 0) },
+		                  lever * cross(c.arm2, c.normal) * scale2, cross(c.arm2, t) * scale2, { dot(drift, c.normal), dot(drift, t) + (central ? slip(problem, c) : 0) },
 		                  { m1.x, m1.y, m1.rotation / (scale1 * scale1) }, { m2.x, m2.y, m2.rotation / (scale2 * scale2) },
-		                  c.bias, c.friction, w, p, p });
+		                  c.shift, c.bias, c.friction, w, p, p });
 	}
 }
 
@@ -178,6 +182,7 @@ void PackedProblem::rebias(const ContactProblem& problem, const std::vector<doub
 /// v = v_free + M⁻¹Jᵀp
 void PackedProblem::startVelocity(const ContactProblem& problem)
 {
+	stretch_ = {};
 	loadBodies(problem);
 	forEachIsland([](PackedIsland&& island) { island.applyImpulses(); });
 }
@@ -197,6 +202,7 @@ void PackedProblem::store(ContactProblem& problem)
 	for (const OverflowPoint& c : overflow_)
 		problem.impulse[c.point] = c.p;
 	storeVelocity(problem, problem.velocity);
+	if (problem.stretches()) problem.setStretch(stretch_);
 }
 
 void PackedProblem::storeVelocity(const ContactProblem& problem, std::vector<Twist>& velocity)

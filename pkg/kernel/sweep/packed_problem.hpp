@@ -56,6 +56,7 @@ private:
 		double       turn1n, turn1t, turn2n, turn2t;
 		Impulse      drift; // added to u: of a periodic image, and of spins that stay as they are, where the records have none
 		InverseMass  mass1, mass2;
+		Vec2         shift; // of a cell that may stretch
 		double       bias, friction;
 		Delassus     w;
 		Impulse      p, old;
@@ -81,6 +82,7 @@ private:
 	std::vector<double>     freeVelocity2_; // an island
 	std::vector<Measures>   partial_;       // a chunk
 	std::vector<double>     sum_;           // a chunk
+	Vec2                    inverseStretchMass_, stretch_, oldStretch_; // of the cell, whose points all belong to one island
 	double                  layoutSeconds_ = 0;
 	int                     layouts_       = 0;
 };
@@ -126,6 +128,7 @@ private:
 	Impulse relativeVelocity(const OverflowPoint&) const;
 	void    applyImpulse(const OverflowPoint&, const Impulse&);
 	Impulse solve(const OverflowPoint&, const Impulse& from) const;
+	bool    stretches() const { return island_.cell && (packed_.inverseStretchMass_.x > 0 || packed_.inverseStretchMass_.y > 0); }
 
 	/// work(i) for begin ≤ i < end, by all threads where the island is theirs.
 	template <class Work> void share(int begin, int end, Work work)

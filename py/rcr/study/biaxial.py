@@ -63,6 +63,22 @@ FREE = ("threads",)  # parameters that change no bit of the results
 SOLVERS = _kernel.solver_names()
 
 
+def approach(steps, solver):
+    """dt/t₀ of a step towards rest, no longer than the last net forces allow: under the net force F ⟨f⟩ a grain moves by about F d (dt/t₀)².
+
+    Parameters
+    ----------
+    steps : int
+        Number of such steps so far: the more, the shorter they become.
+    solver : ContactDynamics
+        For its `unbalance` and `largestUnbalance`.
+    """
+    shortest, longest = TIME_STEPS
+    farthest = min(FARTHEST, APPROACH / (1 + steps / CYCLES) * solver.unbalance)
+    largest = max(solver.largestUnbalance, 1e-300)  # 0 in perfect balance
+    return min(longest, max(shortest, math.sqrt(farthest / largest)))
+
+
 def random_radii(count, rng):
     """Radii uniform in volume fraction, number density ∝ R⁻² in [R_min, 2 R_min]; (count,) [m]."""
     return R_MIN / (1 - 0.5 * rng.random(count))
@@ -330,12 +346,8 @@ class Biaxial:
             self.progress.update(phase="rest", approach=0)
 
     def _approach_rest(self):
-        """A step no longer than the last net forces allow: under the net force F ⟨f⟩ a grain moves by about F d (dt/t₀)²."""
         self.progress["approach"] += 1
-        farthest = min(FARTHEST, APPROACH / (1 + self.progress["approach"] / CYCLES) * self.solver.unbalance)
-        shortest, longest = TIME_STEPS
-        largest = max(self.solver.largestUnbalance, 1e-300)  # 0 in perfect balance
-        O.dt = self.time_unit * min(longest, max(shortest, math.sqrt(farthest / largest)))
+        O.dt = self.time_unit * approach(self.progress["approach"], self.solver)
         self._steps(1)
 
     def _start_shear(self):

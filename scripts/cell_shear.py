@@ -1,0 +1,80 @@
+"""Compaction and shear in a periodic cell, without walls, and, if asked, the biaxial test between walls beside it; table and CSV.
+
+Run it with YADE:  scripts/yade-rcr -n -x scripts/cell_shear.py --etas 0 0.5 --seeds 3 --walls --out cell-shear.csv
+"""
+
+import math
+
+import numpy as np
+from tqdm import tqdm
+
+from rcr import files, script
+from rcr.study.biaxial import Biaxial
+from rcr.study.cell import MODES, CellTest
+
+COLUMNS = "geometry eta seed packing_fraction_initial sin_phi sin_phi_error packing_fraction".split()
+STATIONARY = 0.1  # strain from which averages are taken
+
+
+def arguments():
+    number, whole = script.number(), script.whole()
+    parser = script.Parser(prog="cell_shear.py", description=__doc__.splitlines()[0])
+    parser.add_argument("--etas", type=number, nargs="+", default=[0, 0.5], help="elongations (default 0 0.5)")
+    parser.add_argument("--seeds", type=script.at_least(1), default=3, help="packings of each (default %(default)s)")
+    parser.add_argument("--modes", choices=MODES, nargs="+", default=list(MODES), help="of the shear (default: both)")
+    parser.add_argument("--walls", action="store_true", help="the biaxial test between walls, too")
+    parser.add_argument("--particles", type=whole, default=1000, help="number of grains (default %(default)s)")
+    parser.add_argument("--strain", type=script.number("0.1 < strain < 1", lambda v: STATIONARY < v < 1), default=0.3, help="at the end (default %(default)s); averages from 0.1 on")
+    parser.add_argument("--inertial-number", type=number, default=1e-3, help="rate times √(m/σ0) (default %(default)s)")
+    parser.add_argument("--out", type=script.new_file, default="cell-shear.csv", metavar="FILE", help="CSV (default %(default)s)")
+    return parser.parse_args()
+
+
+def average(strain, values):
+    """Mean from `STATIONARY` on, and its error from means over a fifth of the values each."""
+    late = np.array_split(np.asarray(values)[np.asarray(strain) > STATIONARY], 5)
+    means = [part.mean() for part in late]
+    return np.mean(means), np.std(means, ddof=1) / math.sqrt(len(means))
+
+
+def in_cell(mode, eta, seed, options):
+    test = CellTest(eta, options.particles, seed, inertial_number=options.inertial_number)
+    test.compact()
+    first = test.packing_fraction
+    with tqdm(desc=f"{mode}, η = {eta:g}", total=options.strain, disable=None) as bar:
+        rows = test.shear(mode, options.strain, lambda test, row: bar.update(row["strain"] - bar.n))
+    return dict(
+        packing_fraction_initial=first, **dict(zip(("sin_phi", "sin_phi_error"), average(rows["strain"], rows["sin_phi"]))),
+        packing_fraction=average(rows["strain"], rows["packing_fraction"])[0],
+    )  # fmt: skip
+
+
+def between_walls(eta, seed, options):
+    test = Biaxial.prepare(eta=eta, particles=options.particles, seed=seed, inertial_number=options.inertial_number, threads=1, time_step=0.1)
+    test.compact()
+    first = test.packing_fraction
+    while test.strain < options.strain:
+        test.shear_record()
+    column = lambda name: [row[name] for row in test.rows]
+    return dict(
+        packing_fraction_initial=first, **dict(zip(("sin_phi", "sin_phi_error"), average(column("strain"), column("sin_phi")))),
+        packing_fraction=average(column("strain"), column("packing_fraction"))[0],
+    )  # fmt: skip
+
+
+def main():
+    options = arguments()
+    table = []
+    print("| geometry | η | seed | packing fraction at first | q/p | packing fraction |\n" + "|---" * 6 + "|")
+    for eta in options.etas:
+        for seed in range(1, options.seeds + 1):
+            found = {f"cell, {mode}": in_cell(mode, eta, seed, options) for mode in options.modes}
+            if options.walls:
+                found["walls, biaxial"] = between_walls(eta, seed, options)
+            for geometry, row in found.items():
+                table.append(dict(geometry=geometry, eta=eta, seed=seed, **row))
+                print("| {geometry} | {eta:g} | {seed} | {packing_fraction_initial:.4f} | {sin_phi:.3f} ± {sin_phi_error:.3f} | {packing_fraction:.4f} |".format(**table[-1]), flush=True)
+    files.write(options.out, files.table(COLUMNS, table))
+
+
+script.run(main)
