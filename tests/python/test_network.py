@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcr.network import Network
 
-from synthetic import anisotropic, network, particles, random_network
+from synthetic import anisotropic, network, random_network
 
 
 def test_estimators_recover_known_anisotropies():
@@ -81,9 +81,7 @@ def test_force_pdf_is_a_density():
 def test_coordination_leaves_rattlers_out():
     """A triangle of three with a fourth hanging on by one contact, which goes with it: Z = 2; one side contact: 8/3."""
     pairs = np.array([[0, 1], [1, 2], [2, 0], [2, 3]])
-    theta = np.zeros(4)
-    test = network(theta, np.ones((4, 2)), np.ones((4, 2)), body1=pairs[:, 0], body2=pairs[:, 1], points=np.array([2, 1, 1, 1]))
-    test.particles = particles(4)
+    test = network(np.zeros(4), np.ones((4, 2)), np.ones((4, 2)), grains=4, body1=pairs[:, 0], body2=pairs[:, 1], points=np.array([2, 1, 1, 1]))
     assert test.coordination() == pytest.approx(2)
     assert test.coordination(count_side_contacts_twice=True) == pytest.approx(8 / 3)
 

@@ -1,0 +1,83 @@
+"""A hopper empties, of discs and of long grains: how fast, and how steadily.
+
+Run it with YADE:  scripts/yade-rcr -n -x examples/hopper.py
+Writes DIR/hopper-ETA.png half-way through each discharge, DIR/discharge.png, and DIR/discharge.csv (time, share of the grains below the
+outlet).
+"""
+
+import math
+import os
+import random
+
+import matplotlib.pyplot as plt
+import numpy as np
+from yade import plot
+
+import rcr
+from rcr import *
+from rcr import script
+
+options = script.options(__doc__)
+R = 0.01  # m, circumscribed radius of the largest grains
+GRAINS, SECONDS = (80, 0.4) if options.quick else (420, 1.6)
+OUTLET = 10 * R
+SLOPE = math.radians(50)  # of the walls
+TOP = 0.45  # m, width between the upright walls
+
+
+def fill(eta):
+    """Inclined and upright walls as boxes, and grains on a lattice above the outlet; returns the ids of the grains."""
+    O.reset()
+    plot.resetData()
+    smooth = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.2)))
+    rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5)))
+    run = 0.5 * (TOP - OUTLET)  # of an inclined wall along x
+    rise, thick = run * math.tan(SLOPE), 0.5 * R
+    for side in (-1, 1):
+        middle = (side * (0.5 * OUTLET + 0.5 * run + thick * math.sin(SLOPE)), 0.5 * rise - thick * math.cos(SLOPE), 0)
+        O.bodies.append(box(middle, (0.5 * run / math.cos(SLOPE), thick, R), orientation=Quaternion((0, 0, 1), side * SLOPE), fixed=True, material=smooth))
+        O.bodies.append(rcr.wall("x", side * 0.5 * TOP, sense=-side, material=smooth))
+    draw = random.Random(1)
+    places = []
+    y = R
+    while len(places) < GRAINS:
+        half = min(0.5 * OUTLET + (y - R) / math.tan(SLOPE), 0.5 * TOP) - 1.6 * R  # free width at this height
+        count = max(1, int(half / (1.05 * R)) + 1)
+        places += [(x, y) for x in np.linspace(-half, half, count)]
+        y += 2.1 * R
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()], verletDist=0.1 * R),
+        InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom(), Ig2_Box_Rcr_RcrGeom()],
+                        [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+        ContactDynamics(tolerance=1e-4),
+        NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
+        PyRunner(command="record()", iterPeriod=10),
+    ]
+    O.dt = 1e-3
+    return O.bodies.append([particle(at, draw.uniform(0.8, 1) * R, eta, draw.uniform(0, math.pi), rough) for at in places[:GRAINS]])
+
+
+def record():
+    plot.addData(t=O.time, out=sum(O.bodies[k].state.pos[1] < 0 for k in grains) / len(grains))
+
+
+curves = {}
+for eta in (0, 0.6):
+    grains = fill(eta)
+    going = rcr.advance(round(0.5 * SECONDS / O.dt), f"η = {eta}, first half")
+    rcr.snapshot(os.path.join(options.out, f"hopper-{eta}.png"), color="speed", limits=((-0.5 * TOP, -0.15), (0.5 * TOP, 0.55)))
+    going = going and rcr.advance(round(0.5 * SECONDS / O.dt), f"η = {eta}, second half")
+    curves[eta] = np.array([plot.data["t"], plot.data["out"]])
+    if not going:
+        break
+
+rows = np.vstack([np.column_stack([np.full(curve.shape[1], eta), *curve]) for eta, curve in curves.items()])
+np.savetxt(os.path.join(options.out, "discharge.csv"), rows, delimiter=",", header="eta,t,out", comments="", fmt="%g")
+fig, ax = plt.subplots(figsize=(4, 3), layout="constrained")
+for eta, (t, out) in curves.items():
+    ax.plot(t, out, label=f"$\\eta$ = {eta}")
+    print(f"eta = {eta}: {out[-1]:.0%} of the grains are out after {t[-1]:.2f} s")
+ax.set(xlabel="time [s]", ylabel="share of the grains that is out")
+ax.legend()
+fig.savefig(os.path.join(options.out, "discharge.png"), dpi=150)
