@@ -16,9 +16,8 @@ from rcr import *
 from rcr import script
 
 options = script.options(__doc__)
-R = 0.01
-ETAS, WIDE, HIGH = ((0, 0.6), 8, 6) if options.quick else ((0, 0.2, 0.4, 0.6), 17, 15)
-LENGTH = 2.1 * R * WIDE  # of the floor; what passes its right end falls out of the scene
+R = 0.01  # m, radius of the largest discs; long grains have their area
+ETAS, GRAINS, LENGTH = ((0, 0.6), 60, 14 * R) if options.quick else ((0, 0.2, 0.4, 0.6), 280, 29 * R)  # of the floor: what passes its end falls away
 
 
 def settle(eta):
@@ -29,8 +28,10 @@ def settle(eta):
     O.bodies.append([particle((0.9 * R * i, -R), 0.5 * R, 0, fixed=True, material=rough) for i in range(round(LENGTH / (0.9 * R)) + 1)])
     O.bodies.append(rcr.wall("x", 0, +1, material=rough))
     gate = O.bodies.append(rcr.wall("x", LENGTH, -1, material=rough))
-    O.bodies.append([particle((2.1 * R * (i + 0.5), 2.1 * R * (j + 0.5)), draw.uniform(0.8, 1) * R, eta, draw.uniform(0, math.pi), rough)
-                     for i in range(WIDE) for j in range(HIGH)])
+    long = R * math.sqrt(math.pi / (math.pi * (1 - eta) ** 2 + 4 * eta * (1 - eta)))  # circumscribed radius for the area of the disc
+    columns = int(LENGTH / (2.1 * long))
+    O.bodies.append([particle((LENGTH / columns * (k % columns + 0.5), 2.1 * long * (k // columns + 0.5)), draw.uniform(0.8, 1) * long, eta,
+                              draw.uniform(0, math.pi), rough) for k in range(GRAINS)])
     O.engines = [
         ForceResetter(),
         InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
@@ -44,24 +45,25 @@ def settle(eta):
 
 
 def slope():
-    """Angle of the surface [°]: the area of the grains above each stretch of the floor, over their packing fraction, is its height."""
-    top = rcr.measure.extent()[1, 1]
-    profile = rcr.Profile(cells=(8, 1), limits=((0.1 * LENGTH, 0), (0.9 * LENGTH, top))).compute()
-    height = profile.solid_fraction[:, 0] * top / 0.82
-    return math.degrees(math.atan(-np.polyfit(profile.centers[0], height, 1)[0]))
+    """Angle of the line through the highest grains over seven stretches of the floor [°]."""
+    x, y = rcr.contact_network().particles["position"].T
+    edges = np.linspace(0.1, 0.9, 8) * LENGTH
+    tops = [(x[k], y[k]) for low, high in zip(edges, edges[1:]) if (over := np.flatnonzero((x >= low) & (x < high) & (y > 0))).size
+            for k in [over[y[over].argmax()]]]
+    return math.degrees(math.atan(-np.polyfit(*np.transpose(tops), 1)[0]))
 
 
 found = []
 for eta in ETAS:
     gate = settle(eta)
-    going = rcr.advance(400 if options.quick else 600, f"η = {eta}, filling")
+    going = rcr.advance(400 if options.quick else 800, f"η = {eta}, filling")
     O.bodies.erase(gate)
     # at rest when no grain on the floor moves by a hundredth of its size in a tenth of a second
     still = lambda: max(b.state.vel.norm() for b in O.bodies if b.dynamic and b.state.pos[1] > 0) < 0.1 * R
     going = going and rcr.advance(600 if options.quick else 2500, f"η = {eta}, flowing out", until=still, every=100)
     found.append((eta, slope()))
     print(f"eta = {eta}: the slope rests at {found[-1][1]:.1f}°")
-    rcr.snapshot(os.path.join(options.out, f"slope-{eta}.png"), limits=((0, -2 * R), (LENGTH, 0.7 * LENGTH)))
+    rcr.snapshot(os.path.join(options.out, f"slope-{eta}.png"), limits=((0, -2 * R), (LENGTH, 0.9 * LENGTH)))
     if not going:
         break
 

@@ -1,4 +1,4 @@
-"""Falling dominoes: each is a clump of two upright grains, which stand on four round feet; how fast does the wave run?
+"""Falling dominoes: each is a clump of two upright grains, which stands on two round feet; how fast does the wave run?
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/dominoes.py
 Writes DIR/dominoes.png (four moments), DIR/wave.png and DIR/wave.csv (when each domino falls).
@@ -54,11 +54,11 @@ O.engines = [
 O.dt = 2e-4
 
 figure = Figure(figsize=(7, 4), layout="constrained")
-for ax in figure.subplots(4, 1):
+for shot, ax in enumerate(figure.subplots(4, 1)):
+    if shot and not rcr.advance(round(0.016 * COUNT / O.dt), "falling"):
+        break
     rcr.plot.packing(ax=ax, color="shape", limits=((-HEIGHT, 0), (COUNT * GAP + HEIGHT, 1.4 * HEIGHT)))
     ax.set_title(f"{O.time:.2f} s", loc="left", fontsize=8)
-    if not rcr.advance(round(0.012 * COUNT / O.dt), "falling"):
-        break
 figure.savefig(os.path.join(options.out, "dominoes.png"), dpi=150)
 
 number, time = np.array(sorted(fallen.items())).T

@@ -1,4 +1,4 @@
-"""A hopper empties, of discs and of long grains: how fast, and how steadily.
+"""A hopper empties, of discs and of long grains of the same area: how fast, and how steadily.
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/hopper.py
 Writes DIR/hopper-ETA.png half-way through each discharge, DIR/discharge.png, and DIR/discharge.csv (time, share of the grains below the
@@ -18,15 +18,15 @@ from rcr import *
 from rcr import script
 
 options = script.options(__doc__)
-R = 0.01  # m, circumscribed radius of the largest grains
-GRAINS, SECONDS = (80, 0.4) if options.quick else (420, 1.6)
-OUTLET = 10 * R
+R = 0.01  # m, radius of the largest discs; long grains have their area
+GRAINS, SECONDS = (60, 0.3) if options.quick else (320, 1.4)
+OUTLET = 12 * R
 SLOPE = math.radians(50)  # of the walls
 TOP = 0.45  # m, width between the upright walls
 
 
 def fill(eta):
-    """Inclined and upright walls as boxes, and grains on a lattice above the outlet; returns the ids of the grains."""
+    """Inclined boxes and upright walls, a gate below the outlet, and grains above it; returns the ids of the gate and of the grains."""
     O.reset()
     plot.resetData()
     smooth = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.2)))
@@ -39,12 +39,13 @@ def fill(eta):
         O.bodies.append(rcr.wall("x", side * 0.5 * TOP, sense=-side, material=smooth))
     draw = random.Random(1)
     places = []
-    y = R
+    long = R * math.sqrt(math.pi / (math.pi * (1 - eta) ** 2 + 4 * eta * (1 - eta)))  # circumscribed radius for the area of the disc
+    y = long
     while len(places) < GRAINS:
-        half = min(0.5 * OUTLET + (y - R) / math.tan(SLOPE), 0.5 * TOP) - 1.6 * R  # free width at this height
-        count = max(1, int(half / (1.05 * R)) + 1)
-        places += [(x, y) for x in np.linspace(-half, half, count)]
-        y += 2.1 * R
+        half = min(0.5 * OUTLET + (y - long) / math.tan(SLOPE), 0.5 * TOP) - 1.3 * long  # free width at this height
+        places += [(x, y) for x in np.linspace(-half, half, max(2, int(half / (1.05 * long)) + 1))]
+        y += 2.1 * long
+    gate = O.bodies.append(rcr.wall("y", 0, +1, material=smooth))
     O.engines = [
         ForceResetter(),
         InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()], verletDist=0.1 * R),
@@ -52,32 +53,35 @@ def fill(eta):
                         [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
         ContactDynamics(tolerance=1e-4),
         NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
-        PyRunner(command="record()", iterPeriod=10),
+        PyRunner(command="record()", iterPeriod=10, dead=True, label="recorder"),
     ]
     O.dt = 1e-3
-    return O.bodies.append([particle(at, draw.uniform(0.8, 1) * R, eta, draw.uniform(0, math.pi), rough) for at in places[:GRAINS]])
+    return gate, O.bodies.append([particle(at, draw.uniform(0.8, 1) * long, eta, draw.uniform(0, math.pi), rough) for at in places[:GRAINS]])
 
 
 def record():
-    plot.addData(t=O.time, out=sum(O.bodies[k].state.pos[1] < 0 for k in grains) / len(grains))
+    plot.addData(t=O.time - opened, out=sum(O.bodies[k].state.pos[1] < 0 for k in grains) / len(grains))
 
 
 curves = {}
 for eta in (0, 0.6):
-    grains = fill(eta)
-    going = rcr.advance(round(0.5 * SECONDS / O.dt), f"η = {eta}, first half")
-    rcr.snapshot(os.path.join(options.out, f"hopper-{eta}.png"), color="speed", limits=((-0.5 * TOP, -0.15), (0.5 * TOP, 0.55)))
-    going = going and rcr.advance(round(0.5 * SECONDS / O.dt), f"η = {eta}, second half")
-    curves[eta] = np.array([plot.data["t"], plot.data["out"]])
+    gate, grains = fill(eta)
+    going = rcr.advance(200 if options.quick else 700, f"η = {eta}, filling")
+    O.bodies.erase(gate)
+    opened, recorder.dead = O.time, False
+    going = going and rcr.advance(round(0.4 * SECONDS / O.dt), f"η = {eta}, discharge")
+    rcr.snapshot(os.path.join(options.out, f"hopper-{eta}.png"), color="speed", range=(0, 1), limits=((-0.5 * TOP, -0.15), (0.5 * TOP, 0.5)))
+    going = going and rcr.advance(round(0.6 * SECONDS / O.dt), f"η = {eta}, discharge")
     if not going:
         break
+    curves[eta] = np.array([plot.data["t"], plot.data["out"]])
 
-rows = np.vstack([np.column_stack([np.full(curve.shape[1], eta), *curve]) for eta, curve in curves.items()])
+rows = np.vstack([np.empty((0, 3)), *(np.column_stack([np.full(curve.shape[1], eta), *curve]) for eta, curve in curves.items())])
 np.savetxt(os.path.join(options.out, "discharge.csv"), rows, delimiter=",", header="eta,t,out", comments="", fmt="%g")
 fig, ax = plt.subplots(figsize=(4, 3), layout="constrained")
 for eta, (t, out) in curves.items():
     ax.plot(t, out, label=f"$\\eta$ = {eta}")
-    print(f"eta = {eta}: {out[-1]:.0%} of the grains are out after {t[-1]:.2f} s")
+    print(f"eta = {eta}: {out[-1]:.0%} of the grains are out {t[-1]:.2f} s after the gate has opened")
 ax.set(xlabel="time [s]", ylabel="share of the grains that is out")
 ax.legend()
 fig.savefig(os.path.join(options.out, "discharge.png"), dpi=150)

@@ -8,6 +8,8 @@ A grain is spread over its outline, a contact's f⊗ℓ along its branch vector:
 so stress × area of the cells adds up to volume × `Network.stress`, however fine the grid.
 """
 
+import math
+
 import numpy as np
 
 from rcr import checks
@@ -205,7 +207,7 @@ class Profile:
         count = self.cells[0] * self.cells[1]
         for name, value in values.items():
             shape = value.shape[place.ndim - 1 :]
-            columns = value.reshape(len(there), -1)[there].T
+            columns = value.reshape(len(there), math.prod(shape))[there].T
             total = np.stack([np.bincount(row, column, count) for column in columns], axis=-1).reshape(*self.cells, *shape)
             self._sums[name] = self._sums.get(name, 0) + total
 

@@ -1,0 +1,78 @@
+"""A scene with reference values: tells whether a change of the code, the compiler or a setting has changed the physics. Copy it for yours.
+
+Run it with YADE:  scripts/yade-rcr -n -x examples/regression.py
+It ends with an error if a value is off. Writes DIR/regression.png and DIR/regression.csv.
+
+Renew the references:  … regression.py --spread 10
+repeats the scene with grains moved by a millionth of their size, and prints the mean and five standard deviations of each value. Rounding
+differs from one processor to the next, and a collapse makes much of little: references are of the heap as a whole, and a tolerance is what
+such differences do.
+"""
+
+import math
+import os
+import random
+
+import numpy as np
+
+import rcr
+from rcr import *
+from rcr import script
+
+REFERENCE = {  # value, tolerance
+}
+
+options = script.options(__doc__, spread=dict(type=script.at_least(2), metavar="N", help="repeat the scene N times and print new references"))
+R = 0.01
+
+
+def measured(moved=0, seed=0):
+    """Values of the heap that a column of 48 grains leaves."""
+    O.reset()
+    draw, noise = random.Random(8), random.Random(seed)
+    rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5)))
+    O.bodies.append(rcr.wall("y", 0, +1, material=rough))
+    O.bodies.append([particle((2.1 * R * i + moved * noise.uniform(-1, 1), 2.1 * R * (j + 0.5)), R, 0.5, draw.uniform(0, math.pi), rough)
+                     for i in range(6) for j in range(8)])
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
+        InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom()],
+                        [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+        ContactDynamics(tolerance=1e-4),
+        NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
+    ]
+    O.dt = 1e-3
+    if not rcr.advance(800, "collapse"):
+        raise KeyboardInterrupt
+    network = rcr.contact_network()
+    grains = network.particles
+    weight = 9.81 * grains["mass"].sum()
+    floor = network.contacts["body2"] < 0
+    return {
+        "weight on the floor / weight": -network.contacts["force"][floor, 1].sum() / weight,
+        "height of the centre / R": np.average(grains["position"][:, 1], weights=grains["mass"]) / R,
+        "root mean square of x / R": grains["position"][:, 0].std() / R,
+        "contacts a grain": network.grain_coordination().mean(),
+        "friction mobilization": network.friction_mobilization().mean(),
+    }
+
+
+if options.spread:
+    runs = [measured(1e-6 * R, seed) for seed in range(options.spread)]
+    for name in runs[0]:
+        values = [run[name] for run in runs]
+        print(f'    "{name}": ({np.mean(values):.4g}, {5 * np.std(values, ddof=1):.1g}),')
+else:
+    found = measured()
+    rcr.snapshot(os.path.join(options.out, "regression.png"), contacts="force")
+    wrong = []
+    with open(os.path.join(options.out, "regression.csv"), "w") as table:
+        print("quantity,measured,reference,tolerance", file=table)
+        for name, (reference, tolerance) in REFERENCE.items():
+            print(f"{name},{found[name]:.6g},{reference},{tolerance}", file=table)
+            if not abs(found[name] - reference) <= tolerance:
+                wrong.append(f"{name} is {found[name]:.4g}; wanted {reference} ± {tolerance}")
+    if wrong:
+        raise ValueError("; ".join(wrong))
+    print(f"all {len(REFERENCE)} values are as they were")
