@@ -15,8 +15,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from yade import plot
 
-readParamsFromTable(eta=0.5, mu=0.5, wide=6, high=16, unknownOk=True)  # the defaults are those of a run without a table
-from yade.params.table import eta, high, mu, wide
+readParamsFromTable(eta=0.5, mu=0.5, wide=6, high=16, seconds=1.2, unknownOk=True)  # the defaults are those of a run without a table
+from yade.params.table import eta, high, mu, seconds, wide
 
 import rcr
 from rcr import *
@@ -24,12 +24,13 @@ from rcr import script
 
 options = script.options(__doc__)  # yade-batch hands none over: its jobs write into ./batch
 if options.quick:
-    wide, high = 3, 5
+    wide, high, seconds = 3, 5, 0.3
 R = 0.01
 draw = random.Random(7)
 rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(mu)))
 O.bodies.append(rcr.wall("y", 0, +1, material=rough))
-O.bodies.append([particle((2.05 * R * i, 2.05 * R * (j + 0.5)), R, eta, draw.uniform(0, math.pi), rough) for i in range(wide) for j in range(high)])
+O.bodies.append([particle((2.1 * R * (i + draw.uniform(-0.02, 0.02)), 2.05 * R * (j + 0.5)), R, eta, draw.uniform(0, math.pi), rough)
+                 for i in range(wide) for j in range(high)])  # not quite upright: a column of discs would stand
 O.engines = [
     ForceResetter(),
     InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
@@ -40,7 +41,7 @@ O.engines = [
     PyRunner(command="plot.addData(t=O.time, width=rcr.measure.extent()[1, 0] - rcr.measure.extent()[0, 0])", iterPeriod=20, initRun=True),
 ]
 O.dt = 1e-3
-rcr.advance(300 if options.quick else 1200, "collapse")
+rcr.advance(round(seconds / O.dt), "collapse")
 
 name = os.path.join(options.out, f"eta-{eta}-mu-{mu}")
 plot.saveDataTxt(name + ".txt")

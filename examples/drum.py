@@ -30,7 +30,7 @@ draw = random.Random(3)
 step = 2.05 * R
 cells = np.arange(-RADIUS, RADIUS, step)
 grains = O.bodies.append([particle((x, y), draw.uniform(0.8, 1) * R, 0.5, draw.uniform(0, math.pi), rough)
-                          for x in cells for y in cells if math.hypot(x, y) < RADIUS - 2 * R and y < 0.25 * RADIUS])
+                          for x in cells for y in cells if math.hypot(x, y) < RADIUS - 2 * R and y < 0.5 * RADIUS])
 O.engines = [
     ForceResetter(),
     InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Disc_Aabb()], verletDist=0.1 * R),

@@ -1,4 +1,4 @@
-"""A hopper empties, of discs and of long grains of the same area: how fast, and how steadily.
+"""A hopper empties, of discs and of long grains of the same area: which of them flow, which jam?
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/hopper.py
 Writes DIR/hopper-ETA.png half-way through each discharge, DIR/discharge.png, and DIR/discharge.csv (time, share of the grains below the
@@ -70,7 +70,8 @@ for eta in (0, 0.6):
     O.bodies.erase(gate)
     opened, recorder.dead = O.time, False
     going = going and rcr.advance(round(0.4 * SECONDS / O.dt), f"η = {eta}, discharge")
-    rcr.snapshot(os.path.join(options.out, f"hopper-{eta}.png"), color="speed", range=(0, 1), limits=((-0.5 * TOP, -0.15), (0.5 * TOP, 0.5)))
+    rcr.snapshot(os.path.join(options.out, f"hopper-{eta}.png"), color="speed", range=(0, 1), cmap="Blues", contacts="force",
+                 limits=((-0.5 * TOP, -0.15), (0.5 * TOP, 0.5)))
     going = going and rcr.advance(round(0.6 * SECONDS / O.dt), f"η = {eta}, discharge")
     if not going:
         break
@@ -81,7 +82,7 @@ np.savetxt(os.path.join(options.out, "discharge.csv"), rows, delimiter=",", head
 fig, ax = plt.subplots(figsize=(4, 3), layout="constrained")
 for eta, (t, out) in curves.items():
     ax.plot(t, out, label=f"$\\eta$ = {eta}")
-    print(f"eta = {eta}: {out[-1]:.0%} of the grains are out {t[-1]:.2f} s after the gate has opened")
+    print(f"eta = {eta}: {out[-1]:.0%} of the grains are out {t[-1]:.2f} s after the gate has opened, the last at {t[out.searchsorted(out[-1])]:.2f} s")
 ax.set(xlabel="time [s]", ylabel="share of the grains that is out")
 ax.legend()
 fig.savefig(os.path.join(options.out, "discharge.png"), dpi=150)

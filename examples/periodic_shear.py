@@ -27,6 +27,7 @@ rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.3)))
 O.periodic = True
 loose = 2.2 * R * SIDE
 O.cell.setBox(loose, loose, 10 * R)
+O.cell.flipFlippable = True  # a cell sheared by more than half its width is written as one that leans the other way
 O.bodies.append([particle((2.2 * R * (i + 0.5), 2.2 * R * (j + 0.5)), draw.uniform(0.7, 1) * R, ETA, draw.uniform(0, math.pi), rough)
                  for i in range(SIDE) for j in range(SIDE)])
 O.engines = [

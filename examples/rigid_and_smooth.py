@@ -50,10 +50,12 @@ def column(young):
 
 def record():
     gaps = [i.geom.gap[k] for i in O.interactions if i.isReal for k in range(i.geom.points)]
-    plot.addData(t=O.time, width=np.ptp(rcr.measure.extent()[:, 0]), overlap=max(0, -min(gaps, default=0)) / (2 * R))
+    x = [b.state.pos[0] for b in O.bodies if b.dynamic]
+    plot.addData(t=O.time, width=np.std(x) / R, overlap=max(0, -min(gaps, default=0)) / (2 * R))
 
 
-fig, axes = plt.subplots(1, len(LAWS) + 1, figsize=(10, 2.4), layout="constrained")
+fig, axes = plt.subplots(2, 2, figsize=(8, 5), layout="constrained")
+*axes, curves = axes.flat
 rows = []
 for (name, young), ax in zip(LAWS.items(), axes):
     column(young)
@@ -62,14 +64,14 @@ for (name, young), ax in zip(LAWS.items(), axes):
     took = time.perf_counter() - began
     width, overlap = plot.data["width"][-1], max(plot.data["overlap"])
     rows.append((young or math.inf, O.dt, took, width, overlap))
-    print(f"{name}: {O.iter} steps in {took:.1f} s, the heap is {width / R:.0f} R wide, overlaps up to {overlap:.1e} diameters")
-    span = (WIDE + 16) * R
-    rcr.plot.packing(ax=ax, limits=((WIDE * R - span, 0), (WIDE * R + span, span)))
+    print(f"{name}: {O.iter} steps in {took:.1f} s, grains lie {width:.1f} R from the middle (rms), overlaps up to {overlap:.1e} diameters")
+    reach = 6 * WIDE * R
+    rcr.plot.packing(ax=ax, limits=((WIDE * R - reach, 0), (WIDE * R + reach, reach)))
     ax.set_title(name, fontsize=8)
-    axes[-1].plot(plot.data["t"], np.array(plot.data["width"]) / R, label=name)
+    curves.plot(plot.data["t"], plot.data["width"], label=name)
     if not going:
         break
-axes[-1].set(xlabel="time [s]", ylabel="width/R")
-axes[-1].legend(fontsize=7)
+curves.set(xlabel="time [s]", ylabel="rms distance from the middle [R]")
+curves.legend(fontsize=7)
 fig.savefig(os.path.join(options.out, "rigid_and_smooth.png"), dpi=150)
 np.savetxt(os.path.join(options.out, "rigid_and_smooth.csv"), rows, delimiter=",", header="young,dt,seconds,width,overlap", comments="", fmt="%g")

@@ -163,6 +163,7 @@ class Profile:
             bound = np.nanmax(np.abs(values)) if cmap == "coolwarm" else None
             mesh = ax.pcolormesh(*self.edges, values.T, cmap=cmap, vmin=None if bound is None else -bound, vmax=bound)
             ax.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal")
+            ax.grid(False)  # YADE turns grids on
             ax.figure.colorbar(mesh, ax=ax, label=label)
         return ax
 
