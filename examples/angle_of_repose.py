@@ -60,7 +60,10 @@ def measure():
     """Once the heap is full: angle of the line through the highest resting grains over eight stretches of the floor [°]."""
     if O.time < 0.5 * SECONDS:
         return
-    places = np.array([tuple(b.state.pos)[:2] for b in grains() if b.state.vel.norm() < 0.2 and b.state.pos[1] > 0])
+    network = rcr.contact_network()
+    heap = network.particles
+    slow = np.hypot(heap["velocity"][:, 0], heap["velocity"][:, 1]) < 0.2
+    places = heap["position"][slow & (network.grain_coordination() > 0) & (heap["position"][:, 1] > 0)]
     stretch = np.floor(10 * places[:, 0] / LENGTH)
     tops = [max(places[stretch == k], key=lambda place: place[1]) for k in range(1, 9) if (stretch == k).any()]
     angles.append(math.degrees(math.atan(-np.polyfit(*np.transpose(tops), 1)[0])))

@@ -61,6 +61,8 @@ for shot, ax in enumerate(figure.subplots(4, 1)):
     ax.set_title(f"{O.time:.2f} s", loc="left", fontsize=8)
 figure.savefig(os.path.join(options.out, "dominoes.png"), dpi=150)
 
+if len(fallen) < 4:
+    raise SystemExit("stopped before the wave ran")
 number, time = np.array(sorted(fallen.items())).T
 np.savetxt(os.path.join(options.out, "wave.csv"), np.column_stack([number * GAP, time]), delimiter=",", header="x,t", comments="", fmt="%g")
 late = slice(len(number) // 2, None)  # steady by then

@@ -57,6 +57,8 @@ rcr.advance(1200 if options.quick else 4000, "turning")
 t, slope = np.array([plot.data["t"], plot.data["slope"]])
 np.savetxt(os.path.join(options.out, "slope.csv"), np.column_stack([t, slope]), delimiter=",", header="t,slope", comments="", fmt="%g")
 rcr.snapshot(os.path.join(options.out, "drum.png"), color="speed")
+if O.time <= 1:
+    raise SystemExit("stopped before the flow was steady")
 figure = Figure(figsize=(4, 3.2), layout="constrained")
 flow.plot(figure.add_subplot(), "speed").set_title(f"mean of {t[-1] - 1:.1f} s", fontsize=9)
 figure.savefig(os.path.join(options.out, "velocity.png"), dpi=150)

@@ -65,6 +65,8 @@ O.cell.velGrad = Matrix3(0, RATE, 0, 0, 0, 0, 0, 0, 0)
 going = going and rcr.advance(round(STRAIN / RATE / O.dt), "shear")
 
 rcr.snapshot(os.path.join(options.out, "cell.png"), contacts="force")
+if not plot.data:
+    raise SystemExit("stopped before the shear")
 data = {name: np.array(column) for name, column in plot.data.items()}
 np.savetxt(os.path.join(options.out, "shear.csv"), np.column_stack(list(data.values())), delimiter=",", header=",".join(data), comments="", fmt="%g")
 fig, (left, right) = plt.subplots(1, 2, figsize=(7, 2.8), layout="constrained")

@@ -20,6 +20,11 @@ from rcr import *
 from rcr import script
 
 REFERENCE = {  # value, tolerance
+    "load of the walls / weight": (1, 1e-4),  # of the solver; the others by --spread 10
+    "height of the centre / R": (8.072, 0.09),
+    "solid fraction of the bulk": (0.8129, 0.02),
+    "pressure of the bulk / that of a fluid": (0.6999, 0.1),
+    "contacts a grain": (2.895, 0.2),
 }
 
 options = script.options(__doc__, spread=dict(type=script.at_least(2), metavar="N", help="repeat the scene N times and print new references"))

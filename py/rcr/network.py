@@ -312,13 +312,12 @@ class Network:
         moves_with[ids] = np.where(clump >= 0, clump, ids)
         alive = np.zeros(size, dtype=bool)
         alive[moves_with[ids]] = True
-        one, two = moves_with[self.contacts["body1"]], self.contacts["body2"]
-        two = np.where(two >= 0, moves_with[two], two)
+        inner = self.between_particles
+        one, two = moves_with[self.contacts["body1"]], moves_with[np.where(inner, self.contacts["body2"], 0)]
         while True:
-            kept = alive[one] & ((two < 0) | alive[two])
+            kept = alive[one] & (alive[two] | ~inner)
             total = np.bincount(one[kept], weights=weight[kept], minlength=size)
-            inner = kept & (two >= 0)
-            total += np.bincount(two[inner], weights=weight[inner], minlength=size)
+            total += np.bincount(two[kept & inner], weights=weight[kept & inner], minlength=size)
             rattlers = alive & (total < 2)
             if not rattlers.any():
                 return float(total[alive].mean()) if alive.any() else 0.0
