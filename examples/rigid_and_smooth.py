@@ -66,7 +66,7 @@ for (name, young), ax in zip(LAWS.items(), axes):
     rows.append((young or math.inf, O.dt, took, width, overlap))
     print(f"{name}: {O.iter} steps in {took:.1f} s, grains lie {width:.1f} R from the middle (rms), overlaps up to {overlap:.1e} diameters")
     reach = 6 * WIDE * R
-    rcr.plot.packing(ax=ax, limits=((WIDE * R - reach, 0), (WIDE * R + reach, reach)))
+    rcr.plot.packing(ax=ax, limits=((WIDE * R - reach, 0), (WIDE * R + reach, 0.5 * reach)))
     ax.set_title(name, fontsize=8)
     curves.plot(plot.data["t"], plot.data["width"], label=name)
     if not going:
