@@ -4,20 +4,15 @@ Run it with YADE:  scripts/yade-rcr -n -x examples/packing.py
 Writes DIR/packing.png (grains by the orientation of their long axes), DIR/forces.png (contact forces) and DIR/pile.gif.
 """
 
-import argparse
 import math
 import os
 import random
 
-from tqdm import tqdm
-
 import rcr
 from rcr import *
+from rcr import script
 
-parser = argparse.ArgumentParser(prog="packing.py", description=__doc__.splitlines()[0])
-parser.add_argument("--out", default="packing", metavar="DIR", help="folder of the pictures, made if missing (default %(default)s)")
-parser.add_argument("--quick", action="store_true", help="a small pile, in a few seconds")
-options = parser.parse_args()
+options = script.options(__doc__)
 pictures = os.path.join(options.out, "film")
 os.makedirs(pictures, exist_ok=True)
 
@@ -44,11 +39,11 @@ O.engines = [
 ]
 O.dt = 1e-3
 
-SHOTS = 20
+steps = round(SECONDS / O.dt)
+picture = os.path.join(pictures, "{:05d}.png")
 view = ((0, 0), (LENGTH, 2.2 * R * HIGH))
-for shot in tqdm(range(SHOTS), desc="collapse", unit="picture", disable=None):
-    rcr.snapshot(os.path.join(pictures, f"{shot:03d}.png"), limits=view, legend=False, dpi=60)
-    O.run(round(SECONDS / O.dt / SHOTS), True)
+O.engines += [PyRunner(command="rcr.snapshot(picture.format(O.iter), limits=view, legend=False, dpi=60)", iterPeriod=steps // 20, initRun=True)]
+rcr.advance(steps, "collapse")
 
 rcr.movie(pictures, os.path.join(options.out, "pile.gif"))
 print(rcr.snapshot(os.path.join(options.out, "packing.png")))

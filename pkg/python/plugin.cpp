@@ -13,7 +13,6 @@
 #endif
 
 #include "../dem/Gate.hpp"
-#include "../dem/NetworkTable.hpp"
 #include "../dem/planarClump.hpp"
 
 namespace {
@@ -48,18 +47,6 @@ void checkVersion()
 	boost::python::throw_error_already_set();
 }
 
-template <class Row> boost::python::object bytes(const std::vector<Row>& rows)
-{
-	const char* data = reinterpret_cast<const char*>(rows.data());
-	return boost::python::object(boost::python::handle<>(PyBytes_FromStringAndSize(data, Py_ssize_t(rows.size() * sizeof(Row)))));
-}
-
-boost::python::tuple networkTable()
-{
-	const yade::NetworkTable table = yade::networkTable(*yade::Omega::instance().getScene());
-	return boost::python::make_tuple(bytes(table.pairs), bytes(table.particles));
-}
-
 std::string refusal()
 {
 	const yade::Scene& scene = *yade::Omega::instance().getScene();
@@ -78,7 +65,6 @@ BOOST_PYTHON_MODULE(_plugin)
 	checkVersion();
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
 	registerOwnClasses();
-	boost::python::def("network_table", networkTable, "Rows of NetworkTable.hpp as bytes: pairs (4 int64, 8 doubles), particles (int64, 9 doubles).");
 	boost::python::def("refusal", refusal, "What of the scene is not served, and what to do; empty where all is.");
 	boost::python::def("serves", serves, "Whether a law of ours is in the scene.");
 	boost::python::def("advice", advice, "What of the scene is served but hardly meant.");

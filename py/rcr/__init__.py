@@ -17,8 +17,8 @@ from rcr.problems import solve
 
 __version__ = "0.1.0"
 
-_MODULES = ("export", "measure", "plot")  # loaded when they are used: the libraries that they need take time
-_LAZY = dict(snapshot="plot", movie="plot")  # name: its module
+_MODULES = ("export", "measure", "plot", "script")  # loaded when they are used: the libraries that they need take time
+_LAZY = dict(snapshot="plot", movie="plot", Profile="profile")  # name: its module
 
 
 def __getattr__(name):
@@ -67,11 +67,12 @@ if "yade" in sys.modules:
     _classes = _load_plugin()
     globals().update(_classes)
     from rcr import counterparts, session
+    from rcr.advance import advance
     from rcr.scene import clump, contact_network, critical_time_step, disc, mobile_wall, particle, save_problem, wall
 
     _classes["ContactDynamics"].save = save_problem
     counterparts.install()
     session.guard()
 
-    __all__ += [*sorted(_classes), "clump", "contact_network", "critical_time_step", "disc", "mobile_wall", "particle", "wall"]
+    __all__ += [*sorted(_classes), "advance", "clump", "contact_network", "critical_time_step", "disc", "mobile_wall", "particle", "wall"]
     __all__ = [name for name in __all__ if name not in _names_of_yade()]

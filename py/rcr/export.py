@@ -18,7 +18,8 @@ import xml.etree.ElementTree as xml
 import numpy as np
 
 from rcr.files import whole
-from rcr.frame import Frame, polygons
+from rcr.frame import Frame
+from rcr.outlines import polygons
 
 KINDS = ("box", "facet", "wall", "cell")  # of obstacles, as the column `kind` counts them
 

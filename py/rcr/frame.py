@@ -9,6 +9,7 @@ Conventions
 * The force of a contact acts on body 2 from body 1, the normal runs from 1 to 2, compression is positive.
 * Positions of grains are the present ones. A step moves the bodies after its forces, so contacts lie, by dt times a velocity, where
   the forces belong: lever arms are those of the step that found the forces.
+* A clump moves as one: lever arms of its members begin at its centre of mass, loads and stresses of its members are those of the whole.
 """
 
 import math
@@ -17,7 +18,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from rcr import outlines
 from rcr.network import CAP_CAP, WALL, Network
+from rcr.outlines import half_extents
 
 KINDS = ("rcr", "disc", "clumped", "fixed")
 
@@ -26,6 +29,8 @@ _GRAINS = dict(id=int, clump=int, fixed=bool, position=(float, 2), angle=float, 
 _CONTACTS = dict(body1=int, body2=int, type=int, points=int, position=(float, 2), normal=(float, 2), force=(float, 2), friction=float,
                  shift=(float, 2))  # fmt: skip
 _WALLS = dict(id=int, axis=int, position=float)
+OUTLINE = ("position", "angle", "half_length", "cap_radius")  # columns of the grains
+STRIPS = 2000  # that a clump is cut into: its area is right to 1e-5
 
 
 def _columns(kinds, rows):
@@ -47,15 +52,19 @@ class Frame:
     contacts : dict of arrays
         ``body1``, ``body2``, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 wall, ``points`` (C,) 1 or 2, ``position`` (C, 2) of the resultant
         [m], ``normal`` (C, 2), ``force`` (C, 2) [N/m], ``friction`` (C,) µ or NaN where it is not known, ``arm1``, ``arm2`` (C, 2)
-        from the centre of the body to the position, 0 for obstacles [m].
+        from the centre of mass of the body or its clump to the position, 0 for obstacles [m].
     walls : dict of arrays
         ``id``, ``axis`` 0 or 1 of the normal, ``position`` along it [m].
     outlines : list of (id, kind, (k, 2) array)
         Corners of boxes ("box") and ends of facets ("facet") [m].
     cell : (2, 2) array or None
         Edges of the periodic cell as columns [m].
+    cell_velocity : (2, 2) array or None
+        Their velocities [m/s]: by them an image moves faster than its grain.
     time : float
         [s], NaN where it is not known.
+    centers : (N, 2) array
+        Centre of mass of each grain or its clump when the forces acted [m].
     """
 
     grains: dict
@@ -64,6 +73,8 @@ class Frame:
     outlines: list = field(default_factory=list)
     cell: np.ndarray = None
     time: float = math.nan
+    cell_velocity: np.ndarray = None
+    centers: np.ndarray = None
 
     @classmethod
     def of(cls, what=None):
@@ -106,13 +117,12 @@ class Frame:
         radius = p["cap_radius"]
         color = np.full((rows, 3), 0.7)
         grains = {name: p[name] for name in ("id", "position", "angle", "half_length", "mass", "velocity")}
-        grains |= dict(cap_radius=radius, clump=np.full(rows, -1), fixed=np.zeros(rows, bool), color=color)
-        contacts = {name: c[name] for name in ("body1", "body2", "type", "points", "position", "normal", "force")}
-        friction = c.get("friction", network.attributes.get("friction", math.nan))
-        contacts["friction"] = np.broadcast_to(np.asarray(friction, float), len(c["body1"]))
-        frame = cls(grains, contacts, time=float(network.attributes.get("time", math.nan)))
-        one = frame.rows(c["body1"])
-        contacts["arm1"] = c["position"] - p["position"][one]
+        grains |= dict(cap_radius=radius, clump=p["clump"], fixed=np.zeros(rows, bool), color=color)
+        contacts = {name: c[name] for name in ("body1", "body2", "type", "points", "position", "normal", "force", "friction")}
+        known = network.attributes
+        frame = cls(grains, contacts, cell=known.get("cell"), time=float(known.get("time", math.nan)),
+                    cell_velocity=known.get("cell_velocity"), centers=p["center"])  # fmt: skip
+        contacts["arm1"] = c["position"] - p["center"][frame.rows(c["body1"])]
         contacts["arm2"] = np.where(network.between_particles[:, None], contacts["arm1"] - c["branch"], 0.0)
         return frame
 
@@ -141,9 +151,13 @@ class Frame:
         return float(self.radius[free if free.any() else slice(None)].mean()) if len(free) else math.nan
 
     def areas(self):
-        """Area of each grain's outline, (N,) [m²]."""
-        r, a = self.grains["cap_radius"], self.grains["half_length"]
-        return np.pi * r**2 + 4 * a * r
+        """Area that each grain adds to the solid, (N,) [m²]: members of a clump share the area of their union by their own."""
+        own, clump = outlines.areas(self.grains), self.grains["clump"]
+        for number in np.unique(clump[clump >= 0]):
+            members = clump == number
+            union, _, _ = outlines.union({name: self.grains[name][members] for name in OUTLINE}, STRIPS)
+            own[members] *= union / own[members].sum()
+        return own
 
     def kinds(self):
         """Index of each grain in `KINDS`, (N,)."""
@@ -162,23 +176,32 @@ class Frame:
         return np.divide(np.abs(tangential), limit, out=np.zeros_like(limit), where=limit > 0)
 
     def per_grain(self, values):
-        """Sum of a number of the contacts over the contacts of each grain; those of a clump share the sum of its members, (N,)."""
+        """Sum of a number of the contacts over the contacts of each grain; members of a clump have the sum of all, (N,)."""
         total = np.zeros(len(self.grains["id"]))
         for body in ("body1", "body2"):
             at = self.rows(self.contacts[body])
             np.add.at(total, at[at >= 0], values[at >= 0])
+        return self._of_clumps(total)
+
+    def _of_clumps(self, values):
+        """Numbers (N, …) of the grains, with the sum over its members for each member of a clump."""
         clump = self.grains["clump"]
         member = clump >= 0
-        if member.any():
-            _, group = np.unique(clump[member], return_inverse=True)
-            total[member] = np.bincount(group, total[member])[group]
-        return total
+        if not member.any():
+            return values
+        _, group = np.unique(clump[member], return_inverse=True)
+        sums = np.zeros((group.max() + 1, *values.shape[1:]))
+        np.add.at(sums, group, values[member])
+        values = values.copy()
+        values[member] = sums[group]
+        return values
 
     def stress_tensors(self):
         """Mean stress in each grain by the moments of its contact forces (Love, Weber), compression positive.
 
         σ = (1/A) Σ f ⊗ r summed over its contacts, f being the force that the grain exerts and r the arm from its centre. Weight and
-        inertia are left out: the stress is that of the contacts. Times the areas over the volume, the sum is `Network.stress`.
+        inertia are left out: the stress is that of the contacts. Members of a clump have the stress of the whole. Times `areas` over the
+        volume, the sum is `Network.stress`.
 
         Returns
         -------
@@ -190,7 +213,7 @@ class Frame:
             at = self.rows(self.contacts[body])
             moments = sign * np.einsum("ca,cb->cab", self.contacts["force"], self.contacts[arm])
             np.add.at(sums, at[at >= 0], moments[at >= 0])
-        return sums / self.areas()[:, None, None]
+        return self._of_clumps(sums) / self._of_clumps(self.areas())[:, None, None]
 
     def wrap(self, points):
         """Shifts that bring points into the periodic cell, (n, 2) [m]; zeros without one."""
@@ -226,23 +249,6 @@ class Frame:
         return np.stack([shown.min(axis=0), shown.max(axis=0)])
 
 
-def half_extents(grains, axis):
-    """Half the width of grains along x (axis 0) or y (1), (N,) [m]."""
-    along = np.abs(np.cos(grains["angle"]) if axis == 0 else np.sin(grains["angle"]))
-    return grains["half_length"] * along + grains["cap_radius"]
-
-
-def polygons(grains, points=12):
-    """Outlines of grains as polygons, `points` on each cap; (N, 2 points, 2) [m]."""
-    half = np.linspace(-np.pi / 2, np.pi / 2, points)
-    turn = np.concatenate([half, half + np.pi])
-    sign = np.repeat([1, -1], points)
-    x = grains["cap_radius"][:, None] * np.cos(turn) + sign * grains["half_length"][:, None]
-    y = grains["cap_radius"][:, None] * np.sin(turn)
-    z = (x + 1j * y) * np.exp(1j * grains["angle"])[:, None]
-    return np.stack([z.real, z.imag], axis=-1) + grains["position"][:, None]
-
-
 # --- YADE's scene -------------------------------------------------------------------------------------------------------
 
 
@@ -275,7 +281,8 @@ def _read_scene(O):
     from yade.wrapper import Box, Facet, Rcr, Sphere, Wall
 
     prescribed = {"x", "y", "Z"}.issubset
-    blocked = {}  # of clumps
+    clumps = {}  # id: whether its motion is prescribed, its centre and velocity
+    centers = []  # of mass, where they were when the forces acted
     grains, walls, outlines, facets = [], [], [], []
     z = 0.0  # of the grains' plane
     for body in O.bodies:
@@ -283,13 +290,15 @@ def _read_scene(O):
         if isinstance(shape, (Rcr, Sphere)):
             half, cap = (shape.halfLength, shape.capRadius) if isinstance(shape, Rcr) else (0.0, shape.radius)
             clump = body.clumpId
-            if clump >= 0:
-                fixed = blocked.get(clump)
-                if fixed is None:
-                    fixed = blocked[clump] = prescribed(O.bodies[clump].state.blockedDOFs)
-            else:
-                clump, fixed = -1, prescribed(state.blockedDOFs)
             pos, vel = state.pos, state.vel
+            if clump >= 0:
+                if clump not in clumps:
+                    whole = O.bodies[clump].state
+                    clumps[clump] = prescribed(whole.blockedDOFs), whole.pos - O.dt * whole.vel
+                fixed, center = clumps[clump]
+            else:
+                clump, fixed, center = -1, prescribed(state.blockedDOFs), pos - O.dt * vel
+            centers.append((center[0], center[1]))
             z = pos[2]
             grains.append((body.id, clump, fixed, (pos[0], pos[1]), _about_z(state.ori), half, cap, state.mass,
                            (vel[0], vel[1], state.angVel[2]), tuple(shape.color)))  # fmt: skip
@@ -302,8 +311,10 @@ def _read_scene(O):
             facets.append((body.id, shape, state))
     cuts = [(id_, "facet", _cut(shape, state, z)) for id_, shape, state in facets]
     outlines += [cut for cut in cuts if cut[2] is not None]
-    cell = np.array(O.cell.hSize)[:2, :2] if O.periodic else None
-    frame = Frame(_columns(_GRAINS, grains), {}, _columns(_WALLS, walls), outlines, cell, O.time)
+    frame = Frame(_columns(_GRAINS, grains), {}, _columns(_WALLS, walls), outlines, time=O.time, centers=np.array(centers).reshape(-1, 2))
+    if O.periodic:
+        frame.cell = np.array(O.cell.hSize)[:2, :2]
+        frame.cell_velocity = np.array(O.cell.velGrad)[:2, :2] @ frame.cell
     frame.contacts = _contacts(O, frame)
     return frame
 
@@ -335,8 +346,8 @@ def _contacts(O, frame):
     columns = _columns(_CONTACTS, rows)
     shift = columns.pop("shift")
     at = {body: frame.rows(columns[body]) for body in ("body1", "body2")}
-    before = np.append(frame.grains["position"] - O.dt * frame.grains["velocity"][:, :2], [[math.nan] * 2], axis=0)  # row −1: no grain
-    columns["arm1"] = np.nan_to_num(columns["position"] - before[at["body1"]])
-    columns["arm2"] = np.nan_to_num(columns["position"] - before[at["body2"]] - shift)
+    centers = np.append(frame.centers, [[math.nan] * 2], axis=0)  # row −1: no grain
+    columns["arm1"] = np.nan_to_num(columns["position"] - centers[at["body1"]])
+    columns["arm2"] = np.nan_to_num(columns["position"] - centers[at["body2"]] - shift)
     columns["type"] = np.where((at["body1"] < 0) | (at["body2"] < 0), WALL, columns["type"])
     return columns

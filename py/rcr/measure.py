@@ -16,10 +16,8 @@ YADE                           here
 import numpy as np
 
 from rcr.files import whole
-from rcr.frame import Frame, half_extents
-
-LINES = 2000  # that an overlapping clump is cut into: its area is right to 1e-5
-FAR = 1e300  # where cuts end that there are none of
+from rcr.frame import Frame
+from rcr.outlines import half_extents
 
 
 def extent(what=None):
@@ -55,11 +53,7 @@ def areas(what=None):
         [m²]
     """
     frame = _grains(what)
-    own, clump = frame.areas(), frame.grains["clump"]
-    for number in np.unique(clump[clump >= 0]):
-        members = clump == number
-        own[members] *= _union(frame, members) / own[members].sum()
-    return frame.grains["id"], own
+    return frame.grains["id"], frame.areas()
 
 
 def porosity(volume=None, what=None):
@@ -123,32 +117,3 @@ def _grains(what):
     if not len(frame.grains["id"]):
         raise ValueError("the scene holds no Rcr and no Sphere: there is nothing to measure")
     return frame
-
-
-def _union(frame, members):
-    """Area of the union of grains, from its cuts by `LINES` horizontal lines [m²]."""
-    grains = {name: frame.grains[name][members][:, None] for name in ("angle", "half_length", "cap_radius")}
-    x, y = frame.grains["position"][members].T
-    reach = half_extents(grains, 1)[:, 0]
-    low, high = (y - reach).min(), (y + reach).max()
-    step = (high - low) / LINES
-    left, right = _cuts(grains, low + step * (np.arange(LINES) + 0.5) - y[:, None])
-    order = np.argsort(left + x[:, None], axis=0)
-    left, right = (np.take_along_axis(end + x[:, None], order, axis=0) for end in (left, right))
-    covered = np.maximum.accumulate(np.vstack([left[:1], right[:-1]]), axis=0)  # to its left all is counted
-    return float(step * np.maximum(right - np.maximum(left, covered), 0).sum())
-
-
-def _cuts(grains, height):
-    """Left and right end, from the centre, of the cuts of grains (N, 1) by lines at these heights above it (N, L); both `FAR` where a line
-    misses the grain. The outline is convex: its caps and sides hold both ends."""
-    a, r = grains["half_length"], grains["cap_radius"]
-    c, s = np.cos(grains["angle"]), np.sin(grains["angle"])
-    ends = []
-    with np.errstate(divide="ignore", invalid="ignore"):
-        for sign in (-1, 1):
-            half = np.sqrt(r**2 - (height - sign * a * s) ** 2)  # of a cap; NaN beside it
-            ends += [sign * a * c - half, sign * a * c + half]
-            along = (height - sign * r * c) / s  # where the side at the distance r from the axis crosses the line
-            ends.append(np.where(np.abs(along) <= a, along * c - sign * r * s, np.nan))
-    return (np.nan_to_num(np.fmin.reduce(ends), nan=FAR), np.nan_to_num(np.fmax.reduce(ends), nan=FAR))

@@ -1,12 +1,14 @@
-"""Contact network of a packing: its file, and what is measured on it. Needs NumPy, and h5py for files; not YADE.
+"""Contact network of a scene: its file, and what is measured on it. Needs NumPy, and h5py for files; not YADE.
 
 Conventions
 -----------
 * The force of a contact acts on body 2 from body 1, the branch vector runs from the centre of 1 to the centre of 2, the
   normal n from 1 to 2, the tangent t is n turned by +90°. Compression is positive.
-* One row is one pair of particles, whatever the number of its contact points; walls are body 2 with a negative id, and the
-  branch vector then ends at the contact point.
-* The stress counts all contacts, walls too; every other observable counts those between particles.
+* One row is one pair of particles, whatever the number of its contact points; obstacles are body 2 with a negative id, and the
+  branch vector then ends at the contact point. The four walls of a box are −1 left, −2 bottom, −3 right, −4 top, any other obstacle
+  −5 minus its id in YADE.
+* A clump moves as one: branch vectors run between centres of mass of clumps, and contacts of its members are counted together.
+* The stress counts all contacts, obstacles too; every other observable counts those between particles.
 * The ξ-network S(ξ) holds the contacts with f_n ≤ ξ ⟨f_n⟩. Its tensors are divided by the number of contacts of the whole
   network, so that they add up: tr F(ξ) = N(ξ)/N.
 * An anisotropy is signed by the axes of the total stress: a = 2 (X₁₁ − X₂₂)/tr X(∞), axis 1 being that of σ₁.
@@ -19,13 +21,13 @@ import numpy as np
 from rcr import checks, files
 from rcr.xi_networks import XiNetworks, cutoffs
 
-LEFT, BOTTOM, RIGHT, TOP = -1, -2, -3, -4
+LEFT, BOTTOM, RIGHT, TOP, OTHER = -1, -2, -3, -4, -5  # the obstacle #k of YADE is OTHER − k
 CAP_CAP, CAP_SIDE, SIDE_SIDE, WALL = range(4)
 
 COMPLEX = np.array([1, 1j])  # components (n, t) as n + i t
-_PARTICLES = dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(), velocity=(3,))
-_WHOLE = {"id", "body1", "body2", "type", "points"}
-_CONTACTS = dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,), points=())
+_PARTICLES = dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(), velocity=(3,), clump=(), center=(2,))
+_WHOLE = {"id", "body1", "body2", "type", "points", "clump"}
+_CONTACTS = dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,), points=(), friction=())
 
 
 def _checked(group, arrays, columns):
@@ -39,7 +41,9 @@ def _checked(group, arrays, columns):
         raise ValueError(f"{group}/{next(iter(columns))} has shape {first.shape}; wanted (rows,)")
     for name, shape in columns.items():
         checked = checks.reals(f"{group}/{name}", arrays[name], (len(first), *shape))
-        if not np.isfinite(checked).all():
+        if name == "friction":
+            checks.every(np.isnan(checked) | (checked >= 0), f"{group}/{name}", checked, "a coefficient ≥ 0, or NaN where it is not known")
+        elif not np.isfinite(checked).all():
             raise ValueError(f"{group}/{name} holds a number that is not finite")
         if name in _WHOLE:
             checks.every(checked == np.floor(checked), f"{group}/{name}", checked, "whole numbers")
@@ -61,6 +65,7 @@ def _check_meaning(particles, contacts, attributes):
     checks.every(np.isin(one, ids), "contacts/body1", one, "the id of a particle")
     checks.every((two < 0) | np.isin(two, ids), "contacts/body2", two, "the id of a particle, or a negative one of a wall")
     checks.every(one != two, "contacts/body2", two, "another body than body 1")
+    checks.every(~np.isin(particles["clump"], ids) & (particles["clump"] >= -1), "particles/clump", particles["clump"], "−1, or an id that no particle has")
     checks.every((contacts["type"] >= CAP_CAP) & (contacts["type"] <= WALL), "contacts/type", contacts["type"], "0 to 3")
     length = np.hypot(*contacts["normal"].T)
     checks.every(abs(length - 1) < 1e-6, "the length of contacts/normal", length, "1")
@@ -97,13 +102,16 @@ class Network:
     ----------
     particles : dict of arrays
         ``id`` (N,), ``position`` (N, 2) [m], ``angle`` (N,) [rad], ``R`` (N,), ``cap_radius`` (N,), ``half_length`` (N,) [m],
-        ``mass`` (N,) [kg/m], ``velocity`` (N, 3) [m/s, m/s, 1/s].
+        ``mass`` (N,) [kg/m], ``velocity`` (N, 3) [m/s, m/s, 1/s]. Optional: ``clump`` (N,) id of the clump or −1, ``center`` (N, 2) [m]
+        of mass of the clump; by default −1 and the position.
     contacts : dict of arrays
         ``body1``, ``body2`` (C,) ids, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 wall, ``normal`` (C, 2), ``branch`` (C, 2) [m],
-        ``force`` (C, 2) [N/m], ``position`` (C, 2) [m] the point of application, ``points`` (C,) 1 or 2.
+        ``force`` (C, 2) [N/m], ``position`` (C, 2) [m] the point of application, ``points`` (C,) 1 or 2. Optional: ``friction`` (C,) µ, NaN
+        where it is not known; by default the attribute.
     attributes : dict
-        ``volume`` [m²] of the box, ``friction`` [-] between particles, and what the snapshot is of: ``time`` [s], ``strain``
-        [-], ``dt`` [s], ``eta`` [-], ``seed``, ``version``.
+        All optional: ``volume`` [m²] of the region, ``friction`` [-] between particles, ``cell`` (2, 2) edges of a periodic cell as columns
+        [m], ``cell_velocity`` (2, 2) theirs [m/s], and what the snapshot is of: ``time`` [s], ``strain`` [-], ``dt`` [s], ``eta`` [-],
+        ``seed``, ``version``.
 
     Raises
     ------
@@ -112,10 +120,17 @@ class Network:
     """
 
     def __init__(self, particles, contacts, attributes):
+        self.attributes = dict(attributes)
+        if "volume" in self.attributes:
+            checks.number("volume", self.attributes["volume"], "the area of the region > 0 [m²]", lambda v: v > 0)
+        for name in {"cell", "cell_velocity"} & set(self.attributes):
+            self.attributes[name] = checks.array(name, self.attributes[name], (2, 2))
+        if "position" in particles:
+            particles = dict(clump=np.full(len(particles["position"]), -1), center=particles["position"]) | particles
+        if "body1" in contacts:
+            contacts = dict(friction=np.full(np.shape(contacts["body1"]), self.attributes.get("friction", math.nan))) | contacts
         self.particles = _checked("particles", particles, _PARTICLES)
         self.contacts = _checked("contacts", contacts, _CONTACTS)
-        self.attributes = dict(attributes)
-        checks.number("volume", self.attributes.get("volume"), "the area of the box > 0 [m²]", lambda v: v > 0)
 
     @classmethod
     def load(cls, path):
@@ -147,7 +162,7 @@ class Network:
             for group, columns in (("particles", self.particles), ("contacts", self.contacts)):
                 for column, data in columns.items():
                     file.create_dataset(f"{group}/{column}", data=data)
-            file.attrs.update({"version": __version__, **self.attributes, "stress": self.stress()})
+            file.attrs.update({"version": __version__, **self.attributes, **({"stress": self.stress()} if "volume" in self.attributes else {})})
 
         files.write(path, files.hdf5(fill))
 
@@ -157,13 +172,25 @@ class Network:
         return self.contacts["body2"] >= 0
 
     def stress(self):
-        """Stress tensor σ = (1/V) Σ f⊗ℓ over all contacts [paper, eq. sigma]; (2, 2), compression positive [Pa]."""
-        return np.einsum("ca,cb->ab", self.contacts["force"], self.contacts["branch"]) / self.attributes["volume"]
+        """Stress tensor σ = (1/V) Σ f⊗ℓ over all contacts [paper, eq. sigma]; (2, 2), compression positive [Pa].
+
+        Raises
+        ------
+        ValueError
+            If the network has no volume.
+        """
+        if "volume" not in self.attributes:
+            raise ValueError("the network has no volume, which the stress is the mean of; give the area of the region [m²], rcr.contact_network(volume=…)")
+        return self._moments() / self.attributes["volume"]
+
+    def _moments(self):
+        """Σ f⊗ℓ over all contacts, (2, 2) [N]."""
+        return np.einsum("ca,cb->ab", self.contacts["force"], self.contacts["branch"])
 
     def stress_axes(self):
         """Principal axes of the stress as columns, that of σ₁ first; (2, 2) [-]."""
-        stress = self.stress()
-        return np.linalg.eigh(0.5 * (stress + stress.T))[1][:, ::-1]
+        moments = self._moments()
+        return np.linalg.eigh(0.5 * (moments + moments.T))[1][:, ::-1]
 
     def stress_angle(self):
         """θσ, the angle of the axis of σ₁ from x, in [0, π) [rad]."""
@@ -177,7 +204,8 @@ class Network:
 
     def sin_phi(self):
         """q/p of the whole stress [-]."""
-        return sin_phi(self.principal_stresses())
+        moments = self._moments()
+        return sin_phi(np.linalg.eigvalsh(0.5 * (moments + moments.T)))
 
     def local_components(self):
         """Of the contacts between particles: n (C, 2), and (n, t) components of branch and force, (C, 2) each."""
@@ -241,35 +269,55 @@ class Network:
         return np.sqrt(edges[1:] * edges[:-1]), count / (np.diff(edges) * len(force))
 
     def friction_mobilization(self):
-        """I_m = |f_t|/(µ f_n) of each contact between particles, (C,) [-].
+        """I_m = |f_t|/(µ f_n) of each contact between particles, µ that of the contact, 0 where it has none; (C,) [-].
 
         Raises
         ------
         ValueError
-            If the network is frictionless.
+            If no contact between particles has a friction coefficient > 0.
         """
-        friction = self.attributes.get("friction", 0)
-        if not friction > 0:
-            raise ValueError(f"friction = {friction!r}; the mobilisation needs a friction coefficient > 0")
         force = self.local_components()[3]
-        return np.abs(force[:, 1]) / (friction * force[:, 0])
+        friction = self.contacts["friction"][self.between_particles]
+        if not (friction > 0).any():
+            raise ValueError(f"friction = {friction.max():g} between all particles; the mobilisation needs a coefficient > 0")
+        limit = friction * force[:, 0]
+        return np.divide(np.abs(force[:, 1]), limit, out=np.zeros_like(limit), where=friction > 0)
+
+    def grain_stresses(self):
+        """Mean stress in each particle by the moments of its contact forces (Love, Weber); (N, 2, 2), compression positive [Pa].
+
+        See `rcr.frame.Frame.stress_tensors`. Times the areas of the particles over the volume, the sum is `stress`.
+        """
+        return self._frame().stress_tensors()
+
+    def grain_coordination(self):
+        """Number of contacts of each particle, obstacles included; those of a clump have the number of the whole, (N,) int."""
+        return self._frame().per_grain(np.ones(len(self.contacts["body1"]))).astype(int)
+
+    def _frame(self):
+        from rcr.frame import Frame  # which reads networks
+
+        return Frame.of_network(self)
 
     def coordination(self, count_side_contacts_twice=False):
-        """Mean number of contacts a particle, walls included, of the particles with at least two [-].
+        """Mean number of contacts a particle or clump, obstacles included, of those with at least two [-].
 
         Rattlers, particles with fewer than two contacts, are removed together with their contacts until none is left.
         `count_side_contacts_twice` counts a side-side contact, which takes two unknowns, as two.
         """
-        one, two = self.contacts["body1"], self.contacts["body2"]
+        ids, clump = self.particles["id"], self.particles["clump"]
         weight = np.where(count_side_contacts_twice & (self.contacts["points"] == 2), 2, 1)
-        size = int(max(one.max(initial=-1), self.particles["id"].max(initial=-1))) + 1
+        size = int(max(ids.max(initial=-1), clump.max(initial=-1))) + 1
+        moves_with = np.arange(size)
+        moves_with[ids] = np.where(clump >= 0, clump, ids)
         alive = np.zeros(size, dtype=bool)
-        alive[self.particles["id"]] = True
+        alive[moves_with[ids]] = True
+        inner = self.between_particles
+        one, two = moves_with[self.contacts["body1"]], moves_with[np.where(inner, self.contacts["body2"], 0)]
         while True:
-            kept = alive[one] & ((two < 0) | alive[two])
+            kept = alive[one] & (alive[two] | ~inner)
             total = np.bincount(one[kept], weights=weight[kept], minlength=size)
-            inner = kept & (two >= 0)
-            total += np.bincount(two[inner], weights=weight[inner], minlength=size)
+            total += np.bincount(two[kept & inner], weights=weight[kept & inner], minlength=size)
             rattlers = alive & (total < 2)
             if not rattlers.any():
                 return float(total[alive].mean()) if alive.any() else 0.0

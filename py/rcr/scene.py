@@ -14,16 +14,11 @@ from yade.wrapper import (
 )  # fmt: skip
 from yade.minieigenHP import Quaternion, Vector2, Vector3
 
-from rcr import _kernel, _plugin, problems
-from rcr.network import LEFT, BOTTOM, RIGHT, TOP, Network
+from rcr import _kernel, _plugin, outlines, problems
+from rcr.frame import Frame
+from rcr.network import BOTTOM, LEFT, OTHER, RIGHT, TOP, WALL, Network
 
 O = Omega()
-
-# Rows of pkg/dem/NetworkTable.hpp
-_PAIR = np.dtype([(name, np.int64) for name in ("body1", "body2", "type", "points")] + [(name, float, 2) for name in ("normal", "branch", "force", "position")])
-_PARTICLE = np.dtype(
-    [("id", np.int64), ("position", float, 2)] + [(name, float) for name in ("angle", "half_length", "cap_radius", "mass")] + [("velocity", float, 3)]
-)
 
 
 def _number(name, value, wanted, fits):
@@ -127,48 +122,15 @@ def disc(center, R, material=-1, angle=0, fixed=False, color=None, mask=1, veloc
     return _grain(Sphere(radius=R), center, angle, material, math.pi * R**2, math.pi * R**4 / 2, **keywords)
 
 
-def _section(body, x):
-    """Where a grain meets the vertical lines at x (n,): lower and upper y, (n, 2); NaN where it does not."""
-    state, shape = body.state, body.shape
-    a, r = (shape.halfLength, shape.capRadius) if isinstance(shape, Rcr) else (0.0, shape.radius)
-    angle = 2 * math.atan2(state.ori[2], state.ori[3])
-    axis = np.array([math.cos(angle), math.sin(angle)])
-    ends = np.array([state.pos[0], state.pos[1]]) + np.array([[-a], [a]]) * axis
-    candidates = []
-    with np.errstate(invalid="ignore", divide="ignore"):
-        for end in ends:
-            half = np.sqrt(r**2 - (x - end[0]) ** 2)
-            candidates += [end[1] - half, end[1] + half]
-        for side in (-1, 1):  # the straight sides
-            (x0, y0), (x1, y1) = ends + side * r * np.array([-axis[1], axis[0]])
-            share = (x - x0) / (x1 - x0)
-            candidates.append(np.where((share >= 0) & (share <= 1), y0 + share * (y1 - y0), np.nan))
-    candidates = np.array(candidates)
-    touched = ~np.isnan(candidates).all(axis=0)
-    result = np.full((len(x), 2), np.nan)
-    result[touched, 0], result[touched, 1] = np.nanmin(candidates[:, touched], axis=0), np.nanmax(candidates[:, touched], axis=0)
-    return result
-
-
-def _union(bodies, strips=20_000):
-    """Area, centroid and polar moment about it of the union of grains: exact along y, midpoint rule along x."""
-    reach = [b.shape.halfLength + b.shape.capRadius if isinstance(b.shape, Rcr) else b.shape.radius for b in bodies]
-    left, right = (f(b.state.pos[0] + sign * R for b, R in zip(bodies, reach)) for f, sign in ((min, -1), (max, 1)))
-    width = (right - left) / strips
-    x = left + width * (np.arange(strips) + 0.5)
-    spans = np.array([_section(b, x) for b in bodies])  # (members, strips, 2)
-    order = np.argsort(np.where(np.isnan(spans[..., 0]), np.inf, spans[..., 0]), axis=0)
-    spans = np.take_along_axis(spans, order[..., None], axis=0)
-    covered = np.full(strips, -np.inf)
-    moments = np.zeros(5)  # ∫ 1, x, y, x², y² over the union
-    for low, high in np.moveaxis(spans, 2, 1):
-        there = ~np.isnan(low)
-        begin, end, at = np.maximum(low[there], covered[there]), np.maximum(high[there], covered[there]), x[there]
-        length = end - begin
-        moments += width * np.array([f.sum() for f in (length, at * length, (end**2 - begin**2) / 2, at**2 * length, (end**3 - begin**3) / 3)])
-        covered[there] = end
-    area, x_mean, y_mean = moments[0], moments[1] / moments[0], moments[2] / moments[0]
-    return area, (x_mean, y_mean), moments[3] + moments[4] - area * (x_mean**2 + y_mean**2)
+def _outlines(bodies):
+    """Grains as `rcr.outlines` takes them."""
+    long = [isinstance(b.shape, Rcr) for b in bodies]
+    return dict(
+        position=np.array([(b.state.pos[0], b.state.pos[1]) for b in bodies]),
+        angle=np.array([2 * math.atan2(b.state.ori[2], b.state.ori[3]) for b in bodies]),
+        half_length=np.array([b.shape.halfLength if is_long else 0.0 for b, is_long in zip(bodies, long)]),
+        cap_radius=np.array([b.shape.capRadius if is_long else b.shape.radius for b, is_long in zip(bodies, long)]),
+    )
 
 
 def clump(members, mass=None, inertia=None):
@@ -199,7 +161,7 @@ def clump(members, mass=None, inertia=None):
     members = list(members)
     if not members or not all(isinstance(b, Body) and isinstance(b.shape, (Rcr, Sphere)) for b in members):
         raise ValueError(f"members = {members!r}; wanted at least one body of rcr.particle or rcr.disc")
-    area, (x, y), polar_moment = _union(members)
+    area, (x, y), polar_moment = outlines.union(_outlines(members))
     mass = members[0].material.density * area if mass is None else _number("mass", mass, "a finite mass > 0 [kg]", lambda v: v > 0)
     inertia = mass / area * polar_moment if inertia is None else _number("inertia", inertia, "a finite moment of inertia > 0 [kg m²]", lambda v: v > 0)
     ids = O.bodies.append(members)
@@ -345,31 +307,92 @@ def save_problem(engine, path):
     )
 
 
-def contact_network(walls, **attributes):
-    """Force-bearing contacts of the step that has just been made, one row a pair.
+def contact_network(walls=None, volume=None, **attributes):
+    """Force-bearing contacts of the step that has just been made, one row a pair; of any scene, under any law.
 
-    Positions, lever arms and normals are those of the contact problem that was solved: a step moves the bodies after it,
-    so the branch vectors are taken from the positions that the forces belong to.
+    Grains are the free and clumped `Rcr` and `Sphere` (discs). Walls, boxes, facets and grains whose motion is prescribed are
+    obstacles: always body 2, with a negative id, and contacts among them are left out. Positions, branch vectors and normals are those
+    that the forces belong to: a step moves the bodies after its forces.
 
     Parameters
     ----------
-    walls : (int, int, int, int)
-        Ids of the left, bottom, right and top wall.
+    walls : (int, int, int, int), optional
+        Ids of the left, bottom, right and top wall of a box, which get the ids −1, −2, −3, −4 in the network. Any other obstacle, the
+        body #k of YADE, has the id −5 − k.
+    volume : float, optional
+        Area of the region that the stress is the mean of [m²]; by default that of the periodic cell, or of the box of four walls. Where
+        there is neither, `Network.stress` asks for it; ratios of stresses, fabric and forces need none.
     **attributes
         Stored with the network: ``strain``, ``eta``, ``friction``, ``seed``.
 
     Returns
     -------
     Network
+
+    Raises
+    ------
+    ValueError
+        If no grain is free, the volume is not > 0, or `walls` are not four walls of a box.
     """
-    pairs, particles = (np.frombuffer(rows, kind) for rows, kind in zip(_plugin.network_table(), (_PAIR, _PARTICLE)))
-    pairs = pairs[np.lexsort((pairs["body2"], pairs["body1"]))]  # YADE's order changes when a scene is reloaded
-    body2 = pairs["body2"].copy()
-    for wall, code in zip(walls, (LEFT, BOTTOM, RIGHT, TOP)):
-        body2[pairs["body2"] == wall] = code
-    left, bottom, right, top = (O.bodies[i].state.pos - O.dt * O.bodies[i].state.vel for i in walls)
+    frame = Frame.of_scene()
+    free = ~frame.grains["fixed"]
+    if not free.any():
+        raise ValueError("the scene holds no free Rcr and no free Sphere: there is no network of grains")
+    grains = {name: column[free] for name, column in frame.grains.items()}
+    codes = {}
+    if walls is not None:
+        codes, box_area = _box(walls)
+        volume = box_area if volume is None else volume
+    if frame.cell is not None:
+        attributes |= dict(cell=frame.cell, cell_velocity=frame.cell_velocity)
+        volume = abs(np.linalg.det(frame.cell)) if volume is None else volume
+    if volume is not None:
+        attributes |= dict(volume=_number("volume", volume, "the area of the region > 0 [m²]", lambda v: v > 0))
     return Network(
-        particles={**{name: particles[name] for name in _PARTICLE.names}, "R": particles["half_length"] + particles["cap_radius"]},
-        contacts={**{name: pairs[name] for name in _PAIR.names}, "body2": body2},
-        attributes=dict(time=O.time, dt=O.dt, volume=(right[0] - left[0]) * (top[1] - bottom[1]), **attributes),
+        particles={name: grains[name] for name in ("id", "half_length", "cap_radius", "mass", "velocity", "clump")}
+        | dict(
+            position=grains["position"] - O.dt * grains["velocity"][:, :2],
+            angle=grains["angle"] - O.dt * grains["velocity"][:, 2],
+            center=frame.centers[free],
+            R=grains["half_length"] + grains["cap_radius"],
+        ),
+        contacts=_pairs(frame, codes),
+        attributes=dict(time=O.time, dt=O.dt, **attributes),
     )
+
+
+def _pairs(frame, codes):
+    """Columns of `Network.contacts`: contacts of a `Frame` that carry a force, turned so that an obstacle is body 2, by ids."""
+    contacts = frame.contacts
+    fixed = np.append(frame.grains["fixed"], True)  # row −1: no grain
+    first, second = (fixed[frame.rows(contacts[body])] for body in ("body1", "body2"))
+    bearing = (frame.normal_force() > 0) & ~(first & second)
+    turned, at_obstacle = first[bearing], (first | second)[bearing]
+    c = {name: column[bearing] for name, column in contacts.items()}
+    swap = lambda one, two: np.where(turned.reshape(-1, *[1] * (one.ndim - 1)), two, one)
+    sign = np.where(turned, -1, 1)[:, None]
+    other = swap(c["body2"], c["body1"])
+    arm1, arm2 = swap(c["arm1"], c["arm2"]), swap(c["arm2"], c["arm1"])
+    columns = dict(
+        body1=swap(c["body1"], c["body2"]),
+        body2=np.where(at_obstacle, [codes.get(int(id_), OTHER - int(id_)) for id_ in other], other),
+        type=np.where(at_obstacle, WALL, c["type"]),
+        points=c["points"],
+        normal=sign * c["normal"],
+        branch=np.where(at_obstacle[:, None], arm1, arm1 - arm2),
+        force=sign * c["force"],
+        position=frame.centers[frame.rows(swap(c["body1"], c["body2"]))] + arm1,  # beside body 1, also across the edge of a cell
+        friction=c["friction"],
+    )
+    order = np.lexsort((columns["body2"], columns["body1"]))  # YADE's order changes when a scene is reloaded
+    return {name: column[order] for name, column in columns.items()}
+
+
+def _box(walls):
+    """Codes of the four walls of a box by their ids, and the area between them when the forces acted [m²]."""
+    ids = [int(w) for w in walls] if np.shape(walls) == (4,) else []
+    bodies = [O.bodies[k] if 0 <= k < len(O.bodies) else None for k in ids]
+    if [getattr(getattr(b, "shape", None), "axis", None) for b in bodies] != [0, 1, 0, 1]:
+        raise ValueError(f"walls = {walls!r}; wanted the ids of the left, bottom, right and top Wall of a box, or None")
+    left, bottom, right, top = (b.state.pos - O.dt * b.state.vel for b in bodies)
+    return dict(zip(ids, (LEFT, BOTTOM, RIGHT, TOP))), (right[0] - left[0]) * (top[1] - bottom[1])

@@ -78,6 +78,32 @@ def add_results(parser, what, required=True):
     parser.add_argument("--overwrite", action="store_true", help=f"remove {what} of other options that are there")
 
 
+def options(doc, **more):
+    """Options --out DIR and --quick of an example, from the doc string of its script; the folder is made.
+
+    Parameters
+    ----------
+    doc : str
+        Its first line is the description that --help prints.
+    **more : dict
+        Further options by their names: what ``add_argument`` takes.
+
+    Returns
+    -------
+    argparse.Namespace
+        ``out``, by default a folder of the script's name in the current one, ``quick``, and the others.
+    """
+    name = os.path.basename(sys.argv[0])
+    parser = Parser(prog=name, description=doc.strip().splitlines()[0])
+    parser.add_argument("--out", type=folder, default=os.path.splitext(name)[0], metavar="DIR", help="folder of pictures and data (default %(default)s)")
+    parser.add_argument("--quick", action="store_true", help="a small scene, in a few seconds")
+    for option, keywords in more.items():
+        parser.add_argument("--" + option.replace("_", "-"), **keywords)
+    given = parser.parse_args()
+    os.makedirs(given.out, exist_ok=True)
+    return given
+
+
 def _path(text):
     try:
         return files.path_of("the path", text)

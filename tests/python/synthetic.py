@@ -19,7 +19,7 @@ def particles(count):
     )
 
 
-def network(theta, branch, force, friction=0.5, **columns):
+def network(theta, branch, force, friction=0.5, grains=2, **columns):
     """Contacts at angles θ with (n, t) components of branch and force."""
     n = np.column_stack([np.cos(theta), np.sin(theta)])
     t = np.column_stack([-n[:, 1], n[:, 0]])
@@ -34,7 +34,7 @@ def network(theta, branch, force, friction=0.5, **columns):
         position=np.zeros((count, 2)),
         points=np.ones(count, int),
     )
-    return Network(particles(2), contacts | columns, dict(volume=10.0, friction=friction))
+    return Network(particles(grains), contacts | columns, dict(volume=10.0, friction=friction))
 
 
 def directions(rng, count, a_c, axis):

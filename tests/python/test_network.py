@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcr.network import Network
 
-from synthetic import anisotropic, network, particles, random_network
+from synthetic import anisotropic, network, random_network
 
 
 def test_estimators_recover_known_anisotropies():
@@ -69,6 +69,51 @@ def test_friction_mobilization():
         network(np.zeros(2), np.ones((2, 2)), np.ones((2, 2)), friction=0).friction_mobilization()
 
 
+def test_friction_is_that_of_each_contact():
+    """I_m = |f_t|/(µ f_n) with µ = 0.5, 0.25, none and unknown: 0.5, 1, and 0 where there is no limit to reach."""
+    force = np.array([[1, 0.25], [2, -0.5], [1, 0], [1, 0]])
+    test = network(np.zeros(4), np.ones((4, 2)), force, friction=9.0)
+    mixed = Network(test.particles, test.contacts | dict(friction=np.array([0.5, 0.25, 0, np.nan])), test.attributes)
+    assert mixed.friction_mobilization() == pytest.approx([0.5, 1, 0, 0])
+    with pytest.raises(ValueError, match=r"contacts/friction\[1\] = -1; wanted a coefficient ≥ 0"):
+        Network(test.particles, test.contacts | dict(friction=np.array([0, -1.0, 0, 0])), test.attributes)
+
+
+def test_files_of_before_load(tmp_path):
+    """Without the columns friction, clump and center: the attribute, single grains, their positions."""
+    test = random_network()
+    path = tmp_path / "network-0.h5"
+    test.save(path)
+    with h5py.File(path, "r+") as file:
+        for name in ("contacts/friction", "particles/clump", "particles/center"):
+            del file[name]
+    again = Network.load(path)
+    assert (again.contacts["friction"] == 0.5).all() and (again.particles["clump"] == -1).all()
+    assert np.array_equal(again.particles["center"], again.particles["position"]) and again.coordination() == test.coordination()
+
+
+def test_ratios_need_no_volume():
+    whole = random_network()
+    test = Network(whole.particles, whole.contacts, {k: v for k, v in whole.attributes.items() if k != "volume"})
+    assert test.sin_phi() == pytest.approx(whole.sin_phi()) and np.array_equal(test.fabric(), whole.fabric())
+    assert np.array_equal(test.anisotropies(), whole.anisotropies())
+    for call in (test.stress, test.principal_stresses):
+        with pytest.raises(ValueError, match="the network has no volume"):
+            call()
+
+
+def test_contacts_of_a_clump_are_counted_together():
+    """Grains 0 and 1 are one clump, between 2 and 3: a chain closed by an obstacle at each end has Z = 2, for the clump too."""
+    pairs = np.array([[2, -7], [2, 0], [1, 3], [3, -8]])
+    one, two = pairs.T
+    test = network(np.zeros(4), np.ones((4, 2)), np.ones((4, 2)), grains=4, body1=one, body2=two, type=np.array([3, 0, 0, 3]))
+    assert test.coordination() == 0  # 0 and 1 hang on by one contact each, and then the others
+    joined = Network(test.particles | dict(clump=np.array([9, 9, -1, -1])), test.contacts, test.attributes)
+    assert joined.coordination() == 2 and list(joined.grain_coordination()) == [2, 2, 2, 2]
+    with pytest.raises(ValueError, match="volume = -1"):
+        Network(test.particles, test.contacts, dict(volume=-1.0))
+
+
 def test_force_pdf_is_a_density():
     """∫ pdf df = 1 and ∫ f pdf df = 1 for forces over their mean; the classes are 50 in a range of 1e4, ±10 % each."""
     test = random_network(20_000)
@@ -81,9 +126,7 @@ def test_force_pdf_is_a_density():
 def test_coordination_leaves_rattlers_out():
     """A triangle of three with a fourth hanging on by one contact, which goes with it: Z = 2; one side contact: 8/3."""
     pairs = np.array([[0, 1], [1, 2], [2, 0], [2, 3]])
-    theta = np.zeros(4)
-    test = network(theta, np.ones((4, 2)), np.ones((4, 2)), body1=pairs[:, 0], body2=pairs[:, 1], points=np.array([2, 1, 1, 1]))
-    test.particles = particles(4)
+    test = network(np.zeros(4), np.ones((4, 2)), np.ones((4, 2)), grains=4, body1=pairs[:, 0], body2=pairs[:, 1], points=np.array([2, 1, 1, 1]))
     assert test.coordination() == pytest.approx(2)
     assert test.coordination(count_side_contacts_twice=True) == pytest.approx(8 / 3)
 

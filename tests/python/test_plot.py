@@ -17,7 +17,8 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from rcr import drawing, plot
-from rcr.frame import Frame, polygons
+from rcr.frame import Frame
+from rcr.outlines import polygons
 
 from synthetic import packing
 

@@ -18,7 +18,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from rcr import drawing
 from rcr.study import analysis, figures, maps, report
-from rcr.frame import Frame, polygons
+from rcr.frame import Frame
+from rcr.outlines import polygons
 from rcr.study.paper import MAPS, STATEMENTS, nearest
 from rcr.study.runs import Run
 

@@ -1,20 +1,101 @@
-"""Every example runs alone, at its small size, and leaves a picture."""
+"""Every example runs alone, at its small size, and leaves a picture; a batch gives what single runs give; Ctrl-C loses nothing."""
 
 import pathlib
+import shutil
+import signal
 import subprocess
+import sys
+import time
 
+import numpy as np
 import pytest
+import rcr
 from matplotlib.image import imread
+from scenes import build, material
+from yade import O
 
-EXAMPLES = sorted((pathlib.Path(__file__).parents[2] / "examples").glob("*.py"))
+FOLDER = pathlib.Path(__file__).parents[2] / "examples"
+EXAMPLES = sorted(FOLDER.glob("*.py"))
+
+
+def yade(folder, *command, program="yade"):
+    return subprocess.run([program, *map(str, command)], capture_output=True, text=True, timeout=300, cwd=folder)
 
 
 @pytest.mark.parametrize("script", EXAMPLES, ids=lambda path: path.stem)
 def test_example(script, tmp_path):
     out = tmp_path / "out"
-    run = subprocess.run(["yade", "-n", "-x", str(script), "--quick", "--out", str(out)], capture_output=True, text=True, timeout=300, cwd=tmp_path)
+    run = yade(tmp_path, "-n", "-x", script, "--quick", "--out", out)
     assert run.returncode == 0, run.stdout + run.stderr
     assert "Traceback" not in run.stdout + run.stderr
     pictures = list(out.glob("*.png"))
     assert pictures and all(imread(picture)[..., :3].std() > 0.02 for picture in pictures)
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
+    for table in out.glob("*.csv"):
+        text = table.read_text()
+        assert "nan" not in text and len(text.splitlines()) > 1, text
+
+
+def test_batch_gives_what_single_runs_give(tmp_path):
+    """Four jobs side by side; the single run takes its parameters from the defaults, the columns of the table name the same ones."""
+    shutil.copy(FOLDER / "batch.py", tmp_path)
+    rows = [(0, 0.2), (0, 0.5), (0.5, 0.2), (0.5, 0.5)]
+    assert (FOLDER / "batch.table").read_text().split("eta mu\n")[1] == "".join(f"{eta:.1f} {mu}\n" for eta, mu in rows)
+    (tmp_path / "small.table").write_text("eta mu wide high seconds\n" + "".join(f"{eta:.1f} {mu} 3 5 0.3\n" for eta, mu in rows))
+    batch = yade(tmp_path, "-j", 4, "small.table", "batch.py", program="yade-batch")
+    assert batch.returncode == 0 and batch.stdout.count("(exit status 0)") == 4, batch.stdout + batch.stderr
+    single = yade(tmp_path, "-n", "-x", "batch.py", "--quick", "--out", "single")
+    assert single.returncode == 0, single.stdout + single.stderr
+    name = "eta-0.5-mu-0.5.txt"
+    assert (tmp_path / "batch" / name).read_bytes() == (tmp_path / "single" / name).read_bytes()
+    table = np.genfromtxt(tmp_path / "batch" / "batch.csv", delimiter=",", names=True)
+    assert [(row["eta"], row["mu"]) for row in table] == rows and len(set(table["runout"])) == 4
+
+
+def test_regression_tells_what_is_off(tmp_path):
+    script = tmp_path / "changed.py"
+    text = (FOLDER / "regression.py").read_text()
+    assert text.count("math.atan(0.5)") == 1
+    script.write_text(text.replace("math.atan(0.5)", "0"))  # without friction
+    run = yade(tmp_path, "-n", "-x", script, "--out", "out")
+    assert run.returncode == 1 and "wanted" in run.stderr, run.stdout + run.stderr
+
+
+def test_ctrl_c_ends_after_a_whole_step(tmp_path):
+    """The first one; what follows `advance` is done, here the file that says so."""
+    code = """
+import yade
+import rcr
+from yade.wrapper import *
+O = Omega()
+O.bodies.append(rcr.particle((0, 0), 0.1, 0.5, velocity=(1, 0)))
+O.engines = [ForceResetter(), InsertionSortCollider([rcr.Bo1_Rcr_Aabb()]),
+             InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom()], [rcr.Ip2_FrictMat_FrictMat_CdPhys()], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+             rcr.ContactDynamics(), NewtonIntegrator(damping=0)]
+O.dt = 1e-4
+rcr.advance(10, "first")
+print("ready", flush=True)
+going = rcr.advance(10**9, "for ever")
+print("stopped", going, abs(O.bodies[0].state.pos[0] - O.iter * O.dt) < 1e-9, O.iter > 10)
+"""
+    run = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert "ready\n" in iter(run.stdout.readline, "")
+    time.sleep(1)
+    run.send_signal(signal.SIGINT)
+    out, err = run.communicate(timeout=60)
+    assert out == "stopped False True True\n", out + err
+
+
+def falling():
+    return build(rcr.particle((0, 0), 0.1, 0.5, material=material()), gravity=(0, -1, 0), dt=1e-2)
+
+
+def test_advance_makes_the_steps_of_run():
+    falling()
+    assert rcr.advance(37) and O.iter == 37
+    asked = []
+    assert rcr.advance(1000, until=lambda: asked.append(O.iter) or O.iter >= 62, every=5)
+    assert O.iter == 62 and asked == [42, 47, 52, 57, 62]
+    for steps in (0, 1.5, None):
+        with pytest.raises(ValueError, match="steps = "):
+            rcr.advance(steps)

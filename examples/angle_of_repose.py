@@ -1,0 +1,86 @@
+"""The angle of repose against the elongation: grains are poured at a wall, a few at a time, and roll off the end of a rough floor.
+
+Run it with YADE:  scripts/yade-rcr -n -x examples/angle_of_repose.py
+Writes DIR/slope-ETA.png, DIR/angle_of_repose.png and DIR/angle_of_repose.csv (elongation, mean angle, its standard deviation in time).
+"""
+
+import math
+import os
+import random
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import rcr
+from rcr import *
+from rcr import script
+
+options = script.options(__doc__)
+R = 0.01  # m, radius of the largest discs; long grains have their area
+ETAS, LENGTH, SECONDS = ((0, 0.6), 16 * R, 1.5) if options.quick else ((0, 0.2, 0.4, 0.6), 36 * R, 5.0)
+
+
+def start(eta):
+    """A wall and a floor of fixed grains; grains are to come."""
+    global draw, size, angles
+    O.reset()
+    draw, angles = random.Random(2), []
+    size = R * math.sqrt(math.pi / (math.pi * (1 - eta) ** 2 + 4 * eta * (1 - eta)))  # circumscribed radius for the area of the disc
+    rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5), label="rough"))
+    O.bodies.append([particle((0.9 * R * i, -0.5 * R), 0.5 * R, 0, fixed=True, material=rough) for i in range(round(LENGTH / (0.9 * R)) + 1)])
+    O.bodies.append(rcr.wall("x", 0, +1, material=rough))
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
+        InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom()],
+                        [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+        ContactDynamics(tolerance=1e-4),
+        NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
+        PyRunner(command="pour()", virtPeriod=0.07, initRun=True),
+        PyRunner(command="measure()", virtPeriod=0.1),
+    ]
+    O.dt = 1e-3
+
+
+def grains():
+    return [b for b in O.bodies if isinstance(b.shape, Rcr) and b.dynamic]
+
+
+def pour():
+    """Three grains above the top of the heap, for those that have left over the end of the floor."""
+    for body in grains():
+        if body.state.pos[1] < -10 * R:
+            O.bodies.erase(body.id)
+    top = max([b.state.pos[1] for b in grains() if b.state.pos[0] < 8 * R] + [0])
+    O.bodies.append([particle((size * (1.05 + 2.1 * k), top + 3 * size), draw.uniform(0.8, 1) * size, eta, draw.uniform(0, math.pi), "rough")
+                     for k in range(3)])
+
+
+def measure():
+    """Once the heap is full: angle of the line through the highest resting grains over eight stretches of the floor [°]."""
+    if O.time < 0.5 * SECONDS:
+        return
+    network = rcr.contact_network()
+    heap = network.particles
+    slow = np.hypot(heap["velocity"][:, 0], heap["velocity"][:, 1]) < 0.2
+    places = heap["position"][slow & (network.grain_coordination() > 0) & (heap["position"][:, 1] > 0)]
+    stretch = np.floor(10 * places[:, 0] / LENGTH)
+    tops = [max(places[stretch == k], key=lambda place: place[1]) for k in range(1, 9) if (stretch == k).any()]
+    angles.append(math.degrees(math.atan(-np.polyfit(*np.transpose(tops), 1)[0])))
+
+
+found = []
+for eta in ETAS:
+    start(eta)
+    going = rcr.advance(round(SECONDS / O.dt), f"η = {eta}")
+    rcr.snapshot(os.path.join(options.out, f"slope-{eta}.png"), limits=((0, -2 * R), (LENGTH, 0.85 * LENGTH)))
+    if not going:
+        break
+    found.append((eta, np.mean(angles), np.std(angles)))
+    print(f"eta = {eta}: the slope is {found[-1][1]:.1f}°, and varies by {found[-1][2]:.1f}°")
+
+np.savetxt(os.path.join(options.out, "angle_of_repose.csv"), np.reshape(found, (-1, 3)), delimiter=",", header="eta,angle,deviation", comments="", fmt="%g")
+fig, ax = plt.subplots(figsize=(4, 3), layout="constrained")
+ax.errorbar(*np.reshape(found, (-1, 3)).T, fmt="o-", capsize=3)
+ax.set(xlabel=r"elongation $\eta$", ylabel="angle of repose [°]", ylim=(0, None))
+fig.savefig(os.path.join(options.out, "angle_of_repose.png"), dpi=150)

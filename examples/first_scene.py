@@ -1,0 +1,39 @@
+"""The scene of the README: sixty-four long grains fall on a floor.
+
+Run it with YADE:  scripts/yade-rcr -n -x examples/first_scene.py
+Writes DIR/first_scene.png and DIR/grains.csv, a row a grain.
+"""
+
+import math
+import os
+
+import numpy as np
+
+import rcr  # loads the plugin into the running YADE
+from rcr import *  # Rcr, Bo1_Rcr_Aabb, Ig2_…, ContactDynamics, particle, disc, …
+from rcr import script
+
+options = script.options(__doc__)
+
+rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5)))
+O.bodies.append(rcr.wall("y", 0, sense=+1, material=rough))  # `wall` alone is YADE's own
+O.bodies.append([particle((0.03 * i, 0.02 + 0.03 * j), R=0.01, eta=0.5, angle=i + j, material=rough)
+                 for i in range(8) for j in range(8)])
+O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.001),
+    InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom()],
+                    [Ip2_FrictMat_FrictMat_CdPhys()],
+                    [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+    ContactDynamics(tolerance=1e-4),  # solves all contacts of the step together
+    NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
+]
+O.dt = 1e-3  # bound by accuracy, not by a stiffness
+rcr.advance(300 if options.quick else 1000, "fall")
+
+network = rcr.contact_network()
+rcr.snapshot(os.path.join(options.out, "first_scene.png"), contacts="force")
+grains = network.particles
+np.savetxt(os.path.join(options.out, "grains.csv"), np.column_stack([grains["id"], grains["position"], grains["angle"]]),
+           delimiter=",", header="id,x,y,angle", comments="")
+print(f"{network.between_particles.sum()} contacts between {len(grains['id'])} grains, {network.grain_coordination().mean():.2f} a grain, floor included")

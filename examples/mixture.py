@@ -1,0 +1,54 @@
+"""Discs and long grains poured together: which of them carries the load?
+
+Run it with YADE:  scripts/yade-rcr -n -x examples/mixture.py
+Writes DIR/mixture.png (kinds of grains), DIR/pressure.png (mean stress of each grain), and DIR/grains.csv, a row a grain.
+"""
+
+import math
+import os
+import random
+
+import numpy as np
+
+import rcr
+from rcr import *
+from rcr import script
+
+options = script.options(__doc__)
+R = 0.01
+WIDE, HIGH = (6, 8) if options.quick else (14, 24)
+LENGTH = 2.1 * R * WIDE
+draw = random.Random(5)
+rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5)))
+O.bodies.append([rcr.wall("y", 0, +1, material=rough), rcr.wall("x", 0, +1, material=rough), rcr.wall("x", LENGTH, -1, material=rough)])
+for i in range(WIDE):
+    for j in range(HIGH):
+        at = (2.1 * R * (i + 0.5), 2.1 * R * (j + 0.5))
+        if draw.random() < 0.5:
+            O.bodies.append(disc(at, 0.6 * R, material=rough))  # mass per unit depth, as that of an Rcr; utils.sphere gives a ball's
+        else:
+            O.bodies.append(particle(at, R, 0.7, draw.uniform(0, math.pi), rough))
+O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Disc_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
+    InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Sphere_Rcr_RcrGeom(), Ig2_Sphere_Sphere_RcrGeom(),
+                     Ig2_Wall_Rcr_RcrGeom(), Ig2_Wall_Sphere_RcrGeom()],
+                    [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+    ContactDynamics(tolerance=1e-4),
+    NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
+]
+O.dt = 1e-3
+# the last two tenths of a second are slow: what is measured then is at rest
+rcr.advance(500 if options.quick else 1500, "pouring")
+
+network = rcr.contact_network(volume=LENGTH * rcr.measure.extent()[1, 1])
+grains = network.particles
+pressure = 0.5 * np.einsum("naa->n", network.grain_stresses())
+contacts = network.grain_coordination()
+long = grains["half_length"] > 0
+rcr.snapshot(os.path.join(options.out, "mixture.png"), color="type", contacts="force")
+rcr.snapshot(os.path.join(options.out, "pressure.png"), color="pressure")
+np.savetxt(os.path.join(options.out, "grains.csv"), np.column_stack([grains["id"], long, grains["position"], pressure, contacts]),
+           delimiter=",", header="id,long,x,y,pressure,contacts", comments="", fmt="%.10g")
+for name, pick in (("discs", ~long), ("long grains", long)):
+    print(f"{pick.sum()} {name}: {contacts[pick].mean():.2f} contacts each, mean stress {pressure[pick].mean():.0f} Pa")

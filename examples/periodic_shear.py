@@ -1,0 +1,85 @@
+"""Simple shear of long grains in a periodic cell: no walls, a velocity gradient; friction coefficient and orientation of the flow.
+
+Run it with YADE:  scripts/yade-rcr -n -x examples/periodic_shear.py
+Writes DIR/cell.png, DIR/shear.png (stress ratio and orientation against strain), DIR/velocity.png, and DIR/shear.csv.
+"""
+
+import math
+import os
+import random
+
+import matplotlib.pyplot as plt
+import numpy as np
+from yade import plot
+
+import rcr
+from rcr import *
+from rcr import script
+
+options = script.options(__doc__)
+R, ETA = 0.01, 0.5
+SIDE, STRAIN = (7, 0.5) if options.quick else (14, 3.0)  # grains along an edge, shear strain
+RATE = 1.0  # 1/s
+DENSE = 0.74  # solid fraction, below jamming: rigid grains in a cell of constant area could not give way
+
+draw = random.Random(4)
+rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.3)))
+O.periodic = True
+loose = 2.2 * R * SIDE
+O.cell.setBox(loose, loose, 10 * R)
+O.cell.flipFlippable = True  # a cell sheared by more than half its width is written as one that leans the other way
+O.bodies.append([particle((2.2 * R * (i + 0.5), 2.2 * R * (j + 0.5)), draw.uniform(0.7, 1) * R, ETA, draw.uniform(0, math.pi), rough)
+                 for i in range(SIDE) for j in range(SIDE)])
+O.engines = [
+    ForceResetter(),
+    InsertionSortCollider([Bo1_Rcr_Aabb()], verletDist=0.1 * R, allowBiggerThanPeriod=True),
+    InteractionLoop([Ig2_Rcr_Rcr_RcrGeom()], [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+    ContactDynamics(tolerance=1e-4),
+    NewtonIntegrator(damping=0),
+    PyRunner(command="record()", iterPeriod=20, dead=True, label="recorder"),
+]
+O.dt = 1e-3
+flow = rcr.Profile(cells=(1, 10))
+
+
+def record():
+    """Shear stress over pressure on the planes y, and the mean direction of the long axes, of a director field."""
+    network = rcr.contact_network()  # its volume is that of the cell
+    stress = network.stress()
+    axis = 0.5 * np.angle(np.exp(2j * network.particles["angle"]).mean())
+    order = abs(np.exp(2j * network.particles["angle"]).mean())
+    plot.addData(strain=RATE * (O.time - start), friction=-stress[0, 1] / stress[1, 1] if stress[1, 1] > 0 else math.nan,
+                 axis=math.degrees(axis), order=order)
+    flow.compute(reset=False)
+
+
+# the cell shrinks until it is dense: its area falls by the factor exp(−2 squeeze t)
+squeeze = 1.0
+filled = 1 - rcr.measure.porosity()
+O.cell.velGrad = Matrix3(-squeeze, 0, 0, 0, -squeeze, 0, 0, 0, 0)
+going = rcr.advance(round(0.5 * math.log(DENSE / filled) / squeeze / O.dt), "compression")
+
+start = O.time
+recorder.dead = False
+O.cell.velGrad = Matrix3(0, RATE, 0, 0, 0, 0, 0, 0, 0)
+going = going and rcr.advance(round(STRAIN / RATE / O.dt), "shear")
+
+rcr.snapshot(os.path.join(options.out, "cell.png"), contacts="force")
+if not plot.data:
+    raise SystemExit("stopped before the shear")
+data = {name: np.array(column) for name, column in plot.data.items()}
+np.savetxt(os.path.join(options.out, "shear.csv"), np.column_stack(list(data.values())), delimiter=",", header=",".join(data), comments="", fmt="%g")
+fig, (left, right) = plt.subplots(1, 2, figsize=(7, 2.8), layout="constrained")
+left.plot(data["strain"], data["friction"])
+left.set(xlabel="shear strain", ylabel=r"$-\sigma_{xy}/\sigma_{yy}$")
+right.plot(data["strain"], data["axis"], label="mean axis from $x$ [°]")
+right.plot(data["strain"], 100 * data["order"], label="order [%]")
+right.set(xlabel="shear strain")
+right.legend()
+fig.savefig(os.path.join(options.out, "shear.png"), dpi=150)
+ax = flow.plot(quantity="velocity_x")
+ax.axline((0, 0), slope=1 / RATE, color="0.5", lw=0.8, zorder=0)  # the mean field
+ax.figure.savefig(os.path.join(options.out, "velocity.png"), dpi=150)
+late = data["strain"] > 0.5 * data["strain"][-1]
+print(f"solid fraction {1 - rcr.measure.porosity():.3f}, stress ratio {np.nanmean(data['friction'][late]):.2f}, "
+      f"long axes at {data['axis'][late].mean():.0f}° from the flow, order {data['order'][late].mean():.2f}")

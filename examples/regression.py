@@ -1,0 +1,84 @@
+"""A scene with reference values: tells whether a change of the code, the compiler or a setting has changed the physics. Copy it for yours.
+
+Run it with YADE:  scripts/yade-rcr -n -x examples/regression.py
+It ends with an error if a value is off. Writes DIR/regression.png and DIR/regression.csv.
+
+Renew the references:  … regression.py --spread 10
+repeats the scene with grains moved by a millionth of their size, and prints the mean and five standard deviations of each value. Rounding
+differs from one processor to the next, and falling grains make much of little: references are of the bed as a whole, and a tolerance is
+what such differences do.
+"""
+
+import math
+import os
+import random
+
+import numpy as np
+
+import rcr
+from rcr import *
+from rcr import script
+
+REFERENCE = {  # value, tolerance
+    "load of the walls / weight": (1, 1e-4),  # of the solver; the others by --spread 10
+    "height of the centre / R": (8.072, 0.09),
+    "solid fraction of the bulk": (0.8129, 0.02),
+    "pressure of the bulk / that of a fluid": (0.6999, 0.1),
+    "contacts a grain": (2.895, 0.2),
+}
+
+options = script.options(__doc__, spread=dict(type=script.at_least(2), metavar="N", help="repeat the scene N times and print new references"))
+R = 0.01
+
+
+def measured(moved=0, seed=0):
+    """Values of a bed of 150 grains at rest between two walls."""
+    O.reset()
+    draw, noise = random.Random(8), random.Random(seed)
+    rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5)))
+    O.bodies.append([rcr.wall("y", 0, +1, material=rough), rcr.wall("x", 0, +1, material=rough), rcr.wall("x", 21 * R, -1, material=rough)])
+    O.bodies.append([particle((2.1 * R * (i + 0.5) + moved * noise.uniform(-1, 1), 2.1 * R * (j + 0.5)), R, 0.5, draw.uniform(0, math.pi), rough)
+                     for i in range(10) for j in range(15)])
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
+        InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom()],
+                        [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+        ContactDynamics(tolerance=1e-4),
+        NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
+    ]
+    O.dt = 1e-3
+    if not rcr.advance(1000, "settling"):
+        raise KeyboardInterrupt
+    network = rcr.contact_network()
+    grains = network.particles
+    weight = 9.81 * grains["mass"].sum()
+    walls = network.contacts["body2"] < 0
+    bulk = rcr.Profile(cells=(1, 1), limits=((3 * R, 2 * R), (18 * R, 14 * R))).compute(network)
+    return {
+        "load of the walls / weight": -network.contacts["force"][walls, 1].sum() / weight,
+        "height of the centre / R": np.average(grains["position"][:, 1], weights=grains["mass"]) / R,
+        "solid fraction of the bulk": bulk.solid_fraction[0, 0],
+        "pressure of the bulk / that of a fluid": bulk.pressure[0, 0] / (weight / (21 * R) * 0.5),
+        "contacts a grain": network.grain_coordination().mean(),
+    }
+
+
+if options.spread:
+    runs = [measured(1e-6 * R, seed) for seed in range(options.spread)]
+    for name in runs[0]:
+        values = [run[name] for run in runs]
+        print(f'    "{name}": ({np.mean(values):.4g}, {5 * np.std(values, ddof=1):.1g}),')
+else:
+    found = measured()
+    rcr.snapshot(os.path.join(options.out, "regression.png"), contacts="force")
+    wrong = []
+    with open(os.path.join(options.out, "regression.csv"), "w") as table:
+        print("quantity,measured,reference,tolerance", file=table)
+        for name, (reference, tolerance) in REFERENCE.items():
+            print(f"{name},{found[name]:.6g},{reference},{tolerance}", file=table)
+            if not abs(found[name] - reference) <= tolerance:
+                wrong.append(f"{name} is {found[name]:.4g}; wanted {reference} ± {tolerance}")
+    if wrong:
+        raise ValueError("; ".join(wrong))
+    print(f"all {len(REFERENCE)} values are as they were")

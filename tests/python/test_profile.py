@@ -1,0 +1,128 @@
+"""Fields on a grid: they add up to the sums over grains and contacts, for any grid, and in a sheared periodic cell too."""
+
+import numpy as np
+import pytest
+import rcr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from rcr.frame import Frame
+from rcr.network import Network
+
+from synthetic import particles
+
+
+def scene(seed, count=30, cell=None):
+    """A network of random grains and contacts in a box of 10 × 6; contacts lie anywhere, with any forces that push."""
+    rng = np.random.default_rng(seed)
+    size = np.array([10.0, 6.0])
+    eta = rng.uniform(0, 0.8, count)
+    radius = rng.uniform(0.2, 0.5, count)
+    grains = particles(count) | dict(
+        position=rng.uniform(0.5, size - 0.5, (count, 2)), angle=rng.uniform(0, 3, count), R=radius, cap_radius=(1 - eta) * radius,
+        half_length=eta * radius, mass=rng.uniform(1, 2, count), velocity=rng.normal(0, 1, (count, 3)),
+    )  # fmt: skip
+    one = rng.integers(0, count, 3 * count)
+    two = (one + rng.integers(1, count, 3 * count)) % count
+    angle = rng.uniform(0, 2 * np.pi, 3 * count)
+    n = np.column_stack([np.cos(angle), np.sin(angle)])
+    t = np.column_stack([-n[:, 1], n[:, 0]])
+    wall = rng.random(3 * count) < 0.2
+    position = grains["position"][one] + radius[one, None] * n
+    branch = np.where(wall[:, None], position, grains["position"][two]) - grains["position"][one]
+    force = rng.exponential(1, (3 * count, 1)) * (n + rng.uniform(-0.3, 0.3, (3 * count, 1)) * t)
+    contacts = dict(body1=one, body2=np.where(wall, -7, two), type=np.where(wall, 3, 0), normal=n, branch=branch, force=force, position=position,
+                    points=np.ones(3 * count, int))  # fmt: skip
+    return Network(grains, contacts, dict(volume=60.0, **({} if cell is None else dict(cell=cell, cell_velocity=np.array([[0, 0.5], [0, 0]]) @ cell))))
+
+
+grids = st.tuples(st.integers(1, 9), st.integers(1, 9))
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 1000), cells=grids)
+def test_sums_over_the_grid_are_those_of_the_scene(seed, cells):
+    """Rounding of sums of 1e4 samples."""
+    network = scene(seed)
+    profile = rcr.Profile(cells, limits=((-5, -5), (15, 11))).compute(network)
+    area = profile.cell_area
+    total = lambda field: area * field.sum(axis=(0, 1))
+    p = network.particles
+    assert total(profile.stress) == pytest.approx(60 * network.stress(), rel=1e-9, abs=1e-9)
+    assert total(profile.solid_fraction) == pytest.approx(Frame.of(network).areas().sum())
+    assert profile._sum("momentum").sum(axis=(0, 1)) == pytest.approx((p["mass"][:, None] * p["velocity"][:, :2]).sum(axis=0), abs=1e-9)
+    inner = network.contacts["normal"][network.between_particles]
+    assert profile._sum("fabric").sum(axis=(0, 1)) == pytest.approx(np.einsum("ca,cb->ab", inner, inner), abs=1e-9)
+
+
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 1000), cells=grids, turns=st.tuples(st.integers(-3, 3), st.integers(-3, 3)))
+def test_images_in_a_periodic_cell_are_one(seed, cells, turns):
+    """A scene moved by whole periods, at the velocity of its images, has the same fields; samples at the very edge of a cell may change sides."""
+    cell = np.array([[10.0, 2.5], [0, 6.0]])
+    network = scene(seed, cell=cell)
+    profile = rcr.Profile(cells).compute(network)
+    assert (profile.limits == [[0, 0], [10, 6]]).all()
+    assert 60 * profile.stress.mean(axis=(0, 1)) == pytest.approx(60 * network.stress(), rel=1e-9, abs=1e-9)
+    assert profile.solid_fraction.mean() * 60 == pytest.approx(Frame.of(network).areas().sum())
+    shift, faster = cell @ turns, network.attributes["cell_velocity"] @ turns
+    moved = Network(
+        {k: v for k, v in network.particles.items() if k != "center"} | dict(position=network.particles["position"] + shift, velocity=network.particles["velocity"] + [*faster, 0]),
+        network.contacts | dict(position=network.contacts["position"] + shift), network.attributes,
+    )  # fmt: skip
+    again = rcr.Profile(cells).compute(moved)
+    assert again.solid_fraction == pytest.approx(profile.solid_fraction, abs=0.05)
+    assert again._sum("momentum").sum(axis=(0, 1)) == pytest.approx(profile._sum("momentum").sum(axis=(0, 1)), abs=1e-8)
+    assert again.stress.sum(axis=(0, 1)) == pytest.approx(profile.stress.sum(axis=(0, 1)), abs=1e-8)
+
+
+def test_layers_are_means_of_a_map():
+    network = scene(1)
+    limits = ((0, 0), (10, 6))
+    layers, map_ = (rcr.Profile(cells, limits).compute(network) for cells in ((1, 6), (5, 6)))
+    assert layers.pressure[0] == pytest.approx(map_.pressure.mean(axis=0))
+    assert layers.solid_fraction[0] == pytest.approx(map_.solid_fraction.mean(axis=0))
+    assert layers.centers[1] == pytest.approx(np.arange(6) + 0.5) and len(map_.edges[0]) == 6
+
+
+def test_a_turning_grain_and_a_grain_in_two_cells():
+    """A disc of radius 1 on the border of two cells turns at 1/s: half of it in each, its halves moving up and down by 4/(3π)."""
+    disc = particles(1) | dict(velocity=np.array([[0.0, 0, 1]]))
+    empty = dict(body1=[], body2=[], type=[], normal=np.empty((0, 2)), branch=np.empty((0, 2)), force=np.empty((0, 2)), position=np.empty((0, 2)), points=[])
+    profile = rcr.Profile((2, 1), ((-1, -1), (1, 1))).compute(Network(disc, empty, {}))
+    assert profile.solid_fraction[:, 0] == pytest.approx(np.pi / 4)
+    assert profile.velocity[:, 0, 1] == pytest.approx([-4 / (3 * np.pi), 4 / (3 * np.pi)], rel=0.02)  # 60 samples
+    assert np.isnan(profile.fabric).all() and (profile.stress == 0).all() and (profile.coordination == 0).all()
+
+
+def test_averages_over_moments():
+    one, two = scene(1), scene(2)
+    limits = ((0, 0), (10, 6))
+    mean = rcr.Profile((3, 3), limits).compute(one).compute(two, reset=False)
+    apart = [rcr.Profile((3, 3), limits).compute(network) for network in (one, two)]
+    assert mean.stress == pytest.approx(0.5 * (apart[0].stress + apart[1].stress))
+    assert mean.compute(two).stress == pytest.approx(apart[1].stress)
+
+
+@pytest.mark.parametrize("cells, quantity", [((1, 4), "velocity_x"), ((4, 1), "pressure"), ((4, 4), "shear_stress"), ((4, 4), "coordination")])
+def test_plot_returns_its_axes(cells, quantity):
+    profile = rcr.Profile(cells, ((0, 0), (10, 6))).compute(scene(1))
+    ax = profile.plot(quantity=quantity)
+    assert profile.plot(ax, quantity) is ax
+    if 1 in cells:
+        (line, _) = ax.get_lines()
+        drawn = line.get_xdata() if cells[0] == 1 else line.get_ydata()
+        assert drawn == pytest.approx({"velocity_x": profile.velocity[0, ..., 0].ravel() if cells[0] == 1 else 0, "pressure": profile.pressure.ravel()}[quantity])
+
+
+def test_what_is_refused():
+    with pytest.raises(AttributeError, match=r"call compute\(\) first"):
+        rcr.Profile().stress
+    for cells in ((0, 3), (1.5, 2), (1,)):
+        with pytest.raises(ValueError, match="cells"):
+            rcr.Profile(cells)
+    with pytest.raises(ValueError, match="lower left and the upper right"):
+        rcr.Profile((2, 2), ((1, 1), (0, 0)))
+    with pytest.raises(ValueError, match="quantity = 'heat'; wanted one of"):
+        rcr.Profile().compute(scene(1)).plot(quantity="heat")
+    with pytest.raises(ValueError, match="wanted one along x"):
+        rcr.Profile().compute(scene(1, cell=np.array([[10.0, 0], [1.0, 6]])))
