@@ -192,7 +192,7 @@ def test_grains_come_to_rest_under_the_stress_of_their_cell(eta):
     overlap = max(-i.geom.gap[k] / (i.geom.refR1 + i.geom.refR2) for i in O.interactions if i.isReal for k in range(i.geom.points))
     assert 0.78 < fraction() < 0.92 and overlap < 1e-3
     network = rcr.contact_network()
-    assert np.linalg.eigvalsh(network.stress()) == pytest.approx([stress] * 2, rel=0.02)
+    assert np.diag(network.stress()) == pytest.approx([stress] * 2, rel=0.02)  # shear stress is left: the cell keeps its angles
 
 
 def test_cell_stress_says_what_is_wrong():
