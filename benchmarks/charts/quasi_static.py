@@ -24,7 +24,7 @@ from . import biaxial_cost
 O = Omega()
 TITLE = "Biaxial test: observables against the rate of shear"
 APPROACH, FROM, STRAIN, LOOK = 0.1, 0.15, 0.3, 0.01
-APPROACH_STEP = 0.4  # dt/t₀ of the way to `APPROACH`
+APPROACH_PACE = dict(inertial_number=1e-3, time_step=0.4)  # of the way to `APPROACH`
 PAUSE = 60  # seconds between two checkpoints
 OBSERVED = dict(
     sin_phi="sin φ", packing_fraction="packing fraction", friction_mobilization="I_M", weak_fraction="share of weak contacts",
@@ -35,7 +35,7 @@ DRAWN = "sin_phi", "friction_mobilization", "a_c_weak", "a_fn_weak", "q_weak", "
 COLUMNS = ["eta", "particles", "inertial_number", "dt", "iterations", "seed", "steps", "seconds", *OBSERVED]
 DEPENDS = ("quick",)
 RATES = "1e-3/0.4/300", "1e-4/0.4/300", "3e-4/0.4/300", "3e-5/1/300"
-STEPS = "1e-4/0.1/300", "1e-4/1/300", "1e-4/0.4/100", "1e-4/0.4/1000"  # the same rate, other steps and sweeps
+STEPS = "1e-4/0.2/300", "1e-4/1/300", "1e-4/0.4/100", "1e-4/0.4/1000"  # the same rate, other steps and sweeps
 
 
 def points(options):
@@ -52,10 +52,9 @@ def _test(name, options, folder):
     """The test of a point, as it was left or in its packing."""
     if (folder / CHECKPOINT).exists():
         return Biaxial.load(folder)
-    eta, particles, rate, dt, iterations, seed = name.split("/")
+    eta, particles, _, _, iterations, seed = name.split("/")
     test = biaxial_cost._compacted(float(eta), int(seed), dataclasses.replace(options, particles=int(particles)))
-    test.parameters.update(inertial_number=float(rate), time_step=float(dt), iterations=int(iterations), approach=APPROACH)
-    test.solver.maxIterations = int(iterations)
+    test.parameters["iterations"] = test.solver.maxIterations = int(iterations)
     test.progress.update(seconds=0.0, looks=[], speeds=[], first=O.iter)
     return test
 
@@ -76,11 +75,13 @@ def run(name, options):
     folder = pathlib.Path(options.out, "rates", name.replace("/", "-"))
     folder.mkdir(parents=True, exist_ok=True)
     test = _test(name, options, folder)
+    pace = dict(zip(("inertial_number", "time_step"), map(float, name.split("/")[2:4])))
     saved = time.monotonic()
     looks = lambda: math.floor((test.strain + 0.5 * RECORD) / LOOK)
     while test.strain < STRAIN - 0.5 * RECORD:
         approaching = test.strain < APPROACH - 0.5 * RECORD
-        O.dt = (APPROACH_STEP if approaching else test.parameters["time_step"]) * test.time_unit
+        test.parameters.update(APPROACH_PACE if approaching else pace)
+        O.dt = test.parameters["time_step"] * test.time_unit
         looked, width, began, start = looks(), test.width, O.time, time.process_time()
         test.shear_record()
         test.progress["seconds"] += 0 if approaching else time.process_time() - start

@@ -44,7 +44,7 @@ APPROACH = 20.0  # … and this times the mean net force over the mean contact f
 CYCLES = 200  # … halved after so many steps, a third after twice as many: a cycle of flips that long steps keep up ends so
 TIME_STEP = 0.1  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then some 15 % of the mean contact force
-QUASI_STATIC = dict(inertial_number=1e-4, time_step=0.4, approach=0.2)  # what makes averages those of the limit I → 0, see docs/study-notes.md
+QUASI_STATIC = dict(inertial_number=1e-4, time_step=0.2, approach=0.2)  # what makes averages those of the limit I → 0, see docs/study-notes.md
 SHEAR_ITERATIONS = 300  # of a step of the shear, at most: where a large packing is about to yield, thousands would change no average
 RAMP = 0.002  # strain over which the top wall takes up its velocity
 BALANCED = 2e-3  # mean net force of a grain over the mean contact force, at the end of the compaction
@@ -204,7 +204,7 @@ class Biaxial:
         iterations : int
             Of the solver in a step of the shear at most (`SHEAR_ITERATIONS`); a tolerance below 1e-4 wants thousands.
         approach : float
-            Strain up to which the shear is no slower than `INERTIAL_NUMBER`: the way to the critical state, which need not be slow (0).
+            Strain up to which the shear is no slower than `INERTIAL_NUMBER`: the way to the critical state need not be slow (0).
 
         Raises
         ------
@@ -281,7 +281,7 @@ class Biaxial:
         strain = self.strain if strain is None else strain
         height = self.progress["first_height"] * (1 - strain)
         width = self.area / (self.packing_fraction * height)
-        rate = self.rate(strain) * self.progress["first_height"] / height
+        rate = self.top_speed(strain) / height
         return tuple(DENSITY * self.packing_fraction * (rate * length) ** 2 / STRESS for length in (width, height))
 
     def wall_stresses(self):
@@ -397,15 +397,19 @@ class Biaxial:
         self.parameters.update(law="smooth", stiffness=stiffness)
         self.solver = Springs()
 
-    def rate(self, strain=None):
-        """Speed of the top wall over the first height [1/s], now or at a strain: the approach is made at I ≥ `INERTIAL_NUMBER`."""
-        slow = self.parameters["inertial_number"]
+    def pace(self, strain=None):
+        """I and dt/t₀ of the shear, now or at a strain: the approach has I ≥ `INERTIAL_NUMBER` in steps of `TIME_STEP` at most."""
+        rate, step = (self.parameters[name] for name in ("inertial_number", "time_step"))
         approaching = (self.strain if strain is None else strain) < self.parameters["approach"] - 0.5 * RECORD
-        return (max(slow, INERTIAL_NUMBER) if approaching else slow) / self.time_unit
+        return (max(rate, INERTIAL_NUMBER), min(step, TIME_STEP)) if approaching else (rate, step)
+
+    def top_speed(self, strain=None):
+        """Speed of the top wall, now or at a strain, after its ramp [m/s]."""
+        return self.pace(strain)[0] / self.time_unit * self.progress["first_height"]
 
     @property
     def steps_a_record(self):
-        return max(1, round(RECORD / (self.rate() * O.dt)))
+        return max(1, round(RECORD * self.time_unit / (self.pace()[0] * O.dt)))
 
     def shear_record(self):
         """Shear by one record: 0.1 % of strain, and a row of the history.
@@ -416,7 +420,9 @@ class Biaxial:
             If the packing has blown up.
         """
         ramp = min(1, max(self.strain, RECORD / 10) / RAMP)
-        O.bodies[self.top].state.vel = Vector3(0, -ramp * self.rate() * self.progress["first_height"], 0)
+        O.bodies[self.top].state.vel = Vector3(0, -ramp * self.top_speed(), 0)
+        if not isinstance(self.solver, Springs):
+            O.dt = self.pace()[1] * self.time_unit
         self._steps(self.steps_a_record)
         x, y = self.mean_stresses
         low, high = POSSIBLE
