@@ -8,15 +8,18 @@ whose results these are. Ctrl-C stops it after a checkpoint, a kill at the last 
 import json
 import math
 import os
+import sys
 import time
 
 from tqdm import tqdm
 
 from rcr import files, results, script
-from rcr.study.biaxial import CHECKPOINT, FREE, INERTIAL_NUMBER, RECORD, SHEAR_ITERATIONS, STIFFNESS, TIME_STEP, Biaxial, checked
+from rcr.study.biaxial import CHECKPOINT, FREE, INERTIAL_NUMBER, QUASI_STATIC, RECORD, SHEAR_ITERATIONS, STIFFNESS, TIME_STEP, Biaxial, checked
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, "history.csv", "isotropic.h5", "network-*.h5"]
+QUICK = dict(inertial_number=INERTIAL_NUMBER, time_step=TIME_STEP, approach=0.0)
+INERTIA_TOLD = 0.02  # sample inertia over σ₀ at the last strain from which on it is told: the forces at the walls differ by so much
 HOW_LONG = ["strain", "networks"]  # how far the test goes and what is saved on the way: no part of what it is
 PAUSE = 60  # seconds between two checkpoints at most, and 20 times as long as one takes at least
 
@@ -29,8 +32,11 @@ def arguments():
     parser.add_argument("--strain", type=script.number("0 < strain < 1", lambda v: 0 < v < 1), default=0.5, help="strain of the shear, (h0 - h)/h0 (default %(default)s)")
     parser.add_argument("--seed", type=whole, default=1, help="of sizes, places and orientations (default %(default)s)")
     parser.add_argument("--friction", type=number, default=0.5, help="between grains during shear (default %(default)s)")
-    parser.add_argument("--inertial-number", type=number, default=INERTIAL_NUMBER, help="rate of the shear times √(m/σ0) (default %(default)s)")
-    parser.add_argument("--time-step", type=number, default=TIME_STEP, help="of the shear, over √(m/σ0); the smooth law's follows from its stiffness (default %(default)s)")
+    parser.add_argument("--inertial-number", type=number, help=f"rate of the shear times √(m/σ0) (default {INERTIAL_NUMBER:g})")
+    parser.add_argument("--time-step", type=number, help=f"of the shear, over √(m/σ0); the smooth law's follows from its stiffness (default {TIME_STEP:g})")
+    parser.add_argument("--approach", type=number, help=f"strain up to which the shear is made at {INERTIAL_NUMBER:g} if --inertial-number is lower (default 0)")
+    quasi_static = " ".join(f"--{name.replace('_', '-')} {value:g}" for name, value in QUASI_STATIC.items())
+    parser.add_argument("--quasi-static", action="store_true", help=f"shear as slowly as averages need that do not know the rate: {quasi_static}")
     parser.add_argument("--threads", type=whole, default=0, help="of the contact solver (default: as YADE's -j)")
     parser.add_argument("--tolerance", type=number, default=1e-4, help="residual of the contact solver (default %(default)s)")
     parser.add_argument("--iterations", type=whole, default=SHEAR_ITERATIONS, help="of the solver in a step of the shear at most (default %(default)s)")
@@ -44,6 +50,11 @@ def arguments():
     options = parser.parse_args()
     if options.resume and options.overwrite:
         parser.error("--resume goes on with the run in DIR, --overwrite removes it: wanted one of them")
+    for name, value in (QUASI_STATIC if options.quasi_static else QUICK).items():
+        if getattr(options, name) is None:
+            setattr(options, name, value)
+    if options.approach >= options.strain:
+        parser.error(f"--approach {options.approach:g}: wanted less than --strain {options.strain:g}; --approach 0 shears slowly from the start")
     if options.strain < RECORD:
         parser.error(f"--strain {options.strain}: wanted at least {RECORD:g}, that of a record of the history")
     return options
@@ -85,8 +96,21 @@ def compact(test, options, checkpoints):
     checkpoints.save()
 
 
+def tell_inertia(test, strain):
+    """A line on stderr where the sample will be too wide for its rate."""
+    share = test.sample_inertia(strain)[0]
+    if share > INERTIA_TOLD:
+        fits = test.parameters["inertial_number"] * math.sqrt(0.5 * INERTIA_TOLD / share)
+        tqdm.write(
+            f"biaxial.py: at a strain of {strain:g} the inertia of the sample, ρ (ε̇ W)², is {share:.2g} of the confining stress, by which the fixed side"
+            f" wall feels more than the free one; --inertial-number {fits:.1g} makes it {100 * 0.5 * INERTIA_TOLD:g} %",
+            file=sys.stderr,
+        )
+
+
 def shear(test, options, checkpoints):
     """Records of 0.1 % of strain up to the strain asked for, a network and a checkpoint at equal strains."""
+    tell_inertia(test, options.strain)
     due = lambda: math.floor((test.strain + 0.5 * RECORD) * options.networks / options.strain)
     with tqdm(desc="shear", total=100 * options.strain, initial=100 * test.strain, unit="%", disable=None, bar_format=BAR) as bar:
         while test.strain < options.strain - 0.5 * RECORD:
@@ -112,7 +136,7 @@ def load(options, parameters):
 
 def main():
     options = arguments()
-    parameters = checked(**{name: value for name, value in vars(options).items() if name not in ("out", "resume", "overwrite", *HOW_LONG)})
+    parameters = checked(**{name: value for name, value in vars(options).items() if name not in ("out", "resume", "overwrite", "quasi_static", *HOW_LONG)})
     told = dict(parameters, strain=options.strain, networks=options.networks)
     how = dict(free=[*FREE, *HOW_LONG], checkpoint=CHECKPOINT, last="summary.json", resume=options.resume, overwrite=options.overwrite)
     with script.stoppable() as stop, results.owned(options.out, "biaxial.py", told, MADE, **how) as begin:

@@ -22,7 +22,7 @@ import time
 from rcr import files
 
 GIVEN_UP = "given up after "  # begins the status of a point that took too long; its seconds follow
-NAMES = dict(a="one_step", b="deterministic", c="biaxial_cost", d="stability")
+NAMES = dict(a="one_step", b="deterministic", c="biaxial_cost", d="stability", e="quasi_static")
 
 
 @dataclasses.dataclass(frozen=True)

@@ -35,6 +35,8 @@ def arguments():
                         help="elongations, with commas or spaces between them (default 0,0.1,…,0.7)")  # fmt: skip
     parser.add_argument("--seeds", type=numbers(script.whole("seeds ≥ 0", lambda v: v >= 0)), nargs="+", metavar="SEED", default=[[1]], help="seeds, likewise (default 1)")
     parser.add_argument("--strain", type=script.number("0 < strain < 1", lambda v: 0 < v < 1), default=0.5, metavar="E", help="of the shear (default %(default)s)")
+    parser.add_argument("--networks", type=script.at_least(1), default=10, metavar="N", help="snapshots of each test, at equal strains (default %(default)s)")
+    parser.add_argument("--quasi-static", action="store_true", help="slow shear, as scripts/biaxial.py --quasi-static: averages do not know the rate, in some four times the time")
     processors = len(os.sched_getaffinity(0))
     parser.add_argument("--jobs", type=script.at_least(1), default=processors, metavar="N", help="processors to use (default all: %(default)s)")
     parser.add_argument("--out", type=script.folder, required=True, metavar="DIR", help="folder of the runs and the report, made if missing")
@@ -56,6 +58,8 @@ def command(options, extra):
         "etas": ",".join(repr(eta).removesuffix(".0") for eta in options.etas),
         "seeds": ",".join(map(str, options.seeds)),
         "threads": threads,
+        "networks": options.networks,
+        "quasi_static": int(options.quasi_static),
     }
     return [
         *("setpriv", "--pdeathsig", "KILL", "snakemake", "--snakefile", str(HERE / "campaign.smk"), "--directory", options.out),
@@ -82,7 +86,7 @@ def main():
     if not shutil.which("snakemake"):
         raise RuntimeError("the package snakemake is not installed here; install it (apt-get install snakemake) and run this again")
     out = pathlib.Path(options.out)
-    parameters = {name: getattr(options, name) for name in ("particles", "etas", "seeds", "strain")}
+    parameters = {name: getattr(options, name) for name in ("particles", "etas", "seeds", "strain", "networks", "quasi_static")}
     with results.owned(out, "campaign", parameters, [], free=list(parameters), resume=True) as begin:
         begin()  # one folder may hold several campaigns: the names of its runs tell their parameters
         try:

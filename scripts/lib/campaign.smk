@@ -1,16 +1,18 @@
 # Workflow of scripts/campaign: one biaxial test a job, over elongations and seeds, then the analysis of all.
 #
-# Config: particles, strain, etas and seeds (with commas), threads of a test. Everything is made in the working directory:
-# runs/NAME/ as scripts/biaxial.py writes it, with its log, and report/. A run's name holds all of its parameters, so that a
+# Config: particles, strain, etas and seeds (with commas), threads and networks of a test, quasi_static 0 or 1. Everything is
+# made in the working directory: runs/NAME/ as scripts/biaxial.py writes it, with its log, and report/. A run's name holds all of its parameters, so that a
 # checkpoint found there is its own.
 
 import pathlib
 import sys
 
 SCRIPTS = pathlib.Path(workflow.basedir).parent
+config.setdefault("networks", 10)
 ETAS = str(config["etas"]).split(",")
 SEEDS = str(config["seeds"]).split(",")
-NAME = f"particles-{config['particles']}-strain-{config['strain']}-eta-{{eta}}-seed-{{seed}}"
+QUASI_STATIC = bool(int(config.get("quasi_static", 0)))
+NAME = f"particles-{config['particles']}-strain-{config['strain']}-{'quasi-static-' * QUASI_STATIC}eta-{{eta}}-seed-{{seed}}"
 
 
 rule report:
@@ -39,6 +41,7 @@ for eta in ETAS:
         params:
             eta=eta,
             folder=f"runs/{NAME.replace('{eta}', eta)}",
+            rate="--quasi-static" if QUASI_STATIC else "",
         threads: int(config.get("threads", 1))
         priority: int(1000 * float(eta))
         resources:
@@ -51,6 +54,6 @@ for eta in ETAS:
             [ ! -e {params.folder}/checkpoint.yade.gz ] || resume=--resume
             exec setpriv --pdeathsig KILL {SCRIPTS}/yade-rcr -n -x -j {threads} {SCRIPTS}/biaxial.py \
                 --eta {params.eta} --seed {wildcards.seed} --particles {config[particles]} --strain {config[strain]} \
-                --threads {threads} --out {params.folder} $resume \
+                --networks {config[networks]} --threads {threads} {params.rate} --out {params.folder} $resume \
                 >{params.folder}/log 2>&1
             """

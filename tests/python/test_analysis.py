@@ -1,5 +1,6 @@
 """The observables on synthetic runs of known distributions: recovered within their errors, complete, of the shapes promised."""
 
+import dataclasses
 import json
 import pathlib
 import time
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from rcr.study import analysis, claims, statistics
 from rcr.study.ensemble import Ensemble
-from rcr.network import Network
+from rcr.network import LEFT, RIGHT, Network
 from rcr.study.paper import STATEMENTS
 from rcr.study.runs import Run
 
@@ -19,6 +20,7 @@ CONTRACT = dict(  # observable: (names of grids, names of arrays over elongation
     O3=(("f_n",), ("pdf",)),
     O4=(("f_t",), ("pdf",)),
     O5=((), ("friction_mobilization",)),
+    O6=(("strip",), ("strip_force",)),
     O7=(("f_n",), ("i_mf",)),
     O8=(("i_m",), ("pdf",)),
     O10=(("l_r",), ("pdf",)),
@@ -115,6 +117,44 @@ def test_standard_error_is_that_of_repeated_sampling():
     assert error == pytest.approx(np.sqrt(2 / (20 * 2000)), rel=0.5)
     single = analysis.measures(Ensemble([packing(0.5)]), grids)["O15"]
     assert np.isnan(single["a_c_error"]).all()  # of one snapshot it is unknown
+
+
+def test_forces_in_strips_from_wall_to_wall():
+    """Forces that fall by half from the left side wall, at x = −5, to the right one, at 25: the mean of each strip within 4 errors of the line.
+
+    Contacts between grains only fill x in [0, 30]; those with the side walls say where the sample begins and ends.
+    """
+    made = packing(0.5, contacts=20_000, a_fn=0, a_ft=0)
+    columns = {name: column.copy() for name, column in made.contacts.items()}
+    x = np.clip(columns["position"][:, 0], 0, 25)
+    columns["position"][:, 0] = x
+    columns["force"] *= (1 - 0.5 * (x + 5) / 30)[:, None]
+    columns["body2"][:2] = LEFT, RIGHT
+    columns["position"][:2, 0] = -5, 25
+    ensemble = Ensemble([Network(made.particles, columns, made.attributes)])
+    grids = analysis.Grids.of([ensemble], 0.4)
+    found = analysis.strip_forces(ensemble, grids)["strip_force"]
+    inside, middle = x[2:], np.array([0, 0.3, 0.5, 0.7, 0.9])
+    edges = -5 + 30 * grids.strip
+    middle[0] = (inside[inside < edges[1]].mean() + 5) / 30
+    mean = 1 - 0.5 * (inside.mean() + 5) / 30
+    assert found == pytest.approx((1 - 0.5 * middle) / mean, abs=4 / np.sqrt(20_000 / 6))  # exponential forces: an error of the mean of 1/√C
+    assert np.isnan(analysis.strip_forces(Ensemble([packing(0.5, contacts=20)]), grids)["strip_force"]).any()  # too few contacts
+
+
+def test_drift_of_the_fabric():
+    """a_c that rises by 0.3 from a strain of 0.2 to 0.5, in two seeds of different levels: found within 4 errors, and the error is that of the moments."""
+
+    def run(level, seed):
+        strains = np.linspace(0.2, 0.5, 7)
+        networks = [packing(0.5, seed=100 * seed + k, strain=strain, a_c=level + strain, a_fn=0, a_ft=0) for k, strain in enumerate(strains)]
+        return Run(folder=None, networks=networks, from_strain=0.2)
+
+    found = analysis.drift([run(0.0, 1), run(0.2, 2)])
+    expected = 0.3 * np.sqrt(2 / 2000) / np.sqrt(14 * np.var(np.linspace(0.2, 0.5, 7)))  # √(2/C) of a moment, over the spread of the strains
+    assert found["a_c_drift_error"] == pytest.approx(expected, rel=0.5)
+    assert found["a_c_drift"] == pytest.approx(0.3, abs=4 * found["a_c_drift_error"])
+    assert np.isnan(analysis.drift([dataclasses.replace(run(0.0, 1), networks=run(0.0, 1).networks[:2])])["a_c_drift"])
 
 
 def test_standard_error_leaves_out_what_is_not_known():

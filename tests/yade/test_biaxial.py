@@ -220,6 +220,35 @@ def test_checkpoint_of_another_scene_is_refused(tmp_path):
         Biaxial.load(tmp_path)
 
 
+def test_the_approach_is_quick_and_the_rest_slow(packing):
+    """Speed of the top wall and time step: of I = 1e-3 up to the strain of the approach, beyond the ramp; no test is slowed or coarsened by it."""
+    for own, approach in (((2e-4, 0.4), (1e-3, 0.1)), ((2e-3, 0.05), (2e-3, 0.05))):
+        test = Biaxial.load(packing.folder)
+        test.parameters.update(inertial_number=own[0], time_step=own[1], approach=0.005)
+        seen = {}
+        while test.strain < 0.008 - 1e-6:
+            place = "ramp" if test.strain < 0.002 else "approach" if test.strain < 0.005 - 5e-4 else "rest"
+            test.shear_record()
+            seen[place] = -O.bodies[test.top].state.vel[1] * test.time_unit / test.progress["first_height"], O.dt / test.time_unit
+        assert seen["approach"] == pytest.approx(approach, rel=1e-9) and seen["rest"] == pytest.approx(own, rel=1e-9)
+
+
+def test_inertia_of_the_sample_and_box_are_told(packing):
+    """ρ (ε̇ W)²/σ₀ = I² N (W/h)(h₀/h)², since t₀² = m/σ₀; along the height the same times (h/W)². Foretold at constant area."""
+    test = Biaxial.load(packing.folder)
+    first = test.height
+    foretold = test.sample_inertia(0.01)
+    for _ in range(10):
+        test.shear_record()
+    summary = test.summary()
+    aspect = test.width / test.height
+    expected = test.parameters["inertial_number"] ** 2 * 400 * aspect * (first / test.height) ** 2
+    assert summary["aspect_ratio"] == pytest.approx(aspect, rel=1e-12) and summary["aspect_ratio_initial"] < aspect
+    assert summary["sample_inertia"] == pytest.approx(expected, rel=1e-9)
+    assert summary["sample_inertia_height"] == pytest.approx(expected / aspect**2, rel=1e-9)
+    assert foretold == pytest.approx(test.sample_inertia(), rel=0.05)  # dilation: some per cent of the area
+
+
 def test_missed_tolerances_are_counted(packing):
     """Two iterations reach no tolerance, thousands do; by what factor follows from the residuals of the steps."""
     test = Biaxial.load(packing.folder)
@@ -312,6 +341,23 @@ def test_script_refuses_the_folder_of_another_run(done, arguments, message):
     before = {path.name: path.read_bytes() for path in done.iterdir()}
     assert message in forked.complaint(forked.run(SCRIPT, *SMALL, *arguments, "--out", done))
     assert {path.name: path.read_bytes() for path in done.iterdir()} == before
+
+
+def test_script_refuses_an_approach_that_never_ends(tmp_path):
+    message = forked.complaint(forked.run(SCRIPT, *SMALL, "--quasi-static", "--out", tmp_path / "out"))
+    assert "--approach 0.2: wanted less than --strain 0.01" in message and not (tmp_path / "out").exists()
+
+
+def test_script_sets_the_quasi_static_rate(tmp_path):
+    """What is given beside --quasi-static counts. A sample too wide for its rate is told of before the shear."""
+    run = script(*SMALL, "--quasi-static", "--approach", "0.004", "--inertial-number", "5e-4", "--out", tmp_path / "slow")
+    assert run.returncode == 0, run.stderr
+    parameters = json.loads((tmp_path / "slow" / "run.json").read_text())["parameters"]
+    assert {name: parameters[name] for name in ("inertial_number", "time_step", "approach")} == dict(inertial_number=5e-4, time_step=0.2, approach=0.004)
+    assert "inertia of the sample" not in run.stderr
+    run = script(*SMALL, "--inertial-number", "0.03", "--time-step", "0.02", "--out", tmp_path / "fast")  # I² N = 0.05
+    assert run.returncode == 0 and "the inertia of the sample, ρ (ε̇ W)², is 0.05" in run.stderr
+    assert json.loads((tmp_path / "fast" / "summary.json").read_text())["sample_inertia"] == pytest.approx(0.05, rel=0.2)
 
 
 def test_script_overwrites_on_demand(done):

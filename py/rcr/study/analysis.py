@@ -8,6 +8,8 @@ Rules
   ``_fit_error`` is that of the fit, and ``_half`` the β found up to half of the mean: how much the range matters.
 * Angular functions ⟨·⟩(θ, ξ) are means over the contacts of S(ξ) with a normal near θ, least-squares fitted by the paper's forms;
   tangential components are along n turned by −90° there, the sense in which ⟨f_t⟩ = ⟨f_n⟩ a_ft sin 2(θ − θσ) with a_ft > 0.
+* ``a_c_drift`` is how far a_c goes on changing over the snapshots' strains: the critical state of sin φ is not that of the fabric.
+* ``strip_force`` compares the normal forces of contacts between grains in vertical strips from wall to wall.
 * sin φ is that of the mean stresses of the walls over the history, not the mean of sin φ: stresses of a large packing fluctuate by its
   inertia, and then the latter is too small. ``sin_phi_std`` is the scatter of records; ``sin_phi_network`` is the mean of the snapshots.
 """
@@ -24,6 +26,7 @@ from rcr.study.runs import by_elongation
 
 POWER_RANGE = 0.01  # of the mean: below it forces are as small as the solver's tolerance leaves them undecided
 WINDOW = 0.01  # of strain, over which stresses are averaged for the curve of sin φ
+STRIPS = 5  # from wall to wall, in which forces are compared
 BLOCKS = 5  # of a history, each longer than the correlation of sin φ, for its standard error
 ISOTROPIC = ("a_c", "contacts", "order", "packing_fraction", "coordination_number", "coordination_number_twice")
 NAMES = ("a_c", "a_ln", "a_lt", "a_fn", "a_ft")
@@ -38,6 +41,7 @@ class Grids:
     reduced_length: np.ndarray  # of ℓ_r
     length: np.ndarray  # of ℓ/R_max
     theta: np.ndarray  # of the angle of normals [rad]
+    strip: np.ndarray  # of the place between the side walls
     strain: np.ndarray  # values of the strain
     xi: np.ndarray  # values of ξ, the last one beyond every force
     xi_polar: np.ndarray  # values of ξ of the angular functions, likewise
@@ -54,6 +58,7 @@ class Grids:
             reduced_length=1 + 0.01 * np.arange(-steps, 1),
             length=np.arange(np.floor(shortest / 0.05 + 1e-9), 41) * 0.05,
             theta=np.linspace(0, np.pi, 37),
+            strip=np.linspace(0, 1, STRIPS + 1),
             strain=np.linspace(0, strain, 201),
             xi=np.append(np.arange(0, min(8, top), 0.05), top),
             xi_polar=np.array([0.5, 1, 2, top]),
@@ -61,7 +66,7 @@ class Grids:
 
     def values(self):
         """The values and the middles of classes, by their names in analysis.json."""
-        middles = {name: statistics.centres(getattr(self, name)) for name in ("mobilization", "reduced_length", "length", "theta")}
+        middles = {name: statistics.centres(getattr(self, name)) for name in ("mobilization", "reduced_length", "length", "theta", "strip")}
         middle = np.where(self.force[1:] <= 1, np.sqrt(self.force[1:] * self.force[:-1]), statistics.centres(self.force))
         return middles | dict(force=middle, strain=self.strain, xi=self.xi, xi_polar=self.xi_polar)
 
@@ -107,6 +112,11 @@ def mean_mobilization(e, grids):
         mobilized_fraction=np.mean(full),
         mobilized_weak_share=np.mean(weak[full]) if full.any() else np.nan,
     )
+
+
+def strip_forces(e, grids):
+    """Mean normal force in vertical strips over that of the snapshot: 1 everywhere where the sample knows neither inertia nor its walls."""
+    return dict(strip_force=statistics.class_means(e.across, e.fn, grids.strip))
 
 
 def mobilization_by_force(e, grids):
@@ -214,6 +224,7 @@ MEASURES = dict(  # of one ensemble, and the grids that belong to its arrays by 
     O3=(normal_forces, dict(f_n="force")),
     O4=(tangential_forces, dict(f_t="force")),
     O5=(mean_mobilization, {}),
+    O6=(strip_forces, dict(strip="strip")),
     O7=(mobilization_by_force, dict(f_n="force")),
     O8=(mobilization_distribution, dict(i_m="mobilization")),
     O10=(length_distribution, dict(l_r="reduced_length")),
@@ -285,6 +296,20 @@ def strength(runs, ensemble, grids):
     )
 
 
+def drift(runs):
+    """Change of a_c over the strains of the snapshots, by a straight line with one slope for all seeds; NaN of fewer than three snapshots."""
+    series = [(np.array([network.attributes["strain"] for network in run.networks]), [network.anisotropies()[0] for network in run.networks]) for run in runs]
+    x = np.concatenate([strain - strain.mean() for strain, _ in series])
+    y = np.concatenate([values - np.mean(values) for _, values in series])
+    left = len(x) - len(series) - 1
+    if left < 1 or not x.any():
+        return dict(a_c_drift=np.nan, a_c_drift_error=np.nan)
+    slope = x @ y / (x @ x)
+    error = np.sqrt(np.sum((y - slope * x) ** 2) / left / (x @ x))
+    strains = np.concatenate([strain for strain, _ in series])
+    return dict(a_c_drift=slope * np.ptp(strains), a_c_drift_error=error * np.ptp(strains))
+
+
 def compaction(runs, grids):
     """Isotropic state: directions of contacts and particles, density, coordination; NaN of a run without isotropic.h5."""
     states = [isotropic(run.isotropic, grids) for run in runs if run.isotropic is not None]
@@ -346,6 +371,7 @@ def analyse(runs):
     values = {key: stacked([results[e][key] for e in groups], axes) for key, (_, axes) in MEASURES.items()}
     values["O1"] = stacked([strength(groups[e], ensembles[e], grids) for e in groups], dict(strain="strain"))
     values["O2"] = stacked([compaction(groups[e], grids) for e in groups], dict(theta="theta"))
+    values["O15"] |= stacked([drift(groups[e]) for e in groups], {})
     values |= {key: dict(eta=eta) for key in MAPS if key not in values}
     for key in ("O3", "O4"):
         values[key] |= dict(power_range=np.array([POWER_RANGE, 1.0]), exponential_range=np.array([1.0, grids.xi[-1]]))

@@ -43,7 +43,8 @@ FARTHEST = 0.1  # displacement of a grain in a step of the approach to rest, at 
 APPROACH = 20.0  # … and this times the mean net force over the mean contact force [d] …
 CYCLES = 200  # … halved after so many steps, a third after twice as many: a cycle of flips that long steps keep up ends so
 TIME_STEP = 0.1  # dt/t₀ of the shear
-INERTIAL_NUMBER = 1e-3  # quasi-static: the largest net force of a grain in a step is then some 15 % of the mean contact force
+INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then some 15 % of the mean contact force
+QUASI_STATIC = dict(inertial_number=1e-4, time_step=0.2, approach=0.2)  # what makes averages those of the limit I → 0, see docs/study-notes.md
 SHEAR_ITERATIONS = 300  # of a step of the shear, at most: where a large packing is about to yield, thousands would change no average
 RAMP = 0.002  # strain over which the top wall takes up its velocity
 BALANCED = 2e-3  # mean net force of a grain over the mean contact force, at the end of the compaction
@@ -120,6 +121,7 @@ def checked(
     law="cd",
     stiffness=STIFFNESS,
     iterations=SHEAR_ITERATIONS,
+    approach=0.0,
 ):
     """The parameters of a test as a dict, in numbers that fit; those of `Biaxial.prepare`.
 
@@ -141,6 +143,7 @@ def checked(
         law=checks.choice("law", law, ("cd", "smooth")),
         stiffness=checks.number("stiffness", stiffness, "a number ≥ 1, at most 1e9", lambda v: 1 <= v <= 1e9),
         iterations=checks.whole("iterations", iterations, "a whole number > 0 of 32 bits", lambda v: 0 < v < 2**31),
+        approach=checks.number("approach", approach, "a strain 0 ≤ approach < 1", lambda v: 0 <= v < 1),
     )
     if solver not in SOLVERS:
         raise ValueError(f"solver {solver!r} is not known; wanted one of {', '.join(SOLVERS)}")
@@ -216,6 +219,8 @@ class Biaxial:
             k_n/σ₀ of the smooth law [-] (`STIFFNESS`).
         iterations : int
             Of the solver in a step of the shear at most (`SHEAR_ITERATIONS`); a tolerance below 1e-4 wants thousands.
+        approach : float
+            Strain up to which the shear is no slower than `INERTIAL_NUMBER`: the way to the critical state need not be slow (0).
 
         Raises
         ------
@@ -282,6 +287,18 @@ class Biaxial:
     def unbalance(self):
         """Mean net force of a grain over the mean contact force [-]: of the compaction's last step, so far or at its end."""
         return self.progress["unbalance_initial"] if self.progress["phase"] == "shear" else self.solver.unbalance
+
+    def sample_inertia(self, strain=None):
+        """Inertia of the whole sample over σ₀ along its width W and its height h: ρ (ε̇ W)²/σ₀ and ρ (ε̇ h)²/σ₀, now or at a strain to come [-].
+
+        ε̇ = v/h, v being the speed of the top wall. Where the sample flows homogeneously, u = ε̇ (x, −y), at constant v and area, a point
+        has the acceleration 2 ε̇² x, and none along y: the fixed side wall feels ρ (ε̇ W)² more than the free one, exactly.
+        """
+        strain = self.strain if strain is None else strain
+        height = self.progress["first_height"] * (1 - strain)
+        width = self.area / (self.packing_fraction * height)
+        rate = self.top_speed(strain) / height
+        return tuple(DENSITY * self.packing_fraction * (rate * length) ** 2 / STRESS for length in (width, height))
 
     def wall_stresses(self):
         """σ_x and σ_y from the contact forces on opposite walls, averaged [Pa], compression positive."""
@@ -392,10 +409,19 @@ class Biaxial:
         self.parameters.update(law="smooth", stiffness=stiffness)
         self.solver = Springs()
 
+    def pace(self, strain=None):
+        """I and dt/t₀ of the shear, now or at a strain: the approach has I ≥ `INERTIAL_NUMBER` in steps of `TIME_STEP` at most."""
+        rate, step = (self.parameters[name] for name in ("inertial_number", "time_step"))
+        approaching = (self.strain if strain is None else strain) < self.parameters["approach"] - 0.5 * RECORD
+        return (max(rate, INERTIAL_NUMBER), min(step, TIME_STEP)) if approaching else (rate, step)
+
+    def top_speed(self, strain=None):
+        """Speed of the top wall, now or at a strain, after its ramp [m/s]."""
+        return self.pace(strain)[0] / self.time_unit * self.progress["first_height"]
+
     @property
     def steps_a_record(self):
-        rate = self.parameters["inertial_number"] / self.time_unit
-        return max(1, round(RECORD / (rate * O.dt)))
+        return max(1, round(RECORD * self.time_unit / (self.pace()[0] * O.dt)))
 
     def shear_record(self):
         """Shear by one record: 0.1 % of strain, and a row of the history.
@@ -405,9 +431,10 @@ class Biaxial:
         RuntimeError
             If the packing has blown up.
         """
-        speed = self.parameters["inertial_number"] / self.time_unit * self.progress["first_height"]
         ramp = min(1, max(self.strain, RECORD / 10) / RAMP)
-        O.bodies[self.top].state.vel = Vector3(0, -ramp * speed, 0)
+        O.bodies[self.top].state.vel = Vector3(0, -ramp * self.top_speed(), 0)
+        if not isinstance(self.solver, Springs):
+            O.dt = self.pace()[1] * self.time_unit
         self._steps(self.steps_a_record)
         x, y = self.mean_stresses
         low, high = POSSIBLE
@@ -481,6 +508,7 @@ class Biaxial:
     def summary(self):
         """What `summary.json` holds; stresses and fractions of the second half of the strain.
 
+        `aspect_ratio` is width over height at the end, `sample_inertia` and `sample_inertia_height` what `sample_inertia` tells then.
         `missed_fraction` is the share of the shear's steps whose residual was beyond the tolerance, `missed_mean` and `missed_max` by what
         factor; 0 without such steps.
         """
@@ -492,6 +520,8 @@ class Biaxial:
         force = np.einsum("ca,ca->c", network.contacts["force"], network.contacts["normal"])[between]
         overlaps = self.overlaps()
         frictional = network.attributes["friction"] > 0
+        first_width = self.area / (self.progress["packing_fraction_initial"] * self.progress["first_height"])
+        along_width, along_height = self.sample_inertia()
         return dict(
             eta=self.parameters["eta"],
             particles=self.parameters["particles"],
@@ -510,6 +540,11 @@ class Biaxial:
             mean_overlap=float(overlaps.mean()),
             max_overlap=float(overlaps.max(initial=0)),
             inertial_number=self.parameters["inertial_number"],
+            approach=self.parameters["approach"],
+            aspect_ratio_initial=first_width / self.progress["first_height"],
+            aspect_ratio=self.width / self.height,
+            sample_inertia=along_width,
+            sample_inertia_height=along_height,
             unbalance_initial=self.progress["unbalance_initial"],
             steps=O.iter,
             dt=O.dt,

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from rcr.network import COMPLEX, Network
+from rcr.network import COMPLEX, LEFT, RIGHT, Network
 from rcr.xi_networks import XiNetworks
 
-_COLUMNS = ("fn", "ft", "ln", "lt", "reduced_length", "mobilization", "angle", "theta", "type")
+_COLUMNS = ("fn", "ft", "ln", "lt", "reduced_length", "mobilization", "angle", "theta", "type", "across")
 
 
 class Ensemble:
@@ -28,6 +28,8 @@ class Ensemble:
         The same from the axis of σ₁ of its snapshot, θ − θσ [rad].
     type : (C,) int array
         0 cap-cap, 1 cap-side, 2 side-side.
+    across : (C,) float array
+        Place of the contact between the left (0) and the right side (1) of its snapshot [-].
     stress_angle : float
         Mean θσ, in [0, π) [rad].
 
@@ -90,4 +92,12 @@ def _contacts(network):
         angle=angle % np.pi,
         theta=angle - network.stress_angle(),
         type=network.contacts["type"][pick],
+        across=_across(network)[pick],
     )
+
+
+def _across(network):
+    """x of each contact over the width: between the side walls where contacts show them, else between the outermost contacts; (C,) in [0, 1]."""
+    x, body = network.contacts["position"][:, 0], network.contacts["body2"]
+    left, right = (x[body == wall].mean() if (body == wall).any() else end for wall, end in ((LEFT, x.min()), (RIGHT, x.max())))
+    return np.clip((x - left) / (right - left), 0, 1) if right > left else np.zeros_like(x)

@@ -143,6 +143,16 @@ def plot_mobilization(value, ax=None):
     return ax
 
 
+def plot_strips(value, ax=None):
+    """Mean normal force in vertical strips from wall to wall, over the mean of all, within a band of 10 % [beside the maps of O6]."""
+    ax = _axes(ax)
+    ax.axhspan(0.9, 1.1, color="0.92", lw=0)
+    for eta, row, error in zip(value["eta"], _array(value, "strip_force"), _error(value, "strip_force")):
+        ax.errorbar(_array(value, "strip"), row, error, color=color(eta), marker=marker(eta), ms=3, lw=0.8, elinewidth=0.6, label=rf"$\eta = {eta:g}$")
+    ax.set(xlabel=r"$x/W$ (fixed wall at 0, free wall at 1)", ylabel=r"$\langle f_n\rangle_x/\langle f_n\rangle$", xlim=(0, 1))
+    return ax
+
+
 def plot_mobilization_by_force(value, ax=None):
     """I_mf(f_n) [O7]."""
     ax = _points(value, "f_n", "i_mf", _axes(ax), line="-", ms=2.5, lw=0.6)
@@ -374,6 +384,7 @@ FIGURES = dict(
     O3=_two(plot_force_tail, plot_force_power),
     O4=_two(lambda value, ax: plot_force_tail(value, ax, "t"), lambda value, ax: plot_force_power(value, ax, "t")),
     O5=_one(plot_mobilization, of_eta=False),
+    O6=_one(plot_strips),
     O7=_one(plot_mobilization_by_force),
     O8=_one(plot_mobilization_pdf),
     O10=_one(plot_length_pdf),

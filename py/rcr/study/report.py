@@ -7,6 +7,7 @@ import json
 import pathlib
 import tempfile
 
+import numpy as np
 from PIL import Image  # Matplotlib brings it
 
 from rcr import __version__, files
@@ -118,7 +119,26 @@ def _material(runs, analysis):
     strains = [float(network.attributes["strain"]) for run in runs for network in run.networks]
     rows = zip(value["eta"], value["particles"], value["seeds"], value["snapshots"], value["contacts"])
     listed = "; ".join(f"η = {eta:g}: {n:.0f} particles, {seeds} seed(s), {s} snapshots, {c} contacts" for eta, n, seeds, s, c in rows)
-    return f"Critical state: snapshots at strains from {min(strains):.3f} to {max(strains):.3f}. {listed}. {_misses(runs)}"
+    state = f"Critical state: snapshots at strains from {min(strains):.3f} to {max(strains):.3f}. {listed}."
+    return " ".join([state, _drifts(analysis), _boxes(runs), _misses(runs)])
+
+
+def _drifts(analysis):
+    """How far a_c goes on changing over the snapshots."""
+    value = analysis["O15"]["value"]
+    rows = [(eta, change, error) for eta, change, error in zip(value["eta"], value["a_c_drift"], value["a_c_drift_error"]) if np.isfinite(change)]
+    if not rows:
+        return "Too few snapshots tell whether a_c is stationary."
+    return f"Change of a_c over these strains: {'; '.join(f'η = {eta:g}: {change:+.2f} ± {error:.2f}' for eta, change, error in rows)}."
+
+
+def _boxes(runs):
+    """Shape of the box and inertia of the sample at the ends of the tests, of the runs that tell it."""
+    told = [run.summary for run in runs if {"aspect_ratio", "sample_inertia"} <= set(run.summary or ())]
+    if not told:
+        return "No run tells the shape of its box."
+    widths, inertia = ([summary[name] for summary in told] for name in ("aspect_ratio", "sample_inertia"))
+    return f"At the end the boxes are {min(widths):.1f} to {max(widths):.1f} times as wide as high, and ρ (ε̇ W)² is at most {max(inertia):.1g} of σ₀."
 
 
 def _misses(runs):

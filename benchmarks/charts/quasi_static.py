@@ -1,0 +1,199 @@
+"""Chart e. The biaxial test over its rate: how far each observable is from its quasi-static limit, and what the limit is.
+
+Tests of one elongation, size and seed start from the same frictionless packing and go the same way to a strain of 0.1, at I = 1e-3. From there to 0.3
+each has its own rate I, time step and number of sweeps. Means over strains from 0.15: stresses and packing fraction of all records, the
+rest of one network a per cent. Seeds start alike, so the difference between two rates is one of pairs, whose error is smaller than that of either.
+
+An observable y is fitted by y(I) = y₀ + b √I, the same b for all seeds; the limit y₀ has the error of the seeds' means and that of b. A test saves
+itself once a minute, so that a point that was interrupted goes on, and leaves its networks in the folder `rates` of the charts.
+"""
+
+import dataclasses
+import math
+import pathlib
+import time
+
+import numpy as np
+from yade.wrapper import Omega
+
+from rcr.network import sin_phi
+from rcr.study.biaxial import CHECKPOINT, RECORD, Biaxial
+
+from . import biaxial_cost
+
+O = Omega()
+TITLE = "Biaxial test: observables against the rate of shear"
+APPROACH, FROM, STRAIN, LOOK = 0.1, 0.15, 0.3, 0.01
+APPROACH_PACE = dict(inertial_number=1e-3, time_step=0.4)  # of the way to `APPROACH`
+PAUSE = 60  # seconds between two checkpoints
+OBSERVED = dict(
+    sin_phi="sin φ", packing_fraction="packing fraction", friction_mobilization="I_M", weak_fraction="share of weak contacts",
+    a_c_half="a_c(ξ = 0.5)", a_c_weak="a_c(ξ = 1)", a_c="a_c", a_fn_weak="a_fn(ξ = 1)", a_fn="a_fn", a_ft="a_ft", q_weak="q(ξ = 1)/p",
+    mean_overlap="mean overlap [d]", wall_scatter="scatter of the free wall's speed over its mean", sample_inertia="ρ (ε̇ W)²/σ₀",
+)  # fmt: skip
+DRAWN = "sin_phi", "friction_mobilization", "a_c_weak", "a_fn_weak", "q_weak", "packing_fraction"
+COLUMNS = ["eta", "particles", "inertial_number", "dt", "iterations", "seed", "steps", "seconds", *OBSERVED]
+DEPENDS = ("quick",)
+RATES = "1e-3/0.4/300", "1e-4/0.4/300", "3e-4/0.4/300", "3e-5/1/300"
+STEPS = "1e-4/0.2/300", "1e-4/1/300", "1e-4/0.4/100", "1e-4/0.4/1000"  # the same rate, other steps and sweeps
+
+
+def points(options):
+    """Names eta/particles/I/dt/sweeps/seed, those that tell most first."""
+    etas = "0", "0.7"
+    if options.quick:
+        return [f"{eta}/100/{rate}/{seed}" for eta in etas for rate in ("1e-3/0.4/300", "5e-4/0.4/300") for seed in (1, 2)]
+    names = [f"{eta}/1000/{rate}/{seed}" for seed in (1, 2, 3) for rate in RATES for eta in etas]
+    names += [f"{eta}/1000/{setting}/1" for setting in STEPS for eta in etas]
+    return names + [f"{eta}/4000/{rate}/1" for rate in RATES[:3] for eta in etas]
+
+
+def _test(name, options, folder):
+    """The test of a point, as it was left or in its packing."""
+    if (folder / CHECKPOINT).exists():
+        return Biaxial.load(folder)
+    eta, particles, _, _, iterations, seed = name.split("/")
+    test = biaxial_cost._compacted(float(eta), int(seed), dataclasses.replace(options, particles=int(particles)))
+    test.parameters["iterations"] = test.solver.maxIterations = int(iterations)
+    test.progress.update(seconds=0.0, looks=[], speeds=[], first=O.iter)
+    return test
+
+
+def _look(test):
+    """Observables of the present network."""
+    network = test.network()
+    half, weak, whole = (network.anisotropies(xi) for xi in (0.5, 1, np.inf))
+    force = network.local_components()[3][:, 0]
+    return dict(
+        friction_mobilization=network.friction_mobilization().mean(), weak_fraction=np.mean(force < force.mean()), a_c_half=half[0],
+        a_c_weak=weak[0], a_c=whole[0], a_fn_weak=weak[3], a_fn=whole[3], a_ft=whole[4], q_weak=network.shear_stress_ratio(1),
+        mean_overlap=test.overlaps().mean(), sample_inertia=test.sample_inertia()[0],
+    )  # fmt: skip
+
+
+def run(name, options):
+    folder = pathlib.Path(options.out, "rates", name.replace("/", "-"))
+    folder.mkdir(parents=True, exist_ok=True)
+    test = _test(name, options, folder)
+    pace = dict(zip(("inertial_number", "time_step"), map(float, name.split("/")[2:4])))
+    saved = time.monotonic()
+    looks = lambda: math.floor((test.strain + 0.5 * RECORD) / LOOK)
+    while test.strain < STRAIN - 0.5 * RECORD:
+        approaching = test.strain < APPROACH - 0.5 * RECORD
+        test.parameters.update(APPROACH_PACE if approaching else pace)
+        O.dt = test.parameters["time_step"] * test.time_unit
+        looked, width, began, start = looks(), test.width, O.time, time.process_time()
+        test.shear_record()
+        test.progress["seconds"] += 0 if approaching else time.process_time() - start
+        test.progress["first"] = O.iter if approaching else test.progress["first"]
+        test.progress["speeds"].append((test.width - width) / (O.time - began) * test.time_unit / test.diameter)
+        if looks() > looked and test.strain > FROM:
+            test.network().save(folder / f"network-{test.strain:.4f}.h5")
+            test.progress["looks"].append({key: float(value) for key, value in _look(test).items()})
+        if time.monotonic() > saved + PAUSE or test.strain >= STRAIN - 0.5 * RECORD:
+            test.save(folder)
+            saved = time.monotonic()
+    return [_row(test)]
+
+
+def _row(test):
+    parameters, looks = test.parameters, test.progress["looks"]
+    late = [k for k, row in enumerate(test.rows) if row["strain"] > FROM]
+    mean = lambda name: np.mean([test.rows[k][name] for k in late])
+    speeds = np.array(test.progress["speeds"])[late]
+    found = {key: np.mean([look[key] for look in looks]) for key in looks[0]}
+    found |= dict(sin_phi=sin_phi([mean("stress_x"), mean("stress_y")]), packing_fraction=mean("packing_fraction"))
+    found |= dict(wall_scatter=speeds.std() / speeds.mean())
+    row = {name: parameters[name] for name in ("eta", "particles", "inertial_number", "iterations", "seed")}
+    row |= dict(dt=parameters["time_step"], steps=O.iter - test.progress["first"], seconds=test.progress["seconds"])
+    return row | {name: float(value) for name, value in found.items()}
+
+
+# ---------------------------------------------------------------------------------------------- limit and figure
+
+
+def limit(rows, name):
+    """y₀ and b of y = y₀ + b √I, with a level for each seed and one b for all; their errors are those of the fit's residuals.
+
+    Parameters
+    ----------
+    rows : list of dict
+        Of one elongation and one size, at two rates or more.
+    name : str
+        Of the observable.
+
+    Returns
+    -------
+    (y₀, error, b, error) : floats
+        y₀ is the mean over the seeds. Its error holds the scatter of the seeds' levels and the error of b; NaN where the rows are too few to tell.
+    """
+    seeds = sorted({row["seed"] for row in rows})
+    x, y = (np.array(column, dtype=float) for column in zip(*[(math.sqrt(row["inertial_number"]), row[name]) for row in rows]))
+    level = np.array([[row["seed"] == seed for seed in seeds] for row in rows], dtype=float)
+    design = np.column_stack([level, x])
+    if np.ptp(x) == 0:
+        return math.nan, math.nan, math.nan, math.nan
+    values = np.linalg.lstsq(design, y, rcond=None)[0]
+    left = len(y) - design.shape[1]
+    covariance = np.linalg.inv(design.T @ design) * (np.sum((y - design @ values) ** 2) / left if left > 0 else math.nan)
+    share = np.append(np.full(len(seeds), 1 / len(seeds)), 0)
+    scatter = np.var(values[:-1], ddof=1) / len(seeds) if len(seeds) > 1 else 0.0
+    return float(share @ values), math.sqrt(max(share @ covariance @ share, scatter)), float(values[-1]), math.sqrt(covariance[-1, -1])
+
+
+def _plain(rows):
+    """The rows of the sweep over the rate: those of other steps and sweeps left out."""
+    rates = {tuple(map(float, rate.split("/")[:3])) for rate in (*RATES, "5e-4/0.4/300")}
+    return [row for row in rows if row["status"] == "ok" and (row["inertial_number"], row["dt"], row["iterations"]) in rates]
+
+
+def _groups(rows):
+    return {key: [row for row in rows if (row["eta"], row["particles"]) == key] for key in sorted({(row["eta"], row["particles"]) for row in rows})}
+
+
+def ratios(rows):
+    """Limits I → 0 of every observable, and how far I = 1e-3 and 1e-4 are from them."""
+    groups = {key: group for key, group in _groups(_plain(rows)).items() if len({row["inertial_number"] for row in group}) > 1}
+    yield "observable | " + " | ".join(f"η = {eta:g}, N = {particles:g}: limit | off at 1e-3 | off at 1e-4" for eta, particles in groups)
+    yield "---|" * 3 * len(groups) + "---"
+    for name, title in OBSERVED.items():
+        cells = []
+        for group in groups.values():
+            value, error, slope, slope_error = limit(group, name)
+            cells.append(f"{value:.3g} ± {error:.1g}")
+            cells += [f"{slope * math.sqrt(rate):+.1g} ± {slope_error * math.sqrt(rate):.1g}" for rate in (1e-3, 1e-4)]
+        yield f"{title} | " + " | ".join(cells)
+
+
+def plot(rows, options):
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9, 6.6), layout="constrained")
+    groups = _groups(_plain(rows))
+    for ax, name in zip(figure.subplots(2, 3).flat, DRAWN):
+        for (eta, particles), group in groups.items():
+            _panel(ax, group, name, f"η = {eta:g}, N = {particles:g}", *_style(eta, particles))
+        ax.set(title=OBSERVED[name], xlim=(0, 0.034))
+        ax.set_xticks([math.sqrt(rate) for rate in (0, 3e-5, 1e-4, 3e-4, 1e-3)], ["0", "3e-5", "1e-4", "3e-4", "1e-3"], fontsize=7, rotation=40)
+        ax.set_xlabel("I (axis ∝ √I)", fontsize=8)
+        ax.grid(alpha=0.3)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=9)
+    return figure
+
+
+def _style(eta, particles):
+    """Colour and marker: filled and solid for discs."""
+    return ("k" if eta == 0 else "C3"), {1000: "o", 4000: "s"}.get(particles, "^"), ("k" if eta == 0 else "w"), ("-" if eta == 0 else "--")
+
+
+def _panel(ax, rows, name, label, color, marker, fill, line):
+    """Means over seeds, their standard errors, the fit, and the limit at the left."""
+    rates = sorted({row["inertial_number"] for row in rows})
+    values = [np.array([row[name] for row in rows if row["inertial_number"] == rate]) for rate in rates]
+    errors = [v.std(ddof=1) / math.sqrt(len(v)) if len(v) > 1 else 0 for v in values]
+    x = np.sqrt(rates)
+    ax.errorbar(x, [v.mean() for v in values], errors, color=color, marker=marker, mfc=fill, ms=5, ls="", label=label)
+    start, error, slope, _ = limit(rows, name)
+    if math.isfinite(start):
+        ax.plot([0, x[-1]], [start, start + slope * x[-1]], color=color, ls=line, lw=0.8)
+        ax.errorbar([0], [start], [np.nan_to_num(error)], color=color, capsize=3)

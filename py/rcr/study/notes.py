@@ -1,0 +1,390 @@
+"""Small studies of the statements that do not agree with the paper: each isolates a cause, in one figure and three sentences.
+
+A note is a function of runs by elongation, {η: list of `Run`}, and of others to set against them (another rate, say), which
+returns its text and its figure; the numbers of a text are those of the runs. Needs NumPy and Matplotlib.
+"""
+
+import dataclasses
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+
+from rcr import files
+from rcr.drawing import COLUMN, PAGE, STYLE
+from rcr.network import COMPLEX, SIDE_SIDE
+from rcr.study import statistics
+from rcr.study.analysis import STRIPS, POWER_RANGE, standard_error
+from rcr.study.ensemble import Ensemble
+from rcr.study.figures import color, marker
+from rcr.xi_networks import XiNetworks
+
+SECTORS = 36  # of the direction of normals, in which means are taken
+
+
+@dataclasses.dataclass(frozen=True)
+class Note:
+    """Title and text in Markdown, name and figure of its picture."""
+
+    title: str
+    text: str
+    name: str
+    figure: Figure
+
+
+_NOTES = []
+
+
+def note(function):
+    """Register a function (runs, others) → Note, or None where the runs do not tell."""
+    _NOTES.append(function)
+    return function
+
+
+def notes(runs, others):
+    """All notes that the runs can tell, in the order of this file.
+
+    Parameters
+    ----------
+    runs, others : dict of lists of Run
+        By elongation; `others` may be empty.
+    """
+    with matplotlib.rc_context(STYLE):
+        return [made for made in (function(runs, others) for function in _NOTES) if made]
+
+
+def ensemble(runs):
+    return Ensemble([network for run in runs for network in run.networks])
+
+
+def snapshots(runs):
+    return [Ensemble([network]) for run in runs for network in run.networks]
+
+
+def with_error(values):
+    """Mean and standard error over snapshots."""
+    return np.mean(values, axis=0), standard_error(values)
+
+
+def _figure(count=1, width=None):
+    figure = Figure(figsize=(width or (COLUMN if count == 1 else PAGE), 0.85 * COLUMN), layout="constrained")
+    axes = figure.subplots(1, count, squeeze=False)[0]
+    return figure, axes
+
+
+def _number(mean, error):
+    return f"{mean:.3f} ± {np.nan_to_num(error):.3f}"
+
+
+def _rate(runs):
+    """I of runs as their run.json or summary tells it, as text."""
+    told = {run.record["parameters"]["inertial_number"] for run in runs if run.record} | {_folder_rate(run) for run in runs if not run.record}
+    return ", ".join(f"{rate:g}" for rate in sorted(filter(None, told))) or "unknown"
+
+
+def _folder_rate(run):
+    """I of a point of chart e, whose folder is named eta-particles-I-dt-sweeps-seed."""
+    words = run.folder.name.replace("e-", "e~").split("-")
+    return float(words[2].replace("~", "-")) if len(words) == 6 else None
+
+
+# --- the half-sum ---------------------------------------------------------------------------------------------------------
+
+
+def products(e):
+    """X(∞) of the half-sum in two parts: the product of the angular means of force and branch, and what is left, their correlation.
+
+    With φ and λ the fluctuations of force and branch over their means (complex, along n and t), X = (1/C) Re Σ φ λ e^{2iθ}. The first part
+    has φ and λ replaced by their means over the contacts of the same direction, in `SECTORS` classes.
+
+    Returns
+    -------
+    (of means, of correlations) : floats [-]
+    """
+    force, branch = (e.fn + 1j * e.ft) / e.fn.mean() - 1, (e.ln + 1j * e.lt) / e.ln.mean() - 1
+    sector = np.minimum((e.theta % np.pi / np.pi * SECTORS).astype(int), SECTORS - 1)
+    count = np.maximum(np.bincount(sector, minlength=SECTORS), 1)
+    mean = lambda values: ((np.bincount(sector, values.real, SECTORS) + 1j * np.bincount(sector, values.imag, SECTORS)) / count)[sector]
+    turn = np.exp(2j * e.theta)
+    whole, means = np.mean((force * branch * turn).real), np.mean((mean(force) * mean(branch) * turn).real)
+    return means, whole - means
+
+
+@note
+def half_sum(runs, others):
+    """The closure of q/p by anisotropies."""
+    etas, rows = list(runs), []
+    for group in runs.values():
+        e = ensemble(group)
+        xi = e.xi_networks()
+        rows.append([xi.shear_stress_ratio(), 0.5 * np.sum(xi.anisotropies()), *products(e), xi.pressure_factor()])
+    ratio, half, means, correlations, kappa = np.array(rows).T
+    rest = np.abs(half + means + correlations - kappa * ratio).max()
+    figure, (ax,) = _figure()
+    ax.plot(etas, kappa * ratio, "ko-", label=r"$\kappa\,q/p$")
+    ax.plot(etas, half, "s--", color="tab:red", mfc="none", label="half-sum")
+    ax.plot(etas, half + means, "^:", color="tab:blue", mfc="none", label="+ products of angular means")
+    ax.plot(etas, half + means + correlations, "x", color="0.4", ms=7, label="+ correlations: exact")
+    ax.set(xlabel=r"$\eta$", ylim=(0, None))
+    ax.legend(fontsize=7)
+    k = int(np.argmax(etas))
+    text = (
+        f"At η = {etas[k]:g} the half-sum of the five anisotropies is {half[k]:.3f} and q/p {ratio[k]:.3f}, at η = {etas[0]:g} {half[0]:.3f} and {ratio[0]:.3f}. "
+        f"It leaves out the products X of the angular means of force and branch ({means[k]:+.3f} at η = {etas[k]:g}), the correlation of the two at one "
+        f"direction ({correlations[k]:+.3f}), and the factor κ = {kappa[k]:.3f} by which that correlation raises the pressure. With all of them, "
+        f"κ q/p = half-sum + X holds to {rest:.0e} at every η: the half-sum is a first-order formula, and a_c of long particles is not small."
+    )
+    return Note("The half-sum of the anisotropies", text, "half-sum", figure)
+
+
+# --- weak contacts of discs -----------------------------------------------------------------------------------------------
+
+
+def _inner(network):
+    """Mask, of the contacts between grains, of those whose grains touch no wall."""
+    one, two = network.contacts["body1"], network.contacts["body2"]
+    outer = np.unique(one[two < 0])
+    pick = network.between_particles
+    return ~(np.isin(one[pick], outer) | np.isin(two[pick], outer))
+
+
+def _a_c(network, xi, pick=None):
+    """a_c(ξ) of a share of the contacts; forces over the mean of all."""
+    n, _, branch, force = network.local_components()
+    pick = np.ones(len(n), dtype=bool) if pick is None else pick
+    theta = np.angle(n @ COMPLEX) - network.stress_angle()
+    return XiNetworks(theta[pick], branch[pick] @ COMPLEX, force[pick] @ COMPLEX, force[pick, 0] / force[:, 0].mean()).anisotropies(xi)[0]
+
+
+@note
+def weak_discs(runs, others):
+    """Sign of a_c below ξ = 1."""
+    if 0 not in runs:
+        return None
+    xi = np.linspace(0.1, 1.6, 31)
+    networks = [network for run in runs[0] for network in run.networks]
+    figure, (ax,) = _figure()
+    ax.axhline(0, color="0.7", lw=0.6)
+    found = {}
+    variants = [("all contacts", networks, lambda network: None, "-"), ("grains that touch no wall", networks, _inner, "--")]
+    if 0 in others:
+        other = [network for run in others[0] for network in run.networks]
+        variants.append((f"all contacts, I = {_rate(others[0])}", other, lambda network: None, ":"))
+    for (label, of, pick, line), tint in zip(variants, ("k", "tab:red", "tab:blue")):
+        mean, error = with_error([_a_c(network, xi, pick(network)) for network in of])
+        found[label] = mean, error
+        ax.plot(xi, mean, line, color=tint, label=label)
+        ax.fill_between(xi, mean - error, mean + error, color=tint, alpha=0.12, lw=0)
+    ax.set(xlabel=r"$\xi$", ylabel=r"$a_c(\xi)$, discs")
+    ax.legend(fontsize=7)
+    mean, error = found["all contacts"]
+    k, one = int(np.argmin(mean)), int(np.argmin(np.abs(xi - 1)))
+    inner, inner_error = found["grains that touch no wall"]
+    text = (
+        f"a_c(ξ) of discs has its lowest value, {_number(mean[k], error[k])}, at ξ = {xi[k]:.2f}, and is {_number(mean[one], error[one])} at ξ = 1 "
+        f"(I = {_rate(runs[0])}, {len(networks)} snapshots). Contacts of grains that touch no wall have {_number(inner[k], inner_error[k])} and "
+        f"{_number(inner[one], inner_error[one])} there: walls, along which grains line up, matter as much as the sign. Beside a_c(∞) = "
+        f"{_number(*with_error([network.anisotropies()[0] for network in networks]))} the weak contacts of discs are nearly isotropic, whatever their sign."
+    )
+    return Note("Weak contacts of discs", text, "weak-discs", figure)
+
+
+# --- forces and lengths ---------------------------------------------------------------------------------------------------
+
+
+def correlation_variants(e):
+    """C(f, ℓ_r) by what is taken for f: the force of the contact, of each of its points, or of contacts that are no side-side ones."""
+    force, sides = np.hypot(e.fn, e.ft), e.type == SIDE_SIDE
+    as_points = np.where(sides, 0.5, 1) * force
+    twice = np.concatenate([np.arange(len(e)), np.flatnonzero(sides)])
+    return (
+        statistics.pearson(force, e.reduced_length),
+        statistics.pearson(as_points[twice], e.reduced_length[twice]),
+        statistics.pearson(force[~sides], e.reduced_length[~sides]),
+    )
+
+
+@note
+def force_and_length(runs, others):
+    """Sign of C(f, ℓ_r) at small elongations."""
+    etas = [eta for eta in runs if eta > 0]
+    if not etas:
+        return None
+    found = np.array([with_error([correlation_variants(part) for part in snapshots(runs[eta])]) for eta in etas])  # (η, mean or error, variant)
+    figure, (ax,) = _figure()
+    ax.axhline(0, color="0.7", lw=0.6)
+    labels = "force of a contact", "force of a point: sides are two contacts of half the force", "side-side contacts left out"
+    for k, (label, line) in enumerate(zip(labels, ("ko-", "s--", "^:"))):
+        ax.errorbar(etas, found[:, 0, k], found[:, 1, k], fmt=line, mfc="none" if k else "k", label=label)
+    ax.set(xlabel=r"$\eta$", ylabel=r"$C_{f\ell_r}$")
+    ax.legend(fontsize=7)
+    signs = [np.sign(found[:, 0, k]) * (np.abs(found[:, 0, k]) > 2 * np.nan_to_num(found[:, 1, k])) for k in range(3)]
+    listed = lambda rows: ", ".join(f"{etas[row]:g}" for row in rows) or "none"
+    told = [f"positive at η = {listed(np.flatnonzero(sign > 0))}, negative at {listed(np.flatnonzero(sign < 0))}" for sign in signs]
+    ends = [f"{_number(*found[-1, :, k])}" for k in range(3)]
+    text = (
+        f"With the force of the contact, the resultant of both points of a side-side contact, C(f, ℓ_r) is {told[0]} by two errors ({ends[0]} at η = {etas[-1]:g}). "
+        f"With each point as a contact of its own, of half the force, it is {told[1]} ({ends[1]}). "
+        f"Without side-side contacts, which have the shortest branches and the largest forces, it is {told[2]} ({ends[2]})."
+    )
+    return Note("Correlation of force and reduced branch length", text, "force-and-length", figure)
+
+
+@note
+def sides_as_points(runs, others):
+    """What counting side-side contacts twice does to distributions."""
+    etas, rows = list(runs), []
+    for group in runs.values():
+        parts = []
+        for e in snapshots(group):
+            sides = e.type == SIDE_SIDE
+            twice = np.concatenate([np.arange(len(e)), np.flatnonzero(sides)])
+            points = (np.where(sides, 0.5, 1) * e.fn)[twice]
+            points = points / points.mean()
+            beta = lambda force: statistics.power_exponent(force, POWER_RANGE)[0]
+            parts.append([np.mean(e.fn < 1), np.mean(points < 1), e.mobilization.mean(), e.mobilization[twice].mean(), beta(e.fn), beta(points)])
+        rows.append(with_error(parts))
+    rows = np.array(rows)
+    figure, axes = _figure(3)
+    for k, (ax, label) in enumerate(zip(axes, ("share of weak contacts", r"$I_M$", r"$\beta_n$"))):
+        for j, (name, line) in enumerate((("once", "ko-"), ("twice", "s--"))):
+            ax.errorbar(etas, rows[:, 0, 2 * k + j], rows[:, 1, 2 * k + j], fmt=line, mfc="none" if j else "k", label=f"side-side contacts {name}")
+        ax.set(xlabel=r"$\eta$", ylabel=label)
+    axes[0].legend(fontsize=7)
+    k = int(np.argmax(etas))
+    once, twice = rows[k, :, ::2].T, rows[k, :, 1::2].T
+    text = (
+        f"At η = {etas[k]:g} the share of weak contacts is {_number(*once[0])} with a side-side contact counted once and {_number(*twice[0])} with each of its two points counted, "
+        f"with half of the force. I_M is {_number(*once[1])} and {_number(*twice[1])}, β_n {_number(*once[2])} and {_number(*twice[2])}. "
+        "The paper gives 0.70, 0.60 and −0.4, and attributes one force to each contact."
+    )
+    return Note("Side-side contacts counted once or twice", text, "sides-once-or-twice", figure)
+
+
+# --- inertia --------------------------------------------------------------------------------------------------------------
+
+
+@note
+def strips(runs, others):
+    """Normal forces from wall to wall."""
+    shared = [eta for eta in runs if eta in others]
+    if not shared:
+        return None
+    edges = np.linspace(0, 1, STRIPS + 1)
+    figure, axes = _figure(2)
+    worst = []
+    for ax, of in zip(axes, (others, runs)):
+        ax.axhspan(0.9, 1.1, color="0.92", lw=0)
+        away = []
+        for eta in shared:
+            mean, error = with_error([statistics.class_means(e.across, e.fn, edges) for e in snapshots(of[eta])])
+            ax.errorbar(statistics.centres(edges), mean, error, color=color(eta), marker=marker(eta), lw=0.8, label=rf"$\eta = {eta:g}$")
+            away.append((np.ptp(mean), error.max(), eta))
+        worst.append(max(away))
+        ax.set(xlabel=r"$x/W$ (fixed wall at 0, free wall at 1)", title=f"I = {_rate([run for eta in shared for run in of[eta]])}", ylim=(0.6, 1.4))
+    axes[0].set_ylabel(r"$\langle f_n\rangle_x/\langle f_n\rangle$")
+    axes[0].legend(fontsize=7, ncols=2)
+    rates = [_rate([run for eta in shared for run in of[eta]]) for of in (others, runs)]
+    told = [f"{spread:.2f} (errors up to {error:.2f}, η = {eta:g}) at I = {rate}" for (spread, error, eta), rate in zip(worst, rates)]
+    text = (
+        "In a sample that flows homogeneously the fixed side wall feels ρ (ε̇ W)² more than the free one, by I² N (W/h)(h₀/h)² of σ₀: 5 % for 13 000 grains at I = 1e-3 and W/h = 2, "
+        f"21 % at W/h = 4. The mean normal force in five strips from wall to wall differs by {told[0]}, and by {told[1]}. "
+        "`sample_inertia` of summary.json foretells the share of inertia; errors are those over snapshots, which share the layers of one packing."
+    )
+    return Note("Forces from wall to wall", text, "strips", figure)
+
+
+def wall_speed(history):
+    """Strain and speed of the free wall over that of a flow of constant area, ε̇ W: 1 − (1 − ε) d ln φ/dε of the packing fraction φ, a record each."""
+    strain, fraction = history["strain"], np.log(history["packing_fraction"])
+    middle = 0.5 * (strain[1:] + strain[:-1])
+    return middle, 1 - (1 - middle) * np.diff(fraction) / np.diff(strain)
+
+
+@note
+def free_wall(runs, others):
+    """How smoothly the free wall moves."""
+    shared = [eta for eta in runs if eta in others]
+    if not shared:
+        return None
+    eta = shared[0]
+    figure, axes = _figure(2)
+    told = []
+    for ax, group in zip(axes, (others[eta], runs[eta])):
+        run = group[0]
+        strain, speed = wall_speed(np.genfromtxt(run.folder / "history.csv", delimiter=",", names=True))
+        late = strain >= run.from_strain
+        ax.axhline(1, color="0.7", lw=0.6)
+        ax.plot(strain[late], speed[late], "k", lw=0.6)
+        ax.set(xlabel=r"strain $\varepsilon$", ylim=(0, 3), title=rf"$I = {_rate([run])}$, $\eta = {eta:g}$")
+        told.append(f"{speed[late].std():.2f} at I = {_rate([run])}")
+    axes[0].set_ylabel(r"$v_{\rm wall}/(\dot\varepsilon W)$")
+    text = (
+        "The free wall moves at ε̇ W, the speed at which the sample widens, plus what the packing dilates: 0.11 to 0.45 d a time unit for 13 000 grains at I = 1e-3, a tenth of it at 1e-4. "
+        f"Over a record of 0.1 % of strain its speed scatters by {' and '.join(told)} of the mean (η = {eta:g}). The wall follows the grains: no wave and no inertia of its own "
+        "are seen, and what looks abrupt is the speed itself, which the rate sets."
+    )
+    return Note("Motion of the free wall", text, "free-wall", figure)
+
+
+# --- friction mobilisation ------------------------------------------------------------------------------------------------
+
+
+@note
+def last_class(runs, others):
+    """P(I_m) of discs near 1."""
+    if 0 not in runs or 0 not in others:
+        return None
+    edges = np.linspace(0, 1, 21)
+    figure, (ax,) = _figure()
+    told, inner = [], []
+    for of, line in ((others[0], "s--"), (runs[0], "ko-")):
+        mean, error = with_error([statistics.density(np.minimum(e.mobilization, 1), edges) for e in snapshots(of)])
+        ax.errorbar(statistics.centres(edges), mean, error, fmt=line, ms=3, mfc="none" if of is others[0] else "k", label=f"I = {_rate(of)}")
+        told.append(f"{_number(mean[-1], error[-1])} at I = {_rate(of)}")
+        inner.append(np.polyfit(statistics.centres(edges)[:-1], mean[:-1], 1)[0])
+    ax.set(xlabel=r"$I_m$", ylabel=r"$P(I_m)$, discs", ylim=(0, None))
+    ax.legend(fontsize=7)
+    text = (
+        f"P(I_m) of discs falls linearly, with a slope of {inner[1]:.2f}, but for the last class, [0.95, 1]: {' and '.join(told)}. Contacts that slide are at I_m = 1 exactly, so that the class holds "
+        "a delta peak, whose height is that of the share of sliding contacts over the width of the class. Its rate dependence is all of that of I_M: slower shear has fewer sliding contacts."
+    )
+    return Note("The last class of P(I_m) of discs", text, "last-class", figure)
+
+
+# --- the page -------------------------------------------------------------------------------------------------------------
+
+HEAD = """# Notes on the study
+
+Each statement of the paper that does not agree, or agrees only in its definition, has a note: one figure, and what isolates the cause. The page and its numbers are
+made by `scripts/study_notes.py`, from {what}.
+"""
+
+
+def write(runs, others, out, name="study-notes"):
+    """Write the page out/NAME.md and its pictures out/NAME/*.png; returns the path of the page."""
+    made = notes(runs, others)
+    if not made:
+        raise ValueError("the runs tell none of the notes; wanted runs of scripts/biaxial.py")
+    pictures = out / name
+    pictures.mkdir(parents=True, exist_ok=True)
+    parts = [HEAD.format(what=_what(runs, others))]
+    for one in made:
+        with matplotlib.rc_context(STYLE):
+            one.figure.savefig(pictures / f"{one.name}.png", dpi=150)
+        parts.append(f"## {one.title}\n\n![{one.title}]({name}/{one.name}.png)\n\n{one.text}\n")
+    page = out / f"{name}.md"
+    files.write(page, "\n".join(parts))
+    return page
+
+
+def _what(runs, others):
+    def told(groups):
+        grains = sorted({len(run.networks[0].particles["id"]) for group in groups.values() for run in group})
+        seeds, count = max(map(len, groups.values())), sum(len(run.networks) for group in groups.values() for run in group)
+        return (
+            f"tests of {' and '.join(map(str, grains))} grains at I = {_rate([run for group in groups.values() for run in group])}, η = {', '.join(f'{eta:g}' for eta in groups)}, "
+            f"{seeds} seed{'s' * (seeds > 1)} at most, {count} snapshots"
+        )
+
+    return told(runs) + (f"; set against {told(others)}" if others else "")

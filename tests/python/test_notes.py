@@ -1,0 +1,83 @@
+"""Notes on the study: closures that are exact, variants with known answers, a page with its pictures."""
+
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+matplotlib = pytest.importorskip("matplotlib")
+
+from rcr.network import SIDE_SIDE, Network
+from rcr.study import notes
+from rcr.study.ensemble import Ensemble
+from rcr.study.runs import Run, by_elongation
+
+from synthetic import packing, random_network, write_run
+
+SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "study_notes.py"
+
+
+def test_products_and_correlations_close_the_half_sum():
+    """κ q/p = half-sum + X to rounding for any network; X of a packing without correlations is that of the angular means alone."""
+    for made in (random_network(), packing(0.5, contacts=50_000)):
+        made.attributes.update(eta=0.5)
+        e = Ensemble([made])
+        xi = e.xi_networks()
+        means, correlations = notes.products(e)
+        assert 0.5 * sum(xi.anisotropies()) + means + correlations == pytest.approx(xi.pressure_factor() * xi.shear_stress_ratio(), abs=1e-12)
+        assert means + correlations == pytest.approx(xi.cross_products(), abs=1e-12)
+    # C = 50 000, standard deviations of force and branch of about 1.1 and 0.2: X of fluctuations is 0 ± 1.1 × 0.2/√(2 C)
+    assert abs(correlations) < 4 * 1.1 * 0.2 / np.sqrt(100_000)
+
+
+def test_a_side_contact_as_two_points_has_half_of_the_force():
+    """Side-side contacts at ℓ_r = 0.5 of force 1.5, others at 0.75 and 1 of forces 1.25 and 1, on one line: C = −1; as points those of 0.75 at 0.5, twice."""
+    kind = np.arange(1000) % 4  # 0 and 1 are side-side
+    force, length = np.choose(kind, [1.5, 1.5, 1.25, 1.0]), np.choose(kind, [0.5, 0.5, 0.75, 1.0])
+    made = packing(0.5, contacts=1000)
+    n = made.contacts["normal"]
+    columns = dict(type=np.where(kind < 2, SIDE_SIDE, 0), force=force[:, None] * n, branch=2 * length[:, None] * n)
+    whole, points, without = notes.correlation_variants(Ensemble([Network(made.particles, made.contacts | columns, made.attributes)]))
+    assert (whole, without) == pytest.approx((-1, -1), abs=1e-9)
+    covariance = np.cov([0.5, 0.75, 1.0], [0.75, 1.25, 1.0], aweights=[1000, 250, 250])
+    assert points == pytest.approx(covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]), abs=1e-9) and points > 0.5
+
+
+def test_speed_of_the_free_wall():
+    """W = A/(φ h): with φ = φ₀ (1 − ε)^k the speed over ε̇ W is 1 + k; with a constant packing fraction 1."""
+    strain = np.linspace(0, 0.5, 501)
+    for k in (0.0, 0.3):
+        middle, speed = notes.wall_speed(dict(strain=strain, packing_fraction=0.8 * (1 - strain) ** k))
+        assert speed == pytest.approx(1 + k, abs=1e-5) and len(middle) == 500
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    """Runs at two rates, as points of chart e are named."""
+    folder, made = tmp_path_factory.mktemp("runs"), {}
+    for rate, seed in (("1e-3", 1), ("1e-4", 2)):
+        made[rate] = [write_run(folder / f"{eta}-1000-{rate}-0.4-300-1", eta, seed, particles_=100, contacts=600) for eta in (0.0, 0.5)]
+        for run in made[rate]:
+            rows = [f"{strain},1,2,{0.8 + 0.01 * (-1) ** k}" for k, strain in enumerate(np.linspace(0, 0.4, 101))]
+            (run / "history.csv").write_text("\n".join(["strain,stress_x,stress_y,packing_fraction", *rows]) + "\n")
+    return made
+
+
+def test_page_has_a_picture_and_a_text_for_each_note(folders, tmp_path):
+    command = [sys.executable, SCRIPT, *folders["1e-4"], "--against", *folders["1e-3"], "--out", tmp_path]
+    run = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=300, env=os.environ | {"YADE_RCR_WAY": "test"})
+    assert run.returncode == 0, run.stderr
+    page = (tmp_path / "study-notes.md").read_text()
+    pictures = re.findall(r"\]\((.*?)\)", page)
+    assert len(pictures) == len(notes._NOTES) == page.count("\n## ")
+    assert all((tmp_path / picture).read_bytes().startswith(b"\x89PNG") for picture in pictures)
+    assert "I = 0.0001" in page and "I = 0.001" in page and "nan" not in page
+
+
+def test_notes_that_the_runs_cannot_tell_are_left_out(folders):
+    groups = by_elongation([Run.read(folder) for folder in folders["1e-4"][1:]])
+    assert [made.name for made in notes.notes(groups, {})] == ["half-sum", "force-and-length", "sides-once-or-twice"]
