@@ -30,7 +30,7 @@ namespace {
 	/// V of a direction.
 	double typicalChange(const ContactProblem& problem, const std::vector<Impulse>& d)
 	{
-		double largest = 0, speed2 = 0, total = 0;
+		double largest = 0, speed2 = 0, opening = 0, total = 0;
 		for (const Impulse& one : d)
 			largest = std::max(largest, one.n);
 		std::vector<bool> acts(problem.inverseMass.size());
@@ -39,11 +39,12 @@ namespace {
 			const ContactPoint& c = problem.points[k];
 			const Impulse       u = freeVelocity(problem, c);
 			speed2                = std::max(speed2, work(u, u));
+			opening += std::max(0.0, -c.bias);
 			acts[c.body1] = acts[c.body2] = true;
 		}
 		for (std::size_t i = 0; i < acts.size(); ++i)
 			if (acts[i]) total += mass(problem.inverseMass[i]);
-		return std::sqrt(total * speed2);
+		return std::sqrt(total) * (std::sqrt(speed2) + opening);
 	}
 
 	bool isTooMuch(double energy, double typicalChange) { return 2 * std::sqrt(std::max(energy, 0.0)) > beyond * typicalChange; }

@@ -11,47 +11,61 @@ namespace {
 
 	double reachOf(const Step& step, std::size_t id) { return std::max(step.bodies[id].alertDistance, step.reach[id]); }
 
-	/// Grains sorted by x, to be asked which may lie within a distance of a point; in a periodic cell all may.
+	/// Grains sorted by x, to be asked which may lie within a distance of a body; in a periodic cell all may.
 	class Neighbours {
 	public:
-		explicit Neighbours(const Step& step) : step_(step)
+		explicit Neighbours(const Step& step) : step_(step), fast_(step.bodies.size())
 		{
+			for (int id : step.lookedAgain)
+				fast_[id] = true;
 			for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 				const StepBody& b = step.bodies[id];
 				if (b.shape.kind == PlanarShape::none) continue;
 				if (!b.shape.grain()) obstacles_.push_back(int(id));
 				else {
 					grains_.push_back(int(id));
-					largest_ = std::max(largest_, b.radius + reachOf(step, id));
+					if (!fast_[id]) largestSlow_ = std::max(largestSlow_, extent(int(id)));
 				}
 			}
 			if (step.cell.periodic) return;
 			std::sort(grains_.begin(), grains_.end(), [&](int a, int b) { return step.bodies[a].center.x < step.bodies[b].center.x; });
 		}
 
-		/// visit(other) for all that may meet a body.
+		/// visit(other) for all that may meet a fast body; of two fast grains the one of the larger extent finds the other.
 		template <class Visit> void forEach(int id, Visit visit) const
 		{
 			const StepBody& b = step_.bodies[id];
 			auto            from = grains_.begin(), to = grains_.end();
-			if (b.shape.grain()) {
-				for (int other : obstacles_)
-					visit(other);
-				if (!step_.cell.periodic) {
-					const double half = b.radius + reachOf(step_, id) + largest_;
-					const auto   left = [&](int other, double x) { return step_.bodies[other].center.x < x; };
-					from              = std::lower_bound(from, to, b.center.x - half, left);
-					to                = std::lower_bound(from, to, b.center.x + half, left);
-				}
+			if (!b.shape.grain()) {
+				std::for_each(from, to, visit);
+				return;
 			}
-			for (auto other = from; other != to; ++other)
-				if (*other != id) visit(*other);
+			std::for_each(obstacles_.begin(), obstacles_.end(), visit);
+			const double own = extent(id);
+			if (!step_.cell.periodic) {
+				const double half = own + std::max(own, largestSlow_);
+				const auto   left = [&](int other, double x) { return step_.bodies[other].center.x < x; };
+				from              = std::lower_bound(from, to, b.center.x - half, left);
+				to                = std::lower_bound(from, to, b.center.x + half, left);
+			}
+			for (; from != to; ++from) {
+				const int    other = *from;
+				const double its   = extent(other);
+				if (fast_[other] && (its > own || (its == own && other <= id))) continue;
+				const Vec2   between = step_.bodies[other].center - b.center, apart = between + step_.cell.nearestShift(between);
+				const double most    = own + its;
+				if (dot(apart, apart) <= most * most) visit(other);
+			}
 		}
 
 	private:
-		const Step&      step_;
-		std::vector<int> grains_, obstacles_;
-		double           largest_ = 0;
+		/// Of the circle in which a grain looks for contacts.
+		double extent(int id) const { return step_.bodies[id].radius + reachOf(step_, id); }
+
+		const Step&       step_;
+		std::vector<bool> fast_;
+		std::vector<int>  grains_, obstacles_;
+		double            largestSlow_ = 0;
 	};
 
 	/// Bodies that go further than expected, and further than they have looked.
@@ -84,14 +98,13 @@ namespace {
 		return false;
 	}
 
-	void remember(std::vector<GrownContact>& grown, const GrownContact& pair)
+	/// Sorted by their bodies, of each pair the last alone.
+	void keepLast(std::vector<GrownContact>& grown)
 	{
-		for (GrownContact& one : grown)
-			if (one.body1 == pair.body1 && one.body2 == pair.body2) {
-				one = pair;
-				return;
-			}
-		grown.push_back(pair);
+		const auto before = [](const GrownContact& a, const GrownContact& b) { return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2; };
+		const auto same   = [&](const GrownContact& a, const GrownContact& b) { return !before(a, b) && !before(b, a); };
+		std::stable_sort(grown.begin(), grown.end(), before);
+		grown.erase(grown.begin(), std::unique(grown.rbegin(), grown.rend(), same).base());
 	}
 
 	/// One pair at the reach that it has now; true if it closes unknown.
@@ -113,7 +126,7 @@ namespace {
 		const double reach         = reachOf(step, pair.body1) + reachOf(step, pair.body2);
 		pair.manifold              = contactPoints(one.shape, one.pose(), two.shape, at2, reach);
 		if (pair.manifold.count == (contact ? contact->count : 0) || (!contact && !mayMeet(pair.body1, pair.body2))) return false;
-		remember(step.grown, pair);
+		step.grown.push_back(pair);
 		return closes(step, pair);
 	}
 
@@ -128,6 +141,7 @@ bool findMissedContacts(Step& step, const MayMeet& mayMeet)
 	bool             missed = false;
 	for (int id : step.lookedAgain)
 		neighbours.forEach(id, [&](int other) { missed |= look(step, id, other, mayMeet); });
+	keepLast(step.grown);
 	return missed;
 }
 

@@ -124,3 +124,24 @@ def test_bits_do_not_depend_on_lanes_and_threads():
 def test_a_compliance_out_of_range_is_refused(compliance):
     with pytest.raises(ValueError, match="compliance"):
         vice().solve("auto", compliance=compliance)
+
+
+@pytest.mark.parametrize("push", [0.0, 0.01])
+def test_overlaps_that_open_are_no_wedge(push):
+    """A row of bodies that overlap by as much each is pushed apart from a wall, against a load that gives its end the velocity −push.
+
+    Body k has to leave at k times the speed of an overlap: far more than without contacts, and the rigid solution.
+    """
+    bodies, speed = 50, 1.0
+    inverse = np.zeros((bodies + 1, 3))
+    inverse[1:] = 1.0
+    free = np.zeros((bodies + 1, 3))
+    free[bodies, 0] = -push
+    rows = np.stack([np.arange(bodies), np.arange(1, bodies + 1)], axis=1).astype(np.int32)
+    problem = Problem(
+        "row", inverse_mass=inverse, free_velocity=free, bodies=rows, normal=np.tile([1.0, 0], (bodies, 1)), arm1=np.zeros((bodies, 2)),
+        arm2=np.zeros((bodies, 2)), bias=np.full(bodies, -speed), friction=np.zeros(bodies), impulse=np.zeros((bodies, 2)),
+    )  # fmt: skip
+    found = problem.solve("auto", tolerance=1e-9, max_iterations=20_000, compliance=COMPLIANCE)
+    assert not found["yielded"] and found["converged"]
+    np.testing.assert_allclose(found["velocity"][:, 0], speed * np.arange(bodies + 1), rtol=1e-4)
