@@ -53,6 +53,7 @@ void ContactDynamics::step(const gate::Engines& engines)
 		how.continued = !missed;
 		how.yielded   = yielded;
 	}
+	refuseUnlessFinite();
 	if (overlap_ > deepOverlap) converged = false;
 	watch();
 	timed("correct", [&] { correctPositions(step_, double(correction), workspace_); });

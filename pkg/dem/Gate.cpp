@@ -185,15 +185,17 @@ namespace gate {
 		{
 			if (!v.scene.isPeriodic) return {};
 			constexpr Real most = 0.24; // a quarter ends the process, and a cell that shrinks does so by some per cent before it is looked at again
-			const auto*    collider = v.first<InsertionSortCollider>();
-			const Real  size = v.scene.cell->getSize().minCoeff(), margin = collider ? math::max(Real(0), collider->verletDist) : Real(0);
+			const auto* collider = v.first<InsertionSortCollider>();
+			const Real  margin = collider ? math::max(Real(0), collider->verletDist) : Real(0), wider = widening(v.scene).maxCoeff();
+			const Real  size   = v.scene.cell->getSize().minCoeff();
 			for (const auto& b : *v.scene.bodies) {
 				if (!b || !b->shape || b->isClump()) continue;
 				const Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
-				if (half + margin < most * size && largestShare * size + margin < most * size) continue;
+				if (wider * half + margin < most * size && largestShare * size + margin < most * size) continue;
 				return "the periodic cell is " + text(size) + " wide at its narrowest, body #" + std::to_string(b->getId()) + " has the radius " + text(half)
 				        + " and the collider a verletDist of " + text(margin)
-				        + "; wanted a cell of more than 4.2 times radius + verletDist, and 25 times verletDist, along all three axes: O.cell.setBox(…).";
+				        + "; wanted a cell of more than 4.2 times radius + verletDist, and 25 times verletDist, along all three axes: O.cell.setBox(…)."
+				        + (wider > 1 ? " The cell is sheared, so that radii count " + text(wider) + " times: O.cell.flipCell()." : std::string());
 			}
 			return {};
 		}
@@ -279,6 +281,16 @@ namespace gate {
 
 	} // namespace
 
+	Vector3r widening(const Scene& scene)
+	{
+		Vector3r wider = Vector3r::Ones();
+		if (!scene.isPeriodic || !scene.cell->hasShear()) return wider;
+		for (int axis = 0; axis < 3; ++axis)
+			for (int other : { (axis + 1) % 3, (axis + 2) % 3 })
+				wider[axis] += 0.5 * (1 / scene.cell->getCos()[other] - 1);
+		return wider;
+	}
+
 	std::string refusal(const Scene& scene)
 	{
 		const View view(scene);
@@ -307,6 +319,15 @@ namespace gate {
 							if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get())) b->shape->boundFunctor = nullptr; // a cache
 						return;
 					}
+	}
+
+	void showBodiesToCollider(const Scene& scene)
+	{
+		if (!serves(scene)) return;
+		for (const auto& e : scene.engines) {
+			const auto* collider = dynamic_cast<const InsertionSortCollider*>(e.get());
+			if (collider && collider->numAction == 0) scene.bodies->checkedByCollider = false;
+		}
 	}
 
 	Engines Watch::pass(const Scene& scene)

@@ -36,6 +36,9 @@ namespace gate {
 	/// (verletDist) included.
 	constexpr double largestShare = 0.2;
 
+	/// How much wider along each axis the box of a circle is in the unsheared space of a sheared cell, where YADE's collider works; else 1.
+	Vector3r widening(const Scene&);
+
 	/// A number as a user would write it.
 	inline std::string text(Real value)
 	{
@@ -61,6 +64,10 @@ namespace gate {
 
 	/// Lets discs of a scene with ContactDynamics be seen as far ahead as Rcrs: a Bo1_Disc_Aabb in the place of a Bo1_Sphere_Aabb.
 	void lookAheadOfDiscs(const Scene&);
+
+	/// Lets a collider that has not run yet see the bodies. Once some have been erased, YADE's takes in only those that came or went since the
+	/// last run of any collider, so that after `O.engines = […]` nothing would meet.
+	void showBodiesToCollider(const Scene&);
 
 	/// Is a law of ours in the scene?
 	bool serves(const Scene&);

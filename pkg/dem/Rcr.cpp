@@ -28,18 +28,14 @@ namespace {
 	void setBox(shared_ptr<Bound>& bound, const Se3r& se3, Real radius, Real ahead, const Scene& scene)
 	{
 		if (!bound) bound = boost::make_shared<Aabb>();
-		if (scene.isPeriodic) ahead = math::max(Real(0), math::min(ahead, gate::largestShare * scene.cell->getSize().minCoeff() - radius));
-		radius += ahead;
-		Vector3r half = Vector3r::Constant(radius), center = se3.position;
+		const Vector3r wider  = gate::widening(scene);
+		Vector3r       center = se3.position;
 		if (scene.isPeriodic) {
-			const Cell& cell = *scene.cell;
-			center           = cell.unshearPt(center);
-			for (int axis = 0; cell.hasShear() && axis < 3; ++axis) {
-				const Real wider = 0.5 * radius * (1 / cell.getCos()[axis] - 1);
-				half[(axis + 1) % 3] += wider;
-				half[(axis + 2) % 3] += wider;
-			}
+			const Real most = gate::largestShare * scene.cell->getSize().minCoeff() / wider.maxCoeff();
+			ahead           = math::max(Real(0), math::min(ahead, most - radius));
+			center          = scene.cell->unshearPt(center);
 		}
+		const Vector3r half = (radius + ahead) * wider;
 		bound->min = center - half;
 		bound->max = center + half;
 	}

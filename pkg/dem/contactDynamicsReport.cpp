@@ -3,11 +3,26 @@
 
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
+#include <lib/pyutil/gil.hpp>
 
 #include "ContactDynamics.hpp"
 #include "plane.hpp"
 
 namespace yade {
+
+/// A step whose solution is not finite ends the run before anything moves, and leaves its problem in a file.
+void ContactDynamics::refuseUnlessFinite() const
+{
+	for (std::size_t id = 0; id < step_.bodies.size(); ++id) {
+		const rcr::Twist& v = step_.problem.velocity[id];
+		if (std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.rotation)) continue;
+		const gilLock     lock;
+		const std::string saved = boost::python::extract<std::string>(boost::python::import("rcr.scene").attr("save_not_finite")());
+		throw std::runtime_error(
+		        "ContactDynamics: step " + std::to_string(scene->iter) + " would give body #" + std::to_string(id) + " the velocity (" + gate::text(v.x) + ", "
+		        + gate::text(v.y) + ") and the angular velocity " + gate::text(v.rotation) + ". Nothing has moved. " + saved);
+	}
+}
 
 void ContactDynamics::measureUnbalance()
 {

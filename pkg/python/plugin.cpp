@@ -51,7 +51,10 @@ std::string refusal()
 {
 	const yade::Scene& scene = *yade::Omega::instance().getScene();
 	const std::string  told  = yade::gate::refusal(scene);
-	if (told.empty()) yade::gate::lookAheadOfDiscs(scene);
+	if (told.empty()) {
+		yade::gate::lookAheadOfDiscs(scene);
+		yade::gate::showBodiesToCollider(scene);
+	}
 	return told;
 }
 

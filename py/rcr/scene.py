@@ -5,12 +5,13 @@ Everything is in the plane z = 0 and per unit depth: masses in kg a metre of dep
 
 import math
 import numbers
+import os
 from collections.abc import Sequence
 
 import numpy as np
 from yade import utils
 from yade.wrapper import (
-    Body, FrictMat, FrictPhys, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack, Omega, Rcr, Sphere, Wall,
+    Body, ContactDynamics, FrictMat, FrictPhys, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack, Omega, Rcr, Sphere, Wall,
 )  # fmt: skip
 from yade.minieigenHP import Quaternion, Vector2, Vector3
 
@@ -305,6 +306,17 @@ def save_problem(engine, path):
             impulse=column("impulse", 2),
         ),
     )
+
+
+def save_not_finite():
+    """Write the problem of the last step, whose solution is not finite, into the current folder; returns a sentence for the exception."""
+    engine = next(e for e in O.engines if isinstance(e, ContactDynamics))
+    path = os.path.abspath(f"not-finite-{O.iter}.npz")
+    try:
+        save_problem(engine, path)
+    except (OSError, ValueError) as error:
+        return f"Its problem cannot be saved: {error}."
+    return f"Its problem is in {path}; scripts/solve.py replays it."
 
 
 def contact_network(walls=None, volume=None, **attributes):

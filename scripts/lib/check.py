@@ -1,11 +1,15 @@
 """What the default tests leave out: each check is a function that returns its verdict and a line about it; a table ends the run.
 
-Builds stand in build/check/NAME, logs beside them in build/check/NAME.log.
+Builds stand in build/check/NAME, logs beside them in build/check/NAME.log. With `--record` the rows go to docs/measurements/checks.csv, of which
+docs/measurements/checks.md is made.
 """
 
 import argparse
+import csv
+import datetime
 import importlib
 import os
+import shutil
 import subprocess
 import sys
 import time
@@ -14,7 +18,11 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "build" / "check"
 TESTS = "tests/kernel"
-PYTEST = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--confcutdir={TESTS}"]  # without what loads YADE
+PYTEST = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+WITHOUT_YADE = [f"--confcutdir={TESTS}"]
+SOAK, FUZZER, LARGE = (f"tests/endurance/{name}.py" for name in ("soak", "scene_fuzzer", "large"))
+RECORD, PAGE = (ROOT / "docs" / "measurements" / f"checks.{suffix}" for suffix in ("csv", "md"))
+COLUMNS = ["date", "commit", "check", "options", "verdict", "seconds", "what"]
 
 # The sanitizers have address spaces, threads and processes of their own, so these tests cannot do what they want to.
 LEFT_OUT = {
@@ -23,10 +31,13 @@ LEFT_OUT = {
     "tsan": ["cannot_hire", "forked", "million", "dropped_teams"],
 }
 SANITIZERS = {
-    "asan": dict(flags="-fsanitize=address -D_GLIBCXX_ASSERTIONS", preload="libasan.so", variable="ASAN_OPTIONS", options="detect_leaks=0"),
-    "ubsan": dict(flags="-fsanitize=undefined", preload=None, variable="UBSAN_OPTIONS", options="print_stacktrace=1"),
-    "tsan": dict(flags="-fsanitize=thread", preload="libtsan.so", variable="TSAN_OPTIONS", options="halt_on_error=1"),
-}
+    "asan": dict(flags="-fsanitize=address -D_GLIBCXX_ASSERTIONS", preload=["libasan.so"], ASAN_OPTIONS="detect_leaks=0"),
+    "ubsan": dict(flags="-fsanitize=undefined", preload=[], UBSAN_OPTIONS="print_stacktrace=1"),
+    "tsan": dict(flags="-fsanitize=thread", preload=["libtsan.so"], TSAN_OPTIONS="halt_on_error=1"),
+    # The plugin and rcr._kernel hold the same kernels, each its own, which looks like two definitions of one. YADE's libraries lack what `vptr` asks for.
+    "plugin-asan": dict(flags="-fsanitize=address,undefined -fno-sanitize=vptr -D_GLIBCXX_ASSERTIONS", preload=["libasan.so", "libubsan.so", "libstdc++.so"],
+                        ASAN_OPTIONS="detect_leaks=0:detect_odr_violation=0", UBSAN_OPTIONS="print_stacktrace=1"),
+}  # fmt: skip
 
 
 def run(command, log, **settings):
@@ -36,24 +47,34 @@ def run(command, log, **settings):
         return subprocess.run(command, stdout=output, stderr=subprocess.STDOUT, **settings).returncode
 
 
-def build_kernel(name, flags, source=ROOT):
-    """Builds the kernels alone with these flags; returns the folder that holds the package `rcr`, or None."""
+def build(name, flags, source=ROOT, plugin=False):
+    """Builds the kernels, and the plugin if asked for, with these flags; returns the folder that holds the package `rcr`, or None."""
     folder, package = FOLDER / name, FOLDER / name / "package" / "rcr"
     package.mkdir(parents=True, exist_ok=True)
     for entry in (ROOT / "py" / "rcr").iterdir():
         if entry.suffix != ".so" and not (package / entry.name).exists():
             (package / entry.name).symlink_to(entry)
-    configure = ["cmake", "-S", source, "-B", folder / "build", "-G", "Ninja", "-DRCR_PLUGIN=OFF", f"-DRCR_PACKAGE={package}",
+    with_plugin = [f"-DYADE_SOURCE_DIR={yade_source()}"] if plugin else ["-DRCR_PLUGIN=OFF"]
+    configure = ["cmake", "-S", source, "-B", folder / "build", "-G", "Ninja", *with_plugin, f"-DRCR_PACKAGE={package}",
                  "-DCMAKE_BUILD_TYPE=Check", f"-DCMAKE_CXX_FLAGS={flags}"]  # fmt: skip
+    # a file with YADE's headers takes 4 GB under the sanitizers, so one compiler at a time
+    wanted = ["--parallel", "1"] if plugin else ["--target", "_kernel"]
     log = FOLDER / f"{name}.log"
-    if run([*map(str, configure)], log) or run(["cmake", "--build", str(folder / "build"), "--target", "_kernel"], log):
+    if run([*map(str, configure)], log) or run(["cmake", "--build", str(folder / "build"), *wanted], log):
         return None
     return package.parent
 
 
-def environment(package, **changes):
-    """Python of this environment with that package, and without YADE: the kernels' tests need none."""
-    return dict(os.environ, PYTHONPATH=os.pathsep.join([str(package), str(ROOT / "tests")]), **changes)
+def yade_source():
+    """The folder of YADE's headers, as the ordinary build has it."""
+    lines = (ROOT / "build" / "CMakeCache.txt").read_text().splitlines()
+    return next(line.split("=", 1)[1] for line in lines if line.startswith("YADE_SOURCE_DIR"))
+
+
+def environment(package, yade=False, **changes):
+    """Python of this environment with that package; without YADE, which the kernels' tests do not need, unless it is asked for."""
+    path = [str(package), str(ROOT / "tests"), *([os.environ["PYTHONPATH"]] if yade else [])]
+    return dict(os.environ, PYTHONPATH=os.pathsep.join(path), **changes)
 
 
 def last_line(log):
@@ -61,28 +82,74 @@ def last_line(log):
     return lines[-1].strip("= ") if lines else ""
 
 
-def sanitize(name, arguments):
-    """Builds the kernels with a sanitizer and runs their tests under it."""
-    sanitizer, log = SANITIZERS[name], FOLDER / f"{name}.log"
-    package = build_kernel(name, f"-O1 -g -fno-omit-frame-pointer {sanitizer['flags']}")
+def sanitize(name, commands, plugin=False):
+    """Builds with a sanitizer and runs commands under it; the line is that of the last command, or the first report."""
+    sanitizer, log = dict(SANITIZERS[name]), FOLDER / f"{name}.log"
+    package = build(name, f"-O1 -g1 -fno-omit-frame-pointer {sanitizer.pop('flags')}", plugin=plugin)
     if package is None:
         return False, f"does not build, see {log.relative_to(ROOT)}"
     reports = FOLDER / name / "report"  # what goes to stderr, pytest keeps to itself
     for report in reports.parent.glob("report.*"):
         report.unlink()
-    changes = {sanitizer["variable"]: f"{sanitizer['options']}:log_path={reports}", "OMP_NUM_THREADS": "1"}
-    if sanitizer["preload"]:
-        changes["LD_PRELOAD"] = subprocess.check_output(["g++", f"-print-file-name={sanitizer['preload']}"], text=True).strip()
-    command = [*PYTEST, TESTS, *arguments]
-    if LEFT_OUT[name]:
-        command += ["-k", " and ".join(f"not {test}" for test in LEFT_OUT[name])]
-    # addresses at random may lie where the sanitizers' shadows do
-    code = run(["setarch", "-R", *command], log, cwd=ROOT, env=environment(package, **changes))
-    found = sorted(reports.parent.glob("report.*"))
-    if found:
-        line = next((line for line in found[0].read_text(errors="replace").splitlines() if "rror" in line or "WARNING" in line), "")
-        return False, f"{len(found)} reports, first {found[0].relative_to(ROOT)}: {line.strip()}"
-    return code == 0, last_line(log) if code == 0 else f"exit code {code}, {last_line(log)}; see {log.relative_to(ROOT)}"
+    preload = [subprocess.check_output(["g++", f"-print-file-name={library}"], text=True).strip() for library in sanitizer.pop("preload")]
+    changes = {variable: f"{value}:log_path={reports}" for variable, value in sanitizer.items()}
+    changes.update({"LD_PRELOAD": " ".join(preload)} if preload else {}, OMP_NUM_THREADS="1")
+    told = []
+    for command in commands:
+        # addresses at random may lie where the sanitizers' shadows do
+        code = run(["setarch", "-R", *command], log, cwd=ROOT, env=environment(package, plugin, **changes))
+        told.append(last_line(log))
+        found = sorted(reports.parent.glob("report.*"))
+        if found:
+            line = next((line for line in found[0].read_text(errors="replace").splitlines() if "rror" in line or "WARNING" in line), "")
+            return False, f"{len(found)} reports, first {found[0].relative_to(ROOT)}: {line.strip()}"
+        if code:
+            return False, f"exit code {code}, {told[-1]}; see {log.relative_to(ROOT)}"
+    return True, "; ".join(told)
+
+
+def sanitize_kernels(name, arguments):
+    left_out = ["-k", " and ".join(f"not {test}" for test in LEFT_OUT[name])] if LEFT_OUT[name] else []
+    return sanitize(name, [[*PYTEST, *WITHOUT_YADE, TESTS, *arguments, *left_out]])
+
+
+def sanitize_plugin(arguments):
+    """The soak, the scene fuzzer and the least case of a pair that grows within a step. Memory grows by what the sanitizer holds back."""
+    python = [sys.executable]
+    return sanitize("plugin-asan", [
+        [*PYTEST, "-p", "no:warnings", "tests/yade/test_f01_stale_points.py"],
+        [*python, FUZZER, "--scenes", "300"],
+        [*python, SOAK, "--growth", "inf", *(arguments or ["--minutes", "5"])],
+    ], plugin=True)  # fmt: skip
+
+
+def tidy(arguments):
+    """clang-tidy on the kernels, with the checks of .clang-tidy."""
+    if not shutil.which("clang-tidy"):
+        return None, "needs the package clang-tidy"
+    folder, log = FOLDER / "tidy", FOLDER / "tidy.log"
+    if run(["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", "-DRCR_PLUGIN=OFF", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", f"-DRCR_PACKAGE={folder}"], log):
+        return False, f"does not configure, see {log.relative_to(ROOT)}"
+    files = sorted(str(path) for path in (ROOT / "pkg" / "kernel").rglob("*.cpp"))
+    code = run(["clang-tidy", "-p", str(folder), "--quiet", "--warnings-as-errors=*", *(arguments or files)], log)
+    found = sum("warning:" in line or "error:" in line for line in log.read_text(errors="replace").splitlines())
+    return code == 0, f"{len(arguments or files)} files, {found} findings" + ("" if code == 0 else f"; see {log.relative_to(ROOT)}")
+
+
+def coverage(arguments):
+    """Lines of the kernels that their tests reach."""
+    if not shutil.which("gcovr"):
+        return None, "needs the package gcovr"
+    package, log = build("coverage", "-O0 -g1 --coverage"), FOLDER / "coverage.log"
+    if package is None:
+        return False, f"does not build, see {log.relative_to(ROOT)}"
+    objects = FOLDER / "coverage" / "build"
+    for counts in objects.rglob("*.gcda"):
+        counts.unlink()
+    if run([*PYTEST, *WITHOUT_YADE, TESTS, *arguments], log, cwd=ROOT, env=environment(package, OMP_NUM_THREADS="1")):
+        return False, f"{last_line(log)}; see {log.relative_to(ROOT)}"
+    code = run(["gcovr", "--root", str(ROOT), "--filter", "pkg/kernel/", "--html-details", str(FOLDER / "coverage" / "index.html"), "--print-summary", str(objects)], log)
+    return code == 0, next((line for line in log.read_text().splitlines() if line.startswith("lines:")), last_line(log))
 
 
 def script(name, *command):
@@ -92,29 +159,66 @@ def script(name, *command):
     return code == 0, last_line(log) + ("" if code == 0 else f"; see {log.relative_to(ROOT)}")
 
 
+def python(name, file, *defaults):
+    return lambda arguments: script(name, sys.executable, file, *(arguments or defaults))
+
+
 CHECKS = {
-    "asan": (lambda arguments: sanitize("asan", arguments), "the kernels' tests under AddressSanitizer, with bounds checks"),
-    "ubsan": (lambda arguments: sanitize("ubsan", arguments), "the kernels' tests under UndefinedBehaviorSanitizer"),
-    "tsan": (lambda arguments: sanitize("tsan", arguments), "the kernels' tests under ThreadSanitizer"),
+    "slow": (lambda arguments: script("slow", *PYTEST, "-m", "slow", *arguments), "the tests that take long"),
+    "asan": (lambda arguments: sanitize_kernels("asan", arguments), "the kernels' tests under AddressSanitizer, with bounds checks"),
+    "ubsan": (lambda arguments: sanitize_kernels("ubsan", arguments), "the kernels' tests under UndefinedBehaviorSanitizer"),
+    "tsan": (lambda arguments: sanitize_kernels("tsan", arguments), "the kernels' tests under ThreadSanitizer"),
+    "plugin-asan": (sanitize_plugin, "the plugin within YADE under AddressSanitizer and UndefinedBehaviorSanitizer, with bounds checks: soak and scenes"),
     "mutants": (lambda arguments: importlib.import_module("mutants").run(arguments), "the kernels' tests against kernels with one mistake each"),
-    "scenes": (lambda arguments: script("scenes", sys.executable, "tests/endurance/scene_fuzzer.py", *(arguments or ["--scenes", "2000"])),
-               "scenes drawn at random: each runs within its bounds or is refused before anything moves"),
+    "scenes": (python("scenes", FUZZER, "--scenes", "2000"), "scenes drawn at random: each runs within its bounds or is refused before anything moves"),
+    "soak": (python("soak", SOAK), "scenes drawn at random in which something changes again and again, and memory stays"),
     "driven": (lambda arguments: script("driven", "scripts/yade-rcr", "-n", "-x", "scripts/driven_scenes.py", *(arguments or ["--count", "200", "--out", str(FOLDER / "driven.csv")])),
                "driven scenes drawn at random, rigid beside springs"),
-    "kills": (lambda arguments: script("kills", sys.executable, "tests/endurance/kills.py", *(arguments or ["writes", "1000", "runs", "50", "campaigns", "5"])),
-              "writes, runs and campaigns killed at random moments"),
+    "large": (python("large", LARGE), "2^20 grains apart, and 10^5 in a pile"),
+    "kills": (python("kills", "tests/endurance/kills.py", "writes", "1000", "runs", "50", "campaigns", "5"), "writes, runs and campaigns killed at random moments"),
+    "damage": (lambda arguments: script("damage", "env", "RCR_DAMAGE=20", *PYTEST, "tests/python/test_damaged_files.py", *arguments), "readers and twenty times as many damaged files"),
+    "tidy": (tidy, "clang-tidy on the kernels"),
+    "coverage": (coverage, "lines of the kernels that their tests reach"),
 }  # fmt: skip
+VERDICTS = {True: "clean", False: "FAILS", None: "left out"}
+
+
+def record(rows):
+    """Adds rows to the table of all runs, and makes the page anew: the last row of each check."""
+    RECORD.parent.mkdir(parents=True, exist_ok=True)
+    new = not RECORD.exists()
+    with open(RECORD, "a", newline="") as file:
+        table = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        if new:
+            table.writeheader()
+        table.writerows(rows)
+    with open(RECORD, newline="") as file:
+        last = {row["check"]: row for row in csv.DictReader(file)}
+    PAGE.write_text(page([last[name] for name in CHECKS if name in last]))
+
+
+def page(rows):
+    """The table of these rows in Markdown."""
+    lines = ["# Checks", "", "What stands beside the default tests, and how its last run of `scripts/check` ended; `checks.csv` has all runs. "
+             "`scripts/check --record` writes both.", "", "| check | what it does | verdict | found | date, commit | s |", "|---|---|---|---|---|---|"]  # fmt: skip
+    cell = lambda text: text.replace("|", "\\|")
+    for row in rows:
+        options = f" `{row['options']}`" if row["options"] else ""
+        lines.append(f"| {row['check']}{options} | {CHECKS[row['check']][1]} | {row['verdict']} | {cell(row['what'])} | {row['date']}, {row['commit']} | {row['seconds']} |")
+    return "\n".join(lines) + "\n"
 
 
 def main():
     parser = argparse.ArgumentParser(
         prog="check", description="Run what the default tests leave out.", formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="\n".join(f"{name:10} {about}" for name, (_, about) in CHECKS.items()),
+        epilog="\n".join(f"{name:12} {about}" for name, (_, about) in CHECKS.items()) + "\n\nWhat stands after -- goes to the check: check soak -- --minutes 60",
     )  # fmt: skip
     parser.add_argument("what", nargs="*", help=f"some of {' '.join(CHECKS)}; all if none is given")
+    parser.add_argument("--record", action="store_true", help=f"add the rows to {RECORD.relative_to(ROOT)}")
     arguments = sys.argv[1:]
     split = arguments.index("--") if "--" in arguments else len(arguments)
     options = parser.parse_args(arguments[:split])
+    passed = arguments[split + 1 :]
     for name in options.what:
         if name not in CHECKS:
             parser.error(f"'{name}' is not known: give some of {' '.join(CHECKS)}")
@@ -124,12 +228,16 @@ def main():
         print(f"check: {name}: {CHECKS[name][1]} …", file=sys.stderr, flush=True)
         (FOLDER / f"{name}.log").unlink(missing_ok=True)
         start = time.monotonic()
-        right, about = CHECKS[name][0](arguments[split + 1 :])
-        rows.append((name, "clean" if right else "FAILS", f"{time.monotonic() - start:.0f} s", about))
-    width = [max(len(row[k]) for row in rows) for k in range(3)]
-    for row in rows:
+        right, about = CHECKS[name][0](passed)
+        rows.append(dict(date=datetime.date.today().isoformat(), commit=os.environ.get("YADE_RCR_COMMIT", ""), check=name, options=" ".join(passed),
+                         verdict=VERDICTS[right], seconds=f"{time.monotonic() - start:.0f}", what=about))  # fmt: skip
+        if options.record:
+            record(rows[-1:])
+    shown = [[row["check"], row["verdict"], f"{row['seconds']} s", row["what"]] for row in rows]
+    width = [max(len(row[k]) for row in shown) for k in range(3)]
+    for row in shown:
         print("  ".join([*(cell.ljust(w) for cell, w in zip(row, width)), row[3]]))
-    sys.exit(any(row[1] != "clean" for row in rows))
+    sys.exit(any(row["verdict"] == VERDICTS[False] for row in rows))
 
 
 if __name__ == "__main__":

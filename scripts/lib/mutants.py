@@ -159,7 +159,7 @@ def caught(mutant, package, log):
     """Whether some test fails; the tests of the unit first."""
     for tests in tests_of(mutant.file):
         try:
-            if check.run([*check.PYTEST, "-x", tests], log, cwd=check.ROOT, env=check.environment(package, OMP_NUM_THREADS="1"), timeout=LIMIT):
+            if check.run([*check.PYTEST, *check.WITHOUT_YADE, "-x", tests], log, cwd=check.ROOT, env=check.environment(package, OMP_NUM_THREADS="1"), timeout=LIMIT):
                 return True
         except subprocess.TimeoutExpired:
             return True
@@ -180,7 +180,7 @@ def run(names):
         whole = source.read_text()
         source.write_text(whole.replace(mutant.before, mutant.after))
         try:
-            package = check.build_kernel("mutants", flags, folder)
+            package = check.build("mutants", flags, folder)
             verdict = "does not build" if package is None else "caught" if caught(mutant, package, log) else "SURVIVED"
         finally:
             source.write_text(whole)

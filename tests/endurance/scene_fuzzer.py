@@ -59,47 +59,50 @@ FAULTS = [
 ]  # fmt: skip
 
 
-def build(scene, rng):
-    """The scene in YADE; returns the functors and engines by name for the faults."""
+R = 0.1  # m, of grains
+WIDTH = 24 * R  # of a periodic cell
+
+
+def obstacles(scene, material):
+    """Appends the floor, and what turns above it."""
     import rcr
     from yade import O, utils
-    from yade.minieigenHP import Matrix3
+
+    floors = {
+        "Wall": lambda: rcr.wall("y", 0, material=material),
+        "Box": lambda: utils.box((0, -0.5, 0), (9, 0.5, 1), material=material, fixed=True),
+        "Facet": lambda: utils.facet([(-9, 0, -1), (9, 0, -1), (0, 0, 1)], material=material),
+        "Rcr": lambda: rcr.particle((0, -0.1), 5, 0.98, fixed=True, material=material),
+    }
+    if scene["floor"] != "none":
+        O.bodies.append(floors[scene["floor"]]())
+    if scene["turning"]:
+        box = utils.box((0.3, 0.3, 0), (0.3, 0.02, 1), material=material, fixed=True)
+        box.state.angVel = (0, 0, 5)
+        O.bodies.append(box)
+
+
+def grain(kind, at, eta, speed, material, rng):
+    """Appends a grain of this kind with a velocity up to `speed` along each axis."""
+    import rcr
+    from yade import O
+
+    more = dict(material=material, velocity=tuple(rng.uniform(-1, 1, 2) * speed), angular_velocity=rng.uniform(-1, 1) * speed / R)
+    if kind == "Sphere":
+        O.bodies.append(rcr.disc(at, R, **more))
+    elif kind == "Rcr":
+        O.bodies.append(rcr.particle(at, R, eta, angle=rng.uniform(0, 3), **more))
+    else:
+        half = R / 2
+        rcr.clump([rcr.disc((at[0] + s * half, at[1]), half, material=material) for s in (-1, 1)])
+
+
+def engines(scene):
+    """Puts the engines of the scene's law into O, with its time step."""
+    import rcr
+    from yade import O
     from yade import wrapper as w
 
-    O.reset()
-    m = w.FrictMat(density=1000, frictionAngle=math.atan(scene["friction"]), young=1e7, poisson=0.5)
-    O.materials.append(m)
-    R = 0.1
-    width = 6 * R
-    size = 24 * R
-    if scene["periodic"]:
-        O.periodic = True
-        O.cell.setBox(size, size, size)
-    else:
-        floors = {
-            "Wall": lambda: rcr.wall("y", 0, material=m),
-            "Box": lambda: utils.box((0, -0.5, 0), (9, 0.5, 1), material=m, fixed=True),
-            "Facet": lambda: utils.facet([(-9, 0, -1), (9, 0, -1), (0, 0, 1)], material=m),
-            "Rcr": lambda: rcr.particle((0, -0.1), 5, 0.98, fixed=True, material=m),
-        }
-        if scene["floor"] != "none":
-            O.bodies.append(floors[scene["floor"]]())
-        if scene["turning"]:
-            box = utils.box((0.3, 0.3, 0), (0.3, 0.02, 1), material=m, fixed=True)
-            box.state.angVel = (0, 0, 5)
-            O.bodies.append(box)
-    for k in range(scene["count"]):
-        step = 2.6 * R
-        at = (step * (k % 5) + rng.uniform(0, 0.2 * R) - width, 0.8 + step * (k // 5)) if not scene["periodic"] else (step * (k % 5) + R, step * (k // 5) + R)
-        more = dict(material=m, velocity=tuple(rng.uniform(-1, 1, 2) * scene["speed"]), angular_velocity=rng.uniform(-1, 1) * scene["speed"] / R)
-        kind = scene["kinds"][k]
-        if kind == "Sphere":
-            O.bodies.append(rcr.disc(at, R, **more))
-        elif kind == "Rcr":
-            O.bodies.append(rcr.particle(at, R, scene["eta"], angle=rng.uniform(0, 3), **more))
-        else:
-            half = R / 2
-            rcr.clump([rcr.disc((at[0] + s * half, at[1]), half, material=m) for s in (-1, 1)])
     names = [f"Ig2_{one}_{two}_RcrGeom" for two in ("Rcr", "Sphere") for one in ("Wall", "Box", "Facet", "Sphere")] + ["Ig2_Rcr_Rcr_RcrGeom"]
     ig2 = [getattr(rcr, name)() for name in names]
     bounds = [rcr.Bo1_Rcr_Aabb(), w.Bo1_Sphere_Aabb(), *([] if scene["periodic"] else [w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Facet_Aabb()])]
@@ -117,9 +120,45 @@ def build(scene, rng):
         loop = w.InteractionLoop(ig2, [w.Ip2_FrictMat_FrictMat_FrictPhys()], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=0.3)])
         O.engines = [w.ForceResetter(), collider, loop, newton]
         O.dt = 2e-5
+
+
+def begin(scene):
+    """An empty scene, in a cell if it is periodic; returns the material of its bodies."""
+    from yade import O
+    from yade import wrapper as w
+
+    O.reset()
+    material = w.FrictMat(density=1000, frictionAngle=math.atan(scene["friction"]), young=1e7, poisson=0.5)
+    O.materials.append(material)
     if scene["periodic"]:
-        a, b, c, d = scene["gradient"]
-        O.cell.velGrad = Matrix3(a, b, 0, c, d, 0, 0, 0, 0)
+        O.periodic = True
+        O.cell.setBox(WIDTH, WIDTH, WIDTH)
+    return material
+
+
+def shear_cell(gradient):
+    from yade import O
+    from yade.minieigenHP import Matrix3
+
+    a, b, c, d = gradient
+    O.cell.velGrad = Matrix3(a, b, 0, c, d, 0, 0, 0, 0)
+
+
+def build(scene, rng):
+    """The scene in YADE."""
+    from yade import O
+
+    material = begin(scene)
+    if not scene["periodic"]:
+        obstacles(scene, material)
+    step = 2.6 * R
+    for k in range(scene["count"]):
+        along, up = step * (k % 5), step * (k // 5)
+        at = (along + R, up + R) if scene["periodic"] else (along + rng.uniform(0, 0.2 * R) - 6 * R, 0.8 + up)
+        grain(scene["kinds"][k], at, scene["eta"], scene["speed"], material, rng)
+    engines(scene)
+    if scene["periodic"]:
+        shear_cell(scene["gradient"])
     O.trackEnergy = scene["energy"]
 
 
@@ -198,6 +237,20 @@ def state():
     return np.array([[*b.state.pos, *b.state.vel, *b.state.angVel] for b in O.bodies])
 
 
+def deepest_overlap():
+    """Over R₁ + R₂, of all pairs of which one can move."""
+    import rcr
+    from yade import O
+
+    deepest = 0.0
+    for i in O.interactions:
+        if i.isReal and isinstance(i.geom, rcr.RcrGeom):
+            moving = any(O.bodies[b].state.blockedDOFs != "xyzXYZ" or O.bodies[b].isClumpMember for b in (i.id1, i.id2))
+            if moving and i.geom.points:
+                deepest = max(deepest, max(-i.geom.gap[p] for p in range(i.geom.points)) / (i.geom.refR1 + i.geom.refR2))
+    return deepest
+
+
 def outcome(seed, steps):
     """'ran', 'refused' or a sentence on what is wrong."""
     import numpy as np
@@ -212,7 +265,7 @@ def outcome(seed, steps):
     zero_smooth = scene["fault"] == "zero dt" and scene["law"] == "smooth"
     given = scene["speed"] * 2 + 5 * 0.4 * scene["turning"] + 0.5
     fallen = scene["gravity"] * O.dt * steps
-    deepest, missed = 0.0, False
+    missed = False
     total = None
     for k in range(steps):
         old = state()
@@ -233,12 +286,7 @@ def outcome(seed, steps):
         cell = 0 if not scene["periodic"] else np.abs(scene["gradient"]).max() * 2.4 * 1.5
         if fastest > SPEED * (given + fallen) + cell:
             return f"a grain at {fastest:.3g} m/s after step {k}, where {given + fallen:.3g} was given"
-        deepest = 0.0
-        for i in O.interactions:
-            if i.isReal and isinstance(i.geom, rcr.RcrGeom):
-                moving = any(O.bodies[b].state.blockedDOFs != "xyzXYZ" or O.bodies[b].isClumpMember for b in (i.id1, i.id2))
-                if moving and i.geom.points:
-                    deepest = max(deepest, max(-i.geom.gap[p] for p in range(i.geom.points)) / (i.geom.refR1 + i.geom.refR2))
+        deepest = deepest_overlap()
         bound = DEEPEST if scene["law"] == "rigid" else 0.3
         before, missed = missed, any(not e.converged for e in O.engines if isinstance(e, rcr.ContactDynamics))
         if deepest > bound and not before and not missed:  # an overlap shows one step after the one that left it

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcr import _kernel
+from rcr import _kernel, problems
 
 SWEEPS = ["nlgs", "sor", "nesterov"]
-DATA = Path(__file__).parents[3] / "shared" / "data"
+DATA = Path(__file__).parents[1] / "data"
 ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
 ROUNDING = 1e-13  # of a residual: sums of some thousand velocities, each to 1e-16
 OF_BODIES = "inverse_mass", "free_velocity"
@@ -193,19 +193,8 @@ def pile(seed, columns=12, rows=9):
 
 
 def stored(name):
-    """A packing under shear (data README), or a skip where it is not there."""
-    path = DATA / f"{name}.npz"
-    if not path.exists():
-        pytest.skip(f"{path.name} is not here")
-    d = np.load(path)
-    order = np.lexsort((d["b"], d["a"]))
-    m = np.column_stack([d["im"], d["im"], d["iI"]])
-    m[int(d["meta"][2]) :, 1] = 0  # walls move along x only
-    take = lambda key: np.ascontiguousarray(d[key][order], float)
-    return Problem(
-        name, inverse_mass=m, free_velocity=d["vfree"], bodies=np.column_stack([d["a"], d["b"]])[order].astype(np.int32), normal=take("n"),
-        arm1=take("ra"), arm2=take("rb"), bias=take("bn"), friction=take("mu"), impulse=take("p0"),
-    )
+    """A packing under shear (tests/data)."""
+    return Problem(name, **problems.load(DATA / f"{name}.npz").arrays())
 
 
 def wall_of_bricks(seed, courses=8, bricks=10, tilt=1e-3):
@@ -343,7 +332,7 @@ def heaps(count):
 PROBLEMS = [
     pytest.param(lambda: pile(1), id="pile 1"),
     pytest.param(lambda: pile(2, 30, 12), id="pile 2"),
-    pytest.param(lambda: stored("n500_e0_0"), id="n500 eta 0"),
-    pytest.param(lambda: stored("n500_e0.7_0"), id="n500 eta 0.7"),
-    pytest.param(lambda: stored("n2000_e0_0"), id="n2000 eta 0"),
+    pytest.param(lambda: stored("shear-500-eta-0"), id="500 eta 0"),
+    pytest.param(lambda: stored("shear-500-eta-0.7"), id="500 eta 0.7"),
+    pytest.param(lambda: stored("shear-1000-eta-0"), id="1000 eta 0"),
 ]

@@ -228,3 +228,22 @@ def test_cell_that_is_driven_into_its_grains_is_told():
     O.cell.velGrad = Matrix3(-0.3, 0, 0, 0, -0.3, 0, 0, 0, 0)
     with pytest.raises(RuntimeError, match="jam.*the velocity gradient of the cell"):
         steps(3000)
+
+
+def test_boxes_of_fast_bodies_fit_a_sheared_cell():
+    """Sheared by γ = 0.9, where boxes are wider by 40 %: YADE's collider would end the process."""
+    m = material()
+    fast = rcr.particle((0.3, 1), 0.1, 0.5, material=m, velocity=(200, 0))
+    ids = scene("rigid", fast, rcr.disc((1.5, 1), 0.1, material=m), size=2.0, dt=5e-3)
+    O.cell.hSize = Matrix3(2, 1.8, 0, 0, 2, 0, 0, 0, 2)
+    steps(20)
+    assert np.isfinite(O.bodies[ids[0]].state.vel[0])
+
+
+def test_a_cell_that_shear_has_made_too_narrow_is_refused():
+    m = material()
+    scene("rigid", rcr.particle((0.3, 1), 0.3, 0.5, material=m), size=2.0)
+    steps(1)
+    O.cell.hSize = Matrix3(2, 8, 0, 0, 2, 0, 0, 0, 2)
+    with pytest.raises(ValueError, match=r"sheared, so that radii count [89][\d.]* times: O\.cell\.flipCell"):
+        steps(1)

@@ -8,9 +8,9 @@ import pytest
 import rcr
 import yade
 import yade.utils
-from scenes import G, build, contact_forces, material, python, snapshot, stadium, steps, velocity
+from scenes import G, build, contact_forces, engines, material, python, snapshot, stadium, steps, velocity
 from yade import O
-from yade.wrapper import MatchMaker
+from yade.wrapper import InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker
 
 OURS = {
     "Shape": {"Rcr"},
@@ -165,3 +165,23 @@ def test_restitution_by_match_maker(e):
     O.bodies[disc].state.vel = (0, -1, 0)
     O.step()
     assert velocity(disc)[1] == pytest.approx(e, abs=1e-12)  # rounding
+
+
+@pytest.mark.parametrize("law", ["rigid", "smooth"])
+def test_engines_that_are_new_after_an_erase_see_the_bodies(law):
+    """YADE's collider, once bodies have been erased, is told of later ones alone; a new one would see none, and the grains fall."""
+    springs = [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=0.3)]
+    grain = material()
+    grain.young, grain.poisson = 1e7, 0.5
+    floor, first, second = build(rcr.wall("y", 0, sense=1, material=grain), *(rcr.particle((x, 0.05), 0.1, 0.5, material=grain) for x in (0, 1)))
+    steps(5)
+    O.bodies.erase(first)
+    steps(5)
+    O.interactions.clear()
+    O.engines = engines()
+    if law == "smooth":
+        loop = O.engines[2]
+        O.engines = [*O.engines[:2], InteractionLoop(loop.geomDispatcher.functors, [Ip2_FrictMat_FrictMat_FrictPhys()], springs), O.engines[-1]]
+        O.dt = 1e-4
+    O.run(1000, True)
+    assert O.interactions.has(floor, second) and abs(O.bodies[second].state.pos[1] - 0.05) < 1e-3

@@ -51,10 +51,10 @@ def test_no_pivot_where_nothing_changes():
         np.testing.assert_allclose(end["impulse"], problem["impulse"], rtol=0, atol=1e-14)
 
 
-PROBLEMS = [lambda: pile(1), lambda: pile(2, 20, 12), lambda: wall_of_bricks(1), lambda: square_discs(1), lambda: stored("n500_e0.7_0")]
+PROBLEMS = [lambda: pile(1), lambda: pile(2, 20, 12), lambda: wall_of_bricks(1), lambda: square_discs(1), lambda: stored("shear-500-eta-0.7")]
 
 
-@pytest.mark.parametrize("make", PROBLEMS, ids=["pile 1", "pile 2", "bricks", "discs", "n500 eta 0.7"])
+@pytest.mark.parametrize("make", PROBLEMS, ids=["pile 1", "pile 2", "bricks", "discs", "500 eta 0.7"])
 @pytest.mark.parametrize("rho", [0.1, 10.0])
 def test_the_softened_law_holds_at_the_end(make, rho):
     """Steps from nothing, from the solution of the last step, and from any impulses in their cones."""

@@ -18,9 +18,9 @@ PROBLEMS = [
     pytest.param(lambda: wall_of_bricks(2, 15, 20), id="bricks 2"),
     pytest.param(lambda: wall_of_bricks(3, tilt=0), id="bricks parallel"),
     pytest.param(lambda: jammed_box(1), id="jammed box"),
-    pytest.param(lambda: stored("n500_e0_0"), id="n500 eta 0"),
-    pytest.param(lambda: stored("n500_e0.7_0"), id="n500 eta 0.7"),
-    pytest.param(lambda: stored("n2000_e0_0"), id="n2000 eta 0"),
+    pytest.param(lambda: stored("shear-500-eta-0"), id="500 eta 0"),
+    pytest.param(lambda: stored("shear-500-eta-0.7"), id="500 eta 0.7"),
+    pytest.param(lambda: stored("shear-1000-eta-0"), id="1000 eta 0"),
 ]
 
 
@@ -30,7 +30,7 @@ def test_reaches_1e_10_from_a_cold_start(make):
     assert_solved(problem, problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET), TOLERANCE)
 
 
-@pytest.mark.parametrize("name", ["n500_e0_0", "n500_e0.7_0"])
+@pytest.mark.parametrize("name", ["shear-500-eta-0", "shear-500-eta-0.7"])
 def test_reaches_1e_10_from_a_warm_start(name):
     problem = stored(name)
     assert_solved(problem, problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET), TOLERANCE)

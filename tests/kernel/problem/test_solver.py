@@ -29,7 +29,7 @@ def test_a_problem_without_contacts():
     assert result["converged"] and result["residual"] == 0
 
 
-@pytest.mark.parametrize("name", ["n500_e0.7_0", "n2000_e0_0"])
+@pytest.mark.parametrize("name", ["shear-500-eta-0.7", "shear-1000-eta-0"])
 def test_auto_takes_the_exact_tier_for_fine_tolerances(name):
     problem = stored(name).cold()
     assert_solved(problem, problem.solve("auto", tolerance=1e-9, max_iterations=BUDGET), 1e-9)

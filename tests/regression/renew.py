@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""Renews the reference values, and shows what differs from the old ones: scripts/lib/run python3 tests/regression/renew.py [--dry] [--perturb]"""
+
+import argparse
+import json
+import pathlib
+import warnings
+
+import yade  # noqa: F401  before rcr
+
+import cases
+import scene_fuzzer
+
+REFERENCE = pathlib.Path(__file__).parent / "reference.json"
+
+
+def differences(old, new):
+    """Lines (case, quantity, old, new, relative difference), the largest first."""
+    rows = []
+    for case in new:
+        for quantity, value in new[case].items():
+            before = old.get(case, {}).get(quantity)
+            if before != value:
+                scale = max(abs(value), abs(before or 0))
+                rows.append((abs(value - before) / scale if before is not None else float("inf"), case, quantity, before, value))
+    return sorted(rows, key=lambda row: -row[0])
+
+
+def perturbed(build, by=1e-15):
+    """The fuzzer's `build`, with grains moved by `by` of their coordinates."""
+
+    def moved(*arguments):
+        build(*arguments)
+        for body in yade.O.bodies:
+            if body.state.blockedDOFs == "zXY" and not body.isClump and not body.isClumpMember:
+                body.state.pos = body.state.pos * (1 + by)
+
+    return moved
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="renew.py", description=__doc__.splitlines()[0])
+    parser.add_argument("--dry", action="store_true", help="show the differences alone")
+    parser.add_argument("--perturb", action="store_true", help="show by how much the scenes differ if grains are moved by 1e-15 of their coordinates")
+    options = parser.parse_args()
+    warnings.simplefilter("ignore")
+    if options.perturb:
+        scene_fuzzer.build = perturbed(scene_fuzzer.build)
+    old = json.loads(REFERENCE.read_text()) if REFERENCE.exists() else {}
+    new = {name: case() for name, case in cases.CASES.items() if not options.perturb or name in cases.SCENES}
+    for relative, case, quantity, before, value in differences(old, new):
+        print(f"{case}: {quantity} {before} -> {value} ({relative:.1e})")
+    for case in old.keys() - cases.CASES.keys():
+        print(f"{case}: gone")
+    if not (options.dry or options.perturb):
+        REFERENCE.write_text(json.dumps(new, indent=1, ensure_ascii=False) + "\n")
+
+
+if __name__ == "__main__":
+    main()
