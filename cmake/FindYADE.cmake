@@ -6,11 +6,10 @@
 #
 # Defines the target YADE::YADE, YADE_VERSION and YADE_OPENGL, whether it has a 3D view.
 
-file(GLOB yade_configs /usr/lib/*/yade*/py/yade/config.py /usr/lib/yade*/py/yade/config.py)
-if(NOT yade_configs)
-	message(FATAL_ERROR "No installed YADE found (looked for /usr/lib/*/yade*/py/yade/config.py). Install the packages yade, libyade and python3-yade, or let scripts/yade-rcr set everything up.")
+include(${CMAKE_CURRENT_LIST_DIR}/YadeHeaders.cmake)
+if(NOT YADE_HEADERS_FOUND)
+	message(FATAL_ERROR "${YADE_HEADERS_MISSING}")
 endif()
-list(GET yade_configs 0 yade_config)
 get_filename_component(yade_python "${yade_config}" DIRECTORY)
 get_filename_component(yade_library_dir "${yade_python}/../.." ABSOLUTE)
 
@@ -19,9 +18,6 @@ execute_process(
 	OUTPUT_VARIABLE yade_facts OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 list(POP_FRONT yade_facts YADE_VERSION yade_bits yade_decimals)
 
-if(NOT EXISTS "${YADE_SOURCE_DIR}/core/Scene.hpp")
-	message(FATAL_ERROR "YADE_SOURCE_DIR = '${YADE_SOURCE_DIR}' holds no YADE source (core/Scene.hpp). Unpack the source archive of YADE ${YADE_VERSION} (apt-get source --tar-only yade) and give its folder.")
-endif()
 file(READ "${YADE_SOURCE_DIR}/RELEASE" yade_release)
 string(STRIP "${yade_release}" yade_release)
 if(NOT yade_release STREQUAL YADE_VERSION)

@@ -1,12 +1,20 @@
-"""rcr loads its plugin into the YADE that it finds, so YADE comes first. Kernels and analysis are tested without one too."""
+"""rcr loads its plugin into the YADE that it finds, so YADE comes first. Kernels and analysis are tested without plugin or YADE, too."""
 
 import importlib.util
 import os
+import pathlib
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # scenes are tiny: a team of threads costs more than it gives
 
-if importlib.util.find_spec("yade"):
+RCR = importlib.util.find_spec("rcr")
+if not (RCR and any(pathlib.Path(RCR.origin).parent.glob("_plugin*.so"))):
+    LEFT_OUT = "the plugin is not built; scripts/test builds it"
+elif not importlib.util.find_spec("yade"):
+    LEFT_OUT = "no YADE for this Python; scripts/test brings one"
+else:
     import yade
+
+    LEFT_OUT = None
 
 if importlib.util.find_spec("hypothesis"):
     import hypothesis
@@ -15,3 +23,7 @@ if importlib.util.find_spec("hypothesis"):
     slow = [hypothesis.HealthCheck.too_slow]
     hypothesis.settings.register_profile("steady", deadline=None, derandomize=True, suppress_health_check=slow)
     hypothesis.settings.load_profile("steady")
+
+
+def pytest_report_header():
+    return f"tests/yade is left out: {LEFT_OUT}" if LEFT_OUT else None

@@ -43,9 +43,12 @@ def _load_plugin():
     flags = sys.getdlopenflags()
     sys.setdlopenflags(flags | os.RTLD_GLOBAL)  # YADE finds classes of all plugins by their symbols
     try:
-        from rcr import _plugin
+        _plugin = importlib.import_module("rcr._plugin")
     except ModuleNotFoundError as error:
-        raise ImportError("the plugin of rcr is not built; run scripts/yade-rcr, which builds it and starts YADE with it") from error
+        raise ImportError(
+            f"rcr in {os.path.dirname(__file__)} has no plugin for YADE, only the analysis; "
+            "run scripts/yade-rcr, which builds it and starts YADE with it. Without YADE, in plain python3, `import rcr` works."
+        ) from error
     finally:
         sys.setdlopenflags(flags)
     import yade.wrapper

@@ -163,6 +163,13 @@ def python(name, file, *defaults):
     return lambda arguments: script(name, sys.executable, file, *(arguments or defaults))
 
 
+def deb():
+    """How it went with the Debian package, which scripts/check has tried before."""
+    log = FOLDER / "check-deb.log"
+    code = os.environ["YADE_RCR_CHECK_DEB"]
+    return code == "0", last_line(log) + ("" if code == "0" else f"; see {log.relative_to(ROOT)}")
+
+
 CHECKS = {
     "slow": (lambda arguments: script("slow", *PYTEST, "-m", "slow", *arguments), "the tests that take long"),
     "asan": (lambda arguments: sanitize_kernels("asan", arguments), "the kernels' tests under AddressSanitizer, with bounds checks"),
@@ -179,6 +186,8 @@ CHECKS = {
     "damage": (lambda arguments: script("damage", "env", "RCR_DAMAGE=20", *PYTEST, "tests/python/test_damaged_files.py", *arguments), "readers and twenty times as many damaged files"),
     "tidy": (tidy, "clang-tidy on the kernels"),
     "coverage": (coverage, "lines of the kernels that their tests reach"),
+    "docs": (python("docs", "docs/build.py"), "the pages as a site, without a warning"),
+    "deb": (lambda arguments: deb(), "the Debian package installed in a clean Debian 13, used by plain yade, and removed without a trace"),
 }  # fmt: skip
 VERDICTS = {True: "clean", False: "FAILS", None: "left out"}
 

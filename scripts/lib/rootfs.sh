@@ -90,22 +90,28 @@ rootfs_reason() {
     fi
 }
 
-# rootfs_bootstrap SOURCES: mmdebstrap runs install-packages and fetch-source inside. An ordinary
-# user gets its result as an archive, so that the files are the user's own.
-rootfs_bootstrap() {
-    local sources bundle=/etc/ssl/certs/ca-certificates.crt
-    IFS=';' read -ra sources <<<"$1"
+# rootfs_options: sets `bootstrap` to mmdebstrap of a small Debian whose apt asks as this machine's does
+rootfs_options() {
+    local bundle=/etc/ssl/certs/ca-certificates.crt
     [ -r "$bundle" ] || bundle=/dev/null
     apt-config dump --no-empty --format '%f "%v";%n' Acquire |
         grep -E '^Acquire::(Check-|Retries|Force|https?::)' | grep -vi 'auto-\?detect' >"$new/apt.conf"
+    bootstrap=(mmdebstrap --variant=minbase
+        --aptopt="$new/apt.conf" --aptopt='Acquire::Languages "none"' --dpkgopt=force-unsafe-io
+        --setup-hook='mkdir -p "$1/etc/ssl/certs"'
+        --setup-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt")
+}
 
-    local bootstrap=(mmdebstrap --variant=minbase
-        --aptopt="$new/apt.conf" --aptopt='Acquire::Languages "none"'
-        --dpkgopt=force-unsafe-io --dpkgopt='path-exclude=/usr/share/doc/*'
+# rootfs_bootstrap SOURCES: mmdebstrap runs install-packages and fetch-source inside. An ordinary
+# user gets its result as an archive, so that the files are the user's own.
+rootfs_bootstrap() {
+    local sources bootstrap bundle=/etc/ssl/certs/ca-certificates.crt
+    IFS=';' read -ra sources <<<"$1"
+    [ -r "$bundle" ] || bundle=/dev/null
+    rootfs_options
+    bootstrap+=(--dpkgopt='path-exclude=/usr/share/doc/*'
         --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*'
         --dpkgopt='path-exclude=/usr/lib/*/yade-[!d]*' # its builds in higher precision
-        --setup-hook='mkdir -p "$1/etc/ssl/certs"'
-        --setup-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt"
         --customize-hook="copy-in '$lib/install-packages' '$lib/fetch-source' '$lib/packages' /tmp"
         --customize-hook='echo "yade-rcr: set-up 2/3: YADE, a compiler and Python libraries (2 to 5 min) …" >&2'
         --customize-hook='chroot "$1" /tmp/install-packages /tmp/packages >&2'
