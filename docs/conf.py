@@ -1,0 +1,20 @@
+"""Settings of the site; `build.py` makes it."""
+
+import importlib.util
+import pathlib
+import re
+
+project = "yade-rcr"
+author = "the authors of yade-rcr"
+release = re.search(r'^__version__ = "(.*)"', (pathlib.Path(__file__).parents[1] / "py" / "rcr" / "__init__.py").read_text(), re.M)[1]
+
+extensions = ["myst_parser"]
+myst_heading_anchors = 3
+default_role = "code"  # `x` in a doc string
+add_module_names = False
+toc_object_entries_show_parents = "hide"
+
+html_theme = next(name for name in ("furo", "sphinx_rtd_theme", "alabaster") if importlib.util.find_spec(name))
+html_title = f"yade-rcr {release}"
+html_copy_source = False
+html_show_copyright = False

@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+"""Pages of all classes and functions from their doc strings, in docs/reference: C++ through the plugin in YADE, and Python.
+
+Run it where YADE is:  scripts/lib/run python3 docs/reference.py
+"""
+
+import importlib
+import inspect
+import pathlib
+import re
+import shutil
+
+from sphinx.ext.napoleon import Config, NumpyDocstring
+
+OUT = pathlib.Path(__file__).resolve().parent / "reference"
+MODULES = {
+    "rcr.scene": "Bodies and scenes",
+    "rcr.plot": "Pictures",
+    "rcr.export": "Files for ParaView",
+    "rcr.measure": "Measures",
+    "rcr.network": "Contact networks",
+    "rcr.frame": "A scene or a network as arrays",
+    "rcr.xi_networks": "ξ-networks",
+    "rcr.problems": "Contact problems in files",
+    "rcr.info": "For bug reports",
+    "rcr.study.biaxial": "The biaxial test",
+    "rcr.study.analysis": "Observables of the study",
+    "rcr.study.ensemble": "Networks of many runs",
+    "rcr.study.figures": "Figures of the study",
+    "rcr.study.claims": "The paper's statements",
+}
+KINDS = {"Shapes and bounds": ("Rcr", "Bo1"), "Geometry of contacts": ("RcrGeom", "Ig2"), "Laws": ("CdPhys", "RcrFrictPhys", "Ip2", "Law2"), "Drawing": ("Gl1",)}
+READONLY = 2  # YADE's Attr::readonly
+
+
+def heading(text, line):
+    return f"{text}\n{line * len(text)}\n"
+
+
+def indented(text, by=3):
+    return "\n".join(" " * by + line if line else "" for line in text.splitlines())
+
+
+def escaped(text):
+    """Signs of reStructuredText that a doc string means as they are, outside of literals."""
+    parts = re.split(r"(``.*?``|`[^`]*`)", text, flags=re.S)
+    return "".join(part if k % 2 else re.sub(r"(^\s*\* )|([|*])", lambda m: m[1] or "\\" + m[2], part, flags=re.M) for k, part in enumerate(parts))
+
+
+def of_yade(text, classes):
+    """A doc string of YADE: its references and formulas in Sphinx's words."""
+
+    def reference(match):
+        shown, target = re.fullmatch(r"(.*?)(?:<(.*)>)?", match[1], re.S).groups()
+        target = target or shown
+        if target.split(".")[0] not in classes:
+            return f"``{shown}``"
+        return f":py:{'attr' if '.' in target else 'class'}:`{shown} <{target}>`"
+
+    parts = re.split(r"(\$.*?\$)", text, flags=re.S)
+    return "".join(f":math:`{part[1:-1]}`" if k % 2 else re.sub(r":yref:`([^`]*)`", reference, escaped(part)) for k, part in enumerate(parts))
+
+
+def attribute(name, doc, classes):
+    marks = dict(re.findall(r":(ydefault|yattrtype|yattrflags):`([^`]*)`", doc))
+    text = re.sub(r"\s*:(ydefault|yattrtype|yattrflags):`[^`]*`", "", doc).strip()
+    head = f".. py:attribute:: {name}\n"
+    if marks:
+        head += f"   :type: {marks['yattrtype'].split('::')[-1]}\n"
+        if int(marks["yattrflags"]) & READONLY:
+            text += " (read only)"
+        elif marks["ydefault"]:
+            head += f"   :value: {marks['ydefault']}\n"
+    return head + "\n" + indented(of_yade(text, classes)) + "\n"
+
+
+def yade_class(cls, classes):
+    base = cls.__bases__[0].__name__
+    about, *static = re.split(r"\.\. ystaticattr:: ", cls.__doc__ or "")
+    lines = [f".. py:class:: {cls.__name__}\n", indented(f"Base: ``{base}``. {of_yade(about.strip(), classes)}") + "\n"]
+    for text in static:
+        name, value, about = re.fullmatch(r"\w+\.(\w+)\(=(.*?)\)\s*(.*?)\s*", text, re.S).groups()
+        lines.append(indented(f".. py:attribute:: {name}\n   :value: {value}\n\n" + indented(of_yade(about, classes)) + "\n"))
+    for name, value in sorted(vars(cls).items()):
+        if isinstance(value, property) and value.__doc__:
+            lines.append(indented(attribute(name, value.__doc__, classes)))
+    return "\n".join(lines) + "\n"
+
+
+def yade_page():
+    import yade  # noqa: F401: rcr loads its plugin into it
+
+    import rcr
+    from rcr import _plugin
+
+    classes = {name: getattr(rcr, name) for name in _plugin.classes}
+    left = sorted(classes)
+    page = [heading("Classes of YADE", "="), "What ``import rcr`` adds to a session of YADE. All keep their attributes through ``O.save`` and ``O.load``.\n"]
+    kinds = {"Engines": [n for n in left if not n.startswith(sum(KINDS.values(), ()))]}
+    kinds |= {title: [n for n in left if n not in kinds["Engines"] and any(n == s or n.startswith(s + "_") for s in starts)] for title, starts in KINDS.items()}
+    assert sorted(sum(kinds.values(), [])) == left, set(left) ^ set(sum(kinds.values(), []))
+    for title, names in kinds.items():
+        page += ["\n" + heading(title, "-"), *(yade_class(classes[name], classes) for name in names)]
+    return "\n".join(page)
+
+
+def python_doc(thing, what):
+    return NumpyDocstring(escaped(inspect.getdoc(thing) or ""), Config(napoleon_use_rtype=False), what=what)
+
+
+def signature(thing):
+    try:
+        return str(inspect.signature(thing))
+    except (TypeError, ValueError):
+        return "(…)"
+
+
+def python_class(name, cls):
+    lines = [f".. py:class:: {name}{signature(cls)}\n", indented(str(python_doc(cls, "class"))) + "\n"]
+    for member, value in vars(cls).items():
+        if member.startswith("_") or not inspect.getdoc(value):
+            continue
+        if isinstance(value, property):
+            lines.append(indented(f".. py:property:: {member}\n\n" + indented(str(python_doc(value, "attribute")))))
+        elif inspect.isfunction(inspect.unwrap(getattr(cls, member))) or inspect.ismethod(getattr(cls, member)):
+            option = "   :classmethod:\n" if isinstance(value, classmethod) else "   :staticmethod:\n" if isinstance(value, staticmethod) else ""
+            lines.append(indented(f".. py:method:: {member}{signature(getattr(cls, member))}\n{option}\n" + indented(str(python_doc(getattr(cls, member), "method")))))
+        lines.append("")
+    return "\n".join(lines)
+
+
+def python_page(name, title):
+    module = importlib.import_module(name)
+    page = [heading(f"{title}: {name}", "="), f".. py:module:: {name}\n", str(python_doc(module, "module")) + "\n"]
+    for public, thing in vars(module).items():
+        if public.startswith("_") or getattr(thing, "__module__", None) != name or not inspect.getdoc(thing):
+            continue
+        if inspect.isclass(thing):
+            page.append(python_class(public, thing))
+        elif inspect.isfunction(thing):
+            page += [f".. py:function:: {public}{signature(thing)}\n", indented(str(python_doc(thing, "function"))) + "\n"]
+    return "\n".join(page)
+
+
+def main():
+    shutil.rmtree(OUT, ignore_errors=True)
+    OUT.mkdir()
+    pages = {"yade": yade_page(), **{name: python_page(name, title) for name, title in MODULES.items()}}
+    contents = heading("Reference", "=") + "\nMade from the doc strings of the classes and functions.\n\n.. toctree::\n   :maxdepth: 1\n\n" + indented("\n".join(pages)) + "\n"
+    for name, text in {"index": contents, **pages}.items():
+        (OUT / f"{name}.rst").write_text(text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,128 @@
+#!/usr/bin/env python3
+"""Tables of the pages, from the files that were measured. A page names what it wants:
+
+<!-- table: NAME -->
+…
+<!-- end -->
+
+and this script writes it in between. `--check` writes nothing and ends with 1 where a page is not what it would write.
+"""
+
+import argparse
+import ast
+import csv
+import pathlib
+import re
+import sys
+
+DOCS = pathlib.Path(__file__).resolve().parent
+ROOT = DOCS.parent
+sys.path[:0] = [str(ROOT), str(ROOT / "py")]
+MARK = re.compile(r"(<!-- table: (\S+) -->\n).*?(<!-- end -->)", re.S)
+
+
+def table(header, rows):
+    cell = lambda text: str(text).replace("|", "\\|")
+    return "".join("| " + " | ".join(map(cell, row)) + " |\n" for row in [header, ["---"] * len(header), *rows])
+
+
+def chart_rows(name):
+    with open(ROOT / "examples" / "charts" / f"{name}.csv", newline="") as file:
+        number = lambda key, cell: cell if key in ("point", "status", "command", "law", "scene", "title", "verdict") else _number(cell)
+        return [{key: number(key, cell) for key, cell in row.items()} for row in csv.DictReader(file)]
+
+
+def _number(cell):
+    try:
+        return float(cell)
+    except ValueError:
+        return cell
+
+
+def ratios(chart, name):
+    """The table that scripts/chart.py prints beside this chart."""
+    from benchmarks import charts
+
+    header, _, *lines = (line.split(" | ") for line in charts.chart(chart).ratios(chart_rows(name)))
+    return table(header, [[re.sub(r"(\d(?:\.\d+)?)e\+0*(\d+)", lambda m: f"{float(m[0]):g}", cell.strip()) for cell in line] for line in lines])
+
+
+def scene_module(name):
+    """TITLE, PREDICATE, … of a hard scene, read without YADE."""
+    told = {}
+    for node in ast.parse((ROOT / "benchmarks" / "hard_scenes" / f"{name}.py").read_text()).body:
+        if not isinstance(node, ast.Assign):
+            continue
+        target, value = node.targets[0], node.value
+        pairs = zip(target.elts, value.elts) if isinstance(target, ast.Tuple) else [(target, value)]
+        for name_node, constant in pairs:
+            if isinstance(constant, ast.Constant):
+                told[name_node.id] = constant.value
+            elif isinstance(constant, ast.Attribute) and name_node.id.isupper():  # of another scene
+                told[name_node.id] = scene_module(constant.value.id)[constant.attr]
+    return told
+
+
+def hard_scenes():
+    cell = {(row["scene"], row["law"], row["dt"]): row for row in chart_rows("d-stability") if row["status"] == "ok"}
+    rows = []
+    for name in dict.fromkeys(scene for scene, _, _ in cell):
+        scene = scene_module(name)
+        told = lambda law, dt: f"{row['verdict']} ({row['measured']:.1g})" if (row := cell.get((name, law, dt))) else ""
+        title = scene["TITLE"]
+        rows.append([f"{name[:3].upper().replace('S0', 'S')} {title[0].lower() + title[1:]}", scene["PREDICATE"], f"{scene['BOUND']:g}", told("cd", 1e-3), told("cd", 1e-2), told("smooth", 1e-4)])
+    return table(["scene", "must hold", "bound", "rigid, 1 ms", "rigid, 10 ms", "springs, 0.1 ms"], rows)
+
+
+def stability():
+    """How many scenes hold, drift or blow up."""
+    rows = [row for row in chart_rows("d-stability") if row["status"] == "ok"]
+    steps = sorted({row["dt"] for row in rows})
+    lines = []
+    for law, title in (("cd", "rigid contacts"), ("smooth", "springs, E = 10⁸ Pa")):
+        counts = lambda dt: [sum(row["law"] == law and row["dt"] == dt and row["verdict"] == verdict for row in rows) for verdict in ("holds", "drifts", "blows up")]
+        lines.append([title, *(" / ".join(map(str, counts(dt))) for dt in steps)])
+    return table(["hold / drift / blow up at dt =", *(f"{1e3 * dt:g} ms" for dt in steps)], lines)
+
+
+def examples():
+    lines = []
+    for script in sorted((ROOT / "examples").glob("*.py")):
+        first = ast.get_docstring(ast.parse(script.read_text())).splitlines()[0]
+        picture = f"![{script.stem}](pictures/{script.stem}.png)" if (DOCS / "pictures" / f"{script.stem}.png").exists() else ""
+        lines.append([f"[`{script.name}`](../examples/{script.name})", first, picture])
+    return table(["script", "story", "picture"], lines)
+
+
+TABLES = {
+    "one-step": lambda: ratios("a", "a-one-step"),
+    "biaxial-cost": lambda: ratios("c", "c-biaxial-cost"),
+    "hard-scenes": hard_scenes,
+    "stability": stability,
+    "study": lambda: (ROOT / "examples" / "paper" / "table.md").read_text().rstrip("\n") + "\n",
+    "examples": examples,
+}
+
+
+def written(text):
+    """The page with its tables anew."""
+    return MARK.sub(lambda match: match[1] + TABLES[match[2]]() + match[3], text)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="tables.py", description="Write the tables of the pages from the files that were measured.")
+    parser.add_argument("--check", action="store_true", help="write nothing; end with 1 where a table is not that of its files")
+    check = parser.parse_args().check
+    stale = []
+    for page in [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]:
+        text = page.read_text()
+        if (now := written(text)) != text:
+            stale.append(page.name)
+            if not check:
+                page.write_text(now)
+    if check and stale:
+        sys.exit(f"tables.py: not the tables of their files: {', '.join(stale)}; run docs/tables.py")
+
+
+if __name__ == "__main__":
+    main()
