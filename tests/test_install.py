@@ -1,26 +1,77 @@
-"""What `cmake --install` puts under a prefix: a package that plain python3 and YADE load without the repository."""
+"""What is installed: a package that plain python3 and YADE load without the repository, or the analysis alone."""
 
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
 
 import pytest
 
-BUILD = pathlib.Path(__file__).parents[1] / "build"
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+BUILD = ROOT / "build"
+SITE = f"lib/python3.{sys.version_info.minor}/dist-packages"
+needs_cmake = pytest.mark.skipif(not shutil.which("cmake"), reason="needs cmake")
+needs_build = pytest.mark.skipif(not (BUILD / "cmake_install.cmake").exists(), reason="needs the build folder")
 
 
-@pytest.mark.skipif(not shutil.which("cmake") or not (BUILD / "cmake_install.cmake").exists(), reason="needs cmake and the build folder")
+def cmake(*arguments, **environment):
+    return subprocess.run(["cmake", *map(str, arguments)], check=True, capture_output=True, text=True, timeout=120, env=os.environ | environment).stdout
+
+
+def python(code, folder, *path):
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, path))}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, cwd=folder, env=environment)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@needs_cmake
+@needs_build
 def test_installed_package_is_found_and_whole(tmp_path):
     """F28: nothing was installed."""
-    subprocess.run(["cmake", "--install", BUILD, "--prefix", tmp_path], check=True, capture_output=True, timeout=60)
-    site = tmp_path / "lib" / f"python3.{sys.version_info.minor}" / "dist-packages"
+    cmake("--install", BUILD, "--prefix", tmp_path)
+    site = tmp_path / SITE
     yade = [path for path in sys.path if path.endswith("/py") and (pathlib.Path(path) / "yade").is_dir()]
     code = "import sys, rcr; print(rcr.__file__); print(rcr.solve.__module__); print(rcr.info()['plugin'])"
     for before in ("", "import yade; ") if yade else ("",):
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(site), *yade])}
-        done = subprocess.run([sys.executable, "-c", before + code], capture_output=True, text=True, timeout=60, cwd=tmp_path, env=environment)
-        assert done.returncode == 0, done.stderr
-        assert str(site / "rcr" / "__init__.py") in done.stdout
-        assert ("for YADE" in done.stdout) == bool(before)
+        told = python(before + code, tmp_path, site, *yade)
+        assert str(site / "rcr" / "__init__.py") in told
+        assert ("for YADE" in told) == bool(before)
+
+
+@needs_cmake
+@needs_build
+def test_debians_own_folder_under_usr(tmp_path):
+    cmake("--install", BUILD, "--prefix", "/usr", DESTDIR=str(tmp_path))
+    assert (tmp_path / "usr/lib/python3/dist-packages/rcr/__init__.py").exists()
+
+
+@needs_cmake
+def test_analysis_alone_without_headers_of_yade(tmp_path):
+    """F28: what pip does where YADE is not; it needs no compiler."""
+    told = cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path / "build", "-DRCR_PLUGIN=AUTO", f"-DYADE_SOURCE_DIR={tmp_path}", "-DCMAKE_CXX_COMPILER=/none", f"-DPython3_EXECUTABLE={sys.executable}")
+    assert "Nothing is compiled" in told
+    cmake("--build", tmp_path / "build")
+    cmake("--install", tmp_path / "build", "--prefix", tmp_path)
+    site = tmp_path / SITE
+    assert not list(site.rglob("*.so"))
+    assert str(site) in python("import rcr, rcr.plot, rcr.measure, rcr.study.analysis; print(rcr.Network, rcr.__file__)", tmp_path, site)
+
+
+@needs_cmake
+def test_one_version(tmp_path):
+    cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path, "-DRCR_PLUGIN=AUTO", f"-DYADE_SOURCE_DIR={tmp_path}")
+    (version,) = re.findall(r"^CMAKE_PROJECT_VERSION:STATIC=(.*)$", (tmp_path / "CMakeCache.txt").read_text(), re.M)
+    assert python("import rcr; print(rcr.__version__)", tmp_path, ROOT / "py").strip() == version
+    for file in ("pyproject.toml", "CITATION.cff"):
+        assert not re.search(r"^version\b", (ROOT / file).read_text(), re.M)
+
+
+def test_without_its_plugin_rcr_says_so_to_yade(tmp_path):
+    """F30: a build of the kernels alone beside YADE ended in a message about circular imports."""
+    shutil.copytree(ROOT / "py" / "rcr", tmp_path / "rcr", ignore=shutil.ignore_patterns("*.so", "__pycache__"))
+    code = "import sys, types; sys.modules['yade'] = types.ModuleType('yade'); import rcr"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, env={**os.environ, "PYTHONPATH": str(tmp_path)})
+    assert done.returncode and "has no plugin for YADE, only the analysis; run scripts/yade-rcr" in done.stderr

@@ -39,7 +39,7 @@ def test_links_resolve(page):
         other = (page.parent / path).resolve() if path else page
         assert other.is_file(), f"{page.name} links to {target}, which is not there"
         assert not anchor or anchor in anchors(other), f"{page.name} links to {target}; {other.name} has no such heading"
-    named = set(re.findall(r"\][[]([\w-]+)\]", text))
+    named = set(re.findall(r"\]\[([\w-]+)\]", text))
     assert named <= set(re.findall(r"^\[([^]]+)\]: ", text, re.M)), "a named link without its address"
 
 

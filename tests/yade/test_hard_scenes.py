@@ -9,7 +9,7 @@ from benchmarks import hard_scenes
 from benchmarks.hard_scenes import COARSE
 
 SHORTENED = dict(s18_creep=10.0, s19_tall_stack=5.0)  # seconds of simulated time
-# What is known to fail, with its figure in the README; a cure makes these tests fail, and is to be entered here and there.
+# What is known to fail, with its figure in docs/hard-scenes.md; a cure makes these tests fail, and is to be entered here and there.
 FAILS = {"s19_disc_pyramid": "rest and collapse both satisfy the laws, and ours collapses"}
 
 
