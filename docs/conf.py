@@ -16,5 +16,7 @@ toc_object_entries_show_parents = "hide"
 
 html_theme = next(name for name in ("furo", "sphinx_rtd_theme", "alabaster") if importlib.util.find_spec(name))
 html_title = f"yade-rcr {release}"
+html_static_path = ["static"]
+html_css_files = ["wide.css"]
 html_copy_source = False
 html_show_copyright = False

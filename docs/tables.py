@@ -69,8 +69,7 @@ def hard_scenes():
     for name in dict.fromkeys(scene for scene, _, _ in cell):
         scene = scene_module(name)
         told = lambda law, dt: f"{row['verdict']} ({row['measured']:.1g})" if (row := cell.get((name, law, dt))) else ""
-        title = scene["TITLE"]
-        rows.append([f"{name[:3].upper().replace('S0', 'S')} {title[0].lower() + title[1:]}", scene["PREDICATE"], f"{scene['BOUND']:g}", told("cd", 1e-3), told("cd", 1e-2), told("smooth", 1e-4)])
+        rows.append([f"{name[:3].upper().replace('S0', 'S')} {scene['TITLE']}", scene["PREDICATE"], f"{scene['BOUND']:g}", told("cd", 1e-3), told("cd", 1e-2), told("smooth", 1e-4)])
     return table(["scene", "must hold", "bound", "rigid, 1 ms", "rigid, 10 ms", "springs, 0.1 ms"], rows)
 
 

@@ -47,7 +47,7 @@ def test_law_of_the_page(tmp_path):
     page = ROOT / "docs" / "extending.md"
     (law,) = blocks(page, "cpp")
     assert len(law.splitlines()) < 60
-    (name,) = re.findall(r"`(pkg/dem/\w+\.cpp)`", page.read_text())
+    (name,) = re.findall(r"Put this into `(pkg/dem/\w+\.cpp)`", page.read_text())
     source = tmp_path / pathlib.Path(name).name
     source.write_text(re.sub(r'#include "', f'#include "{ROOT}/pkg/dem/', law))
     command, compiled = compile_command(source, tmp_path)
