@@ -41,6 +41,7 @@ def compile_command(source, folder):
     return words, folder / "law-o"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not shutil.which("ninja") or not (BUILD / "build.ninja").exists(), reason="needs the build folder")
 def test_law_of_the_page(tmp_path):
     """Compiled by itself, with the options of the build, and loaded before rcr, so that the build's own files stay as they are."""
@@ -51,7 +52,7 @@ def test_law_of_the_page(tmp_path):
     source = tmp_path / pathlib.Path(name).name
     source.write_text(re.sub(r'#include "', f'#include "{ROOT}/pkg/dem/', law))
     command, compiled = compile_command(source, tmp_path)
-    subprocess.run(command, cwd=BUILD, check=True, timeout=600)
+    subprocess.run(command, cwd=BUILD, check=True, timeout=3600)
     (plugin,) = (ROOT / "py" / "rcr").glob("_plugin*.so")
     subprocess.run([command[0], "-shared", "-o", tmp_path / "law.so", compiled, plugin, f"-Wl,-rpath,{plugin.parent}"], check=True, timeout=120)
     run(page, tmp_path, before=f"import ctypes; ctypes.CDLL('{tmp_path}/law.so', ctypes.RTLD_GLOBAL)\n")
