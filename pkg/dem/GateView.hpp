@@ -63,5 +63,10 @@ namespace gate {
 		}
 	};
 
+	// Rules on the periodic cell (gateCell.cpp): what is told, or nothing.
+	std::string wallsInCell(const View&);
+	std::string cellStress(const View&);
+	std::string smallCell(const View&);
+
 } // namespace gate
 } // namespace yade

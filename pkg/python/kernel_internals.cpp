@@ -133,25 +133,28 @@ namespace {
 		return std::make_unique<OwnStopTest>(settings, first);
 	}
 
-	/// Where everything stands: of pairs (body 1, body 2, points, model, slot), of islands (points, shared, central) and the pairs of
-	/// the overflow, of chunks (first block, blocks, points a pair, model, stage), of blocks the records on both sides, of bodies theirs.
+	/// Where everything stands: of pairs (body 1, body 2, points, model, slot), of islands (points, shared, central, first and last + 1 of slabs
+	/// and of joints) and the pairs of the overflow, of sections first and last + 1 of records, of chunks (first block, blocks, points a pair, model, section), of blocks the
+	/// records on both sides, of bodies theirs.
 	py::dict layoutOf(const std::vector<std::string>& reductions, const py::kwargs& arrays)
 	{
 		using Rows = std::vector<std::vector<std::int32_t>>;
 		const ContactProblem problem = problemOf(arrays);
 		Layout               layout;
 		layout.update(problem, Reductions::of(reductions));
-		Rows pairs, islands, overflow, chunks, blocks1, blocks2;
+		Rows pairs, islands, overflow, sections, chunks, blocks1, blocks2;
 		for (const Pair& p : layout.pairs())
 			pairs.push_back({ p.body1, p.body2, p.points, int(p.model), p.slot });
 		for (const Island& island : layout.islands()) {
-			islands.push_back({ island.points, island.shared, island.central });
+			islands.push_back({ island.points, island.shared, island.central, island.slabs.begin, island.slabs.end, island.joints.begin, island.joints.end });
 			overflow.emplace_back(layout.overflow().begin() + island.overflow.begin, layout.overflow().begin() + island.overflow.end);
-			for (int stage = island.stages.begin; stage < island.stages.end; ++stage)
-				for (int k = layout.chunkBegin(stage); k < layout.chunkBegin(stage + 1); ++k) {
-					const Chunk& c = layout.chunks()[k];
-					chunks.push_back({ c.firstPair, c.blocks, c.pointsPerPair, int(c.model), stage });
-				}
+		}
+		for (const Section& section : layout.sections()) {
+			for (int k = section.chunks.begin; k < section.chunks.end; ++k) {
+				const Chunk& c = layout.chunks()[k];
+				chunks.push_back({ c.firstPair, c.blocks, c.pointsPerPair, int(c.model), int(sections.size()) });
+			}
+			sections.push_back({ section.records.begin, section.records.end });
 		}
 		for (const PairBlock& block : layout.pairBlocks()) {
 			blocks1.emplace_back(), blocks2.emplace_back();
@@ -164,7 +167,7 @@ namespace {
 		for (std::size_t body = 0; body < problem.inverseMass.size(); ++body)
 			records.push_back(layout.record(int(body)));
 		return py::dict(
-		        py::arg("pairs") = pairs, py::arg("islands") = islands, py::arg("overflow") = overflow, py::arg("chunks") = chunks,
+		        py::arg("pairs") = pairs, py::arg("islands") = islands, py::arg("overflow") = overflow, py::arg("sections") = sections, py::arg("chunks") = chunks,
 		        py::arg("blocks1") = blocks1, py::arg("blocks2") = blocks2, py::arg("records") = records, py::arg("record_count") = layout.records());
 	}
 

@@ -60,11 +60,15 @@ TABLE = {
     "sweep/layout.cpp": [
         ("model-of-the-first-point", "joins ? std::min(need(problem, c), need(problem, points[k + 1])) : need(problem, c)", "need(problem, c)"),
         ("layout-kept-for-other-kinds", "sameReductions && sameBodies && samePairs", "sameReductions && samePairs"),
-        ("special-bodies-packed", "if (!packable(pair)) continue;", ""),
+        ("special-bodies-packed", "|| !packable(pair)) return none;", ") return none;"),
         ("prescribed-bodies-share-a-record", "moves(body) ? record_[body] : ownRecord(pair.model)", "record_[body]"),
         ("threads-share-small-islands", "pairs > loneIslandPairs", "pairs > 0"),
         ("levers-of-one-body", "turned(c.body1, c.arm1) || turned(c.body2, c.arm2)", "turned(c.body1, c.arm1)"),
         ("vacant-lanes-of-one-side", "pairBlocks_.back().body2[lane] = offsetOf(ownRecord(model));", "pairBlocks_.back().body2[lane] = pairBlocks_.back().body1[lane];"),
+    ],
+    "sweep/slabs.cpp": [
+        ("slabs-of-one-level", "leastLevels = 2", "leastLevels = 1"),
+        ("neighbours-of-one-side", "for (int side : { 0, 1 })\n\t\t\tneighbor_", "for (int side : { 0, 0 })\n\t\t\tneighbor_"),
     ],
     "sweep/momentum.hpp": [
         ("never-restarts", "if (error <= (1 + growth_) * least_)", "if (true)"),

@@ -15,6 +15,9 @@ public:
 
 	void reset(std::size_t bodies) { used_.assign(bodies, 0); }
 
+	/// Takes all colours from a body: pairs swept at another time do not matter.
+	void free(int body) { used_[body] = 0; }
+
 	/// `limits1`, `limits2`: whether that body keeps its pairs apart; a prescribed one does not, nothing moves it.
 	int take(int body1, bool limits1, int body2, bool limits2)
 	{

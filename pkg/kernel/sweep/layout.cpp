@@ -7,9 +7,11 @@ namespace rcr {
 
 namespace {
 
-	constexpr int    chunkBlocks      = 8;     // blocks a chunk, 128 pairs: a microsecond, small against a colour, large against sharing it
 	constexpr int    smallIslandPairs = 16;    // pairs of an island up to which all of it is overflow
-	constexpr int    loneIslandPairs  = 1024;  // pairs of an island up to which one thread sweeps it: two chunks a colour
+	constexpr int    loneIslandPairs  = 1024;  // pairs of an island up to which one thread sweeps it
+	constexpr int    slabPairs        = 2048;  // that a slab has in the mean: twenty times as many as a joint
+	constexpr int    mostSlabs        = 16;    // of an island; a joint section joins `jointSlabs` of them to the next ones
+	constexpr int    jointSlabs       = 4;     // fewer would leave too many slots vacant
 	constexpr int    leastModelPart   = 4;     // a model needs 1/4 of an island's pairs to have blocks of its own
 	constexpr double leverTolerance   = 1e-10; // lever over arm [-] that counts as none: rounding of positions far from the origin
 
@@ -48,17 +50,19 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions)
 	sortPairs();
 	for (Island& island : islands_)
 		chooseModels(island);
+	sortSections();
 	numberRecords();
 	chunks_.clear();
-	chunkBegin_.assign(1, 0);
 	vacant_.clear();
 	pairBlocks_.clear();
 	overflow_.clear();
 	columns_ = 0;
 	coloring_.reset(kind_.size());
 	color_.resize(pairs_.size());
+	for (Section& section : sections_)
+		layOut(section);
 	for (Island& island : islands_)
-		layOut(island);
+		listOverflow(island);
 	return true;
 }
 
@@ -168,16 +172,84 @@ void Layout::sortPairs()
 	}
 }
 
-/// Numbers the records of bodies, island after island; bodies without an island get whole records.
+/// Cuts an island into slabs: two where several threads may work on it, more where it is large. A small one has none, it is all overflow.
+void Layout::cut(Island& island)
+{
+	const int pairs    = island.pairs.end - island.pairs.begin;
+	island.shared      = pairs > loneIslandPairs;
+	island.slabs.begin = island.slabs.end = int(sections_.size());
+	if (pairs <= smallIslandPairs) return;
+	edges_.clear();
+	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
+		const Pair& pair = pairs_[byIsland_[k]];
+		if (!packable(pair)) continue;
+		const int body1 = moves(pair.body1) ? pair.body1 : pair.body2, body2 = moves(pair.body2) ? pair.body2 : pair.body1;
+		edges_.push_back({ body1, body2 });
+	}
+	if (edges_.empty()) return;
+	const int count  = island.shared ? std::clamp(pairs / (2 * slabPairs) * 2, 2, mostSlabs) : 1;
+	island.slabs.end = island.slabs.begin + slabs_.cut(edges_, count, island.slabs.begin);
+	sections_.resize(island.slabs.end);
+}
+
+/// The section where a pair stands; none for overflow.
+int Layout::sectionOf(const Pair& pair) const
+{
+	const int island = islandOf(pair);
+	if (island == none || islands_[island].slabs.begin == islands_[island].slabs.end || !packable(pair)) return none;
+	const int slab1 = slabs_.of(moves(pair.body1) ? pair.body1 : pair.body2), slab2 = slabs_.of(moves(pair.body2) ? pair.body2 : pair.body1);
+	if (slab1 == slab2) return slab1;
+	return islands_[island].joints.begin + (std::min(slab1, slab2) - islands_[island].slabs.begin) / jointSlabs;
+}
+
+/// Makes the sections and sorts the pairs by them.
+void Layout::sortSections()
+{
+	sections_.clear();
+	slabs_.reset(kind_.size());
+	for (Island& island : islands_)
+		cut(island);
+	for (Island& island : islands_) {
+		const int slabs     = island.slabs.end - island.slabs.begin;
+		island.joints.begin = int(sections_.size());
+		sections_.resize(sections_.size() + (std::max(slabs - 1, 0) + jointSlabs - 1) / jointSlabs);
+		island.joints.end = int(sections_.size());
+	}
+	std::vector<std::int32_t> section(byIsland_.size());
+	for (std::size_t k = 0; k < byIsland_.size(); ++k) {
+		section[k] = sectionOf(pairs_[byIsland_[k]]);
+		if (section[k] != none) ++sections_[section[k]].pairs.end;
+	}
+	int next = 0;
+	for (Section& section : sections_) {
+		const int count     = section.pairs.end;
+		section.pairs.begin = section.pairs.end = next;
+		next += count;
+	}
+	bySection_.resize(next);
+	for (std::size_t k = 0; k < byIsland_.size(); ++k)
+		if (section[k] != none) bySection_[sections_[section[k]].pairs.end++] = byIsland_[k];
+}
+
+/// Numbers the records of bodies, island after island, slab after slab; bodies without an island get whole records.
 void Layout::numberRecords()
 {
-	std::vector<std::int32_t> bodies(islands_.size());
-	for (std::int32_t island : island_)
-		if (island != none) ++bodies[island];
-	records_ = 0;
-	for (std::size_t i = 0; i < islands_.size(); ++i) {
-		islands_[i].records = { records_, records_ };
-		records_ += islands_[i].central ? (bodies[i] + 1) / 2 * 2 : 2 * bodies[i];
+	// a place for each slab and one more for the loose bodies of each island, in the order of their records
+	const auto place = [&](int body) { return (slabs_.of(body) != Slabs::none ? slabs_.of(body) : islands_[island_[body]].slabs.end) + island_[body]; };
+	std::vector<std::int32_t> bodies(islands_.empty() ? 0 : islands_.back().slabs.end + islands_.size()), next(bodies.size());
+	for (std::size_t body = 0; body < kind_.size(); ++body)
+		if (island_[body] != none) ++bodies[place(int(body))];
+	records_          = 0;
+	const auto number = [&](Range& records, int at, bool central) {
+		next[at] = records.begin = records_;
+		records_ += central ? (bodies[at] + 1) / 2 * 2 : 2 * bodies[at];
+		records.end = records_;
+	};
+	for (std::size_t k = 0; k < islands_.size(); ++k) {
+		Island& island = islands_[k];
+		for (int slab = island.slabs.begin; slab < island.slabs.end; ++slab)
+			number(sections_[slab].records, slab + int(k), island.central);
+		number(island.loose, island.slabs.end + int(k), island.central);
 	}
 	record_.resize(kind_.size());
 	for (std::size_t body = 0; body < kind_.size(); ++body) {
@@ -185,9 +257,9 @@ void Layout::numberRecords()
 			record_[body] = ownRecord(Model::frictional);
 			continue;
 		}
-		Island& island = islands_[island_[body]];
-		record_[body]  = island.records.end;
-		island.records.end += island.central ? 1 : 2;
+		std::int32_t& record = next[place(int(body))];
+		record_[body]        = record;
+		record += islands_[island_[body]].central ? 1 : 2;
 	}
 }
 
@@ -198,29 +270,28 @@ int Layout::ownRecord(Model model)
 	return (records_ += 2) - 2;
 }
 
-/// Lays an island out in blocks of its own, a stage for each colour; a small one is all overflow.
-void Layout::layOut(Island& island)
+/// Lays a section out in blocks of its own.
+void Layout::layOut(Section& section)
 {
-	const int pairs = island.pairs.end - island.pairs.begin;
-	island.shared   = pairs > loneIslandPairs;
-	island.stages.begin  = int(chunkBegin_.size()) - 1;
+	section.chunks.begin = int(chunks_.size());
+	color(section);
+	for (auto& ofColor : rows_)
+		for (int m = 0; m < models; ++m)
+			for (int points : { 2, 1 })
+				makeBlocks(ofColor[m][points - 1], Model(m), points);
+	section.chunks.end = int(chunks_.size());
+	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
+		const int number = bySection_[k];
+		if (color_[number] != Coloring::none) place(pairs_[number], row(color_[number], pairs_[number]));
+	}
+}
+
+/// Pairs that no colour has taken, in the order of the problem.
+void Layout::listOverflow(Island& island)
+{
 	island.overflow.begin = int(overflow_.size());
-	if (pairs > smallIslandPairs) {
-		color(island);
-		for (auto& ofColor : rows_) {
-			for (int m = 0; m < models; ++m)
-				for (int points : { 2, 1 })
-					makeBlocks(ofColor[m][points - 1], Model(m), points);
-			if (int(chunks_.size()) > chunkBegin_.back()) chunkBegin_.push_back(int(chunks_.size()));
-		}
-	}
-	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
-		const int number = byIsland_[k];
-		if (pairs <= smallIslandPairs || color_[number] == Coloring::none) overflow_.push_back(number);
-		else
-			place(pairs_[number], row(color_[number], pairs_[number]));
-	}
-	island.stages.end  = int(chunkBegin_.size()) - 1;
+	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
+		if (pairs_[byIsland_[k]].slot == Pair::noSlot) overflow_.push_back(byIsland_[k]);
 	island.overflow.end = int(overflow_.size());
 }
 
@@ -241,19 +312,22 @@ void Layout::chooseModels(Island& island)
 	}
 }
 
-/// Colours the pairs of an island and counts them.
-void Layout::color(const Island& island)
+/// Colours the pairs of a section and counts them.
+void Layout::color(const Section& section)
 {
 	for (auto& ofColor : rows_)
 		for (auto& ofModel : ofColor)
 			ofModel[0] = ofModel[1] = {};
-	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
-		const int   number = byIsland_[k];
+	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
+		const Pair& pair = pairs_[bySection_[k]];
+		coloring_.free(pair.body1);
+		coloring_.free(pair.body2);
+	}
+	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
+		const int   number = bySection_[k];
 		const Pair& pair   = pairs_[number];
-		color_[number]     = Coloring::none;
-		if (!packable(pair)) continue;
-		const int color = coloring_.take(pair.body1, moves(pair.body1), pair.body2, moves(pair.body2));
-		color_[number]  = static_cast<signed char>(color);
+		const int   color  = coloring_.take(pair.body1, moves(pair.body1), pair.body2, moves(pair.body2));
+		color_[number]     = static_cast<signed char>(color);
 		if (color != Coloring::none) ++row(color, pair).pairs;
 	}
 }
@@ -265,8 +339,7 @@ void Layout::makeBlocks(Row& row, Model model, int points)
 	row.firstBlock  = first;
 	row.nextSlot    = first * blockWidth;
 	row.firstColumn = columns_;
-	for (int b = 0; b < blocks; b += chunkBlocks)
-		chunks_.push_back({ first + b, std::min(chunkBlocks, blocks - b), columns_ + b * points * columnsOf(model), points, model });
+	if (blocks > 0) chunks_.push_back({ first, blocks, columns_, points, model });
 	pairBlocks_.resize(first + blocks);
 	columns_ += blocks * points * columnsOf(model);
 	if (row.pairs == blocks * blockWidth) return;

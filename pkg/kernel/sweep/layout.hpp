@@ -4,9 +4,11 @@
 // simulation that is saved and loaded goes on to the same bits. A layout is kept while these stay as they are; a new one is as
 // much work as three sweeps.
 //
-// Islands are the connected parts of the graph of bodies; prescribed bodies do not connect. Each has blocks of its own,
-// coloured. The overflow is solved pair after pair: pairs that no colour takes, pairs of special bodies, and all pairs of an
-// island so small that it would leave most slots vacant. The result of an island does not depend on what else is there.
+// Islands are the connected parts of the graph of bodies; prescribed bodies do not connect. A large island is cut into slabs
+// (slabs.hpp). Its pairs stand in sections, those within a slab or those that join slabs, each with blocks of its own, coloured:
+// one thread sweeps a section colour after colour, all slabs may be swept at once, and then all joints. The overflow is solved pair
+// after pair: pairs that no colour takes, pairs of special bodies, and all pairs of an island so small that it would leave most
+// slots vacant. The result of an island does not depend on what else is there.
 #pragma once
 
 #include <vector>
@@ -15,6 +17,7 @@
 #include "problem/contact_problem.hpp"
 #include "sweep/packed_blocks.hpp"
 #include "problem/reductions.hpp"
+#include "sweep/slabs.hpp"
 
 namespace rcr {
 
@@ -37,6 +40,13 @@ struct Range {
 	std::int32_t begin = 0, end = 0;
 };
 
+/// Pairs that one thread sweeps, chunk after chunk: those within a slab, or those that join some slabs to the next ones.
+struct Section {
+	Range chunks;  // in Layout::chunks
+	Range records; // halves, of the bodies of a slab
+	Range pairs;   // in Layout::bySection
+};
+
 /// A part of the problem that is solved apart.
 struct Island {
 	std::int32_t points = 0;
@@ -44,8 +54,8 @@ struct Island {
 	bool         central = false; // nothing turns: half records
 	bool         cell    = false; // the one of all pairs across the boundary of a cell that may stretch
 	Range        pairs;          // in Layout::byIsland
-	Range        records;        // halves, of its bodies
-	Range        stages;         // of chunks that may be worked on at once: a colour
+	Range        loose;          // records, halves, of bodies that only overflow touches
+	Range        slabs, joints;  // in Layout::sections: those of one range share no body
 	Range        overflow;       // in Layout::overflow
 };
 
@@ -62,15 +72,14 @@ public:
 
 	/// Halves of records of bodies, then of the prescribed sides of pairs and both sides of vacant slots.
 	int records() const { return records_; }
-	/// Record of a body. Order: bodies of island 0, of island 1, …; bodies without an island last.
+	/// Record of a body. Order: bodies of island 0, of island 1, …, each slab after slab; bodies without an island last.
 	int  record(int body) const { return record_[body]; }
 	bool central(int body) const { return island_[body] != none && islands_[island_[body]].central; }
 
 	const std::vector<Island>&       islands() const { return islands_; }
 	const std::vector<std::int32_t>& overflow() const { return overflow_; } // pairs, by island
+	const std::vector<Section>&      sections() const { return sections_; }
 	const std::vector<Chunk>&        chunks() const { return chunks_; }
-	/// Chunks of a stage: from chunkBegin(stage) to chunkBegin(stage + 1).
-	int chunkBegin(int stage) const { return chunkBegin_[stage]; }
 
 	ModelSummary summary() const;
 
@@ -88,10 +97,14 @@ private:
 	void  findIslands();
 	int   islandOf(const Pair& pair) const { return island_[moves(pair.body1) ? pair.body1 : pair.body2]; }
 	void  sortPairs();
-	void  numberRecords();
-	void  layOut(Island&);
 	void  chooseModels(Island&);
-	void  color(const Island&);
+	void  cut(Island&);
+	int   sectionOf(const Pair&) const;
+	void  sortSections();
+	void  numberRecords();
+	void  layOut(Section&);
+	void  listOverflow(Island&);
+	void  color(const Section&);
 	void  makeBlocks(Row&, Model, int points);
 	void  place(Pair&, Row&);
 	int   ownRecord(Model);
@@ -105,12 +118,14 @@ private:
 	std::vector<Pair>         pairs_;
 	std::vector<std::int32_t> island_, record_; // a body
 	std::vector<Island>       islands_;
-	std::vector<std::int32_t> byIsland_, overflow_; // pairs
-	std::vector<signed char>  color_;              // a pair
+	Slabs                     slabs_;
+	std::vector<Slabs::Edge>  edges_; // of an island
+	std::vector<Section>      sections_; // slabs of all islands, then joints
+	std::vector<std::int32_t> byIsland_, bySection_, overflow_; // pairs
+	std::vector<signed char>  color_;                           // a pair
 	Row                       rows_[Coloring::colors][models][2];
 	std::vector<PairBlock>    pairBlocks_;
-	std::vector<Chunk>        chunks_;     // by stage
-	std::vector<int>          chunkBegin_; // a stage, and the end
+	std::vector<Chunk>        chunks_; // by section
 	int                       columns_ = 0, records_ = 0;
 	std::vector<Range>        vacant_;
 	Coloring                  coloring_;

@@ -94,7 +94,7 @@ constexpr int columnsOf(Model model)
 	           / sizeof(Column));
 }
 
-/// A run of blocks of one colour, with one model and one number of points a pair: what a thread takes at a time.
+/// The blocks of one colour, with one model and one number of points a pair.
 struct Chunk {
 	std::int32_t firstPair, blocks, firstColumn, pointsPerPair;
 	Model        model;

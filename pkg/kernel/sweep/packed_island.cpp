@@ -1,14 +1,10 @@
 // The steps of the sweep solvers on one island: what has slots by the kernels, the overflow here.
-#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sweep/packed_problem.hpp"
 
 namespace rcr {
-
-namespace {
-	constexpr int recordsAtATime = 512; // half records that a thread takes at a time
-}
 
 // ---- points of the overflow
 
@@ -90,9 +86,22 @@ double PackedIsland::sweepYielding(double momentum, double compliance)
 	return sweepMomentum(momentum, kept, [&](const Chunk& chunk) { return packed_.kernels_->sweepYielding(view_, chunk, momentum, kept); });
 }
 
+/// Each slab extrapolates the velocities of its bodies, v_old ← v + β (v − v_old) in the place where v_old was, and is swept there.
 template <class Kernel> double PackedIsland::sweepMomentum(double momentum, double kept, Kernel sweepChunk)
 {
-	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = sweepChunk(chunk); });
+	const PackedView before = view_;
+	std::swap(view_.body, view_.oldBody);
+	const auto extrapolate = [&](const Range& records) { packed_.kernels_->extrapolate(before, records.begin, records.end, momentum); };
+	extrapolate(island_.loose);
+	if (stretches()) {
+		const Vec2 now      = packed_.stretch_;
+		packed_.stretch_    = now + momentum * (now - packed_.oldStretch_);
+		packed_.oldStretch_ = now;
+	}
+	forEachSection([&](const Section& section) {
+		extrapolate(section.records);
+		forEachChunk(section, [&](const Chunk& chunk, int k) { packed_.sum_[k] = sweepChunk(chunk); });
+	});
 	double change2 = sum(packed_.sum_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		const Impulse from = c.p + momentum * (c.p - c.old), next = kept * solve(c, from);
@@ -102,20 +111,6 @@ template <class Kernel> double PackedIsland::sweepMomentum(double momentum, doub
 		change2 += square(next - from);
 	});
 	return change2;
-}
-
-void PackedIsland::extrapolate(double momentum)
-{
-	const Range records = island_.records;
-	share(0, (records.end - records.begin + recordsAtATime - 1) / recordsAtATime, [&](int part) {
-		const int first = records.begin + part * recordsAtATime;
-		packed_.kernels_->extrapolate(view_, first, std::min(records.end, first + recordsAtATime), momentum);
-	});
-	std::swap(view_.body, view_.oldBody);
-	if (!stretches()) return;
-	const Vec2 now = packed_.stretch_;
-	packed_.stretch_    = now + momentum * (now - packed_.oldStretch_);
-	packed_.oldStretch_ = now;
 }
 
 Measures PackedIsland::measure()

@@ -109,13 +109,10 @@ public:
 	void sweep();
 	/// An over-relaxed sweep changes each impulse by `relaxation` times as much.
 	void sweepRelaxed(double relaxation);
-	/// A sweep from y = p + β (p − p_old); the velocities must be extrapolated by the same β. Returns ‖p − y‖².
+	/// A sweep from y = p + β (p − p_old), the velocities extrapolated by the same β. Returns ‖p − y‖².
 	double sweepMomentum(double momentum);
 	/// The same with contacts that yield by u = −ε W p, W the point's own Delassus block: its solution is 1/(1 + ε) of the rigid one.
 	double sweepYielding(double momentum, double compliance);
-	/// v ← v + β (v − v_old), v_old ← v.
-	void extrapolate(double momentum);
-
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures measure();
 	/// Σ |u|² over the points for the free velocities.
@@ -130,26 +127,35 @@ private:
 	Impulse solve(const OverflowPoint&, const Impulse& from) const;
 	bool    stretches() const { return island_.cell && (packed_.inverseStretchMass_.x > 0 || packed_.inverseStretchMass_.y > 0); }
 
-	/// work(i) for begin ≤ i < end, by all threads where the island is theirs.
-	template <class Work> void share(int begin, int end, Work work)
+	/// work(section) for all slabs, then for all joints, by all threads where the island is theirs.
+	template <class Work> void forEachSection(Work work)
 	{
-		if (island_.shared) return packed_.team.share(begin, end, work);
-		for (int i = begin; i < end; ++i)
-			work(i);
+		for (const Range sections : { island_.slabs, island_.joints }) {
+			const auto workOn = [&](int k) { work(packed_.layout_.sections()[k]); };
+			if (island_.shared) packed_.team.share(sections.begin, sections.end, workOn);
+			else
+				for (int k = sections.begin; k < sections.end; ++k)
+					workOn(k);
+		}
 	}
-	/// kernel(chunk, its number) for all chunks, stage after stage.
+	/// kernel(chunk, its number) for all chunks of a section.
+	template <class Kernel> void forEachChunk(const Section& section, Kernel kernel)
+	{
+		for (int k = section.chunks.begin; k < section.chunks.end; ++k)
+			kernel(packed_.layout_.chunks()[k], k);
+	}
 	template <class Kernel> void forEachChunk(Kernel kernel)
 	{
-		const Layout& layout = packed_.layout_;
-		for (int stage = island_.stages.begin; stage < island_.stages.end; ++stage)
-			share(layout.chunkBegin(stage), layout.chunkBegin(stage + 1), [&](int k) { kernel(layout.chunks()[k], k); });
+		forEachSection([&](const Section& section) { forEachChunk(section, kernel); });
 	}
 	/// The sum over all chunks of what a kernel left for each, in their order.
 	template <class Value> Value sum(const std::vector<Value>& ofChunk) const
 	{
 		Value total {};
-		for (int k = packed_.layout_.chunkBegin(island_.stages.begin); k < packed_.layout_.chunkBegin(island_.stages.end); ++k)
-			total += ofChunk[k];
+		for (const Range sections : { island_.slabs, island_.joints })
+			for (int s = sections.begin; s < sections.end; ++s)
+				for (int k = packed_.layout_.sections()[s].chunks.begin; k < packed_.layout_.sections()[s].chunks.end; ++k)
+					total += ofChunk[k];
 		return total;
 	}
 	template <class Visit> void forEachOverflowPoint(Visit visit)

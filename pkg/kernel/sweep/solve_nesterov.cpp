@@ -8,11 +8,7 @@ namespace rcr {
 
 namespace {
 
-	void sweep(PackedIsland& island, Momentum& momentum)
-	{
-		island.extrapolate(momentum.beta());
-		momentum.advance(island.sweepMomentum(momentum.beta()));
-	}
+	void sweep(PackedIsland& island, Momentum& momentum) { momentum.advance(island.sweepMomentum(momentum.beta())); }
 
 } // namespace
 

@@ -24,7 +24,6 @@ namespace {
 		constexpr int interval = 10;
 		Momentum      momentum;
 		while (!stop.reached()) {
-			island.extrapolate(momentum.beta());
 			const double change2 = island.sweepYielding(momentum.beta(), compliance);
 			momentum.advance(change2);
 			if (stop.sweeps() % interval == 0 && change2 <= tolerance * tolerance * island.measure().impulse2) break;

@@ -1,4 +1,4 @@
-"""The layout of a problem: what stands in one stage shares no moving body, and every pair that can carry something is there once."""
+"""The layout of a problem: what may be swept at once shares no moving body, and every pair that can carry something is there once."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,7 @@ def hub(count):
 @pytest.fixture(params=PROBLEMS)
 def case(request):
     problem = PROBLEMS[request.param]()
-    return problem, {key: np.array(value) if key in ("pairs", "islands", "chunks", "blocks1", "blocks2", "records") else value
+    return problem, {key: np.array(value) if key in ("pairs", "islands", "sections", "chunks", "blocks1", "blocks2", "records") else value
                      for key, value in _kernel.layout(ALL, **problem).items()}  # fmt: skip
 
 
@@ -101,15 +101,50 @@ def test_every_pair_has_a_slot_or_is_overflow(case):
         assert (slots[~(small | special)] != NO_SLOT).all()
 
 
-def test_pairs_of_a_stage_share_no_moving_body(case):
-    problem, layout = case
+def bodies_of(problem, layout, chunks):
+    """Moving bodies of the pairs in these chunks, as often as they occur."""
     fixed, _ = kinds(problem)
-    for stage in np.unique(layout["chunks"][:, 4]) if len(layout["chunks"]) else []:
-        blocks = np.concatenate([np.arange(first, first + count) for first, count, *_ in layout["chunks"][layout["chunks"][:, 4] == stage]])
-        pairs = layout["pairs"][np.isin(layout["pairs"][:, 4] // WIDTH, blocks) & (layout["pairs"][:, 4] != NO_SLOT)]
-        bodies = pairs[:, :2].ravel()
-        moving = bodies[~fixed[bodies]]
-        assert len(np.unique(moving)) == len(moving), f"stage {stage}"
+    blocks = np.concatenate([np.arange(first, first + count) for first, count, *_ in chunks] or [np.empty(0, int)])
+    pairs = layout["pairs"][np.isin(layout["pairs"][:, 4] // WIDTH, blocks) & (layout["pairs"][:, 4] != NO_SLOT)]
+    bodies = pairs[:, :2].ravel()
+    return bodies[~fixed[bodies]]
+
+
+def test_pairs_of_a_chunk_share_no_moving_body(case):
+    problem, layout = case
+    for chunk in layout["chunks"]:
+        moving = bodies_of(problem, layout, [chunk])
+        assert len(np.unique(moving)) == len(moving), f"chunk {chunk}"
+
+
+def test_sections_swept_at_once_share_no_moving_body(case):
+    """Slabs of an island, and joints; the records of a slab are those of its bodies and of no other."""
+    problem, layout = case
+    for slabs_begin, slabs_end, joints_begin, joints_end in layout["islands"][:, 3:]:
+        for begin, end in (slabs_begin, slabs_end), (joints_begin, joints_end):
+            bodies = [np.unique(bodies_of(problem, layout, layout["chunks"][layout["chunks"][:, 4] == section])) for section in range(begin, end)]
+            if bodies:
+                every = np.concatenate(bodies)
+                assert len(np.unique(every)) == len(every)
+        for section in range(slabs_begin, slabs_end):
+            moving = bodies_of(problem, layout, layout["chunks"][layout["chunks"][:, 4] == section])
+            begin, end = layout["sections"][section]
+            inside = np.flatnonzero((begin <= layout["records"]) & (layout["records"] < end))
+            assert np.isin(moving, inside).all() and begin % 2 == end % 2 == 0
+            assert section == slabs_begin or begin >= layout["sections"][section - 1][1], "a record belongs to one slab"
+
+
+def test_a_large_island_is_cut_into_slabs_of_like_size():
+    """The joints have a small part of the pairs."""
+    layout = _kernel.layout(ALL, **pile(2, 100, 60))
+    slabs, joints = np.diff(np.array(layout["islands"])[0, 3:].reshape(2, 2)).ravel()
+    chunks, pairs = np.array(layout["chunks"]), np.array(layout["pairs"])
+    section = np.full(len(layout["blocks1"]), -1)
+    for first, count, _, _, of in chunks:
+        section[first : first + count] = of
+    sizes = np.bincount(section[pairs[pairs[:, 4] != NO_SLOT, 4] // WIDTH], minlength=slabs + joints)
+    assert slabs > 2 and joints == -(-(slabs - 1) // 4)
+    assert sizes[:slabs].max() < 1.3 * sizes[:slabs].mean() and sizes[slabs:].sum() < 0.15 * sizes.sum()
 
 
 def test_blocks_have_one_model_and_number_of_points(case):
