@@ -1,7 +1,7 @@
-"""Simple shear of long grains in a periodic cell: no walls, a velocity gradient; friction coefficient and orientation of the flow.
+"""Simple shear of long grains in a periodic cell: no walls, a velocity gradient; stresses and orientation of the flow.
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/periodic_shear.py
-Writes DIR/cell.png, DIR/shear.png (stress ratio and orientation against strain), DIR/velocity.png, and DIR/shear.csv.
+Writes DIR/cell.png, DIR/shear.png (stresses and orientation against strain), DIR/velocity.png, and DIR/shear.csv.
 """
 
 import math
@@ -43,13 +43,12 @@ flow = rcr.Profile(cells=(1, 10))
 
 
 def record():
-    """Shear stress over pressure on the planes y, and the mean direction of the long axes, of a director field."""
+    """Stresses on the planes y, compression positive, and the mean direction of the long axes, which have no head and no tail."""
     network = rcr.contact_network()  # its volume is that of the cell
     stress = network.stress()
     axis = 0.5 * np.angle(np.exp(2j * network.particles["angle"]).mean())
     order = abs(np.exp(2j * network.particles["angle"]).mean())
-    plot.addData(strain=RATE * (O.time - start), friction=-stress[0, 1] / stress[1, 1] if stress[1, 1] > 0 else math.nan,
-                 axis=math.degrees(axis), order=order)
+    plot.addData(strain=RATE * (O.time - start), shear=-stress[0, 1], normal=stress[1, 1], axis=math.degrees(axis), order=order)
     flow.compute(reset=False)
 
 
@@ -70,8 +69,10 @@ if not plot.data:
 data = {name: np.array(column) for name, column in plot.data.items()}
 np.savetxt(os.path.join(options.out, "shear.csv"), np.column_stack(list(data.values())), delimiter=",", header=",".join(data), comments="", fmt="%g")
 fig, (left, right) = plt.subplots(1, 2, figsize=(7, 2.8), layout="constrained")
-left.plot(data["strain"], data["friction"])
-left.set(xlabel="shear strain", ylabel=r"$-\sigma_{xy}/\sigma_{yy}$")
+left.plot(data["strain"], data["shear"], label=r"$-\sigma_{xy}$")
+left.plot(data["strain"], data["normal"], label=r"$\sigma_{yy}$")
+left.set(xlabel="shear strain", ylabel="stress [Pa]")
+left.legend()
 right.plot(data["strain"], data["axis"], label="mean axis from $x$ [°]")
 right.plot(data["strain"], 100 * data["order"], label="order [%]")
 right.set(xlabel="shear strain")
@@ -81,5 +82,5 @@ ax = flow.plot(quantity="velocity_x")
 ax.axline((0, 0), slope=1 / RATE, color="0.5", lw=0.8, zorder=0)  # the mean field
 ax.figure.savefig(os.path.join(options.out, "velocity.png"), dpi=150)
 late = data["strain"] > 0.5 * data["strain"][-1]
-print(f"solid fraction {1 - rcr.measure.porosity():.3f}, stress ratio {np.nanmean(data['friction'][late]):.2f}, "
+print(f"solid fraction {1 - rcr.measure.porosity():.3f}, stress ratio {data['shear'][late].mean() / data['normal'][late].mean():.2f}, "
       f"long axes at {data['axis'][late].mean():.0f}° from the flow, order {data['order'][late].mean():.2f}")

@@ -1,0 +1,21 @@
+"""WallStress: which wall it moves, and which way (F25)."""
+
+import pytest
+import rcr
+from scenes import build, steps
+from yade import O
+
+
+@pytest.mark.parametrize("side, stress", [(side, stress) for side in (0, 2) for stress in (-50.0, 50.0)])
+def test_f25_sign_of_the_stress(side, stress):
+    """Force per length along the axis: a wall of 2 kg between walls 3 m apart moves by ½ (3 σ/m) t², to the leapfrog's dt/t."""
+    ends = [rcr.wall("y", y) for y in (0, 3.0)]
+    press = [rcr.WallStress(wall=2, start=0, end=1, stress=stress)]
+    build(*ends, rcr.mobile_wall("x", side, mass=2.0), gravity=(0, 0, 0), before=press, dt=1e-3)
+    steps(100)
+    assert O.bodies[2].state.pos[0] - side == pytest.approx(0.5 * 3 * stress / 2 * 0.1**2, rel=0.011)
+
+
+def test_f25_its_words_name_the_function_and_the_sign():
+    assert "``rcr.mobile_wall`` makes it" in rcr.WallStress.__doc__
+    assert "no pressure" in rcr.WallStress.stress.__doc__ and "``stress=-p``" in rcr.WallStress.stress.__doc__
