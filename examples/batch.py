@@ -1,8 +1,8 @@
 """One row of a table of parameters: how far a column of grains runs out, for yade-batch.
 
-Run the table, four rows at a time:   scripts/lib/run yade-batch -j 4 examples/batch.table examples/batch.py
+Run the table, four rows at a time:   scripts/lib/run yade-batch -j 4 --log @.log examples/batch.table examples/batch.py
 Run it once, with the defaults:       scripts/yade-rcr -n -x examples/batch.py
-Each run leaves DIR/eta-E-mu-M.txt (width of the heap against time) and DIR/eta-E-mu-M.yade (its last state), and draws those of all
+Each run leaves DIR/eta-E-mu-M.txt (root mean square of x against time) and DIR/eta-E-mu-M.yade (its last state), and draws those of all
 runs that are there: DIR/batch.png. The table of the results is DIR/batch.csv.
 """
 
@@ -38,7 +38,7 @@ O.engines = [
                     [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
     ContactDynamics(tolerance=1e-4),
     NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
-    PyRunner(command="plot.addData(t=O.time, width=rcr.measure.extent()[1, 0] - rcr.measure.extent()[0, 0])", iterPeriod=20, initRun=True),
+    PyRunner(command="plot.addData(t=O.time, width=np.std([b.state.pos[0] for b in O.bodies if b.dynamic]))", iterPeriod=20, initRun=True),
 ]
 O.dt = 1e-3
 rcr.advance(round(seconds / O.dt), "collapse")
@@ -56,11 +56,11 @@ for path in sorted(glob.glob(os.path.join(options.out, "eta-*.txt"))):
     _, e, _, m = os.path.basename(path).removesuffix(".txt").split("-")
     rows.append((float(e), float(m), run["width"][-1] / run["width"][0]))
     ax.plot(run["t"], run["width"] / run["width"][0], label=f"$\\eta$ = {e}, $\\mu$ = {m}")
-ax.set(xlabel="time [s]", ylabel="width over that of the column")
+ax.set(xlabel="time [s]", ylabel="spread (rms of x) over that of the column")
 ax.legend(fontsize=7)
 with rcr.files.whole(os.path.join(options.out, "batch.png")) as path:  # two jobs may end at once
     figure.savefig(path, dpi=150)
 with rcr.files.whole(os.path.join(options.out, "batch.csv")) as path:
     np.savetxt(path, rows, delimiter=",", header="eta,mu,runout", comments="", fmt="%g")
-print(f"eta = {eta}, mu = {mu}: the column becomes {plot.data['width'][-1] / plot.data['width'][0]:.2f} times as wide")
+print(f"eta = {eta}, mu = {mu}: the grains spread to {plot.data['width'][-1] / plot.data['width'][0]:.2f} times the width of the column")
 waitIfBatch()
