@@ -22,7 +22,10 @@ def yade(folder, *command, program="yade"):
     return subprocess.run([program, *map(str, command)], capture_output=True, text=True, timeout=300, cwd=folder)
 
 
-@pytest.mark.parametrize("script", EXAMPLES, ids=lambda path: path.stem)
+QUICK = ["first_scene"]  # the others take a start of YADE and some seconds each
+
+
+@pytest.mark.parametrize("script", [pytest.param(path, id=path.stem, marks=[pytest.mark.slow] * (path.stem not in QUICK)) for path in EXAMPLES])
 def test_example(script, tmp_path):
     out = tmp_path / "out"
     run = yade(tmp_path, "-n", "-x", script, "--quick", "--out", out)
@@ -36,6 +39,7 @@ def test_example(script, tmp_path):
         assert "nan" not in text and len(text.splitlines()) > 1, text
 
 
+@pytest.mark.slow
 def test_batch_gives_what_single_runs_give(tmp_path):
     """Four jobs side by side; the single run takes its parameters from the defaults, the columns of the table name the same ones."""
     shutil.copy(FOLDER / "batch.py", tmp_path)

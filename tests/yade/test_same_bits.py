@@ -48,6 +48,7 @@ def state_after(folder, threads, lanes, steps):
     return bodies()
 
 
+@pytest.mark.slow
 def test_threads_and_lanes_change_no_bit(packing):
     """1000 steps of a shear of 1000 particles (η = 0.5, friction 0.5, 5 % of strain), compared after every step.
 
