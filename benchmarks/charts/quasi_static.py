@@ -4,8 +4,8 @@ Tests of one elongation, size and seed start from the same frictionless packing 
 each has its own rate I, time step and number of sweeps. Means over strains from 0.15: stresses and packing fraction of all records, the
 rest of one network a per cent. Seeds start alike, so the difference between two rates is one of pairs, whose error is smaller than that of either.
 
-An observable y is fitted by y(I) = y₀ + b √I, the same b for all seeds; the limit y₀ has the error of the seeds' means and that of b. A test saves
-itself once a minute, so that a point that was interrupted goes on, and leaves its networks in the folder `rates` of the charts.
+An observable y is fitted by y(I) = y₀ + b √I, the same b for all seeds: with I_M, the only one that the rate moves much, a line in √I goes through all
+rates. A test saves itself once a minute, so that a point that was interrupted goes on, and leaves its networks in the folder `rates` of the charts.
 """
 
 import dataclasses
@@ -31,6 +31,8 @@ OBSERVED = dict(
     a_c_half="a_c(ξ = 0.5)", a_c_weak="a_c(ξ = 1)", a_c="a_c", a_fn_weak="a_fn(ξ = 1)", a_fn="a_fn", a_ft="a_ft", q_weak="q(ξ = 1)/p",
     mean_overlap="mean overlap [d]", wall_scatter="scatter of the free wall's speed over its mean", sample_inertia="ρ (ε̇ W)²/σ₀",
 )  # fmt: skip
+ERRORS = "mean_overlap", "wall_scatter", "sample_inertia"  # of the method: no limit is looked for
+PAPER = dict(sin_phi={0: 0.30, 0.7: 0.51}, friction_mobilization={0: 0.4, 0.7: 0.6}, weak_fraction={0: 0.6, 0.7: 0.7}, a_c_weak={0.7: 0.3}, q_weak={0: 0.0})
 DRAWN = "sin_phi", "friction_mobilization", "a_c_weak", "a_fn_weak", "q_weak", "packing_fraction"
 COLUMNS = ["eta", "particles", "inertial_number", "dt", "iterations", "seed", "steps", "seconds", *OBSERVED]
 DEPENDS = ("quick",)
@@ -112,33 +114,36 @@ def _row(test):
 # ---------------------------------------------------------------------------------------------- limit and figure
 
 
-def limit(rows, name):
-    """y₀ and b of y = y₀ + b √I, with a level for each seed and one b for all; their errors are those of the fit's residuals.
+def fit(rows, name):
+    """Levels of the seeds, {seed: y₀}, and b of y = y₀ + b √I, by least squares, with the covariance of (levels, b); None from fewer than two rates.
 
     Parameters
     ----------
     rows : list of dict
-        Of one elongation and one size, at two rates or more.
+        Of one elongation and one size.
     name : str
         Of the observable.
-
-    Returns
-    -------
-    (y₀, error, b, error) : floats
-        y₀ is the mean over the seeds. Its error holds the scatter of the seeds' levels and the error of b; NaN where the rows are too few to tell.
     """
     seeds = sorted({row["seed"] for row in rows})
     x, y = (np.array(column, dtype=float) for column in zip(*[(math.sqrt(row["inertial_number"]), row[name]) for row in rows]))
-    level = np.array([[row["seed"] == seed for seed in seeds] for row in rows], dtype=float)
-    design = np.column_stack([level, x])
     if np.ptp(x) == 0:
-        return math.nan, math.nan, math.nan, math.nan
+        return None
+    design = np.column_stack([[[row["seed"] == seed for seed in seeds] for row in rows], x]).astype(float)
     values = np.linalg.lstsq(design, y, rcond=None)[0]
     left = len(y) - design.shape[1]
     covariance = np.linalg.inv(design.T @ design) * (np.sum((y - design @ values) ** 2) / left if left > 0 else math.nan)
-    share = np.append(np.full(len(seeds), 1 / len(seeds)), 0)
-    scatter = np.var(values[:-1], ddof=1) / len(seeds) if len(seeds) > 1 else 0.0
-    return float(share @ values), math.sqrt(max(share @ covariance @ share, scatter)), float(values[-1]), math.sqrt(covariance[-1, -1])
+    return dict(zip(seeds, values)), float(values[-1]), covariance
+
+
+def limit(rows, name):
+    """(y₀, error, b, error) of `fit`: y₀ the mean of the levels, whose error holds their scatter; NaN where the rows are too few to tell."""
+    found = fit(rows, name)
+    if found is None:
+        return math.nan, math.nan, math.nan, math.nan
+    levels, slope, covariance = list(found[0].values()), found[1], found[2]
+    share = np.append(np.full(len(levels), 1 / len(levels)), 0)
+    scatter = np.var(levels, ddof=1) / len(levels) if len(levels) > 1 else 0.0
+    return float(np.mean(levels)), math.sqrt(max(share @ covariance @ share, scatter)), slope, math.sqrt(covariance[-1, -1])
 
 
 def _plain(rows):
@@ -157,6 +162,8 @@ def ratios(rows):
     yield "observable | " + " | ".join(f"η = {eta:g}, N = {particles:g}: limit | off at 1e-3 | off at 1e-4" for eta, particles in groups)
     yield "---|" * 3 * len(groups) + "---"
     for name, title in OBSERVED.items():
+        if name in ERRORS:
+            continue
         cells = []
         for group in groups.values():
             value, error, slope, slope_error = limit(group, name)
@@ -173,11 +180,12 @@ def plot(rows, options):
     for ax, name in zip(figure.subplots(2, 3).flat, DRAWN):
         for (eta, particles), group in groups.items():
             _panel(ax, group, name, f"η = {eta:g}, N = {particles:g}", *_style(eta, particles))
-        ax.set(title=OBSERVED[name], xlim=(0, 0.034))
+        ax.set(title=OBSERVED[name], xlim=(-0.0035, 0.034))
         ax.set_xticks([math.sqrt(rate) for rate in (0, 3e-5, 1e-4, 3e-4, 1e-3)], ["0", "3e-5", "1e-4", "3e-4", "1e-3"], fontsize=7, rotation=40)
         ax.set_xlabel("I (axis ∝ √I)", fontsize=8)
         ax.grid(alpha=0.3)
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=9)
+    figure.suptitle("Each observable against the rate, its limit I → 0 at the left; grey triangles: the paper", fontsize=10)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
     return figure
 
 
@@ -187,13 +195,17 @@ def _style(eta, particles):
 
 
 def _panel(ax, rows, name, label, color, marker, fill, line):
-    """Means over seeds, their standard errors, the fit, and the limit at the left."""
+    """Means over the seeds, each moved to the mean level of all, with their standard errors; the fit, the limit at the left, the paper's value in grey."""
+    start, error, slope, _ = limit(rows, name)
+    levels = fit(rows, name)[0] if math.isfinite(start) else {}
     rates = sorted({row["inertial_number"] for row in rows})
-    values = [np.array([row[name] for row in rows if row["inertial_number"] == rate]) for rate in rates]
+    values = [np.array([row[name] - levels.get(row["seed"], start) + start if levels else row[name] for row in rows if row["inertial_number"] == rate]) for rate in rates]
     errors = [v.std(ddof=1) / math.sqrt(len(v)) if len(v) > 1 else 0 for v in values]
     x = np.sqrt(rates)
     ax.errorbar(x, [v.mean() for v in values], errors, color=color, marker=marker, mfc=fill, ms=5, ls="", label=label)
-    start, error, slope, _ = limit(rows, name)
-    if math.isfinite(start):
+    if levels:
         ax.plot([0, x[-1]], [start, start + slope * x[-1]], color=color, ls=line, lw=0.8)
-        ax.errorbar([0], [start], [np.nan_to_num(error)], color=color, capsize=3)
+        ax.errorbar([0], [start], [np.nan_to_num(error)], color=color, marker="_", ms=10, capsize=4)
+    paper = PAPER.get(name, {}).get(rows[0]["eta"])
+    if paper is not None:
+        ax.plot([-0.0025], [paper], marker=">", color="0.5", ms=7, ls="", label=None)

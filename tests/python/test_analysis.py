@@ -157,6 +157,15 @@ def test_drift_of_the_fabric():
     assert np.isnan(analysis.drift([dataclasses.replace(run(0.0, 1), networks=run(0.0, 1).networks[:2])])["a_c_drift"])
 
 
+def test_errors_are_over_seeds_where_there_are_three(tmp_path):
+    """Seeds whose a_c are 0.1, 0.2 and 0.3, four snapshots of each: the error is that of three values, 0.1/√3, and that of two seeds over their snapshots."""
+    runs = [Run(tmp_path / str(k), [packing(0.5, seed=10 * k + j, a_c=0.1 * k, a_fn=0, a_ft=0, contacts=8000) for j in range(4)], 0.2) for k in (1, 2, 3)]
+    for count, expected in ((3, 0.1 / np.sqrt(3)), (2, np.std([0.1] * 4 + [0.2] * 4, ddof=1) / np.sqrt(8))):
+        value = analysis.analyse(runs[:count])["O15"]["value"]
+        assert value["a_c_error"][0, -1] == pytest.approx(expected, rel=0.25)  # moments of 8000 contacts: 0.016 each
+        assert value["a_c"][0, -1] == pytest.approx(0.05 * (count + 1), abs=0.02)
+
+
 def test_standard_error_leaves_out_what_is_not_known():
     values = [[1.0, np.nan], [3.0, np.nan], [np.nan, 5.0]]
     error = analysis.standard_error(values)

@@ -46,6 +46,16 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
     assert json.loads((tmp_path / "a/report/analysis.json").read_text()) == json.loads((tmp_path / "b/report/analysis.json").read_text())
 
 
+@needs_snakemake
+@needs_environment
+def test_quasi_static_is_handed_to_the_tests(tmp_path):
+    """A strain that ends before the approach does is refused by each test, whose reason is the campaign's."""
+    run = campaign(tmp_path / "out", *SMALL, "--quasi-static")
+    assert run.returncode != 0
+    assert "--approach 0.2: wanted less than --strain 0.04" in run.stderr.strip().splitlines()[-1]
+    assert [path.name for path in (tmp_path / "out" / "runs").iterdir()] == ["particles-60-strain-0.04-quasi-static-eta-0.5-seed-2"]
+
+
 @needs_environment
 @pytest.mark.parametrize(
     "arguments, message",

@@ -9,8 +9,8 @@ import sys
 import numpy as np
 import pytest
 from benchmarks import charts
-from rcr.study.biaxial import STRESS
-from benchmarks.charts import biaxial_cost, deterministic
+from rcr.study.biaxial import STRESS, Biaxial
+from benchmarks.charts import biaxial_cost, deterministic, quasi_static
 from yade import O
 
 import forked
@@ -129,3 +129,43 @@ def test_points_that_were_given_up_are_tried_again_with_more_time():
     statuses = "ok", "given up after 40 s", "given up after 60 s", "RuntimeError: flew apart"
     assert [charts.settled(status, 60) for status in statuses] == [True, False, True, True]
     assert [charts.settled(status, 60, retry=True) for status in statuses] == [True, False, False, False]
+
+
+# ---------------------------------------------------------------------------------------------- chart e
+
+
+def test_limit_of_rates_is_found_in_pairs():
+    """y = 0.4 + 2 √I, seeds 0.05 apart: slope and limit exactly, though one seed lacks a rate; the error of the limit is the scatter of the seeds."""
+    rates = {1: (1e-3, 3e-4, 1e-4, 3e-5), 2: (1e-3, 1e-4)}
+    rows = [dict(seed=seed, inertial_number=rate, y=0.4 + 0.05 * (seed - 1) + 2 * math.sqrt(rate)) for seed in rates for rate in rates[seed]]
+    value, error, slope, slope_error = quasi_static.limit(rows, "y")
+    assert (value, slope) == pytest.approx((0.425, 2), abs=1e-9) and error == pytest.approx(0.025, abs=1e-9) and slope_error < 1e-9
+    noise = [0.01, -0.01, 0.01, -0.01, 0.01, -0.01]
+    value, error, slope, slope_error = quasi_static.limit([dict(row, y=row["y"] + n) for row, n in zip(rows, noise)], "y")
+    assert abs(slope - 2) < 3 * slope_error and 0 < slope_error < 2
+    assert math.isnan(quasi_static.limit(rows[:1], "y")[0]) and math.isnan(quasi_static.limit(rows[:2], "y")[1])
+
+
+def test_point_of_the_rate_is_the_same_in_one_go_and_interrupted(tmp_path, monkeypatch):
+    """A point that ends with every record at a checkpoint, and one that is broken off and called again, give the same row; rates differ in what they should."""
+    options = charts.Options(**{**vars(OPTIONS), "out": str(tmp_path)})
+    monkeypatch.setattr(quasi_static, "STRAIN", 0.13)
+    monkeypatch.setattr(quasi_static, "FROM", 0.11)
+    monkeypatch.setattr(quasi_static, "PAUSE", 0)
+    name = "0/50/1e-3/0.4/300/1"
+    (straight,) = quasi_static.run(name, dataclasses.replace(options, out=str(tmp_path / "straight")))
+    records = 0
+
+    def broken(test, shear=Biaxial.shear_record):
+        nonlocal records
+        records += 1
+        if records == 115:
+            raise KeyboardInterrupt
+        shear(test)
+
+    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
+        patch.setattr(Biaxial, "shear_record", broken)
+        quasi_static.run(name, options)
+    (again,) = quasi_static.run(name, options)
+    assert {k: v for k, v in again.items() if k != "seconds"} == {k: v for k, v in straight.items() if k != "seconds"}
+    assert again["inertial_number"] == 1e-3 and again["steps"] == pytest.approx(0.03 / 4e-4, abs=4) and 0 < again["packing_fraction"] < 1

@@ -3,7 +3,8 @@
 Rules
 -----
 * The contacts of all snapshots of an elongation are cumulated, of all seeds too, each snapshot's forces over its own ⟨f_n⟩.
-  ``NAME_error`` is the standard error over the snapshots, their standard deviation over √S: of one snapshot it is unknown.
+  ``NAME_error`` is the standard error over the seeds if there are three or more, else over the snapshots: their standard deviation over
+  √(number), unknown of one. Snapshots of one test share its packing, so that errors over few seeds are too small rather than too large.
 * Exponents are maximum-likelihood fits: α to the forces above the mean, β to those from `POWER_RANGE` of it up to it. Their
   ``_fit_error`` is that of the fit, and ``_half`` the β found up to half of the mean: how much the range matters.
 * Angular functions ⟨·⟩(θ, ξ) are means over the contacts of S(ξ) with a normal near θ, least-squares fitted by the paper's forms;
@@ -27,6 +28,7 @@ from rcr.study.runs import by_elongation
 POWER_RANGE = 0.01  # of the mean: below it forces are as small as the solver's tolerance leaves them undecided
 WINDOW = 0.01  # of strain, over which stresses are averaged for the curve of sin φ
 STRIPS = 5  # from wall to wall, in which forces are compared
+SEEDS = 3  # from so many seeds on errors are over them
 BLOCKS = 5  # of a history, each longer than the correlation of sin φ, for its standard error
 ISOTROPIC = ("a_c", "contacts", "order", "packing_fraction", "coordination_number", "coordination_number_twice")
 NAMES = ("a_c", "a_ln", "a_lt", "a_fn", "a_ft")
@@ -260,9 +262,16 @@ def standard_error(values):
     return np.where(count > 1, np.sqrt(squares.sum(axis=0) / np.maximum(count - 1, 1) / np.maximum(count, 1)), np.nan)
 
 
-def measures(ensemble, grids):
-    """{observable: {name: value and error}} of one ensemble."""
-    parts = ensemble.snapshots()
+def samples(runs):
+    """Ensembles that errors are taken over: one a seed where there are `SEEDS` or more, since those are independent, else one a snapshot."""
+    if len(runs) >= SEEDS:
+        return [Ensemble(run.networks) for run in runs]
+    return [Ensemble([network]) for run in runs for network in run.networks]
+
+
+def measures(ensemble, grids, parts=None):
+    """{observable: {name: value and error}} of one ensemble; errors over its `parts`, by default its snapshots."""
+    parts = ensemble.snapshots() if parts is None else parts
     return {key: with_errors([measure(e, grids) for e in (ensemble, *parts)]) for key, (measure, _) in MEASURES.items()}
 
 
@@ -361,7 +370,7 @@ def analyse(runs):
     last = max(float(run.networks[-1].attributes["strain"]) for run in runs)
     grids = Grids.of(ensembles.values(), last)
     named = grids.values()
-    results = {eta: measures(e, grids) for eta, e in ensembles.items()}
+    results = {eta: measures(e, grids, samples(groups[eta])) for eta, e in ensembles.items()}
     eta = np.array(list(groups))
 
     def stacked(rows, axes):

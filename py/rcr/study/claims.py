@@ -25,7 +25,7 @@ class Finding:
     statement, criterion : str
         What the paper says; when that counts as found.
     value, error : str
-        Measured, and its standard error over the snapshots.
+        Measured, and its standard error over seeds or snapshots, see `rcr.study.analysis`.
     verdict : str
         `AGREES`, `DIFFERS` or `NOT_TESTED`.
     """

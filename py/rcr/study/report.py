@@ -104,7 +104,7 @@ def _page(runs, analysis, table, pictures):
 
 _RULE = (
     "A value agrees within its tolerance or two standard errors, a trend has to exceed two standard errors; errors are those of the"
-    " mean over snapshots. The small print under each statement is its criterion."
+    " mean over seeds, of fewer than three seeds over snapshots. The small print under each statement is its criterion."
 )
 
 
