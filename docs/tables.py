@@ -13,6 +13,7 @@ import ast
 import csv
 import pathlib
 import re
+import statistics
 import sys
 
 DOCS = pathlib.Path(__file__).resolve().parent
@@ -84,6 +85,18 @@ def stability():
     return table(["hold / drift / blow up at dt =", *(f"{1e3 * dt:g} ms" for dt in steps)], lines)
 
 
+def cell_against_walls():
+    """Means over seeds, with their standard errors, of what scripts/cell_shear.py wrote."""
+    with open(ROOT / "examples" / "charts" / "cell-shear.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    lines = []
+    for eta, geometry in dict.fromkeys((row["eta"], row["geometry"]) for row in rows):
+        of = lambda name: [float(row[name]) for row in rows if (row["eta"], row["geometry"]) == (eta, geometry)]
+        told = lambda name, digits: f"{statistics.mean(of(name)):.{digits}f} ± {statistics.stdev(of(name)) / len(of(name)) ** 0.5:.{digits}f}"
+        lines.append([f"η = {float(eta):g}, {geometry}", told("packing_fraction_initial", 4), told("sin_phi", 3), told("packing_fraction", 4)])
+    return table(["", "packing fraction at rest", "q/p", "packing fraction in shear"], lines)
+
+
 def examples():
     lines = []
     for script in sorted((ROOT / "examples").glob("*.py")):
@@ -100,6 +113,7 @@ TABLES = {
     "stability": stability,
     "study": lambda: (ROOT / "examples" / "paper" / "table.md").read_text().rstrip("\n") + "\n",
     "examples": examples,
+    "cell-against-walls": cell_against_walls,
 }
 
 
