@@ -10,7 +10,6 @@ release = re.search(r'^__version__ = "(.*)"', (pathlib.Path(__file__).parents[1]
 
 extensions = ["myst_parser"]
 myst_heading_anchors = 3
-suppress_warnings = ["toc.empty_glob"]
 default_role = "code"  # `x` in a doc string
 add_module_names = False
 toc_object_entries_show_parents = "hide"
