@@ -336,6 +336,7 @@ def main():
                 seed = int(rest)
             elif word == "memory":
                 memory.append([float(number) for number in rest.split()])
+                print(f"seed {seed}: {memory[-1][1]:.1f} MB after {memory[-1][0]:.0f} s", flush=True)
             elif word == "counts":
                 numbers = rest.split()
                 counts.update({name: int(count) for name, count in zip(numbers[::2], numbers[1::2])})
@@ -354,7 +355,7 @@ def main():
     told += "".join(f", {count} {name}" for name, count in sorted(counts.items()))
     flat = growth <= options.growth
     print(f"soak: {told}; {len(wrong)} wrong{': seeds ' + ', '.join(map(str, wrong)) if wrong else ''}; "
-          f"memory {warm[-1] if warm else 0:.0f} MB, {growth:+.2f} % since the warm-up{'' if flat else ': GROWS'}; seeds {options.first} to {seed - 1}")  # fmt: skip
+          f"memory {warm[0] if warm else 0:.1f} to {warm[-1] if warm else 0:.1f} MB, {growth:+.2f} % since the warm-up{'' if flat else ': GROWS'}; seeds {options.first} to {seed - 1}")  # fmt: skip
     sys.exit(bool(wrong) or not flat)
 
 
