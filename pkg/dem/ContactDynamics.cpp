@@ -104,6 +104,7 @@ void ContactDynamics::solve(const rcr::Settings& how)
 	const double layout = workspace_.layoutSeconds();
 	warmStart_          = step_.problem.impulse;
 	const rcr::Vec2 stretch = step_.problem.stretch;
+	takeBackOverlaps();
 	timed("solve", [&] { report(rcr::solve(step_.problem, solver, how, workspace_)); });
 	const double laidOut = workspace_.layoutSeconds() - layout;
 	seconds_["layout"] += laidOut;
@@ -113,6 +114,15 @@ void ContactDynamics::solve(const rcr::Settings& how)
 		step_.stretchCell(stretch);
 		step_.keepForces();
 	});
+}
+
+/// In a step without a solution an overlap is taken back by the share `correction`, as in position correction, at finite forces: grains that
+/// a drive wedges give way to each other as under springs.
+void ContactDynamics::takeBackOverlaps()
+{
+	step_.problem.recovery.resize(step_.gap.size());
+	for (std::size_t k = 0; k < step_.gap.size(); ++k)
+		step_.problem.recovery[k] = std::min(0.0, double(correction) * (step_.gap[k].now - step_.gap[k].allowed) / step_.dt);
 }
 
 void ContactDynamics::report(const rcr::Report& report)

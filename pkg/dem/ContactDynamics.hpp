@@ -85,6 +85,7 @@ private:
 	bool          takeInMissedContacts(const gate::Engines&);
 	bool          adaptBiases(bool letGo);
 	void          report(const rcr::Report&);
+	void          takeBackOverlaps();
 	void          refuseUnlessFinite() const;
 	void          measureUnbalance();
 	void          watch();

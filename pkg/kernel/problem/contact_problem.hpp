@@ -72,6 +72,7 @@ struct ContactProblem {
 	std::vector<ContactPoint> points;       // a contact point; the points of a pair stand side by side
 	std::vector<Impulse>      impulse;      // a contact point: warm start in, solution out
 	std::vector<Twist>        velocity;     // a body: out, consistent with `impulse`
+	std::vector<double>       recovery;     // a contact point: bias ≤ 0 of a step whose contacts yield, by which overlaps are taken back; empty: none
 	Vec2                      inverseStretchMass;
 	Vec2                      stretch;      // what the points' drifts hold of it
 

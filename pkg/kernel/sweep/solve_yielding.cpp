@@ -5,7 +5,8 @@
 // Then a solution exists for any driven motion: u' = (A + ε W) p + q with A = J M⁻¹Jᵀ ≥ 0, and p · u' = −µ p_n |u'_t| ≤ 0 bounds it,
 // ε pᵀWp ≤ −pᵀq. No energy is given: p · u = p · u' − ε pᵀWp ≤ 0. A point closes by ε w_nn p_n: what wedges shares out what the drive imposes,
 // as dashpots of the mass 1/w_nn and the time ε dt would. At a point, the solution is 1/(1 + ε) of the rigid one, since the laws are
-// homogeneous; sweeps with momentum reach it in some 1/√ε.
+// homogeneous; sweeps with momentum reach it in some 1/√ε. Overlaps are taken back meanwhile, no faster than the drive, so that grains give way to
+// each other as springs do: the force of a contact grows with its overlap.
 // Source: Acary, Cadoux, Lemaréchal and Malick 2011 (existence); Castro et al. 2022 (near-rigid regime of a convex relative).
 #include "problem/infeasibility.hpp"
 #include "sweep/momentum.hpp"
@@ -28,6 +29,19 @@ namespace {
 			momentum.advance(change2);
 			if (stop.sweeps() % interval == 0 && change2 <= tolerance * tolerance * island.measure().impulse2) break;
 		}
+	}
+
+	/// The fastest motion that is prescribed at a point.
+	double driveSpeed(const ContactProblem& problem)
+	{
+		double fastest = 0;
+		const auto speed = [&](int body, Vec2 arm) {
+			const Twist& v = problem.freeVelocity[body];
+			return problem.prescribed(body) ? norm(Vec2 { v.x, v.y } + cross(v.rotation, arm)) : 0;
+		};
+		for (const ContactPoint& c : problem.points)
+			fastest = std::max({ fastest, speed(c.body1, c.arm1), speed(c.body2, c.arm2), norm(c.drift) });
+		return fastest;
 	}
 
 } // namespace
@@ -55,11 +69,19 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, const Re
 	sweeps.checkInterval   = most;
 	sweeps.maxIterations   = most;
 	const double tolerance = settings.tolerance > 0 ? settings.tolerance : Settings().tolerance;
-	Report       report    = solveBySweeps(problem, sweeps, workspace, [&](PackedIsland& island, IslandStop& stop) {
+	const double        fastest = driveSpeed(problem);
+	std::vector<double> rigidBias;
+	for (std::size_t k = 0; k < problem.recovery.size(); ++k) {
+		rigidBias.push_back(problem.points[k].bias);
+		problem.points[k].bias = std::min(problem.points[k].bias, std::max(problem.recovery[k], -fastest)); // no faster than what drives
+	}
+	Report report = solveBySweeps(problem, sweeps, workspace, [&](PackedIsland& island, IslandStop& stop) {
                 if (!stop.meets(settings) || island.measure().taken > negligible * rigid.taken) sweepToRest(island, stop, settings.compliance, tolerance);
         });
 	report.yielded         = true;
 	report.converged       = false;
+	for (std::size_t k = 0; k < rigidBias.size(); ++k)
+		problem.points[k].bias = rigidBias[k];
 	for (const ContactPoint& c : problem.points)
 		report.closing = std::max(report.closing, -c.bias - relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]).n);
 	return report;
