@@ -13,6 +13,9 @@ void CellStress::action()
 	if (!(mass > 0 && math::isfinite(mass))) gate::refuse("CellStress.mass = " + gate::text(mass) + "; wanted a finite share > 0 of the inertia of the grains.");
 	for (int axis = 0; axis < 2; ++axis)
 		if (math::isinf(stress[axis])) gate::refuse("CellStress.stress is infinite; wanted a finite stress, or NaN for an axis whose motion is prescribed.");
+	for (int axis = 0; axis < 2; ++axis)
+		if (stress[axis] < 0)
+			gate::refuse("CellStress.stress = (" + gate::text(stress[0]) + ", " + gate::text(stress[1]) + ") would pull the cell apart; wanted compressions ≥ 0, or NaN for an axis whose motion is prescribed.");
 	if (scene->isPeriodic) scene->cell->homoDeform = 0;
 }
 

@@ -10,6 +10,7 @@
 #include "../kernel/step/position_correction.hpp"
 #include "../kernel/step/restitution.hpp"
 #include "plane.hpp"
+#include "refuseLater.hpp"
 #include "scatter.hpp"
 
 namespace yade {
@@ -24,6 +25,16 @@ namespace {
 }
 
 void ContactDynamics::action()
+{
+	try {
+		act();
+	} catch (const std::exception& error) {
+		rememberError(error.what());
+		throw;
+	}
+}
+
+void ContactDynamics::act()
 {
 	if (!(correction >= 0 && correction <= 1))
 		gate::refuse("ContactDynamics.correction = " + boost::lexical_cast<std::string>(correction) + "; wanted a share of the overlap, 0 to 1.");

@@ -80,6 +80,7 @@ private:
 	int           solverThreads() const;
 	rcr::Settings settings() const;
 	rcr::Settings settingsOfFurtherPass() const;
+	void          act();
 	void          step(const gate::Engines&);
 	void          solve(const rcr::Settings&);
 	bool          takeInMissedContacts(const gate::Engines&);

@@ -70,7 +70,10 @@ namespace gate {
 				return "NewtonIntegrator.damping = " + text(newton->damping)
 				        + " would damp the contact forces; set damping=0 (restitution below 1 dissipates by itself).";
 			if (newton && newton->densityScaling) return "NewtonIntegrator.densityScaling is on; switch it off, the time step is not bound by a stiffness.";
-			return {};
+			return newton && newton->gravity[2] != 0
+			        ? "NewtonIntegrator.gravity = (" + text(newton->gravity[0]) + ", " + text(newton->gravity[1]) + ", " + text(newton->gravity[2])
+			                + ") pulls out of the plane of the grains, which is x and y; set gravity=(0, -9.81, 0)."
+			        : std::string();
 		}
 
 		std::string timeStepper(const View& v)
@@ -154,6 +157,12 @@ namespace gate {
 
 		std::string materials(const View& v)
 		{
+			for (const auto& b : *v.scene.bodies) {
+				const FrictMat* rough = b && b->shape && !b->isClump() ? dynamic_cast<const FrictMat*>(b->material.get()) : nullptr;
+				if (rough && !(rough->frictionAngle >= 0 && rough->frictionAngle < 0.5 * Mathr::PI))
+					return "body #" + std::to_string(b->getId()) + " has the friction angle " + text(rough->frictionAngle)
+					        + "; wanted radians from 0 to below π/2, such as radians(26).";
+			}
 			for (const auto& b : *v.scene.bodies)
 				if (b && b->material && !b->isClump() && b->shape && !dynamic_cast<const FrictMat*>(b->material.get()))
 					return "body #" + std::to_string(b->getId()) + " has the material " + b->material->getClassName()
@@ -210,12 +219,12 @@ namespace gate {
 			{ rigid,   [](const View& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
 			{ rigid,   integrator },
 			{ rigid,   timeStepper },
+			{ both,    wallsInCell },
 			{ both,    bounds },
 			{ rigid,   rigidFunctors },
 			{ smooth,  smoothFunctors },
 			{ both,    foreignGeometry },
 			{ both,    materials },
-			{ both,    wallsInCell },
 			{ both,    smallCell },
 			{ both,    outOfPlane },
 			{ both,    [](const View& v) { return grainsOf(v.scene); } },

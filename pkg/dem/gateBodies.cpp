@@ -74,7 +74,10 @@ namespace gate {
 		if (b.isClumpMember()) return {};
 		if (!keepsToPlane(s))
 			return name + " is free to leave the plane (blockedDOFs = '" + s.blockedDOFs_vec_get()
-			        + "'); wanted z, X and Y blocked: b.state.blockedDOFs = 'zXY', as rcr.particle, rcr.disc and rcr.clump set it.";
+			        + "'); wanted z, X and Y blocked. "
+			        + (dynamic_cast<const Sphere*>(b.shape.get()) ? "Make a disc by rcr.disc."
+			           : dynamic_cast<const Box*>(b.shape.get()) ? "Make an obstacle by utils.box(…, fixed=True)."
+			                                                      : "Set b.state.blockedDOFs = 'zXY', as rcr.particle and rcr.clump do.");
 		if (!heavy(s)) return name + " is free but has the mass " + text(s.mass) + "; give it a mass > 0 or block its degrees of freedom.";
 		if (!inert(s)) return name + " is free to turn but has the moment of inertia " + text(s.inertia[2]) + " about z; give it one > 0 or block Z.";
 		return {};

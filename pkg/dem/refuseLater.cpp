@@ -1,6 +1,7 @@
 #include "refuseLater.hpp"
 
 #include <mutex>
+#include <utility>
 
 #include <boost/python.hpp>
 #include <core/Omega.hpp>
@@ -12,6 +13,7 @@ namespace {
 
 	std::mutex  mutex;
 	std::string pending; // of the first error; empty: none waits
+	std::string ended;   // the last step, with this
 
 	int raise(void*)
 	{
@@ -30,6 +32,18 @@ void refuseLater(const std::string& message)
 	if (Py_AddPendingCall(raise, nullptr) != 0) return; // the queue is full; what is wrong will be found again
 	pending = message;
 	Omega::instance().getScene()->stopAtIter = Omega::instance().getScene()->iter + 1;
+}
+
+void rememberError(const std::string& message)
+{
+	const std::lock_guard<std::mutex> lock(mutex);
+	ended = message;
+}
+
+std::string takeError()
+{
+	const std::lock_guard<std::mutex> lock(mutex);
+	return std::exchange(ended, {});
 }
 
 } // namespace yade

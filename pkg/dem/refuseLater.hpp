@@ -8,4 +8,9 @@ namespace yade {
 
 void refuseLater(const std::string& message);
 
+/// An exception that ends a step: YADE's run thread throws it away where it ends before the session waits for it.
+void rememberError(const std::string& message);
+/// The last one, once.
+std::string takeError();
+
 } // namespace yade

@@ -14,6 +14,7 @@
 
 #include "../dem/Gate.hpp"
 #include "../dem/planarClump.hpp"
+#include "../dem/refuseLater.hpp"
 
 namespace {
 
@@ -69,6 +70,7 @@ BOOST_PYTHON_MODULE(_plugin)
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
 	registerOwnClasses();
 	boost::python::def("refusal", refusal, "What of the scene is not served, and what to do; empty where all is.");
+	boost::python::def("take_error", yade::takeError, "What ended the last step of ContactDynamics, once; empty where nothing did.");
 	boost::python::def("serves", serves, "Whether a law of ours is in the scene.");
 	boost::python::def("advice", advice, "What of the scene is served but hardly meant.");
 	boost::python::def("planar_clump", yade::planarClump, "Joins bodies of the scene, (ids, x, y, mass, inertia about z); returns the id of the clump.");

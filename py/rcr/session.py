@@ -33,7 +33,26 @@ def _guarded(method):
         if told:
             raise ValueError("rcr: " + told)
         _advise(omega)
-        return method(omega, *arguments, **keywords)
+        _plugin.take_error()
+        return _told(method)(omega, *arguments, **keywords)
+
+    return run
+
+
+def _told(method):
+    """YADE tells a session of an exception of its run thread only where the session is waiting for it already."""
+
+    @functools.wraps(method)
+    def run(omega, *arguments, **keywords):
+        try:
+            result = method(omega, *arguments, **keywords)
+        except Exception:
+            _plugin.take_error()
+            raise
+        error = "" if omega.running else _plugin.take_error()
+        if error:
+            raise RuntimeError(error)
+        return result
 
     return run
 
@@ -43,3 +62,5 @@ def guard():
     for name in ("run", "step"):
         if not hasattr(getattr(Omega, name), "__wrapped__"):
             setattr(Omega, name, _guarded(getattr(Omega, name)))
+    if not hasattr(Omega.wait, "__wrapped__"):
+        Omega.wait = _told(Omega.wait)

@@ -185,3 +185,34 @@ def test_engines_that_are_new_after_an_erase_see_the_bodies(law):
         O.dt = 1e-4
     O.run(1000, True)
     assert O.interactions.has(floor, second) and abs(O.bodies[second].state.pos[1] - 0.05) < 1e-3
+
+
+def test_a_waited_run_that_fails_raises_every_time():
+    """YADE's run thread loses its exception where it ends before the session waits: the script would go on as if all were well."""
+    m = material()
+    for _ in range(30):
+        O.reset()
+        O.engines = engines(tolerance=-1)
+        O.dt = 1e-3
+        O.bodies.append(rcr.particle((0, 1), 0.1, 0.5, material=m))
+        with pytest.raises(RuntimeError, match="tolerance"):
+            O.run(5, True)
+        O.run(5)
+        with pytest.raises(RuntimeError, match="tolerance"):
+            O.wait()
+
+
+@pytest.mark.parametrize(
+    "wrong, says",
+    [
+        (lambda: setattr(O.engines[-1], "gravity", (0, 0, -9.81)), r"pulls out of the plane of the grains, which is x and y; set gravity=\(0, -9.81, 0\)"),
+        (lambda: setattr(O.bodies[0].material, "frictionAngle", 26), "friction angle 26; wanted radians"),
+    ],
+)
+def test_daily_mistakes_are_told(wrong, says):
+    O.engines = engines()
+    O.dt = 1e-3
+    O.bodies.append(rcr.particle((0, 1), 0.1, 0.5, material=material()))
+    wrong()
+    with pytest.raises(ValueError, match=says):
+        O.run(1, True)
