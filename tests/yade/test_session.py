@@ -21,7 +21,7 @@ OURS = {
     "IPhys": {"CdPhys", "RcrFrictPhys"},
     "IPhysFunctor": {"Ip2_FrictMat_FrictMat_CdPhys"},
     "LawFunctor": {"Law2_RcrGeom_CdPhys_SignoriniCoulomb", "Law2_RcrGeom_FrictPhys_CundallStrack"},
-    "GlobalEngine": {"ContactDynamics", "WallStress"},
+    "GlobalEngine": {"CellStress", "ContactDynamics", "WallStress"},
 }
 if hasattr(rcr, "Gl1_Rcr"):  # built with OpenGL
     OURS |= {"GlShapeFunctor": {"Gl1_Rcr"}, "GlIGeomFunctor": {"Gl1_RcrGeom"}, "GlIPhysFunctor": {"Gl1_CdPhys", "Gl1_RcrFrictPhys"}}
