@@ -247,3 +247,16 @@ def test_a_cell_that_shear_has_made_too_narrow_is_refused():
     O.cell.hSize = Matrix3(2, 8, 0, 0, 2, 0, 0, 0, 2)
     with pytest.raises(ValueError, match=r"sheared, so that radii count [89][\d.]* times: O\.cell\.flipCell"):
         steps(1)
+
+
+def test_energy_of_a_cell_that_is_driven_closes():
+    size, m, grains = packing(0.5)
+    m.frictionAngle = 0.4
+    scene("rigid", *grains, size=size, tolerance=1e-4, solver="auto", maxIterations=1000)
+    O.cell.homoDeform = 0
+    O.trackEnergy = True
+    O.cell.velGrad = Matrix3(-0.3, 0.3, 0, 0, -0.3, 0, 0, 0, 0)
+    steps(900)
+    accounts = dict(O.energy.items())
+    assert accounts["driveWork"] < 0 < accounts["plastDissip"]
+    assert abs(O.energy.total()) < 0.01 * abs(accounts["driveWork"])

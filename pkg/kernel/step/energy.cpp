@@ -12,6 +12,7 @@ StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& load, Vec2 gra
 		const Impulse       after  = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 		energy.friction -= 0.5 * problem.impulse[k].t * (before.t + after.t);
 		energy.impact -= 0.5 * problem.impulse[k].n * (before.n + after.n);
+		energy.driven += problem.impulse[k].n * dot(c.drift, c.normal) + problem.impulse[k].t * dot(c.drift, perp(c.normal)); // on the cell
 	}
 	for (std::size_t id = 0; id < load.size(); ++id) {
 		const InverseMass& inverse = problem.inverseMass[id];
