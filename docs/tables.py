@@ -112,6 +112,8 @@ TABLES = {
     "hard-scenes": hard_scenes,
     "stability": stability,
     "study": lambda: (ROOT / "examples" / "paper" / "table.md").read_text().rstrip("\n") + "\n",
+    "study-quasi-static": lambda: (ROOT / "examples" / "quasi-static" / "table.md").read_text().rstrip("\n") + "\n",
+    "quasi-static": lambda: ratios("e", "e-quasi-static"),
     "examples": examples,
     "cell-against-walls": cell_against_walls,
 }

@@ -4,7 +4,7 @@ Tests of one elongation, size and seed start from the same frictionless packing 
 each has its own rate I, time step and number of sweeps. Means over strains from 0.15: stresses and packing fraction of all records, the
 rest of one network a per cent. Seeds start alike, so the difference between two rates is one of pairs, whose error is smaller than that of either.
 
-An observable y is fitted by y(I) = y₀ + b √I, the same b for all seeds: with I_M, the only one that the rate moves much, a line in √I goes through all
+An observable y is fitted by y(I) = y₀ + b √I, the same b for all seeds: with I_M, which the rate moves most, a line in √I goes through all
 rates. A test saves itself once a minute, so that a point that was interrupted goes on, and leaves its networks in the folder `rates` of the charts.
 """
 

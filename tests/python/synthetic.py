@@ -77,7 +77,7 @@ def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5
     grains |= dict(cap_radius=np.full(particles_, 1 - eta), half_length=np.full(particles_, eta))
     columns = dict(body1=one, body2=(one + rng.integers(1, particles_, contacts)) % particles_, position=grains["position"][one])
     columns |= dict(type=rng.integers(0, 3, contacts) if eta else np.zeros(contacts, int))
-    made = network(theta, branch, np.column_stack([fn, -fn * along]), **columns)
+    made = network(theta, branch, np.column_stack([fn, -fn * along]), friction, **columns)
     return Network(grains, made.contacts, dict(volume=900.0, friction=friction, eta=eta, strain=strain, seed=seed))
 
 

@@ -121,6 +121,7 @@ def half_sum(runs, others):
     ratio, half, means, correlations, kappa = np.array(rows).T
     rest = np.abs(half + means + correlations - kappa * ratio).max()
     figure, (ax,) = _figure()
+    ax.plot(etas, ratio, "D-", color="tab:green", mfc="none", label=r"$q/p$")
     ax.plot(etas, kappa * ratio, "ko-", label=r"$\kappa\,q/p$")
     ax.plot(etas, half, "s--", color="tab:red", mfc="none", label="half-sum")
     ax.plot(etas, half + means, "^:", color="tab:blue", mfc="none", label="+ products of angular means")
@@ -130,9 +131,9 @@ def half_sum(runs, others):
     k = int(np.argmax(etas))
     text = (
         f"At η = {etas[k]:g} the half-sum of the five anisotropies is {half[k]:.3f} and q/p {ratio[k]:.3f}, at η = {etas[0]:g} {half[0]:.3f} and {ratio[0]:.3f}. "
-        f"It leaves out the products X of the angular means of force and branch ({means[k]:+.3f} at η = {etas[k]:g}), the correlation of the two at one "
-        f"direction ({correlations[k]:+.3f}), and the factor κ = {kappa[k]:.3f} by which that correlation raises the pressure. With all of them, "
-        f"κ q/p = half-sum + X holds to {rest:.0e} at every η: the half-sum is a first-order formula, and a_c of long particles is not small."
+        f"What it leaves out is the product of the angular means of force and branch ({means[k]:+.3f} at η = {etas[k]:g}), their correlation at one direction "
+        f"({correlations[k]:+.3f}), and the factor κ = {kappa[k]:.3f} that the correlation puts to the pressure: with all of them, κ q/p = half-sum + X holds to {rest:.0e} at every η. "
+        f"The half-sum alone is κ q/p within {np.abs(half - kappa * ratio).max():.3f}, so that κ, large forces on short branches, is the most of what is missing."
     )
     return Note("The half-sum of the anisotropies", text, "half-sum", figure)
 
@@ -213,17 +214,17 @@ def force_and_length(runs, others):
     found = np.array([with_error([correlation_variants(part) for part in snapshots(runs[eta])]) for eta in etas])  # (η, mean or error, variant)
     figure, (ax,) = _figure()
     ax.axhline(0, color="0.7", lw=0.6)
-    labels = "force of a contact", "force of a point: sides are two contacts of half the force", "side-side contacts left out"
+    labels = "force of a contact", "force of a point (sides: two)", "without side-side contacts"
     for k, (label, line) in enumerate(zip(labels, ("ko-", "s--", "^:"))):
         ax.errorbar(etas, found[:, 0, k], found[:, 1, k], fmt=line, mfc="none" if k else "k", label=label)
-    ax.set(xlabel=r"$\eta$", ylabel=r"$C_{f\ell_r}$")
-    ax.legend(fontsize=7)
+    ax.set(xlabel=r"$\eta$", ylabel=r"$C_{f\ell_r}$", ylim=(None, ax.get_ylim()[1] + 0.12))  # room for the legend
+    ax.legend(fontsize=7, loc="upper right")
     signs = [np.sign(found[:, 0, k]) * (np.abs(found[:, 0, k]) > 2 * np.nan_to_num(found[:, 1, k])) for k in range(3)]
-    listed = lambda rows: ", ".join(f"{etas[row]:g}" for row in rows) or "none"
-    told = [f"positive at η = {listed(np.flatnonzero(sign > 0))}, negative at {listed(np.flatnonzero(sign < 0))}" for sign in signs]
+    listed = lambda rows: ", ".join(f"{etas[row]:g}" for row in rows)
+    told = [" and ".join(f"{word} at η = {listed(rows)}" for word, rows in (("positive", np.flatnonzero(sign > 0)), ("negative", np.flatnonzero(sign < 0))) if len(rows)) or "0 within two errors" for sign in signs]
     ends = [f"{_number(*found[-1, :, k])}" for k in range(3)]
     text = (
-        f"With the force of the contact, the resultant of both points of a side-side contact, C(f, ℓ_r) is {told[0]} by two errors ({ends[0]} at η = {etas[-1]:g}). "
+        f"With the force of the contact, the resultant of both points of a side-side contact, C(f, ℓ_r) is, by two errors, {told[0]} ({ends[0]} at η = {etas[-1]:g}). "
         f"With each point as a contact of its own, of half the force, it is {told[1]} ({ends[1]}). "
         f"Without side-side contacts, which have the shortest branches and the largest forces, it is {told[2]} ({ends[2]})."
     )
@@ -337,17 +338,22 @@ def last_class(runs, others):
         return None
     edges = np.linspace(0, 1, 21)
     figure, (ax,) = _figure()
-    told, inner = [], []
+    told, inner, sliding, mobilization = [], [], [], []
     for of, line in ((others[0], "s--"), (runs[0], "ko-")):
         mean, error = with_error([statistics.density(np.minimum(e.mobilization, 1), edges) for e in snapshots(of)])
         ax.errorbar(statistics.centres(edges), mean, error, fmt=line, ms=3, mfc="none" if of is others[0] else "k", label=f"I = {_rate(of)}")
         told.append(f"{_number(mean[-1], error[-1])} at I = {_rate(of)}")
+        e = ensemble(of)
+        sliding.append(np.mean(e.mobilization > edges[-2]))
+        mobilization.append(e.mobilization.mean())
+        rest = e.mobilization[e.mobilization <= edges[-2]].mean()
         inner.append(np.polyfit(statistics.centres(edges)[:-1], mean[:-1], 1)[0])
     ax.set(xlabel=r"$I_m$", ylabel=r"$P(I_m)$, discs", ylim=(0, None))
     ax.legend(fontsize=7)
     text = (
         f"P(I_m) of discs falls linearly, with a slope of {inner[1]:.2f}, but for the last class, [0.95, 1]: {' and '.join(told)}. Contacts that slide are at I_m = 1 exactly, so that the class holds "
-        "a delta peak, whose height is that of the share of sliding contacts over the width of the class. Its rate dependence is all of that of I_M: slower shear has fewer sliding contacts."
+        f"a peak as high as the share of sliding contacts over the width of the class. I_M falls by {mobilization[0] - mobilization[1]:.3f} from one rate to the other, of which "
+        f"{(sliding[0] - sliding[1]) * (1 - rest):.3f} is that the share of this class falls from {sliding[0]:.3f} to {sliding[1]:.3f}: slower shear has fewer sliding contacts."
     )
     return Note("The last class of P(I_m) of discs", text, "last-class", figure)
 
