@@ -112,11 +112,23 @@ namespace {
 		        || at.center.y - half.y < bound.min[1];
 	}
 
+	/// How far the images of a body move in a step against it, at most [m].
+	double farthestImageStep(const rcr::Step& step)
+	{
+		const rcr::PeriodicCell& cell = step.cell;
+		if (!cell.periodic) return 0;
+		double farthest = 0;
+		for (int k = 0; k < 2; ++k)
+			farthest = std::max(farthest, norm(cell.drift({ cell.h[0][k], cell.h[1][k] })));
+		return step.dt * farthest;
+	}
+
 	// The collider runs when a body has left its bounding box. It must also run when a body has become so fast that its alert
 	// distance, of which the box was made for an earlier speed, reaches out of it, and where an obstacle turns out of its box.
 	void keepColliderAhead(Scene& scene, rcr::Team& team, const StepSources& sources, const rcr::Step& step)
 	{
 		const Real widest = scene.isPeriodic ? 0.45 * scene.cell->getSize().minCoeff() : std::numeric_limits<Real>::infinity(); // YADE ends with 0.5
+		const double imageStep = farthestImageStep(step); // boxes stay behind their images where the bodies do not move along
 		std::atomic<bool> out { false };
 		team.forEach(step.bodies.size(), [&](Body::id_t id) {
 			const Bound* bound = sources.bound[id];
@@ -124,7 +136,8 @@ namespace {
 			if (!bound) return;
 			const rcr::StepBody& b = step.bodies[id];
 			const rcr::Twist&    v = step.problem.velocity[id];
-			const bool           leaves = bound->max[0] - bound->min[0] > widest ? true
+			const bool           late   = imageStep > 0 && double(scene.iter - bound->lastUpdateIter + 2) * imageStep > double(bound->sweepLength);
+			const bool           leaves = late || bound->max[0] - bound->min[0] > widest ? true
 			        : b.shape.grain() ? outruns(b, v, step.dt, *sources.state[id], *bound)
 			                                              : turnsOut(b, step.bodies[b.owner], step.problem.velocity[b.owner], step.dt, *bound);
 			if (leaves) out.store(true, std::memory_order_relaxed);

@@ -255,8 +255,10 @@ def test_energy_of_a_cell_that_is_driven_closes():
     scene("rigid", *grains, size=size, tolerance=1e-4, solver="auto", maxIterations=1000)
     O.cell.homoDeform = 0
     O.trackEnergy = True
-    O.cell.velGrad = Matrix3(-0.3, 0.3, 0, 0, -0.3, 0, 0, 0, 0)
-    steps(900)
+    O.cell.velGrad = Matrix3(-0.3, 0.1, 0, 0, -0.3, 0, 0, 0, 0)
+    area = sum(b.state.mass for b in O.bodies) / m.density
+    while area / (O.cell.hSize[0, 0] * O.cell.hSize[1, 1]) < 0.72:
+        steps(50)
     accounts = dict(O.energy.items())
     assert accounts["driveWork"] < 0 < accounts["plastDissip"]
-    assert abs(O.energy.total()) < 0.01 * abs(accounts["driveWork"])
+    assert abs(O.energy.total()) < 0.01 * abs(accounts["driveWork"]), accounts
