@@ -42,15 +42,15 @@ COLUMNS = dict(
               "ns_a_point", "ns_a_pair"],
 )  # fmt: skip
 
-# What a sweep touches and computes for one contact point (packed_blocks.hpp, packed_kernels.cpp): doubles of the point read
-# and written; sums, products, products with their sum, minima and maxima. A pair reads two bodies of 32 bytes and two ids of 4 and writes the bodies;
-# momentum also reads and writes each body and its old record.
-FIELDS_READ = dict(nlgs=14, nesterov=16)
+# What a sweep touches and computes for one contact point (packed_blocks.hpp, packed_kernels.cpp): numbers of the point read
+# and written; sums, products, products with their sum, minima and maxima. A pair reads two bodies of 4 numbers and two ids of 4 bytes and writes the
+# bodies; momentum also reads and writes each body and its old record. With momentum a large island is swept in floats.
+FIELDS_READ = dict(nlgs=14, nesterov=17)
 FIELDS_WRITTEN = dict(nlgs=2, nesterov=4)
-OPERATIONS = dict(nlgs=37, nesterov=44)
-OPERATIONS_A_CYCLE = LANES[-1]  # one AVX-512 register
-PAIR_BYTES, MOMENTUM_BODY_BYTES = 4 * 32 + 2 * 4, 4 * 32
-POINT_BLOCK_BYTES, BODY_BYTES = 17 * 8, 32
+OPERATIONS = dict(nlgs=37, nesterov=45)
+POINT_FIELDS, BODY_FIELDS, ID_BYTES = 18, 4, 4
+REGISTER_BYTES = 64  # AVX-512, one operation a cycle
+FLOAT_PAIRS = 1024  # of an island, beyond which it is swept in floats
 
 
 class Case:
@@ -194,16 +194,17 @@ def roofline_rows(case, repeats):
     times = measure.sweep_times(runs, repeats)[:, 1]
     pairs = len(np.unique(case.problem.bodies, axis=0)) / case.points
     bodies = len(case.problem.inverse_mass) / case.points
-    megabytes = 1e-6 * case.points * (POINT_BLOCK_BYTES + 8 * pairs + BODY_BYTES * bodies)
-    bandwidth = measure.triad_bandwidth(1e6 * megabytes)
     for solver, ns, ns_doubled in zip(SWEEPERS, times[::2], times[1::2]):
+        size = 4 if solver == "nesterov" and pairs * case.points > FLOAT_PAIRS else 8
+        megabytes = 1e-6 * case.points * (size * (POINT_FIELDS + BODY_FIELDS * bodies) + 2 * ID_BYTES * pairs)
+        bandwidth = measure.triad_bandwidth(1e6 * megabytes)
         of_point = (ns_doubled * doubled.points - ns * case.points) / (doubled.points - case.points)
-        volume = 8 * (FIELDS_READ[solver] + FIELDS_WRITTEN[solver]) + PAIR_BYTES * pairs
-        volume += MOMENTUM_BODY_BYTES * bodies if solver == "nesterov" else 0
+        volume = size * (FIELDS_READ[solver] + FIELDS_WRITTEN[solver]) + (4 * BODY_FIELDS * size + 2 * ID_BYTES) * pairs
+        volume += 4 * BODY_FIELDS * size * bodies if solver == "nesterov" else 0
         yield dict(
             case.about, solver=solver, megabytes=megabytes, bytes_per_point=volume, operations_per_point=OPERATIONS[solver],
             triad_gb_per_s=1e-9 * bandwidth, ns_of_bytes=1e9 * volume / bandwidth,
-            ns_of_operations=OPERATIONS[solver] / OPERATIONS_A_CYCLE / clock_ghz(), ns=ns,
+            ns_of_operations=OPERATIONS[solver] * size / REGISTER_BYTES / clock_ghz(), ns=ns,
             ns_a_point=of_point, ns_a_pair=(ns - of_point) / pairs,
         )  # fmt: skip
 

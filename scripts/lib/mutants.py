@@ -61,9 +61,11 @@ TABLE = {
         ("model-of-the-first-point", "joins ? std::min(need(problem, c), need(problem, points[k + 1])) : need(problem, c)", "need(problem, c)"),
         ("layout-kept-for-other-kinds", "sameReductions && sameBodies && samePairs", "sameReductions && samePairs"),
         ("special-bodies-packed", "|| !packable(pair)) return none;", ") return none;"),
-        ("prescribed-bodies-share-a-record", "moves(body) ? record_[body] : ownRecord(pair.model)", "record_[body]"),
         ("threads-share-small-islands", "pairs > loneIslandPairs", "pairs > 0"),
         ("levers-of-one-body", "turned(c.body1, c.arm1) || turned(c.body2, c.arm2)", "turned(c.body1, c.arm1)"),
+    ],
+    "sweep/layout_blocks.cpp": [
+        ("prescribed-bodies-share-a-record", "moves(body) ? record_[body] : ownRecord(pair.model)", "record_[body]"),
         ("vacant-lanes-of-one-side", "pairBlocks_.back().body2[lane] = offsetOf(ownRecord(model));", "pairBlocks_.back().body2[lane] = pairBlocks_.back().body1[lane];"),
     ],
     "sweep/slabs.cpp": [
@@ -80,8 +82,12 @@ TABLE = {
     ],
     "sweep/packed_island.cpp": [
         ("overflow-not-swept-with-momentum", "const Impulse from = c.p + momentum * (c.p - c.old)", "const Impulse from = c.p"),
+        ("overflow-not-referred", "c.reference = relativeVelocity(view_, c);", ""),
+        ("velocity-not-referred", "packed_.kernels_->refer(view_, chunk, singleView_.points);", ""),
+        ("momentum-without-the-shift", "{ singleView_.oldBody[k].x - singleView_.body[k].x, singleView_.body[k].y }", "{ 0, singleView_.body[k].y }"),
+        ("floats-out-of-range", "(std::abs(value) > 1e-12 && std::abs(value) < 1e12)", "true"),
         ("overflow-not-measured", "total += { miss, square(c.p)", "total += { 0, square(c.p)"),
-        ("relaxed-without-projection", "projectCone(c.p + relaxation * (solve(c, c.p) - c.p), c.friction)", "c.p + relaxation * (solve(c, c.p) - c.p)"),
+        ("relaxed-without-projection", "projectCone(c.p + relaxation * (solve(view_, c, c.p) - c.p), c.friction)", "c.p + relaxation * (solve(view_, c, c.p) - c.p)"),
     ],
     "sweep/packed_problem.cpp": [
         ("rebias-keeps-the-overflow", "c.bias = bias[c.point];", ""),

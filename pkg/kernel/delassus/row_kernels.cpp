@@ -68,7 +68,7 @@ namespace RCR_LANE_NAMESPACE {
 				return { subtractProduct(n0, (*this)(block.ratio), t), t };
 			}
 
-			static constexpr std::uint32_t size = sizeof(HalfRecord), own[sliceWidth] = { 0, size, 2 * size, 3 * size, 4 * size, 5 * size, 6 * size, 7 * size };
+			static constexpr std::uint32_t own[sliceWidth] = { 0, 2, 4, 6, 8, 10, 12, 14 };
 		};
 
 		/// Calls visit(rows) for all rows in order, as many at once as there are lanes.
@@ -94,11 +94,11 @@ namespace RCR_LANE_NAMESPACE {
 					const L           nn = rows(b.nn), friction = rows(b.friction), none = 0.0, all = 1.0;
 					const L           inverseNn = zeroWhere(nn <= none, all / nn), ratio = rows(b.nt) * inverseNn;
 					const L           schur = rows(b.tt) - rows(b.tn) * ratio;
-					const L           limit = zeroWhere(schur <= none, L(unlimited)), slope = friction * ratio;
+					const L           limit = zeroWhere(schur <= none, L(unlimited<Real>)), slope = friction * ratio;
 					const auto        slide = [&](L with) { return select(with <= none, limit, friction / with); };
 					rows.set(b.inverseNn, inverseNn);
 					rows.set(b.ratio, ratio);
-					rows.set(b.inverseSchur, select(schur <= none, L(unlimited), all / schur));
+					rows.set(b.inverseSchur, select(schur <= none, L(unlimited<Real>), all / schur));
 					rows.set(b.slidePlus, slide(all + slope));
 					rows.set(b.slideMinus, slide(all - slope));
 				}

@@ -1,4 +1,4 @@
-// Records of bodies to and from lanes: N of four doubles each, or of two. Compiled as lane.hpp is.
+// Records of bodies to and from lanes: N of four Reals each, or of two. Compiled as lane.hpp is.
 //
 // Plain loads and a transpose in registers are more than twice as fast as hardware gathers and scatters.
 #pragma once
@@ -8,6 +8,9 @@
 
 namespace rcr {
 namespace RCR_LANE_NAMESPACE {
+
+	using HalfRecord = HalfRecordOf<Real>;
+	using BodyRecord = BodyRecordOf<Real>;
 
 	template <int N> struct Bodies {
 		Lane<N> x, y, spin, inverseMass;
@@ -66,7 +69,7 @@ namespace RCR_LANE_NAMESPACE {
 		}
 	}
 
-#if defined(__AVX2__)
+#if defined(__AVX2__) && !defined(RCR_SINGLE)
 	template <> inline Bodies<4> loadBodies<4>(const Places<4>& at)
 	{
 		// (x, y) of records 0 | 2 and 1 | 3, then unpack; the same for (spin, 1/m)
@@ -109,7 +112,7 @@ namespace RCR_LANE_NAMESPACE {
 	}
 #endif
 
-#if defined(__AVX512F__)
+#if defined(__AVX512F__) && !defined(RCR_SINGLE)
 	// Four 4×4 transposes at a time. The low half of a register takes one record, the high half another, so that every
 	// record is one load and one store.
 	template <> inline Bodies<8> loadBodies<8>(const Places<8>& at)
@@ -167,6 +170,90 @@ namespace RCR_LANE_NAMESPACE {
 		};
 		four(_mm512_unpacklo_pd(v.x.value, v.y.value), 0);
 		four(_mm512_unpackhi_pd(v.x.value, v.y.value), 1);
+	}
+#endif
+
+#if defined(__AVX2__) && defined(RCR_SINGLE)
+	// A record is one 128-bit part of a register; four registers of parts are transposed, each part for itself.
+	template <> inline Bodies<8> loadBodies<8>(const Places<8>& at)
+	{
+		const auto two = [&](int i) __attribute__((always_inline)) {
+			return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(&at[i].x)), _mm_load_ps(&at[i + 4].x), 1);
+		};
+		const __m256 r0 = two(0), r1 = two(1), r2 = two(2), r3 = two(3);
+		const __m256 xy01 = _mm256_unpacklo_ps(r0, r1), xy23 = _mm256_unpacklo_ps(r2, r3); // x₀ x₁ y₀ y₁
+		const __m256 sm01 = _mm256_unpackhi_ps(r0, r1), sm23 = _mm256_unpackhi_ps(r2, r3);
+		return { _mm256_shuffle_ps(xy01, xy23, 0x44), _mm256_shuffle_ps(xy01, xy23, 0xee), _mm256_shuffle_ps(sm01, sm23, 0x44),
+			 _mm256_shuffle_ps(sm01, sm23, 0xee) };
+	}
+
+	template <> inline void storeBodies<8>(const Bodies<8>& v, const Places<8>& at)
+	{
+		const auto put = [&](__m256 two, int i) __attribute__((always_inline)) {
+			_mm_store_ps(&at[i].x, _mm256_castps256_ps128(two));
+			_mm_store_ps(&at[i + 4].x, _mm256_extractf128_ps(two, 1));
+		};
+		const __m256 xy01 = _mm256_unpacklo_ps(v.x.value, v.y.value), xy23 = _mm256_unpackhi_ps(v.x.value, v.y.value); // x₀ y₀ x₁ y₁
+		const __m256 sm01 = _mm256_unpacklo_ps(v.spin.value, v.inverseMass.value), sm23 = _mm256_unpackhi_ps(v.spin.value, v.inverseMass.value);
+		put(_mm256_shuffle_ps(xy01, sm01, 0x44), 0);
+		put(_mm256_shuffle_ps(xy01, sm01, 0xee), 1);
+		put(_mm256_shuffle_ps(xy23, sm23, 0x44), 2);
+		put(_mm256_shuffle_ps(xy23, sm23, 0xee), 3);
+	}
+
+	template <> inline Centres<8> loadCentres<8>(const Places<8>& at)
+	{
+		const auto two = [&](int i) __attribute__((always_inline)) {
+			const auto* const low = reinterpret_cast<const __m64*>(&at.half(i).x), *const high = reinterpret_cast<const __m64*>(&at.half(i + 1).x);
+			return _mm_loadh_pi(_mm_loadl_pi(_mm_setzero_ps(), low), high);
+		};
+		const __m256 xy01 = _mm256_insertf128_ps(_mm256_castps128_ps256(two(0)), two(4), 1);
+		const __m256 xy23 = _mm256_insertf128_ps(_mm256_castps128_ps256(two(2)), two(6), 1);
+		return { _mm256_shuffle_ps(xy01, xy23, 0x88), _mm256_shuffle_ps(xy01, xy23, 0xdd) };
+	}
+
+	template <> inline void storeCentres<8>(const Centres<8>& v, const Places<8>& at)
+	{
+		const auto put = [&](__m128 two, int i) __attribute__((always_inline)) {
+			_mm_storel_pi(reinterpret_cast<__m64*>(&at.half(i).x), two);
+			_mm_storeh_pi(reinterpret_cast<__m64*>(&at.half(i + 1).x), two);
+		};
+		const __m256 xy01 = _mm256_unpacklo_ps(v.x.value, v.y.value), xy23 = _mm256_unpackhi_ps(v.x.value, v.y.value);
+		put(_mm256_castps256_ps128(xy01), 0);
+		put(_mm256_castps256_ps128(xy23), 2);
+		put(_mm256_extractf128_ps(xy01, 1), 4);
+		put(_mm256_extractf128_ps(xy23, 1), 6);
+	}
+#endif
+
+#if defined(__AVX512F__) && defined(RCR_SINGLE)
+	template <> inline Bodies<16> loadBodies<16>(const Places<16>& at)
+	{
+		const auto four = [&](int i) __attribute__((always_inline)) {
+			const __m512 two = _mm512_insertf32x4(_mm512_castps128_ps512(_mm_load_ps(&at[i].x)), _mm_load_ps(&at[i + 4].x), 1);
+			return _mm512_insertf32x4(_mm512_insertf32x4(two, _mm_load_ps(&at[i + 8].x), 2), _mm_load_ps(&at[i + 12].x), 3);
+		};
+		const __m512 r0 = four(0), r1 = four(1), r2 = four(2), r3 = four(3);
+		const __m512 xy01 = _mm512_unpacklo_ps(r0, r1), xy23 = _mm512_unpacklo_ps(r2, r3);
+		const __m512 sm01 = _mm512_unpackhi_ps(r0, r1), sm23 = _mm512_unpackhi_ps(r2, r3);
+		return { _mm512_shuffle_ps(xy01, xy23, 0x44), _mm512_shuffle_ps(xy01, xy23, 0xee), _mm512_shuffle_ps(sm01, sm23, 0x44),
+			 _mm512_shuffle_ps(sm01, sm23, 0xee) };
+	}
+
+	template <> inline void storeBodies<16>(const Bodies<16>& v, const Places<16>& at)
+	{
+		const auto put = [&](__m512 four, int i) __attribute__((always_inline)) {
+			_mm_store_ps(&at[i].x, _mm512_castps512_ps128(four));
+			_mm_store_ps(&at[i + 4].x, _mm512_extractf32x4_ps(four, 1));
+			_mm_store_ps(&at[i + 8].x, _mm512_extractf32x4_ps(four, 2));
+			_mm_store_ps(&at[i + 12].x, _mm512_extractf32x4_ps(four, 3));
+		};
+		const __m512 xy01 = _mm512_unpacklo_ps(v.x.value, v.y.value), xy23 = _mm512_unpackhi_ps(v.x.value, v.y.value);
+		const __m512 sm01 = _mm512_unpacklo_ps(v.spin.value, v.inverseMass.value), sm23 = _mm512_unpackhi_ps(v.spin.value, v.inverseMass.value);
+		put(_mm512_shuffle_ps(xy01, sm01, 0x44), 0);
+		put(_mm512_shuffle_ps(xy01, sm01, 0xee), 1);
+		put(_mm512_shuffle_ps(xy23, sm23, 0x44), 2);
+		put(_mm512_shuffle_ps(xy23, sm23, 0xee), 3);
 	}
 #endif
 

@@ -27,13 +27,13 @@ namespace RCR_LANE_NAMESPACE {
 
 	/// A sum kept apart for each of W slots, so that its order is the same for every lane width.
 	template <int W> struct SlotSum {
-		alignas(64) double slot[W] = {};
+		alignas(64) Real slot[W] = {};
 
 		template <int N> void add(int lane, Lane<N> value) { (Lane<N>::load(slot + lane) + value).store(slot + lane); }
 		double                total() const
 		{
 			double sum = 0;
-			for (double part : slot)
+			for (Real part : slot)
 				sum += part;
 			return sum;
 		}

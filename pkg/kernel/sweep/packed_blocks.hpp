@@ -11,6 +11,9 @@
 //   central        the same on an island where no normal has a lever, as between discs: nothing turns, two numbers a body
 // The arithmetic is that of the frictional model without what is zero, so the bits are the same.
 //
+// Blocks and records are of doubles, or of floats about a reference in doubles (packed_island.hpp): records then hold v − v̄, `bias` and
+// `slip` the velocity û of the reference, and impulses are whole.
+//
 // | symbol | field        | unit    | meaning                                                       |
 // |--------|--------------|---------|---------------------------------------------------------------|
 // | k      |              | m       | radius of gyration √(I/m) of a body                            |
@@ -27,63 +30,71 @@
 
 namespace rcr {
 
-constexpr int    blockWidth = 16;
-constexpr double unlimited  = 1e300; // finite: 0 · unlimited is 0
+constexpr int blockWidth = 16;
+template <class Real> constexpr Real unlimited = sizeof(Real) == sizeof(double) ? Real(1e300) : Real(1e30); // finite: 0 · unlimited is 0
 
 enum class Model : std::uint8_t { frictional, frictionless, central };
 constexpr int models = 3;
 
 /// The record of a body's velocity; an island of central pairs needs no more than its first half.
-struct alignas(16) HalfRecord {
-	double x, y;
+template <class Real> struct alignas(2 * sizeof(Real)) HalfRecordOf {
+	Real x, y;
 };
-struct alignas(32) BodyRecord {
-	double x, y, spin, inverseMass;
+template <class Real> struct alignas(4 * sizeof(Real)) BodyRecordOf {
+	Real x, y, spin, inverseMass;
 };
+using HalfRecord = HalfRecordOf<double>;
+using BodyRecord = BodyRecordOf<double>;
 
-/// Which records the pairs of a block join, as offsets in bytes. A prescribed body has a record of its own in every slot.
+/// Which records the pairs of a block join, as offsets in numbers. A prescribed body has a record of its own in every slot.
 struct alignas(64) PairBlock {
 	std::uint32_t body1[blockWidth], body2[blockWidth];
 };
 
 /// A record is known by the number of its first half.
-inline std::uint32_t offsetOf(std::int32_t record) { return record * std::uint32_t(sizeof(HalfRecord)); }
-inline std::int32_t  recordOf(std::uint32_t offset) { return std::int32_t(offset / sizeof(HalfRecord)); }
-template <class Record> Record& recordAt(HalfRecord* first, std::uint32_t offset)
+inline std::uint32_t offsetOf(std::int32_t record) { return 2 * std::uint32_t(record); }
+inline std::int32_t  recordOf(std::uint32_t offset) { return std::int32_t(offset / 2); }
+template <class Record, class Real> Record& recordAt(HalfRecordOf<Real>* first, std::uint32_t offset)
 {
-	return *reinterpret_cast<Record*>(reinterpret_cast<char*>(first) + offset);
+	return *reinterpret_cast<Record*>(reinterpret_cast<Real*>(first) + offset);
 }
 
 // One contact point of each pair of a block, by model; all are made of columns.
 
-struct alignas(64) Column {
-	double of[blockWidth];
+template <class Real> struct alignas(64) ColumnOf {
+	Real of[blockWidth];
 };
+using Column = ColumnOf<double>;
 
 /// The fields of all models.
-struct alignas(64) PointBlock {
-	double oldPn[blockWidth]; // impulse one sweep before, for momentum
-	double nx[blockWidth], ny[blockWidth];
-	double bias[blockWidth], inverseNn[blockWidth];
-	double pn[blockWidth]; // impulse
+template <class Real> struct alignas(64) PointBlockOf {
+	Real oldPn[blockWidth]; // impulse one sweep before, for momentum
+	Real nx[blockWidth], ny[blockWidth];
+	Real bias[blockWidth], inverseNn[blockWidth];
+	Real pn[blockWidth];   // impulse
+	Real slip[blockWidth]; // tangential velocity that the records do not hold: of spins that stay as they are
 };
 
-struct CentralBlock : PointBlock {
-	double mass1[blockWidth], mass2[blockWidth]; // inverse
-	double slip[blockWidth];                     // tangential velocity of the spins, which stay as they are
+template <class Real> struct CentralBlockOf : PointBlockOf<Real> {
+	Real mass1[blockWidth], mass2[blockWidth]; // inverse
 };
 
-struct FrictionlessBlock : PointBlock {
-	double turn1n[blockWidth], turn2n[blockWidth], turn1t[blockWidth], turn2t[blockWidth]; // r/k as (x, y) until `prepare`
+template <class Real> struct FrictionlessBlockOf : PointBlockOf<Real> {
+	Real turn1n[blockWidth], turn2n[blockWidth], turn1t[blockWidth], turn2t[blockWidth]; // r/k as (x, y) until `prepare`
 };
 
-struct FrictionalBlock : FrictionlessBlock {
-	double ratio[blockWidth], inverseSchur[blockWidth];
-	double slidePlus[blockWidth], slideMinus[blockWidth];
-	double pt[blockWidth];
-	double oldPt[blockWidth];
-	double friction[blockWidth]; // µ
+template <class Real> struct FrictionalBlockOf : FrictionlessBlockOf<Real> {
+	Real ratio[blockWidth], inverseSchur[blockWidth];
+	Real slidePlus[blockWidth], slideMinus[blockWidth];
+	Real pt[blockWidth];
+	Real oldPt[blockWidth];
+	Real friction[blockWidth]; // µ
 };
+
+using PointBlock        = PointBlockOf<double>;
+using CentralBlock      = CentralBlockOf<double>;
+using FrictionlessBlock = FrictionlessBlockOf<double>;
+using FrictionalBlock   = FrictionalBlockOf<double>;
 
 /// Columns of a block of that model.
 constexpr int columnsOf(Model model)
@@ -93,6 +104,7 @@ constexpr int columnsOf(Model model)
 	                                                   : sizeof(FrictionalBlock))
 	           / sizeof(Column));
 }
+static_assert(sizeof(FrictionalBlock) / sizeof(Column) == sizeof(FrictionalBlockOf<float>) / sizeof(ColumnOf<float>));
 
 /// The blocks of one colour, with one model and one number of points a pair.
 struct Chunk {
@@ -101,15 +113,16 @@ struct Chunk {
 };
 
 /// Everything the kernels touch.
-struct PackedView {
-	HalfRecord* body;
-	HalfRecord* oldBody; // one sweep before, for momentum
-	PairBlock*  pairs;
-	Column*     points;
+template <class Real> struct PackedViewOf {
+	HalfRecordOf<Real>* body;
+	HalfRecordOf<Real>* oldBody; // one sweep before, for momentum
+	PairBlock*          pairs;
+	ColumnOf<Real>*     points;
 
-	HalfRecord& halfBody(std::int32_t record) const { return body[record]; }
-	BodyRecord& wholeBody(std::int32_t record) const { return recordAt<BodyRecord>(body, offsetOf(record)); }
+	HalfRecordOf<Real>& halfBody(std::int32_t record) const { return body[record]; }
+	BodyRecordOf<Real>& wholeBody(std::int32_t record) const { return recordAt<BodyRecordOf<Real>>(body, offsetOf(record)); }
 };
+using PackedView = PackedViewOf<double>;
 
 /// Sums over points from which all stop criteria are made.
 struct Measures {
@@ -130,27 +143,34 @@ struct Measures {
 };
 
 /// The kernels for one lane width; each works on one chunk.
-struct PackedKernels {
+template <class Real> struct PackedKernelsOf {
+	using View = PackedViewOf<Real>;
+
 	int width;
 	/// Lever arms and Delassus coefficients from the raw arms; returns Σ |u|² over the points.
-	double (*prepare)(const PackedView&, const Chunk&);
+	double (*prepare)(const View&, const Chunk&);
 	/// Adds M⁻¹Jᵀp to the velocities.
-	void (*apply)(const PackedView&, const Chunk&);
+	void (*apply)(const View&, const Chunk&);
 	/// Solves every point once; the velocities follow.
-	void (*sweep)(const PackedView&, const Chunk&);
+	void (*sweep)(const View&, const Chunk&);
 	/// An over-relaxed sweep: each impulse changes by `relaxation` times as much.
-	void (*sweepRelaxed)(const PackedView&, const Chunk&, double relaxation);
+	void (*sweepRelaxed)(const View&, const Chunk&, double relaxation);
 	/// A sweep from y = p + β (p − p_old); returns ‖p − y‖².
-	double (*sweepMomentum)(const PackedView&, const Chunk&, double momentum);
+	double (*sweepMomentum)(const View&, const Chunk&, double momentum);
 	/// The same with contacts that yield: the share `kept` of every solution.
-	double (*sweepYielding)(const PackedView&, const Chunk&, double momentum, double kept);
+	double (*sweepYielding)(const View&, const Chunk&, double momentum, double kept);
 	/// Sums for the stop criteria at the present impulses and velocities.
-	Measures (*measure)(const PackedView&, const Chunk&);
+	Measures (*measure)(const View&, const Chunk&);
+	/// Writes the velocities (u_n + b_n, u_t) of the points to `bias` and `slip` of blocks of floats: those of a reference.
+	void (*refer)(const View&, const Chunk&, ColumnOf<float>* points);
 	/// v_old ← v + β (v − v_old) for halves of records first … last − 1: the two then change places.
-	void (*extrapolate)(const PackedView&, int first, int last, double momentum);
+	void (*extrapolate)(const View&, int first, int last, double momentum);
 };
 
+using PackedKernels = PackedKernelsOf<double>;
+
 /// The kernels for at most that many lanes (0: as many as is best) that this processor runs.
-const PackedKernels& packedKernels(int lanes);
+const PackedKernels&          packedKernels(int lanes);
+const PackedKernelsOf<float>& singleKernels(int lanes);
 
 } // namespace rcr

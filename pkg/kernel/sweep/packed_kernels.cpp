@@ -1,4 +1,4 @@
-// The inner loops of the sweep solvers, over the blocks of a chunk. Compiled once for every lane width: RCR_LANES doubles at a time.
+// The inner loops of the sweep solvers, over the blocks of a chunk. Compiled once for every lane width, and for floats too: RCR_LANES Reals at a time.
 #include <type_traits>
 
 #include "sweep/point_models.hpp"
@@ -69,9 +69,7 @@ namespace RCR_LANE_NAMESPACE {
 		template <class Block> inline Vector wholeVelocity(const Block& c, int lane, const B& v1, const B& v2)
 		{
 			const Vector u = relativeVelocity(c, lane, v1, v2);
-			if constexpr (std::is_same_v<Block, CentralBlock>) return { u.n, u.t + L::load(c.slip + lane) };
-			else
-				return u;
+			return { u.n, u.t + L::load(c.slip + lane) };
 		}
 
 		inline L inverse(L value) { return zeroWhere(value <= L(0.0), L(1.0) / value); }
@@ -93,7 +91,7 @@ namespace RCR_LANE_NAMESPACE {
 		inline void preparePoint(FrictionalBlock& c, int lane, L m1, L m2)
 		{
 			preparePoint(static_cast<FrictionlessBlock&>(c), lane, m1, m2);
-			const auto slide = [&](L with) { return select(with <= L(0.0), L(unlimited), friction(c, lane) / with); };
+			const auto slide = [&](L with) { return select(with <= L(0.0), L(unlimited<Real>), friction(c, lane) / with); };
 			const L    j1n = turn1n(c, lane), j1t = turn1t(c, lane), j2n = turn2n(c, lane), j2t = turn2t(c, lane);
 			const L    nt = m1 * (j1n * j1t) + m2 * (j2n * j2t);
 			const L    tt = m1 + m2 + (m1 * (j1t * j1t) + m2 * (j2t * j2t));
@@ -165,7 +163,7 @@ namespace RCR_LANE_NAMESPACE {
 
 		template <class M, int Points> APART void sweepRelaxedAs(const PackedView& view, const Chunk& chunk, double by)
 		{
-			const L relaxation = by;
+			const L relaxation = Real(by);
 			sweepPairs<M, Points>(view, chunk, [=](auto& c, int lane, const auto& u) INLINE {
 				const auto p = M::impulse(c, lane), solved = M::solve(c, lane, u, p);
 				const auto q = M::project(c, lane, p + relaxation * (solved - p));
@@ -181,7 +179,7 @@ namespace RCR_LANE_NAMESPACE {
 
 		template <class M, int Points, class Keep> APART double sweepMomentumAs(const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
 		{
-			const L beta = momentum;
+			const L beta = Real(momentum);
 			Sum change2;
 			sweepPairs<M, Points>(view, chunk, [&](auto& c, int lane, const auto& u) INLINE {
 				const auto p = M::impulse(c, lane), y = addProduct(p, beta, p - M::oldImpulse(c, lane));
@@ -217,7 +215,7 @@ namespace RCR_LANE_NAMESPACE {
 
 		double sweepYielding(const PackedView& view, const Chunk& chunk, double momentum, double kept)
 		{
-			return sweepKeeping(view, chunk, momentum, Share { kept });
+			return sweepKeeping(view, chunk, momentum, Share { Real(kept) });
 		}
 
 		Measures measure(const PackedView& view, const Chunk& chunk)
@@ -246,22 +244,36 @@ namespace RCR_LANE_NAMESPACE {
 			return { error2.total(), impulse2.total(), normal.total(), violation2.total(), velocity2.total(), stopping2.total(), taken.total() };
 		}
 
+		void refer(const PackedView& view, const Chunk& chunk, ColumnOf<float>* points)
+		{
+			dispatch(chunk, [&](auto model, auto) {
+				using M          = decltype(model);
+				auto* const from = reinterpret_cast<typename M::Block*>(view.points + chunk.firstColumn);
+				auto* const to   = reinterpret_cast<typename M::Single*>(points + chunk.firstColumn);
+				forEachPair<M>(view, chunk, [&](const P& at1, const P& at2, const auto* point, int lane) INLINE {
+					const auto [v1, v2] = loadWhole<M>(*point, lane, at1, at2);
+					for (auto* c = point; c < point + chunk.pointsPerPair; ++c) {
+						const Vector u = wholeVelocity(*c, lane, v1, v2);
+						(u.n + L::load(c->bias + lane)).store(to[c - from].bias + lane);
+						u.t.store(to[c - from].slip + lane);
+					}
+				});
+			});
+		}
+
 		void extrapolate(const PackedView& view, int first, int last, double momentum)
 		{
-			using Few       = Lane<RCR_LANES == 1 ? 1 : 4>; // records of an island begin and end with whole ones
-			const Few beta  = momentum;
-			double*   value = &view.body[0].x;
-			double*   old   = &view.oldBody[0].x;
-			for (long i = 2L * first; i < 2L * last; i += RCR_LANES == 1 ? 1 : 4) {
-				const Few v = Few::load(value + i);
-				addProduct(v, beta, v - Few::load(old + i)).store(old + i);
-			}
+			const Real  beta  = Real(momentum);
+			const Real* value = &view.body[0].x;
+			Real*       old   = &view.oldBody[0].x;
+			for (long i = 2L * first; i < 2L * last; ++i)
+				old[i] = fma(beta, value[i] - old[i], value[i]);
 		}
 
 	} // namespace
 
-	extern const PackedKernels kernels;
-	const PackedKernels        kernels { RCR_LANES, prepare, apply, sweep, sweepRelaxed, sweepMomentum, sweepYielding, measure, extrapolate };
+	extern const PackedKernelsOf<Real> kernels;
+	const PackedKernelsOf<Real> kernels { RCR_LANES, prepare, apply, sweep, sweepRelaxed, sweepMomentum, sweepYielding, measure, refer, extrapolate };
 
 } // namespace RCR_LANE_NAMESPACE
 } // namespace rcr

@@ -35,7 +35,8 @@ namespace {
 
 void PackedProblem::load(const ContactProblem& problem, int lanes, const Reductions& reductions)
 {
-	kernels_ = &packedKernels(lanes);
+	kernels_       = &packedKernels(lanes);
+	singleKernels_ = &singleKernels(lanes);
 	const auto start = std::chrono::steady_clock::now();
 	const bool fresh = layout_.update(problem, reductions);
 	layoutSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -46,6 +47,9 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 			std::fill(point_.begin() + vacant.begin, point_.begin() + vacant.end, Column {});
 		body_.assign(layout_.records() / 2 + 1, {}); // never empty: a problem without bodies has a view, too
 		oldBody_.resize(body_.size());
+		singleBody_.assign(body_.size(), {}); // prescribed sides never differ from the reference
+		singleOldBody_.assign(body_.size(), {});
+		singlePoint_.resize(point_.size());
 	}
 	partial_.resize(layout_.chunks().size());
 	sum_.resize(layout_.chunks().size());
@@ -58,6 +62,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	team.forEach(pairs.size(), [&](int k) {
 		if (pairs[k].slot != Pair::noSlot) fill(problem, pairs[k]);
 	});
+	freeBody_ = body_;
 	inverseStretchMass_ = problem.inverseStretchMass;
 	stretch_            = {};
 	overflow_.clear();
@@ -116,11 +121,11 @@ void PackedProblem::fill(const ContactProblem& problem, const Pair& pair)
 	any.ny[lane]               = c.normal.y;
 	any.bias[lane]             = c.bias;
 	any.pn[lane] = any.oldPn[lane] = p.n;
+	any.slip[lane]                 = pair.model == Model::central ? slip(problem, c) : 0;
 	if (pair.model == Model::central) {
 		auto& disc       = *reinterpret_cast<CentralBlock*>(column);
 		disc.mass1[lane] = problem.inverseMass[pair.body1].x;
 		disc.mass2[lane] = problem.inverseMass[pair.body2].x;
-		disc.slip[lane]  = slip(problem, c);
 		return;
 	}
 	auto& turning        = *reinterpret_cast<FrictionlessBlock*>(column);
@@ -150,7 +155,7 @@ void PackedProblem::addToOverflow(const ContactProblem& problem, const Pair& pai
 		                  lever * cross(c.arm1, c.normal) * scale1, cross(c.arm1, t) * scale1,
 		                  lever * cross(c.arm2, c.normal) * scale2, cross(c.arm2, t) * scale2, { dot(drift, c.normal), dot(drift, t) + (central ? slip(problem, c) : 0) },
 		                  { m1.x, m1.y, m1.rotation / (scale1 * scale1) }, { m2.x, m2.y, m2.rotation / (scale2 * scale2) },
-		                  c.shift, c.bias, c.friction, w, p, p });
+		                  c.shift, c.bias, c.friction, w, p, p, {} });
 	}
 }
 
@@ -176,14 +181,14 @@ void PackedProblem::rebias(const ContactProblem& problem, const std::vector<doub
 		c.bias = bias[c.point];
 		c.p    = startOf(problem, c.point);
 	}
-	startVelocity(problem);
+	startVelocity();
 }
 
 /// v = v_free + M⁻¹Jᵀp
-void PackedProblem::startVelocity(const ContactProblem& problem)
+void PackedProblem::startVelocity()
 {
 	stretch_ = {};
-	loadBodies(problem);
+	body_    = freeBody_;
 	forEachIsland([](PackedIsland&& island) { island.applyImpulses(); });
 }
 
@@ -207,7 +212,7 @@ void PackedProblem::store(ContactProblem& problem)
 
 void PackedProblem::storeVelocity(const ContactProblem& problem, std::vector<Twist>& velocity)
 {
-	startVelocity(problem);
+	startVelocity();
 	velocity.resize(problem.freeVelocity.size());
 	team.forEach(inverseGyration_.size(), [&](int i) {
 		const int record = layout_.record(i);

@@ -44,8 +44,8 @@ public:
 private:
 	friend class PackedIsland;
 
-	struct alignas(32) TwoHalves { // of one record, or of two bodies that nothing turns
-		HalfRecord half[2];
+	template <class Real> struct alignas(4 * sizeof(Real)) TwoHalves { // of one record, or of two bodies that nothing turns
+		HalfRecordOf<Real> half[2];
 	};
 
 	/// A point of the overflow, in the scaled velocities of packed_blocks.hpp.
@@ -60,29 +60,35 @@ private:
 		double       bias, friction;
 		Delassus     w;
 		Impulse      p, old;
+		Impulse      reference; // u of the reference, where records hold what differs from it
 	};
 
 	void       loadBody(const ContactProblem&, int body, int record, bool central);
 	void       loadBodies(const ContactProblem&);
-	void       startVelocity(const ContactProblem&);
+	void       startVelocity();
 	void       fill(const ContactProblem&, const Pair&);
 	void       fillPoint(const ContactProblem&, const Pair&, int point, Column*);
 	void       addToOverflow(const ContactProblem&, const Pair&, bool central);
 	/// visit(number of the point, its block, its lane) for the points of a pair that has a slot.
 	template <class Visit> void forEachPoint(const Pair&, Visit visit);
-	PackedView view() { return { body_.data()->half, oldBody_.data()->half, layout_.pairBlocks().data(), point_.data() }; }
+	PackedView          view() { return { body_.data()->half, oldBody_.data()->half, layout_.pairBlocks().data(), point_.data() }; }
+	PackedViewOf<float> singleView() { return { singleBody_.data()->half, singleOldBody_.data()->half, layout_.pairBlocks().data(), singlePoint_.data() }; }
 
-	const PackedKernels*    kernels_ = nullptr;
+	const PackedKernels*          kernels_       = nullptr;
+	const PackedKernelsOf<float>* singleKernels_ = nullptr;
 	Layout                  layout_;
 	std::vector<double>     inverseGyration_; // a body: 1/k
-	std::vector<TwoHalves>  body_, oldBody_;  // the records of the layout, and one sweep before
-	std::vector<Column>     point_;
+	std::vector<TwoHalves<double>> body_, oldBody_; // the records of the layout, and one sweep before
+	std::vector<TwoHalves<double>> freeBody_;       // without impulses
+	std::vector<Column>            point_;
+	std::vector<TwoHalves<float>>  singleBody_, singleOldBody_; // the same about a reference
+	std::vector<ColumnOf<float>>   singlePoint_;
 	std::vector<OverflowPoint>  overflow_;
 	std::vector<Range>      overflowOf_;        // an island
 	std::vector<double>     freeVelocity2_; // an island
 	std::vector<Measures>   partial_;       // a chunk
 	std::vector<double>     sum_;           // a chunk
-	Vec2                    inverseStretchMass_, stretch_, oldStretch_; // of the cell, whose points all belong to one island
+	Vec2                    inverseStretchMass_, stretch_, oldStretch_, referenceStretch_; // of the cell, whose points all belong to one island
 	double                  layoutSeconds_ = 0;
 	int                     layouts_       = 0;
 };
@@ -95,6 +101,7 @@ public:
 	        , number_(number)
 	        , island_(packed.layout_.islands()[number])
 	        , view_(packed.view())
+	        , singleView_(packed.singleView())
 	{
 	}
 
@@ -113,6 +120,13 @@ public:
 	double sweepMomentum(double momentum);
 	/// The same with contacts that yield by u = −ε W p, W the point's own Delassus block: its solution is 1/(1 + ε) of the rigid one.
 	double sweepYielding(double momentum, double compliance);
+	/// From now on `sweepMomentum` and `measure` work on floats about a reference in doubles, which is made anew every so many sweeps. Not
+	/// where the island is small, or where its numbers or their squares would leave the range of floats.
+	void beginSingle();
+	/// Back to doubles, with the impulses reached and the velocities that follow from them.
+	void endSingle();
+	bool single() const { return single_; }
+
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures measure();
 	/// Σ |u|² over the points for the free velocities.
@@ -121,11 +135,24 @@ public:
 private:
 	using OverflowPoint = PackedProblem::OverflowPoint;
 
-	template <class Kernel> double sweepMomentum(double momentum, double kept, Kernel);
-	Impulse relativeVelocity(const OverflowPoint&) const;
-	void    applyImpulse(const OverflowPoint&, const Impulse&);
-	Impulse solve(const OverflowPoint&, const Impulse& from) const;
-	bool    stretches() const { return island_.cell && (packed_.inverseStretchMass_.x > 0 || packed_.inverseStretchMass_.y > 0); }
+	template <class Real> using View = PackedViewOf<Real>;
+
+	template <class Real, class Kernel> double sweepMomentum(View<Real>&, void (*extrapolate)(const View<Real>&, int, int, double), double momentum, double kept, Kernel);
+	template <class Real> Measures measure(const View<Real>&, const PackedKernelsOf<Real>&);
+	template <class Real> Impulse  relativeVelocity(const View<Real>&, const OverflowPoint&) const;
+	template <class Real> void     applyImpulse(const View<Real>&, const OverflowPoint&, const Impulse&);
+	template <class Real> Impulse  solve(const View<Real>&, const OverflowPoint&, const Impulse& from) const;
+
+	bool stretches() const { return island_.cell && (packed_.inverseStretchMass_.x > 0 || packed_.inverseStretchMass_.y > 0); }
+	void widen();
+	void refer();
+	void restMomentum();
+	/// work(range) for the records of all bodies of the island.
+	template <class Work> void forEachRecords(Work work)
+	{
+		work(island_.loose);
+		forEachSection([&](const Section& section) { work(section.records); });
+	}
 
 	/// work(section) for all slabs, then for all joints, by all threads where the island is theirs.
 	template <class Work> void forEachSection(Work work)
@@ -169,6 +196,9 @@ private:
 	const int      number_;
 	const Island&  island_;
 	PackedView     view_;
+	View<float>    singleView_;
+	bool           single_      = false;
+	int            sinceRefer_ = 0; // sweeps
 };
 
 template <class Work> void PackedProblem::forEachIsland(Work work)

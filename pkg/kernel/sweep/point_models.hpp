@@ -19,6 +19,15 @@ namespace RCR_LANE_NAMESPACE {
 
 	using Vector = Components<RCR_LANES>;
 
+	using PointBlock        = PointBlockOf<Real>;
+	using CentralBlock      = CentralBlockOf<Real>;
+	using FrictionlessBlock = FrictionlessBlockOf<Real>;
+	using FrictionalBlock   = FrictionalBlockOf<Real>;
+	using Column            = ColumnOf<Real>;
+	using PackedView        = PackedViewOf<Real>;
+
+	constexpr bool aboutReference = sizeof(Real) < sizeof(double); // floats: `slip` is no constant, and sweeps need it
+
 	inline L square(L a) { return a * a; }
 
 	// what the lesser models have not
@@ -73,6 +82,7 @@ namespace RCR_LANE_NAMESPACE {
 
 	struct Frictional {
 		using Block   = FrictionalBlock;
+		using Single  = FrictionalBlockOf<float>;
 		using Impulse = Vector;
 
 		static B       load(const P& at) { return loadBodies<RCR_LANES>(at); }
@@ -81,7 +91,13 @@ namespace RCR_LANE_NAMESPACE {
 		static Impulse oldImpulse(const Block& c, int lane) { return { L::load(c.oldPn + lane), L::load(c.oldPt + lane) }; }
 		static void    set(Block& c, int lane, const Impulse& p) { p.n.store(c.pn + lane), p.t.store(c.pt + lane); }
 		static void    setOld(Block& c, int lane, const Impulse& p) { p.n.store(c.oldPn + lane), p.t.store(c.oldPt + lane); }
-		static Vector  velocity(const Block& c, int lane, const B& v1, const B& v2) { return relativeVelocity(c, lane, v1, v2); }
+		static Vector  velocity(const Block& c, int lane, const B& v1, const B& v2)
+		{
+			const Vector u = relativeVelocity(c, lane, v1, v2);
+			if constexpr (aboutReference) return { u.n, u.t + L::load(c.slip + lane) };
+			else
+				return u;
+		}
 		static Impulse solve(const Block& c, int lane, const Vector& u, const Impulse& p) { return solvePoint(c, lane, u, p); }
 		static Impulse project(const Block& c, int lane, const Impulse& p) { return projectCone(p, friction(c, lane)); }
 		static void    apply(const Block& c, int lane, const Impulse& p, B& v1, B& v2)
@@ -107,7 +123,8 @@ namespace RCR_LANE_NAMESPACE {
 	};
 
 	struct Frictionless : Normal {
-		using Block = FrictionlessBlock;
+		using Block  = FrictionlessBlock;
+		using Single = FrictionlessBlockOf<float>;
 
 		static B    load(const P& at) { return loadBodies<RCR_LANES>(at); }
 		static void store(const B& v, const P& at) { storeBodies<RCR_LANES>(v, at); }
@@ -129,8 +146,9 @@ namespace RCR_LANE_NAMESPACE {
 	};
 
 	struct Central : Normal {
-		using Block = CentralBlock;
-		using C     = Centres<RCR_LANES>;
+		using Block  = CentralBlock;
+		using Single = CentralBlockOf<float>;
+		using C      = Centres<RCR_LANES>;
 
 		static C    load(const P& at) { return loadCentres<RCR_LANES>(at); }
 		static void store(const C& v, const P& at) { storeCentres<RCR_LANES>(v, at); }

@@ -1,6 +1,7 @@
 // Gauss–Seidel sweeps with Nesterov momentum on the impulses (momentum.hpp), restarted when it leads away.
 //
-// The velocities are linear in the impulses and extrapolated with them.
+// The velocities are linear in the impulses and extrapolated with them. Large islands are swept in floats about a reference in doubles,
+// down to the tolerance or to `finestSingle`, whichever comes first; doubles confirm that, or go on.
 #include "sweep/momentum.hpp"
 #include "sweep/sweep_solver.hpp"
 
@@ -16,8 +17,10 @@ Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspac
 {
 	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, IslandStop& stop) {
 		Momentum momentum;
+		island.beginSingle();
 		while (!stop.reached())
 			sweep(island, momentum);
+		island.endSingle();
 	});
 }
 

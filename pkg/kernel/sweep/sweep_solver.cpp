@@ -16,6 +16,8 @@ double Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
 
 namespace {
 
+	constexpr double finestSingle = 1e-5; // residual down to which floats serve: impulses are rounded to 6e-8
+
 	Criteria criteriaOf(const Measures& m, double freeVelocity2, double rest)
 	{
 		return { relativeError(m.error2, m.impulse2, m.stopping2), kinematicError(m.violation2, m.velocity2, freeVelocity2, rest) };
@@ -24,6 +26,15 @@ namespace {
 } // namespace
 
 Criteria IslandStop::measure()
+{
+	const Criteria criteria = evaluate();
+	if (!island_.single() || !(criteria.met(settings_) || criteria.residual <= finestSingle)) return criteria;
+	island_.endSingle();
+	measured_ = false;
+	return evaluate();
+}
+
+Criteria IslandStop::evaluate()
 {
 	const Measures m        = island_.measure();
 	Criteria       criteria = criteriaOf(m, island_.freeVelocity2(), settings_.rest);

@@ -25,7 +25,8 @@ public:
 	double meanForceChange() const { return stop_.criteria().meanForceChange; }
 
 private:
-	Criteria measure();
+	Criteria measure(); // in doubles where floats say that this is the end
+	Criteria evaluate();
 
 	PackedIsland&   island_;
 	const Settings& settings_;
