@@ -17,6 +17,7 @@
 #include "kernel_arrays.hpp"
 #include "parallel/crew.hpp"
 #include "parallel/team.hpp"
+#include "parallel/trial.hpp"
 #include "problem/residual.hpp"
 #include "sweep/lane_check.hpp"
 #include "sweep/layout.hpp"
@@ -277,6 +278,10 @@ void bindInternals(py::module_& m)
 	        .def("arrived", &Stiffness::arrived)
 	        .def("failed", &Stiffness::failed);
 
+	py::class_<Trial>(m, "Trial", "Whether help makes a loop faster, from its times.")
+	        .def(py::init<>())
+	        .def_property_readonly("helped", &Trial::helped)
+	        .def("book", &Trial::book, py::arg("helped"), py::arg("time"));
 	py::class_<Momentum>(m, "Momentum", "Nesterov momentum and its restart.")
 	        .def(py::init<>())
 	        .def_property_readonly("beta", &Momentum::beta)

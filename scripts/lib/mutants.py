@@ -138,6 +138,11 @@ TABLE = {
         ("last-exception", "if (!error || i < least)", "if (!error || i > least)"),
         ("exception-kept", "if (guarded.error) std::rethrow_exception(guarded.error);", ""),
     ],
+    "parallel/trial.hpp": [
+        ("slower-way", "least_[true] < least_[false]", "least_[true] > least_[false]"),
+        ("never-tries-the-other", "rounds_ % interval == 0 ? !faster : faster", "faster"),
+        ("forgets-nothing", "std::min(forgetting * least_[helped], time)", "std::min(least_[helped], time)"),
+    ],
     "parallel/crew.cpp": [
         ("hiring-throws", "} catch (const std::system_error&) {", "} catch (const std::bad_alloc&) {"),
         ("no-helper-reused", "h.idle || !h.loop->isOpen()", "false"),

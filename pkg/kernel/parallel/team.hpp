@@ -13,6 +13,7 @@
 #include <mutex>
 
 #include "parallel/shared_loop.hpp"
+#include "parallel/trial.hpp"
 
 namespace rcr {
 
@@ -59,6 +60,17 @@ public:
 			for (int i = part * atATime; i < std::min(size, (part + 1) * atATime); ++i)
 				work(i);
 		});
+	}
+
+	/// Inside run: lead() with helpers or alone, as the trial says, which books the time over `work`, the size of what is done.
+	template <class Lead> void tryHelp(Trial& trial, double work, Lead lead)
+	{
+		if (!helped_) return lead();
+		const bool helped = helped_ = trial.helped();
+		const auto start = Clock::now();
+		lead();
+		trial.book(helped, std::chrono::duration<double>(Clock::now() - start).count() / work);
+		if (!helped) helped_ = true;
 	}
 
 private:

@@ -120,10 +120,15 @@ double PackedIsland::sweepMomentum(View<Real>& view, void (*extrapolate)(const V
 		packed_.stretch_    = now + momentum * (now - packed_.oldStretch_);
 		packed_.oldStretch_ = now;
 	}
-	forEachSection([&](const Section& section) {
-		extrapolate(before, section.records.begin, section.records.end, momentum);
-		forEachChunk(section, [&](const Chunk& chunk, int k) { packed_.sum_[k] = sweepChunk(chunk); });
-	});
+	const auto sweepSections = [&] {
+		forEachSection([&](const Section& section) {
+			extrapolate(before, section.records.begin, section.records.end, momentum);
+			forEachChunk(section, [&](const Chunk& chunk, int k) { packed_.sum_[k] = sweepChunk(chunk); });
+		});
+	};
+	if (island_.shared) packed_.team.tryHelp(packed_.sweepTrial_, island_.points, sweepSections);
+	else
+		sweepSections();
 	double change2 = sum(packed_.sum_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		const Impulse from = c.p + momentum * (c.p - c.old), next = kept * solve(view, c, from);

@@ -89,6 +89,7 @@ private:
 	std::vector<Measures>   partial_;       // a chunk
 	std::vector<double>     sum_;           // a chunk
 	Vec2                    inverseStretchMass_, stretch_, oldStretch_, referenceStretch_; // of the cell, whose points all belong to one island
+	Trial                   sweepTrial_;    // of large islands
 	double                  layoutSeconds_ = 0;
 	int                     layouts_       = 0;
 };
