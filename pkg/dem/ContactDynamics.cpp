@@ -9,6 +9,7 @@
 #include "../kernel/step/missed_contacts.hpp"
 #include "../kernel/step/position_correction.hpp"
 #include "../kernel/step/restitution.hpp"
+#include "flatSteps.hpp"
 #include "plane.hpp"
 #include "refuseLater.hpp"
 #include "scatter.hpp"
@@ -40,17 +41,45 @@ void ContactDynamics::act()
 		gate::refuse("ContactDynamics.correction = " + boost::lexical_cast<std::string>(correction) + "; wanted a share of the overlap, 0 to 1.");
 	const gate::Engines engines = gate_.pass(*scene);
 	if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0; // rest is the cell's own motion, see gather
+	if (!flat_) flat_ = std::make_shared<FlatSteps>();
 	scene->forces.sync();
 	workspace_.team().run(solverThreads(), [&] { step(engines); });
 }
 
 void ContactDynamics::step(const gate::Engines& engines)
 {
+	rcr::Team& team  = workspace_.team();
 	step_.overdamped = overdamped;
-	iterations       = 0;
-	work_            = 0;
-	overlap_         = 0;
-	timed("gather", [&] { gather(*scene, engines, workspace_.team(), sources_, step_); });
+	timed("gather", [&] { gather(*scene, engines, team, sources_, step_); });
+	try {
+		std::vector<rcr::Twist> loads;
+		bool                    goesOn = false;
+		do {
+			solveAll(engines);
+			timed("arrays", [&] {
+				loads  = loadsOf(step_);
+				goesOn = arrays && flat_->goOn(*scene, engines, team, sources_, loads, step_);
+			});
+		} while (goesOn);
+		timed("publish", [&] { flat_->publish(*scene, team, sources_, step_); });
+		timed("scatter", [&] {
+			measureUnbalance();
+			if (scene->trackEnergy) bookEnergy(loads, engines.integrator->gravity);
+			scatter(*scene, team, loads, sources_, step_);
+		});
+	} catch (...) {
+		flat_->publish(*scene, team, sources_, step_);
+		throw;
+	}
+	timed("gather", [&] { keepInteractionsTogether(*scene, sources_); });
+}
+
+/// All stages between the first and the last.
+void ContactDynamics::solveAll(const gate::Engines& engines)
+{
+	iterations        = 0;
+	work_             = 0;
+	overlap_          = 0;
 	rcr::Settings how = settings();
 	for (int pass = 1;; ++pass) {
 		solve(how);
@@ -68,13 +97,6 @@ void ContactDynamics::step(const gate::Engines& engines)
 	if (overlap_ > deepOverlap) converged = false;
 	watch();
 	timed("correct", [&] { correctPositions(step_, double(correction), workspace_); });
-	timed("scatter", [&] {
-		measureUnbalance();
-		const std::vector<rcr::Twist> loads = loadsOf(step_);
-		if (scene->trackEnergy) bookEnergy(loads, engines.integrator->gravity);
-		scatter(*scene, workspace_.team(), loads, sources_, step_);
-	});
-	timed("gather", [&] { keepInteractionsTogether(*scene, sources_); });
 }
 
 template <class Work> void ContactDynamics::timed(const char* what, Work work)
@@ -153,7 +175,11 @@ bool ContactDynamics::takeInMissedContacts(const gate::Engines& engines)
 {
 	const auto meet = [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); };
 	if (!rcr::findMissedContacts(step_, meet)) return false;
-	gatherPhysics(*scene, *engines.loop, step_);
+	for (rcr::GrownContact& grown : step_.grown) {
+		if (grown.known) continue;
+		const ContactLaw law = contactLaw(*scene, *engines.loop, grown.body1, grown.body2);
+		grown.friction = law.friction, grown.restitution = law.restitution;
+	}
 	rcr::takeInGrownContacts(step_);
 	return true;
 }

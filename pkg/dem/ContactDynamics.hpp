@@ -10,6 +10,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 
 #include <core/Body.hpp>
 #include <core/GlobalEngine.hpp>
@@ -23,6 +24,8 @@
 #include "gather.hpp"
 
 namespace yade {
+
+class FlatSteps;
 
 class ContactDynamics : public GlobalEngine {
 public:
@@ -47,6 +50,7 @@ public:
 		((Real,compliance,0.01,,"How far contacts yield in a step that has no solution, as a share of what their impulse alone would do [-]. Driven walls can ask for more than rigid grains and friction can do; such a step is solved with contacts that give way, and counted in :yref:`yieldedSteps<ContactDynamics.yieldedSteps>`. All other steps are rigid. 0: never"))
 		((bool,overdamped,false,,"Preparation without inertia: bodies start every step from rest (prescribed velocities stay), and overlaps are taken back whole within the step, since no velocity is kept of it. A step then goes down the potential energy as far as the time step allows and ends at rest where the forces balance. Restitution and :yref:`correction<ContactDynamics.correction>` do not apply."))
 		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"What the solver may drop where the scene does not need it, seen anew in each step; :yref:`model<ContactDynamics.model>` tells what is left. frictionless: pairs without friction carry one unknown a point. discs: without friction and levers nothing turns. fixed: bodies of prescribed motion have no unknowns. islands: what does not touch is solved apart, each to its own convergence. layout: order and colours are kept while the contacts last. All of them change nothing but the time; leave names out to compare"))
+		((bool,arrays,true,,"Whether steps of an ``O.run`` are taken in arrays, without YADE's objects, where nothing looks at these in between: until the collider has to run, a PyRunner or a recorder is due, or half a second is over. Changes no bit; :yref:`model<ContactDynamics.model>` tells which way steps went"))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step (of the island that needs most), of all its passes: one, and one more where contacts were not foreseen"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
 		((Real,violation,0,Attr::readonly,"What :yref:`maxViolation<ContactDynamics.maxViolation>` bounds, after the last step [-]"))
@@ -66,8 +70,8 @@ public:
 		((int,correctionIx,-1,(Attr::hidden|Attr::noSave),"Index of correctionWork"))
 		((int,gravityIx,-1,(Attr::hidden|Attr::noSave),"Index of gravWork")),
 		/* ctor */,
-		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict. bodies: that an impulse can move; rotations: how many of these can turn; fixed: of prescribed motion, without unknowns; pairs, points: that can carry something; unknowns: one a point without friction, else two; frictionless: no point has friction; islands: solved apart; layouts: how often order and colours have been made in all steps so far; work: sweeps × points, summed over the islands.")
-		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: gather, layout (colours and order of the pairs), solve, scatter, late (bodies that go further than foreseen), adapt (biases to long ways, and to bounces that would give energy), correct [s].")
+		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict. bodies: that an impulse can move; rotations: how many of these can turn; fixed: of prescribed motion, without unknowns; pairs, points: that can carry something; unknowns: one a point without friction, else two; frictionless: no point has friction; islands: solved apart; layouts: how often order and colours have been made in all steps so far; work: sweeps × points, summed over the islands; arrays: steps so far that were taken in arrays (:yref:`arrays<ContactDynamics.arrays>`); engines: why the step after the last one is left to YADE's engines.")
+		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: gather, layout (colours and order of the pairs), solve, scatter, arrays (the steps that these take), publish (from arrays to YADE's objects), late (bodies that go further than foreseen), adapt (biases to long ways, and to bounces that would give energy), correct [s].")
 		.add_property("missed",&ContactDynamics::missedDict,"Steps that missed the tolerance, as a dict: steps (all so far), missed, share (of all), yielded (those without a solution), deepest_overlap (over R₁ + R₂) [-].")
 		.def("_problem",&ContactDynamics::problemDict,"The contact problem of the last step, for rcr.scene.save_problem: its arrays as bytes.")
 	);
@@ -82,6 +86,7 @@ private:
 	rcr::Settings settingsOfFurtherPass() const;
 	void          act();
 	void          step(const gate::Engines&);
+	void          solveAll(const gate::Engines&);
 	void          solve(const rcr::Settings&);
 	bool          takeInMissedContacts(const gate::Engines&);
 	bool          adaptBiases(bool letGo);
@@ -95,6 +100,7 @@ private:
 	gate::Watch                   gate_;
 	rcr::Step                     step_; // memory is kept between steps; the contents are of the last one
 	StepSources                   sources_;
+	std::shared_ptr<FlatSteps>    flat_;
 	std::vector<rcr::Impulse>     warmStart_; // the impulses that the last problem was solved from
 	rcr::Workspace                workspace_; // threads; colours and packed arrays, kept while the pairs last
 	std::map<std::string, double> seconds_;

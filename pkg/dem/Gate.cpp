@@ -306,16 +306,22 @@ namespace gate {
 		return engines_;
 	}
 
-	bool mayTouch(const Interaction& i, const Scene& scene)
+	bool frictional(const Scene& scene, Body::id_t id1, Body::id_t id2)
 	{
-		for (Body::id_t id : { i.getId1(), i.getId2() }) {
+		for (Body::id_t id : { id1, id2 }) {
 			const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
 			if (dynamic_cast<const FrictMat*>(material.get())) continue;
 			refuseLater(
 			        "body #" + std::to_string(id) + " has " + (material ? "the material " + material->getClassName() : std::string("no material"))
-			        + " and touches #" + std::to_string(id == i.getId1() ? i.getId2() : i.getId1()) + "; give it a FrictMat, which knows friction.");
+			        + " and touches #" + std::to_string(id == id1 ? id2 : id1) + "; give it a FrictMat, which knows friction.");
 			return false;
 		}
+		return true;
+	}
+
+	bool mayTouch(const Interaction& i, const Scene& scene)
+	{
+		if (!frictional(scene, i.getId1(), i.getId2())) return false;
 		const std::string told = refusal(scene);
 		if (told.empty()) return true;
 		if (View(scene).place<ContactDynamics>() < 0) refuseLater(told); // else it tells it itself, later in this step

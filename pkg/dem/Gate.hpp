@@ -84,6 +84,8 @@ namespace gate {
 		Engines                  engines_;
 	};
 
+	/// Have both bodies a material that knows friction? If not, that is raised in Python as soon as that is possible.
+	bool frictional(const Scene&, Body::id_t id1, Body::id_t id2);
 	/// May a contact be made of this interaction? If not, the reason is raised in Python as soon as that is possible.
 	bool mayTouch(const Interaction&, const Scene&);
 

@@ -9,15 +9,19 @@ namespace yade {
 YADE_PLUGIN((RcrGeom)(Ig2_Planar_RcrGeom)(Ig2_Rcr_Rcr_RcrGeom)(Ig2_Wall_Rcr_RcrGeom)(Ig2_Box_Rcr_RcrGeom)(Ig2_Facet_Rcr_RcrGeom)(Ig2_Sphere_Rcr_RcrGeom)(
         Ig2_Sphere_Sphere_RcrGeom)(Ig2_Wall_Sphere_RcrGeom)(Ig2_Box_Sphere_RcrGeom)(Ig2_Facet_Sphere_RcrGeom));
 
-void RcrGeom::set(const rcr::Manifold& m, rcr::Vec2 center, rcr::Vec2 axis)
+void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr::Pose& at1, const rcr::PlanarShape& two, const rcr::Pose& at2)
 {
+	const rcr::Pose& by = rcr::sortedAlong(one, at1, at2); // the line along which points are sorted
+	const double     r1 = one.contactRadius(), r2 = two.contactRadius();
+	refR1  = r1 > 0 ? r1 : r2;
+	refR2  = r2;
 	points = m.count;
 	type   = int(m.type);
 	if (points == 0) return;
 	const auto vector = [](rcr::Vec2 v) { return Vector2r(v.x, v.y); };
 	for (int k = 0; k < 2; ++k) {
 		gap[k]   = m.points[k].gap;
-		along[k] = dot(m.points[k].position - center, axis);
+		along[k] = dot(m.points[k].position - by.center, by.axis);
 	}
 	position1 = vector(m.points[0].position), normal1 = vector(m.points[0].normal);
 	position2 = vector(m.points[1].position), normal2 = vector(m.points[1].normal);
@@ -59,12 +63,7 @@ bool Ig2_Planar_RcrGeom::go(
 		if (manifold.count == 0 || !gate::mayTouch(*interaction, *scene)) return false;
 		interaction->geom = boost::make_shared<RcrGeom>();
 	}
-	RcrGeom&        geom = static_cast<RcrGeom&>(*interaction->geom);
-	const double    r1 = one.contactRadius(), r2 = two.contactRadius();
-	const rcr::Pose by = rcr::sortedAlong(one, at1, at2);
-	geom.refR1         = r1 > 0 ? r1 : r2;
-	geom.refR2         = r2;
-	geom.set(manifold, by.center, by.axis);
+	static_cast<RcrGeom&>(*interaction->geom).set(manifold, one, at1, two, at2);
 	return true;
 }
 

@@ -16,8 +16,8 @@ class RcrGeom : public GenericSpheresContact {
 public:
 	virtual ~RcrGeom() = default;
 
-	/// Takes over a manifold; `axis` is the line from `center` along which its points are sorted.
-	void          set(const rcr::Manifold&, rcr::Vec2 center, rcr::Vec2 axis);
+	/// Takes over the manifold of two bodies.
+	void          set(const rcr::Manifold&, const rcr::PlanarShape& one, const rcr::Pose& at1, const rcr::PlanarShape& two, const rcr::Pose& at2);
 	rcr::Manifold manifold() const;
 
 	// clang-format off

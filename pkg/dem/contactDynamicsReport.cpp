@@ -6,6 +6,7 @@
 #include <lib/pyutil/gil.hpp>
 
 #include "ContactDynamics.hpp"
+#include "flatSteps.hpp"
 #include "plane.hpp"
 
 namespace yade {
@@ -143,6 +144,8 @@ boost::python::dict ContactDynamics::modelDict() const
 	model["islands"]      = m.islands;
 	model["layouts"]      = m.layouts;
 	model["work"]         = work_;
+	model["arrays"]       = flat_ ? flat_->count() : 0;
+	model["engines"]      = !arrays ? "ContactDynamics.arrays = False" : flat_ ? flat_->why() : "";
 	return model;
 }
 

@@ -73,6 +73,7 @@ namespace {
 
 		void bodies();
 		void contacts();
+		void anew(Body::id_t);
 
 	private:
 		void                 body(const Body&);
@@ -107,13 +108,7 @@ namespace {
 				prefetch<Body>(bodies[id + 2 * prefetchAhead].get());
 				prefetchBody(bodies[id + prefetchAhead].get());
 			}
-			step_.problem.inverseMass[id]  = {};
-			step_.problem.freeVelocity[id] = {};
-			step_.bodies[id]               = {};
-			step_.bodies[id].owner         = id;
-			from_.state[id]                = nullptr;
-			from_.bound[id]                = nullptr;
-			if (const Body* b = bodies[id].get()) body(*b);
+			anew(id);
 		});
 		step_.members.clear();
 		for (std::size_t id = 0; id < count; ++id) {
@@ -123,6 +118,17 @@ namespace {
 			const double reach = norm(step_.bodies[id].center - step_.bodies[owner].center) + step_.bodies[id].radius;
 			step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, reach);
 		}
+	}
+
+	void Gatherer::anew(Body::id_t id)
+	{
+		step_.problem.inverseMass[id]  = {};
+		step_.problem.freeVelocity[id] = {};
+		step_.bodies[id]               = {};
+		step_.bodies[id].owner         = id;
+		from_.state[id]                = nullptr;
+		from_.bound[id]                = nullptr;
+		if (const Body* b = (*scene_.bodies)[id].get()) body(*b);
 	}
 
 	void Gatherer::body(const Body& b)
@@ -248,14 +254,7 @@ namespace {
 			step_.contacts[k]                  = { source.id1, source.id2, points, source.points, int(k), 0, 0, {}, {} };
 			points += source.points;
 		}
-		step_.problem.points.resize(points);
-		step_.gap.resize(points);
-		step_.force.resize(points);
-		step_.problem.impulse.resize(points);
-		step_.reach.assign(step_.reach.size(), 0);
-		step_.grown.clear();
-		step_.taken.clear();
-		step_.displacement.clear();
+		step_.begin(points);
 		team_.forEach(step_.contacts.size(), [&](std::size_t k) {
 			const StepSources::Contact& later = from_.sorted[std::min(k + prefetchAhead, from_.sorted.size() - 1)];
 			prefetch<RcrGeom>(later.geom);
@@ -269,7 +268,6 @@ namespace {
 		rcr::StepContact&           contact = step_.contacts[number];
 		const StepSources::Contact& source  = from_.sorted[number];
 		const CdPhys&               phys    = *source.phys;
-		const rcr::Manifold         manifold = source.geom->manifold();
 		gate::checkPhys(phys, contact.body1, contact.body2);
 		contact.restitution = double(phys.restitution);
 		contact.size        = double(source.geom->refR1 + source.geom->refR2);
@@ -277,13 +275,8 @@ namespace {
 			contact.shift = plane::toPlane(scene_.cell->intrShiftPos(source.interaction->cellDist));
 			contact.drift = step_.cell.drift(contact.shift);
 		}
-		for (int k = 0; k < contact.count; ++k) {
-			const Vector2r& force               = k == 0 ? phys.force1 : phys.force2;
-			step_.problem.points[contact.first + k] = step_.contactPoint(contact, manifold.points[k], double(phys.tangensOfFrictionAngle));
-			step_.gap[contact.first + k]            = { manifold.points[k].gap, -contact.slop() };
-			step_.force[contact.first + k]          = { double(force[0]), double(force[1]) };
-			step_.problem.impulse[contact.first + k] = { step_.dt * double(force[0]), step_.dt * double(force[1]) };
-		}
+		const rcr::Impulse force[2] = { { double(phys.force1[0]), double(phys.force1[1]) }, { double(phys.force2[0]), double(phys.force2[1]) } };
+		step_.setPoints(contact, source.geom->manifold(), double(phys.tangensOfFrictionAngle), force);
 	}
 
 } // namespace
@@ -297,19 +290,22 @@ void gather(Scene& scene, const gate::Engines& engines, rcr::Team& team, StepSou
 	gatherer.contacts();
 }
 
-void gatherPhysics(Scene& scene, const InteractionLoop& loop, rcr::Step& step)
+void gatherAgain(Scene& scene, const gate::Engines& engines, rcr::Team& team, const std::vector<Body::id_t>& ids, StepSources& sources, rcr::Step& step)
 {
-	for (rcr::GrownContact& grown : step.grown) {
-		if (grown.known) continue;
-		shared_ptr<Material>&one = (*scene.bodies)[grown.body1]->material, &two = (*scene.bodies)[grown.body2]->material;
-		const auto  scratch = boost::make_shared<Interaction>(grown.body1, grown.body2);
-		bool        swap    = false;
-		loop.physDispatcher->getFunctor2D(one, two, swap)->go(one, two, scratch);
-		const CdPhys& phys = static_cast<const CdPhys&>(*scratch->phys);
-		gate::checkPhys(phys, grown.body1, grown.body2);
-		grown.friction    = double(phys.tangensOfFrictionAngle);
-		grown.restitution = double(phys.restitution);
-	}
+	Gatherer gatherer(scene, engines, team, sources, step);
+	for (Body::id_t id : ids)
+		gatherer.anew(id);
+}
+
+ContactLaw contactLaw(Scene& scene, const InteractionLoop& loop, Body::id_t id1, Body::id_t id2)
+{
+	shared_ptr<Material>&one = (*scene.bodies)[id1]->material, &two = (*scene.bodies)[id2]->material;
+	const auto  scratch = boost::make_shared<Interaction>(id1, id2);
+	bool        swap    = false;
+	loop.physDispatcher->getFunctor2D(one, two, swap)->go(one, two, scratch);
+	const CdPhys& phys = static_cast<const CdPhys&>(*scratch->phys);
+	gate::checkPhys(phys, id1, id2);
+	return { double(phys.tangensOfFrictionAngle), double(phys.restitution) };
 }
 
 bool mayMeet(Scene& scene, const gate::Engines& engines, Body::id_t id1, Body::id_t id2)

@@ -32,8 +32,14 @@ struct StepSources {
 /// Bodies, contacts, loads and the forces to start from. Throws std::invalid_argument for what is not served; changes nothing.
 void gather(Scene&, const gate::Engines&, rcr::Team&, StepSources&, rcr::Step&);
 
-/// Friction and restitution of the contacts in step.grown that are new, as the scene's Ip2 functor gives them.
-void gatherPhysics(Scene&, const InteractionLoop&, rcr::Step&);
+/// Some of the bodies once more, with the forces on them.
+void gatherAgain(Scene&, const gate::Engines&, rcr::Team&, const std::vector<Body::id_t>&, StepSources&, rcr::Step&);
+
+struct ContactLaw {
+	double friction, restitution;
+};
+/// Of a contact of two bodies that is new, as the scene's Ip2 functor gives it.
+ContactLaw contactLaw(Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2);
 
 /// Whether two bodies that are not in contact may come into one.
 bool mayMeet(Scene&, const gate::Engines&, Body::id_t id1, Body::id_t id2);

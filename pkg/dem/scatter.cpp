@@ -50,10 +50,7 @@ namespace {
 		const rcr::StepBody &one = step.bodies[grown.body1], &two = step.bodies[grown.body2];
 		rcr::Pose            at2 = two.pose();
 		at2.center               = at2.center + grown.shift;
-		const rcr::Pose by       = rcr::sortedAlong(one.shape, one.pose(), at2);
-		geom.refR1               = one.shape.grain() ? one.shape.contactRadius() : two.shape.contactRadius();
-		geom.refR2               = two.shape.contactRadius();
-		geom.set(grown.manifold, by.center, by.axis);
+		geom.set(grown.manifold, one.shape, one.pose(), two.shape, at2);
 		phys.points = geom.points;
 		phys.along  = geom.along;
 		return { &geom, &phys, i.get(), grown.body1, grown.body2, geom.points };
@@ -84,12 +81,6 @@ namespace {
 			if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] = velocity[axis];
 			if (!(s.blockedDOFs & State::axisDOF(axis, true))) s.angVel[axis] = spin[axis];
 		}
-	}
-
-	void displace(State& s, const rcr::Twist& by)
-	{
-		s.pos += Vector3r(by.x, by.y, 0);
-		if (by.rotation != 0) s.ori = (Quaternionr(AngleAxisr(by.rotation, Vector3r::UnitZ())) * s.ori).normalized();
 	}
 
 	/// Does a grain, with the alert distance of its new velocity, reach out of the box that the collider knows?
@@ -146,6 +137,12 @@ namespace {
 	}
 
 } // namespace
+
+void displace(State& s, const rcr::Twist& by)
+{
+	s.pos += Vector3r(by.x, by.y, 0);
+	if (by.rotation != 0) s.ori = (Quaternionr(AngleAxisr(by.rotation, Vector3r::UnitZ())) * s.ori).normalized();
+}
 
 std::vector<rcr::Twist> loadsOf(const rcr::Step& step)
 {

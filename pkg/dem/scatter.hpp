@@ -8,6 +8,9 @@ namespace yade {
 /// Sum of the contact impulses on each body and their moments about its centre [N s, N m s]; of a clump on its members.
 std::vector<rcr::Twist> loadsOf(const rcr::Step&);
 
+/// Moves a body by a displacement of the position correction.
+void displace(State&, const rcr::Twist& by);
+
 /// Forces of contacts, forces on bodies, contacts that were missed, displacements, and velocities that an overdamped step starts from.
 void scatter(Scene&, rcr::Team&, const std::vector<rcr::Twist>& loads, StepSources&, rcr::Step&);
 

@@ -6,16 +6,6 @@
 
 namespace rcr {
 
-namespace {
-
-	Turn turned(Turn from, double angle)
-	{
-		const double c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
-		return { c * from.w - s * from.z, c * from.z + s * from.w };
-	}
-
-} // namespace
-
 Pose moved(const StepBody& body, const StepBody& owner, const Twist& v, double time)
 {
 	const Turn turn   = v.rotation == 0 ? body.turn : turned(body.turn, time * v.rotation);
@@ -43,6 +33,28 @@ ContactPoint Step::contactPoint(const StepContact& c, const ManifoldPoint& at, d
                              return relativeVelocity(p, bodies[p.body1].velocity, bodies[p.body2].velocity).n;
                      });
 	return p;
+}
+
+void Step::begin(int points)
+{
+	problem.points.resize(points);
+	problem.impulse.resize(points);
+	gap.resize(points);
+	force.resize(points);
+	reach.assign(reach.size(), 0);
+	grown.clear();
+	taken.clear();
+	displacement.clear();
+}
+
+void Step::setPoints(const StepContact& c, const Manifold& manifold, double friction, const Impulse* from)
+{
+	for (int k = 0; k < c.count; ++k) {
+		problem.points[c.first + k]  = contactPoint(c, manifold.points[k], friction);
+		gap[c.first + k]             = { manifold.points[k].gap, -c.slop() };
+		force[c.first + k]           = from[k];
+		problem.impulse[c.first + k] = { dt * from[k].n, dt * from[k].t };
+	}
 }
 
 void Step::stretchCell(Vec2 before)

@@ -41,6 +41,20 @@ struct Turn {
 	Vec2 axis() const { return { 1 - 2 * z * z, 2 * w * z }; }
 };
 
+/// Of length 1.
+inline Turn scaled(const Turn& t)
+{
+	const double length = std::sqrt(t.z * t.z + t.w * t.w);
+	return { t.w / length, t.z / length };
+}
+
+/// Turned further by an angle [rad].
+inline Turn turned(const Turn& from, double angle)
+{
+	const double c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
+	return { c * from.w - s * from.z, c * from.z + s * from.w };
+}
+
 struct StepBody {
 	PlanarShape  shape;
 	Vec2         center;
@@ -143,6 +157,12 @@ struct Step {
 
 	/// A detected point of a contact, as the problem has it; its bias is what the law says at the beginning of the step.
 	ContactPoint contactPoint(const StepContact&, const ManifoldPoint&, double friction) const;
+
+	/// Makes room for the points of its contacts, and forgets what the last step has found on its way.
+	void begin(int points);
+
+	/// The points of a contact as they were detected, with the forces that they start from.
+	void setPoints(const StepContact&, const Manifold&, double friction, const Impulse* force);
 
 	/// contacts → firstOf
 	void indexContacts();

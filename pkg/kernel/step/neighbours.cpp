@@ -1,0 +1,231 @@
+#include "step/neighbours.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "step/missed_contacts.hpp"
+
+namespace rcr {
+
+namespace {
+
+	constexpr double stepsAhead = 12;             // that a margin is to last
+	constexpr double least = 0.05, most = 0.4;    // margin over the mean cap radius
+	constexpr int    atATime = 256;               // bodies in a part of the work
+	constexpr int    cellsAGrain = 4;             // of the grid at most
+
+	/// How far the surface of a body may be from where it was.
+	double way(const PlanarShape& before, const Pose& from, const PlanarShape& now, const Pose& to)
+	{
+		if (now.kind == PlanarShape::wall) return now.axis == 0 ? std::abs(to.center.x - from.center.x) : std::abs(to.center.y - from.center.y);
+		const double arm = now.kind == PlanarShape::box ? now.radius() : now.halfLength;
+		double       sum = norm(to.center - from.center) + arm * norm(to.axis - from.axis);
+		if (now.kind == PlanarShape::segment)
+			sum += norm(now.offset - before.offset) + arm * norm(now.along - before.along) + std::abs(now.halfLength - before.halfLength);
+		return sum;
+	}
+
+	/// The interval in which all but a few lie; those that have flown off belong to the outer cells, and make no empty plane of cells.
+	std::pair<double, double> bulk(std::vector<double>& x)
+	{
+		if (x.empty()) return { 0, 0 };
+		const std::size_t few = x.size() / 200;
+		std::nth_element(x.begin(), x.begin() + few, x.end());
+		const double low = x[few];
+		std::nth_element(x.begin(), x.end() - 1 - few, x.end());
+		return { low, x[x.size() - 1 - few] };
+	}
+
+	bool first(const PlanarShape& a, const PlanarShape& b, std::int32_t idA, std::int32_t idB)
+	{
+		return a.kind != b.kind ? a.kind < b.kind : idA < idB;
+	}
+
+} // namespace
+
+Neighbours::Place Neighbours::placeOf(const StepBody& body, double dt) const
+{
+	return { body.shape, body.pose(), alertDistance(body.shape, body.velocity, dt) };
+}
+
+bool Neighbours::serve(const Step& step, Team& team) const
+{
+	if (at_.size() != step.bodies.size()) return false;
+	std::atomic<bool> serves { true };
+	team.forEach(at_.size(), [&](std::size_t id) {
+		const StepBody& body = step.bodies[id];
+		const Place&    at   = at_[id];
+		if (body.shape.kind == PlanarShape::none && at.shape.kind == PlanarShape::none) return;
+		const double more = alertDistance(body.shape, body.velocity, step.dt) - at.reach;
+		if (body.shape.kind != at.shape.kind || body.shape.radius() != at.shape.radius() || body.shape.halfWidth != at.shape.halfWidth || way(at.shape, at.pose, body.shape, body.pose()) + more > margin_)
+			serves.store(false, std::memory_order_relaxed);
+	});
+	return serves;
+}
+
+double Neighbours::extent(std::size_t id) const { return at_[id].shape.radius() + at_[id].reach + margin_; }
+
+/// Around a body, with its margins and some more.
+Neighbours::Box Neighbours::box(std::size_t id, double more) const
+{
+	const Place& at = at_[id];
+	Pose         pose = at.pose;
+	if (at.shape.kind == PlanarShape::segment) pose = middleOf(at.shape, pose);
+	constexpr double infinite = std::numeric_limits<double>::infinity();
+	Vec2             half     = halfExtent(at.shape, pose.axis);
+	if (at.shape.kind == PlanarShape::wall) half = at.shape.axis == 0 ? Vec2 { at.reach, infinite } : Vec2 { infinite, at.reach };
+	const double round = at.reach + margin_ + more;
+	half               = half + Vec2 { round, round };
+	return { pose.center - half, pose.center + half };
+}
+
+void Neighbours::chooseMargin(const Step& step)
+{
+	double fastest = 0, radii = 0;
+	int    grains = 0;
+	for (const StepBody& body : step.bodies) {
+		if (body.shape.kind == PlanarShape::none) continue;
+		const double reach = body.shape.kind == PlanarShape::wall ? norm(Vec2 { body.velocity.x, body.velocity.y }) : speed(body.velocity, body.radius);
+		fastest            = std::max(fastest, step.dt * reach);
+		if (!body.shape.grain()) continue;
+		radii += body.shape.halfWidth;
+		++grains;
+	}
+	const double radius = grains > 0 ? radii / grains : 0;
+	margin_             = std::clamp(stepsAhead * fastest, least * radius, most * radius);
+}
+
+/// Grains by cells, but for the widest. Few of these cost less than wide cells.
+void Neighbours::sortIntoCells(const Step& step)
+{
+	std::vector<double>       extents, x, y;
+	std::vector<std::int32_t> grains;
+	isWide_.assign(step.bodies.size(), true);
+	wide_.clear();
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		if (at_[id].shape.kind == PlanarShape::none) continue;
+		if (!at_[id].shape.grain()) {
+			wide_.push_back(std::int32_t(id));
+			continue;
+		}
+		x.push_back(at_[id].pose.center.x), y.push_back(at_[id].pose.center.y);
+		grains.push_back(std::int32_t(id));
+		extents.push_back(extent(id));
+	}
+	double widest = 0;
+	if (!extents.empty()) {
+		const auto exempt = std::min(extents.size() - 1, std::size_t(std::sqrt(double(extents.size()))));
+		std::vector<double> sorted = extents;
+		std::nth_element(sorted.begin(), sorted.begin() + (sorted.size() - 1 - exempt), sorted.end());
+		widest = sorted[sorted.size() - 1 - exempt];
+	}
+	const auto [left, right] = bulk(x);
+	const auto [low, high]   = bulk(y);
+	const Vec2 size { right - left, high - low };
+	width_   = std::max({ 2 * widest, std::sqrt(size.x * size.y / (cellsAGrain * double(grains.size() + 1))), std::max(size.x, size.y) / 10000 });
+	if (!(width_ > 0)) width_ = 1;
+	origin_  = { left, low };
+	columns_ = int(size.x / width_) + 1;
+	rows_    = int(size.y / width_) + 1;
+	std::vector<std::int32_t> cell(grains.size());
+	firstIn_.assign(std::size_t(columns_) * rows_ + 1, 0);
+	for (std::size_t k = 0; k < grains.size(); ++k) {
+		if (extents[k] > widest) {
+			wide_.push_back(grains[k]);
+			cell[k] = -1;
+			continue;
+		}
+		isWide_[grains[k]] = false;
+		const Vec2 c = at_[grains[k]].pose.center;
+		cell[k]      = row(c.y) * columns_ + column(c.x);
+		++firstIn_[cell[k] + 1];
+	}
+	for (std::size_t k = 1; k < firstIn_.size(); ++k)
+		firstIn_[k] += firstIn_[k - 1];
+	inCells_.resize(firstIn_.back());
+	std::vector<std::int32_t> place = firstIn_;
+	for (std::size_t k = 0; k < grains.size(); ++k)
+		if (cell[k] >= 0) inCells_[place[cell[k]]++] = grains[k];
+}
+
+bool Neighbours::near(std::int32_t body1, std::int32_t body2) const
+{
+	const Place &one = at_[body1], &two = at_[body2];
+	const double reach = one.reach + two.reach + 2 * margin_;
+	if (apart(one.shape, one.pose.center, two.shape, two.pose.center, reach)) return false;
+	return contactPoints(one.shape, one.pose, two.shape, two.pose, reach * (1 + 1e-9)).count > 0;
+}
+
+namespace {
+	int clipped(double place, int count) { return int(std::clamp(place, 0.0, double(count - 1))); }
+} // namespace
+
+int Neighbours::column(double x) const { return clipped((x - origin_.x) / width_, columns_); }
+int Neighbours::row(double y) const { return clipped((y - origin_.y) / width_, rows_); }
+
+/// visit(grain) for all that are not wide and whose centre lies in a box, and for some more.
+template <class Visit> void Neighbours::forEachGrain(const Box& box, Visit visit) const
+{
+	const int left = column(box.low.x), right = column(box.high.x);
+	for (int row = this->row(box.low.y); row <= this->row(box.high.y); ++row)
+		for (std::int32_t k = firstIn_[row * columns_ + left]; k < firstIn_[row * columns_ + right + 1]; ++k)
+			visit(inCells_[k]);
+}
+
+void Neighbours::amongNarrow(const Step& step, Team& team)
+{
+	const int parts = int((step.bodies.size() + atATime - 1) / atATime);
+	found_.resize(parts);
+	team.share(0, parts, [&](int part) {
+		List& found = found_[part];
+		found.clear();
+		for (std::size_t id = std::size_t(part) * atATime; id < std::min(step.bodies.size(), std::size_t(part + 1) * atATime); ++id) {
+			if (isWide_[id]) continue;
+			const std::size_t begin = found.size();
+			const Vec2        c = at_[id].pose.center, half { 0.5 * width_, 0.5 * width_ }, round = half + half;
+			forEachGrain({ c - round, c + round }, [&](std::int32_t other) {
+				if (first(at_[id].shape, at_[other].shape, std::int32_t(id), other) && near(std::int32_t(id), other)) found.push_back({ std::int32_t(id), other });
+			});
+			std::sort(found.begin() + begin, found.end());
+		}
+	});
+	list_.clear();
+	for (const List& found : found_)
+		list_.insert(list_.end(), found.begin(), found.end());
+}
+
+void Neighbours::ofWide(Team& team)
+{
+	found_.resize(wide_.size());
+	team.share(0, int(wide_.size()), [&](int k) {
+		const std::int32_t id = wide_[k];
+		found_[k].clear();
+		const auto take = [&](std::int32_t other) {
+			const bool ordered = first(at_[id].shape, at_[other].shape, id, other);
+			const auto pair    = ordered ? std::make_pair(id, other) : std::make_pair(other, id);
+			if (meet(at_[pair.first].shape.kind, at_[pair.second].shape.kind) && near(pair.first, pair.second)) found_[k].push_back(pair);
+		};
+		forEachGrain(box(id, 0.5 * width_), take);
+		for (int other = k + 1; other < int(wide_.size()); ++other)
+			take(wide_[other]);
+	});
+	const std::size_t narrow = list_.size();
+	for (std::size_t k = 0; k < wide_.size(); ++k)
+		list_.insert(list_.end(), found_[k].begin(), found_[k].end());
+	std::sort(list_.begin() + narrow, list_.end());
+	std::inplace_merge(list_.begin(), list_.begin() + narrow, list_.end());
+}
+
+const Neighbours::List& Neighbours::find(const Step& step, Team& team)
+{
+	at_.resize(step.bodies.size());
+	team.forEach(at_.size(), [&](std::size_t id) { at_[id] = placeOf(step.bodies[id], step.dt); });
+	chooseMargin(step);
+	sortIntoCells(step);
+	amongNarrow(step, team);
+	ofWide(team);
+	return list_;
+}
+
+} // namespace rcr

@@ -1,0 +1,125 @@
+#include "step/pairs.hpp"
+
+#include <algorithm>
+
+#include "step/missed_contacts.hpp"
+
+namespace rcr {
+
+namespace {
+
+	/// Of the points of a manifold along the body by whose axis they are sorted.
+	void places(const StepBody& one, const StepBody& two, const Manifold& manifold, double (&along)[2])
+	{
+		const Pose at1 = one.pose(), at2 = two.pose(), &by = sortedAlong(one.shape, at1, at2);
+		for (int k = 0; k < 2; ++k)
+			along[k] = dot(manifold.points[k].position - by.center, by.axis);
+	}
+
+} // namespace
+
+namespace {
+	template <class One, class Two> bool before(const One& a, const Two& b) { return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2; }
+	template <class One, class Two> bool same(const One& a, const Two& b) { return a.body1 == b.body1 && a.body2 == b.body2; }
+} // namespace
+
+void Pairs::become(const Neighbours::List& list)
+{
+	std::vector<Pair> now(list.size());
+	auto              old = all.begin();
+	for (std::size_t k = 0; k < list.size(); ++k) {
+		now[k].body1 = list[k].first, now[k].body2 = list[k].second;
+		while (old != all.end() && before(*old, now[k]))
+			++old;
+		if (old != all.end() && same(*old, now[k])) now[k] = *old;
+	}
+	all.swap(now);
+}
+
+void Pairs::detect(const Step& step, Team& team)
+{
+	manifold.resize(all.size());
+	team.forEach(all.size(), [&](std::size_t k) {
+		Pair&           pair = all[k];
+		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
+		const double    reach = alertDistance(one.shape, one.velocity, step.dt) + alertDistance(two.shape, two.velocity, step.dt);
+		pair.fresh            = false;
+		if (apart(one.shape, one.center, two.shape, two.center, reach) || !meet(one.shape.kind, two.shape.kind)) {
+			pair.points = 0;
+			return;
+		}
+		manifold[k] = contactPoints(one.shape, one.pose(), two.shape, two.pose(), reach);
+		if (manifold[k].count == 0) {
+			pair.points = 0;
+			return;
+		}
+		double along[2];
+		places(one, two, manifold[k], along);
+		pair.fresh = pair.points == 0;
+		if (pair.fresh) pair.force[0] = pair.force[1] = {};
+		carryForward(pair.points, pair.along, manifold[k].count, along, pair.force[0], pair.force[1], Impulse {});
+		pair.points = manifold[k].count;
+		std::copy_n(along, 2, pair.along);
+	});
+}
+
+void Pairs::takeIn(const Step& step, long iteration)
+{
+	for (const GrownContact& grown : step.taken) {
+		const auto        place  = std::lower_bound(all.begin(), all.end(), grown, before<Pair, GrownContact>);
+		const std::size_t number = place - all.begin();
+		if (place == all.end() || !same(*place, grown)) {
+			all.insert(place, Pair {})->body1 = grown.body1;
+			all[number].body2 = grown.body2;
+			manifold.insert(manifold.begin() + number, Manifold {});
+		}
+		Pair& pair = all[number];
+		if (pair.points == 0) {
+			pair.friction = grown.friction, pair.restitution = grown.restitution;
+			pair.since = iteration;
+		}
+		manifold[number] = grown.manifold;
+		pair.points      = grown.manifold.count;
+		places(step.bodies[pair.body1], step.bodies[pair.body2], grown.manifold, pair.along);
+	}
+}
+
+void Pairs::number(Step& step) const
+{
+	auto pair = all.begin();
+	for (StepContact& contact : step.contacts) {
+		while (before(*pair, contact))
+			++pair;
+		contact.source = int(pair - all.begin());
+	}
+}
+
+void Pairs::contacts(Step& step, Team& team) const
+{
+	step.contacts.clear();
+	int points = 0;
+	for (std::size_t k = 0; k < all.size(); ++k) {
+		const Pair& pair = all[k];
+		if (pair.points == 0) continue;
+		step.contacts.push_back({ pair.body1, pair.body2, points, pair.points, int(k), pair.restitution, 0, {}, {} });
+		points += pair.points;
+	}
+	step.indexContacts();
+	step.begin(points);
+	team.forEach(step.contacts.size(), [&](std::size_t k) {
+		StepContact& contact = step.contacts[k];
+		const Pair&  pair    = all[contact.source];
+		contact.size         = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
+		step.setPoints(contact, manifold[contact.source], pair.friction, pair.force);
+	});
+}
+
+void Pairs::keepForces(const Step& step, Team& team)
+{
+	team.forEach(step.contacts.size(), [&](std::size_t k) {
+		const StepContact& contact = step.contacts[k];
+		std::copy_n(&step.force[contact.first], contact.count, all[contact.source].force);
+	});
+}
+
+} // namespace rcr

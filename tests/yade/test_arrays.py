@@ -1,0 +1,217 @@
+"""Steps in arrays (pkg/dem/flatSteps.hpp) give the bits of YADE's engines, and whoever looks sees the scene as it is."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+import rcr
+from scenes import box, build, contact_forces, material, snapshot, stadium
+from yade import O
+from yade.wrapper import PyRunner, RotationEngine
+from yade.minieigenHP import Vector3
+
+STEPS = 600
+SOLVER = dict(tolerance=1e-4, maxIterations=200)
+R = 0.05
+
+
+def grains(count, columns, seed, spheres=False):
+    """Grains of all elongations on a lattice, above y = 0."""
+    rng = np.random.default_rng(seed)
+    rough = material(0.5)
+    for k in range(count):
+        at = (0.1 + 0.115 * (k % columns) + rng.uniform(0, 0.01), 0.1 + 0.115 * (k // columns))
+        if spheres and k % 3 == 0:
+            yield rcr.disc(at, rng.uniform(0.7, 1) * R, rough)
+        else:
+            yield rcr.particle(at, rng.uniform(0.7, 1) * R, rng.uniform(0, 0.8), rng.uniform(0, math.pi), rough)
+
+
+def walls(width):
+    return [rcr.wall("x", 0, +1, material=material(0.5)), rcr.wall("x", width, -1, material=material(0.5)), rcr.wall("y", 0, +1, material=material(0.5))]
+
+
+def serve_spheres():
+    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in dir(rcr) if name.startswith("Ig2_") and name != "Ig2_Planar_RcrGeom"]
+
+
+def pressed():
+    """A box of grains under a lid with a constant load, and a wall that is driven."""
+    build(*grains(60, 8, 1), *walls(1.1), rcr.mobile_wall("y", 1.2, 5, -1, material(0)), dt=2e-3, **SOLVER)
+    O.bodies[61].state.vel = Vector3(-0.05, 0, 0)
+    O.engines = [*O.engines[:3], rcr.WallStress(wall=63, start=60, end=61, stress=-2000), *O.engines[3:]]
+
+
+def pile():
+    """Grains that come and go while they fall."""
+    build(*grains(30, 6, 2), *walls(3), dt=2e-3, **SOLVER)
+
+    def replace():
+        O.bodies.append(rcr.particle((1.0, 1.2), 0.8 * R, 0.4, O.iter, material(0.5)))
+        O.bodies.erase(O.iter // 50)
+
+    globals()["replace"] = replace
+    O.engines = [*O.engines, PyRunner(command="from test_arrays import replace; replace()", iterPeriod=50)]
+
+
+def drum():
+    """Boxes that turn about a common centre, with spheres and Rcrs inside."""
+    sides = []
+    for k in range(8):
+        angle = k * math.pi / 4
+        sides.append(box((0.5 + 0.62 * math.cos(angle), 0.5 + 0.62 * math.sin(angle)), (0.05, 0.3), angle, material(0.5)))
+    inside = [b for b in grains(36, 6, 3, spheres=True)]
+    for b in inside:
+        b.state.pos += Vector3(0.1, 0.1, 0)
+    build(*inside, *sides, dt=1e-3, before=[RotationEngine(ids=list(range(36, 44)), rotateAroundZero=True, rotationAxis=(0, 0, 1), zeroPoint=(0.5, 0.5, 0), angularVelocity=2)], **SOLVER)
+    serve_spheres()
+
+
+def mixed():
+    """Spheres and Rcrs that fall between walls onto a facet and a fixed box, restitution 0.5."""
+    build(*grains(48, 6, 4, spheres=True), *walls(0.9), box((0.3, 0.05), (0.1, 0.05), 0.3, material(0.5)), dt=1e-3, restitution=0.5, **SOLVER)
+    serve_spheres()
+
+
+def watched():
+    """A PyRunner that reads and writes bodies in mid-run."""
+    build(*grains(40, 6, 5), *walls(0.9), dt=2e-3, **SOLVER)
+    O.engines = [*O.engines, PyRunner(command="from test_arrays import stir; stir()", iterPeriod=37)]
+
+
+def stir():
+    for b in O.bodies:
+        if b.id % 7 == O.iter % 7 and not b.state.blockedDOFs == "xyzXYZ":
+            b.state.vel += Vector3(0.1 * math.sin(O.iter) * b.state.pos[0], 0.3, 0)
+
+
+SCENES = [pressed, pile, drum, mixed, watched]
+
+
+def contacts():
+    """All that a contact holds, by the ids of its bodies."""
+    rows = {}
+    for i in O.interactions:
+        if i.isReal:
+            geom, phys = i.geom, i.phys
+            rows[i.id1, i.id2] = (
+                geom.points, geom.type, *geom.gap, *geom.along, *geom.position1, *geom.normal1, *geom.normal, *geom.contactPoint, geom.refR1, geom.refR2,
+                phys.points, *phys.along, *phys.force1, *phys.force2, *phys.normalForce, *phys.shearForce, phys.tangensOfFrictionAngle, phys.restitution,
+                i.iterMadeReal,
+            )  # fmt: skip
+    return rows
+
+
+def after(scene, arrays, steps=STEPS, one_more=True, **attributes):
+    scene()
+    solver = next(engine for engine in O.engines if isinstance(engine, rcr.ContactDynamics))
+    solver.arrays = arrays
+    for name, value in attributes.items():
+        setattr(solver, name, value)
+    O.run(steps, True)
+    result = (O.iter, O.time, snapshot(), contacts())
+    model = dict(solver.model)
+    if one_more:
+        O.step()
+        result += (snapshot(), contacts())
+    return result, model
+
+
+def same(one, two):
+    return all(np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b for a, b in zip(one, two))
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_same_bits_as_the_engines(scene):
+    expected, by_engines = after(scene, False)
+    found, in_arrays = after(scene, True)
+    assert by_engines["arrays"] == 0 and by_engines["engines"] == "ContactDynamics.arrays = False"
+    assert in_arrays["arrays"] > 0.8 * STEPS
+    assert len(expected[3]) > 30
+    assert same(found, expected)
+
+
+@pytest.mark.parametrize("threads, lanes", [(2, 4), (4, 1)])
+def test_same_bits_for_threads_and_lanes(threads, lanes):
+    expected, _ = after(pressed, True, threads=1, lanes=8)
+    found, _ = after(pressed, True, threads=threads, lanes=lanes)
+    assert same(found, expected)
+
+
+def test_same_bits_after_reload(tmp_path):
+    expected, _ = after(mixed, True)
+    after(mixed, True, steps=STEPS // 2, one_more=False)
+    O.save(str(tmp_path / "half.xml.gz"))
+    O.load(str(tmp_path / "half.xml.gz"))
+    O.run(STEPS - STEPS // 2, True)
+    assert same((O.iter, O.time, snapshot(), contacts()), expected[:4])
+
+
+def test_a_run_ends_where_it_is_told_to():
+    mixed()
+    O.run(17, True)
+    assert O.iter == 17 and O.time == pytest.approx(0.017)
+    O.stopAtTime = 0.05
+    O.run()
+    O.wait()
+    assert O.time == pytest.approx(0.05, abs=0.5e-3)
+
+
+def test_pause_takes_hold_within_a_step():
+    mixed()
+    O.run()
+    time.sleep(0.2)
+    O.pause()
+    time.sleep(0.2)
+    stopped = O.iter
+    time.sleep(0.1)
+    assert 10 < stopped == O.iter
+    assert all(math.isfinite(x) for b in O.bodies for x in b.state.pos)
+
+
+def test_what_is_written_meanwhile_stays():
+    """A velocity that a console sets while the run goes on is not overwritten."""
+    build(stadium(0.1, 0.05, (0, 1)), stadium(0.1, 0.05, (0, 2)), *walls(3)[2:], gravity=(0, 0, 0), dt=1e-5, **SOLVER)
+    for body in (0, 1):
+        O.bodies[body].state.vel = Vector3(1, 0, 0)
+    O.run()
+    time.sleep(0.1)
+    O.bodies[0].state.vel = Vector3(7, 0, 0)
+    time.sleep(1)
+    O.pause()
+    O.wait()
+    one, two = (O.bodies[body].state for body in (0, 1))
+    assert one.vel[0] == 7 and two.vel[0] == 1
+    assert two.pos[0] == pytest.approx(O.time) and one.pos[0] > two.pos[0]
+
+
+@pytest.mark.parametrize(
+    "change, reason",
+    [
+        (lambda: setattr(O, "trackEnergy", True), "O.trackEnergy"),
+        (lambda: setattr(solver(), "overdamped", True), "overdamped"),
+        (lambda: setattr(solver(), "arrays", False), "ContactDynamics.arrays = False"),
+        (lambda: setattr(O, "engines", [*O.engines, PyRunner(command="pass", iterPeriod=1)]), "the end of the run"),
+    ],
+)
+def test_the_model_tells_why_engines_take_the_steps(change, reason):
+    mixed()
+    change()
+    O.run(20, True)
+    assert (solver().model["arrays"], solver().model["engines"]) == (0, reason)
+    O.trackEnergy = False
+
+
+def solver():
+    return next(engine for engine in O.engines if isinstance(engine, rcr.ContactDynamics))
+
+
+def test_an_error_leaves_the_scene_as_the_step_began():
+    """What ends a run in the midst of steps in arrays is told as ever, and the scene goes on from there."""
+    mixed()
+    O.run(50, True)
+    O.engines = [*O.engines[:-1], PyRunner(command="raise RuntimeError('enough')", iterPeriod=80), O.engines[-1]]
+    with pytest.raises(Exception, match="enough"):
+        O.run(200, True)
+    assert O.iter == 130 and np.isfinite(snapshot()).all() and contact_forces()
