@@ -57,7 +57,8 @@ void ContactDynamics::step(const gate::Engines& engines)
 		do {
 			solveAll(engines);
 			timed("arrays", [&] {
-				loads  = loadsOf(step_);
+				loads = loadsOf(step_);
+				observeStep(loads);
 				goesOn = arrays && flat_->goOn(*scene, engines, team, sources_, loads, step_);
 			});
 		} while (goesOn);

@@ -35,6 +35,7 @@ public:
 	boost::python::dict secondsDict() const;
 	boost::python::dict missedDict() const;
 	boost::python::dict problemDict() const;
+	boost::python::dict observedDict();
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,"Solves all rigid contacts of the step together (nonsmooth Contact Dynamics, Moreau time stepping). Takes the forces that other engines have put on the bodies and the gravity of :yref:`NewtonIntegrator`, finds the contact impulses that satisfy Signorini's and Coulomb's laws at the end of the step, and adds them as forces; :yref:`NewtonIntegrator` then moves the bodies. Stands after :yref:`InteractionLoop` and before :yref:`NewtonIntegrator`, whose damping must be 0. Bodies move in the plane: z, X and Y blocked. The time step is bound by accuracy, not by a stiffness. With ``O.trackEnergy`` it adds to ``O.energy`` what the contacts take: plastDissip (friction), impactDissip (normal impulses), driveWork (given to bodies of prescribed motion; negative where these drive) and correctionWork (potential energy that the position correction has given, negative; gravWork has its counterpart), so that ``O.energy.total()`` stays.",
@@ -51,6 +52,7 @@ public:
 		((bool,overdamped,false,,"Preparation without inertia: bodies start every step from rest (prescribed velocities stay), and overlaps are taken back whole within the step, since no velocity is kept of it. A step then goes down the potential energy as far as the time step allows and ends at rest where the forces balance. Restitution and :yref:`correction<ContactDynamics.correction>` do not apply."))
 		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"What the solver may drop where the scene does not need it, seen anew in each step; :yref:`model<ContactDynamics.model>` tells what is left. frictionless: pairs without friction carry one unknown a point. discs: without friction and levers nothing turns. fixed: bodies of prescribed motion have no unknowns. islands: what does not touch is solved apart, each to its own convergence. layout: order and colours are kept while the contacts last. All of them change nothing but the time; leave names out to compare"))
 		((bool,arrays,true,,"Whether steps of an ``O.run`` are taken in arrays, without YADE's objects, where nothing looks at these in between: until the collider has to run, a PyRunner or a recorder is due, or half a second is over. Changes no bit; :yref:`model<ContactDynamics.model>` tells which way steps went"))
+		((std::vector<int>,observe,,,"Ids of bodies whose contact forces :yref:`observed<ContactDynamics.observed>` averages"))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step (of the island that needs most), of all its passes: one, and one more where contacts were not foreseen"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
 		((Real,violation,0,Attr::readonly,"What :yref:`maxViolation<ContactDynamics.maxViolation>` bounds, after the last step [-]"))
@@ -73,6 +75,7 @@ public:
 		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict. bodies: that an impulse can move; rotations: how many of these can turn; fixed: of prescribed motion, without unknowns; pairs, points: that can carry something; unknowns: one a point without friction, else two; frictionless: no point has friction; islands: solved apart; layouts: how often order and colours have been made in all steps so far; work: sweeps × points, summed over the islands; arrays: steps so far that were taken in arrays (:yref:`arrays<ContactDynamics.arrays>`); engines: why the step after the last one is left to YADE's engines.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: gather, layout (colours and order of the pairs), solve, scatter, arrays (the steps that these take), publish (from arrays to YADE's objects), late (bodies that go further than foreseen), adapt (biases to long ways, and to bounces that would give energy), correct [s].")
 		.add_property("missed",&ContactDynamics::missedDict,"Steps that missed the tolerance, as a dict: steps (all so far), missed, share (of all), yielded (those without a solution), deepest_overlap (over R₁ + R₂) [-].")
+		.def("observed",&ContactDynamics::observedDict,"observed() → dict: what the steps since the last call came to, so that a run need not stop at each. steps; iterations (of all); residual (the largest); missed (steps beyond the tolerance), missed_sum and missed_largest (of their residuals over the tolerance) [-]; forces: mean force (x, y) [N] and torque [N m] of the contacts on each body of :yref:`observe<ContactDynamics.observe>`, by id.")
 		.def("_problem",&ContactDynamics::problemDict,"The contact problem of the last step, for rcr.scene.save_problem: its arrays as bytes.")
 	);
 	// clang-format on
@@ -94,10 +97,18 @@ private:
 	void          takeBackOverlaps();
 	void          refuseUnlessFinite() const;
 	void          measureUnbalance();
+	void          observeStep(const std::vector<rcr::Twist>& loads);
 	void          watch();
 	void          bookEnergy(const std::vector<rcr::Twist>& loads, const Vector3r& gravity);
 
+	struct Observed {
+		long                      steps = 0, iterations = 0, missed = 0;
+		double                    residual = 0, missedSum = 0, missedLargest = 0;
+		std::map<int, rcr::Twist> force; // sums, by body [N, N m]
+	};
+
 	gate::Watch                   gate_;
+	Observed                      observed_;
 	rcr::Step                     step_; // memory is kept between steps; the contents are of the last one
 	StepSources                   sources_;
 	std::shared_ptr<FlatSteps>    flat_;

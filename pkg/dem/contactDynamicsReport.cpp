@@ -48,6 +48,45 @@ void ContactDynamics::measureUnbalance()
 	largestUnbalance = closed > 0 ? largest / (contact / closed) : none;
 }
 
+void ContactDynamics::observeStep(const std::vector<rcr::Twist>& loads)
+{
+	++observed_.steps;
+	observed_.iterations += iterations;
+	observed_.residual = std::max(observed_.residual, double(residual));
+	if (tolerance > 0 && !(residual <= tolerance)) {
+		++observed_.missed;
+		observed_.missedSum += double(residual / tolerance);
+		observed_.missedLargest = std::max(observed_.missedLargest, double(residual / tolerance));
+	}
+	for (int id : observe) {
+		if (id < 0 || std::size_t(id) >= loads.size())
+			gate::refuse("ContactDynamics.observe holds " + std::to_string(id) + "; wanted ids of bodies, 0 to " + std::to_string(loads.size() - 1) + ".");
+		rcr::Twist& sum = observed_.force[id];
+		sum = { sum.x + loads[id].x / step_.dt, sum.y + loads[id].y / step_.dt, sum.rotation + loads[id].rotation / step_.dt };
+	}
+}
+
+boost::python::dict ContactDynamics::observedDict()
+{
+	namespace py = boost::python;
+	const Observed now = std::exchange(observed_, {});
+	py::dict       observed, forces;
+	for (int id : observe) {
+		const auto       sum  = now.force.find(id);
+		const rcr::Twist mean = sum == now.force.end() ? rcr::Twist {} : sum->second;
+		const double     over = double(std::max(1L, now.steps));
+		forces[id]            = py::make_tuple(mean.x / over, mean.y / over, mean.rotation / over);
+	}
+	observed["steps"]          = now.steps;
+	observed["iterations"]     = now.iterations;
+	observed["residual"]       = now.residual;
+	observed["missed"]         = now.missed;
+	observed["missed_sum"]     = now.missedSum;
+	observed["missed_largest"] = now.missedLargest;
+	observed["forces"]         = forces;
+	return observed;
+}
+
 /// Counts missed steps, and ends a run whose driven bodies squeeze the grains on and on.
 void ContactDynamics::watch()
 {

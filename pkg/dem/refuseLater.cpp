@@ -6,8 +6,17 @@
 #include <boost/python.hpp>
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
+#include <core/ThreadRunner.hpp>
 
 namespace yade {
+
+/// YADE's run thread. It keeps its error to itself where the session does not wait for it in that moment; an explicit instantiation may
+/// name a private member.
+ThreadRunner& runThread(Omega&);
+template <shared_ptr<ThreadRunner> Omega::*member> struct RunThread {
+	friend ThreadRunner& runThread(Omega& omega) { return *(omega.*member); }
+};
+template struct RunThread<&Omega::simulationLoop>;
 
 namespace {
 
@@ -43,7 +52,9 @@ void rememberError(const std::string& message)
 std::string takeError()
 {
 	const std::lock_guard<std::mutex> lock(mutex);
-	return std::exchange(ended, {});
+	ThreadRunner&                     run = runThread(Omega::instance());
+	const std::string                 thrown = run.workerThrew.exchange(false) ? run.workerException.what() : "";
+	return ended.empty() ? thrown : std::exchange(ended, {});
 }
 
 } // namespace yade

@@ -10,7 +10,7 @@ void refuseLater(const std::string& message);
 
 /// An exception that ends a step: YADE's run thread throws it away where it ends before the session waits for it.
 void rememberError(const std::string& message);
-/// The last one, once.
+/// What ended the last run, once: such an exception, or one of another engine.
 std::string takeError();
 
 } // namespace yade

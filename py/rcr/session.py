@@ -4,6 +4,7 @@ The rules stand in pkg/dem/Gate.cpp. A scene without any class of rcr is none of
 """
 
 import functools
+import time
 import warnings
 
 from yade.wrapper import Omega
@@ -39,6 +40,27 @@ def _guarded(method):
     return run
 
 
+def _promptly(run):
+    """O.run whose wait ends with the run, or with Ctrl-C, which ends the run; YADE's looks every 40 ms, longer than many a run takes."""
+
+    @functools.wraps(run)
+    def prompt(omega, nSteps=-1, wait=False):
+        run(omega, nSteps, False)
+        if not wait:
+            return
+        pause = 1e-4
+        try:
+            while omega.running:
+                time.sleep(pause)
+                pause = min(2 * pause, 5e-3)
+        except KeyboardInterrupt:
+            omega.pause()
+            raise
+        omega.wait()
+
+    return prompt
+
+
 def _told(method):
     """YADE tells a session of an exception of its run thread only where the session is waiting for it already."""
 
@@ -59,8 +81,8 @@ def _told(method):
 
 def guard():
     """Let every O.run and O.step of this session look at the scene first."""
-    for name in ("run", "step"):
-        if not hasattr(getattr(Omega, name), "__wrapped__"):
-            setattr(Omega, name, _guarded(getattr(Omega, name)))
+    if not hasattr(Omega.run, "__wrapped__"):
+        Omega.run = _guarded(_promptly(Omega.run))
+        Omega.step = _guarded(Omega.step)
     if not hasattr(Omega.wait, "__wrapped__"):
         Omega.wait = _told(Omega.wait)
