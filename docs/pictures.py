@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures of the pages, in docs/pictures: one of each example, and that of the README's scene. Run it where YADE is.
+"""Pictures of the pages, in docs/pictures: one of each example, that of the README's scene, and YADE's 3D view. Run it where YADE is.
 
 scripts/lib/run python3 docs/pictures.py [NAME …]
 """
@@ -11,6 +11,7 @@ import sys
 import tempfile
 
 from PIL import Image
+from screen import virtual_screen
 
 DOCS = pathlib.Path(__file__).resolve().parent
 ROOT = DOCS.parent
@@ -25,14 +26,18 @@ def keep(picture, name):
 
 
 def main():
-    wanted = sys.argv[1:] or ["scene", *sorted(path.stem for path in (ROOT / "examples").glob("*.py"))]
+    wanted = sys.argv[1:] or ["scene", "view", *sorted(path.stem for path in (ROOT / "examples").glob("*.py"))]
     for name in wanted:
         with tempfile.TemporaryDirectory() as folder:
-            script, options = ROOT / "examples" / f"{name}.py", ["--out", folder]
-            if name == "scene":
-                script, options = pathlib.Path(folder) / "scene.py", []
+            if name == "view":
+                with virtual_screen(folder) as environment:
+                    subprocess.run(["yade", str(DOCS / "view.py")], cwd=folder, check=True, env=environment, stdin=subprocess.DEVNULL)
+            elif name == "scene":
+                script = pathlib.Path(folder) / "scene.py"
                 script.write_text(re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1])
-            subprocess.run(["yade", "-n", "-x", str(script), *options], cwd=folder, check=True)
+                subprocess.run(["yade", "-n", "-x", str(script)], cwd=folder, check=True)
+            else:
+                subprocess.run(["yade", "-n", "-x", str(ROOT / "examples" / f"{name}.py"), "--out", folder], cwd=folder, check=True)
             made = sorted(pathlib.Path(folder).glob("*.png"))
             keep(next((path for path in made if path.stem == name), made[0]), name)
 

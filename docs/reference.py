@@ -98,7 +98,7 @@ def yade_page():
 
     classes = {name: getattr(rcr, name) for name in _plugin.classes}
     left = sorted(classes)
-    page = [heading("Classes of YADE", "="), "What ``import rcr`` adds to a session of YADE. All keep their attributes through ``O.save`` and ``O.load``.\n"]
+    page = [heading("Classes of YADE", "="), "Classes that ``import rcr`` adds to a session of YADE. Their attributes stay through ``O.save`` and ``O.load``.\n"]
     kinds = {"Engines": [n for n in left if not n.startswith(sum(KINDS.values(), ()))]}
     kinds |= {title: [n for n in left if n not in kinds["Engines"] and any(n == s or n.startswith(s + "_") for s in starts)] for title, starts in KINDS.items()}
     assert sorted(sum(kinds.values(), [])) == left, set(left) ^ set(sum(kinds.values(), []))

@@ -106,7 +106,37 @@ def examples():
     return table(["script", "story", "picture"], lines)
 
 
+def colors():
+    from rcr.plot import CATEGORIES, SCALES
+
+    shown = {name: re.sub(r"\$(.*?)\$", r"\1", scale.label) for name, scale in SCALES.items()}
+    return table(["color", "shows"], [[f"`{name}`", text] for name, text in {**shown, **CATEGORIES, "'#e8e4da'": "this or any other colour of Matplotlib"}.items()])
+
+
+def contact_colors():
+    from rcr.plot import CONTACTS
+
+    return table(["contacts", "segments from centre to contact to centre, as thick as the normal force"], [[f"`{name}`", text] for name, text in CONTACTS.items()])
+
+
+def quantities():
+    from rcr.profile import QUANTITIES
+
+    return table(["quantity", "is"], [[f"`{name}`", label.replace("$", "").replace("\\sigma_{xy}", "σ_xy")] for name, (label, *_) in QUANTITIES.items()])
+
+
+def counterparts():
+    """Read without YADE."""
+    tree = ast.parse((ROOT / "py" / "rcr" / "counterparts.py").read_text())
+    (known,) = (ast.literal_eval(node.value) for node in tree.body if isinstance(node, ast.Assign))
+    return table(["of YADE", "of rcr"], [[", ".join(f"`{name}`" for name in names), re.sub(r"^(\S+)", r"`\1`", counterpart)] for counterpart, names in known.items()])
+
+
 TABLES = {
+    "colors": colors,
+    "contact-colors": contact_colors,
+    "quantities": quantities,
+    "counterparts": counterparts,
     "one-step": lambda: ratios("a", "a-one-step"),
     "biaxial-cost": lambda: ratios("c", "c-biaxial-cost"),
     "hard-scenes": hard_scenes,

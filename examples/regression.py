@@ -1,7 +1,7 @@
 """A scene with reference values: tells whether a change of the code, the compiler or a setting has changed the physics. Copy it for yours.
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/regression.py
-It ends with an error if a value is off. Writes DIR/regression.png and DIR/regression.csv.
+The script ends with an error if a value is off, and writes DIR/regression.png and DIR/regression.csv.
 
 Renew the references:  … regression.py --spread 10
 repeats the scene with grains moved by a millionth of their size, and prints the mean and five standard deviations of each value. Rounding

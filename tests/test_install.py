@@ -46,6 +46,8 @@ def test_installed_package_is_found_and_whole(tmp_path):
 def test_debians_own_folder_under_usr(tmp_path):
     cmake("--install", BUILD, "--prefix", "/usr", DESTDIR=str(tmp_path))
     assert (tmp_path / "usr/lib/python3/dist-packages/rcr/__init__.py").exists()
+    examples = {path.name for path in (tmp_path / "usr/share/doc/yade-rcr/examples").iterdir()}
+    assert examples == {path.name for path in (ROOT / "examples").iterdir() if path.suffix in (".py", ".table")}
 
 
 @needs_cmake
@@ -58,6 +60,8 @@ def test_analysis_alone_without_headers_of_yade(tmp_path):
     site = tmp_path / SITE
     assert not list(site.rglob("*.so"))
     assert str(site) in python("import rcr, rcr.plot, rcr.measure, rcr.study.analysis; print(rcr.Network, rcr.__file__)", tmp_path, site)
+    solve = "import rcr\ntry:\n    rcr.solve('problem.npz')\nexcept ImportError as error:\n    print(error)"
+    assert "has no kernels, only the analysis: the solver has to be compiled" in python(solve, tmp_path, site)
 
 
 @needs_cmake

@@ -483,8 +483,16 @@ def test_a_second_build_waits_for_the_first(machine):
     assert sum("waiting for another build" in text for text in errors) == 1
 
 
-def test_two_builds_with_nothing_to_do_are_silent(machine):
-    """Each looks for new files for a moment, one after the other."""
+def test_a_second_build_waits_for_one_that_compiles(machine):
     build(machine, "exit 0")
-    machine.command("cmake", "sleep 0.2")
-    assert two_builds(machine) == ["", ""]
+    machine.command("cmake", 'echo "[1/2] CXX a.cpp"; sleep 0.5')
+    errors = two_builds(machine, YADE_RCR_PATIENCE="0.1")
+    assert sum("waiting for another build" in text for text in errors) == 1
+
+
+def test_two_builds_with_nothing_to_do_are_silent(machine):
+    """F31: each looks for new files, one after the other; on a loaded machine that takes longer than the patience of the second."""
+    build(machine, "exit 0")
+    machine.command("cmake", "sleep 0.7")
+    assert two_builds(machine, YADE_RCR_PATIENCE="0.1") == ["", ""]
+    assert not (machine.repo / "build" / "working").exists()

@@ -228,13 +228,14 @@ namespace gate {
 			{ both,    smallCell },
 			{ both,    outOfPlane },
 			{ both,    [](const View& v) { return grainsOf(v.scene); } },
+			{ both,    unservedPairs },
 		};
 		// clang-format on
 
 		/// What the rules depend on, as far as it changes seldom.
 		std::vector<const void*> signature(const Scene& scene)
 		{
-			std::vector<const void*> seen { reinterpret_cast<const void*>(scene.bodies->size()), reinterpret_cast<const void*>(std::size_t(scene.isPeriodic)) };
+			std::vector<const void*> seen { &scene, reinterpret_cast<const void*>(scene.bodies->size()), reinterpret_cast<const void*>(std::size_t(scene.isPeriodic)) };
 			const auto               add = [&](const auto& functors) {
                                 for (const auto& f : functors)
                                         seen.push_back(f.get());
@@ -322,8 +323,14 @@ namespace gate {
 	bool mayTouch(const Interaction& i, const Scene& scene)
 	{
 		if (!frictional(scene, i.getId1(), i.getId2())) return false;
+		thread_local std::vector<const void*> passed; // asked at every new contact, so the rules are looked at once a change
+		const std::vector<const void*>        now = signature(scene);
+		if (now == passed) return true;
 		const std::string told = refusal(scene);
-		if (told.empty()) return true;
+		if (told.empty()) {
+			passed = now;
+			return true;
+		}
 		if (View(scene).place<ContactDynamics>() < 0) refuseLater(told); // else it tells it itself, later in this step
 		return false;
 	}

@@ -72,8 +72,10 @@ namespace gate {
 	/// Is a law of ours in the scene?
 	bool serves(const Scene&);
 
-	/// What of a scene is served but hardly meant; empty where nothing is.
-	std::string advice(const Scene&);
+	/// What of a scene is served but hardly meant, each empty where nothing is: balls among grains of unit depth; bodies that overlap
+	/// before their first step by more than 1 % of R₁ + R₂.
+	std::string balls(const Scene&);
+	std::string overlaps(const Scene&);
 
 	/// Looks at the scene when its engines, their functors or its number of bodies have changed.
 	class Watch {

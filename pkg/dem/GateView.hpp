@@ -63,7 +63,10 @@ namespace gate {
 		}
 	};
 
-	// Rules on the periodic cell (gateCell.cpp): what is told, or nothing.
+	// Rules on pairs of shapes (gatePairs.cpp): what is told, or nothing.
+	std::string unservedPairs(const View&);
+
+	// Rules on the periodic cell (gateCell.cpp).
 	std::string wallsInCell(const View&);
 	std::string cellStress(const View&);
 	std::string smallCell(const View&);

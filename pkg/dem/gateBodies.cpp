@@ -104,7 +104,7 @@ namespace gate {
 	}
 
 	/// A Sphere among Rcrs that has the mass of a ball: those of Rcrs are per unit depth.
-	std::string advice(const Scene& scene)
+	std::string balls(const Scene& scene)
 	{
 		bool        rcrs = false;
 		const Body* ball = nullptr;
@@ -119,24 +119,6 @@ namespace gate {
 		if (!rcrs || !ball) return {};
 		return body(ball->getId()) + " is a Sphere with the mass of a ball, " + text(ball->state->mass)
 		        + " kg, among Rcrs, whose masses are per unit depth; make it by rcr.disc(center, R), which gives it that of a disc.";
-	}
-
-	void checkServed(const Interaction& i, const Scene& scene)
-	{
-		const Body &one = *(*scene.bodies)[i.getId1()], &two = *(*scene.bodies)[i.getId2()];
-		const auto  wall   = [](const Body& b) { return b.shape->getClassName() == "Wall" || b.shape->getClassName() == "Facet"; };
-		const auto  driven = [](const Body& b) { return b.state->blockedDOFs == State::DOF_ALL && !b.isClumpMember(); };
-		if ((driven(one) || wall(one)) && (driven(two) || wall(two))) return;
-		const auto rank = [](const std::string& shape) { // obstacles first
-			const std::vector<std::string> served { "Wall", "Box", "Facet", "Sphere", "Rcr" };
-			return std::find(served.begin(), served.end(), shape) - served.begin();
-		};
-		std::string shape1 = one.shape->getClassName(), shape2 = two.shape->getClassName();
-		std::string told   = "no Ig2 functor of the InteractionLoop serves " + shape1 + " and " + shape2 + " (bodies #" + std::to_string(i.getId1())
-		        + ", #" + std::to_string(i.getId2()) + "), so they would pass through each other. ";
-		if (rank(shape1) > rank(shape2)) std::swap(shape1, shape2);
-		const bool exists = rank(shape2) < 5 && rank(shape2) > 2;
-		refuse(told + (exists ? "Add Ig2_" + shape1 + "_" + shape2 + "_RcrGeom to its first list." : "Make such shapes from Wall, Box, Facet, Sphere or Rcr; obstacles meet Spheres and Rcrs."));
 	}
 
 	void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)

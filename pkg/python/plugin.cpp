@@ -59,8 +59,16 @@ std::string refusal()
 	return told;
 }
 
-bool        serves() { return yade::gate::serves(*yade::Omega::instance().getScene()); }
-std::string advice() { return yade::gate::advice(*yade::Omega::instance().getScene()); }
+bool serves() { return yade::gate::serves(*yade::Omega::instance().getScene()); }
+
+boost::python::list advice()
+{
+	const yade::Scene&  scene = *yade::Omega::instance().getScene();
+	boost::python::list told;
+	for (const std::string& text : { yade::gate::balls(scene), yade::gate::overlaps(scene) })
+		if (!text.empty()) told.append(text);
+	return told;
+}
 
 } // namespace
 
@@ -72,6 +80,6 @@ BOOST_PYTHON_MODULE(_plugin)
 	boost::python::def("refusal", refusal, "What of the scene is not served, and what to do; empty where all is.");
 	boost::python::def("take_error", yade::takeError, "What ended the last step of ContactDynamics, once; empty where nothing did.");
 	boost::python::def("serves", serves, "Whether a law of ours is in the scene.");
-	boost::python::def("advice", advice, "What of the scene is served but hardly meant.");
+	boost::python::def("advice", advice, "What of the scene is served but hardly meant, a list of texts.");
 	boost::python::def("planar_clump", yade::planarClump, "Joins bodies of the scene, (ids, x, y, mass, inertia about z); returns the id of the clump.");
 }

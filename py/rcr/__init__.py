@@ -57,7 +57,7 @@ def _load_plugin():
 
 
 def _names_of_yade():
-    """What a script of YADE has without an import, or by ``from yade import …``."""
+    """Names that a script of YADE has without an import, or by ``from yade import …``."""
     import pkgutil
 
     import yade

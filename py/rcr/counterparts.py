@@ -4,40 +4,51 @@ import functools
 import sys
 import warnings
 
+import yade.wrapper
 from yade import export, utils
-from yade.wrapper import Omega, Rcr, VTKRecorder
+from yade.wrapper import Omega, Rcr
 
-COUNTERPARTS = {
-    utils: dict(porosity="rcr.measure.porosity", aabbExtrema="rcr.measure.extent", aabbDim="rcr.measure.extent", bodyStressTensors="rcr.measure.stress_tensors"),
-    export: dict(text="rcr.measure.text"),
+COUNTERPARTS = {  # what to take: functions of yade.utils and yade.export, and classes, in its place
+    "rcr.measure.porosity": ["porosity", "voxelPorosity", "voidratio2D"],
+    "rcr.measure.areas": ["getSpheresVolume", "getSpheresVolume2D", "psd"],
+    "rcr.measure.extent": ["aabbExtrema", "aabbDim"],
+    "rcr.measure.stress_tensors": ["bodyStressTensors"],
+    "rcr.measure.text": ["text", "textExt", "textClumps"],
+    "rcr.contact_network(volume=…).stress": ["getStress", "normalShearStressTensors"],
+    "rcr.contact_network(volume=…).fabric": ["fabricTensor"],
+    "rcr.contact_network(volume=…).coordination": ["avgNumInteractions"],
+    "rcr.contact_network(volume=…).particles['mass']": ["getSpheresMass"],
+    "rcr.Profile": ["getDepthProfiles", "getDepthProfiles_center", "getSlicedProfiles", "getStressProfile", "getStressProfile_contact"],
+    "rcr.critical_time_step (springs; rigid contacts have no such bound)": ["PWaveTimeStep", "RayleighWaveTimeStep"],
+    "ContactDynamics.deepestOverlap": ["maxOverlapRatio"],
+    "rcr.export.vtk": ["VTKExporter"],
+    "rcr.export.VtkSeries": ["VTKRecorder"],
 }
-
-
-def _warn(name, counterpart):
-    if any(isinstance(body.shape, Rcr) for body in Omega().bodies):
-        warnings.warn(f"{name} knows spheres only and leaves the Rcrs of this scene out; {counterpart} takes them all", stacklevel=3)
 
 
 def install():
     """Put the warnings in the place of the functions, also where the running script has imported them by their names."""
     script = vars(sys.modules["__main__"])
-    for module, names in COUNTERPARTS.items():
-        for name, counterpart in names.items():
-            original = getattr(module, name)
-            if hasattr(original, "__wrapped__"):  # done by an import of before
+    for counterpart, names in COUNTERPARTS.items():
+        for name in names:
+            holder = next((holder for holder in (utils, export) if hasattr(holder, name)), yade.wrapper)
+            original = getattr(holder, name)
+            if isinstance(original, type):
+                original.__init__ = _telling(original.__init__, name, counterpart)
                 continue
-            told = _telling(original, name, counterpart)
-            setattr(module, name, told)
+            setattr(holder, name, _telling(original, name, counterpart))
             if script.get(name) is original:
-                script[name] = told
-    if not hasattr(VTKRecorder.__init__, "__wrapped__"):
-        VTKRecorder.__init__ = _telling(VTKRecorder.__init__, "VTKRecorder", "rcr.export.VtkSeries")
+                script[name] = getattr(holder, name)
 
 
 def _telling(original, name, counterpart):
+    if hasattr(original, "__wrapped__"):  # by an import of before
+        return original
+
     @functools.wraps(original)
     def told(*arguments, **options):
-        _warn(name, counterpart)
+        if any(isinstance(body.shape, Rcr) for body in Omega().bodies):
+            warnings.warn(f"{name} is written for spheres and misjudges the Rcrs of this scene; take {counterpart}", stacklevel=2)
         return original(*arguments, **options)
 
     return told

@@ -56,8 +56,8 @@ def write(path, content):
 def whole(path):
     """Path to write to in the place of `path`: a file of the same name, which takes its place when the block ends well.
 
-    For libraries that write to a name. It lies in a hidden folder beside it until then, and nothing is left of it when the block
-    fails. The file has the permissions of any file that the user makes.
+    For libraries that write to a name. The file lies in a hidden folder beside `path` until then, and nothing is left of it when the
+    block fails. The file has the permissions of any file that the user makes.
 
     Raises
     ------

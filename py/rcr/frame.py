@@ -1,4 +1,4 @@
-"""A scene at one moment as plain arrays: grains, contacts, obstacles, cell. What is drawn, exported and measured. Needs NumPy.
+"""A scene at one moment as plain arrays: grains, contacts, obstacles, cell. Pictures, files and measures are made of it. Needs NumPy.
 
 `Frame.of` takes the present scene of YADE, a saved `rcr.Network` or its file. Everything lies in the plane z = 0 and is per unit depth.
 

@@ -1,4 +1,4 @@
-"""What runs here, for bug reports."""
+"""Versions, processor, threads and build of this installation, for bug reports."""
 
 import importlib.metadata
 import os

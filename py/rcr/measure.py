@@ -1,16 +1,7 @@
 """Measures of a scene with Rcrs. Needs NumPy; a scene needs YADE, a saved network does not.
 
-YADE's own functions know spheres only. Their counterparts, all in the plane and per unit depth:
-
-=============================  ==============================
-YADE                           here
-=============================  ==============================
-``utils.porosity``             `porosity`
-``utils.aabbExtrema``          `extent`
-``utils.bodyStressTensors``    `stress_tensors`
-``export.text``                `text`
-``VTKRecorder``                `rcr.export.vtk`, `rcr.export.VtkSeries`
-=============================  ==============================
+YADE's own functions know spheres only. In a scene with Rcrs they warn, and name their counterparts here and in `Network`; all are in the
+plane and per unit depth.
 """
 
 import numpy as np

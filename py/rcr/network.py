@@ -53,7 +53,7 @@ def _checked(group, arrays, columns):
 
 
 def _check_meaning(particles, contacts, attributes):
-    """What holds in every file that a scene has left: ids that exist, unit normals, grains with a size, forces that push."""
+    """ValueError unless the columns are those of a scene: ids that exist, unit normals, grains with a size, forces that push."""
     ids = particles["id"]
     for name in ("R", "cap_radius", "mass"):
         checks.every(particles[name] > 0, f"particles/{name}", particles[name], "> 0")

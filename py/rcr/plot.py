@@ -53,8 +53,12 @@ SCALES = dict(
     pressure=Scale("mean stress of its contacts [Pa]", _pressure, "magma_r"),
     contacts=Scale("contacts with a force", lambda frame: frame.per_grain((frame.normal_force() > 0).astype(float)), "YlGnBu"),
 )
-CATEGORIES = ("type", "shape")
-CONTACTS = ("force", "type", "mobilization")
+CATEGORIES = dict(type="Rcr, disc, member of a clump, prescribed motion", shape="the colours of YADE's view, `particle(…, color=…)`")
+CONTACTS = dict(
+    force="black above the mean force, red below",
+    type="blue cap-cap, green cap-side, red side-side, grey with an obstacle",
+    mobilization="dark without friction to yellow where it slides: |f_t|/(µ f_n)",
+)
 
 
 def packing(what=None, ax=None, color="orientation", contacts=None, range=None, cmap=None, limits=None, legend=None):
@@ -230,7 +234,7 @@ def snapshot(path, what=None, dpi=200, **options):
     Parameters
     ----------
     path : path
-        ``.png``, ``.pdf``, ``.svg`` or what else Matplotlib writes. It appears whole or not at all.
+        ``.png``, ``.pdf``, ``.svg`` or another format of Matplotlib. The file appears whole or not at all.
     what, **options
         As `packing` takes them.
     dpi : float

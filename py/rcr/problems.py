@@ -64,7 +64,7 @@ class BodyProblem:
         return np.lexsort(self.bodies.T[::-1])
 
     def arrays(self):
-        """What the kernels take, points in their `order`."""
+        """Arguments of the kernels, points in their `order`."""
         order = self.order()
         return {name: value if name in ("inverse_mass", "free_velocity") else value[order] for name, value in vars(self).items()}
 
@@ -183,7 +183,7 @@ class DelassusProblem:
 
 @dataclass
 class Solution:
-    """What `solve` found. `velocity` is without b_n where the problem has its bodies, else u = W p + q."""
+    """Result of `solve`. `velocity` is without b_n where the problem has its bodies, else u = W p + q."""
 
     solver: str
     contacts: int
@@ -237,9 +237,16 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     ------
     ValueError
         If the problem is malformed, the solver unknown or a setting out of range, or if numbers grow beyond those of doubles.
+    ImportError
+        If the kernels were not compiled.
     """
-    from rcr import _kernel
-
+    try:
+        from rcr import _kernel
+    except ImportError as error:
+        raise ImportError(
+            f"rcr in {os.path.dirname(__file__)} has no kernels, only the analysis: the solver has to be compiled; from the sources: "
+            "pip install . --config-settings=cmake.define.RCR_PLUGIN=OFF"
+        ) from error
     settings = dict(
         solver=solver if isinstance(solver, str) else checks.choice("solver", solver, _kernel.solver_names()),
         tolerance=checks.number("tolerance", tolerance, "a residual ≥ 0", lambda v: v >= 0),

@@ -47,7 +47,7 @@ class Profile:
     """
 
     def __init__(self, cells=(1, 20), limits=None):
-        if len(cells) != 2:
+        if np.shape(cells) != (2,):
             raise ValueError(f"cells = {cells!r}; wanted two numbers, along x and along y")
         self.cells = tuple(checks.whole(f"cells[{k}]", n, "at least 1", lambda v: v >= 1) for k, n in enumerate(cells))
         self._given = None if limits is None else checks.array("limits", limits, (2, 2))

@@ -40,7 +40,7 @@ def commit():
 
 
 def read(folder):
-    """What run.json of a folder holds, None if there is none.
+    """Contents of run.json of a folder, None if there is none.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def read(folder):
 
 @contextlib.contextmanager
 def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None, resume=False, overwrite=False, wait=False):
-    """Block in which the folder, made if missing, belongs to this process. It yields `begin`, which makes it this run's.
+    """Block in which the folder, made if missing, belongs to this process. The block yields `begin`, which makes the folder this run's.
 
     `begin()` removes the files of the run before, unless it is resumed, writes run.json and returns what that holds: to be called when
     what could fail before has not.
@@ -153,7 +153,7 @@ def _short(value):
 
 
 def _remove_parts(folder):
-    """What killed processes have left half written; not what another one is writing, as charts side by side do."""
+    """Half-written files of killed processes; those that another process is writing stay."""
     for partial in folder.glob(files.PART + "*"):
         if partial.is_dir():
             shutil.rmtree(partial)

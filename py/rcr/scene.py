@@ -83,7 +83,8 @@ def particle(center, R, eta, angle=0, material=-1, fixed=False, color=None, mask
     angle : float
         Angle of the long axis to x [rad].
     material : FrictMat, int or str
-        Material, or its id or label in O.materials; its density [kg/m³] sets the mass.
+        Material, or its id or label in O.materials; its density [kg/m³] sets the mass. −1, the default, is the last one of O.materials,
+        or where there is none YADE's own: density 1000 kg/m³, friction angle 0.5.
     fixed : bool
         Block all degrees of freedom; else the body moves in the plane.
     color : (float, float, float) or None
@@ -181,7 +182,7 @@ def wall(axis, position, sense=0, velocity=0, material=-1):
     Parameters
     ----------
     axis : str
-        'x' or 'y': the axis of its normal.
+        Axis of its normal: 'y' for a floor or a lid, 'x' for a wall at a side.
     position : float
         Coordinate along that axis [m].
     sense : int
@@ -189,10 +190,16 @@ def wall(axis, position, sense=0, velocity=0, material=-1):
     velocity : float
         Prescribed velocity along the axis [m/s]; change it later by ``body.state.vel``.
     material : FrictMat, int or str
+        As of `particle`.
 
     Returns
     -------
     Body
+
+    Raises
+    ------
+    ValueError
+        If the axis or the sense is none of these, or a number is not finite.
     """
     k = _axis(axis)
     if sense not in (-1, 0, 1):
@@ -241,7 +248,7 @@ def critical_time_step(points=6):
     Raises
     ------
     ValueError
-        If no body of shape `Rcr` is free, the scene has no Law2_RcrGeom_FrictPhys_CundallStrack, or a stiffness is not > 0.
+        If no grain is free, the scene has no Law2_RcrGeom_FrictPhys_CundallStrack, or a stiffness is not > 0.
     """
     loops = [engine for engine in O.engines if isinstance(engine, InteractionLoop) and not engine.dead]
     laws = [law for loop in loops for law in loop.lawDispatcher.functors if isinstance(law, Law2_RcrGeom_FrictPhys_CundallStrack)]
@@ -256,10 +263,10 @@ def critical_time_step(points=6):
                 stiffness[body] = np.maximum((i.phys.kn, i.phys.ks), stiffness.get(body, 0))
     steps = []
     for body in O.bodies:
-        if not isinstance(body.shape, Rcr) or body.state.blockedDOFs == "xyzXYZ":
+        if not isinstance(body.shape, (Rcr, Sphere)) or body.state.blockedDOFs == "xyzXYZ":
             continue
-        m, inertia, a = body.state.mass, body.state.inertia[2], body.shape.halfLength
-        R = a + body.shape.capRadius
+        m, inertia, a = body.state.mass, body.state.inertia[2], getattr(body.shape, "halfLength", 0)
+        R = a + body.shape.capRadius if isinstance(body.shape, Rcr) else body.shape.radius
         of_material = body.material.young * R
         ip2 = (of_material if given("kn") is None else given("kn"), of_material * body.material.poisson if given("ks") is None else given("ks"))
         kn, ks = stiffness.get(body.id, ip2)
@@ -270,7 +277,7 @@ def critical_time_step(points=6):
         ratio = laws[0].damping * normal / math.sqrt(2 * kn / m)
         steps.append(min(2 / normal * (math.sqrt(1 + ratio**2) - ratio), 2 / shear if shear > 0 else math.inf))
     if not steps:
-        raise ValueError("no body of the shape Rcr is free to move: nothing bounds the time step")
+        raise ValueError("no Rcr and no Sphere is free to move: nothing bounds the time step")
     return min(steps)
 
 

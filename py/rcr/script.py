@@ -1,4 +1,4 @@
-"""What the scripts share: options that are checked where they are given, a stop that loses nothing, and an end in one line."""
+"""Parts that all scripts share: options that are checked where they are given, a stop that loses nothing, and an end in one line."""
 
 import argparse
 import contextlib

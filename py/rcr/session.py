@@ -1,30 +1,45 @@
-"""What a session is told before a run: ``O.run`` and ``O.step`` refuse scenes that would go wrong without a word.
+"""Refusals and advice before a run: ``O.run`` and ``O.step`` refuse scenes that would go wrong without a word.
 
-The rules stand in pkg/dem/Gate.cpp. A scene without any class of rcr is none of its business.
+The rules stand in pkg/dem/Gate.cpp; what is served but hardly meant is warned of. A scene without any class of rcr is none of its business.
 """
 
 import functools
 import time
 import warnings
 
-from yade.wrapper import Omega
+from yade.wrapper import Omega, TimeStepper
 
-from rcr import _plugin
+from rcr import _plugin, scene
 
 _DEFAULT_TIME_STEP = 1e-8  # YADE's, of a scene that nobody has set one for
-_advised = 0  # bodies of the scene when advice was given last
+_advised = None  # of the scene when advice was given last: number of bodies, time step
+
+
+def _time_step(omega):
+    """Advice on O.dt, a list of texts."""
+    if omega.iter == 0 and omega.dt == _DEFAULT_TIME_STEP:
+        return ["O.dt = 1e-8 s is YADE's default; set it by the accuracy you want (rigid contacts) or to 0.5 * rcr.critical_time_step() (springs)."]
+    if any(isinstance(engine, TimeStepper) and engine.active and not engine.dead for engine in omega.engines):
+        return []
+    try:
+        most = scene.critical_time_step()
+    except ValueError:  # rigid contacts, or nothing that springs could set in motion
+        return []
+    if omega.dt <= most:
+        return []
+    return [f"O.dt = {omega.dt:.3g} s is beyond {most:.3g} s, where springs of this stiffness become unstable; set O.dt = 0.5 * rcr.critical_time_step()."]
 
 
 def _advise(omega):
     global _advised
-    if omega.iter > 0 and len(omega.bodies) == _advised:
-        return
-    _advised = len(omega.bodies)
-    told = [_plugin.advice()]
-    if omega.iter == 0 and omega.dt == _DEFAULT_TIME_STEP and _plugin.serves():
-        told.append("O.dt = 1e-8 s is YADE's default; set it by the accuracy you want (rigid contacts) or to 0.5 * rcr.critical_time_step() (springs).")
-    for text in filter(None, told):
-        warnings.warn(text, stacklevel=4)
+    bodies, dt = known = len(omega.bodies), omega.dt
+    old_bodies, old_dt = _advised if omega.iter > 0 and _advised else (None, None)
+    _advised = known
+    told = _plugin.advice() if bodies != old_bodies else []
+    if _plugin.serves() and known != (old_bodies, old_dt):
+        told += _time_step(omega)
+    for text in told:
+        warnings.warn("rcr: " + text, stacklevel=4)
 
 
 def _guarded(method):

@@ -81,7 +81,7 @@ class XiNetworks:
         return pressure * count / (force * branch)
 
     def cross_products(self, xi=np.inf):
-        """What else the half-sum neglects, of the shape of ξ [-].
+        """Products that the half-sum neglects besides, of the shape of ξ [-].
 
         With f = ⟨f_n⟩(1 + φ) and ℓ = ⟨ℓ_n⟩(1 + λ), φ and λ complex, it is X(ξ) = (1/C) Re Σ_{S(ξ)} φ λ e^{2iθ}, and exactly
         κ q(ξ)/p = ½ (a_c + a_ln + a_lt + a_fn + a_ft) + X(ξ)  [paper, eqs. isig2_xi and q_p_aniso2_xi].

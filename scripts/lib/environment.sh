@@ -32,11 +32,16 @@ record() { tee -a "$log" "$new/output" | grep --line-buffered '^yade-rcr: ' >&2 
 required_packages() { sed -n 's/^\([a-z][^ ]*\).*/\1/p' "$lib/packages"; }
 packages_id() { sed 's/#.*//; /^ *$/d' "$lib/packages" | sha256sum | cut -c1-12; }
 
-# lock PATH NOTICE: held until `unlock`, or the end of this process. Who waits is told why, unless
-# the other is only looking whether there is something to do.
+# lock PATH NOTICE [MARK]: held until `unlock`, or the end of this process. Who waits is told why; with a MARK
+# only while that file is there, since until then the other one looks whether there is something to do.
 lock() {
     exec 9<"$1"
-    flock -w "${YADE_RCR_PATIENCE:-0.5}" 9 || { say "$2" && flock 9; }
+    until flock -w "${YADE_RCR_PATIENCE:-0.5}" 9; do
+        [ -z "${3:-}" ] || [ -e "$3" ] || continue
+        say "$2"
+        flock 9
+        return
+    done
 }
 unlock() { exec 9<&-; }
 
@@ -96,22 +101,25 @@ enter() {
 }
 
 build() {
-    local source id
+    local source id working=$repo/build/working
     source=$("${way}_source")
     id="$way $yade_version $source $(packages_id)"
     [ -w "$repo" ] || { say "$repo is not writable: running what was built there" && return; }
-    lock "$repo" "waiting for another build in $repo …"
+    lock "$repo" "waiting for another build in $repo …" "$working"
+    rm -f "$working" # left by an interrupted build
     (
         cd "$repo"
         unset CC CXX CFLAGS CXXFLAGS CPPFLAGS LDFLAGS CMAKE_PREFIX_PATH
         if [ "$(cat build/environment 2>/dev/null)" != "$id" ]; then
             rm -rf build
             mkdir build
+            : >"$working"
             quietly cmake -S "$repo" -B "$repo/build" -G Ninja -DYADE_SOURCE_DIR="$source"
             echo "$id" >build/environment
         fi
         quietly cmake --build "$repo/build" --parallel "$(build_jobs)"
     )
+    rm -f "$working"
     unlock
 }
 
@@ -129,6 +137,7 @@ quietly() {
         "["[!0]*) # [0/1]: looking for new files
             [ -n "$announced" ] || say "building (2 to 5 min from scratch) …"
             announced=yes
+            : >"$repo/build/working"
             ;;
         esac
         printf '%s\n' "$line"

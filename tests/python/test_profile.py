@@ -117,7 +117,7 @@ def test_plot_returns_its_axes(cells, quantity):
 def test_what_is_refused():
     with pytest.raises(AttributeError, match=r"call compute\(\) first"):
         rcr.Profile().stress
-    for cells in ((0, 3), (1.5, 2), (1,)):
+    for cells in ((0, 3), (1.5, 2), (1,), 10):
         with pytest.raises(ValueError, match="cells"):
             rcr.Profile(cells)
     with pytest.raises(ValueError, match="lower left and the upper right"):

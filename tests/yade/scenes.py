@@ -14,6 +14,7 @@ from yade.wrapper import (
     NewtonIntegrator,
 )  # fmt: skip
 
+ALL_IG2 = [name for name in dir(rcr) if name.startswith("Ig2_") and name != "Ig2_Planar_RcrGeom"]
 EXACT = dict(tolerance=1e-14, maxIterations=3000, solver="nlgs")  # for closed forms: the solver leaves rounding only
 
 
@@ -26,7 +27,7 @@ def engines(gravity=(0, -G, 0), before=(), restitution=None, **solver):
         ForceResetter(),
         InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(), Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
         InteractionLoop(
-            [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom(), rcr.Ig2_Sphere_Rcr_RcrGeom()],
+            [getattr(rcr, name)() for name in ALL_IG2],
             [ip2],
             [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()],
         ),

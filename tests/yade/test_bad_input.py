@@ -219,6 +219,7 @@ def test_friction(angle):
 def test_functor_for_a_facet_forgotten():
     resting()
     O.bodies.append(yade.utils.facet([(-1, 0.25, -1), (1, 0.25, -1), (0, 0.25, 1)], material=material()))
+    O.engines[2].geomDispatcher.functors = [rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Rcr_Rcr_RcrGeom()]
     refused("no Ig2 functor of the InteractionLoop serves .*(Facet|Rcr) and (Rcr|Facet) .*Add Ig2_Facet_Rcr_RcrGeom")
 
 

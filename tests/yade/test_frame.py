@@ -169,6 +169,10 @@ def test_table_of_grains(tmp_path):
 @pytest.mark.parametrize("call, wanted", [
     ("utils.porosity()", "rcr.measure.porosity"), ("utils.aabbExtrema()", "rcr.measure.extent"), ("utils.bodyStressTensors()", "rcr.measure.stress_tensors"),
     ("export.text('/dev/null')", "rcr.measure.text"), ("porosity()", "rcr.measure.porosity"), ("VTKRecorder()", "rcr.export.VtkSeries"),
+    ("utils.fabricTensor()", "rcr.contact_network(volume=…).fabric"), ("getStress(1)", "rcr.contact_network(volume=…).stress"),
+    ("utils.avgNumInteractions()", "rcr.contact_network(volume=…).coordination"), ("utils.PWaveTimeStep()", "rcr.critical_time_step"),
+    ("utils.getSpheresMass()", "rcr.contact_network(volume=…).particles['mass']"), ("export.textExt('/dev/null')", "rcr.measure.text"),
+    ("export.VTKExporter('/dev/null')", "rcr.export.vtk"),
 ])  # fmt: skip
 def test_functions_that_know_spheres_only_say_so(call, wanted):
     """F16: they were silent; without an Rcr they still are."""

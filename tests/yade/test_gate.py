@@ -4,11 +4,13 @@ Named by the defects F2 to F43 that they stood for.
 """
 
 import math
+import time
+import warnings
 
 import numpy as np
 import pytest
 import rcr
-from scenes import build, engines, material, python, snapshot, stadium, steps
+from scenes import ALL_IG2, build, engines, material, python, snapshot, stadium, steps
 from yade import O, utils
 from yade.minieigenHP import Quaternion
 from yade.wrapper import (
@@ -18,8 +20,6 @@ from yade.wrapper import (
 )  # fmt: skip
 
 NAN = math.nan
-OBSTACLES = ("Wall", "Box", "Facet", "Sphere")
-ALL_IG2 = [f"Ig2_{one}_{two}_RcrGeom" for two in ("Rcr", "Sphere") for one in OBSTACLES] + ["Ig2_Rcr_Rcr_RcrGeom"]
 
 
 def rigid(**options):
@@ -280,3 +280,118 @@ def test_f27_missed_steps_are_counted_and_the_counts_are_saved(tmp_path):
     assert solver().missed == told
     steps(5)
     assert solver().missed["steps"] == 25
+
+
+# ---------------------------------------------------------------------------------------------- pairs that may meet
+
+def with_functors(*names):
+    """Engines of which the loop finds contacts of these pairs only."""
+    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in names]
+
+
+@LAWS
+def test_missing_ig2_is_told_before_the_pair_meets(scene):
+    """The disc is far above everything."""
+    scene()
+    O.bodies.append(rcr.disc((0, 9), 0.1, material=O.bodies[1].material))
+    with_functors("Ig2_Rcr_Rcr_RcrGeom", "Ig2_Wall_Rcr_RcrGeom")
+    refused(
+        r"serves (?=.*Sphere)(?=.*Wall)(?=.*Rcr)(\w+ and \w+ \(bodies #[0-2], #[0-2]\), ){2}so they would pass through each other. "
+        r"Add (?=.*Ig2_Wall_Sphere_RcrGeom\(\))(?=.*Ig2_Sphere_Rcr_RcrGeom\(\)).* to its first list"
+    )
+
+
+@LAWS
+def test_pairs_that_cannot_meet_want_no_ig2(scene):
+    """One grain has no other; what is fixed meets nothing that is fixed; masks and clumps keep bodies apart."""
+    scene()
+    with_functors("Ig2_Wall_Rcr_RcrGeom")
+    O.step()
+    rough = O.bodies[1].material
+    O.bodies.append(rcr.disc((3, -1), 0.1, material=rough, mask=2))
+    O.bodies.append(utils.box((5, 0, 0), (0.1, 0.1, 0.1), material=rough, fixed=True, mask=2))
+    with_functors("Ig2_Wall_Rcr_RcrGeom", "Ig2_Box_Sphere_RcrGeom")
+    O.step()
+    O.bodies.append(rcr.disc((4, -1), 0.1, material=rough, mask=2, fixed=True))
+    refused(r"no Ig2 functor .* serves Sphere and Sphere \(bodies #[24], #[24]\)")
+
+
+def test_members_of_one_clump_want_no_ig2():
+    rough = material()
+    build(rcr.wall("y", 0, material=rough))
+    rcr.clump([stadium(0.2, 0.1, (0, 0.3), material=rough), rcr.disc((0.1, 0.4), 0.1, material=rough)])
+    with_functors("Ig2_Wall_Rcr_RcrGeom", "Ig2_Wall_Sphere_RcrGeom")
+    O.step()
+    rcr.clump([stadium(0.2, 0.1, (2, 0.3), material=rough), rcr.disc((2.1, 0.4), 0.1, material=rough)])
+    refused(r"Add (?=.*Ig2_Rcr_Rcr_RcrGeom)(?=.*Ig2_Sphere_Rcr_RcrGeom)(?=.*Ig2_Sphere_Sphere_RcrGeom)")
+
+
+def advised():
+    """What the next step is warned of."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        O.step()
+    return [str(w.message) for w in caught]
+
+
+@LAWS
+def test_overlaps_of_the_start_are_told_once(scene):
+    scene()
+    rough = O.bodies[1].material
+    O.bodies.append([stadium(0.2, 0.1, (0.3, 0.15), angle=1.0, material=rough), stadium(0.2, 0.1, (0, 0.26), material=rough)])
+    (told,) = advised()
+    assert "bodies #1 and #2 overlap by 0." in told and "of R₁ + R₂, before their first step, and 3 more pairs less deeply." in told
+    assert ("take back at most 1e-4 R" in told) == (scene is rigid) and ("Springs begin with the force of it" in told) == (scene is smooth)
+    assert advised() == []
+    O.bodies.append(stadium(0.2, 0.1, (3, 0.08), material=rough))
+    (told,) = advised()
+    assert "bodies #0 and #4 overlap by 0.02 m, 0.0333 of R₁ + R₂, before their first step. " in told
+
+
+def test_overlaps_of_images_are_told():
+    O.reset()
+    O.periodic = True
+    O.cell.setBox(2, 2, 2)
+    rough = material()
+    O.bodies.append([rcr.disc((1.95, 1.0), 0.1, material=rough), rcr.disc((2.1, 3.0), 0.1, material=rough), rcr.disc((0.5, 0.5), 0.1, material=rough)])
+    O.engines = engines(gravity=(0, 0, 0))
+    O.dt = 1e-3
+    (told,) = advised()
+    assert "bodies #0 and #1 overlap by 0.05 m, 0.25 of R₁ + R₂, before their first step. " in told
+
+
+def test_a_scene_without_overlaps_is_not_warned_of():
+    rigid()
+    rough = O.bodies[1].material
+    rcr.clump([stadium(0.2, 0.1, (2, 0.5), material=rough), stadium(0.2, 0.1, (2, 0.5), angle=1.5, material=rough)])
+    O.bodies.append([stadium(0.2, 0.1, (0, 0.3), material=rough), stadium(0.2, 0.1, (5, 0.1), material=rough, mask=2), stadium(0.2, 0.1, (5, 0.1), material=rough, mask=4)])
+    assert advised() == []
+
+
+def test_time_step_beyond_the_springs_is_told():
+    smooth()
+    O.dt = 0.9 * rcr.critical_time_step()
+    assert advised() == []
+    O.dt = 1.1 * rcr.critical_time_step()
+    (told,) = advised()
+    assert "where springs of this stiffness become unstable; set O.dt = 0.5 * rcr.critical_time_step()" in told
+    assert advised() == []
+    O.dt = 2
+    O.engines = [GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.1), *O.engines]
+    assert advised() == []
+
+
+def test_new_contacts_do_not_ask_the_rules_of_all_bodies():
+    """The first step of a lattice of discs finds all its contacts; it used to look at all bodies for each of them."""
+    rough = material()
+    lattice = [rcr.disc((0.2 * i, 0.2 * j), 0.1, material=rough) for i in range(40) for j in range(40)]
+    build(*lattice, gravity=(0, 0, 0), tolerance=1e-2, maxIterations=2)
+
+    def seconds():
+        before = time.process_time()
+        O.step()
+        return time.process_time() - before
+
+    first = seconds()
+    assert O.interactions.countReal() > 3000
+    assert first < 50 * min(seconds() for _ in range(5))

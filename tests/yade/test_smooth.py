@@ -320,7 +320,7 @@ def test_critical_time_step_wants_a_smooth_scene():
         rcr.critical_time_step()
     O.reset()
     O.engines = engines()
-    with pytest.raises(ValueError, match="no body of the shape Rcr is free"):
+    with pytest.raises(ValueError, match="no Rcr and no Sphere is free"):
         rcr.critical_time_step()
 
 

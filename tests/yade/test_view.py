@@ -3,13 +3,13 @@
 One session opens the view before rcr is loaded (F17: with an Rcr in the scene it aborted), makes a scene and takes pictures.
 """
 
-import os
 import shutil
 import subprocess
 
 import numpy as np
 import pytest
 import rcr
+from docs.screen import virtual_screen
 
 pytestmark = [
     pytest.mark.skipif(not shutil.which("Xvfb"), reason="needs a virtual screen: the package xvfb"),
@@ -93,18 +93,8 @@ def pictures(tmp_path_factory):
     folder = tmp_path_factory.mktemp("view")
     script = folder / "session.py"
     script.write_text(SESSION.replace("OUT", repr(str(folder))))
-    reading, writing = os.pipe()
-    screen = subprocess.Popen(["Xvfb", "-displayfd", str(writing), "-screen", "0", "1024x768x24", "-nolisten", "tcp"], pass_fds=[writing],
-                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)  # fmt: skip
-    os.close(writing)
-    try:
-        with os.fdopen(reading) as number:
-            display = ":" + number.readline().strip()
-        environment = os.environ | {"DISPLAY": display, "LIBGL_ALWAYS_SOFTWARE": "1", "QT_X11_NO_MITSHM": "1", "XDG_RUNTIME_DIR": str(folder)}
+    with virtual_screen(folder) as environment:
         session = subprocess.run(["yade", str(script)], capture_output=True, text=True, timeout=300, env=environment, stdin=subprocess.DEVNULL)
-    finally:
-        screen.terminate()
-        screen.wait()
     told = session.stdout + session.stderr
     assert session.returncode == 0 and "lived 22" in session.stdout, told
     pictures = {path.stem: np.array(matplotlib.imread(path)[..., :3]) for path in folder.glob("*.png")}

@@ -23,12 +23,16 @@ std::string MissedSteps::message() const
 {
 	std::ostringstream text;
 	text.precision(2);
-	text << missed << " of " << steps << " steps missed the tolerance (" << 100 * share() << " %)";
-	if (yielded > 0) text << ", " << yielded << " of them without a solution, where contacts have yielded to driven bodies";
-	text << "; the deepest overlap so far is " << deepest << " of the radii";
-	if (deepest <= harmless) text << ": harmless. This is told again if it gets worse.";
+	if (steps == 1) text << "the first step did not reach the tolerance";
 	else
-		text << ", beyond the " << harmless << " of beds at rest or in flow. " << (yielded > 0 ? "Slow down or reverse what is driven, or press by a force." : "Take a smaller time step or more iterations.");
+		text << missed << " of " << steps << " steps so far did not reach the tolerance";
+	if (yielded > 0) text << ", " << yielded << " of them without a solution, so that contacts have yielded to driven bodies";
+	if (deepest == 0) text << "; no bodies overlap, so it is harmless. This is told again if it gets worse.";
+	else if (deepest <= harmless)
+		text << "; the deepest overlap, " << deepest << " of R₁ + R₂, is harmless. This is told again if it gets worse.";
+	else
+		text << "; the deepest overlap, " << deepest << " of R₁ + R₂, is beyond the " << harmless << " of beds at rest or in flow. "
+		     << (yielded > 0 ? "Slow down or reverse what is driven, or press by a force." : "Take a smaller time step or more maxIterations.");
 	return text.str();
 }
 

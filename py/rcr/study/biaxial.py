@@ -5,7 +5,7 @@ Units and rules
 Grains have radii in [R_min, 2 R_min], uniform in volume fraction, and the density ρ; the confining stress is σ₀. With the
 mean grain mass m and the mean diameter d, the time unit is t₀ = √(m/σ₀). The time step is a fixed share of t₀, since no
 stiffness bounds it. The top wall moves at the rate ε̇ = I/t₀ of the first height, I being the inertial number; the strain is
-(h₀ − h)/h₀. All is per unit depth.
+(h₀ − h)/h₀. Every quantity is per unit depth.
 
 With the smooth law the packing is made by rigid contacts too. Springs replace them where the shear starts, and the time step
 is a fixed share of theirs (`rcr.critical_time_step`).
@@ -155,7 +155,7 @@ def checked(
 
 
 class Springs:
-    """What a test asks of its `ContactDynamics`, answered for the smooth law, which iterates nothing."""
+    """Stand-in for `ContactDynamics` under the smooth law, which iterates nothing."""
 
     tolerance = residual = 0.0
     iterations = threads = 0
@@ -166,7 +166,7 @@ class Springs:
 
 
 class Biaxial:
-    """A biaxial test in the running YADE. It lives in the scene: `O.save` keeps it, `Biaxial.load` goes on to the same bits.
+    """A biaxial test in the running YADE. The test lives in the scene: `O.save` keeps it, `Biaxial.load` goes on to the same bits.
 
     Attributes
     ----------
@@ -494,7 +494,7 @@ class Biaxial:
     # --- results -------------------------------------------------------------------------------------------------------
 
     def network(self):
-        """Contact network of the last step; see `rcr.Network`. It is frictionless until the first record of the shear."""
+        """Contact network of the last step; see `rcr.Network`. Its friction is 0 until the first record of the shear."""
         friction = self.parameters["friction"] if self.rows else 0.0
         return rcr.contact_network(
             self.walls, strain=self.strain, eta=self.parameters["eta"], friction=friction, seed=self.parameters["seed"], run=self.run
@@ -516,7 +516,7 @@ class Biaxial:
         return np.sort(np.maximum(0, -np.array(gaps))) / self.diameter
 
     def summary(self):
-        """What `summary.json` holds; stresses and fractions of the second half of the strain.
+        """Contents of `summary.json`; stresses and fractions of the second half of the strain.
 
         `aspect_ratio` is width over height at the end, `sample_inertia` and `sample_inertia_height` what `sample_inertia` tells then.
         `missed_fraction` is the share of the shear's steps whose residual was beyond the tolerance, `missed_mean` and `missed_max` by what

@@ -1,7 +1,7 @@
 """Paper against measured: each statement of the text as a criterion on the data, each with its verdict. Needs NumPy.
 
 A criterion takes a value within its tolerance or two standard errors, whichever is wider, and a trend beyond two standard errors.
-What the data cannot tell (an elongation that was not run, a map to be looked at) is not tested.
+Statements on which the data cannot tell (an elongation that was not run, a map to be looked at) are not tested.
 """
 
 import dataclasses

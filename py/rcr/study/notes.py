@@ -233,7 +233,7 @@ def force_and_length(runs, others):
 
 @note
 def sides_as_points(runs, others):
-    """What counting side-side contacts twice does to distributions."""
+    """Distributions with side-side contacts counted once and twice."""
     etas, rows = list(runs), []
     for group in runs.values():
         parts = []

@@ -1,4 +1,4 @@
-"""What Azéma and Radjaï state in "Force chains and contact network topology in packings of elongated particles".
+"""Statements of Azéma and Radjaï in "Force chains and contact network topology in packings of elongated particles".
 
 The curves of their figures are not to be had: these are the values and the trends of the text.
 """

@@ -1,4 +1,4 @@
-"""What `scripts/biaxial.py` wrote: its networks of the critical state, its history, its isotropic state. Needs NumPy and h5py."""
+"""Results of `scripts/biaxial.py`: its networks of the critical state, its history, its isotropic state. Needs NumPy and h5py."""
 
 import csv
 import dataclasses
