@@ -291,11 +291,11 @@ def let_go(held):
     from yade.minieigenHP import Vector3
 
     gc.collect()
-    objects = [o for o in gc.get_objects() if isinstance(o, (wrapper.Serializable, Vector3)) and id(o) not in held]
+    objects = tuple([o for o in gc.get_objects() if isinstance(o, (wrapper.Serializable, Vector3)) and id(o) not in held])
+    owned = {id(o) for owner in gc.get_referrers(*objects) if owner is not objects for o in gc.get_referents(owner)}
     dropped = 0
-    while objects:
-        o = objects.pop()
-        unowned = 0 if gc.get_referrers(o) else sys.getrefcount(o) - 2  # `o` and the argument
+    for o in objects:
+        unowned = 0 if id(o) in owned else sys.getrefcount(o) - 3  # `objects`, `o` and the argument
         for _ in range(unowned):
             ctypes.pythonapi.Py_DecRef(ctypes.py_object(o))
         dropped += unowned
