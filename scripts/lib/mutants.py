@@ -59,7 +59,8 @@ TABLE = {
     ],
     "sweep/layout.cpp": [
         ("model-of-the-first-point", "joins ? std::min(need(problem, c), need(problem, points[k + 1])) : need(problem, c)", "need(problem, c)"),
-        ("layout-kept-for-other-kinds", "sameReductions && sameBodies && samePairs", "sameReductions && samePairs"),
+        ("layout-kept-for-other-kinds", "sameReductions && sameCell && sameBodies && samePairs", "sameReductions && sameCell && samePairs"),
+        ("layout-kept-for-another-cell", "sameReductions && sameCell && sameBodies && samePairs", "sameReductions && sameBodies && samePairs"),
         ("special-bodies-packed", "|| !packable(pair)) return none;", ") return none;"),
         ("threads-share-small-islands", "pairs > loneIslandPairs", "pairs > 0"),
         ("levers-of-one-body", "turned(c.body1, c.arm1) || turned(c.body2, c.arm2)", "turned(c.body1, c.arm1)"),
@@ -165,9 +166,11 @@ def tests_of(file):
 
 
 def copy_sources(folder):
-    for part in ("pkg/kernel", "pkg/python"):
+    for part in ("pkg/kernel", "pkg/python", "cmake"):
         shutil.copytree(check.ROOT / part, folder / part, dirs_exist_ok=True)
-    shutil.copy2(check.ROOT / "CMakeLists.txt", folder)
+    for file in ("CMakeLists.txt", "py/rcr/__init__.py"):
+        (folder / file).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(check.ROOT / file, folder / file)
 
 
 def caught(mutant, package, log):

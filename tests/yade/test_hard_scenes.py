@@ -1,16 +1,26 @@
 """Every hard scene keeps its bound at the default settings and stays stable at ten times the time step.
 
 S18 and S19's stack of 100 take minutes: here 10⁴ steps of the first (10 s of 1000) and 5 s of 100 of the second; all of them run in
-scripts/hard_scenes.py. S20, the same bits for any threads, is tests/yade/test_same_bits.py.
+scripts/hard_scenes.py. The pyramids, half of the time of all scenes, are slow tests. S20, the same bits for any threads, is
+tests/yade/test_same_bits.py.
 """
 
 import pytest
 from benchmarks import hard_scenes
 from benchmarks.hard_scenes import COARSE
 
+SLOW = "s19_pyramid", "s19_disc_pyramid"
 SHORTENED = dict(s18_creep=10.0, s19_tall_stack=5.0)  # seconds of simulated time
 # What is known to fail, with its figure in docs/hard-scenes.md; a cure makes these tests fail, and is to be entered here and there.
 FAILS = {"s19_disc_pyramid": "rest and collapse both satisfy the laws, and ours collapses"}
+
+
+def parameters(fails):
+    """The scenes with their marks; those that fail are in `fails`, with the reason."""
+    return [
+        pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW) + [pytest.mark.xfail(reason=fails[name], strict=True)] * (name in fails))
+        for name in hard_scenes.names()
+    ]
 
 
 def run(name, **how):
@@ -18,16 +28,14 @@ def run(name, **how):
     return hard_scenes.run(name, **how, **shortened)
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=pytest.mark.xfail(reason=FAILS[name], strict=True) if name in FAILS else ()) for name in hard_scenes.names()]
-)
+@pytest.mark.parametrize("name", parameters(FAILS))
 def test_scene_keeps_its_bound(name):
     result, scene = run(name), hard_scenes.scene(name)
     assert result.measured <= scene.BOUND, f"{scene.PREDICATE}: {result}"
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
 
 
-@pytest.mark.parametrize("name", hard_scenes.names())
+@pytest.mark.parametrize("name", parameters({}))
 def test_scene_is_stable_at_ten_time_steps(name):
     result = run(name, dt=COARSE)
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
