@@ -5,7 +5,7 @@
     scripts/yade-rcr -n -x scripts/bench_step.py FOLDER… --out DIR
 
 The first compares the cost of an iteration, of a step, and how well its contact laws hold; the second shows the share of
-each engine. Times are the minimum of several runs, of the libraries and our solver processor time, in YADE by the clock;
+each engine, in steps that YADE's engines take and in those taken in arrays. Times are the minimum of several runs, of the libraries and our solver processor time, in YADE by the clock;
 tables are printed and written as CSV.
 """
 
@@ -32,17 +32,17 @@ except ImportError as error:  # not for this Python: in the environment of yade-
 
 FEW, MANY = 10, 210  # iterations whose difference gives the cost of one
 SKIN = 1e-3  # mean diameters by which grains are larger in the other libraries, so that they see contacts before they overlap
-BOOKKEEPING = "gather", "layout", "scatter"
+WAYS = dict(engines=False, arrays=True)  # ContactDynamics.arrays
+BLOCK = 50  # steps of a run in YADE that is timed by itself
 SETTLE = 10  # steps in YADE before the time is taken
 PEERS = dict(chipmunk="libchipmunk-dev", box2d="libbox2d-dev")
 
 STEP_COLUMNS = (
     "packing shape grains points library start iterations ns covers ms ms_without_iterations residual mean_overlap velocity_error"
 ).split()
-ENGINE_COLUMNS = "folder grains points threads engine ms share".split()
+ENGINE_COLUMNS = "folder grains points threads way engine ms share".split()
 YADE_COLUMNS = (
-    "folder eta grains points threads steps ms ms_least ms_processor iterations tolerance residual_max "
-    "ms_sweeps ms_bookkeeping bookkeeping_per_sweeps"
+    "folder eta grains points threads way steps in_arrays ms ms_least ms_processor iterations tolerance residual_max ms_sweeps ms_rest"
 ).split()
 
 
@@ -176,8 +176,8 @@ def compare_libraries(options):
 # ---------------------------------------------------------------------------------------------- inside YADE
 
 
-def time_checkpoint(folder, options):
-    """Rows of the engines and of the whole, for a checkpoint that goes on for some steps."""
+def time_checkpoint(folder, way, options):
+    """Rows of the engines and of the whole, for a checkpoint that goes on for some steps, by YADE's engines or in arrays."""
     import time
 
     from rcr.study.biaxial import Biaxial
@@ -189,36 +189,36 @@ def time_checkpoint(folder, options):
     solver = test.solver
     if test.parameters["law"] != "cd":
         raise ValueError(f"{folder} holds a test with springs; wanted one with rigid contacts")
-    solver.threads = options.threads
+    solver.threads, solver.arrays = options.threads, WAYS[way]
     if options.iterations:
         solver.solver, solver.tolerance, solver.maxIterations = "nesterov", 0, options.iterations
     scene.run(SETTLE, True)
+    solver.observed()
     scene.timingEnabled = True
     timing.reset()
-    parts = dict(solver.seconds)
-    times, iterations, residuals, processor = [], [], [], time.process_time()
-    for _ in range(options.steps):
+    parts, in_arrays = dict(solver.seconds), solver.model["arrays"]
+    times, processor = [], time.process_time()
+    for done in range(0, options.steps, BLOCK):
+        count = min(BLOCK, options.steps - done)
         start = time.perf_counter()
-        scene.step()
-        times.append(time.perf_counter() - start)
-        iterations.append(solver.iterations)
-        residuals.append(solver.residual)
+        scene.run(count, True)
+        times.append((time.perf_counter() - start) / count)
     processor = time.process_time() - processor
     scene.timingEnabled = False
+    seen = solver.observed()
     parts = {name: 1e3 * (seconds - parts.get(name, 0)) / options.steps for name, seconds in solver.seconds.items()}
     name = os.path.basename(os.path.normpath(folder))
-    about = dict(folder=name, grains=len(test.grains), points=solver.contactPoints, threads=options.threads)
+    about = dict(folder=name, grains=len(test.grains), points=solver.contactPoints, threads=options.threads, way=way)
     alive = [engine for engine in scene.engines if not engine.dead]
     engines = [(engine.label or type(engine).__name__, 1e-6 * engine.execTime / options.steps) for engine in alive]
     total = sum(ms for _, ms in engines)
     rows = [dict(about, engine=name, ms=ms, share=ms / total) for name, ms in engines]
     rows += [dict(about, engine=f"ContactDynamics: {name}", ms=ms, share=ms / total) for name, ms in parts.items()]
-    sweeps, bookkeeping = parts["solve"], sum(parts.get(name, 0) for name in BOOKKEEPING)
     whole = dict(
-        about, eta=test.parameters["eta"], steps=options.steps,
+        about, eta=test.parameters["eta"], steps=options.steps, in_arrays=solver.model["arrays"] - in_arrays,
         ms=1e3 * float(np.mean(times)), ms_least=1e3 * min(times), ms_processor=1e3 * processor / options.steps,
-        iterations=float(np.mean(iterations)), tolerance=solver.tolerance, residual_max=max(residuals), ms_sweeps=sweeps,
-        ms_bookkeeping=bookkeeping, bookkeeping_per_sweeps=bookkeeping / sweeps,
+        iterations=seen["iterations"] / options.steps, tolerance=solver.tolerance, residual_max=seen["residual"], ms_sweeps=parts["solve"],
+        ms_rest=1e3 * float(np.mean(times)) - parts["solve"],
     )  # fmt: skip
     return rows, whole
 
@@ -226,9 +226,10 @@ def time_checkpoint(folder, options):
 def time_yade(options):
     engines, whole = [], []
     for folder in options.inputs:
-        rows, row = time_checkpoint(folder, options)
-        engines += rows
-        whole.append(row)
+        for way in WAYS:
+            rows, row = time_checkpoint(folder, way, options)
+            engines += rows
+            whole.append(row)
     return dict(yade_engines=(engines, ENGINE_COLUMNS), yade_step=(whole, YADE_COLUMNS))
 
 

@@ -18,7 +18,8 @@ namespace yade {
 
 namespace {
 
-	constexpr auto longest = std::chrono::milliseconds(500); // that YADE's objects, and who watches them, stay behind
+	constexpr auto behind = std::chrono::milliseconds(500); // YADE's objects stay at most, for whoever watches them …
+	constexpr long fewest = 30;                            // … but so many steps
 
 	/// Whether a PeriodicEngine will act when it is asked at this iteration and time; asking it would count.
 	bool due(const PeriodicEngine& engine, long iter, Real time)
@@ -79,6 +80,12 @@ std::string FlatSteps::reason(const Scene& scene, const gate::Engines& engines, 
 	const NewtonIntegrator& newton = *engines.integrator;
 	if (newton.mask > 0) return "NewtonIntegrator.mask";
 	if (!engines.loop->callbacks.empty()) return "callbacks of the InteractionLoop";
+	for (const auto& functor : engines.loop->geomDispatcher->functors)
+		if (functor->getBaseClassName() != "Ig2_Planar_RcrGeom") return "the functor " + functor->getClassName();
+	for (const auto& functor : engines.loop->physDispatcher->functors)
+		if (functor->getClassName() != "Ip2_FrictMat_FrictMat_CdPhys") return "the functor " + functor->getClassName();
+	for (const auto& functor : engines.loop->lawDispatcher->functors)
+		if (functor->getClassName() != "Law2_RcrGeom_CdPhys_SignoriniCoulomb") return "the functor " + functor->getClassName();
 	for (const rcr::StepContact& c : step.contacts)
 		if (c.body1 > c.body2 && step.bodies[c.body1].shape.kind == step.bodies[c.body2].shape.kind) return "a contact whose bodies are not in their order";
 	early_.clear(), late_.clear(), watched_.clear();
@@ -114,7 +121,7 @@ std::string FlatSteps::reasonNow(const Scene& scene) const
 	const Real time = scene.time + scene.dt;
 	if ((scene.stopAtIter > 0 && iter >= scene.stopAtIter) || (scene.stopAtTime > 0 && time >= scene.stopAtTime)) return "the end of the run";
 	if (scene.interactions->dirty || scene.bodies->size() != watches_.size()) return "a change of the bodies or interactions";
-	if (going_ && Clock::now() - since_ > longest) return "a look at the scene";
+	if (going_ && count_ - first_ >= fewest && Clock::now() - since_ > behind) return "a look at the scene";
 	bool solved = false;
 	for (const auto& engine : scene.engines) {
 		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
@@ -158,6 +165,7 @@ void FlatSteps::begin(rcr::Team& team, const StepSources& sources, const rcr::St
 {
 	going_                  = true;
 	since_                  = Clock::now();
+	first_                  = count_;
 	const std::size_t count = step.bodies.size();
 	inertia_.resize(count), begun_.resize(count);
 	team.forEach(count, [&](std::size_t id) {
