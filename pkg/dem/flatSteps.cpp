@@ -276,16 +276,17 @@ void FlatSteps::publish(Scene& scene, rcr::Team& team, StepSources& sources, con
 
 	std::vector<Interaction*> interaction(pairs_.all.size());
 	std::vector<char>         lasts(sources.sorted.size());
+	const auto made = [](const rcr::Pair& pair) { return pair.points > 0 && (pair.source >= 0 || pair.since >= 0); }; // not where an error came in between
 	for (std::size_t k = 0; k < interaction.size(); ++k) {
 		const int source = pairs_.all[k].source;
-		if (pairs_.all[k].points == 0 || source < 0) continue;
+		if (!made(pairs_.all[k]) || source < 0) continue;
 		lasts[source]  = true;
 		interaction[k] = sources.sorted[source].interaction;
 	}
 	for (std::size_t k = 0; k < lasts.size(); ++k)
 		if (!lasts[k] && sources.sorted[k].interaction) sources.sorted[k].interaction->reset();
 	for (std::size_t k = 0; k < interaction.size(); ++k)
-		if (pairs_.all[k].points > 0 && !interaction[k]) interaction[k] = interactionOf(scene, pairs_.all[k]);
+		if (made(pairs_.all[k]) && !interaction[k]) interaction[k] = interactionOf(scene, pairs_.all[k]);
 	std::vector<StepSources::Contact> contacts(interaction.size());
 	team.forEach(interaction.size(), [&](std::size_t k) {
 		if (const Interaction* later = interaction[std::min(k + prefetchAhead, interaction.size() - 1)]) {
