@@ -9,6 +9,7 @@ import csv
 import datetime
 import importlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -159,6 +160,20 @@ def script(name, *command):
     return code == 0, last_line(log) + ("" if code == 0 else f"; see {log.relative_to(ROOT)}")
 
 
+def damage(arguments):
+    """The readers' tests with twenty times as many damaged files, and how many of them were read and refused."""
+    right, about = script("damage", "env", "RCR_DAMAGE=20", *PYTEST, "tests/python/test_damaged_files.py", *arguments)
+    return right, "; ".join([line for line in (FOLDER / "damage.log").read_text().splitlines() if line.startswith("damaged files: ")] + [about])
+
+
+def properties(arguments):
+    """The property tests, each with a thousand new examples."""
+    options = ["-m", "hypothesis", "--hypothesis-profile=long", "--hypothesis-show-statistics"]
+    right, about = script("properties", *PYTEST, *options, *arguments)
+    counts = [int(count) for count in re.findall(r"(\d+) passing examples", (FOLDER / "properties.log").read_text())]
+    return right, f"{sum(counts)} examples; {about}"
+
+
 def python(name, file, *defaults):
     return lambda arguments: script(name, sys.executable, file, *(arguments or defaults))
 
@@ -183,7 +198,8 @@ CHECKS = {
                "driven scenes drawn at random, rigid beside springs"),
     "large": (python("large", LARGE), "2^20 grains apart, and 10^5 in a pile"),
     "kills": (python("kills", "tests/endurance/kills.py", "writes", "1000", "runs", "50", "campaigns", "5"), "writes, runs and campaigns killed at random moments"),
-    "damage": (lambda arguments: script("damage", "env", "RCR_DAMAGE=20", *PYTEST, "tests/python/test_damaged_files.py", *arguments), "readers and twenty times as many damaged files"),
+    "damage": (damage, "readers and twenty times as many damaged files: each read, or refused in one line"),
+    "properties": (properties, "what holds for any input, with a thousand new inputs each"),
     "tidy": (tidy, "clang-tidy on the kernels"),
     "coverage": (coverage, "lines of the kernels that their tests reach"),
     "docs": (python("docs", "docs/build.py"), "the pages as a site, without a warning"),
