@@ -58,12 +58,15 @@ def build(name, flags, source=ROOT, plugin=False):
     with_plugin = [f"-DYADE_SOURCE_DIR={yade_source()}"] if plugin else ["-DRCR_PLUGIN=OFF"]
     configure = ["cmake", "-S", source, "-B", folder / "build", "-G", "Ninja", *with_plugin, f"-DRCR_PACKAGE={package}",
                  "-DCMAKE_BUILD_TYPE=Check", f"-DCMAKE_CXX_FLAGS={flags}"]  # fmt: skip
-    # a file with YADE's headers takes 4 GB under the sanitizers, so one compiler at a time
-    wanted = ["--parallel", "1"] if plugin else ["--target", "_kernel"]
-    log = FOLDER / f"{name}.log"
-    if run([*map(str, configure)], log) or run(["cmake", "--build", str(folder / "build"), *wanted], log):
+    if run([*map(str, configure)], FOLDER / f"{name}.log") or not compiled(name, plugin):
         return None
     return package.parent
+
+
+def compiled(name, plugin=False):
+    """Whether what changed since it was built compiles; a file with YADE's headers takes 4 GB under the sanitizers, so these go one at a time."""
+    wanted = ["--parallel", "1"] if plugin else ["--target", "_kernel"]
+    return run(["cmake", "--build", str(FOLDER / name / "build"), *wanted], FOLDER / f"{name}.log") == 0
 
 
 def yade_source():
