@@ -22,6 +22,7 @@ if importlib.util.find_spec("hypothesis"):
     # the same examples in every run, and no verdict on the speed of a machine that does other things too
     slow = [hypothesis.HealthCheck.too_slow]
     hypothesis.settings.register_profile("steady", deadline=None, derandomize=True, suppress_health_check=slow)
+    hypothesis.settings.register_profile("long", parent=hypothesis.settings.get_profile("steady"), derandomize=False, max_examples=1000)  # scripts/check properties
     hypothesis.settings.load_profile("steady")
 
 

@@ -9,6 +9,7 @@ import csv
 import datetime
 import importlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -57,12 +58,15 @@ def build(name, flags, source=ROOT, plugin=False):
     with_plugin = [f"-DYADE_SOURCE_DIR={yade_source()}"] if plugin else ["-DRCR_PLUGIN=OFF"]
     configure = ["cmake", "-S", source, "-B", folder / "build", "-G", "Ninja", *with_plugin, f"-DRCR_PACKAGE={package}",
                  "-DCMAKE_BUILD_TYPE=Check", f"-DCMAKE_CXX_FLAGS={flags}"]  # fmt: skip
-    # a file with YADE's headers takes 4 GB under the sanitizers, so one compiler at a time
-    wanted = ["--parallel", "1"] if plugin else ["--target", "_kernel"]
-    log = FOLDER / f"{name}.log"
-    if run([*map(str, configure)], log) or run(["cmake", "--build", str(folder / "build"), *wanted], log):
+    if run([*map(str, configure)], FOLDER / f"{name}.log") or not compiled(name, plugin):
         return None
     return package.parent
+
+
+def compiled(name, plugin=False):
+    """Whether what changed since it was built compiles; a file with YADE's headers takes 4 GB under the sanitizers, so these go one at a time."""
+    wanted = ["--parallel", "1"] if plugin else ["--target", "_kernel"]
+    return run(["cmake", "--build", str(FOLDER / name / "build"), *wanted], FOLDER / f"{name}.log") == 0
 
 
 def yade_source():
@@ -159,6 +163,20 @@ def script(name, *command):
     return code == 0, last_line(log) + ("" if code == 0 else f"; see {log.relative_to(ROOT)}")
 
 
+def damage(arguments):
+    """The readers' tests with twenty times as many damaged files, and how many of them were read and refused."""
+    right, about = script("damage", "env", "RCR_DAMAGE=20", *PYTEST, "tests/python/test_damaged_files.py", *arguments)
+    return right, "; ".join([line for line in (FOLDER / "damage.log").read_text().splitlines() if line.startswith("damaged files: ")] + [about])
+
+
+def properties(arguments):
+    """The property tests, each with a thousand new examples."""
+    options = ["-m", "hypothesis", "--hypothesis-profile=long", "--hypothesis-show-statistics"]
+    right, about = script("properties", *PYTEST, *options, *arguments)
+    counts = [int(count) for count in re.findall(r"(\d+) passing examples", (FOLDER / "properties.log").read_text())]
+    return right, f"{sum(counts)} examples; {about}"
+
+
 def python(name, file, *defaults):
     return lambda arguments: script(name, sys.executable, file, *(arguments or defaults))
 
@@ -183,7 +201,8 @@ CHECKS = {
                "driven scenes drawn at random, rigid beside springs"),
     "large": (python("large", LARGE), "2^20 grains apart, and 10^5 in a pile"),
     "kills": (python("kills", "tests/endurance/kills.py", "writes", "1000", "runs", "50", "campaigns", "5"), "writes, runs and campaigns killed at random moments"),
-    "damage": (lambda arguments: script("damage", "env", "RCR_DAMAGE=20", *PYTEST, "tests/python/test_damaged_files.py", *arguments), "readers and twenty times as many damaged files"),
+    "damage": (damage, "readers and twenty times as many damaged files: each read, or refused in one line"),
+    "properties": (properties, "what holds for any input, with a thousand new inputs each"),
     "tidy": (tidy, "clang-tidy on the kernels"),
     "coverage": (coverage, "lines of the kernels that their tests reach"),
     "docs": (python("docs", "docs/build.py"), "the pages as a site, without a warning"),

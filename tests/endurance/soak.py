@@ -30,7 +30,7 @@ from scene_fuzzer import R, WIDTH
 
 EVENTS = 12  # in a scene
 STEPS = 80  # between two events
-LIMIT = 600  # s, that a scene may take
+LIMIT = 600  # s of processor time, that a scene may take
 HIT = 100.0  # m/s, at most
 MISSED_STEPS_HEAL = 200  # after a step that missed the tolerance overlaps may stay deep
 RESOLVED = 1.0  # R, that a grain's surface may move in a step: a rod that turns by more can meet the same neighbour twice, of which the law of one step knows nothing
@@ -319,13 +319,13 @@ def scenes(first, seconds, most):
     held = {id(o): o for o in gc.get_objects() if isinstance(o, yade.wrapper.Serializable)}
     start, seed = time.monotonic(), first
     while time.monotonic() - start < seconds and seed < first + most:
-        signal.alarm(LIMIT)
+        signal.setitimer(signal.ITIMER_PROF, LIMIT)
         print(f"seed {seed}", flush=True)
         counts = collections.Counter()
         wrong = outcome(seed, counts)
         yade.O.reset()
         counts["references"] = let_go(held)
-        signal.alarm(0)
+        signal.setitimer(signal.ITIMER_PROF, 0)
         print(f"memory {time.monotonic() - start:.1f} {resident():.2f}", flush=True)
         print("counts", *(f"{name} {count}" for name, count in counts.items()), flush=True)
         if wrong:

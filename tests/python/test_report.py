@@ -31,7 +31,7 @@ SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "network.py"
 def network_script(*arguments):
     """The script as this Python runs it; it must not look for another one."""
     command = [sys.executable, SCRIPT, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=os.environ | {"YADE_RCR_WAY": "test"})
+    return subprocess.run(command, capture_output=True, text=True, timeout=600, env=os.environ | {"YADE_RCR_WAY": "test"})
 
 
 @pytest.fixture(scope="module")
@@ -89,6 +89,12 @@ def test_analysis_of_other_runs_is_refused(written, folders, tmp_path):
         run = network_script(*arguments, "--out", out)
         assert run.returncode == 1 and "--overwrite, which removes it" in run.stderr and run.stderr.count("\n") == 1
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
+
+
+@pytest.mark.slow
+def test_analysis_of_other_runs_takes_the_place_of_one(written, folders, tmp_path):
+    out = tmp_path / "out"
+    shutil.copytree(written[0], out)
     assert network_script(folders[0], "--out", out, "--overwrite").returncode == 0
     assert not (out / "O6-eta-0.5.png").exists() and (out / "O6-eta-0.png").exists()
 

@@ -20,6 +20,7 @@ def campaign(out, *arguments):
     return subprocess.run([CAMPAIGN, "--out", str(out), *arguments], capture_output=True, text=True, timeout=300)
 
 
+@pytest.mark.slow
 @needs_snakemake
 @needs_environment
 def test_killed_campaign_ends_with_the_same_results(tmp_path):

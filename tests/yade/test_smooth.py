@@ -369,7 +369,7 @@ def test_contacts_of_the_other_law():
 def test_biaxial_test_with_springs():
     """Springs replace the rigid contacts of the packing: overlaps become σ₀/k_n d, σ from the contacts stays what the walls feel."""
     stiffness = 1e3
-    test = Biaxial.prepare(eta=0.5, particles=100, seed=1, law="smooth", stiffness=stiffness)
+    test = Biaxial.prepare(eta=0.5, particles=60, seed=1, law="smooth", stiffness=stiffness)
     test.compact()
     assert not any(isinstance(engine, rcr.ContactDynamics) for engine in O.engines)
     for _ in range(10):  # by the first three the unloaded springs are under load again
