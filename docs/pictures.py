@@ -36,9 +36,11 @@ def main():
                 script = pathlib.Path(folder) / "scene.py"
                 script.write_text(re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1])
                 subprocess.run(["yade", "-n", "-x", str(script)], cwd=folder, check=True)
+            elif name == "batch":
+                subprocess.run(["yade-batch", "-j", "4", str(ROOT / "examples" / "batch.table"), str(ROOT / "examples" / "batch.py")], cwd=folder, check=True)
             else:
                 subprocess.run(["yade", "-n", "-x", str(ROOT / "examples" / f"{name}.py"), "--out", folder], cwd=folder, check=True)
-            made = sorted(pathlib.Path(folder).glob("*.png"))
+            made = sorted(pathlib.Path(folder).rglob("*.png"))
             keep(next((path for path in made if path.stem == name), made[0]), name)
 
 

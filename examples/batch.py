@@ -56,7 +56,7 @@ for path in sorted(glob.glob(os.path.join(options.out, "eta-*.txt"))):
     _, e, _, m = os.path.basename(path).removesuffix(".txt").split("-")
     rows.append((float(e), float(m), run["width"][-1] / run["width"][0]))
     ax.plot(run["t"], run["width"] / run["width"][0], label=f"$\\eta$ = {e}, $\\mu$ = {m}")
-ax.set(xlabel="time [s]", ylabel="spread (rms of x) over that of the column")
+ax.set(xlabel="time [s]", ylabel="rms of x over that of the column")
 ax.legend(fontsize=7)
 with rcr.files.whole(os.path.join(options.out, "batch.png")) as path:  # two jobs may end at once
     figure.savefig(path, dpi=150)

@@ -32,11 +32,12 @@ def _time_step(omega):
 
 def _advise(omega):
     global _advised
-    bodies, dt = known = len(omega.bodies), omega.dt
-    old_bodies, old_dt = _advised if omega.iter > 0 and _advised else (None, None)
+    known, before = (len(omega.bodies), omega.dt), _advised
     _advised = known
-    told = _plugin.advice() if bodies != old_bodies else []
-    if _plugin.serves() and known != (old_bodies, old_dt):
+    if omega.iter > 0 and known == before:
+        return
+    told = [] if omega.iter > 0 and before and known[0] == before[0] else _plugin.advice()
+    if _plugin.serves():
         told += _time_step(omega)
     for text in told:
         warnings.warn("rcr: " + text, stacklevel=4)
