@@ -55,7 +55,7 @@ def scene_module(name):
         if not isinstance(node, ast.Assign):
             continue
         target, value = node.targets[0], node.value
-        pairs = zip(target.elts, value.elts) if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple) else [(target, value)]
+        pairs = zip(target.elts, value.elts) if isinstance(target, ast.Tuple) else [(target, value)]
         for name_node, constant in pairs:
             if isinstance(constant, ast.Constant):
                 told[name_node.id] = constant.value

@@ -5,7 +5,6 @@
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 
-#include "../kernel/step/drive.hpp"
 #include "../kernel/step/large_displacements.hpp"
 #include "../kernel/step/missed_contacts.hpp"
 #include "../kernel/step/position_correction.hpp"
@@ -118,20 +117,18 @@ rcr::Settings ContactDynamics::settings() const
 	s.meanForceChange = double(meanForceChange);
 	s.threads         = solverThreads();
 	s.lanes           = lanes;
-	const rcr::Drive drive = rcr::driveOf(step_);
-	s.compliance      = double(compliance) * drive.compliance;
-	s.mostImpulse     = drive.mostImpulse / double(compliance); // 0: infinite
+	s.compliance      = double(compliance);
 	s.reductions      = rcr::Reductions::of(reductions);
 	return s;
 }
 
 /// A further pass corrects a few contacts. The residual over all contacts would not show them, so the pass runs a fixed ten sweeps,
-/// enough for their neighbourhood. All passes share the iterations of the step.
+/// enough for their neighbourhood.
 rcr::Settings ContactDynamics::settingsOfFurtherPass() const
 {
 	rcr::Settings s = settings();
 	s.minIterations = std::max(s.minIterations, furtherSweeps);
-	s.maxIterations = tolerance == 0 ? std::min(s.maxIterations, furtherSweeps) : std::max(s.maxIterations - iterations, furtherSweeps);
+	if (tolerance == 0) s.maxIterations = std::min(s.maxIterations, furtherSweeps);
 	return s;
 }
 
