@@ -16,10 +16,20 @@ def arguments():
     parser.add_argument("--count", type=int, default=200, metavar="N", help="scenes (default %(default)s, an hour)")
     parser.add_argument("--first", type=int, default=0, metavar="SEED", help="seed of the first scene (default %(default)s)")
     parser.add_argument("--out", default="driven-scenes.csv", metavar="FILE", help="CSV (default %(default)s)")
+    parser.add_argument("--springs", metavar="FILE", help="CSV of an earlier run, whose courses of springs are taken: they cost most of the time")
     options = parser.parse_args()
     if options.count < 1:
         parser.error(f"--count {options.count}: give at least 1")
+    options.known = courses(options.springs) if options.springs else {}
     return options
+
+
+def courses(path):
+    """Of the springs, by seed, in a CSV of this script."""
+    value = {float: float, int: int, bool: "True".__eq__}
+    fields = dataclasses.fields(driven.Course)
+    with open(path, newline="") as file:
+        return {int(row["seed"]): driven.Course(**{field.name: value[field.type](row[f"{field.name}_springs"]) for field in fields}) for row in csv.DictReader(file)}
 
 
 def row(scene, rigid, springs, broken):
@@ -36,7 +46,7 @@ def main():
         table = None
         for seed in range(options.first, options.first + options.count):
             scene = driven.draw(seed)
-            rigid, springs = driven.run(scene)
+            rigid, springs = driven.run(scene, options.known.get(seed))
             broken = driven.violations(scene, rigid, springs)
             counts.update(broken or ["none"])
             yielded += rigid.yielded > 0

@@ -1,8 +1,8 @@
 """Driven scenes drawn at random: walls whose motion is prescribed ask for more than rigid grains can do, for an instant or for good.
 
 A bed of grains settles in a box, then one of `MOTIONS` begins. The same motion from the same bed is run with rigid contacts and with springs
-of 1e8 Pa. The rigid one must keep what springs keep by giving way: speeds, forces, the time of a step, and a message only where they too
-are crushed (`violations`).
+of 1e8 Pa, for as long. The rigid one must keep what springs keep by giving way: speeds, forces, the time of a step, and a message only where
+they too are crushed (`violations`). Springs are no reference once they are, and end soon after.
 """
 
 import dataclasses
@@ -20,9 +20,11 @@ from .stage import DT, G, ContactDynamics, R, Smooth, angle, box, build, materia
 
 MOTIONS = "lid piston receding shear rotating wedge".split()
 CRUSHED = 0.02  # overlap over R₁ + R₂ beyond which a scene is squeezed, not resting or flowing
-SPRINGS = Smooth(young=1e8, damping=0.3)
+RIGID, SPRINGS = ContactDynamics(), Smooth(young=1e8, damping=0.3)
 PACE = 0.02  # of R, that the drive covers in a step at most
-RIGID_STEPS, SPRING_STEPS = 1500, 30000  # at most
+RIGID_STEPS, SPRING_STEPS = 1500, 20000  # at most; both laws end with the one whose steps end first
+LATE = 50  # steps of the rigid law in which the message has to come
+LOOKS = 1000  # at the springs of a scene, at most; the rigid law is looked at after each step
 
 
 @dataclasses.dataclass(frozen=True)
@@ -70,34 +72,29 @@ class Course:
     """One run of a scene under one law."""
 
     fall: float = 0.0  # height that a grain could fall [m]
+    duration: float = 0.0  # what it was to last [s]
     fastest: float = 0.0  # of all grains and steps [m/s]
     force: float = 0.0  # largest normal force of a contact [N/m]
     overlap: float = 0.0  # deepest, over R₁ + R₂ [-]
     crushed: float = math.inf  # time at which it went beyond CRUSHED [s]
     stopped: float = math.inf  # time of the message [s]
     median: float = 0.0  # processor time of a step [s]
-    slowest: float = 0.0  # the same of the slowest
-    yielded: int = 0  # steps without a solution
+    slowest: float = 0.0  # the same of the slowest, but for the first, in which YADE sets up the scene
+    yielded: int = 0  # steps in which contacts have yielded
     missed: int = 0  # steps that missed the tolerance, those included
     steps: int = 0
     ended: bool = True  # without an exception other than the message of the guard
 
 
-def run(scene):
-    """Both laws on the same motion: (rigid, springs), two of `Course`."""
-    poses = _settled(scene)
-    rigid, times = _follow(scene, ContactDynamics(), poses, scene.dt)
-    _, again = _follow(scene, ContactDynamics(), poses, scene.dt)  # the same steps: what else the machine did is no part of the least time
-    rigid.median, rigid.slowest = _least(times, again)
-    springs, times = _follow(scene, SPRINGS, poses, None)
-    springs.median, springs.slowest = _least(times)
+def run(scene, springs=None):
+    """Both laws on the same motion: (rigid, springs), two of `Course`. That of the springs may be given, of an earlier run."""
+    bed = _settled(scene)
+    springs = springs or _follow(scene, SPRINGS, bed, scene.steps * scene.dt)[0]
+    rigid, times = _follow(scene, RIGID, bed, springs.duration)
+    _, again = _follow(scene, RIGID, bed, springs.duration, looks=0)  # the same steps: what else the machine did is no part of the least time
+    least = np.min([times[1 : min(len(times), len(again))], again[1 : min(len(times), len(again))]], axis=0)
+    rigid.median, rigid.slowest = float(np.median(least)), float(least.max())
     return rigid, springs
-
-
-def _least(*runs):
-    """Median and slowest of the least times of the steps of runs of the same scene [s]."""
-    least = np.min([times[: min(map(len, runs))] for times in runs], axis=0)
-    return float(np.median(least)), float(least.max())
 
 
 def violations(scene, rigid, springs):
@@ -112,16 +109,16 @@ def violations(scene, rigid, springs):
     time
         No step takes longer than ten times the median one.
     false_alarm, no_alarm, late_alarm
-        The guard speaks where springs too overlap by more than CRUSHED, within 50 steps after its own grains do.
+        The guard speaks where springs too overlap by more than CRUSHED, within LATE steps after its own grains do.
     """
-    late = 50 * scene.dt  # steps
+    late = LATE * scene.dt
     broken = dict(
         ended=not rigid.ended,
         speed=rigid.fastest > 10 * scene.speed + math.sqrt(2 * G * rigid.fall),
         force=rigid.force > 100 * springs.force,
         time=rigid.slowest > 10 * rigid.median,
         false_alarm=rigid.stopped < math.inf and springs.crushed == math.inf,
-        no_alarm=rigid.stopped == math.inf and max(rigid.crushed, springs.crushed) + late < scene.steps * scene.dt,
+        no_alarm=rigid.stopped == math.inf and max(rigid.crushed, springs.crushed) + late < rigid.duration,
         late_alarm=math.inf > rigid.stopped > rigid.crushed + late,
     )
     return [name for name, is_broken in broken.items() if is_broken]
@@ -193,44 +190,82 @@ def _top(radii, poses, eta):
     return max(float(y) + r * ((1 - eta) + eta * abs(math.sin(angle))) for r, (_, y, angle) in zip(radii, poses))
 
 
-def _follow(scene, law, bed, dt):
+def begin(scene, law, bed):
+    """The bed and what drives it, under a law; returns the ids of the grains and the height that a grain could fall [m]."""
     radii, poses = bed
     rough = material(scene.friction)
     top = _top(radii, poses, scene.eta) + 1e-3 * R
     boundary, engines = _boundary(scene, top, rough)
     grains = [rcr.particle((x, y), r, scene.eta, angle=a, material=rough) for r, (x, y, a) in zip(radii, poses)]
-    ids = build(law, dt or 1e-6, *boundary, *grains)
+    ids = build(law, scene.dt, *boundary, *grains)
     walls, ids = ids[: len(boundary)], ids[len(boundary) :]
     O.engines = O.engines[:3] + engines(walls) + O.engines[3:]
-    duration = scene.steps * scene.dt
-    if dt is None:
-        O.dt = min(0.5 * rcr.critical_time_step(), scene.dt)
-        duration = min(duration, SPRING_STEPS * O.dt)
-    steps = math.ceil(duration / O.dt)
-    every = 1 if dt else max(1, steps // 2000)
-    course, times = Course(fall=top), []
-    rigid = dt is not None
+    return ids, top
+
+
+def _follow(scene, law, bed, duration, looks=None):
+    """The course of a law and the processor times of its steps [s]; `looks` at the scene, by default after each rigid step."""
+    ids, top = begin(scene, law, bed)
+    steps = math.ceil(duration / scene.dt)
+    if law is SPRINGS:
+        O.dt = min(0.8 * rcr.critical_time_step(), scene.dt)
+        steps, looks = min(math.ceil(duration / O.dt), SPRING_STEPS), LOOKS
+    stride = steps + 1 if looks == 0 else max(1, steps // looks) if looks else 1
+    course, times = Course(fall=top, duration=steps * O.dt), []
     states = [O.bodies[i].state for i in ids]
-    for step in range(steps):
+    for step in range(1, steps + 1):
         start = time.process_time()
         try:
             O.step()
         except RuntimeError as stop:
             course.ended = "jam" in str(stop)
-            course.stopped = step * O.dt
+            course.stopped = (step - 1) * O.dt
             break
         times.append(time.process_time() - start)
-        course.steps = step + 1
-        if rigid:
-            engine = solver()
-            course.yielded += engine.yielded
-            course.missed += not engine.converged
-        if step % every == 0:
-            course.fastest = max(course.fastest, max(s.vel.norm() for s in states))
-            for i in real_contacts():
-                course.force = max(course.force, i.phys.normalForce.norm())
-                gap = min(tuple(i.geom.gap)[: i.geom.points])
-                course.overlap = max(course.overlap, -gap / (i.geom.refR1 + i.geom.refR2))
-            if course.overlap > CRUSHED and course.crushed == math.inf:
-                course.crushed = (step + 1) * O.dt
+        course.steps = step
+        if law is RIGID:
+            course.yielded += solver().yielded
+            course.missed += not solver().converged
+        if step % stride == 0:
+            _look(course, states)
+            if course.crushed == math.inf and course.overlap > CRUSHED:
+                course.crushed = step * O.dt
+        if law is SPRINGS and step * O.dt > course.crushed + LATE * scene.dt:
+            break
     return course, times
+
+
+def _look(course, states):
+    course.fastest = max(course.fastest, max(s.vel.norm() for s in states))
+    for i in real_contacts():
+        geom = i.geom
+        course.force = max(course.force, i.phys.normalForce.norm())
+        course.overlap = max(course.overlap, -min(tuple(geom.gap)[: geom.points]) / (geom.refR1 + geom.refR2))
+
+
+# ---- one scene of each motion, for the suite of hard scenes
+
+PREDICATE = "speed of the fastest grain, over ten times the drive plus free fall"
+BOUND = 1
+REASON = "what is driven slowly throws nothing out"
+SECONDS = 0.5  # in which the drive covers 3 R
+
+
+def staged(motion):
+    """``build`` and ``measure`` of the hard scene with this motion."""
+
+    def build_scene(law, dt):
+        scene = Scene(seed=0, motion=motion, eta=0.5, friction=0.5, grains=60, dt=dt, speed=3 * R / SECONDS, steps=math.ceil(SECONDS / dt))
+        ids, top = begin(scene, law, _settled(scene))
+        return ids, 10 * scene.speed + math.sqrt(2 * G * top)
+
+    def measure(built, clock):
+        ids, allowed = built
+        speeds = [0.0]
+        try:
+            clock.pass_(SECONDS, lambda: speeds.append(max(O.bodies[i].state.vel.norm() for i in ids)))
+        except RuntimeError as stopped:
+            assert "jam" in str(stopped), stopped
+        return max(speeds) / allowed
+
+    return build_scene, measure

@@ -5,6 +5,7 @@
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 
+#include "../kernel/step/drive.hpp"
 #include "../kernel/step/large_displacements.hpp"
 #include "../kernel/step/missed_contacts.hpp"
 #include "../kernel/step/position_correction.hpp"
@@ -117,18 +118,20 @@ rcr::Settings ContactDynamics::settings() const
 	s.meanForceChange = double(meanForceChange);
 	s.threads         = solverThreads();
 	s.lanes           = lanes;
-	s.compliance      = double(compliance);
+	const rcr::Drive drive = rcr::driveOf(step_);
+	s.compliance      = double(compliance) * drive.compliance;
+	s.mostImpulse     = drive.mostImpulse / double(compliance); // 0: infinite
 	s.reductions      = rcr::Reductions::of(reductions);
 	return s;
 }
 
 /// A further pass corrects a few contacts. The residual over all contacts would not show them, so the pass runs a fixed ten sweeps,
-/// enough for their neighbourhood.
+/// enough for their neighbourhood. All passes share the iterations of the step.
 rcr::Settings ContactDynamics::settingsOfFurtherPass() const
 {
 	rcr::Settings s = settings();
 	s.minIterations = std::max(s.minIterations, furtherSweeps);
-	if (tolerance == 0) s.maxIterations = std::min(s.maxIterations, furtherSweeps);
+	s.maxIterations = tolerance == 0 ? std::min(s.maxIterations, furtherSweeps) : std::max(s.maxIterations - iterations, furtherSweeps);
 	return s;
 }
 
@@ -138,7 +141,7 @@ void ContactDynamics::solve(const rcr::Settings& how)
 	const double layout = workspace_.layoutSeconds();
 	warmStart_          = step_.problem.impulse;
 	const rcr::Vec2 stretch = step_.problem.stretch;
-	takeBackOverlaps();
+	rcr::prepareRecovery(step_, double(correction));
 	timed("solve", [&] { report(rcr::solve(step_.problem, solver, how, workspace_)); });
 	const double laidOut = workspace_.layoutSeconds() - layout;
 	seconds_["layout"] += laidOut;
@@ -148,15 +151,6 @@ void ContactDynamics::solve(const rcr::Settings& how)
 		step_.stretchCell(stretch);
 		step_.keepForces();
 	});
-}
-
-/// In a step without a solution an overlap is taken back by the share `correction`, as in position correction, at finite forces: grains that
-/// a drive wedges give way to each other as under springs.
-void ContactDynamics::takeBackOverlaps()
-{
-	step_.problem.recovery.resize(step_.gap.size());
-	for (std::size_t k = 0; k < step_.gap.size(); ++k)
-		step_.problem.recovery[k] = std::min(0.0, double(correction) * (step_.gap[k].now - step_.gap[k].allowed) / step_.dt);
 }
 
 void ContactDynamics::report(const rcr::Report& report)

@@ -48,7 +48,7 @@ public:
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)"))
 		((int,lanes,0,Attr::noSave,"Doubles that the solver works on at a time: 1, 4 or 8; 0: as many as the processor has. Changes no bit; not saved, it is the processor's"))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that is taken back each step by a position correction without velocity [-]; 0 switches it off. Impulses and velocities never see it."))
-		((Real,compliance,0.01,,"How far contacts yield in a step that has no solution, as a share of what their impulse alone would do [-]. Driven walls can ask for more than rigid grains and friction can do; such a step is solved with contacts that give way, and counted in :yref:`yieldedSteps<ContactDynamics.yieldedSteps>`. All other steps are rigid. 0: never"))
+		((Real,compliance,1,,"How far contacts yield in a step that has no solution, or one with forces that neither loads nor the momentum of a row of grains at the speed of the drive account for, as a multiple of what makes them bear just these at that speed [-]. Driven walls can ask for more than rigid grains and friction can do; such a step is solved with contacts that give way, and counted in :yref:`yieldedSteps<ContactDynamics.yieldedSteps>`. All other steps are rigid. 0: never"))
 		((bool,overdamped,false,,"Preparation without inertia: bodies start every step from rest (prescribed velocities stay), and overlaps are taken back whole within the step, since no velocity is kept of it. A step then goes down the potential energy as far as the time step allows and ends at rest where the forces balance. Restitution and :yref:`correction<ContactDynamics.correction>` do not apply."))
 		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"What the solver may drop where the scene does not need it, seen anew in each step; :yref:`model<ContactDynamics.model>` tells what is left. frictionless: pairs without friction carry one unknown a point. discs: without friction and levers nothing turns. fixed: bodies of prescribed motion have no unknowns. islands: what does not touch is solved apart, each to its own convergence. layout: order and colours are kept while the contacts last. All of them change nothing but the time; leave names out to compare"))
 		((bool,arrays,true,,"Whether steps of an ``O.run`` are taken in arrays, without YADE's objects, where nothing looks at these in between: until a PyRunner or a recorder is due, or 30 steps and half a second are over. Changes no bit; :yref:`model<ContactDynamics.model>` tells which way steps went"))
@@ -60,7 +60,7 @@ public:
 		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance"))
 		((Real,unbalance,0,Attr::readonly,"Mean net force on a free particle over the mean contact force, in the last step [-], as utils.unbalancedForce; it falls to the tolerance of the solver as a packing comes to rest"))
 		((Real,largestUnbalance,0,Attr::readonly,"The same of the particle with the largest net force [-]"))
-		((bool,yielded,false,Attr::readonly,"Whether the last step had no solution and its contacts have yielded (:yref:`compliance<ContactDynamics.compliance>`)"))
+		((bool,yielded,false,Attr::readonly,"Whether the contacts of the last step have yielded (:yref:`compliance<ContactDynamics.compliance>`)"))
 		((int,missedSteps,0,Attr::readonly,"Steps so far that have missed the tolerance"))
 		((int,yieldedSteps,0,Attr::readonly,"Steps so far whose contacts have yielded"))
 		((Real,deepestOverlap,0,Attr::readonly,"Deepest overlap of all steps so far, over R₁ + R₂ [-]"))
@@ -94,7 +94,6 @@ private:
 	bool          takeInMissedContacts(const gate::Engines&);
 	bool          adaptBiases(bool letGo);
 	void          report(const rcr::Report&);
-	void          takeBackOverlaps();
 	void          refuseUnlessFinite() const;
 	void          measureUnbalance();
 	void          observeStep(const std::vector<rcr::Twist>& loads);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <array>
-#include <functional>
 #include <memory>
 #include <set>
 #include <stdexcept>
@@ -19,6 +18,7 @@
 #include "parallel/team.hpp"
 #include "parallel/trial.hpp"
 #include "problem/residual.hpp"
+#include "step/drive.hpp"
 #include "sweep/lane_check.hpp"
 #include "sweep/layout.hpp"
 #include "sweep/momentum.hpp"
@@ -37,6 +37,15 @@ namespace {
 		return problemFrom(
 		        array("inverse_mass"), array("free_velocity"), arrays["bodies"], array("normal"), array("arm1"), array("arm2"), array("bias"),
 		        array("friction"), array("impulse"), arrays.contains("drift") ? py::object(arrays["drift"]) : py::none());
+	}
+
+	py::tuple driveFrom(const Array& before, const py::kwargs& arrays)
+	{
+		const ContactProblem problem = problemOf(arrays);
+		wantShape(before, "before", py::ssize_t(problem.freeVelocity.size()), 3);
+		const Twist* rows  = reinterpret_cast<const Twist*>(before.data());
+		const Drive  drive = driveOf(problem, { rows, rows + rowsOf(before) });
+		return py::make_tuple(drive.speed, drive.compliance, drive.mostImpulse);
 	}
 
 	// ---- linear algebra
@@ -259,6 +268,7 @@ namespace {
 void bindInternals(py::module_& m)
 {
 	m.def("residual", [](const py::kwargs& arrays) { return residual(problemOf(arrays)); }, "Residual [-] of the impulses of a problem, arrays as of `solve`.");
+	m.def("drive", driveFrom, py::arg("before"), "(speed, compliance, most_impulse) of a problem whose bodies had these velocities, arrays as of `solve`.");
 	m.def("violation", [](double rest, const py::kwargs& arrays) { return violation(problemOf(arrays), rest); }, py::arg("rest"),
 	      "Kinematic violation [-] of the impulses of a problem, arrays as of `solve`; `rest` as in solver.hpp.");
 

@@ -15,7 +15,7 @@ namespace {
 	py::dict solveArrays(
 	        const Array& inverseMass, const Array& freeVelocity, const py::object& bodies, const Array& normal, const Array& arm1, const Array& arm2,
 	        const Array& bias, const Array& friction, const Array& impulse, const std::string& solver, double tolerance, int maxIterations, int threads,
-	        int lanes, int checkInterval, int minIterations, int stallSweeps, double violation, double meanForceChange, double compliance,
+	        int lanes, int checkInterval, int minIterations, int stallSweeps, double violation, double meanForceChange, double compliance, double mostImpulse,
 	        const std::vector<std::string>& reductions, Workspace* workspace, const py::object& drift)
 	{
 		ContactProblem problem = problemFrom(inverseMass, freeVelocity, bodies, normal, arm1, arm2, bias, friction, impulse, drift);
@@ -30,6 +30,7 @@ namespace {
 		settings.violation     = violation;
 		settings.meanForceChange = meanForceChange;
 		settings.compliance    = compliance;
+		settings.mostImpulse   = mostImpulse;
 		settings.reductions    = Reductions::of(reductions);
 		Report report;
 		double seconds, processorSeconds;
@@ -113,6 +114,7 @@ void bindSolvers(py::module_& m)
 	      py::arg("bias"), py::arg("friction"), py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4,
 	      py::arg("max_iterations") = 1000, py::arg("threads") = 1, py::arg("lanes") = 0, py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
 	      py::arg("stall_sweeps") = 0, py::arg("violation") = Settings().violation, py::arg("mean_force_change") = 0, py::arg("compliance") = 0,
+	      py::arg("most_impulse") = Settings().mostImpulse,
 	      py::arg("reductions") = Reductions::names(), py::arg("workspace") = nullptr, py::arg("drift") = py::none(),
 	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2) and velocity (nb, 3) [m/s, 1/s],\n"
 	      "iterations, residual, converged, violation, yielded, taken [J/m], closing [m/s], work (sweeps × points), seconds, processor_seconds (of the calling thread); settings as in solver.hpp.\n"

@@ -46,5 +46,5 @@ def test_draws_cover_what_they_shall():
 )
 def test_each_bound_is_seen(rigid, springs, broken):
     scene = driven.Scene(seed=0, motion="lid", eta=0, friction=0, grains=20, dt=1e-3, speed=0.1, steps=1000)
-    course = driven.Course(fastest=0.5, force=1.0, median=1.0, slowest=2.0, steps=1000)
+    course = driven.Course(fastest=0.5, force=1.0, median=1.0, slowest=2.0, steps=1000, duration=1.0)
     assert driven.violations(scene, dataclasses.replace(course, **rigid), dataclasses.replace(course, **springs)) == broken

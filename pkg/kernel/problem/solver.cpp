@@ -28,12 +28,18 @@ namespace {
 		return std::all_of(problem.points.begin(), problem.points.end(), [](const ContactPoint& c) { return c.friction == 0; });
 	}
 
+	bool bearsTooMuch(const ContactProblem& problem, const Settings& settings)
+	{
+		return std::any_of(problem.impulse.begin(), problem.impulse.end(), [&](const Impulse& p) { return p.n > settings.mostImpulse; });
+	}
+
 	/// Whether there is no use in going on with rigid contacts. A solution that was found may be none: errors are measured by forces and by
 	/// velocities, and both can be those of a wedge.
 	bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings, Workspace& workspace)
 	{
 		if (settings.compliance == 0) return false;
 		if (report.yielded) return true;
+		if (bearsTooMuch(problem, settings)) return true;
 		if (mayTakeTooMuch(problem, report.taken, report.freeSpeed) && takesTooMuch(problem)) return true;
 		return !report.converged && settings.tolerance > 0 && (settings.yielded || growsWithoutBound(problem, settings, workspace));
 	}
@@ -99,6 +105,7 @@ void checkSettings(const std::string& solver, const Settings& s)
 		refuse("lanes = ", s.lanes, ": give 1, 4, 8, or 0 for as many as the processor has");
 	if (!(s.violation >= 0)) refuse("violation = ", s.violation, ": give a fraction ≥ 0, infinity for no test");
 	if (!(s.compliance >= 0)) refuse("compliance = ", s.compliance, ": give a share ≥ 0 of the response of a contact; 0 does not use it");
+	if (!(s.mostImpulse > 0)) refuse("mostImpulse = ", s.mostImpulse, ": give an impulse > 0, infinity for no bound");
 	if (!(s.meanForceChange >= 0)) refuse("meanForceChange = ", s.meanForceChange, ": give a change ≥ 0; 0 does not use it");
 }
 
@@ -110,8 +117,8 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 
 Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings, Workspace& workspace)
 {
+	checkProblem(problem); // first: settings may follow from it
 	checkSettings(solver, settings);
-	checkProblem(problem);
 	const Report rigid = solveRigid(problem, solver, settings, workspace);
 	if (!mustYield(rigid, problem, settings, workspace)) return rigid;
 	Report report = solveYielding(problem, settings, rigid, workspace);

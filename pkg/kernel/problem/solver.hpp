@@ -4,6 +4,7 @@
 // velocities in problem.velocity, and reports the residual (residual.hpp) of exactly what it left.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -32,8 +33,11 @@ struct Settings {
 	double rest = 0.01;
 
 	/// Compliance ε of the contacts of a step that has no solution (solve_yielding.cpp) [-]; 0: such a step ends anywhere. Used only
-	/// where a solver has missed its tolerance and impulses prove that none can meet it.
+	/// where impulses prove that there is none, and beyond `mostImpulse`.
 	double compliance = 0;
+
+	/// Normal impulse beyond which contacts yield although rigid ones could bear it (step/drive.hpp) [N s].
+	double mostImpulse = std::numeric_limits<double>::infinity();
 
 	/// An earlier pass of this step has yielded, and so does this one where some sweeps do not solve it.
 	bool yielded = false;

@@ -11,6 +11,13 @@ namespace {
 	constexpr int    sweeps        = 10;   // 5 to 20 leave as little
 }
 
+void prepareRecovery(Step& step, double beta)
+{
+	step.problem.recovery.resize(step.gap.size());
+	for (std::size_t k = 0; k < step.gap.size(); ++k)
+		step.problem.recovery[k] = std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt);
+}
+
 void correctPositions(Step& step, double beta, Workspace& workspace)
 {
 	step.displacement.clear();

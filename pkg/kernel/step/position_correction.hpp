@@ -18,4 +18,8 @@ namespace rcr {
 /// Writes step.displacement; leaves it empty where no overlap exceeds the slop. `share` is β. The workspace has solved the step last.
 void correctPositions(Step&, double share, Workspace&);
 
+/// Writes problem.recovery for a step whose contacts may yield: there an overlap is taken back by the same share, at finite forces, so that
+/// grains which a drive wedges give way to each other as under springs.
+void prepareRecovery(Step&, double share);
+
 } // namespace rcr

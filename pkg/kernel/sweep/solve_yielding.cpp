@@ -76,7 +76,9 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, const Re
 		problem.points[k].bias = std::min(problem.points[k].bias, std::max(problem.recovery[k], -fastest)); // no faster than what drives
 	}
 	Report report = solveBySweeps(problem, sweeps, workspace, [&](PackedIsland& island, IslandStop& stop) {
-                if (!stop.meets(settings) || island.measure().taken > negligible * rigid.taken) sweepToRest(island, stop, settings.compliance, tolerance);
+                const Measures measures = island.measure();
+                const bool     stays    = stop.meets(settings) && measures.taken <= negligible * rigid.taken && measures.impulse2 <= settings.mostImpulse * settings.mostImpulse;
+                if (!stays) sweepToRest(island, stop, settings.compliance, tolerance);
         });
 	report.yielded         = true;
 	report.converged       = false;

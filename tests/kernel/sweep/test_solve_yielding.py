@@ -126,6 +126,35 @@ def test_a_compliance_out_of_range_is_refused(compliance):
         vice().solve("auto", compliance=compliance)
 
 
+def pushed_row(speed=1.0, mass=2.0):
+    """Two bodies in a row that a wall pushes at `speed`: there is a solution, with p = 2 m V at the wall."""
+    problem = vice(speed, 0.0, mass)
+    problem["inverse_mass"][2] = 1 / mass
+    return problem
+
+
+def test_what_bears_too_much_yields_though_it_has_a_solution():
+    problem, speed, mass, compliance = pushed_row(), 1.0, 2.0, 0.1
+    found = problem.solve("auto", compliance=compliance, most_impulse=3.9, tolerance=1e-8)
+    p = np.linalg.solve(np.array([[1 + compliance, -1], [-1, 2 * (1 + compliance)]]) / mass, [speed, 0])
+    assert found["yielded"] and not found["converged"]
+    np.testing.assert_allclose(found["impulse"][:, 0], p, rtol=1e-6)
+
+
+@pytest.mark.parametrize("settings", [dict(compliance=0.1, most_impulse=4.1), dict(compliance=0, most_impulse=1.0)], ids=["less", "never"])
+def test_what_bears_less_stays_rigid_to_the_bit(settings):
+    found, rigid = pushed_row().solve("auto", **settings), pushed_row().solve("auto")
+    assert rigid["converged"] and not found["yielded"]
+    np.testing.assert_array_equal(found["impulse"], rigid["impulse"])
+    np.testing.assert_allclose(found["impulse"][:, 0], [4.0, 2.0], rtol=1e-4)
+
+
+@pytest.mark.parametrize("most_impulse", [0.0, -1.0, np.nan])
+def test_a_bound_of_impulses_out_of_range_is_refused(most_impulse):
+    with pytest.raises(ValueError, match="mostImpulse"):
+        vice().solve("auto", most_impulse=most_impulse)
+
+
 @pytest.mark.parametrize("push", [0.0, 0.01])
 def test_overlaps_that_open_are_no_wedge(push):
     """A row of bodies that overlap by as much each is pushed apart from a wall, against a load that gives its end the velocity −push.

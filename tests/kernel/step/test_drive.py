@@ -1,0 +1,70 @@
+"""The scale of a drive: closed forms of ε = V m̄/(P + 10 L) and of 3 P + 200 L, P = Σ m (V + |v_free|)/√N, L = Σ m |v_free − v⁻|/√N."""
+
+import numpy as np
+import pytest
+from rcr import _kernel
+
+V, G = 0.2, 9.81
+
+
+def scale(masses, before, free, wall=(0.0, V, 0.0), inverse=None):
+    """Of bodies in a row above a wall that moves; each touches the next."""
+    count = len(masses)
+    inverse = np.array([[1 / m, 1 / m, 10 / m] for m in masses]) if inverse is None else inverse
+    points = np.arange(count)
+    return _kernel.drive(
+        np.vstack([wall, before]), inverse_mass=np.vstack([np.zeros(3), inverse]), free_velocity=np.vstack([wall, free]),
+        bodies=np.stack([points, points + 1], axis=1).astype(np.int32), normal=np.tile([0.0, 1], (count, 1)), arm1=np.zeros((count, 2)),
+        arm2=np.zeros((count, 2)), bias=np.zeros(count), friction=np.full(count, 0.5), impulse=np.zeros((count, 2)),
+    )  # fmt: skip
+
+
+def test_closed_form():
+    masses, dt = [1.0, 3.0], 1e-3
+    before = np.array([[0.3, 0.4, 7.0], [0, 0, 0]])
+    free = before - [0, G * dt, 0]
+    speed, compliance, most = scale(masses, before, free)
+    momentum, load = 1 * (V + np.hypot(0.3, 0.4 - G * dt)) + 3 * (V + G * dt), 4 * G * dt
+    assert speed == V
+    expected = [V * 2.0 / ((momentum + 10 * load) / np.sqrt(2)), (3 * momentum + 200 * load) / np.sqrt(2)]
+    np.testing.assert_allclose([compliance, most], expected, rtol=1e-14)
+
+
+def test_what_a_contact_that_closes_at_the_speed_of_the_drive_bears():
+    """ε w p = V at the mean mass gives p = P."""
+    at_rest = np.zeros((5, 3))
+    speed, compliance, most = scale([2.0] * 5, at_rest, at_rest)
+    np.testing.assert_allclose(speed / (compliance / 2.0), most / 3)
+
+
+@pytest.mark.parametrize("dt", [1e-2, 1e-4])
+def test_weight_closes_contacts_by_a_tenth_of_the_drive_at_most(dt):
+    """The foot of a column of all grains, whatever the time step."""
+    count, mass = 16, 1.0
+    rest = np.zeros((count, 3))
+    speed, compliance, _ = scale([mass] * count, rest, rest - [0, G * dt, 0])
+    closing = compliance / mass * np.sqrt(count) * mass * G * dt  # of a row of √N grains
+    assert closing < 0.1 * speed
+
+
+def test_turning_obstacles_drive_by_the_speed_of_their_points():
+    arm = np.array([[2.0, 0.0]])
+    speed, _, _ = _kernel.drive(
+        np.zeros((2, 3)), inverse_mass=np.array([[0.0, 0, 0], [1, 1, 1]]), free_velocity=np.array([[0.0, 0, 0.5], [0, 0, 0]]),
+        bodies=np.array([[0, 1]], np.int32), normal=np.array([[0.0, 1]]), arm1=arm, arm2=np.zeros((1, 2)), bias=np.zeros(1), friction=np.zeros(1),
+        impulse=np.zeros((1, 2)),
+    )  # fmt: skip
+    assert speed == 1.0
+
+
+def test_blocked_directions_have_no_momentum():
+    """A mobile wall, free along y: neither its prescribed v_x nor a change of it counts."""
+    wall = np.array([[0.0, 0.5, 0.0]])
+    found = [scale([2.0], np.zeros((1, 3)), np.array([[sideways, 0.1, 0]]), inverse=wall) for sideways in (0.0, 5.0)]
+    assert found[0] == found[1]
+    np.testing.assert_allclose(found[0][2], 2.0 * (3 * (V + 0.1) + 200 * 0.1))
+
+
+def test_nothing_drives_where_walls_rest():
+    speed, compliance, most = scale([1.0], np.ones((1, 3)), np.ones((1, 3)), wall=(0.0, 0, 0))
+    assert (speed, compliance, most) == (0, 0.01, np.inf)

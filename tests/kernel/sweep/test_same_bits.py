@@ -1,0 +1,30 @@
+"""Sweeps of islands of up to 1024 pairs, which are not cut into slabs, keep their bits: those of commit e351b50, to which speeds are compared."""
+
+import hashlib
+
+import numpy as np
+import pytest
+import rcr
+
+from kernel.contact_problems import DATA
+
+DIGESTS = {
+    ("shear-500-eta-0", "nlgs", "cold"): "4083aec5",
+    ("shear-500-eta-0", "nlgs", "warm"): "937eb0a0",
+    ("shear-500-eta-0", "sor", "cold"): "ddcceba6",
+    ("shear-500-eta-0", "sor", "warm"): "66b5da0a",
+    ("shear-500-eta-0", "nesterov", "cold"): "cbc1a3c2",
+    ("shear-500-eta-0", "nesterov", "warm"): "2f2ea6c2",
+    ("shear-500-eta-0.7", "nlgs", "cold"): "0df4da1d",
+    ("shear-500-eta-0.7", "nlgs", "warm"): "4236febf",
+    ("shear-500-eta-0.7", "sor", "cold"): "942bb14a",
+    ("shear-500-eta-0.7", "sor", "warm"): "f86da9d9",
+    ("shear-500-eta-0.7", "nesterov", "cold"): "aaed5903",
+    ("shear-500-eta-0.7", "nesterov", "warm"): "398922c2",
+}
+
+
+@pytest.mark.parametrize("name, solver, start", DIGESTS, ids=" ".join)
+def test_sweeps_have_the_bits_of_before(name, solver, start):
+    solution = rcr.solve(str(DATA / f"{name}.npz"), solver=solver, tolerance=0, max_iterations=37, warm=start == "warm")
+    assert hashlib.sha1(np.ascontiguousarray(solution.reaction).tobytes()).hexdigest()[:8] == DIGESTS[name, solver, start]

@@ -1,0 +1,29 @@
+"""The source: files that can be read in one go, and kernels that know neither YADE nor Python."""
+
+import pathlib
+import re
+
+import pytest
+
+PKG = pathlib.Path(__file__).resolve().parents[1] / "pkg"
+CODE = sorted(path for path in PKG.rglob("*") if path.suffix in (".cpp", ".hpp"))
+OUTSIDE = re.compile(r'#include\s+[<"](core/|lib/|pkg/|boost/|pybind11/|Python\.h|numpy/|\.\./dem|\.\./python)')
+
+
+def lines(path):
+    return path.read_text().splitlines()
+
+
+@pytest.mark.parametrize("path", CODE, ids=lambda path: str(path.relative_to(PKG)))
+def test_file_is_short(path):
+    assert len(lines(path)) <= 350
+
+
+def test_the_engine_reads_as_the_algorithm():
+    assert len(lines(PKG / "dem" / "ContactDynamics.cpp")) < 200
+
+
+def test_kernels_stand_alone():
+    kernels = [path for path in CODE if PKG / "kernel" in path.parents]
+    assert len(kernels) > 50
+    assert not [(path.name, line) for path in kernels for line in lines(path) if OUTSIDE.match(line)]
