@@ -37,7 +37,7 @@ def main():
                 script.write_text(re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1])
                 subprocess.run(["yade", "-n", "-x", str(script)], cwd=folder, check=True)
             elif name == "batch":
-                subprocess.run(["yade-batch", "-j", "4", str(ROOT / "examples" / "batch.table"), str(ROOT / "examples" / "batch.py")], cwd=folder, check=True)
+                subprocess.run(["yade-batch", "-j", "4", "--log", f"{folder}/@.log", str(ROOT / "examples" / "batch.table"), str(ROOT / "examples" / "batch.py")], cwd=folder, check=True)
             else:
                 subprocess.run(["yade", "-n", "-x", str(ROOT / "examples" / f"{name}.py"), "--out", folder], cwd=folder, check=True)
             made = sorted(pathlib.Path(folder).rglob("*.png"))
