@@ -160,10 +160,10 @@ def all_mutants():
 
 
 def tests_of(file):
-    """The unit's own tests, then those of all."""
-    room, unit = file.split("/")[-2], file.split("/")[-1].split(".")[0]
-    own = check.ROOT / check.TESTS / room / f"test_{unit}.py"
-    return [str(own.relative_to(check.ROOT))] * own.exists() + [check.TESTS]
+    """The unit's own tests, then those of its room, then all."""
+    room = check.ROOT / check.TESTS / file.split("/")[-2]
+    own = room / f"test_{file.split('/')[-1].split('.')[0]}.py"
+    return [str(path.relative_to(check.ROOT)) for path in (own, room) if path.exists()] + [check.TESTS]
 
 
 def copy_sources(folder):

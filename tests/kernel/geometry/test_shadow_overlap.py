@@ -233,6 +233,20 @@ def test_equal_bodies_that_lie_flush_have_two_points(seed=7):
     check(count != 2, pairs, "one point")
 
 
+def test_bodies_on_one_line_are_pushed_one_way():
+    """Cores that overlap along one line lie on no side of each other but by rounding; the normals of both points agree all the same."""
+    rng = np.random.default_rng(3)
+    n = 1000
+    stadium1, stadium2 = (np.column_stack([rng.uniform(0.2, 1, n), rng.uniform(0.05, 1, n)]) for _ in range(2))
+    pose1 = rng.uniform(-1, 1, (n, 3)) * (1, 1, np.pi)
+    along = rng.uniform(-1, 1, n) * (stadium1[:, 0] + stadium2[:, 0])
+    pose2 = pose1 + np.column_stack([along[:, None] * axes(pose1), rng.choice([0, np.pi], n)])
+    found = _kernel.overlap_stadiums(stadium1, pose1, stadium2, pose2, ALERT)
+    both = found["count"] == 2
+    cosine = dot(found["normal"][:, 0], found["normal"][:, 1])
+    assert (found["count"] > 0).all() and not (both & ~(cosine > 0)).any()
+
+
 def moved(pairs, angle=0.0, shift=(0, 0), mirror=False):
     """The same pairs, mirrored at the x axis, turned about the origin, and shifted."""
     c, s = np.cos(angle), np.sin(angle)
