@@ -10,13 +10,17 @@
 
 namespace yade {
 
-/// YADE's run thread. It keeps its error to itself where the session does not wait for it in that moment; an explicit instantiation may
-/// name a private member.
+/// YADE's run thread and the lock that it holds while it runs are private; an explicit instantiation may name private members.
 ThreadRunner& runThread(Omega&);
+std::mutex&   runMutex(ThreadRunner&);
 template <shared_ptr<ThreadRunner> Omega::*member> struct RunThread {
 	friend ThreadRunner& runThread(Omega& omega) { return *(omega.*member); }
 };
+template <std::mutex ThreadRunner::*member> struct RunMutex {
+	friend std::mutex& runMutex(ThreadRunner& run) { return run.*member; }
+};
 template struct RunThread<&Omega::simulationLoop>;
+template struct RunMutex<&ThreadRunner::m_runmutex>;
 
 namespace {
 
@@ -55,6 +59,12 @@ std::string takeError()
 	ThreadRunner&                     run = runThread(Omega::instance());
 	const std::string                 thrown = run.workerThrew.exchange(false) ? run.workerException.what() : "";
 	return ended.empty() ? thrown : std::exchange(ended, {});
+}
+
+void awaitEnd()
+{
+	if (Omega::instance().isRunning()) return;
+	const std::lock_guard<std::mutex> ended(runMutex(runThread(Omega::instance())));
 }
 
 } // namespace yade

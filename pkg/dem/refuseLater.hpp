@@ -13,4 +13,7 @@ void rememberError(const std::string& message);
 /// What ended the last run, once: such an exception, or one of another engine.
 std::string takeError();
 
+/// Waits for a run that was paused to be over: O.pause() returns in the midst of its last step.
+void awaitEnd();
+
 } // namespace yade

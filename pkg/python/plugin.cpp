@@ -72,6 +72,17 @@ boost::python::list advice()
 
 } // namespace
 
+namespace {
+
+void awaitEnd()
+{
+	Py_BEGIN_ALLOW_THREADS;
+	yade::awaitEnd();
+	Py_END_ALLOW_THREADS;
+}
+
+} // namespace
+
 BOOST_PYTHON_MODULE(_plugin)
 {
 	checkVersion();
@@ -79,6 +90,7 @@ BOOST_PYTHON_MODULE(_plugin)
 	registerOwnClasses();
 	boost::python::def("refusal", refusal, "What of the scene is not served, and what to do; empty where all is.");
 	boost::python::def("take_error", yade::takeError, "What ended the last step of ContactDynamics, once; empty where nothing did.");
+	boost::python::def("await_end", awaitEnd, "Waits for a run that was paused to be over.");
 	boost::python::def("serves", serves, "Whether a law of ours is in the scene.");
 	boost::python::def("advice", advice, "What of the scene is served but hardly meant, a list of texts.");
 	boost::python::def("planar_clump", yade::planarClump, "Joins bodies of the scene, (ids, x, y, mass, inertia about z); returns the id of the clump.");

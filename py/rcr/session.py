@@ -77,6 +77,17 @@ def _promptly(run):
     return prompt
 
 
+def _settled(pause):
+    """O.pause that returns with the scene in order: YADE's returns in the midst of a step."""
+
+    @functools.wraps(pause)
+    def settled(omega):
+        pause(omega)
+        _plugin.await_end()
+
+    return settled
+
+
 def _told(method):
     """YADE tells a session of an exception of its run thread only where the session is waiting for it already."""
 
@@ -100,5 +111,6 @@ def guard():
     if not hasattr(Omega.run, "__wrapped__"):
         Omega.run = _guarded(_promptly(Omega.run))
         Omega.step = _guarded(Omega.step)
+        Omega.pause = _settled(Omega.pause)
     if not hasattr(Omega.wait, "__wrapped__"):
         Omega.wait = _told(Omega.wait)
