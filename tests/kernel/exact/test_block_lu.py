@@ -28,6 +28,15 @@ def test_block_lu_solves_like_a_dense_one(size, pairs):
     np.testing.assert_allclose(x.ravel(), np.linalg.solve(dense, b.ravel()), rtol=0, atol=1e-12 * np.linalg.cond(dense))
 
 
+@pytest.mark.parametrize("small", [0.0, 1e-12])
+def test_a_block_may_have_a_diagonal_of_nothing(small):
+    """Rows are exchanged within a block: 1e-12 as a pivot would leave no more than four digits."""
+    block = np.array([[small, 2.0, 1.0], [1.0, small, 3.0], [4.0, 1.0, small]])
+    b = np.array([[1.0, 2.0, 3.0]])
+    x = _kernel.solve_blocks(np.zeros((0, 2), np.int32), block[None], np.zeros((0, 3, 3)), np.zeros((0, 3, 3)), b)
+    np.testing.assert_allclose(block @ x[0], b[0], rtol=0, atol=1e-14)
+
+
 def test_block_lu_says_that_a_block_is_singular():
     with pytest.raises(ValueError, match="singular"):
         _kernel.solve_blocks(np.zeros((0, 2), np.int32), np.zeros((2, 3, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3, 3)), np.ones((2, 3)))
