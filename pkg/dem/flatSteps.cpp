@@ -1,11 +1,13 @@
 #include "flatSteps.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include <core/Omega.hpp>
 #include <core/PartialEngine.hpp>
-#include <pkg/common/ForceResetter.hpp>
 #include <pkg/common/Collider.hpp>
+#include <pkg/common/ForceResetter.hpp>
+#include <pkg/common/KinematicEngines.hpp>
 #include <pkg/common/PeriodicEngines.hpp>
 
 #include "ContactDynamics.hpp"
@@ -39,9 +41,11 @@ namespace {
 			ids.insert(ids.end(), { stress->wall, stress->start, stress->end });
 			return true;
 		}
-		const auto* partial = dynamic_cast<const PartialEngine*>(&engine);
-		if (partial) ids.insert(ids.end(), partial->ids.begin(), partial->ids.end());
-		return partial;
+		static const std::set<std::string> forces { "ForceEngine", "InterpolatingDirectedForceEngine", "RadialForceEngine", "TorqueEngine", "DragEngine", "LinearDragEngine" };
+		if (!dynamic_cast<const KinematicEngine*>(&engine) && !forces.count(engine.getClassName())) return false;
+		const auto& loads = static_cast<const PartialEngine&>(engine).ids;
+		ids.insert(ids.end(), loads.begin(), loads.end());
+		return true;
 	}
 
 	bool core(const Engine& engine)
@@ -69,7 +73,7 @@ FlatSteps::Motion FlatSteps::motionOf(const State& s)
 	return { { double(s.pos[0]), double(s.pos[1]) }, { double(s.ori.w()), double(s.ori.z()) }, { double(s.vel[0]), double(s.vel[1]), double(s.angVel[2]) } };
 }
 
-/// What of the scene keeps its steps from being taken in arrays; also finds the loads and the bodies that they act on.
+/// What of the scene keeps its steps from being taken in arrays; also finds the loads.
 std::string FlatSteps::reason(const Scene& scene, const gate::Engines& engines, const rcr::Step& step)
 {
 	if (step.overdamped) return "overdamped";
@@ -86,8 +90,6 @@ std::string FlatSteps::reason(const Scene& scene, const gate::Engines& engines, 
 		if (functor->getClassName() != "Ip2_FrictMat_FrictMat_CdPhys") return "the functor " + functor->getClassName();
 	for (const auto& functor : engines.loop->lawDispatcher->functors)
 		if (functor->getClassName() != "Law2_RcrGeom_CdPhys_SignoriniCoulomb") return "the functor " + functor->getClassName();
-	for (const rcr::StepContact& c : step.contacts)
-		if (c.body1 > c.body2 && step.bodies[c.body1].shape.kind == step.bodies[c.body2].shape.kind) return "a contact whose bodies are not in their order";
 	early_.clear(), late_.clear(), watched_.clear();
 	bool looped = false, solved = false;
 	for (const auto& engine : scene.engines) {
@@ -98,6 +100,14 @@ std::string FlatSteps::reason(const Scene& scene, const gate::Engines& engines, 
 		if (solved || !loaded(*engine, watched_)) return "the engine " + engine->getClassName();
 		(looped ? late_ : early_).push_back(engine.get());
 	}
+	return {};
+}
+
+/// The bodies that stay with YADE, and what of the contacts keeps their steps from being taken in arrays.
+std::string FlatSteps::watch(const Scene& scene, const rcr::Step& step)
+{
+	for (const rcr::StepContact& c : step.contacts)
+		if (c.body1 > c.body2 && step.bodies[c.body1].shape.kind == step.bodies[c.body2].shape.kind) return "a contact whose bodies are not in their order";
 	watches_.assign(step.bodies.size(), false);
 	for (Body::id_t id : watched_)
 		if (id >= 0 && std::size_t(id) < watches_.size()) watches_[id] = true;
@@ -120,7 +130,7 @@ std::string FlatSteps::reasonNow(const Scene& scene) const
 	const long iter = scene.iter + 1;
 	const Real time = scene.time + scene.dt;
 	if ((scene.stopAtIter > 0 && iter >= scene.stopAtIter) || (scene.stopAtTime > 0 && time >= scene.stopAtTime)) return "the end of the run";
-	if (scene.interactions->dirty || scene.bodies->size() != watches_.size()) return "a change of the bodies or interactions";
+	if (scene.interactions->dirty || (going_ && scene.bodies->size() != watches_.size())) return "a change of the bodies or interactions";
 	if (going_ && count_ - first_ >= fewest && Clock::now() - since_ > behind) return "a look at the scene";
 	bool solved = false;
 	for (const auto& engine : scene.engines) {
@@ -135,6 +145,7 @@ bool FlatSteps::goOn(Scene& scene, const gate::Engines& engines, rcr::Team& team
 {
 	why_ = going_ ? std::string() : reason(scene, engines, step);
 	if (why_.empty()) why_ = reasonNow(scene);
+	if (why_.empty() && !going_) why_ = watch(scene, step);
 	if (!why_.empty()) return false;
 	const bool first = !going_;
 	if (first) begin(team, sources, step);

@@ -11,7 +11,7 @@
 //   * where an engine that may look at anything is due: a PyRunner, a recorder, any engine that is not named below;
 //   * in scenes with what is not kept in arrays: clumps, a periodic cell, energy tracking, overdamped, permanent forces.
 //
-// Loads on named bodies (PartialEngines, WallStress) and obstacles stay with YADE: these few bodies are written and read every step.
+// Loads on named bodies (kinematic engines, ForceEngine and its like, WallStress) and obstacles stay with YADE: these few bodies are written and read every step.
 #pragma once
 
 #include <array>
@@ -44,6 +44,7 @@ private:
 	static Motion        motionOf(const State&);
 	std::string          reason(const Scene&, const gate::Engines&, const rcr::Step&);
 	std::string          reasonNow(const Scene&) const;
+	std::string          watch(const Scene&, const rcr::Step&);
 	void                 begin(rcr::Team&, const StepSources&, const rcr::Step&);
 	void                 move(Scene&, const NewtonIntegrator&, rcr::Team&, const StepSources&, const std::vector<rcr::Twist>& loads, rcr::Step&);
 	void                 load(Scene&, const std::vector<Engine*>&) const;
