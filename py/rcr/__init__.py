@@ -71,11 +71,11 @@ if "yade" in sys.modules:
     globals().update(_classes)
     from rcr import counterparts, session
     from rcr.advance import advance
-    from rcr.scene import clump, contact_network, critical_time_step, disc, mobile_wall, particle, save_problem, wall
+    from rcr.scene import clump, contact_network, critical_time_step, disc, mobile_wall, particle, save_problem, segment, wall
 
     _classes["ContactDynamics"].save = save_problem
     counterparts.install()
     session.guard()
 
-    __all__ += [*sorted(_classes), "advance", "clump", "contact_network", "critical_time_step", "disc", "mobile_wall", "particle", "wall"]
+    __all__ += [*sorted(_classes), "advance", "clump", "contact_network", "critical_time_step", "disc", "mobile_wall", "particle", "segment", "wall"]
     __all__ = [name for name in __all__ if name not in _names_of_yade()]

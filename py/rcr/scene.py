@@ -220,6 +220,36 @@ def mobile_wall(axis, position, mass, sense=0, material=-1):
     return body
 
 
+def segment(start, end, material=-1):
+    """Fixed `Facet` that cuts the plane in the straight line from one point to another; both sides act.
+
+    ``utils.facet`` takes the corners of a triangle in space, which cuts the plane in a part of its edge only.
+
+    Parameters
+    ----------
+    start, end : (float, float) or (float, float, float)
+        Ends of the line [m], both at the z of the grains.
+    material : FrictMat, int or str
+        As of `particle`.
+
+    Returns
+    -------
+    Body
+
+    Raises
+    ------
+    ValueError
+        If a coordinate is not finite, the ends have different z, or they are one point.
+    """
+    start, end = _center(start), _center(end)
+    length = (end - start).norm()
+    if not length > 0 or start[2] != end[2]:
+        raise ValueError(f"start = {tuple(start)}, end = {tuple(end)}; wanted two points at one z [m]")
+    middle, out = (start + end) / 2, Vector3(0, 0, 0.1 * length)
+    corners = (2 * start - middle - out, 2 * end - middle - out, middle + out)  # the ends are the middles of two edges
+    return utils.facet(corners, material=_material(material))
+
+
 def critical_time_step(points=6):
     """Largest stable time step of a scene with the smooth law [s]; take half of it or less.
 

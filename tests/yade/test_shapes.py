@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import rcr
+from rcr.frame import Frame
 from scenes import build, material, steps, velocity
 from test_gate import ALL_IG2, smooth
 from yade import O, utils
@@ -109,3 +110,19 @@ def test_bound_of_a_stock_sphere_functor_looks_ahead():
     rigid(FLOORS["Wall"](m), rcr.disc((0, 0.1), 0.1, material=m))
     O.step()
     assert [type(f).__name__ for f in O.engines[1].boundDispatcher.functors].count("Bo1_Disc_Aabb") == 1
+
+
+@pytest.mark.parametrize("start, end", [((0, 0), (1, 0)), ((-0.3, 0.25, 0.5), (-0.05, 0, 0.5)), ((2, 1), (2, -1))])
+def test_a_segment_goes_from_end_to_end(start, end):
+    """A plain facet covers a part of its edge only: a hopper had gaps at its top."""
+    O.reset()
+    z = start[2] if len(start) > 2 else 0
+    O.bodies.append([rcr.segment(start, end, material=material()), rcr.disc((9, 9, z), 0.1, material=material())])
+    ((_, _, ends),) = Frame.of(None).outlines
+    assert sorted(map(tuple, np.round(ends, 12))) == sorted([start[:2], end[:2]])
+
+
+@pytest.mark.parametrize("start, end", [((0, 0), (0, 0)), ((0, 0, 0), (1, 0, 1)), ((0, 0), (math.nan, 0))])
+def test_segments_that_are_none(start, end):
+    with pytest.raises(ValueError, match="wanted"):
+        rcr.segment(start, end)
