@@ -11,6 +11,7 @@ and this script writes it in between. `--check` writes nothing and ends with 1 w
 import argparse
 import ast
 import csv
+import math
 import pathlib
 import re
 import statistics
@@ -55,7 +56,7 @@ def scene_module(name):
         if not isinstance(node, ast.Assign):
             continue
         target, value = node.targets[0], node.value
-        pairs = zip(target.elts, value.elts) if isinstance(target, ast.Tuple) else [(target, value)]
+        pairs = zip(target.elts, value.elts) if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple) else [(target, value)]
         for name_node, constant in pairs:
             if isinstance(constant, ast.Constant):
                 told[name_node.id] = constant.value
@@ -95,6 +96,25 @@ def cell_against_walls():
         told = lambda name, digits: f"{statistics.mean(of(name)):.{digits}f} ± {statistics.stdev(of(name)) / len(of(name)) ** 0.5:.{digits}f}"
         lines.append([f"η = {float(eta):g}, {geometry}", told("packing_fraction_initial", 4), told("sin_phi", 3), told("packing_fraction", 4)])
     return table(["", "packing fraction at rest", "q/p", "packing fraction in shear"], lines)
+
+
+def driven_scenes():
+    """The worst of each motion in what scripts/driven_scenes.py wrote."""
+    with open(ROOT / "examples" / "charts" / "driven-scenes.csv", newline="") as file:
+        rows = [{key: _number(cell) for key, cell in row.items()} for row in csv.DictReader(file)]
+    bound = lambda row: 10 * row["speed"] + (2 * 9.81 * row["fall_rigid"]) ** 0.5
+    quotients = [lambda row: row["fastest_rigid"] / bound(row), lambda row: row["force_rigid"] / row["force_springs"], lambda row: row["slowest_rigid"] / row["median_rigid"]]
+    lines = []
+    for motion in [*dict.fromkeys(row["motion"] for row in rows), "all"]:
+        of = [row for row in rows if motion in (row["motion"], "all")]
+        broken = [name for row in of for name in str(row["broken"]).split()]
+        lines.append([
+            motion, len(of), sum(row["yielded_rigid"] > 0 for row in of), *(f"{max(map(quotient, of)):.2g}" for quotient in quotients),
+            sum(row["stopped_rigid"] < math.inf for row in of), sum(row["crushed_springs"] < math.inf for row in of),
+            ", ".join(f"{name} {broken.count(name)}" for name in dict.fromkeys(broken)) or "none",
+        ])  # fmt: skip
+    header = ["motion", "scenes", "with contacts that yield", "speed over its bound", "force over that of springs", "slowest step over the median", "guard spoke", "springs crushed", "bounds broken"]
+    return table(header, lines)
 
 
 def examples():
@@ -146,6 +166,7 @@ TABLES = {
     "quasi-static": lambda: ratios("e", "e-quasi-static"),
     "examples": examples,
     "cell-against-walls": cell_against_walls,
+    "driven-scenes": driven_scenes,
 }
 
 
