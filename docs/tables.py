@@ -41,11 +41,11 @@ def _number(cell):
         return cell
 
 
-def ratios(chart, name):
-    """The table that scripts/chart.py prints beside this chart."""
+def ratios(chart, name, function="ratios"):
+    """The table that scripts/chart.py prints beside this chart, or another of its module."""
     from benchmarks import charts
 
-    header, _, *lines = (line.split(" | ") for line in charts.chart(chart).ratios(chart_rows(name)))
+    header, _, *lines = (line.split(" | ") for line in getattr(charts.chart(chart), function)(chart_rows(name)))
     return table(header, [[re.sub(r"(\d(?:\.\d+)?)e\+0*(\d+)", lambda m: f"{float(m[0]):g}", cell.strip()) for cell in line] for line in lines])
 
 
@@ -164,6 +164,7 @@ TABLES = {
     "study": lambda: (ROOT / "examples" / "paper" / "table.md").read_text().rstrip("\n") + "\n",
     "study-quasi-static": lambda: (ROOT / "examples" / "quasi-static" / "table.md").read_text().rstrip("\n") + "\n",
     "quasi-static": lambda: ratios("e", "e-quasi-static"),
+    "other-steps": lambda: ratios("e", "e-quasi-static", "other_steps"),
     "examples": examples,
     "cell-against-walls": cell_against_walls,
     "driven-scenes": driven_scenes,

@@ -18,7 +18,7 @@ from rcr.study.biaxial import CHECKPOINT, FREE, INERTIAL_NUMBER, QUASI_STATIC, R
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, "history.csv", "isotropic.h5", "network-*.h5"]
-QUICK = dict(inertial_number=INERTIAL_NUMBER, time_step=TIME_STEP, approach=0.0)
+QUICK = dict(inertial_number=INERTIAL_NUMBER, time_step=TIME_STEP, approach=0.0, overdamped=False)
 INERTIA_TOLD = 0.02  # sample inertia over σ₀ at the last strain from which on it is told: the forces at the walls differ by so much
 HOW_LONG = ["strain", "networks"]  # how far the test goes and what is saved on the way: no part of what it is
 PAUSE = 60  # seconds between two checkpoints at most, and 20 times as long as one takes at least
@@ -35,7 +35,8 @@ def arguments():
     parser.add_argument("--inertial-number", type=number, help=f"rate of the shear times √(m/σ0) (default {INERTIAL_NUMBER:g})")
     parser.add_argument("--time-step", type=number, help=f"of the shear, over √(m/σ0); the smooth law's follows from its stiffness (default {TIME_STEP:g})")
     parser.add_argument("--approach", type=number, help=f"strain up to which the shear is made at {INERTIAL_NUMBER:g} if --inertial-number is lower (default 0)")
-    quasi_static = " ".join(f"--{name.replace('_', '-')} {value:g}" for name, value in QUASI_STATIC.items())
+    parser.add_argument("--overdamped", action="store_true", default=None, help="shear without inertia: each step of the strain I dt/t0 starts from rest")
+    quasi_static = " ".join(f"--{name.replace('_', '-')}" + f" {value:g}" * (value is not True) for name, value in QUASI_STATIC.items())
     parser.add_argument("--quasi-static", action="store_true", help=f"shear as slowly as averages need that do not know the rate: {quasi_static}")
     parser.add_argument("--threads", type=whole, default=0, help="of the contact solver (default: as YADE's -j)")
     parser.add_argument("--tolerance", type=number, default=1e-4, help="residual of the contact solver (default %(default)s)")
@@ -50,7 +51,7 @@ def arguments():
     options = parser.parse_args()
     if options.resume and options.overwrite:
         parser.error("--resume goes on with the run in DIR, --overwrite removes it: wanted one of them")
-    for name, value in (QUASI_STATIC if options.quasi_static else QUICK).items():
+    for name, value in (QUICK | QUASI_STATIC if options.quasi_static else QUICK).items():
         if getattr(options, name) is None:
             setattr(options, name, value)
     if options.approach >= options.strain:

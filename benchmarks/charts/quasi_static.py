@@ -1,7 +1,8 @@
 """Chart e. The biaxial test over its rate: how far each observable is from its quasi-static limit, and what the limit is.
 
 Tests of one elongation, size and seed start from the same frictionless packing and go the same way to a strain of 0.1, at I = 1e-3. From there to 0.3
-each has its own rate I, time step and number of sweeps. Means over strains from 0.15: stresses and packing fraction of all records, the
+each has its own rate I, time step and number of sweeps; I = 0 is shear without inertia (`overdamped`), `STRAIN_STEP` a step, so that its time step
+sets the drag that is left of the confining stress, STRAIN_STEP/dt². Means over strains from 0.15: stresses and packing fraction of all records, the
 rest of one network a per cent. Seeds start alike, so the difference between two rates is one of pairs, whose error is smaller than that of either.
 
 An observable y is fitted by y(I) = y₀ + b √I, the same b for all seeds: with I_M, which the rate moves most, a line in √I goes through all
@@ -17,14 +18,15 @@ import numpy as np
 from yade.wrapper import Omega
 
 from rcr.network import sin_phi
-from rcr.study.biaxial import CHECKPOINT, RECORD, Biaxial
+from rcr.study.biaxial import CHECKPOINT, OVERDAMPED_VIOLATION, RECORD, Biaxial
 
 from . import biaxial_cost
 
 O = Omega()
 TITLE = "Biaxial test: observables against the rate of shear"
 APPROACH, FROM, STRAIN, LOOK = 0.1, 0.15, 0.3, 0.01
-APPROACH_PACE = dict(inertial_number=1e-3, time_step=0.4)  # of the way to `APPROACH`
+APPROACH_PACE = dict(inertial_number=1e-3, time_step=0.4, overdamped=False)  # of the way to `APPROACH`
+STRAIN_STEP = 1e-4  # of overdamped shear
 PAUSE = 60  # seconds between two checkpoints
 OBSERVED = dict(
     sin_phi="sin φ", packing_fraction="packing fraction", friction_mobilization="I_M", weak_fraction="share of weak contacts",
@@ -37,17 +39,19 @@ DRAWN = "sin_phi", "friction_mobilization", "a_c_weak", "a_fn_weak", "q_weak", "
 COLUMNS = ["eta", "particles", "inertial_number", "dt", "iterations", "seed", "steps", "seconds", *OBSERVED]
 DEPENDS = ("quick",)
 RATES = "1e-3/0.4/300", "1e-4/0.4/300", "3e-4/0.4/300", "3e-5/1/300"
-STEPS = "1e-4/0.2/300", "1e-4/1/300", "1e-4/0.4/100", "1e-4/0.4/1000"  # the same rate, other steps and sweeps
+STEPS = "1e-4/0.2/300", "1e-4/0.4/100", "1e-4/0.4/1000"  # the same rate, other steps and sweeps
+OVERDAMPED = "0/1/300", "0/0.5/300", "0/2/300", "0/1/100", "0/1/1000"
 
 
 def points(options):
     """Names eta/particles/I/dt/sweeps/seed, those that tell most first."""
     etas = "0", "0.7"
     if options.quick:
-        return [f"{eta}/100/{rate}/{seed}" for eta in etas for rate in ("1e-3/0.4/300", "5e-4/0.4/300") for seed in (1, 2)]
-    names = [f"{eta}/1000/{rate}/{seed}" for seed in (1, 2, 3) for rate in RATES for eta in etas]
-    names += [f"{eta}/1000/{setting}/1" for setting in STEPS for eta in etas]
-    return names + [f"{eta}/4000/{rate}/1" for rate in RATES[:3] for eta in etas]
+        return [f"{eta}/100/{rate}/{seed}" for eta in etas for rate in ("1e-3/0.4/300", "5e-4/0.4/300", "0/1/300") for seed in (1, 2)]
+    names = [f"{eta}/1000/{rate}/{seed}" for seed in (1, 2, 3) for rate in (OVERDAMPED[0], *RATES) for eta in etas]
+    names += [f"{eta}/1000/{setting}/{seed}" for seed in (1, 2, 3) for setting in OVERDAMPED[1:] for eta in etas]
+    names += [f"{eta}/4000/{rate}/1" for rate in (OVERDAMPED[0], *RATES[:3]) for eta in etas]
+    return names + [f"{eta}/1000/{setting}/1" for setting in STEPS for eta in etas]
 
 
 def _test(name, options, folder):
@@ -77,12 +81,15 @@ def run(name, options):
     folder = pathlib.Path(options.out, "rates", name.replace("/", "-"))
     folder.mkdir(parents=True, exist_ok=True)
     test = _test(name, options, folder)
-    pace = dict(zip(("inertial_number", "time_step"), map(float, name.split("/")[2:4])))
+    rate, time_step = map(float, name.split("/")[2:4])
+    pace = dict(inertial_number=rate or STRAIN_STEP / time_step, time_step=time_step, overdamped=rate == 0)
     saved = time.monotonic()
     looks = lambda: math.floor((test.strain + 0.5 * RECORD) / LOOK)
     while test.strain < STRAIN - 0.5 * RECORD:
         approaching = test.strain < APPROACH - 0.5 * RECORD
         test.parameters.update(APPROACH_PACE if approaching else pace)
+        if pace["overdamped"] and not approaching and not test.solver.overdamped:
+            test.solver.overdamped, test.solver.maxViolation = True, OVERDAMPED_VIOLATION
         O.dt = test.parameters["time_step"] * test.time_unit
         looked, width, began, start = looks(), test.width, O.time, time.process_time()
         test.shear_record()
@@ -106,8 +113,8 @@ def _row(test):
     found = {key: np.mean([look[key] for look in looks]) for key in looks[0]}
     found |= dict(sin_phi=sin_phi([mean("stress_x"), mean("stress_y")]), packing_fraction=mean("packing_fraction"))
     found |= dict(wall_scatter=speeds.std() / speeds.mean())
-    row = {name: parameters[name] for name in ("eta", "particles", "inertial_number", "iterations", "seed")}
-    row |= dict(dt=parameters["time_step"], steps=O.iter - test.progress["first"], seconds=test.progress["seconds"])
+    row = {name: parameters[name] for name in ("eta", "particles", "iterations", "seed")}
+    row |= dict(inertial_number=0.0 if parameters["overdamped"] else parameters["inertial_number"], dt=parameters["time_step"], steps=O.iter - test.progress["first"], seconds=test.progress["seconds"])
     return row | {name: float(value) for name, value in found.items()}
 
 
@@ -156,20 +163,51 @@ def _groups(rows):
     return {key: [row for row in rows if (row["eta"], row["particles"]) == key] for key in sorted({(row["eta"], row["particles"]) for row in rows})}
 
 
+def _with(rows, setting):
+    """The rows of a setting I/dt/sweeps."""
+    wanted = tuple(map(float, setting.split("/")))
+    return [row for row in rows if row["status"] == "ok" and (row["inertial_number"], row["dt"], row["iterations"]) == wanted]
+
+
+def mean(rows, name):
+    """Mean over the seeds and its standard error, NaN of fewer than two."""
+    values = np.array([row[name] for row in rows])
+    return float(values.mean()) if len(values) else math.nan, float(values.std(ddof=1) / math.sqrt(len(values))) if len(values) > 1 else math.nan
+
+
+def changes(rows, name, setting):
+    """Mean change from the first setting of `OVERDAMPED` to another one, in pairs of equal seeds, and its standard error."""
+    first = {row["seed"]: row[name] for row in _with(rows, OVERDAMPED[0])}
+    return mean([{name: row[name] - first[row["seed"]]} for row in _with(rows, setting) if row["seed"] in first], name)
+
+
 def ratios(rows):
-    """Limits I → 0 of every observable, and how far I = 1e-3 and 1e-4 are from them."""
+    """Limits I → 0 of every observable, how far I = 1e-3 and 1e-4 are from them, and what shear without inertia gives."""
     groups = {key: group for key, group in _groups(_plain(rows)).items() if len({row["inertial_number"] for row in group}) > 1}
-    yield "observable | " + " | ".join(f"η = {eta:g}, N = {particles:g}: limit | off at 1e-3 | off at 1e-4" for eta, particles in groups)
-    yield "---|" * 3 * len(groups) + "---"
+    yield "observable | " + " | ".join(f"η = {eta:g}, N = {particles:g}: limit | off at 1e-3 | off at 1e-4 | without inertia" for eta, particles in groups)
+    yield "---|" * 4 * len(groups) + "---"
     for name, title in OBSERVED.items():
         if name in ERRORS:
             continue
         cells = []
-        for group in groups.values():
+        for key, group in groups.items():
             value, error, slope, slope_error = limit(group, name)
             cells.append(f"{value:.3g} ± {error:.1g}")
             cells += [f"{slope * math.sqrt(rate):+.1g} ± {slope_error * math.sqrt(rate):.1g}" for rate in (1e-3, 1e-4)]
+            cells.append("{:.3g} ± {:.1g}".format(*mean(_with(_groups(rows).get(key, []), OVERDAMPED[0]), name)))
         yield f"{title} | " + " | ".join(cells)
+
+
+def other_steps(rows, particles=1000):
+    """How far other steps and sweeps lead shear without inertia."""
+    groups = {eta: group for (eta, size), group in _groups(rows).items() if size == particles}
+    others = OVERDAMPED[1:]
+    words = ["dt × {:g}".format(float(setting.split("/")[1])) if not setting.startswith("0/1/") else f"{setting.split('/')[2]} sweeps" for setting in others]
+    yield "observable | " + " | ".join(f"η = {eta:g}: {word}" for eta in groups for word in words)
+    yield "---|" * len(others) * len(groups) + "---"
+    for name, title in OBSERVED.items():
+        if name not in ERRORS[1:]:
+            yield f"{title} | " + " | ".join("{:+.1g} ± {:.1g}".format(*changes(group, name, setting)) for group in groups.values() for setting in others)
 
 
 def plot(rows, options):
@@ -180,11 +218,13 @@ def plot(rows, options):
     for ax, name in zip(figure.subplots(2, 3).flat, DRAWN):
         for (eta, particles), group in groups.items():
             _panel(ax, group, name, f"η = {eta:g}, N = {particles:g}", *_style(eta, particles))
+            still, error = mean(_with(_groups(rows)[eta, particles], OVERDAMPED[0]), name)
+            ax.errorbar([-0.0014], [still], [np.nan_to_num(error)], color=_style(eta, particles)[0], marker="*", mfc=_style(eta, particles)[2], ms=9, ls="")
         ax.set(title=OBSERVED[name], xlim=(-0.0035, 0.034))
         ax.set_xticks([math.sqrt(rate) for rate in (0, 3e-5, 1e-4, 3e-4, 1e-3)], ["0", "3e-5", "1e-4", "3e-4", "1e-3"], fontsize=7, rotation=40)
         ax.set_xlabel("I (axis ∝ √I)", fontsize=8)
         ax.grid(alpha=0.3)
-    figure.suptitle("Each observable against the rate, its limit I → 0 at the left; grey triangles: the paper", fontsize=10)
+    figure.suptitle("Each observable against the rate, its limit I → 0 at the left; stars: without inertia; grey triangles: the paper", fontsize=10)
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
     return figure
 
@@ -208,4 +248,4 @@ def _panel(ax, rows, name, label, color, marker, fill, line):
         ax.errorbar([0], [start], [np.nan_to_num(error)], color=color, marker="_", ms=10, capsize=4)
     paper = PAPER.get(name, {}).get(rows[0]["eta"])
     if paper is not None:
-        ax.plot([-0.0025], [paper], marker=">", color="0.5", ms=7, ls="", label=None)
+        ax.plot([-0.0028], [paper], marker=">", color="0.5", ms=7, ls="", label=None)

@@ -40,6 +40,8 @@ void ContactDynamics::act()
 {
 	if (!(correction >= 0 && correction <= 1))
 		gate::refuse("ContactDynamics.correction = " + boost::lexical_cast<std::string>(correction) + "; wanted a share of the overlap, 0 to 1.");
+	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))
+		gate::refuse("ContactDynamics.flow is not zero; wanted finite, and only with overdamped = True: other bodies keep their velocities.");
 	const gate::Engines engines = gate_.pass(*scene);
 	if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0; // rest is the cell's own motion, see gather
 	if (!flat_) flat_ = std::make_shared<FlatSteps>();
@@ -51,6 +53,7 @@ void ContactDynamics::step(const gate::Engines& engines)
 {
 	rcr::Team& team  = workspace_.team();
 	step_.overdamped = overdamped;
+	step_.rest       = plane::flowOf(flow);
 	timed("gather", [&] { gather(*scene, engines, team, sources_, step_); });
 	try {
 		std::vector<rcr::Twist> loads;

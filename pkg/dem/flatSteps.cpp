@@ -76,7 +76,6 @@ FlatSteps::Motion FlatSteps::motionOf(const State& s)
 /// What of the scene keeps its steps from being taken in arrays; also finds the loads.
 std::string FlatSteps::reason(const Scene& scene, const gate::Engines& engines, const rcr::Step& step)
 {
-	if (step.overdamped) return "overdamped";
 	if (scene.isPeriodic) return "a periodic cell";
 	if (!step.members.empty()) return "clumps";
 	if (scene.trackEnergy) return "O.trackEnergy";
@@ -178,7 +177,7 @@ void FlatSteps::begin(rcr::Team& team, const StepSources& sources, const rcr::St
 	since_                  = Clock::now();
 	first_                  = count_;
 	const std::size_t count = step.bodies.size();
-	inertia_.resize(count), begun_.resize(count);
+	inertia_.resize(count), begun_.resize(count), arrived_.resize(count);
 	team.forEach(count, [&](std::size_t id) {
 		prefetch<State>(sources.state[std::min(id + prefetchAhead, count - 1)]);
 		inertia_[id]         = {};
@@ -215,6 +214,7 @@ void FlatSteps::move(
 		State&         s = *sources.state[id];
 		const Vector3r force = scene.forces.getForce(id) + 1 / step.dt * Vector3r(loads[id].x, loads[id].y, 0);
 		const Vector3r torque = scene.forces.getTorque(id) + 1 / step.dt * Vector3r(0, 0, loads[id].rotation);
+		if (step.overdamped) stop(s, step.bodies[id].velocity);
 		if (!step.displacement.empty() && step.bodies[id].free) displace(s, step.displacement[id]);
 		for (int axis = 0; axis < 3; ++axis) {
 			if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] += scene.dt * (force[axis] / s.mass + newton.gravity[axis]);
@@ -242,6 +242,10 @@ void FlatSteps::move(
 		body.turn     = rcr::leapt(body.turn, body.velocity.rotation, before);
 		body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step.dt);
 		if (body.free) body.expected = body.alertDistance;
+		if (step.overdamped) {
+			arrived_[id]  = body.velocity;
+			body.velocity = atRest(body.velocity, inertia_[id], step.rest.at(body.center));
+		}
 		step.problem.freeVelocity[id] = rcr::accelerated(body.velocity, inertia_[id], {}, gravity, step.dt);
 	});
 }
@@ -279,10 +283,11 @@ void FlatSteps::publish(Scene& scene, rcr::Team& team, StepSources& sources, con
 		State* s = sources.state[id];
 		if (!s || watches_[id]) return;
 		const rcr::StepBody& body = step.bodies[id];
+		const rcr::Twist&    v      = step.overdamped ? arrived_[id] : body.velocity;
 		const Motion         before = begun_[id], now = motionOf(*s); // what somebody has written to a body meanwhile stays
 		if (now.center == before.center) s->pos[0] = body.center.x, s->pos[1] = body.center.y;
 		if (now.turn == before.turn) s->ori.w() = body.turn.w, s->ori.z() = body.turn.z;
-		if (now.velocity == before.velocity) s->vel[0] = body.velocity.x, s->vel[1] = body.velocity.y, s->angVel[2] = body.velocity.rotation;
+		if (now.velocity == before.velocity) s->vel[0] = v.x, s->vel[1] = v.y, s->angVel[2] = v.rotation;
 	});
 
 	std::vector<Interaction*> interaction(pairs_.all.size());

@@ -9,7 +9,7 @@
 //
 //   * where a run ends, or 30 steps and half a second are over, for whoever watches it;
 //   * where an engine that may look at anything is due: a PyRunner, a recorder, any engine that is not named below;
-//   * in scenes with what is not kept in arrays: clumps, a periodic cell, energy tracking, overdamped, permanent forces.
+//   * in scenes with what is not kept in arrays: clumps, a periodic cell, energy tracking, permanent forces.
 //
 // Loads on named bodies (kinematic engines, ForceEngine and its like, WallStress) and obstacles stay with YADE: these few bodies are written and read every step.
 #pragma once
@@ -62,6 +62,7 @@ private:
 	std::vector<char>         watches_;      // a body
 	std::vector<rcr::Inertia> inertia_;      // a body
 	std::vector<Motion>       begun_;        // a body: as YADE has it
+	std::vector<rcr::Twist>   arrived_;      // a body: its velocity at the end of the last overdamped step
 	rcr::Neighbours           neighbours_;
 	rcr::Pairs                pairs_;
 };

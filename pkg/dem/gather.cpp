@@ -50,12 +50,6 @@ namespace {
 			if (engines.cellStress) engines.cellStress->release(rest);
 		}
 
-		rcr::Twist atRest(const State& s) const
-		{
-			const Vector3r v = rest * s.pos;
-			return { double(v[0]), double(v[1]), 0.5 * double(rest(1, 0) - rest(0, 1)) };
-		}
-
 		rcr::Twist added(const State& s, double dt) const
 		{
 			if (!periodic) return {};
@@ -97,6 +91,7 @@ namespace {
 		const std::size_t    count  = bodies.size();
 		step_.dt                    = double(scene_.dt);
 		step_.cell                  = cellOf(scene_, field_.gradient);
+		if (field_.periodic) step_.rest = plane::flowOf(field_.rest);
 		step_.problem.inverseMass.resize(count);
 		step_.problem.freeVelocity.resize(count);
 		step_.bodies.resize(count);
@@ -166,7 +161,7 @@ namespace {
 	{
 		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) return; // the integrator leaves it where it is
 		if (step_.overdamped) {
-			const rcr::Twist rest = field_.atRest(s);
+			const rcr::Twist rest = step_.rest.at(body.center);
 			if (!(s.blockedDOFs & State::DOF_X)) body.velocity.x = rest.x;
 			if (!(s.blockedDOFs & State::DOF_Y)) body.velocity.y = rest.y;
 			if (!(s.blockedDOFs & State::DOF_RZ)) body.velocity.rotation = rest.rotation;

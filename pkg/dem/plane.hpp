@@ -7,6 +7,7 @@
 
 #include "../kernel/problem/contact_problem.hpp"
 #include "../kernel/geometry/stadium.hpp"
+#include "../kernel/step/step.hpp"
 
 namespace yade {
 namespace plane {
@@ -24,6 +25,11 @@ namespace plane {
 	inline rcr::Twist twist(const State& state)
 	{
 		return { double(state.vel[0]), double(state.vel[1]), double(state.angVel[2]) };
+	}
+
+	inline rcr::Flow flowOf(const Matrix3r& gradient)
+	{
+		return { { { double(gradient(0, 0)), double(gradient(0, 1)) }, { double(gradient(1, 0)), double(gradient(1, 1)) } } };
 	}
 
 } // namespace plane

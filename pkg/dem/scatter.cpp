@@ -73,16 +73,6 @@ namespace {
 		cell.setVelGrad(gradient);
 	}
 
-	/// Velocities that are not prescribed become those of a body without inertia.
-	void stop(State& s, const rcr::Twist& rest)
-	{
-		const Vector3r velocity(rest.x, rest.y, 0), spin(0, 0, rest.rotation);
-		for (int axis = 0; axis < 3; ++axis) {
-			if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] = velocity[axis];
-			if (!(s.blockedDOFs & State::axisDOF(axis, true))) s.angVel[axis] = spin[axis];
-		}
-	}
-
 	/// Does a grain, with the alert distance of its new velocity, reach out of the box that the collider knows?
 	bool outruns(const rcr::StepBody& b, const rcr::Twist& v, double dt, const State& state, const Bound& bound)
 	{
@@ -137,6 +127,15 @@ namespace {
 	}
 
 } // namespace
+
+void stop(State& s, const rcr::Twist& rest)
+{
+	const Vector3r velocity(rest.x, rest.y, 0), spin(0, 0, rest.rotation);
+	for (int axis = 0; axis < 3; ++axis) {
+		if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] = velocity[axis];
+		if (!(s.blockedDOFs & State::axisDOF(axis, true))) s.angVel[axis] = spin[axis];
+	}
+}
 
 void displace(State& s, const rcr::Twist& by)
 {

@@ -8,6 +8,9 @@ namespace yade {
 /// Sum of the contact impulses on each body and their moments about its centre [N s, N m s]; of a clump on its members.
 std::vector<rcr::Twist> loadsOf(const rcr::Step&);
 
+/// Velocities that are not prescribed become those of a body without inertia.
+void stop(State&, const rcr::Twist& rest);
+
 /// Moves a body by a displacement of the position correction.
 void displace(State&, const rcr::Twist& by);
 

@@ -35,6 +35,13 @@ def whole(name, value, wanted="a whole number", fits=lambda v: True):
     return int(value)
 
 
+def flag(name, value):
+    """`value` if it is True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"{name} = {value!r}; wanted True or False")
+    return bool(value)
+
+
 def choice(name, value, known):
     """`value` if it is one of the words `known`."""
     if not isinstance(value, str) or value not in known:

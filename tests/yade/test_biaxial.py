@@ -14,7 +14,7 @@ import time
 
 import numpy as np
 import pytest
-from rcr.study.biaxial import CHECKPOINT, STRESS, Biaxial
+from rcr.study.biaxial import CHECKPOINT, OVERDAMPED_VIOLATION, STRESS, Biaxial
 from rcr.network import Network
 from run_contents import contents, different
 from yade import O
@@ -104,6 +104,24 @@ def test_checkpoint_goes_on_to_the_same_bits(packing, tmp_path):
         test.shear_record()
     assert np.array_equal(state(test), straight)
     assert [(row["sin_phi"], row["iterations"]) for row in test.rows] == [(row["sin_phi"], row["iterations"]) for row in rows]
+
+
+def test_shear_without_inertia_stays_in_balance(packing):
+    """Steps of 1e-4 of strain in t₀, the grains at rest in between: net forces are the drag of a step, some 1e-3 of the contact forces, and overlaps
+    are taken back whole, while shear with inertia at the same rate and time step keeps what its velocities are wrong by."""
+    found = {}
+    for overdamped in (True, False):
+        test = Biaxial.load(packing.folder)
+        test.parameters.update(inertial_number=1e-4, time_step=1.0, overdamped=overdamped)
+        test.solver.overdamped = overdamped
+        if overdamped:
+            test.solver.maxViolation = OVERDAMPED_VIOLATION
+        for _ in range(30):
+            test.shear_record()
+        found[overdamped] = test.solver.unbalance, test.overlaps().mean()
+    print("FOUND", found)
+    assert 5 * found[True][1] < found[False][1]
+    assert test.rows[-1]["sin_phi"] > 0.2
 
 
 def test_walls_stay_smooth_in_shear(packing):
@@ -344,16 +362,17 @@ def test_script_refuses_the_folder_of_another_run(done, arguments, message):
 
 
 def test_script_refuses_an_approach_that_never_ends(tmp_path):
-    message = forked.complaint(forked.run(SCRIPT, *SMALL, "--quasi-static", "--out", tmp_path / "out"))
+    message = forked.complaint(forked.run(SCRIPT, *SMALL, "--approach", "0.2", "--out", tmp_path / "out"))
     assert "--approach 0.2: wanted less than --strain 0.01" in message and not (tmp_path / "out").exists()
 
 
 def test_script_sets_the_quasi_static_rate(tmp_path):
     """What is given beside --quasi-static counts. A sample too wide for its rate is told of before the shear."""
-    run = script(*SMALL, "--quasi-static", "--approach", "0.004", "--inertial-number", "5e-4", "--out", tmp_path / "slow")
+    run = script(*SMALL, "--quasi-static", "--inertial-number", "5e-4", "--out", tmp_path / "slow")
     assert run.returncode == 0, run.stderr
     parameters = json.loads((tmp_path / "slow" / "run.json").read_text())["parameters"]
-    assert {name: parameters[name] for name in ("inertial_number", "time_step", "approach")} == dict(inertial_number=5e-4, time_step=0.2, approach=0.004)
+    assert {name: parameters[name] for name in ("inertial_number", "time_step", "overdamped")} == dict(inertial_number=5e-4, time_step=1, overdamped=True)
+    assert json.loads((tmp_path / "slow" / "summary.json").read_text())["sample_inertia"] == 0
     assert "inertia of the sample" not in run.stderr
     run = script(*SMALL, "--inertial-number", "0.03", "--time-step", "0.02", "--out", tmp_path / "fast")  # I² N = 0.05
     assert run.returncode == 0 and "the inertia of the sample, ρ (ε̇ W)², is 0.05" in run.stderr
@@ -427,7 +446,7 @@ def test_a_full_disk_leaves_what_was_whole(done):
         (["--particles", "9" * 30], "wanted a whole number"),
         (["--particles", "abc"], "--particles 'abc': wanted a whole number"),
         (["--eta", "nan"], "--eta nan: wanted a finite number"),
-        (["--time-step", "1e6"], "time_step = 1000000.0; wanted a number > 0, at most 1"),
+        (["--time-step", "1e6"], "time_step = 1000000.0; wanted a number > 0, at most 10"),
         (["--inertial-number", "1e9"], "is the strain of a step"),
         (["--threads", "1000000"], "threads = 1000000; wanted 0 (as YADE has) to 1024"),
         (["--seed", "-1"], "seed = -1; wanted a whole number ≥ 0"),
@@ -437,6 +456,8 @@ def test_a_full_disk_leaves_what_was_whole(done):
         (["--out", ""], "--out '': wanted a path"),
         (["--out", SCRIPT], "is no folder"),
         (["--friction", "-1"], "friction = -1.0; wanted a coefficient ≥ 0"),
+        (["--overdamped", "--law", "smooth"], "overdamped = True: springs have an inertia"),
+        (["--overdamped", "--approach", "0.001"], "approach = 0.001: a faster way"),
         (["--strain", "2"], "--strain 2.0: wanted 0 < strain < 1"),
         (["--solver", "magic"], "solver 'magic' is not known"),
         (["--resume"], "nothing to resume"),

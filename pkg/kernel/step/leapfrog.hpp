@@ -24,6 +24,15 @@ inline Twist accelerated(Twist v, const Inertia& inertia, const Twist& force, Ve
 	return v;
 }
 
+/// The velocity of a body without inertia at the beginning of a step: that of rest, and what is prescribed.
+inline Twist atRest(Twist v, const Inertia& inertia, const Twist& rest)
+{
+	if (inertia.x) v.x = rest.x;
+	if (inertia.y) v.y = rest.y;
+	if (inertia.rotation) v.rotation = rest.rotation;
+	return v;
+}
+
 /// The turn after the time dt with an angular velocity.
 inline Turn leapt(const Turn& turn, double rotation, double dt) { return scaled(rotation != 0 ? turned(turn, rotation * dt) : turn); }
 

@@ -44,9 +44,9 @@ namespace {
 
 } // namespace
 
-Neighbours::Place Neighbours::placeOf(const StepBody& body, double dt) const
+Neighbours::Place Neighbours::placeOf(const StepBody& body) const
 {
-	return { body.shape, body.pose(), alertDistance(body.shape, body.velocity, dt) };
+	return { body.shape, body.pose(), body.alertDistance };
 }
 
 bool Neighbours::serve(const Step& step, Team& team) const
@@ -57,7 +57,7 @@ bool Neighbours::serve(const Step& step, Team& team) const
 		const StepBody& body = step.bodies[id];
 		const Place&    at   = at_[id];
 		if (body.shape.kind == PlanarShape::none && at.shape.kind == PlanarShape::none) return;
-		const double more = alertDistance(body.shape, body.velocity, step.dt) - at.reach;
+		const double more = body.alertDistance - at.reach;
 		if (body.shape.kind != at.shape.kind || body.shape.radius() != at.shape.radius() || body.shape.halfWidth != at.shape.halfWidth || way(at.shape, at.pose, body.shape, body.pose()) + more > margin_)
 			serves.store(false, std::memory_order_relaxed);
 	});
@@ -86,8 +86,7 @@ void Neighbours::chooseMargin(const Step& step)
 	int    grains = 0;
 	for (const StepBody& body : step.bodies) {
 		if (body.shape.kind == PlanarShape::none) continue;
-		const double reach = body.shape.kind == PlanarShape::wall ? norm(Vec2 { body.velocity.x, body.velocity.y }) : speed(body.velocity, body.radius);
-		fastest            = std::max(fastest, step.dt * reach);
+		fastest = std::max(fastest, 0.5 * body.alertDistance); // twice the way of a step
 		if (!body.shape.grain()) continue;
 		radii += body.shape.halfWidth;
 		++grains;
@@ -220,7 +219,7 @@ void Neighbours::ofWide(Team& team)
 const Neighbours::List& Neighbours::find(const Step& step, Team& team)
 {
 	at_.resize(step.bodies.size());
-	team.forEach(at_.size(), [&](std::size_t id) { at_[id] = placeOf(step.bodies[id], step.dt); });
+	team.forEach(at_.size(), [&](std::size_t id) { at_[id] = placeOf(step.bodies[id]); });
 	chooseMargin(step);
 	sortIntoCells(step);
 	amongNarrow(step, team);

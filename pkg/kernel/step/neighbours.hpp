@@ -48,7 +48,7 @@ private:
 		Vec2 low, high;
 	};
 
-	Place  placeOf(const StepBody&, double dt) const;
+	Place placeOf(const StepBody&) const;
 	double extent(std::size_t id) const; // radius of the circle in which a grain looks
 	Box    box(std::size_t id, double more) const;
 	int    column(double x) const;

@@ -42,7 +42,7 @@ void Pairs::detect(const Step& step, Team& team)
 	team.forEach(all.size(), [&](std::size_t k) {
 		Pair&           pair = all[k];
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
-		const double    reach = alertDistance(one.shape, one.velocity, step.dt) + alertDistance(two.shape, two.velocity, step.dt);
+		const double    reach = one.alertDistance + two.alertDistance;
 		pair.fresh            = false;
 		if (apart(one.shape, one.center, two.shape, two.center, reach) || !meet(one.shape.kind, two.shape.kind)) {
 			pair.points = 0;

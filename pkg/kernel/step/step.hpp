@@ -131,9 +131,21 @@ struct PeriodicCell {
 	Vec2 drift(Vec2 shift) const { return { gradient[0][0] * shift.x + gradient[0][1] * shift.y, gradient[1][0] * shift.x + gradient[1][1] * shift.y }; }
 };
 
+/// A homogeneous flow: its velocity gradient [1/s].
+struct Flow {
+	double gradient[2][2] {};
+
+	Twist at(Vec2 r) const
+	{
+		const auto& g = gradient;
+		return { g[0][0] * r.x + g[0][1] * r.y, g[1][0] * r.x + g[1][1] * r.y, 0.5 * (g[1][0] - g[0][1]) };
+	}
+};
+
 struct Step {
 	double                    dt         = 0; // [s]
-	bool                      overdamped = false; // every body starts from rest (in a cell: from its prescribed motion), gaps and overlaps are taken back whole
+	bool                      overdamped = false; // every body starts from rest, gaps and overlaps are taken back whole
+	Flow                      rest; // what rest is in an overdamped step
 	PeriodicCell              cell;
 	std::vector<StepBody>     bodies;
 	std::vector<std::int32_t> members;  // bodies that share the motion of another

@@ -20,7 +20,7 @@ import time
 
 import numpy as np
 from yade import utils
-from yade.minieigenHP import Vector3
+from yade.minieigenHP import Matrix3, Vector3
 from yade.wrapper import (
     Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, NewtonIntegrator,
     Omega,
@@ -44,7 +44,8 @@ APPROACH = 20.0  # … and this times the mean net force over the mean contact f
 CYCLES = 200  # … halved after so many steps, a third after twice as many: a cycle of flips that long steps keep up ends so
 TIME_STEP = 0.1  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then some 15 % of the mean contact force
-QUASI_STATIC = dict(inertial_number=1e-4, time_step=0.2, approach=0.2)  # what makes averages those of the limit I → 0, see docs/study-notes.md
+QUASI_STATIC = dict(overdamped=True, inertial_number=1e-4, time_step=1.0)  # what makes averages those of the limit I → 0, see docs/study-notes.md
+OVERDAMPED_VIOLATION = 0.1  # `ContactDynamics.maxViolation` of overdamped shear: what velocities are wrong by are gaps, which the next step takes back whole
 SHEAR_ITERATIONS = 300  # of a step of the shear, at most: where a large packing is about to yield, thousands would change no average
 RAMP = 0.002  # strain over which the top wall takes up its velocity
 BALANCED = 2e-3  # mean net force of a grain over the mean contact force, at the end of the compaction
@@ -122,6 +123,7 @@ def checked(
     stiffness=STIFFNESS,
     iterations=SHEAR_ITERATIONS,
     approach=0.0,
+    overdamped=False,
 ):
     """The parameters of a test as a dict, in numbers that fit; those of `Biaxial.prepare`.
 
@@ -139,14 +141,19 @@ def checked(
         solver=solver,
         threads=checks.whole("threads", threads, "0 (as YADE has) to 1024", lambda v: 0 <= v <= 1024),
         inertial_number=checks.number("inertial_number", inertial_number, "a number > 0", lambda v: v > 0),
-        time_step=checks.number("time_step", time_step, "a number > 0, at most 1", lambda v: 0 < v <= 1),
+        time_step=checks.number("time_step", time_step, "a number > 0, at most 10", lambda v: 0 < v <= 10),
         law=checks.choice("law", law, ("cd", "smooth")),
         stiffness=checks.number("stiffness", stiffness, "a number ≥ 1, at most 1e9", lambda v: 1 <= v <= 1e9),
         iterations=checks.whole("iterations", iterations, "a whole number > 0 of 32 bits", lambda v: 0 < v < 2**31),
         approach=checks.number("approach", approach, "a strain 0 ≤ approach < 1", lambda v: 0 <= v < 1),
+        overdamped=checks.flag("overdamped", overdamped),
     )
     if solver not in SOLVERS:
         raise ValueError(f"solver {solver!r} is not known; wanted one of {', '.join(SOLVERS)}")
+    if law == "smooth" and overdamped:
+        raise ValueError("overdamped = True: springs have an inertia; wanted law = 'cd'")
+    if approach > 0 and overdamped:
+        raise ValueError(f"approach = {approach:g}: a faster way to the critical state is one with inertia; wanted 0 with overdamped = True")
     if law == "cd" and inertial_number * time_step > RECORD:
         raise ValueError(
             f"inertial_number × time_step = {inertial_number * time_step:g} is the strain of a step; wanted at most {RECORD:g}, that of a record"
@@ -159,6 +166,7 @@ class Springs:
 
     tolerance = residual = 0.0
     iterations = threads = 0
+    overdamped = False
 
     @property
     def contactPoints(self):
@@ -212,7 +220,7 @@ class Biaxial:
         inertial_number : float
             Rate of the shear times t₀, > 0 (`INERTIAL_NUMBER`).
         time_step : float
-            dt/t₀ of the shear, 0 < time_step ≤ 1 (`TIME_STEP`); with the smooth law the stiffness sets the step.
+            dt/t₀ of the shear, 0 < time_step ≤ 10 (`TIME_STEP`); with the smooth law the stiffness sets the step.
         law : str
             Of the shear: 'cd', rigid contacts, or 'smooth', springs, with `VISCOUS_DAMPING` along normals and no other damping ('cd').
         stiffness : float
@@ -221,6 +229,9 @@ class Biaxial:
             Of the solver in a step of the shear at most (`SHEAR_ITERATIONS`); a tolerance below 1e-4 wants thousands.
         approach : float
             Strain up to which the shear is no slower than `INERTIAL_NUMBER`: the way to the critical state need not be slow (0).
+        overdamped : bool
+            Shear without inertia, `ContactDynamics.overdamped` (False): a step of the strain I dt/t₀ starts from rest, moves the grains as little as
+            the top wall and the contacts ask for, and ends in balance but for a drag of I t₀/dt of the confining stress.
 
         Raises
         ------
@@ -297,7 +308,7 @@ class Biaxial:
         strain = self.strain if strain is None else strain
         height = self.progress["first_height"] * (1 - strain)
         width = self.area / (self.packing_fraction * height)
-        rate = self.top_speed(strain) / height
+        rate = 0.0 if self.parameters["overdamped"] else self.top_speed(strain) / height
         return tuple(DENSITY * self.packing_fraction * (rate * length) ** 2 / STRESS for length in (width, height))
 
     def wall_stresses(self):
@@ -382,7 +393,9 @@ class Biaxial:
         )
         self.solver.tolerance = self.parameters["tolerance"]
         self.solver.maxIterations = self.parameters["iterations"]
-        self.solver.overdamped = False
+        self.solver.overdamped = self.parameters["overdamped"]
+        if self.solver.overdamped:
+            self.solver.maxViolation = OVERDAMPED_VIOLATION
         for body in O.bodies:
             body.state.vel = body.state.angVel = Vector3.Zero
         friction = self.parameters["friction"]
@@ -435,7 +448,11 @@ class Biaxial:
         O.bodies[self.top].state.vel = Vector3(0, -ramp * self.top_speed(), 0)
         if not isinstance(self.solver, Springs):
             O.dt = self.pace()[1] * self.time_unit
+        width, start = self.width, O.time
+        if self.solver.overdamped:
+            self.solver.flow = self._flow()
         self._steps(self.steps_a_record)
+        self.progress["widening"] = (self.width / width - 1) / (O.time - start)
         x, y = self.mean_stresses
         low, high = POSSIBLE
         if not (np.isfinite([x, y, self.strain]).all() and low < self.packing_fraction < high):
@@ -457,6 +474,12 @@ class Biaxial:
                 residual=self.solver.residual,
             )
         )
+
+    def _flow(self):
+        """Velocity gradient of the sample, so that the drag of overdamped grains is one of their motion relative to each other: height as the top wall
+        moves, width as in the last record, at first as without dilation [1/s]."""
+        closing = O.bodies[self.top].state.vel[1] / self.height
+        return Matrix3(self.progress.get("widening", -closing), 0, 0, 0, closing, 0, 0, 0, 0)
 
     def _steps(self, count):
         """Make steps; add up the solver's work and average the wall stresses, which fluctuate from step to step."""
@@ -550,6 +573,7 @@ class Biaxial:
             mean_overlap=float(overlaps.mean()),
             max_overlap=float(overlaps.max(initial=0)),
             inertial_number=self.parameters["inertial_number"],
+            overdamped=self.parameters["overdamped"],
             approach=self.parameters["approach"],
             aspect_ratio_initial=first_width / self.progress["first_height"],
             aspect_ratio=self.width / self.height,

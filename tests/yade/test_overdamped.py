@@ -1,0 +1,62 @@
+"""Motion without inertia: every step starts from rest, which may be a homogeneous flow."""
+
+import math
+
+import pytest
+import rcr
+from scenes import build, material, stadium
+from yade import O
+from yade.minieigenHP import Matrix3, Vector3
+
+
+def flowing(*bodies, flow=Matrix3.Zero, gravity=(0, 0, 0), dt=1e-2):
+    ids = build(*bodies, gravity=gravity, dt=dt, tolerance=1e-8)
+    solver = next(engine for engine in O.engines if isinstance(engine, rcr.ContactDynamics))
+    solver.overdamped, solver.flow = True, flow
+    return [O.bodies[i] for i in ids], solver
+
+
+def test_a_body_alone_goes_with_the_flow():
+    """v = flow · r, ω = half of the flow's curl, in each step anew; what it had before is forgotten."""
+    (body,), _ = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(0.3, 0.1, 0, -0.5, -0.3, 0, 0, 0, 0))
+    body.state.vel = Vector3(100, 0, 0)
+    for _ in range(3):
+        x, y, _ = body.state.pos
+        O.step()
+        assert tuple(body.state.vel) == pytest.approx((0.3 * x + 0.1 * y, -0.5 * x - 0.3 * y, 0), rel=1e-12)
+        assert tuple(body.state.angVel) == pytest.approx((0, 0, -0.3), rel=1e-12)
+        assert tuple(body.state.pos) == pytest.approx((x + 1e-2 * body.state.vel[0], y + 1e-2 * body.state.vel[1], 0), rel=1e-12)
+
+
+def test_a_load_moves_a_body_relative_to_the_flow():
+    """A step from rest: v = flow · r + g dt, and no more in the next one."""
+    (body,), _ = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(0.3, 0, 0, 0, -0.3, 0, 0, 0, 0), gravity=(0, -9.81, 0))
+    for _ in range(3):
+        y = body.state.pos[1]
+        O.step()
+        assert body.state.vel[1] == pytest.approx(-0.3 * y - 9.81e-2, rel=1e-12)
+
+
+def test_a_flow_presses_nothing_on_what_goes_with_it():
+    """A row of touching discs in a flow that draws them apart carries no force; pressed together, m Δv/dt of the motion that contacts prevent."""
+    discs = lambda: [rcr.disc((0.1 + 0.2 * k, 1), 0.1, material(0)) for k in range(5)]
+    bodies, _ = flowing(*discs(), flow=Matrix3(0.2, 0, 0, 0, -0.2, 0, 0, 0, 0))
+    O.step()
+    assert max((i.phys.normalForce.norm() for i in O.interactions if i.isReal), default=0) == 0
+    bodies, _ = flowing(*discs(), flow=Matrix3(-0.2, 0, 0, 0, 0.2, 0, 0, 0, 0))
+    mass = bodies[0].state.mass
+    O.step()
+    force = {(i.id1, i.id2): i.phys.normalForce.norm() for i in O.interactions if i.isReal}
+    # Momentum stays: all go on at the mean, −0.1; contact k carries Σ_{j ≤ k} m (v_j − v) / dt of the bodies before it.
+    free = [-0.2 * (0.1 + 0.2 * k) for k in range(5)]
+    for k in range(4):
+        assert force[k, k + 1] == pytest.approx(mass * sum(v + 0.1 for v in free[: k + 1]) / 1e-2, rel=1e-6)
+
+
+@pytest.mark.parametrize("overdamped, value", [(False, 0.1), (True, math.nan), (True, math.inf)])
+def test_a_flow_that_cannot_be_is_refused(overdamped, value):
+    (body,), solver = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(value, 0, 0, 0, 0, 0, 0, 0, 0))
+    solver.overdamped = overdamped
+    with pytest.raises(ValueError, match="ContactDynamics.flow is not zero; wanted finite, and only with overdamped"):
+        O.step()
+    assert tuple(body.state.pos) == (1, 2, 0)
