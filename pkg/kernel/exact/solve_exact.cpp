@@ -97,7 +97,7 @@ namespace {
 
 } // namespace
 
-Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& workspace, const Report* swept)
 {
 	std::vector<Impulse> before; // the last sweeps or steps, where these may show that there is no solution
 	const auto           remember      = [&] {
@@ -105,11 +105,18 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	};
 	const auto hasNoSolution = [&] { return settings.compliance > 0 && (takesTooMuch(problem) || growsWithoutBound(problem, before)); };
 	remember();
-	Report report    = begin(problem, settings, workspace);
-	report.converged = report.reached(settings) && report.violation <= settings.violation;
-	if (report.converged || report.iterations >= settings.maxIterations) return report;
-	report.yielded = hasNoSolution();
-	if (report.yielded) return report;
+	Report report;
+	if (swept) {
+		report            = *swept;
+		report.violation  = violation(problem, settings.rest);
+		report.iterations = 0, report.work = 0;
+	} else {
+		report           = begin(problem, settings, workspace);
+		report.converged = report.reached(settings) && report.violation <= settings.violation;
+		if (report.converged || report.iterations >= settings.maxIterations) return report;
+		report.yielded = hasNoSolution();
+		if (report.yielded) return report;
+	}
 	ProximalProblem        proximal(problem);
 	std::vector<Stiffness> stiffness(proximal.size(), Stiffness(stiffnessLimits));
 	Best                   best { report.residual, report.violation, problem.impulse };

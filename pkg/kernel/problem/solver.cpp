@@ -1,6 +1,7 @@
 #include "problem/solver.hpp"
 
 #include "problem/infeasibility.hpp"
+#include "problem/residual.hpp"
 
 #include <algorithm>
 #include <sstream>
@@ -14,7 +15,8 @@ namespace {
 	constexpr int    hopeless        = 300;  // sweeps without a new low of the residual
 	constexpr int    someSweeps      = 50;   // of a further pass on a step that has no solution
 	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps
-	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it
+	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it …
+	constexpr int    finerPoints     = 50000; // … but no more exact iterations times points are paid for it than this
 
 	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
 	{
@@ -44,9 +46,18 @@ namespace {
 		return !report.converged && settings.tolerance > 0 && (settings.yielded || growsWithoutBound(problem, settings, workspace));
 	}
 
+	/// What a solver has left of what another one has left.
+	Report following(const Report& before, Report report)
+	{
+		report.iterations += before.iterations;
+		report.work += before.work;
+		return report;
+	}
+
 	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
 	{
 		const bool few = settings.tolerance > 0 && int(problem.points.size()) <= fewPoints;
+		const double rest = settings.rest;
 		if (few) settings.rest *= finerRest;
 		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps && !frictionless(problem)) return solveExact(problem, settings, workspace);
 		Settings sweeps    = settings;
@@ -56,11 +67,20 @@ namespace {
 		if (swept.converged || settings.tolerance == 0 || swept.iterations == settings.maxIterations) return swept;
 		swept.yielded = mustYield(swept, problem, settings, workspace);
 		if (swept.yielded) return swept; // exact steps would do no better, and take long
+		const auto meetsAll = [&](const Report& report) { return report.reached(settings) && violation(problem, rest) <= settings.violation; };
+		if (few && swept.reached(settings)) { // forces are known, velocities not as finely: exact steps would take long over that
+			if (!meetsAll(swept)) {
+				sweeps.continued     = true;
+				sweeps.rest          = rest;
+				sweeps.maxIterations = settings.maxIterations - swept.iterations;
+				swept                = following(swept, solveNesterov(problem, sweeps, workspace));
+			}
+			settings.maxIterations = std::min(settings.maxIterations, finerPoints / int(problem.points.size()));
+		}
 		settings.continued = true;
-		Report report      = solveExact(problem, settings, workspace);
-		report.iterations += swept.iterations;
-		report.work += swept.work;
-		return report;
+		Report report      = solveExact(problem, settings, workspace, &swept);
+		report.converged   = report.converged || (few && meetsAll(report));
+		return following(swept, report);
 	}
 
 	/// With rigid contacts; `yielded` says that the solver has seen that there is no solution.
@@ -121,10 +141,7 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 	checkSettings(solver, settings);
 	const Report rigid = solveRigid(problem, solver, settings, workspace);
 	if (!mustYield(rigid, problem, settings, workspace)) return rigid;
-	Report report = solveYielding(problem, settings, rigid, workspace);
-	report.iterations += rigid.iterations;
-	report.work += rigid.work;
-	return report;
+	return following(rigid, solveYielding(problem, settings, rigid, workspace));
 }
 
 } // namespace rcr

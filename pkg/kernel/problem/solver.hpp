@@ -89,7 +89,8 @@ private:
 Report solveNlgs(ContactProblem&, const Settings&, Workspace&);     // plain Gauss–Seidel, the paper's
 Report solveSor(ContactProblem&, const Settings&, Workspace&);      // over-relaxed by 1.3
 Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // Gauss–Seidel with momentum and restart
-Report solveExact(ContactProblem&, const Settings&, Workspace&);    // reaches 1e-8 where sweeps stall
+/// Reaches 1e-8 where sweeps stall. It begins with sweeps, unless it is told what those before it have left.
+Report solveExact(ContactProblem&, const Settings&, Workspace&, const Report* swept = nullptr);
 
 /// Lets the contacts yield, of the problem that this workspace has solved last and of what was left of it, as told by the report.
 Report solveYielding(ContactProblem&, const Settings&, const Report&, Workspace&);
