@@ -212,7 +212,6 @@ def _follow(scene, law, bed, duration, looks=None):
         steps, looks = min(math.ceil(duration / O.dt), SPRING_STEPS), LOOKS
     stride = steps + 1 if looks == 0 else max(1, steps // looks) if looks else 1
     course, times = Course(fall=top, duration=steps * O.dt), []
-    states = [O.bodies[i].state for i in ids]
     for step in range(1, steps + 1):
         start = time.process_time()
         try:
@@ -227,7 +226,7 @@ def _follow(scene, law, bed, duration, looks=None):
             course.yielded += solver().yielded
             course.missed += not solver().converged
         if step % stride == 0:
-            _look(course, states)
+            _look(course, ids)
             if course.crushed == math.inf and course.overlap > CRUSHED:
                 course.crushed = step * O.dt
         if law is SPRINGS and step * O.dt > course.crushed + LATE * scene.dt:
@@ -235,9 +234,13 @@ def _follow(scene, law, bed, duration, looks=None):
     return course, times
 
 
-def _look(course, states):
-    course.fastest = max(course.fastest, max(s.vel.norm() for s in states))
+def _look(course, ids):
+    """At the grains; obstacles may stand in each other."""
+    course.fastest = max(course.fastest, max(O.bodies[i].state.vel.norm() for i in ids))
+    grains = set(ids)
     for i in real_contacts():
+        if grains.isdisjoint((i.id1, i.id2)):
+            continue
         geom = i.geom
         course.force = max(course.force, i.phys.normalForce.norm())
         course.overlap = max(course.overlap, -min(tuple(geom.gap)[: geom.points]) / (geom.refR1 + geom.refR2))

@@ -42,7 +42,7 @@ public:
 		((Real,tolerance,1e-4,,"Residual at which the iterations stop [-]: natural map of the contact laws, relative to the impulses. :yref:`maxViolation<ContactDynamics.maxViolation>` must be met too. 0 runs :yref:`maxIterations<ContactDynamics.maxIterations>`"))
 		((int,maxIterations,1000,,"Most sweeps a step; ≥ 1"))
 		((int,minIterations,0,,"Sweeps before a criterion may stop the solver"))
-		((Real,maxViolation,0.01,,"Kinematic criterion, beside :yref:`tolerance<ContactDynamics.tolerance>`: velocities by which points still close, or slip where they should stick, RMS over the RMS relative velocity of all points (or over 1 % of the one without contacts, if that is larger; of which auto goes on to 1e-5 where 300 sweeps and 50 iterations of exact steps on up to 1000 points do that) [-]. inf: no such test"))
+		((Real,maxViolation,0.01,,"Kinematic criterion, beside :yref:`tolerance<ContactDynamics.tolerance>`: velocities by which points still close, or slip where they should stick, RMS over the RMS relative velocity of all points (or over 1 % of the one without contacts, if that is larger; of which auto goes on to 1e-5 where 300 sweeps and exact steps as long as some hundred more on up to 1000 points do that) [-]. inf: no such test"))
 		((Real,meanForceChange,0,,"The paper's criterion, in the place of the others where it is met first: relative change of the mean normal force between two evaluations, 10 sweeps apart [-]. It is lax: from a warm start 1e-3 is met at a residual of 1e-2. 0: not used"))
 		((std::string,solver,"auto",,"Name of the solver: nlgs, sor, nesterov, exact or auto"))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)"))

@@ -16,7 +16,7 @@ namespace {
 	constexpr int    someSweeps      = 50;   // of a further pass on a step that has no solution
 	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps
 	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it …
-	constexpr int    finerPoints     = 50000; // … but no more exact iterations times points are paid for it than this
+	constexpr int    finerPoints     = 30000; // … but no more exact iterations times points are paid for it than this
 
 	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
 	{
@@ -56,7 +56,7 @@ namespace {
 
 	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
 	{
-		const bool few = settings.tolerance > 0 && int(problem.points.size()) <= fewPoints;
+		const bool   few  = settings.tolerance > 0 && int(problem.points.size()) <= fewPoints;
 		const double rest = settings.rest;
 		if (few) settings.rest *= finerRest;
 		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps && !frictionless(problem)) return solveExact(problem, settings, workspace);
@@ -68,18 +68,21 @@ namespace {
 		swept.yielded = mustYield(swept, problem, settings, workspace);
 		if (swept.yielded) return swept; // exact steps would do no better, and take long
 		const auto meetsAll = [&](const Report& report) { return report.reached(settings) && violation(problem, rest) <= settings.violation; };
+		const auto left     = [&] { return settings.maxIterations - swept.iterations; };
+		int        exact    = left();
 		if (few && swept.reached(settings)) { // forces are known, velocities not as finely: exact steps would take long over that
+			exact = finerPoints / int(problem.points.size());
 			if (!meetsAll(swept)) {
 				sweeps.continued     = true;
 				sweeps.rest          = rest;
-				sweeps.maxIterations = settings.maxIterations - swept.iterations;
+				sweeps.maxIterations = left();
 				swept                = following(swept, solveNesterov(problem, sweeps, workspace));
 			}
-			settings.maxIterations = std::min(settings.maxIterations, finerPoints / int(problem.points.size()));
 		}
-		settings.continued = true;
-		Report report      = solveExact(problem, settings, workspace, &swept);
-		report.converged   = report.converged || (few && meetsAll(report));
+		settings.continued     = true;
+		settings.maxIterations = exact;
+		Report report          = solveExact(problem, settings, workspace, &swept);
+		report.converged       = report.converged || (few && meetsAll(report));
 		return following(swept, report);
 	}
 
