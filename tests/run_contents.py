@@ -2,6 +2,7 @@
 
 import json
 import pathlib
+import sys
 
 from rcr.network import Network
 
@@ -20,6 +21,20 @@ def contents(folder):
     return found | {"summary.json": {name: value for name, value in summary.items() if name not in CLOCK}}
 
 
+def campaign_contents(out):
+    """The same of all runs of a campaign and of its analysis."""
+    out = pathlib.Path(out)
+    found = {f"{run.name}/{name}": value for run in sorted((out / "runs").iterdir()) for name, value in contents(run).items()}
+    return found | {"analysis.json": json.loads((out / "report" / "analysis.json").read_text())}
+
+
 def different(one, other):
     """Names of what differs between two contents."""
     return sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
+
+
+if __name__ == "__main__":  # run_contents.py CAMPAIGN CAMPAIGN
+    one, other = map(campaign_contents, sys.argv[1:])
+    names = different(one, other)
+    print(f"{len(names)} of {len(one)} differ: {', '.join(names)}" if names else f"{len(one)} results in {len({name.split('/')[0] for name in one}) - 1} runs are equal")
+    sys.exit(bool(names))

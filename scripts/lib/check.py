@@ -181,11 +181,11 @@ def python(name, file, *defaults):
     return lambda arguments: script(name, sys.executable, file, *(arguments or defaults))
 
 
-def deb():
-    """How it went with the Debian package, which scripts/check has tried before."""
-    log = FOLDER / "check-deb.log"
-    code = os.environ["YADE_RCR_CHECK_DEB"]
-    return code == "0", last_line(log) + ("" if code == "0" else f"; see {log.relative_to(ROOT)}")
+def before(name):
+    """How it went with a check that scripts/check has run before; 77 is the exit code of one that cannot be run here."""
+    log = FOLDER / f"check-{name}.log"
+    right = {"0": True, "77": None}.get(os.environ[f"YADE_RCR_CHECK_{name.upper()}"], False)
+    return right, last_line(log) + (f"; see {log.relative_to(ROOT)}" if right is False else "")
 
 
 CHECKS = {
@@ -206,7 +206,8 @@ CHECKS = {
     "tidy": (tidy, "clang-tidy on the kernels"),
     "coverage": (coverage, "lines of the kernels that their tests reach"),
     "docs": (python("docs", "docs/build.py"), "the pages as a site, without a warning"),
-    "deb": (lambda arguments: deb(), "the Debian package installed in a clean Debian 13, used by plain yade, and removed without a trace"),
+    "slurm": (lambda arguments: before("slurm"), "a campaign on SLURM, a job of it cancelled, with the results of a local campaign"),
+    "deb": (lambda arguments: before("deb"), "the Debian package installed in a clean Debian 13, used by plain yade, and removed without a trace"),
 }  # fmt: skip
 VERDICTS = {True: "clean", False: "FAILS", None: "left out"}
 

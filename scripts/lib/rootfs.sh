@@ -59,11 +59,16 @@ rootfs_make() {
     need_space "$cache" 5
     [ "$(id -u)" = 0 ] || need_space /var/tmp 5
     say "set-up 1/3: Debian 13 root file system (20 to 60 s) …"
+    rootfs_from_mirrors rootfs_bootstrap
+}
+
+# rootfs_from_mirrors MAKE: $root, as `MAKE SOURCES` puts it into $new/root, from the first mirror that serves
+rootfs_from_mirrors() {
     local sources
     while IFS= read -r sources; do
         mkdir "$new/root"
         : >"$new/output"
-        if rootfs_bootstrap "$sources" && [ -d "$new/root/usr/src/yade/core" ]; then
+        if "$1" "$sources"; then
             rootfs_finish
             return
         fi
@@ -102,11 +107,9 @@ rootfs_options() {
         --setup-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt")
 }
 
-# rootfs_bootstrap SOURCES: mmdebstrap runs install-packages and fetch-source inside. An ordinary
-# user gets its result as an archive, so that the files are the user's own.
+# rootfs_bootstrap SOURCES: mmdebstrap runs install-packages and fetch-source inside.
 rootfs_bootstrap() {
-    local sources bootstrap bundle=/etc/ssl/certs/ca-certificates.crt
-    IFS=';' read -ra sources <<<"$1"
+    local bootstrap bundle=/etc/ssl/certs/ca-certificates.crt
     [ -r "$bundle" ] || bundle=/dev/null
     rootfs_options
     bootstrap+=(--dpkgopt='path-exclude=/usr/share/doc/*'
@@ -118,6 +121,13 @@ rootfs_bootstrap() {
         --customize-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt"
         --customize-hook='echo "yade-rcr: set-up 3/3: the headers of YADE, from its source archive (15 MB) …" >&2'
         --customize-hook='chroot "$1" /tmp/fetch-source /usr/src/yade /tmp/apt >&2')
+    rootfs_fill "$1" && [ -d "$new/root/usr/src/yade/core" ]
+}
+
+# rootfs_fill SOURCES: runs `bootstrap` into $new/root. An ordinary user gets its result as an archive, so that the files are the user's own.
+rootfs_fill() {
+    local sources
+    IFS=';' read -ra sources <<<"$1"
     if [ "$(id -u)" = 0 ]; then
         unshare --mount "${bootstrap[@]}" --mode=root trixie "$new/root" "${sources[@]}" 2>&1 | record
     else

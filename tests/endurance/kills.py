@@ -10,7 +10,6 @@ campaigns  scripts/campaign is killed three times and called again; runs and ana
 """
 
 import argparse
-import json
 import os
 import pathlib
 import random
@@ -29,7 +28,7 @@ import numpy as np
 import synthetic
 from rcr import files, problems
 from rcr.network import Network
-from run_contents import contents, different
+from run_contents import campaign_contents, contents, different
 
 # at rest after 255 steps
 TEST = ["--eta", "0.5", "--particles", "60", "--seed", "2", "--strain", "0.1", "--networks", "40"]
@@ -163,11 +162,6 @@ def kill_runs(count, folder, rng):
 
 def campaign(out):
     return quietly([SCRIPTS / "campaign", *CAMPAIGN, "--out", out])
-
-
-def campaign_contents(out):
-    (run,) = (out / "runs").iterdir()
-    return contents(run) | {"analysis.json": json.loads((out / "report" / "analysis.json").read_text())}
 
 
 def kill_campaigns(count, folder, rng, times=3):
