@@ -50,11 +50,19 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
 @needs_snakemake
 @needs_environment
 def test_quasi_static_is_handed_to_the_tests(tmp_path):
-    """A strain that ends before the approach does is refused by each test, whose reason is the campaign's."""
     run = campaign(tmp_path / "out", *SMALL, "--quasi-static")
+    assert run.returncode == 0, run.stderr
+    (folder,) = (tmp_path / "out" / "runs").iterdir()
+    assert folder.name == "particles-60-strain-0.04-quasi-static-eta-0.5-seed-2"
+    assert json.loads((folder / "run.json").read_text())["parameters"]["overdamped"] is True
+
+
+@needs_snakemake
+@needs_environment
+def test_the_reason_of_a_failed_test_is_the_campaigns(tmp_path):
+    run = campaign(tmp_path / "out", *SMALL, "--strain", "0.0005")
     assert run.returncode != 0
-    assert "--approach 0.2: wanted less than --strain 0.04" in run.stderr.strip().splitlines()[-1]
-    assert [path.name for path in (tmp_path / "out" / "runs").iterdir()] == ["particles-60-strain-0.04-quasi-static-eta-0.5-seed-2"]
+    assert "--strain 0.0005: wanted at least 0.001" in run.stderr.strip().splitlines()[-1]
 
 
 @needs_environment
