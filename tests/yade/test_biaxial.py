@@ -368,10 +368,10 @@ def test_script_refuses_an_approach_that_never_ends(tmp_path):
 
 def test_script_sets_the_quasi_static_rate(tmp_path):
     """What is given beside --quasi-static counts. A sample too wide for its rate is told of before the shear."""
-    run = script(*SMALL, "--quasi-static", "--inertial-number", "4e-5", "--out", tmp_path / "slow")
+    run = script(*SMALL, "--quasi-static", "--inertial-number", "5e-5", "--out", tmp_path / "slow")
     assert run.returncode == 0, run.stderr
     parameters = json.loads((tmp_path / "slow" / "run.json").read_text())["parameters"]
-    assert {name: parameters[name] for name in ("inertial_number", "time_step", "overdamped")} == dict(inertial_number=4e-5, time_step=2, overdamped=True)
+    assert {name: parameters[name] for name in ("inertial_number", "time_step", "overdamped")} == dict(inertial_number=5e-5, time_step=1, overdamped=True)
     assert json.loads((tmp_path / "slow" / "summary.json").read_text())["sample_inertia"] == 0
     assert "inertia of the sample" not in run.stderr
     run = script(*SMALL, "--inertial-number", "0.03", "--time-step", "0.02", "--out", tmp_path / "fast")  # I² N = 0.05

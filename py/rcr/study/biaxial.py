@@ -44,7 +44,7 @@ APPROACH = 20.0  # … and this times the mean net force over the mean contact f
 CYCLES = 200  # … halved after so many steps, a third after twice as many: a cycle of flips that long steps keep up ends so
 TIME_STEP = 0.1  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then some 15 % of the mean contact force
-QUASI_STATIC = dict(overdamped=True, inertial_number=5e-5, time_step=2.0)  # what makes averages those of the limit I → 0, see docs/study-notes.md
+QUASI_STATIC = dict(overdamped=True, inertial_number=1e-4, time_step=1.0)  # what makes averages those of the limit I → 0, see docs/study-notes.md
 OVERDAMPED_VIOLATION = 0.1  # `ContactDynamics.maxViolation` of overdamped shear: what velocities are wrong by are gaps, which the next step takes back whole
 SHEAR_ITERATIONS = 300  # of a step of the shear, at most: where a large packing is about to yield, thousands would change no average
 RAMP = 0.002  # strain over which the top wall takes up its velocity

@@ -77,9 +77,13 @@ def _number(mean, error):
 
 
 def _rate(runs):
-    """I of runs as their run.json or summary tells it, as text."""
-    told = {run.record["parameters"]["inertial_number"] for run in runs if run.record} | {_folder_rate(run) for run in runs if not run.record}
-    return ", ".join(f"{rate:g}" for rate in sorted(filter(None, told))) or "unknown"
+    """I of runs as their run.json or the name of their folder tells it, as text; 0 without inertia."""
+    told = {_recorded_rate(run.record["parameters"]) if run.record else _folder_rate(run) for run in runs} - {None}
+    return ", ".join(f"{rate:g}" for rate in sorted(told)) or "unknown"
+
+
+def _recorded_rate(parameters):
+    return 0.0 if parameters.get("overdamped") else parameters["inertial_number"]
 
 
 def _folder_rate(run):
@@ -321,7 +325,7 @@ def free_wall(runs, others):
         told.append(f"{speed[late].std():.2f} at I = {_rate([run])}")
     axes[0].set_ylabel(r"$v_{\rm wall}/(\dot\varepsilon W)$")
     text = (
-        "The free wall moves at ε̇ W, the speed at which the sample widens, plus what the packing dilates: 0.11 to 0.45 d a time unit for 13 000 grains at I = 1e-3, a tenth of it at 1e-4. "
+        "The free wall moves at ε̇ W, the speed at which the sample widens, plus what the packing dilates: 0.11 to 0.45 d a time unit for 13 000 grains at I = 1e-3. "
         f"Over a record of 0.1 % of strain its speed scatters by {' and '.join(told)} of the mean (η = {eta:g}). The wall follows the grains: no wave and no inertia of its own "
         "are seen, and what looks abrupt is the speed itself, which the rate sets."
     )
