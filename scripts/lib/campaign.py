@@ -36,7 +36,7 @@ def arguments():
     parser.add_argument("--seeds", type=numbers(script.whole("seeds ≥ 0", lambda v: v >= 0)), nargs="+", metavar="SEED", default=[[1]], help="seeds, likewise (default 1)")
     parser.add_argument("--strain", type=script.number("0 < strain < 1", lambda v: 0 < v < 1), default=0.5, metavar="E", help="of the shear (default %(default)s)")
     parser.add_argument("--networks", type=script.at_least(1), default=10, metavar="N", help="snapshots of each test, at equal strains (default %(default)s)")
-    parser.add_argument("--quasi-static", action="store_true", help="slow shear, as scripts/biaxial.py --quasi-static: averages do not know the rate, in three to four times the time")
+    parser.add_argument("--quasi-static", action="store_true", help="shear without inertia, as scripts/biaxial.py --quasi-static: averages hardly know the rate")
     processors = len(os.sched_getaffinity(0))
     parser.add_argument("--jobs", type=script.at_least(1), default=processors, metavar="N", help="processors to use (default all: %(default)s)")
     parser.add_argument("--out", type=script.folder, required=True, metavar="DIR", help="folder of the runs and the report, made if missing")
