@@ -71,11 +71,11 @@ namespace {
 		const auto left     = [&] { return settings.maxIterations - swept.iterations; };
 		int        exact    = left();
 		if (few && swept.reached(settings)) { // forces are known, velocities not as finely: exact steps would take long over that
-			exact = finerPoints / int(problem.points.size());
-			if (!meetsAll(swept)) {
+			exact = std::min(left(), finerPoints / int(problem.points.size()));
+			if (left() > exact && !meetsAll(swept)) {
 				sweeps.continued     = true;
 				sweeps.rest          = rest;
-				sweeps.maxIterations = left();
+				sweeps.maxIterations = left() - exact;
 				swept                = following(swept, solveNesterov(problem, sweeps, workspace));
 			}
 		}
