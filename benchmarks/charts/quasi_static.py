@@ -18,7 +18,7 @@ import numpy as np
 from yade.wrapper import Omega
 
 from rcr.network import sin_phi
-from rcr.study.biaxial import CHECKPOINT, OVERDAMPED_VIOLATION, RECORD, Biaxial
+from rcr.study.biaxial import CHECKPOINT, RECORD, Biaxial
 
 from . import biaxial_cost
 
@@ -89,7 +89,7 @@ def run(name, options):
         approaching = test.strain < APPROACH - 0.5 * RECORD
         test.parameters.update(APPROACH_PACE if approaching else pace)
         if pace["overdamped"] and not approaching and not test.solver.overdamped:
-            test.solver.overdamped, test.solver.maxViolation = True, OVERDAMPED_VIOLATION
+            test.drop_inertia()
         O.dt = test.parameters["time_step"] * test.time_unit
         looked, width, began, start = looks(), test.width, O.time, time.process_time()
         test.shear_record()

@@ -16,11 +16,9 @@ namespace {
 			along[k] = dot(manifold.points[k].position - by.center, by.axis);
 	}
 
-} // namespace
-
-namespace {
 	template <class One, class Two> bool before(const One& a, const Two& b) { return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2; }
 	template <class One, class Two> bool same(const One& a, const Two& b) { return a.body1 == b.body1 && a.body2 == b.body2; }
+
 } // namespace
 
 void Pairs::become(const Neighbours::List& list)

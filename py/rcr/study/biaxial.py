@@ -393,9 +393,9 @@ class Biaxial:
         )
         self.solver.tolerance = self.parameters["tolerance"]
         self.solver.maxIterations = self.parameters["iterations"]
-        self.solver.overdamped = self.parameters["overdamped"]
-        if self.solver.overdamped:
-            self.solver.maxViolation = OVERDAMPED_VIOLATION
+        self.solver.overdamped = False
+        if self.parameters["overdamped"]:
+            self.drop_inertia()
         for body in O.bodies:
             body.state.vel = body.state.angVel = Vector3.Zero
         friction = self.parameters["friction"]
@@ -411,6 +411,11 @@ class Biaxial:
             self.soften(self.parameters["stiffness"])
         else:
             O.dt = self.parameters["time_step"] * self.time_unit
+
+    def drop_inertia(self):
+        """Make the steps from here on start from rest; see `ContactDynamics.overdamped`."""
+        self.parameters.update(overdamped=True)
+        self.solver.overdamped, self.solver.maxViolation = True, OVERDAMPED_VIOLATION
 
     def soften(self, stiffness):
         """Let springs of k_n = `stiffness` σ₀ replace the rigid contacts; they are unloaded at first, and the packing shrinks by some σ₀/k_n."""
