@@ -53,10 +53,11 @@ void ContactDynamics::observeStep(const std::vector<rcr::Twist>& loads)
 	++observed_.steps;
 	observed_.iterations += iterations;
 	observed_.residual = std::max(observed_.residual, double(residual));
-	if (tolerance > 0 && !(residual <= tolerance)) {
+	if (tolerance > 0 && !converged) {
+		const double by = double(std::max(residual / tolerance, violation / maxViolation));
 		++observed_.missed;
-		observed_.missedSum += double(residual / tolerance);
-		observed_.missedLargest = std::max(observed_.missedLargest, double(residual / tolerance));
+		observed_.missedSum += by;
+		observed_.missedLargest = std::max(observed_.missedLargest, by);
 	}
 	for (int id : observe) {
 		if (id < 0 || std::size_t(id) >= loads.size())
@@ -115,7 +116,8 @@ void ContactDynamics::watch()
 	throw std::runtime_error(
 	        "ContactDynamics: jam. Bodies #" + std::to_string(c.body1) + " and #" + std::to_string(c.body2) + " overlap by " + gate::text(overlap)
 	        + " of their radii, and more and more. Rigid grains do not give way; the motion prescribed to " + culprits
-	        + " asks for it. Stop or reverse that motion (b.state.vel, O.cell.velGrad), or press by a force (WallStress, CellStress).");
+	        + " asks for it. Stop or reverse that motion (b.state.vel, O.cell.velGrad), or press by a force (WallStress, CellStress)."
+	        + (converged || yielded ? "" : " This step has a solution that the solver did not reach: a smaller time step or more maxIterations may do, too."));
 }
 
 /// YADE's kinetic energy is that of the beginning of a step, so what the contacts of a step take is added in the next one.

@@ -101,12 +101,12 @@ def test_analysis_of_other_runs_takes_the_place_of_one(written, folders, tmp_pat
 
 def test_report_tells_missed_tolerances(folders, tmp_path):
     """Shares of 1 and 3 % of two seeds, 2 and 4 times the tolerance: 2 %, (1 × 2 + 3 × 4)/4 = 3.5 times."""
-    summaries = [dict(missed_fraction=0.01, missed_mean=2.0, missed_max=3.0, tolerance=1e-4), dict(missed_fraction=0.03, missed_mean=4.0, missed_max=9.0, tolerance=1e-4)]
+    summaries = [dict(missed_fraction=0.01, missed_mean=2.0, missed_max=3.0), dict(missed_fraction=0.03, missed_mean=4.0, missed_max=9.0)]
     runs = [Run.read(folders[1]) for _ in summaries]
     assert report._misses(runs) == "No run tells how many of its steps missed the tolerance of the solver."
     for run, summary in zip(runs, summaries):
         run.summary = summary
-    assert "η = 0.5: 2.0 %, 3.5 times 0.0001 in the mean, 9 at most." in report._misses(runs)
+    assert "η = 0.5: 2.0 %, by a factor of 3.5 in the mean, 9 at most." in report._misses(runs)
 
 
 @pytest.mark.parametrize("case", ["nothing", "empty", "broken", "mixed"])

@@ -6,7 +6,7 @@ import time
 import numpy as np
 import pytest
 import rcr
-from scenes import box, build, contact_forces, material, snapshot, stadium
+from scenes import box, build, contact_forces, engines, material, snapshot, stadium
 from yade import O
 from yade.wrapper import PyRunner, RotationEngine
 from yade.minieigenHP import Matrix3, Vector3
@@ -94,6 +94,16 @@ def stir():
             b.state.vel += Vector3(0.1 * math.sin(O.iter) * b.state.pos[0], 0.3, 0)
 
 
+def cell():
+    """A periodic cell of grains that is narrowed, and sheared all along; its steps are the engines'."""
+    O.reset()
+    O.periodic, O.dt = True, 2e-3
+    O.cell.setBox(1.0, 1.0, 1.0)
+    O.engines = engines(**SOLVER)
+    O.bodies.append(list(grains(60, 8, 6)))
+    O.cell.velGrad = Matrix3(-0.03, 0.2, 0, 0, -0.03, 0, 0, 0, 0)
+
+
 SCENES = [pressed, without_inertia, pile, drum, mixed, watched]
 
 
@@ -145,6 +155,25 @@ def test_same_bits_for_threads_and_lanes(threads, lanes):
     expected, _ = after(pressed, True, threads=1, lanes=8)
     found, _ = after(pressed, True, threads=threads, lanes=lanes)
     assert same(found, expected)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", [pressed, pile, drum, mixed, cell])
+def test_same_bits_in_the_long_run(scene, tmp_path):
+    """1000 steps of the engines in one thread, against every number of threads and lanes, and against a run that is saved and loaded half-way."""
+    steps = 1000
+    expected, _ = after(scene, False, steps, threads=1, lanes=8)
+    assert len(expected[3]) > 30
+    for threads in (1, 2, 4):
+        for lanes in (1, 4, 8):  # 8 take 16 floats at a time
+            found, model = after(scene, True, steps, threads=threads, lanes=lanes)
+            assert (model["arrays"] > 0.8 * steps) == (scene is not cell)
+            assert same(found, expected), (threads, lanes)
+    after(scene, True, steps // 2, one_more=False, threads=2)
+    O.save(str(tmp_path / "half.xml.gz"))
+    O.load(str(tmp_path / "half.xml.gz"))
+    O.run(steps - steps // 2, True)
+    assert same((O.iter, O.time, snapshot(), contacts()), expected[:4])
 
 
 def test_same_bits_after_reload(tmp_path):

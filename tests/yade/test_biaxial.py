@@ -275,7 +275,13 @@ def test_missed_tolerances_are_counted(packing):
     summary = test.summary()
     steps = 2 * test.steps_a_record
     assert summary["missed_fraction"] == test.progress["missed"] / steps > 0.9
-    assert 1 < summary["missed_mean"] <= summary["missed_max"] == summary["residual_max"] / test.solver.tolerance
+    assert 1 < summary["missed_mean"] <= summary["missed_max"]
+    assert summary["missed_max"] >= summary["residual_max"] / test.solver.tolerance
+
+    test = Biaxial.load(packing.folder)  # forces that are good enough, velocities that are not
+    test.solver.tolerance, test.solver.maxViolation, test.solver.maxIterations, test.solver.solver = 0.5, 1e-9, 20, "nesterov"
+    test.shear_record()
+    assert test.progress["missed"] == test.steps_a_record and test.progress["residual_max"] < 0.5 and test.progress["missed_max"] > 1
 
     test = Biaxial.load(packing.folder)
     test.solver.maxIterations = 100_000

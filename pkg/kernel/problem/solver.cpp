@@ -16,7 +16,7 @@ namespace {
 	constexpr int    someSweeps      = 50;   // of a further pass on a step that has no solution
 	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps
 	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it …
-	constexpr int    finerPoints     = 30000; // … but no more exact iterations times points are paid for it than this
+	constexpr int    finerPoints     = 30000; // … but where all that was asked for is met, no more exact iterations times points are paid for it than this
 
 	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
 	{
@@ -58,32 +58,38 @@ namespace {
 	{
 		const bool   few  = settings.tolerance > 0 && int(problem.points.size()) <= fewPoints;
 		const double rest = settings.rest;
+		const int    most = settings.maxIterations;
 		if (few) settings.rest *= finerRest;
 		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps && !frictionless(problem)) return solveExact(problem, settings, workspace);
 		Settings sweeps    = settings;
 		sweeps.stallSweeps = hopeless;
-		if (few) sweeps.maxIterations = std::min(hopeless, settings.maxIterations);
-		Report swept = solveNesterov(problem, sweeps, workspace);
-		if (swept.converged || settings.tolerance == 0 || swept.iterations == settings.maxIterations) return swept;
-		swept.yielded = mustYield(swept, problem, settings, workspace);
-		if (swept.yielded) return swept; // exact steps would do no better, and take long
-		const auto meetsAll = [&](const Report& report) { return report.reached(settings) && violation(problem, rest) <= settings.violation; };
-		const auto left     = [&] { return settings.maxIterations - swept.iterations; };
-		int        exact    = left();
-		if (few && swept.reached(settings)) { // forces are known, velocities not as finely: exact steps would take long over that
-			exact = std::min(left(), finerPoints / int(problem.points.size()));
-			if (left() > exact && !meetsAll(swept)) {
+		if (few) sweeps.maxIterations = std::min(hopeless, most);
+		Report report = solveNesterov(problem, sweeps, workspace);
+		if (report.converged || settings.tolerance == 0) return report;
+		const auto meets = [&] { return report.reached(settings) && violation(problem, rest) <= settings.violation; };
+		if (report.iterations < most) {
+			report.yielded = mustYield(report, problem, settings, workspace);
+			if (report.yielded) return report; // exact steps would do no better, and take long
+		}
+		if (few && report.reached(settings)) { // forces are known, velocities not as finely
+			if (!meets() && report.iterations < most) {
 				sweeps.continued     = true;
 				sweeps.rest          = rest;
-				sweeps.maxIterations = left() - exact;
-				swept                = following(swept, solveNesterov(problem, sweeps, workspace));
+				sweeps.maxIterations = most - report.iterations;
+				report               = following(report, solveNesterov(problem, sweeps, workspace));
 			}
+			if (meets()) settings.maxIterations = std::min(most, report.iterations + finerPoints / int(problem.points.size()));
+			else
+				settings.rest = rest;
 		}
-		settings.continued     = true;
-		settings.maxIterations = exact;
-		Report report          = solveExact(problem, settings, workspace, &swept);
-		report.converged       = report.converged || (few && meetsAll(report));
-		return following(swept, report);
+		settings.maxIterations -= report.iterations;
+		settings.continued = true;
+		if (settings.maxIterations > 0) {
+			const Report swept = report;
+			report             = following(swept, solveExact(problem, settings, workspace, &swept));
+		}
+		report.converged = report.converged || (few && meets());
+		return report;
 	}
 
 	/// With rigid contacts; `yielded` says that the solver has seen that there is no solution.

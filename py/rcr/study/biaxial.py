@@ -547,7 +547,7 @@ class Biaxial:
         """Contents of `summary.json`; stresses and fractions of the second half of the strain.
 
         `aspect_ratio` is width over height at the end, `sample_inertia` and `sample_inertia_height` what `sample_inertia` tells then.
-        `missed_fraction` is the share of the shear's steps whose residual was beyond the tolerance, `missed_mean` and `missed_max` by what
+        `missed_fraction` is the share of the shear's steps that missed the tolerance or `maxViolation`, `missed_mean` and `missed_max` by what
         factor; 0 without such steps.
         """
         network = self.network()
