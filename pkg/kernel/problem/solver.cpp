@@ -16,7 +16,7 @@ namespace {
 	constexpr int    someSweeps      = 50;   // of a further pass on a step that has no solution
 	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps
 	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it …
-	constexpr int    finerPoints     = 30000; // … but where all that was asked for is met, no more exact iterations times points are paid for it than this
+	constexpr int    finerPoints     = 30000; // … but no more exact iterations times points are paid for it than this
 
 	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
 	{
@@ -66,28 +66,32 @@ namespace {
 		if (few) sweeps.maxIterations = std::min(hopeless, most);
 		Report report = solveNesterov(problem, sweeps, workspace);
 		if (report.converged || settings.tolerance == 0) return report;
+		const auto left  = [&] { return most - report.iterations; };
 		const auto meets = [&] { return report.reached(settings) && violation(problem, rest) <= settings.violation; };
-		if (report.iterations < most) {
+		const auto exact = [&](int iterations, double toRest) { // on from what the report tells
+			Settings steps      = settings;
+			steps.continued     = true;
+			steps.rest          = toRest;
+			steps.maxIterations = iterations;
+			const Report before = report;
+			report              = following(before, solveExact(problem, steps, workspace, &before));
+		};
+		if (left() > 0) {
 			report.yielded = mustYield(report, problem, settings, workspace);
 			if (report.yielded) return report; // exact steps would do no better, and take long
 		}
-		if (few && report.reached(settings)) { // forces are known, velocities not as finely
-			if (!meets() && report.iterations < most) {
+		int finer = left();
+		if (few && report.reached(settings)) { // forces are known, velocities not as finely: exact steps would take long over that
+			finer = std::min(left(), finerPoints / int(problem.points.size()));
+			if (left() > finer && !meets()) {
 				sweeps.continued     = true;
 				sweeps.rest          = rest;
-				sweeps.maxIterations = most - report.iterations;
+				sweeps.maxIterations = left() - finer;
 				report               = following(report, solveNesterov(problem, sweeps, workspace));
 			}
-			if (meets()) settings.maxIterations = std::min(most, report.iterations + finerPoints / int(problem.points.size()));
-			else
-				settings.rest = rest;
 		}
-		settings.maxIterations -= report.iterations;
-		settings.continued = true;
-		if (settings.maxIterations > 0) {
-			const Report swept = report;
-			report             = following(swept, solveExact(problem, settings, workspace, &swept));
-		}
+		if (finer > 0) exact(finer, settings.rest);
+		if (few && !report.yielded && left() > 0 && !meets()) exact(left(), rest);
 		report.converged = report.converged || (few && meets());
 		return report;
 	}
