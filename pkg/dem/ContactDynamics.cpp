@@ -36,12 +36,23 @@ void ContactDynamics::action()
 	}
 }
 
+std::string ContactDynamics::wrong() const
+{
+	if (!(correction >= 0 && correction <= 1)) return "ContactDynamics.correction = " + gate::text(correction) + "; wanted a share of the overlap, 0 to 1.";
+	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))
+		return "ContactDynamics.flow is not zero; wanted finite, and only with overdamped = True: other bodies keep their velocities.";
+	try {
+		rcr::checkSettings(solver, settings({}));
+	} catch (const std::invalid_argument& error) {
+		return std::string("ContactDynamics: ") + error.what();
+	}
+	return {};
+}
+
 void ContactDynamics::act()
 {
-	if (!(correction >= 0 && correction <= 1))
-		gate::refuse("ContactDynamics.correction = " + boost::lexical_cast<std::string>(correction) + "; wanted a share of the overlap, 0 to 1.");
-	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))
-		gate::refuse("ContactDynamics.flow is not zero; wanted finite, and only with overdamped = True: other bodies keep their velocities.");
+	const std::string told = wrong();
+	if (!told.empty()) gate::refuse(told);
 	const gate::Engines engines = gate_.pass(*scene);
 	if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0; // rest is the cell's own motion, see gather
 	if (!flat_) flat_ = std::make_shared<FlatSteps>();
@@ -85,7 +96,7 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	iterations        = 0;
 	work_             = 0;
 	overlap_          = 0;
-	rcr::Settings how = settings();
+	rcr::Settings how = settings(rcr::driveOf(step_));
 	for (int pass = 1;; ++pass) {
 		solve(how);
 		bool missed = false, adapted = false;
@@ -111,7 +122,7 @@ template <class Work> void ContactDynamics::timed(const char* what, Work work)
 	seconds_[what] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-rcr::Settings ContactDynamics::settings() const
+rcr::Settings ContactDynamics::settings(const rcr::Drive& drive) const
 {
 	rcr::Settings s;
 	s.tolerance       = double(tolerance);
@@ -121,7 +132,6 @@ rcr::Settings ContactDynamics::settings() const
 	s.meanForceChange = double(meanForceChange);
 	s.threads         = solverThreads();
 	s.lanes           = lanes;
-	const rcr::Drive drive = rcr::driveOf(step_);
 	s.compliance      = double(compliance) * drive.compliance;
 	s.mostImpulse     = drive.mostImpulse / double(compliance); // 0: infinite
 	s.reductions      = rcr::Reductions::of(reductions);
@@ -132,7 +142,7 @@ rcr::Settings ContactDynamics::settings() const
 /// enough for their neighbourhood. All passes share the iterations of the step.
 rcr::Settings ContactDynamics::settingsOfFurtherPass() const
 {
-	rcr::Settings s = settings();
+	rcr::Settings s = settings(rcr::driveOf(step_));
 	s.minIterations = std::max(s.minIterations, furtherSweeps);
 	s.maxIterations = tolerance == 0 ? std::min(s.maxIterations, furtherSweeps) : std::max(s.maxIterations - iterations, furtherSweeps);
 	return s;

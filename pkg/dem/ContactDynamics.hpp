@@ -17,6 +17,7 @@
 
 #include "../kernel/parallel/team.hpp"
 #include "../kernel/problem/solver.hpp"
+#include "../kernel/step/drive.hpp"
 #include "../kernel/step/energy.hpp"
 #include "../kernel/watch/missed_steps.hpp"
 #include "../kernel/watch/squeeze.hpp"
@@ -30,6 +31,9 @@ class FlatSteps;
 class ContactDynamics : public GlobalEngine {
 public:
 	void action() override;
+
+	/// What is wrong with its attributes; empty: nothing.
+	std::string wrong() const;
 
 	boost::python::dict modelDict() const;
 	boost::python::dict secondsDict() const;
@@ -86,7 +90,7 @@ private:
 	template <class Work> void timed(const char* what, Work);
 
 	int           solverThreads() const;
-	rcr::Settings settings() const;
+	rcr::Settings settings(const rcr::Drive&) const;
 	rcr::Settings settingsOfFurtherPass() const;
 	void          act();
 	void          step(const gate::Engines&);

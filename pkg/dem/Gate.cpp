@@ -9,8 +9,10 @@
 #include <pkg/common/FieldApplier.hpp>
 #include <pkg/common/ForceResetter.hpp>
 #include <pkg/common/InsertionSortCollider.hpp>
+#include <pkg/common/KinematicEngines.hpp>
 #include <pkg/common/Sphere.hpp>
 #include <pkg/common/Wall.hpp>
+#include <pkg/dem/GlobalStiffnessTimeStepper.hpp>
 
 #include "CellStress.hpp"
 #include "ContactDynamics.hpp"
@@ -18,6 +20,7 @@
 #include "Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 #include "Rcr.hpp"
 #include "RcrGeom.hpp"
+#include "WallStress.hpp"
 #include "planarShape.hpp"
 #include "refuseLater.hpp"
 
@@ -46,12 +49,17 @@ namespace gate {
 			return before >= 0 && after >= 0 && before > after ? text : std::string();
 		}
 
+		/// Whether an engine puts forces on bodies, which last until the ForceResetter.
+		bool pushes(const Engine& engine)
+		{
+			if (dynamic_cast<const KinematicEngine*>(&engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false; // a FieldApplier, too
+			return dynamic_cast<const PartialEngine*>(&engine) || dynamic_cast<const FieldApplier*>(&engine) || dynamic_cast<const WallStress*>(&engine);
+		}
+
 		/// Whether an engine puts forces on bodies or prescribes their motion.
 		bool loads(const Engine& engine)
 		{
-			return (dynamic_cast<const PartialEngine*>(&engine) || dynamic_cast<const FieldApplier*>(&engine) || dynamic_cast<const BoundaryController*>(&engine)
-			        || engine.getClassName() == "WallStress")
-			        && !dynamic_cast<const NewtonIntegrator*>(&engine);
+			return pushes(engine) || dynamic_cast<const KinematicEngine*>(&engine) || dynamic_cast<const BoundaryController*>(&engine);
 		}
 
 		std::string lateLoad(const View& v)
@@ -61,6 +69,36 @@ namespace gate {
 				if (!v.engines[k]->dead && loads(*v.engines[k]))
 					return "the " + v.engines[k]->getClassName() + " stands after ContactDynamics, which would not see its load; put it before.";
 			return {};
+		}
+
+		/// Forces that nothing feels: those of an engine after the integrator, or before the ForceResetter.
+		std::string lostLoad(const View& v)
+		{
+			const int resetter = v.place<ForceResetter>(), integrator = v.place<NewtonIntegrator>();
+			for (int k = 0; k < int(v.engines.size()); ++k) {
+				if (v.engines[k]->dead || !pushes(*v.engines[k]) || (resetter < k && k < integrator)) continue;
+				return "the " + v.engines[k]->getClassName() + " stands " + (k < resetter ? "before the ForceResetter" : "after the NewtonIntegrator")
+				        + ", so its forces would be taken away before they move anything; put it between the two.";
+			}
+			return {};
+		}
+
+		std::string wrongAttributes(const View& v)
+		{
+			for (const auto& engine : v.engines) {
+				if (engine->dead) continue;
+				std::string told;
+				if (const auto* stress = dynamic_cast<const WallStress*>(engine.get())) told = stress->wrong(v.scene);
+				if (const auto* solver = dynamic_cast<const ContactDynamics*>(engine.get())) told = solver->wrong();
+				if (!told.empty()) return told;
+			}
+			return {};
+		}
+
+		std::string timeStep(const View& v)
+		{
+			const Real dt = v.scene.dt;
+			return dt > 0 && math::isfinite(dt) ? std::string() : "O.dt = " + text(dt) + "; wanted a finite time step > 0.";
 		}
 
 		std::string integrator(const View& v)
@@ -82,6 +120,15 @@ namespace gate {
 			if (!stepper || !stepper->active) return {};
 			return "the " + stepper->getClassName()
 			        + " would set O.dt from stiffnesses, which rigid contacts have none of; remove it and set O.dt by the accuracy you want.";
+		}
+
+		/// Without a contact YADE's stepper takes the wave speed of spheres, and 1 s where there are none.
+		std::string firstTimeStep(const View& v)
+		{
+			const auto* stepper = v.first<GlobalStiffnessTimeStepper>();
+			if (!stepper || !stepper->active || stepper->defaultDt > 0 || !v.body<Rcr>()) return {};
+			return "GlobalStiffnessTimeStepper.defaultDt = " + text(stepper->defaultDt)
+			        + " would set O.dt = 1 s while no Rcrs touch; set defaultDt = 0.5 * rcr.critical_time_step().";
 		}
 
 		std::string bounds(const View& v)
@@ -215,10 +262,14 @@ namespace gate {
 			{ rigid,   [](const View& v) { return order<ContactDynamics, NewtonIntegrator>(v, "ContactDynamics stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
 			{ smooth,  [](const View& v) { return order<InteractionLoop, NewtonIntegrator>(v, "the InteractionLoop stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
 			{ rigid,   lateLoad },
+			{ both,    lostLoad },
+			{ both,    timeStep },
+			{ both,    wrongAttributes },
 			{ both,    cellStress },
 			{ rigid,   [](const View& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
 			{ rigid,   integrator },
 			{ rigid,   timeStepper },
+			{ smooth,  firstTimeStep },
 			{ both,    wallsInCell },
 			{ both,    bounds },
 			{ rigid,   rigidFunctors },
@@ -293,9 +344,8 @@ namespace gate {
 
 	Engines Watch::pass(const Scene& scene)
 	{
-		if (!(scene.dt > 0 && math::isfinite(scene.dt))) refuse("O.dt = " + text(scene.dt) + "; wanted a finite time step > 0.");
 		const View        view(scene);
-		const std::string wrong = integrator(view) + smallCell(view); // may change with nothing else
+		const std::string wrong = timeStep(view) + integrator(view) + smallCell(view); // may change with nothing else
 		if (!wrong.empty()) refuse(wrong);
 		const std::vector<const void*> now = signature(scene);
 		if (now == seen_) return engines_;

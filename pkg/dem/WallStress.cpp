@@ -7,22 +7,30 @@ namespace yade {
 
 YADE_PLUGIN((WallStress));
 
+namespace {
+
+	const Wall* shapeOf(const Scene& scene, int id) { return scene.bodies->exists(id) ? dynamic_cast<const Wall*>((*scene.bodies)[id]->shape.get()) : nullptr; }
+
+} // namespace
+
+std::string WallStress::wrong(const Scene& in) const
+{
+	for (const auto& [name, id] : { std::pair("wall", wall), std::pair("start", start), std::pair("end", end) })
+		if (!shapeOf(in, id))
+			return std::string("WallStress.") + name + " = " + std::to_string(id) + " is not the id of a body with the shape Wall; "
+			        "give the ids of the pressed wall and of the two that bound it.";
+	const int pressed = shapeOf(in, wall)->axis, one = shapeOf(in, start)->axis, two = shapeOf(in, end)->axis;
+	return one != two || one == pressed ? "WallStress: the walls `start` and `end` must be parallel to each other and not to `wall`." : "";
+}
+
 void WallStress::action()
 {
-	const auto wallOf = [this](int id, const char* name) {
-		const shared_ptr<Body>* body = scene->bodies->exists(id) ? &(*scene->bodies)[id] : nullptr;
-		const Wall*             wall = body ? dynamic_cast<const Wall*>((*body)->shape.get()) : nullptr;
-		if (!wall)
-			throw std::invalid_argument(
-			        std::string("WallStress.") + name + " = " + std::to_string(id) + " is not the id of a body with the shape Wall; "
-			        "give the ids of the pressed wall and of the two that bound it.");
-		return std::pair<const State&, int>(*(*body)->state, wall->axis);
-	};
-	const auto pressed = wallOf(wall, "wall"), one = wallOf(start, "start"), two = wallOf(end, "end");
-	if (one.second != two.second || one.second == pressed.second)
-		throw std::invalid_argument("WallStress: the walls `start` and `end` must be parallel to each other and not to `wall`.");
-	Vector3r force        = Vector3r::Zero();
-	force[pressed.second] = stress * math::abs(two.first.pos[two.second] - one.first.pos[one.second]);
+	const std::string told = wrong(*scene);
+	if (!told.empty()) throw std::invalid_argument(told);
+	const int  bounds = shapeOf(*scene, start)->axis;
+	const auto place  = [&](int id) { return (*scene->bodies)[id]->state->pos[bounds]; };
+	Vector3r force                       = Vector3r::Zero();
+	force[shapeOf(*scene, wall)->axis] = stress * math::abs(place(end) - place(start));
 	scene->forces.addForce(wall, force);
 }
 

@@ -7,6 +7,9 @@ namespace yade {
 class WallStress : public GlobalEngine {
 public:
 	void action() override;
+
+	/// What is wrong with its walls in a scene; empty: nothing.
+	std::string wrong(const Scene&) const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(WallStress,GlobalEngine,"Presses a mobile :yref:`Wall` with a constant stress: each step the force stress × length, the length being the present distance of the two walls that bound it. The wall is a body with a mass and one degree of freedom: ``rcr.mobile_wall`` makes it, ``rcr.wall`` one that forces do not move. Stands before :yref:`ContactDynamics` in ``O.engines``.",
 		((int,wall,-1,,"Id of the wall"))

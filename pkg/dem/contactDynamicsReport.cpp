@@ -1,5 +1,6 @@
 // What ContactDynamics tells of a step: balance, missed steps, energy, and what Python asks for.
 #include <array>
+#include <sstream>
 
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
@@ -10,6 +11,18 @@
 #include "plane.hpp"
 
 namespace yade {
+
+namespace {
+
+	std::string bodies(const std::vector<int>& ids)
+	{
+		std::string text = ids.size() == 1 ? "body" : "bodies";
+		for (std::size_t k = 0; k < ids.size(); ++k)
+			text += (k == 0 ? " #" : k + 1 < ids.size() ? ", #" : " and #") + std::to_string(ids[k]);
+		return text;
+	}
+
+} // namespace
 
 /// A step whose solution is not finite ends the run before anything moves, and leaves its problem in a file.
 void ContactDynamics::refuseUnlessFinite() const
@@ -102,22 +115,24 @@ void ContactDynamics::watch()
 	watched.resize(6);
 	rcr::MissedSteps count { long(watched[0]), missedSteps, yieldedSteps, double(deepestOverlap), long(watched[1]), long(watched[2]), double(watched[3]) };
 	rcr::Squeeze     squeeze { int(watched[4]), double(watched[5]) };
-	if (count.count(!converged && tolerance > 0, yielded, overlap)) LOG_WARN("step " << scene->iter << ": " << count.message());
+	const auto ofDeepest = [&] { return bodies({ step_.problem.points[deepest].body1, step_.problem.points[deepest].body2 }); };
+	if (count.count(!converged && tolerance > 0, yielded, overlap, overdamped))
+		LOG_WARN("step " << scene->iter << ": " << count.message() << (overlap > count.harmless ? " Deepest in this step: " + ofDeepest() + "." : ""));
 	const bool goesOn = squeeze.goesOn(overlap);
 	missedSteps = int(count.missed), yieldedSteps = int(count.yielded), deepestOverlap = count.deepest;
 	watched = { Real(count.steps), Real(count.toldMissed), Real(count.toldYielded), count.toldDeepest, Real(squeeze.grown), squeeze.deepest };
 	if (!goesOn) return;
-	std::string culprits;
-	for (int id : rcr::drivenBodies(step_.problem))
-		culprits += (culprits.empty() ? "bodies #" : ", #") + std::to_string(id);
+	const std::vector<int> driven   = rcr::drivenBodies(step_.problem);
+	std::string            culprits = driven.empty() ? "" : bodies(driven);
 	if (step_.cell.driven()) culprits += std::string(culprits.empty() ? "" : " and ") + "the velocity gradient of the cell";
 	if (culprits.empty()) return;
-	const rcr::ContactPoint& c = step_.problem.points[deepest];
-	throw std::runtime_error(
-	        "ContactDynamics: jam. Bodies #" + std::to_string(c.body1) + " and #" + std::to_string(c.body2) + " overlap by " + gate::text(overlap)
-	        + " of their radii, and more and more. Rigid grains do not give way; the motion prescribed to " + culprits
-	        + " asks for it. Stop or reverse that motion (b.state.vel, O.cell.velGrad), or press by a force (WallStress, CellStress)."
-	        + (converged || yielded ? "" : " This step has a solution that the solver did not reach: a smaller time step or more maxIterations may do, too."));
+	std::ostringstream text;
+	text.precision(2);
+	text << "ContactDynamics: jam: " << ofDeepest() << " overlap by " << overlap
+	     << " of R₁ + R₂, and more and more. Rigid grains do not give way; the motion prescribed to " << culprits
+	     << " asks for it. Stop or reverse that motion (b.state.vel, O.cell.velGrad), or press by a force (WallStress, CellStress)."
+	     << (converged || yielded ? "" : " This step has a solution that the solver did not reach: a smaller time step or more maxIterations may do, too.");
+	throw std::runtime_error(text.str());
 }
 
 /// YADE's kinetic energy is that of the beginning of a step, so what the contacts of a step take is added in the next one.

@@ -26,6 +26,7 @@ namespace gate {
 		rcr::PlanarShape shapeOf(const Body& b, Real z) { return b.isClump() ? rcr::PlanarShape {} : plane::shapeOf(*b.shape, *b.state, z); }
 		bool upright(const State& s) { return math::abs(s.ori.x()) <= tilted && math::abs(s.ori.y()) <= tilted && math::isfinite(s.ori.w() + s.ori.z()); }
 		bool inPlane(const State& s, const rcr::PlanarShape& shape, Real z) { return !shape.grain() || math::abs(s.pos.z() - z) <= sameHeight * (1 + math::abs(z)); }
+		bool staysInPlane(const State& s) { return s.vel[2] == 0 && s.angVel[0] == 0 && s.angVel[1] == 0; }
 		bool shaped(const rcr::PlanarShape& shape) { return !shape.grain() || shape.halfWidth > 0; }
 		bool keepsToPlane(const State& s) { return s.blockedDOFs == State::DOF_ALL || (s.blockedDOFs & outOfPlane) == outOfPlane; }
 		bool moves(const State& s) { return (s.blockedDOFs & (State::DOF_X | State::DOF_Y)) != (State::DOF_X | State::DOF_Y); }
@@ -48,7 +49,7 @@ namespace gate {
 	{
 		const State& s = *b.state;
 		if (!finite(s.pos) || !finite(s.vel) || !finite(s.angVel) || !upright(s) || !inPlane(s, shape, z) || !shaped(shape)) return false;
-		return b.isClumpMember() || (keepsToPlane(s) && heavy(s) && inert(s));
+		return b.isClumpMember() || ((!shape.grain() || staysInPlane(s)) && keepsToPlane(s) && heavy(s) && inert(s));
 	}
 
 	std::string wrongWith(const Body& b, Real z)
@@ -78,6 +79,9 @@ namespace gate {
 			        + (dynamic_cast<const Sphere*>(b.shape.get()) ? "Make a disc by rcr.disc."
 			           : dynamic_cast<const Box*>(b.shape.get()) ? "Make an obstacle by utils.box(…, fixed=True)."
 			                                                      : "Set b.state.blockedDOFs = 'zXY', as rcr.particle and rcr.clump do.");
+		if (shape.grain() && !staysInPlane(s))
+			return name + " has the velocity " + coordinates(s.vel) + " and the angular velocity " + coordinates(s.angVel)
+			        + ", which lead out of the plane; wanted b.state.vel[2], b.state.angVel[0] and b.state.angVel[1] to be 0.";
 		if (!heavy(s)) return name + " is free but has the mass " + text(s.mass) + "; give it a mass > 0 or block its degrees of freedom.";
 		if (!inert(s)) return name + " is free to turn but has the moment of inertia " + text(s.inertia[2]) + " about z; give it one > 0 or block Z.";
 		return {};

@@ -84,9 +84,10 @@ namespace gate {
 				lookAmong(grains);
 			}
 
-			long       pairs = 0;
-			double     depth = 0, share = 0; // of the deepest [m], and over R₁ + R₂
+			long       pairs = 0, behind = 0; // of these, grains on the side of a wall on which it does not act
+			double     depth = 0, share = 0;  // of the deepest [m], and over R₁ + R₂
 			Body::id_t one = 0, two = 0;
+			Body::id_t wall = 0, grain = 0; // the first of those behind
 
 		private:
 			/// Sorted along the first axis, beyond the end from the beginning on where the cell is periodic.
@@ -124,9 +125,16 @@ namespace gate {
 				const shared_ptr<Interaction> known = scene_.interactions->find(a.party.body->getId(), b.party.body->getId());
 				if (known && known->isReal()) return;
 				++pairs;
+				if (isBehind(*a.party.body, way) && behind++ == 0) wall = a.party.body->getId(), grain = b.party.body->getId();
 				if (part <= share) return;
 				depth = deepest, share = part;
 				one = std::min(a.party.body->getId(), b.party.body->getId()), two = std::max(a.party.body->getId(), b.party.body->getId());
+			}
+
+			static bool isBehind(const Body& obstacle, rcr::Vec2 way)
+			{
+				const Wall* line = dynamic_cast<const Wall*>(obstacle.shape.get());
+				return line && line->sense * (line->axis == 0 ? way.x : way.y) < 0;
 			}
 
 			const Scene&    scene_;
@@ -185,6 +193,13 @@ namespace gate {
 		if ((v.law != rigid && v.law != smooth) || math::isnan(z)) return {};
 		const FirstOverlaps found(v, z);
 		if (found.pairs == 0) return {};
+		if (found.behind > 0) {
+			const Wall& wall = static_cast<const Wall&>(*(*scene.bodies)[found.wall]->shape);
+			return "body " + named(found.grain) + (found.behind > 1 ? " and " + std::to_string(found.behind - 1) + " more lie" : " lies")
+			        + " behind a wall, body " + named(found.wall) + ", which acts towards " + (wall.sense > 0 ? '+' : '-') + "xy"[wall.axis]
+			        + " only (sense=" + std::to_string(wall.sense) + "): such a grain goes through it. Set sense=" + std::to_string(-wall.sense)
+			        + ", or 0 for both sides, or move them.";
+		}
 		std::ostringstream depth;
 		depth.precision(3);
 		depth << found.depth << " m, " << found.share << " of R₁ + R₂";

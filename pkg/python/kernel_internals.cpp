@@ -310,7 +310,7 @@ void bindInternals(py::module_& m)
 	        .def_readonly("yielded", &MissedSteps::yielded)
 	        .def_readonly("deepest", &MissedSteps::deepest)
 	        .def_property_readonly("share", &MissedSteps::share)
-	        .def("count", &MissedSteps::count, py::arg("missed"), py::arg("yielded"), py::arg("overlap"), "After a step: whether there is something to tell.")
+	        .def("count", &MissedSteps::count, py::arg("missed"), py::arg("yielded"), py::arg("overlap"), py::arg("taken_back") = false, "After a step: whether there is something to tell.")
 	        .def("message", &MissedSteps::message);
 	py::class_<OwnStopTest>(m, "StopTest", "The decision to stop sweeping; settings as of `solve`.")
 	        .def(py::init(&stopTest), py::arg("tolerance") = 1e-4, py::arg("violation") = 0.01, py::arg("mean_force_change") = 0, py::arg("check_interval") = 10,

@@ -52,8 +52,8 @@ def read(folder):
         return None
     with files.reading(path, "a run.json"):
         found = json.loads(path.read_text(encoding="utf-8"))
-        if not isinstance(found, dict) or not isinstance(found.get("parameters"), dict) or not isinstance(found.get("program"), str):
-            raise ValueError("lacks program or parameters")
+        if not isinstance(found, dict) or not isinstance(found.get("parameters"), dict) or not all(isinstance(found.get(name), str) for name in ("program", "run")):
+            raise ValueError("lacks program, run or parameters")
         return found
 
 

@@ -4,6 +4,7 @@ The rules stand in pkg/dem/Gate.cpp; what is served but hardly meant is warned o
 """
 
 import functools
+import threading
 import time
 import warnings
 
@@ -77,13 +78,14 @@ def _promptly(run):
     return prompt
 
 
-def _settled(pause):
-    """O.pause that returns with the scene in order: YADE's returns in the midst of a step."""
+def _settled(method):
+    """O.pause or O.wait that returns with the scene in order: YADE's return in the midst of a step, of which an engine that calls them is a part itself."""
 
-    @functools.wraps(pause)
+    @functools.wraps(method)
     def settled(omega):
-        pause(omega)
-        _plugin.await_end()
+        method(omega)
+        if not isinstance(threading.current_thread(), threading._DummyThread):  # YADE's own, in which engines run
+            _plugin.await_end()
 
     return settled
 
@@ -113,4 +115,4 @@ def guard():
         Omega.step = _guarded(Omega.step)
         Omega.pause = _settled(Omega.pause)
     if not hasattr(Omega.wait, "__wrapped__"):
-        Omega.wait = _told(Omega.wait)
+        Omega.wait = _told(_settled(Omega.wait))

@@ -27,7 +27,7 @@ DEEPEST = 0.02  # overlap over R₁ + R₂
 
 
 def engines():
-    solver = rcr.ContactDynamics(tolerance=1e-4, threads=THREADS)
+    solver = rcr.ContactDynamics(tolerance=1e-4, maxIterations=3000, threads=THREADS)
     O.engines = [
         ForceResetter(),
         InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),

@@ -118,7 +118,7 @@ def test_networks_that_others_have_written(tmp_path):
 
     def read(path):
         again = Network.load(path)
-        assert again.stress().shape == (2, 2) and all(np.isfinite(column).all() for column in again.contacts.values())
+        assert ("volume" not in again.attributes or again.stress().shape == (2, 2)) and all(np.isfinite(column).all() for column in again.contacts.values())
 
     assert survey(path, damaged(path.read_bytes(), 200 * TIMES), read)[1] > 30
 

@@ -12,11 +12,11 @@ import pytest
 import rcr
 from scenes import ALL_IG2, build, engines, material, python, snapshot, stadium, steps
 from yade import O, utils
-from yade.minieigenHP import Quaternion
+from yade.minieigenHP import Quaternion, Vector3
 from yade.wrapper import (
     Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ElastMat, ForceEngine, ForceResetter, GlobalStiffnessTimeStepper,
-    Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, Law2_ScGeom_FrictPhys_CundallStrack,
-    NewtonIntegrator,
+    GravityEngine, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
+    Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator, PyRunner, TranslationEngine,
 )  # fmt: skip
 
 NAN = math.nan
@@ -121,6 +121,71 @@ def test_f4_load_before_the_solver_is_seen():
     rigid(before=[ForceEngine(force=(0, -500, 0), ids=[1])])
     steps(20)
     assert O.bodies[1].state.pos[1] == pytest.approx(0.1, abs=1e-9)
+
+
+PUSHES = [lambda: ForceEngine(force=(500, 0, 0), ids=[1]), lambda: GravityEngine(gravity=(0, -1, 0))]
+
+
+@LAWS
+@pytest.mark.parametrize("load", PUSHES, ids=["ForceEngine", "GravityEngine"])
+def test_a_load_that_nothing_feels(scene, load):
+    """It stands where the next ForceResetter takes it away before a step is made with it."""
+    scene()
+    O.engines = [*O.engines, load()]
+    refused("stands after the NewtonIntegrator, so its forces would be taken away before they move anything; put it between the two")
+    scene()
+    O.engines = [load(), *O.engines]
+    refused("stands before the ForceResetter, so its forces would be taken away")
+
+
+@LAWS
+def test_a_motion_may_be_prescribed_after_the_integrator(scene):
+    scene()
+    O.engines = [*O.engines, TranslationEngine(ids=[0], translationAxis=(1, 0, 0), velocity=0.1)]
+    steps(2)
+    assert O.bodies[0].state.pos[0] == pytest.approx(0.1 * O.dt)
+
+
+def test_forces_that_the_solver_has_not_seen_are_told_of(capfd):
+    """A PyRunner between ContactDynamics and the integrator presses a grain into the floor; nothing can tell it from others, but for the overlap."""
+    rigid()
+    inserted(place(NewtonIntegrator), PyRunner(command="O.forces.addF(1, (0, -1e5, 0))", iterPeriod=1))
+    steps(100)
+    told = capfd.readouterr().err
+    assert "grows although all steps reached the tolerance. Something moves the bodies that the solver does not see" in told
+    assert "Deepest in this step: bodies #0 and #1." in told
+
+
+@LAWS
+def test_engines_with_wrong_attributes_are_refused_before_anything_moves(scene):
+    scene(before=[rcr.WallStress(wall=1, start=0, end=0)]) if scene is rigid else scene()
+    if scene is smooth:
+        inserted(place(NewtonIntegrator), rcr.WallStress(wall=1, start=0, end=0))
+    refused("WallStress.wall = 1 is not the id of a body with the shape Wall")
+    O.engines = [e for e in O.engines if not isinstance(e, rcr.WallStress)]
+    O.dt = 0
+    with pytest.raises(ValueError, match="O.dt = 0; wanted a finite time step > 0"):
+        O.run(1, True)
+
+
+def test_the_steppers_first_step():
+    """Without contacts YADE's GlobalStiffnessTimeStepper asks for the wave speed of spheres, and takes 1 s where there are none."""
+    smooth()
+    O.bodies[1].state.pos = Vector3(0, 0.2, 0)
+    stepper = GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4)
+    inserted(0, stepper)
+    refused(r"GlobalStiffnessTimeStepper.defaultDt = -1 would set O.dt = 1 s while no Rcrs touch; set defaultDt = 0.5 \* rcr.critical_time_step\(\)")
+    stepper.defaultDt = 0.5 * rcr.critical_time_step()
+    steps(5)
+    assert O.dt == stepper.defaultDt
+
+
+@LAWS
+@pytest.mark.parametrize("velocity, spin", [((0, 0, 0.01), (0, 0, 0)), ((0, 0, 0), (3, 0, 0)), ((0, 0, 0), (0, 1e-3, 0))])
+def test_velocities_that_lead_out_of_the_plane(scene, velocity, spin):
+    scene()
+    O.bodies[1].state.vel, O.bodies[1].state.angVel = Vector3(velocity), Vector3(spin)
+    refused(r"body #1 has the velocity \(.*\) and the angular velocity \(.*\), which lead out of the plane; wanted b.state.vel\[2\]")
 
 
 def test_f10_time_stepper():
@@ -348,6 +413,15 @@ def test_overlaps_of_the_start_are_told_once(scene):
     assert "bodies #0 and #4 overlap by 0.02 m, 0.0333 of R₁ + R₂, before their first step. " in told
 
 
+@LAWS
+def test_grains_behind_a_wall_are_told(scene):
+    scene()
+    rough = O.bodies[1].material
+    O.bodies.append([rcr.wall("x", -1, -1, material=rough), stadium(0.2, 0.1, (3, 1), material=rough)])
+    (told,) = advised()
+    assert "body #1 and 1 more lie behind a wall, body #2, which acts towards -x only (sense=-1): such a grain goes through it. Set sense=1, or 0" in told
+
+
 def test_overlaps_of_images_are_told():
     O.reset()
     O.periodic = True
@@ -377,7 +451,7 @@ def test_time_step_beyond_the_springs_is_told():
     assert "where springs of this stiffness become unstable; set O.dt = 0.5 * rcr.critical_time_step()" in told
     assert advised() == []
     O.dt = 2
-    O.engines = [GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.1), *O.engines]
+    O.engines = [GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.1, defaultDt=1e-6), *O.engines]
     assert advised() == []
 
 

@@ -2,6 +2,7 @@
 
 import math
 import os
+import sys
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import yade
 import yade.utils
 from scenes import G, build, contact_forces, engines, material, python, snapshot, stadium, steps, velocity
 from yade import O
-from yade.wrapper import InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker
+from yade.wrapper import ForceEngine, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker
 
 OURS = {
     "Shape": {"Rcr"},
@@ -187,17 +188,52 @@ def test_engines_that_are_new_after_an_erase_see_the_bodies(law):
     assert O.interactions.has(floor, second) and abs(O.bodies[second].state.pos[1] - 0.05) < 1e-3
 
 
+PAUSED = """
+import yade, rcr
+from scenes import build, stadium
+from yade import O
+from yade.wrapper import PyRunner
+
+def stop():
+    if O.iter == 5:
+        O.pause()
+        print("went on", flush=True)
+
+import __main__
+__main__.stop = stop
+if {rigid}:
+    build(stadium(0.2, 0.1, (0, 1)))
+else:
+    O.engines = []
+O.engines = [*O.engines, PyRunner(command="stop()", iterPeriod=1)]
+O.run(20, True)
+assert O.iter == 6, O.iter
+O.run(20, True)
+assert O.iter == 26, O.iter
+rcr.advance(4) if {rigid} else O.run(4, True)
+O.reset()
+print("ended", flush=True)
+"""
+
+
+@pytest.mark.parametrize("rigid", [True, False])
+def test_a_pause_in_mid_step_ends_the_run(rigid):
+    """O.pause in a PyRunner waited for the end of the run, of which it is a part; what came next then waited for ever."""
+    done = python(PAUSED.format(rigid=rigid), PYTHONPATH=os.pathsep.join(sys.path))
+    assert done.stdout.split("\n")[-3:] == ["went on", "ended", ""], done.stdout[-500:] + done.stderr[-2000:]
+
+
 def test_a_waited_run_that_fails_raises_every_time():
     """YADE's run thread loses its exception where it ends before the session waits: the script would go on as if all were well."""
     m = material()
     for _ in range(30):
         O.reset()
-        O.engines = engines(tolerance=-1)
+        O.engines = engines(before=[ForceEngine(force=(math.nan, 0, 0), ids=[0])])
         O.dt = 1e-3
         O.bodies.append(rcr.particle((0, 1), 0.1, 0.5, material=m))
-        with pytest.raises(RuntimeError, match="tolerance"):
+        with pytest.raises(RuntimeError, match="body #0 has the force"):
             O.run(5, True)
-        with pytest.raises(RuntimeError, match="tolerance"):
+        with pytest.raises(RuntimeError, match="body #0 has the force"):
             O.run(5)  # which tells it itself where the thread has ended already
             O.wait()
 

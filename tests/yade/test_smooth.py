@@ -240,7 +240,7 @@ def test_critical_time_step(share, holds, zeta):
 
 def test_stock_time_stepper():
     """GlobalStiffnessTimeStepper: 1.41044 s √(m/k) for a disc on its floor (k of one contact), s its safety coefficient."""
-    disc = disc_on_floor(height=0.0999, before=[GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4, timeStepUpdateInterval=1)])
+    disc = disc_on_floor(height=0.0999, before=[GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4, timeStepUpdateInterval=1, defaultDt=1e-5)])
     O.dynDt = True
     steps(3)
     m, I = inertia(0, 0.1)

@@ -1,18 +1,24 @@
 #include "watch/missed_steps.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
 
 namespace rcr {
 
-bool MissedSteps::count(bool stepMissed, bool stepYielded, double overlap)
+namespace {
+	constexpr double none = std::numeric_limits<double>::infinity();
+}
+
+bool MissedSteps::count(bool stepMissed, bool stepYielded, double overlap, bool takenBack)
 {
 	++steps;
+	if (steps == 1 && !stepMissed) toldDeepest = overlap;
 	missed += stepMissed;
 	yielded += stepYielded;
 	deepest             = std::max(deepest, overlap);
 	const bool first    = missed > 0 && toldMissed == 0;
-	const bool deeper   = missed > 0 && deepest > harmless && deepest >= 2 * toldDeepest;
+	const bool deeper   = deepest > (missed > 0 ? harmless : takenBack ? none : unseen) && deepest >= 2 * toldDeepest;
 	const bool moreOften = yielded > 0 && yielded >= 10 * toldYielded;
 	if (!first && !deeper && !moreOften) return false;
 	toldMissed = missed, toldYielded = yielded, toldDeepest = deepest;
@@ -23,6 +29,11 @@ std::string MissedSteps::message() const
 {
 	std::ostringstream text;
 	text.precision(2);
+	if (missed == 0) {
+		text << "the deepest overlap, " << deepest << " of R₁ + R₂, grows although all steps reached the tolerance. Something moves the bodies that the solver "
+		     << "does not see, such as forces that a PyRunner adds after ContactDynamics, or positions that are set; or they go too far in a step: take a smaller one.";
+		return text.str();
+	}
 	if (steps == 1) text << "the first step did not reach the tolerance";
 	else
 		text << missed << " of " << steps << " steps so far did not reach the tolerance";

@@ -2,6 +2,9 @@
 //
 // A missed step is harmless while the overlaps that it leaves are taken back: those of beds at rest and in flow stay below 5e-3 of R₁ + R₂. It is told
 // once, and again each time things get worse: overlaps twice as deep as those told of, or ten times as many steps without a solution.
+//
+// Overlaps that grow although no step misses are those of something that the steps do not see: forces added after the solve, bodies that are put
+// elsewhere. They are told beyond 2e-2 of R₁ + R₂, and twice those of the first step, with which the scene began.
 #pragma once
 
 #include <string>
@@ -10,7 +13,8 @@ namespace rcr {
 
 class MissedSteps {
 public:
-	static constexpr double harmless = 5e-3; // overlap over R₁ + R₂
+	static constexpr double harmless = 5e-3; // overlap over R₁ + R₂ …
+	static constexpr double unseen   = 2e-2; // … and without a missed step
 
 	// Plain numbers, to be saved with the scene.
 	long   steps   = 0; // all
@@ -21,9 +25,9 @@ public:
 	long   toldMissed = 0, toldYielded = 0; // of the last message
 	double toldDeepest = 0;
 
-	/// After each step: whether it missed the tolerance, whether it had no solution, its deepest overlap over R₁ + R₂. True when there
-	/// is something to tell.
-	bool count(bool missed, bool yielded, double overlap);
+	/// After each step: whether it missed the tolerance, whether it had no solution, its deepest overlap over R₁ + R₂, and whether it has taken
+	/// back what lay before it, so that overlaps are its own. True when there is something to tell.
+	bool count(bool missed, bool yielded, double overlap, bool takenBack = false);
 
 	double share() const { return steps > 0 ? double(missed) / double(steps) : 0; } // of missed steps
 

@@ -45,7 +45,9 @@ CYCLES = 200  # … halved after so many steps, a third after twice as many: a c
 TIME_STEP = 0.1  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then some 15 % of the mean contact force
 QUASI_STATIC = dict(overdamped=True, inertial_number=1e-4, time_step=1.0)  # what makes averages those of the limit I → 0, see docs/study-notes.md
-OVERDAMPED_VIOLATION = 0.1  # `ContactDynamics.maxViolation` of overdamped shear: what velocities are wrong by are gaps, which the next step takes back whole
+# `ContactDynamics.maxViolation` of overdamped shear at the pace of `QUASI_STATIC`: what velocities are wrong by are gaps, which the next step takes back
+# whole. It is a share of the velocities without contacts, too, to which those of slower shear and longer steps are less and less: there it falls with I/dt.
+OVERDAMPED_VIOLATION = 0.1
 SHEAR_ITERATIONS = 300  # of a step of the shear, at most: where a large packing is about to yield, thousands would change no average
 RAMP = 0.002  # strain over which the top wall takes up its velocity
 BALANCED = 2e-3  # mean net force of a grain over the mean contact force, at the end of the compaction
@@ -415,7 +417,8 @@ class Biaxial:
     def drop_inertia(self):
         """Make the steps from here on start from rest; see `ContactDynamics.overdamped`."""
         self.parameters.update(overdamped=True)
-        self.solver.overdamped, self.solver.maxViolation = True, OVERDAMPED_VIOLATION
+        pace, usual = ((p["inertial_number"] / p["time_step"]) for p in (self.parameters, QUASI_STATIC))
+        self.solver.overdamped, self.solver.maxViolation = True, OVERDAMPED_VIOLATION * min(1, pace / usual)
 
     def soften(self, stiffness):
         """Let springs of k_n = `stiffness` σ₀ replace the rigid contacts; they are unloaded at first, and the packing shrinks by some σ₀/k_n."""

@@ -53,6 +53,14 @@ def told(steps):
 
 def test_steps_that_all_converge_are_silent():
     assert told([(False, False, 0.1)] * 100) == []
+    assert told([(False, False, 1.9e-2 * k / 100) for k in range(100)]) == []
+    assert told([(False, False, 0.1 * k, True) for k in range(100)]) == []
+
+
+def test_overlaps_that_grow_without_a_miss_are_told_at_each_doubling():
+    messages = told([(False, False, overlap) for overlap in (1e-4, 1e-2, 3e-2, 4e-2, 0.1)])
+    assert [k for k, _ in messages] == [2, 4]
+    assert messages[0][1].startswith("the deepest overlap, 0.03 of R₁ + R₂, grows although all steps reached the tolerance. Something moves")
 
 
 def test_harmless_misses_are_told_once():
