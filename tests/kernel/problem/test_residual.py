@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import errors, grain, jacobian_times, pile, square_discs, velocity, weights
+from kernel.contact_problems import errors, grain, jacobian_times, pile, problem_of, square_discs, velocity, weights
 from rcr import _kernel
 
 ROUNDING = 1e-11  # sums of some hundred points
@@ -90,3 +90,14 @@ def test_impulses_whose_squares_overflow_have_no_residual(size):
     assert np.isnan(_kernel.residual(**problem)) and np.isnan(_kernel.violation(0.01, **problem))
     found = problem.solve("nlgs", tolerance=1e-4, max_iterations=20)
     assert np.isnan(found["residual"]) and not found["converged"]
+
+
+def test_a_scale_that_overflows_hides_no_error():
+    """A grain squeezed from both sides by 1e160, which is a solution, beside one that its floor does not hold."""
+    squeezed = [(0, 1, 0, side, 0, 0, 0, -0.1, 0, 0) for side in (1, -1)]
+    falling = (0, 2, 0, 1, 0, 0, 0, -0.1, 0, 0)
+    problem = problem_of("squeezed", None, [[0, 0, 0], [1, 1, 0], [1, 1, 0]], [[0, 0, 0], [0, 0, 0], [0, -1, 0]], [*squeezed, falling])
+    problem["impulse"] = np.array([[1e160, 0], [1e160, 0], [0.5, 0]])
+    assert np.isnan(_kernel.residual(**problem))
+    problem["impulse"][:2] = 1e150, 0
+    assert 0 < _kernel.residual(**problem) < 1e-149
