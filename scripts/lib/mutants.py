@@ -168,7 +168,7 @@ def tests_of(file):
 
 def copy_sources(folder):
     for part in ("pkg/kernel", "pkg/python", "cmake"):
-        shutil.copytree(check.ROOT / part, folder / part, dirs_exist_ok=True)
+        shutil.copytree(check.ROOT / part, folder / part, dirs_exist_ok=True, copy_function=shutil.copy)  # as new: what was built of others is stale
     for file in ("CMakeLists.txt", "py/rcr/__init__.py"):
         (folder / file).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(check.ROOT / file, folder / file)
