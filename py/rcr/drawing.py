@@ -37,8 +37,10 @@ STYLE = {
     "svg.fonttype": "none",
     "savefig.dpi": 300,
 }
+LARGEST = 24.0  # radius of a grain up to which lines grow with it [pt]: beyond, they would cover it and reach over the edge
 WIDTH = 0.16  # of a segment that carries the mean force, in mean radii
 WIDEST = 0.8  # of any segment, likewise
+EVEN = 1 + 1e-3  # force over the mean up to which it is no strong one: a mean is rounded, and a step's tolerance is 1e-4
 STRONG, WEAK, MOBILIZED = "black", "#d62728", "#ffd92f"
 TYPES = dict(zip(("cap-cap", "cap-side", "side-side"), ("#1f77b4", "#2ca02c", "#d62728")))
 GRAIN, RATTLER, OBSTACLE = "#d9d9d9", "#f5f5f5", "#9c9c9c"
@@ -68,8 +70,13 @@ def points_a_metre(ax):
     return 72 * min(width / np.ptp(ax.get_xlim()), height / np.ptp(ax.get_ylim()))
 
 
+def line_unit(ax, radius):
+    """What lines are measured by [m]: this mean radius of the grains, or less where they are few and large."""
+    return min(radius, LARGEST / points_a_metre(ax))
+
+
 def add_grains(ax, grains, unit, edge="0.5", **style):
-    """The outlines of grains, their lines a twentieth of `unit` (a mean radius) wide; returns the collection."""
+    """The outlines of grains, their lines a twentieth of `unit` (see `line_unit`) wide; returns the collection."""
     wide = 0.05 * points_a_metre(ax) * unit
     corners = 30 if len(grains["id"]) < 1000 else 12  # of a cap: what is seen of it
     return ax.add_collection(PolyCollection(polygons(grains, corners), edgecolors=edge, linewidths=wide, **style), autolim=False)
@@ -82,14 +89,14 @@ def add_segments(ax, lines, widths, **style):
 
 
 def force_widths(force, unit):
-    """Widths of segments with these forces over their mean [m]; `unit` is a mean radius."""
+    """Widths of segments with these forces over their mean [m]; see `line_unit`."""
     return unit * np.minimum(WIDTH * force, WIDEST)
 
 
 def add_forces(ax, lines, force, unit, scale=1.0):
-    """Segments as thick as their force (over the mean), strong ones black on top of weak red ones."""
+    """Segments as thick as their force (over the mean), strong ones black on top of weak red ones; equal to the mean is weak."""
     widths = scale * force_widths(force, unit)
-    for pick, tint, layer in ((force < 1, WEAK, 3), (force >= 1, STRONG, 4)):
+    for pick, tint, layer in ((force <= EVEN, WEAK, 3), (force > EVEN, STRONG, 4)):
         add_segments(ax, lines[pick], widths[pick], colors=tint, zorder=layer)
 
 

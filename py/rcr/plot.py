@@ -55,7 +55,7 @@ SCALES = dict(
 )
 CATEGORIES = dict(type="Rcr, disc, member of a clump, prescribed motion", shape="the colours of YADE's view, `particle(…, color=…)`")
 CONTACTS = dict(
-    force="black above the mean force, red below",
+    force="black above the mean force, red up to it",
     type="blue cap-cap, green cap-side, red side-side, grey with an obstacle",
     mobilization="dark without friction to yellow where it slides: |f_t|/(µ f_n)",
 )
@@ -78,7 +78,7 @@ def packing(what=None, ax=None, color="orientation", contacts=None, range=None, 
         colours of YADE's view), any colour of Matplotlib, or a number for each grain of ``Frame.of(what)``.
     contacts : str, optional
         None draws no contact. ``force``: segments from centre to contact to centre, as thick as the normal force, black above the
-        mean and red below; ``type``: as thick, coloured by cap-cap, cap-side and side-side; ``mobilization``: as thick, coloured by
+        mean and red up to it; ``type``: as thick, coloured by cap-cap, cap-side and side-side; ``mobilization``: as thick, coloured by
         |f_t|/(µ f_n).
     range : (float, float), optional
         Numbers at the ends of the colours; by default the smallest and largest.
@@ -108,7 +108,7 @@ def packing(what=None, ax=None, color="orientation", contacts=None, range=None, 
         limits = np.asarray(frame.extent() if limits is None else limits, float)
         keys = legend and (style.has_key or contacts in ("type", "mobilization"))
         ax = drawing.page(limits, FOOT if keys else 0) if ax is None else drawing.canvas(limits, ax)
-        unit = frame.mean_radius() if len(frame.grains["id"]) else 0.01 * np.ptp(limits)
+        unit = drawing.line_unit(ax, frame.mean_radius() if len(frame.grains["id"]) else 0.01 * np.ptp(limits))
         drawing.add_obstacles(ax, frame, unit)
         _add_grains(ax, frame, style, unit)
         if contacts is not None:
@@ -202,27 +202,27 @@ _MOBILIZATION, _WALL = "plasma", "0.3"
 
 
 def _add_keys(ax, frame, style, contacts):
-    """Scale of the grains' colours on the right of the foot, key or scale of the contacts on the left."""
+    """Scale of the grains' colours on the right of the foot, key or scale of the contacts on the left; a scale has its label above."""
     figure = ax.figure
     height = figure.get_figheight()
 
     def bar(left, mappable, label, ticks=None):
-        scale = figure.add_axes((left, 0.26 / height, 0.36, 0.1 / height))
+        scale = figure.add_axes((left, 0.17 / height, 0.38, 0.09 / height))
         figure.colorbar(mappable, cax=scale, orientation="horizontal", ticks=ticks)
         scale.tick_params(labelsize=7, pad=1, top=False)
-        figure.text(left - 0.01, 0.31 / height, label, ha="right", va="center", fontsize=8)
+        figure.text(left + 0.19, 0.29 / height, label, ha="center", va="bottom", fontsize=8)
 
     def key(handles, left):
-        figure.legend(handles=handles, loc="center left", bbox_to_anchor=(left, 0.2 / height), ncols=4, fontsize=8)
+        figure.legend(handles=handles, loc="center left", bbox_to_anchor=(left, 0.21 / height), ncols=2, fontsize=8)
 
     if style.mappable is not None:
-        bar(0.62, style.mappable, style.scale.label, style.scale.ticks)
+        bar(0.57, style.mappable, style.scale.label, style.scale.ticks)
     elif style.kinds:
         key([Patch(fc=KIND_COLORS[k], ec="0.3", lw=0.5, label=KINDS[k]) for k in np.unique(frame.kinds())], 0.55)
     if contacts == "type":
         key([Line2D([], [], color=tint, lw=2, label=name) for name, tint in (*TYPES.items(), ("obstacle", _WALL))], 0.0)
     elif contacts == "mobilization":
-        bar(0.12, ScalarMappable(Normalize(0, 1), _MOBILIZATION), r"$|f_t|/\mu f_n$")
+        bar(0.05, ScalarMappable(Normalize(0, 1), _MOBILIZATION), r"$|f_t|/\mu f_n$")
 
 
 def snapshot(path, what=None, dpi=200, **options):

@@ -117,6 +117,50 @@ def test_segments_are_as_thick_as_their_force():
     assert widths / widths[0] == pytest.approx([1, 2, 3])
 
 
+def test_equal_forces_have_one_colour():
+    """Also where rounding leaves some above their mean: 0.1 three times has the mean 0.10000000000000002."""
+    row = frame(4)
+    row.contacts = contacts(3, force=np.array([[0.1, 0], [0.1 + 1e-9, 0], [0.1 - 1e-9, 0]]))
+    lines = [c for c in plot.packing(row, contacts="force").collections if isinstance(c, LineCollection) and len(c.get_paths())]
+    assert len(lines) == 1
+
+
+@pytest.mark.parametrize("count", [1, 2, 10, 200])
+def test_lines_cover_no_grain_and_stay_in_the_picture(count):
+    """Outlines of a few large grains: at most a twentieth of the radius, not thicker than the margin of the picture."""
+    row = frame(count)
+    row.contacts = contacts(count - 1, force=np.tile([1.0, 0], (count - 1, 1)))
+    row.walls = dict(id=np.array([99]), axis=np.array([1]), position=np.array([-0.5]))
+    ax = plot.packing(row, contacts="type" if count > 1 else None)
+    grains, point = grains_of(ax), drawing.points_a_metre(ax)
+    assert grains.get_linewidths()[0] <= min(0.05 * point, 1.5)
+    margin = point * (-1 - ax.get_xlim()[0])  # what is left of the first grain
+    assert max(grains.get_linewidths()[0], ax.lines[0].get_linewidth()) / 2 < margin
+    for forces in (c for c in ax.collections if isinstance(c, LineCollection)):
+        assert forces.get_linewidths()[0] <= 4
+
+
+@pytest.mark.parametrize("wide", [True, False], ids=["wide", "narrow"])
+@pytest.mark.parametrize("contacts", [None, *plot.CONTACTS])
+@pytest.mark.parametrize("color", [*plot.SCALES, "type"])
+def test_words_of_the_foot_stand_apart(color, contacts, wide):
+    """No text on another, on the grains or over the edge, no scale on a text."""
+    network = packing(0.5, particles_=100, contacts=200)
+    network.particles["velocity"] = np.random.default_rng(1).normal(size=(100, 3))
+    ax = plot.packing(network, color=color, contacts=contacts, limits=((0, 0), (20, 10) if wide else (4, 20)))
+    figure = ax.figure
+    FigureCanvasAgg(figure).draw()
+    ticks = [(tick, scale.get_xlim()) for scale in figure.axes[1:] for tick in scale.xaxis.get_major_ticks()]
+    texts = [*figure.texts, *(tick.label1 for tick, (low, high) in ticks if low <= tick.get_loc() <= high), *(text for key in figure.legends for text in key.get_texts())]
+    boxes = [text.get_window_extent() for text in texts] + [axes.get_window_extent() for axes in figure.axes]
+    names = [text.get_text() for text in texts] + ["picture", *("scale" for _ in figure.axes[1:])]
+    assert len(names) > 1
+    overlaps = [(one, two) for k, one in enumerate(names) for j, two in enumerate(names[:k]) if boxes[k].overlaps(boxes[j])]
+    assert not overlaps
+    outside = [name for name, box in zip(names, boxes) if box.x0 < -0.5 or box.y0 < -0.5 or box.x1 > figure.bbox.x1 + 0.5]  # half a pixel
+    assert not outside
+
+
 def test_fixed_grains_are_grey():
     colors = grains_of(plot.packing(frame(2, fixed=np.array([False, True])), color="red")).get_facecolor()
     assert colors == pytest.approx(np.array([to_rgba("red"), to_rgba(drawing.OBSTACLE)]))
