@@ -171,9 +171,11 @@ def clump(members, mass=None, inertia=None):
 
 
 def _axis(axis):
-    if axis not in ("x", "y"):
-        raise ValueError(f"axis = {axis!r}; wanted 'x' or 'y', the axis of the wall's normal")
-    return "xy".index(axis)
+    """0 or 1 of an axis that is named "x" or "y", or has its number as in YADE."""
+    for k, name in enumerate("xy"):
+        if axis == name or (isinstance(axis, numbers.Integral) and not isinstance(axis, bool) and axis == k):
+            return k
+    raise ValueError(f"axis = {axis!r}; wanted 'x' or 'y' (or 0 or 1), the axis of the wall's normal")
 
 
 def wall(axis, position, sense=0, velocity=0, material=-1):
@@ -181,8 +183,8 @@ def wall(axis, position, sense=0, velocity=0, material=-1):
 
     Parameters
     ----------
-    axis : str
-        Axis of its normal: 'y' for a floor or a lid, 'x' for a wall at a side.
+    axis : str or int
+        Axis of its normal: 'y' (or 1) for a floor or a lid, 'x' (or 0) for a wall at a side.
     position : float
         Coordinate along that axis [m].
     sense : int
@@ -216,7 +218,7 @@ def mobile_wall(axis, position, mass, sense=0, material=-1):
     """
     body = wall(axis, position, sense=sense, material=material)
     body.state.mass = _number("mass", mass, "a finite mass > 0 [kg]", lambda v: v > 0)
-    body.state.blockedDOFs = "yzXYZ" if axis == "x" else "xzXYZ"
+    body.state.blockedDOFs = "yzXYZ" if body.shape.axis == 0 else "xzXYZ"
     return body
 
 

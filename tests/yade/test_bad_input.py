@@ -77,12 +77,21 @@ def test_shape_without_a_radius():
 
 
 def test_walls():
-    with pytest.raises(ValueError, match="axis = 'z'; wanted 'x' or 'y'"):
-        rcr.wall("z", 0)
+    for axis in ("z", 2, -1, 0.5, True, None):
+        with pytest.raises(ValueError, match=f"axis = {axis!r}; wanted 'x' or 'y' \\(or 0 or 1\\)"):
+            rcr.wall(axis, 0)
     with pytest.raises(ValueError, match="position = nan; wanted a finite coordinate"):
         rcr.wall("x", NAN)
     with pytest.raises(ValueError, match="mass = 0; wanted a finite mass > 0"):
         rcr.mobile_wall("x", 0, mass=0)
+
+
+@pytest.mark.parametrize("name, number", [("x", 0), ("y", 1)])
+def test_axis_of_a_wall_by_its_number(name, number):
+    """The number is that of YADE's own walls."""
+    assert rcr.wall(number, 0.5, velocity=2).state.vel == rcr.wall(name, 0.5, velocity=2).state.vel
+    one, two = (rcr.mobile_wall(axis, 0, mass=1) for axis in (name, np.int64(number)))
+    assert one.shape.axis == two.shape.axis == number and one.state.blockedDOFs == two.state.blockedDOFs
 
 
 # ---------------------------------------------------------------------------------------------- bodies
