@@ -25,8 +25,8 @@ def info():
     Returns
     -------
     dict
-        Prints as a table. ``lanes`` are the contact points that the sweeps take at a time on this processor, ``threads`` those of the
-        running YADE, ``3D view`` the classes that draw in it.
+        Prints as a table. ``lanes`` are the contact points, in doubles, that the sweeps take at a time on this processor: 16 with AVX-512,
+        1 on one of x86 without AVX2 and FMA, else 8. ``threads`` are those of the running YADE, ``3D view`` the classes that draw in it.
     """
     import rcr
 
