@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import rcr
 import yade.utils
+from rcr.counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
 from scenes import G, build, material, python, steps
 from test_session import pressed_box
@@ -200,6 +201,16 @@ tell()
     silent, told = lines[: len(SPHERES_ONLY)], lines[len(SPHERES_ONLY) :]
     assert silent == ["told"] * len(SPHERES_ONLY)
     assert [wanted in line for wanted, line in zip(SPHERES_ONLY.values(), told, strict=True)] == [True] * len(told)
+
+
+@pytest.mark.parametrize("hint", COUNTERPARTS)
+def test_counterparts_are_there(hint):
+    """What a warning says is run as it stands, on a box under pressure; of a function the name."""
+    pressed_box()
+    steps(200)
+    value = eval(hint.split(" (")[0].replace("…", "0.8"), dict(rcr=rcr, ContactDynamics=rcr.ContactDynamics))
+    if "(" in hint.split(" (")[0]:
+        assert np.isfinite(value).all() and np.any(value)
 
 
 def test_measures_of_nothing():
