@@ -1,4 +1,4 @@
-"""Refusals and advice before a run: ``O.run`` and ``O.step`` refuse scenes that would go wrong without a word.
+"""Refusals and advice before a run: ``O.run``, ``O.step`` and ``O.bodies.erase`` refuse what would go wrong without a word.
 
 The rules stand in pkg/dem/Gate.cpp; what is served but hardly meant is warned of. A scene without any class of rcr is none of its business.
 """
@@ -8,7 +8,7 @@ import threading
 import time
 import warnings
 
-from yade.wrapper import Omega, TimeStepper
+from yade.wrapper import InsertionSortCollider, Omega, TimeStepper
 
 from rcr import _plugin, scene
 
@@ -108,8 +108,26 @@ def _told(method):
     return run
 
 
+def _apart_from_bounds(erase):
+    """O.bodies.erase that refuses where YADE's collider may not end: it keeps bounds of the body, and a cell that has changed can leave them out of reach."""
+
+    @functools.wraps(erase)
+    def apart(bodies, id, *arguments, **keywords):
+        omega = Omega()
+        if omega.periodic and _plugin.serves() and any(isinstance(engine, InsertionSortCollider) and engine.numReinit > 0 for engine in omega.engines):
+            raise ValueError(
+                f"rcr: body #{id} cannot be erased from a periodic cell whose collider has run, for that may then never end; put a new InsertionSortCollider into O.engines first"
+            )
+        return erase(bodies, id, *arguments, **keywords)
+
+    return apart
+
+
 def guard():
-    """Let every O.run and O.step of this session look at the scene first."""
+    """Let every O.run and O.step of this session look at the scene first, and O.bodies.erase at the cell."""
+    container = type(Omega().bodies)
+    if not hasattr(container.erase, "__wrapped__"):
+        container.erase = _apart_from_bounds(container.erase)
     if not hasattr(Omega.run, "__wrapped__"):
         Omega.run = _guarded(_promptly(Omega.run))
         Omega.step = _guarded(Omega.step)

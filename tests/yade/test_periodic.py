@@ -110,6 +110,25 @@ def test_strain_driven_compaction_holds_its_grains_apart(eta):
     assert O.engines[3].contactPoints > 50 and deepest < 0.01 * 0.1
 
 
+def test_a_body_is_erased_from_a_cell_only_with_a_new_collider():
+    """YADE's collider never ended in this scene: a cell that has shrunk, then the bounds of the body that is gone among those of moving ones."""
+    m = stiff()
+    scene("rigid", *[rcr.particle((0.25 * (i + 0.5), 0.25 * (j + 0.5)), 0.1, 0.4, i, m) for i in range(8) for j in range(8)], tolerance=1e-4)
+    O.bodies.erase(3)  # the collider has not run
+    O.cell.velGrad = Matrix3(-0.5, 0, 0, 0, -0.5, 0, 0, 0, 0)
+    O.run(250, True)
+    O.cell.velGrad = Matrix3.Zero
+    with pytest.raises(ValueError, match="body #9 .* put a new InsertionSortCollider into O.engines first"):
+        O.bodies.erase(9)
+    assert O.bodies[9] is not None
+    O.engines = [InsertionSortCollider([rcr.Bo1_Rcr_Aabb()], verletDist=0.01) if isinstance(e, InsertionSortCollider) else e for e in O.engines]
+    O.bodies.erase(9)
+    for body in O.bodies:
+        body.state.vel = (10, 3, 0)
+    O.run(500, True)
+    assert O.iter == 750 and np.isfinite(rcr.measure.extent()).all()
+
+
 def test_reload_goes_on_to_the_same_bits(tmp_path):
     size, m, grains = packing(0.5, count=49)
     scene("rigid", *grains, size=size, tolerance=1e-4, solver="auto", maxIterations=1000)
