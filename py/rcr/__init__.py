@@ -9,6 +9,7 @@ scene or a saved network. ``from rcr import *`` leaves out names that YADE has i
 
 import importlib
 import os
+import re
 import sys
 
 from rcr.info import info
@@ -19,6 +20,8 @@ __version__ = "0.1.0"
 
 _MODULES = ("export", "measure", "plot", "script")  # loaded when they are used: the libraries that they need take time
 _LAZY = dict(snapshot="plot", movie="plot", Profile="profile")  # name: its module
+_SCENE = ("advance", "clump", "contact_network", "critical_time_step", "disc", "mobile_wall", "particle", "segment", "wall")  # with the classes, those of a session
+_CLASSES = re.compile("(Bo1|Gl1|Ig2|Ip2|Law2)_.*|Rcr|RcrGeom|RcrFrictPhys|CdPhys|ContactDynamics|CellStress|WallStress")
 
 
 def __getattr__(name):
@@ -26,6 +29,8 @@ def __getattr__(name):
         return importlib.import_module(f"rcr.{name}")
     if name in _LAZY:
         return getattr(importlib.import_module(f"rcr.{_LAZY[name]}"), name)
+    if "yade" not in sys.modules and (name in _SCENE or _CLASSES.fullmatch(name)):
+        raise AttributeError(f"rcr.{name} needs a YADE session: run the script by scripts/yade-rcr, or import yade before rcr")
     raise AttributeError(f"module 'rcr' has no attribute {name!r}")
 
 
@@ -77,5 +82,5 @@ if "yade" in sys.modules:
     counterparts.install()
     session.guard()
 
-    __all__ += [*sorted(_classes), "advance", "clump", "contact_network", "critical_time_step", "disc", "mobile_wall", "particle", "segment", "wall"]
+    __all__ += [*sorted(_classes), *_SCENE]
     __all__ = [name for name in __all__ if name not in _names_of_yade()]

@@ -15,6 +15,7 @@ Conventions
 """
 
 import math
+import numbers
 
 import numpy as np
 
@@ -131,6 +132,11 @@ class Network:
             contacts = dict(friction=np.full(np.shape(contacts["body1"]), self.attributes.get("friction", math.nan))) | contacts
         self.particles = _checked("particles", particles, _PARTICLES)
         self.contacts = _checked("contacts", contacts, _CONTACTS)
+
+    def __repr__(self):
+        told = {name: value for name in ("time", "strain", "eta", "friction", "volume") if isinstance(value := self.attributes.get(name), numbers.Real)}
+        counts = f"{len(self.particles['id'])} grains, {len(self.contacts['body1'])} contacts, {self.between_particles.sum()} of them between grains"
+        return f"<Network: {', '.join([counts, *(f'{name} {value:g}' for name, value in told.items())])}>"
 
     @classmethod
     def load(cls, path):

@@ -56,6 +56,13 @@ class Profile:
         self.limits = self._given
         self._sums = None
 
+    def __repr__(self):
+        grid = f"{self.cells[0]} × {self.cells[1]} cells"
+        if self._sums is None:
+            return f"<Profile: {grid}, nothing computed yet>"
+        (left, bottom), (right, top) = self.limits
+        return f"<Profile: {grid} from ({left:g}, {bottom:g}) to ({right:g}, {top:g}) m, {'mean of ' * (self._moments > 1)}{self._moments} moment{'s' * (self._moments > 1)}>"
+
     def compute(self, what=None, reset=True):
         """Fields of one moment.
 

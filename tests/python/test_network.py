@@ -53,6 +53,13 @@ def test_stress_of_a_row_and_a_column():
     assert abs(test.stress_axes()[:, 0]) == pytest.approx([1, 0], abs=1e-14)
 
 
+def test_a_network_tells_what_it_holds():
+    row = network(np.zeros(3), np.tile([1.0, 0], (3, 1)), np.ones((3, 2)), body2=np.array([1, 1, -2]))
+    assert repr(row) == "<Network: 2 grains, 3 contacts, 2 of them between grains, friction 0.5, volume 10>"
+    row.attributes |= dict(strain=np.float64(0.1) * 3, seed=4, volume="large")
+    assert repr(row) == "<Network: 2 grains, 3 contacts, 2 of them between grains, strain 0.3, friction 0.5>"
+
+
 def test_walls_count_for_the_stress_only():
     test = network(
         np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]), np.array([[3.0, 0], [1, 0]]), body2=np.array([1, -4]), type=np.array([0, 3])

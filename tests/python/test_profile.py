@@ -114,6 +114,13 @@ def test_plot_returns_its_axes(cells, quantity):
         assert drawn == pytest.approx({"velocity_x": profile.velocity[0, ..., 0].ravel() if cells[0] == 1 else 0, "pressure": profile.pressure.ravel()}[quantity])
 
 
+def test_a_profile_tells_what_it_holds():
+    profile = rcr.Profile(cells=(1, 4), limits=((0, -1), (2, 1)))
+    assert repr(profile) == "<Profile: 1 × 4 cells, nothing computed yet>"
+    assert repr(profile.compute(scene(1))) == "<Profile: 1 × 4 cells from (0, -1) to (2, 1) m, 1 moment>"
+    assert repr(profile.compute(scene(2), reset=False)) == "<Profile: 1 × 4 cells from (0, -1) to (2, 1) m, mean of 2 moments>"
+
+
 def test_what_is_refused():
     with pytest.raises(AttributeError, match=r"call compute\(\) first"):
         rcr.Profile().stress

@@ -49,6 +49,24 @@ def test_classes_are_documented(name):
     assert len(getattr(rcr, name).__doc__) > 60
 
 
+def test_names_of_a_session_say_so_without_yade():
+    """All that `import rcr` adds in a session; a name that nobody knows is only unknown."""
+    without = python("import rcr; print(*rcr.__all__)").stdout.split()
+    names = sorted({*rcr.__all__, "wall"}.union(*OURS.values()).difference(without))
+    assert {"particle", "Rcr"} < set(names)
+    code = f"""
+import rcr
+for name in {names + ["partikel"]}:
+    try:
+        getattr(rcr, name)
+    except AttributeError as error:
+        print(error)
+"""
+    *told, unknown = python(code).stdout.splitlines()
+    assert [line.startswith(f"rcr.{name} needs a YADE session: ") for name, line in zip(names, told, strict=True)] == [True] * len(names)
+    assert unknown == "module 'rcr' has no attribute 'partikel'"
+
+
 # ---------------------------------------------------------------------------------------------- save and load
 
 def pile():
