@@ -193,6 +193,32 @@ def test_energy_is_kept_or_accounted_for():
 
 # ---------------------------------------------------------------------------------------------- YADE's own around it
 
+@pytest.mark.parametrize("young, share, least, most", [(1e7, 0.5, 0.05, 1), (1e7, 0.02, 0.05, 1), (1e8, 0.5, 0, 0.05), (1e8, 0.1, 0, 0.05), (1e8, 0.02, 0, 0.05), (1e9, 0.5, 0, 0.05), (1e9, 0.1, 0, 0.005)])
+def test_energy_that_contacts_make_where_they_change_their_kind(young, share, least, most):
+    """The figures of docs/law.md: the worst of five boxes of twelve grains that fall without any dissipation, over the work of gravity.
+
+    A cap that has gone deep into the side of another grain meets it with two points from one step to the next."""
+    worst, deepest = 0, 0
+    for seed in range(5):
+        m = material(0, density=2600)
+        m.young, m.poisson = young, 0.8
+        rng = np.random.default_rng(seed)
+        grains = [rcr.particle((0.0125 + 0.024 * i, 0.0125 + 0.024 * j), rng.uniform(0.007, 0.01), 0.5, i * j, m) for i in range(3) for j in range(4)]
+        O.reset()
+        O.trackEnergy = True
+        O.bodies.append([rcr.wall("y", 0, 1, material=m), rcr.wall("x", 0, 1, material=m), rcr.wall("x", 0.075, -1, material=m), *grains])
+        O.engines = engines()
+        O.engines[2].physDispatcher.functors = [Ip2_FrictMat_FrictMat_FrictPhys()]  # stiffnesses of the materials
+        O.dt = share * rcr.critical_time_step()
+        for _ in range(25):
+            O.run(int(0.01 / O.dt), True)
+            deepest = max([deepest, *(-i.geom.gap[k] / 0.0035 for i in O.interactions if i.isReal for k in range(i.geom.points))])
+        worst = max(worst, abs(O.energy.total() / O.energy["gravWork"]))
+    O.trackEnergy = False
+    print(f"E = {young:g}, dt = {share} critical: overlaps up to {deepest:.2g} cap radii, balance off by {worst:.2g} of the work of gravity")
+    assert least <= worst <= most
+
+
 def test_stock_stiffness_from_materials():
     """Ip2_FrictMat_FrictMat_FrictPhys takes the circumscribed radii: k_n = 2 E R₁R₂/(R₁ + R₂), k_s = ν k_n; at a wall R₂ = R₁."""
     rough = FrictMat(density=1000, frictionAngle=0.4, young=1e7, poisson=0.25)
