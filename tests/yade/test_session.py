@@ -156,14 +156,35 @@ def slope(mu, tan_alpha, **options):
                  gravity=(G * math.sin(alpha), -G * math.cos(alpha), 0), **options)[1]  # fmt: skip
 
 
-def test_set_contact_friction_acts_on_contacts_that_exist():
+def soften(angle):
+    for body in O.bodies:
+        body.material.frictionAngle = angle
+
+
+def exchange(angle):
+    for body in O.bodies:
+        body.mat = material(math.tan(angle))
+
+
+def each_contact(angle):
+    O.interactions[0, 1].phys.tangensOfFrictionAngle = math.tan(angle)
+
+
+def made_anew(angle):
+    soften(angle)
+    O.interactions.clear()
+
+
+@pytest.mark.parametrize("change, acts", [(soften, False), (exchange, False), (yade.utils.setContactFriction, True), (each_contact, True), (made_anew, True)])
+def test_friction_that_changes_in_a_run(change, acts):
+    """A contact keeps the friction that it was made with, whatever its materials become (docs/law.md)."""
     slider = slope(0.5, 0.3)
     steps(5)
     assert velocity(slider)[0] == pytest.approx(0, abs=1e-12)  # rounding
-    yade.utils.setContactFriction(math.atan(0.1))
+    change(math.atan(0.1))
     O.step()
     alpha = math.atan(0.3)
-    assert velocity(slider)[0] / O.dt == pytest.approx(G * (math.sin(alpha) - 0.1 * math.cos(alpha)), rel=1e-10)
+    assert velocity(slider)[0] / O.dt == pytest.approx(G * (math.sin(alpha) - 0.1 * math.cos(alpha)) if acts else 0, rel=1e-10, abs=1e-9)
 
 
 @pytest.mark.parametrize("maker, expected", [(None, 0.2), (("val", 0.9), 0.9), (("max", None), 0.6)])

@@ -2,7 +2,8 @@
 
 import pytest
 import rcr
-from scenes import build, steps
+import yade.utils
+from scenes import G, build, material, steps
 from yade import O
 
 
@@ -14,6 +15,18 @@ def test_f25_sign_of_the_stress(side, stress):
     build(*ends, rcr.mobile_wall("x", side, mass=2.0), gravity=(0, 0, 0), before=press, dt=1e-3)
     steps(100)
     assert O.bodies[2].state.pos[0] - side == pytest.approx(0.5 * 3 * stress / 2 * 0.1**2, rel=0.011)
+
+
+@pytest.mark.parametrize("lid", [yade.utils.box((0, 1.1, 0), (1.5, 0.1, 0.1), fixed=True), rcr.segment((-1.5, 1), (1.5, 1))], ids=["box", "segment"])
+def test_a_lid_that_is_no_wall_is_pressed_by_a_permanent_force(lid):
+    """The floor bears σ W, its weight and that of two grains (docs/obstacles.md)."""
+    lid.state.mass, lid.state.blockedDOFs = 2.0, "xzXYZ"
+    m = material(0)
+    grains = [rcr.particle((x, 0.5), 0.5, 0, material=m) for x in (-1, 1)]
+    floor, *_, plate = build(rcr.wall("y", 0, material=m), *grains, lid, dt=1e-3)
+    O.forces.setPermF(plate, (0, -100 * 3, 0))
+    steps(20)
+    assert -O.forces.f(floor)[1] == pytest.approx(300 + (2 + sum(b.state.mass for b in grains)) * G, rel=1e-9)  # rounding
 
 
 def test_f25_its_words_name_the_function_and_the_sign():
