@@ -22,7 +22,6 @@ CREATE_LOGGER(ContactDynamics);
 
 namespace {
 	constexpr int    mostPasses  = 10;   // missed contacts and large displacements settle in two or three
-	constexpr int    furtherSweeps = 10; // of a further pass
 	constexpr double deepOverlap = 0.02; // over R₁ + R₂ at the end of a step: its contacts have not been solved, whatever the residual
 }
 
@@ -34,19 +33,6 @@ void ContactDynamics::action()
 		rememberError(error.what());
 		throw;
 	}
-}
-
-std::string ContactDynamics::wrong() const
-{
-	if (!(correction >= 0 && correction <= 1)) return "ContactDynamics.correction = " + gate::text(correction) + "; wanted a share of the overlap, 0 to 1.";
-	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))
-		return "ContactDynamics.flow is not zero; wanted finite, and only with overdamped = True: other bodies keep their velocities.";
-	try {
-		rcr::checkSettings(solver, settings({}));
-	} catch (const std::invalid_argument& error) {
-		return std::string("ContactDynamics: ") + error.what();
-	}
-	return {};
 }
 
 void ContactDynamics::act()
@@ -120,32 +106,6 @@ template <class Work> void ContactDynamics::timed(const char* what, Work work)
 	const auto start = std::chrono::steady_clock::now();
 	work();
 	seconds_[what] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-rcr::Settings ContactDynamics::settings(const rcr::Drive& drive) const
-{
-	rcr::Settings s;
-	s.tolerance       = double(tolerance);
-	s.maxIterations   = maxIterations;
-	s.minIterations   = minIterations;
-	s.violation       = double(maxViolation);
-	s.meanForceChange = double(meanForceChange);
-	s.threads         = solverThreads();
-	s.lanes           = lanes;
-	s.compliance      = double(compliance) * drive.compliance;
-	s.mostImpulse     = drive.mostImpulse / double(compliance); // 0: infinite
-	s.reductions      = rcr::Reductions::of(reductions);
-	return s;
-}
-
-/// A further pass corrects a few contacts. The residual over all contacts would not show them, so the pass runs a fixed ten sweeps,
-/// enough for their neighbourhood. All passes share the iterations of the step.
-rcr::Settings ContactDynamics::settingsOfFurtherPass() const
-{
-	rcr::Settings s = settings(rcr::driveOf(step_));
-	s.minIterations = std::max(s.minIterations, furtherSweeps);
-	s.maxIterations = tolerance == 0 ? std::min(s.maxIterations, furtherSweeps) : std::max(s.maxIterations - iterations, furtherSweeps);
-	return s;
 }
 
 /// Colours and order have a key of their own among the times.

@@ -63,7 +63,17 @@ namespace gate {
 		}
 	};
 
-	// Rules on pairs of shapes (gatePairs.cpp): what is told, or nothing.
+	// Rules on engines (gateEngines.cpp): what is told, or nothing.
+	std::string lateLoad(const View&);
+	std::string lostLoad(const View&);
+	std::string wrongAttributes(const View&);
+	std::string timeStep(const View&);
+	std::string integrator(const View&);
+	std::string timeStepper(const View&);
+	std::string firstTimeStep(const View&);
+	std::string bounds(const View&);
+
+	// Rules on pairs of shapes (gatePairs.cpp).
 	std::string unservedPairs(const View&);
 
 	// Rules on the periodic cell (gateCell.cpp).

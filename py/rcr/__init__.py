@@ -29,7 +29,7 @@ def __getattr__(name):
         return importlib.import_module(f"rcr.{name}")
     if name in _LAZY:
         return getattr(importlib.import_module(f"rcr.{_LAZY[name]}"), name)
-    if "yade" not in sys.modules and (name in _SCENE or _CLASSES.fullmatch(name)):
+    if "_classes" not in globals() and (name in _SCENE or _CLASSES.fullmatch(name)):
         raise AttributeError(f"rcr.{name} needs a YADE session: run the script by scripts/yade-rcr, or import yade before rcr")
     raise AttributeError(f"module 'rcr' has no attribute {name!r}")
 

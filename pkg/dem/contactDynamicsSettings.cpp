@@ -1,0 +1,49 @@
+// The attributes of ContactDynamics as settings of the solver.
+#include "ContactDynamics.hpp"
+
+namespace yade {
+
+namespace {
+	constexpr int furtherSweeps = 10; // of a further pass
+}
+
+std::string ContactDynamics::wrong() const
+{
+	if (!(correction >= 0 && correction <= 1)) return "ContactDynamics.correction = " + gate::text(correction) + "; wanted a share of the overlap, 0 to 1.";
+	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))
+		return "ContactDynamics.flow is not zero; wanted finite, and only with overdamped = True: other bodies keep their velocities.";
+	try {
+		rcr::checkSettings(solver, settings({}));
+	} catch (const std::invalid_argument& error) {
+		return std::string("ContactDynamics: ") + error.what();
+	}
+	return {};
+}
+
+rcr::Settings ContactDynamics::settings(const rcr::Drive& drive) const
+{
+	rcr::Settings s;
+	s.tolerance       = double(tolerance);
+	s.maxIterations   = maxIterations;
+	s.minIterations   = minIterations;
+	s.violation       = double(maxViolation);
+	s.meanForceChange = double(meanForceChange);
+	s.threads         = solverThreads();
+	s.lanes           = lanes;
+	s.compliance      = double(compliance) * drive.compliance;
+	s.mostImpulse     = drive.mostImpulse / double(compliance); // 0: infinite
+	s.reductions      = rcr::Reductions::of(reductions);
+	return s;
+}
+
+/// A further pass corrects a few contacts. The residual over all contacts would not show them, so the pass runs a fixed ten sweeps,
+/// enough for their neighbourhood. All passes share the iterations of the step.
+rcr::Settings ContactDynamics::settingsOfFurtherPass() const
+{
+	rcr::Settings s = settings(rcr::driveOf(step_));
+	s.minIterations = std::max(s.minIterations, furtherSweeps);
+	s.maxIterations = tolerance == 0 ? std::min(s.maxIterations, furtherSweeps) : std::max(s.maxIterations - iterations, furtherSweeps);
+	return s;
+}
+
+} // namespace yade
