@@ -7,6 +7,8 @@
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
+// but no push beyond that of an elastic bounce, b_n ≥ min(0, u_n⁻): a contact may have other points there, and an old overlap.
+//
 // Quasi-static flow never comes here: its ways are a thousandth of a radius a step.
 #pragma once
 
