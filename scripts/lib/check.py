@@ -32,7 +32,7 @@ LEFT_OUT = {
     "tsan": ["cannot_hire", "forked", "million", "dropped_teams"],
 }
 SANITIZERS = {
-    "asan": dict(flags="-fsanitize=address -D_GLIBCXX_ASSERTIONS", preload=["libasan.so"], ASAN_OPTIONS="detect_leaks=0"),
+    "asan": dict(flags="-fsanitize=address -D_GLIBCXX_ASSERTIONS", preload=["libasan.so", "libstdc++.so"], ASAN_OPTIONS="detect_leaks=0"),
     "ubsan": dict(flags="-fsanitize=undefined", preload=[], UBSAN_OPTIONS="print_stacktrace=1"),
     "tsan": dict(flags="-fsanitize=thread", preload=["libtsan.so"], TSAN_OPTIONS="halt_on_error=1"),
     # The plugin and rcr._kernel hold the same kernels, each its own, which looks like two definitions of one. YADE's libraries lack what `vptr` asks for.
