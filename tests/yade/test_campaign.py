@@ -47,13 +47,14 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
     assert json.loads((tmp_path / "a/report/analysis.json").read_text()) == json.loads((tmp_path / "b/report/analysis.json").read_text())
 
 
+@pytest.mark.slow
 @needs_snakemake
 @needs_environment
 def test_quasi_static_is_handed_to_the_tests(tmp_path):
-    run = campaign(tmp_path / "out", *SMALL, "--quasi-static")
+    run = campaign(tmp_path / "out", *SMALL, "--quasi-static", "--strain", "0.004")
     assert run.returncode == 0, run.stderr
     (folder,) = (tmp_path / "out" / "runs").iterdir()
-    assert folder.name == "particles-60-strain-0.04-quasi-static-eta-0.5-seed-2"
+    assert folder.name == "particles-60-strain-0.004-quasi-static-eta-0.5-seed-2"
     assert json.loads((folder / "run.json").read_text())["parameters"]["overdamped"] is True
 
 

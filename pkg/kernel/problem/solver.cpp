@@ -92,7 +92,8 @@ namespace {
 		}
 		if (finer > 0) exact(finer, settings.rest);
 		if (few && !report.yielded && left() > 0 && !meets()) exact(left(), rest);
-		report.converged = report.converged || (few && meets());
+		if (few) report.violation = violation(problem, rest);
+		report.converged = report.converged || (report.reached(settings) && report.violation <= settings.violation);
 		return report;
 	}
 
