@@ -213,7 +213,7 @@ VERDICTS = {True: "clean", False: "FAILS", None: "left out"}
 
 
 def record(rows):
-    """Adds rows to the table of all runs, and makes the page anew: the last row of each check."""
+    """Adds rows to the table of all runs, and makes the page anew: the last row of each check and its options."""
     RECORD.parent.mkdir(parents=True, exist_ok=True)
     new = not RECORD.exists()
     with open(RECORD, "a", newline="") as file:
@@ -222,13 +222,13 @@ def record(rows):
             table.writeheader()
         table.writerows(rows)
     with open(RECORD, newline="") as file:
-        last = {row["check"]: row for row in csv.DictReader(file)}
-    PAGE.write_text(page([last[name] for name in CHECKS if name in last]))
+        last = {(row["check"], row["options"]): row for row in csv.DictReader(file)}
+    PAGE.write_text(page([row for name in CHECKS for (check, _), row in last.items() if check == name]))
 
 
 def page(rows):
     """The table of these rows in Markdown."""
-    lines = ["# Checks", "", "What stands beside the default tests, and how its last run of `scripts/check` ended; `checks.csv` has all runs. "
+    lines = ["# Checks", "", "What stands beside the default tests, and how its last run of `scripts/check` with these options ended; `checks.csv` has all runs. "
              "`scripts/check --record` writes both.", "", "| check | what it does | verdict | found | date, commit | s |", "|---|---|---|---|---|---|"]  # fmt: skip
     cell = lambda text: text.replace("|", "\\|")
     for row in rows:
