@@ -280,7 +280,7 @@ def outcome(seed, counts):
             counts["jams"] += 1
             return None
         if "O.cell.flipCell" in str(error) and scene["periodic"]:
-            counts["sheared too far"] += 1
+            counts["sheared"] += 1
             return None
         return f"refused: {error}, {watch.steps} steps after the start, the last event {what}, in {scene}"
     finally:

@@ -100,9 +100,9 @@ def _check_one_run(networks, record):
                 raise ValueError(f"{path} is a network without the attribute {name}; wanted networks as scripts/biaxial.py writes them")
         for name in ("eta", "seed"):
             if name in told and network.attributes.get(name) != told[name]:
-                raise ValueError(f"{path} has {name} = {network.attributes.get(name)}, run.json {told[name]}: {_TWO_RUNS}")
+                raise ValueError(f"{path} has {name} = {network.attributes.get(name)}, {path.parent / results.RUN} {told[name]}: {_TWO_RUNS}")
         if record and network.attributes.get("run", record["run"]) != record["run"]:
-            raise ValueError(f"{path} is of another run than run.json: {_TWO_RUNS}")
+            raise ValueError(f"{path} is of another run than {path.parent / results.RUN}: {_TWO_RUNS}")
     (first_path, first), *others = ((path, network) for path, network in networks.items() if path.name != "isotropic.h5")
     for name in ("eta", "friction"):
         found = sorted({float(network.attributes[name]) for _, network in (*others, (first_path, first))})
