@@ -85,7 +85,7 @@ namespace {
 		proximal.setReference(problem);
 		for (std::size_t i = 0; i < proximal.size(); ++i)
 			proximal.stiffness[i] = stiffness[i].rho() / proximal.contacts[i].wnn;
-		const PathEnd end = followPath(proximal, std::min(maxPivots, maxIterations - 1));
+		const PathEnd end = followPath(proximal, std::min(maxPivots, std::max(maxIterations, 2) - 1));
 		proximal.store(problem);
 		for (std::size_t i : end.unstable)
 			stiffness[i].failed();
@@ -123,8 +123,8 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	const auto             left = [&] { return settings.maxIterations - report.iterations; };
 	while (!(best.distance(settings) <= 1) && left() > 0) {
 		remember();
-		const PathEnd end = step(problem, proximal, stiffness, left());
-		report.iterations += 1 + end.pivots;
+		const PathEnd end = step(problem, proximal, stiffness, left() / settings.exactCost);
+		report.iterations += settings.exactCost * (1 + end.pivots);
 		report.yielded = hasNoSolution();
 		if (report.yielded) return report;
 		best.offer({ residual(problem), violation(problem, settings.rest), problem.impulse }, settings);

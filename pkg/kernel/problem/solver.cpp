@@ -14,9 +14,11 @@ namespace {
 	constexpr double finestForSweeps = 1e-6; // residual below which the exact tier is the faster way, if there is friction
 	constexpr int    hopeless        = 300;  // sweeps without a new low of the residual
 	constexpr int    someSweeps      = 50;   // of a further pass on a step that has no solution
-	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps
+	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps …
+	constexpr int    exactSweeps     = 20; // … and an iteration of them about as much as so many
+	constexpr int    fewestToProbe   = 20; // iterations: a further pass of ten sweeps tells nothing
 	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it …
-	constexpr int    finerPoints     = 30000; // … but no more exact iterations times points are paid for it than this
+	constexpr int    finerPoints     = 15000; // … but no more exact iterations times points are paid for it than this
 
 	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
 	{
@@ -43,7 +45,8 @@ namespace {
 		if (report.yielded) return true;
 		if (bearsTooMuch(problem, settings)) return true;
 		if (mayTakeTooMuch(problem, report.taken, report.freeSpeed) && takesTooMuch(problem)) return true;
-		return !report.converged && settings.tolerance > 0 && (settings.yielded || growsWithoutBound(problem, settings, workspace));
+		if (report.converged || settings.tolerance == 0) return false;
+		return settings.yielded || (settings.maxIterations >= fewestToProbe && growsWithoutBound(problem, settings, workspace));
 	}
 
 	/// What a solver has left of what another one has left.
@@ -68,11 +71,12 @@ namespace {
 		if (report.converged || settings.tolerance == 0) return report;
 		const auto left  = [&] { return most - report.iterations; };
 		const auto meets = [&] { return report.reached(settings) && violation(problem, rest) <= settings.violation; };
-		const auto exact = [&](int iterations, double toRest) { // on from what the report tells
+		const auto exact = [&](int iterations, double toRest, int cost) { // on from what the report tells
 			Settings steps      = settings;
 			steps.continued     = true;
 			steps.rest          = toRest;
 			steps.maxIterations = iterations;
+			steps.exactCost     = cost;
 			const Report before = report;
 			report              = following(before, solveExact(problem, steps, workspace, &before));
 		};
@@ -80,8 +84,10 @@ namespace {
 			report.yielded = mustYield(report, problem, settings, workspace);
 			if (report.yielded) return report; // exact steps would do no better, and take long
 		}
-		int finer = left();
-		if (few && report.reached(settings)) { // forces are known, velocities not as finely: exact steps would take long over that
+		const int  cost  = few ? exactSweeps : 1;
+		const bool known = few && report.reached(settings);
+		int        finer = left();
+		if (known) { // forces are known, velocities not as finely: exact steps would take long over that
 			finer = std::min(left(), finerPoints / int(problem.points.size()));
 			if (left() > finer && !meets()) {
 				sweeps.continued     = true;
@@ -90,8 +96,8 @@ namespace {
 				report               = following(report, solveNesterov(problem, sweeps, workspace));
 			}
 		}
-		if (finer > 0) exact(finer, settings.rest);
-		if (few && !report.yielded && left() > 0 && !meets()) exact(left(), rest);
+		if (finer > 0) exact(finer, settings.rest, known ? 1 : cost);
+		if (few && !report.yielded && left() > 0 && !meets()) exact(left(), rest, cost);
 		if (few) report.violation = violation(problem, rest);
 		report.converged = report.converged || (report.reached(settings) && report.violation <= settings.violation);
 		return report;

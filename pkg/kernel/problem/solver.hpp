@@ -32,6 +32,9 @@ struct Settings {
 	/// The typical velocity is never less than this share of the velocities without contacts: at rest there is no other [-].
 	double rest = 0.01;
 
+	/// Sweeps that an iteration of the exact solver counts as, of maxIterations and in the report [-].
+	int exactCost = 1;
+
 	/// Compliance ε of the contacts of a step that has no solution (solve_yielding.cpp) [-]; 0: such a step ends anywhere. Used only
 	/// where impulses prove that there is none, and beyond `mostImpulse`.
 	double compliance = 0;

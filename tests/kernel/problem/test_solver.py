@@ -43,3 +43,10 @@ def test_auto_sweeps_to_fine_tolerances_where_nothing_has_friction(friction, sam
     assert auto["iterations"] == other["iterations"] and (auto["impulse"] == other["impulse"]).all()
     if not friction:
         assert_solved(problem, auto, 1e-9)
+
+
+def test_iterations_of_auto_bound_its_time():
+    """Exact iterations cost some twenty sweeps each, and counted as one: steps that asked for them took 16 times as long as others of as many iterations."""
+    problem = stored("ram_between_slopes").cold()
+    seconds = lambda solver, **settings: min(problem.solve(solver, max_iterations=1000, **settings)["processor_seconds"] for _ in range(5))
+    assert seconds("auto", tolerance=2e-6, violation=1e-3) < 4 * seconds("nesterov", tolerance=0)
