@@ -2,6 +2,7 @@
 
 #include <core/Body.hpp>
 #include <core/Scene.hpp>
+#include <lib/base/Logging.hpp>
 
 #include "CdPhys.hpp"
 #include "carryForces.hpp"
@@ -11,6 +12,8 @@
 namespace yade {
 
 YADE_PLUGIN((RcrFrictPhys)(Law2_RcrGeom_FrictPhys_CundallStrack));
+
+CREATE_LOGGER(Law2_RcrGeom_FrictPhys_CundallStrack);
 
 RcrFrictPhys::RcrFrictPhys(const FrictPhys& stock)
         : RcrFrictPhys()
@@ -49,6 +52,17 @@ namespace {
 			return "the friction coefficient " + boost::lexical_cast<std::string>(phys.tangensOfFrictionAngle)
 			        + "; wanted a friction angle from 0 to below π/2.";
 		return {};
+	}
+
+	constexpr double deep  = 0.02; // of R₁ + R₂: shallower overlaps are not asked about
+	constexpr double share = 0.5;  // of the thinner body's radius, that springs may give: at all of it a centre is on the other side
+
+	/// Of a grain, the half of its least width; infinite of an obstacle, which has a side and an inside.
+	double thinness(const Shape& shape)
+	{
+		if (const auto* rod = dynamic_cast<const Rcr*>(&shape)) return double(rod->capRadius);
+		if (const auto* disc = dynamic_cast<const Sphere*>(&shape)) return double(disc->radius);
+		return std::numeric_limits<double>::infinity();
 	}
 
 	/// The stock FrictPhys of a new contact becomes one that keeps forces a point. False if it is none that the law can use.
@@ -109,6 +123,7 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(shared_ptr<IGeom>& igeom, shared_p
 		shearForce  = shearForce + t * perp(at.normal);
 		applyImpulse(point, { n, t }, { 1, 1, 1 }, { 1, 1, 1 }, load1, load2);
 	}
+	watchOverlap(geom, phys, *interaction);
 	phys.normalForce = plane::toSpace(normalForce);
 	phys.shearForce  = plane::toSpace(shearForce);
 	const auto apply = [&](Body::id_t id, const State& s, const rcr::Twist& load) {
@@ -118,6 +133,24 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(shared_ptr<IGeom>& igeom, shared_p
 	};
 	apply(id1, state1, load1), apply(id2, state2, load2);
 	return true;
+}
+
+/// Counts contacts whose overlap is beyond half the thinner body's radius, and tells of the first.
+void Law2_RcrGeom_FrictPhys_CundallStrack::watchOverlap(const RcrGeom& geom, const FrictPhys& phys, const Interaction& contact)
+{
+	const double overlap = -double(geom.points == 2 ? math::min(geom.gap[0], geom.gap[1]) : geom.gap[0]);
+	if (overlap <= deep * double(geom.refR1 + geom.refR2)) return;
+	const auto   thin  = [&](Body::id_t id) { return thinness(*Body::byId(id, scene)->shape); };
+	const double least = std::min(thin(contact.getId1()), thin(contact.getId2()));
+	if (overlap <= share * least) return;
+	int before;
+#pragma omp atomic capture
+	before = pierced++;
+	if (before > 0) return;
+	LOG_WARN(
+	        "step " << scene->iter << ": bodies #" << contact.getId1() << " and #" << contact.getId2() << " overlap by " << overlap
+	                << " m, more than half the radius of the thinner one, " << least << " m: springs of k_n = " << phys.kn
+	                << " N/m are too soft for what presses them, and bodies may pass through each other. Take a larger FrictMat.young or slower bodies; `pierced` counts on.");
 }
 
 /// Work of the dashpot, and of the slider that moves by `slip` against the force `slider` [J].

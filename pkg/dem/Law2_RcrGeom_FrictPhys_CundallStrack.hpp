@@ -41,6 +41,7 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(Law2_RcrGeom_FrictPhys_CundallStrack,LawFunctor,"Smooth contact law, the alternative to :yref:`ContactDynamics` on the same geometry: at each contact point a linear spring $k_n$, a dashpot, and a Coulomb slider with a spring $k_s$. Physics are YADE's own, from :yref:`Ip2_FrictMat_FrictMat_FrictPhys`; $k_n$ and $k_s$ belong to one point, so that a side-side contact with two points is twice as stiff. Open gaps feel nothing. The time step is bound by the stiffness: ``rcr.critical_time_step()``. With ``O.trackEnergy`` it adds elastPotential, plastDissip, viscDissip and driveWork (given to bodies of prescribed motion) to ``O.energy``.",
 		((Real,damping,0,Attr::triggerPostLoad,"Share ζ of the critical damping of two bodies that meet at one point [-]: a dashpot $c=2\\zeta\\sqrt{k_n m_1m_2/(m_1+m_2)}$ along the normal. The total force never pulls. 0: none; use it or :yref:`NewtonIntegrator.damping`"))
+		((int,pierced,0,Attr::readonly,"How often a contact has overlapped by more than half the thinner body's radius (:yref:`capRadius<Rcr.capRadius>` of an :yref:`Rcr`), each step and contact by itself: springs too soft for what presses them, through which bodies may pass. The first one is told"))
 		((int,elasticIx,-1,(Attr::hidden|Attr::noSave),"Index of elastPotential"))
 		((int,plasticIx,-1,(Attr::hidden|Attr::noSave),"Index of plastDissip"))
 		((int,viscousIx,-1,(Attr::hidden|Attr::noSave),"Index of viscDissip"))
@@ -49,6 +50,8 @@ public:
 	// clang-format on
 
 private:
+	DECLARE_LOGGER;
+	void watchOverlap(const RcrGeom&, const FrictPhys&, const Interaction&);
 	void trackDrive(const State&, const rcr::Twist& load, double dt);
 	void trackEnergy(const FrictPhys&, double overlap, double dashpotWork, double slider, double slip);
 };

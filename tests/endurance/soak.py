@@ -3,8 +3,8 @@
 
 Scenes hold discs, Rcrs and clumps within walls, boxes, facets, fixed Rcrs, or in a periodic cell. Grains are added and erased, one is hit at up to
 100 m/s, friction, threads, the solver and the law change, the scene is saved and loaded. After each step all numbers are finite, no grain
-has left the box, no overlap is deep where the step converged, the residual is within the tolerance, and rigid contacts have given no energy,
-as long as the time step resolves the motion.
+has left the box and no overlap is deep, unless a message has told that a step missed the tolerance or that springs are too soft, the residual is
+within the tolerance, and rigid contacts have given no energy, as long as the time step resolves the motion.
 
     scripts/check soak -- --minutes 20 [--first 0]
     scripts/lib/run python3 tests/endurance/soak.py --only SEED
@@ -179,7 +179,7 @@ class Watch:
     """What is asked of the scene after each step."""
 
     def __init__(self, scene):
-        self.scene, self.healing, self.missed, self.steps = scene, 0, 0, 0
+        self.scene, self.healing, self.missed, self.steps, self.pierced, self.astray = scene, 0, 0, 0, False, False
         self.inherited = 0.0  # overlap that springs have left to rigid contacts, which take it back by 1e-4 R a step
         self.restart()
 
@@ -219,7 +219,8 @@ class Watch:
                 raise Wrong(f"a converged step with a residual of {solver.residual:.3g}")
         if not self.scene["periodic"]:
             places = np.array([[b.state.pos[0], b.state.pos[1]] for b in movable()])
-            if np.abs(places).max() > WIDTH / 2:
+            self.astray = self.astray or (np.abs(places).max() > WIDTH / 2 and self.told())
+            if np.abs(places).max() > WIDTH / 2 and not self.astray:
                 raise Wrong(f"a grain at {np.abs(places).max():.3g} m, outside the box of half width {WIDTH / 2:.3g}")
         if self.steps % 4 == 0:
             deepest = scene_fuzzer.deepest_overlap()
@@ -229,6 +230,15 @@ class Watch:
         driven = self.scene["turning"] or (self.scene["gradient"] and any(self.scene["gradient"]))
         if solver and not driven and not self.scene["overdamped"]:
             self.no_gain()
+
+    def told(self):
+        """Whether grains may be astray, of which the user knows: a step missed the tolerance lately, or springs are too soft."""
+        from yade import O
+        from yade.wrapper import InteractionLoop
+
+        laws = [functor for e in O.engines if isinstance(e, InteractionLoop) for functor in e.lawDispatcher.functors]
+        self.pierced = self.pierced or any(getattr(law, "pierced", 0) for law in laws)
+        return self.healing or self.pierced
 
     def no_gain(self):
         """Kinetic energy grows by no more than what gravity has done: Δ(½ m v²) = m g v̄ dt, v̄ the mean of the velocities before and after."""

@@ -71,6 +71,18 @@ def test_elastic_rebound():
     assert speed == pytest.approx(0.1, rel=1e-2)  # work at touch and leave: of the order dt ω = 1e-2
 
 
+@pytest.mark.parametrize("speed, through", [(0.1, False), (30, True)])
+def test_springs_too_soft_for_a_blow_are_told(speed, through, capfd):
+    """Soak, seed 132: a rod went through a facet without a word. The overlap of a blow is v √(m/k_n)."""
+    disc = disc_on_floor(height=0.1005, gravity=(0, 0, 0))
+    law = O.engines[2].lawDispatcher.functors[0]
+    O.bodies[disc].state.vel = (0, -speed, 0)
+    steps(math.ceil(0.25 * 2 * math.pi * math.sqrt(O.bodies[disc].state.mass / KN) / O.dt))
+    told = capfd.readouterr().err
+    assert (law.pierced > 0) == through and ("too soft" in told) == through
+    assert told.count("too soft") <= 1
+
+
 @pytest.mark.parametrize("zeta", [0.1, 0.5])
 def test_damped_rebound(zeta):
     """m x'' + c x' + k x = 0 until the force vanishes, where k x + c x' = 0 (no tension): x ∝ exp(−ζωt) sin(ω_d t).

@@ -88,6 +88,18 @@ double energyTaken(const ContactProblem& problem)
 	return energy;
 }
 
+bool worseThanNone(const ContactProblem& problem)
+{
+	double sum = 0;
+	for (std::size_t k = 0; k < problem.points.size(); ++k) {
+		const ContactPoint& c = problem.points[k];
+		const Impulse&      p = problem.impulse[k];
+		const Impulse       u = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
+		sum += 0.5 * (work(p, u) + work(p, freeVelocity(problem, c))) + p.n * c.bias;
+	}
+	return sum > 0;
+}
+
 bool takesTooMuch(const ContactProblem& problem) { return isTooMuch(energyTaken(problem), typicalChange(problem, problem.impulse)); }
 
 bool mayTakeTooMuch(const ContactProblem& problem, double energy, double freeSpeed)

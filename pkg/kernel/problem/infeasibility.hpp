@@ -27,6 +27,10 @@ double requiredSpeed(const ContactProblem&, const std::vector<Impulse>& directio
 /// −Σ p · (u + b_n n): the energy that contacts take in the step [J/m]; friction's in a solution, and that of points that close [J/m].
 double energyTaken(const ContactProblem&);
 
+/// Whether ½ pᵀWp + p · (u_free + b_n n), which frictionless impulses minimise and which is 0 without any, is positive: a step that missed its
+/// tolerance would give energy, as far-off starts of solvers do.
+bool worseThanNone(const ContactProblem&);
+
 /// Whether the impulses take so much energy that, by 2 √energy ≤ the bound of the impulses themselves, velocities would have to change by
 /// more than three times V. True in a step without a solution whose impulses have grown so far that its errors seem small beside them.
 bool takesTooMuch(const ContactProblem&);

@@ -17,6 +17,7 @@ namespace {
 	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps …
 	constexpr int    exactSweeps     = 20; // … and an iteration of them about as much as so many
 	constexpr int    fewestToProbe   = 20; // iterations: a further pass of ten sweeps tells nothing
+	constexpr int    sweepsAnew      = 100; // of a step whose impulses are worse than none: a few take most of what there is to take
 	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it …
 	constexpr int    finerPoints     = 15000; // … but no more exact iterations times points are paid for it than this
 
@@ -118,6 +119,16 @@ namespace {
 		return solveAuto(problem, settings, workspace);
 	}
 
+	/// Sweeps from no impulses at all, each of which leads downhill where there is no friction.
+	Report solveAnew(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+	{
+		Settings sweeps      = settings;
+		sweeps.continued     = true;
+		sweeps.maxIterations = std::max(settings.minIterations, sweepsAnew);
+		problem.impulse.assign(problem.points.size(), {});
+		return solveNlgs(problem, sweeps, workspace);
+	}
+
 } // namespace
 
 const std::vector<std::string>& solverNames()
@@ -160,8 +171,8 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 	checkProblem(problem); // first: settings may follow from it
 	checkSettings(solver, settings);
 	const Report rigid = solveRigid(problem, solver, settings, workspace);
-	if (!mustYield(rigid, problem, settings, workspace)) return rigid;
-	return following(rigid, solveYielding(problem, settings, rigid, workspace));
+	if (mustYield(rigid, problem, settings, workspace)) return following(rigid, solveYielding(problem, settings, rigid, workspace));
+	return rigid.converged || !worseThanNone(problem) ? rigid : following(rigid, solveAnew(problem, settings, workspace));
 }
 
 } // namespace rcr

@@ -1,7 +1,8 @@
 """The solver chosen by name: settings refused, problems without contacts, which tier `auto` takes."""
 
+import numpy as np
 import pytest
-from kernel.contact_problems import Problem, assert_solved, pile, stored
+from kernel.contact_problems import Problem, assert_solved, frictionless, pile, stored
 
 BUDGET = 20000  # iterations; the problems below need a tenth of it
 
@@ -50,3 +51,15 @@ def test_iterations_of_auto_bound_its_time():
     problem = stored("ram_between_slopes").cold()
     seconds = lambda solver, **settings: min(problem.solve(solver, max_iterations=1000, **settings)["processor_seconds"] for _ in range(5))
     assert seconds("auto", tolerance=2e-6, violation=1e-3) < 4 * seconds("nesterov", tolerance=0)
+
+
+@pytest.mark.parametrize("solver", ["nlgs", "sor", "nesterov", "auto"])
+def test_a_start_far_off_gives_no_energy(solver):
+    """Steps that end before the tolerance kept impulses of the start that were worse than none: grains left at a hundred times their speed."""
+    problem = frictionless(pile(1).cold())
+    problem["bias"][:] = 0
+    kinetic = lambda v: (0.5 * np.divide(v**2, problem["inverse_mass"], out=np.zeros_like(v), where=problem["inverse_mass"] > 0)).sum()
+    scale = np.abs(problem.solve("exact")["impulse"]).max()
+    problem["impulse"][:, 0] = 1e3 * scale * np.random.default_rng(0).random(len(problem["impulse"]))
+    found = problem.solve(solver, max_iterations=3, tolerance=1e-8)
+    assert not found["converged"] and kinetic(found["velocity"]) <= kinetic(problem["free_velocity"])
