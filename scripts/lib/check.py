@@ -10,7 +10,6 @@ import datetime
 import importlib
 import os
 import re
-import shutil
 import subprocess
 import sys
 import time
@@ -127,35 +126,6 @@ def sanitize_plugin(arguments):
     ], plugin=True)  # fmt: skip
 
 
-def tidy(arguments):
-    """clang-tidy on the kernels, with the checks of .clang-tidy."""
-    if not shutil.which("clang-tidy"):
-        return None, "needs the package clang-tidy"
-    folder, log = FOLDER / "tidy", FOLDER / "tidy.log"
-    if run(["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", "-DRCR_PLUGIN=OFF", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", f"-DRCR_PACKAGE={folder}"], log):
-        return False, f"does not configure, see {log.relative_to(ROOT)}"
-    files = sorted(str(path) for path in (ROOT / "pkg" / "kernel").rglob("*.cpp"))
-    code = run(["clang-tidy", "-p", str(folder), "--quiet", "--warnings-as-errors=*", *(arguments or files)], log)
-    found = sum("warning:" in line or "error:" in line for line in log.read_text(errors="replace").splitlines())
-    return code == 0, f"{len(arguments or files)} files, {found} findings" + ("" if code == 0 else f"; see {log.relative_to(ROOT)}")
-
-
-def coverage(arguments):
-    """Lines of the kernels that their tests reach."""
-    if not shutil.which("gcovr"):
-        return None, "needs the package gcovr"
-    package, log = build("coverage", "-O0 -g1 --coverage"), FOLDER / "coverage.log"
-    if package is None:
-        return False, f"does not build, see {log.relative_to(ROOT)}"
-    objects = FOLDER / "coverage" / "build"
-    for counts in objects.rglob("*.gcda"):
-        counts.unlink()
-    if run([*PYTEST, *WITHOUT_YADE, TESTS, *arguments], log, cwd=ROOT, env=environment(package, OMP_NUM_THREADS="1")):
-        return False, f"{last_line(log)}; see {log.relative_to(ROOT)}"
-    code = run(["gcovr", "--root", str(ROOT), "--filter", "pkg/kernel/", "--html-details", str(FOLDER / "coverage" / "index.html"), "--print-summary", str(objects)], log)
-    return code == 0, next((line for line in log.read_text().splitlines() if line.startswith("lines:")), last_line(log))
-
-
 def script(name, *command):
     """Runs a script that ends with a line on what it found, and with an exit code other than 0 where that is wrong."""
     log = FOLDER / f"{name}.log"
@@ -203,8 +173,8 @@ CHECKS = {
     "kills": (python("kills", "tests/endurance/kills.py", "writes", "1000", "runs", "50", "campaigns", "5"), "writes, runs and campaigns killed at random moments"),
     "damage": (damage, "readers and twenty times as many damaged files: each read, or refused in one line"),
     "properties": (properties, "what holds for any input, with a thousand new inputs each"),
-    "tidy": (tidy, "clang-tidy on the kernels"),
-    "coverage": (coverage, "lines of the kernels that their tests reach"),
+    "tidy": (lambda arguments: before("tidy"), "clang-tidy on the kernels"),
+    "coverage": (lambda arguments: before("coverage"), "lines of the kernels that their tests reach"),
     "docs": (python("docs", "docs/build.py"), "the pages as a site, without a warning"),
     "slurm": (lambda arguments: before("slurm"), "a campaign on SLURM, a job of it cancelled, with the results of a local campaign"),
     "deb": (lambda arguments: before("deb"), "the Debian package installed in a clean Debian 13, used by plain yade, and removed without a trace"),

@@ -302,6 +302,7 @@ def test_film_by_ffmpeg(tmp_path):
     assert plot.movie(tmp_path, tmp_path / "a.mp4").stat().st_size > 1000
 
 
+@pytest.mark.slow
 def test_13000_grains_and_their_contacts_in_two_seconds(tmp_path):
     """Of the processor, best of three: 1.1 s were measured."""
     side = 114

@@ -402,6 +402,7 @@ def test_script_overwrites_on_demand(done):
     assert {Network.load(path).attributes["seed"] for path in done.glob("*.h5")} == {3}
 
 
+@pytest.mark.slow
 def test_script_goes_on_to_a_larger_strain(done, tmp_path):
     """As if it had been asked for at once; threads may change on the way."""
     assert script(*SMALL, "--strain", "0.02", "--threads", "2", "--resume", "--out", done).returncode == 0

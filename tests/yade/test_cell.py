@@ -8,7 +8,7 @@ from yade import O
 
 
 def test_cell_is_isotropic_at_rest_and_keeps_its_stress_in_shear():
-    test = CellTest(eta=0.3, particles=150, seed=3)
+    test = CellTest(eta=0.3, particles=100, seed=3)
     test.compact()
     assert test.stress / STRESS == pytest.approx(np.eye(2), abs=0.05)
     assert 0.8 < test.packing_fraction < 0.95

@@ -116,6 +116,7 @@ def chart(out, *arguments):
     return subprocess.run(command, capture_output=True, text=True, timeout=120)
 
 
+@pytest.mark.slow
 def test_script_runs_a_point_again(tmp_path):
     done = chart(tmp_path)
     assert done.returncode == 0 and '"scene": "disc"' in done.stdout, done.stderr

@@ -48,6 +48,7 @@ def one_scene(law):
     O.reset()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("law", ["rigid", "smooth"])
 def test_scenes_leave_nothing(law):
