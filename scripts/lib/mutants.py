@@ -50,6 +50,11 @@ TABLE = {
         ("scale-overflows", "scale2 <= std::numeric_limits<double>::max() ?", "true ?"),
         ("no-scale-of-stopping", "std::max(impulse2, 1e-16 * stopping2)", "impulse2"),
     ],
+    "problem/solver.cpp": [
+        ("keeps-what-is-worse-than-none", "rigid.converged || !worseThanNone(problem) ?", "true ?"),
+        ("exact-iterations-for-one-sweep", "exactSweeps     = 20;", "exactSweeps     = 1;"),
+        ("too-fine-for-sweeps", "finestForSweeps = 1e-6;", "finestForSweeps = 1e-12;"),
+    ],
     "problem/contact_problem.cpp": [
         ("nan-is-finite", "((values - values) + ...) == 0", "!(((values - values) + ...) > 0)"),
         ("one-id-unchecked", "(std::size_t(c.body1) < bodies) & (std::size_t(c.body2) < bodies)", "(std::size_t(c.body1) < bodies)"),
