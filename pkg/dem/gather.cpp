@@ -8,6 +8,7 @@
 
 #include "CellStress.hpp"
 #include "Gate.hpp"
+#include "boxOfCollider.hpp"
 #include "planarShape.hpp"
 #include "prefetch.hpp"
 
@@ -71,6 +72,7 @@ namespace {
 
 	private:
 		void                 body(const Body&);
+		void                 foresee(const Body&, const rcr::Twist& velocity, rcr::StepBody&);
 		void                 move(const Body&, const State&, rcr::StepBody&);
 		std::pair<Vector3r, Vector3r> load(const Body&) const;
 		StepSources::Contact contactOf(Interaction&) const;
@@ -145,15 +147,24 @@ namespace {
 		if (b.isClumpMember()) {
 			body.owner          = b.clumpId;
 			const State& moving = *(*scene_.bodies)[b.clumpId]->state;
-			if (moving.blockedDOFs != State::DOF_ALL) body.expected = body.alertDistance;
+			rcr::StepBody owner;
+			owner.center = plane::toPlane(moving.pos);
+			if (moving.blockedDOFs != State::DOF_ALL) foresee(b, memberVelocity(body, owner, plane::twist(moving)), body);
 		} else {
 			body.free = s.blockedDOFs != State::DOF_ALL;
-			if (body.free) body.expected = body.alertDistance;
+			if (body.free) foresee(b, body.velocity, body);
 			move(b, s, body);
 		}
 		from_.bound[id] = b.bound.get();
 		// An obstacle's box is not enlarged by its alert distance: where it outruns the collider's margin, it looks by itself.
 		if (!body.free && !body.shape.grain() && b.bound && body.alertDistance > double(b.bound->sweepLength)) body.expected = 0;
+	}
+
+	/// How far a body may go at its velocity, which a script may have set since the collider last ran: then it looks by itself.
+	void Gatherer::foresee(const Body& b, const rcr::Twist& velocity, rcr::StepBody& body)
+	{
+		const bool unseen = b.bound && body.shape.grain() && outruns(body, velocity, step_.dt, *b.state, *b.bound);
+		body.expected     = unseen ? 0 : body.alertDistance;
 	}
 
 	/// Inverse mass, and the velocity at the end of the step without contacts: what NewtonIntegrator will make of the forces so far.

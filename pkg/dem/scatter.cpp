@@ -5,6 +5,7 @@
 #include <core/InteractionContainer.hpp>
 
 #include "../kernel/step/missed_contacts.hpp"
+#include "boxOfCollider.hpp"
 #include "plane.hpp"
 #include "prefetch.hpp"
 
@@ -71,15 +72,6 @@ namespace {
 		for (int axis = 0; axis < 2; ++axis)
 			gradient(axis, axis) = now.gradient[axis][axis];
 		cell.setVelGrad(gradient);
-	}
-
-	/// Does a grain, with the alert distance of its new velocity, reach out of the box that the collider knows?
-	bool outruns(const rcr::StepBody& b, const rcr::Twist& v, double dt, const State& state, const Bound& bound)
-	{
-		const double   reach = b.radius + rcr::alertDistance(b.shape, v, dt);
-		const Vector3r moved = state.pos + dt * Vector3r(v.x, v.y, 0) - bound.refPos;
-		const double   half  = 0.5 * double(bound.max[0] - bound.min[0]);
-		return std::max(std::abs(double(moved[0])), std::abs(double(moved[1]))) + reach > half;
 	}
 
 	/// Does an obstacle that turns reach out of its box? YADE watches displacements, not rotations.

@@ -1,6 +1,7 @@
 #include "problem/reductions.hpp"
 
 #include <algorithm>
+#include <sstream>
 #include <stdexcept>
 
 namespace rcr {
@@ -38,10 +39,12 @@ Reductions Reductions::of(const std::vector<std::string>& wanted)
 		result.*one.flag = std::find(wanted.begin(), wanted.end(), one.name) != wanted.end();
 	for (const std::string& name : wanted) {
 		if (std::find(names().begin(), names().end(), name) != names().end()) continue;
-		std::string known;
+		std::ostringstream text;
+		text << "reduction '" << name << "' is not known: give some of";
 		for (const std::string& one : names())
-			known += " " + one;
-		throw std::invalid_argument("reduction '" + name + "' is not known: give some of" + known + ", or none");
+			text << ' ' << one;
+		text << ", or none";
+		throw std::invalid_argument(text.str());
 	}
 	return result;
 }
