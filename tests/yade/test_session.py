@@ -294,12 +294,12 @@ def test_daily_mistakes_are_told(wrong, says):
 
 
 @pytest.mark.parametrize("clumped", [False, True])
-@pytest.mark.parametrize("settled", [1, 3, 7])
+@pytest.mark.parametrize("settled", [2, 3, 4])
 def test_a_velocity_set_in_mid_run_meets_what_the_collider_has_not_foreseen(settled, clumped):
     """Soak, seed 29. YADE's collider asks how fast bodies were: a grain hit between two steps went through a wall three radii away."""
     R, smooth = 0.1, material(0)
-    build(rcr.wall("x", 0, material=smooth), rcr.wall("y", 0, material=smooth), gravity=(0, 0, 0), dt=5e-3, restitution=0)
-    discs = [rcr.disc((4 * R, R + 2 * k * R), R, material=smooth) for k in range(2)]
+    build(rcr.wall("x", 0, material=smooth), rcr.wall("y", 0, material=smooth), dt=5e-3, restitution=0)
+    discs = [rcr.particle((3.129 * R, R + 2 * k * R), R, 0, material=smooth) for k in range(2)]
     hit = rcr.clump(discs)[0] if clumped else O.bodies.append(discs[0])
     steps(settled)
     O.bodies[hit].state.vel = (-60, 0, 0)
