@@ -44,8 +44,10 @@ APPROACH = 20.0  # … and this times the mean net force over the mean contact f
 CYCLES = 200  # … halved after so many steps, a third after twice as many: a cycle of flips that long steps keep up ends so
 TIME_STEP = 0.1  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then some 15 % of the mean contact force
-QUASI_STATIC = dict(overdamped=True, inertial_number=1e-4, time_step=1.0)  # what makes averages those of the limit I → 0, see docs/study-notes.md
-# `ContactDynamics.maxViolation` of overdamped shear at the pace of `QUASI_STATIC`: what velocities are wrong by are gaps, which the next step takes back
+QUASI_STATIC_PACE = 1e-4  # I t₀/dt of shear without inertia: the drag of a grain over σ₀ …
+QUASI_STATIC_STRAIN = 1e-4  # … and I dt/t₀, the strain of its steps
+QUASI_STATIC_PARTICLES = 1000  # that are dragged at this pace; more take a slower one
+# `ContactDynamics.maxViolation` of overdamped shear at this pace: what velocities are wrong by are gaps, which the next step takes back
 # whole. It is a share of the velocities without contacts, too, to which those of slower shear and longer steps are less and less: there it falls with I/dt.
 OVERDAMPED_VIOLATION = 0.1
 SHEAR_ITERATIONS = 300  # of a step of the shear, at most: where a large packing is about to yield, thousands would change no average
@@ -81,6 +83,16 @@ def approach(steps, solver):
     farthest = min(FARTHEST, APPROACH / (1 + steps / CYCLES) * solver.unbalance)
     largest = max(solver.largestUnbalance, 1e-300)  # 0 in perfect balance
     return min(longest, max(shortest, math.sqrt(farthest / largest)))
+
+
+def quasi_static(particles):
+    """Parameters of shear without inertia, whose averages are those of the limit I → 0 as far as docs/study-notes.md tells; for so many grains.
+
+    The drag of the whole sample, `Biaxial.sample_drag`, grows with the number of grains: larger samples are sheared more slowly in longer steps.
+    """
+    slower = max(1.0, particles / QUASI_STATIC_PARTICLES)
+    pace = QUASI_STATIC_PACE / slower
+    return dict(overdamped=True, inertial_number=(QUASI_STATIC_STRAIN * pace) ** 0.5, time_step=(QUASI_STATIC_STRAIN / pace) ** 0.5)
 
 
 def random_radii(count, rng):
@@ -313,6 +325,20 @@ class Biaxial:
         rate = 0.0 if self.parameters["overdamped"] else self.top_speed(strain) / height
         return tuple(DENSITY * self.packing_fraction * (rate * length) ** 2 / STRESS for length in (width, height))
 
+    def sample_drag(self, strain=None):
+        """Drag of the whole sample over σ₀ where it widens by ε̇ more than its flow: ρ ε̇ W²/(2 dt σ₀), now or at a strain to come [-]. 0 with inertia.
+
+        Grains without inertia start each step from the homogeneous flow, which widens as the sample did in the last record. What the packing dilates
+        otherwise moves all grains between the walls against their drag, and the lateral stress scatters by a share of this.
+        """
+        if not self.parameters["overdamped"]:
+            return 0.0
+        strain = self.strain if strain is None else strain
+        height = self.progress["first_height"] * (1 - strain)
+        width = self.area / (self.packing_fraction * height)
+        dt = self.parameters["time_step"] * self.time_unit
+        return DENSITY * self.packing_fraction * self.top_speed(strain) / height * width**2 / (2 * dt * STRESS)
+
     def wall_stresses(self):
         """σ_x and σ_y from the contact forces on opposite walls, averaged [Pa], compression positive."""
         load = {engine.wall: engine for engine in O.engines if isinstance(engine, rcr.WallStress) and not engine.dead}
@@ -417,8 +443,8 @@ class Biaxial:
     def drop_inertia(self):
         """Make the steps from here on start from rest; see `ContactDynamics.overdamped`."""
         self.parameters.update(overdamped=True)
-        pace, usual = ((p["inertial_number"] / p["time_step"]) for p in (self.parameters, QUASI_STATIC))
-        self.solver.overdamped, self.solver.maxViolation = True, OVERDAMPED_VIOLATION * min(1, pace / usual)
+        pace = self.parameters["inertial_number"] / self.parameters["time_step"]
+        self.solver.overdamped, self.solver.maxViolation = True, OVERDAMPED_VIOLATION * min(1, pace / QUASI_STATIC_PACE)
 
     def soften(self, stiffness):
         """Let springs of k_n = `stiffness` σ₀ replace the rigid contacts; they are unloaded at first, and the packing shrinks by some σ₀/k_n."""
@@ -550,6 +576,7 @@ class Biaxial:
         """Contents of `summary.json`; stresses and fractions of the second half of the strain.
 
         `aspect_ratio` is width over height at the end, `sample_inertia` and `sample_inertia_height` what `sample_inertia` tells then.
+        `sample_drag` is that of `sample_drag`, and `stress_x_std` the scatter of the lateral stress over σ₀, from record to record.
         `missed_fraction` is the share of the shear's steps that missed the tolerance or `maxViolation`, `missed_mean` and `missed_max` by what
         factor; 0 without such steps.
         """
@@ -570,6 +597,7 @@ class Biaxial:
             strain=self.strain,
             sin_phi=float(sin_phi(stresses)),
             sin_phi_std=float(np.std([row["sin_phi"] for row in late])),
+            stress_x_std=float(np.std([row["stress_x"] for row in late]) / STRESS),
             packing_fraction_initial=self.progress["packing_fraction_initial"],
             packing_fraction_final=self.packing_fraction,
             coordination_number=network.coordination(),
@@ -587,6 +615,7 @@ class Biaxial:
             aspect_ratio=self.width / self.height,
             sample_inertia=along_width,
             sample_inertia_height=along_height,
+            sample_drag=self.sample_drag(),
             unbalance_initial=self.progress["unbalance_initial"],
             steps=O.iter,
             dt=O.dt,
