@@ -101,8 +101,9 @@ Report solveYielding(ContactProblem&, const Settings&, const Report&, Workspace&
 bool growsWithoutBound(const ContactProblem&, const Settings&, Workspace&);
 
 /// Runs the solver of that name: nlgs, sor, nesterov, exact, or auto, which sweeps down to 1e-6, without any friction further, and
-/// takes the exact tier below, where 300 sweeps lead no further, or, up to 1000 points, where 300 do not do. Up to 1000 points it also
-/// aims at velocities finer by 1000 in `Settings::rest`, as far as a few sweeps and exact steps lead; converged is what met the settings.
+/// takes the exact tier below, where 300 sweeps lead no further, or, up to 1000 points, where 300 do not do; its iterations count as
+/// 20 sweeps there. Up to 1000 points it also aims at velocities finer by 1000 in `Settings::rest`, as far as a few sweeps and exact
+/// steps lead; converged is what met the settings.
 /// Throws std::invalid_argument, with what was given and what is wanted, for an unknown name, for settings out of range,
 /// for a problem that checkProblem refuses.
 Report solve(ContactProblem&, const std::string& solver, const Settings&, Workspace&);
