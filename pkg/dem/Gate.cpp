@@ -166,6 +166,7 @@ namespace gate {
 			{ both,    wrongAttributes },
 			{ both,    cellStress },
 			{ rigid,   [](const View& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
+			{ both,    finiteMotion },
 			{ rigid,   integrator },
 			{ rigid,   timeStepper },
 			{ smooth,  firstTimeStep },

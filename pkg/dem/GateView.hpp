@@ -68,6 +68,7 @@ namespace gate {
 	std::string lostLoad(const View&);
 	std::string wrongAttributes(const View&);
 	std::string timeStep(const View&);
+	std::string finiteMotion(const View&);
 	std::string integrator(const View&);
 	std::string timeStepper(const View&);
 	std::string firstTimeStep(const View&);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+
 #include <core/Dispatching.hpp>
 
 #include "CdPhys.hpp"
@@ -14,6 +16,9 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC(Law2_RcrGeom_CdPhys_SignoriniCoulomb,LawFunctor,"Nonsmooth contact law without stiffness: $0\\leq u_n+b_n\\perp f_n\\geq 0$ (Signorini, with restitution by Newton's rule) and Coulomb friction. For one contact it hands the forces of the last step on to its present points, or ends it; :yref:`ContactDynamics` then solves all contacts together.");
 	// clang-format on
+
+private:
+	std::atomic<long> asked_ { -1 }; // iteration in which the engines were looked at
 };
 REGISTER_SERIALIZABLE(Law2_RcrGeom_CdPhys_SignoriniCoulomb);
 

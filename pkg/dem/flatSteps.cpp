@@ -54,6 +54,15 @@ namespace {
 		        || dynamic_cast<const ContactDynamics*>(&engine) || dynamic_cast<const NewtonIntegrator*>(&engine);
 	}
 
+	/// A force of this step alone on a body that does not stay with YADE, as a PyRunner adds one: arrays know contacts and gravity.
+	template <class Watches> std::string strayForce(Scene& scene, const Watches& watches)
+	{
+		for (std::size_t id = 0; id < watches.size(); ++id)
+			if (!watches[id] && (scene.forces.getForce(Body::id_t(id)) != Vector3r::Zero() || scene.forces.getTorque(Body::id_t(id)) != Vector3r::Zero()))
+				return "a force on body #" + std::to_string(id);
+		return {};
+	}
+
 	/// The interaction of two bodies without one that is real.
 	Interaction* interactionOf(Scene& scene, const rcr::Pair& pair)
 	{
@@ -145,6 +154,7 @@ bool FlatSteps::goOn(Scene& scene, const gate::Engines& engines, rcr::Team& team
 	why_ = going_ ? std::string() : reason(scene, engines, step);
 	if (why_.empty()) why_ = reasonNow(scene);
 	if (why_.empty() && !going_) why_ = watch(scene, step);
+	if (why_.empty() && !going_) why_ = strayForce(scene, watches_);
 	if (!why_.empty()) return false;
 	const bool first = !going_;
 	if (first) begin(team, sources, step);

@@ -71,6 +71,16 @@ namespace gate {
 		return dt > 0 && math::isfinite(dt) ? std::string() : "O.dt = " + text(dt) + "; wanted a finite time step > 0.";
 	}
 
+	std::string finiteMotion(const View& v)
+	{
+		const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
+		if (!newton) return {};
+		const Vector3r& g = newton->gravity;
+		if (!math::isfinite(g.sum()))
+			return "NewtonIntegrator.gravity = (" + text(g[0]) + ", " + text(g[1]) + ", " + text(g[2]) + "); wanted finite accelerations, as gravity=(0, -9.81, 0).";
+		return math::isfinite(newton->damping) ? std::string() : "NewtonIntegrator.damping = " + text(newton->damping) + "; wanted a finite share, 0 for none.";
+	}
+
 	std::string integrator(const View& v)
 	{
 		const NewtonIntegrator* newton = v.first<NewtonIntegrator>();

@@ -10,15 +10,17 @@ namespace {
 	constexpr int    looks     = 4;    // times within the step at which a gap is measured before its contact is let pass
 	constexpr double clearance = 0.02; // share of the slop by which a gap must stay open: a push, unlike an overlap, is felt at once
 
+	/// As they are looked for at the beginning of a step: with a farther reach others could take their places.
 	Manifold pointsAfter(const Step& step, const StepContact& c, double time)
 	{
+		const auto reach = [&](int id) { return std::max(step.bodies[id].alertDistance, std::size_t(id) < step.reach.size() ? step.reach[id] : 0.0); };
 		const auto at = [&](int id) {
 			const StepBody& body = step.bodies[id];
 			return moved(body, step.bodies[body.owner], step.problem.velocity[body.owner], time);
 		};
 		Pose at2   = at(c.body2);
 		at2.center = at2.center + c.shift + time * c.drift;
-		return contactPoints(step.bodies[c.body1].shape, at(c.body1), step.bodies[c.body2].shape, at2, std::numeric_limits<double>::max());
+		return contactPoints(step.bodies[c.body1].shape, at(c.body1), step.bodies[c.body2].shape, at2, reach(c.body1) + reach(c.body2));
 	}
 
 	/// Gap of the point that was number k of `count`; the deepest where their number has changed. Behind a body it is no gap.
