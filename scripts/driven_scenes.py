@@ -61,6 +61,7 @@ def main():
             table.writerow(line)
             file.flush()
     print(f"{options.count} scenes, {yielded} with steps without a solution; bounds broken: {', '.join(f'{name} {n}' for name, n in counts.most_common())}")
+    return int(set(counts) != {"none"})
 
 
-main()
+raise SystemExit(main())

@@ -1,5 +1,6 @@
 """The source: files that can be read in one go, and kernels that know neither YADE nor Python."""
 
+import collections
 import pathlib
 import re
 
@@ -27,3 +28,9 @@ def test_kernels_stand_alone():
     kernels = [path for path in CODE if PKG / "kernel" in path.parents]
     assert len(kernels) > 50
     assert not [(path.name, line) for path in kernels for line in lines(path) if OUTSIDE.match(line)]
+
+
+def test_each_type_has_a_name_of_its_own():
+    """The linker keeps one of two templates of equal names: with two types `Pair`, vectors of one were copied as vectors of the other."""
+    names = [found[2] for path in CODE for line in lines(path) if (found := re.match(r"(struct|class|enum class) (?:alignas\([^)]*\) )?(\w+)\b[^;]*$", line))]
+    assert len(names) > 60 and not [name for name, times in collections.Counter(names).items() if times > 1]

@@ -58,7 +58,7 @@ namespace {
 	template <class Watches> std::string strayForce(Scene& scene, const Watches& watches)
 	{
 		for (std::size_t id = 0; id < watches.size(); ++id)
-			if (!watches[id] && (scene.forces.getForce(Body::id_t(id)) != Vector3r::Zero() || scene.forces.getTorque(Body::id_t(id)) != Vector3r::Zero()))
+			if (!watches[id] && (*scene.bodies)[id] && (scene.forces.getForce(Body::id_t(id)) != Vector3r::Zero() || scene.forces.getTorque(Body::id_t(id)) != Vector3r::Zero()))
 				return "a force on body #" + std::to_string(id);
 		return {};
 	}

@@ -163,7 +163,7 @@ namespace {
 	/// How far a body may go at its velocity, which a script may have set since the collider last ran: then it looks by itself.
 	void Gatherer::foresee(const Body& b, const rcr::Twist& velocity, rcr::StepBody& body)
 	{
-		const bool unseen = b.bound && body.shape.grain() && outruns(body, velocity, step_.dt, *b.state, *b.bound);
+		const bool unseen = b.bound && body.shape.grain() && outreaches(body, b.state->pos, velocity, step_.dt, *b.bound);
 		body.expected     = unseen ? 0 : body.alertDistance;
 	}
 

@@ -111,7 +111,7 @@ namespace {
 			const rcr::Twist&    v = step.problem.velocity[id];
 			const bool           late   = imageStep > 0 && double(scene.iter - bound->lastUpdateIter + 2) * imageStep > double(bound->sweepLength);
 			const bool           leaves = late || bound->max[0] - bound->min[0] > widest ? true
-			        : b.shape.grain() ? outruns(b, v, step.dt, *sources.state[id], *bound)
+			        : b.shape.grain() ? outreaches(b, sources.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v, step.dt, *bound)
 			                                              : turnsOut(b, step.bodies[b.owner], step.problem.velocity[b.owner], step.dt, *bound);
 			if (leaves) out.store(true, std::memory_order_relaxed);
 		});

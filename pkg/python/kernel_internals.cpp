@@ -153,7 +153,7 @@ namespace {
 		Layout               layout;
 		layout.update(problem, Reductions::of(reductions));
 		Rows pairs, islands, overflow, sections, chunks, blocks1, blocks2;
-		for (const Pair& p : layout.pairs())
+		for (const LaidPair& p : layout.pairs())
 			pairs.push_back({ p.body1, p.body2, p.points, int(p.model), p.slot });
 		for (const Island& island : layout.islands()) {
 			islands.push_back({ island.points, island.shared, island.central, island.slabs.begin, island.slabs.end, island.joints.begin, island.joints.end });

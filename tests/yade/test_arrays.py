@@ -251,3 +251,15 @@ def test_an_error_leaves_the_scene_as_the_step_began():
     with pytest.raises(RuntimeError, match="enough"):
         O.run(200, True)
     assert O.iter == 130 and np.isfinite(snapshot()).all() and contact_forces()
+
+
+@pytest.mark.parametrize("period", [1, 2, 7, 50])
+def test_forces_that_a_script_adds_now_and_then_act(period):
+    """Steps in arrays know contacts, gravity and engines that load; a force added by a PyRunner in the step they began with was lost."""
+    speeds = []
+    for arrays in (True, False):
+        build(*[stadium(0.2, 0.1, (k, 5), material=material(0)) for k in range(2)], before=[PyRunner(command="O.forces.addF(0, (2, 0, 0)); O.forces.addT(1, (0, 0, 1))", iterPeriod=period)])
+        O.engines[4].arrays = arrays
+        O.run(150, True)
+        speeds.append((O.bodies[0].state.vel[0], O.bodies[1].state.angVel[2]))
+    assert speeds[0] == speeds[1] and min(speeds[0]) > 0

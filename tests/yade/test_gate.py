@@ -469,3 +469,23 @@ def test_new_contacts_do_not_ask_the_rules_of_all_bodies():
     first = seconds()
     assert O.interactions.countReal() > 3000
     assert first < 50 * min(seconds() for _ in range(5))
+
+
+def test_a_contact_dynamics_that_a_script_makes_dead_is_told_of():
+    """The gate lives in ContactDynamics: without it grains sank into each other without a word."""
+    build(rcr.wall("y", 0, material=material()), stadium(0.3, 0.1, (0, 0.1), material=material()))
+    steps(2)
+    O.engines[3].dead = True
+    with pytest.raises(ValueError, match="no ContactDynamics that is not dead"):
+        steps(3)
+
+
+@pytest.mark.parametrize("law", ["rigid", "smooth"])
+@pytest.mark.parametrize("name, value", [("gravity", (0, math.nan, 0)), ("gravity", (math.inf, 0, 0)), ("damping", math.nan)])
+def test_motion_that_is_not_finite_is_refused_by_its_name(law, name, value):
+    build(stadium(0.3, 0.1, (0, 1), material=material()))
+    if law == "smooth":
+        O.engines = [*O.engines[:2], InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]), O.engines[-1]]
+    setattr(O.engines[-1], name, value)
+    with pytest.raises(ValueError, match=f"NewtonIntegrator.{name} = "):
+        steps(1)

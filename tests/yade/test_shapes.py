@@ -126,3 +126,17 @@ def test_a_segment_goes_from_end_to_end(start, end):
 def test_segments_that_are_none(start, end):
     with pytest.raises(ValueError, match="wanted"):
         rcr.segment(start, end)
+
+
+@pytest.mark.parametrize("speed", [0.1, 0.3, 0.6])
+def test_a_rod_that_slides_off_a_box_stays_on_its_corner(speed):
+    """Gaps within a step were looked for farther than its contacts, so that an end far away took the place of the corner, which sank in to the axis."""
+    R = 0.01
+    floor = utils.box((-0.1, -0.005, 0), (0.1, 0.005, 0.02), material=material(0.5), fixed=True)
+    _, rod = build(floor, rcr.particle((0.0092, 0.00301), R, 0.7, material=material(0.5)), tolerance=1e-4)
+    O.bodies[rod].state.vel = (-speed, 0, 0)
+    deepest = 0
+    for _ in range(60):
+        O.step()
+        deepest = max([deepest, *(-min(tuple(i.geom.gap)[: i.geom.points]) for i in O.interactions if i.isReal)])
+    assert deepest < 0.02 * R

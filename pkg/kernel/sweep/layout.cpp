@@ -99,9 +99,9 @@ bool Layout::findPairs(const ContactProblem& problem)
 		const ContactPoint& c     = points[k];
 		const bool          joins = k + 1 < points.size() && points[k + 1].body1 == c.body1 && points[k + 1].body2 == c.body2;
 		const Model         needs = joins ? std::min(need(problem, c), need(problem, points[k + 1])) : need(problem, c);
-		const Pair          pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, needs, needs, c.drifts() || (joins && points[k + 1].drifts()), Pair::noSlot, 0 };
+		const LaidPair      pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, needs, needs, c.drifts() || (joins && points[k + 1].drifts()), LaidPair::noSlot, 0 };
 		if (count == pairs_.size()) pairs_.push_back(pair);
-		Pair& old = pairs_[count];
+		LaidPair& old = pairs_[count];
 		// `firstPoint` follows from the pairs before
 		if (old.body1 != pair.body1 || old.body2 != pair.body2 || old.points != pair.points || old.needs != needs || old.drifts != pair.drifts) same = false;
 		if (!same) old = pair;
@@ -111,7 +111,7 @@ bool Layout::findPairs(const ContactProblem& problem)
 	return same && count == before;
 }
 
-bool Layout::packable(const Pair& pair) const
+bool Layout::packable(const LaidPair& pair) const
 {
 	const BodyKind a = kind_[pair.body1], b = kind_[pair.body2];
 	if (pair.drifts) return false;
@@ -129,7 +129,7 @@ void Layout::findIslands()
 		const int a = root(parent, body1), b = root(parent, body2);
 		parent[std::max(a, b)] = std::min(a, b);
 	};
-	for (const Pair& pair : pairs_) {
+	for (const LaidPair& pair : pairs_) {
 		if (moves(pair.body1) && moves(pair.body2)) join(pair.body1, pair.body2);
 		if (!stretches_ || !pair.drifts) continue;
 		const int body = moves(pair.body1) ? pair.body1 : pair.body2;
@@ -139,7 +139,7 @@ void Layout::findIslands()
 	}
 	island_.assign(kind_.size(), none);
 	islands_.clear();
-	for (const Pair& pair : pairs_) {
+	for (const LaidPair& pair : pairs_) {
 		const int body = moves(pair.body1) ? pair.body1 : pair.body2;
 		if (!moves(body)) continue;
 		std::int32_t& island = reductions_.islands ? number[root(parent, body)] : whole;
@@ -166,7 +166,7 @@ void Layout::sortPairs()
 	}
 	byIsland_.resize(next);
 	for (std::size_t k = 0; k < pairs_.size(); ++k) {
-		pairs_[k].slot   = Pair::noSlot;
+		pairs_[k].slot   = LaidPair::noSlot;
 		const int island = islandOf(pairs_[k]);
 		if (island != none) byIsland_[islands_[island].pairs.end++] = int(k);
 	}
@@ -181,7 +181,7 @@ void Layout::cut(Island& island)
 	if (pairs <= smallIslandPairs) return;
 	edges_.clear();
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
-		const Pair& pair = pairs_[byIsland_[k]];
+		const LaidPair& pair = pairs_[byIsland_[k]];
 		if (!packable(pair)) continue;
 		const int body1 = moves(pair.body1) ? pair.body1 : pair.body2, body2 = moves(pair.body2) ? pair.body2 : pair.body1;
 		edges_.push_back({ body1, body2 });
@@ -193,7 +193,7 @@ void Layout::cut(Island& island)
 }
 
 /// The section where a pair stands; none for overflow.
-int Layout::sectionOf(const Pair& pair) const
+int Layout::sectionOf(const LaidPair& pair) const
 {
 	const int island = islandOf(pair);
 	if (island == none || islands_[island].slabs.begin == islands_[island].slabs.end || !packable(pair)) return none;
@@ -268,7 +268,7 @@ void Layout::listOverflow(Island& island)
 {
 	island.overflow.begin = int(overflow_.size());
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
-		if (pairs_[byIsland_[k]].slot == Pair::noSlot) overflow_.push_back(byIsland_[k]);
+		if (pairs_[byIsland_[k]].slot == LaidPair::noSlot) overflow_.push_back(byIsland_[k]);
 	island.overflow.end = int(overflow_.size());
 }
 
@@ -284,7 +284,7 @@ void Layout::chooseModels(Island& island)
 	const bool few   = leastModelPart * (all - count[int(Model::frictional)]) < all && all > smallIslandPairs;
 	const Model most = few ? Model::frictional : island.central || all <= smallIslandPairs ? Model::central : Model::frictionless;
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
-		Pair& pair = pairs_[byIsland_[k]];
+		LaidPair& pair = pairs_[byIsland_[k]];
 		pair.model = std::min(pair.needs, most);
 	}
 }
@@ -293,7 +293,7 @@ ModelSummary Layout::summary() const
 {
 	ModelSummary      s;
 	std::vector<bool> turns(kind_.size());
-	for (const Pair& pair : pairs_) {
+	for (const LaidPair& pair : pairs_) {
 		if (islandOf(pair) == none) continue;
 		++s.pairs;
 		s.points += pair.points;

@@ -25,7 +25,7 @@ namespace rcr {
 enum class BodyKind : unsigned char { regular, prescribed, special };
 
 /// One or two neighbouring points between the same two bodies.
-struct Pair {
+struct LaidPair {
 	static constexpr std::int32_t noSlot = -1; // of the overflow, and of pairs that belong to no island
 
 	std::int32_t body1, body2, firstPoint, points;
@@ -64,7 +64,7 @@ public:
 	/// Lays the problem out; false if everything stands where it stood.
 	bool update(const ContactProblem&, const Reductions&);
 
-	const std::vector<Pair>&         pairs() const { return pairs_; } // in the order of the problem
+	const std::vector<LaidPair>&     pairs() const { return pairs_; } // in the order of the problem
 	std::vector<PairBlock>&          pairBlocks() { return pairBlocks_; }
 	const std::vector<Range>&        vacant() const { return vacant_; } // columns of point blocks with vacant lanes
 	int                              columns() const { return columns_; }
@@ -93,29 +93,29 @@ private:
 	bool  findPairs(const ContactProblem&);
 	Model need(const ContactProblem&, const ContactPoint&) const;
 	bool  moves(int body) const { return kind_[body] != BodyKind::prescribed || !reductions_.fixed; }
-	bool  packable(const Pair&) const;
+	bool  packable(const LaidPair&) const;
 	void  findIslands();
-	int   islandOf(const Pair& pair) const { return island_[moves(pair.body1) ? pair.body1 : pair.body2]; }
+	int   islandOf(const LaidPair& pair) const { return island_[moves(pair.body1) ? pair.body1 : pair.body2]; }
 	void  sortPairs();
 	void  chooseModels(Island&);
 	void  cut(Island&);
-	int   sectionOf(const Pair&) const;
+	int   sectionOf(const LaidPair&) const;
 	void  sortSections();
 	void  numberRecords();
 	void  layOut(Section&);
 	void  listOverflow(Island&);
 	void  color(const Section&);
 	void  makeBlocks(Row&, Model, int points);
-	void  place(Pair&, Row&);
+	void  place(LaidPair&, Row&);
 	int   ownRecord(Model);
-	Row&  row(int color, const Pair& pair) { return rows_[color][int(pair.model)][pair.points - 1]; }
+	Row&  row(int color, const LaidPair& pair) { return rows_[color][int(pair.model)][pair.points - 1]; }
 
 	static constexpr std::int32_t none = -1;
 
 	Reductions                reductions_;
 	bool                      stretches_ = false; // the cell may
 	std::vector<BodyKind>     kind_;
-	std::vector<Pair>         pairs_;
+	std::vector<LaidPair>     pairs_;
 	std::vector<std::int32_t> island_, record_; // a body
 	std::vector<Island>       islands_;
 	Slabs                     slabs_;

@@ -26,13 +26,13 @@ void Layout::color(const Section& section)
 		for (auto& ofModel : ofColor)
 			ofModel[0] = ofModel[1] = {};
 	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
-		const Pair& pair = pairs_[bySection_[k]];
+		const LaidPair& pair = pairs_[bySection_[k]];
 		coloring_.free(pair.body1);
 		coloring_.free(pair.body2);
 	}
 	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
 		const int   number = bySection_[k];
-		const Pair& pair   = pairs_[number];
+		const LaidPair& pair   = pairs_[number];
 		const int   color  = coloring_.take(pair.body1, moves(pair.body1), pair.body2, moves(pair.body2));
 		color_[number]     = static_cast<signed char>(color);
 		if (color != Coloring::none) ++row(color, pair).pairs;
@@ -58,7 +58,7 @@ void Layout::makeBlocks(Row& row, Model model, int points)
 }
 
 /// Gives a pair the next slot of its row; a prescribed side gets a record of its own, which no impulse moves.
-void Layout::place(Pair& pair, Row& row)
+void Layout::place(LaidPair& pair, Row& row)
 {
 	const auto side = [&](int body) { return offsetOf(moves(body) ? record_[body] : ownRecord(pair.model)); };
 	pair.slot       = row.nextSlot++;

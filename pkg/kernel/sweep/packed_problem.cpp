@@ -55,12 +55,12 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	sum_.resize(layout_.chunks().size());
 	freeVelocity2_.resize(islands());
 
-	const std::vector<Pair>& pairs = layout_.pairs();
+	const std::vector<LaidPair>& pairs = layout_.pairs();
 	inverseGyration_.resize(problem.inverseMass.size());
 	team.forEach(problem.inverseMass.size(), [&](int i) { inverseGyration_[i] = inverseGyration(problem.inverseMass[i]); });
 	loadBodies(problem);
 	team.forEach(pairs.size(), [&](int k) {
-		if (pairs[k].slot != Pair::noSlot) fill(problem, pairs[k]);
+		if (pairs[k].slot != LaidPair::noSlot) fill(problem, pairs[k]);
 	});
 	freeBody_ = body_;
 	inverseStretchMass_ = problem.inverseStretchMass;
@@ -95,7 +95,7 @@ void PackedProblem::loadBodies(const ContactProblem& problem)
 	team.forEach(problem.inverseMass.size(), [&](int i) { loadBody(problem, i, layout_.record(i), layout_.central(i)); });
 }
 
-void PackedProblem::fill(const ContactProblem& problem, const Pair& pair)
+void PackedProblem::fill(const ContactProblem& problem, const LaidPair& pair)
 {
 	const int        lane = pair.slot % blockWidth;
 	const PairBlock& home = layout_.pairBlocks()[pair.slot / blockWidth];
@@ -110,7 +110,7 @@ void PackedProblem::fill(const ContactProblem& problem, const Pair& pair)
 }
 
 /// Not inlined: the loop over one or two points is then taken apart into many.
-[[gnu::noinline]] void PackedProblem::fillPoint(const ContactProblem& problem, const Pair& pair, int point, Column* column)
+[[gnu::noinline]] void PackedProblem::fillPoint(const ContactProblem& problem, const LaidPair& pair, int point, Column* column)
 {
 	const int           lane   = pair.slot % blockWidth;
 	const double        scale1 = inverseGyration_[pair.body1], scale2 = inverseGyration_[pair.body2];
@@ -139,7 +139,7 @@ void PackedProblem::fill(const ContactProblem& problem, const Pair& pair)
 	rough.pt[lane] = rough.oldPt[lane] = p.t;
 }
 
-void PackedProblem::addToOverflow(const ContactProblem& problem, const Pair& pair, bool central)
+void PackedProblem::addToOverflow(const ContactProblem& problem, const LaidPair& pair, bool central)
 {
 	const double scale1 = inverseGyration_[pair.body1], scale2 = inverseGyration_[pair.body2];
 	const double lever  = pair.model == Model::central ? 0 : 1; // rounding is none
@@ -159,16 +159,16 @@ void PackedProblem::addToOverflow(const ContactProblem& problem, const Pair& pai
 	}
 }
 
-template <class Visit> void PackedProblem::forEachPoint(const Pair& pair, Visit visit)
+template <class Visit> void PackedProblem::forEachPoint(const LaidPair& pair, Visit visit)
 {
-	if (pair.slot == Pair::noSlot) return;
+	if (pair.slot == LaidPair::noSlot) return;
 	for (int i = 0; i < pair.points; ++i)
 		visit(pair.firstPoint + i, reinterpret_cast<PointBlock&>(point_[pair.column + i * columnsOf(pair.model)]), pair.slot % blockWidth);
 }
 
 void PackedProblem::rebias(const ContactProblem& problem, const std::vector<double>& bias)
 {
-	const std::vector<Pair>& pairs = layout_.pairs();
+	const std::vector<LaidPair>& pairs = layout_.pairs();
 	team.forEach(pairs.size(), [&](int k) {
 		forEachPoint(pairs[k], [&](int point, PointBlock& at, int lane) {
 			const Impulse p = startOf(problem, point);
@@ -196,7 +196,7 @@ void PackedProblem::startVelocity()
 
 void PackedProblem::store(ContactProblem& problem)
 {
-	const std::vector<Pair>& pairs = layout_.pairs();
+	const std::vector<LaidPair>& pairs = layout_.pairs();
 	team.forEach(pairs.size(), [&](int k) {
 		for (int point = pairs[k].firstPoint; point < pairs[k].firstPoint + pairs[k].points; ++point)
 			problem.impulse[point] = {};

@@ -66,11 +66,11 @@ private:
 	void       loadBody(const ContactProblem&, int body, int record, bool central);
 	void       loadBodies(const ContactProblem&);
 	void       startVelocity();
-	void       fill(const ContactProblem&, const Pair&);
-	void       fillPoint(const ContactProblem&, const Pair&, int point, Column*);
-	void       addToOverflow(const ContactProblem&, const Pair&, bool central);
+	void       fill(const ContactProblem&, const LaidPair&);
+	void       fillPoint(const ContactProblem&, const LaidPair&, int point, Column*);
+	void       addToOverflow(const ContactProblem&, const LaidPair&, bool central);
 	/// visit(number of the point, its block, its lane) for the points of a pair that has a slot.
-	template <class Visit> void forEachPoint(const Pair&, Visit visit);
+	template <class Visit> void forEachPoint(const LaidPair&, Visit visit);
 	PackedView          view() { return { body_.data()->half, oldBody_.data()->half, layout_.pairBlocks().data(), point_.data() }; }
 	PackedViewOf<float> singleView() { return { singleBody_.data()->half, singleOldBody_.data()->half, layout_.pairBlocks().data(), singlePoint_.data() }; }
 
