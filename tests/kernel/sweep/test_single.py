@@ -13,7 +13,16 @@ def large(kind=lambda problem: problem):
     return kind(pile(2, 60, 40))
 
 
-KINDS = {"frictional": large, "frictionless": lambda: large(frictionless), "discs": lambda: large(discs)}
+def on_a_plate(problem):
+    """The floor as a heavy body that moves, with more contacts than there are colours: most of them are overflow."""
+    mass = problem["inverse_mass"].copy()
+    floor = np.bincount(problem["bodies"].ravel(), minlength=len(mass)).argmax()
+    assert not mass[floor].any()
+    mass[floor] = 1e-2 * np.median(mass[mass[:, 0] > 0], axis=0)
+    return type(problem)(f"{problem.name}, on a plate", problem.seed, **{**problem, "inverse_mass": mass})
+
+
+KINDS = {"frictional": large, "frictionless": lambda: large(frictionless), "discs": lambda: large(discs), "overflow": lambda: large(on_a_plate)}
 
 
 @pytest.fixture(params=KINDS, scope="module")
