@@ -102,6 +102,8 @@ def packing(what=None, ax=None, color="orientation", contacts=None, range=None, 
         raise ValueError("the scene holds no Rcr, Sphere, Wall, Box or Facet: there is nothing to draw")
     if contacts is not None and contacts not in CONTACTS:
         raise ValueError(f"contacts = {contacts!r}; wanted None, {' or '.join(map(repr, CONTACTS))}")
+    if limits is not None and not (np.shape(limits) == (2, 2) and np.isfinite(limits).all() and (np.diff(limits, axis=0) > 0).all()):
+        raise ValueError(f"limits = {limits!r}; wanted ((left, bottom), (right, top)) [m], finite and in this order")
     legend = ax is None if legend is None else legend
     style = _Style.of(frame, color, range, cmap)
     with matplotlib.rc_context(STYLE):

@@ -33,15 +33,18 @@ def _material(material):
     """The material itself, from an id or a label too; YADE's default if there is none yet."""
     if material == -1 and len(O.materials) == 0:
         O.materials.append(utils.defaultMaterial())
-    return O.materials[material] if isinstance(material, (int, str)) else material
+    material = O.materials[material] if isinstance(material, (int, str)) else material
+    if not isinstance(material, FrictMat):
+        raise ValueError(f"material = {material!r}; wanted a FrictMat, or the id or label of one")
+    return material
 
 
-def _center(center):
+def _place(name, given):
     """A place of two or three finite coordinates as a Vector3."""
-    coordinates = list(center) if isinstance(center, (Sequence, np.ndarray, Vector2, Vector3)) else None
+    coordinates = list(given) if isinstance(given, (Sequence, np.ndarray, Vector2, Vector3)) else None
     if coordinates is None or len(coordinates) not in (2, 3):
-        raise ValueError(f"center = {center!r}; wanted two or three coordinates (x, y) or (x, y, z) [m]")
-    return Vector3(*[_number(f"center[{k}]", value, "a finite coordinate [m]", lambda v: True) for k, value in enumerate(coordinates)], *[0] * (3 - len(coordinates)))
+        raise ValueError(f"{name} = {given!r}; wanted two or three coordinates (x, y) or (x, y, z) [m]")
+    return Vector3(*[_number(f"{name}[{k}]", value, "a finite coordinate [m]", lambda v: True) for k, value in enumerate(coordinates)], *[0] * (3 - len(coordinates)))
 
 
 def _velocity(velocity):
@@ -59,7 +62,7 @@ def _grain(shape, center, angle, material, area, polar_moment, *, fixed, color, 
     state = body.state
     state.mass = density * area
     state.inertia = Vector3(1, 1, 1) * (density * polar_moment)  # only the moment about z acts; YADE wants all three > 0
-    state.pos = state.refPos = _center(center)
+    state.pos = state.refPos = _place("center", center)
     state.ori = state.refOri = Quaternion(Vector3(0, 0, 1), _number("angle", angle, "a finite angle [rad]", lambda v: True))
     state.vel = _velocity(velocity)
     state.angVel = Vector3(0, 0, _number("angular_velocity", angular_velocity, "a finite angular velocity [1/s]", lambda v: True))
@@ -163,6 +166,8 @@ def clump(members, mass=None, inertia=None):
     members = list(members)
     if not members or not all(isinstance(b, Body) and isinstance(b.shape, (Rcr, Sphere)) for b in members):
         raise ValueError(f"members = {members!r}; wanted at least one body of rcr.particle or rcr.disc")
+    if len({id(b) for b in members}) < len(members):
+        raise ValueError("members holds a body twice; wanted each once")
     area, (x, y), polar_moment = outlines.union(_outlines(members))
     mass = members[0].material.density * area if mass is None else _number("mass", mass, "a finite mass > 0 [kg]", lambda v: v > 0)
     inertia = mass / area * polar_moment if inertia is None else _number("inertia", inertia, "a finite moment of inertia > 0 [kg m²]", lambda v: v > 0)
@@ -243,7 +248,7 @@ def segment(start, end, material=-1):
     ValueError
         If a coordinate is not finite, the ends have different z, or they are one point.
     """
-    start, end = _center(start), _center(end)
+    start, end = _place("start", start), _place("end", end)
     length = (end - start).norm()
     if not length > 0 or start[2] != end[2]:
         raise ValueError(f"start = {tuple(start)}, end = {tuple(end)}; wanted two points at one z [m]")

@@ -314,3 +314,21 @@ def test_scene_goes_on_once_the_error_is_put_right():
     body.state.mass = mass
     steps(10)
     assert body.state.pos[1] == pytest.approx(0.1, abs=1e-12)  # at rest but for rounding
+
+
+@pytest.mark.parametrize(
+    "call, says",
+    [
+        (lambda: rcr.particle((0, 0), 0.1, 0.5, material=None), "material = None; wanted a FrictMat"),
+        (lambda: rcr.wall("y", 0, material=3.5), "material = 3.5; wanted a FrictMat"),
+        (lambda: rcr.segment((0, 0), (math.nan, 1)), r"end\[0\] = nan"),
+        (lambda: rcr.clump([rcr.particle((0, 0), 0.1, 0.5)] * 2), "members holds a body twice"),
+        (lambda: rcr.plot.packing(limits=((1, 1), (0, 0))), "limits = .* in this order"),
+    ],
+)
+def test_names_what_is_wrong(call, says):
+    build(stadium(0.2, 0.1, (0, 1), material=material()))
+    bodies = len(O.bodies)
+    with pytest.raises(ValueError, match=says):
+        call()
+    assert len(O.bodies) == bodies
