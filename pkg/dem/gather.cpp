@@ -160,10 +160,11 @@ namespace {
 		if (!body.free && !body.shape.grain() && b.bound && body.alertDistance > double(b.bound->sweepLength)) body.expected = 0;
 	}
 
-	/// How far a body may go at its velocity, which a script may have set since the collider last ran: then it looks by itself.
+	/// How far a body may go at its velocity, which a script may have set since the collider last ran: then it looks by itself. Not in a cell, with which
+	/// boxes and bodies move between two looks.
 	void Gatherer::foresee(const Body& b, const rcr::Twist& velocity, rcr::StepBody& body)
 	{
-		const bool unseen = b.bound && body.shape.grain() && outreaches(body, b.state->pos, velocity, step_.dt, *b.bound);
+		const bool unseen = !scene_.isPeriodic && b.bound && body.shape.grain() && outreaches(body, b.state->pos, velocity, step_.dt, *b.bound);
 		body.expected     = unseen ? 0 : body.alertDistance;
 	}
 
