@@ -1,6 +1,6 @@
 """What compilers and their counters tell of the kernels: `analyze.py tidy` runs clang-tidy, `analyze.py coverage` counts the lines that tests reach.
 
-check-tidy and check-coverage run it where clang-tidy and gcovr are; the last line is the verdict.
+check-analyzers runs it where clang-tidy and gcovr are; the last line is the verdict.
 """
 
 import subprocess
