@@ -149,7 +149,7 @@ namespace gate {
 			{ both,    [](const View& v) { return missing<InteractionLoop>(v, "InteractionLoop", "so there are no contacts; put one after the collider."); } },
 			{ both,    [](const View& v) { return missing<Collider>(v, "collider", "so no bodies would meet; put InsertionSortCollider([Bo1_Rcr_Aabb(), …]) before the InteractionLoop."); } },
 			{ both,    [](const View& v) { return missing<ForceResetter>(v, "ForceResetter", "so forces would add up from step to step; put ForceResetter() first."); } },
-			{ rigid,   [](const View& v) { return missing<ContactDynamics>(v, "ContactDynamics", "so rigid contacts would carry nothing; put ContactDynamics() between the InteractionLoop and the NewtonIntegrator."); } },
+			{ rigid,   [](const View& v) { return unsolved(v.scene); } },
 			{ both,    [](const View& v) { return twice<NewtonIntegrator>(v, "NewtonIntegrator"); } },
 			{ both,    [](const View& v) { return twice<InteractionLoop>(v, "InteractionLoop"); } },
 			{ both,    [](const View& v) { return twice<ContactDynamics>(v, "ContactDynamics"); } },
@@ -211,6 +211,12 @@ namespace gate {
 			if (!told.empty()) return told;
 		}
 		return {};
+	}
+
+	std::string unsolved(const Scene& scene)
+	{
+		return missing<ContactDynamics>(
+		        View(scene), "ContactDynamics", "so rigid contacts would carry nothing; put ContactDynamics() between the InteractionLoop and the NewtonIntegrator.");
 	}
 
 	bool serves(const Scene& scene) { return View(scene).law != neither; }

@@ -69,6 +69,9 @@ namespace gate {
 	/// last run of any collider, so that after `O.engines = […]` nothing would meet.
 	void showBodiesToCollider(const Scene&);
 
+	/// What is told where rigid contacts are not solved: no ContactDynamics, or a dead one, in which the gate would live. Empty where one is alive.
+	std::string unsolved(const Scene&);
+
 	/// Is a law of ours in the scene?
 	bool serves(const Scene&);
 

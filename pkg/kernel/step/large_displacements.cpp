@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "step/missed_contacts.hpp"
+
 namespace rcr {
 
 namespace {
@@ -13,14 +15,13 @@ namespace {
 	/// As they are looked for at the beginning of a step: with a farther reach others could take their places.
 	Manifold pointsAfter(const Step& step, const StepContact& c, double time)
 	{
-		const auto reach = [&](int id) { return std::max(step.bodies[id].alertDistance, std::size_t(id) < step.reach.size() ? step.reach[id] : 0.0); };
 		const auto at = [&](int id) {
 			const StepBody& body = step.bodies[id];
 			return moved(body, step.bodies[body.owner], step.problem.velocity[body.owner], time);
 		};
 		Pose at2   = at(c.body2);
 		at2.center = at2.center + c.shift + time * c.drift;
-		return contactPoints(step.bodies[c.body1].shape, at(c.body1), step.bodies[c.body2].shape, at2, reach(c.body1) + reach(c.body2));
+		return contactPoints(step.bodies[c.body1].shape, at(c.body1), step.bodies[c.body2].shape, at2, reachOf(step, c.body1) + reachOf(step, c.body2));
 	}
 
 	/// Gap of the point that was number k of `count`; the deepest where their number has changed. Behind a body it is no gap.

@@ -9,8 +9,6 @@ namespace {
 
 	constexpr double further = 1.5; // times the way found: solving once more may lengthen it
 
-	double reachOf(const Step& step, std::size_t id) { return std::max(step.bodies[id].alertDistance, step.reach[id]); }
-
 	/// Grains sorted by x, to be asked which may lie within a distance of a body; in a periodic cell all may.
 	class Neighbours {
 	public:
@@ -131,6 +129,8 @@ namespace {
 	}
 
 } // namespace
+
+double reachOf(const Step& step, std::size_t id) { return std::max(step.bodies[id].alertDistance, id < step.reach.size() ? step.reach[id] : 0); }
 
 bool findMissedContacts(Step& step, const MayMeet& mayMeet)
 {

@@ -29,6 +29,9 @@ inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
 /// Whether two bodies that do not touch yet may meet at all, in the simulation's rules.
 using MayMeet = std::function<bool(int body1, int body2)>;
 
+/// How far a body has looked for contacts in this step so far [m].
+double reachOf(const Step&, std::size_t id);
+
 /// Looks at the solved step and adds pairs with other points than known to step.grown. True if one of them closes beyond the slop:
 /// then all are to be taken in.
 bool findMissedContacts(Step&, const MayMeet&);
