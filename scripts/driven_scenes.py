@@ -25,11 +25,12 @@ def arguments():
 
 
 def courses(path):
-    """Of the springs, by seed, in a CSV of this script."""
+    """Of the springs, by seed, in a CSV of this script; an older one may have fewer columns."""
     value = {float: float, int: int, bool: "True".__eq__}
     fields = dataclasses.fields(driven.Course)
+    course = lambda row: driven.Course(**{f.name: value[f.type](row[f"{f.name}_springs"]) for f in fields if f"{f.name}_springs" in row})
     with open(path, newline="") as file:
-        return {int(row["seed"]): driven.Course(**{field.name: value[field.type](row[f"{field.name}_springs"]) for field in fields}) for row in csv.DictReader(file)}
+        return {int(row["seed"]): course(row) for row in csv.DictReader(file)}
 
 
 def row(scene, rigid, springs, broken):

@@ -3,6 +3,8 @@
 #include <core/Scene.hpp>
 #include <pkg/common/Wall.hpp>
 
+#include "Gate.hpp"
+
 namespace yade {
 
 YADE_PLUGIN((WallStress));
@@ -20,7 +22,8 @@ std::string WallStress::wrong(const Scene& in) const
 			return std::string("WallStress.") + name + " = " + std::to_string(id) + " is not the id of a body with the shape Wall; "
 			        "give the ids of the pressed wall and of the two that bound it.";
 	const int pressed = shapeOf(in, wall)->axis, one = shapeOf(in, start)->axis, two = shapeOf(in, end)->axis;
-	return one != two || one == pressed ? "WallStress: the walls `start` and `end` must be parallel to each other and not to `wall`." : "";
+	if (one != two || one == pressed) return "WallStress: the walls `start` and `end` must be parallel to each other and not to `wall`.";
+	return math::isfinite(stress) ? std::string() : "WallStress.stress = " + gate::text(stress) + "; wanted a finite stress [Pa]; a negative one pushes towards smaller coordinates.";
 }
 
 void WallStress::action()

@@ -10,6 +10,8 @@ namespace {
 std::string ContactDynamics::wrong() const
 {
 	if (!(correction >= 0 && correction <= 1)) return "ContactDynamics.correction = " + gate::text(correction) + "; wanted a share of the overlap, 0 to 1.";
+	if (!(compliance >= 0 && math::isfinite(compliance)))
+		return "ContactDynamics.compliance = " + gate::text(compliance) + "; wanted a finite share ≥ 0 of the response of a contact, 0 for none.";
 	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))
 		return "ContactDynamics.flow is not zero; wanted finite, and only with overdamped = True: other bodies keep their velocities.";
 	try {

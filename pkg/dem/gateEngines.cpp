@@ -6,6 +6,7 @@
 #include <pkg/common/FieldApplier.hpp>
 #include <pkg/common/ForceResetter.hpp>
 #include <pkg/common/KinematicEngines.hpp>
+#include <pkg/common/StepDisplacer.hpp>
 #include <pkg/dem/GlobalStiffnessTimeStepper.hpp>
 
 #include "GateView.hpp"
@@ -17,17 +18,20 @@ namespace gate {
 
 	namespace {
 
+		/// Whether an engine sets positions or velocities.
+		bool moves(const Engine& engine) { return dynamic_cast<const KinematicEngine*>(&engine) || dynamic_cast<const StepDisplacer*>(&engine); }
+
 		/// Whether an engine puts forces on bodies, which last until the ForceResetter.
 		bool pushes(const Engine& engine)
 		{
-			if (dynamic_cast<const KinematicEngine*>(&engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false; // a FieldApplier, too
+			if (moves(engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false; // a FieldApplier, too
 			return dynamic_cast<const PartialEngine*>(&engine) || dynamic_cast<const FieldApplier*>(&engine) || dynamic_cast<const WallStress*>(&engine);
 		}
 
 		/// Whether an engine puts forces on bodies or prescribes their motion.
 		bool loads(const Engine& engine)
 		{
-			return pushes(engine) || dynamic_cast<const KinematicEngine*>(&engine) || dynamic_cast<const BoundaryController*>(&engine);
+			return pushes(engine) || moves(engine) || dynamic_cast<const BoundaryController*>(&engine);
 		}
 
 	} // namespace

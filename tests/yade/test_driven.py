@@ -4,6 +4,7 @@ import dataclasses
 
 import pytest
 from benchmarks.hard_scenes import driven, stage
+from scenes import steps
 from yade import O
 
 BOUNDS = {"ended", "speed", "force"}  # of the rest, times are those of a busy machine, and these scenes are too short for the message
@@ -39,6 +40,8 @@ def test_draws_cover_what_they_shall():
         (dict(slowest=11.0), {}, ["time"]),
         (dict(ended=False), {}, ["ended"]),
         (dict(crushed=0.1, stopped=0.14), {}, ["false_alarm"]),
+        (dict(crushed=0.1, stopped=0.14, taken_over=0.019), {}, ["false_alarm"]),
+        (dict(crushed=0.1, stopped=0.14, taken_over=0.03), {}, []),
         (dict(crushed=0.1), dict(crushed=0.2), ["no_alarm"]),
         (dict(crushed=0.1, stopped=0.5), dict(crushed=0.1), ["late_alarm"]),
         (dict(crushed=0.1, stopped=0.14), dict(crushed=0.3), []),
@@ -49,6 +52,16 @@ def test_each_bound_is_seen(rigid, springs, broken):
     scene = driven.Scene(seed=0, motion="lid", eta=0, friction=0, grains=20, dt=1e-3, speed=0.1, steps=1000)
     course = driven.Course(fastest=0.5, force=1.0, median=1.0, slowest=2.0, steps=1000, duration=1.0)
     assert driven.violations(scene, dataclasses.replace(course, **rigid), dataclasses.replace(course, **springs)) == broken
+
+
+def test_springs_that_take_over_begin_with_the_motion_of_the_rigid_grains():
+    scene = driven.draw(0, grains=(20, 40), steps=150)
+    bed = driven._settled(scene)
+    driven.begin(scene, driven.RIGID, bed)
+    steps(20)
+    moment = driven.Moment.now()
+    driven._follow(scene, driven.SPRINGS, bed, 0.0, start=moment.motion)
+    assert moment.motion == driven.Moment.now().motion
 
 
 def test_a_step_pays_no_more_than_its_iterations():

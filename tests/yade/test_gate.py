@@ -16,7 +16,7 @@ from yade.minieigenHP import Quaternion, Vector3
 from yade.wrapper import (
     Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ElastMat, ForceEngine, ForceResetter, GlobalStiffnessTimeStepper,
     GravityEngine, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
-    Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator, PyRunner, TranslationEngine,
+    Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator, PyRunner, StepDisplacer, TranslationEngine,
 )  # fmt: skip
 
 NAN = math.nan
@@ -144,6 +144,29 @@ def test_a_motion_may_be_prescribed_after_the_integrator(scene):
     O.engines = [*O.engines, TranslationEngine(ids=[0], translationAxis=(1, 0, 0), velocity=0.1)]
     steps(2)
     assert O.bodies[0].state.pos[0] == pytest.approx(0.1 * O.dt)
+
+
+@LAWS
+def test_a_displacer_gives_no_forces(scene):
+    """It was refused for forces that it has not."""
+    scene()
+    O.engines = [*O.engines, StepDisplacer(ids=[0], mov=(1e-3, 0, 0))]
+    steps(2)
+    assert O.bodies[0].state.pos[0] == pytest.approx(2e-3)
+
+
+def test_a_displacer_after_the_solver():
+    rigid()
+    inserted(place(NewtonIntegrator), StepDisplacer(ids=[0], mov=(1e-3, 0, 0)))
+    refused("the StepDisplacer stands after ContactDynamics, which would not see its load; put it before")
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -1.0])
+def test_a_compliance_out_of_range_is_told_as_it_was_given(value):
+    """Its product with the scene's own was."""
+    rigid()
+    O.engines[place(rcr.ContactDynamics)].compliance = value
+    refused(f"ContactDynamics.compliance = {value:g}; wanted a finite share ≥ 0 of the response of a contact, 0 for none")
 
 
 def test_forces_that_the_solver_has_not_seen_are_told_of(capfd):

@@ -1,5 +1,7 @@
 """WallStress: which wall it moves, and which way (F25)."""
 
+import math
+
 import pytest
 import rcr
 import yade.utils
@@ -27,6 +29,15 @@ def test_a_lid_that_is_no_wall_is_pressed_by_a_permanent_force(lid):
     O.forces.setPermF(plate, (0, -100 * 3, 0))
     steps(20)
     assert -O.forces.f(floor)[1] == pytest.approx(300 + (2 + sum(b.state.mass for b in grains)) * G, rel=1e-9)  # rounding
+
+
+@pytest.mark.parametrize("stress", [math.nan, math.inf])
+def test_a_stress_that_is_not_finite_is_refused(stress):
+    """It was told as a wall that is not finite, a step later."""
+    ends = [rcr.wall("y", y) for y in (0, 3.0)]
+    build(*ends, rcr.mobile_wall("x", 2, mass=2.0), before=[rcr.WallStress(wall=2, start=0, end=1, stress=stress)])
+    with pytest.raises(ValueError, match=f"WallStress.stress = {stress:g}; wanted a finite stress"):
+        steps(1)
 
 
 def test_f25_its_words_name_the_function_and_the_sign():
