@@ -52,15 +52,23 @@ Ids wholeIds(const py::object& given, const char* name)
 
 ContactProblem problemFrom(
         const Array& inverseMass, const Array& freeVelocity, const py::object& givenBodies, const Array& normal, const Array& arm1, const Array& arm2,
-        const Array& bias, const Array& friction, const Array& impulse, const py::object& givenDrift)
+        const Array& bias, const Array& friction, const Array& impulse, const OptionalArrays& optional)
 {
 	const Ids         bodies = wholeIds(givenBodies, "bodies");
 	const py::ssize_t nb = rowsOf(inverseMass), nc = rowsOf(bodies);
 	wantShape(inverseMass, "inverse_mass", nb, 3), wantShape(freeVelocity, "free_velocity", nb, 3);
 	wantShape(bodies, "bodies", nc, 2), wantShape(normal, "normal", nc, 2), wantShape(arm1, "arm1", nc, 2), wantShape(arm2, "arm2", nc, 2);
 	wantShape(bias, "bias", nc, 1), wantShape(friction, "friction", nc, 1), wantShape(impulse, "impulse", nc, 2);
-	const Array drift = givenDrift.is_none() ? Array(std::vector<py::ssize_t> { 0, 2 }) : givenDrift.cast<Array>();
-	if (!givenDrift.is_none()) wantShape(drift, "drift", nc, 2);
+	const auto vectors = [nc](const py::object& given, const char* name) {
+		if (given.is_none()) return std::vector<Vec2>(nc);
+		const Array array = given.cast<Array>();
+		wantShape(array, name, nc, 2);
+		std::vector<Vec2> values;
+		for (py::ssize_t k = 0; k < nc; ++k)
+			values.push_back({ array.at(k, 0), array.at(k, 1) });
+		return values;
+	};
+	const std::vector<Vec2> drift = vectors(optional.drift, "drift"), shift = vectors(optional.shift, "shift");
 
 	ContactProblem problem;
 	for (py::ssize_t i = 0; i < nb; ++i) {
@@ -69,8 +77,18 @@ ContactProblem problemFrom(
 	}
 	for (py::ssize_t k = 0; k < nc; ++k) {
 		const auto vec = [k](const Array& a) { return Vec2 { a.at(k, 0), a.at(k, 1) }; };
-		problem.points.push_back({ bodies.at(k, 0), bodies.at(k, 1), vec(normal), vec(arm1), vec(arm2), bias.at(k), friction.at(k), givenDrift.is_none() ? Vec2 {} : vec(drift) });
+		problem.points.push_back({ bodies.at(k, 0), bodies.at(k, 1), vec(normal), vec(arm1), vec(arm2), bias.at(k), friction.at(k), drift[k], shift[k] });
 		problem.impulse.push_back({ impulse.at(k, 0), impulse.at(k, 1) });
+	}
+	if (!optional.inverseStretchMass.is_none()) {
+		const Array mass = optional.inverseStretchMass.cast<Array>();
+		wantShape(mass, "inverse_stretch_mass", 2, 1);
+		problem.inverseStretchMass = { mass.at(0), mass.at(1) };
+	}
+	if (!optional.recovery.is_none()) {
+		const Array recovery = optional.recovery.cast<Array>();
+		wantShape(recovery, "recovery", nc, 1);
+		problem.recovery.assign(recovery.data(), recovery.data() + nc);
 	}
 	checkProblem(problem);
 	return problem;

@@ -27,10 +27,15 @@ void wantBlocks(const py::array&, const char* name, py::ssize_t count); // (coun
 /// Ids as they were given: throws ValueError for numbers that are not integers or do not fit into 32 bits.
 Ids wholeIds(const py::object&, const char* name);
 
-/// A problem from arrays; every array is checked, and no id or number can be out of range. No drift: none of the points has one.
+/// Arrays of a problem that most have not, or None: d (nc, 2), s (nc, 2), M_c⁻¹ (2,) and recovery (nc,).
+struct OptionalArrays {
+	py::object drift = py::none(), shift = py::none(), inverseStretchMass = py::none(), recovery = py::none();
+};
+
+/// A problem from arrays; every array is checked, and no id or number can be out of range.
 ContactProblem problemFrom(
         const Array& inverseMass, const Array& freeVelocity, const py::object& bodies, const Array& normal, const Array& arm1, const Array& arm2,
-        const Array& bias, const Array& friction, const Array& impulse, const py::object& drift = py::none());
+        const Array& bias, const Array& friction, const Array& impulse, const OptionalArrays& = {});
 
 /// Arrays of the right shapes; what they hold is checked by the solver.
 DelassusProblem delassusFrom(

@@ -33,10 +33,10 @@ namespace {
 	/// The problem of keyword arguments, named as those of `solve`.
 	ContactProblem problemOf(const py::kwargs& arrays)
 	{
-		const auto array = [&](const char* name) { return arrays[name].cast<Array>(); };
-		return problemFrom(
-		        array("inverse_mass"), array("free_velocity"), arrays["bodies"], array("normal"), array("arm1"), array("arm2"), array("bias"),
-		        array("friction"), array("impulse"), arrays.contains("drift") ? py::object(arrays["drift"]) : py::none());
+		const auto array    = [&](const char* name) { return arrays[name].cast<Array>(); };
+		const auto optional = [&](const char* name) { return arrays.contains(name) ? py::object(arrays[name]) : py::none(); };
+		return problemFrom(array("inverse_mass"), array("free_velocity"), arrays["bodies"], array("normal"), array("arm1"), array("arm2"), array("bias"), array("friction"),
+		        array("impulse"), { optional("drift"), optional("shift"), optional("inverse_stretch_mass"), optional("recovery") });
 	}
 
 	py::tuple driveFrom(const Array& before, const py::kwargs& arrays)

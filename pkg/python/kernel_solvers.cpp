@@ -16,9 +16,11 @@ namespace {
 	        const Array& inverseMass, const Array& freeVelocity, const py::object& bodies, const Array& normal, const Array& arm1, const Array& arm2,
 	        const Array& bias, const Array& friction, const Array& impulse, const std::string& solver, double tolerance, int maxIterations, int threads,
 	        int lanes, int checkInterval, int minIterations, int stallSweeps, double violation, double meanForceChange, double compliance, double mostImpulse,
-	        const std::vector<std::string>& reductions, Workspace* workspace, const py::object& drift)
+	        const std::vector<std::string>& reductions, Workspace* workspace, const py::object& drift, const py::object& shift,
+	        const py::object& inverseStretchMass, const py::object& recovery)
 	{
-		ContactProblem problem = problemFrom(inverseMass, freeVelocity, bodies, normal, arm1, arm2, bias, friction, impulse, drift);
+		ContactProblem problem
+		        = problemFrom(inverseMass, freeVelocity, bodies, normal, arm1, arm2, bias, friction, impulse, { drift, shift, inverseStretchMass, recovery });
 		Settings       settings;
 		settings.tolerance     = tolerance;
 		settings.maxIterations = maxIterations;
@@ -46,7 +48,7 @@ namespace {
 			relative.push_back(relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]));
 		return py::dict(
 		        py::arg("impulse") = arrayOf(problem.impulse), py::arg("relative_velocity") = arrayOf(relative),
-		        py::arg("velocity") = arrayOf(problem.velocity),
+		        py::arg("velocity") = arrayOf(problem.velocity), py::arg("stretch") = py::make_tuple(problem.stretch.x, problem.stretch.y),
 		        py::arg("iterations") = report.iterations, py::arg("residual") = report.residual, py::arg("converged") = report.converged,
 		        py::arg("violation") = report.violation, py::arg("yielded") = report.yielded, py::arg("taken") = report.taken,
 		        py::arg("closing") = report.closing, py::arg("work") = report.work, py::arg("seconds") = seconds,
@@ -116,8 +118,9 @@ void bindSolvers(py::module_& m)
 	      py::arg("stall_sweeps") = 0, py::arg("violation") = Settings().violation, py::arg("mean_force_change") = 0, py::arg("compliance") = 0,
 	      py::arg("most_impulse") = Settings().mostImpulse,
 	      py::arg("reductions") = Reductions::names(), py::arg("workspace") = nullptr, py::arg("drift") = py::none(),
-	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2) and velocity (nb, 3) [m/s, 1/s],\n"
-	      "iterations, residual, converged, violation, yielded, taken [J/m], closing [m/s], work (sweeps × points), seconds, processor_seconds (of the calling thread); settings as in solver.hpp.\n"
+	      py::arg("shift") = py::none(), py::arg("inverse_stretch_mass") = py::none(), py::arg("recovery") = py::none(),
+	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2), velocity (nb, 3) [m/s, 1/s] and\n"
+	      "stretch (2) [1/s], iterations, residual, converged, violation, yielded, taken [J/m], closing [m/s], work (sweeps × points), seconds, processor_seconds (of the calling thread); settings as in solver.hpp.\n"
 	      "Raises ValueError on arrays that do not fit together.");
 	m.def("solve_delassus", solveDelassusArrays, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"),
 	      py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000, py::arg("check_interval") = 10,

@@ -130,7 +130,6 @@ TABLE = {
     ],
     "exact/solve_exact.cpp": [
         ("last-instead-of-best", "problem.impulse = best.impulse;", ""),
-        ("nan-stays-the-best", "if (std::isnan(residual) || std::isnan(violation)) return std::numeric_limits<double>::infinity();", ""),
         ("no-cold-start", "problem.impulse.assign(problem.points.size(), {});", ""),
     ],
     "exact/stiffness.hpp": [

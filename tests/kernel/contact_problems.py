@@ -53,7 +53,8 @@ def weights(problem):
     a, b = problem["bodies"].T
     n, m = problem["normal"], problem["inverse_mass"]
     turn = lambda r: r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0]
-    return ((m[a, :2] + m[b, :2]) * n**2).sum(1) + m[a, 2] * turn(problem["arm1"]) ** 2 + m[b, 2] * turn(problem["arm2"]) ** 2
+    cell = ((problem.get("shift", 0) * n) ** 2 * problem.get("inverse_stretch_mass", 0)).sum(1)
+    return ((m[a, :2] + m[b, :2]) * n**2).sum(1) + cell + m[a, 2] * turn(problem["arm1"]) ** 2 + m[b, 2] * turn(problem["arm2"]) ** 2
 
 
 def errors(problem, p):

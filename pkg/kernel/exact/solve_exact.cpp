@@ -37,12 +37,10 @@ namespace {
 		double               residual, violation;
 		std::vector<Impulse> impulse;
 
-		/// How far from both criteria; ≤ 1 where both are met, infinite where one is no number. Of a criterion of 0 the lower
-		/// value is still the better one.
+		/// How far from both criteria; ≤ 1 where both are met. Of a criterion of 0 the lower value is still the better one.
 		double distance(const Settings& s) const
 		{
 			constexpr double least = std::numeric_limits<double>::min();
-			if (std::isnan(residual) || std::isnan(violation)) return std::numeric_limits<double>::infinity();
 			return std::max(residual / std::max(s.tolerance, least), violation / std::max(s.violation, least));
 		}
 

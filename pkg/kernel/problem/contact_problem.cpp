@@ -97,6 +97,7 @@ void checkProblem(const ContactProblem& problem)
 	const std::size_t bodies = problem.inverseMass.size();
 	checkSize("freeVelocity", problem.freeVelocity.size(), bodies);
 	checkSize("impulse", problem.impulse.size(), problem.points.size());
+	if (!problem.recovery.empty()) checkSize("recovery", problem.recovery.size(), problem.points.size());
 	const Vec2 m = problem.inverseStretchMass, g = problem.stretch;
 	if (!finite(m.x, m.y, g.x, g.y) || m.x < 0 || m.y < 0) throw std::invalid_argument("the cell: a mass or rate is not finite, or an inverse mass is negative");
 	for (std::size_t i = 0; i < bodies; ++i)

@@ -97,7 +97,7 @@ bool worseThanNone(const ContactProblem& problem)
 		const Impulse       u = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 		sum += 0.5 * (work(p, u) + work(p, freeVelocity(problem, c))) + p.n * c.bias;
 	}
-	return sum > 0;
+	return !(sum <= 0); // nor is it where impulses are so large that their products overflow
 }
 
 bool takesTooMuch(const ContactProblem& problem) { return isTooMuch(energyTaken(problem), typicalChange(problem, problem.impulse)); }

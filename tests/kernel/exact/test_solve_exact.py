@@ -80,6 +80,13 @@ def test_stops_short_honestly(budget):
     np.testing.assert_allclose(result["velocity"], velocity(problem, result["impulse"]), rtol=0, atol=1e-11)
 
 
+def test_the_best_steps_are_kept():
+    """A step that ends unfinished leaves more than there was: more iterations must not give it back."""
+    problem = stored("shear-500-eta-0.7")
+    left = [problem.solve("exact", tolerance=0, violation=np.inf, max_iterations=budget)["residual"] for budget in range(900, 1500, 10)]
+    assert max(left) <= left[0]
+
+
 @pytest.mark.parametrize("tolerance, violation", [(0, 0.01), (0, np.inf), (1e-10, 0), (0, 0)])
 def test_all_iterations_count_where_a_criterion_is_0(tolerance, violation):
     """Nothing meets it, but the best iterate is that of the steps, not that of the sweeps before them."""

@@ -84,12 +84,12 @@ def test_the_solvers_report_it(make, solver):
 
 @pytest.mark.parametrize("size", [1e155, 1e200, 1e300])
 def test_impulses_whose_squares_overflow_have_no_residual(size):
-    """‖p‖² = ∞ would hide every error: what is reported is no number, and nothing has converged."""
+    """‖p‖² = ∞ would hide every error: their residual is no number. A solver that ends with such ones begins anew from none."""
     problem = pile(1)
     problem["impulse"] = np.full_like(problem["impulse"], size)
     assert np.isnan(_kernel.residual(**problem)) and np.isnan(_kernel.violation(0.01, **problem))
     found = problem.solve("nlgs", tolerance=1e-4, max_iterations=20)
-    assert np.isnan(found["residual"]) and not found["converged"]
+    assert found["residual"] < 0.01 and not found["converged"]
 
 
 def test_a_scale_that_overflows_hides_no_error():

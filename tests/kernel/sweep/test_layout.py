@@ -19,6 +19,7 @@ PROBLEMS = {
     "grains": lambda: grains_on_a_floor(40, points=2),
     "heaps": lambda: beside(pile(3, 9, 7), discs(pile(4, 9, 7)), frictionless(pile(5, 12, 9)), grains_on_a_floor(5), pile(6, 2, 2)),
     "hub": lambda: hub(40),
+    "spindle": lambda: spindle([1, 8, 64, *[512] * 9, 64, 8, 1]),
 }
 
 
@@ -30,6 +31,20 @@ def hub(count):
         "hub", inverse_mass=np.ones((count + 1, 3)), free_velocity=np.zeros((count + 1, 3)), normal=n, arm1=3 * n, arm2=-0.5 * n,
         bodies=np.column_stack([np.zeros(count), np.arange(1, count + 1)]).astype(np.int32), bias=np.zeros(count), friction=np.full(count, 0.4),
         impulse=np.zeros((count, 2)),
+    )  # fmt: skip
+
+
+def spindle(layers):
+    """Discs in layers, each touching eight of the next one or those of the next that it reaches: a layer is a level of a walk, and many pairs."""
+    begin = np.concatenate([[0], np.cumsum(layers)])
+    touch = [(begin[k] + i, begin[k + 1] + (8 * i + j if b > a else i // 8 if b < a else (i + j) % b))
+             for k, (a, b) in enumerate(zip(layers, layers[1:])) for i in range(a) for j in range(8 if b >= a else 1)]  # fmt: skip
+    count, bodies = len(touch), np.array(touch, np.int32)
+    angle = np.random.default_rng(0).uniform(0, 2 * np.pi, count)
+    n = np.column_stack([np.cos(angle), np.sin(angle)])
+    return Problem(
+        "spindle", inverse_mass=np.ones((begin[-1], 3)), free_velocity=np.zeros((begin[-1], 3)), normal=n, arm1=0.5 * n, arm2=-0.5 * n,
+        bodies=bodies[np.lexsort(bodies.T[::-1])], bias=np.zeros(count), friction=np.full(count, 0.4), impulse=np.zeros((count, 2)),
     )  # fmt: skip
 
 

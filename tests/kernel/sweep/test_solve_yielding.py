@@ -141,6 +141,17 @@ def test_what_bears_too_much_yields_though_it_has_a_solution():
     np.testing.assert_allclose(found["impulse"][:, 0], p, rtol=1e-6)
 
 
+@pytest.mark.parametrize("recovery, taken_back", [([-0.25, 0.0], [0.25, 0.0]), ([-0.25, -5.0], [0.25, 1.0]), ([0.5, 0.5], [0.0, 0.0])])
+def test_overlaps_are_taken_back_no_faster_than_the_drive(recovery, taken_back):
+    """u + b is what yields, b = max(recovery, −V) ≤ 0 being that of an overlap; the row is pushed at V = 1."""
+    problem, speed, mass, compliance = pushed_row(), 1.0, 2.0, 0.1
+    problem["recovery"] = np.array(recovery)
+    found = problem.solve("auto", compliance=compliance, most_impulse=0.5, tolerance=1e-8)
+    p = np.linalg.solve(np.array([[1 + compliance, -1], [-1, 2 * (1 + compliance)]]) / mass, np.array([speed, 0]) + taken_back)
+    assert found["yielded"]
+    np.testing.assert_allclose(found["impulse"][:, 0], p, rtol=1e-6)
+
+
 @pytest.mark.parametrize("settings", [dict(compliance=0.1, most_impulse=4.1), dict(compliance=0, most_impulse=1.0)], ids=["less", "never"])
 def test_what_bears_less_stays_rigid_to_the_bit(settings):
     found, rigid = pushed_row().solve("auto", **settings), pushed_row().solve("auto")
