@@ -14,12 +14,11 @@ import time
 from tqdm import tqdm
 
 from rcr import files, results, script
-from rcr.study.biaxial import CHECKPOINT, FREE, INERTIAL_NUMBER, RECORD, SHEAR_ITERATIONS, STIFFNESS, TIME_STEP, Biaxial, checked, quasi_static
+from rcr.study.biaxial import CHECKPOINT, FREE, INERTIAL_NUMBER, QUASI_STATIC, RECORD, SHEAR_ITERATIONS, STIFFNESS, TIME_STEP, Biaxial, checked
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, "history.csv", "isotropic.h5", "network-*.h5"]
 QUICK = dict(inertial_number=INERTIAL_NUMBER, time_step=TIME_STEP, approach=0.0, overdamped=False)
-DRAG_TOLD = 0.5  # sample drag over σ₀ likewise: the lateral stress then scatters by a tenth of σ₀ and more
 INERTIA_TOLD = 0.02  # sample inertia over σ₀ at the last strain from which on it is told: the forces at the walls differ by so much
 HOW_LONG = ["strain", "networks"]  # how far the test goes and what is saved on the way: no part of what it is
 PAUSE = 60  # seconds between two checkpoints at most, and 20 times as long as one takes at least
@@ -37,8 +36,8 @@ def arguments():
     parser.add_argument("--time-step", type=number, help=f"of the shear, over √(m/σ0); the smooth law's follows from its stiffness (default {TIME_STEP:g})")
     parser.add_argument("--approach", type=number, help=f"strain up to which the shear is made at {INERTIAL_NUMBER:g} if --inertial-number is lower (default 0)")
     parser.add_argument("--overdamped", action="store_true", default=None, help="shear without inertia: each step of the strain I dt/t0 starts from rest")
-    slow = " ".join(f"--{name.replace('_', '-')}" + f" {value:g}" * (value is not True) for name, value in quasi_static(1000).items())
-    parser.add_argument("--quasi-static", action="store_true", help=f"shear as slowly as averages need that do not know the rate: {slow} up to 1000 grains, more slowly in longer steps with more")
+    slow = " ".join(f"--{name.replace('_', '-')}" + f" {value:g}" * (value is not True) for name, value in QUASI_STATIC.items())
+    parser.add_argument("--quasi-static", action="store_true", help=f"shear as slowly as averages need that do not know the rate: {slow}")
     parser.add_argument("--threads", type=whole, default=0, help="of the contact solver (default: as YADE's -j)")
     parser.add_argument("--tolerance", type=number, default=1e-4, help="residual of the contact solver (default %(default)s)")
     parser.add_argument("--iterations", type=whole, default=SHEAR_ITERATIONS, help="of the solver in a step of the shear at most (default %(default)s)")
@@ -52,7 +51,7 @@ def arguments():
     options = parser.parse_args()
     if options.resume and options.overwrite:
         parser.error("--resume goes on with the run in DIR, --overwrite removes it: wanted one of them")
-    for name, value in (QUICK | quasi_static(options.particles) if options.quasi_static else QUICK).items():
+    for name, value in (QUICK | QUASI_STATIC if options.quasi_static else QUICK).items():
         if getattr(options, name) is None:
             setattr(options, name, value)
     if options.approach >= options.strain:
@@ -110,23 +109,9 @@ def tell_inertia(test, strain):
         )
 
 
-def tell_drag(test, strain):
-    """A line on stderr where the sample without inertia will be too large for its pace."""
-    drag = test.sample_drag(strain)
-    if drag > DRAG_TOLD:
-        slower = math.sqrt(2 * drag / DRAG_TOLD)
-        rate, step = test.parameters["inertial_number"] / slower, test.parameters["time_step"] * slower
-        tqdm.write(
-            f"biaxial.py: at a strain of {strain:g} the drag of the sample, ρ ε̇ W²/(2 dt), is {drag:.2g} of the confining stress, which will scatter by a share of it;"
-            f" --inertial-number {rate:.1g} --time-step {step:.2g} makes it {0.5 * DRAG_TOLD:g}",
-            file=sys.stderr,
-        )
-
-
 def shear(test, options, checkpoints):
     """Records of 0.1 % of strain up to the strain asked for, a network and a checkpoint at equal strains."""
     tell_inertia(test, options.strain)
-    tell_drag(test, options.strain)
     due = lambda: math.floor((test.strain + 0.5 * RECORD) * options.networks / options.strain)
     with tqdm(desc="shear", total=100 * options.strain, initial=100 * test.strain, unit="%", disable=None, bar_format=BAR) as bar:
         while test.strain < options.strain - 0.5 * RECORD:

@@ -6,6 +6,7 @@
 #include <core/Scene.hpp>
 
 #include "../kernel/step/drive.hpp"
+#include "../kernel/step/follow_stretch.hpp"
 #include "../kernel/step/large_displacements.hpp"
 #include "../kernel/step/missed_contacts.hpp"
 #include "../kernel/step/position_correction.hpp"
@@ -22,6 +23,7 @@ CREATE_LOGGER(ContactDynamics);
 
 namespace {
 	constexpr int    mostPasses  = 10;   // missed contacts and large displacements settle in two or three
+	constexpr int    mostFollows = 3;    // of an overdamped step, which may share its iterations with as many solves of a flow that follows
 	constexpr double deepOverlap = 0.02; // over R₁ + R₂ at the end of a step: its contacts have not been solved, whatever the residual
 }
 
@@ -82,18 +84,22 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	iterations        = 0;
 	work_             = 0;
 	overlap_          = 0;
-	rcr::Settings how = settings(rcr::driveOf(step_));
+	int           follows = overdamped && followFlow && !scene->isPeriodic ? mostFollows : 0; // that may still come
+	rcr::Settings how     = settings(rcr::driveOf(step_));
+	how.maxIterations     = std::max(1, how.maxIterations / (follows + 1));
 	for (int pass = 1;; ++pass) {
 		solve(how);
 		bool missed = false, adapted = false;
 		if (pass < mostPasses) {
 			timed("late", [&] { missed = takeInMissedContacts(engines); });
-			timed("adapt", [&] { adapted = !missed && !overdamped && adaptBiases(pass <= mostPasses / 2); });
+			timed("adapt", [&] { adapted = !missed && (overdamped ? follows > 0 && rcr::followStretch(step_) : adaptBiases(pass <= mostPasses / 2)); });
 		}
 		if (!missed && !adapted) break;
-		how           = settingsOfFurtherPass();
-		how.continued = !missed;
-		how.yielded   = yielded;
+		how               = settingsOfFurtherPass();
+		how.maxIterations = std::max(how.minIterations, how.maxIterations / std::max(follows, 1));
+		how.continued     = !missed && !overdamped; // else velocities without contacts, or contacts, are others
+		how.yielded       = yielded;
+		if (adapted && overdamped) --follows;
 	}
 	refuseUnlessFinite();
 	if (overlap_ > deepOverlap) converged = false;

@@ -14,6 +14,7 @@ std::string ContactDynamics::wrong() const
 		return "ContactDynamics.compliance = " + gate::text(compliance) + "; wanted a finite share ≥ 0 of the response of a contact, 0 for none.";
 	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))
 		return "ContactDynamics.flow is not zero; wanted finite, and only with overdamped = True: other bodies keep their velocities.";
+	if (followFlow && !overdamped) return "ContactDynamics.followFlow = True; wanted only with overdamped = True: other bodies keep their velocities.";
 	try {
 		rcr::checkSettings(solver, settings({}));
 	} catch (const std::invalid_argument& error) {

@@ -51,6 +51,12 @@ def without_inertia():
     O.dt = 5e-3
 
 
+def in_a_flow_that_follows():
+    """The same, and the flow is found in the step."""
+    without_inertia()
+    solver().followFlow = True
+
+
 def pile():
     """Grains that come and go while they fall."""
     build(*grains(30, 6, 2), *walls(3), dt=2e-3, **SOLVER)
@@ -104,7 +110,7 @@ def cell():
     O.cell.velGrad = Matrix3(-0.03, 0.2, 0, 0, -0.03, 0, 0, 0, 0)
 
 
-SCENES = [pressed, without_inertia, pile, drum, mixed, watched]
+SCENES = [pressed, without_inertia, in_a_flow_that_follows, pile, drum, mixed, watched]
 
 
 def contacts():

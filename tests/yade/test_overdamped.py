@@ -53,6 +53,38 @@ def test_a_flow_presses_nothing_on_what_goes_with_it():
         assert force[k, k + 1] == pytest.approx(mass * sum(v + 0.1 for v in free[: k + 1]) / 1e-2, rel=1e-6)
 
 
+def pressed_row(follows, count=20, overlap=1e-4):
+    """A row of discs that overlap their neighbours, between a fixed wall and one that a force presses. Returns Δσ/σ at the fixed wall in the first step.
+
+    The step takes all overlaps back: disc k moves by k δ, against its drag m k δ/dt².
+    """
+    discs = [rcr.disc((0.1 + k * (0.2 - overlap), 1), 0.1, material(0)) for k in range(count)]
+    end = 0.2 * count - (count - 1) * overlap
+    bodies, solver = flowing(rcr.wall("x", 0, material=material(0)), *discs, rcr.mobile_wall("x", end, 1e-9, -1, material(0)))
+    solver.followFlow, solver.maxIterations = follows, 20_000
+    pressure = 1e4
+    O.forces.setPermF(bodies[-1].id, (-pressure, 0, 0))
+    O.step()
+    for k, body in enumerate(bodies[1:-1]):
+        assert body.state.vel[0] == pytest.approx(k * overlap / O.dt, abs=1e-3 * overlap / O.dt)
+    drag = bodies[1].state.mass * sum(range(count)) * overlap / O.dt**2
+    return (-O.forces.f(0)[0] - pressure) / drag
+
+
+def test_what_bodies_do_together_meets_no_drag_of_a_flow_that_follows():
+    """Each disc drags less than that of its own place in the row, some twentieth of the row."""
+    assert pressed_row(False) == pytest.approx(1, rel=1e-3)
+    assert abs(pressed_row(True)) < 0.05
+
+
+def test_a_flow_that_follows_is_one_without_inertia():
+    (body,), solver = flowing(stadium(0.1, 0.05, (1, 2)))
+    solver.overdamped, solver.followFlow = False, True
+    with pytest.raises(ValueError, match="ContactDynamics.followFlow = True; wanted only with overdamped"):
+        O.step()
+    assert tuple(body.state.pos) == (1, 2, 0)
+
+
 @pytest.mark.parametrize("overdamped, value", [(False, 0.1), (True, math.nan), (True, math.inf)])
 def test_a_flow_that_cannot_be_is_refused(overdamped, value):
     (body,), solver = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(value, 0, 0, 0, 0, 0, 0, 0, 0))

@@ -5,6 +5,7 @@
 //   missed contacts       that the solved step reaches unforeseen        step/missed_contacts.hpp
 //   large displacements   gaps where bodies really end                   step/large_displacements.hpp
 //   restitution           lowered where it would give energy             step/restitution.hpp
+//   follow stretch        that bodies without inertia make together      step/follow_stretch.hpp
 //   position correction   overlaps displaced away                        step/position_correction.hpp
 //   scatter               forces, displacements, new contacts            to the simulation
 //

@@ -44,12 +44,11 @@ APPROACH = 20.0  # … and this times the mean net force over the mean contact f
 CYCLES = 200  # … halved after so many steps, a third after twice as many: a cycle of flips that long steps keep up ends so
 TIME_STEP = 0.1  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then some 15 % of the mean contact force
-QUASI_STATIC_PACE = 1e-4  # I t₀/dt of shear without inertia: the drag of a grain over σ₀ …
-QUASI_STATIC_STRAIN = 1e-4  # … and I dt/t₀, the strain of its steps
-QUASI_STATIC_PARTICLES = 1000  # that are dragged at this pace; more take a slower one
+QUASI_STATIC_PACE = 1e-4  # I t₀/dt of shear without inertia: the drag of a grain over σ₀
 # `ContactDynamics.maxViolation` of overdamped shear at this pace: what velocities are wrong by are gaps, which the next step takes back
 # whole. It is a share of the velocities without contacts, too, to which those of slower shear and longer steps are less and less: there it falls with I/dt.
 OVERDAMPED_VIOLATION = 0.1
+QUASI_STATIC = dict(overdamped=True, inertial_number=QUASI_STATIC_PACE, time_step=1.0)  # whose averages are those of the limit I → 0 (docs/study-notes.md)
 SHEAR_ITERATIONS = 300  # of a step of the shear, at most: where a large packing is about to yield, thousands would change no average
 RAMP = 0.002  # strain over which the top wall takes up its velocity
 BALANCED = 2e-3  # mean net force of a grain over the mean contact force, at the end of the compaction
@@ -83,16 +82,6 @@ def approach(steps, solver):
     farthest = min(FARTHEST, APPROACH / (1 + steps / CYCLES) * solver.unbalance)
     largest = max(solver.largestUnbalance, 1e-300)  # 0 in perfect balance
     return min(longest, max(shortest, math.sqrt(farthest / largest)))
-
-
-def quasi_static(particles):
-    """Parameters of shear without inertia, whose averages are those of the limit I → 0 as far as docs/study-notes.md tells; for so many grains.
-
-    The drag of the whole sample, `Biaxial.sample_drag`, grows with the number of grains: larger samples are sheared more slowly in longer steps.
-    """
-    slower = max(1.0, particles / QUASI_STATIC_PARTICLES)
-    pace = QUASI_STATIC_PACE / slower
-    return dict(overdamped=True, inertial_number=(QUASI_STATIC_STRAIN * pace) ** 0.5, time_step=(QUASI_STATIC_STRAIN / pace) ** 0.5)
 
 
 def random_radii(count, rng):
@@ -324,17 +313,6 @@ class Biaxial:
             rate = 0.0
         return tuple(DENSITY * self.packing_fraction * (rate * length) ** 2 / STRESS for length in (width, height))
 
-    def sample_drag(self, strain=None):
-        """Drag of the whole sample over σ₀ where it widens by ε̇ more than its flow: ρ ε̇ W²/(2 dt σ₀), now or at a strain to come [-]. 0 with inertia.
-
-        Grains without inertia start each step from the homogeneous flow, which widens as the sample did in the last record. What the packing dilates
-        otherwise moves all grains between the walls against their drag, and the lateral stress scatters by a share of this.
-        """
-        if not self.parameters["overdamped"]:
-            return 0.0
-        width, _, rate = self._homogeneous(strain)
-        return DENSITY * self.packing_fraction * rate * width**2 / (2 * self.parameters["time_step"] * self.time_unit * STRESS)
-
     def _homogeneous(self, strain):
         """Width and height [m] of the box, and ε̇ = v/h [1/s], now (None) or at a strain to come, where the packing fraction stays."""
         strain = self.strain if strain is None else strain
@@ -446,7 +424,7 @@ class Biaxial:
         """Make the steps from here on start from rest; see `ContactDynamics.overdamped`."""
         self.parameters.update(overdamped=True)
         pace = self.parameters["inertial_number"] / self.parameters["time_step"]
-        self.solver.overdamped, self.solver.maxViolation = True, OVERDAMPED_VIOLATION * min(1, pace / QUASI_STATIC_PACE)
+        self.solver.overdamped, self.solver.followFlow, self.solver.maxViolation = True, True, OVERDAMPED_VIOLATION * min(1, pace / QUASI_STATIC_PACE)
 
     def soften(self, stiffness):
         """Let springs of k_n = `stiffness` σ₀ replace the rigid contacts; they are unloaded at first, and the packing shrinks by some σ₀/k_n."""
@@ -484,11 +462,9 @@ class Biaxial:
         O.bodies[self.top].state.vel = Vector3(0, -ramp * self.top_speed(), 0)
         if not isinstance(self.solver, Springs):
             O.dt = self.pace()[1] * self.time_unit
-        width, start = self.width, O.time
         if self.solver.overdamped:
             self.solver.flow = self._flow()
         self._steps(self.steps_a_record)
-        self.progress["widening"] = (self.width / width - 1) / (O.time - start)
         x, y = self.mean_stresses
         low, high = POSSIBLE
         if not (np.isfinite([x, y, self.strain]).all() and low < self.packing_fraction < high):
@@ -512,10 +488,9 @@ class Biaxial:
         )
 
     def _flow(self):
-        """Velocity gradient of the sample, so that the drag of overdamped grains is one of their motion relative to each other: height as the top wall
-        moves, width as in the last record, at first as without dilation [1/s]."""
+        """Velocity gradient of a sample that keeps its area [1/s]: what it dilates the solver finds in each step (`ContactDynamics.followFlow`)."""
         closing = O.bodies[self.top].state.vel[1] / self.height
-        return Matrix3(self.progress.get("widening", -closing), 0, 0, 0, closing, 0, 0, 0, 0)
+        return Matrix3(-closing, 0, 0, 0, closing, 0, 0, 0, 0)
 
     def _steps(self, count):
         """Make steps; add up the solver's work and average the wall stresses, which fluctuate from step to step."""
@@ -578,7 +553,7 @@ class Biaxial:
         """Contents of `summary.json`; stresses and fractions of the second half of the strain.
 
         `aspect_ratio` is width over height at the end, `sample_inertia` and `sample_inertia_height` what `sample_inertia` tells then.
-        `sample_drag` is that of `sample_drag`, and `stress_x_std` the scatter of the lateral stress over σ₀, from record to record.
+        `stress_x_std` is the scatter of the lateral stress over σ₀, from record to record.
         `missed_fraction` is the share of the shear's steps that missed the tolerance or `maxViolation`, `missed_mean` and `missed_max` by what
         factor; 0 without such steps.
         """
@@ -617,7 +592,6 @@ class Biaxial:
             aspect_ratio=self.width / self.height,
             sample_inertia=along_width,
             sample_inertia_height=along_height,
-            sample_drag=self.sample_drag(),
             unbalance_initial=self.progress["unbalance_initial"],
             steps=O.iter,
             dt=O.dt,
