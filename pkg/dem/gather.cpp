@@ -160,12 +160,17 @@ namespace {
 		if (!body.free && !body.shape.grain() && b.bound && body.alertDistance > double(b.bound->sweepLength)) body.expected = 0;
 	}
 
-	/// How far a body may go at its velocity, which a script may have set since the collider last ran: then it looks by itself. Not in a cell, with which
-	/// boxes and bodies move between two looks.
+	/// How far a body may go at its velocity, which a script may have set since the collider last ran: then it looks by itself. In a cell, with which
+	/// boxes and bodies move between two looks, it is the way beside it that counts.
 	void Gatherer::foresee(const Body& b, const rcr::Twist& velocity, rcr::StepBody& body)
 	{
-		const bool unseen = !scene_.isPeriodic && b.bound && body.shape.grain() && outreaches(body, b.state->pos, velocity, step_.dt, *b.bound);
-		body.expected     = unseen ? 0 : body.alertDistance;
+		bool unseen = b.bound && body.shape.grain();
+		if (unseen && scene_.isPeriodic) {
+			const rcr::Vec2 flow = step_.cell.drift(body.center);
+			unseen = step_.dt * rcr::speed({ velocity.x - flow.x, velocity.y - flow.y, velocity.rotation }, body.radius) > double(b.bound->sweepLength);
+		} else if (unseen)
+			unseen = outreaches(body, b.state->pos, velocity, step_.dt, *b.bound);
+		body.expected = unseen ? 0 : body.alertDistance;
 	}
 
 	/// Inverse mass, and the velocity at the end of the step without contacts: what NewtonIntegrator will make of the forces so far.

@@ -165,6 +165,20 @@ def test_fast_body_in_a_cell_looks_less_far_ahead():
     assert O.bodies[ids[1]].state.vel[0] > 50  # it was hit, not passed
 
 
+@pytest.mark.parametrize("gradient", [Matrix3.Zero, Matrix3(-0.1, 0.3, 0, 0, 0.1, 0, 0, 0, 0)], ids=["still", "sheared"])
+@pytest.mark.parametrize("settled", [2, 3, 4])
+def test_a_velocity_set_in_mid_run_meets_what_the_collider_has_not_foreseen(settled, gradient):
+    """A grain that a script hits between two steps went through another, three radii away."""
+    R, m = 0.1, material(0)
+    hit, other = scene("rigid", *(rcr.particle((x, 1), R, 0, material=m) for x in (0.4, 0.4 + 5 * R)), dt=5e-3, restitution=0)
+    O.cell.velGrad = gradient
+    steps(settled)
+    O.bodies[hit].state.vel = (100, 0, 0)
+    steps(1)
+    way = [O.bodies[i].state.pos[0] for i in (hit, other)]
+    assert way[1] - way[0] == pytest.approx(2 * R, abs=0.02 * R) and O.bodies[other].state.vel[0] == pytest.approx(20, abs=0.5)  # both at the end of a way of 60 m/s
+
+
 def pressed(*bodies, size, stress, mass=1, **options):
     scene("rigid", *bodies, size=size, **options)
     O.engines = O.engines[:3] + [rcr.CellStress(stress=stress, mass=mass)] + O.engines[3:]
