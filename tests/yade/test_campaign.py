@@ -17,7 +17,7 @@ needs_environment = pytest.mark.skipif("YADE_RCR_WAY" not in os.environ, reason=
 
 
 def campaign(out, *arguments):
-    return subprocess.run([CAMPAIGN, "--out", str(out), *arguments], capture_output=True, text=True, timeout=300)
+    return subprocess.run([CAMPAIGN, "--out", str(out), *arguments], capture_output=True, text=True, timeout=1800)
 
 
 @pytest.mark.slow
