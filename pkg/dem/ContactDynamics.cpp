@@ -102,6 +102,7 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 		if (adapted && overdamped) --follows;
 	}
 	refuseUnlessFinite();
+	refuseFarStretch();
 	if (overlap_ > deepOverlap) converged = false;
 	watch();
 	timed("correct", [&] { correctPositions(step_, double(correction), workspace_); });

@@ -101,6 +101,7 @@ private:
 	bool          adaptBiases(bool letGo);
 	void          report(const rcr::Report&);
 	void          refuseUnlessFinite() const;
+	void          refuseFarStretch() const;
 	void          measureUnbalance();
 	void          observeStep(const std::vector<rcr::Twist>& loads);
 	void          watch();

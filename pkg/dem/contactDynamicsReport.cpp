@@ -14,6 +14,8 @@ namespace yade {
 
 namespace {
 
+	constexpr double mostStretch = 0.02; // of a cell in a step: the way of bodies side by side past each other, over R₁ + R₂, from which on they count as crushed
+
 	std::string bodies(const std::vector<int>& ids)
 	{
 		std::string text = ids.size() == 1 ? "body" : "bodies";
@@ -35,6 +37,20 @@ void ContactDynamics::refuseUnlessFinite() const
 		throw std::runtime_error(
 		        "ContactDynamics: step " + std::to_string(scene->iter) + " would give body #" + std::to_string(id) + " the velocity (" + gate::text(v.x) + ", "
 		        + gate::text(v.y) + ") and the angular velocity " + gate::text(v.rotation) + ". Nothing has moved. " + saved);
+	}
+}
+
+/// Images that a stretch of the cell brings near are not looked for, as bodies are that go far.
+void ContactDynamics::refuseFarStretch() const
+{
+	const double inverse[2] = { step_.cell.inverseMass.x, step_.cell.inverseMass.y };
+	for (int axis = 0; axis < 2; ++axis) {
+		const double strain = inverse[axis] > 0 ? std::abs(step_.cell.gradient[axis][axis]) * step_.dt : 0;
+		if (strain > mostStretch)
+			throw std::runtime_error(
+			        "ContactDynamics: CellStress would stretch the cell by " + gate::text(100 * strain) + " % along " + "xy"[axis] + " in step "
+			        + std::to_string(scene->iter) + ", past contacts that nothing foresees; wanted at most " + gate::text(100 * mostStretch)
+			        + " %. Nothing has moved. Take a smaller O.dt or a larger CellStress.mass, or bring the bodies of a loose cell together by O.cell.velGrad first.");
 	}
 }
 

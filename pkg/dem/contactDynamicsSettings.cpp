@@ -10,6 +10,8 @@ namespace {
 std::string ContactDynamics::wrong() const
 {
 	if (!(correction >= 0 && correction <= 1)) return "ContactDynamics.correction = " + gate::text(correction) + "; wanted a share of the overlap, 0 to 1.";
+	if (!(maxViolation >= 0)) return "ContactDynamics.maxViolation = " + gate::text(maxViolation) + "; wanted a share ≥ 0 of the velocities without contacts, infinity for no test.";
+	if (threads < 0) return "ContactDynamics.threads = " + std::to_string(threads) + "; wanted 0, as many as YADE has, or more.";
 	if (!(compliance >= 0 && math::isfinite(compliance)))
 		return "ContactDynamics.compliance = " + gate::text(compliance) + "; wanted a finite share ≥ 0 of the response of a contact, 0 for none.";
 	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))

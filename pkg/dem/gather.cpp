@@ -156,8 +156,8 @@ namespace {
 			move(b, s, body);
 		}
 		from_.bound[id] = b.bound.get();
-		// An obstacle's box is not enlarged by its alert distance: where it outruns the collider's margin, it looks by itself.
-		if (!body.free && !body.shape.grain() && b.bound && body.alertDistance > double(b.bound->sweepLength)) body.expected = 0;
+		// An obstacle's box is not enlarged by its alert distance: where it outruns the collider's margin, it looks by itself. So does a mobile one.
+		if (!body.shape.grain() && b.bound && body.alertDistance > double(b.bound->sweepLength)) body.expected = 0;
 	}
 
 	/// How far a body may go at its velocity, which a script may have set since the collider last ran: then it looks by itself. In a cell, with which

@@ -228,6 +228,21 @@ def test_grains_come_to_rest_under_the_stress_of_their_cell(eta):
     assert np.diag(network.stress()) == pytest.approx([stress] * 2, rel=0.02)  # shear stress is left: the cell keeps its angles
 
 
+@pytest.mark.parametrize("overdamped", [True, False])
+def test_a_loose_cell_that_falls_together_in_a_step_is_refused(overdamped):
+    """16 discs apart went from a cell of 0.09 to one of a quarter of it in one step, and through each other."""
+    R = 0.01
+    grid = [rcr.disc((0.0225 * (i + 0.5), 0.0225 * (j + 0.5)), R, material(0)) for i in range(4) for j in range(4)]
+    t0 = math.sqrt(grid[0].state.mass / 1e3)
+    pressed(*grid, size=0.09, stress=(1e3, 1e3), mass=1e-3, dt=t0)
+    O.engines[1].verletDist = 1e-3
+    next(e for e in O.engines if isinstance(e, rcr.ContactDynamics)).overdamped = overdamped
+    before = O.cell.hSize
+    with pytest.raises(RuntimeError, match="CellStress would stretch the cell by .* % along x in step .*Nothing has moved. Take a smaller O.dt"):
+        steps(5)
+    assert abs((O.cell.hSize - before)[0, 0]) < 0.05 * 0.09 and O.iter < 5
+
+
 def test_cell_stress_says_what_is_wrong():
     m = material()
     pressed(rcr.disc((0.5, 0.5), 0.1, material=m), size=2.0, stress=(1, 1), mass=0)

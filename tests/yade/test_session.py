@@ -305,3 +305,23 @@ def test_a_velocity_set_in_mid_run_meets_what_the_collider_has_not_foreseen(sett
     O.bodies[hit].state.vel = (-60, 0, 0)
     steps(1)
     assert O.bodies[hit].state.pos[0] == pytest.approx(R, abs=1e-6)
+
+
+@pytest.mark.parametrize("lid", ["wall", "box"])
+@pytest.mark.parametrize("free", [True, False])
+@pytest.mark.parametrize("one_by_one", [True, False], ids=["single steps", "a run"])
+def test_a_fast_lid_meets_a_disc_that_rests(lid, free, one_by_one):
+    """Its box is the collider's, which reaches by verletDist: a mobile lid that goes further in a step entered the disc by 0.09 of R₁ + R₂."""
+    R, smooth, deepest = 0.015, material(0), []
+    for start in np.linspace(0.045, 0.049, 14):
+        if lid == "wall":
+            body = rcr.mobile_wall("y", start - 0.005, mass=1.0, sense=-1, material=smooth) if free else rcr.wall("y", start - 0.005, -1, material=smooth)
+        else:
+            body = yade.utils.box((0, start, 0), (0.1, 0.005, 0.01), fixed=True, material=smooth)
+            body.state.mass, body.state.blockedDOFs = 1.0, "xzXYZ" if free else "xyzXYZ"
+        _, moving = build(rcr.disc((0, 0), R, material=smooth), body, gravity=(0, 0, 0), dt=1e-3)
+        O.engines[1].verletDist = 0.001
+        O.bodies[moving].state.vel = (0, -4, 0)
+        [O.step() for _ in range(12)] if one_by_one else O.run(12, True)
+        deepest.append(next(e for e in O.engines if isinstance(e, rcr.ContactDynamics)).deepestOverlap)
+    assert max(deepest) < 1e-3
