@@ -14,6 +14,8 @@ SHORTENED = dict(s18_creep=10.0, s19_tall_stack=3.0)  # seconds of simulated tim
 # What is known to fail, with its figure in docs/hard-scenes.md; a cure makes these tests fail, and is to be entered here and there.
 FAILS = {"s19_disc_pyramid": "rest and collapse both satisfy the laws, and ours collapses"}
 
+FAILS_AT_TEN = {"s10_shuffled": "grains that fall by more than a radius a step pass each other: pushes harder than an elastic bounce, which gave energy, are none"}
+
 
 def parameters(fails):
     """The scenes with their marks; those that fail are in `fails`, with the reason."""
@@ -35,7 +37,7 @@ def test_scene_keeps_its_bound(name):
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
 
 
-@pytest.mark.parametrize("name", parameters({}))
+@pytest.mark.parametrize("name", parameters(FAILS_AT_TEN))
 def test_scene_is_stable_at_ten_time_steps(name):
     result = run(name, dt=COARSE)
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
