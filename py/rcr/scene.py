@@ -451,4 +451,6 @@ def _box(walls):
     if [getattr(getattr(b, "shape", None), "axis", None) for b in bodies] != [0, 1, 0, 1]:
         raise ValueError(f"walls = {walls!r}; wanted the ids of the left, bottom, right and top Wall of a box, or None")
     left, bottom, right, top = (b.state.pos - O.dt * b.state.vel for b in bodies)
+    if left[0] >= right[0] or bottom[1] >= top[1]:
+        raise ValueError(f"walls = {walls!r} are not in the order left, bottom, right, top: they stand at x = {left[0]:g}, y = {bottom[1]:g}, x = {right[0]:g}, y = {top[1]:g}")
     return dict(zip(ids, (LEFT, BOTTOM, RIGHT, TOP))), (right[0] - left[0]) * (top[1] - bottom[1])

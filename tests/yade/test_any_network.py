@@ -115,6 +115,14 @@ def test_walls_that_are_no_box(walls):
         rcr.contact_network(walls)
 
 
+@pytest.mark.parametrize("walls", [(2, 1, 0, 3), (0, 3, 2, 1), (2, 3, 0, 1)])
+def test_walls_in_another_order_are_told_by_their_places(walls):
+    """Two of them changed gave a negative area, four the codes of the walls opposite."""
+    build(rcr.wall("x", 0), rcr.wall("y", 0), rcr.wall("x", 1), rcr.wall("y", 2), rcr.particle((0.5, 0.5), 0.1, 0.5, material=material()))
+    with pytest.raises(ValueError, match="are not in the order left, bottom, right, top: they stand at x = "):
+        rcr.contact_network(walls)
+
+
 def test_scenes_without_a_free_grain_and_volumes_out_of_range():
     build(rcr.wall("y", 0), rcr.particle((0.5, 0.5), 0.1, 0.5, fixed=True, material=material()))
     with pytest.raises(ValueError, match="no free Rcr and no free Sphere"):

@@ -77,6 +77,17 @@ def test_column_that_collapses(law):
     assert off < 0.01 * released and never_gives(dissipated, released)
 
 
+@pytest.mark.parametrize("mu", [0.2, 0.5, 1.0])
+@pytest.mark.parametrize("restitution", [0.3, 0.8])
+def test_a_bounce_in_which_the_slip_turns_round_takes_from_both_accounts_nothing_back(mu, restitution):
+    """A long grain that falls on its end: friction's share alone was negative, 8 % of what the impact takes."""
+    for angle in np.linspace(0.1, 1.4, 8):
+        m = material(friction=mu)
+        build(rcr.wall("y", 0, material=m), stadium(0.018, 0.002, (0, 0.03), angle=angle, velocity=(0.2, -1), material=m), gravity=(0, 0, 0), dt=1e-4, restitution=restitution)
+        off, dissipated = run(400)
+        assert never_gives(dissipated, 1e-6) and off < 1e-6
+
+
 def test_two_fast_grains_gain_nothing_in_a_step():
     """At random, some in each other, up to 0.4 R and 0.15 rad a step: a contact that has other points at the end of the step than at its beginning
     pushed them apart by all of an old overlap, which made up to 64 % of their energy."""
