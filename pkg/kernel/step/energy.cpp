@@ -12,8 +12,8 @@ StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& load, Vec2 gra
 		const Impulse       after  = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 		const double        rubbed = -0.5 * problem.impulse[k].t * (before.t + after.t);
 		const bool          returns = c.bias < 0 && rubbed < 0; // a bounce in which the slip turns round: what it returns is the impact's
-		energy.friction += returns ? 0 : rubbed;
-		energy.impact += (returns ? rubbed : 0) - 0.5 * problem.impulse[k].n * (before.n + after.n);
+		(returns ? energy.impact : energy.friction) += rubbed;
+		energy.impact -= 0.5 * problem.impulse[k].n * (before.n + after.n);
 		energy.driven += problem.impulse[k].n * dot(c.drift, c.normal) + problem.impulse[k].t * dot(c.drift, perp(c.normal)); // on the cell
 	}
 	for (std::size_t id = 0; id < load.size(); ++id) {

@@ -308,16 +308,11 @@ class Biaxial:
         ε̇ = v/h, v being the speed of the top wall. Where the sample flows homogeneously, u = ε̇ (x, −y), at constant v and area, a point
         has the acceleration 2 ε̇² x, and none along y: the fixed side wall feels ρ (ε̇ W)² more than the free one, exactly.
         """
-        width, height, rate = self._homogeneous(strain)
-        if self.parameters["overdamped"]:
-            rate = 0.0
-        return tuple(DENSITY * self.packing_fraction * (rate * length) ** 2 / STRESS for length in (width, height))
-
-    def _homogeneous(self, strain):
-        """Width and height [m] of the box, and ε̇ = v/h [1/s], now (None) or at a strain to come, where the packing fraction stays."""
         strain = self.strain if strain is None else strain
         height = self.progress["first_height"] * (1 - strain)
-        return self.area / (self.packing_fraction * height), height, self.top_speed(strain) / height
+        width = self.area / (self.packing_fraction * height)
+        rate = 0.0 if self.parameters["overdamped"] else self.top_speed(strain) / height
+        return tuple(DENSITY * self.packing_fraction * (rate * length) ** 2 / STRESS for length in (width, height))
 
     def wall_stresses(self):
         """σ_x and σ_y from the contact forces on opposite walls, averaged [Pa], compression positive."""
