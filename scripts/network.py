@@ -25,8 +25,7 @@ def arguments():
     parser = script.Parser(prog="network.py", description=__doc__)
     parser.add_argument("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
     script.add_results(parser, "results")
-    parser.add_argument("--from-strain", type=script.number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1), metavar="E",
-                        help="start of the critical state (default: half of each test's last strain)")  # fmt: skip
+    script.add_window(parser)
     return parser.parse_args()
 
 
@@ -38,9 +37,9 @@ def show(name):
 
 def main():
     options = arguments()
-    runs = [Run.read(folder, options.from_strain) for folder in options.folders]
+    runs = [Run.read(folder, options.from_strain, options.to_strain) for folder in options.folders]
     of = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"]) for run in runs]
-    parameters = dict(runs=of, from_strain=options.from_strain)
+    parameters = dict(runs=of, from_strain=options.from_strain, to_strain=options.to_strain)
     show("analysis")
     found = analyse(runs)
     with results.owned(options.out, "network.py", parameters, MADE, overwrite=options.overwrite) as begin:

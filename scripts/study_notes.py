@@ -20,10 +20,10 @@ def main():
     parser = script.Parser(prog="study_notes.py", description=__doc__.splitlines()[0])
     parser.add_argument("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
     parser.add_argument("--against", nargs="+", default=[], metavar="DIR", help="folders of runs at another rate, to be set against them")
-    parser.add_argument("--from-strain", type=script.number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1), metavar="E", help="start of the critical state (default: half of each test's last strain)")
+    script.add_window(parser)
     parser.add_argument("--out", type=script.folder, required=True, metavar="DIR", help="folder of study-notes.md, made if missing")
     options = parser.parse_args()
-    groups = [by_elongation([Run.read(folder, options.from_strain) for folder in folders]) if folders else {} for folders in (options.folders, options.against)]
+    groups = [by_elongation([Run.read(folder, options.from_strain, options.to_strain) for folder in folders]) if folders else {} for folders in (options.folders, options.against)]
     print(notes.write(*groups, pathlib.Path(options.out)))
 
 

@@ -78,6 +78,13 @@ def add_results(parser, what, required=True):
     parser.add_argument("--overwrite", action="store_true", help=f"remove {what} of other options that are there")
 
 
+def add_window(parser):
+    """The options --from-strain and --to-strain: which snapshots of a test are of its critical state, as `rcr.study.runs.Run.read` wants them."""
+    strain = number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1)
+    parser.add_argument("--from-strain", type=strain, metavar="E", help="start of the critical state (default: half of where it ends)")
+    parser.add_argument("--to-strain", type=strain, metavar="E", help="its end (default: each test's last strain)")
+
+
 def options(doc, **more):
     """Options --out DIR and --quick of an example, from the doc string of its script; the folder is made.
 

@@ -75,6 +75,9 @@ def test_seeds_are_cumulated_and_only_the_critical_state_counts(result, runs):
     assert value["sin_phi"] == pytest.approx([0.30, 0.45], abs=0.001) and value["sin_phi_std"] == pytest.approx([0.01, 0.01], rel=0.01)
     later = Run.read(runs[0].folder, from_strain=0.35)
     assert [network.attributes["strain"] for network in later.networks] == [0.4]
+    earlier = Run.read(runs[0].folder, to_strain=0.3)  # from half of it on
+    assert [network.attributes["strain"] for network in earlier.networks] == [0.2, 0.3]
+    assert earlier.looked_at(earlier.history["strain"]).sum() == len(earlier.critical_stresses()) < len(runs[0].critical_stresses())
 
 
 def test_known_distributions_are_recovered(result):
@@ -198,7 +201,7 @@ def test_bad_runs_are_refused(tmp_path):
     with pytest.raises(ValueError, match="no runs"):
         analysis.analyse([])
     run = Run.read(write_run(tmp_path / "a", 0.5))
-    with pytest.raises(ValueError, match="no network at a strain ≥ 0.9; its last is at 0.4"):
+    with pytest.raises(ValueError, match="no network at a strain from 0.9 to inf; they are at 0.1000 to 0.4000"):
         Run.read(tmp_path / "a", from_strain=0.9)
     slippery = Run.read(write_run(tmp_path / "b", 0.5, friction=0.3))
     with pytest.raises(ValueError, match="friction 0.3, 0.5; wanted one friction"):

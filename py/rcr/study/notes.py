@@ -318,7 +318,7 @@ def free_wall(runs, others):
     for ax, group in zip(axes, (others[eta], runs[eta])):
         run = group[0]
         strain, speed = wall_speed(np.genfromtxt(run.folder / "history.csv", delimiter=",", names=True))
-        late = strain >= run.from_strain
+        late = run.looked_at(strain)
         ax.axhline(1, color="0.7", lw=0.6)
         ax.plot(strain[late], speed[late], "k", lw=0.6)
         ax.set(xlabel=r"strain $\varepsilon$", ylim=(0, 3), title=rf"$I = {_rate([run])}$, $\eta = {eta:g}$")

@@ -24,8 +24,8 @@ class Run:
     folder : pathlib.Path
     networks : list of Network
         Snapshots of the critical state, by strain.
-    from_strain : float
-        Where that state is taken to start [-].
+    from_strain, to_strain : float
+        Where that state is taken to start and to end [-].
     isotropic : Network or None
         End of the compaction.
     history : dict of arrays, or None
@@ -39,6 +39,7 @@ class Run:
     folder: pathlib.Path
     networks: list
     from_strain: float
+    to_strain: float = np.inf
     isotropic: object = None
     history: object = None
     record: object = None
@@ -49,8 +50,8 @@ class Run:
         return float(self.networks[0].attributes["eta"])
 
     @classmethod
-    def read(cls, folder, from_strain=None):
-        """The run in a folder; the critical state starts at `from_strain`, by default half of the largest strain saved.
+    def read(cls, folder, from_strain=None, to_strain=None):
+        """The run in a folder; the critical state ends at `to_strain`, by default the largest strain saved, and starts at `from_strain`, by default half of that.
 
         Raises
         ------
@@ -70,18 +71,23 @@ class Run:
         initial = {isotropic: Network.load(isotropic)} if isotropic.exists() else {}
         record = results.read(folder)
         _check_one_run(networks | initial, record)
-        last = max(map(_strain, networks.values()))
-        from_strain = 0.5 * last if from_strain is None else checks.number("from_strain", from_strain)
-        critical = sorted((network for network in networks.values() if _strain(network) >= from_strain), key=_strain)
+        strains = sorted(map(_strain, networks.values()))
+        to_strain = np.inf if to_strain is None else checks.number("to_strain", to_strain)
+        from_strain = 0.5 * min(to_strain, strains[-1]) if from_strain is None else checks.number("from_strain", from_strain)
+        critical = sorted((network for network in networks.values() if from_strain <= _strain(network) <= to_strain), key=_strain)
         if not critical:
-            raise ValueError(f"{folder} has no network at a strain ≥ {from_strain:g}; its last is at {last:.4f}")
+            raise ValueError(f"{folder} has no network at a strain from {from_strain:g} to {to_strain:g}; they are at {strains[0]:.4f} to {strains[-1]:.4f}")
         history = _history(folder / "history.csv")
-        return cls(folder, critical, from_strain, initial.get(isotropic), history, record, _summary(folder / "summary.json"))
+        return cls(folder, critical, from_strain, to_strain, initial.get(isotropic), history, record, _summary(folder / "summary.json"))
+
+    def looked_at(self, strain):
+        """Does a strain, or each of several, belong to the critical state?"""
+        return (strain >= self.from_strain) & (strain <= self.to_strain)
 
     def critical_stresses(self):
         """σ₂ and σ₁ of the records in the critical state, (rows, 2) [Pa]: σ_x and σ_y of the walls, or those of the networks without a history."""
         if self.history is not None:
-            late = self.history["strain"] >= self.from_strain
+            late = self.looked_at(self.history["strain"])
             if late.any():
                 return np.column_stack([self.history["stress_x"], self.history["stress_y"]])[late]
         return np.array([network.principal_stresses() for network in self.networks])
