@@ -3,6 +3,7 @@
 import dataclasses
 import gzip
 import json
+import re
 import os
 import random
 import resource
@@ -124,7 +125,7 @@ def test_shear_without_inertia_stays_in_balance(packing):
         test.parameters.update(inertial_number=1e-4, time_step=1.0)
         if overdamped:
             test.drop_inertia()
-        for _ in range(30):
+        for _ in range(15):
             test.shear_record()
         found[overdamped] = test.solver.unbalance, test.overlaps().mean()
     print("FOUND", found)
@@ -174,17 +175,18 @@ def test_compaction_goes_on_from_a_checkpoint_to_the_same_bits(tmp_path):
         return report
 
     state = lambda test: np.array([(*O.bodies[i].state.pos, *O.bodies[i].state.ori) for i in (*test.grains, *test.walls)])
-    phases = []
+    seen = []
     test = Biaxial.prepare(0.5, 60, seed=2)
-    test.compact(lambda test: phases.append(test.progress["phase"]))
+    test.compact(lambda test: seen.append((test.progress["phase"], O.iter)))
     straight, steps = state(test), O.iter
-    in_collapse, in_rest = phases.count("collapse") // 2, (phases.count("collapse") + steps) // 2
-    for left_at in (in_collapse, in_rest):
+    collapse = sum(phase == "collapse" for phase, _ in seen)
+    for reports in (collapse // 2, (collapse + len(seen)) // 2):
+        phase, left_at = seen[reports - 1]
         test = Biaxial.prepare(0.5, 60, seed=2)
         with pytest.raises(Left):
             test.compact(leave_after(left_at))
         test = Biaxial.load(tmp_path)
-        assert test.progress["phase"] == phases[left_at - 1] and O.iter == left_at
+        assert test.progress["phase"] == phase and O.iter == left_at
         test.compact()
         assert O.iter == steps and np.array_equal(state(test), straight)
 
@@ -389,7 +391,8 @@ def test_script_sets_the_quasi_static_rate(tmp_path):
     assert json.loads((tmp_path / "slow" / "summary.json").read_text())["sample_inertia"] == 0
     assert "inertia of the sample" not in run.stderr
     run = script(*SMALL, "--inertial-number", "0.03", "--time-step", "0.02", "--out", tmp_path / "fast")  # I² N = 0.05
-    assert run.returncode == 0 and "the inertia of the sample, ρ (ε̇ W)², is 0.05" in run.stderr
+    told = re.search(r"the inertia of the sample, ρ \(ε̇ W\)², is ([0-9.]+) of", run.stderr)
+    assert run.returncode == 0 and float(told[1]) == pytest.approx(0.05, rel=0.2)
     assert json.loads((tmp_path / "fast" / "summary.json").read_text())["sample_inertia"] == pytest.approx(0.05, rel=0.2)
 
 

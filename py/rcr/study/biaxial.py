@@ -38,10 +38,14 @@ STRESS = 1e4  # σ₀ [Pa]
 DEPOSITED = 0.82  # packing fraction of the circles that are deposited; it sets the width of the box
 MOST_CONTRACTION = 0.005  # strain of a step of the collapse, at most: overlaps that it makes are taken back in the same step
 CONTRACTION = 0.1  # displacement of the walls in a step of the collapse, at most [d]; the grains move along, homogeneously
+COLLAPSED = 4.0  # stress of the walls over σ₀ at the end of the collapse, at most: large packings push back later than they are squeezed
 TIME_STEPS = 0.1, 1.0  # shortest and longest dt/t₀ of the compaction
 FARTHEST = 0.1  # displacement of a grain in a step of the approach to rest, at most [d] …
-APPROACH = 20.0  # … and this times the mean net force over the mean contact force [d] …
-CYCLES = 200  # … halved after so many steps, a third after twice as many: a cycle of flips that long steps keep up ends so
+REACH = 20.0  # … and this times the mean net force over the mean contact force [d] …
+SHORTER = 0.6  # … shortened to this share whenever the net forces of `LOOKS` looks are not `FALL` of those before: flips that long steps keep up end so …
+LOOKS, FALL = 5, 0.8
+LEAST_REACH = 0.05  # … and as long as at first below this: short steps make large packings creep
+LOOK, ROUGH = 10, 0.03  # steps of the approach between two looks at the net forces, all of one length, where these are below that; else one
 TIME_STEP = 0.1  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then some 15 % of the mean contact force
 QUASI_STATIC_PACE = 1e-4  # I t₀/dt of shear without inertia: the drag of a grain over σ₀
@@ -50,6 +54,7 @@ QUASI_STATIC_PACE = 1e-4  # I t₀/dt of shear without inertia: the drag of a gr
 OVERDAMPED_VIOLATION = 0.1
 QUASI_STATIC = dict(overdamped=True, inertial_number=QUASI_STATIC_PACE, time_step=1.0)  # whose averages are those of the limit I → 0 (docs/study-notes.md)
 SHEAR_ITERATIONS = 300  # of a step of the shear, at most: where a large packing is about to yield, thousands would change no average
+HELD_UP = 3  # deviation of the wall stresses from σ₀ over the mean net force, from which on the drag of the whole sample holds up its contraction
 RAMP = 0.002  # strain over which the top wall takes up its velocity
 BALANCED = 2e-3  # mean net force of a grain over the mean contact force, at the end of the compaction
 ISOTROPIC = 1e-2  # largest relative deviation of the wall stresses from σ₀, likewise
@@ -68,20 +73,27 @@ FREE = ("threads",)  # parameters that change no bit of the results
 SOLVERS = _kernel.solver_names()
 
 
-def approach(steps, solver):
-    """dt/t₀ of a step towards rest, no longer than the last net forces allow: under the net force F ⟨f⟩ a grain moves by about F d (dt/t₀)².
+def approach(course, solver):
+    """dt/t₀ of the next `LOOK` steps towards rest, no longer than the last net forces allow: under the net force F ⟨f⟩ a grain moves by about F d (dt/t₀)².
 
     Parameters
     ----------
-    steps : int
-        Number of such steps so far: the more, the shorter they become.
+    course : dict
+        How the approach has gone so far, empty at first; carried on.
     solver : ContactDynamics
         For its `unbalance` and `largestUnbalance`.
     """
+    reach, unbalances = course.get("reach", REACH), [*course.get("unbalances", []), solver.unbalance]
+    if solver.unbalance > ROUGH:
+        unbalances = []
+    if len(unbalances) == 2 * LOOKS:
+        before, unbalances = unbalances[:LOOKS], unbalances[LOOKS:]
+        if sum(unbalances) > FALL * sum(before):
+            reach = SHORTER * reach if SHORTER * reach > LEAST_REACH else REACH
+    course.update(reach=reach, unbalances=unbalances)
     shortest, longest = TIME_STEPS
-    farthest = min(FARTHEST, APPROACH / (1 + steps / CYCLES) * solver.unbalance)
     largest = max(solver.largestUnbalance, 1e-300)  # 0 in perfect balance
-    return min(longest, max(shortest, math.sqrt(farthest / largest)))
+    return min(longest, max(shortest, math.sqrt(min(FARTHEST, reach * solver.unbalance) / largest)))
 
 
 def random_radii(count, rng):
@@ -332,14 +344,14 @@ class Biaxial:
         """Compress without friction under σ₀ from the right and the top until every grain is balanced.
 
         Grains and walls have no inertia (`ContactDynamics.overdamped`). First they collapse: the loose packing is contracted
-        homogeneously, 0.5 % a step, and moves as little as its contacts ask for, until these push the walls back. Then they
+        homogeneously, 0.5 % a step, and moves as little as its contacts ask for, until these carry the load. Then they
         come to rest under the walls' load. The longer a step the faster, as long as its chords follow the paths: no grain
-        shall move farther than 0.1 d, nor than 20 d times (later less) the share of its forces that is not balanced yet.
+        shall move farther than 0.1 d, nor than 20 d, less where the balance does not come nearer, times the share of its forces that is not balanced yet.
 
         Parameters
         ----------
         report : callable
-            Called with the test after every step.
+            Called with the test after every step of the collapse, and after every ten of the rest.
         balanced : float
             Mean net force of a grain over the mean contact force at which the packing counts as balanced [-].
 
@@ -355,10 +367,10 @@ class Biaxial:
             else:
                 self._approach_rest()
                 if self.solver.unbalance < balanced:
-                    if np.abs(self.mean_stresses / STRESS - 1).max() < ISOTROPIC:
+                    if self._off_isotropic() < ISOTROPIC:
                         self._start_shear()
                     else:
-                        self.progress["approach"] = 0  # the packing still creeps, and the faster the longer the steps
+                        self._begin_rest()  # the packing still creeps, and the faster the longer the steps
             report(self)
             if O.iter > PATIENCE:
                 raise RuntimeError(
@@ -367,19 +379,25 @@ class Biaxial:
                     f"{self.mean_stresses / STRESS} σ₀ (wanted 1); another seed or a smaller tolerance may help"
                 )
 
+    def _off_isotropic(self):
+        return np.abs(self.mean_stresses / STRESS - 1).max()
+
     def _collapse(self):
         contraction = min(MOST_CONTRACTION, CONTRACTION * self.diameter / max(self.width, self.height))
         for body in O.bodies:
             body.state.pos *= 1 - contraction
         width, height = self.width, self.height
         self._steps(1)
-        if max(self.width / width, self.height / height) > 1 + contraction / 2:
-            self.progress.update(phase="rest", approach=0)
+        if max(self.width / width, self.height / height) > 1 + contraction / 2 or self.mean_stresses.min() > COLLAPSED * STRESS:
+            self._begin_rest()
+
+    def _begin_rest(self):
+        self.progress.update(phase="rest", approach={})
 
     def _approach_rest(self):
-        self.progress["approach"] += 1
         O.dt = self.time_unit * approach(self.progress["approach"], self.solver)
-        self._steps(1)
+        self._steps(LOOK if self.solver.unbalance < ROUGH else 1)
+        self.solver.followFlow = bool(self._off_isotropic() > HELD_UP * self.solver.unbalance)
 
     def _start_shear(self):
         self.isotropic = self.network()
@@ -396,7 +414,7 @@ class Biaxial:
         )
         self.solver.tolerance = self.parameters["tolerance"]
         self.solver.maxIterations = self.parameters["iterations"]
-        self.solver.overdamped = False
+        self.solver.overdamped = self.solver.followFlow = False
         if self.parameters["overdamped"]:
             self.drop_inertia()
         for body in O.bodies:
