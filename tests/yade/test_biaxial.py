@@ -3,18 +3,21 @@
 import dataclasses
 import gzip
 import json
-import re
+import math
 import os
 import random
+import re
 import resource
 import shutil
 import signal
 import subprocess
 import sys
 import time
+import types
 
 import numpy as np
 import pytest
+from rcr.study import biaxial
 from rcr.study.biaxial import CHECKPOINT, STRESS, Biaxial
 from rcr.network import Network
 from run_contents import contents, different
@@ -114,6 +117,29 @@ def test_slower_shear_without_inertia_is_solved_more_finely(packing):
         test.parameters.update(inertial_number=rate, time_step=step)
         test.drop_inertia()
         assert test.solver.maxViolation == pytest.approx(expected)
+
+
+def test_steps_towards_rest_shorten_only_where_the_balance_comes_no_nearer():
+    """Net forces that stay as they are (flips that long steps keep up): shorter steps each time, then long ones again; net forces that halve: none."""
+
+    def steps(unbalance, looks=200):
+        course = {}
+        return [biaxial.approach(course, types.SimpleNamespace(unbalance=unbalance(k), largestUnbalance=0.5)) for k in range(looks)]
+
+    stuck = steps(lambda look: 0.01)
+    assert min(stuck) == 0.1 and stuck[: 2 * biaxial.LOOKS - 1] == [max(stuck)] * (2 * biaxial.LOOKS - 1) and max(stuck[100:]) == max(stuck)
+    falling = steps(lambda look: 0.01 * 0.5 ** (look / biaxial.LOOKS), looks=20)
+    assert falling == pytest.approx([min(1, math.sqrt(biaxial.REACH * 0.01 * 0.5 ** (k / biaxial.LOOKS) / 0.5)) if biaxial.REACH * 0.01 * 0.5 ** (k / biaxial.LOOKS) < biaxial.FARTHEST
+                                     else math.sqrt(biaxial.FARTHEST / 0.5) for k in range(20)])  # fmt: skip
+
+
+@pytest.mark.parametrize("eta", [0.1, 0.7])
+def test_collapse_ends_where_the_grains_carry_the_load(eta):
+    """A collapse that goes on squeezes a large packing to tens of σ₀, and its rest begins with a burst."""
+    felt = []
+    test = Biaxial.prepare(eta, 1000, seed=1)
+    test.compact(lambda test: felt.append((test.progress["phase"], test.mean_stresses.min())))
+    assert max(stress for phase, stress in felt if phase == "collapse") < biaxial.COLLAPSED * STRESS
 
 
 def test_shear_without_inertia_stays_in_balance(packing):

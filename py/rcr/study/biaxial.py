@@ -73,8 +73,13 @@ FREE = ("threads",)  # parameters that change no bit of the results
 SOLVERS = _kernel.solver_names()
 
 
+def next_look(solver):
+    """Steps towards rest until the next look at the net forces."""
+    return LOOK if solver.unbalance < ROUGH else 1
+
+
 def approach(course, solver):
-    """dt/t₀ of the next `LOOK` steps towards rest, no longer than the last net forces allow: under the net force F ⟨f⟩ a grain moves by about F d (dt/t₀)².
+    """dt/t₀ of the steps to the next look towards rest, no longer than the last net forces allow: under the net force F ⟨f⟩ a grain moves by about F d (dt/t₀)².
 
     Parameters
     ----------
@@ -83,14 +88,15 @@ def approach(course, solver):
     solver : ContactDynamics
         For its `unbalance` and `largestUnbalance`.
     """
-    reach, unbalances = course.get("reach", REACH), [*course.get("unbalances", []), solver.unbalance]
-    if solver.unbalance > ROUGH:
-        unbalances = []
+    reach, unbalances, before = course.get("reach", REACH), course.get("unbalances", []), course.get("steps", 0)
+    steps = before + next_look(solver)
+    if steps // LOOK > before // LOOK:
+        unbalances = [*unbalances, solver.unbalance]
     if len(unbalances) == 2 * LOOKS:
-        before, unbalances = unbalances[:LOOKS], unbalances[LOOKS:]
-        if sum(unbalances) > FALL * sum(before):
+        earlier, unbalances = unbalances[:LOOKS], unbalances[LOOKS:]
+        if sum(unbalances) > FALL * sum(earlier):
             reach = SHORTER * reach if SHORTER * reach > LEAST_REACH else REACH
-    course.update(reach=reach, unbalances=unbalances)
+    course.update(reach=reach, unbalances=unbalances, steps=steps)
     shortest, longest = TIME_STEPS
     largest = max(solver.largestUnbalance, 1e-300)  # 0 in perfect balance
     return min(longest, max(shortest, math.sqrt(min(FARTHEST, reach * solver.unbalance) / largest)))
@@ -396,7 +402,7 @@ class Biaxial:
 
     def _approach_rest(self):
         O.dt = self.time_unit * approach(self.progress["approach"], self.solver)
-        self._steps(LOOK if self.solver.unbalance < ROUGH else 1)
+        self._steps(next_look(self.solver))
         self.solver.followFlow = bool(self._off_isotropic() > HELD_UP * self.solver.unbalance)
 
     def _start_shear(self):

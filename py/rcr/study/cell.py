@@ -14,7 +14,7 @@ from yade.wrapper import ForceResetter, FrictMat, InsertionSortCollider, Interac
 
 import rcr
 from rcr import checks
-from rcr.study.biaxial import BALANCED, DENSITY, LOOK, R_MIN, REST_TOLERANCE, STRESS, approach, random_radii
+from rcr.study.biaxial import BALANCED, DENSITY, R_MIN, REST_TOLERANCE, STRESS, approach, next_look, random_radii
 
 O = Omega()
 
@@ -111,13 +111,13 @@ class CellTest:
         O.cell.velGrad = Matrix3.Zero
         self.press.stress = (STRESS, STRESS)
         tolerance = self.solver.tolerance
-        course = {}
-        for step in range(0, PATIENCE, LOOK):
-            for _ in range(LOOK):
+        course, first = {}, O.iter
+        while O.iter - first < PATIENCE:
+            for _ in range(next_look(self.solver)):
                 self.solver.tolerance = REST_TOLERANCE * min(0.1, max(self.solver.unbalance, BALANCED))
                 O.step()
                 report(self)
-            if step > 50 and self.solver.unbalance < BALANCED:
+            if O.iter - first > 50 and self.solver.unbalance < BALANCED:
                 self.solver.tolerance = tolerance
                 return
             O.dt = self.time_unit * approach(course, self.solver)
