@@ -375,8 +375,9 @@ class Biaxial:
                 if self.solver.unbalance < balanced:
                     if self._off_isotropic() < ISOTROPIC:
                         self._start_shear()
-                    else:
-                        self._begin_rest()  # the packing still creeps, and the faster the longer the steps
+                    else:  # the packing still creeps, and the faster the longer the steps
+                        course = self.progress["approach"]
+                        course.update(reach=course["reach"] / SHORTER, unbalances=[])
             report(self)
             if O.iter > PATIENCE:
                 raise RuntimeError(
@@ -395,10 +396,7 @@ class Biaxial:
         width, height = self.width, self.height
         self._steps(1)
         if max(self.width / width, self.height / height) > 1 + contraction / 2 or self.mean_stresses.min() > COLLAPSED * STRESS:
-            self._begin_rest()
-
-    def _begin_rest(self):
-        self.progress.update(phase="rest", approach={})
+            self.progress.update(phase="rest", approach={})
 
     def _approach_rest(self):
         O.dt = self.time_unit * approach(self.progress["approach"], self.solver)

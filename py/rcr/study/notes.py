@@ -188,7 +188,7 @@ def weak_discs(runs, others):
     text = (
         f"a_c(ξ) of discs has its lowest value, {_number(mean[k], error[k])}, at ξ = {xi[k]:.2f}, and is {_number(mean[one], error[one])} at ξ = 1 "
         f"(I = {_rate(runs[0])}, {len(networks)} snapshots). Contacts of grains that touch no wall have {_number(inner[k], inner_error[k])} and "
-        f"{_number(inner[one], inner_error[one])} there: walls, along which grains line up, matter as much as the sign. Beside a_c(∞) = "
+        f"{_number(inner[one], inner_error[one])} there. Beside a_c(∞) = "
         f"{_number(*with_error([network.anisotropies()[0] for network in networks]))} the weak contacts of discs are nearly isotropic, whatever their sign."
     )
     return Note("Weak contacts of discs", text, "weak-discs", figure)
