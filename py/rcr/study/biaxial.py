@@ -44,7 +44,7 @@ FARTHEST = 0.1  # displacement of a grain in a step of the approach to rest, at 
 REACH = 20.0  # … and this times the mean net force over the mean contact force [d] …
 SHORTER = 0.6  # … shortened to this share whenever the net forces of `LOOKS` looks are not `FALL` of those before: flips that long steps keep up end so …
 LOOKS, FALL = 5, 0.8
-LEAST_REACH, STILL = 0.05, 0.97  # … and as long as at first where net forces stay as they are below this: short steps make large packings creep
+LEAST_REACH = 0.05  # … and as long as at first below this: short steps make large packings creep
 LOOK, ROUGH = 10, 0.03  # steps of the approach between two looks at the net forces, all of one length, where these are below that; else one
 TIME_STEP = 0.1  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then some 15 % of the mean contact force
@@ -94,11 +94,8 @@ def approach(course, solver):
         unbalances = [*unbalances, solver.unbalance]
     if len(unbalances) == 2 * LOOKS:
         earlier, unbalances = unbalances[:LOOKS], unbalances[LOOKS:]
-        share = sum(unbalances) / sum(earlier)
-        if reach > LEAST_REACH and share > FALL:
-            reach *= SHORTER
-        elif reach <= LEAST_REACH and share > STILL:
-            reach = REACH
+        if sum(unbalances) > FALL * sum(earlier):
+            reach = SHORTER * reach if SHORTER * reach > LEAST_REACH else REACH
     course.update(reach=reach, unbalances=unbalances, steps=steps)
     shortest, longest = TIME_STEPS
     largest = max(solver.largestUnbalance, 1e-300)  # 0 in perfect balance
