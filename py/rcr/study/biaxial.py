@@ -46,6 +46,7 @@ SHORTER = 0.6  # … shortened to this share whenever the net forces of `LOOKS` 
 LOOKS, FALL = 5, 0.8
 LEAST_REACH = 0.05  # … and as long as at first below this: short steps make large packings creep
 LOOK, ROUGH = 10, 0.03  # steps of the approach between two looks at the net forces, all of one length, where these are below that; else one
+HELD_UP = 3  # deviation of the wall stresses from σ₀ over the mean net force, from which on the drag of the whole sample holds up its contraction
 TIME_STEP = 0.1  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then some 15 % of the mean contact force
 QUASI_STATIC_PACE = 1e-4  # I t₀/dt of shear without inertia: the drag of a grain over σ₀
@@ -54,7 +55,6 @@ QUASI_STATIC_PACE = 1e-4  # I t₀/dt of shear without inertia: the drag of a gr
 OVERDAMPED_VIOLATION = 0.1
 QUASI_STATIC = dict(overdamped=True, inertial_number=QUASI_STATIC_PACE, time_step=1.0)  # whose averages are those of the limit I → 0 (docs/study-notes.md)
 SHEAR_ITERATIONS = 300  # of a step of the shear, at most: where a large packing is about to yield, thousands would change no average
-HELD_UP = 3  # deviation of the wall stresses from σ₀ over the mean net force, from which on the drag of the whole sample holds up its contraction
 RAMP = 0.002  # strain over which the top wall takes up its velocity
 BALANCED = 2e-3  # mean net force of a grain over the mean contact force, at the end of the compaction
 ISOTROPIC = 1e-2  # largest relative deviation of the wall stresses from σ₀, likewise
