@@ -1,17 +1,17 @@
 """Chart c. The biaxial test to 20 % of strain: error of what a study reports against processor time of the shear.
 
-Every run of one elongation starts from the same frictionless packing (rigid, `Biaxial.compact`); its loads, walls and rate are those
-of scripts/biaxial.py. Means over strains of 10 to 20 %: q/p and the packing fraction of all records, I_M, a_c and the mean overlap of one
-network a per cent. Laws:
+Every run of one elongation and seed starts from the same frictionless packing (rigid, `Biaxial.compact`); its loads and walls are those of
+scripts/biaxial.py. Means over strains of 10 to 20 %: q/p and the packing fraction of all records, the rest of one network a per cent. Laws:
 
 | law    | what it is                                                                                                             |
 |--------|------------------------------------------------------------------------------------------------------------------------|
-| cd     | ContactDynamics, over solver, dt/t₀ and tolerance                                                                       |
+| cd     | ContactDynamics, over dt/t₀, tolerance and rate, one of them at a time                                                  |
 | smooth | Law2_RcrGeom_FrictPhys_CundallStrack, over k_n/σ₀, as `--law smooth` has it                                              |
 | stock  | what YADE has without this plugin: clumps of spheres of the cap radius, every R'/2 along the core, with the mass and inertia of the grain, Law2_ScGeom_FrictPhys_CundallStrack, k_n/σ₀ a sphere, local damping 0.2 |
 
-The reference is the mean of several seeds with rigid contacts at the finest setting; what is drawn is how far the mean of a setting's seeds is
-from it. Below the band s √(1/n + 1/n_ref), s the standard deviation of the reference's seeds, that is chance.
+The error of a setting is the mean, over seeds, of its difference from the reference of the same packing: rigid contacts with the shortest step
+and the smallest tolerance, or, for rates, at the slowest of them. Its error bar is the standard deviation of the differences over √seeds: below it
+a difference is chance.
 """
 
 import math
@@ -32,12 +32,23 @@ from rcr.network import BOTTOM, LEFT, RIGHT, TOP, Network
 
 O = Omega()
 TITLE = "Biaxial test: error against processor time of 20 % of strain"
-OBSERVED = "sin_phi", "packing_fraction", "friction_mobilization", "a_c", "mean_overlap"
-COLUMNS = ["eta", "particles", "law", "solver", "dt", "tolerance", "stiffness", "seed", "steps", "seconds", *OBSERVED]
+TITLES = dict(
+    sin_phi="q/p", packing_fraction="packing fraction", friction_mobilization="I_M", mobilized="share of sliding contacts (I_m > 0.99)",
+    weak_fabric="fabric of weak contacts, a_c(ξ = 1)", mean_overlap="mean overlap [d]",
+)  # fmt: skip
+OBSERVED = tuple(TITLES)
+SETTING = "law", "dt", "tolerance", "inertial_number", "stiffness"
+COLUMNS = ["eta", "particles", *SETTING, "seed", "steps", "seconds", *OBSERVED]
 DEPENDS = ("quick", "particles")
 ETAS = 0.0, 0.5
 STRAIN, FROM, LOOK = 0.2, 0.1, 0.01
+DT, TOLERANCE, RATE = 0.1, 1e-4, 1e-3  # the default, about which one setting at a time is changed
+FINEST = dict(dt=0.025, tolerance=1e-6, inertial_number=RATE)  # the reference …
+SLOWEST = 2.5e-4  # … and that of rates
+SWEEPS = dict(dt=(0.4, 0.2, DT, 0.05), tolerance=(1e-2, 1e-3, TOLERANCE, 1e-5), inertial_number=(4e-3, 2e-3, RATE, 5e-4))
+MOST_ITERATIONS = 20_000  # of a step: here the tolerance alone shall end it
 STOCK_DAMPING = 0.2
+SLIDING = 0.99  # least I_m of a contact that counts as sliding
 
 
 # ---------------------------------------------------------------------------------------------- the three laws
@@ -54,10 +65,11 @@ def _compacted(eta, seed, options):
     return Biaxial.load(folder)
 
 
-def rigid(test, solver, time_step, tolerance):
-    test.parameters["time_step"] = time_step
-    O.dt = time_step * test.time_unit
-    test.solver.solver, test.solver.tolerance, test.solver.threads = solver, tolerance, 1
+def rigid(test, dt, tolerance, inertial_number):
+    """The test with rigid contacts, each step solved to the tolerance."""
+    test.parameters.update(time_step=dt, inertial_number=inertial_number)
+    O.dt = dt * test.time_unit
+    test.solver.tolerance, test.solver.maxIterations, test.solver.threads = tolerance, MOST_ITERATIONS, 1
     return test
 
 
@@ -173,40 +185,31 @@ def _sheared(test):
             raise RuntimeError(f"the packing flew apart at a strain of {test.strain:.3f}")
         if test.strain > look - 0.5 * RECORD:
             network = test.network()
-            networks.append((network.friction_mobilization().mean(), network.anisotropies()[0]))
+            mobilization = network.friction_mobilization()
+            networks.append((mobilization.mean(), (mobilization > SLIDING).mean(), network.anisotropies(1.0)[0]))
             overlaps.append(test.overlaps().mean())
             look += LOOK
     late = [row for row in test.rows if row["strain"] > FROM]
     mean = lambda name: float(np.mean([row[name] for row in late]))
-    mobilization, anisotropy = np.mean(networks, axis=0)
-    values = mean("sin_phi"), mean("packing_fraction"), float(mobilization), float(anisotropy), float(np.mean(overlaps))
+    values = mean("sin_phi"), mean("packing_fraction"), *map(float, np.mean(networks, axis=0)), float(np.mean(overlaps))
     return dict(zip(OBSERVED, values), seconds=seconds)
 
 
 def points(options):
-    """Names eta/law/setting/seed."""
-    quick = options.quick
-    dts, tolerances = ((0.1, 0.4) if quick else (0.025, 0.05, 0.1, 0.2, 0.4)), (1e-2, 1e-3, 1e-4)
-    settings = [f"cd/auto/{dt:g}/{tolerance:g}" for dt in dts for tolerance in tolerances]
-    settings += [f"cd/nlgs/0.1/{tolerance:g}" for tolerance in tolerances]
-    settings += [f"smooth/{k:g}" for k in (1e2, 1e3, 1e4)] + [f"stock/{k:g}" for k in ((1e2, 1e3) if quick else (1e2, 1e3, 1e4))]
-    names = []
-    for eta in ETAS:
-        names += [f"{eta:g}/reference/{seed}" for seed in range(1, 7)]
-        names += [f"{eta:g}/{setting}/{seed}" for setting in settings for seed in ((1, 2, 3) if quick else (1, 2))]
-        names += [] if quick else [f"{eta:g}/smooth/{1e5:g}/1"]  # takes minutes
-    return names
+    """Names eta/law/setting/seed; of rigid contacts dt, tolerance and rate."""
+    rigid = [dict(dt=DT, tolerance=TOLERANCE, inertial_number=RATE, **{name: value}) for name, values in SWEEPS.items() for value in values]
+    rigid = [FINEST, dict(dt=DT, tolerance=TOLERANCE, inertial_number=SLOWEST), *rigid]
+    settings = dict.fromkeys(f"cd/{s['dt']:g}/{s['tolerance']:g}/{s['inertial_number']:g}" for s in rigid)
+    springs = [f"{law}/{k:g}" for law in ("smooth", "stock") for k in ((1e2, 1e3) if options.quick else (1e2, 1e3, 1e4))]
+    rigid_seeds, spring_seeds = (2, 2) if options.quick else (16, 6)
+    names = [f"{eta:g}/{setting}/{seed}" for eta in ETAS for setting in settings for seed in range(1, rigid_seeds + 1)]
+    return names + [f"{eta:g}/{setting}/{seed}" for eta in ETAS for setting in springs for seed in range(1, spring_seeds + 1)]
 
 
 def run(name, options):
     eta, law, *setting, seed = name.split("/")
     row = dict(eta=float(eta), particles=options.particles, law=law, seed=int(seed))
-    if law == "reference":
-        row.update(solver="auto", dt=0.1 if options.quick else 0.05, tolerance=1e-5)
-    elif law == "cd":
-        row.update(solver=setting[0], dt=float(setting[1]), tolerance=float(setting[2]))
-    else:
-        row["stiffness"] = float(setting[0])
+    row.update(zip(("dt", "tolerance", "inertial_number") if law == "cd" else ("stiffness",), map(float, setting)))
     test = _compacted(row["eta"], row["seed"], options)
     first = O.iter
     if law == "smooth":
@@ -214,87 +217,77 @@ def run(name, options):
     elif law == "stock":
         test, first = Stock(test, row["stiffness"]), 0
     else:
-        test = rigid(test, row["solver"], row["dt"], row["tolerance"])
+        test = rigid(test, row["dt"], row["tolerance"], row["inertial_number"])
     found = _sheared(test)
-    return [dict(row, **found, dt=O.dt / test.time_unit, steps=O.iter - first)]
+    return [dict(row, **found, steps=O.iter - first)]
 
 
-TITLES = dict(
-    sin_phi="relative error of q/p", packing_fraction="relative error of the packing fraction", friction_mobilization="relative error of I_M",
-    a_c="error of a_c", mean_overlap="mean overlap [d]",
+def _difference(runs, target, name):
+    """Processor time [s], mean difference from the target in pairs of equal packings, and its standard error, NaN of one pair alone. Overlaps are errors as they are."""
+    differences = [row[name] - (0 if name == "mean_overlap" else target[seed][name]) for seed, row in runs.items() if seed in target]
+    if not differences:
+        return None
+    error = np.std(differences, ddof=1) / math.sqrt(len(differences)) if len(differences) > 1 else math.nan
+    return np.mean([row["seconds"] for row in runs.values()]), np.mean(differences), error
+
+
+def sweeps(rows, name):
+    """Of one elongation: {what is swept: [(its value, processor time [s], difference from the reference, its standard error)]}."""
+    of = {}
+    for row in rows:
+        of.setdefault(tuple(row[key] for key in SETTING), {})[row["seed"]] = row
+    rigid = lambda **changed: of.get(("cd", *dict(dict(dt=DT, tolerance=TOLERANCE, inertial_number=RATE), **changed).values(), ""), {})
+    finest, slowest = rigid(**FINEST), rigid(inertial_number=SLOWEST)
+    found = {}
+    for swept, values in SWEEPS.items():
+        found[swept] = [(value, _difference(rigid(**{swept: value}), slowest if swept == "inertial_number" else finest, name)) for value in values]
+    for law in ("smooth", "stock"):
+        found[law] = [(setting[-1], _difference(runs, finest, name)) for setting, runs in sorted(of.items(), key=lambda item: str(item[0])) if setting[0] == law]
+    return {swept: [(value, *difference) for value, difference in line if difference] for swept, line in found.items()}
+
+
+LABELS = dict(
+    dt="rigid, dt/t₀ = 0.4 … 0.05", tolerance="rigid, tolerance 1e-2 … 1e-5", inertial_number="rigid, I = 4e-3 … 5e-4", smooth="springs on RCRs, k_n/σ₀ = 10², 10³ …",
+    stock="YADE's clumps, k_n/σ₀ = 10², 10³ …",
 )  # fmt: skip
+STYLES = dict(dt=("0", "o", "-"), tolerance=("0", "s", "--"), inertial_number=("0", "^", ":"), smooth=("0.55", "D", "-"), stock=("0.55", "v", "--"))
 
 
 def plot(rows, options):
     from matplotlib.figure import Figure
 
     rows = [row for row in rows if row["status"] == "ok"]
-    figure = Figure(figsize=(9, 3 * len(OBSERVED)))
-    for line, name in zip(figure.subplots(len(OBSERVED), len(ETAS)), OBSERVED):
+    figure = Figure(figsize=(9, 2.6 * len(OBSERVED)))
+    for line, name in zip(figure.subplots(len(OBSERVED), len(ETAS), sharex="col"), OBSERVED):
         for ax, eta in zip(line, ETAS):
-            _panel(ax, [row for row in rows if row["eta"] == eta], name)
-            ax.set_title(f"η = {eta:g}: {TITLES[name]}", fontsize=10)
+            for swept, points in sweeps([row for row in rows if row["eta"] == eta], name).items():
+                _, seconds, difference, error = np.array(points).reshape(-1, 4).T
+                color, marker, dashes = STYLES[swept]
+                size = np.abs(difference)
+                below = np.minimum(np.nan_to_num(error), 0.999 * size)  # a bar that would reach 0 ends just above it
+                ax.errorbar(seconds, size, (below, np.nan_to_num(error)), color=color, marker=marker, ls=dashes, mfc="w" if swept in ("dt", "smooth") else color, ms=5, lw=1, label=LABELS[swept])
+            ax.set(xscale="log", yscale="log")
+            ax.set_title(f"η = {eta:g}: {TITLES[name] if name == 'mean_overlap' else 'error of ' + TITLES[name]}", fontsize=10)
+            ax.grid(alpha=0.3)
+            if name != "mean_overlap":
+                ax.set_ylim(bottom=1e-4)
             if name == OBSERVED[-1]:
                 ax.set_xlabel("processor time [s]")
     handles = {label: handle for ax in figure.axes for handle, label in zip(*ax.get_legend_handles_labels())}
-    figure.tight_layout(rect=(0, 0, 1, 0.94))
-    figure.legend(handles.values(), handles.keys(), ncols=3, loc="upper center", fontsize=9)
+    figure.tight_layout(rect=(0, 0, 1, 0.95))
+    figure.legend(handles.values(), handles.keys(), ncols=2, loc="upper center", fontsize=9)
     return figure
 
 
-def _errors(rows, name):
-    """Of one elongation: [(a row of the setting, seconds, error)], and the error that is chance, 0 where it is not known.
-
-    Overlaps are errors as they are; everything else as its distance from the reference, relative but for a_c, which may be small.
-    """
-    finest = np.array([row[name] for row in rows if row["law"] == "reference"])
-    plain = name == "mean_overlap" or not len(finest)
-    target, scale = 0 if plain else finest.mean(), 1 if plain or name == "a_c" else abs(finest.mean())
-    settings = {}  # the seeds of each
-    for row in rows:
-        if row["law"] != "reference":
-            settings.setdefault(row["point"].rsplit("/", 1)[0], []).append(row)
-    mean = lambda runs, key: np.mean([row[key] for row in runs])
-    errors = [(runs[0], mean(runs, "seconds"), max(1e-6, abs(mean(runs, name) - target) / scale)) for runs in settings.values()]
-    seeds = max(map(len, settings.values()), default=1)
-    chance = 0 if plain or len(finest) < 2 else finest.std(ddof=1) * math.sqrt(1 / seeds + 1 / len(finest)) / scale
-    return errors, chance
-
-
 def ratios(rows):
-    """Processor time of springs and clumps over the least of rigid contacts with no larger error, chance aside, for each observable."""
+    """Errors of each setting, with those of chance, and its processor time."""
     rows = [row for row in rows if row["status"] == "ok"]
-    yield "time over that of rigid contacts | " + " | ".join(TITLES[name] for name in OBSERVED)
-    yield "---|" * len(OBSERVED) + "---"
+    yield " | ".join(["setting", "seconds", *TITLES.values()])
+    yield "---|" * (len(OBSERVED) + 1) + "---"
+    names = dict(dt="dt/t₀ = {:g}", tolerance="tolerance {:.0e}", inertial_number="I = {:g}", smooth="springs, k_n/σ₀ = {:.0e}", stock="clumps, k_n/σ₀ = {:.0e}")
     for eta in ETAS:
-        cells = {}
-        for name in OBSERVED:
-            errors, chance = _errors([row for row in rows if row["eta"] == eta], name)
-            for row, seconds, error in errors:
-                if row["law"] != "cd":
-                    rigid = [t for other, t, e in errors if other["law"] == "cd" and e <= max(error, chance)]
-                    cell = f"{seconds / min(rigid):.2g}" if rigid else "not reached"
-                    cells.setdefault(f"η = {eta:g}, {row['law']}, k_n/σ₀ = {row['stiffness']:.0e}, {seconds:.2g} s", []).append(cell)
-        for setting, line in cells.items():
-            yield f"{setting} | " + " | ".join(line)
-
-
-def _panel(ax, rows, name):
-    errors, chance = _errors(rows, name)
-    curves = {}
-    for row, seconds, error in errors:
-        curves.setdefault(_label(row), []).append((seconds, error))
-    for label, curve in curves.items():
-        color = "k" if "springs" in label else "0.5" if "clumps" in label else "C3" if "nlgs" in label else "C0"
-        marker = {"1e-02": "v", "1e-03": "s", "1e-04": "o"}.get(label[-5:], "^" if "springs" in label else "D")
-        ax.loglog(*np.array(sorted(curve)).T, marker + "-", color=color, ms=5, lw=0.8, mfc="w" if "nlgs" in label else color, label=label)
-    if chance:
-        ax.axhspan(1e-6, chance, color="0.9", label="chance (standard error of the difference)")
-        ax.set_ylim(bottom=1e-3)
-    ax.grid(alpha=0.3)
-
-
-def _label(row):
-    if row["law"] == "cd":
-        return f"rigid, {row['solver']}, tolerance {row['tolerance']:.0e}"
-    return dict(smooth="springs on RCRs, k_n/σ₀ = 10², 10³ …", stock="YADE's clumps, k_n/σ₀ = 10², 10³ …")[row["law"]]
+        of_eta = {name: sweeps([row for row in rows if row["eta"] == eta], name) for name in OBSERVED}
+        for swept, line in of_eta[OBSERVED[0]].items():
+            for k, (value, seconds, *_) in enumerate(line):
+                cells = [f"{of_eta[name][swept][k][2]:+.1g} ± {of_eta[name][swept][k][3]:.0e}" if name != "mean_overlap" else f"{of_eta[name][swept][k][2]:.1e}" for name in OBSERVED]
+                yield " | ".join([f"η = {eta:g}, {names[swept].format(value)}", f"{seconds:.2g}", *cells])

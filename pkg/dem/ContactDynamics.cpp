@@ -88,18 +88,20 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	rcr::Settings how     = settings(rcr::driveOf(step_));
 	how.maxIterations     = std::max(1, how.maxIterations / (follows + 1));
 	for (int pass = 1;; ++pass) {
+		how.probe = follows == 0; // else the flow may be what is wrong with the step
 		solve(how);
 		bool missed = false, adapted = false;
 		if (pass < mostPasses) {
 			timed("late", [&] { missed = takeInMissedContacts(engines); });
 			timed("adapt", [&] { adapted = !missed && (overdamped ? follows > 0 && rcr::followStretch(step_) : adaptBiases(pass <= mostPasses / 2)); });
 		}
-		if (!missed && !adapted) break;
+		const bool goesOn = !missed && !adapted && follows > 0 && !converged; // with the flow that fits, and all iterations that are left
+		if (!missed && !adapted && !goesOn) break;
+		follows           = goesOn ? 0 : follows - int(adapted && overdamped);
 		how               = settingsOfFurtherPass();
-		how.maxIterations = std::max(how.minIterations, how.maxIterations / std::max(follows, 1));
-		how.continued     = !missed && !overdamped; // else velocities without contacts, or contacts, are others
+		how.maxIterations = std::max(how.minIterations, how.maxIterations / (follows + 1));
+		how.continued     = goesOn || (!missed && !overdamped); // else velocities without contacts, or contacts, are others
 		how.yielded       = yielded;
-		if (adapted && overdamped) --follows;
 	}
 	refuseUnlessFinite();
 	refuseFarStretch();

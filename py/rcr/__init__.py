@@ -20,7 +20,7 @@ __version__ = "0.1.0"
 
 _MODULES = ("export", "measure", "plot", "script")  # loaded when they are used: the libraries that they need take time
 _LAZY = dict(snapshot="plot", movie="plot", Profile="profile")  # name: its module
-_SCENE = ("advance", "clump", "contact_network", "critical_time_step", "disc", "mobile_wall", "particle", "segment", "wall")  # with the classes, those of a session
+_SCENE = ("advance", "clump", "contact_network", "critical_time_step", "disc", "half_step_start", "mobile_wall", "particle", "segment", "wall")  # with the classes, those of a session
 _CLASSES = re.compile("(Bo1|Gl1|Ig2|Ip2|Law2)_.*|Rcr|RcrGeom|RcrFrictPhys|CdPhys|ContactDynamics|CellStress|WallStress")
 
 
@@ -76,6 +76,7 @@ if "yade" in sys.modules:
     globals().update(_classes)
     from rcr import counterparts, session
     from rcr.advance import advance
+    from rcr.half_step import half_step_start
     from rcr.scene import clump, contact_network, critical_time_step, disc, mobile_wall, particle, save_problem, segment, wall
 
     _classes["ContactDynamics"].save = save_problem

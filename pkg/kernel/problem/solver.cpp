@@ -55,7 +55,7 @@ namespace {
 		if (bearsTooMuch(problem, settings)) return true;
 		if (mayTakeTooMuch(problem, report.taken, report.freeSpeed) && takesTooMuch(problem)) return true;
 		if (report.converged || settings.tolerance == 0) return false;
-		return settings.yielded || (settings.maxIterations >= fewestToProbe && growsWithoutBound(problem, settings, workspace));
+		return settings.yielded || (settings.probe && settings.maxIterations >= fewestToProbe && growsWithoutBound(problem, settings, workspace));
 	}
 
 	/// What a solver has left of what another one has left.

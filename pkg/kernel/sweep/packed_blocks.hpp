@@ -159,8 +159,9 @@ template <class Real> struct PackedKernelsOf {
 	double (*sweepMomentum)(const View&, const Chunk&, double momentum);
 	/// The same with contacts that yield: the share `kept` of every solution.
 	double (*sweepYielding)(const View&, const Chunk&, double momentum, double kept);
-	/// Sums for the stop criteria at the present impulses and velocities.
-	Measures (*measure)(const View&, const Chunk&);
+	/// Sums for the stop criteria at the present impulses and velocities; of floats about a reference, whose `bias` holds its velocities too, with
+	/// the biases of the points in doubles.
+	Measures (*measure)(const View&, const Chunk&, const ColumnOf<double>* exact);
 	/// Writes the velocities (u_n + b_n, u_t) of the points to `bias` and `slip` of blocks of floats: those of a reference.
 	void (*refer)(const View&, const Chunk&, ColumnOf<float>* points);
 	/// v_old ← v + β (v − v_old) for halves of records first … last − 1: the two then change places.

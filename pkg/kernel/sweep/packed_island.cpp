@@ -144,7 +144,7 @@ Measures PackedIsland::measure() { return single_ ? measure(singleView_, *packed
 
 template <class Real> Measures PackedIsland::measure(const View<Real>& view, const PackedKernelsOf<Real>& kernels)
 {
-	forEachChunk([&](const Chunk& chunk, int k) { packed_.partial_[k] = kernels.measure(view, chunk); });
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.partial_[k] = kernels.measure(view, chunk, view_.points); });
 	Measures total = sum(packed_.partial_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		const Impulse u = relativeVelocity(view, c);

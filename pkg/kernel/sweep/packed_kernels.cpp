@@ -218,7 +218,20 @@ namespace RCR_LANE_NAMESPACE {
 			return sweepKeeping(view, chunk, momentum, Share { Real(kept) });
 		}
 
-		Measures measure(const PackedView& view, const Chunk& chunk)
+		/// The biases of points: of floats those in doubles, beside which theirs holds the velocity of the reference, too.
+		INLINE inline L biasOf(const PointBlock& c, int lane, [[maybe_unused]] const ColumnOf<double>* exact)
+		{
+			if constexpr (std::is_same_v<Real, double>) return L::load(c.bias + lane);
+			else {
+				alignas(64) Real bias[RCR_LANES];
+				const double*    from = reinterpret_cast<const PointBlockOf<double>*>(exact)->bias + lane;
+				for (int k = 0; k < RCR_LANES; ++k)
+					bias[k] = Real(from[k]);
+				return L::load(bias);
+			}
+		}
+
+		Measures measure(const PackedView& view, const Chunk& chunk, const ColumnOf<double>* exact)
 		{
 			Sum error2, impulse2, normal, violation2, velocity2, stopping2, taken;
 			dispatch(chunk, [&](auto model, auto) {
@@ -227,15 +240,17 @@ namespace RCR_LANE_NAMESPACE {
 					const auto [v1, v2] = loadWhole<M>(*point, lane, at1, at2);
 					for (auto* c = point; c < point + chunk.pointsPerPair; ++c) {
 						const Vector u = wholeVelocity(*c, lane, v1, v2), p { L::load(c->pn + lane), tangential(*c, lane) };
-						const L      bias = L::load(c->bias + lane), un = u.n + bias, mu = friction(*c, lane);
-						const L      scale = L::load(c->inverseNn + lane), stopping = (abs(u.n) + abs(bias)) * scale;
+						const L      un = u.n + L::load(c->bias + lane), mu = friction(*c, lane);
+						const L      bias  = biasOf(*c, lane, exact + (reinterpret_cast<const ColumnOf<Real>*>(c) - view.points));
+						const L      speed = std::is_same_v<Real, double> ? u.n : un - bias; // else without the reference's
+						const L      scale = L::load(c->inverseNn + lane), stopping = (abs(speed) + abs(bias)) * scale;
 						const Vector q     = projectCone({ p.n - (un + mu * abs(u.t)) * scale, p.t - u.t * scale }, mu);
 						const L      miss = (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
 						error2.add(lane, miss);
 						impulse2.add(lane, p.n * p.n + p.t * p.t);
 						normal.add(lane, p.n);
 						violation2.add(lane, select(scale <= L(0.0), L(0.0), miss / (scale * scale)));
-						velocity2.add(lane, u.n * u.n + u.t * u.t);
+						velocity2.add(lane, speed * speed + u.t * u.t);
 						stopping2.add(lane, stopping * stopping);
 						taken.add(lane, L(0.0) - (p.n * un + p.t * u.t));
 					}

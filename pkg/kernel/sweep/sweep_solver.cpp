@@ -16,7 +16,7 @@ double Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
 
 namespace {
 
-	constexpr double finestSingle = 1e-5; // residual down to which floats serve: impulses are rounded to 6e-8
+	constexpr double finestSingle = 1e-6; // residual down to which floats serve: impulses are rounded to 6e-8
 
 	Criteria criteriaOf(const Measures& m, double freeVelocity2, double rest)
 	{

@@ -1,0 +1,69 @@
+"""rcr.half_step_start: velocities of now count as of now, and the error of a smooth motion falls with dt²."""
+
+import pytest
+import rcr
+from benchmarks import charts
+from benchmarks.charts import deterministic
+from scenes import build, material, stadium
+from yade import O
+from yade.wrapper import NewtonIntegrator
+
+G = 9.81
+OPTIONS = charts.Options(out="", quick=True, particles=50, siconos="", peers="", limit=60)
+
+
+def error(name):
+    (row,) = deterministic.run(name, OPTIONS)
+    return abs(row["value"] / row["reference"] - 1)
+
+
+@pytest.mark.parametrize("scene", ["incline", "disc"])
+def test_constant_acceleration_is_exact(scene):
+    """Under friction, too: the first step has the half of it."""
+    assert error(f"{scene}/half/0.02/1e-08") < 1e-6 < 0.03 < error(f"{scene}/cd/0.02/1e-08")
+
+
+def test_smooth_motion_is_of_higher_order():
+    """Steps shorter by 20: an error of first order falls by 20, of second order by 400."""
+    coarse, fine = (error(f"ladder/half/{dt}/1e-08") for dt in ("0.02", "0.001"))
+    assert fine < coarse / 80 and coarse < 0.1 * error("ladder/cd/0.02/1e-08")
+
+
+def test_gravity_and_permanent_loads_of_what_is_free():
+    m = material()
+    grain, clump_members = stadium(0.2, 0.1, (0, 5), material=m), [rcr.disc((3 + k, 5), 0.4, m) for k in range(2)]
+    _, grain = build(rcr.wall("y", 0, material=m), grain, dt=1e-2)
+    clump, members = rcr.clump(clump_members)
+    guided = O.bodies.append(rcr.particle((8, 5), 0.2, 0.5, material=m))
+    O.bodies[guided].state.blockedDOFs = "xzXYZ"
+    s = O.bodies[grain].state
+    O.forces.setPermF(grain, (3 * s.mass, 0, 0))
+    O.forces.setPermT(grain, (0, 0, 2 * s.inertia[2]))
+    O.forces.setPermF(guided, (1, 0, 0))
+    starts = {i: O.bodies[i].state.pos for i in (grain, clump, guided)}
+    rcr.half_step_start()
+    O.run(20, True)
+    t = 20 * O.dt
+    for i, (x, y) in {grain: (1.5 * t**2, -0.5 * G * t**2), clump: (0, -0.5 * G * t**2), guided: (0, -0.5 * G * t**2)}.items():
+        assert tuple(O.bodies[i].state.pos - starts[i]) == pytest.approx((x, y, 0), abs=1e-9), i
+    assert s.rot()[2] == pytest.approx(t**2, abs=1e-9)
+
+
+def test_a_pile_at_rest_stays_at_rest():
+    m = material(friction=0.5)
+    ids = build(rcr.wall("y", 0, material=m), *(stadium(0.2, 0.1, (0, 0.1 + 0.2 * k), material=m) for k in range(5)))
+    rcr.half_step_start()
+    O.run(100, True)
+    assert max(O.bodies[i].state.vel.norm() for i in ids) < 1e-6
+    assert max(O.bodies[i].state.displ().norm() for i in ids) < 1e-6
+
+
+def test_what_it_needs_is_named():
+    build(stadium(0.2, 0.1, (0, 1), material=material()))
+    O.engines = [engine for engine in O.engines if not isinstance(engine, NewtonIntegrator)]
+    with pytest.raises(ValueError, match="0 NewtonIntegrators that are not dead; wanted one"):
+        rcr.half_step_start()
+    build(stadium(0.2, 0.1, (0, 1), material=material()))
+    O.dt = 0
+    with pytest.raises(ValueError, match="O.dt = 0.0; wanted"):
+        rcr.half_step_start()
