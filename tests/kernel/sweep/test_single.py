@@ -52,6 +52,18 @@ def test_tolerances_are_met_in_doubles(problem, tolerance):
     assert result["converged"] and result["residual"] <= tolerance
 
 
+@pytest.mark.parametrize("violation", [0.3, 0.1, 0.03])
+def test_violation_is_that_of_doubles(problem, violation):
+    """Floats hold velocities less those of their reference, and still end at the first sweep at which the whole velocities are good enough."""
+    cold = type(problem)(f"{problem.name}, cold", problem.seed, **{**problem, "impulse": np.zeros_like(problem["impulse"])})
+    for start in (problem, cold):
+        end = start.solve("nesterov", tolerance=0.9, violation=violation, check_interval=1, max_iterations=5000)
+        assert end["violation"] <= violation and end["converged"], start.name
+        if end["iterations"] > 0:
+            earlier = start.solve("nesterov", violation=violation, max_iterations=end["iterations"] - 1, **UNCHECKED)
+            assert earlier["violation"] > 0.999 * violation or earlier["residual"] > 0.9, start.name
+
+
 def test_fine_tolerances_are_left_to_doubles():
     problem = large(frictionless)
     result = problem.solve("nesterov", tolerance=1e-10, max_iterations=100_000)
