@@ -21,6 +21,7 @@ MODULES = {
     "rcr.network": "Contact networks",
     "rcr.profile": "Fields on a grid",
     "rcr.advance": "Steps with a progress bar",
+    "rcr.half_step": "The first half step",
     "rcr.frame": "A scene or a network as arrays",
     "rcr.xi_networks": "ξ-networks",
     "rcr.problems": "Contact problems in files",

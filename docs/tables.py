@@ -158,6 +158,7 @@ TABLES = {
     "quantities": quantities,
     "counterparts": counterparts,
     "one-step": lambda: ratios("a", "a-one-step"),
+    "deterministic": lambda: ratios("b", "b-deterministic"),
     "biaxial-cost": lambda: ratios("c", "c-biaxial-cost"),
     "hard-scenes": hard_scenes,
     "stability": stability,

@@ -6,7 +6,7 @@ Each module of this package is a chart:
     points(options)             names of its points, in the order in which they are run
     run(name, options)          the rows (dicts) of one point; most have one
     plot(rows, options)         the figure
-    ratios(rows)                lines of a table of what is compared, where something is (a and c)
+    ratios(rows)                lines of a table of what is compared, where something is (not d)
     COLUMNS                     of the CSV, after `point` and before `command`
     DEPENDS                     names of the `Options` that its numbers depend on
 

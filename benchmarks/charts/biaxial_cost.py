@@ -42,11 +42,12 @@ COLUMNS = ["eta", "particles", *SETTING, "seed", "steps", "seconds", *OBSERVED]
 DEPENDS = ("quick", "particles")
 ETAS = 0.0, 0.5
 STRAIN, FROM, LOOK = 0.2, 0.1, 0.01
-DT, TOLERANCE, RATE = 0.1, 1e-4, 1e-3  # the default, about which one setting at a time is changed
-FINEST = dict(dt=0.025, tolerance=1e-6, inertial_number=RATE)  # the reference …
-SLOWEST = 2.5e-4  # … and that of rates
-SWEEPS = dict(dt=(0.4, 0.2, DT, 0.05), tolerance=(1e-2, 1e-3, TOLERANCE, 1e-5), inertial_number=(4e-3, 2e-3, RATE, 5e-4))
-MOST_ITERATIONS = 20_000  # of a step: here the tolerance alone shall end it
+RATE = 1e-3
+DEFAULT = dict(dt=0.1, tolerance=1e-4, inertial_number=RATE)  # about which one setting at a time is changed
+FINEST = dict(dt=0.05, tolerance=1e-5, inertial_number=RATE)  # the reference …
+SLOWEST = dict(DEFAULT, inertial_number=5e-4)  # … and that of rates
+SWEEPS = dict(dt=(0.4, 0.2, 0.1, 0.05), tolerance=(1e-2, 1e-3, 1e-4), inertial_number=(4e-3, 2e-3, RATE))
+MOST_ITERATIONS = 1000  # of a step: here the tolerance shall end it
 STOCK_DAMPING = 0.2
 SLIDING = 0.99  # least I_m of a contact that counts as sliding
 
@@ -197,13 +198,12 @@ def _sheared(test):
 
 def points(options):
     """Names eta/law/setting/seed; of rigid contacts dt, tolerance and rate."""
-    rigid = [dict(dt=DT, tolerance=TOLERANCE, inertial_number=RATE, **{name: value}) for name, values in SWEEPS.items() for value in values]
-    rigid = [FINEST, dict(dt=DT, tolerance=TOLERANCE, inertial_number=SLOWEST), *rigid]
+    rigid = [FINEST, SLOWEST, *(dict(DEFAULT, **{name: value}) for name, values in SWEEPS.items() for value in values)]
     settings = dict.fromkeys(f"cd/{s['dt']:g}/{s['tolerance']:g}/{s['inertial_number']:g}" for s in rigid)
     springs = [f"{law}/{k:g}" for law in ("smooth", "stock") for k in ((1e2, 1e3) if options.quick else (1e2, 1e3, 1e4))]
-    rigid_seeds, spring_seeds = (2, 2) if options.quick else (16, 6)
-    names = [f"{eta:g}/{setting}/{seed}" for eta in ETAS for setting in settings for seed in range(1, rigid_seeds + 1)]
-    return names + [f"{eta:g}/{setting}/{seed}" for eta in ETAS for setting in springs for seed in range(1, spring_seeds + 1)]
+    rigid_seeds, spring_seeds = (2, 2) if options.quick else (6, 3)
+    of = lambda settings, seeds: [f"{eta:g}/{setting}/{seed}" for seed in range(1, seeds + 1) for eta in ETAS for setting in settings]
+    return of(settings, rigid_seeds) + of(springs, spring_seeds)
 
 
 def run(name, options):
@@ -235,9 +235,9 @@ def sweeps(rows, name):
     """Of one elongation: {what is swept: [(its value, processor time [s], difference from the reference, its standard error)]}."""
     of = {}
     for row in rows:
-        of.setdefault(tuple(row[key] for key in SETTING), {})[row["seed"]] = row
-    rigid = lambda **changed: of.get(("cd", *dict(dict(dt=DT, tolerance=TOLERANCE, inertial_number=RATE), **changed).values(), ""), {})
-    finest, slowest = rigid(**FINEST), rigid(inertial_number=SLOWEST)
+        of.setdefault(tuple(row.get(key, "") for key in SETTING), {})[row["seed"]] = row
+    rigid = lambda **changed: of.get(("cd", *dict(DEFAULT, **changed).values(), ""), {})
+    finest, slowest = rigid(**FINEST), rigid(**SLOWEST)
     found = {}
     for swept, values in SWEEPS.items():
         found[swept] = [(value, _difference(rigid(**{swept: value}), slowest if swept == "inertial_number" else finest, name)) for value in values]
@@ -247,7 +247,7 @@ def sweeps(rows, name):
 
 
 LABELS = dict(
-    dt="rigid, dt/t₀ = 0.4 … 0.05", tolerance="rigid, tolerance 1e-2 … 1e-5", inertial_number="rigid, I = 4e-3 … 5e-4", smooth="springs on RCRs, k_n/σ₀ = 10², 10³ …",
+    dt="rigid, dt/t₀ = 0.4 … 0.05", tolerance="rigid, tolerance 1e-2 … 1e-4", inertial_number="rigid, I = 4e-3 … 1e-3", smooth="springs on RCRs, k_n/σ₀ = 10², 10³ …",
     stock="YADE's clumps, k_n/σ₀ = 10², 10³ …",
 )  # fmt: skip
 STYLES = dict(dt=("0", "o", "-"), tolerance=("0", "s", "--"), inertial_number=("0", "^", ":"), smooth=("0.55", "D", "-"), stock=("0.55", "v", "--"))

@@ -38,6 +38,8 @@ SMOOTH_DAMPING = 1.0
 RUNS = 4  # of the column, a setting
 TOLERANCES = 1e-2, 1e-4, 1e-8
 SMOOTH_MOTION = "incline", "disc", "ladder"
+STARTS = dict(cd="as YADE starts", half="from half a step")
+EXACT = 1e-9  # relative error that is rounding
 
 
 # ---------------------------------------------------------------------------------------------- scenes
@@ -192,3 +194,19 @@ def plot(rows, options):
         ax.legend(fontsize=7)
     figure.tight_layout()
     return figure
+
+
+def ratios(rows):
+    """Errors of rigid contacts over dt at the finest tolerance, and the order at which they fall from the longest step to the shortest."""
+    rows = [row for row in rows if row["status"] == "ok" and row["scene"] in SMOOTH_MOTION and row["law"] in STARTS and row["tolerance"] == TOLERANCES[-1]]
+    steps = sorted({round(row["dt"], 6) for row in rows}, reverse=True)
+    yield " | ".join(["scene, start", *(f"{1e3 * dt:g} ms" for dt in steps), "order"])
+    yield "---|" * (len(steps) + 1) + "---"
+    for scene in SMOOTH_MOTION:
+        for law, start in STARTS.items():
+            found = {round(row["dt"], 6): abs(row["value"] / row["reference"] - 1) for row in rows if (row["scene"], row["law"]) == (scene, law)}
+            if found:
+                longest, shortest = max(found), min(found)
+                exact = max(found.values()) < EXACT
+                order = "" if exact or longest == shortest else f"{math.log(found[longest] / found[shortest]) / math.log(longest / shortest):.1f}"
+                yield " | ".join([f"{scene}, {start}", *("exact" if exact else f"{found[dt]:.1e}" if dt in found else "" for dt in steps), order])

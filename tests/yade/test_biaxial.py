@@ -133,6 +133,19 @@ def test_steps_towards_rest_shorten_only_where_the_balance_comes_no_nearer():
                                      else math.sqrt(biaxial.FARTHEST / 0.5) for k in range(20)])  # fmt: skip
 
 
+def test_a_packing_that_creeps_on_is_accepted_where_longer_steps_flip_it():
+    """13 000 grains of η = 0.1: balanced at wall stresses 2 % off σ₀, which longer steps did not mend but shake up, for ever."""
+
+    def looks(off, **course):
+        test = types.SimpleNamespace(progress=dict(approach=dict(reach=1.0, **course)), _off_isotropic=lambda: off)
+        accepted = [Biaxial._creeps(test) for _ in range(biaxial.CREEP_LOOKS)]
+        return accepted, test.progress["approach"]["reach"]
+
+    assert looks(0.02) == ([False] * biaxial.CREEP_LOOKS, pytest.approx(biaxial.SHORTER**-biaxial.CREEP_LOOKS))  # no flips so far: longer steps
+    assert looks(0.02, longest=1.0) == ([False] * (biaxial.CREEP_LOOKS - 1) + [True], 1.0)
+    assert looks(0.04, longest=1.0) == ([False] * biaxial.CREEP_LOOKS, pytest.approx(1 / biaxial.SHORTER))  # too far off
+
+
 @pytest.mark.parametrize("eta", [0.1, 0.7])
 def test_collapse_ends_where_the_grains_carry_the_load(eta):
     """A collapse that goes on squeezes a large packing to tens of σ₀, and its rest begins with a burst."""

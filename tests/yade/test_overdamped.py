@@ -85,6 +85,16 @@ def test_a_flow_that_follows_is_one_without_inertia():
     assert tuple(body.state.pos) == (1, 2, 0)
 
 
+def test_iterations_left_by_a_flow_that_fits_are_used():
+    """Nothing stretches as a whole beside a fast flow, so there is one pass, which has them all: it ended after a quarter of them."""
+    m = material(0)
+    flow = Matrix3(0, 1e6, 0, 0, 0, 0, 0, 0, 0)
+    _, solver = flowing(rcr.wall("y", 0, +1, material=m), *(rcr.disc((0, 0.1 + 0.2 * k), 0.1, m) for k in range(30)), flow=flow, gravity=(0, -9.81, 0))
+    solver.followFlow, solver.tolerance, solver.maxIterations, solver.solver = True, 1e-14, 40, "nlgs"
+    O.step()
+    assert not solver.converged and solver.iterations == 40
+
+
 @pytest.mark.parametrize("overdamped, value", [(False, 0.1), (True, math.nan), (True, math.inf)])
 def test_a_flow_that_cannot_be_is_refused(overdamped, value):
     (body,), solver = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(value, 0, 0, 0, 0, 0, 0, 0, 0))

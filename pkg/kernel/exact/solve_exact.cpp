@@ -141,6 +141,7 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	report.residual  = residual(problem);
 	report.violation = violation(problem, settings.rest);
 	report.taken     = energyTaken(problem);
+	report.grown     = std::numeric_limits<double>::infinity(); // what sweeps before told is over
 	report.converged = report.residual <= settings.tolerance && report.violation <= settings.violation;
 	return report;
 }

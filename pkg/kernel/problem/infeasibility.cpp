@@ -11,7 +11,6 @@ namespace rcr {
 namespace {
 
 	constexpr double beyond = 3;    // change of velocity that no solution is worth, over V
-	constexpr double growth = 0.03; // of impulses over 100 sweeps: those that converge change by less
 	constexpr double least  = 1e-3; // of the largest impulse of a direction: smaller ones are its noise
 
 	double mass(const InverseMass& m)
@@ -120,7 +119,7 @@ bool growsWithoutBound(const ContactProblem& problem, const std::vector<Impulse>
 		grown2 += work(d[k], d[k]);
 		size2 += work(p, p);
 	}
-	return grown2 > growth * growth * size2 && requiredSpeed(problem, d) > beyond;
+	return grown2 > leastGrowth * leastGrowth * size2 && requiredSpeed(problem, d) > beyond;
 }
 
 } // namespace rcr

@@ -37,7 +37,10 @@ bool takesTooMuch(const ContactProblem&);
 /// The same with all masses and the RMS |u_free| of all points, at the cost of a pass over the bodies: what is to be asked first.
 bool mayTakeTooMuch(const ContactProblem&, double energy, double freeSpeed);
 
-/// Whether the impulses still grow, by 3 % since `before` at least, and by what proves that velocities would have to change by more than three times V.
+constexpr int    probeSweeps = 100;  // over which impulses grow in a step without a solution …
+constexpr double leastGrowth = 0.03; // … by more than this share; those that converge change by less
+
+/// Whether the impulses still grow, by `leastGrowth` since `before` at least, and by what proves that velocities would have to change by more than three times V.
 bool growsWithoutBound(const ContactProblem&, const std::vector<Impulse>& before);
 
 } // namespace rcr

@@ -55,7 +55,9 @@ namespace {
 		if (bearsTooMuch(problem, settings)) return true;
 		if (mayTakeTooMuch(problem, report.taken, report.freeSpeed) && takesTooMuch(problem)) return true;
 		if (report.converged || settings.tolerance == 0) return false;
-		return settings.yielded || (settings.probe && settings.maxIterations >= fewestToProbe && growsWithoutBound(problem, settings, workspace));
+		if (settings.yielded) return true;
+		if (report.grown <= leastGrowth) return false; // in the sweeps that were made already
+		return settings.probe && settings.maxIterations >= fewestToProbe && growsWithoutBound(problem, settings, workspace);
 	}
 
 	/// What a solver has left of what another one has left.

@@ -67,6 +67,7 @@ struct Report {
 	double taken      = 0;     // energy that contacts take in the step, −Σ p · (u + b_n n) [J/m]
 	double freeSpeed  = 0;     // RMS relative velocity without contact impulses [m/s]
 	double closing    = 0;     // of a step that has yielded: the greatest speed at which a point still closes, −(u_n + b_n) [m/s]
+	double grown      = std::numeric_limits<double>::infinity(); // change of all impulses in the last `probeSweeps` sweeps, over the impulses [-]; infinite: not known
 	double work       = 0;    // sweeps × points, summed over the islands, each to its own convergence; without those between exact steps
 
 	/// Tolerance 0 asks for all iterations, so it is never reached.

@@ -174,6 +174,14 @@ namespace {
 	template <class Real> PointBlockOf<Real>& pointAt(ColumnOf<Real>* column) { return *reinterpret_cast<PointBlockOf<Real>*>(column); }
 	template <class Real> FrictionalBlockOf<Real>& frictionalAt(ColumnOf<Real>* column) { return *reinterpret_cast<FrictionalBlockOf<Real>*>(column); }
 
+	template <class From, class To> void copyImpulses(ColumnOf<From>* from, ColumnOf<To>* to, Model model)
+	{
+		std::copy_n(pointAt(from).pn, blockWidth, pointAt(to).pn);
+		if (model == Model::frictional) std::copy_n(frictionalAt(from).pt, blockWidth, frictionalAt(to).pt);
+	}
+
+	double squared(double value) { return value * value; }
+
 	int columns(const Chunk& chunk) { return chunk.blocks * chunk.pointsPerPair * columnsOf(chunk.model); }
 
 } // namespace
@@ -213,12 +221,41 @@ void PackedIsland::widen()
 	if (stretches()) packed_.stretch_ = {};
 	forEachRecords([&](const Range& records) { std::copy(free + records.begin, free + records.end, view_.body + records.begin); });
 	forEachChunk([&](const Chunk& chunk, int) {
-		for (int k = chunk.firstColumn; k < chunk.firstColumn + columns(chunk); k += columnsOf(chunk.model)) {
-			std::copy_n(pointAt(singleView_.points + k).pn, blockWidth, pointAt(view_.points + k).pn);
-			if (chunk.model == Model::frictional) std::copy_n(frictionalAt(singleView_.points + k).pt, blockWidth, frictionalAt(view_.points + k).pt);
-		}
+		for (int k = chunk.firstColumn; k < chunk.firstColumn + columns(chunk); k += columnsOf(chunk.model))
+			copyImpulses(singleView_.points + k, view_.points + k, chunk.model);
 	});
 	applyImpulses();
+}
+
+void PackedIsland::remember()
+{
+	Column* const to = packed_.rememberedPoint_.data();
+	forEachChunk([&](const Chunk& chunk, int) {
+		for (int k = chunk.firstColumn; k < chunk.firstColumn + columns(chunk); k += columnsOf(chunk.model))
+			if (single_) copyImpulses(singleView_.points + k, to + k, chunk.model);
+			else
+				copyImpulses(view_.points + k, to + k, chunk.model);
+	});
+	forEachOverflowPoint([](OverflowPoint& c) { c.remembered = c.p; });
+	remembers_ = true;
+}
+
+double PackedIsland::changeSinceRemembered()
+{
+	forEachChunk([&](const Chunk& chunk, int number) {
+		double change2 = 0;
+		for (int k = chunk.firstColumn; k < chunk.firstColumn + columns(chunk); k += columnsOf(chunk.model)) {
+			Column *const now = view_.points + k, *const then = packed_.rememberedPoint_.data() + k;
+			for (int lane = 0; lane < blockWidth; ++lane) {
+				change2 += squared(pointAt(now).pn[lane] - pointAt(then).pn[lane]);
+				if (chunk.model == Model::frictional) change2 += squared(frictionalAt(now).pt[lane] - frictionalAt(then).pt[lane]);
+			}
+		}
+		packed_.sum_[number] = change2;
+	});
+	double change2 = sum(packed_.sum_);
+	forEachOverflowPoint([&](const OverflowPoint& c) { change2 += square(c.p - c.remembered); });
+	return change2;
 }
 
 /// The impulses and velocities in doubles become the reference.

@@ -43,6 +43,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	if (fresh) {
 		++layouts_;
 		point_.resize(layout_.columns());
+		rememberedPoint_.resize(point_.size());
 		for (const Range& vacant : layout_.vacant())
 			std::fill(point_.begin() + vacant.begin, point_.begin() + vacant.end, Column {});
 		body_.assign(layout_.records() / 2 + 1, {}); // never empty: a problem without bodies has a view, too
@@ -155,7 +156,7 @@ void PackedProblem::addToOverflow(const ContactProblem& problem, const LaidPair&
 		                  lever * cross(c.arm1, c.normal) * scale1, cross(c.arm1, t) * scale1,
 		                  lever * cross(c.arm2, c.normal) * scale2, cross(c.arm2, t) * scale2, { dot(drift, c.normal), dot(drift, t) + (central ? slip(problem, c) : 0) },
 		                  { m1.x, m1.y, m1.rotation / (scale1 * scale1) }, { m2.x, m2.y, m2.rotation / (scale2 * scale2) },
-		                  c.shift, c.bias, c.friction, w, p, p, {} });
+		                  c.shift, c.bias, c.friction, w, p, p, {}, {} });
 	}
 }
 

@@ -61,6 +61,7 @@ private:
 		Delassus     w;
 		Impulse      p, old;
 		Impulse      reference; // u of the reference, where records hold what differs from it
+		Impulse      remembered; // p
 	};
 
 	void       loadBody(const ContactProblem&, int body, int record, bool central);
@@ -81,6 +82,7 @@ private:
 	std::vector<TwoHalves<double>> body_, oldBody_; // the records of the layout, and one sweep before
 	std::vector<TwoHalves<double>> freeBody_;       // without impulses
 	std::vector<Column>            point_;
+	std::vector<Column>            rememberedPoint_; // of which the impulses count
 	std::vector<TwoHalves<float>>  singleBody_, singleOldBody_; // the same about a reference
 	std::vector<ColumnOf<float>>   singlePoint_;
 	std::vector<OverflowPoint>  overflow_;
@@ -127,6 +129,11 @@ public:
 	/// Back to doubles, with the impulses reached and the velocities that follow from them.
 	void endSingle();
 	bool single() const { return single_; }
+
+	/// Keeps the impulses for `changeSinceRemembered`: the sum of the squares of what they have changed since, in doubles.
+	void   remember();
+	bool   remembers() const { return remembers_; }
+	double changeSinceRemembered();
 
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures measure();
@@ -198,7 +205,7 @@ private:
 	const Island&  island_;
 	PackedView     view_;
 	View<float>    singleView_;
-	bool           single_      = false;
+	bool           single_      = false, remembers_ = false;
 	int            sinceRefer_ = 0; // sweeps
 };
 

@@ -2,6 +2,7 @@
 //
 // The velocities are linear in the impulses and extrapolated with them. Large islands are swept in floats about a reference in doubles,
 // down to the tolerance or to `finestSingle`, whichever comes first; doubles confirm that, or go on.
+#include "problem/infeasibility.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/sweep_solver.hpp"
 
@@ -15,11 +16,13 @@ namespace {
 
 Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
-	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, IslandStop& stop) {
+	return solveBySweeps(problem, settings, workspace, [&](PackedIsland& island, IslandStop& stop) {
 		Momentum momentum;
 		island.beginSingle();
-		while (!stop.reached())
+		while (!stop.reached()) {
+			if (stop.sweeps() == settings.maxIterations - probeSweeps + 1) island.remember(); // the first sweep is 1
 			sweep(island, momentum);
+		}
 		island.endSingle();
 	});
 }

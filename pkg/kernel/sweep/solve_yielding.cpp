@@ -16,7 +16,6 @@ namespace rcr {
 
 namespace {
 
-	constexpr int    probeSweeps = 100;  // that let impulses grow
 	constexpr double negligible  = 0.01; // of all energy that contacts take: an island that takes less and is solved stays rigid
 
 	/// Sweeps until one changes the impulses by less than the share `tolerance`, or the settings end it.

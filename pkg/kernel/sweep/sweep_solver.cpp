@@ -64,12 +64,14 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 	packed.forEachIsland([&](PackedIsland&& island) { parts[island.number()] = { island.measure(), island.freeVelocity2(), island.points() }; });
 	Report report;
 	Part   whole {};
-	int    points = 0;
+	double change2 = 0;
+	int    points  = 0;
 	for (std::size_t k = 0; k < parts.size(); ++k) {
 		Criteria criteria        = criteriaOf(parts[k].measures, parts[k].freeVelocity2, settings.rest);
 		criteria.meanForceChange = ends[k].meanForceChange;
 		const bool met           = criteria.met(settings) || (settings.tolerance == 0 && criteria.residual == 0);
 		report.converged         = report.converged && met;
+		if (!met) change2 += ends[k].change2;
 		report.iterations        = std::max(report.iterations, ends[k].sweeps);
 		report.work += double(ends[k].sweeps) * parts[k].points;
 		points += parts[k].points;
@@ -79,6 +81,7 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 	const Criteria criteria = criteriaOf(whole.measures, whole.freeVelocity2, settings.rest);
 	report.residual         = criteria.residual;
 	report.violation        = criteria.violation;
+	report.grown            = change2 > 0 ? std::sqrt(change2 / whole.measures.impulse2) : 0; // infinite, too, where there are no impulses
 	report.taken            = whole.measures.taken;
 	report.freeSpeed        = points > 0 ? std::sqrt(whole.freeVelocity2 / points) : 0;
 	return report;

@@ -1,6 +1,7 @@
 // What the sweep solvers share: the problem taken in and given back, and the decision to stop.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "problem/solver.hpp"
@@ -39,6 +40,7 @@ private:
 struct IslandEnd {
 	int    sweeps;
 	double meanForceChange; // between sweeps, not by the end
+	double change2;         // of the impulses in the last `probeSweeps` sweeps of all that were allowed; infinite: not known
 };
 
 /// The criteria at the end, of what was written: of all, and whether each island has met its own.
@@ -59,7 +61,8 @@ template <class Iterate> Report solveBySweeps(ContactProblem& problem, const Set
 		packed.forEachIsland([&](PackedIsland&& island) {
 			IslandStop stop(island, settings);
 			iterate(island, stop);
-			ends[island.number()] = { stop.sweeps(), stop.meanForceChange() };
+			const bool known = island.remembers() && stop.sweeps() == settings.maxIterations;
+			ends[island.number()] = { stop.sweeps(), stop.meanForceChange(), known ? island.changeSinceRemembered() : std::numeric_limits<double>::infinity() };
 		});
 		packed.store(problem);
 		report = reportOf(packed, settings, ends);
