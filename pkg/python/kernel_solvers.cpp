@@ -51,7 +51,7 @@ namespace {
 		        py::arg("velocity") = arrayOf(problem.velocity), py::arg("stretch") = py::make_tuple(problem.stretch.x, problem.stretch.y),
 		        py::arg("iterations") = report.iterations, py::arg("residual") = report.residual, py::arg("converged") = report.converged,
 		        py::arg("violation") = report.violation, py::arg("yielded") = report.yielded, py::arg("taken") = report.taken,
-		        py::arg("closing") = report.closing, py::arg("work") = report.work, py::arg("seconds") = seconds,
+		        py::arg("closing") = report.closing, py::arg("grown") = report.grown, py::arg("work") = report.work, py::arg("seconds") = seconds,
 		        py::arg("processor_seconds") = processorSeconds);
 	}
 
@@ -120,7 +120,7 @@ void bindSolvers(py::module_& m)
 	      py::arg("reductions") = Reductions::names(), py::arg("workspace") = nullptr, py::arg("drift") = py::none(),
 	      py::arg("shift") = py::none(), py::arg("inverse_stretch_mass") = py::none(), py::arg("recovery") = py::none(),
 	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2), velocity (nb, 3) [m/s, 1/s] and\n"
-	      "stretch (2) [1/s], iterations, residual, converged, violation, yielded, taken [J/m], closing [m/s], work (sweeps × points), seconds, processor_seconds (of the calling thread); settings as in solver.hpp.\n"
+	      "stretch (2) [1/s], iterations, residual, converged, violation, yielded, taken [J/m], closing [m/s], grown (change of all impulses in the last 100 sweeps, over them), work (sweeps × points), seconds, processor_seconds (of the calling thread); settings as in solver.hpp.\n"
 	      "Raises ValueError on arrays that do not fit together.");
 	m.def("solve_delassus", solveDelassusArrays, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"),
 	      py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000, py::arg("check_interval") = 10,

@@ -89,3 +89,11 @@ def test_masses_of_any_size(scale):
     result = scaled.solve("nesterov", tolerance=1e-4, max_iterations=20_000)
     assert_laws(scaled, result, 1e-4)
     assert np.isfinite(result["impulse"]).all() and result["converged"]
+
+
+def test_growth_is_that_of_the_last_hundred_sweeps(problem):
+    """In floats and doubles: what `auto` takes for the impulses that a step without a solution would let grow. Of fewer sweeps it is not known."""
+    end, earlier = (problem.solve("nesterov", max_iterations=sweeps, **UNCHECKED) for sweeps in (230, 130))
+    change = np.linalg.norm(end["impulse"] - earlier["impulse"]) / np.linalg.norm(end["impulse"])
+    assert end["grown"] == pytest.approx(change, rel=1e-3) and change > 0
+    assert problem.solve("nesterov", max_iterations=99, **UNCHECKED)["grown"] == np.inf
