@@ -47,6 +47,16 @@ def test_a_side_contact_as_two_points_has_half_of_the_force():
     assert points == pytest.approx(covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]), abs=1e-9) and points > 0.5
 
 
+def test_a_power_law_has_one_exponent_whatever_the_range():
+    """Density ∝ x^β up to 1.5: β at every upper end; one that bends from x^0 to x^−0.8 at 0.5 has less and less."""
+    rng = np.random.default_rng(4)
+    power = 1.5 * rng.uniform(size=400_000) ** (1 / 0.6)  # β = −0.4
+    low, high = rng.uniform(0, 0.5, 100_000), (0.5**0.2 + (1.5**0.2 - 0.5**0.2) * rng.uniform(size=100_000)) ** 5
+    straight, bent = notes.exponents_by_range([power, np.concatenate([low, high])])
+    assert straight == pytest.approx(-0.4, abs=0.02)
+    assert bent[3] == pytest.approx(0, abs=0.02) and (np.diff(bent[4:]) < 0).all()
+
+
 def test_speed_of_the_free_wall():
     """W = A/(φ h): with φ = φ₀ (1 − ε)^k the speed over ε̇ W is 1 + k; with a constant packing fraction 1."""
     strain = np.linspace(0, 0.5, 501)

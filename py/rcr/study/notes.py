@@ -266,6 +266,45 @@ def sides_as_points(runs, others):
     return Note("Side-side contacts counted once or twice", text, "sides-once-or-twice", figure)
 
 
+# --- exponents ------------------------------------------------------------------------------------------------------------
+
+UPPER_ENDS = np.linspace(0.2, 1.5, 14)  # of the fits below the mean, over the mean
+PAPER_BETA = {0: 0.1, 0.7: -0.4}  # β_n
+
+
+def exponents_by_range(forces):
+    """β of each sample of forces over their mean, fitted from `POWER_RANGE` up to each of `UPPER_ENDS`; (samples, ends)."""
+    return np.array([[statistics.power_exponent(force, POWER_RANGE, end)[0] for end in UPPER_ENDS] for force in forces])
+
+
+@note
+def fit_range(runs, others):
+    """β_n and β_t by the range of the fit."""
+    figure, axes = _figure(2)
+    told = []
+    for eta, group in runs.items():
+        parts = snapshots(group)
+        for ax, forces in zip(axes, ([e.fn for e in parts], [np.abs(e.ft) / np.abs(e.ft).mean() for e in parts])):
+            mean, error = with_error(exponents_by_range(forces))
+            ax.errorbar(UPPER_ENDS, mean, np.nan_to_num(error), color=color(eta), marker=marker(eta), ms=3, lw=0.8, label=rf"$\eta = {eta:g}$")
+            if ax is axes[0] and eta in PAPER_BETA:
+                ax.axhline(PAPER_BETA[eta], color=color(eta), ls="--", lw=0.8)
+                least, at_mean, most = (int(np.argmin(np.abs(UPPER_ENDS - end))) for end in (0.5, 1, 1.5))
+                reached = UPPER_ENDS[np.abs(mean - PAPER_BETA[eta]) < 0.05]
+                where = f"within 0.05 with an upper end from {reached[0]:.1f} to {reached[-1]:.1f}" if len(reached) else "not reached with any"
+                told.append(
+                    f"At η = {eta:g} β_n is {_number(mean[least], error[least])} fitted up to half of the mean force, {_number(mean[at_mean], error[at_mean])} up to the mean "
+                    f"and {_number(mean[most], error[most])} up to 1.5 times it; the paper's {PAPER_BETA[eta]:+g} is {where}."
+                )
+    if not told:
+        return None
+    for ax, label in zip(axes, (r"$\beta_n$", r"$\beta_t$")):
+        ax.set(xlabel=r"upper end of the fit, over the mean force", ylabel=label)
+    axes[0].legend(fontsize=7, ncols=2)
+    text = f"{' '.join(told)} A density that is no power law has no exponent of its own: the range of the fit, of which the paper says nothing, sets β_n and β_t (right; dashed: the paper)."
+    return Note("Exponents and the range of their fit", text, "fit-range", figure)
+
+
 # --- inertia --------------------------------------------------------------------------------------------------------------
 
 
