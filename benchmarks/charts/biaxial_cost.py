@@ -201,7 +201,7 @@ def points(options):
     rigid = [FINEST, SLOWEST, *(dict(DEFAULT, **{name: value}) for name, values in SWEEPS.items() for value in values)]
     settings = dict.fromkeys(f"cd/{s['dt']:g}/{s['tolerance']:g}/{s['inertial_number']:g}" for s in rigid)
     springs = [f"{law}/{k:g}" for law in ("smooth", "stock") for k in ((1e2, 1e3) if options.quick else (1e2, 1e3, 1e4))]
-    rigid_seeds, spring_seeds = (2, 2) if options.quick else (6, 3)
+    rigid_seeds, spring_seeds = (2, 2) if options.quick else (6, 2)
     of = lambda settings, seeds: [f"{eta:g}/{setting}/{seed}" for seed in range(1, seeds + 1) for eta in ETAS for setting in settings]
     return of(settings, rigid_seeds) + of(springs, spring_seeds)
 
