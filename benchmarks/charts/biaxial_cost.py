@@ -279,6 +279,12 @@ def plot(rows, options):
     return figure
 
 
+def _told(name, difference, error):
+    if name == "mean_overlap":
+        return f"{difference:.1e}"
+    return f"{difference:+.1g}" + ("" if math.isnan(error) else f" ± {error:.0e}")
+
+
 def ratios(rows):
     """Errors of each setting, with those of chance, and its processor time."""
     rows = [row for row in rows if row["status"] == "ok"]
@@ -289,5 +295,5 @@ def ratios(rows):
         of_eta = {name: sweeps([row for row in rows if row["eta"] == eta], name) for name in OBSERVED}
         for swept, line in of_eta[OBSERVED[0]].items():
             for k, (value, seconds, *_) in enumerate(line):
-                cells = [f"{of_eta[name][swept][k][2]:+.1g} ± {of_eta[name][swept][k][3]:.0e}" if name != "mean_overlap" else f"{of_eta[name][swept][k][2]:.1e}" for name in OBSERVED]
+                cells = [_told(name, *of_eta[name][swept][k][2:]) for name in OBSERVED]
                 yield " | ".join([f"η = {eta:g}, {names[swept].format(value)}", f"{seconds:.2g}", *cells])
