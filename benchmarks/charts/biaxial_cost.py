@@ -29,6 +29,7 @@ from yade.wrapper import (
 import rcr
 from rcr.study.biaxial import DENSITY, R_MIN, RECORD, SHEAR_STIFFNESS, SMOOTH_TIME_STEP, STRESS, Biaxial, Springs
 from rcr.network import BOTTOM, LEFT, RIGHT, TOP, Network
+from rcr.study.analysis import standard_error
 
 O = Omega()
 TITLE = "Biaxial test: error against processor time of 20 % of strain"
@@ -227,8 +228,7 @@ def _difference(runs, target, name):
     differences = [row[name] - (0 if name == "mean_overlap" else target[seed][name]) for seed, row in runs.items() if seed in target]
     if not differences:
         return None
-    error = np.std(differences, ddof=1) / math.sqrt(len(differences)) if len(differences) > 1 else math.nan
-    return np.mean([row["seconds"] for row in runs.values()]), np.mean(differences), error
+    return np.mean([row["seconds"] for row in runs.values()]), np.mean(differences), float(standard_error(differences))
 
 
 def sweeps(rows, name):
