@@ -95,12 +95,12 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 			timed("late", [&] { missed = takeInMissedContacts(engines); });
 			timed("adapt", [&] { adapted = !missed && (overdamped ? follows > 0 && rcr::followStretch(step_) : adaptBiases(pass <= mostPasses / 2)); });
 		}
-		const bool goesOn = !missed && !adapted && follows > 0 && !converged; // with the flow that fits, and all iterations that are left
-		if (!missed && !adapted && !goesOn) break;
-		follows           = goesOn ? 0 : follows - int(adapted && overdamped);
+		const bool changed = missed || adapted; // else the flow fits, and the step goes on with all iterations that are left
+		if (!changed && (follows == 0 || converged)) break;
+		follows           = changed ? follows - int(adapted && overdamped) : 0;
 		how               = settingsOfFurtherPass();
 		how.maxIterations = std::max(how.minIterations, how.maxIterations / (follows + 1));
-		how.continued     = goesOn || (!missed && !overdamped); // else velocities without contacts, or contacts, are others
+		how.continued     = !changed || (!missed && !overdamped); // else velocities without contacts, or contacts, are others
 		how.yielded       = yielded;
 	}
 	refuseUnlessFinite();
