@@ -23,7 +23,6 @@ CREATE_LOGGER(ContactDynamics);
 
 namespace {
 	constexpr int    mostPasses  = 10;   // missed contacts and large displacements settle in two or three
-	constexpr int    mostFollows = 3;    // of an overdamped step, which may share its iterations with as many solves of a flow that follows
 	constexpr double deepOverlap = 0.02; // over R₁ + R₂ at the end of a step: its contacts have not been solved, whatever the residual
 }
 
@@ -52,7 +51,8 @@ void ContactDynamics::step(const gate::Engines& engines)
 {
 	rcr::Team& team  = workspace_.team();
 	step_.overdamped = overdamped;
-	step_.rest       = plane::flowOf(flow);
+	if (!follows()) followed = stretchChange = Vector2r::Zero();
+	setRest();
 	timed("gather", [&] { gather(*scene, engines, team, sources_, step_); });
 	try {
 		std::vector<rcr::Twist> loads;
@@ -81,33 +81,45 @@ void ContactDynamics::step(const gate::Engines& engines)
 /// All stages between the first and the last.
 void ContactDynamics::solveAll(const gate::Engines& engines)
 {
-	iterations        = 0;
-	work_             = 0;
-	overlap_          = 0;
-	int           follows = overdamped && followFlow && !scene->isPeriodic ? mostFollows : 0; // that may still come
-	rcr::Settings how     = settings(rcr::driveOf(step_));
-	how.maxIterations     = std::max(1, how.maxIterations / (follows + 1));
+	iterations = 0;
+	work_      = 0;
+	overlap_   = 0;
+	if (follows()) timed("adapt", [&] { rcr::relieve(step_, { double(stretchChange[0]), double(stretchChange[1]) }); });
+	rcr::Settings how = settings(rcr::driveOf(step_));
 	for (int pass = 1;; ++pass) {
-		how.probe = follows == 0; // else the flow may be what is wrong with the step
 		solve(how);
 		bool missed = false, adapted = false;
 		if (pass < mostPasses) {
 			timed("late", [&] { missed = takeInMissedContacts(engines); });
-			timed("adapt", [&] { adapted = !missed && (overdamped ? follows > 0 && rcr::followStretch(step_) : adaptBiases(pass <= mostPasses / 2)); });
+			timed("adapt", [&] { adapted = !missed && !overdamped && adaptBiases(pass <= mostPasses / 2); });
 		}
-		const bool changed = missed || adapted; // else the flow fits, and the step goes on with all iterations that are left
-		if (!changed && (follows == 0 || converged)) break;
-		follows           = changed ? follows - int(adapted && overdamped) : 0;
-		how               = settingsOfFurtherPass();
-		how.maxIterations = std::max(how.minIterations, how.maxIterations / (follows + 1));
-		how.continued     = !changed || (!missed && !overdamped); // else velocities without contacts, or contacts, are others
-		how.yielded       = yielded;
+		if (!missed && !adapted) break;
+		how           = settingsOfFurtherPass();
+		how.continued = !missed;
+		how.yielded   = yielded;
 	}
+	if (follows()) timed("adapt", [&] { followStretch(); });
 	refuseUnlessFinite();
 	refuseFarStretch();
 	if (overlap_ > deepOverlap) converged = false;
 	watch();
 	timed("correct", [&] { correctPositions(step_, double(correction), workspace_); });
+}
+
+void ContactDynamics::setRest()
+{
+	step_.rest = plane::flowOf(flow);
+	step_.rest.gradient[0][0] += double(followed[0]);
+	step_.rest.gradient[1][1] += double(followed[1]);
+}
+
+/// What the bodies have stretched by belongs to the flow that they start the next step from.
+void ContactDynamics::followStretch()
+{
+	const rcr::Vec2 change = rcr::commonStretch(step_);
+	stretchChange          = Vector2r(change.x, change.y);
+	followed += stretchChange;
+	setRest();
 }
 
 template <class Work> void ContactDynamics::timed(const char* what, Work work)

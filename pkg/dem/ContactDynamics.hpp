@@ -55,7 +55,9 @@ public:
 		((Real,compliance,1,,"How far contacts yield in a step that has no solution, or one with forces that neither loads nor the momentum of a row of grains at the speed of the drive account for, as a multiple of what makes them bear just these at that speed [-]. Driven walls can ask for more than rigid grains and friction can do; such a step is solved with contacts that give way, and counted in :yref:`yieldedSteps<ContactDynamics.yieldedSteps>`. All other steps are rigid. 0: never"))
 		((bool,overdamped,false,,"Motion without inertia: bodies start every step from rest (prescribed velocities stay; rest may be a :yref:`flow<ContactDynamics.flow>`), and overlaps are taken back whole within the step, since no velocity is kept of it. A step then goes down the potential energy as far as the time step allows and ends at rest where the forces balance. Restitution and :yref:`correction<ContactDynamics.correction>` do not apply."))
 		((Matrix3r,flow,Matrix3r::Zero(),,"Velocity gradient of the homogeneous flow that bodies without inertia are at rest in [1/s]: a body at r starts an :yref:`overdamped<ContactDynamics.overdamped>` step with the velocity flow · r, and what resists is its motion relative to that. In a periodic cell the cell's velGrad takes its place"))
-		((bool,followFlow,false,,"Whether the :yref:`flow<ContactDynamics.flow>` follows the bodies: what all moving bodies together stretch by along x and y, about the origin, is taken into it within the step, so that no drag resists it. Over a large sample even a little of it adds up to the stress of the walls. Such a step is solved up to four times, with a quarter of its iterations each. A periodic cell needs none of it"))
+		((bool,followFlow,false,,"Whether the :yref:`flow<ContactDynamics.flow>` follows the bodies: what all moving bodies together stretch by along x and y, about the origin, they start the next step from, so that no drag resists it. Over a large sample even a little of it adds up to the stress of the walls. Only what changes from step to step has a drag. A periodic cell needs none of it"))
+		((Vector2r,followed,Vector2r::Zero(),Attr::readonly,"Rates by which the flow that follows stretches along x and y, beside :yref:`flow<ContactDynamics.flow>` [1/s]; 0 without :yref:`followFlow<ContactDynamics.followFlow>`"))
+		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"What the last step has added to `followed`, and the impulses do not know yet"))
 		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"What the solver may drop where the scene does not need it, seen anew in each step; :yref:`model<ContactDynamics.model>` tells what is left. frictionless: pairs without friction carry one unknown a point. discs: without friction and levers nothing turns. fixed: bodies of prescribed motion have no unknowns. islands: what does not touch is solved apart, each to its own convergence. layout: order and colours are kept while the contacts last. All of them change nothing but the time; leave names out to compare"))
 		((bool,arrays,true,,"Whether steps of an ``O.run`` are taken in arrays, without YADE's objects, where nothing looks at these in between: until a PyRunner or a recorder is due, or 30 steps and half a second are over. Changes no bit; :yref:`model<ContactDynamics.model>` tells which way steps went"))
 		((std::vector<int>,observe,,,"Ids of bodies whose contact forces :yref:`observed<ContactDynamics.observed>` averages"))
@@ -96,6 +98,9 @@ private:
 	void          act();
 	void          step(const gate::Engines&);
 	void          solveAll(const gate::Engines&);
+	bool          follows() const { return overdamped && followFlow && !scene->isPeriodic; }
+	void          setRest();
+	void          followStretch();
 	void          solve(const rcr::Settings&);
 	bool          takeInMissedContacts(const gate::Engines&);
 	bool          adaptBiases(bool letGo);

@@ -57,7 +57,7 @@ namespace {
 		if (report.converged || settings.tolerance == 0) return false;
 		if (settings.yielded) return true;
 		if (report.grown <= leastGrowth) return false; // in the sweeps that were made already
-		return settings.probe && settings.maxIterations >= fewestToProbe && growsWithoutBound(problem, settings, workspace);
+		return settings.maxIterations >= fewestToProbe && growsWithoutBound(problem, settings, workspace);
 	}
 
 	/// What a solver has left of what another one has left.

@@ -39,9 +39,6 @@ struct Settings {
 	/// where impulses prove that there is none, and beyond `mostImpulse`.
 	double compliance = 0;
 
-	/// Look for that proof (`growsWithoutBound`), which takes as long as a hundred sweeps; another pass of the step will, if this one does not.
-	bool probe = true;
-
 	/// Normal impulse beyond which contacts yield although rigid ones could bear it (step/drive.hpp) [N s].
 	double mostImpulse = std::numeric_limits<double>::infinity();
 

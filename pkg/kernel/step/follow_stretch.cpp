@@ -2,44 +2,104 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rcr {
 
 namespace {
 
-	constexpr double negligible = 0.01; // of the fastest rate of the flow
+	constexpr int    sliceCount = 64;
+	constexpr double mostShare  = 0.5; // of the impulses through a slice that is taken out of them, at most
 
-	/// Σ m r (v − v_start) / Σ m r² along an axis.
-	double stretch(const Step& step, double Vec2::*place, double Twist::*speed, double InverseMass::*inverse)
+	struct Axis {
+		double Vec2::*of;
+		double Twist::*speed;
+		double InverseMass::*inverse;
+	};
+	constexpr Axis xAxis { &Vec2::x, &Twist::x, &InverseMass::x }, yAxis { &Vec2::y, &Twist::y, &InverseMass::y };
+
+	/// visit(body, its place along the axis, its mass) for all that are free along it.
+	template <class Visit> void forEachFree(const Step& step, const Axis& axis, Visit visit)
+	{
+		for (std::size_t id = 0; id < step.bodies.size(); ++id)
+			if (const double w = step.problem.inverseMass[id].*axis.inverse; w > 0) visit(id, step.bodies[id].center.*axis.of, 1 / w);
+	}
+
+	double commonStretch(const Step& step, const Axis& axis)
 	{
 		double moment = 0, inertia = 0;
-		for (std::size_t id = 0; id < step.bodies.size(); ++id) {
-			const double w = step.problem.inverseMass[id].*inverse, r = step.bodies[id].center.*place;
-			if (w == 0) continue;
-			moment += r * (step.problem.velocity[id].*speed - step.bodies[id].velocity.*speed) / w;
-			inertia += r * r / w;
-		}
+		forEachFree(step, axis, [&](std::size_t id, double r, double mass) {
+			moment += mass * r * (step.problem.velocity[id].*axis.speed - step.bodies[id].velocity.*axis.speed);
+			inertia += mass * r * r;
+		});
 		return inertia > 0 ? moment / inertia : 0;
+	}
+
+	/// A number for each of some slices across an axis, of equal width.
+	class Slices {
+	public:
+		Slices(double low, double high)
+		        : low_(low)
+		        , width_((high - low) / sliceCount)
+		        , value_(sliceCount)
+		{
+		}
+
+		double& at(double r) { return value_[number(r)]; }
+		/// Adds f times the share of each slice that lies on the way between two places; −f on the way down.
+		void addBetween(double from, double to, double f)
+		{
+			const double low = (std::min(from, to) - low_) / width_, high = (std::max(from, to) - low_) / width_;
+			for (int k = std::max(0, int(low)); k <= std::min(sliceCount - 1, int(high)); ++k)
+				value_[k] += (to < from ? -f : f) * std::max(0.0, std::min(high, k + 1.0) - std::max(low, double(k)));
+		}
+		/// To each slice beyond the origin all that are further away; the other way round on the other side, as −f.
+		void sumTowardsOrigin()
+		{
+			const int first = number(0);
+			for (int k = sliceCount - 2; k >= first; --k)
+				value_[k] += value_[k + 1];
+			for (int k = 0; k < first; ++k)
+				value_[k] = (k > 0 ? value_[k - 1] : 0) - value_[k];
+		}
+
+	private:
+		int number(double r) const { return int(std::clamp((r - low_) / width_, 0.0, sliceCount - 1.0)); }
+
+		double              low_, width_;
+		std::vector<double> value_;
+	};
+
+	void relieve(Step& step, const Axis& axis, double stretch)
+	{
+		double low = std::numeric_limits<double>::infinity(), high = -low;
+		forEachFree(step, axis, [&](std::size_t, double r, double) { low = std::min(low, r), high = std::max(high, r); });
+		if (stretch == 0 || !(high > low)) return;
+		Slices beyond(low, high), through(low, high);
+		forEachFree(step, axis, [&](std::size_t, double r, double mass) { beyond.at(r) += mass * stretch * r; });
+		beyond.sumTowardsOrigin();
+		ContactProblem& problem = step.problem;
+		const auto      place   = [&](const ContactPoint& c) { return (step.bodies[c.body1].center + c.arm1).*axis.of; };
+		for (std::size_t k = 0; k < problem.points.size(); ++k) {
+			const ContactPoint& c   = problem.points[k];
+			const Vec2          f   = problem.impulse[k].n * c.normal + problem.impulse[k].t * perp(c.normal);
+			const auto          end = [&](int id) { return problem.inverseMass[id].*axis.inverse > 0 ? step.bodies[id].center.*axis.of : place(c); };
+			through.addBetween(end(c.body1), end(c.body2), f.*axis.of);
+		}
+		for (std::size_t k = 0; k < problem.points.size(); ++k) {
+			const double at = place(problem.points[k]), all = through.at(at);
+			if (all > 0) problem.impulse[k] = (1 - std::clamp(beyond.at(at) / all, -mostShare, mostShare)) * problem.impulse[k];
+		}
 	}
 
 } // namespace
 
-bool followStretch(Step& step)
+Vec2 commonStretch(const Step& step) { return { commonStretch(step, xAxis), commonStretch(step, yAxis) }; }
+
+void relieve(Step& step, Vec2 stretch)
 {
-	const Vec2 e { stretch(step, &Vec2::x, &Twist::x, &InverseMass::x), stretch(step, &Vec2::y, &Twist::y, &InverseMass::y) };
-	double     fastest = 0;
-	for (const auto& row : step.rest.gradient)
-		for (const double rate : row)
-			fastest = std::max(fastest, std::abs(rate));
-	if (std::max(std::abs(e.x), std::abs(e.y)) <= negligible * fastest) return false;
-	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
-		const InverseMass& w = step.problem.inverseMass[id];
-		for (Twist* v : { &step.bodies[id].velocity, &step.problem.freeVelocity[id] }) {
-			if (w.x > 0) v->x += e.x * step.bodies[id].center.x;
-			if (w.y > 0) v->y += e.y * step.bodies[id].center.y;
-		}
-	}
-	return true;
+	relieve(step, xAxis, stretch.x);
+	relieve(step, yAxis, stretch.y);
 }
 
 } // namespace rcr
