@@ -524,7 +524,7 @@ class Biaxial:
         )
 
     def _flow(self):
-        """Velocity gradient of a sample that keeps its area [1/s]: what it dilates the solver finds in each step (`ContactDynamics.followFlow`)."""
+        """Velocity gradient of a sample that keeps its area [1/s]: what it dilates follows from the steps before (`ContactDynamics.followFlow`)."""
         closing = O.bodies[self.top].state.vel[1] / self.height
         return Matrix3(-closing, 0, 0, 0, closing, 0, 0, 0, 0)
 
