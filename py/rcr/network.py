@@ -311,6 +311,11 @@ class Network:
         Rattlers, particles with fewer than two contacts, are removed together with their contacts until none is left.
         `count_side_contacts_twice` counts a side-side contact, which takes two unknowns, as two.
         """
+        alive, _, total = self._backbone(count_side_contacts_twice)
+        return float(total[alive].mean()) if alive.any() else 0.0
+
+    def _backbone(self, count_side_contacts_twice):
+        """What is left without rattlers: masks of ids and of contacts, and the number of contacts of each id."""
         ids, clump = self.particles["id"], self.particles["clump"]
         weight = np.where(count_side_contacts_twice & (self.contacts["points"] == 2), 2, 1)
         size = int(max(ids.max(initial=-1), clump.max(initial=-1))) + 1
@@ -326,5 +331,5 @@ class Network:
             total += np.bincount(two[kept & inner], weights=weight[kept & inner], minlength=size)
             rattlers = alive & (total < 2)
             if not rattlers.any():
-                return float(total[alive].mean()) if alive.any() else 0.0
+                return alive, kept, total
             alive &= ~rattlers

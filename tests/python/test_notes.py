@@ -11,11 +11,13 @@ import pytest
 
 matplotlib = pytest.importorskip("matplotlib")
 
+from rcr import network
 from rcr.network import SIDE_SIDE, Network
 from rcr.study import notes
 from rcr.study.ensemble import Ensemble
 from rcr.study.runs import Run, by_elongation
 
+import synthetic
 from synthetic import packing, random_network, write_run
 
 SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "study_notes.py"
@@ -57,6 +59,52 @@ def test_a_power_law_has_one_exponent_whatever_the_range():
     assert bent[3] == pytest.approx(0, abs=0.02) and (np.diff(bent[4:]) < 0).all()
 
 
+def lying(**more):
+    """A stadium whose side lies on the bottom, and contacts of the same grain with other walls: {wall: (position, normal)}."""
+    places = dict(BOTTOM=((0, -1), (0, -1))) | more
+    count = len(places)
+    position, normal = np.array(list(places.values()), dtype=float).transpose(1, 0, 2)
+    columns = dict(
+        body1=np.zeros(count, int), body2=[getattr(network, name) for name in places], type=np.full(count, 3), normal=normal, branch=position,
+        force=normal, position=position, points=[2] + [1] * (count - 1),
+    )  # fmt: skip
+    grains = synthetic.particles(1) | dict(R=np.full(1, 2.0), half_length=np.ones(1))
+    return Network(grains, columns, {})
+
+
+def test_neutral_modes_of_a_grain_between_walls():
+    """A side on the ground lets a grain slide, a cap against the left wall holds it, one against the right wall slides with that."""
+    assert notes.neutral_modes(lying()) == (1, 1, 0)
+    assert notes.neutral_modes(lying(LEFT=((-2, 0), (-1, 0)))) == (0, 0, 0)
+    assert notes.neutral_modes(lying(RIGHT=((2, 0), (1, 0)))) == (1, 1, pytest.approx(0))
+
+
+def test_neutral_modes_count_a_constraint_once():
+    """Two contacts that hold the same: no motion, and a contact more than degrees of freedom."""
+    assert notes.neutral_modes(lying(LEFT=((-2, 0), (-1, 0)), OTHER=((-2, 0), (-1, 0))))[:2] == (0, -1)
+
+
+def test_shares_of_the_length_anisotropy_add_up():
+    made = packing(0.5, contacts=5000)
+    made.attributes.update(eta=0.5)
+    e, xi = Ensemble([made]), np.array([0.5, 1, 3])
+    sides = np.arange(len(e)) % 3 == 0
+    whole = notes.length_anisotropy(e, xi, np.ones(len(e), dtype=bool))
+    assert notes.length_anisotropy(e, xi, sides) + notes.length_anisotropy(e, xi, ~sides) == pytest.approx(whole, abs=1e-12)
+    assert whole[-1] == pytest.approx(2 * np.mean((e.ln / e.ln.mean() - 1) * np.cos(2 * e.theta) * (e.fn <= 3)), abs=1e-12)
+
+
+def test_force_by_length_tells_types_apart():
+    """Side-side contacts twice as strong, forces equal within a type: their means are 2 and 1 over that of all in every class."""
+    made = packing(0.5, contacts=3000)
+    n, sides = made.contacts["normal"], np.arange(3000) % 2 == 0
+    columns = dict(type=np.where(sides, SIDE_SIDE, 0), force=np.where(sides, 2, 1)[:, None] * n, branch=np.linspace(1, 2, 3000)[:, None] * n)
+    e = Ensemble([Network(made.particles, made.contacts | columns, made.attributes)])
+    length = np.hypot(e.ln, e.lt)
+    whole, of_sides, rest = notes.force_by_length(e, np.linspace(length.min(), length.max() * (1 + 1e-9), 5))
+    assert whole == pytest.approx(1, abs=0.01) and of_sides == pytest.approx(4 / 3) and rest == pytest.approx(2 / 3)
+
+
 def test_speed_of_the_free_wall():
     """W = A/(φ h): with φ = φ₀ (1 − ε)^k the speed over ε̇ W is 1 + k; with a constant packing fraction 1."""
     strain = np.linspace(0, 0.5, 501)
@@ -90,4 +138,6 @@ def test_page_has_a_picture_and_a_text_for_each_note(folders, tmp_path):
 
 def test_notes_that_the_runs_cannot_tell_are_left_out(folders):
     groups = by_elongation([Run.read(folder) for folder in folders["1e-4"][1:]])
-    assert [made.name for made in notes.notes(groups, {})] == ["half-sum", "force-and-length", "sides-once-or-twice"]
+    assert [made.name for made in notes.notes(groups, {})] == [
+        "half-sum", "force-and-length", "sides-once-or-twice", "neutral", "force-by-type", "length-peak", "longest-branches", "weak-fabric",
+    ]  # fmt: skip

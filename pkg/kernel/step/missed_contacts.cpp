@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace rcr {
 
@@ -21,12 +22,12 @@ namespace {
 				if (b.shape.kind == PlanarShape::none) continue;
 				if (!b.shape.grain()) obstacles_.push_back(int(id));
 				else {
-					grains_.push_back(int(id));
+					grains_.emplace_back(b.center.x, int(id));
 					if (!fast_[id]) largestSlow_ = std::max(largestSlow_, extent(int(id)));
 				}
 			}
 			if (step.cell.periodic) return;
-			std::sort(grains_.begin(), grains_.end(), [&](int a, int b) { return step.bodies[a].center.x < step.bodies[b].center.x; });
+			std::sort(grains_.begin(), grains_.end());
 		}
 
 		/// visit(other) for all that may meet a fast body; of two fast grains the one of the larger extent finds the other.
@@ -35,19 +36,19 @@ namespace {
 			const StepBody& b = step_.bodies[id];
 			auto            from = grains_.begin(), to = grains_.end();
 			if (!b.shape.grain()) {
-				std::for_each(from, to, visit);
+				std::for_each(from, to, [&](const auto& grain) { visit(grain.second); });
 				return;
 			}
 			std::for_each(obstacles_.begin(), obstacles_.end(), visit);
 			const double own = extent(id);
 			if (!step_.cell.periodic) {
 				const double half = own + std::max(own, largestSlow_);
-				const auto   left = [&](int other, double x) { return step_.bodies[other].center.x < x; };
+				const auto   left = [](const auto& grain, double x) { return grain.first < x; };
 				from              = std::lower_bound(from, to, b.center.x - half, left);
 				to                = std::lower_bound(from, to, b.center.x + half, left);
 			}
 			for (; from != to; ++from) {
-				const int    other = *from;
+				const int    other = from->second;
 				const double its   = extent(other);
 				if (fast_[other] && (its > own || (its == own && other <= id))) continue;
 				const Vec2   between = step_.bodies[other].center - b.center, apart = between + step_.cell.nearestShift(between);
@@ -62,8 +63,9 @@ namespace {
 
 		const Step&       step_;
 		std::vector<bool> fast_;
-		std::vector<int>  grains_, obstacles_;
+		std::vector<int>  obstacles_;
 		double            largestSlow_ = 0;
+		std::vector<std::pair<double, int>> grains_; // x and number
 	};
 
 	/// Bodies that go further than expected, and further than they have looked.

@@ -12,11 +12,12 @@ from matplotlib.figure import Figure
 
 from rcr import files
 from rcr.drawing import COLUMN, PAGE, STYLE
-from rcr.network import COMPLEX, SIDE_SIDE
+from rcr.network import COMPLEX, RIGHT, SIDE_SIDE, TOP
 from rcr.study import statistics
 from rcr.study.analysis import STRIPS, POWER_RANGE, standard_error
 from rcr.study.ensemble import Ensemble
 from rcr.study.figures import color, marker
+from rcr.study.runs import Run
 from rcr.xi_networks import XiNetworks
 
 SECTORS = 36  # of the direction of normals, in which means are taken
@@ -403,6 +404,220 @@ def last_class(runs, others):
         f"{(sliding[0] - sliding[1]) * (1 - rest):.3f} is that the share of this class falls from {sliding[0]:.3f} to {sliding[1]:.3f}: slower shear has fewer sliding contacts."
     )
     return Note("The last class of P(I_m) of discs", text, "last-class", figure)
+
+
+# --- frictionless packings ------------------------------------------------------------------------------------------------
+
+MOST_GRAINS = 2000  # of a packing whose modes are looked for
+NEUTRAL = 1e-9  # of the largest eigenvalue: a smaller one is 0
+
+
+def neutral_modes(packing):
+    """Motions of a frictionless packing that open and close no contact, from the rank of its contacts' constraints.
+
+    A contact holds the normal velocity of its point, a side-side one the relative rotation besides. Rattlers are left out; the right wall may move
+    along x and the top one along y; discs do not turn.
+
+    Returns
+    -------
+    (modes, wanting, rotation) : int, int, float
+        Number of motions; degrees of freedom beyond the number of constraints, the same if these are independent; share of rotation in the
+        motions, of all squares, a turn counted as what it moves the end of a grain by.
+    """
+    alive, kept, _ = packing._backbone(True)
+    grains, contacts = packing.particles, {name: column[kept] for name, column in packing.contacts.items()}
+    own = np.flatnonzero(alive[grains["id"]])
+    number = np.full(len(alive), -1)
+    number[grains["id"][own]] = np.arange(len(own))
+    radius, center = grains["R"][own], grains["position"][own]
+    turns = grains["half_length"].any()
+    rows = len(contacts["body1"])
+    held = np.zeros((rows + np.sum(contacts["points"] == 2), 3 * len(own) + 2))
+    k, n = np.arange(rows), contacts["normal"]
+    second = np.flatnonzero(contacts["points"] == 2)
+    for body, sign in (("body1", -1), ("body2", 1)):
+        is_grain = contacts[body] >= 0
+        i = number[np.where(is_grain, contacts[body], 0)]
+        arm = contacts["position"] - center[i]
+        for row, column, value in (
+            (k, 3 * i, n[:, 0]),
+            (k, 3 * i + 1, n[:, 1]),
+            (k, 3 * i + 2, (arm[:, 0] * n[:, 1] - arm[:, 1] * n[:, 0]) / radius[i]),
+        ):
+            held[row[is_grain], column[is_grain]] += sign * value[is_grain]
+        turning = second[is_grain[second]]
+        held[rows + np.flatnonzero(is_grain[second]), 3 * i[turning] + 2] += sign
+    for wall, column, axis in ((RIGHT, -2, 0), (TOP, -1, 1)):
+        pushed = contacts["body2"] == wall
+        held[k[pushed], column] += n[pushed, axis]
+    free = np.ones(held.shape[1], dtype=bool)
+    free[2:-2:3] = turns
+    free[-2:] = held[:, -2:].any(axis=0)
+    values, motions = np.linalg.eigh(held[:, free].T @ held[:, free])
+    motions = motions[:, values < NEUTRAL * values[-1]]
+    turning = np.zeros(held.shape[1], dtype=bool)
+    turning[2:-2:3] = True
+    return motions.shape[1], int(free.sum()) - len(held), float(np.sum(motions[turning[free]] ** 2) / max(1, motions.shape[1]))
+
+
+@note
+def neutral(runs, others):
+    """Why long particles have fewer contacts than three degrees of freedom ask for."""
+    packings = {eta: run.isotropic for groups in (runs, others) for eta, group in groups.items() for run in group[:1] if run.isotropic is not None}
+    small = {eta: packing for eta, packing in sorted(packings.items()) if len(packing.particles["id"]) <= MOST_GRAINS}
+    if not any(eta > 0 for eta in small):
+        return None
+    found = {eta: (*neutral_modes(packing), packing._backbone(True)[0].sum(), packing.coordination(count_side_contacts_twice=True)) for eta, packing in small.items()}
+    etas = list(found)
+    modes, wanting, rotation, grains, coordination = map(np.array, zip(*found.values()))
+    figure, axes = _figure(2)
+    axes[0].plot(etas, coordination, "ko-")
+    axes[0].axhline(6, color="0.7", lw=0.6)
+    axes[0].set(xlabel=r"$\eta$", ylabel=r"$Z_c$, frictionless")
+    axes[1].plot(etas, modes / grains, "ko-", label="neutral motions a grain")
+    axes[1].plot(etas, wanting / grains, "x", color="tab:red", ms=7, label="degrees of freedom beyond contacts")
+    axes[1].plot(etas, rotation, "s--", color="tab:blue", mfc="none", label="share of rotation in them")
+    axes[1].set(xlabel=r"$\eta$", ylim=(0, None))
+    axes[1].legend(fontsize=7)
+    least = min((eta for eta in etas if eta > 0), key=lambda eta: abs(eta - 0.3))
+    k = etas.index(least)
+    text = (
+        f"Packings of {' and '.join(map(str, sorted({len(packing.particles['id']) for packing in small.values()})))} grains, a side-side contact counted twice. "
+        f"At η = {least:g} Z_c is {coordination[k]:.2f} where three degrees of freedom a grain ask for 6: {modes[k]} motions, {modes[k] / grains[k]:.3f} a grain, open and close no contact. "
+        f"They are as many as degrees of freedom exceed contacts ({wanting[k]}), within {np.abs(modes - wanting).max()} at every η: contacts are independent, none is missing by chance. "
+        f"{rotation[k]:.0%} of these motions is rotation: the less a grain differs from a disc, which turns freely, the more of its rotations need no contact that holds them."
+    )
+    return Note("Contacts of frictionless packings", text, "neutral", figure)
+
+
+# --- side-side contacts behind a mean -------------------------------------------------------------------------------------
+
+
+def force_by_length(e, edges):
+    """Mean force of classes of branch length over that of all: of all contacts, of side-side ones and of the rest; (3, classes)."""
+    force, length, sides = np.hypot(e.fn, e.ft), np.hypot(e.ln, e.lt), e.type == SIDE_SIDE
+    return np.array([statistics.class_means(length[pick], force[pick] / force.mean(), edges) for pick in (np.ones_like(sides), sides, ~sides)])
+
+
+@note
+def force_by_type(runs, others):
+    """Mean force against the branch length about η = 0.3, where the paper has it rise."""
+    etas = sorted(sorted((eta for eta in runs if eta > 0), key=lambda eta: abs(eta - 0.3))[:3])
+    if not etas:
+        return None
+    figure, axes = _figure(len(etas))
+    told = []
+    for ax, eta in zip(axes, etas):
+        whole = ensemble(runs[eta])
+        length = np.hypot(whole.ln, whole.lt)
+        edges = np.linspace(*np.quantile(length, (0.01, 0.99)), 11)
+        mean, error = with_error([force_by_length(e, edges) for e in snapshots(runs[eta])])
+        for row, (label, line) in enumerate((("all", "ko-"), ("side-side", "s--"), ("the rest", "^:"))):
+            ax.errorbar(statistics.centres(edges), mean[row], np.nan_to_num(error[row]), fmt=line, ms=3, mfc="none" if row else "k", label=label)
+        ax.set(xlabel=r"$\ell/R_{\max}$", title=rf"$\eta = {eta:g}$", ylim=(0.5, 2.2))
+        sides = whole.type == SIDE_SIDE
+        short = length < np.median(length)
+        slope = [np.polyfit(statistics.centres(edges)[kept], row[kept], 1)[0] for row in mean for kept in [np.isfinite(row)]]
+        told.append(
+            f"at η = {eta:g} with a slope of {slope[1]:+.2f} among side-side contacts and {slope[2]:+.2f} among the rest, and {slope[0]:+.2f} of all, "
+            f"{np.mean(sides[short]):.0%} of the shorter half of the branches and {np.mean(sides[~short]):.0%} of the longer one being side-side"
+        )
+    axes[0].set_ylabel(r"$\langle f\rangle_\ell/\langle f\rangle$")
+    axes[0].legend(fontsize=7)
+    text = (
+        f"Within one type of contact the mean force rises with the branch length, since larger grains bear more: {'; '.join(told)}. "
+        "Side-side contacts bear more than the rest and have the shorter branches, so that the mean of both falls as soon as there are enough of them. "
+        "Where it turns is thus a matter of their share."
+    )
+    return Note("Force and branch length by type of contact", text, "force-by-type", figure)
+
+
+def length_anisotropy(e, xi, pick):
+    """What the contacts of a mask add to a_ln(ξ)."""
+    share = pick * (e.ln / e.ln.mean() - 1) * np.cos(2 * e.theta)
+    return np.array([2 * np.sum(share[e.fn <= cut]) / len(e) for cut in xi])
+
+
+@note
+def length_peak(runs, others):
+    """Where a_ln(ξ) is lowest."""
+    etas = [eta for eta in runs if eta >= 0.3 - 1e-9]
+    if not etas:
+        return None
+    xi = np.arange(0.25, 6.01, 0.25)
+    figure, axes = _figure(2)
+    lowest = []
+    for eta in etas:
+        for ax, sides in zip(axes, (True, False)):
+            mean, error = with_error([length_anisotropy(e, xi, (e.type == SIDE_SIDE) == sides) for e in snapshots(runs[eta])])
+            ax.errorbar(xi, mean, np.nan_to_num(error), color=color(eta), marker=marker(eta), ms=3, lw=0.8, label=rf"$\eta = {eta:g}$")
+            if not sides:
+                lowest.append(f"{xi[int(np.argmin(mean))]:g} (η = {eta:g})")
+    for ax, title in zip(axes, ("side-side contacts", "all others")):
+        ax.set(xlabel=r"$\xi$", title=title)
+        ax.axvspan(1, 2, color="0.92", lw=0)
+    axes[0].set_ylabel(r"share of $a_{ln}(\xi)$")
+    axes[0].legend(fontsize=7)
+    text = (
+        f"Without side-side contacts a_ln(ξ) has its lowest value at ξ = {', '.join(lowest)}; the paper's peak is in [1, 2], shaded. "
+        "What side-side contacts add falls on to the largest forces, since these are the strongest contacts, the shortest ones, and turned to the axis of σ₁. "
+        "So a_ln has a peak where they bear no force much above the mean, and none here."
+    )
+    return Note("The peak of the anisotropy of branch lengths", text, "length-peak", figure)
+
+
+@note
+def nearest_to_one(runs, others):
+    """How far the mode of ℓ_r near 1 stands out."""
+    etas = [eta for eta in runs if eta >= 0.2 - 1e-9]
+    if not etas:
+        return None
+    figure, (ax,) = _figure()
+    told = []
+    for eta in etas:
+        edges = np.linspace(1 - eta, 1, 21)  # the mode and its neighbours alike at every η
+        mean, error = with_error([statistics.density(np.clip(e.reduced_length, 1 - eta, 1 - 1e-9), edges) for e in snapshots(runs[eta])])
+        ax.errorbar((statistics.centres(edges) - 1) / eta, mean / mean[-4:].max(), np.nan_to_num(error) / mean[-4:].max(), color=color(eta), marker=marker(eta), ms=3, lw=0.8, label=rf"$\eta = {eta:g}$")
+        top, dip = int(np.argmax(mean[-4:])) + 16, int(np.argmin(mean[10:])) + 10
+        told.append(f"{mean[top] / mean[dip]:.2f} ± {np.hypot(error[top], error[dip] * mean[top] / mean[dip]) / mean[dip]:.2f} (η = {eta:g})")
+    ax.set(xlabel=r"$(\ell_r - 1)/\eta$", ylabel=r"$P(\ell_r)$ over its mode near 1", xlim=(-0.5, 0.02), ylim=(0, 2.5))
+    ax.legend(fontsize=7, ncols=2)
+    text = (
+        f"The density of the highest class near 1 over that of the lowest one between there and 1 − η/2 is {', '.join(told)}. "
+        "Grains whose axes lie on one line touch there by their caps. The broad mode at 1 − η/2, caps on sides, reaches over it the more the shorter the grains are: "
+        "whether a mode is seen is a matter of the class width and of chance at small η."
+    )
+    return Note("The mode of the longest branches", text, "longest-branches", figure)
+
+
+# --- strain ---------------------------------------------------------------------------------------------------------------
+
+
+@note
+def weak_fabric(runs, others):
+    """a_c(ξ = 1) of long particles against the strain."""
+    etas = [eta for eta in runs if eta >= 0.5 - 1e-9]
+    if not etas:
+        return None
+    figure, (ax,) = _figure()
+    ax.axhspan(0.25, 0.35, color="0.92", lw=0)
+    told = []
+    for eta in etas:
+        for groups, fill in ((runs, True), (others, False)):
+            series = [(network.attributes["strain"], network.anisotropies(1)[0]) for run in groups.get(eta, []) for network in Run.read(run.folder, 0).networks]
+            strain, value = np.array(sorted(series)).T if series else np.zeros((2, 0))
+            ax.plot(strain, value, marker(eta), color=color(eta), mfc=None if fill else "none", ms=4, label=rf"$\eta = {eta:g}$" if fill else None)
+            if fill:
+                third = np.minimum((3 * strain / strain.max()).astype(int), 2)
+                told.append(", ".join(f"{value[third == k].mean():.2f}" for k in range(3)) + f" (η = {eta:g})")
+    ax.set(xlabel=r"strain $\varepsilon$", ylabel=r"$a_c(\xi = 1)$", ylim=(0, None))
+    ax.legend(fontsize=7)
+    last = max(float(network.attributes["strain"]) for eta in etas for run in runs[eta] for network in run.networks)
+    text = (
+        f"a_c of the weak contacts of long particles is, in three equal parts of the strain up to {last:.2g}, {', '.join(told)}; the paper's 0.3 ± 0.05 is shaded. "
+        f"It goes on changing while sin φ stays, as long particles go on turning{'; open marks: I = ' + _rate([run for eta in etas for run in others.get(eta, [])]) if any(eta in others for eta in etas) else ''}."
+    )
+    return Note("The fabric of weak contacts and the strain", text, "weak-fabric", figure)
 
 
 # --- the page -------------------------------------------------------------------------------------------------------------
