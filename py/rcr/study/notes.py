@@ -477,7 +477,7 @@ def neutral(runs, others):
     axes[1].plot(etas, modes / grains, "ko-", label="neutral motions a grain")
     axes[1].plot(etas, wanting / grains, "x", color="tab:red", ms=7, label="degrees of freedom beyond contacts")
     axes[1].plot(etas, rotation, "s--", color="tab:blue", mfc="none", label="share of rotation in them")
-    axes[1].set(xlabel=r"$\eta$", ylim=(0, None))
+    axes[1].set(xlabel=r"$\eta$", ylim=(0, 1.4))  # room for the legend
     axes[1].legend(fontsize=7)
     least = min((eta for eta in etas if eta > 0), key=lambda eta: abs(eta - 0.3))
     k = etas.index(least)
@@ -519,15 +519,15 @@ def force_by_type(runs, others):
         short = length < np.median(length)
         slope = [np.polyfit(statistics.centres(edges)[kept], row[kept], 1)[0] for row in mean for kept in [np.isfinite(row)]]
         told.append(
-            f"at η = {eta:g} with a slope of {slope[1]:+.2f} among side-side contacts and {slope[2]:+.2f} among the rest, and {slope[0]:+.2f} of all, "
+            f"at η = {eta:g} {slope[1]:+.2f} among side-side contacts, {slope[2]:+.2f} among the rest and {slope[0]:+.2f} of all, "
             f"{np.mean(sides[short]):.0%} of the shorter half of the branches and {np.mean(sides[~short]):.0%} of the longer one being side-side"
         )
     axes[0].set_ylabel(r"$\langle f\rangle_\ell/\langle f\rangle$")
     axes[0].legend(fontsize=7)
     text = (
-        f"Within one type of contact the mean force rises with the branch length, since larger grains bear more: {'; '.join(told)}. "
-        "Side-side contacts bear more than the rest and have the shorter branches, so that the mean of both falls as soon as there are enough of them. "
-        "Where it turns is thus a matter of their share."
+        f"The slope of the mean force (over that of all) against the branch length (over R_max) is {'; '.join(told)}. "
+        "Larger grains have the longer branches and bear more. Side-side contacts bear more than the rest, too, and have the shorter branches: so the slope of all is below that "
+        "of either type, the more of them there are, and turns where their share outweighs the sizes of grains."
     )
     return Note("Force and branch length by type of contact", text, "force-by-type", figure)
 
