@@ -182,9 +182,10 @@ def test_same_bits_in_the_long_run(scene, tmp_path):
     assert same((O.iter, O.time, snapshot(), contacts()), expected[:4])
 
 
-def test_same_bits_after_reload(tmp_path):
-    expected, _ = after(mixed, True)
-    after(mixed, True, steps=STEPS // 2, one_more=False)
+@pytest.mark.parametrize("scene", [mixed, in_a_flow_that_follows])
+def test_same_bits_after_reload(scene, tmp_path):
+    expected, _ = after(scene, True)
+    after(scene, True, steps=STEPS // 2, one_more=False)
     O.save(str(tmp_path / "half.xml.gz"))
     O.load(str(tmp_path / "half.xml.gz"))
     O.run(STEPS - STEPS // 2, True)
