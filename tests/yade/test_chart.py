@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from benchmarks import charts
 from rcr.study.biaxial import STRESS, Biaxial
-from benchmarks.charts import biaxial_cost, deterministic, quasi_static
+from benchmarks.charts import biaxial_cost, deterministic, one_step, quasi_static
 from yade import O
 
 import forked
@@ -48,6 +48,13 @@ def test_damaged_tables_are_named(tmp_path, content):
     with pytest.raises(ValueError, match="t.csv: ") as error:
         charts.Table(str(path), ["x"])
     assert "\n" not in str(error.value)
+
+
+def test_a_point_of_one_step_runs(tmp_path):
+    """Chart a calls scripts/bench_solver.py: it looked for it beside the project."""
+    rows = one_step.run("250/0/auto", dataclasses.replace(OPTIONS, out=str(tmp_path)))
+    assert {row["start"] for row in rows} == {"cold", "warm"} and all(row["library"] == "auto" and row["seconds"] > 0 for row in rows)
+    assert min(row["residual"] for row in rows) < 1e-4
 
 
 def error(name):
