@@ -104,8 +104,9 @@ def _stepped(library, network, folder, options):
     """A step of a game library with more and more iterations: all that a step does, not the solver alone."""
     for iterations in (10, 40, 160) if options.quick else (10, 40, 160, 640):
         arguments = [network, f"--{library}", _program(library, options), "--iterations", iterations, "--repeats", 3, "--budget", 1]
-        _script("bench_step.py", *arguments, "--out", folder)
-        with open(os.path.join(folder, "step.csv"), newline="") as file:
+        out = os.path.join(folder, str(iterations))
+        _script("bench_step.py", *arguments, "--out", out)
+        with open(os.path.join(out, "step.csv"), newline="") as file:
             for row in csv.DictReader(file):
                 if not row["library"].startswith("rcr"):
                     yield dict(

@@ -1,6 +1,7 @@
 """scripts/chart.py and benchmarks.charts: tables go on where they stopped, known answers are known, the stock test is the same test."""
 
 import dataclasses
+import json
 import math
 import os
 import subprocess
@@ -55,6 +56,17 @@ def test_a_point_of_one_step_runs(tmp_path):
     rows = one_step.run("250/0/auto", dataclasses.replace(OPTIONS, out=str(tmp_path)))
     assert {row["start"] for row in rows} == {"cold", "warm"} and all(row["library"] == "auto" and row["seconds"] > 0 for row in rows)
     assert min(row["residual"] for row in rows) < 1e-4
+    # Another library, a script that stands for it: a grain falls on the floor and is stopped. The second number of iterations wanted another folder.
+    count = 250
+    before, after = np.zeros((count + 4, 3)), np.zeros((count + 4, 3))
+    before[0, 1] = -1
+    contact = [count + 1, 0, 0, 1, 0.5, 0, 0, -0.5, 0.0, 1.0, 0.0, -0.003]
+    outcome = dict(library="Other 1", seconds=[1e-3] * 20, contacts=[contact], before=before.tolist(), after=after.tolist())
+    program = tmp_path / "chipmunk_step"
+    program.write_text(f"#!/bin/sh\necho '{json.dumps(outcome)}'\n")
+    program.chmod(0o755)
+    rows = one_step.run("250/0/chipmunk", dataclasses.replace(OPTIONS, out=str(tmp_path), peers=str(tmp_path)))
+    assert {row["library"] for row in rows} == {"Other 1"} and sorted({row["iterations"] for row in rows}) == [10, 40, 160]
 
 
 def error(name):
