@@ -311,11 +311,17 @@ class Network:
         Rattlers, particles with fewer than two contacts, are removed together with their contacts until none is left.
         `count_side_contacts_twice` counts a side-side contact, which takes two unknowns, as two.
         """
-        alive, _, total = self._backbone(count_side_contacts_twice)
+        alive, _, total = self.backbone(count_side_contacts_twice)
         return float(total[alive].mean()) if alive.any() else 0.0
 
-    def _backbone(self, count_side_contacts_twice):
-        """What is left without rattlers: masks of ids and of contacts, and the number of contacts of each id."""
+    def backbone(self, count_side_contacts_twice=False):
+        """What is left without rattlers, as `coordination` removes them.
+
+        Returns
+        -------
+        alive, kept, total : (largest id + 1,) bool, (C,) bool and (largest id + 1,) int arrays
+            Whether a particle, or a clump, is left, by its id; whether a contact is; number of contacts by id.
+        """
         ids, clump = self.particles["id"], self.particles["clump"]
         weight = np.where(count_side_contacts_twice & (self.contacts["points"] == 2), 2, 1)
         size = int(max(ids.max(initial=-1), clump.max(initial=-1))) + 1

@@ -136,6 +136,8 @@ def test_coordination_leaves_rattlers_out():
     test = network(np.zeros(4), np.ones((4, 2)), np.ones((4, 2)), grains=4, body1=pairs[:, 0], body2=pairs[:, 1], points=np.array([2, 1, 1, 1]))
     assert test.coordination() == pytest.approx(2)
     assert test.coordination(count_side_contacts_twice=True) == pytest.approx(8 / 3)
+    alive, kept, total = test.backbone()
+    assert list(alive) == [True, True, True, False] and list(kept) == [True, True, True, False] and list(total[alive]) == [2, 2, 2]
 
 
 def test_file_round_trip_and_refusals(tmp_path):

@@ -424,7 +424,7 @@ def neutral_modes(packing):
         Number of motions; degrees of freedom beyond the number of constraints, the same if these are independent; share of rotation in the
         motions, of all squares, a turn counted as what it moves the end of a grain by.
     """
-    alive, kept, _ = packing._backbone(True)
+    alive, kept, _ = packing.backbone(True)
     grains, contacts = packing.particles, {name: column[kept] for name, column in packing.contacts.items()}
     own = np.flatnonzero(alive[grains["id"]])
     number = np.full(len(alive), -1)
@@ -467,7 +467,7 @@ def neutral(runs, others):
     small = {eta: packing for eta, packing in sorted(packings.items()) if len(packing.particles["id"]) <= MOST_GRAINS}
     if not any(eta > 0 for eta in small):
         return None
-    found = {eta: (*neutral_modes(packing), packing._backbone(True)[0].sum(), packing.coordination(count_side_contacts_twice=True)) for eta, packing in small.items()}
+    found = {eta: (*neutral_modes(packing), packing.backbone(True)[0].sum(), packing.coordination(count_side_contacts_twice=True)) for eta, packing in small.items()}
     etas = list(found)
     modes, wanting, rotation, grains, coordination = map(np.array, zip(*found.values()))
     figure, axes = _figure(2)
