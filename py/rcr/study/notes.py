@@ -73,6 +73,11 @@ def _figure(count=1, width=None):
     return figure, axes
 
 
+def _curve(ax, eta, x, mean, error):
+    """The line of an elongation, with its errors where they are known."""
+    ax.errorbar(x, mean, np.nan_to_num(error), color=color(eta), marker=marker(eta), ms=3, lw=0.8, label=rf"$\eta = {eta:g}$")
+
+
 def _number(mean, error):
     return f"{mean:.3f} ± {np.nan_to_num(error):.3f}"
 
@@ -287,7 +292,7 @@ def fit_range(runs, others):
         parts = snapshots(group)
         for ax, forces in zip(axes, ([e.fn for e in parts], [np.abs(e.ft) / np.abs(e.ft).mean() for e in parts])):
             mean, error = with_error(exponents_by_range(forces))
-            ax.errorbar(UPPER_ENDS, mean, np.nan_to_num(error), color=color(eta), marker=marker(eta), ms=3, lw=0.8, label=rf"$\eta = {eta:g}$")
+            _curve(ax, eta, UPPER_ENDS, mean, error)
             if ax is axes[0] and eta in PAPER_BETA:
                 ax.axhline(PAPER_BETA[eta], color=color(eta), ls="--", lw=0.8)
                 least, at_mean, most = (int(np.argmin(np.abs(UPPER_ENDS - end))) for end in (0.5, 1, 1.5))
@@ -550,7 +555,7 @@ def length_peak(runs, others):
     for eta in etas:
         for ax, sides in zip(axes, (True, False)):
             mean, error = with_error([length_anisotropy(e, xi, (e.type == SIDE_SIDE) == sides) for e in snapshots(runs[eta])])
-            ax.errorbar(xi, mean, np.nan_to_num(error), color=color(eta), marker=marker(eta), ms=3, lw=0.8, label=rf"$\eta = {eta:g}$")
+            _curve(ax, eta, xi, mean, error)
             if not sides:
                 lowest.append(f"{xi[int(np.argmin(mean))]:g} (η = {eta:g})")
     for ax, title in zip(axes, ("side-side contacts", "all others")):
@@ -577,7 +582,7 @@ def nearest_to_one(runs, others):
     for eta in etas:
         edges = np.linspace(1 - eta, 1, 21)  # the mode and its neighbours alike at every η
         mean, error = with_error([statistics.density(np.clip(e.reduced_length, 1 - eta, 1 - 1e-9), edges) for e in snapshots(runs[eta])])
-        ax.errorbar((statistics.centres(edges) - 1) / eta, mean / mean[-4:].max(), np.nan_to_num(error) / mean[-4:].max(), color=color(eta), marker=marker(eta), ms=3, lw=0.8, label=rf"$\eta = {eta:g}$")
+        _curve(ax, eta, (statistics.centres(edges) - 1) / eta, mean / mean[-4:].max(), error / mean[-4:].max())
         top, dip = int(np.argmax(mean[-4:])) + 16, int(np.argmin(mean[10:])) + 10
         told.append(f"{mean[top] / mean[dip]:.2f} ± {np.hypot(error[top], error[dip] * mean[top] / mean[dip]) / mean[dip]:.2f} (η = {eta:g})")
     ax.set(xlabel=r"$(\ell_r - 1)/\eta$", ylabel=r"$P(\ell_r)$ over its mode near 1", xlim=(-0.5, 0.02), ylim=(0, 2.5))
