@@ -46,8 +46,8 @@ rcr::Settings ContactDynamics::settings(const rcr::Drive& drive) const
 rcr::Settings ContactDynamics::settingsOfFurtherPass() const
 {
 	rcr::Settings s = settings(rcr::driveOf(step_));
-	s.minIterations = std::max(s.minIterations, furtherSweeps);
 	s.maxIterations = tolerance == 0 ? std::min(s.maxIterations, furtherSweeps) : std::max(s.maxIterations - iterations, furtherSweeps);
+	s.minIterations = std::min(std::max(s.minIterations, furtherSweeps), s.maxIterations);
 	return s;
 }
 

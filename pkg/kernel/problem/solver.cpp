@@ -156,10 +156,11 @@ void checkSettings(const std::string& solver, const Settings& s)
 			known += " " + name;
 		refuse("solver '", solver, "' is not known: give one of", known);
 	}
-	if (!(s.tolerance >= 0)) refuse("tolerance = ", s.tolerance, ": give a residual ≥ 0; 0 runs all iterations");
+	if (!(s.tolerance >= 0 && std::isfinite(s.tolerance))) refuse("tolerance = ", s.tolerance, ": give a finite residual ≥ 0; 0 runs all iterations");
 	if (s.maxIterations < 1) refuse("maxIterations = ", s.maxIterations, ": give at least 1");
 	if (s.checkInterval < 1) refuse("checkInterval = ", s.checkInterval, ": give at least 1 sweep");
-	if (s.minIterations < 0) refuse("minIterations = ", s.minIterations, ": give at least 0");
+	if (s.minIterations < 0 || s.minIterations > s.maxIterations)
+		refuse("minIterations = ", s.minIterations, ": give at least 0, and no more than maxIterations = ", s.maxIterations);
 	if (s.stallSweeps < 0) refuse("stallSweeps = ", s.stallSweeps, ": give at least 1, or 0 to go on in any case");
 	if (s.threads < 1) refuse("threads = ", s.threads, ": give at least 1");
 	if (s.lanes != 0 && s.lanes != 1 && s.lanes != 4 && s.lanes != 8)
@@ -167,7 +168,8 @@ void checkSettings(const std::string& solver, const Settings& s)
 	if (!(s.violation >= 0)) refuse("violation = ", s.violation, ": give a fraction ≥ 0, infinity for no test");
 	if (!(s.compliance >= 0)) refuse("compliance = ", s.compliance, ": give a share ≥ 0 of the response of a contact; 0 does not use it");
 	if (!(s.mostImpulse > 0)) refuse("mostImpulse = ", s.mostImpulse, ": give an impulse > 0, infinity for no bound");
-	if (!(s.meanForceChange >= 0)) refuse("meanForceChange = ", s.meanForceChange, ": give a change ≥ 0; 0 does not use it");
+	if (!(s.meanForceChange >= 0 && std::isfinite(s.meanForceChange)))
+		refuse("meanForceChange = ", s.meanForceChange, ": give a finite change ≥ 0; 0 does not use it");
 }
 
 Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings)

@@ -1,6 +1,7 @@
 #include "step/pairs.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "step/missed_contacts.hpp"
 
@@ -18,6 +19,25 @@ namespace {
 
 	template <class One, class Two> bool before(const One& a, const Two& b) { return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2; }
 	template <class One, class Two> bool same(const One& a, const Two& b) { return a.body1 == b.body1 && a.body2 == b.body2; }
+
+	/// Room for pairs that are not there yet: all behind the first of them move up once.
+	void insert(Pairs& pairs, std::vector<Pair> more)
+	{
+		std::size_t from = pairs.all.size(), to = from + more.size();
+		pairs.all.resize(to);
+		pairs.manifold.resize(to);
+		while (!more.empty()) {
+			--to;
+			if (from > 0 && before(more.back(), pairs.all[from - 1])) {
+				--from;
+				pairs.all[to]      = pairs.all[from];
+				pairs.manifold[to] = pairs.manifold[from];
+			} else {
+				pairs.all[to] = more.back();
+				more.pop_back();
+			}
+		}
+	}
 
 } // namespace
 
@@ -63,21 +83,25 @@ void Pairs::detect(const Step& step, Team& team)
 
 void Pairs::takeIn(const Step& step, long iteration)
 {
+	const auto        find = [&](const GrownContact& grown) { return std::lower_bound(all.begin(), all.end(), grown, before<Pair, GrownContact>); };
+	std::vector<Pair> more;
 	for (const GrownContact& grown : step.taken) {
-		const auto        place  = std::lower_bound(all.begin(), all.end(), grown, before<Pair, GrownContact>);
-		const std::size_t number = place - all.begin();
-		if (place == all.end() || !same(*place, grown)) {
-			all.insert(place, Pair {})->body1 = grown.body1;
-			all[number].body2 = grown.body2;
-			manifold.insert(manifold.begin() + number, Manifold {});
-		}
-		Pair& pair = all[number];
+		const auto place = find(grown);
+		if (place != all.end() && same(*place, grown)) continue;
+		more.emplace_back();
+		more.back().body1 = grown.body1, more.back().body2 = grown.body2;
+	}
+	std::sort(more.begin(), more.end(), before<Pair, Pair>); // a pass may take in again what one before it has
+	more.erase(std::unique(more.begin(), more.end(), same<Pair, Pair>), more.end());
+	insert(*this, std::move(more));
+	for (const GrownContact& grown : step.taken) {
+		Pair& pair = *find(grown);
 		if (pair.points == 0) {
 			pair.friction = grown.friction, pair.restitution = grown.restitution;
 			pair.since = iteration;
 		}
-		manifold[number] = grown.manifold;
-		pair.points      = grown.manifold.count;
+		manifold[&pair - all.data()] = grown.manifold;
+		pair.points                  = grown.manifold.count;
 		places(step.bodies[pair.body1], step.bodies[pair.body2], grown.manifold, pair.along);
 	}
 }
