@@ -4,16 +4,17 @@
 namespace yade {
 
 namespace {
-	constexpr int furtherSweeps = 10; // of a further pass
+	constexpr int    furtherSweeps = 10;   // of a further pass …
+	constexpr double fine          = 1e-6; // … unless a residual below this is wanted
 }
 
 std::string ContactDynamics::wrong() const
 {
 	if (!(correction >= 0 && correction <= 1)) return "ContactDynamics.correction = " + gate::text(correction) + "; wanted a share of the overlap, 0 to 1.";
-	if (!(maxViolation >= 0)) return "ContactDynamics.maxViolation = " + gate::text(maxViolation) + "; wanted a share ≥ 0 of the velocities without contacts, infinity for no test.";
+	if (!(maxViolation >= 0)) return "ContactDynamics.maxViolation = " + gate::text(maxViolation) + "; wanted a share ≥ 0 of the relative velocities; math.inf for no test.";
 	if (threads < 0) return "ContactDynamics.threads = " + std::to_string(threads) + "; wanted 0, as many as YADE has, or more.";
 	if (!(compliance >= 0 && math::isfinite(compliance)))
-		return "ContactDynamics.compliance = " + gate::text(compliance) + "; wanted a finite share ≥ 0 of the response of a contact, 0 for none.";
+		return "ContactDynamics.compliance = " + gate::text(compliance) + "; wanted a finite factor ≥ 0, 1 by default; 0: contacts never yield.";
 	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))
 		return "ContactDynamics.flow is not zero; wanted finite, and only with overdamped = True: other bodies keep their velocities.";
 	if (followFlow && !overdamped) return "ContactDynamics.followFlow = True; wanted only with overdamped = True: other bodies keep their velocities.";
@@ -42,11 +43,12 @@ rcr::Settings ContactDynamics::settings(const rcr::Drive& drive) const
 }
 
 /// A further pass corrects a few contacts. The residual over all contacts would not show them, so the pass runs a fixed ten sweeps,
-/// enough for their neighbourhood. All passes share the iterations of the step.
+/// enough for their neighbourhood. All passes share the iterations of the step; where fine residuals are wanted, each has all of them: ten
+/// would leave what they changed at 1e-3.
 rcr::Settings ContactDynamics::settingsOfFurtherPass() const
 {
 	rcr::Settings s = settings(rcr::driveOf(step_));
-	s.maxIterations = tolerance == 0 ? std::min(s.maxIterations, furtherSweeps) : std::max(s.maxIterations - iterations, furtherSweeps);
+	if (!(tolerance < fine)) s.maxIterations = std::max(s.maxIterations - iterations, furtherSweeps);
 	s.minIterations = std::min(std::max(s.minIterations, furtherSweeps), s.maxIterations);
 	return s;
 }

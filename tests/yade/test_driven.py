@@ -2,9 +2,11 @@
 
 import dataclasses
 
+import numpy as np
 import pytest
+import rcr
 from benchmarks.hard_scenes import driven, stage
-from scenes import steps
+from scenes import build, material, steps
 from yade import O
 
 BOUNDS = {"ended", "speed", "force"}  # of the rest, times are those of a busy machine, and these scenes are too short for the message
@@ -22,6 +24,23 @@ def test_a_lid_beside_a_receding_wall_does_not_explode():
     rigid, springs = driven.run(scene)
     assert rigid.yielded > 0, "no step without a solution: this scene tests nothing"
     assert not BOUNDS & set(driven.violations(scene, rigid, springs)), f"{rigid}\n{springs}"
+
+
+@pytest.mark.parametrize("count", [12, 30])
+@pytest.mark.parametrize("speed", [0.1, 10])
+def test_a_free_row_that_is_struck_is_no_jam(count, speed):
+    """Discs in a line before a wall: the wall bears the momentum of all, they leave with its speed and through none of each other."""
+    smooth = material(0)
+    grains = [rcr.disc((0.02 * k, 0), R=0.01, material=smooth) for k in range(count)]
+    build(rcr.wall("x", -0.01, sense=1, velocity=speed, material=smooth), *grains, dt=1e-4, gravity=(0, 0, 0), tolerance=1e-6)
+    solver = O.engines[-2]
+    O.step()
+    assert not solver.yielded
+    assert O.forces.f(0)[0] == pytest.approx(-count * O.bodies[1].state.mass * speed / O.dt, rel=1e-3)
+    for _ in range(30):
+        O.step()
+    assert solver.deepestOverlap < 1e-5
+    np.testing.assert_allclose([b.state.vel[0] for b in O.bodies][1:], speed, rtol=1e-3)
 
 
 def test_draws_cover_what_they_shall():

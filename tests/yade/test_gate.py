@@ -166,7 +166,7 @@ def test_a_compliance_out_of_range_is_told_as_it_was_given(value):
     """Its product with the scene's own was."""
     rigid()
     O.engines[place(rcr.ContactDynamics)].compliance = value
-    refused(f"ContactDynamics.compliance = {value:g}; wanted a finite share ≥ 0 of the response of a contact, 0 for none")
+    refused(f"ContactDynamics.compliance = {value:g}; wanted a finite factor ≥ 0, 1 by default")
 
 
 def test_forces_that_the_solver_has_not_seen_are_told_of(capfd):

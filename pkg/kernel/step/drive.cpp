@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace rcr {
 
@@ -27,6 +28,37 @@ namespace {
 		return fastest;
 	}
 
+	/// Bodies that a prescribed motion reaches one through the other, along the longest of all shortest ways over contacts.
+	int reachOfDrive(const ContactProblem& problem)
+	{
+		const std::size_t         count = problem.inverseMass.size();
+		std::vector<std::int32_t> first(count + 1), other(2 * problem.points.size()), layer, next;
+		for (const ContactPoint& c : problem.points)
+			++first[c.body1], ++first[c.body2];
+		std::partial_sum(first.begin(), first.end(), first.begin());
+		for (const ContactPoint& c : problem.points) {
+			other[--first[c.body1]] = c.body2;
+			other[--first[c.body2]] = c.body1;
+		}
+		std::vector<char> seen(count);
+		for (std::size_t id = 0; id < count; ++id) {
+			const Twist& v = problem.freeVelocity[id];
+			seen[id]       = problem.prescribed(id);
+			if (seen[id] && (v.x != 0 || v.y != 0 || v.rotation != 0)) layer.push_back(std::int32_t(id));
+		}
+		int reach = -1;
+		for (; !layer.empty(); ++reach) {
+			next.clear();
+			for (std::int32_t id : layer)
+				for (std::int32_t k = first[id]; k < first[id + 1]; ++k) {
+					if (!seen[other[k]]) next.push_back(other[k]);
+					seen[other[k]] = true;
+				}
+			layer.swap(next);
+		}
+		return std::max(reach, 0);
+	}
+
 } // namespace
 
 Drive driveOf(const ContactProblem& problem, const std::vector<Twist>& before)
@@ -48,7 +80,7 @@ Drive driveOf(const ContactProblem& problem, const std::vector<Twist>& before)
 		load += free({ v.x - before[id].x, v.y - before[id].y }) / largest;
 	}
 	if (bodies == 0) return drive;
-	const double rows = std::sqrt(bodies);
+	const double rows = bodies / std::max(std::sqrt(bodies), double(reachOfDrive(problem)));
 	drive.compliance  = std::max(stiffest, drive.speed * (total / bodies) * rows / (momentum + loads * load));
 	drive.mostImpulse = (mostMomenta * momentum + mostLoads * load) / rows;
 	return drive;

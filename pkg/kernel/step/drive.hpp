@@ -2,14 +2,17 @@
 //
 // A rigid contact bears whatever a drive of the speed V makes of it. In a wedge, and in a step that is next to one, impulses are bounded by
 // the geometry alone, and grains are thrown out at many times V; springs would have given way for many steps. What the drive, moving
-// grains and loads account for is, of a row of the N free bodies,
+// grains and loads account for is, of a row of r of the N free bodies,
 //
-//   momentum   P = Σ m (V + |v_free|)/√N
-//   loads      L = Σ m |v_free − v⁻|/√N
+//   momentum   P = r/N Σ m (V + |v_free|)
+//   loads      L = r/N Σ m |v_free − v⁻|
+//
+// where r = √N, or as many bodies as the drive reaches one through the other over contacts, if these are more: a column that is struck
+// at its end is all one row.
 //
 // Contacts yield (solve_yielding.cpp) such that one of the mean mass m̄ that closes at V bears P + 10 L:
 //
-//   ε = V m̄/(P + 10 L) ≤ 1/√N
+//   ε = V m̄/(P + 10 L) ≤ 1/r
 //
 // So loads alone close contacts by a small part of V, and forces do not depend on the time step. A driven step with a contact beyond
 // 3 P + 200 L yields although it has a rigid solution: a row that is struck bears P, and a contact of a sheared packing up to 40 L.

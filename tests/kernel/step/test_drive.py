@@ -1,4 +1,4 @@
-"""The scale of a drive: closed forms of ε = V m̄/(P + 10 L) and of 3 P + 200 L, P = Σ m (V + |v_free|)/√N, L = Σ m |v_free − v⁻|/√N."""
+"""The scale of a drive: closed forms of ε = V m̄/(P + 10 L) and of 3 P + 200 L, P = r/N Σ m (V + |v_free|), L = r/N Σ m |v_free − v⁻|; r = N in a row."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def test_closed_form():
     speed, compliance, most = scale(masses, before, free)
     momentum, load = 1 * (V + np.hypot(0.3, 0.4 - G * dt)) + 3 * (V + G * dt), 4 * G * dt
     assert speed == V
-    expected = [V * 2.0 / ((momentum + 10 * load) / np.sqrt(2)), (3 * momentum + 200 * load) / np.sqrt(2)]
+    expected = [V * 2.0 / (momentum + 10 * load), 3 * momentum + 200 * load]
     np.testing.assert_allclose([compliance, most], expected, rtol=1e-14)
 
 
@@ -43,7 +43,7 @@ def test_weight_closes_contacts_by_a_tenth_of_the_drive_at_most(dt):
     count, mass = 16, 1.0
     rest = np.zeros((count, 3))
     speed, compliance, _ = scale([mass] * count, rest, rest - [0, G * dt, 0])
-    closing = compliance / mass * np.sqrt(count) * mass * G * dt  # of a row of √N grains
+    closing = compliance / mass * count * mass * G * dt
     assert closing < 0.1 * speed
 
 
@@ -68,3 +68,24 @@ def test_blocked_directions_have_no_momentum():
 def test_nothing_drives_where_walls_rest():
     speed, compliance, most = scale([1.0], np.ones((1, 3)), np.ones((1, 3)), wall=(0.0, 0, 0))
     assert (speed, compliance, most) == (0, 0.01, np.inf)
+
+
+def test_a_row_that_is_struck_at_its_end_stays_rigid():
+    """The impulse of the first contact is N m V: below the bound, however long the row."""
+    for count in (10, 100, 1000):
+        at_rest = np.zeros((count, 3))
+        _, _, most = scale([2.0] * count, at_rest, at_rest)
+        np.testing.assert_allclose(most, 3 * count * 2.0 * V)
+
+
+def test_of_a_packing_a_row_is_the_square_root():
+    """A drive that touches every grain reaches one at a time."""
+    count = 25
+    wall, rest = (0.0, V, 0.0), np.zeros((count, 3))
+    points = np.arange(count)
+    _, _, most = _kernel.drive(
+        np.vstack([wall, rest]), inverse_mass=np.vstack([np.zeros(3), np.ones((count, 3))]), free_velocity=np.vstack([wall, rest]),
+        bodies=np.stack([0 * points, points + 1], axis=1).astype(np.int32), normal=np.tile([0.0, 1], (count, 1)), arm1=np.zeros((count, 2)),
+        arm2=np.zeros((count, 2)), bias=np.zeros(count), friction=np.full(count, 0.5), impulse=np.zeros((count, 2)),
+    )  # fmt: skip
+    np.testing.assert_allclose(most, 3 * 5 * V)
