@@ -30,7 +30,7 @@ def python(code, folder, *path):
 @needs_cmake
 @needs_build
 def test_installed_package_is_found_and_whole(tmp_path):
-    """F28: nothing was installed."""
+    """Nothing was installed."""
     cmake("--install", BUILD, "--prefix", tmp_path)
     site = tmp_path / SITE
     yade = [path for path in sys.path if path.endswith("/py") and (pathlib.Path(path) / "yade").is_dir()]
@@ -52,7 +52,7 @@ def test_debians_own_folder_under_usr(tmp_path):
 
 @needs_cmake
 def test_analysis_alone_without_headers_of_yade(tmp_path):
-    """F28: what pip does where YADE is not; it needs no compiler."""
+    """What pip does where YADE is not; it needs no compiler."""
     told = cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path / "build", "-DRCR_PLUGIN=AUTO", f"-DYADE_SOURCE_DIR={tmp_path}", "-DCMAKE_CXX_COMPILER=/none", f"-DPython3_EXECUTABLE={sys.executable}")
     assert "Nothing is compiled" in told
     cmake("--build", tmp_path / "build")
@@ -74,7 +74,7 @@ def test_one_version(tmp_path):
 
 
 def test_without_its_plugin_rcr_says_so_to_yade(tmp_path):
-    """F30: a build of the kernels alone beside YADE ended in a message about circular imports."""
+    """A build of the kernels alone beside YADE ended in a message about circular imports."""
     shutil.copytree(ROOT / "py" / "rcr", tmp_path / "rcr", ignore=shutil.ignore_patterns("*.so", "__pycache__"))
     code = "import sys, types; sys.modules['yade'] = types.ModuleType('yade'); import rcr"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, env={**os.environ, "PYTHONPATH": str(tmp_path)})

@@ -491,7 +491,7 @@ def test_a_second_build_waits_for_one_that_compiles(machine):
 
 
 def test_two_builds_with_nothing_to_do_are_silent(machine):
-    """F31: each looks for new files, one after the other; on a loaded machine that takes longer than the patience of the second."""
+    """Each looks for new files, one after the other; on a loaded machine that takes longer than the patience of the second."""
     build(machine, "exit 0")
     machine.command("cmake", "sleep 0.7")
     assert two_builds(machine, YADE_RCR_PATIENCE="0.1") == ["", ""]

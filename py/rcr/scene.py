@@ -360,7 +360,7 @@ def save_not_finite():
         save_problem(engine, path)
     except (OSError, ValueError) as error:
         return f"Its problem cannot be saved: {error}."
-    return f"Its problem is in {path}; scripts/solve.py replays it."
+    return f"Its problem is in {path}; rcr.solve({path!r}, warm=True) replays it."
 
 
 def contact_network(walls=None, volume=None, **attributes):

@@ -146,7 +146,7 @@ def mode(path):
 
 @pytest.mark.parametrize("mask, wanted", [(0o022, 0o644), (0o027, 0o640)])
 def test_networks_have_the_permissions_of_any_file(tmp_path, mask, wanted):
-    """F26: they were written with mode 0600."""
+    """They were written with mode 0600."""
     before = os.umask(mask)
     try:
         packing(0.5).save(tmp_path / "network.h5")
@@ -174,7 +174,7 @@ def test_relative_paths(tmp_path, monkeypatch):
 
 
 def test_solve_does_without_h5py(tmp_path):
-    """F26: `import rcr` needed h5py even to solve a problem from .npz."""
+    """`import rcr` needed h5py even to solve a problem from .npz."""
     one = dict(a=[0], b=[1], n=[[0, 1]], ra=[[0, 0]], rb=[[0, 0]], bn=[0.0], mu=[0.5], p0=[[0, 0]])
     np.savez(tmp_path / "p.npz", im=[0, 1], iI=[0, 1], vfree=[[0, 0, 0], [0, -2, 0]], meta=[1, 1, 2], **one)
     code = f"""

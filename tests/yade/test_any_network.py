@@ -1,4 +1,4 @@
-"""Networks of any scene: who is a grain, who an obstacle, friction of each contact, volume, periodic cells, clumps (F15)."""
+"""Networks of any scene: who is a grain, who an obstacle, friction of each contact, volume, periodic cells, clumps."""
 
 import math
 

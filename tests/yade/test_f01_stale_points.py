@@ -1,4 +1,4 @@
-"""F1: a pair that late detection finds with more points than were gathered must be gathered anew.
+"""A pair that late detection finds with more points than were gathered must be gathered anew.
 
 A brick (R = 1, η = 0.9, tilted by 0.02) rests with one end on the floor; a disc (R = 0.2) 1e-4 above it falls at 50 m/s. The brick
 outruns its alert distance, the floor sees its second end, and the pair grows from one point to two within the step.

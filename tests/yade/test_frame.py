@@ -178,7 +178,7 @@ SPHERES_ONLY = {
 
 
 def test_functions_that_know_spheres_only_say_so():
-    """F16: they were silent; without an Rcr they still are."""
+    """They were silent; without an Rcr they still are."""
     code = f"""
 from yade import *
 from yade import utils, export
@@ -223,7 +223,7 @@ def test_measures_of_nothing():
 
 
 def test_import_of_all_names_shadows_none_of_yade():
-    """F23: `wall` had its arguments in another order than YADE's own."""
+    """`wall` had its arguments in another order than YADE's own."""
     code = """
 from yade import *
 from yade import plot, export, utils

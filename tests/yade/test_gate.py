@@ -1,6 +1,6 @@
 """Scenes that used to go wrong without a word: each is refused before anything moves, under both laws where both can have it.
 
-Named by the defects F2 to F43 that they stood for.
+The number in the name of a test is that of the defect that it stands for.
 """
 
 import math

@@ -17,7 +17,7 @@ def test_the_problem_is_saved(solver, tmp_path, monkeypatch):
     heavy.state.mass, heavy.state.vel = 1e300, (0, -1e300, 0)
     build(rcr.wall("y", 0, sense=1, material=material()), light, heavy, solver=solver, tolerance=1e-4)
     before = snapshot()
-    with pytest.raises(RuntimeError, match=r"would give body #\d .* Nothing has moved\. Its problem is in (.*); scripts/solve\.py replays it") as told:
+    with pytest.raises(RuntimeError, match=r"would give body #\d .* Nothing has moved\. Its problem is in (.*); rcr\.solve\('.*', warm=True\) replays it") as told:
         O.step()
     assert np.array_equal(snapshot()[:, :13], before[:, :13])
     path = tmp_path / "not-finite-0.npz"

@@ -1,4 +1,4 @@
-"""The periodic cell: images across its boundary, the gradient of the velocity, stress, and saves (F8)."""
+"""The periodic cell: images across its boundary, the gradient of the velocity, stress, and saves."""
 
 import math
 

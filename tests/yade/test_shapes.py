@@ -1,4 +1,4 @@
-"""Discs, boxes and facets in one solve (F7, F10, F11), under both laws."""
+"""Discs, boxes and facets in one solve, under both laws."""
 
 import math
 

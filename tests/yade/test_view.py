@@ -1,6 +1,6 @@
 """YADE's 3D view with Rcrs in it, in a real window on a virtual screen: the grains are seen, the session lives.
 
-One session opens the view before rcr is loaded (F17: with an Rcr in the scene it aborted), makes a scene and takes pictures.
+One session opens the view before rcr is loaded (with an Rcr in the scene it aborted), makes a scene and takes pictures.
 """
 
 import shutil

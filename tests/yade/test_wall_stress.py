@@ -1,4 +1,4 @@
-"""WallStress: which wall it moves, and which way (F25)."""
+"""WallStress: which wall it moves, and which way."""
 
 import math
 

@@ -48,12 +48,12 @@ LEAST_REACH = 0.05  # … and as long as at first below this: short steps make l
 LOOK, ROUGH = 10, 0.03  # steps of the approach between two looks at the net forces, all of one length, where these are below that; else one
 HELD_UP = 3  # deviation of the wall stresses from σ₀ over the mean net force, from which on the drag of the whole sample holds up its contraction
 TIME_STEP = 0.1  # dt/t₀ of the shear
-INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then some 15 % of the mean contact force
+INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then 20 to 40 % of the mean contact force
 QUASI_STATIC_PACE = 1e-4  # I t₀/dt of shear without inertia: the drag of a grain over σ₀
 # `ContactDynamics.maxViolation` of overdamped shear at this pace: what velocities are wrong by are gaps, which the next step takes back
 # whole. It is a share of the velocities without contacts, too, to which those of slower shear and longer steps are less and less: there it falls with I/dt.
 OVERDAMPED_VIOLATION = 0.1
-QUASI_STATIC = dict(overdamped=True, inertial_number=QUASI_STATIC_PACE, time_step=1.0)  # whose averages are those of the limit I → 0 (docs/study-notes.md)
+QUASI_STATIC = dict(overdamped=True, inertial_number=QUASI_STATIC_PACE, time_step=1.0)  # near those of the limit I → 0 (docs/measurements.md, Quasi-static limit)
 SHEAR_ITERATIONS = 300  # of a step of the shear, at most: where a large packing is about to yield, thousands would change no average
 RAMP = 0.002  # strain over which the top wall takes up its velocity
 BALANCED = 2e-3  # mean net force of a grain over the mean contact force, at the end of the compaction

@@ -56,7 +56,7 @@ def test_block_lu_says_that_a_block_is_singular():
     ],
 )
 def test_pairs_that_make_no_sense_are_refused(pairs, says):
-    """Before anything is written where they say (F19)."""
+    """Before anything is written where they say."""
     blocks = np.tile(np.eye(3), (len(pairs), 1, 1))
     with pytest.raises(ValueError, match=says):
         _kernel.solve_blocks(np.array(pairs), np.tile(np.eye(3), (3, 1, 1)), blocks, blocks, np.ones((3, 3)))

@@ -110,7 +110,7 @@ def test_box_that_is_crushed_has_no_solution():
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_a_start_whose_squares_overflow_is_given_up(seed):
-    """Its residual is no number, and no later one was ever less than that (F22). It ends as from nothing."""
+    """Its residual is no number, and no later one was ever less than that. It ends as from nothing."""
     problem = pile(seed)
     cold = problem.solve("exact", tolerance=1e-8, max_iterations=BUDGET)
     problem["impulse"] = np.full_like(problem["impulse"], 1e200)

@@ -38,7 +38,7 @@ def retired():
 
 
 def test_dropped_teams_leave_no_threads():
-    """200 workspaces with four threads each, all kept: as many helpers as one needs (F36)."""
+    """200 workspaces with four threads each, all kept: as many helpers as one needs."""
     problem = pile(1)
     before = threads_now()
     kept = []

@@ -23,7 +23,7 @@ def test_every_index_once(threads, count):
 
 @pytest.mark.parametrize("count", [SLICE, SLICE + 1, SLICE + 2, 2 * SLICE + 1])
 def test_more_indices_than_a_word_holds(count):
-    """In a process of its own, which can be given up: work that is lost is waited for without end (F20)."""
+    """In a process of its own, which can be given up: work that is lost is waited for without end."""
     code = f"from rcr import _kernel; counts = _kernel.Team().share_counts(2, {count}); assert counts == [1] * {count}"
     subprocess.run([sys.executable, "-c", code], check=True, timeout=120)
 
@@ -31,7 +31,7 @@ def test_more_indices_than_a_word_holds(count):
 @pytest.mark.parametrize("each", [False, True])
 @pytest.mark.parametrize("threads", [1, 2, 4])
 def test_what_work_throws_reaches_the_leader(threads, each):
-    """The exception of the least index, and the team is as good as before (F20)."""
+    """The exception of the least index, and the team is as good as before."""
     team = _kernel.Team()
     for failing in ([3, 700, 1999], [1999], [0]):
         for _ in range(20):
@@ -41,7 +41,7 @@ def test_what_work_throws_reaches_the_leader(threads, each):
 
 
 def test_a_team_that_cannot_hire_goes_on_with_fewer():
-    """The address space has no room for the stacks of 64 threads: the same bits, and helpers as soon as there is room (F20)."""
+    """The address space has no room for the stacks of 64 threads: the same bits, and helpers as soon as there is room."""
     code = """if True:
         import resource
         from pathlib import Path
@@ -65,7 +65,7 @@ def test_a_team_that_cannot_hire_goes_on_with_fewer():
 
 
 def test_a_million_islands_and_two_threads():
-    """2²⁰ grains, each at one point of the floor: more islands than a word holds (F20)."""
+    """2²⁰ grains, each at one point of the floor: more islands than a word holds."""
     problem = grains_on_a_floor(2**20)
     one, two = (problem.solve("nlgs", tolerance=1e-6, threads=threads) for threads in (1, 2))
     assert two["converged"] and two["residual"] < 1e-6

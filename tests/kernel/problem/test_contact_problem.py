@@ -45,7 +45,7 @@ def test_refuses_a_problem_that_makes_no_sense(name, index, value, says):
     ],
 )
 def test_ids_are_not_rounded_or_cut(value, says):
-    """0.7 is not body 0, nor 2³² + 1 body 1 (F19)."""
+    """0.7 is not body 0, nor 2³² + 1 body 1."""
     problem = pile(1)
     ids = problem["bodies"].astype(np.array(value).dtype if not isinstance(value, int) else np.uint64 if value > 2**62 else np.int64)
     ids[5, 0] = value
