@@ -7,14 +7,15 @@ from rcr import _kernel
 V, G = 0.2, 9.81
 
 
-def scale(masses, before, free, wall=(0.0, V, 0.0), inverse=None):
-    """Of bodies in a row above a wall that moves; each touches the next."""
+def scale(masses, before, free, wall=(0.0, V, 0.0), inverse=None, below=None):
+    """Of bodies above a wall that moves; each touches the one below it, that before it in a row."""
     count = len(masses)
     inverse = np.array([[1 / m, 1 / m, 10 / m] for m in masses]) if inverse is None else inverse
     points = np.arange(count)
+    below = points if below is None else below
     return _kernel.drive(
         np.vstack([wall, before]), inverse_mass=np.vstack([np.zeros(3), inverse]), free_velocity=np.vstack([wall, free]),
-        bodies=np.stack([points, points + 1], axis=1).astype(np.int32), normal=np.tile([0.0, 1], (count, 1)), arm1=np.zeros((count, 2)),
+        bodies=np.stack([below, points + 1], axis=1).astype(np.int32), normal=np.tile([0.0, 1], (count, 1)), arm1=np.zeros((count, 2)),
         arm2=np.zeros((count, 2)), bias=np.zeros(count), friction=np.full(count, 0.5), impulse=np.zeros((count, 2)),
     )  # fmt: skip
 
@@ -81,11 +82,6 @@ def test_a_row_that_is_struck_at_its_end_stays_rigid():
 def test_of_a_packing_a_row_is_the_square_root():
     """A drive that touches every grain reaches one at a time."""
     count = 25
-    wall, rest = (0.0, V, 0.0), np.zeros((count, 3))
-    points = np.arange(count)
-    _, _, most = _kernel.drive(
-        np.vstack([wall, rest]), inverse_mass=np.vstack([np.zeros(3), np.ones((count, 3))]), free_velocity=np.vstack([wall, rest]),
-        bodies=np.stack([0 * points, points + 1], axis=1).astype(np.int32), normal=np.tile([0.0, 1], (count, 1)), arm1=np.zeros((count, 2)),
-        arm2=np.zeros((count, 2)), bias=np.zeros(count), friction=np.full(count, 0.5), impulse=np.zeros((count, 2)),
-    )  # fmt: skip
+    rest = np.zeros((count, 3))
+    _, _, most = scale([1.0] * count, rest, rest, below=np.zeros(count))
     np.testing.assert_allclose(most, 3 * 5 * V)
