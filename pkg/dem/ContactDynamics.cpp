@@ -91,7 +91,7 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 		bool missed = false, adapted = false;
 		if (pass < mostPasses) {
 			timed("late", [&] { missed = takeInMissedContacts(engines); });
-			timed("adapt", [&] { adapted = !missed && !overdamped && adaptBiases(pass <= mostPasses / 2); });
+			timed("adapt", [&] { adapted = !missed && !overdamped && adaptBiases(pass); });
 		}
 		if (!missed && !adapted) break;
 		how           = settingsOfFurtherPass();
@@ -174,14 +174,17 @@ bool ContactDynamics::takeInMissedContacts(const gate::Engines& engines)
 }
 
 /// What a solved step shows to be wrong with its own biases; true if one has changed and the step is to be solved once more.
-bool ContactDynamics::adaptBiases(bool letGo)
+bool ContactDynamics::adaptBiases(int pass)
 {
-	bool changed = false;
-	overlap_     = 0;
+	const bool letGo = pass <= mostPasses / 2, last = pass == mostPasses - 1;
+	bool       changed = false, bounces = false;
+	overlap_ = 0;
 	for (const rcr::StepContact& contact : step_.contacts) {
 		if (rcr::displacesFar(step_, contact)) changed |= rcr::adaptToDisplacement(step_, contact, letGo, overlap_);
 		if (contact.restitution > 0) changed |= rcr::restrainBounce(step_, contact);
+		bounces |= contact.restitution > 0;
 	}
+	if (bounces && (last || !changed)) changed |= rcr::restrainCollisions(step_, last);
 	return changed;
 }
 

@@ -103,7 +103,7 @@ private:
 	void          followStretch();
 	void          solve(const rcr::Settings&);
 	bool          takeInMissedContacts(const gate::Engines&);
-	bool          adaptBiases(bool letGo);
+	bool          adaptBiases(int pass);
 	void          report(const rcr::Report&);
 	void          refuseUnlessFinite() const;
 	void          refuseFarStretch() const;

@@ -64,8 +64,13 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool letGo, dou
 		const bool passes = letGo && step.problem.impulse[number].n > 0 && least > clearance * slop && std::isfinite(least);
 		if (contact.restitution > 0 && c.bias < 0) continue; // it bounces at the beginning of the step
 		if (!sinks && !passes) continue;
-		const double curve  = sinks ? (end - gap - share * way) / (share * share) : 2 * least - gap - way; // 2: lets go where another one carries too
 		const double before = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity).n;
+		if (sinks && contact.restitution > 0 && before < 0 && c.bias > 0) { // it meets within the step, and its plane does not know
+			c.bias  = contact.restitution * before;
+			changed = true;
+			continue;
+		}
+		const double curve  = sinks ? (end - gap - share * way) / (share * share) : 2 * least - gap - way; // 2: lets go where another one carries too
 		const double bias   = std::max((std::max(gap, 0.0) + curve) / dt, std::min(0.0, before)); // no push beyond that of an elastic bounce
 		if (dt * std::abs(bias - c.bias) < clearance * slop) continue; // what the tolerance of the solver leaves would come up again and again
 		c.bias  = bias;

@@ -1,8 +1,55 @@
 #include "step/restitution.hpp"
 
+#include <numeric>
+
 #include "problem/coulomb.hpp"
 
 namespace rcr {
+
+namespace {
+
+	constexpr double gainOfSolver = 1e-3; // of the work of all impulses: what the tolerance of the solver may be worth
+
+	/// Bodies that impulses of the solved step join; bodies of prescribed motion join none.
+	class Collisions {
+	public:
+		explicit Collisions(const Step& step)
+		        : problem_(step.problem)
+		        , next_(step.bodies.size())
+		{
+			std::iota(next_.begin(), next_.end(), 0);
+			for (std::size_t k = 0; k < problem_.points.size(); ++k) {
+				const ContactPoint& c = problem_.points[k];
+				if (problem_.impulse[k].n > 0 && moves(c.body1) && moves(c.body2)) next_[find(c.body1)] = find(c.body2);
+			}
+		}
+
+		/// The number of that of a point.
+		int of(const ContactPoint& c) { return find(moves(c.body1) ? c.body1 : c.body2); }
+
+	private:
+		const ContactProblem& problem_;
+		std::vector<int>      next_;
+
+		bool moves(int body) const
+		{
+			const InverseMass& m = problem_.inverseMass[body];
+			return m.x > 0 || m.y > 0 || m.rotation > 0;
+		}
+
+		int find(int body)
+		{
+			while (next_[body] != body)
+				body = next_[body] = next_[next_[body]];
+			return body;
+		}
+	};
+
+	struct Energy {
+		double gain = 0, plasticLoss = 0, work = 0; // twice the energy; work: as if no two points were opposed
+	};
+
+} // namespace
 
 bool restrainBounce(Step& step, const StepContact& contact)
 {
@@ -17,6 +64,36 @@ bool restrainBounce(Step& step, const StepContact& contact)
 		const double          share   = passiveShare(w, problem.impulse[k], before, after, c.bias, c.friction);
 		c.bias *= share;
 		changed |= share < 1;
+	}
+	return changed;
+}
+
+bool restrainCollisions(Step& step, bool plastic)
+{
+	ContactProblem&     problem = step.problem;
+	Collisions          collisions(step);
+	std::vector<Energy> energy(step.bodies.size());
+	const auto          before = [&](const ContactPoint& c) { return relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity); };
+	for (std::size_t k = 0; k < problem.points.size(); ++k) {
+		const ContactPoint& c = problem.points[k];
+		const Impulse       p = problem.impulse[k];
+		if (!(p.n > 0)) continue;
+		const Impulse u = before(c), after = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
+		Energy&       of = energy[collisions.of(c)];
+		of.gain += p.n * (u.n + after.n) + p.t * (u.t + after.t);
+		of.work += std::hypot(p.n, p.t) * std::hypot(u.n, u.t);
+		if (c.bias < 0 && u.n < 0) of.plasticLoss -= p.n * u.n * u.n / (u.n + c.bias); // b_n = e u_n⁻
+	}
+	bool changed = false;
+	for (const StepContact& contact : step.contacts) {
+		for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
+			ContactPoint& c = problem.points[k];
+			if (!(c.bias < 0 && problem.impulse[k].n > 0)) continue;
+			const Energy& of = energy[collisions.of(c)];
+			if (of.gain <= gainOfSolver * of.work) continue;
+			c.bias *= plastic ? 0 : of.plasticLoss / (of.plasticLoss + 1.5 * of.gain);
+			changed = true;
+		}
 	}
 	return changed;
 }

@@ -4,8 +4,16 @@
 //   b_n = e u_n⁻  where a bounce falls into the step: the velocity of approach is returned by the factor e
 //   b_n = 0       in a lasting contact
 //
-// Newton's rule returns the normal velocity whatever friction does meanwhile, and where the slip reverses, it gives energy. There
-// the restitution is lowered to what keeps it (passiveShare in problem/coulomb.hpp).
+// Newton's rule returns the normal velocity whatever else happens meanwhile, and gives energy in two cases. Of one point, where
+// friction reverses the slip: there the restitution is lowered to what keeps it (passiveShare in problem/coulomb.hpp). Of a
+// collision, where a blow throws a body against one that it was leaving: that contact stops it, the first returns its velocity in
+// spite of it, and a light body between two heavy ones works as a lever. The collision is all bodies that impulses join in the step;
+// its energy grows by
+//
+//   ΔE = ½ Σ p · (u + u⁻)
+//
+// over its points. Without restitution it falls, by some ½ Σ p_n |u_n⁻| / (1 + e) = L over the points that bounce. The restitution of
+// all of them is lowered by the share L / (L + 3/2 ΔE), until none is gained: L is larger than what a lever takes.
 // Source: Newton's rule after Moreau 1999; Kane and Levinson 1985 (its energy).
 #pragma once
 
@@ -25,5 +33,8 @@ template <class Approach> double lawBias(double gap, double restitution, double 
 
 /// Looks at a contact of the solved step, and lowers its biases where they have given energy; true if one has changed.
 bool restrainBounce(Step&, const StepContact&);
+
+/// The same of each collision as a whole: its bodies keep their relative velocity by less, or, where `plastic` says so, not at all.
+bool restrainCollisions(Step&, bool plastic);
 
 } // namespace rcr
