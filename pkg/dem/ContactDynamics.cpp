@@ -94,7 +94,7 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 			timed("adapt", [&] { adapted = !missed && !overdamped && adaptBiases(pass); });
 		}
 		if (!missed && !adapted) break;
-		how           = settingsOfFurtherPass();
+		how           = settingsOfFurtherPass(how);
 		how.continued = !missed;
 		how.yielded   = yielded;
 	}

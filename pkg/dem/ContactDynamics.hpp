@@ -46,13 +46,13 @@ public:
 		((Real,tolerance,1e-4,,"Residual at which the iterations stop [-]: natural map of the contact laws, relative to the impulses. :yref:`maxViolation<ContactDynamics.maxViolation>` must be met too. 0 runs :yref:`maxIterations<ContactDynamics.maxIterations>`"))
 		((int,maxIterations,1000,,"Most sweeps a step; ≥ 1"))
 		((int,minIterations,0,,"Sweeps before a criterion may stop the solver"))
-		((Real,maxViolation,0.01,,"Kinematic criterion, beside :yref:`tolerance<ContactDynamics.tolerance>`: velocities by which points still close, or slip where they should stick, RMS over the RMS relative velocity of all points (or over 1 % of the one without contacts, if that is larger; of which auto goes on to 1e-5 where 300 sweeps and exact steps as long as some hundred more on up to 1000 points do that) [-]. inf: no such test"))
+		((Real,maxViolation,0.01,,"Kinematic criterion, beside :yref:`tolerance<ContactDynamics.tolerance>`: velocities by which points still close, or slip where they should stick, RMS over the RMS relative velocity of all points, or over 1 % of the one without contacts, if that is larger [-]. Up to 1000 points, ``auto`` goes on to 1e-5 of the latter where some hundred sweeps, or exact steps as long as these, do that. inf: no such test"))
 		((Real,meanForceChange,0,,"The paper's criterion, in the place of the others where it is met first: relative change of the mean normal force between two evaluations, 10 sweeps apart [-]. It is lax: from a warm start 1e-3 is met at a residual of 1e-2. 0: not used"))
 		((std::string,solver,"auto",,"Name of the solver: nlgs, sor, nesterov, exact or auto"))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)"))
 		((int,lanes,0,Attr::noSave,"Doubles that the solver works on at a time: 1, 4 or 8, which is 16 with AVX-512; 0: as many as the processor has. Changes no bit; not saved, it is the processor's"))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that is taken back each step by a position correction without velocity [-]; 0 switches it off. Impulses and velocities never see it."))
-		((Real,compliance,1,,"How far contacts yield in a step that has no solution, or one with forces that neither loads nor the momentum of a row of grains at the speed of the drive account for, as a multiple of what makes them bear just these at that speed [-]. Driven walls can ask for more than rigid grains and friction can do; such a step is solved with contacts that give way, and counted in :yref:`yieldedSteps<ContactDynamics.yieldedSteps>`. All other steps are rigid. 0: never"))
+		((Real,compliance,1,,"How far contacts yield in a step without a solution, as a multiple of the yield at which they bear the loads and the momentum that a row of grains takes from the drive [-]. Driven walls can ask for more than rigid grains and friction can do: there is no solution, or one with forces beyond what loads and momentum account for. Such a step is solved with contacts that give way, and counted in :yref:`yieldedSteps<ContactDynamics.yieldedSteps>`. All other steps are rigid. 0: never"))
 		((bool,overdamped,false,,"Motion without inertia: bodies start every step from rest (prescribed velocities stay; rest may be a :yref:`flow<ContactDynamics.flow>`), and overlaps are taken back whole within the step, since no velocity is kept of it. A step then goes down the potential energy as far as the time step allows and ends at rest where the forces balance. Restitution and :yref:`correction<ContactDynamics.correction>` do not apply."))
 		((Matrix3r,flow,Matrix3r::Zero(),,"Velocity gradient of the homogeneous flow that bodies without inertia are at rest in [1/s]: a body at r starts an :yref:`overdamped<ContactDynamics.overdamped>` step with the velocity flow · r, and what resists is its motion relative to that. In a periodic cell the cell's velGrad takes its place"))
 		((bool,followFlow,false,,"Whether the :yref:`flow<ContactDynamics.flow>` follows the bodies: what all moving bodies together stretch by along x and y, about the origin, they start the next step from, so that no drag resists it. Over a large sample even a little of it adds up to the stress of the walls. Only what changes from step to step has a drag. A periodic cell needs none of it"))
@@ -61,7 +61,7 @@ public:
 		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"What the solver may drop where the scene does not need it, seen anew in each step; :yref:`model<ContactDynamics.model>` tells what is left. frictionless: pairs without friction carry one unknown a point. discs: without friction and levers nothing turns. fixed: bodies of prescribed motion have no unknowns. islands: what does not touch is solved apart, each to its own convergence. layout: order and colours are kept while the contacts last. All of them change nothing but the time; leave names out to compare"))
 		((bool,arrays,true,,"Whether steps of an ``O.run`` are taken in arrays, without YADE's objects, where nothing looks at these in between: until a PyRunner or a recorder is due, or 30 steps and half a second are over. Changes no bit; :yref:`model<ContactDynamics.model>` tells which way steps went"))
 		((std::vector<int>,observe,,,"Ids of bodies whose contact forces :yref:`observed<ContactDynamics.observed>` averages"))
-		((int,iterations,0,Attr::readonly,"Sweeps of the last step (of the island that needs most), of all its passes: one, and one more where contacts were not foreseen"))
+		((int,iterations,0,Attr::readonly,"Sweeps of the last step, in the island that needs most, summed over its passes: one, and a further one each time the solution shows contacts that were not foreseen, gaps that close otherwise than their planes say, or restitution that gives energy"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
 		((Real,violation,0,Attr::readonly,"What :yref:`maxViolation<ContactDynamics.maxViolation>` bounds, after the last step [-]"))
 		((bool,converged,true,Attr::readonly,"Whether the last step reached the tolerance"))
@@ -94,7 +94,7 @@ private:
 
 	int           solverThreads() const;
 	rcr::Settings settings(const rcr::Drive&) const;
-	rcr::Settings settingsOfFurtherPass() const;
+	rcr::Settings settingsOfFurtherPass(rcr::Settings) const;
 	void          act();
 	void          step(const gate::Engines&);
 	void          solveAll(const gate::Engines&);

@@ -45,11 +45,10 @@ rcr::Settings ContactDynamics::settings(const rcr::Drive& drive) const
 /// A further pass corrects a few contacts. The residual over all contacts would not show them, so the pass runs a fixed ten sweeps,
 /// enough for their neighbourhood. All passes share the iterations of the step; where fine residuals are wanted, each has all of them: ten
 /// would leave what they changed at 1e-3.
-rcr::Settings ContactDynamics::settingsOfFurtherPass() const
+rcr::Settings ContactDynamics::settingsOfFurtherPass(rcr::Settings s) const
 {
-	rcr::Settings s = settings(rcr::driveOf(step_));
-	if (!(tolerance < fine)) s.maxIterations = std::max(s.maxIterations - iterations, furtherSweeps);
-	s.minIterations = std::min(std::max(s.minIterations, furtherSweeps), s.maxIterations);
+	s.maxIterations = tolerance < fine ? maxIterations : std::max(maxIterations - iterations, furtherSweeps);
+	s.minIterations = std::min(std::max(minIterations, furtherSweeps), s.maxIterations);
 	return s;
 }
 
