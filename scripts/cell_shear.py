@@ -10,12 +10,15 @@ import math
 import numpy as np
 from tqdm import tqdm
 
+import rcr
 from rcr import files, script
 from rcr.study.biaxial import DENSITY, Biaxial, O
 from rcr.study.cell import MODES, CellTest
 
-COLUMNS = "geometry eta seed packing_fraction_initial sin_phi sin_phi_error packing_fraction".split()
+COLUMNS = "geometry eta seed packing_fraction_initial sin_phi sin_phi_error packing_fraction a_c_half a_c_weak".split()
 STATIONARY = 0.1  # strain from which averages are taken
+WEAK = 0.5, 1.0  # ξ of a_c_half and a_c_weak
+EVERY = 0.01  # strain between two networks
 
 
 def arguments():
@@ -28,6 +31,7 @@ def arguments():
     parser.add_argument("--particles", type=whole, default=1000, help="number of grains (default %(default)s)")
     parser.add_argument("--strain", type=script.number("0.1 < strain < 1", lambda v: STATIONARY < v < 1), default=0.3, help="at the end (default %(default)s); averages from 0.1 on")
     parser.add_argument("--inertial-number", type=number, default=1e-3, help="rate times √(m/σ0) (default %(default)s)")
+    parser.add_argument("--time-step", type=number, default=0.1, help="over √(m/σ0) (default %(default)s)")
     parser.add_argument("--out", type=script.new_file, default="cell-shear.csv", metavar="FILE", help="CSV (default %(default)s)")
     return parser.parse_args()
 
@@ -39,16 +43,27 @@ def average(strain, values):
     return np.mean(means), np.std(means, ddof=1) / math.sqrt(len(means))
 
 
-def in_cell(mode, eta, seed, options):
-    test = CellTest(eta, options.particles, seed, inertial_number=options.inertial_number)
-    test.compact()
-    first = test.packing_fraction
-    with tqdm(desc=f"{mode}, η = {eta:g}", total=options.strain, disable=None) as bar:
-        rows = test.shear(mode, options.strain, lambda test, row: bar.update(row["strain"] - bar.n))
+def told(first, strain, sin_phi, packing_fraction, weak):
+    """A row; `weak`: strain and a_c(ξ) for `WEAK` of each network."""
+    late = [a_c for at, a_c in weak if at > STATIONARY]
     return dict(
-        packing_fraction_initial=first, **dict(zip(("sin_phi", "sin_phi_error"), average(rows["strain"], rows["sin_phi"]))),
-        packing_fraction=average(rows["strain"], rows["packing_fraction"])[0],
+        packing_fraction_initial=first, **dict(zip(("sin_phi", "sin_phi_error"), average(strain, sin_phi))),
+        packing_fraction=average(strain, packing_fraction)[0], **dict(zip(("a_c_half", "a_c_weak"), np.mean(late, axis=0))),
     )  # fmt: skip
+
+
+def in_cell(mode, eta, seed, options):
+    test = CellTest(eta, options.particles, seed, inertial_number=options.inertial_number, time_step=options.time_step)
+    test.compact()
+    first, weak = test.packing_fraction, []
+    with tqdm(desc=f"{mode}, η = {eta:g}", total=options.strain, disable=None) as bar:
+
+        def look(test, row):
+            weak.append((row["strain"], rcr.contact_network().anisotropies(WEAK)[0]))
+            bar.update(row["strain"] - bar.n)
+
+        rows = test.shear(mode, options.strain, look, EVERY)
+    return told(first, rows["strain"], rows["sin_phi"], rows["packing_fraction"], weak)
 
 
 def inner_fraction(test):
@@ -65,23 +80,22 @@ def inner_fraction(test):
 
 
 def between_walls(eta, seed, options):
-    test = Biaxial.prepare(eta=eta, particles=options.particles, seed=seed, inertial_number=options.inertial_number, threads=1, time_step=0.1)
+    test = Biaxial.prepare(eta=eta, particles=options.particles, seed=seed, inertial_number=options.inertial_number, threads=1, time_step=options.time_step)
     test.compact()
-    first, inner = inner_fraction(test), []
+    first, inner, weak = inner_fraction(test), [], []
     while test.strain < options.strain:
         test.shear_record()
         inner.append(inner_fraction(test))
+        if test.strain > EVERY * (len(weak) + 1):
+            weak.append((test.strain, test.network().anisotropies(WEAK)[0]))
     column = lambda name: [row[name] for row in test.rows]
-    return dict(
-        packing_fraction_initial=first, **dict(zip(("sin_phi", "sin_phi_error"), average(column("strain"), column("sin_phi")))),
-        packing_fraction=average(column("strain"), inner)[0],
-    )  # fmt: skip
+    return told(first, column("strain"), column("sin_phi"), inner, weak)
 
 
 def main():
     options = arguments()
     table = []
-    print("| geometry | η | seed | packing fraction at first | q/p | packing fraction |\n" + "|---" * 6 + "|")
+    print("| geometry | η | seed | packing fraction at first | q/p | packing fraction | a_c(0.5) | a_c(1) |\n" + "|---" * 8 + "|")
     for eta in options.etas:
         for seed in range(1, options.seeds + 1):
             found = {f"cell, {mode}": in_cell(mode, eta, seed, options) for mode in options.modes}
@@ -89,7 +103,7 @@ def main():
                 found["walls, biaxial"] = between_walls(eta, seed, options)
             for geometry, row in found.items():
                 table.append(dict(geometry=geometry, eta=eta, seed=seed, **row))
-                print("| {geometry} | {eta:g} | {seed} | {packing_fraction_initial:.4f} | {sin_phi:.3f} ± {sin_phi_error:.3f} | {packing_fraction:.4f} |".format(**table[-1]), flush=True)
+                print("| {geometry} | {eta:g} | {seed} | {packing_fraction_initial:.4f} | {sin_phi:.3f} ± {sin_phi_error:.3f} | {packing_fraction:.4f} | {a_c_half:.3f} | {a_c_weak:.3f} |".format(**table[-1]), flush=True)
     files.write(options.out, files.table(COLUMNS, table))
 
 

@@ -8,7 +8,6 @@ compression positive.
 import math
 
 import numpy as np
-from yade import utils
 from yade.minieigenHP import Matrix3
 from yade.wrapper import ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop, NewtonIntegrator, Omega
 
@@ -92,7 +91,7 @@ class CellTest:
     @property
     def stress(self):
         """Stress of the contacts, compression positive; (2, 2) [Pa]."""
-        return -np.array([[utils.getStress()[i, j] for j in range(2)] for i in range(2)]) * O.cell.hSize[2, 2]
+        return rcr.contact_network().stress()
 
     def compact(self, report=lambda test: None):
         """Contracts the loose packing, then presses it by σ₀ from all sides until every grain is balanced; no inertia, no friction.
