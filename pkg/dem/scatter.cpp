@@ -65,9 +65,14 @@ namespace {
 		}
 	}
 
-	/// The NewtonIntegrator takes it over in this step.
-	void stretch(Cell& cell, const rcr::PeriodicCell& now)
+	/// The NewtonIntegrator takes the gradient over in this step.
+	void stretch(Cell& cell, const rcr::PeriodicCell& now, rcr::Vec2 strain)
 	{
+		Matrix3r displaced = Matrix3r::Identity();
+		displaced(0, 0) += strain.x, displaced(1, 1) += strain.y;
+		cell.hSize = displaced * cell.hSize;
+		cell.trsf  = displaced * cell.trsf;
+		cell.integrateAndUpdate(0); // what it keeps of both
 		Matrix3r gradient = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad;
 		for (int axis = 0; axis < 2; ++axis)
 			gradient(axis, axis) = now.gradient[axis][axis];
@@ -168,7 +173,7 @@ void scatter(Scene& scene, rcr::Team& team, const std::vector<rcr::Twist>& loads
 		if (step.overdamped) stop(*sources.state[id], body.velocity);
 		if (!step.displacement.empty() && body.free) displace(*sources.state[id], step.displacement[id]);
 	});
-	if (step.cell.stretches()) stretch(*scene.cell, step.cell);
+	if (step.cell.stretches()) stretch(*scene.cell, step.cell, step.strain);
 	keepColliderAhead(scene, team, sources, step);
 }
 

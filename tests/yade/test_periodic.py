@@ -195,6 +195,15 @@ def test_row_of_discs_carries_the_stress_of_its_cell():
     assert abs(O.cell.velGrad[0, 0]) < 1e-8
 
 
+def test_a_cell_gives_way_to_overlaps_as_a_free_wall_does():
+    """The correction displaced grains and left the cell as it was, in which they have no room: overlaps grew to 2 % in slow shear."""
+    m, R, size = material(), 0.1, 1.996
+    pressed(*[rcr.disc((size / 10 * (k + 0.5), 1), R, material=m) for k in range(10)], size=size, stress=(50, math.nan), tolerance=1e-8)
+    steps(800)
+    assert max(-i.geom.gap[0] for i in O.interactions if i.isReal) < 2e-4 * 2 * R
+    assert O.cell.hSize[0, 0] == pytest.approx(20 * R, rel=2e-4) and O.cell.trsf[0, 0] == pytest.approx(O.cell.hSize[0, 0] / size, rel=1e-12)
+
+
 def test_empty_cell_falls_together_as_a_body_of_its_mass():
     m, R, size, dt = material(), 0.1, 2.0, 1e-3
     pressed(rcr.disc((0.5, 0.5), R, material=m), rcr.disc((1.5, 1.5), R, material=m), size=size, stress=(3, 5), mass=2, dt=dt)

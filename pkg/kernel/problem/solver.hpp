@@ -111,8 +111,8 @@ Report solve(ContactProblem&, const std::string& solver, const Settings&, Worksp
 Report solve(ContactProblem&, const std::string& solver, const Settings&);
 
 /// What if the biases were others: sweeps with momentum on from the solution of the problem that was solved last in this
-/// workspace. Its impulses stay; the velocities reached are written.
-void sweepWithBias(const ContactProblem&, const std::vector<double>& bias, int sweeps, std::vector<Twist>& velocity, Workspace&);
+/// workspace. Its impulses stay; the velocities reached are written, and the stretch of the cell.
+void sweepWithBias(const ContactProblem&, const std::vector<double>& bias, int sweeps, std::vector<Twist>& velocity, Vec2& stretch, Workspace&);
 
 /// The names that `solve` knows.
 const std::vector<std::string>& solverNames();

@@ -21,6 +21,7 @@ void prepareRecovery(Step& step, double beta)
 void correctPositions(Step& step, double beta, Workspace& workspace)
 {
 	step.displacement.clear();
+	step.strain = {};
 	if (beta == 0 || step.overdamped) return;
 	if (std::none_of(step.gap.begin(), step.gap.end(), [](const Gap& gap) { return gap.now < gap.allowed; })) return;
 	const ContactProblem& problem = step.problem;
@@ -29,7 +30,7 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 		const double excess = step.gap[k].now - step.gap[k].allowed, law = problem.points[k].bias;
 		bias[k]             = excess < 0 ? std::min(law, beta * excess / step.dt) : law;
 	});
-	sweepWithBias(problem, bias, sweeps, step.displacement, workspace);
+	sweepWithBias(problem, bias, sweeps, step.displacement, step.strain, workspace);
 	double farthest = 0; // over the radius of a grain
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const StepBody& body = step.bodies[id];
@@ -40,6 +41,7 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 	const double share = std::min(1.0, farthestShift / farthest);
 	for (Twist& shift : step.displacement)
 		shift = { share * shift.x, share * shift.y, share * shift.rotation };
+	step.strain = (share * step.dt) * (step.strain - problem.stretch);
 }
 
 } // namespace rcr

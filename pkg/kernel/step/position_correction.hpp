@@ -6,7 +6,7 @@
 //
 // Only what an overlap has beyond the slop counts; without a slop, contacts at rest would open and close for ever. In a marginal
 // packing one contact opens only if others move much further, and by the square of that they overlap anew: the farthest shift is
-// bounded, all others in proportion.
+// bounded, all others in proportion. A cell that stretches is displaced with its bodies, as walls are.
 // Source: Jourdan, Alart and Jean 1998.
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace rcr {
 
-/// Writes step.displacement; leaves it empty where no overlap exceeds the slop. `share` is β. The workspace has solved the step last.
+/// Writes step.displacement and step.strain; leaves them empty and 0 where no overlap exceeds the slop. `share` is β. The workspace has solved the step last.
 void correctPositions(Step&, double share, Workspace&);
 
 /// Writes problem.recovery for a step whose contacts may yield: there an overlap is taken back by the same share, at finite forces, so that

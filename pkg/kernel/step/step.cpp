@@ -45,6 +45,7 @@ void Step::begin(int points)
 	grown.clear();
 	taken.clear();
 	displacement.clear();
+	strain = {};
 }
 
 void Step::setPoints(const StepContact& c, const Manifold& manifold, double friction, const Impulse* from)

@@ -160,6 +160,7 @@ struct Step {
 	std::vector<GrownContact> grown;    // pairs that were seen so with other points, not taken in yet …
 	std::vector<GrownContact> taken;    // … and taken in
 	std::vector<Twist>        displacement; // a body: what the position correction moves it by [m, rad]; empty: nothing
+	Vec2                      strain;       // of the cell, that goes with it [-]
 
 	/// Point k of a contact as it was detected.
 	ManifoldPoint point(const StepContact& c, int k) const

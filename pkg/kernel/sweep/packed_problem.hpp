@@ -34,6 +34,8 @@ public:
 	/// work(island) for each: small ones at once, each by one thread; large ones one after the other, each by all.
 	template <class Work> void forEachIsland(Work work);
 
+	/// Of the cell, that impulses make.
+	Vec2 stretch() const { return stretch_; }
 	/// The model of the last problem.
 	ModelSummary summary() const;
 	/// Number of layouts made: problems with other pairs, needs or kinds of bodies than the one before.

@@ -27,7 +27,7 @@ Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspac
 	});
 }
 
-void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bias, int sweeps, std::vector<Twist>& velocity, Workspace& workspace)
+void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bias, int sweeps, std::vector<Twist>& velocity, Vec2& stretch, Workspace& workspace)
 {
 	PackedProblem& packed = workspace.packed();
 	packed.rebias(problem, bias);
@@ -37,6 +37,7 @@ void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bia
 			sweep(island, momentum);
 	});
 	packed.storeVelocity(problem, velocity);
+	stretch = packed.stretch();
 }
 
 } // namespace rcr
