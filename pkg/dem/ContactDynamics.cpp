@@ -86,6 +86,7 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	overlap_   = 0;
 	if (follows()) timed("adapt", [&] { rcr::relieve(step_, { double(stretchChange[0]), double(stretchChange[1]) }); });
 	rcr::Settings how = settings(rcr::driveOf(step_));
+	how.rounding      = step_.rounding();
 	for (int pass = 1;; ++pass) {
 		solve(how);
 		bool missed = false, adapted = false;

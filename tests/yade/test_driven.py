@@ -43,6 +43,23 @@ def test_a_free_row_that_is_struck_is_no_jam(count, speed):
     np.testing.assert_allclose([b.state.vel[0] for b in O.bodies][1:], speed, rtol=1e-3)
 
 
+@pytest.mark.parametrize("count, speed", [(10, 10), (20, 10), (30, 0.5)])
+def test_grains_that_fly_together_are_solved(count, speed):
+    """What is left between them is rounding, which was swept for 1000 sweeps a step, counted as missed, and as a jam to which contacts yield."""
+    smooth = material(0)
+    grains = [rcr.disc((0.02 * k, 0), R=0.01, material=smooth) for k in range(count)]
+    build(rcr.wall("x", -0.0101, sense=1, velocity=speed, material=smooth), *grains, dt=1e-4, gravity=(0, 0, 0))
+    O.engines[1].verletDist = 1e-3
+    solver = O.engines[-2]
+    steps(int(1e-3 / speed / O.dt) + 20)  # it has met the first, and all fly
+    missed, sweeps = solver.missed["missed"], []
+    for _ in range(40):
+        O.step()
+        sweeps.append(solver.iterations)
+    assert solver.missed["missed"] == missed and solver.missed["yielded"] == 0 and np.mean(sweeps) < 20
+    np.testing.assert_allclose([b.state.vel[0] for b in O.bodies][1:], speed, rtol=1e-3)
+
+
 def test_draws_cover_what_they_shall():
     scenes = [driven.draw(seed) for seed in range(200)]
     for name, low, high in (("eta", 0, 0.9), ("friction", 0, 1), ("grains", 20, 300), ("dt", 1e-4, 1e-2)):

@@ -32,6 +32,10 @@ struct Settings {
 	/// The typical velocity is never less than this share of the velocities without contacts: at rest there is no other [-].
 	double rest = 0.01;
 
+	/// Velocities that are rounding [m/s]: an island whose points close and slip by less, RMS of w_nn |p − P_K(…)|, is solved. Bodies that
+	/// fly together leave nothing else to solve.
+	double rounding = 0;
+
 	/// Sweeps that an iteration of the exact solver counts as, of maxIterations and in the report [-].
 	int exactCost = 1;
 

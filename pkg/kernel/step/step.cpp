@@ -83,6 +83,14 @@ const StepContact* Step::find(int body1, int body2) const
 	return found != end && found->body2 == body2 ? &*found : nullptr;
 }
 
+double Step::rounding() const
+{
+	double fastest = 0;
+	for (const StepBody& body : bodies)
+		fastest = std::max(fastest, speed(body.velocity, body.radius));
+	return 1e-12 * fastest;
+}
+
 void Step::startFromForces()
 {
 	problem.impulse.resize(force.size());

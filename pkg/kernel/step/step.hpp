@@ -184,6 +184,9 @@ struct Step {
 	/// The contact of two bodies; null if there is none.
 	const StepContact* find(int body1, int body2) const;
 
+	/// What is rounding of velocities that have gone through a step [m/s].
+	double rounding() const;
+
 	/// Impulses from forces, and forces from impulses.
 	void startFromForces();
 	void keepForces();

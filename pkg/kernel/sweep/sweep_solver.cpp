@@ -18,9 +18,10 @@ namespace {
 
 	constexpr double finestSingle = 1e-6; // residual down to which floats serve: impulses are rounded to 6e-8
 
-	Criteria criteriaOf(const Measures& m, double freeVelocity2, double rest)
+	Criteria criteriaOf(const Measures& m, double freeVelocity2, int points, const Settings& settings)
 	{
-		return { relativeError(m.error2, m.impulse2, m.stopping2), kinematicError(m.violation2, m.velocity2, freeVelocity2, rest) };
+		if (m.violation2 < points * settings.rounding * settings.rounding) return {};
+		return { relativeError(m.error2, m.impulse2, m.stopping2), kinematicError(m.violation2, m.velocity2, freeVelocity2, settings.rest) };
 	}
 
 } // namespace
@@ -37,7 +38,7 @@ Criteria IslandStop::measure()
 Criteria IslandStop::evaluate()
 {
 	const Measures m        = island_.measure();
-	Criteria       criteria = criteriaOf(m, island_.freeVelocity2(), settings_.rest);
+	Criteria       criteria = criteriaOf(m, island_.freeVelocity2(), island_.points(), settings_);
 	if (measured_) criteria.meanForceChange = std::abs(m.normal - normal_) / m.normal; // NaN without any force: not met
 	normal_   = m.normal;
 	measured_ = true;
@@ -67,7 +68,7 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 	double change2 = 0;
 	int    points  = 0;
 	for (std::size_t k = 0; k < parts.size(); ++k) {
-		Criteria criteria        = criteriaOf(parts[k].measures, parts[k].freeVelocity2, settings.rest);
+		Criteria criteria        = criteriaOf(parts[k].measures, parts[k].freeVelocity2, parts[k].points, settings);
 		criteria.meanForceChange = ends[k].meanForceChange;
 		const bool met           = criteria.met(settings) || (settings.tolerance == 0 && criteria.residual == 0);
 		report.converged         = report.converged && met;
@@ -78,7 +79,7 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 		whole.measures += parts[k].measures;
 		whole.freeVelocity2 += parts[k].freeVelocity2;
 	}
-	const Criteria criteria = criteriaOf(whole.measures, whole.freeVelocity2, settings.rest);
+	const Criteria criteria = criteriaOf(whole.measures, whole.freeVelocity2, points, settings);
 	report.residual         = criteria.residual;
 	report.violation        = criteria.violation;
 	report.grown            = change2 > 0 ? std::sqrt(change2 / whole.measures.impulse2) : 0; // infinite, too, where there are no impulses
