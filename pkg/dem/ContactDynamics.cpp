@@ -23,7 +23,6 @@ CREATE_LOGGER(ContactDynamics);
 
 namespace {
 	constexpr int    mostPasses  = 10;   // missed contacts and large displacements settle in two or three
-	constexpr double deepOverlap = 0.02; // over R₁ + R₂ at the end of a step: its contacts have not been solved, whatever the residual
 }
 
 void ContactDynamics::action()
@@ -89,20 +88,23 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	how.rounding      = step_.rounding();
 	for (int pass = 1;; ++pass) {
 		solve(how);
-		bool missed = false, adapted = false;
+		bool missed = false, adapted = false, lowered = false;
 		if (pass < mostPasses) {
 			timed("late", [&] { missed = takeInMissedContacts(engines); });
-			timed("adapt", [&] { adapted = !missed && !overdamped && adaptBiases(pass); });
+			timed("adapt", [&] {
+				lowered = yielded && !missed && !overdamped && rcr::lowerBounces(step_, pass == mostPasses - 1);
+				adapted = lowered || (!missed && !overdamped && adaptBiases(pass));
+			});
 		}
 		if (!missed && !adapted) break;
 		how           = settingsOfFurtherPass(how);
 		how.continued = !missed;
-		how.yielded   = yielded;
+		how.yielded   = yielded && !lowered;
 	}
 	if (follows()) timed("adapt", [&] { followStretch(); });
 	refuseUnlessFinite();
 	refuseFarStretch();
-	if (overlap_ > deepOverlap) converged = false;
+	if (overlap_ > rcr::MissedSteps::deep) converged = false;
 	watch();
 	timed("correct", [&] { correctPositions(step_, double(correction), workspace_); });
 }

@@ -64,12 +64,12 @@ public:
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step, in the island that needs most, summed over its passes: one, and a further one each time the solution shows contacts that were not foreseen, gaps that close otherwise than their planes say, or restitution that gives energy"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
 		((Real,violation,0,Attr::readonly,"What :yref:`maxViolation<ContactDynamics.maxViolation>` bounds, after the last step [-]"))
-		((bool,converged,true,Attr::readonly,"Whether the last step reached the tolerance"))
+		((bool,converged,true,Attr::readonly,"Whether the last step reached the tolerance and :yref:`maxViolation<ContactDynamics.maxViolation>`, and left no overlap beyond 0.02 of R₁ + R₂"))
 		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance"))
 		((Real,unbalance,0,Attr::readonly,"Mean net force on a free particle over the mean contact force, in the last step [-], as utils.unbalancedForce; it falls to the tolerance of the solver as a packing comes to rest"))
 		((Real,largestUnbalance,0,Attr::readonly,"The same of the particle with the largest net force [-]"))
 		((bool,yielded,false,Attr::readonly,"Whether the contacts of the last step have yielded (:yref:`compliance<ContactDynamics.compliance>`)"))
-		((int,missedSteps,0,Attr::readonly,"Steps so far that have missed the tolerance"))
+		((int,missedSteps,0,Attr::readonly,"Steps so far that have not :yref:`converged<ContactDynamics.converged>`"))
 		((int,yieldedSteps,0,Attr::readonly,"Steps so far whose contacts have yielded"))
 		((Real,deepestOverlap,0,Attr::readonly,"Deepest overlap of all steps so far, over R₁ + R₂ [-]"))
 		((std::vector<Real>,watched,std::vector<Real>(6),Attr::hidden,"Steps; missed steps, yielded steps and overlap told last; growth and depth of the present squeeze"))
@@ -82,7 +82,7 @@ public:
 		/* ctor */,
 		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict. bodies: that an impulse can move; rotations: how many of these can turn; fixed: of prescribed motion, without unknowns; pairs, points: that can carry something; unknowns: one a point without friction, else two; frictionless: no point has friction; islands: solved apart; layouts: how often order and colours have been made in all steps so far; work: sweeps × points, summed over the islands; arrays: steps so far that were taken in arrays (:yref:`arrays<ContactDynamics.arrays>`); engines: why the step after the last one is left to YADE's engines.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: gather, layout (colours and order of the pairs), solve, scatter, arrays (the steps that these take), publish (from arrays to YADE's objects), late (bodies that go further than foreseen), adapt (biases to long ways, and to bounces that would give energy), correct [s].")
-		.add_property("missed",&ContactDynamics::missedDict,"Steps that missed the tolerance, as a dict: steps (all so far), missed, share (of all), yielded (those without a solution), deepest_overlap (over R₁ + R₂) [-].")
+		.add_property("missed",&ContactDynamics::missedDict,"Steps that have not :yref:`converged<ContactDynamics.converged>`, as a dict: steps (all so far), missed, share (of all), yielded (those without a solution), deepest_overlap (over R₁ + R₂) [-].")
 		.def("observed",&ContactDynamics::observedDict,"observed() → dict: what the steps since the last call came to, so that a run need not stop at each. steps; iterations (of all); residual (the largest); missed (steps that have not :yref:`converged<ContactDynamics.converged>`), missed_sum and missed_largest (of their residuals over the tolerance, or of their violations over :yref:`maxViolation<ContactDynamics.maxViolation>` where these are larger) [-]; forces: mean force (x, y) [N] and torque [N m] of the contacts on each body of :yref:`observe<ContactDynamics.observe>`, by id.")
 		.def("_problem",&ContactDynamics::problemDict,"The contact problem of the last step, for rcr.scene.save_problem: its arrays as bytes.")
 	);

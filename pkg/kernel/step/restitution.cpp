@@ -1,5 +1,6 @@
 #include "step/restitution.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include "problem/coulomb.hpp"
@@ -9,6 +10,8 @@ namespace rcr {
 namespace {
 
 	constexpr double gainOfSolver = 1e-3; // of the work of all impulses: what the tolerance of the solver may be worth
+
+	constexpr double reached      = 0.99; // of a bounce
 
 	/// Bodies that impulses of the solved step join; bodies of prescribed motion join none.
 	class Collisions {
@@ -66,6 +69,22 @@ bool restrainBounce(Step& step, const StepContact& contact)
 		changed |= share < 1;
 	}
 	return changed;
+}
+
+bool lowerBounces(Step& step, bool plastic)
+{
+	bool lowered = false;
+	for (const StepContact& contact : step.contacts) {
+		for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
+			ContactPoint& c = step.problem.points[k];
+			if (!(c.bias < 0)) continue;
+			const double after = relativeVelocity(c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]).n;
+			if (after >= -reached * c.bias) continue;
+			c.bias  = after > 0 && !plastic ? -after : std::max(step.gap[k].now, 0.0) / step.dt;
+			lowered = true;
+		}
+	}
+	return lowered;
 }
 
 bool restrainCollisions(Step& step, bool plastic)

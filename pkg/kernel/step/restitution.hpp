@@ -14,6 +14,8 @@
 //
 // over its points. Without restitution it falls, by some ½ Σ p_n |u_n⁻| / (1 + e) = L over the points that bounce. The restitution of
 // all of them is lowered by the share L / (L + 3/2 ΔE), until none is gained: L is larger than what a lever takes.
+// Two bounces of a body that fall into one step may have no solution: the first returns it faster than the gap behind it is wide.
+// Its restitution is lowered to what there is room for.
 // Source: Newton's rule after Moreau 1999; Kane and Levinson 1985 (its energy).
 #pragma once
 
@@ -33,6 +35,10 @@ template <class Approach> double lawBias(double gap, double restitution, double 
 
 /// Looks at a contact of the solved step, and lowers its biases where they have given energy; true if one has changed.
 bool restrainBounce(Step&, const StepContact&);
+
+/// Looks at a step without a solution: bounces that were not reached are lowered to what was, or, where `plastic` says so, given up;
+/// true if there were any.
+bool lowerBounces(Step&, bool plastic);
 
 /// The same of each collision as a whole: its bodies keep their relative velocity by less, or, where `plastic` says so, not at all.
 bool restrainCollisions(Step&, bool plastic);

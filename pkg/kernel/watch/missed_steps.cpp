@@ -18,7 +18,7 @@ bool MissedSteps::count(bool stepMissed, bool stepYielded, double overlap, bool 
 	yielded += stepYielded;
 	deepest             = std::max(deepest, overlap);
 	const bool first    = missed > 0 && toldMissed == 0;
-	const bool deeper   = deepest > (missed > 0 ? harmless : takenBack ? none : unseen) && deepest >= 2 * toldDeepest;
+	const bool deeper   = deepest > (missed > 0 ? harmless : takenBack ? none : deep) && deepest >= 2 * toldDeepest;
 	const bool moreOften = yielded > 0 && yielded >= 10 * toldYielded;
 	if (!first && !deeper && !moreOften) return false;
 	toldMissed = missed, toldYielded = yielded, toldDeepest = deepest;
@@ -37,6 +37,7 @@ std::string MissedSteps::message() const
 	if (steps == 1) text << "the first step did not reach the tolerance";
 	else
 		text << missed << " of " << steps << " steps so far did not reach the tolerance";
+	if (deepest > deep) text << " or left an overlap beyond " << deep;
 	if (yielded > 0) text << ", " << yielded << " of them without a solution, so that contacts have yielded to driven bodies";
 	if (deepest == 0) text << "; no bodies overlap, so it is harmless. This is told again if it gets worse.";
 	else if (deepest <= harmless)

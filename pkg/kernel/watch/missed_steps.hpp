@@ -14,11 +14,11 @@ namespace rcr {
 class MissedSteps {
 public:
 	static constexpr double harmless = 5e-3; // overlap over R₁ + R₂ …
-	static constexpr double unseen   = 2e-2; // … and without a missed step
+	static constexpr double deep     = 2e-2; // … and one that no solution leaves: such a step has missed, whatever its residual
 
 	// Plain numbers, to be saved with the scene.
 	long   steps   = 0; // all
-	long   missed  = 0; // that ended beyond the tolerance
+	long   missed  = 0; // that ended beyond the tolerance, or with a deep overlap
 	long   yielded = 0; // of these, without a solution: their contacts have yielded
 	double deepest = 0; // overlap over R₁ + R₂, of all steps
 
