@@ -19,6 +19,7 @@ COLUMNS = "geometry eta seed packing_fraction_initial sin_phi sin_phi_error pack
 STATIONARY = 0.1  # strain from which averages are taken
 WEAK = 0.5, 1.0  # ξ of a_c_half and a_c_weak
 EVERY = 0.01  # strain between two networks
+FEWEST_BETWEEN_WALLS = 400  # grains in a box 20 diameters wide: up to 6 from each wall are left out
 
 
 def arguments():
@@ -29,11 +30,14 @@ def arguments():
     parser.add_argument("--modes", choices=MODES, nargs="+", default=list(MODES), help="of the shear (default: both)")
     parser.add_argument("--walls", action="store_true", help="the biaxial test between walls, too")
     parser.add_argument("--particles", type=whole, default=1000, help="number of grains (default %(default)s)")
-    parser.add_argument("--strain", type=script.number("0.1 < strain < 1", lambda v: STATIONARY < v < 1), default=0.3, help="at the end (default %(default)s); averages from 0.1 on")
+    parser.add_argument("--strain", type=script.number("0.15 ≤ strain < 1", lambda v: STATIONARY + 5 * EVERY <= v < 1), default=0.3, help="at the end (default %(default)s); averages from 0.1 on")
     parser.add_argument("--inertial-number", type=number, default=1e-3, help="rate times √(m/σ0) (default %(default)s)")
     parser.add_argument("--time-step", type=number, default=0.1, help="over √(m/σ0) (default %(default)s)")
     parser.add_argument("--out", type=script.new_file, default="cell-shear.csv", metavar="FILE", help="CSV (default %(default)s)")
-    return parser.parse_args()
+    options = parser.parse_args()
+    if options.walls and options.particles < FEWEST_BETWEEN_WALLS:
+        parser.error(f"--walls with --particles {options.particles}: wanted at least {FEWEST_BETWEEN_WALLS}, of which some are far from all walls")
+    return options
 
 
 def average(strain, values):

@@ -383,6 +383,12 @@ def test_an_argument_under_usr_is_bound(entered, argument, path):
     assert path in entered("python3", argument)[1]
 
 
+@pytest.mark.parametrize("argument", ["/no-such-top/x.csv", "--out=/no-such-top/x.csv", "--out /no-such-top/a/b", "--out ''"])
+def test_an_argument_of_which_nothing_is_there_is_left_to_the_command(entered, argument):
+    """The search for the first part that exists went on for ever."""
+    assert entered("python3", argument)[0][-1] == (argument.split()[-1] if "''" not in argument else "--out")
+
+
 def test_what_the_root_file_system_has_itself_stays(entered):
     assert "/usr/bin/python3" not in entered("/usr/bin/python3", "scene.py")[1]
 

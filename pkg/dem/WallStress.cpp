@@ -23,6 +23,8 @@ std::string WallStress::wrong(const Scene& in) const
 			        "give the ids of the pressed wall and of the two that bound it.";
 	const int pressed = shapeOf(in, wall)->axis, one = shapeOf(in, start)->axis, two = shapeOf(in, end)->axis;
 	if (one != two || one == pressed) return "WallStress: the walls `start` and `end` must be parallel to each other and not to `wall`.";
+	if ((*in.bodies)[wall]->state->blockedDOFs & State::axisDOF(pressed))
+		return "WallStress.wall = " + std::to_string(wall) + " is held along " + "xyz"[pressed] + ", so that no stress moves it; take rcr.mobile_wall, or set WallStress.dead.";
 	return math::isfinite(stress) ? std::string() : "WallStress.stress = " + gate::text(stress) + "; wanted a finite stress [Pa]; a negative one pushes towards smaller coordinates.";
 }
 

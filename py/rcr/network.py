@@ -68,6 +68,10 @@ def _check_meaning(particles, contacts, attributes):
     checks.every(one != two, "contacts/body2", two, "another body than body 1")
     checks.every(~np.isin(particles["clump"], ids) & (particles["clump"] >= -1), "particles/clump", particles["clump"], "−1, or an id that no particle has")
     checks.every((contacts["type"] >= CAP_CAP) & (contacts["type"] <= WALL), "contacts/type", contacts["type"], "0 to 3")
+    checks.every((contacts["type"] == WALL) == (two < 0), "contacts/type", contacts["type"], f"{WALL} where body 2 is an obstacle, and only there")
+    checks.every((contacts["points"] == 1) | (contacts["points"] == 2), "contacts/points", contacts["points"], "1 or 2")
+    tips = particles["half_length"] + particles["cap_radius"]
+    checks.every(abs(particles["R"] - tips) <= 1e-6 * tips, "particles/R", particles["R"], "half_length + cap_radius")
     length = np.hypot(*contacts["normal"].T)
     checks.every(abs(length - 1) < 1e-6, "the length of contacts/normal", length, "1")
     normal_force = np.einsum("ca,ca->c", contacts["force"], contacts["normal"])

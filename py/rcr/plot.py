@@ -15,6 +15,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import ScalarFormatter
 
 from rcr import drawing
 from rcr.drawing import GRAIN, STYLE, TYPES
@@ -210,9 +211,13 @@ def _add_keys(ax, frame, style, contacts):
 
     def bar(left, mappable, label, ticks=None):
         scale = figure.add_axes((left, 0.17 / height, 0.38, 0.09 / height))
-        figure.colorbar(mappable, cax=scale, orientation="horizontal", ticks=ticks)
+        numbers = ScalarFormatter(useOffset=False, useMathText=True)
+        shown = figure.colorbar(mappable, cax=scale, orientation="horizontal", ticks=ticks, format=numbers)
+        numbers.set_locs(shown.get_ticks())
+        power = numbers.get_offset()  # stands in the label: below the scale it would be off the picture
+        scale.xaxis.get_offset_text().set_visible(False)
         scale.tick_params(labelsize=7, pad=1, top=False)
-        figure.text(left + 0.19, 0.29 / height, label, ha="center", va="bottom", fontsize=8)
+        figure.text(left + 0.19, 0.29 / height, f"{label}  {power}" if power else label, ha="center", va="bottom", fontsize=8)
 
     def key(handles, left):
         figure.legend(handles=handles, loc="center left", bbox_to_anchor=(left, 0.21 / height), ncols=2, fontsize=8)

@@ -80,7 +80,7 @@ def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None
     resume : bool
         Go on with the run that is there.
     overwrite : bool
-        Remove a run of other parameters, or one that has a checkpoint and is not complete.
+        Remove a run of other parameters, or one that has a checkpoint.
     wait : bool
         For another process that has the folder, instead of a refusal.
 
@@ -105,6 +105,8 @@ def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None
             _check_new(folder, kept, old, parameters)
             if checkpoint and (folder / checkpoint).exists() and not (folder / last).exists():
                 raise ValueError(f"{folder} holds this run, not complete; --resume goes on with it, --overwrite starts anew")
+            if checkpoint and (folder / last).exists():
+                raise ValueError(f"{folder} holds this run, complete; --resume goes on with it, --overwrite makes it anew")
         own = dict(program=program, run=identity({name: value for name, value in parameters.items() if name not in free}), parameters=parameters)
 
         def begin():

@@ -388,8 +388,11 @@ def contact_network(walls=None, volume=None, **attributes):
     Raises
     ------
     ValueError
-        If no grain is free, the volume is not > 0, or `walls` are not four walls of a box.
+        If no grain is free, the volume is not > 0, `walls` are not four walls of a box, or an attribute is what the scene tells.
     """
+    own = {"time", "dt", "cell", "cell_velocity"} & attributes.keys()
+    if own:
+        raise ValueError(f"contact_network({', '.join(sorted(own))}=…): the network takes it from the scene; wanted attributes of your own")
     frame = Frame.of_scene()
     free = ~frame.grains["fixed"]
     if not free.any():

@@ -81,11 +81,21 @@ def failure(out):
     return f"not complete{what}; the same command goes on from here"
 
 
+def check_networks(out, options):
+    """Raises ValueError where a run of this campaign is there with another number of networks, which its name does not tell."""
+    for path in sorted(out.glob("runs/*/run.json")):
+        made = results.read(path.parent)["parameters"]
+        same = made["particles"] == options.particles and made["strain"] == options.strain and made["overdamped"] == options.quasi_static
+        if same and made["eta"] in options.etas and made["seed"] in options.seeds and made["networks"] != options.networks:
+            raise ValueError(f"{path.parent} is made with --networks {made['networks']}, and this is --networks {options.networks}; wanted the same, or another --out")
+
+
 def main():
     options, extra = arguments()
     if not shutil.which("snakemake"):
         raise RuntimeError("the package snakemake is not installed here; install it (apt-get install snakemake) and run this again")
     out = pathlib.Path(options.out)
+    check_networks(out, options)
     parameters = {name: getattr(options, name) for name in ("particles", "etas", "seeds", "strain", "networks", "quasi_static")}
     with results.owned(out, "campaign", parameters, [], free=list(parameters), resume=True) as begin:
         begin()  # one folder may hold several campaigns: the names of its runs tell their parameters

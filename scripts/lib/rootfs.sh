@@ -210,7 +210,8 @@ rootfs_owns() { [ -n "$(find "$root$1" -not -type d -not -size 0 -print -quit 2>
 
 rootfs_bind() {
     local path=$1
-    until [ -e "$path" ]; do path=${path%/*}; done
+    until [ -e "$path" ] || [ -z "$path" ]; do path=${path%/*}; done
+    [ -n "$path" ] || return 0 # nothing of it is there, and the command says so
     ! rootfs_owns "$path" || return 0
     if [ ! -d "$path" ] && ! rootfs_owns "${path%/*}"; then
         path=${path%/*} # a script's neighbours too
@@ -227,9 +228,11 @@ rootfs_bind() {
 # An output among the root file system's own directories has to exist before it can be bound.
 rootfs_make_output() {
     local path directory
+    [ -n "$1" ] || return 0
     path=$(realpath -m -- "$1")
     directory=$path
-    until [ -d "$directory" ]; do directory=${directory%/*}; done
+    until [ -d "$directory" ] || [ -z "$directory" ]; do directory=${directory%/*}; done
+    [ -n "$directory" ] || return 0
     if [ ! -e "$path" ] && rootfs_shadows "$path" && rootfs_owns "$directory"; then
         case ${path##*/} in
         *.*) mkdir -p "${path%/*}" && : >"$path" ;;

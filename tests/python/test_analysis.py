@@ -273,7 +273,8 @@ def test_mixed_networks_are_refused(tmp_path):
     """What a run into the folder of another one once left."""
     folder = write_run(tmp_path / "a", 0.5, strains=(0.1, 0.2))
     other = packing(0.5, strain=0.3)
-    other.particles["R"] *= 1.01
+    for length in ("R", "cap_radius", "half_length"):
+        other.particles[length] *= 1.01
     other.save(folder / "network-0.3000.h5")
     with pytest.raises(ValueError, match="network-0.3000.h5 and network-0.1000.h5 hold different grains: files of two runs"):
         Run.read(folder)

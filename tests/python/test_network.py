@@ -205,6 +205,9 @@ def put(index, value):
         ("particles/id", lambda c: 0 * c, "particles/id holds 0 2 times"),
         ("particles/id", lambda c: c - 1, "particles/id holds -1"),
         ("particles/R", lambda c: 0 * c, r"particles/R\[0\] = 0; wanted > 0"),
+        ("particles/R", lambda c: 2 * c, r"particles/R\[0\] = .*; wanted half_length \+ cap_radius"),
+        ("contacts/points", put(1, 7), r"contacts/points\[1\] = 7; wanted 1 or 2"),
+        ("contacts/type", put(1, 3), r"contacts/type\[1\] = 3; wanted 3 where body 2 is an obstacle, and only there"),
         ("particles/R", lambda c: c[:1], r"particles/R has shape \(1,\); wanted \(2,\)"),
     ],
 )

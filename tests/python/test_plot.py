@@ -161,6 +161,14 @@ def test_words_of_the_foot_stand_apart(color, contacts, wide):
     assert not outside
 
 
+@pytest.mark.parametrize("speed, power", [(4.5e-9, "10^{−9}"), (4.5e7, "10^{7}"), (0.3, None)])
+def test_the_power_of_a_scale_stands_in_its_label(speed, power):
+    """It stood below the edge of the picture: grains at rest to rounding seemed to move at 4 m/s."""
+    row = frame(3, velocity=np.array([[0, 0, 0], [speed / 2, 0, 0], [speed, 0, 0]]))
+    words = [text.get_text() for text in plot.packing(row, color="speed", contacts=None).figure.texts]
+    assert len(words) == 1 and (power in words[0] if power else "10" not in words[0])
+
+
 def test_fixed_grains_are_grey():
     colors = grains_of(plot.packing(frame(2, fixed=np.array([False, True])), color="red")).get_facecolor()
     assert colors == pytest.approx(np.array([to_rgba("red"), to_rgba(drawing.OBSTACLE)]))

@@ -57,9 +57,12 @@ def test_overwrite_removes_the_files_of_the_old_run_only(tmp_path):
 
 
 def test_the_same_run_again(tmp_path):
-    """Complete, it is made anew; with a checkpoint only, nothing may be lost by a forgotten --resume."""
+    """Nothing may be lost by a forgotten --resume, nor by a command given twice."""
     make(tmp_path, files=("data-1.txt", "checkpoint", "summary.json"))
-    make(tmp_path, files=("checkpoint",))
+    with pytest.raises(ValueError, match="holds this run, complete; --resume goes on with it, --overwrite makes it anew"):
+        make(tmp_path)
+    assert names(tmp_path) == ["checkpoint", "data-1.txt", "run.json", "summary.json"]
+    make(tmp_path, files=("checkpoint",), overwrite=True)
     assert names(tmp_path) == ["checkpoint", "run.json"]
     with pytest.raises(ValueError, match="not complete; --resume goes on with it, --overwrite starts anew"):
         make(tmp_path)

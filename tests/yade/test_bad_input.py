@@ -310,6 +310,16 @@ def test_background_run_stops_at_the_error():
     assert not O.running and 2500 < O.iter < 3500  # √(2h/g) / dt = 3200
 
 
+def test_a_stress_on_a_wall_that_is_held_is_refused():
+    """Nothing moved, without a word."""
+    m = material()
+    build(rcr.wall("x", -1, material=m), rcr.wall("x", 1, material=m), rcr.wall("y", 3, sense=-1, material=m), stadium(0.2, 0.1, (0, 1), material=m))
+    O.engines = O.engines[:-2] + [rcr.WallStress(wall=2, start=0, end=1, stress=-10)] + O.engines[-2:]
+    refused("WallStress.wall = 2 is held along y, so that no stress moves it; take rcr.mobile_wall")
+    O.engines[-3].dead = True
+    steps(1)
+
+
 def test_scene_goes_on_once_the_error_is_put_right():
     body = resting()
     mass, body.state.mass = body.state.mass, 0
@@ -327,6 +337,7 @@ def test_scene_goes_on_once_the_error_is_put_right():
         (lambda: rcr.segment((0, 0), (math.nan, 1)), r"end\[0\] = nan"),
         (lambda: rcr.clump([rcr.particle((0, 0), 0.1, 0.5)] * 2), "members holds a body twice"),
         (lambda: rcr.plot.packing(limits=((1, 1), (0, 0))), "limits = .* in this order"),
+        (lambda: rcr.contact_network(time=1.0, seed=3), r"contact_network\(time=…\): the network takes it from the scene"),
     ],
 )
 def test_names_what_is_wrong(call, says):

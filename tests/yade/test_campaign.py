@@ -85,3 +85,13 @@ def test_refuses_bad_input(arguments, message, tmp_path):
     assert run.returncode != 0
     assert run.stderr.strip().splitlines()[-1].endswith(message)
     assert not (tmp_path / "out").exists()
+
+
+@needs_snakemake
+@needs_environment
+def test_another_number_of_networks_is_refused(tmp_path):
+    """The names of the runs do not tell it: complete ones stayed as they were, without a word."""
+    assert campaign(tmp_path / "out", *SMALL, "--strain", "0.004", "--networks", "2").returncode == 0
+    again = campaign(tmp_path / "out", *SMALL, "--strain", "0.004", "--networks", "3")
+    assert again.returncode != 0 and "is made with --networks 2, and this is --networks 3; wanted the same, or another --out" in again.stderr
+    assert campaign(tmp_path / "out", *SMALL, "--strain", "0.004", "--networks", "2").returncode == 0

@@ -135,6 +135,18 @@ def test_an_elastic_impact_of_two_grains_keeps_their_energy():
     np.testing.assert_allclose(kept, 1, atol=1e-8)
 
 
+@pytest.mark.parametrize("restitution", [0.5, 1])
+def test_a_gap_narrower_than_the_way_of_a_step_is_no_jam(restitution):
+    """A disc between two walls at rest: its bounces from both fall into one step, which was told as one that driven bodies make impossible, and left overlaps of 0.02."""
+    m, R, gap = material(0), 0.01, 1e-4
+    walls = [rcr.wall("x", side * (R + gap), sense=-side, material=m) for side in (-1, 1)]
+    *_, disc = build(*walls, stadium(0, R, (0, 0), velocity=(1, 0), material=m), dt=1e-3, gravity=(0, 0, 0), restitution=restitution)
+    solver = O.engines[-2]
+    for _ in range(50):
+        O.step()
+    assert solver.missed["yielded"] == 0 and solver.deepestOverlap < 1e-3 and abs(O.bodies[disc].state.vel[0]) < 1
+
+
 @pytest.mark.parametrize("friction", [0, 0.4])
 @pytest.mark.parametrize("restitution", [0.9, 1])
 def test_a_cloud_gains_nothing_in_a_step(restitution, friction):

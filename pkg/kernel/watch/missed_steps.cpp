@@ -16,7 +16,7 @@ bool MissedSteps::count(bool stepMissed, bool stepYielded, double overlap, bool 
 	if (steps == 1 && !stepMissed) toldDeepest = overlap;
 	missed += stepMissed;
 	yielded += stepYielded;
-	deepest             = std::max(deepest, overlap);
+	if (!takenBack || stepMissed) deepest = std::max(deepest, overlap);
 	const bool first    = missed > 0 && toldMissed == 0;
 	const bool deeper   = deepest > (missed > 0 ? harmless : takenBack ? none : deep) && deepest >= 2 * toldDeepest;
 	const bool moreOften = yielded > 0 && yielded >= 10 * toldYielded;

@@ -20,7 +20,7 @@ public:
 	long   steps   = 0; // all
 	long   missed  = 0; // that ended beyond the tolerance, or with a deep overlap
 	long   yielded = 0; // of these, without a solution: their contacts have yielded
-	double deepest = 0; // overlap over R₁ + R₂, of all steps
+	double deepest = 0; // overlap over R₁ + R₂, of all steps but those that have taken it back
 
 	long   toldMissed = 0, toldYielded = 0; // of the last message
 	double toldDeepest = 0;

@@ -57,6 +57,17 @@ def test_steps_that_all_converge_are_silent():
     assert told([(False, False, 0.1 * k, True) for k in range(100)]) == []
 
 
+def test_overlaps_of_a_compaction_are_none_of_the_shear_after_it():
+    """Overdamped steps take them back: of the first missed step of the shear they were told as the deepest overlap."""
+    ((k, message),) = told([(False, False, 0.3, True)] * 5 + [(False, False, 1e-4)] * 5 + [(True, False, 1e-4)])
+    assert k == 10 and "0.0001 of R₁ + R₂, is harmless" in message
+
+
+def test_a_deep_overlap_is_told_as_what_missed():
+    ((_, message),) = told([(False, False, 1e-4), (True, False, 0.03)])
+    assert message.startswith("1 of 2 steps so far did not reach the tolerance or left an overlap beyond 0.02; the deepest overlap, 0.03")
+
+
 def test_overlaps_that_grow_without_a_miss_are_told_at_each_doubling():
     messages = told([(False, False, overlap) for overlap in (1e-4, 1e-2, 3e-2, 4e-2, 0.1)])
     assert [k for k, _ in messages] == [2, 4]
