@@ -140,3 +140,14 @@ def test_a_rod_that_slides_off_a_box_stays_on_its_corner(speed):
         O.step()
         deepest = max([deepest, *(-min(tuple(i.geom.gap)[: i.geom.points]) for i in O.interactions if i.isReal)])
     assert deepest < 0.02 * R
+
+
+@pytest.mark.parametrize("eta, dt", [(0.8, 1e-4), (0.9, 1e-4), (0.9, 3e-4)])
+def test_a_rod_glides_over_the_joints_of_a_floor(eta, dt):
+    """Ten joints of segments in one line; its thin cap touches the end of the next one by the plane of the contact alone, which took 2 % of its speed."""
+    m = material(0)
+    floor = [rcr.segment((0.02 * k - 0.03, 0), (0.02 * k - 0.01, 0), material=m) for k in range(14)]
+    *_, rod = build(*floor, rcr.particle((0, 0.01 * (1 - eta)), 0.01, eta, velocity=(1, 0), material=m), dt=dt)
+    O.engines[1].verletDist = 2e-3
+    steps(round(0.2 / dt))
+    assert O.bodies[rod].state.vel[0] == pytest.approx(1, abs=1.5e-3)

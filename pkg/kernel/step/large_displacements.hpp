@@ -16,7 +16,7 @@
 
 namespace rcr {
 
-/// Relative way in a step over R₁ + R₂ [-] whose curvature, s²/2ρ, may exceed the slop.
+/// Relative way s in a step over √((R₁ + R₂) ρ) [-] whose curvature, s²/2ρ, may exceed the slop; ρ = R₁' + R₂', of caps and corners.
 constexpr double largeDisplacement = 0.01;
 
 /// Has a contact of the solved step a large displacement? Told from the velocities of its bodies alone: nearly none has.
@@ -25,7 +25,9 @@ inline bool displacesFar(const Step& step, const StepContact& c)
 	const StepBody &  one = step.bodies[c.body1], &two = step.bodies[c.body2];
 	const Twist &     v1 = step.problem.velocity[c.body1], &v2 = step.problem.velocity[c.body2];
 	const double      translation = norm(Vec2 { v2.x + c.drift.x - v1.x, v2.y + c.drift.y - v1.y });
-	return step.dt * (translation + std::abs(v1.rotation) * one.radius + std::abs(v2.rotation) * two.radius) > largeDisplacement * c.size;
+	const auto        cap         = [](const StepBody& b) { return b.shape.grain() ? b.shape.halfWidth : 0; };
+	const double      way         = step.dt * (translation + std::abs(v1.rotation) * one.radius + std::abs(v2.rotation) * two.radius);
+	return way * way > largeDisplacement * largeDisplacement * c.size * (cap(one) + cap(two));
 }
 
 /// Puts the gap in which such a contact really ends into its biases; true if one has changed. Contacts that the way passes are let
