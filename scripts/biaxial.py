@@ -47,7 +47,7 @@ def arguments():
     parser.add_argument("--networks", type=script.at_least(1), default=10, help="number of networks saved, at equal strains (default %(default)s)")
     parser.add_argument("--out", type=script.folder, required=True, metavar="DIR", help="folder of the results, made if missing")
     parser.add_argument("--resume", action="store_true", help="go on from DIR's checkpoint; --strain, --networks and --threads may be others than before")
-    parser.add_argument("--overwrite", action="store_true", help="remove the results of another run, or of this one if it is not complete")
+    parser.add_argument("--overwrite", action="store_true", help="remove the results that are in DIR")
     options = parser.parse_args()
     if options.resume and options.overwrite:
         parser.error("--resume goes on with the run in DIR, --overwrite removes it: wanted one of them")
