@@ -40,6 +40,8 @@ def heap(seed=0):
 def resting():
     ids = heap()
     steps(2500)
+    while O.engines[-2].unbalance > 1e-9 and O.iter < 6000:
+        steps(100)
     network = rcr.contact_network(volume=0.25)
     ids["center"] = np.array(O.bodies[ids["clump"]].state.pos)[:2]
     frame = Frame.of()
