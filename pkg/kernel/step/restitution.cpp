@@ -10,7 +10,6 @@ namespace rcr {
 namespace {
 
 	constexpr double gainOfSolver = 1e-3; // of the work of all impulses: what the tolerance of the solver may be worth
-
 	constexpr double reached      = 0.99; // of a bounce
 
 	/// Bodies that impulses of the solved step join; bodies of prescribed motion join none.
@@ -23,22 +22,16 @@ namespace {
 			std::iota(next_.begin(), next_.end(), 0);
 			for (std::size_t k = 0; k < problem_.points.size(); ++k) {
 				const ContactPoint& c = problem_.points[k];
-				if (problem_.impulse[k].n > 0 && moves(c.body1) && moves(c.body2)) next_[find(c.body1)] = find(c.body2);
+				if (problem_.impulse[k].n > 0 && !problem_.prescribed(c.body1) && !problem_.prescribed(c.body2)) next_[find(c.body1)] = find(c.body2);
 			}
 		}
 
 		/// The number of that of a point.
-		int of(const ContactPoint& c) { return find(moves(c.body1) ? c.body1 : c.body2); }
+		int of(const ContactPoint& c) { return find(problem_.prescribed(c.body1) ? c.body2 : c.body1); }
 
 	private:
 		const ContactProblem& problem_;
 		std::vector<int>      next_;
-
-		bool moves(int body) const
-		{
-			const InverseMass& m = problem_.inverseMass[body];
-			return m.x > 0 || m.y > 0 || m.rotation > 0;
-		}
 
 		int find(int body)
 		{
