@@ -103,10 +103,10 @@ def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None
             _check_resumable(folder, kept, parameters, free)
         elif not overwrite:
             _check_new(folder, kept, old, parameters)
-            if checkpoint and (folder / checkpoint).exists() and not (folder / last).exists():
-                raise ValueError(f"{folder} holds this run, not complete; --resume goes on with it, --overwrite starts anew")
             if checkpoint and (folder / last).exists():
                 raise ValueError(f"{folder} holds this run, complete; --resume goes on with it, --overwrite makes it anew")
+            if checkpoint and (folder / checkpoint).exists():
+                raise ValueError(f"{folder} holds this run, not complete; --resume goes on with it, --overwrite starts anew")
         own = dict(program=program, run=identity({name: value for name, value in parameters.items() if name not in free}), parameters=parameters)
 
         def begin():

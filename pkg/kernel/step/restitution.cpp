@@ -41,6 +41,10 @@ namespace {
 		}
 	};
 
+	Impulse before(const Step& step, const ContactPoint& c) { return relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity); }
+
+	Impulse after(const Step& step, const ContactPoint& c) { return relativeVelocity(c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]); }
+
 	struct Energy {
 		double gain = 0, plasticLoss = 0, work = 0; // twice the energy; work: as if no two points were opposed
 	};
@@ -53,11 +57,7 @@ bool restrainBounce(Step& step, const StepContact& contact)
 	for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
 		ContactPoint& c = step.problem.points[k];
 		if (!(c.bias < 0)) continue; // no bounce in this step
-		const ContactProblem& problem = step.problem;
-		const Impulse         before  = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
-		const Impulse         after   = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
-		const Delassus        w       = delassus(problem, c);
-		const double          share   = passiveShare(w, problem.impulse[k], before, after, c.bias, c.friction);
+		const double share = passiveShare(delassus(step.problem, c), step.problem.impulse[k], before(step, c), after(step, c), c.bias, c.friction);
 		c.bias *= share;
 		changed |= share < 1;
 	}
@@ -71,9 +71,9 @@ bool lowerBounces(Step& step, bool plastic)
 		for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
 			ContactPoint& c = step.problem.points[k];
 			if (!(c.bias < 0)) continue;
-			const double after = relativeVelocity(c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]).n;
-			if (after >= -reached * c.bias) continue;
-			c.bias  = after > 0 && !plastic ? -after : std::max(step.gap[k].now, 0.0) / step.dt;
+			const double leaves = after(step, c).n;
+			if (leaves >= -reached * c.bias) continue;
+			c.bias  = leaves > 0 && !plastic ? -leaves : std::max(step.gap[k].now, 0.0) / step.dt;
 			lowered = true;
 		}
 	}
@@ -85,14 +85,13 @@ bool restrainCollisions(Step& step, bool plastic)
 	ContactProblem&     problem = step.problem;
 	Collisions          collisions(step);
 	std::vector<Energy> energy(step.bodies.size());
-	const auto          before = [&](const ContactPoint& c) { return relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity); };
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		const Impulse       p = problem.impulse[k];
 		if (!(p.n > 0)) continue;
-		const Impulse u = before(c), after = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
+		const Impulse u = before(step, c), left = after(step, c);
 		Energy&       of = energy[collisions.of(c)];
-		of.gain += p.n * (u.n + after.n) + p.t * (u.t + after.t);
+		of.gain += p.n * (u.n + left.n) + p.t * (u.t + left.t);
 		of.work += std::hypot(p.n, p.t) * std::hypot(u.n, u.t);
 		if (c.bias < 0 && u.n < 0) of.plasticLoss -= p.n * u.n * u.n / (u.n + c.bias); // b_n = e u_n⁻
 	}
