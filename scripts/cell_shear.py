@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 import rcr
 from rcr import files, script
-from rcr.study.biaxial import DENSITY, Biaxial, O
+from rcr.study.biaxial import DENSITY, QUASI_STATIC, Biaxial, O
 from rcr.study.cell import MODES, CellTest
 
 COLUMNS = "geometry eta seed packing_fraction_initial sin_phi sin_phi_error packing_fraction a_c_half a_c_weak".split()
@@ -33,10 +33,15 @@ def arguments():
     parser.add_argument("--strain", type=script.number("0.15 ≤ strain < 1", lambda v: STATIONARY + 5 * EVERY <= v < 1), default=0.3, help="at the end (default %(default)s); averages from 0.1 on")
     parser.add_argument("--inertial-number", type=number, default=1e-3, help="rate times √(m/σ0) (default %(default)s)")
     parser.add_argument("--time-step", type=number, default=0.1, help="over √(m/σ0) (default %(default)s)")
+    slow = " ".join(f"--{name.replace('_', '-')} {value:g}" for name, value in QUASI_STATIC.items() if name != "overdamped")
+    parser.add_argument("--quasi-static", action="store_true", help=f"shear without inertia, with {slow}")
     parser.add_argument("--out", type=script.new_file, default="cell-shear.csv", metavar="FILE", help="CSV (default %(default)s)")
     options = parser.parse_args()
     if options.walls and options.particles < FEWEST_BETWEEN_WALLS:
         parser.error(f"--walls with --particles {options.particles}: wanted at least {FEWEST_BETWEEN_WALLS}, of which some are far from all walls")
+    if options.quasi_static:
+        vars(options).update(QUASI_STATIC)
+    options.pace = dict(inertial_number=options.inertial_number, time_step=options.time_step, overdamped=options.quasi_static)
     return options
 
 
@@ -57,7 +62,7 @@ def told(first, strain, sin_phi, packing_fraction, weak):
 
 
 def in_cell(mode, eta, seed, options):
-    test = CellTest(eta, options.particles, seed, inertial_number=options.inertial_number, time_step=options.time_step)
+    test = CellTest(eta, options.particles, seed, **options.pace)
     test.compact()
     first, weak = test.packing_fraction, []
     with tqdm(desc=f"{mode}, η = {eta:g}", total=options.strain, disable=None) as bar:
@@ -84,7 +89,7 @@ def inner_fraction(test):
 
 
 def between_walls(eta, seed, options):
-    test = Biaxial.prepare(eta=eta, particles=options.particles, seed=seed, inertial_number=options.inertial_number, threads=1, time_step=options.time_step)
+    test = Biaxial.prepare(eta=eta, particles=options.particles, seed=seed, threads=1, **options.pace)
     test.compact()
     first, inner, weak = inner_fraction(test), [], []
     while test.strain < options.strain:

@@ -1,7 +1,8 @@
 """Chart c. The biaxial test to 20 % of strain: error of what a study reports against processor time of the shear.
 
 Every run of one elongation and seed starts from the same frictionless packing (rigid, `Biaxial.compact`); its loads and walls are those of
-scripts/biaxial.py. Means over strains of 10 to 20 %: q/p and the packing fraction of all records, the rest of one network a per cent. Laws:
+scripts/biaxial.py. Means over strains of 10 to 20 %: q/p and the packing fraction of all records, most of the rest of one network a per cent.
+Energies are those of a further per cent, with O.trackEnergy, over the work of the walls. Laws:
 
 | law    | what it is                                                                                                             |
 |--------|------------------------------------------------------------------------------------------------------------------------|
@@ -35,14 +36,16 @@ O = Omega()
 TITLE = "Biaxial test: error against processor time of 20 % of strain"
 TITLES = dict(
     sin_phi="q/p", packing_fraction="packing fraction", friction_mobilization="I_M", mobilized="share of sliding contacts (I_m > 0.99)",
-    weak_fabric="fabric of weak contacts, a_c(ξ = 1)", mean_overlap="mean overlap [d]",
+    weak_fabric="fabric of weak contacts, a_c(ξ = 1)", friction_share="share of the work that friction takes", mean_overlap="mean overlap [d]",
+    energy_error="work unaccounted for",
 )  # fmt: skip
 OBSERVED = tuple(TITLES)
+ERRORS = "mean_overlap", "energy_error"  # as they are
 SETTING = "law", "dt", "tolerance", "inertial_number", "stiffness"
 COLUMNS = ["eta", "particles", *SETTING, "seed", "steps", "seconds", *OBSERVED]
 DEPENDS = ("quick", "particles")
 ETAS = 0.0, 0.5
-STRAIN, FROM, LOOK = 0.2, 0.1, 0.01
+STRAIN, FROM, LOOK, ACCOUNT = 0.2, 0.1, 0.01, 0.01
 RATE = 1e-3
 DEFAULT = dict(dt=0.1, tolerance=1e-4, inertial_number=RATE)  # about which one setting at a time is changed
 FINEST = dict(dt=0.05, tolerance=1e-5, inertial_number=RATE)  # the reference …
@@ -193,8 +196,40 @@ def _sheared(test):
             look += LOOK
     late = [row for row in test.rows if row["strain"] > FROM]
     mean = lambda name: float(np.mean([row[name] for row in late]))
-    values = mean("sin_phi"), mean("packing_fraction"), *map(float, np.mean(networks, axis=0)), float(np.mean(overlaps))
-    return dict(zip(OBSERVED, values), seconds=seconds)
+    looked = dict(zip(("friction_mobilization", "mobilized", "weak_fabric"), map(float, np.mean(networks, axis=0))))
+    own = dict(sin_phi=mean("sin_phi"), packing_fraction=mean("packing_fraction"), mean_overlap=float(np.mean(overlaps)), seconds=seconds)
+    return looked | own | _energies(test)
+
+
+def _energies(test):
+    """What friction takes, and what no account holds, of the work of the walls on a strain of `ACCOUNT`; both over that work.
+
+    YADE's accounts hold what has come of a step when the next one is made; they count its local damping of the driven top wall, too, which that does not feel.
+    """
+    O.trackEnergy = True
+    last = _work(test)
+    first, work, end = _accounts(), np.zeros(2), test.strain + ACCOUNT
+    while test.strain < end:
+        work += last
+        last = _work(test)
+    O.trackEnergy = False
+    friction, other = _accounts() - first
+    return dict(friction_share=friction / work.sum(), energy_error=abs(work.sum() - friction - other + O.engines[-1].damping * work[0]) / work.sum())
+
+
+def _work(test):
+    """A step, and the work of the top wall and of the load on the right one in it [J]."""
+    right, load = O.bodies[test.right].state, STRESS * test.height
+    before = right.vel[0]
+    O.step()
+    return -O.dt * np.array([O.forces.f(test.top)[1] * O.bodies[test.top].state.vel[1], load * (before + right.vel[0]) / 2])
+
+
+def _accounts():
+    """Energy that friction has taken so far, and all other that was taken or is stored [J]."""
+    accounts = dict(O.energy.items())
+    other = "kinetic", "impactDissip", "viscDissip", "nonviscDamp", "elastPotential"
+    return np.array([accounts.get("plastDissip", 0), sum(accounts.get(name, 0) for name in other)])
 
 
 def points(options):
@@ -224,8 +259,8 @@ def run(name, options):
 
 
 def _difference(runs, target, name):
-    """Processor time [s], mean difference from the target in pairs of equal packings, and its standard error, NaN of one pair alone. Overlaps are errors as they are."""
-    differences = [row[name] - (0 if name == "mean_overlap" else target[seed][name]) for seed, row in runs.items() if seed in target]
+    """Processor time [s], mean difference from the target in pairs of equal packings, and its standard error, NaN of one pair alone. `ERRORS` are taken as they are."""
+    differences = [row[name] - (0 if name in ERRORS else target[seed][name]) for seed, row in runs.items() if seed in target]
     if not differences:
         return None
     return np.mean([row["seconds"] for row in runs.values()]), np.mean(differences), float(standard_error(differences))
@@ -267,7 +302,7 @@ def plot(rows, options):
                 below = np.minimum(np.nan_to_num(error), 0.999 * size)  # a bar that would reach 0 ends just above it
                 ax.errorbar(seconds, size, (below, np.nan_to_num(error)), color=color, marker=marker, ls=dashes, mfc="w" if swept in ("dt", "smooth") else color, ms=5, lw=1, label=LABELS[swept])
             ax.set(xscale="log", yscale="log")
-            ax.set_title(f"η = {eta:g}: {TITLES[name] if name == 'mean_overlap' else 'error of ' + TITLES[name]}", fontsize=10)
+            ax.set_title(f"η = {eta:g}: {TITLES[name] if name in ERRORS else 'error of ' + TITLES[name]}", fontsize=10)
             ax.grid(alpha=0.3)
             if name != "mean_overlap":
                 ax.set_ylim(bottom=1e-4)
@@ -280,7 +315,7 @@ def plot(rows, options):
 
 
 def _told(name, difference, error):
-    if name == "mean_overlap":
+    if name in ERRORS:
         return f"{difference:.1e}"
     return f"{difference:+.1g}" + ("" if math.isnan(error) else f" ± {error:.0e}")
 

@@ -291,7 +291,7 @@ void bindInternals(py::module_& m)
 	py::class_<Trial>(m, "Trial", "Whether help makes a loop faster, from its times.")
 	        .def(py::init<>())
 	        .def_property_readonly("helped", &Trial::helped)
-	        .def("book", &Trial::book, py::arg("helped"), py::arg("time"));
+	        .def("book", &Trial::book, py::arg("time"));
 	py::class_<Momentum>(m, "Momentum", "Nesterov momentum and its restart.")
 	        .def(py::init<>())
 	        .def_property_readonly("beta", &Momentum::beta)

@@ -10,8 +10,8 @@ namespace {
 
 	using namespace std::chrono_literals;
 	constexpr int  maxSpins       = 100;   // of a waiting thread before it yields its core: about a microsecond
-	constexpr auto helperPatience = 1ms;   // of a helper between two loops: no serial part of a solver lasts longer
-	constexpr auto leaderStall    = 100us; // of the leader after its own work: an index takes one, so the helper has lost its core
+	constexpr auto helperPatience = 5ms;   // of a helper between two loops: few serial parts of a step last longer
+	constexpr auto leaderStall    = 1ms;   // of the leader after its own work: an index takes less, so the helper has lost its core
 
 	constexpr int           indexBits = 20; // 24 are left for the serial number
 	constexpr std::uint64_t indexMask = (1u << indexBits) - 1;

@@ -16,7 +16,7 @@ public:
 
 	int threads() const { return threads_; }
 
-	/// Helpers stay while the loop is open; between two loops they spin, then yield, for a millisecond.
+	/// Helpers stay while the loop is open; between two loops they spin, then yield, for some milliseconds.
 	void open() { open_.store(true, std::memory_order_release); }
 	void close() { open_.store(false, std::memory_order_release); }
 	bool isOpen() const { return open_.load(std::memory_order_acquire); }

@@ -11,26 +11,27 @@ namespace {
 
 void Team::begin(int threads)
 {
-	if (threads > 1 && (!loop_ || loop_->threads() != threads)) loop_ = std::make_shared<SharedLoop>(threads);
-	const bool helped = threads > 1 && Clock::now() >= aloneUntil_;
-	if (helped) {
-		loop_->open();
-		callHelpers(loop_);
-	}
-	helped_  = helped;
+	threads_ = threads;
 	running_ = true;
+	call();
 }
 
-void Team::wake()
+/// Each call without a stall before it halves the time that the next stall costs.
+void Team::call()
 {
-	if (helped_) callHelpers(loop_);
+	if (threads_ == 1) return;
+	if (helped_) alone_ = alone_ / 2;
+	helped_ = Clock::now() >= aloneUntil_;
+	if (!helped_) return;
+	if (!loop_ || loop_->threads() != threads_) loop_ = std::make_shared<SharedLoop>(threads_);
+	loop_->open();
+	callHelpers(loop_);
 }
 
 /// Helpers find out by themselves; none holds work any more.
 void Team::end()
 {
 	if (loop_) loop_->close();
-	if (helped_) alone_ = alone_ / 2;
 	helped_  = false;
 	running_ = false;
 }

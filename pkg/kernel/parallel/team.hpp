@@ -1,7 +1,7 @@
 // Threads that share out loops of a few microseconds.
 //
 // One thread leads: it runs the algorithm and shares out loops (shared_loop.hpp); the others, borrowed from the process (crew.hpp),
-// help. Waiting spins for about a microsecond, then yields the core; a helper that finds nothing for a millisecond sleeps until the
+// help. Waiting spins for about a microsecond, then yields the core; a helper that finds nothing for some milliseconds sleeps until the
 // next run. When the leader had to wait long for a helper that lost its core in the midst of work, it goes on alone for a while.
 #pragma once
 
@@ -20,11 +20,11 @@ namespace rcr {
 class Team {
 public:
 	/// Calls lead() on this thread while up to threads − 1 others help. Within another run it is a part of that, for which
-	/// helpers that have gone to sleep are woken.
+	/// helpers that have gone to sleep or were left alone are called again.
 	template <class Lead> void run(int threads, Lead lead)
 	{
 		if (running_) {
-			wake();
+			call();
 			lead();
 			return;
 		}
@@ -69,7 +69,7 @@ public:
 		const bool helped = helped_ = trial.helped();
 		const auto start = Clock::now();
 		lead();
-		trial.book(helped, std::chrono::duration<double>(Clock::now() - start).count() / work);
+		trial.book(std::chrono::duration<double>(Clock::now() - start).count() / work);
 		if (!helped) helped_ = true;
 	}
 
@@ -96,11 +96,12 @@ private:
 
 	void begin(int threads);
 	void end();
-	void wake();
+	void call();
 	void lead(int begin, int end, void (*work)(void*, int), void* context);
 
 	bool                        running_ = false;
-	bool                        helped_  = false; // in this run
+	int                         threads_ = 1;     // of this run
+	bool                        helped_  = false; // now
 	std::shared_ptr<SharedLoop> loop_;            // helpers may still hold it after the run
 	Clock::time_point           aloneUntil_;
 	Clock::duration             alone_ { 0 }; // how long after the next stall

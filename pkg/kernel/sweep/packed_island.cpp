@@ -59,6 +59,17 @@ void PackedIsland::prepare()
 	packed_.freeVelocity2_[number_] = velocity2;
 }
 
+void PackedIsland::followImpulses()
+{
+	if (packed_.anew_[number_]) return;
+	const HalfRecord* const free = packed_.freeBody_.data()->half;
+	if (stretches()) packed_.stretch_ = {};
+	forEachRecords([&](const Range& records) { std::copy(free + records.begin, free + records.end, view_.body + records.begin); });
+	applyImpulses();
+	packed_.anew_[number_] = true;
+}
+
+/// v ← v + M⁻¹Jᵀp
 void PackedIsland::applyImpulses()
 {
 	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->apply(view_, chunk); });
@@ -67,6 +78,7 @@ void PackedIsland::applyImpulses()
 
 void PackedIsland::sweep()
 {
+	sweptOn();
 	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweep(view_, chunk); });
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		const Impulse next = solve(view_, c, c.p);
@@ -77,6 +89,7 @@ void PackedIsland::sweep()
 
 void PackedIsland::sweepRelaxed(double relaxation)
 {
+	sweptOn();
 	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweepRelaxed(view_, chunk, relaxation); });
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		const Impulse next = projectCone(c.p + relaxation * (solve(view_, c, c.p) - c.p), c.friction);
@@ -89,6 +102,7 @@ double PackedIsland::sweepMomentum(double momentum)
 {
 	if (!single_) {
 		if (sinceRefer_ > 0) restMomentum();
+		sweptOn();
 		const PackedKernels& kernels = *packed_.kernels_;
 		return sweepMomentum(view_, kernels.extrapolate, momentum, 1, [&](const Chunk& chunk) { return kernels.sweepMomentum(view_, chunk, momentum); });
 	}
@@ -103,6 +117,7 @@ double PackedIsland::sweepMomentum(double momentum)
 
 double PackedIsland::sweepYielding(double momentum, double compliance)
 {
+	sweptOn();
 	const double         kept    = 1 / (1 + compliance);
 	const PackedKernels& kernels = *packed_.kernels_;
 	return sweepMomentum(view_, kernels.extrapolate, momentum, kept, [&](const Chunk& chunk) { return kernels.sweepYielding(view_, chunk, momentum, kept); });
@@ -199,8 +214,10 @@ void PackedIsland::beginSingle()
 	forEachChunk([&](const Chunk& chunk, int number) {
 		bool fits = true;
 		for (int first = chunk.firstColumn; first < chunk.firstColumn + columns(chunk); first += columnsOf(chunk.model)) {
-			for (int k = first; k < first + columnsOf(chunk.model); ++k)
-				narrow(view_.points[k], singleView_.points[k]);
+			if (packed_.narrowed_[number_]) copyImpulses(view_.points + first, singleView_.points + first, chunk.model);
+			else
+				for (int k = first; k < first + columnsOf(chunk.model); ++k)
+					narrow(view_.points[k], singleView_.points[k]);
 			const PointBlock& point = pointAt(view_.points + first);
 			for (int lane = 0; lane < blockWidth; ++lane)
 				fits = fits & fitsFloat(point.inverseNn[lane]) & (point.pn[lane] < 1e12);
@@ -210,21 +227,19 @@ void PackedIsland::beginSingle()
 	double misfits = sum(packed_.sum_);
 	forEachOverflowPoint([&](const OverflowPoint& c) { misfits += !fitsFloat(c.w.nn); });
 	if (misfits > 0) return;
-	single_ = true;
+	single_ = packed_.narrowed_[number_] = true;
 	refer();
 }
 
 /// The doubles follow the floats: impulses, and the velocities made anew from them.
 void PackedIsland::widen()
 {
-	const HalfRecord* const free = packed_.freeBody_.data()->half;
-	if (stretches()) packed_.stretch_ = {};
-	forEachRecords([&](const Range& records) { std::copy(free + records.begin, free + records.end, view_.body + records.begin); });
+	sweptOn();
 	forEachChunk([&](const Chunk& chunk, int) {
 		for (int k = chunk.firstColumn; k < chunk.firstColumn + columns(chunk); k += columnsOf(chunk.model))
 			copyImpulses(singleView_.points + k, view_.points + k, chunk.model);
 	});
-	applyImpulses();
+	followImpulses();
 }
 
 void PackedIsland::remember()

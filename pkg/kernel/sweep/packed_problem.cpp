@@ -1,6 +1,7 @@
 #include "sweep/packed_problem.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 
@@ -74,9 +75,11 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 			addToOverflow(problem, pairs[layout_.overflow()[k]], island.central);
 		overflowOf_.push_back({ begin, int(overflow_.size()) });
 	}
+	anew_.assign(islands(), false);
+	narrowed_.assign(islands(), false);
 	forEachIsland([](PackedIsland&& island) {
 		island.prepare();
-		island.applyImpulses();
+		island.followImpulses();
 	});
 	oldBody_    = body_;
 	oldStretch_ = stretch_;
@@ -170,27 +173,32 @@ template <class Visit> void PackedProblem::forEachPoint(const LaidPair& pair, Vi
 void PackedProblem::rebias(const ContactProblem& problem, const std::vector<double>& bias)
 {
 	const std::vector<LaidPair>& pairs = layout_.pairs();
+	std::atomic<bool>            others { false }; // impulses than those that are there
+	const auto                   load = [&](double& here, double p) {
+                if (here != p) others.store(true, std::memory_order_relaxed);
+                here = p;
+	};
 	team.forEach(pairs.size(), [&](int k) {
 		forEachPoint(pairs[k], [&](int point, PointBlock& at, int lane) {
 			const Impulse p = startOf(problem, point);
 			at.bias[lane]   = bias[point];
-			at.pn[lane]     = p.n;
-			if (pairs[k].model == Model::frictional) static_cast<FrictionalBlock&>(at).pt[lane] = p.t;
+			load(at.pn[lane], p.n);
+			if (pairs[k].model == Model::frictional) load(static_cast<FrictionalBlock&>(at).pt[lane], p.t);
 		});
 	});
 	for (OverflowPoint& c : overflow_) {
-		c.bias = bias[c.point];
-		c.p    = startOf(problem, c.point);
+		const Impulse p = startOf(problem, c.point);
+		c.bias          = bias[c.point];
+		load(c.p.n, p.n);
+		load(c.p.t, p.t);
 	}
-	startVelocity();
+	if (others) anew_.assign(islands(), false);
+	followImpulses();
 }
 
-/// v = v_free + M⁻¹Jᵀp
-void PackedProblem::startVelocity()
+void PackedProblem::followImpulses()
 {
-	stretch_ = {};
-	body_    = freeBody_;
-	forEachIsland([](PackedIsland&& island) { island.applyImpulses(); });
+	forEachIsland([](PackedIsland&& island) { island.followImpulses(); });
 }
 
 // ---- the solution out
@@ -213,7 +221,7 @@ void PackedProblem::store(ContactProblem& problem)
 
 void PackedProblem::storeVelocity(const ContactProblem& problem, std::vector<Twist>& velocity)
 {
-	startVelocity();
+	followImpulses();
 	velocity.resize(problem.freeVelocity.size());
 	team.forEach(inverseGyration_.size(), [&](int i) {
 		const int record = layout_.record(i);

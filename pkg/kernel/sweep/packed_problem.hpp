@@ -68,7 +68,7 @@ private:
 
 	void       loadBody(const ContactProblem&, int body, int record, bool central);
 	void       loadBodies(const ContactProblem&);
-	void       startVelocity();
+	void       followImpulses();
 	void       fill(const ContactProblem&, const LaidPair&);
 	void       fillPoint(const ContactProblem&, const LaidPair&, int point, Column*);
 	void       addToOverflow(const ContactProblem&, const LaidPair&, bool central);
@@ -90,6 +90,8 @@ private:
 	std::vector<OverflowPoint>  overflow_;
 	std::vector<Range>      overflowOf_;        // an island
 	std::vector<double>     freeVelocity2_; // an island
+	std::vector<char>       anew_;          // an island: its velocities in body_ have been made anew from its impulses
+	std::vector<char>       narrowed_;      // an island: its blocks of floats hold what this problem has, but for impulses and biases
 	std::vector<Measures>   partial_;       // a chunk
 	std::vector<double>     sum_;           // a chunk
 	Vec2                    inverseStretchMass_, stretch_, oldStretch_, referenceStretch_; // of the cell, whose points all belong to one island
@@ -115,8 +117,8 @@ public:
 
 	/// Lever arms and coefficients.
 	void prepare();
-	/// v ← v + M⁻¹Jᵀp
-	void applyImpulses();
+	/// v ← v_free + M⁻¹Jᵀp, unless that is what v is.
+	void followImpulses();
 	/// Solves every point once.
 	void sweep();
 	/// An over-relaxed sweep changes each impulse by `relaxation` times as much.
@@ -153,6 +155,9 @@ private:
 	template <class Real> void     applyImpulse(const View<Real>&, const OverflowPoint&, const Impulse&);
 	template <class Real> Impulse  solve(const View<Real>&, const OverflowPoint&, const Impulse& from) const;
 
+	void applyImpulses();
+	/// The velocities are others than impulses alone would make them to the last bit.
+	void sweptOn() { packed_.anew_[number_] = false; }
 	bool stretches() const { return island_.cell && (packed_.inverseStretchMass_.x > 0 || packed_.inverseStretchMass_.y > 0); }
 	void widen();
 	void refer();

@@ -13,7 +13,7 @@ from yade.wrapper import ForceResetter, FrictMat, InsertionSortCollider, Interac
 
 import rcr
 from rcr import checks
-from rcr.study.biaxial import BALANCED, DENSITY, R_MIN, REST_TOLERANCE, STRESS, approach, next_look, random_radii
+from rcr.study.biaxial import BALANCED, DENSITY, OVERDAMPED_VIOLATION, R_MIN, REST_TOLERANCE, SHEAR_ITERATIONS, STRESS, approach, next_look, random_radii
 
 O = Omega()
 
@@ -44,6 +44,8 @@ class CellTest:
         Of `rcr.ContactDynamics`.
     threads : int
         Of `rcr.ContactDynamics`.
+    overdamped : bool
+        Shear without inertia; `inertial_number` × `time_step` is then the strain of a step. (`rcr.study.biaxial.QUASI_STATIC` has what averages need.)
 
     Raises
     ------
@@ -51,12 +53,12 @@ class CellTest:
         For a parameter out of its range.
     """
 
-    def __init__(self, eta=0.5, particles=1000, seed=1, friction=0.5, inertial_number=1e-3, time_step=0.1, tolerance=1e-4, threads=1):
+    def __init__(self, eta=0.5, particles=1000, seed=1, friction=0.5, inertial_number=1e-3, time_step=0.1, tolerance=1e-4, threads=1, overdamped=False):
         eta = checks.number("eta", eta, "an elongation from 0 to below 1", lambda v: 0 <= v < 1)
         particles = checks.whole("particles", particles, "at least 100: a cell must be wider than four grains", lambda v: v >= 100)
         for name, value in dict(inertial_number=inertial_number, time_step=time_step, tolerance=tolerance).items():
             checks.number(name, value, "a finite number > 0", lambda v: v > 0)
-        self.friction, self.rate, self.time_step = friction, inertial_number, time_step
+        self.friction, self.rate, self.time_step, self.overdamped = friction, inertial_number, time_step, overdamped
         O.reset()
         rng = np.random.default_rng(seed)
         radii = random_radii(particles, rng)
@@ -132,7 +134,9 @@ class CellTest:
         """
         checks.choice("mode", mode, MODES)
         checks.number("strain", strain, "a strain > 0, of a biaxial test below 1", lambda v: 0 < v < (1 if mode == "biaxial" else math.inf))
-        self.solver.overdamped = False
+        self.solver.overdamped = self.overdamped
+        if self.overdamped:
+            self.solver.maxViolation, self.solver.maxIterations = OVERDAMPED_VIOLATION, SHEAR_ITERATIONS
         self.material.frictionAngle = math.atan(self.friction)
         for b in O.bodies:
             b.state.vel = b.state.angVel = (0, 0, 0)

@@ -8,42 +8,50 @@ import pytest
 from kernel.contact_problems import assert_same_bits, pile
 from rcr import _kernel
 
-FIRST, INTERVAL = 6, 50  # rounds in turn; between two of the other way
+TRIED, INTERVAL = 8, 400  # rounds of a way on trial; of the faster one in between
 
 
-def ways(trial, rounds, helped, alone):
-    """The ways taken where a round takes these times."""
+def ways(trial, rounds, helped, alone, cold=1):
+    """The ways taken where a round takes these times, `cold` times as long in the first two of a way."""
     taken = []
     for _ in range(rounds):
-        taken.append(trial.helped)
-        trial.book(trial.helped, helped if trial.helped else alone)
+        way = trial.helped
+        early = len(taken) < 2 or taken[-2:] != [way, way]
+        taken.append(way)
+        trial.book((helped if way else alone) * (cold if early else 1))
     return taken
 
 
+@pytest.mark.parametrize("cold", [1, 4])
 @pytest.mark.parametrize("helped, alone", [(1.0, 1.8), (1.8, 1.0), (1.0, 1.1)])
-def test_the_faster_way_is_taken(helped, alone):
-    taken = ways(_kernel.Trial(), 500, helped, alone)
-    assert taken[:FIRST] == [True, False] * (FIRST // 2)
-    faster = helped < alone
-    other = [k for k in range(FIRST, 500) if taken[k] != faster]
-    assert other == list(range(INTERVAL, 500, INTERVAL))
+def test_the_faster_way_is_taken(helped, alone, cold):
+    """Also where the first rounds after a change of the way take longer than either: their data come from the other caches."""
+    taken, faster = ways(_kernel.Trial(), 2000, helped, alone, cold), helped < alone
+    assert taken[: 2 * TRIED] == [True] * TRIED + [False] * TRIED
+    period = [faster] * INTERVAL + [not faster] * TRIED
+    assert taken[2 * TRIED :] == (period * 5)[: 2000 - 2 * TRIED]
+
+
+def test_a_way_that_is_far_slower_is_not_tried_for_long():
+    taken = ways(_kernel.Trial(), 2000, 5.0, 1.0)
+    assert sum(taken) == TRIED + 4 * 3
 
 
 def test_a_disturbed_round_does_not_change_the_way():
     trial = _kernel.Trial()
-    ways(trial, FIRST, 1.0, 1.8)
-    trial.book(True, 100.0)
+    ways(trial, 2 * TRIED, 1.0, 1.8)
+    trial.book(100.0)
     assert trial.helped
 
 
 def test_the_trial_follows_the_machine():
     """Helpers that lose their cores are left, and taken again when they are back."""
     trial = _kernel.Trial()
-    ways(trial, 200, 1.0, 1.8)
-    busy = ways(trial, 1000, 5.0, 1.8)
-    assert sum(busy[200:]) <= 800 / INTERVAL + 1
+    ways(trial, 1000, 1.0, 1.8)
+    busy = ways(trial, 4000, 5.0, 1.8)
+    assert sum(busy[800:]) <= 3200 / INTERVAL * TRIED
     free = ways(trial, 4000, 1.0, 1.8)
-    assert sum(free[3000:]) >= 1000 - 1000 / INTERVAL - 1
+    assert sum(free[800:]) >= 3200 - 3200 / INTERVAL * TRIED
 
 
 @pytest.mark.parametrize("solver", ["nlgs", "nesterov"])
