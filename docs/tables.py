@@ -94,8 +94,20 @@ def cell_against_walls():
     for eta, geometry in dict.fromkeys((row["eta"], row["geometry"]) for row in rows):
         of = lambda name: [float(row[name]) for row in rows if (row["eta"], row["geometry"]) == (eta, geometry)]
         told = lambda name, digits: f"{statistics.mean(of(name)):.{digits}f} ± {statistics.stdev(of(name)) / len(of(name)) ** 0.5:.{digits}f}"
-        lines.append([f"η = {float(eta):g}, {geometry}", told("packing_fraction_initial", 4), told("sin_phi", 3), told("packing_fraction", 4)])
-    return table(["", "packing fraction at rest", "q/p", "packing fraction in shear"], lines)
+        lines.append([f"η = {float(eta):g}, {geometry}", told("packing_fraction_initial", 4), told("sin_phi", 3), told("packing_fraction", 4), told("a_c_half", 3), told("a_c_weak", 3)])
+    return table(["", "packing fraction at rest", "q/p", "packing fraction in shear", "a_c(ξ = 0.5)", "a_c(ξ = 1)"], lines)
+
+
+def step_threads():
+    """The shortest step of each packing, with one and with two threads, in what scripts/bench_step.py wrote."""
+    with open(ROOT / "examples" / "charts" / "step-threads.csv", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["way"] == "arrays"]
+    lines = []
+    for folder in dict.fromkeys(row["folder"] for row in rows):
+        of = [row for row in rows if row["folder"] == folder]
+        one, two = (min(float(row["ms_least"]) for row in of if row["threads"] == threads) for threads in "12")
+        lines.append([of[0]["grains"], f"{float(of[0]['eta']):g}", of[0]["points"], f"{one:.2g}", f"{two:.2g}", f"{one / two:.2f}"])
+    return table(["grains", "η", "contact points", "one thread [ms]", "two threads [ms]", "ratio"], lines)
 
 
 def driven_scenes():
@@ -167,6 +179,7 @@ TABLES = {
     "quasi-static": lambda: ratios("e", "e-quasi-static"),
     "other-steps": lambda: ratios("e", "e-quasi-static", "other_steps"),
     "examples": examples,
+    "step-threads": step_threads,
     "cell-against-walls": cell_against_walls,
     "driven-scenes": driven_scenes,
 }

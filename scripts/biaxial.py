@@ -131,6 +131,12 @@ def load(options, parameters):
     other = results.differing(test.parameters, parameters, FREE)
     if other:
         raise ValueError(f"--resume: the checkpoint in {options.out} has {other}; give its options, or start anew with --overwrite")
+    made = results.read(options.out)["parameters"]["networks"]
+    if test.progress["phase"] == "shear" and test.strain > options.strain - 0.5 * RECORD:
+        if test.strain > options.strain + 0.5 * RECORD:
+            raise ValueError(f"--resume: the test in {options.out} is at a strain of {test.strain:.4f}, beyond --strain {options.strain:g}; give no less than it has, or start anew with --overwrite")
+        if options.networks != made:
+            raise ValueError(f"--resume: the test in {options.out} has reached its strain with --networks {made}; give that, or start anew with --overwrite")
     test.parameters["threads"] = test.solver.threads = parameters["threads"]
     return test
 

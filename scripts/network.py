@@ -35,9 +35,18 @@ def show(name):
         print(f"\r\033[K{name} …" if name else "\r\033[K", end="", file=sys.stderr, flush=True)
 
 
+def tell_incomplete(run):
+    """A line on stderr where a run has not reached the end of its strain."""
+    if run.record and run.summary is None:
+        reached, wanted = run.networks[-1].attributes["strain"], run.record["parameters"]["strain"]
+        print(f"network.py: the run in {run.folder} is not complete: its last network is at a strain of {reached:.4f}, its end at {wanted:g}", file=sys.stderr)
+
+
 def main():
     options = arguments()
     runs = [Run.read(folder, options.from_strain, options.to_strain) for folder in options.folders]
+    for run in runs:
+        tell_incomplete(run)
     of = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"]) for run in runs]
     parameters = dict(runs=of, from_strain=options.from_strain, to_strain=options.to_strain)
     show("analysis")

@@ -5,12 +5,12 @@
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 
-#include "../kernel/step/drive.hpp"
+#include "../kernel/step/adapt_biases.hpp"
 #include "../kernel/step/follow_stretch.hpp"
-#include "../kernel/step/large_displacements.hpp"
 #include "../kernel/step/missed_contacts.hpp"
 #include "../kernel/step/position_correction.hpp"
 #include "../kernel/step/restitution.hpp"
+#include "../kernel/sweep/sweep_solver.hpp"
 #include "flatSteps.hpp"
 #include "plane.hpp"
 #include "refuseLater.hpp"
@@ -22,7 +22,7 @@ YADE_PLUGIN((ContactDynamics));
 CREATE_LOGGER(ContactDynamics);
 
 namespace {
-	constexpr int    mostPasses  = 10;   // missed contacts and large displacements settle in two or three
+	constexpr int mostPasses = 10; // missed contacts and large displacements settle in two or three
 }
 
 void ContactDynamics::action()
@@ -84,22 +84,31 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	work_      = 0;
 	overlap_   = 0;
 	if (follows()) timed("adapt", [&] { rcr::relieve(step_, { double(stretchChange[0]), double(stretchChange[1]) }); });
-	rcr::Settings how = settings(rcr::driveOf(step_));
-	how.rounding      = step_.rounding();
+	const rcr::Drive    drive = rcr::driveOf(step_);
+	std::vector<double> detected; // biases before the first pass that adapts them; empty where there is no going back to them
+	rcr::Settings       how = settings(drive);
+	how.rounding            = step_.rounding();
+	const double compliance = how.compliance;
 	for (int pass = 1;; ++pass) {
+		how.compliance = rcr::restIsAllowed(step_, drive) ? 0 : compliance;
 		solve(how);
-		bool missed = false, adapted = false, lowered = false;
+		bool missed = false, adapted = false, lowered = false, undone = false;
 		if (pass < mostPasses) {
 			timed("late", [&] { missed = takeInMissedContacts(engines); });
 			timed("adapt", [&] {
-				lowered = yielded && !missed && !overdamped && rcr::lowerBounces(step_, pass == mostPasses - 1);
-				adapted = lowered || (!missed && !overdamped && adaptBiases(pass));
+				if (missed) detected.clear();
+				if (missed || overdamped) return;
+				lowered = yielded && rcr::lowerBounces(step_, pass == mostPasses - 1);
+				undone  = yielded && !lowered && drive.speed == 0 && rcr::goBack(step_, detected); // nothing else asks for the impossible
+				if (pass == 1 && !lowered) detected = rcr::biases(step_.problem);
+				adapted = lowered || undone || adaptBiases(pass);
 			});
 		}
 		if (!missed && !adapted) break;
 		how           = settingsOfFurtherPass(how);
 		how.continued = !missed;
-		how.yielded   = yielded && !lowered;
+		how.yielded   = yielded && !lowered && !undone;
+		if (undone) pass = mostPasses - 1;
 	}
 	if (follows()) timed("adapt", [&] { followStretch(); });
 	refuseUnlessFinite();
@@ -176,19 +185,6 @@ bool ContactDynamics::takeInMissedContacts(const gate::Engines& engines)
 	return true;
 }
 
-/// What a solved step shows to be wrong with its own biases; true if one has changed and the step is to be solved once more.
-bool ContactDynamics::adaptBiases(int pass)
-{
-	const bool letGo = pass <= mostPasses / 2, last = pass == mostPasses - 1;
-	bool       changed = false, bounces = false;
-	overlap_ = 0;
-	for (const rcr::StepContact& contact : step_.contacts) {
-		if (rcr::displacesFar(step_, contact)) changed |= rcr::adaptToDisplacement(step_, contact, letGo, overlap_);
-		if (contact.restitution > 0) changed |= rcr::restrainBounce(step_, contact);
-		bounces |= contact.restitution > 0;
-	}
-	if (bounces && (last || !changed)) changed |= rcr::restrainCollisions(step_, last);
-	return changed;
-}
+bool ContactDynamics::adaptBiases(int pass) { return rcr::adaptBiases(step_, pass <= mostPasses / 2, pass == mostPasses - 1, overlap_); }
 
 } // namespace yade

@@ -70,5 +70,6 @@ private:
 void bindGeometry(py::module_&);
 void bindSolvers(py::module_&);
 void bindInternals(py::module_&);
+void bindThreads(py::module_&);
 
 } // namespace rcr

@@ -1,4 +1,4 @@
-// What tests need of the kernels' inside: residual, layout, momentum, stop test, paths, block LU, threads, lanes.
+// What tests need of the kernels' inside: residual, layout, momentum, stop test, paths, block LU, lanes.
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
@@ -14,9 +14,6 @@
 #include "exact/path_following.hpp"
 #include "exact/stiffness.hpp"
 #include "kernel_arrays.hpp"
-#include "parallel/crew.hpp"
-#include "parallel/team.hpp"
-#include "parallel/trial.hpp"
 #include "problem/residual.hpp"
 #include "step/drive.hpp"
 #include "sweep/lane_check.hpp"
@@ -196,25 +193,6 @@ namespace {
 		return py::dict(py::arg("batches") = rows, py::arg("colors") = colors);
 	}
 
-	// ---- threads
-
-	/// How often each index is worked on, in `loops` loops after each other; those in `failing` throw, the message is their number.
-	std::vector<int> shareCounts(Team& team, int threads, int count, int loops, const std::vector<int>& failing, bool each, bool nested)
-	{
-		const py::gil_scoped_release  release;
-		std::vector<std::atomic<int>> counts(count);
-		const auto                    work = [&](int i) {
-                        counts[i].fetch_add(1, std::memory_order_relaxed);
-                        if (std::find(failing.begin(), failing.end(), i) != failing.end()) throw std::runtime_error(std::to_string(i));
-		};
-		const auto loop = [&] { each ? team.forEach(count, work) : team.share(0, count, work); };
-		team.run(threads, [&] {
-			for (int k = 0; k < loops; ++k)
-				nested ? team.run(threads, loop) : loop();
-		});
-		return { counts.begin(), counts.end() };
-	}
-
 	// ---- lanes
 
 	struct alignas(64) Sixteen {
@@ -288,10 +266,6 @@ void bindInternals(py::module_& m)
 	        .def("arrived", &Stiffness::arrived)
 	        .def("failed", &Stiffness::failed);
 
-	py::class_<Trial>(m, "Trial", "Whether help makes a loop faster, from its times.")
-	        .def(py::init<>())
-	        .def_property_readonly("helped", &Trial::helped)
-	        .def("book", &Trial::book, py::arg("time"));
 	py::class_<Momentum>(m, "Momentum", "Nesterov momentum and its restart.")
 	        .def(py::init<>())
 	        .def_property_readonly("beta", &Momentum::beta)
@@ -334,12 +308,6 @@ void bindInternals(py::module_& m)
 	m.def("layout", layoutOf, py::arg("reductions"), "Where pairs and bodies of a problem stand, arrays as of `solve`.");
 	m.def("batches", batchesOf, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"), py::arg("impulse"),
 	      "How the rows of a problem of W and q are shared out.");
-
-	py::class_<Team>(m, "Team", "Threads that share out loops.")
-	        .def(py::init<>())
-	        .def("share_counts", shareCounts, py::arg("threads"), py::arg("count"), py::arg("loops") = 1, py::arg("failing") = std::vector<int>(),
-	             py::arg("each") = false, py::arg("nested") = false, "How often each index of a loop is worked on; those in `failing` throw.");
-	m.def("helper_count", helperCount, "Helper threads that the process has now.");
 
 	m.def("lane_width", [](int lanes) { return laneCheck(lanes).width; }, py::arg("lanes"), "Width that runs where `lanes` are asked for.");
 	m.def("apply_lanes", applyLanes, py::arg("lanes"), py::arg("operation"), py::arg("a"), py::arg("b"), py::arg("c"), "An operation of lane.hpp on 16 numbers.");

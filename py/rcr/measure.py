@@ -62,14 +62,17 @@ def porosity(volume=None, what=None):
     Raises
     ------
     ValueError
-        If the volume is not > 0, or there is no grain.
+        If the volume is not > 0, smaller than the grains, or there is no grain.
     """
     frame = _grains(what)
+    filled = areas(frame)[1].sum()
+    if volume is not None and 0 < volume < filled:
+        raise ValueError(f"volume = {volume!r}; wanted the area of the region [m²], which holds grains of {filled:.6g} m²")
     if volume is None:
         volume = abs(np.linalg.det(frame.cell)) if frame.cell is not None else np.prod(np.diff(extent(frame), axis=0))
     if not volume > 0:
         raise ValueError(f"volume = {volume!r}; wanted the area of the region > 0 [m²]")
-    return float(1 - areas(frame)[1].sum() / volume)
+    return float(1 - filled / volume)
 
 
 def stress_tensors(what=None):

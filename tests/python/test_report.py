@@ -91,6 +91,15 @@ def test_analysis_of_other_runs_is_refused(written, folders, tmp_path):
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
+def test_a_run_that_has_not_ended_is_told(written, folders, tmp_path):
+    """Its figures are those of what is there; here they are not written, since the folder has others."""
+    out, going = tmp_path / "out", tmp_path / "going"
+    shutil.copytree(written[0], out), shutil.copytree(folders[0], going)
+    (going / "run.json").write_text(json.dumps(dict(program="biaxial.py", run="x", parameters=dict(eta=0.0, strain=0.7))))
+    run = network_script(going, "--out", out)
+    assert run.returncode == 1 and f"network.py: the run in {going} is not complete: its last network is at a strain of 0.4000, its end at 0.7\n" in run.stderr
+
+
 @pytest.mark.slow
 def test_analysis_of_other_runs_takes_the_place_of_one(written, folders, tmp_path):
     out = tmp_path / "out"

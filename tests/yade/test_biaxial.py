@@ -408,6 +408,8 @@ def test_script_leaves_an_identity(done):
         (["--resume", "--tolerance", "1e-3"], "tolerance = 0.0001 (here 0.001)"),
         (["--resume", "--law", "smooth"], "law = cd (here smooth)"),
         (["--resume", "--overwrite"], "wanted one of them"),
+        (["--resume", "--strain", "0.005"], "beyond --strain 0.005; give no less than it has"),
+        (["--resume", "--networks", "4"], "has reached its strain with --networks 2"),
     ],
 )
 def test_script_refuses_the_folder_of_another_run(done, arguments, message):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcr.study.biaxial import STRESS
+from rcr.study.biaxial import QUASI_STATIC, STRESS
 from rcr.study.cell import CellTest
 from yade import O
 
@@ -21,6 +21,16 @@ def test_cell_is_isotropic_at_rest_and_keeps_its_stress_in_shear():
     assert 0.2 < rows["sin_phi"].mean() < 0.7
     lateral = rows["pressure"] * (1 - rows["sin_phi"])  # the smaller principal stress is the pressed one
     assert lateral.mean() == pytest.approx(1, abs=0.1)
+
+
+def test_shear_without_inertia_keeps_its_stress():
+    """Each step starts from the flow of the cell, so that its stress is the load's at once."""
+    test = CellTest(eta=0, particles=100, seed=1, **QUASI_STATIC)
+    test.compact()
+    lateral = []
+    rows = test.shear("biaxial", 0.02, lambda test, row: lateral.append(test.stress[0, 0] / STRESS), every=0.004)
+    assert lateral == pytest.approx([1] * 5, abs=0.01) and (rows["sin_phi"] > 0.2).all()
+    assert test.solver.deepestOverlap < 5e-3 and test.solver.yieldedSteps == 0
 
 
 def test_saved_cell_goes_on_to_the_same_bits(tmp_path):

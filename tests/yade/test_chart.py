@@ -114,6 +114,19 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
     assert 0 < network.friction_mobilization().mean() <= 1
 
 
+@pytest.mark.parametrize("law, most", [("cd", 1e-12), ("smooth", 1e-3), ("stock", 0.02)])
+def test_the_work_of_the_walls_is_accounted_for(law, most, tmp_path):
+    """Rigid contacts to rounding, whatever the step; springs and clumps but for what their steps make."""
+    test = biaxial_cost._compacted(0.5, 1, charts.Options(**{**vars(OPTIONS), "out": str(tmp_path)}))
+    if law == "smooth":
+        test.soften(1e3)
+    test = biaxial_cost.Stock(test, 1e3) if law == "stock" else test
+    for _ in range(10):
+        test.shear_record()
+    found = biaxial_cost._energies(test)
+    assert found["energy_error"] < most and 0.3 < found["friction_share"] < 1.2
+
+
 @pytest.mark.parametrize(
     "arguments, message",
     [

@@ -7,6 +7,7 @@ import pytest
 import rcr
 from benchmarks.hard_scenes import driven, stage
 from scenes import build, material, steps
+from test_any_network import heap
 from yade import O
 
 BOUNDS = {"ended", "speed", "force"}  # of the rest, times are those of a busy machine, and these scenes are too short for the message
@@ -24,6 +25,14 @@ def test_a_lid_beside_a_receding_wall_does_not_explode():
     rigid, springs = driven.run(scene)
     assert rigid.yielded > 0, "no step without a solution: this scene tests nothing"
     assert not BOUNDS & set(driven.violations(scene, rigid, springs)), f"{rigid}\n{springs}"
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_a_heap_that_nothing_drives_never_yields(seed):
+    """Rest breaks no law there, so every step has a solution; contacts yielded in three of these steps, "to driven bodies"."""
+    heap(seed)
+    O.run(3500, True)
+    assert O.engines[-2].yieldedSteps == 0
 
 
 @pytest.mark.parametrize("count", [12, 30])

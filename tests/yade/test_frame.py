@@ -145,6 +145,8 @@ def test_extent_and_porosity():
     assert rcr.measure.porosity(volume=100) == pytest.approx(1 - solid / 100)
     with pytest.raises(ValueError, match="area of the region"):
         rcr.measure.porosity(volume=0)
+    with pytest.raises(ValueError, match=r"volume = 1e-09; wanted the area of the region \[m²\], which holds grains of 4.92"):
+        rcr.measure.porosity(volume=1e-9)
 
 
 def test_a_clump_is_counted_once():

@@ -64,6 +64,12 @@ def test_a_team_that_cannot_hire_goes_on_with_fewer():
     subprocess.run([sys.executable, "-c", code], check=True, timeout=120, env=dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path)))
 
 
+@pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="one core: who waits for another keeps it from coming")
+def test_a_helper_that_was_waited_for_is_called_again_within_the_run():
+    """All steps of O.run are one run of the team: a helper that lost its core once was left alone until its end."""
+    assert _kernel.helps_after_stall(_kernel.Team())
+
+
 def test_a_million_islands_and_two_threads():
     """2²⁰ grains, each at one point of the floor: more islands than a word holds."""
     problem = grains_on_a_floor(2**20)
