@@ -6,7 +6,8 @@ namespace rcr {
 
 namespace {
 	using namespace std::chrono_literals;
-	constexpr auto minAlone = 20ms, maxAlone = 2000ms; // that the leader goes on without helpers after a stall
+	constexpr auto minAlone = 20ms, maxAlone = 2000ms; // that the leader goes on without helpers after a stall: twice as long after each …
+	constexpr int  calm     = 10;                      // … until there has been none for so many times as long
 }
 
 void Team::begin(int threads)
@@ -16,12 +17,12 @@ void Team::begin(int threads)
 	call();
 }
 
-/// Each call without a stall before it halves the time that the next stall costs.
 void Team::call()
 {
 	if (threads_ == 1) return;
-	if (helped_) alone_ = alone_ / 2;
-	helped_ = Clock::now() >= aloneUntil_;
+	const auto now = Clock::now();
+	if (now > aloneUntil_ + calm * alone_) alone_ = {};
+	helped_ = now >= aloneUntil_;
 	if (!helped_) return;
 	if (!loop_ || loop_->threads() != threads_) loop_ = std::make_shared<SharedLoop>(threads_);
 	loop_->open();
