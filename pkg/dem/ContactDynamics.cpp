@@ -85,7 +85,7 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	overlap_   = 0;
 	if (follows()) timed("adapt", [&] { rcr::relieve(step_, { double(stretchChange[0]), double(stretchChange[1]) }); });
 	const rcr::Drive    drive = rcr::driveOf(step_);
-	std::vector<double> detected; // biases before the first pass that adapts them; empty where there is no going back to them
+	std::vector<double> detected; // biases before the first pass that adapts them; empty where there is no going back to them, or something is driven
 	rcr::Settings       how = settings(drive);
 	how.rounding            = step_.rounding();
 	const double compliance = how.compliance;
@@ -99,8 +99,8 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 				if (missed) detected.clear();
 				if (missed || overdamped) return;
 				lowered = yielded && rcr::lowerBounces(step_, pass == mostPasses - 1);
-				undone  = yielded && !lowered && drive.speed == 0 && rcr::goBack(step_, detected); // nothing else asks for the impossible
-				if (pass == 1 && !lowered) detected = rcr::biases(step_.problem);
+				undone  = yielded && !lowered && rcr::goBack(step_, detected); // nothing else asks for the impossible
+				if (pass == 1 && !lowered && drive.speed == 0) detected = rcr::biases(step_.problem);
 				adapted = lowered || undone || adaptBiases(pass);
 			});
 		}
