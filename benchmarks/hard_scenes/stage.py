@@ -154,6 +154,12 @@ def potential():
     return -sum((b.state.mass * gravity + _pushes.get(b.id, 0)) @ np.array(b.state.pos) for b in _free())
 
 
+def _work_of_drives():
+    """Energy that bodies of prescribed motion have given to the others in the step [J/m]."""
+    driven = [b for b in O.bodies if b and b.state.blockedDOFs == "xyzXYZ" and (b.state.vel.norm() or b.state.angVel.norm())]
+    return -O.dt * sum(O.forces.f(b.id).dot(b.state.vel) + O.forces.t(b.id).dot(b.state.angVel) for b in driven)
+
+
 def deepest():
     """Largest overlap over the cap radius of the smaller body [-], 0 where none overlap."""
     overlaps = [0.0]
@@ -181,7 +187,7 @@ class Clock:
     Attributes
     ----------
     gain : float
-        Largest kinetic energy above that of the start and what the loads have given since [J/m]. No contact may give any.
+        Largest kinetic energy above that of the start and what loads and drives have given since [J/m]. No contact may give any.
     scale : float
         What to compare it with: the kinetic energy of the start, and what all loads do over d [J/m].
     overlap : float
@@ -197,7 +203,7 @@ class Clock:
 
     def restart(self):
         """After a change by hand: the energy is counted from here."""
-        self.kinetic, self.potential = kinetic(), potential()
+        self.kinetic, self.potential, self.driven = kinetic(), potential(), 0.0
         loads = sum(b.state.mass for b in _free()) * G + sum(np.linalg.norm(force) for force in _pushes.values())
         self.scale = self.kinetic + loads * D
 
@@ -210,9 +216,10 @@ class Clock:
         while count > 0:
             for _ in range(min(chunk, count)):  # O.run(…, True) looks only every 40 ms whether it is done
                 O.step()
+                self.driven += _work_of_drives()
             self.steps += min(chunk, count)
             count -= chunk
-            self.gain = max(self.gain, kinetic() - self.kinetic - max(0, self.potential - potential()))
+            self.gain = max(self.gain, kinetic() - self.kinetic - max(0, self.potential - potential()) - max(0, self.driven))
             self.overlap = max(self.overlap, deepest())
             if each:
                 each()

@@ -33,8 +33,8 @@ namespace {
 		return { counts.begin(), counts.end() };
 	}
 
-	/// Whether a helper takes its part in a loop of a run within a run, after it has kept the leader waiting in a loop before.
-	bool helpsAfterStall(Team& team)
+	/// Whether a helper takes its part in a loop of a run within a run, `rest` ms after it has kept the leader waiting for `stall` ms in as many loops.
+	bool helpsAfterStalls(Team& team, int stalls, int stall, int rest)
 	{
 		using namespace std::chrono_literals;
 		const py::gil_scoped_release release;
@@ -48,10 +48,15 @@ namespace {
 		};
 		std::atomic<bool> met { false };
 		team.run(2, [&] {
-			team.share(0, 2, [&](int) {
-				if (meet(1000ms) && std::this_thread::get_id() != leader) std::this_thread::sleep_for(50ms);
-			});
-			std::this_thread::sleep_for(500ms);
+			for (int k = 0; k < stalls; ++k) {
+				arrived = 0;
+				team.run(2, [&] {
+					team.share(0, 2, [&](int) {
+						if (meet(1000ms) && std::this_thread::get_id() != leader) std::this_thread::sleep_for(std::chrono::milliseconds(stall));
+					});
+				});
+				std::this_thread::sleep_for(std::chrono::milliseconds(rest));
+			}
 			arrived = 0;
 			team.run(2, [&] { team.share(0, 2, [&](int) { met = meet(1000ms); }); });
 		});
@@ -70,7 +75,8 @@ void bindThreads(py::module_& m)
 	        .def(py::init<>())
 	        .def("share_counts", shareCounts, py::arg("threads"), py::arg("count"), py::arg("loops") = 1, py::arg("failing") = std::vector<int>(),
 	             py::arg("each") = false, py::arg("nested") = false, "How often each index of a loop is worked on; those in `failing` throw.");
-	m.def("helps_after_stall", helpsAfterStall, py::arg("team"), "Whether a helper that has kept the leader waiting is called again within the same run.");
+	m.def("helps_after_stalls", helpsAfterStalls, py::arg("team"), py::arg("stalls"), py::arg("stall"), py::arg("rest"),
+	      "Whether a helper that has kept the leader waiting `stalls` times for `stall` ms is called again within the same run, `rest` ms after each.");
 	m.def("helper_count", helperCount, "Helper threads that the process has now.");
 }
 

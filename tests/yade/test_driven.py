@@ -21,7 +21,7 @@ def test_a_driven_scene_keeps_what_springs_keep(seed):
 
 
 def test_a_lid_beside_a_receding_wall_does_not_explode():
-    scene = driven.Scene(seed=2, motion="receding", eta=0.5, friction=0.5, grains=60, dt=1e-3, speed=0.03, steps=300)
+    scene = driven.Scene(seed=0, motion="receding", eta=0.5, friction=0.5, grains=60, dt=1e-3, speed=0.03, steps=300)
     rigid, springs = driven.run(scene)
     assert rigid.yielded > 0, "no step without a solution: this scene tests nothing"
     assert not BOUNDS & set(driven.violations(scene, rigid, springs)), f"{rigid}\n{springs}"

@@ -142,6 +142,19 @@ def test_a_rod_that_slides_off_a_box_stays_on_its_corner(speed):
     assert deepest < 0.02 * R
 
 
+def test_a_disc_that_bears_and_slides_over_another_needs_one_solve_a_step():
+    """Its way of 1 % of ρ a step curves by half a slop, which no shorter one is asked for: taking the force for a push at a passer-by took a second solve."""
+    m = material(0)
+    *_, disc = build(rcr.disc((0, 0), 1, fixed=True, material=m), rcr.disc((0, 1.1), 0.1, velocity=(1.15, 0), material=m), dt=1e-2)
+    sweeps = []
+    for _ in range(8):
+        O.step()
+        sweeps.append(O.engines[-2].iterations)
+    gap = np.linalg.norm(O.bodies[disc].state.pos) - 1.1
+    assert abs(gap) < 1.1e-4 and O.forces.f(disc)[1] > 0, "it bears, and stays within the slop"
+    assert sweeps[1:] == [1] * 7
+
+
 @pytest.mark.parametrize("eta, dt", [(0.8, 1e-4), (0.9, 1e-4), (0.9, 3e-4)])
 def test_a_rod_glides_over_the_joints_of_a_floor(eta, dt):
     """Ten joints of segments in one line; its thin cap touches the end of the next one by the plane of the contact alone, which took 2 % of its speed."""

@@ -6,8 +6,8 @@ namespace rcr {
 
 namespace {
 	using namespace std::chrono_literals;
-	constexpr auto minAlone = 20ms, maxAlone = 2000ms; // that the leader goes on without helpers after a stall: twice as long after each …
-	constexpr int  calm     = 10;                      // … until there has been none for so many times as long
+	constexpr int  priceOfStall = 20; // times what a stall took, that the leader then goes on alone: stalls cost a twentieth of all time at most …
+	constexpr auto mostAlone    = 400ms; // … and after a long one helpers are soon tried again
 }
 
 void Team::begin(int threads)
@@ -20,9 +20,7 @@ void Team::begin(int threads)
 void Team::call()
 {
 	if (threads_ == 1) return;
-	const auto now = Clock::now();
-	if (now > aloneUntil_ + calm * alone_) alone_ = {};
-	helped_ = now >= aloneUntil_;
+	helped_ = Clock::now() >= aloneUntil_;
 	if (!helped_) return;
 	if (!loop_ || loop_->threads() != threads_) loop_ = std::make_shared<SharedLoop>(threads_);
 	loop_->open();
@@ -39,10 +37,11 @@ void Team::end()
 
 void Team::lead(int begin, int end, void (*work)(void*, int), void* context)
 {
+	const auto start = Clock::now();
 	if (loop_->lead(begin, end, work, context)) return;
-	alone_      = std::min<Clock::duration>(std::max<Clock::duration>(2 * alone_, minAlone), maxAlone);
-	aloneUntil_ = Clock::now() + alone_;
-	helped_     = false;
+	const auto now = Clock::now();
+	aloneUntil_    = now + std::min<Clock::duration>(priceOfStall * (now - start), mostAlone);
+	helped_        = false;
 }
 
 } // namespace rcr

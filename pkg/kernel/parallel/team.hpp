@@ -103,8 +103,7 @@ private:
 	int                         threads_ = 1;     // of this run
 	bool                        helped_  = false; // now
 	std::shared_ptr<SharedLoop> loop_;            // helpers may still hold it after the run
-	Clock::time_point           aloneUntil_;
-	Clock::duration             alone_ { 0 }; // how long after the next stall
+	Clock::time_point           aloneUntil_; // after a stall
 };
 
 } // namespace rcr

@@ -10,7 +10,7 @@ namespace rcr {
 
 struct Reductions {
 	bool frictionless = true; // pairs without friction carry one unknown a point, the normal impulse
-	bool discs        = true; // an island without friction where no normal has a lever does not turn
+	bool discs        = true; // where no normal has a lever, an island without friction does not turn, and pairs with friction know no w_nt
 	bool fixed        = true; // bodies of prescribed motion have no unknowns: they join no islands and wait for no colour
 	bool islands      = true; // parts that do not touch are solved apart, each to its own convergence
 	bool layout       = true; // colours and order are kept while the pairs last

@@ -236,7 +236,7 @@ void takeInGrownContacts(Step& step)
 				forces[c.first + k] = step.force[number];
 			}
 			points.push_back(point);
-			gaps.push_back({ at.gap, -c.slop() });
+			gaps.push_back({ at.gap, -c.slop(), number < old.first + old.count && step.gap[number].carried });
 		}
 		contacts.push_back(c);
 	}

@@ -52,7 +52,7 @@ void Step::setPoints(const StepContact& c, const Manifold& manifold, double fric
 {
 	for (int k = 0; k < c.count; ++k) {
 		problem.points[c.first + k]  = contactPoint(c, manifold.points[k], friction);
-		gap[c.first + k]             = { manifold.points[k].gap, -c.slop() };
+		gap[c.first + k]             = { manifold.points[k].gap, -c.slop(), from[k].n > 0 };
 		force[c.first + k]           = from[k];
 		problem.impulse[c.first + k] = { dt * from[k].n, dt * from[k].t };
 	}

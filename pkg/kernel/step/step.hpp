@@ -95,6 +95,7 @@ struct StepContact {
 /// Gap of a point and the least one that is left as it is [m].
 struct Gap {
 	double now, allowed;
+	bool   carried; // a force when the step began
 };
 
 /// A pair that has other points where it is looked at from further off.

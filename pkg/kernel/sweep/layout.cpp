@@ -28,6 +28,12 @@ namespace {
 		return (m.rotation != 0 || v.rotation != 0) && lever * lever > leverTolerance * leverTolerance * dot(arm, arm);
 	}
 
+	/// The least model that serves two points.
+	Model both(Model a, Model b)
+	{
+		return a == b ? a : rough(a) || rough(b) ? Model::frictional : Model::frictionless;
+	}
+
 	/// The representative of a body among those it is joined to.
 	int root(std::vector<std::int32_t>& parent, int body)
 	{
@@ -82,10 +88,10 @@ bool Layout::sortBodies(const ContactProblem& problem)
 /// The least model that serves a point.
 Model Layout::need(const ContactProblem& problem, const ContactPoint& c) const
 {
-	if (c.friction != 0 || !reductions_.frictionless) return Model::frictional;
-	if (!reductions_.discs) return Model::frictionless;
-	const auto turned = [&](int body, Vec2 arm) { return turns(problem.inverseMass[body], problem.freeVelocity[body], arm, c.normal); };
-	return turned(c.body1, c.arm1) || turned(c.body2, c.arm2) ? Model::frictionless : Model::central;
+	const bool isRough = c.friction != 0 || !reductions_.frictionless;
+	const auto turned  = [&](int body, Vec2 arm) { return turns(problem.inverseMass[body], problem.freeVelocity[body], arm, c.normal); };
+	if (!reductions_.discs || turned(c.body1, c.arm1) || turned(c.body2, c.arm2)) return isRough ? Model::frictional : Model::frictionless;
+	return isRough ? Model::round : Model::central;
 }
 
 /// Joins neighbouring points of the same bodies, two at most; false if the pairs or their needs differ from before.
@@ -98,7 +104,7 @@ bool Layout::findPairs(const ContactProblem& problem)
 	for (std::size_t k = 0; k < points.size(); ++count) {
 		const ContactPoint& c     = points[k];
 		const bool          joins = k + 1 < points.size() && points[k + 1].body1 == c.body1 && points[k + 1].body2 == c.body2;
-		const Model         needs = joins ? std::min(need(problem, c), need(problem, points[k + 1])) : need(problem, c);
+		const Model         needs = joins ? both(need(problem, c), need(problem, points[k + 1])) : need(problem, c);
 		const LaidPair      pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, needs, needs, c.drifts() || (joins && points[k + 1].drifts()), LaidPair::noSlot, 0 };
 		if (count == pairs_.size()) pairs_.push_back(pair);
 		LaidPair& old = pairs_[count];
@@ -281,11 +287,17 @@ void Layout::chooseModels(Island& island)
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
 		++count[int(pairs_[byIsland_[k]].needs)];
 	island.central   = count[int(Model::central)] == all && all > smallIslandPairs;
-	const bool few   = leastModelPart * (all - count[int(Model::frictional)]) < all && all > smallIslandPairs;
-	const Model most = few ? Model::frictional : island.central || all <= smallIslandPairs ? Model::central : Model::frictionless;
+	const bool small  = all <= smallIslandPairs;
+	const auto few    = [&](int pairs) { return leastModelPart * pairs < all && !small; };
+	const auto served = [&](Model needs) {
+		const bool noRound = few(count[int(Model::round)]);
+		if (needs == Model::round) return noRound ? Model::frictional : Model::round;
+		if (needs == Model::frictional || few(count[int(Model::frictionless)] + count[int(Model::central)])) return noRound || needs != Model::central ? Model::frictional : Model::round;
+		return island.central || small ? needs : Model::frictionless;
+	};
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
 		LaidPair& pair = pairs_[byIsland_[k]];
-		pair.model = std::min(pair.needs, most);
+		pair.model     = served(pair.needs);
 	}
 }
 
@@ -297,7 +309,7 @@ ModelSummary Layout::summary() const
 		if (islandOf(pair) == none) continue;
 		++s.pairs;
 		s.points += pair.points;
-		s.frictionalPoints += pair.model == Model::frictional ? pair.points : 0;
+		s.frictionalPoints += rough(pair.model) ? pair.points : 0;
 		if (pair.model != Model::central) turns[pair.body1] = turns[pair.body2] = true;
 	}
 	for (std::size_t body = 0; body < kind_.size(); ++body) {

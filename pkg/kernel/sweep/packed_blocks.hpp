@@ -7,8 +7,9 @@
 //
 // A pair is swept by the least model that serves it:
 //   frictional     two unknowns a point; its bodies turn
+//   round          the same where no normal has a lever, as between discs: u_n and p_t know nothing of each other, w_nt = 0
 //   frictionless   µ = 0: one unknown a point, the normal impulse
-//   central        the same on an island where no normal has a lever, as between discs: nothing turns, two numbers a body
+//   central        the same on an island where no normal has a lever: nothing turns, two numbers a body
 // The arithmetic is that of the frictional model without what is zero, so the bits are the same.
 //
 // Blocks and records are of doubles, or of floats about a reference in doubles (packed_island.hpp): records then hold v − v̄, `bias` and
@@ -33,8 +34,11 @@ namespace rcr {
 constexpr int blockWidth = 16;
 template <class Real> constexpr Real unlimited = sizeof(Real) == sizeof(double) ? Real(1e300) : Real(1e30); // finite: 0 · unlimited is 0
 
-enum class Model : std::uint8_t { frictional, frictionless, central };
-constexpr int models = 3;
+enum class Model : std::uint8_t { frictional, round, frictionless, central };
+constexpr int models = 4;
+
+/// Has its points a tangential impulse?
+constexpr bool rough(Model model) { return model <= Model::round; }
 
 /// The record of a body's velocity; an island of central pairs needs no more than its first half.
 template <class Real> struct alignas(2 * sizeof(Real)) HalfRecordOf {
@@ -83,17 +87,25 @@ template <class Real> struct FrictionlessBlockOf : PointBlockOf<Real> {
 	Real turn1n[blockWidth], turn2n[blockWidth], turn1t[blockWidth], turn2t[blockWidth]; // r/k as (x, y) until `prepare`
 };
 
-template <class Real> struct FrictionalBlockOf : FrictionlessBlockOf<Real> {
-	Real ratio[blockWidth], inverseSchur[blockWidth];
-	Real slidePlus[blockWidth], slideMinus[blockWidth];
+/// The fields of all that is rough.
+template <class Real> struct RoundBlockOf : PointBlockOf<Real> {
+	Real turn1t[blockWidth], turn2t[blockWidth];
+	Real inverseSchur[blockWidth];
 	Real pt[blockWidth];
 	Real oldPt[blockWidth];
 	Real friction[blockWidth]; // µ
 };
 
+template <class Real> struct FrictionalBlockOf : RoundBlockOf<Real> {
+	Real turn1n[blockWidth], turn2n[blockWidth]; // with turn…t, r/k as (x, y) until `prepare`
+	Real ratio[blockWidth];
+	Real slidePlus[blockWidth], slideMinus[blockWidth];
+};
+
 using PointBlock        = PointBlockOf<double>;
 using CentralBlock      = CentralBlockOf<double>;
 using FrictionlessBlock = FrictionlessBlockOf<double>;
+using RoundBlock        = RoundBlockOf<double>;
 using FrictionalBlock   = FrictionalBlockOf<double>;
 
 /// Columns of a block of that model.
@@ -101,6 +113,7 @@ constexpr int columnsOf(Model model)
 {
 	return int((model == Model::central              ? sizeof(CentralBlock)
 	                    : model == Model::frictionless ? sizeof(FrictionlessBlock)
+	                    : model == Model::round        ? sizeof(RoundBlock)
 	                                                   : sizeof(FrictionalBlock))
 	           / sizeof(Column));
 }

@@ -9,7 +9,7 @@
 namespace rcr {
 
 namespace {
-	constexpr int sweepsPerReference = 50; // a reference takes as long as four sweeps
+	constexpr int sweepsPerReference = 100; // a reference takes as long as four sweeps; 1000 leave the same residual
 }
 
 // ---- points of the overflow
@@ -187,12 +187,12 @@ namespace {
 	bool fitsFloat(double value) { return value == 0 || (std::abs(value) > 1e-12 && std::abs(value) < 1e12); }
 
 	template <class Real> PointBlockOf<Real>& pointAt(ColumnOf<Real>* column) { return *reinterpret_cast<PointBlockOf<Real>*>(column); }
-	template <class Real> FrictionalBlockOf<Real>& frictionalAt(ColumnOf<Real>* column) { return *reinterpret_cast<FrictionalBlockOf<Real>*>(column); }
+	template <class Real> RoundBlockOf<Real>& roughAt(ColumnOf<Real>* column) { return *reinterpret_cast<RoundBlockOf<Real>*>(column); }
 
 	template <class From, class To> void copyImpulses(ColumnOf<From>* from, ColumnOf<To>* to, Model model)
 	{
 		std::copy_n(pointAt(from).pn, blockWidth, pointAt(to).pn);
-		if (model == Model::frictional) std::copy_n(frictionalAt(from).pt, blockWidth, frictionalAt(to).pt);
+		if (rough(model)) std::copy_n(roughAt(from).pt, blockWidth, roughAt(to).pt);
 	}
 
 	double squared(double value) { return value * value; }
@@ -263,7 +263,7 @@ double PackedIsland::changeSinceRemembered()
 			Column *const now = view_.points + k, *const then = packed_.rememberedPoint_.data() + k;
 			for (int lane = 0; lane < blockWidth; ++lane) {
 				change2 += squared(pointAt(now).pn[lane] - pointAt(then).pn[lane]);
-				if (chunk.model == Model::frictional) change2 += squared(frictionalAt(now).pt[lane] - frictionalAt(then).pt[lane]);
+				if (rough(chunk.model)) change2 += squared(roughAt(now).pt[lane] - roughAt(then).pt[lane]);
 			}
 		}
 		packed_.sum_[number] = change2;
@@ -308,7 +308,7 @@ void PackedIsland::restMomentum()
 	forEachChunk([&](const Chunk& chunk, int) {
 		for (int k = chunk.firstColumn; k < chunk.firstColumn + columns(chunk); k += columnsOf(chunk.model)) {
 			std::copy_n(pointAt(view_.points + k).pn, blockWidth, pointAt(view_.points + k).oldPn);
-			if (chunk.model == Model::frictional) std::copy_n(frictionalAt(view_.points + k).pt, blockWidth, frictionalAt(view_.points + k).oldPt);
+			if (rough(chunk.model)) std::copy_n(roughAt(view_.points + k).pt, blockWidth, roughAt(view_.points + k).oldPt);
 		}
 	});
 	forEachOverflowPoint([](OverflowPoint& c) { c.old = c.p; });

@@ -21,6 +21,7 @@ namespace RCR_LANE_NAMESPACE {
 			const auto as = [&](auto model) { chunk.pointsPerPair == 1 ? work(model, Count<1>()) : work(model, Count<2>()); };
 			switch (chunk.model) {
 				case Model::frictional: return as(Frictional());
+				case Model::round: return as(Round());
 				case Model::frictionless: return as(Frictionless());
 				case Model::central: return as(Central());
 			}
@@ -76,7 +77,15 @@ namespace RCR_LANE_NAMESPACE {
 
 		inline void preparePoint(CentralBlock& c, int lane, L m1, L m2) { inverse(m1 + m2).store(c.inverseNn + lane); }
 
-		inline void preparePoint(FrictionlessBlock& c, int lane, L m1, L m2)
+		inline void preparePoint(RoundBlock& c, int lane, L m1, L m2)
+		{
+			const L j1 = turn1t(c, lane), j2 = turn2t(c, lane);
+			inverse(m1 + m2).store(c.inverseNn + lane);
+			inverse(m1 + m2 + (m1 * (j1 * j1) + m2 * (j2 * j2))).store(c.inverseSchur + lane);
+		}
+
+		/// Lever arms from r/k, and the normal coefficient.
+		template <class Block> inline void prepareLevers(Block& c, int lane, L m1, L m2)
 		{
 			const L nx = L::load(c.nx + lane), ny = L::load(c.ny + lane);
 			const L x1 = turn1n(c, lane), y1 = turn1t(c, lane), x2 = turn2n(c, lane), y2 = turn2t(c, lane);
@@ -88,9 +97,11 @@ namespace RCR_LANE_NAMESPACE {
 			inverse(m1 + m2 + (m1 * (j1n * j1n) + m2 * (j2n * j2n))).store(c.inverseNn + lane);
 		}
 
+		inline void preparePoint(FrictionlessBlock& c, int lane, L m1, L m2) { prepareLevers(c, lane, m1, m2); }
+
 		inline void preparePoint(FrictionalBlock& c, int lane, L m1, L m2)
 		{
-			preparePoint(static_cast<FrictionlessBlock&>(c), lane, m1, m2);
+			prepareLevers(c, lane, m1, m2);
 			const auto slide = [&](L with) { return select(with <= L(0.0), L(unlimited<Real>), friction(c, lane) / with); };
 			const L    j1n = turn1n(c, lane), j1t = turn1t(c, lane), j2n = turn2n(c, lane), j2t = turn2t(c, lane);
 			const L    nt = m1 * (j1n * j1t) + m2 * (j2n * j2t);

@@ -132,21 +132,23 @@ void PackedProblem::fill(const ContactProblem& problem, const LaidPair& pair)
 		disc.mass2[lane] = problem.inverseMass[pair.body2].x;
 		return;
 	}
-	auto& turning        = *reinterpret_cast<FrictionlessBlock*>(column);
-	turning.turn1n[lane] = c.arm1.x * scale1;
-	turning.turn1t[lane] = c.arm1.y * scale1;
-	turning.turn2n[lane] = c.arm2.x * scale2;
-	turning.turn2t[lane] = c.arm2.y * scale2;
-	if (pair.model == Model::frictionless) return;
-	auto& rough          = *reinterpret_cast<FrictionalBlock*>(column);
+	const Vec2 arm1 = scale1 * c.arm1, arm2 = scale2 * c.arm2;
+	const auto set  = [&](auto& turning) {
+                turning.turn1n[lane] = arm1.x, turning.turn1t[lane] = arm1.y;
+                turning.turn2n[lane] = arm2.x, turning.turn2t[lane] = arm2.y;
+	};
+	if (pair.model == Model::frictionless) return set(*reinterpret_cast<FrictionlessBlock*>(column));
+	auto& rough          = *reinterpret_cast<RoundBlock*>(column);
 	rough.friction[lane] = c.friction;
 	rough.pt[lane] = rough.oldPt[lane] = p.t;
+	if (pair.model == Model::frictional) return set(*reinterpret_cast<FrictionalBlock*>(column));
+	rough.turn1t[lane] = dot(arm1, c.normal), rough.turn2t[lane] = dot(arm2, c.normal);
 }
 
 void PackedProblem::addToOverflow(const ContactProblem& problem, const LaidPair& pair, bool central)
 {
 	const double scale1 = inverseGyration_[pair.body1], scale2 = inverseGyration_[pair.body2];
-	const double lever  = pair.model == Model::central ? 0 : 1; // rounding is none
+	const double lever  = pair.model == Model::central || pair.model == Model::round ? 0 : 1; // rounding is none
 	for (int k = pair.firstPoint; k < pair.firstPoint + pair.points; ++k) {
 		const ContactPoint& c = problem.points[k];
 		const InverseMass & m1 = problem.inverseMass[c.body1], &m2 = problem.inverseMass[c.body2];
@@ -183,7 +185,7 @@ void PackedProblem::rebias(const ContactProblem& problem, const std::vector<doub
 			const Impulse p = startOf(problem, point);
 			at.bias[lane]   = bias[point];
 			load(at.pn[lane], p.n);
-			if (pairs[k].model == Model::frictional) load(static_cast<FrictionalBlock&>(at).pt[lane], p.t);
+			if (rough(pairs[k].model)) load(static_cast<RoundBlock&>(at).pt[lane], p.t);
 		});
 	});
 	for (OverflowPoint& c : overflow_) {
@@ -210,7 +212,7 @@ void PackedProblem::store(ContactProblem& problem)
 		for (int point = pairs[k].firstPoint; point < pairs[k].firstPoint + pairs[k].points; ++point)
 			problem.impulse[point] = {};
 		forEachPoint(pairs[k], [&](int point, const PointBlock& at, int lane) {
-			problem.impulse[point] = { at.pn[lane], pairs[k].model == Model::frictional ? static_cast<const FrictionalBlock&>(at).pt[lane] : 0 };
+			problem.impulse[point] = { at.pn[lane], rough(pairs[k].model) ? static_cast<const RoundBlock&>(at).pt[lane] : 0 };
 		});
 	});
 	for (const OverflowPoint& c : overflow_)

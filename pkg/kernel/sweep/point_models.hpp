@@ -22,6 +22,7 @@ namespace RCR_LANE_NAMESPACE {
 	using PointBlock        = PointBlockOf<Real>;
 	using CentralBlock      = CentralBlockOf<Real>;
 	using FrictionlessBlock = FrictionlessBlockOf<Real>;
+	using RoundBlock        = RoundBlockOf<Real>;
 	using FrictionalBlock   = FrictionalBlockOf<Real>;
 	using Column            = ColumnOf<Real>;
 	using PackedView        = PackedViewOf<Real>;
@@ -31,18 +32,22 @@ namespace RCR_LANE_NAMESPACE {
 	inline L square(L a) { return a * a; }
 
 	// what the lesser models have not
-	inline L turn1n(const CentralBlock&, int) { return 0.0; }
-	inline L turn1t(const CentralBlock&, int) { return 0.0; }
-	inline L turn2n(const CentralBlock&, int) { return 0.0; }
-	inline L turn2t(const CentralBlock&, int) { return 0.0; }
+	inline L turn1n(const PointBlock&, int) { return 0.0; }
+	inline L turn1t(const PointBlock&, int) { return 0.0; }
+	inline L turn2n(const PointBlock&, int) { return 0.0; }
+	inline L turn2t(const PointBlock&, int) { return 0.0; }
 	inline L turn1n(const FrictionlessBlock& c, int lane) { return L::load(c.turn1n + lane); }
 	inline L turn1t(const FrictionlessBlock& c, int lane) { return L::load(c.turn1t + lane); }
 	inline L turn2n(const FrictionlessBlock& c, int lane) { return L::load(c.turn2n + lane); }
 	inline L turn2t(const FrictionlessBlock& c, int lane) { return L::load(c.turn2t + lane); }
+	inline L turn1t(const RoundBlock& c, int lane) { return L::load(c.turn1t + lane); }
+	inline L turn2t(const RoundBlock& c, int lane) { return L::load(c.turn2t + lane); }
+	inline L turn1n(const FrictionalBlock& c, int lane) { return L::load(c.turn1n + lane); }
+	inline L turn2n(const FrictionalBlock& c, int lane) { return L::load(c.turn2n + lane); }
 	inline L friction(const PointBlock&, int) { return 0.0; }
-	inline L friction(const FrictionalBlock& c, int lane) { return L::load(c.friction + lane); }
+	inline L friction(const RoundBlock& c, int lane) { return L::load(c.friction + lane); }
 	inline L tangential(const PointBlock&, int) { return 0.0; }
-	inline L tangential(const FrictionalBlock& c, int lane) { return L::load(c.pt + lane); }
+	inline L tangential(const RoundBlock& c, int lane) { return L::load(c.pt + lane); }
 
 	/// The velocity of body 2 relative to body 1 at the point.
 	template <class Block> inline Vector relativeVelocity(const Block& c, int lane, const B& v1, const B& v2)
@@ -80,9 +85,9 @@ namespace RCR_LANE_NAMESPACE {
 
 	// ---- what a sweep does at a point, for each model
 
-	struct Frictional {
-		using Block   = FrictionalBlock;
-		using Single  = FrictionalBlockOf<float>;
+	/// Two unknowns: both impulses.
+	struct Rough {
+		using Block   = RoundBlock;
 		using Impulse = Vector;
 
 		static B       load(const P& at) { return loadBodies<RCR_LANES>(at); }
@@ -91,19 +96,55 @@ namespace RCR_LANE_NAMESPACE {
 		static Impulse oldImpulse(const Block& c, int lane) { return { L::load(c.oldPn + lane), L::load(c.oldPt + lane) }; }
 		static void    set(Block& c, int lane, const Impulse& p) { p.n.store(c.pn + lane), p.t.store(c.pt + lane); }
 		static void    setOld(Block& c, int lane, const Impulse& p) { p.n.store(c.oldPn + lane), p.t.store(c.oldPt + lane); }
-		static Vector  velocity(const Block& c, int lane, const B& v1, const B& v2)
+		static Impulse project(const Block& c, int lane, const Impulse& p) { return projectCone(p, friction(c, lane)); }
+		static Vector  slipping(const Block& c, int lane, const Vector& u)
 		{
-			const Vector u = relativeVelocity(c, lane, v1, v2);
 			if constexpr (aboutReference) return { u.n, u.t + L::load(c.slip + lane) };
 			else
 				return u;
 		}
+	};
+
+	struct Frictional : Rough {
+		using Block  = FrictionalBlock;
+		using Single = FrictionalBlockOf<float>;
+
+		static Vector  velocity(const Block& c, int lane, const B& v1, const B& v2) { return slipping(c, lane, relativeVelocity(c, lane, v1, v2)); }
 		static Impulse solve(const Block& c, int lane, const Vector& u, const Impulse& p) { return solvePoint(c, lane, u, p); }
-		static Impulse project(const Block& c, int lane, const Impulse& p) { return projectCone(p, friction(c, lane)); }
 		static void    apply(const Block& c, int lane, const Impulse& p, B& v1, B& v2)
 		{
 			if (RCR_LANES > 8) keepOrder();
 			applyImpulse(c, lane, p, v1, v2);
+		}
+	};
+
+	struct Round : Rough {
+		using Single = RoundBlockOf<float>;
+
+		static Vector velocity(const Block& c, int lane, const B& v1, const B& v2)
+		{
+			const L nx = L::load(c.nx + lane), ny = L::load(c.ny + lane);
+			const L x = v2.x - v1.x, y = v2.y - v1.y;
+			const L t = subtractProduct(v2.spin * turn2t(c, lane), v1.spin, turn1t(c, lane));
+			return slipping(c, lane, { addProduct(y * ny, x, nx), subtractProduct(addProduct(t, y, nx), x, ny) });
+		}
+		static Impulse solve(const Block& c, int lane, const Vector& u, const Impulse& p)
+		{
+			const L n = max(subtractProduct(p.n, L::load(c.inverseNn + lane), u.n + L::load(c.bias + lane)), L(0.0));
+			const L most = n * friction(c, lane);
+			return { n, max(min(subtractProduct(p.t, L::load(c.inverseSchur + lane), u.t), most), L(0.0) - most) };
+		}
+		static void apply(const Block& c, int lane, const Impulse& p, B& v1, B& v2)
+		{
+			if (RCR_LANES > 8) keepOrder();
+			const L nx = L::load(c.nx + lane), ny = L::load(c.ny + lane);
+			const L fx = subtractProduct(p.n * nx, p.t, ny), fy = addProduct(p.n * ny, p.t, nx);
+			v1.x    = subtractProduct(v1.x, v1.inverseMass, fx);
+			v1.y    = subtractProduct(v1.y, v1.inverseMass, fy);
+			v1.spin = subtractProduct(v1.spin, v1.inverseMass, p.t * turn1t(c, lane));
+			v2.x    = addProduct(v2.x, v2.inverseMass, fx);
+			v2.y    = addProduct(v2.y, v2.inverseMass, fy);
+			v2.spin = addProduct(v2.spin, v2.inverseMass, p.t * turn2t(c, lane));
 		}
 	};
 

@@ -67,7 +67,13 @@ def test_a_team_that_cannot_hire_goes_on_with_fewer():
 @pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="one core: who waits for another keeps it from coming")
 def test_a_helper_that_was_waited_for_is_called_again_within_the_run():
     """All steps of O.run are one run of the team: a helper that lost its core once was left alone until its end."""
-    assert _kernel.helps_after_stall(_kernel.Team())
+    assert _kernel.helps_after_stalls(_kernel.Team(), stalls=1, stall=50, rest=500)
+
+
+@pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2, reason="one core: who waits for another keeps it from coming")
+def test_short_stalls_do_not_leave_the_leader_alone_for_long():
+    """Each doubled the time that the leader went on alone, up to two seconds: two threads took as long as one where the system paused a core at times."""
+    assert _kernel.helps_after_stalls(_kernel.Team(), stalls=8, stall=3, rest=100)
 
 
 def test_a_million_islands_and_two_threads():

@@ -8,7 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 WIDTH, NO_SLOT = 16, -1  # slots of a block; of a pair without one
-FRICTIONAL, FRICTIONLESS, CENTRAL = range(3)
+FRICTIONAL, ROUND, FRICTIONLESS, CENTRAL = range(4)
 FEW_PAIRS, MANY_PAIRS = 16, 1024  # an island solved pair after pair; one that threads share
 
 PROBLEMS = {
@@ -200,6 +200,10 @@ def test_models():
 
     assert models(square_discs(1)) == {CENTRAL} and models(square_discs(1), without("discs")) == {FRICTIONLESS}
     assert models(square_discs(1), without("frictionless", "discs")) == {FRICTIONAL}
+    assert models(square_discs(1), without("frictionless")) == {ROUND}
+    discs = square_discs(1)
+    discs["friction"] = np.full(len(discs["friction"]), 0.3)
+    assert models(discs) == {ROUND} and models(discs, without("discs")) == {FRICTIONAL}
     rough = pile(1)
     rough["friction"][:] = 0.3
     assert models(rough) == {FRICTIONAL}

@@ -9,12 +9,12 @@ import rcr
 from kernel.contact_problems import DATA
 
 DIGESTS = {
-    ("shear-500-eta-0", "nlgs", "cold"): "4083aec5",
-    ("shear-500-eta-0", "nlgs", "warm"): "937eb0a0",
-    ("shear-500-eta-0", "sor", "cold"): "ddcceba6",
-    ("shear-500-eta-0", "sor", "warm"): "66b5da0a",
-    ("shear-500-eta-0", "nesterov", "cold"): "cbc1a3c2",
-    ("shear-500-eta-0", "nesterov", "warm"): "2f2ea6c2",
+    ("shear-500-eta-0", "nlgs", "cold"): "c3ecb956",
+    ("shear-500-eta-0", "nlgs", "warm"): "2f5b1c0c",
+    ("shear-500-eta-0", "sor", "cold"): "590fad71",
+    ("shear-500-eta-0", "sor", "warm"): "03422cf9",
+    ("shear-500-eta-0", "nesterov", "cold"): "938f2141",
+    ("shear-500-eta-0", "nesterov", "warm"): "ac0ab5cf",
     ("shear-500-eta-0.7", "nlgs", "cold"): "0df4da1d",
     ("shear-500-eta-0.7", "nlgs", "warm"): "4236febf",
     ("shear-500-eta-0.7", "sor", "cold"): "942bb14a",
