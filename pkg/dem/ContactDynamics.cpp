@@ -185,6 +185,6 @@ bool ContactDynamics::takeInMissedContacts(const gate::Engines& engines)
 	return true;
 }
 
-bool ContactDynamics::adaptBiases(int pass) { return rcr::adaptBiases(step_, pass <= mostPasses / 2, pass == mostPasses - 1, overlap_); }
+bool ContactDynamics::adaptBiases(int pass) { return rcr::adaptBiases(step_, pass <= mostPasses / 2, pass == mostPasses - 1, overlap_, workspace_.team()); }
 
 } // namespace yade

@@ -13,14 +13,19 @@ bool restIsAllowed(const Step& step, const Drive& drive)
 	return drive.speed == 0 && std::all_of(points.begin(), points.end(), [](const ContactPoint& point) { return point.bias >= 0; });
 }
 
-bool adaptBiases(Step& step, bool letGo, bool last, double& overlap)
+bool adaptBiases(Step& step, bool letGo, bool last, double& overlap, Team& team)
 {
+	struct Look {
+		bool far, bounces;
+	};
+	std::vector<Look> look(step.contacts.size()); // nearly none has anything to adapt
+	team.forEach(look.size(), [&](std::size_t k) { look[k] = { displacesFar(step, step.contacts[k]), step.contacts[k].restitution > 0 }; });
 	bool changed = false, bounces = false;
 	overlap      = 0;
-	for (const StepContact& contact : step.contacts) {
-		if (displacesFar(step, contact)) changed |= adaptToDisplacement(step, contact, letGo, overlap);
-		if (contact.restitution > 0) changed |= restrainBounce(step, contact);
-		bounces |= contact.restitution > 0;
+	for (std::size_t k = 0; k < look.size(); ++k) {
+		if (look[k].far) changed |= adaptToDisplacement(step, step.contacts[k], letGo, overlap);
+		if (look[k].bounces) changed |= restrainBounce(step, step.contacts[k]);
+		bounces |= look[k].bounces;
 	}
 	if (bounces && (last || !changed)) changed |= restrainCollisions(step, last);
 	return changed;

@@ -12,6 +12,7 @@ namespace {
 	constexpr int    looks     = 4;    // times within the step at which a gap is measured before its contact is let pass
 	constexpr double clearance = 0.02; // share of the slop by which a gap must stay open: a push, unlike an overlap, is felt at once …
 	constexpr double atWork    = 0.5;  // … but what bears has pushed before: it may lift by what a small displacement curves by
+	constexpr double early     = 0.01; // of the way that it closes: what arrives so much too early arrives all the same
 
 	/// As they are looked for at the beginning of a step: with a farther reach others could take their places.
 	Manifold pointsAfter(const Step& step, const StepContact& c, double time)
@@ -62,7 +63,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool letGo, dou
 		const double share = double(last) / looks, end = gapOf(at[last - 1], k, contact.count, c.normal);
 		if (std::isfinite(end)) overlap = std::max(overlap, -end / contact.size);
 		const bool sinks  = (end < std::min(0.0, gap) - slop || last < looks) && std::isfinite(end);
-		const double  open   = (step.gap[number].carried ? atWork : clearance) * slop;
+		const double  open   = std::max((step.gap[number].carried ? atWork : clearance) * slop, -early * way);
 		const bool    passes = letGo && step.problem.impulse[number].n > 0 && least > open && std::isfinite(least);
 		if (contact.restitution > 0 && c.bias < 0) continue; // it bounces at the beginning of the step
 		if (!sinks && !passes) continue;

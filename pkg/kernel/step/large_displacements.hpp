@@ -10,7 +10,8 @@
 // but no push beyond that of an elastic bounce, b_n ≥ min(0, u_n⁻): a contact may have other points there, and an old overlap.
 //
 // A contact that the way passes is let go: the push on it is felt at once, so a gap of a fiftieth of the slop counts. One that has carried a
-// force already is no such contact. It rests, and may lift by half the slop: what a displacement curves by that is not looked at.
+// force already is no such contact. It rests, and may lift by half the slop: what a displacement curves by that is not looked at. Nor is one
+// that closes all but a hundredth of its way: it arrives, in this step or the next.
 //
 // Quasi-static flow never comes here: its ways are a thousandth of a radius a step.
 #pragma once

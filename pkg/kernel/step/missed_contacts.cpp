@@ -1,6 +1,7 @@
 #include "step/missed_contacts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -10,10 +11,12 @@ namespace {
 
 	constexpr double further = 1.5; // times the way found: solving once more may lengthen it
 
-	/// Grains sorted by x, to be asked which may lie within a distance of a body; in a periodic cell all may.
+	constexpr std::size_t few = 16; // bodies that look: for these, sorting all grains takes longer than asking each
+
+	/// Grains, to be asked which may lie within a distance of a body; in a periodic cell all may. They are sorted by x where many bodies ask.
 	class Neighbours {
 	public:
-		explicit Neighbours(const Step& step) : step_(step), fast_(step.bodies.size())
+		explicit Neighbours(const Step& step) : step_(step), fast_(step.bodies.size()), sorted_(step.lookedAgain.size() > few && !step.cell.periodic)
 		{
 			for (int id : step.lookedAgain)
 				fast_[id] = true;
@@ -26,8 +29,7 @@ namespace {
 					if (!fast_[id]) largestSlow_ = std::max(largestSlow_, extent(int(id)));
 				}
 			}
-			if (step.cell.periodic) return;
-			std::sort(grains_.begin(), grains_.end());
+			if (sorted_) std::sort(grains_.begin(), grains_.end());
 		}
 
 		/// visit(other) for all that may meet a fast body; of two fast grains the one of the larger extent finds the other.
@@ -40,14 +42,15 @@ namespace {
 				return;
 			}
 			std::for_each(obstacles_.begin(), obstacles_.end(), visit);
-			const double own = extent(id);
-			if (!step_.cell.periodic) {
-				const double half = own + std::max(own, largestSlow_);
-				const auto   left = [](const auto& grain, double x) { return grain.first < x; };
-				from              = std::lower_bound(from, to, b.center.x - half, left);
-				to                = std::lower_bound(from, to, b.center.x + half, left);
+			const double own  = extent(id);
+			const double half = step_.cell.periodic ? std::numeric_limits<double>::infinity() : own + std::max(own, largestSlow_);
+			if (sorted_) {
+				const auto left = [](const auto& grain, double x) { return grain.first < x; };
+				from            = std::lower_bound(from, to, b.center.x - half, left);
+				to              = std::lower_bound(from, to, b.center.x + half, left);
 			}
 			for (; from != to; ++from) {
+				if (std::abs(from->first - b.center.x) > half) continue;
 				const int    other = from->second;
 				const double its   = extent(other);
 				if (fast_[other] && (its > own || (its == own && other <= id))) continue;
@@ -63,6 +66,7 @@ namespace {
 
 		const Step&       step_;
 		std::vector<bool> fast_;
+		const bool        sorted_;
 		std::vector<int>  obstacles_;
 		double            largestSlow_ = 0;
 		std::vector<std::pair<double, int>> grains_; // x and number
