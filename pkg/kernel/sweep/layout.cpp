@@ -286,13 +286,14 @@ void Layout::chooseModels(Island& island)
 	const int all           = island.pairs.end - island.pairs.begin;
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
 		++count[int(pairs_[byIsland_[k]].needs)];
-	island.central   = count[int(Model::central)] == all && all > smallIslandPairs;
-	const bool small  = all <= smallIslandPairs;
-	const auto few    = [&](int pairs) { return leastModelPart * pairs < all && !small; };
+	const bool small = all <= smallIslandPairs;
+	const auto many  = [&](int pairs) { return small || leastModelPart * pairs >= all; };
+	const bool rounds = many(count[int(Model::round)]), smooth = many(count[int(Model::frictionless)] + count[int(Model::central)]);
+	island.central    = count[int(Model::central)] == all && !small;
 	const auto served = [&](Model needs) {
-		const bool noRound = few(count[int(Model::round)]);
-		if (needs == Model::round) return noRound ? Model::frictional : Model::round;
-		if (needs == Model::frictional || few(count[int(Model::frictionless)] + count[int(Model::central)])) return noRound || needs != Model::central ? Model::frictional : Model::round;
+		if (needs == Model::frictional) return needs;
+		if (needs == Model::round) return rounds ? needs : Model::frictional;
+		if (!smooth) return rounds && needs == Model::central ? Model::round : Model::frictional;
 		return island.central || small ? needs : Model::frictionless;
 	};
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
