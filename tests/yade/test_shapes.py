@@ -166,6 +166,25 @@ def test_a_disc_that_arrives_obliquely_needs_one_solve():
     assert abs(gap) < 1.1e-4 and velocity(disc)[1] > -0.2, "it has arrived"
 
 
+@pytest.mark.parametrize("restitution", [0.01, 0.5, 1])
+@pytest.mark.parametrize("step", [0.03, 0.1])
+@pytest.mark.parametrize("obstacle, eta", [("disc", 0), ("corner", 0), ("end", 0), ("corner", 0.7)])
+def test_a_near_miss_is_no_bounce(obstacle, eta, step, restitution):
+    """1e-3 R above what it passes, at `step` R a step: the plane of the contact, which its way would cross, took up to 1.3 of its speed."""
+    R = 0.01
+    m = material(0)
+    for phase in (0, 0.37):
+        fixed = dict(
+            disc=lambda: rcr.disc((0, -R), R, fixed=True, material=m),
+            corner=lambda: utils.box((R, -R, 0), (R, R, 1), fixed=True, material=m),
+            end=lambda: rcr.segment((0, 0), (2 * R, 0), material=m),
+        )[obstacle]()
+        grain = rcr.particle(((-3 - phase * step) * R, (1.001 - eta) * R), R, eta, velocity=(1, 0), material=m)
+        _, grain = build(fixed, grain, dt=step * R, gravity=(0, 0, 0), restitution=restitution)
+        steps(round(6 / step))
+        np.testing.assert_allclose(velocity(grain) * [1, 1, R], [1, 0, 0], rtol=0, atol=1e-3)
+
+
 @pytest.mark.parametrize("eta, dt", [(0.8, 1e-4), (0.9, 1e-4), (0.9, 3e-4)])
 def test_a_rod_glides_over_the_joints_of_a_floor(eta, dt):
     """Ten joints of segments in one line; its thin cap touches the end of the next one by the plane of the contact alone, which took 2 % of its speed."""

@@ -24,7 +24,7 @@ bool adaptBiases(Step& step, bool letGo, bool last, double& overlap, Team& team)
 	overlap      = 0;
 	for (std::size_t k = 0; k < look.size(); ++k) {
 		if (look[k].far) changed |= adaptToDisplacement(step, step.contacts[k], letGo, overlap);
-		if (look[k].bounces) changed |= restrainBounce(step, step.contacts[k]);
+		if (look[k].bounces) changed |= (letGo && takeBackBounces(step, step.contacts[k])) || restrainBounce(step, step.contacts[k]);
 		bounces |= look[k].bounces;
 	}
 	if (bounces && (last || !changed)) changed |= restrainCollisions(step, last);

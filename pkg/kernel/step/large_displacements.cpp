@@ -10,16 +10,20 @@ namespace {
 
 	constexpr double infinity  = std::numeric_limits<double>::infinity();
 	constexpr int    looks     = 4;    // times within the step at which a gap is measured before its contact is let pass
+	constexpr int    finerLooks = 8;   // the same where there is no plane to go on
 	constexpr double clearance = 0.02; // share of the slop by which a gap must stay open: a push, unlike an overlap, is felt at once …
 	constexpr double atWork    = 0.5;  // … but what bears has pushed before: it may lift by what a small displacement curves by
 	constexpr double early     = 0.01; // of the way that it closes: what arrives so much too early arrives all the same
 
+	const Twist& solved(const Step& step, int id) { return step.problem.velocity[id]; }
+	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
+
 	/// As they are looked for at the beginning of a step: with a farther reach others could take their places.
-	Manifold pointsAfter(const Step& step, const StepContact& c, double time)
+	Manifold pointsAfter(const Step& step, const StepContact& c, double time, const Twist& (*velocity)(const Step&, int))
 	{
 		const auto at = [&](int id) {
 			const StepBody& body = step.bodies[id];
-			return moved(body, step.bodies[body.owner], step.problem.velocity[body.owner], time);
+			return moved(body, step.bodies[body.owner], velocity(step, body.owner), time);
 		};
 		Pose at2   = at(c.body2);
 		at2.center = at2.center + c.shift + time * c.drift;
@@ -47,7 +51,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool letGo, dou
 	const double dt = step.dt, slop = contact.slop();
 	Manifold     at[looks];
 	for (int look = 0; look < looks; ++look)
-		at[look] = pointsAfter(step, contact, dt * (look + 1) / looks);
+		at[look] = pointsAfter(step, contact, dt * (look + 1) / looks, solved);
 	bool changed = false;
 	for (int k = 0; k < contact.count; ++k) {
 		const int     number = contact.first + k;
@@ -78,6 +82,29 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool letGo, dou
 		if (dt * std::abs(bias - c.bias) < clearance * slop) continue; // what the tolerance of the solver leaves would come up again and again
 		c.bias  = bias;
 		changed = true;
+	}
+	return changed;
+}
+
+bool takeBackBounces(Step& step, const StepContact& contact)
+{
+	const auto bounces = [&](int k) { return step.problem.points[contact.first + k].bias < 0; };
+	if (contact.restitution == 0 || !(bounces(0) || (contact.count == 2 && bounces(1)))) return false;
+	if (!displacesFar(step, contact, initial(step, contact.body1), initial(step, contact.body2))) return false;
+	double least[2] = { infinity, infinity };
+	for (int look = 1; look <= finerLooks; ++look) {
+		const Manifold now = pointsAfter(step, contact, step.dt * look / finerLooks, initial);
+		for (int k = 0; k < contact.count; ++k)
+			least[k] = std::min(least[k], gapOf(now, k, contact.count, step.problem.points[contact.first + k].normal));
+	}
+	bool changed = false;
+	for (int k = 0; k < contact.count; ++k) {
+		ContactPoint& c   = step.problem.points[contact.first + k];
+		const double  gap = step.gap[contact.first + k].now;
+		if (!bounces(k) || least[k] < std::min(0.0, gap) - clearance * contact.slop()) continue;
+		const double closing = -relativeVelocity(c, initial(step, c.body1), initial(step, c.body2)).n;
+		c.bias               = std::max(gap, 0.0) / step.dt + closing; // it may go on as it is
+		changed              = true;
 	}
 	return changed;
 }
