@@ -67,7 +67,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool letGo, dou
 		const double share = double(last) / looks, end = gapOf(at[last - 1], k, contact.count, c.normal);
 		if (std::isfinite(end)) overlap = std::max(overlap, -end / contact.size);
 		const bool    sinks  = (end < std::min(0.0, gap) - slop || last < looks) && std::isfinite(end);
-		const double  open   = std::max((step.gap[number].carried ? atWork : clearance) * slop, -early * way);
+		const double  open   = contact.restitution > 0 ? clearance * slop : std::max((step.gap[number].carried ? atWork : clearance) * slop, -early * way);
 		const bool    passes = letGo && step.problem.impulse[number].n > 0 && least > open && std::isfinite(least);
 		if (contact.restitution > 0 && c.bias < 0) continue; // it bounces at the beginning of the step
 		if (!sinks && !passes) continue;

@@ -11,7 +11,8 @@
 //
 // A contact that the way passes is let go: the push on it is felt at once, so a gap of a fiftieth of the slop counts. One that has carried a
 // force already is no such contact. It rests, and may lift by half the slop: what a displacement curves by that is not looked at. Nor is one
-// that closes all but a hundredth of its way: it arrives, in this step or the next.
+// that closes all but a hundredth of its way: it arrives, in this step or the next. With restitution both are let go all the same: a contact that
+// holds what should bounce takes its energy.
 //
 // A bounce is decided by the same plane. Where the way is long, it is taken back if the bodies do not meet on their ways at the velocities of
 // the beginning.
