@@ -154,10 +154,9 @@ def potential():
     return -sum((b.state.mass * gravity + _pushes.get(b.id, 0)) @ np.array(b.state.pos) for b in _free())
 
 
-def _work_of_drives():
-    """Energy that bodies of prescribed motion have given to the others in the step [J/m]."""
-    driven = [b for b in O.bodies if b and b.state.blockedDOFs == "xyzXYZ" and (b.state.vel.norm() or b.state.angVel.norm())]
-    return -O.dt * sum(O.forces.f(b.id).dot(b.state.vel) + O.forces.t(b.id).dot(b.state.angVel) for b in driven)
+def _work_of(prescribed):
+    """Energy that these bodies of prescribed motion have given to the others in the step [J/m]."""
+    return -O.dt * sum(O.forces.f(b.id).dot(b.state.vel) + O.forces.t(b.id).dot(b.state.angVel) for b in prescribed)
 
 
 def deepest():
@@ -204,6 +203,7 @@ class Clock:
     def restart(self):
         """After a change by hand: the energy is counted from here."""
         self.kinetic, self.potential, self.driven = kinetic(), potential(), 0.0
+        self.prescribed = [b for b in O.bodies if b and b.state.blockedDOFs == "xyzXYZ"]
         loads = sum(b.state.mass for b in _free()) * G + sum(np.linalg.norm(force) for force in _pushes.values())
         self.scale = self.kinetic + loads * D
 
@@ -216,7 +216,7 @@ class Clock:
         while count > 0:
             for _ in range(min(chunk, count)):  # O.run(…, True) looks only every 40 ms whether it is done
                 O.step()
-                self.driven += _work_of_drives()
+                self.driven += _work_of(self.prescribed)
             self.steps += min(chunk, count)
             count -= chunk
             self.gain = max(self.gain, kinetic() - self.kinetic - max(0, self.potential - potential()) - max(0, self.driven))

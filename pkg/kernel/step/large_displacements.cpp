@@ -89,7 +89,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool letGo, dou
 bool takeBackBounces(Step& step, const StepContact& contact)
 {
 	const auto bounces = [&](int k) { return step.problem.points[contact.first + k].bias < 0; };
-	if (contact.restitution == 0 || !(bounces(0) || (contact.count == 2 && bounces(1)))) return false;
+	if (!(bounces(0) || (contact.count == 2 && bounces(1)))) return false;
 	if (!displacesFar(step, contact, initial(step, contact.body1), initial(step, contact.body2))) return false;
 	double least[2] = { infinity, infinity };
 	for (int look = 1; look <= finerLooks; ++look) {

@@ -45,7 +45,7 @@ inline bool displacesFar(const Step& step, const StepContact& c) { return displa
 /// R₁ + R₂ [-].
 bool adaptToDisplacement(Step&, const StepContact&, bool letGo, double& overlap);
 
-/// Takes back bounces off planes that bodies pass: on their ways at the velocities of the beginning they do not meet. True if there was one.
+/// Of a contact with restitution: takes back bounces off planes that bodies pass: on their ways at the velocities of the beginning they do not meet. True if there was one.
 bool takeBackBounces(Step&, const StepContact&);
 
 } // namespace rcr
