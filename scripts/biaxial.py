@@ -21,6 +21,7 @@ MADE = ["summary.json", CHECKPOINT, "history.csv", "isotropic.h5", "network-*.h5
 QUICK = dict(inertial_number=INERTIAL_NUMBER, time_step=TIME_STEP, approach=0.0, overdamped=False)
 INERTIA_TOLD = 0.02  # sample inertia over σ₀ at the last strain from which on it is told: the forces at the walls differ by so much
 HOW_LONG = ["strain", "networks"]  # how far the test goes and what is saved on the way: no part of what it is
+RUN = 3.0  # seconds of one run, of as many records as these are
 PAUSE = 60  # seconds between two checkpoints at most, and 20 times as long as one takes at least
 
 
@@ -113,10 +114,14 @@ def shear(test, options, checkpoints):
     """Records of 0.1 % of strain up to the strain asked for, a network and a checkpoint at equal strains."""
     tell_inertia(test, options.strain)
     due = lambda: math.floor((test.strain + 0.5 * RECORD) * options.networks / options.strain)
+    most = 1  # records of a run, which takes some `RUN`
     with tqdm(desc="shear", total=100 * options.strain, initial=100 * test.strain, unit="%", disable=None, bar_format=BAR) as bar:
         while test.strain < options.strain - 0.5 * RECORD:
-            saved = due()
-            test.shear_record()
+            saved, began = due(), time.monotonic()
+            left = (saved + 1) * options.strain / options.networks - 0.5 * RECORD - test.strain
+            records = max(1, min(most, math.ceil(left / test.strain_a_record - 1e-6)))
+            test.shear(records)
+            most = max(1, min(2 * records, int(records * RUN / (time.monotonic() - began))))
             bar.n = 100 * test.strain
             bar.set_postfix_str(f"q/p {test.rows[-1]['sin_phi']:.3f}, {test.rows[-1]['iterations']} iterations")
             if due() > saved:

@@ -84,10 +84,10 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	work_      = 0;
 	overlap_   = 0;
 	if (follows()) timed("adapt", [&] { rcr::relieve(step_, { double(stretchChange[0]), double(stretchChange[1]) }); });
-	const rcr::Drive    drive = rcr::driveOf(step_);
+	const rcr::Drive    drive = rcr::driveOf(step_, workspace_.team());
 	std::vector<double> detected; // biases before the first pass that adapts them; empty where there is no going back to them, or something is driven
 	rcr::Settings       how = settings(drive);
-	how.rounding            = step_.rounding();
+	how.rounding            = step_.rounding(workspace_.team());
 	const double compliance = how.compliance;
 	for (int pass = 1;; ++pass) {
 		how.compliance = rcr::restIsAllowed(step_, drive) ? 0 : compliance;
@@ -147,7 +147,7 @@ void ContactDynamics::solve(const rcr::Settings& how)
 	const double layout = workspace_.layoutSeconds();
 	warmStart_          = step_.problem.impulse;
 	const rcr::Vec2 stretch = step_.problem.stretch;
-	rcr::prepareRecovery(step_, double(correction));
+	rcr::prepareRecovery(step_, double(correction), workspace_.team());
 	timed("solve", [&] { report(rcr::solve(step_.problem, solver, how, workspace_)); });
 	const double laidOut = workspace_.layoutSeconds() - layout;
 	seconds_["layout"] += laidOut;
@@ -155,7 +155,7 @@ void ContactDynamics::solve(const rcr::Settings& how)
 	timed("scatter", [&] {
 		step_.moveMembers();
 		step_.stretchCell(stretch);
-		step_.keepForces();
+		step_.keepForces(workspace_.team());
 	});
 }
 

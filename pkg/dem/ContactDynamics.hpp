@@ -40,6 +40,7 @@ public:
 	boost::python::dict missedDict() const;
 	boost::python::dict problemDict() const;
 	boost::python::dict observedDict();
+	boost::python::list observationsList();
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,"Solves all rigid contacts of the step together (nonsmooth Contact Dynamics, Moreau time stepping). Takes the forces that other engines have put on the bodies and the gravity of :yref:`NewtonIntegrator`, finds the contact impulses that satisfy Signorini's and Coulomb's laws at the end of the step, and adds them as forces; :yref:`NewtonIntegrator` then moves the bodies. Stands after :yref:`InteractionLoop` and before :yref:`NewtonIntegrator`, whose damping must be 0. Bodies move in the plane: z, X and Y blocked. The time step is bound by accuracy, not by a stiffness. With ``O.trackEnergy`` it adds to ``O.energy`` what the contacts take: plastDissip (friction), impactDissip (normal impulses), driveWork (given to bodies of prescribed motion; negative where these drive) and correctionWork (potential energy that the position correction has given, negative; gravWork has its counterpart), so that ``O.energy.total()`` stays.",
@@ -59,8 +60,9 @@ public:
 		((Vector2r,followed,Vector2r::Zero(),Attr::readonly,"Rates by which the flow that follows stretches along x and y, beside :yref:`flow<ContactDynamics.flow>` [1/s]; 0 without :yref:`followFlow<ContactDynamics.followFlow>`"))
 		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"What the last step has added to `followed`, and the impulses do not know yet"))
 		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"What the solver may drop where the scene does not need it, seen anew in each step; :yref:`model<ContactDynamics.model>` tells what is left. frictionless: pairs without friction carry one unknown a point. discs: where no normal has a lever, nothing turns without friction, and with it normal and tangential impulses know nothing of each other. fixed: bodies of prescribed motion have no unknowns. islands: what does not touch is solved apart, each to its own convergence. layout: order and colours are kept while the contacts last. All of them change nothing but the time; leave names out to compare"))
-		((bool,arrays,true,,"Whether steps of an ``O.run`` are taken in arrays, without YADE's objects, where nothing looks at these in between: until a PyRunner or a recorder is due, or 30 steps and half a second are over. Changes no bit; :yref:`model<ContactDynamics.model>` tells which way steps went"))
+		((bool,arrays,true,,"Whether steps of an ``O.run`` are taken in arrays, without YADE's objects, where nothing looks at these in between: until a PyRunner or a recorder is due, or 100 steps and half a second are over. Changes no bit; :yref:`model<ContactDynamics.model>` tells which way steps went"))
 		((std::vector<int>,observe,,,"Ids of bodies whose contact forces :yref:`observed<ContactDynamics.observed>` averages"))
+		((int,observeEvery,0,Attr::noSave,"Steps of each entry of :yref:`observations<ContactDynamics.observations>`; 0: none are kept. Not saved"))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step, in the island that needs most, summed over its passes: one, and a further one each time the solution shows contacts that were not foreseen, gaps that close otherwise than their planes say, or restitution that gives energy"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
 		((Real,violation,0,Attr::readonly,"What :yref:`maxViolation<ContactDynamics.maxViolation>` bounds, after the last step [-]"))
@@ -84,6 +86,7 @@ public:
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: gather, layout (colours and order of the pairs), solve, scatter, arrays (the steps that these take), publish (from arrays to YADE's objects), late (bodies that go further than foreseen), adapt (biases to long ways, and to bounces that would give energy), correct [s].")
 		.add_property("missed",&ContactDynamics::missedDict,"Steps that have not :yref:`converged<ContactDynamics.converged>`, as a dict: steps (all so far), missed, share (of all), yielded (those without a solution), deepest_overlap (over R₁ + R₂) [-].")
 		.def("observed",&ContactDynamics::observedDict,"observed() → dict: what the steps since the last call came to, so that a run need not stop at each. steps; iterations (of all); residual (the largest); missed (steps that have not :yref:`converged<ContactDynamics.converged>`), missed_sum and missed_largest (of their residuals over the tolerance, or of their violations over :yref:`maxViolation<ContactDynamics.maxViolation>` where these are larger) [-]; forces: mean force (x, y) [N] and torque [N m] of the contacts on each body of :yref:`observe<ContactDynamics.observe>`, by id.")
+		.def("observations",&ContactDynamics::observationsList,"observations() → list of dicts: what each :yref:`observeEvery<ContactDynamics.observeEvery>` steps since the last call came to, so that a long run has a history without a stop, or a PyRunner, that costs a look at all bodies. Each as :yref:`observed<ContactDynamics.observed>` tells it, which then tells of the steps since the last entry, and of the end of its last step: step (O.iter), time [s], points (contact points), last_iterations, last_residual; positions: (x, y) of each body of :yref:`observe<ContactDynamics.observe>` [m], by id.")
 		.def("_problem",&ContactDynamics::problemDict,"The contact problem of the last step, for rcr.scene.save_problem: its arrays as bytes.")
 	);
 	// clang-format on
@@ -118,8 +121,21 @@ private:
 		std::map<int, rcr::Twist> force; // sums, by body [N, N m]
 	};
 
+	/// The same of `observeEvery` steps, and how the last of them ended.
+	struct Observation {
+		Observed                 of;
+		long                     step = 0;
+		double                   time = 0, residual = 0;
+		int                      points = 0, iterations = 0;
+		std::map<int, rcr::Vec2> position; // by body [m]; empty until the next step begins
+	};
+
+	boost::python::dict dictOf(const Observed&) const;
+	template <class Place> void place(Place placeOf);
+
 	gate::Watch                   gate_;
 	Observed                      observed_;
+	std::vector<Observation>      observations_;
 	rcr::Step                     step_; // memory is kept between steps; the contents are of the last one
 	StepSources                   sources_;
 	std::shared_ptr<FlatSteps>    flat_;

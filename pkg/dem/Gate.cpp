@@ -103,16 +103,19 @@ namespace gate {
 
 		std::string materials(const View& v)
 		{
+			const Material* fine = nullptr; // that of the body before: most share one
 			for (const auto& b : *v.scene.bodies) {
-				const FrictMat* rough = b && b->shape && !b->isClump() ? dynamic_cast<const FrictMat*>(b->material.get()) : nullptr;
-				if (rough && !(rough->frictionAngle >= 0 && rough->frictionAngle < 0.5 * Mathr::PI))
+				const Material* material = b && b->shape && !b->isClump() ? b->material.get() : nullptr;
+				if (!material || material == fine) continue;
+				const FrictMat* rough = dynamic_cast<const FrictMat*>(material);
+				if (!rough)
+					return "body #" + std::to_string(b->getId()) + " has the material " + material->getClassName()
+					        + ", which knows no friction; give it a FrictMat.";
+				if (!(rough->frictionAngle >= 0 && rough->frictionAngle < 0.5 * Mathr::PI))
 					return "body #" + std::to_string(b->getId()) + " has the friction angle " + text(rough->frictionAngle)
 					        + "; wanted radians from 0 to below π/2, such as radians(26).";
+				fine = material;
 			}
-			for (const auto& b : *v.scene.bodies)
-				if (b && b->material && !b->isClump() && b->shape && !dynamic_cast<const FrictMat*>(b->material.get()))
-					return "body #" + std::to_string(b->getId()) + " has the material " + b->material->getClassName()
-					        + ", which knows no friction; give it a FrictMat.";
 			return {};
 		}
 
@@ -122,14 +125,14 @@ namespace gate {
 			const Real z = planeOf(v.scene);
 			if (math::isnan(z)) return {};
 			for (const auto& b : *v.scene.bodies) {
-				if (!b || !b->shape) continue;
-				const std::string id = "body #" + std::to_string(b->getId());
+				if (!b || !b->shape || isGrain(*b)) continue;
+				const auto id = [&] { return "body #" + std::to_string(b->getId()); };
 				if (const Box* box = dynamic_cast<const Box*>(b->shape.get()))
 					if (!(math::abs(b->state->pos.z() - z) <= box->extents.z()))
-						return id + " is a Box at z = " + text(b->state->pos.z()) + " that does not reach the plane z = " + text(z)
+						return id() + " is a Box at z = " + text(b->state->pos.z()) + " that does not reach the plane z = " + text(z)
 						        + " of the grains, so nothing would meet it; set its z, or its extents.";
 				if (dynamic_cast<const Facet*>(b->shape.get()) && plane::shapeOf(*b->shape, *b->state, z).kind == rcr::PlanarShape::none)
-					return id + " is a Facet that does not cut the plane z = " + text(z)
+					return id() + " is a Facet that does not cut the plane z = " + text(z)
 					        + " of the grains; a Facet is the segment in which it does: put a corner on either side, or remove it.";
 			}
 			return {};

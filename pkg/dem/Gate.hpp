@@ -94,6 +94,9 @@ namespace gate {
 	/// May a contact be made of this interaction? If not, the reason is raised in Python as soon as that is possible.
 	bool mayTouch(const Interaction&, const Scene&);
 
+	/// Is it an Rcr or a disc?
+	bool isGrain(const Body&);
+
 	/// The z of the plane of the grains; NaN where there are none.
 	Real planeOf(const Scene&);
 

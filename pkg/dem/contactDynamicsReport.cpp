@@ -77,6 +77,14 @@ void ContactDynamics::measureUnbalance()
 	largestUnbalance = closed > 0 ? largest / (contact / closed) : none;
 }
 
+/// The end of the last entry is where the next step begins.
+template <class Place> void ContactDynamics::place(Place placeOf)
+{
+	if (observations_.empty() || !observations_.back().position.empty()) return;
+	for (int id : observe)
+		observations_.back().position[id] = placeOf(id);
+}
+
 void ContactDynamics::observeStep(const std::vector<rcr::Twist>& loads)
 {
 	++observed_.steps;
@@ -94,13 +102,35 @@ void ContactDynamics::observeStep(const std::vector<rcr::Twist>& loads)
 		rcr::Twist& sum = observed_.force[id];
 		sum = { sum.x + loads[id].x / step_.dt, sum.y + loads[id].y / step_.dt, sum.rotation + loads[id].rotation / step_.dt };
 	}
+	place([&](int id) { return step_.bodies[id].center; });
+	if (observeEvery == 0 || observed_.steps < observeEvery) return;
+	observations_.push_back({ std::exchange(observed_, {}), scene->iter + 1, double(scene->time + scene->dt), double(residual), contactPoints, iterations, {} });
 }
 
-boost::python::dict ContactDynamics::observedDict()
+boost::python::list ContactDynamics::observationsList()
 {
 	namespace py = boost::python;
-	const Observed now = std::exchange(observed_, {});
-	py::dict       observed, forces;
+	place([&](int id) { return plane::toPlane((*scene->bodies)[id]->state->pos); });
+	py::list all;
+	for (const Observation& one : observations_) {
+		py::dict entry = dictOf(one.of), positions;
+		for (const auto& [id, at] : one.position)
+			positions[id] = py::make_tuple(at.x, at.y);
+		entry["step"] = one.step, entry["time"] = one.time;
+		entry["points"] = one.points, entry["last_iterations"] = one.iterations, entry["last_residual"] = one.residual;
+		entry["positions"] = positions;
+		all.append(entry);
+	}
+	observations_.clear();
+	return all;
+}
+
+boost::python::dict ContactDynamics::observedDict() { return dictOf(std::exchange(observed_, {})); }
+
+boost::python::dict ContactDynamics::dictOf(const Observed& now) const
+{
+	namespace py = boost::python;
+	py::dict observed, forces;
 	for (int id : observe) {
 		const auto       sum  = now.force.find(id);
 		const rcr::Twist mean = sum == now.force.end() ? rcr::Twist {} : sum->second;
@@ -120,18 +150,22 @@ boost::python::dict ContactDynamics::observedDict()
 /// Counts missed steps, and ends a run whose driven bodies squeeze the grains on and on.
 void ContactDynamics::watch()
 {
-	std::size_t deepest = 0;
-	double      overlap = 0; // over R₁ + R₂
-	for (std::size_t k = 0; k < step_.gap.size(); ++k) {
-		const rcr::ContactPoint& c = step_.problem.points[k];
-		if (step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2)) continue; // obstacles may stand in each other
+	const auto overlapOf = [&](std::size_t k) { // over R₁ + R₂
 		const double share = rcr::contactSlop * step_.gap[k].now / step_.gap[k].allowed;
-		if (share > overlap) overlap = share, deepest = k;
-	}
+		if (share <= 0) return 0.0;
+		const rcr::ContactPoint& c = step_.problem.points[k];
+		return step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2) ? 0.0 : share; // obstacles may stand in each other
+	};
+	const double overlap = workspace_.team().most(step_.gap.size(), overlapOf);
 	watched.resize(6);
 	rcr::MissedSteps count { long(watched[0]), missedSteps, yieldedSteps, double(deepestOverlap), long(watched[1]), long(watched[2]), double(watched[3]) };
 	rcr::Squeeze     squeeze { int(watched[4]), double(watched[5]) };
-	const auto ofDeepest = [&] { return bodies({ step_.problem.points[deepest].body1, step_.problem.points[deepest].body2 }); };
+	const auto ofDeepest = [&] {
+		std::size_t k = 0;
+		while (overlapOf(k) != overlap)
+			++k;
+		return bodies({ step_.problem.points[k].body1, step_.problem.points[k].body2 });
+	};
 	if (count.count(!converged && tolerance > 0, yielded, overlap, overdamped))
 		LOG_WARN("step " << scene->iter << ": " << count.message() << (overlap > count.harmless ? " Deepest in this step: " + ofDeepest() + "." : ""));
 	const bool goesOn = squeeze.goesOn(overlap);

@@ -12,6 +12,7 @@ std::string ContactDynamics::wrong() const
 {
 	if (!(correction >= 0 && correction <= 1)) return "ContactDynamics.correction = " + gate::text(correction) + "; wanted a share of the overlap, 0 to 1.";
 	if (!(maxViolation >= 0)) return "ContactDynamics.maxViolation = " + gate::text(maxViolation) + "; wanted a share ≥ 0 of the relative velocities; math.inf for no test.";
+	if (observeEvery < 0) return "ContactDynamics.observeEvery = " + std::to_string(observeEvery) + "; wanted 0, none, or a number of steps.";
 	if (threads < 0) return "ContactDynamics.threads = " + std::to_string(threads) + "; wanted 0, as many as YADE has, or more.";
 	if (!(compliance >= 0 && math::isfinite(compliance)))
 		return "ContactDynamics.compliance = " + gate::text(compliance) + "; wanted a finite factor ≥ 0, 1 by default; 0: contacts never yield.";

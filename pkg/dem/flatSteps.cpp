@@ -21,7 +21,7 @@ namespace yade {
 namespace {
 
 	constexpr auto behind = std::chrono::milliseconds(500); // YADE's objects stay at most, for whoever watches them …
-	constexpr long fewest = 30;                            // … but so many steps
+	constexpr long fewest = 100;                           // … but so many steps
 
 	/// Whether a PeriodicEngine will act when it is asked at this iteration and time; asking it would count.
 	bool due(const PeriodicEngine& engine, long iter, Real time)

@@ -7,7 +7,7 @@
 //
 // A step is YADE's
 //
-//   * where a run ends, or 30 steps and half a second are over, for whoever watches it;
+//   * where a run ends, or 100 steps and half a second are over, for whoever watches it;
 //   * where an engine that may look at anything is due: a PyRunner, a recorder, any engine that is not named below;
 //   * in scenes with what is not kept in arrays: clumps, a periodic cell, energy tracking, permanent forces.
 //

@@ -22,7 +22,6 @@ namespace gate {
 		std::string coordinates(const Vector3r& v) { return '(' + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + ')'; }
 		bool        finite(const Vector3r& v) { return math::isfinite(v[0]) && math::isfinite(v[1]) && math::isfinite(v[2]); }
 
-		bool isGrain(const Body& b) { return b.shape && (dynamic_cast<const Rcr*>(b.shape.get()) || dynamic_cast<const Sphere*>(b.shape.get())); }
 		rcr::PlanarShape shapeOf(const Body& b, Real z) { return b.isClump() ? rcr::PlanarShape {} : plane::shapeOf(*b.shape, *b.state, z); }
 		bool upright(const State& s) { return math::abs(s.ori.x()) <= tilted && math::abs(s.ori.y()) <= tilted && math::isfinite(s.ori.w() + s.ori.z()); }
 		bool inPlane(const State& s, const rcr::PlanarShape& shape, Real z) { return !shape.grain() || math::abs(s.pos.z() - z) <= sameHeight * (1 + math::abs(z)); }
@@ -37,6 +36,13 @@ namespace gate {
 	} // namespace
 
 	void refuse(const std::string& message) { throw std::invalid_argument("rcr: " + message); }
+
+	bool isGrain(const Body& b)
+	{
+		if (!b.shape) return false;
+		const int index = b.shape->getClassIndex();
+		return index == Rcr::getClassIndexStatic() || index == Sphere::getClassIndexStatic();
+	}
 
 	Real planeOf(const Scene& scene)
 	{

@@ -27,7 +27,7 @@ namespace gate {
 		Party partyOf(const Body& b, const Scene& scene)
 		{
 			const Body& moved = b.isClumpMember() ? *(*scene.bodies)[b.clumpId] : b;
-			const bool  line  = dynamic_cast<const Wall*>(b.shape.get()) || dynamic_cast<const Facet*>(b.shape.get());
+			const bool  line  = !isGrain(b) && (dynamic_cast<const Wall*>(b.shape.get()) || dynamic_cast<const Facet*>(b.shape.get()));
 			return { &b, line || moved.state->blockedDOFs == State::DOF_ALL, b.isClumpMember() ? b.clumpId : Body::ID_NONE };
 		}
 

@@ -3,6 +3,8 @@
 #include <limits>
 #include <sstream>
 
+#include "parallel/team.hpp"
+
 namespace rcr {
 
 namespace {
@@ -90,7 +92,8 @@ ContactProblem problemFrom(
 		wantShape(recovery, "recovery", nc, 1);
 		problem.recovery.assign(recovery.data(), recovery.data() + nc);
 	}
-	checkProblem(problem);
+	Team alone;
+	checkProblem(problem, alone);
 	return problem;
 }
 

@@ -14,6 +14,7 @@
 #include "exact/path_following.hpp"
 #include "exact/stiffness.hpp"
 #include "kernel_arrays.hpp"
+#include "parallel/team.hpp"
 #include "problem/residual.hpp"
 #include "step/drive.hpp"
 #include "sweep/lane_check.hpp"
@@ -41,7 +42,8 @@ namespace {
 		const ContactProblem problem = problemOf(arrays);
 		wantShape(before, "before", py::ssize_t(problem.freeVelocity.size()), 3);
 		const Twist* rows  = reinterpret_cast<const Twist*>(before.data());
-		const Drive  drive = driveOf(problem, { rows, rows + rowsOf(before) });
+		Team         alone;
+		const Drive  drive = driveOf(problem, { rows, rows + rowsOf(before) }, alone);
 		return py::make_tuple(drive.speed, drive.compliance, drive.mostImpulse);
 	}
 
@@ -148,7 +150,8 @@ namespace {
 		using Rows = std::vector<std::vector<std::int32_t>>;
 		const ContactProblem problem = problemOf(arrays);
 		Layout               layout;
-		layout.update(problem, Reductions::of(reductions));
+		Team                 alone;
+		layout.update(problem, Reductions::of(reductions), alone);
 		Rows pairs, islands, overflow, sections, chunks, blocks1, blocks2;
 		for (const LaidPair& p : layout.pairs())
 			pairs.push_back({ p.body1, p.body2, p.points, int(p.model), p.slot });

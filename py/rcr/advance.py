@@ -8,14 +8,14 @@ from rcr import checks
 from rcr.script import stoppable
 
 SHOWN = 1.0  # s, after which a bar appears
-PIECE = 0.2  # s between two looks at the clock and at Ctrl-C
+PAUSE = 0.02  # s between two looks at a run and at Ctrl-C
 
 
 def advance(steps, label="steps", until=None, every=None):
     """Make steps as ``O.run(steps, wait=True)`` does, with a progress bar on a terminal.
 
     A first Ctrl-C (or SIGTERM) ends the run after a whole step, so that a script can write what it has:
-    ``if not rcr.advance(5000): print("stopped early")``. A second one raises KeyboardInterrupt.
+    ``if not rcr.advance(5000): print("stopped early")``. A second one raises KeyboardInterrupt. An engine ends it by ``O.pause()``.
 
     Parameters
     ----------
@@ -42,18 +42,32 @@ def advance(steps, label="steps", until=None, every=None):
 
     steps = checks.whole("steps", steps, "a number of steps, at least 1", lambda v: v >= 1)
     every = checks.whole("every", max(1, steps // 100) if every is None else every, "a number of steps, at least 1", lambda v: v >= 1)
-    O = Omega()
-    piece = 1
     with stoppable() as stop, tqdm(total=steps, desc=label, unit="step", disable=None, delay=SHOWN, leave=False) as bar:
         done = 0
-        while done < steps and not stop.asked:
-            count = min(piece, steps - done, every - done % every if until else steps)
-            began = time.perf_counter()
-            O.run(count, True)
-            done += count
-            bar.update(count)
-            took = time.perf_counter() - began
-            piece = max(1, min(2 * piece, round(count * PIECE / took))) if took > 0 else 2 * piece
-            if until and done % every == 0 and until():
+        while done < steps:
+            count = min(steps - done, every if until else steps)
+            made = _run(count, bar, stop)
+            done += made
+            if stop.asked or made < count or (until and until()):
                 break
     return not stop.asked
+
+
+def _run(count, bar, stop):
+    """Make steps in one run, since the start of each costs a look at all bodies; return how many it came to, fewer where `stop` or an engine asked for its end."""
+    O = Omega()
+    first, shown, pause = O.iter, bar.n, 1e-4
+    O.run(count)
+    try:
+        while O.running:
+            time.sleep(pause)
+            pause = min(2 * pause, PAUSE)
+            bar.update(shown + O.iter - first - bar.n)
+            if stop.asked:
+                O.pause()
+    except BaseException:
+        O.pause()
+        raise
+    O.wait()
+    bar.update(shown + O.iter - first - bar.n)
+    return O.iter - first

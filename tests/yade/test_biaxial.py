@@ -18,7 +18,7 @@ import types
 import numpy as np
 import pytest
 from rcr.study import biaxial
-from rcr.study.biaxial import CHECKPOINT, STRESS, Biaxial
+from rcr.study.biaxial import CHECKPOINT, RAMP, STRESS, Biaxial
 from rcr.network import Network
 from run_contents import contents, different
 from yade import O
@@ -108,6 +108,26 @@ def test_checkpoint_goes_on_to_the_same_bits(packing, tmp_path):
         test.shear_record()
     assert np.array_equal(state(test), straight)
     assert [(row["sin_phi"], row["iterations"]) for row in test.rows] == [(row["sin_phi"], row["iterations"]) for row in rows]
+
+
+def test_many_records_in_a_run_are_those_of_one_run_each(packing):
+    """A run starts with a look at all grains, so that ten steps a run took as long as eleven in a long one. The ramp of the wall ends on the way."""
+
+    def sheared(records):
+        test = Biaxial.load(packing.folder)
+        for count in records:
+            test.shear(count)
+        bodies = [O.bodies[i].state for i in (*test.grains, *test.walls)]
+        return test, np.array([(*s.pos, *s.ori, *s.vel, *s.angVel) for s in bodies])
+
+    single, alone = sheared([1] * 24)
+    many, together = sheared([20, 4])
+    assert np.array_equal(alone, together)
+    assert many.rows == single.rows and len(many.rows) == 24 and many.strain > 2 * RAMP
+    assert many.progress["iterations"] == single.progress["iterations"] and many.solver.model["arrays"] > single.solver.model["arrays"]
+    assert {key: value for key, value in many.summary().items() if "seconds" not in key} == {
+        key: value for key, value in single.summary().items() if "seconds" not in key
+    }
 
 
 def test_slower_shear_without_inertia_is_solved_more_finely(packing):

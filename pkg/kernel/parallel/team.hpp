@@ -11,6 +11,7 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "parallel/shared_loop.hpp"
 #include "parallel/trial.hpp"
@@ -54,12 +55,22 @@ public:
 	/// the exception of the least i is thrown on.
 	template <class Work> void forEach(std::size_t count, Work work)
 	{
-		constexpr int atATime = 512;
-		const int     size    = int(count);
+		const int size = int(count);
 		share(0, (size + atATime - 1) / atATime, [&](int part) {
 			for (int i = part * atATime; i < std::min(size, (part + 1) * atATime); ++i)
 				work(i);
 		});
+	}
+
+	/// Inside run: the largest value(i) for 0 ≤ i < count, or 0 where none is above.
+	template <class Value> double most(std::size_t count, Value value)
+	{
+		std::vector<double> ofPart(count / atATime + 1);
+		forEach(count, [&](std::size_t i) {
+			double& most = ofPart[i / atATime];
+			most         = std::max(most, value(i));
+		});
+		return *std::max_element(ofPart.begin(), ofPart.end());
 	}
 
 	/// Inside run: lead() with helpers or alone, as the trial says, which books the time over `work`, the size of what is done.
@@ -75,6 +86,8 @@ public:
 
 private:
 	using Clock = std::chrono::steady_clock;
+
+	static constexpr int atATime = 512;
 
 	/// Work whose exceptions stay on the thread that throws: of all, the one of the least index is kept.
 	template <class Work> struct Guarded {

@@ -3,6 +3,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "parallel/team.hpp"
+
 namespace rcr {
 
 namespace {
@@ -92,7 +94,7 @@ void updateVelocity(ContactProblem& problem)
 	if (problem.stretches()) problem.setStretch(componentwise(problem.inverseStretchMass, stretching));
 }
 
-void checkProblem(const ContactProblem& problem)
+void checkProblem(const ContactProblem& problem, Team& team)
 {
 	const std::size_t bodies = problem.inverseMass.size();
 	checkSize("freeVelocity", problem.freeVelocity.size(), bodies);
@@ -102,8 +104,9 @@ void checkProblem(const ContactProblem& problem)
 	if (!finite(m.x, m.y, g.x, g.y) || m.x < 0 || m.y < 0) throw std::invalid_argument("the cell: a mass or rate is not finite, or an inverse mass is negative");
 	for (std::size_t i = 0; i < bodies; ++i)
 		if (!sound(problem.inverseMass[i], problem.freeVelocity[i])) refuseBody(i, problem.inverseMass[i], problem.freeVelocity[i]);
-	for (std::size_t k = 0; k < problem.points.size(); ++k)
+	team.forEach(problem.points.size(), [&](std::size_t k) {
 		if (!sound(problem.points[k], problem.impulse[k], bodies)) refusePoint(k, problem.points[k], problem.impulse[k], bodies);
+	});
 }
 
 } // namespace rcr

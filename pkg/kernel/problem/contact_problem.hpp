@@ -33,6 +33,8 @@
 
 namespace rcr {
 
+class Team;
+
 struct InverseMass {
 	double x = 0, y = 0; // 1/m along each axis: a mobile wall is free along one
 	double rotation = 0; // 1/I
@@ -107,6 +109,6 @@ void updateVelocity(ContactProblem&);
 
 /// Throws std::invalid_argument for arrays of different lengths, an id out of range, a number that is not finite, a
 /// negative mass or friction, or a normal that is not of unit length.
-void checkProblem(const ContactProblem&);
+void checkProblem(const ContactProblem&, Team&);
 
 } // namespace rcr

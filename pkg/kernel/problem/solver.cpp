@@ -180,7 +180,7 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 
 Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings, Workspace& workspace)
 {
-	if (!settings.continued) checkProblem(problem); // first: settings may follow from it
+	if (!settings.continued) checkProblem(problem, workspace.team()); // first: settings may follow from it
 	checkSettings(solver, settings);
 	const Report rigid = solveRigid(problem, solver, settings, workspace);
 	if (mustYield(rigid, problem, settings, workspace)) return following(rigid, solveYielding(problem, settings, rigid, workspace));

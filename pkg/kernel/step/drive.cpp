@@ -1,8 +1,11 @@
 #include "step/drive.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+
+#include "parallel/team.hpp"
 
 namespace rcr {
 
@@ -32,19 +35,27 @@ namespace {
 	int reachOfDrive(const ContactProblem& problem)
 	{
 		const std::size_t         count = problem.inverseMass.size();
-		std::vector<std::int32_t> first(count + 1), other(2 * problem.points.size()), layer, next;
-		for (const ContactPoint& c : problem.points)
-			++first[c.body1], ++first[c.body2];
-		std::partial_sum(first.begin(), first.end(), first.begin());
-		for (const ContactPoint& c : problem.points) {
-			other[--first[c.body1]] = c.body2;
-			other[--first[c.body2]] = c.body1;
-		}
-		std::vector<char> seen(count);
+		std::vector<std::int32_t> layer, next;
+		std::vector<char>         seen(count);
 		for (std::size_t id = 0; id < count; ++id) {
 			const Twist& v = problem.freeVelocity[id];
 			seen[id]       = problem.prescribed(id);
 			if (seen[id] && (v.x != 0 || v.y != 0 || v.rotation != 0)) layer.push_back(std::int32_t(id));
+		}
+		if (layer.empty()) return 0;
+		std::vector<std::array<std::int32_t, 2>> pairs;
+		std::vector<std::int32_t>                first(count + 1);
+		pairs.reserve(problem.points.size());
+		for (const ContactPoint& c : problem.points) {
+			if (!pairs.empty() && pairs.back()[0] == c.body1 && pairs.back()[1] == c.body2) continue;
+			pairs.push_back({ c.body1, c.body2 });
+			++first[c.body1], ++first[c.body2];
+		}
+		std::partial_sum(first.begin(), first.end(), first.begin());
+		std::vector<std::int32_t> other(2 * pairs.size());
+		for (const auto& [body1, body2] : pairs) {
+			other[--first[body1]] = body2;
+			other[--first[body2]] = body1;
 		}
 		int reach = -1;
 		for (; !layer.empty(); ++reach) {
@@ -61,10 +72,15 @@ namespace {
 
 } // namespace
 
-Drive driveOf(const ContactProblem& problem, const std::vector<Twist>& before)
+Drive driveOf(const ContactProblem& problem, const std::vector<Twist>& before, Team& team)
 {
 	Drive drive;
-	drive.speed = fastestPrescribed(problem);
+	int   reach = 0;
+	team.share(0, 2, [&](int part) {
+		if (part == 0) reach = reachOfDrive(problem);
+		else
+			drive.speed = fastestPrescribed(problem);
+	});
 	if (drive.speed == 0 || problem.stretches()) return drive;
 	double total = 0, momentum = 0, load = 0;
 	int    bodies = 0;
@@ -80,19 +96,19 @@ Drive driveOf(const ContactProblem& problem, const std::vector<Twist>& before)
 		load += free({ v.x - before[id].x, v.y - before[id].y }) / largest;
 	}
 	if (bodies == 0) return drive;
-	const double rows = bodies / std::max(std::sqrt(bodies), double(reachOfDrive(problem)));
+	const double rows = bodies / std::max(std::sqrt(bodies), double(reach));
 	drive.compliance  = std::max(stiffest, drive.speed * (total / bodies) * rows / (momentum + loads * load));
 	drive.mostImpulse = (mostMomenta * momentum + mostLoads * load) / rows;
 	return drive;
 }
 
-Drive driveOf(const Step& step)
+Drive driveOf(const Step& step, Team& team)
 {
 	std::vector<Twist> before;
 	before.reserve(step.bodies.size());
 	for (const StepBody& body : step.bodies)
 		before.push_back(body.velocity);
-	return driveOf(step.problem, before);
+	return driveOf(step.problem, before, team);
 }
 
 } // namespace rcr

@@ -40,7 +40,7 @@ struct Drive {
 };
 
 /// The drive of a problem whose bodies had the velocities `before`.
-Drive driveOf(const ContactProblem&, const std::vector<Twist>& before);
-Drive driveOf(const Step&);
+Drive driveOf(const ContactProblem&, const std::vector<Twist>& before, Team&);
+Drive driveOf(const Step&, Team&);
 
 } // namespace rcr

@@ -118,22 +118,27 @@ void Pairs::number(Step& step) const
 
 void Pairs::contacts(Step& step, Team& team) const
 {
-	step.contacts.clear();
+	std::vector<std::int32_t> touching;
+	touching.reserve(all.size());
+	std::vector<std::int32_t> first; // point of each
+	first.reserve(all.size());
 	int points = 0;
 	for (std::size_t k = 0; k < all.size(); ++k) {
-		const Pair& pair = all[k];
-		if (pair.points == 0) continue;
-		step.contacts.push_back({ pair.body1, pair.body2, points, pair.points, int(k), pair.restitution, 0, {}, {} });
-		points += pair.points;
+		if (all[k].points == 0) continue;
+		touching.push_back(std::int32_t(k));
+		first.push_back(points);
+		points += all[k].points;
 	}
-	step.indexContacts();
+	step.contacts.resize(touching.size());
 	step.begin(points);
-	team.forEach(step.contacts.size(), [&](std::size_t k) {
-		StepContact& contact = step.contacts[k];
-		const Pair&  pair    = all[contact.source];
-		contact.size         = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
-		step.setPoints(contact, manifold[contact.source], pair.friction, pair.force);
+	team.forEach(touching.size(), [&](std::size_t k) {
+		const std::int32_t number = touching[k];
+		const Pair&        pair   = all[number];
+		const double       size   = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
+		step.contacts[k]          = { pair.body1, pair.body2, first[k], pair.points, number, pair.restitution, size, {}, {} };
+		step.setPoints(step.contacts[k], manifold[number], pair.friction, pair.force);
 	});
+	step.indexContacts();
 }
 
 void Pairs::keepForces(const Step& step, Team& team)

@@ -11,11 +11,10 @@ namespace {
 	constexpr int    sweeps        = 10;   // 5 to 20 leave as little
 }
 
-void prepareRecovery(Step& step, double beta)
+void prepareRecovery(Step& step, double beta, Team& team)
 {
 	step.problem.recovery.resize(step.gap.size());
-	for (std::size_t k = 0; k < step.gap.size(); ++k)
-		step.problem.recovery[k] = std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt);
+	team.forEach(step.gap.size(), [&](std::size_t k) { step.problem.recovery[k] = std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt); });
 }
 
 void correctPositions(Step& step, double beta, Workspace& workspace)
@@ -31,16 +30,18 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 		bias[k]             = excess < 0 ? std::min(law, beta * excess / step.dt) : law;
 	});
 	sweepWithBias(problem, bias, sweeps, step.displacement, step.strain, workspace);
-	double farthest = 0; // over the radius of a grain
-	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+	Team&        team     = workspace.team();
+	const double farthest = team.most(step.bodies.size(), [&](std::size_t id) { // over the radius of a grain
 		const StepBody& body = step.bodies[id];
 		const Twist &   v = problem.velocity[id], &with = step.displacement[id];
 		step.displacement[id] = body.free ? Twist { step.dt * (with.x - v.x), step.dt * (with.y - v.y), step.dt * (with.rotation - v.rotation) } : Twist {};
-		if (body.free && body.radius > 0) farthest = std::max(farthest, speed(step.displacement[id], body.radius) / body.radius);
-	}
+		return body.free && body.radius > 0 ? speed(step.displacement[id], body.radius) / body.radius : 0;
+	});
 	const double share = std::min(1.0, farthestShift / farthest);
-	for (Twist& shift : step.displacement)
-		shift = { share * shift.x, share * shift.y, share * shift.rotation };
+	team.forEach(step.bodies.size(), [&](std::size_t id) {
+		Twist& shift = step.displacement[id];
+		shift        = { share * shift.x, share * shift.y, share * shift.rotation };
+	});
 	step.strain = (share * step.dt) * (step.strain - problem.stretch);
 }
 

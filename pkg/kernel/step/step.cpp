@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "parallel/team.hpp"
 #include "step/restitution.hpp"
 
 namespace rcr {
@@ -83,12 +84,9 @@ const StepContact* Step::find(int body1, int body2) const
 	return found != end && found->body2 == body2 ? &*found : nullptr;
 }
 
-double Step::rounding() const
+double Step::rounding(Team& team) const
 {
-	double fastest = 0;
-	for (const StepBody& body : bodies)
-		fastest = std::max(fastest, speed(body.velocity, body.radius));
-	return 1e-12 * fastest;
+	return 1e-12 * team.most(bodies.size(), [&](std::size_t id) { return speed(bodies[id].velocity, bodies[id].radius); });
 }
 
 void Step::startFromForces()
@@ -98,12 +96,11 @@ void Step::startFromForces()
 		problem.impulse[k] = { dt * force[k].n, dt * force[k].t };
 }
 
-void Step::keepForces()
+void Step::keepForces(Team& team)
 {
 	const double inverseDt = 1 / dt;
 	force.resize(problem.impulse.size());
-	for (std::size_t k = 0; k < force.size(); ++k)
-		force[k] = { inverseDt * problem.impulse[k].n, inverseDt * problem.impulse[k].t };
+	team.forEach(force.size(), [&](std::size_t k) { force[k] = { inverseDt * problem.impulse[k].n, inverseDt * problem.impulse[k].t }; });
 }
 
 } // namespace rcr

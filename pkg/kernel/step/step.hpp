@@ -30,6 +30,8 @@
 
 namespace rcr {
 
+class Team;
+
 /// Of R₁ + R₂: overlaps below it are left as they are. Without a slop, contacts at rest would open and close for ever.
 constexpr double contactSlop = 1e-4;
 
@@ -186,11 +188,11 @@ struct Step {
 	const StepContact* find(int body1, int body2) const;
 
 	/// What is rounding of velocities that have gone through a step [m/s].
-	double rounding() const;
+	double rounding(Team&) const;
 
 	/// Impulses from forces, and forces from impulses.
 	void startFromForces();
-	void keepForces();
+	void keepForces(Team&);
 
 	/// The gradient of the cell and the drifts of contacts from the stretch that a solve has found.
 	void stretchCell(Vec2 before);

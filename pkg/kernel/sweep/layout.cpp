@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "parallel/team.hpp"
+
 namespace rcr {
 
 namespace {
@@ -44,13 +46,13 @@ namespace {
 
 } // namespace
 
-bool Layout::update(const ContactProblem& problem, const Reductions& reductions)
+bool Layout::update(const ContactProblem& problem, const Reductions& reductions, Team& team)
 {
 	const bool sameReductions = reductions == reductions_;
 	reductions_               = reductions;
 	const bool sameCell   = stretches_ == problem.stretches();
 	stretches_            = problem.stretches();
-	const bool sameBodies = sortBodies(problem), samePairs = findPairs(problem);
+	const bool sameBodies = sortBodies(problem), samePairs = findPairs(problem, team);
 	if (sameReductions && sameCell && sameBodies && samePairs && reductions.layout) return false;
 	findIslands();
 	sortPairs();
@@ -65,8 +67,11 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions)
 	columns_ = 0;
 	coloring_.reset(kind_.size());
 	color_.resize(pairs_.size());
+	for (const auto& [begin, end] : { std::pair(0, slabSections_), std::pair(slabSections_, int(sections_.size())) }) // sections of a part share no body
+		team.share(begin, end, [&](int k) { color(sections_[k]); });
 	for (Section& section : sections_)
-		layOut(section);
+		makeBlocks(section);
+	team.share(0, int(sections_.size()), [&](int k) { place(sections_[k]); });
 	for (Island& island : islands_)
 		listOverflow(island);
 	return true;
@@ -95,17 +100,21 @@ Model Layout::need(const ContactProblem& problem, const ContactPoint& c) const
 }
 
 /// Joins neighbouring points of the same bodies, two at most; false if the pairs or their needs differ from before.
-bool Layout::findPairs(const ContactProblem& problem)
+bool Layout::findPairs(const ContactProblem& problem, Team& team)
 {
-	const std::vector<ContactPoint>& points = problem.points;
-	const std::size_t                before = pairs_.size();
-	std::size_t                      count  = 0;
-	bool                             same   = true;
-	for (std::size_t k = 0; k < points.size(); ++count) {
-		const ContactPoint& c     = points[k];
-		const bool          joins = k + 1 < points.size() && points[k + 1].body1 == c.body1 && points[k + 1].body2 == c.body2;
-		const Model         needs = joins ? both(need(problem, c), need(problem, points[k + 1])) : need(problem, c);
-		const LaidPair      pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, needs, needs, c.drifts() || (joins && points[k + 1].drifts()), LaidPair::noSlot, 0 };
+	const std::size_t points = problem.points.size(), before = pairs_.size();
+	kinds_.resize(points);
+	team.forEach(points, [&](std::size_t k) {
+		const ContactPoint& c = problem.points[k];
+		kinds_[k]             = { c.body1, c.body2, need(problem, c), c.drifts() };
+	});
+	std::size_t count = 0;
+	bool        same  = true;
+	for (std::size_t k = 0; k < points; ++count) {
+		const Kind &   c = kinds_[k], &next = kinds_[std::min(k + 1, points - 1)];
+		const bool     joins = k + 1 < points && next.body1 == c.body1 && next.body2 == c.body2;
+		const Model    needs = joins ? both(c.needs, next.needs) : c.needs;
+		const LaidPair pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, needs, needs, c.drifts || (joins && next.drifts), LaidPair::noSlot, 0 };
 		if (count == pairs_.size()) pairs_.push_back(pair);
 		LaidPair& old = pairs_[count];
 		// `firstPoint` follows from the pairs before
@@ -215,6 +224,7 @@ void Layout::sortSections()
 	slabs_.reset(kind_.size());
 	for (Island& island : islands_)
 		cut(island);
+	slabSections_ = int(sections_.size());
 	for (Island& island : islands_) {
 		const int slabs     = island.slabs.end - island.slabs.begin;
 		island.joints.begin = int(sections_.size());
@@ -260,7 +270,7 @@ void Layout::numberRecords()
 	record_.resize(kind_.size());
 	for (std::size_t body = 0; body < kind_.size(); ++body) {
 		if (island_[body] == none) {
-			record_[body] = ownRecord(Model::frictional);
+			record_[body] = ownRecords(1);
 			continue;
 		}
 		std::int32_t& record = next[place(int(body))];

@@ -40,11 +40,21 @@ struct Range {
 	std::int32_t begin = 0, end = 0;
 };
 
+/// The blocks of one colour, model and number of points: the next slot to fill and where they begin.
+struct Row {
+	std::int32_t pairs = 0, nextSlot = 0, firstBlock = 0, firstColumn = 0;
+};
+
 /// Pairs that one thread sweeps, chunk after chunk: those within a slab, or those that join some slabs to the next ones.
 struct Section {
 	Range chunks;  // in Layout::chunks
 	Range records; // halves, of the bodies of a slab
 	Range pairs;   // in Layout::bySection
+	Row   rows[Coloring::colors][models][2];
+	std::int32_t sides = 0; // prescribed ones of its pairs that have slots, each with a record of its own …
+	std::int32_t nextRecord = 0; // … of which this is the next
+
+	Row& row(int color, const LaidPair& pair) { return rows[color][int(pair.model)][pair.points - 1]; }
 };
 
 /// A part of the problem that is solved apart.
@@ -62,7 +72,7 @@ struct Island {
 class Layout {
 public:
 	/// Lays the problem out; false if everything stands where it stood.
-	bool update(const ContactProblem&, const Reductions&);
+	bool update(const ContactProblem&, const Reductions&, Team&);
 
 	const std::vector<LaidPair>&     pairs() const { return pairs_; } // in the order of the problem
 	std::vector<PairBlock>&          pairBlocks() { return pairBlocks_; }
@@ -84,13 +94,15 @@ public:
 	ModelSummary summary() const;
 
 private:
-	/// The blocks of one colour, model and number of points: the next slot to fill and where they begin.
-	struct Row {
-		std::int32_t pairs = 0, nextSlot = 0, firstBlock = 0, firstColumn = 0;
+	/// Of a point what the layout depends on.
+	struct Kind {
+		std::int32_t body1, body2;
+		Model        needs;
+		bool         drifts;
 	};
 
 	bool  sortBodies(const ContactProblem&);
-	bool  findPairs(const ContactProblem&);
+	bool  findPairs(const ContactProblem&, Team&);
 	Model need(const ContactProblem&, const ContactPoint&) const;
 	bool  moves(int body) const { return kind_[body] != BodyKind::prescribed || !reductions_.fixed; }
 	bool  packable(const LaidPair&) const;
@@ -102,28 +114,28 @@ private:
 	int   sectionOf(const LaidPair&) const;
 	void  sortSections();
 	void  numberRecords();
-	void  layOut(Section&);
-	void  listOverflow(Island&);
-	void  color(const Section&);
+	void  color(Section&);
+	void  makeBlocks(Section&);
 	void  makeBlocks(Row&, Model, int points);
-	void  place(LaidPair&, Row&);
-	int   ownRecord(Model);
-	Row&  row(int color, const LaidPair& pair) { return rows_[color][int(pair.model)][pair.points - 1]; }
+	void  place(Section&);
+	void  listOverflow(Island&);
+	int   ownRecords(int count);
 
 	static constexpr std::int32_t none = -1;
 
 	Reductions                reductions_;
 	bool                      stretches_ = false; // the cell may
 	std::vector<BodyKind>     kind_;
+	std::vector<Kind>         kinds_; // a point
 	std::vector<LaidPair>     pairs_;
 	std::vector<std::int32_t> island_, record_; // a body
 	std::vector<Island>       islands_;
 	Slabs                     slabs_;
 	std::vector<Slabs::Edge>  edges_; // of an island
 	std::vector<Section>      sections_; // slabs of all islands, then joints
+	int                       slabSections_ = 0;
 	std::vector<std::int32_t> byIsland_, bySection_, overflow_; // pairs
 	std::vector<signed char>  color_;                           // a pair
-	Row                       rows_[Coloring::colors][models][2];
 	std::vector<PairBlock>    pairBlocks_;
 	std::vector<Chunk>        chunks_; // by section
 	int                       columns_ = 0, records_ = 0;

@@ -66,6 +66,7 @@ void PackedIsland::followImpulses()
 	if (stretches()) packed_.stretch_ = {};
 	forEachRecords([&](const Range& records) { std::copy(free + records.begin, free + records.end, view_.body + records.begin); });
 	applyImpulses();
+	packed_.measures_[number_].reset();
 	packed_.anew_[number_] = true;
 }
 
@@ -155,7 +156,13 @@ double PackedIsland::sweepMomentum(View<Real>& view, void (*extrapolate)(const V
 	return change2;
 }
 
-Measures PackedIsland::measure() { return single_ ? measure(singleView_, *packed_.singleKernels_) : measure(view_, *packed_.kernels_); }
+Measures PackedIsland::measure()
+{
+	if (single_) return measure(singleView_, *packed_.singleKernels_);
+	std::optional<Measures>& known = packed_.measures_[number_];
+	if (!known) known = measure(view_, *packed_.kernels_);
+	return *known;
+}
 
 template <class Real> Measures PackedIsland::measure(const View<Real>& view, const PackedKernelsOf<Real>& kernels)
 {

@@ -39,7 +39,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	kernels_       = &packedKernels(lanes);
 	singleKernels_ = &singleKernels(lanes);
 	const auto start = std::chrono::steady_clock::now();
-	const bool fresh = layout_.update(problem, reductions);
+	const bool fresh = layout_.update(problem, reductions, team);
 	layoutSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 	if (fresh) {
 		++layouts_;
@@ -76,6 +76,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 		overflowOf_.push_back({ begin, int(overflow_.size()) });
 	}
 	anew_.assign(islands(), false);
+	measures_.assign(islands(), std::nullopt);
 	narrowed_.assign(islands(), false);
 	forEachIsland([](PackedIsland&& island) {
 		island.prepare();
@@ -195,6 +196,7 @@ void PackedProblem::rebias(const ContactProblem& problem, const std::vector<doub
 		load(c.p.t, p.t);
 	}
 	if (others) anew_.assign(islands(), false);
+	measures_.assign(islands(), std::nullopt);
 	followImpulses();
 }
 

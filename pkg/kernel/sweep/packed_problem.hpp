@@ -5,6 +5,7 @@
 // overflow (layout.hpp) is solved point by point, after all colours.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "problem/contact_problem.hpp"
@@ -92,6 +93,7 @@ private:
 	std::vector<double>     freeVelocity2_; // an island
 	std::vector<char>       anew_;          // an island: its velocities in body_ have been made anew from its impulses
 	std::vector<char>       narrowed_;      // an island: its blocks of floats hold what this problem has, but for impulses and biases
+	std::vector<std::optional<Measures>> measures_; // an island: of its doubles, where these are as they were measured
 	std::vector<Measures>   partial_;       // a chunk
 	std::vector<double>     sum_;           // a chunk
 	Vec2                    inverseStretchMass_, stretch_, oldStretch_, referenceStretch_; // of the cell, whose points all belong to one island
@@ -156,8 +158,12 @@ private:
 	template <class Real> Impulse  solve(const View<Real>&, const OverflowPoint&, const Impulse& from) const;
 
 	void applyImpulses();
-	/// The velocities are others than impulses alone would make them to the last bit.
-	void sweptOn() { packed_.anew_[number_] = false; }
+	/// The velocities are others than impulses alone would make them to the last bit, and than they were measured.
+	void sweptOn()
+	{
+		packed_.anew_[number_] = false;
+		packed_.measures_[number_].reset();
+	}
 	bool stretches() const { return island_.cell && (packed_.inverseStretchMass_.x > 0 || packed_.inverseStretchMass_.y > 0); }
 	void widen();
 	void refer();

@@ -33,8 +33,10 @@ void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bia
 	packed.rebias(problem, bias);
 	packed.forEachIsland([&](PackedIsland&& island) {
 		Momentum momentum;
+		island.beginSingle();
 		for (int k = 0; k < sweeps; ++k)
 			sweep(island, momentum);
+		island.endSingle();
 	});
 	packed.storeVelocity(problem, velocity);
 	stretch = packed.stretch();

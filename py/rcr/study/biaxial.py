@@ -17,6 +17,7 @@ import json
 import math
 import os
 import time
+import typing
 
 import numpy as np
 from yade import utils
@@ -184,6 +185,19 @@ def checked(
             f"inertial_number × time_step = {inertial_number * time_step:g} is the strain of a step; wanted at most {RECORD:g}, that of a record"
         )
     return made
+
+
+class Look(typing.NamedTuple):
+    """The test after some steps, and what the walls felt in them."""
+
+    step: int
+    time: float  # [s]
+    width: float  # [m]
+    height: float  # [m]
+    stresses: np.ndarray  # σ_x and σ_y, means of the steps [Pa], compression positive
+    points: int  # of the last step, as what follows
+    iterations: int
+    residual: float  # [-]
 
 
 class Springs:
@@ -475,8 +489,10 @@ class Biaxial:
     def pace(self, strain=None):
         """I and dt/t₀ of the shear, now or at a strain: the approach has I ≥ `INERTIAL_NUMBER` in steps of `TIME_STEP` at most."""
         rate, step = (self.parameters[name] for name in ("inertial_number", "time_step"))
-        approaching = (self.strain if strain is None else strain) < self.parameters["approach"] - 0.5 * RECORD
-        return (max(rate, INERTIAL_NUMBER), min(step, TIME_STEP)) if approaching else (rate, step)
+        return (max(rate, INERTIAL_NUMBER), min(step, TIME_STEP)) if self._approaches(strain) else (rate, step)
+
+    def _approaches(self, strain=None):
+        return (self.strain if strain is None else strain) < self.parameters["approach"] - 0.5 * RECORD
 
     def top_speed(self, strain=None):
         """Speed of the top wall, now or at a strain, after its ramp [m/s]."""
@@ -486,41 +502,62 @@ class Biaxial:
     def steps_a_record(self):
         return max(1, round(RECORD * self.time_unit / (self.pace()[0] * O.dt)))
 
+    @property
+    def strain_a_record(self):
+        """Strain of a record, after the ramp [-]."""
+        return self.top_speed() * self.steps_a_record * O.dt / self.progress["first_height"]
+
     def shear_record(self):
-        """Shear by one record: 0.1 % of strain, and a row of the history.
+        """Shear by one record: 0.1 % of strain, and a row of the history. See `shear`."""
+        self.shear(1)
+
+    def shear(self, records):
+        """Shear by so many records, each of 0.1 % of strain and with a row of the history.
+
+        Runs are as long as walls, time step and flow stay as they are, since each costs a look at all grains; the results are to the bit those of
+        one run a record.
 
         Raises
         ------
         RuntimeError
             If the packing has blown up.
         """
-        ramp = min(1, max(self.strain, RECORD / 10) / RAMP)
-        O.bodies[self.top].state.vel = Vector3(0, -ramp * self.top_speed(), 0)
-        if not isinstance(self.solver, Springs):
-            O.dt = self.pace()[1] * self.time_unit
-        if self.solver.overdamped:
-            self.solver.flow = self._flow()
-        self._steps(self.steps_a_record)
-        x, y = self.mean_stresses
+        while records > 0:
+            ramp = min(1, max(self.strain, RECORD / 10) / RAMP)
+            O.bodies[self.top].state.vel = Vector3(0, -ramp * self.top_speed(), 0)
+            if not isinstance(self.solver, Springs):
+                O.dt = self.pace()[1] * self.time_unit
+            if self.solver.overdamped:
+                self.solver.flow = self._flow()
+            alike = 1 if ramp < 1 or self.solver.overdamped or self._approaches() else records
+            try:
+                self._steps(self.steps_a_record, alike)
+            finally:
+                self.rows += map(self._row, self.looks)
+            records -= alike
+
+    def _row(self, look):
+        """A row of the history; its step may be one of many in a run."""
+        x, y = look.stresses
+        first, fraction = self.progress["first_height"], self.area / (look.width * look.height)
+        strain = (first - look.height) / first
         low, high = POSSIBLE
-        if not (np.isfinite([x, y, self.strain]).all() and low < self.packing_fraction < high):
+        if not (np.isfinite([x, y, strain]).all() and low < fraction < high):
             raise RuntimeError(
-                f"the packing has blown up by step {O.iter}, strain {self.strain:.4g}: packing fraction {self.packing_fraction:.4g}, stresses of the "
+                f"the packing has blown up by step {look.step}, strain {strain:.4g}: packing fraction {fraction:.4g}, stresses of the "
                 f"walls {x / STRESS:.3g} and {y / STRESS:.3g} σ₀; a smaller time step, inertial number or tolerance may help"
             )
-        self.rows.append(
-            dict(
-                step=O.iter,
-                time=O.time,
-                strain=self.strain,
-                sin_phi=sin_phi(self.mean_stresses),
-                stress_x=x,
-                stress_y=y,
-                packing_fraction=self.packing_fraction,
-                points=self.solver.contactPoints,
-                iterations=self.solver.iterations,
-                residual=self.solver.residual,
-            )
+        return dict(
+            step=look.step,
+            time=look.time,
+            strain=strain,
+            sin_phi=sin_phi(look.stresses),
+            stress_x=x,
+            stress_y=y,
+            packing_fraction=fraction,
+            points=look.points,
+            iterations=look.iterations,
+            residual=look.residual,
         )
 
     def _flow(self):
@@ -528,38 +565,60 @@ class Biaxial:
         closing = O.bodies[self.top].state.vel[1] / self.height
         return Matrix3(-closing, 0, 0, 0, closing, 0, 0, 0, 0)
 
-    def _steps(self, count):
-        """Make steps; add up the solver's work and average the wall stresses, which fluctuate from step to step."""
+    def _steps(self, count, times=1):
+        """Make steps, and a look after each `count`, which is left in `looks`; add up the solver's work and average the wall stresses, which
+        fluctuate from step to step."""
         start = time.perf_counter()
+        self.looks = []
         if isinstance(self.solver, Springs):
-            stresses = []
-            for left in reversed(range(count)):
-                O.step()
-                if left % SMOOTH_STRIDE == 0:
-                    stresses.append(self.wall_stresses())
-            self.mean_stresses = np.mean(stresses, axis=0)
+            for _ in range(times):
+                self._smooth_steps(count)
         else:
-            self._rigid_steps(count)
+            self._rigid_steps(count, times)
+        self.mean_stresses = self.looks[-1].stresses
         self.progress["wall_seconds"] += time.perf_counter() - start
 
-    def _rigid_steps(self, count):
-        walls = [self.left, self.right, self.bottom, self.top]
-        self.solver.observe = walls
-        self.solver.observed()
-        before = np.array([self.height, self.height, self.width, self.width])
-        if count == 1:
+    def _smooth_steps(self, count):
+        stresses = []
+        for left in reversed(range(count)):
             O.step()
-        else:
-            O.run(count, True)
-        lengths = (before + [self.height, self.height, self.width, self.width]) / 2
-        seen = self.solver.observed()
-        forces = [abs(seen["forces"][wall][axis]) for wall, axis in zip(walls, (0, 0, 1, 1))]
-        self.mean_stresses = (forces / lengths).reshape(2, 2).mean(axis=1)
+            if left % SMOOTH_STRIDE == 0:
+                stresses.append(self.wall_stresses())
+        solver = self.solver
+        self.looks.append(
+            Look(O.iter, O.time, self.width, self.height, np.mean(stresses, axis=0), solver.contactPoints, solver.iterations, solver.residual)
+        )
+
+    def _rigid_steps(self, count, times):
+        self.solver.observe, self.solver.observeEvery = [self.left, self.right, self.bottom, self.top], count
+        self.solver.observed()
+        self.solver.observations()
+        width, height = self.width, self.height
+        try:
+            if count * times == 1:
+                O.step()
+            else:
+                O.run(count * times, True)
+        finally:
+            self.solver.observeEvery = 0
+            for seen in self.solver.observations():
+                width, height = self._take_in(seen, width, height)
+
+    def _take_in(self, seen, width, height):
+        """Take in an observation of the solver; return width and height at its end, those given being of its beginning."""
+        left, right, bottom, top = self.solver.observe
+        before = np.array([height, height, width, width])
+        width, height = seen["positions"][right][0] - seen["positions"][left][0], seen["positions"][top][1] - seen["positions"][bottom][1]
+        lengths = (before + [height, height, width, width]) / 2
+        forces = [abs(seen["forces"][wall][axis]) for wall, axis in zip(self.solver.observe, (0, 0, 1, 1))]
+        stresses = (forces / lengths).reshape(2, 2).mean(axis=1)
+        self.looks.append(Look(seen["step"], seen["time"], width, height, stresses, seen["points"], seen["last_iterations"], seen["last_residual"]))
         self.progress["iterations"] += seen["iterations"]
         self.progress["residual_max"] = max(self.progress["residual_max"], seen["residual"])
         self.progress["missed"] += seen["missed"]
         self.progress["missed_sum"] += seen["missed_sum"]
         self.progress["missed_max"] = max(self.progress["missed_max"], seen["missed_largest"])
+        return width, height
 
     # --- results -------------------------------------------------------------------------------------------------------
 
