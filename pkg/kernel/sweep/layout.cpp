@@ -65,7 +65,7 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions,
 	pairBlocks_.clear();
 	overflow_.clear();
 	columns_ = 0;
-	coloring_.reset(kind_.size());
+	coloring_.reset(records_);
 	color_.resize(pairs_.size());
 	for (const auto& [begin, end] : { std::pair(0, slabSections_), std::pair(slabSections_, int(sections_.size())) }) // sections of a part share no body
 		team.share(begin, end, [&](int k) { color(sections_[k]); });

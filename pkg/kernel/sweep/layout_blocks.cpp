@@ -3,18 +3,18 @@
 
 namespace rcr {
 
-/// Colours the pairs of a section and counts them.
+/// Colours the pairs of a section and counts them. Bodies go by their records, which of one slab stand side by side: two threads never write to one line.
 void Layout::color(Section& section)
 {
 	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
 		const LaidPair& pair = pairs_[bySection_[k]];
 		for (int body : { pair.body1, pair.body2 })
-			if (moves(body)) coloring_.free(body);
+			if (moves(body)) coloring_.free(record_[body]);
 	}
 	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
 		const int       number = bySection_[k];
 		const LaidPair& pair   = pairs_[number];
-		const int       color  = coloring_.take(pair.body1, moves(pair.body1), pair.body2, moves(pair.body2));
+		const int       color  = coloring_.take(record_[pair.body1], moves(pair.body1), record_[pair.body2], moves(pair.body2));
 		color_[number]         = static_cast<signed char>(color);
 		if (color == Coloring::none) continue;
 		++section.row(color, pair).pairs;

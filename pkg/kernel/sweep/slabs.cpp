@@ -33,20 +33,22 @@ void Slabs::connect(const std::vector<Edge>& edges)
 	begin_.push_back(int(neighbor_.size()));
 }
 
-/// Adds what can be reached from the root to the order, level after level.
-void Slabs::walk(std::int32_t root, int pass)
+/// Adds what can be reached from the root to the order, level after level. Each neighbour is written, and stays where it is new: a branch on that
+/// would be mispredicted as often as not.
+void Slabs::walk(std::int32_t root, char pass)
 {
-	std::size_t next = order_.size();
-	order_.push_back(root);
-	pass_[root] = pass;
-	while (next < order_.size()) {
+	std::int32_t next = ordered_;
+	order_[ordered_++] = root;
+	pass_[root]        = pass;
+	while (next < ordered_) {
 		level_.push_back(next);
-		for (const std::size_t end = order_.size(); next < end; ++next)
-			for (int k = begin_[order_[next]]; k < begin_[order_[next] + 1]; ++k)
-				if (pass_[neighbor_[k]] != pass) {
-					pass_[neighbor_[k]] = pass;
-					order_.push_back(neighbor_[k]);
-				}
+		for (const std::int32_t end = ordered_; next < end; ++next)
+			for (std::int32_t k = begin_[order_[next]]; k < begin_[order_[next] + 1]; ++k) {
+				const std::int32_t neighbor = neighbor_[k];
+				order_[ordered_]            = neighbor;
+				ordered_ += pass_[neighbor] != pass;
+				pass_[neighbor] = pass;
+			}
 	}
 }
 
@@ -54,14 +56,16 @@ void Slabs::walk(std::int32_t root, int pass)
 void Slabs::walkAll()
 {
 	pass_.assign(body_.size(), 0);
-	order_.clear();
+	order_.resize(body_.size() + 1);
+	ordered_ = 0;
 	level_.clear();
 	for (std::size_t root = 0; root < body_.size(); ++root) {
 		if (pass_[root] != 0) continue;
-		const std::size_t done = order_.size(), levels = level_.size();
-		walk(int(root), 1);
-		const std::int32_t far = order_.back();
-		order_.resize(done);
+		const std::int32_t done   = ordered_;
+		const std::size_t  levels = level_.size();
+		walk(std::int32_t(root), 1);
+		const std::int32_t far = order_[ordered_ - 1];
+		ordered_               = done;
 		level_.resize(levels);
 		walk(far, 2);
 	}
@@ -79,7 +83,7 @@ int Slabs::cut(const std::vector<Edge>& edges, int count, int first)
 			++slabs;
 			levels = 0;
 		}
-		for (std::size_t i = level_[k]; i < (k + 1 < level_.size() ? level_[k + 1] : order_.size()); ++i) {
+		for (std::int32_t i = level_[k]; i < (k + 1 < level_.size() ? level_[k + 1] : ordered_); ++i) {
 			slab_[body_[order_[i]]] = first + slabs - 1;
 			seen += begin_[order_[i] + 1] - begin_[order_[i]];
 		}

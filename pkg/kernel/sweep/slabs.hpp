@@ -27,14 +27,15 @@ public:
 private:
 	void connect(const std::vector<Edge>&);
 	void walkAll();
-	void walk(std::int32_t root, int pass);
+	void walk(std::int32_t root, char pass);
 
 	std::vector<std::int32_t> slab_, local_;     // a body: its slab, its number in the island
 	std::vector<std::int32_t> body_;             // of a number in the island, as are the next three
 	std::vector<std::int32_t> begin_, neighbor_; // its neighbours, and the end
-	std::vector<int>          pass_;             // the last walk that came by
-	std::vector<std::int32_t> order_;            // of the walk
-	std::vector<std::size_t>  level_;            // where its levels begin
+	std::vector<char>         pass_;             // the last walk that came by
+	std::vector<std::int32_t> order_;            // of the walk, and room for one more
+	std::int32_t              ordered_ = 0;      // how many of these there are
+	std::vector<std::int32_t> level_;            // where the levels of the walk begin
 };
 
 } // namespace rcr
