@@ -25,10 +25,7 @@ public:
 		if (lowest >> colors) return none;
 		if (limits1) used_[body1] |= lowest;
 		if (limits2) used_[body2] |= lowest;
-		int color = 0;
-		while (lowest >> color != 1)
-			++color;
-		return color;
+		return __builtin_ctz(lowest);
 	}
 
 private:

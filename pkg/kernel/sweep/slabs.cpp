@@ -1,5 +1,7 @@
 #include "sweep/slabs.hpp"
 
+#include <numeric>
+
 namespace rcr {
 
 void Slabs::reset(std::size_t bodies)
@@ -12,44 +14,50 @@ void Slabs::reset(std::size_t bodies)
 void Slabs::connect(const std::vector<Edge>& edges)
 {
 	body_.clear();
-	begin_.assign(1, 0);
-	for (const Edge& edge : edges)
-		for (const std::int32_t body : edge) {
+	renumbered_ = edges;
+	begin_.clear();
+	for (Edge& edge : renumbered_)
+		for (std::int32_t& body : edge) {
 			if (slab_[body] == none) {
 				slab_[body]  = 0;
 				local_[body] = int(body_.size());
 				body_.push_back(body);
 				begin_.push_back(0);
 			}
-			++begin_[local_[body] + 1];
+			body = local_[body];
+			++begin_[body];
 		}
-	for (std::size_t k = 1; k < begin_.size(); ++k)
-		begin_[k] += begin_[k - 1];
+	std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+	begin_.push_back(begin_.empty() ? 0 : begin_.back());
 	neighbor_.resize(2 * edges.size());
-	for (auto edge = edges.rbegin(); edge != edges.rend(); ++edge) // backwards, begin_ being the end of each list until then
+	for (auto edge = renumbered_.rbegin(); edge != renumbered_.rend(); ++edge) // backwards, begin_ being the end of each list until then
 		for (int side : { 0, 1 })
-			neighbor_[--begin_[local_[(*edge)[side]] + 1]] = local_[(*edge)[1 - side]];
-	begin_.erase(begin_.begin());
-	begin_.push_back(int(neighbor_.size()));
+			neighbor_[--begin_[(*edge)[side]]] = (*edge)[1 - side];
 }
 
 /// Adds what can be reached from the root to the order, level after level. Each neighbour is written, and stays where it is new: a branch on that
 /// would be mispredicted as often as not.
 void Slabs::walk(std::int32_t root, char pass)
 {
-	std::int32_t next = ordered_;
-	order_[ordered_++] = root;
-	pass_[root]        = pass;
-	while (next < ordered_) {
+	const std::int32_t *const begin = begin_.data(), *const neighbors = neighbor_.data();
+	std::int32_t* const       order = order_.data();
+	char* const               came  = pass_.data();
+	std::int32_t              next = ordered_, ordered = ordered_ + 1;
+	order[next] = root;
+	came[root]  = pass;
+	while (next < ordered) {
 		level_.push_back(next);
-		for (const std::int32_t end = ordered_; next < end; ++next)
-			for (std::int32_t k = begin_[order_[next]]; k < begin_[order_[next] + 1]; ++k) {
-				const std::int32_t neighbor = neighbor_[k];
-				order_[ordered_]            = neighbor;
-				ordered_ += pass_[neighbor] != pass;
-				pass_[neighbor] = pass;
+		for (const std::int32_t end = ordered; next < end; ++next) {
+			const std::int32_t body = order[next], last = begin[body + 1];
+			for (std::int32_t k = begin[body]; k < last; ++k) {
+				const std::int32_t neighbor = neighbors[k];
+				order[ordered]              = neighbor;
+				ordered += came[neighbor] != pass;
+				came[neighbor] = pass;
 			}
+		}
 	}
+	ordered_ = ordered;
 }
 
 /// Walks from the far end of a first walk: the levels are then short and many. Parts that only overflow connects come one after the other.

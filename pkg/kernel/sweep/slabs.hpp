@@ -32,6 +32,7 @@ private:
 	std::vector<std::int32_t> slab_, local_;     // a body: its slab, its number in the island
 	std::vector<std::int32_t> body_;             // of a number in the island, as are the next three
 	std::vector<std::int32_t> begin_, neighbor_; // its neighbours, and the end
+	std::vector<Edge>         renumbered_;       // of the island, by these numbers
 	std::vector<char>         pass_;             // the last walk that came by
 	std::vector<std::int32_t> order_;            // of the walk, and room for one more
 	std::int32_t              ordered_ = 0;      // how many of these there are
