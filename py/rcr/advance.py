@@ -48,7 +48,7 @@ def advance(steps, label="steps", until=None, every=None):
             count = min(steps - done, every if until else steps)
             made = _run(count, bar, stop)
             done += made
-            if stop.asked or made < count or (until and until()):
+            if stop.asked or made < count or (until and done % every == 0 and until()):
                 break
     return not stop.asked
 

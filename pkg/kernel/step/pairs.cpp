@@ -118,10 +118,8 @@ void Pairs::number(Step& step) const
 
 void Pairs::contacts(Step& step, Team& team) const
 {
-	std::vector<std::int32_t> touching;
-	touching.reserve(all.size());
-	std::vector<std::int32_t> first; // point of each
-	first.reserve(all.size());
+	std::vector<std::int32_t> touching, first; // numbers of pairs that touch, and of their first points
+	touching.reserve(all.size()), first.reserve(all.size());
 	int points = 0;
 	for (std::size_t k = 0; k < all.size(); ++k) {
 		if (all[k].points == 0) continue;
