@@ -64,7 +64,7 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions,
 	vacant_.clear();
 	pairBlocks_.clear();
 	overflow_.clear();
-	columns_ = 0;
+	columns_ = pointBlocks_ = 0;
 	coloring_.reset(records_);
 	color_.resize(pairs_.size());
 	for (const auto& [begin, end] : { std::pair(0, slabSections_), std::pair(slabSections_, int(sections_.size())) }) // sections of a part share no body

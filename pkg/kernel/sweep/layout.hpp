@@ -78,6 +78,7 @@ public:
 	std::vector<PairBlock>&          pairBlocks() { return pairBlocks_; }
 	const std::vector<Range>&        vacant() const { return vacant_; } // columns of point blocks with vacant lanes
 	int                              columns() const { return columns_; }
+	int                              pointBlocks() const { return pointBlocks_; }
 	BodyKind                         kind(int body) const { return kind_[body]; }
 
 	/// Halves of records of bodies, then of the prescribed sides of pairs and both sides of vacant slots.
@@ -138,7 +139,7 @@ private:
 	std::vector<signed char>  color_;                           // a pair
 	std::vector<PairBlock>    pairBlocks_;
 	std::vector<Chunk>        chunks_; // by section
-	int                       columns_ = 0, records_ = 0;
+	int                       columns_ = 0, pointBlocks_ = 0, records_ = 0;
 	std::vector<Range>        vacant_;
 	Coloring                  coloring_;
 };

@@ -41,7 +41,8 @@ void Layout::makeBlocks(Row& row, Model model, int points)
 	row.firstBlock  = first;
 	row.nextSlot    = first * blockWidth;
 	row.firstColumn = columns_;
-	chunks_.push_back({ first, blocks, columns_, points, model });
+	chunks_.push_back({ first, blocks, columns_, points, model, pointBlocks_ });
+	pointBlocks_ += blocks * points;
 	pairBlocks_.resize(first + blocks);
 	columns_ += blocks * points * columnsOf(model);
 	if (row.pairs == blocks * blockWidth) return;

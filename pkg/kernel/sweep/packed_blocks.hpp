@@ -123,6 +123,7 @@ static_assert(sizeof(FrictionalBlock) / sizeof(Column) == sizeof(FrictionalBlock
 struct Chunk {
 	std::int32_t firstPair, blocks, firstColumn, pointsPerPair;
 	Model        model;
+	std::int32_t firstPoint; // its blocks of points among those of all chunks
 };
 
 /// Everything the kernels touch.
@@ -173,8 +174,8 @@ template <class Real> struct PackedKernelsOf {
 	/// The same with contacts that yield: the share `kept` of every solution.
 	double (*sweepYielding)(const View&, const Chunk&, double momentum, double kept);
 	/// Sums for the stop criteria at the present impulses and velocities; of floats about a reference, whose `bias` holds its velocities too, with
-	/// the biases of the points in doubles.
-	Measures (*measure)(const View&, const Chunk&, const ColumnOf<double>* exact);
+	/// those of the law, a column for each block of points.
+	Measures (*measure)(const View&, const Chunk&, const ColumnOf<Real>* bias);
 	/// Writes the velocities (u_n + b_n, u_t) of the points to `bias` and `slip` of blocks of floats: those of a reference.
 	void (*refer)(const View&, const Chunk&, ColumnOf<float>* points);
 	/// v_old ← v + β (v − v_old) for halves of records first … last − 1: the two then change places.

@@ -9,7 +9,7 @@
 namespace rcr {
 
 namespace {
-	constexpr int sweepsPerReference = 100; // a reference takes as long as four sweeps; 1000 leave the same residual
+	constexpr int sweepsPerReference = 400; // a reference takes as long as four sweeps; 1000 leave the same residual
 }
 
 // ---- points of the overflow
@@ -158,15 +158,15 @@ double PackedIsland::sweepMomentum(View<Real>& view, void (*extrapolate)(const V
 
 Measures PackedIsland::measure()
 {
-	if (single_) return measure(singleView_, *packed_.singleKernels_);
+	if (single_) return measure<float>(singleView_, *packed_.singleKernels_, packed_.singleBias_.data());
 	std::optional<Measures>& known = packed_.measures_[number_];
-	if (!known) known = measure(view_, *packed_.kernels_);
+	if (!known) known = measure<double>(view_, *packed_.kernels_, nullptr);
 	return *known;
 }
 
-template <class Real> Measures PackedIsland::measure(const View<Real>& view, const PackedKernelsOf<Real>& kernels)
+template <class Real> Measures PackedIsland::measure(const View<Real>& view, const PackedKernelsOf<Real>& kernels, const ColumnOf<Real>* bias)
 {
-	forEachChunk([&](const Chunk& chunk, int k) { packed_.partial_[k] = kernels.measure(view, chunk, view_.points); });
+	forEachChunk([&](const Chunk& chunk, int k) { packed_.partial_[k] = kernels.measure(view, chunk, bias); });
 	Measures total = sum(packed_.partial_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		const Impulse u = relativeVelocity(view, c);
@@ -220,14 +220,17 @@ void PackedIsland::beginSingle()
 	});
 	forEachChunk([&](const Chunk& chunk, int number) {
 		bool fits = true;
-		for (int first = chunk.firstColumn; first < chunk.firstColumn + columns(chunk); first += columnsOf(chunk.model)) {
+		for (int block = 0; block < chunk.blocks * chunk.pointsPerPair; ++block) {
+			const int first = chunk.firstColumn + block * columnsOf(chunk.model);
 			if (packed_.narrowed_[number_]) copyImpulses(view_.points + first, singleView_.points + first, chunk.model);
 			else
 				for (int k = first; k < first + columnsOf(chunk.model); ++k)
 					narrow(view_.points[k], singleView_.points[k]);
 			const PointBlock& point = pointAt(view_.points + first);
-			for (int lane = 0; lane < blockWidth; ++lane)
+			for (int lane = 0; lane < blockWidth; ++lane) {
 				fits = fits & fitsFloat(point.inverseNn[lane]) & (point.pn[lane] < 1e12);
+				packed_.singleBias_[chunk.firstPoint + block].of[lane] = float(point.bias[lane]);
+			}
 		}
 		packed_.sum_[number] = !fits;
 	});

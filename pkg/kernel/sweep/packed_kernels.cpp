@@ -229,32 +229,26 @@ namespace RCR_LANE_NAMESPACE {
 			return sweepKeeping(view, chunk, momentum, Share { Real(kept) });
 		}
 
-		/// The biases of points: of floats those in doubles, beside which theirs holds the velocity of the reference, too.
-		INLINE inline L biasOf(const PointBlock& c, int lane, [[maybe_unused]] const ColumnOf<double>* exact)
+		/// The biases of points: of floats those of the law, beside which theirs holds the velocity of the reference, too.
+		INLINE inline L biasOf(const PointBlock& c, int lane, const Column* bias)
 		{
-			if constexpr (std::is_same_v<Real, double>) return L::load(c.bias + lane);
-			else {
-				alignas(64) Real bias[RCR_LANES];
-				const double*    from = reinterpret_cast<const PointBlockOf<double>*>(exact)->bias + lane;
-				for (int k = 0; k < RCR_LANES; ++k)
-					bias[k] = Real(from[k]);
-				return L::load(bias);
-			}
+			return L::load((std::is_same_v<Real, double> ? c.bias : bias->of) + lane);
 		}
 
-		Measures measure(const PackedView& view, const Chunk& chunk, const ColumnOf<double>* exact)
+		Measures measure(const PackedView& view, const Chunk& chunk, const Column* bias)
 		{
 			Sum error2, impulse2, normal, violation2, velocity2, stopping2, taken;
 			dispatch(chunk, [&](auto model, auto) {
-				using M = decltype(model);
+				using M           = decltype(model);
+				const auto* first = reinterpret_cast<const typename M::Block*>(view.points + chunk.firstColumn);
 				forEachPair<M>(view, chunk, [&](const P& at1, const P& at2, const auto* point, int lane) INLINE {
 					const auto [v1, v2] = loadWhole<M>(*point, lane, at1, at2);
 					for (auto* c = point; c < point + chunk.pointsPerPair; ++c) {
 						const Vector u = wholeVelocity(*c, lane, v1, v2), p { L::load(c->pn + lane), tangential(*c, lane) };
 						const L      un = u.n + L::load(c->bias + lane), mu = friction(*c, lane);
-						const L      bias  = biasOf(*c, lane, exact + (reinterpret_cast<const ColumnOf<Real>*>(c) - view.points));
-						const L      speed = std::is_same_v<Real, double> ? u.n : un - bias; // else without the reference's
-						const L      scale = L::load(c->inverseNn + lane), stopping = (abs(speed) + abs(bias)) * scale;
+						const L      law   = biasOf(*c, lane, bias + chunk.firstPoint + (c - first));
+						const L      speed = std::is_same_v<Real, double> ? u.n : un - law; // else without the reference's
+						const L      scale = L::load(c->inverseNn + lane), stopping = (abs(speed) + abs(law)) * scale;
 						const Vector q     = projectCone({ p.n - (un + mu * abs(u.t)) * scale, p.t - u.t * scale }, mu);
 						const L      miss = (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
 						error2.add(lane, miss);

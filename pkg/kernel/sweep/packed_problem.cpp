@@ -52,6 +52,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 		singleBody_.assign(body_.size(), {}); // prescribed sides never differ from the reference
 		singleOldBody_.assign(body_.size(), {});
 		singlePoint_.resize(point_.size());
+		singleBias_.resize(layout_.pointBlocks());
 	}
 	partial_.resize(layout_.chunks().size());
 	sum_.resize(layout_.chunks().size());

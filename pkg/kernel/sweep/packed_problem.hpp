@@ -88,6 +88,7 @@ private:
 	std::vector<Column>            rememberedPoint_; // of which the impulses count
 	std::vector<TwoHalves<float>>  singleBody_, singleOldBody_; // the same about a reference
 	std::vector<ColumnOf<float>>   singlePoint_;
+	std::vector<ColumnOf<float>>   singleBias_; // of the law; that of `singlePoint_` holds the velocity of the reference, too
 	std::vector<OverflowPoint>  overflow_;
 	std::vector<Range>      overflowOf_;        // an island
 	std::vector<double>     freeVelocity2_; // an island
@@ -152,7 +153,7 @@ private:
 	template <class Real> using View = PackedViewOf<Real>;
 
 	template <class Real, class Kernel> double sweepMomentum(View<Real>&, void (*extrapolate)(const View<Real>&, int, int, double), double momentum, double kept, Kernel);
-	template <class Real> Measures measure(const View<Real>&, const PackedKernelsOf<Real>&);
+	template <class Real> Measures measure(const View<Real>&, const PackedKernelsOf<Real>&, const ColumnOf<Real>* bias);
 	template <class Real> Impulse  relativeVelocity(const View<Real>&, const OverflowPoint&) const;
 	template <class Real> void     applyImpulse(const View<Real>&, const OverflowPoint&, const Impulse&);
 	template <class Real> Impulse  solve(const View<Real>&, const OverflowPoint&, const Impulse& from) const;
