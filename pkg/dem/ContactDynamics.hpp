@@ -10,6 +10,7 @@
 #pragma once
 
 #include <map>
+#include <mutex>
 #include <memory>
 
 #include <core/Body.hpp>
@@ -61,8 +62,8 @@ public:
 		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"What the last step has added to `followed`, and the impulses do not know yet"))
 		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"What the solver may drop where the scene does not need it, seen anew in each step; :yref:`model<ContactDynamics.model>` tells what is left. frictionless: pairs without friction carry one unknown a point. discs: where no normal has a lever, nothing turns without friction, and with it normal and tangential impulses know nothing of each other. fixed: bodies of prescribed motion have no unknowns. islands: what does not touch is solved apart, each to its own convergence. layout: order and colours are kept while the contacts last. All of them change nothing but the time; leave names out to compare"))
 		((bool,arrays,true,,"Whether steps of an ``O.run`` are taken in arrays, without YADE's objects, where nothing looks at these in between: until a PyRunner or a recorder is due, or 100 steps and half a second are over. Changes no bit; :yref:`model<ContactDynamics.model>` tells which way steps went"))
-		((std::vector<int>,observe,,,"Ids of bodies whose contact forces :yref:`observed<ContactDynamics.observed>` averages"))
-		((int,observeEvery,0,Attr::noSave,"Steps of each entry of :yref:`observations<ContactDynamics.observations>`; 0: none are kept. Not saved"))
+		((std::vector<int>,observe,,,"Ids of bodies whose contact forces :yref:`observed<ContactDynamics.observed>` averages: clumps, not their members. A change of it begins anew"))
+		((int,observeEvery,0,Attr::noSave,"Steps of each entry of :yref:`observations<ContactDynamics.observations>`; 0: none are kept. Not saved, and neither is what has been observed"))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step, in the island that needs most, summed over its passes: one, and a further one each time the solution shows contacts that were not foreseen, gaps that close otherwise than their planes say, or restitution that gives energy"))
 		((Real,residual,0,Attr::readonly,"Residual reached in the last step [-]"))
 		((Real,violation,0,Attr::readonly,"What :yref:`maxViolation<ContactDynamics.maxViolation>` bounds, after the last step [-]"))
@@ -116,6 +117,7 @@ private:
 	void          bookEnergy(const std::vector<rcr::Twist>& loads, const Vector3r& gravity);
 
 	struct Observed {
+		std::vector<int>          ids; // of `observe`
 		long                      steps = 0, iterations = 0, missed = 0;
 		double                    residual = 0, missedSum = 0, missedLargest = 0;
 		std::map<int, rcr::Twist> force; // sums, by body [N, N m]
@@ -127,15 +129,18 @@ private:
 		long                     step = 0;
 		double                   time = 0, residual = 0;
 		int                      points = 0, iterations = 0;
-		std::map<int, rcr::Vec2> position; // by body [m]; empty until the next step begins
+		std::map<int, rcr::Vec2> position; // by body [m], of those that are still there
+		bool                     placed = false; // not until the next step begins
 	};
 
 	boost::python::dict dictOf(const Observed&) const;
 	template <class Place> void place(Place placeOf);
+	void                        checkObserved() const;
 
 	gate::Watch                   gate_;
 	Observed                      observed_;
 	std::vector<Observation>      observations_;
+	std::mutex                    observing_; // both, which a session may ask for in mid-run
 	rcr::Step                     step_; // memory is kept between steps; the contents are of the last one
 	StepSources                   sources_;
 	std::shared_ptr<FlatSteps>    flat_;

@@ -1,5 +1,6 @@
 // What ContactDynamics tells of a step: balance, missed steps, energy, and what Python asks for.
 #include <array>
+#include <optional>
 #include <sstream>
 
 #include <core/Omega.hpp>
@@ -80,13 +81,32 @@ void ContactDynamics::measureUnbalance()
 /// The end of the last entry is where the next step begins.
 template <class Place> void ContactDynamics::place(Place placeOf)
 {
-	if (observations_.empty() || !observations_.back().position.empty()) return;
-	for (int id : observe)
-		observations_.back().position[id] = placeOf(id);
+	if (observations_.empty() || std::exchange(observations_.back().placed, true)) return;
+	for (int id : observations_.back().of.ids)
+		if (const std::optional<rcr::Vec2> at = placeOf(id)) observations_.back().position[id] = *at;
+}
+
+void ContactDynamics::checkObserved() const
+{
+	for (int id : observe) {
+		const std::string holds = "ContactDynamics.observe holds " + std::to_string(id);
+		if (id < 0 || std::size_t(id) >= step_.bodies.size()) gate::refuse(holds + "; wanted ids of bodies, 0 to " + std::to_string(step_.bodies.size() - 1) + ".");
+		if (!sources_.state[id]) gate::refuse(holds + ", a body that has been erased; take it out.");
+		const int owner = step_.bodies[id].owner;
+		if (owner != id) gate::refuse(holds + ", a member of the clump " + std::to_string(owner) + ", on which its contacts act; give that.");
+	}
 }
 
 void ContactDynamics::observeStep(const std::vector<rcr::Twist>& loads)
 {
+	checkObserved();
+	const std::lock_guard<std::mutex> lock(observing_);
+	place([&](int id) -> std::optional<rcr::Vec2> {
+		if (std::size_t(id) >= step_.bodies.size() || !sources_.state[id]) return {};
+		return step_.bodies[id].center;
+	});
+	if (observed_.ids != observe) observed_ = {}; // means are of steps that have observed the same
+	observed_.ids = observe;
 	++observed_.steps;
 	observed_.iterations += iterations;
 	observed_.residual = std::max(observed_.residual, double(residual));
@@ -97,20 +117,21 @@ void ContactDynamics::observeStep(const std::vector<rcr::Twist>& loads)
 		observed_.missedLargest = std::max(observed_.missedLargest, by);
 	}
 	for (int id : observe) {
-		if (id < 0 || std::size_t(id) >= loads.size())
-			gate::refuse("ContactDynamics.observe holds " + std::to_string(id) + "; wanted ids of bodies, 0 to " + std::to_string(loads.size() - 1) + ".");
 		rcr::Twist& sum = observed_.force[id];
 		sum = { sum.x + loads[id].x / step_.dt, sum.y + loads[id].y / step_.dt, sum.rotation + loads[id].rotation / step_.dt };
 	}
-	place([&](int id) { return step_.bodies[id].center; });
 	if (observeEvery == 0 || observed_.steps < observeEvery) return;
-	observations_.push_back({ std::exchange(observed_, {}), scene->iter + 1, double(scene->time + scene->dt), double(residual), contactPoints, iterations, {} });
+	observations_.push_back({ std::exchange(observed_, {}), scene->iter + 1, double(scene->time + scene->dt), double(residual), contactPoints, iterations, {}, false });
 }
 
 boost::python::list ContactDynamics::observationsList()
 {
 	namespace py = boost::python;
-	place([&](int id) { return plane::toPlane((*scene->bodies)[id]->state->pos); });
+	const std::lock_guard<std::mutex> lock(observing_);
+	place([&](int id) -> std::optional<rcr::Vec2> {
+		if (!scene->bodies->exists(id)) return {};
+		return plane::toPlane((*scene->bodies)[id]->state->pos);
+	});
 	py::list all;
 	for (const Observation& one : observations_) {
 		py::dict entry = dictOf(one.of), positions;
@@ -125,13 +146,17 @@ boost::python::list ContactDynamics::observationsList()
 	return all;
 }
 
-boost::python::dict ContactDynamics::observedDict() { return dictOf(std::exchange(observed_, {})); }
+boost::python::dict ContactDynamics::observedDict()
+{
+	const std::lock_guard<std::mutex> lock(observing_);
+	return dictOf(std::exchange(observed_, {}));
+}
 
 boost::python::dict ContactDynamics::dictOf(const Observed& now) const
 {
 	namespace py = boost::python;
 	py::dict observed, forces;
-	for (int id : observe) {
+	for (int id : now.steps > 0 ? now.ids : observe) {
 		const auto       sum  = now.force.find(id);
 		const rcr::Twist mean = sum == now.force.end() ? rcr::Twist {} : sum->second;
 		const double     over = double(std::max(1L, now.steps));

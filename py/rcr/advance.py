@@ -14,7 +14,7 @@ PAUSE = 0.02  # s between two looks at a run and at Ctrl-C
 def advance(steps, label="steps", until=None, every=None):
     """Make steps as ``O.run(steps, wait=True)`` does, with a progress bar on a terminal.
 
-    A first Ctrl-C (or SIGTERM) ends the run after a whole step, so that a script can write what it has:
+    Outside the main thread, which alone hears of Ctrl-C, it makes the steps all the same. A first Ctrl-C (or SIGTERM) ends the run after a whole step, so that a script can write what it has:
     ``if not rcr.advance(5000): print("stopped early")``. A second one raises KeyboardInterrupt. An engine ends it by ``O.pause()``.
 
     Parameters
@@ -24,22 +24,26 @@ def advance(steps, label="steps", until=None, every=None):
     label : str
         What the bar is of.
     until : callable, optional
-        Ends the run when it returns True; it is asked after each `every` steps, so that runs repeat.
+        Ends the run when it returns True; it is asked after each `every` whole steps, so that runs repeat.
     every : int, optional
         By default a hundredth of the steps.
 
     Returns
     -------
     bool
-        False if the user stopped it.
+        False if the user stopped it; ``O.iter`` tells how far it came.
 
     Raises
     ------
     ValueError
         If a number is not whole and at least 1; and what ``O.run`` raises.
+    RuntimeError
+        If a run is under way.
     """
     from tqdm import tqdm
 
+    if Omega().running:
+        raise RuntimeError("rcr.advance: a run is under way, perhaps the one of the engine that calls it; wanted a scene at rest: O.pause() or O.wait() first")
     steps = checks.whole("steps", steps, "a number of steps, at least 1", lambda v: v >= 1)
     every = checks.whole("every", max(1, steps // 100) if every is None else every, "a number of steps, at least 1", lambda v: v >= 1)
     with stoppable() as stop, tqdm(total=steps, desc=label, unit="step", disable=None, delay=SHOWN, leave=False) as bar:

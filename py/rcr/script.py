@@ -6,6 +6,7 @@ import math
 import os
 import signal
 import sys
+import threading
 
 from rcr import files
 
@@ -126,8 +127,12 @@ class Stop:
 
 @contextlib.contextmanager
 def stoppable():
-    """Block in which a first Ctrl-C or SIGTERM only sets `asked` of what it yields; a second one ends the block where it is."""
+    """Block in which a first Ctrl-C or SIGTERM only sets `asked` of what it yields; a second one ends the block where it is. Other threads than the
+    main one hear of neither."""
     stop = Stop()
+    if threading.current_thread() is not threading.main_thread():
+        yield stop
+        return
 
     def ask(number, frame):
         if stop.asked:

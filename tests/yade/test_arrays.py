@@ -1,6 +1,7 @@
 """Steps in arrays (pkg/dem/flatSteps.hpp) give the bits of YADE's engines, and whoever looks sees the scene as it is."""
 
 import math
+import threading
 import time
 
 import numpy as np
@@ -318,3 +319,60 @@ def test_an_engine_ends_advance():
     pressed()
     O.engines = [*O.engines, PyRunner(iterPeriod=7, firstIterRun=7, command="O.pause()")]
     assert rcr.advance(50) and O.iter == 8
+
+
+def test_a_change_of_what_is_observed_begins_anew():
+    """Sums over 25 steps were divided by 100, and entries that were complete took the new names."""
+    pressed()
+    watched = solver()
+    watched.observe, watched.observeEvery = [3], 100
+    O.run(175, True)
+    watched.observe = [3, 60]
+    O.run(125, True)
+    first, second = watched.observations()
+    assert set(first["forces"]) == set(first["positions"]) == {3} and first["steps"] == 100
+    assert set(second["forces"]) == set(second["positions"]) == {3, 60} and (second["steps"], second["step"]) == (100, 275)
+    assert watched.observed()["steps"] == 25
+
+
+def test_an_observed_body_that_is_erased():
+    """The history asked for its position: the process ended."""
+    pressed()
+    watched = solver()
+    watched.observe, watched.observeEvery = [5, 60], 50
+    O.run(100, True)
+    O.bodies.erase(5)
+    first, second = watched.observations()
+    assert set(first["positions"]) == set(second["forces"]) == {5, 60} and set(second["positions"]) == {60}
+    with pytest.raises(RuntimeError, match="ContactDynamics.observe holds 5, a body that has been erased; take it out"):
+        O.run(10, True)
+    watched.observe = [60]
+    O.run(60, True)
+    assert len(watched.observations()) == 1
+
+
+def test_a_member_of_a_clump_is_not_observed():
+    """Its contacts act on the clump: it told of no force."""
+    build(rcr.wall("y", 0, +1), dt=1e-3)
+    clump, (member, _) = rcr.clump([rcr.particle((0, 0.1), R, 0.5), rcr.particle((0, 0.1), R, 0.5, math.pi / 2)])
+    solver().observe = [member]
+    with pytest.raises(RuntimeError, match=f"observe holds {member}, a member of the clump {clump}, on which its contacts act; give that"):
+        O.run(2, True)
+
+
+def test_advance_beside_another_run_is_refused():
+    """It ended the other run; called by an engine it waited for that engine's own."""
+    pressed()
+    O.engines = [*O.engines, PyRunner(iterPeriod=5, firstIterRun=5, command="import rcr; rcr.advance(3)")]
+    with pytest.raises(RuntimeError, match="rcr.advance: a run is under way"):
+        O.run(20, True)
+
+
+def test_advance_in_a_thread():
+    """Only the main thread hears of signals."""
+    pressed()
+    done = []
+    thread = threading.Thread(target=lambda: done.append(rcr.advance(30)))
+    thread.start()
+    thread.join()
+    assert done == [True] and O.iter == 30
