@@ -168,8 +168,8 @@ bool FlatSteps::goOn(Scene& scene, const gate::Engines& engines, rcr::Team& team
 	scene.forces.reset(scene.iter);
 	load(scene, early_);
 	gatherAgain(scene, engines, team, watched_, sources, step);
-	const bool serves = neighbours_.serve(step, team);
-	if (first || !serves) pairs_.become(serves ? neighbours_.list() : neighbours_.find(step, team));
+	const bool changed = neighbours_.update(step, team);
+	if (first || changed) pairs_.become(neighbours_.list());
 	pairs_.detect(step, team);
 	setPhysics(scene, engines);
 	if (!late_.empty()) {

@@ -89,6 +89,13 @@ def mixed():
     serve_spheres()
 
 
+def shot():
+    """Discs that fly fast above grains at rest, and through their gaps: the list of neighbours is mended round them."""
+    build(*grains(160, 20, 7), *walls(2.5), *[rcr.disc((0.1 + 0.2 * k, 1.05 + 0.1 * k), 0.3 * R, material(0.5)) for k in range(3)], dt=1e-3, **SOLVER)
+    for k in range(163, 166):
+        O.bodies[k].state.vel = Vector3(6, -3, 0)
+
+
 def watched():
     """A PyRunner that reads and writes bodies in mid-run."""
     build(*grains(40, 6, 5), *walls(0.9), dt=2e-3, **SOLVER)
@@ -111,7 +118,7 @@ def cell():
     O.cell.velGrad = Matrix3(-0.03, 0.2, 0, 0, -0.03, 0, 0, 0, 0)
 
 
-SCENES = [pressed, without_inertia, in_a_flow_that_follows, pile, drum, mixed, watched]
+SCENES = [pressed, without_inertia, in_a_flow_that_follows, pile, drum, mixed, shot, watched]
 
 
 def contacts():

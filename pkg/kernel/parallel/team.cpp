@@ -6,7 +6,7 @@ namespace rcr {
 
 namespace {
 	using namespace std::chrono_literals;
-	constexpr int  priceOfStall = 20; // times what a stall took, that the leader then goes on alone: stalls cost a twentieth of all time at most …
+	constexpr int  priceOfStall = 10; // times what a stall took, that the leader then goes on alone: stalls cost a tenth of all time at most …
 	constexpr auto mostAlone    = 400ms; // … and after a long one helpers are soon tried again
 }
 

@@ -12,6 +12,7 @@ namespace {
 
 	constexpr double stepsAhead = 12;             // that a margin is to last
 	constexpr double least = 0.05, most = 0.4;    // margin over the mean cap radius
+	constexpr int    strayShare = 50;             // up to 1/50 of the bodies may stray until the list is made anew
 	constexpr int    atATime = 256;               // bodies in a part of the work
 	constexpr int    cellsAGrain = 4;             // of the grid at most
 
@@ -37,6 +38,15 @@ namespace {
 		return { low, x[x.size() - 1 - few] };
 	}
 
+	/// The largest of some numbers but for the share of strays.
+	double farthest(std::vector<double>& x)
+	{
+		if (x.empty()) return 0;
+		const auto place = x.end() - 1 - std::ptrdiff_t(x.size() / (10 * strayShare));
+		std::nth_element(x.begin(), place, x.end());
+		return *place;
+	}
+
 	bool first(const PlanarShape& a, const PlanarShape& b, std::int32_t idA, std::int32_t idB)
 	{
 		return a.kind != b.kind ? a.kind < b.kind : idA < idB;
@@ -49,19 +59,36 @@ Neighbours::Place Neighbours::placeOf(const StepBody& body) const
 	return { body.shape, body.pose(), body.alertDistance };
 }
 
-bool Neighbours::serve(const Step& step, Team& team) const
+/// Lists the bodies that have gone further than the margin; false where one is not what it was.
+bool Neighbours::findStrays(const Step& step, Team& team)
 {
+	strays_.clear();
 	if (at_.size() != step.bodies.size()) return false;
-	std::atomic<bool> serves { true };
+	std::atomic<bool> same { true };
+	isStray_.assign(at_.size(), false);
 	team.forEach(at_.size(), [&](std::size_t id) {
 		const StepBody& body = step.bodies[id];
 		const Place&    at   = at_[id];
 		if (body.shape.kind == PlanarShape::none && at.shape.kind == PlanarShape::none) return;
-		const double more = body.alertDistance - at.reach;
-		if (body.shape.kind != at.shape.kind || body.shape.radius() != at.shape.radius() || body.shape.halfWidth != at.shape.halfWidth || way(at.shape, at.pose, body.shape, body.pose()) + more > margin_)
-			serves.store(false, std::memory_order_relaxed);
+		if (body.shape.kind != at.shape.kind || body.shape.radius() != at.shape.radius() || body.shape.halfWidth != at.shape.halfWidth)
+			same.store(false, std::memory_order_relaxed);
+		else
+			isStray_[id] = way(at.shape, at.pose, body.shape, body.pose()) + body.alertDistance - at.reach > margin_;
 	});
-	return serves;
+	if (!same) return false;
+	for (std::size_t id = 0; id < isStray_.size(); ++id)
+		if (isStray_[id]) strays_.push_back(std::int32_t(id));
+	return true;
+}
+
+bool Neighbours::update(const Step& step, Team& team)
+{
+	const bool same = findStrays(step, team);
+	if (same && strays_.empty()) return false;
+	if (same && wide_.size() + strays_.size() <= widest_ + at_.size() / strayShare) mend(step, team);
+	else
+		find(step, team);
+	return true;
 }
 
 double Neighbours::extent(std::size_t id) const { return at_[id].shape.radius() + at_[id].reach + margin_; }
@@ -82,17 +109,19 @@ Neighbours::Box Neighbours::box(std::size_t id, double more) const
 
 void Neighbours::chooseMargin(const Step& step)
 {
-	double fastest = 0, radii = 0;
-	int    grains = 0;
+	std::vector<double> ways;
+	double              radii = 0;
+	int                 grains = 0;
+	ways.reserve(step.bodies.size());
 	for (const StepBody& body : step.bodies) {
 		if (body.shape.kind == PlanarShape::none) continue;
-		fastest = std::max(fastest, 0.5 * body.alertDistance); // twice the way of a step
+		ways.push_back(0.5 * body.alertDistance); // twice the way of a step
 		if (!body.shape.grain()) continue;
 		radii += body.shape.halfWidth;
 		++grains;
 	}
 	const double radius = grains > 0 ? radii / grains : 0;
-	margin_             = std::clamp(stepsAhead * fastest, least * radius, most * radius);
+	margin_             = std::clamp(stepsAhead * farthest(ways), least * radius, most * radius);
 }
 
 /// Grains by cells, but for the widest. Few of these cost less than wide cells.
@@ -194,37 +223,53 @@ void Neighbours::amongNarrow(const Step& step, Team& team)
 		list_.insert(list_.end(), found.begin(), found.end());
 }
 
-void Neighbours::ofWide(Team& team)
+/// The pairs of some of the wide bodies; those of two of them once.
+void Neighbours::lookAround(const std::vector<std::int32_t>& bodies, Team& team)
 {
-	found_.resize(wide_.size());
-	team.share(0, int(wide_.size()), [&](int k) {
-		const std::int32_t id = wide_[k];
+	found_.resize(bodies.size());
+	team.share(0, int(bodies.size()), [&](int k) {
+		const std::int32_t id = bodies[k];
 		found_[k].clear();
 		const auto take = [&](std::int32_t other) {
 			const bool ordered = first(at_[id].shape, at_[other].shape, id, other);
 			const auto pair    = ordered ? std::make_pair(id, other) : std::make_pair(other, id);
 			if (meet(at_[pair.first].shape.kind, at_[pair.second].shape.kind) && near(pair.first, pair.second)) found_[k].push_back(pair);
 		};
-		forEachGrain(box(id, 0.5 * width_), take);
-		for (int other = k + 1; other < int(wide_.size()); ++other)
-			take(wide_[other]);
+		forEachGrain(box(id, 0.5 * width_), [&](std::int32_t other) {
+			if (!isWide_[other]) take(other);
+		});
+		for (std::int32_t other : wide_)
+			if (other > id || (other < id && !isStray_[other])) take(other);
 	});
-	const std::size_t narrow = list_.size();
-	for (std::size_t k = 0; k < wide_.size(); ++k)
-		list_.insert(list_.end(), found_[k].begin(), found_[k].end());
-	std::sort(list_.begin() + narrow, list_.end());
-	std::inplace_merge(list_.begin(), list_.begin() + narrow, list_.end());
+	const std::size_t before = list_.size();
+	for (const List& found : found_)
+		list_.insert(list_.end(), found.begin(), found.end());
+	std::sort(list_.begin() + before, list_.end());
+	std::inplace_merge(list_.begin(), list_.begin() + before, list_.end());
 }
 
-const Neighbours::List& Neighbours::find(const Step& step, Team& team)
+void Neighbours::find(const Step& step, Team& team)
 {
 	at_.resize(step.bodies.size());
 	team.forEach(at_.size(), [&](std::size_t id) { at_[id] = placeOf(step.bodies[id]); });
 	chooseMargin(step);
 	sortIntoCells(step);
 	amongNarrow(step, team);
-	ofWide(team);
-	return list_;
+	widest_ = wide_.size();
+	isStray_ = isWide_;
+	lookAround(wide_, team);
+}
+
+/// Each stray leaves its cell, and its pairs are looked for anew.
+void Neighbours::mend(const Step& step, Team& team)
+{
+	for (std::int32_t id : strays_) {
+		at_[id] = placeOf(step.bodies[id]);
+		if (!isWide_[id]) wide_.push_back(id);
+		isWide_[id] = true;
+	}
+	list_.erase(std::remove_if(list_.begin(), list_.end(), [&](const auto& pair) { return isStray_[pair.first] || isStray_[pair.second]; }), list_.end());
+	lookAround(strays_, team);
 }
 
 } // namespace rcr

@@ -5,8 +5,9 @@
 //
 //   |x − x₀| + a |t − t₀| + e − e₀ ≤ s        a |t − t₀|: way of the ends of its core as it turns
 //
-// The margin s is what the fastest body goes in some steps, within bounds. Candidates come from a grid of cells as wide as all but the
-// widest bodies with their margins; these few, and the obstacles, look around themselves.
+// The margin s is what all but the fastest bodies go in some steps, within bounds. Candidates come from a grid of cells as wide as all
+// but the widest bodies with their margins; these few, and the obstacles, look around themselves. Where few bodies have gone further
+// than s, the list is mended: they, too, look around themselves, and their pairs take the place of those that they had.
 #pragma once
 
 #include <utility>
@@ -30,13 +31,11 @@ class Neighbours {
 public:
 	using List = std::vector<std::pair<std::int32_t, std::int32_t>>; // (body 1, body 2)
 
-	/// Whether the list of the last `find` still serves the step.
-	bool serve(const Step&, Team&) const;
+	/// Makes the list one that serves the step; false if it stays as it is. Clumps and periodic cells are not served.
+	bool update(const Step&, Team&);
 
+	/// Sorted by body 1, then body 2.
 	const List& list() const { return list_; }
-
-	/// The list for the step, sorted by body 1, then body 2. Clumps and periodic cells are not served.
-	const List& find(const Step&, Team&);
 
 private:
 	struct Place { // of a body when the list was made
@@ -48,6 +47,9 @@ private:
 		Vec2 low, high;
 	};
 
+	void  find(const Step&, Team&);
+	void  mend(const Step&, Team&);
+	bool  findStrays(const Step&, Team&);
 	Place placeOf(const StepBody&) const;
 	double extent(std::size_t id) const; // radius of the circle in which a grain looks
 	Box    box(std::size_t id, double more) const;
@@ -58,7 +60,7 @@ private:
 	bool   near(std::int32_t body1, std::int32_t body2) const;
 	template <class Visit> void forEachGrain(const Box&, Visit) const;
 	void   amongNarrow(const Step&, Team&);
-	void   ofWide(Team&);
+	void   lookAround(const std::vector<std::int32_t>& strays, Team&);
 
 	double             margin_ = 0; // s [m]
 	std::vector<Place> at_;
@@ -68,8 +70,11 @@ private:
 	double                         width_ = 1; // of a cell [m]
 	int                            columns_ = 1, rows_ = 1;
 	std::vector<std::int32_t>      firstIn_, inCells_; // a cell: its first grain; grains by cell
-	std::vector<std::int32_t>      wide_; // grains wider than a cell, and obstacles
+	std::vector<std::int32_t>      wide_; // grains wider than a cell or that have left theirs, and obstacles
 	std::vector<char>              isWide_;
+	std::size_t                    widest_ = 0; // of these, when the list was made
+	std::vector<std::int32_t>      strays_; // bodies that have gone too far
+	std::vector<char>              isStray_;
 	std::vector<List>              found_; // by parts of the bodies
 };
 
