@@ -16,14 +16,20 @@ bool restIsAllowed(const Step& step, const Drive& drive)
 bool adaptBiases(Step& step, bool letGo, bool last, double& overlap, Team& team)
 {
 	struct Look {
-		bool far, bounces;
+		bool   changed, bounces;
+		double overlap;
 	};
-	std::vector<Look> look(step.contacts.size()); // nearly none has anything to adapt
-	team.forEach(look.size(), [&](std::size_t k) { look[k] = { displacesFar(step, step.contacts[k]), step.contacts[k].restitution > 0 }; });
+	std::vector<Look> look(step.contacts.size());
+	team.forEach(look.size(), [&](std::size_t k) {
+		const StepContact& contact = step.contacts[k];
+		look[k]                    = { false, contact.restitution > 0, 0 };
+		if (displacesFar(step, contact)) look[k].changed = adaptToDisplacement(step, contact, letGo, look[k].overlap);
+	});
 	bool changed = false, bounces = false;
 	overlap      = 0;
 	for (std::size_t k = 0; k < look.size(); ++k) {
-		if (look[k].far) changed |= adaptToDisplacement(step, step.contacts[k], letGo, overlap);
+		changed |= look[k].changed;
+		overlap = std::max(overlap, look[k].overlap);
 		if (look[k].bounces) changed |= (letGo && takeBackBounces(step, step.contacts[k])) || restrainBounce(step, step.contacts[k]);
 		bounces |= look[k].bounces;
 	}

@@ -2,7 +2,7 @@
 //
 // The layout is a pure function of the present problem: its pairs in order, their needs and the kinds of its bodies. So a
 // simulation that is saved and loaded goes on to the same bits. A layout is kept while these stay as they are; a new one is as
-// much work as three sweeps.
+// much work as twenty sweeps in floats.
 //
 // Islands are the connected parts of the graph of bodies; prescribed bodies do not connect. A large island is cut into slabs
 // (slabs.hpp). Its pairs stand in sections, those within a slab or those that join slabs, each with blocks of its own, coloured:

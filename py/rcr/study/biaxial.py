@@ -38,7 +38,8 @@ DENSITY = 2600.0  # [kg/m³]
 STRESS = 1e4  # σ₀ [Pa]
 DEPOSITED = 0.82  # packing fraction of the circles that are deposited; it sets the width of the box
 MOST_CONTRACTION = 0.005  # strain of a step of the collapse, at most: overlaps that it makes are taken back in the same step
-CONTRACTION = 0.1  # displacement of the walls in a step of the collapse, at most [d]; the grains move along, homogeneously
+SPARSE = 1.5  # contact points over grains, up to which no contacts reach from wall to wall, so that …
+CONTRACTION = 0.1  # … walls may move further than this in a step of the collapse [d]; the grains move along, homogeneously
 COLLAPSED = 4.0  # stress of the walls over σ₀ at the end of the collapse, at most: large packings push back later than they are squeezed
 TIME_STEPS = 0.1, 1.0  # shortest and longest dt/t₀ of the compaction
 FARTHEST = 0.1  # displacement of a grain in a step of the approach to rest, at most [d] …
@@ -368,7 +369,7 @@ class Biaxial:
         """Compress without friction under σ₀ from the right and the top until every grain is balanced.
 
         Grains and walls have no inertia (`ContactDynamics.overdamped`). First they collapse: the loose packing is contracted
-        homogeneously, 0.5 % a step, and moves as little as its contacts ask for, until these carry the load. Then they
+        homogeneously, 0.5 % a step or less, and moves as little as its contacts ask for, until these carry the load. Then they
         come to rest under the walls' load. The longer a step the faster, as long as its chords follow the paths: no grain
         shall move farther than 0.1 d, nor than 20 d, less where the balance does not come nearer, times the share of its forces that is not balanced yet.
         The wall stresses are then within 1 % of σ₀; within 3 % in a packing that creeps on though it is balanced, and flips in longer steps.
@@ -422,7 +423,9 @@ class Biaxial:
         return False
 
     def _collapse(self):
-        contraction = min(MOST_CONTRACTION, CONTRACTION * self.diameter / max(self.width, self.height))
+        contraction = MOST_CONTRACTION
+        if self.solver.contactPoints > SPARSE * len(self.grains):
+            contraction = min(contraction, CONTRACTION * self.diameter / max(self.width, self.height))
         for body in O.bodies:
             body.state.pos *= 1 - contraction
         width, height = self.width, self.height
