@@ -85,7 +85,8 @@ bool Neighbours::update(const Step& step, Team& team)
 {
 	const bool same = findStrays(step, team);
 	if (same && strays_.empty()) return false;
-	if (same && wide_.size() + strays_.size() <= widest_ + at_.size() / strayShare) mend(step, team);
+	const std::size_t few = at_.size() / strayShare, leave = std::count_if(strays_.begin(), strays_.end(), [&](std::int32_t id) { return !isWide_[id]; });
+	if (same && strays_.size() <= few && wide_.size() + leave <= widest_ + few) mend(step, team);
 	else
 		find(step, team);
 	return true;
