@@ -3,7 +3,7 @@
 // A helper is of no use where its core has other work, or where what it touches has to travel between caches for longer than it
 // saves. No size of a loop tells that. The first rounds of a way have yet to bring the data to its caches, so a way is tried for some
 // rounds in a row, and the first of them do not count. A few rounds tell how fast a way can be, not how often it is held up: of the way
-// that is taken all rounds count, and what they took more than its fastest is added to those of its next trials. Results do not depend on the way.
+// that is taken all rounds count, and the factor by which they took longer than its fastest applies in its next trials. Results do not depend on the way.
 #pragma once
 
 #include <algorithm>

@@ -86,7 +86,7 @@ bool Neighbours::update(const Step& step, Team& team)
 	const bool same = findStrays(step, team);
 	if (same && strays_.empty()) return false;
 	const std::size_t few = at_.size() / strayShare, leave = std::count_if(strays_.begin(), strays_.end(), [&](std::int32_t id) { return !isWide_[id]; });
-	if (same && strays_.size() <= few && wide_.size() + leave <= widest_ + few) mend(step, team);
+	if (same && strays_.size() <= few && wide_.size() + leave <= wideAtFirst_ + few) mend(step, team);
 	else
 		find(step, team);
 	return true;
@@ -256,7 +256,7 @@ void Neighbours::find(const Step& step, Team& team)
 	chooseMargin(step);
 	sortIntoCells(step);
 	amongNarrow(step, team);
-	widest_ = wide_.size();
+	wideAtFirst_ = wide_.size();
 	isStray_ = isWide_;
 	lookAround(wide_, team);
 }

@@ -72,7 +72,7 @@ private:
 	std::vector<std::int32_t>      firstIn_, inCells_; // a cell: its first grain; grains by cell
 	std::vector<std::int32_t>      wide_; // grains wider than a cell or that have left theirs, and obstacles
 	std::vector<char>              isWide_;
-	std::size_t                    widest_ = 0; // of these, when the list was made
+	std::size_t                    wideAtFirst_ = 0; // of these, when the list was made
 	std::vector<std::int32_t>      strays_; // bodies that have gone too far
 	std::vector<char>              isStray_;
 	std::vector<List>              found_; // by parts of the bodies
