@@ -1,5 +1,6 @@
 """The source: files that can be read in one go, and kernels that know neither YADE nor Python."""
 
+import ast
 import collections
 import pathlib
 import re
@@ -34,3 +35,11 @@ def test_each_type_has_a_name_of_its_own():
     """The linker keeps one of two templates of equal names: with two types `Pair`, vectors of one were copied as vectors of the other."""
     names = [found[2] for path in CODE for line in lines(path) if (found := re.match(r"(struct|class|enum class) (?:alignas\([^)]*\) )?(\w+)\b[^;]*$", line))]
     assert len(names) > 60 and not [name for name, times in collections.Counter(names).items() if times > 1]
+
+
+def test_each_mutant_stands_once():
+    """`scripts/check mutants` builds kernels with one mistake each, in places given by their text, which changes."""
+    table = next(node.value for node in ast.parse((PKG.parent / "scripts/lib/mutants.py").read_text()).body if isinstance(node, ast.Assign) and node.targets[0].id == "TABLE")
+    mistakes = [(file, name, before) for file, mistakes in ast.literal_eval(table).items() for name, before, _ in mistakes]
+    assert len(mistakes) > 70
+    assert [(file, name) for file, name, before in mistakes if (PKG / "kernel" / file).read_text().count(before) != 1] == []

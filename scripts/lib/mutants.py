@@ -64,7 +64,7 @@ TABLE = {
         ("overflow-takes-a-colour", "if (lowest >> colors) return none;\n\t\tif (limits1) used_[body1] |= lowest;", "if (limits1) used_[body1] |= lowest;\n\t\tif (lowest >> colors) return none;"),
     ],
     "sweep/layout.cpp": [
-        ("model-of-the-first-point", "joins ? std::min(need(problem, c), need(problem, points[k + 1])) : need(problem, c)", "need(problem, c)"),
+        ("model-of-the-first-point", "joins ? both(c.needs, next.needs) : c.needs", "c.needs"),
         ("layout-kept-for-other-kinds", "sameReductions && sameCell && sameBodies && samePairs", "sameReductions && sameCell && samePairs"),
         ("layout-kept-for-another-cell", "sameReductions && sameCell && sameBodies && samePairs", "sameReductions && sameBodies && samePairs"),
         ("special-bodies-packed", "|| !packable(pair)) return none;", ") return none;"),
@@ -72,8 +72,8 @@ TABLE = {
         ("levers-of-one-body", "turned(c.body1, c.arm1) || turned(c.body2, c.arm2)", "turned(c.body1, c.arm1)"),
     ],
     "sweep/layout_blocks.cpp": [
-        ("prescribed-bodies-share-a-record", "moves(body) ? record_[body] : ownRecord(pair.model)", "record_[body]"),
-        ("vacant-lanes-of-one-side", "pairBlocks_.back().body2[lane] = offsetOf(ownRecord(model));", "pairBlocks_.back().body2[lane] = pairBlocks_.back().body1[lane];"),
+        ("prescribed-bodies-share-a-record", "if (moves(body)) return offsetOf(record_[body]);", "return offsetOf(record_[body]);"),
+        ("vacant-lanes-of-one-side", "pairBlocks_.back().body2[lane] = offsetOf(ownRecords(1));", "pairBlocks_.back().body2[lane] = pairBlocks_.back().body1[lane];"),
     ],
     "sweep/slabs.cpp": [
         ("slabs-of-one-level", "leastLevels = 2", "leastLevels = 1"),
@@ -97,7 +97,7 @@ TABLE = {
         ("relaxed-without-projection", "projectCone(c.p + relaxation * (solve(view_, c, c.p) - c.p), c.friction)", "c.p + relaxation * (solve(view_, c, c.p) - c.p)"),
     ],
     "sweep/packed_problem.cpp": [
-        ("rebias-keeps-the-overflow", "c.bias = bias[c.point];", ""),
+        ("rebias-keeps-the-overflow", "c.bias          = bias[c.point];", ""),
         ("spin-not-scaled-back", ".spin * inverseGyration_[i]", ".spin"),
     ],
     "sweep/point_models.hpp": [
@@ -145,9 +145,9 @@ TABLE = {
         ("exception-kept", "if (guarded.error) std::rethrow_exception(guarded.error);", ""),
     ],
     "parallel/trial.hpp": [
-        ("slower-way", "least_[true] < least_[false]", "least_[true] > least_[false]"),
-        ("never-tries-the-other", "rounds_ % interval == 0 ? !faster : faster", "faster"),
-        ("forgets-nothing", "std::min(forgetting * least_[helped], time)", "std::min(least_[helped], time)"),
+        ("slower-way", "other.heldUp * other.least >= taken.mean()", "other.heldUp * other.least < taken.mean()"),
+        ("never-tries-the-other", "if (!trying_ && rounds_ == interval) tryOther();", "if (!trying_ && rounds_ < 0) tryOther();"),
+        ("forgets-what-held-it-up", "taken.heldUp = std::clamp(taken.mean() / taken.least, 1.0, heldUpMost);", ""),
     ],
     "parallel/crew.cpp": [
         ("hiring-throws", "} catch (const std::system_error&) {", "} catch (const std::bad_alloc&) {"),
