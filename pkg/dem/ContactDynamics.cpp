@@ -22,7 +22,8 @@ YADE_PLUGIN((ContactDynamics));
 CREATE_LOGGER(ContactDynamics);
 
 namespace {
-	constexpr int mostPasses = 10; // missed contacts and large displacements settle in two or three
+	constexpr int mostPasses     = 10; // missed contacts and large displacements settle in two or three
+	constexpr int squeezedEffort = 10; // sweeps, over maxIterations, while grains are squeezed: a jam must not be a lack of sweeps
 }
 
 void ContactDynamics::action()
@@ -77,7 +78,7 @@ void ContactDynamics::step(const gate::Engines& engines)
 	timed("gather", [&] { keepInteractionsTogether(*scene, sources_); });
 }
 
-/// All stages between the first and the last.
+/// Solves the contacts of the step, once more for each pass that shows the solved problem to be incomplete.
 void ContactDynamics::solveAll(const gate::Engines& engines)
 {
 	iterations = 0;
@@ -85,30 +86,22 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	overlap_   = 0;
 	if (follows()) timed("adapt", [&] { rcr::relieve(step_, { double(stretchChange[0]), double(stretchChange[1]) }); });
 	const rcr::Drive    drive = rcr::driveOf(step_, workspace_.team());
-	std::vector<double> detected; // biases before the first pass that adapts them; empty where there is no going back to them, or something is driven
+	std::vector<double> detected; // biases before the first pass that changes them; empty where they must not be restored
 	rcr::Settings       how = settings(drive);
 	how.rounding            = step_.rounding(workspace_.team());
+	if (squeeze().active()) how.maxIterations *= squeezedEffort;
 	const double compliance = how.compliance;
+	bool         last       = false;
 	for (int pass = 1;; ++pass) {
 		how.compliance = rcr::restIsAllowed(step_, drive) ? 0 : compliance;
 		solve(how);
-		bool missed = false, adapted = false, lowered = false, undone = false;
-		if (pass < mostPasses) {
-			timed("late", [&] { missed = takeInMissedContacts(engines); });
-			timed("adapt", [&] {
-				if (missed) detected.clear();
-				if (missed || overdamped) return;
-				lowered = yielded && rcr::lowerBounces(step_, pass == mostPasses - 1);
-				undone  = yielded && !lowered && rcr::goBack(step_, detected); // nothing else asks for the impossible
-				if (pass == 1 && !lowered && drive.speed == 0) detected = rcr::biases(step_.problem);
-				adapted = lowered || undone || adaptBiases(pass);
-			});
-		}
-		if (!missed && !adapted) break;
+		last |= pass == mostPasses;
+		const PassOutcome outcome = last ? reviewLastPass(engines) : reviewPass(engines, pass, drive, detected);
+		if (outcome == PassOutcome::accepted) break;
 		how           = settingsOfFurtherPass(how);
-		how.continued = !missed;
-		how.yielded   = yielded && !lowered && !undone;
-		if (undone) pass = mostPasses - 1;
+		how.continued = outcome != PassOutcome::missedContact;
+		how.yielded   = yielded && (outcome == PassOutcome::missedContact || outcome == PassOutcome::biasChanged);
+		last          = outcome == PassOutcome::biasesRestored;
 	}
 	if (follows()) timed("adapt", [&] { followStretch(); });
 	refuseUnlessFinite();
@@ -116,6 +109,42 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	if (overlap_ > rcr::MissedSteps::deep) converged = false;
 	watch();
 	timed("correct", [&] { correctPositions(step_, double(correction), workspace_); });
+}
+
+ContactDynamics::PassOutcome ContactDynamics::reviewPass(
+        const gate::Engines& engines, int pass, const rcr::Drive& drive, std::vector<double>& detected)
+{
+	bool missed = false;
+	timed("late", [&] { missed = takeInMissedContacts(engines); });
+	if (missed) {
+		detected.clear();
+		return PassOutcome::missedContact;
+	}
+	if (overdamped) return PassOutcome::accepted;
+	PassOutcome outcome = PassOutcome::accepted;
+	timed("adapt", [&] {
+		const bool nextIsLast = pass == mostPasses - 1;
+		if (yielded && rcr::lowerBounces(step_, nextIsLast)) {
+			outcome = PassOutcome::bounceLowered;
+			return;
+		}
+		if (yielded && rcr::goBack(step_, detected)) { // only changed biases can ask for the impossible
+			outcome = PassOutcome::biasesRestored;
+			return;
+		}
+		if (pass == 1 && drive.speed == 0) detected = rcr::biases(step_.problem);
+		if (adaptBiases(pass)) outcome = PassOutcome::biasChanged;
+	});
+	return outcome;
+}
+
+/// No pass follows: a contact that is still missed makes the step a missed one.
+ContactDynamics::PassOutcome ContactDynamics::reviewLastPass(const gate::Engines& engines)
+{
+	timed("late", [&] {
+		if (findMissedContacts(engines)) converged = false;
+	});
+	return PassOutcome::accepted;
 }
 
 void ContactDynamics::setRest()
@@ -172,10 +201,14 @@ void ContactDynamics::report(const rcr::Report& report)
 
 int ContactDynamics::solverThreads() const { return threads > 0 ? threads : omp_get_max_threads(); }
 
+bool ContactDynamics::findMissedContacts(const gate::Engines& engines)
+{
+	return rcr::findMissedContacts(step_, [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); });
+}
+
 bool ContactDynamics::takeInMissedContacts(const gate::Engines& engines)
 {
-	const auto meet = [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); };
-	if (!rcr::findMissedContacts(step_, meet)) return false;
+	if (!findMissedContacts(engines)) return false;
 	for (rcr::GrownContact& grown : step_.grown) {
 		if (grown.known) continue;
 		const ContactLaw law = contactLaw(*scene, *engines.loop, grown.body1, grown.body2);

@@ -61,7 +61,7 @@ public:
 		((Vector2r,followed,Vector2r::Zero(),Attr::readonly,"Rates by which the flow that follows stretches along x and y, beside :yref:`flow<ContactDynamics.flow>` [1/s]; 0 without :yref:`followFlow<ContactDynamics.followFlow>`"))
 		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"What the last step has added to `followed`, and the impulses do not know yet"))
 		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"What the solver may drop where the scene does not need it, seen anew in each step; :yref:`model<ContactDynamics.model>` tells what is left. frictionless: pairs without friction carry one unknown a point. discs: where no normal has a lever, nothing turns without friction, and with it normal and tangential impulses know nothing of each other. fixed: bodies of prescribed motion have no unknowns. islands: what does not touch is solved apart, each to its own convergence. layout: order and colours are kept while the contacts last. All of them change nothing but the time; leave names out to compare"))
-		((bool,arrays,true,,"Whether steps of an ``O.run`` are taken in arrays, without YADE's objects, where nothing looks at these in between: until a PyRunner or a recorder is due, or 100 steps and half a second are over. Changes no bit; :yref:`model<ContactDynamics.model>` tells which way steps went"))
+		((bool,arrays,true,,"Whether steps of an ``O.run`` are taken in arrays, without YADE's objects, where nothing looks at these in between: until a PyRunner or a recorder is due, or 100 steps are over. Changes no bit; :yref:`model<ContactDynamics.model>` tells which way steps went"))
 		((std::vector<int>,observe,,,"Ids of bodies whose contact forces :yref:`observed<ContactDynamics.observed>` averages: clumps, not their members. A change of it begins anew"))
 		((int,observeEvery,0,Attr::noSave,"Steps of each entry of :yref:`observations<ContactDynamics.observations>`; 0: none are kept. Not saved, and neither is what has been observed"))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step, in the island that needs most, summed over its passes: one, and a further one each time the solution shows contacts that were not foreseen, gaps that close otherwise than their planes say, or restitution that gives energy"))
@@ -75,7 +75,7 @@ public:
 		((int,missedSteps,0,Attr::readonly,"Steps so far that have not :yref:`converged<ContactDynamics.converged>`"))
 		((int,yieldedSteps,0,Attr::readonly,"Steps so far whose contacts have yielded"))
 		((Real,deepestOverlap,0,Attr::readonly,"Deepest overlap of all steps so far, over R₁ + R₂ [-]"))
-		((std::vector<Real>,watched,std::vector<Real>(6),Attr::hidden,"Steps; missed steps, yielded steps and overlap told last; growth and depth of the present squeeze"))
+		((std::vector<Real>,watched,std::vector<Real>(6),Attr::hidden,"Steps; steps without a solution in the present squeeze; steps without a solution and overlap at the last warning; growth and depth of the present squeeze"))
 		((std::vector<Real>,pendingEnergy,std::vector<Real>(4),Attr::hidden,"Friction, impacts, drive and lift of the last step [J], added to O.energy with the kinetic energy that they lead to"))
 		((int,frictionIx,-1,(Attr::hidden|Attr::noSave),"Index of plastDissip"))
 		((int,impactIx,-1,(Attr::hidden|Attr::noSave),"Index of impactDissip"))
@@ -86,7 +86,7 @@ public:
 		.add_property("model",&ContactDynamics::modelDict,"What the last step solved, as a dict. bodies: that an impulse can move; rotations: how many of these can turn; fixed: of prescribed motion, without unknowns; pairs, points: that can carry something; unknowns: one a point without friction, else two; frictionless: no point has friction; islands: solved apart; layouts: how often order and colours have been made in all steps so far; work: sweeps × points, summed over the islands; arrays: steps so far that were taken in arrays (:yref:`arrays<ContactDynamics.arrays>`); engines: why the step after the last one is left to YADE's engines.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by what was done, as a dict: gather, layout (colours and order of the pairs), solve, scatter, arrays (the steps that these take), publish (from arrays to YADE's objects), late (bodies that go further than foreseen), adapt (biases to long ways, and to bounces that would give energy), correct [s].")
 		.add_property("missed",&ContactDynamics::missedDict,"Steps that have not :yref:`converged<ContactDynamics.converged>`, as a dict: steps (all so far), missed, share (of all), yielded (those without a solution), deepest_overlap (over R₁ + R₂) [-].")
-		.def("observed",&ContactDynamics::observedDict,"observed() → dict: what the steps since the last call came to, so that a run need not stop at each. steps; iterations (of all); residual (the largest); missed (steps that have not :yref:`converged<ContactDynamics.converged>`), missed_sum and missed_largest (of their residuals over the tolerance, or of their violations over :yref:`maxViolation<ContactDynamics.maxViolation>` where these are larger) [-]; forces: mean force (x, y) [N] and torque [N m] of the contacts on each body of :yref:`observe<ContactDynamics.observe>`, by id.")
+		.def("observed",&ContactDynamics::observedDict,"observed() → dict: what the steps since the last call came to, so that a run need not stop at each. steps; iterations (of all); residual (the largest); missed (steps that have not :yref:`converged<ContactDynamics.converged>`), yielded (those of them without a solution), missed_sum and missed_largest (of their residuals over the tolerance, or of their violations over :yref:`maxViolation<ContactDynamics.maxViolation>` where these are larger) [-]; forces: mean force (x, y) [N] and torque [N m] of the contacts on each body of :yref:`observe<ContactDynamics.observe>`, by id.")
 		.def("observations",&ContactDynamics::observationsList,"observations() → list of dicts: what each :yref:`observeEvery<ContactDynamics.observeEvery>` steps since the last call came to, so that a long run has a history without a stop, or a PyRunner, that costs a look at all bodies. Each as :yref:`observed<ContactDynamics.observed>` tells it, which then tells of the steps since the last entry, and of the end of its last step: step (O.iter), time [s], points (contact points), last_iterations, last_residual; positions: (x, y) of each body of :yref:`observe<ContactDynamics.observe>` [m], by id.")
 		.def("_problem",&ContactDynamics::problemDict,"The contact problem of the last step, for rcr.scene.save_problem: its arrays as bytes.")
 	);
@@ -102,6 +102,11 @@ private:
 	void          act();
 	void          step(const gate::Engines&);
 	void          solveAll(const gate::Engines&);
+	/// What a solved pass shows. All but `accepted` ask for a further pass.
+	enum class PassOutcome { accepted, missedContact, bounceLowered, biasesRestored, biasChanged };
+	PassOutcome   reviewPass(const gate::Engines&, int pass, const rcr::Drive&, std::vector<double>& detected);
+	PassOutcome   reviewLastPass(const gate::Engines&);
+	bool          findMissedContacts(const gate::Engines&);
 	bool          follows() const { return overdamped && followFlow && !scene->isPeriodic; }
 	void          setRest();
 	void          followStretch();
@@ -114,11 +119,12 @@ private:
 	void          measureUnbalance();
 	void          observeStep(const std::vector<rcr::Twist>& loads);
 	void          watch();
+	rcr::Squeeze  squeeze() const;
 	void          bookEnergy(const std::vector<rcr::Twist>& loads, const Vector3r& gravity);
 
 	struct Observed {
 		std::vector<int>          ids; // of `observe`
-		long                      steps = 0, iterations = 0, missed = 0;
+		long                      steps = 0, iterations = 0, missed = 0, yielded = 0;
 		double                    residual = 0, missedSum = 0, missedLargest = 0;
 		std::map<int, rcr::Twist> force; // sums, by body [N, N m]
 	};

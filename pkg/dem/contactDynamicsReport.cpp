@@ -17,8 +17,10 @@ namespace {
 
 	constexpr double mostStretch = 0.02; // of a cell in a step: the way of bodies side by side past each other, over R₁ + R₂, from which on they count as crushed
 
+	/// "body #1", "bodies #1 and #2"; empty without ids.
 	std::string bodies(const std::vector<int>& ids)
 	{
+		if (ids.empty()) return {};
 		std::string text = ids.size() == 1 ? "body" : "bodies";
 		for (std::size_t k = 0; k < ids.size(); ++k)
 			text += (k == 0 ? " #" : k + 1 < ids.size() ? ", #" : " and #") + std::to_string(ids[k]);
@@ -109,6 +111,7 @@ void ContactDynamics::observeStep(const std::vector<rcr::Twist>& loads)
 	observed_.ids = observe;
 	++observed_.steps;
 	observed_.iterations += iterations;
+	observed_.yielded += yielded;
 	observed_.residual = std::max(observed_.residual, double(residual));
 	if (tolerance > 0 && !converged) {
 		const double by = double(std::max(residual / tolerance, violation / maxViolation));
@@ -128,12 +131,16 @@ boost::python::list ContactDynamics::observationsList()
 {
 	namespace py = boost::python;
 	const std::lock_guard<std::mutex> lock(observing_);
-	place([&](int id) -> std::optional<rcr::Vec2> {
-		if (!scene->bodies->exists(id)) return {};
-		return plane::toPlane((*scene->bodies)[id]->state->pos);
-	});
-	py::list all;
-	for (const Observation& one : observations_) {
+	const bool running = Omega::instance().isRunning(); // the end of the last entry is then not known yet
+	if (!running)
+		place([&](int id) -> std::optional<rcr::Vec2> {
+			if (!scene->bodies->exists(id)) return {};
+			return plane::toPlane((*scene->bodies)[id]->state->pos);
+		});
+	const bool open = !observations_.empty() && !observations_.back().placed;
+	py::list   all;
+	for (auto entryOf = observations_.begin(); entryOf != observations_.end() - open; ++entryOf) {
+		const Observation& one = *entryOf;
 		py::dict entry = dictOf(one.of), positions;
 		for (const auto& [id, at] : one.position)
 			positions[id] = py::make_tuple(at.x, at.y);
@@ -142,7 +149,7 @@ boost::python::list ContactDynamics::observationsList()
 		entry["positions"] = positions;
 		all.append(entry);
 	}
-	observations_.clear();
+	observations_.erase(observations_.begin(), observations_.end() - open);
 	return all;
 }
 
@@ -166,47 +173,52 @@ boost::python::dict ContactDynamics::dictOf(const Observed& now) const
 	observed["iterations"]     = now.iterations;
 	observed["residual"]       = now.residual;
 	observed["missed"]         = now.missed;
+	observed["yielded"]        = now.yielded;
 	observed["missed_sum"]     = now.missedSum;
 	observed["missed_largest"] = now.missedLargest;
 	observed["forces"]         = forces;
 	return observed;
 }
 
-/// Counts missed steps, and ends a run whose driven bodies squeeze the grains on and on.
+rcr::Squeeze ContactDynamics::squeeze() const { return { int(watched[4]), int(watched[1]), double(watched[5]) }; }
+
+/// Counts steps that have not converged, and ends a run whose overlaps only grow.
 void ContactDynamics::watch()
 {
 	const auto overlapOf = [&](std::size_t k) { // over R₁ + R₂
 		const double share = rcr::contactSlop * step_.gap[k].now / step_.gap[k].allowed;
 		if (share <= 0) return 0.0;
 		const rcr::ContactPoint& c = step_.problem.points[k];
-		return step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2) ? 0.0 : share; // obstacles may stand in each other
+		return step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2) ? 0.0 : share; // obstacles may overlap
 	};
 	const double overlap = workspace_.team().most(step_.gap.size(), overlapOf);
-	watched.resize(6);
-	rcr::MissedSteps count { long(watched[0]), missedSteps, yieldedSteps, double(deepestOverlap), long(watched[1]), long(watched[2]), double(watched[3]) };
-	rcr::Squeeze     squeeze { int(watched[4]), double(watched[5]) };
-	const auto ofDeepest = [&] {
+	const auto   deepestPair = [&] {
 		std::size_t k = 0;
 		while (overlapOf(k) != overlap)
 			++k;
 		return bodies({ step_.problem.points[k].body1, step_.problem.points[k].body2 });
 	};
+	rcr::MissedSteps count { long(watched[0]), missedSteps, yieldedSteps, double(deepestOverlap), long(watched[2]), double(watched[3]) };
 	if (count.count(!converged && tolerance > 0, yielded, overlap, overdamped))
-		LOG_WARN("step " << scene->iter << ": " << count.message() << (overlap > count.harmless ? " Deepest in this step: " + ofDeepest() + "." : ""));
-	const bool goesOn = squeeze.goesOn(overlap);
+		LOG_WARN("step " << scene->iter << ": " << count.message() << (overlap > count.harmless ? " Deepest in this step: " + deepestPair() + "." : ""));
 	missedSteps = int(count.missed), yieldedSteps = int(count.yielded), deepestOverlap = count.deepest;
-	watched = { Real(count.steps), Real(count.toldMissed), Real(count.toldYielded), count.toldDeepest, Real(squeeze.grown), squeeze.deepest };
-	if (!goesOn) return;
-	const std::vector<int> driven   = rcr::drivenBodies(step_.problem);
-	std::string            culprits = driven.empty() ? "" : bodies(driven);
+	rcr::Squeeze squeeze = this->squeeze();
+	const auto   verdict = squeeze.update(overlap, yielded);
+	watched = { Real(count.steps), Real(squeeze.certified), Real(count.toldYielded), count.toldDeepest, Real(squeeze.grown), squeeze.deepest };
+	if (verdict == rcr::Squeeze::Verdict::none) return;
+	std::string culprits = bodies(rcr::drivenBodies(step_.problem));
 	if (step_.cell.driven()) culprits += std::string(culprits.empty() ? "" : " and ") + "the velocity gradient of the cell";
 	if (culprits.empty()) return;
 	std::ostringstream text;
 	text.precision(2);
-	text << "ContactDynamics: jam: " << ofDeepest() << " overlap by " << overlap
-	     << " of R₁ + R₂, and more and more. Rigid grains do not give way; the motion prescribed to " << culprits
-	     << " asks for it. Stop or reverse that motion (b.state.vel, O.cell.velGrad), or press by a force (WallStress, CellStress)."
-	     << (converged || yielded ? "" : " This step has a solution that the solver did not reach: a smaller time step or more maxIterations may do, too.");
+	text << "ContactDynamics: " << (verdict == rcr::Squeeze::Verdict::jam ? "jam: " : "not converged: ") << deepestPair() << " overlap by " << overlap
+	     << " of R₁ + R₂, and the overlap grows from step to step. ";
+	if (verdict == rcr::Squeeze::Verdict::jam)
+		text << "Rigid grains do not give way, so the steps have no solution; the motion prescribed to " << culprits
+		     << " asks for it. Stop or reverse that motion (b.state.vel, O.cell.velGrad), or press by a force (WallStress, CellStress).";
+	else
+		text << "No step was found to be without a solution, but the solver has not reached one in " << iterations << " sweeps, so positions and forces "
+		     << "are wrong. Set more ContactDynamics.maxIterations or a smaller O.dt.";
 	throw std::runtime_error(text.str());
 }
 

@@ -11,7 +11,12 @@ namespace {
 std::string ContactDynamics::wrong() const
 {
 	if (!(correction >= 0 && correction <= 1)) return "ContactDynamics.correction = " + gate::text(correction) + "; wanted a share of the overlap, 0 to 1.";
-	if (!(maxViolation >= 0)) return "ContactDynamics.maxViolation = " + gate::text(maxViolation) + "; wanted a share ≥ 0 of the relative velocities; math.inf for no test.";
+	if (!(maxViolation > 0))
+		return "ContactDynamics.maxViolation = " + gate::text(maxViolation)
+		        + "; wanted a share > 0 of the relative velocities, 0.01 by default; math.inf for no test.";
+	if (!math::isfinite(tolerance)) return "ContactDynamics.tolerance = " + gate::text(tolerance) + "; wanted a finite residual, 1e-4 by default; 0 runs maxIterations.";
+	if (minIterations > maxIterations)
+		return "ContactDynamics.minIterations = " + std::to_string(minIterations) + "; wanted at most maxIterations = " + std::to_string(maxIterations) + ".";
 	if (observeEvery < 0) return "ContactDynamics.observeEvery = " + std::to_string(observeEvery) + "; wanted 0, none, or a number of steps.";
 	if (threads < 0) return "ContactDynamics.threads = " + std::to_string(threads) + "; wanted 0, as many as YADE has, or more.";
 	if (!(compliance >= 0 && math::isfinite(compliance)))

@@ -20,8 +20,7 @@ namespace yade {
 
 namespace {
 
-	constexpr auto behind = std::chrono::milliseconds(500); // YADE's objects stay at most, for whoever watches them …
-	constexpr long fewest = 100;                           // … but so many steps
+	constexpr long mostSteps = 100; // between two updates of YADE's objects; no clock, so that a run repeats its bits
 
 	/// Whether a PeriodicEngine will act when it is asked at this iteration and time; asking it would count.
 	bool due(const PeriodicEngine& engine, long iter, Real time)
@@ -139,7 +138,8 @@ std::string FlatSteps::reasonNow(const Scene& scene) const
 	const Real time = scene.time + scene.dt;
 	if ((scene.stopAtIter > 0 && iter >= scene.stopAtIter) || (scene.stopAtTime > 0 && time >= scene.stopAtTime)) return "the end of the run";
 	if (scene.interactions->dirty || (going_ && scene.bodies->size() != watches_.size())) return "a change of the bodies or interactions";
-	if (going_ && count_ - first_ >= fewest && Clock::now() - since_ > behind) return "a look at the scene";
+	if (!scene._nextEngines.empty()) return "a change of O.engines";
+	if (going_ && count_ - first_ >= mostSteps) return "YADE's objects are brought up to date";
 	bool solved = false;
 	for (const auto& engine : scene.engines) {
 		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
@@ -184,7 +184,6 @@ bool FlatSteps::goOn(Scene& scene, const gate::Engines& engines, rcr::Team& team
 void FlatSteps::begin(rcr::Team& team, const StepSources& sources, const rcr::Step& step)
 {
 	going_                  = true;
-	since_                  = Clock::now();
 	first_                  = count_;
 	const std::size_t count = step.bodies.size();
 	inertia_.resize(count), begun_.resize(count), arrived_.resize(count);

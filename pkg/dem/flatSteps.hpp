@@ -7,7 +7,7 @@
 //
 // A step is YADE's
 //
-//   * where a run ends, or 100 steps and half a second are over, for whoever watches it;
+//   * where a run ends, or 100 steps are over, for whoever watches it;
 //   * where an engine that may look at anything is due: a PyRunner, a recorder, any engine that is not named below;
 //   * in scenes with what is not kept in arrays: clumps, a periodic cell, energy tracking, permanent forces.
 //
@@ -15,7 +15,6 @@
 #pragma once
 
 #include <array>
-#include <chrono>
 
 #include "../kernel/step/leapfrog.hpp"
 #include "../kernel/step/pairs.hpp"
@@ -51,11 +50,8 @@ private:
 	void                 setPhysics(Scene&, const gate::Engines&);
 	StepSources::Contact write(int number, Interaction&, const rcr::Step&) const;
 
-	using Clock = std::chrono::steady_clock;
-
 	long                      count_ = 0, first_ = 0;
-	bool                      going_ = false; // YADE's objects are behind …
-	Clock::time_point         since_;         // … since then, and since step first_
+	bool                      going_ = false; // YADE's objects are behind, since step first_
 	std::string               why_;
 	std::vector<Engine*>      early_, late_; // loads before and after the InteractionLoop
 	std::vector<Body::id_t>   watched_;      // bodies that stay with YADE

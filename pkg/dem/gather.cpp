@@ -305,8 +305,11 @@ void gather(Scene& scene, const gate::Engines& engines, rcr::Team& team, StepSou
 void gatherAgain(Scene& scene, const gate::Engines& engines, rcr::Team& team, const std::vector<Body::id_t>& ids, StepSources& sources, rcr::Step& step)
 {
 	Gatherer gatherer(scene, engines, team, sources, step);
-	for (Body::id_t id : ids)
+	for (Body::id_t id : ids) {
 		gatherer.anew(id);
+		rcr::StepBody& body = step.bodies[id];
+		if (body.free && body.shape.grain()) body.expected = body.alertDistance; // boxes are not kept up, lists of neighbours are
+	}
 }
 
 ContactLaw contactLaw(Scene& scene, const InteractionLoop& loop, Body::id_t id1, Body::id_t id2)
@@ -315,9 +318,14 @@ ContactLaw contactLaw(Scene& scene, const InteractionLoop& loop, Body::id_t id1,
 	const auto  scratch = boost::make_shared<Interaction>(id1, id2);
 	bool        swap    = false;
 	loop.physDispatcher->getFunctor2D(one, two, swap)->go(one, two, scratch);
-	const CdPhys& phys = static_cast<const CdPhys&>(*scratch->phys);
-	gate::checkPhys(phys, id1, id2);
-	return { double(phys.tangensOfFrictionAngle), double(phys.restitution) };
+	const CdPhys* phys = dynamic_cast<const CdPhys*>(scratch->phys.get());
+	if (!phys)
+		gate::refuse(
+		        "the contact of bodies #" + std::to_string(id1) + " and #" + std::to_string(id2) + " gets the physics "
+		        + (scratch->phys ? scratch->phys->getClassName() : std::string("None")) + " from the Ip2 functor of the materials "
+		        + one->getClassName() + " and " + two->getClassName() + "; wanted CdPhys: take Ip2_FrictMat_FrictMat_CdPhys for them.");
+	gate::checkPhys(*phys, id1, id2);
+	return { double(phys->tangensOfFrictionAngle), double(phys->restitution) };
 }
 
 bool mayMeet(Scene& scene, const gate::Engines& engines, Body::id_t id1, Body::id_t id2)

@@ -279,7 +279,15 @@ void bindInternals(py::module_& m)
 	        .def_readwrite("deepest", &Squeeze::deepest)
 	        .def_readonly_static("crushed", &Squeeze::crushed)
 	        .def_readonly_static("patience", &Squeeze::patience)
-	        .def("goes_on", &Squeeze::goesOn, py::arg("overlap"), "After a step, with its deepest overlap over R₁ + R₂: whether it is to be told.");
+	        .def_readwrite("certified", &Squeeze::certified)
+	        .def(
+	                "update",
+	                [](Squeeze& squeeze, double overlap, bool noSolution) {
+		                constexpr const char* names[] = { "none", "jam", "not converged" };
+		                return names[int(squeeze.update(overlap, noSolution))];
+	                },
+	                py::arg("overlap"), py::arg("no_solution") = false,
+	                "Takes the deepest overlap of a step over R₁ + R₂ [-]; returns 'none', 'jam' or 'not converged'.");
 	py::class_<MissedSteps>(m, "MissedSteps", "Steps that missed the tolerance, and whether they did harm (watch/missed_steps.hpp).")
 	        .def(py::init<>())
 	        .def_readonly("steps", &MissedSteps::steps)

@@ -1,5 +1,6 @@
 #include "problem/contact_problem.hpp"
 
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
@@ -92,6 +93,21 @@ void updateVelocity(ContactProblem& problem)
 		stretching = stretching + componentwise(c.shift, problem.impulse[k].n * c.normal + problem.impulse[k].t * perp(c.normal));
 	}
 	if (problem.stretches()) problem.setStretch(componentwise(problem.inverseStretchMass, stretching));
+}
+
+double fastestPrescribedMotion(const ContactProblem& problem)
+{
+	double     fastest = 0;
+	const auto include = [&](int body, Vec2 arm) {
+		const Twist v = problem.prescribedMotion(body);
+		fastest       = std::max(fastest, norm(Vec2 { v.x, v.y } + cross(v.rotation, arm)));
+	};
+	for (const ContactPoint& c : problem.points) {
+		include(c.body1, c.arm1);
+		include(c.body2, c.arm2);
+		fastest = std::max(fastest, norm(c.drift));
+	}
+	return fastest;
 }
 
 void checkProblem(const ContactProblem& problem, Team& team)

@@ -82,14 +82,41 @@ struct ContactProblem {
 	/// Another stretch: the drifts of all points follow.
 	void setStretch(Vec2);
 
+	/// No impulse changes the motion of this body.
 	bool prescribed(int body) const { return inverseMass[body].x == 0 && inverseMass[body].y == 0 && inverseMass[body].rotation == 0; }
+
+	/// The prescribed components of the motion of a body; free components are zero [m/s, 1/s].
+	Twist prescribedMotion(int body) const
+	{
+		const InverseMass& m = inverseMass[body];
+		const Twist&       v = freeVelocity[body];
+		return { m.x == 0 ? v.x : 0, m.y == 0 ? v.y : 0, m.rotation == 0 ? v.rotation : 0 };
+	}
+
+	/// A driven body has a prescribed component of motion that is not zero, whatever else is free.
+	bool driven(int body) const
+	{
+		const Twist v = prescribedMotion(body);
+		return v.x != 0 || v.y != 0 || v.rotation != 0;
+	}
 };
+
+/// The fastest prescribed motion at any contact point, of bodies and of periodic images [m/s].
+double fastestPrescribedMotion(const ContactProblem&);
 
 /// u at a point for the body velocities given, in (n, t).
 inline Impulse relativeVelocity(const ContactPoint& c, const Twist& v1, const Twist& v2)
 {
 	const Vec2 u = Vec2 { v2.x, v2.y } + cross(v2.rotation, c.arm2) - Vec2 { v1.x, v1.y } - cross(v1.rotation, c.arm1) + c.drift;
 	return { dot(u, c.normal), dot(u, perp(c.normal)) };
+}
+
+/// u at a point at the free velocities of its bodies, without the stretch that contacts cause.
+inline Impulse freeRelativeVelocity(const ContactProblem& problem, const ContactPoint& c)
+{
+	ContactPoint free = c;
+	free.drift        = c.freeDrift(problem.stretch);
+	return relativeVelocity(free, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
 }
 
 /// Adds M⁻¹ Jᵀ p of one point to the velocities of its two bodies.

@@ -21,13 +21,6 @@ namespace {
 
 	double work(const Impulse& p, const Impulse& u) { return p.n * u.n + p.t * u.t; }
 
-	Impulse freeVelocity(const ContactProblem& problem, const ContactPoint& c)
-	{
-		ContactPoint free = c;
-		free.drift        = c.freeDrift(problem.stretch);
-		return relativeVelocity(free, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
-	}
-
 	/// V of a direction.
 	double typicalChange(const ContactProblem& problem, const std::vector<Impulse>& d)
 	{
@@ -38,7 +31,7 @@ namespace {
 		for (std::size_t k = 0; k < d.size(); ++k) {
 			if (d[k].n <= least * largest) continue;
 			const ContactPoint& c = problem.points[k];
-			const Impulse       u = freeVelocity(problem, c);
+			const Impulse       u = freeRelativeVelocity(problem, c);
 			speed2                = std::max(speed2, work(u, u));
 			opening += std::max(0.0, -c.bias);
 			acts[c.body1] = acts[c.body2] = true;
@@ -67,7 +60,7 @@ double requiredSpeed(const ContactProblem& problem, const std::vector<Impulse>& 
 	double pressed = 0, energy = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
-		pressed -= work(d[k], freeVelocity(problem, c)) + d[k].n * c.bias;
+		pressed -= work(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
 		ContactPoint still = c; // impulses move the image of a body by the cell's stretch alone
 		still.drift        = componentwise(stretch, c.shift);
 		energy += work(d[k], relativeVelocity(still, moved[c.body1], moved[c.body2]));
@@ -94,7 +87,7 @@ bool worseThanNone(const ContactProblem& problem)
 		const ContactPoint& c = problem.points[k];
 		const Impulse&      p = problem.impulse[k];
 		const Impulse       u = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
-		sum += 0.5 * (work(p, u) + work(p, freeVelocity(problem, c))) + p.n * c.bias;
+		sum += 0.5 * (work(p, u) + work(p, freeRelativeVelocity(problem, c))) + p.n * c.bias;
 	}
 	return !(sum <= 0); // nor is it where impulses are so large that their products overflow
 }

@@ -48,7 +48,7 @@ double violation(const ContactProblem& problem, double rest)
 	forEachPoint(problem, [&](const Point& point) {
 		violation2 += point.w.nn * point.w.nn * square(point.miss);
 		velocity2 += square(point.u);
-		freeVelocity2 += square(relativeVelocity(point.c, problem.freeVelocity[point.c.body1], problem.freeVelocity[point.c.body2]));
+		freeVelocity2 += square(freeRelativeVelocity(problem, point.c));
 	});
 	return kinematicError(violation2, velocity2, freeVelocity2, rest);
 }

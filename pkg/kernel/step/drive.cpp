@@ -16,21 +16,6 @@ namespace {
 	constexpr double mostLoads   = 200;  // … and this
 	constexpr double stiffest    = 1e-4; // ε that sweeps still solve
 
-	double fastestPrescribed(const ContactProblem& problem)
-	{
-		double     fastest = 0;
-		const auto look    = [&](int body, Vec2 arm) {
-			const Twist& v = problem.freeVelocity[body];
-			if (problem.prescribed(body)) fastest = std::max(fastest, norm(Vec2 { v.x, v.y } + cross(v.rotation, arm)));
-		};
-		for (const ContactPoint& c : problem.points) {
-			look(c.body1, c.arm1);
-			look(c.body2, c.arm2);
-			fastest = std::max(fastest, norm(c.drift));
-		}
-		return fastest;
-	}
-
 	/// Bodies that a prescribed motion reaches one through the other, along the longest of all shortest ways over contacts.
 	int reachOfDrive(const ContactProblem& problem)
 	{
@@ -38,9 +23,9 @@ namespace {
 		std::vector<std::int32_t> layer, next;
 		std::vector<char>         seen(count);
 		for (std::size_t id = 0; id < count; ++id) {
-			const Twist& v = problem.freeVelocity[id];
-			seen[id]       = problem.prescribed(id);
-			if (seen[id] && (v.x != 0 || v.y != 0 || v.rotation != 0)) layer.push_back(std::int32_t(id));
+			const bool driven = problem.driven(id);
+			seen[id]          = driven || problem.prescribed(id);
+			if (driven) layer.push_back(std::int32_t(id));
 		}
 		if (layer.empty()) return 0;
 		std::vector<std::array<std::int32_t, 2>> pairs;
@@ -79,7 +64,7 @@ Drive driveOf(const ContactProblem& problem, const std::vector<Twist>& before, T
 	team.share(0, 2, [&](int part) {
 		if (part == 0) reach = reachOfDrive(problem);
 		else
-			drive.speed = fastestPrescribed(problem);
+			drive.speed = fastestPrescribedMotion(problem);
 	});
 	if (drive.speed == 0 || problem.stretches()) return drive;
 	double total = 0, momentum = 0, load = 0;

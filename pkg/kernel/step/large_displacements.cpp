@@ -38,10 +38,32 @@ namespace {
 		return dot(now.points[at].normal, normal) > 0 ? now.points[at].gap : -infinity;
 	}
 
-	/// Has it gone through the other body, so that the overlap is now on the far side?
-	bool through(const Manifold& now, Vec2 normal)
+	/// Decides whether a path that is clear of the other body at `time`, on its far side, crosses it or passes beside it.
+	/// Bisection: beside a body the normal turns gradually, across it the normal flips.
+	bool crosses(const Step& step, const StepContact& contact, double time, Vec2 normalBefore, Vec2 normalAfter)
 	{
-		return now.count > 0 && dot(now.points[0].normal, normal) <= 0 && now.points[0].gap < 0;
+		constexpr int halvings = 10;
+		double        before = 0, after = time;
+		for (int k = 0; k < halvings; ++k) {
+			const double   middle = 0.5 * (before + after);
+			const Manifold at     = pointsAfter(step, contact, middle, solved);
+			if (at.count == 0) return false;
+			if (at.points[0].gap < 0) return true;
+			const Vec2 normal = at.points[0].normal;
+			if (dot(normal, normalBefore) < 0) after = middle, normalAfter = normal;
+			else if (dot(normal, normalAfter) < 0)
+				before = middle, normalBefore = normal;
+			else
+				return false;
+		}
+		return true;
+	}
+
+	/// The body has gone through the other one at `time`, whether it still overlaps it or not.
+	bool through(const Step& step, const StepContact& contact, const Manifold& now, double time, Vec2 normal)
+	{
+		if (now.count == 0 || dot(now.points[0].normal, normal) > 0) return false;
+		return now.points[0].gap < 0 || crosses(step, contact, time, normal, now.points[0].normal);
 	}
 
 } // namespace
@@ -62,8 +84,12 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool letGo, dou
 		for (const Manifold& now : at)
 			least = std::min(least, gapOf(now, k, contact.count, c.normal));
 		int last = looks; // look at which it is still on this side
-		while (last > 1 && through(at[last - 1], c.normal))
+		while (last > 0 && through(step, contact, at[last - 1], dt * last / looks, c.normal))
 			--last;
+		if (last == 0) { // no gap on this side is known: the step counts as not converged
+			overlap = 1;
+			continue;
+		}
 		const double share = double(last) / looks, end = gapOf(at[last - 1], k, contact.count, c.normal);
 		if (std::isfinite(end)) overlap = std::max(overlap, -end / contact.size);
 		const bool    sinks  = (end < std::min(0.0, gap) - slop || last < looks) && std::isfinite(end);

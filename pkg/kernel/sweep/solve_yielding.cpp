@@ -30,19 +30,6 @@ namespace {
 		}
 	}
 
-	/// The fastest motion that is prescribed at a point.
-	double driveSpeed(const ContactProblem& problem)
-	{
-		double fastest = 0;
-		const auto speed = [&](int body, Vec2 arm) {
-			const Twist& v = problem.freeVelocity[body];
-			return problem.prescribed(body) ? norm(Vec2 { v.x, v.y } + cross(v.rotation, arm)) : 0;
-		};
-		for (const ContactPoint& c : problem.points)
-			fastest = std::max({ fastest, speed(c.body1, c.arm1), speed(c.body2, c.arm2), norm(c.drift) });
-		return fastest;
-	}
-
 } // namespace
 
 bool growsWithoutBound(const ContactProblem& problem, const Settings& settings, Workspace& workspace)
@@ -68,7 +55,7 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, const Re
 	sweeps.checkInterval   = most;
 	sweeps.maxIterations   = most;
 	const double tolerance = settings.tolerance > 0 ? settings.tolerance : Settings().tolerance;
-	const double        fastest = driveSpeed(problem);
+	const double        fastest = fastestPrescribedMotion(problem);
 	std::vector<double> rigidBias;
 	for (std::size_t k = 0; k < problem.recovery.size(); ++k) {
 		rigidBias.push_back(problem.points[k].bias);

@@ -17,11 +17,10 @@ bool MissedSteps::count(bool stepMissed, bool stepYielded, double overlap, bool 
 	missed += stepMissed;
 	yielded += stepYielded;
 	if (!takenBack || stepMissed) deepest = std::max(deepest, overlap);
-	const bool first    = missed > 0 && toldMissed == 0;
-	const bool deeper   = deepest > (missed > 0 ? harmless : takenBack ? none : deep) && deepest >= 2 * toldDeepest;
+	const bool deeper    = deepest > (missed == 0 && takenBack ? none : harmless) && deepest >= 2 * toldDeepest;
 	const bool moreOften = yielded > 0 && yielded >= 10 * toldYielded;
-	if (!first && !deeper && !moreOften) return false;
-	toldMissed = missed, toldYielded = yielded, toldDeepest = deepest;
+	if (!deeper && !moreOften) return false;
+	toldYielded = yielded, toldDeepest = deepest;
 	return true;
 }
 
@@ -29,22 +28,24 @@ std::string MissedSteps::message() const
 {
 	std::ostringstream text;
 	text.precision(2);
+	const auto deepestText = [&] { text << "the deepest overlap is " << deepest << " of R₁ + R₂"; };
 	if (missed == 0) {
-		text << "the deepest overlap, " << deepest << " of R₁ + R₂, grows although all steps reached the tolerance. Something moves the bodies that the solver "
-		     << "does not see, such as forces that a PyRunner adds after ContactDynamics, or positions that are set; or they go too far in a step: take a smaller one.";
+		deepestText();
+		text << " and grows, although all steps converged. Positions and forces are wrong to that extent. Something moves the bodies beside the "
+		     << "solver: bodies inserted into others, positions that a script sets, forces added after ContactDynamics, or displacements "
+		     << "in a step that are too large; remove it, or take a smaller O.dt.";
 		return text.str();
 	}
-	if (steps == 1) text << "the first step did not reach the tolerance";
+	text << missed << " of " << steps << (steps == 1 ? " step has" : " steps have") << " not converged";
+	if (yielded > 0) text << ", " << yielded << " of them for want of a solution";
+	text << "; ";
+	deepestText();
+	text << ". ";
+	if (yielded > 0)
+		text << "Forces of the steps without a solution are those of yielding contacts: leave these steps out of averages. "
+		     << "Slow down or reverse what is driven, or press by a force.";
 	else
-		text << missed << " of " << steps << " steps so far did not reach the tolerance";
-	if (deepest > deep) text << " or left an overlap beyond " << deep;
-	if (yielded > 0) text << ", " << yielded << " of them without a solution, so that contacts have yielded to driven bodies";
-	if (deepest == 0) text << "; no bodies overlap, so it is harmless. This is told again if it gets worse.";
-	else if (deepest <= harmless)
-		text << "; the deepest overlap, " << deepest << " of R₁ + R₂, is harmless. This is told again if it gets worse.";
-	else
-		text << "; the deepest overlap, " << deepest << " of R₁ + R₂, is beyond the " << harmless << " of beds at rest or in flow. "
-		     << (yielded > 0 ? "Slow down or reverse what is driven, or press by a force." : "Take a smaller time step or more maxIterations.");
+		text << "Positions are wrong to that extent. Place bodies apart at the start, take a smaller O.dt or more maxIterations.";
 	return text.str();
 }
 

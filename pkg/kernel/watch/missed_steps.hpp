@@ -1,10 +1,11 @@
-// Steps that missed the tolerance of the solver: how many, and whether they did harm.
+// Counts the steps that have not converged and decides when a warning is due.
 //
-// A missed step is harmless while the overlaps that it leaves are taken back: those of beds at rest and in flow stay below 5e-3 of R₁ + R₂. It is told
-// once, and again each time things get worse: overlaps twice as deep as those told of, or ten times as many steps without a solution.
+// The position correction takes back the overlaps that a step leaves. Overlaps of beds at rest and in flow stay below 5e-3 (R₁ + R₂), so
+// steps that have not converged are counted in silence up to that. A warning is due when the deepest overlap exceeds 5e-3 and has doubled
+// since the last warning, and when steps without a solution are ten times as many as at the last warning.
 //
-// Overlaps that grow although no step misses are those of something that the steps do not see: forces added after the solve, bodies that are put
-// elsewhere. They are told beyond 2e-2 of R₁ + R₂, and twice those of the first step, with which the scene began.
+// Overlaps can grow although all steps converge, by forces added after the solve or by bodies that a script moves. The same rule
+// applies; the overlap of the first step, with which the scene began, counts as warned of.
 #pragma once
 
 #include <string>
@@ -22,7 +23,7 @@ public:
 	long   yielded = 0; // of these, without a solution: their contacts have yielded
 	double deepest = 0; // overlap over R₁ + R₂, of all steps but those that have taken it back
 
-	long   toldMissed = 0, toldYielded = 0; // of the last message
+	long   toldYielded = 0; // steps without a solution, at the last warning
 	double toldDeepest = 0;
 
 	/// After each step: whether it missed the tolerance, whether it had no solution, its deepest overlap over R₁ + R₂, and whether it has taken

@@ -17,23 +17,30 @@ public:
 	static constexpr int    patience = 10;   // steps in which it grows deeper than ever before it is told
 
 	// Plain numbers, to be saved with the scene: the message then comes in the same step after a reload.
-	int    grown   = 0; // steps of growth in the present squeeze
-	double deepest = 0; // its deepest overlap so far, over R₁ + R₂
+	int    grown     = 0; // steps of growth in the present squeeze
+	int    certified = 0; // steps of the present squeeze that had no solution
+	double deepest   = 0; // its deepest overlap so far, over R₁ + R₂
 
-	/// After each step, with its deepest overlap over R₁ + R₂ (0 where none is): true when the squeeze has gone on for `patience` steps,
-	/// and again after as many more.
-	bool goesOn(double overlap)
+	enum class Verdict { none, jam, notConverged };
+
+	/// Takes the deepest overlap of a step over R₁ + R₂ (0: none), and whether the step had no solution. After `patience` steps
+	/// of growth, and again after as many more, the verdict is a jam if one of the steps had no solution.
+	Verdict update(double overlap, bool noSolution)
 	{
 		if (!(overlap > crushed)) {
-			grown = 0, deepest = 0;
-			return false;
+			*this = {};
+			return Verdict::none;
 		}
-		if (overlap <= deepest) return false;
+		certified += noSolution;
+		if (overlap <= deepest) return Verdict::none;
 		deepest = overlap;
-		if (++grown < patience) return false;
+		if (++grown < patience) return Verdict::none;
 		grown = 0;
-		return true;
+		return certified > 0 ? Verdict::jam : Verdict::notConverged;
 	}
+
+	/// Grains are squeezed at present.
+	bool active() const { return deepest > 0; }
 };
 
 /// Bodies that a prescribed velocity moves, in order: who squeezes. None: loads can be carried, the solver needs more iterations.
