@@ -120,6 +120,8 @@ private:
 	void          observeStep(const std::vector<rcr::Twist>& loads);
 	void          watch();
 	rcr::Squeeze  squeeze() const;
+	double        overlapOf(std::size_t point) const;
+	double        overlapAtStart();
 	void          bookEnergy(const std::vector<rcr::Twist>& loads, const Vector3r& gravity);
 
 	struct Observed {

@@ -180,18 +180,26 @@ boost::python::dict ContactDynamics::dictOf(const Observed& now) const
 	return observed;
 }
 
+/// Overlap of a point at the beginning of the step, over R₁ + R₂. Obstacles may overlap each other.
+double ContactDynamics::overlapOf(std::size_t k) const
+{
+	const double share = rcr::contactSlop * step_.gap[k].now / step_.gap[k].allowed;
+	if (share <= 0) return 0;
+	const rcr::ContactPoint& c = step_.problem.points[k];
+	return step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2) ? 0 : share;
+}
+
+double ContactDynamics::overlapAtStart()
+{
+	return workspace_.team().most(step_.gap.size(), [&](std::size_t k) { return overlapOf(k); });
+}
+
 rcr::Squeeze ContactDynamics::squeeze() const { return { int(watched[4]), int(watched[1]), double(watched[5]) }; }
 
 /// Counts steps that have not converged, and ends a run whose overlaps only grow.
 void ContactDynamics::watch()
 {
-	const auto overlapOf = [&](std::size_t k) { // over R₁ + R₂
-		const double share = rcr::contactSlop * step_.gap[k].now / step_.gap[k].allowed;
-		if (share <= 0) return 0.0;
-		const rcr::ContactPoint& c = step_.problem.points[k];
-		return step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2) ? 0.0 : share; // obstacles may overlap
-	};
-	const double overlap = workspace_.team().most(step_.gap.size(), overlapOf);
+	const double overlap = overlapAtStart();
 	const auto   deepestPair = [&] {
 		std::size_t k = 0;
 		while (overlapOf(k) != overlap)
