@@ -44,6 +44,7 @@ void ContactDynamics::act()
 	if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0; // rest is the cell's own motion, see gather
 	if (!flat_) flat_ = std::make_shared<FlatSteps>();
 	scene->forces.sync();
+	stepThread_ = std::this_thread::get_id();
 	workspace_.team().run(solverThreads(), [&] { step(engines); });
 }
 
@@ -63,6 +64,8 @@ void ContactDynamics::step(const gate::Engines& engines)
 				loads = loadsOf(step_);
 				observeStep(loads);
 				goesOn = arrays && flat_->goOn(*scene, engines, team, sources_, loads, step_);
+				const std::lock_guard<std::mutex> lock(reading_);
+				enginesReason_ = flat_->why(), fastSteps_ = flat_->count();
 			});
 		} while (goesOn);
 		timed("publish", [&] { flat_->publish(*scene, team, sources_, step_); });
@@ -168,7 +171,9 @@ template <class Work> void ContactDynamics::timed(const char* what, Work work)
 {
 	const auto start = std::chrono::steady_clock::now();
 	work();
-	seconds_[what] += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+	const double                      seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+	const std::lock_guard<std::mutex> lock(reading_);
+	seconds_[what] += seconds;
 }
 
 /// Colours and order have a key of their own among the times.
@@ -178,10 +183,13 @@ void ContactDynamics::solve(const rcr::Settings& how)
 	warmStart_          = step_.problem.impulse;
 	const rcr::Vec2 stretch = step_.problem.stretch;
 	rcr::prepareRecovery(step_, double(correction), workspace_.team());
-	timed("solve", [&] { report(rcr::solve(step_.problem, solver, how, workspace_)); });
+	timed("solve", [&] { report(rcr::solve(step_.problem, solverName(), how, workspace_)); });
 	const double laidOut = workspace_.layoutSeconds() - layout;
-	seconds_["layout"] += laidOut;
-	seconds_["solve"] -= laidOut;
+	{
+		const std::lock_guard<std::mutex> lock(reading_);
+		seconds_["layout"] += laidOut;
+		seconds_["solve"] -= laidOut;
+	}
 	timed("scatter", [&] {
 		step_.moveMembers();
 		step_.stretchCell(stretch);

@@ -9,9 +9,11 @@
 // then moves the bodies by the forces p/dt that were added. Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
+#include <atomic>
 #include <map>
-#include <mutex>
 #include <memory>
+#include <mutex>
+#include <thread>
 
 #include <core/Body.hpp>
 #include <core/GlobalEngine.hpp>
@@ -42,6 +44,12 @@ public:
 	boost::python::dict problemDict() const;
 	boost::python::dict observedDict();
 	boost::python::list observationsList();
+
+	// Attributes that a step reads and that a script may set while it does.
+	std::string      solverName() const;
+	void             setSolver(const std::string&);
+	std::vector<int> observedIds() const;
+	void             setObserve(const std::vector<int>&);
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,"Solves all rigid contacts of the step together (nonsmooth Contact Dynamics, Moreau time stepping). Takes the forces that other engines have put on the bodies and the gravity of :yref:`NewtonIntegrator`, finds the contact impulses that satisfy Signorini's and Coulomb's laws at the end of the step, and adds them as forces; :yref:`NewtonIntegrator` then moves the bodies. Stands after :yref:`InteractionLoop` and before :yref:`NewtonIntegrator`, whose damping must be 0. Bodies move in the plane: z, X and Y blocked. The time step is bound by accuracy, not by a stiffness. With ``O.trackEnergy`` it adds to ``O.energy`` what the contacts take: plastDissip (friction), impactDissip (normal impulses), driveWork (given to bodies of prescribed motion; negative where these drive) and correctionWork (potential energy that the position correction has given, negative; gravWork has its counterpart), so that ``O.energy.total()`` stays.",
@@ -89,6 +97,8 @@ public:
 		.def("observed",&ContactDynamics::observedDict,"observed() → dict: what the steps since the last call came to, so that a run need not stop at each. steps; iterations (of all); residual (the largest); missed (steps that have not :yref:`converged<ContactDynamics.converged>`), yielded (those of them without a solution), missed_sum and missed_largest (of their residuals over the tolerance, or of their violations over :yref:`maxViolation<ContactDynamics.maxViolation>` where these are larger) [-]; forces: mean force (x, y) [N] and torque [N m] of the contacts on each body of :yref:`observe<ContactDynamics.observe>`, by id.")
 		.def("observations",&ContactDynamics::observationsList,"observations() → list of dicts: what each :yref:`observeEvery<ContactDynamics.observeEvery>` steps since the last call came to, so that a long run has a history without a stop, or a PyRunner, that costs a look at all bodies. Each as :yref:`observed<ContactDynamics.observed>` tells it, which then tells of the steps since the last entry, and of the end of its last step: step (O.iter), time [s], points (contact points), last_iterations, last_residual; positions: (x, y) of each body of :yref:`observe<ContactDynamics.observe>` [m], by id.")
 		.def("_problem",&ContactDynamics::problemDict,"The contact problem of the last step, for rcr.scene.save_problem: its arrays as bytes.")
+		.add_property("solver",&ContactDynamics::solverName,&ContactDynamics::setSolver,"Name of the solver: nlgs, sor, nesterov, exact or auto")
+		.add_property("observe",&ContactDynamics::observedIds,&ContactDynamics::setObserve,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns. Give a clump, not its members. A change starts a new mean.")
 	);
 	// clang-format on
 	DECLARE_LOGGER;
@@ -148,7 +158,11 @@ private:
 	gate::Watch                   gate_;
 	Observed                      observed_;
 	std::vector<Observation>      observations_;
-	std::mutex                    observing_; // both, which a session may ask for in mid-run
+	mutable std::mutex            reading_; // guards all that Python may read or set during a step
+	rcr::ModelSummary             summary_;  // of the last step
+	std::string                   enginesReason_; // why the next step is left to YADE's engines; empty: it is not
+	long                          fastSteps_ = 0;
+	std::atomic<std::thread::id>  stepThread_;
 	rcr::Step                     step_; // memory is kept between steps; the contents are of the last one
 	StepSources                   sources_;
 	std::shared_ptr<FlatSteps>    flat_;

@@ -186,25 +186,34 @@ namespace gate {
 		};
 		// clang-format on
 
-		/// What the rules depend on, as far as it changes seldom.
-		std::vector<const void*> signature(const Scene& scene)
+		/// Collects what the rules depend on and what changes seldom.
+		Signature signature(const Scene& scene)
 		{
-			std::vector<const void*> seen { &scene, reinterpret_cast<const void*>(scene.bodies->size()), reinterpret_cast<const void*>(std::size_t(scene.isPeriodic)) };
-			const auto               add = [&](const auto& functors) {
-                                for (const auto& f : functors)
-                                        seen.push_back(f.get());
+			Signature  now { scene.bodies->size(), scene.isPeriodic, {} };
+			const auto add    = [&](const auto& object) { now.objects.emplace_back(object); };
+			const auto addAll = [&](const auto& functors) {
+				for (const auto& f : functors)
+					add(f);
 			};
+			now.objects.emplace_back(scene.weak_from_this());
 			for (const auto& e : scene.engines) {
-				seen.push_back(e->dead ? nullptr : e.get());
+				add(e->dead ? shared_ptr<Engine>() : e);
 				if (const auto* loop = dynamic_cast<const InteractionLoop*>(e.get()))
-					add(loop->geomDispatcher->functors), add(loop->physDispatcher->functors), add(loop->lawDispatcher->functors);
-				if (const auto* collider = dynamic_cast<const Collider*>(e.get())) add(collider->boundDispatcher->functors);
-				if (const auto* stepper = dynamic_cast<const TimeStepper*>(e.get())) seen.push_back(stepper->active ? stepper : nullptr);
+					addAll(loop->geomDispatcher->functors), addAll(loop->physDispatcher->functors), addAll(loop->lawDispatcher->functors);
+				if (const auto* collider = dynamic_cast<const Collider*>(e.get())) addAll(collider->boundDispatcher->functors);
+				if (const auto* stepper = dynamic_cast<const TimeStepper*>(e.get())) add(stepper->active ? e : shared_ptr<Engine>());
 			}
-			return seen;
+			return now;
 		}
 
 	} // namespace
+
+	bool Signature::operator==(const Signature& other) const
+	{
+		const auto same = [](const Object& a, const Object& b) { return !a.owner_before(b) && !b.owner_before(a); };
+		return bodies == other.bodies && periodic == other.periodic
+		        && std::equal(objects.begin(), objects.end(), other.objects.begin(), other.objects.end(), same);
+	}
 
 	std::string refusal(const Scene& scene)
 	{
@@ -256,7 +265,7 @@ namespace gate {
 		const View        view(scene);
 		const std::string wrong = timeStep(view) + integrator(view) + smallCell(view); // may change with nothing else
 		if (!wrong.empty()) refuse(wrong);
-		const std::vector<const void*> now = signature(scene);
+		const Signature now = signature(scene);
 		if (now == seen_) return engines_;
 		const std::string told = refusal(scene);
 		if (!told.empty()) refuse(told);
@@ -282,8 +291,8 @@ namespace gate {
 	bool mayTouch(const Interaction& i, const Scene& scene)
 	{
 		if (!frictional(scene, i.getId1(), i.getId2())) return false;
-		thread_local std::vector<const void*> passed; // asked at every new contact, so the rules are looked at once a change
-		const std::vector<const void*>        now = signature(scene);
+		thread_local Signature passed; // every new contact comes here; the rules are checked once a change
+		const Signature        now = signature(scene);
 		if (now == passed) return true;
 		const std::string told = refusal(scene);
 		if (told.empty()) {

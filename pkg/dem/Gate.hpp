@@ -80,13 +80,24 @@ namespace gate {
 	std::string balls(const Scene&);
 	std::string overlaps(const Scene&);
 
+	/// Identity of a scene's engines and functors. Weak pointers, since the address of a deleted engine may be used again.
+	struct Signature {
+		using Object = boost::weak_ptr<const void>;
+
+		std::size_t         bodies   = 0;
+		bool                periodic = false;
+		std::vector<Object> objects;
+
+		bool operator==(const Signature&) const;
+	};
+
 	/// Looks at the scene when its engines, their functors or its number of bodies have changed.
 	class Watch {
 	public:
 		Engines pass(const Scene&); // throws what `refusal` says
 	private:
-		std::vector<const void*> seen_;
-		Engines                  engines_;
+		Signature seen_;
+		Engines   engines_;
 	};
 
 	/// Have both bodies a material that knows friction? If not, that is raised in Python as soon as that is possible.

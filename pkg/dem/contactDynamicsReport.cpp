@@ -101,8 +101,9 @@ void ContactDynamics::checkObserved() const
 
 void ContactDynamics::observeStep(const std::vector<rcr::Twist>& loads)
 {
+	const std::lock_guard<std::mutex> lock(reading_);
 	checkObserved();
-	const std::lock_guard<std::mutex> lock(observing_);
+	summary_ = workspace_.summary();
 	place([&](int id) -> std::optional<rcr::Vec2> {
 		if (std::size_t(id) >= step_.bodies.size() || !sources_.state[id]) return {};
 		return step_.bodies[id].center;
@@ -130,7 +131,7 @@ void ContactDynamics::observeStep(const std::vector<rcr::Twist>& loads)
 boost::python::list ContactDynamics::observationsList()
 {
 	namespace py = boost::python;
-	const std::lock_guard<std::mutex> lock(observing_);
+	const std::lock_guard<std::mutex> lock(reading_);
 	const bool running = Omega::instance().isRunning(); // the end of the last entry is then not known yet
 	if (!running)
 		place([&](int id) -> std::optional<rcr::Vec2> {
@@ -155,7 +156,7 @@ boost::python::list ContactDynamics::observationsList()
 
 boost::python::dict ContactDynamics::observedDict()
 {
-	const std::lock_guard<std::mutex> lock(observing_);
+	const std::lock_guard<std::mutex> lock(reading_);
 	return dictOf(std::exchange(observed_, {}));
 }
 
@@ -243,9 +244,34 @@ void ContactDynamics::bookEnergy(const std::vector<rcr::Twist>& loads, const Vec
 	pendingEnergy             = { now.friction, now.impact, now.driven, now.lifted };
 }
 
+std::string ContactDynamics::solverName() const
+{
+	const std::lock_guard<std::mutex> lock(reading_);
+	return solver;
+}
+
+void ContactDynamics::setSolver(const std::string& name)
+{
+	const std::lock_guard<std::mutex> lock(reading_);
+	solver = name;
+}
+
+std::vector<int> ContactDynamics::observedIds() const
+{
+	const std::lock_guard<std::mutex> lock(reading_);
+	return observe;
+}
+
+void ContactDynamics::setObserve(const std::vector<int>& ids)
+{
+	const std::lock_guard<std::mutex> lock(reading_);
+	observe = ids;
+}
+
 boost::python::dict ContactDynamics::secondsDict() const
 {
-	boost::python::dict seconds;
+	const std::lock_guard<std::mutex> lock(reading_);
+	boost::python::dict               seconds;
 	for (const auto& [what, total] : seconds_)
 		seconds[what] = total;
 	return seconds;
@@ -265,6 +291,8 @@ boost::python::dict ContactDynamics::missedDict() const
 boost::python::dict ContactDynamics::problemDict() const
 {
 	namespace py = boost::python;
+	if (Omega::instance().isRunning() && stepThread_.load() != std::this_thread::get_id())
+		throw std::runtime_error("ContactDynamics: the problem changes while O.run goes on; call O.pause() first.");
 	py::dict   columns;
 	const auto add = [&](const char* name, const auto& rows) {
 		const char* bytes = reinterpret_cast<const char*>(rows.data());
@@ -283,8 +311,9 @@ boost::python::dict ContactDynamics::problemDict() const
 
 boost::python::dict ContactDynamics::modelDict() const
 {
-	const rcr::ModelSummary m = workspace_.summary();
-	boost::python::dict     model;
+	const std::lock_guard<std::mutex> lock(reading_);
+	const rcr::ModelSummary&          m = summary_;
+	boost::python::dict               model;
 	model["bodies"]       = m.bodies;
 	model["rotations"]    = m.turning;
 	model["fixed"]        = m.fixed;
@@ -295,8 +324,8 @@ boost::python::dict ContactDynamics::modelDict() const
 	model["islands"]      = m.islands;
 	model["layouts"]      = m.layouts;
 	model["work"]         = work_;
-	model["arrays"]       = flat_ ? flat_->count() : 0;
-	model["engines"]      = !arrays ? "ContactDynamics.arrays = False" : flat_ ? flat_->why() : "";
+	model["arrays"]       = fastSteps_;
+	model["engines"]      = !arrays ? "ContactDynamics.arrays = False" : enginesReason_;
 	return model;
 }
 

@@ -25,7 +25,7 @@ std::string ContactDynamics::wrong() const
 		return "ContactDynamics.flow is not zero; wanted finite, and only with overdamped = True: other bodies keep their velocities.";
 	if (followFlow && !overdamped) return "ContactDynamics.followFlow = True; wanted only with overdamped = True: other bodies keep their velocities.";
 	try {
-		rcr::checkSettings(solver, settings({}));
+		rcr::checkSettings(solverName(), settings({}));
 	} catch (const std::invalid_argument& error) {
 		return std::string("ContactDynamics: ") + error.what();
 	}
