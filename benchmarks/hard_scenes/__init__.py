@@ -22,7 +22,7 @@ from .stage import COARSE, DT, Clock, ContactDynamics, Smooth
 __all__ = ["COARSE", "DT", "TIGHT", "ContactDynamics", "Result", "Smooth", "names", "run", "scene"]
 
 TUNNEL = 1.0  # overlap over the smaller cap radius at which a centre line is reached
-TIGHT = ContactDynamics(dict(tolerance=1e-10, maxViolation=1e-5))  # what the law itself does; else the engine's defaults
+TIGHT = ContactDynamics(dict(tolerance=1e-10, kinematicTolerance=1e-5))  # what the law itself does; else the engine's defaults
 BLOW_UP = 0.05  # energy out of nothing, over the scale of the scene: the time stepping itself errs by some per cent at 10 dt
 
 

@@ -52,7 +52,7 @@ void ContactDynamics::step(const gate::Engines& engines)
 {
 	rcr::Team& team  = workspace_.team();
 	step_.overdamped = overdamped;
-	if (!follows()) followed = stretchChange = Vector2r::Zero();
+	if (!follows()) meanStretchRate = stretchChange = Vector2r::Zero();
 	setRest();
 	timed("gather", [&] { gather(*scene, engines, team, sources_, step_); });
 	try {
@@ -87,17 +87,17 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	iterations = 0;
 	work_      = 0;
 	overlap_   = 0;
-	if (follows()) timed("adapt", [&] { rcr::relieve(step_, { double(stretchChange[0]), double(stretchChange[1]) }); });
+	if (follows()) timed("biasUpdate", [&] { rcr::relieve(step_, { double(stretchChange[0]), double(stretchChange[1]) }); });
 	const rcr::Drive    drive = rcr::driveOf(step_, workspace_.team());
 	std::vector<double> detected; // biases before the first pass that changes them; empty where they must not be restored
 	rcr::Settings       how = settings(drive);
 	how.rounding            = step_.rounding(workspace_.team());
 	if (squeeze().active()) how.maxIterations *= squeezedEffort;
 	if (overlapAtStart() > rcr::MissedSteps::harmless) how.mostImpulse = std::numeric_limits<double>::infinity(); // yields by proof alone
-	const double compliance = how.compliance;
+	const double yieldCompliance = how.compliance;
 	bool         last       = false;
 	for (int pass = 1;; ++pass) {
-		how.compliance = rcr::restIsAllowed(step_, drive) ? 0 : compliance;
+		how.compliance = rcr::restIsAllowed(step_, drive) ? 0 : yieldCompliance;
 		solve(how);
 		last |= pass == mostPasses;
 		const PassOutcome outcome = last ? reviewLastPass(engines) : reviewPass(engines, pass, drive, detected);
@@ -107,7 +107,7 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 		how.yielded   = yielded && (outcome == PassOutcome::missedContact || outcome == PassOutcome::biasChanged);
 		last          = outcome == PassOutcome::biasesRestored;
 	}
-	if (follows()) timed("adapt", [&] { followStretch(); });
+	if (follows()) timed("biasUpdate", [&] { followStretch(); });
 	refuseUnlessFinite();
 	refuseFarStretch();
 	if (overlap_ > rcr::MissedSteps::deep) converged = false;
@@ -119,14 +119,14 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(
         const gate::Engines& engines, int pass, const rcr::Drive& drive, std::vector<double>& detected)
 {
 	bool missed = false;
-	timed("late", [&] { missed = takeInMissedContacts(engines); });
+	timed("missedContacts", [&] { missed = takeInMissedContacts(engines); });
 	if (missed) {
 		detected.clear();
 		return PassOutcome::missedContact;
 	}
 	if (overdamped) return PassOutcome::accepted;
 	PassOutcome outcome = PassOutcome::accepted;
-	timed("adapt", [&] {
+	timed("biasUpdate", [&] {
 		const bool nextIsLast = pass == mostPasses - 1;
 		if (yielded && rcr::lowerBounces(step_, nextIsLast)) {
 			outcome = PassOutcome::bounceLowered;
@@ -145,7 +145,7 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(
 /// No pass follows: a contact that is still missed makes the step a missed one.
 ContactDynamics::PassOutcome ContactDynamics::reviewLastPass(const gate::Engines& engines)
 {
-	timed("late", [&] {
+	timed("missedContacts", [&] {
 		if (findMissedContacts(engines)) converged = false;
 	});
 	return PassOutcome::accepted;
@@ -154,8 +154,8 @@ ContactDynamics::PassOutcome ContactDynamics::reviewLastPass(const gate::Engines
 void ContactDynamics::setRest()
 {
 	step_.rest = plane::flowOf(flow);
-	step_.rest.gradient[0][0] += double(followed[0]);
-	step_.rest.gradient[1][1] += double(followed[1]);
+	step_.rest.gradient[0][0] += double(meanStretchRate[0]);
+	step_.rest.gradient[1][1] += double(meanStretchRate[1]);
 }
 
 /// What the bodies have stretched by belongs to the flow that they start the next step from.
@@ -163,7 +163,7 @@ void ContactDynamics::followStretch()
 {
 	const rcr::Vec2 change = rcr::commonStretch(step_);
 	stretchChange          = Vector2r(change.x, change.y);
-	followed += stretchChange;
+	meanStretchRate += stretchChange;
 	setRest();
 }
 
@@ -202,7 +202,7 @@ void ContactDynamics::report(const rcr::Report& report)
 	iterations += report.iterations;
 	work_ += report.work;
 	residual      = report.residual;
-	violation     = report.violation;
+	kinematicError     = report.violation;
 	converged     = report.converged;
 	yielded       = report.yielded;
 	contactPoints = int(step_.problem.points.size());

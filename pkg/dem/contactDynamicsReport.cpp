@@ -76,8 +76,8 @@ void ContactDynamics::measureUnbalance()
 		++free;
 	}
 	constexpr double none = std::numeric_limits<double>::infinity();
-	unbalance        = closed > 0 && free > 0 ? (net / free) / (contact / closed) : none;
-	largestUnbalance = closed > 0 ? largest / (contact / closed) : none;
+	unbalancedForce        = closed > 0 && free > 0 ? (net / free) / (contact / closed) : none;
+	largestUnbalancedForce = closed > 0 ? largest / (contact / closed) : none;
 }
 
 /// The end of the last entry is where the next step begins.
@@ -115,7 +115,7 @@ void ContactDynamics::observeStep(const std::vector<rcr::Twist>& loads)
 	observed_.yielded += yielded;
 	observed_.residual = std::max(observed_.residual, double(residual));
 	if (tolerance > 0 && !converged) {
-		const double by = double(std::max(residual / tolerance, violation / maxViolation));
+		const double by = double(std::max(residual / tolerance, kinematicError / kinematicTolerance));
 		++observed_.missed;
 		observed_.missedSum += by;
 		observed_.missedLargest = std::max(observed_.missedLargest, by);

@@ -11,19 +11,19 @@ namespace {
 std::string ContactDynamics::wrong() const
 {
 	if (!(correction >= 0 && correction <= 1)) return "ContactDynamics.correction = " + gate::text(correction) + "; wanted a share of the overlap, 0 to 1.";
-	if (!(maxViolation > 0))
-		return "ContactDynamics.maxViolation = " + gate::text(maxViolation)
+	if (!(kinematicTolerance > 0))
+		return "ContactDynamics.kinematicTolerance = " + gate::text(kinematicTolerance)
 		        + "; wanted a share > 0 of the relative velocities, 0.01 by default; math.inf for no test.";
 	if (!math::isfinite(tolerance)) return "ContactDynamics.tolerance = " + gate::text(tolerance) + "; wanted a finite residual, 1e-4 by default; 0 runs maxIterations.";
 	if (minIterations > maxIterations)
 		return "ContactDynamics.minIterations = " + std::to_string(minIterations) + "; wanted at most maxIterations = " + std::to_string(maxIterations) + ".";
 	if (observeEvery < 0) return "ContactDynamics.observeEvery = " + std::to_string(observeEvery) + "; wanted 0, none, or a number of steps.";
 	if (threads < 0) return "ContactDynamics.threads = " + std::to_string(threads) + "; wanted 0, as many as YADE has, or more.";
-	if (!(compliance >= 0 && math::isfinite(compliance)))
-		return "ContactDynamics.compliance = " + gate::text(compliance) + "; wanted a finite factor ≥ 0, 1 by default; 0: contacts never yield.";
+	if (!(yieldCompliance >= 0 && math::isfinite(yieldCompliance)))
+		return "ContactDynamics.yieldCompliance = " + gate::text(yieldCompliance) + "; wanted a finite factor ≥ 0, 1 by default; 0: contacts never yield.";
 	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))
 		return "ContactDynamics.flow is not zero; wanted finite, and only with overdamped = True: other bodies keep their velocities.";
-	if (followFlow && !overdamped) return "ContactDynamics.followFlow = True; wanted only with overdamped = True: other bodies keep their velocities.";
+	if (trackMeanStretch && !overdamped) return "ContactDynamics.trackMeanStretch = True; wanted only with overdamped = True: other bodies keep their velocities.";
 	try {
 		rcr::checkSettings(solverName(), settings({}));
 	} catch (const std::invalid_argument& error) {
@@ -38,12 +38,12 @@ rcr::Settings ContactDynamics::settings(const rcr::Drive& drive) const
 	s.tolerance       = double(tolerance);
 	s.maxIterations   = maxIterations;
 	s.minIterations   = minIterations;
-	s.violation       = double(maxViolation);
+	s.violation       = double(kinematicTolerance);
 	s.meanForceChange = double(meanForceChange);
 	s.threads         = solverThreads();
 	s.lanes           = lanes;
-	s.compliance      = double(compliance) * drive.compliance;
-	s.mostImpulse     = drive.mostImpulse / double(compliance); // 0: infinite
+	s.compliance      = double(yieldCompliance) * drive.compliance;
+	s.mostImpulse     = drive.mostImpulse / double(yieldCompliance); // 0: infinite
 	s.reductions      = rcr::Reductions::of(reductions);
 	return s;
 }

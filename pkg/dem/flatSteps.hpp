@@ -31,7 +31,7 @@ public:
 	/// YADE's objects as the step began, so that it can be scattered. Does nothing where `goOn` has not gone on since the last time.
 	void publish(Scene&, rcr::Team&, StepSources&, const rcr::Step&);
 
-	const std::string& why() const { return why_; }   // empty: the last step was followed by one of these
+	const std::string& why() const { return why_; }   // empty: the last step was meanStretchRate by one of these
 	long               count() const { return count_; } // steps so far
 
 private:

@@ -35,7 +35,7 @@ HIT = 100.0  # m/s, at most
 MISSED_STEPS_HEAL = 200  # after a step that missed the tolerance overlaps may stay deep
 RESOLVED = 1.0  # R, that a grain's surface may move in a step: a rod that turns by more can meet the same neighbour twice, of which the law of one step knows nothing
 ENERGY = 0.02  # that rigid contacts may seem to give, over what was there: the solver's tolerance, step after step
-AT_REST = 1e-4  # g dt, by which velocities at rest may be wrong: maxViolation times Settings::rest
+AT_REST = 1e-4  # g dt, by which velocities at rest may be wrong: kinematicTolerance times Settings::rest
 WARM_UP = 0.25  # of the time, after which memory stays
 SAME_BITS = 5  # steps, compared after a reload
 
@@ -213,8 +213,8 @@ class Watch:
         if solver:
             self.missed += not solver.converged
             self.healing = MISSED_STEPS_HEAL if not solver.converged else max(0, self.healing - 1)
-            if not np.isfinite([solver.residual, solver.violation]).all():
-                raise Wrong(f"a residual of {solver.residual}, a violation of {solver.violation}")
+            if not np.isfinite([solver.residual, solver.kinematicError]).all():
+                raise Wrong(f"a residual of {solver.residual}, a violation of {solver.kinematicError}")
             if solver.converged and not solver.yielded and solver.residual > solver.tolerance:
                 raise Wrong(f"a converged step with a residual of {solver.residual:.3g}")
         if not self.scene["periodic"]:

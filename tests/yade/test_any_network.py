@@ -40,7 +40,7 @@ def heap(seed=0):
 def resting():
     ids = heap()
     steps(2500)
-    while O.engines[-2].unbalance > 1e-9 and O.iter < 6000:
+    while O.engines[-2].unbalancedForce > 1e-9 and O.iter < 6000:
         steps(100)
     network = rcr.contact_network(volume=0.25)
     ids["center"] = np.array(O.bodies[ids["clump"]].state.pos)[:2]

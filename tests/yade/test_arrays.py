@@ -55,7 +55,7 @@ def without_inertia():
 def in_a_flow_that_follows():
     """The same, and the flow is found in the step."""
     without_inertia()
-    solver().followFlow = True
+    solver().trackMeanStretch = True
 
 
 def pile():

@@ -136,7 +136,7 @@ def test_slower_shear_without_inertia_is_solved_more_finely(packing):
         test = Biaxial.load(packing.folder)
         test.parameters.update(inertial_number=rate, time_step=step)
         test.drop_inertia()
-        assert test.solver.maxViolation == pytest.approx(expected)
+        assert test.solver.kinematicTolerance == pytest.approx(expected)
 
 
 def test_steps_towards_rest_shorten_only_where_the_balance_comes_no_nearer():
@@ -144,7 +144,7 @@ def test_steps_towards_rest_shorten_only_where_the_balance_comes_no_nearer():
 
     def steps(unbalance, looks=200):
         course = {}
-        return [biaxial.approach(course, types.SimpleNamespace(unbalance=unbalance(k), largestUnbalance=0.5)) for k in range(looks)]
+        return [biaxial.approach(course, types.SimpleNamespace(unbalancedForce=unbalance(k), largestUnbalancedForce=0.5)) for k in range(looks)]
 
     stuck = steps(lambda look: 0.01)
     assert min(stuck) == 0.1 and stuck[: 2 * biaxial.LOOKS - 1] == [max(stuck)] * (2 * biaxial.LOOKS - 1) and max(stuck[100:]) == max(stuck)
@@ -186,7 +186,7 @@ def test_shear_without_inertia_stays_in_balance(packing):
             test.drop_inertia()
         for _ in range(15):
             test.shear_record()
-        found[overdamped] = test.solver.unbalance, test.overlaps().mean()
+        found[overdamped] = test.solver.unbalancedForce, test.overlaps().mean()
     print("FOUND", found)
     assert 5 * found[True][1] < found[False][1]
     assert test.rows[-1]["sin_phi"] > 0.2
@@ -349,7 +349,7 @@ def test_missed_tolerances_are_counted(packing):
     assert summary["missed_max"] >= summary["residual_max"] / test.solver.tolerance
 
     test = Biaxial.load(packing.folder)  # forces that are good enough, velocities that are not
-    test.solver.tolerance, test.solver.maxViolation, test.solver.maxIterations, test.solver.solver = 0.5, 1e-9, 20, "nesterov"
+    test.solver.tolerance, test.solver.kinematicTolerance, test.solver.maxIterations, test.solver.solver = 0.5, 1e-9, 20, "nesterov"
     test.shear_record()
     assert test.progress["missed"] == test.steps_a_record and test.progress["residual_max"] < 0.5 and test.progress["missed_max"] > 1
 

@@ -165,8 +165,8 @@ def test_a_displacer_after_the_solver():
 def test_a_compliance_out_of_range_is_told_as_it_was_given(value):
     """Its product with the scene's own was."""
     rigid()
-    O.engines[place(rcr.ContactDynamics)].compliance = value
-    refused(f"ContactDynamics.compliance = {value:g}; wanted a finite factor ≥ 0, 1 by default")
+    O.engines[place(rcr.ContactDynamics)].yieldCompliance = value
+    refused(f"ContactDynamics.yieldCompliance = {value:g}; wanted a finite factor ≥ 0, 1 by default")
 
 
 def test_forces_that_the_solver_has_not_seen_are_told_of(capfd):

@@ -62,7 +62,7 @@ def pressed_row(follows, steps, count=20, last=100_000, rate=-0.2):
     flow = Matrix3(rate, 0, 0, 0, -rate, 0, 0, 0, 0)
     discs = [rcr.disc((0.1 + 0.2 * k, 0), 0.1, material(0)) for k in range(count)]
     bodies, solver = flowing(rcr.wall("x", 0, material=material(0)), *discs, rcr.mobile_wall("x", 0.2 * count, 1e-3, -1, material(0)), flow=flow)
-    solver.followFlow, solver.maxViolation = follows, 1e-8
+    solver.trackMeanStretch, solver.kinematicTolerance = follows, 1e-8
     pressure = 1e4
     O.forces.setPermF(bodies[-1].id, (-pressure, 0, 0))
     for left in reversed(range(steps)):
@@ -79,7 +79,7 @@ def test_what_bodies_do_together_meets_no_drag_of_a_flow_that_follows():
     assert pressed_row(True, 1) == pytest.approx(1, rel=1e-4)
     assert abs(pressed_row(True, 3)) < 1e-4
     solver = next(engine for engine in O.engines if isinstance(engine, rcr.ContactDynamics))
-    assert tuple(solver.followed) == pytest.approx((0.2, 0), abs=1e-4)
+    assert tuple(solver.meanStretchRate) == pytest.approx((0.2, 0), abs=1e-4)
 
 
 def test_a_drag_that_is_gone_is_taken_out_of_the_impulses():
@@ -90,15 +90,15 @@ def test_a_drag_that_is_gone_is_taken_out_of_the_impulses():
 def test_a_flow_that_follows_no_longer_is_forgotten():
     assert abs(pressed_row(True, 3)) < 1e-4
     solver = next(engine for engine in O.engines if isinstance(engine, rcr.ContactDynamics))
-    solver.followFlow = False
+    solver.trackMeanStretch = False
     O.step()
-    assert tuple(solver.followed) == (0, 0)
+    assert tuple(solver.meanStretchRate) == (0, 0)
 
 
 def test_a_flow_that_follows_is_one_without_inertia():
     (body,), solver = flowing(stadium(0.1, 0.05, (1, 2)))
-    solver.overdamped, solver.followFlow = False, True
-    with pytest.raises(ValueError, match="ContactDynamics.followFlow = True; wanted only with overdamped"):
+    solver.overdamped, solver.trackMeanStretch = False, True
+    with pytest.raises(ValueError, match="ContactDynamics.trackMeanStretch = True; wanted only with overdamped"):
         O.step()
     assert tuple(body.state.pos) == (1, 2, 0)
 

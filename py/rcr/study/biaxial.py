@@ -52,7 +52,7 @@ HELD_UP = 3  # deviation of the wall stresses from σ₀ over the mean net force
 TIME_STEP = 0.1  # dt/t₀ of the shear
 INERTIAL_NUMBER = 1e-3  # quick: the largest net force of a grain in a step is then 20 to 40 % of the mean contact force
 QUASI_STATIC_PACE = 1e-4  # I t₀/dt of shear without inertia: the drag of a grain over σ₀
-# `ContactDynamics.maxViolation` of overdamped shear at this pace: what velocities are wrong by are gaps, which the next step takes back
+# `ContactDynamics.kinematicTolerance` of overdamped shear at this pace: what velocities are wrong by are gaps, which the next step takes back
 # whole. It is a share of the velocities without contacts, too, to which those of slower shear and longer steps are less and less: there it falls with I/dt.
 OVERDAMPED_VIOLATION = 0.1
 QUASI_STATIC = dict(overdamped=True, inertial_number=QUASI_STATIC_PACE, time_step=1.0)  # near those of the limit I → 0 (docs/measurements.md, Quasi-static limit)
@@ -78,7 +78,7 @@ SOLVERS = _kernel.solver_names()
 
 def next_look(solver):
     """Steps towards rest until the next look at the net forces."""
-    return LOOK if solver.unbalance < ROUGH else 1
+    return LOOK if solver.unbalancedForce < ROUGH else 1
 
 
 def approach(course, solver):
@@ -89,12 +89,12 @@ def approach(course, solver):
     course : dict
         How the approach has gone so far, empty at first; carried on.
     solver : ContactDynamics
-        For its `unbalance` and `largestUnbalance`.
+        For its `unbalance` and `largestUnbalancedForce`.
     """
     reach, unbalances, before = course.get("reach", REACH), course.get("unbalances", []), course.get("steps", 0)
     steps = before + next_look(solver)
     if steps // LOOK > before // LOOK:
-        unbalances = [*unbalances, solver.unbalance]
+        unbalances = [*unbalances, solver.unbalancedForce]
     if len(unbalances) == 2 * LOOKS:
         earlier, unbalances = unbalances[:LOOKS], unbalances[LOOKS:]
         if sum(unbalances) > FALL * sum(earlier):
@@ -104,8 +104,8 @@ def approach(course, solver):
                 del course["longest"]
     course.update(reach=reach, unbalances=unbalances, steps=steps)
     shortest, longest = TIME_STEPS
-    largest = max(solver.largestUnbalance, 1e-300)  # 0 in perfect balance
-    return min(longest, max(shortest, math.sqrt(min(FARTHEST, reach * solver.unbalance) / largest)))
+    largest = max(solver.largestUnbalancedForce, 1e-300)  # 0 in perfect balance
+    return min(longest, max(shortest, math.sqrt(min(FARTHEST, reach * solver.unbalancedForce) / largest)))
 
 
 def random_radii(count, rng):
@@ -337,7 +337,7 @@ class Biaxial:
     @property
     def unbalance(self):
         """Mean net force of a grain over the mean contact force [-]: of the compaction's last step, so far or at its end."""
-        return self.progress["unbalance_initial"] if self.progress["phase"] == "shear" else self.solver.unbalance
+        return self.progress["unbalance_initial"] if self.progress["phase"] == "shear" else self.solver.unbalancedForce
 
     def sample_inertia(self, strain=None):
         """Inertia of the whole sample over σ₀ along its width W and its height h: ρ (ε̇ W)²/σ₀ and ρ (ε̇ h)²/σ₀, now or at a strain to come [-].
@@ -387,19 +387,19 @@ class Biaxial:
             If it has not come to rest after `PATIENCE` steps.
         """
         while self.progress["phase"] != "shear":
-            self.solver.tolerance = REST_TOLERANCE * min(0.1, max(self.solver.unbalance, balanced))
+            self.solver.tolerance = REST_TOLERANCE * min(0.1, max(self.solver.unbalancedForce, balanced))
             if self.progress["phase"] == "collapse":
                 self._collapse()
             else:
                 self._approach_rest()
-                if self.solver.unbalance < balanced:
+                if self.solver.unbalancedForce < balanced:
                     if self._off_isotropic() < ISOTROPIC or self._creeps():
                         self._start_shear()
             report(self)
             if O.iter > PATIENCE:
                 raise RuntimeError(
                     f"the compaction has not come to rest after {O.iter} steps: mean net force of a grain "
-                    f"{self.solver.unbalance:.1e} of the mean contact force (wanted {balanced:g}), wall stresses "
+                    f"{self.solver.unbalancedForce:.1e} of the mean contact force (wanted {balanced:g}), wall stresses "
                     f"{self.mean_stresses / STRESS} σ₀ (wanted 1); another seed or a smaller tolerance may help"
                 )
 
@@ -436,7 +436,7 @@ class Biaxial:
     def _approach_rest(self):
         O.dt = self.time_unit * approach(self.progress["approach"], self.solver)
         self._steps(next_look(self.solver))
-        self.solver.followFlow = bool(self._off_isotropic() > HELD_UP * self.solver.unbalance)
+        self.solver.trackMeanStretch = bool(self._off_isotropic() > HELD_UP * self.solver.unbalancedForce)
 
     def _start_shear(self):
         self.isotropic = self.network()
@@ -445,7 +445,7 @@ class Biaxial:
             first_step=O.iter,
             first_height=self.height,
             packing_fraction_initial=self.packing_fraction,
-            unbalance_initial=self.solver.unbalance,
+            unbalance_initial=self.solver.unbalancedForce,
             stress_deviation_initial=self._off_isotropic(),
             residual_max=0.0,  # of the shear; the compaction is solved as finely as it is balanced
             missed=0,
@@ -454,7 +454,7 @@ class Biaxial:
         )
         self.solver.tolerance = self.parameters["tolerance"]
         self.solver.maxIterations = self.parameters["iterations"]
-        self.solver.overdamped = self.solver.followFlow = False
+        self.solver.overdamped = self.solver.trackMeanStretch = False
         if self.parameters["overdamped"]:
             self.drop_inertia()
         for body in O.bodies:
@@ -477,7 +477,7 @@ class Biaxial:
         """Make the steps from here on start from rest; see `ContactDynamics.overdamped`."""
         self.parameters.update(overdamped=True)
         pace = self.parameters["inertial_number"] / self.parameters["time_step"]
-        self.solver.overdamped, self.solver.followFlow, self.solver.maxViolation = True, True, OVERDAMPED_VIOLATION * min(1, pace / QUASI_STATIC_PACE)
+        self.solver.overdamped, self.solver.trackMeanStretch, self.solver.kinematicTolerance = True, True, OVERDAMPED_VIOLATION * min(1, pace / QUASI_STATIC_PACE)
 
     def soften(self, stiffness):
         """Let springs of k_n = `stiffness` σ₀ replace the rigid contacts; they are unloaded at first, and the packing shrinks by some σ₀/k_n."""
@@ -564,7 +564,7 @@ class Biaxial:
         )
 
     def _flow(self):
-        """Velocity gradient of a sample that keeps its area [1/s]: what it dilates follows from the steps before (`ContactDynamics.followFlow`)."""
+        """Velocity gradient of a sample that keeps its area [1/s]: what it dilates follows from the steps before (`ContactDynamics.trackMeanStretch`)."""
         closing = O.bodies[self.top].state.vel[1] / self.height
         return Matrix3(-closing, 0, 0, 0, closing, 0, 0, 0, 0)
 
@@ -653,7 +653,7 @@ class Biaxial:
         `stress_deviation_initial` is the largest deviation of the wall stresses from σ₀ at the end of the compaction, over σ₀.
         `aspect_ratio` is width over height at the end, `sample_inertia` and `sample_inertia_height` what `sample_inertia` tells then.
         `stress_x_std` is the scatter of the lateral stress over σ₀, from record to record.
-        `missed_fraction` is the share of the shear's steps that missed the tolerance or `maxViolation`, `missed_mean` and `missed_max` by what
+        `missed_fraction` is the share of the shear's steps that missed the tolerance or `kinematicTolerance`, `missed_mean` and `missed_max` by what
         factor; 0 without such steps.
         """
         network = self.network()

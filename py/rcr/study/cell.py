@@ -115,14 +115,14 @@ class CellTest:
         course, first = {}, O.iter
         while O.iter - first < PATIENCE:
             for _ in range(next_look(self.solver)):
-                self.solver.tolerance = REST_TOLERANCE * min(0.1, max(self.solver.unbalance, BALANCED))
+                self.solver.tolerance = REST_TOLERANCE * min(0.1, max(self.solver.unbalancedForce, BALANCED))
                 O.step()
                 report(self)
-            if O.iter - first > 50 and self.solver.unbalance < BALANCED:
+            if O.iter - first > 50 and self.solver.unbalancedForce < BALANCED:
                 self.solver.tolerance = tolerance
                 return
             O.dt = self.time_unit * approach(course, self.solver)
-        raise RuntimeError(f"the packing has not come to rest after {PATIENCE} steps: mean net force of a grain {self.solver.unbalance:.1e} of the mean contact force")
+        raise RuntimeError(f"the packing has not come to rest after {PATIENCE} steps: mean net force of a grain {self.solver.unbalancedForce:.1e} of the mean contact force")
 
     def shear(self, mode, strain, report=lambda test, row: None, every=0.01):
         """Shears the compacted packing: 'biaxial', contracting along y under σ₀ along x, or 'simple', along x under σ₀ along x and y.
@@ -136,7 +136,7 @@ class CellTest:
         checks.number("strain", strain, "a strain > 0, of a biaxial test below 1", lambda v: 0 < v < (1 if mode == "biaxial" else math.inf))
         self.solver.overdamped = self.overdamped
         if self.overdamped:
-            self.solver.maxViolation, self.solver.maxIterations = OVERDAMPED_VIOLATION, SHEAR_ITERATIONS
+            self.solver.kinematicTolerance, self.solver.maxIterations = OVERDAMPED_VIOLATION, SHEAR_ITERATIONS
         self.material.frictionAngle = math.atan(self.friction)
         for b in O.bodies:
             b.state.vel = b.state.angVel = (0, 0, 0)
