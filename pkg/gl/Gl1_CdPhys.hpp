@@ -2,8 +2,8 @@
 
 #include <pkg/common/GLDrawFunctors.hpp>
 
-#include "../dem/CdPhys.hpp"
-#include "../dem/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
+#include "dem/contacts/CdPhys.hpp"
+#include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 
 namespace yade {
 

@@ -2,7 +2,7 @@
 
 #include <pkg/common/GLDrawFunctors.hpp>
 
-#include "../dem/Rcr.hpp"
+#include "dem/shapes/Rcr.hpp"
 
 namespace yade {
 

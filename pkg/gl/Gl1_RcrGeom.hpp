@@ -2,7 +2,7 @@
 
 #include <pkg/common/GLDrawFunctors.hpp>
 
-#include "../dem/RcrGeom.hpp"
+#include "dem/contacts/RcrGeom.hpp"
 
 namespace yade {
 

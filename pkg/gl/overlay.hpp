@@ -8,7 +8,7 @@
 #include <core/Interaction.hpp>
 #include <core/Scene.hpp>
 
-#include "../dem/RcrGeom.hpp"
+#include "dem/contacts/RcrGeom.hpp"
 
 namespace yade {
 namespace overlay {

@@ -22,7 +22,7 @@
 #include "sweep/momentum.hpp"
 #include "sweep/stop_test.hpp"
 #include "watch/missed_steps.hpp"
-#include "watch/squeeze.hpp"
+#include "watch/jam_detector.hpp"
 
 namespace rcr {
 
@@ -43,7 +43,7 @@ namespace {
 		wantShape(before, "before", py::ssize_t(problem.freeVelocity.size()), 3);
 		const Twist* rows  = reinterpret_cast<const Twist*>(before.data());
 		Team         alone;
-		const Drive  drive = driveOf(problem, { rows, rows + rowsOf(before) }, alone);
+		const DrivenMotion  drive = drivenMotionOf(problem, { rows, rows + rowsOf(before) }, alone);
 		return py::make_tuple(drive.speed, drive.compliance, drive.mostImpulse);
 	}
 
@@ -273,16 +273,16 @@ void bindInternals(py::module_& m)
 	        .def(py::init<>())
 	        .def_property_readonly("beta", &Momentum::beta)
 	        .def("advance", &Momentum::advance, py::arg("error"));
-	py::class_<Squeeze>(m, "Squeeze", "Grains that are squeezed on and on (watch/squeeze.hpp).")
+	py::class_<JamDetector>(m, "JamDetector", "Grains that are squeezed on and on (watch/squeeze.hpp).")
 	        .def(py::init<>())
-	        .def_readwrite("grown", &Squeeze::grown)
-	        .def_readwrite("deepest", &Squeeze::deepest)
-	        .def_readonly_static("crushed", &Squeeze::crushed)
-	        .def_readonly_static("patience", &Squeeze::patience)
-	        .def_readwrite("certified", &Squeeze::certified)
+	        .def_readwrite("grown", &JamDetector::grown)
+	        .def_readwrite("deepest", &JamDetector::deepest)
+	        .def_readonly_static("crushed", &JamDetector::crushed)
+	        .def_readonly_static("patience", &JamDetector::patience)
+	        .def_readwrite("certified", &JamDetector::certified)
 	        .def(
 	                "update",
-	                [](Squeeze& squeeze, double overlap, bool noSolution) {
+	                [](JamDetector& squeeze, double overlap, bool noSolution) {
 		                constexpr const char* names[] = { "none", "jam", "not converged" };
 		                return names[int(squeeze.update(overlap, noSolution))];
 	                },

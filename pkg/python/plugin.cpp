@@ -12,9 +12,9 @@
 #include <pkg/common/OpenGLRenderer.hpp>
 #endif
 
-#include "../dem/Gate.hpp"
-#include "../dem/planarClump.hpp"
-#include "../dem/refuseLater.hpp"
+#include "dem/validation/validation.hpp"
+#include "dem/shapes/planarClump.hpp"
+#include "dem/validation/deferredError.hpp"
 
 namespace {
 
@@ -51,21 +51,21 @@ void checkVersion()
 std::string refusal()
 {
 	const yade::Scene& scene = *yade::Omega::instance().getScene();
-	const std::string  told  = yade::gate::refusal(scene);
+	const std::string  told  = yade::validation::refusal(scene);
 	if (told.empty()) {
-		yade::gate::lookAheadOfDiscs(scene);
-		yade::gate::showBodiesToCollider(scene);
+		yade::validation::replaceSphereBounds(scene);
+		yade::validation::registerBodiesWithCollider(scene);
 	}
 	return told;
 }
 
-bool serves() { return yade::gate::serves(*yade::Omega::instance().getScene()); }
+bool usesRcrClasses() { return yade::validation::usesRcrClasses(*yade::Omega::instance().getScene()); }
 
 boost::python::list advice()
 {
 	const yade::Scene&  scene = *yade::Omega::instance().getScene();
 	boost::python::list told;
-	for (const std::string& text : { yade::gate::balls(scene), yade::gate::overlaps(scene) })
+	for (const std::string& text : { yade::validation::massWarning(scene), yade::validation::overlapWarning(scene) })
 		if (!text.empty()) told.append(text);
 	return told;
 }
@@ -91,7 +91,7 @@ BOOST_PYTHON_MODULE(_plugin)
 	boost::python::def("refusal", refusal, "What of the scene is not served, and what to do; empty where all is.");
 	boost::python::def("take_error", yade::takeError, "What ended the last step of ContactDynamics, once; empty where nothing did.");
 	boost::python::def("await_end", awaitEnd, "Waits for a run that was paused to be over.");
-	boost::python::def("serves", serves, "Whether a law of ours is in the scene.");
+	boost::python::def("usesRcrClasses", usesRcrClasses, "Whether a law of ours is in the scene.");
 	boost::python::def("advice", advice, "What of the scene is served but hardly meant, a list of texts.");
 	boost::python::def("planar_clump", yade::planarClump, "Joins bodies of the scene, (ids, x, y, mass, inertia about z); returns the id of the clump.");
 }

@@ -7,37 +7,37 @@
 
 namespace rcr {
 
-bool restIsAllowed(const Step& step, const Drive& drive)
+bool restIsSolution(const Step& step, const DrivenMotion& drive)
 {
 	const std::vector<ContactPoint>& points = step.problem.points;
 	return drive.speed == 0 && std::all_of(points.begin(), points.end(), [](const ContactPoint& point) { return point.bias >= 0; });
 }
 
-bool adaptBiases(Step& step, bool letGo, bool last, double& overlap, Team& team)
+bool adaptBiases(Step& step, bool allowRelease, bool last, double& overlap, Team& team)
 {
-	struct Look {
+	struct Change {
 		bool   changed, bounces;
 		double overlap;
 	};
-	std::vector<Look> look(step.contacts.size());
-	team.forEach(look.size(), [&](std::size_t k) {
+	std::vector<Change> change(step.contacts.size());
+	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
-		look[k]                    = { false, contact.restitution > 0, 0 };
-		if (displacesFar(step, contact)) look[k].changed = adaptToDisplacement(step, contact, letGo, look[k].overlap);
+		change[k]                    = { false, contact.restitution > 0, 0 };
+		if (displacesFar(step, contact)) change[k].changed = adaptToDisplacement(step, contact, allowRelease, change[k].overlap);
 	});
 	bool changed = false, bounces = false;
 	overlap      = 0;
-	for (std::size_t k = 0; k < look.size(); ++k) {
-		changed |= look[k].changed;
-		overlap = std::max(overlap, look[k].overlap);
-		if (look[k].bounces) changed |= (letGo && takeBackBounces(step, step.contacts[k])) || restrainBounce(step, step.contacts[k]);
-		bounces |= look[k].bounces;
+	for (std::size_t k = 0; k < change.size(); ++k) {
+		changed |= change[k].changed;
+		overlap = std::max(overlap, change[k].overlap);
+		if (change[k].bounces) changed |= (allowRelease && cancelBounces(step, step.contacts[k])) || restrainBounce(step, step.contacts[k]);
+		bounces |= change[k].bounces;
 	}
 	if (bounces && (last || !changed)) changed |= restrainCollisions(step, last);
 	return changed;
 }
 
-bool goBack(Step& step, std::vector<double>& before)
+bool restoreBiases(Step& step, std::vector<double>& before)
 {
 	if (before.empty()) return false;
 	for (std::size_t k = 0; k < before.size(); ++k)

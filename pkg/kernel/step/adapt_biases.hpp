@@ -1,8 +1,8 @@
-// What a solved step shows to be wrong with its own biases.
+// Corrects the biases of contacts after a solve.
 //
-// Bodies that turn or pass far within a step end elsewhere than its contacts have them, and bounces may give energy: their biases are
-// adapted, and the step is solved once more. What passes ask for may have no solution. Where nothing drives the bodies it is taken back:
-// rest breaks no law there.
+// Large displacements end at other gaps than the biases assume, and bounces may add energy. The biases are then adapted and
+// the step is solved again. The adapted problem may have no solution. If no body is driven, the original biases are restored,
+// because rest then satisfies the contact laws.
 #pragma once
 
 #include "parallel/team.hpp"
@@ -10,13 +10,14 @@
 
 namespace rcr {
 
-/// Where nothing is driven and no contact has to open, every step has a solution.
-bool restIsAllowed(const Step&, const Drive&);
+/// Rest satisfies the contact laws: no body is driven and no contact must open. The step then has a solution.
+bool restIsSolution(const Step&, const DrivenMotion&);
 
-/// True if a bias has changed. `letGo`: contacts may be found not to be needed; `last`: bounces are lowered for good. `overlap` is the deepest, over R₁ + R₂.
-bool adaptBiases(Step&, bool letGo, bool last, double& overlap, Team&);
+/// Adapts the biases; returns true if one changed. `allowRelease`: contacts may be released; `last`: bounces that add energy become
+/// plastic. `overlap`: set to the deepest overlap at the end of large displacements, over R₁ + R₂ [-].
+bool adaptBiases(Step&, bool allowRelease, bool last, double& overlap, Team&);
 
-/// To biases as they were before; false where there are none. They are used up.
-bool goBack(Step&, std::vector<double>& before);
+/// Restores biases and clears `before`; returns false if `before` is empty.
+bool restoreBiases(Step&, std::vector<double>& before);
 
 } // namespace rcr

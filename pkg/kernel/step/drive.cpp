@@ -11,12 +11,12 @@ namespace rcr {
 
 namespace {
 
-	constexpr double loads       = 10;   // beside P, of a contact that closes as fast as the drive: its weight closes it by a tenth of that
-	constexpr double mostMomenta = 3;    // of a contact that stays rigid …
-	constexpr double mostLoads   = 200;  // … and this
-	constexpr double stiffest    = 1e-4; // ε that sweeps still solve
+	constexpr double loads       = 10;   // factor of L in the compliance
+	constexpr double mostMomenta = 3;    // factor of P in the largest rigid impulse
+	constexpr double mostLoads   = 200;  // factor of L in the largest rigid impulse
+	constexpr double stiffest    = 1e-4; // smallest ε that sweeps can solve
 
-	/// Bodies that a prescribed motion reaches one through the other, along the longest of all shortest ways over contacts.
+	/// Length of the longest of all shortest chains of contacts that begin at a driven body (breadth-first search).
 	int reachOfDrive(const ContactProblem& problem)
 	{
 		const std::size_t         count = problem.inverseMass.size();
@@ -57,9 +57,9 @@ namespace {
 
 } // namespace
 
-Drive driveOf(const ContactProblem& problem, const std::vector<Twist>& before, Team& team)
+DrivenMotion drivenMotionOf(const ContactProblem& problem, const std::vector<Twist>& before, Team& team)
 {
-	Drive drive;
+	DrivenMotion drive;
 	int   reach = 0;
 	team.share(0, 2, [&](int part) {
 		if (part == 0) reach = reachOfDrive(problem);
@@ -87,13 +87,13 @@ Drive driveOf(const ContactProblem& problem, const std::vector<Twist>& before, T
 	return drive;
 }
 
-Drive driveOf(const Step& step, Team& team)
+DrivenMotion drivenMotionOf(const Step& step, Team& team)
 {
 	std::vector<Twist> before;
 	before.reserve(step.bodies.size());
 	for (const StepBody& body : step.bodies)
 		before.push_back(body.velocity);
-	return driveOf(step.problem, before, team);
+	return drivenMotionOf(step.problem, before, team);
 }
 
 } // namespace rcr

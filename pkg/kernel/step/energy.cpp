@@ -11,10 +11,10 @@ StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& load, Vec2 gra
 		const Impulse       before = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
 		const Impulse       after  = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 		const double        rubbed = -0.5 * problem.impulse[k].t * (before.t + after.t);
-		const bool          returns = c.bias < 0 && rubbed < 0; // a bounce in which the slip turns round: what it returns is the impact's
+		const bool          returns = c.bias < 0 && rubbed < 0; // the slip reverses in a bounce: its energy belongs to the impact
 		(returns ? energy.impact : energy.friction) += rubbed;
 		energy.impact -= 0.5 * problem.impulse[k].n * (before.n + after.n);
-		energy.driven += problem.impulse[k].n * dot(c.drift, c.normal) + problem.impulse[k].t * dot(c.drift, perp(c.normal)); // on the cell
+		energy.driven += problem.impulse[k].n * dot(c.drift, c.normal) + problem.impulse[k].t * dot(c.drift, perp(c.normal)); // work on the cell
 	}
 	for (std::size_t id = 0; id < load.size(); ++id) {
 		const InverseMass& inverse = problem.inverseMass[id];

@@ -1,9 +1,9 @@
-// What the contacts of a step take from the kinetic energy, from the mean of the velocities before and after it:
+// Energy that the contacts of a step dissipate or transfer, from the mean of the velocities before and after the step:
 //
 //   T⁺ − T⁻ = Σ p · ½ (u⁻ + u⁺) − Σ p · d + external work      over the points; exact for any impulses
 //
-// The tangential part is friction's, the normal one that of impacts. Bodies of prescribed motion take part of the work in their
-// blocked degrees of freedom, or give it. Source: Moreau 1999; Kane and Levinson 1985.
+// The tangential part is friction, the normal part impact. Prescribed degrees of freedom take part of this work or supply it.
+// Source: Moreau 1999; Kane and Levinson 1985.
 #pragma once
 
 #include "step/step.hpp"
@@ -13,11 +13,11 @@ namespace rcr {
 /// Energies of one step [J], per unit depth.
 struct StepEnergy {
 	double friction = 0, impact = 0; // dissipated
-	double driven   = 0;             // that contacts have given to prescribed motion; negative where it drives
-	double lifted   = 0;             // potential energy that the position correction has given, in the field `gravity`
+	double driven   = 0;             // work of contacts on prescribed motion; negative if that motion drives
+	double lifted   = 0;             // potential energy added by the position correction
 };
 
-/// Of the solved step, whose displacements are made. `load` is the sum of the impulses on each body.
+/// Energies of a solved step with its displacements. `load`: sum of the impulses on each body; `gravity` [m/s²].
 StepEnergy stepEnergy(const Step&, const std::vector<Twist>& load, Vec2 gravity);
 
 } // namespace rcr

@@ -9,7 +9,7 @@ namespace rcr {
 namespace {
 
 	constexpr int    sliceCount = 64;
-	constexpr double mostShare  = 0.5; // of the impulses through a slice that is taken out of them, at most
+	constexpr double mostShare  = 0.5; // largest fraction of the impulses through a slice that is removed
 
 	struct Axis {
 		double Vec2::*of;
@@ -18,14 +18,14 @@ namespace {
 	};
 	constexpr Axis xAxis { &Vec2::x, &Twist::x, &InverseMass::x }, yAxis { &Vec2::y, &Twist::y, &InverseMass::y };
 
-	/// visit(body, its place along the axis, its mass) for all that are free along it.
+	/// Calls visit(body, position along the axis, mass) for all bodies that are free along it.
 	template <class Visit> void forEachFree(const Step& step, const Axis& axis, Visit visit)
 	{
 		for (std::size_t id = 0; id < step.bodies.size(); ++id)
 			if (const double w = step.problem.inverseMass[id].*axis.inverse; w > 0) visit(id, step.bodies[id].center.*axis.of, 1 / w);
 	}
 
-	double commonStretch(const Step& step, const Axis& axis)
+	double meanStretch(const Step& step, const Axis& axis)
 	{
 		double moment = 0, inertia = 0;
 		forEachFree(step, axis, [&](std::size_t id, double r, double mass) {
@@ -35,7 +35,7 @@ namespace {
 		return inertia > 0 ? moment / inertia : 0;
 	}
 
-	/// A number for each of some slices across an axis, of equal width.
+	/// One value per slice of equal width along an axis.
 	class Slices {
 	public:
 		Slices(double low, double high)
@@ -46,14 +46,14 @@ namespace {
 		}
 
 		double& at(double r) { return value_[number(r)]; }
-		/// Adds f times the share of each slice that lies on the way between two places; −f on the way down.
+		/// Adds to each slice f times its fraction between two positions; −f if the second lies below the first.
 		void addBetween(double from, double to, double f)
 		{
 			const double low = (std::min(from, to) - low_) / width_, high = (std::max(from, to) - low_) / width_;
 			for (int k = std::max(0, int(low)); k <= std::min(sliceCount - 1, int(high)); ++k)
 				value_[k] += (to < from ? -f : f) * std::max(0.0, std::min(high, k + 1.0) - std::max(low, double(k)));
 		}
-		/// To each slice beyond the origin all that are further away; the other way round on the other side, as −f.
+		/// Sums the slices from the outside towards the origin; with a negative sign below the origin.
 		void sumTowardsOrigin()
 		{
 			const int first = number(0);
@@ -70,7 +70,7 @@ namespace {
 		std::vector<double> value_;
 	};
 
-	void relieve(Step& step, const Axis& axis, double stretch)
+	void removeMomentum(Step& step, const Axis& axis, double stretch)
 	{
 		double low = std::numeric_limits<double>::infinity(), high = -low;
 		forEachFree(step, axis, [&](std::size_t, double r, double) { low = std::min(low, r), high = std::max(high, r); });
@@ -94,12 +94,12 @@ namespace {
 
 } // namespace
 
-Vec2 commonStretch(const Step& step) { return { commonStretch(step, xAxis), commonStretch(step, yAxis) }; }
+Vec2 meanStretch(const Step& step) { return { meanStretch(step, xAxis), meanStretch(step, yAxis) }; }
 
-void relieve(Step& step, Vec2 stretch)
+void removeMomentum(Step& step, Vec2 stretch)
 {
-	relieve(step, xAxis, stretch.x);
-	relieve(step, yAxis, stretch.y);
+	removeMomentum(step, xAxis, stretch.x);
+	removeMomentum(step, yAxis, stretch.y);
 }
 
 } // namespace rcr

@@ -1,51 +1,53 @@
-// Bodies that pass each other or turn by much within one step.
+// Contacts whose bodies pass each other or rotate far within one step.
 //
-// The law of a step knows each contact by the plane of its beginning: g + dt u_n ≥ 0. The gap in which a solution really ends differs
-// from that by the curvature of the way, some s²/2ρ for a relative way s. A disc that flies past a corner is thus deflected by a
-// plane that it never meets, and a spinning rod ends inside what it sweeps along. Where the way is long, the gap is measured at the
-// moved positions, and its difference to the plane's goes into the bias for the step to be solved once more:
+// The law describes a contact by its tangent plane at the beginning of the step: g + dt u_n ≥ 0. The gap at the end differs
+// from this by the curvature of the path, about s²/2ρ for a relative displacement s. A disc that passes a corner would be
+// deflected by a plane that it never meets, and a spinning rod would end inside a body. For large displacements the gap is
+// therefore measured at the displaced positions. Its difference from the plane enters the bias, and the step is solved again:
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
-// but no push beyond that of an elastic bounce, b_n ≥ min(0, u_n⁻): a contact may have other points there, and an old overlap.
+// The bias is at least min(0, u_n⁻), so that the contact pushes no harder than an elastic bounce.
 //
-// A contact that the way passes is let go: the push on it is felt at once, so a gap of a fiftieth of the slop counts. One that has carried a
-// force already is no such contact. It rests, and may lift by half the slop: what a displacement curves by that is not looked at. Nor is one
-// that closes all but a hundredth of its way: it arrives, in this step or the next. With restitution both are let go all the same: a contact that
-// holds what should bounce takes its energy.
+// A contact that its path does not need is released if a gap of 2 % of the slop stays open. A contact that bore a force already
+// is released from half the slop on, and a contact that closes 99 % of its path is kept. With restitution both are released
+// earlier, since a contact that holds a bouncing body takes its energy.
 //
-// A bounce is decided by the same plane. Where the way is long, it is taken back if the bodies do not meet on their ways at the velocities of
-// the beginning.
+// A bounce is cancelled if the bodies do not meet on their paths at the initial velocities.
 //
-// Quasi-static flow never comes here: its ways are a thousandth of a radius a step.
+// Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
 #pragma once
 
 #include "step/step.hpp"
 
 namespace rcr {
 
-/// Relative way s in a step over √((R₁ + R₂) ρ) [-] whose curvature, s²/2ρ, may exceed the slop; ρ = R₁' + R₂', of caps and corners.
+/// Relative displacement s per step over √((R₁ + R₂) ρ) [-] above which its curvature s²/2ρ may exceed the slop;
+/// ρ = R₁' + R₂' is the sum of the cap radii.
 constexpr double largeDisplacement = 0.01;
 
-/// Has a contact a large displacement, with these velocities of its bodies?
+/// The contact has a large displacement at these velocities of its bodies.
 inline bool displacesFar(const Step& step, const StepContact& c, const Twist& v1, const Twist& v2)
 {
 	const StepBody &  one = step.bodies[c.body1], &two = step.bodies[c.body2];
 	const double      translation = norm(Vec2 { v2.x + c.drift.x - v1.x, v2.y + c.drift.y - v1.y });
 	const auto        cap         = [](const StepBody& b) { return b.shape.grain() ? b.shape.halfWidth : 0; };
-	const double      way         = step.dt * (translation + std::abs(v1.rotation) * one.radius + std::abs(v2.rotation) * two.radius);
-	return way * way > largeDisplacement * largeDisplacement * c.size * (cap(one) + cap(two));
+	const double      path         = step.dt * (translation + std::abs(v1.rotation) * one.radius + std::abs(v2.rotation) * two.radius);
+	return path * path > largeDisplacement * largeDisplacement * c.size * (cap(one) + cap(two));
 }
 
-/// The same of the solved step: nearly none has.
-inline bool displacesFar(const Step& step, const StepContact& c) { return displacesFar(step, c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]); }
+/// The contact has a large displacement at the solved velocities.
+inline bool displacesFar(const Step& step, const StepContact& c)
+{
+	return displacesFar(step, c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
+}
 
-/// Puts the gap in which such a contact really ends into its biases; true if one has changed. Contacts that the way passes are let
-/// go only where `letGo` says so: what is let go may sink in. The deepest overlap at the end of the step is kept in `overlap`, over
-/// R₁ + R₂ [-].
-bool adaptToDisplacement(Step&, const StepContact&, bool letGo, double& overlap);
+/// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias changed.
+/// `allowRelease`: contacts that the path does not need may be released. `overlap`: raised to the deepest overlap at the end
+/// of the step over R₁ + R₂ [-]; 1 if a body has passed through the other one.
+bool adaptToDisplacement(Step&, const StepContact&, bool allowRelease, double& overlap);
 
-/// Of a contact with restitution: takes back bounces off planes that bodies pass: on their ways at the velocities of the beginning they do not meet. True if there was one.
-bool takeBackBounces(Step&, const StepContact&);
+/// Cancels bounces of a contact whose bodies do not meet at the initial velocities. Returns true if a bias changed.
+bool cancelBounces(Step&, const StepContact&);
 
 } // namespace rcr

@@ -1,4 +1,4 @@
-// How a body in the plane moves on: the leapfrog of YADE's NewtonIntegrator, to the last bit.
+// Leapfrog integration of a body in the plane, with the same bits as YADE's NewtonIntegrator.
 //
 //   v ← v + dt (f/m + g)      x ← x + dt v      θ ← θ + dt ω, as a quaternion that is scaled to length 1
 #pragma once
@@ -9,13 +9,13 @@
 
 namespace rcr {
 
-/// What resists a body's acceleration, and which of its degrees of freedom are free.
+/// Mass and moment of inertia of a body, and its free degrees of freedom.
 struct Inertia {
 	double mass = 0, moment = 0; // [kg, kg m²]
 	bool   x = false, y = false, rotation = false;
 };
 
-/// The velocity at the end of a step under a force and a torque [N, N m] and gravity [m/s²].
+/// Velocity at the end of a step under a force and a torque [N, N m] and gravity [m/s²].
 inline Twist accelerated(Twist v, const Inertia& inertia, const Twist& force, Vec2 gravity, double dt)
 {
 	if (inertia.x) v.x += dt * (force.x / inertia.mass + gravity.x);
@@ -24,8 +24,8 @@ inline Twist accelerated(Twist v, const Inertia& inertia, const Twist& force, Ve
 	return v;
 }
 
-/// The velocity of a body without inertia at the beginning of a step: that of rest, and what is prescribed.
-inline Twist atRest(Twist v, const Inertia& inertia, const Twist& rest)
+/// Velocity of an overdamped body at the beginning of a step: `rest` in its free degrees of freedom.
+inline Twist restVelocity(Twist v, const Inertia& inertia, const Twist& rest)
 {
 	if (inertia.x) v.x = rest.x;
 	if (inertia.y) v.y = rest.y;
@@ -33,7 +33,7 @@ inline Twist atRest(Twist v, const Inertia& inertia, const Twist& rest)
 	return v;
 }
 
-/// The turn after the time dt with an angular velocity.
-inline Turn leapt(const Turn& turn, double rotation, double dt) { return scaled(rotation != 0 ? turned(turn, rotation * dt) : turn); }
+/// Rotation after the time dt at an angular velocity [rad/s].
+inline Turn integrated(const Turn& turn, double rotation, double dt) { return scaled(rotation != 0 ? turned(turn, rotation * dt) : turn); }
 
 } // namespace rcr

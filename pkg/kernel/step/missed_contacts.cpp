@@ -5,20 +5,22 @@
 #include <numeric>
 #include <utility>
 
+#include "step/carry_forward.hpp"
+
 namespace rcr {
 
 namespace {
 
-	constexpr double further = 1.5; // times the way found: solving once more may lengthen it
+	constexpr double      reachFactor = 1.5; // widened reach over the path; a further solve may lengthen the path
+	constexpr std::size_t fewBodies   = 16;  // up to this number of widened bodies, a linear search beats sorting
 
-	constexpr std::size_t few = 16; // bodies that look: for these, sorting all grains takes longer than asking each
-
-	/// Grains, to be asked which may lie within a distance of a body; in a periodic cell all may. They are sorted by x where many bodies ask.
-	class Neighbours {
+	/// Candidates for contacts of widened bodies. Grains are sorted by x if many bodies are widened and the scene is open.
+	class Candidates {
 	public:
-		explicit Neighbours(const Step& step) : step_(step), fast_(step.bodies.size()), sorted_(step.lookedAgain.size() > few && !step.cell.periodic)
+		explicit Candidates(const Step& step)
+		        : step_(step), fast_(step.bodies.size()), sorted_(step.widened.size() > fewBodies && !step.cell.periodic)
 		{
-			for (int id : step.lookedAgain)
+			for (int id : step.widened)
 				fast_[id] = true;
 			for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 				const StepBody& b = step.bodies[id];
@@ -32,7 +34,7 @@ namespace {
 			if (sorted_) std::sort(grains_.begin(), grains_.end());
 		}
 
-		/// visit(other) for all that may meet a fast body; of two fast grains the one of the larger extent finds the other.
+		/// Calls visit(other) for all bodies that a widened body may meet. Of two widened grains, the larger one finds the other.
 		template <class Visit> void forEach(int id, Visit visit) const
 		{
 			const StepBody& b = step_.bodies[id];
@@ -61,7 +63,7 @@ namespace {
 		}
 
 	private:
-		/// Of the circle in which a grain looks for contacts.
+		/// Radius of the circle in which contacts of a grain are detected.
 		double extent(int id) const { return step_.bodies[id].radius + reachOf(step_, id); }
 
 		const Step&       step_;
@@ -72,22 +74,22 @@ namespace {
 		std::vector<std::pair<double, int>> grains_; // x and number
 	};
 
-	/// Bodies that go further than expected, and further than they have looked.
-	void findFastBodies(Step& step)
+	/// Widens the reach of bodies whose path exceeds it.
+	void widenReach(Step& step)
 	{
-		step.lookedAgain.clear();
+		step.widened.clear();
 		for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 			const StepBody& b = step.bodies[id];
 			if (b.shape.kind == PlanarShape::none) continue;
-			const double way = step.dt * speed(step.problem.velocity[id], b.radius);
-			if (!(way > b.expected) || way <= step.reach[id]) continue;
-			step.reach[id] = std::max(b.alertDistance, step.reach[id]) + further * way;
-			step.lookedAgain.push_back(int(id));
+			const double path = step.dt * speed(step.problem.velocity[id], b.radius);
+			if (!(path > b.expected) || path <= step.reach[id]) continue;
+			step.reach[id] = std::max(b.alertDistance, step.reach[id]) + reachFactor * path;
+			step.widened.push_back(int(id));
 		}
 	}
 
-	/// Would a point of the manifold, which the law did not know, close beyond the slop?
-	bool closes(const Step& step, const GrownContact& pair)
+	/// A point of the contact closes beyond the slop at the solved velocities.
+	bool closes(const Step& step, const UpdatedContact& pair)
 	{
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		for (int k = 0; k < pair.manifold.count; ++k) {
@@ -102,22 +104,22 @@ namespace {
 		return false;
 	}
 
-	/// Sorted by their bodies, of each pair the last alone.
-	void keepLast(std::vector<GrownContact>& grown)
+	/// Sorts by bodies and keeps the last entry of each pair.
+	void keepLastOfEach(std::vector<UpdatedContact>& updated)
 	{
-		const auto before = [](const GrownContact& a, const GrownContact& b) { return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2; };
-		const auto same   = [&](const GrownContact& a, const GrownContact& b) { return !before(a, b) && !before(b, a); };
-		std::stable_sort(grown.begin(), grown.end(), before);
-		grown.erase(grown.begin(), std::unique(grown.rbegin(), grown.rend(), same).base());
+		const auto before = [](const UpdatedContact& a, const UpdatedContact& b) { return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2; };
+		const auto same   = [&](const UpdatedContact& a, const UpdatedContact& b) { return !before(a, b) && !before(b, a); };
+		std::stable_sort(updated.begin(), updated.end(), before);
+		updated.erase(updated.begin(), std::unique(updated.rbegin(), updated.rend(), same).base());
 	}
 
-	/// One pair at the reach that it has now; true if it closes unknown.
-	bool look(Step& step, int id, int other, const MayMeet& mayMeet)
+	/// Detects a pair with the widened reach. Returns true if it has a new point that closes.
+	bool checkPair(Step& step, int id, int other, const MayMeet& mayMeet)
 	{
 		if (step.bodies[id].owner == step.bodies[other].owner) return false;
 		const auto   kind    = [&](int body) { return step.bodies[body].shape.kind; };
 		const bool   ordered = kind(id) != kind(other) ? kind(id) < kind(other) : id < other;
-		GrownContact pair;
+		UpdatedContact pair;
 		pair.body1 = ordered ? id : other;
 		pair.body2 = ordered ? other : id;
 		if (!meet(kind(pair.body1), kind(pair.body2))) return false;
@@ -130,7 +132,7 @@ namespace {
 		const double reach         = reachOf(step, pair.body1) + reachOf(step, pair.body2);
 		pair.manifold              = contactPoints(one.shape, one.pose(), two.shape, at2, reach);
 		if (pair.manifold.count == (contact ? contact->count : 0) || (!contact && !mayMeet(pair.body1, pair.body2))) return false;
-		step.grown.push_back(pair);
+		step.updated.push_back(pair);
 		return closes(step, pair);
 	}
 
@@ -141,19 +143,19 @@ double reachOf(const Step& step, std::size_t id) { return std::max(step.bodies[i
 bool findMissedContacts(Step& step, const MayMeet& mayMeet)
 {
 	step.reach.resize(step.bodies.size());
-	findFastBodies(step);
-	if (step.lookedAgain.empty()) return false;
-	const Neighbours neighbours(step);
+	widenReach(step);
+	if (step.widened.empty()) return false;
+	const Candidates candidates(step);
 	bool             missed = false;
-	for (int id : step.lookedAgain)
-		neighbours.forEach(id, [&](int other) { missed |= look(step, id, other, mayMeet); });
-	keepLast(step.grown);
+	for (int id : step.widened)
+		candidates.forEach(id, [&](int other) { missed |= checkPair(step, id, other, mayMeet); });
+	keepLastOfEach(step.updated);
 	return missed;
 }
 
 namespace {
 
-	/// Where a point lies along the body by whose axis the points of the pair are sorted.
+	/// Position of a point along the body by whose axis the points of the pair are sorted [m].
 	double along(const Step& step, const StepContact& c, Vec2 position)
 	{
 		const StepBody &one = step.bodies[c.body1], &two = step.bodies[c.body2];
@@ -163,41 +165,37 @@ namespace {
 		return dot(position - by.center, by.axis);
 	}
 
-	/// Forces of the points that a contact had go to the nearest ones that it has: others have just opened or closed.
-	void handOn(const Step& step, const StepContact& old, const Manifold& now, Impulse* force)
+	/// Sets the start forces of the points that a contact has now from those that it had.
+	void transferForces(const Step& step, const StepContact& old, const Manifold& now, Impulse* force)
 	{
-		if (old.count == now.count) {
-			std::copy_n(step.force.begin() + old.first, old.count, force);
-			return;
+		Impulse both[2];
+		std::copy_n(step.force.begin() + old.first, old.count, both);
+		if (old.count != now.count) {
+			double before[2] {}, after[2] {};
+			for (int k = 0; k < old.count; ++k)
+				before[k] = along(step, old, step.point(old, k).position);
+			for (int k = 0; k < now.count; ++k)
+				after[k] = along(step, old, now.points[k].position);
+			carryForward(old.count, before, now.count, after, both[0], both[1], Impulse {});
 		}
-		for (int k = 0; k < now.count; ++k)
-			force[k] = {};
-		const auto atOld = [&](int k) { return along(step, old, step.point(old, k).position); };
-		const auto atNow = [&](int k) { return along(step, old, now.points[k].position); };
-		if (old.count == 1) {
-			const bool second = std::abs(atNow(1) - atOld(0)) < std::abs(atNow(0) - atOld(0));
-			force[second]     = step.force[old.first];
-		} else if (now.count == 1) {
-			const bool second = std::abs(atOld(1) - atNow(0)) < std::abs(atOld(0) - atNow(0));
-			force[0]          = step.force[old.first + second];
-		}
+		std::copy_n(both, now.count, force);
 	}
 
 	struct Entry {
-		StepContact         contact; // `first` as it was
-		const GrownContact* grown;   // null: as it was
+		StepContact           contact; // with its old number of the first point
+		const UpdatedContact* updated; // null: unchanged
 	};
 
-	/// The contacts as they are to be, in order.
+	/// Old and new contacts, sorted by bodies.
 	std::vector<Entry> entries(const Step& step)
 	{
 		std::vector<Entry> all;
-		all.reserve(step.contacts.size() + step.grown.size());
+		all.reserve(step.contacts.size() + step.updated.size());
 		for (const StepContact& c : step.contacts)
 			all.push_back({ c, nullptr });
-		for (const GrownContact& g : step.grown) {
+		for (const UpdatedContact& g : step.updated) {
 			if (g.known) {
-				all[step.find(g.body1, g.body2) - step.contacts.data()].grown = &g;
+				all[step.find(g.body1, g.body2) - step.contacts.data()].updated = &g;
 				continue;
 			}
 			const double size = contactSize(step.bodies[g.body1].shape, step.bodies[g.body2].shape);
@@ -211,30 +209,30 @@ namespace {
 
 } // namespace
 
-void takeInGrownContacts(Step& step)
+void addUpdatedContacts(Step& step)
 {
-	std::vector<char> anew(step.bodies.size()); // bodies whose contacts start from what the law says at the beginning
-	for (int id : step.lookedAgain)
-		anew[id] = true;
+	std::vector<char> restarted(step.bodies.size()); // bodies whose contacts start with their initial bias
+	for (int id : step.widened)
+		restarted[id] = true;
 	std::vector<StepContact>  contacts;
 	std::vector<ContactPoint> points;
 	std::vector<Impulse>      forces;
 	std::vector<Gap>          gaps;
 	for (const Entry& entry : entries(step)) {
 		const StepContact&  old   = entry.contact;
-		const GrownContact* grown = entry.grown;
+		const UpdatedContact* updated = entry.updated;
 		StepContact         c     = old;
 		c.first                   = int(points.size());
-		c.count                   = grown ? grown->manifold.count : old.count;
+		c.count                   = updated ? updated->manifold.count : old.count;
 		forces.resize(c.first + c.count);
-		if (grown && grown->known) handOn(step, old, grown->manifold, &forces[c.first]);
+		if (updated && updated->known) transferForces(step, old, updated->manifold, &forces[c.first]);
 		for (int k = 0; k < c.count; ++k) {
 			const int           number   = old.first + k;
-			const double        friction = grown && !grown->known ? grown->friction : step.problem.points[old.first].friction;
-			const ManifoldPoint at       = grown ? grown->manifold.points[k] : step.point(old, k);
+			const double        friction = updated && !updated->known ? updated->friction : step.problem.points[old.first].friction;
+			const ManifoldPoint at       = updated ? updated->manifold.points[k] : step.point(old, k);
 			ContactPoint        point    = step.contactPoint(c, at, friction);
-			if (!grown) {
-				const double bias = anew[c.body1] || anew[c.body2] ? point.bias : step.problem.points[number].bias;
+			if (!updated) {
+				const double bias = restarted[c.body1] || restarted[c.body2] ? point.bias : step.problem.points[number].bias;
 				point             = step.problem.points[number];
 				point.bias        = bias;
 				forces[c.first + k] = step.force[number];
@@ -250,8 +248,8 @@ void takeInGrownContacts(Step& step)
 	step.gap.swap(gaps);
 	step.indexContacts();
 	step.startFromForces();
-	step.taken.insert(step.taken.end(), step.grown.begin(), step.grown.end());
-	step.grown.clear();
+	step.added.insert(step.added.end(), step.updated.begin(), step.updated.end());
+	step.updated.clear();
 }
 
 } // namespace rcr

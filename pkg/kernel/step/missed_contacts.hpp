@@ -1,12 +1,12 @@
-// Contacts that a step reaches although its beginning did not see them.
+// Contacts that form within a step although its detection did not find them.
 //
-// How far ahead contacts are seen follows from the speeds at the beginning of a step:
+// Detection covers gaps up to the reach of a pair, which follows from the velocities at the beginning of the step:
 //
-//   reach of a pair  e₁ + e₂,   e = max(0.01 R', 2 dt (|v| + |ω| R)) of a grain,  2 dt (|v| + |ω| R) of an obstacle
+//   reach = e₁ + e₂,   e = max(0.01 R', 2 dt (|v| + |ω| R)) for a grain,  2 dt (|v| + |ω| R) for an obstacle
 //
-// A body that is released or hit goes further. Once the step is solved, how far is known: bodies that outrun their alert distance
-// look again, by 1.5 times the way found, and where a gap that the law did not know would close beyond the slop, all contacts
-// that were seen so are taken in and the step is to be solved once more.
+// A body that is released or hit may move further. After the solve, the reach of bodies that outran their alert distance is
+// widened to 1.5 times their path. If an undetected gap then closes beyond the slop, all contacts found so are added and the
+// step is solved again.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@
 
 namespace rcr {
 
-/// How far ahead contacts of a body with this velocity are looked for [m].
+/// Distance within which contacts of a body with this velocity are detected [m].
 inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
 {
 	switch (shape.kind) {
@@ -26,18 +26,18 @@ inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
 	}
 }
 
-/// Whether two bodies that do not touch yet may meet at all, in the simulation's rules.
+/// The rules of the simulation allow a contact of two bodies that do not touch yet.
 using MayMeet = std::function<bool(int body1, int body2)>;
 
-/// How far a body has looked for contacts in this step so far [m].
+/// Distance within which contacts of a body were detected in this step so far [m].
 double reachOf(const Step&, std::size_t id);
 
-/// Looks at the solved step and adds pairs with other points than known to step.grown. True if one of them closes beyond the slop:
-/// then all are to be taken in.
+/// Collects in step.updated the contacts that the solved step finds with a widened reach. Returns true if one of them closes
+/// beyond the slop; addUpdatedContacts must then follow.
 bool findMissedContacts(Step&, const MayMeet&);
 
-/// Moves step.grown to step.taken: contacts, their points, and the forces to start from. Friction and restitution of new ones must
-/// be set there.
-void takeInGrownContacts(Step&);
+/// Adds step.updated to the contacts, points and forces of the step, and moves it to step.added. The caller sets friction and
+/// restitution of new contacts before.
+void addUpdatedContacts(Step&);
 
 } // namespace rcr

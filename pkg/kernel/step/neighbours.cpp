@@ -10,14 +10,14 @@ namespace rcr {
 
 namespace {
 
-	constexpr double stepsAhead = 12;             // that a margin is to last
+	constexpr double stepsAhead = 12;             // steps that a margin lasts
 	constexpr double least = 0.05, most = 0.4;    // margin over the mean cap radius
-	constexpr int    strayShare = 50;             // up to 1/50 of the bodies may stray until the list is made anew
-	constexpr int    atATime = 256;               // bodies in a part of the work
-	constexpr int    cellsAGrain = 4;             // of the grid at most
+	constexpr int    repairFraction = 50;         // the list is repaired if at most 1/50 of the bodies moved
+	constexpr int    bodiesPerPart = 256;
+	constexpr int    mostCellsPerGrain = 4;
 
-	/// How far the surface of a body may be from where it was.
-	double way(const PlanarShape& before, const Pose& from, const PlanarShape& now, const Pose& to)
+	/// Largest displacement of a point of the surface of a body [m].
+	double displacement(const PlanarShape& before, const Pose& from, const PlanarShape& now, const Pose& to)
 	{
 		if (now.kind == PlanarShape::wall) return now.axis == 0 ? std::abs(to.center.x - from.center.x) : std::abs(to.center.y - from.center.y);
 		const double arm = now.kind == PlanarShape::box ? now.radius() : now.halfLength;
@@ -27,7 +27,7 @@ namespace {
 		return sum;
 	}
 
-	/// The interval in which all but a few lie; those that have flown off belong to the outer cells, and make no empty plane of cells.
+	/// Interval that holds all but 1 % of the values, so that a few distant grains do not enlarge the grid.
 	std::pair<double, double> bulk(std::vector<double>& x)
 	{
 		if (x.empty()) return { 0, 0 };
@@ -38,11 +38,11 @@ namespace {
 		return { low, x[x.size() - 1 - few] };
 	}
 
-	/// The largest of some numbers but for the share of strays.
-	double farthest(std::vector<double>& x)
+	/// Quantile of the values that at most a tenth of the repairable fraction exceeds.
+	double upperQuantile(std::vector<double>& x)
 	{
 		if (x.empty()) return 0;
-		const auto place = x.end() - 1 - std::ptrdiff_t(x.size() / (10 * strayShare));
+		const auto place = x.end() - 1 - std::ptrdiff_t(x.size() / (10 * repairFraction));
 		std::nth_element(x.begin(), place, x.end());
 		return *place;
 	}
@@ -59,13 +59,13 @@ Neighbours::Place Neighbours::placeOf(const StepBody& body) const
 	return { body.shape, body.pose(), body.alertDistance };
 }
 
-/// Lists the bodies that have gone further than the margin; false where one is not what it was.
-bool Neighbours::findStrays(const Step& step, Team& team)
+/// Lists the bodies that violate the condition; returns false if the shape of a body changed.
+bool Neighbours::findMovedBodies(const Step& step, Team& team)
 {
-	strays_.clear();
+	moved_.clear();
 	if (at_.size() != step.bodies.size()) return false;
 	std::atomic<bool> same { true };
-	isStray_.assign(at_.size(), false);
+	isMoved_.assign(at_.size(), false);
 	team.forEach(at_.size(), [&](std::size_t id) {
 		const StepBody& body = step.bodies[id];
 		const Place&    at   = at_[id];
@@ -73,20 +73,20 @@ bool Neighbours::findStrays(const Step& step, Team& team)
 		if (body.shape.kind != at.shape.kind || body.shape.radius() != at.shape.radius() || body.shape.halfWidth != at.shape.halfWidth)
 			same.store(false, std::memory_order_relaxed);
 		else
-			isStray_[id] = way(at.shape, at.pose, body.shape, body.pose()) + body.alertDistance - at.reach > margin_;
+			isMoved_[id] = displacement(at.shape, at.pose, body.shape, body.pose()) + body.alertDistance - at.reach > margin_;
 	});
 	if (!same) return false;
-	for (std::size_t id = 0; id < isStray_.size(); ++id)
-		if (isStray_[id]) strays_.push_back(std::int32_t(id));
+	for (std::size_t id = 0; id < isMoved_.size(); ++id)
+		if (isMoved_[id]) moved_.push_back(std::int32_t(id));
 	return true;
 }
 
 bool Neighbours::update(const Step& step, Team& team)
 {
-	const bool same = findStrays(step, team);
-	if (same && strays_.empty()) return false;
-	const std::size_t few = at_.size() / strayShare, leave = std::count_if(strays_.begin(), strays_.end(), [&](std::int32_t id) { return !isWide_[id]; });
-	if (same && strays_.size() <= few && wide_.size() + leave <= wideAtFirst_ + few) mend(step, team);
+	const bool same = findMovedBodies(step, team);
+	if (same && moved_.empty()) return false;
+	const std::size_t few = at_.size() / repairFraction, leave = std::count_if(moved_.begin(), moved_.end(), [&](std::int32_t id) { return !isWide_[id]; });
+	if (same && moved_.size() <= few && wide_.size() + leave <= wideAtFirst_ + few) repair(step, team);
 	else
 		find(step, team);
 	return true;
@@ -94,7 +94,7 @@ bool Neighbours::update(const Step& step, Team& team)
 
 double Neighbours::extent(std::size_t id) const { return at_[id].shape.radius() + at_[id].reach + margin_; }
 
-/// Around a body, with its margins and some more.
+/// Bounding box of a body, enlarged by its reach, the margin and `more` [m].
 Neighbours::Box Neighbours::box(std::size_t id, double more) const
 {
 	const Place& at = at_[id];
@@ -110,22 +110,22 @@ Neighbours::Box Neighbours::box(std::size_t id, double more) const
 
 void Neighbours::chooseMargin(const Step& step)
 {
-	std::vector<double> ways;
+	std::vector<double> paths;
 	double              radii = 0;
 	int                 grains = 0;
-	ways.reserve(step.bodies.size());
+	paths.reserve(step.bodies.size());
 	for (const StepBody& body : step.bodies) {
 		if (body.shape.kind == PlanarShape::none) continue;
-		ways.push_back(0.5 * body.alertDistance); // twice the way of a step
+		paths.push_back(0.5 * body.alertDistance); // the alert distance is twice the path of a step
 		if (!body.shape.grain()) continue;
 		radii += body.shape.halfWidth;
 		++grains;
 	}
 	const double radius = grains > 0 ? radii / grains : 0;
-	margin_             = std::clamp(stepsAhead * farthest(ways), least * radius, most * radius);
+	margin_             = std::clamp(stepsAhead * upperQuantile(paths), least * radius, most * radius);
 }
 
-/// Grains by cells, but for the widest. Few of these cost less than wide cells.
+/// Sorts grains into cells, except for the widest, which search their surroundings.
 void Neighbours::sortIntoCells(const Step& step)
 {
 	std::vector<double>       extents, x, y;
@@ -152,7 +152,7 @@ void Neighbours::sortIntoCells(const Step& step)
 	const auto [left, right] = bulk(x);
 	const auto [low, high]   = bulk(y);
 	const Vec2 size { right - left, high - low };
-	width_   = std::max({ 2 * widest, std::sqrt(size.x * size.y / (cellsAGrain * double(grains.size() + 1))), std::max(size.x, size.y) / 10000 });
+	width_   = std::max({ 2 * widest, std::sqrt(size.x * size.y / (mostCellsPerGrain * double(grains.size() + 1))), std::max(size.x, size.y) / 10000 });
 	if (!(width_ > 0)) width_ = 1;
 	origin_  = { left, low };
 	columns_ = int(size.x / width_) + 1;
@@ -193,7 +193,7 @@ namespace {
 int Neighbours::column(double x) const { return clipped((x - origin_.x) / width_, columns_); }
 int Neighbours::row(double y) const { return clipped((y - origin_.y) / width_, rows_); }
 
-/// visit(grain) for all that are not wide and whose centre lies in a box, and for some more.
+/// Calls visit(grain) for all grains in the cells that a box touches.
 template <class Visit> void Neighbours::forEachGrain(const Box& box, Visit visit) const
 {
 	const int left = column(box.low.x), right = column(box.high.x);
@@ -202,14 +202,14 @@ template <class Visit> void Neighbours::forEachGrain(const Box& box, Visit visit
 			visit(inCells_[k]);
 }
 
-void Neighbours::amongNarrow(const Step& step, Team& team)
+void Neighbours::searchNarrow(const Step& step, Team& team)
 {
-	const int parts = int((step.bodies.size() + atATime - 1) / atATime);
+	const int parts = int((step.bodies.size() + bodiesPerPart - 1) / bodiesPerPart);
 	found_.resize(parts);
 	team.share(0, parts, [&](int part) {
 		List& found = found_[part];
 		found.clear();
-		for (std::size_t id = std::size_t(part) * atATime; id < std::min(step.bodies.size(), std::size_t(part + 1) * atATime); ++id) {
+		for (std::size_t id = std::size_t(part) * bodiesPerPart; id < std::min(step.bodies.size(), std::size_t(part + 1) * bodiesPerPart); ++id) {
 			if (isWide_[id]) continue;
 			const std::size_t begin = found.size();
 			const Vec2        c = at_[id].pose.center, half { 0.5 * width_, 0.5 * width_ }, round = half + half;
@@ -224,8 +224,8 @@ void Neighbours::amongNarrow(const Step& step, Team& team)
 		list_.insert(list_.end(), found.begin(), found.end());
 }
 
-/// The pairs of some of the wide bodies; those of two of them once.
-void Neighbours::lookAround(const std::vector<std::int32_t>& bodies, Team& team)
+/// Adds the pairs of some of the wide bodies; a pair of two of them once.
+void Neighbours::searchAround(const std::vector<std::int32_t>& bodies, Team& team)
 {
 	found_.resize(bodies.size());
 	team.share(0, int(bodies.size()), [&](int k) {
@@ -240,7 +240,7 @@ void Neighbours::lookAround(const std::vector<std::int32_t>& bodies, Team& team)
 			if (!isWide_[other]) take(other);
 		});
 		for (std::int32_t other : wide_)
-			if (other > id || (other < id && !isStray_[other])) take(other);
+			if (other > id || (other < id && !isMoved_[other])) take(other);
 	});
 	const std::size_t before = list_.size();
 	for (const List& found : found_)
@@ -255,22 +255,22 @@ void Neighbours::find(const Step& step, Team& team)
 	team.forEach(at_.size(), [&](std::size_t id) { at_[id] = placeOf(step.bodies[id]); });
 	chooseMargin(step);
 	sortIntoCells(step);
-	amongNarrow(step, team);
+	searchNarrow(step, team);
 	wideAtFirst_ = wide_.size();
-	isStray_ = isWide_;
-	lookAround(wide_, team);
+	isMoved_ = isWide_;
+	searchAround(wide_, team);
 }
 
-/// Each stray leaves its cell, and its pairs are looked for anew.
-void Neighbours::mend(const Step& step, Team& team)
+/// Removes moved bodies from their cells and searches their pairs again.
+void Neighbours::repair(const Step& step, Team& team)
 {
-	for (std::int32_t id : strays_) {
+	for (std::int32_t id : moved_) {
 		at_[id] = placeOf(step.bodies[id]);
 		if (!isWide_[id]) wide_.push_back(id);
 		isWide_[id] = true;
 	}
-	list_.erase(std::remove_if(list_.begin(), list_.end(), [&](const auto& pair) { return isStray_[pair.first] || isStray_[pair.second]; }), list_.end());
-	lookAround(strays_, team);
+	list_.erase(std::remove_if(list_.begin(), list_.end(), [&](const auto& pair) { return isMoved_[pair.first] || isMoved_[pair.second]; }), list_.end());
+	searchAround(moved_, team);
 }
 
 } // namespace rcr

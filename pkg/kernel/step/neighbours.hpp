@@ -1,13 +1,13 @@
-// Pairs of bodies that are near enough to touch within some steps.
+// List of all pairs of bodies that may touch within some steps (Verlet list).
 //
-// A pair is a contact of a step where its gap is within the reach of both bodies, e₁ + e₂ (step/missed_contacts.hpp). The list holds
-// all pairs of a gap up to e₁ + e₂ + 2 s. It serves while no body has gone further than s, its reach having grown included:
+// A step has a contact where the gap of a pair is within the reach of both bodies, e₁ + e₂ (step/missed_contacts.hpp). The list
+// holds all pairs with a gap up to e₁ + e₂ + 2 s. It is valid while every body satisfies
 //
-//   |x − x₀| + a |t − t₀| + e − e₀ ≤ s        a |t − t₀|: way of the ends of its core as it turns
+//   |x − x₀| + a |t − t₀| + e − e₀ ≤ s        a |t − t₀|: displacement of the ends of its core by rotation
 //
-// The margin s is what all but the fastest bodies go in some steps, within bounds. Candidates come from a grid of cells as wide as all
-// but the widest bodies with their margins; these few, and the obstacles, look around themselves. Where few bodies have gone further
-// than s, the list is mended: they, too, look around themselves, and their pairs take the place of those that they had.
+// The margin s is the path of all but the fastest bodies in 12 steps, within bounds. Candidates come from a grid of cells twice
+// as wide as all but the widest bodies with their margins. Wide bodies and obstacles search their surroundings. If few bodies
+// violate the condition, the list is repaired: only their pairs are searched again.
 #pragma once
 
 #include <utility>
@@ -18,7 +18,7 @@
 
 namespace rcr {
 
-/// Told from their centres alone: are the surfaces of two bodies further apart than `reach`? A wall reaches no grain that lies beyond it.
+/// By their centres alone, the surfaces of two bodies are further apart than `reach` [m].
 inline bool apart(const PlanarShape& one, Vec2 at1, const PlanarShape& two, Vec2 at2, double reach)
 {
 	const Vec2   between = at2 - at1;
@@ -31,14 +31,14 @@ class Neighbours {
 public:
 	using List = std::vector<std::pair<std::int32_t, std::int32_t>>; // (body 1, body 2)
 
-	/// Makes the list one that serves the step; false if it stays as it is. Clumps and periodic cells are not served.
+	/// Makes the list valid for the step; returns false if it did not change. Not for clumps and periodic cells.
 	bool update(const Step&, Team&);
 
-	/// Sorted by body 1, then body 2.
+	/// The pairs, sorted by body 1, then body 2.
 	const List& list() const { return list_; }
 
 private:
-	struct Place { // of a body when the list was made
+	struct Place { // state of a body when the list was made
 		PlanarShape shape;
 		Pose        pose;
 		double      reach; // e₀
@@ -48,10 +48,10 @@ private:
 	};
 
 	void  find(const Step&, Team&);
-	void  mend(const Step&, Team&);
-	bool  findStrays(const Step&, Team&);
+	void  repair(const Step&, Team&);
+	bool  findMovedBodies(const Step&, Team&);
 	Place placeOf(const StepBody&) const;
-	double extent(std::size_t id) const; // radius of the circle in which a grain looks
+	double extent(std::size_t id) const; // radius of the circle in which a grain has pairs
 	Box    box(std::size_t id, double more) const;
 	int    column(double x) const;
 	int    row(double y) const;
@@ -59,8 +59,8 @@ private:
 	void   sortIntoCells(const Step&);
 	bool   near(std::int32_t body1, std::int32_t body2) const;
 	template <class Visit> void forEachGrain(const Box&, Visit) const;
-	void   amongNarrow(const Step&, Team&);
-	void   lookAround(const std::vector<std::int32_t>& strays, Team&);
+	void   searchNarrow(const Step&, Team&);
+	void   searchAround(const std::vector<std::int32_t>& bodies, Team&);
 
 	double             margin_ = 0; // s [m]
 	std::vector<Place> at_;
@@ -69,13 +69,13 @@ private:
 	Vec2                           origin_;
 	double                         width_ = 1; // of a cell [m]
 	int                            columns_ = 1, rows_ = 1;
-	std::vector<std::int32_t>      firstIn_, inCells_; // a cell: its first grain; grains by cell
-	std::vector<std::int32_t>      wide_; // grains wider than a cell or that have left theirs, and obstacles
+	std::vector<std::int32_t>      firstIn_, inCells_; // per cell: its first grain; grains by cell
+	std::vector<std::int32_t>      wide_; // grains wider than a cell or moved, and obstacles
 	std::vector<char>              isWide_;
-	std::size_t                    wideAtFirst_ = 0; // of these, when the list was made
-	std::vector<std::int32_t>      strays_; // bodies that have gone too far
-	std::vector<char>              isStray_;
-	std::vector<List>              found_; // by parts of the bodies
+	std::size_t                    wideAtFirst_ = 0; // their number when the list was made
+	std::vector<std::int32_t>      moved_; // bodies that violate the condition
+	std::vector<char>              isMoved_;
+	std::vector<List>              found_; // per part of the bodies
 };
 
 } // namespace rcr

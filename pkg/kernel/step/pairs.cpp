@@ -9,8 +9,8 @@ namespace rcr {
 
 namespace {
 
-	/// Of the points of a manifold along the body by whose axis they are sorted.
-	void places(const StepBody& one, const StepBody& two, const Manifold& manifold, double (&along)[2])
+	/// Positions of the points of a manifold along the body by whose axis they are sorted [m].
+	void positionsAlong(const StepBody& one, const StepBody& two, const Manifold& manifold, double (&along)[2])
 	{
 		const Pose at1 = one.pose(), at2 = two.pose(), &by = sortedAlong(one.shape, at1, at2);
 		for (int k = 0; k < 2; ++k)
@@ -20,7 +20,7 @@ namespace {
 	template <class One, class Two> bool before(const One& a, const Two& b) { return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2; }
 	template <class One, class Two> bool same(const One& a, const Two& b) { return a.body1 == b.body1 && a.body2 == b.body2; }
 
-	/// Room for pairs that are not there yet: all behind the first of them move up once.
+	/// Inserts new pairs in order.
 	void insert(Pairs& pairs, std::vector<Pair> more)
 	{
 		std::size_t from = pairs.all.size(), to = from + more.size();
@@ -41,7 +41,7 @@ namespace {
 
 } // namespace
 
-void Pairs::become(const Neighbours::List& list)
+void Pairs::assign(const Neighbours::List& list)
 {
 	std::vector<Pair> now(list.size());
 	auto              old = all.begin();
@@ -72,7 +72,7 @@ void Pairs::detect(const Step& step, Team& team)
 			return;
 		}
 		double along[2];
-		places(one, two, manifold[k], along);
+		positionsAlong(one, two, manifold[k], along);
 		pair.fresh = pair.points == 0;
 		if (pair.fresh) pair.force[0] = pair.force[1] = {};
 		carryForward(pair.points, pair.along, manifold[k].count, along, pair.force[0], pair.force[1], Impulse {});
@@ -81,32 +81,32 @@ void Pairs::detect(const Step& step, Team& team)
 	});
 }
 
-void Pairs::takeIn(const Step& step, long iteration)
+void Pairs::addFound(const Step& step, long iteration)
 {
-	const auto        find = [&](const GrownContact& grown) { return std::lower_bound(all.begin(), all.end(), grown, before<Pair, GrownContact>); };
+	const auto        find = [&](const UpdatedContact& found) { return std::lower_bound(all.begin(), all.end(), found, before<Pair, UpdatedContact>); };
 	std::vector<Pair> more;
-	for (const GrownContact& grown : step.taken) {
-		const auto place = find(grown);
-		if (place != all.end() && same(*place, grown)) continue;
+	for (const UpdatedContact& found : step.added) {
+		const auto place = find(found);
+		if (place != all.end() && same(*place, found)) continue;
 		more.emplace_back();
-		more.back().body1 = grown.body1, more.back().body2 = grown.body2;
+		more.back().body1 = found.body1, more.back().body2 = found.body2;
 	}
-	std::sort(more.begin(), more.end(), before<Pair, Pair>); // a pass may take in again what one before it has
+	std::sort(more.begin(), more.end(), before<Pair, Pair>); // two passes may find the same pair
 	more.erase(std::unique(more.begin(), more.end(), same<Pair, Pair>), more.end());
 	insert(*this, std::move(more));
-	for (const GrownContact& grown : step.taken) {
-		Pair& pair = *find(grown);
+	for (const UpdatedContact& found : step.added) {
+		Pair& pair = *find(found);
 		if (pair.points == 0) {
-			pair.friction = grown.friction, pair.restitution = grown.restitution;
+			pair.friction = found.friction, pair.restitution = found.restitution;
 			pair.since = iteration;
 		}
-		manifold[&pair - all.data()] = grown.manifold;
-		pair.points                  = grown.manifold.count;
-		places(step.bodies[pair.body1], step.bodies[pair.body2], grown.manifold, pair.along);
+		manifold[&pair - all.data()] = found.manifold;
+		pair.points                  = found.manifold.count;
+		positionsAlong(step.bodies[pair.body1], step.bodies[pair.body2], found.manifold, pair.along);
 	}
 }
 
-void Pairs::number(Step& step) const
+void Pairs::numberContacts(Step& step) const
 {
 	auto pair = all.begin();
 	for (StepContact& contact : step.contacts) {
@@ -116,7 +116,7 @@ void Pairs::number(Step& step) const
 	}
 }
 
-void Pairs::contacts(Step& step, Team& team) const
+void Pairs::writeContacts(Step& step, Team& team) const
 {
 	std::vector<std::int32_t> touching, first; // numbers of pairs that touch, and of their first points
 	touching.reserve(all.size()), first.reserve(all.size());

@@ -7,8 +7,8 @@
 namespace rcr {
 
 namespace {
-	constexpr double farthestShift = 1e-4; // of a radius
-	constexpr int    sweeps        = 10;   // 5 to 20 leave as little
+	constexpr double largestShift = 1e-4; // over the radius of a grain
+	constexpr int    sweeps       = 10;
 }
 
 void prepareRecovery(Step& step, double beta, Team& team)
@@ -31,13 +31,13 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 	});
 	sweepWithBias(problem, bias, sweeps, step.displacement, step.strain, workspace);
 	Team&        team     = workspace.team();
-	const double farthest = team.most(step.bodies.size(), [&](std::size_t id) { // over the radius of a grain
+	const double farthest = team.most(step.bodies.size(), [&](std::size_t id) { // displacement over the radius
 		const StepBody& body = step.bodies[id];
 		const Twist &   v = problem.velocity[id], &with = step.displacement[id];
 		step.displacement[id] = body.free ? Twist { step.dt * (with.x - v.x), step.dt * (with.y - v.y), step.dt * (with.rotation - v.rotation) } : Twist {};
 		return body.free && body.radius > 0 ? speed(step.displacement[id], body.radius) / body.radius : 0;
 	});
-	const double share = std::min(1.0, farthestShift / farthest);
+	const double share = std::min(1.0, largestShift / farthest);
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
 		Twist& shift = step.displacement[id];
 		shift        = { share * shift.x, share * shift.y, share * shift.rotation };

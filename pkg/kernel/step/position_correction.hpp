@@ -1,13 +1,12 @@
-// Overlaps taken back by displacements that never become velocities (split impulses).
+// Removes overlaps by displacements that never become velocities (split impulses).
 //
-// Overlaps are left by the tolerance of the solver, and by curvature within a step. The step is solved once more from its own
-// impulses, now with u_n ≥ β |g|/dt where g overlaps, and the bodies move by dt (v_β − v) besides. The loads of the step are in
-// both, so contacts stay closed that a displacement alone would open, for the law to close them in the next step with a blow.
+// The tolerance of the solver and the curvature of paths leave overlaps. The step is solved once more from its own impulses,
+// with u_n ≥ β |g|/dt at overlaps, and the bodies are displaced by dt (v_β − v). Both solves contain the loads of the step, so
+// a displacement does not open contacts that the next step would close with an impact.
 //
-// Only what an overlap has beyond the slop counts; without a slop, contacts at rest would open and close for ever. In a marginal
-// packing one contact opens only if others move much further, and by the square of that they overlap anew: the farthest shift is
-// bounded, all others in proportion. A cell that stretches is displaced with its bodies, as walls are.
-// Source: Jourdan, Alart and Jean 1998.
+// Only the overlap beyond the slop counts. In a marginal packing, one contact opens only if others move far, and they then
+// overlap again. The largest displacement is therefore bounded, and all are scaled by the same factor. A cell that stretches
+// is displaced with its bodies. Source: Jourdan, Alart and Jean 1998.
 #pragma once
 
 #include "problem/solver.hpp"
@@ -15,11 +14,11 @@
 
 namespace rcr {
 
-/// Writes step.displacement and step.strain; leaves them empty and 0 where no overlap exceeds the slop. `share` is β. The workspace has solved the step last.
+/// Computes step.displacement and step.strain; empty and 0 if no overlap exceeds the slop. `share`: β [-]. The workspace must
+/// hold the solved step.
 void correctPositions(Step&, double share, Workspace&);
 
-/// Writes problem.recovery for a step whose contacts may yield: there an overlap is taken back by the same share, at finite forces, so that
-/// grains which a drive wedges give way to each other as under springs.
+/// Computes problem.recovery: the velocities at which yielding contacts remove the fraction β of their overlaps, at finite forces.
 void prepareRecovery(Step&, double share, Team&);
 
 } // namespace rcr

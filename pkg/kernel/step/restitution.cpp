@@ -9,10 +9,10 @@ namespace rcr {
 
 namespace {
 
-	constexpr double gainOfSolver = 1e-3; // of the work of all impulses: what the tolerance of the solver may be worth
-	constexpr double reached      = 0.99; // of a bounce
+	constexpr double energyTolerance = 1e-3; // energy gain over the work of all impulses that the solver's tolerance may cause
+	constexpr double reached         = 0.99; // fraction of a bounce that counts as reached
 
-	/// Bodies that impulses of the solved step join; bodies of prescribed motion join none.
+	/// Sets of bodies that impulses of the solved step join. Prescribed bodies join none. Union-find with path halving.
 	class Collisions {
 	public:
 		explicit Collisions(const Step& step)
@@ -26,7 +26,7 @@ namespace {
 			}
 		}
 
-		/// The number of that of a point.
+		/// Number of the collision of a point.
 		int of(const ContactPoint& c) { return find(problem_.prescribed(c.body1) ? c.body2 : c.body1); }
 
 	private:
@@ -45,8 +45,9 @@ namespace {
 
 	Impulse after(const Step& step, const ContactPoint& c) { return relativeVelocity(c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]); }
 
+	/// Twice the energies of a collision: growth, loss without restitution, and work of all points as absolute values.
 	struct Energy {
-		double gain = 0, plasticLoss = 0, work = 0; // twice the energy; work: as if no two points were opposed
+		double gain = 0, plasticLoss = 0, work = 0;
 	};
 
 } // namespace
@@ -56,7 +57,7 @@ bool restrainBounce(Step& step, const StepContact& contact)
 	bool changed = false;
 	for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
 		ContactPoint& c = step.problem.points[k];
-		if (!(c.bias < 0)) continue; // no bounce in this step
+		if (!(c.bias < 0)) continue; // no bounce
 		const double share = passiveShare(delassus(step.problem, c), step.problem.impulse[k], before(step, c), after(step, c), c.bias, c.friction);
 		c.bias *= share;
 		changed |= share < 1;
@@ -101,7 +102,7 @@ bool restrainCollisions(Step& step, bool plastic)
 			ContactPoint& c = problem.points[k];
 			if (!(c.bias < 0 && problem.impulse[k].n > 0)) continue;
 			const Energy& of = energy[collisions.of(c)];
-			if (of.gain <= gainOfSolver * of.work) continue;
+			if (of.gain <= energyTolerance * of.work) continue;
 			c.bias *= plastic ? 0 : of.plasticLoss / (of.plasticLoss + 1.5 * of.gain);
 			changed = true;
 		}

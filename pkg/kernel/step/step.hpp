@@ -1,24 +1,25 @@
-// One time step of rigid contacts as a value: everything that its stages read and write, in flat arrays.
+// One time step of rigid contacts: all data that its stages read and write, in flat arrays.
 //
-//   gather                bodies, contact points, loads                  from the simulation
-//   solve                 impulses                                       problem/solver.hpp
-//   missed contacts       that the solved step reaches unforeseen        step/missed_contacts.hpp
-//   large displacements   gaps where bodies really end                   step/large_displacements.hpp
-//   restitution           lowered where it would give energy             step/restitution.hpp
-//   follow stretch        that bodies without inertia make together      step/follow_stretch.hpp
-//   position correction   overlaps displaced away                        step/position_correction.hpp
-//   scatter               forces, displacements, new contacts            to the simulation
+//   stage                 result                                         file
+//   gather                bodies, contact points, loads                  (simulation)
+//   solve                 impulses and velocities                        problem/solver.hpp
+//   missed contacts       contacts that form undetected in the step      step/missed_contacts.hpp
+//   large displacements   gaps at the displaced positions                step/large_displacements.hpp
+//   restitution           restitution that does not add energy           step/restitution.hpp
+//   follow stretch        mean stretch of overdamped bodies              step/follow_stretch.hpp
+//   position correction   displacements that remove overlaps             step/position_correction.hpp
+//   scatter               forces, displacements, new contacts            (simulation)
 //
-// A stage takes the step and leaves it further on; none but the first and the last touches the simulation, so that an error at
-// any place leaves that as it was. Bodies keep the numbers that they have in the simulation; a contact knows its bodies by these,
-// its points know the bodies whose motion they act on: the same, or their clumps.
+// Only the first and the last stage access the simulation, so an error in between leaves it unchanged.
+// Bodies keep the numbers that they have in the simulation. A contact stores these numbers; its points store
+// the bodies that their impulses move, which are the clumps of clump members.
 //
-// | symbol | field         | unit | meaning                                                      |
-// |--------|---------------|------|--------------------------------------------------------------|
-// | e      | alertDistance | m    | within which contacts of a body are looked for               |
-// | g      | gap           | m    | of a point; negative = overlap                               |
-// | b_n    | bias          | m/s  | of a point, in 0 ≤ u_n + b_n ⟂ p_n ≥ 0                       |
-// | s      | shift         | m    | of body 2 to the image of it that body 1 meets (periodic cell) |
+// | symbol | field         | unit | meaning                                                         |
+// |--------|---------------|------|-----------------------------------------------------------------|
+// | e      | alertDistance | m    | distance within which contacts of a body are detected           |
+// | g      | gap           | m    | gap of a point; negative: overlap                               |
+// | b_n    | bias          | m/s  | bias of a point in 0 ≤ u_n + b_n ⟂ p_n ≥ 0                      |
+// | s      | shift         | m    | from body 2 to its image that body 1 meets, in a periodic cell  |
 #pragma once
 
 #include <cmath>
@@ -32,26 +33,27 @@ namespace rcr {
 
 class Team;
 
-/// Of R₁ + R₂: overlaps below it are left as they are. Without a slop, contacts at rest would open and close for ever.
+/// Overlap over R₁ + R₂ that is not corrected. Without it, contacts at rest would open and close endlessly.
 constexpr double contactSlop = 1e-4;
 
+/// Upper bound of the speed of all points of a body [m/s].
 inline double speed(const Twist& v, double radius) { return norm(Vec2 { v.x, v.y }) + std::abs(v.rotation) * radius; }
 
-/// A turn about z as the quaternion (cos θ/2, 0, 0, sin θ/2).
+/// Rotation by θ about z as the quaternion (cos θ/2, 0, 0, sin θ/2).
 struct Turn {
 	double w = 1, z = 0;
 
 	Vec2 axis() const { return { 1 - 2 * z * z, 2 * w * z }; }
 };
 
-/// Of length 1.
+/// The same rotation with a quaternion of length 1.
 inline Turn scaled(const Turn& t)
 {
 	const double length = std::sqrt(t.z * t.z + t.w * t.w);
 	return { t.w / length, t.z / length };
 }
 
-/// Turned further by an angle [rad].
+/// The rotation followed by a rotation by `angle` [rad].
 inline Turn turned(const Turn& from, double angle)
 {
 	const double c = std::cos(0.5 * angle), s = std::sin(0.5 * angle);
@@ -64,66 +66,67 @@ struct StepBody {
 	Turn         turn;
 	Twist        velocity;          // at the beginning of the step
 	double       radius        = 0; // PlanarShape::radius
-	double       alertDistance = 0; // within which its contacts have been looked for [m]
-	double       expected      = std::numeric_limits<double>::infinity(); // how far it may go while all that it meets is foreseen [m]
-	std::int32_t owner         = 0;     // whose motion it shares: itself, or its clump
-	bool         free          = false; // a degree of freedom is not blocked
+	double       alertDistance = 0; // distance within which its contacts were detected [m]
+	double       expected      = std::numeric_limits<double>::infinity(); // path up to which all its contacts are detected [m]
+	std::int32_t owner         = 0;     // body whose motion it shares: itself or its clump
+	bool         free          = false; // at least one degree of freedom is not blocked
 
 	Pose pose() const { return { center, turn.axis() }; }
 };
 
-/// Where a body stands after the time `time` with a velocity; a clump's member goes round its centre.
+/// Pose of a body after `time` [s]. A clump member rotates about the centre of its clump, `owner`.
 Pose moved(const StepBody& body, const StepBody& owner, const Twist& velocityOfOwner, double time);
 
-/// The velocity of a body that shares the motion of its owner.
+/// Velocity of a clump member, from that of its clump.
 inline Twist memberVelocity(const StepBody& body, const StepBody& owner, const Twist& v)
 {
 	const Vec2 round = cross(v.rotation, body.center - owner.center);
 	return { v.x + round.x, v.y + round.y, v.rotation };
 }
 
-/// One pair of bodies with its points problem.points[first] … problem.points[first + count − 1].
+/// Contact of two bodies with the points problem.points[first] … problem.points[first + count − 1].
 struct StepContact {
 	std::int32_t body1 = 0, body2 = 0;
 	std::int32_t first = 0, count = 0;
-	std::int32_t source      = -1; // number under which the simulation knows it; −1: it does not yet
+	std::int32_t source      = -1; // its number in the simulation; −1: new
 	double       restitution = 0;
 	double       size        = 0; // R₁ + R₂ [m]
-	Vec2         shift, drift;    // of the image of body 2, and its velocity relative to body 2
+	Vec2         shift, drift;     // shift of the image of body 2 [m], and its velocity relative to body 2 [m/s]
 
 	double slop() const { return contactSlop * size; }
 };
 
-/// Gap of a point and the least one that is left as it is [m].
+/// Gap of a point, and the smallest gap that is not corrected [m].
 struct Gap {
 	double now, allowed;
-	bool   carried; // a force when the step began
+	bool   carried; // the point bore a force when the step began
 };
 
-/// A pair that has other points where it is looked at from further off.
-struct GrownContact {
+/// Contact that has more or other points when it is detected with a larger reach.
+struct UpdatedContact {
 	std::int32_t body1 = 0, body2 = 0;
 	Vec2         shift;
 	Manifold     manifold;
-	bool         known    = false; // a contact of the step has other points now
-	double       friction = 0, restitution = 0; // of one that is new: the simulation's
+	bool         known    = false; // the step has this contact already
+	double       friction = 0, restitution = 0; // of a new contact; set by the simulation
 };
 
-/// A periodic cell: base vectors as columns, and the gradient of the velocity that its images follow. Without one, all zero. Along an axis
-/// with a mass it stretches as stress and contacts drive it; the gradient is that without contacts until a step is solved.
+/// Periodic cell: base vectors as columns of h [m], and the velocity gradient of its images [1/s]. All zero in an open scene.
+/// The cell stretches along an axis with an inverse mass, as stress and contacts drive it. Before the solve, the gradient is
+/// that without contacts.
 struct PeriodicCell {
 	bool   periodic = false;
 	double h[2][2] {}, inverse[2][2] {}, gradient[2][2] {};
 	Vec2   inverseMass; // of stretching [1/(kg m²)]
 
 	bool stretches() const { return inverseMass.x > 0 || inverseMass.y > 0; }
-	/// Is a motion prescribed to it?
+	/// Its motion is prescribed and not zero.
 	bool driven() const
 	{
 		return gradient[0][1] != 0 || gradient[1][0] != 0 || (gradient[0][0] != 0 && inverseMass.x == 0) || (gradient[1][1] != 0 && inverseMass.y == 0);
 	}
 
-	/// The vector to the image of body 2 that is nearest to body 1, as a shift of body 2.
+	/// Shift of body 2 to its image nearest to body 1 [m].
 	Vec2 nearestShift(Vec2 from1To2) const
 	{
 		if (!periodic) return {};
@@ -131,11 +134,11 @@ struct PeriodicCell {
 		const double b = -std::round(inverse[1][0] * from1To2.x + inverse[1][1] * from1To2.y);
 		return { h[0][0] * a + h[0][1] * b, h[1][0] * a + h[1][1] * b };
 	}
-	/// The velocity of an image relative to its body.
+	/// Velocity of an image relative to its body [m/s].
 	Vec2 drift(Vec2 shift) const { return { gradient[0][0] * shift.x + gradient[0][1] * shift.y, gradient[1][0] * shift.x + gradient[1][1] * shift.y }; }
 };
 
-/// A homogeneous flow: its velocity gradient [1/s].
+/// Homogeneous flow with a velocity gradient [1/s].
 struct Flow {
 	double gradient[2][2] {};
 
@@ -148,22 +151,22 @@ struct Flow {
 
 struct Step {
 	double                    dt         = 0; // [s]
-	bool                      overdamped = false; // every body starts from rest, gaps and overlaps are taken back whole
-	Flow                      rest; // what rest is in an overdamped step
+	bool                      overdamped = false; // bodies start from restFlow; the step removes overlaps whole
+	Flow                      restFlow;
 	PeriodicCell              cell;
 	std::vector<StepBody>     bodies;
-	std::vector<std::int32_t> members;  // bodies that share the motion of another
+	std::vector<std::int32_t> members;  // clump members
 	std::vector<StepContact>  contacts; // sorted by body1, then body2
-	std::vector<std::int32_t> firstOf;  // a body: its first contact as body 1, and the end
-	std::vector<Gap>          gap;      // a point
+	std::vector<std::int32_t> firstOf;  // per body: its first contact as body 1; one more entry: the end
+	std::vector<Gap>          gap;      // per point
 	ContactProblem            problem;
-	std::vector<Impulse>      force;    // a point: what it carries [N]; starts the solver, and is its result
-	std::vector<double>       reach;    // a body: alert distance with which it has looked again [m]; 0: it has not
-	std::vector<std::int32_t> lookedAgain; // bodies that did so after the last solve
-	std::vector<GrownContact> grown;    // pairs that were seen so with other points, not taken in yet …
-	std::vector<GrownContact> taken;    // … and taken in
-	std::vector<Twist>        displacement; // a body: what the position correction moves it by [m, rad]; empty: nothing
-	Vec2                      strain;       // of the cell, that goes with it [-]
+	std::vector<Impulse>      force;    // per point [N]: start of the solver, then its result
+	std::vector<double>       reach;    // per body: widened alert distance [m]; 0: not widened
+	std::vector<std::int32_t> widened;  // bodies whose reach was widened after the last solve
+	std::vector<UpdatedContact> grown;    // contacts that the widened reach found and the step lacks
+	std::vector<UpdatedContact> taken;    // contacts that were added to the step
+	std::vector<Twist>        displacement; // per body: position correction [m, rad]; empty: none
+	Vec2                      strain;       // of the cell, from the position correction [-]
 
 	/// Point k of a contact as it was detected.
 	ManifoldPoint point(const StepContact& c, int k) const
@@ -172,32 +175,32 @@ struct Step {
 		return { bodies[at.body1].center + at.arm1, at.normal, gap[c.first + k].now };
 	}
 
-	/// A detected point of a contact, as the problem has it; its bias is what the law says at the beginning of the step.
+	/// A detected point as a point of the problem. Its bias follows from the velocities at the beginning of the step.
 	ContactPoint contactPoint(const StepContact&, const ManifoldPoint&, double friction) const;
 
-	/// Makes room for the points of its contacts, and forgets what the last step has found on its way.
+	/// Allocates the points of the contacts and clears the results of the last step.
 	void begin(int points);
 
-	/// The points of a contact as they were detected, with the forces that they start from.
+	/// Sets the points of a contact and the forces from which the solver starts.
 	void setPoints(const StepContact&, const Manifold&, double friction, const Impulse* force);
 
-	/// contacts → firstOf
+	/// Computes firstOf from contacts.
 	void indexContacts();
 
-	/// The contact of two bodies; null if there is none.
+	/// Contact of two bodies; null if there is none.
 	const StepContact* find(int body1, int body2) const;
 
-	/// What is rounding of velocities that have gone through a step [m/s].
+	/// Rounding error of the velocities of a step [m/s].
 	double rounding(Team&) const;
 
-	/// Impulses from forces, and forces from impulses.
+	/// Compute impulses from forces, and forces from impulses.
 	void startFromForces();
 	void keepForces(Team&);
 
-	/// The gradient of the cell and the drifts of contacts from the stretch that a solve has found.
+	/// Updates the gradient of the cell and the drifts after a solve. `before`: stretch rate before it [1/s].
 	void stretchCell(Vec2 before);
 
-	/// Velocities of members, from those of their clumps, after a solve.
+	/// Sets the velocities of clump members after a solve.
 	void moveMembers()
 	{
 		for (std::int32_t id : members)

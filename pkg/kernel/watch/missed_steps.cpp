@@ -10,17 +10,17 @@ namespace {
 	constexpr double none = std::numeric_limits<double>::infinity();
 }
 
-bool MissedSteps::count(bool stepMissed, bool stepYielded, double overlap, bool takenBack)
+bool MissedSteps::count(bool stepMissed, bool stepYielded, double overlap, bool removesOverlaps)
 {
 	++steps;
-	if (steps == 1 && !stepMissed) toldDeepest = overlap;
+	if (steps == 1 && !stepMissed) warnedDepth = overlap;
 	missed += stepMissed;
 	yielded += stepYielded;
-	if (!takenBack || stepMissed) deepest = std::max(deepest, overlap);
-	const bool deeper    = deepest > (missed == 0 && takenBack ? none : harmless) && deepest >= 2 * toldDeepest;
-	const bool moreOften = yielded > 0 && yielded >= 10 * toldYielded;
+	if (!removesOverlaps || stepMissed) deepest = std::max(deepest, overlap);
+	const bool deeper    = deepest > (missed == 0 && removesOverlaps ? none : reportedOverlap) && deepest >= 2 * warnedDepth;
+	const bool moreOften = yielded > 0 && yielded >= 10 * warnedYielded;
 	if (!deeper && !moreOften) return false;
-	toldYielded = yielded, toldDeepest = deepest;
+	warnedYielded = yielded, warnedDepth = deepest;
 	return true;
 }
 
@@ -37,7 +37,7 @@ std::string MissedSteps::message() const
 		return text.str();
 	}
 	text << missed << " of " << steps << (steps == 1 ? " step has" : " steps have") << " not converged";
-	if (yielded > 0) text << ", " << yielded << " of them for want of a solution";
+	if (yielded > 0) text << ", " << yielded << " of them without a solution";
 	text << "; ";
 	deepestText();
 	text << ". ";

@@ -1,11 +1,11 @@
-// Counts the steps that have not converged and decides when a warning is due.
+// Counts steps that did not converge and decides when a warning is due.
 //
-// The position correction takes back the overlaps that a step leaves. Overlaps of beds at rest and in flow stay below 5e-3 (R₁ + R₂), so
-// steps that have not converged are counted in silence up to that. A warning is due when the deepest overlap exceeds 5e-3 and has doubled
-// since the last warning, and when steps without a solution are ten times as many as at the last warning.
+// Overlaps of beds at rest and in flow stay below 5e-3 (R₁ + R₂), and the position correction removes them. Steps that did not
+// converge are therefore counted silently up to that depth. A warning is due when the deepest overlap exceeds it and has doubled
+// since the last warning, or when steps without a solution have become ten times as many.
 //
-// Overlaps can grow although all steps converge, by forces added after the solve or by bodies that a script moves. The same rule
-// applies; the overlap of the first step, with which the scene began, counts as warned of.
+// Overlaps may grow although all steps converge, if a script moves bodies or adds forces after the solve. The same rule applies
+// then. The overlap of the first step needs no warning, since the scene began with it.
 #pragma once
 
 #include <string>
@@ -14,25 +14,22 @@ namespace rcr {
 
 class MissedSteps {
 public:
-	static constexpr double harmless = 5e-3; // overlap over R₁ + R₂ …
-	static constexpr double deep     = 2e-2; // … and one that no solution leaves: such a step has missed, whatever its residual
+	static constexpr double reportedOverlap = 5e-3; // overlap over R₁ + R₂ from which on warnings are due
+	static constexpr double deep            = 2e-2; // a step that ends with a deeper overlap did not converge
 
-	// Plain numbers, to be saved with the scene.
-	long   steps   = 0; // all
-	long   missed  = 0; // that ended beyond the tolerance, or with a deep overlap
-	long   yielded = 0; // of these, without a solution: their contacts have yielded
-	double deepest = 0; // overlap over R₁ + R₂, of all steps but those that have taken it back
+	// Plain numbers, saved with the scene.
+	long   steps         = 0; // all steps
+	long   missed        = 0; // steps that did not converge
+	long   yielded       = 0; // steps without a solution, included in `missed`
+	double deepest       = 0; // deepest overlap over R₁ + R₂; overlaps that an overdamped step removes do not count
+	long   warnedYielded = 0; // steps without a solution at the last warning
+	double warnedDepth   = 0; // deepest overlap at the last warning
 
-	long   toldYielded = 0; // steps without a solution, at the last warning
-	double toldDeepest = 0;
+	/// Counts a step; returns true if a warning is due. `overlap`: its deepest overlap over R₁ + R₂; `removesOverlaps`: the step is
+	/// overdamped, so overlaps of its beginning are not its own.
+	bool count(bool missed, bool yielded, double overlap, bool removesOverlaps = false);
 
-	/// After each step: whether it missed the tolerance, whether it had no solution, its deepest overlap over R₁ + R₂, and whether it has taken
-	/// back what lay before it, so that overlaps are its own. True when there is something to tell.
-	bool count(bool missed, bool yielded, double overlap, bool takenBack = false);
-
-	double share() const { return steps > 0 ? double(missed) / double(steps) : 0; } // of missed steps
-
-	/// What to tell: numbers, whether they are harmless, and what to do where they are not.
+	/// The warning: finding, effect on results, remedy.
 	std::string message() const;
 };
 

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <atomic>
+
+#include <core/Dispatching.hpp>
+
+#include "dem/contacts/CdPhys.hpp"
+#include "dem/contacts/RcrGeom.hpp"
+
+namespace yade {
+
+class Law2_RcrGeom_CdPhys_SignoriniCoulomb : public LawFunctor {
+public:
+	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
+	FUNCTOR2D(RcrGeom, CdPhys);
+	// clang-format off
+	YADE_CLASS_BASE_DOC(Law2_RcrGeom_CdPhys_SignoriniCoulomb,LawFunctor,"Nonsmooth contact law without stiffness: $0\\leq u_n+b_n\\perp f_n\\geq 0$ (Signorini, with restitution by Newton's rule) and Coulomb friction. It carries the forces of a contact from the last step to this one; :yref:`ContactDynamics` then solves all contacts together.");
+	// clang-format on
+
+private:
+	std::atomic<long> checked_ { -1 }; // last iteration in which the engines were checked
+};
+REGISTER_SERIALIZABLE(Law2_RcrGeom_CdPhys_SignoriniCoulomb);
+
+} // namespace yade

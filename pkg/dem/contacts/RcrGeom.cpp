@@ -1,0 +1,70 @@
+#include "dem/contacts/RcrGeom.hpp"
+
+#include "dem/validation/validation.hpp"
+#include "dem/shapes/planarShape.hpp"
+#include "dem/engine/prefetch.hpp"
+
+namespace yade {
+
+YADE_PLUGIN((RcrGeom)(Ig2_Planar_RcrGeom)(Ig2_Rcr_Rcr_RcrGeom)(Ig2_Wall_Rcr_RcrGeom)(Ig2_Box_Rcr_RcrGeom)(Ig2_Facet_Rcr_RcrGeom)(Ig2_Sphere_Rcr_RcrGeom)(
+        Ig2_Sphere_Sphere_RcrGeom)(Ig2_Wall_Sphere_RcrGeom)(Ig2_Box_Sphere_RcrGeom)(Ig2_Facet_Sphere_RcrGeom));
+
+void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr::Pose& at1, const rcr::PlanarShape& two, const rcr::Pose& at2)
+{
+	const rcr::Pose& by = rcr::sortedAlong(one, at1, at2); // the line along which points are sorted
+	const double     r1 = one.contactRadius(), r2 = two.contactRadius();
+	refR1  = r1 > 0 ? r1 : r2;
+	refR2  = r2;
+	points = m.count;
+	type   = int(m.type);
+	if (points == 0) return;
+	const auto vector = [](rcr::Vec2 v) { return Vector2r(v.x, v.y); };
+	for (int k = 0; k < 2; ++k) {
+		gap[k]   = m.points[k].gap;
+		along[k] = dot(m.points[k].position - by.center, by.axis);
+	}
+	position1 = vector(m.points[0].position), normal1 = vector(m.points[0].normal);
+	position2 = vector(m.points[1].position), normal2 = vector(m.points[1].normal);
+	const rcr::ManifoldPoint& deepest = m.points[points == 2 && gap[1] < gap[0] ? 1 : 0];
+	normal                            = plane::toSpace(deepest.normal);
+	contactPoint                      = plane::toSpace(deepest.position);
+}
+
+rcr::Manifold RcrGeom::manifold() const
+{
+	const auto vector = [](const Vector2r& v) { return rcr::Vec2 { double(v[0]), double(v[1]) }; };
+	return { points,
+		 rcr::ContactType(type),
+		 { { vector(position1), vector(normal1), double(gap[0]) }, { vector(position2), vector(normal2), double(gap[1]) } } };
+}
+
+/// An empty manifold creates nothing; where there was a contact, the Law2 erases it.
+bool Ig2_Planar_RcrGeom::go(
+        const shared_ptr<Shape>&       shape1,
+        const shared_ptr<Shape>&       shape2,
+        const State&                   state1,
+        const State&                   state2,
+        const Vector3r&                shift2,
+        const bool&                    force,
+        const shared_ptr<Interaction>& interaction)
+{
+	prefetchPair(*scene, interaction->linIx); // for pairs to come
+	const rcr::PlanarShape one = plane::shapeOf(*shape1, state1, state2.pos.z()), two = plane::shapeOf(*shape2, state2, state2.pos.z());
+	rcr::Manifold          manifold;
+	const rcr::Pose        at1 { plane::toPlane(state1.pos), plane::turnOf(one, state1).axis() };
+	rcr::Pose              at2 { plane::toPlane(state2.pos), plane::turnOf(two, state2).axis() };
+	at2.center             = at2.center + plane::toPlane(shift2);
+	if (rcr::meet(one.kind, two.kind)) {
+		const auto   alert = [&](const rcr::PlanarShape& shape, const State& s) { return rcr::alertDistance(shape, plane::twist(s), double(scene->dt)); };
+		const double reach = force ? std::numeric_limits<double>::max() : alert(one, state1) + alert(two, state2);
+		manifold           = rcr::contactPoints(one, at1, two, at2, reach);
+	}
+	if (!interaction->geom) {
+		if (manifold.count == 0 || !validation::mayTouch(*interaction, *scene)) return false;
+		interaction->geom = boost::make_shared<RcrGeom>();
+	}
+	static_cast<RcrGeom&>(*interaction->geom).set(manifold, one, at1, two, at2);
+	return true;
+}
+
+} // namespace yade

@@ -1,0 +1,205 @@
+#include "dem/engine/ContactDynamics.hpp"
+
+#include <core/Omega.hpp>
+#include <core/Scene.hpp>
+
+#include "dem/engine/ArraySteps.hpp"
+#include "dem/engine/failedProblem.hpp"
+#include "dem/engine/scatter.hpp"
+#include "dem/shapes/plane.hpp"
+#include "dem/validation/deferredError.hpp"
+#include "kernel/step/adapt_biases.hpp"
+#include "kernel/step/follow_stretch.hpp"
+#include "kernel/step/missed_contacts.hpp"
+#include "kernel/step/position_correction.hpp"
+#include "kernel/step/restitution.hpp"
+#include "kernel/sweep/sweep_solver.hpp"
+
+namespace yade {
+
+YADE_PLUGIN((ContactDynamics));
+CREATE_LOGGER(ContactDynamics);
+
+namespace {
+	constexpr int mostPasses = 10; // missed contacts and large displacements settle in two or three passes
+}
+
+void ContactDynamics::action()
+{
+	try {
+		const std::string invalid = invalidAttribute();
+		if (!invalid.empty()) validation::refuse(invalid);
+		const validation::Engines engines = validator_.validate(*scene);
+		if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0; // gather adds the motion of the cell
+		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();
+		scene->forces.sync();
+		stepThread_ = std::this_thread::get_id();
+		workspace_.team().run(solverThreads(), [&] { runStep(engines); });
+	} catch (const std::exception& error) {
+		rememberError(error.what());
+		throw;
+	}
+}
+
+/// Solves this step and all following ones that need none of YADE's objects.
+void ContactDynamics::runStep(const validation::Engines& engines)
+{
+	rcr::Team& team  = workspace_.team();
+	step_.overdamped = overdamped;
+	if (!tracksStretch()) meanStretchRate = stretchChange = Vector2r::Zero();
+	setRestFlow();
+	timed("gather", [&] { gather(*scene, engines, team, handles_, step_); });
+	try {
+		std::vector<rcr::Twist> loads;
+		bool                    advanced = false;
+		do {
+			solveStep(engines);
+			loads = loadsOf(step_);
+			record(loads);
+			advanced = timed("arrays", [&] { return arrays && arraySteps_->advance(*scene, engines, team, handles_, loads, step_); });
+			const std::lock_guard<std::mutex> lock(reading_);
+			enginesReason_ = arraySteps_->enginesReason(), stepsInArrays_ = arraySteps_->count();
+		} while (advanced);
+		timed("writeBack", [&] { arraySteps_->writeBack(*scene, team, handles_, step_); });
+		timed("scatter", [&] {
+			const UnbalancedForce unbalanced = unbalancedForceOf(step_);
+			unbalancedForce = unbalanced.mean, largestUnbalancedForce = unbalanced.largest;
+			if (scene->trackEnergy) energy.enter(*scene->energy, step_, loads, plane::toPlane(engines.integrator->gravity));
+			scatter(*scene, team, loads, handles_, step_);
+		});
+	} catch (...) {
+		arraySteps_->writeBack(*scene, team, handles_, step_);
+		throw;
+	}
+	timed("gather", [&] { sortInteractions(*scene, handles_); });
+}
+
+/// Solves the contact problem of the step. A pass whose result contradicts its problem is followed by another one.
+void ContactDynamics::solveStep(const validation::Engines& engines)
+{
+	iterations  = 0;
+	work_       = 0;
+	endOverlap_ = 0;
+	if (tracksStretch()) timed("biasUpdate", [&] { rcr::removeMomentum(step_, { double(stretchChange[0]), double(stretchChange[1]) }); });
+	const rcr::DrivenMotion driven = rcr::drivenMotionOf(step_, workspace_.team());
+	rcr::Settings           how    = settingsOfFirstPass(driven);
+	std::vector<double>     firstBiases; // biases to which a pass may return; empty: none
+	PassOutcome             outcome = PassOutcome::converged;
+	for (int pass = 1; pass <= mostPasses; ++pass) {
+		const bool last = pass == mostPasses || outcome == PassOutcome::biasesRestored;
+		if (rcr::restIsSolution(step_, driven)) how.compliance = 0;
+		else
+			how.compliance = settings(driven).compliance;
+		solvePass(how);
+		outcome = last ? reviewLastPass(engines) : reviewPass(engines, pass, driven, firstBiases);
+		if (outcome == PassOutcome::converged) break;
+		how = settingsOfNextPass(how, outcome);
+	}
+	if (tracksStretch()) timed("biasUpdate", [&] { trackStretch(); });
+	if (const int id = firstNotFinite(step_); id >= 0) throw std::runtime_error(failureMessage(step_, id, scene->iter));
+	checkStretch(step_, scene->iter);
+	if (endOverlap_ > rcr::MissedSteps::deep) converged = false;
+	const std::string warning = monitor.count(
+	        step_, { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations, rcr::deepestOverlap(step_, workspace_.team()) });
+	if (!warning.empty()) LOG_WARN(warning);
+	timed("correct", [&] { correctPositions(step_, double(correction), workspace_); });
+}
+
+void ContactDynamics::solvePass(const rcr::Settings& how)
+{
+	const double    layoutBefore  = workspace_.layoutSeconds();
+	const rcr::Vec2 stretchBefore = step_.problem.stretch;
+	warmStart_                    = step_.problem.impulse;
+	rcr::prepareRecovery(step_, double(correction), workspace_.team());
+	const rcr::Report report = timed("solve", [&] { return rcr::solve(step_.problem, solverName(), how, workspace_); });
+	const double      layout = workspace_.layoutSeconds() - layoutBefore;
+	times_.add("layout", layout), times_.add("solve", -layout);
+	iterations += report.iterations;
+	work_ += report.work;
+	residual       = report.residual;
+	kinematicError = report.violation;
+	converged      = report.converged;
+	yielded        = report.yielded;
+	contactPoints  = int(step_.problem.points.size());
+	timed("scatter", [&] {
+		step_.moveMembers();
+		step_.stretchCell(stretchBefore);
+		step_.keepForces(workspace_.team());
+	});
+}
+
+ContactDynamics::PassOutcome ContactDynamics::reviewPass(
+        const validation::Engines& engines, int pass, const rcr::DrivenMotion& driven, std::vector<double>& firstBiases)
+{
+	if (timed("missedContacts", [&] { return addMissedContacts(engines); })) {
+		firstBiases.clear();
+		return PassOutcome::missedContact;
+	}
+	if (overdamped) return PassOutcome::converged;
+	return timed("biasUpdate", [&] {
+		const bool nextIsLast = pass == mostPasses - 1;
+		if (yielded && rcr::lowerBounces(step_, nextIsLast)) return PassOutcome::bounceLowered;
+		if (yielded && rcr::restoreBiases(step_, firstBiases)) return PassOutcome::biasesRestored; // only changed biases may have no solution
+		if (pass == 1 && driven.speed == 0) firstBiases = rcr::biases(step_.problem);
+		const bool changed = rcr::adaptBiases(step_, pass <= mostPasses / 2, nextIsLast, endOverlap_, workspace_.team());
+		return changed ? PassOutcome::biasChanged : PassOutcome::converged;
+	});
+}
+
+/// No pass follows, so a contact that is still missed makes the step one that did not converge.
+ContactDynamics::PassOutcome ContactDynamics::reviewLastPass(const validation::Engines& engines)
+{
+	if (timed("missedContacts", [&] { return findMissedContacts(engines); })) converged = false;
+	return PassOutcome::converged;
+}
+
+bool ContactDynamics::findMissedContacts(const validation::Engines& engines)
+{
+	return rcr::findMissedContacts(step_, [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); });
+}
+
+bool ContactDynamics::addMissedContacts(const validation::Engines& engines)
+{
+	if (!findMissedContacts(engines)) return false;
+	for (rcr::UpdatedContact& contact : step_.updated) {
+		if (contact.known) continue;
+		const ContactLaw law = contactLaw(*scene, *engines.loop, contact.body1, contact.body2);
+		contact.friction = law.friction, contact.restitution = law.restitution;
+	}
+	rcr::addUpdatedContacts(step_);
+	return true;
+}
+
+void ContactDynamics::setRestFlow()
+{
+	step_.restFlow = plane::flowOf(flow);
+	step_.restFlow.gradient[0][0] += double(meanStretchRate[0]);
+	step_.restFlow.gradient[1][1] += double(meanStretchRate[1]);
+}
+
+/// Adds the mean stretch of the step to the flow from which the next step starts.
+void ContactDynamics::trackStretch()
+{
+	const rcr::Vec2 change = rcr::meanStretch(step_);
+	stretchChange          = Vector2r(change.x, change.y);
+	meanStretchRate += stretchChange;
+	setRestFlow();
+}
+
+void ContactDynamics::record(const std::vector<rcr::Twist>& loads)
+{
+	const std::vector<int> ids = observedIds();
+	StepObserver::check(ids, step_, handles_);
+	const double miss = double(std::max(residual / tolerance, kinematicError / kinematicTolerance));
+	observer_.record(
+	        { scene->iter + 1, double(scene->time + scene->dt), iterations, contactPoints, double(residual), tolerance > 0 && !converged, yielded, miss },
+	        ids,
+	        observeEvery,
+	        loads,
+	        step_,
+	        handles_);
+	const std::lock_guard<std::mutex> lock(reading_);
+	summary_ = workspace_.summary();
+}
+
+} // namespace yade

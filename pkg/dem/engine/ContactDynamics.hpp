@@ -1,0 +1,149 @@
+// Engine that solves all rigid contacts of a step together: nonsmooth Contact Dynamics.
+//
+//   v⁺ = v⁻ + M⁻¹ (dt f + Jᵀ p)          f: gravity and forces of earlier engines [N per unit depth]
+//   0 ≤ u_n + b_n ⟂ p_n ≥ 0               u = J v⁺: relative velocity of a point [m/s]; p: impulse [N s]
+//   |p_t| ≤ µ p_n, opposite to sliding
+//
+// A step runs these stages in this order (kernel/step/step.hpp describes each):
+//
+//   gather → [ solve → review ] repeated → monitor → correct positions → record → scatter
+//
+// Only `gather` reads the scene and only `scatter` changes it, so an exception leaves the scene as it was.
+// NewtonIntegrator then moves the bodies by the added forces p/dt. Source: Moreau 1988, 1999; Jean 1999.
+#pragma once
+
+#include <atomic>
+#include <thread>
+
+#include <core/GlobalEngine.hpp>
+
+#include "dem/engine/EnergyAccount.hpp"
+#include "dem/engine/StageTimes.hpp"
+#include "dem/engine/StepObserver.hpp"
+#include "dem/engine/StepMonitor.hpp"
+#include "dem/engine/gather.hpp"
+#include "dem/validation/validation.hpp"
+#include "kernel/problem/solver.hpp"
+#include "kernel/step/drive.hpp"
+
+namespace yade {
+
+class ArraySteps;
+
+class ContactDynamics : public GlobalEngine {
+public:
+	void action() override;
+
+	/// Message about the first invalid attribute; empty if all are valid.
+	std::string invalidAttribute() const;
+
+	// Python interface (contactDynamicsPython.cpp). Locks guard what a script may access during a run.
+	boost::python::dict        modelDict() const;
+	boost::python::dict        problemDict() const;
+	boost::python::dict        tuningDict() const;
+	void                       setTuning(const boost::python::dict&);
+	static boost::python::list visibleNames(const boost::python::object& self);
+	boost::python::dict        takeObserved() { return observer_.takeMeans(observedIds()); }
+	boost::python::list        takeObservations() { return observer_.takeIntervals(*scene); }
+	boost::python::dict        secondsDict() const { return times_.dict(); }
+	std::string                solverName() const;
+	void                       setSolver(const std::string&);
+	std::vector<int>           observedIds() const;
+	void                       setObserve(const std::vector<int>&);
+	int                        missedSteps() const { return int(monitor.steps.missed); }
+	int                        yieldedSteps() const { return int(monitor.steps.yielded); }
+	double                     deepestOverlap() const { return monitor.steps.deepest; }
+
+	// clang-format off
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,
+		"Solves all rigid contacts of a step together (nonsmooth Contact Dynamics, Moreau time stepping) and adds "
+		"the contact forces to the bodies. It stands between :yref:`InteractionLoop` and :yref:`NewtonIntegrator`, "
+		"whose damping must be 0. Bodies move in the xy plane. ``O.trackEnergy`` adds plastDissip, impactDissip, "
+		"driveWork and correctionWork to ``O.energy``. The page docs/law.md describes each setting.",
+		((Real,tolerance,1e-4,,"Residual at which the solver stops [-]; 0 runs all iterations."))
+		((Real,kinematicTolerance,0.01,,"Second stopping criterion: largest :yref:`kinematicError<ContactDynamics.kinematicError>` [-]; inf switches it off."))
+		((int,maxIterations,1000,,"Largest number of sweeps per step."))
+		((std::string,solver,"auto",,"Solver: nlgs, sor, nesterov, exact or auto."))
+		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)."))
+		((Real,correction,0.1,,"Fraction of each overlap beyond 1e-4 (R₁ + R₂) that the position correction removes per step [-]; 0 switches it off."))
+		((Real,yieldCompliance,1,,"Scale of the compliance of contacts in a step without a solution [-]; 0: contacts never yield."))
+		((bool,overdamped,false,,"Motion without inertia: bodies start each step from rest, or from :yref:`flow<ContactDynamics.flow>`."))
+		((Matrix3r,flow,Matrix3r::Zero(),,"Velocity gradient of the flow from which overdamped bodies start a step [1/s]."))
+		((bool,trackMeanStretch,false,,"Adds the mean stretching of the bodies to :yref:`flow<ContactDynamics.flow>`, so that no drag resists it."))
+		((std::vector<int>,observe,,,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; a change starts a new mean."))
+		((int,observeEvery,0,Attr::noSave,"Number of steps in each entry of :yref:`observations<ContactDynamics.observations>`; 0 keeps no entries."))
+		((bool,converged,true,Attr::readonly,"The last step met both tolerances and left no overlap beyond 0.02 (R₁ + R₂)."))
+		((int,iterations,0,Attr::readonly,"Sweeps of the last step, summed over its passes, in the island that took most."))
+		((Real,residual,0,Attr::readonly,"Residual of the last step: natural map of the contact laws relative to the impulses [-]."))
+		((Real,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step over their RMS relative velocity [-]."))
+		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance."))
+		((bool,yielded,false,Attr::readonly,"The last step had no solution, so its contacts yielded."))
+		((Real,unbalancedForce,0,Attr::readonly,"Mean net force on a free body over the mean contact force, in the last step [-]."))
+		((Real,largestUnbalancedForce,0,Attr::readonly,"Largest net force on a free body over the mean contact force, in the last step [-]."))
+		((int,lanes,0,Attr::noSave,"Doubles per vector operation: 1, 4 or 8; 0: the processor's width. Results do not depend on it."))
+		((bool,arrays,true,,"Take steps in arrays while no engine reads YADE's objects. Results do not depend on it."))
+		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"Simplifications that the solver may use. Results do not depend on them."))
+		((int,minIterations,0,,"Smallest number of sweeps per step."))
+		((Real,meanForceChange,0,,"Stopping criterion of the paper: relative change of the mean normal force over 10 sweeps [-]; 0: not used."))
+		((Vector2r,meanStretchRate,Vector2r::Zero(),Attr::hidden,"Stretch rates along x and y that trackMeanStretch adds to the flow [1/s]."))
+		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"Change of meanStretchRate in the last step [1/s]."))
+		((StepMonitor,monitor,,Attr::hidden,"Counts of steps and overlaps."))
+		((EnergyAccount,energy,,Attr::hidden,"Energy of the last step that O.energy does not hold yet.")),
+		/* ctor */,
+		.add_property("solver",&ContactDynamics::solverName,&ContactDynamics::setSolver,"Solver: nlgs, sor, nesterov, exact or auto.")
+		.add_property("observe",&ContactDynamics::observedIds,&ContactDynamics::setObserve,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; clumps, not their members. A change starts a new mean.")
+		.add_property("tuning",&ContactDynamics::tuningDict,&ContactDynamics::setTuning,"Settings of benchmarks and tests, as a dict: lanes, arrays, reductions, minIterations, meanForceChange.")
+		.add_property("missedSteps",&ContactDynamics::missedSteps,"Number of steps so far that did not converge, those without a solution included.")
+		.add_property("yieldedSteps",&ContactDynamics::yieldedSteps,"Number of steps so far without a solution.")
+		.add_property("deepestOverlap",&ContactDynamics::deepestOverlap,"Deepest overlap of all steps so far over R₁ + R₂ [-].")
+		.add_property("model",&ContactDynamics::modelDict,"Size of the last problem after all reductions, as a dict; docs/solvers.md lists its keys.")
+		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by stage, as a dict [s].")
+		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, residuals and mean contact forces of the steps since the last call. docs/obstacles.md lists its keys.")
+		.def("observations",&ContactDynamics::takeObservations,"observations() → list of dicts: one entry per observeEvery steps since the last call, as observed() returns, with step, time and positions.")
+		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for rcr.scene.save_problem.")
+		.def("__dir__",&ContactDynamics::visibleNames)
+	);
+	// clang-format on
+	DECLARE_LOGGER;
+
+private:
+	/// Result of a pass. All but `converged` require a further pass.
+	enum class PassOutcome { converged, missedContact, bounceLowered, biasesRestored, biasChanged };
+
+	template <class Work> auto timed(const char* stage, Work work) { return times_.measure(stage, work); }
+
+	int           solverThreads() const;
+	rcr::Settings settings(const rcr::DrivenMotion&) const;
+	rcr::Settings settingsOfFirstPass(const rcr::DrivenMotion&);
+	rcr::Settings settingsOfNextPass(rcr::Settings, PassOutcome) const;
+	void          runStep(const validation::Engines&);
+	void          solveStep(const validation::Engines&);
+	void          solvePass(const rcr::Settings&);
+	PassOutcome   reviewPass(const validation::Engines&, int pass, const rcr::DrivenMotion&, std::vector<double>& firstBiases);
+	PassOutcome   reviewLastPass(const validation::Engines&);
+	bool          findMissedContacts(const validation::Engines&);
+	bool          addMissedContacts(const validation::Engines&);
+	bool          tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
+	void          setRestFlow();
+	void          trackStretch();
+	void          record(const std::vector<rcr::Twist>& loads);
+
+	validation::Validator        validator_;
+	rcr::Step                    step_; // memory is kept between steps; the contents are of the last one
+	SceneHandles                 handles_;
+	rcr::Workspace               workspace_; // threads, colouring and packed arrays
+	std::shared_ptr<ArraySteps>  arraySteps_;
+	std::vector<rcr::Impulse>    warmStart_; // impulses from which the last problem was solved
+	double                       work_    = 0; // sweeps × points of the last step
+	double                       endOverlap_ = 0; // deepest overlap after a large displacement in this step, over R₁ + R₂
+	StepObserver                 observer_;
+	StageTimes                   times_;
+	mutable std::mutex           reading_; // guards the members below and the attributes solver and observe
+	rcr::ModelSummary            summary_; // of the last step
+	std::string                  enginesReason_; // why the next step is left to YADE's engines; empty: it is not
+	long                         stepsInArrays_ = 0;
+	std::atomic<std::thread::id> stepThread_;
+};
+REGISTER_SERIALIZABLE(ContactDynamics);
+
+} // namespace yade

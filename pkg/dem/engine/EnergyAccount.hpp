@@ -1,0 +1,35 @@
+// Enters the energies of each step into O.energy.
+//
+// YADE computes the kinetic energy at the beginning of a step, so the energies of a step are entered one step later.
+#pragma once
+
+#include <core/Scene.hpp>
+
+#include "kernel/step/energy.hpp"
+
+namespace yade {
+
+class EnergyAccount {
+public:
+	/// Enters the energies of the step before this one and computes those of this step.
+	/// `loads`: sum of the contact impulses on each body [N s, N m s].
+	void enter(EnergyTracker&, const rcr::Step&, const std::vector<rcr::Twist>& loads, rcr::Vec2 gravity);
+
+	template <class Archive> void serialize(Archive& archive, unsigned)
+	{
+		using boost::serialization::make_nvp;
+		archive & make_nvp("friction", pending_.friction) & make_nvp("impact", pending_.impact);
+		archive & make_nvp("driven", pending_.driven) & make_nvp("lifted", pending_.lifted);
+	}
+
+private:
+	/// Numbers under which O.energy knows the entries.
+	struct Indices {
+		int friction = -1, impact = -1, drive = -1, correction = -1, gravity = -1;
+	};
+
+	rcr::StepEnergy pending_;
+	Indices         index_;
+};
+
+} // namespace yade

@@ -1,0 +1,58 @@
+// Checks each solved step and counts those that did not converge.
+#pragma once
+
+#include <string>
+
+#include "kernel/step/step.hpp"
+#include "kernel/watch/jam_detector.hpp"
+#include "kernel/watch/missed_steps.hpp"
+
+namespace yade {
+
+class StepMonitor {
+public:
+	rcr::MissedSteps steps;
+	rcr::JamDetector jam;
+
+	/// Outcome of a step as the solver reports it.
+	struct Outcome {
+		long   number;     // O.iter
+		bool   missed;     // did not converge
+		bool   yielded;    // had no solution
+		bool   overdamped; // the step removes overlaps whole
+		int    iterations;
+		double overlap; // deepest at the beginning of the step, over R₁ + R₂ [-]
+	};
+
+	/// Counts the step. Returns a warning, or an empty text. Throws std::runtime_error if overlaps grow
+	/// from step to step while bodies are driven.
+	std::string count(const rcr::Step&, const Outcome&);
+
+	template <class Archive> void serialize(Archive& archive, unsigned)
+	{
+		using boost::serialization::make_nvp;
+		archive & make_nvp("steps", steps.steps) & make_nvp("missed", steps.missed) & make_nvp("yielded", steps.yielded);
+		archive & make_nvp("deepest", steps.deepest) & make_nvp("warnedYielded", steps.warnedYielded) & make_nvp("warnedDepth", steps.warnedDepth);
+		archive & make_nvp("jamGrown", jam.grown) & make_nvp("jamCertified", jam.certified) & make_nvp("jamDeepest", jam.deepest);
+	}
+};
+
+/// Overlap of a point at the beginning of the step over R₁ + R₂; 0 between two obstacles.
+double overlapOf(const rcr::Step&, std::size_t point);
+
+/// Deepest overlap at the beginning of the step over R₁ + R₂.
+double deepestOverlap(const rcr::Step&, rcr::Team&);
+
+/// Number of the first body whose solved velocity is not finite; −1: none.
+int firstNotFinite(const rcr::Step&);
+
+/// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step.
+void checkStretch(const rcr::Step&, long number);
+
+/// Mean and largest net force on a free body over the mean contact force [-]; inf without contacts.
+struct UnbalancedForce {
+	double mean, largest;
+};
+UnbalancedForce unbalancedForceOf(const rcr::Step&);
+
+} // namespace yade

@@ -1,0 +1,114 @@
+// Python interface of ContactDynamics: dicts of its results, and attributes that may change during a run.
+#include <array>
+
+#include <core/Omega.hpp>
+
+#include "dem/engine/ContactDynamics.hpp"
+
+namespace yade {
+
+namespace py = boost::python;
+
+std::string ContactDynamics::solverName() const
+{
+	const std::lock_guard<std::mutex> lock(reading_);
+	return solver;
+}
+
+void ContactDynamics::setSolver(const std::string& name)
+{
+	const std::lock_guard<std::mutex> lock(reading_);
+	solver = name;
+}
+
+std::vector<int> ContactDynamics::observedIds() const
+{
+	const std::lock_guard<std::mutex> lock(reading_);
+	return observe;
+}
+
+void ContactDynamics::setObserve(const std::vector<int>& ids)
+{
+	const std::lock_guard<std::mutex> lock(reading_);
+	observe = ids;
+}
+
+namespace {
+	const std::array<const char*, 5> tuningNames { "lanes", "arrays", "reductions", "minIterations", "meanForceChange" };
+}
+
+py::dict ContactDynamics::tuningDict() const
+{
+	py::dict       tuning;
+	const py::dict all = pyDict();
+	for (const char* name : tuningNames)
+		tuning[name] = all[name];
+	return tuning;
+}
+
+void ContactDynamics::setTuning(const py::dict& tuning)
+{
+	const py::list given = tuning.keys();
+	for (int k = 0; k < py::len(given); ++k) {
+		const std::string name = py::extract<std::string>(given[k]);
+		if (std::find(tuningNames.begin(), tuningNames.end(), name) == tuningNames.end())
+			throw std::invalid_argument(
+			        "ContactDynamics.tuning has no setting '" + name + "'; expected lanes, arrays, reductions, minIterations or meanForceChange.");
+		pySetAttr(name, py::object(tuning[name]));
+	}
+}
+
+/// The names of dir(), without the settings that `tuning` groups.
+py::list ContactDynamics::visibleNames(const py::object& self)
+{
+	const py::object all { py::handle<>(PyObject_CallMethod(reinterpret_cast<PyObject*>(&PyBaseObject_Type), "__dir__", "O", self.ptr())) };
+	py::list         visible;
+	for (int k = 0; k < py::len(all); ++k) {
+		const std::string name = py::extract<std::string>(all[k]);
+		if (std::find(tuningNames.begin(), tuningNames.end(), name) == tuningNames.end()) visible.append(name);
+	}
+	return visible;
+}
+
+py::dict ContactDynamics::modelDict() const
+{
+	const std::lock_guard<std::mutex> lock(reading_);
+	const rcr::ModelSummary&          m = summary_;
+	py::dict                          model;
+	model["bodies"]          = m.bodies;
+	model["rotations"]       = m.turning;
+	model["fixed"]           = m.fixed;
+	model["pairs"]           = m.pairs;
+	model["points"]          = m.points;
+	model["unknowns"]        = m.unknowns();
+	model["frictionless"]    = m.frictionalPoints == 0;
+	model["islands"]         = m.islands;
+	model["layouts"]         = m.layouts;
+	model["work"]            = work_;
+	model["mean_stretch_rate"] = py::make_tuple(double(meanStretchRate[0]), double(meanStretchRate[1]));
+	model["arrays"]          = stepsInArrays_;
+	model["engines"]         = !arrays ? "ContactDynamics.arrays = False" : enginesReason_;
+	return model;
+}
+
+py::dict ContactDynamics::problemDict() const
+{
+	if (Omega::instance().isRunning() && stepThread_.load() != std::this_thread::get_id())
+		throw std::runtime_error("ContactDynamics: the contact problem changes during O.run; call O.pause() first.");
+	py::dict   columns;
+	const auto add = [&](const char* name, const auto& rows) {
+		const char* bytes = reinterpret_cast<const char*>(rows.data());
+		columns[name]     = py::object(py::handle<>(PyBytes_FromStringAndSize(bytes, Py_ssize_t(rows.size() * sizeof(rows[0])))));
+	};
+	std::vector<std::array<double, 8>> points; // normal, arm1, arm2, bias, friction
+	std::vector<std::array<int, 2>>    bodies;
+	for (const rcr::ContactPoint& c : step_.problem.points) {
+		points.push_back({ c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction });
+		bodies.push_back({ c.body1, c.body2 });
+	}
+	add("points", points), add("bodies", bodies), add("impulse", warmStart_);
+	add("inverse_mass", step_.problem.inverseMass), add("free_velocity", step_.problem.freeVelocity);
+	return columns;
+}
+
+} // namespace yade

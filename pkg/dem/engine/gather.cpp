@@ -1,0 +1,345 @@
+#include "dem/engine/gather.hpp"
+
+#include <numeric>
+
+#include <core/Clump.hpp>
+#include <core/InteractionLoop.hpp>
+#include <pkg/common/Collider.hpp>
+
+#include "dem/engine/CellStress.hpp"
+#include "dem/validation/validation.hpp"
+#include "dem/engine/colliderBox.hpp"
+#include "dem/shapes/planarShape.hpp"
+#include "dem/engine/prefetch.hpp"
+
+namespace yade {
+
+namespace {
+
+	/// The periodic cell of the scene with the velocity gradient that NewtonIntegrator will apply in this step.
+	rcr::PeriodicCell cellOf(const Scene& scene, const Matrix3r& gradient)
+	{
+		rcr::PeriodicCell cell;
+		if (!scene.isPeriodic) return cell;
+		cell.periodic    = true;
+		const Matrix3r& h = scene.cell->hSize;
+		for (int i = 0; i < 2; ++i)
+			for (int j = 0; j < 2; ++j)
+				cell.h[i][j] = double(h(i, j)), cell.gradient[i][j] = double(gradient(i, j));
+		const double determinant = cell.h[0][0] * cell.h[1][1] - cell.h[0][1] * cell.h[1][0];
+		cell.inverse[0][0] = cell.h[1][1] / determinant, cell.inverse[0][1] = -cell.h[0][1] / determinant;
+		cell.inverse[1][0] = -cell.h[1][0] / determinant, cell.inverse[1][1] = cell.h[0][0] / determinant;
+		return cell;
+	}
+
+	/// Terms that NewtonIntegrator adds to the velocities of bodies in a cell: change of the mean field, and its convection.
+	struct MeanField {
+		bool     periodic = false;
+		Matrix3r gradient = Matrix3r::Zero(), change = Matrix3r::Zero(), convection = Matrix3r::Zero();
+		Matrix3r rest = Matrix3r::Zero(); // prescribed gradient, which overdamped bodies follow
+
+		MeanField(const Scene& scene, const validation::Engines& engines)
+		{
+			if (!scene.isPeriodic) return;
+			const NewtonIntegrator& newton = *engines.integrator;
+			const Cell& cell = *scene.cell;
+			periodic         = true;
+			gradient         = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad;
+			if (cell.homoDeform > 0) change = gradient - newton.prevVelGrad;
+			if (cell.homoDeform > 1) convection = newton.prevVelGrad;
+			rest = gradient;
+			if (engines.cellStress) engines.cellStress->release(rest);
+		}
+
+		rcr::Twist added(const State& s, double dt) const
+		{
+			if (!periodic) return {};
+			const Vector3r v = change * s.pos + Real(dt) * (convection * s.vel);
+			return { double(v[0]), double(v[1]), 0.5 * double(change(1, 0) - change(0, 1)) };
+		}
+	};
+
+	class Gatherer {
+	public:
+		Gatherer(Scene& scene, const validation::Engines& engines, rcr::Team& team, SceneHandles& handles, rcr::Step& step)
+		        : scene_(scene), newton_(*engines.integrator), team_(team), handles_(handles), step_(step), field_(scene, engines)
+		{
+		}
+
+		void bodies();
+		void contacts();
+		void gatherBody(Body::id_t);
+
+	private:
+		void                 body(const Body&);
+		void                 setExpectedPath(const Body&, const rcr::Twist& velocity, rcr::StepBody&);
+		void                 move(const Body&, const State&, rcr::StepBody&);
+		std::pair<Vector3r, Vector3r> load(const Body&) const;
+		SceneHandles::Contact contactOf(Interaction&) const;
+		void                 sort();
+		void                 points(std::size_t number);
+
+		Scene&                  scene_;
+		const NewtonIntegrator& newton_;
+		rcr::Team&              team_;
+		SceneHandles&            handles_;
+		rcr::Step&              step_;
+		MeanField               field_;
+	};
+
+	void Gatherer::bodies()
+	{
+		const BodyContainer& bodies = *scene_.bodies;
+		const std::size_t    count  = bodies.size();
+		step_.dt                    = double(scene_.dt);
+		step_.cell                  = cellOf(scene_, field_.gradient);
+		if (field_.periodic) step_.restFlow = plane::flowOf(field_.rest);
+		step_.problem.inverseMass.resize(count);
+		step_.problem.freeVelocity.resize(count);
+		step_.bodies.resize(count);
+		handles_.state.resize(count);
+		handles_.bound.resize(count);
+		handles_.z = validation::planeOf(scene_);
+		team_.forEach(count, [&](Body::id_t id) {
+			if (id + 2 * prefetchAhead < count) {
+				prefetch<Body>(bodies[id + 2 * prefetchAhead].get());
+				prefetchBody(bodies[id + prefetchAhead].get());
+			}
+			gatherBody(id);
+		});
+		step_.members.clear();
+		for (std::size_t id = 0; id < count; ++id) {
+			const int owner = step_.bodies[id].owner;
+			if (owner == int(id)) continue;
+			step_.members.push_back(int(id));
+			const double reach = norm(step_.bodies[id].center - step_.bodies[owner].center) + step_.bodies[id].radius;
+			step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, reach);
+		}
+	}
+
+	void Gatherer::gatherBody(Body::id_t id)
+	{
+		step_.problem.inverseMass[id]  = {};
+		step_.problem.freeVelocity[id] = {};
+		step_.bodies[id]               = {};
+		step_.bodies[id].owner         = id;
+		handles_.state[id]                = nullptr;
+		handles_.bound[id]                = nullptr;
+		if (const Body* b = (*scene_.bodies)[id].get()) body(*b);
+	}
+
+	void Gatherer::body(const Body& b)
+	{
+		const Body::id_t id    = b.getId();
+		const State&     s     = *b.state;
+		rcr::StepBody&   body  = step_.bodies[id];
+		const bool       clump = b.isClump();
+		if (b.shape && !clump) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
+		if ((clump || body.shape.kind != rcr::PlanarShape::none) && body.shape.kind != rcr::PlanarShape::wall
+		    && body.shape.kind != rcr::PlanarShape::segment && !validation::isValid(b, body.shape, handles_.z))
+			validation::refuseBody(b, scene_, handles_.z);
+		handles_.state[id]    = b.state.get();
+		body.center        = plane::toPlane(s.pos);
+		body.turn          = plane::turnOf(body.shape, s);
+		body.velocity      = plane::twist(s);
+		body.radius        = body.shape.radius();
+		body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step_.dt);
+		if (b.isClumpMember()) {
+			body.owner          = b.clumpId;
+			const State& moving = *(*scene_.bodies)[b.clumpId]->state;
+			rcr::StepBody owner;
+			owner.center = plane::toPlane(moving.pos);
+			if (moving.blockedDOFs != State::DOF_ALL) setExpectedPath(b, memberVelocity(body, owner, plane::twist(moving)), body);
+		} else {
+			body.free = s.blockedDOFs != State::DOF_ALL;
+			if (body.free) setExpectedPath(b, body.velocity, body);
+			move(b, s, body);
+		}
+		handles_.bound[id] = b.bound.get();
+		// The collider does not enlarge the box of an obstacle by its alert distance. A fast obstacle searches its contacts after the solve.
+		if (!body.shape.grain() && b.bound && body.alertDistance > double(b.bound->sweepLength)) body.expected = 0;
+	}
+
+	/// Sets the path up to which all contacts of a body are detected. It is 0 if the body leaves its box in the collider, for
+	/// example after a script has set its velocity. In a cell, boxes move with the cell and relative motion counts.
+	void Gatherer::setExpectedPath(const Body& b, const rcr::Twist& velocity, rcr::StepBody& body)
+	{
+		bool unseen = b.bound && body.shape.grain();
+		if (unseen && scene_.isPeriodic) {
+			const rcr::Vec2 flow = step_.cell.drift(body.center);
+			unseen = step_.dt * rcr::speed({ velocity.x - flow.x, velocity.y - flow.y, velocity.rotation }, body.radius) > double(b.bound->sweepLength);
+		} else if (unseen)
+			unseen = leavesBox(body, b.state->pos, velocity, step_.dt, *b.bound);
+		body.expected = unseen ? 0 : body.alertDistance;
+	}
+
+	/// Sets the inverse mass, and the velocity that NewtonIntegrator would compute without contacts.
+	void Gatherer::move(const Body& b, const State& s, rcr::StepBody& body)
+	{
+		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) return; // the integrator does not move it
+		if (step_.overdamped) {
+			const rcr::Twist rest = step_.restFlow.at(body.center);
+			if (!(s.blockedDOFs & State::DOF_X)) body.velocity.x = rest.x;
+			if (!(s.blockedDOFs & State::DOF_Y)) body.velocity.y = rest.y;
+			if (!(s.blockedDOFs & State::DOF_RZ)) body.velocity.rotation = rest.rotation;
+		}
+		const Body::id_t  id      = b.getId();
+		const double      dt      = step_.dt;
+		const auto        load    = this->load(b);
+		const auto        free    = [&](unsigned dof) { return !(s.blockedDOFs & dof); };
+		rcr::Twist&       v       = step_.problem.freeVelocity[id];
+		rcr::InverseMass& inverse = step_.problem.inverseMass[id];
+		if (!math::isfinite(load.first.sum() + load.second[2])) validation::refuseBody(b, scene_, handles_.z);
+		v = body.velocity;
+		if (free(State::DOF_X)) {
+			inverse.x = 1 / double(s.mass);
+			v.x += dt * double(load.first[0] / s.mass + newton_.gravity[0]);
+		}
+		if (free(State::DOF_Y)) {
+			inverse.y = 1 / double(s.mass);
+			v.y += dt * double(load.first[1] / s.mass + newton_.gravity[1]);
+		}
+		if (free(State::DOF_RZ)) {
+			inverse.rotation = 1 / double(s.inertia[2]);
+			v.rotation += dt * double(load.second[2] / s.inertia[2]);
+		}
+		if (!field_.periodic) return;
+		const rcr::Twist more = field_.added(s, dt);
+		v                     = { v.x + more.x, v.y + more.y, v.rotation + more.rotation };
+	}
+
+	/// Force and torque on a body; those on the members of a clump included.
+	std::pair<Vector3r, Vector3r> Gatherer::load(const Body& b) const
+	{
+		Vector3r force = scene_.forces.getForce(b.getId()), torque = scene_.forces.getTorque(b.getId());
+		if (b.isClump()) static_cast<Clump&>(*b.shape).addForceTorqueFromMembers(b.state.get(), &scene_, force, torque);
+		return { force, torque };
+	}
+
+	SceneHandles::Contact Gatherer::contactOf(Interaction& i) const
+	{
+		if (!i.functorCache.geomExists) validation::checkServed(i, scene_);
+		if (!i.isReal()) return {};
+		CdPhys*  phys = dynamic_cast<CdPhys*>(i.phys.get());
+		RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic() ? static_cast<RcrGeom*>(i.geom.get()) : nullptr;
+		if (!phys && !geom) return {};
+		if (!phys || !geom)
+			validation::refuse(
+			        "the contact of bodies #" + std::to_string(i.getId1()) + " and #" + std::to_string(i.getId2()) + " has the geometry "
+			        + i.geom->getClassName() + " and the physics " + i.phys->getClassName()
+			        + "; expected RcrGeom and CdPhys: use only Ig2_…_RcrGeom and Ip2_FrictMat_FrictMat_CdPhys, and call "
+			          "O.interactions.clear() after a change of functors.");
+		return { geom, phys, &i, i.getId1(), i.getId2(), geom->points };
+	}
+
+	/// Sorts contacts by ids, since YADE's container changes its order when a scene is reloaded. Counting sort by the first id,
+	/// then the contacts of one body by the second.
+	void Gatherer::sort()
+	{
+		std::vector<int>& first = step_.firstOf;
+		first.assign(step_.bodies.size() + 1, 0);
+		for (const SceneHandles::Contact& contact : handles_.found)
+			if (contact.points > 0) ++first[contact.id1 + 1];
+		std::partial_sum(first.begin(), first.end(), first.begin());
+		handles_.sorted.resize(first.back());
+		std::vector<int> next = first;
+		for (const SceneHandles::Contact& contact : handles_.found)
+			if (contact.points > 0) handles_.sorted[next[contact.id1]++] = contact;
+		team_.forEach(step_.bodies.size(), [&](Body::id_t id) {
+			const auto begin = handles_.sorted.begin();
+			std::sort(begin + first[id], begin + first[id + 1], [](const auto& a, const auto& b) { return a.id2 < b.id2; });
+		});
+	}
+
+	void Gatherer::contacts()
+	{
+		InteractionContainer& interactions = *scene_.interactions;
+		handles_.found.resize(interactions.size());
+		team_.forEach(handles_.found.size(), [&](int k) {
+			prefetchContact(interactions, handles_.found.size(), k);
+			handles_.found[k] = contactOf(*interactions[k]);
+		});
+		sort();
+		step_.contacts.resize(handles_.sorted.size());
+		int points = 0;
+		for (std::size_t k = 0; k < handles_.sorted.size(); ++k) {
+			const SceneHandles::Contact& source = handles_.sorted[k];
+			step_.contacts[k]                  = { source.id1, source.id2, points, source.points, int(k), 0, 0, {}, {} };
+			points += source.points;
+		}
+		step_.begin(points);
+		team_.forEach(step_.contacts.size(), [&](std::size_t k) {
+			const SceneHandles::Contact& later = handles_.sorted[std::min(k + prefetchAhead, handles_.sorted.size() - 1)];
+			prefetch<RcrGeom>(later.geom);
+			prefetch<CdPhys>(later.phys);
+			this->points(k);
+		});
+	}
+
+	void Gatherer::points(std::size_t number)
+	{
+		rcr::StepContact&           contact = step_.contacts[number];
+		const SceneHandles::Contact& source  = handles_.sorted[number];
+		const CdPhys&               phys    = *source.phys;
+		validation::checkPhys(phys, contact.body1, contact.body2);
+		contact.restitution = double(phys.restitution);
+		contact.size        = double(source.geom->refR1 + source.geom->refR2);
+		if (scene_.isPeriodic) {
+			contact.shift = plane::toPlane(scene_.cell->intrShiftPos(source.interaction->cellDist));
+			contact.drift = step_.cell.drift(contact.shift);
+		}
+		const rcr::Impulse force[2] = { { double(phys.force1[0]), double(phys.force1[1]) }, { double(phys.force2[0]), double(phys.force2[1]) } };
+		step_.setPoints(contact, source.geom->manifold(), double(phys.tangensOfFrictionAngle), force);
+	}
+
+} // namespace
+
+void gather(Scene& scene, const validation::Engines& engines, rcr::Team& team, SceneHandles& handles, rcr::Step& step)
+{
+	Gatherer gatherer(scene, engines, team, handles, step);
+	gatherer.bodies();
+	step.problem.inverseStretchMass = step.problem.stretch = {};
+	if (engines.cellStress) engines.cellStress->load(step);
+	gatherer.contacts();
+}
+
+void regatherBodies(Scene& scene, const validation::Engines& engines, rcr::Team& team, const std::vector<Body::id_t>& ids, SceneHandles& handles, rcr::Step& step)
+{
+	Gatherer gatherer(scene, engines, team, handles, step);
+	for (Body::id_t id : ids) {
+		gatherer.gatherBody(id);
+		rcr::StepBody& body = step.bodies[id];
+		if (body.free && body.shape.grain()) body.expected = body.alertDistance; // arrays have their own list of neighbours
+	}
+}
+
+ContactLaw contactLaw(Scene& scene, const InteractionLoop& loop, Body::id_t id1, Body::id_t id2)
+{
+	shared_ptr<Material>&one = (*scene.bodies)[id1]->material, &two = (*scene.bodies)[id2]->material;
+	const auto  scratch = boost::make_shared<Interaction>(id1, id2);
+	bool        swap    = false;
+	loop.physDispatcher->getFunctor2D(one, two, swap)->go(one, two, scratch);
+	const CdPhys* phys = dynamic_cast<const CdPhys*>(scratch->phys.get());
+	if (!phys)
+		validation::refuse(
+		        "the contact of bodies #" + std::to_string(id1) + " and #" + std::to_string(id2) + " gets the physics "
+		        + (scratch->phys ? scratch->phys->getClassName() : std::string("None")) + " from the Ip2 functor of the materials "
+		        + one->getClassName() + " and " + two->getClassName() + "; expected CdPhys: use Ip2_FrictMat_FrictMat_CdPhys for these materials.");
+	validation::checkPhys(*phys, id1, id2);
+	return { double(phys->tangensOfFrictionAngle), double(phys->restitution) };
+}
+
+bool mayMeet(Scene& scene, const validation::Engines& engines, Body::id_t id1, Body::id_t id2)
+{
+	Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
+	bool  swap;
+#ifdef YADE_MPI
+	if (!engines.collider->mayCollide(&one, &two, scene.subdomain)) return false;
+#else
+	if (!engines.collider->mayCollide(&one, &two)) return false;
+#endif
+	return one.isBounded() && two.isBounded() && engines.loop->geomDispatcher->getFunctor2D(one.shape, two.shape, swap)
+	        && dynamic_cast<const FrictMat*>(one.material.get()) && dynamic_cast<const FrictMat*>(two.material.get());
+}
+
+} // namespace yade

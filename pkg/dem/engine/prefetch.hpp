@@ -1,0 +1,64 @@
+// Prefetching for loops over YADE's objects, which lie scattered in memory.
+#pragma once
+
+#include <cstddef>
+
+#include <core/Interaction.hpp>
+#include <core/InteractionContainer.hpp>
+#include <core/Scene.hpp>
+
+#include "dem/contacts/CdPhys.hpp"
+#include "dem/contacts/RcrGeom.hpp"
+
+namespace yade {
+
+constexpr std::size_t prefetchAhead = 8; // turns of a loop that cover the latency of memory
+
+/// Prefetches the memory of an object of type T; null is allowed.
+template <class T> inline void prefetch(const void* object)
+{
+#if defined(__GNUC__)
+	for (std::size_t line = 0; line < sizeof(T); line += 64)
+		__builtin_prefetch(static_cast<const char*>(object) + line);
+#else
+	(void)object;
+#endif
+}
+
+/// Prefetches state and shape of a later body.
+inline void prefetchBody(const Body* later)
+{
+	if (!later) return;
+	prefetch<State>(later->state.get());
+	prefetch<Rcr>(later->shape.get());
+}
+
+/// In a loop over interactions, at number k: prefetches later interactions and their contacts.
+inline void prefetchContact(const InteractionContainer& interactions, std::size_t count, std::size_t k)
+{
+	if (k + 2 * prefetchAhead >= count) return;
+	prefetch<Interaction>(interactions[k + 2 * prefetchAhead].get());
+	const Interaction& later = *interactions[k + prefetchAhead];
+	if (!later.isReal()) return;
+	prefetch<RcrGeom>(later.geom.get());
+	prefetch<CdPhys>(later.phys.get());
+}
+
+/// Prefetches later interactions, their contacts and their bodies.
+inline void prefetchPair(const Scene& scene, std::size_t k)
+{
+	const InteractionContainer& interactions = *scene.interactions;
+	const std::size_t           count        = scene.interactions->size();
+	if (k + 2 * prefetchAhead >= count) return;
+	prefetchContact(interactions, count, k);
+	const BodyContainer& bodies = *scene.bodies;
+	const auto           both   = [&](std::size_t turns, auto ask) {
+                const Interaction& later = *interactions[k + turns];
+                ask(bodies[later.getId1()].get());
+                ask(bodies[later.getId2()].get());
+	};
+	both(prefetchAhead, prefetch<Body>);
+	both(prefetchAhead / 2, prefetchBody);
+}
+
+} // namespace yade

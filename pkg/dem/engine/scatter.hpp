@@ -1,0 +1,23 @@
+// Last stage of a step: writes its results to YADE's objects. No other stage changes the scene.
+#pragma once
+
+#include "dem/engine/gather.hpp"
+
+namespace yade {
+
+/// Sum of the contact impulses on each body and of their moments about its centre [N s, N m s]; those on members act on the clump.
+std::vector<rcr::Twist> loadsOf(const rcr::Step&);
+
+/// Velocities that are not prescribed assign those of a body without inertia.
+void resetVelocity(State&, const rcr::Twist& rest);
+
+/// Displaces a body by the position correction.
+void applyCorrection(State&, const rcr::Twist& by);
+
+/// Writes contact forces, forces on bodies, missed contacts, displacements, and the start velocities of overdamped bodies.
+void scatter(Scene&, rcr::Team&, const std::vector<rcr::Twist>& loads, SceneHandles&, rcr::Step&);
+
+/// Sorts YADE's interactions by bodies if many are out of order, so that loops over them find bodies in the cache.
+void sortInteractions(Scene&, const SceneHandles&);
+
+} // namespace yade

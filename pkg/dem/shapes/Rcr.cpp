@@ -1,0 +1,61 @@
+#include "dem/shapes/Rcr.hpp"
+
+#include <core/Aabb.hpp>
+
+#include "dem/validation/validation.hpp"
+#include "dem/shapes/planarShape.hpp"
+
+namespace yade {
+
+YADE_PLUGIN((Rcr)(Bo1_Rcr_Aabb)(Bo1_Disc_Aabb));
+
+void Rcr::postLoad(Rcr&)
+{
+	const auto refuse = [](const char* name, Real given, const char* wanted) {
+		throw std::invalid_argument(
+		        std::string("Rcr.") + name + " = " + boost::lexical_cast<std::string>(given) + "; wanted " + wanted
+		        + ". rcr.particle(center, R, eta) computes both from the circumscribed radius and the elongation.");
+	};
+	const bool unset = math::isnan(capRadius) && halfLength == 0; // as constructed, before a file or a script fills it in
+	if (!unset && !(capRadius > 0 && math::isfinite(capRadius))) refuse("capRadius", capRadius, "a finite length > 0");
+	if (!(halfLength >= 0 && math::isfinite(halfLength))) refuse("halfLength", halfLength, "a finite length ≥ 0");
+}
+
+namespace {
+
+	/// The box of a circle; in a sheared cell that of the unsheared space, wide enough for the circle seen there. YADE's collider ends the
+	/// process where a box spans half of a cell, so a fast body looks less far ahead there; what it misses is found within the step.
+	void setBox(shared_ptr<Bound>& bound, const Se3r& se3, Real radius, Real ahead, const Scene& scene)
+	{
+		if (!bound) bound = boost::make_shared<Aabb>();
+		const Vector3r wider  = validation::widening(scene);
+		Vector3r       center = se3.position;
+		if (scene.isPeriodic) {
+			const Real most = validation::largestShare * scene.cell->getSize().minCoeff() / wider.maxCoeff();
+			ahead           = math::max(Real(0), math::min(ahead, most - radius));
+			center          = scene.cell->unshearPt(center);
+		}
+		const Vector3r half = (radius + ahead) * wider;
+		bound->min = center - half;
+		bound->max = center + half;
+	}
+
+	void setBox(const Shape& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body& body, Real factor, const Scene& scene)
+	{
+		const rcr::PlanarShape planar = plane::shapeOf(shape, *body.state, body.state->pos.z());
+		setBox(bound, se3, factor * planar.radius(), factor * rcr::alertDistance(planar, plane::twist(*body.state), double(scene.dt)), scene);
+	}
+
+} // namespace
+
+void Bo1_Rcr_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body)
+{
+	setBox(*shape, bound, se3, *body, 1, *scene);
+}
+
+void Bo1_Disc_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body)
+{
+	setBox(*shape, bound, se3, *body, math::max(Real(1), aabbEnlargeFactor), *scene);
+}
+
+} // namespace yade

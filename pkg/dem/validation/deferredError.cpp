@@ -1,0 +1,70 @@
+#include "dem/validation/deferredError.hpp"
+
+#include <mutex>
+#include <utility>
+
+#include <boost/python.hpp>
+#include <core/Omega.hpp>
+#include <core/Scene.hpp>
+#include <core/ThreadRunner.hpp>
+
+namespace yade {
+
+/// YADE's run thread and the lock that it holds while it runs are private; an explicit instantiation may name private members.
+ThreadRunner& runThread(Omega&);
+std::mutex&   runMutex(ThreadRunner&);
+template <shared_ptr<ThreadRunner> Omega::*member> struct RunThread {
+	friend ThreadRunner& runThread(Omega& omega) { return *(omega.*member); }
+};
+template <std::mutex ThreadRunner::*member> struct RunMutex {
+	friend std::mutex& runMutex(ThreadRunner& run) { return run.*member; }
+};
+template struct RunThread<&Omega::simulationLoop>;
+template struct RunMutex<&ThreadRunner::m_runmutex>;
+
+namespace {
+
+	std::mutex  mutex;
+	std::string pending; // of the first error; empty: none waits
+	std::string ended;   // the last step, with this
+
+	int raise(void*)
+	{
+		const std::lock_guard<std::mutex> lock(mutex);
+		PyErr_SetString(PyExc_ValueError, pending.c_str());
+		pending.clear();
+		return -1;
+	}
+
+} // namespace
+
+void deferError(const std::string& message)
+{
+	const std::lock_guard<std::mutex> lock(mutex);
+	if (!pending.empty()) return;
+	if (Py_AddPendingCall(raise, nullptr) != 0) return; // the queue is full; what is wrong will be found again
+	pending = message;
+	Omega::instance().getScene()->stopAtIter = Omega::instance().getScene()->iter + 1;
+}
+
+void rememberError(const std::string& message)
+{
+	const std::lock_guard<std::mutex> lock(mutex);
+	ended = message;
+}
+
+std::string takeError()
+{
+	const std::lock_guard<std::mutex> lock(mutex);
+	ThreadRunner&                     run = runThread(Omega::instance());
+	const std::string                 thrown = run.workerThrew.exchange(false) ? run.workerException.what() : "";
+	return ended.empty() ? thrown : std::exchange(ended, {});
+}
+
+void awaitEnd()
+{
+	if (Omega::instance().isRunning()) return;
+	const std::lock_guard<std::mutex> ended(runMutex(runThread(Omega::instance())));
+}
+
+} // namespace yade

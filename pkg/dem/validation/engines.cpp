@@ -1,0 +1,132 @@
+// Rules of the gate on engines: loads that are felt, attributes, what sets the time step, bounds of the collider.
+#include <core/PartialEngine.hpp>
+#include <core/TimeStepper.hpp>
+#include <pkg/common/BoundaryController.hpp>
+#include <pkg/common/Collider.hpp>
+#include <pkg/common/FieldApplier.hpp>
+#include <pkg/common/ForceResetter.hpp>
+#include <pkg/common/KinematicEngines.hpp>
+#include <pkg/common/StepDisplacer.hpp>
+#include <pkg/dem/GlobalStiffnessTimeStepper.hpp>
+
+#include "dem/validation/SceneView.hpp"
+#include "dem/shapes/Rcr.hpp"
+#include "dem/engine/WallStress.hpp"
+
+namespace yade {
+namespace validation {
+
+	namespace {
+
+		/// Whether an engine sets positions or velocities.
+		bool moves(const Engine& engine) { return dynamic_cast<const KinematicEngine*>(&engine) || dynamic_cast<const StepDisplacer*>(&engine); }
+
+		/// Whether an engine puts forces on bodies, which last until the ForceResetter.
+		bool pushes(const Engine& engine)
+		{
+			if (moves(engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false; // a FieldApplier, too
+			return dynamic_cast<const PartialEngine*>(&engine) || dynamic_cast<const FieldApplier*>(&engine) || dynamic_cast<const WallStress*>(&engine);
+		}
+
+		/// Whether an engine puts forces on bodies or prescribes their motion.
+		bool loads(const Engine& engine)
+		{
+			return pushes(engine) || moves(engine) || dynamic_cast<const BoundaryController*>(&engine);
+		}
+
+	} // namespace
+
+	std::string lateLoad(const View& v)
+	{
+		const int solver = v.place<ContactDynamics>(), integrator = v.place<NewtonIntegrator>();
+		for (int k = solver + 1; solver >= 0 && k < integrator; ++k)
+			if (!v.engines[k]->dead && loads(*v.engines[k]))
+				return "the " + v.engines[k]->getClassName() + " stands after ContactDynamics, which would not see its load; put it before.";
+		return {};
+	}
+
+	/// Forces that nothing feels: those of an engine after the integrator, or before the ForceResetter.
+	std::string lostLoad(const View& v)
+	{
+		const int resetter = v.place<ForceResetter>(), integrator = v.place<NewtonIntegrator>();
+		for (int k = 0; k < int(v.engines.size()); ++k) {
+			if (v.engines[k]->dead || !pushes(*v.engines[k]) || (resetter < k && k < integrator)) continue;
+			return "the " + v.engines[k]->getClassName() + " stands " + (k < resetter ? "before the ForceResetter" : "after the NewtonIntegrator")
+			        + ", so its forces would be taken away before they move anything; put it between the two.";
+		}
+		return {};
+	}
+
+	std::string wrongAttributes(const View& v)
+	{
+		for (const auto& engine : v.engines) {
+			if (engine->dead) continue;
+			std::string told;
+			if (const auto* stress = dynamic_cast<const WallStress*>(engine.get())) told = stress->wrong(v.scene);
+			if (const auto* solver = dynamic_cast<const ContactDynamics*>(engine.get())) told = solver->wrong();
+			if (!told.empty()) return told;
+		}
+		return {};
+	}
+
+	std::string timeStep(const View& v)
+	{
+		const Real dt = v.scene.dt;
+		return dt > 0 && math::isfinite(dt) ? std::string() : "O.dt = " + text(dt) + "; wanted a finite time step > 0.";
+	}
+
+	std::string finiteMotion(const View& v)
+	{
+		const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
+		if (!newton) return {};
+		const Vector3r& g = newton->gravity;
+		if (!math::isfinite(g.sum()))
+			return "NewtonIntegrator.gravity = (" + text(g[0]) + ", " + text(g[1]) + ", " + text(g[2]) + "); wanted finite accelerations, as gravity=(0, -9.81, 0).";
+		return math::isfinite(newton->damping) ? std::string() : "NewtonIntegrator.damping = " + text(newton->damping) + "; wanted a finite share, 0 for none.";
+	}
+
+	std::string integrator(const View& v)
+	{
+		const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
+		if (newton && newton->damping != 0)
+			return "NewtonIntegrator.damping = " + text(newton->damping)
+			        + " would damp the contact forces; set damping=0 (restitution below 1 dissipates by itself).";
+		if (newton && newton->densityScaling) return "NewtonIntegrator.densityScaling is on; switch it off, the time step is not bound by a stiffness.";
+		return newton && newton->gravity[2] != 0
+		        ? "NewtonIntegrator.gravity = (" + text(newton->gravity[0]) + ", " + text(newton->gravity[1]) + ", " + text(newton->gravity[2])
+		                + ") pulls out of the plane of the grains, which is x and y; set gravity=(0, -9.81, 0)."
+		        : std::string();
+	}
+
+	std::string timeStepper(const View& v)
+	{
+		const TimeStepper* stepper = v.first<TimeStepper>();
+		if (!stepper || !stepper->active) return {};
+		return "the " + stepper->getClassName()
+		        + " would set O.dt from stiffnesses, which rigid contacts have none of; remove it and set O.dt by the accuracy you want.";
+	}
+
+	/// Without a contact YADE's stepper takes the wave speed of spheres, and 1 s where there are none.
+	std::string firstTimeStep(const View& v)
+	{
+		const auto* stepper = v.first<GlobalStiffnessTimeStepper>();
+		if (!stepper || !stepper->active || stepper->defaultDt > 0 || !v.body<Rcr>()) return {};
+		return "GlobalStiffnessTimeStepper.defaultDt = " + text(stepper->defaultDt)
+		        + " would set O.dt = 1 s while no Rcrs touch; set defaultDt = 0.5 * rcr.critical_time_step().";
+	}
+
+	std::string bounds(const View& v)
+	{
+		const Collider* collider = v.first<Collider>();
+		if (!collider) return {};
+		for (const auto& b : *v.scene.bodies) {
+			if (!b || !b->shape || b->isClump() || !b->isBounded() || collider->boundDispatcher->getFunctor1D(b->shape)) continue;
+			const std::string shape = b->shape->getClassName();
+			return "the collider has no Bo1_" + shape + "_Aabb, so body #" + std::to_string(b->getId()) + " would meet nothing; put Bo1_" + shape
+			        + "_Aabb() into its list.";
+		}
+		return {};
+	}
+
+} // namespace validation
+} // namespace yade

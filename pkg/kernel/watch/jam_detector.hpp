@@ -1,0 +1,48 @@
+// Detects that driven bodies squeeze grains without end.
+//
+// Rigid grains do not give way, but yielding contacts (solve_yielding.cpp) let the drive continue. The sign of a squeeze is then
+// an overlap beyond 0.02 (R₁ + R₂) that keeps growing. Pauses and small recessions do not end a squeeze, since grains rearrange.
+#pragma once
+
+#include <vector>
+
+#include "problem/contact_problem.hpp"
+
+namespace rcr {
+
+class JamDetector {
+public:
+	static constexpr double crushed  = 0.02; // overlap over R₁ + R₂ at which a squeeze begins
+	static constexpr int    patience = 10;   // steps of growth up to a verdict
+
+	// Plain numbers, saved with the scene.
+	int    grown     = 0; // steps in which the overlap of this squeeze reached a new maximum
+	int    certified = 0; // steps of this squeeze that had no solution
+	double deepest   = 0; // deepest overlap of this squeeze over R₁ + R₂
+
+	enum class Verdict { none, jam, notConverged };
+
+	/// Adds a step with its deepest overlap over R₁ + R₂ (0: none). After every `patience` steps of growth the verdict is `jam` if a
+	/// step had no solution, else `notConverged`.
+	Verdict update(double overlap, bool noSolution)
+	{
+		if (!(overlap > crushed)) {
+			*this = {};
+			return Verdict::none;
+		}
+		certified += noSolution;
+		if (overlap <= deepest) return Verdict::none;
+		deepest = overlap;
+		if (++grown < patience) return Verdict::none;
+		grown = 0;
+		return certified > 0 ? Verdict::jam : Verdict::notConverged;
+	}
+
+	/// Grains are squeezed at present.
+	bool active() const { return deepest > 0; }
+};
+
+/// Numbers of the bodies whose prescribed velocity is not 0.
+std::vector<int> drivenBodies(const ContactProblem&);
+
+} // namespace rcr
