@@ -273,7 +273,7 @@ void bindInternals(py::module_& m)
 	        .def(py::init<>())
 	        .def_property_readonly("beta", &Momentum::beta)
 	        .def("advance", &Momentum::advance, py::arg("error"));
-	py::class_<JamDetector>(m, "JamDetector", "Grains that are squeezed on and on (watch/squeeze.hpp).")
+	py::class_<JamDetector>(m, "JamDetector", "Detects that driven bodies squeeze grains without end (watch/jam_detector.hpp).")
 	        .def(py::init<>())
 	        .def_readwrite("grown", &JamDetector::grown)
 	        .def_readwrite("deepest", &JamDetector::deepest)
@@ -282,20 +282,26 @@ void bindInternals(py::module_& m)
 	        .def_readwrite("certified", &JamDetector::certified)
 	        .def(
 	                "update",
-	                [](JamDetector& squeeze, double overlap, bool noSolution) {
+	                [](JamDetector& detector, double overlap, bool noSolution) {
 		                constexpr const char* names[] = { "none", "jam", "not converged" };
-		                return names[int(squeeze.update(overlap, noSolution))];
+		                return names[int(detector.update(overlap, noSolution))];
 	                },
 	                py::arg("overlap"), py::arg("no_solution") = false,
-	                "Takes the deepest overlap of a step over R₁ + R₂ [-]; returns 'none', 'jam' or 'not converged'.");
-	py::class_<MissedSteps>(m, "MissedSteps", "Steps that missed the tolerance, and whether they did harm (watch/missed_steps.hpp).")
+	                "Adds a step with its deepest overlap over R₁ + R₂ [-]; returns 'none', 'jam' or 'not converged'.");
+	py::class_<MissedSteps>(m, "MissedSteps", "Counts steps that did not converge (watch/missed_steps.hpp).")
 	        .def(py::init<>())
 	        .def_readonly("steps", &MissedSteps::steps)
 	        .def_readonly("missed", &MissedSteps::missed)
 	        .def_readonly("yielded", &MissedSteps::yielded)
 	        .def_readonly("deepest", &MissedSteps::deepest)
-	        .def_property_readonly("share", &MissedSteps::share)
-	        .def("count", &MissedSteps::count, py::arg("missed"), py::arg("yielded"), py::arg("overlap"), py::arg("taken_back") = false, "After a step: whether there is something to tell.")
+	        .def(
+	                "count",
+	                &MissedSteps::count,
+	                py::arg("missed"),
+	                py::arg("yielded"),
+	                py::arg("overlap"),
+	                py::arg("removes_overlaps") = false,
+	                "Counts a step; true if a warning is due.")
 	        .def("message", &MissedSteps::message);
 	py::class_<OwnStopTest>(m, "StopTest", "The decision to stop sweeping; settings as of `solve`.")
 	        .def(py::init(&stopTest), py::arg("tolerance") = 1e-4, py::arg("violation") = 0.01, py::arg("mean_force_change") = 0, py::arg("check_interval") = 10,

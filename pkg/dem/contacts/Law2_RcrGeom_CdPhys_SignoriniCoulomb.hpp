@@ -14,7 +14,9 @@ public:
 	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
 	FUNCTOR2D(RcrGeom, CdPhys);
 	// clang-format off
-	YADE_CLASS_BASE_DOC(Law2_RcrGeom_CdPhys_SignoriniCoulomb,LawFunctor,"Nonsmooth contact law without stiffness: $0\\leq u_n+b_n\\perp f_n\\geq 0$ (Signorini, with restitution by Newton's rule) and Coulomb friction. It carries the forces of a contact from the last step to this one; :yref:`ContactDynamics` then solves all contacts together.");
+	YADE_CLASS_BASE_DOC(Law2_RcrGeom_CdPhys_SignoriniCoulomb,LawFunctor,
+		"Rigid contact law without stiffness: $0\\leq u_n+b_n\\perp f_n\\geq 0$ (Signorini, with Newton's restitution) and Coulomb "
+		"friction. It carries the forces of a contact to the next step; :yref:`ContactDynamics` solves all contacts together.");
 	// clang-format on
 
 private:

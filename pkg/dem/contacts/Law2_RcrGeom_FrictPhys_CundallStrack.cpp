@@ -26,7 +26,7 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::postLoad(Law2_RcrGeom_FrictPhys_Cunda
 	if (damping >= 0 && math::isfinite(damping)) return;
 	throw std::invalid_argument(
 	        "Law2_RcrGeom_FrictPhys_CundallStrack.damping = " + boost::lexical_cast<std::string>(damping)
-	        + "; wanted a share of the critical damping, 0 (none) or more.");
+	        + "; expected a share of the critical damping, 0 (none) or more.");
 }
 
 namespace {
@@ -45,12 +45,12 @@ namespace {
 		if (dynamic_cast<const CdPhys*>(&phys))
 			return "a CdPhys, made for ContactDynamics; use Ip2_FrictMat_FrictMat_FrictPhys, and O.interactions.clear() after a change of laws.";
 		if (!(phys.kn > 0 && math::isfinite(phys.kn)))
-			return number("kn", phys.kn) + "; wanted a stiffness > 0: set FrictMat.young, or kn of Ip2_FrictMat_FrictMat_FrictPhys.";
+			return number("kn", phys.kn) + "; expected a stiffness > 0: set FrictMat.young, or kn of Ip2_FrictMat_FrictMat_FrictPhys.";
 		if (!(phys.ks >= 0 && math::isfinite(phys.ks)))
-			return number("ks", phys.ks) + "; wanted a stiffness ≥ 0: set FrictMat.poisson (ks/kn), or ks of Ip2_FrictMat_FrictMat_FrictPhys.";
+			return number("ks", phys.ks) + "; expected a stiffness ≥ 0: set FrictMat.poisson (ks/kn), or ks of Ip2_FrictMat_FrictMat_FrictPhys.";
 		if (!(phys.tangensOfFrictionAngle >= 0))
 			return "the friction coefficient " + boost::lexical_cast<std::string>(phys.tangensOfFrictionAngle)
-			        + "; wanted a friction angle from 0 to below π/2.";
+			        + "; expected a friction angle from 0 to below π/2.";
 		return {};
 	}
 

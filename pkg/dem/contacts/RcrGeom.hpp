@@ -16,16 +16,18 @@ class RcrGeom : public GenericSpheresContact {
 public:
 	virtual ~RcrGeom() = default;
 
-	/// Takes over the manifold of two bodies.
+	/// Sets the contact points of two bodies.
 	void          set(const rcr::Manifold&, const rcr::PlanarShape& one, const rcr::Pose& at1, const rcr::PlanarShape& two, const rcr::Pose& at2);
 	rcr::Manifold manifold() const;
 
 	// clang-format off
-	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RcrGeom,GenericSpheresContact,"Contact geometry of two bodies in the plane, found by shadow overlap: 0, 1 or 2 contact points. Normals point from body 1 to body 2; a positive gap is open. :yref:`normal<GenericSpheresContact.normal>` and :yref:`contactPoint<GenericSpheresContact.contactPoint>` are those of the deepest point.",
+	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RcrGeom,GenericSpheresContact,
+		"Contact points of two bodies in the plane (shadow overlap): 0, 1 or 2. Normals point from body 1 to body 2. "
+		":yref:`normal<GenericSpheresContact.normal>` and :yref:`contactPoint<GenericSpheresContact.contactPoint>` belong to the deepest point.",
 		((int,points,0,Attr::readonly,"Number of contact points: 0 (about to be erased), 1 or 2"))
 		((int,type,0,Attr::readonly,"0 cap-cap, 1 cap-side, 2 side-side, 3 obstacle (wall, box, facet)"))
 		((Vector2r,gap,Vector2r::Zero(),Attr::readonly,"Gap of each point [m]; negative = overlap"))
-		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Place of each point along the axis of the particle (of the first one of a pair), from its centre [m]"))
+		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point along the axis of the first particle, from its centre [m]"))
 		((Vector2r,position1,Vector2r::Zero(),Attr::readonly,"First point [m]"))
 		((Vector2r,position2,Vector2r::Zero(),Attr::readonly,"Second point [m]"))
 		((Vector2r,normal1,Vector2r::Zero(),Attr::readonly,"Normal at the first point [-]"))
@@ -37,7 +39,7 @@ public:
 };
 REGISTER_SERIALIZABLE(RcrGeom);
 
-/// Base of the functors that follow: all find the contact points of two bodies in the plane in one way.
+/// Base of all Ig2 functors of rcr, which detect contact points in the same way.
 class Ig2_Planar_RcrGeom : public IGeomFunctor {
 public:
 	bool
@@ -55,7 +57,9 @@ public:
 		return go(shape2, shape1, state2, state1, -shift2, force, interaction);
 	}
 	// clang-format off
-	YADE_CLASS_BASE_DOC(Ig2_Planar_RcrGeom,IGeomFunctor,"Contact points of two bodies in the plane by shadow overlap; base of the functors for each pair of shapes. Body 1 is the obstacle, or the :yref:`Sphere` of a :yref:`Sphere` and a :yref:`Rcr`.");
+	YADE_CLASS_BASE_DOC(Ig2_Planar_RcrGeom,IGeomFunctor,
+		"Contact points of two bodies in the plane by shadow overlap; base of the functors for each pair of shapes. "
+		"Body 1 is the obstacle, or the :yref:`Sphere` of a Sphere and an :yref:`Rcr`.");
 	// clang-format on
 };
 REGISTER_SERIALIZABLE(Ig2_Planar_RcrGeom);
@@ -69,15 +73,15 @@ REGISTER_SERIALIZABLE(Ig2_Planar_RcrGeom);
 	};                                                                                                                             \
 	REGISTER_SERIALIZABLE(Name);
 
-RCR_IG2(Ig2_Rcr_Rcr_RcrGeom, Rcr, Rcr, "Contact points of two :yref:`Rcrs<Rcr>`: the closest point and, along facing sides, the other end of the shadow.")
-RCR_IG2(Ig2_Wall_Rcr_RcrGeom, Wall, Rcr, "Contact points of a :yref:`Rcr` on a :yref:`Wall` normal to x or y: one for each cap within reach. With :yref:`Wall.sense` = 0 the wall acts on the side where the particle's centre is.")
-RCR_IG2(Ig2_Box_Rcr_RcrGeom, Box, Rcr, "Contact points of a :yref:`Rcr` and a :yref:`Box`, seen in the plane as a rectangle that may be turned about z: a floor, a slope, an obstacle.")
-RCR_IG2(Ig2_Facet_Rcr_RcrGeom, Facet, Rcr, "Contact points of a :yref:`Rcr` and a :yref:`Facet`, seen as the segment in which it cuts the plane; both sides act.")
-RCR_IG2(Ig2_Sphere_Rcr_RcrGeom, Sphere, Rcr, "Contact point of a :yref:`Sphere`, taken as a disc in the plane, and a :yref:`Rcr`. The sphere keeps the mass and inertia of its :yref:`State`: ``rcr.disc`` gives it those of a disc.")
-RCR_IG2(Ig2_Sphere_Sphere_RcrGeom, Sphere, Sphere, "Contact point of two :yref:`Spheres<Sphere>`, taken as discs in the plane.")
-RCR_IG2(Ig2_Wall_Sphere_RcrGeom, Wall, Sphere, "Contact point of a :yref:`Sphere`, taken as a disc, on a :yref:`Wall` normal to x or y.")
-RCR_IG2(Ig2_Box_Sphere_RcrGeom, Box, Sphere, "Contact point of a :yref:`Sphere`, taken as a disc, and a :yref:`Box`, seen as a rectangle.")
-RCR_IG2(Ig2_Facet_Sphere_RcrGeom, Facet, Sphere, "Contact point of a :yref:`Sphere`, taken as a disc, and a :yref:`Facet`, seen as a segment.")
+RCR_IG2(Ig2_Rcr_Rcr_RcrGeom, Rcr, Rcr, "Contact points of two :yref:`Rcrs<Rcr>`: the closest one, and the other end of the shadow of facing sides.")
+RCR_IG2(Ig2_Wall_Rcr_RcrGeom, Wall, Rcr, "Contact points of an :yref:`Rcr` on a :yref:`Wall`: one per cap within reach. With sense 0, the wall acts on the side of the centre.")
+RCR_IG2(Ig2_Box_Rcr_RcrGeom, Box, Rcr, "Contact points of an :yref:`Rcr` and a :yref:`Box`, a rectangle in the plane.")
+RCR_IG2(Ig2_Facet_Rcr_RcrGeom, Facet, Rcr, "Contact points of an :yref:`Rcr` and a :yref:`Facet`, a segment in the plane; both sides act.")
+RCR_IG2(Ig2_Sphere_Rcr_RcrGeom, Sphere, Rcr, "Contact point of a disc (:yref:`Sphere`) and an :yref:`Rcr`. ``rcr.disc`` sets mass and inertia of a disc.")
+RCR_IG2(Ig2_Sphere_Sphere_RcrGeom, Sphere, Sphere, "Contact point of two discs (:yref:`Spheres<Sphere>`).")
+RCR_IG2(Ig2_Wall_Sphere_RcrGeom, Wall, Sphere, "Contact point of a disc (:yref:`Sphere`) on a :yref:`Wall`.")
+RCR_IG2(Ig2_Box_Sphere_RcrGeom, Box, Sphere, "Contact point of a disc (:yref:`Sphere`) and a :yref:`Box`, a rectangle in the plane.")
+RCR_IG2(Ig2_Facet_Sphere_RcrGeom, Facet, Sphere, "Contact point of a disc (:yref:`Sphere`) and a :yref:`Facet`, a segment in the plane.")
 
 #undef RCR_IG2
 

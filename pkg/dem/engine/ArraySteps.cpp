@@ -54,10 +54,10 @@ namespace {
 	}
 
 	/// Finds a force on a body of the arrays, for example from a PyRunner. Arrays apply contact forces and gravity only.
-	template <class Validatores> std::string strayForceReason(Scene& scene, const Watches& watches)
+	std::string strayForceReason(Scene& scene, const std::vector<char>& isByYade)
 	{
-		for (std::size_t id = 0; id < watches.size(); ++id)
-			if (!watches[id] && (*scene.bodies)[id] && (scene.forces.getForce(Body::id_t(id)) != Vector3r::Zero() || scene.forces.getTorque(Body::id_t(id)) != Vector3r::Zero()))
+		for (std::size_t id = 0; id < isByYade.size(); ++id)
+			if (!isByYade[id] && (*scene.bodies)[id] && (scene.forces.getForce(Body::id_t(id)) != Vector3r::Zero() || scene.forces.getTorque(Body::id_t(id)) != Vector3r::Zero()))
 				return "a force on body #" + std::to_string(id);
 		return {};
 	}

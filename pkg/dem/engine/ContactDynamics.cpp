@@ -100,7 +100,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	checkStretch(step_, scene->iter);
 	if (endOverlap_ > rcr::MissedSteps::deep) converged = false;
 	const std::string warning = monitor.count(
-	        step_, { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations, rcr::deepestOverlap(step_, workspace_.team()) });
+	        step_, { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations, yade::deepestOverlap(step_, workspace_.team()) });
 	if (!warning.empty()) LOG_WARN(warning);
 	timed("correct", [&] { correctPositions(step_, double(correction), workspace_); });
 }

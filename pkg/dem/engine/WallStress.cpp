@@ -15,7 +15,7 @@ namespace {
 
 } // namespace
 
-std::string WallStress::wrong(const Scene& in) const
+std::string WallStress::invalidAttribute(const Scene& in) const
 {
 	for (const auto& [name, id] : { std::pair("wall", wall), std::pair("start", start), std::pair("end", end) })
 		if (!shapeOf(in, id))
@@ -25,13 +25,13 @@ std::string WallStress::wrong(const Scene& in) const
 	if (one != two || one == pressed) return "WallStress: the walls `start` and `end` must be parallel to each other and not to `wall`.";
 	if ((*in.bodies)[wall]->state->blockedDOFs & State::axisDOF(pressed))
 		return "WallStress.wall = " + std::to_string(wall) + " is held along " + "xyz"[pressed] + ", so that no stress moves it; take rcr.mobile_wall, or set WallStress.dead.";
-	return math::isfinite(stress) ? std::string() : "WallStress.stress = " + validation::text(stress) + "; wanted a finite stress [Pa]; a negative one pushes towards smaller coordinates.";
+	return math::isfinite(stress) ? std::string() : "WallStress.stress = " + validation::text(stress) + "; expected a finite stress [Pa]; a negative one pushes towards smaller coordinates.";
 }
 
 void WallStress::action()
 {
-	const std::string told = wrong(*scene);
-	if (!told.empty()) throw std::invalid_argument(told);
+	const std::string message = invalidAttribute(*scene);
+	if (!message.empty()) throw std::invalid_argument(message);
 	const int  bounds = shapeOf(*scene, start)->axis;
 	const auto place  = [&](int id) { return (*scene->bodies)[id]->state->pos[bounds]; };
 	Vector3r force                       = Vector3r::Zero();

@@ -3,7 +3,7 @@
 
 #include <core/Bound.hpp>
 
-#include "kernel/step/step.hpp"
+#include "kernel/step/missed_contacts.hpp"
 
 namespace yade {
 

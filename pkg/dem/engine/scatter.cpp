@@ -101,8 +101,8 @@ namespace {
 		return step.dt * farthest;
 	}
 
-	// The collider runs when a body has left its bounding box. It must also run when a body has assign so fast that its alert
-	// distance, of which the box was made for an earlier speed, reaches out of it, and where an obstacle turns out of its box.
+	// Requests a run of the collider if a body reaches out of its box with its present alert distance, or an obstacle by
+	// rotation. YADE itself checks displacements only.
 	void requestCollider(Scene& scene, rcr::Team& team, const SceneHandles& handles, const rcr::Step& step)
 	{
 		const Real widest = scene.isPeriodic ? 0.45 * scene.cell->getSize().minCoeff() : std::numeric_limits<Real>::infinity(); // YADE ends with 0.5

@@ -8,7 +8,7 @@ namespace yade {
 /// Sum of the contact impulses on each body and of their moments about its centre [N s, N m s]; those on members act on the clump.
 std::vector<rcr::Twist> loadsOf(const rcr::Step&);
 
-/// Velocities that are not prescribed assign those of a body without inertia.
+/// Sets the velocities of the free degrees of freedom to `rest`.
 void resetVelocity(State&, const rcr::Twist& rest);
 
 /// Displaces a body by the position correction.

@@ -11,20 +11,20 @@ YADE_PLUGIN((Rcr)(Bo1_Rcr_Aabb)(Bo1_Disc_Aabb));
 
 void Rcr::postLoad(Rcr&)
 {
-	const auto refuse = [](const char* name, Real given, const char* wanted) {
+	const auto refuse = [](const char* name, Real given, const char* expected) {
 		throw std::invalid_argument(
-		        std::string("Rcr.") + name + " = " + boost::lexical_cast<std::string>(given) + "; wanted " + wanted
+		        std::string("Rcr.") + name + " = " + boost::lexical_cast<std::string>(given) + "; expected " + expected
 		        + ". rcr.particle(center, R, eta) computes both from the circumscribed radius and the elongation.");
 	};
-	const bool unset = math::isnan(capRadius) && halfLength == 0; // as constructed, before a file or a script fills it in
+	const bool unset = math::isnan(capRadius) && halfLength == 0; // as constructed
 	if (!unset && !(capRadius > 0 && math::isfinite(capRadius))) refuse("capRadius", capRadius, "a finite length > 0");
 	if (!(halfLength >= 0 && math::isfinite(halfLength))) refuse("halfLength", halfLength, "a finite length ≥ 0");
 }
 
 namespace {
 
-	/// The box of a circle; in a sheared cell that of the unsheared space, wide enough for the circle seen there. YADE's collider ends the
-	/// process where a box spans half of a cell, so a fast body looks less far ahead there; what it misses is found within the step.
+	/// Box of a circle; in a sheared cell, the box in unsheared space. YADE's collider ends the process if a box spans half of a cell,
+	/// so the look-ahead is limited there, and the step finds missed contacts itself.
 	void setBox(shared_ptr<Bound>& bound, const Se3r& se3, Real radius, Real ahead, const Scene& scene)
 	{
 		if (!bound) bound = boost::make_shared<Aabb>();

@@ -1,4 +1,4 @@
-// A scene as the rules of the gate see it: its engines by kind and order, its law, its bodies by shape.
+// View of a scene for the rules of validation: engines by kind and order, law, bodies by shape.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,6 @@ namespace validation {
 
 	enum Law { rigid = 1, smooth = 2, both = 3, neither = 4 };
 
-
 	template <class Kind> bool is(const shared_ptr<Engine>& engine) { return !engine->dead && dynamic_cast<const Kind*>(engine.get()); }
 
 	template <class Functor, class List> bool has(const List& functors)
@@ -21,7 +20,6 @@ namespace validation {
 		return std::any_of(functors.begin(), functors.end(), [](const auto& f) { return bool(dynamic_cast<const Functor*>(f.get())); });
 	}
 
-	/// A scene as the rules see it.
 	struct View {
 		const Scene&                           scene;
 		const std::vector<shared_ptr<Engine>>& engines;
@@ -63,7 +61,7 @@ namespace validation {
 		}
 	};
 
-	// Rules on engines (gateEngines.cpp): what is told, or nothing.
+	// Rules on engines (engines.cpp). Each returns a message, or an empty text.
 	std::string lateLoad(const View&);
 	std::string lostLoad(const View&);
 	std::string wrongAttributes(const View&);
@@ -74,10 +72,10 @@ namespace validation {
 	std::string firstTimeStep(const View&);
 	std::string bounds(const View&);
 
-	// Rules on pairs of shapes (gatePairs.cpp).
+	// Rules on pairs of shapes (pairs.cpp).
 	std::string unservedPairs(const View&);
 
-	// Rules on the periodic cell (gateCell.cpp).
+	// Rules on the periodic cell (cell.cpp).
 	std::string wallsInCell(const View&);
 	std::string cellStress(const View&);
 	std::string smallCell(const View&);

@@ -14,9 +14,9 @@ namespace validation {
 	namespace {
 
 		constexpr unsigned outOfPlane   = State::DOF_Z | State::DOF_RX | State::DOF_RY;
-		constexpr double   tilted       = 1e-9; // of a quaternion
-		constexpr double   sameHeight   = 1e-9; // of 1 m, and of z
-		constexpr double   mostFriction = 1e3; // µ beyond which the residual, in which µ |u_t| outweighs u_n, says nothing of a point that slips
+		constexpr double   tilted       = 1e-9; // x, y components of a quaternion from which on a body is tilted
+		constexpr double   sameHeight   = 1e-9; // difference of z over 1 m + |z|
+		constexpr double   mostFriction = 1e3;  // µ up to which the residual resolves u_n beside µ |u_t|
 
 		std::string body(Body::id_t id) { return "body #" + std::to_string(id); }
 		std::string coordinates(const Vector3r& v) { return '(' + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + ')'; }
@@ -63,7 +63,7 @@ namespace validation {
 		const State&      s      = *b.state;
 		const std::string name   = body(b.getId());
 		const auto        vector = [&](const char* what, const Vector3r& v, const char* remedy) {
-                        return name + " has the " + what + ' ' + coordinates(v) + "; wanted finite numbers: " + remedy;
+                        return name + " has the " + what + ' ' + coordinates(v) + "; expected finite numbers: " + remedy;
 		};
 		const rcr::PlanarShape shape = shapeOf(b, z);
 		if (!shaped(shape)) return name + " has a Rcr shape without a cap radius; set it.";
@@ -81,13 +81,13 @@ namespace validation {
 		if (b.isClumpMember()) return {};
 		if (!keepsToPlane(s))
 			return name + " is free to leave the plane (blockedDOFs = '" + s.blockedDOFs_vec_get()
-			        + "'); wanted z, X and Y blocked. "
+			        + "'); expected z, X and Y blocked. "
 			        + (dynamic_cast<const Sphere*>(b.shape.get()) ? "Make a disc by rcr.disc."
 			           : dynamic_cast<const Box*>(b.shape.get()) ? "Make an obstacle by utils.box(…, fixed=True)."
 			                                                      : "Set b.state.blockedDOFs = 'zXY', as rcr.particle and rcr.clump do.");
 		if (shape.grain() && !staysInPlane(s))
 			return name + " has the velocity " + coordinates(s.vel) + " and the angular velocity " + coordinates(s.angVel)
-			        + ", which lead out of the plane; wanted b.state.vel[2], b.state.angVel[0] and b.state.angVel[1] to be 0.";
+			        + ", which lead out of the plane; expected b.state.vel[2], b.state.angVel[0] and b.state.angVel[1] to be 0.";
 		if (!heavy(s)) return name + " is free but has the mass " + text(s.mass) + "; give it a mass > 0 or block its degrees of freedom.";
 		if (!inert(s)) return name + " is free to turn but has the moment of inertia " + text(s.inertia[2]) + " about z; give it one > 0 or block Z.";
 		return {};
@@ -99,7 +99,7 @@ namespace validation {
 		if (!wrong.empty()) refuse(wrong);
 		refuse(
 		        body(b.getId()) + " has the force " + coordinates(scene.forces.getForce(b.getId())) + " and the torque "
-		        + coordinates(scene.forces.getTorque(b.getId())) + "; wanted finite numbers: find the engine, or the O.forces of a script, that gave them.");
+		        + coordinates(scene.forces.getTorque(b.getId())) + "; expected finite numbers: find the engine, or the O.forces of a script, that gave them.");
 	}
 
 	std::string firstInvalidBody(const Scene& scene)
@@ -113,7 +113,7 @@ namespace validation {
 		return {};
 	}
 
-	/// A Sphere among Rcrs that has the mass of a ball: those of Rcrs are per unit depth.
+	/// Finds a Sphere with the mass of a ball among Rcrs, whose masses are per unit depth.
 	std::string massWarning(const Scene& scene)
 	{
 		bool        rcrs = false;
@@ -128,7 +128,7 @@ namespace validation {
 		}
 		if (!rcrs || !ball) return {};
 		return body(ball->getId()) + " is a Sphere with the mass of a ball, " + text(ball->state->mass)
-		        + " kg, among Rcrs, whose masses are per unit depth; make it by rcr.disc(center, R), which gives it that of a disc.";
+		        + " kg, among Rcrs, whose masses are per unit depth; make it by rcr.disc(center, R), which sets the mass of a disc.";
 	}
 
 	void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)
@@ -139,8 +139,8 @@ namespace validation {
 		const std::string pair = "contact of bodies #" + std::to_string(id1) + " and #" + std::to_string(id2);
 		if (!friction)
 			refuse(pair + " has the friction coefficient " + text(phys.tangensOfFrictionAngle)
-			       + "; wanted a friction angle from 0 to below π/2, and a coefficient of at most " + text(mostFriction) + ".");
-		refuse(pair + " has the restitution " + text(phys.restitution) + "; wanted 0 to 1.");
+			       + "; expected a friction angle from 0 to below π/2, and a coefficient of at most " + text(mostFriction) + ".");
+		refuse(pair + " has the restitution " + text(phys.restitution) + "; expected 0 to 1.");
 	}
 
 } // namespace validation

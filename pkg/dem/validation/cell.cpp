@@ -1,4 +1,4 @@
-// Rules of the gate on the periodic cell.
+// Rules of validation on the periodic cell.
 #include <pkg/common/InsertionSortCollider.hpp>
 #include <pkg/common/Wall.hpp>
 #include <pkg/dem/PeriIsoCompressor.hpp>
@@ -23,16 +23,16 @@ namespace validation {
 			return "CellStress presses the cell of ContactDynamics, and contacts are smooth; take PeriTriaxController(dynCell=True).";
 		if (v.place<CellStress>() >= 0 && !v.scene.isPeriodic) return "CellStress has no cell to press; set O.periodic = True and O.cell.setBox(…), or remove it.";
 		if (v.law == rigid && v.place<PeriTriaxController>() >= 0)
-			return "PeriTriaxController moves the cell by stiffnesses or by last stresses, which rigid contacts have none of or answer without bound; take "
+			return "PeriTriaxController moves the cell by stiffnesses or by last stresses, which rigid contacts do not have or answer without bound; use "
 			       "rcr.CellStress.";
 		return {};
 	}
 
-	/// YADE's collider ends the process where a body spans half of the cell.
+	/// Rejects cells in which YADE's collider would end the process, since a body spans half of the cell.
 	std::string smallCell(const View& v)
 	{
 		if (!v.scene.isPeriodic) return {};
-		constexpr Real most = 0.24; // a quarter ends the process, and a cell that shrinks does so by some per cent before it is looked at again
+		constexpr Real most = 0.24; // a quarter ends the process; the rest is a margin for a cell that shrinks
 		const auto* collider = v.first<InsertionSortCollider>();
 		const Real  margin = collider ? math::max(Real(0), collider->verletDist) : Real(0), wider = widening(v.scene).maxCoeff();
 		const Real  size   = v.scene.cell->getSize().minCoeff();
@@ -42,7 +42,7 @@ namespace validation {
 			if (wider * half + margin < most * size && largestShare * size + margin < most * size) continue;
 			return "the periodic cell is " + text(size) + " wide at its narrowest, body #" + std::to_string(b->getId()) + " has the radius " + text(half)
 			        + " and the collider a verletDist of " + text(margin)
-			        + "; wanted a cell of more than 4.2 times radius + verletDist, and 25 times verletDist, along all three axes: O.cell.setBox(…)."
+			        + "; expected a cell of more than 4.2 times radius + verletDist, and 25 times verletDist, along all three axes: O.cell.setBox(…)."
 			        + (wider > 1 ? " The cell is sheared, so that radii count " + text(wider) + " times: O.cell.flipCell()." : std::string());
 		}
 		return {};

@@ -10,7 +10,7 @@
 
 namespace yade {
 
-/// YADE's run thread and the lock that it holds while it runs are private; an explicit instantiation may name private members.
+// YADE's run thread and its lock are private. An explicit template instantiation may name private members.
 ThreadRunner& runThread(Omega&);
 std::mutex&   runMutex(ThreadRunner&);
 template <shared_ptr<ThreadRunner> Omega::*member> struct RunThread {
@@ -25,8 +25,8 @@ template struct RunMutex<&ThreadRunner::m_runmutex>;
 namespace {
 
 	std::mutex  mutex;
-	std::string pending; // of the first error; empty: none waits
-	std::string ended;   // the last step, with this
+	std::string pending; // message of the first deferred error; empty: none
+	std::string ended;   // message of the exception that ended the last step
 
 	int raise(void*)
 	{
@@ -42,7 +42,7 @@ void deferError(const std::string& message)
 {
 	const std::lock_guard<std::mutex> lock(mutex);
 	if (!pending.empty()) return;
-	if (Py_AddPendingCall(raise, nullptr) != 0) return; // the queue is full; what is wrong will be found again
+	if (Py_AddPendingCall(raise, nullptr) != 0) return; // the queue is full; a later step finds the error again
 	pending = message;
 	Omega::instance().getScene()->stopAtIter = Omega::instance().getScene()->iter + 1;
 }

@@ -1,19 +1,19 @@
-// An error found in a parallel loop of YADE, where an exception would end the process: it is raised in Python as a ValueError
-// as soon as the main thread is back there, that is right after O.step(), and a run in the background stops.
+// Errors in parallel loops of YADE, where an exception would end the process.
 #pragma once
 
 #include <string>
 
 namespace yade {
 
+/// Raises a ValueError in Python as soon as its main thread runs, that is right after O.step(). Stops a run.
 void deferError(const std::string& message);
 
-/// An exception that ends a step: YADE's run thread throws it away where it ends before the session waits for it.
+/// Stores the message of an exception that ended a step. YADE's run thread discards it if nobody waits for the run.
 void rememberError(const std::string& message);
-/// What ended the last run, once: such an exception, or one of another engine.
+/// Returns the message of the exception that ended the last run, and clears it.
 std::string takeError();
 
-/// Waits for a run that was paused to be over: O.pause() returns in the midst of its last step.
+/// Waits until a paused run is over, since O.pause() returns during its last step.
 void awaitEnd();
 
 } // namespace yade

@@ -1,4 +1,4 @@
-// Rules of the gate on engines: loads that are felt, attributes, what sets the time step, bounds of the collider.
+// Rules of validation on engines: order of loads, attributes, time step, bounds of the collider.
 #include <core/PartialEngine.hpp>
 #include <core/TimeStepper.hpp>
 #include <pkg/common/BoundaryController.hpp>
@@ -18,17 +18,17 @@ namespace validation {
 
 	namespace {
 
-		/// Whether an engine sets positions or velocities.
+		/// The engine sets positions or velocities.
 		bool moves(const Engine& engine) { return dynamic_cast<const KinematicEngine*>(&engine) || dynamic_cast<const StepDisplacer*>(&engine); }
 
-		/// Whether an engine puts forces on bodies, which last until the ForceResetter.
+		/// The engine adds forces, which last until the ForceResetter.
 		bool pushes(const Engine& engine)
 		{
 			if (moves(engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false; // a FieldApplier, too
 			return dynamic_cast<const PartialEngine*>(&engine) || dynamic_cast<const FieldApplier*>(&engine) || dynamic_cast<const WallStress*>(&engine);
 		}
 
-		/// Whether an engine puts forces on bodies or prescribes their motion.
+		/// The engine adds forces or prescribes motion.
 		bool loads(const Engine& engine)
 		{
 			return pushes(engine) || moves(engine) || dynamic_cast<const BoundaryController*>(&engine);
@@ -45,7 +45,7 @@ namespace validation {
 		return {};
 	}
 
-	/// Forces that nothing feels: those of an engine after the integrator, or before the ForceResetter.
+	/// Rejects load engines after the integrator or before the ForceResetter, whose forces would have no effect.
 	std::string lostLoad(const View& v)
 	{
 		const int resetter = v.place<ForceResetter>(), integrator = v.place<NewtonIntegrator>();
@@ -61,10 +61,10 @@ namespace validation {
 	{
 		for (const auto& engine : v.engines) {
 			if (engine->dead) continue;
-			std::string told;
-			if (const auto* stress = dynamic_cast<const WallStress*>(engine.get())) told = stress->wrong(v.scene);
-			if (const auto* solver = dynamic_cast<const ContactDynamics*>(engine.get())) told = solver->wrong();
-			if (!told.empty()) return told;
+			std::string message;
+			if (const auto* stress = dynamic_cast<const WallStress*>(engine.get())) message = stress->invalidAttribute(v.scene);
+			if (const auto* solver = dynamic_cast<const ContactDynamics*>(engine.get())) message = solver->invalidAttribute();
+			if (!message.empty()) return message;
 		}
 		return {};
 	}
@@ -72,7 +72,7 @@ namespace validation {
 	std::string timeStep(const View& v)
 	{
 		const Real dt = v.scene.dt;
-		return dt > 0 && math::isfinite(dt) ? std::string() : "O.dt = " + text(dt) + "; wanted a finite time step > 0.";
+		return dt > 0 && math::isfinite(dt) ? std::string() : "O.dt = " + text(dt) + "; expected a finite time step > 0.";
 	}
 
 	std::string finiteMotion(const View& v)
@@ -81,8 +81,8 @@ namespace validation {
 		if (!newton) return {};
 		const Vector3r& g = newton->gravity;
 		if (!math::isfinite(g.sum()))
-			return "NewtonIntegrator.gravity = (" + text(g[0]) + ", " + text(g[1]) + ", " + text(g[2]) + "); wanted finite accelerations, as gravity=(0, -9.81, 0).";
-		return math::isfinite(newton->damping) ? std::string() : "NewtonIntegrator.damping = " + text(newton->damping) + "; wanted a finite share, 0 for none.";
+			return "NewtonIntegrator.gravity = (" + text(g[0]) + ", " + text(g[1]) + ", " + text(g[2]) + "); expected finite accelerations, as gravity=(0, -9.81, 0).";
+		return math::isfinite(newton->damping) ? std::string() : "NewtonIntegrator.damping = " + text(newton->damping) + "; expected a finite share, 0 for none.";
 	}
 
 	std::string integrator(const View& v)
@@ -90,7 +90,7 @@ namespace validation {
 		const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
 		if (newton && newton->damping != 0)
 			return "NewtonIntegrator.damping = " + text(newton->damping)
-			        + " would damp the contact forces; set damping=0 (restitution below 1 dissipates by itself).";
+			        + " would damp the contact forces; set damping=0 (a restitution below 1 dissipates energy).";
 		if (newton && newton->densityScaling) return "NewtonIntegrator.densityScaling is on; switch it off, the time step is not bound by a stiffness.";
 		return newton && newton->gravity[2] != 0
 		        ? "NewtonIntegrator.gravity = (" + text(newton->gravity[0]) + ", " + text(newton->gravity[1]) + ", " + text(newton->gravity[2])
@@ -103,10 +103,10 @@ namespace validation {
 		const TimeStepper* stepper = v.first<TimeStepper>();
 		if (!stepper || !stepper->active) return {};
 		return "the " + stepper->getClassName()
-		        + " would set O.dt from stiffnesses, which rigid contacts have none of; remove it and set O.dt by the accuracy you want.";
+		        + " would set O.dt from stiffnesses, which rigid contacts do not have; remove it and set O.dt by the accuracy you need.";
 	}
 
-	/// Without a contact YADE's stepper takes the wave speed of spheres, and 1 s where there are none.
+	/// Without contacts, YADE's stepper uses the wave speed of spheres, and 1 s without spheres.
 	std::string firstTimeStep(const View& v)
 	{
 		const auto* stepper = v.first<GlobalStiffnessTimeStepper>();

@@ -1,4 +1,4 @@
-// Rules of the gate on pairs of bodies that may meet: the Ig2 functor that usesRcrClasses them, and overlapWarning before the first step.
+// Rules of validation on pairs of bodies: a functor for each pair that may meet, and overlaps before the first step.
 #include <map>
 #include <set>
 #include <tuple>
@@ -15,12 +15,12 @@ namespace validation {
 
 	namespace {
 
-		constexpr double deepOverlap = 0.01; // of R₁ + R₂; beds at rest and flows stay below 5e-3
+		constexpr double deepOverlap = 0.01; // over R₁ + R₂; beds at rest and flows stay below 5e-3
 
-		/// A body as far as it decides whom it may meet.
+		/// Properties of a body that decide which bodies it may meet.
 		struct Party {
 			const Body* body;
-			bool        still; // neither loads nor contacts move it, or it is a line, which meets grains only
+			bool        still; // loads and contacts do not move it, or it is a line, which meets grains only
 			Body::id_t  clump; // ID_NONE for a single body
 		};
 
@@ -33,7 +33,7 @@ namespace validation {
 
 		bool ofOneClump(const Party& one, const Party& two) { return one.clump == two.clump && one.clump != Body::ID_NONE; }
 
-		/// YADE's own rule (Collider::mayCollide), and one of the two must be able to move into the other.
+		/// YADE's rule (Collider::mayCollide); in addition, one of the two must be movable.
 		bool mayMeet(const Party& one, const Party& two, const Collider* collider)
 		{
 			if ((one.still && two.still) || ofOneClump(one, two) || one.body == two.body) return false;
@@ -45,7 +45,7 @@ namespace validation {
 
 		std::string named(Body::id_t id) { return '#' + std::to_string(id); }
 
-		/// The functor of ours for two shapes in any order; empty where there is none.
+		/// Name of the functor of rcr for two shapes in any order; empty: none.
 		std::string functorFor(std::string shape1, std::string shape2)
 		{
 			const std::vector<std::string> served { "Wall", "Box", "Facet", "Sphere", "Rcr" }; // obstacles first
@@ -55,15 +55,15 @@ namespace validation {
 			return exists ? "Ig2_" + shape1 + '_' + shape2 + "_RcrGeom" : std::string();
 		}
 
-		/// A body where it stands before its first step.
+		/// A body and its position before its first step.
 		struct Placed {
 			Party            party;
 			rcr::PlanarShape shape;
-			Vector3r         at;    // along the edges of a periodic cell, from 0 to 1, else in space
-			double           reach; // half its extent along the first of these axes, wherever it turns
+			Vector3r         at;    // fractions of the edges of a periodic cell, 0 to 1; else coordinates
+			double           reach; // half its largest extent along the first of these axes
 		};
 
-		/// Pairs that overlap though no step has brought them together.
+		/// Pairs that overlap before their first step.
 		class FirstOverlaps {
 		public:
 			FirstOverlaps(const View& v, Real z) : scene_(v.scene), collider_(v.first<Collider>())
@@ -80,18 +80,18 @@ namespace validation {
 				}
 				for (const Placed& obstacle : obstacles)
 					for (const Placed& grain : grains)
-						look(obstacle, grain);
-				lookAmong(grains);
+						check(obstacle, grain);
+				checkGrains(grains);
 			}
 
-			long       pairs = 0, behind = 0; // of these, grains on the side of a wall on which it does not act
-			double     depth = 0, share = 0;  // of the deepest [m], and over R₁ + R₂
-			Body::id_t one = 0, two = 0;
-			Body::id_t wall = 0, grain = 0; // the first of those behind
+			long       pairs = 0, behind = 0; // number of pairs; of those with a grain on the inactive side of a wall
+			double     depth = 0, share = 0;  // deepest overlap [m]; the same over R₁ + R₂
+			Body::id_t one = 0, two = 0;      // the deepest pair
+			Body::id_t wall = 0, grain = 0;   // the first grain behind a wall
 
 		private:
-			/// Sorted along the first axis, beyond the end from the beginning on where the cell is periodic.
-			void lookAmong(std::vector<Placed>& grains)
+			/// Checks all pairs of grains, sorted along the first axis; periodic cells wrap around.
+			void checkGrains(std::vector<Placed>& grains)
 			{
 				double largest = 0;
 				for (const Placed& p : grains)
@@ -103,11 +103,11 @@ namespace validation {
 						const Placed& other = grains[j % n];
 						if (double(other.at[0] - grains[i].at[0]) + (j < n ? 0 : 1) > grains[i].reach + largest) break;
 						const bool ordered = grains[i].shape.kind <= other.shape.kind;
-						look(ordered ? grains[i] : other, ordered ? other : grains[i]);
+						check(ordered ? grains[i] : other, ordered ? other : grains[i]);
 					}
 			}
 
-			void look(const Placed& a, const Placed& b)
+			void check(const Placed& a, const Placed& b)
 			{
 				Vector3r apart = b.at - a.at;
 				if (scene_.isPeriodic) apart -= Vector3r(apart.array().round()); // the nearest image
@@ -147,7 +147,7 @@ namespace validation {
 	std::string unservedPairs(const View& v)
 	{
 		if (!v.loop) return {};
-		std::map<std::tuple<int, bool, mask_t>, std::vector<Party>> kinds; // two bodies of each, not of one clump, stand for all
+		std::map<std::tuple<int, bool, mask_t>, std::vector<Party>> kinds; // two bodies of each kind, not of one clump, represent all
 		for (const auto& b : *v.scene.bodies) {
 			if (!takesPart(b)) continue;
 			const Party party = partyOf(*b, v.scene);
@@ -155,13 +155,13 @@ namespace validation {
 			if (some.empty() || (some.size() == 1 && !ofOneClump(some.front(), party))) some.push_back(party);
 		}
 		std::string           pairs, functors;
-		std::set<std::string> told;
-		const auto            ask = [&](const Party& one, const Party& two) {
+		std::set<std::string> reported;
+		const auto            report = [&](const Party& one, const Party& two) {
                         const Body *      a = one.body, *b = two.body;
                         shared_ptr<Shape> shape1 = a->shape, shape2 = b->shape;
                         bool              swap;
                         const std::string functor = functorFor(a->shape->getClassName(), b->shape->getClassName());
-                        if (functor.empty() || v.loop->geomDispatcher->getFunctor2D(shape1, shape2, swap) || !told.insert(functor).second) return;
+                        if (functor.empty() || v.loop->geomDispatcher->getFunctor2D(shape1, shape2, swap) || !reported.insert(functor).second) return;
                         pairs += (pairs.empty() ? "" : ", ") + a->shape->getClassName() + " and " + b->shape->getClassName() + " (bodies " + named(a->getId()) + ", "
                                 + named(b->getId()) + ')';
                         functors += (functors.empty() ? "" : ", ") + functor + "()";
@@ -170,10 +170,10 @@ namespace validation {
 			for (auto other = kind; other != kinds.end(); ++other)
 				for (const Party& one : kind->second)
 					for (const Party& two : other->second)
-						if (mayMeet(one, two, v.first<Collider>())) ask(one, two);
+						if (mayMeet(one, two, v.first<Collider>())) report(one, two);
 		if (pairs.empty()) return {};
-		return "no Ig2 functor of the InteractionLoop usesRcrClasses " + pairs + ", so they would pass through each other. Add " + functors
-		        + " to its first list; bodies that shall never meet get a Body.mask without a common bit.";
+		return "no Ig2 functor of the InteractionLoop handles " + pairs + ", so they would pass through each other. Add " + functors
+		        + " to its first list, or give bodies that must not meet a Body.mask without a common bit.";
 	}
 
 	void checkServed(const Interaction& i, const Scene& scene)
@@ -181,7 +181,7 @@ namespace validation {
 		const Body &one = *(*scene.bodies)[i.getId1()], &two = *(*scene.bodies)[i.getId2()];
 		if (partyOf(one, scene).still && partyOf(two, scene).still) return;
 		const std::string shape1 = one.shape->getClassName(), shape2 = two.shape->getClassName(), functor = functorFor(shape1, shape2);
-		refuse("no Ig2 functor of the InteractionLoop usesRcrClasses " + shape1 + " and " + shape2 + " (bodies " + named(i.getId1()) + ", " + named(i.getId2())
+		refuse("no Ig2 functor of the InteractionLoop handles " + shape1 + " and " + shape2 + " (bodies " + named(i.getId1()) + ", " + named(i.getId2())
 		       + "), so they would pass through each other. "
 		       + (functor.empty() ? "Make such shapes from Wall, Box, Facet, Sphere or Rcr; obstacles meet Spheres and Rcrs." : "Add " + functor + " to its first list."));
 	}

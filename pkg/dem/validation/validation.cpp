@@ -34,7 +34,7 @@ namespace validation {
 		template <class Kind> std::string twice(const View& v, const char* name)
 		{
 			const int count = v.count<Kind>();
-			return count < 2 ? std::string() : "O.engines holds " + std::to_string(count) + " of " + name + "; wanted one: remove the others.";
+			return count < 2 ? std::string() : "O.engines holds " + std::to_string(count) + " of " + name + "; expected one: remove the others.";
 		}
 
 		template <class Before, class After> std::string order(const View& v, const char* text)
@@ -52,7 +52,7 @@ namespace validation {
 			        : has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(v.loop->lawDispatcher->functors) ? "Law2_RcrGeom_CdPhys_SignoriniCoulomb"
 			                                                                                      : "Ip2_FrictMat_FrictMat_CdPhys";
 			return std::string("O.engines mix Law2_RcrGeom_FrictPhys_CundallStrack, the smooth law, with ") + with
-			        + ". Smooth contacts want Ip2_FrictMat_FrictMat_FrictPhys, this law and no ContactDynamics; rigid ones "
+			        + ". Smooth contacts need Ip2_FrictMat_FrictMat_FrictPhys, this law and no ContactDynamics; rigid ones "
 			          "Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb and ContactDynamics before the NewtonIntegrator.";
 		}
 
@@ -86,7 +86,7 @@ namespace validation {
 			return {};
 		}
 
-		/// Functors that make contacts which our laws cannot take, of shapes that both serve.
+		/// Ig2 functors whose contacts the laws of rcr cannot solve.
 		std::string foreignGeometry(const View& v)
 		{
 			if (!v.loop) return {};
@@ -94,7 +94,7 @@ namespace validation {
 				if (dynamic_cast<const Ig2_Planar_RcrGeom*>(functor.get())) continue;
 				const std::string name = functor->getClassName(), pair = name.substr(0, name.rfind('_'));
 				return name + " makes contacts that " + (v.law == rigid ? "ContactDynamics does" : "Law2_RcrGeom_FrictPhys_CundallStrack does")
-				        + " not solve; take " + (pair.rfind("Ig2_", 0) == 0 ? pair + "_RcrGeom" : "an Ig2_…_RcrGeom") + " in its place.";
+				        + " not solve; take " + (pair.rfind("Ig2_", 0) == 0 ? pair + "_RcrGeom" : "an Ig2_…_RcrGeom") + " instead.";
 			}
 			return {};
 		}
@@ -103,24 +103,24 @@ namespace validation {
 
 		std::string materials(const View& v)
 		{
-			const Material* fine = nullptr; // that of the body before: most share one
+			const Material* valid = nullptr; // material of the last body; most bodies share one
 			for (const auto& b : *v.scene.bodies) {
 				const Material* material = b && b->shape && !b->isClump() ? b->material.get() : nullptr;
-				if (!material || material == fine) continue;
+				if (!material || material == valid) continue;
 				const FrictMat* rough = dynamic_cast<const FrictMat*>(material);
 				if (!rough)
 					return "body #" + std::to_string(b->getId()) + " has the material " + material->getClassName()
-					        + ", which knows no friction; give it a FrictMat.";
+					        + ", which has no friction; give it a FrictMat.";
 				if (!(rough->frictionAngle >= 0 && rough->frictionAngle < 0.5 * Mathr::PI))
 					return "body #" + std::to_string(b->getId()) + " has the friction angle " + text(rough->frictionAngle)
-					        + "; wanted radians from 0 to below π/2, such as radians(26).";
-				fine = material;
+					        + "; expected radians from 0 to below π/2, such as radians(26).";
+				valid = material;
 			}
 			return {};
 		}
 
 		/// Obstacles that never meet the plane of the grains.
-		std::string outOfPlane(const View& v)
+		std::string obstaclesOutOfPlane(const View& v)
 		{
 			const Real z = planeOf(v.scene);
 			if (math::isnan(z)) return {};
@@ -138,10 +138,10 @@ namespace validation {
 			return {};
 		}
 
-		/// One row of the table: asked of scenes with these laws; what is not empty is told.
+		/// A row of the table: a rule for scenes with these laws.
 		struct Rule {
 			int laws;
-			std::string (*told)(const View&);
+			std::string (*message)(const View&);
 		};
 
 		// clang-format off
@@ -180,13 +180,13 @@ namespace validation {
 			{ both,    foreignGeometry },
 			{ both,    materials },
 			{ both,    smallCell },
-			{ both,    outOfPlane },
+			{ both,    obstaclesOutOfPlane },
 			{ both,    [](const View& v) { return firstInvalidBody(v.scene); } },
 			{ both,    unservedPairs },
 		};
 		// clang-format on
 
-		/// Collects what the rules depend on and what changes seldom.
+		/// Objects on which the rules depend and that seldom change.
 		Signature signature(const Scene& scene)
 		{
 			Signature  now { scene.bodies->size(), scene.isPeriodic, {} };
@@ -219,8 +219,8 @@ namespace validation {
 	{
 		const View view(scene);
 		for (const Rule& rule : rules) {
-			const std::string told = rule.laws & view.law ? rule.told(view) : std::string();
-			if (!told.empty()) return told;
+			const std::string message = rule.laws & view.law ? rule.message(view) : std::string();
+			if (!message.empty()) return message;
 		}
 		return {};
 	}
@@ -263,12 +263,12 @@ namespace validation {
 	Engines Validator::validate(const Scene& scene)
 	{
 		const View        view(scene);
-		const std::string wrong = timeStep(view) + integrator(view) + smallCell(view); // may change with nothing else
+		const std::string wrong = timeStep(view) + integrator(view) + smallCell(view); // may change without a change of objects
 		if (!wrong.empty()) refuse(wrong);
 		const Signature now = signature(scene);
 		if (now == seen_) return engines_;
-		const std::string told = refusal(scene);
-		if (!told.empty()) refuse(told);
+		const std::string message = refusal(scene);
+		if (!message.empty()) refuse(message);
 		replaceSphereBounds(scene);
 		engines_ = { view.first<NewtonIntegrator>(), view.first<InteractionLoop>(), view.first<Collider>(), view.first<CellStress>() };
 		seen_    = signature(scene);
@@ -282,7 +282,7 @@ namespace validation {
 			if (dynamic_cast<const FrictMat*>(material.get())) continue;
 			deferError(
 			        "body #" + std::to_string(id) + " has " + (material ? "the material " + material->getClassName() : std::string("no material"))
-			        + " and touches #" + std::to_string(id == id1 ? id2 : id1) + "; give it a FrictMat, which knows friction.");
+			        + " and touches #" + std::to_string(id == id1 ? id2 : id1) + "; give it a FrictMat.");
 			return false;
 		}
 		return true;
@@ -291,15 +291,15 @@ namespace validation {
 	bool mayTouch(const Interaction& i, const Scene& scene)
 	{
 		if (!frictional(scene, i.getId1(), i.getId2())) return false;
-		thread_local Signature passed; // every new contact comes here; the rules are checked once a change
+		thread_local Signature passed; // evaluates the rules once per change, not per contact
 		const Signature        now = signature(scene);
 		if (now == passed) return true;
-		const std::string told = refusal(scene);
-		if (told.empty()) {
+		const std::string message = refusal(scene);
+		if (message.empty()) {
 			passed = now;
 			return true;
 		}
-		if (View(scene).place<ContactDynamics>() < 0) deferError(told); // else it tells it itself, later in this step
+		if (View(scene).place<ContactDynamics>() < 0) deferError(message); // else ContactDynamics throws it later in this step
 		return false;
 	}
 

@@ -1,18 +1,19 @@
-// What is served, by which law, and what is told otherwise: the one place where scenes are accepted or refused.
+// Validation of scenes: what both laws support, and the messages that reject the rest.
 //
-// Served by both laws, in the plane z = const and per unit depth:
+// Supported in the plane z = const and per unit depth:
 //
 //   grains     Rcr, Sphere (a disc), and clumps of them
-//   obstacles  Wall normal to x or y, Box turned about z, Facet that cuts the plane in a segment; a Box may also be free
-//   cell       open, or periodic without walls; rigid: stresses by CellStress
+//   obstacles  Wall normal to x or y, Box rotated about z, Facet that cuts the plane in a segment; a Box may be free
+//   cell       open, or periodic without walls; rigid law: stresses by CellStress
 //   material   FrictMat
-//   engines    ForceResetter, a collider with a Bo1 for every shape, loads, InteractionLoop with an Ig2_…_RcrGeom for every pair, and
-//     rigid    Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb; loads and kinematic engines; ContactDynamics; NewtonIntegrator(damping=0)
+//   engines    ForceResetter, a collider with a Bo1 for every shape, loads, InteractionLoop with an Ig2_…_RcrGeom for every pair,
+//     rigid    Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb; loads and kinematic engines; ContactDynamics;
+//              NewtonIntegrator(damping=0)
 //     smooth   Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack; NewtonIntegrator
 //
-// The rules stand in one table in Gate.cpp. They are looked at when a run starts (rcr.session), by ContactDynamics when engines
-// or the number of bodies have changed, and by the Ig2 functors when a contact is new; what may change from step to step, numbers of
-// bodies and contacts, is looked at where it is gathered. Each refusal says what was found, what is wanted and what to do.
+// validation.cpp holds the table of rules. It is evaluated when a run starts (rcr._session), by ContactDynamics when engines or the
+// number of bodies change, and by the Ig2 functors for a new contact. Properties that may change in each step are checked in
+// engine/gather.cpp. Each message says what was given, what is expected and what to do.
 #pragma once
 
 #include <sstream>
@@ -32,18 +33,27 @@ class Collider;
 
 namespace validation {
 
-	/// Half the box of a body over the size of a periodic cell, at most: YADE's collider takes boxes of less than half a cell, its margin
-	/// (verletDist) included.
+	/// Largest half box of a body over the size of a periodic cell. YADE's collider needs boxes of less than half a cell, with its
+	/// margin (verletDist).
 	constexpr double largestShare = 0.2;
 
-	/// How much wider along each axis the box of a circle is in the unsheared space of a sheared cell, where YADE's collider works; else 1.
+	/// Factor by which the box of a circle grows along each axis in the unsheared space of YADE's collider; 1 without shear.
 	Vector3r widening(const Scene&);
 
-	/// A number as a user would write it.
+	/// A number with up to 12 digits.
 	inline std::string text(Real value)
 	{
 		std::ostringstream out;
 		out.precision(12);
+		out << value;
+		return out.str();
+	}
+
+	/// A number with 2 digits.
+	inline std::string shortText(double value)
+	{
+		std::ostringstream out;
+		out.precision(2);
 		out << value;
 		return out.str();
 	}
@@ -59,24 +69,24 @@ namespace validation {
 		const CellStress*       cellStress = nullptr;
 	};
 
-	/// What of a scene with our classes is refused; empty where nothing is, or where none of our classes is there.
+	/// Message of the first rule that the scene breaks; empty if it is valid or has none of the classes of rcr.
 	std::string refusal(const Scene&);
 
-	/// Lets discs of a scene with ContactDynamics be seen as far ahead as Rcrs: a Bo1_Disc_Aabb in the place of a Bo1_Sphere_Aabb.
+	/// Replaces Bo1_Sphere_Aabb by Bo1_Disc_Aabb in scenes with ContactDynamics, so that discs get the same look-ahead as Rcrs.
 	void replaceSphereBounds(const Scene&);
 
-	/// Lets a collider that has not run yet see the bodies. Once some have been erased, YADE's takes in only those that came or went since the
-	/// last run of any collider, so that after `O.engines = […]` nothing would meet.
+	/// Registers all bodies with a collider that has not run yet. After an erasure, YADE's collider registers only bodies that changed
+	/// since the last run of any collider, so after `O.engines = […]` it would find no contacts.
 	void registerBodiesWithCollider(const Scene&);
 
-	/// What is told where rigid contacts are not solved: no ContactDynamics, or a dead one, in which the gate would live. Empty where one is alive.
+	/// Message if rigid contacts have no active ContactDynamics; else empty.
 	std::string missingSolver(const Scene&);
 
-	/// Is a law of ours in the scene?
+	/// The scene has a law of rcr.
 	bool usesRcrClasses(const Scene&);
 
-	/// What of a scene is served but hardly meant, each empty where nothing is: massWarning among grains of unit depth; bodies that overlap
-	/// before their first step by more than 1 % of R₁ + R₂.
+	/// Warnings for suspicious scenes; empty: none. Spheres with the mass of a ball among Rcrs; bodies that overlap by more than 1 % of
+	/// R₁ + R₂ before their first step.
 	std::string massWarning(const Scene&);
 	std::string overlapWarning(const Scene&);
 
@@ -91,39 +101,39 @@ namespace validation {
 		bool operator==(const Signature&) const;
 	};
 
-	/// Looks at the scene when its engines, their functors or its number of bodies have changed.
+	/// Validates the scene when its engines, their functors or its number of bodies changed.
 	class Validator {
 	public:
-		Engines pass(const Scene&); // throws what `refusal` says
+		Engines validate(const Scene&); // throws the message of `refusal`
 	private:
 		Signature seen_;
 		Engines   engines_;
 	};
 
-	/// Have both bodies a material that knows friction? If not, that is raised in Python as soon as that is possible.
+	/// Both bodies have a FrictMat. If not, Python gets an exception as soon as possible.
 	bool frictional(const Scene&, Body::id_t id1, Body::id_t id2);
-	/// May a contact be made of this interaction? If not, the reason is raised in Python as soon as that is possible.
+	/// The interaction may become a contact. If not, Python gets an exception as soon as possible.
 	bool mayTouch(const Interaction&, const Scene&);
 
-	/// Is it an Rcr or a disc?
+	/// The body is an Rcr or a disc.
 	bool isGrain(const Body&);
 
-	/// The z of the plane of the grains; NaN where there are none.
+	/// Height z of the plane of the grains; NaN without grains.
 	Real planeOf(const Scene&);
 
-	/// Whether the numbers of a body that takes part are in order: finite, in the plane, with a mass where it is free.
+	/// Position, velocity, mass and blocked degrees of freedom of the body are valid.
 	bool isValid(const Body&, const rcr::PlanarShape&, Real z);
-	/// What is wrong with it; empty where nothing is.
+	/// Message about an invalid body; empty if it is valid.
 	std::string defectOf(const Body&, Real z);
-	/// The same of the first grain or clump of the scene that has something.
+	/// Message about the first invalid grain or clump of the scene; empty: none.
 	std::string firstInvalidBody(const Scene&);
-	/// Throws it, or tells of forces that are not finite. Forces must be synced.
+	/// Throws the message about an invalid body, or about a force that is not finite. Forces must be synced.
 	[[noreturn]] void refuseBody(const Body&, Scene&, Real z);
 
-	/// A pair that no Ig2 functor usesRcrClasses, of which one could move into the other.
+	/// Throws if no Ig2 functor handles a pair of bodies that could overlap.
 	void checkServed(const Interaction&, const Scene&);
 
-	/// Friction and restitution of a contact.
+	/// Throws if friction or restitution of a contact are invalid.
 	void checkPhys(const CdPhys&, Body::id_t id1, Body::id_t id2);
 
 } // namespace validation

@@ -43,8 +43,8 @@ void Step::begin(int points)
 	gap.resize(points);
 	force.resize(points);
 	reach.assign(reach.size(), 0);
-	grown.clear();
-	taken.clear();
+	updated.clear();
+	added.clear();
 	displacement.clear();
 	strain = {};
 }

@@ -163,8 +163,8 @@ struct Step {
 	std::vector<Impulse>      force;    // per point [N]: start of the solver, then its result
 	std::vector<double>       reach;    // per body: widened alert distance [m]; 0: not widened
 	std::vector<std::int32_t> widened;  // bodies whose reach was widened after the last solve
-	std::vector<UpdatedContact> grown;    // contacts that the widened reach found and the step lacks
-	std::vector<UpdatedContact> taken;    // contacts that were added to the step
+	std::vector<UpdatedContact> updated;  // contacts that the widened reach found and the step lacks
+	std::vector<UpdatedContact> added;    // contacts that were added to the step
 	std::vector<Twist>        displacement; // per body: position correction [m, rad]; empty: none
 	Vec2                      strain;       // of the cell, from the position correction [-]
 
