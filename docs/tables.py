@@ -111,7 +111,7 @@ def step_threads():
 
 
 def driven_scenes():
-    """The worst of each motion in what scripts/driven_scenes.py wrote."""
+    """The worst of each motion in what benchmarks/driven_scenes.py wrote."""
     with open(DOCS / "results" / "charts" / "driven-scenes.csv", newline="") as file:
         rows = [{key: _number(cell) for key, cell in row.items()} for row in csv.DictReader(file)]
     bound = lambda row: 10 * row["speed"] + (2 * 9.81 * row["fall_rigid"]) ** 0.5
@@ -159,7 +159,7 @@ def quantities():
 
 def counterparts():
     """Read without YADE."""
-    tree = ast.parse((ROOT / "py" / "rcr" / "counterparts.py").read_text())
+    tree = ast.parse((ROOT / "py" / "rcr" / "_counterparts.py").read_text())
     (known,) = (ast.literal_eval(node.value) for node in tree.body if isinstance(node, ast.Assign))
     return table(["of YADE", "of rcr"], [[", ".join(f"`{name}`" for name in names), re.sub(r"^(\S+)", r"`\1`", counterpart)] for counterpart, names in known.items()])
 

@@ -10,7 +10,7 @@
 //     rigid    Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb; loads and kinematic engines; ContactDynamics; NewtonIntegrator(damping=0)
 //     smooth   Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack; NewtonIntegrator
 //
-// The rules stand in one table in Gate.cpp. They are looked at when a run starts (rcr.session), by ContactDynamics when engines
+// The rules stand in one table in Gate.cpp. They are looked at when a run starts (rcr._session), by ContactDynamics when engines
 // or the number of bodies have changed, and by the Ig2 functors when a contact is new; what may change from step to step, numbers of
 // bodies and contacts, is looked at where it is gathered. Each refusal says what was found, what is wanted and what to do.
 #pragma once

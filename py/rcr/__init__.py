@@ -12,7 +12,7 @@ import os
 import re
 import sys
 
-from rcr.info import info
+from rcr._info import info
 from rcr.network import Network
 from rcr.problems import solve
 
@@ -74,8 +74,8 @@ def _names_of_yade():
 if "yade" in sys.modules:
     _classes = _load_plugin()
     globals().update(_classes)
-    from rcr import counterparts, session
-    from rcr.advance import advance
+    from rcr import _counterparts as counterparts, _session as session
+    from rcr._advance import advance
     from rcr.half_step import half_step_start
     from rcr.scene import clump, contact_network, critical_time_step, disc, mobile_wall, particle, save_problem, segment, wall
 

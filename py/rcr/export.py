@@ -17,9 +17,9 @@ import xml.etree.ElementTree as xml
 
 import numpy as np
 
-from rcr.files import whole
+from rcr._files import atomic_path
 from rcr.frame import Frame
-from rcr.outlines import polygons
+from rcr._outlines import polygons
 
 KINDS = ("box", "facet", "wall", "cell")  # of obstacles, as the column `kind` counts them
 
@@ -121,7 +121,7 @@ class VtkSeries:
 
 def _save(root, path):
     xml.indent(root)
-    with whole(path) as partial:
+    with atomic_path(path) as partial:
         xml.ElementTree(root).write(partial, encoding="utf-8", xml_declaration=True)
 
 
@@ -136,7 +136,7 @@ def _write(stem, frame):
     for part, mesh in (("grains", _grain_mesh), ("contacts", _contact_mesh), ("obstacles", _obstacle_mesh)):
         files.append(stem.with_name(f"{stem.name}-{part}.vtu"))
         points, cells, *data = mesh(frame)
-        with whole(files[-1]) as partial:
+        with atomic_path(files[-1]) as partial:
             meshio.write(partial, meshio.Mesh(_space(points), cells, *data))
     return files
 

@@ -18,9 +18,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rcr import outlines
+from rcr import _outlines as outlines
 from rcr.network import CAP_CAP, WALL, Network
-from rcr.outlines import half_extents
+from rcr._outlines import half_extents
 
 KINDS = ("rcr", "disc", "clumped", "fixed")
 

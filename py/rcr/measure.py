@@ -6,9 +6,9 @@ plane and per unit depth.
 
 import numpy as np
 
-from rcr.files import whole
+from rcr._files import atomic_path
 from rcr.frame import Frame
-from rcr.outlines import half_extents
+from rcr._outlines import half_extents
 
 
 def extent(what=None):
@@ -101,7 +101,7 @@ def text(path, what=None):
                    cap_radius=grains["cap_radius"], mass=grains["mass"], vx=grains["velocity"][:, 0], vy=grains["velocity"][:, 1],
                    spin=grains["velocity"][:, 2], clump=grains["clump"], fixed=grains["fixed"])  # fmt: skip
     integers = ("id", "clump", "fixed")
-    with whole(path) as partial:
+    with atomic_path(path) as partial:
         np.savetxt(partial, np.column_stack(list(columns.values())), ["%d" if name in integers else "%.17g" for name in columns], header=" ".join(columns))
     return len(grains["id"])
 

@@ -19,7 +19,7 @@ import numbers
 
 import numpy as np
 
-from rcr import checks, files
+from rcr import _checks as checks, _files as files
 from rcr.xi_networks import XiNetworks, cutoffs
 
 LEFT, BOTTOM, RIGHT, TOP, OTHER = -1, -2, -3, -4, -5  # the obstacle #k of YADE is OTHER − k
@@ -271,7 +271,7 @@ class Network:
         pdf : (bins,) float array
             Density; Σ pdf Δf = share of contacts within the classes.
         """
-        bins = checks.whole("bins", bins, "at least 1", lambda v: 1 <= v <= 10**6)
+        bins = checks.integer("bins", bins, "at least 1", lambda v: 1 <= v <= 10**6)
         force = self.local_components()[3][:, 0]
         force = force / force.mean()
         edges = np.geomspace(max(force.min(), 1e-4), force.max() * (1 + 1e-12), bins + 1)

@@ -17,9 +17,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import ScalarFormatter
 
-from rcr import drawing
-from rcr.drawing import GRAIN, STYLE, TYPES
-from rcr.files import whole
+from rcr import _drawing as drawing
+from rcr._drawing import GRAIN, STYLE, TYPES
+from rcr._files import atomic_path
 from rcr.frame import KINDS, Frame
 
 FOOT = 0.45  # below a picture, for its legend [in]
@@ -260,7 +260,7 @@ def snapshot(path, what=None, dpi=200, **options):
     figure = packing(what, **options).figure
     if suffix not in figure.canvas.get_supported_filetypes():
         raise ValueError(f"{path}: no picture format; wanted a name that ends in .png, .pdf or .svg")
-    with matplotlib.rc_context(STYLE), whole(path) as partial:
+    with matplotlib.rc_context(STYLE), atomic_path(path) as partial:
         figure.savefig(partial, dpi=dpi)
     return path
 
@@ -307,7 +307,7 @@ def movie(folder, path=None, fps=10, dpi=100, **options):
         raise ValueError(f"{folder} holds no snapshots; wanted *.h5 (Network.save) or *.png (rcr.snapshot)")
     from tqdm import tqdm
 
-    with whole(path) as partial:
+    with atomic_path(path) as partial:
         writer.setup(figure, partial, dpi)
         for shot in tqdm(shots, desc=path.name, unit="picture", delay=5, disable=None):
             shot()

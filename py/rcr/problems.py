@@ -21,7 +21,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from rcr import checks, files
+from rcr import _checks as checks, _files as files
 
 SYMMETRY = 1e-8  # largest |W − Wᵀ| over largest |W|: files of Siconos are off by 1e-10
 
@@ -250,7 +250,7 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     settings = dict(
         solver=solver if isinstance(solver, str) else checks.choice("solver", solver, _kernel.solver_names()),
         tolerance=checks.number("tolerance", tolerance, "a residual ≥ 0", lambda v: v >= 0),
-        max_iterations=checks.whole("maxIterations", max_iterations, "at least 1 and at most 2147483647", lambda v: 1 <= v < 2**31),
+        max_iterations=checks.integer("maxIterations", max_iterations, "at least 1 and at most 2147483647", lambda v: 1 <= v < 2**31),
     )
     if not isinstance(problem, (BodyProblem, DelassusProblem)):
         problem = load(problem)

@@ -12,9 +12,9 @@ import math
 
 import numpy as np
 
-from rcr import checks
+from rcr import _checks as checks
 from rcr.frame import OUTLINE, Frame
-from rcr.outlines import half_extents
+from rcr._outlines import half_extents
 
 ACROSS = 8  # sample points across a grain and as many along it, and along each half of a branch vector
 
@@ -49,7 +49,7 @@ class Profile:
     def __init__(self, cells=(1, 20), limits=None):
         if np.shape(cells) != (2,):
             raise ValueError(f"cells = {cells!r}; wanted two numbers, along x and along y")
-        self.cells = tuple(checks.whole(f"cells[{k}]", n, "at least 1", lambda v: v >= 1) for k, n in enumerate(cells))
+        self.cells = tuple(checks.integer(f"cells[{k}]", n, "at least 1", lambda v: v >= 1) for k, n in enumerate(cells))
         self._given = None if limits is None else checks.array("limits", limits, (2, 2))
         if limits is not None and not (self._given[1] > self._given[0]).all():
             raise ValueError(f"limits = {limits!r}; wanted the lower left and the upper right corner of a rectangle [m]")

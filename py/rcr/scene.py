@@ -15,7 +15,7 @@ from yade.wrapper import (
 )  # fmt: skip
 from yade.minieigenHP import Quaternion, Vector2, Vector3
 
-from rcr import _kernel, _plugin, outlines, problems
+from rcr import _kernel, _plugin, _outlines as outlines, problems
 from rcr.frame import Frame
 from rcr.network import BOTTOM, LEFT, OTHER, RIGHT, TOP, WALL, Network
 
@@ -128,7 +128,7 @@ def disc(center, R, material=-1, angle=0, fixed=False, color=None, mask=1, veloc
 
 
 def _outlines(bodies):
-    """Grains as `rcr.outlines` takes them."""
+    """Grains as `rcr._outlines` takes them."""
     long = [isinstance(b.shape, Rcr) for b in bodies]
     return dict(
         position=np.array([(b.state.pos[0], b.state.pos[1]) for b in bodies]),

@@ -8,7 +8,7 @@ import signal
 import sys
 import threading
 
-from rcr import files
+from rcr import _files as files
 
 STOPPED = 130  # exit code after Ctrl-C, as a shell has it
 
@@ -37,14 +37,14 @@ def number(wanted="a finite number", fits=lambda v: True, kind=float):
     return parse
 
 
-def whole(wanted="a whole number below 2^63", fits=lambda v: True):
+def integer(wanted="a whole number below 2^63", fits=lambda v: True):
     """The same of a whole number of 64 bits."""
     return number(wanted, fits, int)
 
 
 def at_least(least, most=2**31 - 1):
     """Whole number from `least` on; of 32 bits, as the kernels count."""
-    return whole(f"at least {least}" + ("" if most == 2**31 - 1 else f" and at most {most}"), lambda v: least <= v <= most)
+    return integer(f"at least {least}" + ("" if most == 2**31 - 1 else f" and at most {most}"), lambda v: least <= v <= most)
 
 
 THREADS = at_least(1, 1024)  # more than any machine that is served has processors
@@ -74,7 +74,7 @@ def new_file(text):
 
 
 def add_results(parser, what, required=True):
-    """The options --out, a folder, and --overwrite, as `rcr.results.owned` wants them."""
+    """The options --out, a folder, and --overwrite, as `rcr._results.claim_folder` wants them."""
     parser.add_argument("--out", type=folder, required=required, metavar="DIR", help=f"folder of the {what}, made if missing")
     parser.add_argument("--overwrite", action="store_true", help=f"remove {what} of other options that are there")
 

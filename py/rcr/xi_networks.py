@@ -12,7 +12,7 @@ anisotropies here are those of the tensors, for which the half-sum holds.
 
 import numpy as np
 
-from rcr import checks
+from rcr import _checks as checks
 
 
 def cutoffs(xi):

@@ -10,7 +10,7 @@ import signal
 import h5py
 import numpy as np
 import pytest
-from rcr import files, problems, solve
+from rcr import _files as files, problems, solve
 from rcr.network import Network
 from rcr.study.runs import Run
 

@@ -16,9 +16,9 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from rcr import drawing, plot
+from rcr import _drawing as drawing, plot
 from rcr.frame import Frame
-from rcr.outlines import polygons
+from rcr._outlines import polygons
 
 from synthetic import packing
 

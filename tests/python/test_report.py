@@ -16,10 +16,10 @@ matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysi
 
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
-from rcr import drawing
+from rcr import _drawing as drawing
 from rcr.study import analysis, figures, maps, report
 from rcr.frame import Frame
-from rcr.outlines import polygons
+from rcr._outlines import polygons
 from rcr.study.paper import MAPS, STATEMENTS, nearest
 from rcr.study.runs import Run
 

@@ -8,14 +8,14 @@ import sys
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcr import files, results
+from rcr import _files as files, _results as results
 
 PARAMETERS = dict(eta=0.5, seed=1, threads=1)
 MADE = ["data-*.txt", "summary.json", "checkpoint"]
 
 
 def owned(folder, parameters=PARAMETERS, **how):
-    return results.owned(folder, "test.py", parameters, MADE, free=["threads"], checkpoint="checkpoint", last="summary.json", **how)
+    return results.claim_folder(folder, "test.py", parameters, MADE, free=["threads"], checkpoint="checkpoint", last="summary.json", **how)
 
 
 def make(folder, parameters=PARAMETERS, files=("data-1.txt", "checkpoint", "summary.json"), **how):
@@ -91,7 +91,7 @@ def test_results_of_nobody_or_of_another_script_are_kept(tmp_path):
         make(tmp_path)
     make(tmp_path, overwrite=True)
     with pytest.raises(ValueError, match="holds results of test.py; wanted another --out"):
-        with results.owned(tmp_path, "other.py", {}, ["*"], overwrite=True):
+        with results.claim_folder(tmp_path, "other.py", {}, ["*"], overwrite=True):
             pass
     assert "data-1.txt" in names(tmp_path)
 
@@ -106,8 +106,8 @@ def test_parts_of_a_killed_process_go(tmp_path):
 
 def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
     code = (
-        "import sys; from rcr import results\n"
-        "with results.owned(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), []) as begin: begin(); print('in', flush=True); sys.stdin.read()"
+        "import sys; from rcr import _results as results\n"
+        "with results.claim_folder(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), []) as begin: begin(); print('in', flush=True); sys.stdin.read()"
     )
     other = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     assert other.stdout.readline() == b"in\n"

@@ -9,7 +9,7 @@ import sys
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcr import checks, script
+from rcr import _checks as checks, script
 
 WORDS = st.one_of(st.text(max_size=20), st.floats().map(repr), st.integers().map(str), st.sampled_from(["1e400", "-0", "5e-324", "1_0", "٣", "0x1", "9" * 5000, "1e3", " 1", "1j"]))
 
@@ -17,7 +17,7 @@ WORDS = st.one_of(st.text(max_size=20), st.floats().map(repr), st.integers().map
 @given(WORDS)
 def test_numbers(text):
     """Finite, in the range and of 64 bits, or a message without line breaks that is no longer than a line."""
-    for kind, fits in ((script.number("0 ≤ x < 1", lambda v: 0 <= v < 1), lambda v: 0 <= v < 1), (script.whole(), lambda v: isinstance(v, int) and abs(v) <= 2**63),
+    for kind, fits in ((script.number("0 ≤ x < 1", lambda v: 0 <= v < 1), lambda v: 0 <= v < 1), (script.integer(), lambda v: isinstance(v, int) and abs(v) <= 2**63),
                        (script.at_least(3), lambda v: 3 <= v < 2**31), (script.number(), math.isfinite)):  # fmt: skip
         try:
             assert fits(kind(text))
@@ -40,7 +40,7 @@ VALUES = st.one_of(st.floats(), st.integers(), st.complex_numbers(), st.text(max
 @given(VALUES)
 def test_values_from_python(value):
     """As of options: a finite real number (no bool), or what was given and what is wanted."""
-    for check, kind in ((checks.number, float), (checks.whole, int)):
+    for check, kind in ((checks.number, float), (checks.integer, int)):
         try:
             assert type(check("x", value)) is kind and not isinstance(value, bool)
         except ValueError as error:

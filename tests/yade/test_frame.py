@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import rcr
 import yade.utils
-from rcr.counterparts import COUNTERPARTS
+from rcr._counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
 from scenes import G, build, material, python, steps
 from test_session import pressed_box

@@ -28,7 +28,7 @@ from yade.wrapper import (
 )  # fmt: skip
 
 import rcr
-from rcr import _kernel, checks, files, results
+from rcr import _kernel, _checks as checks, _files as files, _results as results
 from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE, sin_phi
 
 O = Omega()
@@ -161,17 +161,17 @@ def checked(
     """
     made = dict(
         eta=checks.number("eta", eta, "an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1),
-        particles=checks.whole("particles", particles, "at least 10 and at most 10 million", lambda v: 10 <= v <= 10**7),
-        seed=checks.whole("seed", seed, "a whole number ≥ 0", lambda v: v >= 0),
+        particles=checks.integer("particles", particles, "at least 10 and at most 10 million", lambda v: 10 <= v <= 10**7),
+        seed=checks.integer("seed", seed, "a whole number ≥ 0", lambda v: v >= 0),
         friction=checks.number("friction", friction, "a coefficient ≥ 0, at most 100", lambda v: 0 <= v <= 100),
         tolerance=checks.number("tolerance", tolerance, "a residual 0 ≤ tolerance < 1", lambda v: 0 <= v < 1),
         solver=solver,
-        threads=checks.whole("threads", threads, "0 (as YADE has) to 1024", lambda v: 0 <= v <= 1024),
+        threads=checks.integer("threads", threads, "0 (as YADE has) to 1024", lambda v: 0 <= v <= 1024),
         inertial_number=checks.number("inertial_number", inertial_number, "a number > 0", lambda v: v > 0),
         time_step=checks.number("time_step", time_step, "a number > 0, at most 10", lambda v: 0 < v <= 10),
         law=checks.choice("law", law, ("cd", "smooth")),
         stiffness=checks.number("stiffness", stiffness, "a number ≥ 1, at most 1e9", lambda v: 1 <= v <= 1e9),
-        iterations=checks.whole("iterations", iterations, "a whole number > 0 of 32 bits", lambda v: 0 < v < 2**31),
+        iterations=checks.integer("iterations", iterations, "a whole number > 0 of 32 bits", lambda v: 0 < v < 2**31),
         approach=checks.number("approach", approach, "a strain 0 ≤ approach < 1", lambda v: 0 <= v < 1),
         overdamped=checks.flag("overdamped", overdamped),
     )

@@ -12,7 +12,7 @@ from yade.minieigenHP import Matrix3
 from yade.wrapper import ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop, NewtonIntegrator, Omega
 
 import rcr
-from rcr import checks
+from rcr import _checks as checks
 from rcr.study.biaxial import BALANCED, DENSITY, OVERDAMPED_VIOLATION, R_MIN, REST_TOLERANCE, SHEAR_ITERATIONS, STRESS, approach, next_look, random_radii
 
 O = Omega()
@@ -55,7 +55,7 @@ class CellTest:
 
     def __init__(self, eta=0.5, particles=1000, seed=1, friction=0.5, inertial_number=1e-3, time_step=0.1, tolerance=1e-4, threads=1, overdamped=False):
         eta = checks.number("eta", eta, "an elongation from 0 to below 1", lambda v: 0 <= v < 1)
-        particles = checks.whole("particles", particles, "at least 100: a cell must be wider than four grains", lambda v: v >= 100)
+        particles = checks.integer("particles", particles, "at least 100: a cell must be wider than four grains", lambda v: v >= 100)
         for name, value in dict(inertial_number=inertial_number, time_step=time_step, tolerance=tolerance).items():
             checks.number(name, value, "a finite number > 0", lambda v: v > 0)
         self.friction, self.rate, self.time_step, self.overdamped = friction, inertial_number, time_step, overdamped

@@ -15,7 +15,7 @@ import pathlib
 import shutil
 import subprocess
 
-from rcr import files
+from rcr import _files as files
 
 RUN, LOCK = "run.json", ".lock"
 
@@ -58,7 +58,7 @@ def read(folder):
 
 
 @contextlib.contextmanager
-def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None, resume=False, overwrite=False, wait=False):
+def claim_folder(folder, program, parameters, made, free=(), checkpoint=None, last=None, resume=False, overwrite=False, wait=False):
     """Block in which the folder, made if missing, belongs to this process. The block yields `begin`, which makes the folder this run's.
 
     `begin()` removes the files of the run before, unless it is resumed, writes run.json and returns what that holds: to be called when
@@ -93,7 +93,7 @@ def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None
     """
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    with alone(folder, wait=wait):
+    with lock_folder(folder, wait=wait):
         _remove_parts(folder)
         kept = read(folder)
         old = [path for pattern in made for path in sorted(folder.glob(pattern))]
@@ -123,7 +123,7 @@ def owned(folder, program, parameters, made, free=(), checkpoint=None, last=None
 
 
 @contextlib.contextmanager
-def alone(folder, name=LOCK, wait=False):
+def lock_folder(folder, name=LOCK, wait=False):
     """Block in which no other process is in its block for the folder and the name; the lock ends with the process.
 
     Raises

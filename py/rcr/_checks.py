@@ -28,7 +28,7 @@ def number(name, value, wanted="a finite number", fits=lambda v: True):
     return float(value)
 
 
-def whole(name, value, wanted="a whole number", fits=lambda v: True):
+def integer(name, value, wanted="a whole number", fits=lambda v: True):
     """`value` as an int of 64 bits; parameters and errors as of `number`."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral) or not -(2**63) <= value < 2**63 or not fits(int(value)):
         raise ValueError(f"{name} = {value!r}; wanted {wanted}")

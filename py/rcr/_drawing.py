@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
-from rcr.outlines import polygons
+from rcr._outlines import polygons
 
 COLUMN, PAGE = 3.4, 7.0  # widths [in]
 TALLEST = 9.0  # height of a picture [in]

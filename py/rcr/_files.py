@@ -53,7 +53,7 @@ def write(path, content):
 
 
 @contextlib.contextmanager
-def whole(path):
+def atomic_path(path):
     """Path to write to in the place of `path`: a file of the same name, which takes its place when the block ends well.
 
     For libraries that write to a name. The file lies in a hidden folder beside `path` until then, and nothing is left of it when the

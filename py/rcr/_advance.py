@@ -4,7 +4,7 @@ import time
 
 from yade.wrapper import Omega
 
-from rcr import checks
+from rcr import _checks as checks
 from rcr.script import stoppable
 
 SHOWN = 1.0  # s, after which a bar appears
@@ -44,8 +44,8 @@ def advance(steps, label="steps", until=None, every=None):
 
     if Omega().running:
         raise RuntimeError("rcr.advance: a run is under way, perhaps the one of the engine that calls it; wanted a scene at rest: O.pause() or O.wait() first")
-    steps = checks.whole("steps", steps, "a number of steps, at least 1", lambda v: v >= 1)
-    every = checks.whole("every", max(1, steps // 100) if every is None else every, "a number of steps, at least 1", lambda v: v >= 1)
+    steps = checks.integer("steps", steps, "a number of steps, at least 1", lambda v: v >= 1)
+    every = checks.integer("every", max(1, steps // 100) if every is None else every, "a number of steps, at least 1", lambda v: v >= 1)
     with stoppable() as stop, tqdm(total=steps, desc=label, unit="step", disable=None, delay=SHOWN, leave=False) as bar:
         done = 0
         while done < steps:
