@@ -104,13 +104,14 @@ TABLE = {
         ("slides-one-way", "max(min(t0, n0 * L::load(c.slidePlus + lane))", "max(t0"),
         ("friction-without-coupling", "return { subtractProduct(n0, ratio, t), t };", "return { n0, t };"),
     ],
-    "delassus/row_batch.cpp": [
-        ("islands-cut", "total - begin_.back() + size[i] > maxBatchRows", "total - begin_.back() + size[i] > 2 * maxBatchRows"),
-        ("colour-of-a-neighbour", "taken |= bit[other];", "taken |= other % 7 ? bit[other] : 0;"),
-        ("starts-without-impulses", "impulse_[slice].of[lane] = { p.n, p.t };", "impulse_[slice].of[lane] = { p.n, 0 };"),
+    "delassus/solve_delassus.cpp": [
+        ("own-block-counted-twice", "add(problem_.rowStart[k], diagonal_[k]);", "add(problem_.rowStart[k], diagonal_[k] + 1);"),
+        ("relaxed-off-the-cone", "projectCone(p + relaxation * (solved - p), friction)", "p + relaxation * (solved - p)"),
+        ("without-asymmetry", "g.t += (w.tn - w.nt) * p.n;", ""),
+        ("driven-bodies-keep-impulses", "problem.impulse[k] = {};", ";"),
     ],
-    "delassus/piece_steps.cpp": [
-        ("blocks-transposed", "matrix_.pairBlock(pairOf_[e], j < k)", "matrix_.pairBlock(pairOf_[e], j > k)"),
+    "delassus/delassus_problem.cpp": [
+        ("pattern-unchecked", "columns + problem.rowStart[j + 1], k))", "columns + problem.rowStart[j + 1], j))"),
     ],
     "exact/block_lu.cpp": [
         ("inverse-without-exchange", "std::swap(a[largest], a[k]);", ""),
