@@ -1,4 +1,4 @@
-#include "sweep/layout.hpp"
+#include "sweep/layout/layout.hpp"
 
 #include <algorithm>
 #include <numeric>

@@ -1,6 +1,6 @@
 // Which of the compiled lane widths runs on this processor.
-#include "sweep/lane_check.hpp"
-#include "sweep/packed_blocks.hpp"
+#include "sweep/lane/lane_check.hpp"
+#include "sweep/lane/packed_blocks.hpp"
 
 namespace rcr {
 

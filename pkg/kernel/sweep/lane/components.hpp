@@ -1,7 +1,7 @@
 // (n, t) components, the cone and sums of N contact points at a time, for the kernels of all sweeps. Compiled as lane.hpp is.
 #pragma once
 
-#include "sweep/lane.hpp"
+#include "sweep/lane/lane.hpp"
 
 namespace rcr {
 namespace RCR_LANE_NAMESPACE {

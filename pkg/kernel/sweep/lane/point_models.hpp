@@ -7,8 +7,8 @@
 // for |t| ≤ µ (n₀ − r t) says −n₀ d₋ ≤ t ≤ n₀ d₊, and a point that slides is at the end of that range. Without friction that is p_n = n₀.
 #pragma once
 
-#include "sweep/lane_records.hpp"
-#include "sweep/lane_vector.hpp"
+#include "sweep/lane/lane_records.hpp"
+#include "sweep/lane/components.hpp"
 
 namespace rcr {
 namespace RCR_LANE_NAMESPACE {

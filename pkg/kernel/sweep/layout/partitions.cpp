@@ -1,4 +1,4 @@
-#include "sweep/slabs.hpp"
+#include "sweep/layout/partitions.hpp"
 
 #include <numeric>
 

@@ -3,8 +3,8 @@
 // Plain loads and a transpose in registers are more than twice as fast as hardware gathers and scatters.
 #pragma once
 
-#include "sweep/lane.hpp"
-#include "sweep/packed_blocks.hpp"
+#include "sweep/lane/lane.hpp"
+#include "sweep/lane/packed_blocks.hpp"
 
 namespace rcr {
 namespace RCR_LANE_NAMESPACE {

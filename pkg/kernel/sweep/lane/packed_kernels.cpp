@@ -1,7 +1,7 @@
 // The inner loops of the sweep solvers, over the blocks of a chunk. Compiled once for every lane width, and for floats too: RCR_LANES Reals at a time.
 #include <type_traits>
 
-#include "sweep/point_models.hpp"
+#include "sweep/lane/point_models.hpp"
 
 #define INLINE __attribute__((always_inline)) // lambdas of inner loops: a call costs as much as a tenth of a point
 #define APART  __attribute__((noinline))      // one loop a function: together they run out of registers

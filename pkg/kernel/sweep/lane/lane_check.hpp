@@ -2,7 +2,7 @@
 // the width.
 #pragma once
 
-#include "sweep/packed_blocks.hpp"
+#include "sweep/lane/packed_blocks.hpp"
 
 namespace rcr {
 

@@ -13,11 +13,11 @@
 
 #include <vector>
 
-#include "sweep/coloring.hpp"
+#include "sweep/layout/coloring.hpp"
 #include "problem/contact_problem.hpp"
-#include "sweep/packed_blocks.hpp"
+#include "sweep/lane/packed_blocks.hpp"
 #include "problem/reductions.hpp"
-#include "sweep/slabs.hpp"
+#include "sweep/layout/partitions.hpp"
 
 namespace rcr {
 

@@ -1,5 +1,5 @@
 // The blocks of a section: its pairs coloured, and each given a slot.
-#include "sweep/layout.hpp"
+#include "sweep/layout/layout.hpp"
 
 namespace rcr {
 

@@ -1,6 +1,6 @@
-#include "sweep/lane_check.hpp"
+#include "sweep/lane/lane_check.hpp"
 
-#include "sweep/lane_records.hpp"
+#include "sweep/lane/lane_records.hpp"
 
 namespace rcr {
 namespace RCR_LANE_NAMESPACE {
