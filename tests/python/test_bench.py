@@ -214,7 +214,7 @@ def test_siconos_gives_what_its_residual_says(files):
     "arguments, says",
     [
         (["none.npz"], "none.npz"),
-        (["small.npz", "--solvers", "best"], "--solvers best: wanted some of nlgs"),
+        (["small.npz", "--solvers", "best"], "--solvers best: expected some of nlgs"),
         (["small.npz", "--tolerances", "2"], "--tolerances 2.0: wanted numbers between 0 and 1"),
         (["small.npz", "--mirror", "-1"], "--mirror -1: wanted at least 0"),
         (["small.npz", "--threads", "0"], "--threads 0: wanted at least 1"),

@@ -29,12 +29,12 @@ native_make() {
     if ! native_installed; then
         need_space /usr 4
         say "set-up 1/2: YADE, a compiler and Python libraries with apt-get (2 to 5 min) …"
-        "$lib/install-packages" "$lib/packages" 2>&1 | record ||
+        "$setup/install-packages" "$setup/packages" 2>&1 | record ||
             { say "not on this machine itself, then: trying a root file system"; return 1; }
     fi
     [ -d "$(native_source)" ] && return
     say "set-up 2/2: the headers of YADE, from its source archive (15 MB) …"
-    "$lib/fetch-source" "$new/source" "$new/apt" 2>&1 | record ||
+    "$setup/fetch-source" "$new/source" "$new/apt" 2>&1 | record ||
         { say "no source archive of YADE to be had for this machine: trying a root file system"; return 1; }
     mv "$new/source" "$(native_source)"
 }

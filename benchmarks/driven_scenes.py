@@ -1,6 +1,6 @@
 """Driven scenes drawn at random (benchmarks.hard_scenes.driven), rigid beside springs: how many keep the bounds; table and CSV.
 
-Run it with YADE:  scripts/yade-rcr -n -x scripts/driven_scenes.py --count 200 --out driven-scenes.csv
+Run it with YADE:  scripts/yade-rcr -n -x benchmarks/driven_scenes.py --count 200 --out driven-scenes.csv
 """
 
 import argparse

@@ -115,7 +115,7 @@ rootfs_bootstrap() {
     bootstrap+=(--dpkgopt='path-exclude=/usr/share/doc/*'
         --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*'
         --dpkgopt='path-exclude=/usr/lib/*/yade-[!d]*' # its builds in higher precision
-        --customize-hook="copy-in '$lib/install-packages' '$lib/fetch-source' '$lib/packages' /tmp"
+        --customize-hook="copy-in '$setup/install-packages' '$setup/fetch-source' '$setup/packages' /tmp"
         --customize-hook='echo "yade-rcr: set-up 2/3: YADE, a compiler and Python libraries (2 to 5 min) …" >&2'
         --customize-hook='chroot "$1" /tmp/install-packages /tmp/packages >&2'
         --customize-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt"
