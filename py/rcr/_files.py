@@ -1,7 +1,8 @@
-"""Files that are whole or not there, and readers that name a damaged file. Needs Python alone, h5py for HDF5.
+"""Atomic writes, and readers that report damaged files. Needs Python alone; HDF5 needs h5py.
 
-A file is made in memory, written beside its place, flushed to the disk and renamed: whenever the process is killed or the disk is
-full, the file of before stands as it was. HDF5 is made in memory too, since its library ends the process when a write fails.
+A file is built in memory, written to a temporary name, flushed to the disk and renamed. A crash or
+a full disk leaves the previous file unchanged. HDF5 files are built in memory too, because the
+HDF5 library ends the process when a write fails.
 """
 
 import contextlib
@@ -13,29 +14,19 @@ import os
 import stat
 import tempfile
 
-PART = ".part-"  # begins the name of a file that is being written
-SEAL = b"\nrcr sha256 "  # ends an HDF5 file of ours, with the 64 digits of the rest; HDF5 ignores what follows its own end
-LARGEST_RATIO = 1100  # of the size of unpacked data over that of the file: deflate reaches 1032
+PART = ".part-"  # prefix of files that are being written
+SEAL = b"\nrcr sha256 "  # precedes the 64 digits at the end of an HDF5 file, which HDF5 ignores
+LARGEST_RATIO = 1100  # largest ratio of unpacked to packed size [-]; deflate reaches 1032
 
 
 def write(path, content):
-    """Write a file, whole or not at all.
+    """Write bytes or text (as UTF-8) to a file atomically; a symbolic link keeps its target.
 
-    Parameters
-    ----------
-    path : path
-        Replaced if it exists; behind a symbolic link, the file that it points to.
-    content : bytes or str
-        Text is encoded as UTF-8.
-
-    Raises
-    ------
-    OSError
-        If it cannot be written, with the path; what was there before is there still.
+    An OSError names the path. The previous file is then unchanged.
     """
     check_writable(path)
     target = os.path.realpath(path)
-    partial = _beside(target)
+    partial = _partial_path(target)
     try:
         with locked(partial) as file:
             try:
@@ -54,15 +45,10 @@ def write(path, content):
 
 @contextlib.contextmanager
 def atomic_path(path):
-    """Path to write to in the place of `path`: a file of the same name, which takes its place when the block ends well.
+    """Yield a temporary path for libraries that write to a name; rename it to `path` at the end.
 
-    For libraries that write to a name. The file lies in a hidden folder beside `path` until then, and nothing is left of it when the
-    block fails. The file has the permissions of any file that the user makes.
-
-    Raises
-    ------
-    OSError
-        If the folder does not exist or cannot be written to.
+    The temporary file has the same name in a hidden folder beside `path`. An exception removes it.
+    The file gets the permissions of the umask.
     """
     check_writable(path)
     folder, name = os.path.split(os.path.realpath(path))
@@ -75,32 +61,30 @@ def atomic_path(path):
 
 
 def check_writable(path):
-    """OSError if no file can be written at `path`: to be asked before a long computation of what goes there."""
+    """Raise an OSError if no file can be written at `path`; call it before a long computation."""
     path = os.path.realpath(path_of("the path of a file", path))
     folder = os.path.dirname(path)
     if os.path.isdir(path):
-        raise IsADirectoryError(21, "is a folder; wanted the name of a file", path)
+        raise IsADirectoryError(21, "is a folder; expected the name of a file", path)
     if os.path.exists(path) and not stat.S_ISREG(os.stat(path).st_mode):
-        raise OSError(22, "is no regular file; wanted the name of a new or a regular one", path)
+        message = "is not a regular file; expected the name of a new or a regular file"
+        raise OSError(22, message, path)
     if not os.path.isdir(folder):
-        raise FileNotFoundError(2, "there is no such folder", folder)
+        raise FileNotFoundError(2, "this folder does not exist", folder)
     if not os.access(folder, os.W_OK | os.X_OK):
         raise PermissionError(13, "this folder cannot be written", folder)
 
 
-def _beside(target):
-    """Where it is written first; a name too long for that is cut."""
+def _partial_path(target):
+    """Return the temporary name of a file; at most the last 200 bytes of the name are kept."""
     folder, name = os.path.split(target)
     return os.path.join(folder, PART + os.fsdecode(os.fsencode(name)[-200:]))
 
 
 def locked(path, wait=True):
-    """The file `path` open for appending, made if missing, and locked until it is closed or the process ends.
+    """Open a file for appending, make it if missing, and lock it until it is closed.
 
-    Raises
-    ------
-    BlockingIOError
-        If another process has the lock and this one is not to wait.
+    Without `wait`, the lock of another process raises a BlockingIOError.
     """
     while True:
         file = open(path, "ab")
@@ -113,11 +97,11 @@ def locked(path, wait=True):
         except BaseException:
             file.close()
             raise
-        file.close()  # the other process has renamed or removed it meanwhile
+        file.close()  # another process has renamed or removed the file: open it again
 
 
 def _flush(path):
-    """A file, or the names in a folder, survive a loss of power from here on."""
+    """Flush a file, or the names in a folder, to the disk."""
     handle = os.open(path, os.O_RDONLY)
     try:
         os.fsync(handle)
@@ -126,7 +110,10 @@ def _flush(path):
 
 
 def hdf5(fill):
-    """Bytes of an HDF5 file, sealed; `fill(file)` puts its contents in. A program that changes the file takes the seal off."""
+    """Return the bytes of a sealed HDF5 file, filled by `fill(file)`.
+
+    HDF5 programs that change the file remove the seal.
+    """
     import h5py
 
     image = io.BytesIO()
@@ -137,7 +124,7 @@ def hdf5(fill):
 
 
 def table(columns, rows):
-    """Text of a CSV file of rows (dicts); columns that a row lacks stay empty, keys that are no column are left out."""
+    """Return rows (dicts) as CSV text. A missing value is empty; other keys are ignored."""
     text = io.StringIO()
     writer = csv.DictWriter(text, columns, extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
@@ -145,28 +132,18 @@ def table(columns, rows):
     return text.getvalue()
 
 
-# ---------------------------------------------------------------------------------------------- reading
+# --- reading ------------------------------------------------------------------------------------
 
 
 @contextlib.contextmanager
 def reading(path, kind):
-    """Block that reads the file `path`: whatever is thrown at a damaged one ends as one ValueError of one line.
+    """Block that reads the file `path`; every error of a damaged file becomes one ValueError.
 
-    Parameters
-    ----------
-    path : path
-    kind : str
-        What was expected, for the message.
-
-    Raises
-    ------
-    ValueError
-        With the path and what is wrong.
-    OSError
-        If the file is missing, is a folder or may not be read.
+    `kind` is the expected kind of file, for the message. An OSError says that the file is missing,
+    is a folder or is not readable.
     """
     if stat.S_ISFIFO(os.stat(path_of("the path of a file", path)).st_mode):
-        raise OSError(22, "is a pipe; wanted a file", os.fspath(path))
+        raise OSError(22, "is a pipe; expected a file", os.fspath(path))
     with open(path, "rb"):
         pass
     try:
@@ -174,35 +151,39 @@ def reading(path, kind):
     except ValueError as error:
         raise ValueError(f"{path}: {one_line(error)}") from error
     except MemoryError as error:
-        raise ValueError(f"{path}: damaged, or more than the memory holds") from error
-    except Exception as error:  # libraries meet damaged bytes in many ways: zlib.error, BadZipFile, EOFError, KeyError, RuntimeError …
+        raise ValueError(f"{path}: damaged, or larger than the memory") from error
+    except Exception as error:  # zlib.error, BadZipFile, EOFError, KeyError, RuntimeError …
         raise ValueError(f"{path}: damaged, or not {kind} ({one_line(error)})") from error
 
 
 def check_seal(path):
-    """ValueError if a sealed file is damaged. HDF5 would find most of that, but not all, and not always come to an end."""
+    """Raise a ValueError if a sealed file is damaged; HDF5 itself can miss damage or hang."""
     with open(path, "rb") as file:
         content = file.read()
-    if content[-76:-64] == SEAL and content[-64:] != hashlib.sha256(content[:-76]).hexdigest().encode():
-        raise ValueError("damaged: its content is not what was written")
+    digest = hashlib.sha256(content[:-76]).hexdigest().encode()
+    if content[-76:-64] == SEAL and content[-64:] != digest:
+        raise ValueError("damaged: its check sum is wrong")
 
 
 def check_size(name, size, path):
-    """ValueError if `size` bytes are more than a file of this length can hold, packed: of a damaged header."""
+    """Raise a ValueError if `size` unpacked bytes cannot come from this file."""
     if size > LARGEST_RATIO * (os.path.getsize(path) + 1024):
-        raise ValueError(f"{name} is said to hold {size} bytes, more than the file can: it is damaged")
+        raise ValueError(f"{name} has {size} bytes, more than the file can hold: it is damaged")
 
 
 def path_of(name, value):
-    """`value` as a path, ValueError if it is none."""
-    if not isinstance(value, (str, bytes, os.PathLike)) or not os.fspath(value) or "\0" in os.fsdecode(value):
-        raise ValueError(f"{name} = {value!r}; wanted a path")
-    return os.fsdecode(value)
+    """Return `value` as a path, or raise a ValueError."""
+    if isinstance(value, (str, bytes, os.PathLike)):
+        path = os.fsdecode(value)
+        if path and "\0" not in path:
+            return path
+    raise ValueError(f"{name} = {value!r}; expected a path")
 
 
 def one_line(error):
-    """Message of an error on one line; its type where it has none."""
+    """Return the message of an error on one line; its type if it has no message."""
     if isinstance(error, OSError) and error.strerror:
-        name = "" if error.filename is None else f"{os.fsdecode(error.filename) if not isinstance(error.filename, int) else error.filename}: "
-        return name + " ".join(error.strerror.split())
+        name = error.filename
+        prefix = "" if name is None else f"{name if isinstance(name, int) else os.fsdecode(name)}: "
+        return prefix + " ".join(error.strerror.split())
     return " ".join(str(error).split())[:500] or type(error).__name__

@@ -1,4 +1,4 @@
-"""Versions, processor, threads and build of this installation, for bug reports."""
+"""Versions, processor, threads and build of this installation."""
 
 import importlib.metadata
 import os
@@ -20,27 +20,29 @@ class Info(dict):
 
 
 def info():
-    """Versions, processor, threads and build of this session.
+    """Return versions, processor, threads and build for a bug report.
 
     Returns
     -------
     dict
-        Prints as a table. ``lanes`` are the contact points, in doubles, that the sweeps take at a time on this processor: 16 with AVX-512,
-        1 on one of x86 without AVX2 and FMA, else 8. ``threads`` are those of the running YADE, ``3D view`` the classes that draw in it.
+        Prints as a table. ``lanes`` is the number of contact points that one sweep treats at a
+        time: 16 with AVX-512, 1 on x86 without AVX2 and FMA, else 8. ``threads`` is that of the
+        running YADE, ``3D view`` lists the classes that draw in it.
     """
     import rcr
 
-    told = Info(rcr=rcr.__version__)
-    told["YADE"] = _yade_version()
-    told["plugin"], told["3D view"] = _plugin_facts()
-    told |= _kernel_facts()
-    told["threads"] = _threads()
-    told["processor"] = f"{_processor()}, {len(os.sched_getaffinity(0))} of {os.cpu_count()} processors"
-    told["system"] = platform.platform()
-    told["Python"] = platform.python_version()
-    told |= {name: _library(name) for name in LIBRARIES}
-    told["ffmpeg"] = shutil.which("ffmpeg") or "not installed: films are GIFs"
-    return told
+    facts = Info(rcr=rcr.__version__)
+    facts["YADE"] = sys.modules["yade"].config.version if "yade" in sys.modules else "not loaded"
+    facts["plugin"], facts["3D view"] = _plugin_facts()
+    facts |= _kernel_facts()
+    facts["threads"] = _threads()
+    processors = f"{len(os.sched_getaffinity(0))} of {os.cpu_count()} processors"
+    facts["processor"] = f"{_processor()}, {processors}"
+    facts["system"] = platform.platform()
+    facts["Python"] = platform.python_version()
+    facts |= {name: _library(name) for name in LIBRARIES}
+    facts["ffmpeg"] = shutil.which("ffmpeg") or "not installed: films are GIFs"
+    return facts
 
 
 def _library(name):
@@ -50,12 +52,8 @@ def _library(name):
         return "not installed"
 
 
-def _yade_version():
-    return sys.modules["yade"].config.version if "yade" in sys.modules else "not loaded"
-
-
 def _plugin_facts():
-    """For which YADE the plugin was built, and its classes of the 3D view."""
+    """Return the version of YADE that the plugin was built for, and its drawing classes."""
     plugin = sys.modules.get("rcr._plugin")
     if plugin is None:
         return "not loaded", "not loaded"
@@ -82,6 +80,7 @@ def _threads():
 def _processor():
     try:
         with open("/proc/cpuinfo") as file:
-            return next(line.split(":", 1)[1].strip() for line in file if line.startswith("model name"))
+            lines = (line for line in file if line.startswith("model name"))
+            return next(lines).split(":", 1)[1].strip()
     except (OSError, StopIteration):
         return platform.machine()

@@ -1,8 +1,11 @@
-"""A folder of results and the run that owns it: run.json, and a lock that ends with its process. Needs Python alone.
+"""A folder of results belongs to one run: run.json records the run, a lock excludes others.
 
-run.json holds `program`, `run`, `parameters`, `version`, `commit`, `date` and, of a run that was resumed, `continued`: versions,
-commits and dates. `run` is a short hash of the parameters that set the results; files of the run carry it too, so that a reader
-can tell a mixture.
+run.json holds `program`, `run`, `parameters`, `version`, `commit` and `date`. A resumed run adds
+`continued`, the versions, commits and dates of its continuations. `run` is a short hash of the
+parameters that determine the results. The run's files carry the hash, so that readers detect files
+of different runs in one folder.
+
+Needs Python alone.
 """
 
 import contextlib
@@ -21,48 +24,54 @@ RUN, LOCK = "run.json", ".lock"
 
 
 def identity(parameters):
-    """Short hash of parameters: equal where they are."""
+    """Return a short hash of parameters; equal parameters have equal hashes."""
     text = json.dumps(parameters, sort_keys=True, allow_nan=False)
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
 @functools.cache
 def commit():
-    """Commit of the clone that the package lies in, with a + if files differ from it; 'unknown' outside of a clone."""
+    """Return the commit of the clone, with a + for changed files, or 'unknown' outside a clone."""
     stated = os.environ.get("YADE_RCR_COMMIT")
     if stated:
         return stated
     here = os.path.dirname(os.path.realpath(__file__))
-    command = ["git", "-C", here, "describe", "--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
+    options = ["--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
     with contextlib.suppress(OSError):
-        return subprocess.run(command, capture_output=True, text=True).stdout.strip() or "unknown"
+        done = subprocess.run(
+            ["git", "-C", here, "describe", *options], capture_output=True, text=True
+        )
+        return done.stdout.strip() or "unknown"
     return "unknown"
 
 
 def read(folder):
-    """Contents of run.json of a folder, None if there is none.
+    """Return the contents of a folder's run.json, or None if there is none.
 
-    Raises
-    ------
-    ValueError
-        If it is damaged.
+    A damaged file raises a ValueError.
     """
     path = pathlib.Path(folder) / RUN
     if not path.exists():
         return None
     with files.reading(path, "a run.json"):
         found = json.loads(path.read_text(encoding="utf-8"))
-        if not isinstance(found, dict) or not isinstance(found.get("parameters"), dict) or not all(isinstance(found.get(name), str) for name in ("program", "run")):
-            raise ValueError("lacks program, run or parameters")
+        kinds = dict(program=str, run=str, parameters=dict)
+        if not isinstance(found, dict) or not all(
+            isinstance(found.get(name), kind) for name, kind in kinds.items()
+        ):
+            raise ValueError("program, run or parameters are missing")
         return found
 
 
 @contextlib.contextmanager
-def claim_folder(folder, program, parameters, made, free=(), checkpoint=None, last=None, resume=False, overwrite=False, wait=False):
-    """Block in which the folder, made if missing, belongs to this process. The block yields `begin`, which makes the folder this run's.
+def claim_folder(
+    folder, program, parameters, made, free=(), checkpoint=None, last=None, resume=False,
+    overwrite=False, wait=False,
+):  # fmt: skip
+    """Block in which the folder, made if missing, belongs to this process. It yields `begin`.
 
-    `begin()` removes the files of the run before, unless it is resumed, writes run.json and returns what that holds: to be called when
-    what could fail before has not.
+    `begin()` removes the files of the previous run (unless the run is resumed), writes run.json and
+    returns its contents. Call it after everything that can fail early.
 
     Parameters
     ----------
@@ -70,24 +79,24 @@ def claim_folder(folder, program, parameters, made, free=(), checkpoint=None, la
     program : str
         Name of the script.
     parameters : dict
-        What the run is of, in values of JSON.
+        Parameters of the run, as JSON values.
     made : list of str
-        Patterns of the files that the program leaves; a new run removes those of the run before.
+        Patterns of the program's files. A new run removes those of the previous run.
     free : list of str
-        Names of parameters that do not change what another run with the others gives, up to where both go: `resume` may change them.
+        Names of the parameters that `resume` may change.
     checkpoint, last : str
-        Names of the file that `resume` goes on from and of the one that a complete run writes last.
+        Name of the file from which `resume` continues, and of the last file of a complete run.
     resume : bool
-        Go on with the run that is there.
+        Continue the run in the folder.
     overwrite : bool
-        Remove a run of other parameters, or one that has a checkpoint.
+        Remove a run of other parameters, or one with a checkpoint.
     wait : bool
-        For another process that has the folder, instead of a refusal.
+        Wait for another process that has the folder; by default raise an error.
 
     Raises
     ------
     ValueError
-        If another run is there or is being made, and what to do.
+        If the folder holds another run, or another process has it.
     OSError
         If the folder cannot be written.
     """
@@ -98,25 +107,18 @@ def claim_folder(folder, program, parameters, made, free=(), checkpoint=None, la
         kept = read(folder)
         old = [path for pattern in made for path in sorted(folder.glob(pattern))]
         if kept is not None and kept["program"] != program:
-            raise ValueError(f"{folder} holds results of {kept['program']}; wanted another --out")
+            raise ValueError(f"{folder} holds results of {kept['program']}; choose another --out")
         if resume:
             _check_resumable(folder, kept, parameters, free)
         elif not overwrite:
-            _check_new(folder, kept, old, parameters)
-            if checkpoint and (folder / last).exists():
-                raise ValueError(f"{folder} holds this run, complete; --resume goes on with it, --overwrite makes it anew")
-            if checkpoint and (folder / checkpoint).exists():
-                raise ValueError(f"{folder} holds this run, not complete; --resume goes on with it, --overwrite starts anew")
-        own = dict(program=program, run=identity({name: value for name, value in parameters.items() if name not in free}), parameters=parameters)
+            _check_new(folder, kept, old, parameters, checkpoint, last)
 
         def begin():
-            now = dict(version=_version(), commit=commit(), date=datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"))
-            record = dict(own, **now)
-            if resume and kept:
-                record = dict(kept, parameters=parameters, continued=[*kept.get("continued", ()), now])
+            record = _record(program, parameters, free, kept if resume else None)
             for path in [] if resume else old:
                 path.unlink()
-            files.write(folder / RUN, json.dumps(record, indent=2, ensure_ascii=False) + "\n")
+            text = json.dumps(record, indent=2, ensure_ascii=False)
+            files.write(folder / RUN, text + "\n")
             return record
 
         yield begin
@@ -124,18 +126,16 @@ def claim_folder(folder, program, parameters, made, free=(), checkpoint=None, la
 
 @contextlib.contextmanager
 def lock_folder(folder, name=LOCK, wait=False):
-    """Block in which no other process is in its block for the folder and the name; the lock ends with the process.
+    """Block that excludes other processes from the folder's lock `name`.
 
-    Raises
-    ------
-    ValueError
-        If another one is, and this one is not to wait.
+    The lock ends with the process. Without `wait`, a lock of another process raises a ValueError.
     """
     path = pathlib.Path(folder) / name
     try:
         lock = files.locked(path, wait)
     except BlockingIOError:
-        raise ValueError(f"{folder}: another process is writing there; wait for it or choose another --out") from None
+        message = "another process is writing there; wait for it or choose another --out"
+        raise ValueError(f"{folder}: {message}") from None
     with lock:
         try:
             yield
@@ -144,9 +144,25 @@ def lock_folder(folder, name=LOCK, wait=False):
 
 
 def differing(one, other, free=()):
-    """Names of the parameters that differ, with both values in words; '' if none does."""
-    names = [name for name in dict.fromkeys([*one, *other]) if name not in free and one.get(name) != other.get(name)]
-    return ", ".join(f"{name} = {_short(one.get(name))} (here {_short(other.get(name))})" for name in names)
+    """Return the parameters that differ, with both values, as text; '' if none differs."""
+    names = [name for name in dict.fromkeys([*one, *other]) if name not in free]
+    return ", ".join(
+        f"{name} = {_short(one.get(name))} (here {_short(other.get(name))})"
+        for name in names
+        if one.get(name) != other.get(name)
+    )
+
+
+def _record(program, parameters, free, kept):
+    """Return the contents of run.json: of a new run, or of the continuation of the run `kept`."""
+    from rcr import __version__
+
+    date = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+    now = dict(version=__version__, commit=commit(), date=date)
+    if kept:
+        return dict(kept, parameters=parameters, continued=[*kept.get("continued", ()), now])
+    fixed = {name: value for name, value in parameters.items() if name not in free}
+    return dict(program=program, run=identity(fixed), parameters=parameters, **now)
 
 
 def _short(value):
@@ -155,7 +171,7 @@ def _short(value):
 
 
 def _remove_parts(folder):
-    """Half-written files of killed processes; those that another process is writing stay."""
+    """Remove the partial files of killed processes; running processes keep theirs."""
     for partial in folder.glob(files.PART + "*"):
         if partial.is_dir():
             shutil.rmtree(partial)
@@ -167,21 +183,21 @@ def _remove_parts(folder):
 def _check_resumable(folder, kept, parameters, free):
     other = kept and differing(kept["parameters"], parameters, free)
     if other:
-        raise ValueError(f"--resume: the run in {folder} has {other}; give its options, or start anew with --overwrite")
+        todo = "give its options, or start again with --overwrite"
+        raise ValueError(f"--resume: the run in {folder} has {other}; {todo}")
 
 
-def _check_new(folder, kept, old, parameters):
-    if not old:
-        return
-    if kept is None:
+def _check_new(folder, kept, old, parameters, checkpoint, last):
+    """Raise a ValueError if the folder holds files that a new run would remove."""
+    todo = "choose another --out, or remove it with --overwrite"
+    if old and kept is None:
         names = ", ".join(path.name for path in old[:3]) + (", …" if len(old) > 3 else "")
-        raise ValueError(f"{folder} holds {names} of an unknown run; wanted another --out, or --overwrite, which removes them")
-    other = differing(kept["parameters"], parameters)
+        raise ValueError(f"{folder} holds {names} of an unknown run; {todo}")
+    other = old and differing(kept["parameters"], parameters)
     if other:
-        raise ValueError(f"{folder} holds a run with {other}; wanted another --out, or --overwrite, which removes it")
-
-
-def _version():
-    from rcr import __version__
-
-    return __version__
+        raise ValueError(f"{folder} holds a run with {other}; {todo}")
+    todo = "continue it with --resume, or start again with --overwrite"
+    if checkpoint and (folder / last).exists():
+        raise ValueError(f"{folder} holds this run, complete; {todo}")
+    if checkpoint and (folder / checkpoint).exists():
+        raise ValueError(f"{folder} holds this run, not complete; {todo}")

@@ -1,6 +1,7 @@
-"""Refusals and advice before a run: ``O.run``, ``O.step`` and ``O.bodies.erase`` refuse what would go wrong without a word.
+"""Checks of the scene before ``O.run``, ``O.step`` and ``O.bodies.erase``, and clean ends of runs.
 
-The rules stand in pkg/dem/Gate.cpp; what is served but hardly meant is warned of. A scene without any class of rcr is none of its business.
+pkg/dem/Gate.cpp holds the rules that reject a scene. This module adds warnings about suspicious
+scenes. Scenes without classes of rcr are not checked.
 """
 
 import functools
@@ -10,58 +11,86 @@ import warnings
 
 from yade.wrapper import InsertionSortCollider, Omega, TimeStepper
 
-from rcr import _plugin, scene
+from rcr import _plugin
+from rcr._time_step import critical_time_step
 
-_DEFAULT_TIME_STEP = 1e-8  # YADE's, of a scene that nobody has set one for
-_advised = None  # of the scene when advice was given last: number of bodies, time step
-
-
-def _time_step(omega):
-    """Advice on O.dt, a list of texts."""
-    if omega.iter == 0 and omega.dt == _DEFAULT_TIME_STEP:
-        return ["O.dt = 1e-8 s is YADE's default; set it by the accuracy you want (rigid contacts) or to 0.5 * rcr.critical_time_step() (springs)."]
-    if any(isinstance(engine, TimeStepper) and engine.active and not engine.dead for engine in omega.engines):
-        return []
-    try:
-        most = scene.critical_time_step()
-    except ValueError:  # rigid contacts, or nothing that springs could set in motion
-        return []
-    if omega.dt <= most:
-        return []
-    return [f"O.dt = {omega.dt:.3g} s is beyond {most:.3g} s, where springs of this stiffness become unstable; set O.dt = 0.5 * rcr.critical_time_step()."]
+DEFAULT_TIME_STEP = 1e-8  # YADE's O.dt of a new scene [s]
+_advised = None  # number of bodies and time step at the last advice
 
 
-def _advise(omega):
-    global _advised
-    known, before = (len(omega.bodies), omega.dt), _advised
-    _advised = known
-    if omega.iter > 0 and known == before:
-        return
-    told = [] if omega.iter > 0 and before and known[0] == before[0] else _plugin.advice()
-    if _plugin.serves():
-        told += _time_step(omega)
-    for text in told:
-        warnings.warn("rcr: " + text, stacklevel=4)
+def guard():
+    """Add the checks to O.run, O.step, O.pause, O.wait and O.bodies.erase of this session."""
+    container = type(Omega().bodies)
+    if not hasattr(container.erase, "__wrapped__"):
+        container.erase = _checked_erase(container.erase)
+    if not hasattr(Omega.run, "__wrapped__"):
+        Omega.run = _guarded(_responsive(Omega.run))
+        Omega.step = _guarded(Omega.step)
+        Omega.pause = _after_step(Omega.pause)
+    if not hasattr(Omega.wait, "__wrapped__"):
+        Omega.wait = _raising(_after_step(Omega.wait))
 
 
 def _guarded(method):
+    """O.run or O.step that rejects an unsupported scene and warns of a suspicious one."""
+
     @functools.wraps(method)
     def run(omega, *arguments, **keywords):
-        told = _plugin.refusal()
-        if told:
-            raise ValueError("rcr: " + told)
+        refusal = _plugin.refusal()
+        if refusal:
+            raise ValueError("rcr: " + refusal)
         _advise(omega)
         _plugin.take_error()
-        return _told(method)(omega, *arguments, **keywords)
+        return _raising(method)(omega, *arguments, **keywords)
 
     return run
 
 
-def _promptly(run):
-    """O.run whose wait ends with the run, or with Ctrl-C, which ends the run; YADE's looks every 40 ms, longer than many a run takes."""
+def _advise(omega):
+    """Warn of a suspicious scene: at step 0, and when bodies or the time step have changed."""
+    global _advised
+    present, before = (len(omega.bodies), omega.dt), _advised
+    _advised = present
+    if omega.iter > 0 and present == before:
+        return
+    same_bodies = omega.iter > 0 and before and present[0] == before[0]
+    texts = [] if same_bodies else _plugin.advice()
+    if _plugin.serves():
+        texts += _time_step_advice(omega)
+    for text in texts:
+        warnings.warn("rcr: " + text, stacklevel=4)
+
+
+def _time_step_advice(omega):
+    """Return a list of warnings about O.dt."""
+    if omega.iter == 0 and omega.dt == DEFAULT_TIME_STEP:
+        return [
+            "O.dt = 1e-8 s is YADE's default; set it by the accuracy you want (rigid contacts) "
+            "or to 0.5 * rcr.critical_time_step() (springs)."
+        ]
+    steppers = [engine for engine in omega.engines if isinstance(engine, TimeStepper)]
+    if any(engine.active and not engine.dead for engine in steppers):
+        return []
+    try:
+        most = critical_time_step()
+    except ValueError:  # rigid contacts, or no free grain
+        return []
+    if omega.dt <= most:
+        return []
+    return [
+        f"O.dt = {omega.dt:.3g} s is beyond {most:.3g} s, where springs of this stiffness become "
+        "unstable; set O.dt = 0.5 * rcr.critical_time_step()."
+    ]
+
+
+def _responsive(run):
+    """O.run whose wait ends with the run, and whose Ctrl-C ends the run.
+
+    YADE checks every 40 ms, which is longer than many runs.
+    """
 
     @functools.wraps(run)
-    def prompt(omega, nSteps=-1, wait=False):
+    def wrapped(omega, nSteps=-1, wait=False):
         run(omega, nSteps, False)
         if not wait:
             return
@@ -75,26 +104,33 @@ def _promptly(run):
             raise
         omega.wait()
 
-    return prompt
+    return wrapped
 
 
-def _settled(method):
-    """O.pause or O.wait that returns with the scene in order: YADE's return in the midst of a step, of which an engine that calls them is a part itself."""
+def _after_step(method):
+    """O.pause or O.wait that returns after a whole step; YADE's may return within one.
+
+    An engine that calls it is part of a step, so it returns at once there.
+    """
 
     @functools.wraps(method)
-    def settled(omega):
+    def wrapped(omega):
         method(omega)
-        if not isinstance(threading.current_thread(), threading._DummyThread):  # YADE's own, in which engines run
+        in_engine = isinstance(threading.current_thread(), threading._DummyThread)
+        if not in_engine:
             _plugin.await_end()
 
-    return settled
+    return wrapped
 
 
-def _told(method):
-    """YADE tells a session of an exception of its run thread only where the session is waiting for it already."""
+def _raising(method):
+    """Method that raises the error of YADE's run thread.
+
+    YADE itself raises it only in a session that already waits.
+    """
 
     @functools.wraps(method)
-    def run(omega, *arguments, **keywords):
+    def wrapped(omega, *arguments, **keywords):
         try:
             result = method(omega, *arguments, **keywords)
         except Exception:
@@ -105,32 +141,27 @@ def _told(method):
             raise RuntimeError(error)
         return result
 
-    return run
+    return wrapped
 
 
-def _apart_from_bounds(erase):
-    """O.bodies.erase that refuses where YADE's collider may not end: it keeps bounds of the body, and a cell that has changed can leave them out of reach."""
+def _checked_erase(erase):
+    """O.bodies.erase that rejects a periodic cell in which YADE's collider may hang.
+
+    The collider keeps bounds of the erased body. After a change of the cell it may never reach
+    them.
+    """
 
     @functools.wraps(erase)
-    def apart(bodies, id, *arguments, **keywords):
+    def wrapped(bodies, id, *arguments, **keywords):
         omega = Omega()
-        if omega.periodic and _plugin.serves() and any(isinstance(engine, InsertionSortCollider) and engine.numReinit > 0 for engine in omega.engines):
-            raise ValueError(
-                f"rcr: body #{id} cannot be erased from a periodic cell whose collider has run, for that may then never end; put a new InsertionSortCollider into O.engines first"
-            )
+        if omega.periodic and _plugin.serves():
+            colliders = (e for e in omega.engines if isinstance(e, InsertionSortCollider))
+            if any(collider.numReinit > 0 for collider in colliders):
+                raise ValueError(
+                    f"rcr: body #{id} cannot be erased from a periodic cell whose collider has "
+                    "run, because the collider may then hang; put a new InsertionSortCollider into "
+                    "O.engines first"
+                )
         return erase(bodies, id, *arguments, **keywords)
 
-    return apart
-
-
-def guard():
-    """Let every O.run and O.step of this session look at the scene first, and O.bodies.erase at the cell."""
-    container = type(Omega().bodies)
-    if not hasattr(container.erase, "__wrapped__"):
-        container.erase = _apart_from_bounds(container.erase)
-    if not hasattr(Omega.run, "__wrapped__"):
-        Omega.run = _guarded(_promptly(Omega.run))
-        Omega.step = _guarded(Omega.step)
-        Omega.pause = _settled(Omega.pause)
-    if not hasattr(Omega.wait, "__wrapped__"):
-        Omega.wait = _told(_settled(Omega.wait))
+    return wrapped

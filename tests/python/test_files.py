@@ -63,7 +63,7 @@ def test_what_cannot_be_written_is_said_first(tmp_path, path, error):
 
 @pytest.mark.parametrize("path", [0, None, "", "a\0b", 1.5])
 def test_no_path(path):
-    with pytest.raises(ValueError, match="wanted a path"):
+    with pytest.raises(ValueError, match="expected a path"):
         files.write(path, "x")
 
 

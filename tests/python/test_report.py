@@ -87,7 +87,7 @@ def test_analysis_of_other_runs_is_refused(written, folders, tmp_path):
     before = {path.name: path.read_bytes() for path in out.iterdir()}
     for arguments in ([folders[0]], [*folders, "--from-strain", "0.3"]):
         run = network_script(*arguments, "--out", out)
-        assert run.returncode == 1 and "--overwrite, which removes it" in run.stderr and run.stderr.count("\n") == 1
+        assert run.returncode == 1 and "remove it with --overwrite" in run.stderr and run.stderr.count("\n") == 1
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 

@@ -22,7 +22,7 @@ def test_numbers(text):
         try:
             assert fits(kind(text))
         except argparse.ArgumentTypeError as error:
-            assert ": wanted " in str(error) and "\n" not in str(error) and len(str(error)) < 200
+            assert ": expected " in str(error) and "\n" not in str(error) and len(str(error)) < 200
 
 
 @given(WORDS)
@@ -39,12 +39,12 @@ VALUES = st.one_of(st.floats(), st.integers(), st.complex_numbers(), st.text(max
 
 @given(VALUES)
 def test_values_from_python(value):
-    """As of options: a finite real number (no bool), or what was given and what is wanted."""
+    """As of options: a finite real number (no bool), or the value and what is expected."""
     for check, kind in ((checks.number, float), (checks.integer, int)):
         try:
             assert type(check("x", value)) is kind and not isinstance(value, bool)
         except ValueError as error:
-            assert str(error).startswith("x = ") and "; wanted " in str(error)
+            assert str(error).startswith("x = ") and "; expected " in str(error)
 
 
 def ended(body):
@@ -62,7 +62,7 @@ def ended(body):
         ("open('/none/x')", 1, "x.py: /none/x: No such file or directory\n"),
         ("raise KeyboardInterrupt", 130, "x.py: stopped\n"),
         ("raise script.Stopped('stopped here; go on so')", 130, "x.py: stopped here; go on so\n"),
-        ("raise MemoryError", 1, "x.py: the memory does not suffice; choose something smaller\n"),
+        ("raise MemoryError", 1, "x.py: the memory does not suffice; choose a smaller problem\n"),
         ("sys.exit('why')", 1, "x.py: why\n"),
         ("script.Parser(prog='x.py').parse_args(['--what'])", 2, "x.py: unrecognized arguments: --what\n"),
     ],
