@@ -1,4 +1,10 @@
-"""Speed, accuracy and stability, ours and others': charts, hard scenes, timing, peers' programs.
+"""Benchmarks of speed, accuracy and stability, and the programs that run other libraries.
 
-No part of the package `rcr`; the scripts `chart.py`, `hard_scenes.py`, `driven_scenes.py` and `bench_*.py` are its entry points.
+Entry points: `scripts/chart.py`, `scripts/hard_scenes.py` and `scripts/bench_*.py`. `driven_scenes.py`
+runs as it is. The package `rcr` needs none of this.
 """
+
+import os
+
+FOLDER = os.path.dirname(os.path.realpath(__file__))
+ROOT = os.path.dirname(FOLDER)

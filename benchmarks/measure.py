@@ -278,12 +278,12 @@ def show(title, rows, columns):
 
 def write(path, rows, columns):
     """Write rows (dicts) as CSV, the file whole or not at all."""
-    from rcr import files
+    from rcr import _files as files
 
     files.write(path, files.table(columns, rows))
 
 
-def told(options):
+def given_options(options):
     """Options of a script, for its run.json."""
     return {name: value for name, value in vars(options).items() if name not in ("out", "overwrite")}
 

@@ -1,7 +1,8 @@
-"""A way out of the environment: peers are installed where the environment is not, so their programs run outside of it.
+"""Runs programs of other libraries, which may be installed outside the environment.
 
-A script that is about to start itself again in the environment leaves this file running outside by `stay`; `run` then has
-commands executed there. Where a script needs no re-entry, `run` executes them itself. Needs nothing but Python.
+Before a script starts again in the environment, `stay` starts this file as a server outside. `run`
+then sends commands to the server. In a script that was not restarted, `run` executes them directly.
+Needs Python alone.
 """
 
 import json
@@ -10,29 +11,33 @@ import subprocess
 import sys
 
 _PIPES = "YADE_RCR_OUTSIDE"
-_DESCRIPTORS = 20, 21  # the environment's shell scripts use the lower ones
+_DESCRIPTORS = 20, 21  # the shell scripts of the environment use lower ones
 _ends = None
-CANNOT_START = 126, 127  # not there or not executable; its libraries are not there
+CANNOT_START = 126, 127  # exit codes: program missing or not executable; libraries missing
 
 
 def stay():
-    """Execute here what `run` asks for later in this process, whatever program it has become by then."""
+    """Start the server; this process keeps its pipes through `exec`."""
     process = subprocess.Popen([sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     for end, descriptor in zip((process.stdout, process.stdin), _DESCRIPTORS):
         os.dup2(end.fileno(), descriptor, inheritable=True)
     os.environ[_PIPES] = "{},{}".format(*_DESCRIPTORS)
 
 
+def pipes():
+    """Descriptors of the pipes to the server, for child processes; () without a server."""
+    return tuple(map(int, os.environ[_PIPES].split(","))) if _PIPES in os.environ else ()
+
+
 def run(arguments, try_here=False):
-    """Output of a command, executed outside of the environment.
+    """Output of a command, executed outside the environment.
 
     Parameters
     ----------
     arguments : list of str
         The command; paths of files must be absolute.
     try_here : bool
-        Execute it here, and outside only where it cannot be started here: a program may have been linked with the
-        libraries of either.
+        Execute it here first, and outside if it does not start: its libraries may be in either place.
 
     Raises
     ------
@@ -52,11 +57,11 @@ def run(arguments, try_here=False):
 def _ask(arguments):
     global _ends
     if _ends is None:
-        reading, writing = map(int, os.environ[_PIPES].split(","))
+        reading, writing = pipes()
         _ends = os.fdopen(reading), os.fdopen(writing, "w")
     _ends[1].write(json.dumps(arguments) + "\n")
     _ends[1].flush()
-    return json.loads(_ends[0].readline() or '{"code": 1, "error": "nobody answers outside of the environment", "output": ""}')
+    return json.loads(_ends[0].readline() or '{"code": 1, "error": "the server outside the environment has ended; run the script again", "output": ""}')
 
 
 def _execute(arguments):

@@ -23,7 +23,7 @@ if(SKBUILD)
 endif()
 install(FILES README.md CHANGELOG.md DESTINATION share/doc/yade-rcr)
 install(FILES LICENSE DESTINATION share/doc/yade-rcr RENAME copyright)
-install(DIRECTORY examples/ DESTINATION share/doc/yade-rcr/examples FILES_MATCHING PATTERN "*.py" PATTERN "*.table" PATTERN "paper" EXCLUDE PATTERN "quasi-static" EXCLUDE PATTERN "charts" EXCLUDE)
+install(DIRECTORY examples/ DESTINATION share/doc/yade-rcr/examples FILES_MATCHING PATTERN "*.py" PATTERN "*.table")
 
 # The Debian package: `cpack -G DEB` in the build folder. It serves the YADE that it was built for and the Python that it was built with.
 set(CPACK_GENERATOR DEB)

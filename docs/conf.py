@@ -14,6 +14,8 @@ default_role = "code"  # `x` in a doc string
 add_module_names = False
 toc_object_entries_show_parents = "hide"
 
+exclude_patterns = ["results"]  # its pictures serve the pages
+
 html_theme = next(name for name in ("furo", "sphinx_rtd_theme", "alabaster") if importlib.util.find_spec(name))
 html_title = f"yade-rcr {release}"
 html_static_path = ["static"]

@@ -14,18 +14,17 @@ from sphinx.ext.napoleon import Config, NumpyDocstring
 
 OUT = pathlib.Path(__file__).resolve().parent / "reference"
 MODULES = {
-    "rcr.scene": "Bodies and scenes",
+    "rcr": "Scenes and steps",
+    "rcr.scene": "Bodies",
     "rcr.plot": "Pictures",
     "rcr.export": "Files for ParaView",
     "rcr.measure": "Measures",
     "rcr.network": "Contact networks",
     "rcr.profile": "Fields on a grid",
-    "rcr.advance": "Steps with a progress bar",
-    "rcr.half_step": "The first half step",
     "rcr.frame": "A scene or a network as arrays",
     "rcr.xi_networks": "ξ-networks",
     "rcr.problems": "Contact problems in files",
-    "rcr.info": "For bug reports",
+    "rcr.script": "Options of scripts",
     "rcr.study.biaxial": "The biaxial test",
     "rcr.study.cell": "Shear of a periodic cell",
     "rcr.study.analysis": "Observables of the study",
@@ -133,12 +132,21 @@ def python_class(name, cls):
     return "\n".join(lines)
 
 
+SESSION = ("advance", "contact_network", "critical_time_step", "half_step_start", "info", "movie")
+
+
+def members(name, module):
+    """Return the documented members of a module by name."""
+    own = [key for key, thing in vars(module).items() if getattr(thing, "__module__", "") == name]
+    names = SESSION if name == "rcr" else getattr(module, "__all__", own)
+    things = {key: getattr(module, key) for key in names if not key.startswith("_")}
+    return {key: thing for key, thing in things.items() if inspect.getdoc(thing)}
+
+
 def python_page(name, title):
     module = importlib.import_module(name)
     page = [heading(f"{title}: {name}", "="), f".. py:module:: {name}\n", str(python_doc(module, "module")) + "\n"]
-    for public, thing in vars(module).items():
-        if public.startswith("_") or getattr(thing, "__module__", None) != name or not inspect.getdoc(thing):
-            continue
+    for public, thing in members(name, module).items():
         if inspect.isclass(thing):
             page.append(python_class(public, thing))
         elif inspect.isfunction(thing):

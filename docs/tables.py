@@ -29,7 +29,7 @@ def table(header, rows):
 
 
 def chart_rows(name):
-    with open(ROOT / "examples" / "charts" / f"{name}.csv", newline="") as file:
+    with open(DOCS / "results" / "charts" / f"{name}.csv", newline="") as file:
         number = lambda key, cell: cell if key in ("point", "status", "command", "law", "scene", "title", "verdict") else _number(cell)
         return [{key: number(key, cell) for key, cell in row.items()} for row in csv.DictReader(file)]
 
@@ -88,7 +88,7 @@ def stability():
 
 def cell_against_walls():
     """Means over seeds, with their standard errors, of what scripts/cell_shear.py wrote."""
-    with open(ROOT / "examples" / "charts" / "cell-shear.csv", newline="") as file:
+    with open(DOCS / "results" / "charts" / "cell-shear.csv", newline="") as file:
         rows = list(csv.DictReader(file))
     lines = []
     for eta, geometry in dict.fromkeys((row["eta"], row["geometry"]) for row in rows):
@@ -100,7 +100,7 @@ def cell_against_walls():
 
 def step_threads():
     """The shortest step of each packing, with one and with two threads, in what scripts/bench_step.py wrote."""
-    with open(ROOT / "examples" / "charts" / "step-threads.csv", newline="") as file:
+    with open(DOCS / "results" / "charts" / "step-threads.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["way"] == "arrays"]
     lines = []
     for folder in dict.fromkeys(row["folder"] for row in rows):
@@ -111,8 +111,8 @@ def step_threads():
 
 
 def driven_scenes():
-    """The worst of each motion in what scripts/driven_scenes.py wrote."""
-    with open(ROOT / "examples" / "charts" / "driven-scenes.csv", newline="") as file:
+    """The worst of each motion in what benchmarks/driven_scenes.py wrote."""
+    with open(DOCS / "results" / "charts" / "driven-scenes.csv", newline="") as file:
         rows = [{key: _number(cell) for key, cell in row.items()} for row in csv.DictReader(file)]
     bound = lambda row: 10 * row["speed"] + (2 * 9.81 * row["fall_rigid"]) ** 0.5
     quotients = [lambda row: row["fastest_rigid"] / bound(row), lambda row: row["force_rigid"] / row["force_springs"], lambda row: row["slowest_rigid"] / row["median_rigid"]]
@@ -159,7 +159,7 @@ def quantities():
 
 def counterparts():
     """Read without YADE."""
-    tree = ast.parse((ROOT / "py" / "rcr" / "counterparts.py").read_text())
+    tree = ast.parse((ROOT / "py" / "rcr" / "_counterparts.py").read_text())
     (known,) = (ast.literal_eval(node.value) for node in tree.body if isinstance(node, ast.Assign))
     return table(["of YADE", "of rcr"], [[", ".join(f"`{name}`" for name in names), re.sub(r"^(\S+)", r"`\1`", counterpart)] for counterpart, names in known.items()])
 
@@ -174,8 +174,8 @@ TABLES = {
     "biaxial-cost": lambda: ratios("c", "c-biaxial-cost"),
     "hard-scenes": hard_scenes,
     "stability": stability,
-    "study": lambda: (ROOT / "examples" / "paper" / "table.md").read_text().rstrip("\n") + "\n",
-    "study-quasi-static": lambda: (ROOT / "examples" / "quasi-static" / "table.md").read_text().rstrip("\n") + "\n",
+    "study": lambda: (DOCS / "results" / "inertial" / "table.md").read_text().rstrip("\n") + "\n",
+    "study-quasi-static": lambda: (DOCS / "results" / "quasi-static" / "table.md").read_text().rstrip("\n") + "\n",
     "quasi-static": lambda: ratios("e", "e-quasi-static"),
     "other-steps": lambda: ratios("e", "e-quasi-static", "other_steps"),
     "examples": examples,

@@ -58,9 +58,9 @@ for path in sorted(glob.glob(os.path.join(options.out, "eta-*.txt"))):
     ax.plot(run["t"], run["width"] / run["width"][0], label=f"$\\eta$ = {e}, $\\mu$ = {m}")
 ax.set(xlabel="time [s]", ylabel="rms of x over that of the column")
 ax.legend(fontsize=7)
-with rcr.files.whole(os.path.join(options.out, "batch.png")) as path:  # two jobs may end at once
+with rcr._files.atomic_path(os.path.join(options.out, "batch.png")) as path:  # two jobs may end at once
     figure.savefig(path, dpi=150)
-with rcr.files.whole(os.path.join(options.out, "batch.csv")) as path:
+with rcr._files.atomic_path(os.path.join(options.out, "batch.csv")) as path:
     np.savetxt(path, rows, delimiter=",", header="eta,mu,runout", comments="", fmt="%g")
 print(f"eta = {eta}, mu = {mu}: the grains spread to {plot.data['width'][-1] / plot.data['width'][0]:.2f} times the width of the column")
 waitIfBatch()

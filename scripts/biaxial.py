@@ -13,7 +13,7 @@ import time
 
 from tqdm import tqdm
 
-from rcr import files, results, script
+from rcr import _files as files, _results as results, script
 from rcr.study.biaxial import CHECKPOINT, FREE, INERTIAL_NUMBER, QUASI_STATIC, RECORD, SHEAR_ITERATIONS, STIFFNESS, TIME_STEP, Biaxial, checked
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
@@ -26,7 +26,7 @@ PAUSE = 60  # seconds between two checkpoints at most, and 20 times as long as o
 
 
 def arguments():
-    number, whole = script.number(), script.whole()
+    number, whole = script.number(), script.integer()
     parser = script.Parser(prog="biaxial.py", description=__doc__.splitlines()[0])
     parser.add_argument("--eta", type=number, default=0.5, help="elongation (R - R')/R, 0 = disc (default %(default)s)")
     parser.add_argument("--particles", type=whole, default=1000, help="number of grains (default %(default)s)")
@@ -151,7 +151,7 @@ def main():
     parameters = checked(**{name: value for name, value in vars(options).items() if name not in ("out", "resume", "overwrite", "quasi_static", *HOW_LONG)})
     told = dict(parameters, strain=options.strain, networks=options.networks)
     how = dict(free=[*FREE, *HOW_LONG], checkpoint=CHECKPOINT, last="summary.json", resume=options.resume, overwrite=options.overwrite)
-    with script.stoppable() as stop, results.owned(options.out, "biaxial.py", told, MADE, **how) as begin:
+    with script.stoppable() as stop, results.claim_folder(options.out, "biaxial.py", told, MADE, **how) as begin:
         test = load(options, parameters) if options.resume else Biaxial.prepare(**parameters)
         begin()
         checkpoints = Checkpoints(test, options.out, stop)

@@ -11,7 +11,7 @@ import numpy as np
 from tqdm import tqdm
 
 import rcr
-from rcr import files, script
+from rcr import _files as files, script
 from rcr.study.biaxial import DENSITY, QUASI_STATIC, Biaxial, O
 from rcr.study.cell import MODES, CellTest
 
@@ -23,7 +23,7 @@ FEWEST_BETWEEN_WALLS = 400  # grains in a box 20 diameters wide: up to 6 from ea
 
 
 def arguments():
-    number, whole = script.number(), script.whole()
+    number, whole = script.number(), script.integer()
     parser = script.Parser(prog="cell_shear.py", description=__doc__.splitlines()[0])
     parser.add_argument("--etas", type=number, nargs="+", default=[0, 0.5], help="elongations (default 0 0.5)")
     parser.add_argument("--seeds", type=script.at_least(1), default=3, help="packings of each (default %(default)s)")

@@ -11,7 +11,7 @@ import sys
 from lib import environment
 
 try:
-    from rcr import results, script
+    from rcr import _results as results, script
     from rcr.study import report
     from rcr.study.analysis import analyse
     from rcr.study.runs import Run
@@ -51,7 +51,7 @@ def main():
     parameters = dict(runs=of, from_strain=options.from_strain, to_strain=options.to_strain)
     show("analysis")
     found = analyse(runs)
-    with results.owned(options.out, "network.py", parameters, MADE, overwrite=options.overwrite) as begin:
+    with results.claim_folder(options.out, "network.py", parameters, MADE, overwrite=options.overwrite) as begin:
         table = report.write(runs, options.out, show, found, begin)
     show("")
     print(f"{os.path.join(options.out, 'report.html')}: {report.summary(table)}")

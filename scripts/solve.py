@@ -22,7 +22,7 @@ def arguments():
     parser.add_argument("problem", metavar="PROBLEM", help="file .npz, .h5, .hdf5 or .dat")
     parser.add_argument("--solver", default="auto", metavar="S", help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
     parser.add_argument("--tolerance", type=script.number(), default=1e-4, metavar="T", help="residual to reach; 0 runs all iterations (default %(default)s)")
-    parser.add_argument("--max-iterations", type=script.whole(), default=10000, metavar="N", help="sweeps or steps at most (default %(default)s)")
+    parser.add_argument("--max-iterations", type=script.integer(), default=10000, metavar="N", help="sweeps or steps at most (default %(default)s)")
     parser.add_argument("--warm", action="store_true", help="start from the impulses in the file, not from zeros")
     parser.add_argument("--out", type=script.new_file, required=True, metavar="FILE", help="results, as .npz or .h5")
     options = parser.parse_args()

@@ -69,8 +69,8 @@ def test_one_version(tmp_path):
     cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path, "-DRCR_PLUGIN=AUTO", f"-DYADE_SOURCE_DIR={tmp_path}")
     (version,) = re.findall(r"^CMAKE_PROJECT_VERSION:STATIC=(.*)$", (tmp_path / "CMakeCache.txt").read_text(), re.M)
     assert python("import rcr; print(rcr.__version__)", tmp_path, ROOT / "py").strip() == version
-    for file in ("pyproject.toml", "CITATION.cff"):
-        assert not re.search(r"^version\b", (ROOT / file).read_text(), re.M)
+    assert not re.search(r"^version\b", (ROOT / "pyproject.toml").read_text(), re.M)
+    assert re.findall(r"^version: (.*)$", (ROOT / "CITATION.cff").read_text(), re.M) == [version]
 
 
 def test_without_its_plugin_rcr_says_so_to_yade(tmp_path):

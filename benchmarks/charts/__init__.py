@@ -19,7 +19,7 @@ import importlib
 import os
 import time
 
-from rcr import files
+from rcr import _files as files
 
 GIVEN_UP = "given up after "  # begins the status of a point that took too long; its seconds follow
 NAMES = dict(a="one_step", b="deterministic", c="biaxial_cost", d="stability", e="quasi_static")

@@ -1,7 +1,7 @@
-"""Chart a. One step of a sheared packing: residual against time for each solver, cold and warm; other libraries beside.
+"""Chart a. One step of a sheared packing: residual against time of each solver, cold and warm.
 
-Rows are those of scripts/bench_solver.py and scripts/bench_step.py. Problems with 'x8' are mirrored and changed by 5 %
-(`benchmarks/measure.py`), so that large ones need no large test.
+Rows come from scripts/bench_solver.py and scripts/bench_step.py. Problems with 'x8' are mirrored
+three times and changed by 5 % (`benchmarks.measure.mirrored`): large problems without large tests.
 """
 
 import csv
@@ -12,28 +12,30 @@ import tempfile
 
 import numpy as np
 
+from benchmarks import ROOT, outside
 from rcr.study.biaxial import RECORD, Biaxial
 
 TITLE = "One step: residual against processor time"
 COLUMNS = "problem eta particles contacts library start tolerance iterations seconds residual".split()
 DEPENDS = ("quick",)
 SOLVERS = "nlgs", "sor", "nesterov", "exact", "auto"
+GAME = "chipmunk", "box2d"  # game libraries
 ETAS = 0.0, 0.4, 0.7
-ROOT = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, os.pardir)
 STRAIN = 0.01
 LEVELS = [10.0**-k for k in range(2, 11)]
 COLORS = dict(zip((*SOLVERS, "Siconos NSGS", "Chipmunk", "Box2D"), ("C0", "C9", "C1", "C3", "k", "C2", "C4", "C5")))
 
 
 def sizes(options):
-    """(particles of the test, how often mirrored)."""
+    """(particles of the test, number of reflections)."""
     return [(250, 0), (250, 3)] if options.quick else [(500, 0), (1600, 1), (1600, 3)]
 
 
 def points(options):
     names = [(n, k, eta) for n, k in sizes(options) for eta in ETAS]
-    libraries = [*SOLVERS, *(["siconos"] if options.siconos else []), *(name for name in ("chipmunk", "box2d") if os.path.exists(_program(name, options)))]
-    return [f"{n * 2**k}/{eta:g}/{library}" for n, k, eta in names for library in libraries if library not in ("chipmunk", "box2d") or k == 0]
+    stepped = [name for name in GAME if os.path.exists(_program(name, options))]
+    libraries = [*SOLVERS, *(["siconos"] if options.siconos else []), *stepped]
+    return [f"{n * 2**k}/{eta:g}/{library}" for n, k, eta in names for library in libraries if library not in GAME or k == 0]
 
 
 def _program(name, options):
@@ -41,16 +43,15 @@ def _program(name, options):
 
 
 def _script(script, *arguments):
-    """Output of one of our benchmark scripts, which may call programs outside of the environment."""
-    pipes = tuple(map(int, os.environ["YADE_RCR_OUTSIDE"].split(","))) if "YADE_RCR_OUTSIDE" in os.environ else ()
+    """Run a script of scripts/, which may call programs outside the environment."""
     command = [sys.executable, os.path.join(ROOT, "scripts", script), *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, pass_fds=pipes)
+    done = subprocess.run(command, capture_output=True, text=True, pass_fds=outside.pipes())
     if done.returncode:
         raise RuntimeError((done.stderr.strip().splitlines() or [f"{script} failed"])[-1])
 
 
 def _files(particles, eta, options):
-    """Problem and network of a sheared packing, made once."""
+    """Paths of the problem and the network of a sheared packing, made at the first call."""
     folder = os.path.join(options.out, "problems")
     base = os.path.join(folder, f"n{particles}_e{eta:g}")
     if not os.path.exists(base + ".h5"):
@@ -70,13 +71,13 @@ def run(name, options):
     problem, network = _files(particles, float(eta), options)
     about = dict(eta=float(eta), particles=int(count), problem=os.path.basename(problem)[:-4] + (f" x{2**mirror}" if mirror else ""))
     with tempfile.TemporaryDirectory() as folder:
-        if library in ("chipmunk", "box2d"):
+        if library in GAME:
             return [dict(about, **row) for row in _stepped(library, network, folder, options)]
         return [dict(about, **row) for row in _solved(library, problem, mirror, about["problem"], folder, options)]
 
 
 def _solved(library, problem, mirror, wanted, folder, options):
-    """Time to each tolerance, up to the first that is not reached."""
+    """Rows of the time to each tolerance, up to the first not reached."""
     ours = library != "siconos"
     tolerances = [f"1e-{k}" for k in range(1, 11) if ours or k <= 8]
     if mirror:
@@ -101,7 +102,7 @@ def _solved(library, problem, mirror, wanted, folder, options):
 
 
 def _stepped(library, network, folder, options):
-    """A step of a game library with more and more iterations: all that a step does, not the solver alone."""
+    """Rows of a whole step of a game library, over the number of iterations."""
     for iterations in (10, 40, 160) if options.quick else (10, 40, 160, 640):
         arguments = [network, f"--{library}", _program(library, options), "--iterations", iterations, "--repeats", 3, "--budget", 1]
         out = os.path.join(folder, str(iterations))
@@ -116,7 +117,7 @@ def _stepped(library, network, folder, options):
 
 
 def ratios(rows):
-    """Processor time of each library over that of `auto` to each residual, over problems and starts: least – largest (how many)."""
+    """Lines of the time of each library over that of `auto`: least – largest (number of pairs)."""
     least = {}  # (residual, library, problem and start): seconds
     for row in rows:
         for level in LEVELS if row["status"] == "ok" else ():

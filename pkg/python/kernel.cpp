@@ -1,6 +1,6 @@
 // rcr._kernel: the kernels for NumPy, without YADE. Angles in rad, everything else as in the kernels' headers.
 #include "kernel_arrays.hpp"
-#include "sweep/packed_blocks.hpp"
+#include "sweep/lane/packed_blocks.hpp"
 
 PYBIND11_MODULE(_kernel, m)
 {

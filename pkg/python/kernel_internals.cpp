@@ -9,16 +9,15 @@
 #include <set>
 #include <stdexcept>
 
-#include "delassus/row_batch.hpp"
 #include "exact/block_lu.hpp"
 #include "exact/path_following.hpp"
-#include "exact/stiffness.hpp"
+#include "exact/proximal_parameter.hpp"
 #include "kernel_arrays.hpp"
 #include "parallel/team.hpp"
 #include "problem/residual.hpp"
 #include "step/drive.hpp"
-#include "sweep/lane_check.hpp"
-#include "sweep/layout.hpp"
+#include "sweep/lane/lane_check.hpp"
+#include "sweep/layout/layout.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/stop_test.hpp"
 #include "watch/missed_steps.hpp"
@@ -181,21 +180,6 @@ namespace {
 		        py::arg("blocks1") = blocks1, py::arg("blocks2") = blocks2, py::arg("records") = records, py::arg("record_count") = layout.records());
 	}
 
-	/// Rows of each batch and the colours of all rows.
-	py::dict batchesOf(const py::object& rowStart, const py::object& column, const Array& block, const Array& free, const Array& friction, const Array& impulse)
-	{
-		const DelassusProblem problem = delassusFrom(rowStart, column, block, free, friction, impulse);
-		checkProblem(problem);
-		const Batches       batches(problem);
-		std::vector<RowIds> rows;
-		for (int b = 0; b < batches.count(); ++b)
-			rows.emplace_back(batches.begin(b), batches.end(b));
-		RowIds colors;
-		for (std::size_t k = 0; k < problem.free.size(); ++k)
-			colors.push_back(batches.color(std::int32_t(k)));
-		return py::dict(py::arg("batches") = rows, py::arg("colors") = colors);
-	}
-
 	// ---- lanes
 
 	struct alignas(64) Sixteen {
@@ -323,8 +307,6 @@ void bindInternals(py::module_& m)
 	        .def("take", &Coloring::take, py::arg("body1"), py::arg("limits1"), py::arg("body2"), py::arg("limits2"), "The colour, or −1 for the overflow.")
 	        .def_property_readonly_static("colors", [](const py::object&) { return Coloring::colors; });
 	m.def("layout", layoutOf, py::arg("reductions"), "Where pairs and bodies of a problem stand, arrays as of `solve`.");
-	m.def("batches", batchesOf, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"), py::arg("impulse"),
-	      "How the rows of a problem of W and q are shared out.");
 
 	m.def("lane_width", [](int lanes) { return laneCheck(lanes).width; }, py::arg("lanes"), "Width that runs where `lanes` are asked for.");
 	m.def("apply_lanes", applyLanes, py::arg("lanes"), py::arg("operation"), py::arg("a"), py::arg("b"), py::arg("c"), "An operation of lane.hpp on 16 numbers.");

@@ -66,14 +66,13 @@ namespace {
 
 	py::dict solveDelassusArrays(
 	        const py::object& rowStart, const py::object& column, const Array& block, const Array& free, const Array& friction, const Array& impulse,
-	        const std::string& solver, double tolerance, int maxIterations, int checkInterval, int lanes)
+	        const std::string& solver, double tolerance, int maxIterations, int checkInterval)
 	{
 		DelassusProblem problem = delassusFrom(rowStart, column, block, free, friction, impulse);
 		Settings settings;
 		settings.tolerance     = tolerance;
 		settings.maxIterations = maxIterations;
 		settings.checkInterval = checkInterval;
-		settings.lanes         = lanes;
 		Report report;
 		double seconds, processorSeconds;
 		{
@@ -124,7 +123,6 @@ void bindSolvers(py::module_& m)
 	      "Raises ValueError on arrays that do not fit together.");
 	m.def("solve_delassus", solveDelassusArrays, py::arg("row_start"), py::arg("column"), py::arg("block"), py::arg("free"), py::arg("friction"),
 	      py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000, py::arg("check_interval") = 10,
-	      py::arg("lanes") = 0,
 	      "Solve one problem given by W and q (delassus_problem.hpp), W in rows of blocks: row_start (nc + 1,), column (nb,), block (nb, 4) as\n"
 	      "(nn, nt, tn, tt) [1/kg], free = q (nc, 2) [m/s]. Dict of impulse, relative_velocity (nc, 2), iterations, residual, converged, seconds,\n"
 	      "processor_seconds.");

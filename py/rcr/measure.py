@@ -1,59 +1,62 @@
-"""Measures of a scene with Rcrs. Needs NumPy; a scene needs YADE, a saved network does not.
+"""Areas, extent, porosity and stresses of the grains of a scene or a network. Needs NumPy.
 
-YADE's own functions know spheres only. In a scene with Rcrs they warn, and name their counterparts here and in `Network`; all are in the
-plane and per unit depth.
+YADE's functions for these quantities support spheres alone; in a scene with Rcrs they print a
+warning that names the function to use. All quantities are in the plane and per unit depth.
 """
 
 import numpy as np
 
-from rcr.files import whole
+from rcr import _outlines
+from rcr._files import atomic_path
 from rcr.frame import Frame
-from rcr.outlines import half_extents
 
 
 def extent(what=None):
-    """Lower left and upper right corner of the box around all grains.
+    """Return the lower left and upper right corner of the box around all grains.
 
     Parameters
     ----------
     what : None, Frame, Network or path
-        The present scene of YADE, or what `Frame.of` takes.
+        None is the present scene of YADE; see `Frame.of`.
 
     Returns
     -------
     (2, 2) float array
-        [m]
+        Corners [m].
 
     Raises
     ------
     ValueError
         If there is no grain.
     """
-    grains = _grains(what).grains
-    reach = np.column_stack([half_extents(grains, axis) for axis in (0, 1)])
-    return np.stack([(grains["position"] - reach).min(axis=0), (grains["position"] + reach).max(axis=0)])
+    return _outlines.bounds(_frame(what).grains)
 
 
 def areas(what=None):
-    """Area that each grain adds to the solid: members of a clump share the area of their union by their own.
+    """Return the area of each grain.
+
+    Members of a clump share the area of their union in proportion to their own areas.
 
     Returns
     -------
     ids : (N,) int array
     areas : (N,) float array
-        [m²]
+        Areas [m²].
     """
-    frame = _grains(what)
+    frame = _frame(what)
     return frame.grains["id"], frame.areas()
 
 
 def porosity(volume=None, what=None):
-    """Share of voids, 1 − Σ areas/volume; overlaps of grains that are not clumped count twice.
+    """Return the fraction of voids, 1 − Σ areas/volume.
+
+    Overlaps count twice, except within a clump.
 
     Parameters
     ----------
     volume : float, optional
-        Area of the region [m²]; by default that of the periodic cell, or else of the box around all grains.
+        Area of the region [m²]; by default that of the periodic cell, or of the box around all
+        grains.
 
     Returns
     -------
@@ -62,21 +65,25 @@ def porosity(volume=None, what=None):
     Raises
     ------
     ValueError
-        If the volume is not > 0, smaller than the grains, or there is no grain.
+        If the volume is not > 0 or smaller than the grains, or there is no grain.
     """
-    frame = _grains(what)
+    frame = _frame(what)
     filled = areas(frame)[1].sum()
+    expected = "the area of the region"
     if volume is not None and 0 < volume < filled:
-        raise ValueError(f"volume = {volume!r}; wanted the area of the region [m²], which holds grains of {filled:.6g} m²")
-    if volume is None:
-        volume = abs(np.linalg.det(frame.cell)) if frame.cell is not None else np.prod(np.diff(extent(frame), axis=0))
+        grains = f"which holds grains of {filled:.6g} m²"
+        raise ValueError(f"volume = {volume!r}; expected {expected} [m²], {grains}")
+    if volume is None and frame.cell is not None:
+        volume = abs(np.linalg.det(frame.cell))
+    elif volume is None:
+        volume = np.prod(np.diff(extent(frame), axis=0))
     if not volume > 0:
-        raise ValueError(f"volume = {volume!r}; wanted the area of the region > 0 [m²]")
+        raise ValueError(f"volume = {volume!r}; expected {expected} > 0 [m²]")
     return float(1 - filled / volume)
 
 
 def stress_tensors(what=None):
-    """Mean stress in each grain by the moments of its contact forces (Love, Weber); see `Frame.stress_tensors`.
+    """Return the mean stress in each grain; see `Frame.stress_tensors`.
 
     Returns
     -------
@@ -84,29 +91,34 @@ def stress_tensors(what=None):
     stresses : (N, 2, 2) float array
         Compression positive [Pa].
     """
-    frame = _grains(what)
+    frame = _frame(what)
     return frame.grains["id"], frame.stress_tensors()
 
 
-def text(path, what=None):
-    """Write the grains as a table of numbers, one a line; its head names the columns. The file appears whole or not at all.
+def write_table(path, what=None):
+    """Write the grains as a text table, one row per grain; the first line names the columns.
+
+    The write is atomic.
 
     Returns
     -------
     int
         Number of grains.
     """
-    grains = _grains(what).grains
-    columns = dict(id=grains["id"], x=grains["position"][:, 0], y=grains["position"][:, 1], angle=grains["angle"], half_length=grains["half_length"],
-                   cap_radius=grains["cap_radius"], mass=grains["mass"], vx=grains["velocity"][:, 0], vy=grains["velocity"][:, 1],
-                   spin=grains["velocity"][:, 2], clump=grains["clump"], fixed=grains["fixed"])  # fmt: skip
-    integers = ("id", "clump", "fixed")
-    with whole(path) as partial:
-        np.savetxt(partial, np.column_stack(list(columns.values())), ["%d" if name in integers else "%.17g" for name in columns], header=" ".join(columns))
+    grains = _frame(what).grains
+    x, y = grains["position"].T
+    vx, vy, spin = grains["velocity"].T
+    given = {name: grains[name] for name in ("angle", "half_length", "cap_radius", "mass")}
+    columns = dict(id=grains["id"], x=x, y=y, **given, vx=vx, vy=vy, spin=spin,
+                   clump=grains["clump"], fixed=grains["fixed"])  # fmt: skip
+    formats = ["%d" if name in ("id", "clump", "fixed") else "%.17g" for name in columns]
+    table = np.column_stack(list(columns.values()))
+    with atomic_path(path) as partial:
+        np.savetxt(partial, table, formats, header=" ".join(columns))
     return len(grains["id"])
 
 
-def _grains(what):
+def _frame(what):
     frame = Frame.of(what)
     if not len(frame.grains["id"]):
         raise ValueError("the scene holds no Rcr and no Sphere: there is nothing to measure")

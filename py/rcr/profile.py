@@ -1,22 +1,25 @@
-"""Fields of a scene's free grains on a grid: solid fraction, velocity, stress, fabric, coordination. Needs NumPy; a plot Matplotlib.
+"""Fields of the free grains on a grid: solid fraction, velocity, stress, fabric, coordination.
 
-    profile = rcr.Profile(cells=(1, 20)).compute(network)    # 20 layers; any scene, network or file
-    profile.velocity[0, :, 0]                                # v_x(y) of them
+    profile = rcr.Profile(cells=(1, 20)).compute(network)    # 20 layers of a network
+    profile.velocity[0, :, 0]                                # v_x(y)
     profile.plot(quantity="pressure")
 
-A grain is spread over its outline, a contact's f⊗ℓ along its branch vector: sums over the grid are those of the grains and contacts in it,
-so stress × area of the cells adds up to volume × `Network.stress`, however fine the grid.
+A grain is spread over its outline, and the moment f⊗ℓ of a contact along its branch vector.
+Stress × cell area, summed over the grid, is volume × `Network.stress` for any number of cells.
+
+Needs NumPy; `Profile.plot` needs Matplotlib.
 """
 
 import math
 
 import numpy as np
 
-from rcr import checks
-from rcr.frame import OUTLINE, Frame
-from rcr.outlines import half_extents
+from rcr import _checks as checks
+from rcr import _outlines
+from rcr._grain_sums import OUTLINE
+from rcr.frame import Frame
 
-ACROSS = 8  # sample points across a grain and as many along it, and along each half of a branch vector
+SAMPLES = 8  # sample points along and across a grain, and along each half of a branch vector
 
 QUANTITIES = dict(
     solid_fraction=("solid fraction", lambda p: p.solid_fraction, "Blues"),
@@ -30,15 +33,15 @@ QUANTITIES = dict(
 
 
 class Profile:
-    """Fields on a grid of rectangles.
+    """Fields on a grid of rectangular cells.
 
     Parameters
     ----------
     cells : (int, int)
-        Number of cells along x and along y; a 1 makes a profile along the other axis.
+        Number of cells along x and along y. One cell along an axis makes a profile along the other.
     limits : ((float, float), (float, float)), optional
-        Lower left and upper right corner [m]; by default the box around the grains of what is computed first, or the periodic cell. What
-        lies outside is left out.
+        Lower left and upper right corner [m]; by default the box around the grains of the first
+        frame, or the periodic cell. Grains and contacts outside are ignored.
 
     Raises
     ------
@@ -48,11 +51,15 @@ class Profile:
 
     def __init__(self, cells=(1, 20), limits=None):
         if np.shape(cells) != (2,):
-            raise ValueError(f"cells = {cells!r}; wanted two numbers, along x and along y")
-        self.cells = tuple(checks.whole(f"cells[{k}]", n, "at least 1", lambda v: v >= 1) for k, n in enumerate(cells))
+            raise ValueError(f"cells = {cells!r}; expected two numbers, along x and along y")
+        self.cells = tuple(
+            checks.integer(f"cells[{k}]", n, "at least 1", lambda v: v >= 1)
+            for k, n in enumerate(cells)
+        )
         self._given = None if limits is None else checks.array("limits", limits, (2, 2))
         if limits is not None and not (self._given[1] > self._given[0]).all():
-            raise ValueError(f"limits = {limits!r}; wanted the lower left and the upper right corner of a rectangle [m]")
+            expected = "the lower left and the upper right corner of a rectangle [m]"
+            raise ValueError(f"limits = {limits!r}; expected {expected}")
         self.limits = self._given
         self._sums = None
 
@@ -61,27 +68,29 @@ class Profile:
         if self._sums is None:
             return f"<Profile: {grid}, nothing computed yet>"
         (left, bottom), (right, top) = self.limits
-        return f"<Profile: {grid} from ({left:g}, {bottom:g}) to ({right:g}, {top:g}) m, {'mean of ' * (self._moments > 1)}{self._moments} moment{'s' * (self._moments > 1)}>"
+        count = self._moments
+        mean = f"mean of {count} moments" if count > 1 else "1 moment"
+        return f"<Profile: {grid} from ({left:g}, {bottom:g}) to ({right:g}, {top:g}) m, {mean}>"
 
     def compute(self, what=None, reset=True):
-        """Fields of one moment.
+        """Compute the fields at one time.
 
         Parameters
         ----------
         what : None, Frame, Network or path
             None is the present scene of YADE; see `rcr.frame.Frame.of`.
         reset : bool
-            Forget what was computed before; False averages over all moments since.
+            True starts again; False averages over all frames since the last reset.
 
         Returns
         -------
         Profile
-            This one.
+            The object itself.
 
         Raises
         ------
         ValueError
-            If there is no grain, or the periodic cell's first edge does not lie along x.
+            If there is no grain, or the first edge of the periodic cell is not along x.
         """
         frame = Frame.of(what)
         if reset or self._sums is None:
@@ -96,7 +105,8 @@ class Profile:
     def edges(self):
         """Edges of the cells along x (n_x + 1,) and along y (n_y + 1,) [m]."""
         self._sum("area")
-        return tuple(np.linspace(low, high, n + 1) for low, high, n in zip(*self.limits, self.cells))
+        axes = zip(*self.limits, self.cells)
+        return tuple(np.linspace(low, high, n + 1) for low, high, n in axes)
 
     @property
     def centers(self):
@@ -111,17 +121,17 @@ class Profile:
 
     @property
     def solid_fraction(self):
-        """Share of the grains' area in each cell, (n_x, n_y) [-]."""
+        """Area of grains over the area of the cell, (n_x, n_y) [-]."""
         return self._sum("area") / self.cell_area
 
     @property
     def velocity(self):
-        """Mean velocity of the mass in each cell, (n_x, n_y, 2) [m/s]; NaN where there is none."""
+        """Mean velocity of the mass in each cell, (n_x, n_y, 2) [m/s]; NaN without mass."""
         return _ratio(self._sum("momentum"), self._sum("mass"))
 
     @property
     def stress(self):
-        """Stress of the contacts in each cell (Love, Weber), (n_x, n_y, 2, 2), compression positive [Pa]."""
+        """Stress of the contacts [Love, Weber], (n_x, n_y, 2, 2), compression positive [Pa]."""
         return self._sum("moments") / self.cell_area
 
     @property
@@ -131,23 +141,24 @@ class Profile:
 
     @property
     def fabric(self):
-        """Mean n⊗n of the contacts between grains in each cell, (n_x, n_y, 2, 2), trace 1 [-]; NaN where there is none."""
+        """Mean n⊗n of the contacts between grains, (n_x, n_y, 2, 2), trace 1 [-]; NaN without."""
         return _ratio(self._sum("fabric"), self._sum("contacts"))
 
     @property
     def coordination(self):
-        """Mean number of contacts of the grains in each cell, by their areas, (n_x, n_y) [-]; NaN where there is none."""
+        """Mean number of contacts of a grain, weighted by area, (n_x, n_y) [-]; NaN without."""
         return _ratio(self._sum("ends"), self._sum("area"))
 
     def plot(self, ax=None, quantity="solid_fraction"):
-        """Draw a field: a curve where the grid has one cell along an axis, else a map with its scale of colours.
+        """Draw a field: a curve for one cell along an axis, else a map with a colour bar.
 
         Parameters
         ----------
         ax : Axes, optional
-            Where to draw; by default Axes in a Figure of their own.
+            By default Axes of a new Figure.
         quantity : str
-            One of solid_fraction, velocity_x, velocity_y, speed, pressure, shear_stress, coordination.
+            One of solid_fraction, velocity_x, velocity_y, speed, pressure, shear_stress,
+            coordination.
 
         Returns
         -------
@@ -168,56 +179,64 @@ class Profile:
             ax.set(xlabel="$x$ [m]", ylabel=label)
         else:
             bound = np.nanmax(np.abs(values)) if cmap == "coolwarm" else None
-            mesh = ax.pcolormesh(*self.edges, values.T, cmap=cmap, vmin=None if bound is None else -bound, vmax=bound)
+            low = None if bound is None else -bound
+            mesh = ax.pcolormesh(*self.edges, values.T, cmap=cmap, vmin=low, vmax=bound)
             ax.set(xlabel="$x$ [m]", ylabel="$y$ [m]", aspect="equal")
             ax.grid(False)  # YADE turns grids on
             ax.figure.colorbar(mesh, ax=ax, label=label)
         return ax
 
     def _sum(self, name):
-        """Mean over the moments of a sum over each cell."""
+        """Return the mean over the frames of a sum over each cell."""
         if self._sums is None:
             raise AttributeError("nothing is computed yet; call compute() first")
         return self._sums[name] / self._moments
 
     def _add_grains(self, frame):
-        grains, area = frame.grains, frame.areas()
-        free = ~grains["fixed"]
-        arms, weight = _samples({name: grains[name][free] for name in OUTLINE})  # (N, K, 2) and shares (N, K)
-        place, drift = _inside(frame, grains["position"][free][:, None] + arms)
-        speed, spin = grains["velocity"][free][:, None, :2], grains["velocity"][free][:, None, 2:]
+        free = ~frame.grains["fixed"]
+        grains = {name: column[free] for name, column in frame.grains.items()}
+        arms, weight = _samples(grains)  # (N, K, 2) and (N, K)
+        place, drift = _into_cell(frame, grains["position"][:, None] + arms)
+        speed, spin = grains["velocity"][:, None, :2], grains["velocity"][:, None, 2:]
         velocity = speed + spin * np.stack([-arms[..., 1], arms[..., 0]], axis=-1) + drift
-        mass = weight * grains["mass"][free][:, None]
-        area = weight * area[free][:, None]
-        self._deposit(place, area=area, mass=mass, momentum=mass[..., None] * velocity, ends=area * frame.per_grain(frame.normal_force() > 0)[free][:, None])
+        mass = weight * grains["mass"][:, None]
+        area = weight * frame.areas()[free][:, None]
+        contacts = frame.per_grain(frame.normal_force() > 0)[free][:, None]
+        momentum = mass[..., None] * velocity
+        self._deposit(place, area=area, mass=mass, momentum=momentum, ends=area * contacts)
 
     def _add_contacts(self, frame):
         contacts = frame.contacts
         bearing = frame.normal_force() > 0
-        rows = np.append(frame.grains["fixed"], True)
-        inner = bearing & ~rows[frame.rows(contacts["body1"])] & ~rows[frame.rows(contacts["body2"])]
-        along = (np.arange(ACROSS) + 0.5) / ACROSS
-        for body, arm, sign in (("body1", "arm1", 1), ("body2", "arm2", -1)):
-            pick = bearing & ~rows[frame.rows(contacts[body])]
-            place, _ = _inside(frame, contacts["position"][pick][:, None] - along[:, None] * contacts[arm][pick][:, None])
-            moments = sign * np.einsum("ca,cb->cab", contacts["force"][pick], contacts[arm][pick]) / ACROSS
-            self._deposit(place, moments=np.broadcast_to(moments[:, None], (*place.shape[:2], 2, 2)))
+        fixed = np.append(frame.grains["fixed"], True)  # the last row is for obstacles
+        free1, free2 = (~fixed[frame.rows(contacts[body])] for body in ("body1", "body2"))
+        along = (np.arange(SAMPLES) + 0.5) / SAMPLES
+        for free, arm, sign in ((free1, "arm1", 1), (free2, "arm2", -1)):
+            pick = bearing & free
+            arms, force = contacts[arm][pick], contacts["force"][pick]
+            points = contacts["position"][pick][:, None] - along[:, None] * arms[:, None]
+            place, _ = _into_cell(frame, points)
+            moments = sign * np.einsum("ca,cb->cab", force, arms) / SAMPLES
+            moments = np.broadcast_to(moments[:, None], (*place.shape[:2], 2, 2))
+            self._deposit(place, moments=moments)
+        inner = bearing & free1 & free2
         n = contacts["normal"][inner]
-        place, _ = _inside(frame, contacts["position"][inner])
+        place, _ = _into_cell(frame, contacts["position"][inner])
         self._deposit(place, contacts=np.ones(len(n)), fabric=np.einsum("ca,cb->cab", n, n))
 
     def _deposit(self, place, **values):
-        """Add values (…, shape) at places (…, 2) to the sums of the cells that hold them."""
+        """Add values (…, shape) at places (…, 2) to the sums of their cells."""
         low, high = self.limits
-        cell = np.floor((place.reshape(-1, 2) - low) / (high - low) * self.cells).astype(np.int64)
-        there = ((cell >= 0) & (cell < self.cells)).all(axis=1)
-        row = cell[there, 0] * self.cells[1] + cell[there, 1]
+        scaled = (place.reshape(-1, 2) - low) / (high - low)
+        cell = np.floor(scaled * self.cells).astype(np.int64)
+        inside = ((cell >= 0) & (cell < self.cells)).all(axis=1)
+        row = cell[inside, 0] * self.cells[1] + cell[inside, 1]
         count = self.cells[0] * self.cells[1]
         for name, value in values.items():
             shape = value.shape[place.ndim - 1 :]
-            columns = value.reshape(len(there), math.prod(shape))[there].T
-            total = np.stack([np.bincount(row, column, count) for column in columns], axis=-1).reshape(*self.cells, *shape)
-            self._sums[name] = self._sums.get(name, 0) + total
+            columns = value.reshape(len(inside), math.prod(shape))[inside].T
+            sums = np.stack([np.bincount(row, column, count) for column in columns], axis=-1)
+            self._sums[name] = self._sums.get(name, 0) + sums.reshape(*self.cells, *shape)
 
 
 def _ratio(sums, counts):
@@ -226,36 +245,42 @@ def _ratio(sums, counts):
 
 
 def _limits(frame):
-    """Corners of the box around the free grains, or of the periodic cell as a rectangle."""
+    """Return the corners of the free grains' box, or of the periodic cell as a rectangle."""
     if frame.cell is not None:
         return np.array([[0.0, 0.0], [frame.cell[0, 0], frame.cell[1, 1]]])
-    grains = {name: frame.grains[name][~frame.grains["fixed"]] for name in OUTLINE}
-    if not len(grains["angle"]):
-        raise ValueError("the scene holds no free Rcr and no free Sphere: there is nothing to compute")
-    reach = np.column_stack([half_extents(grains, axis) for axis in (0, 1)])
-    return np.stack([(grains["position"] - reach).min(axis=0), (grains["position"] + reach).max(axis=0)])
+    free = ~frame.grains["fixed"]
+    if not free.any():
+        raise ValueError("the scene holds no free Rcr and no free Sphere: nothing to compute")
+    return _outlines.bounds({name: frame.grains[name][free] for name in OUTLINE})
 
 
 def _samples(grains):
-    """Points spread evenly over each grain, from its centre (N, K, 2) [m], and the share of the grain that each stands for (N, K)."""
+    """Return points spread evenly over each grain, and the fraction of the grain at each.
+
+    The points (N, K, 2) [m] are relative to the centre. The fractions (N, K) add up to 1.
+    """
     r, a = (grains[name][:, None] for name in ("cap_radius", "half_length"))
-    even = (2 * np.arange(ACROSS) + 1) / ACROSS - 1
+    even = (2 * np.arange(SAMPLES) + 1) / SAMPLES - 1
     u, v = (c.ravel() for c in np.meshgrid(even, even))
     x, y = u * (a + r), v * r
     inside = np.maximum(np.abs(x) - a, 0) ** 2 + y**2 <= r**2
     turned = (x + 1j * y) * np.exp(1j * grains["angle"])[:, None]
-    return np.stack([turned.real, turned.imag], axis=-1), inside / inside.sum(axis=1, keepdims=True)
+    points = np.stack([turned.real, turned.imag], axis=-1)
+    return points, inside / inside.sum(axis=1, keepdims=True)
 
 
-def _inside(frame, points):
-    """Points brought into the rectangle that stands for the periodic cell, and by how much faster their images move (zeros without one)."""
+def _into_cell(frame, points):
+    """Move points into the periodic cell's rectangle; return them and the velocity of the shift."""
     if frame.cell is None:
         return points, np.zeros_like(points)
     (width, lean), (foot, height) = frame.cell
     if foot != 0:
-        raise ValueError(f"the first edge of the periodic cell is ({width:g}, {foot:g}); wanted one along x, as the grid's")
+        given = f"the first edge of the periodic cell is ({width:g}, {foot:g})"
+        raise ValueError(f"{given}; expected one along x, as the grid's")
     up = -np.floor(points[..., 1] / height)
     along = -np.floor((points[..., 0] + up * lean) / width)
     turns = np.stack([along, up], axis=-1)
-    drift = np.zeros_like(points) if frame.cell_velocity is None else turns @ frame.cell_velocity.T
+    drift = np.zeros_like(points)
+    if frame.cell_velocity is not None:
+        drift = turns @ frame.cell_velocity.T
     return points + turns @ frame.cell.T, drift

@@ -1,4 +1,7 @@
-"""Parts that all scripts share: options that are checked where they are given, a stop that loses nothing, and an end in one line."""
+"""Parts of command-line scripts: checked options, clean stops, exit codes.
+
+`options` and `run` serve user scripts; the other functions serve those of this project.
+"""
 
 import argparse
 import contextlib
@@ -8,13 +11,16 @@ import signal
 import sys
 import threading
 
-from rcr import files
+from rcr import _files as files
+from rcr._files import atomic_path
 
-STOPPED = 130  # exit code after Ctrl-C, as a shell has it
+__all__ = ["Parser", "Stop", "Stopped", "at_least", "atomic_path", "folder", "integer", "new_file",
+           "number", "options", "run", "stoppable"]  # fmt: skip
+STOPPED = 130  # exit code after Ctrl-C, as in a shell
 
 
 class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, the usage only when asked."""
+    """An ArgumentParser whose errors take one line, without the usage."""
 
     def error(self, message):
         if message.startswith("argument "):
@@ -22,49 +28,64 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}\n")
 
 
-def number(wanted="a finite number", fits=lambda v: True, kind=float):
-    """Type of an option: a finite number in its range; the error says what is `wanted`."""
+def number(expected="a finite number", valid=lambda v: True, kind=float):
+    """Return an option type: a finite number for which `valid` holds.
+
+    Parameters
+    ----------
+    expected : str
+        Description for the error message.
+    valid : callable
+        Takes the number, returns a bool.
+    kind : type
+        float or int.
+    """
 
     def parse(text):
         try:
             value = kind(text)
         except ValueError:
-            raise argparse.ArgumentTypeError(f"{text[:60]!r}: wanted {wanted}") from None
-        if not -(2**63) <= value < 2**63 or not math.isfinite(value) or not fits(value):
-            raise argparse.ArgumentTypeError(f"{str(value)[:60]}: wanted {wanted}")
+            raise argparse.ArgumentTypeError(f"{text[:60]!r}: expected {expected}") from None
+        if not -(2**63) <= value < 2**63 or not math.isfinite(value) or not valid(value):
+            raise argparse.ArgumentTypeError(f"{str(value)[:60]}: expected {expected}")
         return value
 
     return parse
 
 
-def whole(wanted="a whole number below 2^63", fits=lambda v: True):
-    """The same of a whole number of 64 bits."""
-    return number(wanted, fits, int)
+def integer(expected="a whole number below 2^63", valid=lambda v: True):
+    """Return an option type: a whole number of 64 bits for which `valid` holds."""
+    return number(expected, valid, int)
 
 
 def at_least(least, most=2**31 - 1):
-    """Whole number from `least` on; of 32 bits, as the kernels count."""
-    return whole(f"at least {least}" + ("" if most == 2**31 - 1 else f" and at most {most}"), lambda v: least <= v <= most)
+    """Return an option type: a whole number from `least` to `most`."""
+    limit = "" if most == 2**31 - 1 else f" and at most {most}"
+    return integer(f"at least {least}{limit}", lambda v: least <= v <= most)
 
 
-THREADS = at_least(1, 1024)  # more than any machine that is served has processors
+THREADS = at_least(1, 1024)
 
 
 def folder(text):
-    """Type of an option: a folder that is there or can be made."""
+    """Option type: a folder that exists or can be made."""
     path = _path(text)
     parent = os.path.abspath(path)
     while not os.path.lexists(parent):
         parent = os.path.dirname(parent)
     if not os.path.isdir(parent):
-        raise argparse.ArgumentTypeError(f"{text}: {parent} is no folder; wanted a folder for the results")
+        raise argparse.ArgumentTypeError(
+            f"{text}: {parent} is not a folder; expected a folder for the results"
+        )
     if not os.access(parent, os.W_OK | os.X_OK):
-        raise argparse.ArgumentTypeError(f"{text}: the folder {parent} cannot be written; choose another")
+        raise argparse.ArgumentTypeError(
+            f"{text}: the folder {parent} cannot be written; choose another"
+        )
     return path
 
 
 def new_file(text):
-    """Type of an option: a file that can be written, in a folder that is there."""
+    """Option type: a file that can be written, in an existing folder."""
     path = _path(text)
     try:
         files.check_writable(path)
@@ -73,38 +94,51 @@ def new_file(text):
     return path
 
 
+def _path(text):
+    try:
+        return files.path_of("the path", text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r}: expected a path") from None
+
+
 def add_results(parser, what, required=True):
-    """The options --out, a folder, and --overwrite, as `rcr.results.owned` wants them."""
-    parser.add_argument("--out", type=folder, required=required, metavar="DIR", help=f"folder of the {what}, made if missing")
-    parser.add_argument("--overwrite", action="store_true", help=f"remove {what} of other options that are there")
+    """Add the options --out and --overwrite, which `rcr._results.claim_folder` takes."""
+    out = f"folder of the {what}, made if missing"
+    parser.add_argument("--out", type=folder, required=required, metavar="DIR", help=out)
+    overwrite = f"remove {what} of other options from the folder"
+    parser.add_argument("--overwrite", action="store_true", help=overwrite)
 
 
 def add_window(parser):
-    """The options --from-strain and --to-strain: which snapshots of a test are of its critical state, as `rcr.study.runs.Run.read` wants them."""
+    """Add the options --from-strain and --to-strain: limits of the critical state of a test."""
     strain = number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1)
-    parser.add_argument("--from-strain", type=strain, metavar="E", help="start of the critical state (default: half of where it ends)")
-    parser.add_argument("--to-strain", type=strain, metavar="E", help="its end (default: each test's last strain)")
+    parser.add_argument("--from-strain", type=strain, metavar="E",
+                        help="start of the critical state (default: half of its end)")  # fmt: skip
+    parser.add_argument("--to-strain", type=strain, metavar="E",
+                        help="end of the critical state (default: each test's end)")  # fmt: skip
 
 
 def options(doc, **more):
-    """Options --out DIR and --quick of an example, from the doc string of its script; the folder is made.
+    """Parse the options --out DIR and --quick of an example, and make the folder.
 
     Parameters
     ----------
     doc : str
-        Its first line is the description that --help prints.
+        Doc string of the script. Its first line is the description in --help.
     **more : dict
-        Further options by their names: what ``add_argument`` takes.
+        Further options by name; each value holds keywords of ``add_argument``.
 
     Returns
     -------
     argparse.Namespace
-        ``out``, by default a folder of the script's name in the current one, ``quick``, and the others.
+        ``out`` (by default ``out/NAME`` for the script ``NAME.py``), ``quick``, further options.
     """
     name = os.path.basename(sys.argv[0])
     parser = Parser(prog=name, description=doc.strip().splitlines()[0])
-    parser.add_argument("--out", type=folder, default=os.path.splitext(name)[0], metavar="DIR", help="folder of pictures and data (default %(default)s)")
-    parser.add_argument("--quick", action="store_true", help="a small scene, in a few seconds")
+    default = os.path.join("out", os.path.splitext(name)[0])
+    parser.add_argument("--out", type=folder, default=default, metavar="DIR",
+                        help="folder of pictures and data (default %(default)s)")  # fmt: skip
+    parser.add_argument("--quick", action="store_true", help="a small scene that takes seconds")
     for option, keywords in more.items():
         parser.add_argument("--" + option.replace("_", "-"), **keywords)
     given = parser.parse_args()
@@ -112,23 +146,18 @@ def options(doc, **more):
     return given
 
 
-def _path(text):
-    try:
-        return files.path_of("the path", text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r}: wanted a path") from None
-
-
 class Stop:
-    """Whether the user has asked for the end, by Ctrl-C or SIGTERM, while `stoppable` is on."""
+    """`asked` is True after a first Ctrl-C or SIGTERM; see `stoppable`."""
 
     asked = False
 
 
 @contextlib.contextmanager
 def stoppable():
-    """Block in which a first Ctrl-C or SIGTERM only sets `asked` of what it yields; a second one ends the block where it is. Other threads than the
-    main one hear of neither."""
+    """Block that yields a `Stop`: a first Ctrl-C or SIGTERM sets its `asked`, a second one raises.
+
+    Signals reach the main thread alone. In other threads the block has no effect.
+    """
     stop = Stop()
     if threading.current_thread() is not threading.main_thread():
         yield stop
@@ -148,24 +177,27 @@ def stoppable():
 
 
 class Stopped(Exception):
-    """The script ends because the user asked for it; the message says how to go on."""
+    """The user has stopped the script. The message says how to continue."""
 
 
 def run(main):
-    """Call `main` and end the process with its exit code (None: 0), after one line on stderr where it did not come to its end.
+    """Call `main`, print an error on one line and end the process with the exit code.
 
-    YADE's own end forgets the code, and an end of Python with YADE imported may: both are left out, except that YADE's program
-    goes on after a script without errors, to its prompt where one is wanted.
+    `main` returns the code (None: 0). The function avoids YADE's own exit, which loses the code.
+    Within the program `yade` it returns after success, so that a session can continue.
     """
     name = os.path.basename(sys.argv[0])
     try:
         code, message = main() or 0, ""
-    except SystemExit as end:  # of argparse, or with a line of ours
-        code, message = (end.code or 0, "") if isinstance(end.code, (int, type(None))) else (1, f"{name}: {end.code}")
+    except SystemExit as end:
+        if isinstance(end.code, (int, type(None))):  # argparse has printed its message
+            code, message = end.code or 0, ""
+        else:
+            code, message = 1, f"{name}: {end.code}"
     except (KeyboardInterrupt, Stopped) as error:
         code, message = STOPPED, f"{name}: {error if str(error) else 'stopped'}"
     except MemoryError:
-        code, message = 1, f"{name}: the memory does not suffice; choose something smaller"
+        code, message = 1, f"{name}: the memory does not suffice; choose a smaller problem"
     except (ValueError, RuntimeError, OSError) as error:
         code, message = 1, f"{name}: {files.one_line(error)}"
     if message:
@@ -178,6 +210,6 @@ def _end(code):
     if code == 0 and getattr(getattr(yade, "runtime", None), "opts", None) is not None:
         return
     for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(OSError, ValueError):  # a pipe that nobody reads any more
+        with contextlib.suppress(OSError, ValueError):  # a closed pipe
             stream.flush()
     os._exit(code) if yade else sys.exit(code)

@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 
-from rcr import results, script
+from rcr import _results as results, script
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -33,7 +33,7 @@ def arguments():
     elongation = script.number("elongations 0 ≤ ETA < 1", lambda v: 0 <= v < 1)
     parser.add_argument("--etas", type=numbers(elongation), nargs="+", metavar="ETA", default=[[0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]],
                         help="elongations, with commas or spaces between them (default 0,0.1,…,0.7)")  # fmt: skip
-    parser.add_argument("--seeds", type=numbers(script.whole("seeds ≥ 0", lambda v: v >= 0)), nargs="+", metavar="SEED", default=[[1]], help="seeds, likewise (default 1)")
+    parser.add_argument("--seeds", type=numbers(script.integer("seeds ≥ 0", lambda v: v >= 0)), nargs="+", metavar="SEED", default=[[1]], help="seeds, likewise (default 1)")
     parser.add_argument("--strain", type=script.number("0 < strain < 1", lambda v: 0 < v < 1), default=0.5, metavar="E", help="of the shear (default %(default)s)")
     parser.add_argument("--networks", type=script.at_least(1), default=10, metavar="N", help="snapshots of each test, at equal strains (default %(default)s)")
     parser.add_argument("--quasi-static", action="store_true", help="shear without inertia, as scripts/biaxial.py --quasi-static: averages hardly know the rate")
@@ -97,7 +97,7 @@ def main():
     out = pathlib.Path(options.out)
     check_networks(out, options)
     parameters = {name: getattr(options, name) for name in ("particles", "etas", "seeds", "strain", "networks", "quasi_static")}
-    with results.owned(out, "campaign", parameters, [], free=list(parameters), resume=True) as begin:
+    with results.claim_folder(out, "campaign", parameters, [], free=list(parameters), resume=True) as begin:
         begin()  # one folder may hold several campaigns: the names of its runs tell their parameters
         try:
             run = subprocess.run(command(options, extra), stdout=sys.stderr)

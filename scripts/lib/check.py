@@ -159,25 +159,25 @@ def before(name):
 
 
 CHECKS = {
-    "slow": (lambda arguments: script("slow", *PYTEST, "-m", "slow", *arguments), "the tests that take long"),
-    "asan": (lambda arguments: sanitize_kernels("asan", arguments), "the kernels' tests under AddressSanitizer, with bounds checks"),
-    "ubsan": (lambda arguments: sanitize_kernels("ubsan", arguments), "the kernels' tests under UndefinedBehaviorSanitizer"),
-    "tsan": (lambda arguments: sanitize_kernels("tsan", arguments), "the kernels' tests under ThreadSanitizer"),
-    "plugin-asan": (sanitize_plugin, "the plugin within YADE under AddressSanitizer and UndefinedBehaviorSanitizer, with bounds checks: soak and scenes"),
-    "mutants": (lambda arguments: importlib.import_module("mutants").run(arguments), "the kernels' tests against kernels with one mistake each"),
-    "scenes": (python("scenes", FUZZER, "--scenes", "2000"), "scenes drawn at random: each runs within its bounds or is refused before anything moves"),
-    "soak": (python("soak", SOAK), "scenes drawn at random in which something changes again and again, and memory stays"),
-    "driven": (lambda arguments: script("driven", "scripts/yade-rcr", "-n", "-x", "scripts/driven_scenes.py", *(arguments or ["--count", "200", "--out", str(FOLDER / "driven.csv")])),
-               "driven scenes drawn at random, rigid beside springs"),
-    "large": (python("large", LARGE), "2^20 grains apart, and 10^5 in a pile"),
+    "slow": (lambda arguments: script("slow", *PYTEST, "-m", "slow", *arguments), "slow tests"),
+    "asan": (lambda arguments: sanitize_kernels("asan", arguments), "kernel tests under AddressSanitizer, with bounds checks"),
+    "ubsan": (lambda arguments: sanitize_kernels("ubsan", arguments), "kernel tests under UndefinedBehaviorSanitizer"),
+    "tsan": (lambda arguments: sanitize_kernels("tsan", arguments), "kernel tests under ThreadSanitizer"),
+    "plugin-asan": (sanitize_plugin, "soak and scenes in YADE under AddressSanitizer and UndefinedBehaviorSanitizer, with bounds checks"),
+    "mutants": (lambda arguments: importlib.import_module("mutants").run(arguments), "kernel tests against kernels with one error each"),
+    "scenes": (python("scenes", FUZZER, "--scenes", "2000"), "random scenes: each keeps its bounds or is rejected before the first step"),
+    "soak": (python("soak", SOAK), "random scenes with repeated changes; memory stays constant"),
+    "driven": (lambda arguments: script("driven", "scripts/yade-rcr", "-n", "-x", "benchmarks/driven_scenes.py", *(arguments or ["--count", "200", "--out", str(FOLDER / "driven.csv")])),
+               "random driven scenes, rigid contacts against springs"),
+    "large": (python("large", LARGE), "2^20 separate grains, 10^5 grains in a pile"),
     "kills": (python("kills", "tests/endurance/kills.py", "writes", "1000", "runs", "50", "campaigns", "5"), "writes, runs and campaigns killed at random moments"),
-    "damage": (damage, "readers and twenty times as many damaged files: each read, or refused in one line"),
-    "properties": (properties, "what holds for any input, with a thousand new inputs each"),
+    "damage": (damage, "twenty times as many damaged files: each is read or rejected in one line"),
+    "properties": (properties, "property tests, a thousand new inputs each"),
     "tidy": (lambda arguments: before("tidy"), "clang-tidy on the kernels"),
-    "coverage": (lambda arguments: before("coverage"), "lines of the kernels that their tests reach"),
-    "docs": (python("docs", "docs/build.py"), "the pages as a site, without a warning"),
-    "slurm": (lambda arguments: before("slurm"), "a campaign on SLURM, a job of it cancelled, with the results of a local campaign"),
-    "deb": (lambda arguments: before("deb"), "the Debian package installed in a clean Debian 13, used by plain yade, and removed without a trace"),
+    "coverage": (lambda arguments: before("coverage"), "line coverage of the kernels by their tests"),
+    "docs": (python("docs", "docs/build.py"), "site of the pages, without warnings"),
+    "slurm": (lambda arguments: before("slurm"), "campaign on SLURM with a cancelled job; results equal those of a local campaign"),
+    "deb": (lambda arguments: before("deb"), "Debian package: installed in a clean Debian 13, used by plain yade, removed completely"),
 }  # fmt: skip
 VERDICTS = {True: "clean", False: "FAILS", None: "left out"}
 
@@ -198,8 +198,8 @@ def record(rows):
 
 def page(rows):
     """The table of these rows in Markdown."""
-    lines = ["# Checks", "", "What stands beside the default tests, and how its last run of `scripts/check` with these options ended; `checks.csv` has all runs. "
-             "`scripts/check --record` writes both.", "", "| check | what it does | verdict | found | date, commit | s |", "|---|---|---|---|---|---|"]  # fmt: skip
+    lines = ["# Checks", "", "Last run of each check of `scripts/check`, by its options.",
+             "`checks.csv` holds all runs; `scripts/check --record` writes both files.", "", "| check | what it does | verdict | found | date, commit | s |", "|---|---|---|---|---|---|"]  # fmt: skip
     cell = lambda text: text.replace("|", "\\|")
     for row in rows:
         options = f" `{row['options']}`" if row["options"] else ""

@@ -1,27 +1,47 @@
-"""For scripts that any Python may start: the project's modules on the path, and the way into the environment that has the rest.
+"""Puts the project on the path of a script, and starts the script again where its packages are.
 
-Needs nothing but Python, since nothing but Python is sure to be there.
+Any Python may start a script, so this file needs Python alone.
 """
 
+import importlib
 import os
 import sys
 
-SCRIPT = os.path.realpath(sys.argv[0])
 LIB = os.path.dirname(os.path.realpath(__file__))
 ROOT = os.path.dirname(os.path.dirname(LIB))
-BENCHMARKS = os.path.join(ROOT, "benchmarks")
+SCRIPT = os.path.realpath(sys.argv[0])
 sys.path[:0] = [os.path.join(ROOT, "py"), ROOT]
 
 
+def run(module, before=lambda: None):
+    """Call `main` of a module; where an import fails, start again in the environment.
+
+    Parameters
+    ----------
+    module : str
+        Name of a module with a function `main`.
+    before : function
+        Called before the script starts again.
+    """
+    try:
+        main = importlib.import_module(module).main
+        from rcr import script
+    except ImportError as error:
+        reenter(error, before)
+    script.run(main)
+
+
 def reenter(error, before=lambda: None):
-    """Start the script with the present arguments again, in the environment; say why in one line if this is the environment.
+    """Start the script with its arguments again, in the environment with YADE and the packages.
+
+    In that environment already, end with the error in one line.
 
     Parameters
     ----------
     error : ImportError
-        What was missing.
+        Names the missing module.
     before : function
-        Called if it is started again.
+        Called before the script starts again.
     """
     if os.environ.get("YADE_RCR_WAY"):
         sys.exit(f"{os.path.basename(SCRIPT)}: {error}")

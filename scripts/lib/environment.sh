@@ -14,6 +14,7 @@ set -euo pipefail
 
 yade_version=2025.2.0
 lib=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd -P)
+setup=$lib/setup
 repo=$(cd "$lib/../.." && pwd -P)
 cache=${XDG_CACHE_HOME:-${HOME:?or XDG_CACHE_HOME must be set}/.cache}/yade-rcr
 log=$cache/log
@@ -29,8 +30,8 @@ fail() {
 # Whatever is read goes to the log; the lines meant for the user go to the terminal too.
 record() { tee -a "$log" "$new/output" | grep --line-buffered '^yade-rcr: ' >&2 || true; }
 
-required_packages() { sed -n 's/^\([a-z][^ ]*\).*/\1/p' "$lib/packages"; }
-packages_id() { sed 's/#.*//; /^ *$/d' "$lib/packages" | sha256sum | cut -c1-12; }
+required_packages() { sed -n 's/^\([a-z][^ ]*\).*/\1/p' "$setup/packages"; }
+packages_id() { sed 's/#.*//; /^ *$/d' "$setup/packages" | sha256sum | cut -c1-12; }
 
 # lock PATH NOTICE [MARK]: held until `unlock`, or the end of this process. Who waits is told why; with a MARK
 # only while that file is there, since until then the other one looks whether there is something to do.
@@ -45,8 +46,8 @@ lock() {
 }
 unlock() { exec 9<&-; }
 
-. "$lib/native.sh"
-. "$lib/rootfs.sh"
+. "$setup/native.sh"
+. "$setup/rootfs.sh"
 
 # ready_way: sets `way` to the environment that is complete, if there is one
 ready_way() {

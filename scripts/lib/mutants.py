@@ -59,11 +59,11 @@ TABLE = {
         ("nan-is-finite", "((values - values) + ...) == 0", "!(((values - values) + ...) > 0)"),
         ("one-id-unchecked", "(std::size_t(c.body1) < bodies) & (std::size_t(c.body2) < bodies)", "(std::size_t(c.body1) < bodies)"),
     ],
-    "sweep/coloring.hpp": [
+    "sweep/layout/coloring.hpp": [
         ("second-body-free", "if (limits2) used_[body2] |= lowest;", ""),
         ("overflow-takes-a-colour", "if (lowest >> colors) return none;\n\t\tif (limits1) used_[body1] |= lowest;", "if (limits1) used_[body1] |= lowest;\n\t\tif (lowest >> colors) return none;"),
     ],
-    "sweep/layout.cpp": [
+    "sweep/layout/layout.cpp": [
         ("model-of-the-first-point", "joins ? both(c.needs, next.needs) : c.needs", "c.needs"),
         ("layout-kept-for-other-kinds", "sameReductions && sameCell && sameBodies && samePairs", "sameReductions && sameCell && samePairs"),
         ("layout-kept-for-another-cell", "sameReductions && sameCell && sameBodies && samePairs", "sameReductions && sameBodies && samePairs"),
@@ -71,11 +71,11 @@ TABLE = {
         ("threads-share-small-islands", "pairs > loneIslandPairs", "pairs > 0"),
         ("levers-of-one-body", "turned(c.body1, c.arm1) || turned(c.body2, c.arm2)", "turned(c.body1, c.arm1)"),
     ],
-    "sweep/layout_blocks.cpp": [
+    "sweep/layout/layout_blocks.cpp": [
         ("prescribed-bodies-share-a-record", "if (moves(body)) return offsetOf(record_[body]);", "return offsetOf(record_[body]);"),
         ("vacant-lanes-of-one-side", "pairBlocks_.back().body2[lane] = offsetOf(ownRecords(1));", "pairBlocks_.back().body2[lane] = pairBlocks_.back().body1[lane];"),
     ],
-    "sweep/slabs.cpp": [
+    "sweep/layout/partitions.cpp": [
         ("slabs-of-one-level", "leastLevels = 2", "leastLevels = 1"),
         ("neighbours-of-one-side", "for (int side : { 0, 1 })\n\t\t\tneighbor_", "for (int side : { 0, 0 })\n\t\t\tneighbor_"),
     ],
@@ -100,17 +100,18 @@ TABLE = {
         ("rebias-keeps-the-overflow", "c.bias          = bias[c.point];", ""),
         ("spin-not-scaled-back", ".spin * inverseGyration_[i]", ".spin"),
     ],
-    "sweep/point_models.hpp": [
+    "sweep/lane/point_models.hpp": [
         ("slides-one-way", "max(min(t0, n0 * L::load(c.slidePlus + lane))", "max(t0"),
         ("friction-without-coupling", "return { subtractProduct(n0, ratio, t), t };", "return { n0, t };"),
     ],
-    "delassus/row_batch.cpp": [
-        ("islands-cut", "total - begin_.back() + size[i] > maxBatchRows", "total - begin_.back() + size[i] > 2 * maxBatchRows"),
-        ("colour-of-a-neighbour", "taken |= bit[other];", "taken |= other % 7 ? bit[other] : 0;"),
-        ("starts-without-impulses", "impulse_[slice].of[lane] = { p.n, p.t };", "impulse_[slice].of[lane] = { p.n, 0 };"),
+    "delassus/solve_delassus.cpp": [
+        ("own-block-counted-twice", "add(problem_.rowStart[k], diagonal_[k]);", "add(problem_.rowStart[k], diagonal_[k] + 1);"),
+        ("relaxed-off-the-cone", "projectCone(p + relaxation * (solved - p), friction)", "p + relaxation * (solved - p)"),
+        ("without-asymmetry", "g.t += (w.tn - w.nt) * p.n;", ""),
+        ("driven-bodies-keep-impulses", "problem.impulse[k] = {};", ";"),
     ],
-    "delassus/piece_steps.cpp": [
-        ("blocks-transposed", "matrix_.pairBlock(pairOf_[e], j < k)", "matrix_.pairBlock(pairOf_[e], j > k)"),
+    "delassus/delassus_problem.cpp": [
+        ("pattern-unchecked", "columns + problem.rowStart[j + 1], k))", "columns + problem.rowStart[j + 1], j))"),
     ],
     "exact/block_lu.cpp": [
         ("inverse-without-exchange", "std::swap(a[largest], a[k]);", ""),
@@ -132,7 +133,7 @@ TABLE = {
         ("last-instead-of-best", "problem.impulse = best.impulse;", ""),
         ("no-cold-start", "problem.impulse.assign(problem.points.size(), {});", ""),
     ],
-    "exact/stiffness.hpp": [
+    "exact/proximal_parameter.hpp": [
         ("patience-without-limit", "std::min(limits_.maxPatience, 2 * patience_)", "2 * patience_"),
     ],
     "parallel/shared_loop.cpp": [
@@ -165,7 +166,7 @@ def all_mutants():
 
 def tests_of(file):
     """The unit's own tests, then those of its room, then all."""
-    room = check.ROOT / check.TESTS / file.split("/")[-2]
+    room = check.ROOT / check.TESTS / file.split("/")[2]
     own = room / f"test_{file.split('/')[-1].split('.')[0]}.py"
     return [str(path.relative_to(check.ROOT)) for path in (own, room) if path.exists()] + [check.TESTS]
 

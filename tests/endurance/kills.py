@@ -26,7 +26,7 @@ sys.path[:0] = [str(TESTS), str(TESTS / "python")]
 
 import numpy as np
 import synthetic
-from rcr import files, problems
+from rcr import _files as files, problems
 from rcr.network import Network
 from run_contents import campaign_contents, contents, different
 

@@ -289,9 +289,9 @@ def test_mixed_networks_are_refused(tmp_path):
         ("", "lacks the column strain and stress_x and stress_y"),
         ("strain,stress_x,stress_y\n", "holds no record"),
         ("strain,stress_x,stress_y\n0.1,1,2\n0.2,abc,2\n", "line 3: stress_x = 'abc'; wanted a number"),
-        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,1,nan\n", "line 3: stress_y = nan; wanted a finite number"),
+        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,1,nan\n", "line 3: stress_y = nan; expected a finite number"),
         ("strain,stress_x,stress_y\n0.1,1,2\n0.2,1\n", "line 3: stress_y = None; wanted a number"),
-        ("strain,stress_x,stress_y\n0.1,1,2\n0.1,1,2\n", "the strain\\[1\\] = 0.1; wanted more than"),
+        ("strain,stress_x,stress_y\n0.1,1,2\n0.1,1,2\n", "the strain\\[1\\] = 0.1; expected more than"),
     ],
 )
 def test_bad_histories_are_refused(tmp_path, text, says):

@@ -98,7 +98,7 @@ def test_the_image_of_a_solution_solves_the_mirrored_problem(times):
 def test_a_problem_without_walls_has_no_mirror():
     problem = lattice()
     problem.inverse_mass[-4:] = 1
-    with pytest.raises(ValueError, match="nothing to mirror"):
+    with pytest.raises(ValueError, match="straight wall"):
         measure.mirrored(problem)
 
 
@@ -214,11 +214,11 @@ def test_siconos_gives_what_its_residual_says(files):
     "arguments, says",
     [
         (["none.npz"], "none.npz"),
-        (["small.npz", "--solvers", "best"], "--solvers best: wanted some of nlgs"),
-        (["small.npz", "--tolerances", "2"], "--tolerances 2.0: wanted numbers between 0 and 1"),
-        (["small.npz", "--mirror", "-1"], "--mirror -1: wanted at least 0"),
-        (["small.npz", "--threads", "0"], "--threads 0: wanted at least 1"),
-        (["small.npz", "--repeats", "0"], "--repeats 0: wanted at least 1"),
+        (["small.npz", "--solvers", "best"], "--solvers best: expected some of nlgs"),
+        (["small.npz", "--tolerances", "2"], "--tolerances 2.0: expected numbers between 0 and 1"),
+        (["small.npz", "--mirror", "-1"], "--mirror -1: expected at least 0"),
+        (["small.npz", "--threads", "0"], "--threads 0: expected at least 1"),
+        (["small.npz", "--repeats", "0"], "--repeats 0: expected at least 1"),
         (["small.npz", "--siconos", "/none/python", "--only", "tolerances"], "/none/python: No such file or directory"),
     ],
 )
@@ -307,11 +307,11 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
     "arguments, says",
     [
         (["none.npz"], "none.npz"),
-        (["six.txt"], "wanted a step .npz or a network .h5"),
+        (["six.txt"], "expected a step .npz or a network .h5"),
         (["."], "a checkpoint needs YADE"),
-        (["six.npz", "--iterations", "0"], "--iterations 0: wanted at least 1"),
-        (["six.npz", "--steps", "0"], "--steps 0: wanted at least 1"),
-        (["six.npz", "--friction", "-1"], "--friction -1.0: wanted a coefficient ≥ 0"),
+        (["six.npz", "--iterations", "0"], "--iterations 0: expected at least 1"),
+        (["six.npz", "--steps", "0"], "--steps 0: expected at least 1"),
+        (["six.npz", "--friction", "-1"], "--friction -1.0: expected a coefficient ≥ 0"),
         (["six.npz", "--chipmunk", "/none/program"], "/none/program: No such file or directory"),
     ],
 )

@@ -10,7 +10,7 @@ import signal
 import h5py
 import numpy as np
 import pytest
-from rcr import files, problems, solve
+from rcr import _files as files, problems, solve
 from rcr.network import Network
 from rcr.study.runs import Run
 
@@ -161,5 +161,5 @@ def test_no_files(tmp_path, name, strange):
 @pytest.mark.parametrize("path", [None, 3, "", b"", 1.5, ["x.npz"], "a\0.npz"])
 def test_no_paths(path):
     for read in (problems.load, solve, Network.load):
-        with pytest.raises(ValueError, match="wanted"):
+        with pytest.raises(ValueError, match="expected"):
             read(path)

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcr import files
-from rcr.files import whole
+from rcr import _files as files
+from rcr._files import atomic_path
 
 from synthetic import packing
 
@@ -63,7 +63,7 @@ def test_what_cannot_be_written_is_said_first(tmp_path, path, error):
 
 @pytest.mark.parametrize("path", [0, None, "", "a\0b", 1.5])
 def test_no_path(path):
-    with pytest.raises(ValueError, match="wanted a path"):
+    with pytest.raises(ValueError, match="expected a path"):
         files.write(path, "x")
 
 
@@ -71,7 +71,7 @@ def test_a_full_disk_loses_nothing(tmp_path):
     """A limit on the size of files is what a full disk is to a writer."""
     path = tmp_path / "kept"
     files.write(path, b"old")
-    code = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); from rcr import files; files.write(sys.argv[1], bytes(10**6))"
+    code = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); from rcr import _files as files; files.write(sys.argv[1], bytes(10**6))"
     ended = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True)
     assert ended.returncode == 1 and str(path) in ended.stderr.splitlines()[-1]
     assert path.read_bytes() == b"old" and [p.name for p in tmp_path.iterdir()] == ["kept"]
@@ -159,7 +159,7 @@ def test_networks_have_the_permissions_of_any_file(tmp_path, mask, wanted):
 def test_a_failed_write_leaves_the_old_file_alone(tmp_path, error):
     path = tmp_path / "file.txt"
     path.write_text("old")
-    with pytest.raises(error), whole(path) as partial:
+    with pytest.raises(error), atomic_path(path) as partial:
         with open(partial, "w") as file:
             file.write("half")
         raise error
@@ -168,7 +168,7 @@ def test_a_failed_write_leaves_the_old_file_alone(tmp_path, error):
 
 def test_relative_paths(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with whole("file.txt") as partial, open(partial, "w") as file:
+    with atomic_path("file.txt") as partial, open(partial, "w") as file:
         file.write("new")
     assert (tmp_path / "file.txt").read_text() == "new" and os.listdir(tmp_path) == ["file.txt"]
 

@@ -82,7 +82,7 @@ def test_friction_is_that_of_each_contact():
     test = network(np.zeros(4), np.ones((4, 2)), force, friction=9.0)
     mixed = Network(test.particles, test.contacts | dict(friction=np.array([0.5, 0.25, 0, np.nan])), test.attributes)
     assert mixed.friction_mobilization() == pytest.approx([0.5, 1, 0, 0])
-    with pytest.raises(ValueError, match=r"contacts/friction\[1\] = -1; wanted a coefficient ≥ 0"):
+    with pytest.raises(ValueError, match=r"contacts/friction\[1\] = -1; expected a coefficient ≥ 0"):
         Network(test.particles, test.contacts | dict(friction=np.array([0, -1.0, 0, 0])), test.attributes)
 
 
@@ -152,7 +152,7 @@ def test_file_round_trip_and_refusals(tmp_path):
     contacts = dict(test.contacts)
     with pytest.raises(ValueError, match="lacks force"):
         Network(test.particles, {k: v for k, v in contacts.items() if k != "force"}, dict(volume=1))
-    with pytest.raises(ValueError, match=r"contacts/force has shape \(500, 1\); wanted \(500, 2\)"):
+    with pytest.raises(ValueError, match=r"contacts/force has shape \(500, 1\); expected \(500, 2\)"):
         Network(test.particles, contacts | dict(force=contacts["force"][:, :1]), dict(volume=1))
     with pytest.raises(ValueError, match="contacts/force holds a number that is not finite"):
         Network(test.particles, contacts | dict(force=contacts["force"] * np.nan), dict(volume=1))
@@ -191,24 +191,24 @@ def put(index, value):
 @pytest.mark.parametrize(
     "name, change, says",
     [
-        ("contacts/body1", put(3, 77), r"contacts/body1\[3\] = 77; wanted the id of a particle"),
-        ("contacts/body2", put(2, 77), r"contacts/body2\[2\] = 77; wanted the id of a particle, or a negative one"),
-        ("contacts/body2", put(0, 0), r"contacts/body2\[0\] = 0; wanted another body"),
-        ("contacts/body1", lambda c: c + 0.5, "wanted whole numbers"),
-        ("contacts/type", put(1, 4), r"contacts/type\[1\] = 4; wanted 0 to 3"),
-        ("contacts/normal", put((4, 0), 3.0), r"the length of contacts/normal\[4\] = 3.*; wanted 1"),
+        ("contacts/body1", put(3, 77), r"contacts/body1\[3\] = 77; expected the id of a particle"),
+        ("contacts/body2", put(2, 77), r"contacts/body2\[2\] = 77; expected the id of a particle, or a negative one"),
+        ("contacts/body2", put(0, 0), r"contacts/body2\[0\] = 0; expected another body"),
+        ("contacts/body1", lambda c: c + 0.5, "expected whole numbers"),
+        ("contacts/type", put(1, 4), r"contacts/type\[1\] = 4; expected 0 to 3"),
+        ("contacts/normal", put((4, 0), 3.0), r"the length of contacts/normal\[4\] = 3.*; expected 1"),
         ("contacts/normal", lambda c: c.astype("S5"), "contacts/normal does not hold numbers, but"),
         ("contacts/force", lambda c: c + 1j, "contacts/force does not hold numbers, but complex ones"),
-        ("contacts/force", lambda c: -c, "the mean normal force is -.*; wanted > 0"),
+        ("contacts/force", lambda c: -c, "the mean normal force is -.*; expected > 0"),
         ("contacts/force", put((0, 1), np.inf), "contacts/force holds a number that is not finite"),
         ("contacts/force", lambda c: 1.0, r"contacts/force has shape \(\)"),
         ("particles/id", lambda c: 0 * c, "particles/id holds 0 2 times"),
         ("particles/id", lambda c: c - 1, "particles/id holds -1"),
-        ("particles/R", lambda c: 0 * c, r"particles/R\[0\] = 0; wanted > 0"),
-        ("particles/R", lambda c: 2 * c, r"particles/R\[0\] = .*; wanted half_length \+ cap_radius"),
-        ("contacts/points", put(1, 7), r"contacts/points\[1\] = 7; wanted 1 or 2"),
-        ("contacts/type", put(1, 3), r"contacts/type\[1\] = 3; wanted 3 where body 2 is an obstacle, and only there"),
-        ("particles/R", lambda c: c[:1], r"particles/R has shape \(1,\); wanted \(2,\)"),
+        ("particles/R", lambda c: 0 * c, r"particles/R\[0\] = 0; expected > 0"),
+        ("particles/R", lambda c: 2 * c, r"particles/R\[0\] = .*; expected half_length \+ cap_radius"),
+        ("contacts/points", put(1, 7), r"contacts/points\[1\] = 7; expected 1 or 2"),
+        ("contacts/type", put(1, 3), r"contacts/type\[1\] = 3; expected 3 for an obstacle as body 2, and only there"),
+        ("particles/R", lambda c: c[:1], r"particles/R has shape \(1,\); expected \(2,\)"),
     ],
 )
 def test_files_without_meaning_are_refused(tmp_path, name, change, says):

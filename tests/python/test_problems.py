@@ -259,17 +259,17 @@ def put(index, value):
 @pytest.mark.parametrize(
     "change, says",
     [
-        (spoil(mu=None), r"lacks mu; wanted the arrays a, b"),
-        (spoil(mu=put(3, -0.1)), r"mu\[3\] = -0.1; wanted µ ≥ 0"),
-        (spoil(mu=lambda a: a[:-1]), r"mu has shape \(\d+,\); wanted \(\d+,\)"),
-        (spoil(vfree=put((2, 1), np.nan)), r"vfree\[2, 1\] = nan; wanted finite"),
-        (spoil(a=put(0, 999)), r"a\[0\] = 999; wanted whole numbers from 0 to 33"),
+        (spoil(mu=None), r"lacks mu; expected the arrays a, b"),
+        (spoil(mu=put(3, -0.1)), r"mu\[3\] = -0.1; expected µ ≥ 0"),
+        (spoil(mu=lambda a: a[:-1]), r"mu has shape \(\d+,\); expected \(\d+,\)"),
+        (spoil(vfree=put((2, 1), np.nan)), r"vfree\[2, 1\] = nan; expected finite"),
+        (spoil(a=put(0, 999)), r"a\[0\] = 999; expected whole numbers from 0 to 33"),
         (spoil(b=put(1, -1)), r"b\[1\] = -1"),
-        (spoil(im=put(4, -1.0)), r"inverse_mass\[4, 0\] = -1; wanted ≥ 0"),
+        (spoil(im=put(4, -1.0)), r"inverse_mass\[4, 0\] = -1; expected ≥ 0"),
         (spoil(n=put(5, 2.0)), r"the length of normal\[5\] = 2.8"),
         (spoil(n=np.array([["x"]])), r"n does not hold numbers"),
-        (spoil(meta=put(2, 1000.0)), r"meta\[2\] = 1000; wanted the number of particles"),
-        (lambda arrays: arrays.update(b=arrays["a"]), r"wanted two different bodies"),
+        (spoil(meta=put(2, 1000.0)), r"meta\[2\] = 1000; expected the number of particles"),
+        (lambda arrays: arrays.update(b=arrays["a"]), r"expected two different bodies"),
     ],
 )
 def test_refuses_npz(step, tmp_path, change, says):
@@ -303,19 +303,19 @@ def remove(name):
         (remove("W/x"), "fclib_local lacks W/x"),
         (remove("spacedim"), "fclib_local lacks spacedim"),
         (remove("vectors/mu"), "fclib_local lacks vectors/mu"),
-        (replace("spacedim", np.array([3])), "spacedim = 3; wanted 2"),
+        (replace("spacedim", np.array([3])), "spacedim = 3; expected 2"),
         (replace("W/m", np.array([7])), r"W is 7 × \d+"),
-        (replace("W/nz", np.array([-5])), "W/nz = -5; wanted −1"),
+        (replace("W/nz", np.array([-5])), "W/nz = -5; expected −1"),
         (replace("W/p", lambda p: p[:-1]), r"W/p is not \d+ ascending pointers"),
         (replace("W/p", lambda p: p[::-1]), r"W/p is not \d+ ascending pointers"),
         (replace("W/p", put(-1, 10**6)), r"W/p is not \d+ ascending pointers"),
         (replace("W/i", put(2, 10**6)), r"a row of W\[2\] = 1e\+06"),
-        (replace("W/x", put(2, np.inf)), r"W\[2\] = inf; wanted finite"),
+        (replace("W/x", put(2, np.inf)), r"W\[2\] = inf; expected finite"),
         (replace("W/x", lambda x: -x), r"the diagonal of W\[\d+\] = -.*positive semi-definite"),
         (replace("W/x", put(1, 123.0)), r"W is not symmetric: W\["),
         (replace("vectors/q", lambda q: q[:-2]), r"q has shape"),
         (replace("vectors/q", put(0, np.nan)), r"q\[0, 0\] = nan"),
-        (replace("vectors/mu", put(2, -1.0)), r"mu\[2\] = -1; wanted µ ≥ 0"),
+        (replace("vectors/mu", put(2, -1.0)), r"mu\[2\] = -1; expected µ ≥ 0"),
         (lambda group: group.create_group("V"), "equality constraints"),
         (lambda group: group.file.move("fclib_local", "fclib_global"), "no group fclib_local but fclib_global"),
     ],
@@ -345,14 +345,14 @@ def test_asymmetry_of_rounded_files_is_accepted(step, tmp_path):
 @pytest.mark.parametrize(
     "old, new, says",
     [
-        ("2\n", "3\n", "dimension = 3; wanted 2"),
-        ("CSparse", "CSparse 1 : x\nCSparse", "no line of a sparse matrix"),
+        ("2\n", "3\n", "dimension = 3; expected 2"),
+        ("CSparse", "CSparse 1 : x\nCSparse", "not a line of a sparse matrix"),
         ("nnz: ", "nnz: 1", "its header says 1"),
-        ("      0 : ", "      x : ", "line 10 is no line of a sparse matrix"),
-        ("      0 : ", "      0 : nan ", r"W\[0\] = nan; wanted finite"),
-        ("col 0 ", "col y ", "no line of a sparse matrix"),
-        ("5.00000000000000000e-01 ", "0.5x ", "mu holds a word that is no number"),
-        ("5.00000000000000000e-01 ", "-0.5 ", r"mu\[\d+\] = -0.5; wanted µ ≥ 0"),
+        ("      0 : ", "      x : ", "line 10 is not a line of a sparse matrix"),
+        ("      0 : ", "      0 : nan ", r"W\[0\] = nan; expected finite"),
+        ("col 0 ", "col y ", "not a line of a sparse matrix"),
+        ("5.00000000000000000e-01 ", "0.5x ", "mu holds a word that is not a number"),
+        ("5.00000000000000000e-01 ", "-0.5 ", r"mu\[\d+\] = -0.5; expected µ ≥ 0"),
     ],
 )
 def test_refuses_siconos(step, tmp_path, old, new, says):
@@ -386,7 +386,7 @@ def test_refuses_other_files(tmp_path):
         (tmp_path / name).write_text("what is this\n")
         with pytest.raises(ValueError, match=name):
             solve(tmp_path / name)
-    with pytest.raises(ValueError, match=r"unknown suffix '.mat'; wanted one of .npz, .h5, .hdf5, .dat"):
+    with pytest.raises(ValueError, match=r"unknown suffix '.mat'; expected one of .npz, .h5, .hdf5, .dat"):
         solve(tmp_path / "x.mat")
 
 
@@ -434,14 +434,14 @@ def test_script_refuses_before_anything_is_lost(files):
         ((files / "step.npz", "--out", files / "step.npz"), "this is the problem itself"),
         ((files / "step.npz", "--out", files / "link.npz"), "this is the problem itself"),
         ((files / "step.npz", "--out", files / "folder.npz"), "is a folder"),
-        ((files / "step.npz", "--out", files / "none" / "o.npz"), "there is no such folder"),
-        ((files / "step.npz", "--out", ""), "--out '': wanted a path"),
+        ((files / "step.npz", "--out", files / "none" / "o.npz"), "this folder does not exist"),
+        ((files / "step.npz", "--out", ""), "--out '': expected a path"),
         ((files, "--out", files / "o.npz"), "unknown suffix"),
         ((files / "folder.npz", "--out", files / "o.npz"), "Is a directory"),
-        ((files / "step.npz", "--tolerance", "nan", "--out", files / "o.npz"), "--tolerance nan: wanted a finite number"),
+        ((files / "step.npz", "--tolerance", "nan", "--out", files / "o.npz"), "--tolerance nan: expected a finite number"),
         ((files / "step.npz", "--max-iterations", "9" * 30, "--out", files / "o.npz"), "--max-iterations 999"),
         ((files / "step.npz", "--max-iterations", 2**31, "--out", files / "o.npz"), "maxIterations = 2147483648"),
-        ((files / "step.npz", "--max-iterations", "1.5", "--out", files / "o.npz"), "--max-iterations '1.5': wanted a whole number"),
+        ((files / "step.npz", "--max-iterations", "1.5", "--out", files / "o.npz"), "--max-iterations '1.5': expected a whole number"),
     ):
         ended = run(*arguments)
         assert ended.returncode != 0 and ended.stdout == "" and says in ended.stderr and ended.stderr.count("\n") == 1, ended.stderr

@@ -129,7 +129,7 @@ def test_what_is_refused():
             rcr.Profile(cells)
     with pytest.raises(ValueError, match="lower left and the upper right"):
         rcr.Profile((2, 2), ((1, 1), (0, 0)))
-    with pytest.raises(ValueError, match="quantity = 'heat'; wanted one of"):
+    with pytest.raises(ValueError, match="quantity = 'heat'; expected one of"):
         rcr.Profile().compute(scene(1)).plot(quantity="heat")
-    with pytest.raises(ValueError, match="wanted one along x"):
+    with pytest.raises(ValueError, match="expected one along x"):
         rcr.Profile().compute(scene(1, cell=np.array([[10.0, 0], [1.0, 6]])))

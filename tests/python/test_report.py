@@ -16,10 +16,10 @@ matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysi
 
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
-from rcr import drawing
+from rcr import _drawing as drawing
 from rcr.study import analysis, figures, maps, report
 from rcr.frame import Frame
-from rcr.outlines import polygons
+from rcr._outlines import polygons
 from rcr.study.paper import MAPS, STATEMENTS, nearest
 from rcr.study.runs import Run
 
@@ -87,7 +87,7 @@ def test_analysis_of_other_runs_is_refused(written, folders, tmp_path):
     before = {path.name: path.read_bytes() for path in out.iterdir()}
     for arguments in ([folders[0]], [*folders, "--from-strain", "0.3"]):
         run = network_script(*arguments, "--out", out)
-        assert run.returncode == 1 and "--overwrite, which removes it" in run.stderr and run.stderr.count("\n") == 1
+        assert run.returncode == 1 and "remove it with --overwrite" in run.stderr and run.stderr.count("\n") == 1
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 

@@ -8,14 +8,14 @@ import sys
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcr import files, results
+from rcr import _files as files, _results as results
 
 PARAMETERS = dict(eta=0.5, seed=1, threads=1)
 MADE = ["data-*.txt", "summary.json", "checkpoint"]
 
 
 def owned(folder, parameters=PARAMETERS, **how):
-    return results.owned(folder, "test.py", parameters, MADE, free=["threads"], checkpoint="checkpoint", last="summary.json", **how)
+    return results.claim_folder(folder, "test.py", parameters, MADE, free=["threads"], checkpoint="checkpoint", last="summary.json", **how)
 
 
 def make(folder, parameters=PARAMETERS, files=("data-1.txt", "checkpoint", "summary.json"), **how):
@@ -42,7 +42,7 @@ def test_the_record(tmp_path):
 def test_another_run_is_refused_and_nothing_changes(tmp_path):
     make(tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    with pytest.raises(ValueError, match=r"eta = 0.5 \(here 0.4\), seed = 1 \(here 2\); wanted another --out, or --overwrite"):
+    with pytest.raises(ValueError, match=r"eta = 0.5 \(here 0.4\), seed = 1 \(here 2\); choose another --out, or remove it with --overwrite"):
         make(tmp_path, dict(PARAMETERS, eta=0.4, seed=2))
     with pytest.raises(ValueError, match="--resume: the run in .* has eta = 0.5"):
         make(tmp_path, dict(PARAMETERS, eta=0.4), resume=True)
@@ -59,12 +59,12 @@ def test_overwrite_removes_the_files_of_the_old_run_only(tmp_path):
 def test_the_same_run_again(tmp_path):
     """Nothing may be lost by a forgotten --resume, nor by a command given twice."""
     make(tmp_path, files=("data-1.txt", "checkpoint", "summary.json"))
-    with pytest.raises(ValueError, match="holds this run, complete; --resume goes on with it, --overwrite makes it anew"):
+    with pytest.raises(ValueError, match="holds this run, complete; continue it with --resume, or start again with --overwrite"):
         make(tmp_path)
     assert names(tmp_path) == ["checkpoint", "data-1.txt", "run.json", "summary.json"]
     make(tmp_path, files=("checkpoint",), overwrite=True)
     assert names(tmp_path) == ["checkpoint", "run.json"]
-    with pytest.raises(ValueError, match="not complete; --resume goes on with it, --overwrite starts anew"):
+    with pytest.raises(ValueError, match="not complete; continue it with --resume, or start again"):
         make(tmp_path)
     make(tmp_path, files=(), overwrite=True)
     make(tmp_path, files=("data-1.txt",))  # what was killed before its first checkpoint
@@ -90,8 +90,8 @@ def test_results_of_nobody_or_of_another_script_are_kept(tmp_path):
     with pytest.raises(ValueError, match="holds data-old.txt of an unknown run"):
         make(tmp_path)
     make(tmp_path, overwrite=True)
-    with pytest.raises(ValueError, match="holds results of test.py; wanted another --out"):
-        with results.owned(tmp_path, "other.py", {}, ["*"], overwrite=True):
+    with pytest.raises(ValueError, match="holds results of test.py; choose another --out"):
+        with results.claim_folder(tmp_path, "other.py", {}, ["*"], overwrite=True):
             pass
     assert "data-1.txt" in names(tmp_path)
 
@@ -106,8 +106,8 @@ def test_parts_of_a_killed_process_go(tmp_path):
 
 def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
     code = (
-        "import sys; from rcr import results\n"
-        "with results.owned(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), []) as begin: begin(); print('in', flush=True); sys.stdin.read()"
+        "import sys; from rcr import _results as results\n"
+        "with results.claim_folder(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), []) as begin: begin(); print('in', flush=True); sys.stdin.read()"
     )
     other = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     assert other.stdout.readline() == b"in\n"

@@ -9,7 +9,7 @@ import sys
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcr import checks, script
+from rcr import _checks as checks, script
 
 WORDS = st.one_of(st.text(max_size=20), st.floats().map(repr), st.integers().map(str), st.sampled_from(["1e400", "-0", "5e-324", "1_0", "٣", "0x1", "9" * 5000, "1e3", " 1", "1j"]))
 
@@ -17,12 +17,12 @@ WORDS = st.one_of(st.text(max_size=20), st.floats().map(repr), st.integers().map
 @given(WORDS)
 def test_numbers(text):
     """Finite, in the range and of 64 bits, or a message without line breaks that is no longer than a line."""
-    for kind, fits in ((script.number("0 ≤ x < 1", lambda v: 0 <= v < 1), lambda v: 0 <= v < 1), (script.whole(), lambda v: isinstance(v, int) and abs(v) <= 2**63),
+    for kind, fits in ((script.number("0 ≤ x < 1", lambda v: 0 <= v < 1), lambda v: 0 <= v < 1), (script.integer(), lambda v: isinstance(v, int) and abs(v) <= 2**63),
                        (script.at_least(3), lambda v: 3 <= v < 2**31), (script.number(), math.isfinite)):  # fmt: skip
         try:
             assert fits(kind(text))
         except argparse.ArgumentTypeError as error:
-            assert ": wanted " in str(error) and "\n" not in str(error) and len(str(error)) < 200
+            assert ": expected " in str(error) and "\n" not in str(error) and len(str(error)) < 200
 
 
 @given(WORDS)
@@ -39,12 +39,12 @@ VALUES = st.one_of(st.floats(), st.integers(), st.complex_numbers(), st.text(max
 
 @given(VALUES)
 def test_values_from_python(value):
-    """As of options: a finite real number (no bool), or what was given and what is wanted."""
-    for check, kind in ((checks.number, float), (checks.whole, int)):
+    """As of options: a finite real number (no bool), or the value and what is expected."""
+    for check, kind in ((checks.number, float), (checks.integer, int)):
         try:
             assert type(check("x", value)) is kind and not isinstance(value, bool)
         except ValueError as error:
-            assert str(error).startswith("x = ") and "; wanted " in str(error)
+            assert str(error).startswith("x = ") and "; expected " in str(error)
 
 
 def ended(body):
@@ -62,7 +62,7 @@ def ended(body):
         ("open('/none/x')", 1, "x.py: /none/x: No such file or directory\n"),
         ("raise KeyboardInterrupt", 130, "x.py: stopped\n"),
         ("raise script.Stopped('stopped here; go on so')", 130, "x.py: stopped here; go on so\n"),
-        ("raise MemoryError", 1, "x.py: the memory does not suffice; choose something smaller\n"),
+        ("raise MemoryError", 1, "x.py: the memory does not suffice; choose a smaller problem\n"),
         ("sys.exit('why')", 1, "x.py: why\n"),
         ("script.Parser(prog='x.py').parse_args(['--what'])", 2, "x.py: unrecognized arguments: --what\n"),
     ],

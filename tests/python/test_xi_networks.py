@@ -37,7 +37,7 @@ def by_loops(network, xi):
 def test_equals_the_loop_over_contacts(xi):
     test = random_network(1000)
     partial = test.xi_networks()
-    measured = (*partial.anisotropies(xi), partial.shear_stress_ratio(xi), partial.share(xi))
+    measured = (*partial.anisotropies(xi), partial.shear_stress_ratio(xi), partial.fraction(xi))
     assert measured == pytest.approx(by_loops(test, xi), abs=1e-12)
     assert (*test.anisotropies(xi), test.shear_stress_ratio(xi), np.trace(test.fabric(xi))) == pytest.approx(measured, abs=1e-12)
 
@@ -60,8 +60,8 @@ def test_half_sum_and_what_it_neglects(xi):
 def test_all_cutoffs_at_once():
     partial = random_network(1000).xi_networks()
     cutoffs = np.array(CUTOFFS)
-    together = np.array([*partial.anisotropies(cutoffs), partial.shear_stress_ratio(cutoffs), partial.share(cutoffs)])
-    alone = np.array([[*partial.anisotropies(xi), partial.shear_stress_ratio(xi), partial.share(xi)] for xi in CUTOFFS]).T
+    together = np.array([*partial.anisotropies(cutoffs), partial.shear_stress_ratio(cutoffs), partial.fraction(cutoffs)])
+    alone = np.array([[*partial.anisotropies(xi), partial.shear_stress_ratio(xi), partial.fraction(xi)] for xi in CUTOFFS]).T
     assert np.array_equal(together, alone)
     assert together[:, 0] == pytest.approx(np.zeros(7), abs=0) and together[-1, -1] == 1  # nothing at ξ = 0, all at ∞
 

@@ -4,6 +4,7 @@ import collections
 import os
 import subprocess
 import sys
+import time
 
 import numpy as np
 import rcr
@@ -54,6 +55,14 @@ def inertia(a, r, density=1000.0):
 def steps(n):
     for _ in range(n):
         O.step()
+
+
+def wait_until(condition, limit=60):
+    """Returns once the condition holds; fails after `limit` seconds, which only a hang takes."""
+    end = time.monotonic() + limit
+    while not condition():
+        assert time.monotonic() < end, "nothing happened"
+        time.sleep(0.005)
 
 
 def velocity(body_id):

@@ -121,7 +121,7 @@ def test_walls_that_are_no_box(walls):
 def test_walls_in_another_order_are_told_by_their_places(walls):
     """Two of them changed gave a negative area, four the codes of the walls opposite."""
     build(rcr.wall("x", 0), rcr.wall("y", 0), rcr.wall("x", 1), rcr.wall("y", 2), rcr.particle((0.5, 0.5), 0.1, 0.5, material=material()))
-    with pytest.raises(ValueError, match="are not in the order left, bottom, right, top: they stand at x = "):
+    with pytest.raises(ValueError, match="are at x = .*; expected the order left, bottom, right, top"):
         rcr.contact_network(walls)
 
 
@@ -131,7 +131,7 @@ def test_scenes_without_a_free_grain_and_volumes_out_of_range():
         rcr.contact_network()
     O.bodies.append(rcr.particle((2, 0.5), 0.1, 0.5, material=material()))
     for volume in (0, -1, math.nan, "large"):
-        with pytest.raises(ValueError, match="volume = .*; wanted the area of the region"):
+        with pytest.raises(ValueError, match="volume = .*; expected the area of the region"):
             rcr.contact_network(volume=volume)
     assert len(rcr.contact_network().contacts["force"]) == 0
 

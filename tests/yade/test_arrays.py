@@ -7,12 +7,13 @@ import time
 import numpy as np
 import pytest
 import rcr
-from scenes import box, build, contact_forces, engines, material, snapshot, stadium
-from yade import O
+from scenes import box, build, contact_forces, engines, material, snapshot, stadium, wait_until
+from yade import O, utils
 from yade.wrapper import PyRunner, RotationEngine
 from yade.minieigenHP import Matrix3, Vector3
 
 STEPS = 600
+MOST_STEPS = 100  # in arrays, then YADE's objects are brought up to date by a step of engines
 SOLVER = dict(tolerance=1e-4, maxIterations=200)
 R = 0.05
 
@@ -84,8 +85,11 @@ def drum():
 
 
 def mixed():
-    """Spheres and Rcrs that fall between walls onto a facet and a fixed box, restitution 0.5."""
-    build(*grains(48, 6, 4, spheres=True), *walls(0.9), box((0.3, 0.05), (0.1, 0.05), 0.3, material(0.5)), dt=1e-3, restitution=0.5, **SOLVER)
+    """Discs and Rcrs fall between walls onto a facet and a fixed box, restitution 0.5."""
+    facet = utils.facet([(0.6, 0.05, -1), (0.8, 0.02, -1), (0.7, 0.035, 1)], material=material(0.5))
+    build(*grains(48, 6, 4, spheres=True), *walls(0.9), box((0.3, 0.05), (0.1, 0.05), 0.3, material(0.5)), facet, dt=1e-3, restitution=0.5, **SOLVER)
+    for body in range(48):
+        O.bodies[body].state.pos += Vector3(0, 0.09, 0)
     serve_spheres()
 
 
@@ -213,24 +217,31 @@ def test_a_run_ends_where_it_is_told_to():
 def test_pause_takes_hold_within_a_step():
     mixed()
     O.run()
-    time.sleep(0.2)
+    wait_until(lambda: O.iter > 10)
     O.pause()
-    time.sleep(0.2)
+    wait_until(lambda: not O.running)
     stopped = O.iter
     time.sleep(0.1)
-    assert 10 < stopped == O.iter
+    assert stopped == O.iter
     assert all(math.isfinite(x) for b in O.bodies for x in b.state.pos)
 
 
 def test_what_is_written_meanwhile_stays():
-    """A velocity that a console sets while the run goes on is not overwritten."""
+    """A velocity that a console sets during a run is not overwritten from the arrays.
+
+    A step of engines may overwrite it, as in every YADE scene, so that it is set up to 20 times.
+    """
     build(stadium(0.1, 0.05, (0, 1)), stadium(0.1, 0.05, (0, 2)), *walls(3)[2:], gravity=(0, 0, 0), dt=1e-5, **SOLVER)
     for body in (0, 1):
         O.bodies[body].state.vel = Vector3(1, 0, 0)
     O.run()
-    time.sleep(0.1)
-    O.bodies[0].state.vel = Vector3(7, 0, 0)
-    time.sleep(1)
+    wait_until(lambda: O.iter > 10)
+    for _ in range(20):
+        O.bodies[0].state.vel = Vector3(7, 0, 0)
+        written = O.iter
+        wait_until(lambda: O.iter > written + 3 * MOST_STEPS)
+        if O.bodies[0].state.vel[0] == 7:
+            break
     O.pause()
     O.wait()
     one, two = (O.bodies[body].state for body in (0, 1))
@@ -252,6 +263,11 @@ def test_the_model_tells_why_engines_take_the_steps(change, reason):
     O.run(20, True)
     assert (solver().model["arrays"], solver().model["engines"]) == (0, reason)
     O.trackEnergy = False
+
+
+def least_in_arrays(steps):
+    """Steps of one run without interruption that arrays take: all but the last, and one of each hundred."""
+    return steps - 1 - steps // MOST_STEPS
 
 
 def solver():
@@ -300,7 +316,7 @@ def test_a_history_is_kept_without_a_stop():
     long = fresh()
     long.observe, long.observeEvery = ids, 20
     O.run(110, True)
-    assert long.model["arrays"] == 109 and long.observed()["steps"] == 10
+    assert long.model["arrays"] >= least_in_arrays(110) and long.observed()["steps"] == 10
     assert long.observations() == expected
     assert long.observations() == []
 
@@ -316,7 +332,7 @@ def test_advance_is_one_run():
     """It was cut into pieces of 0.2 s, each of which began with a look at all bodies: a third of the time of 13 000 grains."""
     pressed()
     assert rcr.advance(300)
-    assert O.iter == 300 and solver().model["arrays"] >= 298  # a look every half second
+    assert O.iter == 300 and solver().model["arrays"] >= least_in_arrays(300)
     shown = []
     assert rcr.advance(100, until=lambda: shown.append(O.iter) or O.iter >= 360, every=20)
     assert shown == [320, 340, 360]
@@ -371,7 +387,7 @@ def test_advance_beside_another_run_is_refused():
     """It ended the other run; called by an engine it waited for that engine's own."""
     pressed()
     O.engines = [*O.engines, PyRunner(iterPeriod=5, firstIterRun=5, command="import rcr; rcr.advance(3)")]
-    with pytest.raises(RuntimeError, match="rcr.advance: a run is under way"):
+    with pytest.raises(RuntimeError, match="rcr.advance: a run is active"):
         O.run(20, True)
 
 

@@ -63,21 +63,21 @@ def test_quasi_static_is_handed_to_the_tests(tmp_path):
 def test_the_reason_of_a_failed_test_is_the_campaigns(tmp_path):
     run = campaign(tmp_path / "out", *SMALL, "--strain", "0.0005")
     assert run.returncode != 0
-    assert "--strain 0.0005: wanted at least 0.001" in run.stderr.strip().splitlines()[-1]
+    assert "--strain 0.0005: expected at least 0.001" in run.stderr.strip().splitlines()[-1]
 
 
 @needs_environment
 @pytest.mark.parametrize(
     "arguments, message",
     [
-        (["--etas", "0,1"], "wanted elongations 0 ≤ ETA < 1"),
-        (["--particles", "3"], "--particles 3: wanted at least 10"),
-        (["--strain", "0"], "--strain 0.0: wanted 0 < strain < 1"),
-        (["--jobs", "0"], "--jobs 0: wanted at least 1"),
-        (["--seeds", "1,-2"], "wanted seeds ≥ 0"),
+        (["--etas", "0,1"], "expected elongations 0 ≤ ETA < 1"),
+        (["--particles", "3"], "--particles 3: expected at least 10"),
+        (["--strain", "0"], "--strain 0.0: expected 0 < strain < 1"),
+        (["--jobs", "0"], "--jobs 0: expected at least 1"),
+        (["--seeds", "1,-2"], "expected seeds ≥ 0"),
         (["--etas", ","], "--etas: wanted at least one"),
-        (["--etas", "nan"], "wanted elongations 0 ≤ ETA < 1"),
-        (["--out", ""], "--out '': wanted a path"),
+        (["--etas", "nan"], "expected elongations 0 ≤ ETA < 1"),
+        (["--out", ""], "--out '': expected a path"),
     ],
 )
 def test_refuses_bad_input(arguments, message, tmp_path):

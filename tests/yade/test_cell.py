@@ -1,8 +1,8 @@
-"""The study's test in a periodic cell: at rest it has the stresses wanted, sheared it keeps those that are pressed, and a save goes on."""
+"""The study's test in a periodic cell: at rest it has the stresses expected, sheared it keeps those that are pressed, and a save goes on."""
 
 import numpy as np
 import pytest
-from rcr.study.biaxial import QUASI_STATIC, STRESS
+from rcr.study.protocol import PROTOCOL
 from rcr.study.cell import CellTest
 from yade import O
 
@@ -10,7 +10,7 @@ from yade import O
 def test_cell_is_isotropic_at_rest_and_keeps_its_stress_in_shear():
     test = CellTest(eta=0.3, particles=100, seed=3)
     test.compact()
-    stress = test.stress / STRESS
+    stress = test.stress / PROTOCOL.confining_stress
     assert np.diag(stress) == pytest.approx([1, 1], abs=0.05) and abs(stress - stress.T).max() < 0.05
     assert abs(stress[0, 1]) < 0.1  # what holds it is the packing: no friction, and nothing presses along the diagonal
     assert 0.8 < test.packing_fraction < 0.95
@@ -25,10 +25,10 @@ def test_cell_is_isotropic_at_rest_and_keeps_its_stress_in_shear():
 
 def test_shear_without_inertia_keeps_its_stress():
     """Each step starts from the flow of the cell, so that its stress is the load's at once."""
-    test = CellTest(eta=0, particles=100, seed=1, **QUASI_STATIC)
+    test = CellTest(eta=0, particles=100, seed=1, **PROTOCOL.quasi_static)
     test.compact()
     lateral = []
-    rows = test.shear("biaxial", 0.02, lambda test, row: lateral.append(test.stress[0, 0] / STRESS), every=0.004)
+    rows = test.shear("biaxial", 0.02, lambda test, row: lateral.append(test.stress[0, 0] / PROTOCOL.confining_stress), every=0.004)
     assert lateral == pytest.approx([1] * 5, abs=0.01) and (rows["sin_phi"] > 0.2).all()
     assert test.solver.deepestOverlap < 5e-3 and test.solver.yieldedSteps == 0
 
@@ -49,9 +49,9 @@ def test_saved_cell_goes_on_to_the_same_bits(tmp_path):
 @pytest.mark.parametrize(
     "wrong, says",
     [
-        (dict(eta=1), "eta = 1; wanted an elongation"),
-        (dict(particles=99), "particles = 99; wanted at least 100"),
-        (dict(inertial_number=0), "inertial_number = 0; wanted a finite number > 0"),
+        (dict(eta=1), "eta = 1; expected an elongation"),
+        (dict(particles=99), "particles = 99; expected at least 100"),
+        (dict(inertial_number=0), "inertial_number = 0; expected a finite number > 0"),
     ],
 )
 def test_wrong_parameters_are_refused(wrong, says):

@@ -10,7 +10,8 @@ import sys
 import numpy as np
 import pytest
 from benchmarks import charts
-from rcr.study.biaxial import STRESS, Biaxial
+from rcr.study.biaxial import Biaxial
+from rcr.study.protocol import PROTOCOL
 from benchmarks.charts import biaxial_cost, deterministic, one_step, quasi_static
 from yade import O
 
@@ -93,15 +94,15 @@ def test_errors_fall_with_dt_and_stiffness():
 def test_all_laws_shear_the_same_packing(eta, tmp_path):
     """Mass, walls and stress are kept; the network of the clumps carries what the walls feel."""
     options = charts.Options(**{**vars(OPTIONS), "out": str(tmp_path)})
-    rigid = biaxial_cost._compacted(eta, 1, options)
+    rigid = biaxial_cost.compacted(eta, 1, options)
     fraction, masses = rigid.packing_fraction, [O.bodies[i].state.mass for i in rigid.grains]
-    smooth = biaxial_cost._compacted(eta, 1, options)
-    smooth.soften(1e3)
+    smooth = biaxial_cost.compacted(eta, 1, options)
+    smooth.switch_to_springs(1e3)
     assert smooth.packing_fraction == fraction and smooth.parameters["law"] == "smooth"
     smooth.shear_record()
-    assert smooth.mean_stresses[0] == pytest.approx(STRESS, rel=0.3)  # one record after its springs were unloaded
+    assert smooth.mean_stresses[0] == pytest.approx(PROTOCOL.confining_stress, rel=0.3)  # one record after its springs were unloaded
 
-    stock = biaxial_cost.Stock(biaxial_cost._compacted(eta, 1, options), 1e3)
+    stock = biaxial_cost.Stock(biaxial_cost.compacted(eta, 1, options), 1e3)
     assert stock.packing_fraction == pytest.approx(fraction)
     assert [O.bodies[i].state.mass for i in stock.ids] == masses
     spheres = sum(hasattr(b.shape, "radius") for b in O.bodies)
@@ -117,9 +118,9 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
 @pytest.mark.parametrize("law, most", [("cd", 1e-12), ("smooth", 1e-3), ("stock", 0.02)])
 def test_the_work_of_the_walls_is_accounted_for(law, most, tmp_path):
     """Rigid contacts to rounding, whatever the step; springs and clumps but for what their steps make."""
-    test = biaxial_cost._compacted(0.5, 1, charts.Options(**{**vars(OPTIONS), "out": str(tmp_path)}))
+    test = biaxial_cost.compacted(0.5, 1, charts.Options(**{**vars(OPTIONS), "out": str(tmp_path)}))
     if law == "smooth":
-        test.soften(1e3)
+        test.switch_to_springs(1e3)
     test = biaxial_cost.Stock(test, 1e3) if law == "stock" else test
     for _ in range(10):
         test.shear_record()
@@ -132,11 +133,11 @@ def test_the_work_of_the_walls_is_accounted_for(law, most, tmp_path):
     [
         (["--only", "x"], "--only x: say which chart it is of"),
         (["--charts", "b", "--only", "x"], "--only x: chart b has no such point; it has column/reference"),
-        (["--particles", "10"], "--particles 10: wanted at least 50"),
-        (["--particles", "9" * 20], "wanted at least 50"),
-        (["--limit", "nan"], "--limit nan: wanted seconds > 0"),
-        (["--limit", "0"], "--limit 0.0: wanted seconds > 0"),
-        (["--out", SCRIPT], "is no folder"),
+        (["--particles", "10"], "--particles 10: expected at least 50"),
+        (["--particles", "9" * 20], "expected at least 50"),
+        (["--limit", "nan"], "--limit nan: expected seconds > 0"),
+        (["--limit", "0"], "--limit 0.0: expected seconds > 0"),
+        (["--out", SCRIPT], "is not a folder"),
     ],
 )
 def test_script_refuses_bad_input(arguments, message, tmp_path):

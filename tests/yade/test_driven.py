@@ -1,4 +1,4 @@
-"""Driven scenes: some of those that scripts/driven_scenes.py runs, small and short, and the recorded kind that once exploded."""
+"""Driven scenes: some of those that benchmarks/driven_scenes.py runs, small and short, and the recorded kind that once exploded."""
 
 import dataclasses
 

@@ -3,17 +3,19 @@
 import math
 import os
 import stat
+import warnings
 
 import numpy as np
 import pytest
 import rcr
 import yade.utils
-from rcr.counterparts import COUNTERPARTS
+from rcr._counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
 from scenes import G, build, material, python, steps
+from test_periodic import scene as periodic_scene
 from test_session import pressed_box
 from yade import O
-from yade.minieigenHP import Quaternion, Vector3
+from yade.minieigenHP import Matrix3, Quaternion, Vector3
 from yade.wrapper import (
     Bo1_Sphere_Aabb, ForceResetter, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
     Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator,
@@ -145,7 +147,7 @@ def test_extent_and_porosity():
     assert rcr.measure.porosity(volume=100) == pytest.approx(1 - solid / 100)
     with pytest.raises(ValueError, match="area of the region"):
         rcr.measure.porosity(volume=0)
-    with pytest.raises(ValueError, match=r"volume = 1e-09; wanted the area of the region \[m²\], which holds grains of 4.92"):
+    with pytest.raises(ValueError, match=r"volume = 1e-09; expected the area of the region \[m²\], which holds grains of 4.92"):
         rcr.measure.porosity(volume=1e-9)
 
 
@@ -161,7 +163,7 @@ def test_table_of_grains(tmp_path):
     ids = zoo()
     old = os.umask(0o022)
     try:
-        assert rcr.measure.text(tmp_path / "grains.txt") == 5
+        assert rcr.measure.write_table(tmp_path / "grains.txt") == 5
     finally:
         os.umask(old)
     table = np.genfromtxt(tmp_path / "grains.txt", names=True)
@@ -171,10 +173,10 @@ def test_table_of_grains(tmp_path):
 
 SPHERES_ONLY = {
     "utils.porosity()": "rcr.measure.porosity", "utils.aabbExtrema()": "rcr.measure.extent", "utils.bodyStressTensors()": "rcr.measure.stress_tensors",
-    "export.text('/dev/null')": "rcr.measure.text", "porosity()": "rcr.measure.porosity", "VTKRecorder()": "rcr.export.VtkSeries",
+    "export.text('/dev/null')": "rcr.measure.write_table", "porosity()": "rcr.measure.porosity", "VTKRecorder()": "rcr.export.VtkSeries",
     "utils.fabricTensor()": "rcr.contact_network(volume=…).fabric()", "getStress(1)": "rcr.contact_network(volume=…).stress()",
     "utils.avgNumInteractions()": "rcr.contact_network(volume=…).coordination()", "utils.PWaveTimeStep()": "rcr.critical_time_step",
-    "utils.getSpheresMass()": "rcr.contact_network(volume=…).particles['mass']", "export.textExt('/dev/null')": "rcr.measure.text",
+    "utils.getSpheresMass()": "rcr.contact_network(volume=…).particles['mass']", "export.textExt('/dev/null')": "rcr.measure.write_table",
     "export.VTKExporter('/dev/null')": "rcr.export.vtk",
 }  # fmt: skip
 
@@ -194,7 +196,7 @@ def tell():
         print("told", *(str(w.message) for w in told if "rcr" in str(w.message)))
 O.bodies.append([utils.sphere((0, 0, 0), 1), utils.sphere((3, 0, 0), 1)])
 tell()
-O.bodies.append(rcr.particle((0, 5), 1, 0.5))
+O.bodies.append([rcr.particle((0, 5), 1, 0.5), rcr.wall("y", -9)])
 tell()
 """
     done = python(code)
@@ -203,6 +205,38 @@ tell()
     silent, told = lines[: len(SPHERES_ONLY)], lines[len(SPHERES_ONLY) :]
     assert silent == ["told"] * len(SPHERES_ONLY)
     assert [wanted in line for wanted, line in zip(SPHERES_ONLY.values(), told, strict=True)] == [True] * len(told)
+
+
+def warnings_of_stress(volume, walls=None):
+    """Warnings of getStress, and its largest difference from the network's stress over that stress."""
+    network = rcr.contact_network(walls, volume=volume)
+    with warnings.catch_warnings(record=True) as shown:
+        warnings.simplefilter("always")
+        theirs = -np.array(yade.utils.getStress(volume))[:2, :2]
+    ours = network.stress()
+    assert np.trace(ours) > 0 and len(network.contacts["force"]) > 5
+    return [str(warning.message) for warning in shown], np.abs(theirs - ours).max() / np.trace(ours)
+
+
+def test_f63_get_stress_warns_only_where_it_is_wrong():
+    """It is right in a cell of free grains and wrong in a box of walls."""
+    rng = np.random.default_rng(0)
+    grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098), 0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
+    periodic_scene("rigid", *grains, size=1.0, dt=1e-3, tolerance=1e-8)
+    O.cell.velGrad = Matrix3(-4, 0.5, 0, 0, -4, 0, 0, 0, 0)
+    steps(100)
+    O.cell.velGrad = Matrix3(-0.04, 0.005, 0, 0, -0.04, 0, 0, 0, 0)
+    steps(100)
+    told, error = warnings_of_stress(abs(np.linalg.det(np.array(O.cell.hSize)[:2, :2])))
+    assert told == [] and error < 2e-3  # the last step has moved the bodies: 8e-4
+    h = O.cell.hSize
+    O.cell.hSize = Matrix3(h[0, 0], h[0, 1], 0, h[1, 0], h[1, 1], 0, 0, 0, 2)
+    with pytest.warns(UserWarning, match="getStress without a volume divides by the depth of the cell"):
+        yade.utils.getStress()
+    pressed_box()
+    steps(200)
+    told, error = warnings_of_stress(1.0, (0, 1, 2, 3))
+    assert len(told) == 1 and "getStress is wrong for contacts with obstacles" in told[0] and error > 0.05
 
 
 @pytest.mark.parametrize("hint", COUNTERPARTS)

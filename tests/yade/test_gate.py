@@ -304,7 +304,7 @@ def test_f10_facet_that_does_not_cut_the_plane(scene):
 
 @pytest.mark.parametrize("sense", [5, -2, 0.5, "left"])
 def test_f43_sense_of_a_wall(sense):
-    with pytest.raises(ValueError, match="sense = .*; wanted [+]1, −1, or 0"):
+    with pytest.raises(ValueError, match="sense = .*; expected [+]1, −1, or 0"):
         rcr.wall("y", 0, sense=sense)
 
 
@@ -481,17 +481,16 @@ def test_time_step_beyond_the_springs_is_told():
 def test_new_contacts_do_not_ask_the_rules_of_all_bodies():
     """The first step of a lattice of discs finds all its contacts; it used to look at all bodies for each of them."""
     rough = material()
-    lattice = [rcr.disc((0.2 * i, 0.2 * j), 0.1, material=rough) for i in range(40) for j in range(40)]
-    build(*lattice, gravity=(0, 0, 0), tolerance=1e-2, maxIterations=2)
-
-    def seconds():
-        before = time.process_time()
-        O.step()
-        return time.process_time() - before
-
-    first = seconds()
-    assert O.interactions.countReal() > 3000
-    assert first < 50 * min(seconds() for _ in range(5))
+    first, later = [], []
+    for _ in range(3):  # the least time of each is free of what else the machine does
+        lattice = [rcr.disc((0.2 * i, 0.2 * j), 0.1, material=rough) for i in range(40) for j in range(40)]
+        build(*lattice, gravity=(0, 0, 0), tolerance=1e-2, maxIterations=2)
+        for times in (first, later, later):
+            before = time.process_time()
+            O.step()
+            times.append(time.process_time() - before)
+        assert O.interactions.countReal() > 3000
+    assert min(first) < 50 * min(later)  # 6 times is usual
 
 
 def test_a_contact_dynamics_that_a_script_makes_dead_is_told_of():

@@ -61,9 +61,9 @@ def test_a_pile_at_rest_stays_at_rest():
 def test_what_it_needs_is_named():
     build(stadium(0.2, 0.1, (0, 1), material=material()))
     O.engines = [engine for engine in O.engines if not isinstance(engine, NewtonIntegrator)]
-    with pytest.raises(ValueError, match="0 NewtonIntegrators that are not dead; wanted one"):
+    with pytest.raises(ValueError, match="0 NewtonIntegrators that are not dead; expected one"):
         rcr.half_step_start()
     build(stadium(0.2, 0.1, (0, 1), material=material()))
     O.dt = 0
-    with pytest.raises(ValueError, match="O.dt = 0.0; wanted"):
+    with pytest.raises(ValueError, match="O.dt = 0.0; expected"):
         rcr.half_step_start()

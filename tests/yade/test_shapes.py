@@ -124,7 +124,7 @@ def test_a_segment_goes_from_end_to_end(start, end):
 
 @pytest.mark.parametrize("start, end", [((0, 0), (0, 0)), ((0, 0, 0), (1, 0, 1)), ((0, 0), (math.nan, 0))])
 def test_segments_that_are_none(start, end):
-    with pytest.raises(ValueError, match="wanted"):
+    with pytest.raises(ValueError, match="expected"):
         rcr.segment(start, end)
 
 

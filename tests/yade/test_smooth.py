@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import rcr
 import yade.utils
-from rcr.study.biaxial import STRESS, Biaxial
+from rcr.study.biaxial import Biaxial
 from scenes import G, build, inertia, material, point_forces, snapshot, stadium, steps, velocity
 from yade import O
 from yade.wrapper import (
@@ -437,7 +437,7 @@ def test_checkpoint_of_springs(tmp_path):
     assert len(again.rows) == 2
 
 
-@pytest.mark.parametrize("wrong, message", [(dict(law="soft"), "law = 'soft'; wanted one of cd, smooth"), (dict(law="smooth", stiffness=0), "stiffness = 0; wanted a number ≥ 1"), (dict(iterations=0), "iterations = 0; wanted a whole number > 0")])
+@pytest.mark.parametrize("wrong, message", [(dict(law="soft"), "law = 'soft'; expected one of cd, smooth"), (dict(law="smooth", stiffness=0), "stiffness = 0; expected a number ≥ 1"), (dict(iterations=0), "iterations = 0; expected a whole number > 0")])
 def test_biaxial_refuses(wrong, message):
     with pytest.raises(ValueError, match=message):
         Biaxial.prepare(particles=20, **wrong)

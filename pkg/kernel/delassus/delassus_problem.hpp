@@ -1,52 +1,56 @@
-// The contact problem without its bodies: the Delassus matrix of all contact points and their free velocities.
+// The contact problem without bodies: the Delassus matrix of all contact points and their velocities.
 //
-//   u = W p + q,   0 ≤ u_n ⟂ p_n ≥ 0,   |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0
+//   u = W p + q,   0 ≤ u_n ⟂ p_n ≥ 0,   |p_t| ≤ µ p_n,   p_t = −µ p_n sign(u_t) where u_t ≠ 0
 //
-// | symbol | field    | unit | meaning                                                           |
-// |--------|----------|------|-------------------------------------------------------------------|
-// | W      | block    | 1/kg | J M⁻¹ Jᵀ: symmetric and positive semi-definite, 2×2 blocks in (n, t) |
-// | q      | free     | m/s  | velocity of a point without impulses, b_n included                |
-// | µ      | friction | –    | Coulomb coefficient                                               |
-// | p      | impulse  | N s  | p_n ≥ 0 pushes apart                                              |
+// | symbol | field    | unit | meaning                                                      |
+// |--------|----------|------|--------------------------------------------------------------|
+// | W      | block    | 1/kg | J M⁻¹ Jᵀ: positive semi-definite, 2×2 blocks in (n, t)        |
+// | q      | free     | m/s  | relative velocity without contact impulses, b_n included     |
+// | µ      | friction | –    | Coulomb coefficient                                          |
+// | p      | impulse  | N s  | p_n ≥ 0 pushes apart                                         |
+// | u      | velocity | m/s  | u_n > 0 opens the contact                                    |
 //
-// Contact laws and residual are those of contact_problem.hpp and residual.hpp. It serves problems that come in this form
-// from elsewhere; with the bodies at hand a sweep costs half as much, and exact steps far less.
+// These problems come from files (FCLIB, Siconos). With bodies, contact_problem.hpp is faster.
 // Source: Jean 1999; Acary, Brémond and Huber 2018 (FCLIB).
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
+#include "problem/contact_problem.hpp"
 #include "problem/solver.hpp"
 
 namespace rcr {
 
 struct DelassusBlock {
-	double nn = 0, nt = 0, tn = 0, tt = 0; // nt: what p_t does to u_n
+	double nn = 0, nt = 0, tn = 0, tt = 0; // nt: effect of p_t on u_n
 };
 
-inline Impulse operator*(const DelassusBlock& w, Impulse p) { return { w.nn * p.n + w.nt * p.t, w.tn * p.n + w.tt * p.t }; }
+inline Impulse operator*(const DelassusBlock& w, Impulse p)
+{
+	return { w.nn * p.n + w.nt * p.t, w.tn * p.n + w.tt * p.t };
+}
 
+/// W is stored in compressed rows of blocks. Each row holds its diagonal block. Columns ascend in a
+/// row. Block (j, k) exists where block (k, j) does; they may differ by rounding.
 struct DelassusProblem {
-	std::vector<std::int32_t>  rowStart; // a point: its blocks are rowStart[k] … rowStart[k + 1] − 1
-	std::vector<std::int32_t>  column;   // a block: ascending in a row, the diagonal among them; symmetric as a pattern
+	std::vector<std::int32_t>  rowStart; // row k has the blocks rowStart[k] … rowStart[k + 1] − 1
+	std::vector<std::int32_t>  column;   // of each block
 	std::vector<DelassusBlock> block;
 	std::vector<Impulse>       free;
 	std::vector<double>        friction;
-	std::vector<Impulse>       impulse;  // warm start in, solution out
-	std::vector<Impulse>       velocity; // out: u for `impulse`
+	std::vector<Impulse>       impulse;  // in: initial guess; out: solution
+	std::vector<Impulse>       velocity; // out: u of the solution
 };
 
-/// The problem of these rows alone, in ascending order; no block may join them to others.
-DelassusProblem partOf(const DelassusProblem&, const std::vector<std::int32_t>& rows);
-
-/// Throws std::invalid_argument for arrays of different lengths, columns out of range or order or without their mirror
-/// image, a number that is not finite, a negative w_nn, w_tt or friction.
+/// Checks array lengths, the pattern of W and every number; diagonals and friction must be ≥ 0.
+/// Throws std::invalid_argument.
 void checkProblem(const DelassusProblem&);
 
-/// Runs the solver of that name, as `solve` does for problems with bodies, on each part that nothing joins to others; exact and
-/// auto both sweep first, then take Newton steps where sweeps lead no further. The residual is also measured between two of
-/// `checkInterval` where a sweep changed so little that it may do. `threads`, `violation` and `meanForceChange` are not used.
+/// Solves the problem with the solver of that name (solve_delassus.cpp).
+/// Reads tolerance, maxIterations, checkInterval and minIterations from the settings.
+/// Throws std::invalid_argument for an unknown solver, a bad setting or a bad problem.
 Report solve(DelassusProblem&, const std::string& solver, const Settings&);
 
 } // namespace rcr

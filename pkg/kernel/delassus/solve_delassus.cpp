@@ -1,13 +1,20 @@
-// Solvers of problems that are given by W and q: Gauss–Seidel over packed rows of blocks (row_batch.hpp), plain, over-relaxed or with
-// momentum, and a proximal point iteration (piece_steps.hpp) where sweeps lead no further.
+// Solves problems of W and q by nonlinear block Gauss–Seidel, one contact point after the other:
+//
+//   p_k ← solution of the law for u_k = W_kk p_k + g_k,   g_k = q_k + Σ_{j≠k} W_kj p_j
+//
+// | solver                | method                                                           |
+// |-----------------------|------------------------------------------------------------------|
+// | nlgs                  | plain sweeps                                                     |
+// | sor                   | over-relaxed sweeps: p ← P_K(p + 1.3 (solution − p))             |
+// | nesterov, exact, auto | sweeps with momentum and restart (sweep/momentum.hpp)            |
+//
+// Stiff problems may stall above the tolerance; the report then says so.
+// Source: Jean 1999; Nesterov 1983.
 #include <algorithm>
-#include <limits>
-#include <numeric>
+#include <cmath>
 
 #include "delassus/delassus_problem.hpp"
-#include "delassus/piece_steps.hpp"
-#include "delassus/row_batch.hpp"
-#include "exact/stiffness.hpp"
+#include "problem/coulomb.hpp"
 #include "problem/residual.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/stop_test.hpp"
@@ -16,125 +23,100 @@ namespace rcr {
 
 namespace {
 
-	constexpr double relaxation   = 1.3;   // factor of over-relaxation [-], that of problems with bodies
-	constexpr int    stallSweeps  = 1000;  // sweeps without a new low of the residual after which a proximal step is tried
-	constexpr int    maxSweeps    = 20000; // sweeps before the first proximal step, which costs as much as some hundred
-	constexpr int    rescueSweeps = 1000;  // sweeps after a step at which Newton has not arrived: they cost less than its steps
+	constexpr double relaxation = 1.3; // [-], as for problems with bodies
 
-	constexpr double infinity = std::numeric_limits<double>::infinity();
-
-	/// The state in which sweeps left a batch.
-	struct End {
-		int     sweeps = 0;
-		RowSums sums;
-
-		double residual() const { return relativeError(sums.error2, sums.impulse2, sums.stopping2); }
-		bool   reached(const Settings& settings) const { return settings.tolerance > 0 && residual() <= settings.tolerance; }
-	};
-
-	/// Calls sweep() until the settings stop it. A measurement costs as much as a sweep, so it is also made early, where the last
-	/// change, at the ratio of residual to change that was measured last, lets the tolerance be met. A batch that starts cold has
-	/// points that approach, or it would be at rest: its first sweep needs no measurement.
-	template <class Sweep> End sweepUntil(RowBatch& batch, const Settings& settings, Sweep sweep)
-	{
-		StopTest stop(settings, batch.cold() ? 1 : 0);
-		End      end;
-		double   changed = infinity, ratio = 1; // last change of the impulses, relative; residual over change
-		const auto measure = [&] {
-			end.sums              = batch.measure();
-			const double residual = end.residual();
-			if (changed > 0 && changed < infinity) ratio = residual / changed;
-			return Criteria { residual };
-		};
-		while (!stop.reached(settings.tolerance > 0 && ratio * changed <= settings.tolerance, measure)) {
-			const RowChange change = sweep();
-			changed                = relativeError(change.change2, change.impulse2, 0);
-		}
-		if (!stop.measured()) end.sums = batch.measure();
-		end.sweeps = stop.sweeps();
-		return end;
-	}
-
-	End plain(RowBatch& batch, const Settings& settings)
-	{
-		return sweepUntil(batch, settings, [&] { return batch.sweep(); });
-	}
-
-	End relaxed(RowBatch& batch, const Settings& settings)
-	{
-		return sweepUntil(batch, settings, [&] { return batch.sweepRelaxed(relaxation); });
-	}
-
-	End accelerated(RowBatch& batch, const Settings& settings)
-	{
-		Momentum momentum;
-		return sweepUntil(batch, settings, [&] {
-			batch.extrapolate(momentum.beta());
-			const RowChange change = batch.sweep();
-			momentum.advance(change.change2);
-			return change;
-		});
-	}
-
-	/// ρ grows while Newton arrives and falls far where it does not. Beyond 1e5 rounding shows.
-	constexpr Stiffness::Limits stiffnessLimits { 100, 1e-3, 1e5, 4, 16, 1 };
-
-	/// Proximal steps, and sweeps where Newton does not arrive; the best iterate stays. Returns sweeps and Newton's steps.
-	int proximal(DelassusProblem& problem, const Settings& settings, int iterations)
-	{
-		const Batches batches(problem);
-		RowBatch      batch(problem, batches, settings.lanes);
-		RowIds        all(problem.free.size());
-		std::iota(all.begin(), all.end(), 0);
-		batch.load(all.data(), all.data() + all.size());
-		const auto measure = [&] {
-			batch.loadImpulses();
-			const End end { 0, batch.measure() };
-			batch.store();
-			return end.residual();
-		};
-		PieceSteps           steps(problem);
-		Stiffness            stiffness(stiffnessLimits);
-		double               lowest = measure();
-		std::vector<Impulse> best   = problem.impulse;
-		while (lowest > settings.tolerance && iterations < settings.maxIterations) {
-			if (steps.step(stiffness.rho(), iterations, settings.maxIterations)) stiffness.arrived();
-			else {
-				stiffness.failed();
-				Settings few      = settings;
-				few.tolerance     = 0;
-				few.maxIterations = std::min(rescueSweeps, settings.maxIterations - iterations);
-				iterations += accelerated(batch, few).sweeps;
-				batch.store();
+	/// Gauss–Seidel sweeps over the contact points of a problem.
+	class Sweeps {
+	public:
+		explicit Sweeps(DelassusProblem& problem) : problem_(problem), diagonal_(problem.free.size())
+		{
+			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
+				const auto row = problem.column.begin() + problem.rowStart[k];
+				const auto end = problem.column.begin() + problem.rowStart[k + 1];
+				diagonal_[k]   = std::int32_t(std::lower_bound(row, end, k) - problem.column.begin());
+				if (block(k).nn <= 0) problem.impulse[k] = {}; // two driven bodies: no impulse moves them
 			}
-			const double residual = measure();
-			if (!(residual < lowest)) continue;
-			lowest = residual;
-			best   = problem.impulse;
 		}
-		problem.impulse = best;
-		return iterations;
-	}
 
-	/// Accelerated sweeps, then proximal steps.
-	End exact(RowBatch& batch, DelassusProblem& problem, const Settings& settings)
-	{
-		Settings sweeps      = settings;
-		sweeps.maxIterations = std::min(settings.maxIterations, maxSweeps);
-		sweeps.stallSweeps   = stallSweeps;
-		End end              = accelerated(batch, sweeps);
-		if (end.residual() <= settings.tolerance || end.sweeps >= settings.maxIterations) return end;
-		batch.store();
-		RowIds rows = batch.rows();
-		std::sort(rows.begin(), rows.end());
-		DelassusProblem part = partOf(problem, rows);
-		end.sweeps           = proximal(part, settings, end.sweeps);
-		for (std::size_t i = 0; i < rows.size(); ++i)
-			problem.impulse[rows[i]] = part.impulse[i];
-		batch.loadImpulses();
-		end.sums = batch.measure();
-		return end;
-	}
+		void plain() { sweep([](Impulse, Impulse solved, double) { return solved; }); }
+
+		void relaxed()
+		{
+			sweep([](Impulse p, Impulse solved, double friction) {
+				return projectCone(p + relaxation * (solved - p), friction);
+			});
+		}
+
+		/// A sweep from y = p + β (p − p_old). Returns ‖p − y‖².
+		double accelerated(double momentum)
+		{
+			std::vector<Impulse>& impulse = problem_.impulse;
+			old_.resize(impulse.size());
+			for (std::size_t k = 0; k < impulse.size(); ++k) {
+				const Impulse p = impulse[k];
+				impulse[k]      = p + momentum * (p - old_[k]);
+				old_[k]         = p;
+			}
+			double change2 = 0;
+			sweep([&](Impulse y, Impulse solved, double) {
+				change2 += square(solved - y);
+				return solved;
+			});
+			return change2;
+		}
+
+		/// Writes u = W p + q to the problem. Returns the residual of problem/residual.hpp.
+		double measure()
+		{
+			double error2 = 0, impulse2 = 0, stopping2 = 0;
+			problem_.velocity.resize(diagonal_.size());
+			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
+				const Impulse p = problem_.impulse[k], u = velocityWithoutOwn(k) + block(k) * p;
+				const double  w = block(k).nn, friction = problem_.friction[k];
+				problem_.velocity[k] = u;
+				if (w <= 0) continue;
+				const Impulse shifted { u.n + friction * std::abs(u.t), u.t };
+				error2 += square(p - projectCone(p - (1 / w) * shifted, friction));
+				impulse2 += square(p);
+				stopping2 += u.n / w * (u.n / w);
+			}
+			return relativeError(error2, impulse2, stopping2);
+		}
+
+	private:
+		const DelassusBlock& block(std::size_t k) const { return problem_.block[diagonal_[k]]; }
+
+		/// g of the header.
+		Impulse velocityWithoutOwn(std::size_t k) const
+		{
+			Impulse    g   = problem_.free[k];
+			const auto add = [&](std::int32_t begin, std::int32_t end) {
+				for (std::int32_t e = begin; e < end; ++e)
+					g = g + problem_.block[e] * problem_.impulse[problem_.column[e]];
+			};
+			add(problem_.rowStart[k], diagonal_[k]);
+			add(diagonal_[k] + 1, problem_.rowStart[k + 1]);
+			return g;
+		}
+
+		/// next(p, solution, µ) returns the new impulse of a point.
+		template <class Next> void sweep(Next next)
+		{
+			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
+				const DelassusBlock& w = block(k);
+				if (w.nn <= 0) continue;
+				Impulse&     p        = problem_.impulse[k];
+				const double friction = problem_.friction[k];
+				Impulse      g        = velocityWithoutOwn(k);
+				g.t += (w.tn - w.nt) * p.n; // rounding of files: solveCoulomb takes w_tn = w_nt
+				p = next(p, solveCoulomb({ w.nn, w.nt, w.tt }, g.n, g.t, friction), friction);
+			}
+		}
+
+		DelassusProblem&          problem_;
+		std::vector<std::int32_t> diagonal_; // of each row: its diagonal block
+		std::vector<Impulse>      old_;      // one sweep before, for momentum
+	};
 
 } // namespace
 
@@ -142,27 +124,19 @@ Report solve(DelassusProblem& problem, const std::string& solver, const Settings
 {
 	checkSettings(solver, settings);
 	checkProblem(problem);
-	problem.velocity = problem.free; // that of what is at rest, which has no error either
-	const Batches batches(problem);
-	RowBatch      batch(problem, batches, settings.lanes);
-	Report        report;
-	End           whole;
-	for (int b = 0; b < batches.count(); ++b) {
-		batch.load(batches.begin(b), batches.end(b));
-		const auto run = [&] {
-			if (solver == "nlgs") return plain(batch, settings);
-			if (solver == "sor") return relaxed(batch, settings);
-			if (solver == "nesterov" || (solver == "auto" && settings.tolerance == 0)) return accelerated(batch, settings);
-			return exact(batch, problem, settings); // auto too: it begins with sweeps
-		};
-		const End end = run();
-		batch.store();
-		report.converged  = report.converged && (end.reached(settings) || end.residual() == 0);
-		report.iterations = std::max(report.iterations, end.sweeps);
-		report.work += double(end.sweeps) * double(batch.rows().size());
-		whole.sums += end.sums;
+	Sweeps   sweeps(problem);
+	Momentum momentum; // β = 0 in the first sweep
+	StopTest stop(settings);
+	while (!stop.reached(false, [&] { return Criteria { sweeps.measure() }; })) {
+		if (solver == "nlgs") sweeps.plain();
+		else if (solver == "sor") sweeps.relaxed();
+		else momentum.advance(sweeps.accelerated(momentum.beta()));
 	}
-	report.residual = whole.residual();
+	Report report;
+	report.iterations = stop.sweeps();
+	report.work      = double(report.iterations) * double(problem.free.size());
+	report.residual  = sweeps.measure();
+	report.converged = report.reached(settings) || report.residual == 0;
 	return report;
 }
 

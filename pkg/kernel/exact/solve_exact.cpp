@@ -14,7 +14,7 @@
 
 #include "exact/path_following.hpp"
 #include "exact/proximal_problem.hpp"
-#include "exact/stiffness.hpp"
+#include "exact/proximal_parameter.hpp"
 #include "problem/infeasibility.hpp"
 #include "problem/residual.hpp"
 #include "problem/solver.hpp"

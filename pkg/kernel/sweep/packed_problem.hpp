@@ -10,8 +10,8 @@
 
 #include "problem/contact_problem.hpp"
 #include "problem/coulomb.hpp"
-#include "sweep/layout.hpp"
-#include "sweep/packed_blocks.hpp"
+#include "sweep/layout/layout.hpp"
+#include "sweep/lane/packed_blocks.hpp"
 #include "parallel/team.hpp"
 
 namespace rcr {

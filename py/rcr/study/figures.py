@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from rcr.drawing import COLUMN, PAGE, STYLE
+from rcr._drawing import COLUMN, PAGE, STYLE
 from rcr.study.paper import ETAS, POLAR_ETA, nearest
 
 MARKERS = "osD^v<>p"

@@ -11,8 +11,8 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
-from rcr import drawing
-from rcr.drawing import GRAIN, MOBILIZED, RATTLER, STRONG, STYLE, TYPES, WEAK
+from rcr import _drawing as drawing
+from rcr._drawing import GRAIN, MOBILIZED, RATTLER, STRONG, STYLE, TYPES, WEAK
 from rcr.frame import Frame
 from rcr.network import SIDE_SIDE
 

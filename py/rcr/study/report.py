@@ -10,7 +10,7 @@ import tempfile
 import numpy as np
 from PIL import Image  # Matplotlib brings it
 
-from rcr import __version__, files
+from rcr import __version__, _files as files
 from rcr.study import figures, maps
 from rcr.study.analysis import analyse, jsonable
 from rcr.study.claims import AGREES, DIFFERS, NOT_TESTED, findings

@@ -8,7 +8,7 @@ import pathlib
 
 import numpy as np
 
-from rcr import checks, files, results
+from rcr import _checks as checks, _files as files, _results as results
 from rcr.network import Network
 
 _TWO_RUNS = "files of two runs; remove those of one"
@@ -31,7 +31,7 @@ class Run:
     history : dict of arrays, or None
         ``strain`` [-], ``stress_x`` and ``stress_y`` on the walls [Pa], one value every record of the shear.
     record : dict or None
-        run.json, which has the parameters; see `rcr.results`.
+        run.json, which has the parameters; see `rcr._results`.
     summary : dict or None
         summary.json, of a run that is complete.
     """
@@ -145,7 +145,7 @@ def _history(path):
                 history[name].append(checks.number(f"line {line}: {name}", value))
         history = {name: np.array(column) for name, column in history.items()}
         rises = np.append(True, np.diff(history["strain"]) > 0)
-        checks.every(rises, "the strain", history["strain"], "more than in the record before")
+        checks.require(rises, "the strain", history["strain"], "more than in the record before")
         return history
 
 

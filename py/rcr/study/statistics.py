@@ -6,7 +6,7 @@ not tell is NaN.
 
 import numpy as np
 
-from rcr import checks
+from rcr import _checks as checks
 
 LEAST = 10  # values that a class needs for its mean to be given
 

@@ -1,0 +1,50 @@
+"""Write contact problems of dense sheared packings, each with its warm start.
+
+A biaxial test saves one problem a state: DIR/nPARTICLES_eETA_STRAIN.npz, which scripts/solve.py,
+scripts/bench_solver.py and rcr.problems.load read. Run it with YADE:
+
+scripts/yade-rcr -n -x scripts/bench_problems.py --particles 2000 --eta 0.7 --states 5 --out problems
+"""
+
+import os
+
+from rcr import _results as results, script
+from rcr.study.biaxial import RECORD, TIME_STEP, Biaxial, checked
+
+
+def arguments():
+    parser = script.Parser(prog="bench_problems.py", description=__doc__.splitlines()[0])
+    add = parser.add_argument
+    add("--particles", type=script.integer(), default=2000, help="number of grains (default %(default)s)")
+    add("--eta", type=script.number(), default=0.7, help="elongation, 0 = disc (default %(default)s)")
+    add("--seed", type=script.integer(), default=1, help="seed of the packing (default %(default)s)")
+    add("--time-step", type=script.number(), default=TIME_STEP,
+        help="time step of the shear over √(m/σ0) (default %(default)s)")
+    add("--states", type=script.at_least(1), default=5,
+        help="number of problems, at equal strains (default %(default)s)")
+    add("--strain", type=script.number(), default=0.05,
+        help="strain of the last problem (default %(default)s)")
+    script.add_results(parser, "problems")
+    options = parser.parse_args()
+    if not options.states * RECORD <= options.strain < 1:
+        parser.error(f"--strain {options.strain}: expected at least {RECORD:g} a state, below 1")
+    return options
+
+
+def main():
+    options = arguments()
+    parameters = checked(options.eta, options.particles, options.seed,
+                         time_step=options.time_step)
+    given = dict(parameters, states=options.states, strain=options.strain)
+    with results.claim_folder(options.out, "bench_problems.py", given, ["n*_e*.npz"],
+                       overwrite=options.overwrite) as begin:
+        test = Biaxial.prepare(**parameters)
+        test.compact()
+        begin()
+        for state in range(1, options.states + 1):
+            while test.strain < state * options.strain / options.states - 0.5 * RECORD:
+                test.shear_record()
+            name = f"n{options.particles}_e{options.eta:g}_{test.strain:.4f}.npz"
+            path = os.path.join(options.out, name)
+            test.solver.save(path)
+            print(f"{path}: {test.solver.contactPoints} contact points", flush=True)

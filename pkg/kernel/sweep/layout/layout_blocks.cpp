@@ -1,0 +1,85 @@
+// The blocks of a section: its pairs coloured, and each given a slot.
+#include "sweep/layout/layout.hpp"
+
+namespace rcr {
+
+/// Colours the pairs of a section and counts them. Bodies go by their records, which of one slab stand side by side: two threads never write to one line.
+void Layout::color(Section& section)
+{
+	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
+		const LaidPair& pair = pairs_[bySection_[k]];
+		for (int body : { pair.body1, pair.body2 })
+			if (moves(body)) coloring_.free(record_[body]);
+	}
+	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
+		const int       number = bySection_[k];
+		const LaidPair& pair   = pairs_[number];
+		const int       color  = coloring_.take(record_[pair.body1], moves(pair.body1), record_[pair.body2], moves(pair.body2));
+		color_[number]         = static_cast<signed char>(color);
+		if (color == Coloring::none) continue;
+		++section.row(color, pair).pairs;
+		section.sides += !moves(pair.body1) + !moves(pair.body2);
+	}
+}
+
+/// Makes the blocks of a section.
+void Layout::makeBlocks(Section& section)
+{
+	section.chunks.begin = int(chunks_.size());
+	for (auto& ofColor : section.rows)
+		for (int m = 0; m < models; ++m)
+			for (int points : { 2, 1 })
+				if (ofColor[m][points - 1].pairs > 0) makeBlocks(ofColor[m][points - 1], Model(m), points);
+	section.chunks.end = int(chunks_.size());
+	section.nextRecord = ownRecords(section.sides);
+}
+
+/// Makes the blocks for the pairs counted; the slots that stay vacant are the last of each row.
+void Layout::makeBlocks(Row& row, Model model, int points)
+{
+	const int first = int(pairBlocks_.size()), blocks = (row.pairs + blockWidth - 1) / blockWidth;
+	row.firstBlock  = first;
+	row.nextSlot    = first * blockWidth;
+	row.firstColumn = columns_;
+	chunks_.push_back({ first, blocks, columns_, points, model, pointBlocks_ });
+	pointBlocks_ += blocks * points;
+	pairBlocks_.resize(first + blocks);
+	columns_ += blocks * points * columnsOf(model);
+	if (row.pairs == blocks * blockWidth) return;
+	for (int lane = row.pairs % blockWidth; lane < blockWidth; ++lane) {
+		pairBlocks_.back().body1[lane] = offsetOf(ownRecords(1));
+		pairBlocks_.back().body2[lane] = offsetOf(ownRecords(1));
+	}
+	vacant_.push_back({ columns_ - points * columnsOf(model), columns_ });
+}
+
+/// Gives each pair of a section the next slot of its row; a prescribed side gets a record of its own, which no impulse moves.
+void Layout::place(Section& section)
+{
+	const auto side = [&](int body) {
+		if (moves(body)) return offsetOf(record_[body]);
+		section.nextRecord += 2;
+		return offsetOf(section.nextRecord - 2);
+	};
+	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
+		const int number = bySection_[k];
+		if (color_[number] == Coloring::none) continue;
+		LaidPair& pair  = pairs_[number];
+		Row&      row   = section.row(color_[number], pair);
+		pair.slot       = row.nextSlot++;
+		const int block = pair.slot / blockWidth, lane = pair.slot % blockWidth;
+		pair.column     = row.firstColumn + (block - row.firstBlock) * pair.points * columnsOf(pair.model);
+		pairBlocks_[block].body1[lane] = side(pair.body1);
+		pairBlocks_[block].body2[lane] = side(pair.body2);
+	}
+}
+
+/// Whole records, behind those of the bodies.
+int Layout::ownRecords(int count)
+{
+	const int first = (records_ + 1) / 2 * 2;
+	if (count > 0) records_ = first + 2 * count;
+	return first;
+}
+
+} // namespace rcr

@@ -1,0 +1,90 @@
+"""Checks of arguments. A ValueError names the argument, its value and what is expected.
+
+Needs NumPy.
+"""
+
+import math
+import numbers
+
+import numpy as np
+
+
+def number(name, value, expected="a finite number", valid=lambda v: True):
+    """Return `value` as a float, if it is a finite real number and `valid(value)` holds."""
+    real = isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_))
+    if not real or not _is_finite(value) or not valid(float(value)):
+        raise ValueError(f"{name} = {value!r}; expected {expected}")
+    return float(value)
+
+
+def integer(name, value, expected="a whole number", valid=lambda v: True):
+    """Return `value` as an int, if it is an integer of 64 bits and `valid(value)` holds."""
+    whole = isinstance(value, numbers.Integral) and not isinstance(value, (bool, np.bool_))
+    if not whole or not -(2**63) <= value < 2**63 or not valid(int(value)):
+        raise ValueError(f"{name} = {value!r}; expected {expected}")
+    return int(value)
+
+
+def flag(name, value):
+    """Return `value` as a bool, if it is True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"{name} = {value!r}; expected True or False")
+    return bool(value)
+
+
+def choice(name, value, known):
+    """Return `value`, if it is one of the words `known`."""
+    if not isinstance(value, str) or value not in known:
+        raise ValueError(f"{name} = {value!r}; expected one of {', '.join(known)}")
+    return value
+
+
+def array(name, value, shape=None):
+    """Return `value` as a contiguous array of finite doubles. None in `shape` is any length."""
+    value = reals(name, value, shape)
+    require(np.isfinite(value), name, value, "finite numbers")
+    return value
+
+
+def reals(name, value, shape=None):
+    """Return `value` as a contiguous array of doubles, which may be infinite or NaN."""
+    try:
+        value = np.asarray(value)
+    except ValueError:
+        raise ValueError(f"{name} does not hold numbers in rows of one length") from None
+    if value.dtype.kind not in "iuf" and value.size:
+        kind = "complex ones" if value.dtype.kind == "c" else value.dtype
+        raise ValueError(f"{name} does not hold numbers, but {kind}; expected real ones")
+    if shape is not None and not _fits(value.shape, shape):
+        given = str(tuple("any" if k is None else k for k in shape)).replace("'", "")
+        raise ValueError(f"{name} has shape {value.shape}; expected {given}")
+    return np.asarray(value, float, order="C")
+
+
+def ids(name, value, end):
+    """Return `value` as an array of integers, each from 0 to `end` − 1."""
+    value, expected = np.asarray(value), f"whole numbers from 0 to {end - 1}"
+    if value.dtype.kind not in "iuf" and value.size:
+        raise ValueError(f"{name} does not hold numbers, but {value.dtype}; expected {expected}")
+    require((value == np.floor(value)) & (value >= 0) & (value < end), name, value, expected)
+    return value.astype(np.int32 if end <= 2**31 else np.int64)
+
+
+def require(good, name, value, expected):
+    """Raise a ValueError that names the first place at which `good` is False."""
+    if np.all(good):
+        return
+    index = np.unravel_index(np.argmin(good), np.shape(good))
+    place = ", ".join(map(str, index))
+    raise ValueError(f"{name}[{place}] = {value[index]:g}; expected {expected}")
+
+
+def _fits(shape, expected):
+    return len(shape) == len(expected) and all(k in (None, n) for k, n in zip(expected, shape))
+
+
+def _is_finite(value):
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # an integer above the largest float
+        return False

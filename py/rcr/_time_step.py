@@ -1,0 +1,155 @@
+"""Stable time step of springs, and the first half step of the leapfrog."""
+
+import math
+
+import numpy as np
+from yade.minieigenHP import Vector3
+from yade.wrapper import (
+    FrictPhys, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
+    Law2_RcrGeom_FrictPhys_CundallStrack, NewtonIntegrator, Omega, Rcr, Sphere,
+)  # fmt: skip
+
+O = Omega()
+
+
+def critical_time_step(points=6):
+    """Largest stable time step of a scene with springs [s]; take half of it or less.
+
+    A body with `points` contact points at the worst places, among equal neighbours, vibrates along
+    normals and tangents at most at
+
+        ω_n² = 2 z k_n max(1/m, a²/I),   ω_s² = 2 z k_s max(1/m, R²/I),   z = `points`.
+
+    The leapfrog is stable for dt ω < 2 (√(1 + ζ²) − ζ). ζ is the damping ratio of this motion: the
+    law's ratio, which belongs to one point between two bodies (ω² = 2 k_n/m), times the ratio of
+    the frequencies. Tangents have no dashpot. k_n and k_s are the largest of the body's contacts.
+    A body without contacts takes the stiffness that the Ip2 functor will set: the value of a
+    MatchMaker of the kind "val", else k_n = E R and k_s = k_n times `FrictMat.poisson`.
+
+    YADE's PWaveTimeStep supports spheres alone. GlobalStiffnessTimeStepper counts a side-side
+    contact of two points as one and ignores the dashpots; give it timestepSafetyCoefficient ≤ 0.4.
+
+    Parameters
+    ----------
+    points : int
+        Contact points per body; dense packings in the plane have 4 to 6.
+
+    Returns
+    -------
+    float
+        Time step [s].
+
+    Raises
+    ------
+    ValueError
+        If the scene has no free grain or no Law2_RcrGeom_FrictPhys_CundallStrack, or if a
+        stiffness is not positive.
+    """
+    loops = [e for e in O.engines if isinstance(e, InteractionLoop) and not e.dead]
+    laws = [law for loop in loops for law in loop.lawDispatcher.functors]
+    laws = [law for law in laws if isinstance(law, Law2_RcrGeom_FrictPhys_CundallStrack)]
+    if not laws:
+        raise ValueError(
+            "O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack; "
+            "rigid contacts do not bound the time step"
+        )
+    stiffness_of = _stiffnesses(loops)
+    steps = []
+    for body in O.bodies:
+        if isinstance(body.shape, (Rcr, Sphere)) and body.state.blockedDOFs != "xyzXYZ":
+            steps.append(_stable_step(body, *stiffness_of(body), points, laws[0].damping))
+    if not steps:
+        raise ValueError("no Rcr and no Sphere is free to move: nothing bounds the time step")
+    return min(steps)
+
+
+def _radius(shape):
+    return shape.halfLength + shape.capRadius if isinstance(shape, Rcr) else shape.radius
+
+
+def _stiffnesses(loops):
+    """Return a function that gives k_n and k_s [N/m] of a body."""
+    functors = [ip2 for loop in loops for ip2 in loop.physDispatcher.functors]
+    stock = [ip2 for ip2 in functors if isinstance(ip2, Ip2_FrictMat_FrictMat_FrictPhys)]
+    makers = {name: [getattr(ip2, name) for ip2 in stock] for name in ("kn", "ks")}
+    given = {
+        name: next((maker.val for maker in found if maker and maker.algo == "val"), None)
+        for name, found in makers.items()
+    }
+    stiffest = {}  # (k_n, k_s) by id of the body
+    for i in O.interactions:
+        if i.isReal and isinstance(i.phys, FrictPhys):
+            for id_ in (i.id1, i.id2):
+                stiffest[id_] = np.maximum((i.phys.kn, i.phys.ks), stiffest.get(id_, 0))
+
+    def stiffness(body):
+        kn = body.material.young * _radius(body.shape)
+        own = dict(kn=kn, ks=kn * body.material.poisson)
+        future = [own[name] if given[name] is None else given[name] for name in own]
+        return stiffest.get(body.id, future)
+
+    return stiffness
+
+
+def _stable_step(body, kn, ks, points, damping):
+    """Return the stable time step of one body [s]; see `critical_time_step`."""
+    if not (kn > 0 and ks >= 0):
+        given = f"body #{body.id} has the stiffnesses kn = {kn}, ks = {ks}"
+        raise ValueError(f"{given}; expected kn > 0 and ks ≥ 0 [N/m]")
+    m, inertia = body.state.mass, body.state.inertia[2]
+    a, R = getattr(body.shape, "halfLength", 0), _radius(body.shape)
+    normal = math.sqrt(2 * points * kn * max(1 / m, a * a / inertia))
+    shear = math.sqrt(2 * points * ks * max(1 / m, R * R / inertia))
+    ratio = damping * normal / math.sqrt(2 * kn / m)
+    step = 2 / normal * (math.sqrt(1 + ratio**2) - ratio)
+    return min(step, 2 / shear if shear > 0 else math.inf)
+
+
+def half_step_start():
+    """Make the present velocities those of the present time, for second-order accuracy in dt.
+
+    YADE's leapfrog stores velocities half a step before positions. It treats the velocities that a
+    script sets (rest, for example) as those of half a step ago. A body that starts from rest under
+    the acceleration a then moves a t dt/2 too far, an error of first order in dt. This function
+    subtracts half a step of gravity and of permanent forces (``O.forces.setPermF``, ``setPermT``)
+    from the velocities, and the first step adds it again. Contact forces of the first step count
+    half, too. Velocities that a script reads stay half a step behind.
+
+    Call it once, after setting bodies, gravity, permanent forces and ``O.dt``. Call it again after
+    a change of ``O.dt``, or of velocities in a stopped motion. It does not improve impacts, whose
+    times are known to one step, nor springs that are already loaded.
+
+    Raises
+    ------
+    ValueError
+        If the scene has no NewtonIntegrator, or ``O.dt`` is not positive.
+    """
+    integrators = [e for e in O.engines if isinstance(e, NewtonIntegrator) and not e.dead]
+    if len(integrators) != 1:
+        raise ValueError(
+            f"O.engines holds {len(integrators)} NewtonIntegrators that are not dead; expected one"
+        )
+    if not 0 < O.dt < float("inf"):
+        raise ValueError(f"O.dt = {O.dt}; expected a time step > 0 [s]")
+    half, gravity = 0.5 * O.dt, integrators[0].gravity
+    loaded = O.forces.getPermForceUsed()
+    if loaded:
+        # permF returns new values only after this; without permanent forces YADE would read
+        # beyond its arrays
+        O.forces.f(0, True)
+    for body in O.bodies:
+        state = body.state
+        if body.isClumpMember or state.blockedDOFs == "xyzXYZ":
+            continue
+        force, torque = Vector3.Zero, Vector3.Zero
+        if loaded:
+            force, torque = O.forces.permF(body.id), O.forces.permT(body.id)
+        turn = Vector3(*(torque[k] / state.inertia[k] for k in range(3)))
+        state.vel -= half * _free_part(state, "xyz", gravity + force / state.mass)
+        state.angVel -= half * _free_part(state, "XYZ", turn)
+
+
+def _free_part(state, names, vector):
+    """Set the components along blocked degrees of freedom to 0."""
+    free = (0 if name in state.blockedDOFs else value for name, value in zip(names, vector))
+    return Vector3(*free)

@@ -1,0 +1,242 @@
+# A Debian 13 root file system in the cache as the environment: mmdebstrap makes it, bubblewrap
+# enters it. Its files belong to the user, so that a plain `rm -rf` removes it.
+
+root=$cache/root-$(packages_id)
+machine_files=(resolv.conf hosts hostname localtime machine-id ssl/certs/ca-certificates.crt) # of /etc, the machine's own
+
+rootfs_source() { echo /usr/src/yade; }
+rootfs_yade_python() { (cd "$root" && echo usr/lib/*/yade-double/py | sed 's|^|/|'); }
+
+rootfs_ready() { [ -d "$root" ] && command -v bwrap >/dev/null; } # it gets this name when it is complete
+
+rootfs_possible() {
+    case $(uname -m) in
+    x86_64 | aarch64) ;;
+    *) why="Debian has YADE for amd64 and arm64, this is $(uname -m)" && return 1 ;;
+    esac
+    local tools="mmdebstrap bwrap" tool missing=
+    [ "$(id -u)" = 0 ] || tools="$tools newuidmap"
+    for tool in $tools; do
+        command -v "$tool" >/dev/null || missing="$missing $tool"
+    done
+    missing=$(echo "$missing" | sed 's/bwrap/bubblewrap/; s/newuidmap/uidmap/')
+    if [ -n "$missing" ] && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
+        say "installing$missing with apt-get …"
+        { apt-get update; apt-get install -y --no-install-recommends $missing; } >>"$log" 2>&1 ||
+            { why="apt-get cannot install$missing: is there a network?" && return 1; }
+    elif [ -n "$missing" ]; then
+        why="${why:+$why, or }the tools for a root file system are missing (on Debian and Ubuntu: apt-get install$missing)"
+        return 1
+    fi
+    if [ "$(id -u)" != 0 ] && ! grep -q "^$(id -un):" "$etc/subuid"; then
+        why="$(id -un) has no subordinate ids: usermod --add-subuids 100000-165535 --add-subgids 100000-165535 $(id -un)"
+        return 1
+    fi
+    bwrap --bind / / true 2>>"$log" || { why="this system forbids user namespaces (bubblewrap needs them)" && return 1; }
+}
+
+# rootfs_mirrors: the apt sources to try, one set a line. First every Debian mirror that this
+# system's apt knows, with updates and security fixes; then one mirror at a time; then an empty
+# line, which is mmdebstrap's own choice.
+rootfs_mirrors() {
+    local codename known=
+    if codename=$(. "$etc/os-release" && [ "$ID" = debian ] && echo "${VERSION_CODENAME:-sid}") 2>/dev/null; then
+        known=$(apt-get indextargets --no-release-info --format '$(RELEASE) $(COMPONENT) $(REPO_URI)' 'Created-By: Packages' |
+            awk -v releases="^($codename|oldstable|stable|testing|unstable|sid)\$" '
+                $2 != "main"      { next }
+                $1 ~ releases     { print $3, "trixie" }
+                $1 ~ "-updates$"  { print $3, "trixie-updates" }
+                $1 ~ "-security$" { print $3, "trixie-security" }' | sort -u) || true
+        echo "$known" | sed 's/.*/deb & main;/' | tr -d '\n'
+        echo
+        echo "$known" | sed -n 's/.* trixie$/deb & main/p'
+    fi
+    echo
+}
+
+rootfs_make() {
+    [ ! -d "$root" ] || return 0 # only bubblewrap was missing
+    need_space "$cache" 5
+    [ "$(id -u)" = 0 ] || need_space /var/tmp 5
+    say "set-up 1/3: Debian 13 root file system (20 to 60 s) …"
+    rootfs_from_mirrors rootfs_bootstrap
+}
+
+# rootfs_from_mirrors MAKE: $root, as `MAKE SOURCES` puts it into $new/root, from the first mirror that serves
+rootfs_from_mirrors() {
+    local sources
+    while IFS= read -r sources; do
+        mkdir "$new/root"
+        : >"$new/output"
+        if "$1" "$sources"; then
+            rootfs_finish
+            return
+        fi
+        rm -rf --one-file-system "$new/root"
+        why=$(rootfs_reason "$new/output")
+        say "not from $(mirror_names "$sources"): $why"
+        grep -q 'Failed to fetch\|apt-get update.*failed' "$new/output" || break # another mirror will not help
+    done < <(rootfs_mirrors)
+    return 1
+}
+
+mirror_names() { grep -oE '[a-z]+://[^ ;]+' <<<"$1" | sort -u | paste -sd ' ' | grep . || echo "the default mirror"; }
+
+# rootfs_reason OUTPUT: in a few words, why it failed
+rootfs_reason() {
+    if grep -q 'No space left' "$1"; then
+        echo "the disk is full"
+    elif grep -qE 'Temporary failure|Could not (resolve|connect)|unreachable|Connection (failed|timed out)' "$1"; then
+        echo "it does not answer: is there a network?"
+    elif grep -qE '^E: Failed to fetch' "$1"; then
+        sed -nE 's/^E: Failed to fetch ([^ ]+) +(.*)/it does not deliver \1 (\2)/p' "$1" | tail -n 1
+    else
+        grep '^E: ' "$1" | tail -n 1
+    fi
+}
+
+# rootfs_options: sets `bootstrap` to mmdebstrap of a small Debian whose apt asks as this machine's does
+rootfs_options() {
+    local bundle=/etc/ssl/certs/ca-certificates.crt
+    [ -r "$bundle" ] || bundle=/dev/null
+    apt-config dump --no-empty --format '%f "%v";%n' Acquire |
+        grep -E '^Acquire::(Check-|Retries|Force|https?::)' | grep -vi 'auto-\?detect' >"$new/apt.conf"
+    bootstrap=(mmdebstrap --variant=minbase
+        --aptopt="$new/apt.conf" --aptopt='Acquire::Languages "none"' --dpkgopt=force-unsafe-io
+        --setup-hook='mkdir -p "$1/etc/ssl/certs"'
+        --setup-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt")
+}
+
+# rootfs_bootstrap SOURCES: mmdebstrap runs install-packages and fetch-source inside.
+rootfs_bootstrap() {
+    local bootstrap bundle=/etc/ssl/certs/ca-certificates.crt
+    [ -r "$bundle" ] || bundle=/dev/null
+    rootfs_options
+    bootstrap+=(--dpkgopt='path-exclude=/usr/share/doc/*'
+        --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*'
+        --dpkgopt='path-exclude=/usr/lib/*/yade-[!d]*' # its builds in higher precision
+        --customize-hook="copy-in '$setup/install-packages' '$setup/fetch-source' '$setup/packages' /tmp"
+        --customize-hook='echo "yade-rcr: set-up 2/3: YADE, a compiler and Python libraries (2 to 5 min) …" >&2'
+        --customize-hook='chroot "$1" /tmp/install-packages /tmp/packages >&2'
+        --customize-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt"
+        --customize-hook='echo "yade-rcr: set-up 3/3: the headers of YADE, from its source archive (15 MB) …" >&2'
+        --customize-hook='chroot "$1" /tmp/fetch-source /usr/src/yade /tmp/apt >&2')
+    rootfs_fill "$1" && [ -d "$new/root/usr/src/yade/core" ]
+}
+
+# rootfs_fill SOURCES: runs `bootstrap` into $new/root. An ordinary user gets its result as an archive, so that the files are the user's own.
+rootfs_fill() {
+    local sources
+    IFS=';' read -ra sources <<<"$1"
+    if [ "$(id -u)" = 0 ]; then
+        unshare --mount "${bootstrap[@]}" --mode=root trixie "$new/root" "${sources[@]}" 2>&1 | record
+    else
+        { TMPDIR=/var/tmp "${bootstrap[@]}" --mode=unshare trixie - "${sources[@]}" 2>&1 >&3 | record; } 3>&1 |
+            tar -x -C "$new/root" --exclude='./dev/*' 2>>"$log"
+    fi
+}
+
+# What is bound at entry needs something to be bound on; what is never seen goes.
+rootfs_finish() {
+    local file
+    chmod -R u+rwX "$new/root"
+    rm -rf --one-file-system "$new"/root/{boot,dev,home,media,mnt,opt,proc,root,run,srv,sys,tmp,var}
+    for file in "${machine_files[@]}"; do
+        rm -f "$new/root/etc/$file"
+        : >"$new/root/etc/$file"
+    done
+    mv "$new/root" "$root"
+    find "$cache" -maxdepth 1 -name 'root-*' -mtime +30 -exec rm -rf --one-file-system {} + # others, long unused
+}
+
+# Only /usr and /etc are the root file system's. Every other directory of the machine is there
+# under its own name; so is what the arguments name under /usr and /etc.
+rootfs_enter() {
+    local directory link file binds=()
+    for directory in /*; do
+        if [ -d "$directory" ] && ! rootfs_shadows "$directory"; then
+            binds+=(--bind "$directory" "$directory")
+        fi
+    done
+    for link in "$root"/{bin,sbin,lib*}; do
+        [ ! -L "$link" ] || binds+=(--symlink "$(readlink "$link")" "${link#"$root"}")
+    done
+    for file in "${machine_files[@]}"; do
+        binds+=(--ro-bind-try "/etc/$file" "/etc/$file")
+    done
+    rootfs_bind_paths "$PWD" "$repo" "${HOME:-/}" "$@"
+
+    # bubblewrap stands between the terminal and the command: Ctrl-C is for the command alone.
+    trap '' INT QUIT
+    touch -c "$root" # in use: see rootfs_finish
+    unset LD_LIBRARY_PATH LD_PRELOAD PYTHONHOME
+    exec bwrap --die-with-parent --ro-bind "$root/usr" /usr --ro-bind "$root/etc" /etc \
+        "${binds[@]}" --dev-bind /dev /dev \
+        --ro-bind-data 7 /etc/passwd --ro-bind-data 8 /etc/group \
+        --setenv PATH /usr/bin:/bin --setenv LC_ALL C.UTF-8 --chdir "$PWD" \
+        env --default-signal=INT,QUIT "$@" \
+        7< <(cat /etc/passwd; getent passwd "$(id -u)") 8< <(cat /etc/group; getent group "$(id -g)")
+}
+
+# rootfs_bind_paths WORD…: adds to `binds` what the words name under /usr and /etc
+rootfs_bind_paths() {
+    local word previous= words=() paths path
+    for word in "$@"; do
+        case "$previous $word" in
+        "--out "* | *" --out="*) rootfs_make_output "${word#--out=}" ;;
+        esac
+        previous=$word
+        word=${word#--*=}
+        words+=("${word:-.}")
+    done
+    # as written, and behind symbolic links
+    mapfile -d '' paths < <(realpath -zms -- "${words[@]}"; realpath -zm -- "${words[@]}")
+    for path in "${paths[@]}"; do
+        if rootfs_shadows "$path"; then
+            rootfs_bind "$path"
+        fi
+    done
+}
+
+# rootfs_shadows PATH: it lies in /usr, /etc or, by a symbolic link such as /bin, in /usr
+rootfs_shadows() {
+    local top=${1#/}
+    top=${top%%/*}
+    [ "$top" = usr ] || [ "$top" = etc ] || [ -L "$root/$top" ]
+}
+
+# rootfs_owns PATH: the root file system itself has something there, not only a place to bind on
+rootfs_owns() { [ -n "$(find "$root$1" -not -type d -not -size 0 -print -quit 2>/dev/null)" ]; }
+
+rootfs_bind() {
+    local path=$1
+    until [ -e "$path" ] || [ -z "$path" ]; do path=${path%/*}; done
+    [ -n "$path" ] || return 0 # nothing of it is there, and the command says so
+    ! rootfs_owns "$path" || return 0
+    if [ ! -d "$path" ] && ! rootfs_owns "${path%/*}"; then
+        path=${path%/*} # a script's neighbours too
+    fi
+    if [ -d "$path" ]; then
+        mkdir -p "$root$path"
+    else
+        mkdir -p "$root${path%/*}"
+        : >>"$root$path"
+    fi
+    binds+=(--bind "$path" "$path")
+}
+
+# An output among the root file system's own directories has to exist before it can be bound.
+rootfs_make_output() {
+    local path directory
+    [ -n "$1" ] || return 0
+    path=$(realpath -m -- "$1")
+    directory=$path
+    until [ -d "$directory" ] || [ -z "$directory" ]; do directory=${directory%/*}; done
+    [ -n "$directory" ] || return 0
+    if [ ! -e "$path" ] && rootfs_shadows "$path" && rootfs_owns "$directory"; then
+        case ${path##*/} in
+        *.*) mkdir -p "${path%/*}" && : >"$path" ;;
+        *) mkdir -p "$path" ;;
+        esac
+    fi
+}
