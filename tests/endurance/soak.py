@@ -179,7 +179,7 @@ class Watch:
     """What is asked of the scene after each step."""
 
     def __init__(self, scene):
-        self.scene, self.healing, self.missed, self.steps, self.pierced, self.astray = scene, 0, 0, 0, False, False
+        self.scene, self.healing, self.missed, self.steps, self.deepOverlapCount, self.astray = scene, 0, 0, 0, False, False
         self.inherited = 0.0  # overlap that springs have left to rigid contacts, which take it back by 1e-4 R a step
         self.restart()
 
@@ -237,8 +237,8 @@ class Watch:
         from yade.wrapper import InteractionLoop
 
         laws = [functor for e in O.engines if isinstance(e, InteractionLoop) for functor in e.lawDispatcher.functors]
-        self.pierced = self.pierced or any(getattr(law, "pierced", 0) for law in laws)
-        return self.healing or self.pierced
+        self.deepOverlapCount = self.deepOverlapCount or any(getattr(law, "deepOverlapCount", 0) for law in laws)
+        return self.healing or self.deepOverlapCount
 
     def no_gain(self):
         """Kinetic energy grows by no more than what gravity has done: Δ(½ m v²) = m g v̄ dt, v̄ the mean of the velocities before and after."""

@@ -204,12 +204,12 @@ def test_bad_runs_are_refused(tmp_path):
     with pytest.raises(ValueError, match="no network at a strain from 0.9 to inf; they are at 0.1000 to 0.4000"):
         Run.read(tmp_path / "a", from_strain=0.9)
     slippery = Run.read(write_run(tmp_path / "b", 0.5, friction=0.3))
-    with pytest.raises(ValueError, match="friction 0.3, 0.5; wanted one friction"):
+    with pytest.raises(ValueError, match="friction 0.3, 0.5; expected one friction"):
         analysis.analyse([run, slippery])
     with pytest.raises(ValueError, match="friction = 0"):
         analysis.analyse([Run.read(write_run(tmp_path / "c", 0.5, friction=0.0))])
     packing(0.3).save(tmp_path / "a" / "network-0.5000.h5")
-    with pytest.raises(ValueError, match="eta = 0.3, 0.5; wanted one"):
+    with pytest.raises(ValueError, match="eta = 0.3, 0.5; expected one"):
         analysis.analyse([Run.read(tmp_path / "a")])
     bare = packing(0.5)
     del bare.attributes["strain"]

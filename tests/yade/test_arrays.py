@@ -324,7 +324,7 @@ def test_a_history_is_kept_without_a_stop():
 def test_observations_want_a_number_of_steps():
     pressed()
     solver().observeEvery = -1
-    with pytest.raises(ValueError, match="ContactDynamics.observeEvery = -1; wanted 0, none, or a number of steps"):
+    with pytest.raises(ValueError, match="ContactDynamics.observeEvery = -1; expected a number of steps"):
         O.run(1, True)
 
 

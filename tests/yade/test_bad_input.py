@@ -63,7 +63,7 @@ def test_pose_and_density():
 
 @pytest.mark.parametrize("name, value", [("capRadius", 0), ("capRadius", -1), ("capRadius", INF), ("halfLength", -1), ("halfLength", NAN)])
 def test_shape(name, value):
-    with pytest.raises(ValueError, match=rf"Rcr.{name} = .*; wanted a finite length .* rcr.particle"):
+    with pytest.raises(ValueError, match=rf"Rcr.{name} = .*; expected a finite length .* rcr.particle"):
         rcr.Rcr(**({"capRadius": 0.1, "halfLength": 0.2} | {name: value}))
 
 
@@ -105,7 +105,7 @@ def set_tilt(body):
         (lambda b: setattr(b.state, "mass", 0), "#1 is free but has the mass 0; give it a mass > 0"),
         (lambda b: setattr(b.state, "mass", NAN), "#1 is free but has the mass nan"),
         (lambda b: setattr(b.state, "inertia", (1, 1, 0)), "#1 is free to turn but has the moment of inertia 0 about z"),
-        (lambda b: setattr(b.state, "blockedDOFs", "XY"), "#1 is free to leave the plane .blockedDOFs = 'XY'.; wanted z, X and Y blocked"),
+        (lambda b: setattr(b.state, "blockedDOFs", "XY"), "#1 is free to leave the plane .blockedDOFs = 'XY'.; expected z, X and Y blocked"),
         (lambda b: setattr(b.state, "blockedDOFs", ""), "#1 is free to leave the plane"),
         (set_tilt, "#1 is tilted out of the plane"),
         (lambda b: setattr(b.state, "pos", (NAN, 0, 0)), "#1 .*position.*nan"),
@@ -181,7 +181,7 @@ def test_damping():
 def test_time_step(dt):
     resting()
     O.dt = dt
-    refused("O.dt = .*; wanted a finite time step > 0")
+    refused("O.dt = .*; expected a finite time step > 0")
 
 
 def test_negative_time_step_is_refused_by_yade():
@@ -201,8 +201,8 @@ def test_negative_time_step_is_refused_by_yade():
         ("minIterations", 10**9, "minIterations = 1000000000: give .* no more than maxIterations = "),
         ("maxIterations", 0, "maxIterations = 0"),
         ("maxIterations", -5, "maxIterations = -5"),
-        ("correction", -0.1, "correction = -0.1.*; wanted a share of the overlap, 0 to 1"),
-        ("correction", 1.1, "correction = 1.1.*; wanted a share of the overlap, 0 to 1"),
+        ("correction", -0.1, "correction = -0.1.*; expected a fraction of the overlap, 0 to 1"),
+        ("correction", 1.1, "correction = 1.1.*; expected a fraction of the overlap, 0 to 1"),
         ("correction", NAN, "correction = nan"),
     ],
 )
@@ -215,14 +215,14 @@ def test_settings(name, value, match):
 @pytest.mark.parametrize("e", [-0.1, 1.1, NAN])
 def test_restitution(e):
     resting(restitution=e)
-    refused("contact of bodies #0 and #1 has the restitution .*; wanted 0 to 1")
+    refused("contact of bodies #0 and #1 has the restitution .*; expected 0 to 1")
 
 
 @pytest.mark.parametrize("angle", [-0.1, 1.6, NAN])
 def test_friction(angle):
     resting()
     O.engines[2].physDispatcher.functors[0].frictAngle = MatchMaker(algo="val", val=angle)
-    refused("contact of bodies #0 and #1 has the friction coefficient .*; wanted a friction angle from 0 to below π/2")
+    refused("contact of bodies #0 and #1 has the friction coefficient .*; expected a friction angle from 0 to below π/2")
 
 
 # ---------------------------------------------------------------------------------------------- functors
@@ -286,7 +286,7 @@ def test_run_and_wait_raises():
     """YADE's wait() misses an error that comes before it looks, so this one comes with a contact after 30 000 steps."""
     rough = material()
     build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-5, restitution=2)
-    with pytest.raises(RuntimeError, match="contact of bodies #0 and #1 has the restitution 2; wanted 0 to 1"):
+    with pytest.raises(RuntimeError, match="contact of bodies #0 and #1 has the restitution 2; expected 0 to 1"):
         O.run(100_000, wait=True)
     assert 25_000 < O.iter < 35_000  # √(2h/g) / dt = 32 000
 

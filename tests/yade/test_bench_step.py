@@ -43,7 +43,7 @@ def test_checkpoint(tmp_path):
         assert [row["engine"] for row in engines] == ENGINES
         assert sum(float(row["share"]) for row in engines) == pytest.approx(1)
         parts = {row["engine"].removeprefix("ContactDynamics: "): float(row["ms"]) for row in rows if row not in engines}
-        assert set(parts) == {"gather", "layout", "solve", "scatter", "missedContacts", "biasUpdate", "correct", "arrays", "publish"}
+        assert set(parts) == {"gather", "layout", "solve", "scatter", "missedContacts", "biasUpdate", "correct", "arrays", "writeBack"}
         assert sum(parts.values()) <= float(engines[ENGINES.index("ContactDynamics")]["ms"])
         assert (whole["folder"], whole["grains"], whole["eta"], whole["steps"], whole["threads"]) == ("scene", "20", "0.5", "7", "2")
         assert float(whole["ms_least"]) <= float(whole["ms"]) and float(whole["tolerance"]) == 1e-4

@@ -83,14 +83,14 @@ def test_f6_contact_dynamics_dead():
 def test_f5_two_solvers():
     rigid()
     inserted(place(rcr.ContactDynamics), rcr.ContactDynamics())
-    refused("O.engines holds 2 of ContactDynamics; wanted one")
+    refused("O.engines holds 2 of ContactDynamics; expected one")
 
 
 @LAWS
 def test_f5_two_integrators(scene):
     scene()
     inserted(len(O.engines), NewtonIntegrator(damping=0))
-    refused("O.engines holds 2 of NewtonIntegrator; wanted one")
+    refused("O.engines holds 2 of NewtonIntegrator; expected one")
 
 
 @LAWS
@@ -166,7 +166,7 @@ def test_a_compliance_out_of_range_is_told_as_it_was_given(value):
     """Its product with the scene's own was."""
     rigid()
     O.engines[place(rcr.ContactDynamics)].yieldCompliance = value
-    refused(f"ContactDynamics.yieldCompliance = {value:g}; wanted a finite factor ≥ 0, 1 by default")
+    refused(f"ContactDynamics.yieldCompliance = {value:g}; expected a finite factor ≥ 0, 1 by default")
 
 
 def test_forces_that_the_solver_has_not_seen_are_told_of(capfd):
@@ -187,7 +187,7 @@ def test_engines_with_wrong_attributes_are_refused_before_anything_moves(scene):
     refused("WallStress.wall = 1 is not the id of a body with the shape Wall")
     O.engines = [e for e in O.engines if not isinstance(e, rcr.WallStress)]
     O.dt = 0
-    with pytest.raises(ValueError, match="O.dt = 0; wanted a finite time step > 0"):
+    with pytest.raises(ValueError, match="O.dt = 0; expected a finite time step > 0"):
         O.run(1, True)
 
 
@@ -208,7 +208,7 @@ def test_the_steppers_first_step():
 def test_velocities_that_lead_out_of_the_plane(scene, velocity, spin):
     scene()
     O.bodies[1].state.vel, O.bodies[1].state.angVel = Vector3(velocity), Vector3(spin)
-    refused(r"body #1 has the velocity \(.*\) and the angular velocity \(.*\), which lead out of the plane; wanted b.state.vel\[2\]")
+    refused(r"body #1 has the velocity \(.*\) and the angular velocity \(.*\), which lead out of the plane; expected b.state.vel\[2\]")
 
 
 def test_f10_time_stepper():
@@ -270,7 +270,7 @@ def test_f33_friction_beyond_measure():
     rough = material()
     rough.frictionAngle = math.pi / 2
     build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough))
-    refused("has the friction angle 1.57.*; wanted radians from 0 to below π/2")
+    refused("has the friction angle 1.57.*; expected radians from 0 to below π/2")
 
 
 # ---------------------------------------------------------------------------------------------- bodies

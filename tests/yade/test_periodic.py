@@ -255,7 +255,7 @@ def test_a_loose_cell_that_falls_together_in_a_step_is_refused(overdamped):
 def test_cell_stress_says_what_is_wrong():
     m = material()
     pressed(rcr.disc((0.5, 0.5), 0.1, material=m), size=2.0, stress=(1, 1), mass=0)
-    with pytest.raises(ValueError, match="CellStress.mass = 0; wanted a finite share > 0"):
+    with pytest.raises(ValueError, match="CellStress.mass = 0; expected a finite factor > 0"):
         O.step()
     O.engines[3].mass, O.engines[3].stress = 1, (math.inf, 0)
     with pytest.raises(ValueError, match="CellStress.stress is infinite"):

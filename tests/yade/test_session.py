@@ -281,7 +281,7 @@ def test_a_waited_run_that_fails_raises_every_time():
     "wrong, says",
     [
         (lambda: setattr(O.engines[-1], "gravity", (0, 0, -9.81)), r"pulls out of the plane of the grains, which is x and y; set gravity=\(0, -9.81, 0\)"),
-        (lambda: setattr(O.bodies[0].material, "frictionAngle", 26), "friction angle 26; wanted radians"),
+        (lambda: setattr(O.bodies[0].material, "frictionAngle", 26), "friction angle 26; expected radians"),
     ],
 )
 def test_daily_mistakes_are_told(wrong, says):

@@ -36,7 +36,7 @@ def test_a_stress_that_is_not_finite_is_refused(stress):
     """It was told as a force of the wall, whose engine was to be found."""
     ends = [rcr.wall("y", y) for y in (0, 3.0)]
     build(*ends, rcr.mobile_wall("x", 2, mass=2.0), before=[rcr.WallStress(wall=2, start=0, end=1, stress=stress)])
-    with pytest.raises(ValueError, match=f"WallStress.stress = {stress:g}; wanted a finite stress"):
+    with pytest.raises(ValueError, match=f"WallStress.stress = {stress:g}; expected a finite stress"):
         steps(1)
 
 

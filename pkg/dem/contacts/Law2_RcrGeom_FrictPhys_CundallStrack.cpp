@@ -26,7 +26,7 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::postLoad(Law2_RcrGeom_FrictPhys_Cunda
 	if (damping >= 0 && math::isfinite(damping)) return;
 	throw std::invalid_argument(
 	        "Law2_RcrGeom_FrictPhys_CundallStrack.damping = " + boost::lexical_cast<std::string>(damping)
-	        + "; expected a share of the critical damping, 0 (none) or more.");
+	        + "; expected a fraction of the critical damping, 0 (none) or more.");
 }
 
 namespace {

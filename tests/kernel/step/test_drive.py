@@ -1,4 +1,7 @@
-"""The scale of a drive: closed forms of ε = V m̄/(P + 10 L) and of 3 P + 200 L, P = r/N Σ m (V + |v_free|), L = r/N Σ m |v_free − v⁻|; r = N in a row."""
+"""Bounds of driven scenes, closed forms of ε = V m̄/(P + 10 L) and 3 P + 200 L.
+
+P = r/N Σ m (V + |v_free|), L = r/N Σ m |v_free − v⁻|; r = N in a row.
+"""
 
 import numpy as np
 import pytest
@@ -58,12 +61,13 @@ def test_turning_obstacles_drive_by_the_speed_of_their_points():
     assert speed == 1.0
 
 
-def test_blocked_directions_have_no_momentum():
-    """A mobile wall, free along y: neither its prescribed v_x nor a change of it counts."""
-    wall = np.array([[0.0, 0.5, 0.0]])
-    found = [scale([2.0], np.zeros((1, 3)), np.array([[sideways, 0.1, 0]]), inverse=wall) for sideways in (0.0, 5.0)]
-    assert found[0] == found[1]
-    np.testing.assert_allclose(found[0][2], 2.0 * (3 * (V + 0.1) + 200 * 0.1))
+@pytest.mark.parametrize("sideways, fastest", [(0.0, V), (5.0, 5.0)])
+def test_partly_blocked_bodies_drive_without_momentum(sideways, fastest):
+    """A body with a prescribed v_x, free along y: v_x is a drive, and only v_y has momentum."""
+    body = np.array([[0.0, 0.5, 0.0]])
+    speed, _, most = scale([2.0], np.array([[sideways, 0, 0]]), np.array([[sideways, 0.1, 0]]), inverse=body)
+    assert speed == fastest
+    np.testing.assert_allclose(most, 2.0 * (3 * (fastest + 0.1) + 200 * 0.1))
 
 
 def test_nothing_drives_where_walls_rest():

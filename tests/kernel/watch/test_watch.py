@@ -1,106 +1,110 @@
-"""What watches a run: a squeeze that goes on, and steps that missed the tolerance."""
+"""JamDetector and MissedSteps: verdicts and warnings for given sequences of steps."""
 
-from rcr._kernel import MissedSteps, Squeeze
+import pytest
 
-CRUSHED, PATIENCE = Squeeze.crushed, Squeeze.patience
+from rcr._kernel import JamDetector, MissedSteps
+
+CRUSHED, PATIENCE = JamDetector.crushed, JamDetector.patience
 
 
-def tell(squeeze, overlaps):
-    """Steps in which the squeeze is told."""
-    return [step for step, overlap in enumerate(overlaps) if squeeze.goes_on(overlap)]
+def verdicts(detector, overlaps, no_solution=()):
+    """(step, verdict) of all verdicts; `no_solution` holds the steps without a solution."""
+    found = [detector.update(overlap, step in no_solution) for step, overlap in enumerate(overlaps)]
+    return [(step, verdict) for step, verdict in enumerate(found) if verdict != "none"]
 
 
 def growing(steps, start=1.1, rate=0.1):
     return [CRUSHED * (start + rate * k) for k in range(steps)]
 
 
-def test_a_squeeze_is_told_after_its_patience_and_again():
-    assert tell(Squeeze(), growing(25)) == [PATIENCE - 1, 2 * PATIENCE - 1]
+def test_growth_gives_a_verdict_each_patience():
+    steps = [PATIENCE - 1, 2 * PATIENCE - 1]
+    assert verdicts(JamDetector(), growing(25)) == [(step, "not converged") for step in steps]
+    assert verdicts(JamDetector(), growing(25), range(25)) == [(step, "jam") for step in steps]
 
 
-def test_overlaps_of_beds_at_rest_and_in_flow_are_not_told():
-    assert tell(Squeeze(), [CRUSHED * k / 200 for k in range(200)]) == []
+def test_one_step_without_a_solution_proves_a_jam():
+    assert verdicts(JamDetector(), growing(25), {3})[0] == (PATIENCE - 1, "jam")
 
 
-def test_a_blow_that_is_taken_back_is_not_told():
-    assert tell(Squeeze(), [10 * CRUSHED * 0.99**k for k in range(200)]) == []
+def test_shallow_overlaps_give_no_verdict():
+    assert verdicts(JamDetector(), [CRUSHED * k / 200 for k in range(200)], range(200)) == []
 
 
-def test_pauses_and_small_recessions_do_not_end_a_squeeze():
+def test_an_impact_that_recedes_gives_no_verdict():
+    assert verdicts(JamDetector(), [10 * CRUSHED * 0.99**k for k in range(200)], range(200)) == []
+
+
+def test_small_recessions_do_not_end_a_squeeze():
     overlaps = [value for overlap in growing(PATIENCE) for value in (overlap, overlap, 0.99 * overlap, 0.98 * overlap)]
-    assert tell(Squeeze(), overlaps) == [4 * (PATIENCE - 1)]
+    assert verdicts(JamDetector(), overlaps) == [(4 * (PATIENCE - 1), "not converged")]
 
 
-def test_what_is_taken_back_whole_ends_a_squeeze():
+def test_a_removed_overlap_ends_a_squeeze():
     half = growing(PATIENCE - 1)
-    assert tell(Squeeze(), [*half, 0.9 * CRUSHED, *half]) == []
+    assert verdicts(JamDetector(), [*half, 0.9 * CRUSHED, *half], range(5)) == []
 
 
-def test_a_saved_squeeze_speaks_in_the_same_step():
+def test_a_saved_detector_gives_the_same_verdict():
     overlaps = growing(PATIENCE)
-    first = Squeeze()
-    assert tell(first, overlaps[:4]) == []
-    again = Squeeze()
-    again.grown, again.deepest = first.grown, first.deepest
-    assert tell(again, overlaps[4:]) == [PATIENCE - 1 - 4]
+    first, again = JamDetector(), JamDetector()
+    assert verdicts(first, overlaps[:4], {0}) == []
+    again.grown, again.deepest, again.certified = first.grown, first.deepest, first.certified
+    assert verdicts(again, overlaps[4:]) == [(PATIENCE - 1 - 4, "jam")]
 
 
-def told(steps):
-    """(number of the step, message) of every message, for (missed, yielded, overlap) of each step."""
+def warnings(steps):
+    """(step, message) of all warnings for (missed, yielded, overlap) of each step."""
     watch = MissedSteps()
     return [(k, watch.message()) for k, step in enumerate(steps) if watch.count(*step)]
 
 
-def test_steps_that_all_converge_are_silent():
-    assert told([(False, False, 0.1)] * 100) == []
-    assert told([(False, False, 1.9e-2 * k / 100) for k in range(100)]) == []
-    assert told([(False, False, 0.1 * k, True) for k in range(100)]) == []
+def test_initial_overlaps_and_shallow_ones_are_silent():
+    assert warnings([(False, False, 0.1)] * 100) == []
+    assert warnings([(False, False, 4.9e-3 * k / 100) for k in range(100)]) == []
+    assert warnings([(True, False, 4.9e-3)] * 100) == []
 
 
-def test_overlaps_of_a_compaction_are_none_of_the_shear_after_it():
-    """Overdamped steps take them back: of the first missed step of the shear they were told as the deepest overlap."""
-    ((k, message),) = told([(False, False, 0.3, True)] * 5 + [(False, False, 1e-4)] * 5 + [(True, False, 1e-4)])
-    assert k == 10 and "0.0001 of R₁ + R₂, is harmless" in message
+def test_overlaps_that_overdamped_steps_remove_are_silent():
+    assert warnings([(False, False, 0.1 * k, True) for k in range(100)]) == []
+    assert warnings([(False, False, 0.3, True)] * 5 + [(False, False, 1e-4)] * 5 + [(True, False, 1e-4)]) == []
 
 
-def test_a_deep_overlap_is_told_as_what_missed():
-    ((_, message),) = told([(False, False, 1e-4), (True, False, 0.03)])
-    assert message.startswith("1 of 2 steps so far did not reach the tolerance or left an overlap beyond 0.02; the deepest overlap, 0.03")
-
-
-def test_overlaps_that_grow_without_a_miss_are_told_at_each_doubling():
-    messages = told([(False, False, overlap) for overlap in (1e-4, 1e-2, 3e-2, 4e-2, 0.1)])
-    assert [k for k, _ in messages] == [2, 4]
-    assert messages[0][1].startswith("the deepest overlap, 0.03 of R₁ + R₂, grows although all steps reached the tolerance. Something moves")
-
-
-def test_harmless_misses_are_told_once():
-    messages = told([(False, False, 1e-4)] * 9 + [(True, False, 1e-4)] * 500)
-    assert [k for k, _ in messages] == [9]
-    assert messages[0][1] == (
-        "1 of 10 steps so far did not reach the tolerance; the deepest overlap, 0.0001 of R₁ + R₂, is harmless. This is told again if it gets worse."
+def test_a_deep_overlap_of_a_missed_step_warns():
+    ((step, message),) = warnings([(False, False, 1e-4), (True, False, 0.03)])
+    assert step == 1
+    assert message.startswith("1 of 2 steps has not converged; the deepest overlap is 0.03") or message.startswith(
+        "1 of 2 steps have not converged; the deepest overlap is 0.03"
     )
+    assert "Positions are wrong" in message and "smaller O.dt" in message
 
 
-def test_a_first_step_is_not_counted_aloud():
-    ((_, message),) = told([(True, False, 0.0)])
-    assert message == "the first step did not reach the tolerance; no bodies overlap, so it is harmless. This is told again if it gets worse."
+def test_growing_overlaps_of_converged_steps_warn():
+    messages = warnings([(False, False, overlap) for overlap in (1e-4, 4e-3, 1e-2, 1.5e-2, 2.5e-2, 0.06)])
+    assert [k for k, _ in messages] == [2, 4, 5]
+    assert messages[0][1].startswith("the deepest overlap is 0.01 of R₁ + R₂ and grows, although all steps converged.")
 
 
-def test_misses_are_told_again_when_overlaps_double():
-    messages = told([(True, False, overlap) for overlap in (1e-4, 4e-3, 6e-3, 1e-2, 1.3e-2, 2e-2, 5e-2)])
-    assert [k for k, _ in messages] == [0, 2, 4, 6]
-    assert "harmless" not in messages[-1][1] and "0.05" in messages[-1][1] and "smaller time step" in messages[-1][1]
+def test_a_warning_repeats_when_overlaps_double():
+    messages = warnings([(True, False, overlap) for overlap in (1e-4, 4e-3, 6e-3, 1e-2, 1.3e-2, 2e-2, 5e-2)])
+    assert [k for k, _ in messages] == [2, 4, 6]
+    assert "0.05" in messages[-1][1]
 
 
-def test_steps_without_a_solution_are_told_at_each_tenfold():
-    messages = told([(True, True, 0.0)] * 1000)
+def test_steps_without_a_solution_warn_at_each_tenfold():
+    messages = warnings([(True, True, 0.0)] * 1000)
     assert [k for k, _ in messages] == [0, 9, 99, 999]
-    assert "without a solution" in messages[0][1]
+    assert "without a solution" in messages[0][1] and "leave these steps out of averages" in messages[0][1]
 
 
-def test_counts_and_share():
+@pytest.mark.parametrize("overlap", [1e-3, 1e-2, 0.1])
+def test_no_warning_calls_anything_harmless(overlap):
+    for outcome in ((True, True), (True, False), (False, False)):
+        assert all("harmless" not in text for _, text in warnings([(False, False, 0)] + [(*outcome, overlap)] * 20))
+
+
+def test_counts_of_steps():
     watch = MissedSteps()
     for step in [(False, False, 0.01), (True, False, 0.02), (True, True, 0.0), (False, False, 0.0)]:
         watch.count(*step)
-    assert (watch.steps, watch.missed, watch.yielded, watch.deepest, watch.share) == (4, 2, 1, 0.02, 0.5)
+    assert (watch.steps, watch.missed, watch.yielded, watch.deepest) == (4, 2, 1, 0.02)
