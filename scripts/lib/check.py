@@ -20,7 +20,9 @@ FOLDER = ROOT / "build" / "check"
 TESTS = "tests/kernel"
 PYTEST = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
 WITHOUT_YADE = [f"--confcutdir={TESTS}"]
-SOAK, FUZZER, LARGE = (f"tests/endurance/{name}.py" for name in ("soak", "scene_fuzzer", "large"))
+SOAK, FUZZER, RUNS, LARGE = (
+    f"tests/endurance/{name}.py" for name in ("soak", "scene_fuzzer", "run_fuzzer", "large")
+)
 RECORD, PAGE = (ROOT / "docs" / "measurements" / f"checks.{suffix}" for suffix in ("csv", "md"))
 COLUMNS = ["date", "commit", "check", "options", "verdict", "seconds", "what"]
 
@@ -166,6 +168,8 @@ CHECKS = {
     "plugin-asan": (sanitize_plugin, "soak and scenes in YADE under AddressSanitizer and UndefinedBehaviorSanitizer, with bounds checks"),
     "mutants": (lambda arguments: importlib.import_module("mutants").run(arguments), "kernel tests against kernels with one error each"),
     "scenes": (python("scenes", FUZZER, "--scenes", "2000"), "random scenes: each keeps its bounds or is rejected before the first step"),
+    "runs": (python("runs", RUNS, "--scenes", "1000", "--without", "F70"),
+             "random runs with changes by PyRunners: arrays give the bits of engines"),
     "soak": (python("soak", SOAK), "random scenes with repeated changes; memory stays constant"),
     "driven": (lambda arguments: script("driven", "scripts/yade-rcr", "-n", "-x", "benchmarks/driven_scenes.py", *(arguments or ["--count", "200", "--out", str(FOLDER / "driven.csv")])),
                "random driven scenes, rigid contacts against springs"),
