@@ -83,7 +83,7 @@ def pile(count, steps):
     numbers = np.array([[*b.state.pos, *b.state.vel, *b.state.angVel] for b in O.bodies])
     check(np.isfinite(numbers).all(), "numbers that are not finite")
     check(solver.deepestOverlap < DEEPEST, f"an overlap of {solver.deepestOverlap:.3g} (R₁ + R₂)")
-    return seconds, solver.missed["share"]
+    return seconds, solver.missedSteps / steps
 
 
 def main():

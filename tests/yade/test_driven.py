@@ -61,11 +61,11 @@ def test_grains_that_fly_together_are_solved(count, speed):
     O.engines[1].verletDist = 1e-3
     solver = O.engines[-2]
     steps(int(1e-3 / speed / O.dt) + 20)  # it has met the first, and all fly
-    missed, sweeps = solver.missed["missed"], []
+    missed, sweeps = solver.missedSteps, []
     for _ in range(40):
         O.step()
         sweeps.append(solver.iterations)
-    assert solver.missed["missed"] == missed and solver.missed["yielded"] == 0 and np.mean(sweeps) < 20
+    assert solver.missedSteps == missed and solver.yieldedSteps == 0 and np.mean(sweeps) < 20
     np.testing.assert_allclose([b.state.vel[0] for b in O.bodies][1:], speed, rtol=1e-3)
 
 

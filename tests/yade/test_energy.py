@@ -144,7 +144,7 @@ def test_a_gap_narrower_than_the_way_of_a_step_is_no_jam(restitution):
     solver = O.engines[-2]
     for _ in range(50):
         O.step()
-    assert solver.missed["yielded"] == 0 and solver.deepestOverlap < 1e-3 and abs(O.bodies[disc].state.vel[0]) < 1
+    assert solver.yieldedSteps == 0 and solver.deepestOverlap < 1e-3 and abs(O.bodies[disc].state.vel[0]) < 1
 
 
 @pytest.mark.parametrize("friction", [0, 0.4])

@@ -361,13 +361,14 @@ def test_f27_missed_steps_are_counted_and_the_counts_are_saved(tmp_path):
     build(rcr.wall("y", 0, material=rough), *pile, tolerance=1e-13, maxIterations=1, solver="nlgs")
     solver = lambda: O.engines[place(rcr.ContactDynamics)]
     steps(20)
-    told = solver().missed
-    assert told["steps"] == 20 and 0 < told["missed"] <= 20 and told["share"] == told["missed"] / 20 and told["yielded"] == 0
+    counts = lambda: (solver().missedSteps, solver().yieldedSteps, solver().deepestOverlap)
+    saved = counts()
+    assert 0 < saved[0] <= 20 and saved[1] == 0
     O.save(str(tmp_path / "pile.yade"))
     O.load(str(tmp_path / "pile.yade"))
-    assert solver().missed == told
+    assert counts() == saved
     steps(5)
-    assert solver().missed["steps"] == 25
+    assert saved[0] <= solver().missedSteps <= saved[0] + 5
 
 
 # ---------------------------------------------------------------------------------------------- pairs that may meet
