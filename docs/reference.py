@@ -26,6 +26,7 @@ MODULES = {
     "rcr.problems": "Contact problems in files",
     "rcr.script": "Options of scripts",
     "rcr.study.biaxial": "The biaxial test",
+    "rcr.study.protocol": "Constants of the biaxial test",
     "rcr.study.cell": "Shear of a periodic cell",
     "rcr.study.analysis": "Observables of the study",
     "rcr.study.ensemble": "Networks of many runs",

@@ -28,11 +28,15 @@ from yade.wrapper import (
 )  # fmt: skip
 
 import rcr
-from rcr.study.biaxial import DENSITY, R_MIN, RECORD, SHEAR_STIFFNESS, SMOOTH_TIME_STEP, STRESS, Biaxial, Springs
+from rcr.study.biaxial import Biaxial
+from rcr.study.protocol import PROTOCOL
+from rcr.study.records import Springs
 from rcr.network import BOTTOM, LEFT, RIGHT, TOP, Network
 from rcr.study.analysis import standard_error
 
 O = Omega()
+RECORD = PROTOCOL.record_strain  # strain of a record
+STRESS = PROTOCOL.confining_stress  # [Pa]
 TITLE = "Biaxial test: error against processor time of 20 % of strain"
 TITLES = dict(
     sin_phi="q/p", packing_fraction="packing fraction", friction_mobilization="I_M", mobilized="share of sliding contacts (I_m > 0.99)",
@@ -100,8 +104,8 @@ class Stock(Biaxial):
         edges = [wall.state.pos[wall.shape.axis] for wall in walls]
         mass = walls[2].state.mass
         O.reset()
-        rough = O.materials.append(FrictMat(density=DENSITY, frictionAngle=math.atan(self.parameters["friction"])))
-        plate = O.materials.append(FrictMat(density=DENSITY, frictionAngle=0))
+        rough = O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=math.atan(self.parameters["friction"])))
+        plate = O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0))
         self.ids = [_clump(*grain, rough) for grain in grains]
         self.left, self.bottom, self.right, self.top = self.walls = O.bodies.append(
             [
@@ -111,11 +115,11 @@ class Stock(Biaxial):
                 rcr.wall("y", edges[3], -1, material=plate),
             ]
         )
-        kn, ks = stiffness * STRESS, SHEAR_STIFFNESS * stiffness * STRESS
+        kn, ks = stiffness * STRESS, PROTOCOL.shear_stiffness * stiffness * STRESS
         value = lambda k: MatchMaker(algo="val", val=k)
         O.engines = [
             ForceResetter(),
-            InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R_MIN),
+            InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * PROTOCOL.smallest_radius),
             InteractionLoop(
                 [Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
                 [Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(ks))],
@@ -125,7 +129,7 @@ class Stock(Biaxial):
             NewtonIntegrator(damping=STOCK_DAMPING),
         ]
         fastest = max(max(kn / m, kn * a * a / inertia, ks * (a + r) ** 2 / inertia) for _, _, a, r, m, inertia in grains)
-        O.dt = SMOOTH_TIME_STEP * 2 / math.sqrt(12 * fastest)  # the rule of rcr.critical_time_step
+        O.dt = PROTOCOL.smooth_time_step * 2 / math.sqrt(12 * fastest)  # the rule of rcr.critical_time_step
 
     def network(self):
         """All sphere contacts of two grains are one contact; the normal is that of the sum of their normal forces."""
@@ -249,7 +253,7 @@ def run(name, options):
     test = _compacted(row["eta"], row["seed"], options)
     first = O.iter
     if law == "smooth":
-        test.soften(row["stiffness"])
+        test.switch_to_springs(row["stiffness"])
     elif law == "stock":
         test, first = Stock(test, row["stiffness"]), 0
     else:

@@ -18,11 +18,14 @@ import numpy as np
 from yade.wrapper import Omega
 
 from rcr.network import sin_phi
-from rcr.study.biaxial import CHECKPOINT, RECORD, Biaxial
+from rcr.study.biaxial import Biaxial
+from rcr.study.checkpoint import CHECKPOINT
+from rcr.study.protocol import PROTOCOL
 
 from . import biaxial_cost
 
 O = Omega()
+RECORD = PROTOCOL.record_strain  # strain of a record
 TITLE = "Biaxial test: observables against the rate of shear"
 APPROACH, FROM, STRAIN, LOOK = 0.1, 0.15, 0.3, 0.01
 APPROACH_PACE = dict(inertial_number=1e-3, time_step=0.4, overdamped=False)  # of the way to `APPROACH`
@@ -89,7 +92,7 @@ def run(name, options):
         approaching = test.strain < APPROACH - 0.5 * RECORD
         test.parameters.update(APPROACH_PACE if approaching else pace)
         if pace["overdamped"] and not approaching and not test.solver.overdamped:
-            test.drop_inertia()
+            test.remove_inertia()
         O.dt = test.parameters["time_step"] * test.time_unit
         looked, width, began, start = looks(), test.width, O.time, time.process_time()
         test.shear_record()

@@ -59,7 +59,7 @@ def stored(name, solver):
 
 def biaxial(law):
     """A biaxial test of 60 grains to 1 % of strain: WallStress, mobile walls, networks and their stress."""
-    test = Biaxial.prepare(eta=0.5, particles=60, seed=1, law=law, threads=1)
+    test = Biaxial.prepare(eta=0.5, particles=60, seed=1, law=law, threads=1, iterations=300)
     test.compact(balanced=0.01)
     compact = test.packing_fraction
     while test.strain < 0.01:
