@@ -59,7 +59,8 @@ def accuracy(packing, outcome):
     """Errors of the contact laws after the last step of a library, over its own contacts.
 
     The residual is of its impulses and the velocities that follow from them. `velocity_error` is
-    the relative difference of its own velocities. Overlaps are before the step, in mean diameters.
+    the relative difference between these velocities and those of the library. Overlaps are before
+    the step, in mean diameters.
     """
     table = np.array(outcome["contacts"]).reshape(-1, 12)
     bodies, normal, arm1, arm2 = table[:, :2].astype(int), table[:, 2:4], table[:, 4:6], table[:,

@@ -1,4 +1,4 @@
-"""S19. A hundred RCRs stand on each other for 100 s."""
+"""S19. A stack of a hundred RCRs, for 100 s."""
 
 from .stage import D, R, X, farthest, material, on_floor, stadium
 

@@ -1,4 +1,4 @@
-// Steps a packing in Chipmunk. A grain is a segment with a radius: exactly a rounded-cap rectangle.
+// Steps a packing in Chipmunk. A grain is a segment with a radius, a rounded-cap rectangle.
 #include <chipmunk/chipmunk.h>
 #include <chipmunk/chipmunk_structs.h> // declares the impulses of single points
 

@@ -1,8 +1,8 @@
 // Shared parts of the step programs: reads the packing and the arguments, prints JSON.
 //
-// The packing is a text file of numbers, one body a row (numpy.savetxt). A grain has a radius > 0. A wall
-// has radius 0 and an outward normal; its x, y is a point of its face. Mass 0 is prescribed motion. Units
-// are consistent, with the mean diameter as length.
+// The packing is a text file of numbers, one body a row (numpy.savetxt). A grain has a radius > 0.
+// A wall has radius 0 and an outward normal; its x, y is a point of its face. Mass 0 is prescribed
+// motion. Units are consistent, with the mean diameter as length.
 #pragma once
 
 #include <cstdio>
@@ -26,7 +26,7 @@ struct Task {
 	int                  iterations = 0, steps = 0;
 };
 
-/// One contact point: bodies by row, normal from body 1 to body 2, arms from their centres, impulse, signed gap.
+/// Contact point: rows of the bodies, normal from body 1 to body 2, arms from the centres, impulse, gap.
 struct ContactRow {
 	int    body1, body2;
 	double nx, ny, r1x, r1y, r2x, r2y, friction, normalImpulse, tangentImpulse, gap;
@@ -104,7 +104,7 @@ inline void print(const Outcome& outcome)
 	std::printf("}\n");
 }
 
-/// Reads the task, calls run(task) and prints its outcome; on an error prints a line and returns 1.
+/// Reads the task, runs it and prints the outcome; on an error prints a line and returns 1.
 template <class Run> int stepProgram(int argc, char** argv, Run run)
 {
 	try {
