@@ -50,8 +50,8 @@ def test_batch_gives_what_single_runs_give(tmp_path):
     single = yade(tmp_path, "-n", "-x", "batch.py", "--quick", "--out", "single")
     assert single.returncode == 0, single.stdout + single.stderr
     name = "eta-0.5-mu-0.5.txt"
-    assert (tmp_path / "batch" / name).read_bytes() == (tmp_path / "single" / name).read_bytes()
-    table = np.genfromtxt(tmp_path / "batch" / "batch.csv", delimiter=",", names=True)
+    assert (tmp_path / "out" / "batch" / name).read_bytes() == (tmp_path / "single" / name).read_bytes()
+    table = np.genfromtxt(tmp_path / "out" / "batch" / "batch.csv", delimiter=",", names=True)
     assert [(row["eta"], row["mu"]) for row in table] == rows and len(set(table["runout"])) == 4
 
 
@@ -61,7 +61,7 @@ def test_regression_tells_what_is_off(tmp_path):
     assert text.count("math.atan(0.5)") == 1
     script.write_text(text.replace("math.atan(0.5)", "0"))  # without friction
     run = yade(tmp_path, "-n", "-x", script, "--out", "out")
-    assert run.returncode == 1 and "wanted" in run.stderr, run.stdout + run.stderr
+    assert run.returncode == 1 and "expected" in run.stderr, run.stdout + run.stderr
 
 
 def test_ctrl_c_ends_after_a_whole_step(tmp_path):
