@@ -50,5 +50,5 @@ def test_every_page_is_in_the_contents():
 
 
 def test_tables_are_those_of_their_files():
-    done = subprocess.run([sys.executable, ROOT / "docs" / "tables.py", "--check"], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([sys.executable, ROOT / "docs" / "generate" / "tables.py", "--check"], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr

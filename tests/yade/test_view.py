@@ -9,7 +9,7 @@ import subprocess
 import numpy as np
 import pytest
 import rcr
-from docs.screen import virtual_screen
+from docs.generate.screen import virtual_screen
 
 pytestmark = [
     pytest.mark.skipif(not shutil.which("Xvfb"), reason="needs a virtual screen: the package xvfb"),
