@@ -50,7 +50,7 @@ void ContactDynamics::act()
 
 void ContactDynamics::step(const gate::Engines& engines)
 {
-	rcr::Team& team  = workspace_.team();
+	rcr::ThreadTeam& team  = workspace_.team();
 	step_.overdamped = overdamped;
 	if (!follows()) meanStretchRate = stretchChange = Vector2r::Zero();
 	setRest();
@@ -91,20 +91,20 @@ void ContactDynamics::solveAll(const gate::Engines& engines)
 	const rcr::Drive    drive = rcr::driveOf(step_, workspace_.team());
 	std::vector<double> detected; // biases before the first pass that changes them; empty where they must not be restored
 	rcr::Settings       how = settings(drive);
-	how.rounding            = step_.rounding(workspace_.team());
+	how.roundingVelocity            = step_.rounding(workspace_.team());
 	if (squeeze().active()) how.maxIterations *= squeezedEffort;
-	if (overlapAtStart() > rcr::MissedSteps::harmless) how.mostImpulse = std::numeric_limits<double>::infinity(); // yields by proof alone
-	const double yieldCompliance = how.compliance;
+	if (overlapAtStart() > rcr::MissedSteps::harmless) how.yieldImpulse = std::numeric_limits<double>::infinity(); // yields by proof alone
+	const double yieldCompliance = how.yieldCompliance;
 	bool         last       = false;
 	for (int pass = 1;; ++pass) {
-		how.compliance = rcr::restIsAllowed(step_, drive) ? 0 : yieldCompliance;
+		how.yieldCompliance = rcr::restIsAllowed(step_, drive) ? 0 : yieldCompliance;
 		solve(how);
 		last |= pass == mostPasses;
 		const PassOutcome outcome = last ? reviewLastPass(engines) : reviewPass(engines, pass, drive, detected);
 		if (outcome == PassOutcome::accepted) break;
 		how           = settingsOfFurtherPass(how);
-		how.continued = outcome != PassOutcome::missedContact;
-		how.yielded   = yielded && (outcome == PassOutcome::missedContact || outcome == PassOutcome::biasChanged);
+		how.sameProblem = outcome != PassOutcome::missedContact;
+		how.yieldedBefore   = yielded && (outcome == PassOutcome::missedContact || outcome == PassOutcome::biasChanged);
 		last          = outcome == PassOutcome::biasesRestored;
 	}
 	if (follows()) timed("biasUpdate", [&] { followStretch(); });
@@ -202,7 +202,7 @@ void ContactDynamics::report(const rcr::Report& report)
 	iterations += report.iterations;
 	work_ += report.work;
 	residual      = report.residual;
-	kinematicError     = report.violation;
+	kinematicError     = report.kinematicError;
 	converged     = report.converged;
 	yielded       = report.yielded;
 	contactPoints = int(step_.problem.points.size());

@@ -18,7 +18,7 @@
 #include <core/Body.hpp>
 #include <core/GlobalEngine.hpp>
 
-#include "../kernel/parallel/team.hpp"
+#include "../kernel/parallel/thread_team.hpp"
 #include "../kernel/problem/solver.hpp"
 #include "../kernel/step/drive.hpp"
 #include "../kernel/step/energy.hpp"

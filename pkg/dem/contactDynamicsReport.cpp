@@ -192,7 +192,7 @@ double ContactDynamics::overlapOf(std::size_t k) const
 
 double ContactDynamics::overlapAtStart()
 {
-	return workspace_.team().most(step_.gap.size(), [&](std::size_t k) { return overlapOf(k); });
+	return workspace_.team().maximum(step_.gap.size(), [&](std::size_t k) { return overlapOf(k); });
 }
 
 rcr::Squeeze ContactDynamics::squeeze() const { return { int(watched[4]), int(watched[1]), double(watched[5]) }; }
@@ -315,7 +315,7 @@ boost::python::dict ContactDynamics::modelDict() const
 	const rcr::ModelSummary&          m = summary_;
 	boost::python::dict               model;
 	model["bodies"]       = m.bodies;
-	model["rotations"]    = m.turning;
+	model["rotations"]    = m.rotating;
 	model["fixed"]        = m.fixed;
 	model["pairs"]        = m.pairs;
 	model["points"]       = m.points;

@@ -38,12 +38,12 @@ rcr::Settings ContactDynamics::settings(const rcr::Drive& drive) const
 	s.tolerance       = double(tolerance);
 	s.maxIterations   = maxIterations;
 	s.minIterations   = minIterations;
-	s.violation       = double(kinematicTolerance);
+	s.kinematicTolerance       = double(kinematicTolerance);
 	s.meanForceChange = double(meanForceChange);
 	s.threads         = solverThreads();
 	s.lanes           = lanes;
-	s.compliance      = double(yieldCompliance) * drive.compliance;
-	s.mostImpulse     = drive.mostImpulse / double(yieldCompliance); // 0: infinite
+	s.yieldCompliance      = double(yieldCompliance) * drive.compliance;
+	s.yieldImpulse     = drive.yieldImpulse / double(yieldCompliance); // 0: infinite
 	s.reductions      = rcr::Reductions::of(reductions);
 	return s;
 }

@@ -149,7 +149,7 @@ std::string FlatSteps::reasonNow(const Scene& scene) const
 	return {};
 }
 
-bool FlatSteps::goOn(Scene& scene, const gate::Engines& engines, rcr::Team& team, StepSources& sources, const std::vector<rcr::Twist>& loads, rcr::Step& step)
+bool FlatSteps::goOn(Scene& scene, const gate::Engines& engines, rcr::ThreadTeam& team, StepSources& sources, const std::vector<rcr::Twist>& loads, rcr::Step& step)
 {
 	why_ = going_ ? std::string() : reason(scene, engines, step);
 	if (why_.empty()) why_ = reasonNow(scene);
@@ -181,7 +181,7 @@ bool FlatSteps::goOn(Scene& scene, const gate::Engines& engines, rcr::Team& team
 }
 
 /// Of the bodies: what moves them, and where YADE has them; of the contacts: what YADE has carried so far.
-void FlatSteps::begin(rcr::Team& team, const StepSources& sources, const rcr::Step& step)
+void FlatSteps::begin(rcr::ThreadTeam& team, const StepSources& sources, const rcr::Step& step)
 {
 	going_                  = true;
 	first_                  = count_;
@@ -217,7 +217,7 @@ void FlatSteps::begin(rcr::Team& team, const StepSources& sources, const rcr::St
 
 /// As NewtonIntegrator does it; bodies that stay with YADE need not lie in the plane.
 void FlatSteps::move(
-        Scene& scene, const NewtonIntegrator& newton, rcr::Team& team, const StepSources& sources, const std::vector<rcr::Twist>& loads, rcr::Step& step)
+        Scene& scene, const NewtonIntegrator& newton, rcr::ThreadTeam& team, const StepSources& sources, const std::vector<rcr::Twist>& loads, rcr::Step& step)
 {
 	for (Body::id_t id : watched_) {
 		State&         s = *sources.state[id];
@@ -282,7 +282,7 @@ void FlatSteps::setPhysics(Scene& scene, const gate::Engines& engines)
 	}
 }
 
-void FlatSteps::publish(Scene& scene, rcr::Team& team, StepSources& sources, const rcr::Step& step)
+void FlatSteps::publish(Scene& scene, rcr::ThreadTeam& team, StepSources& sources, const rcr::Step& step)
 {
 	if (!going_) return;
 	going_       = false;

@@ -26,10 +26,10 @@ class FlatSteps {
 public:
 	/// From a solved step, whose impulses load its bodies by `loads`, to the next one, gathered. False, with the step and the scene as they
 	/// were, where the next one is YADE's: `why` tells.
-	bool goOn(Scene&, const gate::Engines&, rcr::Team&, StepSources&, const std::vector<rcr::Twist>& loads, rcr::Step&);
+	bool goOn(Scene&, const gate::Engines&, rcr::ThreadTeam&, StepSources&, const std::vector<rcr::Twist>& loads, rcr::Step&);
 
 	/// YADE's objects as the step began, so that it can be scattered. Does nothing where `goOn` has not gone on since the last time.
-	void publish(Scene&, rcr::Team&, StepSources&, const rcr::Step&);
+	void publish(Scene&, rcr::ThreadTeam&, StepSources&, const rcr::Step&);
 
 	const std::string& why() const { return why_; }   // empty: the last step was meanStretchRate by one of these
 	long               count() const { return count_; } // steps so far
@@ -44,8 +44,8 @@ private:
 	std::string          reason(const Scene&, const gate::Engines&, const rcr::Step&);
 	std::string          reasonNow(const Scene&) const;
 	std::string          watch(const Scene&, const rcr::Step&);
-	void                 begin(rcr::Team&, const StepSources&, const rcr::Step&);
-	void                 move(Scene&, const NewtonIntegrator&, rcr::Team&, const StepSources&, const std::vector<rcr::Twist>& loads, rcr::Step&);
+	void                 begin(rcr::ThreadTeam&, const StepSources&, const rcr::Step&);
+	void                 move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const StepSources&, const std::vector<rcr::Twist>& loads, rcr::Step&);
 	void                 load(Scene&, const std::vector<Engine*>&) const;
 	void                 setPhysics(Scene&, const gate::Engines&);
 	StepSources::Contact write(int number, Interaction&, const rcr::Step&) const;

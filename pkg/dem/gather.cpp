@@ -61,7 +61,7 @@ namespace {
 
 	class Gatherer {
 	public:
-		Gatherer(Scene& scene, const gate::Engines& engines, rcr::Team& team, StepSources& from, rcr::Step& step)
+		Gatherer(Scene& scene, const gate::Engines& engines, rcr::ThreadTeam& team, StepSources& from, rcr::Step& step)
 		        : scene_(scene), newton_(*engines.integrator), team_(team), from_(from), step_(step), field_(scene, engines)
 		{
 		}
@@ -81,7 +81,7 @@ namespace {
 
 		Scene&                  scene_;
 		const NewtonIntegrator& newton_;
-		rcr::Team&              team_;
+		rcr::ThreadTeam&              team_;
 		StepSources&            from_;
 		rcr::Step&              step_;
 		MeanField               field_;
@@ -293,7 +293,7 @@ namespace {
 
 } // namespace
 
-void gather(Scene& scene, const gate::Engines& engines, rcr::Team& team, StepSources& sources, rcr::Step& step)
+void gather(Scene& scene, const gate::Engines& engines, rcr::ThreadTeam& team, StepSources& sources, rcr::Step& step)
 {
 	Gatherer gatherer(scene, engines, team, sources, step);
 	gatherer.bodies();
@@ -302,7 +302,7 @@ void gather(Scene& scene, const gate::Engines& engines, rcr::Team& team, StepSou
 	gatherer.contacts();
 }
 
-void gatherAgain(Scene& scene, const gate::Engines& engines, rcr::Team& team, const std::vector<Body::id_t>& ids, StepSources& sources, rcr::Step& step)
+void gatherAgain(Scene& scene, const gate::Engines& engines, rcr::ThreadTeam& team, const std::vector<Body::id_t>& ids, StepSources& sources, rcr::Step& step)
 {
 	Gatherer gatherer(scene, engines, team, sources, step);
 	for (Body::id_t id : ids) {

@@ -3,7 +3,7 @@
 
 #include <core/Interaction.hpp>
 #include <core/Scene.hpp>
-#include "../kernel/parallel/team.hpp"
+#include "../kernel/parallel/thread_team.hpp"
 #include "../kernel/step/step.hpp"
 #include "CdPhys.hpp"
 #include "Gate.hpp"
@@ -30,10 +30,10 @@ struct StepSources {
 };
 
 /// Bodies, contacts, loads and the forces to start from. Throws std::invalid_argument for what is not served; changes nothing.
-void gather(Scene&, const gate::Engines&, rcr::Team&, StepSources&, rcr::Step&);
+void gather(Scene&, const gate::Engines&, rcr::ThreadTeam&, StepSources&, rcr::Step&);
 
 /// Some of the bodies once more, with the forces on them.
-void gatherAgain(Scene&, const gate::Engines&, rcr::Team&, const std::vector<Body::id_t>&, StepSources&, rcr::Step&);
+void gatherAgain(Scene&, const gate::Engines&, rcr::ThreadTeam&, const std::vector<Body::id_t>&, StepSources&, rcr::Step&);
 
 struct ContactLaw {
 	double friction, restitution;

@@ -15,7 +15,7 @@ void stop(State&, const rcr::Twist& rest);
 void displace(State&, const rcr::Twist& by);
 
 /// Forces of contacts, forces on bodies, contacts that were missed, displacements, and velocities that an overdamped step starts from.
-void scatter(Scene&, rcr::Team&, const std::vector<rcr::Twist>& loads, StepSources&, rcr::Step&);
+void scatter(Scene&, rcr::ThreadTeam&, const std::vector<rcr::Twist>& loads, StepSources&, rcr::Step&);
 
 /// YADE's container is in the order in which interactions came and went. Where it is sorted by bodies, a body is still at hand when its
 /// next interaction comes, here as in InteractionLoop, which takes a fifth to a third less time for 13 000 particles.

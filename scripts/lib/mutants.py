@@ -52,23 +52,23 @@ TABLE = {
         ("projection-without-polar", "if (friction * t <= -p.n) return {};",
          "if (p.n < 0) return {};"),
         ("projection-off-the-cone", "(1 + friction * friction)", "(1 + friction)"),
-        ("restitution-not-cut", "> 0 ? active : passive) = share",
-         "< 0 ? active : passive) = share"),
+        ("restitution-not-cut", "> 0 ? active : passive) = factor",
+         "< 0 ? active : passive) = factor"),
     ],
     "problem/residual.cpp": [
         ("without-de-saxce", "(u.n + c.bias + c.friction * std::abs(u.t)) / w.nn",
          "(u.n + c.bias) / w.nn"),
         ("without-bias", "(u.n + c.bias + c.friction", "(u.n + c.friction"),
-        ("violation-of-impulses", "point.w.nn * point.w.nn * square(point.miss)",
-         "square(point.miss)"),
+        ("kinematic-error-of-impulses", "point.w.nn * point.w.nn * square(point.error)",
+         "square(point.error)"),
     ],
     "problem/residual.hpp": [
-        ("scale-overflows", "scale2 <= std::numeric_limits<double>::max() ?", "true ?"),
+        ("scale-overflows", "scale2 <= std::numeric_limits<double>::max()", "true"),
         ("no-scale-of-stopping", "std::max(impulse2, 1e-16 * stopping2)", "impulse2"),
     ],
     "problem/solver.cpp": [
-        ("keeps-what-is-worse-than-none", "rigid.converged || !worseThanNone(problem) ?", "true ?"),
-        ("exact-iterations-for-one-sweep", "exactSweeps     = 20;", "exactSweeps     = 1;"),
+        ("keeps-positive-cost", "rigid.converged || !hasPositiveCost(problem)", "true"),
+        ("exact-iterations-for-one-sweep", "sweepsPerExact = 20;", "sweepsPerExact = 1;"),
         ("too-fine-for-sweeps", "finestForSweeps = 1e-6;", "finestForSweeps = 1e-12;"),
     ],
     "problem/contact_problem.cpp": [
@@ -180,26 +180,25 @@ TABLE = {
         ("begin-forgotten", "work_(context_, begin_ + int(word & indexMask))",
          "work_(context_, int(word & indexMask))"),
     ],
-    "parallel/team.hpp": [
+    "parallel/thread_team.hpp": [
         ("last-exception", "if (!error || i < least)", "if (!error || i > least)"),
         ("exception-kept", "if (guarded.error) std::rethrow_exception(guarded.error);", ""),
     ],
-    "parallel/trial.hpp": [
-        ("slower-way", "other.heldUp * other.least >= taken.mean()",
-         "other.heldUp * other.least < taken.mean()"),
+    "parallel/parallel_choice.hpp": [
+        ("slower-mode", "tried.slowdown * tried.fastest >= chosen.mean()",
+         "tried.slowdown * tried.fastest < chosen.mean()"),
         ("never-tries-the-other", "if (!trying_ && rounds_ == interval) tryOther();",
          "if (!trying_ && rounds_ < 0) tryOther();"),
-        ("forgets-what-held-it-up",
-         "taken.heldUp = std::clamp(taken.mean() / taken.least, 1.0, heldUpMost);",
-         ""),
+        ("slowdown-forgotten",
+         "chosen.slowdown = std::clamp(chosen.mean() / chosen.fastest, 1.0, maxSlowdown);", ""),
     ],
-    "parallel/crew.cpp": [
-        ("hiring-throws", "} catch (const std::system_error&) {",
+    "parallel/thread_pool.cpp": [
+        ("start-throws", "} catch (const std::system_error&) {",
          "} catch (const std::bad_alloc&) {"),
         ("no-helper-reused", "h.idle || !h.loop->isOpen()", "false"),
-        ("children-inherit-helpers", "pthread_atfork(nullptr, nullptr, [] { crew = new Crew; });",
-         ""),
-        ("never-retires", "std::chrono::seconds(10)", "std::chrono::seconds(1000)"),
+        ("children-inherit-helpers",
+         "pthread_atfork(nullptr, nullptr, [] { pool = new ThreadPool; });", ""),
+        ("never-ends", "std::chrono::seconds(10)", "std::chrono::seconds(1000)"),
     ],
 }
 

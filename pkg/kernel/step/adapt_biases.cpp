@@ -13,7 +13,7 @@ bool restIsAllowed(const Step& step, const Drive& drive)
 	return drive.speed == 0 && std::all_of(points.begin(), points.end(), [](const ContactPoint& point) { return point.bias >= 0; });
 }
 
-bool adaptBiases(Step& step, bool letGo, bool last, double& overlap, Team& team)
+bool adaptBiases(Step& step, bool letGo, bool last, double& overlap, ThreadTeam& team)
 {
 	struct Look {
 		bool   changed, bounces;

@@ -5,7 +5,7 @@
 // rest breaks no law there.
 #pragma once
 
-#include "parallel/team.hpp"
+#include "parallel/thread_team.hpp"
 #include "step/drive.hpp"
 
 namespace rcr {
@@ -14,7 +14,7 @@ namespace rcr {
 bool restIsAllowed(const Step&, const Drive&);
 
 /// True if a bias has changed. `letGo`: contacts may be found not to be needed; `last`: bounces are lowered for good. `overlap` is the deepest, over R₁ + R₂.
-bool adaptBiases(Step&, bool letGo, bool last, double& overlap, Team&);
+bool adaptBiases(Step&, bool letGo, bool last, double& overlap, ThreadTeam&);
 
 /// To biases as they were before; false where there are none. They are used up.
 bool goBack(Step&, std::vector<double>& before);

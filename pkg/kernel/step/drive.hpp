@@ -22,7 +22,7 @@
 // | v⁻           | before          | m/s  | velocities at the beginning of the step              |
 // | V            | speed           | m/s  | the fastest prescribed motion at a contact           |
 // | ε            | compliance      | –    | share of its own response by which a contact yields  |
-// | 3 P + 200 L  | mostImpulse     | N s  | of a contact that stays rigid                        |
+// | 3 P + 200 L  | yieldImpulse     | N s  | of a contact that stays rigid                        |
 //
 // Of a cell that stretches under a stress the load is not among these, so that nothing is known of its drive.
 #pragma once
@@ -36,11 +36,11 @@ namespace rcr {
 struct Drive {
 	double speed       = 0;    // 0: nothing drives, …
 	double compliance  = 0.01; // … and impacts alone can ask for too much
-	double mostImpulse = std::numeric_limits<double>::infinity();
+	double yieldImpulse = std::numeric_limits<double>::infinity();
 };
 
 /// The drive of a problem whose bodies had the velocities `before`.
-Drive driveOf(const ContactProblem&, const std::vector<Twist>& before, Team&);
-Drive driveOf(const Step&, Team&);
+Drive driveOf(const ContactProblem&, const std::vector<Twist>& before, ThreadTeam&);
+Drive driveOf(const Step&, ThreadTeam&);
 
 } // namespace rcr

@@ -120,7 +120,7 @@ namespace {
 		GrownContact pair;
 		pair.body1 = ordered ? id : other;
 		pair.body2 = ordered ? other : id;
-		if (!meet(kind(pair.body1), kind(pair.body2))) return false;
+		if (!canTouch(kind(pair.body1), kind(pair.body2))) return false;
 		const StepBody &   one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		const StepContact* contact = step.find(pair.body1, pair.body2);
 		Pose               at2     = two.pose();
@@ -159,7 +159,7 @@ namespace {
 		const StepBody &one = step.bodies[c.body1], &two = step.bodies[c.body2];
 		Pose            at2 = two.pose();
 		at2.center          = at2.center + c.shift;
-		const Pose at1      = one.pose(), &by = sortedAlong(one.shape, at1, at2);
+		const Pose at1      = one.pose(), &by = orderingPose(one.shape, at1, at2);
 		return dot(position - by.center, by.axis);
 	}
 

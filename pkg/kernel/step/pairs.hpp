@@ -27,7 +27,7 @@ struct Pairs {
 	void become(const Neighbours::List&);
 
 	/// Finds the contact points of every pair at the poses of the step. Forces go to the points that carry on.
-	void detect(const Step&, Team&);
+	void detect(const Step&, ThreadTeam&);
 
 	/// Takes in the contacts that the step has found on its way.
 	void takeIn(const Step&, long iteration);
@@ -36,10 +36,10 @@ struct Pairs {
 	void number(Step&) const;
 
 	/// Contacts of the step, the points of which start from the forces of the pairs; StepContact::source is the number of the pair.
-	void contacts(Step&, Team&) const;
+	void contacts(Step&, ThreadTeam&) const;
 
 	/// Takes over the forces of a solved step.
-	void keepForces(const Step&, Team&);
+	void keepForces(const Step&, ThreadTeam&);
 };
 
 /// Forces of the points that a contact had go to the points that it has: two keep their order; where one becomes two or two one, the

@@ -20,6 +20,6 @@ void correctPositions(Step&, double share, Workspace&);
 
 /// Writes problem.recovery for a step whose contacts may yield: there an overlap is taken back by the same share, at finite forces, so that
 /// grains which a drive wedges give way to each other as under springs.
-void prepareRecovery(Step&, double share, Team&);
+void prepareRecovery(Step&, double share, ThreadTeam&);
 
 } // namespace rcr

@@ -5,7 +5,7 @@
 //   b_n = 0       in a lasting contact
 //
 // Newton's rule returns the normal velocity whatever else happens meanwhile, and gives energy in two cases. Of one point, where
-// friction reverses the slip: there the restitution is lowered to what keeps it (passiveShare in problem/coulomb.hpp). Of a
+// friction reverses the slip: there the restitution is lowered to what keeps it (passiveRestitutionFactor in problem/coulomb.hpp). Of a
 // collision, where a blow throws a body against one that it was leaving: that contact stops it, the first returns its velocity in
 // spite of it, and a light body between two heavy ones works as a lever. The collision is all bodies that impulses join in the step;
 // its energy grows by

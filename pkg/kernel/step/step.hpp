@@ -30,7 +30,7 @@
 
 namespace rcr {
 
-class Team;
+class ThreadTeam;
 
 /// Of R₁ + R₂: overlaps below it are left as they are. Without a slop, contacts at rest would open and close for ever.
 constexpr double contactSlop = 1e-4;
@@ -188,11 +188,11 @@ struct Step {
 	const StepContact* find(int body1, int body2) const;
 
 	/// What is rounding of velocities that have gone through a step [m/s].
-	double rounding(Team&) const;
+	double rounding(ThreadTeam&) const;
 
 	/// Impulses from forces, and forces from impulses.
 	void startFromForces();
-	void keepForces(Team&);
+	void keepForces(ThreadTeam&);
 
 	/// The gradient of the cell and the drifts of contacts from the stretch that a solve has found.
 	void stretchCell(Vec2 before);
