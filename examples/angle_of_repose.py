@@ -21,7 +21,9 @@ from rcr import script
 
 options = script.options(__doc__)
 R = 0.01  # radius of the largest discs [m]; long grains have the same area
-ETAS, LENGTH, SECONDS = ((0, 0.6), 16 * R, 1.5) if options.quick else ((0, 0.2, 0.4, 0.6), 36 * R, 5.0)
+ETAS, LENGTH, SECONDS = (0, 0.2, 0.4, 0.6), 36 * R, 5.0
+if options.quick:
+    ETAS, LENGTH, SECONDS = (0, 0.6), 16 * R, 1.5
 
 
 def start(eta):

@@ -62,7 +62,8 @@ def fill(eta):
     gate = O.bodies.append(rcr.wall("y", 0, +1, material=smooth))
     O.engines = [
         ForceResetter(),
-        InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()], verletDist=0.1 * R),
+        InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()],
+                              verletDist=0.1 * R),
         InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom(), Ig2_Box_Rcr_RcrGeom()],
                         [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
         ContactDynamics(tolerance=1e-4),

@@ -1,6 +1,6 @@
 """Compares rigid contacts with springs of two stiffnesses.
 
-The same column of grains collapses three times. The scripts of both laws differ in the functors,
+A column of grains collapses three times from the same places. The scripts of both laws differ in the functors,
 the solver and the time step. Rigid contacts take longer steps and leave smaller overlaps.
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/rigid_and_smooth.py
