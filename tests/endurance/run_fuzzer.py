@@ -27,7 +27,7 @@ PLACES = ["first", "before solver", "after solver", "last"]
 COLUMNS = 7
 
 
-# --- events: each changes the scene during a run -------------------------------------------------
+# --- events: each changes the scene during a run --------------------------------------------------
 
 
 def engine(kind):
@@ -237,7 +237,7 @@ MOTIONS = ["TranslationEngine", "RotationEngine", "HarmonicMotionEngine", "Force
            "TorqueEngine", "LinearDragEngine", "none", "none"]  # fmt: skip
 
 
-# --- scenes --------------------------------------------------------------------------------------
+# --- scenes ---------------------------------------------------------------------------------------
 
 
 def draw(seed):
@@ -325,7 +325,7 @@ def happen(k):
 current = {}
 
 
-# --- comparison ----------------------------------------------------------------------------------
+# --- comparison -----------------------------------------------------------------------------------
 
 
 def state():
@@ -333,7 +333,8 @@ def state():
     from yade import O
 
     row = lambda *numbers: tuple(x + 0 for x in numbers)
-    bodies = [row(b.id, *b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel) for b in O.bodies]
+    bodies = [row(b.id, *b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel)
+              for b in O.bodies]
     contacts = sorted(
         row(i.id1, i.id2, i.phys.points, *i.phys.force1, *i.phys.force2, *i.geom.gap)
         for i in O.interactions
@@ -409,7 +410,7 @@ def shrink(scene):
     return scene
 
 
-# --- main ----------------------------------------------------------------------------------------
+# --- main -----------------------------------------------------------------------------------------
 
 
 def excluded(scene, names):
