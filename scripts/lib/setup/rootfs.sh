@@ -129,7 +129,7 @@ rootfs_options() {
 rootfs_bootstrap() {
     local bootstrap bundle=/etc/ssl/certs/ca-certificates.crt
     local files="'$setup/install-packages' '$setup/fetch-source' '$setup/packages'"
-    local libraries="YADE, a compiler and Python libraries (1 to 5 min) …"
+    local libraries="YADE, a compiler and Python libraries (1 to 7 min) …"
     [ -r "$bundle" ] || bundle=/dev/null
     rootfs_options
     bootstrap+=(--dpkgopt='path-exclude=/usr/share/doc/*'
