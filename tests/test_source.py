@@ -1,4 +1,4 @@
-"""The source: files that can be read in one go, and kernels that know neither YADE nor Python."""
+"""Sources: short files, and kernels free of YADE and Python."""
 
 import ast
 import collections
@@ -9,6 +9,7 @@ import pytest
 
 PKG = pathlib.Path(__file__).resolve().parents[1] / "pkg"
 CODE = sorted(path for path in PKG.rglob("*") if path.suffix in (".cpp", ".hpp"))
+MODULES = sorted((PKG.parent / "py" / "rcr").glob("*.py"))
 OUTSIDE = re.compile(
     r'#include\s+[<"](core/|lib/|pkg/|boost/|pybind11/|Python\.h|numpy/|\.\./dem|\.\./python)')
 
@@ -20,6 +21,14 @@ def lines(path):
 @pytest.mark.parametrize("path", CODE, ids=lambda path: str(path.relative_to(PKG)))
 def test_file_is_short(path):
     assert len(lines(path)) <= 350
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: path.stem)
+def test_module_is_short(path):
+    """At most 350 lines, and 60 lines per function."""
+    assert len(lines(path)) <= 350
+    functions = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.FunctionDef)]
+    assert [f.name for f in functions if f.end_lineno - f.lineno >= 60] == []
 
 
 def test_the_engine_reads_as_the_algorithm():
@@ -34,7 +43,9 @@ def test_kernels_stand_alone():
 
 
 def test_each_type_has_a_name_of_its_own():
-    """The linker keeps one of two templates of equal names: with two types `Pair`, vectors of one were copied as vectors of the other."""
+    """The linker keeps one of two templates of equal names, so that two types `Pair` corrupt
+    vectors.
+    """
     names = [found[2] for path in CODE for line in lines(path)
              if (found := re.match(r"(struct|class|enum class) (?:alignas\([^)]*\) )?(\w+)\b[^;]*$",
                                    line))]
@@ -43,7 +54,7 @@ def test_each_type_has_a_name_of_its_own():
 
 
 def test_each_mutant_stands_once():
-    """`scripts/check mutants` builds kernels with one mistake each, in places given by their text, which changes."""
+    """`scripts/check mutants` finds the places of its mistakes by their text."""
     table = next(node.value
                  for node in ast.parse((PKG.parent / "scripts/lib/mutants.py").read_text()).body
                  if isinstance(node, ast.Assign) and node.targets[0].id == "TABLE")
