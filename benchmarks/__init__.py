@@ -1,7 +1,7 @@
 """Benchmarks of speed, accuracy and stability, and the programs that run other libraries.
 
-Entry points: `scripts/chart.py`, `scripts/hard_scenes.py` and `scripts/bench_*.py`. `driven_scenes.py`
-runs as it is. The package `rcr` needs none of this.
+Entry points: `scripts/chart.py`, `scripts/hard_scenes.py` and `scripts/bench_*.py`.
+`driven_scenes.py` runs as it is. The package `rcr` needs none of this.
 """
 
 import os

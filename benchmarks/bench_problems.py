@@ -3,22 +3,28 @@
 A biaxial test saves one problem a state: DIR/nPARTICLES_eETA_STRAIN.npz, which scripts/solve.py,
 scripts/bench_solver.py and rcr.problems.load read. Run it with YADE:
 
-scripts/yade-rcr -n -x scripts/bench_problems.py --particles 2000 --eta 0.7 --states 5 --out problems
+    scripts/yade-rcr -n -x scripts/bench_problems.py --particles 2000 --eta 0.7 --out problems
 """
 
 import os
 
 from rcr import _results as results, script
-from rcr.study.biaxial import RECORD, TIME_STEP, Biaxial, checked
+from rcr.study.biaxial import Biaxial
+from rcr.study.protocol import PROTOCOL, check_parameters
+
+RECORD = PROTOCOL.record_strain  # strain of a record
 
 
 def arguments():
     parser = script.Parser(prog="bench_problems.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("--particles", type=script.integer(), default=2000, help="number of grains (default %(default)s)")
-    add("--eta", type=script.number(), default=0.7, help="elongation, 0 = disc (default %(default)s)")
-    add("--seed", type=script.integer(), default=1, help="seed of the packing (default %(default)s)")
-    add("--time-step", type=script.number(), default=TIME_STEP,
+    add("--particles", type=script.integer(), default=2000,
+        help="number of grains (default %(default)s)")
+    add("--eta", type=script.number(), default=0.7,
+        help="elongation, 0 = disc (default %(default)s)")
+    add("--seed", type=script.integer(), default=1,
+        help="seed of the packing (default %(default)s)")
+    add("--time-step", type=script.number(), default=PROTOCOL.time_step,
         help="time step of the shear over √(m/σ0) (default %(default)s)")
     add("--states", type=script.at_least(1), default=5,
         help="number of problems, at equal strains (default %(default)s)")
@@ -33,8 +39,8 @@ def arguments():
 
 def main():
     options = arguments()
-    parameters = checked(options.eta, options.particles, options.seed,
-                         time_step=options.time_step)
+    parameters = check_parameters(options.eta, options.particles, options.seed,
+                                  time_step=options.time_step)
     given = dict(parameters, states=options.states, strain=options.strain)
     with results.claim_folder(options.out, "bench_problems.py", given, ["n*_e*.npz"],
                        overwrite=options.overwrite) as begin:

@@ -1,8 +1,8 @@
 """Time each reduction of the model: the same problems with and without it, on one thread.
 
 Problems are lattices of discs, or the given files. A reduction for frictionless problems is timed
-without friction. Times are processor time, the minimum of several runs: per contact point and sweep,
-or of a whole solution.
+without friction. Times are processor time, the minimum of several runs: per contact point and
+sweep, or of a whole solution.
 """
 
 import contextlib
@@ -36,7 +36,10 @@ def beside(parts):
         for key, value in part.items():
             columns[key].append(value + count if key == "bodies" else value)
         count += len(part["inverse_mass"])
-    return {key: np.concatenate(values).astype(np.int32 if key == "bodies" else float) for key, values in columns.items()}
+    return {
+        key: np.concatenate(values).astype(np.int32 if key == "bodies" else float)
+        for key, values in columns.items()
+    }
 
 
 def heap(discs, seed):
@@ -50,91 +53,117 @@ def heap(discs, seed):
 
 def single_grain():
     """A disc on a fixed floor."""
-    return dict(
-        inverse_mass=np.array([[1.0, 1, 8], [0, 0, 0]]), free_velocity=np.array([[0.1, -0.1, 0.3], [0, 0, 0]]),
-        bodies=np.array([[0, 1]], np.int32), normal=np.array([[0.0, -1]]), arm1=np.array([[0.1, -0.5]]), arm2=np.zeros((1, 2)),
-        bias=np.zeros(1), friction=np.full(1, 0.5), impulse=np.zeros((1, 2)),
-    )  # fmt: skip
+    return dict(inverse_mass=np.array([[1.0, 1, 8], [0, 0,
+                                                     0]]), free_velocity=np.array([[0.1, -0.1, 0.3],
+                                                                                   [0, 0, 0]]),
+                bodies=np.array([[0, 1]], np.int32), normal=np.array([[0.0, -1]]),
+                arm1=np.array([[0.1, -0.5]]), arm2=np.zeros(
+                    (1, 2)), bias=np.zeros(1), friction=np.full(1, 0.5), impulse=np.zeros((1, 2)))
 
 
 def full_and_reduced(given, left_out, **settings):
     """Two calls of the solver: without the reductions `left_out`, and with all."""
     settings.update(given, violation=np.inf)
-    return [partial(kernel.solve, **settings, workspace=kernel.Workspace(), reductions=without(*left)) for left in (left_out, ())]
+    return [
+        partial(kernel.solve, **settings, workspace=kernel.Workspace(), reductions=without(*left))
+        for left in (left_out, ())
+    ]
 
 
 def row(name, about, given, what, full, reduced):
-    return dict(
-        reduction=name, problem=about, points=len(given["bodies"]), what=what, full=full, reduced=reduced, full_over_reduced=full / reduced
-    )  # fmt: skip
+    return dict(reduction=name, problem=about, points=len(given["bodies"]), what=what, full=full,
+                reduced=reduced, full_over_reduced=full / reduced)
 
 
 def sweep_row(name, about, given, left_out, solver, repeats):
-    runs = [(len(given["bodies"]), solve) for solve in full_and_reduced(given, left_out, solver=solver)]
-    return row(name, about, given, f"sweeps of {solver} [ns]", *measure.sweep_times(runs, repeats)[:, 1])
+    runs = [(len(given["bodies"]), solve)
+            for solve in full_and_reduced(given, left_out, solver=solver)]
+    return row(name, about, given, f"sweeps of {solver} [ns]",
+               *measure.sweep_times(runs, repeats)[:, 1])
 
 
 def call_row(name, about, given, left_out, repeats, what, **settings):
-    calls = [lambda solve=solve: solve()["processor_seconds"] for solve in full_and_reduced(given, left_out, **settings)]
-    return row(name, about, given, f"{what} [µs]", *(1e6 * time for time in measure.best(repeats, 60, *calls)))
+    calls = [
+        lambda solve=solve: solve()["processor_seconds"]
+        for solve in full_and_reduced(given, left_out, **settings)
+    ]
+    return row(name, about, given, f"{what} [µs]",
+               *(1e6 * time for time in measure.best(repeats, 60, *calls)))
 
 
 def residuals(parts, impulse):
     """Residual of each problem in the joint solution."""
     end = np.cumsum([len(part["bodies"]) for part in parts])
-    of_parts = zip([problems.BodyProblem(**part).delassus() for part in parts], np.split(impulse, end[:-1]))
+    of_parts = zip([problems.BodyProblem(**part).delassus() for part in parts],
+                   np.split(impulse, end[:-1]))
     return [measure.residual(measure.matrix(d), d.q, d.friction, p) for d, p in of_parts]
 
 
 def island_rows(about, parts, tolerance, repeats):
     """Cost until each island has reached the tolerance.
 
-    Without the reduction all islands are swept to the residual of the whole at which the last one has.
+    Without the reduction all islands are swept to the residual of the whole at which the last one
+    has.
     """
     given = beside(parts)
     settings = dict(given, violation=np.inf, solver="nesterov", max_iterations=20000)
     as_one = dict(reductions=without("islands"), tolerance=tolerance)
     while max(residuals(parts, kernel.solve(**settings, **as_one)["impulse"])) > tolerance:
         as_one["tolerance"] /= 1.1
-    ways = [partial(kernel.solve, **settings, **way, workspace=kernel.Workspace()) for way in (as_one, dict(tolerance=tolerance))]
-    yield row("islands", about, given, f"sweeps × points to {tolerance:g} each", *(solve()["work"] for solve in ways))
-    times = measure.best(repeats, 60, *(lambda solve=solve: solve()["processor_seconds"] for solve in ways))
-    yield row("islands", about, given, f"to {tolerance:g} each [µs]", *(1e6 * time for time in times))
+    ways = [
+        partial(kernel.solve, **settings, **way, workspace=kernel.Workspace())
+        for way in (as_one, dict(tolerance=tolerance))
+    ]
+    yield row("islands", about, given, f"sweeps × points to {tolerance:g} each",
+              *(solve()["work"] for solve in ways))
+    times = measure.best(repeats, 60,
+                         *(lambda solve=solve: solve()["processor_seconds"] for solve in ways))
+    yield row("islands", about, given, f"to {tolerance:g} each [µs]",
+              *(1e6 * time for time in times))
 
 
 def rows(given, options):
     repeats = options.repeats
     for name, problem in given:
         slippery = frictionless(problem)
-        turning = {**slippery, "arm1": slippery["arm1"] + 0.1, "arm2": slippery["arm2"] - 0.1}  # normals with levers
+        turning = {**slippery, "arm1": slippery["arm1"] + 0.1,
+                   "arm2": slippery["arm2"] - 0.1}  # normals with levers
         for solver in "nlgs", "nesterov":
-            yield sweep_row("frictionless", name, turning, ["frictionless", "discs"], solver, repeats)
+            yield sweep_row("frictionless", name, turning, ["frictionless", "discs"], solver,
+                            repeats)
             yield sweep_row("discs", name, slippery, ["discs"], solver, repeats)
             yield sweep_row("both", name, slippery, ["frictionless", "discs"], solver, repeats)
         yield sweep_row("fixed", name, problem, ["fixed"], "nesterov", repeats)
         yield sweep_row("islands", name + ", one island", problem, ["islands"], "nesterov", repeats)
-        yield call_row("islands", name + ", one island", problem, ["islands"], repeats, "40 sweeps", solver="nesterov", tolerance=0, max_iterations=40)
-        yield call_row("layout", name, problem, ["layout"], repeats, "40 sweeps", solver="nesterov", tolerance=0, max_iterations=40)
+        yield call_row("islands", name + ", one island", problem, ["islands"], repeats, "40 sweeps",
+                       solver="nesterov", tolerance=0, max_iterations=40)
+        yield call_row("layout", name, problem, ["layout"], repeats, "40 sweeps", solver="nesterov",
+                       tolerance=0, max_iterations=40)
     heaps = [heap(40 * 2**k, k) for k in range(5)] + [heap(60, 10 + k) for k in range(4)]
     yield from island_rows("nine heaps", heaps, 1e-4, repeats)
-    yield from island_rows("1000 grains on a floor", [single_grain() for _ in range(1000)], 1e-4, repeats)
+    yield from island_rows("1000 grains on a floor", [single_grain() for _ in range(1000)], 1e-4,
+                           repeats)
 
 
 def main():
     parser = script.Parser(prog="bench_reductions.py", description=__doc__.splitlines()[0])
-    parser.add_argument("problems", nargs="*", metavar="PROBLEM", help="file .npz with bodies (default: lattices of 500, 2000 and 8000 discs)")
-    parser.add_argument("--repeats", type=script.at_least(1), default=20, metavar="N", help="runs; the fastest counts (default %(default)s)")
+    parser.add_argument(
+        "problems", nargs="*", metavar="PROBLEM",
+        help="file .npz with bodies (default: lattices of 500, 2000 and 8000 discs)")
+    parser.add_argument("--repeats", type=script.at_least(1), default=20, metavar="N",
+                        help="runs; the fastest counts (default %(default)s)")
     script.add_results(parser, "table", required=False)
     options = parser.parse_args()
     given = measure.given(options.problems)
     for name, problem in given:
         if not isinstance(problem, problems.BodyProblem):
             raise ValueError(f"{name}: holds W and q; expected bodies, give a .npz file")
-    owner = dict(parameters=measure.given_options(options), made=["reductions.csv"], overwrite=options.overwrite)
-    with results.claim_folder(options.out, "bench_reductions.py", **owner) if options.out else contextlib.nullcontext() as begin:
+    owner = dict(parameters=measure.given_options(options), made=["reductions.csv"],
+                 overwrite=options.overwrite)
+    with results.claim_folder(options.out, "bench_reductions.py", **
+                              owner) if options.out else contextlib.nullcontext() as begin:
         table = list(rows([(name, problem.arrays()) for name, problem in given], options))
         measure.show("reductions", table, COLUMNS)
         if options.out:
             begin()
             measure.write(os.path.join(options.out, "reductions.csv"), table, COLUMNS)
-

@@ -2,8 +2,8 @@
 
 Prints tables and writes them as CSV: sweeps (time per contact point and sweep), tolerances (time to
 a residual, checked in NumPy), peers, growth (with the size of the problem), roofline. Times are the
-minimum of several runs. With one thread they are processor time, which other programs hardly change;
-with more they are wall-clock time.
+minimum of several runs. With one thread they are processor time, which other programs hardly
+change; with more they are wall-clock time.
 """
 
 import csv
@@ -28,13 +28,20 @@ LANES = 1, 4, 8
 ABOUT = ["problem", "shape", "bodies", "points"]
 COLUMNS = dict(
     sweeps=[*ABOUT, "solver", "lanes", "threads", "ns", "ns_by_clock", "ratio_to_one_thread"],
-    tolerances=[*ABOUT, "solver", "start", "tolerance", "iterations", "seconds", "residual", "residual_numpy", "reached",
-                "siconos_seconds", "siconos_figure", "siconos_ratio"],
-    peers=[*ABOUT, "peer", "figure", "start", "tolerance", "iterations", "seconds", "residual", "reached", "ns"],
-    growth=["shape", "solver", "start", "problems", "points_from", "points_to", "sweeps_exponent", "seconds_exponent"],
-    roofline=[*ABOUT, "solver", "megabytes", "bytes_per_point", "operations_per_point", "triad_gb_per_s", "ns_of_bytes", "ns_of_operations", "ns",
-              "ns_a_point", "ns_a_pair"],
-)  # fmt: skip
+    tolerances=[
+        *ABOUT, "solver", "start", "tolerance", "iterations", "seconds", "residual",
+        "residual_numpy", "reached", "siconos_seconds", "siconos_figure", "siconos_ratio"
+    ], peers=[
+        *ABOUT, "peer", "figure", "start", "tolerance", "iterations", "seconds", "residual",
+        "reached", "ns"
+    ], growth=[
+        "shape", "solver", "start", "problems", "points_from", "points_to", "sweeps_exponent",
+        "seconds_exponent"
+    ], roofline=[
+        *ABOUT, "solver", "megabytes", "bytes_per_point", "operations_per_point", "triad_gb_per_s",
+        "ns_of_bytes", "ns_of_operations", "ns", "ns_a_point", "ns_a_pair"
+    ],
+)
 
 # Numbers that a sweep reads and writes for one contact point, and its arithmetic operations
 # (packed_blocks.hpp, packed_kernels.cpp); a product with its sum counts as one. A pair reads two
@@ -60,7 +67,8 @@ class Case:
             self.shape = "discs" if measure.lever(problem) < 1e-6 else "long"
             self.delassus = self.problem.delassus()
         else:
-            self.arrays, self.problem, self.delassus, self.bodies, self.shape = None, problem, problem, None, "unknown"
+            self.problem = self.delassus = problem
+            self.arrays, self.bodies, self.shape = None, None, "unknown"
         self.matrix = measure.matrix(self.delassus)
         self.about = dict(problem=name, shape=self.shape, bodies=self.bodies, points=self.points)
 
@@ -70,13 +78,14 @@ class Case:
         if self.arrays is not None:
             return kernel.solve(**{**self.arrays, "impulse": start}, violation=np.inf, **settings)
         d = self.delassus
-        return kernel.solve_delassus(d.row_start, d.column, d.block.reshape(-1, 4), d.q, d.friction, start, **settings)
+        return kernel.solve_delassus(d.row_start, d.column, d.block.reshape(-1, 4), d.q, d.friction,
+                                     start, **settings)
 
     def residual(self, p):
         return measure.residual(self.matrix, self.delassus.q, self.delassus.friction, p)
 
 
-# ---------------------------------------------------------------------------------------------- measurements
+# ---- measurements
 
 
 def sweep_rows(case, repeats, threads):
@@ -84,14 +93,20 @@ def sweep_rows(case, repeats, threads):
     if case.arrays is None:
         settings = [dict(solver=solver) for solver in SWEEPERS]
     else:
-        settings = [dict(solver=s, lanes=n, threads=t, workspace=kernel.Workspace()) for s in SWEEPERS for n in LANES for t in threads]
+        settings = [
+            dict(solver=s, lanes=n, threads=t, workspace=kernel.Workspace()) for s in SWEEPERS
+            for n in LANES for t in threads
+        ]
     rows, of_one = [], {}
     runs = [(case.points, partial(case.solve, **setting)) for setting in settings]
     for setting, (clock, processor) in zip(settings, measure.sweep_times(runs, repeats)):
-        row = dict(case.about, ns_by_clock=clock, **{key: setting.get(key) for key in ("solver", "lanes", "threads")})
+        row = dict(case.about, ns_by_clock=clock,
+                   **{key: setting.get(key)
+                      for key in ("solver", "lanes", "threads")})
         row["ns"] = processor if setting.get("threads", 1) == 1 else clock
         if "threads" in setting:
-            row["ratio_to_one_thread"] = of_one.setdefault((row["solver"], row["lanes"]), clock) / clock
+            row["ratio_to_one_thread"] = of_one.setdefault(
+                (row["solver"], row["lanes"]), clock) / clock
         rows.append(row)
     return rows
 
@@ -101,15 +116,16 @@ def tolerance_rows(case, solver, warm, options):
     for tolerance in sorted(options.tolerances, reverse=True):
 
         def run():
-            found = case.solve(warm, solver=solver, tolerance=tolerance, max_iterations=options.max_iterations)
+            found = case.solve(warm, solver=solver, tolerance=tolerance,
+                               max_iterations=options.max_iterations)
             return dict(found, seconds=found["processor_seconds"])
 
         (found,) = measure.best(options.repeats, options.budget, run)
         reached = bool(found["residual"] <= tolerance)
-        yield dict(
-            case.about, solver=solver, start="warm" if warm else "cold", tolerance=tolerance, iterations=found["iterations"],
-            seconds=found["seconds"], residual=found["residual"], residual_numpy=case.residual(found["impulse"]), reached=reached,
-        )  # fmt: skip
+        yield dict(case.about, solver=solver, start="warm" if warm else "cold", tolerance=tolerance,
+                   iterations=found["iterations"], seconds=found["seconds"],
+                   residual=found["residual"], residual_numpy=case.residual(found["impulse"]),
+                   reached=reached)
         if not reached:
             return
 
@@ -121,7 +137,8 @@ def siconos_rows(case, warm, options):
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "problem.npz")
         start = d.impulse if warm else np.zeros((case.points, 2))
-        np.savez(path, rows=rows, columns=columns, values=values, q=d.q, friction=d.friction, start=start)
+        np.savez(path, rows=rows, columns=columns, values=values, q=d.q, friction=d.friction,
+                 start=start)
         for method in options.siconos_methods:
             answer = outside.run(
                 [options.siconos, program, path, "--method", method, "--limit", str(options.limit),
@@ -129,10 +146,8 @@ def siconos_rows(case, warm, options):
             found = json.loads(answer.splitlines()[-1])  # Siconos may print lines before
             for row in found["rows"]:
                 reached = row["residual"] <= row["tolerance"]
-                yield dict(
-                    case.about, peer=f"Siconos {method.upper()}", figure="measured", start="warm" if warm else "cold", **row,
-                    reached=reached, ns=found["ns"],
-                )  # fmt: skip
+                yield dict(case.about, peer=f"Siconos {method.upper()}", figure="measured",
+                           start="warm" if warm else "cold", **row, reached=reached, ns=found["ns"])
 
 
 def stated_rows(case):
@@ -141,13 +156,17 @@ def stated_rows(case):
         for row in csv.DictReader(file):
             if row["problem"] == case.name:
                 numbers = {key: float(row[key]) for key in ("tolerance", "seconds", "ns")}
-                yield dict(case.about, peer=row["peer"], figure="stated", start="cold", reached=True, **numbers)
+                yield dict(case.about, peer=row["peer"], figure="stated", start="cold",
+                           reached=True, **numbers)
 
 
 def compare(rows, peers):
     """Add the best time of Siconos for the same start and tolerance."""
     for row in rows:
-        same = [p for p in peers if p["reached"] and all(p[key] == row[key] for key in ("problem", "start", "tolerance"))]
+        same = [
+            p for p in peers
+            if p["reached"] and all(p[key] == row[key] for key in ("problem", "start", "tolerance"))
+        ]
         if same:
             best = min(same, key=lambda peer: peer["seconds"])
             row.update(siconos_seconds=best["seconds"], siconos_figure=best["figure"])
@@ -169,10 +188,10 @@ def growth_rows(rows):
         points = [row["points"] for row in group]
         if max(points) >= 2 * min(points):  # else the exponent is noise
             yield dict(
-                shape=shape, solver=solver, start=start, problems=len(group), points_from=min(points), points_to=max(points),
+                shape=shape, solver=solver, start=start, problems=len(group),
+                points_from=min(points), points_to=max(points),
                 sweeps_exponent=measure.exponent(points, [row["iterations"] for row in group]),
-                seconds_exponent=measure.exponent(points, [row["seconds"] for row in group]),
-            )  # fmt: skip
+                seconds_exponent=measure.exponent(points, [row["seconds"] for row in group]))
 
 
 def roofline_rows(case, repeats):
@@ -183,27 +202,26 @@ def roofline_rows(case, repeats):
     if case.arrays is None:
         return
     doubled = Case(case.name, measure.with_two_points(case.problem))
-    runs = [
-        (each.points, partial(each.solve, solver=solver, lanes=LANES[-1], workspace=kernel.Workspace()))
-        for solver in SWEEPERS
-        for each in (case, doubled)
-    ]
+    runs = [(each.points,
+             partial(each.solve, solver=solver, lanes=LANES[-1], workspace=kernel.Workspace()))
+            for solver in SWEEPERS for each in (case, doubled)]
     times = measure.sweep_times(runs, repeats)[:, 1]
     pairs = len(np.unique(case.problem.bodies, axis=0)) / case.points
     bodies = len(case.problem.inverse_mass) / case.points
     for solver, ns, ns_doubled in zip(SWEEPERS, times[::2], times[1::2]):
         size = 4 if solver == "nesterov" and pairs * case.points > FLOAT_PAIRS else 8
-        megabytes = 1e-6 * case.points * (size * (POINT_FIELDS + BODY_FIELDS * bodies) + 2 * ID_BYTES * pairs)
+        megabytes = 1e-6 * case.points * (size * (POINT_FIELDS + BODY_FIELDS * bodies)
+                                          + 2 * ID_BYTES * pairs)
         bandwidth = measure.triad_bandwidth(1e6 * megabytes)
         of_point = (ns_doubled * doubled.points - ns * case.points) / (doubled.points - case.points)
-        volume = size * (FIELDS_READ[solver] + FIELDS_WRITTEN[solver]) + (4 * BODY_FIELDS * size + 2 * ID_BYTES) * pairs
+        volume = size * (FIELDS_READ[solver] + FIELDS_WRITTEN[solver]) + (4 * BODY_FIELDS * size
+                                                                          + 2 * ID_BYTES) * pairs
         volume += 4 * BODY_FIELDS * size * bodies if solver == "nesterov" else 0
-        yield dict(
-            case.about, solver=solver, megabytes=megabytes, bytes_per_point=volume, operations_per_point=OPERATIONS[solver],
-            triad_gb_per_s=1e-9 * bandwidth, ns_of_bytes=1e9 * volume / bandwidth,
-            ns_of_operations=OPERATIONS[solver] * size / REGISTER_BYTES / clock_ghz(), ns=ns,
-            ns_a_point=of_point, ns_a_pair=(ns - of_point) / pairs,
-        )  # fmt: skip
+        yield dict(case.about, solver=solver, megabytes=megabytes, bytes_per_point=volume,
+                   operations_per_point=OPERATIONS[solver], triad_gb_per_s=1e-9 * bandwidth,
+                   ns_of_bytes=1e9 * volume / bandwidth,
+                   ns_of_operations=OPERATIONS[solver] * size / REGISTER_BYTES / clock_ghz(), ns=ns,
+                   ns_a_point=of_point, ns_a_pair=(ns - of_point) / pairs)
 
 
 def clock_ghz():
@@ -216,25 +234,38 @@ def clock_ghz():
     return float(found[1]) / 1000 if found else float("nan")
 
 
-# ---------------------------------------------------------------------------------------------- the script
+# ---- the script
 
 
 def arguments():
     parser = script.Parser(prog="bench_solver.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("problems", nargs="*", metavar="PROBLEM", help="file .npz, .h5, .hdf5 or .dat (default: lattices, for sweeps only)")
-    add("--mirror", type=script.at_least(0, 20), default=0, metavar="K", help="also each problem doubled 1 … K times by reflection at its walls")
-    add("--only", nargs="+", choices=("sweeps", "tolerances"), default=["sweeps", "tolerances"], help="tables to measure (default: both)")
-    add("--solvers", nargs="+", default=list(SOLVERS), metavar="S", help="solvers of the tolerances (default: nesterov exact auto)")
-    add("--tolerances", type=script.number("numbers between 0 and 1", lambda v: 0 < v < 1), nargs="+", default=list(TOLERANCES), metavar="T", help="residuals to reach (default: 1e-4 1e-6 1e-8 1e-10)")
+    add("problems", nargs="*", metavar="PROBLEM",
+        help="file .npz, .h5, .hdf5 or .dat (default: lattices, for sweeps only)")
+    add("--mirror", type=script.at_least(0, 20), default=0, metavar="K",
+        help="also each problem doubled 1 … K times by reflection at its walls")
+    add("--only", nargs="+", choices=("sweeps", "tolerances"), default=["sweeps", "tolerances"],
+        help="tables to measure (default: both)")
+    add("--solvers", nargs="+", default=list(SOLVERS), metavar="S",
+        help="solvers of the tolerances (default: nesterov exact auto)")
+    add("--tolerances", type=script.number("numbers between 0 and 1", lambda v: 0 < v < 1),
+        nargs="+", default=list(TOLERANCES), metavar="T",
+        help="residuals to reach (default: 1e-4 1e-6 1e-8 1e-10)")
     add("--warm", action="store_true", help="start from the impulses in the files too")
-    add("--threads", type=script.THREADS, nargs="+", default=[1, 2], metavar="N", help="numbers of threads of the sweeps (default: 1 2)")
-    add("--repeats", type=script.at_least(1), default=20, metavar="N", help="runs; the fastest counts (default %(default)s)")
-    add("--budget", type=script.number("seconds ≥ 0", lambda v: v >= 0), default=5, metavar="S", help="seconds after which a run is not repeated (default %(default)s)")
-    add("--max-iterations", type=script.at_least(1), default=100000, metavar="N", help="largest number of iterations (default %(default)s)")
-    add("--siconos", metavar="PYTHON", help="a Python with siconos.numerics and scipy, inside or outside the environment")
-    add("--siconos-methods", nargs="+", choices=("nsgs", "admm"), default=["nsgs"], help="solvers of Siconos (default: nsgs)")
-    add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=20, metavar="S", help="time limit of Siconos [s] (default %(default)s)")
+    add("--threads", type=script.THREADS, nargs="+", default=[1, 2], metavar="N",
+        help="numbers of threads of the sweeps (default: 1 2)")
+    add("--repeats", type=script.at_least(1), default=20, metavar="N",
+        help="runs; the fastest counts (default %(default)s)")
+    add("--budget", type=script.number("seconds ≥ 0", lambda v: v >= 0), default=5, metavar="S",
+        help="seconds after which a run is not repeated (default %(default)s)")
+    add("--max-iterations", type=script.at_least(1), default=100000, metavar="N",
+        help="largest number of iterations (default %(default)s)")
+    add("--siconos", metavar="PYTHON",
+        help="a Python with siconos.numerics and scipy, inside or outside the environment")
+    add("--siconos-methods", nargs="+", choices=("nsgs", "admm"), default=["nsgs"],
+        help="solvers of Siconos (default: nsgs)")
+    add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=20, metavar="S",
+        help="time limit of Siconos [s] (default %(default)s)")
     script.add_results(parser, "tables")
     return parser.parse_args()
 
@@ -242,7 +273,8 @@ def arguments():
 def check(options):
     wrong = [name for name in options.solvers if name not in kernel.solver_names()]
     if wrong:
-        raise ValueError(f"--solvers {wrong[0]}: expected some of {', '.join(kernel.solver_names())}")
+        raise ValueError(
+            f"--solvers {wrong[0]}: expected some of {', '.join(kernel.solver_names())}")
 
 
 def given(options):
@@ -259,7 +291,9 @@ def given(options):
 def main():
     options = arguments()
     check(options)
-    with results.claim_folder(options.out, "bench_solver.py", measure.given_options(options), [f"{name}.csv" for name in COLUMNS], overwrite=options.overwrite) as begin:
+    with results.claim_folder(options.out, "bench_solver.py", measure.given_options(options),
+                              [f"{name}.csv" for name in COLUMNS],
+                              overwrite=options.overwrite) as begin:
         tables = measured(options)
         begin()
         for name, rows in tables.items():
@@ -278,11 +312,15 @@ def measured(options):
             tables["roofline"] += roofline_rows(case, options.repeats)
         if "tolerances" in options.only:
             for warm in (False, True) if options.warm else (False,):
-                rows = [row for solver in options.solvers for row in tolerance_rows(case, solver, warm, options)]
-                peers = list(siconos_rows(case, warm, options)) if options.siconos else [] if warm else list(stated_rows(case))
+                rows = [
+                    row for solver in options.solvers
+                    for row in tolerance_rows(case, solver, warm, options)
+                ]
+                peers = list(siconos_rows(
+                    case, warm,
+                    options)) if options.siconos else [] if warm else list(stated_rows(case))
                 compare(rows, peers)
                 tables["tolerances"] += rows
                 tables["peers"] += peers
     tables["growth"] = list(growth_rows(tables["tolerances"]))
     return tables
-

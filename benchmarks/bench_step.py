@@ -32,15 +32,17 @@ SETTLE = 10  # steps in YADE before the timing
 PEERS = dict(chipmunk="libchipmunk-dev", box2d="libbox2d-dev")
 
 STEP_COLUMNS = (
-    "packing shape grains points library start iterations ns covers ms ms_without_iterations residual mean_overlap velocity_error"
+    "packing shape grains points library start iterations ns covers ms ms_without_iterations"
+    " residual mean_overlap velocity_error"
 ).split()
 ENGINE_COLUMNS = "folder grains points threads way engine ms share".split()
 YADE_COLUMNS = (
-    "folder eta grains points threads way steps in_arrays ms ms_least ms_processor iterations tolerance residual_max ms_sweeps ms_rest"
+    "folder eta grains points threads way steps in_arrays ms ms_least ms_processor iterations"
+    " tolerance residual_max ms_sweeps ms_rest"
 ).split()
 
 
-# ---------------------------------------------------------------------------------------------- other libraries
+# ---- other libraries
 
 
 def run_program(program, packing, options, iterations, steps):
@@ -56,23 +58,27 @@ def run_program(program, packing, options, iterations, steps):
 def accuracy(packing, outcome):
     """Errors of the contact laws after the last step of a library, over its own contacts.
 
-    The residual is of its impulses and the velocities that follow from them. `velocity_error` is the
-    relative difference of its own velocities. Overlaps are before the step, in mean diameters.
+    The residual is of its impulses and the velocities that follow from them. `velocity_error` is
+    the relative difference between these velocities and those of the library. Overlaps are before
+    the step, in mean diameters.
     """
     table = np.array(outcome["contacts"]).reshape(-1, 12)
-    bodies, normal, arm1, arm2 = table[:, :2].astype(int), table[:, 2:4], table[:, 4:6], table[:, 6:8]
+    bodies, normal, arm1, arm2 = table[:, :2].astype(int), table[:, 2:4], table[:, 4:6], table[:,
+                                                                                               6:8]
     friction, impulse, gap = table[:, 8], table[:, 9:11], table[:, 11]
     normal = normal / np.hypot(*normal.T)[:, None]
     free = packing.free_velocity(np.array(outcome["before"]))
-    problem = BodyProblem(packing.inverse_mass, free, bodies, normal, arm1, arm2, 0 * friction, friction, impulse).delassus()
-    after = free + packing.inverse_mass * generalised(bodies, normal, arm1, arm2, impulse, len(free))
+    problem = BodyProblem(packing.inverse_mass, free, bodies, normal, arm1, arm2, 0 * friction,
+                          friction, impulse).delassus()
+    after = free + packing.inverse_mass * generalised(bodies, normal, arm1, arm2, impulse,
+                                                      len(free))
     stated = np.array(outcome["after"])
     overlap = -gap - SKIN * (bodies < packing.grains).sum(1)
     return dict(
-        points=len(table), residual=measure.residual(measure.matrix(problem), problem.q, friction, impulse),
+        points=len(table), residual=measure.residual(measure.matrix(problem), problem.q, friction,
+                                                     impulse),
         mean_overlap=float(np.maximum(0, overlap).mean()),
-        velocity_error=float(np.linalg.norm(stated - after) / max(np.linalg.norm(stated), 1e-300)),
-    )  # fmt: skip
+        velocity_error=float(np.linalg.norm(stated - after) / max(np.linalg.norm(stated), 1e-300)))
 
 
 def generalised(bodies, normal, arm1, arm2, impulse, count):
@@ -86,7 +92,7 @@ def generalised(bodies, normal, arm1, arm2, impulse, count):
 
 
 def peer_rows(name, program, packing, options):
-    """Rows of the first step, cold, and of the last of several, each warm-started from the previous."""
+    """Rows of the first step, cold, and of the last of several steps, warm."""
 
     def least(iterations, steps):
         def run():
@@ -95,17 +101,18 @@ def peer_rows(name, program, packing, options):
 
         return run
 
-    runs = least(FEW, 1), least(MANY, 1), least(options.iterations, 1), least(options.iterations, options.steps)
+    runs = least(FEW, 1), least(MANY, 1), least(options.iterations,
+                                                1), least(options.iterations, options.steps)
     few, many, cold, warm = measure.best(options.repeats, options.budget, *runs)
     points = len(cold["contacts"])
     if not points:
         raise ValueError(f"{name} finds no contact in {options.present}; give a dense packing")
     an_iteration = (many["seconds"] - few["seconds"]) / (MANY - FEW)
     for start, outcome in ("cold", cold), ("warm", warm):
-        yield dict(
-            library=outcome["library"], start=start, ns=1e9 * an_iteration / points if start == "cold" else None, covers="step",
-            **step_times(outcome["seconds"], an_iteration, options), **accuracy(packing, outcome),
-        )  # fmt: skip
+        yield dict(library=outcome["library"], start=start,
+                   ns=1e9 * an_iteration / points if start == "cold" else None, covers="step",
+                   **step_times(outcome["seconds"], an_iteration, options),
+                   **accuracy(packing, outcome))
 
 
 def step_times(seconds, an_iteration, options):
@@ -128,7 +135,7 @@ def _peer(name, packing, options):
     if program is None:
         program = os.path.join(ROOT, "build", "peers", f"{name}_step")
         if not os.path.exists(program):
-            reason = f"its program is not built (install {PEERS[name]}, see benchmarks/peers/CMakeLists.txt)"
+            reason = f"install {PEERS[name]} and build benchmarks/peers"
             print(f"bench_step.py: {name} is left out: {reason}", file=sys.stderr)
             return []
     return list(peer_rows(name, program, packing, options))
@@ -144,7 +151,8 @@ def our_rows(packing, options):
         workspace = kernel.Workspace()
 
         def run(count):
-            settings = dict(solver=solver, tolerance=0, max_iterations=count, check_interval=10**9, violation=np.inf, workspace=workspace)
+            settings = dict(solver=solver, tolerance=0, max_iterations=count, check_interval=10**9,
+                            violation=np.inf, workspace=workspace)
             found = kernel.solve(**arrays, **settings)
             return dict(found, seconds=found["processor_seconds"])
 
@@ -152,23 +160,24 @@ def our_rows(packing, options):
         few, many, found = measure.best(5 * options.repeats, options.budget, *runs)
         an_iteration = (many["seconds"] - few["seconds"]) / (MANY - FEW)
         yield dict(
-            points=problem.contacts, library=f"rcr {solver}", start="cold", ns=1e9 * an_iteration / problem.contacts, covers="solver",
+            points=problem.contacts, library=f"rcr {solver}", start="cold",
+            ns=1e9 * an_iteration / problem.contacts, covers="solver",
             **step_times(found["seconds"], an_iteration, options),
-            residual=measure.residual(matrix, delassus.q, delassus.friction, found["impulse"]),
-        )  # fmt: skip
+            residual=measure.residual(matrix, delassus.q, delassus.friction, found["impulse"]))
 
 
 def compare_libraries(options):
     rows = []
     for path in options.inputs:
         packing, options.present = packings.load(path), path
-        about = dict(packing=os.path.splitext(os.path.basename(path))[0], shape=packing.shape, grains=packing.grains)
+        about = dict(packing=os.path.splitext(os.path.basename(path))[0], shape=packing.shape,
+                     grains=packing.grains)
         for library in our_rows, chipmunk_rows, box2d_rows:
             rows += [dict(about, **row) for row in library(packing, options)]
     return dict(step=(rows, STEP_COLUMNS))
 
 
-# ---------------------------------------------------------------------------------------------- inside YADE
+# ---- inside YADE
 
 
 def time_checkpoint(folder, way, options):
@@ -201,20 +210,28 @@ def time_checkpoint(folder, way, options):
     processor = time.process_time() - processor
     scene.timingEnabled = False
     seen = solver.observed()
-    parts = {name: 1e3 * (seconds - parts.get(name, 0)) / options.steps for name, seconds in solver.seconds.items()}
+    parts = {
+        name: 1e3 * (seconds - parts.get(name, 0)) / options.steps
+        for name, seconds in solver.seconds.items()
+    }
     name = os.path.basename(os.path.normpath(folder))
-    about = dict(folder=name, grains=len(test.grains), points=solver.contactPoints, threads=options.threads, way=way)
+    about = dict(folder=name, grains=len(test.grains), points=solver.contactPoints,
+                 threads=options.threads, way=way)
     alive = [engine for engine in scene.engines if not engine.dead]
-    engines = [(engine.label or type(engine).__name__, 1e-6 * engine.execTime / options.steps) for engine in alive]
+    engines = [(engine.label or type(engine).__name__, 1e-6 * engine.execTime / options.steps)
+               for engine in alive]
     total = sum(ms for _, ms in engines)
     rows = [dict(about, engine=name, ms=ms, share=ms / total) for name, ms in engines]
-    rows += [dict(about, engine=f"ContactDynamics: {name}", ms=ms, share=ms / total) for name, ms in parts.items()]
-    whole = dict(
-        about, eta=test.parameters["eta"], steps=options.steps, in_arrays=solver.model["arrays"] - in_arrays,
-        ms=1e3 * float(np.mean(times)), ms_least=1e3 * min(times), ms_processor=1e3 * processor / options.steps,
-        iterations=seen["iterations"] / options.steps, tolerance=solver.tolerance, residual_max=seen["residual"], ms_sweeps=parts["solve"],
-        ms_rest=1e3 * float(np.mean(times)) - parts["solve"],
-    )  # fmt: skip
+    rows += [
+        dict(about, engine=f"ContactDynamics: {name}", ms=ms, share=ms / total)
+        for name, ms in parts.items()
+    ]
+    whole = dict(about, eta=test.parameters["eta"], steps=options.steps,
+                 in_arrays=solver.model["arrays"] - in_arrays, ms=1e3 * float(np.mean(times)),
+                 ms_least=1e3 * min(times), ms_processor=1e3 * processor / options.steps,
+                 iterations=seen["iterations"] / options.steps, tolerance=solver.tolerance,
+                 residual_max=seen["residual"], ms_sweeps=parts["solve"],
+                 ms_rest=1e3 * float(np.mean(times)) - parts["solve"])
     return rows, whole
 
 
@@ -228,21 +245,30 @@ def time_yade(options):
     return dict(yade_engines=(engines, ENGINE_COLUMNS), yade_step=(whole, YADE_COLUMNS))
 
 
-# ---------------------------------------------------------------------------------------------- the script
+# ---- the script
 
 
 def arguments():
     parser = script.Parser(prog="bench_step.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("inputs", nargs="+", metavar="PACKING|FOLDER", help="step .npz or network .h5; with YADE, a folder of scripts/biaxial.py")
-    add("--iterations", type=script.at_least(1), metavar="N", help="iterations of a step (default 40; in YADE: to the tolerance of the scene)")
-    add("--steps", type=script.at_least(1), default=None, metavar="N", help="warm steps in the libraries (default 20), steps in YADE (default 200)")
-    add("--friction", type=script.number("a coefficient ≥ 0", lambda v: v >= 0), default=0.5, help="friction between grains (default %(default)s)")
-    add("--threads", type=script.THREADS, default=1, metavar="N", help="threads of our solver in YADE (default %(default)s)")
-    add("--repeats", type=script.at_least(1), default=5, metavar="N", help="runs; the fastest counts (default %(default)s)")
-    add("--budget", type=script.number("seconds ≥ 0", lambda v: v >= 0), default=20, metavar="S", help="seconds after which a run is not repeated (default %(default)s)")
+    add("inputs", nargs="+", metavar="PACKING|FOLDER",
+        help="step .npz or network .h5; with YADE, a folder of scripts/biaxial.py")
+    add("--iterations", type=script.at_least(1), metavar="N",
+        help="iterations of a step (default 40; in YADE: to the tolerance of the scene)")
+    add("--steps", type=script.at_least(1), default=None, metavar="N",
+        help="warm steps in the libraries (default 20), steps in YADE (default 200)")
+    add("--friction", type=script.number("a coefficient ≥ 0", lambda v: v >= 0), default=0.5,
+        help="friction between grains (default %(default)s)")
+    add("--threads", type=script.THREADS, default=1, metavar="N",
+        help="threads of our solver in YADE (default %(default)s)")
+    add("--repeats", type=script.at_least(1), default=5, metavar="N",
+        help="runs; the fastest counts (default %(default)s)")
+    add("--budget", type=script.number("seconds ≥ 0", lambda v: v >= 0), default=20, metavar="S",
+        help="seconds after which a run is not repeated (default %(default)s)")
     for name in PEERS:
-        add(f"--{name}", metavar="PROGRAM", help=f"step program, inside or outside the environment (default: build/peers/{name}_step)")
+        add(
+            f"--{name}", metavar="PROGRAM", help=
+            f"step program, inside or outside the environment (default: build/peers/{name}_step)")
     script.add_results(parser, "tables")
     return parser.parse_args()
 
@@ -254,9 +280,13 @@ def check(options, in_yade):
         options.steps = 200 if in_yade else 20
     for path in options.inputs:
         if os.path.isdir(path) and not in_yade:
-            raise ValueError(f"{path} is a folder: a checkpoint needs YADE, scripts/yade-rcr -n -x scripts/bench_step.py {path} --out DIR")
+            raise ValueError(
+                f"{path} is a folder: a checkpoint needs YADE, "
+                f"scripts/yade-rcr -n -x scripts/bench_step.py {path} --out DIR"
+            )
         if in_yade and not os.path.isdir(path):
-            raise ValueError(f"{path} is no folder: give a folder of scripts/biaxial.py, or run without YADE")
+            raise ValueError(
+                f"{path} is no folder: give a folder of scripts/biaxial.py, or run without YADE")
 
 
 def main():
@@ -264,10 +294,10 @@ def main():
     in_yade = "yade" in sys.modules
     check(options, in_yade)
     made = [f"{name}.csv" for name in ("yade_engines", "yade_step", "step")]
-    with results.claim_folder(options.out, "bench_step.py", measure.given_options(options), made, overwrite=options.overwrite) as begin:
+    with results.claim_folder(options.out, "bench_step.py", measure.given_options(options), made,
+                              overwrite=options.overwrite) as begin:
         tables = (time_yade if in_yade else compare_libraries)(options)
         begin()
         for name, (rows, columns) in tables.items():
             measure.show(name, rows, columns)
             measure.write(os.path.join(options.out, f"{name}.csv"), rows, columns)
-

@@ -2,15 +2,15 @@
 
 a  one step: residual against time of every solver, warm and cold; Siconos, Chipmunk and Box2D if
    they are installed
-b  scenes with a known answer: error against time over dt and tolerance (rigid) and stiffness (smooth)
+b  scenes with a known answer: error against time, over dt and tolerance or over stiffness
 c  biaxial test: errors of its observables against time for 20 % of strain
 d  hard scenes: hold, drift or blow up, over dt and law
 e  biaxial test: observables against the rate of shear, and their quasi-static limits; takes hours,
    not in the default
 
-A CSV has one row a point, with the command that repeats it. Points that it has for the same settings
-are not run again, so an interrupted call resumes. A larger --limit repeats points that ran out of
-time. Times are processor time of one thread.
+A CSV has one row a point, with the command that repeats it. Points that it has for the same
+settings are not run again, so an interrupted call resumes. A larger --limit repeats points that ran
+out of time. Times are processor time of one thread.
 """
 
 import argparse
@@ -34,34 +34,50 @@ MARK = "chart.py rows: "  # begins a line of results; YADE and libraries print o
 
 
 def arguments():
-    parser = script.Parser(prog="chart.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = script.Parser(prog="chart.py", description=__doc__,
+                           formatter_class=argparse.RawDescriptionHelpFormatter)
     add = parser.add_argument
-    add("--out", type=script.folder, required=True, metavar="DIR", help="folder of the charts, made if missing")
-    add("--charts", nargs="+", choices=list(charts.NAMES), default=list("abcd"), metavar="C", help="some of a b c d e (default: a b c d; e needs --limit 3600)")
-    add("--quick", action="store_true", help="smaller packings, fewer points: up to ten minutes on two cores")
-    add("--only", metavar="POINT", help="run this point of one chart again and print its rows; the CSV has the names")
-    add("--particles", type=script.at_least(50, 10**7), default=None, metavar="N", help="grains of the biaxial tests (default 400, --quick 100)")
-    add("--siconos", default="", metavar="PYTHON", help="a Python with siconos.numerics and scipy, inside or outside the environment")
-    add("--peers", default=os.path.join(ROOT, "build", "peers"), metavar="DIR", help="folder of chipmunk_step and box2d_step (default build/peers)")
+    add("--out", type=script.folder, required=True, metavar="DIR",
+        help="folder of the charts, made if missing")
+    add("--charts", nargs="+", choices=list(charts.NAMES), default=list("abcd"), metavar="C",
+        help="some of a b c d e (default: a b c d; e needs --limit 3600)")
+    add("--quick", action="store_true",
+        help="smaller packings, fewer points: up to ten minutes on two cores")
+    add("--only", metavar="POINT",
+        help="run this point of one chart again and print its rows; the CSV has the names")
+    add("--particles", type=script.at_least(50, 10**7), default=None, metavar="N",
+        help="grains of the biaxial tests (default 400, --quick 100)")
+    add("--siconos", default="", metavar="PYTHON",
+        help="a Python with siconos.numerics and scipy, inside or outside the environment")
+    add("--peers", default=os.path.join(ROOT, "build", "peers"), metavar="DIR",
+        help="folder of chipmunk_step and box2d_step (default build/peers)")
     add("--retry", action="store_true", help="run the points without numbers again")
-    add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=None, metavar="S", help="time limit of a point [s] (default 200, --quick 40)")
+    add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=None, metavar="S",
+        help="time limit of a point [s] (default 200, --quick 40)")
     add("--worker", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.only and len(given.charts) != 1:
         parser.error(f"--only {given.only}: say which chart it is of, --charts C")
     particles = given.particles or (100 if given.quick else 400)
     limit = given.limit or (40 if given.quick else 200)
-    return given, charts.Options(os.path.abspath(given.out), given.quick, particles, given.siconos, os.path.abspath(given.peers), limit)
+    return given, charts.Options(os.path.abspath(given.out), given.quick, particles, given.siconos,
+                                 os.path.abspath(given.peers), limit)
 
 
 def command(letter, point, given):
     """Command that runs a point again."""
     flags = ["--quick"] if given.quick else []
-    flags += [word for name in ("particles", "siconos") if getattr(given, name) for word in (f"--{name}", str(getattr(given, name)))]
-    return " ".join(["python3 scripts/chart.py --out", given.out, *flags, "--charts", letter, "--only", f"'{point}'"])
+    flags += [
+        word for name in ("particles", "siconos") if getattr(given, name)
+        for word in (f"--{name}", str(getattr(given, name)))
+    ]
+    return " ".join([
+        "python3 scripts/chart.py --out", given.out, *flags, "--charts", letter, "--only",
+        f"'{point}'"
+    ])
 
 
-# ---------------------------------------------------------------------------------------------- the process that computes
+# ---- the process that computes
 
 
 def work(options):
@@ -69,7 +85,9 @@ def work(options):
     for line in sys.stdin:
         letter, point = json.loads(line)
         try:
-            rows = [dict(dict(status="ok"), **row) for row in charts.chart(letter).run(point, options)]
+            rows = [
+                dict(dict(status="ok"), **row) for row in charts.chart(letter).run(point, options)
+            ]
         except (ValueError, RuntimeError, OSError) as error:
             rows = [dict(status=f"{type(error).__name__}: {error}".splitlines()[0][:200])]
         print(MARK + json.dumps(rows), flush=True)
@@ -86,7 +104,8 @@ class Worker:
         if self.process is None:
             arguments = [sys.executable, os.path.realpath(sys.argv[0]), *sys.argv[1:], "--worker"]
             streams = dict(stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-            self.process = subprocess.Popen(arguments, **streams, text=True, pass_fds=outside.pipes())
+            self.process = subprocess.Popen(arguments, **streams, text=True,
+                                            pass_fds=outside.pipes())
         self.process.stdin.write(json.dumps([letter, point]) + "\n")
         self.process.stdin.flush()
         timer = threading.Timer(self.limit, self.process.kill)
@@ -98,7 +117,10 @@ class Worker:
             return json.loads(answer[len(MARK) :])
         code = self.process.wait()
         self.process = None
-        return [dict(status=f"{charts.GIVEN_UP}{self.limit:g} s" if expired else f"the process ended with code {code}")]
+        return [
+            dict(status=f"{charts.GIVEN_UP}{self.limit:g} s"
+                 if expired else f"the process ended with code {code}")
+        ]
 
     def end(self):
         if self.process:
@@ -106,7 +128,7 @@ class Worker:
             self.process.wait()
 
 
-# ---------------------------------------------------------------------------------------------- the script
+# ---- the script
 
 
 def draw(letter, given, options, worker):
@@ -117,12 +139,21 @@ def draw(letter, given, options, worker):
     names = module.points(options)
     if given.only:
         if given.only not in names:
-            raise ValueError(f"--only {given.only}: chart {letter} has no such point; it has {', '.join(names[:5])} … (see its CSV)")
+            raise ValueError(
+                f"--only {given.only}: chart {letter} has no such point; "
+                f"it has {', '.join(names[:5])} … (see its CSV)"
+            )
         todo = [given.only]
     else:
-        todo = [name for name in names if not table.has(name, lambda status: charts.settled(status, options.limit, given.retry))]
+        todo = [
+            name for name in names if
+            not table.has(name, lambda status: charts.settled(status, options.limit, given.retry))
+        ]
     for name in tqdm(todo, desc=f"chart {letter}", disable=None):
-        rows = [dict(row, point=name, command=command(letter, name, given)) for row in worker.run(letter, name)]
+        rows = [
+            dict(row, point=name, command=command(letter, name, given))
+            for row in worker.run(letter, name)
+        ]
         table.put(name, rows)
         if given.only:
             print(json.dumps(rows, indent=2))
@@ -134,19 +165,21 @@ def draw(letter, given, options, worker):
     if hasattr(module, "ratios"):
         print("\n".join(module.ratios(table.rows)))
     failed = [row for row in table.rows if row["status"] != "ok"]
-    print(f"{base}.png: {len(table.rows)} rows" + (f", {len(failed)} without numbers (column status)" if failed else ""))
+    print(f"{base}.png: {len(table.rows)} rows"
+          + (f", {len(failed)} without numbers (column status)" if failed else ""))
 
 
 def main():
     given, options = arguments()
     if given.worker:
         return work(options)
-    parameters = dict(charts=given.charts, quick=options.quick, particles=options.particles, siconos=options.siconos, limit=options.limit)
-    with results.claim_folder(options.out, "chart.py", parameters, [], free=list(parameters), resume=True, wait=True) as begin:
+    parameters = dict(charts=given.charts, quick=options.quick, particles=options.particles,
+                      siconos=options.siconos, limit=options.limit)
+    with results.claim_folder(options.out, "chart.py", parameters, [], free=list(parameters),
+                              resume=True, wait=True) as begin:
         begin()  # several calls may fill a folder; each row has its settings
     worker = Worker(options.limit)
     for letter in given.charts:
         with results.lock_folder(options.out, f".lock-{letter}"):
             draw(letter, given, options, worker)
     worker.end()
-

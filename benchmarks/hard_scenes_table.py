@@ -12,41 +12,52 @@ from benchmarks.hard_scenes import COARSE, TIGHT
 
 RUNS = dict(default={}, coarse=dict(dt=COARSE), tight=dict(law=TIGHT))
 MEASURES = "measured gain overlap steps seconds holds stable".split()
-COLUMNS = "scene title predicate bound reason".split() + [f"{measure}_{run}" for run in RUNS for measure in MEASURES]
+COLUMNS = "scene title predicate bound reason".split() + [
+    f"{measure}_{run}" for run in RUNS for measure in MEASURES
+]
 
 
 def arguments():
     parser = script.Parser(prog="hard_scenes.py", description=__doc__.splitlines()[0])
-    parser.add_argument("--only", default="", metavar="NAME,…", help="prefixes of scene names (default: all, some minutes)")
-    parser.add_argument("--out", type=script.new_file, default="hard-scenes.csv", metavar="FILE", help="CSV (default %(default)s)")
+    parser.add_argument("--only", default="", metavar="NAME,…",
+                        help="prefixes of scene names (default: all, some minutes)")
+    parser.add_argument("--out", type=script.new_file, default="hard-scenes.csv", metavar="FILE",
+                        help="CSV (default %(default)s)")
     options = parser.parse_args()
-    options.names = [name for name in hard_scenes.names() if name.startswith(tuple(options.only.split(",")))]
+    options.names = [
+        name for name in hard_scenes.names() if name.startswith(tuple(options.only.split(",")))
+    ]
     if not options.names:
-        parser.error(f"--only {options.only}: expected prefixes of {', '.join(hard_scenes.names())}")
+        parser.error(
+            f"--only {options.only}: expected prefixes of {', '.join(hard_scenes.names())}")
     return options
 
 
 def verdict(results):
     """Outcome of the predicate, with the tight solver if the defaults fail, and of 10 dt."""
     holds = lambda result: result.holds and result.stable
-    first = "holds" if holds(results["default"]) else "holds if tight" if holds(results["tight"]) else "fails"
+    tight = "holds if tight" if holds(results["tight"]) else "fails"
+    first = "holds" if holds(results["default"]) else tight
     return f"{first}; {'stable' if results['coarse'].stable else 'unstable'} at 10 dt"
 
 
 def main():
     options = arguments()
-    print("| scene | predicate | bound | measured | at 10 dt | tight | verdict |\n|---|---|---|---|---|---|---|")
+    print("| scene | predicate | bound | measured | at 10 dt | tight | verdict |")
+    print("|---" * 7 + "|")
     rows, failed = [], []
     for name in options.names:
         module = hard_scenes.scene(name)
         results = {run: hard_scenes.run(name, **how) for run, how in RUNS.items()}
         measured = " | ".join(f"{result.measured:.2g}" for result in results.values())
         judged = verdict(results)
-        print(f"| {name}: {module.TITLE} | {module.PREDICATE} | {module.BOUND:g} | {measured} | {judged} |", flush=True)
-        row = dict(scene=name, title=module.TITLE, predicate=module.PREDICATE, bound=module.BOUND, reason=module.REASON)
-        rows.append(row | {f"{measure}_{run}": getattr(result, measure) for run, result in results.items() for measure in MEASURES})
+        print(f"| {name}: {module.TITLE} | {module.PREDICATE} | {module.BOUND:g} | {measured} |",
+              f"{judged} |", flush=True)
+        row = {key: getattr(module, key.upper()) for key in "title predicate bound reason".split()}
+        rows.append(dict(row, scene=name) | {f"{measure}_{run}": getattr(result, measure)
+                                             for run, result in results.items()
+                                             for measure in MEASURES})
         files.write(options.out, files.table(COLUMNS, rows))
         failed += [name] if judged.startswith("fails") else []
     if failed:
         raise RuntimeError(f"{len(failed)} of {len(rows)} scenes fail: {', '.join(failed)}")
-

@@ -1,4 +1,7 @@
-"""What the benchmarks share: the residual in NumPy, problems made larger, times of sweeps, tables. Needs NumPy and SciPy."""
+"""Shared parts of the benchmarks: residual in NumPy, larger problems, times of sweeps, tables.
+
+Needs NumPy and SciPy.
+"""
 
 import os
 import time
@@ -6,8 +9,8 @@ from functools import partial
 
 import numpy as np
 
-FEW = 10  # sweeps that are subtracted, with all that a call does once
-UNITS_OF_WORK = 300_000  # points times sweeps that one timing takes: a few ms, short enough to come off undisturbed now and then
+FEW = 10  # sweeps of the shorter call; the difference cancels the cost of a call
+UNITS_OF_WORK = 300_000  # points times sweeps of one timing: a few ms, often undisturbed
 
 
 def residual(matrix, q, friction, p):
@@ -20,6 +23,7 @@ def residual(matrix, q, friction, p):
     q : (nc, 2) float array
         Velocities without impulses, b_n included, local (n, t) [m/s].
     friction : (nc,) float array
+        Coefficients µ [-].
     p : (nc, 2) float array
         Impulses, local (n, t) [N s].
     """
@@ -27,16 +31,18 @@ def residual(matrix, q, friction, p):
     w = matrix.diagonal()[::2]
     w = np.where(w > 0, w, np.inf)
     n, t = p[:, 0] - (u[:, 0] + friction * abs(u[:, 1])) / w, p[:, 1] - u[:, 1] / w
-    edge = np.maximum(n + friction * abs(t), 0) / (1 + friction**2)  # normal part of the nearest point of the cone's edge
+    edge = np.maximum(n + friction * abs(t), 0) / (1 + friction**2
+                                                   )  # normal part of the projection onto the edge
     inside = (abs(t) <= friction * n) & (n > 0)
-    error = np.hypot(p[:, 0] - np.where(inside, n, edge), p[:, 1] - np.where(inside, t, friction * edge * np.sign(t)))
+    error = np.hypot(p[:, 0] - np.where(inside, n, edge),
+                     p[:, 1] - np.where(inside, t, friction * edge * np.sign(t)))
     error[np.isinf(w)] = 0
     size = np.linalg.norm(p)
     return float(np.linalg.norm(error) / size) if size else float(error.any())
 
 
 def matrix(problem):
-    """W of a DelassusProblem as a SciPy sparse array by columns."""
+    """W of a `DelassusProblem` as a SciPy `csc_array`, (2 nc, 2 nc) [1/kg]."""
     from scipy.sparse import csc_array
 
     rows, columns, values = problem.entries()
@@ -44,14 +50,16 @@ def matrix(problem):
 
 
 def best(repeats, budget, *functions):
-    """The least result of each function, called in turn; results compare by their ``seconds`` or are seconds.
+    """The fastest result of each function; the functions are called in turn.
+
+    A result is a number of seconds or a dict with ``seconds``.
 
     Parameters
     ----------
     repeats : int
-        Rounds at most.
+        Largest number of rounds.
     budget : float
-        No further round is begun after so many seconds.
+        No round begins later than this [s].
     """
     seconds = lambda result: result["seconds"] if isinstance(result, dict) else result
     start, least = time.perf_counter(), [None] * len(functions)
@@ -66,7 +74,7 @@ def best(repeats, budget, *functions):
 
 
 def minima(repeats, budget, *functions):
-    """Elementwise minimum of the tuples that each function returns, called in turn; as `best`."""
+    """Elementwise minimum of the tuples that each function returns; arguments as in `best`."""
     start, least = time.perf_counter(), None
     for _ in range(repeats):
         results = np.array([function() for function in functions])
@@ -82,12 +90,12 @@ def sweep_times(runs, repeats):
     Parameters
     ----------
     runs : list of (number of points, function)
-        The function takes settings and returns as `rcr._kernel.solve`; all are called in turn.
+        Each function takes settings of `rcr._kernel.solve` and returns its result.
 
     Returns
     -------
     (runs, 2) float array
-        By the clock and of the processor [ns].
+        Wall-clock time and processor time [ns].
     """
 
     def run(solve, count):
@@ -96,13 +104,19 @@ def sweep_times(runs, repeats):
 
     points = np.array([count for count, _ in runs])
     many = FEW + np.maximum(40, UNITS_OF_WORK // points)
-    calls = [partial(run, solve, int(count)) for (_, solve), most in zip(runs, many) for count in (FEW, most)]
+    calls = [
+        partial(run, solve, int(count)) for (_, solve), most in zip(runs, many)
+        for count in (FEW, most)
+    ]
     least = minima(repeats, 60, *calls)
     return 1e9 * (least[1::2] - least[::2]) / ((many - FEW) * points)[:, None]
 
 
 def triad_bandwidth(size):
-    """Traffic of a = b + s c on arrays of `size` bytes together, in two passes of NumPy (five words an element) [B/s]."""
+    """Memory bandwidth of a = b + s c on arrays of `size` bytes in total [B/s].
+
+    NumPy takes two passes, which move five words an element.
+    """
     count = max(64, int(size) // 24)
     a, b, c = np.zeros(count), np.ones(count), np.full(count, 2.0)
     turns = max(1, 2_000_000 // count)
@@ -123,29 +137,39 @@ def exponent(x, y):
     return float(np.polyfit(x, y, 1)[0]) if len(set(x)) > 1 else float("nan")
 
 
-# ------------------------------------------------------------------------------------------ problems
+# ---- problems
 
 
 def given(paths):
-    """(name, problem) of each file; of lattices of 500, 2000 and 8000 discs where there is none."""
+    """(name, problem) of each file; without files, of lattices of 500, 2000 and 8000 discs."""
     from rcr import problems
 
     if paths:
-        return [(os.path.splitext(os.path.basename(path))[0], problems.load(path)) for path in paths]
-    return [(f"lattice-{count}", problems.BodyProblem(**lattice(count))) for count in (500, 2000, 8000)]
+        return [(os.path.splitext(os.path.basename(path))[0], problems.load(path))
+                for path in paths]
+    return [(f"lattice-{count}", problems.BodyProblem(**lattice(count)))
+            for count in (500, 2000, 8000)]
 
 
 def mirrored(problem, seed=1, change=0.05):
-    """A problem twice as large: its mirror image beyond one of its straight walls, which disappears.
+    """A problem twice as large: the problem and its mirror image at a straight wall.
 
-    The wall is a prescribed body whose contacts share one normal along x or y; grains that touched it touch their own images,
-    at twice the gap and without friction. So the solution is that of the problem and its image. Free velocities
-    are then changed by the share `change` at random, which takes the symmetry away; 0 keeps it.
+    The wall is a prescribed body whose contacts share one normal along x or y. It disappears:
+    grains that touched it touch their own images, at twice the gap and without friction. The
+    solution is the solution of the problem and its mirror image.
+
+    Parameters
+    ----------
+    problem : rcr.problems.BodyProblem
+    seed : int
+    change : float
+        Standard deviation of a random relative change of the free velocities, which breaks the
+        symmetry; 0 keeps it [-].
 
     Raises
     ------
     ValueError
-        If there is no such wall.
+        If no such wall exists.
     """
     axis, sign, speed = _straight_wall(problem)
     flip = 1 - 2 * np.eye(2)[axis]
@@ -159,14 +183,18 @@ def mirrored(problem, seed=1, change=0.05):
     image_velocity[:, axis] += 2 * speed
     free = (problem.inverse_mass > 0).any(1)
     velocity = np.concatenate([problem.free_velocity, image_velocity])
-    velocity *= np.where(np.tile(free, 2), 1 + change * np.random.default_rng(seed).normal(size=2 * count), 1)[:, None]
+    velocity *= np.where(np.tile(free, 2),
+                         1 + change * np.random.default_rng(seed).normal(size=2 * count), 1)[:,
+                                                                                             None]
 
-    inside = np.where(np.isin(problem.bodies[at_wall, 0], gone), 1, 0)  # which side of a wall contact is the grain
+    inside = np.where(np.isin(problem.bodies[at_wall, 0], gone), 1,
+                      0)  # index of the grain in its wall contact
     rows = np.arange(len(inside))
     grain = problem.bodies[at_wall][rows, inside]
     arm = np.stack([problem.arm1[at_wall], problem.arm2[at_wall]], 1)[rows, inside]
-    normal = problem.normal[at_wall] * np.where(inside, -1, 1)[:, None]  # out of the grain
-    join = lambda name, image, wall: np.concatenate([getattr(problem, name)[kept], image[kept], wall])
+    normal = problem.normal[at_wall] * np.where(inside, -1, 1)[:, None]  # outward from the grain
+    join = lambda name, image, wall: np.concatenate(
+        [getattr(problem, name)[kept], image[kept], wall])
     return type(problem)(
         inverse_mass=np.tile(problem.inverse_mass, (2, 1)),
         free_velocity=velocity,
@@ -176,12 +204,11 @@ def mirrored(problem, seed=1, change=0.05):
         arm2=join("arm2", problem.arm2 * flip, arm * flip),
         bias=join("bias", problem.bias, 2 * problem.bias[at_wall]),
         friction=join("friction", problem.friction, 0 * problem.friction[at_wall]),
-        impulse=join("impulse", problem.impulse * [1, -1], problem.impulse[at_wall]),
-    )
+        impulse=join("impulse", problem.impulse * [1, -1], problem.impulse[at_wall]))
 
 
 def _walls_seen(problem):
-    """(body, axis, sign, speed along the axis) of every straight wall; the sign is that of the normal out of it."""
+    """(body, axis, sign of the outward normal, speed along the axis) of every straight wall."""
     for body in np.flatnonzero(~(problem.inverse_mass > 0).any(1)):
         first, second = (problem.bodies == body).T
         normals = np.concatenate([problem.normal[first], -problem.normal[second]])
@@ -193,7 +220,10 @@ def _walls_seen(problem):
 def _straight_wall(problem):
     for _, axis, sign, speed in _walls_seen(problem):
         return axis, sign, speed
-    raise ValueError("no prescribed body whose contacts share one normal along x or y: nothing to mirror the problem at")
+    raise ValueError(
+        "expected a prescribed body whose contacts share one normal along x or y; "
+        "give a problem with a straight wall"
+    )
 
 
 def _walls(problem, axis, sign, speed):
@@ -201,22 +231,25 @@ def _walls(problem, axis, sign, speed):
 
 
 def lever(problem):
-    """Largest share of an arm that is not along the normal, over the bodies that can turn [-]: 0 for discs."""
+    """Largest sine of the angle between arm and normal over all free bodies [-]; 0 for discs."""
     largest = 0.0
     for side, arm in enumerate((problem.arm1, problem.arm2)):
         turns = problem.inverse_mass[problem.bodies[:, side], 2] > 0
         r, n = arm[turns], problem.normal[turns]
         size = np.hypot(*r.T)
         across = abs(r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0])
-        largest = max(largest, np.divide(across, size, out=np.zeros_like(size), where=size > 0).max(initial=0))
+        largest = max(
+            largest,
+            np.divide(across, size, out=np.zeros_like(size), where=size > 0).max(initial=0))
     return float(largest)
 
 
 def with_two_points(problem):
-    """The problem with two points for every pair of bodies that has one: the same pairs, more points. For times of sweeps."""
+    """The problem with two points at each pair of bodies that has one, for times of sweeps."""
     _, pair, points = np.unique(problem.bodies, axis=0, return_inverse=True, return_counts=True)
     single = (points[pair.ravel()] == 1)[:, None]
-    shift = 0.1 * np.hypot(*problem.arm2.T)[:, None] * np.stack([-problem.normal[:, 1], problem.normal[:, 0]], 1) * single
+    shift = 0.1 * np.hypot(*problem.arm2.T)[:, None] * np.stack(
+        [-problem.normal[:, 1], problem.normal[:, 0]], 1) * single
     arrays = dict(vars(problem))
     for name in "bodies", "normal", "arm1", "arm2", "bias", "friction", "impulse":
         arrays[name] = np.concatenate([arrays[name], arrays[name][single.ravel()]])
@@ -226,12 +259,14 @@ def with_two_points(problem):
 
 
 def lattice(count, seed=1):
-    """A stand-in where no packing is given: a triangular lattice of about `count` equal discs, a third of its bonds open,
-    pressed from above. Not a packing at rest: good for times of sweeps, not for numbers of sweeps.
+    """A triangular lattice of about `count` equal discs under a load, a third of its bonds open.
+
+    It is not at rest: times of a sweep are realistic, numbers of sweeps are not.
 
     Returns
     -------
-    dict of the arrays of `rcr.problems.BodyProblem`
+    dict
+        Arrays of `rcr.problems.BodyProblem`.
     """
     rng = np.random.default_rng(seed)
     side = max(2, round(np.sqrt(count)))
@@ -239,15 +274,19 @@ def lattice(count, seed=1):
     left, bottom, right, top = range(discs, discs + 4)
     disc = np.arange(discs)
     row, column = np.divmod(disc, side)
-    odd = row % 2  # these rows are shifted by half a diameter
-    joints = []  # body 1, body 2, angle of the normal, friction, closed
+    odd = row % 2  # odd rows are shifted by half a diameter
+    bonds = []  # body 1, body 2, angle of the normal, friction, closed
     for up, across, angle in (0, 1 + 0 * odd, 0), (1, odd, np.pi / 3), (1, odd - 1, 2 * np.pi / 3):
         there = (row + up < side) & (0 <= column + across) & (column + across < side)
-        joints.append((disc[there], (disc + up * side + across)[there], angle, 0.5, rng.random(there.sum()) < 2 / 3))
-    for wall, there, angle in (left, (column == 0) & (odd == 0), 0), (bottom, row == 0, np.pi / 2), \
-            (right, (column == side - 1) & (odd == 1), np.pi), (top, row == side - 1, -np.pi / 2):  # fmt: skip
-        joints.append((np.full(there.sum(), wall), disc[there], angle, 0.0, np.full(there.sum(), True)))
-    a, b, angle, friction, closed = (np.concatenate(part) for part in zip(*(np.broadcast_arrays(*joint) for joint in joints)))
+        closed = rng.random(there.sum()) < 2 / 3
+        bonds.append((disc[there], (disc + up * side + across)[there], angle, 0.5, closed))
+    walls = [(left, (column == 0) & (odd == 0), 0), (bottom, row == 0, np.pi / 2),
+             (right, (column == side - 1) & (odd == 1), np.pi), (top, row == side - 1, -np.pi / 2)]
+    for wall, there, angle in walls:
+        count = there.sum()
+        bonds.append((np.full(count, wall), disc[there], angle, 0.0, np.full(count, True)))
+    a, b, angle, friction, closed = map(
+        np.concatenate, zip(*(np.broadcast_arrays(*bond) for bond in bonds)))
     normal = np.round(np.column_stack([np.cos(angle), np.sin(angle)]), 15) + 0.0
     inverse_mass = np.zeros((discs + 4, 3))
     inverse_mass[:discs] = [1, 1, 8]
@@ -255,14 +294,13 @@ def lattice(count, seed=1):
     velocity = np.zeros((discs + 4, 3))
     velocity[:discs] = rng.normal(0, 0.01, (discs, 3))
     velocity[top, 1], velocity[right, 0] = -0.01, -0.01
-    return dict(
-        inverse_mass=inverse_mass, free_velocity=velocity, bodies=np.column_stack([a, b]), normal=normal,
-        arm1=np.where((a >= discs)[:, None], 0, 0.5 * normal), arm2=-0.5 * normal, bias=np.where(closed, 0, 0.1), friction=friction,
-        impulse=np.zeros((len(a), 2)),
-    )  # fmt: skip
+    return dict(inverse_mass=inverse_mass, free_velocity=velocity, bodies=np.column_stack([a, b]),
+                normal=normal, arm1=np.where((a >= discs)[:, None], 0, 0.5 * normal),
+                arm2=-0.5 * normal,
+                bias=np.where(closed, 0, 0.1), friction=friction, impulse=np.zeros((len(a), 2)))
 
 
-# ------------------------------------------------------------------------------------------ tables
+# ---- tables
 
 
 def show(title, rows, columns):
@@ -273,11 +311,13 @@ def show(title, rows, columns):
     widths = [max(map(len, column)) for column in zip(*cells)]
     print(f"\n{title}")
     for line in cells:
-        print("  ".join(cell.rjust(width) if k else cell.ljust(width) for k, (cell, width) in enumerate(zip(line, widths))).rstrip())
+        print("  ".join(
+            cell.rjust(width) if k else cell.ljust(width)
+            for k, (cell, width) in enumerate(zip(line, widths))).rstrip())
 
 
 def write(path, rows, columns):
-    """Write rows (dicts) as CSV, the file whole or not at all."""
+    """Write rows (dicts) as CSV, atomically."""
     from rcr import _files as files
 
     files.write(path, files.table(columns, rows))
@@ -285,7 +325,10 @@ def write(path, rows, columns):
 
 def given_options(options):
     """Options of a script, for its run.json."""
-    return {name: value for name, value in vars(options).items() if name not in ("out", "overwrite")}
+    return {
+        name: value
+        for name, value in vars(options).items() if name not in ("out", "overwrite")
+    }
 
 
 def _cell(value):

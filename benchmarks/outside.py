@@ -18,7 +18,8 @@ CANNOT_START = 126, 127  # exit codes: program missing or not executable; librar
 
 def stay():
     """Start the server; this process keeps its pipes through `exec`."""
-    process = subprocess.Popen([sys.executable, __file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    process = subprocess.Popen([sys.executable, __file__], stdin=subprocess.PIPE,
+                               stdout=subprocess.PIPE)
     for end, descriptor in zip((process.stdout, process.stdin), _DESCRIPTORS):
         os.dup2(end.fileno(), descriptor, inheritable=True)
     os.environ[_PIPES] = "{},{}".format(*_DESCRIPTORS)
@@ -37,7 +38,8 @@ def run(arguments, try_here=False):
     arguments : list of str
         The command; paths of files must be absolute.
     try_here : bool
-        Execute it here first, and outside if it does not start: its libraries may be in either place.
+        Execute it here first, and outside if it does not start: its libraries may be in either
+        place.
 
     Raises
     ------
@@ -61,7 +63,10 @@ def _ask(arguments):
         _ends = os.fdopen(reading), os.fdopen(writing, "w")
     _ends[1].write(json.dumps(arguments) + "\n")
     _ends[1].flush()
-    return json.loads(_ends[0].readline() or '{"code": 1, "error": "the server outside the environment has ended; run the script again", "output": ""}')
+    return json.loads(
+        _ends[0].readline() or
+        '{"code": 1, "error": "the server outside has ended; run the script again", "output": ""}'
+    )
 
 
 def _execute(arguments):

@@ -1,6 +1,7 @@
-"""Packings for step benchmarks: bodies and walls from a file, for other libraries as a table, for us as a contact problem.
+"""Packings for benchmarks of steps: a table for other libraries, a contact problem for our solver.
 
-Mean diameter and mean mass are 1; time stays in s. A wall is the half plane behind a point of its face.
+Units: the mean diameter, the mean mass and the second. A wall is the half plane behind a point of
+its face.
 """
 
 from dataclasses import dataclass
@@ -8,14 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 
 WALL_NORMALS = np.array([[1.0, 0], [0, 1], [-1, 0], [0, -1]])  # left, bottom, right, top
-COLUMNS = "x y angle half_length radius mass inertia vx vy omega force_x force_y normal_x normal_y".split()
+COLUMNS = ("x y angle half_length radius mass inertia vx vy omega"
+           " force_x force_y normal_x normal_y").split()
 
 
 @dataclass
 class Packing:
     """N grains and the walls left, bottom, right, top."""
 
-    pose: np.ndarray  # (N + 4, 3) x, y, angle; of a wall a point of its face
+    pose: np.ndarray  # (N + 4, 3) x, y, angle; walls: a point of the face
     stadium: np.ndarray  # (N, 2) half length and cap radius
     mass: np.ndarray  # (N + 4,); 0 = prescribed motion
     inertia: np.ndarray  # (N,)
@@ -29,7 +31,7 @@ class Packing:
 
     @property
     def inverse_mass(self):
-        """(N + 4, 3) along x, y and about z; the right wall moves along x only."""
+        """(N + 4, 3) along x, along y, about z; the right wall moves along x only."""
         inverse = np.divide(1, self.mass, out=np.zeros(len(self.mass)), where=self.mass > 0)
         result = np.column_stack([inverse, inverse, np.append(1 / self.inertia, np.zeros(4))])
         result[self.grains :, 1] = 0
@@ -40,33 +42,44 @@ class Packing:
         return "long" if (self.stadium[:, 0] > 0).any() else "discs"
 
     def table(self, skin):
-        """One row a body, `COLUMNS`, the grains larger by `skin`: what the step programs read."""
+        """Input of the step programs: a row a body, see `COLUMNS`; grains grow by `skin`."""
         pad = lambda values, width: np.concatenate([values, np.zeros((4, width))])
         normals = np.concatenate([np.zeros((self.grains, 2)), WALL_NORMALS])
         stadium, inertia = pad(self.stadium + [0, skin], 2), pad(self.inertia[:, None], 1)
-        return np.column_stack([self.pose, stadium, self.mass, inertia, self.velocity, self.force, normals])
+        return np.column_stack(
+            [self.pose, stadium, self.mass, inertia, self.velocity, self.force, normals])
 
     def free_velocity(self, before):
-        return before + self.dt * self.inverse_mass * np.column_stack([self.force, np.zeros(len(self.force))])
+        """Velocities without impulses, (N + 4, 3)."""
+        return before + self.dt * self.inverse_mass * np.column_stack(
+            [self.force, np.zeros(len(self.force))])
 
     def problem(self, friction, alert):
-        """Our contact problem of the step: points up to `alert` apart between grains, half of it at walls; cold start."""
+        """Contact problem of the step, cold.
+
+        It has points with gaps up to `alert` between grains and `alert` / 2 at walls.
+        """
         from rcr import _kernel as kernel
         from rcr.problems import BodyProblem
         from scipy.spatial import cKDTree
 
         centre, reach = self.pose[: self.grains, :2], self.stadium.sum(1)
         pairs = cKDTree(centre).query_pairs(2 * reach.max() + alert, output_type="ndarray")
-        pairs = pairs[np.hypot(*(centre[pairs[:, 0]] - centre[pairs[:, 1]]).T) < reach[pairs].sum(1) + alert]
+        pairs = pairs[np.hypot(*(centre[pairs[:, 0]] - centre[pairs[:, 1]]).T) < reach[pairs].sum(1)
+                      + alert]
         pairs = pairs[np.lexsort(pairs.T[::-1])].reshape(-1, 2)
         pose = np.ascontiguousarray(self.pose[: self.grains])
         i, j = pairs.T
-        found = [(pairs, kernel.overlap_stadiums(self.stadium[i], pose[i], self.stadium[j], pose[j], alert), friction)]
+        found = [(pairs,
+                  kernel.overlap_stadiums(self.stadium[i], pose[i], self.stadium[j], pose[j],
+                                          alert), friction)]
         for k, normal in enumerate(WALL_NORMALS):
             wall = self.grains + k
             face = np.tile(self.pose[wall, :2], (self.grains, 1))
-            at = kernel.overlap_wall(face, np.tile(normal, (self.grains, 1)), self.stadium, pose, alert / 2)
-            found.append((np.column_stack([np.full(self.grains, wall), np.arange(self.grains)]), at, 0.0))
+            at = kernel.overlap_wall(face, np.tile(normal, (self.grains, 1)), self.stadium, pose,
+                                     alert / 2)
+            found.append((np.column_stack([np.full(self.grains, wall),
+                                           np.arange(self.grains)]), at, 0.0))
         bodies, position, normal, gap, mu = [], [], [], [], []
         for ids, manifold, coefficient in found:
             there = np.arange(2) < manifold["count"][:, None]
@@ -77,10 +90,9 @@ class Packing:
             mu.append(np.full(there.sum(), coefficient))
         bodies, position, normal, gap, mu = map(np.concatenate, (bodies, position, normal, gap, mu))
         arm1, arm2 = (position - self.pose[bodies[:, side], :2] for side in (0, 1))
-        return BodyProblem(
-            self.inverse_mass, self.free_velocity(self.velocity), bodies, normal, np.where((bodies[:, :1] < self.grains), arm1, 0), arm2,
-            np.maximum(gap, 0) / self.dt, mu, np.zeros((len(mu), 2)),
-        )  # fmt: skip
+        return BodyProblem(self.inverse_mass, self.free_velocity(self.velocity), bodies, normal,
+                           np.where((bodies[:, :1] < self.grains), arm1, 0), arm2,
+                           np.maximum(gap, 0) / self.dt, mu, np.zeros((len(mu), 2)))
 
 
 def load(path):
@@ -89,13 +101,15 @@ def load(path):
     Raises
     ------
     ValueError
-        If the file has no bodies, or is of another kind; OSError if it cannot be read.
+        If the file has no bodies or another format.
+    OSError
+        If the file cannot be read.
     """
     if path.endswith(".npz"):
         return _from_step(path)
     if path.endswith((".h5", ".hdf5")):
         return _from_network(path)
-    raise ValueError(f"{path}: wanted a step .npz or a network .h5")
+    raise ValueError(f"{path}: expected a step .npz or a network .h5")
 
 
 def _from_step(path):
@@ -103,11 +117,18 @@ def _from_step(path):
     with np.load(path) as file:
         missing = [name for name in names if name not in file]
         if missing:
-            raise ValueError(f"{path}: lacks {', '.join(missing)}; wanted the bodies of a step, {', '.join(names)}")
-        state, before, free, inverse_mass, inverse_inertia, (dt, _, count) = (np.asarray(file[name], float) for name in names)
+            raise ValueError(
+                f"{path}: lacks {', '.join(missing)}; "
+                f"expected the bodies of a step, {', '.join(names)}"
+            )
+        state, before, free, inverse_mass, inverse_inertia, (dt, _, count) = (np.asarray(
+            file[name], float) for name in names)
     count, inverse_mass = int(count), inverse_mass.reshape(len(inverse_mass), -1)[:, 0]
     if len(state) != count + 4:
-        raise ValueError(f"{path}: state has {len(state)} rows for {count} particles; wanted four walls after them")
+        raise ValueError(
+            f"{path}: state has {len(state)} rows for {count} particles; "
+            "expected four walls after them"
+        )
     mass = np.divide(1, inverse_mass, out=np.zeros(count + 4), where=inverse_mass > 0)
     force = (free - before)[:, :2] * mass[:, None] / dt
     pose = state[:, :3].copy()
@@ -116,7 +137,7 @@ def _from_step(path):
 
 
 def _from_network(path):
-    """Walls stand where the grains touch them; left, bottom and top are at rest, the right one feels the stress."""
+    """Packing of a network: walls lie at their contacts, the stress loads the right wall."""
     from rcr import Network
     from rcr import _kernel as kernel
 
@@ -127,7 +148,8 @@ def _from_network(path):
     for wall in range(4):
         touching = c["position"][c["body2"] == -1 - wall]
         if not len(touching):
-            raise ValueError(f"{path}: no grain touches wall {-1 - wall}; wanted a packing between four walls")
+            raise ValueError(
+                f"{path}: no grain touches wall {-1 - wall}; give a packing between four walls")
         pose[count + wall, wall % 2] = touching[:, wall % 2].mean()
     mass = np.append(p["mass"], [0, 0, p["mass"].sum() / np.sqrt(count), 0])
     inertia = p["mass"] * [kernel.polar_moment(*s) / kernel.area(*s) for s in stadium]
@@ -147,5 +169,4 @@ def _scaled(pose, stadium, mass, inertia, velocity, force, dt):
         inertia=inertia / (unit * length**2),
         velocity=velocity * per_length,
         force=force / (unit * length),
-        dt=float(dt),
-    )
+        dt=float(dt))

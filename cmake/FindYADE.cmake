@@ -1,10 +1,10 @@
 # Finds an installed YADE and the headers of the same version.
 #
-# YADE ships no development package: the headers come from its source archive, whose unpacked folder is given as
-# YADE_SOURCE_DIR. Class layouts depend on how YADE was built, so the definitions are derived from the features that the
-# installed YADE states, and a feature that is not known here stops the configuration.
+# YADE has no development package. Its headers come from its source archive, unpacked in
+# YADE_SOURCE_DIR. Class layouts depend on the definitions of YADE's build, which follow from the
+# features of the installed YADE. An unknown feature is an error.
 #
-# Defines the target YADE::YADE, YADE_VERSION and YADE_OPENGL, whether it has a 3D view.
+# Defines the target YADE::YADE, YADE_VERSION, and YADE_OPENGL if YADE has a 3D view.
 
 include(${CMAKE_CURRENT_LIST_DIR}/YadeHeaders.cmake)
 if(NOT YADE_HEADERS_FOUND)
@@ -13,18 +13,21 @@ endif()
 get_filename_component(yade_python "${yade_config}" DIRECTORY)
 get_filename_component(yade_library_dir "${yade_python}/../.." ABSOLUTE)
 
+set(yade_query "import runpy, sys; c = runpy.run_path(sys.argv[1]); print(c['version'], \
+c['highPrecisionBits'], c['highPrecisionDecimalPlaces'], *c['features'], sep=';')")
 execute_process(
-	COMMAND "${Python3_EXECUTABLE}" -c "import runpy, sys; c = runpy.run_path(sys.argv[1]); print(c['version'], c['highPrecisionBits'], c['highPrecisionDecimalPlaces'], *c['features'], sep=';')" "${yade_config}"
+	COMMAND "${Python3_EXECUTABLE}" -c "${yade_query}" "${yade_config}"
 	OUTPUT_VARIABLE yade_facts OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 list(POP_FRONT yade_facts YADE_VERSION yade_bits yade_decimals)
 
 file(READ "${YADE_SOURCE_DIR}/RELEASE" yade_release)
 string(STRIP "${yade_release}" yade_release)
 if(NOT yade_release STREQUAL YADE_VERSION)
-	message(FATAL_ERROR "The YADE source in ${YADE_SOURCE_DIR} is of version ${yade_release}, the installed YADE of ${YADE_VERSION}; they must be the same.")
+	message(FATAL_ERROR "YADE_SOURCE_DIR = ${YADE_SOURCE_DIR} has version ${yade_release}, the \
+installed YADE has ${YADE_VERSION}. Give the source archive of version ${YADE_VERSION}.")
 endif()
 
-# What each feature defines for the headers (CMakeLists.txt of YADE); an empty entry changes no class layout.
+# Definitions of each feature for the headers (CMakeLists.txt of YADE); empty: no effect on layouts.
 set(yade_feature_LOGGER YADE_BOOST_LOG BOOST_LOG_DYN_LINK MAX_LOG_LEVEL=5)
 set(yade_feature_USEFUL_ERRORS "")
 set(yade_feature_COMPLEX_MP YADE_COMPLEX_MP)
@@ -51,22 +54,26 @@ set(yade_feature_LIQMIGRATION YADE_LIQMIGRATION)
 set(yade_definitions YADE_REAL_BIT=${yade_bits} YADE_REAL_DEC=${yade_decimals})
 foreach(feature IN LISTS yade_facts)
 	if(NOT DEFINED yade_feature_${feature})
-		message(FATAL_ERROR "The installed YADE ${YADE_VERSION} was built with the feature ${feature}, whose effect on class layouts is not known to cmake/FindYADE.cmake. Add what it defines in YADE's CMakeLists.txt there.")
+		message(FATAL_ERROR "YADE ${YADE_VERSION} has the feature ${feature}, unknown to \
+cmake/FindYADE.cmake. Add its definitions from YADE's CMakeLists.txt there.")
 	endif()
 	list(APPEND yade_definitions ${yade_feature_${feature}})
 endforeach()
-if(NOT "VECTORIZE" IN_LIST yade_facts) # for the glue only: kernels share no Eigen type with it
-	list(APPEND yade_definitions EIGEN_DONT_VECTORIZE EIGEN_DONT_ALIGN EIGEN_DISABLE_UNALIGNED_ARRAY_ASSERT)
+if(NOT "VECTORIZE" IN_LIST yade_facts) # kernels share no Eigen type
+	list(APPEND yade_definitions
+		EIGEN_DONT_VECTORIZE EIGEN_DONT_ALIGN EIGEN_DISABLE_UNALIGNED_ARRAY_ASSERT)
 endif()
 
 if("YADE_OPENGL" IN_LIST yade_definitions)
 	set(YADE_OPENGL TRUE)
 endif()
 
-if(POLICY CMP0167) # Boost brings its own configuration
+if(POLICY CMP0167) # use the configuration of Boost
 	cmake_policy(SET CMP0167 NEW)
 endif()
-find_package(Boost REQUIRED COMPONENTS python${Python3_VERSION_MAJOR}${Python3_VERSION_MINOR} serialization log thread)
+set(yade_python_version ${Python3_VERSION_MAJOR}${Python3_VERSION_MINOR})
+set(yade_boost_python Boost::python${yade_python_version})
+find_package(Boost REQUIRED COMPONENTS python${yade_python_version} serialization log thread)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 if("MPI" IN_LIST yade_facts)
@@ -79,5 +86,6 @@ target_compile_definitions(YADE::YADE INTERFACE ${yade_definitions})
 target_link_directories(YADE::YADE INTERFACE "${yade_library_dir}")
 target_link_options(YADE::YADE INTERFACE "-Wl,-rpath,${yade_library_dir}")
 target_link_libraries(YADE::YADE INTERFACE
-	yade pkg_common pkg_dem Boost::headers Boost::python${Python3_VERSION_MAJOR}${Python3_VERSION_MINOR} Boost::serialization Boost::log
-	Boost::thread Eigen3::Eigen OpenMP::OpenMP_CXX $<$<BOOL:${MPI_CXX_FOUND}>:MPI::MPI_CXX>)
+	yade pkg_common pkg_dem Boost::headers ${yade_boost_python}
+	Boost::serialization Boost::log Boost::thread Eigen3::Eigen OpenMP::OpenMP_CXX
+	$<$<BOOL:${MPI_CXX_FOUND}>:MPI::MPI_CXX>)

@@ -1,10 +1,10 @@
-# What is installed, where, and the Debian package.
+# Installation and the Debian package.
 #
-# The folder of the Python package is known when it is installed, since it follows from the prefix: Debian's python3 and YADE look
-# in lib/python3/dist-packages under /usr, in lib/python3.X/dist-packages under /usr/local. RCR_SITE overrules it. A wheel has
-# the package at its root.
+# The prefix sets the folder of the Python package, so it is evaluated at the installation. Debian's
+# python3 and YADE search lib/python3/dist-packages under /usr and lib/python3.X/dist-packages under
+# /usr/local. RCR_SITE overrides the folder. A wheel has the package at its root.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
-set(RCR_SITE "" CACHE STRING "Folder of the Python package under the prefix; empty: as said above")
+set(RCR_SITE "" CACHE STRING "Folder of the Python package under the prefix; empty: that of Debian")
 if(SKBUILD)
 	set(RCR_PYTHON_DIR .)
 elseif(RCR_SITE)
@@ -17,15 +17,18 @@ else()
 			set(rcr_site \"lib/python3/dist-packages\")
 		endif()")
 endif()
-install(DIRECTORY py/rcr DESTINATION "${RCR_PYTHON_DIR}" FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
+install(DIRECTORY py/rcr DESTINATION "${RCR_PYTHON_DIR}"
+	FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
 if(SKBUILD)
 	return()
 endif()
 install(FILES README.md CHANGELOG.md DESTINATION share/doc/yade-rcr)
 install(FILES LICENSE DESTINATION share/doc/yade-rcr RENAME copyright)
-install(DIRECTORY examples/ DESTINATION share/doc/yade-rcr/examples FILES_MATCHING PATTERN "*.py" PATTERN "*.table")
+install(DIRECTORY examples/ DESTINATION share/doc/yade-rcr/examples
+	FILES_MATCHING PATTERN "*.py" PATTERN "*.table")
 
-# The Debian package: `cpack -G DEB` in the build folder. It serves the YADE that it was built for and the Python that it was built with.
+# The Debian package: `cpack -G DEB` in the build folder. It depends on the versions of YADE and
+# Python of the build.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_CONTACT "The authors of yade-rcr")
@@ -38,11 +41,14 @@ if(YADE_HEADERS_FOUND)
 	string(STRIP "${rcr_yade}" rcr_yade)
 	math(EXPR rcr_next_python "${Python3_VERSION_MINOR} + 1")
 	string(JOIN ", " CPACK_DEBIAN_PACKAGE_DEPENDS
-		yade python3-yade "libyade (>= ${rcr_yade})" "libyade (<< ${rcr_yade}.0)" "python3 (>= ${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR})" "python3 (<< ${Python3_VERSION_MAJOR}.${rcr_next_python})"
+		yade python3-yade "libyade (>= ${rcr_yade})" "libyade (<< ${rcr_yade}.0)"
+		"python3 (>= ${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR})"
+		"python3 (<< ${Python3_VERSION_MAJOR}.${rcr_next_python})"
 		libamd3 libgl1 python3-numpy
 		python3-h5py python3-matplotlib python3-tqdm)
 	set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-meshio, ffmpeg")
 endif()
-set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/postinst ${CMAKE_CURRENT_LIST_DIR}/prerm)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
+	${CMAKE_CURRENT_LIST_DIR}/postinst ${CMAKE_CURRENT_LIST_DIR}/prerm)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
 include(CPack)

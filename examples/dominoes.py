@@ -1,7 +1,10 @@
-"""Falling dominoes: each is a clump of two upright grains, which stands on two round feet; how fast does the wave run?
+"""Measures the speed of a wave of falling dominoes.
+
+Each domino is a clump of two upright grains, so that it has two round feet. A push tips the first
+one over. The wave reaches a constant speed of about √(g h).
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/dominoes.py
-Writes DIR/dominoes.png (four moments), DIR/wave.png and DIR/wave.csv (when each domino falls).
+Writes DIR/dominoes.png (four times), DIR/wave.png and DIR/wave.csv (time of each fall).
 """
 
 import math
@@ -15,7 +18,7 @@ from rcr import *
 from rcr import script
 
 options = script.options(__doc__)
-HEIGHT, THICK, GAP = 0.05, 0.01, 0.025  # m; GAP from one to the next
+HEIGHT, THICK, GAP = 0.05, 0.01, 0.025  # sizes and distance of the dominoes [m]
 COUNT = 8 if options.quick else 30
 
 rough = O.materials.append(FrictMat(density=1000, frictionAngle=math.atan(0.4)))
@@ -23,22 +26,24 @@ O.bodies.append(rcr.wall("y", 0, +1, material=rough))
 
 
 def domino(x):
-    """Two grains side by side, on the floor; a single one would not stand on its round end."""
+    """Join two grains side by side; a single grain would fall off its round end."""
     R, cap = 0.5 * HEIGHT, 0.25 * THICK
     upright = dict(R=R, eta=1 - cap / R, angle=math.pi / 2, material=rough, color=(0.9, 0.85, 0.7))
-    clump, _ = rcr.clump([particle((x - cap, R), **upright), particle((x + cap, R), **upright)])
+    members = [particle((x + side * cap, R), **upright) for side in (-1, 1)]
+    clump, _ = rcr.clump(members)
     return clump
 
 
 dominoes = [domino(i * GAP) for i in range(COUNT)]
-O.bodies[dominoes[0]].state.angVel = (0, 0, -6)  # a push: the first one starts to tip over
+O.bodies[dominoes[0]].state.angVel = (0, 0, -6)  # the push
 O.bodies[dominoes[0]].state.vel = (6 * 0.5 * HEIGHT, 0, 0)
-fallen = {}  # domino: when it had turned by 15°
+fallen = {}  # time at which each domino has turned by 15° [s]
 
 
 def record():
     for k, id_ in enumerate(dominoes):
-        if k not in fallen and math.sin(math.radians(15)) < (O.bodies[id_].state.ori * Vector3(0, 1, 0))[0]:
+        axis = O.bodies[id_].state.ori * Vector3(0, 1, 0)
+        if k not in fallen and math.sin(math.radians(15)) < axis[0]:
             fallen[k] = O.time
 
 
@@ -57,21 +62,25 @@ figure = Figure(figsize=(7, 4), layout="constrained")
 for shot, ax in enumerate(figure.subplots(4, 1)):
     if shot and not rcr.advance(round(0.016 * COUNT / O.dt), "falling"):
         break
-    rcr.plot.packing(ax=ax, color="shape", limits=((-HEIGHT, 0), (COUNT * GAP + HEIGHT, 1.4 * HEIGHT)))
+    rcr.plot.packing(ax=ax, color="shape",
+                     limits=((-HEIGHT, 0), (COUNT * GAP + HEIGHT, 1.4 * HEIGHT)))
     ax.set_title(f"{O.time:.2f} s", loc="left", fontsize=8)
 figure.savefig(os.path.join(options.out, "dominoes.png"), dpi=150)
 
 if len(fallen) < 4:
-    raise SystemExit("stopped before the wave ran")
+    raise SystemExit("stopped before the wave started")
 number, time = np.array(sorted(fallen.items())).T
-np.savetxt(os.path.join(options.out, "wave.csv"), np.column_stack([number * GAP, time]), delimiter=",", header="x,t", comments="", fmt="%g")
-late = slice(len(number) // 2, None)  # steady by then
-speed = np.polyfit(time[late], number[late] * GAP, 1)[0]
+np.savetxt(os.path.join(options.out, "wave.csv"), np.column_stack([number * GAP, time]),
+           delimiter=",", header="x,t", comments="", fmt="%g")
+late = slice(len(number) // 2, None)  # steady part
+line = np.polyfit(time[late], number[late] * GAP, 1)
+speed = line[0]
 figure = Figure(figsize=(4, 3), layout="constrained")
 ax = figure.add_subplot()
 ax.plot(time, number * GAP, "o", label="falls")
-ax.plot(time[late], np.polyval(np.polyfit(time[late], number[late] * GAP, 1), time[late]), label=f"{speed:.2f} m/s")
+ax.plot(time[late], np.polyval(line, time[late]), label=f"{speed:.2f} m/s")
 ax.set(xlabel="time [s]", ylabel="$x$ [m]")
 ax.legend()
 figure.savefig(os.path.join(options.out, "wave.png"), dpi=150)
-print(f"{len(fallen)} of {COUNT} dominoes fall; the wave runs at {speed:.2f} m/s, {speed / math.sqrt(9.81 * HEIGHT):.2f} √(g h)")
+print(f"{len(fallen)} of {COUNT} dominoes fall; the speed of the wave is {speed:.2f} m/s, "
+      f"{speed / math.sqrt(9.81 * HEIGHT):.2f} √(g h)")

@@ -1,7 +1,10 @@
-"""The scene of the README: sixty-four long grains fall on a floor.
+"""Drops sixty-four long grains on a floor, as in the README.
+
+The script lists the engines of a scene with rigid contacts. It saves a picture of the grains and
+their contact forces. It counts contacts with `rcr.contact_network`.
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/first_scene.py
-Writes DIR/first_scene.png and DIR/grains.csv, a row a grain.
+Writes DIR/first_scene.png and DIR/grains.csv, one row per grain.
 """
 
 import math
@@ -16,7 +19,7 @@ from rcr import script
 options = script.options(__doc__)
 
 rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5)))
-O.bodies.append(rcr.wall("y", 0, sense=+1, material=rough))  # `wall` alone is YADE's own
+O.bodies.append(rcr.wall("y", 0, sense=+1, material=rough))  # `wall` is YADE's function
 O.bodies.append([particle((0.03 * i, 0.02 + 0.03 * j), R=0.01, eta=0.5, angle=i + j, material=rough)
                  for i in range(8) for j in range(8)])
 O.engines = [
@@ -28,12 +31,14 @@ O.engines = [
     ContactDynamics(tolerance=1e-4),  # solves all contacts of the step together
     NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
 ]
-O.dt = 1e-3  # bound by accuracy, not by a stiffness
+O.dt = 1e-3  # [s], bounded by accuracy, not by a stiffness
 rcr.advance(300 if options.quick else 1000, "fall")
 
 network = rcr.contact_network()
 rcr.snapshot(os.path.join(options.out, "first_scene.png"), contacts="force")
 grains = network.particles
-np.savetxt(os.path.join(options.out, "grains.csv"), np.column_stack([grains["id"], grains["position"], grains["angle"]]),
-           delimiter=",", header="id,x,y,angle", comments="")
-print(f"{network.between_particles.sum()} contacts between {len(grains['id'])} grains, {network.grain_coordination().mean():.2f} a grain, floor included")
+table = np.column_stack([grains["id"], grains["position"], grains["angle"]])
+np.savetxt(os.path.join(options.out, "grains.csv"), table, delimiter=",", header="id,x,y,angle",
+           comments="")
+print(f"{network.between_particles.sum()} contacts between {len(grains['id'])} grains, "
+      f"{network.grain_coordination().mean():.2f} per grain including the floor")

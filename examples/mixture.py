@@ -1,7 +1,11 @@
-"""Discs and long grains poured together: which of them carries the load?
+"""Compares the load of discs and of long grains in one bed.
+
+Discs and long grains are poured into a box. `rcr.contact_network` gives the stress and the number
+of contacts of each grain. The script compares their means over discs and over long grains.
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/mixture.py
-Writes DIR/mixture.png (kinds of grains), DIR/pressure.png (mean stress of each grain), and DIR/grains.csv, a row a grain.
+Writes DIR/mixture.png (kinds of grains), DIR/pressure.png (mean stress of each grain), and
+DIR/grains.csv, one row per grain.
 """
 
 import math
@@ -20,12 +24,14 @@ WIDE, HIGH = (6, 8) if options.quick else (14, 24)
 LENGTH = 2.1 * R * WIDE
 draw = random.Random(5)
 rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5)))
-O.bodies.append([rcr.wall("y", 0, +1, material=rough), rcr.wall("x", 0, +1, material=rough), rcr.wall("x", LENGTH, -1, material=rough)])
+O.bodies.append(rcr.wall("y", 0, +1, material=rough))
+O.bodies.append([rcr.wall("x", x, sense, material=rough) for x, sense in ((0, +1), (LENGTH, -1))])
 for i in range(WIDE):
     for j in range(HIGH):
         at = (2.1 * R * (i + 0.5), 2.1 * R * (j + 0.5))
         if draw.random() < 0.5:
-            O.bodies.append(disc(at, 0.6 * R, material=rough))  # mass per unit depth, as that of an Rcr; utils.sphere gives a ball's
+            # rcr.disc has the mass of a disc; utils.sphere has that of a ball
+            O.bodies.append(disc(at, 0.6 * R, material=rough))
         else:
             O.bodies.append(particle(at, R, 0.7, draw.uniform(0, math.pi), rough))
 O.engines = [
@@ -38,7 +44,6 @@ O.engines = [
     NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
 ]
 O.dt = 1e-3
-# the last two tenths of a second are slow: what is measured then is at rest
 rcr.advance(500 if options.quick else 1500, "pouring")
 
 network = rcr.contact_network(volume=LENGTH * rcr.measure.extent()[1, 1])
@@ -48,7 +53,9 @@ contacts = network.grain_coordination()
 long = grains["half_length"] > 0
 rcr.snapshot(os.path.join(options.out, "mixture.png"), color="type", contacts="force")
 rcr.snapshot(os.path.join(options.out, "pressure.png"), color="pressure")
-np.savetxt(os.path.join(options.out, "grains.csv"), np.column_stack([grains["id"], long, grains["position"], pressure, contacts]),
-           delimiter=",", header="id,long,x,y,pressure,contacts", comments="", fmt="%.10g")
+table = np.column_stack([grains["id"], long, grains["position"], pressure, contacts])
+np.savetxt(os.path.join(options.out, "grains.csv"), table, delimiter=",",
+           header="id,long,x,y,pressure,contacts", comments="", fmt="%.10g")
 for name, pick in (("discs", ~long), ("long grains", long)):
-    print(f"{pick.sum()} {name}: {contacts[pick].mean():.2f} contacts each, mean stress {pressure[pick].mean():.0f} Pa")
+    print(f"{pick.sum()} {name}: {contacts[pick].mean():.2f} contacts per grain, "
+          f"mean stress {pressure[pick].mean():.0f} Pa")

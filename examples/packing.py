@@ -1,7 +1,10 @@
-"""A column of grains of all elongations collapses over a block; pictures of the pile, and a film.
+"""Lets a column of grains of several elongations collapse over a block.
+
+A PyRunner saves a picture every few steps, and `rcr.movie` makes a film of them. One picture shows
+the orientation of the long axes. Another one shows the contact forces.
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/packing.py
-Writes DIR/packing.png (grains by the orientation of their long axes), DIR/forces.png (contact forces) and DIR/pile.gif.
+Writes DIR/packing.png (orientations), DIR/forces.png (contact forces) and DIR/pile.gif.
 """
 
 import math
@@ -16,18 +19,21 @@ options = script.options(__doc__)
 pictures = os.path.join(options.out, "film")
 os.makedirs(pictures, exist_ok=True)
 
-R = 0.01  # m, circumscribed radius of the largest grain
+R = 0.01  # circumscribed radius of the largest grain [m]
 WIDE, HIGH, SECONDS = (5, 10, 0.8) if options.quick else (12, 28, 1.6)
 
 rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5)))
 LENGTH = 5 * WIDE * R
-O.bodies.append([rcr.wall("y", 0, +1, material=rough), rcr.wall("x", 0, +1, material=rough), rcr.wall("x", LENGTH, -1, material=rough)])
-O.bodies.append(box((0.7 * LENGTH, R, 0), (2 * R, R, R), orientation=Quaternion((0, 0, 1), 0.4), fixed=True, material=rough))
+O.bodies.append(rcr.wall("y", 0, +1, material=rough))
+O.bodies.append([rcr.wall("x", x, sense, material=rough) for x, sense in ((0, +1), (LENGTH, -1))])
+O.bodies.append(box((0.7 * LENGTH, R, 0), (2 * R, R, R), orientation=Quaternion((0, 0, 1), 0.4),
+                    fixed=True, material=rough))
 draw = random.Random(1)
 for i in range(WIDE):
     for j in range(HIGH):
         place = (2.1 * R * (i + 0.5), 2.1 * R * (j + 0.5))
-        O.bodies.append(particle(place, draw.uniform(0.7, 1) * R, draw.choice((0, 0.3, 0.5, 0.7)), draw.uniform(0, math.pi), rough))
+        size, eta = draw.uniform(0.7, 1) * R, draw.choice((0, 0.3, 0.5, 0.7))
+        O.bodies.append(particle(place, size, eta, draw.uniform(0, math.pi), rough))
 
 O.engines = [
     ForceResetter(),
@@ -42,7 +48,8 @@ O.dt = 1e-3
 steps = round(SECONDS / O.dt)
 picture = os.path.join(pictures, "{:05d}.png")
 view = ((0, 0), (LENGTH, 2.2 * R * HIGH))
-O.engines += [PyRunner(command="rcr.snapshot(picture.format(O.iter), limits=view, legend=False, dpi=60)", iterPeriod=steps // 20, initRun=True)]
+command = "rcr.snapshot(picture.format(O.iter), limits=view, legend=False, dpi=60)"
+O.engines += [PyRunner(command=command, iterPeriod=steps // 20, initRun=True)]
 rcr.advance(steps, "collapse")
 
 rcr.movie(pictures, os.path.join(options.out, "pile.gif"))

@@ -1,7 +1,11 @@
-"""Simple shear of long grains in a periodic cell: no walls, a velocity gradient; stresses and orientation of the flow.
+"""Shears long grains in a periodic cell without walls.
+
+The cell shrinks to a dense state, then a velocity gradient shears it. The script records stresses,
+orientation and order of the long axes against the shear strain. It averages the velocity profile.
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/periodic_shear.py
-Writes DIR/cell.png, DIR/shear.png (stresses and orientation against strain), DIR/velocity.png, and DIR/shear.csv.
+Writes DIR/cell.png, DIR/shear.png (stresses and orientation against strain), DIR/velocity.png, and
+DIR/shear.csv.
 """
 
 import math
@@ -19,21 +23,24 @@ from rcr import script
 options = script.options(__doc__)
 R, ETA = 0.01, 0.5
 SIDE, STRAIN = (7, 0.5) if options.quick else (14, 3.0)  # grains along an edge, shear strain
-RATE = 1.0  # 1/s
-DENSE = 0.74  # solid fraction, below jamming: rigid grains in a cell of constant area could not give way
+RATE = 1.0  # shear rate [1/s]
+DENSE = 0.74  # solid fraction, below jamming because the area of the cell is constant
 
 draw = random.Random(4)
 rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.3)))
 O.periodic = True
 loose = 2.2 * R * SIDE
 O.cell.setBox(loose, loose, 10 * R)
-O.cell.flipFlippable = True  # a cell sheared by more than half its width is written as one that leans the other way
-O.bodies.append([particle((2.2 * R * (i + 0.5), 2.2 * R * (j + 0.5)), draw.uniform(0.7, 1) * R, ETA, draw.uniform(0, math.pi), rough)
-                 for i in range(SIDE) for j in range(SIDE)])
+O.cell.flipFlippable = True  # a cell sheared by more than half its width flips
+for i in range(SIDE):
+    for j in range(SIDE):
+        place, size = (2.2 * R * (i + 0.5), 2.2 * R * (j + 0.5)), draw.uniform(0.7, 1) * R
+        O.bodies.append(particle(place, size, ETA, draw.uniform(0, math.pi), rough))
 O.engines = [
     ForceResetter(),
     InsertionSortCollider([Bo1_Rcr_Aabb()], verletDist=0.1 * R, allowBiggerThanPeriod=True),
-    InteractionLoop([Ig2_Rcr_Rcr_RcrGeom()], [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+    InteractionLoop([Ig2_Rcr_Rcr_RcrGeom()], [Ip2_FrictMat_FrictMat_CdPhys()],
+                    [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
     ContactDynamics(tolerance=1e-4),
     NewtonIntegrator(damping=0),
     PyRunner(command="record()", iterPeriod=20, dead=True, label="recorder"),
@@ -43,31 +50,33 @@ flow = rcr.Profile(cells=(1, 10))
 
 
 def record():
-    """Stresses on the planes y, compression positive, and the mean direction of the long axes, which have no head and no tail."""
+    """Store stresses (compression positive), and mean direction and order of the long axes."""
     network = rcr.contact_network()  # its volume is that of the cell
     stress = network.stress()
-    axis = 0.5 * np.angle(np.exp(2j * network.particles["angle"]).mean())
-    order = abs(np.exp(2j * network.particles["angle"]).mean())
-    plot.addData(strain=RATE * (O.time - start), shear=-stress[0, 1], normal=stress[1, 1], axis=math.degrees(axis), order=order)
+    mean = np.exp(2j * network.particles["angle"]).mean()  # an axis has no direction, hence 2
+    plot.addData(strain=RATE * (O.time - start), shear=-stress[0, 1], normal=stress[1, 1],
+                 axis=math.degrees(0.5 * np.angle(mean)), order=abs(mean))
     flow.compute(reset=False)
 
 
-# the cell shrinks until it is dense: its area falls by the factor exp(−2 squeeze t)
+# compression: the area of the cell falls as exp(−2 squeeze t)
 squeeze = 1.0
 filled = 1 - rcr.measure.porosity()
 O.cell.velGrad = Matrix3(-squeeze, 0, 0, 0, -squeeze, 0, 0, 0, 0)
-going = rcr.advance(round(0.5 * math.log(DENSE / filled) / squeeze / O.dt), "compression")
+steps = round(0.5 * math.log(DENSE / filled) / squeeze / O.dt)
+complete = rcr.advance(steps, "compression")
 
 start = O.time
 recorder.dead = False
 O.cell.velGrad = Matrix3(0, RATE, 0, 0, 0, 0, 0, 0, 0)
-going = going and rcr.advance(round(STRAIN / RATE / O.dt), "shear")
+complete = complete and rcr.advance(round(STRAIN / RATE / O.dt), "shear")
 
 rcr.snapshot(os.path.join(options.out, "cell.png"), contacts="force")
 if not plot.data:
     raise SystemExit("stopped before the shear")
 data = {name: np.array(column) for name, column in plot.data.items()}
-np.savetxt(os.path.join(options.out, "shear.csv"), np.column_stack(list(data.values())), delimiter=",", header=",".join(data), comments="", fmt="%g")
+np.savetxt(os.path.join(options.out, "shear.csv"), np.column_stack(list(data.values())),
+           delimiter=",", header=",".join(data), comments="", fmt="%g")
 fig, (left, right) = plt.subplots(1, 2, figsize=(7, 2.8), layout="constrained")
 left.plot(data["strain"], data["shear"], label=r"$-\sigma_{xy}$")
 left.plot(data["strain"], data["normal"], label=r"$\sigma_{yy}$")
@@ -82,5 +91,7 @@ ax = flow.plot(quantity="velocity_x")
 ax.axline((0, 0), slope=1 / RATE, color="0.5", lw=0.8, zorder=0)  # the mean field
 ax.figure.savefig(os.path.join(options.out, "velocity.png"), dpi=150)
 late = data["strain"] > 0.5 * data["strain"][-1]
-print(f"solid fraction {1 - rcr.measure.porosity():.3f}, stress ratio {data['shear'][late].mean() / data['normal'][late].mean():.2f}, "
-      f"long axes at {data['axis'][late].mean():.0f}° from the flow, order {data['order'][late].mean():.2f}")
+mean = {name: column[late].mean() for name, column in data.items()}
+print(f"solid fraction {1 - rcr.measure.porosity():.3f}, "
+      f"stress ratio {mean['shear'] / mean['normal']:.2f}, "
+      f"long axes at {mean['axis']:.0f}° from the flow, order {mean['order']:.2f}")

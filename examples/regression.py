@@ -1,12 +1,15 @@
-"""A scene with reference values: tells whether a change of the code, the compiler or a setting has changed the physics. Copy it for yours.
+"""Compares a scene with reference values to detect changes of the physics.
+
+The scene is a bed of grains at rest between two walls. The script ends with an error if a value
+differs from its reference by more than its tolerance. Copy it to test your own scene.
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/regression.py
-The script ends with an error if a value is off, and writes DIR/regression.png and DIR/regression.csv.
+Writes DIR/regression.png and DIR/regression.csv.
 
-Renew the references:  … regression.py --spread 10
-repeats the scene with grains moved by a millionth of their size, and prints the mean and five standard deviations of each value. Rounding
-differs from one processor to the next, and falling grains make much of little: references are of the bed as a whole, and a tolerance is
-what such differences do.
+Make new references:  … regression.py --spread 10
+The option repeats the scene with small random displacements of the grains. It prints the mean and
+five standard deviations of each value. Rounding differs between processors, and falling grains
+amplify small differences, so the references are means over the bed.
 """
 
 import math
@@ -20,25 +23,31 @@ from rcr import *
 from rcr import script
 
 REFERENCE = {  # value, tolerance
-    "load of the walls / weight": (1, 1e-4),  # of the solver; the others by --spread 10
+    "load of the walls / weight": (1, 1e-4),  # tolerance of the solver; the others by --spread
     "height of the centre / R": (8.072, 0.09),
     "solid fraction of the bulk": (0.8129, 0.02),
     "pressure of the bulk / that of a fluid": (0.6999, 0.1),
     "contacts a grain": (2.895, 0.2),
 }
 
-options = script.options(__doc__, spread=dict(type=script.at_least(2), metavar="N", help="repeat the scene N times and print new references"))
+spread = dict(type=script.at_least(2), metavar="N", help="repeat N times, print new references")
+options = script.options(__doc__, spread=spread)
 R = 0.01
 
 
 def measured(moved=0, seed=0):
-    """Values of a bed of 150 grains at rest between two walls."""
+    """Return the values of a bed of 150 grains at rest between two walls."""
     O.reset()
     draw, noise = random.Random(8), random.Random(seed)
     rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5)))
-    O.bodies.append([rcr.wall("y", 0, +1, material=rough), rcr.wall("x", 0, +1, material=rough), rcr.wall("x", 21 * R, -1, material=rough)])
-    O.bodies.append([particle((2.1 * R * (i + 0.5) + moved * noise.uniform(-1, 1), 2.1 * R * (j + 0.5)), R, 0.5, draw.uniform(0, math.pi), rough)
-                     for i in range(10) for j in range(15)])
+    O.bodies.append(rcr.wall("y", 0, +1, material=rough))
+    sides = ((0, +1), (21 * R, -1))
+    O.bodies.append([rcr.wall("x", x, sense, material=rough) for x, sense in sides])
+    for i in range(10):
+        for j in range(15):
+            x = 2.1 * R * (i + 0.5) + moved * noise.uniform(-1, 1)
+            angle = draw.uniform(0, math.pi)
+            O.bodies.append(particle((x, 2.1 * R * (j + 0.5)), R, 0.5, angle, rough))
     O.engines = [
         ForceResetter(),
         InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
@@ -55,9 +64,10 @@ def measured(moved=0, seed=0):
     weight = 9.81 * grains["mass"].sum()
     walls = network.contacts["body2"] < 0
     bulk = rcr.Profile(cells=(1, 1), limits=((3 * R, 2 * R), (18 * R, 14 * R))).compute(network)
+    height = np.average(grains["position"][:, 1], weights=grains["mass"])
     return {
         "load of the walls / weight": -network.contacts["force"][walls, 1].sum() / weight,
-        "height of the centre / R": np.average(grains["position"][:, 1], weights=grains["mass"]) / R,
+        "height of the centre / R": height / R,
         "solid fraction of the bulk": bulk.solid_fraction[0, 0],
         "pressure of the bulk / that of a fluid": bulk.pressure[0, 0] / (weight / (21 * R) * 0.5),
         "contacts a grain": network.grain_coordination().mean(),
@@ -78,7 +88,7 @@ else:
         for name, (reference, tolerance) in REFERENCE.items():
             print(f"{name},{found[name]:.6g},{reference},{tolerance}", file=table)
             if not abs(found[name] - reference) <= tolerance:
-                wrong.append(f"{name} is {found[name]:.4g}; wanted {reference} ± {tolerance}")
+                wrong.append(f"{name} = {found[name]:.4g}; expected {reference} ± {tolerance}")
     if wrong:
         raise ValueError("; ".join(wrong))
-    print(f"all {len(REFERENCE)} values are as they were")
+    print(f"all {len(REFERENCE)} values agree with their references")

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Solve a one-step contact problem from a file: FCLIB HDF5 (fclib_local, 2D), Siconos 2D .dat, or .npz.
+"""Solve a one-step contact problem from a file: FCLIB HDF5 (fclib_local, 2D), Siconos 2D .dat, .npz.
 
-Prints one line of JSON: solver, contacts, iterations, residual, converged, seconds (of the solver alone). Writes `reaction`
-and `velocity`, (contacts, 2) each, local (n, t).
+Prints one line of JSON: solver, contacts, iterations, residual, converged, seconds of the solver.
+Writes `reaction` and `velocity`, (contacts, 2) each, local (n, t).
 """
 
 import json
@@ -13,28 +13,35 @@ from lib import environment
 try:
     import rcr._kernel
     from rcr import problems, script
-except ImportError as error:  # not for this Python: in the environment of yade-rcr there is one that fits
+except ImportError as error:
     environment.reenter(error)
 
 
 def arguments():
     parser = script.Parser(prog="solve.py", description=__doc__.splitlines()[0])
-    parser.add_argument("problem", metavar="PROBLEM", help="file .npz, .h5, .hdf5 or .dat")
-    parser.add_argument("--solver", default="auto", metavar="S", help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
-    parser.add_argument("--tolerance", type=script.number(), default=1e-4, metavar="T", help="residual to reach; 0 runs all iterations (default %(default)s)")
-    parser.add_argument("--max-iterations", type=script.integer(), default=10000, metavar="N", help="sweeps or steps at most (default %(default)s)")
-    parser.add_argument("--warm", action="store_true", help="start from the impulses in the file, not from zeros")
-    parser.add_argument("--out", type=script.new_file, required=True, metavar="FILE", help="results, as .npz or .h5")
+    add = parser.add_argument
+    add("problem", metavar="PROBLEM", help="file .npz, .h5, .hdf5 or .dat")
+    add("--solver", default="auto", metavar="S",
+        help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
+    add("--tolerance", type=script.number(), default=1e-4, metavar="T",
+        help="residual to reach; 0 runs all iterations (default %(default)s)")
+    add("--max-iterations", type=script.integer(), default=10000, metavar="N",
+        help="largest number of iterations (default %(default)s)")
+    add("--warm", action="store_true", help="start from the impulses in the file, not from zeros")
+    add("--out", type=script.new_file, required=True, metavar="FILE",
+        help="results, as .npz or .h5")
     options = parser.parse_args()
-    if os.path.exists(options.out) and os.path.exists(options.problem) and os.path.samefile(options.out, options.problem):
-        parser.error(f"--out {options.out}: this is the problem itself; wanted another file")
+    both_exist = os.path.exists(options.out) and os.path.exists(options.problem)
+    if both_exist and os.path.samefile(options.out, options.problem):
+        parser.error(f"--out {options.out}: this is the problem itself; give another file")
     return options
 
 
 def main():
     options = arguments()
     problems.result_suffix(options.out)
-    solution = problems.solve(options.problem, options.solver, options.tolerance, options.max_iterations, options.warm)
+    solution = problems.solve(options.problem, options.solver, options.tolerance,
+                              options.max_iterations, options.warm)
     solution.save(options.out)
     keys = ("solver", "contacts", "iterations", "residual", "converged", "seconds")
     print(json.dumps({key: getattr(solution, key) for key in keys}, allow_nan=False))

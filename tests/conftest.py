@@ -4,7 +4,8 @@ import importlib.util
 import os
 import pathlib
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # scenes are tiny: a team of threads costs more than it gives
+# scenes are tiny: a team of threads costs more than it gives
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 RCR = importlib.util.find_spec("rcr")
 if not (RCR and any(pathlib.Path(RCR.origin).parent.glob("_plugin*.so"))):
@@ -19,10 +20,14 @@ else:
 if importlib.util.find_spec("hypothesis"):
     import hypothesis
 
-    # the same examples in every run, and no verdict on the speed of a machine that does other things too
+    # the same examples in every run, and no verdict on the speed of a machine that does other
+    # things too
     slow = [hypothesis.HealthCheck.too_slow]
-    hypothesis.settings.register_profile("steady", deadline=None, derandomize=True, suppress_health_check=slow)
-    hypothesis.settings.register_profile("long", parent=hypothesis.settings.get_profile("steady"), derandomize=False, max_examples=1000)  # scripts/check properties
+    hypothesis.settings.register_profile("steady", deadline=None, derandomize=True,
+                                         suppress_health_check=slow)
+    # scripts/check properties
+    hypothesis.settings.register_profile("long", parent=hypothesis.settings.get_profile("steady"),
+                                         derandomize=False, max_examples=1000)
     hypothesis.settings.load_profile("steady")
 
 

@@ -12,6 +12,7 @@ def residual(w, q, mu, p):
     x, y = p[:, 0] - (u[:, 0] + mu * abs(u[:, 1])) / wnn, p[:, 1] - u[:, 1] / wnn
     face = np.maximum(x + mu * abs(y), 0) / (1 + mu**2)
     inside = (abs(y) <= mu * x) & (x > 0)
-    error = p - np.where(inside[:, None], np.column_stack([x, y]), np.column_stack([face, mu * face * np.sign(y)]))
+    error = p - np.where(inside[:, None], np.column_stack([x, y]),
+                         np.column_stack([face, mu * face * np.sign(y)]))
     size = np.linalg.norm(p[moves])
     return np.linalg.norm(error[moves]) / size if size else np.linalg.norm(error[moves])

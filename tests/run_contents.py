@@ -6,7 +6,7 @@ import sys
 
 from rcr.network import Network
 
-CLOCK = {"wall_seconds"}  # of the summary
+COST = {"wall_seconds", "peak_memory_bytes"}  # keys of the summary that differ between equal runs
 
 
 def contents(folder):
@@ -15,16 +15,19 @@ def contents(folder):
     found = {"history.csv": (folder / "history.csv").read_text()}
     for path in sorted(folder.glob("*.h5")):
         network = Network.load(path)
-        found[path.name] = {name: column.tolist() for group in (network.particles, network.contacts) for name, column in group.items()}
+        found[path.name] = {name: column.tolist() for group in (network.particles, network.contacts)
+                            for name, column in group.items()}
         found[path.name]["attributes"] = network.attributes
     summary = json.loads((folder / "summary.json").read_text())
-    return found | {"summary.json": {name: value for name, value in summary.items() if name not in CLOCK}}
+    return found | {"summary.json": {name: value for name, value in summary.items()
+                                     if name not in COST}}
 
 
 def campaign_contents(out):
     """The same of all runs of a campaign and of its analysis."""
     out = pathlib.Path(out)
-    found = {f"{run.name}/{name}": value for run in sorted((out / "runs").iterdir()) for name, value in contents(run).items()}
+    found = {f"{run.name}/{name}": value for run in sorted((out / "runs").iterdir()) for name,
+             value in contents(run).items()}
     return found | {"analysis.json": json.loads((out / "report" / "analysis.json").read_text())}
 
 
@@ -36,5 +39,7 @@ def different(one, other):
 if __name__ == "__main__":  # run_contents.py CAMPAIGN CAMPAIGN
     one, other = map(campaign_contents, sys.argv[1:])
     names = different(one, other)
-    print(f"{len(names)} of {len(one)} differ: {', '.join(names)}" if names else f"{len(one)} results in {len({name.split('/')[0] for name in one}) - 1} runs are equal")
+    print(f"{len(names)} of {len(one)} differ: {', '.join(names)}" if names
+          else f"{len(one)} results in {len({name.split('/')[0] for name in one}) - 1} runs are "
+          f"equal")
     sys.exit(bool(names))

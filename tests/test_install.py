@@ -13,16 +13,19 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build"
 SITE = f"lib/python3.{sys.version_info.minor}/dist-packages"
 needs_cmake = pytest.mark.skipif(not shutil.which("cmake"), reason="needs cmake")
-needs_build = pytest.mark.skipif(not (BUILD / "cmake_install.cmake").exists(), reason="needs the build folder")
+needs_build = pytest.mark.skipif(not (BUILD / "cmake_install.cmake").exists(),
+                                 reason="needs the build folder")
 
 
 def cmake(*arguments, **environment):
-    return subprocess.run(["cmake", *map(str, arguments)], check=True, capture_output=True, text=True, timeout=120, env=os.environ | environment).stdout
+    return subprocess.run(["cmake", *map(str, arguments)], check=True, capture_output=True,
+                          text=True, timeout=120, env=os.environ | environment).stdout
 
 
 def python(code, folder, *path):
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, path))}
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, cwd=folder, env=environment)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60,
+                          cwd=folder, env=environment)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
@@ -33,7 +36,8 @@ def test_installed_package_is_found_and_whole(tmp_path):
     """Nothing was installed."""
     cmake("--install", BUILD, "--prefix", tmp_path)
     site = tmp_path / SITE
-    yade = [path for path in sys.path if path.endswith("/py") and (pathlib.Path(path) / "yade").is_dir()]
+    yade = [path for path in sys.path if path.endswith("/py")
+            and (pathlib.Path(path) / "yade").is_dir()]
     code = "import sys, rcr; print(rcr.__file__); print(rcr.solve.__module__); print(rcr.info()['plugin'])"
     for before in ("", "import yade; ") if yade else ("",):
         told = python(before + code, tmp_path, site, *yade)
@@ -47,27 +51,34 @@ def test_debians_own_folder_under_usr(tmp_path):
     cmake("--install", BUILD, "--prefix", "/usr", DESTDIR=str(tmp_path))
     assert (tmp_path / "usr/lib/python3/dist-packages/rcr/__init__.py").exists()
     examples = {path.name for path in (tmp_path / "usr/share/doc/yade-rcr/examples").iterdir()}
-    assert examples == {path.name for path in (ROOT / "examples").iterdir() if path.suffix in (".py", ".table")}
+    assert examples == {path.name for path in (ROOT / "examples").iterdir()
+                        if path.suffix in (".py", ".table")}
 
 
 @needs_cmake
 def test_analysis_alone_without_headers_of_yade(tmp_path):
     """What pip does where YADE is not; it needs no compiler."""
-    told = cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path / "build", "-DRCR_PLUGIN=AUTO", f"-DYADE_SOURCE_DIR={tmp_path}", "-DCMAKE_CXX_COMPILER=/none", f"-DPython3_EXECUTABLE={sys.executable}")
+    told = cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path / "build", "-DRCR_PLUGIN=AUTO",
+                 f"-DYADE_SOURCE_DIR={tmp_path}", "-DCMAKE_CXX_COMPILER=/none",
+                 f"-DPython3_EXECUTABLE={sys.executable}")
     assert "Nothing is compiled" in told
     cmake("--build", tmp_path / "build")
     cmake("--install", tmp_path / "build", "--prefix", tmp_path)
     site = tmp_path / SITE
     assert not list(site.rglob("*.so"))
-    assert str(site) in python("import rcr, rcr.plot, rcr.measure, rcr.study.analysis; print(rcr.Network, rcr.__file__)", tmp_path, site)
+    assert str(site) in python("import rcr, rcr.plot, rcr.measure, rcr.study.analysis; "
+                               "print(rcr.Network, rcr.__file__)", tmp_path, site)
     solve = "import rcr\ntry:\n    rcr.solve('problem.npz')\nexcept ImportError as error:\n    print(error)"
-    assert "has no kernels, only the analysis: the solver has to be compiled" in python(solve, tmp_path, site)
+    assert "has no kernels, only the analysis: the solver has to be compiled" in python(solve,
+        tmp_path, site)
 
 
 @needs_cmake
 def test_one_version(tmp_path):
-    cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path, "-DRCR_PLUGIN=AUTO", f"-DYADE_SOURCE_DIR={tmp_path}")
-    (version,) = re.findall(r"^CMAKE_PROJECT_VERSION:STATIC=(.*)$", (tmp_path / "CMakeCache.txt").read_text(), re.M)
+    cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path, "-DRCR_PLUGIN=AUTO",
+          f"-DYADE_SOURCE_DIR={tmp_path}")
+    (version,) = re.findall(r"^CMAKE_PROJECT_VERSION:STATIC=(.*)$",
+                            (tmp_path / "CMakeCache.txt").read_text(), re.M)
     assert python("import rcr; print(rcr.__version__)", tmp_path, ROOT / "py").strip() == version
     assert not re.search(r"^version\b", (ROOT / "pyproject.toml").read_text(), re.M)
     assert re.findall(r"^version: (.*)$", (ROOT / "CITATION.cff").read_text(), re.M) == [version]
@@ -75,7 +86,10 @@ def test_one_version(tmp_path):
 
 def test_without_its_plugin_rcr_says_so_to_yade(tmp_path):
     """A build of the kernels alone beside YADE ended in a message about circular imports."""
-    shutil.copytree(ROOT / "py" / "rcr", tmp_path / "rcr", ignore=shutil.ignore_patterns("*.so", "__pycache__"))
+    shutil.copytree(ROOT / "py" / "rcr", tmp_path / "rcr",
+                    ignore=shutil.ignore_patterns("*.so", "__pycache__"))
     code = "import sys, types; sys.modules['yade'] = types.ModuleType('yade'); import rcr"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, env={**os.environ, "PYTHONPATH": str(tmp_path)})
-    assert done.returncode and "has no plugin for YADE, only the analysis; run scripts/yade-rcr" in done.stderr
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60,
+                          env={**os.environ, "PYTHONPATH": str(tmp_path)})
+    assert done.returncode
+    assert "has no plugin for YADE, only the analysis; run scripts/yade-rcr" in done.stderr

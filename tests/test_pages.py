@@ -19,7 +19,8 @@ def prose(page):
 def anchors(page):
     """Of its headings, as GitHub and Sphinx make them."""
     titles = re.findall(r"^#+ (.*)$", prose(page), re.M)
-    return {re.sub(r"[^\w\- ]", "", re.sub(r"[`*]", "", title)).strip().lower().replace(" ", "-") for title in titles}
+    return {re.sub(r"[^\w\- ]", "", re.sub(r"[`*]", "", title)).strip().lower().replace(" ", "-")
+            for title in titles}
 
 
 def test_readme_is_short():
@@ -38,17 +39,21 @@ def test_links_resolve(page):
         path, _, anchor = target.partition("#")
         other = (page.parent / path).resolve() if path else page
         assert other.is_file(), f"{page.name} links to {target}, which is not there"
-        assert not anchor or anchor in anchors(other), f"{page.name} links to {target}; {other.name} has no such heading"
+        assert not anchor or anchor in anchors(
+            other), f"{page.name} links to {target}; {other.name} has no such heading"
     named = set(re.findall(r"\]\[([\w-]+)\]", text))
-    assert named <= set(re.findall(r"^\[([^]]+)\]: ", text, re.M)), "a named link without its address"
+    assert named <= set(re.findall(r"^\[([^]]+)\]: ", text,
+                                   re.M)), "a named link without its address"
 
 
 def test_every_page_is_in_the_contents():
     contents = (ROOT / "docs" / "index.md").read_text()
     for page in (ROOT / "docs").glob("*.md"):
-        assert page.stem == "index" or re.search(rf"^{page.stem}(\*\*)?$", contents, re.M), f"docs/index.md lacks {page.stem}"
+        assert page.stem == "index" or re.search(rf"^{page.stem}(\*\*)?$", contents,
+                                                 re.M), f"docs/index.md lacks {page.stem}"
 
 
 def test_tables_are_those_of_their_files():
-    done = subprocess.run([sys.executable, ROOT / "docs" / "tables.py", "--check"], capture_output=True, text=True, timeout=120)
+    done = subprocess.run([sys.executable, ROOT / "docs" / "generate" / "tables.py", "--check"],
+                          capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr

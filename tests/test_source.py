@@ -1,4 +1,4 @@
-"""The source: files that can be read in one go, and kernels that know neither YADE nor Python."""
+"""Sources: short files, and kernels free of YADE and Python."""
 
 import ast
 import collections
@@ -9,7 +9,9 @@ import pytest
 
 PKG = pathlib.Path(__file__).resolve().parents[1] / "pkg"
 CODE = sorted(path for path in PKG.rglob("*") if path.suffix in (".cpp", ".hpp"))
-OUTSIDE = re.compile(r'#include\s+[<"](core/|lib/|pkg/|boost/|pybind11/|Python\.h|numpy/|\.\./dem|\.\./python)')
+MODULES = sorted((PKG.parent / "py" / "rcr").glob("*.py"))
+OUTSIDE = re.compile(
+    r'#include\s+[<"](core/|lib/|pkg/|boost/|pybind11/|Python\.h|numpy/|\.\./dem|\.\./python)')
 
 
 def lines(path):
@@ -21,6 +23,14 @@ def test_file_is_short(path):
     assert len(lines(path)) <= 350
 
 
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: path.stem)
+def test_module_is_short(path):
+    """At most 350 lines, and 60 lines per function."""
+    assert len(lines(path)) <= 350
+    functions = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.FunctionDef)]
+    assert [f.name for f in functions if f.end_lineno - f.lineno >= 60] == []
+
+
 def test_the_engine_reads_as_the_algorithm():
     assert len(lines(PKG / "dem" / "ContactDynamics.cpp")) < 200
 
@@ -28,18 +38,28 @@ def test_the_engine_reads_as_the_algorithm():
 def test_kernels_stand_alone():
     kernels = [path for path in CODE if PKG / "kernel" in path.parents]
     assert len(kernels) > 50
-    assert not [(path.name, line) for path in kernels for line in lines(path) if OUTSIDE.match(line)]
+    assert not [(path.name, line) for path in kernels for line in lines(path)
+                if OUTSIDE.match(line)]
 
 
 def test_each_type_has_a_name_of_its_own():
-    """The linker keeps one of two templates of equal names: with two types `Pair`, vectors of one were copied as vectors of the other."""
-    names = [found[2] for path in CODE for line in lines(path) if (found := re.match(r"(struct|class|enum class) (?:alignas\([^)]*\) )?(\w+)\b[^;]*$", line))]
-    assert len(names) > 60 and not [name for name, times in collections.Counter(names).items() if times > 1]
+    """The linker keeps one of two templates of equal names, so that two types `Pair` corrupt
+    vectors.
+    """
+    names = [found[2] for path in CODE for line in lines(path)
+             if (found := re.match(r"(struct|class|enum class) (?:alignas\([^)]*\) )?(\w+)\b[^;]*$",
+                                   line))]
+    assert len(names) > 60
+    assert not [name for name, times in collections.Counter(names).items() if times > 1]
 
 
 def test_each_mutant_stands_once():
-    """`scripts/check mutants` builds kernels with one mistake each, in places given by their text, which changes."""
-    table = next(node.value for node in ast.parse((PKG.parent / "scripts/lib/mutants.py").read_text()).body if isinstance(node, ast.Assign) and node.targets[0].id == "TABLE")
-    mistakes = [(file, name, before) for file, mistakes in ast.literal_eval(table).items() for name, before, _ in mistakes]
+    """`scripts/check mutants` finds the places of its mistakes by their text."""
+    table = next(node.value
+                 for node in ast.parse((PKG.parent / "scripts/lib/mutants.py").read_text()).body
+                 if isinstance(node, ast.Assign) and node.targets[0].id == "TABLE")
+    mistakes = [(file, name, before) for file, mistakes in ast.literal_eval(table).items() for name,
+                before, _ in mistakes]
     assert len(mistakes) > 70
-    assert [(file, name) for file, name, before in mistakes if (PKG / "kernel" / file).read_text().count(before) != 1] == []
+    assert [(file, name) for file, name, before in mistakes
+            if (PKG / "kernel" / file).read_text().count(before) != 1] == []

@@ -1,28 +1,32 @@
-"""Chart b. Scenes with a known answer: error against time, over dt and tolerance for rigid contacts, over stiffness for springs.
+"""Chart b. Scenes with a known answer: error against time.
 
-| scene   | answer                                                                                                |
-|---------|-------------------------------------------------------------------------------------------------------|
-| incline | a flat RCR slides down a slope, tan α = 0.6, µ = 0.5: x = g (sin α − µ cos α) t²/2                      |
-| disc    | a disc rolls down the same slope: x = g sin α/(1 + I/(m R²)) t²/2                                       |
-| ladder  | a rod slides down between a wall and a floor without friction: θ'' = −m g a cos θ/(m a² + I), integrated |
-| column  | 60 RCRs, η = 0.5, collapse beside a wall: mean x. Chaotic: every setting is the mean of 4 runs whose grains begin 0.01 R elsewhere, the reference that of more at the finest setting |
+Rigid contacts vary dt and tolerance, springs vary the stiffness. Scenes and their answers:
 
-What YADE's leapfrog leaves at rest at the start, it moves one step too early: x = a dt² n (n + 1)/2. This error dt/t is the one of rigid contacts;
-`rcr.half_step_start` takes it away ("half"), in the three scenes whose motion is smooth.
+    incline   a flat RCR slides down a slope, tan α = 0.6, µ = 0.5: x = g (sin α − µ cos α) t²/2
+    disc      a disc rolls down the same slope: x = g sin α/(1 + I/(m R²)) t²/2
+    ladder    a rod slides between a wall and a floor without friction, integrated numerically:
+              θ'' = −m g a cos θ/(m a² + I)
+    column    60 RCRs, η = 0.5, collapse beside a wall: mean x, compared with the finest setting.
+              The motion is chaotic, so a setting is the mean of 4 runs with grains shifted by up
+              to 0.01 R; the reference has more runs.
 
-The law of springs has k_n = K m g/R, k_s = 0.8 k_n, dt = 0.2 `rcr.critical_time_step()` and ζ = 1, which returns e⁻² of a velocity of
-impact, next to the plastic impacts of the rigid law. It matters: with ζ = 0.3 (e = 0.45) the column runs out 0.072 ± 0.007 m, with ζ = 1
-0.055 ± 0.002 m, rigid 0.053 ± 0.001 m (K = 10⁴, 4 runs; dt = 1 ms, 8 runs).
+YADE's leapfrog moves a body at rest one step too early: x = a dt² n (n + 1)/2. Rigid contacts have
+this error dt/t. `rcr.half_step_start` removes it ("half"), shown in the three scenes of smooth
+motion.
+
+Springs have k_n = K m g/R, k_s = 0.8 k_n, dt = 0.2 `rcr.critical_time_step()` and ζ = 1, which
+returns e⁻² of an impact velocity; impacts of rigid contacts are plastic. The run-out of
+the column is 0.072 ± 0.007 m with ζ = 0.3 (e = 0.45) and 0.055 ± 0.002 m with ζ = 1 (K = 10⁴,
+4 runs). With rigid contacts it is 0.053 ± 0.001 m (dt = 1 ms, 8 runs).
 """
 
 import math
 
 import numpy as np
 from yade.minieigenHP import Vector3
-from yade.wrapper import (
-    Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, NewtonIntegrator,
-    Omega,
-)  # fmt: skip
+from yade.wrapper import (Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider,
+                          InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker,
+                          NewtonIntegrator, Omega)
 
 import rcr
 from benchmarks.charts import least_time
@@ -32,17 +36,17 @@ G, DENSITY = 9.81, 1000.0
 TITLE = "Scenes with a known answer: error against processor time"
 COLUMNS = "scene law dt tolerance stiffness steps seconds value reference".split()
 DEPENDS = ("quick",)
-FINEST = dict(dt=1e-4, tolerance=1e-6)  # of the column's reference
-SMOOTH_SHARE = 0.2  # of the critical time step
+FINEST = dict(dt=1e-4, tolerance=1e-6)  # reference of the column
+SMOOTH_SHARE = 0.2  # time step of springs over the critical one
 SMOOTH_DAMPING = 1.0
-RUNS = 4  # of the column, a setting
+RUNS = 4  # runs of the column for each setting
 TOLERANCES = 1e-2, 1e-4, 1e-8
 SMOOTH_MOTION = "incline", "disc", "ladder"
 STARTS = dict(cd="as YADE starts", half="from half a step")
-EXACT = 1e-9  # relative error that is rounding
+EXACT = 1e-9  # smaller relative errors are rounding
 
 
-# ---------------------------------------------------------------------------------------------- scenes
+# ---- scenes
 
 
 def _material(friction):
@@ -65,7 +69,8 @@ def incline(seed):
 
 
 def disc(seed):
-    bodies, gravity, m, inertia, alpha = _slope(lambda rough: rcr.particle((0, 0.1), 0.1, 0, 0, rough))
+    bodies, gravity, m, inertia, alpha = _slope(lambda rough: rcr.particle(
+        (0, 0.1), 0.1, 0, 0, rough))
     exact = 0.5 * G * math.sin(alpha) / (1 + inertia / (m * 0.1**2)) * 0.5**2
     return bodies, gravity, 0.5, lambda: O.bodies[1].state.pos[0], exact
 
@@ -75,14 +80,17 @@ def ladder(seed):
 
     a, r, theta, omega, seconds = 0.5, 0.05, 1.3, -0.3, 0.4
     smooth = _material(0)
-    rod = rcr.particle((r + a * math.cos(theta), r + a * math.sin(theta)), a + r, a / (a + r), math.pi - theta, smooth)
+    rod = rcr.particle((r + a * math.cos(theta), r + a * math.sin(theta)), a + r, a / (a + r),
+                       math.pi - theta, smooth)
     m, inertia = rod.state.mass, rod.state.inertia[2]
     rod.state.vel = Vector3(-a * math.sin(theta) * omega, a * math.cos(theta) * omega, 0)
     rod.state.angVel = Vector3(0, 0, -omega)
     fall = lambda t, y: (y[1], -m * G * a * math.cos(y[0]) / (m * a * a + inertia))
-    end = solve_ivp(fall, (0, seconds), (theta, omega), method="DOP853", rtol=1e-12, atol=1e-12).y[0, -1]
+    end = solve_ivp(fall, (0, seconds), (theta, omega), method="DOP853", rtol=1e-12,
+                    atol=1e-12).y[0, -1]
     bodies = [rcr.wall("y", 0, +1, material=smooth), rcr.wall("x", 0, +1, material=smooth), rod]
-    return bodies, (0, -G, 0), seconds, lambda: theta - math.asin((O.bodies[2].state.pos[1] - r) / a), theta - end
+    return bodies, (0, -G, 0), seconds, lambda: theta - math.asin(
+        (O.bodies[2].state.pos[1] - r) / a), theta - end
 
 
 def column(seed):
@@ -90,11 +98,13 @@ def column(seed):
     rough = _material(0.5)
     centers = [(R + 2.05 * R * k, R + 2.05 * R * row) for row in range(10) for k in range(6)]
     angles = rng.uniform(0, math.pi, len(centers))
-    centers = np.array(centers) + 0.01 * R * np.random.default_rng(seed).uniform(-1, 1, (len(centers), 2))
+    centers = np.array(centers) + 0.01 * R * np.random.default_rng(seed).uniform(
+        -1, 1, (len(centers), 2))
     grains = [rcr.particle(c, R, 0.5, angle, rough) for c, angle in zip(centers, angles)]
     first = centers[:, 0].mean()
     spread = lambda: np.mean([O.bodies[2 + k].state.pos[0] for k in range(len(centers))]) - first
-    return [rcr.wall("y", 0, +1, material=rough), rcr.wall("x", 0, +1, material=rough), *grains], (0, -G, 0), 1.0, spread, ""
+    return [rcr.wall("y", 0, +1, material=rough),
+            rcr.wall("x", 0, +1, material=rough), *grains], (0, -G, 0), 1.0, spread, ""
 
 
 SCENES = dict(incline=incline, disc=disc, ladder=ladder, column=column)
@@ -103,13 +113,16 @@ SCENES = dict(incline=incline, disc=disc, ladder=ladder, column=column)
 def _engines(gravity, law, stiffness, tolerance):
     value = lambda k: MatchMaker(algo="val", val=k)
     m = min(b.state.mass for b in O.bodies if isinstance(b.shape, rcr.Rcr))
-    R = min(b.shape.capRadius + b.shape.halfLength for b in O.bodies if isinstance(b.shape, rcr.Rcr))
+    R = min(b.shape.capRadius + b.shape.halfLength for b in O.bodies
+            if isinstance(b.shape, rcr.Rcr))
     if law != "smooth":
-        functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]
+        functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()
+                    ], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]
         engine = [rcr.ContactDynamics(tolerance=tolerance, maxIterations=5000, threads=1)]
     else:
         kn = stiffness * m * G / R
-        functors = [Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(0.8 * kn))], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=SMOOTH_DAMPING)]
+        functors = [Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(0.8 * kn))
+                    ], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=SMOOTH_DAMPING)]
         engine = []
     return [
         ForceResetter(),
@@ -125,7 +138,8 @@ def _simulate(scene, law, dt, tolerance, stiffness, seed):
     bodies, gravity, seconds, observed, exact = SCENES[scene](seed)
     O.bodies.append(bodies)
     O.engines = _engines(gravity, law, stiffness, tolerance)
-    steps = math.ceil(seconds / (dt if law != "smooth" else SMOOTH_SHARE * rcr.critical_time_step()) - 1e-9)
+    steps = math.ceil(seconds / (dt if law != "smooth" else SMOOTH_SHARE * rcr.critical_time_step())
+                      - 1e-9)
     O.dt = seconds / steps
     if law == "half":
         rcr.half_step_start()
@@ -134,7 +148,7 @@ def _simulate(scene, law, dt, tolerance, stiffness, seed):
     return dict(steps=steps, dt=O.dt, value=float(observed()), reference=exact)
 
 
-# ---------------------------------------------------------------------------------------------- the chart
+# ---- the chart
 
 
 def points(options):
@@ -143,7 +157,8 @@ def points(options):
     names = [f"column/reference/{seed}" for seed in range(101, 107 if options.quick else 113)]
     for scene in SCENES:
         names += [f"{scene}/cd/{dt:g}/{tolerance:g}" for dt in dts for tolerance in TOLERANCES]
-        names += [f"{scene}/half/{dt:g}/{TOLERANCES[-1]:g}" for dt in dts] if scene in SMOOTH_MOTION else []
+        names += [f"{scene}/half/{dt:g}/{TOLERANCES[-1]:g}"
+                  for dt in dts] if scene in SMOOTH_MOTION else []
         names += [f"{scene}/smooth/{k:g}" for k in stiffnesses]
     return names
 
@@ -151,16 +166,24 @@ def points(options):
 def run(name, options):
     scene, law, *numbers = name.split("/")
     if law == "reference":
-        setting = dict(law="cd", stiffness="", **(dict(FINEST, dt=5e-4) if options.quick else FINEST))
+        setting = dict(law="cd", stiffness="",
+                       **(dict(FINEST, dt=5e-4) if options.quick else FINEST))
     elif law != "smooth":
         setting = dict(law=law, dt=float(numbers[0]), tolerance=float(numbers[1]), stiffness="")
     else:
         setting = dict(law=law, dt="", tolerance="", stiffness=float(numbers[0]))
     seeds = [int(numbers[0])] if law == "reference" else range(RUNS if scene == "column" else 1)
-    runs = [least_time(1 if scene == "column" else 3, lambda: _simulate(scene, seed=seed, **setting)) for seed in seeds]
+    runs = [
+        least_time(1 if scene == "column" else 3, lambda: _simulate(scene, seed=seed, **setting))
+        for seed in seeds
+    ]
     mean = lambda key: float(np.mean([found[key] for found, _ in runs]))
-    about = dict(setting, scene=scene, law=law, seconds=float(np.mean([seconds for _, seconds in runs])))
-    return [dict(about, **{key: mean(key) for key in ("steps", "dt", "value")}, reference=runs[0][0]["reference"])]
+    about = dict(setting, scene=scene, law=law,
+                 seconds=float(np.mean([seconds for _, seconds in runs])))
+    return [
+        dict(about, **{key: mean(key)
+                       for key in ("steps", "dt", "value")}, reference=runs[0][0]["reference"])
+    ]
 
 
 def plot(rows, options):
@@ -172,22 +195,31 @@ def plot(rows, options):
         of_scene = [row for row in rows if row["scene"] == scene]
         finest = [row["value"] for row in of_scene if row["law"] == "reference"]
         reference = np.mean(finest) if finest else None
-        error = lambda row: max(1e-12, abs(row["value"] / (row["reference"] if reference is None else reference) - 1))
+        error = lambda row: max(
+            1e-12, abs(row["value"] / (row["reference"] if reference is None else reference) - 1))
         for tolerance, marker in zip(TOLERANCES, "vso"):
-            curve = [(row["seconds"], error(row)) for row in of_scene if row["law"] == "cd" and row["tolerance"] == tolerance]
+            curve = [(row["seconds"], error(row)) for row in of_scene
+                     if row["law"] == "cd" and row["tolerance"] == tolerance]
             if curve:
-                ax.loglog(*np.array(curve).T, marker + "-", ms=4, lw=1, label=f"rigid, tolerance {tolerance:.0e}")
+                ax.loglog(*np.array(curve).T, marker + "-", ms=4, lw=1,
+                          label=f"rigid, tolerance {tolerance:.0e}")
         curve = [(row["seconds"], error(row)) for row in of_scene if row["law"] == "half"]
         if curve:
-            ax.loglog(*np.array(curve).T, "D:", color="0.4", ms=4, lw=1, label=f"rigid, from half a step, {TOLERANCES[-1]:.0e}")
+            ax.loglog(*np.array(curve).T, "D:", color="0.4", ms=4, lw=1,
+                      label=f"rigid, from half a step, {TOLERANCES[-1]:.0e}")
         curve = [(row["seconds"], error(row)) for row in of_scene if row["law"] == "smooth"]
         if curve:
             ax.loglog(*np.array(curve).T, "k^--", ms=5, lw=1, label="springs, K = 10² …")
         if len(finest) > 1:
-            chance = np.std(finest, ddof=1) * math.sqrt(1 / len(finest) + 1 / RUNS)  # of the difference of two means
-            ax.axhspan(1e-12, chance / abs(reference), color="0.9", label="standard error of the difference")
+            chance = np.std(finest, ddof=1) * math.sqrt(
+                1 / len(finest) + 1 / RUNS)  # standard error of the difference of two means
+            ax.axhspan(1e-12, chance / abs(reference), color="0.9",
+                       label="standard error of the difference")
             ax.set_ylim(1e-2, 1)
-        ax.set_title({"incline": "slider on an incline", "disc": "rolling disc", "ladder": "ladder without friction", "column": "collapse of a column"}[scene])
+        ax.set_title({
+            "incline": "slider on an incline", "disc": "rolling disc",
+            "ladder": "ladder without friction", "column": "collapse of a column"
+        }[scene])
         ax.set_xlabel("processor time [s]")
         ax.set_ylabel("relative error of the displacement")
         ax.grid(alpha=0.3)
@@ -197,16 +229,29 @@ def plot(rows, options):
 
 
 def ratios(rows):
-    """Errors of rigid contacts over dt at the finest tolerance, and the order at which they fall from the longest step to the shortest."""
-    rows = [row for row in rows if row["status"] == "ok" and row["scene"] in SMOOTH_MOTION and row["law"] in STARTS and row["tolerance"] == TOLERANCES[-1]]
+    """Lines of the errors of rigid contacts at the finest tolerance, and their order in dt."""
+    rows = [
+        row for row in rows if row["status"] == "ok" and row["scene"] in SMOOTH_MOTION
+        and row["law"] in STARTS and row["tolerance"] == TOLERANCES[-1]
+    ]
     steps = sorted({round(row["dt"], 6) for row in rows}, reverse=True)
     yield " | ".join(["scene, start", *(f"{1e3 * dt:g} ms" for dt in steps), "order"])
     yield "---|" * (len(steps) + 1) + "---"
     for scene in SMOOTH_MOTION:
         for law, start in STARTS.items():
-            found = {round(row["dt"], 6): abs(row["value"] / row["reference"] - 1) for row in rows if (row["scene"], row["law"]) == (scene, law)}
+            found = {
+                round(row["dt"], 6): abs(row["value"] / row["reference"] - 1)
+                for row in rows if (row["scene"], row["law"]) == (scene, law)
+            }
             if found:
                 longest, shortest = max(found), min(found)
                 exact = max(found.values()) < EXACT
-                order = "" if exact or longest == shortest else f"{math.log(found[longest] / found[shortest]) / math.log(longest / shortest):.1f}"
-                yield " | ".join([f"{scene}, {start}", *("exact" if exact else f"{found[dt]:.1e}" if dt in found else "" for dt in steps), order])
+                order = ""
+                if not exact and longest > shortest:
+                    growth = math.log(found[longest] / found[shortest])
+                    order = f"{growth / math.log(longest / shortest):.1f}"
+                yield " | ".join([
+                    f"{scene}, {start}",
+                    *("exact" if exact else f"{found[dt]:.1e}" if dt in found else ""
+                      for dt in steps), order
+                ])

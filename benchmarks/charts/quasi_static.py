@@ -1,12 +1,15 @@
-"""Chart e. The biaxial test over its rate: how far each observable is from its quasi-static limit, and what the limit is.
+"""Chart e. The biaxial test over its rate: observables, their quasi-static limits and deviations.
 
-Tests of one elongation, size and seed start from the same frictionless packing and go the same way to a strain of 0.1, at I = 1e-3. From there to 0.3
-each has its own rate I, time step and number of sweeps; I = 0 is shear without inertia (`overdamped`), `STRAIN_STEP` a step, so that its time step
-sets the drag that is left of the confining stress, STRAIN_STEP/dt². Means over strains from 0.15: stresses and packing fraction of all records, the
-rest of one network a per cent. Seeds start alike, so the difference between two rates is one of pairs, whose error is smaller than that of either.
+Tests of one elongation, size and seed start from the same frictionless packing and shear at I =
+1e-3 to a strain of 0.1. From there to 0.3 each has its own rate I, time step and number of sweeps.
+I = 0 is shear without inertia (`overdamped`) by `STRAIN_STEP` a step; its time step sets the
+remaining drag over the confining stress, STRAIN_STEP/dt². Observables are means over strains from
+0.15: stresses and packing fraction over all records, the others over one network a per cent. Tests
+of one seed are pairs, so differences between rates have smaller errors than the values.
 
-An observable y is fitted by y(I) = y₀ + b √I, the same b for all seeds: with I_M, which the rate moves most, a line in √I goes through all
-rates. A test saves itself once a minute, so that a point that was interrupted goes on, and leaves its networks in the folder `rates` of the charts.
+The fit is y(I) = y₀ + b √I with the same b for all seeds. The rate changes I_M most, and a line in
+√I fits it at all rates. A test saves a checkpoint once a minute, so an interrupted point resumes.
+Its networks are in the folder `rates` of the charts.
 """
 
 import dataclasses
@@ -18,48 +21,67 @@ import numpy as np
 from yade.wrapper import Omega
 
 from rcr.network import sin_phi
-from rcr.study.biaxial import CHECKPOINT, RECORD, Biaxial
+from rcr.study.biaxial import Biaxial
+from rcr.study.checkpoint import CHECKPOINT
+from rcr.study.protocol import PROTOCOL
 
 from . import biaxial_cost
 
 O = Omega()
+RECORD = PROTOCOL.record_strain  # strain of a record
 TITLE = "Biaxial test: observables against the rate of shear"
 APPROACH, FROM, STRAIN, LOOK = 0.1, 0.15, 0.3, 0.01
-APPROACH_PACE = dict(inertial_number=1e-3, time_step=0.4, overdamped=False)  # of the way to `APPROACH`
-STRAIN_STEP = 1e-4  # of overdamped shear
+APPROACH_PACE = dict(inertial_number=1e-3, time_step=0.4,
+                     overdamped=False)  # shear up to the strain `APPROACH`
+STRAIN_STEP = 1e-4  # strain of a step of overdamped shear
 PAUSE = 60  # seconds between two checkpoints
-OBSERVED = dict(
-    sin_phi="sin φ", packing_fraction="packing fraction", friction_mobilization="I_M", weak_fraction="share of weak contacts",
-    a_c_half="a_c(ξ = 0.5)", a_c_weak="a_c(ξ = 1)", a_c="a_c", a_fn_weak="a_fn(ξ = 1)", a_fn="a_fn", a_ft="a_ft", q_weak="q(ξ = 1)/p",
-    mean_overlap="mean overlap [d]", wall_scatter="scatter of the free wall's speed over its mean", sample_inertia="ρ (ε̇ W)²/σ₀",
-)  # fmt: skip
-ERRORS = "mean_overlap", "wall_scatter", "sample_inertia"  # of the method: no limit is looked for
-PAPER = dict(sin_phi={0: 0.30, 0.7: 0.51}, friction_mobilization={0: 0.4, 0.7: 0.6}, weak_fraction={0: 0.6, 0.7: 0.7}, a_c_weak={0.7: 0.3}, q_weak={0: 0.0})
+OBSERVED = dict(sin_phi="sin φ", packing_fraction="packing fraction", friction_mobilization="I_M",
+                weak_fraction="share of weak contacts", a_c_half="a_c(ξ = 0.5)",
+                a_c_weak="a_c(ξ = 1)", a_c="a_c", a_fn_weak="a_fn(ξ = 1)", a_fn="a_fn", a_ft="a_ft",
+                q_weak="q(ξ = 1)/p", mean_overlap="mean overlap [d]",
+                wall_scatter="scatter of the free wall's speed over its mean",
+                sample_inertia="ρ (ε̇ W)²/σ₀")
+ERRORS = "mean_overlap", "wall_scatter", "sample_inertia"  # errors of the method, not fitted
+PAPER = dict(sin_phi={0: 0.30, 0.7: 0.51}, friction_mobilization={0: 0.4, 0.7: 0.6},
+             weak_fraction={0: 0.6, 0.7: 0.7}, a_c_weak={0.7: 0.3}, q_weak={0: 0.0})
 DRAWN = "sin_phi", "friction_mobilization", "a_c_weak", "a_fn_weak", "q_weak", "packing_fraction"
-COLUMNS = ["eta", "particles", "inertial_number", "dt", "iterations", "seed", "steps", "seconds", *OBSERVED]
+COLUMNS = [
+    "eta", "particles", "inertial_number", "dt", "iterations", "seed", "steps", "seconds", *OBSERVED
+]
 DEPENDS = ("quick",)
 RATES = "1e-3/0.4/300", "1e-4/0.4/300", "3e-4/0.4/300", "3e-5/1/300"
-STEPS = "1e-4/0.2/300", "1e-4/0.4/100", "1e-4/0.4/1000"  # the same rate, other steps and sweeps
-OVERDAMPED = "0/1/300", "0/0.5/300", "0/2/300", "0/4/300", "0/2/100", "0/1/1000"  # without inertia; the first as --quasi-static
+STEPS = "1e-4/0.2/300", "1e-4/0.4/100", "1e-4/0.4/1000"  # other steps and sweeps at one rate
+# Without inertia; the first equals --quasi-static.
+OVERDAMPED = "0/1/300", "0/0.5/300", "0/2/300", "0/4/300", "0/2/100", "0/1/1000"
 
 
 def points(options):
-    """Names eta/particles/I/dt/sweeps/seed, those that tell most first."""
+    """Names eta/particles/I/dt/sweeps/seed, the most informative first."""
     etas = "0", "0.7"
     if options.quick:
-        return [f"{eta}/100/{rate}/{seed}" for eta in etas for rate in ("1e-3/0.4/300", "5e-4/0.4/300", "0/1/300") for seed in (1, 2)]
-    names = [f"{eta}/1000/{rate}/{seed}" for seed in (1, 2, 3) for rate in (OVERDAMPED[0], *RATES) for eta in etas]
-    names += [f"{eta}/1000/{setting}/{seed}" for seed in (1, 2, 3) for setting in OVERDAMPED[1:] for eta in etas]
+        return [
+            f"{eta}/100/{rate}/{seed}" for eta in etas
+            for rate in ("1e-3/0.4/300", "5e-4/0.4/300", "0/1/300") for seed in (1, 2)
+        ]
+    names = [
+        f"{eta}/1000/{rate}/{seed}" for seed in (1, 2, 3) for rate in (OVERDAMPED[0], *RATES)
+        for eta in etas
+    ]
+    names += [
+        f"{eta}/1000/{setting}/{seed}" for seed in (1, 2, 3) for setting in OVERDAMPED[1:]
+        for eta in etas
+    ]
     names += [f"{eta}/4000/{rate}/1" for rate in (OVERDAMPED[0], *RATES[:3]) for eta in etas]
     return names + [f"{eta}/1000/{setting}/1" for setting in STEPS for eta in etas]
 
 
 def _test(name, options, folder):
-    """The test of a point, as it was left or in its packing."""
+    """Test of a point, from its checkpoint or its compacted packing."""
     if (folder / CHECKPOINT).exists():
         return Biaxial.load(folder)
     eta, particles, _, _, iterations, seed = name.split("/")
-    test = biaxial_cost._compacted(float(eta), int(seed), dataclasses.replace(options, particles=int(particles)))
+    test = biaxial_cost.compacted(float(eta), int(seed),
+                                  dataclasses.replace(options, particles=int(particles)))
     test.parameters["iterations"] = test.solver.maxIterations = int(iterations)
     test.progress.update(seconds=0.0, looks=[], speeds=[], first=O.iter)
     return test
@@ -70,11 +92,11 @@ def _look(test):
     network = test.network()
     half, weak, whole = (network.anisotropies(xi) for xi in (0.5, 1, np.inf))
     force = network.local_components()[3][:, 0]
-    return dict(
-        friction_mobilization=network.friction_mobilization().mean(), weak_fraction=np.mean(force < force.mean()), a_c_half=half[0],
-        a_c_weak=weak[0], a_c=whole[0], a_fn_weak=weak[3], a_fn=whole[3], a_ft=whole[4], q_weak=network.shear_stress_ratio(1),
-        mean_overlap=test.overlaps().mean(), sample_inertia=test.sample_inertia()[0],
-    )  # fmt: skip
+    return dict(friction_mobilization=network.friction_mobilization().mean(),
+                weak_fraction=np.mean(force < force.mean()), a_c_half=half[0], a_c_weak=weak[0],
+                a_c=whole[0], a_fn_weak=weak[3], a_fn=whole[3], a_ft=whole[4],
+                q_weak=network.shear_stress_ratio(1), mean_overlap=test.overlaps().mean(),
+                sample_inertia=test.sample_inertia()[0])
 
 
 def run(name, options):
@@ -82,20 +104,22 @@ def run(name, options):
     folder.mkdir(parents=True, exist_ok=True)
     test = _test(name, options, folder)
     rate, time_step = map(float, name.split("/")[2:4])
-    pace = dict(inertial_number=rate or STRAIN_STEP / time_step, time_step=time_step, overdamped=rate == 0)
+    pace = dict(inertial_number=rate or STRAIN_STEP / time_step, time_step=time_step,
+                overdamped=rate == 0)
     saved = time.monotonic()
     looks = lambda: math.floor((test.strain + 0.5 * RECORD) / LOOK)
     while test.strain < STRAIN - 0.5 * RECORD:
         approaching = test.strain < APPROACH - 0.5 * RECORD
         test.parameters.update(APPROACH_PACE if approaching else pace)
         if pace["overdamped"] and not approaching and not test.solver.overdamped:
-            test.drop_inertia()
+            test.remove_inertia()
         O.dt = test.parameters["time_step"] * test.time_unit
         looked, width, began, start = looks(), test.width, O.time, time.process_time()
         test.shear_record()
         test.progress["seconds"] += 0 if approaching else time.process_time() - start
         test.progress["first"] = O.iter if approaching else test.progress["first"]
-        test.progress["speeds"].append((test.width - width) / (O.time - began) * test.time_unit / test.diameter)
+        test.progress["speeds"].append((test.width - width) /
+                                       (O.time - began) * test.time_unit / test.diameter)
         if looks() > looked and test.strain > FROM:
             test.network().save(folder / f"network-{test.strain:.4f}.h5")
             test.progress["looks"].append({key: float(value) for key, value in _look(test).items()})
@@ -111,80 +135,114 @@ def _row(test):
     mean = lambda name: np.mean([test.rows[k][name] for k in late])
     speeds = np.array(test.progress["speeds"])[late]
     found = {key: np.mean([look[key] for look in looks]) for key in looks[0]}
-    found |= dict(sin_phi=sin_phi([mean("stress_x"), mean("stress_y")]), packing_fraction=mean("packing_fraction"))
+    found |= dict(sin_phi=sin_phi([mean("stress_x"), mean("stress_y")]),
+                  packing_fraction=mean("packing_fraction"))
     found |= dict(wall_scatter=speeds.std() / speeds.mean())
     row = {name: parameters[name] for name in ("eta", "particles", "iterations", "seed")}
-    row |= dict(inertial_number=0.0 if parameters["overdamped"] else parameters["inertial_number"], dt=parameters["time_step"], steps=O.iter - test.progress["first"], seconds=test.progress["seconds"])
+    row |= dict(inertial_number=0.0 if parameters["overdamped"] else parameters["inertial_number"],
+                dt=parameters["time_step"], steps=O.iter - test.progress["first"],
+                seconds=test.progress["seconds"])
     return row | {name: float(value) for name, value in found.items()}
 
 
-# ---------------------------------------------------------------------------------------------- limit and figure
+# ---- limit and figure
 
 
 def fit(rows, name):
-    """Levels of the seeds, {seed: y₀}, and b of y = y₀ + b √I, by least squares, with the covariance of (levels, b); None from fewer than two rates.
+    """Fit y = y₀ + b √I by least squares, with a y₀ for each seed.
 
     Parameters
     ----------
     rows : list of dict
-        Of one elongation and one size.
+        Rows of one elongation and one size.
     name : str
-        Of the observable.
+        Name of the observable.
+
+    Returns
+    -------
+    (dict, float, (n, n) float array) or None
+        {seed: y₀}, b, and the covariance of (y₀ …, b); None for fewer than two rates.
     """
     seeds = sorted({row["seed"] for row in rows})
-    x, y = (np.array(column, dtype=float) for column in zip(*[(math.sqrt(row["inertial_number"]), row[name]) for row in rows]))
+    x, y = (np.array(column, dtype=float)
+            for column in zip(*[(math.sqrt(row["inertial_number"]), row[name]) for row in rows]))
     if np.ptp(x) == 0:
         return None
-    design = np.column_stack([[[row["seed"] == seed for seed in seeds] for row in rows], x]).astype(float)
+    design = np.column_stack([[[row["seed"] == seed for seed in seeds] for row in rows],
+                              x]).astype(float)
     values = np.linalg.lstsq(design, y, rcond=None)[0]
     left = len(y) - design.shape[1]
-    covariance = np.linalg.inv(design.T @ design) * (np.sum((y - design @ values) ** 2) / left if left > 0 else math.nan)
+    covariance = np.linalg.inv(design.T @ design) * (np.sum(
+        (y - design @ values)**2) / left if left > 0 else math.nan)
     return dict(zip(seeds, values)), float(values[-1]), covariance
 
 
 def limit(rows, name):
-    """(y₀, error, b, error) of `fit`: y₀ the mean of the levels, whose error holds their scatter; NaN where the rows are too few to tell."""
+    """(mean y₀, error, b, error) of `fit`; the first error includes the scatter of the seeds.
+
+    Values are NaN for too few rows.
+    """
     found = fit(rows, name)
     if found is None:
         return math.nan, math.nan, math.nan, math.nan
     levels, slope, covariance = list(found[0].values()), found[1], found[2]
     share = np.append(np.full(len(levels), 1 / len(levels)), 0)
     scatter = np.var(levels, ddof=1) / len(levels) if len(levels) > 1 else 0.0
-    return float(np.mean(levels)), math.sqrt(max(share @ covariance @ share, scatter)), slope, math.sqrt(covariance[-1, -1])
+    return float(np.mean(levels)), math.sqrt(max(share @ covariance @ share,
+                                                 scatter)), slope, math.sqrt(covariance[-1, -1])
 
 
 def _plain(rows):
-    """The rows of the sweep over the rate: those of other steps and sweeps left out."""
+    """Rows of the sweep over the rate, without other steps and sweeps."""
     rates = {tuple(map(float, rate.split("/")[:3])) for rate in (*RATES, "5e-4/0.4/300")}
-    return [row for row in rows if row["status"] == "ok" and (row["inertial_number"], row["dt"], row["iterations"]) in rates]
+    return [
+        row for row in rows
+        if row["status"] == "ok" and (row["inertial_number"], row["dt"], row["iterations"]) in rates
+    ]
 
 
 def _groups(rows):
-    return {key: [row for row in rows if (row["eta"], row["particles"]) == key] for key in sorted({(row["eta"], row["particles"]) for row in rows})}
+    return {
+        key: [row for row in rows if (row["eta"], row["particles"]) == key]
+        for key in sorted({(row["eta"], row["particles"])
+                           for row in rows})
+    }
 
 
 def _with(rows, setting):
-    """The rows of a setting I/dt/sweeps."""
+    """Rows of a setting I/dt/sweeps."""
     wanted = tuple(map(float, setting.split("/")))
-    return [row for row in rows if row["status"] == "ok" and (row["inertial_number"], row["dt"], row["iterations"]) == wanted]
+    return [
+        row for row in rows if row["status"] == "ok" and (row["inertial_number"], row["dt"],
+                                                          row["iterations"]) == wanted
+    ]
 
 
 def mean(rows, name):
-    """Mean over the seeds and its standard error, NaN of fewer than two."""
+    """Mean over the seeds and its standard error, NaN for fewer than two."""
     values = np.array([row[name] for row in rows])
-    return float(values.mean()) if len(values) else math.nan, float(values.std(ddof=1) / math.sqrt(len(values))) if len(values) > 1 else math.nan
+    return float(values.mean()) if len(values) else math.nan, float(
+        values.std(ddof=1) / math.sqrt(len(values))) if len(values) > 1 else math.nan
 
 
 def changes(rows, name, setting):
-    """Mean change from the first setting of `OVERDAMPED` to another one, in pairs of equal seeds, and its standard error."""
+    """Mean change from the first of `OVERDAMPED` to a setting, over equal seeds, and its error."""
     first = {row["seed"]: row[name] for row in _with(rows, OVERDAMPED[0])}
-    return mean([{name: row[name] - first[row["seed"]]} for row in _with(rows, setting) if row["seed"] in first], name)
+    return mean([{name: row[name] - first[row["seed"]]}
+                 for row in _with(rows, setting) if row["seed"] in first], name)
 
 
 def ratios(rows):
-    """Limits I → 0 of every observable, how far I = 1e-3 and 1e-4 are from them, and what shear without inertia gives."""
-    groups = {key: group for key, group in _groups(_plain(rows)).items() if len({row["inertial_number"] for row in group}) > 1}
-    yield "observable | " + " | ".join(f"η = {eta:g}, N = {particles:g}: limit | off at 1e-3 | off at 1e-4 | without inertia" for eta, particles in groups)
+    """Lines of the limits I → 0, the deviations at I = 1e-3 and 1e-4, and shear without inertia."""
+    groups = {
+        key: group
+        for key, group in _groups(_plain(rows)).items()
+        if len({row["inertial_number"]
+                for row in group}) > 1
+    }
+    yield "observable | " + " | ".join(
+        f"η = {eta:g}, N = {particles:g}: limit | off at 1e-3 | off at 1e-4 | without inertia"
+        for eta, particles in groups)
     yield "---|" * 4 * len(groups) + "---"
     for name, title in OBSERVED.items():
         if name in ERRORS:
@@ -193,21 +251,30 @@ def ratios(rows):
         for key, group in groups.items():
             value, error, slope, slope_error = limit(group, name)
             cells.append(f"{value:.3g} ± {error:.1g}")
-            cells += [f"{slope * math.sqrt(rate):+.1g} ± {slope_error * math.sqrt(rate):.1g}" for rate in (1e-3, 1e-4)]
-            cells.append("{:.3g} ± {:.1g}".format(*mean(_with(_groups(rows).get(key, []), OVERDAMPED[0]), name)))
+            cells += [
+                f"{slope * math.sqrt(rate):+.1g} ± {slope_error * math.sqrt(rate):.1g}"
+                for rate in (1e-3, 1e-4)
+            ]
+            cells.append("{:.3g} ± {:.1g}".format(
+                *mean(_with(_groups(rows).get(key, []), OVERDAMPED[0]), name)))
         yield f"{title} | " + " | ".join(cells)
 
 
 def other_steps(rows, particles=1000):
-    """How far other steps and sweeps lead shear without inertia."""
+    """Lines of the changes of shear without inertia by other steps and sweeps."""
     groups = {eta: group for (eta, size), group in _groups(rows).items() if size == particles}
-    others = [setting for setting in OVERDAMPED[1:] if all(_with(group, setting) for group in groups.values())]
+    others = [
+        setting for setting in OVERDAMPED[1:] if all(
+            _with(group, setting) for group in groups.values())
+    ]
     words = ["dt = {} t₀, {} sweeps".format(*setting.split("/")[1:]) for setting in others]
     yield "observable | " + " | ".join(f"η = {eta:g}: {word}" for eta in groups for word in words)
     yield "---|" * len(others) * len(groups) + "---"
     for name, title in OBSERVED.items():
         if name not in ERRORS[1:]:
-            yield f"{title} | " + " | ".join("{:+.1g} ± {:.1g}".format(*changes(group, name, setting)) for group in groups.values() for setting in others)
+            yield f"{title} | " + " | ".join(
+                "{:+.1g} ± {:.1g}".format(*changes(group, name, setting))
+                for group in groups.values() for setting in others)
 
 
 def plot(rows, options):
@@ -219,30 +286,43 @@ def plot(rows, options):
         for (eta, particles), group in groups.items():
             _panel(ax, group, name, f"η = {eta:g}, N = {particles:g}", *_style(eta, particles))
             still, error = mean(_with(_groups(rows)[eta, particles], OVERDAMPED[0]), name)
-            ax.errorbar([-0.0014], [still], [np.nan_to_num(error)], color=_style(eta, particles)[0], marker="*", mfc=_style(eta, particles)[2], ms=9, ls="")
+            ax.errorbar([-0.0014], [still], [np.nan_to_num(error)], color=_style(eta, particles)[0],
+                        marker="*", mfc=_style(eta, particles)[2], ms=9, ls="")
         ax.set(title=OBSERVED[name], xlim=(-0.0035, 0.034))
-        ax.set_xticks([math.sqrt(rate) for rate in (0, 3e-5, 1e-4, 3e-4, 1e-3)], ["0", "3e-5", "1e-4", "3e-4", "1e-3"], fontsize=7, rotation=40)
+        ax.set_xticks([math.sqrt(rate) for rate in (0, 3e-5, 1e-4, 3e-4, 1e-3)],
+                      ["0", "3e-5", "1e-4", "3e-4", "1e-3"], fontsize=7, rotation=40)
         ax.set_xlabel("I (axis ∝ √I)", fontsize=8)
         ax.grid(alpha=0.3)
-    figure.suptitle("Each observable against the rate, its limit I → 0 at the left; stars: without inertia; grey triangles: the paper", fontsize=10)
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
+    figure.suptitle(
+        "Each observable against the rate, its limit I → 0 at the left; "
+        "stars: without inertia; grey triangles: the paper",
+        fontsize=10)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4,
+                  fontsize=9)
     return figure
 
 
 def _style(eta, particles):
-    """Colour and marker: filled and solid for discs."""
-    return ("k" if eta == 0 else "C3"), {1000: "o", 4000: "s"}.get(particles, "^"), ("k" if eta == 0 else "w"), ("-" if eta == 0 else "--")
+    """(colour, marker, fill, line); discs are filled and solid."""
+    return ("k" if eta == 0 else "C3"), {1000: "o", 4000: "s"}.get(
+        particles, "^"), ("k" if eta == 0 else "w"), ("-" if eta == 0 else "--")
 
 
 def _panel(ax, rows, name, label, color, marker, fill, line):
-    """Means over the seeds, each moved to the mean level of all, with their standard errors; the fit, the limit at the left, the paper's value in grey."""
+    """Draw means over the seeds, shifted to the common y₀, the fit and the paper's value."""
     start, error, slope, _ = limit(rows, name)
     levels = fit(rows, name)[0] if math.isfinite(start) else {}
     rates = sorted({row["inertial_number"] for row in rows})
-    values = [np.array([row[name] - levels.get(row["seed"], start) + start if levels else row[name] for row in rows if row["inertial_number"] == rate]) for rate in rates]
+    values = [
+        np.array([
+            row[name] - levels.get(row["seed"], start) + start if levels else row[name]
+            for row in rows if row["inertial_number"] == rate
+        ]) for rate in rates
+    ]
     errors = [v.std(ddof=1) / math.sqrt(len(v)) if len(v) > 1 else 0 for v in values]
     x = np.sqrt(rates)
-    ax.errorbar(x, [v.mean() for v in values], errors, color=color, marker=marker, mfc=fill, ms=5, ls="", label=label)
+    ax.errorbar(x, [v.mean() for v in values], errors, color=color, marker=marker, mfc=fill, ms=5,
+                ls="", label=label)
     if levels:
         ax.plot([0, x[-1]], [start, start + slope * x[-1]], color=color, ls=line, lw=0.8)
         ax.errorbar([0], [start], [np.nan_to_num(error)], color=color, marker="_", ms=10, capsize=4)

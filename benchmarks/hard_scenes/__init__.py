@@ -1,14 +1,16 @@
-"""Scenes on which contact solvers are known to fail, one a file, each with one predicate, its bound and the reason of the bound.
+"""Scenes on which contact solvers are known to fail, one a module.
+
+Each has one predicate, its bound and the reason of the bound.
 
 A module of this package has
 
     TITLE, PREDICATE, BOUND, REASON     what must hold: measured ≤ BOUND
     build(law, dt)                      makes the scene, returns what measure needs
-    measure(built, clock)               lets time pass, returns the measured number
-    RIGID_ONLY                          True where the question makes no sense for springs
+    measure(built, clock)               advances the scene, returns the measured number
+    RIGID_ONLY                          True if the predicate is meaningless for springs
 
-`law` is `ContactDynamics()` or `Smooth()`. Besides its own predicate every scene must keep what `Clock` watches: no energy from
-contacts, no tunnelling.
+`law` is `ContactDynamics()` or `Smooth()`. In every scene `Clock` also checks that contacts give no
+energy and that no grain tunnels.
 """
 
 import dataclasses
@@ -21,14 +23,15 @@ from .stage import COARSE, DT, Clock, ContactDynamics, Smooth
 
 __all__ = ["COARSE", "DT", "TIGHT", "ContactDynamics", "Result", "Smooth", "names", "run", "scene"]
 
-TUNNEL = 1.0  # overlap over the smaller cap radius at which a centre line is reached
-TIGHT = ContactDynamics(dict(tolerance=1e-10, kinematicTolerance=1e-5))  # what the law itself does; else the engine's defaults
-BLOW_UP = 0.05  # energy out of nothing, over the scale of the scene: the time stepping itself errs by some per cent at 10 dt
+TUNNEL = 1.0  # overlap over the smaller cap radius at which a contact reaches a centre line
+TIGHT = ContactDynamics(dict(tolerance=1e-10, kinematicTolerance=1e-5))  # without solver errors
+BLOW_UP = 0.05  # energy gain over the scale; time stepping gives some per cent at 10 dt
 
 
 def names():
     """Names of all scenes, in order."""
-    return sorted(name for _, name, _ in pkgutil.iter_modules(__path__) if name.startswith("s") and name[1:3].isdigit())
+    return sorted(name for _, name, _ in pkgutil.iter_modules(__path__)
+                  if name.startswith("s") and name[1:3].isdigit())
 
 
 def scene(name):
@@ -40,17 +43,17 @@ def scene(name):
 class Result:
     """One run of a scene."""
 
-    measured: float  # what its predicate is about
-    gain: float  # largest rise of the energy, over the scale of the scene [-]
-    overlap: float  # largest, over the smaller cap radius [-]
+    measured: float  # value of the predicate
+    gain: float  # largest energy gain over the scale of the scene [-]
+    overlap: float  # largest overlap over the smaller cap radius [-]
     steps: int
-    seconds: float  # of processor time
+    seconds: float  # processor time
     holds: bool  # measured ≤ BOUND
-    stable: bool  # no energy out of nothing and no tunnelling
+    stable: bool  # neither an energy gain nor tunnelling
 
 
 def run(name, law=ContactDynamics(), dt=DT, **shortened):
-    """Build the scene, let its time pass, and judge.
+    """Build a scene, advance it and judge it.
 
     Parameters
     ----------
@@ -60,7 +63,7 @@ def run(name, law=ContactDynamics(), dt=DT, **shortened):
     dt : float
         Time step [s].
     **shortened
-        Handed to ``measure``: ``seconds`` of the scenes that take long.
+        Passed to ``measure``: ``seconds`` of long scenes.
 
     Returns
     -------
@@ -71,11 +74,7 @@ def run(name, law=ContactDynamics(), dt=DT, **shortened):
     clock, start = Clock(), time.process_time()
     measured = float(module.measure(built, clock, **shortened))
     return Result(
-        measured=measured,
-        gain=clock.gain / clock.scale,
-        overlap=clock.overlap,
-        steps=clock.steps,
-        seconds=time.process_time() - start,
-        holds=measured <= module.BOUND,
-        stable=math.isfinite(clock.gain) and clock.gain <= BLOW_UP * clock.scale and clock.overlap < TUNNEL,
-    )
+        measured=measured, gain=clock.gain / clock.scale, overlap=clock.overlap, steps=clock.steps,
+        seconds=time.process_time() - start, holds=measured <= module.BOUND,
+        stable=math.isfinite(clock.gain) and clock.gain <= BLOW_UP * clock.scale
+        and clock.overlap < TUNNEL)

@@ -1,9 +1,14 @@
-"""Driven scenes drawn at random: walls whose motion is prescribed ask for more than rigid grains can do, for an instant or for good.
+"""Scenes with driven bodies, drawn at random, under rigid contacts and under springs.
 
-A bed of grains settles in a box, then one of `MOTIONS` begins. The same motion from the same bed is run with rigid contacts and with springs
-of 1e8 Pa, for as long. The rigid one must keep what springs keep by giving way: speeds, forces, the time of a step, and a message only where
-they too are crushed (`violations`). Springs are no reference once they are, and end soon after. Where they are not and the guard speaks, the two
-may have gone different ways long before: then springs also take over the rigid grains as they are in the first step without a solution.
+Rigid grains with friction cannot follow every prescribed motion. A step may have no solution (a
+frictional wedge), or none may exist any more (a jam).
+
+A bed of grains settles in a box, then one of `MOTIONS` begins. Rigid contacts and springs of 1e8 Pa
+run the same motion from the same bed for the same time. `violations` bounds speeds, forces and the
+time of a step of the rigid run, and checks that it stops with an error only if springs are crushed
+as well. Springs end soon after they are crushed. If the rigid run stops and springs are not
+crushed, the runs may have diverged before: springs then start from the rigid grains before the
+first step without a solution.
 """
 
 import dataclasses
@@ -17,84 +22,86 @@ from yade.wrapper import RotationEngine
 
 import rcr
 
-from .stage import DT, G, ContactDynamics, R, Smooth, angle, box, build, material, positions, real_contacts, solver
+from .stage import (DT, G, R, ContactDynamics, Smooth, angle, box, build, material, positions,
+                    real_contacts, solver)
 
 MOTIONS = "lid piston receding shear rotating wedge".split()
-CRUSHED = 0.02  # overlap over R₁ + R₂ beyond which a scene is squeezed, not resting or flowing
+CRUSHED = 0.02  # overlap over R₁ + R₂ at which grains count as crushed
 RIGID, SPRINGS = ContactDynamics(), Smooth(young=1e8, damping=0.3)
-PACE = 0.02  # of R, that the drive covers in a step at most
-RIGID_STEPS, SPRING_STEPS = 1500, 20000  # at most; both laws end with the one whose steps end first
-LATE = 50  # steps of the rigid law in which the message has to come
-LOOKS = 1000  # at the springs of a scene, at most; the rigid law is looked at after each step
+PACE = 0.02  # largest displacement of the drive in a step, over R
+RIGID_STEPS, SPRING_STEPS = 1500, 20000  # largest numbers; the shorter run sets the duration
+LATE = 50  # rigid steps within which the error has to come
+LOOKS = 1000  # largest number of samples of springs; rigid contacts are sampled at each step
 
 
 @dataclasses.dataclass(frozen=True)
 class Scene:
-    """What is driven, and how."""
+    """Parameters of a driven scene."""
 
     seed: int
     motion: str
     eta: float  # elongation of all grains [-]
     friction: float  # µ of all contacts [-]
     grains: int
-    dt: float  # [s], of the rigid law
+    dt: float  # of rigid contacts [s]
     speed: float  # of the drive [m/s]
-    steps: int  # of the rigid law
+    steps: int  # of rigid contacts
 
     @property
     def width(self):
-        """Of the box [m]."""
+        """Width of the box [m]."""
         return 2.2 * R * math.sqrt(self.grains)
 
 
 def draw(seed, grains=(20, 300), steps=RIGID_STEPS):
-    """The scene of a seed.
+    """Scene of a seed.
 
     Parameters
     ----------
     seed : int
     grains : (int, int)
-        Least and greatest number of grains.
+        Smallest and largest number of grains.
     steps : int
-        Most steps of the rigid law.
+        Largest number of steps with rigid contacts.
     """
     dice = random.Random(seed)
     log_uniform = lambda low, high: math.exp(dice.uniform(math.log(low), math.log(high)))
     dt = log_uniform(1e-4, 1e-2)
     speed = log_uniform(0.005, min(0.3, PACE * R / dt))
-    return Scene(
-        seed=seed, motion=MOTIONS[seed % len(MOTIONS)], eta=dice.choice([0, dice.uniform(0, 0.9)]), friction=dice.uniform(0, 1),
-        grains=round(log_uniform(*grains)), dt=dt, speed=speed, steps=min(steps, math.ceil(3 * R / (speed * dt))),
-    )  # fmt: skip
+    return Scene(seed=seed, motion=MOTIONS[seed % len(MOTIONS)],
+                 eta=dice.choice([0, dice.uniform(0, 0.9)]), friction=dice.uniform(0, 1),
+                 grains=round(log_uniform(*grains)), dt=dt, speed=speed,
+                 steps=min(steps, math.ceil(3 * R / (speed * dt))))
 
 
 @dataclasses.dataclass
 class Course:
-    """One run of a scene under one law."""
+    """Results of one run of a scene under one law."""
 
-    fall: float = 0.0  # height that a grain could fall [m]
-    duration: float = 0.0  # what it was to last [s]
-    fastest: float = 0.0  # of all grains and steps [m/s]
+    fall: float = 0.0  # largest height of fall of a grain [m]
+    duration: float = 0.0  # planned time [s]
+    fastest: float = 0.0  # largest speed of a grain [m/s]
     force: float = 0.0  # largest normal force of a contact [N/m]
-    overlap: float = 0.0  # deepest, over R₁ + R₂ [-]
-    crushed: float = math.inf  # time at which it went beyond CRUSHED [s]
-    stopped: float = math.inf  # time of the message [s]
+    overlap: float = 0.0  # largest overlap over R₁ + R₂ [-]
+    crushed: float = math.inf  # time at which `overlap` exceeded CRUSHED [s]
+    stopped: float = math.inf  # time of the error [s]
     median: float = 0.0  # processor time of a step [s]
-    slowest: float = 0.0  # the same of the slowest, but for the first, in which YADE sets up the scene
-    taken_over: float = 0.0  # deepest overlap of springs that take over the rigid grains, until LATE steps after the message; 0 if they need not [-]
-    yielded: int = 0  # steps in which contacts have yielded
-    missed: int = 0  # steps that missed the tolerance, those included
+    slowest: float = 0.0  # processor time of the slowest step without the first [s]
+    taken_over: float = 0.0  # overlap of springs that start from the rigid grains, or 0
+    yielded: int = 0  # steps without a solution
+    missed: int = 0  # steps that missed the tolerance, those without a solution included
     steps: int = 0
-    ended: bool = True  # without an exception other than the message of the guard
+    ended: bool = True  # False after an exception other than the error of a jam
 
 
 def run(scene, springs=None):
-    """Both laws on the same motion: (rigid, springs), two of `Course`. That of the springs may be given, of an earlier run."""
+    """Courses (rigid, springs) of a scene; `springs` may be given, from an earlier run."""
     bed = _settled(scene)
     springs = springs or _follow(scene, SPRINGS, bed, scene.steps * scene.dt)[0]
     rigid, times, wedged = _follow(scene, RIGID, bed, springs.duration)
-    again = _follow(scene, RIGID, bed, springs.duration, looks=0)[1]  # the same steps: what else the machine did is no part of the least time
-    least = np.min([times[1 : min(len(times), len(again))], again[1 : min(len(times), len(again))]], axis=0)
+    again = _follow(scene, RIGID, bed, springs.duration, looks=0)[1]  # repeated for the minimum
+    count = min(len(times), len(again))
+    least = np.min([times[1:count], again[1:count]], axis=0)
     rigid.median, rigid.slowest = float(np.median(least)), float(least.max())
     if rigid.stopped < math.inf and springs.crushed == math.inf and wedged:
         rest = rigid.stopped - wedged.time + LATE * scene.dt
@@ -103,51 +110,56 @@ def run(scene, springs=None):
 
 
 def violations(scene, rigid, springs):
-    """Names of the bounds that the rigid run breaks; none is what is wanted.
+    """Names of the bounds that the rigid run breaks.
 
     ended
-        No exception but the message of the guard.
+        No exception except the error of a jam.
     speed
-        No grain is ever faster than ten times the drive plus free fall.
+        No grain is faster than ten times the drive plus free fall.
     force
-        No contact carries more than a hundred times what springs carry at most.
+        No contact force exceeds a hundred times the largest one of springs.
     time
-        No step takes longer than ten times the median one.
+        No step takes more than ten times the median.
     false_alarm, no_alarm, late_alarm
-        The guard speaks where springs too overlap by more than CRUSHED, those of the scene or those that take over, within LATE steps after its
-        own grains do.
+        The error comes if and only if springs are crushed too, in either run with springs, and
+        within LATE steps after the rigid grains are crushed.
     """
     late = LATE * scene.dt
     broken = dict(
         ended=not rigid.ended,
         speed=rigid.fastest > 10 * scene.speed + math.sqrt(2 * G * rigid.fall),
-        force=rigid.force > 100 * springs.force,
-        time=rigid.slowest > 10 * rigid.median,
-        false_alarm=rigid.stopped < math.inf and springs.crushed == math.inf and rigid.taken_over <= CRUSHED,
-        no_alarm=rigid.stopped == math.inf and max(rigid.crushed, springs.crushed) + late < rigid.duration,
-        late_alarm=math.inf > rigid.stopped > rigid.crushed + late,
-    )
+        force=rigid.force > 100 * springs.force, time=rigid.slowest > 10 * rigid.median,
+        false_alarm=rigid.stopped < math.inf and springs.crushed == math.inf
+        and rigid.taken_over <= CRUSHED, no_alarm=rigid.stopped == math.inf
+        and max(rigid.crushed, springs.crushed) + late < rigid.duration,
+        late_alarm=math.inf > rigid.stopped > rigid.crushed + late)
     return [name for name, is_broken in broken.items() if is_broken]
 
 
 def _walls(scene, rough):
-    walls = rcr.wall("x", 0, material=rough), rcr.wall("x", scene.width, material=rough), rcr.wall("y", 0, material=rough)
-    return list(walls)
+    return [
+        rcr.wall(axis, at, material=rough) for axis, at in (("x", 0), ("x", scene.width), ("y", 0))
+    ]
 
 
 def _boundary(scene, top, rough):
-    """The bodies that hold and drive the grains, and the engines that move them."""
+    """Bodies around the grains, and a function of their ids that makes their engines."""
     v, width = scene.speed, scene.width
     if scene.motion == "rotating":
         centre, half = (width / 2, top / 2), (width / 2, top / 2)
         thick = 3 * R
         side = lambda x, y, a, b: box((x, y), (a, b), material=rough)
         boxes = [
-            side(centre[0], -thick, half[0] + 2 * thick, thick), side(centre[0], top + thick, half[0] + 2 * thick, thick),
-            side(-thick, centre[1], thick, half[1]), side(width + thick, centre[1], thick, half[1]),
-        ]  # fmt: skip
+            side(centre[0], -thick, half[0] + 2 * thick, thick),
+            side(centre[0], top + thick, half[0] + 2 * thick, thick),
+            side(-thick, centre[1], thick, half[1]),
+            side(width + thick, centre[1], thick, half[1]),
+        ]
         rate = scene.speed / math.hypot(*half)
-        return boxes, lambda ids: [RotationEngine(ids=ids, angularVelocity=rate, rotationAxis=(0, 0, 1), rotateAroundZero=True, zeroPoint=(*centre, 0))]
+        return boxes, lambda ids: [
+            RotationEngine(ids=ids, angularVelocity=rate, rotationAxis=(0, 0, 1), rotateAroundZero=
+                           True, zeroPoint=(*centre, 0))
+        ]
     walls = _walls(scene, rough)
     lid = rcr.wall("y", top, sense=-1, material=rough)
     if scene.motion in ("lid", "receding"):
@@ -156,36 +168,45 @@ def _boundary(scene, top, rough):
             walls[1].state.vel[0] = 1.7 * v
     if scene.motion == "piston":
         walls[1].state.vel[0] = -v
-    if scene.motion == "shear":  # by a row of discs that sinks at a tenth of its speed
-        row = [rcr.particle((x, top + R), R, 0, material=rough, fixed=True) for x in np.arange(-9 * R, width + 9 * R, 2 * R)]
+    if scene.motion == "shear":  # a row of discs that sinks at a tenth of its speed
+        row = [
+            rcr.particle((x, top + R), R, 0, material=rough, fixed=True)
+            for x in np.arange(-9 * R, width + 9 * R, 2 * R)
+        ]
         for disc in row:
             disc.state.vel = (v, -0.1 * v, 0)
         return walls[2:] + row + _ends(scene, top, rough), lambda ids: []
     if scene.motion == "wedge":  # a ram between two slopes
         lean = math.radians(50)
         reach = width / 2 / math.cos(lean)
-        slope = lambda x, angle: box((x, width / 4 * math.tan(lean) - R), (reach / 2, R), angle, rough)
+        slope = lambda x, angle: box((x, width / 4 * math.tan(lean) - R),
+                                     (reach / 2, R), angle, rough)
         slopes = [slope(width / 4, -lean), slope(0.75 * width, lean)]
-        ram = rcr.particle((width / 2, top + 0.25 * width), 0.25 * width, 0, material=rough, fixed=True)
+        ram = rcr.particle((width / 2, top + 0.25 * width), 0.25 * width, 0, material=rough,
+                           fixed=True)
         ram.state.vel[1] = -v
         return walls + slopes + [ram], lambda ids: []
     return walls + [lid], lambda ids: []
 
 
 def _ends(scene, top, rough):
-    """Sides of a shear box that end below its moving row."""
+    """Sides of a shear box, which end below its moving row."""
     return [box((x, 0.45 * top), (R, 0.5 * top), material=rough) for x in (-R, scene.width + R)]
 
 
 def _settled(scene):
-    """Positions and angles of the bed at rest, (grains, 3) [m, rad], and radii."""
+    """Radii [m] and (x, y, angle) of the bed at rest, (grains, 3) [m, m, rad]."""
     dice = random.Random(scene.seed + 1)
     radii = [R * dice.uniform(0.6, 1) for _ in range(scene.grains)]
     rough = material(scene.friction)
     centers = rcr._kernel.deposit(np.array(radii), scene.width)
     lift = 0.25 * scene.width * math.tan(math.radians(50)) * 2 if scene.motion == "wedge" else 0
-    walls, _ = _boundary(dataclasses.replace(scene, speed=0), 1e3, rough) if scene.motion == "wedge" else (_walls(scene, rough), None)
-    grains = [rcr.particle((x, y + lift), r, scene.eta, angle=dice.uniform(0, math.pi), material=rough) for (x, y), r in zip(centers, radii)]
+    walls, _ = _boundary(dataclasses.replace(scene, speed=0), 1e3,
+                         rough) if scene.motion == "wedge" else (_walls(scene, rough), None)
+    grains = [
+        rcr.particle((x, y + lift), r, scene.eta, angle=dice.uniform(0, math.pi), material=rough)
+        for (x, y), r in zip(centers, radii)
+    ]
     ids = build(ContactDynamics(), DT, *walls, *grains)[len(walls) :]
     for _ in range(600):
         O.step()
@@ -193,16 +214,21 @@ def _settled(scene):
 
 
 def _top(radii, poses, eta):
-    return max(float(y) + r * ((1 - eta) + eta * abs(math.sin(angle))) for r, (_, y, angle) in zip(radii, poses))
+    return max(
+        float(y) + r * ((1 - eta) + eta * abs(math.sin(angle)))
+        for r, (_, y, angle) in zip(radii, poses))
 
 
 def begin(scene, law, bed):
-    """The bed and what drives it, under a law; returns the ids of the grains and the height that a grain could fall [m]."""
+    """Make bed and drive; returns the ids of the grains and their largest height of fall [m]."""
     radii, poses = bed
     rough = material(scene.friction)
     top = _top(radii, poses, scene.eta) + 1e-3 * R
     boundary, engines = _boundary(scene, top, rough)
-    grains = [rcr.particle((x, y), r, scene.eta, angle=a, material=rough) for r, (x, y, a) in zip(radii, poses)]
+    grains = [
+        rcr.particle((x, y), r, scene.eta, angle=a, material=rough)
+        for r, (x, y, a) in zip(radii, poses)
+    ]
     ids = build(law, scene.dt, *boundary, *grains)
     walls, ids = ids[: len(boundary)], ids[len(boundary) :]
     O.engines = O.engines[:3] + engines(walls) + O.engines[3:]
@@ -211,20 +237,22 @@ def begin(scene, law, bed):
 
 @dataclasses.dataclass(frozen=True)
 class Moment:
-    """All bodies before a step."""
+    """Time and motion of all bodies before a step."""
 
     time: float  # [s]
     motion: list  # position, orientation, velocity and angular velocity of each
 
     @staticmethod
     def now():
-        return Moment(O.time, [(s.pos, s.ori, s.vel, s.angVel) for s in (body.state for body in O.bodies)])
+        return Moment(O.time,
+                      [(s.pos, s.ori, s.vel, s.angVel) for s in (body.state for body in O.bodies)])
 
 
 def _follow(scene, law, bed, duration, looks=None, start=None):
-    """The course of a law, the processor times of its steps [s] and the `Moment` before the first step without a solution, if there is one.
+    """Run a scene under a law, sampled `looks` times, by default at each rigid step.
 
-    There are `looks` at the scene, by default one after each rigid step; all bodies may have another motion to `start` from.
+    `start` replaces the initial motion of all bodies. Returns the course, the processor times of
+    the steps [s] and the `Moment` before the first step without a solution, or None.
     """
     ids, top = begin(scene, law, bed)
     for body, motion in zip(O.bodies, start or []):
@@ -260,7 +288,7 @@ def _follow(scene, law, bed, duration, looks=None, start=None):
 
 
 def _look(course, ids):
-    """At the grains; obstacles may stand in each other."""
+    """Sample speeds, forces and overlaps of the grains; obstacles may overlap each other."""
     course.fastest = max(course.fastest, max(O.bodies[i].state.vel.norm() for i in ids))
     grains = set(ids)
     for i in real_contacts():
@@ -268,22 +296,24 @@ def _look(course, ids):
             continue
         geom = i.geom
         course.force = max(course.force, i.phys.normalForce.norm())
-        course.overlap = max(course.overlap, -min(tuple(geom.gap)[: geom.points]) / (geom.refR1 + geom.refR2))
+        course.overlap = max(course.overlap, -min(tuple(geom.gap)[:geom.points]) /
+                             (geom.refR1 + geom.refR2))
 
 
 # ---- one scene of each motion, for the suite of hard scenes
 
 PREDICATE = "speed of the fastest grain, over ten times the drive plus free fall"
 BOUND = 1
-REASON = "what is driven slowly throws nothing out"
-SECONDS = 0.5  # in which the drive covers 3 R
+REASON = "a slow drive throws no grain"
+SECONDS = 0.5  # duration, in which the drive moves by 3 R
 
 
 def staged(motion):
     """``build`` and ``measure`` of the hard scene with this motion."""
 
     def build_scene(law, dt):
-        scene = Scene(seed=0, motion=motion, eta=0.5, friction=0.5, grains=60, dt=dt, speed=3 * R / SECONDS, steps=math.ceil(SECONDS / dt))
+        scene = Scene(seed=0, motion=motion, eta=0.5, friction=0.5, grains=60, dt=dt,
+                      speed=3 * R / SECONDS, steps=math.ceil(SECONDS / dt))
         ids, top = begin(scene, law, _settled(scene))
         return ids, 10 * scene.speed + math.sqrt(2 * G * top)
 
@@ -291,7 +321,8 @@ def staged(motion):
         ids, allowed = built
         speeds = [0.0]
         try:
-            clock.pass_(SECONDS, lambda: speeds.append(max(O.bodies[i].state.vel.norm() for i in ids)))
+            clock.pass_(SECONDS,
+                        lambda: speeds.append(max(O.bodies[i].state.vel.norm() for i in ids)))
         except RuntimeError as stopped:
             assert "jam" in str(stopped), stopped
         return max(speeds) / allowed

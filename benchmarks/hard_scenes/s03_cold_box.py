@@ -1,6 +1,6 @@
-"""S3. A dense box of 95 RCRs under a heavy lid, without any force to start from.
+"""S3. A dense box of 95 RCRs under a heavy lid, with a cold start.
 
-All forces have to be found in the first step; what is missing lets the lid sink.
+The first step must find all forces; an error lets the lid sink.
 """
 
 import rcr
@@ -8,9 +8,9 @@ import rcr
 from .stage import D, R, build as scene, material, positions, stadium
 
 TITLE = "cold dense box under a heavy lid"
-PREDICATE = "way of the lid in 1 s, in diameters"
+PREDICATE = "displacement of the lid in 1 s, in diameters"
 BOUND = 1e-3
-REASON = "geometry right to 1e-3 of a diameter, as in all scenes"
+REASON = "geometric error of 1e-3 diameters, as in all scenes"
 ROWS, COLUMNS = 10, 10
 
 
@@ -18,11 +18,15 @@ def build(law, dt):
     rough = material()
     a = r = R / 2  # bricks of 2R by R, each on the ends of two
     bricks = [
-        stadium(a, r, (R * (1 + row % 2) + D * k, r * (1 + 2 * row)), material=rough) for row in range(ROWS) for k in range(COLUMNS - row % 2)
+        stadium(a, r, (R * (1 + row % 2) + D * k, r * (1 + 2 * row)), material=rough)
+        for row in range(ROWS) for k in range(COLUMNS - row % 2)
     ]
     mass = sum(b.state.mass for b in bricks)
-    walls = rcr.wall("x", 0, material=rough), rcr.wall("x", COLUMNS * D, material=rough), rcr.wall("y", 0, material=rough)
-    ids = scene(law, dt, *walls, rcr.mobile_wall("y", 2 * r * ROWS, mass, sense=-1, material=rough), *bricks)
+    walls = rcr.wall("x", 0,
+                     material=rough), rcr.wall("x", COLUMNS * D,
+                                               material=rough), rcr.wall("y", 0, material=rough)
+    ids = scene(law, dt, *walls, rcr.mobile_wall("y", 2 * r * ROWS, mass, sense=-1, material=rough),
+                *bricks)
     return ids[3:4]
 
 

@@ -1,4 +1,4 @@
-"""S6. The same three overlapping discs: how much of the overlap is left."""
+"""S6. The overlap that the same three discs keep."""
 
 from .s06_overlap import DEPTH, build
 from .stage import R, deepest

@@ -1,25 +1,25 @@
 """S7. Eight long RCRs (η = 0.9) lie on each other.
 
-Where an angle decides between one point and two, rounding switches the second point on and off.
+If an angle decides between one point and two, rounding switches the second point on and off.
 """
 
 import math
 
-import rcr
-
-from .stage import D, R, X, build as scene, material, real_contacts, stadium, tilted
+from .stage import D, R, X, material, on_floor, real_contacts, stadium, tilted
 
 TITLE = "long parallel RCRs at rest"
 PREDICATE = "steps of 1000 in which a contact changes its type or points"
 BOUND = 0
-REASON = "nothing moves; neither may the contacts"
+REASON = "nothing moves, so no contact changes"
 COUNT = 8
 
 
 def long_stack(law, dt, mu_floor, gravity, count):
     rough = material()
-    rods = [stadium(0.9 * R, 0.1 * R, (X, 0.1 * R * (1 + 2 * k)), material=rough) for k in range(count)]
-    return scene(law, dt, rcr.wall("y", 0, material=material(mu_floor)), *rods, gravity=gravity)[1:]
+    rods = [
+        stadium(0.9 * R, 0.1 * R, (X, 0.1 * R * (1 + 2 * k)), material=rough) for k in range(count)
+    ]
+    return on_floor(law, dt, material(mu_floor), *rods, gravity=gravity)
 
 
 def build(law, dt):
@@ -27,8 +27,9 @@ def build(law, dt):
 
 
 def kinds():
-    """Of the pairs that touch; those that are only foreseen come and go with the speed."""
-    return sorted((i.id1, i.id2, i.geom.type, i.geom.points) for i in real_contacts() if min(i.geom.gap) < 1e-4 * D)
+    """Type and points of the touching pairs; pairs with a gap depend on the speed."""
+    return sorted((i.id1, i.id2, i.geom.type, i.geom.points) for i in real_contacts()
+                  if min(i.geom.gap) < 1e-4 * D)
 
 
 def measure(ids, clock):
@@ -40,4 +41,5 @@ def measure(ids, clock):
         last.append(kinds())
 
     clock.step(1000, look)
-    return sum(changes) if all(points == 2 for *_, points in last[-1]) and len(last[-1]) == len(ids) else math.inf
+    return sum(changes) if all(
+        points == 2 for *_, points in last[-1]) and len(last[-1]) == len(ids) else math.inf

@@ -1,4 +1,7 @@
-"""S7. Three long RCRs (η = 0.9) on each other slide down a slope; the floor is smoother (µ = 0.3) than they are (0.5)."""
+"""S7. Three long RCRs (η = 0.9) on each other slide down a slope.
+
+The floor has µ = 0.3, the RCRs have 0.5.
+"""
 
 import math
 

@@ -1,6 +1,7 @@
 """S8. A disc rolls over the joints of a floor of boxes.
 
-Each joint has two corners, which the disc can touch only from above; what takes them for obstacles brakes it or makes it jump.
+The disc can touch the two corners of a joint only from above. A detector that treats them as
+obstacles brakes the disc or makes it jump.
 """
 
 from .stage import R, box, build as scene, material, stadium, state, twist
@@ -8,7 +9,7 @@ from .stage import R, box, build as scene, material, stadium, state, twist
 TITLE = "disc rolls over the joints of a floor"
 PREDICATE = "largest |v/v₀ − 1| in 1 s and 8 joints"
 BOUND = 1e-3
-REASON = "on a floor without joints it is rounding; what else a thousandth, as in all scenes"
+REASON = "rounding on a floor without joints; 1e-3, as in all scenes"
 SPEED = 30 * R  # m/s
 
 

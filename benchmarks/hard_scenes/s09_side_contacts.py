@@ -1,6 +1,7 @@
-"""S9. Five flat RCRs on each other under oblique gravity: each side contact has two points and one force too many.
+"""S9. Five flat RCRs on each other under oblique gravity.
 
-How the tangential force is shared by the two points is free; their resultant and its moment are not.
+A side contact has two points and one force too many. The tangential force divides between the
+points in any ratio; the resultant and its moment are unique.
 """
 
 import os
@@ -15,19 +16,21 @@ from .stage import R, build as scene, material, solver, stadium, tilted
 TITLE = "indeterminate side contacts"
 PREDICATE = "largest difference of a pair's resultant between solvers, relative"
 BOUND = 1e-6
-REASON = "residual 1e-10 times the condition of the stack, n² = 25, and a reserve"
+REASON = "residual 1e-10 times the condition of the stack, n² = 25, with a margin"
 RIGID_ONLY = True
 SOLVERS = "nlgs", "sor", "nesterov", "exact"
 
 
 def build(law, dt):
     rough = material()
-    bricks = [stadium(R / 2, R / 2, (0.1 * R * k, R / 2 * (1 + 2 * k)), material=rough) for k in range(5)]
+    bricks = [
+        stadium(R / 2, R / 2, (0.1 * R * k, R / 2 * (1 + 2 * k)), material=rough) for k in range(5)
+    ]
     return scene(law, dt, rcr.wall("y", 0, material=rough), *bricks, gravity=tilted(0.2))
 
 
 def present_problem():
-    """The problem of the last step."""
+    """Contact problem of the last step."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "step.npz")
         solver().save(path)
@@ -35,7 +38,7 @@ def present_problem():
 
 
 def resultants(problem, impulse):
-    """Impulse of each pair (x, y) and its moment about body 2 over R; one row a pair."""
+    """(pairs, 3): impulse (x, y) of each pair and its moment about body 2 over R [N s/m]."""
     n = problem.normal
     t = np.column_stack((-n[:, 1], n[:, 0]))
     p = impulse[:, :1] * n + impulse[:, 1:] * t
@@ -47,5 +50,9 @@ def resultants(problem, impulse):
 def measure(ids, clock):
     clock.step(5)
     problem = present_problem()
-    found = [resultants(problem, rcr.solve(problem, solver=s, tolerance=1e-10, max_iterations=1_000_000).reaction) for s in SOLVERS]
+    found = [
+        resultants(problem,
+                   rcr.solve(problem, solver=s, tolerance=1e-10, max_iterations=1_000_000).reaction)
+        for s in SOLVERS
+    ]
     return max(abs(other - found[0]).max() for other in found[1:]) / abs(found[0]).max()

@@ -1,6 +1,6 @@
-"""S10. The forces in a pile of 150 RCRs are not unique; neither may the order of the contacts decide about the strong ones.
+"""S10. Strong forces in a pile of 150 RCRs must not depend on the order of contacts.
 
-The step is solved twice from nothing, with its contacts in two orders.
+The step is solved twice from a cold start, with its contacts in two orders.
 """
 
 import dataclasses
@@ -9,12 +9,12 @@ import numpy as np
 import rcr
 
 from .s09_side_contacts import present_problem, resultants
-from .stage import D, R, build as scene, material, stadium
+from .stage import D, R, build as scene, material
 
 TITLE = "contacts in a shuffled order"
 PREDICATE = "mean change of the strong forces (above the mean), over their mean"
 BOUND = 0.05
-REASON = "forces of two starts differ by up to 24 % at any residual; the strong network is what carries"
+REASON = "forces of two starts differ by up to 24 % at any residual, strong ones by less"
 RIGID_ONLY = True
 SEED = 10
 
@@ -23,23 +23,30 @@ def build(law, dt):
     rng = np.random.default_rng(SEED)
     rough = material()
     grains = [
-        rcr.particle((D * 1.1 * (k % 10 + 0.5), D * 1.1 * (k // 10 + 0.5)), R * rng.uniform(0.7, 1), 0.5, rng.uniform(0, np.pi), rough)
-        for k in range(150)
+        rcr.particle((D * 1.1 * (k % 10 + 0.5), D * 1.1 * (k // 10 + 0.5)), R * rng.uniform(0.7, 1),
+                     0.5, rng.uniform(0, np.pi), rough) for k in range(150)
     ]
-    walls = rcr.wall("x", 0, material=rough), rcr.wall("x", 11 * D, material=rough), rcr.wall("y", 0, material=rough)
+    walls = rcr.wall("x", 0,
+                     material=rough), rcr.wall("x", 11 * D,
+                                               material=rough), rcr.wall("y", 0, material=rough)
     return scene(law, dt, *walls, *grains)
 
 
 def shuffled(problem, order):
-    """The same problem with its contacts in another order."""
-    return dataclasses.replace(problem, **{n: getattr(problem, n)[order] for n in "bodies normal arm1 arm2 bias friction impulse".split()})
+    """The problem with its contacts in another order."""
+    return dataclasses.replace(
+        problem, **{
+            n: getattr(problem, n)[order]
+            for n in "bodies normal arm1 arm2 bias friction impulse".split()
+        })
 
 
 def measure(ids, clock):
     clock.pass_(2.0)
     problem = present_problem()
     forces = []
-    for order in np.arange(problem.contacts), np.random.default_rng(SEED).permutation(problem.contacts):
+    for order in np.arange(problem.contacts), np.random.default_rng(SEED).permutation(
+            problem.contacts):
         other = shuffled(problem, order)
         solution = rcr.solve(other, solver="auto", tolerance=1e-8, max_iterations=1_000_000)
         forces.append(np.hypot(*resultants(other, solution.reaction)[:, :2].T))

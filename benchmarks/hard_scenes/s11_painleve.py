@@ -1,7 +1,8 @@
-"""S11. A slender rod slides on its tip against the lean of the rod (chalk that is pushed), µ = 2.
+"""S11. A slender rod slides on its tip against its lean, like a pushed chalk, µ = 2.
 
-w_nn − µ w_nt ≤ 0, so sliding friction presses the tip into the floor faster than the normal force lifts it, and
-no finite force is consistent. An impact without collision is: the tip stops at once, p = −W⁻¹ u (Génot and Brogliato 1999).
+With w_nn − µ w_nt ≤ 0 sliding friction presses the tip into the floor faster than the normal force
+lifts it: no finite force is consistent. An impact without collision is consistent. The tip stops at
+once, p = −W⁻¹ u (Génot and Brogliato 1999).
 """
 
 import math
@@ -10,21 +11,20 @@ import numpy as np
 import rcr
 from yade import O
 
-from .stage import D, G, R, build as scene, material, stadium, state, twist
+from .stage import G, R, build as scene, material, stadium, state, twist
 
 TITLE = "Painlevé rod"
 PREDICATE = "|twist − that of the impact that stops the tip| after the first step, relative"
 BOUND = 1e-3
-REASON = "the tolerance, 1e-4, and the curvature of the way of a step, s²/2ρ, which the closed form leaves out"
-RIGID_ONLY = True  # a spring needs many steps to find the impact
+REASON = "tolerance 1e-4, and the curvature s²/2ρ of a step, which the closed form neglects"
+RIGID_ONLY = True  # springs need many steps for the impact
 MU, ANGLE, A, CAP = 2.0, math.atan(2), 0.95 * R, 0.05 * R
 SPEED = 30 * R
 
 
 def build(law, dt):
-    rod = scene(
-        law, dt, rcr.wall("y", 0, material=material(MU)), stadium(A, CAP, (0, CAP + A * math.sin(ANGLE)), ANGLE, material=material(MU))
-    )[1]
+    rod = scene(law, dt, rcr.wall("y", 0, material=material(MU)),
+                stadium(A, CAP, (0, CAP + A * math.sin(ANGLE)), ANGLE, material=material(MU)))[1]
     state(rod).vel = (-SPEED, 0, 0)
     return rod
 
@@ -33,7 +33,7 @@ def stopped(rod, dt):
     """Twist after the impact that stops the tip, from v + dt g."""
     m, inertia = state(rod).mass, state(rod).inertia[2]
     x, y = -A * math.cos(ANGLE), -A * math.sin(ANGLE) - CAP
-    jacobian = np.array([[0, 1, x], [1, 0, -y]])  # of the tip: normal, along the floor
+    jacobian = np.array([[0, 1, x], [1, 0, -y]])  # of the tip: normal, tangential
     inverse = np.diag([1 / m, 1 / m, 1 / inertia])
     w = jacobian @ inverse @ jacobian.T
     assert w[0, 0] - MU * abs(w[0, 1]) <= 0, "this rod is no paradox"

@@ -1,20 +1,19 @@
 """S12. 72 rods hit a rough floor at all angles and slips, with restitution e = 1.
 
-Newton's rule returns the normal velocity whatever friction does meanwhile. Where the slip reverses, the impulse is larger than the
-compression has stored (Kane and Levinson 1985, Stronge 1991).
+Newton's rule returns the normal velocity for any friction. Where the slip reverses, the impulse
+exceeds the one that the compression has stored (Kane and Levinson 1985, Stronge 1991).
 """
 
 import math
 
 import numpy as np
-import rcr
 
-from .stage import D, R, build as scene, material, stadium, state
+from .stage import R, material, on_floor, stadium, state
 
 TITLE = "slip reversal with restitution"
 PREDICATE = "largest gain of kinetic energy of a rod, relative"
 BOUND = 1e-3
-REASON = "a contact gives no energy; the solver is right to 1e-4 in each velocity"
+REASON = "contacts give no energy; the solver has an error of 1e-4 in each velocity"
 ANGLES = np.linspace(10, 80, 8)  # degrees
 SLIPS = np.array([-4, -2, -1, -0.5, 0, 0.5, 1, 2, 4])  # over the speed of approach
 SPEED = 10 * R
@@ -23,18 +22,22 @@ SPEED = 10 * R
 def build(law, dt):
     rough = material(0.5)
     rods = [
-        stadium(0.9 * R, 0.1 * R, (4 * R * (9 * j + k), (0.1 + 0.9 * math.sin(math.radians(degrees))) * R), math.radians(degrees), material=rough)
-        for j, degrees in enumerate(ANGLES)
+        stadium(0.9 * R, 0.1 * R, (4 * R *
+                                   (9 * j + k), (0.1 + 0.9 * math.sin(math.radians(degrees))) * R),
+                math.radians(degrees), material=rough) for j, degrees in enumerate(ANGLES)
         for k in range(len(SLIPS))
     ]
-    ids = scene(law, dt, rcr.wall("y", 0, material=rough), *rods, gravity=(0, 0, 0), restitution=1)[1:]
+    ids = on_floor(law, dt, rough, *rods, gravity=(0, 0, 0), restitution=1)
     for k, i in enumerate(ids):
         state(i).vel = (SPEED * SLIPS[k % len(SLIPS)], -SPEED, 0)
     return ids
 
 
 def energies(ids):
-    return np.array([0.5 * s.mass * s.vel.squaredNorm() + 0.5 * s.inertia[2] * s.angVel[2] ** 2 for s in map(state, ids)])
+    return np.array([
+        0.5 * s.mass * s.vel.squaredNorm() + 0.5 * s.inertia[2] * s.angVel[2]**2
+        for s in map(state, ids)
+    ])
 
 
 def measure(ids, clock):

@@ -1,17 +1,15 @@
 """S13. Newton's cradle: one of five discs in touch is hit, e = 1.
 
-Newton's rule has no waves: contacts that touch get a share at once, and the last disc does not take all. Energy and momentum are
-kept nevertheless; they are what is asked for.
+Newton's rule has no waves: all touching contacts get a share at once, and the last disc does not
+get all. Energy and momentum must be conserved nevertheless.
 """
 
-import numpy as np
-
-from .stage import D, R, build as scene, kinetic, material, stadium, state, twist
+from .stage import D, R, build as scene, kinetic, material, stadium, state
 
 TITLE = "Newton's cradle"
 PREDICATE = "largest |kinetic energy / first − 1| in 0.5 s"
 BOUND = 1e-3
-REASON = "the tolerance, 1e-4, in both factors of each velocity, and some impacts"
+REASON = "tolerance 1e-4 in each velocity, squared, over some impacts"
 SPEED = 10 * R
 
 

@@ -1,6 +1,6 @@
-"""S14. A lid that is driven, not pressed, crushes a box of 39 discs.
+"""S14. A lid with a prescribed velocity crushes a box of 39 discs.
 
-Rigid grains have no answer to that. A solver that stops at its last sweep lets them sink into each other without a word.
+Rigid grains have no solution. A solver that accepts its last sweep lets them overlap silently.
 """
 
 import math
@@ -10,18 +10,21 @@ import rcr
 from .stage import D, R, build as scene, deepest, material, stadium
 
 TITLE = "box crushed by a driven lid"
-PREDICATE = "overlap at which the run stops with a message, over R"
+PREDICATE = "overlap at which the run stops with an error, over R"
 BOUND = 0.2
-REASON = "well before two discs can change places"
+REASON = "far below the overlap at which two discs change places"
 RIGID_ONLY = True  # springs give way
 SPEED = 5 * R
 
 
 def build(law, dt):
     rough = material()
-    centers = [(R * (1 + row % 2) + D * k, R + row * math.sqrt(3) * R) for row in range(6) for k in range(7 - row % 2)]
+    centers = [(R * (1 + row % 2) + D * k, R + row * math.sqrt(3) * R) for row in range(6)
+               for k in range(7 - row % 2)]
     top = 2 * R + 5 * math.sqrt(3) * R
-    walls = rcr.wall("x", 0, material=rough), rcr.wall("x", 7 * D, material=rough), rcr.wall("y", 0, material=rough)
+    walls = rcr.wall("x", 0,
+                     material=rough), rcr.wall("x", 7 * D,
+                                               material=rough), rcr.wall("y", 0, material=rough)
     lid = rcr.wall("y", top, sense=-1, velocity=-SPEED, material=rough)
     return scene(law, dt, *walls, lid, *(stadium(0, R, c, material=rough) for c in centers))
 

@@ -1,6 +1,7 @@
 """S16. A disc flies past the corner of a box, 1e-3 d above it, and past another disc.
 
-A contact that is foreseen knows a plane only, the tangent at the closest point; a curved way past it may be taken for a hit.
+A contact with a gap is a plane, the tangent at the closest point. The curved path around it can
+look like a hit.
 """
 
 import numpy as np
@@ -10,15 +11,17 @@ from .stage import D, R, box, build as scene, material, stadium, state, twist
 TITLE = "near miss of a corner and of a disc"
 PREDICATE = "|change of velocity| / speed"
 BOUND = 1e-3
-REASON = "nothing is touched: the answer is 0, and a thousandth, as in all scenes"
+REASON = "the exact value is 0; 1e-3, as in all scenes"
 SPEED = 100 * R
 CLEARANCE = 1e-3 * D
 
 
 def build(law, dt):
     rough = material()
-    obstacles = box((0, -R), (R / 2, R), material=rough), stadium(0, R, (4 * R, -R), material=rough, fixed=True)
-    disc = scene(law, dt, *obstacles, stadium(0, R, (-5.03 * R, R + CLEARANCE), material=rough), gravity=(0, 0, 0))[-1]
+    obstacles = box((0, -R), (R / 2, R), material=rough), stadium(0, R, (4 * R, -R), material=rough,
+                                                                  fixed=True)
+    disc = scene(law, dt, *obstacles, stadium(0, R, (-5.03 * R, R + CLEARANCE), material=rough),
+                 gravity=(0, 0, 0))[-1]
     state(disc).vel = (SPEED, 0, 0)
     return disc
 

@@ -1,6 +1,6 @@
 """S18. A flat RCR on a slope at 0.95 of the friction angle, for 10⁶ steps.
 
-A law that lets friction slip a little in every step, or a correction that displaces along the slope, makes it creep.
+It creeps if friction slips a little in every step or if a correction moves it along the slope.
 """
 
 import math
@@ -12,14 +12,15 @@ from .stage import D, R, build as scene, farthest, material, stadium, tilted
 TITLE = "slope below the friction angle"
 PREDICATE = "displacement in 10⁶ steps (10⁵ at 10 dt), in diameters"
 BOUND = 1e-3
-REASON = "geometry right to 1e-3 of a diameter, as in all scenes"
+REASON = "geometric error of 1e-3 diameters, as in all scenes"
 SECONDS = 1000.0
 
 
 def build(law, dt):
     rough = material(0.5)
     wall = rcr.wall("y", 0, material=rough)
-    return scene(law, dt, wall, stadium(R / 2, R / 2, (0, R / 2), material=rough), gravity=tilted(math.atan(0.95 * 0.5)))[1:]
+    return scene(law, dt, wall, stadium(R / 2, R / 2, (0, R / 2), material=rough),
+                 gravity=tilted(math.atan(0.95 * 0.5)))[1:]
 
 
 def measure(ids, clock, seconds=SECONDS):

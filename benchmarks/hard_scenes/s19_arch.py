@@ -1,9 +1,9 @@
-"""S19. A flat arch: nine upright RCRs, side by side between a wall and a press, hang by friction alone, like books between two hands.
+"""S19. A flat arch: nine upright RCRs between a wall and a press hang by friction alone.
 
     2 µ N ≥ W        friction at the two ends carries the weight
-    W L/8 ≤ N a      the line of thrust stays within the sides, 2a high, of a row of the length L
+    W L/8 ≤ N a      the line of thrust stays in the row of length L and height 2a
 
-The press gives 1.3 times the larger of the two. Mass ratios and cold starts let the row sag.
+The press gives 1.3 times the larger N. Mass ratios and cold starts let the row sag.
 """
 
 import math
@@ -15,14 +15,16 @@ from .stage import D, G, R, build as scene, farthest, material, push, stadium
 TITLE = "flat arch of nine"
 PREDICATE = "largest displacement in 10 s, in diameters"
 BOUND = 1e-3
-REASON = "geometry right to 1e-3 of a diameter, as in all scenes"
+REASON = "geometric error of 1e-3 diameters, as in all scenes"
 COUNT, MU = 9, 0.5
 
 
 def build(law, dt):
     rough = material(MU)
     a, r = 0.8 * R, 0.2 * R
-    stones = [stadium(a, r, (r * (1 + 2 * k), 0), math.pi / 2, material=rough) for k in range(COUNT)]
+    stones = [
+        stadium(a, r, (r * (1 + 2 * k), 0), math.pi / 2, material=rough) for k in range(COUNT)
+    ]
     weight = G * sum(s.state.mass for s in stones)
     press = rcr.mobile_wall("x", 2 * r * COUNT, stones[0].state.mass, sense=-1, material=rough)
     ids = scene(law, dt, rcr.wall("x", 0, material=rough), press, *stones)

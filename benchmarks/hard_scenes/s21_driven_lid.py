@@ -1,7 +1,4 @@
-"""S21. A lid is driven into a bed.
-
-Rigid grains with friction cannot always do what walls of prescribed motion ask for, for an instant (a frictional wedge) or for good (a jam).
-"""
+"""S21. A lid moves into a bed. See `driven`."""
 
 from . import driven
 

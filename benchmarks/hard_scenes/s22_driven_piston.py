@@ -1,7 +1,4 @@
-"""S22. A side wall is driven into a bed under a lid.
-
-Rigid grains with friction cannot always do what walls of prescribed motion ask for, for an instant (a frictional wedge) or for good (a jam).
-"""
+"""S22. A side wall moves into a bed under a lid. See `driven`."""
 
 from . import driven
 

@@ -1,7 +1,4 @@
-"""S23. A lid is driven into a bed while a side wall recedes faster.
-
-Rigid grains with friction cannot always do what walls of prescribed motion ask for, for an instant (a frictional wedge) or for good (a jam).
-"""
+"""S23. A lid moves into a bed while a side wall recedes faster. See `driven`."""
 
 from . import driven
 

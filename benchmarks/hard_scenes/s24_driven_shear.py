@@ -1,7 +1,4 @@
-"""S24. A row of discs slides and sinks over a bed in a box.
-
-Rigid grains with friction cannot always do what walls of prescribed motion ask for, for an instant (a frictional wedge) or for good (a jam).
-"""
+"""S24. A row of discs slides and sinks over a bed in a box. See `driven`."""
 
 from . import driven
 

@@ -1,7 +1,4 @@
-"""S25. A closed box of grains turns.
-
-Rigid grains with friction cannot always do what walls of prescribed motion ask for, for an instant (a frictional wedge) or for good (a jam).
-"""
+"""S25. A closed box of grains turns. See `driven`."""
 
 from . import driven
 

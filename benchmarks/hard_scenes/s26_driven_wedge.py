@@ -1,7 +1,4 @@
-"""S26. A large disc is driven into grains between two slopes.
-
-Rigid grains with friction cannot always do what walls of prescribed motion ask for, for an instant (a frictional wedge) or for good (a jam).
-"""
+"""S26. A large disc moves into grains between two slopes. See `driven`."""
 
 from . import driven
 

@@ -1,6 +1,6 @@
-"""What the hard scenes share: the law under test, bodies, and a clock that watches energy and overlaps while time passes.
+"""Shared parts of the hard scenes: laws, bodies, and a clock that checks energy and overlaps.
 
-Lengths are in units of a grain: R = 0.01 m is the half length of every body unless a scene says otherwise, d = 2R.
+R = 0.01 m is the half length of every body unless a scene states another; d = 2R.
 """
 
 import dataclasses
@@ -10,10 +10,9 @@ import numpy as np
 import yade.utils
 from yade import O
 from yade.minieigenHP import Quaternion, Vector3
-from yade.wrapper import (
-    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop,
-    Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, NewtonIntegrator,
-)  # fmt: skip
+from yade.wrapper import (Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb,
+                          ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop,
+                          Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, NewtonIntegrator)
 
 import rcr
 
@@ -21,16 +20,16 @@ G = 9.81  # m/s²
 R = 0.01  # m
 D = 2 * R
 DENSITY = 1000.0  # kg/m³
-DT = 1e-3  # s, the default: a grain falls 5e-4 d in it from rest
+DT = 1e-3  # s, the default: a grain at rest falls 5e-4 d in a step
 COARSE = 10 * DT
-X = 0.1234567  # where stacks stand: at 0 sums are exact, and rounding would be spared them
+X = 0.1234567  # x of stacks [m]; at 0 sums would be exact, without rounding
 
-_pushes = {}  # constant forces on bodies of the present scene; YADE cannot be asked for one that is not there
+_pushes = {}  # constant forces on bodies of the present scene, by id; YADE cannot list them
 
 
 @dataclasses.dataclass(frozen=True)
 class ContactDynamics:
-    """The rigid law with the engine's own defaults, but for the attributes in `options`."""
+    """Rigid contacts; `options` are attributes of the engine that differ from the defaults."""
 
     options: dict = dataclasses.field(default_factory=dict)
     young = 1e9  # not used
@@ -39,12 +38,19 @@ class ContactDynamics:
         ip2 = rcr.Ip2_FrictMat_FrictMat_CdPhys()
         if restitution:
             ip2.restitution = MatchMaker(algo="val", val=restitution)
-        return [*_detection(ip2, rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()), rcr.ContactDynamics(**self.options), _newton(gravity)]
+        return [
+            *_detection(ip2, rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()),
+            rcr.ContactDynamics(**self.options),
+            _newton(gravity)
+        ]
 
 
 @dataclasses.dataclass(frozen=True)
 class Smooth:
-    """The smooth law with the stiffness of `young` [Pa] and the share `damping` of critical damping [-], whatever restitution a scene asks for."""
+    """Springs of the stiffness `young` [Pa] and `damping` over critical damping [-].
+
+    The restitution of a scene is ignored.
+    """
 
     young: float = 1e8
     damping: float = 0.2
@@ -55,9 +61,24 @@ class Smooth:
 
 
 def _detection(ip2, law2):
-    boxes = [rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(), Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()]
-    points = [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom(), rcr.Ig2_Sphere_Rcr_RcrGeom()]
-    return [ForceResetter(), InsertionSortCollider(boxes, verletDist=0.1 * R), InteractionLoop(points, [ip2], [law2])]
+    boxes = [
+        rcr.Bo1_Rcr_Aabb(),
+        Bo1_Wall_Aabb(),
+        Bo1_Box_Aabb(),
+        Bo1_Sphere_Aabb(),
+        Bo1_Facet_Aabb()
+    ]
+    points = [
+        rcr.Ig2_Rcr_Rcr_RcrGeom(),
+        rcr.Ig2_Wall_Rcr_RcrGeom(),
+        rcr.Ig2_Box_Rcr_RcrGeom(),
+        rcr.Ig2_Sphere_Rcr_RcrGeom()
+    ]
+    return [
+        ForceResetter(),
+        InsertionSortCollider(boxes, verletDist=0.1 * R),
+        InteractionLoop(points, [ip2], [law2])
+    ]
 
 
 def _newton(gravity):
@@ -65,7 +86,7 @@ def _newton(gravity):
 
 
 def build(law, dt, *bodies, gravity=(0, -G, 0), restitution=0):
-    """A fresh scene of these bodies under the law; returns their ids.
+    """Reset YADE and make a scene of these bodies under the law; returns their ids.
 
     Parameters
     ----------
@@ -74,7 +95,7 @@ def build(law, dt, *bodies, gravity=(0, -G, 0), restitution=0):
         Time step [s].
     *bodies : Body
     gravity : (float, float, float)
-        [m/s²].
+        Acceleration [m/s²].
     restitution : float
         Coefficient of restitution of all contacts [-].
     """
@@ -85,6 +106,11 @@ def build(law, dt, *bodies, gravity=(0, -G, 0), restitution=0):
     O.dt = dt
     O.engines = law.engines(gravity, restitution)
     return [O.bodies.append(body) for body in bodies]
+
+
+def on_floor(law, dt, rough, *bodies, **options):
+    """`build` of these bodies on a floor of the material `rough`; returns the ids of the bodies."""
+    return build(law, dt, rcr.wall("y", 0, material=rough), *bodies, **options)[1:]
 
 
 def material(friction=0.5, density=DENSITY):
@@ -100,7 +126,8 @@ def stadium(a, r, center, angle=0.0, **options):
 def box(center, half_extent, angle=0.0, material=None):
     """Fixed rectangle [m, rad]."""
     orientation = Quaternion(Vector3(0, 0, 1), angle)
-    return yade.utils.box((*center, 0), (*half_extent, 1), orientation=orientation, fixed=True, material=material)
+    return yade.utils.box((*center, 0), (*half_extent, 1), orientation=orientation, fixed=True,
+                          material=material)
 
 
 def tilted(alpha):
@@ -119,18 +146,18 @@ def state(i):
 
 
 def positions(ids):
-    """(n, 2) array [m]."""
+    """Centres of the bodies, (n, 2) [m]."""
     return np.array([state(i).pos for i in ids])[:, :2]
 
 
 def angle(i):
-    """Of the long axis to x [rad], in (−π, π]."""
+    """Angle of the long axis to x, in (−π, π] [rad]."""
     q = state(i).ori
     return math.remainder(2 * math.atan2(q[2], q[3]), 2 * math.pi)
 
 
 def twist(i):
-    """(v_x, v_y, ω)."""
+    """(v_x, v_y, ω) [m/s, m/s, rad/s]."""
     s = state(i)
     return np.array([s.vel[0], s.vel[1], s.angVel[2]])
 
@@ -145,25 +172,32 @@ def _free():
 
 def kinetic():
     """Kinetic energy of all free bodies [J/m]."""
-    return sum(0.5 * b.state.mass * b.state.vel.squaredNorm() + 0.5 * b.state.inertia[2] * b.state.angVel[2] ** 2 for b in _free())
+    return sum(0.5 * b.state.mass * b.state.vel.squaredNorm()
+               + 0.5 * b.state.inertia[2] * b.state.angVel[2]**2 for b in _free())
 
 
 def potential():
     """Energy in gravity and in constant forces [J/m]."""
     gravity = np.array(next(e for e in O.engines if isinstance(e, NewtonIntegrator)).gravity)
-    return -sum((b.state.mass * gravity + _pushes.get(b.id, 0)) @ np.array(b.state.pos) for b in _free())
+    return -sum(
+        (b.state.mass * gravity + _pushes.get(b.id, 0)) @ np.array(b.state.pos) for b in _free())
 
 
 def _work_of(prescribed):
-    """Energy that these bodies of prescribed motion have given to the others in the step [J/m]."""
-    return -O.dt * sum(O.forces.f(b.id).dot(b.state.vel) + O.forces.t(b.id).dot(b.state.angVel) for b in prescribed)
+    """Work of the driven bodies on the free ones in the step [J/m]."""
+    return -O.dt * sum(
+        O.forces.f(b.id).dot(b.state.vel) + O.forces.t(b.id).dot(b.state.angVel)
+        for b in prescribed)
 
 
 def deepest():
-    """Largest overlap over the cap radius of the smaller body [-], 0 where none overlap."""
+    """Largest overlap over the cap radius of the smaller body [-]; 0 without overlaps."""
     overlaps = [0.0]
     for i in real_contacts():
-        radii = [s.capRadius for s in (O.bodies[k].shape for k in (i.id1, i.id2)) if isinstance(s, rcr.Rcr)]
+        radii = [
+            s.capRadius for s in (O.bodies[k].shape for k in (i.id1, i.id2))
+            if isinstance(s, rcr.Rcr)
+        ]
         overlaps += [-gap / min(radii) for gap in tuple(i.geom.gap)[: i.geom.points]]
     return max(overlaps)
 
@@ -174,25 +208,27 @@ def solver():
 
 
 def farthest(ids, clock, seconds):
-    """Largest displacement of these bodies while the time passes [m]."""
+    """Advance by `seconds` and return the largest displacement of these bodies [m]."""
     start, way = positions(ids), [0.0]
     clock.pass_(seconds, lambda: way.append(np.linalg.norm(positions(ids) - start, axis=1).max()))
     return max(way)
 
 
 class Clock:
-    """Lets time pass in the scene, and notes what must hold in every scene at any time step.
+    """Advances the scene, and records the energy gain and the largest overlap.
 
     Attributes
     ----------
     gain : float
-        Largest kinetic energy above that of the start and what loads and drives have given since [J/m]. No contact may give any.
+        Largest kinetic energy beyond that of the start and the work of loads and drives [J/m]. It
+        is 0 if contacts give no energy.
     scale : float
-        What to compare it with: the kinetic energy of the start, and what all loads do over d [J/m].
+        Energy to compare `gain` with: kinetic energy of the start, and work of all loads over d
+        [J/m].
     overlap : float
-        Largest overlap seen, over the cap radius of the smaller body [-]. At 1 bodies tunnel.
+        Largest overlap over the cap radius of the smaller body [-]; at 1 bodies tunnel.
     steps : int
-        Made so far.
+        Number of steps so far.
     """
 
     def __init__(self, samples=1000):
@@ -201,25 +237,30 @@ class Clock:
         self.restart()
 
     def restart(self):
-        """After a change by hand: the energy is counted from here."""
+        """Count the energy from here, after a change of the scene by hand."""
         self.kinetic, self.potential, self.driven = kinetic(), potential(), 0.0
         self.prescribed = [b for b in O.bodies if b and b.state.blockedDOFs == "xyzXYZ"]
-        loads = sum(b.state.mass for b in _free()) * G + sum(np.linalg.norm(force) for force in _pushes.values())
+        loads = sum(b.state.mass for b in _free()) * G + sum(
+            np.linalg.norm(force) for force in _pushes.values())
         self.scale = self.kinetic + loads * D
 
     def pass_(self, seconds, each=None):
-        """`seconds` of simulated time, rounded to steps; `each()` is called at every sample."""
+        """Advance by `seconds`, rounded to steps; calls `each()` at every sample."""
         self.step(max(1, round(seconds / O.dt)), each)
 
     def step(self, count, each=None):
+        """Advance by `count` steps; calls `each()` at every sample."""
         chunk = max(1, count // self.samples)
         while count > 0:
-            for _ in range(min(chunk, count)):  # O.run(…, True) looks only every 40 ms whether it is done
+            for _ in range(min(chunk, count)):  # O.run(…, True) returns up to 40 ms late
                 O.step()
                 self.driven += _work_of(self.prescribed)
             self.steps += min(chunk, count)
             count -= chunk
-            self.gain = max(self.gain, kinetic() - self.kinetic - max(0, self.potential - potential()) - max(0, self.driven))
+            self.gain = max(
+                self.gain,
+                kinetic() - self.kinetic - max(0, self.potential - potential())
+                - max(0, self.driven))
             self.overlap = max(self.overlap, deepest())
             if each:
                 each()

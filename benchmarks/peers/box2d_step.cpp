@@ -1,4 +1,4 @@
-// Steps a packing in Box2D 2.4. It has no rounded polygons: a grain is a rectangle with two circles, a disc one circle.
+// Steps a packing in Box2D 2.4. A grain is a rectangle with two circles, a disc is one circle.
 #include <box2d/box2d.h>
 
 #include <cmath>
@@ -8,7 +8,7 @@
 
 namespace {
 
-constexpr int positionIterations = 3; // what its manual suggests
+constexpr int positionIterations = 3; // as its manual suggests
 
 b2Vec2 vect(double x, double y) { return { float(x), float(y) }; }
 
@@ -30,7 +30,7 @@ void addGrain(b2Body* body, const BodyRow& row, double friction)
 		addFixture(body, circle, friction, 0);
 		if (row.halfLength == 0) return;
 	}
-	b2PolygonShape rectangle; // its skin, b2_polygonRadius, makes up what is missing
+	b2PolygonShape rectangle; // its skin b2_polygonRadius adds the rest
 	rectangle.SetAsBox(float(row.halfLength), float(row.radius) - b2_polygonRadius);
 	addFixture(body, rectangle, friction, 0);
 }
@@ -41,7 +41,7 @@ void addWall(b2Body* body, const BodyRow& row)
 	b2PolygonShape slab;
 	const double   angle = std::atan2(row.normalY, row.normalX);
 	slab.SetAsBox(float(wallThickness / 2), float(wallHalfLength), vect(-depth * row.normalX, -depth * row.normalY), float(angle));
-	addFixture(body, slab, 0, -1); // a negative group: walls do not touch each other
+	addFixture(body, slab, 0, -1); // bodies of a negative group do not collide: walls
 }
 
 b2Body* add(b2World& world, const BodyRow& row, double friction, int id)
@@ -64,7 +64,7 @@ b2Body* add(b2World& world, const BodyRow& row, double friction, int id)
 	return body;
 }
 
-/// The contacts of one step: their geometry before it, their impulses after it.
+/// Contacts of one step: geometry before the step, impulses after it.
 class Listener : public b2ContactListener {
 public:
 	explicit Listener(const std::vector<b2Body*>& bodies)
@@ -82,7 +82,7 @@ public:
 		for (int k = 0; k < impulse->count; ++k) {
 			const b2Vec2 r1 = m.points[k] - centre_[b1], r2 = m.points[k] - centre_[b2];
 			contacts.push_back({ b1, b2, m.normal.x, m.normal.y, r1.x, r1.y, r2.x, r2.y, contact->GetFriction(), impulse->normalImpulses[k],
-			                     -impulse->tangentImpulses[k], m.separations[k] }); // its tangent is the normal turned by −90°
+			                     -impulse->tangentImpulses[k], m.separations[k] }); // its tangent: normal turned by −90°
 		}
 	}
 
@@ -133,7 +133,7 @@ Outcome run(const Task& task)
 	char name[32];
 	std::snprintf(name, sizeof name, "Box2D %d.%d.%d", b2_version.major, b2_version.minor, b2_version.revision);
 	Outcome    outcome { name, {}, {}, {}, {} };
-	Simulation timed(task), listed(task); // listening takes time
+	Simulation timed(task), listed(task); // the listener costs time
 	for (int k = 0; k < task.steps; ++k)
 		outcome.seconds.push_back(secondsOf([&] { timed.step(); }));
 

@@ -1,6 +1,6 @@
-// Steps a packing in Chipmunk: a grain is a segment with a radius, which is its rounded-cap rectangle exactly.
+// Steps a packing in Chipmunk. A grain is a segment with a radius, a rounded-cap rectangle.
 #include <chipmunk/chipmunk.h>
-#include <chipmunk/chipmunk_structs.h> // impulses of single points are in no other header
+#include <chipmunk/chipmunk_structs.h> // declares the impulses of single points
 
 #include <cmath>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace {
 
-constexpr cpGroup wallGroup = 1; // walls do not touch each other
+constexpr cpGroup wallGroup = 1; // shapes of a group do not collide
 
 cpVect vect(double x, double y) { return cpv(x, y); }
 
@@ -27,7 +27,7 @@ cpBody* add(cpSpace* space, const BodyRow& row, double friction, int id)
 		const cpVect end  = vect(row.halfLength, 0);
 		const bool   disc = row.halfLength == 0;
 		shape             = disc ? cpCircleShapeNew(body, row.radius, cpvzero) : cpSegmentShapeNew(body, cpvneg(end), end, row.radius);
-		cpShapeSetFriction(shape, std::sqrt(friction)); // Chipmunk multiplies those of the two shapes
+		cpShapeSetFriction(shape, std::sqrt(friction)); // Chipmunk multiplies the values of both shapes
 	} else {
 		const cpVect normal = vect(row.normalX, row.normalY), along = cpvmult(cpvperp(normal), wallHalfLength);
 		const cpVect middle = cpvmult(normal, -wallThickness / 2);
@@ -41,7 +41,7 @@ cpBody* add(cpSpace* space, const BodyRow& row, double friction, int id)
 
 int idOf(const cpBody* body) { return static_cast<int>(reinterpret_cast<std::intptr_t>(cpBodyGetUserData(body))); }
 
-/// The contacts in which the body is the first, so that each is listed once.
+/// Adds the contacts in which the body is the first; each contact is listed once.
 void list(cpBody* body, cpArbiter* arbiter, void* data)
 {
 	if (arbiter->body_a != body) return;
@@ -66,7 +66,7 @@ Outcome run(const Task& task)
 	cpSpace* space = cpSpaceNew();
 	cpSpaceSetIterations(space, task.iterations);
 	cpSpaceSetCollisionSlop(space, task.slop);
-	cpSpaceSetCollisionPersistence(space, 1); // from its cache a contact that returns would count an impulse that is not applied
+	cpSpaceSetCollisionPersistence(space, 1); // a cached contact would return an impulse that was not applied
 	std::vector<cpBody*> bodies;
 	for (const BodyRow& row : task.bodies)
 		bodies.push_back(add(space, row, task.friction, int(bodies.size())));
@@ -82,7 +82,7 @@ Outcome run(const Task& task)
 	outcome.after = velocities(bodies);
 	for (cpBody* body : bodies)
 		cpBodyEachArbiter(body, list, &outcome.contacts);
-	for (ContactRow& c : outcome.contacts) { // positions are those that the contacts were found at
+	for (ContactRow& c : outcome.contacts) { // at the positions of the contact detection
 		const cpVect x1 = cpBodyGetPosition(bodies[c.body1]), x2 = cpBodyGetPosition(bodies[c.body2]);
 		c.gap           = cpvdot(cpvsub(cpvadd(x2, vect(c.r2x, c.r2y)), cpvadd(x1, vect(c.r1x, c.r1y))), vect(c.nx, c.ny));
 	}

@@ -1,7 +1,8 @@
-// What the step programs share: the packing that they read, the step that they are asked for, the JSON that they print.
+// Shared parts of the step programs: reads the packing and the arguments, prints JSON.
 //
-// The packing is a text file of numbers, one body a row (numpy.savetxt). A grain has a radius; a wall has none but an
-// outward normal, and its x, y is a point of its face. Mass 0: prescribed motion. Any consistent units, mean diameter 1.
+// The packing is a text file of numbers, one body a row (numpy.savetxt). A grain has a radius > 0.
+// A wall has radius 0 and an outward normal; its x, y is a point of its face. Mass 0 is prescribed
+// motion. Units are consistent, with the mean diameter as length.
 #pragma once
 
 #include <cstdio>
@@ -21,11 +22,11 @@ struct BodyRow {
 
 struct Task {
 	std::vector<BodyRow> bodies;
-	double               dt = 0, friction = 0, slop = 0; // slop: overlap that is left alone
+	double               dt = 0, friction = 0, slop = 0; // slop: overlap that is not corrected
 	int                  iterations = 0, steps = 0;
 };
 
-/// One contact point: bodies by row, normal from body 1 to body 2, arms from their centres, impulse, signed gap.
+/// Contact point: rows of the bodies, normal from body 1 to body 2, arms from the centres, impulse, gap.
 struct ContactRow {
 	int    body1, body2;
 	double nx, ny, r1x, r1y, r2x, r2y, friction, normalImpulse, tangentImpulse, gap;
@@ -35,7 +36,7 @@ struct Velocity {
 	double x, y, omega;
 };
 
-/// What was measured; contacts and velocities are those of the last step.
+/// Results; contacts and velocities are of the last step.
 struct Outcome {
 	std::string             library;
 	std::vector<double>     seconds;
@@ -48,7 +49,7 @@ constexpr double wallHalfLength = 1000, wallThickness = 2;
 inline std::vector<BodyRow> readBodies(const char* path)
 {
 	std::ifstream file(path);
-	if (!file) throw std::runtime_error(std::string(path) + ": cannot be read");
+	if (!file) throw std::runtime_error(std::string(path) + ": cannot be read; give a packing file");
 	std::vector<BodyRow> bodies;
 	constexpr int        columns = sizeof(BodyRow) / sizeof(double);
 	double               value[columns];
@@ -59,19 +60,19 @@ inline std::vector<BodyRow> readBodies(const char* path)
 			std::memcpy(&bodies.back(), value, sizeof value);
 		}
 	if (bodies.empty() || !file.eof())
-		throw std::runtime_error(std::string(path) + ": is no table of " + std::to_string(columns) + " numbers a body");
+		throw std::runtime_error(std::string(path) + ": expected " + std::to_string(columns) + " numbers a body");
 	return bodies;
 }
 
 inline Task readTask(int argc, char** argv)
 {
-	if (argc != 7) throw std::runtime_error("wanted PACKING DT FRICTION SLOP ITERATIONS STEPS");
+	if (argc != 7) throw std::runtime_error("expected PACKING DT FRICTION SLOP ITERATIONS STEPS");
 	Task task { readBodies(argv[1]), std::atof(argv[2]), std::atof(argv[3]), std::atof(argv[4]), std::atoi(argv[5]), std::atoi(argv[6]) };
-	if (!(task.dt > 0) || task.iterations < 1 || task.steps < 1) throw std::runtime_error("wanted DT > 0, ITERATIONS and STEPS of at least 1");
+	if (!(task.dt > 0) || task.iterations < 1 || task.steps < 1) throw std::runtime_error("expected DT > 0, ITERATIONS >= 1, STEPS >= 1");
 	return task;
 }
 
-/// Processor time: the libraries run on one thread, and others may want the processor.
+/// Processor time of a step [s]; the libraries run on one thread.
 template <class Step> double secondsOf(Step step)
 {
 	const std::clock_t start = std::clock();
@@ -103,7 +104,7 @@ inline void print(const Outcome& outcome)
 	std::printf("}\n");
 }
 
-/// Reads the task, calls run(task), prints its outcome; 1 and a line where something is wrong.
+/// Reads the task, runs it and prints the outcome; on an error prints a line and returns 1.
 template <class Run> int stepProgram(int argc, char** argv, Run run)
 {
 	try {

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""Solve W, q, µ with Siconos' 2D NSGS and print as JSON when it reached which residual. For a Python that has Siconos.
+"""Solve W, q, µ with Siconos and print the time to each residual as JSON.
 
-NSGS runs in pieces that start from where the last one ended, which for Gauss–Seidel is the same as one run; between
-them, outside the time taken, our residual is computed. Its own error is evaluated once a piece. The 3D ADMM solves
-the same contacts with a third direction in which nothing moves; it cannot be cut, so it is asked for its own errors in turn.
+It needs a Python with Siconos. The 2D NSGS runs in pieces, each from the end of the previous one,
+which equals one run of Gauss–Seidel. Our residual is computed between pieces, outside the timing;
+Siconos evaluates its own error once a piece. The 3D ADMM solves the same contacts with a third,
+motionless direction. It cannot be cut into pieces, so it runs with decreasing tolerances of its
+own.
 """
 
 import argparse
@@ -20,8 +22,8 @@ from scipy.sparse import csc_matrix
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from benchmarks.measure import residual
 
-FIRST, GROWTH = 20, 0.1  # iterations of the first piece; share of all so far in a later one
-REPEATS, BUDGET = 12, 2.0  # the least of so many runs counts; no further one is begun after so many seconds
+FIRST, GROWTH = 20, 0.1  # iterations of the first piece; later pieces over all iterations so far
+REPEATS, BUDGET = 12, 2.0  # largest number of runs; seconds after which no run begins
 
 
 def arguments():
@@ -29,70 +31,81 @@ def arguments():
     parser.add_argument("problem", help="arrays rows, columns, values, q, friction, start; .npz")
     parser.add_argument("--method", choices=("nsgs", "admm"), default="nsgs")
     parser.add_argument("--tolerances", type=float, nargs="+", required=True)
-    parser.add_argument("--limit", type=float, default=10, help="seconds of processor time after which it is given up")
+    parser.add_argument("--limit", type=float, default=10, help="limit of processor time [s]")
     return parser.parse_args()
 
 
 def problem(entries, size, dimension, q, friction):
-    """Problem of Siconos, blocks for NSGS and columns for ADMM; keep the second value as long as the problem."""
+    """(problem of Siconos, its matrix): blocks for NSGS, columns for ADMM.
+
+    The matrix must live as long as the problem.
+    """
     matrix = csc_matrix(entries, shape=(size, size))
     matrix.indices, matrix.indptr = matrix.indices.astype(np.int64), matrix.indptr.astype(np.int64)
     kept = sn.SBM_from_csparse(2, matrix)[1] if dimension == 2 else matrix
-    return sn.FrictionContactProblem(dimension, len(friction), kept, np.ascontiguousarray(q.ravel()), friction), kept
+    return sn.FrictionContactProblem(dimension, len(friction), kept,
+                                     np.ascontiguousarray(q.ravel()), friction), kept
 
 
 def nsgs(data, matrix, tolerances, limit):
+    """Rows of the 2D NSGS and its cost of an iteration and contact [s]."""
     friction, q, p = data["friction"], data["q"], data["start"].ravel().copy()
-    of_siconos, _kept = problem((data["values"], (data["rows"], data["columns"])), len(p), 2, q, friction)
+    task, _kept = problem((data["values"], (data["rows"], data["columns"])), len(p), 2, q, friction)
     velocity, seconds, iterations, rows = np.zeros(len(p)), 0.0, 0, []
-    wanted = sorted(tolerances, reverse=True)
-    while wanted and seconds < limit:
+    pending = sorted(tolerances, reverse=True)
+    while pending and seconds < limit:
         piece = max(FIRST, int(GROWTH * iterations))
         options = sn.SolverOptions(sn.SICONOS_FRICTION_2D_NSGS)
         options.iparam[sn.SICONOS_IPARAM_MAX_ITER] = piece
-        options.iparam[sn.SICONOS_FRICTION_3D_IPARAM_ERROR_EVALUATION] = sn.SICONOS_FRICTION_3D_NSGS_ERROR_EVALUATION_FULL
+        full = sn.SICONOS_FRICTION_3D_NSGS_ERROR_EVALUATION_FULL
+        options.iparam[sn.SICONOS_FRICTION_3D_IPARAM_ERROR_EVALUATION] = full
         options.iparam[sn.SICONOS_FRICTION_3D_IPARAM_ERROR_EVALUATION_FREQUENCY] = piece
         options.dparam[sn.SICONOS_DPARAM_TOL] = 1e-16
         start = time.process_time()
-        sn.fc2d_driver(of_siconos, p, velocity, options)
+        sn.fc2d_driver(task, p, velocity, options)
         seconds += time.process_time() - start
         iterations += piece
         reached = residual(matrix, q, friction, p.reshape(-1, 2))
-        while wanted and reached <= wanted[0]:
-            rows.append(dict(tolerance=wanted.pop(0), iterations=iterations, seconds=seconds, residual=reached))
-    rows += [dict(tolerance=t, iterations=iterations, seconds=seconds, residual=reached) for t in wanted]
+        found = dict(iterations=iterations, seconds=seconds, residual=reached)
+        while pending and reached <= pending[0]:
+            rows.append(dict(tolerance=pending.pop(0), **found))
+    rows += [dict(tolerance=t, **found) for t in pending]
     return rows, seconds / iterations / len(friction)
 
 
 def admm(data, matrix, tolerances, limit):
+    """Rows of the 3D ADMM and its cost of an iteration and contact [s]."""
     friction, nc = data["friction"], len(data["friction"])
     place = lambda index: index // 2 * 3 + index % 2
     third = 3 * np.arange(nc) + 2
     diagonal = matrix.diagonal()[1::2]
     rows, columns = (np.concatenate([place(data[name]), third]) for name in ("rows", "columns"))
     q = np.column_stack([data["q"], np.zeros(nc)])
-    of_siconos, _kept = problem((np.concatenate([data["values"], diagonal]), (rows, columns)), 3 * nc, 3, q, friction)
-    found, wanted, own, spent, best = [], sorted(tolerances, reverse=True), 1e-3, 0.0, dict(residual=np.inf)
-    while wanted and spent < limit and own > 1e-14:
+    task, _kept = problem((np.concatenate([data["values"], diagonal]), (rows, columns)), 3 * nc, 3,
+                          q, friction)
+    found, pending, own, spent, best = [], sorted(tolerances,
+                                                  reverse=True), 1e-3, 0.0, dict(residual=np.inf)
+    while pending and spent < limit and own > 1e-14:
         options = sn.SolverOptions(sn.SICONOS_FRICTION_3D_ADMM)
         options.iparam[sn.SICONOS_IPARAM_MAX_ITER] = max(100, int(limit / 400e-9 / nc))
         options.dparam[sn.SICONOS_DPARAM_TOL] = own
         p, velocity = np.column_stack([data["start"], np.zeros(nc)]).ravel(), np.zeros(3 * nc)
         start = time.process_time()
-        sn.fc3d_driver(of_siconos, p, velocity, options)
+        sn.fc3d_driver(task, p, velocity, options)
         seconds = time.process_time() - start
         spent += seconds
         reached = residual(matrix, data["q"], friction, p.reshape(-1, 3)[:, :2])
-        best = dict(iterations=int(options.iparam[sn.SICONOS_IPARAM_ITER_DONE]), seconds=seconds, residual=reached)
-        while wanted and reached <= wanted[0]:
-            found.append(dict(tolerance=wanted.pop(0), **best))
+        best = dict(iterations=int(options.iparam[sn.SICONOS_IPARAM_ITER_DONE]), seconds=seconds,
+                    residual=reached)
+        while pending and reached <= pending[0]:
+            found.append(dict(tolerance=pending.pop(0), **best))
         own /= 10
-    found += [dict(tolerance=t, **best) for t in wanted]
+    found += [dict(tolerance=t, **best) for t in pending]
     return found, best["seconds"] / max(1, best["iterations"]) / nc
 
 
-def least(run):
-    """Rows and cost of a run, each the least of several."""
+def fastest(run):
+    """Rows and cost of the fastest of several runs."""
     rows, cost = run()
     spent = rows[-1]["seconds"]
     for _ in range(REPEATS - 1):
@@ -100,7 +113,8 @@ def least(run):
             break
         again, other = run()
         spent += again[-1]["seconds"]
-        rows, cost = [min(pair, key=lambda row: row["seconds"]) for pair in zip(rows, again)], min(cost, other)
+        rows, cost = [min(pair, key=lambda row: row["seconds"])
+                      for pair in zip(rows, again)], min(cost, other)
     return rows, cost
 
 
@@ -112,7 +126,7 @@ def main():
     matrix = csc_matrix((data["values"], (data["rows"], data["columns"])), shape=(size, size))
     sn.numerics_set_verbose(0)
     method = nsgs if options.method == "nsgs" else admm
-    rows, cost = least(lambda: method(data, matrix, options.tolerances, options.limit))
+    rows, cost = fastest(lambda: method(data, matrix, options.tolerances, options.limit))
     print(json.dumps(dict(rows=rows, ns=1e9 * cost)))
 
 

@@ -3,7 +3,7 @@
 #include <limits>
 #include <sstream>
 
-#include "parallel/team.hpp"
+#include "parallel/thread_team.hpp"
 
 namespace rcr {
 
@@ -92,7 +92,7 @@ ContactProblem problemFrom(
 		wantShape(recovery, "recovery", nc, 1);
 		problem.recovery.assign(recovery.data(), recovery.data() + nc);
 	}
-	Team alone;
+	ThreadTeam alone;
 	checkProblem(problem, alone);
 	return problem;
 }

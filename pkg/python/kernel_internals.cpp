@@ -13,7 +13,7 @@
 #include "exact/path_following.hpp"
 #include "exact/proximal_parameter.hpp"
 #include "kernel_arrays.hpp"
-#include "parallel/team.hpp"
+#include "parallel/thread_team.hpp"
 #include "problem/residual.hpp"
 #include "step/drive.hpp"
 #include "sweep/lane/lane_check.hpp"
@@ -41,9 +41,9 @@ namespace {
 		const ContactProblem problem = problemOf(arrays);
 		wantShape(before, "before", py::ssize_t(problem.freeVelocity.size()), 3);
 		const Twist* rows  = reinterpret_cast<const Twist*>(before.data());
-		Team         alone;
+		ThreadTeam         alone;
 		const DrivenMotion  drive = drivenMotionOf(problem, { rows, rows + rowsOf(before) }, alone);
-		return py::make_tuple(drive.speed, drive.compliance, drive.mostImpulse);
+		return py::make_tuple(drive.speed, drive.compliance, drive.yieldImpulse);
 	}
 
 	// ---- linear algebra
@@ -132,7 +132,7 @@ namespace {
 	{
 		Settings settings;
 		settings.tolerance       = tolerance;
-		settings.violation       = violation;
+		settings.kinematicTolerance       = violation;
 		settings.meanForceChange = meanForceChange;
 		settings.checkInterval   = checkInterval;
 		settings.minIterations   = minIterations;
@@ -149,7 +149,7 @@ namespace {
 		using Rows = std::vector<std::vector<std::int32_t>>;
 		const ContactProblem problem = problemOf(arrays);
 		Layout               layout;
-		Team                 alone;
+		ThreadTeam                 alone;
 		layout.update(problem, Reductions::of(reductions), alone);
 		Rows pairs, islands, overflow, sections, chunks, blocks1, blocks2;
 		for (const LaidPair& p : layout.pairs())
@@ -234,7 +234,7 @@ void bindInternals(py::module_& m)
 {
 	m.def("residual", [](const py::kwargs& arrays) { return residual(problemOf(arrays)); }, "Residual [-] of the impulses of a problem, arrays as of `solve`.");
 	m.def("drive", driveFrom, py::arg("before"), "(speed, compliance, most_impulse) of a problem whose bodies had these velocities, arrays as of `solve`.");
-	m.def("violation", [](double rest, const py::kwargs& arrays) { return violation(problemOf(arrays), rest); }, py::arg("rest"),
+	m.def("violation", [](double rest, const py::kwargs& arrays) { return kinematicError(problemOf(arrays), rest); }, py::arg("rest"),
 	      "Kinematic violation [-] of the impulses of a problem, arrays as of `solve`; `rest` as in solver.hpp.");
 
 	m.def("solve_blocks", solveBlocks, py::arg("pairs"), py::arg("diagonal"), py::arg("upper"), py::arg("lower"), py::arg("b"),
@@ -261,17 +261,18 @@ void bindInternals(py::module_& m)
 	        .def(py::init<>())
 	        .def_readwrite("grown", &JamDetector::grown)
 	        .def_readwrite("deepest", &JamDetector::deepest)
+	        .def_readwrite("certified", &JamDetector::certified)
 	        .def_readonly_static("crushed", &JamDetector::crushed)
 	        .def_readonly_static("patience", &JamDetector::patience)
-	        .def_readwrite("certified", &JamDetector::certified)
 	        .def(
 	                "update",
 	                [](JamDetector& detector, double overlap, bool noSolution) {
 		                constexpr const char* names[] = { "none", "jam", "not converged" };
 		                return names[int(detector.update(overlap, noSolution))];
 	                },
-	                py::arg("overlap"), py::arg("no_solution") = false,
-	                "Adds a step with its deepest overlap over R₁ + R₂ [-]; returns 'none', 'jam' or 'not converged'.");
+	                py::arg("overlap"),
+	                py::arg("no_solution") = false,
+	                "Adds a step with its deepest overlap over R₁ + R₂ [-].");
 	py::class_<MissedSteps>(m, "MissedSteps", "Counts steps that did not converge (watch/missed_steps.hpp).")
 	        .def(py::init<>())
 	        .def_readonly("steps", &MissedSteps::steps)

@@ -15,7 +15,7 @@ namespace {
 	py::dict solveArrays(
 	        const Array& inverseMass, const Array& freeVelocity, const py::object& bodies, const Array& normal, const Array& arm1, const Array& arm2,
 	        const Array& bias, const Array& friction, const Array& impulse, const std::string& solver, double tolerance, int maxIterations, int threads,
-	        int lanes, int checkInterval, int minIterations, int stallSweeps, double violation, double meanForceChange, double compliance, double mostImpulse,
+	        int lanes, int checkInterval, int minIterations, int stallSweeps, double violation, double meanForceChange, double compliance, double yieldImpulse,
 	        const std::vector<std::string>& reductions, Workspace* workspace, const py::object& drift, const py::object& shift,
 	        const py::object& inverseStretchMass, const py::object& recovery)
 	{
@@ -29,10 +29,10 @@ namespace {
 		settings.checkInterval = checkInterval;
 		settings.minIterations = minIterations;
 		settings.stallSweeps   = stallSweeps;
-		settings.violation     = violation;
+		settings.kinematicTolerance     = violation;
 		settings.meanForceChange = meanForceChange;
-		settings.compliance    = compliance;
-		settings.mostImpulse   = mostImpulse;
+		settings.yieldCompliance    = compliance;
+		settings.yieldImpulse   = yieldImpulse;
 		settings.reductions    = Reductions::of(reductions);
 		Report report;
 		double seconds, processorSeconds;
@@ -50,8 +50,8 @@ namespace {
 		        py::arg("impulse") = arrayOf(problem.impulse), py::arg("relative_velocity") = arrayOf(relative),
 		        py::arg("velocity") = arrayOf(problem.velocity), py::arg("stretch") = py::make_tuple(problem.stretch.x, problem.stretch.y),
 		        py::arg("iterations") = report.iterations, py::arg("residual") = report.residual, py::arg("converged") = report.converged,
-		        py::arg("violation") = report.violation, py::arg("yielded") = report.yielded, py::arg("taken") = report.taken,
-		        py::arg("closing") = report.closing, py::arg("grown") = report.grown, py::arg("work") = report.work, py::arg("seconds") = seconds,
+		        py::arg("violation") = report.kinematicError, py::arg("yielded") = report.yielded, py::arg("taken") = report.dissipated,
+		        py::arg("closing") = report.closingSpeed, py::arg("grown") = report.impulseGrowth, py::arg("work") = report.work, py::arg("seconds") = seconds,
 		        py::arg("processor_seconds") = processorSeconds);
 	}
 
@@ -59,7 +59,7 @@ namespace {
 	{
 		const ModelSummary m = workspace.summary();
 		return py::dict(
-		        py::arg("bodies") = m.bodies, py::arg("rotations") = m.turning, py::arg("fixed") = m.fixed, py::arg("pairs") = m.pairs,
+		        py::arg("bodies") = m.bodies, py::arg("rotations") = m.rotating, py::arg("fixed") = m.fixed, py::arg("pairs") = m.pairs,
 		        py::arg("points") = m.points, py::arg("unknowns") = m.unknowns(), py::arg("frictionless") = m.frictionalPoints == 0,
 		        py::arg("islands") = m.islands, py::arg("layouts") = m.layouts);
 	}
@@ -97,7 +97,7 @@ void bindSolvers(py::module_& m)
 	}, py::arg("w_nn"), py::arg("w_nt"), py::arg("w_tt"), py::arg("g_n"), py::arg("g_t"), py::arg("friction"), "Impulse (p_n, p_t) of one contact point.");
 	m.def("passive_share", [](double nn, double nt, double tt, const std::array<double, 2>& p, const std::array<double, 2>& before,
 	                          const std::array<double, 2>& after, double bias, double friction) {
-		return passiveShare({ nn, nt, tt }, { p[0], p[1] }, { before[0], before[1] }, { after[0], after[1] }, bias, friction);
+		return passiveRestitutionFactor({ nn, nt, tt }, { p[0], p[1] }, { before[0], before[1] }, { after[0], after[1] }, bias, friction);
 	}, py::arg("w_nn"), py::arg("w_nt"), py::arg("w_tt"), py::arg("impulse"), py::arg("before"), py::arg("after"), py::arg("bias"), py::arg("friction"),
 	      "Share of the restitution `bias` < 0 that one point keeps so as to give no energy.");
 	m.def("project_cone", [](double n, double t, double friction) {
@@ -114,8 +114,8 @@ void bindSolvers(py::module_& m)
 	m.def("solve", solveArrays, py::arg("inverse_mass"), py::arg("free_velocity"), py::arg("bodies"), py::arg("normal"), py::arg("arm1"), py::arg("arm2"),
 	      py::arg("bias"), py::arg("friction"), py::arg("impulse"), py::arg("solver") = "auto", py::arg("tolerance") = 1e-4,
 	      py::arg("max_iterations") = 1000, py::arg("threads") = 1, py::arg("lanes") = 0, py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
-	      py::arg("stall_sweeps") = 0, py::arg("violation") = Settings().violation, py::arg("mean_force_change") = 0, py::arg("compliance") = 0,
-	      py::arg("most_impulse") = Settings().mostImpulse,
+	      py::arg("stall_sweeps") = 0, py::arg("violation") = Settings().kinematicTolerance, py::arg("mean_force_change") = 0, py::arg("compliance") = 0,
+	      py::arg("most_impulse") = Settings().yieldImpulse,
 	      py::arg("reductions") = Reductions::names(), py::arg("workspace") = nullptr, py::arg("drift") = py::none(),
 	      py::arg("shift") = py::none(), py::arg("inverse_stretch_mass") = py::none(), py::arg("recovery") = py::none(),
 	      "Solve one contact problem (contact_problem.hpp): dict of impulse (nc, 2) [N s], relative_velocity (nc, 2), velocity (nb, 3) [m/s, 1/s] and\n"

@@ -33,7 +33,7 @@ void registerOwnClasses()
 		classes.append(name);
 	boost::python::scope().attr("classes") = classes;
 #ifdef RCR_OPENGL
-	yade::OpenGLRenderer::initDone = false; // a view that is open already looks for functors anew when it draws next
+	yade::OpenGLRenderer::initDone = false; // an open view then finds the new functors
 #endif
 }
 
@@ -43,7 +43,7 @@ void checkVersion()
 	const std::string running = boost::python::extract<std::string>(boost::python::import("yade.config").attr("version"));
 	if (running == RCR_YADE_VERSION) return;
 	const std::string message = "rcr was built for YADE " RCR_YADE_VERSION ", but YADE " + running
-	        + " is running. Build it anew: scripts/yade-rcr does so when it starts.";
+	        + " is running. Rebuild rcr: scripts/yade-rcr does so when it starts.";
 	PyErr_SetString(PyExc_ImportError, message.c_str());
 	boost::python::throw_error_already_set();
 }
@@ -51,12 +51,12 @@ void checkVersion()
 std::string refusal()
 {
 	const yade::Scene& scene = *yade::Omega::instance().getScene();
-	const std::string  told  = yade::validation::refusal(scene);
-	if (told.empty()) {
+	const std::string  message = yade::validation::refusal(scene);
+	if (message.empty()) {
 		yade::validation::replaceSphereBounds(scene);
 		yade::validation::registerBodiesWithCollider(scene);
 	}
-	return told;
+	return message;
 }
 
 bool usesRcrClasses() { return yade::validation::usesRcrClasses(*yade::Omega::instance().getScene()); }
@@ -64,10 +64,10 @@ bool usesRcrClasses() { return yade::validation::usesRcrClasses(*yade::Omega::in
 boost::python::list advice()
 {
 	const yade::Scene&  scene = *yade::Omega::instance().getScene();
-	boost::python::list told;
+	boost::python::list warnings;
 	for (const std::string& text : { yade::validation::massWarning(scene), yade::validation::overlapWarning(scene) })
-		if (!text.empty()) told.append(text);
-	return told;
+		if (!text.empty()) warnings.append(text);
+	return warnings;
 }
 
 } // namespace
@@ -88,10 +88,10 @@ BOOST_PYTHON_MODULE(_plugin)
 	checkVersion();
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
 	registerOwnClasses();
-	boost::python::def("refusal", refusal, "What of the scene is not served, and what to do; empty where all is.");
-	boost::python::def("take_error", yade::takeError, "What ended the last step of ContactDynamics, once; empty where nothing did.");
-	boost::python::def("await_end", awaitEnd, "Waits for a run that was paused to be over.");
-	boost::python::def("usesRcrClasses", usesRcrClasses, "Whether a law of ours is in the scene.");
-	boost::python::def("advice", advice, "What of the scene is served but hardly meant, a list of texts.");
-	boost::python::def("planar_clump", yade::planarClump, "Joins bodies of the scene, (ids, x, y, mass, inertia about z); returns the id of the clump.");
+	boost::python::def("refusal", refusal, "Message about the first problem of the scene, with a remedy; empty if the scene is valid.");
+	boost::python::def("take_error", yade::takeError, "Returns and clears the message of the exception that ended the last run; empty: none.");
+	boost::python::def("await_end", awaitEnd, "Waits until a paused run is over.");
+	boost::python::def("serves", usesRcrClasses, "The scene has a law of rcr.");
+	boost::python::def("advice", advice, "Warnings about suspicious scenes, a list of texts.");
+	boost::python::def("planar_clump", yade::planarClump, "Joins bodies (ids, x, y, mass, inertia about z) into a clump; returns its id.");
 }

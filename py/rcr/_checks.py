@@ -9,11 +9,16 @@ import numbers
 import numpy as np
 
 
+def error(name, value, expected):
+    """Return the ValueError of an argument."""
+    return ValueError(f"{name} = {value!r}; expected {expected}")
+
+
 def number(name, value, expected="a finite number", valid=lambda v: True):
     """Return `value` as a float, if it is a finite real number and `valid(value)` holds."""
     real = isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_))
     if not real or not _is_finite(value) or not valid(float(value)):
-        raise ValueError(f"{name} = {value!r}; expected {expected}")
+        raise error(name, value, expected)
     return float(value)
 
 
@@ -21,21 +26,21 @@ def integer(name, value, expected="a whole number", valid=lambda v: True):
     """Return `value` as an int, if it is an integer of 64 bits and `valid(value)` holds."""
     whole = isinstance(value, numbers.Integral) and not isinstance(value, (bool, np.bool_))
     if not whole or not -(2**63) <= value < 2**63 or not valid(int(value)):
-        raise ValueError(f"{name} = {value!r}; expected {expected}")
+        raise error(name, value, expected)
     return int(value)
 
 
 def flag(name, value):
     """Return `value` as a bool, if it is True or False."""
     if not isinstance(value, (bool, np.bool_)):
-        raise ValueError(f"{name} = {value!r}; expected True or False")
+        raise error(name, value, "True or False")
     return bool(value)
 
 
 def choice(name, value, known):
     """Return `value`, if it is one of the words `known`."""
     if not isinstance(value, str) or value not in known:
-        raise ValueError(f"{name} = {value!r}; expected one of {', '.join(known)}")
+        raise error(name, value, f"one of {', '.join(known)}")
     return value
 
 

@@ -113,7 +113,7 @@ def _box(walls):
     axes = [getattr(getattr(b, "shape", None), "axis", None) for b in bodies]
     if axes != [0, 1, 0, 1]:
         expected = "the ids of the left, bottom, right and top Wall of a box, or None"
-        raise ValueError(f"walls = {walls!r}; expected {expected}")
+        raise checks.error("walls", walls, expected)
     left, bottom, right, top = (b.state.pos - O.dt * b.state.vel for b in bodies)
     if left[0] >= right[0] or bottom[1] >= top[1]:
         places = f"x = {left[0]:g}, y = {bottom[1]:g}, x = {right[0]:g}, y = {top[1]:g}"

@@ -58,7 +58,7 @@ def _advise(omega):
     if _plugin.serves():
         texts += _time_step_advice(omega)
     for text in texts:
-        warnings.warn("rcr: " + text, stacklevel=4)
+        warnings.warn("rcr: " + text, stacklevel=3)
 
 
 def _time_step_advice(omega):

@@ -43,7 +43,7 @@ def critical_time_step(points=6):
     ------
     ValueError
         If the scene has no free grain or no Law2_RcrGeom_FrictPhys_CundallStrack, or if a
-        stiffness is not positive.
+        stiffness is outside its range.
     """
     loops = [e for e in O.engines if isinstance(e, InteractionLoop) and not e.dead]
     laws = [law for loop in loops for law in loop.lawDispatcher.functors]

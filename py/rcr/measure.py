@@ -6,6 +6,7 @@ warning that names the function to use. All quantities are in the plane and per 
 
 import numpy as np
 
+from rcr import _checks as checks
 from rcr import _outlines
 from rcr._files import atomic_path
 from rcr.frame import Frame
@@ -69,16 +70,15 @@ def porosity(volume=None, what=None):
     """
     frame = _frame(what)
     filled = areas(frame)[1].sum()
-    expected = "the area of the region"
     if volume is not None and 0 < volume < filled:
-        grains = f"which holds grains of {filled:.6g} m²"
-        raise ValueError(f"volume = {volume!r}; expected {expected} [m²], {grains}")
+        expected = f"the area of the region [m²], which holds grains of {filled:.6g} m²"
+        raise checks.error("volume", volume, expected)
     if volume is None and frame.cell is not None:
         volume = abs(np.linalg.det(frame.cell))
     elif volume is None:
         volume = np.prod(np.diff(extent(frame), axis=0))
     if not volume > 0:
-        raise ValueError(f"volume = {volume!r}; expected {expected} > 0 [m²]")
+        raise checks.error("volume", volume, "the area of the region > 0 [m²]")
     return float(1 - filled / volume)
 
 

@@ -209,7 +209,7 @@ class Network:
             Symmetric, tr F(∞) = 1 [-].
         """
         if np.ndim(xi):
-            raise ValueError(f"xi = {xi!r}; expected one cutoff")
+            raise checks.error("xi", xi, "one cutoff")
         n, _, _, force = self.local_components()
         pick = force[:, 0] <= cutoffs(xi) * force[:, 0].mean()
         return np.einsum("ca,cb->ab", n[pick], n[pick]) / len(n)

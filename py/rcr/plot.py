@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import ScalarFormatter
 
+from rcr import _checks as checks
 from rcr import _drawing as drawing
 from rcr._drawing import STYLE, TYPES
 from rcr._files import atomic_path
@@ -129,14 +130,13 @@ def _check(frame, contacts, limits):
     if not (len(frame.grains["id"]) or len(frame.walls["id"]) or frame.outlines):
         raise ValueError("the scene holds no Rcr, Sphere, Wall, Box or Facet: nothing to draw")
     if contacts is not None and contacts not in CONTACTS:
-        expected = f"None, {' or '.join(map(repr, CONTACTS))}"
-        raise ValueError(f"contacts = {contacts!r}; expected {expected}")
+        raise checks.error("contacts", contacts, f"None, {' or '.join(map(repr, CONTACTS))}")
     if limits is None:
         return
     finite = np.shape(limits) == (2, 2) and np.isfinite(limits).all()
     if not finite or not (np.diff(limits, axis=0) > 0).all():
         expected = "((left, bottom), (right, top)) [m], finite and in this order"
-        raise ValueError(f"limits = {limits!r}; expected {expected}")
+        raise checks.error("limits", limits, expected)
 
 
 def _add_grains(ax, frame, colors, unit):

@@ -51,7 +51,7 @@ class Profile:
 
     def __init__(self, cells=(1, 20), limits=None):
         if np.shape(cells) != (2,):
-            raise ValueError(f"cells = {cells!r}; expected two numbers, along x and along y")
+            raise checks.error("cells", cells, "two numbers, along x and along y")
         self.cells = tuple(
             checks.integer(f"cells[{k}]", n, "at least 1", lambda v: v >= 1)
             for k, n in enumerate(cells)
@@ -59,7 +59,7 @@ class Profile:
         self._given = None if limits is None else checks.array("limits", limits, (2, 2))
         if limits is not None and not (self._given[1] > self._given[0]).all():
             expected = "the lower left and the upper right corner of a rectangle [m]"
-            raise ValueError(f"limits = {limits!r}; expected {expected}")
+            raise checks.error("limits", limits, expected)
         self.limits = self._given
         self._sums = None
 

@@ -117,8 +117,7 @@ def clump(members, mass=None, inertia=None):
     members = list(members)
     grains = [isinstance(b, Body) and isinstance(b.shape, (Rcr, Sphere)) for b in members]
     if not members or not all(grains):
-        expected = "at least one body of rcr.particle or rcr.disc"
-        raise ValueError(f"members = {members!r}; expected {expected}")
+        raise checks.error("members", members, "at least one body of rcr.particle or rcr.disc")
     if len({id(b) for b in members}) < len(members):
         raise ValueError("members holds a body twice; expected each body once")
     area, (x, y), polar_moment = _outlines.union(_outlines_of(members))
@@ -159,7 +158,7 @@ def wall(axis, position, sense=0, velocity=0, material=-1):
     """
     k = _axis(axis)
     if sense not in (-1, 0, 1):
-        raise ValueError(f"sense = {sense!r}; expected +1, −1, or 0 for both sides")
+        raise checks.error("sense", sense, "+1, −1, or 0 for both sides")
     position = _number("position", position, "a finite coordinate [m]")
     body = utils.wall(position, k, sense=sense, material=_material(material))
     body.state.vel[k] = _number("velocity", velocity, "a finite velocity [m/s]")
@@ -288,8 +287,7 @@ def _material(material):
         O.materials.append(utils.defaultMaterial())
     material = O.materials[material] if isinstance(material, (int, str)) else material
     if not isinstance(material, FrictMat):
-        expected = "a FrictMat, or the id or label of one"
-        raise ValueError(f"material = {material!r}; expected {expected}")
+        raise checks.error("material", material, "a FrictMat, or the id or label of one")
     return material
 
 
@@ -298,8 +296,7 @@ def _point(name, given):
     vector = isinstance(given, (Sequence, np.ndarray, Vector2, Vector3))
     coordinates = list(given) if vector else []
     if len(coordinates) not in (2, 3):
-        expected = "two or three coordinates (x, y) or (x, y, z) [m]"
-        raise ValueError(f"{name} = {given!r}; expected {expected}")
+        raise checks.error(name, given, "two or three coordinates (x, y) or (x, y, z) [m]")
     finite = [
         _number(f"{name}[{k}]", value, "a finite coordinate [m]")
         for k, value in enumerate(coordinates)
@@ -310,8 +307,7 @@ def _point(name, given):
 def _velocity(velocity):
     components = list(velocity)
     if len(components) not in (2, 3) or (len(components) == 3 and components[2] != 0):
-        expected = "two components (v_x, v_y) in the plane [m/s]"
-        raise ValueError(f"velocity = {velocity!r}; expected {expected}")
+        raise checks.error("velocity", velocity, "two components (v_x, v_y) in the plane [m/s]")
     x, y = (
         _number(f"velocity[{k}]", value, "a finite velocity [m/s]")
         for k, value in enumerate(components[:2])
@@ -325,8 +321,7 @@ def _axis(axis):
         number = isinstance(axis, numbers.Integral) and not isinstance(axis, bool)
         if axis == name or (number and axis == k):
             return k
-    expected = "'x' or 'y' (or 0 or 1), the axis of the wall's normal"
-    raise ValueError(f"axis = {axis!r}; expected {expected}")
+    raise checks.error("axis", axis, "'x' or 'y' (or 0 or 1), the axis of the wall's normal")
 
 
 def _outlines_of(bodies):

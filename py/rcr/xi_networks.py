@@ -1,11 +1,12 @@
 """ξ-networks: partial tensors for all force cutoffs, from sorted forces and sums. Needs NumPy.
 
-A contact has its normal at the angle θ from the axis of σ₁, the branch vector ℓ_n n + ℓ_t t and the
-force f_n n + f_t t, with t = n turned by +90°. It adds to the deviators X₁₁ − X₂₂ of the tensors
+θ is the angle from the axis of σ₁ to the normal n of a contact, and t is n turned by +90°. A
+contact with the branch vector ℓ_n n + ℓ_t t and the force f_n n + f_t t adds to the deviators
+X₁₁ − X₂₂ of the tensors:
 
     n⊗n: cos 2θ        n⊗t: −sin 2θ        f⊗ℓ: Re [(f_n + i f_t)(ℓ_n + i ℓ_t) e^{2iθ}]
 
-so each deviator is the real part of a complex weight times e^{2iθ}. An average
+Each deviator is the real part of a complex weight times e^{2iθ}. An average
 ⟨f_t⟩(θ) = a sin 2θ adds −a with t at +90°, and +a with t at −90°, the sense of the paper's figures.
 The anisotropies here are those of the tensors, for which the half-sum holds.
 """

@@ -1,6 +1,6 @@
-"""What compilers and their counters tell of the kernels: `analyze.py tidy` runs clang-tidy, `analyze.py coverage` counts the lines that tests reach.
+"""Static analysis and coverage of the kernels: `analyze.py tidy` or `analyze.py coverage`.
 
-check-analyzers runs it where clang-tidy and gcovr are; the last line is the verdict.
+check-analyzers runs it in an environment with clang-tidy and gcovr. The last line is the verdict.
 """
 
 import subprocess
@@ -13,30 +13,40 @@ def tidy():
     """clang-tidy on the kernels, with the checks of .clang-tidy."""
     folder, log = FOLDER / "tidy", FOLDER / "tidy.log"
     log.unlink(missing_ok=True)
-    if run(["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", "-DRCR_PLUGIN=OFF", "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", f"-DRCR_PACKAGE={folder}"], log):
-        return False, f"does not configure, see {log.relative_to(ROOT)}"
+    see = f"see {log.relative_to(ROOT)}"
+    configure = ["cmake", "-S", str(ROOT), "-B", str(folder), "-G", "Ninja", "-DRCR_PLUGIN=OFF",
+                 "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", f"-DRCR_PACKAGE={folder}"]
+    if run(configure, log):
+        return False, f"does not configure, {see}"
     files = sorted(str(path) for path in (ROOT / "pkg" / "kernel").rglob("*.cpp"))
-    code = run(["clang-tidy", "-p", str(folder), "--quiet", "--warnings-as-errors=*", *files], log)
-    found = sum(": warning:" in line or ": error:" in line for line in log.read_text(errors="replace").splitlines())
-    return code == 0, f"{len(files)} files, {found} findings" + ("" if code == 0 else f"; see {log.relative_to(ROOT)}")
+    command = ["clang-tidy", "-p", str(folder), "--quiet", "--warnings-as-errors=*", *files]
+    code = run(command, log)
+    lines = log.read_text(errors="replace").splitlines()
+    found = sum(": warning:" in line or ": error:" in line for line in lines)
+    return code == 0, f"{len(files)} files, {found} findings" + ("" if code == 0 else f"; {see}")
 
 
 def coverage():
     """Lines of the kernels that their tests reach."""
     log = FOLDER / "coverage.log"
     log.unlink(missing_ok=True)
+    see = f"see {log.relative_to(ROOT)}"
     package = build("coverage", "-O0 -g1 --coverage")
     if package is None:
-        return False, f"does not build, see {log.relative_to(ROOT)}"
+        return False, f"does not build, {see}"
     objects = FOLDER / "coverage" / "build"
     for counts in objects.rglob("*.gcda"):
         counts.unlink()
-    if run([*PYTEST, *WITHOUT_YADE, TESTS], log, cwd=ROOT, env=environment(package, OMP_NUM_THREADS="1")):
-        return False, f"{last_line(log)}; see {log.relative_to(ROOT)}"
-    told = subprocess.run(["gcovr", "--root", str(ROOT), "--filter", "pkg/kernel/", "--html-details", str(FOLDER / "coverage" / "index.html"), "--print-summary", str(objects)],
-                          capture_output=True, text=True)  # fmt: skip
-    log.write_text(log.read_text() + told.stdout + told.stderr)
-    return told.returncode == 0, ", ".join(line for line in told.stdout.splitlines() if line.startswith(("lines:", "branches:"))) or last_line(log)
+    variables = environment(package, OMP_NUM_THREADS="1")
+    if run([*PYTEST, *WITHOUT_YADE, TESTS], log, cwd=ROOT, env=variables):
+        return False, f"{last_line(log)}; {see}"
+    command = ["gcovr", "--root", str(ROOT), "--filter", "pkg/kernel/", "--html-details",
+               str(FOLDER / "coverage" / "index.html"), "--print-summary", str(objects)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    log.write_text(log.read_text() + done.stdout + done.stderr)
+    lines = done.stdout.splitlines()
+    summary = ", ".join(line for line in lines if line.startswith(("lines:", "branches:")))
+    return done.returncode == 0, summary or last_line(log)
 
 
 right, about = dict(tidy=tidy, coverage=coverage)[sys.argv[1]]()

@@ -1,7 +1,7 @@
-"""Biaxial tests over elongations and seeds on all processors, then the analysis with every figure of the paper and a report.
+"""Biaxial tests over elongations and seeds on all processors, then their analysis and report.
 
-A campaign that was stopped, even killed, goes on from its checkpoints when the same command is given again, to the same results.
-What follows a lone -- goes to Snakemake.
+After a stop or a kill the same command continues from the checkpoints, to the same results.
+Options after a lone -- go to Snakemake.
 """
 
 import argparse
@@ -11,13 +11,16 @@ import shutil
 import subprocess
 import sys
 
+import campaign_runs
 from rcr import _results as results, script
 
 HERE = pathlib.Path(__file__).resolve().parent
+CONTINUE = "continue with the same command"
+FREE = ("particles", "etas", "seeds", "strain", "networks", "quasi_static", *campaign_runs.OPTIONAL)
 
 
 def numbers(kind):
-    """A parser of lists such as 0,0.1,0.2."""
+    """Return a parser of lists such as 0,0.1,0.2."""
 
     def parse(text):
         return [kind(word) for word in text.replace(",", " ").split()]
@@ -25,45 +28,89 @@ def numbers(kind):
     return parse
 
 
-def arguments():
-    words = sys.argv[1:]
-    own, extra = (words[: words.index("--")], words[words.index("--") + 1 :]) if "--" in words else (words, [])
-    parser = script.Parser(prog="campaign", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--particles", type=script.at_least(10), default=13000, metavar="N", help="grains of each test (default %(default)s)")
+def parser():
+    """Return the parser of the command line."""
+    formatter = argparse.RawDescriptionHelpFormatter
+    made = script.Parser(prog="campaign", description=__doc__, formatter_class=formatter)
     elongation = script.number("elongations 0 ≤ ETA < 1", lambda v: 0 <= v < 1)
-    parser.add_argument("--etas", type=numbers(elongation), nargs="+", metavar="ETA", default=[[0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]],
-                        help="elongations, with commas or spaces between them (default 0,0.1,…,0.7)")  # fmt: skip
-    parser.add_argument("--seeds", type=numbers(script.integer("seeds ≥ 0", lambda v: v >= 0)), nargs="+", metavar="SEED", default=[[1]], help="seeds, likewise (default 1)")
-    parser.add_argument("--strain", type=script.number("0 < strain < 1", lambda v: 0 < v < 1), default=0.5, metavar="E", help="of the shear (default %(default)s)")
-    parser.add_argument("--networks", type=script.at_least(1), default=10, metavar="N", help="snapshots of each test, at equal strains (default %(default)s)")
-    parser.add_argument("--quasi-static", action="store_true", help="shear without inertia, as scripts/biaxial.py --quasi-static: averages hardly know the rate")
+    seed = script.integer("seeds ≥ 0", lambda v: v >= 0)
+    strain = script.number("0 < strain < 1", lambda v: 0 < v < 1)
+    positive = script.number("a number > 0, at most 10", lambda v: 0 < v <= 10)
+    friction = script.number("a coefficient ≥ 0, at most 100", lambda v: 0 <= v <= 100)
     processors = len(os.sched_getaffinity(0))
-    parser.add_argument("--jobs", type=script.at_least(1), default=processors, metavar="N", help="processors to use (default all: %(default)s)")
-    parser.add_argument("--out", type=script.folder, required=True, metavar="DIR", help="folder of the runs and the report, made if missing")
-    options = parser.parse_args(own)
+    add = made.add_argument
+    add("--particles", type=script.at_least(10), default=13000, metavar="N",
+        help="grains of each test (default %(default)s)")
+    add("--etas", type=numbers(elongation), nargs="+", metavar="ETA",
+        default=[[0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]],
+        help="elongations, separated by commas or spaces (default 0,0.1,…,0.7)")
+    add("--seeds", type=numbers(seed), nargs="+", metavar="SEED", default=[[1]],
+        help="seeds, separated likewise (default 1)")
+    add("--strain", type=strain, default=0.5, metavar="E",
+        help="of the shear (default %(default)s)")
+    add("--networks", type=script.at_least(1), default=10, metavar="N",
+        help="snapshots of each test, at equal strains (default %(default)s)")
+    add("--iterations", type=script.at_least(1), metavar="N",
+        help="of the solver in a step of the shear, at most (default: that of scripts/biaxial.py)")
+    add("--time-step", type=positive, metavar="DT",
+        help="of the shear, over √(m/σ0) (default: that of scripts/biaxial.py)")
+    add("--friction", type=friction, metavar="MU",
+        help="between grains during the shear (default: that of scripts/biaxial.py)")
+    add("--quasi-static", action="store_true",
+        help="shear without inertia, as scripts/biaxial.py --quasi-static")
+    add("--jobs", type=script.at_least(1), default=processors, metavar="N",
+        help="processors to use (default all: %(default)s)")
+    add("--out", type=script.folder, required=True, metavar="DIR",
+        help="folder of the runs and the report, made if missing")
+    return made
+
+
+def arguments():
+    """Return the options of the command line and those for Snakemake."""
+    words, extra = sys.argv[1:], []
+    if "--" in words:
+        words, extra = words[: words.index("--")], words[words.index("--") + 1 :]
+    options = (made := parser()).parse_args(words)
     for name in "etas", "seeds":
         values = sorted({value for part in getattr(options, name) for value in part})
         if not values:
-            parser.error(f"--{name}: wanted at least one")
+            made.error(f"--{name}: expected at least one")
         setattr(options, name, values)
     return options, extra
 
 
-def command(options, extra):
-    """Snakemake's. It dies with this process, and its jobs with it; its own lock outlives a kill, ours does not, hence --nolock."""
-    threads = min(1024, max(1, options.jobs // (len(options.etas) * len(options.seeds))))
+def text(value):
+    """Return a number as it stands in the name of a run."""
+    return repr(value).removesuffix(".0")
+
+
+def configuration(options):
+    """Return the configuration of campaign.smk."""
     config = {
         "particles": options.particles,
         "strain": options.strain,
-        "etas": ",".join(repr(eta).removesuffix(".0") for eta in options.etas),
+        "etas": ",".join(map(text, options.etas)),
         "seeds": ",".join(map(str, options.seeds)),
-        "threads": threads,
+        "threads": min(1024, max(1, options.jobs // (len(options.etas) * len(options.seeds)))),
         "networks": options.networks,
         "quasi_static": int(options.quasi_static),
     }
+    given = {name: getattr(options, name) for name in campaign_runs.OPTIONAL}
+    return config | {name: text(value) for name, value in given.items() if value is not None}
+
+
+def command(options, extra):
+    """Return the command of Snakemake.
+
+    It ends with this process, and its jobs with it. Its own lock outlives a kill, that of the
+    folder does not: hence --nolock.
+    """
+    config = configuration(options)
+    snakefile = str(HERE / "campaign.smk")
     return [
-        *("setpriv", "--pdeathsig", "KILL", "snakemake", "--snakefile", str(HERE / "campaign.smk"), "--directory", options.out),
-        *("--cores", str(options.jobs), "--scheduler", "greedy", "--keep-going", "--rerun-incomplete", "--nolock", "--quiet", "rules"),
+        *("setpriv", "--pdeathsig", "KILL", "snakemake", "--snakefile", snakefile),
+        *("--directory", options.out, "--cores", str(options.jobs), "--scheduler", "greedy"),
+        *("--keep-going", "--rerun-incomplete", "--nolock", "--quiet", "rules"),
         *("--config", *(f"{name}={value}" for name, value in config.items())),
         *extra,
     ]
@@ -74,37 +121,53 @@ def last_line(path):
 
 
 def failure(out):
-    """One line on the runs that failed: the last line of each of their logs."""
-    failed = [path for path in sorted(out.glob("runs/*/log")) if not (path.parent / "summary.json").exists()]
-    reasons = "; ".join(f"{path}: {last_line(path)}" for path in failed)
-    what = f": {reasons}; scripts/network.py analyses the tests that are complete" if reasons else ", see above"
-    return f"not complete{what}; the same command goes on from here"
+    """Return one line with the reason of each failed run: the last line of its log."""
+    logs = sorted(out.glob("runs/*/log"))
+    failed = [path for path in logs if not (path.parent / "summary.json").exists()]
+    reasons = "; ".join(f"{path.resolve()}: {last_line(path)}" for path in failed)
+    what = ", see above"
+    if reasons:
+        what = f": {reasons}; scripts/network.py analyses the tests that are complete"
+    return f"not complete{what}; {CONTINUE}"
 
 
 def check_networks(out, options):
-    """Raises ValueError where a run of this campaign is there with another number of networks, which its name does not tell."""
-    for path in sorted(out.glob("runs/*/run.json")):
-        made = results.read(path.parent)["parameters"]
-        same = made["particles"] == options.particles and made["strain"] == options.strain and made["overdamped"] == options.quasi_static
-        if same and made["eta"] in options.etas and made["seed"] in options.seeds and made["networks"] != options.networks:
-            raise ValueError(f"{path.parent} is made with --networks {made['networks']}, and this is --networks {options.networks}; wanted the same, or another --out")
+    """Raise ValueError if a run of this campaign exists with another number of networks.
+
+    The name of a run does not hold that number.
+    """
+    config = configuration(options)
+    for eta in options.etas:
+        for seed in options.seeds:
+            folder = out / "runs" / campaign_runs.run_name(config, text(eta), seed)
+            record = results.read(folder)
+            made = record["parameters"]["networks"] if record else options.networks
+            if made != options.networks:
+                raise ValueError(
+                    f"{folder} has --networks {made}, this campaign --networks "
+                    f"{options.networks}; give the same number or another --out"
+                )
 
 
 def main():
     options, extra = arguments()
     if not shutil.which("snakemake"):
-        raise RuntimeError("the package snakemake is not installed here; install it (apt-get install snakemake) and run this again")
+        raise RuntimeError(
+            "the package snakemake is not installed; install it (apt-get install snakemake) "
+            "and run this command again"
+        )
     out = pathlib.Path(options.out)
     check_networks(out, options)
-    parameters = {name: getattr(options, name) for name in ("particles", "etas", "seeds", "strain", "networks", "quasi_static")}
-    with results.claim_folder(out, "campaign", parameters, [], free=list(parameters), resume=True) as begin:
-        begin()  # one folder may hold several campaigns: the names of its runs tell their parameters
+    parameters = {name: getattr(options, name) for name in FREE}
+    claim = dict(free=list(FREE), resume=True)  # one folder may hold several campaigns
+    with results.claim_folder(out, "campaign", parameters, [], **claim) as begin:
+        begin()
         try:
             run = subprocess.run(command(options, extra), stdout=sys.stderr)
         except KeyboardInterrupt:
-            raise script.Stopped("stopped; the same command goes on from here") from None
+            raise script.Stopped(f"stopped; {CONTINUE}") from None
     if run.returncode:
-        raise RuntimeError(failure(out))
+        sys.exit(failure(out))  # in full: script.run shortens the messages of exceptions
     if "--dry-run" not in extra:
         print(out / last_line(out / "report" / "log"))
 

@@ -1,23 +1,29 @@
-# Workflow of scripts/campaign: one biaxial test a job, over elongations and seeds, then the analysis of all.
+# Workflow of scripts/campaign: a biaxial test for each elongation and seed, then their analysis.
 #
-# Config: particles, strain, etas and seeds (with commas), threads and networks of a test, quasi_static 0 or 1. Everything is
-# made in the working directory: runs/NAME/ as scripts/biaxial.py writes it, with its log, and report/. A run's name holds all of its parameters, so that a
-# checkpoint found there is its own.
+# Config: particles, strain, etas and seeds (with commas), threads and networks of a test,
+# quasi_static 0 or 1; optionally iterations, time_step and friction. The working directory gets
+# runs/NAME/ as scripts/biaxial.py writes it, with its log, and report/.
 
 import pathlib
 import sys
 
 SCRIPTS = pathlib.Path(workflow.basedir).parent
+sys.path.insert(0, str(workflow.basedir))
+import campaign_runs
+
 config.setdefault("networks", 10)
 ETAS = str(config["etas"]).split(",")
 SEEDS = str(config["seeds"]).split(",")
-QUASI_STATIC = bool(int(config.get("quasi_static", 0)))
-NAME = f"particles-{config['particles']}-strain-{config['strain']}-{'quasi-static-' * QUASI_STATIC}eta-{{eta}}-seed-{{seed}}"
+OPTIONS = campaign_runs.options(config)
 
 
 rule report:
     input:
-        summaries=expand(f"runs/{NAME}/summary.json", eta=ETAS, seed=SEEDS),
+        summaries=[
+            "runs/" + campaign_runs.run_name(config, eta, seed) + "/summary.json"
+            for eta in ETAS
+            for seed in SEEDS
+        ],
     output:
         "report/analysis.json",
         "report/report.html",
@@ -29,19 +35,20 @@ rule report:
         "{SCRIPTS}/network.py {params.runs} --out report --overwrite >{log} 2>&1"
 
 
-# A rule for each elongation, since a priority is one of a rule: the longest tests, those of long particles, start first.
-# A test dies with Snakemake; the lock is for one that does not, on another machine of a cluster: its files are not touched before it ends.
+# Each elongation has a rule, since a priority belongs to a rule: the tests of long particles take
+# longest and start first. A test ends with Snakemake. The lock keeps a test that outlives
+# Snakemake, on another node of a cluster, from sharing its folder.
 for eta in ETAS:
+    folder = "runs/" + campaign_runs.run_name(config, eta, "{seed}")
 
     rule:
         name:
             f"biaxial_{eta}"
         output:
-            f"runs/{NAME.replace('{eta}', eta)}/summary.json",
+            folder + "/summary.json",
         params:
             eta=eta,
-            folder=f"runs/{NAME.replace('{eta}', eta)}",
-            rate="--quasi-static" if QUASI_STATIC else "",
+            folder=folder,
         threads: int(config.get("threads", 1))
         priority: int(1000 * float(eta))
         resources:
@@ -53,7 +60,6 @@ for eta in ETAS:
             resume=
             [ ! -e {params.folder}/checkpoint.yade.gz ] || resume=--resume
             exec setpriv --pdeathsig KILL {SCRIPTS}/yade-rcr -n -x -j {threads} {SCRIPTS}/biaxial.py \
-                --eta {params.eta} --seed {wildcards.seed} --particles {config[particles]} --strain {config[strain]} \
-                --networks {config[networks]} --threads {threads} {params.rate} --out {params.folder} $resume \
-                >{params.folder}/log 2>&1
+                --eta {params.eta} --seed {wildcards.seed} {OPTIONS} --threads {threads} \
+                --out {params.folder} $resume >{params.folder}/log 2>&1
             """

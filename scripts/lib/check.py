@@ -1,7 +1,8 @@
-"""What the default tests leave out: each check is a function that returns its verdict and a line about it; a table ends the run.
+"""Runs checks beyond the default tests, and prints a table.
 
-Builds stand in build/check/NAME, logs beside them in build/check/NAME.log. With `--record` the rows go to docs/measurements/checks.csv, of which
-docs/measurements/checks.md is made.
+A check is a function that returns a verdict (True, False, or None if it cannot run) and a line
+about it. Builds are in build/check/NAME, logs in build/check/NAME.log. `--record` adds the rows to
+docs/measurements/checks.csv and writes docs/measurements/checks.md from it.
 """
 
 import argparse
@@ -20,62 +21,77 @@ FOLDER = ROOT / "build" / "check"
 TESTS = "tests/kernel"
 PYTEST = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
 WITHOUT_YADE = [f"--confcutdir={TESTS}"]
-SOAK, FUZZER, LARGE = (f"tests/endurance/{name}.py" for name in ("soak", "scene_fuzzer", "large"))
+SOAK, FUZZER, RUNS, LARGE = (f"tests/endurance/{name}.py"
+                             for name in ("soak", "scene_fuzzer", "run_fuzzer", "large"))
 RECORD, PAGE = (ROOT / "docs" / "measurements" / f"checks.{suffix}" for suffix in ("csv", "md"))
 COLUMNS = ["date", "commit", "check", "options", "verdict", "seconds", "what"]
 
-# The sanitizers have address spaces, threads and processes of their own, so these tests cannot do what they want to.
+# Tests that need address spaces, threads or processes without a sanitizer.
 LEFT_OUT = {
     "asan": ["cannot_hire"],
     "ubsan": [],
     "tsan": ["cannot_hire", "forked", "million", "dropped_teams"],
 }
 SANITIZERS = {
-    "asan": dict(flags="-fsanitize=address -D_GLIBCXX_ASSERTIONS", preload=["libasan.so", "libstdc++.so"], ASAN_OPTIONS="detect_leaks=0"),
+    "asan": dict(flags="-fsanitize=address -D_GLIBCXX_ASSERTIONS",
+                 preload=["libasan.so", "libstdc++.so"], ASAN_OPTIONS="detect_leaks=0"),
     "ubsan": dict(flags="-fsanitize=undefined", preload=[], UBSAN_OPTIONS="print_stacktrace=1"),
     "tsan": dict(flags="-fsanitize=thread", preload=["libtsan.so"], TSAN_OPTIONS="halt_on_error=1"),
-    # The plugin and rcr._kernel hold the same kernels, each its own, which looks like two definitions of one. YADE's libraries lack what `vptr` asks for.
-    "plugin-asan": dict(flags="-fsanitize=address,undefined -fno-sanitize=vptr -D_GLIBCXX_ASSERTIONS", preload=["libasan.so", "libubsan.so", "libstdc++.so"],
-                        ASAN_OPTIONS="detect_leaks=0:detect_odr_violation=0", UBSAN_OPTIONS="print_stacktrace=1"),
-}  # fmt: skip
+    # The plugin and rcr._kernel both contain the kernels, which looks like a violation of the ODR.
+    # YADE's libraries lack type information for `vptr`.
+    "plugin-asan": dict(
+        flags="-fsanitize=address,undefined -fno-sanitize=vptr -D_GLIBCXX_ASSERTIONS",
+        preload=["libasan.so", "libubsan.so", "libstdc++.so"],
+        ASAN_OPTIONS="detect_leaks=0:detect_odr_violation=0", UBSAN_OPTIONS="print_stacktrace=1"),
+}
 
 
 def run(command, log, **settings):
-    """Exit code of a command whose output goes to the end of the log."""
+    """Run a command, append its output to the log; returns its exit code."""
     with open(log, "a") as output:
         print("$", *command, file=output, flush=True)
-        return subprocess.run(command, stdout=output, stderr=subprocess.STDOUT, **settings).returncode
+        settings.update(stdout=output, stderr=subprocess.STDOUT)
+        return subprocess.run(command, **settings).returncode
 
 
 def build(name, flags, source=ROOT, plugin=False):
-    """Builds the kernels, and the plugin if asked for, with these flags; returns the folder that holds the package `rcr`, or None."""
+    """Build the kernels, and the plugin if `plugin`, with compiler flags.
+
+    Returns the folder of the package `rcr`, or None if the build fails.
+    """
     folder, package = FOLDER / name, FOLDER / name / "package" / "rcr"
     package.mkdir(parents=True, exist_ok=True)
     for entry in (ROOT / "py" / "rcr").iterdir():
         if entry.suffix != ".so" and not (package / entry.name).exists():
             (package / entry.name).symlink_to(entry)
     with_plugin = [f"-DYADE_SOURCE_DIR={yade_source()}"] if plugin else ["-DRCR_PLUGIN=OFF"]
-    configure = ["cmake", "-S", source, "-B", folder / "build", "-G", "Ninja", *with_plugin, f"-DRCR_PACKAGE={package}",
-                 "-DCMAKE_BUILD_TYPE=Check", f"-DCMAKE_CXX_FLAGS={flags}"]  # fmt: skip
+    configure = ["cmake", "-S", source, "-B", folder / "build", "-G", "Ninja", *with_plugin,
+                 f"-DRCR_PACKAGE={package}", "-DCMAKE_BUILD_TYPE=Check",
+                 f"-DCMAKE_CXX_FLAGS={flags}"]
     if run([*map(str, configure)], FOLDER / f"{name}.log") or not compiled(name, plugin):
         return None
     return package.parent
 
 
 def compiled(name, plugin=False):
-    """Whether what changed since it was built compiles; a file with YADE's headers takes 4 GB under the sanitizers, so these go one at a time."""
-    wanted = ["--parallel", "1"] if plugin else ["--target", "_kernel"]
-    return run(["cmake", "--build", str(FOLDER / name / "build"), *wanted], FOLDER / f"{name}.log") == 0
+    """Compile changed files; returns True on success.
+
+    A file with YADE's headers takes 4 GB under the sanitizers, so the plugin compiles one at a
+    time.
+    """
+    options = ["--parallel", "1"] if plugin else ["--target", "_kernel"]
+    command = ["cmake", "--build", str(FOLDER / name / "build"), *options]
+    return run(command, FOLDER / f"{name}.log") == 0
 
 
 def yade_source():
-    """The folder of YADE's headers, as the ordinary build has it."""
+    """Folder of YADE's headers, from the ordinary build."""
     lines = (ROOT / "build" / "CMakeCache.txt").read_text().splitlines()
     return next(line.split("=", 1)[1] for line in lines if line.startswith("YADE_SOURCE_DIR"))
 
 
 def environment(package, yade=False, **changes):
-    """Python of this environment with that package; without YADE, which the kernels' tests do not need, unless it is asked for."""
+    """Environment variables for Python with that package, and with YADE if `yade`."""
     path = [str(package), str(ROOT / "tests"), *([os.environ["PYTHONPATH"]] if yade else [])]
     return dict(os.environ, PYTHONPATH=os.pathsep.join(path), **changes)
 
@@ -86,104 +102,136 @@ def last_line(log):
 
 
 def sanitize(name, commands, plugin=False):
-    """Builds with a sanitizer and runs commands under it; the line is that of the last command, or the first report."""
+    """Build with a sanitizer and run commands under it.
+
+    The line of the check has the last lines of the commands, or the first report.
+    """
     sanitizer, log = dict(SANITIZERS[name]), FOLDER / f"{name}.log"
-    package = build(name, f"-O1 -g1 -fno-omit-frame-pointer {sanitizer.pop('flags')}", plugin=plugin)
+    flags = f"-O1 -g1 -fno-omit-frame-pointer {sanitizer.pop('flags')}"
+    package = build(name, flags, plugin=plugin)
     if package is None:
         return False, f"does not build, see {log.relative_to(ROOT)}"
-    reports = FOLDER / name / "report"  # what goes to stderr, pytest keeps to itself
+    reports = FOLDER / name / "report"  # pytest hides stderr
     for report in reports.parent.glob("report.*"):
         report.unlink()
-    preload = [subprocess.check_output(["g++", f"-print-file-name={library}"], text=True).strip() for library in sanitizer.pop("preload")]
+    queries = [["g++", f"-print-file-name={library}"] for library in sanitizer.pop("preload")]
+    preload = [subprocess.check_output(query, text=True).strip() for query in queries]
     changes = {variable: f"{value}:log_path={reports}" for variable, value in sanitizer.items()}
     changes.update({"LD_PRELOAD": " ".join(preload)} if preload else {}, OMP_NUM_THREADS="1")
-    told = []
+    variables, last = environment(package, plugin, **changes), []
     for command in commands:
-        # addresses at random may lie where the sanitizers' shadows do
-        code = run(["setarch", "-R", *command], log, cwd=ROOT, env=environment(package, plugin, **changes))
-        told.append(last_line(log))
+        # random addresses may collide with the shadow memory of a sanitizer
+        code = run(["setarch", "-R", *command], log, cwd=ROOT, env=variables)
+        last.append(last_line(log))
         found = sorted(reports.parent.glob("report.*"))
         if found:
-            line = next((line for line in found[0].read_text(errors="replace").splitlines() if "rror" in line or "WARNING" in line), "")
-            return False, f"{len(found)} reports, first {found[0].relative_to(ROOT)}: {line.strip()}"
+            lines = found[0].read_text(errors="replace").splitlines()
+            line = next((line for line in lines if "rror" in line or "WARNING" in line), "").strip()
+            return False, f"{len(found)} reports, first {found[0].relative_to(ROOT)}: {line}"
         if code:
-            return False, f"exit code {code}, {told[-1]}; see {log.relative_to(ROOT)}"
-    return True, "; ".join(told)
+            return False, f"exit code {code}, {last[-1]}; see {log.relative_to(ROOT)}"
+    return True, "; ".join(last)
 
 
 def sanitize_kernels(name, arguments):
-    left_out = ["-k", " and ".join(f"not {test}" for test in LEFT_OUT[name])] if LEFT_OUT[name] else []
+    chosen = " and ".join(f"not {test}" for test in LEFT_OUT[name])
+    left_out = ["-k", chosen] if chosen else []
     return sanitize(name, [[*PYTEST, *WITHOUT_YADE, TESTS, *arguments, *left_out]])
 
 
 def sanitize_plugin(arguments):
-    """The soak, the scene fuzzer and the least case of a pair that grows within a step. Memory grows by what the sanitizer holds back."""
-    python = [sys.executable]
+    """Soak, scene fuzzer and the smallest case of a pair that grows within a step.
+
+    The sanitizer delays the release of memory, so its growth is not bounded.
+    """
     return sanitize("plugin-asan", [
         [*PYTEST, "-p", "no:warnings", "tests/yade/test_f01_stale_points.py"],
-        [*python, FUZZER, "--scenes", "300"],
-        [*python, SOAK, "--growth", "inf", *(arguments or ["--minutes", "5"])],
-    ], plugin=True)  # fmt: skip
+        [sys.executable, FUZZER, "--scenes", "300"],
+        [sys.executable, SOAK, "--growth", "inf", *(arguments or ["--minutes", "5"])],
+    ], plugin=True)
 
 
 def script(name, *command):
-    """Runs a script that ends with a line on what it found, and with an exit code other than 0 where that is wrong."""
+    """Run a script; its exit code is the verdict, its last line the line of the check."""
     log = FOLDER / f"{name}.log"
     code = run([str(part) for part in command], log, cwd=ROOT)
     return code == 0, last_line(log) + ("" if code == 0 else f"; see {log.relative_to(ROOT)}")
 
 
 def damage(arguments):
-    """The readers' tests with twenty times as many damaged files, and how many of them were read and refused."""
-    right, about = script("damage", "env", "RCR_DAMAGE=20", *PYTEST, "tests/python/test_damaged_files.py", *arguments)
-    return right, "; ".join([line for line in (FOLDER / "damage.log").read_text().splitlines() if line.startswith("damaged files: ")] + [about])
+    """Tests of the readers with twenty times as many damaged files, with their counts."""
+    command = ["env", "RCR_DAMAGE=20", *PYTEST, "tests/python/test_damaged_files.py"]
+    right, about = script("damage", *command, *arguments)
+    lines = (FOLDER / "damage.log").read_text().splitlines()
+    counts = [line for line in lines if line.startswith("damaged files: ")]
+    return right, "; ".join([*counts, about])
 
 
 def properties(arguments):
-    """The property tests, each with a thousand new examples."""
+    """Property tests, each with a thousand new examples."""
     options = ["-m", "hypothesis", "--hypothesis-profile=long", "--hypothesis-show-statistics"]
     right, about = script("properties", *PYTEST, *options, *arguments)
-    counts = [int(count) for count in re.findall(r"(\d+) passing examples", (FOLDER / "properties.log").read_text())]
-    return right, f"{sum(counts)} examples; {about}"
+    counts = re.findall(r"(\d+) passing examples", (FOLDER / "properties.log").read_text())
+    return right, f"{sum(map(int, counts))} examples; {about}"
 
 
 def python(name, file, *defaults):
+    """A check that runs a Python file."""
     return lambda arguments: script(name, sys.executable, file, *(arguments or defaults))
 
 
 def before(name):
-    """How it went with a check that scripts/check has run before; 77 is the exit code of one that cannot be run here."""
+    """Result of a check that scripts/check has run; exit code 77: it cannot run here."""
     log = FOLDER / f"check-{name}.log"
     right = {"0": True, "77": None}.get(os.environ[f"YADE_RCR_CHECK_{name.upper()}"], False)
     return right, last_line(log) + (f"; see {log.relative_to(ROOT)}" if right is False else "")
 
 
+def driven(arguments):
+    """Random driven scenes."""
+    options = arguments or ["--count", "200", "--out", str(FOLDER / "driven.csv")]
+    return script("driven", "scripts/yade-rcr", "-n", "-x", "benchmarks/driven_scenes.py", *options)
+
+
+KILLS = "writes", "1000", "runs", "50", "campaigns", "5"
 CHECKS = {
     "slow": (lambda arguments: script("slow", *PYTEST, "-m", "slow", *arguments), "slow tests"),
-    "asan": (lambda arguments: sanitize_kernels("asan", arguments), "kernel tests under AddressSanitizer, with bounds checks"),
-    "ubsan": (lambda arguments: sanitize_kernels("ubsan", arguments), "kernel tests under UndefinedBehaviorSanitizer"),
-    "tsan": (lambda arguments: sanitize_kernels("tsan", arguments), "kernel tests under ThreadSanitizer"),
-    "plugin-asan": (sanitize_plugin, "soak and scenes in YADE under AddressSanitizer and UndefinedBehaviorSanitizer, with bounds checks"),
-    "mutants": (lambda arguments: importlib.import_module("mutants").run(arguments), "kernel tests against kernels with one error each"),
-    "scenes": (python("scenes", FUZZER, "--scenes", "2000"), "random scenes: each keeps its bounds or is rejected before the first step"),
+    "asan": (lambda arguments: sanitize_kernels("asan", arguments),
+             "kernel tests under AddressSanitizer, with bounds checks"),
+    "ubsan": (lambda arguments: sanitize_kernels("ubsan", arguments),
+              "kernel tests under UndefinedBehaviorSanitizer"),
+    "tsan": (lambda arguments: sanitize_kernels("tsan", arguments),
+             "kernel tests under ThreadSanitizer"),
+    "plugin-asan": (sanitize_plugin, "soak and scenes in YADE under AddressSanitizer and "
+                    "UndefinedBehaviorSanitizer, with bounds checks"),
+    "mutants": (lambda arguments: importlib.import_module("mutants").run(arguments),
+                "kernel tests against kernels with one error each"),
+    "scenes": (python("scenes", FUZZER, "--scenes", "2000"),
+               "random scenes: each keeps its bounds or is rejected before the first step"),
+    "runs": (python("runs", RUNS, "--scenes", "1000", "--without", "F70"),
+             "random runs with changes by PyRunners: arrays give the bits of engines"),
     "soak": (python("soak", SOAK), "random scenes with repeated changes; memory stays constant"),
-    "driven": (lambda arguments: script("driven", "scripts/yade-rcr", "-n", "-x", "benchmarks/driven_scenes.py", *(arguments or ["--count", "200", "--out", str(FOLDER / "driven.csv")])),
-               "random driven scenes, rigid contacts against springs"),
+    "driven": (driven, "random driven scenes, rigid contacts against springs"),
     "large": (python("large", LARGE), "2^20 separate grains, 10^5 grains in a pile"),
-    "kills": (python("kills", "tests/endurance/kills.py", "writes", "1000", "runs", "50", "campaigns", "5"), "writes, runs and campaigns killed at random moments"),
+    "kills": (python("kills", "tests/endurance/kills.py", *KILLS),
+              "writes, runs and campaigns killed at random moments"),
     "damage": (damage, "twenty times as many damaged files: each is read or rejected in one line"),
     "properties": (properties, "property tests, a thousand new inputs each"),
     "tidy": (lambda arguments: before("tidy"), "clang-tidy on the kernels"),
-    "coverage": (lambda arguments: before("coverage"), "line coverage of the kernels by their tests"),
+    "coverage": (lambda arguments: before("coverage"),
+                 "line coverage of the kernels by their tests"),
     "docs": (python("docs", "docs/build.py"), "site of the pages, without warnings"),
-    "slurm": (lambda arguments: before("slurm"), "campaign on SLURM with a cancelled job; results equal those of a local campaign"),
-    "deb": (lambda arguments: before("deb"), "Debian package: installed in a clean Debian 13, used by plain yade, removed completely"),
-}  # fmt: skip
+    "slurm": (lambda arguments: before("slurm"),
+              "campaign on SLURM with a cancelled job; results equal those of a local campaign"),
+    "deb": (lambda arguments: before("deb"),
+            "Debian package: installed in a clean Debian 13, used by plain yade, removed "
+            "completely"),
+}
 VERDICTS = {True: "clean", False: "FAILS", None: "left out"}
 
 
 def record(rows):
-    """Adds rows to the table of all runs, and makes the page anew: the last row of each check and its options."""
+    """Add rows to checks.csv and write the page: the last row of each check and its options."""
     RECORD.parent.mkdir(parents=True, exist_ok=True)
     new = not RECORD.exists()
     with open(RECORD, "a", newline="") as file:
@@ -193,44 +241,58 @@ def record(rows):
         table.writerows(rows)
     with open(RECORD, newline="") as file:
         last = {(row["check"], row["options"]): row for row in csv.DictReader(file)}
-    PAGE.write_text(page([row for name in CHECKS for (check, _), row in last.items() if check == name]))
+    rows = [row for name in CHECKS for (check, _), row in last.items() if check == name]
+    PAGE.write_text(page(rows))
 
 
 def page(rows):
     """The table of these rows in Markdown."""
     lines = ["# Checks", "", "Last run of each check of `scripts/check`, by its options.",
-             "`checks.csv` holds all runs; `scripts/check --record` writes both files.", "", "| check | what it does | verdict | found | date, commit | s |", "|---|---|---|---|---|---|"]  # fmt: skip
+             "`checks.csv` holds all runs; `scripts/check --record` writes both files.", "",
+             "| check | what it does | verdict | found | date, commit | s |", "|---" * 6 + "|"]
     cell = lambda text: text.replace("|", "\\|")
     for row in rows:
         options = f" `{row['options']}`" if row["options"] else ""
-        lines.append(f"| {row['check']}{options} | {CHECKS[row['check']][1]} | {row['verdict']} | {cell(row['what'])} | {row['date']}, {row['commit']} | {row['seconds']} |")
+        cells = [f"{row['check']}{options}", CHECKS[row["check"]][1], row["verdict"],
+                 cell(row["what"]), f"{row['date']}, {row['commit']}", row["seconds"]]
+        lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
-def main():
+def options():
+    """Names of the checks, `--record`, and the arguments that are passed to the checks."""
+    about = [f"{name:12} {about}" for name, (_, about) in CHECKS.items()]
+    about += ["", "Arguments after -- are passed to the check: check soak -- --minutes 60"]
     parser = argparse.ArgumentParser(
-        prog="check", description="Run what the default tests leave out.", formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="\n".join(f"{name:12} {about}" for name, (_, about) in CHECKS.items()) + "\n\nWhat stands after -- goes to the check: check soak -- --minutes 60",
-    )  # fmt: skip
-    parser.add_argument("what", nargs="*", help=f"some of {' '.join(CHECKS)}; all if none is given")
-    parser.add_argument("--record", action="store_true", help=f"add the rows to {RECORD.relative_to(ROOT)}")
+        prog="check", description="Run checks beyond the default tests.",
+        formatter_class=argparse.RawDescriptionHelpFormatter, epilog="\n".join(about))
+    parser.add_argument("names", nargs="*", metavar="CHECK",
+                        help=f"some of {' '.join(CHECKS)} (default: all)")
+    parser.add_argument("--record", action="store_true",
+                        help=f"add the rows to {RECORD.relative_to(ROOT)}")
     arguments = sys.argv[1:]
     split = arguments.index("--") if "--" in arguments else len(arguments)
-    options = parser.parse_args(arguments[:split])
-    passed = arguments[split + 1 :]
-    for name in options.what:
+    given = parser.parse_args(arguments[:split])
+    for name in given.names:
         if name not in CHECKS:
-            parser.error(f"'{name}' is not known: give some of {' '.join(CHECKS)}")
+            parser.error(f"unknown check '{name}': give some of {' '.join(CHECKS)}")
+    return given.names or list(CHECKS), given.record, arguments[split + 1:]
+
+
+def main():
+    names, is_recorded, passed = options()
     FOLDER.mkdir(parents=True, exist_ok=True)
     rows = []
-    for name in options.what or CHECKS:
+    for name in names:
         print(f"check: {name}: {CHECKS[name][1]} …", file=sys.stderr, flush=True)
         (FOLDER / f"{name}.log").unlink(missing_ok=True)
         start = time.monotonic()
         right, about = CHECKS[name][0](passed)
-        rows.append(dict(date=datetime.date.today().isoformat(), commit=os.environ.get("YADE_RCR_COMMIT", ""), check=name, options=" ".join(passed),
-                         verdict=VERDICTS[right], seconds=f"{time.monotonic() - start:.0f}", what=about))  # fmt: skip
-        if options.record:
+        seconds = f"{time.monotonic() - start:.0f}"
+        now, commit = datetime.date.today().isoformat(), os.environ.get("YADE_RCR_COMMIT", "")
+        rows.append(dict(date=now, commit=commit, check=name, options=" ".join(passed),
+                         verdict=VERDICTS[right], seconds=seconds, what=about))
+        if is_recorded:
             record(rows[-1:])
     shown = [[row["check"], row["verdict"], f"{row['seconds']} s", row["what"]] for row in rows]
     width = [max(len(row[k]) for row in shown) for k in range(3)]
@@ -240,5 +302,5 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.modules["check"] = sys.modules["__main__"]  # for the checks in files of their own
+    sys.modules["check"] = sys.modules["__main__"]  # mutants.py imports it
     main()

@@ -1,14 +1,14 @@
-# The environment that everything here runs in: YADE, its headers, a compiler, Python.
+# The environment of all scripts: YADE, its headers, a compiler, Python.
 #
-#   ready             makes it if it is not there; afterwards needs no network and about 0.1 s
+#   ready             sets the environment up if it is missing; later calls take 0.1 s and no network
 #   build             brings the compiled modules up to date
-#   enter COMMAND …   becomes COMMAND in it (exec)
+#   enter COMMAND …   becomes COMMAND in the environment (exec)
 #
-# It is one of two, tried in this order, each in a file of its own:
-#   native.sh   this machine, if its Debian has YADE
-#   rootfs.sh   a Debian 13 root file system in the user's cache
+# The environment is one of two, tried in this order:
+#   setup/native.sh   this machine, if its Debian has YADE
+#   setup/rootfs.sh   a Debian 13 root file system in the user's cache
 #
-# Source this file from a bash script of this repository.
+# Bash scripts of this repository source this file.
 
 set -euo pipefail
 
@@ -16,9 +16,9 @@ yade_version=2025.2.0
 lib=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd -P)
 setup=$lib/setup
 repo=$(cd "$lib/../.." && pwd -P)
-cache=${XDG_CACHE_HOME:-${HOME:?or XDG_CACHE_HOME must be set}/.cache}/yade-rcr
+cache=${XDG_CACHE_HOME:-${HOME:?set HOME or XDG_CACHE_HOME}/.cache}/yade-rcr
 log=$cache/log
-etc=${YADE_RCR_ETC:-/etc} # the tests put another in its place
+etc=${YADE_RCR_ETC:-/etc} # tests set another directory
 
 say() { echo "yade-rcr: $*" >&2; }
 
@@ -27,14 +27,48 @@ fail() {
     exit 1
 }
 
-# Whatever is read goes to the log; the lines meant for the user go to the terminal too.
-record() { tee -a "$log" "$new/output" | grep --line-buffered '^yade-rcr: ' >&2 || true; }
+make_cache() {
+    mkdir -p "$1" ||
+        fail "cannot write $cache: set XDG_CACHE_HOME to a directory with 5 GB of free space"
+}
+
+if [ -z "${HOME:-}" ]; then # YADE needs one
+    export HOME=$cache/home
+    make_cache "$HOME"
+fi
+
+# stage TEXT: announces a stage of the set-up, "set-up 1/2: WORK (DURATION) …"
+stage() {
+    stage_done
+    say "$1"
+    echo "$SECONDS ${1%%:*}" >"$new/stage"
+}
+
+# stage_done: prints the duration of the present stage
+stage_done() {
+    local start name
+    [ -e "$new/stage" ] || return 0
+    read -r start name <"$new/stage"
+    say "$name took $((SECONDS - start)) s"
+    rm "$new/stage"
+}
+
+# record: copies its input to the log, and the lines for the user to the terminal
+record() {
+    local line
+    tee -a "$log" "$new/output" | while IFS= read -r line; do
+        case $line in
+        "yade-rcr: set-up "*) stage "${line#yade-rcr: }" ;;
+        "yade-rcr: "*) echo "$line" >&2 ;;
+        esac
+    done
+}
 
 required_packages() { sed -n 's/^\([a-z][^ ]*\).*/\1/p' "$setup/packages"; }
 packages_id() { sed 's/#.*//; /^ *$/d' "$setup/packages" | sha256sum | cut -c1-12; }
 
-# lock PATH NOTICE [MARK]: held until `unlock`, or the end of this process. Who waits is told why; with a MARK
-# only while that file is there, since until then the other one looks whether there is something to do.
+# lock PATH NOTICE [MARK]: locks PATH until `unlock` or the end of this process. A waiting process
+# prints NOTICE; with MARK only if that file exists, which the other process makes when it has work.
 lock() {
     exec 9<"$1"
     until flock -w "${YADE_RCR_PATIENCE:-0.5}" 9; do
@@ -49,7 +83,7 @@ unlock() { exec 9<&-; }
 . "$setup/native.sh"
 . "$setup/rootfs.sh"
 
-# ready_way: sets `way` to the environment that is complete, if there is one
+# ready_way: sets `way` to the complete environment, if one exists
 ready_way() {
     for way in native rootfs; do
         "${way}_ready" && return
@@ -58,56 +92,65 @@ ready_way() {
 }
 
 ready() {
-    way=${YADE_RCR_WAY:-} # already inside
+    way=${YADE_RCR_WAY:-} # set inside the environment
     [ -z "$way" ] && ! ready_way || return 0
-    mkdir -p "$cache" || fail "cannot write $cache: set XDG_CACHE_HOME to a directory with 5 GB free"
+    make_cache "$cache"
     lock "$cache" "waiting for another set-up in $cache …"
     ready_way || make_environment
     unlock
 }
 
 make_environment() {
-    rm -rf --one-file-system "$cache"/new.* # left by an interrupted set-up
+    rm -rf --one-file-system "$cache"/new.* # of an interrupted set-up
     : >"$log"
     new=$(mktemp -d "$cache/new.XXXXXX")
     trap 'rm -rf --one-file-system "$new"' EXIT
     trap 'exit 130' INT TERM HUP
     for way in native rootfs; do
+        rm -f "$new/stage" # of an attempt that failed
         if "${way}_possible" && "${way}_make"; then
+            stage_done
             rm -rf --one-file-system "$new"
             trap - EXIT INT TERM HUP
             return
         fi
     done
-    fail "no environment could be made: ${why:-see above}; log: $log"
+    fail "the environment cannot be set up: ${why:-see above}; log: $log"
 }
 
 # need_space DIRECTORY GB
 need_space() {
     local free
     free=$(df -Pk "$1" | awk 'NR == 2 { print int($4 / 1048576) }')
-    [ "$free" -ge "$2" ] || fail "$1 has $free GB free, the set-up needs $2 GB: free some, or set XDG_CACHE_HOME elsewhere"
+    [ "$free" -ge "$2" ] ||
+        fail "$1 has $free GB free, the set-up needs $2 GB: free some or set XDG_CACHE_HOME"
 }
 
 enter() {
-    # OpenMP's waiting threads would spin and take the processors from the solver's own.
+    # Threads of OpenMP that wait must leave the processors to the threads of the solver.
     export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
-    export PYTHONPATH="$repo/py:$("${way}_yade_python")${PYTHONPATH:+:$PYTHONPATH}:$repo" # of $repo itself: benchmarks
+    # $repo is for the package `benchmarks`.
+    export PYTHONPATH="$repo/py:$("${way}_yade_python")${PYTHONPATH:+:$PYTHONPATH}:$repo"
     if [ -n "${YADE_RCR_WAY:-}" ]; then
         exec "$@"
     fi
     export YADE_RCR_WAY=$way
-    export YADE_RCR_COMMIT=${YADE_RCR_COMMIT:-$(git -C "$repo" describe --always --dirty=+ --abbrev=12 --exclude='*' 2>/dev/null || true)}
+    export YADE_RCR_COMMIT=${YADE_RCR_COMMIT:-$(commit)}
     "${way}_enter" "$@"
+}
+
+# commit: of the repository, with + if files differ from it; empty outside a clone
+commit() {
+    git -C "$repo" describe --always --dirty=+ --abbrev=12 --exclude='*' 2>/dev/null || true
 }
 
 build() {
     local source id working=$repo/build/working
     source=$("${way}_source")
     id="$way $yade_version $source $(packages_id)"
-    [ -w "$repo" ] || { say "$repo is not writable: running what was built there" && return; }
+    [ -w "$repo" ] || { say "$repo is not writable: using its last build" && return; }
     lock "$repo" "waiting for another build in $repo …" "$working"
-    rm -f "$working" # left by an interrupted build
+    rm -f "$working" # of an interrupted build
     (
         cd "$repo"
         unset CC CXX CFLAGS CXXFLAGS CPPFLAGS LDFLAGS CMAKE_PREFIX_PATH
@@ -124,20 +167,21 @@ build() {
     unlock
 }
 
-# As many compilers as there are processors, but each takes up to 3.5 GB.
+# build_jobs: one compiler a processor, within the memory; a compiler takes up to 3.5 GB
 build_jobs() {
     awk -v processors="$(nproc)" '/^MemAvailable/ { jobs = int($2 / 3.5e6) }
         END { print jobs < 1 ? 1 : jobs < processors ? jobs : processors }' /proc/meminfo
 }
 
-# quietly COMMAND…: one line once it has something to do, its whole output if it fails
+# quietly COMMAND …: prints a line before and after COMMAND compiles, and its output if it fails
 quietly() {
-    local output=$repo/build/output announced=
+    local output=$repo/build/output start=$SECONDS
+    rm -f "$output.begun"
     if ! (enter "$@") 2>&1 | while IFS= read -r line; do
         case $line in
-        "["[!0]*) # [0/1]: looking for new files
-            [ -n "$announced" ] || say "building (2 to 5 min from scratch) …"
-            announced=yes
+        "["[!0]*) # [0/1] only checks for new files
+            [ -e "$output.begun" ] || say "compiling (3 to 7 min from scratch on two processors) …"
+            : >"$output.begun"
             : >"$repo/build/working"
             ;;
         esac
@@ -146,4 +190,5 @@ quietly() {
         cat "$output" >&2
         fail "the build failed, see above"
     fi
+    [ ! -e "$output.begun" ] || say "compiling took $((SECONDS - start)) s"
 }

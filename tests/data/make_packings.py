@@ -23,7 +23,8 @@ def main():
             test.shear_record()
         path = folder / f"shear-{particles}-eta-{eta:g}.npz"
         test.solver.save(str(path))
-        print(f"{path.name}: {test.solver.contactPoints} contact points, strain {test.strain:.3f}, {path.stat().st_size / 1e3:.0f} kB", flush=True)
+        print(f"{path.name}: {test.solver.contactPoints} contact points, strain {test.strain:.3f}, "
+              f"{path.stat().st_size / 1e3:.0f} kB", flush=True)
 
 
 if __name__ == "__main__":

@@ -36,10 +36,11 @@ CAMPAIGN = ["--particles", "60", "--etas", "0.5", "--seeds", "2", "--strain", "0
 
 
 def quietly(command, **settings):
-    return subprocess.Popen([str(word) for word in command], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, **settings)
+    return subprocess.Popen([str(word) for word in command], stdout=subprocess.DEVNULL,
+                            stderr=subprocess.PIPE, text=True, **settings)
 
 
-# ---------------------------------------------------------------------------------------------- writes
+# --- writes ---------------------------------------------------------------------------------------
 
 
 VERSIONS = 2
@@ -52,7 +53,8 @@ def _network(version):
 
 def _problem(version):
     count = SIZES[version]
-    return problems.DelassusProblem((range(2 * count), range(2 * count), [1.0 + version] * (2 * count)), [[-1.0, 0.0]] * count, [0.5] * count)
+    return problems.DelassusProblem((range(2 * count), range(2 * count), [1.0 + version]
+                                     * (2 * count)), [[-1.0, 0.0]] * count, [0.5] * count)
 
 
 def _solution(version):
@@ -62,13 +64,15 @@ def _solution(version):
 def writers(folder):
     """{path: (how a version of it is written, how its version is read)}."""
     rows = [[dict(x=version)] * SIZES[version] for version in range(VERSIONS)]
-    networks, solutions = [_network(v) for v in range(VERSIONS)], [_solution(v) for v in range(VERSIONS)]
+    networks, solutions = [_network(v) for v in range(VERSIONS)], [_solution(v)
+        for v in range(VERSIONS)]
     steps = [_problem(v) for v in range(VERSIONS)]
     contacts = lambda path: SIZES.index(len(Network.load(path).contacts["body1"]))
 
     def table(path):
         words = path.read_text().split()
-        assert words[0] == "x" and len(words) - 1 == SIZES[int(words[1])] and set(words[1:]) == {words[1]}
+        assert words[0] == "x" and len(words) - 1 == SIZES[int(words[1])]
+        assert set(words[1:]) == {words[1]}
         return int(words[1])
 
     def reaction(path):
@@ -77,9 +81,11 @@ def writers(folder):
 
     return {
         folder / "network-0.1.h5": (lambda path, v: networks[v].save(path), contacts),
-        folder / "history.csv": (lambda path, v: files.write(path, files.table(["x"], rows[v])), table),
+        folder / "history.csv": (lambda path, v: files.write(path, files.table(["x"], rows[v])),
+                                 table),
         folder / "reaction.npz": (lambda path, v: solutions[v].save(path), reaction),
-        folder / "problem.h5": (lambda path, v: problems.save(str(path), steps[v]), lambda path: SIZES.index(problems.load(path).contacts)),
+        folder / "problem.h5": (lambda path, v: problems.save(str(path), steps[v]),
+                                lambda path: SIZES.index(problems.load(path).contacts)),
     }
 
 
@@ -105,11 +111,12 @@ def kill_writes(count, folder, rng):
                 raise SystemExit(f"kills.py: {path.name} was damaged by a kill: {error}")
         parts = [path for path in folder.iterdir() if path not in made]
         if len(parts) > len(made):
-            raise SystemExit(f"kills.py: kills have left {len(parts)} parts of files; wanted at most one for each of {len(made)}")
+            raise SystemExit(f"kills.py: kills have left {len(parts)} parts of files; wanted at "
+                             f"most one for each of {len(made)}")
     return f"{count} SIGKILLs, {len(made)} kinds of files, all whole"
 
 
-# ---------------------------------------------------------------------------------------------- runs
+# --- runs -----------------------------------------------------------------------------------------
 
 
 def biaxial(out, *more):
@@ -120,13 +127,15 @@ def complete(process):
     """Wait for its end, which must be a good one."""
     errors = process.communicate()[1]
     if process.returncode:
-        raise SystemExit(f"kills.py: {process.args[0]} ended with {process.returncode}: {errors.splitlines()[-1:]}")
+        raise SystemExit(f"kills.py: {process.args[0]} ended with {process.returncode}: "
+                         f"{errors.splitlines()[-1:]}")
 
 
 def same(folder, reference, what):
     names = different(contents(folder), reference)
     if names:
-        raise SystemExit(f"kills.py: {what} differs in {', '.join(names)} from one that was not killed")
+        raise SystemExit(f"kills.py: {what} differs in {', '.join(names)} from one that was not "
+                         f"killed")
 
 
 def kill_runs(count, folder, rng):
@@ -157,7 +166,7 @@ def kill_runs(count, folder, rng):
     return f"{kills} SIGKILLs, {resumed} resumed, {ends} runs ended, all with equal results"
 
 
-# ---------------------------------------------------------------------------------------------- campaigns
+# --- campaigns ------------------------------------------------------------------------------------
 
 
 def campaign(out):
@@ -182,7 +191,8 @@ def kill_campaigns(count, folder, rng, times=3):
         complete(campaign(out))
         names = different(campaign_contents(out), reference)
         if names:
-            raise SystemExit(f"kills.py: a killed campaign differs in {', '.join(names)} from one that was not killed")
+            raise SystemExit(f"kills.py: a killed campaign differs in {', '.join(names)} from one "
+                             f"that was not killed")
         shutil.rmtree(out)
     return f"{count} campaigns, {kills} SIGKILLs, all with equal results"
 
@@ -191,13 +201,17 @@ KINDS = dict(writes=kill_writes, runs=kill_runs, campaigns=kill_campaigns)
 
 
 def main(words=None):
-    parser = argparse.ArgumentParser(prog="kills.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="+", metavar="KIND COUNT", help=f"{', '.join(KINDS)}, each with a count")
+    parser = argparse.ArgumentParser(prog="kills.py", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", nargs="+", metavar="KIND COUNT", help=f"{', '.join(KINDS)}, each "
+                        f"with a count")
     parser.add_argument("--seed", type=int, default=1, help="of the moments (default %(default)s)")
     options = parser.parse_args(words)
     pairs = list(zip(options.what[::2], options.what[1::2]))
-    if len(options.what) % 2 or not all(kind in KINDS and count.isdigit() and int(count) > 0 for kind, count in pairs):
-        parser.error(f"{' '.join(options.what)}: wanted pairs of one of {', '.join(KINDS)} and a count")
+    if len(options.what) % 2 or not all(kind in KINDS and count.isdigit() and int(count) > 0
+                                        for kind, count in pairs):
+        parser.error(f"{' '.join(options.what)}: wanted pairs of one of {', '.join(KINDS)} and a "
+                     f"count")
     for kind, count in pairs:
         start = time.monotonic()
         with tempfile.TemporaryDirectory() as folder:

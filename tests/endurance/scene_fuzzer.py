@@ -18,7 +18,8 @@ import sys
 import warnings
 
 DEEPEST = 0.05  # overlap over R₁ + R₂ that a scene of free grains may reach
-SPEED = 3.0  # of the fastest grain, over what was given to it at the start, by drives and by the fall
+# of the fastest grain, over what was given to it at the start, by drives and by the fall
+SPEED = 3.0
 BATCH = 50
 
 
@@ -46,15 +47,19 @@ def draw(rng):
         gradient=[float(g) for g in rng.choice([0, 0, -0.3, 0.5], 4)] if periodic else None,
         fault=str(rng.choice(["none"] * 12 + FAULTS)),
         reload=bool(rng.random() < 0.1),
-        erase=bool(rng.random() < 0.2) and not periodic,  # YADE's own collider does not come back from it in a cell
+        erase=bool(rng.random() < 0.2) and not periodic,
+         # YADE's own collider does not come back from it in a cell
     )
     return scene
 
 
 FAULTS = [
-    "no solver", "dead solver", "two solvers", "no integrator", "two integrators", "no collider", "no bound", "no resetter", "late force", "damping",
-    "solver first", "no law", "no physics", "no geometry", "stock geometry", "nan position", "nan velocity", "nan orientation", "zero mass", "zero inertia",
-    "free z", "tilted", "another plane", "box out of plane", "elastic material", "nan force", "huge friction", "negative restitution", "zero dt", "wall in cell",
+    "no solver", "dead solver", "two solvers", "no integrator", "two integrators", "no collider",
+    "no bound", "no resetter", "late force", "damping",
+    "solver first", "no law", "no physics", "no geometry", "stock geometry", "nan position",
+    "nan velocity", "nan orientation", "zero mass", "zero inertia",
+    "free z", "tilted", "another plane", "box out of plane", "elastic material", "nan force",
+    "huge friction", "negative restitution", "zero dt", "wall in cell",
     "stepper", "facet out of plane", "stock clump",
 ]  # fmt: skip
 
@@ -87,7 +92,8 @@ def grain(kind, at, eta, speed, material, rng):
     import rcr
     from yade import O
 
-    more = dict(material=material, velocity=tuple(rng.uniform(-1, 1, 2) * speed), angular_velocity=rng.uniform(-1, 1) * speed / R)
+    more = dict(material=material, velocity=tuple(rng.uniform(-1, 1, 2) * speed),
+                angular_velocity=rng.uniform(-1, 1) * speed / R)
     if kind == "Sphere":
         O.bodies.append(rcr.disc(at, R, **more))
     elif kind == "Rcr":
@@ -103,9 +109,12 @@ def engines(scene):
     from yade import O
     from yade import wrapper as w
 
-    names = [f"Ig2_{one}_{two}_RcrGeom" for two in ("Rcr", "Sphere") for one in ("Wall", "Box", "Facet", "Sphere")] + ["Ig2_Rcr_Rcr_RcrGeom"]
+    names = [f"Ig2_{one}_{two}_RcrGeom" for two in ("Rcr", "Sphere")
+             for one in ("Wall", "Box", "Facet", "Sphere")] + ["Ig2_Rcr_Rcr_RcrGeom"]
     ig2 = [getattr(rcr, name)() for name in names]
-    bounds = [rcr.Bo1_Rcr_Aabb(), w.Bo1_Sphere_Aabb(), *([] if scene["periodic"] else [w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb(), w.Bo1_Facet_Aabb()])]
+    bounds = [rcr.Bo1_Rcr_Aabb(), w.Bo1_Sphere_Aabb(),
+              *([] if scene["periodic"] else [w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb(),
+                                              w.Bo1_Facet_Aabb()])]
     newton = w.NewtonIntegrator(gravity=(0, -scene["gravity"], 0), damping=0)
     collider = w.InsertionSortCollider(bounds, verletDist=0.1 * R)
     if scene["law"] == "rigid":
@@ -113,11 +122,13 @@ def engines(scene):
         if scene["restitution"]:
             ip2.restitution = w.MatchMaker(algo="val", val=scene["restitution"])
         loop = w.InteractionLoop(ig2, [ip2], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()])
-        solver = rcr.ContactDynamics(solver=scene["solver"], threads=scene["threads"], overdamped=scene["overdamped"])
+        solver = rcr.ContactDynamics(solver=scene["solver"], threads=scene["threads"],
+                                     overdamped=scene["overdamped"])
         O.engines = [w.ForceResetter(), collider, loop, solver, newton]
         O.dt = scene["dt"]
     else:
-        loop = w.InteractionLoop(ig2, [w.Ip2_FrictMat_FrictMat_FrictPhys()], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=0.3)])
+        loop = w.InteractionLoop(ig2, [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+                                 [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=0.3)])
         O.engines = [w.ForceResetter(), collider, loop, newton]
         O.dt = 2e-5
 
@@ -128,7 +139,8 @@ def begin(scene):
     from yade import wrapper as w
 
     O.reset()
-    material = w.FrictMat(density=1000, frictionAngle=math.atan(scene["friction"]), young=1e7, poisson=0.5)
+    material = w.FrictMat(density=1000, frictionAngle=math.atan(scene["friction"]), young=1e7,
+                          poisson=0.5)
     O.materials.append(material)
     if scene["periodic"]:
         O.periodic = True
@@ -154,7 +166,8 @@ def build(scene, rng):
     step = 2.6 * R
     for k in range(scene["count"]):
         along, up = step * (k % 5), step * (k // 5)
-        at = (along + R, up + R) if scene["periodic"] else (along + rng.uniform(0, 0.2 * R) - 6 * R, 0.8 + up)
+        at = (along + R, up + R) if scene["periodic"] else (along + rng.uniform(0, 0.2 * R) - 6 * R,
+                                                            0.8 + up)
         grain(scene["kinds"][k], at, scene["eta"], scene["speed"], material, rng)
     engines(scene)
     if scene["periodic"]:
@@ -171,13 +184,18 @@ def spoil(scene):
 
     fault, engines = scene["fault"], list(O.engines)
     of = lambda kind: next((e for e in engines if isinstance(e, kind)), None)
-    solver, newton, loop, collider = of(rcr.ContactDynamics), of(w.NewtonIntegrator), of(w.InteractionLoop), of(w.InsertionSortCollider)
+    solver, newton, loop, collider = of(rcr.ContactDynamics), of(w.NewtonIntegrator), of(
+        w.InteractionLoop), of(w.InsertionSortCollider)
     rigid = solver is not None
-    body = next((b for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump and not b.isClumpMember), None)
-    needs_body = fault.startswith(("nan", "zero", "free", "tilted", "another", "elastic")) and fault != "zero dt"
+    body = next((b for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump
+                 and not b.isClumpMember), None)
+    needs_body = fault.startswith(("nan", "zero", "free", "tilted", "another",
+                                   "elastic")) and fault != "zero dt"
     if fault == "none" or (needs_body and body is None):
         return False
-    if not rigid and fault in ("no solver", "dead solver", "two solvers", "late force", "damping", "solver first", "stepper", "huge friction", "negative restitution", "nan force"):
+    if not rigid and fault in ("no solver", "dead solver", "two solvers", "late force", "damping",
+                               "solver first", "stepper", "huge friction", "negative restitution",
+                               "nan force"):
         return False
     nan = math.nan
     if fault == "no solver": O.engines = [e for e in engines if e is not solver]
@@ -188,7 +206,8 @@ def spoil(scene):
     elif fault == "no collider": O.engines = [e for e in engines if e is not collider]
     elif fault == "no bound": collider.boundDispatcher.functors = []
     elif fault == "no resetter": O.engines = engines[1:]
-    elif fault == "late force": O.engines = [*engines[:-1], w.ForceEngine(force=(1, 0, 0), ids=[0]), newton]
+    elif fault == "late force": O.engines = [*engines[:-1], w.ForceEngine(force=(1, 0, 0), ids=[0]),
+                                             newton]
     elif fault == "damping": newton.damping = 0.3
     elif fault == "solver first": O.engines = [engines[0], engines[1], solver, loop, newton]
     elif fault == "no law": loop.lawDispatcher.functors = []
@@ -196,7 +215,8 @@ def spoil(scene):
     elif fault == "no geometry":
         loop.geomDispatcher.functors = []
         return "late"
-    elif fault == "stock geometry": loop.geomDispatcher.functors = [*loop.geomDispatcher.functors, w.Ig2_Sphere_Sphere_ScGeom()]
+    elif fault == "stock geometry": loop.geomDispatcher.functors = [*loop.geomDispatcher.functors,
+        w.Ig2_Sphere_Sphere_ScGeom()]
     elif fault == "nan position": body.state.pos = (nan, 0, 0)
     elif fault == "nan velocity": body.state.vel = (nan, 0, 0)
     elif fault == "nan orientation": body.state.ori = Quaternion(nan, nan, nan, nan)
@@ -226,7 +246,9 @@ def spoil(scene):
         if not scene["periodic"]: return False
         O.bodies.append(rcr.wall("y", 0, material=O.materials[0]))
     elif fault == "stepper": O.engines = [w.GlobalStiffnessTimeStepper(), *engines]
-    elif fault == "stock clump": O.bodies.appendClumped([rcr.disc((50, 50), 0.1, material=O.materials[0]), rcr.disc((50.1, 50), 0.1, material=O.materials[0])])
+    elif fault == "stock clump": O.bodies.appendClumped(
+        [rcr.disc((50, 50), 0.1, material=O.materials[0]),
+         rcr.disc((50.1, 50), 0.1, material=O.materials[0])])
     return True
 
 
@@ -245,9 +267,12 @@ def deepest_overlap():
     deepest = 0.0
     for i in O.interactions:
         if i.isReal and isinstance(i.geom, rcr.RcrGeom):
-            moving = any(O.bodies[b].state.blockedDOFs != "xyzXYZ" or O.bodies[b].isClumpMember for b in (i.id1, i.id2))
+            moving = any(O.bodies[b].state.blockedDOFs != "xyzXYZ" or O.bodies[b].isClumpMember
+                         for b in (i.id1, i.id2))
             if moving and i.geom.points:
-                deepest = max(deepest, max(-i.geom.gap[p] for p in range(i.geom.points)) / (i.geom.refR1 + i.geom.refR2))
+                deepest = max(deepest,
+                              max(-i.geom.gap[p] for p in range(i.geom.points)) / (i.geom.refR1
+                    + i.geom.refR2))
     return deepest
 
 
@@ -288,21 +313,25 @@ def outcome(seed, steps):
             return f"a grain at {fastest:.3g} m/s after step {k}, where {given + fallen:.3g} was given"
         deepest = deepest_overlap()
         bound = DEEPEST if scene["law"] == "rigid" else 0.3
-        before, missed = missed, any(not e.converged for e in O.engines if isinstance(e, rcr.ContactDynamics))
+        before, missed = missed, any(not e.converged for e in O.engines
+                                     if isinstance(e, rcr.ContactDynamics))
         if deepest > bound and not before and not missed:  # an overlap shows one step after the one that left it
             return f"an overlap of {deepest:.3g} (R₁ + R₂) after step {k}"
-        if scene["energy"] and not scene["periodic"] and scene["law"] == "rigid" and not scene["overdamped"] and k > 0:
+        if scene["energy"] and not scene["periodic"] and scene["law"] == "rigid" and not scene[
+                "overdamped"] and k > 0:
             accounts = dict(O.energy.items())
             scale = sum(abs(v) for v in accounts.values()) + 1e-12
             total = O.energy.total() if total is None else total
-            lag = scene["gravity"] * O.dt * sum(b.state.mass * b.state.vel.norm() for b in O.bodies)  # of YADE's leapfrog, half a step in each account
+            # of YADE's leapfrog, half a step in each account
+            lag = scene["gravity"] * O.dt * sum(b.state.mass * b.state.vel.norm() for b in O.bodies)
             if abs(O.energy.total() - total) > 0.02 * scale + lag + 1e-6:
                 return f"energy off by {O.energy.total() - total:.3g} J of {scale:.3g} after step {k}"
         if scene["reload"] and k == steps // 2:
             path = f"/tmp/scene-fuzzer-{os.getpid()}.yade"
             O.save(path), O.load(path), os.unlink(path)
         if scene["erase"] and k == steps // 3:
-            loose = [b.id for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump and not b.isClumpMember]
+            loose = [b.id for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump
+                     and not b.isClumpMember]
             if len(loose) > 1:
                 O.bodies.erase(loose[0])
                 total = None
@@ -341,7 +370,8 @@ def main():
     first, end = arguments.first, arguments.first + arguments.scenes
     while first < end:
         count = min(BATCH, end - first)
-        command = [sys.executable, str(pathlib.Path(__file__).resolve()), "--batch", str(first), str(count), "--steps", str(arguments.steps)]
+        command = [sys.executable, str(pathlib.Path(__file__).resolve()), "--batch", str(first),
+                   str(count), "--steps", str(arguments.steps)]
         result = subprocess.run(command, capture_output=True, text=True, timeout=1800)
         lines = [line.split(" ", 2) for line in result.stdout.splitlines()]
         for line in lines:
@@ -352,7 +382,8 @@ def main():
         started = max((int(line[1]) for line in lines if line[0] == "seed"), default=first)
         if result.returncode != 0:
             counts["otherwise"] += 1
-            wrong.append((started, f"the process ended with {result.returncode}: {result.stderr[-300:]}"))
+            wrong.append((started, f"the process ended with {result.returncode}: "
+                          f"{result.stderr[-300:]}"))
         first = started + 1
         print(dict(counts), flush=True)
     for seed, what in wrong:

@@ -56,7 +56,8 @@ PartitionName=check Nodes={host} Default=YES
 
 def ask(*command):
     """What a command prints; its errors go to the terminal."""
-    return subprocess.run([str(word) for word in command], check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
+    return subprocess.run([str(word) for word in command], check=True, stdout=subprocess.PIPE,
+                          text=True).stdout.strip()
 
 
 def wait_for(what, condition, process):
@@ -64,7 +65,8 @@ def wait_for(what, condition, process):
     end = time.monotonic() + PATIENCE
     while not (value := condition()):
         if process.poll() is not None:
-            raise SystemExit(f"slurm.py: {process.args[-1]} ended with {process.returncode} before {what}")
+            raise SystemExit(f"slurm.py: {process.args[-1]} ended with {process.returncode} before "
+                             f"{what}")
         if time.monotonic() > end:
             raise SystemExit(f"slurm.py: no {what} within {PATIENCE} s")
         time.sleep(0.2)
@@ -73,20 +75,23 @@ def wait_for(what, condition, process):
 
 def free_ports(count):
     with contextlib.ExitStack() as stack:
-        sockets = [stack.enter_context(socket.create_server(("127.0.0.1", 0))) for _ in range(count)]
+        sockets = [stack.enter_context(socket.create_server(("127.0.0.1", 0)))
+                   for _ in range(count)]
         return [one.getsockname()[1] for one in sockets]
 
 
 def jobs(columns, *options):
     """Rows of squeue, a list of words for each job."""
-    return [line.split() for line in ask("squeue", "--noheader", f"--format={columns}", *options).splitlines()]
+    return [line.split() for line in ask("squeue", "--noheader", f"--format={columns}",
+                                         *options).splitlines()]
 
 
 @contextlib.contextmanager
 def cluster(folder):
     """SLURM with this machine as its only node; the variable SLURM_CONF tells its commands of it."""
     host, user, key = socket.gethostname().split(".")[0], getpass.getuser(), folder / "munge.key"
-    (folder / "slurm.conf").write_text(CONF.format(host=host, ports=free_ports(2), user=user, folder=folder, cpus=CPUS))
+    (folder / "slurm.conf").write_text(CONF.format(host=host, ports=free_ports(2), user=user,
+                                                   folder=folder, cpus=CPUS))
     (folder / "cgroup.conf").write_text("CgroupPlugin=disabled\n")
     for name in "state", "spool":
         (folder / name).mkdir()
@@ -97,7 +102,8 @@ def cluster(folder):
 
         def start(name, *options):
             """A daemon that Ctrl-C does not reach, and that ends with this script even if that is killed."""
-            daemon = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", name, *options], stdout=sys.stderr, process_group=0)
+            daemon = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", name, *options],
+                                      stdout=sys.stderr, process_group=0)
             stack.callback(daemon.wait)
             stack.callback(daemon.terminate)
             return daemon
@@ -107,7 +113,8 @@ def cluster(folder):
         wait_for("its socket", (folder / "munge.socket").exists, munged)
         slurmctld = start("slurmctld", "-D")
         slurmd = start("slurmd", "-D")
-        idle = lambda: subprocess.run(["sinfo", "--noheader", "--format=%T"], capture_output=True, text=True).stdout.strip() == "idle"
+        idle = lambda: subprocess.run(["sinfo", "--noheader", "--format=%T"], capture_output=True,
+                                      text=True).stdout.strip() == "idle"
         wait_for("an idle node", idle, slurmd)
         try:
             yield
@@ -124,13 +131,17 @@ def run_of(out, job):
 def run_on_slurm(out):
     """Runs the campaign, cancels the first job that is seen with a checkpoint, and returns its number and its name."""
     config = f"particles={PARTICLES} strain={STRAIN} etas={ETAS} seeds={SEED} threads=1".split()
-    options = ["--snakefile", SCRIPTS / "lib/campaign.smk", "--directory", out, "--profile", SCRIPTS / "lib/slurm", "--config", *config]
+    options = ["--snakefile", SCRIPTS / "lib/campaign.smk", "--directory", out, "--profile",
+               SCRIPTS / "lib/slurm", "--config", *config]
 
     def with_checkpoint():
-        running = ((number, name, run_of(out, name)) for number, name in jobs("%i %j", "--states=running"))
-        return next(((number, name) for number, name, run in running if run and (run / "checkpoint.yade.gz").exists()), None)
+        running = ((number, name, run_of(out, name)) for number,
+                   name in jobs("%i %j", "--states=running"))
+        return next(((number, name) for number, name, run in running if run
+                     and (run / "checkpoint.yade.gz").exists()), None)
 
-    with subprocess.Popen(["setpriv", "--pdeathsig", "KILL", "snakemake", *map(str, options)], stdout=sys.stderr) as snakemake:
+    with subprocess.Popen(["setpriv", "--pdeathsig", "KILL", "snakemake", *map(str, options)],
+                          stdout=sys.stderr) as snakemake:
         try:
             number, name = wait_for("a job with a checkpoint", with_checkpoint, snakemake)
             ask("scancel", number)
@@ -151,19 +162,28 @@ def main():
         out, local = folder / "slurm", folder / "local"
         with cluster(folder):
             number, victim = run_on_slurm(out)
-            states = {number: (name, state) for number, name, state in jobs("%i %j %T", "--states=all")}
+            states = {number: (name, state) for number, name,
+                      state in jobs("%i %j %T", "--states=all")}
             version = ask("sinfo", "--version")
-        resubmitted = [other for other, (name, state) in states.items() if name == victim and state == "COMPLETED"]
+        resubmitted = [other for other, (name, state) in states.items() if name == victim and state
+                       == "COMPLETED"]
         if states[number][1] != "CANCELLED" or len(resubmitted) != 1:
-            raise SystemExit(f"slurm.py: wanted {victim} cancelled as job {number} and completed once; got {states}")
+            raise SystemExit(f"slurm.py: wanted {victim} cancelled as job {number} and completed "
+                             f"once; got {states}")
         if not json.loads((run_of(out, victim) / "run.json").read_text()).get("continued"):
-            raise SystemExit(f"slurm.py: {victim} was resubmitted, but did not go on from its checkpoint")
-        ask(SCRIPTS / "campaign", "--particles", PARTICLES, "--strain", STRAIN, "--etas", ETAS, "--seeds", SEED, "--jobs", CPUS, "--out", local)
-        compared = subprocess.run([SCRIPTS / "lib/run", "python3", ROOT / "tests/run_contents.py", out, local], stdout=subprocess.PIPE, text=True)
+            raise SystemExit(f"slurm.py: {victim} was resubmitted, but did not go on from its "
+                             f"checkpoint")
+        ask(SCRIPTS / "campaign", "--particles", PARTICLES, "--strain", STRAIN, "--etas", ETAS,
+            "--seeds", SEED, "--jobs", CPUS, "--out", local)
+        compared = subprocess.run([SCRIPTS / "lib/run", "python3", ROOT / "tests/run_contents.py",
+                                   out, local], stdout=subprocess.PIPE, text=True)
         if compared.returncode:
-            raise SystemExit(f"slurm.py: the campaign on SLURM and the local one differ: {compared.stdout.strip()}")
-    print(f"{version}, Snakemake {ask('snakemake', '--version')}: {len(states)} jobs; {victim} cancelled as job {number}, resubmitted as job {resubmitted[0]}, "
-          f"gone on from its checkpoint; {compared.stdout.strip()} ({time.monotonic() - start:.0f} s)")  # fmt: skip
+            raise SystemExit(f"slurm.py: the campaign on SLURM and the local one differ: "
+                             f"{compared.stdout.strip()}")
+    print(f"{version}, Snakemake {ask('snakemake', '--version')}: {len(states)} jobs; {victim} "
+          f"cancelled as job {number}, resubmitted as job {resubmitted[0]}, "
+          f"gone on from its checkpoint; {compared.stdout.strip()} ({time.monotonic() - start:.0f} "
+          f"s)")  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -33,9 +33,13 @@ STEPS = 80  # between two events
 LIMIT = 600  # s of processor time, that a scene may take
 HIT = 100.0  # m/s, at most
 MISSED_STEPS_HEAL = 200  # after a step that missed the tolerance overlaps may stay deep
-RESOLVED = 1.0  # R, that a grain's surface may move in a step: a rod that turns by more can meet the same neighbour twice, of which the law of one step knows nothing
-ENERGY = 0.02  # that rigid contacts may seem to give, over what was there: the solver's tolerance, step after step
-AT_REST = 1e-4  # g dt, by which velocities at rest may be wrong: kinematicTolerance times Settings::rest
+# R, that a grain's surface may move in a step: a rod that turns by more can meet the same neighbour
+# twice, of which the law of one step knows nothing
+RESOLVED = 1.0
+# that rigid contacts may seem to give, over what was there: the solver's tolerance, step after step
+ENERGY = 0.02
+# g dt, by which velocities at rest may be wrong: kinematicTolerance times Settings::rest
+AT_REST = 1e-4
 WARM_UP = 0.25  # of the time, after which memory stays
 SAME_BITS = 5  # steps, compared after a reload
 
@@ -43,7 +47,8 @@ SAME_BITS = 5  # steps, compared after a reload
 def draw(rng):
     """A scene as plain data: those of the scene fuzzer, without faults, closed, and with more grains."""
     scene = scene_fuzzer.draw(rng)
-    scene.update(fault="none", overdamped=scene["overdamped"] and scene["law"] == "rigid", turning=scene["turning"] and not scene["periodic"])
+    scene.update(fault="none", overdamped=scene["overdamped"] and scene["law"] == "rigid",
+                 turning=scene["turning"] and not scene["periodic"])
     scene["floor"] = str(rng.choice(["Wall", "Box", "Facet", "Rcr"]))
     scene["count"] = int(rng.integers(2, 50))
     scene["speed"] = min(scene["speed"], 20.0)
@@ -65,11 +70,16 @@ def container(scene, material):
             if scene["floor"] == "Wall":
                 O.bodies.append(rcr.wall("xy"[axis], side * half, sense=-side, material=material))
             elif scene["floor"] == "Box":
-                O.bodies.append(utils.box((*swap(side * (half + 0.5), 0), 0), (*swap(0.5, out), 1), material=material, fixed=True))
+                O.bodies.append(utils.box((*swap(side * (half + 0.5), 0), 0), (*swap(0.5, out), 1),
+                                          material=material, fixed=True))
             elif scene["floor"] == "Facet":
-                O.bodies.append(utils.facet([(*swap(side * half, -out), -1), (*swap(side * half, out), -1), (*swap(side * half, 0), 1)], material=material))
+                O.bodies.append(
+                    utils.facet([(*swap(side * half, -out), -1), (*swap(side * half, out), -1),
+                                 (*swap(side * half, 0), 1)], material=material))
             else:
-                O.bodies.append(rcr.particle(swap(side * (half + 0.1), 0), 5, 0.98, angle=0 if axis else 3.141592653589793 / 2, fixed=True, material=material))
+                O.bodies.append(rcr.particle(swap(side * (half + 0.1), 0), 5, 0.98, angle=0 if axis
+                                             else 3.141592653589793 / 2, fixed=True,
+                                             material=material))
     if scene["turning"]:
         box = utils.box((0, 0, 0), (3 * R, 0.2 * R, 1), material=material, fixed=True)
         box.state.angVel = (0, 0, 5)
@@ -90,13 +100,17 @@ def add(scene, material, rng):
 
     others = np.array([[b.state.pos[0], b.state.pos[1]] for b in movable()]).reshape(-1, 2)
     for _ in range(30):
-        at = rng.uniform(-WIDTH / 2 + 1.2 * R, WIDTH / 2 - 1.2 * R, 2) + (WIDTH / 2 if scene["periodic"] else 0)
+        at = rng.uniform(-WIDTH / 2 + 1.2 * R, WIDTH / 2 - 1.2 * R, 2) + (WIDTH / 2
+            if scene["periodic"] else 0)
         away = others - at
         if scene["periodic"]:
             cell = np.array(O.cell.hSize)[:2, :2]
             away = away - np.rint(away @ np.linalg.inv(cell).T) @ cell.T
-        if (np.hypot(*away.T) > 2.1 * R).all() and not (scene["turning"] and np.hypot(*at) < 4.2 * R):
-            scene_fuzzer.grain(str(rng.choice(["Rcr", "Sphere", "clump"], p=[0.6, 0.3, 0.1])), tuple(at), rng.choice([0, 0.3, 0.6, 0.9]), scene["speed"], material, rng)
+        if (np.hypot(*away.T) > 2.1 * R).all() and not (scene["turning"] and np.hypot(*at) < 4.2
+                                                        * R):
+            scene_fuzzer.grain(str(rng.choice(["Rcr", "Sphere", "clump"], p=[0.6, 0.3, 0.1])),
+                               tuple(at), rng.choice([0, 0.3, 0.6, 0.9]), scene["speed"], material,
+                               rng)
             return True
     return False
 
@@ -111,13 +125,15 @@ def change(what, scene, material, rng):
     if what == "added":
         return add(scene, material, rng)
     if what == "erased":
-        if scene["periodic"] or len(grains) < 2:  # YADE's collider does not come back from it in a cell
+        if scene["periodic"] or len(
+                grains) < 2:  # YADE's collider does not come back from it in a cell
             return False
         body = grains[rng.integers(len(grains))]
         O.bodies.erase(body.id, body.isClump)
     elif what == "hits":
         body = grains[rng.integers(len(grains))]
-        body.state.vel = (*(rng.uniform(-1, 1, 2) * HIT / 2**0.5 * (1 if scene["law"] == "rigid" else 0.05)), 0)
+        body.state.vel = (*(rng.uniform(-1, 1, 2) * HIT / 2**0.5
+                            * (1 if scene["law"] == "rigid" else 0.05)), 0)
     elif what == "frictions":
         utils.setContactFriction(float(rng.uniform(0, 0.8)))
     elif what == "threads":
@@ -159,7 +175,8 @@ def same_bits_after_reload(scene):
         O.load(file.name)
         run(SAME_BITS)
         if not np.array_equal(scene_fuzzer.state(), straight):
-            raise Wrong(f"other bits after a reload: they differ by up to {np.abs(scene_fuzzer.state() - straight).max():.3g}")
+            raise Wrong(f"other bits after a reload: they differ by up to "
+                        f"{np.abs(scene_fuzzer.state() - straight).max():.3g}")
         O.load(file.name)
     return True
 
@@ -180,7 +197,8 @@ class Watch:
 
     def __init__(self, scene):
         self.scene, self.healing, self.missed, self.steps, self.deepOverlapCount, self.astray = scene, 0, 0, 0, False, False
-        self.inherited = 0.0  # overlap that springs have left to rigid contacts, which take it back by 1e-4 R a step
+        # overlap that springs have left to rigid contacts, which take it back by 1e-4 R a step
+        self.inherited = 0.0
         self.restart()
 
     def restart(self):
@@ -214,18 +232,21 @@ class Watch:
             self.missed += not solver.converged
             self.healing = MISSED_STEPS_HEAL if not solver.converged else max(0, self.healing - 1)
             if not np.isfinite([solver.residual, solver.kinematicError]).all():
-                raise Wrong(f"a residual of {solver.residual}, a violation of {solver.kinematicError}")
+                raise Wrong(f"a residual of {solver.residual}, a violation of "
+                            f"{solver.kinematicError}")
             if solver.converged and not solver.yielded and solver.residual > solver.tolerance:
                 raise Wrong(f"a converged step with a residual of {solver.residual:.3g}")
         if not self.scene["periodic"]:
             places = np.array([[b.state.pos[0], b.state.pos[1]] for b in movable()])
             self.astray = self.astray or (np.abs(places).max() > WIDTH / 2 and self.told())
             if np.abs(places).max() > WIDTH / 2 and not self.astray:
-                raise Wrong(f"a grain at {np.abs(places).max():.3g} m, outside the box of half width {WIDTH / 2:.3g}")
+                raise Wrong(f"a grain at {np.abs(places).max():.3g} m, outside the box of half "
+                            f"width {WIDTH / 2:.3g}")
         if self.steps % 4 == 0:
             deepest = scene_fuzzer.deepest_overlap()
             self.inherited = min(self.inherited, deepest) if solver else deepest
-            if deepest > (max(scene_fuzzer.DEEPEST, 1.05 * self.inherited) if solver else 0.5) and not self.healing:
+            if deepest > (max(scene_fuzzer.DEEPEST, 1.05 * self.inherited) if solver
+                          else 0.5) and not self.healing:
                 raise Wrong(f"an overlap of {deepest:.3g} (R₁ + R₂)")
         driven = self.scene["turning"] or (self.scene["gradient"] and any(self.scene["gradient"]))
         if solver and not driven and not self.scene["overdamped"]:
@@ -236,7 +257,8 @@ class Watch:
         from yade import O
         from yade.wrapper import InteractionLoop
 
-        laws = [functor for e in O.engines if isinstance(e, InteractionLoop) for functor in e.lawDispatcher.functors]
+        laws = [functor for e in O.engines if isinstance(e, InteractionLoop)
+                for functor in e.lawDispatcher.functors]
         self.deepOverlapCount = self.deepOverlapCount or any(getattr(law, "deepOverlapCount", 0) for law in laws)
         return self.healing or self.deepOverlapCount
 
@@ -251,9 +273,11 @@ class Watch:
         self.given += 0.5 * (work + self.work)
         self.reference += 0.5 * (abs(work) + abs(self.work))
         self.work, self.way = work, way
-        self.lifted += AT_REST * (self.scene["gravity"] * O.dt) ** 2 * sum(b.state.mass for b in movable())
+        self.lifted += AT_REST * (self.scene["gravity"] * O.dt) ** 2 * sum(b.state.mass
+            for b in movable())
         if kinetic - self.given > ENERGY * self.reference + self.lifted + 1e-9:
-            raise Wrong(f"a kinetic energy of {kinetic:.4g} J where {self.given:.4g} J were given, after {self.reference:.4g} J in all")
+            raise Wrong(f"a kinetic energy of {kinetic:.4g} J where {self.given:.4g} J were given, "
+                        f"after {self.reference:.4g} J in all")
 
 
 def outcome(seed, counts):
@@ -277,7 +301,8 @@ def outcome(seed, counts):
         for _ in range(EVENTS):
             for _ in range(STEPS):
                 watch.step()
-            what = str(rng.choice(["added", "added", "erased", "hits", "frictions", "threads", "solvers", "laws", "saves", "gradients"]))
+            what = str(rng.choice(["added", "added", "erased", "hits", "frictions", "threads",
+                                   "solvers", "laws", "saves", "gradients"]))
             if change(what, scene, O.materials[0], rng):
                 counts[what] += 1
                 watch.restart()
@@ -310,8 +335,10 @@ def let_go(held):
     from yade.minieigenHP import Vector3
 
     gc.collect()
-    objects = tuple([o for o in gc.get_objects() if isinstance(o, (wrapper.Serializable, Vector3)) and id(o) not in held])
-    owned = {id(o) for owner in gc.get_referrers(*objects) if owner is not objects for o in gc.get_referents(owner)}
+    objects = tuple([o for o in gc.get_objects() if isinstance(o, (wrapper.Serializable, Vector3))
+                     and id(o) not in held])
+    owned = {id(o) for owner in gc.get_referrers(*objects) if owner is not objects
+             for o in gc.get_referents(owner)}
     dropped = 0
     for o in objects:
         unowned = 0 if id(o) in owned else sys.getrefcount(o) - 3  # `objects`, `o` and the argument
@@ -353,12 +380,16 @@ def scenes(first, seconds, most):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="soak.py", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(prog="soak.py", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, default=20, help="how long (default %(default)s)")
     parser.add_argument("--scenes", type=int, default=sys.maxsize, help="at most so many")
-    parser.add_argument("--first", type=int, default=0, metavar="SEED", help="of the first scene (default %(default)s)")
-    parser.add_argument("--only", type=int, metavar="SEED", help="run this scene alone, in this process")
-    parser.add_argument("--growth", type=float, default=1.0, metavar="PERCENT", help="of memory, after a quarter of the time (default %(default)s)")
+    parser.add_argument("--first", type=int, default=0, metavar="SEED",
+                        help="of the first scene (default %(default)s)")
+    parser.add_argument("--only", type=int, metavar="SEED", help="run this scene alone, in this "
+                        "process")
+    parser.add_argument("--growth", type=float, default=1.0, metavar="PERCENT",
+                        help="of memory, after a quarter of the time (default %(default)s)")
     parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.only is not None:
@@ -371,7 +402,8 @@ def main():
     while time.monotonic() < end and seed < last:
         memory = []  # of one process
         left = (end - time.monotonic()) / 60
-        command = [sys.executable, __file__, "--child", "--minutes", str(left), "--first", str(seed), "--scenes", str(last - seed)]
+        command = [sys.executable, __file__, "--child", "--minutes", str(left), "--first",
+                   str(seed), "--scenes", str(last - seed)]
         child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         for line in child.stdout:
             word, _, rest = line.strip().partition(" ")
@@ -379,10 +411,12 @@ def main():
                 seed = int(rest)
             elif word == "memory":
                 memory.append([float(number) for number in rest.split()])
-                print(f"seed {seed}: {memory[-1][1]:.1f} MB after {memory[-1][0]:.0f} s", flush=True)
+                print(f"seed {seed}: {memory[-1][1]:.1f} MB after {memory[-1][0]:.0f} s",
+                      flush=True)
             elif word == "counts":
                 numbers = rest.split()
-                counts.update({name: int(count) for name, count in zip(numbers[::2], numbers[1::2])})
+                counts.update({name: int(count) for name,
+                               count in zip(numbers[::2], numbers[1::2])})
                 counts["scenes"] += 1
             elif word == "wrong":
                 wrong.append(seed)
@@ -393,12 +427,16 @@ def main():
             print(f"seed {seed}: the process ended with {child.returncode}", flush=True)
         seed += 1
     warm = [size for at, size in memory if at > WARM_UP * memory[-1][0]] if memory else []
-    growth = 100 * (sum(warm[-len(warm) // 4 :]) / len(warm[-len(warm) // 4 :]) / (sum(warm[: len(warm) // 4]) / (len(warm) // 4)) - 1) if len(warm) >= 8 else 0.0
+    growth = 100 * (sum(warm[-len(warm) // 4 :]) / len(warm[-len(warm) // 4 :]) / (
+        sum(warm[: len(warm) // 4]) / (len(warm) // 4)) - 1) if len(warm) >= 8 else 0.0
     told = ", ".join(f"{counts.pop(name)} {name}" for name in ("scenes", "steps"))
     told += "".join(f", {count} {name}" for name, count in sorted(counts.items()))
     flat = growth <= options.growth
-    print(f"soak: {told}; {len(wrong)} wrong{': seeds ' + ', '.join(map(str, wrong)) if wrong else ''}; "
-          f"memory {warm[0] if warm else 0:.1f} to {warm[-1] if warm else 0:.1f} MB, {growth:+.2f} % since the warm-up{'' if flat else ': GROWS'}; seeds {options.first} to {seed - 1}")  # fmt: skip
+    print(f"soak: {told}; {len(wrong)} "
+          f"wrong{': seeds ' + ', '.join(map(str, wrong)) if wrong else ''}; "
+          f"memory {warm[0] if warm else 0:.1f} to {warm[-1] if warm else 0:.1f} MB, {growth:+.2f} "
+          f"% since the warm-up{'' if flat else ': GROWS'}; seeds {options.first} to "
+          f"{seed - 1}")  # fmt: skip
     sys.exit(bool(wrong) or not flat)
 
 

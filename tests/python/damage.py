@@ -31,7 +31,8 @@ def damaged_text(text, count, seed=1):
         row = rng.randrange(len(lines))
         words = lines[row].replace(",", " , ").split() or [""]
         at = rng.randrange(len(words))
-        words[at : at + 1] = rng.choice(([], [words[at]] * 2, [rng.choice(strange)], [rng.choice(strange)], ["9" * rng.randrange(1, 400)]))
+        words[at : at + 1] = rng.choice(([], [words[at]] * 2, [rng.choice(strange)],
+                                         [rng.choice(strange)], ["9" * rng.randrange(1, 400)]))
         lines[row] = " ".join(words).replace(" , ", ",")
         yield "\n".join(lines).encode()
     yield from damaged(text.encode(), count, seed)

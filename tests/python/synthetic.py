@@ -40,7 +40,8 @@ def network(theta, branch, force, friction=0.5, grains=2, **columns):
 def directions(rng, count, a_c, axis):
     """Angles of normals drawn from P(θ) ∝ 1 + a_c cos 2(θ − axis), by rejection; (count,) [rad]."""
     theta = rng.uniform(0, TAU, 4 * count)
-    return theta[rng.uniform(0, 1 + abs(a_c), len(theta)) < 1 + a_c * np.cos(2 * (theta - axis))][:count]
+    return theta[rng.uniform(0, 1 + abs(a_c), len(theta)) < 1 + a_c * np.cos(2 * (theta - axis))][
+        :count]
 
 
 def anisotropic(count, a_c, a_ln, a_lt, a_fn, a_ft, seed=0, axis=np.pi / 2):
@@ -57,10 +58,12 @@ def random_network(count=500, seed=3):
     rng = np.random.default_rng(seed)
     force = np.column_stack([rng.exponential(1, count), np.zeros(count)])
     force[:, 1] = 0.5 * force[:, 0] * rng.uniform(-1, 1, count)
-    return network(rng.uniform(0, TAU, count), np.column_stack([rng.uniform(0.5, 2, count), rng.normal(0, 0.3, count)]), force)
+    return network(rng.uniform(0, TAU, count),
+                   np.column_stack([rng.uniform(0.5, 2, count), rng.normal(0, 0.3, count)]), force)
 
 
-def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5, a_c=0.2, a_fn=0.3, a_ft=0.1, axis=np.pi / 2):
+def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5, a_c=0.2, a_fn=0.3,
+            a_ft=0.1, axis=np.pi / 2):
     """Network of grains at random places: exponential forces, P(θ), ⟨f_n⟩(θ) and ⟨f_t⟩(θ) of the paper's form, |f_t| ≤ µ f_n.
 
     The tangential component is along n turned by −90°, as in the paper; a snapshot as scripts/biaxial.py saves it.
@@ -71,23 +74,30 @@ def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5
     fn = rng.exponential(1, contacts) * (1 + a_fn * cos)
     along = rng.uniform(-0.3, 0.3, contacts) + a_ft * sin / (1 + a_fn * cos)
     along = np.clip(along, -friction, friction)
-    branch = np.column_stack([1 - eta * rng.uniform(0, 0.5, contacts), eta * rng.uniform(-0.2, 0.2, contacts)]) * 2
+    branch = np.column_stack([1 - eta * rng.uniform(0, 0.5, contacts),
+                              eta * rng.uniform(-0.2, 0.2, contacts)]) * 2
     one = rng.integers(0, particles_, contacts)
-    grains = particles(particles_) | dict(position=rng.uniform(0, 30, (particles_, 2)), angle=rng.uniform(0, np.pi, particles_))
+    grains = particles(particles_) | dict(position=rng.uniform(0, 30, (particles_, 2)),
+                                          angle=rng.uniform(0, np.pi, particles_))
     grains |= dict(cap_radius=np.full(particles_, 1 - eta), half_length=np.full(particles_, eta))
-    columns = dict(body1=one, body2=(one + rng.integers(1, particles_, contacts)) % particles_, position=grains["position"][one])
+    columns = dict(body1=one, body2=(one + rng.integers(1, particles_, contacts)) % particles_,
+                   position=grains["position"][one])
     columns |= dict(type=rng.integers(0, 3, contacts) if eta else np.zeros(contacts, int))
     made = network(theta, branch, np.column_stack([fn, -fn * along]), friction, **columns)
-    return Network(grains, made.contacts, dict(volume=900.0, friction=friction, eta=eta, strain=strain, seed=seed))
+    return Network(grains, made.contacts, dict(volume=900.0, friction=friction, eta=eta,
+                                               strain=strain, seed=seed))
 
 
 def write_run(folder, eta, seed=0, strains=(0.1, 0.2, 0.3, 0.4), **options):
     """A folder like that of scripts/biaxial.py."""
     folder.mkdir(parents=True)
     for k, strain in enumerate(strains):
-        packing(eta, seed=100 * seed + k, strain=strain, **options).save(folder / f"network-{strain:.4f}.h5")
-    packing(eta, seed=100 * seed + 99, strain=0.0, friction=0.0, a_c=0, a_fn=0, a_ft=0).save(folder / "isotropic.h5")
+        packing(eta, seed=100 * seed + k, strain=strain,
+                **options).save(folder / f"network-{strain:.4f}.h5")
+    packing(eta, seed=100 * seed + 99, strain=0.0, friction=0.0, a_c=0, a_fn=0,
+            a_ft=0).save(folder / "isotropic.h5")
     ratios = [0.3 + 0.3 * eta + 0.01 * (-1) ** k for k in range(101)]
-    rows = [f"{strain},{1 - ratio},{1 + ratio}" for strain, ratio in zip(np.linspace(0, strains[-1], 101), ratios)]
+    rows = [f"{strain},{1 - ratio},{1 + ratio}" for strain,
+            ratio in zip(np.linspace(0, strains[-1], 101), ratios)]
     (folder / "history.csv").write_text("\n".join(["strain,stress_x,stress_y", *rows]) + "\n")
     return folder

@@ -77,7 +77,7 @@ def test_seeds_are_cumulated_and_only_the_critical_state_counts(result, runs):
     assert [network.attributes["strain"] for network in later.networks] == [0.4]
     earlier = Run.read(runs[0].folder, to_strain=0.3)  # from half of it on
     assert [network.attributes["strain"] for network in earlier.networks] == [0.2, 0.3]
-    assert earlier.looked_at(earlier.history["strain"]).sum() == len(earlier.critical_stresses()) < len(runs[0].critical_stresses())
+    assert earlier.is_critical(earlier.history["strain"]).sum() == len(earlier.critical_stresses()) < len(runs[0].critical_stresses())
 
 
 def test_known_distributions_are_recovered(result):
@@ -260,7 +260,7 @@ def test_runs_that_are_no_seeds_are_refused(tmp_path):
         return Run.read(folder)
 
     analysis.analyse([record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-4, threads=2)])
-    with pytest.raises(ValueError, match=r"a has tolerance = 0.0001 \(.*b 0.001\); wanted runs that differ in their seed alone"):
+    with pytest.raises(ValueError, match=r"a has tolerance = 0.0001 \(.*b 0.001\); expected runs that differ in their seed alone"):
         analysis.analyse([record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-3)])
     with pytest.raises(ValueError, match="hold the same run"):
         analysis.analyse([record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-4)])
@@ -279,7 +279,7 @@ def test_mixed_networks_are_refused(tmp_path):
     with pytest.raises(ValueError, match="network-0.3000.h5 and network-0.1000.h5 hold different grains: files of two runs"):
         Run.read(folder)
     packing(0.5, strain=0.1).save(folder / "network-0.3000.h5")
-    with pytest.raises(ValueError, match="are of the same strain"):
+    with pytest.raises(ValueError, match="have the same strain"):
         Run.read(folder)
 
 
@@ -288,9 +288,9 @@ def test_mixed_networks_are_refused(tmp_path):
     [
         ("", "lacks the column strain and stress_x and stress_y"),
         ("strain,stress_x,stress_y\n", "holds no record"),
-        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,abc,2\n", "line 3: stress_x = 'abc'; wanted a number"),
+        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,abc,2\n", "line 3: stress_x = 'abc'; expected a number"),
         ("strain,stress_x,stress_y\n0.1,1,2\n0.2,1,nan\n", "line 3: stress_y = nan; expected a finite number"),
-        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,1\n", "line 3: stress_y = None; wanted a number"),
+        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,1\n", "line 3: stress_y = None; expected a number"),
         ("strain,stress_x,stress_y\n0.1,1,2\n0.1,1,2\n", "the strain\\[1\\] = 0.1; expected more than"),
     ],
 )

@@ -34,21 +34,25 @@ def lattice(count=25, seed=3):
 def solved(problem, tolerance=1e-10):
     """The problem with its solution as warm start, and what the kernels reported."""
     arrays = problem.arrays()
-    found = _kernel.solve(**arrays, solver="exact", tolerance=tolerance, max_iterations=100000, violation=np.inf)
+    found = _kernel.solve(**arrays, solver="exact", tolerance=tolerance, max_iterations=100000,
+                          violation=np.inf)
     return problems.BodyProblem(**{**arrays, "impulse": found["impulse"]}), found
 
 
 def residual(problem):
     delassus = problem.delassus()
-    return measure.residual(measure.matrix(delassus), delassus.q, delassus.friction, problem.impulse)
+    return measure.residual(measure.matrix(delassus), delassus.q, delassus.friction,
+                            problem.impulse)
 
 
 def as_npz(path, problem):
     """A step file of ours; the four walls are the last bodies."""
     p = problem
     np.savez(
-        path, a=p.bodies[:, 0], b=p.bodies[:, 1], n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias, mu=p.friction, p0=p.impulse,
-        im=p.inverse_mass[:, 0], iI=p.inverse_mass[:, 2], vfree=p.free_velocity, meta=np.array([0.01, 1, len(p.inverse_mass) - 4]),
+        path, a=p.bodies[:, 0], b=p.bodies[:, 1], n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias,
+        mu=p.friction, p0=p.impulse,
+        im=p.inverse_mass[:, 0], iI=p.inverse_mass[:, 2], vfree=p.free_velocity,
+        meta=np.array([0.01, 1, len(p.inverse_mass) - 4]),
     )  # fmt: skip
 
 
@@ -61,13 +65,14 @@ def header(path):
     return path.read_text().splitlines()[0]
 
 
-# ---------------------------------------------------------------------------------------------- what is measured with
+# --- what is measured with ------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-5, 1e-9])
 def test_residual_is_the_one_that_the_kernels_report(tolerance):
     problem, found = solved(lattice(), tolerance)
-    assert residual(problem) == pytest.approx(found["residual"], rel=1e-5, abs=1e-13)  # rounding of W p
+    # rounding of W p
+    assert residual(problem) == pytest.approx(found["residual"], rel=1e-5, abs=1e-13)
 
 
 def test_residual_by_hand():
@@ -76,10 +81,13 @@ def test_residual_by_hand():
 
     matrix, q = csc_array(2 * np.eye(2)), np.array([[-1, 0.3]])
     assert measure.residual(matrix, q, np.array([0.5]), np.array([[0.5, -0.15]])) < 1e-15
-    # without friction impulse: û = (0, 0.3), p − (û + µ|u_t| n)/w = (0.425, −0.15), which is in the cone
-    assert measure.residual(matrix, q, np.array([0.5]), np.array([[0.5, 0]])) == pytest.approx(np.hypot(0.075, 0.15) / 0.5)
+    # without friction impulse: û = (0, 0.3), p − (û + µ|u_t| n)/w = (0.425, −0.15), which is in the
+    # cone
+    assert measure.residual(matrix, q, np.array([0.5]), np.array([[0.5, 0]])) == pytest.approx(
+        np.hypot(0.075, 0.15) / 0.5)
     assert measure.residual(matrix, -q, np.array([0.5]), np.zeros((1, 2))) == 0  # opens: no impulse
-    assert measure.residual(matrix, np.array([[1, 0]]), np.array([0.0]), np.zeros((1, 2))) == 0  # also without friction and sliding
+    # also without friction and sliding
+    assert measure.residual(matrix, np.array([[1, 0]]), np.array([0.0]), np.zeros((1, 2))) == 0
 
 
 @pytest.mark.parametrize("times", [1, 2, 3])
@@ -124,7 +132,8 @@ def test_with_two_points():
 def test_lever_tells_discs_from_long_grains():
     problem = lattice()
     wall = (problem.bodies[:, 0] >= 25)[:, None]
-    problem.arm1 = np.where(wall, [3.0, 4.0], problem.arm1)  # from a centre of the wall that says nothing
+    # from a centre of the wall that says nothing
+    problem.arm1 = np.where(wall, [3.0, 4.0], problem.arm1)
     assert measure.lever(problem) < 1e-14
     assert measure.lever(measure.with_two_points(problem)) == pytest.approx(0.1 / np.hypot(1, 0.1))
 
@@ -134,12 +143,13 @@ def test_exponent():
     assert np.isnan(measure.exponent([5, 5], [1, 2]))
 
 
-# ---------------------------------------------------------------------------------------------- scripts/bench_solver.py
+# --- scripts/bench_solver.py ----------------------------------------------------------------------
 
 
 def bench(script, *arguments, **settings):
     return subprocess.run(
-        [sys.executable, ROOT / "scripts" / script, *map(str, arguments)], capture_output=True, text=True, cwd="/", timeout=300, **settings
+        [sys.executable, ROOT / "scripts" / script, *map(str, arguments)], capture_output=True,
+        text=True, cwd="/", timeout=300, **settings
     )
 
 
@@ -157,22 +167,28 @@ def files(tmp_path):
 
 def test_bench_solver_writes_its_tables(files):
     names = [files / name for name in ("small.npz", "larger.npz", "small.h5")]
-    ended = bench("bench_solver.py", *names, "--mirror", 1, "--warm", "--tolerances", "1e-3", "1e-6", "--out", files / "out", *FAST)
+    ended = bench("bench_solver.py", *names, "--mirror", 1, "--warm", "--tolerances", "1e-3",
+                  "1e-6", "--out", files / "out", *FAST)
     assert ended.returncode == 0, ended.stderr
-    assert header(files / "out" / "sweeps.csv") == SWEEP_COLUMNS and header(files / "out" / "tolerances.csv") == TOLERANCE_COLUMNS
+    assert header(files / "out" / "sweeps.csv") == SWEEP_COLUMNS
+    assert header(files / "out" / "tolerances.csv") == TOLERANCE_COLUMNS
     sweeps = rows_of(files / "out" / "sweeps.csv")
     assert len(sweeps) == 4 * 2 * 3 * 2 + 2  # with bodies: solvers, lanes, threads
     rows = rows_of(files / "out" / "tolerances.csv")
     assert {row["problem"] for row in rows} == {"small", "small x2", "larger", "larger x2"}
     for row in rows:
-        assert float(row["residual_numpy"]) == pytest.approx(float(row["residual"]), rel=1e-5, abs=1e-13)
+        assert float(row["residual_numpy"]) == pytest.approx(float(row["residual"]), rel=1e-5,
+            abs=1e-13)
         assert (row["reached"] == "True") == (float(row["residual"]) <= float(row["tolerance"]))
         assert float(row["seconds"]) > 0 and row["siconos_seconds"] == ""
-    assert {(row["solver"], row["start"]) for row in rows if row["reached"] == "True"} >= {("exact", "cold"), ("exact", "warm")}
+    assert {(row["solver"], row["start"]) for row in rows if row["reached"] == "True"} >= {
+        ("exact", "cold"), ("exact", "warm")}
     growth = rows_of(files / "out" / "growth.csv")
-    assert {row["shape"] for row in growth} == {"discs"} and all(np.isfinite(float(row["sweeps_exponent"])) for row in growth)
+    assert {row["shape"] for row in growth} == {"discs"}
+    assert all(np.isfinite(float(row["sweeps_exponent"])) for row in growth)
     roofline = rows_of(files / "out" / "roofline.csv")
-    assert len(roofline) == 8 and all(float(row["ns_of_bytes"]) > 0 and row["ns_a_pair"] for row in roofline)
+    assert len(roofline) == 8
+    assert all(float(row["ns_of_bytes"]) > 0 and row["ns_a_pair"] for row in roofline)
 
 
 def test_bench_solver_compares_with_siconos(files):
@@ -183,29 +199,35 @@ def test_bench_solver_compares_with_siconos(files):
     answer.write_text("#!/bin/sh\necho '" + json.dumps(dict(rows=rows, ns=100.0)) + "'\n")
     answer.chmod(0o755)
     ended = bench(
-        "bench_solver.py", files / "small.npz", "--only", "tolerances", "--solvers", "exact", "--tolerances", "1e-3", "1e-6",
+        "bench_solver.py", files / "small.npz", "--only", "tolerances", "--solvers", "exact",
+        "--tolerances", "1e-3", "1e-6",
         "--siconos", answer, "--out", files / "out", *FAST,
     )  # fmt: skip
     assert ended.returncode == 0, ended.stderr
     first, second = rows_of(files / "out" / "tolerances.csv")
-    assert float(first["siconos_ratio"]) == pytest.approx(2.0 / float(first["seconds"])) and first["siconos_figure"] == "measured"
+    assert float(first["siconos_ratio"]) == pytest.approx(2.0 / float(first["seconds"]))
+    assert first["siconos_figure"] == "measured"
     assert second["siconos_ratio"] == ""
     peers = rows_of(files / "out" / "peers.csv")
-    assert [(row["peer"], row["reached"]) for row in peers] == [("Siconos NSGS", "True"), ("Siconos NSGS", "False")]
+    assert [(row["peer"], row["reached"]) for row in peers] == [("Siconos NSGS", "True"),
+        ("Siconos NSGS", "False")]
 
 
 def test_bench_solver_marks_stated_figures(files):
     shutil.copy(files / "small.npz", files / "n500_e0_0.npz")
-    ended = bench("bench_solver.py", files / "n500_e0_0.npz", "--only", "tolerances", "--solvers", "exact", "--out", files / "out", *FAST)
+    ended = bench("bench_solver.py", files / "n500_e0_0.npz", "--only", "tolerances", "--solvers",
+                  "exact", "--out", files / "out", *FAST)
     assert ended.returncode == 0, ended.stderr
-    assert [row["siconos_figure"] for row in rows_of(files / "out" / "tolerances.csv")] == ["stated", "", "stated", ""]
+    assert [row["siconos_figure"] for row in rows_of(files / "out" / "tolerances.csv")] == [
+        "stated", "", "stated", ""]
 
 
 def test_siconos_gives_what_its_residual_says(files):
     """With Siconos itself, where this Python has it: its impulses at 1e-8 have the residual that it prints."""
     pytest.importorskip("siconos.numerics", reason="this Python has no Siconos")
     out = files / "out"
-    ended = bench("bench_solver.py", files / "small.npz", "--only", "tolerances", "--siconos", sys.executable, "--out", out, *FAST)
+    ended = bench("bench_solver.py", files / "small.npz", "--only", "tolerances", "--siconos",
+                  sys.executable, "--out", out, *FAST)
     assert ended.returncode == 0, ended.stderr
     assert all(row["reached"] == "True" for row in rows_of(out / "peers.csv"))
 
@@ -219,18 +241,20 @@ def test_siconos_gives_what_its_residual_says(files):
         (["small.npz", "--mirror", "-1"], "--mirror -1: expected at least 0"),
         (["small.npz", "--threads", "0"], "--threads 0: expected at least 1"),
         (["small.npz", "--repeats", "0"], "--repeats 0: expected at least 1"),
-        (["small.npz", "--siconos", "/none/python", "--only", "tolerances"], "/none/python: No such file or directory"),
+        (["small.npz", "--siconos", "/none/python", "--only", "tolerances"],
+         "/none/python: No such file or directory"),
     ],
 )
 def test_bench_solver_says_in_a_line_what_is_wrong(files, arguments, says):
     arguments = [str(files / word) if word.endswith(".npz") else word for word in arguments]
-    ended = bench("bench_solver.py", *arguments, "--out", files / "out", *(FAST if "--repeats" not in arguments else []))
+    ended = bench("bench_solver.py", *arguments, "--out", files / "out",
+                  *(FAST if "--repeats" not in arguments else []))
     complaint = [line for line in ended.stderr.splitlines() if "contact points" not in line]
     assert ended.returncode != 0 and len(complaint) == 1 and says in complaint[0], ended.stderr
     assert not list((files / "out").glob("*")) if (files / "out").exists() else True
 
 
-# ---------------------------------------------------------------------------------------------- scripts/bench_step.py
+# --- scripts/bench_step.py ------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -238,7 +262,8 @@ def packing(tmp_path):
     """Six discs of diameter 1 and mass 1 in two rows between walls that they touch, moving at random; the right wall is pushed."""
     count, (j, i) = 6, np.divmod(np.arange(6), 3)
     state = np.zeros((count + 4, 8))
-    state[:count, 0], state[:count, 1], state[:count, 3], state[:count, 5] = i + 0.5, j + 0.5, 0.5, 0.5
+    state[:count, 0], state[:count, 1], state[:count, 3], state[:count,
+        5] = i + 0.5, j + 0.5, 0.5, 0.5
     state[count + 2, 0], state[count + 3, 1] = 3, 2
     im = np.append(np.ones(count), [0, 0, 0.5, 0])
     iI = np.append(np.full(count, 8.0), np.zeros(4))
@@ -247,7 +272,8 @@ def packing(tmp_path):
     free = before.copy()
     free[count + 2, 0] -= 0.01 * 0.5 * 2  # dt, 1/m, force
     path = tmp_path / "six.npz"
-    np.savez(path, state=state, vprev=before, vfree=free, im=im, iI=iI, meta=np.array([0.01, 1, count]))
+    np.savez(path, state=state, vprev=before, vfree=free, im=im, iI=iI,
+             meta=np.array([0.01, 1, count]))
     return path
 
 
@@ -271,11 +297,13 @@ def test_bench_step_writes_its_table(packing, tmp_path):
     before, after = np.zeros((10, 3)), np.zeros((10, 3))
     before[0, 1] = -1
     after[8, 0] = -0.01  # pushed
-    outcome = dict(library="Other 1", seconds=[1e-3] * 20, contacts=[contact], before=before.tolist(), after=after.tolist())
+    outcome = dict(library="Other 1", seconds=[1e-3] * 20, contacts=[contact],
+                   before=before.tolist(), after=after.tolist())
     program = tmp_path / "other"
     program.write_text(f"#!/bin/sh\necho a line of its own\necho '{json.dumps(outcome)}'\n")
     program.chmod(0o755)
-    ended = bench("bench_step.py", packing, "--chipmunk", program, "--box2d", program, "--repeats", 1, "--out", tmp_path / "out")
+    ended = bench("bench_step.py", packing, "--chipmunk", program, "--box2d", program, "--repeats",
+                  1, "--out", tmp_path / "out")
     assert ended.returncode == 0, ended.stderr
     assert header(tmp_path / "out" / "step.csv") == STEP_COLUMNS
     ours, others = [], []
@@ -293,10 +321,12 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
     program = ROOT / "build" / "peers" / f"{name}_step"
     if not program.exists():
         pytest.skip(f"{program.name} is not built")
-    arguments = [packing, f"--{name}", program, "--iterations", 2000, "--repeats", 1, "--out", tmp_path / "out"]
+    arguments = [packing, f"--{name}", program, "--iterations", 2000, "--repeats", 1, "--out",
+                 tmp_path / "out"]
     ended = bench("bench_step.py", *arguments)
     assert ended.returncode == 0, ended.stderr
-    cold, warm = (row for row in rows_of(tmp_path / "out" / "step.csv") if row["library"].lower().startswith(name))
+    cold, warm = (row for row in rows_of(tmp_path / "out" / "step.csv")
+                  if row["library"].lower().startswith(name))
     rounding = 1e-12 if name == "chipmunk" else 1e-4  # Box2D computes in single precision
     for row in cold, warm:
         assert float(row["velocity_error"]) < rounding and float(row["residual"]) < 10 * rounding
@@ -317,17 +347,19 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
 )
 def test_bench_step_says_in_a_line_what_is_wrong(packing, tmp_path, arguments, says):
     (tmp_path / "six.txt").write_text("1 2 3\n")
-    ended = bench("bench_step.py", tmp_path / arguments[0], *arguments[1:], "--repeats", 1, "--out", tmp_path / "out")
+    ended = bench("bench_step.py", tmp_path / arguments[0], *arguments[1:], "--repeats", 1, "--out",
+                  tmp_path / "out")
     complaint = [line for line in ended.stderr.splitlines() if "is left out" not in line]
     assert ended.returncode != 0 and len(complaint) == 1 and says in complaint[0], ended.stderr
 
 
 def test_a_step_without_its_bodies_is_refused(files):
     ended = bench("bench_step.py", files / "small.npz", "--out", files / "out")
-    assert ended.returncode != 0 and "small.npz: lacks state, vprev" in ended.stderr and "Traceback" not in ended.stderr
+    assert ended.returncode != 0 and "small.npz: lacks state, vprev" in ended.stderr
+    assert "Traceback" not in ended.stderr
 
 
-# ---------------------------------------------------------------------------------------------- benchmarks/outside.py
+# --- benchmarks/outside.py ------------------------------------------------------------------------
 
 
 def test_commands_run_outside_through_pipes():
@@ -344,5 +376,6 @@ for command in ["/none/program"], ["sh", "-c", "echo first; echo why >&2; exit 3
     except RuntimeError as error:
         print(error)
 """
-    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env={**os.environ, "PYTHONIOENCODING": "utf-8"})
+    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
+                           env={**os.environ, "PYTHONIOENCODING": "utf-8"})
     assert ended.stdout == "a b ü\n/none/program: No such file or directory\nsh: why\n", ended.stderr

@@ -42,7 +42,8 @@ def survey(path, variants, read):
             read(path)
             count[0] += 1
         except ValueError as error:
-            assert str(path) in str(error) and "\n" not in str(error) and len(str(error)) < 1000 + len(str(path)), str(error)
+            assert str(path) in str(error) and "\n" not in str(error), str(error)
+            assert len(str(error)) < 1000 + len(str(path)), str(error)
             count[1] += 1
     signal.alarm(0)
     total[:] = np.add(total, count).tolist()
@@ -57,7 +58,8 @@ def step():
 
 def read_problem(path):
     problem = problems.load(path)
-    assert np.isfinite(problem.friction).all() and (problem.friction >= 0).all() and np.isfinite(problem.impulse).all()
+    assert np.isfinite(problem.friction).all() and (problem.friction >= 0).all()
+    assert np.isfinite(problem.impulse).all()
 
 
 def test_npz_problems(step, tmp_path):
@@ -65,7 +67,9 @@ def test_npz_problems(step, tmp_path):
     for save in (np.savez, np.savez_compressed):
         save(path, **step[0])
         read, refused = survey(path, damaged(path.read_bytes(), 200 * TIMES), read_problem)
-        assert refused > 4 * read  # each array has a check sum; what is left lies in names, dates and arrays that are not asked for
+        # each array has a check sum; what is left lies in names, dates and arrays that are not
+        # asked for
+        assert refused > 4 * read
 
 
 @pytest.mark.parametrize("kind", [-1, -2, "triplets"])
@@ -82,7 +86,9 @@ def test_siconos_problems(step, tmp_path, storage):
     assert survey(path, damaged_text(path.read_text(), 60 * TIMES), read_problem)[1] > 30
 
 
-@pytest.mark.parametrize("header", ["2 3 1 6 6 -5 3 3", "2 3 0 6 6 1e999", "2 1e9 0 2e9 2e9", "2 3 1 6 6 9 1e9 1e9", "inf", "nan 3", "2 -1 0 -2 -2", "2 3 1 6 6 9 3 3 -6 4 6"])
+@pytest.mark.parametrize("header", ["2 3 1 6 6 -5 3 3", "2 3 0 6 6 1e999", "2 1e9 0 2e9 2e9",
+                                    "2 3 1 6 6 9 1e9 1e9", "inf", "nan 3", "2 -1 0 -2 -2",
+                                    "2 3 1 6 6 9 3 3 -6 4 6"])
 def test_siconos_sizes_beyond_the_file(tmp_path, header):
     path = tmp_path / "x.dat"
     path.write_text(header.replace(" ", "\n"))
@@ -91,8 +97,10 @@ def test_siconos_sizes_beyond_the_file(tmp_path, header):
 
 
 def same(network, again):
-    pairs = [(getattr(network, group), getattr(again, group)) for group in ("particles", "contacts")]
-    return all(np.array_equal(one[name], other[name]) for one, other in pairs for name in one) and again.attributes["strain"] == network.attributes["strain"]
+    pairs = [(getattr(network, group), getattr(again, group))
+             for group in ("particles", "contacts")]
+    return all(np.array_equal(one[name], other[name]) for one, other in pairs
+               for name in one) and again.attributes["strain"] == network.attributes["strain"]
 
 
 def test_networks(tmp_path):
@@ -118,7 +126,8 @@ def test_networks_that_others_have_written(tmp_path):
 
     def read(path):
         again = Network.load(path)
-        assert ("volume" not in again.attributes or again.stress().shape == (2, 2)) and all(np.isfinite(column).all() for column in again.contacts.values())
+        assert ("volume" not in again.attributes or again.stress().shape == (2, 2))
+        assert all(np.isfinite(column).all() for column in again.contacts.values())
 
     assert survey(path, damaged(path.read_bytes(), 200 * TIMES), read)[1] > 30
 
@@ -135,12 +144,14 @@ def test_a_network_that_was_changed_on_purpose(tmp_path):
 
 def test_histories_records_and_summaries(tmp_path):
     folder = synthetic.write_run(tmp_path / "run", 0.5, particles_=30, contacts=60)
-    (folder / "run.json").write_text('{"program": "biaxial.py", "run": "x", "parameters": {"eta": 0.5}}')
+    (folder / "run.json").write_text('{"program": "biaxial.py", "run": "x", "parameters": {"eta": '
+                                     '0.5}}')
     (folder / "summary.json").write_text('{"eta": 0.5, "missed_fraction": 0.1}')
     Run.read(folder)
     for name, most in (("history.csv", 40), ("run.json", 20), ("summary.json", 20)):
         text = (folder / name).read_text()
-        assert survey(folder / name, damaged_text(text, most * TIMES), lambda path: Run.read(path.parent))[1] > 10
+        assert survey(folder / name, damaged_text(text, most * TIMES),
+                      lambda path: Run.read(path.parent))[1] > 10
         (folder / name).write_text(text)
 
 

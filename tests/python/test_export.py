@@ -36,7 +36,8 @@ def test_areas_and_state_come_back(tmp_path):
     grains = meshio.read(vtk(tmp_path / "pile.vtm", network)[0])
     p = network.particles
     r, a = p["cap_radius"], p["half_length"]
-    assert polygon_areas(grains) == pytest.approx(11 * np.sin(np.pi / 11) * r**2 + 4 * a * r, rel=1e-12)
+    assert polygon_areas(grains) == pytest.approx(11 * np.sin(np.pi / 11) * r**2 + 4 * a * r,
+                                                  rel=1e-12)
     assert data(grains, "area") == pytest.approx(np.pi * r**2 + 4 * a * r, rel=1e-14)
     centres = grains.points[grains.cells_dict["polygon"]].mean(axis=1)
     assert centres[:, :2] == pytest.approx(p["position"], abs=1e-9) and not centres[:, 2].any()
@@ -54,14 +55,17 @@ def test_contacts_are_lines_with_forces(tmp_path):
     count = len(network.contacts["body1"])
     assert lines.shape == (2 * count, 2, 2)
     assert lines[0::2, 0] == pytest.approx(network.particles["position"][network.contacts["body1"]])
-    assert lines[0::2, 1] == pytest.approx(network.contacts["position"]) and np.array_equal(lines[0::2, 1], lines[1::2, 0])
+    assert lines[0::2, 1] == pytest.approx(network.contacts["position"])
+    assert np.array_equal(lines[0::2, 1], lines[1::2, 0])
     assert lines[1::2, 1] - lines[0::2, 0] == pytest.approx(network.contacts["branch"])
     force = data(contacts, "force")[::2, :2]
     assert np.array_equal(force, network.contacts["force"])
     n = network.contacts["normal"]
     assert data(contacts, "normal_force")[::2] == pytest.approx((force * n).sum(axis=1))
-    assert data(contacts, "shear_force")[::2] ** 2 == pytest.approx((force**2).sum(axis=1) - (force * n).sum(axis=1) ** 2, abs=1e-9)
-    assert contacts.point_data["normal_force"] == pytest.approx(np.repeat((force * n).sum(axis=1), 3))
+    assert data(contacts, "shear_force")[::2] ** 2 == pytest.approx((force**2).sum(axis=1)
+        - (force * n).sum(axis=1) ** 2, abs=1e-9)
+    assert contacts.point_data["normal_force"] == pytest.approx(np.repeat((force * n).sum(axis=1),
+        3))
 
 
 def scene(time=0.0):
@@ -72,7 +76,8 @@ def scene(time=0.0):
 
 def test_obstacles(tmp_path):
     frame = scene()
-    frame.outlines = [(7, "box", np.array([[0.0, 0], [2, 0], [2, 1], [0, 1]])), (8, "facet", np.array([[0.0, 0], [3, 4]]))]
+    frame.outlines = [(7, "box", np.array([[0.0, 0], [2, 0], [2, 1], [0, 1]])),
+                      (8, "facet", np.array([[0.0, 0], [3, 4]]))]
     frame.walls = dict(id=np.array([9]), axis=np.array([1]), position=np.array([-1.0]))
     frame.cell = np.array([[40.0, 5], [0, 40]])
     obstacles = meshio.read(vtk(tmp_path / "o.vtm", frame)[2])
@@ -82,14 +87,17 @@ def test_obstacles(tmp_path):
     assert [list(column) for column in obstacles.cell_data["id"]] == [[8, 9, -1, -1, -1, -1], [7]]
     assert np.linalg.norm(np.diff(obstacles.points[lines[0]], axis=0)) == pytest.approx(5)
     assert (obstacles.points[lines[1]][:, 1] == -1).all()
-    assert obstacles.points[lines[2:, 0], :2] == pytest.approx(np.array([[0, 0], [40, 0], [45, 40], [5, 40]]))
-    assert obstacles.points[quads[0], :2] == pytest.approx(np.array([[0, 0], [2, 0], [2, 1], [0, 1]]))
+    assert obstacles.points[lines[2:, 0],
+                            :2] == pytest.approx(np.array([[0, 0], [40, 0], [45, 40], [5, 40]]))
+    assert obstacles.points[quads[0],
+                            :2] == pytest.approx(np.array([[0, 0], [2, 0], [2, 1], [0, 1]]))
 
 
 def test_index_names_the_three_files(tmp_path):
     files = vtk(tmp_path / "pile.vtm", packing(0.5))
     parts = list(xml.parse(tmp_path / "pile.vtm").iter("DataSet"))
-    assert [(p.attrib["name"], tmp_path / p.attrib["file"]) for p in parts] == list(zip(("grains", "contacts", "obstacles"), files))
+    assert [(p.attrib["name"], tmp_path / p.attrib["file"]) for p in parts] == list(
+        zip(("grains", "contacts", "obstacles"), files))
     with pytest.raises(ValueError, match="ends in .vtm"):
         vtk(tmp_path / "pile.vtk", packing(0.5))
 
@@ -114,7 +122,7 @@ def test_a_failed_write_leaves_nothing(tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
-# --- series -------------------------------------------------------------------------------------------------------------
+# --- series ---------------------------------------------------------------------------------------
 
 
 def test_series_grows_and_its_files_are_there(tmp_path):
@@ -123,8 +131,10 @@ def test_series_grows_and_its_files_are_there(tmp_path):
         series.save(scene(time))
     moments = VtkSeries(tmp_path / "out").moments()
     assert [time for time, _ in moments] == [0, 0, 0, 0.1, 0.1, 0.1, 0.3, 0.3, 0.3]
-    assert len({file for _, file in moments}) == 9 and all((tmp_path / "out" / file).exists() for _, file in moments)
-    assert [part.attrib["part"] for part in xml.parse(series.index).iter("DataSet")] == 3 * ["0", "1", "2"]
+    assert len({file for _, file in moments}) == 9
+    assert all((tmp_path / "out" / file).exists() for _, file in moments)
+    assert [part.attrib["part"] for part in xml.parse(series.index).iter("DataSet")] == 3 * ["0",
+        "1", "2"]
 
 
 def test_series_goes_on_from_an_earlier_moment(tmp_path):

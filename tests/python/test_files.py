@@ -49,7 +49,8 @@ def test_long_names(tmp_path):
 
 @pytest.mark.parametrize(
     "path, error",
-    [("folder", IsADirectoryError), ("none/file", FileNotFoundError), ("file/below", OSError), ("pipe", OSError), ("x" * 300, OSError)],
+    [("folder", IsADirectoryError), ("none/file", FileNotFoundError), ("file/below", OSError),
+     ("pipe", OSError), ("x" * 300, OSError)],
 )
 def test_what_cannot_be_written_is_said_first(tmp_path, path, error):
     (tmp_path / "folder").mkdir()
@@ -88,7 +89,8 @@ def test_two_writers_at_once_and_kills(tmp_path):
     files.write(path, b"a" * 100_000)
     rng = np.random.default_rng(1)
     for _ in range(20):
-        writers = [multiprocessing.get_context("fork").Process(target=_fill, args=(path, letter)) for letter in (b"a", b"b")]
+        writers = [multiprocessing.get_context("fork").Process(target=_fill, args=(path, letter))
+                   for letter in (b"a", b"b")]
         for writer in writers:
             writer.start()
         time.sleep(rng.uniform(0.01, 0.05))
@@ -119,7 +121,9 @@ def test_errors_are_one_line(text):
     assert "\n" not in files.one_line(ValueError(text)) and files.one_line(ValueError(text))
 
 
-@pytest.mark.parametrize("error", [KeyError("x"), EOFError(), RuntimeError("a\nb"), TypeError("t"), MemoryError(), IndexError(1), OSError("truncated"), ValueError("v\nw")])
+@pytest.mark.parametrize("error", [KeyError("x"), EOFError(), RuntimeError("a\nb"), TypeError("t"),
+                                   MemoryError(), IndexError(1), OSError("truncated"),
+                                   ValueError("v\nw")])
 def test_whatever_a_reader_throws_names_the_file(tmp_path, error):
     path = tmp_path / "x"
     path.touch()
@@ -176,7 +180,8 @@ def test_relative_paths(tmp_path, monkeypatch):
 def test_solve_does_without_h5py(tmp_path):
     """`import rcr` needed h5py even to solve a problem from .npz."""
     one = dict(a=[0], b=[1], n=[[0, 1]], ra=[[0, 0]], rb=[[0, 0]], bn=[0.0], mu=[0.5], p0=[[0, 0]])
-    np.savez(tmp_path / "p.npz", im=[0, 1], iI=[0, 1], vfree=[[0, 0, 0], [0, -2, 0]], meta=[1, 1, 2], **one)
+    np.savez(tmp_path / "p.npz", im=[0, 1], iI=[0, 1], vfree=[[0, 0, 0], [0, -2, 0]],
+             meta=[1, 1, 2], **one)
     code = f"""
 import sys
 sys.modules["h5py"] = None  # as if it were not installed

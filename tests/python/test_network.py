@@ -42,27 +42,32 @@ def test_partial_tensors_add_up():
         assert np.trace(test.fabric(xi)) == pytest.approx(share, abs=1e-12)
     largest = force.max() / force.mean()
     assert test.anisotropies(largest * 1.001) == pytest.approx(test.anisotropies(), abs=1e-12)
-    assert test.shear_stress_ratio(largest * 1.001) == pytest.approx(test.shear_stress_ratio(), abs=1e-12)
+    assert test.shear_stress_ratio(largest * 1.001) == pytest.approx(test.shear_stress_ratio(),
+        abs=1e-12)
 
 
 def test_stress_of_a_row_and_a_column():
     """Two contacts: f = 3 along x on ℓ = 2, f = 1 along y on ℓ = 4, V = 10: σ = diag(0.6, 0.4), q/p = 0.2."""
-    test = network(np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]), np.array([[3.0, 0], [1, 0]]))
+    test = network(np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]),
+                   np.array([[3.0, 0], [1, 0]]))
     assert test.stress() == pytest.approx(np.diag([0.6, 0.4]), abs=1e-15)
     assert test.sin_phi() == pytest.approx(0.2, abs=1e-14)
     assert abs(test.stress_axes()[:, 0]) == pytest.approx([1, 0], abs=1e-14)
 
 
 def test_a_network_tells_what_it_holds():
-    row = network(np.zeros(3), np.tile([1.0, 0], (3, 1)), np.ones((3, 2)), body2=np.array([1, 1, -2]))
-    assert repr(row) == "<Network: 2 grains, 3 contacts, 2 of them between grains, friction 0.5, volume 10>"
+    row = network(np.zeros(3), np.tile([1.0, 0], (3, 1)), np.ones((3, 2)),
+                  body2=np.array([1, 1, -2]))
+    assert repr(
+        row) == "<Network: 2 grains, 3 contacts, 2 of them between grains, friction 0.5, volume 10>"
     row.attributes |= dict(strain=np.float64(0.1) * 3, seed=4, volume="large")
     assert repr(row) == "<Network: 2 grains, 3 contacts, 2 of them between grains, strain 0.3, friction 0.5>"
 
 
 def test_walls_count_for_the_stress_only():
     test = network(
-        np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]), np.array([[3.0, 0], [1, 0]]), body2=np.array([1, -4]), type=np.array([0, 3])
+        np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]), np.array([[3.0, 0], [1, 0]]),
+        body2=np.array([1, -4]), type=np.array([0, 3])
     )
     assert test.stress() == pytest.approx(np.diag([0.6, 0.4]), abs=1e-15)
     assert test.fabric() == pytest.approx(np.diag([1.0, 0]), abs=1e-15)
@@ -80,10 +85,13 @@ def test_friction_is_that_of_each_contact():
     """I_m = |f_t|/(µ f_n) with µ = 0.5, 0.25, none and unknown: 0.5, 1, and 0 where there is no limit to reach."""
     force = np.array([[1, 0.25], [2, -0.5], [1, 0], [1, 0]])
     test = network(np.zeros(4), np.ones((4, 2)), force, friction=9.0)
-    mixed = Network(test.particles, test.contacts | dict(friction=np.array([0.5, 0.25, 0, np.nan])), test.attributes)
+    mixed = Network(test.particles, test.contacts | dict(friction=np.array([0.5, 0.25, 0, np.nan])),
+                    test.attributes)
     assert mixed.friction_mobilization() == pytest.approx([0.5, 1, 0, 0])
-    with pytest.raises(ValueError, match=r"contacts/friction\[1\] = -1; expected a coefficient ≥ 0"):
-        Network(test.particles, test.contacts | dict(friction=np.array([0, -1.0, 0, 0])), test.attributes)
+    with pytest.raises(ValueError, match=r"contacts/friction\[1\] = -1; expected a coefficient ≥ "
+                       r"0"):
+        Network(test.particles, test.contacts | dict(friction=np.array([0, -1.0, 0, 0])),
+                test.attributes)
 
 
 def test_files_of_before_load(tmp_path):
@@ -96,13 +104,16 @@ def test_files_of_before_load(tmp_path):
             del file[name]
     again = Network.load(path)
     assert (again.contacts["friction"] == 0.5).all() and (again.particles["clump"] == -1).all()
-    assert np.array_equal(again.particles["center"], again.particles["position"]) and again.coordination() == test.coordination()
+    assert np.array_equal(again.particles["center"], again.particles["position"])
+    assert again.coordination() == test.coordination()
 
 
 def test_ratios_need_no_volume():
     whole = random_network()
-    test = Network(whole.particles, whole.contacts, {k: v for k, v in whole.attributes.items() if k != "volume"})
-    assert test.sin_phi() == pytest.approx(whole.sin_phi()) and np.array_equal(test.fabric(), whole.fabric())
+    test = Network(whole.particles, whole.contacts,
+                   {k: v for k, v in whole.attributes.items() if k != "volume"})
+    assert test.sin_phi() == pytest.approx(whole.sin_phi())
+    assert np.array_equal(test.fabric(), whole.fabric())
     assert np.array_equal(test.anisotropies(), whole.anisotropies())
     for call in (test.stress, test.principal_stresses):
         with pytest.raises(ValueError, match="the network has no volume"):
@@ -113,9 +124,11 @@ def test_contacts_of_a_clump_are_counted_together():
     """Grains 0 and 1 are one clump, between 2 and 3: a chain closed by an obstacle at each end has Z = 2, for the clump too."""
     pairs = np.array([[2, -7], [2, 0], [1, 3], [3, -8]])
     one, two = pairs.T
-    test = network(np.zeros(4), np.ones((4, 2)), np.ones((4, 2)), grains=4, body1=one, body2=two, type=np.array([3, 0, 0, 3]))
+    test = network(np.zeros(4), np.ones((4, 2)), np.ones((4, 2)), grains=4, body1=one, body2=two,
+                   type=np.array([3, 0, 0, 3]))
     assert test.coordination() == 0  # 0 and 1 hang on by one contact each, and then the others
-    joined = Network(test.particles | dict(clump=np.array([9, 9, -1, -1])), test.contacts, test.attributes)
+    joined = Network(test.particles | dict(clump=np.array([9, 9, -1, -1])), test.contacts,
+                     test.attributes)
     assert joined.coordination() == 2 and list(joined.grain_coordination()) == [2, 2, 2, 2]
     with pytest.raises(ValueError, match="volume = -1"):
         Network(test.particles, test.contacts, dict(volume=-1.0))
@@ -133,11 +146,13 @@ def test_force_pdf_is_a_density():
 def test_coordination_leaves_rattlers_out():
     """A triangle of three with a fourth hanging on by one contact, which goes with it: Z = 2; one side contact: 8/3."""
     pairs = np.array([[0, 1], [1, 2], [2, 0], [2, 3]])
-    test = network(np.zeros(4), np.ones((4, 2)), np.ones((4, 2)), grains=4, body1=pairs[:, 0], body2=pairs[:, 1], points=np.array([2, 1, 1, 1]))
+    test = network(np.zeros(4), np.ones((4, 2)), np.ones((4, 2)), grains=4, body1=pairs[:, 0],
+                   body2=pairs[:, 1], points=np.array([2, 1, 1, 1]))
     assert test.coordination() == pytest.approx(2)
     assert test.coordination(count_side_contacts_twice=True) == pytest.approx(8 / 3)
     alive, kept, total = test.backbone()
-    assert list(alive) == [True, True, True, False] and list(kept) == [True, True, True, False] and list(total[alive]) == [2, 2, 2]
+    assert list(alive) == [True, True, True, False] and list(kept) == [True, True, True, False]
+    assert list(total[alive]) == [2, 2, 2]
 
 
 def test_file_round_trip_and_refusals(tmp_path):
@@ -152,7 +167,8 @@ def test_file_round_trip_and_refusals(tmp_path):
     contacts = dict(test.contacts)
     with pytest.raises(ValueError, match="lacks force"):
         Network(test.particles, {k: v for k, v in contacts.items() if k != "force"}, dict(volume=1))
-    with pytest.raises(ValueError, match=r"contacts/force has shape \(500, 1\); expected \(500, 2\)"):
+    with pytest.raises(ValueError, match=r"contacts/force has shape \(500, 1\); expected \(500, "
+                       r"2\)"):
         Network(test.particles, contacts | dict(force=contacts["force"][:, :1]), dict(volume=1))
     with pytest.raises(ValueError, match="contacts/force holds a number that is not finite"):
         Network(test.particles, contacts | dict(force=contacts["force"] * np.nan), dict(volume=1))
@@ -192,22 +208,27 @@ def put(index, value):
     "name, change, says",
     [
         ("contacts/body1", put(3, 77), r"contacts/body1\[3\] = 77; expected the id of a particle"),
-        ("contacts/body2", put(2, 77), r"contacts/body2\[2\] = 77; expected the id of a particle, or a negative one"),
+        ("contacts/body2", put(2, 77), r"contacts/body2\[2\] = 77; expected the id of a particle, "
+         r"or a negative one"),
         ("contacts/body2", put(0, 0), r"contacts/body2\[0\] = 0; expected another body"),
         ("contacts/body1", lambda c: c + 0.5, "expected whole numbers"),
         ("contacts/type", put(1, 4), r"contacts/type\[1\] = 4; expected 0 to 3"),
-        ("contacts/normal", put((4, 0), 3.0), r"the length of contacts/normal\[4\] = 3.*; expected 1"),
+        ("contacts/normal", put((4, 0), 3.0), r"the length of contacts/normal\[4\] = 3.*; expected "
+         r"1"),
         ("contacts/normal", lambda c: c.astype("S5"), "contacts/normal does not hold numbers, but"),
-        ("contacts/force", lambda c: c + 1j, "contacts/force does not hold numbers, but complex ones"),
+        ("contacts/force", lambda c: c + 1j, "contacts/force does not hold numbers, but complex "
+         "ones"),
         ("contacts/force", lambda c: -c, "the mean normal force is -.*; expected > 0"),
         ("contacts/force", put((0, 1), np.inf), "contacts/force holds a number that is not finite"),
         ("contacts/force", lambda c: 1.0, r"contacts/force has shape \(\)"),
         ("particles/id", lambda c: 0 * c, "particles/id holds 0 2 times"),
         ("particles/id", lambda c: c - 1, "particles/id holds -1"),
         ("particles/R", lambda c: 0 * c, r"particles/R\[0\] = 0; expected > 0"),
-        ("particles/R", lambda c: 2 * c, r"particles/R\[0\] = .*; expected half_length \+ cap_radius"),
+        ("particles/R", lambda c: 2 * c, r"particles/R\[0\] = .*; expected half_length \+ "
+         r"cap_radius"),
         ("contacts/points", put(1, 7), r"contacts/points\[1\] = 7; expected 1 or 2"),
-        ("contacts/type", put(1, 3), r"contacts/type\[1\] = 3; expected 3 for an obstacle as body 2, and only there"),
+        ("contacts/type", put(1, 3), r"contacts/type\[1\] = 3; expected 3 for an obstacle as body "
+         r"2, and only there"),
         ("particles/R", lambda c: c[:1], r"particles/R has shape \(1,\); expected \(2,\)"),
     ],
 )
@@ -220,7 +241,9 @@ def test_files_without_meaning_are_refused(tmp_path, name, change, says):
     assert str(path) in str(error.value) and "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize("attribute, value", [("eta", 1.0), ("eta", "long"), ("friction", np.nan), ("volume", -1.0), ("volume", "big"), ("strain", np.inf)])
+@pytest.mark.parametrize("attribute, value", [("eta", 1.0), ("eta", "long"), ("friction", np.nan),
+                                              ("volume", -1.0), ("volume", "big"),
+                                              ("strain", np.inf)])
 def test_attributes_without_meaning_are_refused(tmp_path, attribute, value):
     path = tmp_path / "network-0.h5"
     random_network().save(path)
@@ -230,7 +253,8 @@ def test_attributes_without_meaning_are_refused(tmp_path, attribute, value):
         Network.load(path)
 
 
-@given(xi=st.one_of(st.floats(), st.integers(), st.none(), st.text(max_size=2), st.booleans(), st.complex_numbers(), st.lists(st.floats(), max_size=3)))
+@given(xi=st.one_of(st.floats(), st.integers(), st.none(), st.text(max_size=2), st.booleans(),
+                    st.complex_numbers(), st.lists(st.floats(), max_size=3)))
 def test_cutoffs_are_checked(xi):
     """Numbers ≥ 0 give numbers; everything else is refused."""
     test = random_network(50)

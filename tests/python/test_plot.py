@@ -26,8 +26,10 @@ from synthetic import packing
 def frame(count=3, **columns):
     """Grains in a row, a diameter of 2 apart, without contacts."""
     grains = dict(
-        id=np.arange(count), clump=np.full(count, -1), fixed=np.zeros(count, bool), position=np.column_stack([2.0 * np.arange(count), np.zeros(count)]),
-        angle=np.zeros(count), half_length=np.full(count, 0.5), cap_radius=np.full(count, 0.5), mass=np.ones(count),
+        id=np.arange(count), clump=np.full(count, -1), fixed=np.zeros(count, bool),
+        position=np.column_stack([2.0 * np.arange(count), np.zeros(count)]),
+        angle=np.zeros(count), half_length=np.full(count, 0.5), cap_radius=np.full(count, 0.5),
+        mass=np.ones(count),
         velocity=np.zeros((count, 3)), color=np.tile([0.1, 0.2, 0.3], (count, 1)),
     )  # fmt: skip
     return Frame(grains | columns, contacts(0))
@@ -35,8 +37,10 @@ def frame(count=3, **columns):
 
 def contacts(count, **columns):
     zeros = np.zeros((count, 2))
-    made = dict(body1=np.arange(count), body2=np.arange(count) + 1, type=np.zeros(count, int), points=np.ones(count, int), friction=np.full(count, 0.5))
-    made |= dict(position=zeros, normal=zeros + [1, 0], force=zeros + [1, 0], arm1=zeros + [1, 0], arm2=zeros - [1, 0])
+    made = dict(body1=np.arange(count), body2=np.arange(count) + 1, type=np.zeros(count, int),
+                points=np.ones(count, int), friction=np.full(count, 0.5))
+    made |= dict(position=zeros, normal=zeros + [1, 0], force=zeros + [1, 0], arm1=zeros + [1, 0],
+                 arm2=zeros - [1, 0])
     return made | columns
 
 
@@ -51,7 +55,8 @@ import sys, rcr.plot
 rcr.plot.snapshot({str(tmp_path / "a.png")!r}, {str(tmp_path / "network.h5")!r}, contacts="force")
 sys.exit("matplotlib.pyplot" in sys.modules or "yade" in sys.modules)
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, env={"PATH": "/usr/bin", "PYTHONPATH": ":".join(sys.path)})
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120,
+                          env={"PATH": "/usr/bin", "PYTHONPATH": ":".join(sys.path)})
     assert done.returncode == 0, done.stderr
     assert imread(tmp_path / "a.png").std() > 0.1
 
@@ -86,7 +91,8 @@ def test_every_name_of_a_colour(color):
 
 
 def test_numbers_of_the_user_as_colours():
-    colors = grains_of(plot.packing(frame(3), color=np.array([1.0, 2.0, np.nan]), cmap="gray", range=(1, 2))).get_facecolor()
+    colors = grains_of(plot.packing(frame(3), color=np.array([1.0, 2.0, np.nan]), cmap="gray",
+                                    range=(1, 2))).get_facecolor()
     assert colors == pytest.approx(np.array([[0, 0, 0, 1], [1, 1, 1, 1], to_rgba(drawing.GRAIN)]))
 
 
@@ -112,7 +118,8 @@ def test_load_and_pressure_of_a_grain_between_two():
 def test_segments_are_as_thick_as_their_force():
     row = frame(4)
     row.contacts = contacts(3, force=np.array([[1.0, 0], [2.0, 0], [3.0, 0]]))
-    lines = [c for c in plot.packing(row, contacts="type").collections if isinstance(c, LineCollection)]
+    lines = [c for c in plot.packing(row, contacts="type").collections
+             if isinstance(c, LineCollection)]
     widths = np.sort(np.concatenate([c.get_linewidths() for c in lines]))
     assert widths / widths[0] == pytest.approx([1, 2, 3])
 
@@ -121,7 +128,8 @@ def test_equal_forces_have_one_colour():
     """Also where rounding leaves some above their mean: 0.1 three times has the mean 0.10000000000000002."""
     row = frame(4)
     row.contacts = contacts(3, force=np.array([[0.1, 0], [0.1 + 1e-9, 0], [0.1 - 1e-9, 0]]))
-    lines = [c for c in plot.packing(row, contacts="force").collections if isinstance(c, LineCollection) and len(c.get_paths())]
+    lines = [c for c in plot.packing(row, contacts="force").collections
+             if isinstance(c, LineCollection) and len(c.get_paths())]
     assert len(lines) == 1
 
 
@@ -147,17 +155,25 @@ def test_words_of_the_foot_stand_apart(color, contacts, wide):
     """No text on another, on the grains or over the edge, no scale on a text."""
     network = packing(0.5, particles_=100, contacts=200)
     network.particles["velocity"] = np.random.default_rng(1).normal(size=(100, 3))
-    ax = plot.packing(network, color=color, contacts=contacts, limits=((0, 0), (20, 10) if wide else (4, 20)))
+    ax = plot.packing(network, color=color, contacts=contacts,
+                      limits=((0, 0), (20, 10) if wide else (4, 20)))
     figure = ax.figure
     FigureCanvasAgg(figure).draw()
-    ticks = [(tick, scale.get_xlim()) for scale in figure.axes[1:] for tick in scale.xaxis.get_major_ticks()]
-    texts = [*figure.texts, *(tick.label1 for tick, (low, high) in ticks if low <= tick.get_loc() <= high), *(text for key in figure.legends for text in key.get_texts())]
-    boxes = [text.get_window_extent() for text in texts] + [axes.get_window_extent() for axes in figure.axes]
+    ticks = [(tick, scale.get_xlim()) for scale in figure.axes[1:]
+             for tick in scale.xaxis.get_major_ticks()]
+    texts = [*figure.texts, *(tick.label1 for tick, (low, high) in ticks
+                              if low <= tick.get_loc() <= high),
+             *(text for key in figure.legends for text in key.get_texts())]
+    boxes = [text.get_window_extent() for text in texts] + [axes.get_window_extent()
+                                                            for axes in figure.axes]
     names = [text.get_text() for text in texts] + ["picture", *("scale" for _ in figure.axes[1:])]
     assert len(names) > 1
-    overlaps = [(one, two) for k, one in enumerate(names) for j, two in enumerate(names[:k]) if boxes[k].overlaps(boxes[j])]
+    overlaps = [(one, two) for k, one in enumerate(names) for j, two in enumerate(names[:k])
+                if boxes[k].overlaps(boxes[j])]
     assert not overlaps
-    outside = [name for name, box in zip(names, boxes) if box.x0 < -0.5 or box.y0 < -0.5 or box.x1 > figure.bbox.x1 + 0.5]  # half a pixel
+    # half a pixel
+    outside = [name for name, box in zip(names, boxes) if box.x0 < -0.5 or box.y0 < -0.5
+               or box.x1 > figure.bbox.x1 + 0.5]
     assert not outside
 
 
@@ -165,12 +181,14 @@ def test_words_of_the_foot_stand_apart(color, contacts, wide):
 def test_the_power_of_a_scale_stands_in_its_label(speed, power):
     """It stood below the edge of the picture: grains at rest to rounding seemed to move at 4 m/s."""
     row = frame(3, velocity=np.array([[0, 0, 0], [speed / 2, 0, 0], [speed, 0, 0]]))
-    words = [text.get_text() for text in plot.packing(row, color="speed", contacts=None).figure.texts]
+    words = [text.get_text() for text in plot.packing(row, color="speed",
+                                                      contacts=None).figure.texts]
     assert len(words) == 1 and (power in words[0] if power else "10" not in words[0])
 
 
 def test_fixed_grains_are_grey():
-    colors = grains_of(plot.packing(frame(2, fixed=np.array([False, True])), color="red")).get_facecolor()
+    colors = grains_of(plot.packing(frame(2, fixed=np.array([False, True])),
+                                    color="red")).get_facecolor()
     assert colors == pytest.approx(np.array([to_rgba("red"), to_rgba(drawing.OBSTACLE)]))
 
 
@@ -180,7 +198,8 @@ def test_obstacles_are_in_the_picture_but_do_not_fill_it():
     scene.outlines = [(7, "box", floor), (8, "facet", np.array([[0.0, 2.0], [1.0, 3.0]]))]
     scene.walls = dict(id=np.array([9]), axis=np.array([0]), position=np.array([-1.5]))
     (left, bottom), (right, top) = scene.extent()
-    assert (left, right) == (-4, 8) and top == 3 and bottom == -2  # grains from −1 to 5, half of that on each side
+    # grains from −1 to 5, half of that on each side
+    assert (left, right) == (-4, 8) and top == 3 and bottom == -2
     ax = plot.packing(scene)
     assert len(ax.lines) == 1 and list(ax.lines[0].get_xdata()) == [-1.5, -1.5]
     assert len(ax.collections) == 3
@@ -199,10 +218,12 @@ def test_a_cell_shows_grains_inside_and_their_images():
     """A grain across the corner has three images; one outside by a period is drawn inside."""
     cell = frame(2, position=np.array([[9.9, 9.9], [-5.0, 25.0]]))
     cell.cell = np.array([[10.0, 0], [0, 10.0]])
-    inside, images = [c for c in plot.packing(cell).collections if isinstance(c, PolyCollection)][1:]
+    inside, images = [c for c in plot.packing(cell).collections if isinstance(c, PolyCollection)][
+        1:]
     centres = lambda c: np.array([path.vertices[:-1].mean(axis=0) for path in c.get_paths()])
     assert centres(inside) == pytest.approx(np.array([[9.9, 9.9], [5, 5]]))
-    assert sorted(map(tuple, np.round(centres(images), 9))) == [(-0.1, -0.1), (-0.1, 9.9), (9.9, -0.1)]
+    assert sorted(map(tuple, np.round(centres(images), 9))) == [(-0.1, -0.1), (-0.1, 9.9),
+        (9.9, -0.1)]
 
 
 def test_images_in_a_sheared_cell():
@@ -212,7 +233,8 @@ def test_images_in_a_sheared_cell():
     scene.cell = np.array([[10.0, 4.0], [0.5, 8.0]])
     at = scene.grains["position"] + scene.wrap(scene.grains["position"])
     rows, shifts = plot._images(scene, at)
-    found = {(row, *np.round(np.linalg.solve(scene.cell, shift)).astype(int)) for row, shift in zip(rows, shifts)}
+    found = {(row, *np.round(np.linalg.solve(scene.cell, shift)).astype(int)) for row,
+             shift in zip(rows, shifts)}
     inverse = np.linalg.inv(scene.cell)
     for row, outline in enumerate(polygons(scene.grains | dict(position=at))):
         for step in np.ndindex(3, 3):
@@ -229,7 +251,10 @@ def test_users_axes_are_kept_and_get_no_legend():
     assert len(figure.axes) == 1 and not figure.legends
 
 
-@pytest.mark.parametrize("options, wanted", [(dict(color="sped"), "orientation"), (dict(color=[1, 2]), "each of the 3 grains"), (dict(contacts="forces"), "'force'")])
+@pytest.mark.parametrize("options, wanted",
+                         [(dict(color="sped"), "orientation"),
+                          (dict(color=[1, 2]), "each of the 3 grains"),
+                          (dict(contacts="forces"), "'force'")])
 def test_what_is_not_known_is_refused(options, wanted):
     with pytest.raises(ValueError, match=wanted):
         plot.packing(frame(3), **options)
@@ -245,7 +270,7 @@ def test_an_empty_scene_and_other_things_are_refused(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-# --- films --------------------------------------------------------------------------------------------------------------
+# --- films ----------------------------------------------------------------------------------------
 
 
 def test_film_of_networks(tmp_path):
@@ -265,7 +290,8 @@ def test_film_of_networks(tmp_path):
         film.seek(k)
         dark = np.asarray(film.convert("L")) < 50
         middles.append(np.nonzero(dark)[1].mean())
-    assert np.diff(middles) == pytest.approx(np.diff(middles)[0], rel=0.05) and middles[0] < middles[1]
+    assert np.diff(middles) == pytest.approx(np.diff(middles)[0], rel=0.05)
+    assert middles[0] < middles[1]
 
 
 def test_film_of_pictures(tmp_path):
@@ -273,7 +299,8 @@ def test_film_of_pictures(tmp_path):
     from PIL import Image
 
     for k in (10, 9):
-        plot.snapshot(tmp_path / f"p{k}.png", frame(3), color="black" if k == 9 else "white", legend=False, dpi=30)
+        plot.snapshot(tmp_path / f"p{k}.png", frame(3), color="black" if k == 9 else "white",
+                      legend=False, dpi=30)
     film = Image.open(rcr.movie(tmp_path, tmp_path / "film.gif"))
     brightness = []
     for k in range(2):
@@ -304,7 +331,8 @@ def test_a_film_that_is_stopped_leaves_nothing(tmp_path, monkeypatch):
     assert [p.name for p in tmp_path.iterdir()] == ["network.h5"]
 
 
-@pytest.mark.skipif(not matplotlib.animation.FFMpegWriter.isAvailable(), reason="ffmpeg is not installed")
+@pytest.mark.skipif(not matplotlib.animation.FFMpegWriter.isAvailable(),
+                    reason="ffmpeg is not installed")
 def test_film_by_ffmpeg(tmp_path):
     packing(0.5).save(tmp_path / "network.h5")
     assert rcr.movie(tmp_path, tmp_path / "a.mp4").stat().st_size > 1000
@@ -315,9 +343,12 @@ def test_a_picture_has_few_artists_at_any_number_of_grains(side):
     """An artist for each grain would take minutes at 13 000 grains; collections take a second."""
     at = np.arange(side**2)
     dense = frame(side**2, position=2.0 * np.column_stack([at % side, at // side]), angle=0.1 * at)
-    pairs = np.concatenate([np.column_stack([at[at % side < side - 1]] * 2) + [0, 1], np.column_stack([at[:-side]] * 2) + [0, side]])
+    pairs = np.concatenate([np.column_stack([at[at % side < side - 1]] * 2) + [0, 1],
+                            np.column_stack([at[:-side]] * 2) + [0, side]])
     away = 0.5 * (dense.grains["position"][pairs[:, 1]] - dense.grains["position"][pairs[:, 0]])
     force = np.random.default_rng(1).exponential(1, len(pairs))[:, None] * away
-    dense.contacts = contacts(len(pairs), body1=pairs[:, 0], body2=pairs[:, 1], position=dense.grains["position"][pairs[:, 0]] + away, normal=away, force=force, arm1=away, arm2=-away)
+    dense.contacts = contacts(len(pairs), body1=pairs[:, 0], body2=pairs[:, 1],
+                              position=dense.grains["position"][pairs[:, 0]] + away, normal=away,
+                              force=force, arm1=away, arm2=-away)
     axes = plot.packing(dense, contacts="force")
     assert len(axes.get_children()) < 30

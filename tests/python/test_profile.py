@@ -18,8 +18,10 @@ def scene(seed, count=30, cell=None):
     eta = rng.uniform(0, 0.8, count)
     radius = rng.uniform(0.2, 0.5, count)
     grains = particles(count) | dict(
-        position=rng.uniform(0.5, size - 0.5, (count, 2)), angle=rng.uniform(0, 3, count), R=radius, cap_radius=(1 - eta) * radius,
-        half_length=eta * radius, mass=rng.uniform(1, 2, count), velocity=rng.normal(0, 1, (count, 3)),
+        position=rng.uniform(0.5, size - 0.5, (count, 2)), angle=rng.uniform(0, 3, count), R=radius,
+        cap_radius=(1 - eta) * radius,
+        half_length=eta * radius, mass=rng.uniform(1, 2, count),
+        velocity=rng.normal(0, 1, (count, 3)),
     )  # fmt: skip
     one = rng.integers(0, count, 3 * count)
     two = (one + rng.integers(1, count, 3 * count)) % count
@@ -30,9 +32,14 @@ def scene(seed, count=30, cell=None):
     position = grains["position"][one] + radius[one, None] * n
     branch = np.where(wall[:, None], position, grains["position"][two]) - grains["position"][one]
     force = rng.exponential(1, (3 * count, 1)) * (n + rng.uniform(-0.3, 0.3, (3 * count, 1)) * t)
-    contacts = dict(body1=one, body2=np.where(wall, -7, two), type=np.where(wall, 3, 0), normal=n, branch=branch, force=force, position=position,
+    contacts = dict(body1=one, body2=np.where(wall, -7, two), type=np.where(wall, 3, 0), normal=n,
+                    branch=branch, force=force, position=position,
                     points=np.ones(3 * count, int))  # fmt: skip
-    return Network(grains, contacts, dict(volume=60.0, **({} if cell is None else dict(cell=cell, cell_velocity=np.array([[0, 0.5], [0, 0]]) @ cell))))
+    return Network(grains, contacts,
+                   dict(volume=60.0,
+                        **({} if cell is None
+                           else dict(cell=cell, cell_velocity=np.array([[0, 0.5], [0, 0]])
+                                     @ cell))))
 
 
 grids = st.tuples(st.integers(1, 9), st.integers(1, 9))
@@ -49,29 +56,36 @@ def test_sums_over_the_grid_are_those_of_the_scene(seed, cells):
     p = network.particles
     assert total(profile.stress) == pytest.approx(60 * network.stress(), rel=1e-9, abs=1e-9)
     assert total(profile.solid_fraction) == pytest.approx(Frame.of(network).areas().sum())
-    assert profile._sum("momentum").sum(axis=(0, 1)) == pytest.approx((p["mass"][:, None] * p["velocity"][:, :2]).sum(axis=0), abs=1e-9)
+    assert profile._sum("momentum").sum(axis=(0, 1)) == pytest.approx(
+        (p["mass"][:, None] * p["velocity"][:, :2]).sum(axis=0), abs=1e-9)
     inner = network.contacts["normal"][network.between_particles]
-    assert profile._sum("fabric").sum(axis=(0, 1)) == pytest.approx(np.einsum("ca,cb->ab", inner, inner), abs=1e-9)
+    assert profile._sum("fabric").sum(axis=(0, 1)) == pytest.approx(np.einsum("ca,cb->ab", inner,
+        inner), abs=1e-9)
 
 
 @settings(max_examples=15, deadline=None)
-@given(seed=st.integers(0, 1000), cells=grids, turns=st.tuples(st.integers(-3, 3), st.integers(-3, 3)))
+@given(seed=st.integers(0, 1000), cells=grids,
+       turns=st.tuples(st.integers(-3, 3), st.integers(-3, 3)))
 def test_images_in_a_periodic_cell_are_one(seed, cells, turns):
     """A scene moved by whole periods, at the velocity of its images, has the same fields; samples at the very edge of a cell may change sides."""
     cell = np.array([[10.0, 2.5], [0, 6.0]])
     network = scene(seed, cell=cell)
     profile = rcr.Profile(cells).compute(network)
     assert (profile.limits == [[0, 0], [10, 6]]).all()
-    assert 60 * profile.stress.mean(axis=(0, 1)) == pytest.approx(60 * network.stress(), rel=1e-9, abs=1e-9)
+    assert 60 * profile.stress.mean(axis=(0, 1)) == pytest.approx(60 * network.stress(), rel=1e-9,
+        abs=1e-9)
     assert profile.solid_fraction.mean() * 60 == pytest.approx(Frame.of(network).areas().sum())
     shift, faster = cell @ turns, network.attributes["cell_velocity"] @ turns
     moved = Network(
-        {k: v for k, v in network.particles.items() if k != "center"} | dict(position=network.particles["position"] + shift, velocity=network.particles["velocity"] + [*faster, 0]),
+        {k: v for k, v in network.particles.items() if k != "center"}
+        | dict(position=network.particles["position"] + shift,
+               velocity=network.particles["velocity"] + [*faster, 0]),
         network.contacts | dict(position=network.contacts["position"] + shift), network.attributes,
     )  # fmt: skip
     again = rcr.Profile(cells).compute(moved)
     assert again.solid_fraction == pytest.approx(profile.solid_fraction, abs=0.05)
-    assert again._sum("momentum").sum(axis=(0, 1)) == pytest.approx(profile._sum("momentum").sum(axis=(0, 1)), abs=1e-8)
+    assert again._sum("momentum").sum(axis=(0, 1)) == pytest.approx(
+        profile._sum("momentum").sum(axis=(0, 1)), abs=1e-8)
     assert again.stress.sum(axis=(0, 1)) == pytest.approx(profile.stress.sum(axis=(0, 1)), abs=1e-8)
 
 
@@ -87,11 +101,14 @@ def test_layers_are_means_of_a_map():
 def test_a_turning_grain_and_a_grain_in_two_cells():
     """A disc of radius 1 on the border of two cells turns at 1/s: half of it in each, its halves moving up and down by 4/(3π)."""
     disc = particles(1) | dict(velocity=np.array([[0.0, 0, 1]]))
-    empty = dict(body1=[], body2=[], type=[], normal=np.empty((0, 2)), branch=np.empty((0, 2)), force=np.empty((0, 2)), position=np.empty((0, 2)), points=[])
+    empty = dict(body1=[], body2=[], type=[], normal=np.empty((0, 2)), branch=np.empty((0, 2)),
+                 force=np.empty((0, 2)), position=np.empty((0, 2)), points=[])
     profile = rcr.Profile((2, 1), ((-1, -1), (1, 1))).compute(Network(disc, empty, {}))
     assert profile.solid_fraction[:, 0] == pytest.approx(np.pi / 4)
-    assert profile.velocity[:, 0, 1] == pytest.approx([-4 / (3 * np.pi), 4 / (3 * np.pi)], rel=0.02)  # 60 samples
-    assert np.isnan(profile.fabric).all() and (profile.stress == 0).all() and (profile.coordination == 0).all()
+    # 60 samples
+    assert profile.velocity[:, 0, 1] == pytest.approx([-4 / (3 * np.pi), 4 / (3 * np.pi)], rel=0.02)
+    assert np.isnan(profile.fabric).all() and (profile.stress == 0).all()
+    assert (profile.coordination == 0).all()
 
 
 def test_averages_over_moments():
@@ -103,7 +120,8 @@ def test_averages_over_moments():
     assert mean.compute(two).stress == pytest.approx(apart[1].stress)
 
 
-@pytest.mark.parametrize("cells, quantity", [((1, 4), "velocity_x"), ((4, 1), "pressure"), ((4, 4), "shear_stress"), ((4, 4), "coordination")])
+@pytest.mark.parametrize("cells, quantity", [((1, 4), "velocity_x"), ((4, 1), "pressure"),
+                                             ((4, 4), "shear_stress"), ((4, 4), "coordination")])
 def test_plot_returns_its_axes(cells, quantity):
     profile = rcr.Profile(cells, ((0, 0), (10, 6))).compute(scene(1))
     ax = profile.plot(quantity=quantity)
@@ -111,13 +129,15 @@ def test_plot_returns_its_axes(cells, quantity):
     if 1 in cells:
         (line, _) = ax.get_lines()
         drawn = line.get_xdata() if cells[0] == 1 else line.get_ydata()
-        assert drawn == pytest.approx({"velocity_x": profile.velocity[0, ..., 0].ravel() if cells[0] == 1 else 0, "pressure": profile.pressure.ravel()}[quantity])
+        assert drawn == pytest.approx({"velocity_x": profile.velocity[0, ..., 0].ravel() if cells[0]
+                                       == 1 else 0, "pressure": profile.pressure.ravel()}[quantity])
 
 
 def test_a_profile_tells_what_it_holds():
     profile = rcr.Profile(cells=(1, 4), limits=((0, -1), (2, 1)))
     assert repr(profile) == "<Profile: 1 × 4 cells, nothing computed yet>"
-    assert repr(profile.compute(scene(1))) == "<Profile: 1 × 4 cells from (0, -1) to (2, 1) m, 1 moment>"
+    assert repr(
+        profile.compute(scene(1))) == "<Profile: 1 × 4 cells from (0, -1) to (2, 1) m, 1 moment>"
     assert repr(profile.compute(scene(2), reset=False)) == "<Profile: 1 × 4 cells from (0, -1) to (2, 1) m, mean of 2 moments>"
 
 

@@ -108,14 +108,52 @@ def test_analysis_of_other_runs_takes_the_place_of_one(written, folders, tmp_pat
     assert not (out / "O6-eta-0.5.png").exists() and (out / "O6-eta-0.png").exists()
 
 
-def test_report_tells_missed_tolerances(folders, tmp_path):
-    """Shares of 1 and 3 % of two seeds, 2 and 4 times the tolerance: 2 %, (1 × 2 + 3 × 4)/4 = 3.5 times."""
-    summaries = [dict(missed_fraction=0.01, missed_mean=2.0, missed_max=3.0), dict(missed_fraction=0.03, missed_mean=4.0, missed_max=9.0)]
+def test_report_counts_missed_tolerances(folders):
+    """Shares of 1 and 3 % of two seeds, 2 and 4 times the tolerance: (1 × 2 + 3 × 4)/4 = 3.5."""
+    summaries = [
+        dict(missed_fraction=0.01, missed_mean=2.0, missed_max=3.0),
+        dict(missed_fraction=0.03, missed_mean=4.0, missed_max=9.0),
+    ]
     runs = [Run.read(folders[1]) for _ in summaries]
-    assert report._misses(runs) == "No run tells how many of its steps missed the tolerance of the solver."
+    assert report.unconverged_steps(runs).startswith("No summary.json counts")
     for run, summary in zip(runs, summaries):
         run.summary = summary
-    assert "η = 0.5: 2.0 %, by a factor of 3.5 in the mean, 9 at most." in report._misses(runs)
+    expected = "η = 0.5: 2.0 %, by a factor of 3.5 in the mean, 9 at most."
+    assert expected in report.unconverged_steps(runs)
+
+
+def mark_yielded(folder, strains, out):
+    """A copy of a run whose records at these strains have two steps without a solution."""
+    shutil.copytree(folder, out)
+    header, *lines = (out / "history.csv").read_text().splitlines()
+    rows = [f"{line},{2 if float(line.split(',')[0]) in strains else 0}" for line in lines]
+    (out / "history.csv").write_text("\n".join([f"{header},yielded_steps", *rows]) + "\n")
+    return out
+
+
+def test_records_and_snapshots_with_yielded_steps_are_left_out(folders, tmp_path):
+    """F50: the critical state has 51 records and snapshots at strains of 0.2, 0.3 and 0.4."""
+    folder = mark_yielded(folders[1], (0.1, 0.4), tmp_path / "marked")
+    run, whole = Run.read(folder), Run.read(folder, include_yielded=True)
+    assert [network.attributes["strain"] for network in run.networks] == [0.2, 0.3]
+    assert len(whole.networks) == 3 and len(whole.history["strain"]) == 101
+    assert len(run.history["strain"]) == 99 and len(run.critical_stresses()) == 50
+    count = "η = 0.5: 2, in 1 of 51 records, with 1 snapshot(s)"
+    assert f"{count}. Their records and snapshots are left out" in report.yielded_steps([run])
+    assert f"{count}. Their records and snapshots count" in report.yielded_steps([whole])
+    assert report.yielded_steps([Run.read(folders[1])]).startswith("No history counts")
+    every = mark_yielded(folders[1], (0.2, 0.3, 0.4), tmp_path / "every")
+    with pytest.raises(ValueError, match="include them with --include-yielded"):
+        Run.read(every)
+
+
+def test_script_includes_yielded_records_on_demand(folders, tmp_path):
+    folder = mark_yielded(folders[1], (0.2, 0.3, 0.4), tmp_path / "marked")
+    refused = network_script(folder, "--out", tmp_path / "out")
+    assert refused.returncode == 1 and "--include-yielded" in refused.stderr
+    run = network_script(folder, "--include-yielded", "--out", tmp_path / "out")
+    assert run.returncode == 0, run.stderr
+    assert "in 3 of 51 records" in (tmp_path / "out" / "report.html").read_text()
 
 
 @pytest.mark.parametrize("case", ["nothing", "empty", "broken", "mixed"])

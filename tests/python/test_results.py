@@ -15,7 +15,8 @@ MADE = ["data-*.txt", "summary.json", "checkpoint"]
 
 
 def owned(folder, parameters=PARAMETERS, **how):
-    return results.claim_folder(folder, "test.py", parameters, MADE, free=["threads"], checkpoint="checkpoint", last="summary.json", **how)
+    return results.claim_folder(folder, "test.py", parameters, MADE, free=["threads"],
+                                checkpoint="checkpoint", last="summary.json", **how)
 
 
 def make(folder, parameters=PARAMETERS, files=("data-1.txt", "checkpoint", "summary.json"), **how):
@@ -33,7 +34,8 @@ def names(folder):
 def test_the_record(tmp_path):
     record = make(tmp_path / "a" / "ü")
     assert results.read(tmp_path / "a" / "ü") == record
-    assert record["parameters"] == PARAMETERS and record["program"] == "test.py" and {"version", "commit", "date", "run"} <= set(record)
+    assert record["parameters"] == PARAMETERS and record["program"] == "test.py"
+    assert {"version", "commit", "date", "run"} <= set(record)
     assert results.read(tmp_path) is None
     more = make(tmp_path / "b", dict(PARAMETERS, threads=2))
     assert more["run"] == record["run"] != make(tmp_path / "c", dict(PARAMETERS, eta=0.25))["run"]
@@ -42,7 +44,8 @@ def test_the_record(tmp_path):
 def test_another_run_is_refused_and_nothing_changes(tmp_path):
     make(tmp_path)
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    with pytest.raises(ValueError, match=r"eta = 0.5 \(here 0.4\), seed = 1 \(here 2\); choose another --out, or remove it with --overwrite"):
+    with pytest.raises(ValueError, match=r"eta = 0.5 \(here 0.4\), seed = 1 \(here 2\); choose "
+                       r"another --out, or remove it with --overwrite"):
         make(tmp_path, dict(PARAMETERS, eta=0.4, seed=2))
     with pytest.raises(ValueError, match="--resume: the run in .* has eta = 0.5"):
         make(tmp_path, dict(PARAMETERS, eta=0.4), resume=True)
@@ -59,7 +62,8 @@ def test_overwrite_removes_the_files_of_the_old_run_only(tmp_path):
 def test_the_same_run_again(tmp_path):
     """Nothing may be lost by a forgotten --resume, nor by a command given twice."""
     make(tmp_path, files=("data-1.txt", "checkpoint", "summary.json"))
-    with pytest.raises(ValueError, match="holds this run, complete; continue it with --resume, or start again with --overwrite"):
+    with pytest.raises(ValueError, match="holds this run, complete; continue it with --resume, or "
+                       "start again with --overwrite"):
         make(tmp_path)
     assert names(tmp_path) == ["checkpoint", "data-1.txt", "run.json", "summary.json"]
     make(tmp_path, files=("checkpoint",), overwrite=True)
@@ -82,7 +86,8 @@ def test_resume_keeps_the_files_and_may_change_what_is_free(tmp_path):
     first = make(tmp_path, files=("checkpoint",))
     record = make(tmp_path, dict(PARAMETERS, threads=4), files=("summary.json",), resume=True)
     assert names(tmp_path) == ["checkpoint", "run.json", "summary.json"]
-    assert record["date"] == first["date"] and record["parameters"]["threads"] == 4 and len(record["continued"]) == 1
+    assert record["date"] == first["date"] and record["parameters"]["threads"] == 4
+    assert len(record["continued"]) == 1
 
 
 def test_results_of_nobody_or_of_another_script_are_kept(tmp_path):
@@ -107,9 +112,11 @@ def test_parts_of_a_killed_process_go(tmp_path):
 def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
     code = (
         "import sys; from rcr import _results as results\n"
-        "with results.claim_folder(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), []) as begin: begin(); print('in', flush=True); sys.stdin.read()"
+        "with results.claim_folder(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), []) "
+        "as begin: begin(); print('in', flush=True); sys.stdin.read()"
     )
-    other = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    other = subprocess.Popen([sys.executable, "-c", code, tmp_path], stdin=subprocess.PIPE,
+                             stdout=subprocess.PIPE)
     assert other.stdout.readline() == b"in\n"
     for how in ({}, dict(resume=True), dict(overwrite=True)):
         with pytest.raises(ValueError, match="another process is writing there"):
@@ -119,7 +126,8 @@ def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
     make(tmp_path)
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", '{"program": 1, "parameters": {}}', '{"program": "test.py"}', "\0" * 9, "[" * 100_000])
+@pytest.mark.parametrize("text", ["", "{", "[]", '{"program": 1, "parameters": {}}',
+                                  '{"program": "test.py"}', "\0" * 9, "[" * 100_000])
 def test_a_damaged_record_is_named(tmp_path, text):
     (tmp_path / "run.json").write_text(text)
     with pytest.raises(ValueError, match="run.json: ") as error:
@@ -134,7 +142,9 @@ def test_what_is_no_folder(tmp_path):
             make(path)
 
 
-@given(st.dictionaries(st.text(max_size=5), st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.integers(), st.text(max_size=5)), max_size=4))
+@given(st.dictionaries(st.text(max_size=5),
+                       st.one_of(st.floats(allow_nan=False, allow_infinity=False), st.integers(),
+                                 st.text(max_size=5)), max_size=4))
 def test_equal_parameters_have_equal_identities(parameters):
     assert results.identity(parameters) == results.identity(dict(reversed(parameters.items())))
     assert results.differing(parameters, json.loads(json.dumps(parameters))) == ""

@@ -11,14 +11,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcr import _checks as checks, script
 
-WORDS = st.one_of(st.text(max_size=20), st.floats().map(repr), st.integers().map(str), st.sampled_from(["1e400", "-0", "5e-324", "1_0", "٣", "0x1", "9" * 5000, "1e3", " 1", "1j"]))
+WORDS = st.one_of(st.text(max_size=20), st.floats().map(repr), st.integers().map(str),
+                  st.sampled_from(["1e400", "-0", "5e-324", "1_0", "٣", "0x1", "9" * 5000, "1e3",
+                                   " 1", "1j"]))
 
 
 @given(WORDS)
 def test_numbers(text):
     """Finite, in the range and of 64 bits, or a message without line breaks that is no longer than a line."""
-    for kind, fits in ((script.number("0 ≤ x < 1", lambda v: 0 <= v < 1), lambda v: 0 <= v < 1), (script.integer(), lambda v: isinstance(v, int) and abs(v) <= 2**63),
-                       (script.at_least(3), lambda v: 3 <= v < 2**31), (script.number(), math.isfinite)):  # fmt: skip
+    for kind, fits in ((script.number("0 ≤ x < 1", lambda v: 0 <= v < 1), lambda v: 0 <= v < 1),
+                       (script.integer(), lambda v: isinstance(v, int) and abs(v) <= 2**63),
+                       (script.at_least(3), lambda v: 3 <= v < 2**31),
+                       (script.number(), math.isfinite)):  # fmt: skip
         try:
             assert fits(kind(text))
         except argparse.ArgumentTypeError as error:
@@ -34,7 +38,9 @@ def test_paths(text):
             assert str(error)
 
 
-VALUES = st.one_of(st.floats(), st.integers(), st.complex_numbers(), st.text(max_size=3), st.none(), st.booleans(), st.fractions(), st.decimals(), st.binary(max_size=3), st.lists(st.floats(), max_size=2))
+VALUES = st.one_of(st.floats(), st.integers(), st.complex_numbers(), st.text(max_size=3), st.none(),
+                   st.booleans(), st.fractions(), st.decimals(), st.binary(max_size=3),
+                   st.lists(st.floats(), max_size=2))
 
 
 @given(VALUES)
@@ -64,7 +70,8 @@ def ended(body):
         ("raise script.Stopped('stopped here; go on so')", 130, "x.py: stopped here; go on so\n"),
         ("raise MemoryError", 1, "x.py: the memory does not suffice; choose a smaller problem\n"),
         ("sys.exit('why')", 1, "x.py: why\n"),
-        ("script.Parser(prog='x.py').parse_args(['--what'])", 2, "x.py: unrecognized arguments: --what\n"),
+        ("script.Parser(prog='x.py').parse_args(['--what'])", 2, "x.py: unrecognized arguments: "
+         "--what\n"),
     ],
 )
 def test_ends(body, code, errors):
@@ -75,7 +82,8 @@ def test_a_first_signal_asks_and_a_second_one_ends():
     body = "with script.stoppable() as stop:\n        print('in', flush=True)\n        while True:\n            if stop.asked: print('asked', flush=True); stop.asked = 2\n            sys.stdin"
     code = f"import sys\nfrom rcr import script\ndef main():\n    {body}\nsys.argv = ['x.py']\nscript.run(main)"
     for number in (signal.SIGINT, signal.SIGTERM):
-        process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
         assert process.stdout.readline() == "in\n"
         process.send_signal(number)
         assert process.stdout.readline() == "asked\n"

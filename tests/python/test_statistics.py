@@ -20,7 +20,8 @@ def power_sample(rng, beta, count, low=0.01):
 def test_power_exponent_and_its_error(beta):
     """200 samples of 500: their mean off by at most 4 errors of the mean, their scatter the error that is given, ± 20 % (4 × 1/√400)."""
     rng = np.random.default_rng(1)
-    found, errors = np.array([statistics.power_exponent(power_sample(rng, beta, 500), 0.01) for _ in range(200)]).T
+    found, errors = np.array([statistics.power_exponent(power_sample(rng, beta, 500), 0.01)
+                              for _ in range(200)]).T
     bias = 3 / 500  # of a maximum-likelihood fit: of the order 1/n
     assert found.mean() == pytest.approx(beta, abs=4 * found.std() / np.sqrt(200) + bias)
     assert errors.mean() == pytest.approx(found.std(), rel=0.2)
@@ -30,18 +31,23 @@ def test_power_exponent_and_its_error(beta):
 def test_exponential_rate_and_its_error(alpha):
     """As above, of the tail above 1."""
     rng = np.random.default_rng(2)
-    found, errors = np.array([statistics.exponential_rate(1 + rng.exponential(1 / alpha, 500)) for _ in range(200)]).T
-    assert found.mean() == pytest.approx(alpha, abs=4 * found.std() / np.sqrt(200) + 3 * alpha / 500)
+    found, errors = np.array([statistics.exponential_rate(1 + rng.exponential(1 / alpha, 500))
+                              for _ in range(200)]).T
+    assert found.mean() == pytest.approx(alpha, abs=4 * found.std() / np.sqrt(200) + 3
+                                         * alpha / 500)
     assert errors.mean() == pytest.approx(found.std(), rel=0.2)
 
 
 def test_exponents_look_at_their_range_only():
     rng = np.random.default_rng(3)
     x = power_sample(rng, -0.3, 1000)
-    assert statistics.power_exponent(np.append(x, [1e-9, 0.005, 5, 100]), 0.01) == statistics.power_exponent(x, 0.01)
+    assert statistics.power_exponent(np.append(x, [1e-9, 0.005, 5, 100]),
+                                     0.01) == statistics.power_exponent(x, 0.01)
     tail = 1 + rng.exponential(1, 100)
-    assert statistics.exponential_rate(np.append(tail, [0.1, 1.0])) == statistics.exponential_rate(tail)
-    assert np.isnan(statistics.exponential_rate(np.array([0.5]))).all() and np.isnan(statistics.power_exponent(np.array([0.5]), 0.01)).all()
+    assert statistics.exponential_rate(np.append(tail, [0.1, 1.0])) == statistics.exponential_rate(
+        tail)
+    assert np.isnan(statistics.exponential_rate(np.array([0.5]))).all()
+    assert np.isnan(statistics.power_exponent(np.array([0.5]), 0.01)).all()
 
 
 def test_mean_and_variance_of_the_power_law_join_their_series():
@@ -64,12 +70,15 @@ def test_pearson():
     """y = c x + √(1 − c²) z has the coefficient c; of n pairs with the error (1 − c²)/√n."""
     rng = np.random.default_rng(4)
     x, z = rng.normal(size=(2, 100_000))
-    assert statistics.pearson(x, -0.22 * x + np.sqrt(1 - 0.22**2) * z) == pytest.approx(-0.22, abs=4 / np.sqrt(100_000))
+    assert statistics.pearson(x, -0.22 * x + np.sqrt(1 - 0.22**2) * z) == pytest.approx(-0.22,
+        abs=4 / np.sqrt(100_000))
     assert np.isnan(statistics.pearson(np.ones(5), x[:5]))
 
 
-ARRAYS = hnp.arrays(st.sampled_from(["f8", "f4", "i8", "u1", "c16", "?", "U3", "M8[s]"]), hnp.array_shapes(max_dims=2, max_side=4))
-VALUES = st.one_of(st.none(), st.floats(), st.text(max_size=3), ARRAYS, st.lists(st.floats(), max_size=5))
+ARRAYS = hnp.arrays(st.sampled_from(["f8", "f4", "i8", "u1", "c16", "?", "U3", "M8[s]"]),
+                    hnp.array_shapes(max_dims=2, max_side=4))
+VALUES = st.one_of(st.none(), st.floats(), st.text(max_size=3), ARRAYS,
+                   st.lists(st.floats(), max_size=5))
 
 
 @pytest.mark.filterwarnings("error")
@@ -77,8 +86,10 @@ VALUES = st.one_of(st.none(), st.floats(), st.text(max_size=3), ARRAYS, st.lists
 def test_what_is_no_sample_is_refused(x, y, edges, low, high):
     """Whatever is given: numbers or NaN without a warning, or a ValueError."""
     calls = (
-        lambda: statistics.density(x, edges), lambda: statistics.centres(edges), lambda: statistics.class_means(x, y, edges),
-        lambda: statistics.pearson(x, y), lambda: statistics.exponential_rate(x, low), lambda: statistics.power_exponent(x, low, high),
+        lambda: statistics.density(x, edges), lambda: statistics.centres(edges),
+        lambda: statistics.class_means(x, y, edges),
+        lambda: statistics.pearson(x, y), lambda: statistics.exponential_rate(x, low),
+        lambda: statistics.power_exponent(x, low, high),
     )  # fmt: skip
     for call in calls:
         try:
@@ -89,5 +100,6 @@ def test_what_is_no_sample_is_refused(x, y, edges, low, high):
 
 def test_no_values_tell_nothing():
     edges = np.array([0.0, 1, 2])
-    assert np.isnan(statistics.density(np.zeros(0), edges)).all() and np.isnan(statistics.class_means(np.zeros(0), np.zeros(0), edges)).all()
+    assert np.isnan(statistics.density(np.zeros(0), edges)).all()
+    assert np.isnan(statistics.class_means(np.zeros(0), np.zeros(0), edges)).all()
     assert np.isnan(statistics.pearson([], []))

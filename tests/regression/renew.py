@@ -22,7 +22,8 @@ def differences(old, new):
             before = old.get(case, {}).get(quantity)
             if before != value:
                 scale = max(abs(value), abs(before or 0))
-                rows.append((abs(value - before) / scale if before is not None else float("inf"), case, quantity, before, value))
+                rows.append((abs(value - before) / scale if before is not None else float("inf"),
+                             case, quantity, before, value))
     return sorted(rows, key=lambda row: -row[0])
 
 
@@ -41,13 +42,15 @@ def perturbed(build, by=1e-15):
 def main():
     parser = argparse.ArgumentParser(prog="renew.py", description=__doc__.splitlines()[0])
     parser.add_argument("--dry", action="store_true", help="show the differences alone")
-    parser.add_argument("--perturb", action="store_true", help="show by how much the scenes differ if grains are moved by 1e-15 of their coordinates")
+    parser.add_argument("--perturb", action="store_true", help="show by how much the scenes differ "
+                        "if grains are moved by 1e-15 of their coordinates")
     options = parser.parse_args()
     warnings.simplefilter("ignore")
     if options.perturb:
         scene_fuzzer.build = perturbed(scene_fuzzer.build)
     old = json.loads(REFERENCE.read_text()) if REFERENCE.exists() else {}
-    new = {name: case() for name, case in cases.CASES.items() if not options.perturb or name in cases.SCENES}
+    new = {name: case() for name, case in cases.CASES.items() if not options.perturb
+           or name in cases.SCENES}
     for relative, case, quantity, before, value in differences(old, new):
         print(f"{case}: {quantity} {before} -> {value} ({relative:.1e})")
     for case in old.keys() - cases.CASES.keys():

@@ -10,8 +10,10 @@ pytest.importorskip("yade", reason="the scenes need YADE")
 import cases  # noqa: E402
 
 REFERENCE = json.loads((pathlib.Path(__file__).parent / "reference.json").read_text())
-# A run repeats to the last bit on one machine, for all threads and lanes. Another C library or compiler may round otherwise: grains moved by
-# 10^-15 of their places (`renew.py --perturb`) change forces, which are of one step and of shocks that pass, by up to 5e-5, and all else by 1e-6.
+# A run repeats to the last bit on one machine, for all threads and lanes. Another C library or
+# compiler may round otherwise: grains moved by
+# 10^-15 of their places (`renew.py --perturb`) change forces, which are of one step and of shocks
+# that pass, by up to 5e-5, and all else by 1e-6.
 FORCE, ELSE = 1e-3, 1e-5
 
 
@@ -21,7 +23,8 @@ def test_is_what_it_was(name):
     found = cases.CASES[name]()
     assert found.keys() == REFERENCE[name].keys()
     for quantity, value in found.items():
-        assert value == pytest.approx(REFERENCE[name][quantity], rel=FORCE if quantity == "force" else ELSE, abs=1e-12), quantity
+        assert value == pytest.approx(REFERENCE[name][quantity], rel=FORCE if quantity == "force"
+                                      else ELSE, abs=1e-12), quantity
 
 
 def test_every_case_has_a_reference():

@@ -19,7 +19,8 @@ def run(script, *arguments):
             os.dup2(output.fileno(), 1)
             os.dup2(errors.fileno(), 2)
             sys.stdout, sys.stderr = (open(number, "w", closefd=False) for number in (1, 2))
-            sys.argv, sys.path = [script, *map(str, arguments)], [os.path.dirname(script), *sys.path]
+            sys.argv, sys.path = [script, *map(str, arguments)], [os.path.dirname(script),
+                *sys.path]
             code = 99  # an exception that the script let through, or an end that was not its own
             try:
                 runpy.run_path(script, run_name="__main__")

@@ -11,12 +11,14 @@ import rcr
 from benchmarks.hard_scenes.stage import G, box, material, stadium, tilted
 from yade import O
 from yade.wrapper import (
-    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, InsertionSortCollider, InteractionLoop, MatchMaker,
+    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter,
+    InsertionSortCollider, InteractionLoop, MatchMaker,
     NewtonIntegrator,
 )  # fmt: skip
 
 ALL_IG2 = [name for name in dir(rcr) if name.startswith("Ig2_") and name != "Ig2_Planar_RcrGeom"]
-EXACT = dict(tolerance=1e-14, maxIterations=3000, solver="nlgs")  # for closed forms: the solver leaves rounding only
+# for closed forms: the solver leaves rounding only
+EXACT = dict(tolerance=1e-14, maxIterations=3000, solver="nlgs")
 
 
 def engines(gravity=(0, -G, 0), before=(), restitution=None, **solver):
@@ -26,7 +28,8 @@ def engines(gravity=(0, -G, 0), before=(), restitution=None, **solver):
         ip2.restitution = MatchMaker(algo="val", val=restitution)
     return [
         ForceResetter(),
-        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(), Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
+        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(),
+                               Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
         InteractionLoop(
             [getattr(rcr, name)() for name in ALL_IG2],
             [ip2],
@@ -88,12 +91,14 @@ def snapshot():
 
 def contact_forces():
     """Point forces of all contacts by the ids of their bodies, bit by bit."""
-    return {(i.id1, i.id2): (i.phys.points, *i.phys.force1, *i.phys.force2) for i in O.interactions if i.isReal}
+    return {(i.id1, i.id2): (i.phys.points, *i.phys.force1, *i.phys.force2) for i in O.interactions
+            if i.isReal}
 
 
 def python(code, **environment):
     """Runs a script in a Python of its own, with these environment variables; returns the CompletedProcess."""
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120, env={**os.environ, **environment})
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120,
+                          env={**os.environ, **environment})
 
 
 ClosedPoint = collections.namedtuple("ClosedPoint", "ids force")

@@ -26,12 +26,16 @@ def heap(seed=0):
         rcr.particle((0.25, 0.02), 0.04, 0.5, fixed=True, material=rough),
     ]
     grains = [
-        (rcr.disc if k % 3 == 0 else rcr.particle)((0.06 + 0.09 * (k % 4), 0.1 + 0.09 * (k // 4)), 0.04, material=rough if k % 2 else smooth,
-                                                  **({} if k % 3 == 0 else dict(eta=0.5, angle=rng.uniform(0, 3)))) for k in range(16)
+        (rcr.disc if k % 3 == 0 else rcr.particle)((0.06 + 0.09 * (k % 4), 0.1 + 0.09 * (k // 4)),
+                                                   0.04, material=rough if k % 2 else smooth,
+                                                  **({} if k % 3 == 0
+                                                     else dict(eta=0.5, angle=rng.uniform(0, 3))))
+                                                  for k in range(16)
     ]  # fmt: skip
     ids = build(*fixed, *grains, dt=5e-4, tolerance=1e-10)
     O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in ALL_IG2]
-    clump, members = rcr.clump([rcr.particle((0.15 + x, 0.6), 0.06, 0.6, angle, rough) for x, angle in ((0, 0.3), (0.03, 1.8))])
+    clump, members = rcr.clump([rcr.particle((0.15 + x, 0.6), 0.06, 0.6, angle, rough) for x,
+                                angle in ((0, 0.3), (0.03, 1.8))])
     O.trackEnergy = False
     return dict(obstacles=ids[:4], grains=ids[4:], clump=clump, members=members)
 
@@ -45,8 +49,10 @@ def resting():
     network = rcr.contact_network(volume=0.25)
     ids["center"] = np.array(O.bodies[ids["clump"]].state.pos)[:2]
     frame = Frame.of()
-    weight = G * (sum(O.bodies[k].state.mass for k in ids["grains"]) + O.bodies[ids["clump"]].state.mass)
-    frictions = {frozenset((i.id1, i.id2)): i.phys.tangensOfFrictionAngle for i in O.interactions if i.isReal}
+    weight = G * (sum(O.bodies[k].state.mass for k in ids["grains"])
+                  + O.bodies[ids["clump"]].state.mass)
+    frictions = {frozenset((i.id1, i.id2)): i.phys.tangensOfFrictionAngle for i in O.interactions
+                 if i.isReal}
     return ids, network, frame, weight, frictions
 
 
@@ -56,9 +62,11 @@ def test_f15_obstacles_are_no_grains(resting):
     assert sorted(network.particles["id"]) == sorted([*ids["grains"], *ids["members"]])
     at_obstacles = network.contacts["body2"] < 0
     assert set(OTHER - network.contacts["body2"][at_obstacles]) == set(ids["obstacles"])
-    assert (network.contacts["type"][at_obstacles] == WALL).all() and (network.contacts["type"][~at_obstacles] < WALL).all()
+    assert (network.contacts["type"][at_obstacles] == WALL).all()
+    assert (network.contacts["type"][~at_obstacles] < WALL).all()
     assert np.isin(network.contacts["body1"], network.particles["id"]).all()
-    assert np.trace(network.fabric()) == pytest.approx(1) and network.coordination() > 2 and len(network.anisotropies()) == 5
+    assert np.trace(network.fabric()) == pytest.approx(1) and network.coordination() > 2
+    assert len(network.anisotropies()) == 5
 
 
 def test_f15_friction_is_that_of_the_contact(resting):
@@ -81,7 +89,9 @@ def test_stresses_of_grains_and_of_the_scene(resting):
     """Σ A σ = V σ, with clumps too; a grain of the network has the stress that it has in the scene."""
     _, network, frame, *_ = resting
     areas, stresses = Frame.of_network(network).areas(), network.grain_stresses()
-    assert np.einsum("n,nab->ab", areas, stresses) / 0.25 == pytest.approx(network.stress(), rel=1e-9)  # rounding of sums
+    # rounding of sums
+    assert np.einsum("n,nab->ab", areas, stresses) / 0.25 == pytest.approx(network.stress(),
+        rel=1e-9)
     free = ~frame.grains["fixed"]
     assert stresses == pytest.approx(frame.stress_tensors()[free], rel=1e-9, abs=1e-9)
     assert (network.grain_coordination() == frame.per_grain(frame.normal_force() > 0)[free]).all()
@@ -93,26 +103,33 @@ def test_a_clump_counts_as_one(resting):
     row = list(network.particles["id"]).index(ids["members"][0])
     other = list(network.particles["id"]).index(ids["members"][1])
     stress = network.grain_stresses()
-    assert np.array_equal(stress[row], stress[other]) and network.grain_coordination()[row] == network.grain_coordination()[other] >= 2
+    assert np.array_equal(stress[row], stress[other])
+    assert network.grain_coordination()[row] == network.grain_coordination()[other] >= 2
     assert stress[row][0, 1] == pytest.approx(stress[row][1, 0], abs=1e-2 * np.trace(stress[row]))
-    assert network.particles["center"][row] == pytest.approx(ids["center"], abs=1e-5) and network.particles["clump"][row] == ids["clump"]  # within a step
+    # within a step
+    assert network.particles["center"][row] == pytest.approx(ids["center"], abs=1e-5)
+    assert network.particles["clump"][row] == ids["clump"]
 
 
 def test_volume_is_asked_for_where_it_is_needed(resting, tmp_path):
     _, network, *_ = resting
-    bare = Network(network.particles, network.contacts, {k: v for k, v in network.attributes.items() if k != "volume"})
+    bare = Network(network.particles, network.contacts, {k: v for k, v in network.attributes.items()
+                                                         if k != "volume"})
     with pytest.raises(ValueError, match=r"no volume.*contact_network\(volume=…\)"):
         bare.stress()
-    assert bare.sin_phi() == pytest.approx(network.sin_phi()) and bare.stress_angle() == network.stress_angle()
+    assert bare.sin_phi() == pytest.approx(network.sin_phi())
+    assert bare.stress_angle() == network.stress_angle()
     bare.save(tmp_path / "bare.h5")
     again = Network.load(tmp_path / "bare.h5")
-    assert "stress" not in again.attributes and np.array_equal(again.contacts["friction"], network.contacts["friction"])
+    assert "stress" not in again.attributes
+    assert np.array_equal(again.contacts["friction"], network.contacts["friction"])
     assert np.array_equal(again.grain_stresses(), network.grain_stresses())
 
 
 @pytest.mark.parametrize("walls", [(0, 1), (0, 1, 2, 99), (1, 0, 3, 2), "box", (0, 1, 2, 4)])
 def test_walls_that_are_no_box(walls):
-    build(rcr.wall("x", 0), rcr.wall("y", 0), rcr.wall("x", 1), rcr.wall("y", 1), rcr.particle((0.5, 0.5), 0.1, 0.5, material=material()))
+    build(rcr.wall("x", 0), rcr.wall("y", 0), rcr.wall("x", 1), rcr.wall("y", 1),
+          rcr.particle((0.5, 0.5), 0.1, 0.5, material=material()))
     with pytest.raises(ValueError, match="left, bottom, right and top Wall of a box"):
         rcr.contact_network(walls)
 
@@ -120,8 +137,10 @@ def test_walls_that_are_no_box(walls):
 @pytest.mark.parametrize("walls", [(2, 1, 0, 3), (0, 3, 2, 1), (2, 3, 0, 1)])
 def test_walls_in_another_order_are_told_by_their_places(walls):
     """Two of them changed gave a negative area, four the codes of the walls opposite."""
-    build(rcr.wall("x", 0), rcr.wall("y", 0), rcr.wall("x", 1), rcr.wall("y", 2), rcr.particle((0.5, 0.5), 0.1, 0.5, material=material()))
-    with pytest.raises(ValueError, match="are at x = .*; expected the order left, bottom, right, top"):
+    build(rcr.wall("x", 0), rcr.wall("y", 0), rcr.wall("x", 1), rcr.wall("y", 2),
+          rcr.particle((0.5, 0.5), 0.1, 0.5, material=material()))
+    with pytest.raises(ValueError, match="are at x = .*; expected the order left, bottom, right, "
+                       "top"):
         rcr.contact_network(walls)
 
 
@@ -139,36 +158,50 @@ def test_scenes_without_a_free_grain_and_volumes_out_of_range():
 def test_f15_periodic_cell_needs_no_walls():
     """A cell that shrinks and shears: the volume is its own, the stress YADE's, whose branch vectors are those of a step later (1 %)."""
     rng = np.random.default_rng(0)
-    grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098), 0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
+    grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098),
+                           0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
     periodic_scene("rigid", *grains, size=1.0, dt=1e-3, tolerance=1e-8)
     O.cell.velGrad = Matrix3(-4, 0.5, 0, 0, -4, 0, 0, 0, 0)
     steps(100)
     network = rcr.contact_network()
     cell = np.array(O.cell.hSize)[:2, :2]
-    assert network.attributes["volume"] == pytest.approx(np.linalg.det(cell)) and len(network.contacts["force"]) > 10
-    assert np.hypot(*network.contacts["branch"].T).max() < 0.2  # of two grains that touch: no period is in it
+    assert network.attributes["volume"] == pytest.approx(np.linalg.det(cell))
+    assert len(network.contacts["force"]) > 10
+    # of two grains that touch: no period is in it
+    assert np.hypot(*network.contacts["branch"].T).max() < 0.2
     stress = network.stress()
-    assert np.einsum("n,nab->ab", rcr.measure.areas()[1], network.grain_stresses()) / network.attributes["volume"] == pytest.approx(stress, rel=1e-9)
+    assert np.einsum("n,nab->ab", rcr.measure.areas()[1],
+                     network.grain_stresses()) / network.attributes["volume"] == pytest.approx(
+        stress, rel=1e-9)
     theirs = -np.array(yade.utils.getStress(network.attributes["volume"]))[:2, :2]
     assert stress == pytest.approx(0.5 * (theirs + theirs.T), abs=0.02 * np.trace(stress))
-    crossing = [i for i in O.interactions if i.isReal and i.phys.normalForce.norm() > 0 and tuple(i.cellDist) != (0, 0, 0)]
+    crossing = [i for i in O.interactions if i.isReal and i.phys.normalForce.norm() > 0
+                and tuple(i.cellDist) != (0, 0, 0)]
     assert len(crossing) > 3
 
 
 def test_networks_of_spheres_under_a_law_of_yade():
     from yade.wrapper import (
-        Bo1_Sphere_Aabb, ForceResetter, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
+        Bo1_Sphere_Aabb, ForceResetter, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider,
+        InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
         Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator,
     )  # fmt: skip
 
-    mat = O.materials.append(yade.utils.FrictMat(density=1000, young=1e6, poisson=0.3, frictionAngle=0.4))
-    O.bodies.append([yade.utils.sphere((x, 0, 0), 1, material=mat, fixed=x == 0) for x in (0, 1.99, 3.98)])
+    mat = O.materials.append(yade.utils.FrictMat(density=1000, young=1e6, poisson=0.3,
+                                                 frictionAngle=0.4))
+    O.bodies.append([yade.utils.sphere((x, 0, 0), 1, material=mat, fixed=x == 0)
+                     for x in (0, 1.99, 3.98)])
     O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]),
-                 InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()], [Law2_ScGeom_FrictPhys_CundallStrack()]), NewtonIntegrator()]  # fmt: skip
+                 InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()],
+                                 [Law2_ScGeom_FrictPhys_CundallStrack()]),
+                 NewtonIntegrator()]  # fmt: skip
     O.dt = 1e-6
     O.step()
     network = rcr.contact_network(volume=8)
-    assert list(network.contacts["body1"]) == [1, 1] and list(network.contacts["body2"]) == [OTHER - 0, 2]
-    assert network.contacts["normal"] == pytest.approx(np.array([[-1, 0], [1, 0]])) and network.contacts["friction"] == pytest.approx(math.tan(0.4))
+    assert list(network.contacts["body1"]) == [1, 1]
+    assert list(network.contacts["body2"]) == [OTHER - 0, 2]
+    assert network.contacts["normal"] == pytest.approx(np.array([[-1, 0], [1, 0]]))
+    assert network.contacts["friction"] == pytest.approx(math.tan(0.4))
     force = np.hypot(*network.contacts["force"].T)
-    assert network.stress()[0, 0] == pytest.approx((force[0] * 0.995 + force[1] * 1.99) / 8)  # to the contact, and from centre to centre
+    # to the contact, and from centre to centre
+    assert network.stress()[0, 0] == pytest.approx((force[0] * 0.995 + force[1] * 1.99) / 8)

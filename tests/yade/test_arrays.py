@@ -27,22 +27,29 @@ def grains(count, columns, seed, spheres=False):
         if spheres and k % 3 == 0:
             yield rcr.disc(at, rng.uniform(0.7, 1) * R, rough)
         else:
-            yield rcr.particle(at, rng.uniform(0.7, 1) * R, rng.uniform(0, 0.8), rng.uniform(0, math.pi), rough)
+            yield rcr.particle(at, rng.uniform(0.7, 1) * R, rng.uniform(0, 0.8),
+                               rng.uniform(0, math.pi), rough)
 
 
 def walls(width):
-    return [rcr.wall("x", 0, +1, material=material(0.5)), rcr.wall("x", width, -1, material=material(0.5)), rcr.wall("y", 0, +1, material=material(0.5))]
+    return [rcr.wall("x", 0, +1, material=material(0.5)),
+            rcr.wall("x", width, -1, material=material(0.5)),
+            rcr.wall("y", 0, +1, material=material(0.5))]
 
 
 def serve_spheres():
-    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in dir(rcr) if name.startswith("Ig2_") and name != "Ig2_Planar_RcrGeom"]
+    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in dir(rcr)
+                                            if name.startswith("Ig2_")
+                                            and name != "Ig2_Planar_RcrGeom"]
 
 
 def pressed():
     """A box of grains under a lid with a constant load, and a wall that is driven."""
-    build(*grains(60, 8, 1), *walls(1.1), rcr.mobile_wall("y", 1.2, 5, -1, material(0)), dt=2e-3, **SOLVER)
+    build(*grains(60, 8, 1), *walls(1.1), rcr.mobile_wall("y", 1.2, 5, -1, material(0)), dt=2e-3,
+          **SOLVER)
     O.bodies[61].state.vel = Vector3(-0.05, 0, 0)
-    O.engines = [*O.engines[:3], rcr.WallStress(wall=63, start=60, end=61, stress=-2000), *O.engines[3:]]
+    O.engines = [*O.engines[:3], rcr.WallStress(wall=63, start=60, end=61, stress=-2000),
+                 *O.engines[3:]]
 
 
 def without_inertia():
@@ -68,7 +75,8 @@ def pile():
         O.bodies.erase(O.iter // 50)
 
     globals()["replace"] = replace
-    O.engines = [*O.engines, PyRunner(command="from test_arrays import replace; replace()", iterPeriod=50)]
+    O.engines = [*O.engines, PyRunner(command="from test_arrays import replace; replace()",
+                                      iterPeriod=50)]
 
 
 def drum():
@@ -76,18 +84,24 @@ def drum():
     sides = []
     for k in range(8):
         angle = k * math.pi / 4
-        sides.append(box((0.5 + 0.62 * math.cos(angle), 0.5 + 0.62 * math.sin(angle)), (0.05, 0.3), angle, material(0.5)))
+        sides.append(box((0.5 + 0.62 * math.cos(angle), 0.5 + 0.62 * math.sin(angle)), (0.05, 0.3),
+                         angle, material(0.5)))
     inside = [b for b in grains(36, 6, 3, spheres=True)]
     for b in inside:
         b.state.pos += Vector3(0.1, 0.1, 0)
-    build(*inside, *sides, dt=1e-3, before=[RotationEngine(ids=list(range(36, 44)), rotateAroundZero=True, rotationAxis=(0, 0, 1), zeroPoint=(0.5, 0.5, 0), angularVelocity=2)], **SOLVER)
+    build(*inside, *sides, dt=1e-3,
+          before=[RotationEngine(ids=list(range(36, 44)), rotateAroundZero=True,
+                                 rotationAxis=(0, 0, 1), zeroPoint=(0.5, 0.5, 0),
+                                 angularVelocity=2)], **SOLVER)
     serve_spheres()
 
 
 def mixed():
     """Discs and Rcrs fall between walls onto a facet and a fixed box, restitution 0.5."""
     facet = utils.facet([(0.6, 0.05, -1), (0.8, 0.02, -1), (0.7, 0.035, 1)], material=material(0.5))
-    build(*grains(48, 6, 4, spheres=True), *walls(0.9), box((0.3, 0.05), (0.1, 0.05), 0.3, material(0.5)), facet, dt=1e-3, restitution=0.5, **SOLVER)
+    build(*grains(48, 6, 4, spheres=True), *walls(0.9),
+          box((0.3, 0.05), (0.1, 0.05), 0.3, material(0.5)), facet, dt=1e-3, restitution=0.5,
+          **SOLVER)
     for body in range(48):
         O.bodies[body].state.pos += Vector3(0, 0.09, 0)
     serve_spheres()
@@ -95,7 +109,9 @@ def mixed():
 
 def shot():
     """Discs that fly fast above grains at rest, and through their gaps: the list of neighbours is mended round them."""
-    build(*grains(160, 20, 7), *walls(2.5), *[rcr.disc((0.1 + 0.2 * k, 1.05 + 0.1 * k), 0.3 * R, material(0.5)) for k in range(3)], dt=1e-3, **SOLVER)
+    build(*grains(160, 20, 7), *walls(2.5),
+          *[rcr.disc((0.1 + 0.2 * k, 1.05 + 0.1 * k), 0.3 * R, material(0.5)) for k in range(3)],
+          dt=1e-3, **SOLVER)
     for k in range(163, 166):
         O.bodies[k].state.vel = Vector3(6, -3, 0)
 
@@ -103,7 +119,8 @@ def shot():
 def watched():
     """A PyRunner that reads and writes bodies in mid-run."""
     build(*grains(40, 6, 5), *walls(0.9), dt=2e-3, **SOLVER)
-    O.engines = [*O.engines, PyRunner(command="from test_arrays import stir; stir()", iterPeriod=37)]
+    O.engines = [*O.engines, PyRunner(command="from test_arrays import stir; stir()",
+                                      iterPeriod=37)]
 
 
 def stir():
@@ -132,8 +149,10 @@ def contacts():
         if i.isReal:
             geom, phys = i.geom, i.phys
             rows[i.id1, i.id2] = (
-                geom.points, geom.type, *geom.gap, *geom.along, *geom.position1, *geom.normal1, *geom.normal, *geom.contactPoint, geom.refR1, geom.refR2,
-                phys.points, *phys.along, *phys.force1, *phys.force2, *phys.normalForce, *phys.shearForce, phys.tangensOfFrictionAngle, phys.restitution,
+                geom.points, geom.type, *geom.gap, *geom.along, *geom.position1, *geom.normal1,
+                *geom.normal, *geom.contactPoint, geom.refR1, geom.refR2,
+                phys.points, *phys.along, *phys.force1, *phys.force2, *phys.normalForce,
+                *phys.shearForce, phys.tangensOfFrictionAngle, phys.restitution,
                 i.iterMadeReal,
             )  # fmt: skip
     return rows
@@ -155,7 +174,8 @@ def after(scene, arrays, steps=STEPS, one_more=True, **attributes):
 
 
 def same(one, two):
-    return all(np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b for a, b in zip(one, two))
+    return all(np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b for a,
+               b in zip(one, two))
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -231,7 +251,8 @@ def test_what_is_written_meanwhile_stays():
 
     A step of engines may overwrite it, as in every YADE scene, so that it is set up to 20 times.
     """
-    build(stadium(0.1, 0.05, (0, 1)), stadium(0.1, 0.05, (0, 2)), *walls(3)[2:], gravity=(0, 0, 0), dt=1e-5, **SOLVER)
+    build(stadium(0.1, 0.05, (0, 1)), stadium(0.1, 0.05, (0, 2)), *walls(3)[2:], gravity=(0, 0, 0),
+          dt=1e-5, **SOLVER)
     for body in (0, 1):
         O.bodies[body].state.vel = Vector3(1, 0, 0)
     O.run()
@@ -254,7 +275,8 @@ def test_what_is_written_meanwhile_stays():
     [
         (lambda: setattr(O, "trackEnergy", True), "O.trackEnergy"),
         (lambda: setattr(solver(), "arrays", False), "ContactDynamics.arrays = False"),
-        (lambda: setattr(O, "engines", [*O.engines, PyRunner(command="pass", iterPeriod=1)]), "the end of the run"),
+        (lambda: setattr(O, "engines", [*O.engines, PyRunner(command="pass", iterPeriod=1)]),
+         "the end of the run"),
     ],
 )
 def test_the_model_tells_why_engines_take_the_steps(change, reason):
@@ -278,7 +300,8 @@ def test_an_error_leaves_the_scene_as_the_step_began():
     """What ends a run in the midst of steps in arrays is told as ever, and the scene goes on from there."""
     mixed()
     O.run(50, True)
-    O.engines = [*O.engines[:-1], PyRunner(command="raise RuntimeError('enough')", iterPeriod=80), O.engines[-1]]
+    O.engines = [*O.engines[:-1], PyRunner(command="raise RuntimeError('enough')", iterPeriod=80),
+                 O.engines[-1]]
     with pytest.raises(RuntimeError, match="enough"):
         O.run(200, True)
     assert O.iter == 130 and np.isfinite(snapshot()).all() and contact_forces()
@@ -289,7 +312,9 @@ def test_forces_that_a_script_adds_now_and_then_act(period):
     """Steps in arrays know contacts, gravity and engines that load; a force added by a PyRunner in the step they began with was lost."""
     speeds = []
     for arrays in (True, False):
-        build(*[stadium(0.2, 0.1, (k, 5), material=material(0)) for k in range(2)], before=[PyRunner(command="O.forces.addF(0, (2, 0, 0)); O.forces.addT(1, (0, 0, 1))", iterPeriod=period)])
+        build(*[stadium(0.2, 0.1, (k, 5), material=material(0)) for k in range(2)],
+              before=[PyRunner(command="O.forces.addF(0, (2, 0, 0)); O.forces.addT(1, (0, 0, 1))",
+                               iterPeriod=period)])
         O.engines[4].arrays = arrays
         O.run(150, True)
         speeds.append((O.bodies[0].state.vel[0], O.bodies[1].state.angVel[2]))
@@ -310,7 +335,8 @@ def test_a_history_is_kept_without_a_stop():
     for _ in range(5):
         O.run(20, True)
         seen = short.observed()
-        seen.update(step=O.iter, time=O.time, points=short.contactPoints, last_iterations=short.iterations, last_residual=short.residual)
+        seen.update(step=O.iter, time=O.time, points=short.contactPoints,
+                    last_iterations=short.iterations, last_residual=short.residual)
         seen["positions"] = {i: (O.bodies[i].state.pos[0], O.bodies[i].state.pos[1]) for i in ids}
         expected.append(seen)
     long = fresh()
@@ -324,7 +350,8 @@ def test_a_history_is_kept_without_a_stop():
 def test_observations_want_a_number_of_steps():
     pressed()
     solver().observeEvery = -1
-    with pytest.raises(ValueError, match="ContactDynamics.observeEvery = -1; expected a number of steps"):
+    with pytest.raises(ValueError, match="ContactDynamics.observeEvery = -1; wanted 0, none, or a "
+                       "number of steps"):
         O.run(1, True)
 
 
@@ -354,7 +381,8 @@ def test_a_change_of_what_is_observed_begins_anew():
     O.run(125, True)
     first, second = watched.observations()
     assert set(first["forces"]) == set(first["positions"]) == {3} and first["steps"] == 100
-    assert set(second["forces"]) == set(second["positions"]) == {3, 60} and (second["steps"], second["step"]) == (100, 275)
+    assert set(second["forces"]) == set(second["positions"]) == {3, 60}
+    assert (second["steps"], second["step"]) == (100, 275)
     assert watched.observed()["steps"] == 25
 
 
@@ -366,8 +394,10 @@ def test_an_observed_body_that_is_erased():
     O.run(100, True)
     O.bodies.erase(5)
     first, second = watched.observations()
-    assert set(first["positions"]) == set(second["forces"]) == {5, 60} and set(second["positions"]) == {60}
-    with pytest.raises(RuntimeError, match="ContactDynamics.observe holds 5, a body that has been erased; take it out"):
+    assert set(first["positions"]) == set(second["forces"]) == {5, 60}
+    assert set(second["positions"]) == {60}
+    with pytest.raises(RuntimeError, match="ContactDynamics.observe holds 5, a body that has been "
+                       "erased; take it out"):
         O.run(10, True)
     watched.observe = [60]
     O.run(60, True)
@@ -377,16 +407,19 @@ def test_an_observed_body_that_is_erased():
 def test_a_member_of_a_clump_is_not_observed():
     """Its contacts act on the clump: it told of no force."""
     build(rcr.wall("y", 0, +1), dt=1e-3)
-    clump, (member, _) = rcr.clump([rcr.particle((0, 0.1), R, 0.5), rcr.particle((0, 0.1), R, 0.5, math.pi / 2)])
+    clump, (member, _) = rcr.clump([rcr.particle((0, 0.1), R, 0.5),
+                                    rcr.particle((0, 0.1), R, 0.5, math.pi / 2)])
     solver().observe = [member]
-    with pytest.raises(RuntimeError, match=f"observe holds {member}, a member of the clump {clump}, on which its contacts act; give that"):
+    with pytest.raises(RuntimeError, match=f"observe holds {member}, a member of the clump "
+                       f"{clump}, on which its contacts act; give that"):
         O.run(2, True)
 
 
 def test_advance_beside_another_run_is_refused():
     """It ended the other run; called by an engine it waited for that engine's own."""
     pressed()
-    O.engines = [*O.engines, PyRunner(iterPeriod=5, firstIterRun=5, command="import rcr; rcr.advance(3)")]
+    O.engines = [*O.engines,
+                 PyRunner(iterPeriod=5, firstIterRun=5, command="import rcr; rcr.advance(3)")]
     with pytest.raises(RuntimeError, match="rcr.advance: a run is active"):
         O.run(20, True)
 

@@ -22,7 +22,8 @@ NAN, INF = math.nan, math.inf
 def resting(**options):
     """A grain at rest on a wall (0), a second one above it."""
     rough = material()
-    ids = build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough), stadium(0.2, 0.1, (0, 0.3), material=rough), **options)
+    ids = build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough),
+                stadium(0.2, 0.1, (0, 0.3), material=rough), **options)
     return O.bodies[ids[1]]
 
 
@@ -38,11 +39,12 @@ def engine(kind):
     return next(e for e in O.engines if isinstance(e, kind))
 
 
-# ---------------------------------------------------------------------------------------------- particles
+# --- particles ------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("R", [0, -0.1, NAN, INF, "0.1", None])
 def test_radius(R):
-    with pytest.raises(ValueError, match=r"R = .*; expected a finite radius of the circumscribed circle > 0"):
+    with pytest.raises(ValueError, match=r"R = .*; expected a finite radius of the circumscribed "
+                       r"circle > 0"):
         rcr.particle((0, 0), R, 0.5)
 
 
@@ -61,9 +63,11 @@ def test_pose_and_density():
         rcr.particle((0, 0), 0.1, 0.5, material=material(density=0))
 
 
-@pytest.mark.parametrize("name, value", [("capRadius", 0), ("capRadius", -1), ("capRadius", INF), ("halfLength", -1), ("halfLength", NAN)])
+@pytest.mark.parametrize("name, value", [("capRadius", 0), ("capRadius", -1), ("capRadius", INF),
+                                         ("halfLength", -1), ("halfLength", NAN)])
 def test_shape(name, value):
-    with pytest.raises(ValueError, match=rf"Rcr.{name} = .*; expected a finite length .* rcr.particle"):
+    with pytest.raises(ValueError, match=rf"Rcr.{name} = .*; expected a finite length .* "
+                       rf"rcr.particle"):
         rcr.Rcr(**({"capRadius": 0.1, "halfLength": 0.2} | {name: value}))
 
 
@@ -77,7 +81,8 @@ def test_shape_without_a_radius():
 
 def test_walls():
     for axis in ("z", 2, -1, 0.5, True, None):
-        with pytest.raises(ValueError, match=f"axis = {axis!r}; expected 'x' or 'y' \\(or 0 or 1\\)"):
+        with pytest.raises(ValueError, match=f"axis = {axis!r}; expected 'x' or 'y' \\(or 0 or "
+                           f"1\\)"):
             rcr.wall(axis, 0)
     with pytest.raises(ValueError, match="position = nan; expected a finite coordinate"):
         rcr.wall("x", NAN)
@@ -90,10 +95,11 @@ def test_axis_of_a_wall_by_its_number(name, number):
     """The number is that of YADE's own walls."""
     assert rcr.wall(number, 0.5, velocity=2).state.vel == rcr.wall(name, 0.5, velocity=2).state.vel
     one, two = (rcr.mobile_wall(axis, 0, mass=1) for axis in (name, np.int64(number)))
-    assert one.shape.axis == two.shape.axis == number and one.state.blockedDOFs == two.state.blockedDOFs
+    assert one.shape.axis == two.shape.axis == number
+    assert one.state.blockedDOFs == two.state.blockedDOFs
 
 
-# ---------------------------------------------------------------------------------------------- bodies
+# --- bodies ---------------------------------------------------------------------------------------
 
 def set_tilt(body):
     body.state.ori = Quaternion((1, 0, 0), 0.1)
@@ -102,10 +108,13 @@ def set_tilt(body):
 @pytest.mark.parametrize(
     "change, match",
     [
-        (lambda b: setattr(b.state, "mass", 0), "#1 is free but has the mass 0; give it a mass > 0"),
+        (lambda b: setattr(b.state, "mass", 0), "#1 is free but has the mass 0; give it a mass > "
+         "0"),
         (lambda b: setattr(b.state, "mass", NAN), "#1 is free but has the mass nan"),
-        (lambda b: setattr(b.state, "inertia", (1, 1, 0)), "#1 is free to turn but has the moment of inertia 0 about z"),
-        (lambda b: setattr(b.state, "blockedDOFs", "XY"), "#1 is free to leave the plane .blockedDOFs = 'XY'.; expected z, X and Y blocked"),
+        (lambda b: setattr(b.state, "inertia", (1, 1, 0)), "#1 is free to turn but has the moment "
+         "of inertia 0 about z"),
+        (lambda b: setattr(b.state, "blockedDOFs", "XY"), "#1 is free to leave the plane "
+         ".blockedDOFs = 'XY'.; expected z, X and Y blocked"),
         (lambda b: setattr(b.state, "blockedDOFs", ""), "#1 is free to leave the plane"),
         (set_tilt, "#1 is tilted out of the plane"),
         (lambda b: setattr(b.state, "pos", (NAN, 0, 0)), "#1 .*position.*nan"),
@@ -131,11 +140,12 @@ def test_nan_force_of_another_engine(before):
 
 def test_clump_that_is_turned_out_of_the_plane():
     resting()
-    O.bodies.appendClumped([stadium(0.1, 0.1, (1, 1), material=material()), stadium(0.1, 0.1, (1, 1.1), material=material())])
+    O.bodies.appendClumped([stadium(0.1, 0.1, (1, 1), material=material()),
+                            stadium(0.1, 0.1, (1, 1.1), material=material())])
     refused("is (tilted out of the plane|free to leave the plane).*rcr.clump")
 
 
-# ---------------------------------------------------------------------------------------------- engines
+# --- engines --------------------------------------------------------------------------------------
 
 def rearranged(order):
     """The engines of `resting` in another order, as indices (3 is ContactDynamics, 4 the integrator)."""
@@ -198,7 +208,8 @@ def test_negative_time_step_is_refused_by_yade():
         ("tolerance", NAN, "tolerance = -?nan"),
         ("tolerance", float("inf"), "tolerance = inf: give a finite residual"),
         ("meanForceChange", float("inf"), "meanForceChange = inf: give a finite change"),
-        ("minIterations", 10**9, "minIterations = 1000000000: give .* no more than maxIterations = "),
+        ("minIterations", 10**9, "minIterations = 1000000000: give .* no more than maxIterations "
+         "= "),
         ("maxIterations", 0, "maxIterations = 0"),
         ("maxIterations", -5, "maxIterations = -5"),
         ("correction", -0.1, "correction = -0.1.*; expected a fraction of the overlap, 0 to 1"),
@@ -222,16 +233,19 @@ def test_restitution(e):
 def test_friction(angle):
     resting()
     O.engines[2].physDispatcher.functors[0].frictAngle = MatchMaker(algo="val", val=angle)
-    refused("contact of bodies #0 and #1 has the friction coefficient .*; expected a friction angle from 0 to below π/2")
+    refused("contact of bodies #0 and #1 has the friction coefficient .*; expected a friction angle "
+            "from 0 to below π/2")
 
 
-# ---------------------------------------------------------------------------------------------- functors
+# --- functors -------------------------------------------------------------------------------------
 
 def test_functor_for_a_facet_forgotten():
     resting()
-    O.bodies.append(yade.utils.facet([(-1, 0.25, -1), (1, 0.25, -1), (0, 0.25, 1)], material=material()))
+    O.bodies.append(yade.utils.facet([(-1, 0.25, -1), (1, 0.25, -1), (0, 0.25, 1)],
+                                     material=material()))
     O.engines[2].geomDispatcher.functors = [rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Rcr_Rcr_RcrGeom()]
-    refused("no Ig2 functor of the InteractionLoop serves .*(Facet|Rcr) and (Rcr|Facet) .*Add Ig2_Facet_Rcr_RcrGeom")
+    refused("no Ig2 functor of the InteractionLoop serves .*(Facet|Rcr) and (Rcr|Facet) .*Add "
+            "Ig2_Facet_Rcr_RcrGeom")
 
 
 def test_missing_ig2():
@@ -255,7 +269,8 @@ build(rcr.wall("y", 0, material=material()), stadium(0.2, 0.1, (0, HEIGHT), mate
     [
         ("O.engines[2].lawDispatcher.functors = []", "no Law2_RcrGeom_CdPhys_SignoriniCoulomb"),
         ("O.engines[2].physDispatcher.functors = []", "no Ip2_FrictMat_FrictMat_CdPhys"),
-        ("O.engines[2].physDispatcher.functors = [yade.wrapper.Ip2_FrictMat_FrictMat_FrictPhys()]", "no Ip2_FrictMat_FrictMat_CdPhys"),
+        ("O.engines[2].physDispatcher.functors = [yade.wrapper.Ip2_FrictMat_FrictMat_FrictPhys()]",
+         "no Ip2_FrictMat_FrictMat_CdPhys"),
     ],
 )
 def test_missing_functor_of_the_contact(change, match, height):
@@ -277,16 +292,19 @@ except ImportError as error:
 assert "Rcr" not in yade.system.childClasses("Shape")
 """
     )
-    assert "rcr was built for YADE 20" in result.stdout and "but YADE 1999.1 is running. Build it anew" in result.stdout, result.stderr
+    assert "rcr was built for YADE 20" in result.stdout, result.stderr
+    assert "but YADE 1999.1 is running. Build it anew" in result.stdout, result.stderr
 
 
-# ---------------------------------------------------------------------------------------------- how errors arrive
+# --- how errors arrive ----------------------------------------------------------------------------
 
 def test_run_and_wait_raises():
     """YADE's wait() misses an error that comes before it looks, so this one comes with a contact after 30 000 steps."""
     rough = material()
-    build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-5, restitution=2)
-    with pytest.raises(RuntimeError, match="contact of bodies #0 and #1 has the restitution 2; expected 0 to 1"):
+    build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-5,
+          restitution=2)
+    with pytest.raises(RuntimeError, match="contact of bodies #0 and #1 has the restitution 2; "
+                       "wanted 0 to 1"):
         O.run(100_000, wait=True)
     assert 25_000 < O.iter < 35_000  # √(2h/g) / dt = 32 000
 
@@ -301,7 +319,8 @@ def test_background_run_is_refused_before_it_begins():
 
 def test_background_run_stops_at_the_error():
     rough = material()
-    build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-4, restitution=2)
+    build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-4,
+          restitution=2)
     O.run(100_000)
     wait_until(lambda: not O.running)
     assert not O.running and 2500 < O.iter < 3500  # √(2h/g) / dt = 3200
@@ -310,8 +329,10 @@ def test_background_run_stops_at_the_error():
 def test_a_stress_on_a_wall_that_is_held_is_refused():
     """Nothing moved, without a word."""
     m = material()
-    build(rcr.wall("x", -1, material=m), rcr.wall("x", 1, material=m), rcr.wall("y", 3, sense=-1, material=m), stadium(0.2, 0.1, (0, 1), material=m))
-    O.engines = O.engines[:-2] + [rcr.WallStress(wall=2, start=0, end=1, stress=-10)] + O.engines[-2:]
+    build(rcr.wall("x", -1, material=m), rcr.wall("x", 1, material=m),
+          rcr.wall("y", 3, sense=-1, material=m), stadium(0.2, 0.1, (0, 1), material=m))
+    O.engines = O.engines[:-2] + [rcr.WallStress(wall=2, start=0, end=1, stress=-10)] + O.engines[
+        -2:]
     refused("WallStress.wall = 2 is held along y, so that no stress moves it; take rcr.mobile_wall")
     O.engines[-3].dead = True
     steps(1)
@@ -329,12 +350,14 @@ def test_scene_goes_on_once_the_error_is_put_right():
 @pytest.mark.parametrize(
     "call, says",
     [
-        (lambda: rcr.particle((0, 0), 0.1, 0.5, material=None), "material = None; expected a FrictMat"),
+        (lambda: rcr.particle((0, 0), 0.1, 0.5, material=None),
+         "material = None; expected a FrictMat"),
         (lambda: rcr.wall("y", 0, material=3.5), "material = 3.5; expected a FrictMat"),
         (lambda: rcr.segment((0, 0), (math.nan, 1)), r"end\[0\] = nan"),
         (lambda: rcr.clump([rcr.particle((0, 0), 0.1, 0.5)] * 2), "members holds a body twice"),
         (lambda: rcr.plot.packing(limits=((1, 1), (0, 0))), "limits = .* in this order"),
-        (lambda: rcr.contact_network(time=1.0, seed=3), r"contact_network\(time=…\): the scene gives it"),
+        (lambda: rcr.contact_network(time=1.0, seed=3), r"contact_network\(time=…\): the scene "
+         r"gives it"),
     ],
 )
 def test_names_what_is_wrong(call, says):

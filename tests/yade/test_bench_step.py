@@ -9,12 +9,14 @@ import pytest
 from rcr.study.biaxial import Biaxial
 
 SCRIPT = str(Path(__file__).parents[2] / "scripts" / "bench_step.py")
-ENGINES = ["ForceResetter", "InsertionSortCollider", "InteractionLoop", "WallStress", "WallStress", "ContactDynamics", "NewtonIntegrator"]
+ENGINES = ["ForceResetter", "InsertionSortCollider", "InteractionLoop", "WallStress", "WallStress",
+           "ContactDynamics", "NewtonIntegrator"]
 
 
 def bench(*arguments):
     return subprocess.run(
-        [sys.executable, "-c", "import sys, yade, runpy; sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')"]
+        [sys.executable, "-c", "import sys, yade, runpy; sys.argv = sys.argv[1:]; "
+         "runpy.run_path(sys.argv[0], run_name='__main__')"]
         + [SCRIPT, *map(str, arguments)],
         capture_output=True,
         text=True,
@@ -34,7 +36,8 @@ def test_checkpoint(tmp_path):
     test.save(tmp_path / "scene")
     ended = bench(tmp_path / "scene", "--steps", 7, "--threads", 2, "--out", tmp_path / "out")
     assert ended.returncode == 0, ended.stderr
-    all_rows, wholes = rows_of(tmp_path / "out" / "yade_engines.csv"), rows_of(tmp_path / "out" / "yade_step.csv")
+    all_rows, wholes = rows_of(tmp_path / "out" / "yade_engines.csv"), rows_of(
+        tmp_path / "out" / "yade_step.csv")
     assert [whole["way"] for whole in wholes] == ["engines", "arrays"]
     assert [whole["in_arrays"] for whole in wholes] == ["0", "6"]
     for whole in wholes:
@@ -42,10 +45,13 @@ def test_checkpoint(tmp_path):
         engines = [row for row in rows if ":" not in row["engine"]]
         assert [row["engine"] for row in engines] == ENGINES
         assert sum(float(row["share"]) for row in engines) == pytest.approx(1)
-        parts = {row["engine"].removeprefix("ContactDynamics: "): float(row["ms"]) for row in rows if row not in engines}
-        assert set(parts) == {"gather", "layout", "solve", "scatter", "missedContacts", "biasUpdate", "correct", "arrays", "writeBack"}
+        parts = {row["engine"].removeprefix("ContactDynamics: "): float(row["ms"]) for row in rows
+                 if row not in engines}
+        assert set(parts) == {"gather", "layout", "solve", "scatter", "missedContacts",
+                              "biasUpdate", "correct", "arrays", "writeBack"}
         assert sum(parts.values()) <= float(engines[ENGINES.index("ContactDynamics")]["ms"])
-        assert (whole["folder"], whole["grains"], whole["eta"], whole["steps"], whole["threads"]) == ("scene", "20", "0.5", "7", "2")
+        assert (whole["folder"], whole["grains"], whole["eta"], whole["steps"],
+                whole["threads"]) == ("scene", "20", "0.5", "7", "2")
         assert float(whole["ms_least"]) <= float(whole["ms"]) and float(whole["tolerance"]) == 1e-4
         assert sum(float(row["ms"]) for row in engines) <= float(whole["ms"])
 
@@ -58,7 +64,8 @@ def test_so_many_sweeps(tmp_path):
         assert float(whole["iterations"]) == 13 and float(whole["tolerance"]) == 0
 
 
-@pytest.mark.parametrize("what, says", [("file.npz", "is no folder"), ("empty", "nothing to resume")])
+@pytest.mark.parametrize("what, says",
+                         [("file.npz", "is no folder"), ("empty", "nothing to resume")])
 def test_says_in_a_line_what_is_wrong(what, says, tmp_path):
     (tmp_path / "file.npz").touch()
     (tmp_path / "empty").mkdir()

@@ -1,4 +1,4 @@
-"""scripts/campaign: runs that are killed go on to the same results, and what is wrong is said in one line."""
+"""scripts/campaign: killed runs continue to the same results; errors take one line."""
 
 import json
 import os
@@ -10,14 +10,23 @@ import pytest
 from run_contents import contents, different
 
 CAMPAIGN = os.path.join(os.path.dirname(__file__), "..", "..", "scripts", "campaign")
-SMALL = ["--particles", "60", "--etas", "0.5", "--seeds", "2", "--strain", "0.04"]  # at rest after 255 steps
+SMALL = ["--particles", "60", "--etas", "0.5", "--seeds", "2", "--strain", "0.04"]
 
-needs_snakemake = pytest.mark.skipif(not shutil.which("snakemake"), reason="the optional package snakemake is not installed")
-needs_environment = pytest.mark.skipif("YADE_RCR_WAY" not in os.environ, reason="wants the environment of scripts/test")
+needs_snakemake = pytest.mark.skipif(
+    not shutil.which("snakemake"), reason="the optional package snakemake is not installed"
+)
+needs_environment = pytest.mark.skipif(
+    "YADE_RCR_WAY" not in os.environ, reason="needs the environment of scripts/test"
+)
 
 
 def campaign(out, *arguments):
-    return subprocess.run([CAMPAIGN, "--out", str(out), *arguments], capture_output=True, text=True, timeout=1800)
+    command = [CAMPAIGN, "--out", str(out), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=1800)
+
+
+def parameters_of(folder):
+    return json.loads((folder / "run.json").read_text())["parameters"]
 
 
 @pytest.mark.slow
@@ -26,44 +35,70 @@ def campaign(out, *arguments):
 def test_killed_campaign_ends_with_the_same_results(tmp_path):
     undisturbed = campaign(tmp_path / "a", *SMALL)
     assert undisturbed.returncode == 0, undisturbed.stderr
-    assert undisturbed.stdout.startswith(f"{tmp_path / 'a' / 'report' / 'report.html'}: ") and undisturbed.stdout.count("\n") == 1
+    report = tmp_path / "a" / "report" / "report.html"
+    assert undisturbed.stdout.startswith(f"{report}: ") and undisturbed.stdout.count("\n") == 1
 
-    checkpoint = tmp_path / "b" / "runs" / "particles-60-strain-0.04-eta-0.5-seed-2" / "checkpoint.yade.gz"
-    saved = lambda: checkpoint.stat().st_mtime_ns if checkpoint.exists() else 0
+    folder = tmp_path / "b" / "runs" / "particles-60-strain-0.04-eta-0.5-seed-2"
+    checkpoint = folder / "checkpoint.yade.gz"
+
+    def saved():
+        return checkpoint.stat().st_mtime_ns if checkpoint.exists() else 0
+
+    command, silent = [CAMPAIGN, "--out", str(tmp_path / "b"), *SMALL], subprocess.DEVNULL
     for _ in range(3):
         before = saved()
-        process = subprocess.Popen([CAMPAIGN, "--out", str(tmp_path / "b"), *SMALL], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        process = subprocess.Popen(command, stdout=silent, stderr=silent)
         while process.poll() is None and saved() == before:
             time.sleep(0.01)
-        process.kill()  # it alone: Snakemake and the tests have to end with it
+        process.kill()  # Snakemake and the tests must end with it
         process.wait()
     again = campaign(tmp_path / "b", *SMALL)
     assert again.returncode == 0, again.stderr
 
-    record = json.loads((checkpoint.parent / "run.json").read_text())
-    assert len(record["continued"]) >= 2, "no run went on from a checkpoint"
-    one, two = (contents(checkpoint.parent.parents[2] / name / "runs" / checkpoint.parent.name) for name in "ab")
+    record = json.loads((folder / "run.json").read_text())
+    assert len(record["continued"]) >= 2, "no run continued from a checkpoint"
+    one, two = (contents(tmp_path / name / "runs" / folder.name) for name in "ab")
     assert not different(one, two) and any(".h5" in name for name in one)
-    assert json.loads((tmp_path / "a/report/analysis.json").read_text()) == json.loads((tmp_path / "b/report/analysis.json").read_text())
+    one, two = ((tmp_path / name / "report" / "analysis.json").read_text() for name in "ab")
+    assert json.loads(one) == json.loads(two)
 
 
 @pytest.mark.slow
 @needs_snakemake
 @needs_environment
-def test_quasi_static_is_handed_to_the_tests(tmp_path):
-    run = campaign(tmp_path / "out", *SMALL, "--quasi-static", "--strain", "0.004")
+def test_options_reach_the_tests(tmp_path):
+    options = ["--iterations", "500", "--time-step", "0.05", "--friction", "0.3"]
+    run = campaign(tmp_path / "out", *SMALL, "--strain", "0.004", "--quasi-static", *options)
     assert run.returncode == 0, run.stderr
     (folder,) = (tmp_path / "out" / "runs").iterdir()
-    assert folder.name == "particles-60-strain-0.004-quasi-static-eta-0.5-seed-2"
-    assert json.loads((folder / "run.json").read_text())["parameters"]["overdamped"] is True
+    start = "particles-60-strain-0.004-iterations-500-time-step-0.05-friction-0.3"
+    assert folder.name == f"{start}-quasi-static-eta-0.5-seed-2"
+    expected = dict(overdamped=True, iterations=500, time_step=0.05, friction=0.3)
+    assert {name: parameters_of(folder)[name] for name in expected} == expected
 
 
 @needs_snakemake
 @needs_environment
-def test_the_reason_of_a_failed_test_is_the_campaigns(tmp_path):
-    run = campaign(tmp_path / "out", *SMALL, "--strain", "0.0005")
+def test_defaults_are_those_of_a_test(tmp_path):
+    run = campaign(tmp_path / "out", *SMALL, "--strain", "0.002")
+    assert run.returncode == 0, run.stderr
+    parameters = parameters_of(tmp_path / "out/runs/particles-60-strain-0.002-eta-0.5-seed-2")
+    expected = dict(overdamped=False, iterations=10_000, time_step=0.1, friction=0.5)
+    assert {name: parameters[name] for name in expected} == expected
+
+
+@needs_snakemake
+@needs_environment
+def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
+    """F49: a message of 500 characters was cut within a path."""
+    out = tmp_path / "out"
+    run = campaign(out, *SMALL, "--seeds", *"123456789", "--strain", "0.0005")
     assert run.returncode != 0
-    assert "--strain 0.0005: expected at least 0.001" in run.stderr.strip().splitlines()[-1]
+    line = run.stderr.strip().splitlines()[-1]
+    for seed in range(1, 10):
+        log = out / "runs" / f"particles-60-strain-0.0005-eta-0.5-seed-{seed}" / "log"
+        assert f"{log}: biaxial.py: --strain 0.0005: expected at least 0.001" in line
+    assert line.endswith("continue with the same command")
 
 
 @needs_environment
@@ -75,8 +110,11 @@ def test_the_reason_of_a_failed_test_is_the_campaigns(tmp_path):
         (["--strain", "0"], "--strain 0.0: expected 0 < strain < 1"),
         (["--jobs", "0"], "--jobs 0: expected at least 1"),
         (["--seeds", "1,-2"], "expected seeds ≥ 0"),
-        (["--etas", ","], "--etas: wanted at least one"),
+        (["--etas", ","], "--etas: expected at least one"),
         (["--etas", "nan"], "expected elongations 0 ≤ ETA < 1"),
+        (["--iterations", "0"], "--iterations 0: expected at least 1"),
+        (["--time-step", "0"], "--time-step 0.0: expected a number > 0, at most 10"),
+        (["--friction", "-1"], "--friction -1.0: expected a coefficient ≥ 0, at most 100"),
         (["--out", ""], "--out '': expected a path"),
     ],
 )
@@ -90,8 +128,10 @@ def test_refuses_bad_input(arguments, message, tmp_path):
 @needs_snakemake
 @needs_environment
 def test_another_number_of_networks_is_refused(tmp_path):
-    """The names of the runs do not tell it: complete ones stayed as they were, without a word."""
-    assert campaign(tmp_path / "out", *SMALL, "--strain", "0.004", "--networks", "2").returncode == 0
-    again = campaign(tmp_path / "out", *SMALL, "--strain", "0.004", "--networks", "3")
-    assert again.returncode != 0 and "is made with --networks 2, and this is --networks 3; wanted the same, or another --out" in again.stderr
-    assert campaign(tmp_path / "out", *SMALL, "--strain", "0.004", "--networks", "2").returncode == 0
+    """The names of the runs do not hold it."""
+    out, short = tmp_path / "out", [*SMALL, "--strain", "0.004"]
+    assert campaign(out, *short, "--networks", "2").returncode == 0
+    again = campaign(out, *short, "--networks", "3")
+    message = "has --networks 2, this campaign --networks 3; give the same number or another --out"
+    assert again.returncode != 0 and message in again.stderr
+    assert campaign(out, *short, "--networks", "2").returncode == 0

@@ -23,12 +23,15 @@ OPTIONS = charts.Options(out="", quick=True, particles=50, siconos="", peers="",
 
 def test_table_goes_on_where_it_stopped(tmp_path):
     path = str(tmp_path / "t.csv")
-    charts.Table(path, ["x"]).put("a/1", [dict(point="a/1", status="ok", x=0.5), dict(point="a/1", status="ok", x=1.5)])
+    charts.Table(path, ["x"]).put("a/1",
+                                  [dict(point="a/1", status="ok", x=0.5),
+                                   dict(point="a/1", status="ok", x=1.5)])
     table = charts.Table(path, ["x"])
     assert table.has("a/1") and not table.has("a/2")
     table.put("a/2", [dict(point="a/2", status="given up")])
     table.put("a/1", [dict(point="a/1", status="ok", x=2.0)])
-    assert [(row["point"], row["x"]) for row in charts.Table(path, ["x"]).rows] == [("a/2", ""), ("a/1", 2.0)]
+    assert [(row["point"], row["x"]) for row in charts.Table(path, ["x"]).rows] == [("a/2", ""),
+        ("a/1", 2.0)]
 
 
 def test_rows_of_other_settings_are_other_rows(tmp_path):
@@ -40,10 +43,13 @@ def test_rows_of_other_settings_are_other_rows(tmp_path):
         table.put("a/1", [dict(point="a/1", status="ok", x=x)])
     assert [row["x"] for row in charts.Table(path, ["x"], "quick = True").rows] == [1.0]
     assert charts.settings("c", OPTIONS) == "quick = True, particles = 50"
-    assert charts.settings("a", OPTIONS) != charts.settings("a", dataclasses.replace(OPTIONS, quick=False))
+    assert charts.settings("a", OPTIONS) != charts.settings("a",
+                                                            dataclasses.replace(OPTIONS,
+        quick=False))
 
 
-@pytest.mark.parametrize("content", ["", "x\n1\n", "point,status\na\n", 'point,status\n"a', "point,status\na,ok,1\n", b"\xff\x00"])
+@pytest.mark.parametrize("content", ["", "x\n1\n", "point,status\na\n", 'point,status\n"a',
+                                     "point,status\na,ok,1\n", b"\xff\x00"])
 def test_damaged_tables_are_named(tmp_path, content):
     path = tmp_path / "t.csv"
     path.write_bytes(content.encode() if isinstance(content, str) else content)
@@ -55,19 +61,24 @@ def test_damaged_tables_are_named(tmp_path, content):
 def test_a_point_of_one_step_runs(tmp_path):
     """Chart a calls scripts/bench_solver.py: it looked for it beside the project."""
     rows = one_step.run("250/0/auto", dataclasses.replace(OPTIONS, out=str(tmp_path)))
-    assert {row["start"] for row in rows} == {"cold", "warm"} and all(row["library"] == "auto" and row["seconds"] > 0 for row in rows)
+    assert {row["start"] for row in rows} == {"cold", "warm"}
+    assert all(row["library"] == "auto" and row["seconds"] > 0 for row in rows)
     assert min(row["residual"] for row in rows) < 1e-4
-    # Another library, a script that stands for it: a grain falls on the floor and is stopped. The second number of iterations wanted another folder.
+    # Another library, a script that stands for it: a grain falls on the floor and is stopped. The
+    # second number of iterations wanted another folder.
     count = 250
     before, after = np.zeros((count + 4, 3)), np.zeros((count + 4, 3))
     before[0, 1] = -1
     contact = [count + 1, 0, 0, 1, 0.5, 0, 0, -0.5, 0.0, 1.0, 0.0, -0.003]
-    outcome = dict(library="Other 1", seconds=[1e-3] * 20, contacts=[contact], before=before.tolist(), after=after.tolist())
+    outcome = dict(library="Other 1", seconds=[1e-3] * 20, contacts=[contact],
+                   before=before.tolist(), after=after.tolist())
     program = tmp_path / "chipmunk_step"
     program.write_text(f"#!/bin/sh\necho '{json.dumps(outcome)}'\n")
     program.chmod(0o755)
-    rows = one_step.run("250/0/chipmunk", dataclasses.replace(OPTIONS, out=str(tmp_path), peers=str(tmp_path)))
-    assert {row["library"] for row in rows} == {"Other 1"} and sorted({row["iterations"] for row in rows}) == [10, 40, 160]
+    rows = one_step.run("250/0/chipmunk", dataclasses.replace(OPTIONS, out=str(tmp_path),
+        peers=str(tmp_path)))
+    assert {row["library"] for row in rows} == {"Other 1"}
+    assert sorted({row["iterations"] for row in rows}) == [10, 40, 160]
 
 
 def error(name):
@@ -100,7 +111,8 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
     smooth.switch_to_springs(1e3)
     assert smooth.packing_fraction == fraction and smooth.parameters["law"] == "smooth"
     smooth.shear_record()
-    assert smooth.mean_stresses[0] == pytest.approx(PROTOCOL.confining_stress, rel=0.3)  # one record after its springs were unloaded
+    # one record after its springs were unloaded
+    assert smooth.mean_stresses[0] == pytest.approx(PROTOCOL.confining_stress, rel=0.3)
 
     stock = biaxial_cost.Stock(biaxial_cost.compacted(eta, 1, options), 1e3)
     assert stock.packing_fraction == pytest.approx(fraction)
@@ -110,7 +122,8 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
     for _ in range(20):
         stock.shear_record()
     network = stock.network()
-    # forces of one step and their virial, against walls averaged over a record: unbalanced grains remain in the difference
+    # forces of one step and their virial, against walls averaged over a record: unbalanced grains
+    # remain in the difference
     assert np.diag(network.stress()) == pytest.approx(stock.mean_stresses, rel=0.15)
     assert 0 < network.friction_mobilization().mean() <= 1
 
@@ -132,7 +145,8 @@ def test_the_work_of_the_walls_is_accounted_for(law, most, tmp_path):
     "arguments, message",
     [
         (["--only", "x"], "--only x: say which chart it is of"),
-        (["--charts", "b", "--only", "x"], "--only x: chart b has no such point; it has column/reference"),
+        (["--charts", "b", "--only", "x"], "--only x: chart b has no such point; it has "
+         "column/reference"),
         (["--particles", "10"], "--particles 10: expected at least 50"),
         (["--particles", "9" * 20], "expected at least 50"),
         (["--limit", "nan"], "--limit nan: expected seconds > 0"),
@@ -145,7 +159,8 @@ def test_script_refuses_bad_input(arguments, message, tmp_path):
 
 
 def chart(out, *arguments):
-    command = [sys.executable, SCRIPT, "--out", str(out), "--quick", "--charts", "b", "--only", "disc/cd/0.02/0.0001", *arguments]
+    command = [sys.executable, SCRIPT, "--out", str(out), "--quick", "--charts", "b", "--only",
+               "disc/cd/0.02/0.0001", *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=120)
 
 
@@ -153,31 +168,38 @@ def chart(out, *arguments):
 def test_script_runs_a_point_again(tmp_path):
     done = chart(tmp_path)
     assert done.returncode == 0 and '"scene": "disc"' in done.stdout, done.stderr
-    assert {"b-deterministic.csv", "b-deterministic.png", "b-deterministic.svg", "run.json"} == set(os.listdir(tmp_path))
+    assert {"b-deterministic.csv", "b-deterministic.png", "b-deterministic.svg",
+            "run.json"} == set(os.listdir(tmp_path))
     (row,) = charts.Table(str(tmp_path / "b-deterministic.csv"), deterministic.COLUMNS).rows
-    assert row["command"].endswith("--quick --charts b --only 'disc/cd/0.02/0.0001'") and row["settings"] == "quick = True"
+    assert row["command"].endswith("--quick --charts b --only 'disc/cd/0.02/0.0001'")
+    assert row["settings"] == "quick = True"
 
 
 def test_points_that_were_given_up_are_tried_again_with_more_time():
     """One that failed otherwise is a finding; --retry runs both again."""
     statuses = "ok", "given up after 40 s", "given up after 60 s", "RuntimeError: flew apart"
     assert [charts.settled(status, 60) for status in statuses] == [True, False, True, True]
-    assert [charts.settled(status, 60, retry=True) for status in statuses] == [True, False, False, False]
+    assert [charts.settled(status, 60, retry=True) for status in statuses] == [True, False, False,
+        False]
 
 
-# ---------------------------------------------------------------------------------------------- chart e
+# --- chart e --------------------------------------------------------------------------------------
 
 
 def test_limit_of_rates_is_found_in_pairs():
     """y = 0.4 + 2 √I, seeds 0.05 apart: slope and limit exactly, though one seed lacks a rate; the error of the limit is the scatter of the seeds."""
     rates = {1: (1e-3, 3e-4, 1e-4, 3e-5), 2: (1e-3, 1e-4)}
-    rows = [dict(seed=seed, inertial_number=rate, y=0.4 + 0.05 * (seed - 1) + 2 * math.sqrt(rate)) for seed in rates for rate in rates[seed]]
+    rows = [dict(seed=seed, inertial_number=rate, y=0.4 + 0.05 * (seed - 1) + 2 * math.sqrt(rate))
+            for seed in rates for rate in rates[seed]]
     value, error, slope, slope_error = quasi_static.limit(rows, "y")
-    assert (value, slope) == pytest.approx((0.425, 2), abs=1e-9) and error == pytest.approx(0.025, abs=1e-9) and slope_error < 1e-9
+    assert (value, slope) == pytest.approx((0.425, 2), abs=1e-9)
+    assert error == pytest.approx(0.025, abs=1e-9) and slope_error < 1e-9
     noise = [0.01, -0.01, 0.01, -0.01, 0.01, -0.01]
-    value, error, slope, slope_error = quasi_static.limit([dict(row, y=row["y"] + n) for row, n in zip(rows, noise)], "y")
+    value, error, slope, slope_error = quasi_static.limit([dict(row, y=row["y"] + n) for row,
+                                                           n in zip(rows, noise)], "y")
     assert abs(slope - 2) < 3 * slope_error and 0 < slope_error < 2
-    assert math.isnan(quasi_static.limit(rows[:1], "y")[0]) and math.isnan(quasi_static.limit(rows[:2], "y")[1])
+    assert math.isnan(quasi_static.limit(rows[:1], "y")[0])
+    assert math.isnan(quasi_static.limit(rows[:2], "y")[1])
 
 
 def test_point_of_the_rate_is_the_same_in_one_go_and_interrupted(tmp_path, monkeypatch):
@@ -187,7 +209,8 @@ def test_point_of_the_rate_is_the_same_in_one_go_and_interrupted(tmp_path, monke
     monkeypatch.setattr(quasi_static, "FROM", 0.11)
     monkeypatch.setattr(quasi_static, "PAUSE", 0)
     name = "0/50/1e-3/0.4/300/1"
-    (straight,) = quasi_static.run(name, dataclasses.replace(options, out=str(tmp_path / "straight")))
+    (straight,) = quasi_static.run(name,
+                                   dataclasses.replace(options, out=str(tmp_path / "straight")))
     records = 0
 
     def broken(test, shear=Biaxial.shear_record):
@@ -201,5 +224,7 @@ def test_point_of_the_rate_is_the_same_in_one_go_and_interrupted(tmp_path, monke
         patch.setattr(Biaxial, "shear_record", broken)
         quasi_static.run(name, options)
     (again,) = quasi_static.run(name, options)
-    assert {k: v for k, v in again.items() if k != "seconds"} == {k: v for k, v in straight.items() if k != "seconds"}
-    assert again["inertial_number"] == 1e-3 and again["steps"] == pytest.approx(0.03 / 4e-4, abs=4) and 0 < again["packing_fraction"] < 1
+    assert {k: v for k, v in again.items() if k != "seconds"} == {k: v for k, v in straight.items()
+        if k != "seconds"}
+    assert again["inertial_number"] == 1e-3 and again["steps"] == pytest.approx(0.03 / 4e-4, abs=4)
+    assert 0 < again["packing_fraction"] < 1

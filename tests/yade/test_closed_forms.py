@@ -17,7 +17,7 @@ ROUNDING = 1e-12  # relative: a few dozen operations
 slightly = pytest.mark.parametrize("factor", [0.99, 1.01], ids=["below", "above"])
 
 
-# ---------------------------------------------------------------------------------------------- mass
+# --- mass -----------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("eta", [0, 0.3, 0.7, 0.95])
 @pytest.mark.parametrize("angle", [0, 1.0])
@@ -27,25 +27,32 @@ def test_particle_has_the_mass_centre_and_inertia_of_its_shape(eta, angle):
     a, r = eta * R, (1 - eta) * R
 
     def integral(f):  # half of the shape: rectangle, then the half circle x = a + r sin t
-        return 2 * (quad(lambda x: f(x, r), 0, a)[0] + quad(lambda t: f(a + r * math.sin(t), r * math.cos(t)) * r * math.cos(t), 0, math.pi / 2)[0])
+        return 2 * (quad(lambda x: f(x, r), 0, a)[0]
+                    + quad(lambda t: f(a + r * math.sin(t), r * math.cos(t)) * r * math.cos(t), 0,
+                           math.pi / 2)[0])
 
     state = rcr.particle((1, 2), R, eta, angle, material(density=density)).state
     assert state.mass == pytest.approx(density * integral(lambda x, y: 2 * y), rel=ROUNDING)
-    assert state.inertia[2] == pytest.approx(density * integral(lambda x, y: 2 * x * x * y + 2 * y**3 / 3), rel=ROUNDING)
+    assert state.inertia[2] == pytest.approx(density * integral(lambda x, y: 2 * x * x * y + 2
+        * y**3 / 3), rel=ROUNDING)
     assert tuple(state.pos) == (1, 2, 0) and state.blockedDOFs == "zXY"
 
 
-# ---------------------------------------------------------------------------------------------- slopes
+# --- slopes ---------------------------------------------------------------------------------------
 
 def floor_and_slope(kind, alpha, body, mu):
     """A body on a slope that falls by α towards +x: tilted gravity on a wall, or a turned box. Returns (id, direction down)."""
     a, r, angle = body
     if kind == "wall":
-        _, i = build(rcr.wall("y", 0, material=material(mu)), stadium(a, r, (0, r + a * abs(math.sin(angle))), angle, material=material(10)), gravity=tilted(alpha))
+        _, i = build(rcr.wall("y", 0, material=material(mu)),
+                     stadium(a, r, (0, r + a * abs(math.sin(angle))), angle, material=material(10)),
+                     gravity=tilted(alpha))
         return i, np.array([1.0, 0.0])
-    down, up = np.array([math.cos(alpha), -math.sin(alpha)]), np.array([math.sin(alpha), math.cos(alpha)])
+    down, up = np.array([math.cos(alpha), -math.sin(alpha)]), np.array(
+        [math.sin(alpha), math.cos(alpha)])
     center = (r + a * abs(math.sin(angle))) * up
-    _, i = build(box(-0.5 * up, (5, 0.5), -alpha, material(mu)), stadium(a, r, center, angle - alpha, material=material(10)))
+    _, i = build(box(-0.5 * up, (5, 0.5), -alpha, material(mu)),
+                 stadium(a, r, center, angle - alpha, material=material(10)))
     return i, down
 
 
@@ -92,7 +99,8 @@ def test_block_on_a_slope_tips_over_its_lower_edge(kind, factor):
     block, _ = floor_and_slope(kind, alpha, (a, r, 0), 2.0)
     steps(1)  # later the lever arm has changed
     m, I = inertia(a, r)
-    expected = min(0, -m * G * (r * math.sin(alpha) - a * math.cos(alpha)) / (I + m * (a**2 + r**2)))
+    expected = min(0, -m * G * (r * math.sin(alpha) - a * math.cos(alpha)) / (I + m
+        * (a**2 + r**2)))
     assert velocity(block)[2] / DT == pytest.approx(expected, abs=1e-10 * G / r)
 
 
@@ -107,7 +115,8 @@ def test_rcr_starts_to_rock_about_its_contact(angle):
     x, y = a * math.cos(angle), r + a * math.sin(angle)
     if angle > math.pi / 2:
         x = -a * math.cos(math.pi - angle)
-    assert velocity(rod)[2] / DT == pytest.approx(-m * G * x / (I + m * (x * x + y * y)), rel=1e-10, abs=1e-10)
+    assert velocity(rod)[2] / DT == pytest.approx(-m * G * x / (I + m * (x * x + y * y)), rel=1e-10,
+                                                  abs=1e-10)
 
 
 def test_rcr_rocks_and_keeps_its_energy():
@@ -128,7 +137,7 @@ def test_rcr_rocks_and_keeps_its_energy():
     assert losses[1] == pytest.approx(losses[0] / 2, rel=0.1)  # first order
 
 
-# ---------------------------------------------------------------------------------------------- statics
+# --- statics --------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("theta", [0.7, 1.0, 1.3])
 @pytest.mark.parametrize("factor", [0.999, 1.001], ids=["above", "below"])
@@ -139,7 +148,8 @@ def test_ladder_against_a_smooth_wall(theta, factor):
     a, r = 1.0, 0.05
     mu = factor * a * math.cos(theta) / (r + 2 * a * math.sin(theta))
     critical = brentq(lambda t: a * math.cos(t) - mu * (r + 2 * a * math.sin(t)), 0.1, 1.6)
-    assert abs(critical - theta) < 2e-3 and abs(math.tan(critical) - 1 / (2 * mu)) < r / a * (1 + 1 / mu)
+    assert abs(critical - theta) < 2e-3
+    assert abs(math.tan(critical) - 1 / (2 * mu)) < r / a * (1 + 1 / mu)
     *_, ladder = build(
         rcr.wall("y", 0, material=material(mu)),
         rcr.wall("x", a * math.cos(theta) + r, material=material(0)),
@@ -167,7 +177,8 @@ def test_pyramid_of_three_discs(where, factor):
     discs = material(mu["discs"])
     build(
         rcr.wall("y", 0, material=material(mu["floor"])),
-        *(stadium(0, R, center, material=discs) for center in [(-R, R), (R, R), (0, R + math.sqrt(3) * R)]),
+        *(stadium(0, R, center, material=discs)
+          for center in [(-R, R), (R, R), (0, R + math.sqrt(3) * R)]),
     )
     for i in (1, 2, 3):  # the smaller of two angles counts, so the discs may not limit the floor
         O.bodies[i].material = discs if where == "discs" else material(1.0)
@@ -197,13 +208,15 @@ def test_load_beyond_the_edge_tips(support, shift):
     steps(1)
     m, I = inertia(0.4, 0.1)
     x = shift - 0.4
-    assert velocity(upper)[2] / DT == pytest.approx(-m * G * x / (I + m * (x * x + 0.1**2)), rel=1e-10)
+    assert velocity(upper)[2] / DT == pytest.approx(-m * G * x / (I + m * (x * x + 0.1**2)),
+                                                    rel=1e-10)
 
 
 def side_on_side(support, shift, friction=0.5):
     a, r = 0.4, 0.1
     rough = material(friction)
-    below = stadium(a, r, (0, -r), material=rough, fixed=True) if support == "rcr" else box((0, -0.3), (a, 0.3), material=rough)
+    below = stadium(a, r, (0, -r), material=rough, fixed=True) if support == "rcr" else box(
+        (0, -0.3), (a, 0.3), material=rough)
     return build(below, stadium(a, r, (shift, r), material=rough))
 
 
@@ -215,8 +228,10 @@ def test_zigzag_column_presses_like_a_fluid():
     smooth = material(0)
     m, _ = inertia(0, R)
     *_, lowest = ids = build(
-        rcr.wall("x", 0, material=smooth), rcr.wall("x", 2 * R + dx, material=smooth), rcr.wall("y", 0, material=smooth),
-        *(stadium(0, R, (R + dx * (k % 2), R + k * dy), material=smooth) for k in reversed(range(n))),
+        rcr.wall("x", 0, material=smooth), rcr.wall("x", 2 * R + dx, material=smooth),
+        rcr.wall("y", 0, material=smooth),
+        *(stadium(0, R, (R + dx * (k % 2), R + k * dy), material=smooth)
+          for k in reversed(range(n))),
         **EXACT | dict(maxIterations=1_000_000),
     )  # fmt: skip
     steps(3)
@@ -233,10 +248,12 @@ def test_resting_pile_presses_with_its_weight():
     rng = np.random.default_rng(5)
     rough = material(0.4)
     grains = [
-        rcr.particle((0.15 + 0.2 * (k % 5) + rng.uniform(-0.02, 0.02), 0.1 + 0.21 * (k // 5)), rng.uniform(0.06, 0.09), rng.uniform(0, 0.8), rng.uniform(0, 3), rough)
+        rcr.particle((0.15 + 0.2 * (k % 5) + rng.uniform(-0.02, 0.02), 0.1 + 0.21 * (k // 5)),
+                     rng.uniform(0.06, 0.09), rng.uniform(0, 0.8), rng.uniform(0, 3), rough)
         for k in range(30)
     ]
-    walls = [rcr.wall("x", 0, material=rough), rcr.wall("x", 1.1, material=rough), rcr.wall("y", 0, material=rough)]
+    walls = [rcr.wall("x", 0, material=rough), rcr.wall("x", 1.1, material=rough),
+             rcr.wall("y", 0, material=rough)]
     build(*walls, *grains, dt=4e-3, tolerance=1e-6, maxIterations=5000)
     steps(3000)
     O.engines[-2].tolerance = 1e-13
@@ -248,7 +265,7 @@ def test_resting_pile_presses_with_its_weight():
     assert force[:2] == pytest.approx([0, -weight], abs=1e-8 * weight), replay
 
 
-# ---------------------------------------------------------------------------------------------- motion
+# --- motion ---------------------------------------------------------------------------------------
 
 def test_free_flight_is_that_of_the_symplectic_scheme():
     """v_n = v₀ + n dt g, x_n = x₀ + n dt v₀ + n(n+1)/2 dt² g, θ_n = θ₀ + n dt ω."""
@@ -258,8 +275,10 @@ def test_free_flight_is_that_of_the_symplectic_scheme():
     n = 200
     steps(n)
     assert velocity(body) == pytest.approx([3, 4 - G * n * DT, 1.5], rel=ROUNDING)
-    assert tuple(state.pos) == pytest.approx((1 + 3 * n * DT, 2 + 4 * n * DT - G * DT**2 * n * (n + 1) / 2, 0), rel=ROUNDING)
-    assert 2 * math.atan2(state.ori[2], state.ori[3]) == pytest.approx(0.3 + 1.5 * n * DT, rel=ROUNDING)
+    assert tuple(state.pos) == pytest.approx((1 + 3 * n * DT, 2 + 4 * n * DT - G * DT**2 * n
+                                              * (n + 1) / 2, 0), rel=ROUNDING)
+    assert 2 * math.atan2(state.ori[2], state.ori[3]) == pytest.approx(0.3 + 1.5 * n * DT,
+        rel=ROUNDING)
 
 
 def test_plastic_disc_closes_its_gap_and_rests():
@@ -299,7 +318,8 @@ def test_collision_keeps_the_momenta(seed, e):
     """Σ m v and Σ (I ω + m x × v) do not change. Position correction is off: it moves bodies without a velocity."""
     rng = np.random.default_rng(seed)
     rough = material(0.4)
-    ids = build(*(stadium(0.3, 0.1, (side * 0.5, rng.uniform(-0.1, 0.1)), rng.uniform(0, 3), material=rough) for side in (-1, 1)),
+    ids = build(*(stadium(0.3, 0.1, (side * 0.5, rng.uniform(-0.1, 0.1)), rng.uniform(0, 3),
+                          material=rough) for side in (-1, 1)),
                 gravity=(0, 0, 0), restitution=e, correction=0, **EXACT)  # fmt: skip
     for i, side in zip(ids, (1, -1)):
         O.bodies[i].state.vel = (side * rng.uniform(1, 2), rng.uniform(-0.2, 0.2), 0)
@@ -308,7 +328,8 @@ def test_collision_keeps_the_momenta(seed, e):
     def momenta():
         states = [O.bodies[i].state for i in ids]
         linear = sum(s.mass * np.array(s.vel) for s in states)
-        angular = sum(s.inertia[2] * s.angVel[2] + s.mass * (s.pos[0] * s.vel[1] - s.pos[1] * s.vel[0]) for s in states)
+        angular = sum(s.inertia[2] * s.angVel[2] + s.mass
+                      * (s.pos[0] * s.vel[1] - s.pos[1] * s.vel[0]) for s in states)
         return np.array([linear[0], linear[1], angular])
 
     before, start = momenta(), velocity(ids[0])

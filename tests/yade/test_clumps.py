@@ -21,7 +21,8 @@ def scene(*obstacles, **options):
 
 def two_discs(center, angle, m, R=0.1, **options):
     half = np.array([math.cos(angle), math.sin(angle)]) * R
-    return rcr.clump([rcr.disc(tuple(np.array(center) + sign * half), R, material=m) for sign in (-1, 1)], **options)
+    return rcr.clump([rcr.disc(tuple(np.array(center) + sign * half), R, material=m)
+                      for sign in (-1, 1)], **options)
 
 
 def test_mass_and_inertia_of_two_discs():
@@ -44,7 +45,8 @@ def test_union_of_overlapping_members_is_counted_once():
     places = np.linspace(-a, a, 60)[:, None] * [math.cos(0.4), math.sin(0.4)]
     clump, _ = rcr.clump([rcr.disc(tuple(at), r, material=m) for at in places])
     s = O.bodies[clump].state
-    assert s.mass == pytest.approx(grain.state.mass, rel=1e-3) and s.inertia[2] == pytest.approx(grain.state.inertia[2], rel=2e-3)
+    assert s.mass == pytest.approx(grain.state.mass, rel=1e-3)
+    assert s.inertia[2] == pytest.approx(grain.state.inertia[2], rel=2e-3)
 
 
 def test_falls_freely():
@@ -82,7 +84,8 @@ def test_an_upright_pair_topples_over_its_lower_disc(law):
     assert height - s.pos[1] > 0.002 and moving == pytest.approx(fallen, rel=0.02)
     lower = O.bodies[members[0]].state
     assert lower.pos[1] == pytest.approx(0.1, abs=2e-4)
-    assert lower.vel[0] == pytest.approx(-0.1 * s.angVel[2], abs=5e-3 if law == "rigid" else 2e-2)  # it rolls; the shear spring has no dashpot and swings
+    # it rolls; the shear spring has no dashpot and swings
+    assert lower.vel[0] == pytest.approx(-0.1 * s.angVel[2], abs=5e-3 if law == "rigid" else 2e-2)
 
 
 def test_glued_into_an_rcr_falls_as_the_rcr():
@@ -101,8 +104,10 @@ def test_glued_into_an_rcr_falls_as_the_rcr():
     def glued(m):
         twin = rcr.particle((0, 0.35), 0.3, 0.5, angle=1.0, material=m)
         a, r = twin.shape.halfLength, twin.shape.capRadius
-        places = np.array([0, 0.35]) + np.linspace(-a, a, 2 + int(20 * a / r))[:, None] * [math.cos(1), math.sin(1)]
-        clump, _ = rcr.clump([rcr.disc(tuple(at), r, material=m) for at in places], mass=twin.state.mass, inertia=twin.state.inertia[2])
+        places = np.array([0, 0.35]) + np.linspace(-a, a, 2 + int(20 * a / r))[:,
+            None] * [math.cos(1), math.sin(1)]
+        clump, _ = rcr.clump([rcr.disc(tuple(at), r, material=m) for at in places],
+                             mass=twin.state.mass, inertia=twin.state.inertia[2])
         return clump
 
     def turned(end):
@@ -121,7 +126,8 @@ def test_forces_on_members_are_loads_of_the_clump():
     steps(50)
     pressed = sum(i.phys.normalForce[1] for i in O.interactions if i.isReal)
     assert pressed == pytest.approx(200, rel=1e-6)
-    assert O.bodies[clump].state.pos[1] == pytest.approx(0.1, abs=1e-6) and np.abs(velocity(clump)).max() < 1e-9
+    assert O.bodies[clump].state.pos[1] == pytest.approx(0.1, abs=1e-6)
+    assert np.abs(velocity(clump)).max() < 1e-9
 
 
 def test_a_pile_of_clumps_comes_to_rest_and_reloads_to_the_same_bits(tmp_path):
@@ -133,7 +139,8 @@ def test_a_pile_of_clumps_comes_to_rest_and_reloads_to_the_same_bits(tmp_path):
         if k % 2:
             two_discs(at, rng.uniform(0, 3), m, R=0.07)
         else:
-            cross = [rcr.particle(tuple(at), 0.14, 0.7, angle=rng.uniform(0, 3), material=m) for _ in range(2)]
+            cross = [rcr.particle(tuple(at), 0.14, 0.7, angle=rng.uniform(0, 3), material=m)
+                     for _ in range(2)]
             rcr.clump(cross)
     steps(2500)
     moving = [b for b in O.bodies if b.isClump]
@@ -146,7 +153,8 @@ def test_a_pile_of_clumps_comes_to_rest_and_reloads_to_the_same_bits(tmp_path):
     assert [tuple(b.state.pos) for b in O.bodies] == first
 
 
-@pytest.mark.parametrize("given, match", [([], "at least one body"), (["grain"], "at least one body")])
+@pytest.mark.parametrize("given, match",
+                         [([], "at least one body"), (["grain"], "at least one body")])
 def test_bad_members(given, match):
     with pytest.raises(ValueError, match=match):
         rcr.clump(given)

@@ -10,18 +10,21 @@ from scenes import build, material, steps
 from test_any_network import heap
 from yade import O
 
-BOUNDS = {"ended", "speed", "force"}  # of the rest, times are those of a busy machine, and these scenes are too short for the message
+# of the rest, times are those of a busy machine, and these scenes are too short for the message
+BOUNDS = {"ended", "speed", "force"}
 
 
 @pytest.mark.parametrize("seed", range(len(driven.MOTIONS)), ids=driven.MOTIONS)
 def test_a_driven_scene_keeps_what_springs_keep(seed):
     scene = driven.draw(seed, grains=(20, 40), steps=150)
     rigid, springs = driven.run(scene)
-    assert not BOUNDS & set(driven.violations(scene, rigid, springs)), f"{scene}\n{rigid}\n{springs}"
+    assert not BOUNDS & set(driven.violations(scene, rigid,
+                                              springs)), f"{scene}\n{rigid}\n{springs}"
 
 
 def test_a_lid_beside_a_receding_wall_does_not_explode():
-    scene = driven.Scene(seed=0, motion="receding", eta=0.5, friction=0.5, grains=60, dt=1e-3, speed=0.03, steps=300)
+    scene = driven.Scene(seed=0, motion="receding", eta=0.5, friction=0.5, grains=60, dt=1e-3,
+                         speed=0.03, steps=300)
     rigid, springs = driven.run(scene)
     assert rigid.yielded > 0, "no step without a solution: this scene tests nothing"
     assert not BOUNDS & set(driven.violations(scene, rigid, springs)), f"{rigid}\n{springs}"
@@ -41,11 +44,13 @@ def test_a_free_row_that_is_struck_is_no_jam(count, speed):
     """Discs in a line before a wall: the wall bears the momentum of all, they leave with its speed and through none of each other."""
     smooth = material(0)
     grains = [rcr.disc((0.02 * k, 0), R=0.01, material=smooth) for k in range(count)]
-    build(rcr.wall("x", -0.01, sense=1, velocity=speed, material=smooth), *grains, dt=1e-4, gravity=(0, 0, 0), tolerance=1e-6)
+    build(rcr.wall("x", -0.01, sense=1, velocity=speed, material=smooth), *grains, dt=1e-4,
+          gravity=(0, 0, 0), tolerance=1e-6)
     solver = O.engines[-2]
     O.step()
     assert not solver.yielded
-    assert O.forces.f(0)[0] == pytest.approx(-count * O.bodies[1].state.mass * speed / O.dt, rel=1e-3)
+    assert O.forces.f(0)[0] == pytest.approx(-count * O.bodies[1].state.mass * speed / O.dt,
+                                             rel=1e-3)
     for _ in range(30):
         O.step()
     assert solver.deepestOverlap < 1e-5
@@ -57,23 +62,26 @@ def test_grains_that_fly_together_are_solved(count, speed):
     """What is left between them is rounding, which was swept for 1000 sweeps a step, counted as missed, and as a jam to which contacts yield."""
     smooth = material(0)
     grains = [rcr.disc((0.02 * k, 0), R=0.01, material=smooth) for k in range(count)]
-    build(rcr.wall("x", -0.0101, sense=1, velocity=speed, material=smooth), *grains, dt=1e-4, gravity=(0, 0, 0))
+    build(rcr.wall("x", -0.0101, sense=1, velocity=speed, material=smooth), *grains, dt=1e-4,
+          gravity=(0, 0, 0))
     O.engines[1].verletDist = 1e-3
     solver = O.engines[-2]
     steps(int(1e-3 / speed / O.dt) + 20)  # it has met the first, and all fly
-    missed, sweeps = solver.missed["missed"], []
+    missed, sweeps = solver.missedSteps, []
     for _ in range(40):
         O.step()
         sweeps.append(solver.iterations)
-    assert solver.missed["missed"] == missed and solver.missed["yielded"] == 0 and np.mean(sweeps) < 20
+    assert solver.missedSteps == missed and solver.yieldedSteps == 0 and np.mean(sweeps) < 20
     np.testing.assert_allclose([b.state.vel[0] for b in O.bodies][1:], speed, rtol=1e-3)
 
 
 def test_draws_cover_what_they_shall():
     scenes = [driven.draw(seed) for seed in range(200)]
-    for name, low, high in (("eta", 0, 0.9), ("friction", 0, 1), ("grains", 20, 300), ("dt", 1e-4, 1e-2)):
+    for name, low, high in (("eta", 0, 0.9), ("friction", 0, 1), ("grains", 20, 300),
+                            ("dt", 1e-4, 1e-2)):
         values = [getattr(scene, name) for scene in scenes]
-        assert low <= min(values) and max(values) <= high and max(values) - min(values) > 0.8 * (high - low), name
+        assert low <= min(values) and max(values) <= high, name
+        assert max(values) - min(values) > 0.8 * (high - low), name
     assert {scene.motion for scene in scenes} == set(driven.MOTIONS)
 
 
@@ -94,9 +102,12 @@ def test_draws_cover_what_they_shall():
     ],
 )
 def test_each_bound_is_seen(rigid, springs, broken):
-    scene = driven.Scene(seed=0, motion="lid", eta=0, friction=0, grains=20, dt=1e-3, speed=0.1, steps=1000)
-    course = driven.Course(fastest=0.5, force=1.0, median=1.0, slowest=2.0, steps=1000, duration=1.0)
-    assert driven.violations(scene, dataclasses.replace(course, **rigid), dataclasses.replace(course, **springs)) == broken
+    scene = driven.Scene(seed=0, motion="lid", eta=0, friction=0, grains=20, dt=1e-3, speed=0.1,
+                         steps=1000)
+    course = driven.Course(fastest=0.5, force=1.0, median=1.0, slowest=2.0, steps=1000,
+                           duration=1.0)
+    assert driven.violations(scene, dataclasses.replace(course, **rigid),
+                             dataclasses.replace(course, **springs)) == broken
 
 
 def test_springs_that_take_over_begin_with_the_motion_of_the_rigid_grains():

@@ -22,7 +22,8 @@ def run(steps):
         O.step()
         off = max(off, abs(O.energy.total() - start))
         energy = dict(O.energy.items())
-        dissipated.append([energy.get(name, 0) for name in ("plastDissip", "impactDissip", "viscDissip")])
+        dissipated.append([energy.get(name, 0) for name in ("plastDissip", "impactDissip",
+                                                            "viscDissip")])
     return off, np.array(dissipated)
 
 
@@ -40,14 +41,16 @@ def test_sliding():
     kinetic = 0.5 * s.mass * 4
     off, dissipated = run(800)
     assert s.vel.norm() < 1e-9 and off < 0.01 * kinetic and never_gives(dissipated, kinetic)
-    assert dissipated[-1, 0] == pytest.approx(kinetic, rel=0.01) and dissipated[-1, 1] < 0.01 * kinetic
+    assert dissipated[-1, 0] == pytest.approx(kinetic, rel=0.01)
+    assert dissipated[-1, 1] < 0.01 * kinetic
 
 
 @pytest.mark.parametrize("e", [0, 0.5, 0.9])
 def test_bouncing(e):
     """A disc falls by h and bounces: an impact takes (1 − e²) m g h."""
     m = material()
-    _, disc = build(rcr.wall("y", 0, material=m), stadium(0, 0.1, (0, 0.6), material=m), restitution=e, dt=1e-4)
+    _, disc = build(rcr.wall("y", 0, material=m), stadium(0, 0.1, (0, 0.6), material=m),
+                    restitution=e, dt=1e-4)
     released = O.bodies[disc].state.mass * G * 0.5
     off, dissipated = run(4000)
     assert off < 0.01 * released and never_gives(dissipated, released)
@@ -60,7 +63,8 @@ def test_column_that_collapses(law):
     m.young, m.poisson = 1e7, 0.5
     bodies = [rcr.wall("y", 0, material=m)]
     rng = np.random.default_rng(3)
-    bodies += [rcr.particle((0.22 * i, 0.12 + 0.24 * j), 0.1, 0.5, angle=rng.uniform(0, 3), material=m) for i in range(3) for j in range(8)]
+    bodies += [rcr.particle((0.22 * i, 0.12 + 0.24 * j), 0.1, 0.5, angle=rng.uniform(0, 3),
+                            material=m) for i in range(3) for j in range(8)]
     if law == "rigid":
         build(*bodies)
         count = 1500
@@ -79,11 +83,14 @@ def test_column_that_collapses(law):
 
 @pytest.mark.parametrize("mu", [0.2, 0.5, 1.0])
 @pytest.mark.parametrize("restitution", [0.3, 0.8])
-def test_a_bounce_in_which_the_slip_turns_round_takes_from_both_accounts_nothing_back(mu, restitution):
+def test_a_bounce_in_which_the_slip_turns_round_takes_from_both_accounts_nothing_back(mu,
+        restitution):
     """A long grain that falls on its end: friction's share alone was negative, 8 % of what the impact takes."""
     for angle in np.linspace(0.1, 1.4, 8):
         m = material(friction=mu)
-        build(rcr.wall("y", 0, material=m), stadium(0.018, 0.002, (0, 0.03), angle=angle, velocity=(0.2, -1), material=m), gravity=(0, 0, 0), dt=1e-4, restitution=restitution)
+        build(rcr.wall("y", 0, material=m), stadium(0.018, 0.002, (0, 0.03), angle=angle,
+                                                    velocity=(0.2, -1), material=m),
+              gravity=(0, 0, 0), dt=1e-4, restitution=restitution)
         off, dissipated = run(400)
         assert never_gives(dissipated, 1e-6) and off < 1e-6
 
@@ -97,7 +104,8 @@ def test_two_fast_grains_gain_nothing_in_a_step():
         for side in (-1, 1):
             a = rng.choice([0, 0.05, 0.09])
             place = side * rng.uniform(0.03, 0.13), rng.uniform(-0.05, 0.05)
-            motion = dict(angle=rng.uniform(0, math.pi), velocity=tuple(rng.uniform(-20, 20, 2)), angular_velocity=rng.uniform(-150, 150))
+            motion = dict(angle=rng.uniform(0, math.pi), velocity=tuple(rng.uniform(-20, 20, 2)),
+                          angular_velocity=rng.uniform(-150, 150))
             grains.append(stadium(a, 0.1 - a, place, material=material(0), **motion))
         build(*grains, dt=1e-3, gravity=(0, 0, 0), solver="exact", tolerance=1e-8)
         before = utils.kineticEnergy()
@@ -110,9 +118,12 @@ def test_two_fast_grains_gain_nothing_in_a_step():
 def test_a_thin_grain_between_two_others_is_no_lever(restitution):
     """It spins by 0.18 rad a step: a blow at one end threw it against the contact that it was leaving, and the energy was 5.6 times as large."""
     m = material(0)
-    one = stadium(0.0023, 0.0053, (-0.0467, -0.0212), angle=-0.13409, velocity=(0.2726, -0.2826), angular_velocity=17.16, material=m)
-    thin = stadium(0.0053, 0.0003, (-0.03757, -0.0252), angle=1.65572, velocity=(-1.918, 0.1254), angular_velocity=366.1, material=m)
-    disc = stadium(0, 0.0107, (-0.02526, -0.02173), angle=2.54758, velocity=(-0.07956, 0.08846), angular_velocity=3.954, material=m)
+    one = stadium(0.0023, 0.0053, (-0.0467, -0.0212), angle=-0.13409, velocity=(0.2726, -0.2826),
+                  angular_velocity=17.16, material=m)
+    thin = stadium(0.0053, 0.0003, (-0.03757, -0.0252), angle=1.65572, velocity=(-1.918, 0.1254),
+                   angular_velocity=366.1, material=m)
+    disc = stadium(0, 0.0107, (-0.02526, -0.02173), angle=2.54758, velocity=(-0.07956, 0.08846),
+                   angular_velocity=3.954, material=m)
     build(one, thin, disc, dt=5e-4, gravity=(0, 0, 0), restitution=restitution, tolerance=1e-8)
     before = utils.kineticEnergy()
     O.step()
@@ -126,8 +137,11 @@ def test_an_elastic_impact_of_two_grains_keeps_their_energy():
     for _ in range(150):
         grains = []
         for side in (-1, 1):
-            motion = dict(angle=rng.uniform(0, math.pi), velocity=(-side * rng.uniform(0.3, 1), rng.uniform(-0.2, 0.2)), angular_velocity=rng.uniform(-10, 10))
-            grains.append(stadium(0.008, 0.002, (side * 0.013, rng.uniform(-0.006, 0.006)), material=material(0), **motion))
+            motion = dict(angle=rng.uniform(0, math.pi),
+                          velocity=(-side * rng.uniform(0.3, 1), rng.uniform(-0.2, 0.2)),
+                          angular_velocity=rng.uniform(-10, 10))
+            grains.append(stadium(0.008, 0.002, (side * 0.013, rng.uniform(-0.006, 0.006)),
+                                  material=material(0), **motion))
         build(*grains, dt=1e-3, gravity=(0, 0, 0), restitution=1, tolerance=1e-10)
         before = utils.kineticEnergy()
         O.run(30, True)
@@ -140,11 +154,13 @@ def test_a_gap_narrower_than_the_way_of_a_step_is_no_jam(restitution):
     """A disc between two walls at rest: its bounces from both fall into one step, which was told as one that driven bodies make impossible, and left overlaps of 0.02."""
     m, R, gap = material(0), 0.01, 1e-4
     walls = [rcr.wall("x", side * (R + gap), sense=-side, material=m) for side in (-1, 1)]
-    *_, disc = build(*walls, stadium(0, R, (0, 0), velocity=(1, 0), material=m), dt=1e-3, gravity=(0, 0, 0), restitution=restitution)
+    *_, disc = build(*walls, stadium(0, R, (0, 0), velocity=(1, 0), material=m), dt=1e-3,
+                     gravity=(0, 0, 0), restitution=restitution)
     solver = O.engines[-2]
     for _ in range(50):
         O.step()
-    assert solver.missed["yielded"] == 0 and solver.deepestOverlap < 1e-3 and abs(O.bodies[disc].state.vel[0]) < 1
+    assert solver.yieldedSteps == 0 and solver.deepestOverlap < 1e-3
+    assert abs(O.bodies[disc].state.vel[0]) < 1
 
 
 @pytest.mark.parametrize("friction", [0, 0.4])
@@ -154,12 +170,15 @@ def test_a_cloud_gains_nothing_in_a_step(restitution, friction):
     rng, gained = np.random.default_rng(2), []
     for _ in range(4):
         m = material(friction)
-        walls = [rcr.wall(axis, place, sense=sense, material=m) for axis in "xy" for place, sense in ((0, 1), (0.156, -1))]
+        walls = [rcr.wall(axis, place, sense=sense, material=m) for axis in "xy" for place,
+                 sense in ((0, 1), (0.156, -1))]
         grains = []
         for i in range(36):
             half, eta = rng.uniform(0.005, 0.0115), rng.choice([0, 0.3, 0.7, 0.95])
-            motion = dict(angle=rng.uniform(0, math.pi), velocity=tuple(rng.uniform(-1, 1, 2)), angular_velocity=rng.uniform(-300, 300))
-            grains.append(rcr.particle((0.013 + 0.026 * (i % 6), 0.013 + 0.026 * (i // 6)), half, eta, material=m, **motion))
+            motion = dict(angle=rng.uniform(0, math.pi), velocity=tuple(rng.uniform(-1, 1, 2)),
+                          angular_velocity=rng.uniform(-300, 300))
+            grains.append(rcr.particle((0.013 + 0.026 * (i % 6), 0.013 + 0.026 * (i // 6)), half,
+                                       eta, material=m, **motion))
         build(*walls, *grains, dt=5e-4, gravity=(0, 0, 0), restitution=restitution, tolerance=1e-8)
         kinetic = [utils.kineticEnergy()]
         for _ in range(100):
@@ -173,9 +192,12 @@ def test_shear_between_driven_walls():
     """What two lids of prescribed motion put in, friction and impacts take."""
     m = material(friction=0.5)
     rng = np.random.default_rng(5)
-    walls = [rcr.wall("y", 0, material=m), rcr.wall("x", -0.15, material=m), rcr.wall("x", 1.35, material=m)]
-    grains = [rcr.particle((0.25 * i, 0.13 + 0.26 * j), 0.1, 0.4, angle=rng.uniform(0, 3), material=m) for i in range(6) for j in range(4)]
-    lid = [rcr.particle((0.3 * i, 1.2), 0.15, 0, fixed=True, velocity=(0.5, 0), material=m) for i in range(-8, 5)]
+    walls = [rcr.wall("y", 0, material=m), rcr.wall("x", -0.15, material=m),
+             rcr.wall("x", 1.35, material=m)]
+    grains = [rcr.particle((0.25 * i, 0.13 + 0.26 * j), 0.1, 0.4, angle=rng.uniform(0, 3),
+                           material=m) for i in range(6) for j in range(4)]
+    lid = [rcr.particle((0.3 * i, 1.2), 0.15, 0, fixed=True, velocity=(0.5, 0), material=m)
+           for i in range(-8, 5)]
     build(*walls, *grains, *lid, gravity=(0, -G, 0))
     off, dissipated = run(1500)
     work = -dict(O.energy.items())["driveWork"]

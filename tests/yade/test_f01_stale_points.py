@@ -28,7 +28,8 @@ def test_points_and_forces_belong_together():
     steps(1)
     pair = O.interactions[floor, brick]
     assert pair.phys.points == pair.geom.points
-    # every point that a pair has was in the problem: the forces on the brick are those of its contacts
+    # every point that a pair has was in the problem: the forces on the brick are those of its
+    # contacts
     engine = next(e for e in O.engines if isinstance(e, rcr.ContactDynamics))
     assert engine.contactPoints == sum(i.geom.points for i in O.interactions if i.isReal)
     assert O.bodies[brick].state.pos[1] > 0 and np.isfinite(O.bodies[disc].state.vel[1])

@@ -17,7 +17,8 @@ from test_session import pressed_box
 from yade import O
 from yade.minieigenHP import Matrix3, Quaternion, Vector3
 from yade.wrapper import (
-    Bo1_Sphere_Aabb, ForceResetter, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
+    Bo1_Sphere_Aabb, ForceResetter, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider,
+    InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
     Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator,
 )  # fmt: skip
 
@@ -29,12 +30,15 @@ def zoo():
     turned.state.ori = Quaternion(Vector3(0, 0, 1), 0.5)
     fixed = rcr.particle((6, 0), 0.5, 0.4, material=rough, fixed=True)
     ids = dict(zip(("rcr", "fixed", "wall", "box", "facet", "flat", "beside"), build(
-        rcr.particle((0, 0), 1.0, 0.75, 0.3, rough), fixed, rcr.wall("y", -2, material=rough), turned,
-        yade.utils.facet([(-3, 0, -1), (-3, 0, 1), (-2, 1, 1)], material=rough), yade.utils.wall(5, 2),
+        rcr.particle((0, 0), 1.0, 0.75, 0.3, rough), fixed, rcr.wall("y", -2, material=rough),
+        turned,
+        yade.utils.facet([(-3, 0, -1), (-3, 0, 1), (-2, 1, 1)], material=rough),
+        yade.utils.wall(5, 2),
         yade.utils.facet([(0, 0, 1), (1, 0, 1), (0, 1, 2)], material=rough),
     )))  # fmt: skip
     ids["sphere"] = O.bodies.append(yade.utils.sphere((-1, 3, 0), 0.3, material=rough))
-    ids["clump"], ids["members"] = O.bodies.appendClumped([rcr.particle((x, 5), 0.4, 0.5, angle, rough) for x, angle in ((0, 0), (0.2, math.pi / 2))])
+    ids["clump"], ids["members"] = O.bodies.appendClumped(
+        [rcr.particle((x, 5), 0.4, 0.5, angle, rough) for x, angle in ((0, 0), (0.2, math.pi / 2))])
     return ids
 
 
@@ -43,11 +47,14 @@ def test_every_kind_of_body():
     O.bodies[ids["rcr"]].state.vel = (3, 4, 0)
     O.bodies[ids["rcr"]].state.angVel = (0, 0, -2)
     frame = Frame.of()
-    rows = frame.rows(np.array([ids["rcr"], ids["fixed"], ids["sphere"], *ids["members"], ids["wall"], ids["clump"]]))
+    rows = frame.rows(np.array([ids["rcr"], ids["fixed"], ids["sphere"], *ids["members"],
+                                ids["wall"], ids["clump"]]))
     assert (rows[:5] >= 0).all() and (rows[5:] == -1).all() and len(frame.grains["id"]) == 5
-    assert [KINDS[k] for k in frame.kinds()[rows[:5]]] == ["rcr", "fixed", "disc", "clumped", "clumped"]
+    assert [KINDS[k] for k in frame.kinds()[rows[:5]]] == ["rcr", "fixed", "disc", "clumped",
+                                                           "clumped"]
     first = {name: column[rows[0]] for name, column in frame.grains.items()}
-    assert first["angle"] == pytest.approx(0.3) and (first["half_length"], first["cap_radius"]) == (0.75, 0.25)
+    assert first["angle"] == pytest.approx(0.3)
+    assert (first["half_length"], first["cap_radius"]) == (0.75, 0.25)
     assert list(first["velocity"]) == [3, 4, -2] and list(first["position"]) == [0, 0]
     assert first["mass"] == pytest.approx(1000 * frame.areas()[rows[0]])
     assert frame.grains["cap_radius"][rows[2]] == 0.3 and frame.grains["half_length"][rows[2]] == 0
@@ -56,9 +63,11 @@ def test_every_kind_of_body():
     outlines = {id_: (kind, vertices) for id_, kind, vertices in frame.outlines}
     kind, corners = outlines[ids["box"]]
     c, s = math.cos(0.5), math.sin(0.5)
-    assert kind == "box" and corners[0] == pytest.approx(np.array([3 + c - 0.2 * s, -1 + s + 0.2 * c]))
+    assert kind == "box"
+    assert corners[0] == pytest.approx(np.array([3 + c - 0.2 * s, -1 + s + 0.2 * c]))
     kind, ends = outlines[ids["facet"]]
-    assert kind == "facet" and np.sort(ends, axis=0) == pytest.approx(np.array([[-3, 0], [-2.5, 0.5]]))
+    assert kind == "facet"
+    assert np.sort(ends, axis=0) == pytest.approx(np.array([[-3, 0], [-2.5, 0.5]]))
     assert len(frame.outlines) == 2  # a facet beside the plane is not seen
 
 
@@ -71,13 +80,16 @@ def test_a_picture_of_every_kind_of_body(tmp_path):
 def test_lever_arms_are_those_of_the_forces():
     """A fast disc hits a resting one: the step has moved it by 5 % of its radius, the arms still end at the centres that met."""
     rough = material(0)
-    one, two = build(rcr.particle((0, 0), 1, 0, material=rough), rcr.particle((2.0, 0), 1, 0, material=rough), gravity=(0, 0, 0), dt=1e-2, restitution=0)
+    one, two = build(rcr.particle((0, 0), 1, 0, material=rough),
+                     rcr.particle((2.0, 0), 1, 0, material=rough), gravity=(0, 0, 0), dt=1e-2,
+                     restitution=0)
     O.bodies[one].state.vel = (10, 0, 0)
     O.step()
     contacts = Frame.of().contacts
     sign = 1 if contacts["body1"][0] == one else -1
     assert O.bodies[one].state.pos[0] == pytest.approx(0.05)
-    assert contacts["arm1"][0] == pytest.approx([sign, 0]) and contacts["arm2"][0] == pytest.approx([-sign, 0])
+    assert contacts["arm1"][0] == pytest.approx([sign, 0])
+    assert contacts["arm2"][0] == pytest.approx([-sign, 0])
     assert contacts["force"][0] @ contacts["normal"][0] > 0
 
 
@@ -87,7 +99,9 @@ def test_grain_stresses_add_up_to_that_of_the_network():
     ids, stresses = rcr.measure.stress_tensors()
     network = rcr.contact_network((0, 1, 2, 3))
     total = np.einsum("n,nab->ab", rcr.measure.areas()[1], stresses) / network.attributes["volume"]
-    assert np.abs(network.stress()).max() > 100 and total == pytest.approx(network.stress(), rel=1e-9)  # rounding of sums
+    # rounding of sums
+    assert np.abs(network.stress()).max() > 100
+    assert total == pytest.approx(network.stress(), rel=1e-9)
 
 
 def test_a_frame_of_a_network_is_that_of_its_scene(tmp_path):
@@ -96,26 +110,35 @@ def test_a_frame_of_a_network_is_that_of_its_scene(tmp_path):
     rcr.contact_network((0, 1, 2, 3), friction=0.3).save(tmp_path / "network.h5")
     scene, network = Frame.of(), Frame.of(tmp_path / "network.h5")
     bearing = scene.normal_force() > 0
-    order = lambda frame, pick: np.lexsort((np.maximum(frame.contacts["body1"][pick], frame.contacts["body2"][pick]), np.minimum(frame.contacts["body1"][pick], frame.contacts["body2"][pick])))
+    order = lambda frame, pick: np.lexsort(
+        (np.maximum(frame.contacts["body1"][pick], frame.contacts["body2"][pick]),
+         np.minimum(frame.contacts["body1"][pick], frame.contacts["body2"][pick])))
     inner = scene.between_grains & bearing
-    assert network.per_grain(network.normal_force()) == pytest.approx(scene.per_grain(scene.normal_force()))
+    assert network.per_grain(network.normal_force()) == pytest.approx(
+        scene.per_grain(scene.normal_force()))
     assert network.stress_tensors() == pytest.approx(scene.stress_tensors())
     a, b = order(scene, inner), order(network, network.between_grains)
-    assert network.mobilization()[network.between_grains][b] == pytest.approx(scene.mobilization()[inner][a])
+    assert network.mobilization()[network.between_grains][b] == pytest.approx(
+        scene.mobilization()[inner][a])
     assert scene.mobilization().max() <= 1 + 1e-6  # the law's, to the tolerance of the solver
 
 
 def test_contacts_of_spheres_under_a_law_of_yade():
     O.reset()
-    mat = O.materials.append(yade.utils.FrictMat(density=1000, young=1e6, poisson=0.3, frictionAngle=0.4))
-    O.bodies.append([yade.utils.sphere((0, 0, 0), 1, material=mat, fixed=True), yade.utils.sphere((1.99, 0, 0), 1, material=mat)])
+    mat = O.materials.append(yade.utils.FrictMat(density=1000, young=1e6, poisson=0.3,
+                                                 frictionAngle=0.4))
+    O.bodies.append([yade.utils.sphere((0, 0, 0), 1, material=mat, fixed=True),
+                     yade.utils.sphere((1.99, 0, 0), 1, material=mat)])
     O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]),
-                 InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()], [Law2_ScGeom_FrictPhys_CundallStrack()]), NewtonIntegrator()]  # fmt: skip
+                 InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()],
+                                 [Law2_ScGeom_FrictPhys_CundallStrack()]),
+                 NewtonIntegrator()]  # fmt: skip
     O.dt = 1e-6
     O.step()
     frame = Frame.of()
     assert frame.normal_force()[0] == pytest.approx(O.interactions[0, 1].phys.normalForce.norm())
-    assert frame.contacts["friction"][0] == pytest.approx(math.tan(0.4)) and list(frame.kinds()) == [3, 1]
+    assert frame.contacts["friction"][0] == pytest.approx(math.tan(0.4))
+    assert list(frame.kinds()) == [3, 1]
 
 
 def test_contacts_across_the_edge_of_a_cell():
@@ -123,23 +146,31 @@ def test_contacts_across_the_edge_of_a_cell():
     O.reset()
     O.periodic = True
     O.cell.hSize = ((10, 0, 0), (0, 8, 0), (0, 0, 10))
-    mat = O.materials.append(yade.utils.FrictMat(density=1000, young=1e6, poisson=0.3, frictionAngle=0.4))
-    O.bodies.append([rcr.particle((3, 0.499), 0.5, 0, material=mat), rcr.particle((3, 7.5), 0.5, 0, material=mat)])
-    O.engines = [ForceResetter(), InsertionSortCollider([rcr.Bo1_Rcr_Aabb()], allowBiggerThanPeriod=True),
-                 InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]), NewtonIntegrator()]  # fmt: skip
+    mat = O.materials.append(yade.utils.FrictMat(density=1000, young=1e6, poisson=0.3,
+                                                 frictionAngle=0.4))
+    O.bodies.append([rcr.particle((3, 0.499), 0.5, 0, material=mat),
+                     rcr.particle((3, 7.5), 0.5, 0, material=mat)])
+    O.engines = [ForceResetter(), InsertionSortCollider([rcr.Bo1_Rcr_Aabb()],
+                                                        allowBiggerThanPeriod=True),
+                 InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()],
+                                 [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
+                 NewtonIntegrator()]  # fmt: skip
     O.dt = 1e-7
     O.step()
     frame = Frame.of()
     arm1, arm2 = frame.contacts["arm1"][0], frame.contacts["arm2"][0]
-    assert np.abs(arm1) == pytest.approx([0, 0.5], abs=1e-3) and arm2 == pytest.approx(-arm1, abs=2e-3)  # they overlap by 1e-3
+    # they overlap by 1e-3
+    assert np.abs(arm1) == pytest.approx([0, 0.5], abs=1e-3)
+    assert arm2 == pytest.approx(-arm1, abs=2e-3)
     assert frame.cell == pytest.approx(np.array([[10, 0], [0, 8]]))
 
 
-# --- measures -----------------------------------------------------------------------------------------------------------
+# --- measures -------------------------------------------------------------------------------------
 
 
 def test_extent_and_porosity():
-    build(rcr.particle((0, 0), 1, 0.5, math.pi / 2, material()), rcr.particle((4, 0), 1, 0, material=material()))
+    build(rcr.particle((0, 0), 1, 0.5, math.pi / 2, material()),
+          rcr.particle((4, 0), 1, 0, material=material()))
     low, high = rcr.measure.extent()
     assert low == pytest.approx([-0.5, -1]) and high == pytest.approx([5, 1])
     solid = math.pi * 0.25 + 1 + math.pi
@@ -147,14 +178,16 @@ def test_extent_and_porosity():
     assert rcr.measure.porosity(volume=100) == pytest.approx(1 - solid / 100)
     with pytest.raises(ValueError, match="area of the region"):
         rcr.measure.porosity(volume=0)
-    with pytest.raises(ValueError, match=r"volume = 1e-09; expected the area of the region \[m²\], which holds grains of 4.92"):
+    with pytest.raises(ValueError, match=r"volume = 1e-09; expected the area of the region \[m²\], "
+                       r"which holds grains of 4.92"):
         rcr.measure.porosity(volume=1e-9)
 
 
 def test_a_clump_is_counted_once():
     """A cross of two stadiums: the sum of both less the square they share."""
     O.reset()
-    O.bodies.appendClumped([rcr.particle((0.3, 2), 1, 0.8, 0.4 + angle, material()) for angle in (0, math.pi / 2)])
+    O.bodies.appendClumped([rcr.particle((0.3, 2), 1, 0.8, 0.4 + angle, material())
+                            for angle in (0, math.pi / 2)])
     own = math.pi * 0.2**2 + 4 * 0.2 * 0.8
     assert rcr.measure.areas()[1].sum() == pytest.approx(2 * own - 0.4**2, rel=2e-5)  # 2000 lines
 
@@ -167,16 +200,22 @@ def test_table_of_grains(tmp_path):
     finally:
         os.umask(old)
     table = np.genfromtxt(tmp_path / "grains.txt", names=True)
-    assert table["id"][0] == ids["rcr"] and table["angle"][0] == pytest.approx(0.3, abs=1e-15) and table["half_length"][0] == 0.75
+    assert table["id"][0] == ids["rcr"] and table["angle"][0] == pytest.approx(0.3, abs=1e-15)
+    assert table["half_length"][0] == 0.75
     assert stat.S_IMODE(os.stat(tmp_path / "grains.txt").st_mode) == 0o644
 
 
 SPHERES_ONLY = {
-    "utils.porosity()": "rcr.measure.porosity", "utils.aabbExtrema()": "rcr.measure.extent", "utils.bodyStressTensors()": "rcr.measure.stress_tensors",
-    "export.text('/dev/null')": "rcr.measure.write_table", "porosity()": "rcr.measure.porosity", "VTKRecorder()": "rcr.export.VtkSeries",
-    "utils.fabricTensor()": "rcr.contact_network(volume=…).fabric()", "getStress(1)": "rcr.contact_network(volume=…).stress()",
-    "utils.avgNumInteractions()": "rcr.contact_network(volume=…).coordination()", "utils.PWaveTimeStep()": "rcr.critical_time_step",
-    "utils.getSpheresMass()": "rcr.contact_network(volume=…).particles['mass']", "export.textExt('/dev/null')": "rcr.measure.write_table",
+    "utils.porosity()": "rcr.measure.porosity", "utils.aabbExtrema()": "rcr.measure.extent",
+    "utils.bodyStressTensors()": "rcr.measure.stress_tensors",
+    "export.text('/dev/null')": "rcr.measure.write_table", "porosity()": "rcr.measure.porosity",
+    "VTKRecorder()": "rcr.export.VtkSeries",
+    "utils.fabricTensor()": "rcr.contact_network(volume=…).fabric()",
+    "getStress(1)": "rcr.contact_network(volume=…).stress()",
+    "utils.avgNumInteractions()": "rcr.contact_network(volume=…).coordination()",
+    "utils.PWaveTimeStep()": "rcr.critical_time_step",
+    "utils.getSpheresMass()": "rcr.contact_network(volume=…).particles['mass']",
+    "export.textExt('/dev/null')": "rcr.measure.write_table",
     "export.VTKExporter('/dev/null')": "rcr.export.vtk",
 }  # fmt: skip
 
@@ -204,7 +243,8 @@ tell()
     lines = [line.strip() for line in done.stdout.splitlines() if line.startswith("told")]
     silent, told = lines[: len(SPHERES_ONLY)], lines[len(SPHERES_ONLY) :]
     assert silent == ["told"] * len(SPHERES_ONLY)
-    assert [wanted in line for wanted, line in zip(SPHERES_ONLY.values(), told, strict=True)] == [True] * len(told)
+    assert [wanted in line for wanted, line in zip(SPHERES_ONLY.values(), told, strict=True)] == [
+        True] * len(told)
 
 
 def warnings_of_stress(volume, walls=None):
@@ -221,7 +261,8 @@ def warnings_of_stress(volume, walls=None):
 def test_f63_get_stress_warns_only_where_it_is_wrong():
     """It is right in a cell of free grains and wrong in a box of walls."""
     rng = np.random.default_rng(0)
-    grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098), 0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
+    grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098),
+                           0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
     periodic_scene("rigid", *grains, size=1.0, dt=1e-3, tolerance=1e-8)
     O.cell.velGrad = Matrix3(-4, 0.5, 0, 0, -4, 0, 0, 0, 0)
     steps(100)
@@ -231,12 +272,14 @@ def test_f63_get_stress_warns_only_where_it_is_wrong():
     assert told == [] and error < 2e-3  # the last step has moved the bodies: 8e-4
     h = O.cell.hSize
     O.cell.hSize = Matrix3(h[0, 0], h[0, 1], 0, h[1, 0], h[1, 1], 0, 0, 0, 2)
-    with pytest.warns(UserWarning, match="getStress without a volume divides by the depth of the cell"):
+    with pytest.warns(UserWarning, match="getStress without a volume divides by the depth of the "
+                      "cell"):
         yade.utils.getStress()
     pressed_box()
     steps(200)
     told, error = warnings_of_stress(1.0, (0, 1, 2, 3))
-    assert len(told) == 1 and "getStress is wrong for contacts with obstacles" in told[0] and error > 0.05
+    assert len(told) == 1 and "getStress is wrong for contacts with obstacles" in told[0]
+    assert error > 0.05
 
 
 @pytest.mark.parametrize("hint", COUNTERPARTS)
@@ -244,7 +287,8 @@ def test_counterparts_are_there(hint):
     """What a warning says is run as it stands, on a box under pressure; of a function the name."""
     pressed_box()
     steps(200)
-    value = eval(hint.split(" (")[0].replace("…", "0.8"), dict(rcr=rcr, ContactDynamics=rcr.ContactDynamics))
+    value = eval(hint.split(" (")[0].replace("…", "0.8"),
+                 dict(rcr=rcr, ContactDynamics=rcr.ContactDynamics))
     if "(" in hint.split(" (")[0]:
         assert np.isfinite(value).all() and np.any(value)
 
@@ -255,7 +299,7 @@ def test_measures_of_nothing():
         rcr.measure.porosity()
 
 
-# --- names --------------------------------------------------------------------------------------------------------------
+# --- names ----------------------------------------------------------------------------------------
 
 
 def test_import_of_all_names_shadows_none_of_yade():
@@ -279,7 +323,8 @@ print("wall", wall is utils.wall, callable(rcr.wall), Rcr is rcr.Rcr, particle i
 
 def test_info_tells_what_runs():
     told = rcr.info()
-    assert told["rcr"] == rcr.__version__ and told["YADE"] == yade.config.version and told["lanes"] in (1, 8, 16)
+    assert told["rcr"] == rcr.__version__ and told["YADE"] == yade.config.version
+    assert told["lanes"] in (1, 8, 16)
     assert told["threads"] == O.numThreads
     lines = str(told).splitlines()
     assert len(lines) == len(told) and all(line.startswith(name) for line, name in zip(lines, told))
@@ -287,14 +332,16 @@ def test_info_tells_what_runs():
     assert ("Gl1_Rcr" in told["3D view"]) == drawn and ("left out" in told["3D view"]) != drawn
 
 
-# --- files for ParaView -------------------------------------------------------------------------------------------------
+# --- files for ParaView ---------------------------------------------------------------------------
 
 
 def test_series_from_a_pyrunner_survives_save_and_load(tmp_path):
     pytest.importorskip("meshio")
     out = tmp_path / "out"
     pressed_box()
-    O.engines = [*O.engines, yade.wrapper.PyRunner(command=f"import rcr; rcr.export.VtkSeries({str(out)!r}).save()", iterPeriod=10)]
+    O.engines = [*O.engines,
+                 yade.wrapper.PyRunner(command=f"import rcr; "
+                                       f"rcr.export.VtkSeries({str(out)!r}).save()", iterPeriod=10)]
     steps(25)
     O.save(str(tmp_path / "scene.yade"), quiet=True)
     steps(20)
@@ -303,5 +350,6 @@ def test_series_from_a_pyrunner_survives_save_and_load(tmp_path):
     steps(30)
     moments = rcr.export.VtkSeries(out).moments()
     times = sorted({time for time, _ in moments})
-    assert np.diff(times) == pytest.approx(10 * O.dt) and len(times) >= 5 and len(moments) == 3 * len(times)
+    assert np.diff(times) == pytest.approx(10 * O.dt) and len(times) >= 5
+    assert len(moments) == 3 * len(times)
     assert all((out / file).exists() for _, file in moments)

@@ -14,9 +14,12 @@ from scenes import ALL_IG2, build, engines, material, python, snapshot, stadium,
 from yade import O, utils
 from yade.minieigenHP import Quaternion, Vector3
 from yade.wrapper import (
-    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ElastMat, ForceEngine, ForceResetter, GlobalStiffnessTimeStepper,
-    GravityEngine, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
-    Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator, PyRunner, StepDisplacer, TranslationEngine,
+    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ElastMat, ForceEngine,
+    ForceResetter, GlobalStiffnessTimeStepper,
+    GravityEngine, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop,
+    Ip2_FrictMat_FrictMat_FrictPhys,
+    Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator, PyRunner, StepDisplacer,
+    TranslationEngine,
 )  # fmt: skip
 
 NAN = math.nan
@@ -25,7 +28,8 @@ NAN = math.nan
 def rigid(**options):
     """A grain on a floor under the rigid law."""
     rough = material()
-    return build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough), **options)
+    return build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough),
+                 **options)
 
 
 def smooth(*bodies):
@@ -34,13 +38,17 @@ def smooth(*bodies):
     O.dt = 1e-5
     O.engines = [
         ForceResetter(),
-        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(), Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
-        InteractionLoop([getattr(rcr, name)() for name in ALL_IG2], [Ip2_FrictMat_FrictMat_FrictPhys()], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
+        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(),
+                               Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
+        InteractionLoop([getattr(rcr, name)() for name in ALL_IG2],
+                        [Ip2_FrictMat_FrictMat_FrictPhys()],
+                        [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
         NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
     ]
     rough = material()
     rough.young, rough.poisson = 1e8, 0.5
-    return [O.bodies.append(b) for b in bodies or (rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough))]
+    return [O.bodies.append(b) for b in bodies or (rcr.wall("y", 0, material=rough),
+                                                   stadium(0.2, 0.1, (0, 0.1), material=rough))]
 
 
 LAWS = pytest.mark.parametrize("scene", [rigid, smooth])
@@ -66,12 +74,13 @@ def inserted(at, engine):
     O.engines = old[:at] + [engine] + old[at:]
 
 
-# ---------------------------------------------------------------------------------------------- engines
+# --- engines --------------------------------------------------------------------------------------
 
 def test_f6_contact_dynamics_forgotten():
     rigid()
     without(rcr.ContactDynamics)
-    refused(r"O.engines holds no ContactDynamics, .*put ContactDynamics\(\) between the InteractionLoop and the NewtonIntegrator")
+    refused(r"O.engines holds no ContactDynamics, .*put ContactDynamics\(\) between the "
+            r"InteractionLoop and the NewtonIntegrator")
 
 
 def test_f6_contact_dynamics_dead():
@@ -94,7 +103,9 @@ def test_f5_two_integrators(scene):
 
 
 @LAWS
-@pytest.mark.parametrize("kind, match", [(InsertionSortCollider, "no collider"), (ForceResetter, "no ForceResetter"), (NewtonIntegrator, "no NewtonIntegrator")])
+@pytest.mark.parametrize("kind, match", [(InsertionSortCollider, "no collider"),
+                                         (ForceResetter, "no ForceResetter"),
+                                         (NewtonIntegrator, "no NewtonIntegrator")])
 def test_f10_engine_forgotten(scene, kind, match):
     scene()
     without(kind)
@@ -105,11 +116,13 @@ def test_f10_engine_forgotten(scene, kind, match):
 def test_f10_bound_functor_forgotten(scene):
     scene()
     O.engines[1].boundDispatcher.functors = [Bo1_Wall_Aabb()]
-    refused(r"the collider has no Bo1_Rcr_Aabb, so body #1 would meet nothing; put Bo1_Rcr_Aabb\(\) into its list")
+    refused(r"the collider has no Bo1_Rcr_Aabb, so body #1 would meet nothing; put "
+            r"Bo1_Rcr_Aabb\(\) into its list")
 
 
 @pytest.mark.parametrize(
-    "load", [lambda: ForceEngine(force=(500, 0, 0), ids=[1]), lambda: rcr.WallStress(wall=0, start=0, end=0)], ids=["ForceEngine", "WallStress"]
+    "load", [lambda: ForceEngine(force=(500, 0, 0), ids=[1]),
+             lambda: rcr.WallStress(wall=0, start=0, end=0)], ids=["ForceEngine", "WallStress"]
 )
 def test_f4_load_after_the_solver(load):
     rigid()
@@ -123,7 +136,8 @@ def test_f4_load_before_the_solver_is_seen():
     assert O.bodies[1].state.pos[1] == pytest.approx(0.1, abs=1e-9)
 
 
-PUSHES = [lambda: ForceEngine(force=(500, 0, 0), ids=[1]), lambda: GravityEngine(gravity=(0, -1, 0))]
+PUSHES = [lambda: ForceEngine(force=(500, 0, 0), ids=[1]),
+          lambda: GravityEngine(gravity=(0, -1, 0))]
 
 
 @LAWS
@@ -132,7 +146,8 @@ def test_a_load_that_nothing_feels(scene, load):
     """It stands where the next ForceResetter takes it away before a step is made with it."""
     scene()
     O.engines = [*O.engines, load()]
-    refused("stands after the NewtonIntegrator, so its forces would be taken away before they move anything; put it between the two")
+    refused("stands after the NewtonIntegrator, so its forces would be taken away before they move "
+            "anything; put it between the two")
     scene()
     O.engines = [load(), *O.engines]
     refused("stands before the ForceResetter, so its forces would be taken away")
@@ -158,7 +173,8 @@ def test_a_displacer_gives_no_forces(scene):
 def test_a_displacer_after_the_solver():
     rigid()
     inserted(place(NewtonIntegrator), StepDisplacer(ids=[0], mov=(1e-3, 0, 0)))
-    refused("the StepDisplacer stands after ContactDynamics, which would not see its load; put it before")
+    refused("the StepDisplacer stands after ContactDynamics, which would not see its load; put it "
+            "before")
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -1.0])
@@ -166,13 +182,15 @@ def test_a_compliance_out_of_range_is_told_as_it_was_given(value):
     """Its product with the scene's own was."""
     rigid()
     O.engines[place(rcr.ContactDynamics)].yieldCompliance = value
-    refused(f"ContactDynamics.yieldCompliance = {value:g}; expected a finite factor ≥ 0, 1 by default")
+    refused(f"ContactDynamics.yieldCompliance = {value:g}; expected a finite factor ≥ 0, 1 by "
+            f"default")
 
 
 def test_forces_that_the_solver_has_not_seen_are_told_of(capfd):
     """A PyRunner between ContactDynamics and the integrator presses a grain into the floor; nothing can tell it from others, but for the overlap."""
     rigid()
-    inserted(place(NewtonIntegrator), PyRunner(command="O.forces.addF(1, (0, -1e5, 0))", iterPeriod=1))
+    inserted(place(NewtonIntegrator), PyRunner(command="O.forces.addF(1, (0, -1e5, 0))",
+                                               iterPeriod=1))
     steps(100)
     told = capfd.readouterr().err
     assert "grows although all steps reached the tolerance. Something moves the bodies that the solver does not see" in told
@@ -197,18 +215,21 @@ def test_the_steppers_first_step():
     O.bodies[1].state.pos = Vector3(0, 0.2, 0)
     stepper = GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4)
     inserted(0, stepper)
-    refused(r"GlobalStiffnessTimeStepper.defaultDt = -1 would set O.dt = 1 s while no Rcrs touch; set defaultDt = 0.5 \* rcr.critical_time_step\(\)")
+    refused(r"GlobalStiffnessTimeStepper.defaultDt = -1 would set O.dt = 1 s while no Rcrs touch; "
+            r"set defaultDt = 0.5 \* rcr.critical_time_step\(\)")
     stepper.defaultDt = 0.5 * rcr.critical_time_step()
     steps(5)
     assert O.dt == stepper.defaultDt
 
 
 @LAWS
-@pytest.mark.parametrize("velocity, spin", [((0, 0, 0.01), (0, 0, 0)), ((0, 0, 0), (3, 0, 0)), ((0, 0, 0), (0, 1e-3, 0))])
+@pytest.mark.parametrize("velocity, spin", [((0, 0, 0.01), (0, 0, 0)), ((0, 0, 0), (3, 0, 0)),
+                                            ((0, 0, 0), (0, 1e-3, 0))])
 def test_velocities_that_lead_out_of_the_plane(scene, velocity, spin):
     scene()
     O.bodies[1].state.vel, O.bodies[1].state.angVel = Vector3(velocity), Vector3(spin)
-    refused(r"body #1 has the velocity \(.*\) and the angular velocity \(.*\), which lead out of the plane; expected b.state.vel\[2\]")
+    refused(r"body #1 has the velocity \(.*\) and the angular velocity \(.*\), which lead out of "
+            r"the plane; wanted b.state.vel\[2\]")
 
 
 def test_f10_time_stepper():
@@ -225,14 +246,16 @@ def test_f10_time_step_forgotten(scene):
         O.step()
 
 
-# ---------------------------------------------------------------------------------------------- functors and materials
+# --- functors and materials -----------------------------------------------------------------------
 
 def test_f2_stock_spheres_beside_the_rigid_law():
     rigid()
     loop = O.engines[2]
     loop.geomDispatcher.functors = [*loop.geomDispatcher.functors, Ig2_Sphere_Sphere_ScGeom()]
-    loop.lawDispatcher.functors = [*loop.lawDispatcher.functors, Law2_ScGeom_FrictPhys_CundallStrack()]
-    refused("Ig2_Sphere_Sphere_ScGeom makes contacts that ContactDynamics does not solve; take Ig2_Sphere_Sphere_RcrGeom in its place")
+    loop.lawDispatcher.functors = [*loop.lawDispatcher.functors,
+                                   Law2_ScGeom_FrictPhys_CundallStrack()]
+    refused("Ig2_Sphere_Sphere_ScGeom makes contacts that ContactDynamics does not solve; take "
+            "Ig2_Sphere_Sphere_RcrGeom in its place")
 
 
 @LAWS
@@ -263,7 +286,8 @@ except (ValueError, RuntimeError) as error:
     print("told:", error)
 """
     )
-    assert result.returncode == 0 and "give it a FrictMat" in result.stdout, result.stdout + result.stderr
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "give it a FrictMat" in result.stdout, result.stdout + result.stderr
 
 
 def test_f33_friction_beyond_measure():
@@ -273,7 +297,7 @@ def test_f33_friction_beyond_measure():
     refused("has the friction angle 1.57.*; expected radians from 0 to below π/2")
 
 
-# ---------------------------------------------------------------------------------------------- bodies
+# --- bodies ---------------------------------------------------------------------------------------
 
 def test_f3_orientation_that_is_not_finite():
     rigid()
@@ -298,7 +322,8 @@ def test_f38_box_out_of_the_plane(scene):
 @LAWS
 def test_f10_facet_that_does_not_cut_the_plane(scene):
     scene()
-    O.bodies.append(utils.facet([(0, -1, 1), (1, -1, 1), (0, -1, 2)], material=O.bodies[1].material))
+    O.bodies.append(utils.facet([(0, -1, 1), (1, -1, 1), (0, -1, 2)],
+                                material=O.bodies[1].material))
     refused("#2 is a Facet that does not cut the plane z = 0")
 
 
@@ -312,23 +337,26 @@ def test_f7_ball_among_rcrs():
     rigid()
     O.bodies.append(utils.sphere((0, 1, 0), 0.1, material=O.bodies[1].material))
     O.bodies[2].state.blockedDOFs = "zXY"
-    with pytest.warns(UserWarning, match="#2 is a Sphere with the mass of a ball, .*make it by rcr.disc"):
+    with pytest.warns(UserWarning, match="#2 is a Sphere with the mass of a ball, .*make it by "
+                      "rcr.disc"):
         O.step()
 
 
-# ---------------------------------------------------------------------------------------------- numbers of a step
+# --- numbers of a step ----------------------------------------------------------------------------
 
 @pytest.mark.parametrize("dt", [1, 30, 1000])
 def test_f43_step_that_ends_in_an_overlap_has_not_converged(dt):
     rough = material()
-    ids = build(stadium(0.2, 0.1, (0, 0), material=rough), stadium(0.2, 0.1, (1.0, 0.1), angle=1.0, material=rough), dt=dt, gravity=(0, 0, 0))
+    ids = build(stadium(0.2, 0.1, (0, 0), material=rough), stadium(0.2, 0.1, (1.0, 0.1), angle=1.0,
+        material=rough), dt=dt, gravity=(0, 0, 0))
     O.bodies[ids[0]].state.vel, O.bodies[ids[0]].state.angVel = (1.0 / dt, 0, 0), (0, 0, 5.0 / dt)
     solver = O.engines[place(rcr.ContactDynamics)]
     before = True
     for _ in range(3):
         O.step()
         converged = solver.converged
-        gaps = [i.geom.gap[k] for i in O.interactions if i.isReal for k in range(i.geom.points)]  # of the beginning of that step
+        # of the beginning of that step
+        gaps = [i.geom.gap[k] for i in O.interactions if i.isReal for k in range(i.geom.points)]
         assert not gaps or min(gaps) > -0.02 * 0.6 or not before
         before = converged
 
@@ -361,16 +389,17 @@ def test_f27_missed_steps_are_counted_and_the_counts_are_saved(tmp_path):
     build(rcr.wall("y", 0, material=rough), *pile, tolerance=1e-13, maxIterations=1, solver="nlgs")
     solver = lambda: O.engines[place(rcr.ContactDynamics)]
     steps(20)
-    told = solver().missed
-    assert told["steps"] == 20 and 0 < told["missed"] <= 20 and told["share"] == told["missed"] / 20 and told["yielded"] == 0
+    counts = lambda: (solver().missedSteps, solver().yieldedSteps, solver().deepestOverlap)
+    saved = counts()
+    assert 0 < saved[0] <= 20 and saved[1] == 0
     O.save(str(tmp_path / "pile.yade"))
     O.load(str(tmp_path / "pile.yade"))
-    assert solver().missed == told
+    assert counts() == saved
     steps(5)
-    assert solver().missed["steps"] == 25
+    assert saved[0] <= solver().missedSteps <= saved[0] + 5
 
 
-# ---------------------------------------------------------------------------------------------- pairs that may meet
+# --- pairs that may meet --------------------------------------------------------------------------
 
 def with_functors(*names):
     """Engines of which the loop finds contacts of these pairs only."""
@@ -384,7 +413,8 @@ def test_missing_ig2_is_told_before_the_pair_meets(scene):
     O.bodies.append(rcr.disc((0, 9), 0.1, material=O.bodies[1].material))
     with_functors("Ig2_Rcr_Rcr_RcrGeom", "Ig2_Wall_Rcr_RcrGeom")
     refused(
-        r"serves (?=.*Sphere)(?=.*Wall)(?=.*Rcr)(\w+ and \w+ \(bodies #[0-2], #[0-2]\), ){2}so they would pass through each other. "
+        r"serves (?=.*Sphere)(?=.*Wall)(?=.*Rcr)(\w+ and \w+ \(bodies #[0-2], #[0-2]\), ){2}so "
+        r"they would pass through each other. "
         r"Add (?=.*Ig2_Wall_Sphere_RcrGeom\(\))(?=.*Ig2_Sphere_Rcr_RcrGeom\(\)).* to its first list"
     )
 
@@ -407,11 +437,14 @@ def test_pairs_that_cannot_meet_want_no_ig2(scene):
 def test_members_of_one_clump_want_no_ig2():
     rough = material()
     build(rcr.wall("y", 0, material=rough))
-    rcr.clump([stadium(0.2, 0.1, (0, 0.3), material=rough), rcr.disc((0.1, 0.4), 0.1, material=rough)])
+    rcr.clump([stadium(0.2, 0.1, (0, 0.3), material=rough),
+               rcr.disc((0.1, 0.4), 0.1, material=rough)])
     with_functors("Ig2_Wall_Rcr_RcrGeom", "Ig2_Wall_Sphere_RcrGeom")
     O.step()
-    rcr.clump([stadium(0.2, 0.1, (2, 0.3), material=rough), rcr.disc((2.1, 0.4), 0.1, material=rough)])
-    refused(r"Add (?=.*Ig2_Rcr_Rcr_RcrGeom)(?=.*Ig2_Sphere_Rcr_RcrGeom)(?=.*Ig2_Sphere_Sphere_RcrGeom)")
+    rcr.clump([stadium(0.2, 0.1, (2, 0.3), material=rough),
+               rcr.disc((2.1, 0.4), 0.1, material=rough)])
+    refused(
+        r"Add (?=.*Ig2_Rcr_Rcr_RcrGeom)(?=.*Ig2_Sphere_Rcr_RcrGeom)(?=.*Ig2_Sphere_Sphere_RcrGeom)")
 
 
 def advised():
@@ -426,10 +459,13 @@ def advised():
 def test_overlaps_of_the_start_are_told_once(scene):
     scene()
     rough = O.bodies[1].material
-    O.bodies.append([stadium(0.2, 0.1, (0.3, 0.15), angle=1.0, material=rough), stadium(0.2, 0.1, (0, 0.26), material=rough)])
+    O.bodies.append([stadium(0.2, 0.1, (0.3, 0.15), angle=1.0, material=rough),
+                     stadium(0.2, 0.1, (0, 0.26), material=rough)])
     (told,) = advised()
-    assert "bodies #1 and #2 overlap by 0." in told and "of R₁ + R₂, before their first step, and 3 more pairs less deeply." in told
-    assert ("take back at most 1e-4 R" in told) == (scene is rigid) and ("Springs begin with the force of it" in told) == (scene is smooth)
+    assert "bodies #1 and #2 overlap by 0." in told
+    assert "of R₁ + R₂, before their first step, and 3 more pairs less deeply." in told
+    assert ("take back at most 1e-4 R" in told) == (scene is rigid)
+    assert ("Springs begin with the force of it" in told) == (scene is smooth)
     assert advised() == []
     O.bodies.append(stadium(0.2, 0.1, (3, 0.08), material=rough))
     (told,) = advised()
@@ -440,7 +476,8 @@ def test_overlaps_of_the_start_are_told_once(scene):
 def test_grains_behind_a_wall_are_told(scene):
     scene()
     rough = O.bodies[1].material
-    O.bodies.append([rcr.wall("x", -1, -1, material=rough), stadium(0.2, 0.1, (3, 1), material=rough)])
+    O.bodies.append([rcr.wall("x", -1, -1, material=rough),
+                     stadium(0.2, 0.1, (3, 1), material=rough)])
     (told,) = advised()
     assert "body #1 and 1 more lie behind a wall, body #2, which acts towards -x only (sense=-1): such a grain goes through it. Set sense=1, or 0" in told
 
@@ -450,7 +487,9 @@ def test_overlaps_of_images_are_told():
     O.periodic = True
     O.cell.setBox(2, 2, 2)
     rough = material()
-    O.bodies.append([rcr.disc((1.95, 1.0), 0.1, material=rough), rcr.disc((2.1, 3.0), 0.1, material=rough), rcr.disc((0.5, 0.5), 0.1, material=rough)])
+    O.bodies.append([rcr.disc((1.95, 1.0), 0.1, material=rough),
+                     rcr.disc((2.1, 3.0), 0.1, material=rough),
+                     rcr.disc((0.5, 0.5), 0.1, material=rough)])
     O.engines = engines(gravity=(0, 0, 0))
     O.dt = 1e-3
     (told,) = advised()
@@ -460,8 +499,11 @@ def test_overlaps_of_images_are_told():
 def test_a_scene_without_overlaps_is_not_warned_of():
     rigid()
     rough = O.bodies[1].material
-    rcr.clump([stadium(0.2, 0.1, (2, 0.5), material=rough), stadium(0.2, 0.1, (2, 0.5), angle=1.5, material=rough)])
-    O.bodies.append([stadium(0.2, 0.1, (0, 0.3), material=rough), stadium(0.2, 0.1, (5, 0.1), material=rough, mask=2), stadium(0.2, 0.1, (5, 0.1), material=rough, mask=4)])
+    rcr.clump([stadium(0.2, 0.1, (2, 0.5), material=rough),
+               stadium(0.2, 0.1, (2, 0.5), angle=1.5, material=rough)])
+    O.bodies.append([stadium(0.2, 0.1, (0, 0.3), material=rough),
+                     stadium(0.2, 0.1, (5, 0.1), material=rough, mask=2),
+                     stadium(0.2, 0.1, (5, 0.1), material=rough, mask=4)])
     assert advised() == []
 
 
@@ -474,7 +516,8 @@ def test_time_step_beyond_the_springs_is_told():
     assert "where springs of this stiffness become unstable; set O.dt = 0.5 * rcr.critical_time_step()" in told
     assert advised() == []
     O.dt = 2
-    O.engines = [GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.1, defaultDt=1e-6), *O.engines]
+    O.engines = [GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.1, defaultDt=1e-6),
+                 *O.engines]
     assert advised() == []
 
 
@@ -483,7 +526,8 @@ def test_new_contacts_do_not_ask_the_rules_of_all_bodies():
     rough = material()
     first, later = [], []
     for _ in range(3):  # the least time of each is free of what else the machine does
-        lattice = [rcr.disc((0.2 * i, 0.2 * j), 0.1, material=rough) for i in range(40) for j in range(40)]
+        lattice = [rcr.disc((0.2 * i, 0.2 * j), 0.1, material=rough) for i in range(40)
+                   for j in range(40)]
         build(*lattice, gravity=(0, 0, 0), tolerance=1e-2, maxIterations=2)
         for times in (first, later, later):
             before = time.process_time()
@@ -503,11 +547,16 @@ def test_a_contact_dynamics_that_a_script_makes_dead_is_told_of():
 
 
 @pytest.mark.parametrize("law", ["rigid", "smooth"])
-@pytest.mark.parametrize("name, value", [("gravity", (0, math.nan, 0)), ("gravity", (math.inf, 0, 0)), ("damping", math.nan)])
+@pytest.mark.parametrize("name, value",
+                         [("gravity", (0, math.nan, 0)), ("gravity", (math.inf, 0, 0)),
+                          ("damping", math.nan)])
 def test_motion_that_is_not_finite_is_refused_by_its_name(law, name, value):
     build(stadium(0.3, 0.1, (0, 1), material=material()))
     if law == "smooth":
-        O.engines = [*O.engines[:2], InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]), O.engines[-1]]
+        O.engines = [*O.engines[:2], InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom()],
+                                                     [Ip2_FrictMat_FrictMat_FrictPhys()],
+                                                     [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
+                     O.engines[-1]]
     setattr(O.engines[-1], name, value)
     with pytest.raises(ValueError, match=f"NewtonIntegrator.{name} = "):
         steps(1)

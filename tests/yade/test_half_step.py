@@ -31,7 +31,8 @@ def test_smooth_motion_is_of_higher_order():
 
 def test_gravity_and_permanent_loads_of_what_is_free():
     m = material()
-    grain, clump_members = stadium(0.2, 0.1, (0, 5), material=m), [rcr.disc((3 + k, 5), 0.4, m) for k in range(2)]
+    grain, clump_members = stadium(0.2, 0.1, (0, 5), material=m), [rcr.disc((3 + k, 5), 0.4, m)
+        for k in range(2)]
     _, grain = build(rcr.wall("y", 0, material=m), grain, dt=1e-2)
     clump, members = rcr.clump(clump_members)
     guided = O.bodies.append(rcr.particle((8, 5), 0.2, 0.5, material=m))
@@ -44,14 +45,16 @@ def test_gravity_and_permanent_loads_of_what_is_free():
     rcr.half_step_start()
     O.run(20, True)
     t = 20 * O.dt
-    for i, (x, y) in {grain: (1.5 * t**2, -0.5 * G * t**2), clump: (0, -0.5 * G * t**2), guided: (0, -0.5 * G * t**2)}.items():
+    for i, (x, y) in {grain: (1.5 * t**2, -0.5 * G * t**2), clump: (0, -0.5 * G * t**2),
+                      guided: (0, -0.5 * G * t**2)}.items():
         assert tuple(O.bodies[i].state.pos - starts[i]) == pytest.approx((x, y, 0), abs=1e-9), i
     assert s.rot()[2] == pytest.approx(t**2, abs=1e-9)
 
 
 def test_a_pile_at_rest_stays_at_rest():
     m = material(friction=0.5)
-    ids = build(rcr.wall("y", 0, material=m), *(stadium(0.2, 0.1, (0, 0.1 + 0.2 * k), material=m) for k in range(5)))
+    ids = build(rcr.wall("y", 0, material=m), *(stadium(0.2, 0.1, (0, 0.1 + 0.2 * k), material=m)
+                                                for k in range(5)))
     rcr.half_step_start()
     O.run(100, True)
     assert max(O.bodies[i].state.vel.norm() for i in ids) < 1e-6

@@ -20,7 +20,8 @@ LOST = 0.5e3  # B, a scene; measured is 0.1e3, and one contact of ours has as mu
 class MallInfo(ctypes.Structure):
     """What mallinfo2() of the C library tells [B]."""
 
-    _fields_ = [(name, ctypes.c_size_t) for name in "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost".split()]
+    _fields_ = [(name, ctypes.c_size_t) for name in "arena ordblks smblks hblks hblkhd usmblks "
+                "fsmblks uordblks fordblks keepcost".split()]
 
 
 def allocated():
@@ -35,7 +36,8 @@ def allocated():
 def one_scene(law):
     """Twenty grains and clumps between walls, saved and loaded in the midst; each scene of a law is the same."""
     rng = np.random.default_rng(7)
-    scene = soak.draw(rng) | dict(law=law, dt=1e-3, periodic=False, gradient=None, gravity=9.81, turning=False, floor="Wall", overdamped=False)
+    scene = soak.draw(rng) | dict(law=law, dt=1e-3, periodic=False, gradient=None, gravity=9.81,
+                                  turning=False, floor="Wall", overdamped=False)
     material = scene_fuzzer.begin(scene)
     soak.container(scene, material)
     for _ in range(20):

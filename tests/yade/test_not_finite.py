@@ -15,12 +15,15 @@ def test_the_problem_is_saved(solver, tmp_path, monkeypatch):
     light, heavy = (rcr.particle((0, y), 0.1, 0, material=material()) for y in (0.0999, 0.2998))
     light.state.mass, light.state.inertia = 1e-300, (1, 1, 1e-302)
     heavy.state.mass, heavy.state.vel = 1e300, (0, -1e300, 0)
-    build(rcr.wall("y", 0, sense=1, material=material()), light, heavy, solver=solver, tolerance=1e-4)
+    build(rcr.wall("y", 0, sense=1, material=material()), light, heavy, solver=solver,
+          tolerance=1e-4)
     before = snapshot()
-    with pytest.raises(RuntimeError, match=r"would give body #\d .* Nothing has moved\. Its problem is in (.*); rcr\.solve\('.*', warm=True\) replays it") as told:
+    with pytest.raises(RuntimeError, match=r"would give body #\d .* Nothing has moved\. Its "
+                       r"problem is in (.*); rcr\.solve\('.*', warm=True\) replays it") as told:
         O.step()
     assert np.array_equal(snapshot()[:, :13], before[:, :13])
     path = tmp_path / "not-finite-0.npz"
     assert str(path) in str(told.value)
     problem = rcr.problems.load(path)
-    assert problem.contacts == next(e for e in O.engines if isinstance(e, rcr.ContactDynamics)).contactPoints
+    assert problem.contacts == next(e for e in O.engines
+                                    if isinstance(e, rcr.ContactDynamics)).contactPoints

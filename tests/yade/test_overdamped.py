@@ -18,19 +18,23 @@ def flowing(*bodies, flow=Matrix3.Zero, gravity=(0, 0, 0), dt=1e-2):
 
 def test_a_body_alone_goes_with_the_flow():
     """v = flow · r, ω = half of the flow's curl, in each step anew; what it had before is forgotten."""
-    (body,), _ = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(0.3, 0.1, 0, -0.5, -0.3, 0, 0, 0, 0))
+    (body,), _ = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(0.3, 0.1, 0, -0.5, -0.3, 0, 0, 0,
+        0))
     body.state.vel = Vector3(100, 0, 0)
     for _ in range(3):
         x, y, _ = body.state.pos
         O.step()
-        assert tuple(body.state.vel) == pytest.approx((0.3 * x + 0.1 * y, -0.5 * x - 0.3 * y, 0), rel=1e-12)
+        assert tuple(body.state.vel) == pytest.approx((0.3 * x + 0.1 * y, -0.5 * x - 0.3 * y, 0),
+                                                      rel=1e-12)
         assert tuple(body.state.angVel) == pytest.approx((0, 0, -0.3), rel=1e-12)
-        assert tuple(body.state.pos) == pytest.approx((x + 1e-2 * body.state.vel[0], y + 1e-2 * body.state.vel[1], 0), rel=1e-12)
+        assert tuple(body.state.pos) == pytest.approx((x + 1e-2 * body.state.vel[0],
+                                                       y + 1e-2 * body.state.vel[1], 0), rel=1e-12)
 
 
 def test_a_load_moves_a_body_relative_to_the_flow():
     """A step from rest: v = flow · r + g dt, and no more in the next one."""
-    (body,), _ = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(0.3, 0, 0, 0, -0.3, 0, 0, 0, 0), gravity=(0, -9.81, 0))
+    (body,), _ = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(0.3, 0, 0, 0, -0.3, 0, 0, 0, 0),
+                         gravity=(0, -9.81, 0))
     for _ in range(3):
         y = body.state.pos[1]
         O.step()
@@ -47,10 +51,12 @@ def test_a_flow_presses_nothing_on_what_goes_with_it():
     mass = bodies[0].state.mass
     O.step()
     force = {(i.id1, i.id2): i.phys.normalForce.norm() for i in O.interactions if i.isReal}
-    # Momentum stays: all go on at the mean, −0.1; contact k carries Σ_{j ≤ k} m (v_j − v) / dt of the bodies before it.
+    # Momentum stays: all go on at the mean, −0.1; contact k carries Σ_{j ≤ k} m (v_j − v) / dt of
+    # the bodies before it.
     free = [-0.2 * (0.1 + 0.2 * k) for k in range(5)]
     for k in range(4):
-        assert force[k, k + 1] == pytest.approx(mass * sum(v + 0.1 for v in free[: k + 1]) / 1e-2, rel=1e-6)
+        assert force[k, k + 1] == pytest.approx(mass * sum(v + 0.1 for v in free[: k + 1]) / 1e-2,
+                                                rel=1e-6)
 
 
 def pressed_row(follows, steps, count=20, last=100_000, rate=-0.2):
@@ -61,7 +67,8 @@ def pressed_row(follows, steps, count=20, last=100_000, rate=-0.2):
     """
     flow = Matrix3(rate, 0, 0, 0, -rate, 0, 0, 0, 0)
     discs = [rcr.disc((0.1 + 0.2 * k, 0), 0.1, material(0)) for k in range(count)]
-    bodies, solver = flowing(rcr.wall("x", 0, material=material(0)), *discs, rcr.mobile_wall("x", 0.2 * count, 1e-3, -1, material(0)), flow=flow)
+    bodies, solver = flowing(rcr.wall("x", 0, material=material(0)), *discs,
+                             rcr.mobile_wall("x", 0.2 * count, 1e-3, -1, material(0)), flow=flow)
     solver.trackMeanStretch, solver.kinematicTolerance = follows, 1e-8
     pressure = 1e4
     O.forces.setPermF(bodies[-1].id, (-pressure, 0, 0))
@@ -98,15 +105,18 @@ def test_a_flow_that_follows_no_longer_is_forgotten():
 def test_a_flow_that_follows_is_one_without_inertia():
     (body,), solver = flowing(stadium(0.1, 0.05, (1, 2)))
     solver.overdamped, solver.trackMeanStretch = False, True
-    with pytest.raises(ValueError, match="ContactDynamics.trackMeanStretch = True; expected overdamped = True"):
+    with pytest.raises(ValueError, match="ContactDynamics.trackMeanStretch = True; wanted only "
+                       "with overdamped"):
         O.step()
     assert tuple(body.state.pos) == (1, 2, 0)
 
 
 @pytest.mark.parametrize("overdamped, value", [(False, 0.1), (True, math.nan), (True, math.inf)])
 def test_a_flow_that_cannot_be_is_refused(overdamped, value):
-    (body,), solver = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(value, 0, 0, 0, 0, 0, 0, 0, 0))
+    (body,), solver = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(value, 0, 0, 0, 0, 0, 0, 0,
+        0))
     solver.overdamped = overdamped
-    with pytest.raises(ValueError, match="ContactDynamics.flow is not zero; expected finite entries, and overdamped"):
+    with pytest.raises(ValueError, match="ContactDynamics.flow is not zero; wanted finite, and "
+                       "only with overdamped"):
         O.step()
     assert tuple(body.state.pos) == (1, 2, 0)

@@ -10,7 +10,8 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build"
-PAGES = [page for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))] if "```python\n" in page.read_text()]
+PAGES = [page for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+         if "```python\n" in page.read_text()]
 
 
 def blocks(page, language):
@@ -20,19 +21,24 @@ def blocks(page, language):
 def run(page, folder, before=""):
     script = folder / f"{page.stem}.py"
     script.write_text(before + "\n".join(blocks(page, "python")))
-    done = subprocess.run(["yade", "-n", "-x", script.name], cwd=folder, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0 and "Traceback" not in done.stdout + done.stderr, done.stdout + done.stderr
+    done = subprocess.run(["yade", "-n", "-x", script.name], cwd=folder, capture_output=True,
+                          text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "Traceback" not in done.stdout + done.stderr, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if page.stem != "extending"], ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", [page for page in PAGES if page.stem != "extending"],
+                         ids=lambda page: page.stem)
 def test_page(page, tmp_path):
     run(page, tmp_path)
 
 
 def compile_command(source, folder):
     """How the build compiles a file of the plugin, for another source."""
-    listed = subprocess.run(["ninja", "-C", BUILD, "-t", "commands", "_plugin"], capture_output=True, text=True, check=True).stdout
-    line = next(line for line in listed.splitlines() if "/_plugin.dir/Unity/" in line and " -c " in line)
+    listed = subprocess.run(["ninja", "-C", BUILD, "-t", "commands", "_plugin"],
+                            capture_output=True, text=True, check=True).stdout
+    line = next(line for line in listed.splitlines() if "/_plugin.dir/Unity/" in line
+                and " -c " in line)
     words = shlex.split(line)
     words = words[: words.index("-c")] + ["-c", str(source)]
     for option in ("-o", "-MF", "-MT"):
@@ -42,7 +48,8 @@ def compile_command(source, folder):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not shutil.which("ninja") or not (BUILD / "build.ninja").exists(), reason="needs the build folder")
+@pytest.mark.skipif(not shutil.which("ninja") or not (BUILD / "build.ninja").exists(),
+                    reason="needs the build folder")
 def test_law_of_the_page(tmp_path):
     """Compiled by itself, with the options of the build, and loaded before rcr, so that the build's own files stay as they are."""
     page = ROOT / "docs" / "extending.md"
@@ -54,5 +61,7 @@ def test_law_of_the_page(tmp_path):
     command, compiled = compile_command(source, tmp_path)
     subprocess.run(command, cwd=BUILD, check=True, timeout=3600)
     (plugin,) = (ROOT / "py" / "rcr").glob("_plugin*.so")
-    subprocess.run([command[0], "-shared", "-o", tmp_path / "law.so", compiled, plugin, f"-Wl,-rpath,{plugin.parent}"], check=True, timeout=120)
-    run(page, tmp_path, before=f"import ctypes; ctypes.CDLL('{tmp_path}/law.so', ctypes.RTLD_GLOBAL)\n")
+    subprocess.run([command[0], "-shared", "-o", tmp_path / "law.so", compiled, plugin,
+                    f"-Wl,-rpath,{plugin.parent}"], check=True, timeout=120)
+    run(page, tmp_path, before=f"import ctypes; ctypes.CDLL('{tmp_path}/law.so', "
+        f"ctypes.RTLD_GLOBAL)\n")

@@ -25,7 +25,9 @@ def scene(law, *bodies, size=2.0, gravity=(0, 0, 0), dt=1e-3, periodic=True, **o
         O.engines = [
             ForceResetter(),
             InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), rcr.Bo1_Disc_Aabb()], verletDist=0.01),
-            InteractionLoop([getattr(rcr, n)() for n in ALL_IG2], [Ip2_FrictMat_FrictMat_FrictPhys()], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
+            InteractionLoop([getattr(rcr, n)() for n in ALL_IG2],
+                            [Ip2_FrictMat_FrictMat_FrictPhys()],
+                            [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
             NewtonIntegrator(gravity=gravity, damping=0),
         ]
     return [O.bodies.append(b) for b in bodies]
@@ -45,7 +47,8 @@ def pair(across, eta, m):
     right = (1 + R - overlap if not across else R - overlap, 1.0)
     return (
         rcr.particle(left, R, eta, angle=0.05, velocity=(0.3, 0.1), angular_velocity=2, material=m),
-        rcr.particle(right, R, eta, angle=-0.02, velocity=(-0.2, -0.3), angular_velocity=-1, material=m),
+        rcr.particle(right, R, eta, angle=-0.02, velocity=(-0.2, -0.3), angular_velocity=-1,
+                     material=m),
     )
 
 
@@ -58,7 +61,9 @@ def test_f8_pair_across_the_boundary_is_one_in_the_open(law, eta):
         result = []
         for _ in range(10):
             O.step()
-            result.append([*[x for i in ids for x in (*O.forces.f(i), *O.forces.t(i))], *[x for i in ids for x in (*O.bodies[i].state.vel, O.bodies[i].state.angVel[2])]])
+            result.append([*[x for i in ids for x in (*O.forces.f(i), *O.forces.t(i))],
+                           *[x for i in ids
+                             for x in (*O.bodies[i].state.vel, O.bodies[i].state.angVel[2])]])
         return np.array(result)
 
     inside, over = forces(False, False), forces(True, True)
@@ -73,7 +78,8 @@ def test_pair_in_a_sheared_cell_moves_with_the_image(law):
     distance, friction holds it back and drags the other."""
     m = stiff()
     rate, size = 0.5, 2.0
-    lower, upper = rcr.disc((1, 0.2), 0.2, material=m), rcr.disc((1, size - 0.2 + 1e-4), 0.2, material=m)
+    lower, upper = rcr.disc((1, 0.2), 0.2, material=m), rcr.disc((1, size - 0.2 + 1e-4), 0.2,
+        material=m)
     ids = scene(law, lower, upper, size=size, dt=1e-5)
     O.cell.velGrad = Matrix3(0, rate, 0, 0, -0.1, 0, 0, 0, 0)
     steps(1 if law == "rigid" else 3)  # the rigid impact is over after one
@@ -82,7 +88,8 @@ def test_pair_in_a_sheared_cell_moves_with_the_image(law):
     slip = rate * 0.4  # of the image above, which is 0.4 higher, against the body that it touches
     forces = np.array([O.forces.f(k) for k in ids])
     assert np.abs(forces[:, :2].sum(axis=0)).max() < 1e-9 * np.abs(forces).max()
-    above = ids[0] if forces[0][1] > 0 else ids[1]  # pushed up: it is the upper one of the touching images
+    # pushed up: it is the upper one of the touching images
+    above = ids[0] if forces[0][1] > 0 else ids[1]
     assert above == ids[0]
     # the image of body 0 above the boundary is dragged ahead by γ̇ L: friction holds it back
     assert forces[0][0] * slip < 0 and forces[1][0] * slip > 0
@@ -93,8 +100,10 @@ def packing(eta, count=100, seed=2, radius=0.05, spread=1.35):
     m = material(friction=0.0)
     n = int(math.sqrt(count))
     size = 2 * radius * spread * n
-    places = [(2 * radius * spread * (i + 0.5), 2 * radius * spread * (j + 0.5)) for i in range(n) for j in range(n)]
-    return size, m, [rcr.particle(at, radius * rng.uniform(0.7, 1), eta, angle=rng.uniform(0, 3), material=m) for at in places]
+    places = [(2 * radius * spread * (i + 0.5), 2 * radius * spread * (j + 0.5)) for i in range(n)
+              for j in range(n)]
+    return size, m, [rcr.particle(at, radius * rng.uniform(0.7, 1), eta, angle=rng.uniform(0, 3),
+                                  material=m) for at in places]
 
 
 @pytest.mark.parametrize("eta", [0, 0.5])
@@ -113,15 +122,18 @@ def test_strain_driven_compaction_holds_its_grains_apart(eta):
 def test_a_body_is_erased_from_a_cell_only_with_a_new_collider():
     """YADE's collider never ended in this scene: a cell that has shrunk, then the bounds of the body that is gone among those of moving ones."""
     m = stiff()
-    scene("rigid", *[rcr.particle((0.25 * (i + 0.5), 0.25 * (j + 0.5)), 0.1, 0.4, i, m) for i in range(8) for j in range(8)], tolerance=1e-4)
+    scene("rigid", *[rcr.particle((0.25 * (i + 0.5), 0.25 * (j + 0.5)), 0.1, 0.4, i, m)
+                     for i in range(8) for j in range(8)], tolerance=1e-4)
     O.bodies.erase(3)  # the collider has not run
     O.cell.velGrad = Matrix3(-0.5, 0, 0, 0, -0.5, 0, 0, 0, 0)
     O.run(250, True)
     O.cell.velGrad = Matrix3.Zero
-    with pytest.raises(ValueError, match="body #9 .* put a new InsertionSortCollider into O.engines first"):
+    with pytest.raises(ValueError, match="body #9 .* put a new InsertionSortCollider into "
+                       "O.engines first"):
         O.bodies.erase(9)
     assert O.bodies[9] is not None
-    O.engines = [InsertionSortCollider([rcr.Bo1_Rcr_Aabb()], verletDist=0.01) if isinstance(e, InsertionSortCollider) else e for e in O.engines]
+    O.engines = [InsertionSortCollider([rcr.Bo1_Rcr_Aabb()], verletDist=0.01)
+                 if isinstance(e, InsertionSortCollider) else e for e in O.engines]
     O.bodies.erase(9)
     for body in O.bodies:
         body.state.vel = (10, 3, 0)
@@ -135,7 +147,8 @@ def test_reload_goes_on_to_the_same_bits(tmp_path):
     O.cell.velGrad = Matrix3(-0.3, 0.2, 0, 0, -0.3, 0, 0, 0, 0)
     steps(700)
     O.save(str(tmp_path / "cell.yade"))
-    state = lambda: [(*b.state.pos, *b.state.vel, *b.state.angVel) for b in O.bodies] + [tuple(O.cell.hSize.row(k)) for k in range(3)]
+    state = lambda: [(*b.state.pos, *b.state.vel, *b.state.angVel) for b in O.bodies] + [
+        tuple(O.cell.hSize.row(k)) for k in range(3)]
     steps(100)
     first = state()
     O.load(str(tmp_path / "cell.yade"))
@@ -153,7 +166,8 @@ def test_walls_in_a_cell_are_refused():
 def test_cell_that_is_too_small_for_a_body_is_refused():
     """YADE's collider would end the process."""
     scene("rigid", rcr.particle((0.3, 0.3), 0.2, 0.5, material=material()), size=0.7)
-    with pytest.raises(ValueError, match="the periodic cell is 0.7 wide at its narrowest, body #0 has the radius 0.2"):
+    with pytest.raises(ValueError, match="the periodic cell is 0.7 wide at its narrowest, body #0 "
+                       "has the radius 0.2"):
         O.step()
 
 
@@ -165,18 +179,23 @@ def test_fast_body_in_a_cell_looks_less_far_ahead():
     assert O.bodies[ids[1]].state.vel[0] > 50  # it was hit, not passed
 
 
-@pytest.mark.parametrize("gradient", [Matrix3.Zero, Matrix3(-0.1, 0.3, 0, 0, 0.1, 0, 0, 0, 0)], ids=["still", "sheared"])
+@pytest.mark.parametrize("gradient", [Matrix3.Zero, Matrix3(-0.1, 0.3, 0, 0, 0.1, 0, 0, 0, 0)],
+                         ids=["still", "sheared"])
 @pytest.mark.parametrize("settled", [2, 3, 4])
 def test_a_velocity_set_in_mid_run_meets_what_the_collider_has_not_foreseen(settled, gradient):
     """A grain that a script hits between two steps went through another, three radii away."""
     R, m = 0.1, material(0)
-    hit, other = scene("rigid", *(rcr.particle((x, 1), R, 0, material=m) for x in (0.4, 0.4 + 5 * R)), dt=5e-3, restitution=0)
+    hit, other = scene("rigid",
+                       *(rcr.particle((x, 1), R, 0, material=m) for x in (0.4, 0.4 + 5 * R)),
+                       dt=5e-3, restitution=0)
     O.cell.velGrad = gradient
     steps(settled)
     O.bodies[hit].state.vel = (100, 0, 0)
     steps(1)
     way = [O.bodies[i].state.pos[0] for i in (hit, other)]
-    assert way[1] - way[0] == pytest.approx(2 * R, abs=0.02 * R) and O.bodies[other].state.vel[0] == pytest.approx(20, abs=0.5)  # both at the end of a way of 60 m/s
+    # both at the end of a way of 60 m/s
+    assert way[1] - way[0] == pytest.approx(2 * R, abs=0.02 * R)
+    assert O.bodies[other].state.vel[0] == pytest.approx(20, abs=0.5)
 
 
 def pressed(*bodies, size, stress, mass=1, **options):
@@ -187,7 +206,8 @@ def pressed(*bodies, size, stress, mass=1, **options):
 def test_row_of_discs_carries_the_stress_of_its_cell():
     """Ten discs fill the cell along x: each contact carries stress times the height of the cell, from the first step on."""
     m, R = material(), 0.1
-    pressed(*[rcr.disc((2 * R * (k + 0.5), 1), R, material=m) for k in range(10)], size=2.0, stress=(50, math.nan), tolerance=1e-8, maxIterations=5000)
+    pressed(*[rcr.disc((2 * R * (k + 0.5), 1), R, material=m) for k in range(10)], size=2.0,
+            stress=(50, math.nan), tolerance=1e-8, maxIterations=5000)
     for _ in range(3):
         O.step()
         forces = [abs(i.phys.normalForce[0]) for i in O.interactions if i.isReal]
@@ -198,19 +218,24 @@ def test_row_of_discs_carries_the_stress_of_its_cell():
 def test_a_cell_gives_way_to_overlaps_as_a_free_wall_does():
     """The correction displaced grains and left the cell as it was, in which they have no room: overlaps grew to 2 % in slow shear."""
     m, R, size = material(), 0.1, 1.996
-    pressed(*[rcr.disc((size / 10 * (k + 0.5), 1), R, material=m) for k in range(10)], size=size, stress=(50, math.nan), tolerance=1e-8)
+    pressed(*[rcr.disc((size / 10 * (k + 0.5), 1), R, material=m) for k in range(10)], size=size,
+            stress=(50, math.nan), tolerance=1e-8)
     steps(800)
     assert max(-i.geom.gap[0] for i in O.interactions if i.isReal) < 2e-4 * 2 * R
-    assert O.cell.hSize[0, 0] == pytest.approx(20 * R, rel=2e-4) and O.cell.trsf[0, 0] == pytest.approx(O.cell.hSize[0, 0] / size, rel=1e-12)
+    assert O.cell.hSize[0, 0] == pytest.approx(20 * R, rel=2e-4)
+    assert O.cell.trsf[0, 0] == pytest.approx(O.cell.hSize[0, 0] / size, rel=1e-12)
 
 
 def test_empty_cell_falls_together_as_a_body_of_its_mass():
     m, R, size, dt = material(), 0.1, 2.0, 1e-3
-    pressed(rcr.disc((0.5, 0.5), R, material=m), rcr.disc((1.5, 1.5), R, material=m), size=size, stress=(3, 5), mass=2, dt=dt)
+    pressed(rcr.disc((0.5, 0.5), R, material=m), rcr.disc((1.5, 1.5), R, material=m), size=size,
+            stress=(3, 5), mass=2, dt=dt)
     steps(1)
     inertia = 2 * sum(b.state.mass for b in O.bodies) * size**2 / 12
-    assert [O.cell.velGrad[k, k] for k in range(2)] == pytest.approx([-stress * size**2 * dt / inertia for stress in (3, 5)], rel=1e-12)
-    assert O.cell.velGrad[0, 1] == O.cell.velGrad[2, 2] == 0 and all(b.state.vel.norm() == 0 for b in O.bodies)
+    assert [O.cell.velGrad[k, k] for k in range(2)] == pytest.approx(
+        [-stress * size**2 * dt / inertia for stress in (3, 5)], rel=1e-12)
+    assert O.cell.velGrad[0, 1] == O.cell.velGrad[2, 2] == 0
+    assert all(b.state.vel.norm() == 0 for b in O.bodies)
 
 
 @pytest.mark.parametrize("eta", [0, 0.5])
@@ -219,35 +244,42 @@ def test_grains_come_to_rest_under_the_stress_of_their_cell(eta):
     size, m, grains = packing(eta)
     stress, mass = 100.0, np.mean([b.state.mass for b in grains])
     dt = 0.1 * math.sqrt(mass / stress)
-    pressed(*grains, size=size, stress=(math.nan, math.nan), mass=12 / len(grains), dt=dt, tolerance=1e-6, solver="auto", maxIterations=3000)
+    pressed(*grains, size=size, stress=(math.nan, math.nan), mass=12 / len(grains), dt=dt,
+            tolerance=1e-6, solver="auto", maxIterations=3000)
     O.engines[4].overdamped = True
     area = sum(b.state.mass for b in O.bodies) / m.density
     fraction = lambda: area / (O.cell.hSize[0, 0] * O.cell.hSize[1, 1])
     O.cell.velGrad = Matrix3(-0.004 / dt, 0, 0, 0, -0.004 / dt, 0, 0, 0, 0)
     while fraction() < 0.7:
         steps(5)
-    assert max(np.abs(np.array(list(b.state.pos)[:2]) / O.cell.size[0] - 0.5).max() for b in O.bodies) < 0.6  # carried along, none thrown out
+    # carried along, none thrown out
+    assert max(np.abs(np.array(list(b.state.pos)[:2]) / O.cell.size[0] - 0.5).max()
+               for b in O.bodies) < 0.6
     O.cell.velGrad, O.engines[3].stress = Matrix3.Zero, (stress, stress)
     steps(200)
     O.dt = 5 * dt
     steps(300)
-    overlap = max(-i.geom.gap[k] / (i.geom.refR1 + i.geom.refR2) for i in O.interactions if i.isReal for k in range(i.geom.points))
+    overlap = max(-i.geom.gap[k] / (i.geom.refR1 + i.geom.refR2) for i in O.interactions if i.isReal
+                  for k in range(i.geom.points))
     assert 0.78 < fraction() < 0.92 and overlap < 1e-3
     network = rcr.contact_network()
-    assert np.diag(network.stress()) == pytest.approx([stress] * 2, rel=0.02)  # shear stress is left: the cell keeps its angles
+    # shear stress is left: the cell keeps its angles
+    assert np.diag(network.stress()) == pytest.approx([stress] * 2, rel=0.02)
 
 
 @pytest.mark.parametrize("overdamped", [True, False])
 def test_a_loose_cell_that_falls_together_in_a_step_is_refused(overdamped):
     """16 discs apart went from a cell of 0.09 to one of a quarter of it in one step, and through each other."""
     R = 0.01
-    grid = [rcr.disc((0.0225 * (i + 0.5), 0.0225 * (j + 0.5)), R, material(0)) for i in range(4) for j in range(4)]
+    grid = [rcr.disc((0.0225 * (i + 0.5), 0.0225 * (j + 0.5)), R, material(0)) for i in range(4)
+            for j in range(4)]
     t0 = math.sqrt(grid[0].state.mass / 1e3)
     pressed(*grid, size=0.09, stress=(1e3, 1e3), mass=1e-3, dt=t0)
     O.engines[1].verletDist = 1e-3
     next(e for e in O.engines if isinstance(e, rcr.ContactDynamics)).overdamped = overdamped
     before = O.cell.hSize
-    with pytest.raises(RuntimeError, match="CellStress would stretch the cell by .* % along x in step .*Nothing has moved. Take a smaller O.dt"):
+    with pytest.raises(RuntimeError, match="CellStress would stretch the cell by .* % along x in "
+                       "step .*Nothing has moved. Take a smaller O.dt"):
         steps(5)
     assert abs((O.cell.hSize - before)[0, 0]) < 0.05 * 0.09 and O.iter < 5
 
@@ -273,7 +305,8 @@ def test_cell_stress_says_what_is_wrong():
 def test_periodic_triaxial_controller_is_refused_beside_rigid_contacts():
     """It creeps into the grains: rigid contacts have no stiffness, and answer to a motion of the cell without bound."""
     scene("rigid", rcr.disc((0.5, 0.5), 0.1, material=material()))
-    O.engines = O.engines[:3] + [PeriTriaxController(dynCell=True, mass=1, goal=(-1, -1, 0), stressMask=3)] + O.engines[3:]
+    O.engines = O.engines[:3] + [PeriTriaxController(dynCell=True, mass=1, goal=(-1, -1, 0),
+                                                     stressMask=3)] + O.engines[3:]
     with pytest.raises(ValueError, match="take rcr.CellStress"):
         O.step()
 
@@ -302,7 +335,8 @@ def test_a_cell_that_shear_has_made_too_narrow_is_refused():
     scene("rigid", rcr.particle((0.3, 1), 0.3, 0.5, material=m), size=2.0)
     steps(1)
     O.cell.hSize = Matrix3(2, 8, 0, 0, 2, 0, 0, 0, 2)
-    with pytest.raises(ValueError, match=r"sheared, so that radii count [89][\d.]* times: O\.cell\.flipCell"):
+    with pytest.raises(ValueError, match=r"sheared, so that radii count [89][\d.]* times: "
+                       r"O\.cell\.flipCell"):
         steps(1)
 
 
@@ -319,6 +353,7 @@ def test_energy_of_a_cell_that_is_driven_closes():
     accounts = dict(O.energy.items())
     assert accounts["driveWork"] < 0 < accounts["plastDissip"]
     # YADE's own account counts velocities against those of the cell
-    moving = sum(0.5 * b.state.mass * b.state.vel.norm() ** 2 + 0.5 * b.state.inertia[2] * b.state.angVel[2] ** 2 for b in O.bodies)
+    moving = sum(0.5 * b.state.mass * b.state.vel.norm() ** 2 + 0.5 * b.state.inertia[2]
+                 * b.state.angVel[2] ** 2 for b in O.bodies)
     total = moving + sum(value for name, value in accounts.items() if name != "kinetic")
     assert abs(total) < 0.01 * abs(accounts["driveWork"]), accounts

@@ -21,9 +21,11 @@ def residual():
         bodies = O.bodies[i.id1], O.bodies[i.id2]
         mu = i.phys.tangensOfFrictionAngle
         for k in range(i.geom.points):
-            n = np.array(((i.geom.normal1, i.geom.normal2)[k][0], (i.geom.normal1, i.geom.normal2)[k][1]))
+            n = np.array(((i.geom.normal1, i.geom.normal2)[k][0],
+                          (i.geom.normal1, i.geom.normal2)[k][1]))
             t = np.array((-n[1], n[0]))
-            x = np.array(((i.geom.position1, i.geom.position2)[k][0], (i.geom.position1, i.geom.position2)[k][1]))
+            x = np.array(((i.geom.position1, i.geom.position2)[k][0],
+                          (i.geom.position1, i.geom.position2)[k][1]))
             force = (i.phys.force1, i.phys.force2)[k]
             p = O.dt * np.array((force[0], force[1]))
             w_nn, u = 0.0, np.zeros(2)
@@ -33,7 +35,8 @@ def residual():
                 u += sign * (np.array((s.vel[0], s.vel[1])) + s.angVel[2] * np.array((-r[1], r[0])))
                 free = [axis not in s.blockedDOFs for axis in "xyZ"]
                 lever = r[0] * n[1] - r[1] * n[0]
-                w_nn += (free[0] * n[0] ** 2 + free[1] * n[1] ** 2) / (s.mass or 1) + free[2] * lever**2 / (s.inertia[2] or 1)
+                w_nn += (free[0] * n[0] ** 2 + free[1] * n[1] ** 2) / (s.mass
+                    or 1) + free[2] * lever**2 / (s.inertia[2] or 1)
             u = np.array((n @ u, t @ u))
             q = p - np.array((u[0] + i.phys.bias[k] + mu * abs(u[1]), u[1])) / w_nn
             if mu * abs(q[1]) <= -q[0]:
@@ -49,9 +52,11 @@ def residual():
 def pile(seed=1, count=40):
     rng = np.random.default_rng(seed)
     grain = material(friction=0.4)
-    walls = [rcr.wall("y", 0, +1, material=grain), rcr.wall("x", 0, +1, material=grain), rcr.wall("x", 0.2, -1, material=grain)]
+    walls = [rcr.wall("y", 0, +1, material=grain), rcr.wall("x", 0, +1, material=grain),
+             rcr.wall("x", 0.2, -1, material=grain)]
     grains = [
-        stadium(0.006, 0.008, (0.03 + 0.03 * (k % 6), 0.03 + 0.03 * (k // 6)), rng.uniform(0, np.pi), material=grain) for k in range(count)
+        stadium(0.006, 0.008, (0.03 + 0.03 * (k % 6), 0.03 + 0.03 * (k // 6)),
+                rng.uniform(0, np.pi), material=grain) for k in range(count)
     ]
     return [*walls, *grains]
 
@@ -59,15 +64,18 @@ def pile(seed=1, count=40):
 @pytest.mark.parametrize("solver", ["nlgs", "sor", "nesterov", "exact", "auto"])
 def test_reported_residual_is_that_of_the_scene(solver):
     """Falling, colliding and resting: at each of these the engine's residual is the one of forces and velocities in YADE."""
-    # Without position correction: it moves bodies, and the arms could not be told from the positions after the step.
+    # Without position correction: it moves bodies, and the arms could not be told from the
+    # positions after the step.
     build(*pile(), dt=1e-3, solver=solver, tolerance=1e-5, maxIterations=400, correction=0)
     engine = yade.utils.typedEngine("ContactDynamics")
     compared = 0
     for _ in range(30):
         O.run(10, True)
         if engine.contactPoints and engine.residual > 1e-9:
-            # Rounding: the integrator adds force/mass to velocities, 1e-16 of 1 m/s, of impulses of 1e-3 m/s a mass.
-            assert residual() == pytest.approx(engine.residual, rel=1e-6, abs=1e-12), f"step {O.iter}"
+            # Rounding: the integrator adds force/mass to velocities, 1e-16 of 1 m/s, of impulses of
+            # 1e-3 m/s a mass.
+            assert residual() == pytest.approx(engine.residual, rel=1e-6,
+                                               abs=1e-12), f"step {O.iter}"
             compared += 1
     assert compared > 10
 
@@ -80,7 +88,8 @@ def test_who_asks_for_most_gets_most(tolerance):
         rough = material(0.5)
         build(
             rcr.wall("y", 0, sense=1, material=rough),
-            *(rcr.particle((0.001 * k, 0.0105 + 0.021 * k), R=0.01, eta=0.5, angle=0.3 * k, material=rough) for k in range(6)),
+            *(rcr.particle((0.001 * k, 0.0105 + 0.021 * k), R=0.01, eta=0.5, angle=0.3 * k,
+                           material=rough) for k in range(6)),
             tolerance=1e-4,
         )
         steps(80)

@@ -13,7 +13,8 @@ from yade.minieigenHP import Vector3
 
 STEPS = 1000
 RUNS = [(1, 8), (2, 4), (4, 1)]  # threads, lanes
-ENTRIES = [f"state.{name}[{k}]" for name, size in (("pos", 3), ("ori", 4), ("vel", 3), ("angVel", 3)) for k in range(size)]
+ENTRIES = [f"state.{name}[{k}]" for name, size in (("pos", 3), ("ori", 4), ("vel", 3),
+                                                   ("angVel", 3)) for k in range(size)]
 
 
 @pytest.fixture(scope="module")
@@ -103,9 +104,12 @@ SMALL = """if True:
     state = np.array([(*b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel) for b in O.bodies])
     print(O.iter, hashlib.blake2b(state.tobytes()).hexdigest())
 """
-# What numpy and the C library take of a processor; our kernels are told by `lanes`. Without FMA the C library's sine, cosine and arctangent are others:
-# 6 of 10⁴ results differ in the last bit (400 000 arguments, glibc 2.41), so that such a processor is left out.
-OLDER = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL", NPY_DISABLE_CPU_FEATURES="AVX512F AVX512CD AVX512_SKX AVX512_ICL AVX512_SPR AVX2")
+# What numpy and the C library take of a processor; our kernels are told by `lanes`. Without FMA the
+# C library's sine, cosine and arctangent are others:
+# 6 of 10⁴ results differ in the last bit (400 000 arguments, glibc 2.41), so that such a processor
+# is left out.
+OLDER = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL",
+             NPY_DISABLE_CPU_FEATURES="AVX512F AVX512CD AVX512_SKX AVX512_ICL AVX512_SPR AVX2")
 
 
 @pytest.mark.slow
@@ -115,7 +119,8 @@ def test_another_processor_with_fma_changes_no_bit():
     told = []
     for changes, threads, lanes in (({}, 1, 0), (OLDER, 2, 4)):
         command = [sys.executable, "-c", SMALL, str(threads), str(lanes)]
-        done = subprocess.run(command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)} | changes, capture_output=True, text=True, timeout=600)
+        done = subprocess.run(command, env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+                              | changes, capture_output=True, text=True, timeout=600)
         assert done.returncode == 0, done.stderr
         told.append(done.stdout.splitlines()[-1])
     assert told[0] == told[1]

@@ -17,7 +17,8 @@ OURS = {
     "Shape": {"Rcr"},
     "BoundFunctor": {"Bo1_Rcr_Aabb", "Bo1_Disc_Aabb"},
     "IGeom": {"RcrGeom"},
-    "IGeomFunctor": {f"Ig2_{obstacle}_{grain}_RcrGeom" for grain in ("Rcr", "Sphere") for obstacle in ("Wall", "Box", "Facet", "Sphere")}
+    "IGeomFunctor": {f"Ig2_{obstacle}_{grain}_RcrGeom" for grain in ("Rcr", "Sphere")
+                     for obstacle in ("Wall", "Box", "Facet", "Sphere")}
     | {"Ig2_Planar_RcrGeom", "Ig2_Rcr_Rcr_RcrGeom"},
     "IPhys": {"CdPhys", "RcrFrictPhys"},
     "IPhysFunctor": {"Ip2_FrictMat_FrictMat_CdPhys"},
@@ -25,14 +26,16 @@ OURS = {
     "GlobalEngine": {"CellStress", "ContactDynamics", "WallStress"},
 }
 if hasattr(rcr, "Gl1_Rcr"):  # built with OpenGL
-    OURS |= {"GlShapeFunctor": {"Gl1_Rcr"}, "GlIGeomFunctor": {"Gl1_RcrGeom"}, "GlIPhysFunctor": {"Gl1_CdPhys", "Gl1_RcrFrictPhys"}}
+    OURS |= {"GlShapeFunctor": {"Gl1_Rcr"}, "GlIGeomFunctor": {"Gl1_RcrGeom"},
+             "GlIPhysFunctor": {"Gl1_CdPhys", "Gl1_RcrFrictPhys"}}
 
 
 def test_import_prints_nothing_and_adds_only_our_classes():
     """What C++ prints counts too, so whole streams are compared."""
     run = lambda code: python("import yade.wrapper, sys; before = set(dir(yade.wrapper))\n" + code)
     plain = run("")
-    loaded = run("import rcr; sys.__stdout__.flush(); print('added', *sorted(set(dir(yade.wrapper)) - before))")
+    loaded = run("import rcr; sys.__stdout__.flush(); print('added', "
+                 "*sorted(set(dir(yade.wrapper)) - before))")
     assert loaded.returncode == 0 and loaded.stderr == plain.stderr
     said, added = loaded.stdout.split("added")
     assert said == plain.stdout
@@ -63,21 +66,24 @@ for name in {names + ["partikel"]}:
         print(error)
 """
     *told, unknown = python(code).stdout.splitlines()
-    assert [line.startswith(f"rcr.{name} needs a YADE session: ") for name, line in zip(names, told, strict=True)] == [True] * len(names)
+    assert [line.startswith(f"rcr.{name} needs a YADE session: ") for name,
+            line in zip(names, told, strict=True)] == [True] * len(names)
     assert unknown == "module 'rcr' has no attribute 'partikel'"
 
 
-# ---------------------------------------------------------------------------------------------- save and load
+# --- save and load --------------------------------------------------------------------------------
 
 def pile():
     """40 grains of all elongations that fall onto each other."""
     rng = np.random.default_rng(11)
     rough = material(0.5)
     grains = [
-        rcr.particle((0.15 + 0.2 * (k % 5), 0.12 + 0.22 * (k // 5)), rng.uniform(0.06, 0.09), rng.uniform(0, 0.8), rng.uniform(0, 3), rough)
+        rcr.particle((0.15 + 0.2 * (k % 5), 0.12 + 0.22 * (k // 5)), rng.uniform(0.06, 0.09),
+                     rng.uniform(0, 0.8), rng.uniform(0, 3), rough)
         for k in range(40)
     ]
-    build(rcr.wall("x", 0, material=rough), rcr.wall("x", 1.1, material=rough), rcr.wall("y", 0, material=rough), *grains,
+    build(rcr.wall("x", 0, material=rough), rcr.wall("x", 1.1, material=rough),
+          rcr.wall("y", 0, material=rough), *grains,
           dt=2e-3, restitution=0.2, tolerance=1e-4)  # by sweeps; fmt: skip
 
 
@@ -86,10 +92,14 @@ def pressed_box():
     rng = np.random.default_rng(12)
     rough = material(0.3)
     walls = [rcr.wall(axis, 0, material=rough) for axis in "xy"]
-    walls += [rcr.mobile_wall(axis, end, mass=50, material=rough) for axis, end in (("x", 1.0), ("y", 0.8))]
-    grains = [rcr.particle((0.12 + 0.19 * (k % 5), 0.1 + 0.19 * (k // 5)), 0.08, rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
-    press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3), rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
-    build(*walls, *grains, dt=1e-3, gravity=(0, 0, 0), before=press, tolerance=1e-6)  # by the exact tier
+    walls += [rcr.mobile_wall(axis, end, mass=50, material=rough) for axis,
+              end in (("x", 1.0), ("y", 0.8))]
+    grains = [rcr.particle((0.12 + 0.19 * (k % 5), 0.1 + 0.19 * (k // 5)), 0.08,
+                           rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
+    press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3),
+             rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
+    # by the exact tier
+    build(*walls, *grains, dt=1e-3, gravity=(0, 0, 0), before=press, tolerance=1e-6)
 
 
 SCENES = {"pile": pile, "pressed box": pressed_box}
@@ -111,7 +121,8 @@ def test_saved_scene_goes_on_to_the_same_bits(name, suffix, tmp_path):
     O.reset()
     O.load(path, quiet=True)
     assert contact_forces() == warm
-    assert np.array_equal(snapshot()[:, :13], saved[:, :13])  # YADE does not save the forces on the bodies
+    # YADE does not save the forces on the bodies
+    assert np.array_equal(snapshot()[:, :13], saved[:, :13])
     steps(200)
     difference = np.abs(snapshot() - uninterrupted).max(axis=0)
     assert np.array_equal(snapshot(), uninterrupted), f"largest difference a column: {difference}"
@@ -146,7 +157,7 @@ print(hashlib.sha256(snapshot().tobytes()).hexdigest())
     assert hashes["1"] == hashes["2"]
 
 
-# ---------------------------------------------------------------------------------------------- materials
+# --- materials ------------------------------------------------------------------------------------
 
 def slope(mu, tan_alpha, **options):
     """A flat slider on a floor of friction µ under gravity at the angle α; returns its id."""
@@ -175,7 +186,9 @@ def made_anew(angle):
     O.interactions.clear()
 
 
-@pytest.mark.parametrize("change, acts", [(soften, False), (exchange, False), (yade.utils.setContactFriction, True), (each_contact, True), (made_anew, True)])
+@pytest.mark.parametrize("change, acts",
+                         [(soften, False), (exchange, False), (yade.utils.setContactFriction, True),
+                          (each_contact, True), (made_anew, True)])
 def test_friction_that_changes_in_a_run(change, acts):
     """A contact keeps the friction that it was made with, whatever its materials become (docs/law.md)."""
     slider = slope(0.5, 0.3)
@@ -184,24 +197,30 @@ def test_friction_that_changes_in_a_run(change, acts):
     change(math.atan(0.1))
     O.step()
     alpha = math.atan(0.3)
-    assert velocity(slider)[0] / O.dt == pytest.approx(G * (math.sin(alpha) - 0.1 * math.cos(alpha)) if acts else 0, rel=1e-10, abs=1e-9)
+    assert velocity(slider)[0] / O.dt == pytest.approx(G * (math.sin(alpha) - 0.1 * math.cos(alpha))
+                                                       if acts else 0, rel=1e-10, abs=1e-9)
 
 
-@pytest.mark.parametrize("maker, expected", [(None, 0.2), (("val", 0.9), 0.9), (("max", None), 0.6)])
+@pytest.mark.parametrize("maker, expected",
+                         [(None, 0.2), (("val", 0.9), 0.9), (("max", None), 0.6)])
 def test_friction_of_two_materials(maker, expected):
     """The smaller angle, as everywhere in YADE, unless a MatchMaker says otherwise."""
-    build(rcr.wall("y", 0, material=material(0.2)), stadium(0.4, 0.1, (0, 0.1), material=material(0.6)))
+    build(rcr.wall("y", 0, material=material(0.2)),
+          stadium(0.4, 0.1, (0, 0.1), material=material(0.6)))
     if maker:
         algo, mu = maker
-        O.engines[2].physDispatcher.functors[0].frictAngle = MatchMaker(algo=algo, val=math.atan(mu or 0))
+        O.engines[2].physDispatcher.functors[0].frictAngle = MatchMaker(algo=algo,
+            val=math.atan(mu or 0))
     O.step()
-    assert O.interactions[0, 1].phys.tangensOfFrictionAngle == pytest.approx(expected, rel=1e-14)  # tan(atan(µ))
+    # tan(atan(µ))
+    assert O.interactions[0, 1].phys.tangensOfFrictionAngle == pytest.approx(expected, rel=1e-14)
 
 
 @pytest.mark.parametrize("e", [0.0, 0.5])
 def test_restitution_by_match_maker(e):
     rough = material()
-    _, disc = build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.1), material=rough), gravity=(0, 0, 0), restitution=e)
+    _, disc = build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.1), material=rough),
+                    gravity=(0, 0, 0), restitution=e)
     O.bodies[disc].state.vel = (0, -1, 0)
     O.step()
     assert velocity(disc)[1] == pytest.approx(e, abs=1e-12)  # rounding
@@ -213,7 +232,9 @@ def test_engines_that_are_new_after_an_erase_see_the_bodies(law):
     springs = [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=0.3)]
     grain = material()
     grain.young, grain.poisson = 1e7, 0.5
-    floor, first, second = build(rcr.wall("y", 0, sense=1, material=grain), *(rcr.particle((x, 0.05), 0.1, 0.5, material=grain) for x in (0, 1)))
+    floor, first, second = build(rcr.wall("y", 0, sense=1, material=grain),
+                                 *(rcr.particle((x, 0.05), 0.1, 0.5, material=grain)
+                                   for x in (0, 1)))
     steps(5)
     O.bodies.erase(first)
     steps(5)
@@ -221,7 +242,9 @@ def test_engines_that_are_new_after_an_erase_see_the_bodies(law):
     O.engines = engines()
     if law == "smooth":
         loop = O.engines[2]
-        O.engines = [*O.engines[:2], InteractionLoop(loop.geomDispatcher.functors, [Ip2_FrictMat_FrictMat_FrictPhys()], springs), O.engines[-1]]
+        O.engines = [*O.engines[:2], InteractionLoop(loop.geomDispatcher.functors,
+                                                     [Ip2_FrictMat_FrictMat_FrictPhys()], springs),
+                     O.engines[-1]]
         O.dt = 1e-4
     O.run(1000, True)
     assert O.interactions.has(floor, second) and abs(O.bodies[second].state.pos[1] - 0.05) < 1e-3
@@ -259,7 +282,8 @@ print("ended", flush=True)
 def test_a_pause_in_mid_step_ends_the_run(rigid):
     """O.pause in a PyRunner waited for the end of the run, of which it is a part; what came next then waited for ever."""
     done = python(PAUSED.format(rigid=rigid), PYTHONPATH=os.pathsep.join(sys.path))
-    assert done.stdout.split("\n")[-3:] == ["went on", "ended", ""], done.stdout[-500:] + done.stderr[-2000:]
+    assert done.stdout.split("\n")[-3:] == ["went on", "ended",
+                                            ""], done.stdout[-500:] + done.stderr[-2000:]
 
 
 def test_a_waited_run_that_fails_raises_every_time():
@@ -280,8 +304,10 @@ def test_a_waited_run_that_fails_raises_every_time():
 @pytest.mark.parametrize(
     "wrong, says",
     [
-        (lambda: setattr(O.engines[-1], "gravity", (0, 0, -9.81)), r"pulls out of the plane of the grains, which is x and y; set gravity=\(0, -9.81, 0\)"),
-        (lambda: setattr(O.bodies[0].material, "frictionAngle", 26), "friction angle 26; expected radians"),
+        (lambda: setattr(O.engines[-1], "gravity", (0, 0, -9.81)), r"pulls out of the plane of the "
+         r"grains, which is x and y; set gravity=\(0, -9.81, 0\)"),
+        (lambda: setattr(O.bodies[0].material, "frictionAngle", 26),
+         "friction angle 26; expected radians"),
     ],
 )
 def test_daily_mistakes_are_told(wrong, says):
@@ -298,7 +324,8 @@ def test_daily_mistakes_are_told(wrong, says):
 def test_a_velocity_set_in_mid_run_meets_what_the_collider_has_not_foreseen(settled, clumped):
     """Soak, seed 29. YADE's collider asks how fast bodies were: a grain hit between two steps went through a wall three radii away."""
     R, smooth = 0.1, material(0)
-    build(rcr.wall("x", 0, material=smooth), rcr.wall("y", 0, material=smooth), dt=5e-3, restitution=0)
+    build(rcr.wall("x", 0, material=smooth), rcr.wall("y", 0, material=smooth), dt=5e-3,
+          restitution=0)
     discs = [rcr.particle((3.129 * R, R + 2 * k * R), R, 0, material=smooth) for k in range(2)]
     hit = rcr.clump(discs)[0] if clumped else O.bodies.append(discs[0])
     steps(settled)
@@ -315,7 +342,9 @@ def test_a_fast_lid_meets_a_disc_that_rests(lid, free, one_by_one):
     R, smooth, deepest = 0.015, material(0), []
     for start in np.linspace(0.045, 0.049, 14):
         if lid == "wall":
-            body = rcr.mobile_wall("y", start - 0.005, mass=1.0, sense=-1, material=smooth) if free else rcr.wall("y", start - 0.005, -1, material=smooth)
+            body = rcr.mobile_wall("y", start - 0.005, mass=1.0, sense=-1,
+                                   material=smooth) if free else rcr.wall("y", start - 0.005, -1,
+                material=smooth)
         else:
             body = yade.utils.box((0, start, 0), (0.1, 0.005, 0.01), fixed=True, material=smooth)
             body.state.mass, body.state.blockedDOFs = 1.0, "xzXYZ" if free else "xyzXYZ"
@@ -323,5 +352,6 @@ def test_a_fast_lid_meets_a_disc_that_rests(lid, free, one_by_one):
         O.engines[1].verletDist = 0.001
         O.bodies[moving].state.vel = (0, -4, 0)
         [O.step() for _ in range(12)] if one_by_one else O.run(12, True)
-        deepest.append(next(e for e in O.engines if isinstance(e, rcr.ContactDynamics)).deepestOverlap)
+        deepest.append(next(e for e in O.engines
+                            if isinstance(e, rcr.ContactDynamics)).deepestOverlap)
     assert max(deepest) < 1e-3

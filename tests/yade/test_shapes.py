@@ -17,7 +17,8 @@ FLOORS = {
     "Facet": lambda m: utils.facet([(-9, 0, -1), (9, 0, -1), (0, 0, 1)], material=m),
     "Rcr": lambda m: rcr.particle((0, -0.1), 5, 0.98, fixed=True, material=m),
 }
-GRAINS = {"Sphere": lambda at, m: rcr.disc(at, 0.1, material=m), "Rcr": lambda at, m: rcr.particle(at, 0.1, 0, material=m)}
+GRAINS = {"Sphere": lambda at, m: rcr.disc(at, 0.1, material=m), "Rcr": lambda at,
+          m: rcr.particle(at, 0.1, 0, material=m)}
 
 
 def rigid(*bodies, **options):
@@ -31,7 +32,8 @@ def test_disc_has_mass_and_inertia_of_a_disc():
     disc, twin = rcr.disc((1, 2), 0.1, material=m), rcr.particle((1, 2), 0.1, 0, material=m)
     assert disc.state.mass == pytest.approx(2000 * math.pi * 0.01, rel=1e-15)
     assert disc.state.inertia[2] == pytest.approx(disc.state.mass * 0.01 / 2, rel=1e-15)
-    assert (disc.state.mass, *disc.state.inertia) == pytest.approx((twin.state.mass, *twin.state.inertia), rel=1e-14)
+    assert (disc.state.mass, *disc.state.inertia) == pytest.approx(
+        (twin.state.mass, *twin.state.inertia), rel=1e-14)
     assert disc.state.blockedDOFs == twin.state.blockedDOFs
 
 
@@ -41,7 +43,8 @@ def test_a_grain_comes_to_rest_on_every_floor(floor, grain):
     m = material()
     _, top = rigid(FLOORS[floor](m), GRAINS[grain]((0.02, 0.25), m))
     steps(600)
-    assert O.bodies[top].state.pos[1] == pytest.approx(0.1, abs=1e-5) and np.abs(velocity(top)).max() < 1e-8
+    assert O.bodies[top].state.pos[1] == pytest.approx(0.1, abs=1e-5)
+    assert np.abs(velocity(top)).max() < 1e-8
 
 
 @pytest.mark.parametrize("floor", FLOORS)
@@ -72,11 +75,15 @@ def test_the_smooth_law_knows_the_same_floors(floor, grain):
 
 def test_a_disc_rolls_over_the_joint_of_two_facets_and_under_none():
     m = material()
-    floor = [utils.facet([(x, 0, -1), (x + 1, 0, -1), (x, 0, 1)], material=m) for x in (-2, -1, 0, 1)]
-    floor += [utils.facet([(x + 1, 0, 1), (x + 1, 0, -1), (x, 0, 1)], material=m) for x in (-2, -1, 0, 1)]
-    ids = rigid(*floor, rcr.disc((-1.5, 0.1), 0.1, material=m, velocity=(1, 0), angular_velocity=-10))
+    floor = [utils.facet([(x, 0, -1), (x + 1, 0, -1), (x, 0, 1)], material=m)
+             for x in (-2, -1, 0, 1)]
+    floor += [utils.facet([(x + 1, 0, 1), (x + 1, 0, -1), (x, 0, 1)], material=m)
+              for x in (-2, -1, 0, 1)]
+    ids = rigid(*floor, rcr.disc((-1.5, 0.1), 0.1, material=m, velocity=(1, 0),
+                                 angular_velocity=-10))
     steps(2000)
-    assert O.bodies[ids[-1]].state.pos[0] == pytest.approx(0.5, abs=2e-3) and O.bodies[ids[-1]].state.pos[1] == pytest.approx(0.1, abs=1e-4)
+    assert O.bodies[ids[-1]].state.pos[0] == pytest.approx(0.5, abs=2e-3)
+    assert O.bodies[ids[-1]].state.pos[1] == pytest.approx(0.1, abs=1e-4)
 
 
 def test_facet_turned_as_a_slope():
@@ -109,20 +116,24 @@ def test_bound_of_a_stock_sphere_functor_looks_ahead():
     m = material()
     rigid(FLOORS["Wall"](m), rcr.disc((0, 0.1), 0.1, material=m))
     O.step()
-    assert [type(f).__name__ for f in O.engines[1].boundDispatcher.functors].count("Bo1_Disc_Aabb") == 1
+    assert [type(f).__name__ for f in O.engines[1].boundDispatcher.functors].count(
+        "Bo1_Disc_Aabb") == 1
 
 
-@pytest.mark.parametrize("start, end", [((0, 0), (1, 0)), ((-0.3, 0.25, 0.5), (-0.05, 0, 0.5)), ((2, 1), (2, -1))])
+@pytest.mark.parametrize("start, end", [((0, 0), (1, 0)), ((-0.3, 0.25, 0.5), (-0.05, 0, 0.5)),
+                                        ((2, 1), (2, -1))])
 def test_a_segment_goes_from_end_to_end(start, end):
     """A plain facet covers a part of its edge only: a hopper had gaps at its top."""
     O.reset()
     z = start[2] if len(start) > 2 else 0
-    O.bodies.append([rcr.segment(start, end, material=material()), rcr.disc((9, 9, z), 0.1, material=material())])
+    O.bodies.append([rcr.segment(start, end, material=material()),
+                     rcr.disc((9, 9, z), 0.1, material=material())])
     ((_, _, ends),) = Frame.of(None).outlines
     assert sorted(map(tuple, np.round(ends, 12))) == sorted([start[:2], end[:2]])
 
 
-@pytest.mark.parametrize("start, end", [((0, 0), (0, 0)), ((0, 0, 0), (1, 0, 1)), ((0, 0), (math.nan, 0))])
+@pytest.mark.parametrize("start, end", [((0, 0), (0, 0)), ((0, 0, 0), (1, 0, 1)),
+                                        ((0, 0), (math.nan, 0))])
 def test_segments_that_are_none(start, end):
     with pytest.raises(ValueError, match="expected"):
         rcr.segment(start, end)
@@ -133,19 +144,22 @@ def test_a_rod_that_slides_off_a_box_stays_on_its_corner(speed):
     """Gaps within a step were looked for farther than its contacts, so that an end far away took the place of the corner, which sank in to the axis."""
     R = 0.01
     floor = utils.box((-0.1, -0.005, 0), (0.1, 0.005, 0.02), material=material(0.5), fixed=True)
-    _, rod = build(floor, rcr.particle((0.0092, 0.00301), R, 0.7, material=material(0.5)), tolerance=1e-4)
+    _, rod = build(floor, rcr.particle((0.0092, 0.00301), R, 0.7, material=material(0.5)),
+                   tolerance=1e-4)
     O.bodies[rod].state.vel = (-speed, 0, 0)
     deepest = 0
     for _ in range(60):
         O.step()
-        deepest = max([deepest, *(-min(tuple(i.geom.gap)[: i.geom.points]) for i in O.interactions if i.isReal)])
+        deepest = max([deepest, *(-min(tuple(i.geom.gap)[: i.geom.points]) for i in O.interactions
+                                  if i.isReal)])
     assert deepest < 0.02 * R
 
 
 def test_a_disc_that_bears_and_slides_over_another_needs_one_solve_a_step():
     """Its way of 1 % of ρ a step curves by half a slop, which no shorter one is asked for: taking the force for a push at a passer-by took a second solve."""
     m = material(0)
-    *_, disc = build(rcr.disc((0, 0), 1, fixed=True, material=m), rcr.disc((0, 1.1), 0.1, velocity=(1.15, 0), material=m), dt=1e-2)
+    *_, disc = build(rcr.disc((0, 0), 1, fixed=True, material=m),
+                     rcr.disc((0, 1.1), 0.1, velocity=(1.15, 0), material=m), dt=1e-2)
     sweeps = []
     for _ in range(8):
         O.step()
@@ -158,7 +172,8 @@ def test_a_disc_that_bears_and_slides_over_another_needs_one_solve_a_step():
 def test_a_disc_that_arrives_obliquely_needs_one_solve():
     """It closes a gap of 0.02 R to 1e-4 R, by which its way of 1.4 % of ρ curves: a hundredth too early is no reason to take the impact back and solve again."""
     m = material(0)
-    *_, disc = build(rcr.disc((0, 0), 1, fixed=True, material=m), rcr.disc((0, 1.12), 0.1, velocity=(1.5, -2.5), material=m), dt=1e-2)
+    *_, disc = build(rcr.disc((0, 0), 1, fixed=True, material=m),
+                     rcr.disc((0, 1.12), 0.1, velocity=(1.5, -2.5), material=m), dt=1e-2)
     O.step()
     assert O.engines[-2].iterations == 1
     steps(2)
@@ -179,7 +194,8 @@ def test_a_near_miss_is_no_bounce(obstacle, eta, step, restitution):
             corner=lambda: utils.box((R, -R, 0), (R, R, 1), fixed=True, material=m),
             end=lambda: rcr.segment((0, 0), (2 * R, 0), material=m),
         )[obstacle]()
-        grain = rcr.particle(((-3 - phase * step) * R, (1.001 - eta) * R), R, eta, velocity=(1, 0), material=m)
+        grain = rcr.particle(((-3 - phase * step) * R, (1.001 - eta) * R), R, eta, velocity=(1, 0),
+                             material=m)
         _, grain = build(fixed, grain, dt=step * R, gravity=(0, 0, 0), restitution=restitution)
         steps(round(6 / step))
         np.testing.assert_allclose(velocity(grain) * [1, 1, R], [1, 0, 0], rtol=0, atol=1e-3)
@@ -190,7 +206,8 @@ def test_a_rod_glides_over_the_joints_of_a_floor(eta, dt):
     """Ten joints of segments in one line; its thin cap touches the end of the next one by the plane of the contact alone, which took 2 % of its speed."""
     m = material(0)
     floor = [rcr.segment((0.02 * k - 0.03, 0), (0.02 * k - 0.01, 0), material=m) for k in range(14)]
-    *_, rod = build(*floor, rcr.particle((0, 0.01 * (1 - eta)), 0.01, eta, velocity=(1, 0), material=m), dt=dt)
+    *_, rod = build(*floor, rcr.particle((0, 0.01 * (1 - eta)), 0.01, eta, velocity=(1, 0),
+                                         material=m), dt=dt)
     O.engines[1].verletDist = 2e-3
     steps(round(0.2 / dt))
     assert O.bodies[rod].state.vel[0] == pytest.approx(1, abs=1.5e-3)

@@ -10,7 +10,8 @@ from rcr.study.biaxial import Biaxial
 from scenes import G, build, inertia, material, point_forces, snapshot, stadium, steps, velocity
 from yade import O
 from yade.wrapper import (
-    Bo1_Box_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat, GlobalStiffnessTimeStepper, InsertionSortCollider, InteractionLoop,
+    Bo1_Box_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat, GlobalStiffnessTimeStepper,
+    InsertionSortCollider, InteractionLoop,
     Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, NewtonIntegrator,
 )  # fmt: skip
 
@@ -21,10 +22,12 @@ MU = 0.5
 def engines(gravity=(0, -G, 0), damping=0.0, local_damping=0.0, before=(), kn=KN, ks=KS):
     return [
         ForceResetter(),
-        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()], verletDist=0.01),
+        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()],
+                              verletDist=0.01),
         InteractionLoop(
             [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom()],
-            [Ip2_FrictMat_FrictMat_FrictPhys(kn=MatchMaker(algo="val", val=kn), ks=MatchMaker(algo="val", val=ks))],
+            [Ip2_FrictMat_FrictMat_FrictPhys(kn=MatchMaker(algo="val", val=kn),
+                                             ks=MatchMaker(algo="val", val=ks))],
             [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping)],
         ),
         *before,
@@ -43,10 +46,11 @@ def smooth(*bodies, share=0.02, **options):
 
 def disc_on_floor(R=0.1, height=None, **options):
     rough = material(MU)
-    return smooth(rcr.wall("y", 0, material=rough), stadium(0, R, (0, R if height is None else height), material=rough), **options)[1]
+    return smooth(rcr.wall("y", 0, material=rough),
+                  stadium(0, R, (0, R if height is None else height), material=rough), **options)[1]
 
 
-# ---------------------------------------------------------------------------------------------- normal spring and dashpot
+# --- normal spring and dashpot --------------------------------------------------------------------
 
 def bounce(disc, speed, R=0.1):
     """Contact time and speed afterwards of a disc that hits the floor."""
@@ -67,8 +71,10 @@ def test_elastic_rebound():
     disc = disc_on_floor(height=0.1005, gravity=(0, 0, 0))
     m, _ = inertia(0, 0.1)
     time, speed = bounce(disc, 0.1)
-    assert time == pytest.approx(math.pi * math.sqrt(m / KN), abs=2 * O.dt)  # touch and leave are seen a step late
-    assert speed == pytest.approx(0.1, rel=1e-2)  # work at touch and leave: of the order dt ω = 1e-2
+    # touch and leave are seen a step late
+    assert time == pytest.approx(math.pi * math.sqrt(m / KN), abs=2 * O.dt)
+    # work at touch and leave: of the order dt ω = 1e-2
+    assert speed == pytest.approx(0.1, rel=1e-2)
 
 
 @pytest.mark.parametrize("speed, through", [(0.1, False), (30, True)])
@@ -92,16 +98,19 @@ def test_damped_rebound(zeta):
     """
     disc = disc_on_floor(height=0.1005, gravity=(0, 0, 0), damping=zeta, share=0.01)
     root = math.sqrt(1 - zeta**2)
-    phase = math.atan2(2 * zeta * root, 1 - 2 * zeta**2)  # k x + c x' = 0 ⟺ tan(ω_d t) = −tan(phase)
+    # k x + c x' = 0 ⟺ tan(ω_d t) = −tan(phase)
+    phase = math.atan2(2 * zeta * root, 1 - 2 * zeta**2)
     _, speed = bounce(disc, 0.1)
-    assert speed / 0.1 == pytest.approx(math.exp(-zeta / root * (math.pi - phase)), rel=2e-2)  # first order in dt ω
+    # first order in dt ω
+    assert speed / 0.1 == pytest.approx(math.exp(-zeta / root * (math.pi - phase)), rel=2e-2)
 
 
 def test_resting_grain_sinks_by_its_weight():
     """Two points a grain: δ = m g/(2 k_n), reached with the dashpot alone and with YADE's local damping."""
     for damped in (dict(damping=0.5), dict(local_damping=0.3)):
         rough = material(MU)
-        _, block = smooth(rcr.wall("y", 0, material=rough), stadium(0.3, 0.1, (0, 0.1), material=rough), share=0.2, **damped)
+        _, block = smooth(rcr.wall("y", 0, material=rough),
+                          stadium(0.3, 0.1, (0, 0.1), material=rough), share=0.2, **damped)
         m, _ = inertia(0.3, 0.1)
         steps(3000)
         assert 0.1 - O.bodies[block].state.pos[1] == pytest.approx(m * G / (2 * KN), rel=1e-3)
@@ -114,23 +123,27 @@ def test_two_points_resist_tilting():
     smoothly = material(0)
     m, I = inertia(a, r)
     sunk = m * G / (2 * KN)
-    _, block = smooth(rcr.wall("y", 0, material=smoothly), stadium(a, r, (0, r - sunk), material=smoothly))
+    _, block = smooth(rcr.wall("y", 0, material=smoothly),
+                      stadium(a, r, (0, r - sunk), material=smoothly))
     O.bodies[block].state.angVel = (0, 0, 1e-5)  # θ a = v/ω a stays below `sunk`
     rotation = []
     while len(rotation) < 2 or not rotation[-2] < 0 <= rotation[-1]:
         O.step()
         rotation.append(O.bodies[block].state.angVel[2])
     # ω starts at a maximum and is zero, rising, after three quarters of a period
-    assert len(rotation) * O.dt == pytest.approx(0.75 * 2 * math.pi * math.sqrt(I / (2 * KN * a * a)), rel=5e-3)
+    assert len(rotation) * O.dt == pytest.approx(0.75 * 2 * math.pi
+                                                 * math.sqrt(I / (2 * KN * a * a)), rel=5e-3)
 
 
-# ---------------------------------------------------------------------------------------------- friction
+# --- friction -------------------------------------------------------------------------------------
 
 def block_on_a_slope(alpha):
     """A flat block on a floor that has been tilted slowly: a sudden load would swing to twice its deflection."""
     rough = material(MU)
     m, _ = inertia(0.3, 0.1)
-    _, block = smooth(rcr.wall("y", 0, material=rough), stadium(0.3, 0.1, (0, 0.1 - m * G / (2 * KN)), material=rough), damping=0.3, share=0.2)
+    _, block = smooth(rcr.wall("y", 0, material=rough),
+                      stadium(0.3, 0.1, (0, 0.1 - m * G / (2 * KN)), material=rough), damping=0.3,
+                      share=0.2)
     O.engines[-1].damping = 0.3  # tangential springs have no dashpot of their own
     for now in np.linspace(0, alpha, 10000):
         O.engines[-1].gravity = (G * math.sin(now), -G * math.cos(now), 0)
@@ -146,7 +159,8 @@ def test_block_that_sticks_hangs_in_its_springs():
     block, m = block_on_a_slope(alpha)
     steps(5000)
     T = m * G * math.sin(alpha)
-    assert O.bodies[block].state.pos[0] == pytest.approx(T / (2 * KS) + T * r**2 / (2 * KN * a**2), rel=1e-2)
+    assert O.bodies[block].state.pos[0] == pytest.approx(T / (2 * KS) + T * r**2 / (2 * KN * a**2),
+                                                         rel=1e-2)
     assert point_forces(0, block)[:, 1] == pytest.approx(np.full(2, T / 2), rel=1e-2)
 
 
@@ -167,7 +181,9 @@ def test_tangential_springs_stay_with_their_points():
     """A block pushed to and fro on a floor tips on one end and back: the spring of the end that stays closed does not jump."""
     rough = material(10)
     m, _ = inertia(0.4, 0.1)
-    _, block = smooth(rcr.wall("y", 0, material=rough), stadium(0.4, 0.1, (0, 0.1 - m * G / (2 * KN)), material=rough), share=0.1, damping=0.3)
+    _, block = smooth(rcr.wall("y", 0, material=rough),
+                      stadium(0.4, 0.1, (0, 0.1 - m * G / (2 * KN)), material=rough), share=0.1,
+                      damping=0.3)
     O.engines[-1].damping = 0.2
     O.forces.setPermF(block, (0.3 * m * G, 0, 0))
     steps(3000)
@@ -179,7 +195,8 @@ def test_tangential_springs_stay_with_their_points():
         held.append(O.interactions[0, block].phys.shearForce[0])
     assert set(points) == {1, 2}
     jump = points.index(1)
-    assert np.abs(np.diff(held[jump - 5 : jump + 5])).max() < 0.02 * 0.3 * m * G  # the open point carried nothing any more
+    # the open point carried nothing any more
+    assert np.abs(np.diff(held[jump - 5 : jump + 5])).max() < 0.02 * 0.3 * m * G
 
 
 def test_energy_is_kept_or_accounted_for():
@@ -187,14 +204,17 @@ def test_energy_is_kept_or_accounted_for():
     rough = material(0.3)
     worst = []
     for share in (0.1, 0.05):
-        _, rod = smooth(rcr.wall("y", 0, material=rough), stadium(0.3, 0.1, (0, 0.4), 0.7, material=rough), share=share, damping=0.1)
+        _, rod = smooth(rcr.wall("y", 0, material=rough),
+                        stadium(0.3, 0.1, (0, 0.4), 0.7, material=rough), share=share, damping=0.1)
         O.trackEnergy = True
         m, _ = inertia(0.3, 0.1)
         O.bodies[rod].state.vel = (1.0, -1.0, 0)
         first, losses = None, []
         for _ in range(round(0.4 / O.dt)):
             O.step()
-            energy = yade.utils.kineticEnergy() + sum(O.energy[k] for k in O.energy.keys() if k in ("elastPotential", "plastDissip", "viscDissip"))
+            energy = yade.utils.kineticEnergy() + sum(O.energy[k] for k in O.energy.keys()
+                                                      if k in ("elastPotential", "plastDissip",
+                "viscDissip"))
             energy += m * G * O.bodies[rod].state.pos[1]
             first = first or energy
             losses.append(energy / first - 1)
@@ -203,11 +223,13 @@ def test_energy_is_kept_or_accounted_for():
     assert worst[0] < 0.02 and worst[1] < 0.7 * worst[0]
 
 
-# ---------------------------------------------------------------------------------------------- YADE's own around it
+# --- YADE's own around it -------------------------------------------------------------------------
 
 @pytest.mark.parametrize("young, share, least, most", [
     (1e7, 0.5, 0.05, 1), (1e8, 0.5, 0, 0.05), (1e9, 0.5, 0, 0.05),
-    *(pytest.param(*case, marks=pytest.mark.slow) for case in [(1e7, 0.02, 0.05, 1), (1e8, 0.1, 0, 0.05), (1e8, 0.02, 0, 0.05), (1e9, 0.1, 0, 0.005)]),
+    *(pytest.param(*case, marks=pytest.mark.slow)
+      for case in [(1e7, 0.02, 0.05, 1), (1e8, 0.1, 0, 0.05), (1e8, 0.02, 0, 0.05),
+                   (1e9, 0.1, 0, 0.005)]),
 ])  # fmt: skip
 def test_energy_that_contacts_make_where_they_change_their_kind(young, share, least, most):
     """The figures of docs/law.md: the worst of five boxes of twelve grains that fall without any dissipation, over the work of gravity.
@@ -218,19 +240,24 @@ def test_energy_that_contacts_make_where_they_change_their_kind(young, share, le
         m = material(0, density=2600)
         m.young, m.poisson = young, 0.8
         rng = np.random.default_rng(seed)
-        grains = [rcr.particle((0.0125 + 0.024 * i, 0.0125 + 0.024 * j), rng.uniform(0.007, 0.01), 0.5, i * j, m) for i in range(3) for j in range(4)]
+        grains = [rcr.particle((0.0125 + 0.024 * i, 0.0125 + 0.024 * j), rng.uniform(0.007, 0.01),
+                               0.5, i * j, m) for i in range(3) for j in range(4)]
         O.reset()
         O.trackEnergy = True
-        O.bodies.append([rcr.wall("y", 0, 1, material=m), rcr.wall("x", 0, 1, material=m), rcr.wall("x", 0.075, -1, material=m), *grains])
+        O.bodies.append([rcr.wall("y", 0, 1, material=m), rcr.wall("x", 0, 1, material=m),
+                         rcr.wall("x", 0.075, -1, material=m), *grains])
         O.engines = engines()
-        O.engines[2].physDispatcher.functors = [Ip2_FrictMat_FrictMat_FrictPhys()]  # stiffnesses of the materials
+        # stiffnesses of the materials
+        O.engines[2].physDispatcher.functors = [Ip2_FrictMat_FrictMat_FrictPhys()]
         O.dt = share * rcr.critical_time_step()
         for _ in range(25):
             O.run(int(0.01 / O.dt), True)
-            deepest = max([deepest, *(-i.geom.gap[k] / 0.0035 for i in O.interactions if i.isReal for k in range(i.geom.points))])
+            deepest = max([deepest, *(-i.geom.gap[k] / 0.0035 for i in O.interactions if i.isReal
+                                      for k in range(i.geom.points))])
         worst = max(worst, abs(O.energy.total() / O.energy["gravWork"]))
     O.trackEnergy = False
-    print(f"E = {young:g}, dt = {share} critical: overlaps up to {deepest:.2g} cap radii, balance off by {worst:.2g} of the work of gravity")
+    print(f"E = {young:g}, dt = {share} critical: overlaps up to {deepest:.2g} cap radii, balance "
+          f"off by {worst:.2g} of the work of gravity")
     assert least <= worst <= most
 
 
@@ -240,7 +267,9 @@ def test_stock_stiffness_from_materials():
     O.reset()
     O.engines = engines()
     O.engines[2].physDispatcher.functors = [Ip2_FrictMat_FrictMat_FrictPhys()]
-    O.bodies.append([rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.0999), material=rough), stadium(0.05, 0.1, (0, 0.2997), material=rough)])
+    O.bodies.append([rcr.wall("y", 0, material=rough),
+                     stadium(0.2, 0.1, (0, 0.0999), material=rough),
+                     stadium(0.05, 0.1, (0, 0.2997), material=rough)])
     before = rcr.critical_time_step()
     O.dt = 0.1 * before
     O.step()
@@ -281,7 +310,10 @@ def test_critical_time_step(share, holds, zeta):
 
 def test_stock_time_stepper():
     """GlobalStiffnessTimeStepper: 1.41044 s √(m/k) for a disc on its floor (k of one contact), s its safety coefficient."""
-    disc = disc_on_floor(height=0.0999, before=[GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4, timeStepUpdateInterval=1, defaultDt=1e-5)])
+    disc = disc_on_floor(height=0.0999,
+                         before=[GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4,
+                                                            timeStepUpdateInterval=1,
+                                                            defaultDt=1e-5)])
     O.dynDt = True
     steps(3)
     m, I = inertia(0, 0.1)
@@ -294,9 +326,12 @@ def pressed_box(share=0.3, mu=0.3, **options):
     rng = np.random.default_rng(12)
     rough, plate = material(mu), material(0)
     walls = [rcr.wall(axis, 0, material=plate) for axis in "xy"]
-    walls += [rcr.mobile_wall(axis, end, mass=50, material=plate) for axis, end in (("x", 1.0), ("y", 0.8))]
-    grains = [rcr.particle((0.12 + 0.19 * (k % 5), 0.1 + 0.19 * (k // 5)), 0.08, rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
-    press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3), rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
+    walls += [rcr.mobile_wall(axis, end, mass=50, material=plate) for axis,
+              end in (("x", 1.0), ("y", 0.8))]
+    grains = [rcr.particle((0.12 + 0.19 * (k % 5), 0.1 + 0.19 * (k // 5)), 0.08,
+                           rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
+    press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3),
+             rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
     smooth(*walls, *grains, gravity=(0, 0, 0), before=press, share=share, **options)
 
 
@@ -312,7 +347,8 @@ def test_saved_scene_goes_on_to_the_same_bits(suffix, tmp_path):
     straight = snapshot()[:, :13]
     O.load(path)
     loaded = {(i.id1, i.id2): point_forces(i.id1, i.id2) for i in O.interactions if i.isReal}
-    assert forces.keys() == loaded.keys() and all(np.array_equal(forces[pair], loaded[pair]) for pair in forces)
+    assert forces.keys() == loaded.keys()
+    assert all(np.array_equal(forces[pair], loaded[pair]) for pair in forces)
     assert any(np.abs(f[:, 1]).max(initial=0) > 0 for f in loaded.values())
     steps(100)
     assert snapshot()[:, :13] == pytest.approx(straight, abs=1e-12)  # 100 steps of rounding
@@ -329,11 +365,12 @@ def test_network_carries_what_the_walls_feel():
     assert network.friction_mobilization().max() <= 1 + 1e-9
 
 
-# ---------------------------------------------------------------------------------------------- what is refused
+# --- what is refused ------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("damping", [-0.1, math.nan, math.inf])
 def test_damping_out_of_range(damping):
-    with pytest.raises(ValueError, match=r"CundallStrack.damping = .*; expected a fraction of the critical damping"):
+    with pytest.raises(ValueError, match=r"CundallStrack.damping = .*; wanted a share of the "
+                       r"critical damping"):
         rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping)
 
 
@@ -349,7 +386,8 @@ def test_stiffness_that_is_none(change, match):
     rough = material()
     O.reset()
     O.engines = engines(**change)
-    O.bodies.append([rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.0999), material=rough)])
+    O.bodies.append([rcr.wall("y", 0, material=rough),
+                     stadium(0, 0.1, (0, 0.0999), material=rough)])
     O.dt = 1e-5
     with pytest.raises(ValueError, match=match):
         O.step()
@@ -373,11 +411,14 @@ def test_mixed_laws(extra):
     if extra == "engine":
         O.engines = [*O.engines[:3], rcr.ContactDynamics(), O.engines[3]]
     if extra == "law":
-        loop.lawDispatcher.functors = [*loop.lawDispatcher.functors, rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]
+        loop.lawDispatcher.functors = [*loop.lawDispatcher.functors,
+                                       rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]
     if extra == "ip2":
         loop.physDispatcher.functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()]
-    name = dict(engine="the engine ContactDynamics", law="Law2_RcrGeom_CdPhys_SignoriniCoulomb", ip2="Ip2_FrictMat_FrictMat_CdPhys")[extra]
-    with pytest.raises(ValueError, match=f"mix Law2_RcrGeom_FrictPhys_CundallStrack, the smooth law, with {name}"):
+    name = dict(engine="the engine ContactDynamics", law="Law2_RcrGeom_CdPhys_SignoriniCoulomb",
+                ip2="Ip2_FrictMat_FrictMat_CdPhys")[extra]
+    with pytest.raises(ValueError, match=f"mix Law2_RcrGeom_FrictPhys_CundallStrack, the smooth "
+                       f"law, with {name}"):
         O.step()
     assert not any(i.isReal for i in O.interactions)
 
@@ -398,14 +439,15 @@ def test_contacts_of_the_other_law():
     O.engines = engines()
     O.saveTmp(quiet=True)
     O.loadTmp(quiet=True)  # else YADE goes on with the functors that each contact has kept
-    with pytest.raises(ValueError, match=r"has a CdPhys, made for ContactDynamics; .*O.interactions.clear\(\)"):
+    with pytest.raises(ValueError, match=r"has a CdPhys, made for ContactDynamics; "
+                       r".*O.interactions.clear\(\)"):
         O.step()
     O.interactions.clear()
     steps(2)
     assert isinstance(O.interactions[0, 1].phys, rcr.RcrFrictPhys)
 
 
-# ---------------------------------------------------------------------------------------------- the biaxial test
+# --- the biaxial test -----------------------------------------------------------------------------
 
 @pytest.mark.slow
 def test_biaxial_test_with_springs():
@@ -417,12 +459,14 @@ def test_biaxial_test_with_springs():
     for _ in range(10):  # by the first three the unloaded springs are under load again
         test.shear_record()
     overlaps = test.overlaps()
-    assert 0.1 / stiffness < overlaps[overlaps > 0].mean() < 2 / stiffness  # of f/k_n, f ≈ σ₀ d, shared by two points
+    # of f/k_n, f ≈ σ₀ d, shared by two points
+    assert 0.1 / stiffness < overlaps[overlaps > 0].mean() < 2 / stiffness
     summary = test.summary()
     assert summary["residual_max"] == 0
     assert summary["dt"] < 0.02 * test.time_unit
     assert 0 < summary["friction_mobilization"] <= 1 and summary["sin_phi"] > 0
-    friction = {(max(i.id1, i.id2) in test.walls): i.phys.tangensOfFrictionAngle for i in O.interactions if i.isReal}
+    friction = {(max(i.id1, i.id2) in test.walls): i.phys.tangensOfFrictionAngle
+                for i in O.interactions if i.isReal}
     assert friction == {True: 0, False: pytest.approx(0.5)}
 
 
@@ -437,7 +481,10 @@ def test_checkpoint_of_springs(tmp_path):
     assert len(again.rows) == 2
 
 
-@pytest.mark.parametrize("wrong, message", [(dict(law="soft"), "law = 'soft'; expected one of cd, smooth"), (dict(law="smooth", stiffness=0), "stiffness = 0; expected a number ≥ 1"), (dict(iterations=0), "iterations = 0; expected a whole number > 0")])
+@pytest.mark.parametrize("wrong, message",
+                         [(dict(law="soft"), "law = 'soft'; expected one of cd, smooth"),
+                          (dict(law="smooth", stiffness=0), "stiffness = 0; expected a number ≥ 1"),
+                          (dict(iterations=0), "iterations = 0; expected a whole number > 0")])
 def test_biaxial_refuses(wrong, message):
     with pytest.raises(ValueError, match=message):
         Biaxial.prepare(particles=20, **wrong)

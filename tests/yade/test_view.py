@@ -9,7 +9,7 @@ import subprocess
 import numpy as np
 import pytest
 import rcr
-from docs.screen import virtual_screen
+from docs.generate.screen import virtual_screen
 
 pytestmark = [
     pytest.mark.skipif(not shutil.which("Xvfb"), reason="needs a virtual screen: the package xvfb"),
@@ -94,10 +94,12 @@ def pictures(tmp_path_factory):
     script = folder / "session.py"
     script.write_text(SESSION.replace("OUT", repr(str(folder))))
     with virtual_screen(folder) as environment:
-        session = subprocess.run(["yade", str(script)], capture_output=True, text=True, timeout=300, env=environment, stdin=subprocess.DEVNULL)
+        session = subprocess.run(["yade", str(script)], capture_output=True, text=True, timeout=300,
+                                 env=environment, stdin=subprocess.DEVNULL)
     told = session.stdout + session.stderr
     assert session.returncode == 0 and "lived 22" in session.stdout, told
-    pictures = {path.stem: np.array(matplotlib.imread(path)[..., :3]) for path in folder.glob("*.png")}
+    pictures = {path.stem: np.array(matplotlib.imread(path)[..., :3])
+                for path in folder.glob("*.png")}
     for picture in pictures.values():
         picture[:100, :90] = 0  # the view's own axes
     return pictures
@@ -105,7 +107,8 @@ def pictures(tmp_path_factory):
 
 def seen(picture, color):
     """Mask of the pixels of a pure colour, light or dark."""
-    high, low = picture[..., [k for k in range(3) if color[k]]], picture[..., [k for k in range(3) if not color[k]]]
+    high, low = picture[..., [k for k in range(3) if color[k]]], picture[...,
+        [k for k in range(3) if not color[k]]]
     return (high.min(axis=-1) > 0.25) & (high.min(axis=-1) > 2 * low.max(axis=-1))
 
 
@@ -120,11 +123,15 @@ def test_grains_have_their_outlines_and_colours(pictures):
     picture = pictures["unmarked"]
     (long, thin), (width, height) = size(seen(picture, (1, 0, 0))), size(seen(picture, (0, 1, 0)))
     assert width == pytest.approx(height, abs=3) and width > 40
-    assert long / width == pytest.approx(2, rel=0.06) and thin / width == pytest.approx(0.4, abs=0.05)
+    assert long / width == pytest.approx(2, rel=0.06)
+    assert thin / width == pytest.approx(0.4, abs=0.05)
     scale = width  # pixels a metre
     assert seen(picture, (0, 1, 0)).sum() == pytest.approx(np.pi / 4 * scale**2, rel=0.06)
-    assert seen(picture, (1, 0, 0)).sum() == pytest.approx((np.pi * 0.2**2 + 4 * 0.8 * 0.2) * scale**2, rel=0.08)
-    assert seen(picture, (1, 1, 0)).sum() == pytest.approx((np.pi * 0.5**2 + 4 * 0.5 * 0.5) * scale**2, rel=0.06)  # turned
+    assert seen(picture, (1, 0, 0)).sum() == pytest.approx((np.pi * 0.2**2 + 4 * 0.8 * 0.2)
+                                                           * scale**2, rel=0.08)
+    # turned
+    assert seen(picture, (1, 1, 0)).sum() == pytest.approx((np.pi * 0.5**2 + 4 * 0.5 * 0.5)
+                                                           * scale**2, rel=0.06)
 
 
 def test_boxes_keep_their_colour(pictures):
@@ -166,15 +173,18 @@ def test_forces_are_as_thick_as_they_are(pictures):
         row = int(rows.mean() + below * np.ptp(rows))
         return changed[row, columns.min() : columns.max() + 1].sum()
 
-    # 2 × 0.2 R f/f_max [m]: the discs stand on their own weights, the long grain on its own and the blue one's
+    # 2 × 0.2 R f/f_max [m]: the discs stand on their own weights, the long grain on its own and the
+    # blue one's
     green, blue, red = np.pi * 0.5**2, np.pi * 0.3**2, np.pi * 0.2**2 + 4 * 0.8 * 0.2
     diameter = size(seen(pictures["unmarked"], (0, 1, 0)))[0]
     assert width((0, 1, 0), -0.2) == 0 and width((0, 0, 1), -0.2) == 0
-    assert width((0, 1, 0), 0.2) == pytest.approx(0.4 * 0.5 * green / (red + blue) * diameter, abs=2)
+    assert width((0, 1, 0), 0.2) == pytest.approx(0.4 * 0.5 * green / (red + blue) * diameter,
+                                                  abs=2)
     assert width((0, 0, 1), 0.2) == pytest.approx(0.4 * 0.3 * blue / (red + blue) * diameter, abs=2)
 
 
 def test_snapshot_engine_works(pictures):
     names = sorted(name for name in pictures if name.startswith("engine-"))
     assert len(names) == 2
-    assert seen(pictures[names[0]], (1, 0, 0)).sum() == pytest.approx(seen(pictures["unmarked"], (1, 0, 0)).sum(), rel=0.05)
+    assert seen(pictures[names[0]], (1, 0, 0)).sum() == pytest.approx(seen(pictures["unmarked"],
+        (1, 0, 0)).sum(), rel=0.05)

@@ -9,17 +9,20 @@ from scenes import G, build, material, steps
 from yade import O
 
 
-@pytest.mark.parametrize("side, stress", [(side, stress) for side in (0, 2) for stress in (-50.0, 50.0)])
+@pytest.mark.parametrize("side, stress",
+                         [(side, stress) for side in (0, 2) for stress in (-50.0, 50.0)])
 def test_f25_sign_of_the_stress(side, stress):
     """Force per length along the axis: a wall of 2 kg between walls 3 m apart moves by ½ (3 σ/m) t², to the leapfrog's dt/t."""
     ends = [rcr.wall("y", y) for y in (0, 3.0)]
     press = [rcr.WallStress(wall=2, start=0, end=1, stress=stress)]
     build(*ends, rcr.mobile_wall("x", side, mass=2.0), gravity=(0, 0, 0), before=press, dt=1e-3)
     steps(100)
-    assert O.bodies[2].state.pos[0] - side == pytest.approx(0.5 * 3 * stress / 2 * 0.1**2, rel=0.011)
+    assert O.bodies[2].state.pos[0] - side == pytest.approx(0.5 * 3 * stress / 2 * 0.1**2,
+                                                            rel=0.011)
 
 
-@pytest.mark.parametrize("lid", [yade.utils.box((0, 1.1, 0), (1.5, 0.1, 0.1), fixed=True), rcr.segment((-1.5, 1), (1.5, 1))], ids=["box", "segment"])
+@pytest.mark.parametrize("lid", [yade.utils.box((0, 1.1, 0), (1.5, 0.1, 0.1), fixed=True),
+                                 rcr.segment((-1.5, 1), (1.5, 1))], ids=["box", "segment"])
 def test_a_lid_that_is_no_wall_is_pressed_by_a_permanent_force(lid):
     """The floor bears σ W, its weight and that of two grains (docs/obstacles.md)."""
     lid.state.mass, lid.state.blockedDOFs = 2.0, "xzXYZ"
@@ -28,18 +31,22 @@ def test_a_lid_that_is_no_wall_is_pressed_by_a_permanent_force(lid):
     floor, *_, plate = build(rcr.wall("y", 0, material=m), *grains, lid, dt=1e-3)
     O.forces.setPermF(plate, (0, -100 * 3, 0))
     steps(20)
-    assert -O.forces.f(floor)[1] == pytest.approx(300 + (2 + sum(b.state.mass for b in grains)) * G, rel=1e-9)  # rounding
+    # rounding
+    assert -O.forces.f(floor)[1] == pytest.approx(300 + (2 + sum(b.state.mass for b in grains)) * G,
+                                                  rel=1e-9)
 
 
 @pytest.mark.parametrize("stress", [math.nan, math.inf])
 def test_a_stress_that_is_not_finite_is_refused(stress):
     """It was told as a force of the wall, whose engine was to be found."""
     ends = [rcr.wall("y", y) for y in (0, 3.0)]
-    build(*ends, rcr.mobile_wall("x", 2, mass=2.0), before=[rcr.WallStress(wall=2, start=0, end=1, stress=stress)])
+    build(*ends, rcr.mobile_wall("x", 2, mass=2.0),
+          before=[rcr.WallStress(wall=2, start=0, end=1, stress=stress)])
     with pytest.raises(ValueError, match=f"WallStress.stress = {stress:g}; expected a finite stress"):
         steps(1)
 
 
 def test_f25_its_words_name_the_function_and_the_sign():
     assert "``rcr.mobile_wall`` makes it" in rcr.WallStress.__doc__
-    assert "no pressure" in rcr.WallStress.stress.__doc__ and "``stress=-p``" in rcr.WallStress.stress.__doc__
+    assert "no pressure" in rcr.WallStress.stress.__doc__
+    assert "``stress=-p``" in rcr.WallStress.stress.__doc__

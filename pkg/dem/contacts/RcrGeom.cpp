@@ -11,7 +11,7 @@ YADE_PLUGIN((RcrGeom)(Ig2_Planar_RcrGeom)(Ig2_Rcr_Rcr_RcrGeom)(Ig2_Wall_Rcr_RcrG
 
 void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr::Pose& at1, const rcr::PlanarShape& two, const rcr::Pose& at2)
 {
-	const rcr::Pose& by = rcr::sortedAlong(one, at1, at2); // the line along which points are sorted
+	const rcr::Pose& by = rcr::orderingPose(one, at1, at2); // the line along which points are sorted
 	const double     r1 = one.contactRadius(), r2 = two.contactRadius();
 	refR1  = r1 > 0 ? r1 : r2;
 	refR2  = r2;
@@ -54,7 +54,7 @@ bool Ig2_Planar_RcrGeom::go(
 	const rcr::Pose        at1 { plane::toPlane(state1.pos), plane::turnOf(one, state1).axis() };
 	rcr::Pose              at2 { plane::toPlane(state2.pos), plane::turnOf(two, state2).axis() };
 	at2.center             = at2.center + plane::toPlane(shift2);
-	if (rcr::meet(one.kind, two.kind)) {
+	if (rcr::canTouch(one.kind, two.kind)) {
 		const auto   alert = [&](const rcr::PlanarShape& shape, const State& s) { return rcr::alertDistance(shape, plane::twist(s), double(scene->dt)); };
 		const double reach = force ? std::numeric_limits<double>::max() : alert(one, state1) + alert(two, state2);
 		manifold           = rcr::contactPoints(one, at1, two, at2, reach);

@@ -105,6 +105,7 @@ std::string ArraySteps::reason(const Scene& scene, const validation::Engines& en
 		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
 		if (core(*engine)) continue;
 		if (solved || !loaded(*engine, byYade_)) return "the engine " + engine->getClassName();
+		if (looped && dynamic_cast<const KinematicEngine*>(engine.get())) return "the engine " + engine->getClassName() + " after the InteractionLoop";
 		(looped ? loadsAfter_ : loadsBefore_).push_back(engine.get());
 	}
 	return {};
@@ -149,7 +150,7 @@ std::string ArraySteps::momentaryReason(const Scene& scene) const
 	return {};
 }
 
-bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::Team& team, SceneHandles& handles, const std::vector<rcr::Twist>& loads, rcr::Step& step)
+bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team, SceneHandles& handles, const std::vector<rcr::Twist>& loads, rcr::Step& step)
 {
 	reason_ = active_ ? std::string() : reason(scene, engines, step);
 	if (reason_.empty()) reason_ = momentaryReason(scene);
@@ -181,7 +182,7 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 }
 
 /// Reads inertia and motion of the bodies, and the forces of the contacts.
-void ArraySteps::begin(rcr::Team& team, const SceneHandles& handles, const rcr::Step& step)
+void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
 {
 	active_                  = true;
 	first_                  = count_;
@@ -217,7 +218,7 @@ void ArraySteps::begin(rcr::Team& team, const SceneHandles& handles, const rcr::
 
 /// Moves the bodies like NewtonIntegrator. Obstacles need not lie in the plane.
 void ArraySteps::move(
-        Scene& scene, const NewtonIntegrator& newton, rcr::Team& team, const SceneHandles& handles, const std::vector<rcr::Twist>& loads, rcr::Step& step)
+        Scene& scene, const NewtonIntegrator& newton, rcr::ThreadTeam& team, const SceneHandles& handles, const std::vector<rcr::Twist>& loads, rcr::Step& step)
 {
 	for (Body::id_t id : byYade_) {
 		State&         s = *handles.state[id];
@@ -282,7 +283,7 @@ void ArraySteps::setPhysics(Scene& scene, const validation::Engines& engines)
 	}
 }
 
-void ArraySteps::writeBack(Scene& scene, rcr::Team& team, SceneHandles& handles, const rcr::Step& step)
+void ArraySteps::writeBack(Scene& scene, rcr::ThreadTeam& team, SceneHandles& handles, const rcr::Step& step)
 {
 	if (!active_) return;
 	active_       = false;

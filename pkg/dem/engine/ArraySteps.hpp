@@ -26,11 +26,11 @@ class ArraySteps {
 public:
 	/// Advances from a solved step to the next one, gathered. `loads`: sum of the impulses on each body. Returns false without a
 	/// change if YADE's engines must take the next step; enginesReason() is then the reason.
-	bool advance(Scene&, const validation::Engines&, rcr::Team&, SceneHandles&, const std::vector<rcr::Twist>& loads, rcr::Step&);
+	bool advance(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&, const std::vector<rcr::Twist>& loads, rcr::Step&);
 
 	/// Copies the state at the beginning of the step to YADE's objects, so that the step can be scattered. Does nothing if no step
 	/// was taken in arrays since the last call.
-	void writeBack(Scene&, rcr::Team&, SceneHandles&, const rcr::Step&);
+	void writeBack(Scene&, rcr::ThreadTeam&, SceneHandles&, const rcr::Step&);
 
 	/// Why YADE's engines take the next step; empty: they do not.
 	const std::string& enginesReason() const { return reason_; }
@@ -47,8 +47,8 @@ private:
 	std::string          reason(const Scene&, const validation::Engines&, const rcr::Step&);
 	std::string          momentaryReason(const Scene&) const;
 	std::string          selectBodies(const Scene&, const rcr::Step&);
-	void                 begin(rcr::Team&, const SceneHandles&, const rcr::Step&);
-	void                 move(Scene&, const NewtonIntegrator&, rcr::Team&, const SceneHandles&, const std::vector<rcr::Twist>& loads, rcr::Step&);
+	void                 begin(rcr::ThreadTeam&, const SceneHandles&, const rcr::Step&);
+	void                 move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const SceneHandles&, const std::vector<rcr::Twist>& loads, rcr::Step&);
 	void                 load(Scene&, const std::vector<Engine*>&) const;
 	void                 setPhysics(Scene&, const validation::Engines&);
 	SceneHandles::Contact write(int number, Interaction&, const rcr::Step&) const;

@@ -44,11 +44,14 @@ void ContactDynamics::action()
 /// Solves this step and all following ones that need none of YADE's objects.
 void ContactDynamics::runStep(const validation::Engines& engines)
 {
-	rcr::Team& team  = workspace_.team();
+	rcr::ThreadTeam& team  = workspace_.team();
 	step_.overdamped = overdamped;
 	if (!tracksStretch()) meanStretchRate = stretchChange = Vector2r::Zero();
 	setRestFlow();
-	timed("gather", [&] { gather(*scene, engines, team, handles_, step_); });
+	timed("gather", [&] {
+		gather(*scene, engines, team, handles_, step_);
+		addUnlistedContacts(engines);
+	});
 	try {
 		std::vector<rcr::Twist> loads;
 		bool                    advanced = false;
@@ -87,9 +90,9 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	PassOutcome             outcome = PassOutcome::converged;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
 		const bool last = pass == mostPasses || outcome == PassOutcome::biasesRestored;
-		if (rcr::restIsSolution(step_, driven)) how.compliance = 0;
+		if (rcr::restIsSolution(step_, driven)) how.yieldCompliance = 0;
 		else
-			how.compliance = settings(driven).compliance;
+			how.yieldCompliance = settings(driven).yieldCompliance;
 		solvePass(how);
 		outcome = last ? reviewLastPass(engines) : reviewPass(engines, pass, driven, firstBiases);
 		if (outcome == PassOutcome::converged) break;
@@ -117,7 +120,7 @@ void ContactDynamics::solvePass(const rcr::Settings& how)
 	iterations += report.iterations;
 	work_ += report.work;
 	residual       = report.residual;
-	kinematicError = report.violation;
+	kinematicError = report.kinematicError;
 	converged      = report.converged;
 	yielded        = report.yielded;
 	contactPoints  = int(step_.problem.points.size());
@@ -158,16 +161,31 @@ bool ContactDynamics::findMissedContacts(const validation::Engines& engines)
 	return rcr::findMissedContacts(step_, [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); });
 }
 
+/// Completes the contacts within reach, so that they do not depend on when the collider ran.
+void ContactDynamics::addUnlistedContacts(const validation::Engines& engines)
+{
+	std::vector<std::int32_t> unlisted;
+	for (std::size_t id = 0; id < handles_.isUnlisted.size(); ++id)
+		if (handles_.isUnlisted[id]) unlisted.push_back(std::int32_t(id));
+	if (unlisted.empty()) return;
+	if (rcr::findUnlistedContacts(step_, unlisted, [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); })) addUpdatedContacts(engines);
+}
+
 bool ContactDynamics::addMissedContacts(const validation::Engines& engines)
 {
 	if (!findMissedContacts(engines)) return false;
+	addUpdatedContacts(engines);
+	return true;
+}
+
+void ContactDynamics::addUpdatedContacts(const validation::Engines& engines)
+{
 	for (rcr::UpdatedContact& contact : step_.updated) {
 		if (contact.known) continue;
 		const ContactLaw law = contactLaw(*scene, *engines.loop, contact.body1, contact.body2);
 		contact.friction = law.friction, contact.restitution = law.restitution;
 	}
 	rcr::addUpdatedContacts(step_);
-	return true;
 }
 
 void ContactDynamics::setRestFlow()

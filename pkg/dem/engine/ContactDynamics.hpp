@@ -122,7 +122,9 @@ private:
 	PassOutcome   reviewPass(const validation::Engines&, int pass, const rcr::DrivenMotion&, std::vector<double>& firstBiases);
 	PassOutcome   reviewLastPass(const validation::Engines&);
 	bool          findMissedContacts(const validation::Engines&);
+	void          addUnlistedContacts(const validation::Engines&);
 	bool          addMissedContacts(const validation::Engines&);
+	void          addUpdatedContacts(const validation::Engines&);
 	bool          tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setRestFlow();
 	void          trackStretch();

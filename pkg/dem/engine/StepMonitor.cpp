@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "dem/validation/validation.hpp"
-#include "kernel/parallel/team.hpp"
+#include "kernel/parallel/thread_team.hpp"
 
 namespace yade {
 
@@ -66,9 +66,9 @@ double overlapOf(const rcr::Step& step, std::size_t k)
 	return step.problem.prescribed(c.body1) && step.problem.prescribed(c.body2) ? 0 : overlap;
 }
 
-double deepestOverlap(const rcr::Step& step, rcr::Team& team)
+double deepestOverlap(const rcr::Step& step, rcr::ThreadTeam& team)
 {
-	return team.most(step.gap.size(), [&](std::size_t k) { return overlapOf(step, k); });
+	return team.maximum(step.gap.size(), [&](std::size_t k) { return overlapOf(step, k); });
 }
 
 std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)

@@ -41,7 +41,7 @@ public:
 double overlapOf(const rcr::Step&, std::size_t point);
 
 /// Deepest overlap at the beginning of the step over R₁ + R₂.
-double deepestOverlap(const rcr::Step&, rcr::Team&);
+double deepestOverlap(const rcr::Step&, rcr::ThreadTeam&);
 
 /// Number of the first body whose solved velocity is not finite; −1: none.
 int firstNotFinite(const rcr::Step&);

@@ -76,7 +76,7 @@ py::dict ContactDynamics::modelDict() const
 	const rcr::ModelSummary&          m = summary_;
 	py::dict                          model;
 	model["bodies"]          = m.bodies;
-	model["rotations"]       = m.turning;
+	model["rotations"]       = m.rotating;
 	model["fixed"]           = m.fixed;
 	model["pairs"]           = m.pairs;
 	model["points"]          = m.points;

@@ -46,12 +46,12 @@ rcr::Settings ContactDynamics::settings(const rcr::DrivenMotion& driven) const
 	s.tolerance       = double(tolerance);
 	s.maxIterations   = maxIterations;
 	s.minIterations   = minIterations;
-	s.violation       = double(kinematicTolerance);
+	s.kinematicTolerance       = double(kinematicTolerance);
 	s.meanForceChange = double(meanForceChange);
 	s.threads         = solverThreads();
 	s.lanes           = lanes;
-	s.compliance      = double(yieldCompliance) * driven.compliance;
-	s.mostImpulse     = driven.mostImpulse / double(yieldCompliance); // 0: infinite
+	s.yieldCompliance      = double(yieldCompliance) * driven.compliance;
+	s.yieldImpulse     = driven.yieldImpulse / double(yieldCompliance); // 0: infinite
 	s.reductions      = rcr::Reductions::of(reductions);
 	return s;
 }
@@ -60,9 +60,9 @@ rcr::Settings ContactDynamics::settings(const rcr::DrivenMotion& driven) const
 rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::DrivenMotion& driven)
 {
 	rcr::Settings s = settings(driven);
-	s.rounding      = step_.rounding(workspace_.team());
+	s.roundingVelocity      = step_.rounding(workspace_.team());
 	if (monitor.jam.active()) s.maxIterations *= squeezedEffort;
-	if (yade::deepestOverlap(step_, workspace_.team()) > rcr::MissedSteps::reportedOverlap) s.mostImpulse = std::numeric_limits<double>::infinity();
+	if (yade::deepestOverlap(step_, workspace_.team()) > rcr::MissedSteps::reportedOverlap) s.yieldImpulse = std::numeric_limits<double>::infinity();
 	return s;
 }
 
@@ -73,8 +73,8 @@ rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome o
 	const bool newContacts = outcome == PassOutcome::missedContact;
 	s.maxIterations = tolerance < fineTolerance ? maxIterations : std::max(maxIterations - iterations, sweepsOfNextPass);
 	s.minIterations = std::min(std::max(minIterations, sweepsOfNextPass), s.maxIterations);
-	s.continued     = !newContacts;
-	s.yielded       = yielded && (newContacts || outcome == PassOutcome::biasChanged);
+	s.sameProblem     = !newContacts;
+	s.yieldedBefore       = yielded && (newContacts || outcome == PassOutcome::biasChanged);
 	return s;
 }
 

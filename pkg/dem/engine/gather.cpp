@@ -61,7 +61,7 @@ namespace {
 
 	class Gatherer {
 	public:
-		Gatherer(Scene& scene, const validation::Engines& engines, rcr::Team& team, SceneHandles& handles, rcr::Step& step)
+		Gatherer(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team, SceneHandles& handles, rcr::Step& step)
 		        : scene_(scene), newton_(*engines.integrator), team_(team), handles_(handles), step_(step), field_(scene, engines)
 		{
 		}
@@ -72,7 +72,7 @@ namespace {
 
 	private:
 		void                 body(const Body&);
-		void                 setExpectedPath(const Body&, const rcr::Twist& velocity, rcr::StepBody&);
+		bool                 isUnlisted(const Body&, const rcr::Twist& velocity, const rcr::StepBody&) const;
 		void                 move(const Body&, const State&, rcr::StepBody&);
 		std::pair<Vector3r, Vector3r> load(const Body&) const;
 		SceneHandles::Contact contactOf(Interaction&) const;
@@ -81,7 +81,7 @@ namespace {
 
 		Scene&                  scene_;
 		const NewtonIntegrator& newton_;
-		rcr::Team&              team_;
+		rcr::ThreadTeam&              team_;
 		SceneHandles&            handles_;
 		rcr::Step&              step_;
 		MeanField               field_;
@@ -99,6 +99,8 @@ namespace {
 		step_.bodies.resize(count);
 		handles_.state.resize(count);
 		handles_.bound.resize(count);
+		handles_.mask.resize(count);
+		handles_.isUnlisted.assign(count, false);
 		handles_.z = validation::planeOf(scene_);
 		team_.forEach(count, [&](Body::id_t id) {
 			if (id + 2 * prefetchAhead < count) {
@@ -149,28 +151,27 @@ namespace {
 			const State& moving = *(*scene_.bodies)[b.clumpId]->state;
 			rcr::StepBody owner;
 			owner.center = plane::toPlane(moving.pos);
-			if (moving.blockedDOFs != State::DOF_ALL) setExpectedPath(b, memberVelocity(body, owner, plane::twist(moving)), body);
+			if (moving.blockedDOFs != State::DOF_ALL) body.expected = body.alertDistance;
+			handles_.isUnlisted[id] = isUnlisted(b, memberVelocity(body, owner, plane::twist(moving)), body);
 		} else {
 			body.free = s.blockedDOFs != State::DOF_ALL;
-			if (body.free) setExpectedPath(b, body.velocity, body);
+			if (body.free) body.expected = body.alertDistance;
+			handles_.isUnlisted[id] = isUnlisted(b, body.velocity, body);
 			move(b, s, body);
 		}
 		handles_.bound[id] = b.bound.get();
-		// The collider does not enlarge the box of an obstacle by its alert distance. A fast obstacle searches its contacts after the solve.
-		if (!body.shape.grain() && b.bound && body.alertDistance > double(b.bound->sweepLength)) body.expected = 0;
+		if (std::exchange(handles_.mask[id], b.groupMask) != b.groupMask) handles_.isUnlisted[id] = true;
 	}
 
-	/// Sets the path up to which all contacts of a body are detected. It is 0 if the body leaves its box in the collider, for
-	/// example after a script has set its velocity. In a cell, boxes move with the cell and relative motion counts.
-	void Gatherer::setExpectedPath(const Body& b, const rcr::Twist& velocity, rcr::StepBody& body)
+	/// The collider may miss contacts of a body that reaches out of its box with its alert distance, for example after a script has
+	/// set its velocity, and of a fast obstacle, whose box has no alert distance. In a cell, boxes move with the cell.
+	bool Gatherer::isUnlisted(const Body& b, const rcr::Twist& velocity, const rcr::StepBody& body) const
 	{
-		bool unseen = b.bound && body.shape.grain();
-		if (unseen && scene_.isPeriodic) {
-			const rcr::Vec2 flow = step_.cell.drift(body.center);
-			unseen = step_.dt * rcr::speed({ velocity.x - flow.x, velocity.y - flow.y, velocity.rotation }, body.radius) > double(b.bound->sweepLength);
-		} else if (unseen)
-			unseen = leavesBox(body, b.state->pos, velocity, step_.dt, *b.bound);
-		body.expected = unseen ? 0 : body.alertDistance;
+		if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
+		if (!scene_.isPeriodic) return body.shape.grain() ? leavesBox(body, b.state->pos, velocity, step_.dt, *b.bound) : leavesBox(body, *b.bound);
+		if (!body.shape.grain()) return body.alertDistance > double(b.bound->sweepLength);
+		const rcr::Vec2 flow = step_.cell.drift(body.center);
+		return step_.dt * rcr::speed({ velocity.x - flow.x, velocity.y - flow.y, velocity.rotation }, body.radius) > double(b.bound->sweepLength);
 	}
 
 	/// Sets the inverse mass, and the velocity that NewtonIntegrator would compute without contacts.
@@ -294,7 +295,7 @@ namespace {
 
 } // namespace
 
-void gather(Scene& scene, const validation::Engines& engines, rcr::Team& team, SceneHandles& handles, rcr::Step& step)
+void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team, SceneHandles& handles, rcr::Step& step)
 {
 	Gatherer gatherer(scene, engines, team, handles, step);
 	gatherer.bodies();
@@ -303,14 +304,11 @@ void gather(Scene& scene, const validation::Engines& engines, rcr::Team& team, S
 	gatherer.contacts();
 }
 
-void regatherBodies(Scene& scene, const validation::Engines& engines, rcr::Team& team, const std::vector<Body::id_t>& ids, SceneHandles& handles, rcr::Step& step)
+void regatherBodies(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team, const std::vector<Body::id_t>& ids, SceneHandles& handles, rcr::Step& step)
 {
 	Gatherer gatherer(scene, engines, team, handles, step);
-	for (Body::id_t id : ids) {
+	for (Body::id_t id : ids)
 		gatherer.gatherBody(id);
-		rcr::StepBody& body = step.bodies[id];
-		if (body.free && body.shape.grain()) body.expected = body.alertDistance; // arrays have their own list of neighbours
-	}
 }
 
 ContactLaw contactLaw(Scene& scene, const InteractionLoop& loop, Body::id_t id1, Body::id_t id2)

@@ -3,7 +3,7 @@
 
 #include <core/Interaction.hpp>
 #include <core/Scene.hpp>
-#include "kernel/parallel/team.hpp"
+#include "kernel/parallel/thread_team.hpp"
 #include "kernel/step/step.hpp"
 #include "dem/contacts/CdPhys.hpp"
 #include "dem/validation/validation.hpp"
@@ -24,16 +24,18 @@ struct SceneHandles {
 
 	std::vector<State*>       state; // per body; null: no body
 	std::vector<const Bound*> bound; // per body
+	std::vector<mask_t>       mask;  // per body: groupMask
+	std::vector<char>         isUnlisted; // per body: the collider may miss contacts of this step
 	std::vector<Contact>      found; // in the order of YADE's container; 0 points: not a contact of this law
 	std::vector<Contact>      sorted; // by body 1, then body 2
 	Real                      z = 0; // height of the plane
 };
 
 /// Sets bodies, contacts, loads and start forces. Throws std::invalid_argument for unsupported scenes; changes nothing in the scene.
-void gather(Scene&, const validation::Engines&, rcr::Team&, SceneHandles&, rcr::Step&);
+void gather(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&, rcr::Step&);
 
 /// Gathers some of the bodies again, with the forces on them.
-void regatherBodies(Scene&, const validation::Engines&, rcr::Team&, const std::vector<Body::id_t>&, SceneHandles&, rcr::Step&);
+void regatherBodies(Scene&, const validation::Engines&, rcr::ThreadTeam&, const std::vector<Body::id_t>&, SceneHandles&, rcr::Step&);
 
 struct ContactLaw {
 	double friction, restitution;

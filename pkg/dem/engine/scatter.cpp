@@ -84,7 +84,7 @@ namespace {
 	{
 		if (v.rotation == 0 || b.shape.kind < rcr::PlanarShape::box) return false;
 		rcr::Pose at = rcr::moved(b, owner, v, dt);
-		if (b.shape.kind == rcr::PlanarShape::segment) at = rcr::middleOf(b.shape, at);
+		if (b.shape.kind == rcr::PlanarShape::segment) at = rcr::segmentPose(b.shape, at);
 		const rcr::Vec2 half = rcr::halfExtent(b.shape, at.axis);
 		return at.center.x + half.x > bound.max[0] || at.center.x - half.x < bound.min[0] || at.center.y + half.y > bound.max[1]
 		        || at.center.y - half.y < bound.min[1];
@@ -103,7 +103,7 @@ namespace {
 
 	// Requests a run of the collider if a body reaches out of its box with its present alert distance, or an obstacle by
 	// rotation. YADE itself checks displacements only.
-	void requestCollider(Scene& scene, rcr::Team& team, const SceneHandles& handles, const rcr::Step& step)
+	void requestCollider(Scene& scene, rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
 	{
 		const Real widest = scene.isPeriodic ? 0.45 * scene.cell->getSize().minCoeff() : std::numeric_limits<Real>::infinity(); // YADE ends with 0.5
 		const double imageStep = largestImageDisplacement(step); // boxes do not follow images whose bodies stay
@@ -151,7 +151,7 @@ std::vector<rcr::Twist> loadsOf(const rcr::Step& step)
 	return loads;
 }
 
-void scatter(Scene& scene, rcr::Team& team, const std::vector<rcr::Twist>& loads, SceneHandles& handles, rcr::Step& step)
+void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>& loads, SceneHandles& handles, rcr::Step& step)
 {
 	addContacts(scene, handles, step);
 	team.forEach(step.contacts.size(), [&](std::size_t k) {

@@ -15,7 +15,7 @@ void resetVelocity(State&, const rcr::Twist& rest);
 void applyCorrection(State&, const rcr::Twist& by);
 
 /// Writes contact forces, forces on bodies, missed contacts, displacements, and the start velocities of overdamped bodies.
-void scatter(Scene&, rcr::Team&, const std::vector<rcr::Twist>& loads, SceneHandles&, rcr::Step&);
+void scatter(Scene&, rcr::ThreadTeam&, const std::vector<rcr::Twist>& loads, SceneHandles&, rcr::Step&);
 
 /// Sorts YADE's interactions by bodies if many are out of order, so that loops over them find bodies in the cache.
 void sortInteractions(Scene&, const SceneHandles&);

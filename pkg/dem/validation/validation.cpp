@@ -288,9 +288,23 @@ namespace validation {
 		return true;
 	}
 
+	/// YADE checks masks only when boxes begin to overlap. A mask that changed later counts when a rigid contact forms.
+	static bool masksAllow(const Scene& scene, const Interaction& i)
+	{
+		const View      view(scene);
+		Collider* collider = view.law == rigid ? view.first<Collider>() : nullptr;
+		const Body *    one = (*scene.bodies)[i.getId1()].get(), *two = (*scene.bodies)[i.getId2()].get();
+#ifdef YADE_MPI
+		return !collider || collider->mayCollide(one, two, scene.subdomain);
+#else
+		return !collider || collider->mayCollide(one, two);
+#endif
+	}
+
 	bool mayTouch(const Interaction& i, const Scene& scene)
 	{
 		if (!frictional(scene, i.getId1(), i.getId2())) return false;
+		if (!masksAllow(scene, i)) return false;
 		thread_local Signature passed; // evaluates the rules once per change, not per contact
 		const Signature        now = signature(scene);
 		if (now == passed) return true;

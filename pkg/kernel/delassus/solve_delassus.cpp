@@ -80,7 +80,7 @@ namespace {
 				impulse2 += square(p);
 				stopping2 += u.n / w * (u.n / w);
 			}
-			return relativeError(error2, impulse2, stopping2);
+			return residualFromSums(error2, impulse2, stopping2);
 		}
 
 	private:

@@ -34,14 +34,14 @@ namespace {
 
 	/// The best impulses seen so far.
 	struct Best {
-		double               residual, violation;
+		double               residual, kinematicError;
 		std::vector<Impulse> impulse;
 
 		/// How far from both criteria; ≤ 1 where both are met. Of a criterion of 0 the lower value is still the better one.
 		double distance(const Settings& s) const
 		{
 			constexpr double least = std::numeric_limits<double>::min();
-			return std::max(residual / std::max(s.tolerance, least), violation / std::max(s.violation, least));
+			return std::max(residual / std::max(s.tolerance, least), kinematicError / std::max(s.kinematicTolerance, least));
 		}
 
 		void offer(const Best& other, const Settings& settings)
@@ -55,7 +55,7 @@ namespace {
 	{
 		Settings sweeps      = settings;
 		sweeps.tolerance     = tolerance;
-		sweeps.violation     = std::numeric_limits<double>::infinity(); // left to the exact steps
+		sweeps.kinematicTolerance     = std::numeric_limits<double>::infinity(); // left to the exact steps
 		sweeps.maxIterations = most;
 		return solveNesterov(problem, sweeps, workspace);
 	}
@@ -70,7 +70,7 @@ namespace {
 		if (!std::isnan(report.residual) || left == 0) return report;
 		problem.impulse.assign(problem.points.size(), {});
 		Settings cold  = settings;
-		cold.continued = false;
+		cold.sameProblem = false;
 		Report again   = sweep(problem, cold, tolerance, most(left), workspace);
 		again.iterations += report.iterations;
 		again.work += report.work;
@@ -99,25 +99,25 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 {
 	std::vector<Impulse> before; // the last sweeps or steps, where these may show that there is no solution
 	const auto           remember      = [&] {
-                if (settings.compliance > 0) before = problem.impulse;
+                if (settings.yieldCompliance > 0) before = problem.impulse;
 	};
-	const auto hasNoSolution = [&] { return settings.compliance > 0 && (takesTooMuch(problem) || growsWithoutBound(problem, before)); };
+	const auto hasNoSolution = [&] { return settings.yieldCompliance > 0 && (exceedsEnergyBound(problem) || isDivergent(problem, before)); };
 	remember();
 	Report report;
 	if (swept) {
 		report            = *swept;
-		report.violation  = violation(problem, settings.rest);
+		report.kinematicError  = kinematicError(problem, settings.velocityFloor);
 		report.iterations = 0, report.work = 0;
 	} else {
 		report           = begin(problem, settings, workspace);
-		report.converged = report.reached(settings) && report.violation <= settings.violation;
+		report.converged = report.reached(settings) && report.kinematicError <= settings.kinematicTolerance;
 		if (report.converged || report.iterations >= settings.maxIterations) return report;
 		report.yielded = hasNoSolution();
 		if (report.yielded) return report;
 	}
 	ProximalProblem        proximal(problem);
 	std::vector<Stiffness> stiffness(proximal.size(), Stiffness(stiffnessLimits));
-	Best                   best { report.residual, report.violation, problem.impulse };
+	Best                   best { report.residual, report.kinematicError, problem.impulse };
 	const auto             left = [&] { return settings.maxIterations - report.iterations; };
 	while (!(best.distance(settings) <= 1) && left() > 0) {
 		remember();
@@ -125,11 +125,11 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 		report.iterations += settings.exactCost * (1 + end.pivots);
 		report.yielded = hasNoSolution();
 		if (report.yielded) return report;
-		best.offer({ residual(problem), violation(problem, settings.rest), problem.impulse }, settings);
+		best.offer({ residual(problem), kinematicError(problem, settings.velocityFloor), problem.impulse }, settings);
 		if (!end.arrived && left() > 0) {
 			const int most = std::min(rescueSweeps + pivotSweeps * end.pivots, left());
 			Settings  again     = settings;
-			again.continued     = true;
+			again.sameProblem     = true;
 			remember();
 			report.iterations += sweep(problem, again, 0, most, workspace).iterations;
 			report.yielded = hasNoSolution();
@@ -139,10 +139,10 @@ Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& 
 	problem.impulse = best.impulse;
 	updateVelocity(problem);
 	report.residual  = residual(problem);
-	report.violation = violation(problem, settings.rest);
-	report.taken     = energyTaken(problem);
-	report.grown     = std::numeric_limits<double>::infinity(); // what sweeps before told is over
-	report.converged = report.residual <= settings.tolerance && report.violation <= settings.violation;
+	report.kinematicError = kinematicError(problem, settings.velocityFloor);
+	report.dissipated     = dissipatedEnergy(problem);
+	report.impulseGrowth     = std::numeric_limits<double>::infinity(); // what sweeps before told is over
+	report.converged = report.residual <= settings.tolerance && report.kinematicError <= settings.kinematicTolerance;
 	return report;
 }
 

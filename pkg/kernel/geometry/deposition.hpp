@@ -1,7 +1,8 @@
-// Layer-by-layer geometric deposition of discs in a box [paper, sec. II B; Bratberg et al. 2002; Voivret et al. 2007].
+// Geometric deposition of discs in a box, layer by layer.
 //
-// Each disc goes to the lowest free place of the surface: the lowest centre where it touches two of discs, floor and side
-// walls and overlaps nothing. A pore that no disc of a whole layer went into is given up.
+// Each disc takes the lowest free position: it touches two of the discs, the floor and the side
+// walls, and overlaps nothing. A pore that no disc of a whole layer enters stays empty.
+// Source: paper, sec. II B; Bratberg et al. 2002; Voivret et al. 2007.
 #pragma once
 
 #include <vector>
@@ -10,8 +11,8 @@
 
 namespace rcr {
 
-/// Centres [m] of discs that are dropped one after the other into the box 0 ≤ x ≤ width, y ≥ 0.
-/// Wants 0 < 2 radius ≤ width of each; the discs do not overlap beyond rounding.
+/// Centres [m] of discs deposited one by one in the box 0 ≤ x ≤ width, y ≥ 0. Requires
+/// 0 < 2 radius ≤ width for each disc. Discs overlap by rounding at most.
 std::vector<Vec2> deposit(const std::vector<double>& radii, double width);
 
 } // namespace rcr

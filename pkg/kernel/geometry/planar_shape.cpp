@@ -6,32 +6,45 @@ namespace {
 
 	Stadium stadiumOf(const PlanarShape& s) { return { s.halfLength, s.halfWidth }; }
 
-	Manifold onWall(const PlanarShape& wall, Vec2 origin, const PlanarShape& grain, const Pose& at, double reach)
+	Manifold wallContact(
+	        const PlanarShape& wall, Vec2 origin, const PlanarShape& grain, const Pose& at,
+	        double alertDistance)
 	{
-		const double ahead = wall.axis == 0 ? at.center.x - origin.x : at.center.y - origin.y;
-		const double side  = wall.sense != 0 ? wall.sense : ahead < 0 ? -1 : 1;
+		const double ahead  = wall.axis == 0 ? at.center.x - origin.x : at.center.y - origin.y;
+		const double side   = wall.sense != 0 ? wall.sense : ahead < 0 ? -1 : 1;
 		const Vec2   normal = wall.axis == 0 ? Vec2 { side, 0 } : Vec2 { 0, side };
-		return shadowOverlap(HalfPlane { origin, normal }, stadiumOf(grain), at, reach);
+		return shadowOverlap(HalfPlane { origin, normal }, stadiumOf(grain), at, alertDistance);
 	}
 
-	/// A segment is a stadium without thickness.
-	Manifold onSegment(const PlanarShape& segment, const Pose& body, const PlanarShape& grain, const Pose& at, double reach)
+	/// A segment is a stadium of cap radius 0.
+	Manifold segmentContact(
+	        const PlanarShape& segment, const Pose& body, const PlanarShape& grain, const Pose& at,
+	        double alertDistance)
 	{
-		Manifold result = shadowOverlap(stadiumOf(segment), middleOf(segment, body), stadiumOf(grain), at, reach);
-		if (result.count == 2 && dot(result.points[1].position - result.points[0].position, at.axis) < 0) std::swap(result.points[0], result.points[1]);
+		Manifold result = shadowOverlap(
+		        stadiumOf(segment), segmentPose(segment, body), stadiumOf(grain), at,
+		        alertDistance);
+		if (result.count == 2
+		    && dot(result.points[1].position - result.points[0].position, at.axis) < 0)
+			std::swap(result.points[0], result.points[1]);
 		result.type = ContactType::wall;
 		return result;
 	}
 
 } // namespace
 
-Manifold contactPoints(const PlanarShape& one, const Pose& at1, const PlanarShape& two, const Pose& at2, double reach)
+Manifold contactPoints(
+        const PlanarShape& one, const Pose& at1, const PlanarShape& two, const Pose& at2,
+        double alertDistance)
 {
 	switch (one.kind) {
-		case PlanarShape::wall: return onWall(one, at1.center, two, at2, reach);
-		case PlanarShape::box: return shadowOverlap(Rectangle { { one.halfLength, one.halfWidth } }, at1, stadiumOf(two), at2, reach);
-		case PlanarShape::segment: return onSegment(one, at1, two, at2, reach);
-		default: return shadowOverlap(stadiumOf(one), at1, stadiumOf(two), at2, reach);
+		case PlanarShape::wall: return wallContact(one, at1.center, two, at2, alertDistance);
+		case PlanarShape::box:
+			return shadowOverlap(
+			        Rectangle { { one.halfLength, one.halfWidth } }, at1, stadiumOf(two), at2,
+			        alertDistance);
+		case PlanarShape::segment: return segmentContact(one, at1, two, at2, alertDistance);
+		default: return shadowOverlap(stadiumOf(one), at1, stadiumOf(two), at2, alertDistance);
 	}
 }
 

@@ -1,15 +1,15 @@
-// What a body looks like in the plane, and the contact points of two bodies of any kinds that are served.
+// Shape of a body in the plane, and the contact points of a pair of shapes.
 //
-// | kind    | is                                                    | meets          |
-// |---------|-------------------------------------------------------|----------------|
-// | wall    | the free side of a line normal to x or y              | grains         |
-// | box     | a rectangle, turned with its body                     | grains         |
-// | segment | a line without thickness, both sides act              | grains         |
-// | disc    | a stadium whose core is a point                       | everything     |
-// | stadium | a rounded-cap rectangle                               | everything     |
+// | kind    | shape                                         | contacts with |
+// |---------|-----------------------------------------------|---------------|
+// | wall    | half plane bounded by a line normal to x or y | grains        |
+// | box     | rectangle that rotates with its body          | grains        |
+// | segment | line without thickness, with two sides        | grains        |
+// | disc    | stadium whose core is a point                 | all           |
+// | stadium | rounded-cap rectangle                         | all           |
 //
-// Walls, boxes and segments are obstacles, discs and stadia are grains. In a pair the kind that stands higher in the table is
-// body 1, so that normals point from an obstacle to a grain.
+// Walls, boxes and segments are obstacles; discs and stadia are grains. Body 1 of a pair is the
+// kind that comes first in this table: normals point from an obstacle to a grain.
 #pragma once
 
 #include <algorithm>
@@ -22,15 +22,17 @@ namespace rcr {
 struct PlanarShape {
 	enum Kind : std::int8_t { none, wall, box, segment, disc, stadium };
 
-	Kind        kind = none;
-	std::int8_t axis = 0, sense = 0;          // wall: axis of the normal (0 x, 1 y), side that acts (0: where the grain is)
-	double      halfLength = 0, halfWidth = 0; // stadium: a, R'; disc: 0, R; box: half extents; segment: half length, 0 [m]
-	Vec2        offset;                        // segment: its middle in the frame of the body [m]
-	Vec2        along { 1, 0 };                // segment: its direction there
+	Kind        kind       = none;
+	std::int8_t axis       = 0; // wall: axis of the normal, 0 for x, 1 for y
+	std::int8_t sense      = 0; // wall: sign of the normal; 0: towards the grain
+	double      halfLength = 0; // stadium: a; disc: 0; box: half extent; segment: half length [m]
+	double      halfWidth  = 0; // stadium: R'; disc: R; box: half extent; segment: 0 [m]
+	Vec2        offset;         // segment: its midpoint in the frame of the body [m]
+	Vec2        along { 1, 0 }; // segment: its unit direction in the frame of the body
 
 	bool grain() const { return kind >= disc; }
 
-	/// Greatest distance of a point from the centre of the body [m]; 0 for a wall, which has none.
+	/// Largest distance of a point from the centre of the body [m]; 0 for an infinite wall.
 	double radius() const
 	{
 		switch (kind) {
@@ -41,38 +43,48 @@ struct PlanarShape {
 			default: return 0;
 		}
 	}
-	/// Radius by which a contact of it is sized, R in R₁ + R₂ [m]; 0 for an obstacle, which counts as the grain that it meets.
+
+	/// Circumscribed radius of a grain [m]; 0 for an obstacle.
 	double contactRadius() const { return grain() ? halfLength + halfWidth : 0; }
 };
 
-/// Half widths of the axis-aligned bounding box of a box or a grain about its centre, of a segment about its middle [m].
+/// Half widths of the axis-aligned bounding box of a box, grain or segment [m].
 inline Vec2 halfExtent(const PlanarShape& s, Vec2 axis)
 {
 	if (s.grain()) return halfExtent(Stadium { s.halfLength, s.halfWidth }, axis);
-	return { std::abs(axis.x) * s.halfLength + std::abs(axis.y) * s.halfWidth, std::abs(axis.y) * s.halfLength + std::abs(axis.x) * s.halfWidth };
+	return { std::abs(axis.x) * s.halfLength + std::abs(axis.y) * s.halfWidth,
+		     std::abs(axis.y) * s.halfLength + std::abs(axis.x) * s.halfWidth };
 }
 
-/// Where a segment stands: its middle and direction.
-inline Pose middleOf(const PlanarShape& segment, const Pose& body)
+/// Midpoint and direction of a segment.
+inline Pose segmentPose(const PlanarShape& segment, const Pose& body)
 {
-	const auto turned = [&](Vec2 v) { return v.x * body.axis + v.y * perp(body.axis); };
-	return { body.center + turned(segment.offset), turned(segment.along) };
+	const auto rotated = [&](Vec2 v) { return v.x * body.axis + v.y * perp(body.axis); };
+	return { body.center + rotated(segment.offset), rotated(segment.along) };
 }
 
-/// R₁ + R₂ of a pair [m], by which overlaps are judged; an obstacle counts as the grain that it meets.
+/// R₁ + R₂ of a pair [m], the scale of overlaps. An obstacle counts with the radius of the grain.
 inline double contactSize(const PlanarShape& one, const PlanarShape& two)
 {
 	const double r1 = one.contactRadius(), r2 = two.contactRadius();
 	return (r1 > 0 ? r1 : r2) + (r2 > 0 ? r2 : r1);
 }
 
-/// Do contacts of the two kinds exist, in this order?
-inline bool meet(PlanarShape::Kind one, PlanarShape::Kind two) { return one != PlanarShape::none && two >= PlanarShape::disc && one <= two; }
+/// True if a body 1 of kind `one` can contact a body 2 of kind `two`.
+inline bool canTouch(PlanarShape::Kind one, PlanarShape::Kind two)
+{
+	return one != PlanarShape::none && two >= PlanarShape::disc && one <= two;
+}
 
-/// Contact points of body 1 and body 2, none if their gap exceeds `reach`; `meet` must hold for the kinds.
-Manifold contactPoints(const PlanarShape& one, const Pose& at1, const PlanarShape& two, const Pose& at2, double reach);
+/// Contact points of two bodies with gaps up to `alertDistance` [m]. Requires canTouch.
+Manifold contactPoints(
+        const PlanarShape& one, const Pose& at1, const PlanarShape& two, const Pose& at2,
+        double alertDistance);
 
-/// The body along whose axis the points of a pair are sorted: the first one of two grains, else the grain.
-inline const Pose& sortedAlong(const PlanarShape& one, const Pose& at1, const Pose& at2) { return one.kind == PlanarShape::stadium ? at1 : at2; }
+/// Pose whose axis orders the points of a pair: of body 1 for two grains, else of the grain.
+inline const Pose& orderingPose(const PlanarShape& one, const Pose& at1, const Pose& at2)
+{
+	return one.kind == PlanarShape::stadium ? at1 : at2;
+}
 
 } // namespace rcr

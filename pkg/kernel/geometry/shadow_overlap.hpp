@@ -1,19 +1,20 @@
 // Contact detection by shadow overlap: two bodies give a manifold of 0, 1 or 2 contact points.
 //
-// The shadow of one core segment on the other is the stretch where they face each other; its two ends are end points of
-// one segment projected into the interior of the other. The manifold is the closest point of the two cores and, where
-// they face each other along a side, the other end of the shadow if its gap is within the alert distance. No angle
-// decides: two points come and go through their gaps alone, so a side contact tips over its edge without a jump.
+// The shadow of one core segment on the other is the part where they face each other. Each of its
+// two ends is an end of one segment, projected into the interior of the other. The manifold holds
+// the closest point of the two cores. Along a side, it also holds the other end of the shadow, if
+// the gap there is within the alert distance. No angle is tested: points appear and vanish with
+// their gaps, so a side contact tips over its edge without a jump.
 //
-//   gap g      distance of the surfaces along the normal [m]; negative = overlap
+//   gap g      distance of the surfaces along the normal [m]; negative: overlap
 //   normal n   unit, from body 1 to body 2
-//   position   half way between the two surfaces, so that both bodies feel the impulse on one line
+//   position   midway between the surfaces: both bodies feel the impulse on one line
 //
-// Crossing cores have the gap −depth − R'₁ − R'₂, depth being the smallest translation that separates the segments.
-// The points of a manifold are sorted along the axis of the stadium (the first one of a pair), so that they keep their
-// places from step to step.
-// Source: Saussine et al. 2006 and Radjaï and Dubois 2011 (shadow overlap after Moreau); the rule of the second point is
-// ours, see pkg/README.md.
+// Crossing cores have the gap −depth − R'₁ − R'₂, where depth is the smallest translation that
+// separates the segments. The points are ordered along the axis of the stadium (of body 1 for two
+// stadia), so they keep their order from step to step.
+// Source: Saussine et al. 2006; Radjaï and Dubois 2011 (shadow overlap after Moreau). The rule of
+// the second point is new, see pkg/README.md.
 #pragma once
 
 #include "geometry/stadium.hpp"
@@ -34,19 +35,22 @@ struct Manifold {
 	ManifoldPoint points[2];
 };
 
-/// The free side of a line: points x with (x − origin) · normal > 0.
+/// Wall along a line. The free side is (x − origin) · normal > 0.
 struct HalfPlane {
 	Vec2 origin;
 	Vec2 normal;
 };
 
-/// A box seen in the plane; its pose's axis is the local x.
+/// Box in the plane; the axis of its pose is its local x.
 struct Rectangle {
 	Vec2 halfExtent;
 };
 
-Manifold shadowOverlap(const Stadium&, const Pose&, const Stadium&, const Pose&, double alertDistance);
+/// Points with gaps up to `alertDistance` [m].
+Manifold shadowOverlap(
+        const Stadium&, const Pose&, const Stadium&, const Pose&, double alertDistance);
 Manifold shadowOverlap(const HalfPlane&, const Stadium&, const Pose&, double alertDistance);
-Manifold shadowOverlap(const Rectangle&, const Pose&, const Stadium&, const Pose&, double alertDistance);
+Manifold shadowOverlap(
+        const Rectangle&, const Pose&, const Stadium&, const Pose&, double alertDistance);
 
 } // namespace rcr

@@ -1,9 +1,10 @@
-// The stadium, or rounded-cap rectangle (RCR): all points within the cap radius R' of a core segment of half length a.
+// Stadium, or rounded-cap rectangle (RCR): all points within the cap radius R' of a core segment of
+// half length a.
 //
 //   circumscribed radius  R = a + R'
 //   elongation            η = (R − R') / R = a / R       0 = disc   [paper, eq. 1]
 //
-// All quantities are per unit depth; the centre of mass is the centre of the core segment.
+// Quantities are per unit depth. The centre of mass is the centre of the core segment.
 #pragma once
 
 #include <cmath>
@@ -17,32 +18,39 @@ struct Stadium {
 	double capRadius  = 0; // R' [m]
 };
 
-/// The pose of a body: its centre, and its axis (cos θ, sin θ).
+/// Centre [m] and unit axis (cos θ, sin θ) of a body.
 struct Pose {
 	Vec2 center;
 	Vec2 axis { 1, 0 };
 };
 
-inline Pose pose(Vec2 center, double angle) { return { center, { std::cos(angle), std::sin(angle) } }; }
+inline Pose pose(Vec2 center, double angle)
+{
+	return { center, { std::cos(angle), std::sin(angle) } };
+}
 
 inline Stadium stadium(double circumscribedRadius, double elongation)
 {
 	return { elongation * circumscribedRadius, (1 - elongation) * circumscribedRadius };
 }
 
-/// [m²]: the rectangle 2a × 2R' and two half discs.
-inline double area(const Stadium& s) { return M_PI * s.capRadius * s.capRadius + 4 * s.halfLength * s.capRadius; }
+/// Area of the rectangle 2a × 2R' and two half discs [m²].
+inline double area(const Stadium& s)
+{
+	return M_PI * s.capRadius * s.capRadius + 4 * s.halfLength * s.capRadius;
+}
 
-/// ∫ |x|² dA about the centre [m⁴]; times density and depth it is the moment of inertia about z.
+/// ∫ |x|² dA about the centre [m⁴]; times the mass per area, the moment of inertia about z.
 inline double polarMoment(const Stadium& s)
 {
 	const double a = s.halfLength, r = s.capRadius;
 	const double rectangle = 4 * a * r * (a * a + r * r) / 3;
-	const double halfDiscs = M_PI * r * r * (r * r / 2 + a * a) + 8 * a * r * r * r / 3; // centroid at 4r/3π from the cut
+	// the centroid of a half disc is 4r/3π from its cut
+	const double halfDiscs = M_PI * r * r * (r * r / 2 + a * a) + 8 * a * r * r * r / 3;
 	return rectangle + halfDiscs;
 }
 
-/// The point of the stadium farthest along a unit direction.
+/// Support point: the point of the stadium that is farthest along a unit direction [m].
 inline Vec2 support(const Stadium& s, const Pose& at, Vec2 direction)
 {
 	const double end = dot(at.axis, direction) < 0 ? -s.halfLength : s.halfLength;
@@ -52,7 +60,8 @@ inline Vec2 support(const Stadium& s, const Pose& at, Vec2 direction)
 /// Half widths of the axis-aligned bounding box [m].
 inline Vec2 halfExtent(const Stadium& s, Vec2 axis)
 {
-	return { std::abs(axis.x) * s.halfLength + s.capRadius, std::abs(axis.y) * s.halfLength + s.capRadius };
+	return { std::abs(axis.x) * s.halfLength + s.capRadius,
+		     std::abs(axis.y) * s.halfLength + s.capRadius };
 }
 
 } // namespace rcr

@@ -9,13 +9,17 @@ namespace rcr {
 namespace {
 
 	using namespace std::chrono_literals;
-	constexpr int  maxSpins       = 100;   // of a waiting thread before it yields its core: about a microsecond
-	constexpr auto helperPatience = 5ms;   // of a helper between two loops: few serial parts of a step last longer
-	constexpr auto leaderStall    = 1ms;   // of the leader after its own work: an index takes less, so the helper has lost its core
+	/// Spins of a waiting thread before it yields its core, about a microsecond.
+	constexpr int maxSpins = 100;
+	/// Waiting time of a helper between two loops. Few serial parts of a step last longer.
+	constexpr auto helperPatience = 5ms;
+	/// Waiting time of the leader after its own work. One index takes less, so a helper that needs
+	/// longer has lost its core.
+	constexpr auto leaderStall = 1ms;
 
-	constexpr int           indexBits = 20; // 24 are left for the serial number
+	constexpr int           indexBits = 20; // leaves 24 bits for the serial number
 	constexpr std::uint64_t indexMask = (1u << indexBits) - 1;
-	constexpr int           maxSlice  = int(indexMask); // indices of one slice: its end fits into the bits
+	constexpr int           maxSlice  = int(indexMask); // indices of one slice
 
 	constexpr std::uint64_t pack(std::uint64_t serial, std::uint64_t next, std::uint64_t end)
 	{
@@ -29,7 +33,7 @@ namespace {
 #endif
 	}
 
-	/// Waits until ready(), for a limited time; true if ready.
+	/// Waits until ready() or until the time limit; returns ready().
 	template <class Ready> bool wait(Ready ready, std::chrono::steady_clock::duration limit)
 	{
 		for (int i = 0; i < maxSpins; ++i) {
@@ -61,41 +65,48 @@ bool SharedLoop::lead(int begin, int end, void (*work)(void*, int), void* contex
 bool SharedLoop::leadSlice(int begin, int count)
 {
 	const std::uint64_t size = count, threads = threads_;
-	begin_                   = begin;
+	begin_ = begin;
 	++serial_;
 	done_.store(0, std::memory_order_relaxed);
-	for (std::uint64_t t = 0; t < threads; ++t)
-		parts_[t].word.store(pack(serial_, size * t / threads, size * (t + 1) / threads), std::memory_order_release);
-	done_.fetch_add(take(0), std::memory_order_acq_rel);
+	for (std::uint64_t t = 0; t < threads; ++t) {
+		const std::uint64_t part = pack(serial_, size * t / threads, size * (t + 1) / threads);
+		parts_[t].word.store(part, std::memory_order_release);
+	}
+	done_.fetch_add(work(0), std::memory_order_acq_rel);
 	const auto complete = [&] { return done_.load(std::memory_order_acquire) == count; };
 	if (wait(complete, leaderStall)) return true;
 	wait(complete, std::chrono::steady_clock::duration::max());
 	return false;
 }
 
-int SharedLoop::take(int self)
+int SharedLoop::work(int self)
 {
-	int taken = 0;
+	int processed = 0;
 	for (int k = 0; k < threads_; ++k) {
 		std::atomic<std::uint64_t>& part = parts_[(self + k) % threads_].word;
 		std::uint64_t               word = part.load(std::memory_order_acquire);
 		while ((word & indexMask) < (word >> indexBits & indexMask)) {
-			if (!part.compare_exchange_weak(word, word + 1, std::memory_order_acq_rel, std::memory_order_acquire)) continue;
-			work_(context_, begin_ + int(word & indexMask)); // the loop stands until this index is counted as done
-			++taken;
+			if (!part.compare_exchange_weak(
+			            word, word + 1, std::memory_order_acq_rel, std::memory_order_acquire))
+				continue;
+			// work_ and context_ stay valid: the leader waits until this index counts as done
+			work_(context_, begin_ + int(word & indexMask));
+			++processed;
 			word = part.load(std::memory_order_acquire);
 		}
 	}
-	return taken;
+	return processed;
 }
 
 void SharedLoop::help(int self)
 {
 	std::uint64_t seen = parts_[self].word.load(std::memory_order_acquire);
 	while (isOpen()) {
-		if (const int taken = take(self)) done_.fetch_add(taken, std::memory_order_acq_rel);
-		const auto news = [&] { return parts_[self].word.load(std::memory_order_acquire) != seen || !isOpen(); };
-		if (!wait(news, helperPatience)) return;
+		if (const int processed = work(self)) done_.fetch_add(processed, std::memory_order_acq_rel);
+		const auto hasWork = [&] {
+			return parts_[self].word.load(std::memory_order_acquire) != seen || !isOpen();
+		};
+		if (!wait(hasWork, helperPatience)) return;
 		seen = parts_[self].word.load(std::memory_order_acquire);
 	}
 }

@@ -4,68 +4,83 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "parallel/team.hpp"
+#include "parallel/thread_team.hpp"
 
 namespace rcr {
 
 namespace {
 
-	constexpr double normalTolerance = 2e-6; // distance of a normal's squared length from 1 [-]
-	// A point that closes and slips has a residual of some 1/µ only (µ |u_t| outweighs u_n), and counts as solved at the usual tolerance of 1e-4
-	// where µ > 1e4. 1e3 is 89.94°: nothing slides there any more.
+	constexpr double normalTolerance = 2e-6; // deviation of |n|² from 1 [-]
+	/// A point that closes and slips has a residual of about 1/µ, because µ |u_t| exceeds u_n. For
+	/// µ > 1e4 it would meet the default tolerance. 1e3 is an angle of 89.94°: points stick.
 	constexpr double maxFriction = 1e3;
 
-	[[noreturn]] void refuse(const char* what, std::size_t index, const char* wanted)
+	[[noreturn]] void refuse(const char* what, std::size_t index, const char* problem)
 	{
 		std::ostringstream message;
-		message << what << ' ' << index << ": " << wanted;
+		message << what << ' ' << index << ": " << problem;
 		throw std::invalid_argument(message.str());
 	}
 
-	void checkSize(const char* what, std::size_t given, std::size_t wanted)
+	void checkSize(const char* what, std::size_t given, std::size_t expected)
 	{
-		if (given == wanted) return;
+		if (given == expected) return;
 		std::ostringstream message;
-		message << what << " holds " << given << " entries; wanted " << wanted;
+		message << what << " holds " << given << " entries; expected " << expected;
 		throw std::invalid_argument(message.str());
 	}
 
-	/// Without a branch: x − x is 0, or NaN where x is not finite.
-	template <class... Values> bool finite(Values... values) { return ((values - values) + ...) == 0; }
-
-	bool sound(const InverseMass& m, const Twist& v)
+	/// Free of branches: x − x is 0, or NaN if x is not finite.
+	template <class... Values> bool finite(Values... values)
 	{
-		return finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation) & (m.x >= 0) & (m.y >= 0) & (m.rotation >= 0);
+		return ((values - values) + ...) == 0;
 	}
 
-	bool inRange(const ContactPoint& c, std::size_t bodies)
+	bool isValid(const InverseMass& m, const Twist& v)
 	{
-		return (std::size_t(c.body1) < bodies) & (std::size_t(c.body2) < bodies); // a negative id is a huge one
+		return finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation) & (m.x >= 0) & (m.y >= 0)
+		        & (m.rotation >= 0);
 	}
 
-	bool unit(Vec2 normal) { return std::abs(dot(normal, normal) - 1) <= normalTolerance; }
-
-	bool sound(const ContactPoint& c, const Impulse& p, std::size_t bodies)
+	bool idsInRange(const ContactPoint& c, std::size_t bodies)
 	{
-		return inRange(c, bodies) & (c.body1 != c.body2) & unit(c.normal) & (c.friction >= 0) & (c.friction <= maxFriction)
-		        & finite(c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t);
+		// a negative id becomes huge
+		return (std::size_t(c.body1) < bodies) & (std::size_t(c.body2) < bodies);
+	}
+
+	bool isUnit(Vec2 normal) { return std::abs(dot(normal, normal) - 1) <= normalTolerance; }
+
+	bool isValid(const ContactPoint& c, const Impulse& p, std::size_t bodies)
+	{
+		return idsInRange(c, bodies) & (c.body1 != c.body2) & isUnit(c.normal) & (c.friction >= 0)
+		        & (c.friction <= maxFriction)
+		        & finite(
+		                c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, c.drift.x,
+		                c.drift.y, c.shift.x, c.shift.y, p.n, p.t);
 	}
 
 	[[noreturn]] void refuseBody(std::size_t i, const InverseMass& m, const Twist& v)
 	{
-		if (!finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation)) refuse("body", i, "a mass or velocity is not finite");
-		refuse("body", i, "an inverse mass is negative; wanted 1/m > 0, or 0 for prescribed motion");
+		if (!finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation))
+			refuse("body", i, "a mass or velocity is not finite");
+		refuse("body", i,
+		       "an inverse mass is negative; expected 1/m > 0, or 0 for prescribed motion");
 	}
 
-	[[noreturn]] void refusePoint(std::size_t k, const ContactPoint& c, const Impulse& p, std::size_t bodies)
+	[[noreturn]] void refusePoint(
+	        std::size_t k, const ContactPoint& c, const Impulse& p, std::size_t bodies)
 	{
-		if (!inRange(c, bodies)) refuse("contact point", k, "body id out of range");
+		if (!idsInRange(c, bodies)) refuse("contact point", k, "body id out of range");
 		if (c.body1 == c.body2) refuse("contact point", k, "both bodies are the same");
-		if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t))
+		if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
+		            c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t))
 			refuse("contact point", k, "a number is not finite");
-		if (!unit(c.normal)) refuse("contact point", k, "the normal is not of unit length");
-		if (c.friction < 0) refuse("contact point", k, "the friction coefficient is negative; wanted µ ≥ 0");
-		refuse("contact point", k, "the friction coefficient is above 1000, where errors cannot be seen beside it; give a friction angle of at most 89.9°");
+		if (!isUnit(c.normal)) refuse("contact point", k, "the normal is not of unit length");
+		if (c.friction < 0)
+			refuse("contact point", k, "the friction coefficient is negative; expected µ ≥ 0");
+		refuse("contact point", k,
+		       "the friction coefficient is above 1000, too large to measure errors; give a "
+		       "friction angle of at most 89.9°");
 	}
 
 } // namespace
@@ -84,15 +99,16 @@ void updateVelocity(ContactProblem& problem)
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		applyImpulse(
-		        c,
-		        problem.impulse[k],
-		        problem.inverseMass[c.body1],
-		        problem.inverseMass[c.body2],
-		        problem.velocity[c.body1],
-		        problem.velocity[c.body2]);
-		stretching = stretching + componentwise(c.shift, problem.impulse[k].n * c.normal + problem.impulse[k].t * perp(c.normal));
+		        c, problem.impulse[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
+		        problem.velocity[c.body1], problem.velocity[c.body2]);
+		stretching
+		        = stretching
+		        + componentwise(
+		                  c.shift,
+		                  problem.impulse[k].n * c.normal + problem.impulse[k].t * perp(c.normal));
 	}
-	if (problem.stretches()) problem.setStretch(componentwise(problem.inverseStretchMass, stretching));
+	if (problem.stretches())
+		problem.setStretch(componentwise(problem.inverseStretchMass, stretching));
 }
 
 double fastestPrescribedMotion(const ContactProblem& problem)
@@ -110,18 +126,23 @@ double fastestPrescribedMotion(const ContactProblem& problem)
 	return fastest;
 }
 
-void checkProblem(const ContactProblem& problem, Team& team)
+void checkProblem(const ContactProblem& problem, ThreadTeam& team)
 {
 	const std::size_t bodies = problem.inverseMass.size();
 	checkSize("freeVelocity", problem.freeVelocity.size(), bodies);
 	checkSize("impulse", problem.impulse.size(), problem.points.size());
-	if (!problem.recovery.empty()) checkSize("recovery", problem.recovery.size(), problem.points.size());
+	if (!problem.recovery.empty())
+		checkSize("recovery", problem.recovery.size(), problem.points.size());
 	const Vec2 m = problem.inverseStretchMass, g = problem.stretch;
-	if (!finite(m.x, m.y, g.x, g.y) || m.x < 0 || m.y < 0) throw std::invalid_argument("the cell: a mass or rate is not finite, or an inverse mass is negative");
+	if (!finite(m.x, m.y, g.x, g.y) || m.x < 0 || m.y < 0)
+		throw std::invalid_argument("the cell: an inverse mass or stretch rate is not finite, or "
+		                            "an inverse mass is negative");
 	for (std::size_t i = 0; i < bodies; ++i)
-		if (!sound(problem.inverseMass[i], problem.freeVelocity[i])) refuseBody(i, problem.inverseMass[i], problem.freeVelocity[i]);
+		if (!isValid(problem.inverseMass[i], problem.freeVelocity[i]))
+			refuseBody(i, problem.inverseMass[i], problem.freeVelocity[i]);
 	team.forEach(problem.points.size(), [&](std::size_t k) {
-		if (!sound(problem.points[k], problem.impulse[k], bodies)) refusePoint(k, problem.points[k], problem.impulse[k], bodies);
+		if (!isValid(problem.points[k], problem.impulse[k], bodies))
+			refusePoint(k, problem.points[k], problem.impulse[k], bodies);
 	});
 }
 

@@ -1,26 +1,27 @@
-// The contact problem of one time step: all bodies and contact points, solved together.
+// The contact problem of one time step: all bodies and contact points are solved together.
 //
-//   v = v_free + M⁻¹ Jᵀ p             equation of motion over one step
-//   u = v₂ + d + ω₂ × r₂ − v₁ − ω₁ × r₁   relative velocity at a point, (n, t) components
-//   0 ≤ u_n + b_n  ⟂  p_n ≥ 0         Signorini
-//   |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0     Coulomb
+//   v = v_free + M⁻¹ Jᵀ p                                   equation of motion over one step
+//   u = v₂ + d + ω₂ × r₂ − v₁ − ω₁ × r₁                     relative velocity, components (n, t)
+//   0 ≤ u_n + b_n  ⟂  p_n ≥ 0                               Signorini
+//   |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0    Coulomb
 //
-// A periodic cell may stretch under its contacts, as a body of two more degrees of freedom: its rates of stretching g along x and y change
-// by  δg = M_c⁻¹ Σ f ∘ s,  f the impulse of a point and s the shift of the image of its body 2, and d holds δg ∘ s.
+// A periodic cell that may stretch has two more degrees of freedom, its stretch rates along x and
+// y. Contacts change them by δg = M_c⁻¹ Σ f ∘ s, with f the impulse of a point in x and y; d
+// includes δg ∘ s.
 //
-// | symbol     | field                | unit      | meaning                                        |
-// |------------|----------------------|-----------|------------------------------------------------|
-// | v, ω       | Twist                | m/s, 1/s  | velocity of a body                             |
-// | M⁻¹        | InverseMass          | 1/kg, 1/(kg m²) | 0 = that degree of freedom is prescribed |
-// | n          | normal               | –         | unit, from body 1 to body 2; t = n turned by +90° |
-// | r₁, r₂     | arm1, arm2           | m         | point minus centre of body 1, of body 2        |
-// | b_n        | bias                 | m/s       | gap/dt where open, restitution where it bounces |
-// | µ          | friction             | –         | Coulomb coefficient                            |
-// | d          | drift                | m/s       | velocity of the image of body 2 that body 1 meets, relative to body 2 (periodic cell) |
-// | s          | shift                | m         | from body 2 to that image, where the cell may stretch; else 0 |
-// | M_c⁻¹      | inverseStretchMass   | 1/(kg m²) | 0 = the cell's motion is prescribed |
-// | δg         | stretch              | 1/s       | change of the rates of stretching that contacts make; out |
-// | p          | Impulse              | N s       | on body 2, reaction on body 1; p_n ≥ 0 pushes apart |
+// | symbol | field              | unit      | meaning                                             |
+// |--------|--------------------|-----------|-----------------------------------------------------|
+// | v, ω   | Twist              | m/s, 1/s  | velocity of a body                                  |
+// | M⁻¹    | InverseMass        | 1/kg, 1/(kg m²) | 0: this degree of freedom is prescribed       |
+// | n      | normal             | –         | unit, from body 1 to body 2; t: n rotated by +90°   |
+// | r₁, r₂ | arm1, arm2         | m         | point minus centre of body 1, of body 2             |
+// | b_n    | bias               | m/s       | gap/dt if open, restitution if the point bounces    |
+// | µ      | friction           | –         | Coulomb coefficient                                 |
+// | d      | drift              | m/s       | velocity of the periodic image of body 2, relative  |
+// | s      | shift              | m         | from body 2 to that image; 0 for a rigid cell       |
+// | M_c⁻¹  | inverseStretchMass | 1/(kg m²) | 0: the motion of the cell is prescribed             |
+// | δg     | stretch            | 1/s       | out: change of the stretch rates by contacts        |
+// | p      | Impulse            | N s       | on body 2, reaction on body 1; p_n ≥ 0 pushes apart |
 //
 // Masses, impulses and forces are per unit depth of the plane.
 // Source: Moreau 1999 (contact dynamics); Jean 1999; De Saxcé and Feng 1998 (residual.hpp).
@@ -33,10 +34,10 @@
 
 namespace rcr {
 
-class Team;
+class ThreadTeam;
 
 struct InverseMass {
-	double x = 0, y = 0; // 1/m along each axis: a mobile wall is free along one
+	double x = 0, y = 0; // 1/m along each axis; a mobile wall is free along one axis
 	double rotation = 0; // 1/I
 };
 
@@ -44,7 +45,7 @@ struct Twist {
 	double x = 0, y = 0, rotation = 0;
 };
 
-/// (n, t) components at a contact point: of an impulse, and of the velocity that goes with it.
+/// Components (n, t) at a contact point, of an impulse or of its conjugate velocity.
 struct Impulse {
 	double n = 0, t = 0;
 };
@@ -64,28 +65,36 @@ struct ContactPoint {
 	Vec2         shift;
 
 	bool drifts() const { return drift.x != 0 || drift.y != 0 || shift.x != 0 || shift.y != 0; }
-	/// d without the stretch δg that it holds.
+	/// d without the contribution δg ∘ s of the stretch.
 	Vec2 freeDrift(Vec2 stretch) const { return drift - componentwise(stretch, shift); }
 };
 
 struct ContactProblem {
-	std::vector<InverseMass>  inverseMass;  // a body
-	std::vector<Twist>        freeVelocity; // a body: velocity at the end of the step without contact impulses
-	std::vector<ContactPoint> points;       // a contact point; the points of a pair stand side by side
-	std::vector<Impulse>      impulse;      // a contact point: warm start in, solution out
-	std::vector<Twist>        velocity;     // a body: out, consistent with `impulse`
-	std::vector<double>       recovery;     // a contact point: bias ≤ 0 of a step whose contacts yield, by which overlaps are taken back; empty: none
-	Vec2                      inverseStretchMass;
-	Vec2                      stretch;      // what the points' drifts hold of it
+	// per body
+	std::vector<InverseMass> inverseMass;
+	std::vector<Twist>       freeVelocity; // at the end of the step, without contact impulses
+	std::vector<Twist>       velocity;     // out: consistent with `impulse`
+
+	// per contact point; the points of a pair are adjacent
+	std::vector<ContactPoint> points;
+	std::vector<Impulse>      impulse; // in: warm start; out: solution
+	std::vector<double> recovery; // bias ≤ 0 of yielding contacts, corrects overlaps; or empty
+
+	Vec2 inverseStretchMass;
+	Vec2 stretch; // included in the drifts of the points
 
 	bool stretches() const { return inverseStretchMass.x > 0 || inverseStretchMass.y > 0; }
-	/// Another stretch: the drifts of all points follow.
+	/// Sets the stretch and updates the drifts of all points.
 	void setStretch(Vec2);
 
-	/// No impulse changes the motion of this body.
-	bool prescribed(int body) const { return inverseMass[body].x == 0 && inverseMass[body].y == 0 && inverseMass[body].rotation == 0; }
+	/// True if no impulse changes the motion of this body.
+	bool prescribed(int body) const
+	{
+		const InverseMass& m = inverseMass[body];
+		return m.x == 0 && m.y == 0 && m.rotation == 0;
+	}
 
-	/// The prescribed components of the motion of a body; free components are zero [m/s, 1/s].
+	/// Prescribed components of the velocity of a body; free components are 0 [m/s, 1/s].
 	Twist prescribedMotion(int body) const
 	{
 		const InverseMass& m = inverseMass[body];
@@ -93,7 +102,7 @@ struct ContactProblem {
 		return { m.x == 0 ? v.x : 0, m.y == 0 ? v.y : 0, m.rotation == 0 ? v.rotation : 0 };
 	}
 
-	/// A driven body has a prescribed component of motion that is not zero, whatever else is free.
+	/// A driven body has a prescribed velocity component that is not zero.
 	bool driven(int body) const
 	{
 		const Twist v = prescribedMotion(body);
@@ -101,17 +110,18 @@ struct ContactProblem {
 	}
 };
 
-/// The fastest prescribed motion at any contact point, of bodies and of periodic images [m/s].
+/// Largest prescribed speed at any contact point, of bodies and of periodic images [m/s].
 double fastestPrescribedMotion(const ContactProblem&);
 
-/// u at a point for the body velocities given, in (n, t).
+/// u at a point for given velocities of its bodies, components (n, t) [m/s].
 inline Impulse relativeVelocity(const ContactPoint& c, const Twist& v1, const Twist& v2)
 {
-	const Vec2 u = Vec2 { v2.x, v2.y } + cross(v2.rotation, c.arm2) - Vec2 { v1.x, v1.y } - cross(v1.rotation, c.arm1) + c.drift;
+	const Vec2 u = Vec2 { v2.x, v2.y } + cross(v2.rotation, c.arm2) - Vec2 { v1.x, v1.y }
+	        - cross(v1.rotation, c.arm1) + c.drift;
 	return { dot(u, c.normal), dot(u, perp(c.normal)) };
 }
 
-/// u at a point at the free velocities of its bodies, without the stretch that contacts cause.
+/// u at a point for the free velocities of its bodies, without the stretch by contacts [m/s].
 inline Impulse freeRelativeVelocity(const ContactProblem& problem, const ContactPoint& c)
 {
 	ContactPoint free = c;
@@ -120,7 +130,9 @@ inline Impulse freeRelativeVelocity(const ContactProblem& problem, const Contact
 }
 
 /// Adds M⁻¹ Jᵀ p of one point to the velocities of its two bodies.
-inline void applyImpulse(const ContactPoint& c, const Impulse& p, const InverseMass& m1, const InverseMass& m2, Twist& v1, Twist& v2)
+inline void applyImpulse(
+        const ContactPoint& c, const Impulse& p, const InverseMass& m1, const InverseMass& m2,
+        Twist& v1, Twist& v2)
 {
 	const Vec2 f = p.n * c.normal + p.t * perp(c.normal);
 	v1.x -= m1.x * f.x;
@@ -131,11 +143,12 @@ inline void applyImpulse(const ContactPoint& c, const Impulse& p, const InverseM
 	v2.rotation += m2.rotation * cross(c.arm2, f);
 }
 
-/// v_free + M⁻¹ Jᵀ p for the impulses of the problem, written to `velocity`; and the stretch, where the cell may.
+/// Writes v_free + M⁻¹ Jᵀ p to `velocity`, and sets the stretch if the cell can stretch.
 void updateVelocity(ContactProblem&);
 
-/// Throws std::invalid_argument for arrays of different lengths, an id out of range, a number that is not finite, a
-/// negative mass or friction, or a normal that is not of unit length.
-void checkProblem(const ContactProblem&, Team&);
+/// Throws std::invalid_argument, naming the body or point, for arrays of different lengths, an id
+/// out of range, a number that is not finite, or a negative mass. Also for a negative friction or
+/// one above 1000, and for a normal whose length is not 1.
+void checkProblem(const ContactProblem&, ThreadTeam&);
 
 } // namespace rcr

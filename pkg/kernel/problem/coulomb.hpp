@@ -1,15 +1,19 @@
-// The contact problem of one point, solved exactly.
+// Exact solution of the contact problem of one point.
 //
-// Given the Delassus block W = [w_nn w_nt; w_nt w_tt] and the relative velocity g = (g_n + b_n, g_t) that the point
-// would have without its own impulse, find p with u = W p + g,
+// Given are the Delassus block W = [w_nn w_nt; w_nt w_tt] and g = (g_n + b_n, g_t), the relative
+// velocity without the impulse of this point. The solution p satisfies u = W p + g:
+//
 //   0 ≤ u_n ⟂ p_n ≥ 0,  |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0.
-// In the plane the cone has three faces, so the solution is found by trying them:
-//   apart   g_n ≥ 0                                    p = 0
-//   stick   p = −W⁻¹ g inside the cone
+//
+// In the plane there are three cases. They are tried in this order:
+//
+//   open    g_n ≥ 0                                     p = 0
+//   stick   p = −W⁻¹ g lies in the cone
 //   slide   p_t = s µ p_n,  p_n = −g_n / (w_nn + s µ w_nt),  s = ±1 against u_t
-// While µ |w_nt| < w_nn exactly one face fits. Beyond (Painlevé) sliding on the side where w_nn + s µ w_nt ≤ 0 is
-// inconsistent and the other faces are taken: an impact without collision.
-// Source: Moreau 1988; Jean 1999, §4; Génot and Brogliato 1999 for the Painlevé case.
+//
+// If µ |w_nt| < w_nn, exactly one case holds. Otherwise (Painlevé) sliding is inconsistent on the
+// side where w_nn + s µ w_nt ≤ 0, and the other side is taken: an impact without collision.
+// Source: Moreau 1988; Jean 1999, §4; Génot and Brogliato 1999 (Painlevé case).
 #pragma once
 
 #include <cmath>
@@ -26,14 +30,15 @@ struct Delassus {
 inline Delassus delassus(const ContactPoint& c, const InverseMass& m1, const InverseMass& m2)
 {
 	const Vec2   n = c.normal, t = perp(c.normal);
-	const double n1 = cross(c.arm1, n), t1 = cross(c.arm1, t), n2 = cross(c.arm2, n), t2 = cross(c.arm2, t);
+	const double n1 = cross(c.arm1, n), t1 = cross(c.arm1, t), n2 = cross(c.arm2, n),
+	             t2 = cross(c.arm2, t);
 	const double x = m1.x + m2.x, y = m1.y + m2.y;
 	return { x * n.x * n.x + y * n.y * n.y + m1.rotation * n1 * n1 + m2.rotation * n2 * n2,
-		 x * n.x * t.x + y * n.y * t.y + m1.rotation * n1 * t1 + m2.rotation * n2 * t2,
-		 x * t.x * t.x + y * t.y * t.y + m1.rotation * t1 * t1 + m2.rotation * t2 * t2 };
+		     x * n.x * t.x + y * n.y * t.y + m1.rotation * n1 * t1 + m2.rotation * n2 * t2,
+		     x * t.x * t.x + y * t.y * t.y + m1.rotation * t1 * t1 + m2.rotation * t2 * t2 };
 }
 
-/// The same in a cell that may stretch: body 2 is lighter, since its image moves with the cell too.
+/// J M⁻¹ Jᵀ of one point, including the stretch of the cell, which also moves the image of body 2.
 inline Delassus delassus(const ContactProblem& problem, const ContactPoint& c)
 {
 	const Vec2  cell = componentwise(problem.inverseStretchMass, componentwise(c.shift, c.shift));
@@ -43,35 +48,40 @@ inline Delassus delassus(const ContactProblem& problem, const ContactPoint& c)
 	return delassus(c, problem.inverseMass[c.body1], m2);
 }
 
-/// The impulse of one point; `gn` holds g_n + b_n. Needs w.nn > 0.
+/// Impulse of one point [N s]; `gn` is g_n + b_n [m/s]. Requires w.nn > 0.
 inline Impulse solveCoulomb(const Delassus& w, double gn, double gt, double friction)
 {
 	if (gn >= 0) return {};
-	const double slip = gt - w.nt * gn / w.nn; // what slides without friction
+	const double slip = gt - w.nt * gn / w.nn; // tangential velocity without friction
 	if (friction <= 0 || slip == 0) return { -gn / w.nn, 0 };
-	const double schur = w.tt - w.nt * w.nt / w.nn; // 0 where friction moves nothing: a wall with one degree of freedom
+	const double schur = w.tt - w.nt * w.nt / w.nn; // 0 for a wall that moves along n only
 	if (schur > 0) {
 		const double t = -slip / schur, n = -(gn + w.nt * t) / w.nn;
 		if (std::abs(t) <= friction * n) return { n, t };
 	}
 	const double s     = slip > 0 ? -friction : friction;
-	const double slide = w.nn + s * w.nt > 0 ? s : -s; // Painlevé: the face against the slip is inconsistent
+	const double slide = w.nn + s * w.nt > 0 ? s : -s; // Painlevé: opposing slip is inconsistent
 	const double n     = -gn / (w.nn + slide * w.nt);
 	return { n, slide * n };
 }
 
-/// Share of the restitution b_n < 0 that one point keeps so as to give no energy: the largest φ ≤ 1 with p · (u + u⁻) ≤ 0 for the p
-/// and u of φ b_n, all other points as they are. 1 unless the point gains more than a thousandth of |p| |u⁻|, which is the solver's.
-inline double passiveShare(const Delassus& w, Impulse p, Impulse before, Impulse after, double bias, double friction)
+/// Largest factor φ ≤ 1 of the restitution bias b_n < 0 for which one point adds no energy:
+/// p · (u + u⁻) ≤ 0, with p and u the solution for φ b_n and all other impulses fixed [-].
+/// Returns 1 if the gain is below 1e-3 |p| |u⁻|, the error of the solver.
+inline double passiveRestitutionFactor(
+        const Delassus& w, Impulse p, Impulse before, Impulse after, double bias, double friction)
 {
-	const auto    work = [&](Impulse q, Impulse u) { return q.n * (u.n + before.n) + q.t * (u.t + before.t); };
-	const Impulse rest { after.n - w.nn * p.n - w.nt * p.t, after.t - w.nt * p.n - w.tt * p.t }; // u without p
+	const auto work
+	        = [&](Impulse q, Impulse u) { return q.n * (u.n + before.n) + q.t * (u.t + before.t); };
+	const Impulse rest { after.n - w.nn * p.n - w.nt * p.t,
+		                 after.t - w.nt * p.n - w.tt * p.t }; // u without p
 	if (work(p, after) <= 1e-3 * std::hypot(p.n, p.t) * std::hypot(before.n, before.t)) return 1;
 	double passive = 0, active = 1;
 	for (int halving = 0; halving < 30; ++halving) {
-		const double  share = 0.5 * (passive + active);
-		const Impulse q     = solveCoulomb(w, rest.n + share * bias, rest.t, friction);
-		(work(q, { rest.n + w.nn * q.n + w.nt * q.t, rest.t + w.nt * q.n + w.tt * q.t }) > 0 ? active : passive) = share;
+		const double  factor = 0.5 * (passive + active);
+		const Impulse q      = solveCoulomb(w, rest.n + factor * bias, rest.t, friction);
+		const Impulse u { rest.n + w.nn * q.n + w.nt * q.t, rest.t + w.nt * q.n + w.tt * q.t };
+		(work(q, u) > 0 ? active : passive) = factor;
 	}
 	return passive;
 }
@@ -80,7 +90,7 @@ inline double passiveShare(const Delassus& w, Impulse p, Impulse before, Impulse
 inline Impulse projectCone(Impulse p, double friction)
 {
 	const double t = std::abs(p.t);
-	if (friction * t <= -p.n) return {}; // first: where µ = t = 0 the other test holds for any n
+	if (friction * t <= -p.n) return {}; // first: for µ = t = 0, the next test holds for any n
 	if (t <= friction * p.n) return p;
 	const double n = (p.n + friction * t) / (1 + friction * friction);
 	return { n, std::copysign(friction * n, p.t) };

@@ -10,8 +10,8 @@ namespace rcr {
 
 namespace {
 
-	constexpr double beyond = 3;    // change of velocity that no solution is worth, over V
-	constexpr double least  = 1e-3; // of the largest impulse of a direction: smaller ones are its noise
+	constexpr double maxChange  = 3;    // velocity change over V that no solution requires
+	constexpr double noiseShare = 1e-3; // impulses below this share of the largest one are noise
 
 	double mass(const InverseMass& m)
 	{
@@ -22,14 +22,14 @@ namespace {
 	double work(const Impulse& p, const Impulse& u) { return p.n * u.n + p.t * u.t; }
 
 	/// V of a direction.
-	double typicalChange(const ContactProblem& problem, const std::vector<Impulse>& d)
+	double velocityScale(const ContactProblem& problem, const std::vector<Impulse>& d)
 	{
 		double largest = 0, speed2 = 0, opening = 0, total = 0;
 		for (const Impulse& one : d)
 			largest = std::max(largest, one.n);
 		std::vector<bool> acts(problem.inverseMass.size());
 		for (std::size_t k = 0; k < d.size(); ++k) {
-			if (d[k].n <= least * largest) continue;
+			if (d[k].n <= noiseShare * largest) continue;
 			const ContactPoint& c = problem.points[k];
 			const Impulse       u = freeRelativeVelocity(problem, c);
 			speed2                = std::max(speed2, work(u, u));
@@ -41,78 +41,90 @@ namespace {
 		return std::sqrt(total) * (std::sqrt(speed2) + opening);
 	}
 
-	bool isTooMuch(double energy, double typicalChange) { return 2 * std::sqrt(std::max(energy, 0.0)) > beyond * typicalChange; }
+	bool exceeds(double energy, double velocityScale)
+	{
+		return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * velocityScale;
+	}
 
 } // namespace
 
-double requiredSpeed(const ContactProblem& problem, const std::vector<Impulse>& direction)
+double velocityChangeBound(const ContactProblem& problem, const std::vector<Impulse>& direction)
 {
 	std::vector<Impulse> d(direction.size());
-	std::vector<Twist>   moved(problem.inverseMass.size()); // M⁻¹Jᵀd
-	Vec2                 stretching;
+	std::vector<Twist>   change(problem.inverseMass.size()); // M⁻¹Jᵀd
+	Vec2                 stretchImpulse;
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		d[k]                  = projectCone(direction[k], c.friction);
-		applyImpulse(c, d[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2], moved[c.body1], moved[c.body2]);
-		stretching = stretching + componentwise(c.shift, d[k].n * c.normal + d[k].t * perp(c.normal));
+		applyImpulse(
+		        c, d[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
+		        change[c.body1], change[c.body2]);
+		stretchImpulse = stretchImpulse
+		        + componentwise(c.shift, d[k].n * c.normal + d[k].t * perp(c.normal));
 	}
-	const Vec2 stretch = componentwise(problem.inverseStretchMass, stretching);
-	double pressed = 0, energy = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
+	const Vec2 stretch = componentwise(problem.inverseStretchMass, stretchImpulse);
+	double     closing = 0, norm2 = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
-		pressed -= work(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
-		ContactPoint still = c; // impulses move the image of a body by the cell's stretch alone
-		still.drift        = componentwise(stretch, c.shift);
-		energy += work(d[k], relativeVelocity(still, moved[c.body1], moved[c.body2]));
+		closing -= work(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
+		ContactPoint response
+		        = c; // impulses move the image of body 2 through the stretch of the cell only
+		response.drift = componentwise(stretch, c.shift);
+		norm2 += work(d[k], relativeVelocity(response, change[c.body1], change[c.body2]));
 	}
-	if (!(pressed > 0)) return 0;
-	return energy > 0 ? pressed / (std::sqrt(energy) * typicalChange(problem, d)) : std::numeric_limits<double>::infinity();
+	if (!(closing > 0)) return 0;
+	return norm2 > 0 ? closing / (std::sqrt(norm2) * velocityScale(problem, d))
+	                 : std::numeric_limits<double>::infinity();
 }
 
-double energyTaken(const ContactProblem& problem)
+double dissipatedEnergy(const ContactProblem& problem)
 {
 	double energy = 0;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		const Impulse&      p = problem.impulse[k];
-		energy -= work(p, relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2])) + p.n * c.bias;
+		energy -= work(p, relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]))
+		        + p.n * c.bias;
 	}
 	return energy;
 }
 
-bool worseThanNone(const ContactProblem& problem)
+bool hasPositiveCost(const ContactProblem& problem)
 {
 	double sum = 0;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		const Impulse&      p = problem.impulse[k];
-		const Impulse       u = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
+		const Impulse u = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 		sum += 0.5 * (work(p, u) + work(p, freeRelativeVelocity(problem, c))) + p.n * c.bias;
 	}
-	return !(sum <= 0); // nor is it where impulses are so large that their products overflow
+	return !(sum <= 0); // true also if products of large impulses overflow to NaN
 }
 
-bool takesTooMuch(const ContactProblem& problem) { return isTooMuch(energyTaken(problem), typicalChange(problem, problem.impulse)); }
+bool exceedsEnergyBound(const ContactProblem& problem)
+{
+	return exceeds(dissipatedEnergy(problem), velocityScale(problem, problem.impulse));
+}
 
-bool mayTakeTooMuch(const ContactProblem& problem, double energy, double freeSpeed)
+bool mayExceedEnergyBound(const ContactProblem& problem, double energy, double freeSpeed)
 {
 	double total = 0;
 	for (const InverseMass& m : problem.inverseMass)
 		total += mass(m);
-	return isTooMuch(energy, std::sqrt(total) * freeSpeed);
+	return exceeds(energy, std::sqrt(total) * freeSpeed);
 }
 
-bool growsWithoutBound(const ContactProblem& problem, const std::vector<Impulse>& before)
+bool isDivergent(const ContactProblem& problem, const std::vector<Impulse>& before)
 {
-	double               grown2 = 0, size2 = 0;
+	double               growth2 = 0, size2 = 0;
 	std::vector<Impulse> d(before.size());
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const Impulse& p = problem.impulse[k];
 		d[k]             = { p.n - before[k].n, p.t - before[k].t };
-		grown2 += work(d[k], d[k]);
+		growth2 += work(d[k], d[k]);
 		size2 += work(p, p);
 	}
-	return grown2 > leastGrowth * leastGrowth * size2 && requiredSpeed(problem, d) > beyond;
+	return growth2 > minGrowth * minGrowth * size2 && velocityChangeBound(problem, d) > maxChange;
 }
 
 } // namespace rcr

@@ -1,46 +1,55 @@
-// Whether the contact laws of a step ask for more than its bodies can do.
+// Tests whether a step has no solution: the contact laws require more than the bodies can do.
 //
-// Admissible velocities v open every point faster than friction can hold it: u_n + b_n ≥ µ |u_t|. Where some exist (with > instead
-// of ≥), the step has a solution. Every d in the cones K = { |d_t| ≤ µ d_n } has d · (u + b_n n) ≥ 0 for all of them, and with
-// u = u_free + J (v − v_free) this bounds how far they are from the free velocities:
+// Velocities v are admissible if every point opens faster than friction can hold: u_n + b_n ≥ µ
+// |u_t|. If strictly admissible velocities exist, the step has a solution. For every d in the cones
+// K = { |d_t| ≤ µ d_n }, admissible velocities satisfy d · (u + b_n n) ≥ 0. With u = u_free + J (v
+// − v_free), this bounds their distance to the free velocities:
 //
 //   ‖v − v_free‖_M ≥ −d · (u_free + b_n n) / ‖M^(−1/2) Jᵀ d‖
 //
-// Impulses d that grow without moving anything (Jᵀ d → 0) while they are pressed together make the bound infinite: a certificate that no
-// velocities do, as for a wedge between driven walls. Solvers of a step without a solution find such impulses by themselves.
+// An infinite bound certifies that no admissible velocities exist: impulses d grow, move nothing
+// (Jᵀ d → 0), and are pressed together. An example is a wedge between driven walls. Solvers diverge
+// along such directions in a step without a solution.
 //
-// The scale of such a change is V = √(Σ m) (max |u_free| + Σ max(0, −b_n)), of the bodies and points where d acts: overlaps that are to
-// open push a row of bodies apart at the sum of their speeds. Measured on beds that rest, flow or are driven, of 20 to 2000 grains: solved
-// steps need at most 1.0 V by their impulses and take at most 0.2 V² of energy; sweeps on from where a solver missed its tolerance prove at
-// most 0.2 V. In steps without a solution all of them grow beyond any bound.
-// Source: Acary, Cadoux, Lemaréchal and Malick 2011 (criterion); its dual by Farkas' lemma.
+// The scale of a velocity change is V = √(Σ m) (max |u_free| + Σ max(0, −b_n)) over the bodies and
+// points where d acts: overlaps push a row of bodies apart at the sum of their speeds.
+// Measured with 20 to 2000 grains at rest, in flow, and driven: solved steps need at most 1.0 V and
+// dissipate at most 0.2 V². Further sweeps after a missed tolerance prove at most 0.2 V. In steps
+// without a solution all of these grow without bound.
+// Source: Acary, Cadoux, Lemaréchal and Malick 2011 (criterion); Farkas' lemma (its dual).
 #pragma once
 
 #include "problem/contact_problem.hpp"
 
 namespace rcr {
 
-/// The bound above of the impulses `direction`, once projected onto their cones, in units of V [-]. Infinite: no velocities are admissible.
-/// 0: the direction proves nothing.
-double requiredSpeed(const ContactProblem&, const std::vector<Impulse>& direction);
+/// The bound above over V [-], for impulses projected onto their cones. Infinity: no velocities are
+/// admissible. 0: this direction proves nothing.
+double velocityChangeBound(const ContactProblem&, const std::vector<Impulse>& direction);
 
-/// −Σ p · (u + b_n n): the energy that contacts take in the step [J/m]; friction's in a solution, and that of points that close [J/m].
-double energyTaken(const ContactProblem&);
+/// −Σ p · (u + b_n n): energy that contacts dissipate in the step [J/m]. It includes the work of
+/// friction, and of points that still close.
+double dissipatedEnergy(const ContactProblem&);
 
-/// Whether ½ pᵀWp + p · (u_free + b_n n), which frictionless impulses minimise and which is 0 without any, is positive: a step that missed its
-/// tolerance would give energy, as far-off starts of solvers do.
-bool worseThanNone(const ContactProblem&);
+/// True if the cost ½ pᵀWp + p · (u_free + b_n n) is positive or NaN. Frictionless solutions
+/// minimise it; zero impulses cost 0. Impulses of positive cost would add energy to the step:
+/// solvers that start far from the solution can end there.
+bool hasPositiveCost(const ContactProblem&);
 
-/// Whether the impulses take so much energy that, by 2 √energy ≤ the bound of the impulses themselves, velocities would have to change by
-/// more than three times V. True in a step without a solution whose impulses have grown so far that its errors seem small beside them.
-bool takesTooMuch(const ContactProblem&);
-/// The same with all masses and the RMS |u_free| of all points, at the cost of a pass over the bodies: what is to be asked first.
-bool mayTakeTooMuch(const ContactProblem&, double energy, double freeSpeed);
+/// True if 2 √E > 3 V, E being the dissipated energy. With d = p and N² = pᵀWp, the bound above is
+/// (E + N²)/N ≥ 2 √E: the velocities would have to change by more than 3 V.
+/// Detects steps without a solution whose impulses are so large that their relative error is small.
+bool exceedsEnergyBound(const ContactProblem&);
 
-constexpr int    probeSweeps = 100;  // over which impulses grow in a step without a solution …
-constexpr double leastGrowth = 0.03; // … by more than this share; those that converge change by less
+/// Cheaper form of exceedsEnergyBound, to be tested first: one pass over the bodies. It uses the
+/// masses of all bodies and the RMS |u_free| of all points.
+bool mayExceedEnergyBound(const ContactProblem&, double energy, double freeSpeed);
 
-/// Whether the impulses still grow, by `leastGrowth` since `before` at least, and by what proves that velocities would have to change by more than three times V.
-bool growsWithoutBound(const ContactProblem&, const std::vector<Impulse>& before);
+constexpr int    probeSweeps = 100;  // sweeps over which the growth of impulses is measured
+constexpr double minGrowth   = 0.03; // relative growth of diverging impulses; others grow less
+
+/// True if the impulses grew by minGrowth since `before` at least, and if this growth requires a
+/// velocity change of more than 3 V.
+bool isDivergent(const ContactProblem&, const std::vector<Impulse>& before);
 
 } // namespace rcr

@@ -14,10 +14,10 @@ namespace {
 	};
 
 	constexpr Named all[] = { { "frictionless", &Reductions::frictionless },
-		                  { "discs", &Reductions::discs },
-		                  { "fixed", &Reductions::fixed },
-		                  { "islands", &Reductions::islands },
-		                  { "layout", &Reductions::layout } };
+		                      { "discs", &Reductions::discs },
+		                      { "fixed", &Reductions::fixed },
+		                      { "islands", &Reductions::islands },
+		                      { "layout", &Reductions::layout } };
 
 } // namespace
 

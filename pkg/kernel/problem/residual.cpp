@@ -9,10 +9,10 @@ namespace {
 	struct Point {
 		const ContactPoint& c;
 		Delassus            w;
-		Impulse             p, u, miss; // miss = p − P_K(…)
+		Impulse             p, u, error; // error = p − P_K(…)
 	};
 
-	/// Calls visit(point) for every point that can carry something, with the velocities computed anew from the impulses.
+	/// Calls visit(point) for every point with w_nn > 0. Velocities are recomputed from impulses.
 	template <class Visit> void forEachPoint(const ContactProblem& given, Visit visit)
 	{
 		ContactProblem problem = given;
@@ -21,9 +21,12 @@ namespace {
 			const ContactPoint& c = problem.points[k];
 			const Delassus      w = delassus(problem, c);
 			if (w.nn <= 0) continue;
-			const Impulse p = problem.impulse[k];
-			const Impulse u = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
-			const Impulse q = projectCone({ p.n - (u.n + c.bias + c.friction * std::abs(u.t)) / w.nn, p.t - u.t / w.nn }, c.friction);
+			const Impulse p  = problem.impulse[k];
+			const Twist & v1 = problem.velocity[c.body1], &v2 = problem.velocity[c.body2];
+			const Impulse u = relativeVelocity(c, v1, v2);
+			const Impulse q = projectCone(
+			        { p.n - (u.n + c.bias + c.friction * std::abs(u.t)) / w.nn, p.t - u.t / w.nn },
+			        c.friction);
 			visit(Point { c, w, p, u, p - q });
 		}
 	}
@@ -34,23 +37,23 @@ double residual(const ContactProblem& problem)
 {
 	double error2 = 0, impulse2 = 0, stopping2 = 0;
 	forEachPoint(problem, [&](const Point& point) {
-		error2 += square(point.miss);
+		error2 += square(point.error);
 		impulse2 += square(point.p);
 		const double stopping = (std::abs(point.u.n) + std::abs(point.c.bias)) / point.w.nn;
 		stopping2 += stopping * stopping;
 	});
-	return relativeError(error2, impulse2, stopping2);
+	return residualFromSums(error2, impulse2, stopping2);
 }
 
-double violation(const ContactProblem& problem, double rest)
+double kinematicError(const ContactProblem& problem, double velocityFloor)
 {
-	double violation2 = 0, velocity2 = 0, freeVelocity2 = 0;
+	double error2 = 0, velocity2 = 0, freeVelocity2 = 0;
 	forEachPoint(problem, [&](const Point& point) {
-		violation2 += point.w.nn * point.w.nn * square(point.miss);
+		error2 += point.w.nn * point.w.nn * square(point.error);
 		velocity2 += square(point.u);
 		freeVelocity2 += square(freeRelativeVelocity(problem, point.c));
 	});
-	return kinematicError(violation2, velocity2, freeVelocity2, rest);
+	return kinematicErrorFromSums(error2, velocity2, freeVelocity2, velocityFloor);
 }
 
 } // namespace rcr

@@ -1,4 +1,4 @@
-// The error measure of a solution, used by every solver, test and chart.
+// Error measures of a solution. All solvers, tests and charts use these.
 #pragma once
 
 #include <algorithm>
@@ -9,35 +9,38 @@
 
 namespace rcr {
 
-/// Natural-map residual of De Saxcé's form of the contact law, relative [-]:
+/// Relative natural-map residual of De Saxcé's form of the contact laws [-]:
 ///
-///   ‖ p − P_K( p − (u + (b_n + µ|u_t|) n) / w_nn ) ‖ / ‖p‖ ,   K = { |p_t| ≤ µ p_n },
+///   ‖p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn)‖ / ‖p‖,   K = { |p_t| ≤ µ p_n }
 ///
-/// with u computed anew from `impulse` (not from `velocity`). It is 0 if and only if the laws hold exactly. Points between two bodies
-/// of prescribed motion (w_nn = 0) carry nothing and do not count.
+/// It is 0 if and only if the laws hold exactly. The velocities u follow from `impulse`; `velocity`
+/// is not read. Points between two prescribed bodies (w_nn = 0) do not count.
 /// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
 double residual(const ContactProblem&);
 
-/// The same error as a velocity, RMS of w_nn |p − P_K(…)| over the points, relative to the RMS of |u| or to the share `rest` of that
-/// of the free velocities, the larger [-]: by how much points still close, or slip where they should stick. Computed from `impulse`.
-double violation(const ContactProblem&, double rest);
+/// Error as a velocity: RMS of w_nn |p − P_K(…)| over the points, divided by a scale [-].
+/// The scale is the RMS of |u|, at least velocityFloor times the RMS of |u_free|.
+/// It measures closing velocities, and slip where the law requires sticking.
+double kinematicError(const ContactProblem&, double velocityFloor);
 
-/// √(error2/scale2). NaN where the scale overflows: the error is no smaller for it.
+/// √(error2 / scale2); NaN if the scale overflows, because the error may be as large.
 inline double relative(double error2, double scale2)
 {
 	if (error2 == 0) return 0;
-	return scale2 <= std::numeric_limits<double>::max() ? std::sqrt(error2 / scale2) : std::numeric_limits<double>::quiet_NaN();
+	return scale2 <= std::numeric_limits<double>::max() ? std::sqrt(error2 / scale2)
+	                                                    : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// The violation from its sums.
-inline double kinematicError(double violation2, double velocity2, double freeVelocity2, double rest)
+/// Kinematic error from sums of squares over the points: error, |u| and |u_free|.
+inline double kinematicErrorFromSums(
+        double error2, double velocity2, double freeVelocity2, double velocityFloor)
 {
-	return relative(violation2, std::max(velocity2, rest * rest * freeVelocity2));
+	return relative(error2, std::max(velocity2, velocityFloor * velocityFloor * freeVelocity2));
 }
 
-/// The residual from its sums. Where nothing presses, ‖p‖ is rounding and no measure: then 1e-8 of the impulses that
-/// would stop the points, (|u_n| + |b_n|)/w_nn, takes its place; `stopping2` is the sum of their squares.
-inline double relativeError(double error2, double impulse2, double stopping2)
+/// Residual from sums of squares over the points: error, p, and the impulse that stops a point,
+/// (|u_n| + |b_n|)/w_nn. Without load ‖p‖ is rounding; 1e-8 of the stopping impulses bounds it.
+inline double residualFromSums(double error2, double impulse2, double stopping2)
 {
 	return relative(error2, std::max(impulse2, 1e-16 * stopping2));
 }

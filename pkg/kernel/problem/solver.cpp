@@ -12,16 +12,28 @@ namespace rcr {
 
 namespace {
 
-	constexpr double finestForSweeps = 1e-6; // residual below which the exact tier is the faster way, if there is friction
-	constexpr int    hopeless        = 300; // sweeps without a new low of the residual, or as many as these exact iterations take
-	constexpr int    hopelessExact   = 10;
-	constexpr int    someSweeps      = 50;   // of a further pass on a step that has no solution
-	constexpr int    fewPoints       = 1000; // whose exact steps cost no more than some hundred sweeps …
-	constexpr int    exactSweeps     = 20; // … and an iteration of them about as much as so many; one of more points more
-	constexpr int    fewestToProbe   = 20; // iterations: a further pass of ten sweeps tells nothing
-	constexpr int    sweepsAnew      = 100; // of a step whose impulses are worse than none: a few take most of what there is to take
-	constexpr double finerRest       = 1e-3; // of Settings::rest for these: what is left at rest is noise, and a tall stack wanders with it …
-	constexpr int    finerPoints     = 15000; // … but no more exact iterations times points are paid for it than this
+	/// Residual below which exact steps are faster than sweeps with friction [-].
+	constexpr double finestForSweeps = 1e-6;
+	/// Least number of sweeps without a new lowest residual before exact steps start.
+	constexpr int leastPatience = 300;
+	/// Exact iterations whose cost equals the patience of the sweeps.
+	constexpr int exactIterations = 10;
+	/// Sweeps of a further pass of a step that has yielded.
+	constexpr int sweepsAfterYield = 50;
+	/// Points of a small problem. Its exact steps cost no more than some hundred sweeps.
+	constexpr int smallProblem = 1000;
+	/// Cost of an exact iteration of a small problem, in sweeps; larger problems pay more.
+	constexpr int sweepsPerExact = 20;
+	/// Least maxIterations for a test of divergence. Shorter passes run ten sweeps: too few to
+	/// judge.
+	constexpr int minIterationsToProbe = 20;
+	/// Sweeps from zero of a step whose impulses have positive cost. A few remove most of it.
+	constexpr int sweepsFromZero = 100;
+	/// Factor of velocityFloor for small problems: tall stacks drift with the velocities left at
+	/// rest.
+	constexpr double fineFloor = 1e-3;
+	/// Exact iterations × points that are spent at most on this finer floor.
+	constexpr int maxFineWork = 15000;
 
 	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
 	{
@@ -32,35 +44,44 @@ namespace {
 
 	bool frictionless(const ContactProblem& problem)
 	{
-		return std::all_of(problem.points.begin(), problem.points.end(), [](const ContactPoint& c) { return c.friction == 0; });
+		const auto isFrictionless = [](const ContactPoint& c) { return c.friction == 0; };
+		return std::all_of(problem.points.begin(), problem.points.end(), isFrictionless);
 	}
 
-	/// Sweeps after whose failure exact steps are worth their time: measured, an iteration of these takes 20 sweeps of 1000 points and 220 of 25 000.
+	/// Sweeps without a new lowest residual after which exact steps pay off. Measured: an exact
+	/// iteration costs 20 sweeps at 1000 points and 220 at 25 000.
 	int patience(std::size_t points)
 	{
-		return std::max(hopeless, int(hopelessExact * exactSweeps * std::pow(double(points) / fewPoints, 0.75)));
+		const double size = std::pow(double(points) / smallProblem, 0.75);
+		return std::max(leastPatience, int(exactIterations * sweepsPerExact * size));
 	}
 
-	bool bearsTooMuch(const ContactProblem& problem, const Settings& settings)
+	bool exceedsYieldImpulse(const ContactProblem& problem, const Settings& settings)
 	{
-		return std::any_of(problem.impulse.begin(), problem.impulse.end(), [&](const Impulse& p) { return p.n > settings.mostImpulse; });
+		const auto exceeds = [&](const Impulse& p) { return p.n > settings.yieldImpulse; };
+		return std::any_of(problem.impulse.begin(), problem.impulse.end(), exceeds);
 	}
 
-	/// Whether there is no use in going on with rigid contacts. A solution that was found may be none: errors are measured by forces and by
-	/// velocities, and both can be those of a wedge.
-	bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings, Workspace& workspace)
+	/// True if contacts must yield. Also tests converged solutions: a wedge can have impulses so
+	/// large that both relative errors are small.
+	bool mustYield(
+	        const Report& report, const ContactProblem& problem, const Settings& settings,
+	        Workspace& workspace)
 	{
-		if (settings.compliance == 0) return false;
+		if (settings.yieldCompliance == 0) return false;
 		if (report.yielded) return true;
-		if (bearsTooMuch(problem, settings)) return true;
-		if (mayTakeTooMuch(problem, report.taken, report.freeSpeed) && takesTooMuch(problem)) return true;
+		if (exceedsYieldImpulse(problem, settings)) return true;
+		if (mayExceedEnergyBound(problem, report.dissipated, report.freeSpeed)
+		    && exceedsEnergyBound(problem))
+			return true;
 		if (report.converged || settings.tolerance == 0) return false;
-		if (settings.yielded) return true;
-		if (report.grown <= leastGrowth) return false; // in the sweeps that were made already
-		return settings.maxIterations >= fewestToProbe && growsWithoutBound(problem, settings, workspace);
+		if (settings.yieldedBefore) return true;
+		if (report.impulseGrowth <= minGrowth) return false;
+		return settings.maxIterations >= minIterationsToProbe
+		        && isDivergent(problem, settings, workspace);
 	}
 
-	/// What a solver has left of what another one has left.
+	/// The last report with the iterations and the work of both solvers.
 	Report following(const Report& before, Report report)
 	{
 		report.iterations += before.iterations;
@@ -70,22 +91,27 @@ namespace {
 
 	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
 	{
-		const bool   few  = settings.tolerance > 0 && int(problem.points.size()) <= fewPoints;
-		const double rest = settings.rest;
-		const int    most = settings.maxIterations;
-		if (few) settings.rest *= finerRest;
-		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps && !frictionless(problem)) return solveExact(problem, settings, workspace);
+		const bool   small = settings.tolerance > 0 && int(problem.points.size()) <= smallProblem;
+		const double floor = settings.velocityFloor;
+		const int    most  = settings.maxIterations;
+		if (small) settings.velocityFloor *= fineFloor;
+		if (settings.tolerance > 0 && settings.tolerance < finestForSweeps
+		    && !frictionless(problem))
+			return solveExact(problem, settings, workspace);
 		Settings sweeps    = settings;
 		sweeps.stallSweeps = patience(problem.points.size());
-		if (few) sweeps.maxIterations = std::min(hopeless, most);
+		if (small) sweeps.maxIterations = std::min(leastPatience, most);
 		Report report = solveNesterov(problem, sweeps, workspace);
 		if (report.converged || settings.tolerance == 0) return report;
-		const auto left  = [&] { return most - report.iterations; };
-		const auto meets = [&] { return report.reached(settings) && violation(problem, rest) <= settings.violation; };
-		const auto exact = [&](int iterations, double toRest, int cost) { // on from what the report tells
+		const auto left      = [&] { return most - report.iterations; };
+		const auto converged = [&] {
+			return report.reached(settings)
+			        && kinematicError(problem, floor) <= settings.kinematicTolerance;
+		};
+		const auto runExact = [&](int iterations, double velocityFloor, int cost) {
 			Settings steps      = settings;
-			steps.continued     = true;
-			steps.rest          = toRest;
+			steps.sameProblem   = true;
+			steps.velocityFloor = velocityFloor;
 			steps.maxIterations = iterations;
 			steps.exactCost     = cost;
 			const Report before = report;
@@ -93,48 +119,53 @@ namespace {
 		};
 		if (left() > 0) {
 			report.yielded = mustYield(report, problem, settings, workspace);
-			if (report.yielded) return report; // exact steps would do no better, and take long
+			if (report.yielded) return report; // exact steps take long and find no solution either
 		}
-		const int  cost  = few ? exactSweeps : 1;
-		const bool known = few && report.reached(settings);
-		int        finer = left();
-		if (known) { // forces are known, velocities not as finely: exact steps would take long over that
-			finer = std::min(left(), finerPoints / int(problem.points.size()));
-			if (left() > finer && !meets()) {
-				sweeps.continued     = true;
-				sweeps.rest          = rest;
-				sweeps.maxIterations = left() - finer;
+		const int  cost        = small ? sweepsPerExact : 1;
+		const bool forcesKnown = small && report.reached(settings);
+		int        fine        = left();
+		if (forcesKnown) { // only velocities are missing: limits the work of exact steps on them
+			fine = std::min(left(), maxFineWork / int(problem.points.size()));
+			if (left() > fine && !converged()) {
+				sweeps.sameProblem   = true;
+				sweeps.velocityFloor = floor;
+				sweeps.maxIterations = left() - fine;
 				report               = following(report, solveNesterov(problem, sweeps, workspace));
 			}
 		}
-		if (finer > 0) exact(finer, settings.rest, known ? 1 : cost);
-		if (few && !report.yielded && left() > 0 && !meets()) exact(left(), rest, cost);
-		if (few) report.violation = violation(problem, rest);
-		report.converged = report.converged || (report.reached(settings) && report.violation <= settings.violation);
+		if (fine > 0) runExact(fine, settings.velocityFloor, forcesKnown ? 1 : cost);
+		if (small && !report.yielded && left() > 0 && !converged()) runExact(left(), floor, cost);
+		if (small) report.kinematicError = kinematicError(problem, floor);
+		report.converged = report.converged
+		        || (report.reached(settings)
+		            && report.kinematicError <= settings.kinematicTolerance);
 		return report;
 	}
 
-	/// With rigid contacts; `yielded` says that the solver has seen that there is no solution.
-	Report solveRigid(ContactProblem& problem, const std::string& solver, const Settings& settings, Workspace& workspace)
+	/// Solves with rigid contacts. `yielded` in the report means that no rigid solution exists.
+	Report solveRigid(
+	        ContactProblem& problem, const std::string& solver, const Settings& settings,
+	        Workspace& workspace)
 	{
-		if (settings.yielded) {
-			Settings some      = settings;
-			some.maxIterations = std::min(settings.maxIterations, someSweeps);
-			return solveNesterov(problem, some, workspace);
+		if (settings.yieldedBefore) {
+			Settings few      = settings;
+			few.maxIterations = std::min(settings.maxIterations, sweepsAfterYield);
+			return solveNesterov(problem, few, workspace);
 		}
 		if (solver == "nlgs") return solveNlgs(problem, settings, workspace);
 		if (solver == "sor") return solveSor(problem, settings, workspace);
-		if (solver == "nesterov" || problem.stretches()) return solveNesterov(problem, settings, workspace); // exact steps know no cell
+		if (solver == "nesterov" || problem.stretches()) // exact steps do not support the cell
+			return solveNesterov(problem, settings, workspace);
 		if (solver == "exact") return solveExact(problem, settings, workspace);
 		return solveAuto(problem, settings, workspace);
 	}
 
-	/// Sweeps from no impulses at all, each of which leads downhill where there is no friction.
-	Report solveAnew(ContactProblem& problem, const Settings& settings, Workspace& workspace)
+	/// Sweeps from zero impulses. Without friction, every sweep lowers the cost.
+	Report solveFromZero(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 	{
 		Settings sweeps      = settings;
-		sweeps.continued     = true;
-		sweeps.maxIterations = std::max(settings.minIterations, sweepsAnew);
+		sweeps.sameProblem   = true;
+		sweeps.maxIterations = std::max(settings.minIterations, sweepsFromZero);
 		problem.impulse.assign(problem.points.size(), {});
 		return solveNlgs(problem, sweeps, workspace);
 	}
@@ -156,20 +187,29 @@ void checkSettings(const std::string& solver, const Settings& s)
 			known += " " + name;
 		refuse("solver '", solver, "' is not known: give one of", known);
 	}
-	if (!(s.tolerance >= 0 && std::isfinite(s.tolerance))) refuse("tolerance = ", s.tolerance, ": give a finite residual ≥ 0; 0 runs all iterations");
+	if (!(s.tolerance >= 0 && std::isfinite(s.tolerance)))
+		refuse("tolerance = ", s.tolerance, ": give a finite residual ≥ 0; 0 runs all iterations");
 	if (s.maxIterations < 1) refuse("maxIterations = ", s.maxIterations, ": give at least 1");
 	if (s.checkInterval < 1) refuse("checkInterval = ", s.checkInterval, ": give at least 1 sweep");
 	if (s.minIterations < 0 || s.minIterations > s.maxIterations)
-		refuse("minIterations = ", s.minIterations, ": give at least 0, and no more than maxIterations = ", s.maxIterations);
-	if (s.stallSweeps < 0) refuse("stallSweeps = ", s.stallSweeps, ": give at least 1, or 0 to go on in any case");
+		refuse("minIterations = ", s.minIterations,
+		       ": give at least 0, and at most maxIterations = ", s.maxIterations);
+	if (s.stallSweeps < 0)
+		refuse("stallSweeps = ", s.stallSweeps, ": give at least 1, or 0 to ignore stalls");
 	if (s.threads < 1) refuse("threads = ", s.threads, ": give at least 1");
 	if (s.lanes != 0 && s.lanes != 1 && s.lanes != 4 && s.lanes != 8)
-		refuse("lanes = ", s.lanes, ": give 1, 4, 8, or 0 for as many as the processor has");
-	if (!(s.violation >= 0)) refuse("violation = ", s.violation, ": give a fraction ≥ 0, infinity for no test");
-	if (!(s.compliance >= 0)) refuse("compliance = ", s.compliance, ": give a share ≥ 0 of the response of a contact; 0 does not use it");
-	if (!(s.mostImpulse > 0)) refuse("mostImpulse = ", s.mostImpulse, ": give an impulse > 0, infinity for no bound");
+		refuse("lanes = ", s.lanes, ": give 1, 4, 8, or 0 for the width of the processor");
+	if (!(s.kinematicTolerance >= 0))
+		refuse("kinematicTolerance = ", s.kinematicTolerance,
+		       ": give a fraction ≥ 0; infinity disables the test");
+	if (!(s.yieldCompliance >= 0))
+		refuse("yieldCompliance = ", s.yieldCompliance,
+		       ": give a fraction ≥ 0 of the response of a contact; 0 keeps contacts rigid");
+	if (!(s.yieldImpulse > 0))
+		refuse("yieldImpulse = ", s.yieldImpulse, ": give an impulse > 0; infinity sets no bound");
 	if (!(s.meanForceChange >= 0 && std::isfinite(s.meanForceChange)))
-		refuse("meanForceChange = ", s.meanForceChange, ": give a finite change ≥ 0; 0 does not use it");
+		refuse("meanForceChange = ", s.meanForceChange,
+		       ": give a finite change ≥ 0; 0 disables the criterion");
 }
 
 Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings)
@@ -178,13 +218,17 @@ Report solve(ContactProblem& problem, const std::string& solver, const Settings&
 	return solve(problem, solver, settings, workspace);
 }
 
-Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings, Workspace& workspace)
+Report solve(
+        ContactProblem& problem, const std::string& solver, const Settings& settings,
+        Workspace& workspace)
 {
-	if (!settings.continued) checkProblem(problem, workspace.team()); // first: settings may follow from it
+	if (!settings.sameProblem) checkProblem(problem, workspace.team()); // bad input before settings
 	checkSettings(solver, settings);
 	const Report rigid = solveRigid(problem, solver, settings, workspace);
-	if (mustYield(rigid, problem, settings, workspace)) return following(rigid, solveYielding(problem, settings, rigid, workspace));
-	return rigid.converged || !worseThanNone(problem) ? rigid : following(rigid, solveAnew(problem, settings, workspace));
+	if (mustYield(rigid, problem, settings, workspace))
+		return following(rigid, solveYielding(problem, settings, rigid, workspace));
+	if (rigid.converged || !hasPositiveCost(problem)) return rigid;
+	return following(rigid, solveFromZero(problem, settings, workspace));
 }
 
 } // namespace rcr

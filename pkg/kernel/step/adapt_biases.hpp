@@ -5,7 +5,7 @@
 // because rest then satisfies the contact laws.
 #pragma once
 
-#include "parallel/team.hpp"
+#include "parallel/thread_team.hpp"
 #include "step/drive.hpp"
 
 namespace rcr {
@@ -15,7 +15,7 @@ bool restIsSolution(const Step&, const DrivenMotion&);
 
 /// Adapts the biases; returns true if one changed. `allowRelease`: contacts may be released; `last`: bounces that add energy become
 /// plastic. `overlap`: set to the deepest overlap at the end of large displacements, over R₁ + R₂ [-].
-bool adaptBiases(Step&, bool allowRelease, bool last, double& overlap, Team&);
+bool adaptBiases(Step&, bool allowRelease, bool last, double& overlap, ThreadTeam&);
 
 /// Restores biases and clears `before`; returns false if `before` is empty.
 bool restoreBiases(Step&, std::vector<double>& before);

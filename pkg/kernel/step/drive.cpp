@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "parallel/team.hpp"
+#include "parallel/thread_team.hpp"
 
 namespace rcr {
 
@@ -57,11 +57,11 @@ namespace {
 
 } // namespace
 
-DrivenMotion drivenMotionOf(const ContactProblem& problem, const std::vector<Twist>& before, Team& team)
+DrivenMotion drivenMotionOf(const ContactProblem& problem, const std::vector<Twist>& before, ThreadTeam& team)
 {
 	DrivenMotion drive;
 	int   reach = 0;
-	team.share(0, 2, [&](int part) {
+	team.parallelFor(0, 2, [&](int part) {
 		if (part == 0) reach = reachOfDrive(problem);
 		else
 			drive.speed = fastestPrescribedMotion(problem);
@@ -83,11 +83,11 @@ DrivenMotion drivenMotionOf(const ContactProblem& problem, const std::vector<Twi
 	if (bodies == 0) return drive;
 	const double rows = bodies / std::max(std::sqrt(bodies), double(reach));
 	drive.compliance  = std::max(stiffest, drive.speed * (total / bodies) * rows / (momentum + loads * load));
-	drive.mostImpulse = (mostMomenta * momentum + mostLoads * load) / rows;
+	drive.yieldImpulse = (mostMomenta * momentum + mostLoads * load) / rows;
 	return drive;
 }
 
-DrivenMotion drivenMotionOf(const Step& step, Team& team)
+DrivenMotion drivenMotionOf(const Step& step, ThreadTeam& team)
 {
 	std::vector<Twist> before;
 	before.reserve(step.bodies.size());

@@ -21,7 +21,7 @@
 // | v⁻           | before      | m/s  | velocities at the beginning of the step (argument)             |
 // | V            | speed       | m/s  | fastest prescribed motion at a contact                         |
 // | ε            | compliance  | –    | yielding velocity of a contact over its own velocity response  |
-// | 3 P + 200 L  | mostImpulse | N s  | largest impulse of a contact that stays rigid                  |
+// | 3 P + 200 L  | yieldImpulse | N s  | largest impulse of a contact that stays rigid                  |
 //
 // The stress that loads a stretching cell is not known here, so such a cell has no bound.
 #pragma once
@@ -35,11 +35,11 @@ namespace rcr {
 struct DrivenMotion {
 	double speed       = 0;    // 0: no body is driven
 	double compliance  = 0.01; // this default serves impacts without a solution
-	double mostImpulse = std::numeric_limits<double>::infinity();
+	double yieldImpulse = std::numeric_limits<double>::infinity();
 };
 
 /// Bounds of a problem whose bodies had the velocities `before`.
-DrivenMotion drivenMotionOf(const ContactProblem&, const std::vector<Twist>& before, Team&);
-DrivenMotion drivenMotionOf(const Step&, Team&);
+DrivenMotion drivenMotionOf(const ContactProblem&, const std::vector<Twist>& before, ThreadTeam&);
+DrivenMotion drivenMotionOf(const Step&, ThreadTeam&);
 
 } // namespace rcr

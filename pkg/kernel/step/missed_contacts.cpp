@@ -113,7 +113,7 @@ namespace {
 		updated.erase(updated.begin(), std::unique(updated.rbegin(), updated.rend(), same).base());
 	}
 
-	/// Detects a pair with the widened reach. Returns true if it has a new point that closes.
+	/// Detects a pair with its present reach and collects it if it has other points than known. Returns true if so.
 	bool checkPair(Step& step, int id, int other, const MayMeet& mayMeet)
 	{
 		if (step.bodies[id].owner == step.bodies[other].owner) return false;
@@ -122,7 +122,7 @@ namespace {
 		UpdatedContact pair;
 		pair.body1 = ordered ? id : other;
 		pair.body2 = ordered ? other : id;
-		if (!meet(kind(pair.body1), kind(pair.body2))) return false;
+		if (!canTouch(kind(pair.body1), kind(pair.body2))) return false;
 		const StepBody &   one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		const StepContact* contact = step.find(pair.body1, pair.body2);
 		Pose               at2     = two.pose();
@@ -133,12 +133,23 @@ namespace {
 		pair.manifold              = contactPoints(one.shape, one.pose(), two.shape, at2, reach);
 		if (pair.manifold.count == (contact ? contact->count : 0) || (!contact && !mayMeet(pair.body1, pair.body2))) return false;
 		step.updated.push_back(pair);
-		return closes(step, pair);
+		return true;
 	}
 
 } // namespace
 
 double reachOf(const Step& step, std::size_t id) { return std::max(step.bodies[id].alertDistance, id < step.reach.size() ? step.reach[id] : 0); }
+
+bool findUnlistedContacts(Step& step, const std::vector<std::int32_t>& bodies, const MayMeet& mayMeet)
+{
+	step.widened = bodies;
+	const Candidates candidates(step);
+	for (int id : bodies)
+		candidates.forEach(id, [&](int other) { checkPair(step, id, other, mayMeet); });
+	keepLastOfEach(step.updated);
+	step.widened.clear(); // no contact restarts, since none was solved yet
+	return !step.updated.empty();
+}
 
 bool findMissedContacts(Step& step, const MayMeet& mayMeet)
 {
@@ -148,7 +159,7 @@ bool findMissedContacts(Step& step, const MayMeet& mayMeet)
 	const Candidates candidates(step);
 	bool             missed = false;
 	for (int id : step.widened)
-		candidates.forEach(id, [&](int other) { missed |= checkPair(step, id, other, mayMeet); });
+		candidates.forEach(id, [&](int other) { missed |= checkPair(step, id, other, mayMeet) && closes(step, step.updated.back()); });
 	keepLastOfEach(step.updated);
 	return missed;
 }
@@ -161,7 +172,7 @@ namespace {
 		const StepBody &one = step.bodies[c.body1], &two = step.bodies[c.body2];
 		Pose            at2 = two.pose();
 		at2.center          = at2.center + c.shift;
-		const Pose at1      = one.pose(), &by = sortedAlong(one.shape, at1, at2);
+		const Pose at1      = one.pose(), &by = orderingPose(one.shape, at1, at2);
 		return dot(position - by.center, by.axis);
 	}
 
@@ -246,6 +257,7 @@ void addUpdatedContacts(Step& step)
 	step.problem.points.swap(points);
 	step.force.swap(forces);
 	step.gap.swap(gaps);
+	step.leastBias.assign(step.gap.size(), -std::numeric_limits<double>::infinity());
 	step.indexContacts();
 	step.startFromForces();
 	step.added.insert(step.added.end(), step.updated.begin(), step.updated.end());

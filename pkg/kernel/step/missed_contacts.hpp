@@ -29,6 +29,10 @@ inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
 /// The rules of the simulation allow a contact of two bodies that do not touch yet.
 using MayMeet = std::function<bool(int body1, int body2)>;
 
+/// Collects in step.updated the undetected contacts of bodies that the simulation does not fully list, before the solve.
+/// Returns true if there are any; addUpdatedContacts must then follow.
+bool findUnlistedContacts(Step&, const std::vector<std::int32_t>& bodies, const MayMeet&);
+
 /// Distance within which contacts of a body were detected in this step so far [m].
 double reachOf(const Step&, std::size_t id);
 

@@ -60,7 +60,7 @@ Neighbours::Place Neighbours::placeOf(const StepBody& body) const
 }
 
 /// Lists the bodies that violate the condition; returns false if the shape of a body changed.
-bool Neighbours::findMovedBodies(const Step& step, Team& team)
+bool Neighbours::findMovedBodies(const Step& step, ThreadTeam& team)
 {
 	moved_.clear();
 	if (at_.size() != step.bodies.size()) return false;
@@ -81,7 +81,7 @@ bool Neighbours::findMovedBodies(const Step& step, Team& team)
 	return true;
 }
 
-bool Neighbours::update(const Step& step, Team& team)
+bool Neighbours::update(const Step& step, ThreadTeam& team)
 {
 	const bool same = findMovedBodies(step, team);
 	if (same && moved_.empty()) return false;
@@ -99,7 +99,7 @@ Neighbours::Box Neighbours::box(std::size_t id, double more) const
 {
 	const Place& at = at_[id];
 	Pose         pose = at.pose;
-	if (at.shape.kind == PlanarShape::segment) pose = middleOf(at.shape, pose);
+	if (at.shape.kind == PlanarShape::segment) pose = segmentPose(at.shape, pose);
 	constexpr double infinite = std::numeric_limits<double>::infinity();
 	Vec2             half     = halfExtent(at.shape, pose.axis);
 	if (at.shape.kind == PlanarShape::wall) half = at.shape.axis == 0 ? Vec2 { at.reach, infinite } : Vec2 { infinite, at.reach };
@@ -202,11 +202,11 @@ template <class Visit> void Neighbours::forEachGrain(const Box& box, Visit visit
 			visit(inCells_[k]);
 }
 
-void Neighbours::searchNarrow(const Step& step, Team& team)
+void Neighbours::searchNarrow(const Step& step, ThreadTeam& team)
 {
 	const int parts = int((step.bodies.size() + bodiesPerPart - 1) / bodiesPerPart);
 	found_.resize(parts);
-	team.share(0, parts, [&](int part) {
+	team.parallelFor(0, parts, [&](int part) {
 		List& found = found_[part];
 		found.clear();
 		for (std::size_t id = std::size_t(part) * bodiesPerPart; id < std::min(step.bodies.size(), std::size_t(part + 1) * bodiesPerPart); ++id) {
@@ -225,16 +225,16 @@ void Neighbours::searchNarrow(const Step& step, Team& team)
 }
 
 /// Adds the pairs of some of the wide bodies; a pair of two of them once.
-void Neighbours::searchAround(const std::vector<std::int32_t>& bodies, Team& team)
+void Neighbours::searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam& team)
 {
 	found_.resize(bodies.size());
-	team.share(0, int(bodies.size()), [&](int k) {
+	team.parallelFor(0, int(bodies.size()), [&](int k) {
 		const std::int32_t id = bodies[k];
 		found_[k].clear();
 		const auto take = [&](std::int32_t other) {
 			const bool ordered = first(at_[id].shape, at_[other].shape, id, other);
 			const auto pair    = ordered ? std::make_pair(id, other) : std::make_pair(other, id);
-			if (meet(at_[pair.first].shape.kind, at_[pair.second].shape.kind) && near(pair.first, pair.second)) found_[k].push_back(pair);
+			if (canTouch(at_[pair.first].shape.kind, at_[pair.second].shape.kind) && near(pair.first, pair.second)) found_[k].push_back(pair);
 		};
 		forEachGrain(box(id, 0.5 * width_), [&](std::int32_t other) {
 			if (!isWide_[other]) take(other);
@@ -249,7 +249,7 @@ void Neighbours::searchAround(const std::vector<std::int32_t>& bodies, Team& tea
 	std::inplace_merge(list_.begin(), list_.begin() + before, list_.end());
 }
 
-void Neighbours::find(const Step& step, Team& team)
+void Neighbours::find(const Step& step, ThreadTeam& team)
 {
 	at_.resize(step.bodies.size());
 	team.forEach(at_.size(), [&](std::size_t id) { at_[id] = placeOf(step.bodies[id]); });
@@ -262,7 +262,7 @@ void Neighbours::find(const Step& step, Team& team)
 }
 
 /// Removes moved bodies from their cells and searches their pairs again.
-void Neighbours::repair(const Step& step, Team& team)
+void Neighbours::repair(const Step& step, ThreadTeam& team)
 {
 	for (std::int32_t id : moved_) {
 		at_[id] = placeOf(step.bodies[id]);

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "parallel/team.hpp"
+#include "parallel/thread_team.hpp"
 #include "step/step.hpp"
 
 namespace rcr {
@@ -32,7 +32,7 @@ public:
 	using List = std::vector<std::pair<std::int32_t, std::int32_t>>; // (body 1, body 2)
 
 	/// Makes the list valid for the step; returns false if it did not change. Not for clumps and periodic cells.
-	bool update(const Step&, Team&);
+	bool update(const Step&, ThreadTeam&);
 
 	/// The pairs, sorted by body 1, then body 2.
 	const List& list() const { return list_; }
@@ -47,9 +47,9 @@ private:
 		Vec2 low, high;
 	};
 
-	void  find(const Step&, Team&);
-	void  repair(const Step&, Team&);
-	bool  findMovedBodies(const Step&, Team&);
+	void  find(const Step&, ThreadTeam&);
+	void  repair(const Step&, ThreadTeam&);
+	bool  findMovedBodies(const Step&, ThreadTeam&);
 	Place placeOf(const StepBody&) const;
 	double extent(std::size_t id) const; // radius of the circle in which a grain has pairs
 	Box    box(std::size_t id, double more) const;
@@ -59,8 +59,8 @@ private:
 	void   sortIntoCells(const Step&);
 	bool   near(std::int32_t body1, std::int32_t body2) const;
 	template <class Visit> void forEachGrain(const Box&, Visit) const;
-	void   searchNarrow(const Step&, Team&);
-	void   searchAround(const std::vector<std::int32_t>& bodies, Team&);
+	void   searchNarrow(const Step&, ThreadTeam&);
+	void   searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam&);
 
 	double             margin_ = 0; // s [m]
 	std::vector<Place> at_;

@@ -12,7 +12,7 @@ namespace {
 	/// Positions of the points of a manifold along the body by whose axis they are sorted [m].
 	void positionsAlong(const StepBody& one, const StepBody& two, const Manifold& manifold, double (&along)[2])
 	{
-		const Pose at1 = one.pose(), at2 = two.pose(), &by = sortedAlong(one.shape, at1, at2);
+		const Pose at1 = one.pose(), at2 = two.pose(), &by = orderingPose(one.shape, at1, at2);
 		for (int k = 0; k < 2; ++k)
 			along[k] = dot(manifold.points[k].position - by.center, by.axis);
 	}
@@ -54,7 +54,7 @@ void Pairs::assign(const Neighbours::List& list)
 	all.swap(now);
 }
 
-void Pairs::detect(const Step& step, Team& team)
+void Pairs::detect(const Step& step, ThreadTeam& team)
 {
 	manifold.resize(all.size());
 	team.forEach(all.size(), [&](std::size_t k) {
@@ -62,7 +62,7 @@ void Pairs::detect(const Step& step, Team& team)
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		const double    reach = one.alertDistance + two.alertDistance;
 		pair.fresh            = false;
-		if (apart(one.shape, one.center, two.shape, two.center, reach) || !meet(one.shape.kind, two.shape.kind)) {
+		if (apart(one.shape, one.center, two.shape, two.center, reach) || !canTouch(one.shape.kind, two.shape.kind)) {
 			pair.points = 0;
 			return;
 		}
@@ -116,7 +116,7 @@ void Pairs::numberContacts(Step& step) const
 	}
 }
 
-void Pairs::writeContacts(Step& step, Team& team) const
+void Pairs::writeContacts(Step& step, ThreadTeam& team) const
 {
 	std::vector<std::int32_t> touching, first; // numbers of pairs that touch, and of their first points
 	touching.reserve(all.size()), first.reserve(all.size());
@@ -139,7 +139,7 @@ void Pairs::writeContacts(Step& step, Team& team) const
 	step.indexContacts();
 }
 
-void Pairs::keepForces(const Step& step, Team& team)
+void Pairs::keepForces(const Step& step, ThreadTeam& team)
 {
 	team.forEach(step.contacts.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];

@@ -29,7 +29,7 @@ struct Pairs {
 	void assign(const Neighbours::List&);
 
 	/// Detects the contact points of every pair at the poses of the step and carries their forces forward.
-	void detect(const Step&, Team&);
+	void detect(const Step&, ThreadTeam&);
 
 	/// Adds the contacts that the step found after its detection.
 	void addFound(const Step&, long iteration);
@@ -38,10 +38,10 @@ struct Pairs {
 	void numberContacts(Step&) const;
 
 	/// Sets the contacts of the step and the forces from which they start.
-	void writeContacts(Step&, Team&) const;
+	void writeContacts(Step&, ThreadTeam&) const;
 
 	/// Stores the forces of a solved step.
-	void keepForces(const Step&, Team&);
+	void keepForces(const Step&, ThreadTeam&);
 };
 
 } // namespace rcr

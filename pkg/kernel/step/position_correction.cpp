@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "parallel/team.hpp"
+#include "parallel/thread_team.hpp"
 
 namespace rcr {
 
@@ -11,7 +11,7 @@ namespace {
 	constexpr int    sweeps       = 10;
 }
 
-void prepareRecovery(Step& step, double beta, Team& team)
+void prepareRecovery(Step& step, double beta, ThreadTeam& team)
 {
 	step.problem.recovery.resize(step.gap.size());
 	team.forEach(step.gap.size(), [&](std::size_t k) { step.problem.recovery[k] = std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt); });
@@ -30,8 +30,8 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 		bias[k]             = excess < 0 ? std::min(law, beta * excess / step.dt) : law;
 	});
 	sweepWithBias(problem, bias, sweeps, step.displacement, step.strain, workspace);
-	Team&        team     = workspace.team();
-	const double farthest = team.most(step.bodies.size(), [&](std::size_t id) { // displacement over the radius
+	ThreadTeam&        team     = workspace.team();
+	const double farthest = team.maximum(step.bodies.size(), [&](std::size_t id) { // displacement over the radius
 		const StepBody& body = step.bodies[id];
 		const Twist &   v = problem.velocity[id], &with = step.displacement[id];
 		step.displacement[id] = body.free ? Twist { step.dt * (with.x - v.x), step.dt * (with.y - v.y), step.dt * (with.rotation - v.rotation) } : Twist {};

@@ -19,6 +19,6 @@ namespace rcr {
 void correctPositions(Step&, double share, Workspace&);
 
 /// Computes problem.recovery: the velocities at which yielding contacts remove the fraction β of their overlaps, at finite forces.
-void prepareRecovery(Step&, double share, Team&);
+void prepareRecovery(Step&, double share, ThreadTeam&);
 
 } // namespace rcr

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "parallel/team.hpp"
+#include "parallel/thread_team.hpp"
 #include "step/restitution.hpp"
 
 namespace rcr {
@@ -41,6 +41,7 @@ void Step::begin(int points)
 	problem.points.resize(points);
 	problem.impulse.resize(points);
 	gap.resize(points);
+	leastBias.assign(points, -std::numeric_limits<double>::infinity());
 	force.resize(points);
 	reach.assign(reach.size(), 0);
 	updated.clear();
@@ -84,9 +85,9 @@ const StepContact* Step::find(int body1, int body2) const
 	return found != end && found->body2 == body2 ? &*found : nullptr;
 }
 
-double Step::rounding(Team& team) const
+double Step::rounding(ThreadTeam& team) const
 {
-	return 1e-12 * team.most(bodies.size(), [&](std::size_t id) { return speed(bodies[id].velocity, bodies[id].radius); });
+	return 1e-12 * team.maximum(bodies.size(), [&](std::size_t id) { return speed(bodies[id].velocity, bodies[id].radius); });
 }
 
 void Step::startFromForces()
@@ -96,7 +97,7 @@ void Step::startFromForces()
 		problem.impulse[k] = { dt * force[k].n, dt * force[k].t };
 }
 
-void Step::keepForces(Team& team)
+void Step::keepForces(ThreadTeam& team)
 {
 	const double inverseDt = 1 / dt;
 	force.resize(problem.impulse.size());

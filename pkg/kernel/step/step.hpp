@@ -31,7 +31,7 @@
 
 namespace rcr {
 
-class Team;
+class ThreadTeam;
 
 /// Overlap over R₁ + R₂ that is not corrected. Without it, contacts at rest would open and close endlessly.
 constexpr double contactSlop = 1e-4;
@@ -159,6 +159,7 @@ struct Step {
 	std::vector<StepContact>  contacts; // sorted by body1, then body2
 	std::vector<std::int32_t> firstOf;  // per body: its first contact as body 1; one more entry: the end
 	std::vector<Gap>          gap;      // per point
+	std::vector<double>       leastBias; // per point: bias below which its push adds energy [m/s]
 	ContactProblem            problem;
 	std::vector<Impulse>      force;    // per point [N]: start of the solver, then its result
 	std::vector<double>       reach;    // per body: widened alert distance [m]; 0: not widened
@@ -191,11 +192,11 @@ struct Step {
 	const StepContact* find(int body1, int body2) const;
 
 	/// Rounding error of the velocities of a step [m/s].
-	double rounding(Team&) const;
+	double rounding(ThreadTeam&) const;
 
 	/// Compute impulses from forces, and forces from impulses.
 	void startFromForces();
-	void keepForces(Team&);
+	void keepForces(ThreadTeam&);
 
 	/// Updates the gradient of the cell and the drifts after a solve. `before`: stretch rate before it [1/s].
 	void stretchCell(Vec2 before);

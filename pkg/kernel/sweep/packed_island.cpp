@@ -142,7 +142,7 @@ double PackedIsland::sweepMomentum(View<Real>& view, void (*extrapolate)(const V
 			forEachChunk(section, [&](const Chunk& chunk, int k) { packed_.sum_[k] = sweepChunk(chunk); });
 		});
 	};
-	if (island_.shared) packed_.team.tryHelp(packed_.sweepTrial_, island_.points, sweepSections);
+	if (island_.shared) packed_.team.runAdaptive(packed_.sweepTrial_, island_.points, sweepSections);
 	else
 		sweepSections();
 	double change2 = sum(packed_.sum_);

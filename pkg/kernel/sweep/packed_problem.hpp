@@ -12,7 +12,7 @@
 #include "problem/coulomb.hpp"
 #include "sweep/layout/layout.hpp"
 #include "sweep/lane/packed_blocks.hpp"
-#include "parallel/team.hpp"
+#include "parallel/thread_team.hpp"
 
 namespace rcr {
 
@@ -20,7 +20,7 @@ class PackedIsland;
 
 class PackedProblem {
 public:
-	Team team; // shares out what follows
+	ThreadTeam team; // shares out what follows
 
 	/// Loads the problem, v = v_free + M⁻¹Jᵀp for its impulses; the lanes are those of packedKernels.
 	void load(const ContactProblem&, int lanes, const Reductions&);
@@ -98,7 +98,7 @@ private:
 	std::vector<Measures>   partial_;       // a chunk
 	std::vector<double>     sum_;           // a chunk
 	Vec2                    inverseStretchMass_, stretch_, oldStretch_, referenceStretch_; // of the cell, whose points all belong to one island
-	Trial                   sweepTrial_;    // of large islands
+	ParallelChoice                   sweepTrial_;    // of large islands
 	double                  layoutSeconds_ = 0;
 	int                     layouts_       = 0;
 };
@@ -181,7 +181,7 @@ private:
 	{
 		for (const Range sections : { island_.slabs, island_.joints }) {
 			const auto workOn = [&](int k) { work(packed_.layout_.sections()[k]); };
-			if (island_.shared) packed_.team.share(sections.begin, sections.end, workOn);
+			if (island_.shared) packed_.team.parallelFor(sections.begin, sections.end, workOn);
 			else
 				for (int k = sections.begin; k < sections.end; ++k)
 					workOn(k);
@@ -226,7 +226,7 @@ private:
 template <class Work> void PackedProblem::forEachIsland(Work work)
 {
 	const auto shared = [&](int number) { return layout_.islands()[number].shared; };
-	team.share(0, islands(), [&](int number) {
+	team.parallelFor(0, islands(), [&](int number) {
 		if (!shared(number)) work(PackedIsland(*this, number));
 	});
 	for (int number = 0; number < islands(); ++number)

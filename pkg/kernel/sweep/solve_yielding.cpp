@@ -32,22 +32,22 @@ namespace {
 
 } // namespace
 
-bool growsWithoutBound(const ContactProblem& problem, const Settings& settings, Workspace& workspace)
+bool isDivergent(const ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
 	Settings sweeps      = settings;
-	sweeps.continued     = true;
+	sweeps.sameProblem     = true;
 	sweeps.tolerance     = 0;
 	sweeps.minIterations = sweeps.maxIterations = probeSweeps;
 	ContactProblem probe = problem;
 	solveNesterov(probe, sweeps, workspace);
-	return growsWithoutBound(probe, problem.impulse);
+	return isDivergent(probe, problem.impulse);
 }
 
 Report solveYielding(ContactProblem& problem, const Settings& settings, const Report& rigid, Workspace& workspace)
 {
 	constexpr int most  = 1000; // sweeps
 	Settings      sweeps   = settings;
-	sweeps.continued       = true;
+	sweeps.sameProblem       = true;
 	sweeps.tolerance       = 0;
 	sweeps.meanForceChange = 0;
 	sweeps.minIterations   = 0;
@@ -63,15 +63,15 @@ Report solveYielding(ContactProblem& problem, const Settings& settings, const Re
 	}
 	Report report = solveBySweeps(problem, sweeps, workspace, [&](PackedIsland& island, IslandStop& stop) {
                 const Measures measures = island.measure();
-                const bool     stays    = stop.meets(settings) && measures.taken <= negligible * rigid.taken && measures.impulse2 <= settings.mostImpulse * settings.mostImpulse;
-                if (!stays) sweepToRest(island, stop, settings.compliance, tolerance);
+                const bool     stays    = stop.meets(settings) && measures.taken <= negligible * rigid.dissipated && measures.impulse2 <= settings.yieldImpulse * settings.yieldImpulse;
+                if (!stays) sweepToRest(island, stop, settings.yieldCompliance, tolerance);
         });
 	report.yielded         = true;
 	report.converged       = false;
 	for (std::size_t k = 0; k < rigidBias.size(); ++k)
 		problem.points[k].bias = rigidBias[k];
 	for (const ContactPoint& c : problem.points)
-		report.closing = std::max(report.closing, -c.bias - relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]).n);
+		report.closingSpeed = std::max(report.closingSpeed, -c.bias - relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]).n);
 	return report;
 }
 

@@ -17,7 +17,7 @@ struct Criteria {
 	bool met(const Settings& settings) const
 	{
 		const bool accurate = settings.tolerance > 0 && residual <= settings.tolerance; // 0 asks for all iterations
-		return (accurate && violation <= settings.violation) || meanForceChange < settings.meanForceChange;
+		return (accurate && violation <= settings.kinematicTolerance) || meanForceChange < settings.meanForceChange;
 	}
 };
 

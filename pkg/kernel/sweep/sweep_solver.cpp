@@ -9,7 +9,7 @@ namespace rcr {
 
 Workspace::Workspace() : packed_(std::make_unique<PackedProblem>()) { }
 Workspace::~Workspace() = default;
-Team& Workspace::team() { return packed_->team; }
+ThreadTeam& Workspace::team() { return packed_->team; }
 ModelSummary Workspace::summary() const { return packed_->summary(); }
 int Workspace::layouts() const { return packed_->layouts(); }
 double Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
@@ -20,8 +20,8 @@ namespace {
 
 	Criteria criteriaOf(const Measures& m, double freeVelocity2, int points, const Settings& settings)
 	{
-		if (m.violation2 < points * settings.rounding * settings.rounding) return {};
-		return { relativeError(m.error2, m.impulse2, m.stopping2), kinematicError(m.violation2, m.velocity2, freeVelocity2, settings.rest) };
+		if (m.violation2 < points * settings.roundingVelocity * settings.roundingVelocity) return {};
+		return { residualFromSums(m.error2, m.impulse2, m.stopping2), kinematicErrorFromSums(m.violation2, m.velocity2, freeVelocity2, settings.velocityFloor) };
 	}
 
 } // namespace
@@ -81,9 +81,9 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 	}
 	const Criteria criteria = criteriaOf(whole.measures, whole.freeVelocity2, points, settings);
 	report.residual         = criteria.residual;
-	report.violation        = criteria.violation;
-	report.grown            = change2 > 0 ? std::sqrt(change2 / whole.measures.impulse2) : 0; // infinite, too, where there are no impulses
-	report.taken            = whole.measures.taken;
+	report.kinematicError        = criteria.violation;
+	report.impulseGrowth            = change2 > 0 ? std::sqrt(change2 / whole.measures.impulse2) : 0; // infinite, too, where there are no impulses
+	report.dissipated            = whole.measures.taken;
 	report.freeSpeed        = points > 0 ? std::sqrt(whole.freeVelocity2 / points) : 0;
 	return report;
 }

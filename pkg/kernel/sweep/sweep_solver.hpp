@@ -54,7 +54,7 @@ template <class Iterate> Report solveBySweeps(ContactProblem& problem, const Set
 	PackedProblem& packed = workspace.packed();
 	Report         report;
 	packed.team.run(settings.threads, [&] {
-		if (settings.continued) packed.rebias(problem, biases(problem));
+		if (settings.sameProblem) packed.rebias(problem, biases(problem));
 		else
 			packed.load(problem, settings.lanes, settings.reductions);
 		std::vector<IslandEnd> ends(packed.islands());

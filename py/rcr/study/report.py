@@ -1,4 +1,4 @@
-"""Tables, pictures and report of an analysis: everything that `scripts/network.py` writes. Needs NumPy, h5py and Matplotlib."""
+"""Files of an analysis: tables, pictures and report. Needs NumPy, h5py and Matplotlib."""
 
 import base64
 import html
@@ -22,16 +22,17 @@ body { font: 15px/1.45 sans-serif; max-width: 62em; margin: 2em auto; padding: 0
 table { border-collapse: collapse; width: 100%; font-size: 13px }
 th, td { border-top: 1px solid #ccc; padding: 4px 8px; text-align: left; vertical-align: top }
 td.yes { background: #dff0d8 } td.no { background: #f6d5d2 } td.open { background: #eee }
-small { color: #666 } figure { margin: 2em 0 } img { max-width: 100%; height: auto } img.curve { max-height: 34em }
+small { color: #666 } figure { margin: 2em 0 }
+img { max-width: 100%; height: auto } img.curve { max-height: 34em }
 </style></head><body>
 """
 _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
 
 
 def write(runs, out, progress=lambda name: None, analysis=None, begin=lambda: None):
-    """Analyse runs and write analysis.json, report.html, table.md and every figure as PNG and PDF into a folder.
+    """Analyse runs; write analysis.json, report.html, table.md and all figures to a folder.
 
-    All of them are made beside the old ones and take their places at the end.
+    Figures are PNG and PDF. No file is replaced before all files are complete.
 
     Parameters
     ----------
@@ -39,11 +40,11 @@ def write(runs, out, progress=lambda name: None, analysis=None, begin=lambda: No
     out : path
         Folder, made if missing.
     progress : callable
-        Called with the name of what comes next.
+        Called with the name of the next figure.
     analysis : dict
-        What `rcr.study.analysis.analyse` has found, if it has been called already.
+        Result of `rcr.study.analysis.analyse`, if it exists already.
     begin : callable
-        Called when everything is made, before it takes its place.
+        Called before the first file is replaced.
 
     Returns
     -------
@@ -68,7 +69,8 @@ def write(runs, out, progress=lambda name: None, analysis=None, begin=lambda: No
             pictures[key] += figures.save(figures.draw(key, analysis), folder / key)[:1]
         for key, network in _map_networks(runs):
             progress(f"{key} map")
-            picture = figures.save(maps.draw(key, network), folder / f"{key}-eta-{network.attributes['eta']:g}")[0]
+            stem = folder / f"{key}-eta-{network.attributes['eta']:g}"
+            picture = figures.save(maps.draw(key, network), stem)[0]
             analysis[key]["value"].setdefault("files", []).append(picture.name)
             pictures[key].append(picture)
         table = findings(analysis)
@@ -82,10 +84,11 @@ def write(runs, out, progress=lambda name: None, analysis=None, begin=lambda: No
 
 
 def _map_networks(runs):
-    """(observable, its network): the isotropic state for O2, the last snapshot for the others, of the first seed."""
+    """Yield each map's observable and network: of the first seed, its isotropic state for O2, else
+    its last snapshot."""
     etas = [run.eta for run in runs]
-    for key, wanted in MAPS.items():
-        for eta in nearest(etas, wanted):
+    for key, targets in MAPS.items():
+        for eta in nearest(etas, targets):
             run = runs[etas.index(eta)]
             network = run.isotropic if key == "O2" else run.networks[-1]
             if network is not None:
@@ -94,72 +97,129 @@ def _map_networks(runs):
 
 
 def _page(runs, analysis, table, pictures):
-    parts = [_HEAD, "<h1>Force networks of elongated particles</h1>", f"<p>{_material(runs, analysis)}</p>"]
-    parts += ["<h2>Paper against measured</h2>", f"<p>{summary(table)}. {_RULE}</p>", _table(table), "<h2>Figures</h2>"]
+    parts = [_HEAD, "<h1>Force networks of elongated particles</h1>"]
+    parts += [f"<p>{_material(runs, analysis)}</p>", "<h2>Paper against measured</h2>"]
+    parts += [f"<p>{summary(table)}. {_RULE}</p>", _table(table), "<h2>Figures</h2>"]
     for key, entry in analysis.items():
         images = "".join(_image(path) for path in pictures[key])
-        parts.append(f"<figure id='{key}'>{images}<figcaption><b>{key}</b> Paper: {html.escape(entry['paper'])}.</figcaption></figure>")
+        caption = f"<b>{key}</b> Paper: {html.escape(entry['paper'])}."
+        figure = f"{images}<figcaption>{caption}</figcaption>"
+        parts.append(f"<figure id='{key}'>{figure}</figure>")
     return "\n".join([*parts, f"<p><small>yade-rcr {__version__}</small></p></body></html>\n"])
 
 
 _RULE = (
-    "A value agrees within its tolerance or two standard errors, a trend has to exceed two standard errors; errors are those of the"
-    " mean over seeds, of fewer than three seeds over snapshots. The small print under each statement is its criterion."
+    "A value agrees within its tolerance or two standard errors. A trend must exceed two standard "
+    "errors. Errors belong to the mean over seeds, or over snapshots of fewer than three seeds. "
+    "The small print under each statement is its criterion."
 )
 
 
 def summary(table):
-    """How many statements agree, in words."""
+    """Return the number of statements that agree, as a sentence."""
     count = {verdict: sum(row.verdict == verdict for row in table) for verdict in _CLASS}
-    return f"{count[AGREES]} of {len(table)} statements agree, {count[DIFFERS]} do not, {count[NOT_TESTED]} are not tested"
+    return (
+        f"{count[AGREES]} of {len(table)} statements agree, {count[DIFFERS]} do not, "
+        f"{count[NOT_TESTED]} are not tested"
+    )
 
 
 def _material(runs, analysis):
+    """Describe the runs: size, drift, boxes, and errors of the solver."""
     value = analysis["O1"]["value"]
     strains = [float(network.attributes["strain"]) for run in runs for network in run.networks]
-    rows = zip(value["eta"], value["particles"], value["seeds"], value["snapshots"], value["contacts"])
-    listed = "; ".join(f"η = {eta:g}: {n:.0f} particles, {seeds} seed(s), {s} snapshots, {c} contacts" for eta, n, seeds, s, c in rows)
-    state = f"Critical state: snapshots at strains from {min(strains):.3f} to {max(strains):.3f}. {listed}."
-    return " ".join([state, _drifts(analysis), _boxes(runs), _misses(runs)])
+    columns = ("eta", "particles", "seeds", "snapshots", "contacts")
+    rows = zip(*(value[name] for name in columns))
+    listed = "; ".join(
+        f"η = {eta:g}: {n:.0f} particles, {seeds} seed(s), {s} snapshots, {c} contacts"
+        for eta, n, seeds, s, c in rows
+    )
+    window = f"{min(strains):.3f} to {max(strains):.3f}"
+    state = f"Critical state: snapshots at strains from {window}. {listed}."
+    parts = [_drifts(analysis), _boxes(runs), unconverged_steps(runs), yielded_steps(runs)]
+    return " ".join([state, *parts])
 
 
 def _drifts(analysis):
-    """How far a_c goes on changing over the snapshots."""
+    """Describe the change of a_c over the snapshots."""
     value = analysis["O15"]["value"]
-    rows = [(eta, change, error) for eta, change, error in zip(value["eta"], value["a_c_drift"], value["a_c_drift_error"]) if np.isfinite(change)]
+    columns = zip(value["eta"], value["a_c_drift"], value["a_c_drift_error"])
+    rows = [row for row in columns if np.isfinite(row[1])]
     if not rows:
-        return "Too few snapshots tell whether a_c is stationary."
-    return f"Change of a_c over these strains: {'; '.join(f'η = {eta:g}: {change:+.2f} ± {error:.2f}' for eta, change, error in rows)}."
+        return "The change of a_c over the strain is unknown: there are too few snapshots."
+    listed = "; ".join(f"η = {eta:g}: {change:+.2f} ± {error:.2f}" for eta, change, error in rows)
+    return f"Change of a_c over these strains: {listed}."
 
 
 def _boxes(runs):
-    """Shape of the box and inertia of the sample at the ends of the tests, of the runs that tell it."""
-    told = [run.summary for run in runs if {"aspect_ratio", "sample_inertia"} <= set(run.summary or ())]
-    if not told:
-        return "No run tells the shape of its box."
-    widths, inertia = ([summary[name] for summary in told] for name in ("aspect_ratio", "sample_inertia"))
-    return f"At the end the boxes are {min(widths):.1f} to {max(widths):.1f} times as wide as high, and ρ (ε̇ W)² is at most {max(inertia):.1g} of σ₀."
+    """Describe the shape of the box and the inertia of the sample at the ends of the tests."""
+    names = ("aspect_ratio", "sample_inertia")
+    summaries = [run.summary for run in runs if set(names) <= set(run.summary or ())]
+    if not summaries:
+        return "No summary.json has the shape of the box."
+    widths, inertia = ([summary[name] for summary in summaries] for name in names)
+    return (
+        f"At the end the boxes are {min(widths):.1f} to {max(widths):.1f} times as wide as high, "
+        f"and ρ (ε̇ W)² is at most {max(inertia):.1g} of σ₀."
+    )
 
 
-def _misses(runs):
-    """How often and by how much the steps of the shear missed the tolerances of the solver, of the runs that tell it."""
-    named = "missed_fraction", "missed_mean", "missed_max"
-    told = {}
-    for run in runs:
-        numbers = [(run.summary or {}).get(name) for name in named]
-        if all(isinstance(value, (int, float)) for value in numbers):
-            told.setdefault(run.eta, []).append(numbers)
-    if not told:
-        return "No run tells how many of its steps missed the tolerance of the solver."
+def unconverged_steps(runs):
+    """Describe the steps of the shear that missed the tolerances of the solver."""
+    found = _by_eta(runs, _missed)
+    if not found:
+        return "No summary.json counts the steps that missed the tolerance of the solver."
     parts = []
-    for eta, rows in sorted(told.items()):
+    for eta, rows in found.items():
         share, mean, largest = zip(*rows)
         if not any(share):
             parts.append(f"η = {eta:g}: none")
             continue
-        times = sum(a * b for a, b in zip(share, mean)) / sum(share)
-        parts.append(f"η = {eta:g}: {100 * sum(share) / len(share):.1f} %, by a factor of {times:.2g} in the mean, {max(largest):.2g} at most")
-    return f"Steps that missed the tolerance of the solver or of its velocities: {'; '.join(parts)}."
+        factor = sum(a * b for a, b in zip(share, mean)) / sum(share)
+        parts.append(
+            f"η = {eta:g}: {100 * sum(share) / len(share):.1f} %, by a factor of {factor:.2g} in "
+            f"the mean, {max(largest):.2g} at most"
+        )
+    return f"Steps that missed a tolerance of the solver: {'; '.join(parts)}."
+
+
+def _missed(run):
+    """Return share, mean factor and largest factor of the missed steps, None if not recorded."""
+    numbers = [
+        (run.summary or {}).get(name) for name in ("missed_fraction", "missed_mean", "missed_max")
+    ]
+    return numbers if all(isinstance(value, (int, float)) for value in numbers) else None
+
+
+def yielded_steps(runs):
+    """Describe the steps without a solution in the critical state."""
+    found = _by_eta(runs, lambda run: run.yielded)
+    if not found:
+        return "No history counts the steps without a solution."
+    parts = []
+    for eta, rows in found.items():
+        steps, marked, records, snapshots = (
+            sum(getattr(row, name) for row in rows)
+            for name in ("steps", "marked", "records", "snapshots")
+        )
+        text = f"η = {eta:g}: {steps}"
+        if steps:
+            text += f", in {marked} of {records} records, with {snapshots} snapshot(s)"
+        parts.append(text)
+    marked = any(row.steps for rows in found.values() for row in rows)
+    included = any(row.included for rows in found.values() for row in rows)
+    use = "count in the means" if included else "are left out of the means"
+    end = f" Their records and snapshots {use}." if marked else ""
+    return f"Steps without a solution: {'; '.join(parts)}.{end}"
+
+
+def _by_eta(runs, value):
+    """Return {η: values of its runs}, η rising, without None."""
+    found = {}
+    for run in sorted(runs, key=lambda run: run.eta):
+        if (row := value(run)) is not None:
+            found.setdefault(run.eta, []).append(row)
+    return found
 
 
 def _table(table):
@@ -168,26 +228,33 @@ def _table(table):
 
 
 def markdown(table):
-    """The table for a README."""
+    """Return the table in Markdown."""
     rows = [("", "paper", "measured", "error", "verdict"), ("---",) * 5]
     rows += [(row.observable, row.statement, row.value, row.error, row.verdict) for row in table]
-    return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |\n" for row in rows)
+    escaped = ([cell.replace("|", "\\|") for cell in row] for row in rows)
+    return "".join("| " + " | ".join(row) + " |\n" for row in escaped)
 
 
 def _row(row):
-    text = {name: html.escape(getattr(row, name)) for name in ("statement", "criterion", "value", "error", "verdict")}
-    return (
-        f"<tr><td><a href='#{row.observable}'>{row.observable}</a></td><td>{text['statement']}<br><small>{text['criterion']}</small></td>"
-        f"<td>{text['value']}</td><td>{text['error']}</td><td class='{_CLASS[row.verdict]}'>{text['verdict']}</td></tr>"
+    names = ("statement", "criterion", "value", "error", "verdict")
+    text = {name: html.escape(getattr(row, name)) for name in names}
+    cells = (
+        f"<td><a href='#{row.observable}'>{row.observable}</a></td>",
+        f"<td>{text['statement']}<br><small>{text['criterion']}</small></td>",
+        f"<td>{text['value']}</td>",
+        f"<td>{text['error']}</td>",
+        f"<td class='{_CLASS[row.verdict]}'>{text['verdict']}</td>",
     )
+    return f"<tr>{''.join(cells)}</tr>"
 
 
 def _image(path):
-    """A picture inside the page; maps, large as PNG, as WebP."""
+    """Return a picture as HTML; maps as WebP, since their PNG is large."""
     kind, data, media = "curve", path.read_bytes(), "png"
     if "-" in path.stem:
         kind, data, media = "map", _webp(path), "webp"
-    return f"<img class='{kind}' alt='{path.stem}' src='data:image/{media};base64,{base64.b64encode(data).decode()}'>"
+    source = f"data:image/{media};base64,{base64.b64encode(data).decode()}"
+    return f"<img class='{kind}' alt='{path.stem}' src='{source}'>"
 
 
 def _webp(path):

@@ -1,9 +1,10 @@
-# The machine itself as the environment: a Debian-like system with YADE and the other packages.
-# YADE ships no headers: they come from its source archive, unpacked in the cache.
+# The machine as the environment: a Debian-like system with YADE and the other packages.
+# No package has YADE's headers; they come from its source archive, unpacked in the cache.
 
 native_installed() {
     [[ $(dpkg-query -W -f '${source:Version}' libyade 2>&1) == "$yade_version"-* ]] &&
-        [ "$(dpkg-query -W -f '${db:Status-Status}\n' $(required_packages) 2>&1 | sort -u)" = installed ]
+        [ "$(dpkg-query -W -f '${db:Status-Status}\n' $(required_packages) 2>&1 |
+            sort -u)" = installed ]
 }
 
 native_source() { echo "$cache/source-$yade_version"; }
@@ -28,14 +29,14 @@ native_missing() {
 native_make() {
     if ! native_installed; then
         need_space /usr 4
-        say "set-up 1/2: YADE, a compiler and Python libraries with apt-get (2 to 5 min) …"
+        stage "set-up 1/2: YADE, a compiler and Python libraries by apt-get (2 to 5 min) …"
         "$setup/install-packages" "$setup/packages" 2>&1 | record ||
-            { say "not on this machine itself, then: trying a root file system"; return 1; }
+            { say "the packages cannot be installed here: trying a root file system"; return 1; }
     fi
     [ -d "$(native_source)" ] && return
-    say "set-up 2/2: the headers of YADE, from its source archive (15 MB) …"
+    stage "set-up 2/2: headers of YADE from its source archive (15 MB, up to 1 min) …"
     "$setup/fetch-source" "$new/source" "$new/apt" 2>&1 | record ||
-        { say "no source archive of YADE to be had for this machine: trying a root file system"; return 1; }
+        { say "no source archive of YADE found: trying a root file system"; return 1; }
     mv "$new/source" "$(native_source)"
 }
 

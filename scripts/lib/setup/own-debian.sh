@@ -1,7 +1,9 @@
-# own_debian NAME PACKAGE …: for a check that needs packages which users do not. Where `ready` has found the native way, they have to be there;
-# otherwise $root becomes a Debian 13 of its own with them, made once in build/check. Ends with 77 where neither is to be had.
+# A Debian 13 with packages that only checks need. Checks source this file.
+#   own_debian NAME PACKAGE …   makes it, once in build/check; exits with 77 if that is impossible
+#   in_own_debian COMMAND …     becomes COMMAND in it
+# In a native environment the machine must have the packages.
 
-left_out() {
+unavailable() {
     say "$*"
     exit 77
 }
@@ -9,30 +11,30 @@ left_out() {
 own_debian() {
     local name=$1
     shift
-    wanted=("$@")
+    packages=("$@")
     if [ "$way" = native ]; then
-        dpkg-query -W "$@" >/dev/null 2>&1 || left_out "needs the packages $*"
+        dpkg-query -W "$@" >/dev/null 2>&1 || unavailable "install the packages $*"
         return
     fi
     root=$repo/build/check/$name-root
     [ ! -d "$root" ] || return 0
     why=
-    rootfs_possible || left_out "needs a Debian 13 with the packages $*: $why"
+    rootfs_possible || unavailable "a Debian 13 with $* cannot be made: $why"
     mkdir -p "$repo/build/check"
     new=$(mktemp -d "$repo/build/check/new.XXXXXX")
     trap 'rm -rf --one-file-system "$new"' EXIT
     trap 'exit 130' INT TERM HUP
     log=$new/log
     need_space "$new" 2
-    rootfs_from_mirrors with_wanted || left_out "needs a Debian 13 with the packages $*: $why"
+    rootfs_from_mirrors with_packages || unavailable "a Debian 13 with $* cannot be made: $why"
     rm -rf --one-file-system "$new"
     trap - EXIT INT TERM HUP
 }
 
-with_wanted() {
+with_packages() {
     local bootstrap
     rootfs_options
-    bootstrap+=("--include=$(IFS=,; echo "${wanted[*]}"),bubblewrap")
+    bootstrap+=("--include=$(IFS=,; echo "${packages[*]}"),bubblewrap")
     rootfs_fill "$1"
 }
 

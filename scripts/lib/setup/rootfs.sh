@@ -1,18 +1,20 @@
-# A Debian 13 root file system in the cache as the environment: mmdebstrap makes it, bubblewrap
-# enters it. Its files belong to the user, so that a plain `rm -rf` removes it.
+# A Debian 13 root file system in the cache as the environment. mmdebstrap makes it, bubblewrap
+# enters it. Its files belong to the user, so `rm -rf` removes it.
 
 root=$cache/root-$(packages_id)
-machine_files=(resolv.conf hosts hostname localtime machine-id ssl/certs/ca-certificates.crt) # of /etc, the machine's own
+# files of the machine's /etc that are bound over those of the root file system
+machine_files=(resolv.conf hosts hostname localtime machine-id ssl/certs/ca-certificates.crt)
 
 rootfs_source() { echo /usr/src/yade; }
 rootfs_yade_python() { (cd "$root" && echo usr/lib/*/yade-double/py | sed 's|^|/|'); }
 
-rootfs_ready() { [ -d "$root" ] && command -v bwrap >/dev/null; } # it gets this name when it is complete
+# A complete root file system gets the name $root.
+rootfs_ready() { [ -d "$root" ] && command -v bwrap >/dev/null; }
 
 rootfs_possible() {
     case $(uname -m) in
     x86_64 | aarch64) ;;
-    *) why="Debian has YADE for amd64 and arm64, this is $(uname -m)" && return 1 ;;
+    *) why="Debian has YADE for amd64 and arm64; this is $(uname -m)" && return 1 ;;
     esac
     local tools="mmdebstrap bwrap" tool missing=
     [ "$(id -u)" = 0 ] || tools="$tools newuidmap"
@@ -23,25 +25,31 @@ rootfs_possible() {
     if [ -n "$missing" ] && [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
         say "installing$missing with apt-get …"
         { apt-get update; apt-get install -y --no-install-recommends $missing; } >>"$log" 2>&1 ||
-            { why="apt-get cannot install$missing: is there a network?" && return 1; }
+            { why="apt-get cannot install$missing: check the network" && return 1; }
     elif [ -n "$missing" ]; then
-        why="${why:+$why, or }the tools for a root file system are missing (on Debian and Ubuntu: apt-get install$missing)"
+        why="${why:+$why, or }the tools for a root file system are missing"
+        why="$why (on Debian and Ubuntu: apt-get install$missing)"
         return 1
     fi
     if [ "$(id -u)" != 0 ] && ! grep -q "^$(id -un):" "$etc/subuid"; then
-        why="$(id -un) has no subordinate ids: usermod --add-subuids 100000-165535 --add-subgids 100000-165535 $(id -un)"
+        why="$(id -un) has no subordinate ids: run as root usermod --add-subuids 100000-165535"
+        why="$why --add-subgids 100000-165535 $(id -un)"
         return 1
     fi
-    bwrap --bind / / true 2>>"$log" || { why="this system forbids user namespaces (bubblewrap needs them)" && return 1; }
+    bwrap --bind / / true 2>>"$log" ||
+        { why="this system forbids user namespaces, which bubblewrap needs" && return 1; }
 }
 
-# rootfs_mirrors: the apt sources to try, one set a line. First every Debian mirror that this
-# system's apt knows, with updates and security fixes; then one mirror at a time; then an empty
-# line, which is mmdebstrap's own choice.
+# rootfs_mirrors: prints sets of apt sources to try, one a line. The first has all Debian mirrors of
+# this system's apt, with updates and security fixes; then come single mirrors; an empty line is the
+# default of mmdebstrap.
 rootfs_mirrors() {
     local codename known=
-    if codename=$(. "$etc/os-release" && [ "$ID" = debian ] && echo "${VERSION_CODENAME:-sid}") 2>/dev/null; then
-        known=$(apt-get indextargets --no-release-info --format '$(RELEASE) $(COMPONENT) $(REPO_URI)' 'Created-By: Packages' |
+    codename=$(. "$etc/os-release" && [ "$ID" = debian ] && echo "${VERSION_CODENAME:-sid}") \
+        2>/dev/null || codename=
+    if [ -n "$codename" ]; then
+        known=$(apt-get indextargets --no-release-info \
+            --format '$(RELEASE) $(COMPONENT) $(REPO_URI)' 'Created-By: Packages' |
             awk -v releases="^($codename|oldstable|stable|testing|unstable|sid)\$" '
                 $2 != "main"      { next }
                 $1 ~ releases     { print $3, "trixie" }
@@ -58,11 +66,12 @@ rootfs_make() {
     [ ! -d "$root" ] || return 0 # only bubblewrap was missing
     need_space "$cache" 5
     [ "$(id -u)" = 0 ] || need_space /var/tmp 5
-    say "set-up 1/3: Debian 13 root file system (20 to 60 s) …"
+    stage "set-up 1/3: Debian 13 root file system (20 to 60 s) …"
     rootfs_from_mirrors rootfs_bootstrap
 }
 
-# rootfs_from_mirrors MAKE: $root, as `MAKE SOURCES` puts it into $new/root, from the first mirror that serves
+# rootfs_from_mirrors MAKE: makes $root by `MAKE SOURCES`, which fills $new/root, from the first
+# mirror that works
 rootfs_from_mirrors() {
     local sources
     while IFS= read -r sources; do
@@ -74,20 +83,28 @@ rootfs_from_mirrors() {
         fi
         rm -rf --one-file-system "$new/root"
         why=$(rootfs_reason "$new/output")
-        say "not from $(mirror_names "$sources"): $why"
-        grep -q 'Failed to fetch\|apt-get update.*failed' "$new/output" || break # another mirror will not help
+        rm -f "$new/stage"
+        say "$(mirror_names "$sources") failed: $why"
+        mirror_failed || break
     done < <(rootfs_mirrors)
     return 1
 }
 
-mirror_names() { grep -oE '[a-z]+://[^ ;]+' <<<"$1" | sort -u | paste -sd ' ' | grep . || echo "the default mirror"; }
+# mirror_failed: the last attempt failed by its mirror, so another one may work
+mirror_failed() { grep -q 'Failed to fetch\|apt-get update.*failed' "$new/output"; }
 
-# rootfs_reason OUTPUT: in a few words, why it failed
+mirror_names() {
+    grep -oE '[a-z]+://[^ ;]+' <<<"$1" | sort -u | paste -sd ' ' | grep . ||
+        echo "the default mirror"
+}
+
+# rootfs_reason OUTPUT: prints in a few words why the attempt failed
 rootfs_reason() {
     if grep -q 'No space left' "$1"; then
         echo "the disk is full"
-    elif grep -qE 'Temporary failure|Could not (resolve|connect)|unreachable|Connection (failed|timed out)' "$1"; then
-        echo "it does not answer: is there a network?"
+    elif grep -qE 'Temporary failure|Could not (resolve|connect)|unreachable' "$1" ||
+        grep -qE 'Connection (failed|timed out)' "$1"; then
+        echo "it does not answer; check the network"
     elif grep -qE '^E: Failed to fetch' "$1"; then
         sed -nE 's/^E: Failed to fetch ([^ ]+) +(.*)/it does not deliver \1 (\2)/p' "$1" | tail -n 1
     else
@@ -95,48 +112,54 @@ rootfs_reason() {
     fi
 }
 
-# rootfs_options: sets `bootstrap` to mmdebstrap of a small Debian whose apt asks as this machine's does
+# rootfs_options: sets `bootstrap` to mmdebstrap for a small Debian; its apt has the machine's options
 rootfs_options() {
     local bundle=/etc/ssl/certs/ca-certificates.crt
     [ -r "$bundle" ] || bundle=/dev/null
     apt-config dump --no-empty --format '%f "%v";%n' Acquire |
-        grep -E '^Acquire::(Check-|Retries|Force|https?::)' | grep -vi 'auto-\?detect' >"$new/apt.conf"
+        grep -E '^Acquire::(Check-|Retries|Force|https?::)' |
+        grep -vi 'auto-\?detect' >"$new/apt.conf"
     bootstrap=(mmdebstrap --variant=minbase
         --aptopt="$new/apt.conf" --aptopt='Acquire::Languages "none"' --dpkgopt=force-unsafe-io
         --setup-hook='mkdir -p "$1/etc/ssl/certs"'
         --setup-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt")
 }
 
-# rootfs_bootstrap SOURCES: mmdebstrap runs install-packages and fetch-source inside.
+# rootfs_bootstrap SOURCES: makes the root file system with the packages and YADE's headers
 rootfs_bootstrap() {
     local bootstrap bundle=/etc/ssl/certs/ca-certificates.crt
+    local files="'$setup/install-packages' '$setup/fetch-source' '$setup/packages'"
+    local libraries="YADE, a compiler and Python libraries (1 to 7 min) …"
     [ -r "$bundle" ] || bundle=/dev/null
     rootfs_options
     bootstrap+=(--dpkgopt='path-exclude=/usr/share/doc/*'
         --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*'
-        --dpkgopt='path-exclude=/usr/lib/*/yade-[!d]*' # its builds in higher precision
-        --customize-hook="copy-in '$setup/install-packages' '$setup/fetch-source' '$setup/packages' /tmp"
-        --customize-hook='echo "yade-rcr: set-up 2/3: YADE, a compiler and Python libraries (2 to 5 min) …" >&2'
+        --dpkgopt='path-exclude=/usr/lib/*/yade-[!d]*' # builds in higher precision
+        --customize-hook="copy-in $files /tmp"
+        --customize-hook="echo 'yade-rcr: set-up 2/3: $libraries' >&2"
         --customize-hook='chroot "$1" /tmp/install-packages /tmp/packages >&2'
         --customize-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt"
-        --customize-hook='echo "yade-rcr: set-up 3/3: the headers of YADE, from its source archive (15 MB) …" >&2'
+        --customize-hook='echo "yade-rcr: set-up 3/3: headers of YADE (15 MB, up to 1 min) …" >&2'
         --customize-hook='chroot "$1" /tmp/fetch-source /usr/src/yade /tmp/apt >&2')
     rootfs_fill "$1" && [ -d "$new/root/usr/src/yade/core" ]
 }
 
-# rootfs_fill SOURCES: runs `bootstrap` into $new/root. An ordinary user gets its result as an archive, so that the files are the user's own.
+# rootfs_fill SOURCES: runs `bootstrap` into $new/root. Without root rights the result passes through
+# an archive, so that the files belong to the user.
 rootfs_fill() {
     local sources
     IFS=';' read -ra sources <<<"$1"
     if [ "$(id -u)" = 0 ]; then
-        unshare --mount "${bootstrap[@]}" --mode=root trixie "$new/root" "${sources[@]}" 2>&1 | record
+        bootstrap=(unshare --mount "${bootstrap[@]}" --mode=root trixie "$new/root")
+        "${bootstrap[@]}" "${sources[@]}" 2>&1 | record
     else
-        { TMPDIR=/var/tmp "${bootstrap[@]}" --mode=unshare trixie - "${sources[@]}" 2>&1 >&3 | record; } 3>&1 |
+        bootstrap+=(--mode=unshare trixie -)
+        { TMPDIR=/var/tmp "${bootstrap[@]}" "${sources[@]}" 2>&1 >&3 | record; } 3>&1 |
             tar -x -C "$new/root" --exclude='./dev/*' 2>>"$log"
     fi
 }
 
-# What is bound at entry needs something to be bound on; what is never seen goes.
+# rootfs_finish: removes directories that the machine's replace, makes targets for bound files
 rootfs_finish() {
     local file
     chmod -R u+rwX "$new/root"
@@ -146,11 +169,12 @@ rootfs_finish() {
         : >"$new/root/etc/$file"
     done
     mv "$new/root" "$root"
-    find "$cache" -maxdepth 1 -name 'root-*' -mtime +30 -exec rm -rf --one-file-system {} + # others, long unused
+    # root file systems that were not entered for a month
+    find "$cache" -maxdepth 1 -name 'root-*' -mtime +30 -exec rm -rf --one-file-system {} +
 }
 
-# Only /usr and /etc are the root file system's. Every other directory of the machine is there
-# under its own name; so is what the arguments name under /usr and /etc.
+# rootfs_enter COMMAND …: /usr and /etc are those of the root file system. All other directories are
+# the machine's, and so are files under /usr and /etc that the arguments name.
 rootfs_enter() {
     local directory link file binds=()
     for directory in /*; do
@@ -166,7 +190,7 @@ rootfs_enter() {
     done
     rootfs_bind_paths "$PWD" "$repo" "${HOME:-/}" "$@"
 
-    # bubblewrap stands between the terminal and the command: Ctrl-C is for the command alone.
+    # Ctrl-C must reach the command, not bubblewrap, its parent.
     trap '' INT QUIT
     touch -c "$root" # in use: see rootfs_finish
     unset LD_LIBRARY_PATH LD_PRELOAD PYTHONHOME
@@ -175,10 +199,11 @@ rootfs_enter() {
         --ro-bind-data 7 /etc/passwd --ro-bind-data 8 /etc/group \
         --setenv PATH /usr/bin:/bin --setenv LC_ALL C.UTF-8 --chdir "$PWD" \
         env --default-signal=INT,QUIT "$@" \
-        7< <(cat /etc/passwd; getent passwd "$(id -u)") 8< <(cat /etc/group; getent group "$(id -g)")
+        7< <(cat /etc/passwd; getent passwd "$(id -u)") \
+        8< <(cat /etc/group; getent group "$(id -g)")
 }
 
-# rootfs_bind_paths WORD…: adds to `binds` what the words name under /usr and /etc
+# rootfs_bind_paths WORD …: adds files under /usr and /etc that the words name to `binds`
 rootfs_bind_paths() {
     local word previous= words=() paths path
     for word in "$@"; do
@@ -189,7 +214,7 @@ rootfs_bind_paths() {
         word=${word#--*=}
         words+=("${word:-.}")
     done
-    # as written, and behind symbolic links
+    # as written, and with symbolic links resolved
     mapfile -d '' paths < <(realpath -zms -- "${words[@]}"; realpath -zm -- "${words[@]}")
     for path in "${paths[@]}"; do
         if rootfs_shadows "$path"; then
@@ -198,23 +223,24 @@ rootfs_bind_paths() {
     done
 }
 
-# rootfs_shadows PATH: it lies in /usr, /etc or, by a symbolic link such as /bin, in /usr
+# rootfs_shadows PATH: PATH lies in /usr or /etc, or in /usr by a symbolic link such as /bin
 rootfs_shadows() {
     local top=${1#/}
     top=${top%%/*}
     [ "$top" = usr ] || [ "$top" = etc ] || [ -L "$root/$top" ]
 }
 
-# rootfs_owns PATH: the root file system itself has something there, not only a place to bind on
+# rootfs_owns PATH: the root file system has files in PATH, other than empty targets of binds
 rootfs_owns() { [ -n "$(find "$root$1" -not -type d -not -size 0 -print -quit 2>/dev/null)" ]; }
 
+# rootfs_bind PATH: adds the existing part of PATH to `binds`
 rootfs_bind() {
     local path=$1
     until [ -e "$path" ] || [ -z "$path" ]; do path=${path%/*}; done
-    [ -n "$path" ] || return 0 # nothing of it is there, and the command says so
+    [ -n "$path" ] || return 0 # the command reports a missing path
     ! rootfs_owns "$path" || return 0
     if [ ! -d "$path" ] && ! rootfs_owns "${path%/*}"; then
-        path=${path%/*} # a script's neighbours too
+        path=${path%/*} # a script may need files beside it
     fi
     if [ -d "$path" ]; then
         mkdir -p "$root$path"
@@ -225,7 +251,7 @@ rootfs_bind() {
     binds+=(--bind "$path" "$path")
 }
 
-# An output among the root file system's own directories has to exist before it can be bound.
+# rootfs_make_output PATH: makes an output in a directory of the root file system, to bind it
 rootfs_make_output() {
     local path directory
     [ -n "$1" ] || return 0

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "parallel/team.hpp"
+#include "parallel/thread_team.hpp"
 
 namespace rcr {
 
@@ -46,7 +46,7 @@ namespace {
 
 } // namespace
 
-bool Layout::update(const ContactProblem& problem, const Reductions& reductions, Team& team)
+bool Layout::update(const ContactProblem& problem, const Reductions& reductions, ThreadTeam& team)
 {
 	const bool sameReductions = reductions == reductions_;
 	reductions_               = reductions;
@@ -68,10 +68,10 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions,
 	coloring_.reset(records_);
 	color_.resize(pairs_.size());
 	for (const auto& [begin, end] : { std::pair(0, slabSections_), std::pair(slabSections_, int(sections_.size())) }) // sections of a part share no body
-		team.share(begin, end, [&](int k) { color(sections_[k]); });
+		team.parallelFor(begin, end, [&](int k) { color(sections_[k]); });
 	for (Section& section : sections_)
 		makeBlocks(section);
-	team.share(0, int(sections_.size()), [&](int k) { place(sections_[k]); });
+	team.parallelFor(0, int(sections_.size()), [&](int k) { place(sections_[k]); });
 	for (Island& island : islands_)
 		listOverflow(island);
 	return true;
@@ -100,7 +100,7 @@ Model Layout::need(const ContactProblem& problem, const ContactPoint& c) const
 }
 
 /// Joins neighbouring points of the same bodies, two at most; false if the pairs or their needs differ from before.
-bool Layout::findPairs(const ContactProblem& problem, Team& team)
+bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 {
 	const std::size_t points = problem.points.size(), before = pairs_.size();
 	kinds_.resize(points);
@@ -326,7 +326,7 @@ ModelSummary Layout::summary() const
 	for (std::size_t body = 0; body < kind_.size(); ++body) {
 		s.fixed += kind_[body] == BodyKind::prescribed;
 		s.bodies += island_[body] != none;
-		s.turning += island_[body] != none && turns[body];
+		s.rotating += island_[body] != none && turns[body];
 	}
 	s.islands = int(islands_.size());
 	return s;

@@ -72,7 +72,7 @@ struct Island {
 class Layout {
 public:
 	/// Lays the problem out; false if everything stands where it stood.
-	bool update(const ContactProblem&, const Reductions&, Team&);
+	bool update(const ContactProblem&, const Reductions&, ThreadTeam&);
 
 	const std::vector<LaidPair>&     pairs() const { return pairs_; } // in the order of the problem
 	std::vector<PairBlock>&          pairBlocks() { return pairBlocks_; }
@@ -103,7 +103,7 @@ private:
 	};
 
 	bool  sortBodies(const ContactProblem&);
-	bool  findPairs(const ContactProblem&, Team&);
+	bool  findPairs(const ContactProblem&, ThreadTeam&);
 	Model need(const ContactProblem&, const ContactPoint&) const;
 	bool  moves(int body) const { return kind_[body] != BodyKind::prescribed || !reductions_.fixed; }
 	bool  packable(const LaidPair&) const;

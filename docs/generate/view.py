@@ -1,6 +1,7 @@
-"""YADE's 3D view of grains that have come to rest between obstacles, and their forces: the picture of docs/pictures.md, view-….png here.
+"""Picture of YADE's 3D view: grains at rest between obstacles, and their forces.
 
-Run it in a session with a view, `yade docs/view.py`; docs/pictures.py gives it a screen without a monitor.
+Writes view-….png in the current folder. Run it in a session with a view,
+`yade docs/generate/view.py`; pictures.py runs it on a virtual screen.
 """
 
 import math
@@ -20,6 +21,7 @@ PALETTE = [(0.55, 0.75, 1.0), (1.0, 0.87, 0.5), (0.7, 0.95, 0.7), (1.0, 0.7, 0.6
 
 
 def draw(seconds):
+    """Let Qt draw for some seconds."""
     end = time.time() + seconds
     while time.time() < end:
         QApplication.processEvents()
@@ -34,17 +36,24 @@ def scene():
         box((-0.14, 0.08, 0), (0.01, 0.08, 0.02), **grey),
         box((0.14, 0.08, 0), (0.01, 0.08, 0.02), **grey),
         box((-0.02, 0.02, 0), (0.04, 0.012, 0.02), orientation=Quaternion((0, 0, 1), 0.4), **grey),
-    ])  # fmt: skip
+    ])
     for k in range(84):
         at = (-0.1125 + 0.025 * (k % 10), 0.065 + 0.025 * (k // 10))
         color = PALETTE[k % 4]
-        grain = disc(at, 0.009, color=color, material=rough) if k % 4 == 3 else particle(at, 0.012, 0.3 + 0.2 * (k % 3), turn.uniform(0, math.pi), rough, color=color)
+        grain = disc(at, 0.009, color=color, material=rough) if k % 4 == 3 else particle(
+            at, 0.012, 0.3 + 0.2 * (k % 3), turn.uniform(0, math.pi), rough, color=color)
         O.bodies.append(grain)
-    pairs = [f"Ig2_{one}_{two}_RcrGeom" for one, two in (("Rcr", "Rcr"), ("Sphere", "Rcr"), ("Sphere", "Sphere"), ("Box", "Rcr"), ("Box", "Sphere"))]
+    pairs = [
+        f"Ig2_{one}_{two}_RcrGeom"
+        for one, two in (("Rcr", "Rcr"), ("Sphere", "Rcr"), ("Sphere", "Sphere"), ("Box", "Rcr"),
+                         ("Box", "Sphere"))
+    ]
     O.engines = [
         ForceResetter(),
-        InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Sphere_Aabb(), Bo1_Box_Aabb()], verletDist=0.001),
-        InteractionLoop([getattr(rcr, name)() for name in pairs], [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+        InsertionSortCollider(
+            [Bo1_Rcr_Aabb(), Bo1_Sphere_Aabb(), Bo1_Box_Aabb()], verletDist=0.001),
+        InteractionLoop([getattr(rcr, name)() for name in pairs], [Ip2_FrictMat_FrictMat_CdPhys()],
+                        [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
         ContactDynamics(tolerance=1e-6),
         NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
     ]
@@ -76,4 +85,4 @@ except BaseException:
     traceback.print_exc()
     code = 1
 sys.stdout.flush()
-os._exit(code)  # a window that is still open would keep the session
+os._exit(code)  # an open window would keep the session alive

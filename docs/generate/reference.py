@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Pages of all classes and functions from their doc strings, in docs/reference: C++ through the plugin in YADE, and Python.
+"""Write the reference in docs/reference from docstrings: classes of the plugin and Python modules.
 
-Run it where YADE is:  scripts/lib/run python3 docs/reference.py
+Run it with YADE:  scripts/lib/run python3 docs/generate/reference.py
 """
 
 import importlib
@@ -12,7 +12,7 @@ import shutil
 
 from sphinx.ext.napoleon import Config, NumpyDocstring
 
-OUT = pathlib.Path(__file__).resolve().parent / "reference"
+OUT = pathlib.Path(__file__).resolve().parents[1] / "reference"
 MODULES = {
     "rcr": "Scenes and steps",
     "rcr.scene": "Bodies",
@@ -26,13 +26,20 @@ MODULES = {
     "rcr.problems": "Contact problems in files",
     "rcr.script": "Options of scripts",
     "rcr.study.biaxial": "The biaxial test",
+    "rcr.study.protocol": "Constants of the biaxial test",
     "rcr.study.cell": "Shear of a periodic cell",
     "rcr.study.analysis": "Observables of the study",
     "rcr.study.ensemble": "Networks of many runs",
     "rcr.study.figures": "Figures of the study",
     "rcr.study.claims": "The paper's statements",
 }
-KINDS = {"Shapes and bounds": ("Rcr", "Bo1"), "Geometry of contacts": ("RcrGeom", "Ig2"), "Laws": ("CdPhys", "RcrFrictPhys", "Ip2", "Law2"), "Drawing": ("Gl1",)}
+# Headings and the first words of their classes; all other classes are engines.
+KINDS = {
+    "Shapes and bounds": ("Rcr", "Bo1"),
+    "Geometry of contacts": ("RcrGeom", "Ig2"),
+    "Laws": ("CdPhys", "RcrFrictPhys", "Ip2", "Law2"),
+    "Drawing": ("Gl1",),
+}
 READONLY = 2  # YADE's Attr::readonly
 
 
@@ -45,13 +52,15 @@ def indented(text, by=3):
 
 
 def escaped(text):
-    """Signs of reStructuredText that a doc string means as they are, outside of literals."""
+    """Escape signs of reStructuredText outside literals."""
     parts = re.split(r"(``.*?``|`[^`]*`)", text, flags=re.S)
-    return "".join(part if k % 2 else re.sub(r"(^\s*\* )|([|*])", lambda m: m[1] or "\\" + m[2], part, flags=re.M) for k, part in enumerate(parts))
+    escape = lambda part: re.sub(
+        r"(^\s*\* )|([|*])", lambda m: m[1] or "\\" + m[2], part, flags=re.M)
+    return "".join(part if k % 2 else escape(part) for k, part in enumerate(parts))
 
 
-def of_yade(text, classes):
-    """A doc string of YADE: its references and formulas in Sphinx's words."""
+def from_yade(text, classes):
+    """Docstring of YADE with references and formulas in the syntax of Sphinx."""
 
     def reference(match):
         shown, target = re.fullmatch(r"(.*?)(?:<(.*)>)?", match[1], re.S).groups()
@@ -60,8 +69,10 @@ def of_yade(text, classes):
             return f"``{shown}``"
         return f":py:{'attr' if '.' in target else 'class'}:`{shown} <{target}>`"
 
+    prose = lambda part: re.sub(r":yref:`([^`]*)`", reference, escaped(part))
     parts = re.split(r"(\$.*?\$)", text, flags=re.S)
-    return "".join(f":math:`{part[1:-1]}`" if k % 2 else re.sub(r":yref:`([^`]*)`", reference, escaped(part)) for k, part in enumerate(parts))
+    formula = lambda part: f":math:`{part[1:-1]}`"
+    return "".join(formula(part) if k % 2 else prose(part) for k, part in enumerate(parts))
 
 
 def attribute(name, doc, classes):
@@ -74,16 +85,19 @@ def attribute(name, doc, classes):
             text += " (read only)"
         elif marks["ydefault"]:
             head += f"   :value: {marks['ydefault']}\n"
-    return head + "\n" + indented(of_yade(text, classes)) + "\n"
+    return head + "\n" + indented(from_yade(text, classes)) + "\n"
 
 
 def yade_class(cls, classes):
     base = cls.__bases__[0].__name__
     about, *static = re.split(r"\.\. ystaticattr:: ", cls.__doc__ or "")
-    lines = [f".. py:class:: {cls.__name__}\n", indented(f"Base: ``{base}``. {of_yade(about.strip(), classes)}") + "\n"]
+    lines = [f".. py:class:: {cls.__name__}\n",
+             indented(f"Base: ``{base}``. {from_yade(about.strip(), classes)}") + "\n"]
     for text in static:
-        name, value, about = re.fullmatch(r"\w+\.(\w+)\(=(.*?)\)\s*(.*?)\s*", text, re.S).groups()
-        lines.append(indented(f".. py:attribute:: {name}\n   :value: {value}\n\n" + indented(of_yade(about, classes)) + "\n"))
+        pattern = r"\w+\.(\w+)\(=(.*?)\)\s*(.*?)\s*"
+        name, value, about = re.fullmatch(pattern, text, re.S).groups()
+        head = f".. py:attribute:: {name}\n   :value: {value}\n\n"
+        lines.append(indented(head + indented(from_yade(about, classes)) + "\n"))
     for name, value in sorted(vars(cls).items()):
         if isinstance(value, property) and value.__doc__:
             lines.append(indented(attribute(name, value.__doc__, classes)))
@@ -97,18 +111,28 @@ def yade_page():
     from rcr import _plugin
 
     classes = {name: getattr(rcr, name) for name in _plugin.classes}
-    left = sorted(classes)
-    page = [heading("Classes of YADE", "="), "Classes that ``import rcr`` adds to a session of YADE. Their attributes stay through ``O.save`` and ``O.load``.\n"]
-    kinds = {"Engines": [n for n in left if not n.startswith(sum(KINDS.values(), ()))]}
-    kinds |= {title: [n for n in left if n not in kinds["Engines"] and any(n == s or n.startswith(s + "_") for s in starts)] for title, starts in KINDS.items()}
-    assert sorted(sum(kinds.values(), [])) == left, set(left) ^ set(sum(kinds.values(), []))
-    for title, names in kinds.items():
-        page += ["\n" + heading(title, "-"), *(yade_class(classes[name], classes) for name in names)]
+    page = [heading("Classes of YADE", "="), "Classes that ``import rcr`` adds to YADE. "
+            "``O.save`` and ``O.load`` keep their attributes.\n"]
+    for title, names in yade_kinds(sorted(classes)).items():
+        page.append("\n" + heading(title, "-"))
+        page += [yade_class(classes[name], classes) for name in names]
     return "\n".join(page)
 
 
+def yade_kinds(classes):
+    """{heading: names of its classes}; every class has one heading."""
+    kinds = {"Engines": [n for n in classes if not n.startswith(sum(KINDS.values(), ()))]}
+    for title, starts in KINDS.items():
+        belongs = lambda n: any(n == start or n.startswith(start + "_") for start in starts)
+        kinds[title] = [n for n in classes if n not in kinds["Engines"] and belongs(n)]
+    found = sum(kinds.values(), [])
+    assert sorted(found) == classes, set(classes) ^ set(found)
+    return kinds
+
+
 def python_doc(thing, what):
-    return NumpyDocstring(escaped(inspect.getdoc(thing) or ""), Config(napoleon_use_rtype=False), what=what)
+    text = escaped(inspect.getdoc(thing) or "")
+    return str(NumpyDocstring(text, Config(napoleon_use_rtype=False), what=what))
 
 
 def signature(thing):
@@ -119,15 +143,18 @@ def signature(thing):
 
 
 def python_class(name, cls):
-    lines = [f".. py:class:: {name}{signature(cls)}\n", indented(str(python_doc(cls, "class"))) + "\n"]
+    lines = [f".. py:class:: {name}{signature(cls)}\n", indented(python_doc(cls, "class")) + "\n"]
     for member, value in vars(cls).items():
         if member.startswith("_") or not inspect.getdoc(value):
             continue
+        bound = getattr(cls, member)
         if isinstance(value, property):
-            lines.append(indented(f".. py:property:: {member}\n\n" + indented(str(python_doc(value, "attribute")))))
-        elif inspect.isfunction(inspect.unwrap(getattr(cls, member))) or inspect.ismethod(getattr(cls, member)):
-            option = "   :classmethod:\n" if isinstance(value, classmethod) else "   :staticmethod:\n" if isinstance(value, staticmethod) else ""
-            lines.append(indented(f".. py:method:: {member}{signature(getattr(cls, member))}\n{option}\n" + indented(str(python_doc(getattr(cls, member), "method")))))
+            head = f".. py:property:: {member}\n\n"
+            lines.append(indented(head + indented(python_doc(value, "attribute"))))
+        elif inspect.isfunction(inspect.unwrap(bound)) or inspect.ismethod(bound):
+            options = {classmethod: "   :classmethod:\n", staticmethod: "   :staticmethod:\n"}
+            head = f".. py:method:: {member}{signature(bound)}\n{options.get(type(value), '')}\n"
+            lines.append(indented(head + indented(python_doc(bound, "method"))))
         lines.append("")
     return "\n".join(lines)
 
@@ -145,20 +172,24 @@ def members(name, module):
 
 def python_page(name, title):
     module = importlib.import_module(name)
-    page = [heading(f"{title}: {name}", "="), f".. py:module:: {name}\n", str(python_doc(module, "module")) + "\n"]
+    page = [heading(f"{title}: {name}", "="), f".. py:module:: {name}\n",
+            python_doc(module, "module") + "\n"]
     for public, thing in members(name, module).items():
         if inspect.isclass(thing):
             page.append(python_class(public, thing))
         elif inspect.isfunction(thing):
-            page += [f".. py:function:: {public}{signature(thing)}\n", indented(str(python_doc(thing, "function"))) + "\n"]
+            page += [f".. py:function:: {public}{signature(thing)}\n",
+                     indented(python_doc(thing, "function")) + "\n"]
     return "\n".join(page)
 
 
 def main():
     shutil.rmtree(OUT, ignore_errors=True)
     OUT.mkdir()
-    pages = {"yade": yade_page(), **{name: python_page(name, title) for name, title in MODULES.items()}}
-    contents = heading("Reference", "=") + "\nMade from the doc strings of the classes and functions.\n\n.. toctree::\n   :maxdepth: 1\n\n" + indented("\n".join(pages)) + "\n"
+    pages = {"yade": yade_page()}
+    pages |= {name: python_page(name, title) for name, title in MODULES.items()}
+    contents = heading("Reference", "=") + "\nMade from the docstrings of classes and functions.\n"
+    contents += "\n.. toctree::\n   :maxdepth: 1\n\n" + indented("\n".join(pages)) + "\n"
     for name, text in {"index": contents, **pages}.items():
         (OUT / f"{name}.rst").write_text(text)
 

@@ -1,0 +1,268 @@
+#!/usr/bin/env python3
+"""Write the tables of the pages from measured files.
+
+A page names a table, and this script writes it between the marks:
+
+    <!-- table: NAME -->
+    …
+    <!-- end -->
+
+`--check` writes nothing and exits with 1 if a page is out of date.
+"""
+
+import argparse
+import ast
+import csv
+import math
+import pathlib
+import re
+import statistics
+import sys
+
+DOCS = pathlib.Path(__file__).resolve().parents[1]
+ROOT = DOCS.parent
+sys.path[:0] = [str(ROOT), str(ROOT / "py")]
+MARK = re.compile(r"(<!-- table: (\S+) -->\n).*?(<!-- end -->)", re.S)
+TEXTS = {"point", "status", "command", "law", "scene", "title", "verdict"}  # columns of charts
+
+
+def table(header, rows):
+    """Markdown of a table."""
+    cell = lambda text: str(text).replace("|", "\\|")
+    lines = [header, ["---"] * len(header), *rows]
+    return "".join("| " + " | ".join(map(cell, line)) + " |\n" for line in lines)
+
+
+def measured(name):
+    """Rows (dicts) of a CSV in docs/results/charts, with numbers as floats."""
+    with open(DOCS / "results" / "charts" / f"{name}.csv", newline="") as file:
+        return [{key: cell if key in TEXTS else number(cell) for key, cell in row.items()}
+                for row in csv.DictReader(file)]
+
+
+def number(cell):
+    try:
+        return float(cell)
+    except ValueError:
+        return cell
+
+
+def results_table(name):
+    """Table of the study in docs/results."""
+    return (DOCS / "results" / name / "table.md").read_text().rstrip("\n") + "\n"
+
+
+def ratios(chart, name, function="ratios"):
+    """Table of a chart, as scripts/chart.py prints it, by a function of its module."""
+    from benchmarks import charts
+
+    lines = getattr(charts.chart(chart), function)(measured(name))
+    header, _, *rows = (line.split(" | ") for line in lines)
+    plain = lambda match: f"{float(match[0]):g}"  # 1e+03 as 1000
+    short = lambda cell: re.sub(r"(\d(?:\.\d+)?)e\+0*(\d+)", plain, cell.strip())
+    return table(header, [[short(cell) for cell in row] for row in rows])
+
+
+def scene_constants(name):
+    """TITLE, PREDICATE and other constants of a hard scene, read without YADE."""
+    found = {}
+    source = (ROOT / "benchmarks" / "hard_scenes" / f"{name}.py").read_text()
+    for node in ast.parse(source).body:
+        if not isinstance(node, ast.Assign):
+            continue
+        target, value = node.targets[0], node.value
+        pairs = [(target, value)]
+        if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+            pairs = zip(target.elts, value.elts)
+        for variable, constant in pairs:
+            if isinstance(constant, ast.Constant):
+                found[variable.id] = constant.value
+            elif isinstance(constant, ast.Attribute) and variable.id.isupper():  # of another scene
+                found[variable.id] = scene_constants(constant.value.id)[constant.attr]
+    return found
+
+
+def stability_rows():
+    return [row for row in measured("d-stability") if row["status"] == "ok"]
+
+
+def hard_scenes():
+    """Verdicts of every hard scene."""
+    runs = {(row["scene"], row["law"], row["dt"]): row for row in stability_rows()}
+
+    def result(*key):
+        return f"{runs[key]['verdict']} ({runs[key]['measured']:.1g})" if key in runs else ""
+
+    rows = []
+    for name in dict.fromkeys(scene for scene, _, _ in runs):
+        scene = scene_constants(name)
+        title = f"{name[:3].upper().replace('S0', 'S')} {scene['TITLE']}"
+        rows.append([title, scene["PREDICATE"], f"{scene['BOUND']:g}", result(name, "cd", 1e-3),
+                     result(name, "cd", 1e-2), result(name, "smooth", 1e-4)])
+    header = ["scene", "must hold", "bound", "rigid, 1 ms", "rigid, 10 ms", "springs, 0.1 ms"]
+    return table(header, rows)
+
+
+def stability():
+    """Numbers of hard scenes that hold, drift or blow up."""
+    rows = stability_rows()
+    steps = sorted({row["dt"] for row in rows})
+    lines = []
+    for law, title in (("cd", "rigid contacts"), ("smooth", "springs, E = 10⁸ Pa")):
+        runs = [row for row in rows if row["law"] == law]
+        verdicts = lambda dt: [row["verdict"] for row in runs if row["dt"] == dt]
+        counts = lambda dt: map(verdicts(dt).count, ("holds", "drifts", "blows up"))
+        lines.append([title, *(" / ".join(map(str, counts(dt))) for dt in steps)])
+    return table(["hold / drift / blow up at dt =", *(f"{1e3 * dt:g} ms" for dt in steps)], lines)
+
+
+def cell_against_walls():
+    """Means over seeds with their standard errors, from scripts/cell_shear.py."""
+    columns = dict(packing_fraction_initial=4, sin_phi=3, packing_fraction=4, a_c_half=3,
+                   a_c_weak=3)  # and their digits
+    groups = {}
+    for row in measured("cell-shear"):
+        groups.setdefault((row["eta"], row["geometry"]), []).append(row)
+    lines = []
+    for (eta, geometry), rows in groups.items():
+        cells = []
+        for name, digits in columns.items():
+            values = [row[name] for row in rows]
+            error = statistics.stdev(values) / len(values)**0.5
+            cells.append(f"{statistics.mean(values):.{digits}f} ± {error:.{digits}f}")
+        lines.append([f"η = {eta:g}, {geometry}", *cells])
+    return table(["", "packing fraction at rest", "q/p", "packing fraction in shear",
+                  "a_c(ξ = 0.5)", "a_c(ξ = 1)"], lines)
+
+
+def step_threads():
+    """Fastest step of each packing on one and on two threads, from scripts/bench_step.py."""
+    groups = {}
+    for row in measured("step-threads"):
+        if row["way"] == "arrays":
+            groups.setdefault(row["folder"], []).append(row)
+    lines = []
+    for rows in groups.values():
+        one, two = (min(row["ms_least"] for row in rows if row["threads"] == threads)
+                    for threads in (1, 2))
+        first = rows[0]
+        lines.append([f"{first['grains']:.0f}", f"{first['eta']:g}", f"{first['points']:.0f}",
+                      f"{one:.2g}", f"{two:.2g}", f"{one / two:.2f}"])
+    return table(["grains", "η", "contact points", "one thread [ms]", "two threads [ms]", "ratio"],
+                 lines)
+
+
+def driven_scenes():
+    """Largest values of each motion, from benchmarks/driven_scenes.py."""
+    rows = measured("driven-scenes")
+    bound = lambda row: 10 * row["speed"] + (2 * 9.81 * row["fall_rigid"])**0.5
+    ratios = [lambda row: row["fastest_rigid"] / bound(row),
+              lambda row: row["force_rigid"] / row["force_springs"],
+              lambda row: row["slowest_rigid"] / row["median_rigid"]]
+    lines = []
+    for motion in [*dict.fromkeys(row["motion"] for row in rows), "all"]:
+        chosen = [row for row in rows if motion in (row["motion"], "all")]
+        broken = [name for row in chosen for name in str(row["broken"]).split()]
+        lines.append([
+            motion, len(chosen), sum(row["yielded_rigid"] > 0 for row in chosen),
+            *(f"{max(map(ratio, chosen)):.2g}" for ratio in ratios),
+            sum(row["stopped_rigid"] < math.inf for row in chosen),
+            sum(row["crushed_springs"] < math.inf for row in chosen),
+            ", ".join(f"{name} {broken.count(name)}" for name in dict.fromkeys(broken)) or "none"])
+    return table(["motion", "scenes", "with contacts that yield", "speed over its bound",
+                  "force over that of springs", "slowest step over the median",
+                  "stopped by the error of a jam", "springs crushed", "bounds broken"], lines)
+
+
+def examples():
+    """Scripts in examples/ with their first lines and pictures."""
+    lines = []
+    for script in sorted((ROOT / "examples").glob("*.py")):
+        first = ast.get_docstring(ast.parse(script.read_text())).splitlines()[0]
+        exists = (DOCS / "pictures" / f"{script.stem}.png").exists()
+        picture = f"![{script.stem}](pictures/{script.stem}.png)" if exists else ""
+        lines.append([f"[`{script.name}`](../examples/{script.name})", first, picture])
+    return table(["script", "story", "picture"], lines)
+
+
+def named(header, texts):
+    """Table of names in code type and their texts."""
+    return table(header, [[f"`{name}`", text] for name, text in texts.items()])
+
+
+def colors():
+    from rcr.plot import CATEGORIES, SCALES
+
+    shown = {name: re.sub(r"\$(.*?)\$", r"\1", scale.label) for name, scale in SCALES.items()}
+    any_color = {"'#e8e4da'": "this or any other colour of Matplotlib"}
+    return named(["color", "shows"], shown | CATEGORIES | any_color)
+
+
+def contact_colors():
+    from rcr.plot import CONTACTS
+
+    shape = "segments from centre to contact to centre, as thick as the normal force"
+    return named(["contacts", shape], CONTACTS)
+
+
+def quantities():
+    from rcr.profile import QUANTITIES
+
+    plain = lambda label: label.replace("$", "").replace("\\sigma_{xy}", "σ_xy")
+    texts = {name: plain(label) for name, (label, *_) in QUANTITIES.items()}
+    return named(["quantity", "is"], texts)
+
+
+def counterparts():
+    """Classes of YADE and their counterparts, read without YADE."""
+    tree = ast.parse((ROOT / "py" / "rcr" / "_counterparts.py").read_text())
+    (known,) = (ast.literal_eval(node.value) for node in tree.body if isinstance(node, ast.Assign))
+    rows = [[", ".join(f"`{name}`" for name in names), re.sub(r"^(\S+)", r"`\1`", counterpart)]
+            for counterpart, names in known.items()]
+    return table(["of YADE", "of rcr"], rows)
+
+
+TABLES = {
+    "colors": colors,
+    "contact-colors": contact_colors,
+    "quantities": quantities,
+    "counterparts": counterparts,
+    "one-step": lambda: ratios("a", "a-one-step"),
+    "deterministic": lambda: ratios("b", "b-deterministic"),
+    "biaxial-cost": lambda: ratios("c", "c-biaxial-cost"),
+    "hard-scenes": hard_scenes,
+    "stability": stability,
+    "study": lambda: results_table("inertial"),
+    "study-quasi-static": lambda: results_table("quasi-static"),
+    "quasi-static": lambda: ratios("e", "e-quasi-static"),
+    "other-steps": lambda: ratios("e", "e-quasi-static", "other_steps"),
+    "examples": examples,
+    "step-threads": step_threads,
+    "cell-against-walls": cell_against_walls,
+    "driven-scenes": driven_scenes,
+}
+
+
+def updated(page):
+    """Text of a page with its present tables."""
+    return MARK.sub(lambda match: match[1] + TABLES[match[2]]() + match[3], page)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="tables.py", description=__doc__.splitlines()[0])
+    parser.add_argument("--check", action="store_true",
+                        help="write nothing; exit with 1 if a page is out of date")
+    check = parser.parse_args().check
+    stale = []
+    for page in [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]:
+        text = page.read_text()
+        if (new := updated(text)) != text:
+            stale.append(page.name)
+            if not check:
+                page.write_text(new)
+    if check and stale:
+        sys.exit(f"tables.py: out of date: {', '.join(stale)}; run docs/generate/tables.py")
+
+
+if __name__ == "__main__":
+    main()

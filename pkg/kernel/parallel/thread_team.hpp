@@ -1,0 +1,124 @@
+// A team of threads for parallel loops of a few microseconds.
+//
+// The leader runs the algorithm and shares loops (shared_loop.hpp) with helpers from the pool of
+// the process (thread_pool.hpp). After a stall, the leader works alone for some time. A stall is a
+// long wait for a helper that lost its core during its work.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "parallel/parallel_choice.hpp"
+#include "parallel/shared_loop.hpp"
+
+namespace rcr {
+
+class ThreadTeam {
+public:
+	/// Calls lead() on this thread while up to threads − 1 helpers are available for its loops.
+	/// Within another run, it requests helpers again that sleep or were released after a stall.
+	template <class Lead> void run(int threads, Lead lead)
+	{
+		if (running_) {
+			request();
+			lead();
+			return;
+		}
+		begin(threads);
+		struct Run {
+			ThreadTeam& team;
+			~Run() { team.end(); }
+		} run { *this };
+		lead();
+	}
+
+	/// Within run: calls work(i) once for each begin ≤ i < end, on any thread and in any order, and
+	/// returns when all calls are done. Rethrows the exception of the smallest i.
+	template <class Work> void parallelFor(int begin, int end, Work work)
+	{
+		if (!helped_ || end - begin < 2) {
+			for (int i = begin; i < end; ++i)
+				work(i);
+			return;
+		}
+		Guarded<Work> guarded { work };
+		const auto call = [](void* context, int i) { (*static_cast<Guarded<Work>*>(context))(i); };
+		lead(begin, end, call, &guarded);
+		if (guarded.error) std::rethrow_exception(guarded.error);
+	}
+
+	/// Within run: calls work(i) once for each 0 ≤ i < count, in chunks of 512. For work that is
+	/// too short to share index by index. Rethrows the exception of the smallest i.
+	template <class Work> void forEach(std::size_t count, Work work)
+	{
+		const int size = int(count);
+		parallelFor(0, (size + chunk - 1) / chunk, [&](int part) {
+			for (int i = part * chunk; i < std::min(size, (part + 1) * chunk); ++i)
+				work(i);
+		});
+	}
+
+	/// Within run: the largest value(i) for 0 ≤ i < count, at least 0.
+	template <class Value> double maximum(std::size_t count, Value value)
+	{
+		std::vector<double> ofChunk(count / chunk + 1);
+		forEach(count, [&](std::size_t i) {
+			double& largest = ofChunk[i / chunk];
+			largest         = std::max(largest, value(i));
+		});
+		return *std::max_element(ofChunk.begin(), ofChunk.end());
+	}
+
+	/// Within run: calls lead() with or without helpers, as `choice` decides, and records the time
+	/// per unit of `work`, the amount of work done.
+	template <class Lead> void runAdaptive(ParallelChoice& choice, double work, Lead lead)
+	{
+		if (!helped_) return lead();
+		const bool parallel = helped_ = choice.parallel();
+		const auto start              = Clock::now();
+		lead();
+		choice.record(std::chrono::duration<double>(Clock::now() - start).count() / work);
+		if (!parallel) helped_ = true;
+	}
+
+private:
+	using Clock = std::chrono::steady_clock;
+
+	static constexpr int chunk = 512;
+
+	/// Work whose exceptions are caught. The one of the smallest index is kept.
+	template <class Work> struct Guarded {
+		Work&              work;
+		std::mutex         mutex = {};
+		std::exception_ptr error = nullptr;
+		int                least = 0;
+
+		void operator()(int i)
+		{
+			try {
+				work(i);
+			} catch (...) {
+				const std::lock_guard<std::mutex> lock(mutex);
+				if (!error || i < least) least = i, error = std::current_exception();
+			}
+		}
+	};
+
+	void begin(int threads);
+	void end();
+	void request();
+	void lead(int begin, int end, void (*work)(void*, int), void* context);
+
+	bool                        running_ = false;
+	int                         threads_ = 1;     // of this run
+	bool                        helped_  = false; // helpers take part in loops
+	std::shared_ptr<SharedLoop> loop_;            // helpers may hold it after the run
+	Clock::time_point           aloneUntil_;      // after a stall
+};
+
+} // namespace rcr

@@ -1,0 +1,260 @@
+"""Scene and isotropic compaction of the biaxial test. Needs YADE.
+
+The compaction has no friction and no inertia (`ContactDynamics.overdamped`). It has two phases:
+
+collapse
+    The loose packing contracts homogeneously, by 0.5 % a step or less, until its contacts carry
+    the load. Each step moves the grains by as little as the contacts require.
+relaxation
+    The packing comes to rest under the load of the walls. Long steps are fast, but grains must
+    follow their curved paths: a step displaces no grain by more than 0.1 d, nor by more than 20 d
+    times the unbalance. That factor decreases where the unbalance does not.
+
+The unbalance is the mean net force of a grain over the mean contact force [-].
+"""
+
+import math
+
+import numpy as np
+from yade.wrapper import (
+    Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop,
+    NewtonIntegrator, Omega,
+)  # fmt: skip
+
+import rcr
+from rcr import _kernel
+from rcr.study.protocol import PROTOCOL
+
+O = Omega()
+
+SOLVER_ITERATIONS = 3000  # of a step of the compaction, at most
+
+
+# --- the loose scene ---------------------------------------------------------------------------
+
+
+def random_radii(count, rng):
+    """Return radii uniform in volume fraction: number density ∝ R⁻² in [R_min, 2 R_min].
+
+    Returns
+    -------
+    (count,) float array
+        Radii [m].
+    """
+    return PROTOCOL.smallest_radius / (1 - 0.5 * rng.random(count))
+
+
+def deposited_packing(count, rng):
+    """Return circles deposited layer by layer in a box about as high as wide (`deposition.hpp`).
+
+    Returns
+    -------
+    centres : (count, 2) float array
+        Centres [m].
+    radii : (count,) float array
+        Radii [m].
+    width, height : float
+        Size of the box [m].
+    """
+    radii = random_radii(count, rng)
+    area = math.pi * np.sum(radii**2)
+    width = max(math.sqrt(area / PROTOCOL.deposited_fraction), 2 * radii.max())
+    centres = _kernel.deposit(radii, width)
+    return centres, radii, width, (centres[:, 1] + radii).max()
+
+
+def make_scene(parameters):
+    """Make the loose packing, its walls and its engines in the running YADE.
+
+    Each grain is inscribed in its circle of a deposited packing, at a random angle. The circles
+    do not depend on the elongation.
+    """
+    O.reset()
+    particles = parameters["particles"]
+    rng = np.random.default_rng(parameters["seed"])
+    centres, radii, width, height = deposited_packing(particles, rng)
+    angles = rng.uniform(0, math.pi, particles)
+    grain, plate = (
+        O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0, label=label))
+        for label in ("grain", "plate")
+    )
+    grains = zip(centres, radii, angles)
+    O.bodies.append([rcr.particle(c, R, parameters["eta"], a, grain) for c, R, a in grains])
+    mass = sum(b.state.mass for b in O.bodies)
+    wall_mass = mass / math.sqrt(particles)  # of a row of grains; heavier walls lag behind
+    walls = O.bodies.append(
+        [
+            rcr.wall("x", 0, +1, material=plate),
+            rcr.wall("y", 0, +1, material=plate),
+            rcr.mobile_wall("x", width, wall_mass, -1, plate),
+            rcr.mobile_wall("y", height, wall_mass, -1, plate),
+        ]
+    )
+    shortest, _ = PROTOCOL.relaxation_time_steps
+    O.dt = shortest * math.sqrt(mass / particles / PROTOCOL.confining_stress)
+    O.engines = _engines(walls, parameters)
+
+
+def _engines(walls, parameters):
+    left, bottom, right, top = walls
+    stress = -PROTOCOL.confining_stress
+    return [
+        ForceResetter(),
+        InsertionSortCollider(
+            [rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * PROTOCOL.smallest_radius
+        ),
+        InteractionLoop(
+            [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()],
+            [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
+            [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()],
+        ),
+        rcr.WallStress(wall=right, start=bottom, end=top, stress=stress),
+        rcr.WallStress(wall=top, start=left, end=right, stress=stress),
+        rcr.ContactDynamics(
+            maxIterations=SOLVER_ITERATIONS,
+            solver=parameters["solver"],
+            threads=parameters["threads"],
+            overdamped=True,
+        ),
+        NewtonIntegrator(damping=0),
+    ]
+
+
+# --- length of the relaxation steps ------------------------------------------------------------
+
+
+def relaxation_interval(solver):
+    """Return the number of relaxation steps of one length; one while the unbalance is large."""
+    smooth = solver.unbalancedForce < PROTOCOL.rough_unbalance
+    return PROTOCOL.relaxation_steps if smooth else 1
+
+
+def relaxation_time_step(state, solver):
+    """Return the time step of the next relaxation interval.
+
+    Under the net force F ⟨f⟩ a grain moves by about F d (dt/t₀)² in a step.
+
+    Parameters
+    ----------
+    state : dict
+        State of the relaxation, empty at first; updated.
+    solver : ContactDynamics
+        Its `unbalancedForce` and `largestUnbalancedForce` are read.
+
+    Returns
+    -------
+    float
+        dt/t₀ [-].
+    """
+    before = state.get("steps", 0)
+    steps = before + relaxation_interval(solver)
+    unbalances = state.get("unbalances", [])
+    if steps // PROTOCOL.relaxation_steps > before // PROTOCOL.relaxation_steps:
+        unbalances = [*unbalances, solver.unbalancedForce]
+    state.update(unbalances=unbalances, steps=steps)
+    state.setdefault("displacement", PROTOCOL.displacement_per_unbalance)
+    if len(unbalances) == 2 * PROTOCOL.unbalance_window:
+        _reduce_displacement(state)
+    bound = min(PROTOCOL.max_grain_displacement, state["displacement"] * solver.unbalancedForce)
+    shortest, longest = PROTOCOL.relaxation_time_steps
+    largest = max(solver.largestUnbalancedForce, 1e-300)  # 0 in perfect balance
+    return min(longest, max(shortest, math.sqrt(bound / largest)))
+
+
+def _reduce_displacement(state):
+    """Reduce the displacement over the unbalance where the unbalance has not decreased.
+
+    Long steps can make grains flip to and fro. Very short ones make large packings creep, so the
+    displacement restarts at its first value below a least one.
+    """
+    window = PROTOCOL.unbalance_window
+    earlier, state["unbalances"] = state["unbalances"][:window], state["unbalances"][window:]
+    if sum(state["unbalances"]) <= PROTOCOL.unbalance_decrease * sum(earlier):
+        return
+    state["displacement"] *= PROTOCOL.displacement_reduction
+    state["flip_displacement"] = state["displacement"]
+    if state["displacement"] <= PROTOCOL.min_displacement_per_unbalance:
+        state["displacement"] = PROTOCOL.displacement_per_unbalance
+        del state["flip_displacement"]
+
+
+def accept_creep(state, stress_deviation):
+    """Return whether a balanced packing off the isotropic stress is accepted as creeping.
+
+    Otherwise lengthen the steps, since longer steps shorten the creep. Steps longer than
+    ``flip_displacement``, which kept up flips, follow after `Protocol.creep_intervals` only.
+    """
+    longer = state["displacement"] / PROTOCOL.displacement_reduction
+    intervals = state.get("balanced_intervals", 0) + 1
+    state.update(unbalances=[], balanced_intervals=intervals)
+    if longer > state.get("flip_displacement", longer):
+        if intervals < PROTOCOL.creep_intervals:
+            return False
+        if stress_deviation < PROTOCOL.creep_isotropy_tolerance:
+            return True
+        del state["flip_displacement"]
+    state.update(displacement=longer, balanced_intervals=0)
+    return False
+
+
+# --- the two phases ----------------------------------------------------------------------------
+
+
+def compact(test, report, balance_tolerance, start_shear):
+    """Collapse and relax the packing, then call `start_shear`; see `Biaxial.compact`."""
+    solver = test.solver
+    while test.progress["phase"] != "shear":
+        unbalance = min(0.1, max(solver.unbalancedForce, balance_tolerance))
+        solver.tolerance = PROTOCOL.relaxation_tolerance * unbalance
+        if test.progress["phase"] == "collapse":
+            _collapse(test)
+        else:
+            _relax(test)
+            if solver.unbalancedForce < balance_tolerance and _is_at_rest(test):
+                start_shear()
+        report(test)
+        if O.iter > PROTOCOL.max_compaction_steps:
+            raise RuntimeError(
+                f"the compaction has not come to rest after {O.iter} steps: mean net force of a "
+                f"grain {solver.unbalancedForce:.1e} of the mean contact force (expected "
+                f"{balance_tolerance:g}), wall stresses "
+                f"{test.mean_stresses / PROTOCOL.confining_stress} σ₀ (expected 1); "
+                "try another seed or a smaller tolerance"
+            )
+
+
+def stress_deviation(test):
+    """Return the largest deviation of the wall stresses from σ₀ [σ₀]."""
+    return float(np.abs(test.mean_stresses / PROTOCOL.confining_stress - 1).max())
+
+
+def _is_at_rest(test):
+    deviation = stress_deviation(test)
+    if deviation < PROTOCOL.isotropy_tolerance:
+        return True
+    return accept_creep(test.progress["relaxation"], deviation)
+
+
+def _collapse(test):
+    """Contract the packing by one step; end the phase once the contacts carry the load."""
+    contraction = PROTOCOL.max_contraction
+    if test.solver.contactPoints > PROTOCOL.sparse_points * len(test.grains):
+        wall = PROTOCOL.max_wall_displacement * test.diameter
+        contraction = min(contraction, wall / max(test.width, test.height))
+    for body in O.bodies:
+        body.state.pos *= 1 - contraction
+    width, height = test.width, test.height
+    test.step(1)
+    expands = max(test.width / width, test.height / height) > 1 + contraction / 2
+    most = PROTOCOL.max_collapse_stress * PROTOCOL.confining_stress
+    if expands or test.mean_stresses.min() > most:
+        test.progress.update(phase="relaxation", relaxation={})
+
+
+def _relax(test):
+    """Make one relaxation interval."""
+    solver = test.solver
+    O.dt = test.time_unit * relaxation_time_step(test.progress["relaxation"], solver)
+    test.step(relaxation_interval(solver))
+    drag = PROTOCOL.drag_ratio * solver.unbalancedForce
+    solver.trackMeanStretch = bool(stress_deviation(test) > drag)

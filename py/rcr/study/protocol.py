@@ -1,0 +1,167 @@
+"""Constants and parameters of the biaxial test. Needs NumPy and the kernel, not YADE.
+
+Units
+-----
+m is the mean mass of a grain, d its mean diameter and σ₀ the confining stress. The time unit is
+t₀ = √(m/σ₀), the inertial number I = ε̇ t₀. Every quantity is per unit depth.
+"""
+
+import dataclasses
+
+from rcr import _checks as checks
+from rcr import _kernel
+
+FREE_PARAMETERS = ("threads",)  # parameters that do not change the results
+
+
+@dataclasses.dataclass(frozen=True)
+class Protocol:
+    """Constants of the biaxial test; `PROTOCOL` holds the values of the study.
+
+    A field without a source was chosen by the tests of docs/measurements.md or sets a scale only.
+    """
+
+    # Grains and load
+    smallest_radius: float = 5e-3  # R_min [m]; the largest radius is 2 R_min
+    density: float = 2600.0  # mass density of grains [kg/m³]
+    confining_stress: float = 1e4  # σ₀ on the right and the top wall [Pa]
+    deposited_fraction: float = 0.82  # packing fraction of the deposited circles [-]
+    possible_fractions: tuple = (0.2, 1.5)  # packing fractions of a test that has not blown up [-]
+
+    # Collapse: homogeneous contraction until the contacts carry the load
+    max_contraction: float = 0.005  # strain of a step, at most [-]
+    sparse_points: float = 1.5  # points over grains without contact paths across the box
+    max_wall_displacement: float = 0.1  # of a step [d], once contact paths span the box
+    max_collapse_stress: float = 4.0  # wall stress that ends the collapse [σ₀]
+
+    # Relaxation: steps of changing length until every grain is balanced
+    relaxation_time_steps: tuple = (0.1, 1.0)  # shortest and longest time step [t₀]
+    max_grain_displacement: float = 0.1  # of a step, at most [d]
+    displacement_per_unbalance: float = 20.0  # first bound of displacement over unbalance [d]
+    displacement_reduction: float = 0.6  # factor on that bound if the unbalance stays
+    min_displacement_per_unbalance: float = 0.05  # bound that restarts at the first value [d]
+    unbalance_window: int = 5  # unbalances compared with as many earlier ones
+    unbalance_decrease: float = 0.8  # ratio of their sums, at most; else grains flip
+    relaxation_steps: int = 10  # steps of one length while the unbalance is below `rough_unbalance`
+    rough_unbalance: float = 0.03  # unbalance from which on each step has its own length [-]
+    drag_ratio: float = 3  # stress deviation over unbalance of a sample held up by drag
+    relaxation_tolerance: float = 0.003  # residual of the solver over the unbalance [-]
+    balance_tolerance: float = 2e-3  # unbalance at the end [-]: mean net force over contact force
+    isotropy_tolerance: float = 1e-2  # deviation of wall stresses at the end [σ₀], at most
+    creep_isotropy_tolerance: float = 3e-2  # the same of a balanced packing that creeps [σ₀]
+    creep_intervals: int = 10  # balanced intervals after which a packing counts as creeping
+    max_compaction_steps: int = 20_000  # steps after which the compaction fails
+
+    # Shear
+    time_step: float = 0.1  # dt [t₀]
+    inertial_number: float = 1e-3  # I [-]; net forces reach 20 to 40 % of the mean contact force
+    iterations: int = 300  # of the solver in a step, at most
+    small_iterations: int = 10_000  # the same of small packings (docs/campaign.md)
+    small_particles: int = 2000  # grains of a small packing, at most
+    ramp_strain: float = 0.002  # strain in which the top wall reaches its speed [-]
+    record_strain: float = 1e-3  # strain of a record of the history [-]
+    quasi_static_rate: float = 1e-4  # I t₀/dt without inertia [-]: drag of a grain over σ₀
+    quasi_static_time_step: float = 1.0  # dt without inertia [t₀]
+    overdamped_kinematic_tolerance: float = 0.1  # at `quasi_static_rate` [-]
+
+    # Smooth law
+    stiffness: float = 1e3  # k_n [σ₀]: mean overlaps of about 1e-3 d
+    shear_stiffness: float = 0.8  # k_s over k_n [-]
+    viscous_damping: float = 0.3  # damping ratio along normals [-]; the shear has no other damping
+    smooth_time_step: float = 0.5  # dt over `rcr.critical_time_step` [-]
+    smooth_stride: int = 10  # steps between two readings of the wall stresses
+
+    @property
+    def quasi_static(self):
+        """Parameters of shear near the limit I → 0 (docs/measurements.md, Quasi-static limit)."""
+        return dict(
+            overdamped=True,
+            inertial_number=self.quasi_static_rate,
+            time_step=self.quasi_static_time_step,
+        )
+
+    def default_iterations(self, particles):
+        """Iterations of the solver in a step of the shear, at most, of so many grains."""
+        return self.small_iterations if particles <= self.small_particles else self.iterations
+
+
+PROTOCOL = Protocol()
+
+
+def check_parameters(
+    eta=0.5,
+    particles=1000,
+    seed=1,
+    friction=0.5,
+    tolerance=1e-4,
+    solver="auto",
+    threads=0,
+    inertial_number=PROTOCOL.inertial_number,
+    time_step=PROTOCOL.time_step,
+    law="cd",
+    stiffness=PROTOCOL.stiffness,
+    iterations=None,
+    approach=0.0,
+    overdamped=False,
+):
+    """Return the parameters of a test as a dict, after a check of each; see `Biaxial.prepare`.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range, or two exclude each other.
+    """
+    parameters = dict(locals())
+    if iterations is None:
+        count = _checked("particles", particles)
+        parameters["iterations"] = PROTOCOL.default_iterations(count)
+    for name in _RANGES:
+        parameters[name] = _checked(name, parameters[name])
+    checks.choice("law", law, ("cd", "smooth"))
+    checks.flag("overdamped", overdamped)
+    _check_combination(parameters)
+    return parameters
+
+
+_RANGES = dict(  # parameter: check, expected value, condition
+    eta=(checks.number, "an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1),
+    particles=(checks.integer, "at least 10 and at most 10 million", lambda v: 10 <= v <= 10**7),
+    seed=(checks.integer, "a whole number ≥ 0", lambda v: v >= 0),
+    friction=(checks.number, "a coefficient ≥ 0, at most 100", lambda v: 0 <= v <= 100),
+    tolerance=(checks.number, "a residual 0 ≤ tolerance < 1", lambda v: 0 <= v < 1),
+    threads=(checks.integer, "0 (as many as YADE uses) to 1024", lambda v: 0 <= v <= 1024),
+    inertial_number=(checks.number, "a number > 0", lambda v: v > 0),
+    time_step=(checks.number, "a number > 0, at most 10", lambda v: 0 < v <= 10),
+    stiffness=(checks.number, "a number ≥ 1, at most 1e9", lambda v: 1 <= v <= 1e9),
+    iterations=(checks.integer, "a whole number > 0 of 32 bits", lambda v: 0 < v < 2**31),
+    approach=(checks.number, "a strain 0 ≤ approach < 1", lambda v: 0 <= v < 1),
+)
+
+
+def _checked(name, value):
+    """Return a parameter in its type, if it is in its range."""
+    check, expected, valid = _RANGES[name]
+    return check(name, value, expected, valid)
+
+
+def _check_combination(parameters):
+    """Raise ValueError for an unknown solver and for parameters that exclude each other."""
+    solver, law, overdamped, approach, rate, step = (
+        parameters[name]
+        for name in ("solver", "law", "overdamped", "approach", "inertial_number", "time_step")
+    )
+    names = _kernel.solver_names()
+    if solver not in names:
+        raise ValueError(f"solver {solver!r} is not known; expected one of {', '.join(names)}")
+    if law == "smooth" and overdamped:
+        raise ValueError("overdamped = True: springs have an inertia; expected law = 'cd'")
+    if approach > 0 and overdamped:
+        raise ValueError(
+            f"approach = {approach:g}: shear without inertia has one rate; "
+            "expected approach = 0 with overdamped = True"
+        )
+    if law == "cd" and rate * step > PROTOCOL.record_strain:
+        raise ValueError(
+            f"inertial_number × time_step = {rate * step:g} is the strain of a step; "
+            f"expected at most {PROTOCOL.record_strain:g}, the strain of a record"
+        )

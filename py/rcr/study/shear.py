@@ -1,0 +1,180 @@
+"""Shear of the biaxial test: the top wall closes at a given rate, σ₀ acts on the right wall.
+
+The top wall moves at the rate ε̇ = I/t₀ of the first height. The strain is (h₀ − h)/h₀. A record
+is 0.1 % of strain and gives a row of the history. Up to the strain `approach` the shear is no
+slower than the default rate. Needs YADE.
+"""
+
+import math
+
+import numpy as np
+from yade import utils
+from yade.minieigenHP import Matrix3, Vector3
+from yade.wrapper import Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, Omega
+
+import rcr
+from rcr.network import sin_phi
+from rcr.study.compaction import stress_deviation
+from rcr.study.protocol import PROTOCOL
+from rcr.study.records import COUNTERS, Springs
+
+O = Omega()
+
+# --- start --------------------------------------------------------------------------------------
+
+
+def start(test):
+    """Turn a compacted packing into the initial state of the shear."""
+    solver, parameters = test.solver, test.parameters
+    test.isotropic = test.network()
+    test.progress.update(
+        COUNTERS,
+        phase="shear",
+        first_step=O.iter,
+        first_height=test.height,
+        packing_fraction_initial=test.packing_fraction,
+        unbalance_initial=solver.unbalancedForce,
+        stress_deviation_initial=stress_deviation(test),
+    )
+    solver.tolerance, solver.maxIterations = parameters["tolerance"], parameters["iterations"]
+    solver.overdamped = solver.trackMeanStretch = False
+    if parameters["overdamped"]:
+        remove_inertia(test)
+    for body in O.bodies:
+        body.state.vel = body.state.angVel = Vector3.Zero
+    _set_friction(test, parameters["friction"])
+    for engine in O.engines:
+        if isinstance(engine, rcr.WallStress) and engine.wall == test.top:
+            engine.dead = True
+    O.bodies[test.top].state.blockedDOFs = "xyzXYZ"
+    if parameters["law"] == "smooth":
+        switch_to_springs(test, parameters["stiffness"])
+    else:
+        O.dt = parameters["time_step"] * test.time_unit
+
+
+def _set_friction(test, friction):
+    """Set the friction between grains; walls stay smooth."""
+    O.materials["grain"].frictionAngle = math.atan(friction)  # of contacts that form later
+    for i in O.interactions:
+        if i.isReal and max(i.id1, i.id2) < test.left:
+            i.phys.tangensOfFrictionAngle = friction
+
+
+def remove_inertia(test):
+    """Let each step start from rest; see `Biaxial.remove_inertia`."""
+    parameters, solver = test.parameters, test.solver
+    parameters.update(overdamped=True)
+    rate = parameters["inertial_number"] / parameters["time_step"]
+    solver.overdamped = solver.trackMeanStretch = True
+    # The tolerance is a share of the velocities without contacts. Slower shear and longer steps
+    # have lower velocities beside these.
+    share = min(1, rate / PROTOCOL.quasi_static_rate)
+    solver.kinematicTolerance = PROTOCOL.overdamped_kinematic_tolerance * share
+
+
+def switch_to_springs(test, stiffness):
+    """Replace the rigid contacts by unloaded springs; see `Biaxial.switch_to_springs`."""
+    O.interactions.clear()
+    O.engines = [engine for engine in O.engines if not isinstance(engine, rcr.ContactDynamics)]
+    loop = utils.typedEngine("InteractionLoop")
+    kn = stiffness * PROTOCOL.confining_stress
+    kn, ks = (MatchMaker(algo="val", val=k) for k in (kn, PROTOCOL.shear_stiffness * kn))
+    loop.physDispatcher.functors = [Ip2_FrictMat_FrictMat_FrictPhys(kn=kn, ks=ks)]
+    damping = PROTOCOL.viscous_damping
+    loop.lawDispatcher.functors = [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping)]
+    O.dt = PROTOCOL.smooth_time_step * rcr.critical_time_step()
+    test.parameters.update(law="smooth", stiffness=stiffness)
+    test.solver = Springs()
+
+
+# --- rate --------------------------------------------------------------------------------------
+
+
+def is_approaching(test, strain=None):
+    """Return whether the test, now or at a strain, has not reached the strain `approach`."""
+    strain = test.strain if strain is None else strain
+    return strain < test.parameters["approach"] - 0.5 * PROTOCOL.record_strain
+
+
+def rate_and_step(test, strain=None):
+    """Return I and dt/t₀ of the shear, now or at a strain.
+
+    Up to the strain `approach` I is at least the default one and dt at most the default one.
+    """
+    rate, step = test.parameters["inertial_number"], test.parameters["time_step"]
+    if is_approaching(test, strain):
+        return max(rate, PROTOCOL.inertial_number), min(step, PROTOCOL.time_step)
+    return rate, step
+
+
+def top_speed(test, strain=None):
+    """Return the speed of the top wall, now or at a strain, after the ramp [m/s]."""
+    return rate_and_step(test, strain)[0] / test.time_unit * test.progress["first_height"]
+
+
+def steps_per_record(test):
+    """Return the number of steps of a record."""
+    rate, _ = rate_and_step(test)
+    return max(1, round(PROTOCOL.record_strain * test.time_unit / (rate * O.dt)))
+
+
+# --- records -----------------------------------------------------------------------------------
+
+
+def shear(test, records):
+    """Shear by a number of records; see `Biaxial.shear`."""
+    solver, top = test.solver, O.bodies[test.top].state
+    while records > 0:
+        ramp = min(1, max(test.strain, PROTOCOL.record_strain / 10) / PROTOCOL.ramp_strain)
+        top.vel = Vector3(0, -ramp * top_speed(test), 0)
+        if not isinstance(solver, Springs):
+            O.dt = rate_and_step(test)[1] * test.time_unit
+        if solver.overdamped:
+            closing = top.vel[1] / test.height
+            # The flow keeps the area of the sample; trackMeanStretch adds the dilation.
+            solver.flow = Matrix3(-closing, 0, 0, 0, closing, 0, 0, 0, 0)
+        steady = ramp == 1 and not solver.overdamped and not is_approaching(test)
+        together = records if steady else 1
+        try:
+            test.step(steps_per_record(test), together)
+        finally:
+            for record in test.records:
+                test.rows.append(history_row(test, record))
+        records -= together
+
+
+def history_row(test, record):
+    """Return the row of the history of a `Record`.
+
+    Raises
+    ------
+    RuntimeError
+        If the packing has blown up.
+    """
+    x, y = record.stresses
+    first = test.progress["first_height"]
+    fraction = test.area / (record.width * record.height)
+    strain = (first - record.height) / first
+    low, high = PROTOCOL.possible_fractions
+    if not (np.isfinite([x, y, strain]).all() and low < fraction < high):
+        stresses = " and ".join(f"{s / PROTOCOL.confining_stress:.3g}" for s in (x, y))
+        raise RuntimeError(
+            f"the packing has blown up by step {record.step}, strain {strain:.4g}: "
+            f"packing fraction {fraction:.4g}, stresses of the walls {stresses} σ₀; "
+            "take a smaller time step, inertial number or tolerance"
+        )
+    return dict(
+        step=record.step,
+        time=record.time,
+        strain=strain,
+        sin_phi=sin_phi(record.stresses),
+        stress_x=x,
+        stress_y=y,
+        packing_fraction=fraction,
+        points=record.points,
+        iterations=record.iterations,
+        residual=record.residual,
+        unconverged_steps=record.unconverged,
+        yielded_steps=record.yielded,
+    )

@@ -1,0 +1,131 @@
+"""Contents of `summary.json` of a biaxial test. Needs YADE."""
+
+import resource
+
+import numpy as np
+from yade.wrapper import Omega
+
+import rcr
+from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE, sin_phi
+from rcr.study.protocol import PROTOCOL
+
+O = Omega()
+
+
+def summarize(test, include_yielded=False):
+    """Return the contents of `summary.json` of a `Biaxial`.
+
+    Means are those of the records in the second half of the strain. Records with a step without a
+    solution are left out, unless `include_yielded` is set.
+
+    Returns
+    -------
+    dict
+        Keys that need a note, the others being defined in docs/biaxial.md:
+
+        ``sin_phi``, ``sin_phi_std``, ``stress_x_std``
+            None if all records are left out. ``stress_x_std`` is the scatter of the lateral stress
+            between records [σ₀].
+        ``stress_deviation_initial``
+            Largest deviation of the wall stresses from σ₀ after the compaction [σ₀].
+        ``aspect_ratio``
+            Width over height at the end [-].
+        ``sample_inertia``, ``sample_inertia_height``
+            `Biaxial.sample_inertia` at the end [-].
+        ``unconverged_steps``, ``yielded_steps``
+            Steps of the shear that missed the tolerance, and those without a solution.
+        ``missed_fraction``, ``missed_mean``, ``missed_max``
+            Both over all steps of the shear; mean and largest residual over tolerance, or
+            kinematic error over `kinematicTolerance` if that is larger; 0 without missed steps.
+        ``peak_memory_bytes``
+            Largest resident memory of the process [B].
+    """
+    return {
+        **{name: test.parameters[name] for name in ("eta", "particles", "seed")},
+        **_strength(test, include_yielded),
+        **_structure(test),
+        **_geometry(test),
+        **_work(test),
+    }
+
+
+def _strength(test, include_yielded):
+    """Return the strain and the means of the wall stresses."""
+    late = [row for row in test.rows if row["strain"] >= 0.5 * test.strain]
+    used = [row for row in late if include_yielded or row["yielded_steps"] == 0]
+    found = dict(strain=test.strain, sin_phi=None, sin_phi_std=None, stress_x_std=None)
+    if used:
+        stresses = [np.mean([row[name] for row in used]) for name in ("stress_x", "stress_y")]
+        lateral = np.std([row["stress_x"] for row in used]) / PROTOCOL.confining_stress
+        found["sin_phi"] = float(sin_phi(stresses))
+        found["sin_phi_std"] = float(np.std([row["sin_phi"] for row in used]))
+        found["stress_x_std"] = float(lateral)
+    return found | dict(
+        records=len(late), records_left_out=len(late) - len(used), include_yielded=include_yielded
+    )
+
+
+def _structure(test):
+    """Return observables of the last contact network."""
+    network = test.network()
+    between = network.between_particles
+    types = network.contacts["type"][between]
+    contacts = network.contacts
+    force = np.einsum("ca,ca->c", contacts["force"], contacts["normal"])[between]
+    overlaps = test.overlaps()
+    frictional = network.attributes["friction"] > 0
+    mobilization = float(network.friction_mobilization().mean()) if frictional else 0.0
+    return dict(
+        packing_fraction_initial=test.progress["packing_fraction_initial"],
+        packing_fraction_final=test.packing_fraction,
+        coordination_number=network.coordination(),
+        fraction_cc=float(np.mean(types == CAP_CAP)),
+        fraction_cs=float(np.mean(types == CAP_SIDE)),
+        fraction_ss=float(np.mean(types == SIDE_SIDE)),
+        friction_mobilization=mobilization,
+        weak_fraction=float(np.mean(force < force.mean())),
+        mean_overlap=float(overlaps.mean()),
+        max_overlap=float(overlaps.max(initial=0)),
+    )
+
+
+def _geometry(test):
+    """Return the rate, the shape of the box, and the state after the compaction."""
+    parameters, progress = test.parameters, test.progress
+    first_height = progress["first_height"]
+    first_width = test.area / (progress["packing_fraction_initial"] * first_height)
+    along_width, along_height = test.sample_inertia()
+    return dict(
+        inertial_number=parameters["inertial_number"],
+        overdamped=parameters["overdamped"],
+        approach=parameters["approach"],
+        aspect_ratio_initial=first_width / first_height,
+        aspect_ratio=test.width / test.height,
+        sample_inertia=along_width,
+        sample_inertia_height=along_height,
+        unbalance_initial=progress["unbalance_initial"],
+        stress_deviation_initial=progress["stress_deviation_initial"],
+    )
+
+
+def _work(test):
+    """Return the steps, the errors of the solver, and the cost."""
+    progress = test.progress
+    missed, yielded = progress["missed"], progress["yielded"]
+    return dict(
+        steps=O.iter,
+        dt=O.dt,
+        iterations_mean=progress["iterations"] / O.iter,
+        residual_max=progress["residual_max"],
+        unconverged_steps=max(0, missed - yielded),
+        yielded_steps=yielded,
+        missed_fraction=missed / max(1, O.iter - progress["first_step"]),
+        missed_mean=progress["missed_sum"] / max(1, missed),
+        missed_max=progress["missed_max"],
+        tolerance=test.parameters["tolerance"],
+        run=test.run,
+        wall_seconds=progress["wall_seconds"],
+        peak_memory_bytes=1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+        threads=test.solver.threads or O.numThreads,
+        version=rcr.__version__,
+    )
