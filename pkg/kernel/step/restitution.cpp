@@ -58,7 +58,7 @@ bool restrainBounce(Step& step, const StepContact& contact)
 	for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
 		ContactPoint& c = step.problem.points[k];
 		if (!(c.bias < 0)) continue; // no bounce
-		const double share = passiveShare(delassus(step.problem, c), step.problem.impulse[k], before(step, c), after(step, c), c.bias, c.friction);
+		const double share = passiveRestitutionFactor(delassus(step.problem, c), step.problem.impulse[k], before(step, c), after(step, c), c.bias, c.friction);
 		c.bias *= share;
 		changed |= share < 1;
 	}

@@ -1,0 +1,123 @@
+"""Steps in arrays equal steps of engines while engines and scripts act on bodies.
+
+Engines that move fast obstacles or load grains, and PyRunners that change engines, velocities and masks.
+"""
+
+import numpy as np
+import pytest
+import rcr
+from scenes import box, build, engines, material, snapshot
+from test_arrays import SOLVER, after, grains, same, walls
+from yade import O
+from yade.minieigenHP import Vector3
+from yade.wrapper import (ForceEngine, HarmonicMotionEngine, LinearDragEngine, PyRunner,
+                          RotationEngine, TorqueEngine)
+
+STEPS = 600
+EVENTS = {}
+
+
+def event(function):
+    """Makes a function available to the commands of PyRunners."""
+    EVENTS[function.__name__] = function
+    return f"from test_arrays_events import EVENTS; EVENTS['{function.__name__}']()"
+
+
+def shaken_wall(seed):
+    build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
+    O.engines = [HarmonicMotionEngine(A=(0, 0.02, 0), f=(0, 8, 0), fi=(0, 0, 0), ids=[42]), *O.engines]
+
+
+def shaken_box(seed):
+    build(*grains(40, 6, seed), *walls(0.9), box((0.45, 0.02), (0.3, 0.02), 0, material(0.5)),
+          dt=1e-3, **SOLVER)
+    for k in range(40):
+        O.bodies[k].state.pos += Vector3(0, 0.1, 0)
+    O.engines = [HarmonicMotionEngine(A=(0.02, 0, 0), f=(10, 0, 0), fi=(0, 0, 0), ids=[43]), *O.engines]
+    O.engines[3].geomDispatcher.functors = [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(),
+                                            rcr.Ig2_Box_Rcr_RcrGeom()]
+
+
+def torque_on_grains(seed):
+    build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
+    O.engines = [O.engines[0], TorqueEngine(ids=[3, 11, 20], moment=(0, 0, 40)), *O.engines[1:]]
+
+
+def stirrer(seed):
+    build(*grains(40, 6, seed), *walls(0.9), box((0.45, 0.2), (0.2, 0.02), 0, material(0.5)),
+          dt=1e-3, **SOLVER)
+    for k in range(40):
+        O.bodies[k].state.pos += Vector3(0, 0.45, 0)
+    O.engines = [RotationEngine(ids=[43], rotateAroundZero=True, rotationAxis=(0, 0, 1),
+                                zeroPoint=(0.45, 0.2, 0), angularVelocity=8), *O.engines]
+    O.engines[3].geomDispatcher.functors = [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(),
+                                            rcr.Ig2_Box_Rcr_RcrGeom()]
+
+
+def drag_on_fast_grains(seed):
+    build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
+    for k in range(0, 40, 5):
+        O.bodies[k].state.vel = Vector3(8, 4, 0)
+    O.engines = [O.engines[0], LinearDragEngine(ids=list(range(0, 40, 5)), nu=0.02), *O.engines[1:]]
+
+
+def kick():
+    for k in range(O.iter % 3, 40, 7):
+        O.bodies[k].state.vel = Vector3(6 * np.cos(k), 5, 0)
+
+
+def kicked_before_the_collider(seed):
+    build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
+    O.engines = [PyRunner(command=event(kick), iterPeriod=70), *O.engines]
+
+
+def change_masks():
+    for k in range(0, 40, 4):
+        O.bodies[k].mask = 1 if O.bodies[k].mask == 2 else 2
+
+
+def masks_that_change(seed):
+    build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
+    for b in O.bodies:
+        b.mask = 3 if b.id >= 40 else 1 + b.id % 2
+    O.engines = [*O.engines, PyRunner(command=event(change_masks), iterPeriod=150, firstIterRun=50)]
+
+
+SCENES = [shaken_wall, shaken_box, torque_on_grains, stirrer, drag_on_fast_grains,
+          kicked_before_the_collider, masks_that_change]
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.__name__)
+def test_same_bits_as_the_engines(scene, seed):
+    expected, _ = after(lambda: scene(seed), False)
+    found, model = after(lambda: scene(seed), True)
+    assert model["arrays"] > 0.3 * STEPS
+    assert same(found, expected)
+
+
+@pytest.mark.parametrize("scene", [shaken_wall, torque_on_grains], ids=lambda scene: scene.__name__)
+def test_a_run_repeats_its_bits(scene):
+    first, *others = [after(lambda: scene(5), True)[0] for _ in range(4)]
+    assert all(same(first, other) for other in others)
+
+
+def add_force():
+    O.engines = [O.engines[0], ForceEngine(ids=[1], force=(20, 0, 0)), *O.engines[1:]]
+
+
+@pytest.mark.parametrize("arrays", [False, True])
+@pytest.mark.parametrize("place", [0, 3, 5])
+def test_engines_set_during_a_run_act(arrays, place):
+    """A PyRunner that inserts an engine; YADE applies the new list at the next step."""
+    build(rcr.disc((0, 0), 0.05, material(0.5)), rcr.disc((1, 0), 0.05, material(0.5)), dt=1e-3,
+          gravity=(0, 0, 0), **SOLVER)
+    O.engines[-2].arrays = arrays
+    O.engines = [*O.engines[:place],
+                 PyRunner(command=event(add_force), iterPeriod=1000, firstIterRun=100, nDo=1),
+                 *O.engines[place:]]
+    O.run(300, True)
+    moved = O.bodies[1].state.pos[0] - 1
+    acceleration = 20 / O.bodies[1].state.mass
+    steps = O.bodies[1].state.vel[0] / (acceleration * O.dt)
+    assert 198 <= steps <= 201 and moved == pytest.approx(acceleration * O.dt**2 * steps * (steps + 1) / 2)
