@@ -1,8 +1,8 @@
-// rcr._plugin: importing it registers our classes with the YADE that runs.
+// Module rcr._plugin. Its import registers the classes of this plugin with the running YADE.
 //
-// YADE itself loads plugins only once, at its start, and registers every name in ClassFactory::pluginClasses. Doing that a
-// second time would register all of YADE's own classes anew, so only the names that YADE does not know yet are left in
-// that list while Omega::loadPlugins runs.
+// YADE loads plugins at its start and registers every name in ClassFactory::pluginClasses. A second
+// call would register all classes of YADE again. The list therefore holds only unregistered names
+// while Omega::loadPlugins runs.
 #include <boost/python.hpp>
 
 #include <core/Omega.hpp>
@@ -18,45 +18,46 @@
 
 namespace {
 
-void registerOwnClasses()
+void registerClasses()
 {
 	std::list<std::string>& names = yade::ClassFactory::instance().pluginClasses;
 	const auto&             known = yade::Omega::instance().getDynlibsDescriptor();
-	std::list<std::string>  ours, all = names;
+	std::list<std::string>  added, all = names;
 	for (const std::string& name : names)
-		if (!known.count(name)) ours.push_back(name);
-	names = ours;
+		if (!known.count(name)) added.push_back(name);
+	names = added;
 	yade::Omega::instance().loadPlugins({});
 	names = all;
 	boost::python::list classes;
-	for (const std::string& name : ours)
+	for (const std::string& name : added)
 		classes.append(name);
 	boost::python::scope().attr("classes") = classes;
 #ifdef RCR_OPENGL
-	yade::OpenGLRenderer::initDone = false; // a view that is open already looks for functors anew when it draws next
+	yade::OpenGLRenderer::initDone = false; // an open view searches functors at its next frame
 #endif
 }
 
-/// A class layout of another version would corrupt memory, so nothing is registered then.
+/// Throws ImportError for another version of YADE: its class layouts would corrupt memory.
 void checkVersion()
 {
-	const std::string running = boost::python::extract<std::string>(boost::python::import("yade.config").attr("version"));
+	const std::string running = boost::python::extract<std::string>(
+	        boost::python::import("yade.config").attr("version"));
 	if (running == RCR_YADE_VERSION) return;
 	const std::string message = "rcr was built for YADE " RCR_YADE_VERSION ", but YADE " + running
-	        + " is running. Build it anew: scripts/yade-rcr does so when it starts.";
+	        + " is running. Start scripts/yade-rcr to rebuild it.";
 	PyErr_SetString(PyExc_ImportError, message.c_str());
 	boost::python::throw_error_already_set();
 }
 
 std::string refusal()
 {
-	const yade::Scene& scene = *yade::Omega::instance().getScene();
-	const std::string  told  = yade::gate::refusal(scene);
-	if (told.empty()) {
+	const yade::Scene& scene  = *yade::Omega::instance().getScene();
+	const std::string  reason = yade::gate::refusal(scene);
+	if (reason.empty()) {
 		yade::gate::lookAheadOfDiscs(scene);
 		yade::gate::showBodiesToCollider(scene);
 	}
-	return told;
+	return reason;
 }
 
 bool serves() { return yade::gate::serves(*yade::Omega::instance().getScene()); }
@@ -64,15 +65,11 @@ bool serves() { return yade::gate::serves(*yade::Omega::instance().getScene()); 
 boost::python::list advice()
 {
 	const yade::Scene&  scene = *yade::Omega::instance().getScene();
-	boost::python::list told;
+	boost::python::list warnings;
 	for (const std::string& text : { yade::gate::balls(scene), yade::gate::overlaps(scene) })
-		if (!text.empty()) told.append(text);
-	return told;
+		if (!text.empty()) warnings.append(text);
+	return warnings;
 }
-
-} // namespace
-
-namespace {
 
 void awaitEnd()
 {
@@ -87,11 +84,18 @@ BOOST_PYTHON_MODULE(_plugin)
 {
 	checkVersion();
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
-	registerOwnClasses();
-	boost::python::def("refusal", refusal, "What of the scene is not served, and what to do; empty where all is.");
-	boost::python::def("take_error", yade::takeError, "What ended the last step of ContactDynamics, once; empty where nothing did.");
-	boost::python::def("await_end", awaitEnd, "Waits for a run that was paused to be over.");
-	boost::python::def("serves", serves, "Whether a law of ours is in the scene.");
-	boost::python::def("advice", advice, "What of the scene is served but hardly meant, a list of texts.");
-	boost::python::def("planar_clump", yade::planarClump, "Joins bodies of the scene, (ids, x, y, mass, inertia about z); returns the id of the clump.");
+	registerClasses();
+	boost::python::def(
+	        "refusal", refusal,
+	        "Reason why the scene is not supported, with a remedy; empty if it is supported.");
+	boost::python::def(
+	        "take_error", yade::takeError,
+	        "Message of the error that stopped ContactDynamics, returned once; empty without "
+	        "error.");
+	boost::python::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
+	boost::python::def("serves", serves, "True if the scene contains a law of this plugin.");
+	boost::python::def("advice", advice, "Warnings for suspicious scenes, a list of texts.");
+	boost::python::def(
+	        "planar_clump", yade::planarClump,
+	        "Join bodies to a clump (ids, x, y, mass, inertia about z); returns its id.");
 }
