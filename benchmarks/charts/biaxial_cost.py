@@ -26,7 +26,7 @@ from yade.wrapper import Omega
 
 from benchmarks.charts import legend_handles
 from benchmarks.charts.stock import Stock
-from rcr.study.analysis import standard_error
+from rcr.study.statistics import standard_error
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
 
