@@ -52,8 +52,7 @@ namespace {
 		column(y.entry) -= product;
 	}
 
-	/// Inverts a block by Gauss–Jordan elimination with row exchanges. Returns false if it is
-	/// singular.
+	/// Inverts a block by Gauss–Jordan elimination with row exchanges. False if it is singular.
 	bool invert(Block& block)
 	{
 		double a[3][6];
@@ -196,8 +195,8 @@ void BlockLu::setIdentity()
 	std::fill(upper_.begin(), upper_.end(), Block {});
 }
 
-/// Subtracts L_ik (D U)_kj of the earlier columns k from column `step` of L D and row `step` of D
-/// U.
+/// Subtracts the terms L_ik (D U)_kj of earlier columns k from column `step` of L D and from row
+/// `step` of D U.
 RCR_CLONES void BlockLu::eliminate(std::int32_t step)
 {
 	for (std::int32_t m = start_[step]; m < start_[step + 1]; ++m)

@@ -7,7 +7,7 @@ namespace rcr {
 
 namespace {
 
-	/// Rank-one updates between two factorisations. More cost as much as a factorisation.
+	/// Rank-one updates between two factorisations. Both then cost about the same.
 	constexpr std::size_t maxUpdates = 20;
 
 	/// Least energy of an unstable contact over the largest [-].
@@ -206,9 +206,8 @@ namespace {
 			}
 		}
 
-		/// At a fold, a matrix between the two pieces is singular. A⁻¹ x spans its null space:
-		/// motion without resistance. Unstable contacts have a share of its elastic energy Σ k |Ĵ
-		/// A⁻¹ x|².
+		/// At a fold, a matrix between the two pieces is singular. y = A⁻¹ x spans its null space:
+		/// motion without resistance. Unstable contacts have a share of its energy Σ k |Ĵ y|².
 		void findUnstable()
 		{
 			std::vector<double> energy(problem_.size(), 0);

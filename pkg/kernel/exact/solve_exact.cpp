@@ -23,13 +23,13 @@ namespace rcr {
 
 namespace {
 
-	/// Residual at which exact steps begin. Less gains little, more causes folds.
+	/// Residual at which exact steps begin. A smaller one gains little; a larger one causes folds.
 	constexpr double sweptResidual = 1e-5;
 
 	constexpr int maxSweeps    = 1000; // before the exact steps; at most half of maxIterations
-	constexpr int repairSweeps = 300;  // after a fold; 100 to 1000 do as well …
-	constexpr int pivotSweeps = 20; // … plus as many sweeps per pivot of the path as a pivot costs
-	constexpr int maxPivots   = 2000; // of one path
+	constexpr int repairSweeps = 300;  // after a fold; 100 to 1000 do as well
+	constexpr int pivotSweeps  = 20; // more sweeps per pivot of the path, about the cost of a pivot
+	constexpr int maxPivots    = 2000; // of one path
 
 	/// ρ of each contact. Rounding dominates above 1e6.
 	constexpr ProximalParameter::Limits parameterLimits { 1e3, 1e-2, 1e6, 10, 10, 64 };

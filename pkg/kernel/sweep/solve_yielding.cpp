@@ -23,8 +23,7 @@ namespace {
 	/// A solved island stays rigid if it dissipates less than this share of all contacts [-].
 	constexpr double negligible = 0.01;
 
-	/// Sweeps until one sweep changes the impulses by less than `tolerance` [-], or the settings
-	/// stop.
+	/// Sweeps until the relative change of the impulses is below `tolerance`, or the settings stop.
 	void sweepToRest(PackedIsland& island, IslandStop& stop, double compliance, double tolerance)
 	{
 		constexpr int interval = 10;

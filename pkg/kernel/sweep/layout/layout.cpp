@@ -41,7 +41,19 @@ namespace {
 		                                           : Model::frictionless;
 	}
 
-	/// The representative of a body among those it is joined to.
+	/// Turns the counts in pairs.end into empty, consecutive ranges. Returns the sum of the counts.
+	template <class Items> int beginRanges(Items& items)
+	{
+		int next = 0;
+		for (auto& item : items) {
+			const int count  = item.pairs.end;
+			item.pairs.begin = item.pairs.end = next;
+			next += count;
+		}
+		return next;
+	}
+
+	/// The first body of the set that contains a body (union-find with path halving).
 	int root(std::vector<std::int32_t>& parent, int body)
 	{
 		while (parent[body] != body)
@@ -187,13 +199,7 @@ void Layout::findIslands()
 /// Sorts the pairs by island. Pairs of two driven bodies belong to none.
 void Layout::sortPairs()
 {
-	int next = 0;
-	for (Island& island : islands_) {
-		const int count    = island.pairs.end;
-		island.pairs.begin = island.pairs.end = next;
-		next += count;
-	}
-	byIsland_.resize(next);
+	byIsland_.resize(beginRanges(islands_));
 	for (std::size_t k = 0; k < pairs_.size(); ++k) {
 		pairs_[k].slot   = PackedPair::noSlot;
 		const int island = islandOf(pairs_[k]);
@@ -256,13 +262,7 @@ void Layout::makeSections()
 		section[k] = sectionOf(pairs_[byIsland_[k]]);
 		if (section[k] != none) ++sections_[section[k]].pairs.end;
 	}
-	int next = 0;
-	for (Section& section : sections_) {
-		const int count     = section.pairs.end;
-		section.pairs.begin = section.pairs.end = next;
-		next += count;
-	}
-	bySection_.resize(next);
+	bySection_.resize(beginRanges(sections_));
 	for (std::size_t k = 0; k < byIsland_.size(); ++k)
 		if (section[k] != none) bySection_[sections_[section[k]].pairs.end++] = byIsland_[k];
 }
