@@ -63,7 +63,7 @@ def single_grain():
 
 def full_and_reduced(given, left_out, **settings):
     """Two calls of the solver: without the reductions `left_out`, and with all."""
-    settings.update(given, violation=np.inf)
+    settings.update(given, kinematic_tolerance=np.inf)
     return [
         partial(kernel.solve, **settings, workspace=kernel.Workspace(), reductions=without(*left))
         for left in (left_out, ())
@@ -106,7 +106,7 @@ def island_rows(about, parts, tolerance, repeats):
     has.
     """
     given = beside(parts)
-    settings = dict(given, violation=np.inf, solver="nesterov", max_iterations=20000)
+    settings = dict(given, kinematic_tolerance=np.inf, solver="nesterov", max_iterations=20000)
     as_one = dict(reductions=without("islands"), tolerance=tolerance)
     while max(residuals(parts, kernel.solve(**settings, **as_one)["impulse"])) > tolerance:
         as_one["tolerance"] /= 1.1

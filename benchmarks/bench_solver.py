@@ -76,7 +76,7 @@ class Case:
         """Result of the kernel for this problem."""
         start = self.delassus.impulse if warm else np.zeros((self.points, 2))
         if self.arrays is not None:
-            return kernel.solve(**{**self.arrays, "impulse": start}, violation=np.inf, **settings)
+            return kernel.solve(**{**self.arrays, "impulse": start}, kinematic_tolerance=np.inf, **settings)
         d = self.delassus
         return kernel.solve_delassus(d.row_start, d.column, d.block.reshape(-1, 4), d.q, d.friction,
                                      start, **settings)

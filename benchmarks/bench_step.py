@@ -152,7 +152,7 @@ def our_rows(packing, options):
 
         def run(count):
             settings = dict(solver=solver, tolerance=0, max_iterations=count, check_interval=10**9,
-                            violation=np.inf, workspace=workspace)
+                            kinematic_tolerance=np.inf, workspace=workspace)
             found = kernel.solve(**arrays, **settings)
             return dict(found, seconds=found["processor_seconds"])
 

@@ -1,7 +1,8 @@
 """Compares rigid contacts with springs of two stiffnesses.
 
-A column of grains collapses three times from the same places. The scripts of both laws differ in the functors,
-the solver and the time step. Rigid contacts take longer steps and leave smaller overlaps.
+A column of grains collapses three times from the same places. The scripts of both laws differ in
+the functors, the solver and the time step. Rigid contacts take longer steps and leave smaller
+overlaps.
 
 Run it with YADE:  scripts/yade-rcr -n -x examples/rigid_and_smooth.py
 Writes DIR/rigid_and_smooth.png (heaps, and width against time) and DIR/rigid_and_smooth.csv.

@@ -1,10 +1,13 @@
-"""rcr loads its plugin into the YADE that it finds, so YADE comes first. Kernels and analysis are tested without plugin or YADE, too."""
+"""rcr loads its plugin into an imported YADE, so YADE is imported first.
+
+Tests of kernels and analysis need neither plugin nor YADE.
+"""
 
 import importlib.util
 import os
 import pathlib
 
-# scenes are tiny: a team of threads costs more than it gives
+# threads cost more than they give in tiny scenes
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 RCR = importlib.util.find_spec("rcr")
@@ -20,8 +23,7 @@ else:
 if importlib.util.find_spec("hypothesis"):
     import hypothesis
 
-    # the same examples in every run, and no verdict on the speed of a machine that does other
-    # things too
+    # Every run has the same examples and no deadline.
     slow = [hypothesis.HealthCheck.too_slow]
     hypothesis.settings.register_profile("steady", deadline=None, derandomize=True,
                                          suppress_health_check=slow)

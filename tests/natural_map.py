@@ -1,10 +1,13 @@
-"""The residual of the contact laws on a dense W, as the tests of problems without bodies recompute it."""
+"""The residual of the contact laws on a dense W, recomputed with NumPy."""
 
 import numpy as np
 
 
 def residual(w, q, mu, p):
-    """‖p − P_K(p − (u + µ|u_t| n)/w_nn)‖/‖p‖ with u = W p + q, the numerator alone where p = 0; points that nothing moves do not count."""
+    """‖p − P_K(p − (u + µ|u_t| n)/w_nn)‖/‖p‖ with u = W p + q.
+
+    It is the numerator alone for p = 0. Points that no impulse moves do not count.
+    """
     u = (w @ p.ravel()).reshape(-1, 2) + q
     wnn = np.diag(w)[::2]
     moves = wnn > 0

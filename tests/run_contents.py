@@ -1,4 +1,4 @@
-"""What a biaxial test has left, without what an interruption may change."""
+"""Results of a biaxial test, without what an interruption changes."""
 
 import json
 import pathlib
@@ -10,7 +10,7 @@ COST = {"wall_seconds", "peak_memory_bytes"}  # keys of the summary that differ 
 
 
 def contents(folder):
-    """{name: value} of the history, every network and the summary of a run that is complete, to be compared by ==."""
+    """{name: value} of history, networks and summary of a complete run, comparable by ==."""
     folder = pathlib.Path(folder)
     found = {"history.csv": (folder / "history.csv").read_text()}
     for path in sorted(folder.glob("*.h5")):
@@ -24,7 +24,7 @@ def contents(folder):
 
 
 def campaign_contents(out):
-    """The same of all runs of a campaign and of its analysis."""
+    """{name: value} of all runs of a campaign and its analysis."""
     out = pathlib.Path(out)
     found = {f"{run.name}/{name}": value for run in sorted((out / "runs").iterdir()) for name,
              value in contents(run).items()}
@@ -32,7 +32,7 @@ def campaign_contents(out):
 
 
 def different(one, other):
-    """Names of what differs between two contents."""
+    """Names of entries that differ."""
     return sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
 
 

@@ -1,4 +1,4 @@
-"""What is installed: a package that plain python3 and YADE load without the repository, or the analysis alone."""
+"""The installed package loads in plain python3 and YADE; or the analysis alone is installed."""
 
 import os
 import pathlib
@@ -33,7 +33,7 @@ def python(code, folder, *path):
 @needs_cmake
 @needs_build
 def test_installed_package_is_found_and_whole(tmp_path):
-    """Nothing was installed."""
+    """The install step copies all files of the package."""
     cmake("--install", BUILD, "--prefix", tmp_path)
     site = tmp_path / SITE
     yade = [path for path in sys.path if path.endswith("/py")
@@ -57,7 +57,7 @@ def test_debians_own_folder_under_usr(tmp_path):
 
 @needs_cmake
 def test_analysis_alone_without_headers_of_yade(tmp_path):
-    """What pip does where YADE is not; it needs no compiler."""
+    """pip takes this path where YADE is missing; it needs no compiler."""
     told = cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path / "build", "-DRCR_PLUGIN=AUTO",
                  f"-DYADE_SOURCE_DIR={tmp_path}", "-DCMAKE_CXX_COMPILER=/none",
                  f"-DPython3_EXECUTABLE={sys.executable}")
@@ -85,7 +85,7 @@ def test_one_version(tmp_path):
 
 
 def test_without_its_plugin_rcr_says_so_to_yade(tmp_path):
-    """A build of the kernels alone beside YADE ended in a message about circular imports."""
+    """A build of the kernels alone beside YADE names the missing plugin."""
     shutil.copytree(ROOT / "py" / "rcr", tmp_path / "rcr",
                     ignore=shutil.ignore_patterns("*.so", "__pycache__"))
     code = "import sys, types; sys.modules['yade'] = types.ModuleType('yade'); import rcr"

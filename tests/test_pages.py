@@ -1,4 +1,4 @@
-"""The pages: length of the README, links, and tables that are those of their files."""
+"""Pages: length of the README, links, tables that equal their files."""
 
 import pathlib
 import re
@@ -17,7 +17,7 @@ def prose(page):
 
 
 def anchors(page):
-    """Of its headings, as GitHub and Sphinx make them."""
+    """Anchors of its headings, as GitHub and Sphinx make them."""
     titles = re.findall(r"^#+ (.*)$", prose(page), re.M)
     return {re.sub(r"[^\w\- ]", "", re.sub(r"[`*]", "", title)).strip().lower().replace(" ", "-")
             for title in titles}

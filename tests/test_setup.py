@@ -121,13 +121,13 @@ tar -c -C $work .
 """
 
 
-# What a machine without the means is told: one line, what to do, a non-zero exit.
+# Machines that lack something: one line that says what to do, and a non-zero exit.
 
 def last_line(errors):
     return errors.strip().splitlines()[-1]
 
 
-def test_an_ordinary_user_without_the_tools_is_told_their_packages(machine):
+def test_a_user_without_the_tools_sees_their_packages(machine):
     machine.debian("bookworm")
     machine.nothing_installed()
     code, _, errors = machine.run("ready")
@@ -135,7 +135,7 @@ def test_an_ordinary_user_without_the_tools_is_told_their_packages(machine):
     assert "apt-get install mmdebstrap bubblewrap uidmap" in last_line(errors)
 
 
-def test_an_ordinary_user_of_debian_13_is_told_the_missing_packages(machine):
+def test_a_user_of_debian_13_sees_the_missing_packages(machine):
     machine.command("dpkg-query", """case "$*" in
 "-W g++") exit 1 ;;
 *ource:Version*) echo 2025.2.0-1 ;;
@@ -153,7 +153,7 @@ esac""")
     (lambda m: m.command("bwrap", "exit 1"), "user namespaces"),
     (lambda m: m.free(2), "2 GB free"),
 ])
-def test_an_unsuitable_machine_is_told_why(machine, break_it, words):
+def test_an_unsuitable_machine_prints_the_reason(machine, break_it, words):
     machine.debian("bookworm")
     machine.nothing_installed()
     machine.root_tools(SMALL_ROOT)
@@ -211,7 +211,7 @@ def test_native_takes_the_headers_from_the_source_archive_once(machine):
     assert not machine.called("apt-get"), "no network once it is set up"
 
 
-def test_native_keeps_the_headers_when_a_package_is_installed_again(machine):
+def test_native_keeps_the_headers_when_a_package_is_reinstalled(machine):
     machine.user("root", 0)
     machine.archive()
     machine.nothing_installed()
@@ -223,7 +223,7 @@ def test_native_keeps_the_headers_when_a_package_is_installed_again(machine):
     assert (code, output) == (0, "native\n"), errors
 
 
-def test_native_without_the_archive_goes_on_to_a_root_file_system(machine):
+def test_native_without_the_archive_takes_a_root_file_system(machine):
     machine.installed()
     machine.root_tools(SMALL_ROOT)
     code, output, errors = machine.run("ready; echo $way")
@@ -359,7 +359,7 @@ esac {SMALL_ROOT}""")
 
 @pytest.fixture
 def entered(machine):
-    """Runs a command in a small root file system; returns what bubblewrap was asked to bind, in order."""
+    """Run a command in a small root file system; return the bind options of bubblewrap in order."""
     machine.debian("bookworm")
     machine.nothing_installed()
     machine.root_tools(SMALL_ROOT)
@@ -384,10 +384,10 @@ def test_every_directory_of_the_machine_is_there_but_usr_and_etc(entered):
 
 
 @pytest.mark.parametrize("argument, path", [
-    ("/usr/include/stdio.h", "/usr/include"),            # with its neighbours
-    ("--out=/usr/include/new/run", "/usr/include"),      # what is to be made
+    ("/usr/include/stdio.h", "/usr/include"),  # with neighbouring files
+    ("--out=/usr/include/new/run", "/usr/include"),  # a file still to be made
     ("/etc/../usr/include/stdio.h", "/usr/include"),
-    ("/usr/bin/env", "/usr/bin/env"),                    # among the root's own: this file alone
+    ("/usr/bin/env", "/usr/bin/env"),  # in a folder of the root: this file alone
 ])
 def test_an_argument_under_usr_is_bound(entered, argument, path):
     assert path in entered("python3", argument)[1]
@@ -395,18 +395,18 @@ def test_an_argument_under_usr_is_bound(entered, argument, path):
 
 @pytest.mark.parametrize("argument", ["/no-such-top/x.csv", "--out=/no-such-top/x.csv",
                                       "--out /no-such-top/a/b", "--out ''"])
-def test_an_argument_of_which_nothing_is_there_is_left_to_the_command(entered, argument):
-    """The search for the first part that exists went on for ever."""
+def test_an_argument_that_does_not_exist_is_left_to_the_command(entered, argument):
+    """The search for the first existing part of a path ends."""
     assert entered("python3", argument)[0][-1] == (argument.split()[-1] if "''" not in argument
                                                    else "--out")
 
 
-def test_what_the_root_file_system_has_itself_stays(entered):
+def test_folders_of_the_root_file_system_stay(entered):
     assert "/usr/bin/python3" not in entered("/usr/bin/python3", "scene.py")[1]
 
 
-def test_a_bind_does_not_change_what_belongs_to_the_root(entered):
-    # leaves a place to bind on: /usr/include/linux
+def test_a_bind_keeps_the_files_of_the_root(entered):
+    # a mount point: /usr/include/linux
     entered("python3", "/usr/include/linux/types.h")
     assert "/usr/include" in entered("python3", "/usr/include/stdio.h")[1]
 
@@ -514,7 +514,7 @@ def test_another_environment_wipes_the_build(machine):
 
 
 def two_builds(machine, **environment):
-    """What two builds at once say on stderr."""
+    """stderr of two builds at the same time."""
     processes = [machine.start("ready; build", YADE_RCR_WAY="native", **environment)
                  for _ in range(2)]
     return [process.communicate(timeout=60)[1] for process in processes]
@@ -534,7 +534,9 @@ def test_a_second_build_waits_for_one_that_compiles(machine):
 
 
 def test_two_builds_with_nothing_to_do_are_silent(machine):
-    """Each looks for new files, one after the other; on a loaded machine that takes longer than the patience of the second."""
+    """Each looks for new files in turn; a loaded machine may take longer than the second one's
+    patience.
+    """
     build(machine, "exit 0")
     machine.command("cmake", "sleep 0.7")
     assert two_builds(machine, YADE_RCR_PATIENCE="0.1") == ["", ""]

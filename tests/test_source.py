@@ -53,7 +53,7 @@ def test_each_type_has_a_name_of_its_own():
     assert not [name for name, times in collections.Counter(names).items() if times > 1]
 
 
-def test_each_mutant_stands_once():
+def test_each_mutant_has_one_place():
     """`scripts/check mutants` finds the places of its mistakes by their text."""
     table = next(node.value
                  for node in ast.parse((PKG.parent / "scripts/lib/mutants.py").read_text()).body

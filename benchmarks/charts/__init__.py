@@ -131,6 +131,12 @@ def _value(name, cell):
         return cell
 
 
+def legend_handles(figure):
+    """{label: handle} of the lines of all panels."""
+    return {label: handle for ax in figure.axes
+            for handle, label in zip(*ax.get_legend_handles_labels())}
+
+
 def least_time(repeats, work):
     """Result of `work()` and its minimum processor time over `repeats` runs [s]."""
     seconds = []

@@ -24,8 +24,9 @@ import time
 import numpy as np
 from yade.wrapper import Omega
 
+from benchmarks.charts import legend_handles
 from benchmarks.charts.stock import Stock
-from rcr.study.analysis import standard_error
+from rcr.study.statistics import standard_error
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
 
@@ -99,12 +100,11 @@ def _sheared(test):
             look += LOOK
     late = [row for row in test.rows if row["strain"] > FROM]
     mean = lambda name: float(np.mean([row[name] for row in late]))
-    looked = dict(
-        zip(("friction_mobilization", "mobilized", "weak_fabric"),
-            map(float, np.mean(networks, axis=0))))
-    own = dict(sin_phi=mean("sin_phi"), packing_fraction=mean("packing_fraction"),
-               mean_overlap=float(np.mean(overlaps)), seconds=seconds)
-    return looked | own | _energies(test)
+    names = "friction_mobilization", "mobilized", "weak_fabric"
+    found = dict(zip(names, map(float, np.mean(networks, axis=0))))
+    found |= dict(sin_phi=mean("sin_phi"), packing_fraction=mean("packing_fraction"),
+                  mean_overlap=float(np.mean(overlaps)), seconds=seconds)
+    return found | _energies(test)
 
 
 def _energies(test):
@@ -121,10 +121,8 @@ def _energies(test):
         last = _work(test)
     O.trackEnergy = False
     friction, other = _accounts() - first
-    return dict(
-        friction_share=friction / work.sum(),
-        energy_error=abs(work.sum() - friction - other + O.engines[-1].damping * work[0])
-        / work.sum())
+    error = abs(work.sum() - friction - other + O.engines[-1].damping * work[0])
+    return dict(friction_share=friction / work.sum(), energy_error=error / work.sum())
 
 
 def _work(test):
@@ -132,10 +130,8 @@ def _work(test):
     right, load = O.bodies[test.right].state, STRESS * test.height
     before = right.vel[0]
     O.step()
-    return -O.dt * np.array([
-        O.forces.f(test.top)[1] * O.bodies[test.top].state.vel[1], load *
-        (before + right.vel[0]) / 2
-    ])
+    of_top = O.forces.f(test.top)[1] * O.bodies[test.top].state.vel[1]
+    return -O.dt * np.array([of_top, load * (before + right.vel[0]) / 2])
 
 
 def _accounts():
@@ -147,30 +143,25 @@ def _accounts():
 
 def points(options):
     """Names eta/law/setting/seed; the setting of rigid contacts is dt/tolerance/rate."""
-    rigid = [
-        FINEST, SLOWEST,
-        *(dict(DEFAULT, **{name: value}) for name, values in SWEEPS.items() for value in values)
-    ]
+    rigid = [FINEST, SLOWEST, *(dict(DEFAULT, **{name: value})
+                                for name, values in SWEEPS.items() for value in values)]
     settings = dict.fromkeys(f"cd/{s['dt']:g}/{s['tolerance']:g}/{s['inertial_number']:g}"
                              for s in rigid)
-    springs = [
-        f"{law}/{k:g}" for law in ("smooth", "stock")
-        for k in ((1e2, 1e3) if options.quick else (1e2, 1e3, 1e4))
-    ]
-    rigid_seeds, spring_seeds = (2, 2) if options.quick else (6, 2)
-    of = lambda settings, seeds: [
-        f"{eta:g}/{setting}/{seed}" for seed in range(1, seeds + 1) for eta in ETAS
-        for setting in settings
-    ]
-    return of(settings, rigid_seeds) + of(springs, spring_seeds)
+    stiffnesses = (1e2, 1e3) if options.quick else (1e2, 1e3, 1e4)
+    springs = [f"{law}/{k:g}" for law in ("smooth", "stock") for k in stiffnesses]
+
+    def names(settings, seeds):
+        return [f"{eta:g}/{setting}/{seed}"
+                for seed in range(1, seeds + 1) for eta in ETAS for setting in settings]
+
+    return names(settings, 2 if options.quick else 6) + names(springs, 2)
 
 
 def run(name, options):
     eta, law, *setting, seed = name.split("/")
     row = dict(eta=float(eta), particles=options.particles, law=law, seed=int(seed))
-    row.update(
-        zip(("dt", "tolerance", "inertial_number") if law == "cd" else ("stiffness", ),
-            map(float, setting)))
+    keys = ("dt", "tolerance", "inertial_number") if law == "cd" else ("stiffness", )
+    row.update(zip(keys, map(float, setting)))
     test = compacted(row["eta"], row["seed"], options)
     first = O.iter
     if law == "smooth":
@@ -188,37 +179,32 @@ def _difference(runs, target, name):
 
     The standard error of one pair is NaN. `ERRORS` have no target.
     """
-    differences = [
-        row[name] - (0 if name in ERRORS else target[seed][name]) for seed, row in runs.items()
-        if seed in target
-    ]
+    exact = lambda seed: 0 if name in ERRORS else target[seed][name]
+    differences = [row[name] - exact(seed) for seed, row in runs.items() if seed in target]
     if not differences:
         return None
-    return np.mean([row["seconds"] for row in runs.values()
-                    ]), np.mean(differences), float(standard_error(differences))
+    seconds = np.mean([row["seconds"] for row in runs.values()])
+    return seconds, np.mean(differences), float(standard_error(differences))
 
 
 def sweeps(rows, name):
     """{setting or law: [(value, processor time [s], error, standard error)]} of one elongation."""
-    of = {}
+    runs = {}  # {setting: {seed: row}}
     for row in rows:
-        of.setdefault(tuple(row.get(key, "") for key in SETTING), {})[row["seed"]] = row
-    rigid = lambda **changed: of.get(("cd", *dict(DEFAULT, **changed).values(), ""), {})
+        runs.setdefault(tuple(row.get(key, "") for key in SETTING), {})[row["seed"]] = row
+    rigid = lambda **changed: runs.get(("cd", *dict(DEFAULT, **changed).values(), ""), {})
     finest, slowest = rigid(**FINEST), rigid(**SLOWEST)
     found = {}
     for swept, values in SWEEPS.items():
-        found[swept] = [(value,
-                         _difference(rigid(**{swept: value}),
-                                     slowest if swept == "inertial_number" else finest, name))
+        target = slowest if swept == "inertial_number" else finest
+        found[swept] = [(value, _difference(rigid(**{swept: value}), target, name))
                         for value in values]
     for law in ("smooth", "stock"):
-        found[law] = [(setting[-1], _difference(runs, finest, name))
-                      for setting, runs in sorted(of.items(), key=lambda item: str(item[0]))
-                      if setting[0] == law]
-    return {
-        swept: [(value, *difference) for value, difference in line if difference]
-        for swept, line in found.items()
-    }
+        settings = sorted((setting for setting in runs if setting[0] == law), key=str)
+        found[law] = [(setting[-1], _difference(runs[setting], finest, name))
+                      for setting in settings]
+    return {swept: [(value, *difference) for value, difference in line if difference]
+            for swept, line in found.items()}
 
 
 LABELS = dict(dt="rigid, dt/t₀ = 0.4 … 0.05", tolerance="rigid, tolerance 1e-2 … 1e-4",
@@ -236,32 +222,30 @@ def plot(rows, options):
     figure = Figure(figsize=(9, 2.6 * len(OBSERVED)))
     for line, name in zip(figure.subplots(len(OBSERVED), len(ETAS), sharex="col"), OBSERVED):
         for ax, eta in zip(line, ETAS):
-            for swept, points in sweeps([row for row in rows if row["eta"] == eta], name).items():
-                _, seconds, difference, error = np.array(points).reshape(-1, 4).T
-                color, marker, dashes = STYLES[swept]
-                size = np.abs(difference)
-                below = np.minimum(np.nan_to_num(error),
-                                   0.999 * size)  # keeps bars above 0 on the log axis
-                ax.errorbar(seconds, size, (below, np.nan_to_num(error)), color=color,
-                            marker=marker, ls=dashes,
-                            mfc="w" if swept in ("dt", "smooth") else color, ms=5, lw=1,
-                            label=LABELS[swept])
+            _draw_sweeps(ax, sweeps([row for row in rows if row["eta"] == eta], name))
             ax.set(xscale="log", yscale="log")
-            ax.set_title(
-                f"η = {eta:g}: {TITLES[name] if name in ERRORS else 'error of ' + TITLES[name]}",
-                fontsize=10)
+            title = TITLES[name] if name in ERRORS else "error of " + TITLES[name]
+            ax.set_title(f"η = {eta:g}: {title}", fontsize=10)
             ax.grid(alpha=0.3)
             if name != "mean_overlap":
                 ax.set_ylim(bottom=1e-4)
             if name == OBSERVED[-1]:
                 ax.set_xlabel("processor time [s]")
-    handles = {
-        label: handle
-        for ax in figure.axes for handle, label in zip(*ax.get_legend_handles_labels())
-    }
+    handles = legend_handles(figure)
     figure.tight_layout(rect=(0, 0, 1, 0.95))
     figure.legend(handles.values(), handles.keys(), ncols=2, loc="upper center", fontsize=9)
     return figure
+
+
+def _draw_sweeps(ax, lines):
+    """Draw the errors of each sweep with their standard errors."""
+    for swept, points in lines.items():
+        _, seconds, difference, error = np.array(points).reshape(-1, 4).T
+        color, marker, dashes = STYLES[swept]
+        size, above = np.abs(difference), np.nan_to_num(error)
+        below = np.minimum(above, 0.999 * size)  # keeps bars above 0 on the log axis
+        ax.errorbar(seconds, size, (below, above), color=color, marker=marker, ls=dashes, ms=5,
+                    mfc="w" if swept in ("dt", "smooth") else color, lw=1, label=LABELS[swept])
 
 
 def _formatted(name, difference, error):
@@ -278,12 +262,10 @@ def ratios(rows):
     names = dict(dt="dt/t₀ = {:g}", tolerance="tolerance {:.0e}", inertial_number="I = {:g}",
                  smooth="springs, k_n/σ₀ = {:.0e}", stock="clumps, k_n/σ₀ = {:.0e}")
     for eta in ETAS:
-        of_eta = {
-            name: sweeps([row for row in rows if row["eta"] == eta], name)
-            for name in OBSERVED
-        }
+        chosen = [row for row in rows if row["eta"] == eta]
+        of_eta = {name: sweeps(chosen, name) for name in OBSERVED}
         for swept, line in of_eta[OBSERVED[0]].items():
             for k, (value, seconds, *_) in enumerate(line):
                 cells = [_formatted(name, *of_eta[name][swept][k][2:]) for name in OBSERVED]
-                yield " | ".join(
-                    [f"η = {eta:g}, {names[swept].format(value)}", f"{seconds:.2g}", *cells])
+                setting = f"η = {eta:g}, {names[swept].format(value)}"
+                yield " | ".join([setting, f"{seconds:.2g}", *cells])

@@ -43,6 +43,8 @@ RUNS = 4  # runs of the column for each setting
 TOLERANCES = 1e-2, 1e-4, 1e-8
 SMOOTH_MOTION = "incline", "disc", "ladder"
 STARTS = dict(cd="as YADE starts", half="from half a step")
+PANELS = dict(incline="slider on an incline", disc="rolling disc",
+              ladder="ladder without friction", column="collapse of a column")
 EXACT = 1e-9  # smaller relative errors are rounding
 
 
@@ -69,8 +71,8 @@ def incline(seed):
 
 
 def disc(seed):
-    bodies, gravity, m, inertia, alpha = _slope(lambda rough: rcr.particle(
-        (0, 0.1), 0.1, 0, 0, rough))
+    grain = lambda rough: rcr.particle((0, 0.1), 0.1, 0, 0, rough)
+    bodies, gravity, m, inertia, alpha = _slope(grain)
     exact = 0.5 * G * math.sin(alpha) / (1 + inertia / (m * 0.1**2)) * 0.5**2
     return bodies, gravity, 0.5, lambda: O.bodies[1].state.pos[0], exact
 
@@ -86,11 +88,11 @@ def ladder(seed):
     rod.state.vel = Vector3(-a * math.sin(theta) * omega, a * math.cos(theta) * omega, 0)
     rod.state.angVel = Vector3(0, 0, -omega)
     fall = lambda t, y: (y[1], -m * G * a * math.cos(y[0]) / (m * a * a + inertia))
-    end = solve_ivp(fall, (0, seconds), (theta, omega), method="DOP853", rtol=1e-12,
-                    atol=1e-12).y[0, -1]
+    accuracy = dict(method="DOP853", rtol=1e-12, atol=1e-12)
+    end = solve_ivp(fall, (0, seconds), (theta, omega), **accuracy).y[0, -1]
     bodies = [rcr.wall("y", 0, +1, material=smooth), rcr.wall("x", 0, +1, material=smooth), rod]
-    return bodies, (0, -G, 0), seconds, lambda: theta - math.asin(
-        (O.bodies[2].state.pos[1] - r) / a), theta - end
+    turned = lambda: theta - math.asin((O.bodies[2].state.pos[1] - r) / a)
+    return bodies, (0, -G, 0), seconds, turned, theta - end
 
 
 def column(seed):
@@ -98,36 +100,35 @@ def column(seed):
     rough = _material(0.5)
     centers = [(R + 2.05 * R * k, R + 2.05 * R * row) for row in range(10) for k in range(6)]
     angles = rng.uniform(0, math.pi, len(centers))
-    centers = np.array(centers) + 0.01 * R * np.random.default_rng(seed).uniform(
-        -1, 1, (len(centers), 2))
+    shift = np.random.default_rng(seed).uniform(-1, 1, (len(centers), 2))
+    centers = np.array(centers) + 0.01 * R * shift
     grains = [rcr.particle(c, R, 0.5, angle, rough) for c, angle in zip(centers, angles)]
     first = centers[:, 0].mean()
     spread = lambda: np.mean([O.bodies[2 + k].state.pos[0] for k in range(len(centers))]) - first
-    return [rcr.wall("y", 0, +1, material=rough),
-            rcr.wall("x", 0, +1, material=rough), *grains], (0, -G, 0), 1.0, spread, ""
+    walls = rcr.wall("y", 0, +1, material=rough), rcr.wall("x", 0, +1, material=rough)
+    return [*walls, *grains], (0, -G, 0), 1.0, spread, ""
 
 
+# Functions of a seed that return (bodies, gravity, duration, observed value, exact value).
 SCENES = dict(incline=incline, disc=disc, ladder=ladder, column=column)
 
 
 def _engines(gravity, law, stiffness, tolerance):
     value = lambda k: MatchMaker(algo="val", val=k)
-    m = min(b.state.mass for b in O.bodies if isinstance(b.shape, rcr.Rcr))
-    R = min(b.shape.capRadius + b.shape.halfLength for b in O.bodies
-            if isinstance(b.shape, rcr.Rcr))
+    grains = [b for b in O.bodies if isinstance(b.shape, rcr.Rcr)]
+    m = min(b.state.mass for b in grains)
+    R = min(b.shape.capRadius + b.shape.halfLength for b in grains)
     if law != "smooth":
-        functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()
-                    ], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]
+        ip2, law2 = rcr.Ip2_FrictMat_FrictMat_CdPhys(), rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()
         engine = [rcr.ContactDynamics(tolerance=tolerance, maxIterations=5000, threads=1)]
     else:
         kn = stiffness * m * G / R
-        functors = [Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(0.8 * kn))
-                    ], [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=SMOOTH_DAMPING)]
-        engine = []
+        ip2 = Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(0.8 * kn))
+        law2, engine = rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=SMOOTH_DAMPING), []
     return [
         ForceResetter(),
         InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
-        InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()], *functors),
+        InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()], [ip2], [law2]),
         *engine,
         NewtonIntegrator(gravity=gravity, damping=0),
     ]
@@ -138,8 +139,8 @@ def _simulate(scene, law, dt, tolerance, stiffness, seed):
     bodies, gravity, seconds, observed, exact = SCENES[scene](seed)
     O.bodies.append(bodies)
     O.engines = _engines(gravity, law, stiffness, tolerance)
-    steps = math.ceil(seconds / (dt if law != "smooth" else SMOOTH_SHARE * rcr.critical_time_step())
-                      - 1e-9)
+    step = dt if law != "smooth" else SMOOTH_SHARE * rcr.critical_time_step()
+    steps = math.ceil(seconds / step - 1e-9)
     O.dt = seconds / steps
     if law == "half":
         rcr.half_step_start()
@@ -157,8 +158,8 @@ def points(options):
     names = [f"column/reference/{seed}" for seed in range(101, 107 if options.quick else 113)]
     for scene in SCENES:
         names += [f"{scene}/cd/{dt:g}/{tolerance:g}" for dt in dts for tolerance in TOLERANCES]
-        names += [f"{scene}/half/{dt:g}/{TOLERANCES[-1]:g}"
-                  for dt in dts] if scene in SMOOTH_MOTION else []
+        half = dts if scene in SMOOTH_MOTION else ()
+        names += [f"{scene}/half/{dt:g}/{TOLERANCES[-1]:g}" for dt in half]
         names += [f"{scene}/smooth/{k:g}" for k in stiffnesses]
     return names
 
@@ -166,24 +167,19 @@ def points(options):
 def run(name, options):
     scene, law, *numbers = name.split("/")
     if law == "reference":
-        setting = dict(law="cd", stiffness="",
-                       **(dict(FINEST, dt=5e-4) if options.quick else FINEST))
+        setting = dict(FINEST, law="cd", stiffness="", **(dict(dt=5e-4) if options.quick else {}))
     elif law != "smooth":
         setting = dict(law=law, dt=float(numbers[0]), tolerance=float(numbers[1]), stiffness="")
     else:
         setting = dict(law=law, dt="", tolerance="", stiffness=float(numbers[0]))
     seeds = [int(numbers[0])] if law == "reference" else range(RUNS if scene == "column" else 1)
-    runs = [
-        least_time(1 if scene == "column" else 3, lambda: _simulate(scene, seed=seed, **setting))
-        for seed in seeds
-    ]
-    mean = lambda key: float(np.mean([found[key] for found, _ in runs]))
-    about = dict(setting, scene=scene, law=law,
-                 seconds=float(np.mean([seconds for _, seconds in runs])))
-    return [
-        dict(about, **{key: mean(key)
-                       for key in ("steps", "dt", "value")}, reference=runs[0][0]["reference"])
-    ]
+    repeats = 1 if scene == "column" else 3
+    runs = [least_time(repeats, lambda: _simulate(scene, seed=seed, **setting)) for seed in seeds]
+    means = {key: float(np.mean([found[key] for found, _ in runs]))
+             for key in ("steps", "dt", "value")}
+    seconds = float(np.mean([seconds for _, seconds in runs]))
+    reference = runs[0][0]["reference"]
+    return [dict(setting, scene=scene, law=law, seconds=seconds, **means, reference=reference)]
 
 
 def plot(rows, options):
@@ -195,31 +191,13 @@ def plot(rows, options):
         of_scene = [row for row in rows if row["scene"] == scene]
         finest = [row["value"] for row in of_scene if row["law"] == "reference"]
         reference = np.mean(finest) if finest else None
-        error = lambda row: max(
-            1e-12, abs(row["value"] / (row["reference"] if reference is None else reference) - 1))
-        for tolerance, marker in zip(TOLERANCES, "vso"):
-            curve = [(row["seconds"], error(row)) for row in of_scene
-                     if row["law"] == "cd" and row["tolerance"] == tolerance]
-            if curve:
-                ax.loglog(*np.array(curve).T, marker + "-", ms=4, lw=1,
-                          label=f"rigid, tolerance {tolerance:.0e}")
-        curve = [(row["seconds"], error(row)) for row in of_scene if row["law"] == "half"]
-        if curve:
-            ax.loglog(*np.array(curve).T, "D:", color="0.4", ms=4, lw=1,
-                      label=f"rigid, from half a step, {TOLERANCES[-1]:.0e}")
-        curve = [(row["seconds"], error(row)) for row in of_scene if row["law"] == "smooth"]
-        if curve:
-            ax.loglog(*np.array(curve).T, "k^--", ms=5, lw=1, label="springs, K = 10² …")
-        if len(finest) > 1:
-            chance = np.std(finest, ddof=1) * math.sqrt(
-                1 / len(finest) + 1 / RUNS)  # standard error of the difference of two means
+        _draw_curves(ax, of_scene, reference)
+        if len(finest) > 1:  # standard error of the difference of two means
+            chance = np.std(finest, ddof=1) * math.sqrt(1 / len(finest) + 1 / RUNS)
             ax.axhspan(1e-12, chance / abs(reference), color="0.9",
                        label="standard error of the difference")
             ax.set_ylim(1e-2, 1)
-        ax.set_title({
-            "incline": "slider on an incline", "disc": "rolling disc",
-            "ladder": "ladder without friction", "column": "collapse of a column"
-        }[scene])
+        ax.set_title(PANELS[scene])
         ax.set_xlabel("processor time [s]")
         ax.set_ylabel("relative error of the displacement")
         ax.grid(alpha=0.3)
@@ -228,21 +206,36 @@ def plot(rows, options):
     return figure
 
 
+def _draw_curves(ax, rows, reference):
+    """Draw error against time for each tolerance, for a half-step start and for springs."""
+
+    def draw(chosen, line, label, **style):
+        exact = lambda row: row["reference"] if reference is None else reference
+        curve = [(row["seconds"], max(1e-12, abs(row["value"] / exact(row) - 1))) for row in chosen]
+        if curve:
+            ax.loglog(*np.array(curve).T, line, lw=1, label=label, **style)
+
+    of_law = lambda law: [row for row in rows if row["law"] == law]
+    for tolerance, marker in zip(TOLERANCES, "vso"):
+        chosen = [row for row in of_law("cd") if row["tolerance"] == tolerance]
+        draw(chosen, marker + "-", f"rigid, tolerance {tolerance:.0e}", ms=4)
+    label = f"rigid, from half a step, {TOLERANCES[-1]:.0e}"
+    draw(of_law("half"), "D:", label, color="0.4", ms=4)
+    draw(of_law("smooth"), "k^--", "springs, K = 10² …", ms=5)
+
+
 def ratios(rows):
     """Lines of the errors of rigid contacts at the finest tolerance, and their order in dt."""
-    rows = [
-        row for row in rows if row["status"] == "ok" and row["scene"] in SMOOTH_MOTION
-        and row["law"] in STARTS and row["tolerance"] == TOLERANCES[-1]
-    ]
+    is_finest = lambda row: row["law"] in STARTS and row["tolerance"] == TOLERANCES[-1]
+    rows = [row for row in rows
+            if row["status"] == "ok" and row["scene"] in SMOOTH_MOTION and is_finest(row)]
     steps = sorted({round(row["dt"], 6) for row in rows}, reverse=True)
     yield " | ".join(["scene, start", *(f"{1e3 * dt:g} ms" for dt in steps), "order"])
     yield "---|" * (len(steps) + 1) + "---"
     for scene in SMOOTH_MOTION:
         for law, start in STARTS.items():
-            found = {
-                round(row["dt"], 6): abs(row["value"] / row["reference"] - 1)
-                for row in rows if (row["scene"], row["law"]) == (scene, law)
-            }
+            found = {round(row["dt"], 6): abs(row["value"] / row["reference"] - 1)
+                     for row in rows if (row["scene"], row["law"]) == (scene, law)}
             if found:
                 longest, shortest = max(found), min(found)
                 exact = max(found.values()) < EXACT
@@ -250,8 +243,6 @@ def ratios(rows):
                 if not exact and longest > shortest:
                     growth = math.log(found[longest] / found[shortest])
                     order = f"{growth / math.log(longest / shortest):.1f}"
-                yield " | ".join([
-                    f"{scene}, {start}",
-                    *("exact" if exact else f"{found[dt]:.1e}" if dt in found else ""
-                      for dt in steps), order
-                ])
+                cell = lambda dt: f"{found[dt]:.1e}" if dt in found else ""
+                cells = ["exact" if exact else cell(dt) for dt in steps]
+                yield " | ".join([f"{scene}, {start}", *cells, order])

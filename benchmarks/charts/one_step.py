@@ -12,7 +12,9 @@ import tempfile
 
 import numpy as np
 
-from benchmarks import ROOT, outside
+from benchmarks import ROOT, measure, outside
+from benchmarks.charts import legend_handles
+from rcr import problems
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
 
@@ -23,13 +25,11 @@ COLUMNS = ("problem eta particles contacts library start tolerance iterations se
            " residual").split()
 DEPENDS = ("quick",)
 SOLVERS = "nlgs", "sor", "nesterov", "exact", "auto"
-GAME = "chipmunk", "box2d"  # game libraries
+STEPPED = "chipmunk", "box2d"  # libraries whose steps are timed
 ETAS = 0.0, 0.4, 0.7
 STRAIN = 0.01
 LEVELS = [10.0**-k for k in range(2, 11)]
-COLORS = dict(
-    zip((*SOLVERS, "Siconos NSGS", "Chipmunk", "Box2D"),
-        ("C0", "C9", "C1", "C3", "k", "C2", "C4", "C5")))
+COLORS = dict(zip((*SOLVERS, "Siconos NSGS", "Chipmunk", "Box2D"), "C0 C9 C1 C3 k C2 C4 C5".split()))
 
 
 def sizes(options):
@@ -38,13 +38,11 @@ def sizes(options):
 
 
 def points(options):
-    names = [(n, k, eta) for n, k in sizes(options) for eta in ETAS]
-    stepped = [name for name in GAME if os.path.exists(_program(name, options))]
+    stepped = [name for name in STEPPED if os.path.exists(_program(name, options))]
     libraries = [*SOLVERS, *(["siconos"] if options.siconos else []), *stepped]
-    return [
-        f"{n * 2**k}/{eta:g}/{library}" for n, k, eta in names for library in libraries
-        if library not in GAME or k == 0
-    ]
+    return [f"{n * 2**k}/{eta:g}/{library}"
+            for n, k in sizes(options) for eta in ETAS for library in libraries
+            if library not in STEPPED or k == 0]
 
 
 def _program(name, options):
@@ -78,39 +76,36 @@ def run(name, options):
     count, eta, library = name.split("/")
     particles, mirror = next((n, k) for n, k in sizes(options) if n * 2**k == int(count))
     problem, network = _files(particles, float(eta), options)
-    about = dict(eta=float(eta), particles=int(count), problem=os.path.basename(problem)[:-4] +
-                 (f" x{2**mirror}" if mirror else ""))
+    title = os.path.basename(problem)[:-4] + (f" x{2**mirror}" if mirror else "")
+    about = dict(eta=float(eta), particles=int(count), problem=title)
     with tempfile.TemporaryDirectory() as folder:
-        if library in GAME:
-            return [dict(about, **row) for row in _stepped(library, network, folder, options)]
-        return [
-            dict(about, **row)
-            for row in _solved(library, problem, mirror, about["problem"], folder, options)
-        ]
+        if library in STEPPED:
+            rows = _stepped(library, network, folder, options)
+        else:
+            if mirror:
+                problem = _mirrored(problem, mirror, os.path.join(folder, f"{title}.npz"))
+            rows = _solved(library, problem, folder, options)
+        return [dict(about, **row) for row in rows]
 
 
-def _solved(library, problem, mirror, wanted, folder, options):
+def _mirrored(problem, times, path):
+    """Path of the problem, reflected several times."""
+    larger = problems.load(problem)
+    for k in range(1, times + 1):
+        larger = measure.mirrored(larger, seed=k)
+    problems.save(path, larger)
+    return path
+
+
+def _solved(library, problem, folder, options):
     """Rows of the time to each tolerance, up to the first not reached."""
     ours = library != "siconos"
     tolerances = [f"1e-{k}" for k in range(1, 11) if ours or k <= 8]
-    if mirror:
-        from benchmarks import measure
-        from rcr import problems
-
-        larger = problems.load(problem)
-        for k in range(1, mirror + 1):
-            larger = measure.mirrored(larger, seed=k)
-        problem = os.path.join(folder, f"{os.path.basename(problem)[:-4]} x{2**mirror}.npz")
-        problems.save(problem, larger)
-    arguments = [
-        problem, "--only", "tolerances", "--warm", "--repeats", 3, "--budget", 1, "--out", folder
-    ]
-    arguments += [
-        "--max-iterations", 5000 if options.quick else 10000, "--limit", 2 if options.quick else 10,
-        "--tolerances", *tolerances
-    ]
-    _script("bench_solver.py", *arguments, "--solvers",
-            *([library] if ours else ["nesterov", "--siconos", options.siconos]))
+    iterations, limit = (5000, 2) if options.quick else (10000, 10)
+    solvers = [library] if ours else ["nesterov", "--siconos", options.siconos]
+    _script("bench_solver.py", problem, "--only", "tolerances", "--warm", "--repeats", 3,
+            "--budget", 1, "--out", folder, "--max-iterations", iterations, "--limit", limit,
+            "--tolerances", *tolerances, "--solvers", *solvers)
     with open(os.path.join(folder, "tolerances.csv" if ours else "peers.csv"), newline="") as file:
         for row in csv.DictReader(file):
             if ours or row["reached"] == "True":
@@ -123,12 +118,9 @@ def _solved(library, problem, mirror, wanted, folder, options):
 def _stepped(library, network, folder, options):
     """Rows of a whole step of a game library, over the number of iterations."""
     for iterations in (10, 40, 160) if options.quick else (10, 40, 160, 640):
-        arguments = [
-            network, f"--{library}",
-            _program(library, options), "--iterations", iterations, "--repeats", 3, "--budget", 1
-        ]
         out = os.path.join(folder, str(iterations))
-        _script("bench_step.py", *arguments, "--out", out)
+        _script("bench_step.py", network, f"--{library}", _program(library, options),
+                "--iterations", iterations, "--repeats", 3, "--budget", 1, "--out", out)
         with open(os.path.join(out, "step.csv"), newline="") as file:
             for row in csv.DictReader(file):
                 if not row["library"].startswith("rcr"):
@@ -151,12 +143,23 @@ def ratios(rows):
     for level in LEVELS:
         cells = []
         for library in others:
-            found = [
-                seconds / least[level, "auto", of] for (at, who, of), seconds in least.items()
-                if (at, who) == (level, library) and (level, "auto", of) in least
-            ]
+            found = [seconds / least[level, "auto", of] for (at, who, of), seconds in least.items()
+                     if (at, who) == (level, library) and (level, "auto", of) in least]
             cells.append(f"{min(found):.2g} – {max(found):.2g} ({len(found)})" if found else "")
         yield f"{level:.0e} | " + " | ".join(cells)
+
+
+def _panel(ax, rows):
+    """Draw residual against time of each library, cold and warm."""
+    for library in dict.fromkeys(row["library"] for row in rows):
+        color = next((value for key, value in COLORS.items() if library.startswith(key)), "0.5")
+        for start, style in ("cold", "o-"), ("warm", "s--"):
+            curve = [(row["seconds"], max(row["residual"], 1e-13)) for row in rows
+                     if (row["library"], row["start"]) == (library, start)]
+            if curve:
+                filled = start == "cold"
+                ax.loglog(*np.array(curve).T, style, color=color, ms=3, lw=1,
+                          label=library if filled else None, mfc=color if filled else "w")
 
 
 def plot(rows, options):
@@ -168,30 +171,13 @@ def plot(rows, options):
     axes = figure.subplots(len(ETAS), len(counts), squeeze=False, sharey=True)
     for line, eta in zip(axes, ETAS):
         for ax, count in zip(line, counts):
-            of_panel = [row for row in rows if row["particles"] == count and row["eta"] == eta]
-            for library in dict.fromkeys(row["library"] for row in of_panel):
-                color = next((value for key, value in COLORS.items() if library.startswith(key)),
-                             "0.5")
-                for start, style in ("cold", "o-"), ("warm", "s--"):
-                    curve = [
-                        row for row in of_panel
-                        if row["library"] == library and row["start"] == start
-                    ]
-                    if curve:
-                        label = library if start == "cold" else None
-                        x, y = np.array([(row["seconds"], max(row["residual"], 1e-13))
-                                         for row in curve]).T
-                        ax.loglog(x, y, style, color=color, label=label, ms=3, lw=1,
-                                  mfc=color if start == "cold" else "w")
+            _panel(ax, [row for row in rows if (row["particles"], row["eta"]) == (count, eta)])
             ax.set_title(f"{count:g} particles, η = {eta:g}", fontsize=9)
             ax.grid(alpha=0.3)
         line[0].set_ylabel("residual of the contact laws")
     for ax in axes[-1]:
         ax.set_xlabel("processor time [s]")
-    handles = {
-        label: handle
-        for ax in axes.flat for handle, label in zip(*ax.get_legend_handles_labels())
-    }
+    handles = legend_handles(figure)
     figure.legend(handles.values(), handles.keys(), ncols=4, loc="upper center",
                   bbox_to_anchor=(0.5, 1.0), fontsize=8)
     figure.text(0.5, 0.93, "filled, full line: cold start; open, dashed: warm start", ha="center",

@@ -31,8 +31,8 @@ O = Omega()
 RECORD = PROTOCOL.record_strain  # strain of a record
 TITLE = "Biaxial test: observables against the rate of shear"
 APPROACH, FROM, STRAIN, LOOK = 0.1, 0.15, 0.3, 0.01
-APPROACH_PACE = dict(inertial_number=1e-3, time_step=0.4,
-                     overdamped=False)  # shear up to the strain `APPROACH`
+# Shear up to the strain `APPROACH`.
+APPROACH_PACE = dict(inertial_number=1e-3, time_step=0.4, overdamped=False)
 STRAIN_STEP = 1e-4  # strain of a step of overdamped shear
 PAUSE = 60  # seconds between two checkpoints
 OBSERVED = dict(sin_phi="sin φ", packing_fraction="packing fraction", friction_mobilization="I_M",
@@ -45,9 +45,7 @@ ERRORS = "mean_overlap", "wall_scatter", "sample_inertia"  # errors of the metho
 PAPER = dict(sin_phi={0: 0.30, 0.7: 0.51}, friction_mobilization={0: 0.4, 0.7: 0.6},
              weak_fraction={0: 0.6, 0.7: 0.7}, a_c_weak={0.7: 0.3}, q_weak={0: 0.0})
 DRAWN = "sin_phi", "friction_mobilization", "a_c_weak", "a_fn_weak", "q_weak", "packing_fraction"
-COLUMNS = [
-    "eta", "particles", "inertial_number", "dt", "iterations", "seed", "steps", "seconds", *OBSERVED
-]
+COLUMNS = "eta particles inertial_number dt iterations seed steps seconds".split() + [*OBSERVED]
 DEPENDS = ("quick",)
 RATES = "1e-3/0.4/300", "1e-4/0.4/300", "3e-4/0.4/300", "3e-5/1/300"
 STEPS = "1e-4/0.2/300", "1e-4/0.4/100", "1e-4/0.4/1000"  # other steps and sweeps at one rate
@@ -59,20 +57,16 @@ def points(options):
     """Names eta/particles/I/dt/sweeps/seed, the most informative first."""
     etas = "0", "0.7"
     if options.quick:
-        return [
-            f"{eta}/100/{rate}/{seed}" for eta in etas
-            for rate in ("1e-3/0.4/300", "5e-4/0.4/300", "0/1/300") for seed in (1, 2)
-        ]
-    names = [
-        f"{eta}/1000/{rate}/{seed}" for seed in (1, 2, 3) for rate in (OVERDAMPED[0], *RATES)
-        for eta in etas
-    ]
-    names += [
-        f"{eta}/1000/{setting}/{seed}" for seed in (1, 2, 3) for setting in OVERDAMPED[1:]
-        for eta in etas
-    ]
-    names += [f"{eta}/4000/{rate}/1" for rate in (OVERDAMPED[0], *RATES[:3]) for eta in etas]
-    return names + [f"{eta}/1000/{setting}/1" for setting in STEPS for eta in etas]
+        rates = "1e-3/0.4/300", "5e-4/0.4/300", "0/1/300"
+        return [f"{eta}/100/{rate}/{seed}" for eta in etas for rate in rates for seed in (1, 2)]
+
+    def names(particles, settings, seeds):
+        return [f"{eta}/{particles}/{setting}/{seed}"
+                for seed in seeds for setting in settings for eta in etas]
+
+    return [*names(1000, (OVERDAMPED[0], *RATES), (1, 2, 3)),
+            *names(1000, OVERDAMPED[1:], (1, 2, 3)),
+            *names(4000, (OVERDAMPED[0], *RATES[:3]), (1,)), *names(1000, STEPS, (1,))]
 
 
 def _test(name, options, folder):
@@ -118,8 +112,8 @@ def run(name, options):
         test.shear_record()
         test.progress["seconds"] += 0 if approaching else time.process_time() - start
         test.progress["first"] = O.iter if approaching else test.progress["first"]
-        test.progress["speeds"].append((test.width - width) /
-                                       (O.time - began) * test.time_unit / test.diameter)
+        speed = (test.width - width) / (O.time - began)
+        test.progress["speeds"].append(speed * test.time_unit / test.diameter)
         if looks() > looked and test.strain > FROM:
             test.network().save(folder / f"network-{test.strain:.4f}.h5")
             test.progress["looks"].append({key: float(value) for key, value in _look(test).items()})
@@ -164,16 +158,16 @@ def fit(rows, name):
         {seed: y₀}, b, and the covariance of (y₀ …, b); None for fewer than two rates.
     """
     seeds = sorted({row["seed"] for row in rows})
-    x, y = (np.array(column, dtype=float)
-            for column in zip(*[(math.sqrt(row["inertial_number"]), row[name]) for row in rows]))
+    x = np.sqrt(np.array([row["inertial_number"] for row in rows], dtype=float))
+    y = np.array([row[name] for row in rows], dtype=float)
     if np.ptp(x) == 0:
         return None
-    design = np.column_stack([[[row["seed"] == seed for seed in seeds] for row in rows],
-                              x]).astype(float)
+    of_seed = [[row["seed"] == seed for seed in seeds] for row in rows]
+    design = np.column_stack([of_seed, x]).astype(float)
     values = np.linalg.lstsq(design, y, rcond=None)[0]
-    left = len(y) - design.shape[1]
-    covariance = np.linalg.inv(design.T @ design) * (np.sum(
-        (y - design @ values)**2) / left if left > 0 else math.nan)
+    freedom = len(y) - design.shape[1]
+    variance = np.sum((y - design @ values)**2) / freedom if freedom > 0 else math.nan
+    covariance = np.linalg.inv(design.T @ design) * variance
     return dict(zip(seeds, values)), float(values[-1]), covariance
 
 
@@ -188,58 +182,48 @@ def limit(rows, name):
     levels, slope, covariance = list(found[0].values()), found[1], found[2]
     share = np.append(np.full(len(levels), 1 / len(levels)), 0)
     scatter = np.var(levels, ddof=1) / len(levels) if len(levels) > 1 else 0.0
-    return float(np.mean(levels)), math.sqrt(max(share @ covariance @ share,
-                                                 scatter)), slope, math.sqrt(covariance[-1, -1])
+    error = math.sqrt(max(share @ covariance @ share, scatter))
+    return float(np.mean(levels)), error, slope, math.sqrt(covariance[-1, -1])
+
+
+def _with(rows, *settings):
+    """Rows with numbers of these settings I/dt/sweeps."""
+    chosen = {tuple(map(float, setting.split("/"))) for setting in settings}
+    setting = lambda row: (row["inertial_number"], row["dt"], row["iterations"])
+    return [row for row in rows if row["status"] == "ok" and setting(row) in chosen]
 
 
 def _plain(rows):
     """Rows of the sweep over the rate, without other steps and sweeps."""
-    rates = {tuple(map(float, rate.split("/")[:3])) for rate in (*RATES, "5e-4/0.4/300")}
-    return [
-        row for row in rows
-        if row["status"] == "ok" and (row["inertial_number"], row["dt"], row["iterations"]) in rates
-    ]
+    return _with(rows, *RATES, "5e-4/0.4/300")
 
 
 def _groups(rows):
-    return {
-        key: [row for row in rows if (row["eta"], row["particles"]) == key]
-        for key in sorted({(row["eta"], row["particles"])
-                           for row in rows})
-    }
-
-
-def _with(rows, setting):
-    """Rows of a setting I/dt/sweeps."""
-    wanted = tuple(map(float, setting.split("/")))
-    return [
-        row for row in rows if row["status"] == "ok" and (row["inertial_number"], row["dt"],
-                                                          row["iterations"]) == wanted
-    ]
+    """{(eta, particles): rows}"""
+    groups = {}
+    for row in rows:
+        groups.setdefault((row["eta"], row["particles"]), []).append(row)
+    return dict(sorted(groups.items()))
 
 
 def mean(rows, name):
-    """Mean over the seeds and its standard error, NaN for fewer than two."""
-    values = np.array([row[name] for row in rows])
-    return float(values.mean()) if len(values) else math.nan, float(
-        values.std(ddof=1) / math.sqrt(len(values))) if len(values) > 1 else math.nan
+    """Mean over the seeds and its standard error, NaN for too few rows."""
+    values, count = np.array([row[name] for row in rows]), len(rows)
+    return (float(values.mean()) if count else math.nan,
+            float(values.std(ddof=1) / math.sqrt(count)) if count > 1 else math.nan)
 
 
 def changes(rows, name, setting):
     """Mean change from the first of `OVERDAMPED` to a setting, over equal seeds, and its error."""
     first = {row["seed"]: row[name] for row in _with(rows, OVERDAMPED[0])}
-    return mean([{name: row[name] - first[row["seed"]]}
-                 for row in _with(rows, setting) if row["seed"] in first], name)
+    pairs = [row for row in _with(rows, setting) if row["seed"] in first]
+    return mean([{name: row[name] - first[row["seed"]]} for row in pairs], name)
 
 
 def ratios(rows):
     """Lines of the limits I → 0, the deviations at I = 1e-3 and 1e-4, and shear without inertia."""
-    groups = {
-        key: group
-        for key, group in _groups(_plain(rows)).items()
-        if len({row["inertial_number"]
-                for row in group}) > 1
-    }
+    rates = lambda group: {row["inertial_number"] for row in group}
+    groups = {key: group for key, group in _groups(_plain(rows)).items() if len(rates(group)) > 1}
     yield "observable | " + " | ".join(
         f"η = {eta:g}, N = {particles:g}: limit | off at 1e-3 | off at 1e-4 | without inertia"
         for eta, particles in groups)
@@ -251,22 +235,18 @@ def ratios(rows):
         for key, group in groups.items():
             value, error, slope, slope_error = limit(group, name)
             cells.append(f"{value:.3g} ± {error:.1g}")
-            cells += [
-                f"{slope * math.sqrt(rate):+.1g} ± {slope_error * math.sqrt(rate):.1g}"
-                for rate in (1e-3, 1e-4)
-            ]
-            cells.append("{:.3g} ± {:.1g}".format(
-                *mean(_with(_groups(rows).get(key, []), OVERDAMPED[0]), name)))
+            cells += [f"{slope * root:+.1g} ± {slope_error * root:.1g}"
+                      for root in (math.sqrt(1e-3), math.sqrt(1e-4))]
+            still = mean(_with(_groups(rows).get(key, []), OVERDAMPED[0]), name)
+            cells.append("{:.3g} ± {:.1g}".format(*still))
         yield f"{title} | " + " | ".join(cells)
 
 
 def other_steps(rows, particles=1000):
     """Lines of the changes of shear without inertia by other steps and sweeps."""
     groups = {eta: group for (eta, size), group in _groups(rows).items() if size == particles}
-    others = [
-        setting for setting in OVERDAMPED[1:] if all(
-            _with(group, setting) for group in groups.values())
-    ]
+    others = [setting for setting in OVERDAMPED[1:]
+              if all(_with(group, setting) for group in groups.values())]
     words = ["dt = {} t₀, {} sweeps".format(*setting.split("/")[1:]) for setting in others]
     yield "observable | " + " | ".join(f"η = {eta:g}: {word}" for eta in groups for word in words)
     yield "---|" * len(others) * len(groups) + "---"
@@ -293,10 +273,8 @@ def plot(rows, options):
                       ["0", "3e-5", "1e-4", "3e-4", "1e-3"], fontsize=7, rotation=40)
         ax.set_xlabel("I (axis ∝ √I)", fontsize=8)
         ax.grid(alpha=0.3)
-    figure.suptitle(
-        "Each observable against the rate, its limit I → 0 at the left; "
-        "stars: without inertia; grey triangles: the paper",
-        fontsize=10)
+    figure.suptitle("Each observable against the rate, its limit I → 0 at the left; "
+                    "stars: without inertia; grey triangles: the paper", fontsize=10)
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4,
                   fontsize=9)
     return figure
@@ -304,8 +282,8 @@ def plot(rows, options):
 
 def _style(eta, particles):
     """(colour, marker, fill, line); discs are filled and solid."""
-    return ("k" if eta == 0 else "C3"), {1000: "o", 4000: "s"}.get(
-        particles, "^"), ("k" if eta == 0 else "w"), ("-" if eta == 0 else "--")
+    color, fill, line = ("k", "k", "-") if eta == 0 else ("C3", "w", "--")
+    return color, {1000: "o", 4000: "s"}.get(particles, "^"), fill, line
 
 
 def _panel(ax, rows, name, label, color, marker, fill, line):
@@ -313,12 +291,9 @@ def _panel(ax, rows, name, label, color, marker, fill, line):
     start, error, slope, _ = limit(rows, name)
     levels = fit(rows, name)[0] if math.isfinite(start) else {}
     rates = sorted({row["inertial_number"] for row in rows})
-    values = [
-        np.array([
-            row[name] - levels.get(row["seed"], start) + start if levels else row[name]
-            for row in rows if row["inertial_number"] == rate
-        ]) for rate in rates
-    ]
+    shift = lambda row: start - levels.get(row["seed"], start) if levels else 0
+    values = [np.array([row[name] + shift(row) for row in rows if row["inertial_number"] == rate])
+              for rate in rates]
     errors = [v.std(ddof=1) / math.sqrt(len(v)) if len(v) > 1 else 0 for v in values]
     x = np.sqrt(rates)
     ax.errorbar(x, [v.mean() for v in values], errors, color=color, marker=marker, mfc=fill, ms=5,

@@ -29,8 +29,11 @@ MODULES = {
     "rcr.study.protocol": "Constants of the biaxial test",
     "rcr.study.cell": "Shear of a periodic cell",
     "rcr.study.analysis": "Observables of the study",
+    "rcr.study.observables": "Observables of one elongation",
     "rcr.study.ensemble": "Networks of many runs",
     "rcr.study.figures": "Figures of the study",
+    "rcr.study.curves": "Curves of the figures",
+    "rcr.study.polar": "Polar diagrams of the figures",
     "rcr.study.claims": "The paper's statements",
 }
 # Headings and the first words of their classes; all other classes are engines.

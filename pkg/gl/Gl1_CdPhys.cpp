@@ -12,14 +12,19 @@ Real        Gl1_CdPhys::width;
 
 namespace {
 
-	bool isGrain(const Body& body) { return dynamic_cast<const Rcr*>(body.shape.get()) || dynamic_cast<const Sphere*>(body.shape.get()); }
+	bool isGrain(const Body& body)
+	{
+		return dynamic_cast<const Rcr*>(body.shape.get())
+		        || dynamic_cast<const Sphere*>(body.shape.get());
+	}
 
-	/// Where the resultant of the points acts.
+	/// Point of application of the resultant force.
 	template <class Phys> Vector3r pointOfApplication(const RcrGeom& geom, const Phys& phys)
 	{
 		const Real one = phys.force1[0], two = geom.points > 1 ? Real(phys.force2[0]) : Real(0);
 		if (!(one + two > 0)) return geom.contactPoint;
-		return overlay::inSpace((one * geom.position1 + two * geom.position2) / (one + two), geom.contactPoint[2]);
+		return overlay::inSpace(
+		        (one * geom.position1 + two * geom.position2) / (one + two), geom.contactPoint[2]);
 	}
 
 	void chooseColor(const FrictPhys& phys, const RcrGeom& geom, Real normal)
@@ -32,17 +37,22 @@ namespace {
 		overlay::colorOfNumber(double(normal / Gl1_CdPhys::maxForce));
 	}
 
-	template <class Phys> void drawForce(const Phys& phys, const Interaction& i, const Body* one, const Body* two, const Scene& scene)
+	template <class Phys>
+	void drawForce(
+	        const Phys& phys, const Interaction& i, const Body* one, const Body* two,
+	        const Scene& scene)
 	{
 		const RcrGeom* geom   = dynamic_cast<const RcrGeom*>(i.geom.get());
 		const Real     normal = phys.normalForce.norm();
 		if (!geom || geom->points == 0 || !one || !two || !(normal > 0)) return;
-		Gl1_CdPhys::maxForce      = math::max(Gl1_CdPhys::maxForce, normal);
+		Gl1_CdPhys::maxForce = math::max(Gl1_CdPhys::maxForce, normal);
 		const overlay::Flat flat;
-		const Real          half    = Gl1_CdPhys::width * math::min(geom->refR1, geom->refR2) * normal / Gl1_CdPhys::maxForce;
-		const Vector3r      contact = pointOfApplication(*geom, phys);
-		const Vector3r      shift   = overlay::intoCell(scene, contact);
-		const Vector3r      image   = scene.isPeriodic ? Vector3r(scene.cell->intrShiftPos(i.cellDist)) : Vector3r(Vector3r::Zero());
+		const Real          half = Gl1_CdPhys::width * math::min(geom->refR1, geom->refR2) * normal
+		        / Gl1_CdPhys::maxForce;
+		const Vector3r contact = pointOfApplication(*geom, phys);
+		const Vector3r shift   = overlay::intoCell(scene, contact);
+		const Vector3r image   = scene.isPeriodic ? Vector3r(scene.cell->intrShiftPos(i.cellDist))
+		                                          : Vector3r(Vector3r::Zero());
 		chooseColor(phys, *geom, normal);
 		if (isGrain(*one)) overlay::ribbon(shift + one->state->pos, shift + contact, half);
 		if (isGrain(*two)) overlay::ribbon(shift + contact, shift + two->state->pos + image, half);
@@ -50,12 +60,16 @@ namespace {
 
 } // namespace
 
-void Gl1_CdPhys::go(const shared_ptr<IPhys>& phys, const shared_ptr<Interaction>& i, const shared_ptr<Body>& one, const shared_ptr<Body>& two, bool)
+void Gl1_CdPhys::go(
+        const shared_ptr<IPhys>& phys, const shared_ptr<Interaction>& i,
+        const shared_ptr<Body>& one, const shared_ptr<Body>& two, bool)
 {
 	drawForce(static_cast<const CdPhys&>(*phys), *i, one.get(), two.get(), *scene);
 }
 
-void Gl1_RcrFrictPhys::go(const shared_ptr<IPhys>& phys, const shared_ptr<Interaction>& i, const shared_ptr<Body>& one, const shared_ptr<Body>& two, bool)
+void Gl1_RcrFrictPhys::go(
+        const shared_ptr<IPhys>& phys, const shared_ptr<Interaction>& i,
+        const shared_ptr<Body>& one, const shared_ptr<Body>& two, bool)
 {
 	drawForce(static_cast<const RcrFrictPhys&>(*phys), *i, one.get(), two.get(), *scene);
 }

@@ -18,20 +18,22 @@ namespace {
 		double nx, ny; // outward normal
 	};
 
-	/// Counter-clockwise from the lower end of the cap on the right.
+	/// Points of the outline, counter-clockwise from the lower end of the right cap.
 	std::vector<OutlinePoint> outline(const Rcr& shape, int slices)
 	{
 		std::vector<OutlinePoint> points;
-		const double              a = double(shape.halfLength), r = double(shape.capRadius), pi = std::acos(-1.0);
+		const double              a = double(shape.halfLength), r = double(shape.capRadius),
+		             pi = std::acos(-1.0);
 		for (int cap = 0; cap < 2; ++cap)
 			for (int k = 0; k <= slices; ++k) {
-				const double angle = pi * (cap - 0.5 + double(k) / slices), c = std::cos(angle), s = std::sin(angle);
+				const double angle = pi * (cap - 0.5 + double(k) / slices), c = std::cos(angle),
+				             s = std::sin(angle);
 				points.push_back({ (cap == 0 ? a : -a) + r * c, r * s, c, s });
 			}
 		return points;
 	}
 
-	/// A face of the plate, or its edge as a line.
+	/// A face of the plate, or its outline as a line.
 	void drawFace(const std::vector<OutlinePoint>& points, double z, bool wire)
 	{
 		glBegin(wire ? GL_LINE_LOOP : GL_POLYGON);
@@ -53,7 +55,7 @@ namespace {
 		glEnd();
 	}
 
-	/// A line to the end of the long axis, just above each face.
+	/// A line along the long axis from the centre to one end, just above each face.
 	void drawMark(double length, double z)
 	{
 		glDisable(GL_LIGHTING);
@@ -67,14 +69,16 @@ namespace {
 
 } // namespace
 
-void Gl1_Rcr::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool wireOfView, const GLViewInfo&)
+void Gl1_Rcr::go(
+        const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool wireOfView,
+        const GLViewInfo&)
 {
 	const Rcr&                      particle = static_cast<const Rcr&>(*shape);
 	const std::vector<OutlinePoint> points   = outline(particle, std::max(slices, 1));
 	const Vector3r&                 color    = particle.color;
 	const double                    z        = double(depth * particle.capRadius);
 	const bool                      lines    = wire || wireOfView;
-	glEnable(GL_NORMALIZE); // stays, as after a Sphere: without it YADE's boxes, drawn to scale, are white
+	glEnable(GL_NORMALIZE); // remains on, as for a Sphere; else the boxes of YADE are white
 	glPushAttrib(GL_ENABLE_BIT | GL_LINE_BIT | GL_CURRENT_BIT);
 	glDisable(GL_CULL_FACE);
 	glColor3d(double(color[0]), double(color[1]), double(color[2]));
@@ -85,7 +89,9 @@ void Gl1_Rcr::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool 
 		const double shade = lines ? 1 : 0.3;
 		glColor3d(shade * double(color[0]), shade * double(color[1]), shade * double(color[2]));
 		glLineWidth(2);
-		drawMark(double(particle.halfLength + particle.capRadius), z + (lines ? 0 : 0.01 * double(particle.capRadius)));
+		drawMark(
+		        double(particle.halfLength + particle.capRadius),
+		        z + (lines ? 0 : 0.01 * double(particle.capRadius)));
 	}
 	glPopAttrib();
 }

@@ -10,7 +10,9 @@ bool Gl1_RcrGeom::normals;
 Real Gl1_RcrGeom::length;
 Real Gl1_RcrGeom::pointSize;
 
-void Gl1_RcrGeom::go(const shared_ptr<IGeom>& ig, const shared_ptr<Interaction>&, const shared_ptr<Body>&, const shared_ptr<Body>&, bool)
+void Gl1_RcrGeom::go(
+        const shared_ptr<IGeom>& ig, const shared_ptr<Interaction>&, const shared_ptr<Body>&,
+        const shared_ptr<Body>&, bool)
 {
 	const RcrGeom& geom = static_cast<const RcrGeom&>(*ig);
 	if (geom.points == 0) return;
@@ -20,7 +22,8 @@ void Gl1_RcrGeom::go(const shared_ptr<IGeom>& ig, const shared_ptr<Interaction>&
 	overlay::colorOfType(geom.type);
 	glPointSize(float(pointSize));
 	for (int k = 0; k < geom.points; ++k) {
-		const Vector3r at = shift + overlay::inSpace(k == 0 ? geom.position1 : geom.position2, geom.contactPoint[2]);
+		const Vector3r at = shift
+		        + overlay::inSpace(k == 0 ? geom.position1 : geom.position2, geom.contactPoint[2]);
 		glBegin(GL_POINTS);
 		overlay::vertex(at);
 		glEnd();

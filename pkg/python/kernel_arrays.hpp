@@ -1,4 +1,4 @@
-// What the bindings of the kernels share: arrays in and out, their checks, and the parts of the module.
+// Arrays in and out of the bindings, with checks; and the parts of the module.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -20,33 +20,36 @@ namespace py = pybind11;
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Ids   = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
 
-/// Throws ValueError with the shape given and the one wanted; `columns` = 1 wants one dimension.
-void wantShape(const py::array&, const char* name, py::ssize_t rows, py::ssize_t columns);
-void wantBlocks(const py::array&, const char* name, py::ssize_t count); // (count, 3, 3)
+/// Throws ValueError if the shape is not (rows, columns), or (rows,) for columns = 1.
+void requireShape(const py::array&, const char* name, py::ssize_t rows, py::ssize_t columns);
+void requireBlocks(const py::array&, const char* name, py::ssize_t count); // shape (count, 3, 3)
 
-/// Ids as they were given: throws ValueError for numbers that are not integers or do not fit into 32 bits.
-Ids wholeIds(const py::object&, const char* name);
+/// Ids from an array of integers. Throws ValueError for other types and for more than 32 bits.
+Ids idsFrom(const py::object&, const char* name);
 
-/// Arrays of a problem that most have not, or None: d (nc, 2), s (nc, 2), M_c⁻¹ (2,) and recovery (nc,).
+/// Optional arrays of a problem, or None: d (nc, 2), s (nc, 2), M_c⁻¹ (2,) and recovery (nc,).
 struct OptionalArrays {
-	py::object drift = py::none(), shift = py::none(), inverseStretchMass = py::none(), recovery = py::none();
+	py::object drift = py::none(), shift = py::none(), inverseStretchMass = py::none(),
+	           recovery = py::none();
 };
 
-/// A problem from arrays; every array is checked, and no id or number can be out of range.
+/// A problem from arrays. Checks all shapes, ids and numbers.
 ContactProblem problemFrom(
-        const Array& inverseMass, const Array& freeVelocity, const py::object& bodies, const Array& normal, const Array& arm1, const Array& arm2,
-        const Array& bias, const Array& friction, const Array& impulse, const OptionalArrays& = {});
+        const Array& inverseMass, const Array& freeVelocity, const py::object& bodies,
+        const Array& normal, const Array& arm1, const Array& arm2, const Array& bias,
+        const Array& friction, const Array& impulse, const OptionalArrays& = {});
 
-/// Arrays of the right shapes; what they hold is checked by the solver.
+/// A problem of W and q from arrays. Checks the shapes; the solver checks the values.
 DelassusProblem delassusFrom(
-        const py::object& rowStart, const py::object& column, const Array& block, const Array& free, const Array& friction, const Array& impulse);
+        const py::object& rowStart, const py::object& column, const Array& block, const Array& free,
+        const Array& friction, const Array& impulse);
 
 inline py::ssize_t rowsOf(const py::array& array) { return array.ndim() ? array.shape(0) : 0; }
 
 Array arrayOf(const std::vector<Impulse>&); // (n, 2)
 Array arrayOf(const std::vector<Twist>&);   // (n, 3)
 
-/// Time since it was made [s]: by the clock, and of the processor on this thread, which other programs do not lengthen.
+/// Wall time and processor time of this thread since construction [s].
 class Stopwatch {
 public:
 	double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }

@@ -1,10 +1,11 @@
-// What tests need of the kernels' inside: residual, layout, momentum, stop test, paths, block LU, lanes.
+// Bindings of kernel internals for tests: error measures, layout, momentum, stop test, exact steps,
+// lanes.
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <atomic>
 #include <array>
+#include <atomic>
 #include <memory>
 #include <set>
 #include <stdexcept>
@@ -19,6 +20,7 @@
 #include "sweep/lane/lane_check.hpp"
 #include "sweep/layout/layout.hpp"
 #include "sweep/momentum.hpp"
+#include "sweep/packed_problem.hpp"
 #include "sweep/stop_test.hpp"
 #include "watch/missed_steps.hpp"
 #include "watch/jam_detector.hpp"
@@ -27,52 +29,69 @@ namespace rcr {
 
 namespace {
 
-	/// The problem of keyword arguments, named as those of `solve`.
+	/// The problem of keyword arguments, with the names of `solve`.
 	ContactProblem problemOf(const py::kwargs& arrays)
 	{
 		const auto array    = [&](const char* name) { return arrays[name].cast<Array>(); };
-		const auto optional = [&](const char* name) { return arrays.contains(name) ? py::object(arrays[name]) : py::none(); };
-		return problemFrom(array("inverse_mass"), array("free_velocity"), arrays["bodies"], array("normal"), array("arm1"), array("arm2"), array("bias"), array("friction"),
-		        array("impulse"), { optional("drift"), optional("shift"), optional("inverse_stretch_mass"), optional("recovery") });
+		const auto optional = [&](const char* name) {
+			return arrays.contains(name) ? py::object(arrays[name]) : py::none();
+		};
+		return problemFrom(
+		        array("inverse_mass"), array("free_velocity"), arrays["bodies"], array("normal"),
+		        array("arm1"), array("arm2"), array("bias"), array("friction"), array("impulse"),
+		        { optional("drift"), optional("shift"), optional("inverse_stretch_mass"),
+		          optional("recovery") });
 	}
 
 	py::tuple driveFrom(const Array& before, const py::kwargs& arrays)
 	{
 		const ContactProblem problem = problemOf(arrays);
-		wantShape(before, "before", py::ssize_t(problem.freeVelocity.size()), 3);
-		const Twist* rows  = reinterpret_cast<const Twist*>(before.data());
-		ThreadTeam         alone;
-		const DrivenMotion  drive = drivenMotionOf(problem, { rows, rows + rowsOf(before) }, alone);
+		requireShape(before, "before", py::ssize_t(problem.freeVelocity.size()), 3);
+		std::vector<Twist> twists(rowsOf(before));
+		for (std::size_t i = 0; i < twists.size(); ++i)
+			twists[i] = { before.at(i, 0), before.at(i, 1), before.at(i, 2) };
+		ThreadTeam  alone;
+		const DrivenMotion drive = drivenMotionOf(problem, twists, alone);
 		return py::make_tuple(drive.speed, drive.compliance, drive.yieldImpulse);
 	}
 
 	// ---- linear algebra
 
-	/// Pairs of different nodes of a graph, each once, as the kernels want them.
+	/// Pairs of different rows, each once.
 	std::vector<BlockLu::Pair> pairsFrom(const py::object& given, std::int32_t size)
 	{
-		const Ids ids = wholeIds(given, "pairs");
-		if (ids.size() > 0) wantShape(ids, "pairs", ids.shape(0), 2);
+		const Ids ids = idsFrom(given, "pairs");
+		if (ids.size() > 0) requireShape(ids, "pairs", ids.shape(0), 2);
 		std::vector<BlockLu::Pair> pairs;
 		std::set<BlockLu::Pair>    seen;
 		for (py::ssize_t k = 0; k < (ids.size() > 0 ? ids.shape(0) : 0); ++k) {
 			const std::int32_t i = ids.at(k, 0), j = ids.at(k, 1);
-			const std::string  what = "pairs[" + std::to_string(k) + "] = (" + std::to_string(i) + ", " + std::to_string(j) + ")";
-			if (std::min(i, j) < 0 || std::max(i, j) >= size) throw py::value_error(what + "; wanted rows from 0 to " + std::to_string(size - 1));
-			if (i == j) throw py::value_error(what + "; wanted two different rows");
-			if (!seen.insert(std::minmax(i, j)).second) throw py::value_error(what + " is there twice; wanted each pair once");
+			const std::string  what = "pairs[" + std::to_string(k) + "] = (" + std::to_string(i)
+			        + ", " + std::to_string(j) + ")";
+			if (std::min(i, j) < 0 || std::max(i, j) >= size)
+				throw py::value_error(
+				        what + "; expected rows from 0 to " + std::to_string(size - 1));
+			if (i == j) throw py::value_error(what + "; expected two different rows");
+			if (!seen.insert(std::minmax(i, j)).second)
+				throw py::value_error(what + " is given twice; expected each pair once");
 			pairs.emplace_back(i, j);
 		}
 		return pairs;
 	}
 
-	/// x of A x = b for a matrix of 3×3 blocks: diagonal (n, 3, 3), A_ij and A_ji of every pair (i, j), b (n, 3).
-	Array solveBlocks(const py::object& givenPairs, const Array& diagonal, const Array& upper, const Array& lower, const Array& b)
+	/// x of A x = b for a matrix of 3×3 blocks: diagonal (n, 3, 3), A_ij and A_ji of every pair (i,
+	/// j), b (n, 3).
+	Array solveBlocks(
+	        const py::object& givenPairs, const Array& diagonal, const Array& upper,
+	        const Array& lower, const Array& b)
 	{
 		const py::ssize_t                n     = rowsOf(b);
 		const std::vector<BlockLu::Pair> pairs = pairsFrom(givenPairs, std::int32_t(n));
 		const py::ssize_t                count = pairs.size();
-		wantShape(b, "b", n, 3), wantBlocks(diagonal, "diagonal", n), wantBlocks(upper, "upper", count), wantBlocks(lower, "lower", count);
+		requireShape(b, "b", n, 3);
+		requireBlocks(diagonal, "diagonal", n);
+		requireBlocks(upper, "upper", count);
+		requireBlocks(lower, "lower", count);
 		const auto copy = [](const Array& from, py::ssize_t k, Block& to) {
 			for (int i = 0; i < 3; ++i)
 				for (int j = 0; j < 3; ++j)
@@ -86,7 +105,8 @@ namespace {
 			copy(upper, k, matrix.pairBlock(std::int32_t(k), false));
 			copy(lower, k, matrix.pairBlock(std::int32_t(k), true));
 		}
-		if (!matrix.factor()) throw py::value_error("the matrix is singular: a diagonal block cannot be inverted");
+		if (!matrix.factor())
+			throw py::value_error("the matrix is singular: a diagonal block cannot be inverted");
 		std::vector<BlockVector> x(n);
 		for (py::ssize_t i = 0; i < n; ++i)
 			for (int j = 0; j < 3; ++j)
@@ -112,56 +132,62 @@ namespace {
 		const PathEnd end = followPath(proximal, maxPivots);
 		proximal.store(problem);
 		return py::dict(
-		        py::arg("impulse") = arrayOf(problem.impulse), py::arg("arrived") = end.arrived, py::arg("pivots") = end.pivots,
-		        py::arg("unstable") = end.unstable);
+		        py::arg("impulse") = arrayOf(problem.impulse), py::arg("complete") = end.complete,
+		        py::arg("pivots") = end.pivots, py::arg("unstable") = end.unstable);
 	}
 
 	// ---- sweeps
 
-	/// A stop test with settings of its own.
+	/// A stop test that owns its settings.
 	struct OwnStopTest {
 		Settings settings;
 		StopTest test;
 
-		OwnStopTest(const Settings& given, int first) : settings(given), test(settings, first) { }
+		explicit OwnStopTest(const Settings& given) : settings(given), test(settings) { }
 		OwnStopTest(const OwnStopTest&) = delete;
 	};
 
 	std::unique_ptr<OwnStopTest> stopTest(
-	        double tolerance, double violation, double meanForceChange, int checkInterval, int minIterations, int maxIterations, int stallSweeps, int first)
+	        double tolerance, double kinematicTolerance, double meanForceChange, int checkInterval,
+	        int minIterations, int maxIterations, int stallSweeps)
 	{
 		Settings settings;
-		settings.tolerance       = tolerance;
-		settings.kinematicTolerance       = violation;
-		settings.meanForceChange = meanForceChange;
-		settings.checkInterval   = checkInterval;
-		settings.minIterations   = minIterations;
-		settings.maxIterations   = maxIterations;
-		settings.stallSweeps     = stallSweeps;
-		return std::make_unique<OwnStopTest>(settings, first);
+		settings.tolerance          = tolerance;
+		settings.kinematicTolerance = kinematicTolerance;
+		settings.meanForceChange    = meanForceChange;
+		settings.checkInterval      = checkInterval;
+		settings.minIterations      = minIterations;
+		settings.maxIterations      = maxIterations;
+		settings.stallSweeps        = stallSweeps;
+		return std::make_unique<OwnStopTest>(settings);
 	}
 
-	/// Where everything stands: of pairs (body 1, body 2, points, model, slot), of islands (points, shared, central, first and last + 1 of slabs
-	/// and of joints) and the pairs of the overflow, of sections first and last + 1 of records, of chunks (first block, blocks, points a pair, model, section), of blocks the
-	/// records on both sides, of bodies theirs.
+	/// Rows of a layout. pairs: body 1, body 2, points, model, slot. islands: points, shared, half
+	/// records, range of partitions, range of interfaces. sections: range of records. chunks: first
+	/// block, blocks, points per pair, model, section. blocks1, blocks2: records of both sides.
 	py::dict layoutOf(const std::vector<std::string>& reductions, const py::kwargs& arrays)
 	{
-		using Rows = std::vector<std::vector<std::int32_t>>;
+		using Rows                   = std::vector<std::vector<std::int32_t>>;
 		const ContactProblem problem = problemOf(arrays);
 		Layout               layout;
-		ThreadTeam                 alone;
+		ThreadTeam           alone;
 		layout.update(problem, Reductions::of(reductions), alone);
 		Rows pairs, islands, overflow, sections, chunks, blocks1, blocks2;
-		for (const LaidPair& p : layout.pairs())
+		for (const PackedPair& p : layout.pairs())
 			pairs.push_back({ p.body1, p.body2, p.points, int(p.model), p.slot });
 		for (const Island& island : layout.islands()) {
-			islands.push_back({ island.points, island.shared, island.central, island.slabs.begin, island.slabs.end, island.joints.begin, island.joints.end });
-			overflow.emplace_back(layout.overflow().begin() + island.overflow.begin, layout.overflow().begin() + island.overflow.end);
+			islands.push_back({ island.points, island.shared, island.halfRecords,
+			                    island.partitions.begin, island.partitions.end,
+			                    island.interfaces.begin, island.interfaces.end });
+			overflow.emplace_back(
+			        layout.overflow().begin() + island.overflow.begin,
+			        layout.overflow().begin() + island.overflow.end);
 		}
 		for (const Section& section : layout.sections()) {
 			for (int k = section.chunks.begin; k < section.chunks.end; ++k) {
 				const Chunk& c = layout.chunks()[k];
-				chunks.push_back({ c.firstPair, c.blocks, c.pointsPerPair, int(c.model), int(sections.size()) });
+				chunks.push_back({ c.firstPair, c.blocks, c.pointsPerPair, int(c.model),
+				                   int(sections.size()) });
 			}
 			sections.push_back({ section.records.begin, section.records.end });
 		}
@@ -176,55 +202,67 @@ namespace {
 		for (std::size_t body = 0; body < problem.inverseMass.size(); ++body)
 			records.push_back(layout.record(int(body)));
 		return py::dict(
-		        py::arg("pairs") = pairs, py::arg("islands") = islands, py::arg("overflow") = overflow, py::arg("sections") = sections, py::arg("chunks") = chunks,
-		        py::arg("blocks1") = blocks1, py::arg("blocks2") = blocks2, py::arg("records") = records, py::arg("record_count") = layout.records());
+		        py::arg("pairs") = pairs, py::arg("islands") = islands,
+		        py::arg("overflow") = overflow, py::arg("sections") = sections,
+		        py::arg("chunks") = chunks, py::arg("blocks1") = blocks1,
+		        py::arg("blocks2") = blocks2, py::arg("records") = records,
+		        py::arg("record_count") = layout.records());
 	}
 
 	// ---- lanes
 
-	struct alignas(64) Sixteen {
-		double of[blockWidth];
+	/// Operand of a lane operation.
+	struct alignas(64) Operand {
+		double value[blockWidth];
 
-		Sixteen() = default;
-		explicit Sixteen(const Array& from) { std::copy_n(from.data(), blockWidth, of); }
+		Operand() = default;
+		explicit Operand(const Array& from) { std::copy_n(from.data(), blockWidth, value); }
 	};
 
-	Array applyLanes(int lanes, const std::string& name, const Array& a, const Array& b, const Array& c)
+	Array applyLanes(
+	        int lanes, const std::string& name, const Array& a, const Array& b, const Array& c)
 	{
-		static const char* const names[] = { "add", "subtract", "multiply", "divide", "add_product", "subtract_product",
-			                             "min", "max", "abs", "copy_sign", "select", "zero_where" };
-		const auto               found   = std::find(std::begin(names), std::end(names), name);
-		if (found == std::end(names)) throw py::value_error("operation '" + name + "' is not known");
+		static const char* const names[]
+		        = { "add", "subtract", "multiply", "divide",    "add_product", "subtract_product",
+			        "min", "max",      "abs",      "copy_sign", "select",      "zero_where" };
+		const auto found = std::find(std::begin(names), std::end(names), name);
+		if (found == std::end(names))
+			throw py::value_error("operation '" + name + "' is not known");
 		for (const Array* array : { &a, &b, &c })
-			wantShape(*array, "operand", blockWidth, 1);
-		const Sixteen x(a), y(b), z(c);
-		Sixteen       out;
-		laneCheck(lanes).apply(LaneOperation(found - std::begin(names)), x.of, y.of, z.of, out.of);
-		return Array(blockWidth, out.of);
+			requireShape(*array, "operand", blockWidth, 1);
+		const Operand x(a), y(b), z(c);
+		Operand       out;
+		laneCheck(lanes).apply(
+		        LaneOperation(found - std::begin(names)), x.value, y.value, z.value, out.value);
+		return Array(blockWidth, out.value);
 	}
 
-	/// Records (n, 2) as halves; moves whole ones or halves from places to places, given as numbers of halves.
-	Array moveLanes(int lanes, bool whole, const Array& records, const py::object& givenFrom, const py::object& givenTo)
+	/// Half records (n, 2) after copies of whole or half records from places to places, in halves.
+	Array moveLanes(
+	        int lanes, bool whole, const Array& records, const py::object& givenFrom,
+	        const py::object& givenTo)
 	{
-		struct alignas(32) Two {
-			HalfRecord half[2];
-		};
-		const Ids from = wholeIds(givenFrom, "from"), to = wholeIds(givenTo, "to");
+		const Ids from = idsFrom(givenFrom, "from"), to = idsFrom(givenTo, "to");
 		const int count = int(rowsOf(records));
-		wantShape(records, "records", count, 2), wantShape(from, "from", blockWidth, 1), wantShape(to, "to", blockWidth, 1);
-		std::vector<Two> body((count + 1) / 2);
+		requireShape(records, "records", count, 2);
+		requireShape(from, "from", blockWidth, 1);
+		requireShape(to, "to", blockWidth, 1);
+		std::vector<double, LaneAllocator<double>> body(2 * count + 2);
 		for (int i = 0; i < count; ++i)
-			body[i / 2].half[i % 2] = { records.at(i, 0), records.at(i, 1) };
+			body[2 * i] = records.at(i, 0), body[2 * i + 1] = records.at(i, 1);
 		PairBlock places;
 		for (int lane = 0; lane < blockWidth; ++lane) {
 			for (const int place : { from.at(lane), to.at(lane) })
-				if (place < 0 || place + whole >= count || (whole && place % 2)) throw py::value_error("a place is out of range");
-			places.body1[lane] = offsetOf(from.at(lane)), places.body2[lane] = offsetOf(to.at(lane));
+				if (place < 0 || place + whole >= count || (whole && place % 2))
+					throw py::value_error("a place is out of range");
+			places.body1[lane] = offsetOf(from.at(lane));
+			places.body2[lane] = offsetOf(to.at(lane));
 		}
-		(whole ? laneCheck(lanes).moveBodies : laneCheck(lanes).moveCentres)(body.data()->half, places.body1, places.body2);
+		const LaneCheck& check = laneCheck(lanes);
+		(whole ? check.moveBodies : check.moveCentres)(body.data(), places.body1, places.body2);
 		Array result({ py::ssize_t(count), py::ssize_t(2) });
 		for (int i = 0; i < count; ++i)
-			result.mutable_at(i, 0) = body[i / 2].half[i % 2].x, result.mutable_at(i, 1) = body[i / 2].half[i % 2].y;
+			result.mutable_at(i, 0) = body[2 * i], result.mutable_at(i, 1) = body[2 * i + 1];
 		return result;
 	}
 
@@ -232,32 +270,52 @@ namespace {
 
 void bindInternals(py::module_& m)
 {
-	m.def("residual", [](const py::kwargs& arrays) { return residual(problemOf(arrays)); }, "Residual [-] of the impulses of a problem, arrays as of `solve`.");
-	m.def("drive", driveFrom, py::arg("before"), "(speed, compliance, most_impulse) of a problem whose bodies had these velocities, arrays as of `solve`.");
-	m.def("violation", [](double rest, const py::kwargs& arrays) { return kinematicError(problemOf(arrays), rest); }, py::arg("rest"),
-	      "Kinematic violation [-] of the impulses of a problem, arrays as of `solve`; `rest` as in solver.hpp.");
+	m.def(
+	        "residual", [](const py::kwargs& arrays) { return residual(problemOf(arrays)); },
+	        "Residual [-] of a problem; arrays as in `solve`.");
+	m.def("drive", driveFrom, py::arg("before"),
+	      "(speed, compliance, yield_impulse) of a problem, for previous velocities of the "
+	      "bodies;\n"
+	      "arrays as in `solve`.");
+	m.def(
+	        "kinematic_error",
+	        [](double velocityFloor, const py::kwargs& arrays) {
+		        return kinematicError(problemOf(arrays), velocityFloor);
+	        },
+	        py::arg("velocity_floor"),
+	        "Kinematic error [-] of a problem (residual.hpp); arrays as in `solve`.");
 
-	m.def("solve_blocks", solveBlocks, py::arg("pairs"), py::arg("diagonal"), py::arg("upper"), py::arg("lower"), py::arg("b"),
-	      "Solve A x = b (n, 3) for a sparse matrix of 3×3 blocks: diagonal (n, 3, 3), and for each of the pairs (i, j) (np, 2) upper = A_ij and\n"
-	      "lower = A_ji (np, 3, 3). Raises ValueError for a pair out of range, of one row, or given twice, and where a diagonal block becomes singular.");
-	m.def("block_fill", [](std::int32_t size, const py::object& pairs) { return BlockLu(size, pairsFrom(pairs, size)).fill(); }, py::arg("size"), py::arg("pairs"),
-	      "Blocks of L below the diagonal for a matrix with these pairs of rows.");
+	m.def("solve_blocks", solveBlocks, py::arg("pairs"), py::arg("diagonal"), py::arg("upper"),
+	      py::arg("lower"), py::arg("b"),
+	      "Solve A x = b, b (n, 3), for a sparse matrix of 3×3 blocks: diagonal (n, 3, 3), and\n"
+	      "for the pairs (i, j), (np, 2): upper = A_ij, lower = A_ji, both (np, 3, 3). Raises\n"
+	      "ValueError for invalid or repeated pairs, and if a diagonal block becomes singular.");
+	m.def(
+	        "block_fill",
+	        [](std::int32_t size, const py::object& pairs) {
+		        return BlockLu(size, pairsFrom(pairs, size)).fill();
+	        },
+	        py::arg("size"), py::arg("pairs"),
+	        "Number of blocks of L below the diagonal for a matrix with these pairs of rows.");
 	m.def("follow_path", followPathFrom, py::arg("rho"), py::arg("max_pivots"),
-	      "One proximal step about the impulses of a problem, arrays as of `solve`: dict of impulse, arrived, pivots, unstable.");
-	py::class_<Stiffness>(m, "Stiffness", "ρ of proximal steps.")
-	        .def(py::init([](double start, double least, double most, double rise, double fall, int maxPatience) {
-		             return Stiffness(Stiffness::Limits { start, least, most, rise, fall, maxPatience });
+	      "One proximal step about the impulses of a problem; arrays as in `solve`.\n"
+	      "Returns a dict: impulse, complete, pivots, unstable.");
+	py::class_<ProximalParameter>(m, "ProximalParameter", "ρ of proximal steps.")
+	        .def(py::init([](double start, double min, double max, double rise, double fall,
+	                         int maxPatience) {
+		             return ProximalParameter({ start, min, max, rise, fall, maxPatience });
 	             }),
-	             py::arg("start"), py::arg("least"), py::arg("most"), py::arg("rise"), py::arg("fall"), py::arg("max_patience"))
-	        .def_property_readonly("rho", &Stiffness::rho)
-	        .def("arrived", &Stiffness::arrived)
-	        .def("failed", &Stiffness::failed);
+	             py::arg("start"), py::arg("min"), py::arg("max"), py::arg("rise"), py::arg("fall"),
+	             py::arg("max_patience"))
+	        .def_property_readonly("rho", &ProximalParameter::rho)
+	        .def("step_converged", &ProximalParameter::stepConverged)
+	        .def("step_failed", &ProximalParameter::stepFailed);
 
 	py::class_<Momentum>(m, "Momentum", "Nesterov momentum and its restart.")
 	        .def(py::init<>())
 	        .def_property_readonly("beta", &Momentum::beta)
 	        .def("advance", &Momentum::advance, py::arg("error"));
-	py::class_<JamDetector>(m, "JamDetector", "Detects that driven bodies squeeze grains without end (watch/jam_detector.hpp).")
+	py::class_<JamDetector>(m, "JamDetector", "Detector of jams (watch/jam_detector.hpp).")
 	        .def(py::init<>())
 	        .def_readwrite("grown", &JamDetector::grown)
 	        .def_readwrite("deepest", &JamDetector::deepest)
@@ -270,49 +328,59 @@ void bindInternals(py::module_& m)
 		                constexpr const char* names[] = { "none", "jam", "not converged" };
 		                return names[int(detector.update(overlap, noSolution))];
 	                },
-	                py::arg("overlap"),
-	                py::arg("no_solution") = false,
-	                "Adds a step with its deepest overlap over R₁ + R₂ [-].");
-	py::class_<MissedSteps>(m, "MissedSteps", "Counts steps that did not converge (watch/missed_steps.hpp).")
+	                py::arg("overlap"), py::arg("no_solution") = false,
+	                "Add the deepest overlap of a step over R₁ + R₂ [-]. Returns 'none', 'jam' or\n"
+	                "'not converged'.");
+	py::class_<MissedSteps>(
+	        m, "MissedSteps", "Counts of steps that missed the tolerance (watch/missed_steps.hpp).")
 	        .def(py::init<>())
 	        .def_readonly("steps", &MissedSteps::steps)
 	        .def_readonly("missed", &MissedSteps::missed)
 	        .def_readonly("yielded", &MissedSteps::yielded)
 	        .def_readonly("deepest", &MissedSteps::deepest)
-	        .def(
-	                "count",
-	                &MissedSteps::count,
-	                py::arg("missed"),
-	                py::arg("yielded"),
-	                py::arg("overlap"),
-	                py::arg("removes_overlaps") = false,
-	                "Counts a step; true if a warning is due.")
+	        .def("count", &MissedSteps::count, py::arg("missed"), py::arg("yielded"),
+	             py::arg("overlap"), py::arg("removes_overlaps") = false,
+	             "Count a step. Returns true if a message is due.")
 	        .def("message", &MissedSteps::message);
-	py::class_<OwnStopTest>(m, "StopTest", "The decision to stop sweeping; settings as of `solve`.")
-	        .def(py::init(&stopTest), py::arg("tolerance") = 1e-4, py::arg("violation") = 0.01, py::arg("mean_force_change") = 0, py::arg("check_interval") = 10,
-	             py::arg("min_iterations") = 0, py::arg("max_iterations") = 1000, py::arg("stall_sweeps") = 0, py::arg("first") = 0)
-	        .def("reached", [](OwnStopTest& own, const std::function<std::array<double, 3>()>& measure, bool early) {
-		             return own.test.reached(early, [&] {
-			             const auto [residual, violation, change] = measure();
-			             return Criteria { residual, violation, change };
-		             });
-	             }, py::arg("measure"), py::arg("early") = false, "`measure()` gives residual, violation and mean force change.")
-	        .def_property_readonly("sweeps", [](const OwnStopTest& own) { return own.test.sweeps(); })
-	        .def_property_readonly("measured", [](const OwnStopTest& own) { return own.test.measured(); });
+	py::class_<OwnStopTest>(m, "StopTest", "Stop criteria of sweeps; settings as in `solve`.")
+	        .def(py::init(&stopTest), py::arg("tolerance") = 1e-4,
+	             py::arg("kinematic_tolerance") = 0.01, py::arg("mean_force_change") = 0,
+	             py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
+	             py::arg("max_iterations") = 1000, py::arg("stall_sweeps") = 0)
+	        .def(
+	                "reached",
+	                [](OwnStopTest& own, const std::function<std::array<double, 3>()>& measure,
+	                   bool early) {
+		                return own.test.reached(early, [&] {
+			                const auto [residual, kinematicError, change] = measure();
+			                return Criteria { residual, kinematicError, change };
+		                });
+	                },
+	                py::arg("measure"), py::arg("early") = false,
+	                "`measure()` returns (residual, kinematic error, mean force change).")
+	        .def_property_readonly(
+	                "sweeps", [](const OwnStopTest& own) { return own.test.sweeps(); });
 	py::class_<Coloring>(m, "Coloring", "Greedy colouring of pairs.")
 	        .def(py::init([](std::size_t bodies) {
 		             Coloring coloring;
 		             coloring.reset(bodies);
 		             return coloring;
-	             }), py::arg("bodies"))
-	        .def("take", &Coloring::take, py::arg("body1"), py::arg("limits1"), py::arg("body2"), py::arg("limits2"), "The colour, or −1 for the overflow.")
-	        .def_property_readonly_static("colors", [](const py::object&) { return Coloring::colors; });
-	m.def("layout", layoutOf, py::arg("reductions"), "Where pairs and bodies of a problem stand, arrays as of `solve`.");
+	             }),
+	             py::arg("bodies"))
+	        .def("take", &Coloring::take, py::arg("body1"), py::arg("limits1"), py::arg("body2"),
+	             py::arg("limits2"), "Assign a colour; −1: overflow.")
+	        .def_property_readonly_static(
+	                "colors", [](const py::object&) { return Coloring::colors; });
+	m.def("layout", layoutOf, py::arg("reductions"), "Layout of a problem; arrays as in `solve`.");
 
-	m.def("lane_width", [](int lanes) { return laneCheck(lanes).width; }, py::arg("lanes"), "Width that runs where `lanes` are asked for.");
-	m.def("apply_lanes", applyLanes, py::arg("lanes"), py::arg("operation"), py::arg("a"), py::arg("b"), py::arg("c"), "An operation of lane.hpp on 16 numbers.");
-	m.def("move_lanes", moveLanes, py::arg("lanes"), py::arg("whole"), py::arg("records"), py::arg("source"), py::arg("target"),
-	      "Records moved through the registers of lane_records.hpp.");
+	m.def(
+	        "lane_width", [](int lanes) { return laneCheck(lanes).width; }, py::arg("lanes"),
+	        "Vector width that runs for `lanes`.");
+	m.def("apply_lanes", applyLanes, py::arg("lanes"), py::arg("operation"), py::arg("a"),
+	      py::arg("b"), py::arg("c"), "Apply an operation of lane.hpp to 16 numbers.");
+	m.def("move_lanes", moveLanes, py::arg("lanes"), py::arg("whole"), py::arg("records"),
+	      py::arg("source"), py::arg("target"),
+	      "Copy records through the registers of lane_records.hpp.");
 }
 
 } // namespace rcr

@@ -24,13 +24,12 @@ namespace {
 		const py::gil_scoped_release  release;
 		std::vector<std::atomic<int>> counts(count);
 		const auto                    work = [&](int i) {
-			counts[i].fetch_add(1, std::memory_order_relaxed);
-			if (std::find(failing.begin(), failing.end(), i) != failing.end())
-				throw std::runtime_error(std::to_string(i));
+            counts[i].fetch_add(1, std::memory_order_relaxed);
+            if (std::find(failing.begin(), failing.end(), i) != failing.end())
+                throw std::runtime_error(std::to_string(i));
 		};
-		const auto loop = [&] {
-			chunks ? team.forEach(count, work) : team.parallelFor(0, count, work);
-		};
+		const auto loop
+		        = [&] { chunks ? team.forEach(count, work) : team.parallelFor(0, count, work); };
 		team.run(threads, [&] {
 			for (int k = 0; k < loops; ++k)
 				nested ? team.run(threads, loop) : loop();
@@ -47,11 +46,11 @@ namespace {
 		const auto                   leader = std::this_thread::get_id();
 		std::atomic<int>             arrived { 0 };
 		const auto                   meet = [&] { // two threads wait for each other, up to 1 s
-			++arrived;
-			const auto end = std::chrono::steady_clock::now() + 1000ms;
-			while (arrived < 2 && std::chrono::steady_clock::now() < end)
-				std::this_thread::yield();
-			return arrived == 2;
+            ++arrived;
+            const auto end = std::chrono::steady_clock::now() + 1000ms;
+            while (arrived < 2 && std::chrono::steady_clock::now() < end)
+                std::this_thread::yield();
+            return arrived == 2;
 		};
 		std::atomic<bool> met { false };
 		team.run(2, [&] {

@@ -1,8 +1,8 @@
-// rcr._plugin: importing it registers our classes with the YADE that runs.
+// Module rcr._plugin. Its import registers the classes of this plugin with the running YADE.
 //
-// YADE itself loads plugins only once, at its start, and registers every name in ClassFactory::pluginClasses. Doing that a
-// second time would register all of YADE's own classes anew, so only the names that YADE does not know yet are left in
-// that list while Omega::loadPlugins runs.
+// YADE loads plugins at its start and registers every name in ClassFactory::pluginClasses. A second
+// call would register all classes of YADE again. The list therefore holds only unregistered names
+// while Omega::loadPlugins runs.
 #include <boost/python.hpp>
 
 #include <core/Omega.hpp>
@@ -18,48 +18,49 @@
 
 namespace {
 
-void registerOwnClasses()
+void registerClasses()
 {
 	std::list<std::string>& names = yade::ClassFactory::instance().pluginClasses;
 	const auto&             known = yade::Omega::instance().getDynlibsDescriptor();
-	std::list<std::string>  ours, all = names;
+	std::list<std::string>  added, all = names;
 	for (const std::string& name : names)
-		if (!known.count(name)) ours.push_back(name);
-	names = ours;
+		if (!known.count(name)) added.push_back(name);
+	names = added;
 	yade::Omega::instance().loadPlugins({});
 	names = all;
 	boost::python::list classes;
-	for (const std::string& name : ours)
+	for (const std::string& name : added)
 		classes.append(name);
 	boost::python::scope().attr("classes") = classes;
 #ifdef RCR_OPENGL
-	yade::OpenGLRenderer::initDone = false; // an open view then finds the new functors
+	yade::OpenGLRenderer::initDone = false; // an open view searches functors at its next frame
 #endif
 }
 
-/// A class layout of another version would corrupt memory, so nothing is registered then.
+/// Throws ImportError for another version of YADE: its class layouts would corrupt memory.
 void checkVersion()
 {
-	const std::string running = boost::python::extract<std::string>(boost::python::import("yade.config").attr("version"));
+	const std::string running = boost::python::extract<std::string>(
+	        boost::python::import("yade.config").attr("version"));
 	if (running == RCR_YADE_VERSION) return;
 	const std::string message = "rcr was built for YADE " RCR_YADE_VERSION ", but YADE " + running
-	        + " is running. Rebuild rcr: scripts/yade-rcr does so when it starts.";
+	        + " is running. Start scripts/yade-rcr to rebuild it.";
 	PyErr_SetString(PyExc_ImportError, message.c_str());
 	boost::python::throw_error_already_set();
 }
 
 std::string refusal()
 {
-	const yade::Scene& scene = *yade::Omega::instance().getScene();
-	const std::string  message = yade::validation::refusal(scene);
-	if (message.empty()) {
+	const yade::Scene& scene  = *yade::Omega::instance().getScene();
+	const std::string  reason = yade::validation::refusal(scene);
+	if (reason.empty()) {
 		yade::validation::replaceSphereBounds(scene);
 		yade::validation::registerBodiesWithCollider(scene);
 	}
-	return message;
+	return reason;
 }
 
-bool usesRcrClasses() { return yade::validation::usesRcrClasses(*yade::Omega::instance().getScene()); }
+bool serves() { return yade::validation::usesRcrClasses(*yade::Omega::instance().getScene()); }
 
 boost::python::list advice()
 {
@@ -69,10 +70,6 @@ boost::python::list advice()
 		if (!text.empty()) warnings.append(text);
 	return warnings;
 }
-
-} // namespace
-
-namespace {
 
 void awaitEnd()
 {
@@ -87,11 +84,18 @@ BOOST_PYTHON_MODULE(_plugin)
 {
 	checkVersion();
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
-	registerOwnClasses();
-	boost::python::def("refusal", refusal, "Message about the first problem of the scene, with a remedy; empty if the scene is valid.");
-	boost::python::def("take_error", yade::takeError, "Returns and clears the message of the exception that ended the last run; empty: none.");
-	boost::python::def("await_end", awaitEnd, "Waits until a paused run is over.");
-	boost::python::def("serves", usesRcrClasses, "The scene has a law of rcr.");
-	boost::python::def("advice", advice, "Warnings about suspicious scenes, a list of texts.");
-	boost::python::def("planar_clump", yade::planarClump, "Joins bodies (ids, x, y, mass, inertia about z) into a clump; returns its id.");
+	registerClasses();
+	boost::python::def(
+	        "refusal", refusal,
+	        "Reason why the scene is not supported, with a remedy; empty if it is supported.");
+	boost::python::def(
+	        "take_error", yade::takeError,
+	        "Message of the error that stopped ContactDynamics, returned once; empty without "
+	        "error.");
+	boost::python::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
+	boost::python::def("serves", serves, "True if the scene contains a law of this plugin.");
+	boost::python::def("advice", advice, "Warnings for suspicious scenes, a list of texts.");
+	boost::python::def(
+	        "planar_clump", yade::planarClump,
+	        "Join bodies to a clump (ids, x, y, mass, inertia about z); returns its id.");
 }

@@ -103,7 +103,7 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     if isinstance(problem, BodyProblem):
         order = problem.order()
         arguments = problem.arrays() | dict(impulse=start[order])
-        found = _kernel.solve(**arguments, **settings, violation=np.inf)
+        found = _kernel.solve(**arguments, **settings, kinematic_tolerance=np.inf)
         for name in ("impulse", "relative_velocity"):
             found[name][order] = found[name].copy()
     else:

@@ -80,7 +80,7 @@ def arguments():
 
 
 def text(value):
-    """Return a number as it stands in the name of a run."""
+    """Return a number as the names of runs contain it."""
     return repr(value).removesuffix(".0")
 
 

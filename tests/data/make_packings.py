@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
-"""Makes the packings under shear that tests solve: scripts/lib/run python3 tests/data/make_packings.py
+"""Make the packings under shear that tests solve.
 
-A step of a biaxial test, compacted and sheared for some per cent, as ContactDynamics.save writes it.
+    scripts/lib/run python3 tests/data/make_packings.py
+
+Each is one step of a biaxial test after a few per cent of shear, as `ContactDynamics.save` writes
+it.
 """
 
 import pathlib

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""SIGKILL at random moments: what was whole is whole, and what goes on ends as if it had never been killed.
+"""SIGKILL at random moments: files stay whole, and resumed runs give the same results.
 
-Run it in the environment:  scripts/lib/run python3 tests/endurance/kills.py writes 1000 runs 50 campaigns 5
-Prints a line for each with its counts; ends with 1 if a file was damaged or a result differs.
+    scripts/lib/run python3 tests/endurance/kills.py writes 1000 runs 50 campaigns 5
 
-writes     a process that writes files of all kinds for ever is killed; each file must be one of those that it writes
-runs       scripts/biaxial.py is killed and resumed; whenever it has come to its end, its results are compared and it starts anew
-campaigns  scripts/campaign is killed three times and called again; runs and analysis are compared
+Prints a line with counts for each; ends with 1 if a file is damaged or a result differs.
+
+writes     kills a process that writes files; each file must be one of its versions
+runs       kills and resumes scripts/biaxial.py; compares the results of each complete run
+campaigns  kills scripts/campaign three times and resumes it; compares runs and analysis
 """
 
 import argparse
@@ -44,7 +45,7 @@ def quietly(command, **settings):
 
 
 VERSIONS = 2
-SIZES = 40, 400  # contacts and rows of the two versions of each file
+SIZES = 40, 400  # contacts and rows of the versions of a file
 
 
 def _network(version):
@@ -62,7 +63,7 @@ def _solution(version):
 
 
 def writers(folder):
-    """{path: (how a version of it is written, how its version is read)}."""
+    """{path: (function that writes a version, function that reads the version's number)}."""
     rows = [[dict(x=version)] * SIZES[version] for version in range(VERSIONS)]
     networks, solutions = [_network(v) for v in range(VERSIONS)], [_solution(v)
         for v in range(VERSIONS)]
@@ -124,7 +125,7 @@ def biaxial(out, *more):
 
 
 def complete(process):
-    """Wait for its end, which must be a good one."""
+    """Wait for the process; it must end with 0."""
     errors = process.communicate()[1]
     if process.returncode:
         raise SystemExit(f"kills.py: {process.args[0]} ended with {process.returncode}: "
@@ -185,7 +186,7 @@ def kill_campaigns(count, folder, rng, times=3):
             try:
                 process.wait(rng.uniform(0.1, 0.7) * seconds)
             except subprocess.TimeoutExpired:
-                process.kill()  # it alone: Snakemake and the tests have to end with it
+                process.kill()  # kill this process only; Snakemake and the tests must end with it
                 kills += 1
             process.communicate()
         complete(campaign(out))

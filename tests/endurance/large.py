@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Large scenes: 2^20 grains on a floor, apart from each other, with two threads; and 10^5 grains in a pile for 100 steps.
+"""Large scenes: 2^20 separate grains on a floor, and 10^5 grains in a pile.
 
     scripts/check large
     scripts/lib/run python3 tests/endurance/large.py --grains 1048576 --pile 100000 --steps 100
 
-Every grain on the floor is an island of its own, more than a word of the shared loop can number; each must come to rest. In the pile
-numbers stay finite, residuals within the tolerance, overlaps small. The last line tells times and memory.
+Each grain on the floor is an island and must come to rest; the count exceeds one word of the
+shared loop. In the pile numbers stay finite, residuals within the tolerance, overlaps small. The
+last line prints times and memory.
 """
 
 import argparse
@@ -58,7 +59,7 @@ def check(right, what):
 
 
 def apart(count, steps=3):
-    """Seconds a step of `count` grains that lie on a floor."""
+    """Seconds for each step of `count` grains at rest on a floor."""
     solver = scene([("y", 0, 1)], (((3 * R * k, R), 0, 0) for k in range(count)))
     O.step()
     start = time.monotonic()
@@ -75,7 +76,7 @@ def apart(count, steps=3):
 
 
 def pile(count, steps):
-    """Seconds a step, and the share of steps that missed the tolerance, of grains that fall onto each other."""
+    """Seconds for each step of falling grains, and the share of steps that missed the tolerance."""
     rng = np.random.default_rng(1)
     columns = math.ceil(math.sqrt(count))
     width = 2.1 * R * columns

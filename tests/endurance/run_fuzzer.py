@@ -381,7 +381,7 @@ def difference(scene):
 
 
 def same(one, two):
-    return repr(one) == repr(two)  # of every number all digits; nan equals nan
+    return repr(one) == repr(two)  # repr shows all digits; nan equals nan
 
 
 def by(name, one, two):

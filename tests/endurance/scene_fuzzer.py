@@ -1,11 +1,12 @@
-"""Scenes drawn at random: shapes, laws, engines, their order, states of bodies, boundary conditions.
+"""Random scenes: shapes, laws, engines, their order, states of bodies, boundary conditions.
 
-Each either runs with residual, overlap and energy within their bounds, or is refused before anything moves; there is no third outcome.
+A scene runs with residual, overlap and energy within their bounds, or is rejected before anything
+moves.
 
     scripts/lib/run python3 tests/endurance/scene_fuzzer.py --scenes 2000 [--first 0] [--steps 60]
 
-prints counts and, for every scene that ended otherwise, its seed and what it did; `--only SEED` runs one again in this process.
-Batches run in processes of their own, so that an abort is an outcome too.
+prints counts, and seed and outcome of each scene that does neither. `--only SEED` runs one scene in
+this process. Batches run in separate processes, so that an abort is an outcome too.
 """
 
 import argparse
@@ -17,8 +18,10 @@ import subprocess
 import sys
 import warnings
 
-DEEPEST = 0.05  # overlap over R₁ + R₂ that a scene of free grains may reach
-# of the fastest grain, over what was given to it at the start, by drives and by the fall
+import numpy as np
+
+DEEPEST = 0.05  # largest overlap of free grains over R₁ + R₂
+# largest speed over that of start, drives and fall
 SPEED = 3.0
 BATCH = 50
 
@@ -48,7 +51,7 @@ def draw(rng):
         fault=str(rng.choice(["none"] * 12 + FAULTS)),
         reload=bool(rng.random() < 0.1),
         erase=bool(rng.random() < 0.2) and not periodic,
-         # YADE's own collider does not come back from it in a cell
+         # YADE's collider fails after an erase in a cell
     )
     return scene
 
@@ -64,12 +67,12 @@ FAULTS = [
 ]  # fmt: skip
 
 
-R = 0.1  # m, of grains
-WIDTH = 24 * R  # of a periodic cell
+R = 0.1  # radius of the grains [m]
+WIDTH = 24 * R  # of a periodic cell [m]
 
 
 def obstacles(scene, material):
-    """Appends the floor, and what turns above it."""
+    """Append the floor, and a turning box above it if the scene has one."""
     import rcr
     from yade import O, utils
 
@@ -175,92 +178,112 @@ def build(scene, rng):
     O.trackEnergy = scene["energy"]
 
 
-def spoil(scene):
-    """The fault of the scene; False where it cannot have it, so that it is a sound one."""
+LATE = {"no geometry", "huge friction", "negative restitution"}  # found by the first contact
+NEED_SOLVER = {"no solver", "dead solver", "two solvers", "late force", "damping", "solver first",
+               "stepper", "huge friction", "negative restitution", "nan force"}  # fmt: skip
+NEED_BODY = {"nan position", "nan velocity", "nan orientation", "nan force", "zero mass",
+             "zero inertia", "free z", "tilted", "another plane", "elastic material"}  # fmt: skip
+NOT_IN_CELL = {"box out of plane", "facet out of plane"}
+
+
+def engine_faults():
+    """{fault: function that puts it into the engines}."""
+    import rcr
+    from yade import O
+    from yade import wrapper as w
+
+    engines = list(O.engines)
+    of = lambda kind: next((e for e in engines if isinstance(e, kind)), None)
+    solver, newton = of(rcr.ContactDynamics), of(w.NewtonIntegrator)
+    loop, collider = of(w.InteractionLoop), of(w.InsertionSortCollider)
+    use = lambda *changed: lambda: setattr(O, "engines", list(changed))
+    empty = lambda dispatcher: lambda: setattr(dispatcher, "functors", [])
+    spheres = [*loop.geomDispatcher.functors, w.Ig2_Sphere_Sphere_ScGeom()]
+    return {
+        "no solver": use(*(e for e in engines if e is not solver)),
+        "dead solver": lambda: setattr(solver, "dead", True),
+        "two solvers": use(*engines[:3], rcr.ContactDynamics(), *engines[3:]),
+        "no integrator": use(*engines[:-1]),
+        "two integrators": use(*engines, w.NewtonIntegrator(damping=0)),
+        "no collider": use(*(e for e in engines if e is not collider)),
+        "no bound": empty(collider.boundDispatcher),
+        "no resetter": use(*engines[1:]),
+        "late force": use(*engines[:-1], w.ForceEngine(force=(1, 0, 0), ids=[0]), newton),
+        "damping": lambda: setattr(newton, "damping", 0.3),
+        "solver first": use(engines[0], engines[1], solver, loop, newton),
+        "no law": empty(loop.lawDispatcher),
+        "no physics": empty(loop.physDispatcher),
+        "no geometry": empty(loop.geomDispatcher),
+        "stock geometry": lambda: setattr(loop.geomDispatcher, "functors", spheres),
+        "negative restitution": lambda: setattr(
+            loop.physDispatcher.functors[0], "restitution", w.MatchMaker(algo="val", val=-0.5)),
+        "zero dt": lambda: setattr(O, "dt", 0),
+        "stepper": use(w.GlobalStiffnessTimeStepper(), *engines),
+    }
+
+
+def body_faults(body):
+    """{fault: function that puts it into this grain or appends a faulty body}."""
     import rcr
     from yade import O, utils
     from yade import wrapper as w
     from yade.minieigenHP import Quaternion
 
-    fault, engines = scene["fault"], list(O.engines)
-    of = lambda kind: next((e for e in engines if isinstance(e, kind)), None)
-    solver, newton, loop, collider = of(rcr.ContactDynamics), of(w.NewtonIntegrator), of(
-        w.InteractionLoop), of(w.InsertionSortCollider)
-    rigid = solver is not None
+    nan, rough = math.nan, O.materials[0]
+    state = lambda name, value: lambda: setattr(body.state, name, value)
+    far = lambda x: rcr.disc((x, 50), 0.1, material=rough)
+    raised = lambda: setattr(body.state, "pos", (body.state.pos[0], body.state.pos[1], 0.7))
+    box = lambda: utils.box((0, 0, 9), (1, 1, 1), material=rough, fixed=True)
+    facet = lambda: utils.facet([(0, 0, 3), (1, 0, 3), (0, 0, 4)], material=rough)
+    return {
+        "nan position": state("pos", (nan, 0, 0)),
+        "nan velocity": state("vel", (nan, 0, 0)),
+        "nan orientation": state("ori", Quaternion(nan, nan, nan, nan)),
+        "zero mass": state("mass", 0),
+        "zero inertia": state("inertia", (1, 1, 0)),
+        "free z": state("blockedDOFs", "XY"),
+        "tilted": state("ori", Quaternion((1, 0, 0), 0.3)),
+        "another plane": raised,
+        "box out of plane": lambda: O.bodies.append(box()),
+        "facet out of plane": lambda: O.bodies.append(facet()),
+        "elastic material": lambda: setattr(body, "material", w.ElastMat(density=1000)),
+        "nan force": lambda: O.forces.setPermF(body.id, (nan, 0, 0)),
+        "huge friction": lambda: setattr(rough, "frictionAngle", math.pi / 2),
+        "wall in cell": lambda: O.bodies.append(rcr.wall("y", 0, material=rough)),
+        "stock clump": lambda: O.bodies.appendClumped([far(50), far(50.1)]),
+    }
+
+
+def spoil(scene):
+    """Put the fault into the scene; False where it does not apply, "late" if a contact shows it."""
+    import rcr
+    from yade import O
+    from yade import wrapper as w
+
+    fault, rigid = scene["fault"], scene["law"] == "rigid"
     body = next((b for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump
                  and not b.isClumpMember), None)
-    needs_body = fault.startswith(("nan", "zero", "free", "tilted", "another",
-                                   "elastic")) and fault != "zero dt"
-    if fault == "none" or (needs_body and body is None):
+    grains = sum(isinstance(b.shape, (rcr.Rcr, w.Sphere)) for b in O.bodies)
+    if fault == "none" or (fault in NEED_BODY and body is None):
         return False
-    if not rigid and fault in ("no solver", "dead solver", "two solvers", "late force", "damping",
-                               "solver first", "stepper", "huge friction", "negative restitution",
-                               "nan force"):
+    if (fault in NEED_SOLVER and not rigid) or (fault == "another plane" and grains < 2):
         return False
-    nan = math.nan
-    if fault == "no solver": O.engines = [e for e in engines if e is not solver]
-    elif fault == "dead solver": solver.dead = True
-    elif fault == "two solvers": O.engines = [*engines[:3], rcr.ContactDynamics(), *engines[3:]]
-    elif fault == "no integrator": O.engines = engines[:-1]
-    elif fault == "two integrators": O.engines = [*engines, w.NewtonIntegrator(damping=0)]
-    elif fault == "no collider": O.engines = [e for e in engines if e is not collider]
-    elif fault == "no bound": collider.boundDispatcher.functors = []
-    elif fault == "no resetter": O.engines = engines[1:]
-    elif fault == "late force": O.engines = [*engines[:-1], w.ForceEngine(force=(1, 0, 0), ids=[0]),
-                                             newton]
-    elif fault == "damping": newton.damping = 0.3
-    elif fault == "solver first": O.engines = [engines[0], engines[1], solver, loop, newton]
-    elif fault == "no law": loop.lawDispatcher.functors = []
-    elif fault == "no physics": loop.physDispatcher.functors = []
-    elif fault == "no geometry":
-        loop.geomDispatcher.functors = []
-        return "late"
-    elif fault == "stock geometry": loop.geomDispatcher.functors = [*loop.geomDispatcher.functors,
-        w.Ig2_Sphere_Sphere_ScGeom()]
-    elif fault == "nan position": body.state.pos = (nan, 0, 0)
-    elif fault == "nan velocity": body.state.vel = (nan, 0, 0)
-    elif fault == "nan orientation": body.state.ori = Quaternion(nan, nan, nan, nan)
-    elif fault == "zero mass": body.state.mass = 0
-    elif fault == "zero inertia": body.state.inertia = (1, 1, 0)
-    elif fault == "free z": body.state.blockedDOFs = "XY"
-    elif fault == "tilted": body.state.ori = Quaternion((1, 0, 0), 0.3)
-    elif fault == "another plane":
-        if sum(isinstance(b.shape, (rcr.Rcr, w.Sphere)) for b in O.bodies) < 2: return False
-        body.state.pos = (body.state.pos[0], body.state.pos[1], 0.7)
-    elif fault == "box out of plane":
-        if scene["periodic"]: return False
-        O.bodies.append(utils.box((0, 0, 9), (1, 1, 1), material=O.materials[0], fixed=True))
-    elif fault == "facet out of plane":
-        if scene["periodic"]: return False
-        O.bodies.append(utils.facet([(0, 0, 3), (1, 0, 3), (0, 0, 4)], material=O.materials[0]))
-    elif fault == "elastic material": body.material = w.ElastMat(density=1000)
-    elif fault == "nan force": O.forces.setPermF(body.id, (nan, 0, 0))
-    elif fault == "huge friction":
-        O.materials[0].frictionAngle = math.pi / 2
-        return "late"
-    elif fault == "negative restitution":
-        loop.physDispatcher.functors[0].restitution = w.MatchMaker(algo="val", val=-0.5)
-        return "late"
-    elif fault == "zero dt": O.dt = 0
-    elif fault == "wall in cell":
-        if not scene["periodic"]: return False
-        O.bodies.append(rcr.wall("y", 0, material=O.materials[0]))
-    elif fault == "stepper": O.engines = [w.GlobalStiffnessTimeStepper(), *engines]
-    elif fault == "stock clump": O.bodies.appendClumped(
-        [rcr.disc((50, 50), 0.1, material=O.materials[0]),
-         rcr.disc((50.1, 50), 0.1, material=O.materials[0])])
-    return True
+    if fault in NOT_IN_CELL and scene["periodic"]:
+        return False
+    if fault == "wall in cell" and not scene["periodic"]:
+        return False
+    {**engine_faults(), **body_faults(body)}[fault]()
+    return "late" if fault in LATE else True
 
 
 def state():
-    import numpy as np
     from yade import O
 
     return np.array([[*b.state.pos, *b.state.vel, *b.state.angVel] for b in O.bodies])
 
 
 def deepest_overlap():
-    """Over R₁ + R₂, of all pairs of which one can move."""
+    """Deepest overlap over R₁ + R₂ of all pairs with a body that can move."""
     import rcr
     from yade import O
 
@@ -276,22 +299,78 @@ def deepest_overlap():
     return deepest
 
 
-def outcome(seed, steps):
-    """'ran', 'refused' or a sentence on what is wrong."""
-    import numpy as np
-    import rcr
+class Bounds:
+    """Bounds of speed, overlap and energy of a scene; `violated` returns a sentence or None."""
+
+    def __init__(self, scene, steps):
+        from yade import O
+
+        self.scene, self.missed, self.total = scene, False, None
+        given = scene["speed"] * 2 + 5 * 0.4 * scene["turning"] + 0.5
+        self.speed = given + scene["gravity"] * O.dt * steps
+        self.cell = np.abs(scene["gradient"]).max() * 2.4 * 1.5 if scene["periodic"] else 0
+
+    def violated(self, after_first):
+        now = state()
+        if not np.isfinite(now).all():
+            return "numbers that are not finite"
+        fastest = np.abs(now[:, 3:5]).max() if len(now) else 0
+        if fastest > SPEED * self.speed + self.cell:
+            return f"a grain at {fastest:.3g} m/s, where {self.speed:.3g} was given"
+        return self.overlap_violated() or (self.energy_violated() if after_first else None)
+
+    def overlap_violated(self):
+        import rcr
+        from yade import O
+
+        deepest = deepest_overlap()
+        bound = DEEPEST if self.scene["law"] == "rigid" else 0.3
+        solvers = [e for e in O.engines if isinstance(e, rcr.ContactDynamics)]
+        before, self.missed = self.missed, not all(e.converged for e in solvers)
+        # contacts show an overlap one step after the step that left it
+        if deepest > bound and not before and not self.missed:
+            return f"an overlap of {deepest:.3g} (R₁ + R₂)"
+
+    def energy_violated(self):
+        from yade import O
+
+        scene = self.scene
+        rigid = scene["law"] == "rigid" and not scene["overdamped"]
+        if not scene["energy"] or scene["periodic"] or not rigid:
+            return None
+        scale = sum(abs(account) for _, account in O.energy.items()) + 1e-12
+        self.total = O.energy.total() if self.total is None else self.total
+        # YADE's leapfrog shifts each account by half a step
+        lag = scene["gravity"] * O.dt * sum(b.state.mass * b.state.vel.norm() for b in O.bodies)
+        if abs(O.energy.total() - self.total) > 0.02 * scale + lag + 1e-6:
+            return f"energy off by {O.energy.total() - self.total:.3g} J of {scale:.3g}"
+
+
+def disturb(scene, k, steps):
+    """Reload the scene, or erase a grain, in the steps of the scene; energy is not checked then."""
     from yade import O
-    from yade import wrapper as w
+
+    if scene["reload"] and k == steps // 2:
+        path = f"/tmp/scene-fuzzer-{os.getpid()}.yade"
+        O.save(path), O.load(path), os.unlink(path)
+    if scene["erase"] and k == steps // 3:
+        loose = [b.id for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump
+                 and not b.isClumpMember]
+        if len(loose) > 1:
+            O.bodies.erase(loose[0])
+            scene["energy"] = False
+
+
+def outcome(seed, steps):
+    """'ran', 'refused' or a sentence that describes the error."""
+    from yade import O
 
     rng = np.random.default_rng(seed)
     scene = draw(rng)
     build(scene, rng)
     spoiled = spoil(scene)
+    bounds = Bounds(scene, steps)
     zero_smooth = scene["fault"] == "zero dt" and scene["law"] == "smooth"
-    given = scene["speed"] * 2 + 5 * 0.4 * scene["turning"] + 0.5
-    fallen = scene["gravity"] * O.dt * steps
-    missed = False
-    total = None
     for k in range(steps):
         old = state()
         try:
@@ -304,38 +383,9 @@ def outcome(seed, steps):
             return "refused"
         if spoiled is True and not zero_smooth:
             return f"accepted with the fault '{scene['fault']}'"
-        now = state()
-        if not np.isfinite(now).all():
-            return f"numbers that are not finite after step {k}"
-        fastest = np.abs(now[:, 3:5]).max() if len(now) else 0
-        cell = 0 if not scene["periodic"] else np.abs(scene["gradient"]).max() * 2.4 * 1.5
-        if fastest > SPEED * (given + fallen) + cell:
-            return f"a grain at {fastest:.3g} m/s after step {k}, where {given + fallen:.3g} was given"
-        deepest = deepest_overlap()
-        bound = DEEPEST if scene["law"] == "rigid" else 0.3
-        before, missed = missed, any(not e.converged for e in O.engines
-                                     if isinstance(e, rcr.ContactDynamics))
-        if deepest > bound and not before and not missed:  # an overlap shows one step after the one that left it
-            return f"an overlap of {deepest:.3g} (R₁ + R₂) after step {k}"
-        if scene["energy"] and not scene["periodic"] and scene["law"] == "rigid" and not scene[
-                "overdamped"] and k > 0:
-            accounts = dict(O.energy.items())
-            scale = sum(abs(v) for v in accounts.values()) + 1e-12
-            total = O.energy.total() if total is None else total
-            # of YADE's leapfrog, half a step in each account
-            lag = scene["gravity"] * O.dt * sum(b.state.mass * b.state.vel.norm() for b in O.bodies)
-            if abs(O.energy.total() - total) > 0.02 * scale + lag + 1e-6:
-                return f"energy off by {O.energy.total() - total:.3g} J of {scale:.3g} after step {k}"
-        if scene["reload"] and k == steps // 2:
-            path = f"/tmp/scene-fuzzer-{os.getpid()}.yade"
-            O.save(path), O.load(path), os.unlink(path)
-        if scene["erase"] and k == steps // 3:
-            loose = [b.id for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump
-                     and not b.isClumpMember]
-            if len(loose) > 1:
-                O.bodies.erase(loose[0])
-                total = None
-                scene["energy"] = False
+        if wrong := bounds.violated(k > 0):
+            return f"{wrong} after step {k}"
+        disturb(scene, k, steps)
     if spoiled == "late" and scene["law"] == "rigid" and any(i.isReal for i in O.interactions):
         return f"ran with the fault '{scene['fault']}'"
     return "ran"
@@ -360,8 +410,7 @@ def main():
     parser.add_argument("--batch", nargs=2, type=int, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.only is not None:
-        import numpy as np
-
+    
         print(draw(np.random.default_rng(arguments.only)))
         return batch(arguments.only, 1, arguments.steps)
     if arguments.batch:

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""A campaign on SLURM: a job that is cancelled is resubmitted and goes on, and the results are those of a campaign without SLURM.
+"""A campaign on SLURM with a cancelled job gives the results of a local campaign.
 
-scripts/lib/check-slurm runs it where SLURM, munge and Snakemake are installed. The cluster is this machine alone: its daemons listen
-on the loopback, run as the user, keep their files in a temporary folder, and end with the script. Prints a line on what it found; ends with 1 if
-that is wrong.
+scripts/lib/check-slurm runs this script where SLURM, munge and Snakemake are installed. This
+machine
+is the whole cluster: its daemons listen on the loopback, run as the user, keep their files in a
+temporary folder, and end with the script. Prints a line on the result; ends with 1 on an error.
 """
 
 import contextlib
@@ -24,7 +25,7 @@ SCRIPTS = ROOT / "scripts"
 PARTICLES, STRAIN, SEED = 30, 0.1, 2
 ETAS = "0,0.1,0.2,0.3,0.4,0.5,0.6,0.7"
 CPUS = 2
-PATIENCE = 900  # s, of which a busy machine takes 300
+PATIENCE = 900  # time limit [s]; a busy machine takes 300
 
 CONF = """\
 ClusterName=check
@@ -55,13 +56,13 @@ PartitionName=check Nodes={host} Default=YES
 
 
 def ask(*command):
-    """What a command prints; its errors go to the terminal."""
+    """Output of a command; its errors go to the terminal."""
     return subprocess.run([str(word) for word in command], check=True, stdout=subprocess.PIPE,
                           text=True).stdout.strip()
 
 
 def wait_for(what, condition, process):
-    """The first true value of the condition; an error if the process ends before, or patience does."""
+    """The first true value of the condition; fails if the process ends or patience runs out."""
     end = time.monotonic() + PATIENCE
     while not (value := condition()):
         if process.poll() is not None:
@@ -88,7 +89,7 @@ def jobs(columns, *options):
 
 @contextlib.contextmanager
 def cluster(folder):
-    """SLURM with this machine as its only node; the variable SLURM_CONF tells its commands of it."""
+    """SLURM with this machine as its only node; sets the variable SLURM_CONF for its commands."""
     host, user, key = socket.gethostname().split(".")[0], getpass.getuser(), folder / "munge.key"
     (folder / "slurm.conf").write_text(CONF.format(host=host, ports=free_ports(2), user=user,
                                                    folder=folder, cpus=CPUS))
@@ -101,7 +102,9 @@ def cluster(folder):
     with contextlib.ExitStack() as stack:
 
         def start(name, *options):
-            """A daemon that Ctrl-C does not reach, and that ends with this script even if that is killed."""
+            """A daemon that Ctrl-C does not reach; it ends with this script, even if that is
+            killed.
+            """
             daemon = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", name, *options],
                                       stdout=sys.stderr, process_group=0)
             stack.callback(daemon.wait)
@@ -124,12 +127,14 @@ def cluster(folder):
 
 
 def run_of(out, job):
-    """Folder of the test that the job of this name runs; None if there is none."""
+    """Folder of the test that this job runs, or None."""
     return next((out / "runs").glob(f"*-eta-{job.removeprefix('biaxial_')}-seed-{SEED}"), None)
 
 
 def run_on_slurm(out):
-    """Runs the campaign, cancels the first job that is seen with a checkpoint, and returns its number and its name."""
+    """Run the campaign and cancel the first job with a checkpoint; return the job's number and
+    name.
+    """
     config = f"particles={PARTICLES} strain={STRAIN} etas={ETAS} seeds={SEED} threads=1".split()
     options = ["--snakefile", SCRIPTS / "lib/campaign.smk", "--directory", out, "--profile",
                SCRIPTS / "lib/slurm", "--config", *config]
@@ -158,7 +163,7 @@ def main():
     os.environ["PATH"] += ":/usr/sbin"
     with tempfile.TemporaryDirectory(prefix="slurm-") as name:
         folder = pathlib.Path(name)
-        folder.chmod(0o755)  # munged refuses a socket that others cannot reach
+        folder.chmod(0o755)  # munged requires a socket that all users can reach
         out, local = folder / "slurm", folder / "local"
         with cluster(folder):
             number, victim = run_on_slurm(out)

@@ -1,16 +1,20 @@
 #!/usr/bin/env python3
-"""A soak: random scenes, one after the other in one process, with something changed every few dozen steps.
+"""Soak: random scenes with repeated changes in one process.
 
-Scenes hold discs, Rcrs and clumps within walls, boxes, facets, fixed Rcrs, or in a periodic cell. Grains are added and erased, one is hit at up to
-100 m/s, friction, threads, the solver and the law change, the scene is saved and loaded. After each step all numbers are finite, no grain
-has left the box and no overlap is deep, unless a message has told that a step missed the tolerance or that springs are too soft, the residual is
-within the tolerance, and rigid contacts have given no energy, as long as the time step resolves the motion.
+Scenes hold discs, Rcrs and clumps within walls, boxes, facets, fixed Rcrs, or in a periodic cell.
+Grains are added, erased and hit at up to 100 m/s. Friction, threads, solver and law change. Scenes
+are saved and loaded. After each step these must hold:
+
+  * all numbers are finite, and no grain has left the box
+  * no overlap is deep, unless a message says why
+  * the residual is within the tolerance
+  * rigid contacts create no energy, where the time step resolves the motion
 
     scripts/check soak -- --minutes 20 [--first 0]
     scripts/lib/run python3 tests/endurance/soak.py --only SEED
 
-The last line tells counts, memory and the seed to go on with; a scene in which something was wrong is told with the seed that replays it alone.
-The scenes run in a child process: one that crashes or hangs is told, too, and the soak goes on after it.
+The last line prints counts, memory and the next seed. A failed scene is printed with its seed. The
+scenes run in a child process; a crash or hang is printed, and the soak continues after it.
 """
 
 import argparse
@@ -28,24 +32,24 @@ import warnings
 import scene_fuzzer
 from scene_fuzzer import R, WIDTH
 
-EVENTS = 12  # in a scene
-STEPS = 80  # between two events
-LIMIT = 600  # s of processor time, that a scene may take
-HIT = 100.0  # m/s, at most
-MISSED_STEPS_HEAL = 200  # after a step that missed the tolerance overlaps may stay deep
-# R, that a grain's surface may move in a step: a rod that turns by more can meet the same neighbour
-# twice, of which the law of one step knows nothing
+EVENTS = 12  # events of a scene
+STEPS = 80  # steps between two events
+LIMIT = 600  # processor time of a scene [s]
+HIT = 100.0  # largest speed of a hit [m/s]
+MISSED_STEPS_HEAL = 200  # steps; overlaps may stay deep after a step that missed the tolerance
+# Displacement of a surface in a step over R. Beyond it a rod may meet the same neighbour twice in a
+# step, which its laws exclude.
 RESOLVED = 1.0
-# that rigid contacts may seem to give, over what was there: the solver's tolerance, step after step
+# apparent energy gain of rigid contacts over the total: the tolerance, step after step
 ENERGY = 0.02
-# g dt, by which velocities at rest may be wrong: kinematicTolerance times Settings::rest
+# error of velocities at rest over g dt: kinematicTolerance times Settings::velocityFloor
 AT_REST = 1e-4
-WARM_UP = 0.25  # of the time, after which memory stays
-SAME_BITS = 5  # steps, compared after a reload
+WARM_UP = 0.25  # share of the time after which memory stays constant
+SAME_BITS = 5  # steps that are compared after a reload
 
 
 def draw(rng):
-    """A scene as plain data: those of the scene fuzzer, without faults, closed, and with more grains."""
+    """A scene of the scene fuzzer as plain data, without faults, closed, and with more grains."""
     scene = scene_fuzzer.draw(rng)
     scene.update(fault="none", overdamped=scene["overdamped"] and scene["law"] == "rigid",
                  turning=scene["turning"] and not scene["periodic"])
@@ -54,12 +58,13 @@ def draw(rng):
     scene["speed"] = min(scene["speed"], 20.0)
     if scene["gradient"]:
         a, b, c = (float(rate) for rate in rng.choice([0, 0, -0.3, 0.3], 3))
-        scene["gradient"] = [a, b, c, -a]  # of constant volume: the cell is not squeezed
+        scene["gradient"] = [a, b, c, -a]  # constant volume: no compression of the grains
     return scene
 
 
 def container(scene, material):
-    """Four obstacles around the square |x|, |y| < WIDTH/2, and in some scenes a box that turns in it."""
+    """Four obstacles around the square |x|, |y| < WIDTH/2; some scenes have a turning box inside.
+    """
     import rcr
     from yade import O, utils
 
@@ -87,14 +92,14 @@ def container(scene, material):
 
 
 def movable():
-    """Free bodies: grains and clumps, not the members of clumps."""
+    """Grains and clumps that can move, without members of clumps."""
     from yade import O
 
     return [b for b in O.bodies if not b.isClumpMember and "x" not in b.state.blockedDOFs]
 
 
 def add(scene, material, rng):
-    """Appends a grain where there is room for it; False if none was found."""
+    """Append a grain at a free place; False if there is none."""
     import numpy as np
     from yade import O
 
@@ -116,7 +121,7 @@ def add(scene, material, rng):
 
 
 def change(what, scene, material, rng):
-    """One event; False where the scene cannot have it."""
+    """Apply one event; False where it does not fit the scene."""
     import rcr
     from yade import O, utils
 
@@ -126,7 +131,7 @@ def change(what, scene, material, rng):
         return add(scene, material, rng)
     if what == "erased":
         if scene["periodic"] or len(
-                grains) < 2:  # YADE's collider does not come back from it in a cell
+                grains) < 2:  # YADE's collider fails after an erase in a cell
             return False
         body = grains[rng.integers(len(grains))]
         O.bodies.erase(body.id, body.isClump)
@@ -149,7 +154,7 @@ def change(what, scene, material, rng):
         scene["dt"] = float(rng.choice([1e-4, 1e-3, 5e-3]))
         O.interactions.clear()
         scene_fuzzer.engines(scene)
-        if scene["law"] == "smooth":  # springs know of no speed that a rigid contact takes in one step
+        if scene["law"] == "smooth":  # springs need slower grains than rigid contacts
             for body in movable():
                 if body.state.vel.norm() > 5:
                     body.state.vel = body.state.vel * (5 / body.state.vel.norm())
@@ -164,7 +169,7 @@ def change(what, scene, material, rng):
 
 
 def same_bits_after_reload(scene):
-    """Saves, goes on, loads and goes on once more."""
+    """Save and run, load and run again; both must give the same bits."""
     import numpy as np
     from yade import O
 
@@ -189,24 +194,26 @@ def run(steps):
 
 
 class Wrong(Exception):
-    """What should not have happened."""
+    """A condition is violated."""
 
 
 class Watch:
-    """What is asked of the scene after each step."""
+    """Conditions of a scene after each step."""
 
     def __init__(self, scene):
-        self.scene, self.healing, self.missed, self.steps, self.deepOverlapCount, self.astray = scene, 0, 0, 0, False, False
-        # overlap that springs have left to rigid contacts, which take it back by 1e-4 R a step
+        self.scene, self.healing, self.missed, self.steps = scene, 0, 0, 0
+        self.deepOverlapCount = self.astray = False
+        # overlap left by springs; rigid contacts remove it by 1e-4 R a step
         self.inherited = 0.0
         self.restart()
 
     def restart(self):
-        """Forgets energies: something came from outside."""
+        """Forget energies after a change from outside."""
         self.given, self.way, self.lifted = None, 0.0, 0.0
 
     def energies(self):
-        """Kinetic energy, and what gravity does in a step [J]; the longest way of a surface in it [m]."""
+        """Kinetic energy and work of gravity in a step [J]; longest displacement of a surface [m].
+        """
         from yade import O
 
         kinetic = work = way = 0.0
@@ -253,7 +260,8 @@ class Watch:
             self.no_gain()
 
     def told(self):
-        """Whether grains may be astray, of which the user knows: a step missed the tolerance lately, or springs are too soft."""
+        """True if a message has warned of grains outside: a missed tolerance, or springs too soft.
+        """
         from yade import O
         from yade.wrapper import InteractionLoop
 
@@ -263,7 +271,10 @@ class Watch:
         return self.healing or self.deepOverlapCount
 
     def no_gain(self):
-        """Kinetic energy grows by no more than what gravity has done: Δ(½ m v²) = m g v̄ dt, v̄ the mean of the velocities before and after."""
+        """Kinetic energy grows by at most the work of gravity, m g v̄ dt.
+
+        v̄ is the mean of the velocities before and after the step.
+        """
         from yade import O
 
         kinetic, work, way = self.energies()
@@ -281,7 +292,7 @@ class Watch:
 
 
 def outcome(seed, counts):
-    """One scene; None, or a sentence on what is wrong."""
+    """Run one scene; None, or a sentence that describes the error."""
     import numpy as np
     from yade import O
 
@@ -317,7 +328,7 @@ def outcome(seed, counts):
         if "O.cell.flipCell" in str(error) and scene["periodic"]:
             counts["sheared"] += 1
             return None
-        return f"refused: {error}, {watch.steps} steps after the start, the last event {what}, in {scene}"
+        return f"refused: {error}, step {watch.steps}, the last event {what}, in {scene}"
     finally:
         counts["steps"] += watch.steps
         counts["missed"] += watch.missed
@@ -325,11 +336,11 @@ def outcome(seed, counts):
 
 
 def let_go(held):
-    """Drops references that nobody owns, of an empty scene, on objects that are not `held`; returns their number.
+    """Drop unowned references to objects that are not `held`; return their number.
 
-    YADE 2025.2 keeps a reference on each member of a list that it is given (PySequence_GetItem in its custom_vector_from_seq), so that no engine or
-    functor is ever freed: plain YADE grows by 37 kB with each scene of twenty spheres, which would hide what we lose. An object with an owner in
-    Python is left alone.
+    YADE 2025.2 keeps a reference to each member of a list that it receives (PySequence_GetItem in
+    custom_vector_from_seq) and never frees engines and functors: plain YADE grows by 37 kB with
+    each scene of twenty spheres. Objects with an owner in Python stay.
     """
     from yade import wrapper
     from yade.minieigenHP import Vector3
@@ -349,7 +360,7 @@ def let_go(held):
 
 
 def resident():
-    """Memory of this process [MB], after what is free has been given back."""
+    """Memory of this process after free memory was returned [MB]."""
     gc.collect()
     ctypes.CDLL(None).malloc_trim(0)
     with open("/proc/self/statm") as file:
@@ -357,7 +368,7 @@ def resident():
 
 
 def scenes(first, seconds, most):
-    """In the child: scenes until the time is over; a line for each, in words that `main` reads."""
+    """Run scenes in the child process until the time is over; print lines that `main` reads."""
     warnings.simplefilter("ignore")
     import yade
     import rcr
@@ -400,7 +411,7 @@ def main():
     counts, wrong, memory = collections.Counter(), [], []
     seed, last = options.first, options.first + options.scenes
     while time.monotonic() < end and seed < last:
-        memory = []  # of one process
+        memory = []  # samples of one process
         left = (end - time.monotonic()) / 60
         command = [sys.executable, __file__, "--child", "--minutes", str(left), "--first",
                    str(seed), "--scenes", str(last - seed)]

@@ -1,4 +1,7 @@
-"""Problems with bodies that the kernels' tests share, and what is recomputed of their solutions with NumPy, from the impulses alone."""
+"""Contact problems for the tests of the kernels.
+
+Velocities and errors are recomputed with NumPy from the impulses alone.
+"""
 
 from pathlib import Path
 
@@ -9,12 +12,12 @@ from rcr import _kernel, problems
 SWEEPS = ["nlgs", "sor", "nesterov"]
 DATA = Path(__file__).parents[1] / "data"
 ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
-ROUNDING = 1e-13  # of a residual: sums of some thousand velocities, each to 1e-16
-OF_BODIES = "inverse_mass", "free_velocity"
+ROUNDING = 1e-13  # of a residual: sums of some thousand velocities with errors of 1e-16
+BODY_ARRAYS = "inverse_mass", "free_velocity"
 
 
 class Problem(dict):
-    """Arrays of `_kernel.solve`, with the seed that made them."""
+    """Arrays of `_kernel.solve`, with a name and the seed."""
 
     def __init__(self, name, seed=None, **arrays):
         super().__init__(arrays)
@@ -31,8 +34,8 @@ def jacobian_times(problem, v):
     """Relative velocities (nc, 2) for body velocities (nb, 3)."""
     a, b = problem["bodies"].T
     n, r1, r2 = problem["normal"], problem["arm1"], problem["arm2"]
-    turned = lambda w, r: w[:, None] * np.stack([-r[:, 1], r[:, 0]], 1)
-    u = v[b, :2] + turned(v[b, 2], r2) - v[a, :2] - turned(v[a, 2], r1) + problem.get("drift", 0)
+    rotated = lambda w, r: w[:, None] * np.stack([-r[:, 1], r[:, 0]], 1)
+    u = v[b, :2] + rotated(v[b, 2], r2) - v[a, :2] - rotated(v[a, 2], r1) + problem.get("drift", 0)
     return np.stack([(u * n).sum(1), n[:, 0] * u[:, 1] - n[:, 1] * u[:, 0]], 1)
 
 
@@ -52,13 +55,14 @@ def weights(problem):
     """w_nn of every point (nc,)."""
     a, b = problem["bodies"].T
     n, m = problem["normal"], problem["inverse_mass"]
-    turn = lambda r: r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0]
+    lever = lambda r: r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0]
     cell = ((problem.get("shift", 0) * n) ** 2 * problem.get("inverse_stretch_mass", 0)).sum(1)
-    return ((m[a, :2] + m[b, :2]) * n**2).sum(1) + cell + m[a, 2] * turn(problem["arm1"]) ** 2 + m[b, 2] * turn(problem["arm2"]) ** 2
+    rotation = m[a, 2] * lever(problem["arm1"]) ** 2, m[b, 2] * lever(problem["arm2"]) ** 2
+    return ((m[a, :2] + m[b, :2]) * n**2).sum(1) + cell + rotation[0] + rotation[1]
 
 
 def errors(problem, p):
-    """Natural-map error of every point (nc,) and ‖p‖; residual.hpp."""
+    """Natural-map error of every point (nc,), and ‖p‖ (residual.hpp)."""
     w = weights(problem)
     mu, moves = problem["friction"], w > 0
     u = jacobian_times(problem, velocity(problem, p))
@@ -67,30 +71,43 @@ def errors(problem, p):
     y = p[:, 1] - u[:, 1] / w
     face = np.maximum(x + mu * abs(y), 0) / (1 + mu**2)
     inside = (abs(y) <= mu * x) & (x > 0)
-    error = np.hypot(p[:, 0] - np.where(inside, x, face), p[:, 1] - np.where(inside, y, mu * face * np.sign(y)))
+    n, t = np.where(inside, x, face), np.where(inside, y, mu * face * np.sign(y))
+    error = np.hypot(p[:, 0] - n, p[:, 1] - t)
     return np.where(moves, error, 0), np.linalg.norm(p[moves])
 
 
+def worst(problem, result, error, size):
+    """Description of the point with the largest error."""
+    k = int(error.argmax())
+    return (
+        f"{problem.name}, seed {problem.seed}: worst point {k}, bodies {problem['bodies'][k]}, "
+        f"impulse {result['impulse'][k]}, error {error[k]:.3e} of {size:.3e}"
+    )
+
+
 def assert_laws(problem, result, tolerance):
-    """The residual is the one reported and below the tolerance; the velocities follow from the impulses."""
+    """Check residual, tolerance, and velocities against the impulses."""
     error, size = errors(problem, result["impulse"])
     k = int(error.argmax())
     replay = (
-        f"{problem.name}, seed {problem.seed}: worst point {k}, bodies {problem['bodies'][k]}, impulse {result['impulse'][k]}, "
-        f"u {result['relative_velocity'][k]}, error {error[k]:.3e} of {size:.3e}; reported residual {result['residual']:.6e}, tolerance {tolerance:g}"
+        f"{worst(problem, result, error, size)}, u {result['relative_velocity'][k]}; "
+        f"reported residual {result['residual']:.6e}, tolerance {tolerance:g}"
     )
     residual = np.linalg.norm(error) / size
-    # rounding: velocities are sums of some thousand terms, and a residual of 1e-4 holds 1e-16 / 1e-4 of them
-    assert residual == pytest.approx(result["residual"], rel=1e-9), f"recomputed {residual:.12e}. {replay}"
+    # velocities are sums of some thousand terms; a residual of 1e-4 amplifies their rounding
+    recomputed = f"recomputed {residual:.12e}. {replay}"
+    assert residual == pytest.approx(result["residual"], rel=1e-9), recomputed
     assert residual <= tolerance and result["converged"], replay
     expected = velocity(problem, result["impulse"])
-    np.testing.assert_allclose(result["velocity"], expected, rtol=0, atol=1e-12 * abs(expected).max(), err_msg=replay)
+    rounding = 1e-12 * abs(expected).max()
+    np.testing.assert_allclose(result["velocity"], expected, rtol=0, atol=rounding, err_msg=replay)
 
 
 def assert_same_bits(one, other, where, keys=("impulse", "velocity")):
     for key in keys:
         differ = np.flatnonzero(np.asarray(one[key]).ravel() != np.asarray(other[key]).ravel())
-        assert not len(differ), f"{where}: {key} differs first at entry {differ[0]} of {np.size(one[key])}"
+        size = np.size(one[key])
+        assert not len(differ), f"{where}: {key} differs first at entry {differ[0]} of {size}"
 
 
 def model(problem, **settings):
@@ -105,39 +122,50 @@ def without(*names):
 
 def assert_solved(problem, result, tolerance):
     error, size = errors(problem, result["impulse"])
-    residual, k = np.linalg.norm(error) / size, int(error.argmax())
+    residual = np.linalg.norm(error) / size
     replay = (
-        f"{problem.name}, seed {problem.seed}: worst point {k}, bodies {problem['bodies'][k]}, impulse {result['impulse'][k]}, "
-        f"error {error[k]:.3e} of {size:.3e}; reported {result['residual']:.3e} after {result['iterations']} iterations, "
-        f"recomputed {residual:.3e}, wanted {tolerance:g}"
+        f"{worst(problem, result, error, size)}; reported {result['residual']:.3e} after "
+        f"{result['iterations']} iterations, recomputed {residual:.3e}, expected {tolerance:g}"
     )
     assert result["converged"] and residual <= tolerance + ROUNDING, replay
     assert abs(residual - result["residual"]) <= ROUNDING, replay
 
 
-# ---------------------------------------------------------------------------------------------- problems
+# ---- problems
 
 
 def problem_of(name, seed, inverse_mass, free_velocity, points):
-    """From rows (body 1, body 2, normal, arm 1, arm 2, bias, friction)."""
+    """Problem from rows (body 1, body 2, normal, arm 1, arm 2, bias, friction)."""
     t = np.array(points, float)
     return Problem(
-        name, seed, inverse_mass=np.array(inverse_mass, float), free_velocity=np.array(free_velocity, float), bodies=t[:, :2].astype(np.int32),
-        normal=t[:, 2:4], arm1=t[:, 4:6], arm2=t[:, 6:8], bias=t[:, 8], friction=t[:, 9], impulse=np.zeros((len(t), 2)),
+        name,
+        seed,
+        inverse_mass=np.array(inverse_mass, float),
+        free_velocity=np.array(free_velocity, float),
+        bodies=t[:, :2].astype(np.int32),
+        normal=t[:, 2:4],
+        arm1=t[:, 4:6],
+        arm2=t[:, 6:8],
+        bias=t[:, 8],
+        friction=t[:, 9],
+        impulse=np.zeros((len(t), 2)),
     )
 
 
 def grain(p, bias=0.0, v=(0.5, -1.0), friction=0.5, mass=2.0):
-    """A grain that does not turn on a floor, below it, with the impulse p."""
+    """A grain without rotation on a floor (body 0), with the impulse p."""
     point = (0, 1, 0, 1, 0, 0, 0, -0.1, bias, friction)
-    problem = problem_of("grain", None, [[0, 0, 0], [1 / mass, 1 / mass, 0]], [[0, 0, 0], [*v, 0]], [point])
+    inverse_mass = [[0, 0, 0], [1 / mass, 1 / mass, 0]]
+    problem = problem_of("grain", None, inverse_mass, [[0, 0, 0], [*v, 0]], [point])
     problem["impulse"] = np.array([p], float)
     return problem
 
 
 def pile(seed, columns=12, rows=9):
-    """Polydisperse particles in loose rows on a fixed floor between a fixed wall and one pushed along x; some pairs touch
-    at two points, some contacts are open, some rub against a body that may only turn."""
+    """Polydisperse particles in loose rows on a fixed floor, between a fixed and a pushed wall.
+
+    Some pairs touch at two points, some contacts are open, one body can only rotate.
+    """
     rng = np.random.default_rng(seed)
     count = columns * rows
     floor, left, right, spinner = count, count + 1, count + 2, count + 3
@@ -188,8 +216,17 @@ def pile(seed, columns=12, rows=9):
     t = np.array(rows_of_points)
     t = t[np.lexsort((t[:, 1], t[:, 0]))]
     return Problem(
-        f"pile {seed}", seed, inverse_mass=inverse_mass, free_velocity=v, bodies=t[:, :2].astype(np.int32), normal=t[:, 2:4],
-        arm1=t[:, 4:6], arm2=t[:, 6:8], bias=t[:, 8], friction=t[:, 9], impulse=np.zeros((len(t), 2)),
+        f"pile {seed}",
+        seed,
+        inverse_mass=inverse_mass,
+        free_velocity=v,
+        bodies=t[:, :2].astype(np.int32),
+        normal=t[:, 2:4],
+        arm1=t[:, 4:6],
+        arm2=t[:, 6:8],
+        bias=t[:, 8],
+        friction=t[:, 9],
+        impulse=np.zeros((len(t), 2)),
     )
 
 
@@ -199,8 +236,11 @@ def stored(name):
 
 
 def wall_of_bricks(seed, courses=8, bricks=10, tilt=1e-3):
-    """Long particles in courses, each on two of the course below: pairs of near-parallel sides, two points each, so that
-    the forces are indeterminate. Gravity and small random velocities; the floor is fixed, the ends are free."""
+    """Long particles in courses, each on two of the course below, on a fixed floor.
+
+    Near-parallel sides with two points each: the forces are indeterminate. Gravity and small
+    random velocities; the ends are free.
+    """
     rng = np.random.default_rng(seed)
     length, height = 1.0, 0.2
     floor = courses * bricks
@@ -212,7 +252,7 @@ def wall_of_bricks(seed, courses=8, bricks=10, tilt=1e-3):
     points = []
 
     def side(below, above, x1, x2):
-        """Two points at the ends of the common side; positions along x are those of the centres."""
+        """Add two points at the ends of the common side; x1, x2 are positions of the centres."""
         low, high = max(x1, x2) - length / 2, min(x1, x2) + length / 2
         if high - low < 0.05 * length:
             return
@@ -228,13 +268,16 @@ def wall_of_bricks(seed, courses=8, bricks=10, tilt=1e-3):
         for k in range(bricks):
             for under in (k - 1, k, k + 1):
                 if 0 <= under < bricks:
-                    side((course - 1) * bricks + under, course * bricks + k, x(course - 1, under), x(course, k))
+                    below, above = (course - 1) * bricks + under, course * bricks + k
+                    side(below, above, x(course - 1, under), x(course, k))
     return problem_of(f"bricks {seed}", seed, m, v, points)
 
 
 def jammed_box(seed, size=14, closing=0.0):
-    """Discs on a square grid that fills a box of four prescribed walls, in contact with all neighbours; the top wall comes
-    down at the speed `closing`, which nothing can follow."""
+    """Discs on a square grid that fills a box of four prescribed walls, all in contact.
+
+    The top wall moves down at the speed `closing`: then no rigid solution exists.
+    """
     rng = np.random.default_rng(seed)
     count = size * size
     m = np.tile([1.0, 1.0, 8.0], (count + 4, 1))
@@ -254,78 +297,110 @@ def jammed_box(seed, size=14, closing=0.0):
             ):
                 if other is not None:
                     n = np.array(normal)
-                    points.append((here, other, *n, *(0.5 * n), *(-0.5 * n if other < count else 0 * n), 0, 0.4))
+                    arm2 = -0.5 * n if other < count else 0 * n
+                    points.append((here, other, *n, *(0.5 * n), *arm2, 0, 0.4))
     return problem_of(f"jammed box {seed}", seed, m, v, points)
 
 
 def frictionless(problem):
-    return Problem(f"{problem.name}, no friction", problem.seed, **{**problem, "friction": np.zeros_like(problem["friction"])})
+    arrays = {**problem, "friction": np.zeros_like(problem["friction"])}
+    return Problem(f"{problem.name}, no friction", problem.seed, **arrays)
 
 
 def discs(problem):
-    """The problem with all arms along the normals: nothing turns without friction."""
+    """The problem without friction and with all arms along the normals: no rotations."""
     n = problem["normal"]
-    return Problem(f"{problem.name}, discs", problem.seed, **{**frictionless(problem), "arm1": 0.5 * n, "arm2": -0.5 * n})
+    arrays = {**frictionless(problem), "arm1": 0.5 * n, "arm2": -0.5 * n}
+    return Problem(f"{problem.name}, discs", problem.seed, **arrays)
 
 
 def square_discs(seed, side=20):
-    """Discs on a square lattice: normals along the axes, so that no lever is even rounding."""
+    """Discs on a square lattice: normals along the axes, so all levers are exactly 0."""
     rng = np.random.default_rng(seed)
     ids = np.arange(side * side).reshape(side, side)
     floor, wall = side * side, side * side + 1
-    sides = [(ids[:, :-1].ravel(), ids[:, 1:].ravel(), (1, 0)), (ids[:-1].ravel(), ids[1:].ravel(), (0, 1))]
-    sides += [(np.full(side, floor), ids[0], (0, 1)), (ids[:, -1], np.full(side, wall), (1, 0))]
+    sides = [
+        (ids[:, :-1].ravel(), ids[:, 1:].ravel(), (1, 0)),
+        (ids[:-1].ravel(), ids[1:].ravel(), (0, 1)),
+        (np.full(side, floor), ids[0], (0, 1)),
+        (ids[:, -1], np.full(side, wall), (1, 0)),
+    ]
     a, b = (np.concatenate([part[k] for part in sides]) for k in (0, 1))
     n = np.concatenate([np.tile(np.array(part[2], float), (len(part[0]), 1)) for part in sides])
-    inverse_mass = np.vstack([rng.uniform(0.5, 2, (side * side, 1)) * [1, 1, 8], [[0, 0, 0], [0.1, 0, 0]]])
+    grains = rng.uniform(0.5, 2, (side * side, 1)) * [1, 1, 8]
+    inverse_mass = np.vstack([grains, [[0, 0, 0], [0.1, 0, 0]]])
     velocity = rng.normal([0, -0.1, 0.5], 0.02, (side * side + 2, 3))
     velocity[floor], velocity[wall] = 0, (-0.3, 0, 0)
     return Problem(
-        f"square discs {seed}", seed, inverse_mass=inverse_mass, free_velocity=velocity, bodies=np.column_stack([a, b]).astype(np.int32), normal=n,
-        arm1=0.5 * n, arm2=-0.5 * n, bias=np.where(rng.random(len(a)) < 0.2, 0.05, 0), friction=np.zeros(len(a)), impulse=np.zeros((len(a), 2)),
-    )  # fmt: skip
+        f"square discs {seed}",
+        seed,
+        inverse_mass=inverse_mass,
+        free_velocity=velocity,
+        bodies=np.column_stack([a, b]).astype(np.int32),
+        normal=n,
+        arm1=0.5 * n,
+        arm2=-0.5 * n,
+        bias=np.where(rng.random(len(a)) < 0.2, 0.05, 0),
+        friction=np.zeros(len(a)),
+        impulse=np.zeros((len(a), 2)),
+    )
 
 
 def grains_on_a_floor(count, seed=0, points=1):
-    """Grains that touch a fixed floor (the last body) and nothing else, each at one or two points."""
+    """Grains that touch only a fixed floor (the last body), each at one or two points."""
     rng = np.random.default_rng(seed)
     mass, pairs = rng.uniform(0.5, 2, count), np.repeat(np.arange(count), points)
     along = np.where(np.arange(len(pairs)) % 2, 0.3, -0.3) + rng.normal(0, 0.01, len(pairs))
+    floor = np.zeros((1, 3))
+    inverse_mass = np.column_stack([1 / mass, 1 / mass, 6 / mass])
+    free_velocity = rng.normal([0.1, -0.3, 1], 0.05, (count, 3))
     return Problem(
-        f"{count} grains on a floor", seed, inverse_mass=np.vstack([np.column_stack([1 / mass, 1 / mass, 6 / mass]), np.zeros((1, 3))]),
-        free_velocity=np.vstack([rng.normal([0.1, -0.3, 1], 0.05, (count, 3)), np.zeros((1, 3))]),
-        bodies=np.column_stack([pairs, np.full_like(pairs, count)]).astype(np.int32), normal=np.tile([0.0, -1.0], (len(pairs), 1)),
-        arm1=np.column_stack([along, np.full(len(pairs), -0.5)]), arm2=np.zeros((len(pairs), 2)), bias=np.zeros(len(pairs)),
-        friction=np.full(len(pairs), 0.4), impulse=np.zeros((len(pairs), 2)),
-    )  # fmt: skip
+        f"{count} grains on a floor",
+        seed,
+        inverse_mass=np.vstack([inverse_mass, floor]),
+        free_velocity=np.vstack([free_velocity, floor]),
+        bodies=np.column_stack([pairs, np.full_like(pairs, count)]).astype(np.int32),
+        normal=np.tile([0.0, -1.0], (len(pairs), 1)),
+        arm1=np.column_stack([along, np.full(len(pairs), -0.5)]),
+        arm2=np.zeros((len(pairs), 2)),
+        bias=np.zeros(len(pairs)),
+        friction=np.full(len(pairs), 0.4),
+        impulse=np.zeros((len(pairs), 2)),
+    )
 
 
 def beside(*problems):
-    """Problems side by side, which share nothing but a floor: the first body of each that is at rest for ever."""
+    """Combine problems that share only a floor: the first prescribed body at rest of each."""
     columns = {key: [] for key in problems[0]}
     count, floor = 0, None
     for problem in problems:
         number = np.arange(count, count + len(problem["inverse_mass"]))
-        body = np.flatnonzero(~problem["inverse_mass"].any(1) & ~problem["free_velocity"].any(1))[0]
+        at_rest = ~problem["inverse_mass"].any(1) & ~problem["free_velocity"].any(1)
+        body = np.flatnonzero(at_rest)[0]
         floor = number[body] = number[body] if floor is None else floor
         count += len(number)
         for key, value in problem.items():
-            columns[key].append(number[value].astype(np.int32) if key == "bodies" else value)
+            if key == "bodies":
+                value = number[value].astype(np.int32)
+            columns[key].append(value)
     together = {key: np.concatenate(parts) for key, parts in columns.items()}
     return Problem(" beside ".join(p.name for p in problems), **together)
 
 
 def parts_of(result, problems):
-    """The part of each problem in the result of those side by side."""
+    """Part of the result of `beside` for each problem."""
     body = point = 0
     for problem in problems:
         bodies, points = len(problem["inverse_mass"]), len(problem["bodies"])
-        yield {"velocity": result["velocity"][body : body + bodies], "impulse": result["impulse"][point : point + points]}
+        yield {
+            "velocity": result["velocity"][body : body + bodies],
+            "impulse": result["impulse"][point : point + points],
+        }
         body, point = body + bodies, point + points
 
 
 def heaps(count):
-    """Heaps of different sizes and numbers of sweeps, with and without friction, some without rotations."""
+    """Piles that need different numbers of sweeps, with and without friction and rotations."""
     kinds = (lambda p: p), frictionless, discs
     return [kinds[k % 3](pile(20 + k, 6 + 3 * k, 4 + k % 5)) for k in range(count)]
 

@@ -1,10 +1,11 @@
-"""Graphs for the tests of the block LU and its order: number of nodes, list of edges."""
+"""Graphs for the tests of the block LU: number of nodes and list of edges."""
 
 
 def grid(rows, columns):
     at = lambda i, j: i * columns + j
     across = [(at(i, j), at(i, j + 1)) for i in range(rows) for j in range(columns - 1)]
-    return rows * columns, across + [(at(i + 1, j), at(i, j)) for i in range(rows - 1) for j in range(columns)]
+    up = [(at(i + 1, j), at(i, j)) for i in range(rows - 1) for j in range(columns)]
+    return rows * columns, across + up
 
 
 def star(leaves):

@@ -1,10 +1,12 @@
-"""Damaged files, for readers: what a bad disk, a broken transfer or another program makes of a whole one."""
+"""Damaged files, as bad disks, broken transfers or other programs make them."""
 
 import random
 
 
 def damaged(whole, count, seed=1):
-    """`count` variants of the bytes `whole`: cut, with flipped bits, with zeros or noise in a place, doubled, emptied."""
+    """`count` variants of the bytes `whole`: cut, doubled, emptied, with flipped bits, zeros or
+    noise.
+    """
     rng = random.Random(seed)
     for k in range(count):
         content, at = bytearray(whole), rng.randrange(max(1, len(whole)))
@@ -22,7 +24,8 @@ def damaged(whole, count, seed=1):
 
 
 def damaged_text(text, count, seed=1):
-    """`count` variants of a table of numbers: words replaced by what is no number or no sensible one, dropped or doubled; then `damaged`."""
+    """`count` variants of a table of numbers: words replaced, dropped or doubled; then `damaged`.
+    """
     rng = random.Random(seed)
     strange = "nan inf -inf 1e400 -1 0 1e-320 2147483648 1e18 999999999 abc µ 1,5 0x10 1j -- ' \" \0".split(" ")
     words = text.split(" ")

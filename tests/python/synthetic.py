@@ -1,4 +1,4 @@
-"""Networks drawn from known distributions."""
+"""Networks from known distributions."""
 
 import numpy as np
 from rcr.network import Network
@@ -45,7 +45,7 @@ def directions(rng, count, a_c, axis):
 
 
 def anisotropic(count, a_c, a_ln, a_lt, a_fn, a_ft, seed=0, axis=np.pi / 2):
-    """Contacts drawn from P(θ) ∝ 1 + a_c cos 2(θ − θσ) with branch and force functions of the paper's form."""
+    """Contacts of P(θ) ∝ 1 + a_c cos 2(θ − θσ), with branches and forces of the paper's form."""
     rng = np.random.default_rng(seed)
     theta = directions(rng, count, a_c, axis)
     cos, sin = np.cos(2 * (theta - axis)), np.sin(2 * (theta - axis))
@@ -64,9 +64,10 @@ def random_network(count=500, seed=3):
 
 def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5, a_c=0.2, a_fn=0.3,
             a_ft=0.1, axis=np.pi / 2):
-    """Network of grains at random places: exponential forces, P(θ), ⟨f_n⟩(θ) and ⟨f_t⟩(θ) of the paper's form, |f_t| ≤ µ f_n.
+    """Network of grains at random places with exponential forces.
 
-    The tangential component is along n turned by −90°, as in the paper; a snapshot as scripts/biaxial.py saves it.
+    P(θ), ⟨f_n⟩(θ) and ⟨f_t⟩(θ) have the paper's form, |f_t| ≤ µ f_n. The tangential component is
+    along n turned by −90°, as in the paper.
     """
     rng = np.random.default_rng(seed)
     theta = directions(rng, contacts, a_c, axis)
@@ -89,7 +90,7 @@ def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5
 
 
 def write_run(folder, eta, seed=0, strains=(0.1, 0.2, 0.3, 0.4), **options):
-    """A folder like that of scripts/biaxial.py."""
+    """A results folder as scripts/biaxial.py writes it."""
     folder.mkdir(parents=True)
     for k, strain in enumerate(strains):
         packing(eta, seed=100 * seed + k, strain=strain,

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 import pytest
-from rcr.study import analysis, claims, statistics
+from rcr.study import analysis, claims, observables, statistics
 from rcr.study.ensemble import Ensemble
 from rcr.network import LEFT, RIGHT, Network
 from rcr.study.paper import STATEMENTS
@@ -115,10 +115,10 @@ def test_densities_and_networks_add_up(result):
 def test_standard_error_is_that_of_repeated_sampling():
     """a_c of S snapshots of C contacts has the error √(2/(S C)); the estimate from S = 20 scatters by 1/√(2 S) = 16 %."""
     ensemble = Ensemble([packing(0.5, seed=k) for k in range(20)])
-    grids = analysis.Grids.of([ensemble], 0.4)
-    error = analysis.measures(ensemble, grids)["O15"]["a_c_error"][-1]
+    grids = observables.Grids.of([ensemble], 0.4)
+    error = observables.measures(ensemble, grids)["O15"]["a_c_error"][-1]
     assert error == pytest.approx(np.sqrt(2 / (20 * 2000)), rel=0.5)
-    single = analysis.measures(Ensemble([packing(0.5)]), grids)["O15"]
+    single = observables.measures(Ensemble([packing(0.5)]), grids)["O15"]
     assert np.isnan(single["a_c_error"]).all()  # of one snapshot it is unknown
 
 
@@ -135,14 +135,14 @@ def test_forces_in_strips_from_wall_to_wall():
     columns["body2"][:2] = LEFT, RIGHT
     columns["position"][:2, 0] = -5, 25
     ensemble = Ensemble([Network(made.particles, columns, made.attributes)])
-    grids = analysis.Grids.of([ensemble], 0.4)
-    found = analysis.strip_forces(ensemble, grids)["strip_force"]
+    grids = observables.Grids.of([ensemble], 0.4)
+    found = observables.strip_forces(ensemble, grids)["strip_force"]
     inside, middle = x[2:], np.array([0, 0.3, 0.5, 0.7, 0.9])
     edges = -5 + 30 * grids.strip
     middle[0] = (inside[inside < edges[1]].mean() + 5) / 30
     mean = 1 - 0.5 * (inside.mean() + 5) / 30
     assert found == pytest.approx((1 - 0.5 * middle) / mean, abs=4 / np.sqrt(20_000 / 6))  # exponential forces: an error of the mean of 1/√C
-    assert np.isnan(analysis.strip_forces(Ensemble([packing(0.5, contacts=20)]), grids)["strip_force"]).any()  # too few contacts
+    assert np.isnan(observables.strip_forces(Ensemble([packing(0.5, contacts=20)]), grids)["strip_force"]).any()  # too few contacts
 
 
 def test_drift_of_the_fabric():
@@ -171,7 +171,7 @@ def test_errors_are_over_seeds_where_there_are_three(tmp_path):
 
 def test_standard_error_leaves_out_what_is_not_known():
     values = [[1.0, np.nan], [3.0, np.nan], [np.nan, 5.0]]
-    error = analysis.standard_error(values)
+    error = statistics.standard_error(values)
     assert error[0] == pytest.approx(np.std([1, 3], ddof=1) / np.sqrt(2)) and np.isnan(error[1])
 
 
@@ -187,7 +187,7 @@ def test_13000_particles_take_less_than_5_seconds():
     networks = [packing(0.5, particles_=13_000, contacts=26_000)]
     start = time.perf_counter()
     ensemble = Ensemble(networks)
-    analysis.measures(ensemble, analysis.Grids.of([ensemble], 0.4))
+    observables.measures(ensemble, observables.Grids.of([ensemble], 0.4))
     assert time.perf_counter() - start < 5
 
 

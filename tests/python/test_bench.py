@@ -35,7 +35,7 @@ def solved(problem, tolerance=1e-10):
     """The problem with its solution as warm start, and what the kernels reported."""
     arrays = problem.arrays()
     found = _kernel.solve(**arrays, solver="exact", tolerance=tolerance, max_iterations=100000,
-                          violation=np.inf)
+                          kinematic_tolerance=np.inf)
     return problems.BodyProblem(**{**arrays, "impulse": found["impulse"]}), found
 
 

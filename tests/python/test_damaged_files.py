@@ -1,7 +1,7 @@
-"""Readers and damaged files: each is read, or refused by one ValueError of one line that names it; never anything else.
+"""Readers load a damaged file, or reject it by one ValueError of one line that names it.
 
-A file that is read although it is damaged must still be a problem, a network or a history: its numbers are finite and fit.
-The number of variants is small here; `RCR_DAMAGE=20 scripts/test tests/python/test_damaged_files.py` takes twenty times as many.
+Loaded data are still a valid problem, network or history: finite numbers that fit.
+`RCR_DAMAGE=20 scripts/test tests/python/test_damaged_files.py` takes twenty times as many variants.
 """
 
 import os
@@ -19,12 +19,12 @@ from damage import damaged, damaged_text
 from test_problems import dense, heap, write_fclib, write_siconos
 
 TIMES = int(os.environ.get("RCR_DAMAGE", 1))
-total = [0, 0]  # read and refused, of all
+total = [0, 0]  # numbers of files read and refused
 
 
 @pytest.fixture(scope="module", autouse=True)
 def told(request):
-    """Ends with a line of these counts, for scripts/check."""
+    """Print these counts at the end, for scripts/check."""
     yield
     if TIMES == 1:
         return
@@ -33,7 +33,7 @@ def told(request):
 
 
 def survey(path, variants, read):
-    """(read, refused) over the variants of a file; each must come to an end."""
+    """(read, refused) over the variants of a file; each read ends."""
     count = [0, 0]
     for content in variants:
         path.write_bytes(content)
@@ -67,8 +67,7 @@ def test_npz_problems(step, tmp_path):
     for save in (np.savez, np.savez_compressed):
         save(path, **step[0])
         read, refused = survey(path, damaged(path.read_bytes(), 200 * TIMES), read_problem)
-        # each array has a check sum; what is left lies in names, dates and arrays that are not
-        # asked for
+        # Arrays have check sums; damage remains in names, dates and arrays that no reader needs.
         assert refused > 4 * read
 
 
@@ -104,7 +103,7 @@ def same(network, again):
 
 
 def test_networks(tmp_path):
-    """Files of ours are refused, or hold what they held: the damage was in the seal alone."""
+    """Files of rcr are refused, or hold the original data: then only the seal was damaged."""
     path = tmp_path / "network-0.1.h5"
     network = synthetic.packing(0.5, particles_=30, contacts=60)
     network.save(path)
@@ -117,11 +116,13 @@ def test_networks(tmp_path):
 
 
 def test_networks_that_others_have_written(tmp_path):
-    """Without a seal HDF5 itself and the meaning of the columns tell: no more is asked than that what is read is a network."""
+    """Without a seal HDF5 and the meaning of the columns detect errors; the rest reads as a
+    network.
+    """
     path = tmp_path / "network-0.1.h5"
     synthetic.packing(0.5, particles_=30, contacts=60).save(path)
     with h5py.File(path, "r+") as file:
-        del file.attrs["version"]  # HDF5 may search its heap of words without end
+        del file.attrs["version"]  # HDF5 may search its damaged heap of words forever
     assert files.SEAL not in path.read_bytes()
 
     def read(path):
@@ -133,7 +134,7 @@ def test_networks_that_others_have_written(tmp_path):
 
 
 def test_a_network_that_was_changed_on_purpose(tmp_path):
-    """Whoever changes a file by HDF5 takes the seal off."""
+    """A change by HDF5 removes the seal."""
     path = tmp_path / "network-0.1.h5"
     synthetic.packing(0.5, particles_=30, contacts=60).save(path)
     with h5py.File(path, "r+") as file:

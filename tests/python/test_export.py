@@ -1,4 +1,4 @@
-"""Files for ParaView, written and read back: areas, positions, forces, obstacles, series."""
+"""Files for ParaView, read back: areas, positions, forces, obstacles, series."""
 
 import xml.etree.ElementTree as xml
 
@@ -15,7 +15,7 @@ from synthetic import packing
 
 
 def polygon_areas(mesh):
-    """Of every polygon, by the shoelace formula."""
+    """Areas of all polygons by the shoelace formula."""
     x, y = np.moveaxis(mesh.points[mesh.cells_dict["polygon"]][..., :2], -1, 0)
     return 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
 
@@ -25,13 +25,13 @@ def data(mesh, name):
 
 
 def counts(file):
-    """Points and cells of a file; meshio reads none that is empty."""
+    """Points and cells of a file; meshio reads no empty file."""
     piece = next(xml.parse(file).iter("Piece"))
     return int(piece.attrib["NumberOfPoints"]), int(piece.attrib["NumberOfCells"])
 
 
 def test_areas_and_state_come_back(tmp_path):
-    """Polygons of 24 corners: their caps are 12-gons, so their areas are those of stadiums with 11 sin(π/11) for π, exactly."""
+    """Polygons have 24 corners: their areas are those of stadiums with 11 sin(π/11) for π."""
     network = packing(0.6)
     grains = meshio.read(vtk(tmp_path / "pile.vtm", network)[0])
     p = network.particles
@@ -103,7 +103,7 @@ def test_index_names_the_three_files(tmp_path):
 
 
 def test_a_scene_without_contacts_and_obstacles(tmp_path):
-    """VTK wants the element Cells even where there is none."""
+    """VTK requires the element Cells even without cells."""
     frame = scene()
     frame.contacts = {name: column[:0] for name, column in frame.contacts.items()}
     files = vtk(tmp_path / "a.vtm", frame)
@@ -137,14 +137,14 @@ def test_series_grows_and_its_files_are_there(tmp_path):
         "1", "2"]
 
 
-def test_series_goes_on_from_an_earlier_moment(tmp_path):
-    """A run that is loaded again at 0.15 replaces what it had made after it."""
+def test_a_series_resumes_at_an_earlier_time(tmp_path):
+    """A run loaded at 0.15 replaces its later files."""
     for time in (0.0, 0.1, 0.2, 0.3, 0.15, 0.25):
         VtkSeries(tmp_path).save(scene(time))
     assert [time for time, _ in VtkSeries(tmp_path).moments()[::3]] == [0, 0.1, 0.15, 0.25]
 
 
-def test_series_refuses_what_it_cannot_place(tmp_path):
+def test_a_series_rejects_files_out_of_order(tmp_path):
     with pytest.raises(ValueError, match="time"):
         VtkSeries(tmp_path).save(packing(0.5))
     (tmp_path / "scene.pvd").write_text("<VTKFile><Coll")

@@ -1,4 +1,4 @@
-"""Files are whole or not there, readable by whom the user's umask lets: full disks, kills and two writers at once; readers name damaged ones."""
+"""Files are written atomically with the user's permissions; readers name damaged ones."""
 
 import multiprocessing
 import os
@@ -25,7 +25,7 @@ def test_writes_bytes_and_text(tmp_path):
     assert path.read_text(encoding="utf-8") == "µ = 0.5\n"
     files.write(path, b"\0\1")
     assert path.read_bytes() == b"\0\1" and [p.name for p in tmp_path.iterdir()] == ["ä.txt"]
-    assert path.stat().st_mode & 0o777 == 0o666 & ~_umask()  # as of any new file
+    assert path.stat().st_mode & 0o777 == 0o666 & ~_umask()  # the mode of any new file
 
 
 def _umask():
@@ -41,7 +41,7 @@ def test_a_link_is_kept(tmp_path):
 
 
 def test_long_names(tmp_path):
-    """The name beside must not be too long where the name itself is not."""
+    """The temporary name is not too long where the name itself is not."""
     path = tmp_path / ("ü" * 127)
     files.write(path, "x")
     assert path.read_text() == "x"
@@ -52,7 +52,7 @@ def test_long_names(tmp_path):
     [("folder", IsADirectoryError), ("none/file", FileNotFoundError), ("file/below", OSError),
      ("pipe", OSError), ("x" * 300, OSError)],
 )
-def test_what_cannot_be_written_is_said_first(tmp_path, path, error):
+def test_an_unwritable_path_is_reported_at_the_start(tmp_path, path, error):
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").touch()
     os.mkfifo(tmp_path / "pipe")
@@ -69,7 +69,7 @@ def test_no_path(path):
 
 
 def test_a_full_disk_loses_nothing(tmp_path):
-    """A limit on the size of files is what a full disk is to a writer."""
+    """A limit on file sizes acts on a writer like a full disk."""
     path = tmp_path / "kept"
     files.write(path, b"old")
     code = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); from rcr import _files as files; files.write(sys.argv[1], bytes(10**6))"
@@ -84,7 +84,10 @@ def _fill(path, letter):
 
 
 def test_two_writers_at_once_and_kills(tmp_path):
-    """At any moment the file is whole and of one of them; a kill leaves at most one part, which the next writer takes."""
+    """The file is always whole and of one writer.
+
+    A kill leaves at most one part, which the next write removes.
+    """
     path = tmp_path / "shared"
     files.write(path, b"a" * 100_000)
     rng = np.random.default_rng(1)
@@ -124,7 +127,7 @@ def test_errors_are_one_line(text):
 @pytest.mark.parametrize("error", [KeyError("x"), EOFError(), RuntimeError("a\nb"), TypeError("t"),
                                    MemoryError(), IndexError(1), OSError("truncated"),
                                    ValueError("v\nw")])
-def test_whatever_a_reader_throws_names_the_file(tmp_path, error):
+def test_every_error_of_a_reader_names_the_file(tmp_path, error):
     path = tmp_path / "x"
     path.touch()
     with pytest.raises(ValueError) as raised:
@@ -138,7 +141,7 @@ def test_missing_files_and_folders_are_os_errors(tmp_path):
         with pytest.raises(OSError):
             with files.reading(path, "a table"):
                 pass
-    with pytest.raises(KeyboardInterrupt):  # not an error of the file
+    with pytest.raises(KeyboardInterrupt):  # no error of the file
         (tmp_path / "x").touch()
         with files.reading(tmp_path / "x", "a table"):
             raise KeyboardInterrupt
@@ -150,7 +153,7 @@ def mode(path):
 
 @pytest.mark.parametrize("mask, wanted", [(0o022, 0o644), (0o027, 0o640)])
 def test_networks_have_the_permissions_of_any_file(tmp_path, mask, wanted):
-    """They were written with mode 0600."""
+    """Networks get the mode of new files, not 0600."""
     before = os.umask(mask)
     try:
         packing(0.5).save(tmp_path / "network.h5")
@@ -178,7 +181,7 @@ def test_relative_paths(tmp_path, monkeypatch):
 
 
 def test_solve_does_without_h5py(tmp_path):
-    """`import rcr` needed h5py even to solve a problem from .npz."""
+    """`import rcr` needs no h5py."""
     one = dict(a=[0], b=[1], n=[[0, 1]], ra=[[0, 0]], rb=[[0, 0]], bn=[0.0], mu=[0.5], p0=[[0, 0]])
     np.savez(tmp_path / "p.npz", im=[0, 1], iI=[0, 1], vfree=[[0, 0, 0], [0, -2, 0]],
              meta=[1, 1, 2], **one)

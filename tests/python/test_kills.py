@@ -1,4 +1,4 @@
-"""A handful of the kills of tests/endurance/kills.py, which takes any count and kills runs and campaigns too."""
+"""A few kills of tests/endurance/kills.py."""
 
 import random
 import sys

@@ -1,4 +1,4 @@
-"""`rcr.Network` on networks made here, whose tensors are known. Needs no YADE."""
+"""`rcr.Network` on networks of known tensors, without YADE."""
 
 import h5py
 import numpy as np
@@ -11,10 +11,11 @@ from synthetic import anisotropic, network, random_network
 
 
 def test_estimators_recover_known_anisotropies():
-    """Sampling error of a mean of cos² over C contacts: about 1/√C; the tangential signs follow t = n turned by +90°.
+    """The sampling error of a mean of cos² over C contacts is about 1/√C.
 
-    With t along +90° the work-conjugate of cos 2θ is −sin 2θ: a force function a_ft sin 2(θ − θσ) on n⊗t adds −a_ft.
-    The estimators are linear up to cross products a_c a, of the size 0.1 × 0.2 here.
+    Tangents are n turned by +90°: the work-conjugate of cos 2θ is −sin 2θ, so that a force function
+    a_ft sin 2(θ − θσ) on n⊗t adds −a_ft. The estimators are linear up to cross products a_c a, of
+    the size 0.1 × 0.2 here.
     """
     given = (0.2, 0.05, 0.02, 0.15, 0.1)
     a_c, a_ln, a_lt, a_fn, a_ft = anisotropic(200_000, *given).anisotropies()
@@ -27,13 +28,16 @@ def test_estimators_recover_known_anisotropies():
 
 
 def test_half_sum_is_the_shear_stress_ratio():
-    """q/p ≈ ½ (a_c + a_ln + a_lt + a_fn + a_ft), cross products neglected [paper, eq. q_p_aniso2_xi]."""
+    """q/p ≈ ½ (a_c + a_ln + a_lt + a_fn + a_ft) without cross products [paper, eq.
+
+    q_p_aniso2_xi].
+    """
     test = anisotropic(200_000, 0.1, 0.05, -0.03, 0.1, -0.08)
     assert test.shear_stress_ratio() == pytest.approx(0.5 * sum(test.anisotropies()), rel=0.03)
 
 
 def test_partial_tensors_add_up():
-    """tr F(ξ) = N(ξ)/N, tr F(∞) = 1, and everything at ξ = ∞ is the whole."""
+    """tr F(ξ) = N(ξ)/N and tr F(∞) = 1; at ξ = ∞ all tensors are those of the network."""
     test = random_network()
     force = np.einsum("ca,ca->c", test.contacts["force"], test.contacts["normal"])
     assert np.trace(test.fabric()) == pytest.approx(1, abs=1e-12)
@@ -47,7 +51,9 @@ def test_partial_tensors_add_up():
 
 
 def test_stress_of_a_row_and_a_column():
-    """Two contacts: f = 3 along x on ℓ = 2, f = 1 along y on ℓ = 4, V = 10: σ = diag(0.6, 0.4), q/p = 0.2."""
+    """Contacts f = 3 along x on ℓ = 2, f = 1 along y on ℓ = 4, V = 10: σ = diag(0.6, 0.4), q/p =
+    0.2.
+    """
     test = network(np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]),
                    np.array([[3.0, 0], [1, 0]]))
     assert test.stress() == pytest.approx(np.diag([0.6, 0.4]), abs=1e-15)
@@ -82,7 +88,7 @@ def test_friction_mobilization():
 
 
 def test_friction_is_that_of_each_contact():
-    """I_m = |f_t|/(µ f_n) with µ = 0.5, 0.25, none and unknown: 0.5, 1, and 0 where there is no limit to reach."""
+    """I_m = |f_t|/(µ f_n) for µ = 0.5, 0.25, none and unknown: 0.5, 1, and 0 without a limit."""
     force = np.array([[1, 0.25], [2, -0.5], [1, 0], [1, 0]])
     test = network(np.zeros(4), np.ones((4, 2)), force, friction=9.0)
     mixed = Network(test.particles, test.contacts | dict(friction=np.array([0.5, 0.25, 0, np.nan])),
@@ -95,7 +101,9 @@ def test_friction_is_that_of_each_contact():
 
 
 def test_files_of_before_load(tmp_path):
-    """Without the columns friction, clump and center: the attribute, single grains, their positions."""
+    """Files without the columns friction, clump and center take the attribute, single grains,
+    positions.
+    """
     test = random_network()
     path = tmp_path / "network-0.h5"
     test.save(path)
@@ -121,12 +129,13 @@ def test_ratios_need_no_volume():
 
 
 def test_contacts_of_a_clump_are_counted_together():
-    """Grains 0 and 1 are one clump, between 2 and 3: a chain closed by an obstacle at each end has Z = 2, for the clump too."""
+    """Grains 0 and 1 are one clump between 2 and 3: a chain between obstacles has Z = 2."""
     pairs = np.array([[2, -7], [2, 0], [1, 3], [3, -8]])
     one, two = pairs.T
     test = network(np.zeros(4), np.ones((4, 2)), np.ones((4, 2)), grains=4, body1=one, body2=two,
                    type=np.array([3, 0, 0, 3]))
-    assert test.coordination() == 0  # 0 and 1 hang on by one contact each, and then the others
+    # 0 and 1 have one contact each; without them the others are rattlers too
+    assert test.coordination() == 0
     joined = Network(test.particles | dict(clump=np.array([9, 9, -1, -1])), test.contacts,
                      test.attributes)
     assert joined.coordination() == 2 and list(joined.grain_coordination()) == [2, 2, 2, 2]
@@ -135,7 +144,9 @@ def test_contacts_of_a_clump_are_counted_together():
 
 
 def test_force_pdf_is_a_density():
-    """∫ pdf df = 1 and ∫ f pdf df = 1 for forces over their mean; the classes are 50 in a range of 1e4, ±10 % each."""
+    """∫ pdf df = 1 and ∫ f pdf df = 1 for forces over their mean; 50 classes over a range of 1e4,
+    ±10 % each.
+    """
     test = random_network(20_000)
     f, pdf = test.force_pdf()
     width = np.gradient(f)
@@ -144,7 +155,8 @@ def test_force_pdf_is_a_density():
 
 
 def test_coordination_leaves_rattlers_out():
-    """A triangle of three with a fourth hanging on by one contact, which goes with it: Z = 2; one side contact: 8/3."""
+    """A triangle with a fourth grain on one contact, a rattler: Z = 2; with one side contact 8/3.
+    """
     pairs = np.array([[0, 1], [1, 2], [2, 0], [2, 3]])
     test = network(np.zeros(4), np.ones((4, 2)), np.ones((4, 2)), grains=4, body1=pairs[:, 0],
                    body2=pairs[:, 1], points=np.array([2, 1, 1, 1]))
@@ -256,7 +268,7 @@ def test_attributes_without_meaning_are_refused(tmp_path, attribute, value):
 @given(xi=st.one_of(st.floats(), st.integers(), st.none(), st.text(max_size=2), st.booleans(),
                     st.complex_numbers(), st.lists(st.floats(), max_size=3)))
 def test_cutoffs_are_checked(xi):
-    """Numbers ≥ 0 give numbers; everything else is refused."""
+    """Numbers ≥ 0 give numbers; anything else is refused."""
     test = random_network(50)
     for function in (test.fabric, test.anisotropies, test.shear_stress_ratio):
         try:

@@ -1,4 +1,4 @@
-"""Pictures of networks, without YADE and without a display: what is drawn, in which colour, how thick; films."""
+"""Pictures and films of networks, without YADE and without a display."""
 
 import subprocess
 import sys
@@ -62,7 +62,7 @@ sys.exit("matplotlib.pyplot" in sys.modules or "yade" in sys.modules)
 
 
 def test_grains_stand_where_they_are():
-    """Pixels of the centres are of the grains, those between them of the paper."""
+    """Pixels at the centres show grains, pixels between them the background."""
     ax = plot.packing(frame(3), color="red", legend=False)
     canvas = FigureCanvasAgg(ax.figure)
     canvas.draw()
@@ -80,7 +80,7 @@ def test_grains_stand_where_they_are():
 def test_orientations_repeat_after_half_a_turn():
     around = frame(3, angle=np.array([0.3, 0.3 + np.pi, 0.3 - 5 * np.pi]))
     colors = grains_of(plot.packing(around)).get_facecolor()
-    assert np.ptp(colors, axis=0) == pytest.approx(0, abs=1e-6)  # of the 256 steps of the map
+    assert np.ptp(colors, axis=0) == pytest.approx(0, abs=1e-6)  # the map has 256 steps
     disc = frame(1, half_length=np.zeros(1))
     assert grains_of(plot.packing(disc)).get_facecolor()[0] == pytest.approx(to_rgba(drawing.GRAIN))
 
@@ -98,7 +98,7 @@ def test_numbers_of_the_user_as_colours():
 
 def test_three_numbers_for_three_grains_are_no_colour():
     faces = grains_of(plot.packing(frame(3), color=[0.0, 0.5, 1.0], cmap="gray")).get_facecolor()
-    assert faces[:, 0] == pytest.approx([0, 0.5, 1], abs=0.01)  # of 256 greys
+    assert faces[:, 0] == pytest.approx([0, 0.5, 1], abs=0.01)  # one of 256 greys
 
 
 def test_speed_is_that_of_the_centre():
@@ -107,7 +107,10 @@ def test_speed_is_that_of_the_centre():
 
 
 def test_load_and_pressure_of_a_grain_between_two():
-    """Three discs in a row under a force of 7: the middle one bears it twice; a disc squeezed by F along x has the stress F·2r/A."""
+    """Three discs in a row under a force of 7: the middle one bears 14.
+
+    A disc squeezed by F along x has the stress F·2r/A.
+    """
     row = frame(3, half_length=np.zeros(3), cap_radius=np.ones(3))
     row.contacts = contacts(2, force=np.array([[7.0, 0], [7.0, 0]]))
     assert plot.SCALES["load"].values(row) == pytest.approx([7, 14, 7])
@@ -125,7 +128,7 @@ def test_segments_are_as_thick_as_their_force():
 
 
 def test_equal_forces_have_one_colour():
-    """Also where rounding leaves some above their mean: 0.1 three times has the mean 0.10000000000000002."""
+    """Rounding must not matter: 0.1 three times has the mean 0.10000000000000002."""
     row = frame(4)
     row.contacts = contacts(3, force=np.array([[0.1, 0], [0.1 + 1e-9, 0], [0.1 - 1e-9, 0]]))
     lines = [c for c in plot.packing(row, contacts="force").collections
@@ -135,14 +138,16 @@ def test_equal_forces_have_one_colour():
 
 @pytest.mark.parametrize("count", [1, 2, 10, 200])
 def test_lines_cover_no_grain_and_stay_in_the_picture(count):
-    """Outlines of a few large grains: at most a twentieth of the radius, not thicker than the margin of the picture."""
+    """Outlines of a few large grains are at most 1/20 of the radius, and no thicker than the
+    margin.
+    """
     row = frame(count)
     row.contacts = contacts(count - 1, force=np.tile([1.0, 0], (count - 1, 1)))
     row.walls = dict(id=np.array([99]), axis=np.array([1]), position=np.array([-0.5]))
     ax = plot.packing(row, contacts="type" if count > 1 else None)
     grains, point = grains_of(ax), drawing.points_a_metre(ax)
     assert grains.get_linewidths()[0] <= min(0.05 * point, 1.5)
-    margin = point * (-1 - ax.get_xlim()[0])  # what is left of the first grain
+    margin = point * (-1 - ax.get_xlim()[0])  # visible part of the first grain
     assert max(grains.get_linewidths()[0], ax.lines[0].get_linewidth()) / 2 < margin
     for forces in (c for c in ax.collections if isinstance(c, LineCollection)):
         assert forces.get_linewidths()[0] <= 4
@@ -151,8 +156,8 @@ def test_lines_cover_no_grain_and_stay_in_the_picture(count):
 @pytest.mark.parametrize("wide", [True, False], ids=["wide", "narrow"])
 @pytest.mark.parametrize("contacts", [None, *plot.CONTACTS])
 @pytest.mark.parametrize("color", [*plot.SCALES, "type"])
-def test_words_of_the_foot_stand_apart(color, contacts, wide):
-    """No text on another, on the grains or over the edge, no scale on a text."""
+def test_texts_of_the_foot_do_not_overlap(color, contacts, wide):
+    """No text overlaps another, the grains or the edge; no scale overlaps a text."""
     network = packing(0.5, particles_=100, contacts=200)
     network.particles["velocity"] = np.random.default_rng(1).normal(size=(100, 3))
     ax = plot.packing(network, color=color, contacts=contacts,
@@ -178,8 +183,8 @@ def test_words_of_the_foot_stand_apart(color, contacts, wide):
 
 
 @pytest.mark.parametrize("speed, power", [(4.5e-9, "10^{−9}"), (4.5e7, "10^{7}"), (0.3, None)])
-def test_the_power_of_a_scale_stands_in_its_label(speed, power):
-    """It stood below the edge of the picture: grains at rest to rounding seemed to move at 4 m/s."""
+def test_the_label_of_a_scale_has_its_power(speed, power):
+    """Without its power, grains at rest to rounding seem to move at 4 m/s."""
     row = frame(3, velocity=np.array([[0, 0, 0], [speed / 2, 0, 0], [speed, 0, 0]]))
     words = [text.get_text() for text in plot.packing(row, color="speed",
                                                       contacts=None).figure.texts]
@@ -198,7 +203,7 @@ def test_obstacles_are_in_the_picture_but_do_not_fill_it():
     scene.outlines = [(7, "box", floor), (8, "facet", np.array([[0.0, 2.0], [1.0, 3.0]]))]
     scene.walls = dict(id=np.array([9]), axis=np.array([0]), position=np.array([-1.5]))
     (left, bottom), (right, top) = scene.extent()
-    # grains from −1 to 5, half of that on each side
+    # grains reach from −1 to 5, half of that on each side
     assert (left, right) == (-4, 8) and top == 3 and bottom == -2
     ax = plot.packing(scene)
     assert len(ax.lines) == 1 and list(ax.lines[0].get_xdata()) == [-1.5, -1.5]
@@ -215,7 +220,7 @@ def test_a_stray_grain_does_not_make_the_others_dots():
 
 
 def test_a_cell_shows_grains_inside_and_their_images():
-    """A grain across the corner has three images; one outside by a period is drawn inside."""
+    """A grain across a corner has three images; one outside by a period is drawn inside."""
     cell = frame(2, position=np.array([[9.9, 9.9], [-5.0, 25.0]]))
     cell.cell = np.array([[10.0, 0], [0, 10.0]])
     inside, images = [c for c in plot.packing(cell).collections if isinstance(c, PolyCollection)][
@@ -227,7 +232,7 @@ def test_a_cell_shows_grains_inside_and_their_images():
 
 
 def test_images_in_a_sheared_cell():
-    """Every image reaches into the cell, and no grain that does is missed: against a search of all neighbours."""
+    """All images that reach into the cell are found, as by a search of all neighbours."""
     rng = np.random.default_rng(5)
     scene = frame(40, position=rng.uniform(0, 30, (40, 2)))
     scene.cell = np.array([[10.0, 4.0], [0.5, 8.0]])
@@ -255,7 +260,7 @@ def test_users_axes_are_kept_and_get_no_legend():
                          [(dict(color="sped"), "orientation"),
                           (dict(color=[1, 2]), "each of the 3 grains"),
                           (dict(contacts="forces"), "'force'")])
-def test_what_is_not_known_is_refused(options, wanted):
+def test_unknown_values_are_rejected(options, wanted):
     with pytest.raises(ValueError, match=wanted):
         plot.packing(frame(3), **options)
 
@@ -274,7 +279,9 @@ def test_an_empty_scene_and_other_things_are_refused(tmp_path):
 
 
 def test_film_of_networks(tmp_path):
-    """In the order of time, all to one scale: a grain that moves right does so in the pictures."""
+    """Frames are in the order of time and to one scale: a grain that moves right does so in the
+    film.
+    """
     from PIL import Image
 
     for k, name in enumerate(["b", "a", "c"]):
@@ -295,7 +302,7 @@ def test_film_of_networks(tmp_path):
 
 
 def test_film_of_pictures(tmp_path):
-    """9 before 10."""
+    """Picture 9 comes before picture 10."""
     from PIL import Image
 
     for k in (10, 9):

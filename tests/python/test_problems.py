@@ -1,6 +1,6 @@
-"""Problems from files: what comes in is what was written, what goes out satisfies the laws, and bad files are named so.
+"""Problems from files: they load as written, solutions obey the laws, errors name bad files.
 
-Residuals are recomputed with NumPy from the written reactions alone, on the dense W and q.
+Residuals are recomputed with NumPy from the written reactions on the dense W and q.
 """
 
 import json
@@ -19,15 +19,17 @@ from rcr import problems, solve
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "tests" / "data"
-# of its collection, where somebody has laid one beside the repository
+# files of Siconos' collection, if present beside the repository
 SICONOS = sorted((ROOT.parent / "shared" / "data").glob("*.dat"))
 PACKINGS = [DATA / f"shear-500-eta-{eta}.npz" for eta in ("0", "0.7")]
 SOLVERS = ["nlgs", "sor", "nesterov", "exact", "auto"]
 
 
 def heap(seed, count=30):
-    """Arrays of an `.npz` step: `count` discs fall onto each other and a floor between two walls, of which the right one is
-    free along x; some pairs touch at two points, some contacts are open."""
+    """Arrays of an `.npz` step: `count` discs fall onto each other and a floor between two walls.
+
+    The right wall is free along x; some pairs touch at two points, some contacts are open.
+    """
     rng = np.random.default_rng(seed)
     nb = count + 4
     left, floor, right, top = range(count, nb)
@@ -56,7 +58,7 @@ def heap(seed, count=30):
             touch(k - 1, k, rng.normal(0, 0.1))
         if j == columns - 1:
             touch(right, k, np.pi)
-    touch(floor, top, np.pi / 2)  # both prescribed: carries nothing
+    touch(floor, top, np.pi / 2)  # both bodies prescribed: no impulse matters
     t = np.array(rows)[rng.permutation(len(rows))]
     im, iI, v = np.zeros(nb), np.zeros(nb), np.zeros((nb, 3))
     im[:count], im[right] = 1 / rng.uniform(0.5, 2, count), 0.05
@@ -91,7 +93,10 @@ def dense(arrays):
 
 
 def write_fclib(path, w, q, mu, kind=-1, change=None):
-    """The local problem as FCLIB writes it: nz = −1 columns, −2 rows, "triplets"; `change(group)` spoils it."""
+    """The local problem in FCLIB's format; nz = −1 columns, −2 rows, or "triplets".
+
+    `change(group)` damages it.
+    """
     row, column = np.nonzero(w if kind != -1 else w.T)
     if kind == -1:
         row, column = column, row
@@ -113,7 +118,9 @@ def write_fclib(path, w, q, mu, kind=-1, change=None):
 
 
 def write_siconos(path, w, q, mu, storage="columns"):
-    """The text of Siconos: the matrix dense, as rows of 2×2 blocks, or as CSparse prints it, by columns or triplets."""
+    """The text format of Siconos: a dense matrix, rows of 2×2 blocks, or CSparse columns or
+    triplets.
+    """
     size, text = len(w), []
     number = lambda x: f"{x:.17e}"
     if storage == "dense":
@@ -156,7 +163,7 @@ def step():
 
 @pytest.fixture
 def files(step, tmp_path):
-    """The same step in every form."""
+    """One step in all formats."""
     arrays, w, q = step
     np.savez(tmp_path / "step.npz", **arrays)
     for name, kind in (("columns", -1), ("rows", -2), ("triplets", "triplets")):
@@ -171,7 +178,7 @@ FILES = ["step.npz", "columns.h5", "rows.h5", "triplets.h5", "dense.dat", "block
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_what_is_read_is_what_was_written(files, step, name):
+def test_reading_returns_the_written_data(files, step, name):
     arrays, w, q = step
     problem = problems.load(files / name)
     if name == "step.npz":
@@ -193,7 +200,7 @@ def test_every_solver_satisfies_the_laws(files, step, name, solver):
     recomputed = residual(w, q, arrays["mu"], found.reaction)
     assert found.converged, f"{name}, {solver}: {recomputed:.3e}, reported {found.residual:.3e}"
     assert recomputed <= tolerance * (1 + 1e-6), f"{name}, {solver}: {recomputed:.3e}, reported {found.residual:.3e}"
-    # rounding: of the sums that make u, 1e-16 of the impulses
+    # rounding of the sums in u: 1e-16 of the impulses
     assert recomputed == pytest.approx(found.residual, rel=1e-6, abs=1e-14)
     u = (w @ found.reaction.ravel()).reshape(-1, 2) + q
     if name == "step.npz":
@@ -214,7 +221,7 @@ def test_settings(files):
 
 
 def test_warm_start(files):
-    """From its own solution a problem needs no iteration; cold it needs some."""
+    """A solved problem needs no iteration; a cold start needs some."""
     problem = problems.load(files / "step.npz")
     problem.impulse = solve(problem, "exact", 1e-9).reaction
     problems.save_fclib(files / "warm.h5", problem)
@@ -232,7 +239,7 @@ def test_save_fclib_round_trip(files, step):
         for name in ("row_start", "column", "block", "q", "friction", "impulse"):
             np.testing.assert_array_equal(getattr(read, name), getattr(body.delassus(), name),
                                           err_msg=name)
-    with h5py.File(files / "saved.h5") as file:  # the fields that fclib.h reads
+    with h5py.File(files / "saved.h5") as file:  # fields that fclib.h reads
         group = file["fclib_local"]
         assert group["spacedim"][()] == [2] and group["W/nz"][()] == [-2]
         assert group["W/p"].dtype == np.int32
@@ -352,7 +359,7 @@ def test_refuses_fclib(step, tmp_path, change, says):
 
 
 def test_asymmetry_of_rounded_files_is_accepted(step, tmp_path):
-    """Files of Siconos are off by 1e-10 of the largest entry; 1e-7 is refused."""
+    """Files of Siconos are asymmetric by 1e-10 of the largest entry; 1e-7 is refused."""
     arrays, w, q = step
     for size, good in ((1e-10, True), (1e-7, False)):
         off = w.copy()
@@ -442,7 +449,7 @@ def test_script(files, step, name, out):
     assert warm["iterations"] == 3
 
 
-def test_script_says_in_a_line_what_is_wrong(files):
+def test_the_script_reports_errors_in_a_line(files):
     for arguments, says in (
         ((files / "none.npz", "--out", files / "o.npz"), "none.npz"),
         ((files / "step.npz", "--out", files / "o.txt"), "unknown suffix '.txt'"),
@@ -457,7 +464,7 @@ def test_script_says_in_a_line_what_is_wrong(files):
 
 
 def test_script_refuses_before_anything_is_lost(files):
-    """The problem is never overwritten, whatever name it is given by; nothing is left where nothing was found."""
+    """The output never overwrites the problem, by whatever name; a failed solve leaves no file."""
     (files / "link.npz").symlink_to("step.npz")
     (files / "folder.npz").mkdir()
     names, before = sorted(files.iterdir()), (files / "step.npz").read_bytes()
@@ -485,7 +492,7 @@ def test_script_refuses_before_anything_is_lost(files):
 
 
 def test_numbers_beyond_doubles_are_no_result(files, step):
-    """A residual that is not finite would be no JSON."""
+    """JSON has no number for a residual that is not finite."""
     arrays = dict(step[0], im=step[0]["im"] * 1e300, vfree=step[0]["vfree"] * 1e300)
     np.savez(files / "huge.npz", **arrays)
     ended = run(files / "huge.npz", "--solver", "nlgs", "--out", files / "o.npz")
@@ -518,8 +525,8 @@ def one_contact(**changes):
 @hypothesis.given(tolerance=SCALARS, max_iterations=SCALARS,
                   solver=st.one_of(SCALARS, st.sampled_from(SOLVERS)))
 def test_settings_are_checked(tolerance, max_iterations, solver):
-    """Whatever is given: a solution, or one ValueError of one line."""
-    # takes as long as it is told
+    """Any values give a solution, or one ValueError of one line."""
+    # its time is the given one
     hypothesis.assume(not (isinstance(max_iterations, int) and max_iterations > 10**4 and tolerance
                            == 0))
     try:
@@ -537,7 +544,8 @@ def test_settings_are_checked(tolerance, max_iterations, solver):
                     hnp.arrays(hnp.scalar_dtypes(), hnp.array_shapes(max_dims=3, max_side=3))),
 )  # fmt: skip
 def test_arrays_of_a_problem_are_checked(name, value):
-    """Whatever stands in one of the arrays: a problem of finite numbers that is solved, or one ValueError of one line."""
+    """Any values in the arrays give a finite problem that is solved, or one ValueError of one line.
+    """
     try:
         problem = problems.BodyProblem(**one_contact(**{name: value}))
         assert all(np.isfinite(array).all() for array in vars(problem).values())
@@ -583,7 +591,7 @@ def test_stored_problems(path, solver, tolerance):
     w = np.zeros((2 * problem.contacts, 2 * problem.contacts))
     w[row, column] = value
     recomputed = residual(w, delassus.q, delassus.friction, found.reaction)
-    # rounding: q is about 1e3 times the velocities left
+    # rounding: q is about 1e3 times the remaining velocities
     assert found.converged and recomputed <= tolerance + 1e-12
     assert recomputed == pytest.approx(found.residual, rel=1e-6, abs=1e-12)
 
@@ -591,7 +599,7 @@ def test_stored_problems(path, solver, tolerance):
 @pytest.mark.parametrize("path, tolerance", zip(PACKINGS, (1e-9, 1e-6)),
                          ids=lambda value: getattr(value, "name", None))
 def test_stored_problems_without_their_bodies(path, tolerance):
-    """The steps of bodies go on below 1e-10; without them, the last stalls at 2e-7."""
+    """With bodies the stored steps reach 1e-10; without bodies the last one stalls at 2e-7."""
     problem = problems.load(path).delassus()
     found = solve(problem, "exact", tolerance, 20000)
     assert found.converged and found.residual <= tolerance

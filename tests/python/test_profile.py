@@ -1,4 +1,4 @@
-"""Fields on a grid: they add up to the sums over grains and contacts, for any grid, and in a sheared periodic cell too."""
+"""Fields on a grid sum to those of grains and contacts, on any grid and in sheared cells."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,9 @@ from synthetic import particles
 
 
 def scene(seed, count=30, cell=None):
-    """A network of random grains and contacts in a box of 10 × 6; contacts lie anywhere, with any forces that push."""
+    """A network of random grains in a box of 10 × 6, with contacts anywhere and any forces that
+    push.
+    """
     rng = np.random.default_rng(seed)
     size = np.array([10.0, 6.0])
     eta = rng.uniform(0, 0.8, count)
@@ -67,7 +69,10 @@ def test_sums_over_the_grid_are_those_of_the_scene(seed, cells):
 @given(seed=st.integers(0, 1000), cells=grids,
        turns=st.tuples(st.integers(-3, 3), st.integers(-3, 3)))
 def test_images_in_a_periodic_cell_are_one(seed, cells, turns):
-    """A scene moved by whole periods, at the velocity of its images, has the same fields; samples at the very edge of a cell may change sides."""
+    """Moving a scene by whole periods, at the velocity of its images, keeps the fields.
+
+    Samples at the edge of a cell may change sides.
+    """
     cell = np.array([[10.0, 2.5], [0, 6.0]])
     network = scene(seed, cell=cell)
     profile = rcr.Profile(cells).compute(network)
@@ -99,7 +104,9 @@ def test_layers_are_means_of_a_map():
 
 
 def test_a_turning_grain_and_a_grain_in_two_cells():
-    """A disc of radius 1 on the border of two cells turns at 1/s: half of it in each, its halves moving up and down by 4/(3π)."""
+    """A disc of radius 1 on the border of two cells turns at 1/s: its halves move up and down by
+    4/(3π).
+    """
     disc = particles(1) | dict(velocity=np.array([[0.0, 0, 1]]))
     empty = dict(body1=[], body2=[], type=[], normal=np.empty((0, 2)), branch=np.empty((0, 2)),
                  force=np.empty((0, 2)), position=np.empty((0, 2)), points=[])

@@ -1,4 +1,4 @@
-"""A folder belongs to one run: others are refused, two at once too, and what is removed is what the script itself has made."""
+"""A results folder belongs to one run; only the script's own files are ever removed."""
 
 import json
 import os
@@ -60,7 +60,7 @@ def test_overwrite_removes_the_files_of_the_old_run_only(tmp_path):
 
 
 def test_the_same_run_again(tmp_path):
-    """Nothing may be lost by a forgotten --resume, nor by a command given twice."""
+    """A forgotten --resume or a repeated command loses nothing."""
     make(tmp_path, files=("data-1.txt", "checkpoint", "summary.json"))
     with pytest.raises(ValueError, match="holds this run, complete; continue it with --resume, or "
                        "start again with --overwrite"):
@@ -71,18 +71,18 @@ def test_the_same_run_again(tmp_path):
     with pytest.raises(ValueError, match="not complete; continue it with --resume, or start again"):
         make(tmp_path)
     make(tmp_path, files=(), overwrite=True)
-    make(tmp_path, files=("data-1.txt",))  # what was killed before its first checkpoint
+    make(tmp_path, files=("data-1.txt",))  # a run killed before its first checkpoint
     make(tmp_path)
 
 
-def test_what_fails_before_it_begins_loses_nothing(tmp_path):
+def test_an_early_failure_loses_nothing(tmp_path):
     make(tmp_path)
     with pytest.raises(RuntimeError), owned(tmp_path, dict(PARAMETERS, eta=0.4), overwrite=True):
         raise RuntimeError
     assert "data-1.txt" in names(tmp_path) and results.read(tmp_path)["parameters"] == PARAMETERS
 
 
-def test_resume_keeps_the_files_and_may_change_what_is_free(tmp_path):
+def test_resume_keeps_files_and_may_change_free_options(tmp_path):
     first = make(tmp_path, files=("checkpoint",))
     record = make(tmp_path, dict(PARAMETERS, threads=4), files=("summary.json",), resume=True)
     assert names(tmp_path) == ["checkpoint", "run.json", "summary.json"]
@@ -104,7 +104,7 @@ def test_results_of_nobody_or_of_another_script_are_kept(tmp_path):
 def test_parts_of_a_killed_process_go(tmp_path):
     (tmp_path / ".part-x").touch()
     (tmp_path / ".part-folder").mkdir()
-    with files.locked(tmp_path / ".part-of-another"):  # which is writing just now
+    with files.locked(tmp_path / ".part-of-another"):  # another process is writing it
         make(tmp_path, files=())
         assert names(tmp_path) == [".part-of-another", "run.json"]
 

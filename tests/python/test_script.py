@@ -1,4 +1,4 @@
-"""Options are checked where they are given, and a script ends in one line."""
+"""Options are checked where they are given; an error is one line."""
 
 import argparse
 import math
@@ -18,7 +18,7 @@ WORDS = st.one_of(st.text(max_size=20), st.floats().map(repr), st.integers().map
 
 @given(WORDS)
 def test_numbers(text):
-    """Finite, in the range and of 64 bits, or a message without line breaks that is no longer than a line."""
+    """Numbers are finite, within the range and of 64 bits; else one short line."""
     for kind, fits in ((script.number("0 ≤ x < 1", lambda v: 0 <= v < 1), lambda v: 0 <= v < 1),
                        (script.integer(), lambda v: isinstance(v, int) and abs(v) <= 2**63),
                        (script.at_least(3), lambda v: 3 <= v < 2**31),
@@ -45,7 +45,7 @@ VALUES = st.one_of(st.floats(), st.integers(), st.complex_numbers(), st.text(max
 
 @given(VALUES)
 def test_values_from_python(value):
-    """As of options: a finite real number (no bool), or the value and what is expected."""
+    """Numbers are finite, within the range and of 64 bits; else one short line."""
     for check, kind in ((checks.number, float), (checks.integer, int)):
         try:
             assert type(check("x", value)) is kind and not isinstance(value, bool)
@@ -78,7 +78,7 @@ def test_ends(body, code, errors):
     assert ended(body) == (code, "fine\n" if code == 0 else "", errors)
 
 
-def test_a_first_signal_asks_and_a_second_one_ends():
+def test_a_first_signal_stops_later_a_second_one_at_once():
     body = "with script.stoppable() as stop:\n        print('in', flush=True)\n        while True:\n            if stop.asked: print('asked', flush=True); stop.asked = 2\n            sys.stdin"
     code = f"import sys\nfrom rcr import script\ndef main():\n    {body}\nsys.argv = ['x.py']\nscript.run(main)"
     for number in (signal.SIGINT, signal.SIGTERM):

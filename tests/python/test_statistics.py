@@ -1,4 +1,4 @@
-"""Exponents from samples of known exponent, with errors that are those of repeated samples; densities, means, correlation."""
+"""Exponents of known samples with their errors; densities, means, correlation."""
 
 import hypothesis.extra.numpy as hnp
 import numpy as np
@@ -9,7 +9,7 @@ from rcr.study import statistics
 
 
 def power_sample(rng, beta, count, low=0.01):
-    """From a density ∝ x^β on [low, 1], by inversion."""
+    """Sample of a density ∝ x^β on [low, 1], by inversion."""
     u = rng.uniform(size=count)
     if beta == -1:
         return low ** (1 - u)
@@ -18,18 +18,20 @@ def power_sample(rng, beta, count, low=0.01):
 
 @pytest.mark.parametrize("beta", [0.1, -0.4, 0.0, -1.0, -1.5, 2.0])
 def test_power_exponent_and_its_error(beta):
-    """200 samples of 500: their mean off by at most 4 errors of the mean, their scatter the error that is given, ± 20 % (4 × 1/√400)."""
+    """200 samples of 500: the mean is within 4 errors of the mean, the scatter equals the stated
+    error within 20 % (4 × 1/√400).
+    """
     rng = np.random.default_rng(1)
     found, errors = np.array([statistics.power_exponent(power_sample(rng, beta, 500), 0.01)
                               for _ in range(200)]).T
-    bias = 3 / 500  # of a maximum-likelihood fit: of the order 1/n
+    bias = 3 / 500  # bias of a maximum-likelihood fit, of the order 1/n
     assert found.mean() == pytest.approx(beta, abs=4 * found.std() / np.sqrt(200) + bias)
     assert errors.mean() == pytest.approx(found.std(), rel=0.2)
 
 
 @pytest.mark.parametrize("alpha", [0.6, 1.6])
 def test_exponential_rate_and_its_error(alpha):
-    """As above, of the tail above 1."""
+    """Rate of the tail above 1."""
     rng = np.random.default_rng(2)
     found, errors = np.array([statistics.exponential_rate(1 + rng.exponential(1 / alpha, 500))
                               for _ in range(200)]).T
@@ -51,7 +53,8 @@ def test_exponents_look_at_their_range_only():
 
 
 def test_mean_and_variance_of_the_power_law_join_their_series():
-    """m(κ) and −dm/dκ on both sides of the switch to the series, against a difference quotient."""
+    """m(κ) and −dm/dκ on both sides of the switch to the series agree with a difference quotient.
+    """
     for kappa in (1e-4, 9e-4, 1.1e-3, 9e-3, 1.1e-2, 0.5, -3, 40):
         step = 1e-4
         slope = (statistics._mean(kappa + step) - statistics._mean(kappa - step)) / (2 * step)
@@ -83,8 +86,8 @@ VALUES = st.one_of(st.none(), st.floats(), st.text(max_size=3), ARRAYS,
 
 @pytest.mark.filterwarnings("error")
 @given(x=VALUES, y=VALUES, edges=VALUES, low=VALUES, high=VALUES)
-def test_what_is_no_sample_is_refused(x, y, edges, low, high):
-    """Whatever is given: numbers or NaN without a warning, or a ValueError."""
+def test_invalid_samples_are_rejected(x, y, edges, low, high):
+    """Any values give numbers or NaN without a warning, or a ValueError."""
     calls = (
         lambda: statistics.density(x, edges), lambda: statistics.centres(edges),
         lambda: statistics.class_means(x, y, edges),

@@ -1,4 +1,4 @@
-"""ξ-networks by cumulative sums, against loops over contacts and cutoffs."""
+"""ξ-networks by cumulative sums agree with loops over contacts and cutoffs."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ CUTOFFS = (0.0, 0.1, 0.5, 1.0, 1.7, 4.0, np.inf)
 
 
 def by_loops(network, xi):
-    """(a_c, a_ln, a_lt, a_fn, a_ft, q/p, share) of S(ξ), contact by contact, from the definitions."""
+    """(a_c, a_ln, a_lt, a_fn, a_ft, q/p, share) of S(ξ) by loops over contacts."""
     contacts, axes = network.contacts, network.stress_axes()
     rows = [(n, f, b, float(f @ n)) for n, f, b in zip(contacts["normal"], contacts["force"],
                                                        contacts["branch"])]
@@ -48,8 +48,8 @@ def test_equals_the_loop_over_contacts(xi):
 
 
 @pytest.mark.parametrize("xi", CUTOFFS)
-def test_half_sum_and_what_it_neglects(xi):
-    """X(ξ) from its definition, contact by contact; κ q(ξ)/p = half-sum + X(ξ)."""
+def test_half_sum_plus_cross_products_is_exact(xi):
+    """X(ξ) by its definition, contact by contact; κ q(ξ)/p = half-sum + X(ξ)."""
     test = random_network(1000)
     n, _, branch, force = test.local_components()
     theta = np.arctan2(n[:, 1], n[:, 0]) - test.stress_angle()

@@ -1,4 +1,6 @@
-"""Small scenes of every class, law and solver, and numbers that tell of each what it has become: {case: {quantity: number}}."""
+"""Small scenes of every class, law and solver, and numbers of their results: {case: {quantity:
+number}}.
+"""
 
 import math
 import pathlib
@@ -13,7 +15,7 @@ import scene_fuzzer
 from rcr.study.biaxial import Biaxial
 from yade import O
 
-TIME = 0.2  # s, in which the grains have fallen and lie
+TIME = 0.2  # simulated time until the grains rest [s]
 SOLVERS = ["nlgs", "sor", "nesterov", "exact", "auto"]
 PLAIN = dict(
     law="rigid", periodic=False, count=12, eta=0.6, friction=0.3, restitution=0.0, gravity=98.1,
@@ -40,7 +42,7 @@ SCENES = {
 
 
 def scene(**changes):
-    """Means over the grains, forces and energies of a scene of the fuzzer after TIME."""
+    """Means of grains, forces and energies of a scene of the fuzzer after TIME."""
     description = {**PLAIN, **changes}
     scene_fuzzer.build(description, np.random.default_rng(1))
     O.run(round(TIME / O.dt), True)
@@ -60,7 +62,10 @@ def scene(**changes):
 
 
 def stored(name, solver):
-    """The solution of a packing under shear, from a cold start. Forces of a packing are not unique: each solver has its own."""
+    """The solution of a packing under shear from a cold start.
+
+    Forces are not unique: they depend on the solver.
+    """
     solution = rcr.solve(str(TESTS / "data" / name), solver=solver, tolerance=1e-8
                          if solver in ("exact", "auto") else 1e-3, max_iterations=20000)
     return dict(normal=float(solution.reaction[:, 0].sum()),
@@ -69,7 +74,7 @@ def stored(name, solver):
 
 
 def biaxial(law):
-    """A biaxial test of 60 grains to 1 % of strain: WallStress, mobile walls, networks and their stress."""
+    """A biaxial test of 60 grains to 1 % of strain: walls, networks and their stress."""
     test = Biaxial.prepare(eta=0.5, particles=60, seed=1, law=law, threads=1, iterations=300)
     test.compact(balanced=0.01)
     compact = test.packing_fraction

@@ -1,5 +1,8 @@
 #!/usr/bin/env python3
-"""Renews the reference values, and shows what differs from the old ones: scripts/lib/run python3 tests/regression/renew.py [--dry] [--perturb]"""
+"""Renew the reference values and print the differences.
+
+    scripts/lib/run python3 tests/regression/renew.py [--dry] [--perturb]
+"""
 
 import argparse
 import json
@@ -15,7 +18,7 @@ REFERENCE = pathlib.Path(__file__).parent / "reference.json"
 
 
 def differences(old, new):
-    """Lines (case, quantity, old, new, relative difference), the largest first."""
+    """Rows (case, quantity, old, new, relative difference), the largest first."""
     rows = []
     for case in new:
         for quantity, value in new[case].items():
@@ -28,7 +31,7 @@ def differences(old, new):
 
 
 def perturbed(build, by=1e-15):
-    """The fuzzer's `build`, with grains moved by `by` of their coordinates."""
+    """The fuzzer's `build`, with coordinates of grains changed by the factor 1 + `by`."""
 
     def moved(*arguments):
         build(*arguments)

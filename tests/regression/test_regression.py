@@ -1,4 +1,4 @@
-"""Every class, law and solver against the numbers that it gave before. What has changed on purpose is renewed: `renew.py` shows the differences."""
+"""Every class, law and solver gives its reference numbers; `renew.py` renews them."""
 
 import json
 import pathlib
@@ -10,16 +10,15 @@ pytest.importorskip("yade", reason="the scenes need YADE")
 import cases  # noqa: E402
 
 REFERENCE = json.loads((pathlib.Path(__file__).parent / "reference.json").read_text())
-# A run repeats to the last bit on one machine, for all threads and lanes. Another C library or
-# compiler may round otherwise: grains moved by
-# 10^-15 of their places (`renew.py --perturb`) change forces, which are of one step and of shocks
-# that pass, by up to 5e-5, and all else by 1e-6.
+# A run repeats to the bit on one machine. Another C library or compiler may round otherwise: grains
+# moved by 1e-15 of their coordinates (`renew.py --perturb`) change forces of one step and of
+# passing shocks by up to 5e-5, all else by 1e-6.
 FORCE, ELSE = 1e-3, 1e-5
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
 @pytest.mark.parametrize("name", cases.CASES)
-def test_is_what_it_was(name):
+def test_results_equal_the_reference(name):
     found = cases.CASES[name]()
     assert found.keys() == REFERENCE[name].keys()
     for quantity, value in found.items():

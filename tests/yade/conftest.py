@@ -2,7 +2,7 @@ import sys
 
 import pytest
 
-yade = sys.modules.get("yade")  # ../conftest.py has imported it if it is there, with the plugin
+yade = sys.modules.get("yade")  # ../conftest.py imports it where it is installed
 if yade is None:
     collect_ignore_glob = ["*"]
 

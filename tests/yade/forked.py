@@ -1,4 +1,4 @@
-"""A script run in a copy of this process, which has YADE already: dozens of refusals in the time of one start."""
+"""Runs scripts in a fork of this process, which has YADE already: tests take one start together."""
 
 import os
 import runpy
@@ -11,7 +11,7 @@ SECONDS = 60
 
 
 def run(script, *arguments):
-    """Exit code, stdout and stderr of a script that ends before it makes threads; refusals do."""
+    """Exit code, stdout and stderr of a script that ends before it makes threads."""
     with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
         child = os.fork()
         if child == 0:
@@ -21,7 +21,7 @@ def run(script, *arguments):
             sys.stdout, sys.stderr = (open(number, "w", closefd=False) for number in (1, 2))
             sys.argv, sys.path = [script, *map(str, arguments)], [os.path.dirname(script),
                 *sys.path]
-            code = 99  # an exception that the script let through, or an end that was not its own
+            code = 99  # an exception of the script
             try:
                 runpy.run_path(script, run_name="__main__")
                 code = 0
@@ -40,7 +40,7 @@ def run(script, *arguments):
 
 
 def complaint(ended):
-    """The one line on stderr of a script that failed, and nothing else."""
+    """The one line on stderr of a script that failed."""
     assert ended.returncode not in (0, 99) and ended.returncode > 0, ended.stderr
     assert ended.stderr.count("\n") == 1 and ended.stdout == "", ended.stderr + ended.stdout
     return ended.stderr.strip()

@@ -1,4 +1,4 @@
-"""Scenes for the tests: one list of engines, a few bodies, and what is read off them."""
+"""Scenes for the tests: engines, bodies, and results."""
 
 import collections
 import os
@@ -17,12 +17,14 @@ from yade.wrapper import (
 )  # fmt: skip
 
 ALL_IG2 = [name for name in dir(rcr) if name.startswith("Ig2_") and name != "Ig2_Planar_RcrGeom"]
-# for closed forms: the solver leaves rounding only
+# for closed forms: only rounding remains
 EXACT = dict(tolerance=1e-14, maxIterations=3000, solver="nlgs")
 
 
 def engines(gravity=(0, -G, 0), before=(), restitution=None, **solver):
-    """The engines of a rigid scene; `before` stands before ContactDynamics, `solver` goes to it."""
+    """Engines of a rigid scene; `before` comes before ContactDynamics, `solver` sets its
+    attributes.
+    """
     ip2 = rcr.Ip2_FrictMat_FrictMat_CdPhys()
     if restitution is not None:
         ip2.restitution = MatchMaker(algo="val", val=restitution)
@@ -75,13 +77,14 @@ def velocity(body_id):
 
 
 def point_forces(id1, id2):
-    """Forces (normal, tangential) of the points of a contact, (points, 2), sorted along the particle."""
+    """Forces (normal, tangential) of the points of a contact, (points, 2), in order along the core.
+    """
     phys = O.interactions[id1, id2].phys
     return np.array([phys.force1, phys.force2])[: phys.points]
 
 
 def snapshot():
-    """Everything that moves, and the forces: (n, 20) array, to be compared bit by bit."""
+    """States of the bodies and forces on them, (n, 20), for comparisons of bits."""
     rows = []
     for b in O.bodies:
         s = b.state
@@ -90,13 +93,14 @@ def snapshot():
 
 
 def contact_forces():
-    """Point forces of all contacts by the ids of their bodies, bit by bit."""
+    """Point forces of all contacts by the ids of their bodies."""
     return {(i.id1, i.id2): (i.phys.points, *i.phys.force1, *i.phys.force2) for i in O.interactions
             if i.isReal}
 
 
 def python(code, **environment):
-    """Runs a script in a Python of its own, with these environment variables; returns the CompletedProcess."""
+    """Run a script in another Python with these environment variables; return the CompletedProcess.
+    """
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120,
                           env={**os.environ, **environment})
 

@@ -1,4 +1,5 @@
-"""Networks of any scene: who is a grain, who an obstacle, friction of each contact, volume, periodic cells, clumps."""
+"""Networks of any scene: grains, obstacles, friction of contacts, volume, periodic cells, clumps.
+"""
 
 import math
 
@@ -16,7 +17,8 @@ from yade.minieigenHP import Matrix3
 
 
 def heap(seed=0):
-    """Grains, discs and a clump at rest in a hollow of a wall, a box, a facet and a fixed grain; returns the ids by kind."""
+    """Grains, discs and a clump at rest on a wall, a box, a facet and a fixed grain; ids by kind.
+    """
     rng = np.random.default_rng(seed)
     rough, smooth = material(0.5), material(0.1)
     fixed = [
@@ -57,7 +59,8 @@ def resting():
 
 
 def test_f15_obstacles_are_no_grains(resting):
-    """The wall, the box, the facet and the fixed grain were grains, discs were left out, and four walls were asked for."""
+    """Wall, box, facet and fixed grain are obstacles; discs are grains; no four walls are needed.
+    """
     ids, network, *_ = resting
     assert sorted(network.particles["id"]) == sorted([*ids["grains"], *ids["members"]])
     at_obstacles = network.contacts["body2"] < 0
@@ -74,19 +77,19 @@ def test_f15_friction_is_that_of_the_contact(resting):
     c = network.contacts
     for one, two, friction in zip(c["body1"], c["body2"], c["friction"]):
         assert friction == frictions[frozenset((one, two if two >= 0 else OTHER - two))]
-    assert len(set(c["friction"])) == 2  # tan 0.5 and tan 0.1, the smaller of a pair
-    assert network.friction_mobilization().max() <= 1 + 1e-6  # of the solver
+    assert len(set(c["friction"])) == 2  # smaller of the pair: tan 0.5 or tan 0.1
+    assert network.friction_mobilization().max() <= 1 + 1e-6  # tolerance of the solver
 
 
 def test_obstacles_carry_the_weight(resting):
-    """What obstacles feel is the weight of the grains at rest, to the motion that is left."""
+    """The force on the obstacles is the weight of the grains, up to the remaining motion."""
     _, network, _, weight, _ = resting
     force = network.contacts["force"][network.contacts["body2"] < 0].sum(axis=0)
     assert force == pytest.approx([0, -weight], abs=2e-3 * weight)
 
 
 def test_stresses_of_grains_and_of_the_scene(resting):
-    """Σ A σ = V σ, with clumps too; a grain of the network has the stress that it has in the scene."""
+    """Σ A σ = V σ, with clumps too; grain stresses of network and scene agree."""
     _, network, frame, *_ = resting
     areas, stresses = Frame.of_network(network).areas(), network.grain_stresses()
     # rounding of sums
@@ -98,7 +101,7 @@ def test_stresses_of_grains_and_of_the_scene(resting):
 
 
 def test_a_clump_counts_as_one(resting):
-    """Its stress is symmetric but for its own acceleration: with arms from its members' centres it would not be."""
+    """The stress of a clump is symmetric up to its acceleration; arms start at its own centre."""
     ids, network, *_ = resting
     row = list(network.particles["id"]).index(ids["members"][0])
     other = list(network.particles["id"]).index(ids["members"][1])
@@ -135,8 +138,8 @@ def test_walls_that_are_no_box(walls):
 
 
 @pytest.mark.parametrize("walls", [(2, 1, 0, 3), (0, 3, 2, 1), (2, 3, 0, 1)])
-def test_walls_in_another_order_are_told_by_their_places(walls):
-    """Two of them changed gave a negative area, four the codes of the walls opposite."""
+def test_walls_are_identified_by_their_places(walls):
+    """Places of the walls give volume and codes, whatever their order."""
     build(rcr.wall("x", 0), rcr.wall("y", 0), rcr.wall("x", 1), rcr.wall("y", 2),
           rcr.particle((0.5, 0.5), 0.1, 0.5, material=material()))
     with pytest.raises(ValueError, match="are at x = .*; expected the order left, bottom, right, "
@@ -156,7 +159,9 @@ def test_scenes_without_a_free_grain_and_volumes_out_of_range():
 
 
 def test_f15_periodic_cell_needs_no_walls():
-    """A cell that shrinks and shears: the volume is its own, the stress YADE's, whose branch vectors are those of a step later (1 %)."""
+    """In a shrinking, sheared cell the volume is its own, and the stress YADE's within 1 %: YADE's
+    branch vectors are a step later.
+    """
     rng = np.random.default_rng(0)
     grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098),
                            0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
@@ -167,7 +172,7 @@ def test_f15_periodic_cell_needs_no_walls():
     cell = np.array(O.cell.hSize)[:2, :2]
     assert network.attributes["volume"] == pytest.approx(np.linalg.det(cell))
     assert len(network.contacts["force"]) > 10
-    # of two grains that touch: no period is in it
+    # branch of two touching grains, without a period
     assert np.hypot(*network.contacts["branch"].T).max() < 0.2
     stress = network.stress()
     assert np.einsum("n,nab->ab", rcr.measure.areas()[1],
@@ -203,5 +208,5 @@ def test_networks_of_spheres_under_a_law_of_yade():
     assert network.contacts["normal"] == pytest.approx(np.array([[-1, 0], [1, 0]]))
     assert network.contacts["friction"] == pytest.approx(math.tan(0.4))
     force = np.hypot(*network.contacts["force"].T)
-    # to the contact, and from centre to centre
+    # through the contact, and from centre to centre
     assert network.stress()[0, 0] == pytest.approx((force[0] * 0.995 + force[1] * 1.99) / 8)

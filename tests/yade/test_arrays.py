@@ -1,4 +1,4 @@
-"""Steps in arrays (pkg/dem/flatSteps.hpp) give the bits of YADE's engines, and whoever looks sees the scene as it is."""
+"""Steps in arrays (pkg/dem/flatSteps.hpp) give the bits of YADE's engines."""
 
 import math
 import threading
@@ -13,7 +13,7 @@ from yade.wrapper import PyRunner, RotationEngine
 from yade.minieigenHP import Matrix3, Vector3
 
 STEPS = 600
-MOST_STEPS = 100  # in arrays, then YADE's objects are brought up to date by a step of engines
+MOST_STEPS = 100  # steps in arrays before a step of engines updates YADE's objects
 SOLVER = dict(tolerance=1e-4, maxIterations=200)
 R = 0.05
 
@@ -44,7 +44,7 @@ def serve_spheres():
 
 
 def pressed():
-    """A box of grains under a lid with a constant load, and a wall that is driven."""
+    """A box of grains under a lid with a constant load, and a driven wall."""
     build(*grains(60, 8, 1), *walls(1.1), rcr.mobile_wall("y", 1.2, 5, -1, material(0)), dt=2e-3,
           **SOLVER)
     O.bodies[61].state.vel = Vector3(-0.05, 0, 0)
@@ -53,7 +53,7 @@ def pressed():
 
 
 def without_inertia():
-    """The same, each step from rest, which is a flow."""
+    """`pressed` without inertia, in a flow."""
     pressed()
     solver().overdamped = True
     solver().flow = Matrix3(0.02, 0.01, 0, -0.01, -0.02, 0, 0, 0, 0)
@@ -61,13 +61,13 @@ def without_inertia():
 
 
 def in_a_flow_that_follows():
-    """The same, and the flow is found in the step."""
+    """`without_inertia` with a flow that the step finds."""
     without_inertia()
     solver().trackMeanStretch = True
 
 
 def pile():
-    """Grains that come and go while they fall."""
+    """Falling grains, some inserted and erased."""
     build(*grains(30, 6, 2), *walls(3), dt=2e-3, **SOLVER)
 
     def replace():
@@ -80,7 +80,7 @@ def pile():
 
 
 def drum():
-    """Boxes that turn about a common centre, with spheres and Rcrs inside."""
+    """Boxes that turn about a common centre, with discs and Rcrs inside."""
     sides = []
     for k in range(8):
         angle = k * math.pi / 4
@@ -108,7 +108,9 @@ def mixed():
 
 
 def shot():
-    """Discs that fly fast above grains at rest, and through their gaps: the list of neighbours is mended round them."""
+    """Fast discs above grains at rest and through their gaps: the neighbour list is repaired around
+    them.
+    """
     build(*grains(160, 20, 7), *walls(2.5),
           *[rcr.disc((0.1 + 0.2 * k, 1.05 + 0.1 * k), 0.3 * R, material(0.5)) for k in range(3)],
           dt=1e-3, **SOLVER)
@@ -117,7 +119,7 @@ def shot():
 
 
 def watched():
-    """A PyRunner that reads and writes bodies in mid-run."""
+    """A PyRunner that reads and writes bodies during the run."""
     build(*grains(40, 6, 5), *walls(0.9), dt=2e-3, **SOLVER)
     O.engines = [*O.engines, PyRunner(command="from test_arrays import stir; stir()",
                                       iterPeriod=37)]
@@ -130,7 +132,7 @@ def stir():
 
 
 def cell():
-    """A periodic cell of grains that is narrowed, and sheared all along; its steps are the engines'."""
+    """A periodic cell under compression and shear; engines take its steps."""
     O.reset()
     O.periodic, O.dt = True, 2e-3
     O.cell.setBox(1.0, 1.0, 1.0)
@@ -143,7 +145,7 @@ SCENES = [pressed, without_inertia, in_a_flow_that_follows, pile, drum, mixed, s
 
 
 def contacts():
-    """All that a contact holds, by the ids of its bodies."""
+    """All data of the contacts, by the ids of their bodies."""
     rows = {}
     for i in O.interactions:
         if i.isReal:
@@ -198,7 +200,9 @@ def test_same_bits_for_threads_and_lanes(threads, lanes):
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", [pressed, pile, drum, mixed, cell])
 def test_same_bits_in_the_long_run(scene, tmp_path):
-    """1000 steps of the engines in one thread, against every number of threads and lanes, and against a run that is saved and loaded half-way."""
+    """1000 steps by engines in one thread against arrays with all numbers of threads and lanes, and
+    against a run that is saved and loaded.
+    """
     steps = 1000
     expected, _ = after(scene, False, steps, threads=1, lanes=8)
     assert len(expected[3]) > 30
@@ -224,7 +228,7 @@ def test_same_bits_after_reload(scene, tmp_path):
     assert same((O.iter, O.time, snapshot(), contacts()), expected[:4])
 
 
-def test_a_run_ends_where_it_is_told_to():
+def test_a_run_ends_at_its_step_or_time():
     mixed()
     O.run(17, True)
     assert O.iter == 17 and O.time == pytest.approx(0.017)
@@ -246,7 +250,7 @@ def test_pause_takes_hold_within_a_step():
     assert all(math.isfinite(x) for b in O.bodies for x in b.state.pos)
 
 
-def test_what_is_written_meanwhile_stays():
+def test_a_velocity_written_during_a_run_stays():
     """A velocity that a console sets during a run is not overwritten from the arrays.
 
     A step of engines may overwrite it, as in every YADE scene, so that it is set up to 20 times.
@@ -279,7 +283,7 @@ def test_what_is_written_meanwhile_stays():
          "the end of the run"),
     ],
 )
-def test_the_model_tells_why_engines_take_the_steps(change, reason):
+def test_the_model_has_the_reason_for_steps_of_engines(change, reason):
     mixed()
     change()
     O.run(20, True)
@@ -288,7 +292,9 @@ def test_the_model_tells_why_engines_take_the_steps(change, reason):
 
 
 def least_in_arrays(steps):
-    """Steps of one run without interruption that arrays take: all but the last, and one of each hundred."""
+    """Least number of steps in arrays of an uninterrupted run: engines take the last and one of
+    100.
+    """
     return steps - 1 - steps // MOST_STEPS
 
 
@@ -297,7 +303,7 @@ def solver():
 
 
 def test_an_error_leaves_the_scene_as_the_step_began():
-    """What ends a run in the midst of steps in arrays is told as ever, and the scene goes on from there."""
+    """An error during steps in arrays reaches the script; the scene can continue."""
     mixed()
     O.run(50, True)
     O.engines = [*O.engines[:-1], PyRunner(command="raise RuntimeError('enough')", iterPeriod=80),
@@ -309,7 +315,7 @@ def test_an_error_leaves_the_scene_as_the_step_began():
 
 @pytest.mark.parametrize("period", [1, 2, 7, 50])
 def test_forces_that_a_script_adds_now_and_then_act(period):
-    """Steps in arrays know contacts, gravity and engines that load; a force added by a PyRunner in the step they began with was lost."""
+    """A force added by a PyRunner in the first step of a series in arrays acts."""
     speeds = []
     for arrays in (True, False):
         build(*[stadium(0.2, 0.1, (k, 5), material=material(0)) for k in range(2)],
@@ -322,7 +328,7 @@ def test_forces_that_a_script_adds_now_and_then_act(period):
 
 
 def test_a_history_is_kept_without_a_stop():
-    """A PyRunner in every 20th step made each of these a look at all bodies; now one run has the history of many, to the bit."""
+    """One run returns the history of many short runs, to the bit."""
     ids = [3, 60, 61, 63]
 
     def fresh():
@@ -347,7 +353,7 @@ def test_a_history_is_kept_without_a_stop():
     assert long.observations() == []
 
 
-def test_observations_want_a_number_of_steps():
+def test_observe_every_is_a_number_of_steps():
     pressed()
     solver().observeEvery = -1
     with pytest.raises(ValueError, match="ContactDynamics.observeEvery = -1; wanted 0, none, or a "
@@ -356,7 +362,7 @@ def test_observations_want_a_number_of_steps():
 
 
 def test_advance_is_one_run():
-    """It was cut into pieces of 0.2 s, each of which began with a look at all bodies: a third of the time of 13 000 grains."""
+    """advance makes one run: pieces of 0.2 s would each gather all bodies."""
     pressed()
     assert rcr.advance(300)
     assert O.iter == 300 and solver().model["arrays"] >= least_in_arrays(300)
@@ -371,8 +377,8 @@ def test_an_engine_ends_advance():
     assert rcr.advance(50) and O.iter == 8
 
 
-def test_a_change_of_what_is_observed_begins_anew():
-    """Sums over 25 steps were divided by 100, and entries that were complete took the new names."""
+def test_a_change_of_observed_bodies_starts_a_new_mean():
+    """Each entry holds the bodies and steps of one observation."""
     pressed()
     watched = solver()
     watched.observe, watched.observeEvery = [3], 100
@@ -387,7 +393,7 @@ def test_a_change_of_what_is_observed_begins_anew():
 
 
 def test_an_observed_body_that_is_erased():
-    """The history asked for its position: the process ended."""
+    """The history leaves out its position; the next step raises."""
     pressed()
     watched = solver()
     watched.observe, watched.observeEvery = [5, 60], 50
@@ -405,7 +411,7 @@ def test_an_observed_body_that_is_erased():
 
 
 def test_a_member_of_a_clump_is_not_observed():
-    """Its contacts act on the clump: it told of no force."""
+    """Its contacts act on the clump, so the member is rejected."""
     build(rcr.wall("y", 0, +1), dt=1e-3)
     clump, (member, _) = rcr.clump([rcr.particle((0, 0.1), R, 0.5),
                                     rcr.particle((0, 0.1), R, 0.5, math.pi / 2)])
@@ -416,7 +422,7 @@ def test_a_member_of_a_clump_is_not_observed():
 
 
 def test_advance_beside_another_run_is_refused():
-    """It ended the other run; called by an engine it waited for that engine's own."""
+    """It would end the other run, or wait for the run of the engine that calls it."""
     pressed()
     O.engines = [*O.engines,
                  PyRunner(iterPeriod=5, firstIterRun=5, command="import rcr; rcr.advance(3)")]
@@ -425,7 +431,7 @@ def test_advance_beside_another_run_is_refused():
 
 
 def test_advance_in_a_thread():
-    """Only the main thread hears of signals."""
+    """Only the main thread receives signals."""
     pressed()
     done = []
     thread = threading.Thread(target=lambda: done.append(rcr.advance(30)))

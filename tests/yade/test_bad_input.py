@@ -1,7 +1,7 @@
-"""What a user may get wrong: each error says what was given, what is wanted and what to do, and nothing has moved by then.
+"""Errors of users: a message says what was given, expected and to do, and nothing moves.
 
-O.step() raises the engine's ValueError. O.run(wait=True) runs in a thread of YADE, which turns it into a RuntimeError with the
-same words; a run in the background stops at the error and logs it.
+O.step() raises the engine's ValueError. O.run(wait=True) raises a RuntimeError with the same words,
+since YADE runs it in a thread. A run in the background stops at the error and logs it.
 """
 
 import math
@@ -20,7 +20,7 @@ NAN, INF = math.nan, math.inf
 
 
 def resting(**options):
-    """A grain at rest on a wall (0), a second one above it."""
+    """A grain at rest on a wall (0), and a second one above it."""
     rough = material()
     ids = build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough),
                 stadium(0.2, 0.1, (0, 0.3), material=rough), **options)
@@ -28,7 +28,7 @@ def resting(**options):
 
 
 def refused(match, moved=False):
-    """The next step raises ValueError with these words, and leaves positions, orientations and velocities as they were."""
+    """The next step raises ValueError with these words; positions and velocities stay."""
     before = snapshot()[:, :13]
     with pytest.raises(ValueError, match=match):
         O.step()
@@ -92,7 +92,7 @@ def test_walls():
 
 @pytest.mark.parametrize("name, number", [("x", 0), ("y", 1)])
 def test_axis_of_a_wall_by_its_number(name, number):
-    """The number is that of YADE's own walls."""
+    """Numbers as in YADE's own walls."""
     assert rcr.wall(number, 0.5, velocity=2).state.vel == rcr.wall(name, 0.5, velocity=2).state.vel
     one, two = (rcr.mobile_wall(axis, 0, mass=1) for axis in (name, np.int64(number)))
     assert one.shape.axis == two.shape.axis == number
@@ -148,7 +148,9 @@ def test_clump_that_is_turned_out_of_the_plane():
 # --- engines --------------------------------------------------------------------------------------
 
 def rearranged(order):
-    """The engines of `resting` in another order, as indices (3 is ContactDynamics, 4 the integrator)."""
+    """The engines of `resting` in another order, by indices (3 is ContactDynamics, 4 the
+    integrator).
+    """
     resting()
     old = list(O.engines)
     O.engines = [old[k] for k in order]
@@ -156,7 +158,7 @@ def rearranged(order):
 
 def test_no_integrator():
     rearranged([0, 1, 2, 3])
-    O.engines[1].verletDist = 0  # else the collider asks for it first
+    O.engines[1].verletDist = 0  # otherwise the collider finds it first
     refused("O.engines holds no NewtonIntegrator")
 
 
@@ -178,7 +180,8 @@ def test_before_the_interaction_loop():
 
 def test_after_the_integrator():
     rearranged([0, 1, 2, 4, 3])
-    refused("stands after the NewtonIntegrator", moved=True)  # the integrator had its turn before
+    # the integrator has moved the bodies before
+    refused("stands after the NewtonIntegrator", moved=True)
 
 
 def test_damping():
@@ -274,7 +277,9 @@ build(rcr.wall("y", 0, material=material()), stadium(0.2, 0.1, (0, HEIGHT), mate
     ],
 )
 def test_missing_functor_of_the_contact(change, match, height):
-    """YADE itself would end the process here: exit(1) without a law, an exception in a parallel loop without physics."""
+    """YADE alone ends the process: exit(1) without a law, an exception in a parallel loop without
+    physics.
+    """
     attempt = f"{change}\ntry: O.step()\nexcept ValueError as error: print(error)"
     result = python(SCENE.replace("HEIGHT", str(height)) + attempt)
     assert result.returncode == 0 and match in result.stdout, result.stdout + result.stderr
@@ -293,13 +298,13 @@ assert "Rcr" not in yade.system.childClasses("Shape")
 """
     )
     assert "rcr was built for YADE 20" in result.stdout, result.stderr
-    assert "but YADE 1999.1 is running. Build it anew" in result.stdout, result.stderr
+    assert "but YADE 1999.1 is running. Start scripts/yade-rcr to rebuild it" in result.stdout, result.stderr
 
 
 # --- how errors arrive ----------------------------------------------------------------------------
 
 def test_run_and_wait_raises():
-    """YADE's wait() misses an error that comes before it looks, so this one comes with a contact after 30 000 steps."""
+    """YADE's wait() misses an early error; this one comes after 30 000 steps with a contact."""
     rough = material()
     build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-5,
           restitution=2)
@@ -327,7 +332,7 @@ def test_background_run_stops_at_the_error():
 
 
 def test_a_stress_on_a_wall_that_is_held_is_refused():
-    """Nothing moved, without a word."""
+    """A held wall does not move under a stress."""
     m = material()
     build(rcr.wall("x", -1, material=m), rcr.wall("x", 1, material=m),
           rcr.wall("y", 3, sense=-1, material=m), stadium(0.2, 0.1, (0, 1), material=m))
@@ -338,13 +343,13 @@ def test_a_stress_on_a_wall_that_is_held_is_refused():
     steps(1)
 
 
-def test_scene_goes_on_once_the_error_is_put_right():
+def test_a_scene_continues_once_the_error_is_corrected():
     body = resting()
     mass, body.state.mass = body.state.mass, 0
     refused("#1 is free but has the mass 0")
     body.state.mass = mass
     steps(10)
-    assert body.state.pos[1] == pytest.approx(0.1, abs=1e-12)  # at rest but for rounding
+    assert body.state.pos[1] == pytest.approx(0.1, abs=1e-12)  # rounding
 
 
 @pytest.mark.parametrize(
@@ -360,7 +365,7 @@ def test_scene_goes_on_once_the_error_is_put_right():
          r"gives it"),
     ],
 )
-def test_names_what_is_wrong(call, says):
+def test_messages_name_the_error(call, says):
     build(stadium(0.2, 0.1, (0, 1), material=material()))
     bodies = len(O.bodies)
     with pytest.raises(ValueError, match=says):

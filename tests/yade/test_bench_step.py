@@ -1,4 +1,4 @@
-"""scripts/bench_step.py with YADE: a checkpoint goes on, and the tables say what its engines did. No time is tested."""
+"""bench_step.py with YADE: it resumes a checkpoint and tabulates the engines' work."""
 
 import csv
 import subprocess
@@ -66,7 +66,7 @@ def test_so_many_sweeps(tmp_path):
 
 @pytest.mark.parametrize("what, says",
                          [("file.npz", "is no folder"), ("empty", "nothing to resume")])
-def test_says_in_a_line_what_is_wrong(what, says, tmp_path):
+def test_errors_are_reported_in_a_line(what, says, tmp_path):
     (tmp_path / "file.npz").touch()
     (tmp_path / "empty").mkdir()
     ended = bench(tmp_path / what, "--out", tmp_path / "out")

@@ -1,4 +1,4 @@
-"""scripts/chart.py and benchmarks.charts: tables go on where they stopped, known answers are known, the stock test is the same test."""
+"""Charts: tables resume, known answers are found, the stock test is the same test."""
 
 import dataclasses
 import json
@@ -21,7 +21,7 @@ SCRIPT = os.path.join(os.path.dirname(__file__), "..", "..", "scripts", "chart.p
 OPTIONS = charts.Options(out="", quick=True, particles=50, siconos="", peers="", limit=60)
 
 
-def test_table_goes_on_where_it_stopped(tmp_path):
+def test_a_table_resumes_where_it_stopped(tmp_path):
     path = str(tmp_path / "t.csv")
     charts.Table(path, ["x"]).put("a/1",
                                   [dict(point="a/1", status="ok", x=0.5),
@@ -35,7 +35,7 @@ def test_table_goes_on_where_it_stopped(tmp_path):
 
 
 def test_rows_of_other_settings_are_other_rows(tmp_path):
-    """A quick run and a full one share a file, and neither sees the other's rows."""
+    """A quick run and a full one share a file without mixing rows."""
     path = str(tmp_path / "t.csv")
     for settings, x in (("quick = True", 1.0), ("quick = False", 2.0)):
         table = charts.Table(path, ["x"], settings)
@@ -59,13 +59,13 @@ def test_damaged_tables_are_named(tmp_path, content):
 
 
 def test_a_point_of_one_step_runs(tmp_path):
-    """Chart a calls scripts/bench_solver.py: it looked for it beside the project."""
+    """Chart a finds bench_solver.py from any folder."""
     rows = one_step.run("250/0/auto", dataclasses.replace(OPTIONS, out=str(tmp_path)))
     assert {row["start"] for row in rows} == {"cold", "warm"}
     assert all(row["library"] == "auto" and row["seconds"] > 0 for row in rows)
     assert min(row["residual"] for row in rows) < 1e-4
-    # Another library, a script that stands for it: a grain falls on the floor and is stopped. The
-    # second number of iterations wanted another folder.
+    # A script stands for another library: a grain falls on the floor and stops. Two numbers of
+    # iterations need one folder.
     count = 250
     before, after = np.zeros((count + 4, 3)), np.zeros((count + 4, 3))
     before[0, 1] = -1
@@ -88,7 +88,7 @@ def error(name):
 
 @pytest.mark.parametrize("scene", ["incline", "disc"])
 def test_rigid_error_is_that_of_the_leapfrog(scene):
-    """x = a dt² n (n + 1)/2 is a t²/2 (1 + dt/t); the law adds nothing beyond its tolerance."""
+    """x = a dt² n (n + 1)/2 is a t²/2 (1 + dt/t); the law adds no more than its tolerance."""
     found, row = error(f"{scene}/cd/0.005/1e-08")
     assert found == pytest.approx(0.005 / 0.5, abs=1e-5)
     assert row["steps"] == 100
@@ -103,7 +103,7 @@ def test_errors_fall_with_dt_and_stiffness():
 
 @pytest.mark.parametrize("eta", [0.0, 0.5])
 def test_all_laws_shear_the_same_packing(eta, tmp_path):
-    """Mass, walls and stress are kept; the network of the clumps carries what the walls feel."""
+    """Mass, walls and stress are the same; the network of clumps carries the walls' forces."""
     options = charts.Options(**{**vars(OPTIONS), "out": str(tmp_path)})
     rigid = biaxial_cost.compacted(eta, 1, options)
     fraction, masses = rigid.packing_fraction, [O.bodies[i].state.mass for i in rigid.grains]
@@ -111,7 +111,7 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
     smooth.switch_to_springs(1e3)
     assert smooth.packing_fraction == fraction and smooth.parameters["law"] == "smooth"
     smooth.shear_record()
-    # one record after its springs were unloaded
+    # one record after unloading its springs
     assert smooth.mean_stresses[0] == pytest.approx(PROTOCOL.confining_stress, rel=0.3)
 
     stock = biaxial_cost.Stock(biaxial_cost.compacted(eta, 1, options), 1e3)
@@ -122,15 +122,15 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
     for _ in range(20):
         stock.shear_record()
     network = stock.network()
-    # forces of one step and their virial, against walls averaged over a record: unbalanced grains
-    # remain in the difference
+    # Forces of one step against averages of the walls: unbalanced grains make the difference.
     assert np.diag(network.stress()) == pytest.approx(stock.mean_stresses, rel=0.15)
     assert 0 < network.friction_mobilization().mean() <= 1
 
 
 @pytest.mark.parametrize("law, most", [("cd", 1e-12), ("smooth", 1e-3), ("stock", 0.02)])
 def test_the_work_of_the_walls_is_accounted_for(law, most, tmp_path):
-    """Rigid contacts to rounding, whatever the step; springs and clumps but for what their steps make."""
+    """Rigid contacts to rounding for any step; springs and clumps up to the error of their steps.
+    """
     test = biaxial_cost.compacted(0.5, 1, charts.Options(**{**vars(OPTIONS), "out": str(tmp_path)}))
     if law == "smooth":
         test.switch_to_springs(1e3)
@@ -175,8 +175,8 @@ def test_script_runs_a_point_again(tmp_path):
     assert row["settings"] == "quick = True"
 
 
-def test_points_that_were_given_up_are_tried_again_with_more_time():
-    """One that failed otherwise is a finding; --retry runs both again."""
+def test_points_that_ran_out_of_time_are_repeated_with_more():
+    """Other failures are findings; --retry repeats both."""
     statuses = "ok", "given up after 40 s", "given up after 60 s", "RuntimeError: flew apart"
     assert [charts.settled(status, 60) for status in statuses] == [True, False, True, True]
     assert [charts.settled(status, 60, retry=True) for status in statuses] == [True, False, False,
@@ -187,7 +187,10 @@ def test_points_that_were_given_up_are_tried_again_with_more_time():
 
 
 def test_limit_of_rates_is_found_in_pairs():
-    """y = 0.4 + 2 √I, seeds 0.05 apart: slope and limit exactly, though one seed lacks a rate; the error of the limit is the scatter of the seeds."""
+    """y = 0.4 + 2 √I with seeds 0.05 apart: exact slope and limit, though one seed lacks a rate.
+
+    The scatter of the seeds is the error of the limit.
+    """
     rates = {1: (1e-3, 3e-4, 1e-4, 3e-5), 2: (1e-3, 1e-4)}
     rows = [dict(seed=seed, inertial_number=rate, y=0.4 + 0.05 * (seed - 1) + 2 * math.sqrt(rate))
             for seed in rates for rate in rates[seed]]
@@ -203,7 +206,9 @@ def test_limit_of_rates_is_found_in_pairs():
 
 
 def test_point_of_the_rate_is_the_same_in_one_go_and_interrupted(tmp_path, monkeypatch):
-    """A point that ends with every record at a checkpoint, and one that is broken off and called again, give the same row; rates differ in what they should."""
+    """Checkpoints at every record and an interruption give the same row; rows of different rates
+    differ.
+    """
     options = charts.Options(**{**vars(OPTIONS), "out": str(tmp_path)})
     monkeypatch.setattr(quasi_static, "STRAIN", 0.13)
     monkeypatch.setattr(quasi_static, "FROM", 0.11)

@@ -1,18 +1,19 @@
-"""Scenes whose answer is known. Each docstring has the formula; all are in the plane and per unit depth."""
+"""Scenes of known solution. Docstrings give the formulas, in the plane and per unit depth."""
 
 import math
 
 import numpy as np
 import pytest
 import rcr
-from scenes import EXACT, G, box, build, inertia, material, point_forces, stadium, steps, tilted, velocity
+from scenes import (EXACT, G, box, build, inertia, material, point_forces, stadium, steps, tilted,
+                    velocity)
 from scipy.integrate import quad
 from scipy.optimize import brentq
 from yade import O
 
 DT = 1e-3
 MU = 0.5
-STILL = 1e-11  # m/s: rounding of gravity's dt g = 1e-2, summed over some steps
+STILL = 1e-11  # rounding of gravity's dt g = 1e-2 over some steps [m/s]
 ROUNDING = 1e-12  # relative: a few dozen operations
 slightly = pytest.mark.parametrize("factor", [0.99, 1.01], ids=["below", "above"])
 
@@ -22,11 +23,13 @@ slightly = pytest.mark.parametrize("factor", [0.99, 1.01], ids=["below", "above"
 @pytest.mark.parametrize("eta", [0, 0.3, 0.7, 0.95])
 @pytest.mark.parametrize("angle", [0, 1.0])
 def test_particle_has_the_mass_centre_and_inertia_of_its_shape(eta, angle):
-    """m = ρ ∫ dA, I = ρ ∫ |x|² dA, by integration over x of the half height y(x): 2y and 2x²y + 2y³/3."""
+    """m = ρ ∫ dA, I = ρ ∫ |x|² dA, integrated over x from the half height y(x): 2y and 2x²y +
+    2y³/3.
+    """
     R, density = 0.3, 2600.0
     a, r = eta * R, (1 - eta) * R
 
-    def integral(f):  # half of the shape: rectangle, then the half circle x = a + r sin t
+    def integral(f):  # half of the shape: rectangle, then half circle x = a + r sin t
         return 2 * (quad(lambda x: f(x, r), 0, a)[0]
                     + quad(lambda t: f(a + r * math.sin(t), r * math.cos(t)) * r * math.cos(t), 0,
                            math.pi / 2)[0])
@@ -41,7 +44,10 @@ def test_particle_has_the_mass_centre_and_inertia_of_its_shape(eta, angle):
 # --- slopes ---------------------------------------------------------------------------------------
 
 def floor_and_slope(kind, alpha, body, mu):
-    """A body on a slope that falls by α towards +x: tilted gravity on a wall, or a turned box. Returns (id, direction down)."""
+    """A body on a slope that falls by α towards +x; returns (id, direction down).
+
+    `kind` makes the slope by tilted gravity on a wall, or by a turned box.
+    """
     a, r, angle = body
     if kind == "wall":
         _, i = build(rcr.wall("y", 0, material=material(mu)),
@@ -66,14 +72,16 @@ def test_flat_slider_on_a_slope(kind, factor):
     v = velocity(slider)
     expected = max(0, G * (math.sin(alpha) - MU * math.cos(alpha)))
     assert v[:2] @ down / (50 * DT) == pytest.approx(expected, abs=1e-10 * G)
-    assert v[2] == pytest.approx(0, abs=1e-10)  # flat, whatever the friction
+    assert v[2] == pytest.approx(0, abs=1e-10)  # no rotation
 
 
 @pytest.mark.parametrize("kind", ["wall", "box"])
 @slightly
 def test_disc_on_a_slope(kind, factor):
-    """Rolls for tan α ≤ µ (1 + mR²/I): a = g sin α/(1 + I/(mR²)), ω = −v/R; else it slides, a = g (sin α − µ cos α) and
-    ω' = −µ m g cos α R/I."""
+    """Rolls for tan α ≤ µ (1 + mR²/I): a = g sin α/(1 + I/(mR²)), ω = −v/R.
+
+    Otherwise it slides: a = g (sin α − µ cos α), ω' = −µ m g cos α R/I.
+    """
     R = 0.2
     m, I = inertia(0, R)
     alpha = math.atan(factor * MU * (1 + m * R**2 / I))
@@ -93,11 +101,14 @@ def test_disc_on_a_slope(kind, factor):
 @pytest.mark.parametrize("kind", ["wall", "box"])
 @slightly
 def test_block_on_a_slope_tips_over_its_lower_edge(kind, factor):
-    """A flat RCR rests on the ends of its core, so it tips for tan α > a/r: ω' = −m g (r sin α − a cos α)/(I + m(a² + r²))."""
+    """A flat RCR rests on its core's ends and tips for tan α > a/r.
+
+    ω' = −m g (r sin α − a cos α)/(I + m(a² + r²)).
+    """
     a, r = 0.3, 0.5
     alpha = math.atan(factor * a / r)
     block, _ = floor_and_slope(kind, alpha, (a, r, 0), 2.0)
-    steps(1)  # later the lever arm has changed
+    steps(1)  # the lever arm changes later
     m, I = inertia(a, r)
     expected = min(0, -m * G * (r * math.sin(alpha) - a * math.cos(alpha)) / (I + m
         * (a**2 + r**2)))
@@ -106,7 +117,7 @@ def test_block_on_a_slope_tips_over_its_lower_edge(kind, factor):
 
 @pytest.mark.parametrize("angle", [0.2, 0.8, 1.5, math.pi / 2, 2.5])
 def test_rcr_starts_to_rock_about_its_contact(angle):
-    """On one cap, without sliding: ω' = −m g x/(I + m (x² + y²)), (x, y) from the contact to the centre."""
+    """On one cap without sliding ω' = −m g x/(I + m (x² + y²)), (x, y) from contact to centre."""
     a, r = 0.4, 0.1
     rod, _ = floor_and_slope("wall", 0, (a, r, angle), 100.0)
     O.bodies[rod].material.frictionAngle = math.atan(100)
@@ -120,7 +131,7 @@ def test_rcr_starts_to_rock_about_its_contact(angle):
 
 
 def test_rcr_rocks_and_keeps_its_energy():
-    """Rolling on a cap is free of losses: E is kept but for O(dt) of the time stepping."""
+    """Rolling on a cap has no losses: E is constant up to O(dt)."""
     a, r = 0.4, 0.1
     m, I = inertia(a, r)
     losses = []
@@ -133,7 +144,7 @@ def test_rcr_rocks_and_keeps_its_energy():
         v = velocity(rod)
         gained = 0.5 * m * v[:2] @ v[:2] + 0.5 * I * v[2] ** 2
         losses.append(1 - gained / (m * G * (height - O.bodies[rod].state.pos[1])))
-    assert abs(losses[0]) < 0.03  # g dt/v at v = 1 m/s, from the symplectic potential energy
+    assert abs(losses[0]) < 0.03  # g dt/v at v = 1 m/s, of the leapfrog's potential energy
     assert losses[1] == pytest.approx(losses[0] / 2, rel=0.1)  # first order
 
 
@@ -142,9 +153,11 @@ def test_rcr_rocks_and_keeps_its_energy():
 @pytest.mark.parametrize("theta", [0.7, 1.0, 1.3])
 @pytest.mark.parametrize("factor", [0.999, 1.001], ids=["above", "below"])
 def test_ladder_against_a_smooth_wall(theta, factor):
-    """Moments about the foot: N_wall (r + 2a sin θ) = m g a cos θ, and N_wall = F ≤ µ m g, so it slips below the angle of
-    a cos θ = µ (r + 2a sin θ); for a thin ladder tan θ = 1/(2µ). The cap radius r raises the wall's lever arm over the
-    floor's by r, no more."""
+    """Moments about the foot: N_wall (r + 2a sin θ) = m g a cos θ, N_wall = F ≤ µ m g.
+
+    It slips where a cos θ > µ (r + 2a sin θ); a thin ladder where tan θ < 1/(2µ). The cap radius r
+    makes the lever arm of the wall longer than that of the floor by r.
+    """
     a, r = 1.0, 0.05
     mu = factor * a * math.cos(theta) / (r + 2 * a * math.sin(theta))
     critical = brentq(lambda t: a * math.cos(t) - mu * (r + 2 * a * math.sin(t)), 0.1, 1.6)
@@ -165,8 +178,10 @@ def test_ladder_against_a_smooth_wall(theta, factor):
 @pytest.mark.parametrize("where", ["discs", "floor"])
 @slightly
 def test_pyramid_of_three_discs(where, factor):
-    """One disc on two that touch on a floor, all of the weight W. Contact at 30° from the vertical, N and T; the lower disc is
-    free of torque, so the floor's friction is F = T too. Horizontally N sin 30° = T cos 30° + F:
+    """One disc on two that touch, on a floor, weight W each; N and T act at 30° to the vertical.
+
+    The lower disc is free of torque, so the floor's friction is F = T. Horizontally
+    N sin 30° = T cos 30° + F:
 
         T/N = sin 30°/(1 + cos 30°) = tan(π/12)          between the discs
         2 (N cos 30° + T sin 30°) = W  ⟹  N = W/2,  F/(3W/2) = tan(π/12)/3   at the floor
@@ -180,7 +195,7 @@ def test_pyramid_of_three_discs(where, factor):
         *(stadium(0, R, center, material=discs)
           for center in [(-R, R), (R, R), (0, R + math.sqrt(3) * R)]),
     )
-    for i in (1, 2, 3):  # the smaller of two angles counts, so the discs may not limit the floor
+    for i in (1, 2, 3):  # the smaller angle counts, so that the discs do not limit the floor
         O.bodies[i].material = discs if where == "discs" else material(1.0)
     steps(5)
     top = -velocity(3)[1]
@@ -190,8 +205,10 @@ def test_pyramid_of_three_discs(where, factor):
 @pytest.mark.parametrize("support", ["rcr", "box"])
 @pytest.mark.parametrize("shift", [0.0, 0.1, 0.25, 0.39])
 def test_eccentric_load_is_shared_by_the_lever_rule(support, shift):
-    """A flat RCR, shifted by s, rests on two points: its own end at s − a and the edge of its support at a. Lever rule:
-    N₁ = W (a − s)/(2a − s), N₂ = W a/(2a − s)."""
+    """A flat RCR, shifted by s, rests on its own end at s − a and the support's edge at a.
+
+    Lever rule: N₁ = W (a − s)/(2a − s), N₂ = W a/(2a − s).
+    """
     lower, upper = side_on_side(support, shift)
     steps(20)
     a, (m, _) = 0.4, inertia(0.4, 0.1)
@@ -203,7 +220,7 @@ def test_eccentric_load_is_shared_by_the_lever_rule(support, shift):
 @pytest.mark.parametrize("support", ["rcr", "box"])
 @pytest.mark.parametrize("shift", [0.41, 0.5])
 def test_load_beyond_the_edge_tips(support, shift):
-    """s > a: one point is left at the edge, ω' = −m g x/(I + m (x² + r²)) with x = s − a."""
+    """s > a leaves one point at the edge: ω' = −m g x/(I + m (x² + r²)), x = s − a."""
     lower, upper = side_on_side(support, shift, friction=100.0)
     steps(1)
     m, I = inertia(0.4, 0.1)
@@ -221,8 +238,10 @@ def side_on_side(support, shift, friction=0.5):
 
 
 def test_zigzag_column_presses_like_a_fluid():
-    """Frictionless discs stacked from wall to wall: the contact under the k-th from the top carries kW at the angle φ,
-    tan φ = Δx/Δy, so disc k presses its wall by (2k − 1) W tan φ, linear in depth; the bottom one by (n − 1) W tan φ."""
+    """Frictionless discs stacked from wall to wall: disc k bears kW at tan φ = Δx/Δy.
+
+    Disc k presses its wall by (2k − 1) W tan φ, the bottom one by (n − 1) W tan φ.
+    """
     n, R, dx = 20, 0.1, 0.09
     dy = math.sqrt(4 * R * R - dx * dx)
     smooth = material(0)
@@ -244,7 +263,7 @@ def test_zigzag_column_presses_like_a_fluid():
 
 
 def test_resting_pile_presses_with_its_weight():
-    """Sums of the wall forces: 0 and −Σ m g."""
+    """The wall forces sum to 0 and −Σ m g."""
     rng = np.random.default_rng(5)
     rough = material(0.4)
     grains = [
@@ -282,7 +301,7 @@ def test_free_flight_is_that_of_the_symplectic_scheme():
 
 
 def test_plastic_disc_closes_its_gap_and_rests():
-    """e = 0: the gap that is left closes within one step, v = −gap/dt, and the next one stops the disc."""
+    """e = 0: the last gap closes within one step, v = −gap/dt; the next step stops the disc."""
     h, R = 0.5, 0.1
     _, disc = build(rcr.wall("y", 0, material=material()), stadium(0, R, (0, R + h)))
     steps(round(math.sqrt(2 * h / G) / DT) + 3)  # a few steps after the impact
@@ -292,15 +311,17 @@ def test_plastic_disc_closes_its_gap_and_rests():
 
 @pytest.mark.parametrize("e", [0.3, 0.8, 1.0])
 def test_disc_bounces(e):
-    """v⁺ = −e v⁻ in the step of the impact, and the heights of the apexes are e^{2n} h but for O(dt): a step moves the disc
-    by v dt at the most, so the energy of one bounce is uncertain by m g v dt."""
+    """v⁺ = −e v⁻ in the step of the impact; the heights of the apexes are e^{2n} h up to O(dt).
+
+    A step moves the disc by v dt at most, so the energy of a bounce is uncertain by m g v dt.
+    """
     h, R = 0.5, 0.1
     _, disc = build(rcr.wall("y", 0, material=material()), stadium(0, R, (0, R + h)), restitution=e)
     apexes, before = [], 0.0
     for _ in range({0.3: 500, 0.8: 1300, 1.0: 1000}[e]):
         O.step()
         v = velocity(disc)[1]
-        if before < -10 * G * DT and v > before:  # an impact that is no resting contact
+        if before < -10 * G * DT and v > before:  # an impact, no resting contact
             assert v == pytest.approx(-e * before, rel=ROUNDING, abs=STILL)
         if before > 0 >= v:
             apexes.append(O.bodies[disc].state.pos[1] - R)
@@ -315,7 +336,10 @@ def test_disc_bounces(e):
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("e", [0, 0.6])
 def test_collision_keeps_the_momenta(seed, e):
-    """Σ m v and Σ (I ω + m x × v) do not change. Position correction is off: it moves bodies without a velocity."""
+    """Σ m v and Σ (I ω + m x × v) stay.
+
+    Position correction is off: it moves bodies without velocity.
+    """
     rng = np.random.default_rng(seed)
     rough = material(0.4)
     ids = build(*(stadium(0.3, 0.1, (side * 0.5, rng.uniform(-0.1, 0.1)), rng.uniform(0, 3),

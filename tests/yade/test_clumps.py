@@ -1,4 +1,4 @@
-"""Clumps of Rcrs and discs: contacts act on the motion of the whole."""
+"""Clumps of Rcrs and discs: contacts act on the whole clump."""
 
 import math
 
@@ -37,7 +37,7 @@ def test_mass_and_inertia_of_two_discs():
 
 
 def test_union_of_overlapping_members_is_counted_once():
-    """Discs along the core of an Rcr, side by side: its area and moment, from below."""
+    """Discs side by side along the core of an Rcr approach its area and moment from below."""
     scene()
     m = material()
     grain = rcr.particle((0, 0), 0.3, 0.6, angle=0.4, material=m)
@@ -61,9 +61,9 @@ def test_falls_freely():
 
 @pytest.mark.parametrize("law", ["rigid", "smooth"])
 def test_an_upright_pair_topples_over_its_lower_disc(law):
-    """Two discs, one on the other, tilted by θ₀, on a floor without slip: (I + m R²-type) rolling, checked by energy.
+    """A clump of two discs, tilted by θ₀, topples on a floor without slip.
 
-    While the lower disc rolls without slip, ½ m v² + ½ I ω² = m g (h₀ − h).
+    While the lower disc rolls, ½ m v² + ½ I ω² = m g (h₀ − h).
     """
     m = material(friction=1.2)
     m.young, m.poisson = 1e8, 0.5
@@ -84,12 +84,14 @@ def test_an_upright_pair_topples_over_its_lower_disc(law):
     assert height - s.pos[1] > 0.002 and moving == pytest.approx(fallen, rel=0.02)
     lower = O.bodies[members[0]].state
     assert lower.pos[1] == pytest.approx(0.1, abs=2e-4)
-    # it rolls; the shear spring has no dashpot and swings
+    # it rolls; the undamped shear spring oscillates
     assert lower.vel[0] == pytest.approx(-0.1 * s.angVel[2], abs=5e-3 if law == "rigid" else 2e-2)
 
 
 def test_glued_into_an_rcr_falls_as_the_rcr():
-    """Discs every R'/10 along the core, with the mass and moment of the grain, and the grain itself: the same fall and roll."""
+    """Discs every R'/10 along the core with the grain's mass and moment fall and roll as the grain
+    does.
+    """
     def fall(make):
         m = material(friction=0.5)
         scene(rcr.wall("y", 0, material=m), dt=2e-4)
@@ -130,7 +132,7 @@ def test_forces_on_members_are_loads_of_the_clump():
     assert np.abs(velocity(clump)).max() < 1e-9
 
 
-def test_a_pile_of_clumps_comes_to_rest_and_reloads_to_the_same_bits(tmp_path):
+def test_a_pile_of_clumps_rests_and_reloads_to_the_same_bits(tmp_path):
     m = material()
     scene(rcr.wall("y", 0, material=m), rcr.wall("x", -1, material=m), rcr.wall("x", 1, material=m))
     rng = np.random.default_rng(1)

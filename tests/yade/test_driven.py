@@ -1,4 +1,4 @@
-"""Driven scenes: some of those that benchmarks/driven_scenes.py runs, small and short, and the recorded kind that once exploded."""
+"""Driven scenes, small and short, and a recorded step that once diverged."""
 
 import dataclasses
 
@@ -10,12 +10,12 @@ from scenes import build, material, steps
 from test_any_network import heap
 from yade import O
 
-# of the rest, times are those of a busy machine, and these scenes are too short for the message
+# The other scenes are too slow, or too short for the message.
 BOUNDS = {"ended", "speed", "force"}
 
 
 @pytest.mark.parametrize("seed", range(len(driven.MOTIONS)), ids=driven.MOTIONS)
-def test_a_driven_scene_keeps_what_springs_keep(seed):
+def test_a_driven_scene_conserves_what_springs_conserve(seed):
     scene = driven.draw(seed, grains=(20, 40), steps=150)
     rigid, springs = driven.run(scene)
     assert not BOUNDS & set(driven.violations(scene, rigid,
@@ -32,7 +32,7 @@ def test_a_lid_beside_a_receding_wall_does_not_explode():
 
 @pytest.mark.parametrize("seed", [0, 2])
 def test_a_heap_that_nothing_drives_never_yields(seed):
-    """Rest breaks no law there, so every step has a solution; contacts yielded in three of these steps, "to driven bodies"."""
+    """Every step has a solution, so contacts never yield."""
     heap(seed)
     O.run(3500, True)
     assert O.engines[-2].yieldedSteps == 0
@@ -41,7 +41,7 @@ def test_a_heap_that_nothing_drives_never_yields(seed):
 @pytest.mark.parametrize("count", [12, 30])
 @pytest.mark.parametrize("speed", [0.1, 10])
 def test_a_free_row_that_is_struck_is_no_jam(count, speed):
-    """Discs in a line before a wall: the wall bears the momentum of all, they leave with its speed and through none of each other."""
+    """Discs in a line before a wall: the wall bears their momentum; they leave with its speed."""
     smooth = material(0)
     grains = [rcr.disc((0.02 * k, 0), R=0.01, material=smooth) for k in range(count)]
     build(rcr.wall("x", -0.01, sense=1, velocity=speed, material=smooth), *grains, dt=1e-4,
@@ -59,14 +59,14 @@ def test_a_free_row_that_is_struck_is_no_jam(count, speed):
 
 @pytest.mark.parametrize("count, speed", [(10, 10), (20, 10), (30, 0.5)])
 def test_grains_that_fly_together_are_solved(count, speed):
-    """What is left between them is rounding, which was swept for 1000 sweeps a step, counted as missed, and as a jam to which contacts yield."""
+    """Rounding between them must not cost 1000 sweeps a step or count as a jam."""
     smooth = material(0)
     grains = [rcr.disc((0.02 * k, 0), R=0.01, material=smooth) for k in range(count)]
     build(rcr.wall("x", -0.0101, sense=1, velocity=speed, material=smooth), *grains, dt=1e-4,
           gravity=(0, 0, 0))
     O.engines[1].verletDist = 1e-3
     solver = O.engines[-2]
-    steps(int(1e-3 / speed / O.dt) + 20)  # it has met the first, and all fly
+    steps(int(1e-3 / speed / O.dt) + 20)  # the first disc is hit, and all fly
     missed, sweeps = solver.missedSteps, []
     for _ in range(40):
         O.step()
@@ -75,7 +75,7 @@ def test_grains_that_fly_together_are_solved(count, speed):
     np.testing.assert_allclose([b.state.vel[0] for b in O.bodies][1:], speed, rtol=1e-3)
 
 
-def test_draws_cover_what_they_shall():
+def test_random_scenes_cover_all_kinds():
     scenes = [driven.draw(seed) for seed in range(200)]
     for name, low, high in (("eta", 0, 0.9), ("friction", 0, 1), ("grains", 20, 300),
                             ("dt", 1e-4, 1e-2)):
@@ -110,7 +110,7 @@ def test_each_bound_is_seen(rigid, springs, broken):
                              dataclasses.replace(course, **springs)) == broken
 
 
-def test_springs_that_take_over_begin_with_the_motion_of_the_rigid_grains():
+def test_springs_start_from_the_motion_of_the_rigid_grains():
     scene = driven.draw(0, grains=(20, 40), steps=150)
     bed = driven._settled(scene)
     driven.begin(scene, driven.RIGID, bed)
@@ -121,7 +121,7 @@ def test_springs_that_take_over_begin_with_the_motion_of_the_rigid_grains():
 
 
 def test_a_step_pays_no_more_than_its_iterations():
-    """Of 113 discs in a box that turns slowly some steps went on for 1300 iterations, 300 of sweeps and 1000 of exact steps, where most took 100."""
+    """113 discs in a slowly turning box: no step takes much more than its iterations."""
     scene = driven.draw(28)
     driven.begin(scene, driven.RIGID, driven._settled(scene))
     iterations = []

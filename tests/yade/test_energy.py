@@ -1,4 +1,4 @@
-"""Energy with O.trackEnergy: what friction, impacts, drive and position correction take, so that the total stays."""
+"""Energy with O.trackEnergy: accounts of friction, impacts, drive and correction keep the total."""
 
 import math
 
@@ -13,7 +13,7 @@ G = 9.81
 
 
 def run(steps):
-    """The largest change of the total, and what is dissipated, over the steps."""
+    """The largest change of the total, and the dissipated energy, over the steps."""
     O.trackEnergy = True
     O.step()
     start = O.energy.total()
@@ -28,7 +28,7 @@ def run(steps):
 
 
 def never_gives(dissipated, scale):
-    """No account ever falls, beyond what one step's rounding of velocities is worth."""
+    """No account decreases by more than the rounding of velocities in a step."""
     return (np.diff(dissipated, axis=0) >= -1e-3 * scale).all() and (dissipated[-1] >= 0).all()
 
 
@@ -83,9 +83,9 @@ def test_column_that_collapses(law):
 
 @pytest.mark.parametrize("mu", [0.2, 0.5, 1.0])
 @pytest.mark.parametrize("restitution", [0.3, 0.8])
-def test_a_bounce_in_which_the_slip_turns_round_takes_from_both_accounts_nothing_back(mu,
+def test_a_bounce_with_slip_reversal_never_lowers_an_account(mu,
         restitution):
-    """A long grain that falls on its end: friction's share alone was negative, 8 % of what the impact takes."""
+    """A long grain falls on its end: impact and friction together take a positive energy."""
     for angle in np.linspace(0.1, 1.4, 8):
         m = material(friction=mu)
         build(rcr.wall("y", 0, material=m), stadium(0.018, 0.002, (0, 0.03), angle=angle,
@@ -96,8 +96,11 @@ def test_a_bounce_in_which_the_slip_turns_round_takes_from_both_accounts_nothing
 
 
 def test_two_fast_grains_gain_nothing_in_a_step():
-    """At random, some in each other, up to 0.4 R and 0.15 rad a step: a contact that has other points at the end of the step than at its beginning
-    pushed them apart by all of an old overlap, which made up to 64 % of their energy."""
+    """Random pairs, some overlapping, up to 0.4 R and 0.15 rad a step.
+
+    A contact may have other points at the end of the step than at its beginning; it must not push
+    by all of an old overlap.
+    """
     rng, gained = np.random.default_rng(3), []
     for _ in range(600):
         grains = []
@@ -116,7 +119,9 @@ def test_two_fast_grains_gain_nothing_in_a_step():
 
 @pytest.mark.parametrize("restitution", [0.9, 1])
 def test_a_thin_grain_between_two_others_is_no_lever(restitution):
-    """It spins by 0.18 rad a step: a blow at one end threw it against the contact that it was leaving, and the energy was 5.6 times as large."""
+    """It spins by 0.18 rad a step: a blow at one end must not throw it against the contact that
+    opens.
+    """
     m = material(0)
     one = stadium(0.0023, 0.0053, (-0.0467, -0.0212), angle=-0.13409, velocity=(0.2726, -0.2826),
                   angular_velocity=17.16, material=m)
@@ -132,7 +137,7 @@ def test_a_thin_grain_between_two_others_is_no_lever(restitution):
 
 
 def test_an_elastic_impact_of_two_grains_keeps_their_energy():
-    """However far they move in a step, also where a turn makes them meet that their velocities would not: up to 28 % was lost."""
+    """They may move far in a step, and meet by turning only."""
     rng, kept = np.random.default_rng(1), []
     for _ in range(150):
         grains = []
@@ -151,7 +156,7 @@ def test_an_elastic_impact_of_two_grains_keeps_their_energy():
 
 @pytest.mark.parametrize("restitution", [0.5, 1])
 def test_a_gap_narrower_than_the_way_of_a_step_is_no_jam(restitution):
-    """A disc between two walls at rest: its bounces from both fall into one step, which was told as one that driven bodies make impossible, and left overlaps of 0.02."""
+    """A disc between two walls at rest: both bounces fall into one step, which has a solution."""
     m, R, gap = material(0), 0.01, 1e-4
     walls = [rcr.wall("x", side * (R + gap), sense=-side, material=m) for side in (-1, 1)]
     *_, disc = build(*walls, stadium(0, R, (0, 0), velocity=(1, 0), material=m), dt=1e-3,
@@ -166,7 +171,7 @@ def test_a_gap_narrower_than_the_way_of_a_step_is_no_jam(restitution):
 @pytest.mark.parametrize("friction", [0, 0.4])
 @pytest.mark.parametrize("restitution", [0.9, 1])
 def test_a_cloud_gains_nothing_in_a_step(restitution, friction):
-    """Grains from discs to needles, up to 0.15 rad and 0.1 R a step."""
+    """Discs to needles, up to 0.15 rad and 0.1 R a step."""
     rng, gained = np.random.default_rng(2), []
     for _ in range(4):
         m = material(friction)
@@ -189,7 +194,7 @@ def test_a_cloud_gains_nothing_in_a_step(restitution, friction):
 
 
 def test_shear_between_driven_walls():
-    """What two lids of prescribed motion put in, friction and impacts take."""
+    """Friction and impacts take the work of two driven lids."""
     m = material(friction=0.5)
     rng = np.random.default_rng(5)
     walls = [rcr.wall("y", 0, material=m), rcr.wall("x", -0.15, material=m),
@@ -206,7 +211,7 @@ def test_shear_between_driven_walls():
 
 
 def test_position_correction_lifts():
-    """Overlaps displaced away lift a grain: gravity's account tells it, and the correction's takes it back."""
+    """The correction of overlaps lifts grains: its account balances gravity's."""
     m = material()
     _, disc = build(rcr.wall("y", 0, material=m), stadium(0, 0.1, (0, 0.099), material=m))
     s = O.bodies[disc].state
@@ -217,7 +222,7 @@ def test_position_correction_lifts():
     assert dict(O.energy.items())["correctionWork"] == pytest.approx(-lifted, rel=0.02)
 
 
-def test_nothing_is_booked_where_nobody_asks():
+def test_nothing_is_booked_without_track_energy():
     m = material()
     build(rcr.wall("y", 0, material=m), stadium(0, 0.1, (0, 0.1), material=m))
     for _ in range(3):

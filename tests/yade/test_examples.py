@@ -1,4 +1,4 @@
-"""Every example runs alone, at its small size, and leaves a picture; a batch gives what single runs give; Ctrl-C loses nothing."""
+"""Examples run alone at their small size and leave pictures; batches, regression, Ctrl-C."""
 
 import pathlib
 import shutil
@@ -22,7 +22,7 @@ def yade(folder, *command, program="yade"):
                           timeout=300, cwd=folder)
 
 
-QUICK = ["first_scene"]  # the others take a start of YADE and some seconds each
+QUICK = ["first_scene"]  # the others take some seconds each
 
 
 @pytest.mark.parametrize("script",
@@ -42,8 +42,8 @@ def test_example(script, tmp_path):
 
 
 @pytest.mark.slow
-def test_batch_gives_what_single_runs_give(tmp_path):
-    """Four jobs side by side; the single run takes its parameters from the defaults, the columns of the table name the same ones."""
+def test_a_batch_gives_the_results_of_single_runs(tmp_path):
+    """Four jobs at the same time give what a single run with default parameters gives."""
     shutil.copy(FOLDER / "batch.py", tmp_path)
     rows = [(0, 0.2), (0, 0.5), (0.5, 0.2), (0.5, 0.5)]
     assert (FOLDER / "batch.table").read_text().split("eta mu\n")[1] == "".join(f"{eta:.1f} {mu}\n"
@@ -63,7 +63,7 @@ def test_batch_gives_what_single_runs_give(tmp_path):
     assert [(row["eta"], row["mu"]) for row in table] == rows and len(set(table["runout"])) == 4
 
 
-def test_regression_tells_what_is_off(tmp_path):
+def test_the_regression_example_reports_differences(tmp_path):
     script = tmp_path / "changed.py"
     text = (FOLDER / "regression.py").read_text()
     assert text.count("math.atan(0.5)") == 1

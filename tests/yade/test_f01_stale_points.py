@@ -1,7 +1,9 @@
-"""A pair that late detection finds with more points than were gathered must be gathered anew.
+"""A pair that gains points within a step is gathered again.
 
-A brick (R = 1, η = 0.9, tilted by 0.02) rests with one end on the floor; a disc (R = 0.2) 1e-4 above it falls at 50 m/s. The brick
-outruns its alert distance, the floor sees its second end, and the pair grows from one point to two within the step.
+A brick (R = 1, η = 0.9, tilted by 0.02) rests with one end on the floor; a disc (R = 0.2) 1e-4
+above
+it falls at 50 m/s. The brick leaves its alert distance, the floor detects its second end, and the
+pair grows from one point to two within the step.
 """
 
 import math
@@ -28,8 +30,7 @@ def test_points_and_forces_belong_together():
     steps(1)
     pair = O.interactions[floor, brick]
     assert pair.phys.points == pair.geom.points
-    # every point that a pair has was in the problem: the forces on the brick are those of its
-    # contacts
+    # The problem holds every point of the pair: the forces on the brick are those of its contacts.
     engine = next(e for e in O.engines if isinstance(e, rcr.ContactDynamics))
     assert engine.contactPoints == sum(i.geom.points for i in O.interactions if i.isReal)
     assert O.bodies[brick].state.pos[1] > 0 and np.isfinite(O.bodies[disc].state.vel[1])

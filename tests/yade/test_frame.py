@@ -1,4 +1,4 @@
-"""What is drawn, exported and measured of a scene: every kind of body, contacts of both laws, a periodic cell, the scripts' names."""
+"""Frames of scenes: every kind of body, contacts of both laws, periodic cells, names."""
 
 import math
 import os
@@ -24,7 +24,7 @@ from yade.wrapper import (
 
 
 def zoo():
-    """One body of each kind, nothing in contact; returns their ids by name."""
+    """One body of each kind without contacts; returns their ids by name."""
     rough = material()
     turned = yade.utils.box((3, -1, 0), (1.0, 0.2, 0.5), fixed=True, material=rough)
     turned.state.ori = Quaternion(Vector3(0, 0, 1), 0.5)
@@ -59,7 +59,7 @@ def test_every_kind_of_body():
     assert first["mass"] == pytest.approx(1000 * frame.areas()[rows[0]])
     assert frame.grains["cap_radius"][rows[2]] == 0.3 and frame.grains["half_length"][rows[2]] == 0
     assert set(frame.grains["clump"][rows[3:5]]) == {ids["clump"]}
-    assert list(frame.walls["id"]) == [ids["wall"]]  # one parallel to the plane is not seen
+    assert list(frame.walls["id"]) == [ids["wall"]]  # a facet parallel to the plane is left out
     outlines = {id_: (kind, vertices) for id_, kind, vertices in frame.outlines}
     kind, corners = outlines[ids["box"]]
     c, s = math.cos(0.5), math.sin(0.5)
@@ -68,7 +68,7 @@ def test_every_kind_of_body():
     kind, ends = outlines[ids["facet"]]
     assert kind == "facet"
     assert np.sort(ends, axis=0) == pytest.approx(np.array([[-3, 0], [-2.5, 0.5]]))
-    assert len(frame.outlines) == 2  # a facet beside the plane is not seen
+    assert len(frame.outlines) == 2  # a facet beside the plane is left out
 
 
 def test_a_picture_of_every_kind_of_body(tmp_path):
@@ -78,7 +78,9 @@ def test_a_picture_of_every_kind_of_body(tmp_path):
 
 
 def test_lever_arms_are_those_of_the_forces():
-    """A fast disc hits a resting one: the step has moved it by 5 % of its radius, the arms still end at the centres that met."""
+    """A fast disc hits a resting one: arms end at the centres at the impact, 5 % of a radius
+    earlier.
+    """
     rough = material(0)
     one, two = build(rcr.particle((0, 0), 1, 0, material=rough),
                      rcr.particle((2.0, 0), 1, 0, material=rough), gravity=(0, 0, 0), dt=1e-2,
@@ -120,7 +122,7 @@ def test_a_frame_of_a_network_is_that_of_its_scene(tmp_path):
     a, b = order(scene, inner), order(network, network.between_grains)
     assert network.mobilization()[network.between_grains][b] == pytest.approx(
         scene.mobilization()[inner][a])
-    assert scene.mobilization().max() <= 1 + 1e-6  # the law's, to the tolerance of the solver
+    assert scene.mobilization().max() <= 1 + 1e-6  # the law's limit, to the tolerance of the solver
 
 
 def test_contacts_of_spheres_under_a_law_of_yade():
@@ -142,7 +144,7 @@ def test_contacts_of_spheres_under_a_law_of_yade():
 
 
 def test_contacts_across_the_edge_of_a_cell():
-    """Two discs that touch across it: arms of one radius, not of a period."""
+    """Two discs touch across the edge: arms are a radius long, not a period."""
     O.reset()
     O.periodic = True
     O.cell.hSize = ((10, 0, 0), (0, 8, 0), (0, 0, 10))
@@ -184,7 +186,7 @@ def test_extent_and_porosity():
 
 
 def test_a_clump_is_counted_once():
-    """A cross of two stadiums: the sum of both less the square they share."""
+    """A cross of two stadiums: the sum of both less the square that they share."""
     O.reset()
     O.bodies.appendClumped([rcr.particle((0.3, 2), 1, 0.8, 0.4 + angle, material())
                             for angle in (0, math.pi / 2)])
@@ -220,8 +222,8 @@ SPHERES_ONLY = {
 }  # fmt: skip
 
 
-def test_functions_that_know_spheres_only_say_so():
-    """They were silent; without an Rcr they still are."""
+def test_functions_for_spheres_only_warn():
+    """They warn where the scene has an Rcr."""
     code = f"""
 from yade import *
 from yade import utils, export
@@ -248,7 +250,7 @@ tell()
 
 
 def warnings_of_stress(volume, walls=None):
-    """Warnings of getStress, and its largest difference from the network's stress over that stress."""
+    """Warnings of getStress, and its largest relative difference from the network's stress."""
     network = rcr.contact_network(walls, volume=volume)
     with warnings.catch_warnings(record=True) as shown:
         warnings.simplefilter("always")
@@ -259,7 +261,7 @@ def warnings_of_stress(volume, walls=None):
 
 
 def test_f63_get_stress_warns_only_where_it_is_wrong():
-    """It is right in a cell of free grains and wrong in a box of walls."""
+    """getStress is right in a cell of free grains and wrong in a box of walls."""
     rng = np.random.default_rng(0)
     grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098),
                            0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
@@ -269,7 +271,7 @@ def test_f63_get_stress_warns_only_where_it_is_wrong():
     O.cell.velGrad = Matrix3(-0.04, 0.005, 0, 0, -0.04, 0, 0, 0, 0)
     steps(100)
     told, error = warnings_of_stress(abs(np.linalg.det(np.array(O.cell.hSize)[:2, :2])))
-    assert told == [] and error < 2e-3  # the last step has moved the bodies: 8e-4
+    assert told == [] and error < 2e-3  # bodies have moved since: 8e-4
     h = O.cell.hSize
     O.cell.hSize = Matrix3(h[0, 0], h[0, 1], 0, h[1, 0], h[1, 1], 0, 0, 0, 2)
     with pytest.warns(UserWarning, match="getStress without a volume divides by the depth of the "
@@ -284,7 +286,7 @@ def test_f63_get_stress_warns_only_where_it_is_wrong():
 
 @pytest.mark.parametrize("hint", COUNTERPARTS)
 def test_counterparts_are_there(hint):
-    """What a warning says is run as it stands, on a box under pressure; of a function the name."""
+    """The code in a warning runs on a box under pressure; a function's name exists."""
     pressed_box()
     steps(200)
     value = eval(hint.split(" (")[0].replace("…", "0.8"),
@@ -303,7 +305,7 @@ def test_measures_of_nothing():
 
 
 def test_import_of_all_names_shadows_none_of_yade():
-    """`wall` had its arguments in another order than YADE's own."""
+    """The argument orders agree with YADE's functions of the same names."""
     code = """
 from yade import *
 from yade import plot, export, utils
@@ -321,7 +323,7 @@ print("wall", wall is utils.wall, callable(rcr.wall), Rcr is rcr.Rcr, particle i
     assert changed == "changed" and wall == "wall True True True True"
 
 
-def test_info_tells_what_runs():
+def test_info_describes_the_build():
     told = rcr.info()
     assert told["rcr"] == rcr.__version__ and told["YADE"] == yade.config.version
     assert told["lanes"] in (1, 8, 16)

@@ -1,6 +1,6 @@
-"""Scenes that used to go wrong without a word: each is refused before anything moves, under both laws where both can have it.
+"""Faulty scenes are rejected before anything moves, under both laws where possible.
 
-The number in the name of a test is that of the defect that it stands for.
+The number in the name of a test is that of its defect.
 """
 
 import math
@@ -33,7 +33,7 @@ def rigid(**options):
 
 
 def smooth(*bodies):
-    """The same under the smooth law, or other bodies."""
+    """`rigid` under the smooth law, or these bodies."""
     O.reset()
     O.dt = 1e-5
     O.engines = [
@@ -143,7 +143,7 @@ PUSHES = [lambda: ForceEngine(force=(500, 0, 0), ids=[1]),
 @LAWS
 @pytest.mark.parametrize("load", PUSHES, ids=["ForceEngine", "GravityEngine"])
 def test_a_load_that_nothing_feels(scene, load):
-    """It stands where the next ForceResetter takes it away before a step is made with it."""
+    """The next ForceResetter deletes its force before a step uses it."""
     scene()
     O.engines = [*O.engines, load()]
     refused("stands after the NewtonIntegrator, so its forces would be taken away before they move "
@@ -163,7 +163,7 @@ def test_a_motion_may_be_prescribed_after_the_integrator(scene):
 
 @LAWS
 def test_a_displacer_gives_no_forces(scene):
-    """It was refused for forces that it has not."""
+    """A displacer applies no force, so it is accepted."""
     scene()
     O.engines = [*O.engines, StepDisplacer(ids=[0], mov=(1e-3, 0, 0))]
     steps(2)
@@ -178,16 +178,18 @@ def test_a_displacer_after_the_solver():
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -1.0])
-def test_a_compliance_out_of_range_is_told_as_it_was_given(value):
-    """Its product with the scene's own was."""
+def test_a_message_on_compliance_has_the_given_value(value):
+    """The message has the given value, not its product with the scene's own yield."""
     rigid()
     O.engines[place(rcr.ContactDynamics)].yieldCompliance = value
     refused(f"ContactDynamics.yieldCompliance = {value:g}; expected a finite factor ≥ 0, 1 by "
             f"default")
 
 
-def test_forces_that_the_solver_has_not_seen_are_told_of(capfd):
-    """A PyRunner between ContactDynamics and the integrator presses a grain into the floor; nothing can tell it from others, but for the overlap."""
+def test_forces_after_the_solver_cause_a_warning(capfd):
+    """A PyRunner between ContactDynamics and the integrator presses a grain into the floor; only
+    the overlap shows it.
+    """
     rigid()
     inserted(place(NewtonIntegrator), PyRunner(command="O.forces.addF(1, (0, -1e5, 0))",
                                                iterPeriod=1))
@@ -198,7 +200,7 @@ def test_forces_that_the_solver_has_not_seen_are_told_of(capfd):
 
 
 @LAWS
-def test_engines_with_wrong_attributes_are_refused_before_anything_moves(scene):
+def test_engines_with_wrong_attributes_are_rejected_at_the_start(scene):
     scene(before=[rcr.WallStress(wall=1, start=0, end=0)]) if scene is rigid else scene()
     if scene is smooth:
         inserted(place(NewtonIntegrator), rcr.WallStress(wall=1, start=0, end=0))
@@ -210,7 +212,9 @@ def test_engines_with_wrong_attributes_are_refused_before_anything_moves(scene):
 
 
 def test_the_steppers_first_step():
-    """Without contacts YADE's GlobalStiffnessTimeStepper asks for the wave speed of spheres, and takes 1 s where there are none."""
+    """Without contacts YADE's GlobalStiffnessTimeStepper takes the wave speed of spheres, or 1 s
+    without spheres.
+    """
     smooth()
     O.bodies[1].state.pos = Vector3(0, 0.2, 0)
     stepper = GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4)
@@ -266,7 +270,7 @@ def test_f18_material_without_friction(scene):
 
 
 def test_f43_material_that_loses_its_friction_in_a_run():
-    """YADE would end the process in its parallel loop."""
+    """YADE alone ends the process in its parallel loop."""
     result = python(
         f"""
 import sys, time
@@ -355,14 +359,14 @@ def test_f43_step_that_ends_in_an_overlap_has_not_converged(dt):
     for _ in range(3):
         O.step()
         converged = solver.converged
-        # of the beginning of that step
+        # at the beginning of the step
         gaps = [i.geom.gap[k] for i in O.interactions if i.isReal for k in range(i.geom.points)]
         assert not gaps or min(gaps) > -0.02 * 0.6 or not before
         before = converged
 
 
 def test_f12_an_exception_leaves_no_trace():
-    """A refused step, put right and made, has the bits of one that was never refused."""
+    """A rejected step, corrected and made, gives the bits of a run without the fault."""
     def run(fault):
         ids = rigid()
         O.bodies[ids[1]].state.vel = (3.0, -2.0, 0)
@@ -402,13 +406,13 @@ def test_f27_missed_steps_are_counted_and_the_counts_are_saved(tmp_path):
 # --- pairs that may meet --------------------------------------------------------------------------
 
 def with_functors(*names):
-    """Engines of which the loop finds contacts of these pairs only."""
+    """Engines whose loop has these functors only."""
     O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in names]
 
 
 @LAWS
-def test_missing_ig2_is_told_before_the_pair_meets(scene):
-    """The disc is far above everything."""
+def test_a_missing_ig2_is_reported_before_the_pair_meets(scene):
+    """The disc is far above all other bodies."""
     scene()
     O.bodies.append(rcr.disc((0, 9), 0.1, material=O.bodies[1].material))
     with_functors("Ig2_Rcr_Rcr_RcrGeom", "Ig2_Wall_Rcr_RcrGeom")
@@ -421,7 +425,8 @@ def test_missing_ig2_is_told_before_the_pair_meets(scene):
 
 @LAWS
 def test_pairs_that_cannot_meet_want_no_ig2(scene):
-    """One grain has no other; what is fixed meets nothing that is fixed; masks and clumps keep bodies apart."""
+    """One grain has no partner; fixed bodies meet no fixed ones; masks and clumps separate bodies.
+    """
     scene()
     with_functors("Ig2_Wall_Rcr_RcrGeom")
     O.step()
@@ -448,7 +453,7 @@ def test_members_of_one_clump_want_no_ig2():
 
 
 def advised():
-    """What the next step is warned of."""
+    """Warnings of the next step."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         O.step()
@@ -456,7 +461,7 @@ def advised():
 
 
 @LAWS
-def test_overlaps_of_the_start_are_told_once(scene):
+def test_initial_overlaps_warn_once(scene):
     scene()
     rough = O.bodies[1].material
     O.bodies.append([stadium(0.2, 0.1, (0.3, 0.15), angle=1.0, material=rough),
@@ -473,7 +478,7 @@ def test_overlaps_of_the_start_are_told_once(scene):
 
 
 @LAWS
-def test_grains_behind_a_wall_are_told(scene):
+def test_grains_behind_a_wall_warn(scene):
     scene()
     rough = O.bodies[1].material
     O.bodies.append([rcr.wall("x", -1, -1, material=rough),
@@ -482,7 +487,7 @@ def test_grains_behind_a_wall_are_told(scene):
     assert "body #1 and 1 more lie behind a wall, body #2, which acts towards -x only (sense=-1): such a grain goes through it. Set sense=1, or 0" in told
 
 
-def test_overlaps_of_images_are_told():
+def test_overlaps_of_images_warn():
     O.reset()
     O.periodic = True
     O.cell.setBox(2, 2, 2)
@@ -507,7 +512,7 @@ def test_a_scene_without_overlaps_is_not_warned_of():
     assert advised() == []
 
 
-def test_time_step_beyond_the_springs_is_told():
+def test_a_time_step_beyond_the_critical_one_warns():
     smooth()
     O.dt = 0.9 * rcr.critical_time_step()
     assert advised() == []
@@ -521,11 +526,11 @@ def test_time_step_beyond_the_springs_is_told():
     assert advised() == []
 
 
-def test_new_contacts_do_not_ask_the_rules_of_all_bodies():
-    """The first step of a lattice of discs finds all its contacts; it used to look at all bodies for each of them."""
+def test_new_contacts_do_not_visit_all_bodies():
+    """The first step of a lattice finds all contacts; it must not visit all bodies for each."""
     rough = material()
     first, later = [], []
-    for _ in range(3):  # the least time of each is free of what else the machine does
+    for _ in range(3):  # the least of three times excludes other load
         lattice = [rcr.disc((0.2 * i, 0.2 * j), 0.1, material=rough) for i in range(40)
                    for j in range(40)]
         build(*lattice, gravity=(0, 0, 0), tolerance=1e-2, maxIterations=2)
@@ -537,8 +542,8 @@ def test_new_contacts_do_not_ask_the_rules_of_all_bodies():
     assert min(first) < 50 * min(later)  # 6 times is usual
 
 
-def test_a_contact_dynamics_that_a_script_makes_dead_is_told_of():
-    """The gate lives in ContactDynamics: without it grains sank into each other without a word."""
+def test_a_contact_dynamics_set_dead_is_reported():
+    """ContactDynamics checks the scene, so its absence needs another check."""
     build(rcr.wall("y", 0, material=material()), stadium(0.3, 0.1, (0, 0.1), material=material()))
     steps(2)
     O.engines[3].dead = True

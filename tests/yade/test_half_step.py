@@ -1,4 +1,4 @@
-"""rcr.half_step_start: velocities of now count as of now, and the error of a smooth motion falls with dt²."""
+"""rcr.half_step_start makes velocities those of the present time: errors fall with dt²."""
 
 import pytest
 import rcr
@@ -19,12 +19,12 @@ def error(name):
 
 @pytest.mark.parametrize("scene", ["incline", "disc"])
 def test_constant_acceleration_is_exact(scene):
-    """Under friction, too: the first step has the half of it."""
+    """Also under friction: the first step takes half of the acceleration."""
     assert error(f"{scene}/half/0.02/1e-08") < 1e-6 < 0.03 < error(f"{scene}/cd/0.02/1e-08")
 
 
 def test_smooth_motion_is_of_higher_order():
-    """Steps shorter by 20: an error of first order falls by 20, of second order by 400."""
+    """With dt/20 an error of first order falls by 20, of second order by 400."""
     coarse, fine = (error(f"ladder/half/{dt}/1e-08") for dt in ("0.02", "0.001"))
     assert fine < coarse / 80 and coarse < 0.1 * error("ladder/cd/0.02/1e-08")
 

@@ -1,18 +1,18 @@
-"""Every hard scene keeps its bound at the default settings and stays stable at ten times the time step.
+"""Every hard scene keeps its bound at the default settings and stays stable at ten times the time
+step.
 
-S18 and S19's stack of 100 take minutes: here 10⁴ steps of the first (10 s of 1000) and 3 s of 100 of the second; all of them run in
-scripts/hard_scenes.py. The six scenes that take three quarters of the time of all are slow tests. S20, the same bits for any threads, is
-tests/yade/test_same_bits.py.
+S18 and the stack of 100 of S19 are shortened to 10 s and 3 s; the benchmark hard_scenes_table runs
+all. The six slowest scenes are slow tests. S20 is test_same_bits.py.
 """
 
 import pytest
 from benchmarks import hard_scenes
 from benchmarks.hard_scenes import COARSE
 
-SLOW = "s01_grain_on_pile", "s03_cold_box", "s04_together", "s10_shuffled", "s19_pyramid", "s19_disc_pyramid", "s19_tall_stack", "s04_mass_ratio"
+SLOW = ("s01_grain_on_pile", "s03_cold_box", "s04_together", "s10_shuffled", "s19_pyramid",
+        "s19_disc_pyramid", "s19_tall_stack", "s04_mass_ratio")
 SHORTENED = dict(s18_creep=10.0, s19_tall_stack=3.0)  # seconds of simulated time
-# What is known to fail, with its figure in docs/hard-scenes.md; a cure makes these tests fail, and
-# is to be entered here and there.
+# Known failures, with their figures in docs/hard-scenes.md; update both when a test of these fails.
 FAILS = {"s19_disc_pyramid": "rest and collapse both satisfy the laws, and ours collapses"}
 
 FAILS_AT_TEN = {"s10_shuffled": "grains that fall by more than a radius a step pass each other: "
@@ -20,7 +20,7 @@ FAILS_AT_TEN = {"s10_shuffled": "grains that fall by more than a radius a step p
 
 
 def parameters(fails):
-    """The scenes with their marks; those that fail are in `fails`, with the reason."""
+    """The scenes as parameters; `fails` holds those that fail, with the reason."""
     marks = {name: [pytest.mark.slow] if name in SLOW else [] for name in hard_scenes.names()}
     for name, reason in fails.items():
         marks[name].append(pytest.mark.xfail(reason=reason, strict=True))
@@ -45,7 +45,7 @@ def test_scene_is_stable_at_ten_time_steps(name):
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
 
 
-def test_every_scene_says_what_must_hold():
+def test_every_scene_states_its_condition():
     for scene in map(hard_scenes.scene, hard_scenes.names()):
         assert scene.__doc__ and scene.TITLE and scene.PREDICATE and scene.REASON, scene.__name__
         assert scene.BOUND >= 0, scene.__name__

@@ -1,4 +1,4 @@
-"""Scenes that come and go leave no memory behind; hours of them are tests/endurance/soak.py."""
+"""Repeated scenes leak no memory; tests/endurance/soak.py runs for hours."""
 
 import ctypes
 import gc
@@ -14,18 +14,18 @@ import scene_fuzzer  # noqa: E402
 import soak  # noqa: E402
 
 SCENES = 25
-LOST = 0.5e3  # B, a scene; measured is 0.1e3, and one contact of ours has as much
+LOST = 0.5e3  # most bytes a scene; measured 0.1e3, about one contact
 
 
 class MallInfo(ctypes.Structure):
-    """What mallinfo2() of the C library tells [B]."""
+    """The struct of mallinfo2() in the C library [B]."""
 
     _fields_ = [(name, ctypes.c_size_t) for name in "arena ordblks smblks hblks hblkhd usmblks "
                 "fsmblks uordblks fordblks keepcost".split()]
 
 
 def allocated():
-    """What malloc has given and not got back [B]."""
+    """Memory that malloc has given out [B]."""
     gc.collect()
     mallinfo2 = ctypes.CDLL(None).mallinfo2
     mallinfo2.restype = MallInfo
@@ -34,7 +34,7 @@ def allocated():
 
 
 def one_scene(law):
-    """Twenty grains and clumps between walls, saved and loaded in the midst; each scene of a law is the same."""
+    """Twenty grains and clumps between walls, saved and loaded half-way; always the same scene."""
     rng = np.random.default_rng(7)
     scene = soak.draw(rng) | dict(law=law, dt=1e-3, periodic=False, gradient=None, gravity=9.81,
                                   turning=False, floor="Wall", overdamped=False)

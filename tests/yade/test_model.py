@@ -1,4 +1,4 @@
-"""`ContactDynamics.model` follows the scene: friction switched on, a body freed, heaps that touch."""
+"""`ContactDynamics.model` follows the scene: friction, a freed body, heaps that touch."""
 
 import numpy as np
 import pytest
@@ -36,7 +36,8 @@ def test_model_of_discs_without_friction():
 
 
 def test_model_follows_the_scene():
-    """Friction switched on: two unknowns a point, and rotations; the floor freed: it joins the heaps."""
+    """With friction each point has two unknowns and bodies rotate; a freed floor joins the heaps.
+    """
     heaps(3, 0)
     steps(3)
     utils.setContactFriction(0.5)
@@ -52,7 +53,7 @@ def test_model_follows_the_scene():
 
 
 def test_reductions_change_nothing_but_the_time():
-    """The same fall with all of them and with none: without friction there is one motion, known to the tolerance."""
+    """A fall with all reductions and with none: without friction the motion is unique."""
     states = []
     for reductions in (rcr.ContactDynamics().reductions, []):
         heaps(2, 0, reductions=reductions)

@@ -1,4 +1,4 @@
-"""A step whose solution is not finite: nothing moves, and the problem lies in a file to be replayed."""
+"""A step without a finite solution moves nothing and saves its problem to a file."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""Motion without inertia: every step starts from rest, which may be a homogeneous flow."""
+"""Motion without inertia: every step starts from rest or from a homogeneous flow."""
 
 import math
 
@@ -17,7 +17,8 @@ def flowing(*bodies, flow=Matrix3.Zero, gravity=(0, 0, 0), dt=1e-2):
 
 
 def test_a_body_alone_goes_with_the_flow():
-    """v = flow · r, ω = half of the flow's curl, in each step anew; what it had before is forgotten."""
+    """v = flow · r and ω = half of the flow's curl in each step; earlier velocities do not matter.
+    """
     (body,), _ = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(0.3, 0.1, 0, -0.5, -0.3, 0, 0, 0,
         0))
     body.state.vel = Vector3(100, 0, 0)
@@ -32,7 +33,7 @@ def test_a_body_alone_goes_with_the_flow():
 
 
 def test_a_load_moves_a_body_relative_to_the_flow():
-    """A step from rest: v = flow · r + g dt, and no more in the next one."""
+    """v = flow · r + g dt in every step."""
     (body,), _ = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(0.3, 0, 0, 0, -0.3, 0, 0, 0, 0),
                          gravity=(0, -9.81, 0))
     for _ in range(3):
@@ -41,8 +42,11 @@ def test_a_load_moves_a_body_relative_to_the_flow():
         assert body.state.vel[1] == pytest.approx(-0.3 * y - 9.81e-2, rel=1e-12)
 
 
-def test_a_flow_presses_nothing_on_what_goes_with_it():
-    """A row of touching discs in a flow that draws them apart carries no force; pressed together, m Δv/dt of the motion that contacts prevent."""
+def test_a_flow_exerts_no_force_on_bodies_that_follow_it():
+    """A row of touching discs carries no force in a flow that separates them.
+
+    Under compression the contacts carry m Δv/dt of the motion that they prevent.
+    """
     discs = lambda: [rcr.disc((0.1 + 0.2 * k, 1), 0.1, material(0)) for k in range(5)]
     bodies, _ = flowing(*discs(), flow=Matrix3(0.2, 0, 0, 0, -0.2, 0, 0, 0, 0))
     O.step()
@@ -51,8 +55,8 @@ def test_a_flow_presses_nothing_on_what_goes_with_it():
     mass = bodies[0].state.mass
     O.step()
     force = {(i.id1, i.id2): i.phys.normalForce.norm() for i in O.interactions if i.isReal}
-    # Momentum stays: all go on at the mean, −0.1; contact k carries Σ_{j ≤ k} m (v_j − v) / dt of
-    # the bodies before it.
+    # Momentum is conserved: all move at the mean, −0.1; contact k carries Σ_{j ≤ k} m (v_j − v)/dt
+    # of the bodies before it.
     free = [-0.2 * (0.1 + 0.2 * k) for k in range(5)]
     for k in range(4):
         assert force[k, k + 1] == pytest.approx(mass * sum(v + 0.1 for v in free[: k + 1]) / 1e-2,
@@ -60,10 +64,11 @@ def test_a_flow_presses_nothing_on_what_goes_with_it():
 
 
 def pressed_row(follows, steps, count=20, last=100_000, rate=-0.2):
-    """A row of touching discs between a fixed wall and one that a force presses, in a flow that presses them together, which they prevent.
+    """A row of touching discs between a fixed wall and a pressed one, in a flow that compresses
+    them.
 
-    Returns the force at the fixed wall beyond the pressure over the drag of the row at rest, Σ m |rate| x/dt, in the last of some steps, which has
-    `last` sweeps at most.
+    Returns the force at the fixed wall beyond the pressure, over the drag of the row at rest,
+    Σ m |rate| x/dt, in the last step, which has at most `last` sweeps.
     """
     flow = Matrix3(rate, 0, 0, 0, -rate, 0, 0, 0, 0)
     discs = [rcr.disc((0.1 + 0.2 * k, 0), 0.1, material(0)) for k in range(count)]
@@ -79,8 +84,9 @@ def pressed_row(follows, steps, count=20, last=100_000, rate=-0.2):
     return (-O.forces.f(0)[0] - pressure) / drag
 
 
-def test_what_bodies_do_together_meets_no_drag_of_a_flow_that_follows():
-    """The row stretches by 0.2 beyond its flow, which the next step knows: it had the drag of the whole row in every one."""
+def test_a_common_motion_has_no_drag_in_a_tracked_flow():
+    """The row stretches by 0.2 beyond its flow; the next step includes this rate and has no drag.
+    """
     for steps in (1, 3):
         assert pressed_row(False, steps) == pytest.approx(1, rel=1e-4)
     assert pressed_row(True, 1) == pytest.approx(1, rel=1e-4)
@@ -89,8 +95,8 @@ def test_what_bodies_do_together_meets_no_drag_of_a_flow_that_follows():
     assert tuple(solver.model["mean_stretch_rate"]) == pytest.approx((0.2, 0), abs=1e-4)
 
 
-def test_a_drag_that_is_gone_is_taken_out_of_the_impulses():
-    """Five sweeps would carry it five contacts far."""
+def test_a_vanished_drag_is_removed_from_the_impulses():
+    """Five sweeps alone reach five contacts."""
     assert abs(pressed_row(True, 2, count=100, last=5, rate=-1e-3)) < 0.05
 
 

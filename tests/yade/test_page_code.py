@@ -1,4 +1,4 @@
-"""The Python of each page runs, all its blocks in their order, as one script of YADE; and the page on laws gives a working law."""
+"""The Python blocks of each page run as one YADE script; the page on laws gives a working law."""
 
 import pathlib
 import re
@@ -34,7 +34,7 @@ def test_page(page, tmp_path):
 
 
 def compile_command(source, folder):
-    """How the build compiles a file of the plugin, for another source."""
+    """The build's compile command of a plugin file, for another source."""
     listed = subprocess.run(["ninja", "-C", BUILD, "-t", "commands", "_plugin"],
                             capture_output=True, text=True, check=True).stdout
     line = next(line for line in listed.splitlines() if "/_plugin.dir/Unity/" in line
@@ -51,7 +51,7 @@ def compile_command(source, folder):
 @pytest.mark.skipif(not shutil.which("ninja") or not (BUILD / "build.ninja").exists(),
                     reason="needs the build folder")
 def test_law_of_the_page(tmp_path):
-    """Compiled by itself, with the options of the build, and loaded before rcr, so that the build's own files stay as they are."""
+    """Compiled with the build's options and loaded before rcr; the build's files stay."""
     page = ROOT / "docs" / "extending.md"
     (law,) = blocks(page, "cpp")
     assert len(law.splitlines()) < 60

@@ -1,4 +1,4 @@
-"""The periodic cell: images across its boundary, the gradient of the velocity, stress, and saves."""
+"""Periodic cells: images across the boundary, velocity gradient, stress, saves."""
 
 import math
 
@@ -9,7 +9,8 @@ from scenes import engines, material, steps
 from test_gate import ALL_IG2
 from yade import O
 from yade.minieigenHP import Matrix3
-from yade.wrapper import ForceResetter, InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, NewtonIntegrator, PeriTriaxController
+from yade.wrapper import (ForceResetter, InsertionSortCollider, InteractionLoop,
+                          Ip2_FrictMat_FrictMat_FrictPhys, NewtonIntegrator, PeriTriaxController)
 
 
 def scene(law, *bodies, size=2.0, gravity=(0, 0, 0), dt=1e-3, periodic=True, **options):
@@ -40,8 +41,10 @@ def stiff():
 
 
 def pair(across, eta, m):
-    """Two grains that overlap and slide and turn against each other, about x = 1 or about the boundary at x = 0 ≡ 2. The coordinates are
-    binary fractions: shifted by a cell they are the same numbers."""
+    """Two grains overlap, slide and turn against each other, about x = 1 or about x = 0 ≡ 2.
+
+    The coordinates are binary fractions: a shift by the cell is exact.
+    """
     R, overlap = 0.25, 2**-7
     left = (1 - R if not across else 2 - R, 1.0)
     right = (1 + R - overlap if not across else R - overlap, 1.0)
@@ -67,31 +70,33 @@ def test_f8_pair_across_the_boundary_is_one_in_the_open(law, eta):
         return np.array(result)
 
     inside, over = forces(False, False), forces(True, True)
-    assert np.abs(inside[:, :12]).max() > 1  # they do push
+    assert np.abs(inside[:, :12]).max() > 1  # they push
     assert over == pytest.approx(inside, rel=1e-12, abs=1e-12 * np.abs(inside).max())
     assert forces(False, True) == pytest.approx(inside, rel=1e-12, abs=1e-12 * np.abs(inside).max())
 
 
 @pytest.mark.parametrize("law", ["rigid", "smooth"])
 def test_pair_in_a_sheared_cell_moves_with_the_image(law):
-    """Two grains that follow a shear and a slow compression touch across the boundary in y: the image above is faster by γ̇ times their
-    distance, friction holds it back and drags the other."""
+    """Two grains in a slow shear and compression touch across the boundary in y.
+
+    The upper image is faster by γ̇ times their distance; friction drags the other one.
+    """
     m = stiff()
     rate, size = 0.5, 2.0
     lower, upper = rcr.disc((1, 0.2), 0.2, material=m), rcr.disc((1, size - 0.2 + 1e-4), 0.2,
         material=m)
     ids = scene(law, lower, upper, size=size, dt=1e-5)
     O.cell.velGrad = Matrix3(0, rate, 0, 0, -0.1, 0, 0, 0, 0)
-    steps(1 if law == "rigid" else 3)  # the rigid impact is over after one
+    steps(1 if law == "rigid" else 3)  # the rigid impact ends within one step
     i = next(i for i in O.interactions if i.isReal)
     assert abs(i.cellDist[1]) == 1
-    slip = rate * 0.4  # of the image above, which is 0.4 higher, against the body that it touches
+    slip = rate * 0.4  # against the image 0.4 above
     forces = np.array([O.forces.f(k) for k in ids])
     assert np.abs(forces[:, :2].sum(axis=0)).max() < 1e-9 * np.abs(forces).max()
-    # pushed up: it is the upper one of the touching images
+    # pushed up: it is the upper image
     above = ids[0] if forces[0][1] > 0 else ids[1]
     assert above == ids[0]
-    # the image of body 0 above the boundary is dragged ahead by γ̇ L: friction holds it back
+    # friction holds back the upper image of body 0, which moves by γ̇ L
     assert forces[0][0] * slip < 0 and forces[1][0] * slip > 0
 
 
@@ -120,7 +125,7 @@ def test_strain_driven_compaction_holds_its_grains_apart(eta):
 
 
 def test_a_body_is_erased_from_a_cell_only_with_a_new_collider():
-    """YADE's collider never ended in this scene: a cell that has shrunk, then the bounds of the body that is gone among those of moving ones."""
+    """YADE's collider hangs after an erase in a cell that has shrunk."""
     m = stiff()
     scene("rigid", *[rcr.particle((0.25 * (i + 0.5), 0.25 * (j + 0.5)), 0.1, 0.4, i, m)
                      for i in range(8) for j in range(8)], tolerance=1e-4)
@@ -141,7 +146,7 @@ def test_a_body_is_erased_from_a_cell_only_with_a_new_collider():
     assert O.iter == 750 and np.isfinite(rcr.measure.extent()).all()
 
 
-def test_reload_goes_on_to_the_same_bits(tmp_path):
+def test_a_reload_continues_to_the_same_bits(tmp_path):
     size, m, grains = packing(0.5, count=49)
     scene("rigid", *grains, size=size, tolerance=1e-4, solver="auto", maxIterations=1000)
     O.cell.velGrad = Matrix3(-0.3, 0.2, 0, 0, -0.3, 0, 0, 0, 0)
@@ -176,14 +181,14 @@ def test_fast_body_in_a_cell_looks_less_far_ahead():
     fast = rcr.particle((0.3, 1), 0.1, 0.5, material=m, velocity=(200, 0))
     ids = scene("rigid", fast, rcr.disc((1.5, 1), 0.1, material=m), size=2.0, dt=5e-3)
     steps(20)
-    assert O.bodies[ids[1]].state.vel[0] > 50  # it was hit, not passed
+    assert O.bodies[ids[1]].state.vel[0] > 50  # hit, not passed
 
 
 @pytest.mark.parametrize("gradient", [Matrix3.Zero, Matrix3(-0.1, 0.3, 0, 0, 0.1, 0, 0, 0, 0)],
                          ids=["still", "sheared"])
 @pytest.mark.parametrize("settled", [2, 3, 4])
-def test_a_velocity_set_in_mid_run_meets_what_the_collider_has_not_foreseen(settled, gradient):
-    """A grain that a script hits between two steps went through another, three radii away."""
+def test_a_velocity_set_between_steps_meets_far_contacts(settled, gradient):
+    """A grain with a velocity set between two steps stops at another one three radii away."""
     R, m = 0.1, material(0)
     hit, other = scene("rigid",
                        *(rcr.particle((x, 1), R, 0, material=m) for x in (0.4, 0.4 + 5 * R)),
@@ -193,7 +198,7 @@ def test_a_velocity_set_in_mid_run_meets_what_the_collider_has_not_foreseen(sett
     O.bodies[hit].state.vel = (100, 0, 0)
     steps(1)
     way = [O.bodies[i].state.pos[0] for i in (hit, other)]
-    # both at the end of a way of 60 m/s
+    # both end the displacement of 60 m/s
     assert way[1] - way[0] == pytest.approx(2 * R, abs=0.02 * R)
     assert O.bodies[other].state.vel[0] == pytest.approx(20, abs=0.5)
 
@@ -204,7 +209,9 @@ def pressed(*bodies, size, stress, mass=1, **options):
 
 
 def test_row_of_discs_carries_the_stress_of_its_cell():
-    """Ten discs fill the cell along x: each contact carries stress times the height of the cell, from the first step on."""
+    """Ten discs fill the cell along x: each contact carries stress times height from the first
+    step.
+    """
     m, R = material(), 0.1
     pressed(*[rcr.disc((2 * R * (k + 0.5), 1), R, material=m) for k in range(10)], size=2.0,
             stress=(50, math.nan), tolerance=1e-8, maxIterations=5000)
@@ -216,7 +223,9 @@ def test_row_of_discs_carries_the_stress_of_its_cell():
 
 
 def test_a_cell_gives_way_to_overlaps_as_a_free_wall_does():
-    """The correction displaced grains and left the cell as it was, in which they have no room: overlaps grew to 2 % in slow shear."""
+    """Position correction also strains the cell, since grains fill it; overlaps stay small in slow
+    shear.
+    """
     m, R, size = material(), 0.1, 1.996
     pressed(*[rcr.disc((size / 10 * (k + 0.5), 1), R, material=m) for k in range(10)], size=size,
             stress=(50, math.nan), tolerance=1e-8)
@@ -252,7 +261,7 @@ def test_grains_come_to_rest_under_the_stress_of_their_cell(eta):
     O.cell.velGrad = Matrix3(-0.004 / dt, 0, 0, 0, -0.004 / dt, 0, 0, 0, 0)
     while fraction() < 0.7:
         steps(5)
-    # carried along, none thrown out
+    # moved with the cell, none thrown out
     assert max(np.abs(np.array(list(b.state.pos)[:2]) / O.cell.size[0] - 0.5).max()
                for b in O.bodies) < 0.6
     O.cell.velGrad, O.engines[3].stress = Matrix3.Zero, (stress, stress)
@@ -263,13 +272,15 @@ def test_grains_come_to_rest_under_the_stress_of_their_cell(eta):
                   for k in range(i.geom.points))
     assert 0.78 < fraction() < 0.92 and overlap < 1e-3
     network = rcr.contact_network()
-    # shear stress is left: the cell keeps its angles
+    # the cell keeps its angles, so shear stress remains
     assert np.diag(network.stress()) == pytest.approx([stress] * 2, rel=0.02)
 
 
 @pytest.mark.parametrize("overdamped", [True, False])
 def test_a_loose_cell_that_falls_together_in_a_step_is_refused(overdamped):
-    """16 discs apart went from a cell of 0.09 to one of a quarter of it in one step, and through each other."""
+    """16 loose discs must not shrink a cell of 0.09 to a quarter in one step and pass through each
+    other.
+    """
     R = 0.01
     grid = [rcr.disc((0.0225 * (i + 0.5), 0.0225 * (j + 0.5)), R, material(0)) for i in range(4)
             for j in range(4)]
@@ -284,7 +295,7 @@ def test_a_loose_cell_that_falls_together_in_a_step_is_refused(overdamped):
     assert abs((O.cell.hSize - before)[0, 0]) < 0.05 * 0.09 and O.iter < 5
 
 
-def test_cell_stress_says_what_is_wrong():
+def test_cell_stress_reports_errors():
     m = material()
     pressed(rcr.disc((0.5, 0.5), 0.1, material=m), size=2.0, stress=(1, 1), mass=0)
     with pytest.raises(ValueError, match="CellStress.mass = 0; expected a finite factor > 0"):
@@ -302,8 +313,8 @@ def test_cell_stress_says_what_is_wrong():
         O.step()
 
 
-def test_periodic_triaxial_controller_is_refused_beside_rigid_contacts():
-    """It creeps into the grains: rigid contacts have no stiffness, and answer to a motion of the cell without bound."""
+def test_periodic_triaxial_controller_needs_springs():
+    """Rigid contacts have no stiffness; its cell motion would enter the grains."""
     scene("rigid", rcr.disc((0.5, 0.5), 0.1, material=material()))
     O.engines = O.engines[:3] + [PeriTriaxController(dynCell=True, mass=1, goal=(-1, -1, 0),
                                                      stressMask=3)] + O.engines[3:]
@@ -311,8 +322,8 @@ def test_periodic_triaxial_controller_is_refused_beside_rigid_contacts():
         O.step()
 
 
-def test_cell_that_is_driven_into_its_grains_is_told():
-    """A cell that goes on shrinking when its grains are jammed."""
+def test_a_cell_driven_into_its_grains_is_a_jam():
+    """A cell shrinks although its grains are jammed."""
     size, m, grains = packing(0)
     scene("rigid", *grains, size=size, tolerance=1e-4, solver="auto", maxIterations=500)
     O.cell.velGrad = Matrix3(-0.3, 0, 0, 0, -0.3, 0, 0, 0, 0)
@@ -321,7 +332,7 @@ def test_cell_that_is_driven_into_its_grains_is_told():
 
 
 def test_boxes_of_fast_bodies_fit_a_sheared_cell():
-    """Sheared by γ = 0.9, where boxes are wider by 40 %: YADE's collider would end the process."""
+    """At γ = 0.9 boxes are wider by 40 %; YADE's collider would end the process."""
     m = material()
     fast = rcr.particle((0.3, 1), 0.1, 0.5, material=m, velocity=(200, 0))
     ids = scene("rigid", fast, rcr.disc((1.5, 1), 0.1, material=m), size=2.0, dt=5e-3)
@@ -352,7 +363,7 @@ def test_energy_of_a_cell_that_is_driven_closes():
         steps(50)
     accounts = dict(O.energy.items())
     assert accounts["driveWork"] < 0 < accounts["plastDissip"]
-    # YADE's own account counts velocities against those of the cell
+    # YADE counts velocities relative to those of the cell
     moving = sum(0.5 * b.state.mass * b.state.vel.norm() ** 2 + 0.5 * b.state.inertia[2]
                  * b.state.angVel[2] ** 2 for b in O.bodies)
     total = moving + sum(value for name, value in accounts.items() if name != "kinetic")

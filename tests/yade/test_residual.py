@@ -1,4 +1,4 @@
-"""The engine's answer against the contact laws, checked with NumPy from what YADE holds after the step."""
+"""Residual of the engine against NumPy on YADE's state after the step."""
 
 import numpy as np
 import pytest
@@ -10,9 +10,10 @@ from scenes import build, material, stadium, steps
 
 
 def residual():
-    """Natural-map residual of the last step from forces, geometry and velocities in the scene; pkg/kernel/problem/residual.hpp.
+    """Residual of the last step from forces, geometry and velocities
+    (pkg/kernel/problem/residual.hpp).
 
-    The geometry of an interaction is that of the beginning of the step, the velocities of the bodies are those of its end.
+    Interactions hold the geometry at the beginning of the step, bodies the velocities at its end.
     """
     error2 = norm2 = 0.0
     for i in O.interactions:
@@ -63,17 +64,15 @@ def pile(seed=1, count=40):
 
 @pytest.mark.parametrize("solver", ["nlgs", "sor", "nesterov", "exact", "auto"])
 def test_reported_residual_is_that_of_the_scene(solver):
-    """Falling, colliding and resting: at each of these the engine's residual is the one of forces and velocities in YADE."""
-    # Without position correction: it moves bodies, and the arms could not be told from the
-    # positions after the step.
+    """Residual of the engine against NumPy on YADE's state after the step."""
+    # Without position correction, which moves bodies: arms are computed from final positions.
     build(*pile(), dt=1e-3, solver=solver, tolerance=1e-5, maxIterations=400, correction=0)
     engine = yade.utils.typedEngine("ContactDynamics")
     compared = 0
     for _ in range(30):
         O.run(10, True)
         if engine.contactPoints and engine.residual > 1e-9:
-            # Rounding: the integrator adds force/mass to velocities, 1e-16 of 1 m/s, of impulses of
-            # 1e-3 m/s a mass.
+            # Rounding: the integrator adds force/mass of 1e-3 m/s to velocities of 1 m/s.
             assert residual() == pytest.approx(engine.residual, rel=1e-6,
                                                abs=1e-12), f"step {O.iter}"
             compared += 1
@@ -81,8 +80,10 @@ def test_reported_residual_is_that_of_the_scene(solver):
 
 
 @pytest.mark.parametrize("tolerance", [0, 1e-18])
-def test_who_asks_for_most_gets_most(tolerance):
-    """A target that no sweeps meet leaves no more than one that they do: passes after the first have all iterations, too."""
+def test_an_unreachable_tolerance_gives_the_best_residual(tolerance):
+    """An unreachable tolerance leaves at most the residual of a reachable one: all passes have all
+    iterations.
+    """
 
     def residual(tolerance):
         rough = material(0.5)

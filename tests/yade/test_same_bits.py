@@ -1,4 +1,5 @@
-"""A shear test gives the same bits for any number of threads and lanes of the solver, and on any processor with FMA."""
+"""A shear test gives the same bits for all numbers of threads and lanes, on any processor with FMA.
+"""
 
 import hashlib
 import os
@@ -12,14 +13,14 @@ from yade import O
 from yade.minieigenHP import Vector3
 
 STEPS = 1000
-RUNS = [(1, 8), (2, 4), (4, 1)]  # threads, lanes
+RUNS = [(1, 8), (2, 4), (4, 1)]  # (threads, lanes)
 ENTRIES = [f"state.{name}[{k}]" for name, size in (("pos", 3), ("ori", 4), ("vel", 3),
                                                    ("angVel", 3)) for k in range(size)]
 
 
 @pytest.fixture(scope="module")
 def packing(tmp_path_factory):
-    """Checkpoint of 1000 long particles, compacted until they carry each other, about to be sheared."""
+    """Checkpoint of 1000 long particles, compacted until they carry load, before shear."""
     test = Biaxial.prepare(eta=0.5, particles=1000, seed=1, tolerance=1e-3)
     test.compact(balanced=0.05)
     folder = str(tmp_path_factory.mktemp("packing"))
@@ -28,7 +29,7 @@ def packing(tmp_path_factory):
 
 
 def shear(folder, threads, lanes, steps):
-    """Yields after each step what it was solved from, as a digest: all velocities, contact points and starting impulses."""
+    """Yield after each step a digest of velocities, contact points and starting impulses."""
     test = Biaxial.load(folder)
     test.solver.threads, test.solver.lanes = threads, lanes
     speed = test.parameters["inertial_number"] / test.time_unit * test.progress["first_height"]
@@ -42,7 +43,7 @@ def shear(folder, threads, lanes, steps):
 
 
 def bodies():
-    """Position, orientation, velocities of each body, as ENTRIES; (bodies, 13)."""
+    """Positions, orientations and velocities of the bodies, as ENTRIES; (bodies, 13)."""
     return np.array([(*b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel) for b in O.bodies])
 
 
@@ -54,12 +55,13 @@ def state_after(folder, threads, lanes, steps):
 
 @pytest.mark.slow
 def test_threads_and_lanes_change_no_bit(packing):
-    """1000 steps of a shear of 1000 particles (η = 0.5, friction 0.5, 5 % of strain), compared after every step.
+    """1000 steps of shear of 1000 particles (η = 0.5, friction 0.5, 5 % of strain), compared step
+    by step.
 
-    Three runs take 1, 2 and 4 threads and 8, 4 and 1 lanes at once, so that each number of either meets the others. Compared
-    are the contact problems of all steps, which hold the velocities, contact points and impulses that the step before left,
-    and at the end the places of all bodies. Of 4 threads two or more share a processor here, so it does not matter either
-    who takes which piece of work. YADE's own threads are another test (test_session.py).
+    Three runs take 1, 2 and 4 threads and 8, 4 and 1 lanes. The contact problems of all steps hold
+    velocities, contact points and impulses of the step before; at the end the positions are
+    compared too. Threads that share a processor also vary the order of work. test_session.py
+    varies YADE's own threads.
     """
     first, *others = RUNS
     reference = list(shear(packing, *first, STEPS))
@@ -73,7 +75,7 @@ def test_threads_and_lanes_change_no_bit(packing):
 
 
 def difference(folder, first, second, step):
-    """The first step whose result differs and a body that shows it, found by running both once more to there."""
+    """The first step with a different result and a body that shows it, from two more runs."""
     one, two = (state_after(folder, *run, step) for run in (first, second))
     different = np.flatnonzero((one != two).any(axis=1))
     where = f"first in step {step} of {STEPS}: "
@@ -104,10 +106,9 @@ SMALL = """if True:
     state = np.array([(*b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel) for b in O.bodies])
     print(O.iter, hashlib.blake2b(state.tobytes()).hexdigest())
 """
-# What numpy and the C library take of a processor; our kernels are told by `lanes`. Without FMA the
-# C library's sine, cosine and arctangent are others:
-# 6 of 10⁴ results differ in the last bit (400 000 arguments, glibc 2.41), so that such a processor
-# is left out.
+# Instructions that NumPy and the C library use; `lanes` sets those of the kernels. A processor
+# without FMA is left out: there sine, cosine and arctangent of the C library differ in the last bit
+# (6 of 10⁴ results, glibc 2.41).
 OLDER = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL",
              NPY_DISABLE_CPU_FEATURES="AVX512F AVX512CD AVX512_SKX AVX512_ICL AVX512_SPR AVX2")
 
@@ -115,7 +116,9 @@ OLDER = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL",
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_another_processor_with_fma_changes_no_bit():
-    """60 long particles, compacted and sheared in two processes: as the processor is, and as one with fewer instructions, with two threads."""
+    """60 long particles, compacted and sheared in two processes with two threads: one has fewer
+    instructions.
+    """
     told = []
     for changes, threads, lanes in (({}, 1, 0), (OLDER, 2, 4)):
         command = [sys.executable, "-c", SMALL, str(threads), str(lanes)]

@@ -1,4 +1,4 @@
-"""What a YADE session sees of rcr: its classes, the engines in their order, saved scenes that go on to the same bits."""
+"""rcr in a YADE session: classes, order of engines, saved scenes that continue to the same bits."""
 
 import math
 import os
@@ -9,7 +9,8 @@ import pytest
 import rcr
 import yade
 import yade.utils
-from scenes import G, build, contact_forces, engines, material, python, snapshot, stadium, steps, velocity
+from scenes import (G, build, contact_forces, engines, material, python, snapshot, stadium, steps,
+                    velocity)
 from yade import O
 from yade.wrapper import ForceEngine, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker
 
@@ -31,7 +32,7 @@ if hasattr(rcr, "Gl1_Rcr"):  # built with OpenGL
 
 
 def test_import_prints_nothing_and_adds_only_our_classes():
-    """What C++ prints counts too, so whole streams are compared."""
+    """Whole streams are compared, since C++ prints too."""
     run = lambda code: python("import yade.wrapper, sys; before = set(dir(yade.wrapper))\n" + code)
     plain = run("")
     loaded = run("import rcr; sys.__stdout__.flush(); print('added', "
@@ -53,7 +54,7 @@ def test_classes_are_documented(name):
 
 
 def test_names_of_a_session_say_so_without_yade():
-    """All that `import rcr` adds in a session; a name that nobody knows is only unknown."""
+    """Names that `import rcr` adds in a session say so; unknown names are unknown."""
     without = python("import rcr; print(*rcr.__all__)").stdout.split()
     names = sorted({*rcr.__all__, "wall"}.union(*OURS.values()).difference(without))
     assert {"particle", "Rcr"} < set(names)
@@ -74,7 +75,7 @@ for name in {names + ["partikel"]}:
 # --- save and load --------------------------------------------------------------------------------
 
 def pile():
-    """40 grains of all elongations that fall onto each other."""
+    """40 falling grains of all elongations."""
     rng = np.random.default_rng(11)
     rough = material(0.5)
     grains = [
@@ -88,7 +89,7 @@ def pile():
 
 
 def pressed_box():
-    """20 grains between walls of which two are pushed by a stress."""
+    """20 grains between walls; a stress pushes two of them."""
     rng = np.random.default_rng(12)
     rough = material(0.3)
     walls = [rcr.wall(axis, 0, material=rough) for axis in "xy"]
@@ -98,7 +99,7 @@ def pressed_box():
                            rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
     press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3),
              rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
-    # by the exact tier
+    # solved by the exact tier
     build(*walls, *grains, dt=1e-3, gravity=(0, 0, 0), before=press, tolerance=1e-6)
 
 
@@ -107,8 +108,8 @@ SCENES = {"pile": pile, "pressed box": pressed_box}
 
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("suffix", ["yade", "xml.bz2"])
-def test_saved_scene_goes_on_to_the_same_bits(name, suffix, tmp_path):
-    """Positions, orientations, velocities, forces and the forces that start the next iterations, 200 steps later."""
+def test_a_saved_scene_continues_to_the_same_bits(name, suffix, tmp_path):
+    """States, forces and starting impulses after 200 more steps."""
     SCENES[name]()
     steps(200)
     path = str(tmp_path / f"scene.{suffix}")
@@ -190,7 +191,7 @@ def made_anew(angle):
                          [(soften, False), (exchange, False), (yade.utils.setContactFriction, True),
                           (each_contact, True), (made_anew, True)])
 def test_friction_that_changes_in_a_run(change, acts):
-    """A contact keeps the friction that it was made with, whatever its materials become (docs/law.md)."""
+    """A contact keeps the friction of its formation (docs/law.md)."""
     slider = slope(0.5, 0.3)
     steps(5)
     assert velocity(slider)[0] == pytest.approx(0, abs=1e-12)  # rounding
@@ -204,7 +205,7 @@ def test_friction_that_changes_in_a_run(change, acts):
 @pytest.mark.parametrize("maker, expected",
                          [(None, 0.2), (("val", 0.9), 0.9), (("max", None), 0.6)])
 def test_friction_of_two_materials(maker, expected):
-    """The smaller angle, as everywhere in YADE, unless a MatchMaker says otherwise."""
+    """The smaller angle counts, as in YADE, unless a MatchMaker differs."""
     build(rcr.wall("y", 0, material=material(0.2)),
           stadium(0.4, 0.1, (0, 0.1), material=material(0.6)))
     if maker:
@@ -228,7 +229,7 @@ def test_restitution_by_match_maker(e):
 
 @pytest.mark.parametrize("law", ["rigid", "smooth"])
 def test_engines_that_are_new_after_an_erase_see_the_bodies(law):
-    """YADE's collider, once bodies have been erased, is told of later ones alone; a new one would see none, and the grains fall."""
+    """After an erase YADE's collider receives later bodies only; a new collider must find all."""
     springs = [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=0.3)]
     grain = material()
     grain.young, grain.poisson = 1e7, 0.5
@@ -280,14 +281,14 @@ print("ended", flush=True)
 
 @pytest.mark.parametrize("rigid", [True, False])
 def test_a_pause_in_mid_step_ends_the_run(rigid):
-    """O.pause in a PyRunner waited for the end of the run, of which it is a part; what came next then waited for ever."""
+    """O.pause in a PyRunner must not wait for the end of the run that calls it."""
     done = python(PAUSED.format(rigid=rigid), PYTHONPATH=os.pathsep.join(sys.path))
     assert done.stdout.split("\n")[-3:] == ["went on", "ended",
                                             ""], done.stdout[-500:] + done.stderr[-2000:]
 
 
 def test_a_waited_run_that_fails_raises_every_time():
-    """YADE's run thread loses its exception where it ends before the session waits: the script would go on as if all were well."""
+    """YADE's run thread loses its exception if it ends before the session waits."""
     m = material()
     for _ in range(30):
         O.reset()
@@ -297,7 +298,7 @@ def test_a_waited_run_that_fails_raises_every_time():
         with pytest.raises(RuntimeError, match="body #0 has the force"):
             O.run(5, True)
         with pytest.raises(RuntimeError, match="body #0 has the force"):
-            O.run(5)  # which tells it itself where the thread has ended already
+            O.run(5)  # raises here if the thread has ended
             O.wait()
 
 
@@ -310,7 +311,7 @@ def test_a_waited_run_that_fails_raises_every_time():
          "friction angle 26; expected radians"),
     ],
 )
-def test_daily_mistakes_are_told(wrong, says):
+def test_common_mistakes_are_reported(wrong, says):
     O.engines = engines()
     O.dt = 1e-3
     O.bodies.append(rcr.particle((0, 1), 0.1, 0.5, material=material()))
@@ -321,8 +322,10 @@ def test_daily_mistakes_are_told(wrong, says):
 
 @pytest.mark.parametrize("clumped", [False, True])
 @pytest.mark.parametrize("settled", [2, 3, 4])
-def test_a_velocity_set_in_mid_run_meets_what_the_collider_has_not_foreseen(settled, clumped):
-    """Soak, seed 29. YADE's collider asks how fast bodies were: a grain hit between two steps went through a wall three radii away."""
+def test_a_velocity_set_between_steps_meets_far_contacts(settled, clumped):
+    """YADE's collider uses the earlier speed: a grain hit between two steps stops at a wall three
+    radii away.
+    """
     R, smooth = 0.1, material(0)
     build(rcr.wall("x", 0, material=smooth), rcr.wall("y", 0, material=smooth), dt=5e-3,
           restitution=0)
@@ -338,7 +341,7 @@ def test_a_velocity_set_in_mid_run_meets_what_the_collider_has_not_foreseen(sett
 @pytest.mark.parametrize("free", [True, False])
 @pytest.mark.parametrize("one_by_one", [True, False], ids=["single steps", "a run"])
 def test_a_fast_lid_meets_a_disc_that_rests(lid, free, one_by_one):
-    """Its box is the collider's, which reaches by verletDist: a mobile lid that goes further in a step entered the disc by 0.09 of R₁ + R₂."""
+    """YADE's box of the lid reaches by verletDist; the lid moves further in a step."""
     R, smooth, deepest = 0.015, material(0), []
     for start in np.linspace(0.045, 0.049, 14):
         if lid == "wall":

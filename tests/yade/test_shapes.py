@@ -1,4 +1,4 @@
-"""Discs, boxes and facets in one solve, under both laws."""
+"""Discs, boxes and facets together, under both laws."""
 
 import math
 
@@ -49,7 +49,7 @@ def test_a_grain_comes_to_rest_on_every_floor(floor, grain):
 
 @pytest.mark.parametrize("floor", FLOORS)
 def test_spheres_and_rcrs_of_one_size_do_the_same(floor):
-    """A pile of discs as Spheres, as Rcrs and mixed: the same motion, to rounding."""
+    """A pile of discs as Spheres, as Rcrs and mixed moves the same way, to rounding."""
     places = [(0.21 * i + 0.03 * j, 0.15 + 0.22 * j) for i in range(3) for j in range(3)]
 
     def run(kinds):
@@ -64,7 +64,7 @@ def test_spheres_and_rcrs_of_one_size_do_the_same(floor):
 
 @pytest.mark.parametrize("floor", FLOORS)
 @pytest.mark.parametrize("grain", GRAINS)
-def test_the_smooth_law_knows_the_same_floors(floor, grain):
+def test_the_smooth_law_has_the_same_floors(floor, grain):
     m = material()
     m.young, m.poisson = 1e7, 0.5
     _, top = smooth(FLOORS[floor](m), GRAINS[grain]((0.02, 0.1), m))
@@ -73,7 +73,7 @@ def test_the_smooth_law_knows_the_same_floors(floor, grain):
     assert 0.09 < O.bodies[top].state.pos[1] < 0.1001
 
 
-def test_a_disc_rolls_over_the_joint_of_two_facets_and_under_none():
+def test_a_disc_rolls_over_a_joint_of_facets_not_under_it():
     m = material()
     floor = [utils.facet([(x, 0, -1), (x + 1, 0, -1), (x, 0, 1)], material=m)
              for x in (-2, -1, 0, 1)]
@@ -87,7 +87,7 @@ def test_a_disc_rolls_over_the_joint_of_two_facets_and_under_none():
 
 
 def test_facet_turned_as_a_slope():
-    """45° slope without friction: a = g sin 45°."""
+    """A slope of 45° without friction: a = g sin 45°."""
     smoothly = material(friction=0)
     slope = utils.facet([(-3, 3, -1), (3, -3, -1), (0, 0, 1)], material=smoothly)
     at = 0.1 * math.sqrt(0.5)
@@ -123,7 +123,7 @@ def test_bound_of_a_stock_sphere_functor_looks_ahead():
 @pytest.mark.parametrize("start, end", [((0, 0), (1, 0)), ((-0.3, 0.25, 0.5), (-0.05, 0, 0.5)),
                                         ((2, 1), (2, -1))])
 def test_a_segment_goes_from_end_to_end(start, end):
-    """A plain facet covers a part of its edge only: a hopper had gaps at its top."""
+    """A plain facet covers a part of its edge only."""
     O.reset()
     z = start[2] if len(start) > 2 else 0
     O.bodies.append([rcr.segment(start, end, material=material()),
@@ -141,7 +141,7 @@ def test_segments_that_are_none(start, end):
 
 @pytest.mark.parametrize("speed", [0.1, 0.3, 0.6])
 def test_a_rod_that_slides_off_a_box_stays_on_its_corner(speed):
-    """Gaps within a step were looked for farther than its contacts, so that an end far away took the place of the corner, which sank in to the axis."""
+    """A far end of the rod must not replace the corner, which would sink in to the axis."""
     R = 0.01
     floor = utils.box((-0.1, -0.005, 0), (0.1, 0.005, 0.02), material=material(0.5), fixed=True)
     _, rod = build(floor, rcr.particle((0.0092, 0.00301), R, 0.7, material=material(0.5)),
@@ -155,8 +155,8 @@ def test_a_rod_that_slides_off_a_box_stays_on_its_corner(speed):
     assert deepest < 0.02 * R
 
 
-def test_a_disc_that_bears_and_slides_over_another_needs_one_solve_a_step():
-    """Its way of 1 % of ρ a step curves by half a slop, which no shorter one is asked for: taking the force for a push at a passer-by took a second solve."""
+def test_a_loaded_sliding_disc_needs_one_solve_a_step():
+    """Its path of 1 % of ρ a step curves by half a slop, which needs no second solve."""
     m = material(0)
     *_, disc = build(rcr.disc((0, 0), 1, fixed=True, material=m),
                      rcr.disc((0, 1.1), 0.1, velocity=(1.15, 0), material=m), dt=1e-2)
@@ -170,7 +170,8 @@ def test_a_disc_that_bears_and_slides_over_another_needs_one_solve_a_step():
 
 
 def test_a_disc_that_arrives_obliquely_needs_one_solve():
-    """It closes a gap of 0.02 R to 1e-4 R, by which its way of 1.4 % of ρ curves: a hundredth too early is no reason to take the impact back and solve again."""
+    """It closes a gap of 0.02 R to 1e-4 R, by which its path of 1.4 % of ρ curves: no second solve.
+    """
     m = material(0)
     *_, disc = build(rcr.disc((0, 0), 1, fixed=True, material=m),
                      rcr.disc((0, 1.12), 0.1, velocity=(1.5, -2.5), material=m), dt=1e-2)
@@ -185,7 +186,7 @@ def test_a_disc_that_arrives_obliquely_needs_one_solve():
 @pytest.mark.parametrize("step", [0.03, 0.1])
 @pytest.mark.parametrize("obstacle, eta", [("disc", 0), ("corner", 0), ("end", 0), ("corner", 0.7)])
 def test_a_near_miss_is_no_bounce(obstacle, eta, step, restitution):
-    """1e-3 R above what it passes, at `step` R a step: the plane of the contact, which its way would cross, took up to 1.3 of its speed."""
+    """It passes at 1e-3 R, moving `step` R a step across the plane of the contact."""
     R = 0.01
     m = material(0)
     for phase in (0, 0.37):
@@ -203,7 +204,9 @@ def test_a_near_miss_is_no_bounce(obstacle, eta, step, restitution):
 
 @pytest.mark.parametrize("eta, dt", [(0.8, 1e-4), (0.9, 1e-4), (0.9, 3e-4)])
 def test_a_rod_glides_over_the_joints_of_a_floor(eta, dt):
-    """Ten joints of segments in one line; its thin cap touches the end of the next one by the plane of the contact alone, which took 2 % of its speed."""
+    """Ten joints of segments in one line: the thin cap crosses the plane of the next end's contact
+    only.
+    """
     m = material(0)
     floor = [rcr.segment((0.02 * k - 0.03, 0), (0.02 * k - 0.01, 0), material=m) for k in range(14)]
     *_, rod = build(*floor, rcr.particle((0, 0.01 * (1 - eta)), 0.01, eta, velocity=(1, 0),

@@ -1,4 +1,4 @@
-"""The smooth law, Law2_RcrGeom_FrictPhys_CundallStrack: closed forms of spring, dashpot and slider, saved scenes, what it refuses."""
+"""The smooth law: closed forms of spring, dashpot and slider, saved scenes, rejections."""
 
 import math
 
@@ -36,7 +36,7 @@ def engines(gravity=(0, -G, 0), damping=0.0, local_damping=0.0, before=(), kn=KN
 
 
 def smooth(*bodies, share=0.02, **options):
-    """A fresh scene of these bodies, dt a share of the critical one; returns their ids."""
+    """A fresh scene of these bodies with a share of the critical time step; returns their ids."""
     O.reset()
     O.engines = engines(**options)
     ids = [O.bodies.append(body) for body in bodies]
@@ -53,7 +53,7 @@ def disc_on_floor(R=0.1, height=None, **options):
 # --- normal spring and dashpot --------------------------------------------------------------------
 
 def bounce(disc, speed, R=0.1):
-    """Contact time and speed afterwards of a disc that hits the floor."""
+    """Contact time and final speed of a disc that hits the floor."""
     O.bodies[disc].state.vel = (0, -speed, 0)
     start = end = None
     while end is None:
@@ -71,15 +71,15 @@ def test_elastic_rebound():
     disc = disc_on_floor(height=0.1005, gravity=(0, 0, 0))
     m, _ = inertia(0, 0.1)
     time, speed = bounce(disc, 0.1)
-    # touch and leave are seen a step late
+    # contact and separation are detected a step late
     assert time == pytest.approx(math.pi * math.sqrt(m / KN), abs=2 * O.dt)
-    # work at touch and leave: of the order dt ω = 1e-2
+    # work at contact and separation: of the order dt ω = 1e-2
     assert speed == pytest.approx(0.1, rel=1e-2)
 
 
 @pytest.mark.parametrize("speed, through", [(0.1, False), (30, True)])
-def test_springs_too_soft_for_a_blow_are_told(speed, through, capfd):
-    """Soak, seed 132: a rod went through a facet without a word. The overlap of a blow is v √(m/k_n)."""
+def test_springs_too_soft_for_a_blow_warn(speed, through, capfd):
+    """A rod must not pass a facet without a warning; a blow overlaps by v √(m/k_n)."""
     disc = disc_on_floor(height=0.1005, gravity=(0, 0, 0))
     law = O.engines[2].lawDispatcher.functors[0]
     O.bodies[disc].state.vel = (0, -speed, 0)
@@ -91,10 +91,10 @@ def test_springs_too_soft_for_a_blow_are_told(speed, through, capfd):
 
 @pytest.mark.parametrize("zeta", [0.1, 0.5])
 def test_damped_rebound(zeta):
-    """m x'' + c x' + k x = 0 until the force vanishes, where k x + c x' = 0 (no tension): x ∝ exp(−ζωt) sin(ω_d t).
+    """m x'' + c x' + k x = 0 until k x + c x' = 0 (no tension): x ∝ exp(−ζωt) sin(ω_d t).
 
-    ω_d = ω √(1−ζ²); the first zero of the force is ω_d t₁ = π − arctan(2ζ√(1−ζ²)/(1−2ζ²)), and e = exp(−ζ ω t₁) (Schwager and
-    Pöschel 2007).
+    ω_d = ω √(1−ζ²); the first zero of the force is ω_d t₁ = π − arctan(2ζ√(1−ζ²)/(1−2ζ²)), and
+    e = exp(−ζ ω t₁) (Schwager and Pöschel 2007).
     """
     disc = disc_on_floor(height=0.1005, gravity=(0, 0, 0), damping=zeta, share=0.01)
     root = math.sqrt(1 - zeta**2)
@@ -106,7 +106,7 @@ def test_damped_rebound(zeta):
 
 
 def test_resting_grain_sinks_by_its_weight():
-    """Two points a grain: δ = m g/(2 k_n), reached with the dashpot alone and with YADE's local damping."""
+    """Two points a grain: δ = m g/(2 k_n), with dashpots alone and with YADE's local damping."""
     for damped in (dict(damping=0.5), dict(local_damping=0.3)):
         rough = material(MU)
         _, block = smooth(rcr.wall("y", 0, material=rough),
@@ -118,19 +118,21 @@ def test_resting_grain_sinks_by_its_weight():
 
 
 def test_two_points_resist_tilting():
-    """Rocking about the centre: I θ'' = −2 k_n a² θ while both ends press. Period 2π √(I/(2 k_n a²))."""
+    """Rocking about the centre: I θ'' = −2 k_n a² θ while both ends press, period 2π √(I/(2 k_n
+    a²)).
+    """
     a, r = 0.4, 0.1
     smoothly = material(0)
     m, I = inertia(a, r)
     sunk = m * G / (2 * KN)
     _, block = smooth(rcr.wall("y", 0, material=smoothly),
                       stadium(a, r, (0, r - sunk), material=smoothly))
-    O.bodies[block].state.angVel = (0, 0, 1e-5)  # θ a = v/ω a stays below `sunk`
+    O.bodies[block].state.angVel = (0, 0, 1e-5)  # amplitude v/ω < `sunk`
     rotation = []
     while len(rotation) < 2 or not rotation[-2] < 0 <= rotation[-1]:
         O.step()
         rotation.append(O.bodies[block].state.angVel[2])
-    # ω starts at a maximum and is zero, rising, after three quarters of a period
+    # ω starts at a maximum; it passes 0, rising, after three quarters of a period
     assert len(rotation) * O.dt == pytest.approx(0.75 * 2 * math.pi
                                                  * math.sqrt(I / (2 * KN * a * a)), rel=5e-3)
 
@@ -138,13 +140,13 @@ def test_two_points_resist_tilting():
 # --- friction -------------------------------------------------------------------------------------
 
 def block_on_a_slope(alpha):
-    """A flat block on a floor that has been tilted slowly: a sudden load would swing to twice its deflection."""
+    """A flat block on a floor that was tilted slowly, without oscillation."""
     rough = material(MU)
     m, _ = inertia(0.3, 0.1)
     _, block = smooth(rcr.wall("y", 0, material=rough),
                       stadium(0.3, 0.1, (0, 0.1 - m * G / (2 * KN)), material=rough), damping=0.3,
                       share=0.2)
-    O.engines[-1].damping = 0.3  # tangential springs have no dashpot of their own
+    O.engines[-1].damping = 0.3  # tangential springs have no dashpot
     for now in np.linspace(0, alpha, 10000):
         O.engines[-1].gravity = (G * math.sin(now), -G * math.cos(now), 0)
         O.step()
@@ -152,8 +154,11 @@ def block_on_a_slope(alpha):
 
 
 def test_block_that_sticks_hangs_in_its_springs():
-    """Both points carry T/2, T = m g sin α; the moment T r of the floor turns the block by θ = T r/(2 k_n a²), so its centre
-    moves by T/(2 k_s) + r θ. No point slides while T/2 ≤ µ (N/2 − T r/(2a))."""
+    """Both points carry T/2, T = m g sin α; the floor's moment T r turns the block by T r/(2 k_n
+    a²).
+
+    Its centre moves by T/(2 k_s) + r θ. No point slides while T/2 ≤ µ (N/2 − T r/(2a)).
+    """
     a, r = 0.3, 0.1
     alpha = math.atan(0.5 * MU)
     block, m = block_on_a_slope(alpha)
@@ -178,7 +183,9 @@ def test_block_on_a_slope(factor):
 
 
 def test_tangential_springs_stay_with_their_points():
-    """A block pushed to and fro on a floor tips on one end and back: the spring of the end that stays closed does not jump."""
+    """A block pushed to and fro tips on one end and back: the spring of the closed end does not
+    jump.
+    """
     rough = material(10)
     m, _ = inertia(0.4, 0.1)
     _, block = smooth(rcr.wall("y", 0, material=rough),
@@ -195,12 +202,12 @@ def test_tangential_springs_stay_with_their_points():
         held.append(O.interactions[0, block].phys.shearForce[0])
     assert set(points) == {1, 2}
     jump = points.index(1)
-    # the open point carried nothing any more
+    # the open point carried no force
     assert np.abs(np.diff(held[jump - 5 : jump + 5])).max() < 0.02 * 0.3 * m * G
 
 
 def test_energy_is_kept_or_accounted_for():
-    """A block thrown onto the floor: kinetic + gravity + springs + friction + dashpot is constant to first order in dt."""
+    """A block thrown onto the floor: the sum of all energies is constant to first order in dt."""
     rough = material(0.3)
     worst = []
     for share in (0.1, 0.05):
@@ -232,9 +239,11 @@ def test_energy_is_kept_or_accounted_for():
                    (1e9, 0.1, 0, 0.005)]),
 ])  # fmt: skip
 def test_energy_that_contacts_make_where_they_change_their_kind(young, share, least, most):
-    """The figures of docs/law.md: the worst of five boxes of twelve grains that fall without any dissipation, over the work of gravity.
+    """Figures of docs/law.md: the worst of five boxes of twelve falling grains without dissipation.
 
-    A cap that has gone deep into the side of another grain meets it with two points from one step to the next."""
+    The error is relative to the work of gravity. A cap that penetrates the side of another grain
+    gains a second point from one step to the next.
+    """
     worst, deepest = 0, 0
     for seed in range(5):
         m = material(0, density=2600)
@@ -262,7 +271,11 @@ def test_energy_that_contacts_make_where_they_change_their_kind(young, share, le
 
 
 def test_stock_stiffness_from_materials():
-    """Ip2_FrictMat_FrictMat_FrictPhys takes the circumscribed radii: k_n = 2 E R₁R₂/(R₁ + R₂), k_s = ν k_n; at a wall R₂ = R₁."""
+    """Ip2_FrictMat_FrictMat_FrictPhys takes circumscribed radii: k_n = 2 E R₁R₂/(R₁ + R₂), k_s = ν
+    k_n.
+
+    A wall has R₂ = R₁.
+    """
     rough = FrictMat(density=1000, frictionAngle=0.4, young=1e7, poisson=0.25)
     O.reset()
     O.engines = engines()
@@ -285,11 +298,11 @@ def test_contact_that_opens_is_erased():
     disc = disc_on_floor(height=0.0999, gravity=(0, 0, 0))
     O.step()
     assert O.interactions[0, disc].isReal
-    O.bodies[disc].state.pos = (0, 0.11, 0)  # beyond 1 % of the radius
+    O.bodies[disc].state.pos = (0, 0.11, 0)  # farther than 1 % of the radius
     O.bodies[disc].state.vel = (0, 0, 0)
     steps(2)
     assert not any(i.isReal for i in O.interactions)
-    O.bodies[disc].state.pos = (0, 0.1005, 0)  # seen, but open
+    O.bodies[disc].state.pos = (0, 0.1005, 0)  # found, but open
     steps(2)
     assert O.interactions[0, disc].isReal and O.forces.f(disc).norm() == 0
 
@@ -297,7 +310,7 @@ def test_contact_that_opens_is_erased():
 @pytest.mark.parametrize("share, holds", [(0.9, True), (8, False)])
 @pytest.mark.parametrize("zeta", [0, 0.3])
 def test_critical_time_step(share, holds, zeta):
-    """A pressed box at rest stays so below the critical step and flies apart well above it."""
+    """A pressed box at rest stays at rest below the critical step and diverges well above it."""
     pressed_box(damping=zeta, local_damping=0.2)
     steps(10000)
     O.engines[-1].damping = 0
@@ -309,7 +322,9 @@ def test_critical_time_step(share, holds, zeta):
 
 
 def test_stock_time_stepper():
-    """GlobalStiffnessTimeStepper: 1.41044 s √(m/k) for a disc on its floor (k of one contact), s its safety coefficient."""
+    """GlobalStiffnessTimeStepper: 1.41044 s √(m/k) for a disc on its floor, s its safety
+    coefficient.
+    """
     disc = disc_on_floor(height=0.0999,
                          before=[GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4,
                                                             timeStepUpdateInterval=1,
@@ -322,7 +337,7 @@ def test_stock_time_stepper():
 
 
 def pressed_box(share=0.3, mu=0.3, **options):
-    """20 grains between walls of which two are pushed by a stress."""
+    """20 grains between walls; a stress pushes two of them."""
     rng = np.random.default_rng(12)
     rough, plate = material(mu), material(0)
     walls = [rcr.wall(axis, 0, material=plate) for axis in "xy"]
@@ -336,8 +351,8 @@ def pressed_box(share=0.3, mu=0.3, **options):
 
 
 @pytest.mark.parametrize("suffix", ["yade", "xml.bz2"])
-def test_saved_scene_goes_on_to_the_same_bits(suffix, tmp_path):
-    """One thread: YADE adds forces in the order of its container, which a reload changes; so, as in YADE, to rounding."""
+def test_a_saved_scene_continues_to_the_same_bits(suffix, tmp_path):
+    """One thread: a reload changes YADE's order of additions, so agreement is to rounding."""
     pressed_box(damping=0.2)
     steps(1500)
     path = str(tmp_path / f"scene.{suffix}")
@@ -354,8 +369,8 @@ def test_saved_scene_goes_on_to_the_same_bits(suffix, tmp_path):
     assert snapshot()[:, :13] == pytest.approx(straight, abs=1e-12)  # 100 steps of rounding
 
 
-def test_network_carries_what_the_walls_feel():
-    """σ = (1/V) Σ f⊗ℓ is the load of the walls, once the box is at rest."""
+def test_the_stress_of_the_network_is_that_of_the_walls():
+    """σ = (1/V) Σ f⊗ℓ is the load of the walls once the box is at rest."""
     pressed_box(mu=0.3, damping=0.3, local_damping=0.2)
     steps(40000)
     network = rcr.contact_network((0, 1, 2, 3), strain=0.0, eta=0.5, friction=0.3, seed=1)
@@ -405,7 +420,10 @@ def test_critical_time_step_wants_a_smooth_scene():
 
 @pytest.mark.parametrize("extra", ["engine", "law", "ip2"])
 def test_mixed_laws(extra):
-    """Each says which class does not belong there; with ContactDynamics nothing has moved, without it the step has been made."""
+    """The message names the class that does not fit.
+
+    With ContactDynamics nothing moves; without it the step is made.
+    """
     disc_on_floor(height=0.0999)
     loop = O.engines[2]
     if extra == "engine":
@@ -432,13 +450,14 @@ def test_error_stops_a_run_and_reaches_the_main_thread():
 
 
 def test_contacts_of_the_other_law():
-    """A scene that changes its law with its contacts: those made for ContactDynamics have no stiffness."""
+    """A scene changes its law but keeps its contacts: those of ContactDynamics have no stiffness.
+    """
     rough = material()
     build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.1), material=rough))
     O.step()
     O.engines = engines()
     O.saveTmp(quiet=True)
-    O.loadTmp(quiet=True)  # else YADE goes on with the functors that each contact has kept
+    O.loadTmp(quiet=True)  # otherwise YADE uses the functors stored in each contact
     with pytest.raises(ValueError, match=r"has a CdPhys, made for ContactDynamics; "
                        r".*O.interactions.clear\(\)"):
         O.step()
@@ -451,12 +470,14 @@ def test_contacts_of_the_other_law():
 
 @pytest.mark.slow
 def test_biaxial_test_with_springs():
-    """Springs replace the rigid contacts of the packing: overlaps become σ₀/k_n d, σ from the contacts stays what the walls feel."""
+    """Springs replace rigid contacts: overlaps become σ₀/k_n d, and the contact stress stays that
+    of the walls.
+    """
     stiffness = 1e3
     test = Biaxial.prepare(eta=0.5, particles=60, seed=1, law="smooth", stiffness=stiffness)
     test.compact()
     assert not any(isinstance(engine, rcr.ContactDynamics) for engine in O.engines)
-    for _ in range(10):  # by the first three the unloaded springs are under load again
+    for _ in range(10):  # after three records the unloaded springs carry load again
         test.shear_record()
     overlaps = test.overlaps()
     # of f/k_n, f ≈ σ₀ d, shared by two points

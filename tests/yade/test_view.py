@@ -1,6 +1,6 @@
-"""YADE's 3D view with Rcrs in it, in a real window on a virtual screen: the grains are seen, the session lives.
+"""YADE's 3D view draws Rcrs in a window on a virtual screen, and the session survives.
 
-One session opens the view before rcr is loaded (with an Rcr in the scene it aborted), makes a scene and takes pictures.
+One session opens the view before it loads rcr, makes a scene and takes pictures.
 """
 
 import shutil
@@ -113,13 +113,13 @@ def seen(picture, color):
 
 
 def size(mask):
-    """Width and height of what is seen [pixels]."""
+    """Width and height of a mask [pixels]."""
     rows, columns = np.nonzero(mask)
     return np.ptp(columns) + 1, np.ptp(rows) + 1
 
 
 def test_grains_have_their_outlines_and_colours(pictures):
-    """A long grain of 2 × 0.4, a disc of 1 × 1, pixel by pixel to a scale that both share; areas to the resolution."""
+    """A long grain of 2 × 0.4 and a disc of 1 × 1 on one scale; areas to the resolution."""
     picture = pictures["unmarked"]
     (long, thin), (width, height) = size(seen(picture, (1, 0, 0))), size(seen(picture, (0, 1, 0)))
     assert width == pytest.approx(height, abs=3) and width > 40
@@ -135,7 +135,7 @@ def test_grains_have_their_outlines_and_colours(pictures):
 
 
 def test_boxes_keep_their_colour(pictures):
-    """YADE draws them to scale; with normals that are scaled too they are white."""
+    """YADE scales boxes; scaled normals would make them white."""
     picture = pictures["unmarked"]
     rows, columns = np.nonzero(seen(picture, (0, 1, 0)))
     below = picture[rows.max() + 10, int(columns.mean())]
@@ -143,7 +143,7 @@ def test_boxes_keep_their_colour(pictures):
 
 
 def test_a_mark_shows_rotations(pictures):
-    """A line to the right end of the disc, dark on its colour."""
+    """A dark line to the right end of the disc."""
     changed = np.abs(pictures["plain"] - pictures["unmarked"]).max(axis=-1) > 0.15
     rows, columns = np.nonzero(seen(pictures["unmarked"], (0, 1, 0)))
     inside = changed[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1]
@@ -164,17 +164,18 @@ def test_contacts_are_drawn_on_top(pictures, name):
 
 
 def test_forces_are_as_thick_as_they_are(pictures):
-    """The green disc stands on its lowest point: a line from its centre downwards, none above. It weighs 1/0.36 of the blue one."""
+    """The green disc rests on its lowest point: a line runs from its centre downwards, none above.
+    """
     changed = np.abs(pictures["type"] - pictures["unmarked"]).max(axis=-1) > 0.1
 
     def width(color, below):
-        """Of the line in the row at this share of the disc's height below its centre [pixels]."""
+        """Width of the line in the row `below` times the disc's height under its centre [pixels].
+        """
         rows, columns = np.nonzero(seen(pictures["unmarked"], color))
         row = int(rows.mean() + below * np.ptp(rows))
         return changed[row, columns.min() : columns.max() + 1].sum()
 
-    # 2 × 0.2 R f/f_max [m]: the discs stand on their own weights, the long grain on its own and the
-    # blue one's
+    # Width 2 × 0.2 R f/f_max [m]: discs bear their own weight, the long grain also the blue one's.
     green, blue, red = np.pi * 0.5**2, np.pi * 0.3**2, np.pi * 0.2**2 + 4 * 0.8 * 0.2
     diameter = size(seen(pictures["unmarked"], (0, 1, 0)))[0]
     assert width((0, 1, 0), -0.2) == 0 and width((0, 0, 1), -0.2) == 0

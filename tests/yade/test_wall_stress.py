@@ -1,4 +1,4 @@
-"""WallStress: which wall it moves, and which way."""
+"""WallStress: the wall and the direction of its motion."""
 
 import math
 
@@ -12,7 +12,7 @@ from yade import O
 @pytest.mark.parametrize("side, stress",
                          [(side, stress) for side in (0, 2) for stress in (-50.0, 50.0)])
 def test_f25_sign_of_the_stress(side, stress):
-    """Force per length along the axis: a wall of 2 kg between walls 3 m apart moves by ½ (3 σ/m) t², to the leapfrog's dt/t."""
+    """A wall of 2 kg between walls 3 m apart moves by ½ (3 σ/m) t², up to the leapfrog's dt/t."""
     ends = [rcr.wall("y", y) for y in (0, 3.0)]
     press = [rcr.WallStress(wall=2, start=0, end=1, stress=stress)]
     build(*ends, rcr.mobile_wall("x", side, mass=2.0), gravity=(0, 0, 0), before=press, dt=1e-3)
@@ -38,7 +38,7 @@ def test_a_lid_that_is_no_wall_is_pressed_by_a_permanent_force(lid):
 
 @pytest.mark.parametrize("stress", [math.nan, math.inf])
 def test_a_stress_that_is_not_finite_is_refused(stress):
-    """It was told as a force of the wall, whose engine was to be found."""
+    """The message names WallStress, not a force on the wall."""
     ends = [rcr.wall("y", y) for y in (0, 3.0)]
     build(*ends, rcr.mobile_wall("x", 2, mass=2.0),
           before=[rcr.WallStress(wall=2, start=0, end=1, stress=stress)])
@@ -46,7 +46,7 @@ def test_a_stress_that_is_not_finite_is_refused(stress):
         steps(1)
 
 
-def test_f25_its_words_name_the_function_and_the_sign():
+def test_f25_messages_name_the_function_and_the_sign():
     assert "``rcr.mobile_wall`` makes it" in rcr.WallStress.__doc__
     assert "no pressure" in rcr.WallStress.stress.__doc__
     assert "``stress=-p``" in rcr.WallStress.stress.__doc__

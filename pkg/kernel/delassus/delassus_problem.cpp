@@ -27,12 +27,15 @@ namespace {
 	{
 		const std::size_t count = problem.free.size(), blocks = problem.column.size();
 		const std::size_t rows = problem.rowStart.size();
-		if (problem.friction.size() != count || problem.impulse.size() != count || rows != count + 1)
+		if (problem.friction.size() != count || problem.impulse.size() != count
+		        || rows != count + 1)
 			refuse("q has ", count, " contacts, µ ", problem.friction.size(), ", impulse ",
-			       problem.impulse.size(), ", W ", std::ptrdiff_t(rows) - 1, "; expected one number");
+			        problem.impulse.size(), ", W ", std::ptrdiff_t(rows) - 1,
+			        "; expected one number");
 		const auto& start = problem.rowStart;
-		if (problem.block.size() != blocks || start.front() != 0 || std::size_t(start.back()) != blocks
-		    || !std::is_sorted(start.begin(), start.end()))
+		if (problem.block.size() != blocks || start.front() != 0
+		        || std::size_t(start.back()) != blocks
+		        || !std::is_sorted(start.begin(), start.end()))
 			refuse("the rows of W do not fit its ", blocks, " blocks");
 	}
 
@@ -42,7 +45,8 @@ namespace {
 		const std::int32_t count = std::int32_t(problem.free.size());
 		for (std::int32_t k = 0; k < count; ++k) {
 			bool diagonal = false;
-			for (std::int32_t e = problem.rowStart[k], last = -1; e < problem.rowStart[k + 1]; ++e) {
+			for (std::int32_t e = problem.rowStart[k], last = -1; e < problem.rowStart[k + 1];
+			        ++e) {
 				const std::int32_t j = problem.column[e];
 				if (j <= last || j >= count)
 					refuse("row ", k, " of W: columns are out of range or order");
@@ -70,7 +74,7 @@ namespace {
 				if (!finite(w)) refuse("block (", k, ", ", j, ") of W is not finite");
 				if (j == std::int32_t(k) && (w.nn < 0 || w.tt < 0))
 					refuse("W has a negative diagonal at contact ", k,
-					       "; expected a positive semi-definite matrix");
+					        "; expected a positive semi-definite matrix");
 			}
 			if (!finite(problem.free[k]) || !finite(problem.impulse[k]))
 				refuse("contact ", k, ": q or the impulse is not finite");

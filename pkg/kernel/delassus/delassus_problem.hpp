@@ -1,4 +1,5 @@
-// The contact problem without bodies: the Delassus matrix of all contact points and their velocities.
+// The contact problem without bodies: the Delassus matrix of all contact points and their
+// velocities.
 //
 //   u = W p + q,   0 ≤ u_n ⟂ p_n ≥ 0,   |p_t| ≤ µ p_n,   p_t = −µ p_n sign(u_t) where u_t ≠ 0
 //
@@ -35,8 +36,8 @@ inline Impulse operator*(const DelassusBlock& w, Impulse p)
 /// W is stored in compressed rows of blocks. Each row holds its diagonal block. Columns ascend in a
 /// row. Block (j, k) exists where block (k, j) does; they may differ by rounding.
 struct DelassusProblem {
-	std::vector<std::int32_t>  rowStart; // row k has the blocks rowStart[k] … rowStart[k + 1] − 1
-	std::vector<std::int32_t>  column;   // of each block
+	std::vector<std::int32_t> rowStart; // row k has the blocks rowStart[k] … rowStart[k + 1] − 1
+	std::vector<std::int32_t>  column;  // of each block
 	std::vector<DelassusBlock> block;
 	std::vector<Impulse>       free;
 	std::vector<double>        friction;

@@ -28,17 +28,23 @@ namespace {
 	/// Gauss–Seidel sweeps over the contact points of a problem.
 	class Sweeps {
 	public:
-		explicit Sweeps(DelassusProblem& problem) : problem_(problem), diagonal_(problem.free.size())
+		explicit Sweeps(DelassusProblem& problem)
+		        : problem_(problem)
+		        , diagonal_(problem.free.size())
 		{
 			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
 				const auto row = problem.column.begin() + problem.rowStart[k];
 				const auto end = problem.column.begin() + problem.rowStart[k + 1];
-				diagonal_[k]   = std::int32_t(std::lower_bound(row, end, k) - problem.column.begin());
-				if (block(k).nn <= 0) problem.impulse[k] = {}; // two driven bodies: no impulse moves them
+				diagonal_[k] = std::int32_t(std::lower_bound(row, end, k) - problem.column.begin());
+				if (block(k).nn <= 0)
+					problem.impulse[k] = {}; // two driven bodies: no impulse moves them
 			}
 		}
 
-		void plain() { sweep([](Impulse, Impulse solved, double) { return solved; }); }
+		void plain()
+		{
+			sweep([](Impulse, Impulse solved, double) { return solved; });
+		}
 
 		void relaxed()
 		{
@@ -129,14 +135,16 @@ Report solve(DelassusProblem& problem, const std::string& solver, const Settings
 	StopTest stop(settings);
 	while (!stop.reached(false, [&] { return Criteria { sweeps.measure() }; })) {
 		if (solver == "nlgs") sweeps.plain();
-		else if (solver == "sor") sweeps.relaxed();
-		else momentum.advance(sweeps.accelerated(momentum.beta()));
+		else if (solver == "sor")
+			sweeps.relaxed();
+		else
+			momentum.advance(sweeps.accelerated(momentum.beta()));
 	}
 	Report report;
 	report.iterations = stop.sweeps();
-	report.work      = double(report.iterations) * double(problem.free.size());
-	report.residual  = sweeps.measure();
-	report.converged = report.reached(settings) || report.residual == 0;
+	report.work       = double(report.iterations) * double(problem.free.size());
+	report.residual   = sweeps.measure();
+	report.converged  = report.reached(settings) || report.residual == 0;
 	return report;
 }
 

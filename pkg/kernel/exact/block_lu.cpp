@@ -6,9 +6,8 @@
 #include <cmath>
 #include <new>
 
-
-// Clones for wider registers, chosen at load time. Products and sums stay apart (-ffp-contract=off), so all give the
-// same bits. ThreadSanitizer is not ready when they are chosen.
+// Clones for wider registers, chosen at load time. Products and sums stay separate
+// (-ffp-contract=off), so all clones give the same bits. ThreadSanitizer does not support clones.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
 #define RCR_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
@@ -20,11 +19,14 @@ namespace rcr {
 
 namespace {
 
-	/// A column of a block in one register.
+	/// A column of a block in one register. may_alias lets it access doubles.
 	typedef double Column __attribute__((vector_size(32), may_alias));
 
 	RCR_INLINE Column&       column(double* entry) { return *reinterpret_cast<Column*>(entry); }
-	RCR_INLINE const Column& column(const double* entry) { return *reinterpret_cast<const Column*>(entry); }
+	RCR_INLINE const Column& column(const double* entry)
+	{
+		return *reinterpret_cast<const Column*>(entry);
+	}
 
 	/// result = A x, one column
 	RCR_INLINE void multiply(Column& result, const Block& a, const double* x)
@@ -50,7 +52,7 @@ namespace {
 		column(y.entry) -= product;
 	}
 
-	/// Overwrites a block by its inverse: Gauss–Jordan elimination with row exchanges.
+	/// Inverts a block by Gauss–Jordan elimination with row exchanges. False if it is singular.
 	bool invert(Block& block)
 	{
 		double a[3][6];
@@ -81,22 +83,29 @@ namespace {
 		return true;
 	}
 
-	/// Order in which to eliminate the nodes of a graph; node i has the neighbours neighbours[begin[i]] … neighbours[begin[i + 1] − 1].
-	std::vector<std::int32_t> minimumDegreeOrder(std::int32_t size, const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbours)
+	/// Elimination order of a graph. Node i has the neighbours neighbours[begin[i]] …
+	/// neighbours[begin[i + 1] − 1].
+	std::vector<std::int32_t> minimumDegreeOrder(std::int32_t size,
+	        const std::vector<std::int32_t>&                  begin,
+	        const std::vector<std::int32_t>&                  neighbours)
 	{
-		const std::vector<std::int32_t> none(1); // a graph without edges has no array of neighbours, and AMD wants one
+		const std::vector<std::int32_t> none(1); // AMD needs an array even without edges
 		std::vector<std::int32_t>       order(size);
-		if (size > 0 && amd_order(size, begin.data(), (neighbours.empty() ? none : neighbours).data(), order.data(), nullptr, nullptr) < AMD_OK)
+		const std::int32_t* const       list = (neighbours.empty() ? none : neighbours).data();
+		if (size > 0
+		        && amd_order(size, begin.data(), list, order.data(), nullptr, nullptr) < AMD_OK)
 			throw std::bad_alloc();
 		return order;
 	}
 
-	bool isZero(const BlockVector& x) { return x.entry[0] == 0 && x.entry[1] == 0 && x.entry[2] == 0; }
+	bool isZero(const BlockVector& x)
+	{
+		return x.entry[0] == 0 && x.entry[1] == 0 && x.entry[2] == 0;
+	}
 
 } // namespace
 
-BlockLu::BlockLu(std::int32_t size, const std::vector<Pair>& pairs)
-        : size_(size)
+BlockLu::BlockLu(std::int32_t size, const std::vector<Pair>& pairs) : size_(size)
 {
 	std::vector<std::int32_t> begin(size + 1, 0), neighbours(2 * pairs.size());
 	for (const Pair& pair : pairs) {
@@ -114,7 +123,8 @@ BlockLu::BlockLu(std::int32_t size, const std::vector<Pair>& pairs)
 	transposePattern();
 	for (const Pair& pair : pairs) {
 		const std::int32_t i = place_[pair.first], j = place_[pair.second], k = std::min(i, j);
-		const auto         entry = std::lower_bound(rows_.begin() + start_[k], rows_.begin() + start_[k + 1], std::max(i, j));
+		const auto         entry = std::lower_bound(
+		                rows_.begin() + start_[k], rows_.begin() + start_[k + 1], std::max(i, j));
 		slots_.push_back({ static_cast<std::int32_t>(entry - rows_.begin()), i > j });
 	}
 	diagonal_.resize(size);
@@ -124,8 +134,10 @@ BlockLu::BlockLu(std::int32_t size, const std::vector<Pair>& pairs)
 	entryOfRow_.resize(size);
 }
 
-/// Column k of L: the later neighbours of row k, and the columns of its children in the elimination tree.
-void BlockLu::findPattern(const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbours)
+/// Column k of L has the later neighbours of row k and the columns of its children in the
+/// elimination tree.
+void BlockLu::findPattern(
+        const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbours)
 {
 	order_ = minimumDegreeOrder(size_, begin, neighbours);
 	place_.resize(size_);
@@ -183,7 +195,8 @@ void BlockLu::setIdentity()
 	std::fill(upper_.begin(), upper_.end(), Block {});
 }
 
-/// Subtracts what the earlier columns k contribute to column `step` of L D and row `step` of D U: L_ik (D U)_kj.
+/// Subtracts the terms L_ik (D U)_kj of earlier columns k from column `step` of L D and from row
+/// `step` of D U.
 RCR_CLONES void BlockLu::eliminate(std::int32_t step)
 {
 	for (std::int32_t m = start_[step]; m < start_[step + 1]; ++m)
@@ -220,7 +233,7 @@ RCR_CLONES void BlockLu::solve(std::vector<BlockVector>& b) const
 	for (std::int32_t k = 0; k < size_; ++k)
 		x[k] = b[order_[k]];
 	for (std::int32_t k = 0; k < size_; ++k) {
-		if (isZero(x[k])) continue; // few bodies feel a single contact before the way back
+		if (isZero(x[k])) continue; // a single contact reaches few bodies in this loop
 		for (std::int32_t m = start_[k]; m < start_[k + 1]; ++m)
 			subtractProduct(x[rows_[m]], lower_[m], x[k]);
 	}

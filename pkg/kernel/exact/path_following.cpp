@@ -7,11 +7,16 @@ namespace rcr {
 
 namespace {
 
-	constexpr std::size_t maxUpdates       = 20;    // updates of rank one between two factorisations: both cost about the same there
-	constexpr double      leastEnergyShare = 0.1;   // energy of an unstable contact over the largest [-]
-	constexpr double      edgeTolerance    = 1e-13; // relative distance to the cone's boundary that counts as on it [-]
+	/// Rank-one updates between two factorisations. Both then cost about the same.
+	constexpr std::size_t maxUpdates = 20;
 
-	/// A change of piece of one contact: K += column rowᵀ, in (n, t).
+	/// Least energy of an unstable contact over the largest [-].
+	constexpr double minEnergyShare = 0.1;
+
+	/// Relative distance to the boundary of the cone that counts as zero [-].
+	constexpr double edgeTolerance = 1e-13;
+
+	/// The change of a contact's piece: K += column rowᵀ, in (n, t).
 	struct RankOne {
 		std::size_t contact;
 		Impulse     column, row;
@@ -41,21 +46,20 @@ namespace {
 		PathEnd follow(int maxPivots)
 		{
 			start();
-			bool onWay = findDirection();
-			while (onWay && !end_.arrived) {
+			bool continues = findDirection();
+			while (continues && !end_.complete) {
 				const Edge edge = nearestEdge();
 				advance(edge.distance);
-				if (!edge.found)
-					end_.arrived = true;
+				if (!edge.found) end_.complete = true;
 				else
-					onWay = end_.pivots < maxPivots && cross(edge);
+					continues = end_.pivots < maxPivots && cross(edge);
 			}
 			setPredictors();
 			return end_;
 		}
 
 	private:
-		/// Pieces and shift for which y = 0, p = p_ref is the solution.
+		/// Sets pieces and shift so that y = 0, p = p_ref is the solution.
 		void start()
 		{
 			for (std::size_t i = 0; i < problem_.size(); ++i) {
@@ -68,20 +72,20 @@ namespace {
 					piece = { Piece::apart, 0 };
 					if (u.n < 0) shift_[i].n = -u.n;
 				} else if (limit <= 0) {
-					piece    = { Piece::slide, 0 };
+					piece     = { Piece::slide, 0 };
 					shift_[i] = { -u.n, 0 };
 				} else if (std::abs(p.t) >= limit * (1 - edgeTolerance) && side * u.t < 0) {
-					piece    = { Piece::slide, static_cast<std::int8_t>(side) };
+					piece     = { Piece::slide, static_cast<std::int8_t>(side) };
 					shift_[i] = { -u.n, 0 };
 				} else {
-					piece    = { Piece::stick, 0 };
+					piece     = { Piece::stick, 0 };
 					shift_[i] = { -u.n, -u.t };
 				}
 				velocity_[i] = u + shift_[i];
 			}
 		}
 
-		/// dy/dt = (I + Ĵᵀ K Ĵ)⁻¹ Ĵᵀ K e, from a new factorisation.
+		/// dy/dt = (I + Ĵᵀ K Ĵ)⁻¹ Ĵᵀ K e with a new factorisation. False if the matrix is singular.
 		bool findDirection()
 		{
 			updates_.clear();
@@ -92,7 +96,9 @@ namespace {
 				const double  k     = problem_.stiffness[i];
 				const Impulse e     = shift_[i];
 				if (piece.kind == Piece::apart) continue;
-				const double t = piece.kind == Piece::stick ? k * e.t : piece.side * problem_.contacts[i].friction * k * e.n;
+				const double t = piece.kind == Piece::stick
+				        ? k * e.t
+				        : piece.side * problem_.contacts[i].friction * k * e.n;
 				applyImpulse(problem_.contacts[i], { k * e.n, t }, direction_);
 			}
 			problem_.matrix.solve(direction_);
@@ -101,13 +107,14 @@ namespace {
 			return true;
 		}
 
-		/// The first contact, along the path, whose predictor leaves its piece.
+		/// The first contact on the path whose predictor leaves its piece.
 		Edge nearestEdge() const
 		{
 			Edge edge;
 			edge.distance       = 1 - t_;
-			const auto consider = [&](double value, double slope, std::size_t contact, Piece beyond) {
-				// `value` ≤ 0 inside the piece; rounding may have left it a little above
+			const auto consider = [&](double value, double slope, std::size_t contact,
+			                              Piece beyond) {
+				// value ≤ 0 inside the piece, up to rounding
 				if (!(slope > 0) || -value >= edge.distance * slope) return;
 				edge = { std::max(0.0, -value / slope), contact, beyond, true };
 			};
@@ -124,16 +131,19 @@ namespace {
 					consider(-t - mu * n, -dt - mu * dn, i, { Piece::slide, -1 });
 				} else {
 					consider(-n, -dn, i, { Piece::apart, 0 });
-					if (mu > 0) consider(mu * n - piece.side * t, mu * dn - piece.side * dt, i, { Piece::stick, 0 });
+					if (mu > 0)
+						consider(mu * n - piece.side * t, mu * dn - piece.side * dt, i,
+						        { Piece::stick, 0 });
 				}
 			}
 			return edge;
 		}
 
-		/// A contact that closes slides at first: its cone is still a point.
+		/// A contact that closes slides first, because its cone is still a point.
 		static Piece enter(double friction, double tangential)
 		{
-			return { Piece::slide, static_cast<std::int8_t>(friction <= 0 ? 0 : tangential > 0 ? 1 : -1) };
+			const int side = friction <= 0 ? 0 : tangential > 0 ? 1 : -1;
+			return { Piece::slide, static_cast<std::int8_t>(side) };
 		}
 
 		void advance(double distance)
@@ -143,7 +153,7 @@ namespace {
 				velocity_[i] = velocity_[i] + distance * rate_[i];
 		}
 
-		/// Takes the contact at an edge to its next piece and turns the direction accordingly. False at a fold.
+		/// Changes the piece of the contact at an edge and updates the direction. False at a fold.
 		bool cross(const Edge& edge)
 		{
 			const RankOne        change = changeOf(edge);
@@ -152,7 +162,8 @@ namespace {
 			applyImpulse(c, change.column, response_);
 			applyInverse(response_);
 			const Impulse r     = relativeVelocity(c, response_);
-			const double  delta = 1 + change.row.n * r.n + change.row.t * r.t; // ratio of the determinants
+			const double  delta = 1 + change.row.n * r.n
+			        + change.row.t * r.t; // ratio of the determinants
 			if (!(delta > 0)) {
 				findUnstable();
 				return false;
@@ -171,28 +182,32 @@ namespace {
 		RankOne changeOf(const Edge& edge) const
 		{
 			const Piece  from = problem_.pieces[edge.contact], to = edge.beyond;
-			const double k = problem_.stiffness[edge.contact], mu = problem_.contacts[edge.contact].friction;
-			if (from.kind == Piece::apart) return { edge.contact, { k, k * to.side * mu }, { 1, 0 } };
-			if (to.kind == Piece::apart) return { edge.contact, { -k, -k * from.side * mu }, { 1, 0 } };
+			const double k  = problem_.stiffness[edge.contact],
+			             mu = problem_.contacts[edge.contact].friction;
+			if (from.kind == Piece::apart)
+				return { edge.contact, { k, k * to.side * mu }, { 1, 0 } };
+			if (to.kind == Piece::apart)
+				return { edge.contact, { -k, -k * from.side * mu }, { 1, 0 } };
 			if (to.kind == Piece::stick) return { edge.contact, { 0, k }, { -from.side * mu, 1 } };
 			return { edge.contact, { 0, -k }, { -to.side * mu, 1 } };
 		}
 
-		/// b ← A⁻¹ b, A the factored matrix and the changes since.
+		/// b ← A⁻¹ b; A is the factored matrix with its updates.
 		void applyInverse(BodyVector& b) const
 		{
 			problem_.matrix.solve(b);
 			for (const Update& update : updates_) {
-				const Impulse u      = relativeVelocity(problem_.contacts[update.change.contact], b);
-				const double  amount = (update.change.row.n * u.n + update.change.row.t * u.t) / update.delta;
+				const Impulse u = relativeVelocity(problem_.contacts[update.change.contact], b);
+				const double  amount = (update.change.row.n * u.n + update.change.row.t * u.t)
+				        / update.delta;
 				for (std::size_t i = 0; i < b.size(); ++i)
 					for (int j = 0; j < 4; ++j)
 						b[i].entry[j] -= amount * update.response[i].entry[j];
 			}
 		}
 
-		/// At a fold the matrix is singular somewhere between the two pieces, and A⁻¹ x spans its null space: the motion
-		/// that nothing resists. Its contacts are those with a share of its elastic energy Σ k |Ĵ A⁻¹ x|².
+		/// At a fold, a matrix between the two pieces is singular. y = A⁻¹ x spans its null space:
+		/// motion without resistance. Unstable contacts have a share of its energy Σ k |Ĵ y|².
 		void findUnstable()
 		{
 			std::vector<double> energy(problem_.size(), 0);
@@ -201,7 +216,7 @@ namespace {
 				const Impulse u = relativeVelocity(problem_.contacts[i], response_);
 				energy[i]       = problem_.stiffness[i] * square(u);
 			}
-			const double least = leastEnergyShare * *std::max_element(energy.begin(), energy.end());
+			const double least = minEnergyShare * *std::max_element(energy.begin(), energy.end());
 			for (std::size_t i = 0; i < problem_.size(); ++i)
 				if (energy[i] >= least && energy[i] > 0) end_.unstable.push_back(i);
 		}
@@ -209,7 +224,8 @@ namespace {
 		void setPredictors()
 		{
 			for (std::size_t i = 0; i < problem_.size(); ++i)
-				problem_.predictor[i] = problem_.reference[i] - problem_.stiffness[i] * velocity_[i];
+				problem_.predictor[i] = problem_.reference[i]
+				        - problem_.stiffness[i] * velocity_[i];
 		}
 
 		struct Update {
@@ -230,6 +246,9 @@ namespace {
 
 } // namespace
 
-PathEnd followPath(ProximalProblem& problem, int maxPivots) { return Path(problem).follow(maxPivots); }
+PathEnd followPath(ProximalProblem& problem, int maxPivots)
+{
+	return Path(problem).follow(maxPivots);
+}
 
 } // namespace rcr

@@ -10,14 +10,16 @@ namespace {
 
 	bool prescribed(const InverseMass& m) { return m.x == 0 && m.y == 0 && m.rotation == 0; }
 
-	/// One row of Ĵ: direction d at the given arm, on the body of sign ±1.
+	/// Row of Ĵ of one body: direction d, lever arm, sign −1 for body 1 and +1 for body 2.
 	BlockVector scaledRow(Vec2 d, Vec2 arm, const InverseMass& m, double sign)
 	{
-		return { { sign * d.x * std::sqrt(m.x), sign * d.y * std::sqrt(m.y), sign * cross(arm, d) * std::sqrt(m.rotation), 0 } };
+		return { { sign * d.x * std::sqrt(m.x), sign * d.y * std::sqrt(m.y),
+			    sign * cross(arm, d) * std::sqrt(m.rotation), 0 } };
 	}
 
-	/// The contact points that can carry an impulse, in mass-scaled rows.
-	std::vector<ScaledContact> scaledContacts(const ContactProblem& problem, std::vector<std::size_t>& origin)
+	/// The contact points with w_nn > 0.
+	std::vector<ScaledContact> scaledContacts(
+	        const ContactProblem& problem, std::vector<std::size_t>& origin)
 	{
 		std::vector<ScaledContact> contacts;
 		for (std::size_t k = 0; k < problem.points.size(); ++k) {
@@ -27,29 +29,34 @@ namespace {
 			const Delassus      w  = delassus(c, m1, m2);
 			if (w.nn <= 0) continue;
 			const Vec2 n = c.normal, t = perp(n);
-			contacts.push_back({ c.body1, c.body2, scaledRow(n, c.arm1, m1, -1), scaledRow(t, c.arm1, m1, -1),
-			                     scaledRow(n, c.arm2, m2, 1), scaledRow(t, c.arm2, m2, 1), c.friction, c.bias, w.nn,
-			                     prescribed(m1) || prescribed(m2) ? -1 : 0, c.body1 > c.body2 });
+			contacts.push_back({ c.body1, c.body2, scaledRow(n, c.arm1, m1, -1),
+			        scaledRow(t, c.arm1, m1, -1), scaledRow(n, c.arm2, m2, 1),
+			        scaledRow(t, c.arm2, m2, 1), c.friction, c.bias, w.nn,
+			        prescribed(m1) || prescribed(m2) ? -1 : 0, c.body1 > c.body2 });
 			origin.push_back(k);
 		}
 		return contacts;
 	}
 
-	/// Pairs of bodies that share contacts, each once; numbers them in the contacts.
+	/// Pairs of bodies that share contacts, each once. Sets ScaledContact::pair.
 	std::vector<BlockLu::Pair> findPairs(std::vector<ScaledContact>& contacts)
 	{
 		std::vector<BlockLu::Pair> pairs;
-		const auto pairOf = [](const ScaledContact& c) { return BlockLu::Pair { std::min(c.body1, c.body2), std::max(c.body1, c.body2) }; };
+		const auto                 pairOf = [](const ScaledContact& c) {
+            return BlockLu::Pair { std::min(c.body1, c.body2), std::max(c.body1, c.body2) };
+		};
 		for (const ScaledContact& c : contacts)
 			if (c.pair >= 0) pairs.push_back(pairOf(c));
 		std::sort(pairs.begin(), pairs.end());
 		pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 		for (ScaledContact& c : contacts)
-			if (c.pair >= 0) c.pair = static_cast<std::int32_t>(std::lower_bound(pairs.begin(), pairs.end(), pairOf(c)) - pairs.begin());
+			if (c.pair >= 0)
+				c.pair = static_cast<std::int32_t>(
+				        std::lower_bound(pairs.begin(), pairs.end(), pairOf(c)) - pairs.begin());
 		return pairs;
 	}
 
-	/// The impulse that the law gives for a predictor.
+	/// Impulse of the law for a predictor.
 	Impulse lawOf(Impulse predictor, double friction)
 	{
 		if (predictor.n <= 0) return {};
@@ -66,8 +73,9 @@ namespace {
 				block.entry[j][i] += x.entry[i] * y.entry[j];
 	}
 
-	/// k (n + sµ t): the direction in which one unit of sliding velocity acts.
-	BlockVector slidingRow(const BlockVector& n, const BlockVector& t, double sideFriction, double k)
+	/// k (n + sµ t): the impulse per unit of normal velocity of a sliding contact.
+	BlockVector slidingRow(
+	        const BlockVector& n, const BlockVector& t, double sideFriction, double k)
 	{
 		BlockVector row;
 		for (int i = 0; i < 3; ++i)
@@ -94,7 +102,8 @@ void ProximalProblem::setReference(ContactProblem& problem)
 	updateVelocity(problem);
 	for (std::size_t i = 0; i < size(); ++i) {
 		const ScaledContact& c = contacts[i];
-		referenceVelocity[i]   = relativeVelocity(problem.points[origin_[i]], problem.velocity[c.body1], problem.velocity[c.body2]);
+		referenceVelocity[i]   = relativeVelocity(
+		          problem.points[origin_[i]], problem.velocity[c.body1], problem.velocity[c.body2]);
 		referenceVelocity[i].n += c.bias;
 		reference[i] = problem.impulse[origin_[i]];
 	}
@@ -106,17 +115,20 @@ bool ProximalProblem::factor()
 	for (std::size_t i = 0; i < size(); ++i) {
 		if (pieces[i].kind == Piece::apart) continue;
 		const ScaledContact& c = contacts[i];
-		const auto           add = [&](const BlockVector& x1, const BlockVector& x2, const BlockVector& y1, const BlockVector& y2) {
+		const auto add = [&](const BlockVector& x1, const BlockVector& x2, const BlockVector& y1,
+		                         const BlockVector& y2) {
 			addProduct(matrix.diagonal(c.body1), x1, y1);
 			addProduct(matrix.diagonal(c.body2), x2, y2);
 			if (c.pair < 0) return;
 			addProduct(matrix.pairBlock(c.pair, c.flipped), x1, y2);
 			addProduct(matrix.pairBlock(c.pair, !c.flipped), x2, y1);
 		};
-		const double k = stiffness[i], side = pieces[i].side * c.friction; // 0 where it sticks
-		add(slidingRow(c.normal1, c.tangent1, side, k), slidingRow(c.normal2, c.tangent2, side, k), c.normal1, c.normal2);
+		const double k = stiffness[i], side = pieces[i].side * c.friction; // 0 if it sticks
+		add(slidingRow(c.normal1, c.tangent1, side, k), slidingRow(c.normal2, c.tangent2, side, k),
+		        c.normal1, c.normal2);
 		if (pieces[i].kind == Piece::stick)
-			add(slidingRow(c.tangent1, c.normal1, 0, k), slidingRow(c.tangent2, c.normal2, 0, k), c.tangent1, c.tangent2);
+			add(slidingRow(c.tangent1, c.normal1, 0, k), slidingRow(c.tangent2, c.normal2, 0, k),
+			        c.tangent1, c.tangent2);
 	}
 	return matrix.factor();
 }

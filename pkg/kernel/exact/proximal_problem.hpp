@@ -1,23 +1,26 @@
-// One proximal step of the contact problem: the contact law softened about a reference, as a piecewise linear map.
+// A proximal step: the contact law softened about a reference, as a piecewise linear map.
 //
 //   y = Ĵᵀ (p − p_ref),   u = u_ref + b_n n + Ĵ y,   Ĵ = J M^(−1/2)
 //   the contact law between p and u + (p − p_ref)/k,   k = ρ/w_nn
 //
-// y = M^(1/2) (v − v_ref) are the body velocities scaled by the masses, so the matrix of the problem is I + Ĵᵀ K Ĵ and a
-// prescribed degree of freedom is one that Ĵ does not reach. All quantities are increments about the reference: near the
-// solution they are small, and so are their rounding errors. With π = p_ref − k u the law is explicit, in pieces,
+// y = M^(1/2) (v − v_ref), so the matrix of the problem is I + Ĵᵀ K Ĵ, and Ĵ is zero for driven
+// degrees of freedom. All quantities are increments about the reference: near the solution they and
+// their rounding errors are small. With π = p_ref − k u, the law is explicit in pieces:
+//
 //   apart   π_n ≤ 0           p = 0
 //   stick   |π_t| ≤ µ π_n     p = π
-//   slide   s π_t > µ π_n     p = (π_n, s µ π_n),  s = ±1 (0 where µ = 0)
-// A fixed point p = p_ref solves the contact problem itself, whatever ρ.
+//   slide   s π_t > µ π_n     p = (π_n, s µ π_n),  s = ±1 (0 if µ = 0)
 //
-// | symbol | unit            | meaning                                                    |
-// |--------|-----------------|------------------------------------------------------------|
-// | y      | √kg m/s         | mass-scaled change of velocity                             |
-// | Ĵ      | 1/√kg           | rows of one contact point: n and t, on body 1 and body 2   |
-// | k      | kg              | stiffness of the proximal term                             |
-// | ρ      | –               | stiffness in units of 1/w_nn: 0 rigid reference, ∞ the law |
-// | π      | N s             | predictor                                                  |
+// A fixed point p = p_ref solves the contact problem for any ρ.
+//
+// | symbol | unit    | meaning                                                  |
+// |--------|---------|----------------------------------------------------------|
+// | y      | √kg m/s | mass-scaled change of velocity                           |
+// | Ĵ      | 1/√kg   | rows of one contact point: n and t, on body 1 and body 2 |
+// | k      | kg      | stiffness of the proximal term                           |
+// | ρ      | –       | proximal parameter k w_nn; ∞: the contact law            |
+// | π      | N s     | predictor                                                |
+//
 // Source: Rockafellar 1976 (proximal point); Alart and Curnier 1991 (the pieces).
 #pragma once
 
@@ -29,12 +32,12 @@
 
 namespace rcr {
 
-/// Rows of Ĵ for one contact point, and what its law needs.
+/// Rows of Ĵ for one contact point, and the parameters of its law.
 struct ScaledContact {
 	std::int32_t body1, body2;
 	BlockVector  normal1, tangent1, normal2, tangent2;
 	double       friction, bias, wnn;
-	std::int32_t pair;  // the block of its two bodies, −1 where one of them is prescribed
+	std::int32_t pair;    // of its bodies in the matrix; −1 if one of them is driven
 	bool         flipped; // body 1 is the second of that pair
 };
 
@@ -59,7 +62,7 @@ inline Impulse relativeVelocity(const ScaledContact& c, const BodyVector& y)
 	return u;
 }
 
-/// Adds Ĵᵀ p of one contact point to y.
+/// y ← y + Ĵᵀ p of one contact point.
 inline void applyImpulse(const ScaledContact& c, const Impulse& p, BodyVector& y)
 {
 	for (int i = 0; i < 3; ++i) {
@@ -75,7 +78,7 @@ public:
 	/// Takes the impulses of the problem as reference, and updates its velocities.
 	void setReference(ContactProblem&);
 
-	/// Factors I + Ĵᵀ K Ĵ for the present pieces. False when it is singular.
+	/// Factors I + Ĵᵀ K Ĵ for the present pieces. Returns false if it is singular.
 	bool factor();
 
 	/// Writes the impulses that the law gives for the predictors to the problem.
@@ -89,12 +92,12 @@ public:
 	std::vector<Piece>         pieces;
 	std::vector<Impulse>       reference;         // p_ref
 	std::vector<Impulse>       referenceVelocity; // u_ref + b_n n
-	std::vector<Impulse>       predictor;         // π, where the step ended
+	std::vector<Impulse>       predictor;         // π at the end of the step
 	BlockLu                    matrix;
 
 private:
 	std::size_t              bodyCount_;
-	std::vector<std::size_t> origin_; // place of a contact in the contact problem
+	std::vector<std::size_t> origin_; // number of each contact in the contact problem
 };
 
 } // namespace rcr

@@ -1,9 +1,9 @@
 // Tests whether a step has no solution: the contact laws require more than the bodies can do.
 //
-// Velocities v are admissible if every point opens faster than friction can hold: u_n + b_n ≥ µ
-// |u_t|. If strictly admissible velocities exist, the step has a solution. For every d in the cones
-// K = { |d_t| ≤ µ d_n }, admissible velocities satisfy d · (u + b_n n) ≥ 0. With u = u_free + J (v
-// − v_free), this bounds their distance to the free velocities:
+// Velocities v are admissible if every point opens faster than friction can hold:
+// u_n + b_n ≥ µ |u_t|. The step has a solution if strictly admissible velocities exist.
+// For every d in the cones K = { |d_t| ≤ µ d_n }, admissible velocities satisfy
+// d · (u + b_n n) ≥ 0. With u = u_free + J (v − v_free), this bounds their distance to v_free:
 //
 //   ‖v − v_free‖_M ≥ −d · (u_free + b_n n) / ‖M^(−1/2) Jᵀ d‖
 //

@@ -16,25 +16,23 @@ bool restIsSolution(const Step& step, const DrivenMotion& drive)
 bool adaptBiases(Step& step, bool allowRelease, bool last, double& overlap, ThreadTeam& team)
 {
 	struct Change {
-		bool   changed, bounces, far;
+		bool   changed, bounces;
 		double overlap;
 	};
 	std::vector<Change> change(step.contacts.size());
 	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
-		change[k]                    = { false, contact.restitution > 0, displacesFar(step, contact), 0 };
-		if (change[k].far) change[k].changed = adaptToDisplacement(step, contact, allowRelease, change[k].overlap);
+		change[k]                    = { false, contact.restitution > 0, 0 };
+		if (displacesFar(step, contact)) change[k].changed = adaptToDisplacement(step, contact, allowRelease, change[k].overlap);
 	});
-	bool changed = false, bounces = false, far = false;
+	bool changed = false, bounces = false;
 	overlap      = 0;
 	for (std::size_t k = 0; k < change.size(); ++k) {
 		changed |= change[k].changed;
 		overlap = std::max(overlap, change[k].overlap);
 		if (change[k].bounces) changed |= (allowRelease && cancelBounces(step, step.contacts[k])) || restrainBounce(step, step.contacts[k]);
 		bounces |= change[k].bounces;
-		far |= change[k].far;
 	}
-	if (far) changed |= limitPushes(step, last);
 	if (bounces && (last || !changed)) changed |= restrainCollisions(step, last);
 	return changed;
 }

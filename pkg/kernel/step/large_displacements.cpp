@@ -105,7 +105,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 			continue;
 		}
 		const double curve  = sinks ? (end - gap - share * path) / (share * share) : 2 * least - gap - path; // 2: also releases one of two loaded contacts
-		const double bias   = std::max((std::max(gap, 0.0) + curve) / dt, step.leastBias[number]);
+		const double bias   = std::max((std::max(gap, 0.0) + curve) / dt, std::min(0.0, before)); // at most an elastic bounce
 		if (dt * std::abs(bias - c.bias) < clearance * slop) continue;
 		c.bias  = bias;
 		changed = true;

@@ -7,8 +7,7 @@
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
-// A negative bias pushes the bodies apart, as the rotation of the normal does in continuous time. It must not add energy:
-// limitPushes (step/restitution.hpp) bounds it.
+// The bias is at least min(0, u_n⁻), so that the contact pushes no harder than an elastic bounce.
 //
 // A contact that its path does not need is released if a gap of 2 % of the slop stays open. A contact that bore a force already
 // is released from half the slop on, and a contact that closes 99 % of its path is kept. With restitution both are released

@@ -257,7 +257,6 @@ void addUpdatedContacts(Step& step)
 	step.problem.points.swap(points);
 	step.force.swap(forces);
 	step.gap.swap(gaps);
-	step.leastBias.assign(step.gap.size(), -std::numeric_limits<double>::infinity());
 	step.indexContacts();
 	step.startFromForces();
 	step.added.insert(step.added.end(), step.updated.begin(), step.updated.end());

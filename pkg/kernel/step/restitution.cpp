@@ -81,41 +81,6 @@ bool lowerBounces(Step& step, bool plastic)
 	return lowered;
 }
 
-bool limitPushes(Step& step, bool last)
-{
-	ContactProblem& problem   = step.problem;
-	const auto      elastic   = [&](const ContactPoint& c) { return std::min(0.0, before(step, c).n); };
-	const auto      isPush    = [&](std::size_t k) { return problem.impulse[k].n > 0 && problem.points[k].bias < elastic(problem.points[k]); };
-	bool            hasPushes = false;
-	for (std::size_t k = 0; k < problem.points.size() && !hasPushes; ++k)
-		hasPushes = step.leastBias[k] < 0 && isPush(k);
-	if (!hasPushes) return false;
-	Collisions          collisions(step);
-	std::vector<Energy> energy(step.bodies.size()); // plasticLoss: work of the pushes
-	for (std::size_t k = 0; k < problem.points.size(); ++k) {
-		const ContactPoint& c = problem.points[k];
-		const Impulse       p = problem.impulse[k];
-		if (!(p.n > 0)) continue;
-		const Impulse u = before(step, c), left = after(step, c);
-		Energy&       of = energy[collisions.of(c)];
-		of.gain += p.n * (u.n + left.n) + p.t * (u.t + left.t);
-		of.work += std::hypot(p.n, p.t) * std::hypot(u.n, u.t);
-		if (isPush(k)) of.plasticLoss += p.n * (u.n + left.n);
-	}
-	bool changed = false;
-	for (std::size_t k = 0; k < problem.points.size(); ++k) {
-		if (!isPush(k)) continue;
-		ContactPoint& c  = problem.points[k];
-		const Energy& of = energy[collisions.of(c)];
-		if (of.gain <= energyTolerance * of.work) continue;
-		const double share = last || of.plasticLoss <= of.gain ? 0 : 0.9 * (1 - of.gain / of.plasticLoss);
-		c.bias             = elastic(c) + share * (c.bias - elastic(c));
-		step.leastBias[k]  = c.bias;
-		changed            = true;
-	}
-	return changed;
-}
-
 bool restrainCollisions(Step& step, bool plastic)
 {
 	ContactProblem&     problem = step.problem;

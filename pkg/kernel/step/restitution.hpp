@@ -36,10 +36,6 @@ bool restrainBounce(Step&, const StepContact&);
 /// In a step without a solution, lowers bounces to the velocities reached; `plastic`: to none. Returns true if a bias changed.
 bool lowerBounces(Step&, bool plastic);
 
-/// Bounds the biases of large displacements that push harder than an elastic bounce, b_n < min(0, u_n⁻), in collisions whose
-/// energy grows. Writes step.leastBias. `last`: to elastic bounces. Returns true if a bias changed.
-bool limitPushes(Step&, bool last);
-
 /// Lowers the restitution of collisions that add energy; `plastic`: to 0. Returns true if a bias changed.
 bool restrainCollisions(Step&, bool plastic);
 

@@ -41,7 +41,6 @@ void Step::begin(int points)
 	problem.points.resize(points);
 	problem.impulse.resize(points);
 	gap.resize(points);
-	leastBias.assign(points, -std::numeric_limits<double>::infinity());
 	force.resize(points);
 	reach.assign(reach.size(), 0);
 	updated.clear();

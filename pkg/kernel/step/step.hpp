@@ -159,7 +159,6 @@ struct Step {
 	std::vector<StepContact>  contacts; // sorted by body1, then body2
 	std::vector<std::int32_t> firstOf;  // per body: its first contact as body 1; one more entry: the end
 	std::vector<Gap>          gap;      // per point
-	std::vector<double>       leastBias; // per point: bias below which its push adds energy [m/s]
 	ContactProblem            problem;
 	std::vector<Impulse>      force;    // per point [N]: start of the solver, then its result
 	std::vector<double>       reach;    // per body: widened alert distance [m]; 0: not widened

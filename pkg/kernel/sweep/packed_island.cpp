@@ -1,73 +1,92 @@
-// The steps of the sweep solvers on one island: what has slots by the kernels, the overflow here.
+// Kernels work on the pairs that have slots; the code below works on the overflow.
+#include "sweep/packed_island.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <utility>
 
-#include "sweep/packed_problem.hpp"
-
 namespace rcr {
 
 namespace {
-	constexpr int sweepsPerReference = 400; // a reference takes as long as four sweeps; 1000 leave the same residual
+	/// A new reference takes as long as four sweeps. With 1000, the residual is the same.
+	constexpr int sweepsPerReference = 400;
 }
 
 // ---- points of the overflow
 
-template <class Real> Impulse PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoint& c) const
+template <class Real>
+Impulse PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoint& c) const
 {
-	const HalfRecordOf<Real> &v1 = view.halfBody(c.record1), &v2 = view.halfBody(c.record2);
-	constexpr bool            whole   = std::is_same_v<Real, double>; // or what differs from the reference
-	const Vec2                stretch = whole ? packed_.stretch_ : packed_.stretch_ - packed_.referenceStretch_;
-	const Vec2                u       = Vec2 { double(v2.x) - v1.x, double(v2.y) - v1.y } + componentwise(stretch, c.shift);
-	const double              spin1 = c.turns ? view.wholeBody(c.record1).spin : 0, spin2 = c.turns ? view.wholeBody(c.record2).spin : 0;
-	const Impulse&            rest = whole ? c.drift : c.reference;
-	return { dot(u, c.normal) + spin2 * c.turn2n - spin1 * c.turn1n + rest.n, dot(u, perp(c.normal)) + spin2 * c.turn2t - spin1 * c.turn1t + rest.t };
+	const Real *   v1 = view.recordAt(c.record1), *v2 = view.recordAt(c.record2);
+	constexpr bool whole = std::is_same_v<Real, double>; // or relative to the reference
+	const Vec2 stretch   = whole ? packed_.stretch_ : packed_.stretch_ - packed_.referenceStretch_;
+	const Vec2 u         = Vec2 {
+        double(v2[record::x]) - v1[record::x], double(v2[record::y]) - v1[record::y]
+	} + componentwise(stretch, c.shift);
+	const double   spin1 = c.wholeRecords ? v1[record::spin] : 0;
+	const double   spin2 = c.wholeRecords ? v2[record::spin] : 0;
+	const Impulse& rest  = whole ? c.drift : c.reference;
+	return { dot(u, c.normal) + spin2 * c.lever2n - spin1 * c.lever1n + rest.n,
+		dot(u, perp(c.normal)) + spin2 * c.lever2t - spin1 * c.lever1t + rest.t };
 }
 
-template <class Real> void PackedIsland::applyImpulse(const View<Real>& view, const OverflowPoint& c, const Impulse& p)
+template <class Real>
+void PackedIsland::applyImpulse(const View<Real>& view, const OverflowPoint& c, const Impulse& p)
 {
 	const Vec2 f    = p.n * c.normal + p.t * perp(c.normal);
-	const auto push = [&](int record, const InverseMass& mass, double sign, double torque) {
-		if (mass.x == 0 && mass.y == 0 && mass.rotation == 0) return; // other islands may share it
-		HalfRecordOf<Real>& v = view.halfBody(record);
-		v.x = Real(v.x + sign * (mass.x * f.x));
-		v.y = Real(v.y + sign * (mass.y * f.y));
-		if (!c.turns) return;
-		Real& spin = view.wholeBody(record).spin;
-		spin       = Real(spin + sign * (mass.rotation * torque));
+	const auto push = [&](int number, const InverseMass& mass, double sign, double torque) {
+		// islands may share a driven body: do not write to it
+		if (mass.x == 0 && mass.y == 0 && mass.rotation == 0) return;
+		Real* const v = view.recordAt(number);
+		v[record::x]  = Real(v[record::x] + sign * (mass.x * f.x));
+		v[record::y]  = Real(v[record::y] + sign * (mass.y * f.y));
+		if (c.wholeRecords)
+			v[record::spin] = Real(v[record::spin] + sign * (mass.rotation * torque));
 	};
-	push(c.record1, c.mass1, -1, p.n * c.turn1n + p.t * c.turn1t);
-	push(c.record2, c.mass2, +1, p.n * c.turn2n + p.t * c.turn2t);
-	if (stretches()) packed_.stretch_ = packed_.stretch_ + componentwise(packed_.inverseStretchMass_, componentwise(c.shift, f));
+	push(c.record1, c.mass1, -1, p.n * c.lever1n + p.t * c.lever1t);
+	push(c.record2, c.mass2, +1, p.n * c.lever2n + p.t * c.lever2t);
+	if (stretches()) {
+		const Vec2 moment = componentwise(c.shift, f);
+		packed_.stretch_  = packed_.stretch_ + componentwise(packed_.inverseStretchMass_, moment);
+	}
 }
 
-/// The impulse that solves the point while all others stay; `p` is what the velocities hold of it.
-template <class Real> Impulse PackedIsland::solve(const View<Real>& view, const OverflowPoint& c, const Impulse& p) const
+/// The impulse that solves the point, other impulses fixed. The velocities contain impulse p.
+template <class Real>
+Impulse PackedIsland::solve(const View<Real>& view, const OverflowPoint& c, const Impulse& p) const
 {
-	const Impulse u = relativeVelocity(view, c);
-	return solveCoulomb(c.w, u.n + c.bias - c.w.nn * p.n - c.w.nt * p.t, u.t - c.w.nt * p.n - c.w.tt * p.t, c.friction);
+	const Impulse u  = relativeVelocity(view, c);
+	const double  gn = u.n + c.bias - c.w.nn * p.n - c.w.nt * p.t;
+	const double  gt = u.t - c.w.nt * p.n - c.w.tt * p.t;
+	return solveCoulomb(c.w, gn, gt, c.friction);
 }
 
 // ---- the steps of the solvers
 
 void PackedIsland::prepare()
 {
-	forEachChunk([&](const Chunk& chunk, int k) { packed_.sum_[k] = packed_.kernels_->prepare(view_, chunk); });
+	forEachChunk([&](const Chunk& chunk, int k) {
+		packed_.sum_[k] = packed_.kernels_->prepare(view_, chunk);
+	});
 	double velocity2 = sum(packed_.sum_);
-	forEachOverflowPoint([&](OverflowPoint& c) { velocity2 += square(relativeVelocity(view_, c)); });
+	forEachOverflowPoint(
+	        [&](OverflowPoint& c) { velocity2 += square(relativeVelocity(view_, c)); });
 	packed_.freeVelocity2_[number_] = velocity2;
 }
 
-void PackedIsland::followImpulses()
+void PackedIsland::recomputeVelocities()
 {
-	if (packed_.anew_[number_]) return;
-	const HalfRecord* const free = packed_.freeBody_.data()->half;
+	if (packed_.velocityRecomputed_[number_]) return;
+	const double* const free = packed_.freeBody_.data();
 	if (stretches()) packed_.stretch_ = {};
-	forEachRecords([&](const Range& records) { std::copy(free + records.begin, free + records.end, view_.body + records.begin); });
+	forEachRecords([&](const Range& records) {
+		std::copy(free + offsetOf(records.begin), free + offsetOf(records.end),
+		        view_.recordAt(records.begin));
+	});
 	applyImpulses();
 	packed_.measures_[number_].reset();
-	packed_.anew_[number_] = true;
+	packed_.velocityRecomputed_[number_] = true;
 }
 
 /// v ← v + M⁻¹Jᵀp
@@ -79,7 +98,7 @@ void PackedIsland::applyImpulses()
 
 void PackedIsland::sweep()
 {
-	sweptOn();
+	invalidate();
 	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweep(view_, chunk); });
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		const Impulse next = solve(view_, c, c.p);
@@ -90,10 +109,13 @@ void PackedIsland::sweep()
 
 void PackedIsland::sweepRelaxed(double relaxation)
 {
-	sweptOn();
-	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->sweepRelaxed(view_, chunk, relaxation); });
+	invalidate();
+	forEachChunk([&](const Chunk& chunk, int) {
+		packed_.kernels_->sweepRelaxed(view_, chunk, relaxation);
+	});
 	forEachOverflowPoint([&](OverflowPoint& c) {
-		const Impulse next = projectCone(c.p + relaxation * (solve(view_, c, c.p) - c.p), c.friction);
+		const Impulse step = relaxation * (solve(view_, c, c.p) - c.p);
+		const Impulse next = projectCone(c.p + step, c.friction);
 		applyImpulse(view_, c, next - c.p);
 		c.p = next;
 	});
@@ -101,36 +123,46 @@ void PackedIsland::sweepRelaxed(double relaxation)
 
 double PackedIsland::sweepMomentum(double momentum)
 {
-	if (!single_) {
-		if (sinceRefer_ > 0) restMomentum();
-		sweptOn();
+	if (!mixedPrecision_) {
+		if (sweepsSinceReference_ > 0) resetMomentum();
+		invalidate();
 		const PackedKernels& kernels = *packed_.kernels_;
-		return sweepMomentum(view_, kernels.extrapolate, momentum, 1, [&](const Chunk& chunk) { return kernels.sweepMomentum(view_, chunk, momentum); });
+		return sweepMomentum(view_, kernels.extrapolate, momentum, 1,
+		        [&](const Chunk& chunk) { return kernels.sweepMomentum(view_, chunk, momentum); });
 	}
-	if (sinceRefer_ == sweepsPerReference) {
-		widen();
-		refer();
+	if (sweepsSinceReference_ == sweepsPerReference) {
+		copyToDoubles();
+		updateReference();
 	}
-	++sinceRefer_;
+	++sweepsSinceReference_;
 	const PackedKernelsOf<float>& kernels = *packed_.singleKernels_;
-	return sweepMomentum(singleView_, kernels.extrapolate, momentum, 1, [&](const Chunk& chunk) { return kernels.sweepMomentum(singleView_, chunk, momentum); });
+	return sweepMomentum(singleView_, kernels.extrapolate, momentum, 1, [&](const Chunk& chunk) {
+		return kernels.sweepMomentum(singleView_, chunk, momentum);
+	});
 }
 
 double PackedIsland::sweepYielding(double momentum, double compliance)
 {
-	sweptOn();
+	invalidate();
 	const double         kept    = 1 / (1 + compliance);
 	const PackedKernels& kernels = *packed_.kernels_;
-	return sweepMomentum(view_, kernels.extrapolate, momentum, kept, [&](const Chunk& chunk) { return kernels.sweepYielding(view_, chunk, momentum, kept); });
+	return sweepMomentum(view_, kernels.extrapolate, momentum, kept, [&](const Chunk& chunk) {
+		return kernels.sweepYielding(view_, chunk, momentum, kept);
+	});
 }
 
-/// Each slab extrapolates the velocities of its bodies, v_old ← v + β (v − v_old) in the place where v_old was, and is swept there.
+/// Each partition extrapolates the velocities of its bodies, v_old ← v + β (v − v_old), and sweeps
+/// these: v and v_old change places.
 template <class Real, class Kernel>
-double PackedIsland::sweepMomentum(View<Real>& view, void (*extrapolate)(const View<Real>&, int, int, double), double momentum, double kept, Kernel sweepChunk)
+double PackedIsland::sweepMomentum(View<Real>& view,
+        Extrapolate<Real>                      extrapolate,
+        double                                 momentum,
+        double                                 kept,
+        Kernel                                 sweepChunk)
 {
 	const View<Real> before = view;
 	std::swap(view.body, view.oldBody);
-	extrapolate(before, island_.loose.begin, island_.loose.end, momentum);
+	extrapolate(before, island_.overflowRecords.begin, island_.overflowRecords.end, momentum);
 	if (stretches()) {
 		const Vec2 now      = packed_.stretch_;
 		packed_.stretch_    = now + momentum * (now - packed_.oldStretch_);
@@ -139,15 +171,18 @@ double PackedIsland::sweepMomentum(View<Real>& view, void (*extrapolate)(const V
 	const auto sweepSections = [&] {
 		forEachSection([&](const Section& section) {
 			extrapolate(before, section.records.begin, section.records.end, momentum);
-			forEachChunk(section, [&](const Chunk& chunk, int k) { packed_.sum_[k] = sweepChunk(chunk); });
+			forEachChunk(section,
+			        [&](const Chunk& chunk, int k) { packed_.sum_[k] = sweepChunk(chunk); });
 		});
 	};
-	if (island_.shared) packed_.team.runAdaptive(packed_.sweepTrial_, island_.points, sweepSections);
+	if (island_.shared)
+		packed_.team.runAdaptive(packed_.sweepTrial_, island_.points, sweepSections);
 	else
 		sweepSections();
 	double change2 = sum(packed_.sum_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
-		const Impulse from = c.p + momentum * (c.p - c.old), next = kept * solve(view, c, from);
+		const Impulse from = c.p + momentum * (c.p - c.old);
+		const Impulse next = kept * solve(view, c, from);
 		applyImpulse(view, c, next - from);
 		c.old = c.p;
 		c.p   = next;
@@ -158,168 +193,188 @@ double PackedIsland::sweepMomentum(View<Real>& view, void (*extrapolate)(const V
 
 Measures PackedIsland::measure()
 {
-	if (single_) return measure<float>(singleView_, *packed_.singleKernels_, packed_.singleBias_.data());
-	std::optional<Measures>& known = packed_.measures_[number_];
-	if (!known) known = measure<double>(view_, *packed_.kernels_, nullptr);
-	return *known;
+	if (mixedPrecision_)
+		return measure<float>(singleView_, *packed_.singleKernels_, packed_.singleBias_.data());
+	std::optional<Measures>& cached = packed_.measures_[number_];
+	if (!cached) cached = measure<double>(view_, *packed_.kernels_, nullptr);
+	return *cached;
 }
 
-template <class Real> Measures PackedIsland::measure(const View<Real>& view, const PackedKernelsOf<Real>& kernels, const ColumnOf<Real>* bias)
+template <class Real>
+Measures PackedIsland::measure(
+        const View<Real>& view, const PackedKernelsOf<Real>& kernels, const ColumnOf<Real>* bias)
 {
-	forEachChunk([&](const Chunk& chunk, int k) { packed_.partial_[k] = kernels.measure(view, chunk, bias); });
+	forEachChunk([&](const Chunk& chunk, int k) {
+		packed_.partial_[k] = kernels.measure(view, chunk, bias);
+	});
 	Measures total = sum(packed_.partial_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
-		const Impulse u = relativeVelocity(view, c);
-		const double  un = u.n + c.bias;
+		const Impulse u        = relativeVelocity(view, c);
+		const double  un       = u.n + c.bias;
 		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
-		const Impulse q = projectCone({ c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn }, c.friction);
-		const double  miss = square(c.p - q);
-		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping, -(c.p.n * un + c.p.t * u.t) };
+		const Impulse q        = projectCone(
+		               { c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn },
+		               c.friction);
+		const double miss = square(c.p - q);
+		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping,
+			-(c.p.n * un + c.p.t * u.t) };
 	});
 	return total;
 }
 
-// ---- floats about a reference
+// ---- mixed precision
 
 namespace {
 
-	/// Floats from doubles, `unlimited` too.
-	void narrow(const Column& from, ColumnOf<float>& to)
+	/// Rounds to floats; `unlimited` of doubles becomes that of floats.
+	void round(const Column& from, ColumnOf<float>& to)
 	{
 		for (int lane = 0; lane < blockWidth; ++lane)
 			to.of[lane] = float(std::min(from.of[lane], double(unlimited<float>)));
 	}
 
-	/// Whether a number and its square stay far from the ends of the range of floats; 0 is that of a vacant slot, or of no impulse.
-	bool fitsFloat(double value) { return value == 0 || (std::abs(value) > 1e-12 && std::abs(value) < 1e12); }
-
-	template <class Real> PointBlockOf<Real>& pointAt(ColumnOf<Real>* column) { return *reinterpret_cast<PointBlockOf<Real>*>(column); }
-	template <class Real> RoundBlockOf<Real>& roughAt(ColumnOf<Real>* column) { return *reinterpret_cast<RoundBlockOf<Real>*>(column); }
-
-	template <class From, class To> void copyImpulses(ColumnOf<From>* from, ColumnOf<To>* to, Model model)
+	/// True if the number and its square are far from the limits of floats. Zero means an empty
+	/// slot or no impulse.
+	bool fitsFloat(double value)
 	{
-		std::copy_n(pointAt(from).pn, blockWidth, pointAt(to).pn);
-		if (rough(model)) std::copy_n(roughAt(from).pt, blockWidth, roughAt(to).pt);
+		return value == 0 || (std::abs(value) > 1e-12 && std::abs(value) < 1e12);
+	}
+
+	template <class From, class To>
+	void copyImpulses(ColumnOf<From>* from, ColumnOf<To>* to, Model model)
+	{
+		std::copy_n(PointColumnsOf<From>(from).pn(), blockWidth, PointColumnsOf<To>(to).pn());
+		if (!hasFriction(model)) return;
+		std::copy_n(NoLeverColumnsOf<From>(from).pt(), blockWidth, NoLeverColumnsOf<To>(to).pt());
 	}
 
 	double squared(double value) { return value * value; }
 
-	int columns(const Chunk& chunk) { return chunk.blocks * chunk.pointsPerPair * columnsOf(chunk.model); }
-
 } // namespace
 
-void PackedIsland::beginSingle()
+void PackedIsland::beginMixedPrecision()
 {
 	const double speed = std::sqrt(freeVelocity2() / island_.points);
 	if (!island_.shared || speed == 0 || !fitsFloat(speed)) return;
 	forEachRecords([&](const Range& records) {
-		for (int k = records.begin; k < records.end; ++k)
-			singleView_.body[k] = singleView_.oldBody[k] = {};
-		for (int k = records.begin + 1; k < records.end && !island_.central; k += 2) // (spin, inverse mass)
-			singleView_.body[k].y = singleView_.oldBody[k].y = float(view_.body[k].y);
+		for (float* const body : { singleView_.body, singleView_.oldBody }) {
+			std::fill(body + offsetOf(records.begin), body + offsetOf(records.end), 0.0f);
+			for (int k = records.begin; k < records.end && !island_.halfRecords; k += 2)
+				body[offsetOf(k) + record::inverseMass] = float(
+				        view_.recordAt(k)[record::inverseMass]);
+		}
 	});
 	forEachChunk([&](const Chunk& chunk, int number) {
-		bool fits = true;
-		for (int block = 0; block < chunk.blocks * chunk.pointsPerPair; ++block) {
-			const int first = chunk.firstColumn + block * columnsOf(chunk.model);
-			if (packed_.narrowed_[number_]) copyImpulses(view_.points + first, singleView_.points + first, chunk.model);
+		bool fits  = true;
+		int  point = chunk.firstPoint;
+		forEachPointBlock(chunk, [&](int first) {
+			if (packed_.singleFilled_[number_])
+				copyImpulses(view_.points + first, singleView_.points + first, chunk.model);
 			else
 				for (int k = first; k < first + columnsOf(chunk.model); ++k)
-					narrow(view_.points[k], singleView_.points[k]);
-			const PointBlock& point = pointAt(view_.points + first);
+					round(view_.points[k], singleView_.points[k]);
+			const PointColumnsOf<double> c(view_.points + first);
 			for (int lane = 0; lane < blockWidth; ++lane) {
-				fits = fits & fitsFloat(point.inverseNn[lane]) & (point.pn[lane] < 1e12);
-				packed_.singleBias_[chunk.firstPoint + block].of[lane] = float(point.bias[lane]);
+				fits = fits & fitsFloat(c.inverseNn()[lane]) & (c.pn()[lane] < 1e12);
+				packed_.singleBias_[point].of[lane] = float(c.bias()[lane]);
 			}
-		}
+			++point;
+		});
 		packed_.sum_[number] = !fits;
 	});
 	double misfits = sum(packed_.sum_);
 	forEachOverflowPoint([&](const OverflowPoint& c) { misfits += !fitsFloat(c.w.nn); });
 	if (misfits > 0) return;
-	single_ = packed_.narrowed_[number_] = true;
-	refer();
+	packed_.singleFilled_[number_] = true;
+	mixedPrecision_                = true;
+	updateReference();
 }
 
-/// The doubles follow the floats: impulses, and the velocities made anew from them.
-void PackedIsland::widen()
+/// Copies the impulses of floats and recomputes the velocities.
+void PackedIsland::copyToDoubles()
 {
-	sweptOn();
+	invalidate();
 	forEachChunk([&](const Chunk& chunk, int) {
-		for (int k = chunk.firstColumn; k < chunk.firstColumn + columns(chunk); k += columnsOf(chunk.model))
+		forEachPointBlock(chunk, [&](int k) {
 			copyImpulses(singleView_.points + k, view_.points + k, chunk.model);
+		});
 	});
-	followImpulses();
+	recomputeVelocities();
 }
 
-void PackedIsland::remember()
+void PackedIsland::saveImpulses()
 {
-	Column* const to = packed_.rememberedPoint_.data();
+	Column* const to = packed_.savedPoint_.data();
 	forEachChunk([&](const Chunk& chunk, int) {
-		for (int k = chunk.firstColumn; k < chunk.firstColumn + columns(chunk); k += columnsOf(chunk.model))
-			if (single_) copyImpulses(singleView_.points + k, to + k, chunk.model);
+		forEachPointBlock(chunk, [&](int k) {
+			if (mixedPrecision_) copyImpulses(singleView_.points + k, to + k, chunk.model);
 			else
 				copyImpulses(view_.points + k, to + k, chunk.model);
+		});
 	});
-	forEachOverflowPoint([](OverflowPoint& c) { c.remembered = c.p; });
-	remembers_ = true;
+	forEachOverflowPoint([](OverflowPoint& c) { c.saved = c.p; });
+	hasSavedImpulses_ = true;
 }
 
-double PackedIsland::changeSinceRemembered()
+double PackedIsland::changeSinceSaved()
 {
 	forEachChunk([&](const Chunk& chunk, int number) {
 		double change2 = 0;
-		for (int k = chunk.firstColumn; k < chunk.firstColumn + columns(chunk); k += columnsOf(chunk.model)) {
-			Column *const now = view_.points + k, *const then = packed_.rememberedPoint_.data() + k;
+		forEachPointBlock(chunk, [&](int k) {
+			const NoLeverColumnsOf<double> now(view_.points + k),
+			        saved(packed_.savedPoint_.data() + k);
 			for (int lane = 0; lane < blockWidth; ++lane) {
-				change2 += squared(pointAt(now).pn[lane] - pointAt(then).pn[lane]);
-				if (rough(chunk.model)) change2 += squared(roughAt(now).pt[lane] - roughAt(then).pt[lane]);
+				change2 += squared(now.pn()[lane] - saved.pn()[lane]);
+				if (hasFriction(chunk.model)) change2 += squared(now.pt()[lane] - saved.pt()[lane]);
 			}
-		}
+		});
 		packed_.sum_[number] = change2;
 	});
 	double change2 = sum(packed_.sum_);
-	forEachOverflowPoint([&](const OverflowPoint& c) { change2 += square(c.p - c.remembered); });
+	forEachOverflowPoint([&](const OverflowPoint& c) { change2 += square(c.p - c.saved); });
 	return change2;
 }
 
-/// The impulses and velocities in doubles become the reference.
-void PackedIsland::refer()
+/// The impulses and velocities in doubles become the reference. Inverse masses stay.
+void PackedIsland::updateReference()
 {
-	forEachChunk([&](const Chunk& chunk, int) { packed_.kernels_->refer(view_, chunk, singleView_.points); });
+	forEachChunk([&](const Chunk& chunk, int) {
+		packed_.kernels_->updateReference(view_, chunk, singleView_.points);
+	});
 	forEachOverflowPoint([&](OverflowPoint& c) { c.reference = relativeVelocity(view_, c); });
 	if (stretches()) packed_.referenceStretch_ = packed_.stretch_;
 	forEachRecords([&](const Range& records) {
-		for (int k = records.begin; k < records.end; ++k) {
-			if (!island_.central && k % 2 == 1) { // (spin, inverse mass)
-				singleView_.oldBody[k] = { singleView_.oldBody[k].x - singleView_.body[k].x, singleView_.body[k].y };
-				singleView_.body[k].x  = 0;
-				continue;
-			}
-			singleView_.oldBody[k] = { singleView_.oldBody[k].x - singleView_.body[k].x, singleView_.oldBody[k].y - singleView_.body[k].y };
-			singleView_.body[k]    = {};
+		float *const body = singleView_.body, *const old = singleView_.oldBody;
+		for (std::uint32_t i = offsetOf(records.begin); i < offsetOf(records.end); ++i) {
+			const bool isMass = !island_.halfRecords && i % 4 == record::inverseMass;
+			old[i]            = isMass ? body[i] : old[i] - body[i];
+			body[i]           = isMass ? body[i] : 0;
 		}
 	});
-	sinceRefer_ = 0;
+	sweepsSinceReference_ = 0;
 }
 
-void PackedIsland::endSingle()
+void PackedIsland::endMixedPrecision()
 {
-	if (!single_) return;
-	single_ = false;
-	widen();
+	if (!mixedPrecision_) return;
+	mixedPrecision_ = false;
+	copyToDoubles();
 }
 
-/// After floats: momentum starts from rest.
-void PackedIsland::restMomentum()
+/// Momentum in doubles starts at rest after sweeps in floats.
+void PackedIsland::resetMomentum()
 {
-	sinceRefer_ = 0;
-	forEachRecords([&](const Range& records) { std::copy(view_.body + records.begin, view_.body + records.end, view_.oldBody + records.begin); });
+	sweepsSinceReference_ = 0;
+	forEachRecords([&](const Range& records) {
+		std::copy(view_.recordAt(records.begin), view_.recordAt(records.end),
+		        view_.oldBody + offsetOf(records.begin));
+	});
 	forEachChunk([&](const Chunk& chunk, int) {
-		for (int k = chunk.firstColumn; k < chunk.firstColumn + columns(chunk); k += columnsOf(chunk.model)) {
-			std::copy_n(pointAt(view_.points + k).pn, blockWidth, pointAt(view_.points + k).oldPn);
-			if (rough(chunk.model)) std::copy_n(roughAt(view_.points + k).pt, blockWidth, roughAt(view_.points + k).oldPt);
-		}
+		forEachPointBlock(chunk, [&](int k) {
+			const NoLeverColumnsOf<double> c(view_.points + k);
+			std::copy_n(c.pn(), blockWidth, c.oldPn());
+			if (hasFriction(chunk.model)) std::copy_n(c.pt(), blockWidth, c.oldPt());
+		});
 	});
 	forEachOverflowPoint([](OverflowPoint& c) { c.old = c.p; });
 	if (stretches()) packed_.oldStretch_ = packed_.stretch_;

@@ -1,7 +1,7 @@
-// Gauss–Seidel sweeps with Nesterov momentum on the impulses (momentum.hpp), restarted when it leads away.
+// Gauss–Seidel sweeps with Nesterov momentum on the impulses (momentum.hpp), with restart.
 //
-// The velocities are linear in the impulses and extrapolated with them. Large islands are swept in floats about a reference in doubles,
-// down to the tolerance or to `finestSingle`, whichever comes first; doubles confirm that, or go on.
+// Velocities are linear in the impulses and are extrapolated with them. Large islands are swept in
+// mixed precision (packed_island.hpp); doubles confirm the end.
 #include "problem/infeasibility.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/sweep_solver.hpp"
@@ -10,7 +10,10 @@ namespace rcr {
 
 namespace {
 
-	void sweep(PackedIsland& island, Momentum& momentum) { momentum.advance(island.sweepMomentum(momentum.beta())); }
+	void sweep(PackedIsland& island, Momentum& momentum)
+	{
+		momentum.advance(island.sweepMomentum(momentum.beta()));
+	}
 
 } // namespace
 
@@ -18,25 +21,31 @@ Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspac
 {
 	return solveBySweeps(problem, settings, workspace, [&](PackedIsland& island, IslandStop& stop) {
 		Momentum momentum;
-		island.beginSingle();
+		island.beginMixedPrecision();
 		while (!stop.reached()) {
-			if (stop.sweeps() == settings.maxIterations - probeSweeps + 1) island.remember(); // the first sweep is 1
+			// stop.sweeps() is 1 before the first sweep
+			if (stop.sweeps() == settings.maxIterations - probeSweeps + 1) island.saveImpulses();
 			sweep(island, momentum);
 		}
-		island.endSingle();
+		island.endMixedPrecision();
 	});
 }
 
-void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bias, int sweeps, std::vector<Twist>& velocity, Vec2& stretch, Workspace& workspace)
+void sweepWithBias(const ContactProblem& problem,
+        const std::vector<double>&       bias,
+        int                              sweeps,
+        std::vector<Twist>&              velocity,
+        Vec2&                            stretch,
+        Workspace&                       workspace)
 {
 	PackedProblem& packed = workspace.packed();
-	packed.rebias(problem, bias);
+	packed.setBiases(problem, bias);
 	packed.forEachIsland([&](PackedIsland&& island) {
 		Momentum momentum;
-		island.beginSingle();
+		island.beginMixedPrecision();
 		for (int k = 0; k < sweeps; ++k)
 			sweep(island, momentum);
-		island.endSingle();
+		island.endMixedPrecision();
 	});
 	packed.storeVelocity(problem, velocity);
 	stretch = packed.stretch();

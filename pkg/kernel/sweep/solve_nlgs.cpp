@@ -1,11 +1,12 @@
-// Nonlinear Gauss–Seidel over single contact points: the paper's solver, also over-relaxed.
+// Nonlinear Gauss–Seidel over the contact points, plain (the solver of the paper) or over-relaxed.
 // Source: Jean 1999; Moreau 1999.
 #include "sweep/sweep_solver.hpp"
 
 namespace rcr {
 
 namespace {
-	constexpr double relaxation = 1.3; // a third fewer sweeps in dense packings; from 1.6 on it cycles
+	/// Saves a third of the sweeps in dense packings; 1.6 cycles.
+	constexpr double relaxation = 1.3; // [-]
 }
 
 Report solveNlgs(ContactProblem& problem, const Settings& settings, Workspace& workspace)

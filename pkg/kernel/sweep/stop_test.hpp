@@ -1,4 +1,4 @@
-// The decision to stop sweeping, the same for all sweep solvers.
+// The stop test of all sweep solvers.
 #pragma once
 
 #include <algorithm>
@@ -8,32 +8,34 @@
 
 namespace rcr {
 
-/// The quantities that may stop the sweeps, as in Report and Settings.
+/// The quantities that may stop the sweeps, as in Report and Settings [-].
 struct Criteria {
-	double residual        = 0; // [-]
-	double violation       = 0; // [-]
-	double meanForceChange = std::numeric_limits<double>::infinity(); // [-]
+	double residual        = 0;
+	double kinematicError  = 0;
+	double meanForceChange = std::numeric_limits<double>::infinity();
 
+	/// Tolerance 0 runs all iterations.
 	bool met(const Settings& settings) const
 	{
-		const bool accurate = settings.tolerance > 0 && residual <= settings.tolerance; // 0 asks for all iterations
-		return (accurate && violation <= settings.kinematicTolerance) || meanForceChange < settings.meanForceChange;
+		const bool accurate = settings.tolerance > 0 && residual <= settings.tolerance
+		        && kinematicError <= settings.kinematicTolerance;
+		return accurate || meanForceChange < settings.meanForceChange;
 	}
 };
 
-/// Counts sweeps, has the criteria measured every `checkInterval` of them, and stops where these are met, where the residual
-/// has reached no new low in `stallSweeps`, and after `maxIterations`. Not before `first` sweeps, nor `minIterations`.
+/// Counts sweeps and evaluates the criteria every `checkInterval` sweeps. Stops if they are met, if
+/// the residual has reached no new minimum in `stallSweeps` sweeps, or after `maxIterations`.
 class StopTest {
 public:
-	explicit StopTest(const Settings& settings, int first = 0) : settings_(settings), first_(std::max(first, settings.minIterations)) { }
+	explicit StopTest(const Settings& settings) : settings_(settings) { }
 
-	/// Asked before each sweep. `measure()` gives the criteria; `early` has them measured before the interval is over.
+	/// Call before each sweep. `measure()` returns the criteria. `early` evaluates them now.
 	template <class Measure> bool reached(bool early, Measure measure)
 	{
 		if (sweeps_ >= settings_.maxIterations) return true;
-		if (sweeps_ >= first_ && (early || sweeps_ % settings_.checkInterval == 0)) {
-			criteria_   = measure();
-			measuredAt_ = sweeps_;
+		if (sweeps_ >= settings_.minIterations
+		        && (early || sweeps_ % settings_.checkInterval == 0)) {
+			criteria_ = measure();
 			if (criteria_.met(settings_) || stalled()) return true;
 		}
 		++sweeps_;
@@ -41,8 +43,7 @@ public:
 	}
 
 	int             sweeps() const { return sweeps_; }
-	const Criteria& criteria() const { return criteria_; } // as measured last
-	bool            measured() const { return measuredAt_ == sweeps_; } // after the last sweep
+	const Criteria& criteria() const { return criteria_; } // of the last evaluation
 
 private:
 	bool stalled()
@@ -55,10 +56,9 @@ private:
 	}
 
 	const Settings& settings_;
-	const int       first_;
 	Criteria        criteria_;
 	double          lowest_ = std::numeric_limits<double>::infinity(); // residual
-	int             sweeps_ = 0, measuredAt_ = -1, lowestAt_ = 0;
+	int             sweeps_ = 0, lowestAt_ = 0;
 };
 
 } // namespace rcr

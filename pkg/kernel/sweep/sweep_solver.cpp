@@ -9,19 +9,24 @@ namespace rcr {
 
 Workspace::Workspace() : packed_(std::make_unique<PackedProblem>()) { }
 Workspace::~Workspace() = default;
-ThreadTeam& Workspace::team() { return packed_->team; }
+ThreadTeam&  Workspace::team() { return packed_->team; }
 ModelSummary Workspace::summary() const { return packed_->summary(); }
-int Workspace::layouts() const { return packed_->layouts(); }
-double Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
+int          Workspace::layouts() const { return packed_->layouts(); }
+double       Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
 
 namespace {
 
-	constexpr double finestSingle = 1e-6; // residual down to which floats serve: impulses are rounded to 6e-8
+	/// Least residual in floats, which round impulses to 6e-8.
+	constexpr double minSingleResidual = 1e-6;
 
-	Criteria criteriaOf(const Measures& m, double freeVelocity2, int points, const Settings& settings)
+	Criteria criteriaOf(
+	        const Measures& m, double freeVelocity2, int points, const Settings& settings)
 	{
-		if (m.violation2 < points * settings.roundingVelocity * settings.roundingVelocity) return {};
-		return { residualFromSums(m.error2, m.impulse2, m.stopping2), kinematicErrorFromSums(m.violation2, m.velocity2, freeVelocity2, settings.velocityFloor) };
+		if (m.kinematicError2 < points * settings.roundingVelocity * settings.roundingVelocity)
+			return {};
+		return { residualFromSums(m.error2, m.impulse2, m.stopping2),
+			kinematicErrorFromSums(
+			        m.kinematicError2, m.velocity2, freeVelocity2, settings.velocityFloor) };
 	}
 
 } // namespace
@@ -29,8 +34,10 @@ namespace {
 Criteria IslandStop::measure()
 {
 	const Criteria criteria = evaluate();
-	if (!island_.single() || !(criteria.met(settings_) || criteria.residual <= finestSingle)) return criteria;
-	island_.endSingle();
+	if (!island_.mixedPrecision()
+	        || !(criteria.met(settings_) || criteria.residual <= minSingleResidual))
+		return criteria;
+	island_.endMixedPrecision();
 	measured_ = false;
 	return evaluate();
 }
@@ -39,7 +46,9 @@ Criteria IslandStop::evaluate()
 {
 	const Measures m        = island_.measure();
 	Criteria       criteria = criteriaOf(m, island_.freeVelocity2(), island_.points(), settings_);
-	if (measured_) criteria.meanForceChange = std::abs(m.normal - normal_) / m.normal; // NaN without any force: not met
+	if (measured_)
+		criteria.meanForceChange = std::abs(m.normal - normal_)
+		        / m.normal; // NaN without forces: not met
 	normal_   = m.normal;
 	measured_ = true;
 	return criteria;
@@ -62,18 +71,22 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 		int      points;
 	};
 	std::vector<Part> parts(packed.islands());
-	packed.forEachIsland([&](PackedIsland&& island) { parts[island.number()] = { island.measure(), island.freeVelocity2(), island.points() }; });
+	packed.forEachIsland([&](PackedIsland&& island) {
+		parts[island.number()] = { island.measure(), island.freeVelocity2(), island.points() };
+	});
 	Report report;
 	Part   whole {};
 	double change2 = 0;
 	int    points  = 0;
 	for (std::size_t k = 0; k < parts.size(); ++k) {
-		Criteria criteria        = criteriaOf(parts[k].measures, parts[k].freeVelocity2, parts[k].points, settings);
+		Criteria criteria = criteriaOf(
+		        parts[k].measures, parts[k].freeVelocity2, parts[k].points, settings);
 		criteria.meanForceChange = ends[k].meanForceChange;
-		const bool met           = criteria.met(settings) || (settings.tolerance == 0 && criteria.residual == 0);
-		report.converged         = report.converged && met;
+		const bool met           = criteria.met(settings)
+		        || (settings.tolerance == 0 && criteria.residual == 0);
+		report.converged = report.converged && met;
 		if (!met) change2 += ends[k].change2;
-		report.iterations        = std::max(report.iterations, ends[k].sweeps);
+		report.iterations = std::max(report.iterations, ends[k].sweeps);
 		report.work += double(ends[k].sweeps) * parts[k].points;
 		points += parts[k].points;
 		whole.measures += parts[k].measures;
@@ -81,10 +94,11 @@ Report reportOf(PackedProblem& packed, const Settings& settings, const std::vect
 	}
 	const Criteria criteria = criteriaOf(whole.measures, whole.freeVelocity2, points, settings);
 	report.residual         = criteria.residual;
-	report.kinematicError        = criteria.violation;
-	report.impulseGrowth            = change2 > 0 ? std::sqrt(change2 / whole.measures.impulse2) : 0; // infinite, too, where there are no impulses
-	report.dissipated            = whole.measures.taken;
-	report.freeSpeed        = points > 0 ? std::sqrt(whole.freeVelocity2 / points) : 0;
+	report.kinematicError   = criteria.kinematicError;
+	// infinite without impulses
+	report.impulseGrowth = change2 > 0 ? std::sqrt(change2 / whole.measures.impulse2) : 0;
+	report.dissipated    = whole.measures.dissipated;
+	report.freeSpeed     = points > 0 ? std::sqrt(whole.freeVelocity2 / points) : 0;
 	return report;
 }
 

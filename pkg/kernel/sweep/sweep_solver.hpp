@@ -1,10 +1,11 @@
-// What the sweep solvers share: the problem taken in and given back, and the decision to stop.
+// Common parts of the sweep solvers: loading, storing, the stop test of an island, the report.
 #pragma once
 
 #include <limits>
 #include <vector>
 
 #include "problem/solver.hpp"
+#include "sweep/packed_island.hpp"
 #include "sweep/packed_problem.hpp"
 #include "sweep/stop_test.hpp"
 
@@ -13,20 +14,26 @@ namespace rcr {
 /// The stop test of an island.
 class IslandStop {
 public:
-	IslandStop(PackedIsland& island, const Settings& settings) : island_(island), settings_(settings), stop_(settings) { }
+	IslandStop(PackedIsland& island, const Settings& settings)
+	        : island_(island)
+	        , settings_(settings)
+	        , stop_(settings)
+	{
+	}
 
-	/// Asked before each sweep. One sweep solves an island of one point.
+	/// Call before each sweep. One sweep solves an island of one point.
 	bool reached()
 	{
-		return stop_.reached(stop_.sweeps() == 1 && island_.points() == 1, [this] { return measure(); });
+		return stop_.reached(
+		        stop_.sweeps() == 1 && island_.points() == 1, [this] { return measure(); });
 	}
-	/// Whether the island meets the criteria of these settings as it is.
+	/// True if the island meets the criteria of these settings now.
 	bool   meets(const Settings& settings) { return measure().met(settings); }
 	int    sweeps() const { return stop_.sweeps(); }
 	double meanForceChange() const { return stop_.criteria().meanForceChange; }
 
 private:
-	Criteria measure(); // in doubles where floats say that this is the end
+	Criteria measure(); // confirms floats by doubles
 	Criteria evaluate();
 
 	PackedIsland&   island_;
@@ -36,33 +43,39 @@ private:
 	bool            measured_ = false;
 };
 
-/// How an island was left.
+/// The state of an island after its last sweep.
 struct IslandEnd {
 	int    sweeps;
-	double meanForceChange; // between sweeps, not by the end
-	double change2;         // of the impulses in the last `probeSweeps` sweeps of all that were allowed; infinite: not known
+	double meanForceChange; // of the last evaluation [-]
+	double change2; // ‖Δp‖² of the last `probeSweeps` of maxIterations sweeps; infinite: unknown
 };
 
-/// The criteria at the end, of what was written: of all, and whether each island has met its own.
+/// The report of the stored solution. It has converged if each island meets the criteria.
 Report reportOf(PackedProblem&, const Settings&, const std::vector<IslandEnd>&);
 
+/// b_n of all points [m/s].
 std::vector<double> biases(const ContactProblem&);
 
-/// Takes the problem in, calls iterate(island, stop) for each island in a team of threads, gives the solution back.
-template <class Iterate> Report solveBySweeps(ContactProblem& problem, const Settings& settings, Workspace& workspace, Iterate iterate)
+/// Loads the problem, calls iterate(island, stop) for each island in parallel, and stores the
+/// solution.
+template <class Iterate>
+Report solveBySweeps(
+        ContactProblem& problem, const Settings& settings, Workspace& workspace, Iterate iterate)
 {
 	PackedProblem& packed = workspace.packed();
 	Report         report;
 	packed.team.run(settings.threads, [&] {
-		if (settings.sameProblem) packed.rebias(problem, biases(problem));
+		if (settings.sameProblem) packed.setBiases(problem, biases(problem));
 		else
 			packed.load(problem, settings.lanes, settings.reductions);
 		std::vector<IslandEnd> ends(packed.islands());
 		packed.forEachIsland([&](PackedIsland&& island) {
 			IslandStop stop(island, settings);
 			iterate(island, stop);
-			const bool known = island.remembers() && stop.sweeps() == settings.maxIterations;
-			ends[island.number()] = { stop.sweeps(), stop.meanForceChange(), known ? island.changeSinceRemembered() : std::numeric_limits<double>::infinity() };
+			const bool known = island.hasSavedImpulses() && stop.sweeps() == settings.maxIterations;
+			const double change2  = known ? island.changeSinceSaved()
+			                              : std::numeric_limits<double>::infinity();
+			ends[island.number()] = { stop.sweeps(), stop.meanForceChange(), change2 };
 		});
 		packed.store(problem);
 		report = reportOf(packed, settings, ends);

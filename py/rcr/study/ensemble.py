@@ -5,7 +5,9 @@ import numpy as np
 from rcr.network import COMPLEX, LEFT, RIGHT, Network
 from rcr.xi_networks import XiNetworks
 
-_COLUMNS = ("fn", "ft", "ln", "lt", "reduced_length", "mobilization", "angle", "theta", "type", "across")
+_COLUMNS = (
+    "fn", "ft", "ln", "lt", "reduced_length", "mobilization", "angle", "theta", "type", "across",
+)  # fmt: skip
 
 
 class Ensemble:
@@ -25,11 +27,11 @@ class Ensemble:
     angle : (C,) float array
         Direction of the normal from x, in [0, π) [rad].
     theta : (C,) float array
-        The same from the axis of σ₁ of its snapshot, θ − θσ [rad].
+        Direction of the normal from the axis of σ₁ of its snapshot, θ − θσ [rad].
     type : (C,) int array
         0 cap-cap, 1 cap-side, 2 side-side.
     across : (C,) float array
-        Place of the contact between the left (0) and the right side (1) of its snapshot [-].
+        Position of the contact between the left (0) and the right side (1) of its snapshot [-].
     stress_angle : float
         Mean θσ, in [0, π) [rad].
 
@@ -44,11 +46,14 @@ class Ensemble:
             raise ValueError("no snapshots: an ensemble needs at least one network")
         strange = [network for network in networks if not isinstance(network, Network)]
         if strange:
-            raise ValueError(f"{strange[0]!r:.60} is no network; wanted what rcr.Network.load returns")
+            raise ValueError(
+                f"{strange[0]!r:.60} is not a network; expected a result of rcr.Network.load"
+            )
         for name in ("eta", "friction"):
             found = sorted({float(n.attributes.get(name, np.nan)) for n in networks})
             if len(found) > 1 or not np.isfinite(found[0]):
-                raise ValueError(f"the snapshots have {name} = {', '.join(f'{v:g}' for v in found)}; wanted one and the same value")
+                listed = ", ".join(f"{v:g}" for v in found)
+                raise ValueError(f"the snapshots have {name} = {listed}; expected one value")
             setattr(self, name, found[0])
         self._networks = list(networks)
         parts = [_contacts(network) for network in networks]
@@ -61,20 +66,22 @@ class Ensemble:
         return len(self.fn)
 
     def snapshots(self):
-        """Each snapshot as an ensemble of its own."""
-        return [self] if len(self._networks) == 1 else [Ensemble([network]) for network in self._networks]
+        """Return one ensemble per snapshot."""
+        if len(self._networks) == 1:
+            return [self]
+        return [Ensemble([network]) for network in self._networks]
 
     def sin_phi(self):
-        """Mean q/p of the snapshots [-]."""
+        """Return the mean q/p of the snapshots [-]."""
         return np.mean([network.sin_phi() for network in self._networks])
 
     def xi_networks(self):
-        """Partial sums of the cumulated contacts; see `XiNetworks`."""
+        """Return partial sums of the cumulated contacts; see `XiNetworks`."""
         return XiNetworks(self.theta, self.ln + 1j * self.lt, self.fn + 1j * self.ft, self.fn)
 
 
 def _contacts(network):
-    """Columns of `Ensemble` of one snapshot."""
+    """Return the columns of `Ensemble` for one snapshot."""
     n, _, branch, force = network.local_components()
     pick = network.between_particles
     radius = np.zeros(network.particles["id"].max() + 1)
@@ -97,7 +104,13 @@ def _contacts(network):
 
 
 def _across(network):
-    """x of each contact over the width: between the side walls where contacts show them, else between the outermost contacts; (C,) in [0, 1]."""
+    """Return x of each contact over the width; (C,) in [0, 1].
+
+    The width is that between the contacts at the side walls, or between the outermost contacts.
+    """
     x, body = network.contacts["position"][:, 0], network.contacts["body2"]
-    left, right = (x[body == wall].mean() if (body == wall).any() else end for wall, end in ((LEFT, x.min()), (RIGHT, x.max())))
+    left, right = (
+        x[body == wall].mean() if (body == wall).any() else end
+        for wall, end in ((LEFT, x.min()), (RIGHT, x.max()))
+    )
     return np.clip((x - left) / (right - left), 0, 1) if right > left else np.zeros_like(x)

@@ -1,7 +1,8 @@
-"""Pictures of one snapshot: grains, forces, friction mobilisation, orientations, contact types. Needs NumPy and Matplotlib.
+"""Maps of one snapshot: grains, forces, friction mobilisation, orientations, contact types.
 
-Everything is drawn by a few collections, so that 13 000 grains take seconds and stay sharp in a PDF. Each ``plot_…(network,
-ax=None)`` returns the Axes; `draw` makes the whole figure of an observable.
+Each map is a few collections: 13 000 grains take seconds and are vectors in a PDF. Each
+``plot_…(network, ax=None)`` returns the Axes; `draw` makes the figure of an observable. Needs NumPy
+and Matplotlib.
 """
 
 import matplotlib
@@ -18,7 +19,7 @@ from rcr.network import SIDE_SIDE
 
 
 def _canvas(network, ax):
-    """The network as a frame, and Axes with its extent."""
+    """Return the network as a frame, and Axes with its extent."""
     frame = Frame.of(network)
     limits = frame.extent()
     return frame, drawing.page(limits) if ax is None else drawing.canvas(limits, ax)
@@ -29,14 +30,14 @@ def _grains(frame, ax, colors, edge="0.5"):
 
 
 def _forces(frame, ax, scale=1.0):
-    """Contacts between grains."""
+    """Draw forces between grains."""
     pick = frame.between_grains
     force = frame.normal_force()[pick]
     drawing.add_forces(ax, frame.segments()[pick], force / force.mean(), frame.mean_radius(), scale)
 
 
 def _bearing(frame):
-    """Mask of the grains that a contact holds, (N,) bool."""
+    """Return the mask of the grains with a contact, (N,) bool."""
     return frame.per_grain(np.ones(len(frame.contacts["body1"]))) > 0
 
 
@@ -45,22 +46,29 @@ def _grey(frame):
 
 
 def plot_packing(network, ax=None):
-    """The grains, coloured by the orientation of their long axes, discs grey [O2]."""
+    """Draw grains coloured by the orientation of their long axes, discs grey [O2]."""
     frame, ax = _canvas(network, ax)
     long = frame.grains["half_length"] > 0
-    _grains(frame, ax, np.where(long[:, None], _orientation_colors(frame), matplotlib.colors.to_rgba(GRAIN)), "0.2")
+    _grains(
+        frame,
+        ax,
+        np.where(long[:, None], _orientation_colors(frame), matplotlib.colors.to_rgba(GRAIN)),
+        "0.2",
+    )
     return ax
 
 
 def plot_mobilization(network, ax=None):
-    """Normal forces as thickness of centre-to-contact segments, I_m as diameter of discs [O6]."""
+    """Draw normal forces as thickness of segments, I_m as diameter of discs [O6]."""
     frame, ax = _canvas(network, ax)
     _grains(frame, ax, _grey(frame))
     _forces(frame, ax)
     size = 0.5 * frame.mean_radius() * np.minimum(network.friction_mobilization(), 1)
     centres = frame.contacts["position"][frame.between_grains]
     wide = 0.02 * drawing.points_a_metre(ax) * frame.mean_radius()
-    discs = EllipseCollection(size, size, np.zeros_like(size), units="xy", offsets=centres, offset_transform=ax.transData)
+    discs = EllipseCollection(
+        size, size, np.zeros_like(size), units="xy", offsets=centres, offset_transform=ax.transData
+    )
     discs.set(facecolor=MOBILIZED, edgecolor="0.3", linewidth=wide, zorder=5)
     ax.add_collection(discs)
     return ax
@@ -71,23 +79,31 @@ def _orientation_colors(frame):
 
 
 def plot_nematic(network, ax=None):
-    """Particles with a side-side contact coloured by the orientation of their long axes, the others grey, with forces [O9]."""
+    """Draw forces, and particles with a side-side contact coloured by their orientation [O9]."""
     frame, ax = _canvas(network, ax)
     chained = frame.per_grain((frame.contacts["type"] == SIDE_SIDE).astype(float)) > 0
-    colors = np.array([matplotlib.colors.to_rgba(c) for c in (RATTLER, GRAIN)])[_bearing(frame).astype(int)]
+    colors = np.array([matplotlib.colors.to_rgba(c) for c in (RATTLER, GRAIN)])[
+        _bearing(frame).astype(int)
+    ]
     _grains(frame, ax, np.where(chained[:, None], _orientation_colors(frame), colors))
     _forces(frame, ax, 0.7)
     return ax
 
 
 def plot_types(network, ax=None):
-    """Centre-to-contact segments coloured by contact type [O11]."""
+    """Draw centre-to-contact segments coloured by contact type [O11]."""
     frame, ax = _canvas(network, ax)
     _grains(frame, ax, _grey(frame))
     lines, types = frame.segments(), np.where(frame.between_grains, frame.contacts["type"], -1)
     for code, tint in enumerate(TYPES.values()):
         pick = types == code
-        drawing.add_segments(ax, lines[pick], np.full(pick.sum(), 0.25 * frame.mean_radius()), colors=tint, zorder=3 + code)
+        drawing.add_segments(
+            ax,
+            lines[pick],
+            np.full(pick.sum(), 0.25 * frame.mean_radius()),
+            colors=tint,
+            zorder=3 + code,
+        )
     return ax
 
 
@@ -106,7 +122,7 @@ def _type_keys():
     return [Line2D([], [], color=tint, lw=2) for tint in TYPES.values()], list(TYPES)
 
 
-MAPS = dict(  # observable: (plot, keys of its legend or None, has it a scale of orientations)
+MAPS = dict(  # observable: (plot, keys of its legend or None, scale of orientations or not)
     O2=(plot_packing, None, True),
     O6=(plot_mobilization, _mobilization_keys, False),
     O9=(plot_nematic, _force_keys, True),
@@ -115,7 +131,7 @@ MAPS = dict(  # observable: (plot, keys of its legend or None, has it a scale of
 
 
 def draw(observable, network):
-    """The map of an observable (a key of `MAPS`), as wide as a page, with its legend below.
+    """Make the map of an observable (a key of `MAPS`), as wide as a page, with a legend below.
 
     Returns
     -------
@@ -131,9 +147,18 @@ def draw(observable, network):
         figure.text(0.01, 0.2 / height, rf"$\eta = {eta:g}$", va="center", fontsize=9)
         if oriented and eta > 0:
             bar = figure.add_axes((0.6, 0.26 / height, 0.36, 0.1 / height))
-            figure.colorbar(ScalarMappable(Normalize(0, 180), "hsv"), cax=bar, orientation="horizontal", ticks=[0, 45, 90, 135, 180])
+            figure.colorbar(
+                ScalarMappable(Normalize(0, 180), "hsv"),
+                cax=bar,
+                orientation="horizontal",
+                ticks=[0, 45, 90, 135, 180],
+            )
             bar.tick_params(labelsize=7, pad=1, top=False)
-            figure.text(0.59, 0.31 / height, "long axis from $x$ [°]", ha="right", va="center", fontsize=8)
+            figure.text(
+                0.59, 0.31 / height, "long axis from $x$ [°]", ha="right", va="center", fontsize=8
+            )
         if keys:
-            figure.legend(*keys(), loc="center left", bbox_to_anchor=(0.09, 0.2 / height), ncols=3, fontsize=8)
+            figure.legend(
+                *keys(), loc="center left", bbox_to_anchor=(0.09, 0.2 / height), ncols=3, fontsize=8
+            )
         return figure

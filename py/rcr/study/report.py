@@ -17,7 +17,8 @@ from rcr.study.claims import AGREES, DIFFERS, NOT_TESTED, findings
 from rcr.study.paper import MAPS, nearest
 
 _HEAD = """<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>Force networks of elongated particles</title><style>
+<html lang="en"><head><meta charset="utf-8">
+<title>Force networks of elongated particles</title><style>
 body { font: 15px/1.45 sans-serif; max-width: 62em; margin: 2em auto; padding: 0 1em; color: #222 }
 table { border-collapse: collapse; width: 100%; font-size: 13px }
 th, td { border-top: 1px solid #ccc; padding: 4px 8px; text-align: left; vertical-align: top }
@@ -76,7 +77,8 @@ def write(runs, out, progress=lambda name: None, analysis=None, begin=lambda: No
         table = findings(analysis)
         (folder / "analysis.json").write_text(json.dumps(jsonable(analysis), allow_nan=False))
         (folder / "table.md").write_text(markdown(table), encoding="utf-8")
-        (folder / "report.html").write_text(_page(runs, analysis, table, pictures), encoding="utf-8")
+        page = _page(runs, analysis, table, pictures)
+        (folder / "report.html").write_text(page, encoding="utf-8")
         begin()
         for path in sorted(folder.iterdir()):
             files.write(out / path.name, path.read_bytes())

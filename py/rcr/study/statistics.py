@@ -1,30 +1,40 @@
 """Densities, class means, correlation and exponents of samples. Needs NumPy.
 
-Samples are (n,) arrays of real numbers, edges of classes rise; anything else is refused with a ValueError. What too few values do
-not tell is NaN.
+Samples are (n,) arrays of real numbers. Edges of classes rise. Other arguments raise a ValueError.
+Results of too few values are NaN.
 """
 
 import numpy as np
 
 from rcr import _checks as checks
 
-LEAST = 10  # values that a class needs for its mean to be given
+LEAST = 10  # values of a class, at least, for a mean
 
 
 def density(x, edges):
-    """Share of x in each class over the class width; (classes,), Σ density Δ = share of x within the edges [1/unit of x]."""
+    """Return the fraction of x in each class over the class width.
+
+    Returns
+    -------
+    (classes,) float array
+        [1/unit of x]; Σ density Δ is the fraction of x within the edges.
+    """
     x, edges = _sample("x", x), _edges(edges)
-    return np.histogram(x, edges)[0] / (np.diff(edges) * len(x)) if len(x) else np.full(len(edges) - 1, np.nan)
+    return (
+        np.histogram(x, edges)[0] / (np.diff(edges) * len(x))
+        if len(x)
+        else np.full(len(edges) - 1, np.nan)
+    )
 
 
 def centres(edges):
-    """Middle of each class; (classes,)."""
+    """Return the centre of each class; (classes,)."""
     edges = _edges(edges)
     return 0.5 * (edges[1:] + edges[:-1])
 
 
 def class_means(x, y, edges):
-    """Mean of y over the classes of x; (classes,), NaN where a class has fewer than `LEAST` values."""
+    """Return the mean of y by classes of x; (classes,), NaN for fewer than `LEAST` values."""
     x, edges = _sample("x", x), _edges(edges)
     y = _sample("y", y, len(x))
     count = np.histogram(x, edges)[0]
@@ -33,7 +43,7 @@ def class_means(x, y, edges):
 
 
 def pearson(x, y):
-    """Pearson's coefficient of x and y [-; paper, eq. pearson]; NaN if either does not vary."""
+    """Return Pearson's coefficient of x and y [-; paper, eq. pearson]; NaN for a constant."""
     x = _sample("x", x)
     y = _sample("y", y, len(x))
     if len(x) < 2 or min(np.ptp(x), np.ptp(y)) == 0:
@@ -42,7 +52,7 @@ def pearson(x, y):
 
 
 def exponential_rate(x, low=1.0):
-    """Rate α of a density ∝ e^{−αx} for x > low, by maximum likelihood: 1/α = ⟨x − low⟩.
+    """Return the rate α of a density ∝ e^{−αx} for x > low, by maximum likelihood: 1/α = ⟨x − low⟩.
 
     Returns
     -------
@@ -58,10 +68,11 @@ def exponential_rate(x, low=1.0):
 
 
 def power_exponent(x, low, high=1.0):
-    """Exponent β of a density ∝ x^β for low < x < high, by maximum likelihood.
+    """Return the exponent β of a density ∝ x^β for low < x < high, by maximum likelihood.
 
-    u = ln(high/x)/ln(high/low) in (0, 1) has the density ∝ e^{−κu} with κ = (β + 1) ln(high/low). Its mean m(κ) = 1/κ − 1/(e^κ − 1)
-    falls with κ, so that m(κ) = ⟨u⟩ has one root; −dm/dκ is the variance of u, that of κ is its inverse over n.
+    u = ln(high/x)/ln(high/low) in (0, 1) has the density ∝ e^{−κu} with κ = (β + 1) ln(high/low).
+    Its mean m(κ) = 1/κ − 1/(e^κ − 1) falls with κ, so m(κ) = ⟨u⟩ has one root. The variance of u
+    is −dm/dκ, that of κ its inverse over n.
 
     Returns
     -------
@@ -78,6 +89,23 @@ def power_exponent(x, low, high=1.0):
     return kappa / scale - 1, 1 / (scale * np.sqrt(len(x) * _variance(kappa)))
 
 
+def standard_error(values):
+    """Return the standard deviation over √(number) along the first axis, of finite values.
+
+    It is NaN for fewer than two values.
+    """
+    values = np.asarray(values, dtype=float)
+    finite = np.isfinite(values)
+    count = finite.sum(axis=0)
+    mean = np.where(finite, values, 0).sum(axis=0) / np.maximum(count, 1)
+    squares = np.where(finite, values - mean, 0) ** 2
+    return np.where(
+        count > 1,
+        np.sqrt(squares.sum(axis=0) / np.maximum(count - 1, 1) / np.maximum(count, 1)),
+        np.nan,
+    )
+
+
 def _sample(name, values, count=None):
     return checks.array(name, values, (count,))
 
@@ -90,17 +118,21 @@ def _edges(values):
 
 
 def _mean(kappa):
-    """m(κ) = 1/κ − 1/(e^κ − 1); its series below 1e-3, where the two terms cancel."""
+    """Return m(κ) = 1/κ − 1/(e^κ − 1), by its series below 1e-3, where the terms cancel."""
     return 0.5 - kappa / 12 if abs(kappa) < 1e-3 else 1 / kappa - 1 / np.expm1(kappa)
 
 
 def _variance(kappa):
-    """−dm/dκ = 1/κ² − 1/(4 sinh² κ/2)."""
-    return 1 / 12 - kappa**2 / 240 if abs(kappa) < 1e-2 else 1 / kappa**2 - 0.25 / np.sinh(0.5 * kappa) ** 2
+    """Return −dm/dκ = 1/κ² − 1/(4 sinh² κ/2)."""
+    return (
+        1 / 12 - kappa**2 / 240
+        if abs(kappa) < 1e-2
+        else 1 / kappa**2 - 0.25 / np.sinh(0.5 * kappa) ** 2
+    )
 
 
 def _root_of_mean(mean):
-    """κ with m(κ) = mean, by bisection in ±500, beyond which all values lie within 1/500 of an end."""
+    """Return κ with m(κ) = mean, by bisection in ±500; beyond, u is within 1/500 of an end."""
     low, high = -500.0, 500.0
     for _ in range(60):
         middle = 0.5 * (low + high)

@@ -1,4 +1,4 @@
-"""Sparse LU of 3×3 blocks against a dense one."""
+"""Sparse LU of 3×3 blocks against dense LU."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,15 @@ from rcr import _kernel
 
 @pytest.mark.parametrize(
     "size, pairs",
-    [(1, []), (2, [(1, 0)]), (7, []), star(30), grid(9, 13), (40, [(i, i + 1) for i in range(39)]), (12, [(i, j) for i in range(12) for j in range(i)])],
+    [
+        (1, []),
+        (2, [(1, 0)]),
+        (7, []),
+        star(30),
+        grid(9, 13),
+        (40, [(i, i + 1) for i in range(39)]),
+        (12, [(i, j) for i in range(12) for j in range(i)]),
+    ],
     ids=["one row", "two rows", "diagonal", "star", "grid", "chain", "full"],
 )
 def test_block_lu_solves_like_a_dense_one(size, pairs):
@@ -22,61 +30,94 @@ def test_block_lu_solves_like_a_dense_one(size, pairs):
     stack = lambda places: np.array([dense[block(i, j)] for i, j in places]).reshape(-1, 3, 3)
     b = rng.normal(0, 1, (size, 3))
     x = _kernel.solve_blocks(
-        np.array(pairs, np.int32).reshape(-1, 2), stack([(i, i) for i in range(size)]), stack(pairs), stack([(j, i) for i, j in pairs]), b
+        np.array(pairs, np.int32).reshape(-1, 2),
+        stack([(i, i) for i in range(size)]),
+        stack(pairs),
+        stack([(j, i) for i, j in pairs]),
+        b,
     )
-    # backward stable without pivoting across blocks, the diagonal being heavy
-    np.testing.assert_allclose(x.ravel(), np.linalg.solve(dense, b.ravel()), rtol=0, atol=1e-12 * np.linalg.cond(dense))
+    # heavy diagonals: stable without pivoting across blocks
+    np.testing.assert_allclose(
+        x.ravel(), np.linalg.solve(dense, b.ravel()), rtol=0, atol=1e-12 * np.linalg.cond(dense)
+    )
 
 
 @pytest.mark.parametrize("small", [0.0, 1e-12])
-def test_a_block_may_have_a_diagonal_of_nothing(small):
-    """Rows are exchanged within a block: 1e-12 as a pivot would leave no more than four digits."""
+def test_a_block_may_have_a_zero_diagonal(small):
+    """Rows are exchanged within a block: a pivot of 1e-12 would leave four digits."""
     block = np.array([[small, 2.0, 1.0], [1.0, small, 3.0], [4.0, 1.0, small]])
     b = np.array([[1.0, 2.0, 3.0]])
-    x = _kernel.solve_blocks(np.zeros((0, 2), np.int32), block[None], np.zeros((0, 3, 3)), np.zeros((0, 3, 3)), b)
+    x = _kernel.solve_blocks(
+        np.zeros((0, 2), np.int32), block[None], np.zeros((0, 3, 3)), np.zeros((0, 3, 3)), b
+    )
     np.testing.assert_allclose(block @ x[0], b[0], rtol=0, atol=1e-14)
 
 
-def test_block_lu_says_that_a_block_is_singular():
+def test_refuses_a_singular_block():
     with pytest.raises(ValueError, match="singular"):
-        _kernel.solve_blocks(np.zeros((0, 2), np.int32), np.zeros((2, 3, 3)), np.zeros((0, 3, 3)), np.zeros((0, 3, 3)), np.ones((2, 3)))
+        _kernel.solve_blocks(
+            np.zeros((0, 2), np.int32),
+            np.zeros((2, 3, 3)),
+            np.zeros((0, 3, 3)),
+            np.zeros((0, 3, 3)),
+            np.ones((2, 3)),
+        )
 
 
 @pytest.mark.parametrize(
     "pairs, says",
     [
-        ([(0, 1), (1, 3)], r"pairs\[1\] = \(1, 3\); wanted rows from 0 to 2"),
-        ([(-1, 0)], r"pairs\[0\] = \(-1, 0\); wanted rows from 0 to 2"),
-        ([(2**31 - 1, 0)], "wanted rows from 0 to 2"),
-        ([(2**32 + 1, 0)], "pairs holds 4294967297; wanted integers of 32 bits"),
-        ([(0.7, 1)], "pairs holds float64; wanted integers"),
-        ([(2, 2)], r"pairs\[0\] = \(2, 2\); wanted two different rows"),
-        ([(0, 1), (1, 2), (1, 0)], r"pairs\[2\] = \(1, 0\) is there twice"),
-        ([(0, 1, 2)], r"pairs has shape \(1, 3\); wanted \(1, 2\)"),
+        ([(0, 1), (1, 3)], r"pairs\[1\] = \(1, 3\); expected rows from 0 to 2"),
+        ([(-1, 0)], r"pairs\[0\] = \(-1, 0\); expected rows from 0 to 2"),
+        ([(2**31 - 1, 0)], "expected rows from 0 to 2"),
+        ([(2**32 + 1, 0)], "pairs holds 4294967297; expected integers of 32 bits"),
+        ([(0.7, 1)], "pairs holds float64; expected integers"),
+        ([(2, 2)], r"pairs\[0\] = \(2, 2\); expected two different rows"),
+        ([(0, 1), (1, 2), (1, 0)], r"pairs\[2\] = \(1, 0\) is given twice"),
+        ([(0, 1, 2)], r"pairs has shape \(1, 3\); expected \(1, 2\)"),
     ],
 )
-def test_pairs_that_make_no_sense_are_refused(pairs, says):
-    """Before anything is written where they say."""
+def test_refuses_wrong_pairs(pairs, says):
     blocks = np.tile(np.eye(3), (len(pairs), 1, 1))
     with pytest.raises(ValueError, match=says):
-        _kernel.solve_blocks(np.array(pairs), np.tile(np.eye(3), (3, 1, 1)), blocks, blocks, np.ones((3, 3)))
+        _kernel.solve_blocks(
+            np.array(pairs), np.tile(np.eye(3), (3, 1, 1)), blocks, blocks, np.ones((3, 3))
+        )
     with pytest.raises(ValueError, match=says):
         _kernel.block_fill(3, np.array(pairs))
 
 
-@pytest.mark.parametrize("name, shape", [("diagonal", (2, 3, 3)), ("diagonal", (3, 9)), ("upper", (2, 3, 3)), ("lower", (1, 3, 2)), ("b", (3, 2))])
-def test_blocks_of_another_shape_are_refused(name, shape):
-    arrays = dict(pairs=np.array([(0, 1)]), diagonal=np.ones((3, 3, 3)), upper=np.ones((1, 3, 3)), lower=np.ones((1, 3, 3)), b=np.ones((3, 3)))
+@pytest.mark.parametrize(
+    "name, shape",
+    [
+        ("diagonal", (2, 3, 3)),
+        ("diagonal", (3, 9)),
+        ("upper", (2, 3, 3)),
+        ("lower", (1, 3, 2)),
+        ("b", (3, 2)),
+    ],
+)
+def test_refuses_blocks_of_wrong_shape(name, shape):
+    arrays = dict(
+        pairs=np.array([(0, 1)]),
+        diagonal=np.ones((3, 3, 3)),
+        upper=np.ones((1, 3, 3)),
+        lower=np.ones((1, 3, 3)),
+        b=np.ones((3, 3)),
+    )
     with pytest.raises(ValueError, match=f"{name} has shape"):
         _kernel.solve_blocks(**{**arrays, name: np.ones(shape)})
 
 
 def test_factors_of_a_packing_like_a_dense_one():
-    """Rows of a random planar graph, in any order, with pairs named either way; solved from the same factors for sparse and full b."""
+    """A planar graph with random row numbers and pair orders, solved for sparse and full b."""
     rng = np.random.default_rng(0)
     size, pairs = grid(7, 8)
     name = rng.permutation(size)
-    pairs = [(int(name[i]), int(name[j])) if rng.random() < 0.5 else (int(name[j]), int(name[i])) for i, j in pairs]
+    pairs = [
+        (int(name[i]), int(name[j])) if rng.random() < 0.5 else (int(name[j]), int(name[i]))
+        for i, j in pairs
+    ]
     upper, lower = rng.normal(0, 1, (2, len(pairs), 3, 3))
     diagonal = rng.normal(0, 1, (size, 3, 3)) + 12 * np.eye(3)
     dense = np.zeros((size, 3, size, 3))
@@ -91,13 +132,22 @@ def test_factors_of_a_packing_like_a_dense_one():
         np.testing.assert_allclose(x.ravel(), np.linalg.solve(dense, b.ravel()), rtol=0, atol=1e-13)
 
 
-@pytest.mark.parametrize("size, pairs", [star(30), (40, [(i, i + 1) for i in range(39)]), (31, [((k - 1) // 2, k) for k in range(1, 31)]), (5, []), (1, [])])
+@pytest.mark.parametrize(
+    "size, pairs",
+    [
+        star(30),
+        (40, [(i, i + 1) for i in range(39)]),
+        (31, [((k - 1) // 2, k) for k in range(1, 31)]),
+        (5, []),
+        (1, []),
+    ],
+)
 def test_a_tree_has_no_fill(size, pairs):
     assert _kernel.block_fill(size, pairs) == len(pairs)
 
 
 def test_a_grid_has_little_fill():
-    """20 × 20: about n^1.5 = 8000 blocks in the order of its rows, 3302 by approximate minimum degree."""
+    """20 × 20: about n^1.5 = 8000 blocks row by row, 3302 by approximate minimum degree."""
     assert 1000 < _kernel.block_fill(*grid(20, 20)) < 3500
 
 

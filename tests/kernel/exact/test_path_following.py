@@ -1,34 +1,56 @@
-"""One proximal step: its end satisfies the softened law, in as many pivots as contacts change; a fold ends it.
+"""One proximal step: its end satisfies the softened law; a fold stops it.
 
-    the contact law between p and u + (p − p_ref)/k,  k = ρ/w_nn:  p = law(p_ref − k u),  u recomputed here with NumPy
+    the contact law between p and u + (p − p_ref)/k,  k = ρ/w_nn:  p = law(p_ref − k u)
+
+The tests recompute u with NumPy.
 """
 
 import numpy as np
 import pytest
-from kernel.contact_problems import grain, jacobian_times, pile, problem_of, square_discs, stored, velocity, wall_of_bricks, weights
+from kernel.contact_problems import (
+    grain,
+    jacobian_times,
+    pile,
+    problem_of,
+    square_discs,
+    stored,
+    velocity,
+    wall_of_bricks,
+    weights,
+)
 from rcr import _kernel
 
 MANY = 5000  # pivots
 
 
 def law_of(predictor, friction):
-    """Onto the cone along n: what the law gives for a predictor."""
+    """Impulses of the contact law for predictors: projection onto the cone at constant n."""
     n = np.maximum(predictor[:, 0], 0)
     return np.column_stack([n, np.clip(predictor[:, 1], -friction * n, friction * n)])
 
 
 def softened_error(problem, p, rho):
-    """Largest violation of the softened law, relative to the largest impulse."""
+    """Largest error of the softened law over the largest impulse [-]."""
     w = weights(problem)
     moves = w > 0
     k = np.where(moves, rho / np.where(moves, w, 1), 0)
-    u = jacobian_times(problem, velocity(problem, p)) + np.column_stack([problem["bias"], np.zeros(len(p))])
+    u = jacobian_times(problem, velocity(problem, p)) + np.column_stack(
+        [problem["bias"], np.zeros(len(p))]
+    )
     error = (p - law_of(problem["impulse"] - k[:, None] * u, problem["friction"]))[moves]
     return abs(error).max() / max(abs(p).max(), 1e-300)
 
 
 @pytest.mark.parametrize("rho", [1e-2, 1.0, 1e3])
-@pytest.mark.parametrize("v, friction, slides", [((0.3, -1.0), 0.5, False), ((3.0, -1.0), 0.5, True), ((-3.0, -1.0), 0.5, True), ((3.0, -1.0), 0.0, True)])
+@pytest.mark.parametrize(
+    "v, friction, slides",
+    [
+        ((0.3, -1.0), 0.5, False),
+        ((3.0, -1.0), 0.5, True),
+        ((-3.0, -1.0), 0.5, True),
+        ((3.0, -1.0), 0.0, True),
+    ],
+)
 def test_one_grain(rho, v, friction, slides):
     """w_nn = w_tt = w, no coupling: p_n = −u_n k/(1 + k w), p_t likewise or µ p_n; k = ρ/w."""
     mass = 2.0
@@ -39,50 +61,66 @@ def test_one_grain(rho, v, friction, slides):
     assert (abs(expected[1]) > limit) == slides
     expected[1] = np.clip(expected[1], -limit, limit)
     end = _kernel.follow_path(rho, MANY, **grain((0, 0), v=v, friction=friction, mass=mass))
-    assert end["arrived"] and end["unstable"] == []
+    assert end["complete"] and end["unstable"] == []
     np.testing.assert_allclose(end["impulse"], [expected], rtol=1e-15 * (1 + rho))  # of p_ref − k u
 
 
-def test_no_pivot_where_nothing_changes():
-    """From its own solution, and where everything separates."""
-    for problem in (grain((2, 1), v=(0.9, -1)), grain((2, 0.8), v=(0.4, -1)), grain((0, 0), v=(0.4, 1))):
+def test_no_pivot_if_nothing_changes():
+    """From the solution, and where all contacts separate."""
+    for problem in (
+        grain((2, 1), v=(0.9, -1)),
+        grain((2, 0.8), v=(0.4, -1)),
+        grain((0, 0), v=(0.4, 1)),
+    ):
         end = _kernel.follow_path(1e3, MANY, **problem)
-        assert end["arrived"] and end["pivots"] == 0
+        assert end["complete"] and end["pivots"] == 0
         np.testing.assert_allclose(end["impulse"], problem["impulse"], rtol=0, atol=1e-14)
 
 
-PROBLEMS = [lambda: pile(1), lambda: pile(2, 20, 12), lambda: wall_of_bricks(1), lambda: square_discs(1), lambda: stored("shear-500-eta-0.7")]
+PROBLEMS = [
+    lambda: pile(1),
+    lambda: pile(2, 20, 12),
+    lambda: wall_of_bricks(1),
+    lambda: square_discs(1),
+    lambda: stored("shear-500-eta-0.7"),
+]
 
 
-@pytest.mark.parametrize("make", PROBLEMS, ids=["pile 1", "pile 2", "bricks", "discs", "500 eta 0.7"])
+@pytest.mark.parametrize(
+    "make", PROBLEMS, ids=["pile 1", "pile 2", "bricks", "discs", "500 eta 0.7"]
+)
 @pytest.mark.parametrize("rho", [0.1, 10.0])
 def test_the_softened_law_holds_at_the_end(make, rho):
-    """Steps from nothing, from the solution of the last step, and from any impulses in their cones."""
+    """Steps from zero, from the last solution and from random impulses in their cones."""
     problem, rng = make(), np.random.default_rng(0)
     starts = [np.zeros_like(problem["impulse"])]
     n = rng.exponential(0.05, len(starts[0])) * (rng.random(len(starts[0])) < 0.6)
-    starts.append(np.column_stack([n, problem["friction"] * n * np.clip(rng.normal(0, 1, len(n)), -1, 1)]))
+    starts.append(
+        np.column_stack([n, problem["friction"] * n * np.clip(rng.normal(0, 1, len(n)), -1, 1)])
+    )
     arrived = 0
     for start in starts:
         problem["impulse"] = start
         for _ in range(3):
             end = _kernel.follow_path(rho, MANY, **problem)
-            if not end["arrived"]:
+            if not end["complete"]:
                 assert end["unstable"] or end["pivots"] == MANY
                 break
             arrived += 1
-            # the path takes rounding of its pivots along, some hundred
-            assert softened_error(problem, end["impulse"], rho) < 1e-9, f"{problem.name}, rho {rho}, {end['pivots']} pivots"
+            # rounding of some hundred pivots accumulates
+            assert (
+                softened_error(problem, end["impulse"], rho) < 1e-9
+            ), f"{problem.name}, rho {rho}, {end['pivots']} pivots"
             problem["impulse"] = end["impulse"]
-    assert arrived >= 3, "the cases show nothing"
+    assert arrived >= 3, "too few complete paths"
 
 
-def test_soft_steps_come_to_the_solution():
-    """Without friction each step arrives, and their fixed point is the solution of the contact problem."""
+def test_soft_steps_converge_to_the_solution():
+    """Without friction each path is complete, and the fixed point solves the problem."""
     problem = square_discs(3)
     for _ in range(200):
         end = _kernel.follow_path(1e3, MANY, **problem)
-        assert end["arrived"]
+        assert end["complete"]
         problem["impulse"] = end["impulse"]
     assert _kernel.residual(**problem) < 1e-10
 
@@ -90,41 +128,49 @@ def test_soft_steps_come_to_the_solution():
 def test_pivots_are_counted_and_limited():
     problem = pile(2, 20, 12)
     whole = _kernel.follow_path(1.0, MANY, **problem)
-    assert whole["arrived"] and whole["pivots"] > 50
+    assert whole["complete"] and whole["pivots"] > 50
     for most in (0, 1, 19, 20, 21, 40):  # a new factorisation after every twenty
         end = _kernel.follow_path(1.0, most, **problem)
-        assert not end["arrived"] and end["pivots"] == most and end["unstable"] == []
+        assert not end["complete"] and end["pivots"] == most and end["unstable"] == []
     last = _kernel.follow_path(1.0, whole["pivots"], **problem)
     np.testing.assert_array_equal(last["impulse"], whole["impulse"])
 
 
 def rod(friction, angle, length=1.0):
-    """A rod that slides on its lower end (Painlevé): w_nn − µ |w_nt| < 0 where it is steep and rough enough."""
+    """A steep, rough rod slides on its lower end: w_nn − µ |w_nt| < 0 (Painlevé)."""
     m = 1.0
     arm = -0.5 * length * np.array([np.cos(angle), np.sin(angle)])
     point = (0, 1, 0, 1, 0, 0, *arm, 0, friction)
-    return problem_of("rod", None, [[0, 0, 0], [1 / m, 1 / m, 12 / (m * length**2)]], [[0, 0, 0], [-1.0, -1e-3, 0]], [point])
+    return problem_of(
+        "rod",
+        None,
+        [[0, 0, 0], [1 / m, 1 / m, 12 / (m * length**2)]],
+        [[0, 0, 0], [-1.0, -1e-3, 0]],
+        [point],
+    )
 
 
 def test_a_rod_beyond_painleve():
-    """Soft, its law has one solution; stiff, sliding pulls the rod into the floor and the path ends before the contact carries."""
+    """A soft law has one solution; a stiff one pulls the rod into the floor: the path stops."""
     problem = rod(2.0, np.pi / 3)
     unit = np.array([[0.0, 1.0]])
     w_nt = jacobian_times(problem, velocity(problem, unit) - problem["free_velocity"])[0, 0]
-    assert weights(problem)[0] < 2.0 * abs(w_nt), "the rod shows no paradox"
+    assert weights(problem)[0] < 2.0 * abs(w_nt), "no paradox"
     soft, stiff = (_kernel.follow_path(rho, MANY, **problem) for rho in (0.01, 1e3))
-    assert soft["arrived"] and softened_error(problem, soft["impulse"], 0.01) < 1e-12
-    assert not stiff["arrived"] and stiff["pivots"] == 0
+    assert soft["complete"] and softened_error(problem, soft["impulse"], 0.01) < 1e-12
+    assert not stiff["complete"] and stiff["pivots"] == 0
 
 
-def test_a_fold_names_the_contacts_that_become_unstable():
-    """Stiff steps from nothing in rough piles and walls of bricks: some fold, and the state reached is finite."""
+def test_a_fold_lists_the_unstable_contacts():
+    """Stiff steps from zero in rough piles and brick walls: some fold in a finite state."""
     folded = 0
     for problem in [pile(seed) for seed in range(4)] + [wall_of_bricks(seed) for seed in range(4)]:
         problem["friction"] = np.full_like(problem["friction"], 0.9)
         end = _kernel.follow_path(1e6, MANY, **problem)
         assert np.isfinite(end["impulse"]).all()
-        if not end["arrived"] and end["unstable"]:
+        if not end["complete"] and end["unstable"]:
             folded += 1
-            assert end["unstable"] == sorted(set(end["unstable"])) and len(end["unstable"]) < len(problem["bodies"])
+            assert end["unstable"] == sorted(set(end["unstable"])) and len(end["unstable"]) < len(
+                problem["bodies"]
+            )
     assert folded > 0, "no path folds"

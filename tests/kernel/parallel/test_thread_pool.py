@@ -26,7 +26,8 @@ def run(code):
 @pytest.fixture(scope="module", autouse=True)
 def idle_helpers():
     """Process that counts its helpers before and after they idle. It sleeps during other tests."""
-    yield run(f"""if True:
+    yield run(
+        f"""if True:
         import time
         from rcr import _kernel
         _kernel.ThreadTeam().loop_counts(3, 1000)
@@ -35,7 +36,8 @@ def idle_helpers():
         between = _kernel.helper_count()
         _kernel.ThreadTeam().loop_counts(2, 1000)
         print(before, between, _kernel.helper_count())
-    """)
+    """
+    )
 
 
 def test_idle_teams_hold_no_threads():

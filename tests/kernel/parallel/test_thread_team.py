@@ -34,10 +34,12 @@ def test_every_index_once(threads, count):
 
 @pytest.mark.parametrize("count", [SLICE, SLICE + 1, SLICE + 2, 2 * SLICE + 1])
 def test_loop_of_several_slices(count):
-    run(f"""if True:
+    run(
+        f"""if True:
         from rcr import _kernel
         assert _kernel.ThreadTeam().loop_counts(2, {count}) == [1] * {count}
-    """)
+    """
+    )
 
 
 @pytest.mark.parametrize("chunks", [False, True])
@@ -54,7 +56,8 @@ def test_exception_reaches_the_leader(threads, chunks):
 
 def test_team_works_with_fewer_threads():
     """Without address space for 64 stacks: the same bits. Later, with space: all helpers."""
-    run("""if True:
+    run(
+        """if True:
         import resource
         from pathlib import Path
         import numpy as np
@@ -73,7 +76,8 @@ def test_team_works_with_fewer_threads():
         resource.setrlimit(resource.RLIMIT_AS, (hard, hard))
         assert (solve() == alone).all() and team.loop_counts(64, 5000) == [1] * 5000
         assert few < 63 == _kernel.helper_count(), (few, _kernel.helper_count())
-    """)
+    """
+    )
 
 
 @needs_two_cores

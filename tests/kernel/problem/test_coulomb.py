@@ -1,4 +1,4 @@
-"""The contact problem of one point: a case a branch, then its optimality conditions on random blocks.
+"""Contact problem of one point: one case per branch, then the laws on random blocks.
 
     u = W p + g,  0 ≤ u_n ⟂ p_n ≥ 0,  |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0
 """
@@ -14,13 +14,15 @@ frictions = st.one_of(st.just(0.0), st.floats(1e-3, 3))
 
 
 def check_laws(W, g, mu, p):
-    """Asserts the conditions above; the message holds what replays the case."""
+    """Check the laws above; the message contains a call that replays the case."""
     W, g, p = np.asarray(W, float), np.asarray(g, float), np.asarray(p, float)
     u = W @ p + g
     speed = np.abs(g).sum() + (np.abs(W) @ np.abs(p)).sum()
-    small_u = 1e-11 * speed * np.linalg.cond(W) ** 0.5  # rounding of W p + g, and of the Schur complement
+    # rounding of W p + g, and of the Schur complement
+    small_u = 1e-11 * speed * np.linalg.cond(W) ** 0.5
     small_p = 1e-13 * np.abs(p).sum()
-    replay = f"solve_coulomb({W[0, 0]!r}, {W[0, 1]!r}, {W[1, 1]!r}, {g[0]!r}, {g[1]!r}, {mu!r}) = {p}, u = {u}"
+    arguments = f"{W[0, 0]!r}, {W[0, 1]!r}, {W[1, 1]!r}, {g[0]!r}, {g[1]!r}, {mu!r}"
+    replay = f"solve_coulomb({arguments}) = {p}, u = {u}"
     assert p[0] >= 0 and u[0] >= -small_u, replay
     assert p[0] == 0 or abs(u[0]) <= small_u, replay
     assert abs(p[1]) <= mu * p[0] + small_p, replay
@@ -35,28 +37,35 @@ def solve(W, g, mu):
 @pytest.mark.parametrize(
     "W, g, mu, expected",
     [
-        pytest.param([[2, 0], [0, 4]], (1, 3), 0.5, (0, 0), id="apart"),
-        pytest.param([[2, 0], [0, 4]], (0, 3), 0.5, (0, 0), id="touching without approach"),
+        pytest.param([[2, 0], [0, 4]], (1, 3), 0.5, (0, 0), id="open"),
+        pytest.param([[2, 0], [0, 4]], (0, 3), 0.5, (0, 0), id="touching, g_n = 0"),
         pytest.param([[2, 0], [0, 4]], (-1, 3), 0, (0.5, 0), id="frictionless"),
-        pytest.param([[2, 0], [0, 4]], (-1, 0), 0.5, (0.5, 0), id="no slip to stop"),
+        pytest.param([[2, 0], [0, 4]], (-1, 0), 0.5, (0.5, 0), id="no slip"),
         pytest.param([[2, 0], [0, 4]], (-1, 0.8), 0.5, (0.5, -0.2), id="stick"),
         pytest.param([[2, 0], [0, 4]], (-1, 8), 0.5, (0.5, -0.25), id="slide, slip > 0"),
         pytest.param([[2, 0], [0, 4]], (-1, -8), 0.5, (0.5, 0.25), id="slide, slip < 0"),
-        pytest.param([[2, 1], [1, 4]], (-1, 8), 0.5, (2 / 3, -1 / 3), id="slide, coupled: p_n = -g_n/(w_nn - µ w_nt)"),
-        pytest.param([[2, 1], [1, 4]], (-1, -8), 0.5, (0.4, 0.2), id="slide, coupled: p_n = -g_n/(w_nn + µ w_nt)"),
-        pytest.param([[2, 0], [0, 0]], (-1, 3), 0.5, (0.5, -0.25), id="tt = 0: friction moves nothing, it slides"),
-        pytest.param([[2, 0], [0, 0]], (-1, 0), 0.5, (0.5, 0), id="tt = 0 at rest"),
+        pytest.param(
+            [[2, 1], [1, 4]], (-1, 8), 0.5, (2 / 3, -1 / 3), id="slide, coupled, slip > 0"
+        ),
+        pytest.param([[2, 1], [1, 4]], (-1, -8), 0.5, (0.4, 0.2), id="slide, coupled, slip < 0"),
+        pytest.param([[2, 0], [0, 0]], (-1, 3), 0.5, (0.5, -0.25), id="w_tt = 0, slide"),
+        pytest.param([[2, 0], [0, 0]], (-1, 0), 0.5, (0.5, 0), id="w_tt = 0, at rest"),
     ],
 )
-def test_one_case_a_branch(W, g, mu, expected):
-    assert solve(W, g, mu) == pytest.approx(np.array(expected), rel=1e-15)  # a few operations
+def test_one_case_per_branch(W, g, mu, expected):
+    assert solve(W, g, mu) == pytest.approx(np.array(expected), rel=1e-15)
     check_laws(W, g, mu, expected)
 
 
 @settings(max_examples=400, deadline=None)
-@given(a=st.tuples(numbers, numbers), b=st.tuples(numbers, numbers), g=st.tuples(numbers, numbers), mu=frictions)
+@given(
+    a=st.tuples(numbers, numbers),
+    b=st.tuples(numbers, numbers),
+    g=st.tuples(numbers, numbers),
+    mu=frictions,
+)
 def test_laws_hold_for_any_positive_definite_block(a, b, g, mu):
-    """W = A Aᵀ + 0.01 I covers mild coupling and Painlevé's; the laws have a solution for each."""
+    """W = A Aᵀ + 0.01 I covers weak coupling and the Painlevé case; all have a solution."""
     A = np.array([a, b])
     W = A @ A.T + 0.01 * np.eye(2)
     check_laws(W, g, mu, solve(W, g, mu))
@@ -73,8 +82,11 @@ def test_laws_hold_on_random_blocks(seed):
 
 @pytest.mark.parametrize("slip", [1e-3, 1.0, 100.0])
 def test_painleve_sticks(slip):
-    """w_nn ≤ µ w_nt: sliding against that side is inconsistent, and stick then always fits: |p_t| ≤ µ p_n since
-    p_n = (|g_n| + w_nt |p_t|)/w_nn ≥ |p_t|/µ. An impact without collision: the tangential shock adds to p_n."""
+    """For w_nn ≤ µ w_nt, sliding on that side is inconsistent and stick always holds.
+
+    Proof: p_n = (|g_n| + w_nt |p_t|)/w_nn ≥ |p_t|/µ, so |p_t| ≤ µ p_n. This is an impact without
+    collision: the tangential shock increases p_n.
+    """
     W, mu, g = np.array([[1.0, 1.5], [1.5, 3.0]]), 0.8, np.array([-1e-3, slip])
     p = solve(W, g, mu)
     assert W @ p + g == pytest.approx(0, abs=1e-12 * slip)  # rounding of W p + g
@@ -83,7 +95,7 @@ def test_painleve_sticks(slip):
 
 
 def test_painleve_without_a_solution_stays_in_the_cone():
-    """Rank one and w_nn ≤ µ w_nt: no impulse meets the laws; what comes out is finite, and admissible."""
+    """For rank 1 and w_nn ≤ µ w_nt no solution exists; the result is finite and admissible."""
     p = solve([[1.0, 2.0], [2.0, 4.0]], (-1.0, 3.0), 0.8)
     assert np.isfinite(p).all() and p[0] >= 0 and abs(p[1]) <= 0.8 * p[0] * (1 + 1e-15)
 
@@ -102,39 +114,44 @@ def test_projection_is_the_nearest_point_of_the_cone(n, t, mu):
         assert (p - q) @ (1, side) <= small, replay
 
 
-# --- restitution that gives no energy ------------------------------------------------------------------------------------
+# ---- passive restitution
 
 
 def work(p, before, after):
-    """2 × the energy that an impulse takes in, p · (u + u⁻)."""
+    """Twice the energy that an impulse adds, p · (u + u⁻)."""
     return np.dot(p, np.add(before, after))
 
 
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
-def test_a_point_without_friction_keeps_all_its_restitution(e):
-    """u⁺ = −e u⁻: (1 − e²) of the energy is taken, none given."""
+def test_restitution_without_friction_is_not_reduced(e):
+    """u⁺ = −e u⁻ dissipates (1 − e²) of the energy."""
     p = _kernel.solve_coulomb(1, 0, 1, -1 - e, 0.3, 0)
-    assert _kernel.passive_share(1, 0, 1, p, (-1, 0.3), (e, 0.3), -e, 0) == 1
+    assert _kernel.passive_restitution_factor(1, 0, 1, p, (-1, 0.3), (e, 0.3), -e, 0) == 1
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_share_that_gives_no_energy(seed):
-    """Full restitution along n may give energy where the coupling w_nt turns the slip. The largest share that does not is kept."""
+def test_factor_is_the_largest_that_adds_no_energy(seed):
+    """Full restitution can add energy if the coupling w_nt reverses the slip."""
     rng = np.random.default_rng(seed)
     gains = 0
     for _ in range(300):
         A = rng.normal(size=(2, 2))
-        W, mu, before = A @ A.T + 0.1 * np.eye(2), rng.uniform(0, 1), np.array([-1.0, rng.normal(0, 1)])
+        W, mu = A @ A.T + 0.1 * np.eye(2), rng.uniform(0, 1)
+        before = np.array([-1.0, rng.normal(0, 1)])
         w = W[0, 0], W[0, 1], W[1, 1]
-        of = lambda share: np.array(_kernel.solve_coulomb(*w, before[0] - share, before[1], mu))  # restitution 1, no other impulse
-        given = lambda share: work(of(share), before, before + W @ of(share))
-        p = of(1)
-        share = _kernel.passive_share(*w, p, before, before + W @ p, -1.0, mu)
-        replay = f"seed {seed}: passive_share({w}, {p}, {before}, µ = {mu}) = {share}"
+        # impulse and energy for the restitution `factor`, without other impulses
+        impulse = lambda factor: np.array(
+            _kernel.solve_coulomb(*w, before[0] - factor, before[1], mu)
+        )
+        gain = lambda factor: work(impulse(factor), before, before + W @ impulse(factor))
+        p = impulse(1)
+        factor = _kernel.passive_restitution_factor(*w, p, before, before + W @ p, -1.0, mu)
+        replay = f"seed {seed}: passive_restitution_factor({w}, {p}, {before}, µ = {mu}) = {factor}"
         scale = np.hypot(*p) * np.hypot(*before)
-        if given(1) <= 1e-3 * scale:
-            assert share == 1, replay
+        if gain(1) <= 1e-3 * scale:
+            assert factor == 1, replay
             continue
         gains += 1
-        assert 0 <= share < 1 and given(share) <= 1e-12 * scale and given(share + 1e-6) > 0, replay
-    assert gains > 3, "the cases show nothing"
+        assert 0 <= factor < 1, replay
+        assert gain(factor) <= 1e-12 * scale and gain(factor + 1e-6) > 0, replay
+    assert gains > 3, "no case adds energy"

@@ -1,62 +1,75 @@
-"""The residual and the kinematic violation: against NumPy at any impulses, zero at solutions, and where they must be blind."""
+"""Residual and kinematic error against NumPy, at closed forms, and at their limits."""
 
 import numpy as np
 import pytest
-from kernel.contact_problems import errors, grain, jacobian_times, pile, problem_of, square_discs, velocity, weights
+from kernel.contact_problems import (
+    errors,
+    grain,
+    jacobian_times,
+    pile,
+    problem_of,
+    square_discs,
+    velocity,
+    weights,
+)
 from rcr import _kernel
 
 ROUNDING = 1e-11  # sums of some hundred points
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_against_numpy_at_any_impulses(seed):
+def test_errors_equal_numpy_at_any_impulses(seed):
     problem, rng = pile(seed), np.random.default_rng(seed)
-    problem["impulse"] = rng.normal(0.05, 0.1, problem["impulse"].shape)  # pulling ones, and outside the cone, too
-    p, w, rest = problem["impulse"], weights(problem), 0.01
+    # includes pulling impulses, and impulses outside the cone
+    problem["impulse"] = rng.normal(0.05, 0.1, problem["impulse"].shape)
+    p, w = problem["impulse"], weights(problem)
     error, size = errors(problem, p)
     assert _kernel.residual(**problem) == pytest.approx(np.linalg.norm(error) / size, rel=ROUNDING)
     moves = w > 0
     u = jacobian_times(problem, velocity(problem, p))[moves]
     free = jacobian_times(problem, problem["free_velocity"])[moves]
-    for rest in (0.01, 100.0):  # relative to the velocities, or to the free ones
-        scale = max(np.linalg.norm(u), rest * np.linalg.norm(free))
-        assert _kernel.violation(rest, **problem) == pytest.approx(np.linalg.norm(w[moves] * error[moves]) / scale, rel=ROUNDING), rest
+    for floor in (0.01, 100.0):  # scaled by the velocities, or by the free velocities
+        scale = max(np.linalg.norm(u), floor * np.linalg.norm(free))
+        expected = np.linalg.norm(w[moves] * error[moves]) / scale
+        found = _kernel.kinematic_error(floor, **problem)
+        assert found == pytest.approx(expected, rel=ROUNDING), floor
 
 
 @pytest.mark.parametrize(
-    "problem, why",
+    "problem, state",
     [
         (grain((2, 1), v=(0.9, -1)), "slides along +x, against the tangent: p_t = µ p_n"),
-        (grain((2, 1), v=(0.4, -1)), "slides no more: the most that friction can do is 0.8"),
+        (grain((2, 1), v=(0.4, -1)), "no solution: friction of 0.8 suffices to stick"),
         (grain((2, 0.8), v=(0.4, -1)), "sticks"),
         (grain((0, 0), v=(0.4, 1)), "separates"),
-        (grain((0, 0), bias=1.0), "does not reach the floor in this step"),
-        (grain((1, 0.5), bias=0.5), "stops at the floor, and is not there yet"),
+        (grain((0, 0), bias=1.0), "stays open in this step"),
+        (grain((1, 0.5), bias=0.5), "closes its gap and stops"),
         (grain((3, 1), bias=-0.5, friction=1 / 3), "bounces"),
         (grain((2, 0), friction=0), "has no friction"),
     ],
 )
-def test_zero_at_closed_forms(problem, why):
-    """v⁺ = v + p/m in (n, t) with the normal +y and the tangent −x; residual of the laws 0 or not, as the sentence says."""
-    solved = "no more" not in why
-    assert (_kernel.residual(**problem) < 1e-15) == solved, why
-    assert (_kernel.violation(0.01, **problem) < 1e-15) == solved, why
+def test_zero_at_closed_forms(problem, state):
+    """v⁺ = v + p/m in (n, t), with the normal +y and the tangent −x."""
+    solved = "no solution" not in state
+    assert (_kernel.residual(**problem) < 1e-15) == solved, state
+    assert (_kernel.kinematic_error(0.01, **problem) < 1e-15) == solved, state
 
 
 @pytest.mark.parametrize("p, expected", [((1, 0), 1), ((4, 0), 0.5), ((0, 0), 1e8)])
 def test_size_of_an_error(p, expected):
-    """A grain at −1 m/s, w_nn = 1/2 kg⁻¹: p_n = 2 stops it, the error is what p_n misses. From nothing the scale is 1e-8 of that."""
-    assert _kernel.residual(**grain(p, v=(0, -1), friction=0)) == pytest.approx(expected, rel=1e-14)
+    """A grain at −1 m/s with w_nn = 1/2 kg⁻¹: the error is p_n − 2. For p = 0 its scale is 2e-8."""
+    problem = grain(p, v=(0, -1), friction=0)
+    assert _kernel.residual(**problem) == pytest.approx(expected, rel=1e-14)
 
 
 def test_points_between_prescribed_bodies_do_not_count():
     problem = grain((1, 0))
     problem["inverse_mass"][:] = 0
-    assert _kernel.residual(**problem) == 0 == _kernel.violation(0.01, **problem)
+    assert _kernel.residual(**problem) == 0 == _kernel.kinematic_error(0.01, **problem)
 
 
-def test_residual_of_an_open_contact_without_friction_or_sliding():
-    """u_t = µ = 0 lies on the edge of two faces of the projection; an open contact has no error there."""
+def test_open_contact_without_friction_has_no_error():
+    """u_t = µ = 0 lies on the edge between two cases of the projection."""
     problem = pile(1)
     for key, value in ("friction", 0), ("free_velocity", 0), ("bias", 1):
         problem[key] = np.full_like(problem[key], value)
@@ -64,39 +77,44 @@ def test_residual_of_an_open_contact_without_friction_or_sliding():
     assert result["residual"] == 0 and result["iterations"] == 0 and not result["impulse"].any()
 
 
-def test_where_nothing_presses_rounding_is_no_error():
-    """A grain that just touches: an approach of 1e-17 of its speed away from the floor is rounding, not an error of 100 %."""
+def test_rounding_without_load_is_no_error():
+    """A grain that just touches closes at 1e-16 of its speed: rounding, not an error of 100 %."""
     problem = grain((0, 0), bias=1.0, v=(0.0, -1.0 - 2e-16))
     assert 0 < _kernel.residual(**problem) < 1e-7
-    assert _kernel.residual(**grain((0, 0), v=(0.0, -1.0))) > 1e7, "a grain that falls onto the floor is one"
+    falling = grain((0, 0), v=(0.0, -1.0))
+    assert _kernel.residual(**falling) > 1e7
 
 
 @pytest.mark.parametrize("solver", ["nlgs", "nesterov", "exact"])
 @pytest.mark.parametrize("make", [lambda: pile(4), lambda: square_discs(2)])
-def test_the_solvers_report_it(make, solver):
-    """The packed sums of the sweeps are those of the definition."""
+def test_solvers_report_these_errors(make, solver):
+    """The packed sums of the sweeps agree with the definition."""
     problem = make()
-    result = problem.solve(solver, tolerance=1e-5, max_iterations=77, violation=np.inf)
+    result = problem.solve(solver, tolerance=1e-5, max_iterations=77, kinematic_tolerance=np.inf)
     problem["impulse"] = result["impulse"]
-    assert result["residual"] == pytest.approx(_kernel.residual(**problem), rel=1e-9, abs=1e-15)
-    assert result["violation"] == pytest.approx(_kernel.violation(0.01, **problem), rel=1e-9, abs=1e-15)
+    expected = _kernel.residual(**problem), _kernel.kinematic_error(0.01, **problem)
+    found = result["residual"], result["kinematic_error"]
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-15)
 
 
 @pytest.mark.parametrize("size", [1e155, 1e200, 1e300])
-def test_impulses_whose_squares_overflow_have_no_residual(size):
-    """‖p‖² = ∞ would hide every error: their residual is no number. A solver that ends with such ones begins anew from none."""
+def test_overflowing_impulses_have_a_nan_residual(size):
+    """‖p‖² = ∞ would hide every error. Solvers then start again from zero impulses."""
     problem = pile(1)
     problem["impulse"] = np.full_like(problem["impulse"], size)
-    assert np.isnan(_kernel.residual(**problem)) and np.isnan(_kernel.violation(0.01, **problem))
+    assert np.isnan(_kernel.residual(**problem))
+    assert np.isnan(_kernel.kinematic_error(0.01, **problem))
     found = problem.solve("nlgs", tolerance=1e-4, max_iterations=20)
     assert found["residual"] < 0.01 and not found["converged"]
 
 
-def test_a_scale_that_overflows_hides_no_error():
-    """A grain squeezed from both sides by 1e160, which is a solution, beside one that its floor does not hold."""
+def test_overflowing_scale_hides_no_error():
+    """A grain squeezed from both sides by 1e160, a solution, beside a grain with an error."""
     squeezed = [(0, 1, 0, side, 0, 0, 0, -0.1, 0, 0) for side in (1, -1)]
     falling = (0, 2, 0, 1, 0, 0, 0, -0.1, 0, 0)
-    problem = problem_of("squeezed", None, [[0, 0, 0], [1, 1, 0], [1, 1, 0]], [[0, 0, 0], [0, 0, 0], [0, -1, 0]], [*squeezed, falling])
+    inverse_mass = [[0, 0, 0], [1, 1, 0], [1, 1, 0]]
+    velocity = [[0, 0, 0], [0, 0, 0], [0, -1, 0]]
+    problem = problem_of("squeezed", None, inverse_mass, velocity, [*squeezed, falling])
     problem["impulse"] = np.array([[1e160, 0], [1e160, 0], [0.5, 0]])
     assert np.isnan(_kernel.residual(**problem))
     problem["impulse"][:2] = 1e150, 0

@@ -1,4 +1,4 @@
-"""A periodic cell that stretches under its contacts, as one more body of the problem (contact_problem.hpp)."""
+"""Contacts stretch a periodic cell: an additional body of the problem (contact_problem.hpp)."""
 
 import numpy as np
 import pytest
@@ -9,12 +9,17 @@ MASS = np.array([400.0, 240.0])  # M_c [kg m²]
 
 
 def in_a_cell(seed, stretches=True):
-    """A pile some of whose pairs touch across the boundary."""
+    """A pile with some pairs across the boundary."""
     problem, rng = pile(seed, 20, 12), np.random.default_rng(seed)
     pairs, pair_of = np.unique(problem["bodies"], axis=0, return_inverse=True)
     images = rng.choice([-1.0, 0, 1], (len(pairs), 2), p=[0.05, 0.9, 0.05]) * (20.0, 12.0)
     problem["shift"] = images[pair_of.ravel()]
-    return Problem(f"cell {seed}", seed, **problem, **(dict(inverse_stretch_mass=1 / MASS) if stretches else {}))
+    return Problem(
+        f"cell {seed}",
+        seed,
+        **problem,
+        **(dict(inverse_stretch_mass=1 / MASS) if stretches else {}),
+    )
 
 
 def forces(problem, impulse):
@@ -29,20 +34,28 @@ def test_contacts_stretch_the_cell_and_hold_their_laws(solver):
     stretch = (forces(problem, found["impulse"]) * problem["shift"]).sum(0) / MASS
     np.testing.assert_allclose(found["stretch"], stretch, rtol=1e-12, atol=1e-14)
     moved = np.abs(stretch * problem["shift"]).max()
-    assert moved > 1e-4, "contacts do not stretch it: nothing is tested"
+    assert moved > 1e-4, "contacts must stretch the cell"
     assert_laws(Problem(problem.name, 4, **problem, drift=stretch * problem["shift"]), found, 1e-6)
 
 
-def test_a_workspace_sees_whether_the_cell_may_stretch():
-    """The layout joins what a stretch joins: bodies at the boundary are one island then, and none of their own else."""
+def test_workspace_follows_cells_that_stretch_or_not():
+    """Bodies at the boundary of a stretching cell belong to one island."""
     workspace = _kernel.Workspace()
     for stretches in (False, True, False, True):
         problem = in_a_cell(4, stretches)
         settings = dict(tolerance=0, max_iterations=25)
-        assert_same_bits(problem.solve(workspace=workspace, **settings), problem.solve(**settings), f"stretches: {stretches}")
+        assert_same_bits(
+            problem.solve(workspace=workspace, **settings),
+            problem.solve(**settings),
+            f"stretches: {stretches}",
+        )
 
 
 def test_a_cell_gives_the_same_bits_with_lanes_and_threads():
-    first, *others = [in_a_cell(5).solve(tolerance=0, max_iterations=25, lanes=lanes, threads=threads) for lanes in (1, 4, 8) for threads in (1, 2)]
+    first, *others = [
+        in_a_cell(5).solve(tolerance=0, max_iterations=25, lanes=lanes, threads=threads)
+        for lanes in (1, 4, 8)
+        for threads in (1, 2)
+    ]
     for other in others:
         assert_same_bits(other, first, "cell")

@@ -1,4 +1,4 @@
-"""Greedy colouring: the lowest colour free at both bodies; prescribed bodies take none; the rest is overflow."""
+"""Greedy colouring: the lowest colour free at both bodies. Driven bodies take none."""
 
 import numpy as np
 from rcr import _kernel
@@ -8,11 +8,13 @@ OVERFLOW = -1
 
 def test_lowest_colour_that_is_free_at_both():
     coloring = _kernel.Coloring(4)
-    taken = [coloring.take(a, True, b, True) for a, b in [(0, 1), (2, 3), (1, 2), (0, 3), (0, 2), (1, 3)]]
+    taken = [
+        coloring.take(a, True, b, True) for a, b in [(0, 1), (2, 3), (1, 2), (0, 3), (0, 2), (1, 3)]
+    ]
     assert taken == [0, 0, 1, 1, 2, 2]  # the complete graph of four bodies needs three
 
 
-def test_a_prescribed_body_keeps_nothing_apart():
+def test_a_driven_body_takes_no_colour():
     coloring = _kernel.Coloring(40)
     assert [coloring.take(0, False, k, True) for k in range(1, 40)] == [0] * 39
     assert [coloring.take(k, True, 0, False) for k in range(1, 40)] == [1] * 39
@@ -22,11 +24,11 @@ def test_overflow_of_a_body_with_many_contacts():
     coloring, most = _kernel.Coloring(40), _kernel.Coloring.colors
     taken = [coloring.take(0, True, k, True) for k in range(1, 30)]
     assert taken == [*range(most), *[OVERFLOW] * (29 - most)]
-    assert coloring.take(29, True, 30, True) == 0, "a pair of the overflow must take nothing from others"
+    assert coloring.take(29, True, 30, True) == 0, "overflow pairs take no colour"
 
 
 def test_random_graphs():
-    """No two pairs of one colour share a body, and no lower colour was free when a pair took its own."""
+    """Pairs of one colour share no body, and each pair takes the lowest free colour."""
     for seed in range(20):
         rng = np.random.default_rng(seed)
         bodies = int(rng.integers(2, 60))

@@ -1,4 +1,4 @@
-"""Lanes: every operation is the one of IEEE 754 on each number, whatever the width; records go through registers as they are."""
+"""Lanes: each operation is that of IEEE 754 at any width; records pass registers unchanged."""
 
 import math
 
@@ -14,7 +14,7 @@ def fma(a, b, c):
     """a b + c rounded once."""
     try:
         return math.fma(a, b, c)
-    except (OverflowError, ValueError):  # where Python raises, the plain result is infinite or NaN alike
+    except (OverflowError, ValueError):  # the plain result is infinite or NaN, too
         with np.errstate(all="ignore"):
             return float(np.float64(a) * np.float64(b) + np.float64(c))
 
@@ -35,6 +35,11 @@ OPERATIONS = {
 }
 
 
+def failure(seed, operation, numbers, found, expected, k):
+    given = tuple(of[k] for of in numbers)
+    return f"seed {seed}: {operation}{given} = {found[k]!r}, expected {expected[k]!r}"
+
+
 def operands(seed):
     """Sixteen triples: ordinary numbers, some equal, some special."""
     rng = np.random.default_rng(seed)
@@ -47,7 +52,7 @@ def operands(seed):
 
 
 def bits(values):
-    """As integers, all NaNs alike: their sign and payload are the processor's."""
+    """Bits as integers. All NaNs are equal: sign and payload depend on the processor."""
     values = np.where(np.isnan(values), np.nan, values)
     return values.view(np.int64)
 
@@ -62,21 +67,23 @@ def test_operation_on_every_number(operation, lanes):
             expected = np.array([OPERATIONS[operation](*triple) for triple in zip(a, b, c)])
         found = _kernel.apply_lanes(lanes, operation, a, b, c)
         wrong = np.flatnonzero(bits(found) != bits(expected))
-        assert not len(wrong), f"seed {seed}: {operation}{a[wrong[0]], b[wrong[0]], c[wrong[0]]} = {found[wrong[0]]!r}, wanted {expected[wrong[0]]!r}"
+        assert not len(wrong), failure(seed, operation, (a, b, c), found, expected, wrong[0])
 
 
 def test_a_product_with_its_sum_is_rounded_once():
-    """(1 + ε)(1 − ε) − 1 = −ε² is lost where the product is rounded first."""
+    """(1 + ε)(1 − ε) − 1 = −ε² vanishes if the product is rounded first."""
     e = 2.0**-30
     for lanes in LANES:
-        found = _kernel.apply_lanes(lanes, "add_product", np.full(16, -1.0), np.full(16, 1 + e), np.full(16, 1 - e))
+        found = _kernel.apply_lanes(
+            lanes, "add_product", np.full(16, -1.0), np.full(16, 1 + e), np.full(16, 1 - e)
+        )
         assert (found == -(e**2)).all()
 
 
 @pytest.mark.parametrize("lanes", LANES)
 @pytest.mark.parametrize("whole", [True, False])
-def test_records_move_as_they_are(lanes, whole):
-    """Sixteen distinct records to sixteen others; nothing else changes."""
+def test_records_move_unchanged(lanes, whole):
+    """Sixteen records are copied to sixteen others; nothing else changes."""
     size = 2 if whole else 1
     for seed in range(50):
         rng = np.random.default_rng(seed)
@@ -86,10 +93,14 @@ def test_records_move_as_they_are(lanes, whole):
         expected = records.copy()
         for half in range(size):
             expected[target + half] = records[source + half]
-        np.testing.assert_array_equal(_kernel.move_lanes(lanes, whole, records, source, target), expected, err_msg=f"seed {seed}")
+        np.testing.assert_array_equal(
+            _kernel.move_lanes(lanes, whole, records, source, target),
+            expected,
+            err_msg=f"seed {seed}",
+        )
 
 
 def test_widths():
-    """What was asked for, or less where the processor has no more; two registers at a time for 8."""
+    """The width is the given one, or less if the processor has less; 8 lanes are two registers."""
     width = {lanes: _kernel.lane_width(lanes) for lanes in LANES}
     assert width[1] == 1 and width[4] in (1, 4) and width[8] in (1, 8, 16) and width[0] == width[8]

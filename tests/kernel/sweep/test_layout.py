@@ -1,15 +1,26 @@
-"""The layout of a problem: what may be swept at once shares no moving body, and every pair that can carry something is there once."""
+"""The layout: pairs swept at once share no free body, and every pair has one place."""
 
 import numpy as np
 import pytest
-from kernel.contact_problems import ALL, Problem, beside, discs, frictionless, grains_on_a_floor, pile, square_discs, wall_of_bricks, without
+from kernel.contact_problems import (
+    ALL,
+    Problem,
+    beside,
+    discs,
+    frictionless,
+    grains_on_a_floor,
+    pile,
+    square_discs,
+    wall_of_bricks,
+    without,
+)
 from rcr import _kernel
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-WIDTH, NO_SLOT = 16, -1  # slots of a block; of a pair without one
-FRICTIONAL, ROUND, FRICTIONLESS, CENTRAL = range(4)
-FEW_PAIRS, MANY_PAIRS = 16, 1024  # an island solved pair after pair; one that threads share
+WIDTH, NO_SLOT = 16, -1  # slots of a block; a pair without slot
+FRICTIONAL, NO_LEVER, FRICTIONLESS, FRICTIONLESS_DISC = range(4)
+FEW_PAIRS, MANY_PAIRS = 16, 1024  # limits of islands: all overflow; one thread
 
 PROBLEMS = {
     "pile": lambda: pile(1),
@@ -17,42 +28,71 @@ PROBLEMS = {
     "bricks": lambda: wall_of_bricks(1, 12, 15),
     "discs": lambda: square_discs(1),
     "grains": lambda: grains_on_a_floor(40, points=2),
-    "heaps": lambda: beside(pile(3, 9, 7), discs(pile(4, 9, 7)), frictionless(pile(5, 12, 9)), grains_on_a_floor(5), pile(6, 2, 2)),
+    "heaps": lambda: beside(
+        pile(3, 9, 7),
+        discs(pile(4, 9, 7)),
+        frictionless(pile(5, 12, 9)),
+        grains_on_a_floor(5),
+        pile(6, 2, 2),
+    ),
     "hub": lambda: hub(40),
     "spindle": lambda: spindle([1, 8, 64, *[512] * 9, 64, 8, 1]),
 }
 
 
 def hub(count):
-    """A disc that touches many."""
+    """A disc with many contacts."""
     angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
     n = np.column_stack([np.cos(angle), np.sin(angle)])
     return Problem(
-        "hub", inverse_mass=np.ones((count + 1, 3)), free_velocity=np.zeros((count + 1, 3)), normal=n, arm1=3 * n, arm2=-0.5 * n,
-        bodies=np.column_stack([np.zeros(count), np.arange(1, count + 1)]).astype(np.int32), bias=np.zeros(count), friction=np.full(count, 0.4),
+        "hub",
+        inverse_mass=np.ones((count + 1, 3)),
+        free_velocity=np.zeros((count + 1, 3)),
+        normal=n,
+        arm1=3 * n,
+        arm2=-0.5 * n,
+        bodies=np.column_stack([np.zeros(count), np.arange(1, count + 1)]).astype(np.int32),
+        bias=np.zeros(count),
+        friction=np.full(count, 0.4),
         impulse=np.zeros((count, 2)),
-    )  # fmt: skip
+    )
 
 
 def spindle(layers):
-    """Discs in layers, each touching eight of the next one or those of the next that it reaches: a layer is a level of a walk, and many pairs."""
+    """Discs in layers; each touches up to eight of the next layer. A layer is one search level."""
     begin = np.concatenate([[0], np.cumsum(layers)])
-    touch = [(begin[k] + i, begin[k + 1] + (8 * i + j if b > a else i // 8 if b < a else (i + j) % b))
-             for k, (a, b) in enumerate(zip(layers, layers[1:])) for i in range(a) for j in range(8 if b >= a else 1)]  # fmt: skip
+    touch = [
+        (begin[k] + i, begin[k + 1] + (8 * i + j if b > a else i // 8 if b < a else (i + j) % b))
+        for k, (a, b) in enumerate(zip(layers, layers[1:]))
+        for i in range(a)
+        for j in range(8 if b >= a else 1)
+    ]
     count, bodies = len(touch), np.array(touch, np.int32)
     angle = np.random.default_rng(0).uniform(0, 2 * np.pi, count)
     n = np.column_stack([np.cos(angle), np.sin(angle)])
     return Problem(
-        "spindle", inverse_mass=np.ones((begin[-1], 3)), free_velocity=np.zeros((begin[-1], 3)), normal=n, arm1=0.5 * n, arm2=-0.5 * n,
-        bodies=bodies[np.lexsort(bodies.T[::-1])], bias=np.zeros(count), friction=np.full(count, 0.4), impulse=np.zeros((count, 2)),
-    )  # fmt: skip
+        "spindle",
+        inverse_mass=np.ones((begin[-1], 3)),
+        free_velocity=np.zeros((begin[-1], 3)),
+        normal=n,
+        arm1=0.5 * n,
+        arm2=-0.5 * n,
+        bodies=bodies[np.lexsort(bodies.T[::-1])],
+        bias=np.zeros(count),
+        friction=np.full(count, 0.4),
+        impulse=np.zeros((count, 2)),
+    )
 
 
 @pytest.fixture(params=PROBLEMS)
 def case(request):
     problem = PROBLEMS[request.param]()
-    return problem, {key: np.array(value) if key in ("pairs", "islands", "sections", "chunks", "blocks1", "blocks2", "records") else value
-                     for key, value in _kernel.layout(ALL, **problem).items()}  # fmt: skip
+    return problem, {
+        key: np.array(value)
+        if key in ("pairs", "islands", "sections", "chunks", "blocks1", "blocks2", "records")
+        else value
+        for key, value in _kernel.layout(ALL, **problem).items()
+    }
 
 
 def kinds(problem):
@@ -62,7 +102,7 @@ def kinds(problem):
 
 
 def joined_pairs(problem):
-    """Bodies and number of points of neighbouring points of the same two bodies, two at most."""
+    """(body 1, body 2, points): at most two consecutive points of the same bodies form a pair."""
     pairs = []
     for a, b in problem["bodies"].tolist():
         if pairs and pairs[-1][:2] == [a, b] and pairs[-1][2] == 1:
@@ -78,26 +118,37 @@ def test_pairs_join_neighbouring_points(case):
 
 
 def islands_of(problem, pairs):
-    """The island of each pair, in the order of their first pairs; −1 between prescribed bodies."""
+    """The island of each pair, in the order of their first pairs; −1 between driven bodies."""
     fixed, _ = kinds(problem)
     free = pairs[~fixed[pairs[:, :2]].any(1)]
-    part = connected_components(coo_array((np.ones(len(free)), free[:, :2].T), (len(fixed), len(fixed))), directed=False)[1]
+    part = connected_components(
+        coo_array((np.ones(len(free)), free[:, :2].T), (len(fixed), len(fixed))), directed=False
+    )[1]
     number = {}
-    return np.array([-1 if fixed[a] and fixed[b] else number.setdefault(part[b if fixed[a] else a], len(number)) for a, b, *_ in pairs.tolist()])
+    return np.array(
+        [
+            -1
+            if fixed[a] and fixed[b]
+            else number.setdefault(part[b if fixed[a] else a], len(number))
+            for a, b, *_ in pairs.tolist()
+        ]
+    )
 
 
 def test_islands_are_the_connected_parts(case):
-    """Of the graph of bodies without the prescribed ones, in the order of their first pairs."""
+    """Driven bodies do not connect; islands are in the order of their first pairs."""
     problem, layout = case
     pairs = layout["pairs"]
     of = islands_of(problem, pairs)
     points = [pairs[of == k, 2].sum() for k in range(of.max() + 1)]
     np.testing.assert_array_equal(layout["islands"][:, 0], points)
-    np.testing.assert_array_equal(layout["islands"][:, 1], [(of == k).sum() > MANY_PAIRS for k in range(of.max() + 1)])
+    np.testing.assert_array_equal(
+        layout["islands"][:, 1], [(of == k).sum() > MANY_PAIRS for k in range(of.max() + 1)]
+    )
 
 
 def test_every_pair_has_a_slot_or_is_overflow(case):
-    """Once; special bodies, small islands and prescribed pairs have no slot, and of these only the last are left out."""
+    """Special bodies and small islands are overflow; pairs of driven bodies have no place."""
     problem, layout = case
     fixed, regular = kinds(problem)
     pairs, of = layout["pairs"], islands_of(problem, layout["pairs"])
@@ -110,17 +161,21 @@ def test_every_pair_has_a_slot_or_is_overflow(case):
     small = np.isin(of, np.flatnonzero(np.bincount(of[of >= 0]) <= FEW_PAIRS))
     special = ~(fixed | regular)[pairs[:, :2]].all(1) | (of < 0)
     assert (slots[small | special] == NO_SLOT).all()
-    if problem.name == "hub":  # one colour a pair, of sixteen
+    if problem.name == "hub":  # one colour per pair
         assert (slots != NO_SLOT).sum() == _kernel.Coloring.colors
     else:
         assert (slots[~(small | special)] != NO_SLOT).all()
 
 
 def bodies_of(problem, layout, chunks):
-    """Moving bodies of the pairs in these chunks, as often as they occur."""
+    """Free bodies of the pairs in these chunks, with repetitions."""
     fixed, _ = kinds(problem)
-    blocks = np.concatenate([np.arange(first, first + count) for first, count, *_ in chunks] or [np.empty(0, int)])
-    pairs = layout["pairs"][np.isin(layout["pairs"][:, 4] // WIDTH, blocks) & (layout["pairs"][:, 4] != NO_SLOT)]
+    blocks = np.concatenate(
+        [np.arange(first, first + count) for first, count, *_ in chunks] or [np.empty(0, int)]
+    )
+    pairs = layout["pairs"][
+        np.isin(layout["pairs"][:, 4] // WIDTH, blocks) & (layout["pairs"][:, 4] != NO_SLOT)
+    ]
     bodies = pairs[:, :2].ravel()
     return bodies[~fixed[bodies]]
 
@@ -133,38 +188,56 @@ def test_pairs_of_a_chunk_share_no_moving_body(case):
 
 
 def test_sections_swept_at_once_share_no_moving_body(case):
-    """Slabs of an island, and joints; the records of a slab are those of its bodies and of no other."""
+    """Partitions, then interfaces; the records of a partition belong to its bodies alone."""
     problem, layout = case
-    for slabs_begin, slabs_end, joints_begin, joints_end in layout["islands"][:, 3:]:
-        for begin, end in (slabs_begin, slabs_end), (joints_begin, joints_end):
-            bodies = [np.unique(bodies_of(problem, layout, layout["chunks"][layout["chunks"][:, 4] == section])) for section in range(begin, end)]
+    for partitions_begin, partitions_end, interfaces_begin, interfaces_end in layout["islands"][
+        :, 3:
+    ]:
+        for begin, end in (partitions_begin, partitions_end), (interfaces_begin, interfaces_end):
+            bodies = [
+                np.unique(
+                    bodies_of(problem, layout, layout["chunks"][layout["chunks"][:, 4] == section])
+                )
+                for section in range(begin, end)
+            ]
             if bodies:
                 every = np.concatenate(bodies)
                 assert len(np.unique(every)) == len(every)
-        for section in range(slabs_begin, slabs_end):
+        for section in range(partitions_begin, partitions_end):
             moving = bodies_of(problem, layout, layout["chunks"][layout["chunks"][:, 4] == section])
             begin, end = layout["sections"][section]
             inside = np.flatnonzero((begin <= layout["records"]) & (layout["records"] < end))
             assert np.isin(moving, inside).all() and begin % 2 == end % 2 == 0
-            assert section == slabs_begin or begin >= layout["sections"][section - 1][1], "a record belongs to one slab"
+            assert (
+                section == partitions_begin or begin >= layout["sections"][section - 1][1]
+            ), "a record belongs to one partition"
 
 
-def test_a_large_island_is_cut_into_slabs_of_like_size():
-    """The joints have a small part of the pairs."""
+def test_a_large_island_has_partitions_of_similar_size():
+    """The interfaces have a small part of the pairs."""
     layout = _kernel.layout(ALL, **pile(2, 100, 60))
-    slabs, joints = np.diff(np.array(layout["islands"])[0, 3:].reshape(2, 2)).ravel()
+    partitions, interfaces = np.diff(np.array(layout["islands"])[0, 3:].reshape(2, 2)).ravel()
     chunks, pairs = np.array(layout["chunks"]), np.array(layout["pairs"])
     section = np.full(len(layout["blocks1"]), -1)
     for first, count, _, _, of in chunks:
         section[first : first + count] = of
-    sizes = np.bincount(section[pairs[pairs[:, 4] != NO_SLOT, 4] // WIDTH], minlength=slabs + joints)
-    assert slabs > 2 and joints == -(-(slabs - 1) // 4)
-    assert sizes[:slabs].max() < 1.3 * sizes[:slabs].mean() and sizes[slabs:].sum() < 0.15 * sizes.sum()
+    sizes = np.bincount(
+        section[pairs[pairs[:, 4] != NO_SLOT, 4] // WIDTH], minlength=partitions + interfaces
+    )
+    assert partitions > 2 and interfaces == -(-(partitions - 1) // 4)
+    assert (
+        sizes[:partitions].max() < 1.3 * sizes[:partitions].mean()
+        and sizes[partitions:].sum() < 0.15 * sizes.sum()
+    )
 
 
 def test_blocks_have_one_model_and_number_of_points(case):
     _, layout = case
-    chunk_of = {block: chunk for chunk in layout["chunks"].tolist() for block in range(chunk[0], chunk[0] + chunk[1])}
+    chunk_of = {
+        block: chunk
+        for chunk in layout["chunks"].tolist()
+        for block in range(chunk[0], chunk[0] + chunk[1])
+    }
     assert len(chunk_of) == len(layout["blocks1"]), "a block belongs to one chunk"
     for _, _, points, model, slot in layout["pairs"].tolist():
         if slot != NO_SLOT:
@@ -172,10 +245,12 @@ def test_blocks_have_one_model_and_number_of_points(case):
 
 
 def test_records(case):
-    """A moving body has one record, wherever it stands; a prescribed side and a vacant slot each have one of their own."""
+    """A free body has one record; each driven side and each empty slot has a separate one."""
     problem, layout = case
     fixed, _ = kinds(problem)
-    pairs, sides = layout["pairs"], np.stack([layout["blocks1"].ravel(), layout["blocks2"].ravel()]) if len(layout["blocks1"]) else np.empty((2, 0))
+    pairs, sides = layout["pairs"], np.stack(
+        [layout["blocks1"].ravel(), layout["blocks2"].ravel()]
+    ) if len(layout["blocks1"]) else np.empty((2, 0))
     placed = pairs[pairs[:, 4] != NO_SLOT]
     own = np.ones(sides.shape, bool)
     for side in range(2):
@@ -186,36 +261,44 @@ def test_records(case):
     alone = sides[own]
     assert len(np.unique(alone)) == len(alone) and not np.isin(alone, layout["records"]).any()
     assert len(np.unique(layout["records"])) == len(layout["records"])
-    whole = ~np.isin(np.arange(len(fixed)), pairs[pairs[:, 3] == CENTRAL][:, :2])
+    whole = ~np.isin(np.arange(len(fixed)), pairs[pairs[:, 3] == FRICTIONLESS_DISC][:, :2])
     assert (layout["records"][whole] % 2 == 0).all(), "a whole record begins at an even half"
     assert max([*layout["records"], *alone]) < layout["record_count"]
 
 
 def test_models():
-    """The least that serves: none without friction or lever; a few pairs get no blocks of their own."""
+    """The cheapest model that holds; models of few pairs are not used."""
 
     def models(problem, reductions=ALL):
         pairs = np.array(_kernel.layout(reductions, **problem)["pairs"])
         return set(pairs[pairs[:, 4] != NO_SLOT, 3].tolist())
 
-    assert models(square_discs(1)) == {CENTRAL} and models(square_discs(1), without("discs")) == {FRICTIONLESS}
+    assert models(square_discs(1)) == {FRICTIONLESS_DISC} and models(
+        square_discs(1), without("discs")
+    ) == {FRICTIONLESS}
     assert models(square_discs(1), without("frictionless", "discs")) == {FRICTIONAL}
-    assert models(square_discs(1), without("frictionless")) == {ROUND}
+    assert models(square_discs(1), without("frictionless")) == {NO_LEVER}
     discs = square_discs(1)
     discs["friction"] = np.full(len(discs["friction"]), 0.3)
-    assert models(discs) == {ROUND} and models(discs, without("discs")) == {FRICTIONAL}
+    assert models(discs) == {NO_LEVER} and models(discs, without("discs")) == {FRICTIONAL}
     rough = pile(1)
     rough["friction"][:] = 0.3
     assert models(rough) == {FRICTIONAL}
     for share, expected in (0.3, {FRICTIONAL, FRICTIONLESS}), (0.1, {FRICTIONAL}):
         mixed = pile(2, 30, 12)
         pair = np.unique(mixed["bodies"], axis=0, return_inverse=True)[1].ravel()
-        mixed["friction"] = np.where(np.random.default_rng(0).random(pair.max() + 1)[pair] < share, 0, 0.4)
+        mixed["friction"] = np.where(
+            np.random.default_rng(0).random(pair.max() + 1)[pair] < share, 0, 0.4
+        )
         assert models(mixed) == expected, f"{share} of the pairs without friction"
 
 
-def test_small_islands_are_swept_pair_after_pair():
-    layouts = [_kernel.layout(ALL, **grains_on_a_floor(1, points=2)), _kernel.layout(ALL, **hub(FEW_PAIRS)), _kernel.layout(ALL, **hub(FEW_PAIRS + 1))]
+def test_small_islands_are_overflow():
+    layouts = [
+        _kernel.layout(ALL, **grains_on_a_floor(1, points=2)),
+        _kernel.layout(ALL, **hub(FEW_PAIRS)),
+        _kernel.layout(ALL, **hub(FEW_PAIRS + 1)),
+    ]
     assert [len(layout["chunks"]) > 0 for layout in layouts] == [False, False, True]
 
 

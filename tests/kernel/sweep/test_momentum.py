@@ -1,4 +1,4 @@
-"""Nesterov's β, and when it starts anew."""
+"""Nesterov's β and its restart."""
 
 import numpy as np
 import pytest
@@ -27,26 +27,30 @@ def test_beta_while_the_error_falls():
     assert seen[0] == 0 and 0.94 < seen[-1] < 1
 
 
-def test_some_growth_is_let_pass_more_starts_anew():
-    """Three times the least error of the run is let pass: it comes down again by itself."""
+def test_growth_beyond_the_limit_restarts():
+    """An error of three times the minimum of the run is allowed, more restarts."""
     momentum = _kernel.Momentum()
     assert advance(momentum, [1, 0.5, 1.5])[-1] == pytest.approx(betas(4)[3])
     assert advance(momentum, [1.51])[-1] == 0
 
 
-def test_less_growth_where_a_run_ends_no_lower_than_the_last():
-    """Each run that reaches no new low halves what is let pass, from 2 on; one that does lets 1.2 times as much pass."""
+def test_allowed_growth_halves_without_a_new_minimum():
+    """A run without a new minimum halves the allowed growth; a new minimum raises it by 1.2."""
     momentum = _kernel.Momentum()
-    starts_anew = lambda error: advance(momentum, [error])[-1] == 0
-    assert not starts_anew(1.0) and starts_anew(3.01)  # the first run always has a new low: 1.2 × 2, at most 2
-    assert not starts_anew(3.01 * 3) and starts_anew(3.01 * 3.01)  # ended at 3.01, above 1: now 1
-    assert not starts_anew(3.01 * 3.01 * 1.99) and starts_anew(3.01 * 3.01 * 2.01)  # above 3.01: now 0.5
+    restarts = lambda error: advance(momentum, [error])[-1] == 0
+    assert not restarts(1.0) and restarts(3.01)  # first run: the growth stays at its maximum 2
+    assert not restarts(3.01 * 3) and restarts(3.01 * 3.01)  # minimum 3.01 above 1: growth 1
+    assert not restarts(3.01 * 3.01 * 1.99) and restarts(
+        3.01 * 3.01 * 2.01
+    )  # above 3.01: growth 0.5
     last = 3.01 * 3.01 * 2.01
-    assert not starts_anew(last / 100) and not starts_anew(last / 100 * 1.49) and starts_anew(last / 100 * 1.51)  # a new low: 0.6
-    assert not starts_anew(last / 100 * 1.51 * 1.59) and starts_anew(last / 100 * 1.51 * 1.61)
+    assert (
+        not restarts(last / 100) and not restarts(last / 100 * 1.49) and restarts(last / 100 * 1.51)
+    )  # new minimum: growth 0.6
+    assert not restarts(last / 100 * 1.51 * 1.59) and restarts(last / 100 * 1.51 * 1.61)
 
 
-def test_never_less_than_a_twentieth():
+def test_allowed_growth_is_at_least_a_twentieth():
     momentum, error = _kernel.Momentum(), 1.0
     momentum.advance(error)
     for _ in range(30):

@@ -1,13 +1,16 @@
-// N numbers side by side, doubles or floats: one kernel source for scalars, AVX2 and AVX-512. All intrinsics of the project live here and
-// in lane_records.hpp.
+// N numbers side by side, doubles or floats: one kernel source for scalars, AVX2 and AVX-512.
+// All intrinsics of the project are here and in lane_records.hpp.
 //
-// Real is double, or float where RCR_SINGLE is defined. Lane<1> is one Real; Lane<4> of doubles or Lane<8> of floats is an AVX2, Lane<8> or
-// Lane<16> an AVX-512 register where the compiler may use them; any other width is made of two halves. Every operation is one IEEE
-// operation a lane, a product with its sum (FMA) too, so the bits do not depend on the width (given -ffp-contract=off); without
-// FMA in hardware the library computes the same bits, slowly.
+// Real is double, or float if RCR_SINGLE is defined. Lane<1> is one Real. AVX2 registers are
+// Lane<4> of doubles and Lane<8> of floats; AVX-512 registers are Lane<8> and Lane<16>, if the
+// compiler may use them. Any other width consists of two halves. Each operation is one IEEE
+// operation per lane, a fused product and sum (FMA) included. So the bits do not depend on the
+// width, given -ffp-contract=off. Without FMA in hardware, the C library computes the same bits
+// slowly.
 //
-// The same source is compiled once a width and Real with other flags. RCR_LANE_NAMESPACE keeps those copies apart, or the linker
-// would keep one of them for all machines. For the same reason this file includes no library code that is inlined.
+// CMake compiles this source once per width and Real, each with its own flags. RCR_LANE_NAMESPACE
+// separates these copies; otherwise the linker would keep one of them for all processors. For the
+// same reason this file includes no inline library code.
 #pragma once
 
 #if defined(__AVX2__)
@@ -50,34 +53,50 @@ namespace RCR_LANE_NAMESPACE {
 		Lane() = default;
 		Lane(Real all) : low(all), high(all) { }
 		Lane(Half l, Half h) : low(l), high(h) { }
-		static Lane load(const Real* from) { return { Half::load(from), Half::load(from + N / 2) }; }
-		template <class Number> void store(Number* to) const // of floats: rounded
+		static Lane load(const Real* from)
+		{
+			return { Half::load(from), Half::load(from + N / 2) };
+		}
+		template <class Number> void store(Number* to) const // rounds to floats
 		{
 			low.store(to);
 			high.store(to + N / 2);
 		}
-		friend Half    lowHalf(Lane a) { return a.low; }
-		friend Half    highHalf(Lane a) { return a.high; }
-		friend Lane    operator+(Lane a, Lane b) { return { a.low + b.low, a.high + b.high }; }
-		friend Lane    operator-(Lane a, Lane b) { return { a.low - b.low, a.high - b.high }; }
-		friend Lane    operator*(Lane a, Lane b) { return { a.low * b.low, a.high * b.high }; }
-		friend Lane    operator/(Lane a, Lane b) { return { a.low / b.low, a.high / b.high }; }
+		friend Half lowHalf(Lane a) { return a.low; }
+		friend Half highHalf(Lane a) { return a.high; }
+		friend Lane operator+(Lane a, Lane b) { return { a.low + b.low, a.high + b.high }; }
+		friend Lane operator-(Lane a, Lane b) { return { a.low - b.low, a.high - b.high }; }
+		friend Lane operator*(Lane a, Lane b) { return { a.low * b.low, a.high * b.high }; }
+		friend Lane operator/(Lane a, Lane b) { return { a.low / b.low, a.high / b.high }; }
 		/// c + a b and c − a b, rounded once.
-		friend Lane    addProduct(Lane c, Lane a, Lane b) { return { addProduct(c.low, a.low, b.low), addProduct(c.high, a.high, b.high) }; }
-		friend Lane    subtractProduct(Lane c, Lane a, Lane b)
+		friend Lane addProduct(Lane c, Lane a, Lane b)
 		{
-			return { subtractProduct(c.low, a.low, b.low), subtractProduct(c.high, a.high, b.high) };
+			return { addProduct(c.low, a.low, b.low), addProduct(c.high, a.high, b.high) };
+		}
+		friend Lane subtractProduct(Lane c, Lane a, Lane b)
+		{
+			return { subtractProduct(c.low, a.low, b.low),
+				subtractProduct(c.high, a.high, b.high) };
 		}
 		friend Mask<N> operator<=(Lane a, Lane b) { return { a.low <= b.low, a.high <= b.high }; }
 		/// a < b ? a : b and a > b ? a : b, also for zeros of either sign.
-		friend Lane    min(Lane a, Lane b) { return { min(a.low, b.low), min(a.high, b.high) }; }
-		friend Lane    max(Lane a, Lane b) { return { max(a.low, b.low), max(a.high, b.high) }; }
-		friend Lane    abs(Lane a) { return { abs(a.low), abs(a.high) }; }
-		/// The size of a with the sign of b.
-		friend Lane copySign(Lane a, Lane b) { return { copySign(a.low, b.low), copySign(a.high, b.high) }; }
-		friend Lane select(Mask<N> m, Lane yes, Lane no) { return { select(m.low, yes.low, no.low), select(m.high, yes.high, no.high) }; }
+		friend Lane min(Lane a, Lane b) { return { min(a.low, b.low), min(a.high, b.high) }; }
+		friend Lane max(Lane a, Lane b) { return { max(a.low, b.low), max(a.high, b.high) }; }
+		friend Lane abs(Lane a) { return { abs(a.low), abs(a.high) }; }
+		/// |a| with the sign of b.
+		friend Lane copySign(Lane a, Lane b)
+		{
+			return { copySign(a.low, b.low), copySign(a.high, b.high) };
+		}
+		friend Lane select(Mask<N> m, Lane yes, Lane no)
+		{
+			return { select(m.low, yes.low, no.low), select(m.high, yes.high, no.high) };
+		}
 		/// 0 where m holds, else a.
-		friend Lane zeroWhere(Mask<N> m, Lane a) { return { zeroWhere(m.low, a.low), zeroWhere(m.high, a.high) }; }
+		friend Lane zeroWhere(Mask<N> m, Lane a)
+		{
+			return { zeroWhere(m.low, a.low), zeroWhere(m.high, a.high) };
+		}
 	};
 
 	template <> struct Mask<1> {
@@ -98,28 +117,105 @@ namespace RCR_LANE_NAMESPACE {
 		return a;
 	}
 
-	/// Choices are made on bits: whether a contact sticks or slides cannot be foreseen, and a branch would cost more.
+	/// Selects by bits: the processor cannot predict which contacts slide, so a branch costs more.
 	template <> struct Lane<1> {
 		Real value;
 
 		Lane() = default;
 		Lane(Real v) : value(v) { }
-		static Lane    load(const Real* from) { return *from; }
+		static Lane                  load(const Real* from) { return *from; }
 		template <class Number> void store(Number* to) const { *to = Number(value); }
-		friend Lane    operator+(Lane a, Lane b) { return a.value + b.value; }
-		friend Lane    operator-(Lane a, Lane b) { return a.value - b.value; }
-		friend Lane    operator*(Lane a, Lane b) { return a.value * b.value; }
-		friend Lane    operator/(Lane a, Lane b) { return a.value / b.value; }
-		friend Lane    addProduct(Lane c, Lane a, Lane b) { return fma(a.value, b.value, c.value); }
-		friend Lane    subtractProduct(Lane c, Lane a, Lane b) { return fma(-a.value, b.value, c.value); }
+		friend Lane                  operator+(Lane a, Lane b) { return a.value + b.value; }
+		friend Lane                  operator-(Lane a, Lane b) { return a.value - b.value; }
+		friend Lane                  operator*(Lane a, Lane b) { return a.value * b.value; }
+		friend Lane                  operator/(Lane a, Lane b) { return a.value / b.value; }
+		friend Lane addProduct(Lane c, Lane a, Lane b) { return fma(a.value, b.value, c.value); }
+		friend Lane subtractProduct(Lane c, Lane a, Lane b)
+		{
+			return fma(-a.value, b.value, c.value);
+		}
 		friend Mask<1> operator<=(Lane a, Lane b) { return { a.value <= b.value ? ~Bits(0) : 0 }; }
 		friend Lane    min(Lane a, Lane b) { return a.value < b.value ? a.value : b.value; }
 		friend Lane    max(Lane a, Lane b) { return a.value > b.value ? a.value : b.value; }
 		friend Lane    abs(Lane a) { return absolute(a.value); }
-		friend Lane    copySign(Lane a, Lane b) { return RCR_LANE_NAMESPACE::copySign(a.value, b.value); }
-		friend Lane    select(Mask<1> m, Lane yes, Lane no) { return fromBits((bitsOf(yes.value) & m.value) | (bitsOf(no.value) & ~m.value)); }
-		friend Lane    zeroWhere(Mask<1> m, Lane a) { return fromBits(bitsOf(a.value) & ~m.value); }
+		friend Lane    copySign(Lane a, Lane b)
+		{
+			return RCR_LANE_NAMESPACE::copySign(a.value, b.value);
+		}
+		friend Lane select(Mask<1> m, Lane yes, Lane no)
+		{
+			return fromBits((bitsOf(yes.value) & m.value) | (bitsOf(no.value) & ~m.value));
+		}
+		friend Lane zeroWhere(Mask<1> m, Lane a) { return fromBits(bitsOf(a.value) & ~m.value); }
 	};
+
+#if defined(__AVX2__)
+// The operations that AVX2 and AVX-512 name alike.
+#define RCR_LANE_ARITHMETIC(Register, mm, type)                                                    \
+	Register value;                                                                                \
+	Lane() = default;                                                                              \
+	Lane(Real all) : value(mm##_set1_##type(all)) { }                                              \
+	Lane(Register v) : value(v) { }                                                                \
+	static Lane load(const Real* from) { return mm##_load_##type(from); }                          \
+	void        store(Real* to) const { mm##_store_##type(to, value); }                            \
+	friend Lane operator+(Lane a, Lane b) { return mm##_add_##type(a.value, b.value); }            \
+	friend Lane operator-(Lane a, Lane b) { return mm##_sub_##type(a.value, b.value); }            \
+	friend Lane operator*(Lane a, Lane b) { return mm##_mul_##type(a.value, b.value); }            \
+	friend Lane operator/(Lane a, Lane b) { return mm##_div_##type(a.value, b.value); }            \
+	friend Lane addProduct(Lane c, Lane a, Lane b)                                                 \
+	{                                                                                              \
+		return mm##_fmadd_##type(a.value, b.value, c.value);                                       \
+	}                                                                                              \
+	friend Lane subtractProduct(Lane c, Lane a, Lane b)                                            \
+	{                                                                                              \
+		return mm##_fnmadd_##type(a.value, b.value, c.value);                                      \
+	}                                                                                              \
+	friend Lane min(Lane a, Lane b) { return mm##_min_##type(a.value, b.value); }                  \
+	friend Lane max(Lane a, Lane b) { return mm##_max_##type(a.value, b.value); }
+
+// AVX2: a mask is a register. −0 has the sign bit alone.
+#define RCR_LANE_AVX2(type)                                                                        \
+	friend Lane abs(Lane a) { return _mm256_andnot_##type(Lane(Real(-0.0)).value, a.value); }      \
+	friend Lane copySign(Lane a, Lane b)                                                           \
+	{                                                                                              \
+		const auto sign = Lane(Real(-0.0)).value;                                                  \
+		return _mm256_or_##type(                                                                   \
+		        _mm256_andnot_##type(sign, a.value), _mm256_and_##type(sign, b.value));            \
+	}                                                                                              \
+	friend auto operator<=(Lane a, Lane b)                                                         \
+	{                                                                                              \
+		return MaskOf { _mm256_cmp_##type(a.value, b.value, _CMP_LE_OQ) };                         \
+	}                                                                                              \
+	friend Lane select(MaskOf m, Lane yes, Lane no)                                                \
+	{                                                                                              \
+		return _mm256_blendv_##type(no.value, yes.value, m.value);                                 \
+	}                                                                                              \
+	friend Lane zeroWhere(MaskOf m, Lane a) { return _mm256_andnot_##type(m.value, a.value); }
+#endif
+
+#if defined(__AVX512F__)
+// AVX-512: a mask is a number. 0xca chooses bits: the sign of b, the rest of a.
+#define RCR_LANE_AVX512(type, bits)                                                                \
+	friend Lane abs(Lane a) { return _mm512_abs_##type(a.value); }                                 \
+	friend Lane copySign(Lane a, Lane b)                                                           \
+	{                                                                                              \
+		const __m512i sign = _mm512_cast##type##_si512(Lane(Real(-0.0)).value);                    \
+		return _mm512_castsi512_##type(_mm512_ternarylogic_##bits(sign,                            \
+		        _mm512_cast##type##_si512(b.value), _mm512_cast##type##_si512(a.value), 0xca));    \
+	}                                                                                              \
+	friend auto operator<=(Lane a, Lane b)                                                         \
+	{                                                                                              \
+		return MaskOf { _mm512_cmp_##type##_mask(a.value, b.value, _CMP_LE_OQ) };                  \
+	}                                                                                              \
+	friend Lane select(MaskOf m, Lane yes, Lane no)                                                \
+	{                                                                                              \
+		return _mm512_mask_blend_##type(m.value, no.value, yes.value);                             \
+	}                                                                                              \
+	friend Lane zeroWhere(MaskOf m, Lane a)                                                        \
+	{                                                                                              \
+		return _mm512_mask_blend_##type(m.value, a.value, _mm512_setzero_##type());                \
+	}
+#endif
 
 #if defined(__AVX2__) && !defined(RCR_SINGLE)
 	template <> struct Mask<4> {
@@ -127,31 +223,10 @@ namespace RCR_LANE_NAMESPACE {
 	};
 
 	template <> struct Lane<4> {
-		__m256d value;
-
-		Lane() = default;
-		Lane(double all) : value(_mm256_set1_pd(all)) { }
-		Lane(__m256d v) : value(v) { }
-		static Lane    load(const double* from) { return _mm256_load_pd(from); }
-		void           store(double* to) const { _mm256_store_pd(to, value); }
-		void           store(float* to) const { _mm_store_ps(to, _mm256_cvtpd_ps(value)); }
-		friend Lane    operator+(Lane a, Lane b) { return _mm256_add_pd(a.value, b.value); }
-		friend Lane    operator-(Lane a, Lane b) { return _mm256_sub_pd(a.value, b.value); }
-		friend Lane    operator*(Lane a, Lane b) { return _mm256_mul_pd(a.value, b.value); }
-		friend Lane    operator/(Lane a, Lane b) { return _mm256_div_pd(a.value, b.value); }
-		friend Lane    addProduct(Lane c, Lane a, Lane b) { return _mm256_fmadd_pd(a.value, b.value, c.value); }
-		friend Lane    subtractProduct(Lane c, Lane a, Lane b) { return _mm256_fnmadd_pd(a.value, b.value, c.value); }
-		friend Mask<4> operator<=(Lane a, Lane b) { return { _mm256_cmp_pd(a.value, b.value, _CMP_LE_OQ) }; }
-		friend Lane    min(Lane a, Lane b) { return _mm256_min_pd(a.value, b.value); }
-		friend Lane    max(Lane a, Lane b) { return _mm256_max_pd(a.value, b.value); }
-		friend Lane    abs(Lane a) { return _mm256_andnot_pd(_mm256_set1_pd(-0.0), a.value); }
-		friend Lane    copySign(Lane a, Lane b)
-		{
-			const __m256d sign = _mm256_set1_pd(-0.0);
-			return _mm256_or_pd(_mm256_andnot_pd(sign, a.value), _mm256_and_pd(sign, b.value));
-		}
-		friend Lane select(Mask<4> m, Lane yes, Lane no) { return _mm256_blendv_pd(no.value, yes.value, m.value); }
-		friend Lane zeroWhere(Mask<4> m, Lane a) { return _mm256_andnot_pd(m.value, a.value); }
+		using MaskOf = Mask<4>;
+		RCR_LANE_ARITHMETIC(__m256d, _mm256, pd)
+		RCR_LANE_AVX2(pd)
+		void store(float* to) const { _mm_store_ps(to, _mm256_cvtpd_ps(value)); }
 	};
 #endif
 
@@ -161,35 +236,16 @@ namespace RCR_LANE_NAMESPACE {
 	};
 
 	template <> struct Lane<8> {
-		__m512d value;
-
-		Lane() = default;
-		Lane(double all) : value(_mm512_set1_pd(all)) { }
-		Lane(__m512d v) : value(v) { }
-		Lane(Lane<4> low, Lane<4> high) : value(_mm512_insertf64x4(_mm512_castpd256_pd512(low.value), high.value, 1)) { }
+		using MaskOf = Mask<8>;
+		RCR_LANE_ARITHMETIC(__m512d, _mm512, pd)
+		RCR_LANE_AVX512(pd, epi64)
+		Lane(Lane<4> low, Lane<4> high)
+		        : value(_mm512_insertf64x4(_mm512_castpd256_pd512(low.value), high.value, 1))
+		{
+		}
 		friend Lane<4> lowHalf(Lane a) { return _mm512_castpd512_pd256(a.value); }
 		friend Lane<4> highHalf(Lane a) { return _mm512_extractf64x4_pd(a.value, 1); }
-		static Lane    load(const double* from) { return _mm512_load_pd(from); }
-		void           store(double* to) const { _mm512_store_pd(to, value); }
 		void           store(float* to) const { _mm256_store_ps(to, _mm512_cvtpd_ps(value)); }
-		friend Lane    operator+(Lane a, Lane b) { return _mm512_add_pd(a.value, b.value); }
-		friend Lane    operator-(Lane a, Lane b) { return _mm512_sub_pd(a.value, b.value); }
-		friend Lane    operator*(Lane a, Lane b) { return _mm512_mul_pd(a.value, b.value); }
-		friend Lane    operator/(Lane a, Lane b) { return _mm512_div_pd(a.value, b.value); }
-		friend Lane    addProduct(Lane c, Lane a, Lane b) { return _mm512_fmadd_pd(a.value, b.value, c.value); }
-		friend Lane    subtractProduct(Lane c, Lane a, Lane b) { return _mm512_fnmadd_pd(a.value, b.value, c.value); }
-		friend Mask<8> operator<=(Lane a, Lane b) { return { _mm512_cmp_pd_mask(a.value, b.value, _CMP_LE_OQ) }; }
-		friend Lane    min(Lane a, Lane b) { return _mm512_min_pd(a.value, b.value); }
-		friend Lane    max(Lane a, Lane b) { return _mm512_max_pd(a.value, b.value); }
-		friend Lane    abs(Lane a) { return _mm512_abs_pd(a.value); }
-		friend Lane    copySign(Lane a, Lane b)
-		{
-			// bitwise choice: sign bit from b, the rest from a
-			const __m512i sign = _mm512_set1_epi64((long long)0x8000000000000000ull);
-			return _mm512_castsi512_pd(_mm512_ternarylogic_epi64(sign, _mm512_castpd_si512(b.value), _mm512_castpd_si512(a.value), 0xca));
-		}
-		friend Lane select(Mask<8> m, Lane yes, Lane no) { return _mm512_mask_blend_pd(m.value, no.value, yes.value); }
-		friend Lane zeroWhere(Mask<8> m, Lane a) { return _mm512_mask_blend_pd(m.value, a.value, _mm512_setzero_pd()); }
 	};
 #endif
 
@@ -199,30 +255,9 @@ namespace RCR_LANE_NAMESPACE {
 	};
 
 	template <> struct Lane<8> {
-		__m256 value;
-
-		Lane() = default;
-		Lane(float all) : value(_mm256_set1_ps(all)) { }
-		Lane(__m256 v) : value(v) { }
-		static Lane    load(const float* from) { return _mm256_load_ps(from); }
-		void           store(float* to) const { _mm256_store_ps(to, value); }
-		friend Lane    operator+(Lane a, Lane b) { return _mm256_add_ps(a.value, b.value); }
-		friend Lane    operator-(Lane a, Lane b) { return _mm256_sub_ps(a.value, b.value); }
-		friend Lane    operator*(Lane a, Lane b) { return _mm256_mul_ps(a.value, b.value); }
-		friend Lane    operator/(Lane a, Lane b) { return _mm256_div_ps(a.value, b.value); }
-		friend Lane    addProduct(Lane c, Lane a, Lane b) { return _mm256_fmadd_ps(a.value, b.value, c.value); }
-		friend Lane    subtractProduct(Lane c, Lane a, Lane b) { return _mm256_fnmadd_ps(a.value, b.value, c.value); }
-		friend Mask<8> operator<=(Lane a, Lane b) { return { _mm256_cmp_ps(a.value, b.value, _CMP_LE_OQ) }; }
-		friend Lane    min(Lane a, Lane b) { return _mm256_min_ps(a.value, b.value); }
-		friend Lane    max(Lane a, Lane b) { return _mm256_max_ps(a.value, b.value); }
-		friend Lane    abs(Lane a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.value); }
-		friend Lane    copySign(Lane a, Lane b)
-		{
-			const __m256 sign = _mm256_set1_ps(-0.0f);
-			return _mm256_or_ps(_mm256_andnot_ps(sign, a.value), _mm256_and_ps(sign, b.value));
-		}
-		friend Lane select(Mask<8> m, Lane yes, Lane no) { return _mm256_blendv_ps(no.value, yes.value, m.value); }
-		friend Lane zeroWhere(Mask<8> m, Lane a) { return _mm256_andnot_ps(m.value, a.value); }
+		using MaskOf = Mask<8>;
+		RCR_LANE_ARITHMETIC(__m256, _mm256, ps)
+		RCR_LANE_AVX2(ps)
 	};
 #endif
 
@@ -232,38 +267,27 @@ namespace RCR_LANE_NAMESPACE {
 	};
 
 	template <> struct Lane<16> {
-		__m512 value;
-
-		Lane() = default;
-		Lane(float all) : value(_mm512_set1_ps(all)) { }
-		Lane(__m512 v) : value(v) { }
-		Lane(Lane<8> low, Lane<8> high) : value(_mm512_castpd_ps(_mm512_insertf64x4(_mm512_castps_pd(_mm512_castps256_ps512(low.value)), _mm256_castps_pd(high.value), 1))) { }
-		friend Lane<8>  lowHalf(Lane a) { return _mm512_castps512_ps256(a.value); }
-		friend Lane<8>  highHalf(Lane a) { return _mm256_castpd_ps(_mm512_extractf64x4_pd(_mm512_castps_pd(a.value), 1)); }
-		static Lane     load(const float* from) { return _mm512_load_ps(from); }
-		void            store(float* to) const { _mm512_store_ps(to, value); }
-		friend Lane     operator+(Lane a, Lane b) { return _mm512_add_ps(a.value, b.value); }
-		friend Lane     operator-(Lane a, Lane b) { return _mm512_sub_ps(a.value, b.value); }
-		friend Lane     operator*(Lane a, Lane b) { return _mm512_mul_ps(a.value, b.value); }
-		friend Lane     operator/(Lane a, Lane b) { return _mm512_div_ps(a.value, b.value); }
-		friend Lane     addProduct(Lane c, Lane a, Lane b) { return _mm512_fmadd_ps(a.value, b.value, c.value); }
-		friend Lane     subtractProduct(Lane c, Lane a, Lane b) { return _mm512_fnmadd_ps(a.value, b.value, c.value); }
-		friend Mask<16> operator<=(Lane a, Lane b) { return { _mm512_cmp_ps_mask(a.value, b.value, _CMP_LE_OQ) }; }
-		friend Lane     min(Lane a, Lane b) { return _mm512_min_ps(a.value, b.value); }
-		friend Lane     max(Lane a, Lane b) { return _mm512_max_ps(a.value, b.value); }
-		friend Lane     abs(Lane a) { return _mm512_abs_ps(a.value); }
-		friend Lane     copySign(Lane a, Lane b)
+		using MaskOf = Mask<16>;
+		RCR_LANE_ARITHMETIC(__m512, _mm512, ps)
+		RCR_LANE_AVX512(ps, epi32)
+		Lane(Lane<8> low, Lane<8> high) : value(joined(low.value, high.value)) { }
+		friend Lane<8> lowHalf(Lane a) { return _mm512_castps512_ps256(a.value); }
+		friend Lane<8> highHalf(Lane a)
 		{
-			const __m512i sign = _mm512_set1_epi32(int(0x80000000u)); // bitwise choice, as of doubles
-			return _mm512_castsi512_ps(_mm512_ternarylogic_epi32(sign, _mm512_castps_si512(b.value), _mm512_castps_si512(a.value), 0xca));
+			return _mm256_castpd_ps(_mm512_extractf64x4_pd(_mm512_castps_pd(a.value), 1));
 		}
-		friend Lane select(Mask<16> m, Lane yes, Lane no) { return _mm512_mask_blend_ps(m.value, no.value, yes.value); }
-		friend Lane zeroWhere(Mask<16> m, Lane a) { return _mm512_mask_blend_ps(m.value, a.value, _mm512_setzero_ps()); }
+
+	private:
+		static __m512 joined(__m256 low, __m256 high)
+		{
+			const __m512d whole = _mm512_castps_pd(_mm512_castps256_ps512(low));
+			return _mm512_castpd_ps(_mm512_insertf64x4(whole, _mm256_castps_pd(high), 1));
+		}
 	};
 #endif
 
-	/// Parts a calculation in two for the compiler, which would mix them and run out of registers.
-	inline void keepOrder() { __atomic_signal_fence(__ATOMIC_SEQ_CST); }
+	/// Keeps the compiler from interleaving two calculations, which would exhaust the registers.
+	inline void separate() { __atomic_signal_fence(__ATOMIC_SEQ_CST); }
 
 } // namespace RCR_LANE_NAMESPACE
 } // namespace rcr

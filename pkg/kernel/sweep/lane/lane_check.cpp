@@ -28,22 +28,29 @@ namespace RCR_LANE_NAMESPACE {
 			return a;
 		}
 
-		void apply(LaneOperation operation, const double* a, const double* b, const double* c, double* out)
+		void apply(LaneOperation operation,
+		        const double*    a,
+		        const double*    b,
+		        const double*    c,
+		        double*          out)
 		{
 			for (int lane = 0; lane < blockWidth; lane += RCR_LANES)
-				result(operation, L::load(a + lane), L::load(b + lane), L::load(c + lane)).store(out + lane);
+				result(operation, L::load(a + lane), L::load(b + lane), L::load(c + lane))
+				        .store(out + lane);
 		}
 
-		void moveBodies(HalfRecord* body, const std::uint32_t* from, const std::uint32_t* to)
+		void moveBodies(double* records, const std::uint32_t* from, const std::uint32_t* to)
 		{
 			for (int lane = 0; lane < blockWidth; lane += RCR_LANES)
-				storeBodies<RCR_LANES>(loadBodies<RCR_LANES>({ body, from + lane }), { body, to + lane });
+				storeBodies<RCR_LANES>(
+				        loadBodies<RCR_LANES>({ records, from + lane }), { records, to + lane });
 		}
 
-		void moveCentres(HalfRecord* body, const std::uint32_t* from, const std::uint32_t* to)
+		void moveCentres(double* records, const std::uint32_t* from, const std::uint32_t* to)
 		{
 			for (int lane = 0; lane < blockWidth; lane += RCR_LANES)
-				storeCentres<RCR_LANES>(loadCentres<RCR_LANES>({ body, from + lane }), { body, to + lane });
+				storeCentres<RCR_LANES>(
+				        loadCentres<RCR_LANES>({ records, from + lane }), { records, to + lane });
 		}
 
 	} // namespace

@@ -1,23 +1,37 @@
-// The operations of lane.hpp and lane_records.hpp as the kernels compile them, for tests: each on sixteen numbers or records, whatever
-// the width.
+// The operations of lane.hpp and lane_records.hpp as the kernels compile them, for tests.
+// Each works on sixteen numbers or records, whatever the lane width.
 #pragma once
 
 #include "sweep/lane/packed_blocks.hpp"
 
 namespace rcr {
 
-enum class LaneOperation { add, subtract, multiply, divide, addProduct, subtractProduct, min, max, abs, copySign, select, zeroWhere };
+enum class LaneOperation {
+	add,
+	subtract,
+	multiply,
+	divide,
+	addProduct,
+	subtractProduct,
+	min,
+	max,
+	abs,
+	copySign,
+	select,
+	zeroWhere
+};
 
 struct LaneCheck {
 	int width;
-	/// out = operation(a, b, c); select and zeroWhere choose by a <= b: between b and c, or c and 0. Arrays of blockWidth, aligned.
+	/// out = operation(a, b, c) for arrays of blockWidth numbers at multiples of 64 bytes.
+	/// select: a <= b ? b : c; zeroWhere: a <= b ? 0 : c.
 	void (*apply)(LaneOperation, const double* a, const double* b, const double* c, double* out);
-	/// Records from the offsets `from` to the offsets `to`, whole or the first halves.
-	void (*moveBodies)(HalfRecord*, const std::uint32_t* from, const std::uint32_t* to);
-	void (*moveCentres)(HalfRecord*, const std::uint32_t* from, const std::uint32_t* to);
+	/// Copies records, whole or halves, from the offsets `from` to the offsets `to`.
+	void (*moveBodies)(double* records, const std::uint32_t* from, const std::uint32_t* to);
+	void (*moveCentres)(double* records, const std::uint32_t* from, const std::uint32_t* to);
 };
 
-/// For the same choice of lanes as packedKernels.
+/// The check for the lanes that packedKernels(lanes) chooses.
 const LaneCheck& laneCheck(int lanes);
 
 } // namespace rcr

@@ -1,26 +1,26 @@
-// Which of the compiled lane widths runs on this processor.
+// Chooses the compiled lane width that runs on this processor.
 #include "sweep/lane/lane_check.hpp"
 #include "sweep/lane/packed_blocks.hpp"
 
 namespace rcr {
 
-// packed_kernels.cpp and lane_check.cpp, compiled once for each
-#define RCR_COMPILED(lanes) \
-	namespace lanes { \
-		extern const PackedKernels kernels; \
-		extern const LaneCheck     check; \
+// packed_kernels.cpp and lane_check.cpp, compiled once per width
+#define RCR_COMPILED(lanes)                                                                        \
+	namespace lanes {                                                                              \
+		extern const PackedKernels kernels;                                                        \
+		extern const LaneCheck     check;                                                          \
 	}
 RCR_COMPILED(lanes1)
 RCR_COMPILED(lanes4)
-RCR_COMPILED(lanes8) // two halves a lane where there is no AVX-512
+RCR_COMPILED(lanes8) // two halves per lane without AVX-512
 #ifdef RCR_X86
 RCR_COMPILED(fma1) // one lane with FMA in hardware
 RCR_COMPILED(avx512)
 #endif
 
-#define RCR_COMPILED_SINGLE(lanes) \
-	namespace lanes { \
-		extern const PackedKernelsOf<float> kernels; \
+#define RCR_COMPILED_SINGLE(lanes)                                                                 \
+	namespace lanes {                                                                              \
+		extern const PackedKernelsOf<float> kernels;                                               \
 	}
 RCR_COMPILED_SINGLE(single1)
 RCR_COMPILED_SINGLE(single8)
@@ -35,28 +35,32 @@ namespace {
 	struct Kernels {
 		const PackedKernels&          packed;
 		const PackedKernelsOf<float>& single;
-		const LaneCheck&     check;
+		const LaneCheck&              check;
 	};
 
 	Kernels chosen(int lanes)
 	{
 #ifdef RCR_X86
-		static const bool hasFma = __builtin_cpu_supports("fma"), hasAvx2 = hasFma && __builtin_cpu_supports("avx2");
-		static const bool hasAvx512 = hasAvx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl");
+		static const bool hasFma    = __builtin_cpu_supports("fma");
+		static const bool hasAvx2   = hasFma && __builtin_cpu_supports("avx2");
+		static const bool hasAvx512 = hasAvx2 && __builtin_cpu_supports("avx512f")
+		        && __builtin_cpu_supports("avx512vl");
 		if (!hasFma) return { lanes1::kernels, single1::kernels, lanes1::check };
 		if (lanes == 1 || !hasAvx2) return { fma1::kernels, single_fma1::kernels, fma1::check };
-		if (hasAvx512 && (lanes == 0 || lanes >= 8)) return { avx512::kernels, single_avx512::kernels, avx512::check };
+		if (hasAvx512 && (lanes == 0 || lanes >= 8))
+			return { avx512::kernels, single_avx512::kernels, avx512::check };
 #else
-		if (lanes == 1) return { lanes1::kernels, single1::kernels, lanes1::check }; // plain C++ at every width
+		if (lanes == 1) return { lanes1::kernels, single1::kernels, lanes1::check };
 #endif
 		if (lanes == 4) return { lanes4::kernels, single8::kernels, lanes4::check };
-		return { lanes8::kernels, single16::kernels, lanes8::check }; // two AVX2 halves are faster than one: more to do at a time
+		// two AVX2 halves hide more latency than one register
+		return { lanes8::kernels, single16::kernels, lanes8::check };
 	}
 
 } // namespace
 
-const PackedKernels& packedKernels(int lanes) { return chosen(lanes).packed; }
+const PackedKernels&          packedKernels(int lanes) { return chosen(lanes).packed; }
 const PackedKernelsOf<float>& singleKernels(int lanes) { return chosen(lanes).single; }
-const LaneCheck&     laneCheck(int lanes) { return chosen(lanes).check; }
+const LaneCheck&              laneCheck(int lanes) { return chosen(lanes).check; }
 
 } // namespace rcr

@@ -1,30 +1,39 @@
 // Memory layout of the packed contact problem, and the kernels that work on it.
 //
-// Pairs of bodies stand in blocks of sixteen that share no free body, so as many lanes may solve them at once: two AVX-512
-// registers, since a point is a long chain of operations and one register alone would wait for it. A pair has one or two
-// contact points; both are solved while its bodies are in registers. A slot without a pair holds zeros, which leave
-// everything as it is.
+// A block holds sixteen pairs of bodies that share no free body, so sixteen lanes may solve them at
+// once. Sixteen are two AVX-512 registers: the point solution is a long chain of operations, and
+// the second register fills the waits of the first. A pair has one or two contact points. An empty
+// slot holds zeros, which change nothing.
 //
-// A pair is swept by the least model that serves it:
-//   frictional     two unknowns a point; its bodies turn
-//   round          the same where no normal has a lever, as between discs: u_n and p_t know nothing of each other, w_nt = 0
-//   frictionless   µ = 0: one unknown a point, the normal impulse
-//   central        the same on an island where no normal has a lever: nothing turns, two numbers a body
-// The arithmetic is that of the frictional model without what is zero, so the bits are the same.
+// The sweep solves a pair with the cheapest sufficient model:
 //
-// Blocks and records are of doubles, or of floats about a reference in doubles (packed_island.hpp): records then hold v − v̄, `bias` and
-// `slip` the velocity û of the reference, and impulses are whole.
+// | model            | holds for                             | unknowns | numbers of a body |
+// |------------------|---------------------------------------|----------|-------------------|
+// | frictional       | any pair                              | p_n, p_t | 4                 |
+// | noLever          | discs: no normal has a lever          | p_n, p_t | 4                 |
+// | frictionless     | µ = 0                                 | p_n      | 4                 |
+// | frictionlessDisc | µ = 0, no lever on the whole island   | p_n      | 2                 |
 //
-// | symbol | field        | unit    | meaning                                                       |
-// |--------|--------------|---------|---------------------------------------------------------------|
-// | k      |              | m       | radius of gyration √(I/m) of a body                            |
-// | kω     | spin         | m/s     | scaled so that one inverse mass serves all three components    |
-// | j      | turn…        | –       | (r × n)/k and (r × t)/k: lever arms in the scaled velocities   |
-// | w      |              | 1/kg    | Delassus block of the point                                    |
-// | 1/w_nn | inverseNn    | kg      |                                                               |
-// | r      | ratio        | –       | w_nt / w_nn                                                   |
-// | 1/s    | inverseSchur | kg      | s = w_tt − w_nt²/w_nn                                          |
-// | d±     | slide…       | –       | µ/(1 ± µ r), the largest ±p_t/n₀; `unlimited` where 1 ± µ r ≤ 0: any p_t sticks |
+// Cheaper models leave out terms that are zero, so all give the same bits.
+//
+// Columns and records are doubles, or floats about a reference in doubles (packed_island.hpp).
+// Records of floats hold v − v_ref; `bias` and `tangentialBias` hold u_ref. Impulses are whole.
+//
+// | symbol | column         | unit | meaning                                                 |
+// |--------|----------------|------|---------------------------------------------------------|
+// | n      | nx, ny         | –    | normal from body 1 to body 2                            |
+// | b_n    | bias           | m/s  | added to u_n                                            |
+// |        | tangentialBias | m/s  | added to u_t: the part that the records do not hold     |
+// | p      | pn, pt         | N s  | impulse; oldPn, oldPt: one sweep before, for momentum   |
+// | µ      | friction       | –    | Coulomb coefficient                                     |
+// | k      |                | m    | radius of gyration √(I/m) of a body                     |
+// | kω     | (record)       | m/s  | scaled spin: its inverse mass is 1/m                    |
+// | j      | lever…         | –    | (r × n)/k and (r × t)/k: lever arms of scaled spins     |
+// | w      |                | 1/kg | Delassus block of the point                             |
+// | 1/w_nn | inverseNn      | kg   | 0 in empty slots                                        |
+// | r      | ratio          | –    | w_nt / w_nn                                             |
+// | 1/s    | inverseSchur   | kg   | s = w_tt − w_nt²/w_nn                                   |
+// | d±     | slide…         | –    | µ/(1 ± µ r), largest ±p_t/n₀; unlimited if 1 ± µ r ≤ 0  |
 #pragma once
 
 #include <cstdint>
@@ -32,159 +41,186 @@
 namespace rcr {
 
 constexpr int blockWidth = 16;
-template <class Real> constexpr Real unlimited = sizeof(Real) == sizeof(double) ? Real(1e300) : Real(1e30); // finite: 0 · unlimited is 0
 
-enum class Model : std::uint8_t { frictional, round, frictionless, central };
+/// Stands for infinity. It is finite, so 0 · unlimited = 0.
+template <class Real>
+constexpr Real unlimited = sizeof(Real) == sizeof(double) ? Real(1e300) : Real(1e30);
+
+enum class Model : std::uint8_t { frictional, noLever, frictionless, frictionlessDisc };
 constexpr int models = 4;
 
-/// Has its points a tangential impulse?
-constexpr bool rough(Model model) { return model <= Model::round; }
+/// True if the points of this model have a tangential impulse.
+constexpr bool hasFriction(Model model) { return model <= Model::noLever; }
 
-/// The record of a body's velocity; an island of central pairs needs no more than its first half.
-template <class Real> struct alignas(2 * sizeof(Real)) HalfRecordOf {
-	Real x, y;
-};
-template <class Real> struct alignas(4 * sizeof(Real)) BodyRecordOf {
-	Real x, y, spin, inverseMass;
-};
-using HalfRecord = HalfRecordOf<double>;
-using BodyRecord = BodyRecordOf<double>;
+// ---- records of bodies
 
-/// Which records the pairs of a block join, as offsets in numbers. A prescribed body has a record of its own in every slot.
+// A record holds the velocity of a body as consecutive numbers (v_x, v_y, kω, 1/m). On islands of
+// frictionless discs, the half record (v_x, v_y) suffices. Records are counted in halves: record i
+// begins at number 2 i, and whole records begin at even i.
+namespace record {
+	constexpr int x = 0, y = 1, spin = 2, inverseMass = 3; // numbers of a whole record
+}
+
+inline std::uint32_t offsetOf(std::int32_t record) { return 2 * std::uint32_t(record); }
+inline std::int32_t  recordOf(std::uint32_t offset) { return std::int32_t(offset / 2); }
+
+/// Offsets of the records of the pairs of a block. Each driven body has one record per slot.
 struct alignas(64) PairBlock {
 	std::uint32_t body1[blockWidth], body2[blockWidth];
 };
 
-/// A record is known by the number of its first half.
-inline std::uint32_t offsetOf(std::int32_t record) { return 2 * std::uint32_t(record); }
-inline std::int32_t  recordOf(std::uint32_t offset) { return std::int32_t(offset / 2); }
-template <class Record, class Real> Record& recordAt(HalfRecordOf<Real>* first, std::uint32_t offset)
-{
-	return *reinterpret_cast<Record*>(reinterpret_cast<Real*>(first) + offset);
-}
+// ---- columns of contact points
 
-// One contact point of each pair of a block, by model; all are made of columns.
-
+/// One quantity of sixteen contact points.
 template <class Real> struct alignas(64) ColumnOf {
 	Real of[blockWidth];
 };
 using Column = ColumnOf<double>;
 
-/// The fields of all models.
-template <class Real> struct alignas(64) PointBlockOf {
-	Real oldPn[blockWidth]; // impulse one sweep before, for momentum
-	Real nx[blockWidth], ny[blockWidth];
-	Real bias[blockWidth], inverseNn[blockWidth];
-	Real pn[blockWidth];   // impulse
-	Real slip[blockWidth]; // tangential velocity that the records do not hold: of spins that stay as they are
+/// One contact point of each pair of a block, as consecutive columns. These are for all models.
+template <class Real> class PointColumnsOf {
+public:
+	static constexpr int count = 7;
+
+	explicit PointColumnsOf(ColumnOf<Real>* first) : first_(first) { }
+
+	Real* oldPn() const { return column(0); }
+	Real* nx() const { return column(1); }
+	Real* ny() const { return column(2); }
+	Real* bias() const { return column(3); }
+	Real* inverseNn() const { return column(4); }
+	Real* pn() const { return column(5); }
+	Real* tangentialBias() const { return column(6); }
+
+	ColumnOf<Real>* first() const { return first_; }
+
+protected:
+	Real* column(int number) const { return first_[number].of; }
+
+private:
+	ColumnOf<Real>* first_;
 };
 
-template <class Real> struct CentralBlockOf : PointBlockOf<Real> {
-	Real mass1[blockWidth], mass2[blockWidth]; // inverse
+template <class Real> struct FrictionlessDiscColumnsOf : PointColumnsOf<Real> {
+	static constexpr int count = 9;
+	using PointColumnsOf<Real>::PointColumnsOf;
+
+	Real* inverseMass1() const { return this->column(7); }
+	Real* inverseMass2() const { return this->column(8); }
 };
 
-template <class Real> struct FrictionlessBlockOf : PointBlockOf<Real> {
-	Real turn1n[blockWidth], turn2n[blockWidth], turn1t[blockWidth], turn2t[blockWidth]; // r/k as (x, y) until `prepare`
+/// The levers hold r/k as (x, y) until `prepare`.
+template <class Real> struct FrictionlessColumnsOf : PointColumnsOf<Real> {
+	static constexpr int count = 11;
+	using PointColumnsOf<Real>::PointColumnsOf;
+
+	Real* lever1n() const { return this->column(7); }
+	Real* lever2n() const { return this->column(8); }
+	Real* lever1t() const { return this->column(9); }
+	Real* lever2t() const { return this->column(10); }
 };
 
-/// The fields of all that is rough.
-template <class Real> struct RoundBlockOf : PointBlockOf<Real> {
-	Real turn1t[blockWidth], turn2t[blockWidth];
-	Real inverseSchur[blockWidth];
-	Real pt[blockWidth];
-	Real oldPt[blockWidth];
-	Real friction[blockWidth]; // µ
+template <class Real> struct NoLeverColumnsOf : PointColumnsOf<Real> {
+	static constexpr int count = 13;
+	using PointColumnsOf<Real>::PointColumnsOf;
+
+	Real* lever1t() const { return this->column(7); }
+	Real* lever2t() const { return this->column(8); }
+	Real* inverseSchur() const { return this->column(9); }
+	Real* pt() const { return this->column(10); }
+	Real* oldPt() const { return this->column(11); }
+	Real* friction() const { return this->column(12); }
 };
 
-template <class Real> struct FrictionalBlockOf : RoundBlockOf<Real> {
-	Real turn1n[blockWidth], turn2n[blockWidth]; // with turn…t, r/k as (x, y) until `prepare`
-	Real ratio[blockWidth];
-	Real slidePlus[blockWidth], slideMinus[blockWidth];
+/// The levers hold r/k as (x, y) until `prepare`.
+template <class Real> struct FrictionalColumnsOf : NoLeverColumnsOf<Real> {
+	static constexpr int count = 18;
+	using NoLeverColumnsOf<Real>::NoLeverColumnsOf;
+
+	Real* lever1n() const { return this->column(13); }
+	Real* lever2n() const { return this->column(14); }
+	Real* ratio() const { return this->column(15); }
+	Real* slidePlus() const { return this->column(16); }
+	Real* slideMinus() const { return this->column(17); }
 };
 
-using PointBlock        = PointBlockOf<double>;
-using CentralBlock      = CentralBlockOf<double>;
-using FrictionlessBlock = FrictionlessBlockOf<double>;
-using RoundBlock        = RoundBlockOf<double>;
-using FrictionalBlock   = FrictionalBlockOf<double>;
-
-/// Columns of a block of that model.
+/// Number of columns of a contact point.
 constexpr int columnsOf(Model model)
 {
-	return int((model == Model::central              ? sizeof(CentralBlock)
-	                    : model == Model::frictionless ? sizeof(FrictionlessBlock)
-	                    : model == Model::round        ? sizeof(RoundBlock)
-	                                                   : sizeof(FrictionalBlock))
-	           / sizeof(Column));
+	switch (model) {
+		case Model::frictional: return FrictionalColumnsOf<double>::count;
+		case Model::noLever: return NoLeverColumnsOf<double>::count;
+		case Model::frictionless: return FrictionlessColumnsOf<double>::count;
+		case Model::frictionlessDisc: break;
+	}
+	return FrictionlessDiscColumnsOf<double>::count;
 }
-static_assert(sizeof(FrictionalBlock) / sizeof(Column) == sizeof(FrictionalBlockOf<float>) / sizeof(ColumnOf<float>));
 
-/// The blocks of one colour, with one model and one number of points a pair.
+/// The blocks of one colour, one model and one number of points per pair.
 struct Chunk {
 	std::int32_t firstPair, blocks, firstColumn, pointsPerPair;
 	Model        model;
-	std::int32_t firstPoint; // its blocks of points among those of all chunks
+	std::int32_t firstPoint; // index of its first point block among those of all chunks
 };
 
-/// Everything the kernels touch.
+/// The arrays that the kernels work on.
 template <class Real> struct PackedViewOf {
-	HalfRecordOf<Real>* body;
-	HalfRecordOf<Real>* oldBody; // one sweep before, for momentum
-	PairBlock*          pairs;
-	ColumnOf<Real>*     points;
+	Real*            body;    // records
+	Real*            oldBody; // one sweep before, for momentum
+	const PairBlock* pairs;
+	ColumnOf<Real>*  points;
 
-	HalfRecordOf<Real>& halfBody(std::int32_t record) const { return body[record]; }
-	BodyRecordOf<Real>& wholeBody(std::int32_t record) const { return recordAt<BodyRecordOf<Real>>(body, offsetOf(record)); }
+	Real* recordAt(std::int32_t record) const { return body + offsetOf(record); }
 };
 using PackedView = PackedViewOf<double>;
 
-/// Sums over points from which all stop criteria are made.
+/// Sums over contact points for the stop criteria.
 struct Measures {
-	double error2     = 0; // ‖p − P_K(…)‖², the numerator of the residual
-	double impulse2   = 0; // ‖p‖²
-	double normal     = 0; // Σ p_n
-	double violation2 = 0; // Σ w_nn² |p − P_K(…)|²
-	double velocity2  = 0; // Σ |u|²
-	double stopping2  = 0; // Σ ((|u_n| + |b_n|)/w_nn)²
-	double taken      = 0; // −Σ p · (u + b_n n), energy
+	double error2          = 0; // ‖p − P_K(…)‖², the numerator of the residual [(N s)²]
+	double impulse2        = 0; // ‖p‖² [(N s)²]
+	double normal          = 0; // Σ p_n [N s]
+	double kinematicError2 = 0; // Σ w_nn² |p − P_K(…)|² [(m/s)²]
+	double velocity2       = 0; // Σ |u|² [(m/s)²]
+	double stopping2       = 0; // Σ ((|u_n| + |b_n|)/w_nn)² [(N s)²]
+	double dissipated      = 0; // −Σ p · (u + b_n n) [J/m]
 
 	Measures& operator+=(const Measures& other)
 	{
 		error2 += other.error2, impulse2 += other.impulse2, normal += other.normal;
-		violation2 += other.violation2, velocity2 += other.velocity2, stopping2 += other.stopping2, taken += other.taken;
+		kinematicError2 += other.kinematicError2, velocity2 += other.velocity2;
+		stopping2 += other.stopping2, dissipated += other.dissipated;
 		return *this;
 	}
 };
 
-/// The kernels for one lane width; each works on one chunk.
+/// The kernels of one lane width. Each works on one chunk.
 template <class Real> struct PackedKernelsOf {
 	using View = PackedViewOf<Real>;
 
 	int width;
-	/// Lever arms and Delassus coefficients from the raw arms; returns Σ |u|² over the points.
+	/// Computes lever arms and Delassus coefficients from the raw arms. Returns Σ |u|².
 	double (*prepare)(const View&, const Chunk&);
-	/// Adds M⁻¹Jᵀp to the velocities.
+	/// v ← v + M⁻¹Jᵀp
 	void (*apply)(const View&, const Chunk&);
-	/// Solves every point once; the velocities follow.
+	/// Solves every point once and updates the velocities.
 	void (*sweep)(const View&, const Chunk&);
-	/// An over-relaxed sweep: each impulse changes by `relaxation` times as much.
+	/// p ← P_K(p + relaxation (solution − p))
 	void (*sweepRelaxed)(const View&, const Chunk&, double relaxation);
-	/// A sweep from y = p + β (p − p_old); returns ‖p − y‖².
+	/// Sweeps from y = p + β (p − p_old). Returns ‖p − y‖².
 	double (*sweepMomentum)(const View&, const Chunk&, double momentum);
-	/// The same with contacts that yield: the share `kept` of every solution.
+	/// As sweepMomentum, for yielding contacts: p ← kept · solution.
 	double (*sweepYielding)(const View&, const Chunk&, double momentum, double kept);
-	/// Sums for the stop criteria at the present impulses and velocities; of floats about a reference, whose `bias` holds its velocities too, with
-	/// those of the law, a column for each block of points.
+	/// Sums for the stop criteria at the present impulses and velocities. Floats need `bias`, b_n
+	/// of the contact law in one column per point block: their own bias contains u_ref.
 	Measures (*measure)(const View&, const Chunk&, const ColumnOf<Real>* bias);
-	/// Writes the velocities (u_n + b_n, u_t) of the points to `bias` and `slip` of blocks of floats: those of a reference.
-	void (*refer)(const View&, const Chunk&, ColumnOf<float>* points);
-	/// v_old ← v + β (v − v_old) for halves of records first … last − 1: the two then change places.
+	/// Writes (u_n + b_n, u_t) to `bias` and `tangentialBias` of the columns of floats.
+	void (*updateReference)(const View&, const Chunk&, ColumnOf<float>* points);
+	/// v_old ← v + β (v − v_old) for half records first … last − 1. The caller swaps both arrays.
 	void (*extrapolate)(const View&, int first, int last, double momentum);
 };
-
 using PackedKernels = PackedKernelsOf<double>;
 
-/// The kernels for at most that many lanes (0: as many as is best) that this processor runs.
+/// The kernels of the widest lanes that this processor runs, at most `lanes` wide (0: no limit).
 const PackedKernels&          packedKernels(int lanes);
 const PackedKernelsOf<float>& singleKernels(int lanes);
 

@@ -1,4 +1,4 @@
-// Independent batches: pairs of one colour share no free body, so they may be solved in any order or at once.
+// Greedy graph colouring: pairs of one colour share no free body, so lanes may solve them at once.
 #pragma once
 
 #include <cstdint>
@@ -6,19 +6,19 @@
 
 namespace rcr {
 
-/// Greedy colouring: each pair takes the lowest colour that is free at both of its bodies. Dense packings of particles
-/// need 7 to 9 colours.
+/// Each pair takes the lowest colour that is free at both bodies. Dense packings need 7 to 9.
 class Coloring {
 public:
-	static constexpr int colors = 16; // a pair that finds none is left to the caller: a body with many contacts
-	static constexpr int none   = -1;
+	static constexpr int colors = 16;
+	static constexpr int none   = -1; // overflow: all colours are taken at a body
 
 	void reset(std::size_t bodies) { used_.assign(bodies, 0); }
 
-	/// Takes all colours from a body: pairs swept at another time do not matter.
+	/// Frees all colours of a body, for pairs that are swept at another time.
 	void free(int body) { used_[body] = 0; }
 
-	/// `limits1`, `limits2`: whether that body keeps its pairs apart; a prescribed one does not, nothing moves it.
+	/// Returns the colour of a pair, or none. `limits1`, `limits2`: false for a driven body, which
+	/// pairs of one colour may share.
 	int take(int body1, bool limits1, int body2, bool limits2)
 	{
 		const std::uint32_t free = ~(used_[body1] | used_[body2]), lowest = free & (~free + 1);
@@ -29,7 +29,7 @@ public:
 	}
 
 private:
-	std::vector<std::uint32_t> used_; // a body: bit c = colour c is taken
+	std::vector<std::uint32_t> used_; // bit c of a body: colour c is taken
 };
 
 } // namespace rcr

@@ -9,13 +9,15 @@ namespace rcr {
 
 namespace {
 
-	constexpr int    smallIslandPairs = 16;    // pairs of an island up to which all of it is overflow
-	constexpr int    loneIslandPairs  = 1024;  // pairs of an island up to which one thread sweeps it
-	constexpr int    slabPairs        = 2048;  // that a slab has in the mean: twenty times as many as a joint
-	constexpr int    mostSlabs        = 16;    // of an island; a joint section joins `jointSlabs` of them to the next ones
-	constexpr int    jointSlabs       = 4;     // fewer would leave too many slots vacant
-	constexpr int    leastModelPart   = 4;     // a model needs 1/4 of an island's pairs to have blocks of its own
-	constexpr double leverTolerance   = 1e-10; // lever over arm [-] that counts as none: rounding of positions far from the origin
+	constexpr int maxOverflowIsland = 16;   // pairs of an island that is all overflow
+	constexpr int maxSerialIsland   = 1024; // pairs of an island for one thread
+	constexpr int partitionPairs = 2048; // mean of a partition: twenty times those of an interface
+	constexpr int maxPartitions  = 16;   // of an island
+	constexpr int sectionInterfaces = 4; // fewer would leave too many slots empty
+	constexpr int minModelShare     = 4; // a model needs 1/4 of the pairs of an island
+
+	/// Lever over arm [-] that counts as zero: rounding of positions far from the origin.
+	constexpr double leverTolerance = 1e-10;
 
 	BodyKind kindOf(const InverseMass& m)
 	{
@@ -23,20 +25,35 @@ namespace {
 		return m.x == m.y && m.x > 0 ? BodyKind::regular : BodyKind::special;
 	}
 
-	/// Whether the normal velocity at a point depends on the rotation of a body.
-	bool turns(const InverseMass& m, const Twist& v, Vec2 arm, Vec2 normal)
+	/// True if the normal velocity at a point depends on the rotation of a body.
+	bool hasLever(const InverseMass& m, const Twist& v, Vec2 arm, Vec2 normal)
 	{
 		const double lever = cross(arm, normal);
-		return (m.rotation != 0 || v.rotation != 0) && lever * lever > leverTolerance * leverTolerance * dot(arm, arm);
+		return (m.rotation != 0 || v.rotation != 0)
+		        && lever * lever > leverTolerance * leverTolerance * dot(arm, arm);
 	}
 
-	/// The least model that serves two points.
-	Model both(Model a, Model b)
+	/// The cheapest model that holds for two points.
+	Model common(Model a, Model b)
 	{
-		return a == b ? a : rough(a) || rough(b) ? Model::frictional : Model::frictionless;
+		return a == b                              ? a
+		        : hasFriction(a) || hasFriction(b) ? Model::frictional
+		                                           : Model::frictionless;
 	}
 
-	/// The representative of a body among those it is joined to.
+	/// Turns the counts in pairs.end into empty, consecutive ranges. Returns the sum of the counts.
+	template <class Items> int beginRanges(Items& items)
+	{
+		int next = 0;
+		for (auto& item : items) {
+			const int count  = item.pairs.end;
+			item.pairs.begin = item.pairs.end = next;
+			next += count;
+		}
+		return next;
+	}
+
+	/// The first body of the set that contains a body (union-find with path halving).
 	int root(std::vector<std::int32_t>& parent, int body)
 	{
 		while (parent[body] != body)
@@ -50,15 +67,15 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions,
 {
 	const bool sameReductions = reductions == reductions_;
 	reductions_               = reductions;
-	const bool sameCell   = stretches_ == problem.stretches();
-	stretches_            = problem.stretches();
-	const bool sameBodies = sortBodies(problem), samePairs = findPairs(problem, team);
+	const bool sameCell       = stretches_ == problem.stretches();
+	stretches_                = problem.stretches();
+	const bool sameBodies = classifyBodies(problem), samePairs = findPairs(problem, team);
 	if (sameReductions && sameCell && sameBodies && samePairs && reductions.layout) return false;
 	findIslands();
 	sortPairs();
 	for (Island& island : islands_)
 		chooseModels(island);
-	sortSections();
+	makeSections();
 	numberRecords();
 	chunks_.clear();
 	vacant_.clear();
@@ -67,8 +84,9 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions,
 	columns_ = pointBlocks_ = 0;
 	coloring_.reset(records_);
 	color_.resize(pairs_.size());
-	for (const auto& [begin, end] : { std::pair(0, slabSections_), std::pair(slabSections_, int(sections_.size())) }) // sections of a part share no body
-		team.parallelFor(begin, end, [&](int k) { color(sections_[k]); });
+	const auto colorSection = [&](int k) { color(sections_[k]); };
+	team.parallelFor(0, partitionCount_, colorSection);
+	team.parallelFor(partitionCount_, int(sections_.size()), colorSection);
 	for (Section& section : sections_)
 		makeBlocks(section);
 	team.parallelFor(0, int(sections_.size()), [&](int k) { place(sections_[k]); });
@@ -77,8 +95,8 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions,
 	return true;
 }
 
-/// Sorts the bodies by kind; false if that differs from before.
-bool Layout::sortBodies(const ContactProblem& problem)
+/// Finds the kinds of the bodies. Returns false if one has changed.
+bool Layout::classifyBodies(const ContactProblem& problem)
 {
 	bool same = kind_.size() == problem.inverseMass.size();
 	kind_.resize(problem.inverseMass.size());
@@ -90,35 +108,42 @@ bool Layout::sortBodies(const ContactProblem& problem)
 	return same;
 }
 
-/// The least model that serves a point.
-Model Layout::need(const ContactProblem& problem, const ContactPoint& c) const
+/// The cheapest model that holds for a point.
+Model Layout::requiredModel(const ContactProblem& problem, const ContactPoint& c) const
 {
-	const bool isRough = c.friction != 0 || !reductions_.frictionless;
-	const auto turned  = [&](int body, Vec2 arm) { return turns(problem.inverseMass[body], problem.freeVelocity[body], arm, c.normal); };
-	if (!reductions_.discs || turned(c.body1, c.arm1) || turned(c.body2, c.arm2)) return isRough ? Model::frictional : Model::frictionless;
-	return isRough ? Model::round : Model::central;
+	const bool friction = c.friction != 0 || !reductions_.frictionless;
+	const auto lever    = [&](int body, Vec2 arm) {
+        return hasLever(problem.inverseMass[body], problem.freeVelocity[body], arm, c.normal);
+	};
+	if (!reductions_.discs || lever(c.body1, c.arm1) || lever(c.body2, c.arm2))
+		return friction ? Model::frictional : Model::frictionless;
+	return friction ? Model::noLever : Model::frictionlessDisc;
 }
 
-/// Joins neighbouring points of the same bodies, two at most; false if the pairs or their needs differ from before.
+/// Joins at most two consecutive points of the same bodies to a pair. Returns false if a pair or
+/// its required model has changed.
 bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 {
 	const std::size_t points = problem.points.size(), before = pairs_.size();
 	kinds_.resize(points);
 	team.forEach(points, [&](std::size_t k) {
 		const ContactPoint& c = problem.points[k];
-		kinds_[k]             = { c.body1, c.body2, need(problem, c), c.drifts() };
+		kinds_[k]             = { c.body1, c.body2, requiredModel(problem, c), c.drifts() };
 	});
 	std::size_t count = 0;
 	bool        same  = true;
 	for (std::size_t k = 0; k < points; ++count) {
-		const Kind &   c = kinds_[k], &next = kinds_[std::min(k + 1, points - 1)];
-		const bool     joins = k + 1 < points && next.body1 == c.body1 && next.body2 == c.body2;
-		const Model    needs = joins ? both(c.needs, next.needs) : c.needs;
-		const LaidPair pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, needs, needs, c.drifts || (joins && next.drifts), LaidPair::noSlot, 0 };
+		const Kind &     c = kinds_[k], &next = kinds_[std::min(k + 1, points - 1)];
+		const bool       joins = k + 1 < points && next.body1 == c.body1 && next.body2 == c.body2;
+		const Model      required = joins ? common(c.required, next.required) : c.required;
+		const PackedPair pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, required,
+			required, c.drifts || (joins && next.drifts), PackedPair::noSlot, 0 };
 		if (count == pairs_.size()) pairs_.push_back(pair);
-		LaidPair& old = pairs_[count];
-		// `firstPoint` follows from the pairs before
-		if (old.body1 != pair.body1 || old.body2 != pair.body2 || old.points != pair.points || old.needs != needs || old.drifts != pair.drifts) same = false;
+		PackedPair& old = pairs_[count];
+		// firstPoint follows from the earlier pairs
+		if (old.body1 != pair.body1 || old.body2 != pair.body2 || old.points != pair.points
+		        || old.required != required || old.drifts != pair.drifts)
+			same = false;
 		if (!same) old = pair;
 		k += pair.points;
 	}
@@ -126,36 +151,37 @@ bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 	return same && count == before;
 }
 
-bool Layout::packable(const LaidPair& pair) const
+bool Layout::packable(const PackedPair& pair) const
 {
 	const BodyKind a = kind_[pair.body1], b = kind_[pair.body2];
 	if (pair.drifts) return false;
-	return (a == BodyKind::regular && b != BodyKind::special) || (b == BodyKind::regular && a != BodyKind::special);
+	return (a == BodyKind::regular && b != BodyKind::special)
+	        || (b == BodyKind::regular && a != BodyKind::special);
 }
 
-/// Numbers the connected parts in the order of their first pairs.
+/// Numbers the islands in the order of their first pairs.
 void Layout::findIslands()
 {
 	std::vector<std::int32_t> parent(kind_.size()), number(kind_.size(), none);
 	std::iota(parent.begin(), parent.end(), 0);
-	int whole = none; // without this reduction all is one
-	int cell  = none; // a body at its boundary
-	const auto join = [&](int body1, int body2) {
-		const int a = root(parent, body1), b = root(parent, body2);
-		parent[std::max(a, b)] = std::min(a, b);
+	int        whole = none; // the one island without that reduction
+	int        cell  = none; // a body at the boundary of a stretching cell
+	const auto join  = [&](int body1, int body2) {
+        const int a = root(parent, body1), b = root(parent, body2);
+        parent[std::max(a, b)] = std::min(a, b);
 	};
-	for (const LaidPair& pair : pairs_) {
+	for (const PackedPair& pair : pairs_) {
 		if (moves(pair.body1) && moves(pair.body2)) join(pair.body1, pair.body2);
 		if (!stretches_ || !pair.drifts) continue;
-		const int body = moves(pair.body1) ? pair.body1 : pair.body2;
+		const int body = movingBodies(pair)[0];
 		if (!moves(body)) continue;
 		if (cell != none) join(cell, body);
 		cell = body;
 	}
 	island_.assign(kind_.size(), none);
 	islands_.clear();
-	for (const LaidPair& pair : pairs_) {
-		const int body = moves(pair.body1) ? pair.body1 : pair.body2;
+	for (const PackedPair& pair : pairs_) {
+		const int body = movingBodies(pair)[0];
 		if (!moves(body)) continue;
 		std::int32_t& island = reductions_.islands ? number[root(parent, body)] : whole;
 		if (island == none) {
@@ -170,145 +196,149 @@ void Layout::findIslands()
 	}
 }
 
-/// Sorts the pairs by island; pairs of two prescribed bodies belong to none.
+/// Sorts the pairs by island. Pairs of two driven bodies belong to none.
 void Layout::sortPairs()
 {
-	int next = 0;
-	for (Island& island : islands_) {
-		const int count    = island.pairs.end;
-		island.pairs.begin = island.pairs.end = next;
-		next += count;
-	}
-	byIsland_.resize(next);
+	byIsland_.resize(beginRanges(islands_));
 	for (std::size_t k = 0; k < pairs_.size(); ++k) {
-		pairs_[k].slot   = LaidPair::noSlot;
+		pairs_[k].slot   = PackedPair::noSlot;
 		const int island = islandOf(pairs_[k]);
 		if (island != none) byIsland_[islands_[island].pairs.end++] = int(k);
 	}
 }
 
-/// Cuts an island into slabs: two where several threads may work on it, more where it is large. A small one has none, it is all overflow.
+/// Cuts an island into partitions: at least two if several threads may sweep it. A small island has
+/// none and is all overflow.
 void Layout::cut(Island& island)
 {
-	const int pairs    = island.pairs.end - island.pairs.begin;
-	island.shared      = pairs > loneIslandPairs;
-	island.slabs.begin = island.slabs.end = int(sections_.size());
-	if (pairs <= smallIslandPairs) return;
+	const int pairs         = island.pairs.end - island.pairs.begin;
+	island.shared           = pairs > maxSerialIsland;
+	island.partitions.begin = island.partitions.end = int(sections_.size());
+	if (pairs <= maxOverflowIsland) return;
 	edges_.clear();
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
-		const LaidPair& pair = pairs_[byIsland_[k]];
-		if (!packable(pair)) continue;
-		const int body1 = moves(pair.body1) ? pair.body1 : pair.body2, body2 = moves(pair.body2) ? pair.body2 : pair.body1;
-		edges_.push_back({ body1, body2 });
+		const PackedPair& pair = pairs_[byIsland_[k]];
+		if (packable(pair)) edges_.push_back(movingBodies(pair));
 	}
 	if (edges_.empty()) return;
-	const int count  = island.shared ? std::clamp(pairs / (2 * slabPairs) * 2, 2, mostSlabs) : 1;
-	island.slabs.end = island.slabs.begin + slabs_.cut(edges_, count, island.slabs.begin);
-	sections_.resize(island.slabs.end);
+	const int count = island.shared ? std::clamp(pairs / (2 * partitionPairs) * 2, 2, maxPartitions)
+	                                : 1;
+	island.partitions.end = island.partitions.begin
+	        + partitions_.cut(edges_, count, island.partitions.begin);
+	sections_.resize(island.partitions.end);
 }
 
-/// The section where a pair stands; none for overflow.
-int Layout::sectionOf(const LaidPair& pair) const
+/// The section of a pair; none for overflow.
+int Layout::sectionOf(const PackedPair& pair) const
 {
-	const int island = islandOf(pair);
-	if (island == none || islands_[island].slabs.begin == islands_[island].slabs.end || !packable(pair)) return none;
-	const int slab1 = slabs_.of(moves(pair.body1) ? pair.body1 : pair.body2), slab2 = slabs_.of(moves(pair.body2) ? pair.body2 : pair.body1);
-	if (slab1 == slab2) return slab1;
-	return islands_[island].joints.begin + (std::min(slab1, slab2) - islands_[island].slabs.begin) / jointSlabs;
+	const int number = islandOf(pair);
+	if (number == none || !packable(pair)) return none;
+	const Island& island = islands_[number];
+	if (island.partitions.begin == island.partitions.end) return none;
+	const auto [body1, body2] = movingBodies(pair);
+	const int partition1 = partitions_.of(body1), partition2 = partitions_.of(body2);
+	if (partition1 == partition2) return partition1;
+	const int interface = std::min(partition1, partition2) - island.partitions.begin;
+	return island.interfaces.begin + interface / sectionInterfaces;
 }
 
-/// Makes the sections and sorts the pairs by them.
-void Layout::sortSections()
+/// Makes the sections and sorts the pairs by section.
+void Layout::makeSections()
 {
 	sections_.clear();
-	slabs_.reset(kind_.size());
+	partitions_.reset(kind_.size());
 	for (Island& island : islands_)
 		cut(island);
-	slabSections_ = int(sections_.size());
+	partitionCount_ = int(sections_.size());
 	for (Island& island : islands_) {
-		const int slabs     = island.slabs.end - island.slabs.begin;
-		island.joints.begin = int(sections_.size());
-		sections_.resize(sections_.size() + (std::max(slabs - 1, 0) + jointSlabs - 1) / jointSlabs);
-		island.joints.end = int(sections_.size());
+		const int partitions    = island.partitions.end - island.partitions.begin;
+		island.interfaces.begin = int(sections_.size());
+		sections_.resize(sections_.size()
+		        + (std::max(partitions - 1, 0) + sectionInterfaces - 1) / sectionInterfaces);
+		island.interfaces.end = int(sections_.size());
 	}
 	std::vector<std::int32_t> section(byIsland_.size());
 	for (std::size_t k = 0; k < byIsland_.size(); ++k) {
 		section[k] = sectionOf(pairs_[byIsland_[k]]);
 		if (section[k] != none) ++sections_[section[k]].pairs.end;
 	}
-	int next = 0;
-	for (Section& section : sections_) {
-		const int count     = section.pairs.end;
-		section.pairs.begin = section.pairs.end = next;
-		next += count;
-	}
-	bySection_.resize(next);
+	bySection_.resize(beginRanges(sections_));
 	for (std::size_t k = 0; k < byIsland_.size(); ++k)
 		if (section[k] != none) bySection_[sections_[section[k]].pairs.end++] = byIsland_[k];
 }
 
-/// Numbers the records of bodies, island after island, slab after slab; bodies without an island get whole records.
+/// Numbers the records of bodies: island after island, partition after partition. Bodies without an
+/// island get whole records.
 void Layout::numberRecords()
 {
-	// a place for each slab and one more for the loose bodies of each island, in the order of their records
-	const auto place = [&](int body) { return (slabs_.of(body) != Slabs::none ? slabs_.of(body) : islands_[island_[body]].slabs.end) + island_[body]; };
-	std::vector<std::int32_t> bodies(islands_.empty() ? 0 : islands_.back().slabs.end + islands_.size()), next(bodies.size());
+	// a place for each partition of an island, then one for its bodies with overflow pairs only
+	const auto place = [&](int body) {
+		return (partitions_.of(body) != Partitions::none ? partitions_.of(body)
+		                                                 : islands_[island_[body]].partitions.end)
+		        + island_[body];
+	};
+	std::vector<std::int32_t> bodies(
+	        islands_.empty() ? 0 : islands_.back().partitions.end + islands_.size()),
+	        next(bodies.size());
 	for (std::size_t body = 0; body < kind_.size(); ++body)
 		if (island_[body] != none) ++bodies[place(int(body))];
 	records_          = 0;
-	const auto number = [&](Range& records, int at, bool central) {
+	const auto number = [&](Range& records, int at, bool half) {
 		next[at] = records.begin = records_;
-		records_ += central ? (bodies[at] + 1) / 2 * 2 : 2 * bodies[at];
+		records_ += half ? (bodies[at] + 1) / 2 * 2 : 2 * bodies[at];
 		records.end = records_;
 	};
 	for (std::size_t k = 0; k < islands_.size(); ++k) {
 		Island& island = islands_[k];
-		for (int slab = island.slabs.begin; slab < island.slabs.end; ++slab)
-			number(sections_[slab].records, slab + int(k), island.central);
-		number(island.loose, island.slabs.end + int(k), island.central);
+		for (int p = island.partitions.begin; p < island.partitions.end; ++p)
+			number(sections_[p].records, p + int(k), island.halfRecords);
+		number(island.overflowRecords, island.partitions.end + int(k), island.halfRecords);
 	}
 	record_.resize(kind_.size());
 	for (std::size_t body = 0; body < kind_.size(); ++body) {
 		if (island_[body] == none) {
-			record_[body] = ownRecords(1);
+			record_[body] = appendRecords(1);
 			continue;
 		}
 		std::int32_t& record = next[place(int(body))];
 		record_[body]        = record;
-		record += islands_[island_[body]].central ? 1 : 2;
+		record += islands_[island_[body]].halfRecords ? 1 : 2;
 	}
 }
 
-/// Pairs that no colour has taken, in the order of the problem.
+/// Lists the pairs without a slot, in the order of the problem.
 void Layout::listOverflow(Island& island)
 {
 	island.overflow.begin = int(overflow_.size());
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
-		if (pairs_[byIsland_[k]].slot == LaidPair::noSlot) overflow_.push_back(byIsland_[k]);
+		if (pairs_[byIsland_[k]].slot == PackedPair::noSlot) overflow_.push_back(byIsland_[k]);
 	island.overflow.end = int(overflow_.size());
 }
 
-/// Gives each pair the least model that serves it. A model of few pairs is not used, and the central one only where all pairs of
-/// the island are central: its records are halves.
+/// Gives each pair the cheapest model that holds, if enough pairs of the island have it. Uses the
+/// model frictionlessDisc only if all pairs have it, because its records are halves.
 void Layout::chooseModels(Island& island)
 {
 	int       count[models] = {};
 	const int all           = island.pairs.end - island.pairs.begin;
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k)
-		++count[int(pairs_[byIsland_[k]].needs)];
-	const bool small = all <= smallIslandPairs;
-	const auto many  = [&](int pairs) { return small || leastModelPart * pairs >= all; };
-	const bool rounds = many(count[int(Model::round)]), smooth = many(count[int(Model::frictionless)] + count[int(Model::central)]);
-	island.central    = count[int(Model::central)] == all && !small;
-	const auto served = [&](Model needs) {
-		if (needs == Model::frictional) return needs;
-		if (needs == Model::round) return rounds ? needs : Model::frictional;
-		if (!smooth) return rounds && needs == Model::central ? Model::round : Model::frictional;
-		return island.central || small ? needs : Model::frictionless;
+		++count[int(pairs_[byIsland_[k]].required)];
+	const bool small  = all <= maxOverflowIsland;
+	const auto many   = [&](int pairs) { return small || minModelShare * pairs >= all; };
+	const bool discs  = many(count[int(Model::noLever)]),
+	           smooth = many(count[int(Model::frictionless)] + count[int(Model::frictionlessDisc)]);
+	island.halfRecords = count[int(Model::frictionlessDisc)] == all && !small;
+	const auto chosen  = [&](Model required) {
+        if (required == Model::frictional) return required;
+        if (required == Model::noLever) return discs ? required : Model::frictional;
+        if (!smooth)
+            return discs && required == Model::frictionlessDisc ? Model::noLever
+			                                                     : Model::frictional;
+        return island.halfRecords || small ? required : Model::frictionless;
 	};
 	for (int k = island.pairs.begin; k < island.pairs.end; ++k) {
-		LaidPair& pair = pairs_[byIsland_[k]];
-		pair.model     = served(pair.needs);
+		PackedPair& pair = pairs_[byIsland_[k]];
+		pair.model       = chosen(pair.required);
 	}
 }
 
@@ -316,12 +346,12 @@ ModelSummary Layout::summary() const
 {
 	ModelSummary      s;
 	std::vector<bool> turns(kind_.size());
-	for (const LaidPair& pair : pairs_) {
+	for (const PackedPair& pair : pairs_) {
 		if (islandOf(pair) == none) continue;
 		++s.pairs;
 		s.points += pair.points;
-		s.frictionalPoints += rough(pair.model) ? pair.points : 0;
-		if (pair.model != Model::central) turns[pair.body1] = turns[pair.body2] = true;
+		s.frictionalPoints += hasFriction(pair.model) ? pair.points : 0;
+		if (pair.model != Model::frictionlessDisc) turns[pair.body1] = turns[pair.body2] = true;
 	}
 	for (std::size_t body = 0; body < kind_.size(); ++body) {
 		s.fixed += kind_[body] == BodyKind::prescribed;

@@ -1,40 +1,42 @@
-// The blocks of a section: its pairs coloured, and each given a slot.
+// The blocks of a section: colours of its pairs, and their slots.
 #include "sweep/layout/layout.hpp"
 
 namespace rcr {
 
-/// Colours the pairs of a section and counts them. Bodies go by their records, which of one slab stand side by side: two threads never write to one line.
+/// Colours the pairs of a section and counts them. Uses records as numbers of bodies: those of a
+/// partition are consecutive, so threads write to different cache lines.
 void Layout::color(Section& section)
 {
 	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
-		const LaidPair& pair = pairs_[bySection_[k]];
+		const PackedPair& pair = pairs_[bySection_[k]];
 		for (int body : { pair.body1, pair.body2 })
 			if (moves(body)) coloring_.free(record_[body]);
 	}
 	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
-		const int       number = bySection_[k];
-		const LaidPair& pair   = pairs_[number];
-		const int       color  = coloring_.take(record_[pair.body1], moves(pair.body1), record_[pair.body2], moves(pair.body2));
-		color_[number]         = static_cast<signed char>(color);
+		const int         number = bySection_[k];
+		const PackedPair& pair   = pairs_[number];
+		const int         color  = coloring_.take(
+		                 record_[pair.body1], moves(pair.body1), record_[pair.body2], moves(pair.body2));
+		color_[number] = static_cast<signed char>(color);
 		if (color == Coloring::none) continue;
 		++section.row(color, pair).pairs;
 		section.sides += !moves(pair.body1) + !moves(pair.body2);
 	}
 }
 
-/// Makes the blocks of a section.
 void Layout::makeBlocks(Section& section)
 {
 	section.chunks.begin = int(chunks_.size());
 	for (auto& ofColor : section.rows)
 		for (int m = 0; m < models; ++m)
 			for (int points : { 2, 1 })
-				if (ofColor[m][points - 1].pairs > 0) makeBlocks(ofColor[m][points - 1], Model(m), points);
+				if (ofColor[m][points - 1].pairs > 0)
+					makeBlocks(ofColor[m][points - 1], Model(m), points);
 	section.chunks.end = int(chunks_.size());
-	section.nextRecord = ownRecords(section.sides);
+	section.nextRecord = appendRecords(section.sides);
 }
 
-/// Makes the blocks for the pairs counted; the slots that stay vacant are the last of each row.
+/// Makes the blocks of a row. Its last slots may stay empty.
 void Layout::makeBlocks(Row& row, Model model, int points)
 {
 	const int first = int(pairBlocks_.size()), blocks = (row.pairs + blockWidth - 1) / blockWidth;
@@ -47,13 +49,13 @@ void Layout::makeBlocks(Row& row, Model model, int points)
 	columns_ += blocks * points * columnsOf(model);
 	if (row.pairs == blocks * blockWidth) return;
 	for (int lane = row.pairs % blockWidth; lane < blockWidth; ++lane) {
-		pairBlocks_.back().body1[lane] = offsetOf(ownRecords(1));
-		pairBlocks_.back().body2[lane] = offsetOf(ownRecords(1));
+		pairBlocks_.back().body1[lane] = offsetOf(appendRecords(1));
+		pairBlocks_.back().body2[lane] = offsetOf(appendRecords(1));
 	}
 	vacant_.push_back({ columns_ - points * columnsOf(model), columns_ });
 }
 
-/// Gives each pair of a section the next slot of its row; a prescribed side gets a record of its own, which no impulse moves.
+/// Gives each pair of a section the next slot of its row, and each driven side a separate record.
 void Layout::place(Section& section)
 {
 	const auto side = [&](int body) {
@@ -64,18 +66,19 @@ void Layout::place(Section& section)
 	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
 		const int number = bySection_[k];
 		if (color_[number] == Coloring::none) continue;
-		LaidPair& pair  = pairs_[number];
-		Row&      row   = section.row(color_[number], pair);
-		pair.slot       = row.nextSlot++;
+		PackedPair& pair = pairs_[number];
+		Row&        row  = section.row(color_[number], pair);
+		pair.slot        = row.nextSlot++;
 		const int block = pair.slot / blockWidth, lane = pair.slot % blockWidth;
-		pair.column     = row.firstColumn + (block - row.firstBlock) * pair.points * columnsOf(pair.model);
+		pair.column = row.firstColumn
+		        + (block - row.firstBlock) * pair.points * columnsOf(pair.model);
 		pairBlocks_[block].body1[lane] = side(pair.body1);
 		pairBlocks_[block].body2[lane] = side(pair.body2);
 	}
 }
 
-/// Whole records, behind those of the bodies.
-int Layout::ownRecords(int count)
+/// Appends whole records and returns the first.
+int Layout::appendRecords(int count)
 {
 	const int first = (records_ + 1) / 2 * 2;
 	if (count > 0) records_ = first + 2 * count;

@@ -4,23 +4,23 @@
 
 namespace rcr {
 
-void Slabs::reset(std::size_t bodies)
+void Partitions::reset(std::size_t bodies)
 {
-	slab_.assign(bodies, none);
+	partition_.assign(bodies, none);
 	local_.resize(bodies);
 }
 
 /// Numbers the bodies of the island and lists the neighbours of each.
-void Slabs::connect(const std::vector<Edge>& edges)
+void Partitions::connect(const std::vector<Edge>& edges)
 {
 	body_.clear();
 	renumbered_ = edges;
 	begin_.clear();
 	for (Edge& edge : renumbered_)
 		for (std::int32_t& body : edge) {
-			if (slab_[body] == none) {
-				slab_[body]  = 0;
-				local_[body] = int(body_.size());
+			if (partition_[body] == none) {
+				partition_[body] = 0;
+				local_[body]     = int(body_.size());
 				body_.push_back(body);
 				begin_.push_back(0);
 			}
@@ -30,21 +30,22 @@ void Slabs::connect(const std::vector<Edge>& edges)
 	std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
 	begin_.push_back(begin_.empty() ? 0 : begin_.back());
 	neighbor_.resize(2 * edges.size());
-	for (auto edge = renumbered_.rbegin(); edge != renumbered_.rend(); ++edge) // backwards, begin_ being the end of each list until then
+	// backwards: begin_ is the end of each list until the list is filled
+	for (auto edge = renumbered_.rbegin(); edge != renumbered_.rend(); ++edge)
 		for (int side : { 0, 1 })
 			neighbor_[--begin_[(*edge)[side]]] = (*edge)[1 - side];
 }
 
-/// Adds what can be reached from the root to the order, level after level. Each neighbour is written, and stays where it is new: a branch on that
-/// would be mispredicted as often as not.
-void Slabs::walk(std::int32_t root, char pass)
+/// Adds all bodies connected with the root to the order, level after level. Writes each neighbour
+/// and keeps it if it is new: a branch would be mispredicted half of the time.
+void Partitions::search(std::int32_t root, char pass)
 {
 	const std::int32_t *const begin = begin_.data(), *const neighbors = neighbor_.data();
-	std::int32_t* const       order = order_.data();
-	char* const               came  = pass_.data();
-	std::int32_t              next = ordered_, ordered = ordered_ + 1;
-	order[next] = root;
-	came[root]  = pass;
+	std::int32_t* const order   = order_.data();
+	char* const         reached = pass_.data();
+	std::int32_t        next = ordered_, ordered = ordered_ + 1;
+	order[next]   = root;
+	reached[root] = pass;
 	while (next < ordered) {
 		level_.push_back(next);
 		for (const std::int32_t end = ordered; next < end; ++next) {
@@ -52,16 +53,17 @@ void Slabs::walk(std::int32_t root, char pass)
 			for (std::int32_t k = begin[body]; k < last; ++k) {
 				const std::int32_t neighbor = neighbors[k];
 				order[ordered]              = neighbor;
-				ordered += came[neighbor] != pass;
-				came[neighbor] = pass;
+				ordered += reached[neighbor] != pass;
+				reached[neighbor] = pass;
 			}
 		}
 	}
 	ordered_ = ordered;
 }
 
-/// Walks from the far end of a first walk: the levels are then short and many. Parts that only overflow connects come one after the other.
-void Slabs::walkAll()
+/// Searches from the last body of a first search: its levels are short and many. Parts that only
+/// the overflow connects follow each other.
+void Partitions::searchAll()
 {
 	pass_.assign(body_.size(), 0);
 	order_.resize(body_.size() + 1);
@@ -71,32 +73,33 @@ void Slabs::walkAll()
 		if (pass_[root] != 0) continue;
 		const std::int32_t done   = ordered_;
 		const std::size_t  levels = level_.size();
-		walk(std::int32_t(root), 1);
+		search(std::int32_t(root), 1);
 		const std::int32_t far = order_[ordered_ - 1];
 		ordered_               = done;
 		level_.resize(levels);
-		walk(far, 2);
+		search(far, 2);
 	}
 }
 
-int Slabs::cut(const std::vector<Edge>& edges, int count, int first)
+int Partitions::cut(const std::vector<Edge>& edges, int count, int first)
 {
-	constexpr int leastLevels = 2;
+	constexpr int minLevels = 2;
 	connect(edges);
-	walkAll();
-	int         slabs = 1, levels = 0;
-	std::size_t seen = 0; // ends of edges
+	searchAll();
+	int         partitions = 1, levels = 0;
+	std::size_t seen = 0; // edge ends so far
 	for (std::size_t k = 0; k < level_.size(); ++k, ++levels) {
-		if (levels >= leastLevels && seen * count >= neighbor_.size() * slabs) {
-			++slabs;
+		if (levels >= minLevels && seen * count >= neighbor_.size() * partitions) {
+			++partitions;
 			levels = 0;
 		}
-		for (std::int32_t i = level_[k]; i < (k + 1 < level_.size() ? level_[k + 1] : ordered_); ++i) {
-			slab_[body_[order_[i]]] = first + slabs - 1;
+		for (std::int32_t i = level_[k]; i < (k + 1 < level_.size() ? level_[k + 1] : ordered_);
+		        ++i) {
+			partition_[body_[order_[i]]] = first + partitions - 1;
 			seen += begin_[order_[i] + 1] - begin_[order_[i]];
 		}
 	}
-	return slabs;
+	return partitions;
 }
 
 } // namespace rcr

@@ -1,0 +1,166 @@
+// The operations of the sweep solvers on one island.
+//
+// Mixed precision: large islands may be swept in floats about a reference in doubles. The reference
+// is updated every few hundred sweeps; then rounding of floats does not accumulate.
+#pragma once
+
+#include <vector>
+
+#include "sweep/packed_problem.hpp"
+
+namespace rcr {
+
+class PackedIsland {
+public:
+	PackedIsland(PackedProblem& packed, int number)
+	        : packed_(packed)
+	        , number_(number)
+	        , island_(packed.layout_.islands()[number])
+	        , view_(packed.view())
+	        , singleView_(packed.singleView())
+	{
+	}
+
+	int number() const { return number_; }
+	int points() const { return island_.points; }
+
+	/// Computes lever arms, Delassus coefficients and freeVelocity2.
+	void prepare();
+	/// v ← v_free + M⁻¹Jᵀp, unless v is that already.
+	void recomputeVelocities();
+	/// Solves every point once.
+	void sweep();
+	/// p ← P_K(p + relaxation (solution − p)) at every point.
+	void sweepRelaxed(double relaxation);
+	/// Sweeps from y = p + β (p − p_old) and extrapolated velocities. Returns ‖p − y‖² [(N s)²].
+	double sweepMomentum(double momentum);
+	/// As sweepMomentum, for contacts that yield by u = −ε W p with their Delassus block W. The
+	/// solution of a point is 1/(1 + ε) of the rigid one.
+	double sweepYielding(double momentum, double compliance);
+
+	/// Lets `sweepMomentum` and `measure` work on floats. Does nothing if the island is small, or
+	/// if its numbers or their squares leave the range of floats.
+	void beginMixedPrecision();
+	/// Returns to doubles: the present impulses, and velocities recomputed from them.
+	void endMixedPrecision();
+	bool mixedPrecision() const { return mixedPrecision_; }
+
+	/// Saves the impulses.
+	void saveImpulses();
+	bool hasSavedImpulses() const { return hasSavedImpulses_; }
+	/// Σ |p − p_saved|² [(N s)²], in doubles.
+	double changeSinceSaved();
+
+	/// Sums for the stop criteria at the present impulses and velocities.
+	Measures measure();
+	/// Σ |u|² over the points without impulses [(m/s)²].
+	double freeVelocity2() const { return packed_.freeVelocity2_[number_]; }
+
+private:
+	using OverflowPoint                     = PackedProblem::OverflowPoint;
+	template <class Real> using View        = PackedViewOf<Real>;
+	template <class Real> using Extrapolate = void (*)(const View<Real>&, int, int, double);
+
+	template <class Real, class Kernel>
+	double sweepMomentum(
+	        View<Real>&, Extrapolate<Real>, double momentum, double kept, Kernel sweepChunk);
+	template <class Real>
+	Measures measure(const View<Real>&, const PackedKernelsOf<Real>&, const ColumnOf<Real>* bias);
+	template <class Real> Impulse relativeVelocity(const View<Real>&, const OverflowPoint&) const;
+	template <class Real>
+	void applyImpulse(const View<Real>&, const OverflowPoint&, const Impulse&);
+	template <class Real>
+	Impulse solve(const View<Real>&, const OverflowPoint&, const Impulse& from) const;
+
+	void applyImpulses();
+	/// Before the velocities change: they are no longer recomputed or measured.
+	void invalidate()
+	{
+		packed_.velocityRecomputed_[number_] = false;
+		packed_.measures_[number_].reset();
+	}
+	bool stretches() const
+	{
+		return island_.cell
+		        && (packed_.inverseStretchMass_.x > 0 || packed_.inverseStretchMass_.y > 0);
+	}
+	void copyToDoubles();
+	void updateReference();
+	void resetMomentum();
+
+	/// Calls work(range) for the records of all bodies of the island.
+	template <class Work> void forEachRecords(Work work)
+	{
+		work(island_.overflowRecords);
+		forEachSection([&](const Section& section) { work(section.records); });
+	}
+
+	/// Calls work(section) for all partitions, then for all interfaces; in parallel if the island
+	/// is shared.
+	template <class Work> void forEachSection(Work work)
+	{
+		for (const Range sections : { island_.partitions, island_.interfaces }) {
+			const auto workOn = [&](int k) { work(packed_.layout_.sections()[k]); };
+			if (island_.shared) packed_.team.parallelFor(sections.begin, sections.end, workOn);
+			else
+				for (int k = sections.begin; k < sections.end; ++k)
+					workOn(k);
+		}
+	}
+	/// Calls kernel(chunk, its number) for all chunks of a section.
+	template <class Kernel> void forEachChunk(const Section& section, Kernel kernel)
+	{
+		for (int k = section.chunks.begin; k < section.chunks.end; ++k)
+			kernel(packed_.layout_.chunks()[k], k);
+	}
+	template <class Kernel> void forEachChunk(Kernel kernel)
+	{
+		forEachSection([&](const Section& section) { forEachChunk(section, kernel); });
+	}
+	/// Calls visit(column) for the first column of each point block of a chunk.
+	template <class Visit> static void forEachPointBlock(const Chunk& chunk, Visit visit)
+	{
+		const int columns = columnsOf(chunk.model);
+		const int end     = chunk.firstColumn + chunk.blocks * chunk.pointsPerPair * columns;
+		for (int column = chunk.firstColumn; column < end; column += columns)
+			visit(column);
+	}
+	/// Sum of a value per chunk, in the order of the chunks.
+	template <class Value> Value sum(const std::vector<Value>& ofChunk) const
+	{
+		Value total {};
+		for (const Range sections : { island_.partitions, island_.interfaces })
+			for (int s = sections.begin; s < sections.end; ++s) {
+				const Range chunks = packed_.layout_.sections()[s].chunks;
+				for (int k = chunks.begin; k < chunks.end; ++k)
+					total += ofChunk[k];
+			}
+		return total;
+	}
+	template <class Visit> void forEachOverflowPoint(Visit visit)
+	{
+		const Range overflow = packed_.overflowOf_[number_];
+		for (int k = overflow.begin; k < overflow.end; ++k)
+			visit(packed_.overflow_[k]);
+	}
+
+	PackedProblem& packed_;
+	const int      number_;
+	const Island&  island_;
+	PackedView     view_;
+	View<float>    singleView_;
+	bool           mixedPrecision_ = false, hasSavedImpulses_ = false;
+	int            sweepsSinceReference_ = 0;
+};
+
+template <class Work> void PackedProblem::forEachIsland(Work work)
+{
+	const auto shared = [&](int number) { return layout_.islands()[number].shared; };
+	team.parallelFor(0, islands(), [&](int number) {
+		if (!shared(number)) work(PackedIsland(*this, number));
+	});
+	for (int number = 0; number < islands(); ++number)
+		if (shared(number)) work(PackedIsland(*this, number));
+}
+
+} // namespace rcr

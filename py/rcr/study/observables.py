@@ -1,0 +1,301 @@
+"""Observables O3 to O18 of one elongation. Needs NumPy, not YADE.
+
+* Exponents are maximum-likelihood fits: α to the forces above the mean, β to those from
+  `POWER_RANGE` of it up to it. ``_fit_error`` is the error of the fit. ``_half`` is β up to half of
+  the mean, which shows the effect of the range.
+* Angular functions ⟨·⟩(θ, ξ) are means over the contacts of S(ξ) with a normal near θ. The paper's
+  forms are fitted by least squares. Tangential components are along n turned by −90°: then
+  ⟨f_t⟩ = ⟨f_n⟩ a_ft sin 2(θ − θσ) with a_ft > 0.
+* ``strip_force`` compares the normal forces between grains in vertical strips from wall to wall.
+"""
+
+import dataclasses
+
+import numpy as np
+
+from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE
+from rcr.study import statistics
+
+POWER_RANGE = 0.01  # least force of the fit of β over the mean; the tolerance hides smaller forces
+STRIPS = 5  # vertical strips from wall to wall
+NAMES = ("a_c", "a_ln", "a_lt", "a_fn", "a_ft")
+
+
+@dataclasses.dataclass(frozen=True)
+class Grids:
+    """Classes and cutoffs of all elongations; edges of classes unless stated otherwise."""
+
+    force: np.ndarray  # of f/⟨f⟩: geometric below the mean, 0.25 wide above
+    mobilization: np.ndarray  # of I_m
+    reduced_length: np.ndarray  # of ℓ_r
+    length: np.ndarray  # of ℓ/R_max
+    theta: np.ndarray  # of the angle of normals [rad]
+    strip: np.ndarray  # of the position between the side walls
+    strain: np.ndarray  # values of the strain
+    xi: np.ndarray  # values of ξ, the last one beyond every force
+    xi_polar: np.ndarray  # the same of the angular functions
+
+    @classmethod
+    def of(cls, ensembles, strain):
+        """Return grids that contain every force of the ensembles, up to a strain."""
+        top = float(np.ceil(max(max(e.fn.max(), over_mean(np.abs(e.ft)).max()) for e in ensembles)))
+        shortest = 1 - max(e.eta for e in ensembles)
+        steps = int(np.ceil((1 - shortest) / 0.01 - 1e-9)) or 1
+        return cls(
+            force=np.append(np.geomspace(1e-3, 1, 25), np.arange(1.25, top + 0.125, 0.25)),
+            mobilization=np.linspace(0, 1, 21),
+            reduced_length=1 + 0.01 * np.arange(-steps, 1),
+            length=np.arange(np.floor(shortest / 0.05 + 1e-9), 41) * 0.05,
+            theta=np.linspace(0, np.pi, 37),
+            strip=np.linspace(0, 1, STRIPS + 1),
+            strain=np.linspace(0, strain, 201),
+            xi=np.append(np.arange(0, min(8, top), 0.05), top),
+            xi_polar=np.array([0.5, 1, 2, top]),
+        )
+
+    def values(self):
+        """Return values and centres of classes, by their names in analysis.json."""
+        middles = {
+            name: statistics.centres(getattr(self, name))
+            for name in ("mobilization", "reduced_length", "length", "theta", "strip")
+        }
+        middle = np.where(
+            self.force[1:] <= 1,
+            np.sqrt(self.force[1:] * self.force[:-1]),
+            statistics.centres(self.force),
+        )
+        return middles | dict(force=middle, strain=self.strain, xi=self.xi, xi_polar=self.xi_polar)
+
+
+def over_mean(force):
+    """Return f/⟨f⟩, or zeros if all forces are 0."""
+    mean = force.mean()
+    return force / mean if mean > 0 else force
+
+
+def force_distribution(force, edges, suffix):
+    """Return the density of f/⟨f⟩ and its exponents α above and β below the mean.
+
+    [paper, eqs. strong_fn, strong_ft]
+    """
+    force = over_mean(force)
+    alpha, alpha_error = statistics.exponential_rate(force)
+    beta, beta_error = statistics.power_exponent(force, POWER_RANGE)
+    half, _ = statistics.power_exponent(force, POWER_RANGE, 0.5)
+    return {
+        "pdf": statistics.density(force, edges),
+        f"alpha_{suffix}": alpha,
+        f"alpha_{suffix}_fit_error": alpha_error,
+        f"beta_{suffix}": beta,
+        f"beta_{suffix}_fit_error": beta_error,
+        f"beta_{suffix}_half": half,
+    }
+
+
+def normal_forces(e, grids):
+    """O3: distribution of normal forces, and the fraction of weak ones."""
+    return force_distribution(e.fn, grids.force, "n") | dict(weak_fraction=np.mean(e.fn < 1))
+
+
+def tangential_forces(e, grids):
+    """O4: distribution of tangential forces."""
+    return force_distribution(np.abs(e.ft), grids.force, "t")
+
+
+def mean_mobilization(e, grids):
+    """O5: mean of I_m, and contacts with I_m > 0.99."""
+    weak = e.fn < 1
+    full = e.mobilization > 0.99
+    return dict(
+        friction_mobilization=e.mobilization.mean(),
+        mobilized_fraction=np.mean(full),
+        mobilized_weak_share=np.mean(weak[full]) if full.any() else np.nan,
+    )
+
+
+def strip_forces(e, grids):
+    """O6: mean normal force in vertical strips over the mean of the snapshot.
+
+    It is 1 in a sample without inertia and without effects of the walls.
+    """
+    return dict(strip_force=statistics.class_means(e.across, e.fn, grids.strip))
+
+
+def mobilization_by_force(e, grids):
+    """O7: mean of I_m by classes of the normal force."""
+    return dict(i_mf=statistics.class_means(e.fn, e.mobilization, grids.force))
+
+
+def mobilization_distribution(e, grids):
+    """O8: distribution of I_m."""
+    return dict(pdf=statistics.density(np.minimum(e.mobilization, 1), grids.mobilization))
+
+
+def _reduced_length(e):
+    """Return ℓ_r within its range; overlaps and gaps exceed it by 1e-4 at most."""
+    return np.clip(e.reduced_length, 1 - e.eta + 1e-9, 1 - 1e-9)
+
+
+def length_distribution(e, grids):
+    """O10: distribution of ℓ_r."""
+    return dict(pdf=statistics.density(_reduced_length(e), grids.reduced_length))
+
+
+def _force_and_length(e):
+    return np.hypot(e.fn, e.ft), np.hypot(e.ln, e.lt)
+
+
+def contact_types(e, grids):
+    """O11: fractions of cap-cap, cap-side and side-side contacts [-]."""
+    return {
+        f"fraction_{name}": np.mean(e.type == code)
+        for name, code in (("cc", CAP_CAP), ("cs", CAP_SIDE), ("ss", SIDE_SIDE))
+    }
+
+
+def correlations(e, grids):
+    """O12: C(f, ℓ_r), NaN for discs, and C(f, ℓ); f is the size of the force."""
+    force, length = _force_and_length(e)
+    c_f_lr = np.nan if e.eta == 0 else statistics.pearson(force, e.reduced_length)
+    return dict(c_f_lr=c_f_lr, c_f_l=statistics.pearson(force, length))
+
+
+def force_by_length(e, grids):
+    """O13: mean force by classes of ℓ_r and ℓ."""
+    force, length = _force_and_length(e)
+    force = force / force.mean()
+    return dict(
+        f_l_r=statistics.class_means(_reduced_length(e), force, grids.reduced_length),
+        f_l=statistics.class_means(length, force, grids.length),
+    )
+
+
+def angular_function(e, grids, value, form):
+    """Return means of a column of contacts by the direction of their normals, and their fit.
+
+    Returns
+    -------
+    (function, mean, amplitude) : (ξ, θ), (ξ,) and (ξ,) arrays
+        For each ξ. The fit is mean + amplitude cos 2(θ − θσ) if `form` is np.cos, or
+        amplitude sin 2(θ − θσ) if it is np.sin.
+    """
+    function, fits = [], []
+    for xi in grids.xi_polar:
+        pick = e.fn <= xi
+        wave = form(2 * e.theta[pick])
+        constant = np.full_like(wave, form is np.cos)
+        function.append(statistics.class_means(e.angle[pick], value[pick], grids.theta))
+        fits.append(np.linalg.lstsq(np.column_stack([constant, wave]), value[pick], rcond=None)[0])
+    return np.array(function), *np.array(fits).T
+
+
+def contact_directions(e, grids):
+    """O14: P(θ, ξ), with integral 1 over [0, π], and its Fourier fit (1 + a cos 2(θ − θ_c))/π.
+
+    ``amplitude`` is a cos 2 ``off_axis``, ``off_axis`` is θ_c − θσ [rad].
+    """
+    none = np.nan * grids.theta[1:]
+    densities, moments = [], []
+    for xi in grids.xi_polar:
+        pick = e.fn <= xi
+        filled = pick.any()
+        densities.append(statistics.density(e.angle[pick], grids.theta) if filled else none)
+        moments.append(2 * np.mean(np.exp(2j * e.theta[pick])) if filled else np.nan)
+    moments = np.array(moments)
+    return dict(
+        pdf=np.array(densities),
+        amplitude=moments.real,
+        off_axis=0.5 * np.angle(moments),
+        theta_sigma=e.stress_angle,
+    )
+
+
+def contact_anisotropy(e, grids):
+    """O15: a_c(ξ)."""
+    return dict(a_c=e.xi_networks().anisotropies(grids.xi)[0])
+
+
+def branch_anisotropies(e, grids):
+    """O16: anisotropies and angular functions of branch vectors."""
+    return _anisotropies(e, grids, "l", e.ln, e.lt, slice(1, 3))
+
+
+def force_anisotropies(e, grids):
+    """O17: anisotropies and angular functions of forces."""
+    return _anisotropies(e, grids, "f", e.fn, e.ft, slice(3, 5))
+
+
+def _anisotropies(e, grids, vector, normal, tangential, which):
+    scale = normal.mean()
+    along, mean, along_amplitude = angular_function(e, grids, normal / scale, np.cos)
+    across, _, across_amplitude = angular_function(e, grids, -tangential / scale, np.sin)
+    functions = {
+        f"{vector}_n": along,
+        f"{vector}_n_mean": mean,
+        f"{vector}_n_amplitude": along_amplitude,
+        f"{vector}_t": across,
+        f"{vector}_t_amplitude": across_amplitude,
+    }
+    return dict(zip(NAMES[which], e.xi_networks().anisotropies(grids.xi)[which])) | functions
+
+
+def shear_stress(e, grids):
+    """O18: q(ξ)/p, the half-sum of the anisotropies, and their difference.
+
+    κ q(ξ)/p = half-sum + cross products exactly, with the pressure factor κ.
+    """
+    xi_networks = e.xi_networks()
+    ratio = xi_networks.shear_stress_ratio(grids.xi)
+    half_sum = 0.5 * np.sum(xi_networks.anisotropies(grids.xi), axis=0)
+    neglected = dict(
+        cross_products=xi_networks.cross_products(grids.xi),
+        pressure_factor=xi_networks.pressure_factor(),
+    )
+    return dict(q_over_p=ratio, half_sum=half_sum, closure=half_sum - ratio) | neglected
+
+
+MEASURES = dict(  # observable: (function, {name in analysis.json: grid of its arrays})
+    O3=(normal_forces, dict(f_n="force")),
+    O4=(tangential_forces, dict(f_t="force")),
+    O5=(mean_mobilization, {}),
+    O6=(strip_forces, dict(strip="strip")),
+    O7=(mobilization_by_force, dict(f_n="force")),
+    O8=(mobilization_distribution, dict(i_m="mobilization")),
+    O10=(length_distribution, dict(l_r="reduced_length")),
+    O11=(contact_types, {}),
+    O12=(correlations, {}),
+    O13=(force_by_length, dict(l_r="reduced_length", l="length")),
+    O14=(contact_directions, dict(theta="theta", xi="xi_polar")),
+    O15=(contact_anisotropy, dict(xi="xi")),
+    O16=(branch_anisotropies, dict(xi="xi", xi_polar="xi_polar", theta="theta")),
+    O17=(force_anisotropies, dict(xi="xi", xi_polar="xi_polar", theta="theta")),
+    O18=(shear_stress, dict(xi="xi")),
+)
+
+
+def with_errors(parts):
+    """Return {name: value, name_error: standard error}.
+
+    The first of `parts` gives the values, the others the errors.
+    """
+    whole, *snapshots = parts
+    values = {}
+    for name, value in whole.items():
+        values[name] = value
+        if not name.endswith("_fit_error"):
+            values[f"{name}_error"] = statistics.standard_error(
+                [snapshot[name] for snapshot in snapshots]
+            )
+    return values
+
+
+def measures(ensemble, grids, parts=None):
+    """Return {observable: {name: value or error}} of one ensemble.
+
+    Errors are those over its `parts`, by default its snapshots.
+    """
+    parts = ensemble.snapshots() if parts is None else parts
+    return {
+        key: with_errors([measure(e, grids) for e in (ensemble, *parts)])
+        for key, (measure, _) in MEASURES.items()
+    }
