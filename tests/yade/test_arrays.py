@@ -356,7 +356,7 @@ def test_a_history_is_kept_without_a_stop():
 def test_observe_every_is_a_number_of_steps():
     pressed()
     solver().observeEvery = -1
-    with pytest.raises(ValueError, match="ContactDynamics.observeEvery = -1; wanted 0, none, or a "
+    with pytest.raises(ValueError, match="ContactDynamics.observeEvery = -1; expected a "
                        "number of steps"):
         O.run(1, True)
 
@@ -402,8 +402,8 @@ def test_an_observed_body_that_is_erased():
     first, second = watched.observations()
     assert set(first["positions"]) == set(second["forces"]) == {5, 60}
     assert set(second["positions"]) == {60}
-    with pytest.raises(RuntimeError, match="ContactDynamics.observe holds 5, a body that has been "
-                       "erased; take it out"):
+    with pytest.raises(RuntimeError, match="ContactDynamics.observe holds 5, a body that was "
+                       "erased; remove the id"):
         O.run(10, True)
     watched.observe = [60]
     O.run(60, True)
@@ -416,7 +416,7 @@ def test_a_member_of_a_clump_is_not_observed():
     clump, (member, _) = rcr.clump([rcr.particle((0, 0.1), R, 0.5),
                                     rcr.particle((0, 0.1), R, 0.5, math.pi / 2)])
     solver().observe = [member]
-    with pytest.raises(RuntimeError, match=f"observe holds {member}, a member of the clump "
+    with pytest.raises(RuntimeError, match=f"observe holds {member}, a member of clump "
                        f"{clump}, on which its contacts act; give that"):
         O.run(2, True)
 

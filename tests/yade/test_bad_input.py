@@ -209,9 +209,9 @@ def test_negative_time_step_is_refused_by_yade():
         ("solver", "magic", "magic.*nlgs.*nesterov.*exact.*auto"),
         ("tolerance", -1e-4, "tolerance = -0.0001"),
         ("tolerance", NAN, "tolerance = -?nan"),
-        ("tolerance", float("inf"), "tolerance = inf: give a finite residual"),
+        ("tolerance", float("inf"), "tolerance = inf; expected a finite residual"),
         ("meanForceChange", float("inf"), "meanForceChange = inf: give a finite change"),
-        ("minIterations", 10**9, "minIterations = 1000000000: give .* no more than maxIterations "
+        ("minIterations", 10**9, "minIterations = 1000000000; expected at most maxIterations "
          "= "),
         ("maxIterations", 0, "maxIterations = 0"),
         ("maxIterations", -5, "maxIterations = -5"),
@@ -247,14 +247,14 @@ def test_functor_for_a_facet_forgotten():
     O.bodies.append(yade.utils.facet([(-1, 0.25, -1), (1, 0.25, -1), (0, 0.25, 1)],
                                      material=material()))
     O.engines[2].geomDispatcher.functors = [rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Rcr_Rcr_RcrGeom()]
-    refused("no Ig2 functor of the InteractionLoop serves .*(Facet|Rcr) and (Rcr|Facet) .*Add "
+    refused("no Ig2 functor of the InteractionLoop handles .*(Facet|Rcr) and (Rcr|Facet) .*Add "
             "Ig2_Facet_Rcr_RcrGeom")
 
 
 def test_missing_ig2():
     resting()
     O.engines[2].geomDispatcher.functors = [rcr.Ig2_Wall_Rcr_RcrGeom()]
-    refused("no Ig2 functor of the InteractionLoop serves Rcr and Rcr .*Add Ig2_Rcr_Rcr_RcrGeom")
+    refused("no Ig2 functor of the InteractionLoop handles Rcr and Rcr .*Add Ig2_Rcr_Rcr_RcrGeom")
 
 
 SCENE = f"""
@@ -309,7 +309,7 @@ def test_run_and_wait_raises():
     build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-5,
           restitution=2)
     with pytest.raises(RuntimeError, match="contact of bodies #0 and #1 has the restitution 2; "
-                       "wanted 0 to 1"):
+                       "expected 0 to 1"):
         O.run(100_000, wait=True)
     assert 25_000 < O.iter < 35_000  # √(2h/g) / dt = 32 000
 

@@ -111,8 +111,8 @@ def test_a_flow_that_follows_no_longer_is_forgotten():
 def test_a_flow_that_follows_is_one_without_inertia():
     (body,), solver = flowing(stadium(0.1, 0.05, (1, 2)))
     solver.overdamped, solver.trackMeanStretch = False, True
-    with pytest.raises(ValueError, match="ContactDynamics.trackMeanStretch = True; wanted only "
-                       "with overdamped"):
+    with pytest.raises(ValueError, match="ContactDynamics.trackMeanStretch = True; expected "
+                       "overdamped = True"):
         O.step()
     assert tuple(body.state.pos) == (1, 2, 0)
 
@@ -122,7 +122,7 @@ def test_a_flow_that_cannot_be_is_refused(overdamped, value):
     (body,), solver = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(value, 0, 0, 0, 0, 0, 0, 0,
         0))
     solver.overdamped = overdamped
-    with pytest.raises(ValueError, match="ContactDynamics.flow is not zero; wanted finite, and "
-                       "only with overdamped"):
+    with pytest.raises(ValueError, match="ContactDynamics.flow is not zero; expected finite "
+                       "entries, and overdamped = True"):
         O.step()
     assert tuple(body.state.pos) == (1, 2, 0)

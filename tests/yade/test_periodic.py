@@ -290,7 +290,7 @@ def test_a_loose_cell_that_falls_together_in_a_step_is_refused(overdamped):
     next(e for e in O.engines if isinstance(e, rcr.ContactDynamics)).overdamped = overdamped
     before = O.cell.hSize
     with pytest.raises(RuntimeError, match="CellStress would stretch the cell by .* % along x in "
-                       "step .*Nothing has moved. Take a smaller O.dt"):
+                       "step .*Nothing has moved. Set a smaller O.dt"):
         steps(5)
     assert abs((O.cell.hSize - before)[0, 0]) < 0.05 * 0.09 and O.iter < 5
 
@@ -318,7 +318,7 @@ def test_periodic_triaxial_controller_needs_springs():
     scene("rigid", rcr.disc((0.5, 0.5), 0.1, material=material()))
     O.engines = O.engines[:3] + [PeriTriaxController(dynCell=True, mass=1, goal=(-1, -1, 0),
                                                      stressMask=3)] + O.engines[3:]
-    with pytest.raises(ValueError, match="take rcr.CellStress"):
+    with pytest.raises(ValueError, match="use rcr.CellStress"):
         O.step()
 
 

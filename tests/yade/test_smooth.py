@@ -384,7 +384,7 @@ def test_the_stress_of_the_network_is_that_of_the_walls():
 
 @pytest.mark.parametrize("damping", [-0.1, math.nan, math.inf])
 def test_damping_out_of_range(damping):
-    with pytest.raises(ValueError, match=r"CundallStrack.damping = .*; wanted a share of the "
+    with pytest.raises(ValueError, match=r"CundallStrack.damping = .*; expected a fraction of the "
                        r"critical damping"):
         rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping)
 

@@ -78,8 +78,8 @@ RCR_IG2(Ig2_Wall_Rcr_RcrGeom, Wall, Rcr, "Contact points of an :yref:`Rcr` on a 
 RCR_IG2(Ig2_Box_Rcr_RcrGeom, Box, Rcr, "Contact points of an :yref:`Rcr` and a :yref:`Box`, a rectangle in the plane.")
 RCR_IG2(Ig2_Facet_Rcr_RcrGeom, Facet, Rcr, "Contact points of an :yref:`Rcr` and a :yref:`Facet`, a segment in the plane; both sides act.")
 RCR_IG2(Ig2_Sphere_Rcr_RcrGeom, Sphere, Rcr, "Contact point of a disc (:yref:`Sphere`) and an :yref:`Rcr`. ``rcr.disc`` sets mass and inertia of a disc.")
-RCR_IG2(Ig2_Sphere_Sphere_RcrGeom, Sphere, Sphere, "Contact point of two discs (:yref:`Spheres<Sphere>`).")
-RCR_IG2(Ig2_Wall_Sphere_RcrGeom, Wall, Sphere, "Contact point of a disc (:yref:`Sphere`) on a :yref:`Wall`.")
+RCR_IG2(Ig2_Sphere_Sphere_RcrGeom, Sphere, Sphere, "Contact point of two discs (:yref:`Spheres<Sphere>`) in the plane z = const.")
+RCR_IG2(Ig2_Wall_Sphere_RcrGeom, Wall, Sphere, "Contact point of a disc (:yref:`Sphere`) on a :yref:`Wall` normal to x or y.")
 RCR_IG2(Ig2_Box_Sphere_RcrGeom, Box, Sphere, "Contact point of a disc (:yref:`Sphere`) and a :yref:`Box`, a rectangle in the plane.")
 RCR_IG2(Ig2_Facet_Sphere_RcrGeom, Facet, Sphere, "Contact point of a disc (:yref:`Sphere`) and a :yref:`Facet`, a segment in the plane.")
 
