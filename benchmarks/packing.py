@@ -65,21 +65,17 @@ class Packing:
 
         centre, reach = self.pose[: self.grains, :2], self.stadium.sum(1)
         pairs = cKDTree(centre).query_pairs(2 * reach.max() + alert, output_type="ndarray")
-        pairs = pairs[np.hypot(*(centre[pairs[:, 0]] - centre[pairs[:, 1]]).T) < reach[pairs].sum(1)
-                      + alert]
+        distance = np.hypot(*(centre[pairs[:, 0]] - centre[pairs[:, 1]]).T)
+        pairs = pairs[distance < reach[pairs].sum(1) + alert]
         pairs = pairs[np.lexsort(pairs.T[::-1])].reshape(-1, 2)
         pose = np.ascontiguousarray(self.pose[: self.grains])
         i, j = pairs.T
-        found = [(pairs,
-                  kernel.overlap_stadiums(self.stadium[i], pose[i], self.stadium[j], pose[j],
-                                          alert), friction)]
-        for k, normal in enumerate(WALL_NORMALS):
-            wall = self.grains + k
-            face = np.tile(self.pose[wall, :2], (self.grains, 1))
-            at = kernel.overlap_wall(face, np.tile(normal, (self.grains, 1)), self.stadium, pose,
-                                     alert / 2)
-            found.append((np.column_stack([np.full(self.grains, wall),
-                                           np.arange(self.grains)]), at, 0.0))
+        at = kernel.overlap_stadiums(self.stadium[i], pose[i], self.stadium[j], pose[j], alert)
+        found, grains = [(pairs, at, friction)], np.arange(self.grains)
+        for wall, normal in enumerate(WALL_NORMALS, self.grains):
+            face, normals = (np.tile(v, (self.grains, 1)) for v in (self.pose[wall, :2], normal))
+            at = kernel.overlap_wall(face, normals, self.stadium, pose, alert / 2)
+            found.append((np.column_stack([np.full(self.grains, wall), grains]), at, 0.0))
         bodies, position, normal, gap, mu = [], [], [], [], []
         for ids, manifold, coefficient in found:
             there = np.arange(2) < manifold["count"][:, None]

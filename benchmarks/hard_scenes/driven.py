@@ -22,8 +22,8 @@ from yade.wrapper import RotationEngine
 
 import rcr
 
-from .stage import (DT, G, R, ContactDynamics, Smooth, angle, box, build, material, positions,
-                    real_contacts, solver)
+from .stage import (DT, G, R, ContactDynamics, Smooth, angle, box, build, material, open_box,
+                    positions, real_contacts, solver)
 
 MOTIONS = "lid piston receding shear rotating wedge".split()
 CRUSHED = 0.02  # overlap over R₁ + R₂ at which grains count as crushed
@@ -136,12 +136,6 @@ def violations(scene, rigid, springs):
     return [name for name, is_broken in broken.items() if is_broken]
 
 
-def _walls(scene, rough):
-    return [
-        rcr.wall(axis, at, material=rough) for axis, at in (("x", 0), ("x", scene.width), ("y", 0))
-    ]
-
-
 def _boundary(scene, top, rough):
     """Bodies around the grains, and a function of their ids that makes their engines."""
     v, width = scene.speed, scene.width
@@ -160,7 +154,7 @@ def _boundary(scene, top, rough):
             RotationEngine(ids=ids, angularVelocity=rate, rotationAxis=(0, 0, 1), rotateAroundZero=
                            True, zeroPoint=(*centre, 0))
         ]
-    walls = _walls(scene, rough)
+    walls = open_box(scene.width, rough)
     lid = rcr.wall("y", top, sense=-1, material=rough)
     if scene.motion in ("lid", "receding"):
         lid.state.vel[1] = -v
@@ -179,8 +173,8 @@ def _boundary(scene, top, rough):
     if scene.motion == "wedge":  # a ram between two slopes
         lean = math.radians(50)
         reach = width / 2 / math.cos(lean)
-        slope = lambda x, angle: box((x, width / 4 * math.tan(lean) - R),
-                                     (reach / 2, R), angle, rough)
+        y = width / 4 * math.tan(lean) - R
+        slope = lambda x, angle: box((x, y), (reach / 2, R), angle, rough)
         slopes = [slope(width / 4, -lean), slope(0.75 * width, lean)]
         ram = rcr.particle((width / 2, top + 0.25 * width), 0.25 * width, 0, material=rough,
                            fixed=True)
@@ -202,7 +196,7 @@ def _settled(scene):
     centers = rcr._kernel.deposit(np.array(radii), scene.width)
     lift = 0.25 * scene.width * math.tan(math.radians(50)) * 2 if scene.motion == "wedge" else 0
     walls, _ = _boundary(dataclasses.replace(scene, speed=0), 1e3,
-                         rough) if scene.motion == "wedge" else (_walls(scene, rough), None)
+                         rough) if scene.motion == "wedge" else (open_box(scene.width, rough), None)
     grains = [
         rcr.particle((x, y + lift), r, scene.eta, angle=dice.uniform(0, math.pi), material=rough)
         for (x, y), r in zip(centers, radii)

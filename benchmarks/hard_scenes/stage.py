@@ -130,6 +130,11 @@ def box(center, half_extent, angle=0.0, material=None):
                           material=material)
 
 
+def open_box(width, rough):
+    """Walls left, right and bottom of a box with its corner at the origin."""
+    return [rcr.wall(axis, at, material=rough) for axis, at in (("x", 0), ("x", width), ("y", 0))]
+
+
 def tilted(alpha):
     """Gravity on a slope that falls by α towards +x, in the frame of the slope."""
     return (G * math.sin(alpha), -G * math.cos(alpha), 0)
