@@ -259,7 +259,7 @@ def test_missing_ig2():
 
 SCENE = f"""
 import sys
-sys.path.insert(0, {os.path.dirname(__file__)!r})
+sys.path.insert(0, {os.path.dirname(os.path.dirname(__file__))!r})
 import yade
 from scenes import *
 build(rcr.wall("y", 0, material=material()), stadium(0.2, 0.1, (0, HEIGHT), material=material()))
@@ -298,7 +298,8 @@ assert "Rcr" not in yade.system.childClasses("Shape")
 """
     )
     assert "rcr was built for YADE 20" in result.stdout, result.stderr
-    assert "but YADE 1999.1 is running. Start scripts/yade-rcr to rebuild it" in result.stdout, result.stderr
+    assert ("but YADE 1999.1 is running. Start scripts/yade-rcr to rebuild "
+            "it") in result.stdout, result.stderr
 
 
 # --- how errors arrive ----------------------------------------------------------------------------

@@ -10,16 +10,14 @@ import warnings
 import numpy as np
 import pytest
 import rcr
-from scenes import ALL_IG2, build, engines, material, python, snapshot, stadium, steps
+from scenes import build, engines, material, python, smooth, snapshot, stadium, steps
 from yade import O, utils
 from yade.minieigenHP import Quaternion, Vector3
 from yade.wrapper import (
-    Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ElastMat, ForceEngine,
-    ForceResetter, GlobalStiffnessTimeStepper,
-    GravityEngine, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop,
-    Ip2_FrictMat_FrictMat_FrictPhys,
-    Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator, PyRunner, StepDisplacer,
-    TranslationEngine,
+    Bo1_Wall_Aabb, ElastMat, ForceEngine, ForceResetter, GlobalStiffnessTimeStepper, GravityEngine,
+    Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop,
+    Ip2_FrictMat_FrictMat_FrictPhys, Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator,
+    PyRunner, StepDisplacer, TranslationEngine,
 )  # fmt: skip
 
 NAN = math.nan
@@ -30,25 +28,6 @@ def rigid(**options):
     rough = material()
     return build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough),
                  **options)
-
-
-def smooth(*bodies):
-    """`rigid` under the smooth law, or these bodies."""
-    O.reset()
-    O.dt = 1e-5
-    O.engines = [
-        ForceResetter(),
-        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(),
-                               Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
-        InteractionLoop([getattr(rcr, name)() for name in ALL_IG2],
-                        [Ip2_FrictMat_FrictMat_FrictPhys()],
-                        [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
-        NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
-    ]
-    rough = material()
-    rough.young, rough.poisson = 1e8, 0.5
-    return [O.bodies.append(b) for b in bodies or (rcr.wall("y", 0, material=rough),
-                                                   stadium(0.2, 0.1, (0, 0.1), material=rough))]
 
 
 LAWS = pytest.mark.parametrize("scene", [rigid, smooth])
@@ -195,7 +174,8 @@ def test_forces_after_the_solver_cause_a_warning(capfd):
                                                iterPeriod=1))
     steps(100)
     told = capfd.readouterr().err
-    assert "grows although all steps reached the tolerance. Something moves the bodies that the solver does not see" in told
+    assert ("grows although all steps reached the tolerance. Something moves the bodies that "
+            "the solver does not see") in told
     assert "Deepest in this step: bodies #0 and #1." in told
 
 
@@ -274,7 +254,7 @@ def test_f43_material_that_loses_its_friction_in_a_run():
     result = python(
         f"""
 import sys, time
-sys.path.insert(0, {__file__.rsplit('/', 1)[0]!r})
+sys.path.insert(0, {__file__.rsplit('/', 2)[0]!r})
 import yade
 from scenes import *
 from yade.wrapper import ElastMat, PyRunner
@@ -474,7 +454,8 @@ def test_initial_overlaps_warn_once(scene):
     assert advised() == []
     O.bodies.append(stadium(0.2, 0.1, (3, 0.08), material=rough))
     (told,) = advised()
-    assert "bodies #0 and #4 overlap by 0.02 m, 0.0333 of R₁ + R₂, before their first step. " in told
+    assert ("bodies #0 and #4 overlap by 0.02 m, 0.0333 of R₁ + R₂, before their first step. "
+            "") in told
 
 
 @LAWS
@@ -484,7 +465,8 @@ def test_grains_behind_a_wall_warn(scene):
     O.bodies.append([rcr.wall("x", -1, -1, material=rough),
                      stadium(0.2, 0.1, (3, 1), material=rough)])
     (told,) = advised()
-    assert "body #1 and 1 more lie behind a wall, body #2, which acts towards -x only (sense=-1): such a grain goes through it. Set sense=1, or 0" in told
+    assert ("body #1 and 1 more lie behind a wall, body #2, which acts towards -x only "
+            "(sense=-1): such a grain goes through it. Set sense=1, or 0") in told
 
 
 def test_overlaps_of_images_warn():
@@ -518,7 +500,8 @@ def test_a_time_step_beyond_the_critical_one_warns():
     assert advised() == []
     O.dt = 1.1 * rcr.critical_time_step()
     (told,) = advised()
-    assert "where springs of this stiffness become unstable; set O.dt = 0.5 * rcr.critical_time_step()" in told
+    assert ("where springs of this stiffness become unstable; set O.dt = 0.5 * "
+            "rcr.critical_time_step()") in told
     assert advised() == []
     O.dt = 2
     O.engines = [GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.1, defaultDt=1e-6),
