@@ -36,10 +36,8 @@ def beside(parts):
         for key, value in part.items():
             columns[key].append(value + count if key == "bodies" else value)
         count += len(part["inverse_mass"])
-    return {
-        key: np.concatenate(values).astype(np.int32 if key == "bodies" else float)
-        for key, values in columns.items()
-    }
+    return {key: np.concatenate(values).astype(np.int32 if key == "bodies" else float)
+            for key, values in columns.items()}
 
 
 def heap(discs, seed):

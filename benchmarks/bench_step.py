@@ -262,10 +262,8 @@ def check(options, in_yade):
         options.steps = 200 if in_yade else 20
     for path in options.inputs:
         if os.path.isdir(path) and not in_yade:
-            raise ValueError(
-                f"{path} is a folder: a checkpoint needs YADE, "
-                f"scripts/yade-rcr -n -x scripts/bench_step.py {path} --out DIR"
-            )
+            raise ValueError(f"{path} is a folder: a checkpoint needs YADE, "
+                             f"scripts/yade-rcr -n -x scripts/bench_step.py {path} --out DIR")
         if in_yade and not os.path.isdir(path):
             raise ValueError(
                 f"{path} is no folder: give a folder of scripts/biaxial.py, or run without YADE")

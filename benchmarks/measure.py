@@ -104,10 +104,8 @@ def sweep_times(runs, repeats):
 
     points = np.array([count for count, _ in runs])
     many = FEW + np.maximum(40, UNITS_OF_WORK // points)
-    calls = [
-        partial(run, solve, int(count)) for (_, solve), most in zip(runs, many)
-        for count in (FEW, most)
-    ]
+    calls = [partial(run, solve, int(count)) for (_, solve), most in zip(runs, many)
+             for count in (FEW, most)]
     least = minima(repeats, 60, *calls)
     return 1e9 * (least[1::2] - least[::2]) / ((many - FEW) * points)[:, None]
 
@@ -219,10 +217,8 @@ def _walls_seen(problem):
 def _straight_wall(problem):
     for _, axis, sign, speed in _walls_seen(problem):
         return axis, sign, speed
-    raise ValueError(
-        "expected a prescribed body whose contacts share one normal along x or y; "
-        "give a problem with a straight wall"
-    )
+    raise ValueError("expected a prescribed body whose contacts share one normal along x or y; "
+                     "give a problem with a straight wall")
 
 
 def _walls(problem, axis, sign, speed):
@@ -324,10 +320,8 @@ def write(path, rows, columns):
 
 def given_options(options):
     """Options of a script, for its run.json."""
-    return {
-        name: value
-        for name, value in vars(options).items() if name not in ("out", "overwrite")
-    }
+    return {name: value
+            for name, value in vars(options).items() if name not in ("out", "overwrite")}
 
 
 def _cell(value):

@@ -113,18 +113,14 @@ def _from_step(path):
     with np.load(path) as file:
         missing = [name for name in names if name not in file]
         if missing:
-            raise ValueError(
-                f"{path}: lacks {', '.join(missing)}; "
-                f"expected the bodies of a step, {', '.join(names)}"
-            )
+            raise ValueError(f"{path}: lacks {', '.join(missing)}; "
+                             f"expected the bodies of a step, {', '.join(names)}")
         state, before, free, inverse_mass, inverse_inertia, (dt, _, count) = (np.asarray(
             file[name], float) for name in names)
     count, inverse_mass = int(count), inverse_mass.reshape(len(inverse_mass), -1)[:, 0]
     if len(state) != count + 4:
-        raise ValueError(
-            f"{path}: state has {len(state)} rows for {count} particles; "
-            "expected four walls after them"
-        )
+        raise ValueError(f"{path}: state has {len(state)} rows for {count} particles; "
+                         "expected four walls after them")
     mass = np.divide(1, inverse_mass, out=np.zeros(count + 4), where=inverse_mass > 0)
     force = (free - before)[:, :2] * mass[:, None] / dt
     pose = state[:, :3].copy()

@@ -143,12 +143,10 @@ def _boundary(scene, top, rough):
         centre, half = (width / 2, top / 2), (width / 2, top / 2)
         thick = 3 * R
         side = lambda x, y, a, b: box((x, y), (a, b), material=rough)
-        boxes = [
-            side(centre[0], -thick, half[0] + 2 * thick, thick),
-            side(centre[0], top + thick, half[0] + 2 * thick, thick),
-            side(-thick, centre[1], thick, half[1]),
-            side(width + thick, centre[1], thick, half[1]),
-        ]
+        boxes = [side(centre[0], -thick, half[0] + 2 * thick, thick),
+                 side(centre[0], top + thick, half[0] + 2 * thick, thick),
+                 side(-thick, centre[1], thick, half[1]),
+                 side(width + thick, centre[1], thick, half[1])]
         rate = scene.speed / math.hypot(*half)
         return boxes, lambda ids: [
             RotationEngine(ids=ids, angularVelocity=rate, rotationAxis=(0, 0, 1), rotateAroundZero=
@@ -163,10 +161,8 @@ def _boundary(scene, top, rough):
     if scene.motion == "piston":
         walls[1].state.vel[0] = -v
     if scene.motion == "shear":  # a row of discs that sinks at a tenth of its speed
-        row = [
-            rcr.particle((x, top + R), R, 0, material=rough, fixed=True)
-            for x in np.arange(-9 * R, width + 9 * R, 2 * R)
-        ]
+        row = [rcr.particle((x, top + R), R, 0, material=rough, fixed=True)
+               for x in np.arange(-9 * R, width + 9 * R, 2 * R)]
         for disc in row:
             disc.state.vel = (v, -0.1 * v, 0)
         return walls[2:] + row + _ends(scene, top, rough), lambda ids: []
@@ -195,12 +191,12 @@ def _settled(scene):
     rough = material(scene.friction)
     centers = rcr._kernel.deposit(np.array(radii), scene.width)
     lift = 0.25 * scene.width * math.tan(math.radians(50)) * 2 if scene.motion == "wedge" else 0
-    walls, _ = _boundary(dataclasses.replace(scene, speed=0), 1e3,
-                         rough) if scene.motion == "wedge" else (open_box(scene.width, rough), None)
-    grains = [
-        rcr.particle((x, y + lift), r, scene.eta, angle=dice.uniform(0, math.pi), material=rough)
-        for (x, y), r in zip(centers, radii)
-    ]
+    walls = open_box(scene.width, rough)
+    if scene.motion == "wedge":
+        walls, _ = _boundary(dataclasses.replace(scene, speed=0), 1e3, rough)
+    place = lambda x, y, r: rcr.particle((x, y + lift), r, scene.eta,
+                                         angle=dice.uniform(0, math.pi), material=rough)
+    grains = [place(x, y, r) for (x, y), r in zip(centers, radii)]
     ids = build(ContactDynamics(), DT, *walls, *grains)[len(walls) :]
     for _ in range(600):
         O.step()
@@ -219,10 +215,8 @@ def begin(scene, law, bed):
     rough = material(scene.friction)
     top = _top(radii, poses, scene.eta) + 1e-3 * R
     boundary, engines = _boundary(scene, top, rough)
-    grains = [
-        rcr.particle((x, y), r, scene.eta, angle=a, material=rough)
-        for r, (x, y, a) in zip(radii, poses)
-    ]
+    grains = [rcr.particle((x, y), r, scene.eta, angle=a, material=rough)
+              for r, (x, y, a) in zip(radii, poses)]
     ids = build(law, scene.dt, *boundary, *grains)
     walls, ids = ids[: len(boundary)], ids[len(boundary) :]
     O.engines = O.engines[:3] + engines(walls) + O.engines[3:]

@@ -20,7 +20,8 @@ def build(law, dt):
     rough = material()
     centers = [(R * (1 + row % 2) + D * k, R + row * np.sqrt(3) * R) for row in range(ROWS)
                for k in range(COLUMNS - row % 2)]
-    ids = scene(law, dt, *open_box(COLUMNS * D, rough), *(stadium(0, R, c, material=rough) for c in centers))
+    discs = [stadium(0, R, c, material=rough) for c in centers]
+    ids = scene(law, dt, *open_box(COLUMNS * D, rough), *discs)
     return ids[3:]
 
 

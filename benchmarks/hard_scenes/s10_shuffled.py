@@ -32,10 +32,8 @@ def build(law, dt):
 def shuffled(problem, order):
     """The problem with its contacts in another order."""
     return dataclasses.replace(
-        problem, **{
-            n: getattr(problem, n)[order]
-            for n in "bodies normal arm1 arm2 bias friction impulse".split()
-        })
+        problem, **{n: getattr(problem, n)[order]
+                    for n in "bodies normal arm1 arm2 bias friction impulse".split()})
 
 
 def measure(ids, clock):

@@ -23,7 +23,8 @@ def build(law, dt):
                for k in range(7 - row % 2)]
     top = 2 * R + 5 * math.sqrt(3) * R
     lid = rcr.wall("y", top, sense=-1, velocity=-SPEED, material=rough)
-    return scene(law, dt, *open_box(7 * D, rough), lid, *(stadium(0, R, c, material=rough) for c in centers))
+    discs = [stadium(0, R, c, material=rough) for c in centers]
+    return scene(law, dt, *open_box(7 * D, rough), lid, *discs)
 
 
 def measure(ids, clock):
