@@ -36,10 +36,8 @@ def beside(parts):
         for key, value in part.items():
             columns[key].append(value + count if key == "bodies" else value)
         count += len(part["inverse_mass"])
-    return {
-        key: np.concatenate(values).astype(np.int32 if key == "bodies" else float)
-        for key, values in columns.items()
-    }
+    return {key: np.concatenate(values).astype(np.int32 if key == "bodies" else float)
+            for key, values in columns.items()}
 
 
 def heap(discs, seed):
@@ -53,21 +51,19 @@ def heap(discs, seed):
 
 def single_grain():
     """A disc on a fixed floor."""
-    return dict(inverse_mass=np.array([[1.0, 1, 8], [0, 0,
-                                                     0]]), free_velocity=np.array([[0.1, -0.1, 0.3],
-                                                                                   [0, 0, 0]]),
+    return dict(inverse_mass=np.array([[1.0, 1, 8], [0, 0, 0]]),
+                free_velocity=np.array([[0.1, -0.1, 0.3], [0, 0, 0]]),
                 bodies=np.array([[0, 1]], np.int32), normal=np.array([[0.0, -1]]),
-                arm1=np.array([[0.1, -0.5]]), arm2=np.zeros(
-                    (1, 2)), bias=np.zeros(1), friction=np.full(1, 0.5), impulse=np.zeros((1, 2)))
+                arm1=np.array([[0.1, -0.5]]), arm2=np.zeros((1, 2)), bias=np.zeros(1),
+                friction=np.full(1, 0.5), impulse=np.zeros((1, 2)))
 
 
 def full_and_reduced(given, left_out, **settings):
     """Two calls of the solver: without the reductions `left_out`, and with all."""
     settings.update(given, kinematic_tolerance=np.inf)
-    return [
-        partial(kernel.solve, **settings, workspace=kernel.Workspace(), reductions=without(*left))
-        for left in (left_out, ())
-    ]
+    solve = partial(kernel.solve, **settings)
+    return [partial(solve, workspace=kernel.Workspace(), reductions=without(*left))
+            for left in (left_out, ())]
 
 
 def row(name, about, given, what, full, reduced):
@@ -83,12 +79,14 @@ def sweep_row(name, about, given, left_out, solver, repeats):
 
 
 def call_row(name, about, given, left_out, repeats, what, **settings):
-    calls = [
-        lambda solve=solve: solve()["processor_seconds"]
-        for solve in full_and_reduced(given, left_out, **settings)
-    ]
-    return row(name, about, given, f"{what} [µs]",
-               *(1e6 * time for time in measure.best(repeats, 60, *calls)))
+    times = call_times(full_and_reduced(given, left_out, **settings), repeats)
+    return row(name, about, given, f"{what} [µs]", *times)
+
+
+def call_times(calls, repeats):
+    """Processor time of each call [µs], the minimum of several."""
+    times = [lambda call=call: call()["processor_seconds"] for call in calls]
+    return [1e6 * seconds for seconds in measure.best(repeats, 60, *times)]
 
 
 def residuals(parts, impulse):
@@ -102,47 +100,42 @@ def residuals(parts, impulse):
 def island_rows(about, parts, tolerance, repeats):
     """Cost until each island has reached the tolerance.
 
-    Without the reduction all islands are swept to the residual of the whole at which the last one
-    has.
+    Without the reduction, one residual over all islands ends the sweeps. It is lowered until the
+    last island has reached the tolerance.
     """
     given = beside(parts)
     settings = dict(given, kinematic_tolerance=np.inf, solver="nesterov", max_iterations=20000)
     as_one = dict(reductions=without("islands"), tolerance=tolerance)
     while max(residuals(parts, kernel.solve(**settings, **as_one)["impulse"])) > tolerance:
         as_one["tolerance"] /= 1.1
-    ways = [
-        partial(kernel.solve, **settings, **way, workspace=kernel.Workspace())
-        for way in (as_one, dict(tolerance=tolerance))
-    ]
-    yield row("islands", about, given, f"sweeps × points to {tolerance:g} each",
-              *(solve()["work"] for solve in ways))
-    times = measure.best(repeats, 60,
-                         *(lambda solve=solve: solve()["processor_seconds"] for solve in ways))
-    yield row("islands", about, given, f"to {tolerance:g} each [µs]",
-              *(1e6 * time for time in times))
+    solve = partial(kernel.solve, **settings)
+    ways = [partial(solve, **way, workspace=kernel.Workspace())
+            for way in (as_one, dict(tolerance=tolerance))]
+    work = [way()["work"] for way in ways]
+    yield row("islands", about, given, f"sweeps × points to {tolerance:g} each", *work)
+    yield row("islands", about, given, f"to {tolerance:g} each [µs]", *call_times(ways, repeats))
 
 
 def rows(given, options):
     repeats = options.repeats
     for name, problem in given:
         slippery = frictionless(problem)
-        turning = {**slippery, "arm1": slippery["arm1"] + 0.1,
-                   "arm2": slippery["arm2"] - 0.1}  # normals with levers
+        # normals with levers
+        turning = dict(slippery, arm1=slippery["arm1"] + 0.1, arm2=slippery["arm2"] - 0.1)
+        both = ["frictionless", "discs"]
         for solver in "nlgs", "nesterov":
-            yield sweep_row("frictionless", name, turning, ["frictionless", "discs"], solver,
-                            repeats)
+            yield sweep_row("frictionless", name, turning, both, solver, repeats)
             yield sweep_row("discs", name, slippery, ["discs"], solver, repeats)
-            yield sweep_row("both", name, slippery, ["frictionless", "discs"], solver, repeats)
+            yield sweep_row("both", name, slippery, both, solver, repeats)
         yield sweep_row("fixed", name, problem, ["fixed"], "nesterov", repeats)
         yield sweep_row("islands", name + ", one island", problem, ["islands"], "nesterov", repeats)
-        yield call_row("islands", name + ", one island", problem, ["islands"], repeats, "40 sweeps",
-                       solver="nesterov", tolerance=0, max_iterations=40)
-        yield call_row("layout", name, problem, ["layout"], repeats, "40 sweeps", solver="nesterov",
-                       tolerance=0, max_iterations=40)
+        sweeps = dict(what="40 sweeps", solver="nesterov", tolerance=0, max_iterations=40)
+        yield call_row("islands", name + ", one island", problem, ["islands"], repeats, **sweeps)
+        yield call_row("layout", name, problem, ["layout"], repeats, **sweeps)
     heaps = [heap(40 * 2**k, k) for k in range(5)] + [heap(60, 10 + k) for k in range(4)]
     yield from island_rows("nine heaps", heaps, 1e-4, repeats)
-    yield from island_rows("1000 grains on a floor", [single_grain() for _ in range(1000)], 1e-4,
-                           repeats)
+    grains = [single_grain() for _ in range(1000)]
+    yield from island_rows("1000 grains on a floor", grains, 1e-4, repeats)
 
 
 def main():
@@ -160,8 +153,10 @@ def main():
             raise ValueError(f"{name}: holds W and q; expected bodies, give a .npz file")
     owner = dict(parameters=measure.given_options(options), made=["reductions.csv"],
                  overwrite=options.overwrite)
-    with results.claim_folder(options.out, "bench_reductions.py", **
-                              owner) if options.out else contextlib.nullcontext() as begin:
+    folder = contextlib.nullcontext()
+    if options.out:
+        folder = results.claim_folder(options.out, "bench_reductions.py", **owner)
+    with folder as begin:
         table = list(rows([(name, problem.arrays()) for name, problem in given], options))
         measure.show("reductions", table, COLUMNS)
         if options.out:

@@ -28,19 +28,14 @@ LANES = 1, 4, 8
 ABOUT = ["problem", "shape", "bodies", "points"]
 COLUMNS = dict(
     sweeps=[*ABOUT, "solver", "lanes", "threads", "ns", "ns_by_clock", "ratio_to_one_thread"],
-    tolerances=[
-        *ABOUT, "solver", "start", "tolerance", "iterations", "seconds", "residual",
-        "residual_numpy", "reached", "siconos_seconds", "siconos_figure", "siconos_ratio"
-    ], peers=[
-        *ABOUT, "peer", "figure", "start", "tolerance", "iterations", "seconds", "residual",
-        "reached", "ns"
-    ], growth=[
-        "shape", "solver", "start", "problems", "points_from", "points_to", "sweeps_exponent",
-        "seconds_exponent"
-    ], roofline=[
-        *ABOUT, "solver", "megabytes", "bytes_per_point", "operations_per_point", "triad_gb_per_s",
-        "ns_of_bytes", "ns_of_operations", "ns", "ns_a_point", "ns_a_pair"
-    ],
+    tolerances=[*ABOUT, "solver", "start", "tolerance", "iterations", "seconds", "residual",
+                "residual_numpy", "reached", "siconos_seconds", "siconos_figure", "siconos_ratio"],
+    peers=[*ABOUT, "peer", "figure", "start", "tolerance", "iterations", "seconds", "residual",
+           "reached", "ns"],
+    growth=["shape", "solver", "start", "problems", "points_from", "points_to", "sweeps_exponent",
+            "seconds_exponent"],
+    roofline=[*ABOUT, "solver", "megabytes", "bytes_per_point", "operations_per_point",
+              "triad_gb_per_s", "ns_of_bytes", "ns_of_operations", "ns", "ns_a_point", "ns_a_pair"],
 )
 
 # Numbers that a sweep reads and writes for one contact point, and its arithmetic operations
@@ -76,7 +71,8 @@ class Case:
         """Result of the kernel for this problem."""
         start = self.delassus.impulse if warm else np.zeros((self.points, 2))
         if self.arrays is not None:
-            return kernel.solve(**{**self.arrays, "impulse": start}, kinematic_tolerance=np.inf, **settings)
+            settings.update(self.arrays, impulse=start, kinematic_tolerance=np.inf)
+            return kernel.solve(**settings)
         d = self.delassus
         return kernel.solve_delassus(d.row_start, d.column, d.block.reshape(-1, 4), d.q, d.friction,
                                      start, **settings)
@@ -93,20 +89,17 @@ def sweep_rows(case, repeats, threads):
     if case.arrays is None:
         settings = [dict(solver=solver) for solver in SWEEPERS]
     else:
-        settings = [
-            dict(solver=s, lanes=n, threads=t, workspace=kernel.Workspace()) for s in SWEEPERS
-            for n in LANES for t in threads
-        ]
+        settings = [dict(solver=s, lanes=n, threads=t, workspace=kernel.Workspace())
+                    for s in SWEEPERS for n in LANES for t in threads]
     rows, of_one = [], {}
     runs = [(case.points, partial(case.solve, **setting)) for setting in settings]
     for setting, (clock, processor) in zip(settings, measure.sweep_times(runs, repeats)):
-        row = dict(case.about, ns_by_clock=clock,
-                   **{key: setting.get(key)
-                      for key in ("solver", "lanes", "threads")})
+        shown = {key: setting.get(key) for key in ("solver", "lanes", "threads")}
+        row = dict(case.about, ns_by_clock=clock, **shown)
         row["ns"] = processor if setting.get("threads", 1) == 1 else clock
         if "threads" in setting:
-            row["ratio_to_one_thread"] = of_one.setdefault(
-                (row["solver"], row["lanes"]), clock) / clock
+            one_thread = of_one.setdefault((row["solver"], row["lanes"]), clock)
+            row["ratio_to_one_thread"] = one_thread / clock
         rows.append(row)
     return rows
 
@@ -162,11 +155,9 @@ def stated_rows(case):
 
 def compare(rows, peers):
     """Add the best time of Siconos for the same start and tolerance."""
+    key = lambda row: (row["problem"], row["start"], row["tolerance"])
     for row in rows:
-        same = [
-            p for p in peers
-            if p["reached"] and all(p[key] == row[key] for key in ("problem", "start", "tolerance"))
-        ]
+        same = [peer for peer in peers if peer["reached"] and key(peer) == key(row)]
         if same:
             best = min(same, key=lambda peer: peer["seconds"])
             row.update(siconos_seconds=best["seconds"], siconos_figure=best["figure"])
@@ -202,20 +193,20 @@ def roofline_rows(case, repeats):
     if case.arrays is None:
         return
     doubled = Case(case.name, measure.with_two_points(case.problem))
-    runs = [(each.points,
-             partial(each.solve, solver=solver, lanes=LANES[-1], workspace=kernel.Workspace()))
-            for solver in SWEEPERS for each in (case, doubled)]
+    solve = lambda each, solver: partial(
+        each.solve, solver=solver, lanes=LANES[-1], workspace=kernel.Workspace())
+    runs = [(each.points, solve(each, solver)) for solver in SWEEPERS for each in (case, doubled)]
     times = measure.sweep_times(runs, repeats)[:, 1]
     pairs = len(np.unique(case.problem.bodies, axis=0)) / case.points
     bodies = len(case.problem.inverse_mass) / case.points
     for solver, ns, ns_doubled in zip(SWEEPERS, times[::2], times[1::2]):
         size = 4 if solver == "nesterov" and pairs * case.points > FLOAT_PAIRS else 8
-        megabytes = 1e-6 * case.points * (size * (POINT_FIELDS + BODY_FIELDS * bodies)
-                                          + 2 * ID_BYTES * pairs)
+        bytes_per_point = size * (POINT_FIELDS + BODY_FIELDS * bodies) + 2 * ID_BYTES * pairs
+        megabytes = 1e-6 * case.points * bytes_per_point
         bandwidth = measure.triad_bandwidth(1e6 * megabytes)
         of_point = (ns_doubled * doubled.points - ns * case.points) / (doubled.points - case.points)
-        volume = size * (FIELDS_READ[solver] + FIELDS_WRITTEN[solver]) + (4 * BODY_FIELDS * size
-                                                                          + 2 * ID_BYTES) * pairs
+        volume = size * (FIELDS_READ[solver] + FIELDS_WRITTEN[solver])
+        volume += (4 * BODY_FIELDS * size + 2 * ID_BYTES) * pairs
         volume += 4 * BODY_FIELDS * size * bodies if solver == "nesterov" else 0
         yield dict(case.about, solver=solver, megabytes=megabytes, bytes_per_point=volume,
                    operations_per_point=OPERATIONS[solver], triad_gb_per_s=1e-9 * bandwidth,
@@ -312,13 +303,10 @@ def measured(options):
             tables["roofline"] += roofline_rows(case, options.repeats)
         if "tolerances" in options.only:
             for warm in (False, True) if options.warm else (False,):
-                rows = [
-                    row for solver in options.solvers
-                    for row in tolerance_rows(case, solver, warm, options)
-                ]
-                peers = list(siconos_rows(
-                    case, warm,
-                    options)) if options.siconos else [] if warm else list(stated_rows(case))
+                rows = [row for solver in options.solvers
+                        for row in tolerance_rows(case, solver, warm, options)]
+                stated = [] if warm else list(stated_rows(case))
+                peers = list(siconos_rows(case, warm, options)) if options.siconos else stated
                 compare(rows, peers)
                 tables["tolerances"] += rows
                 tables["peers"] += peers

@@ -31,15 +31,11 @@ BLOCK = 50  # steps in YADE between two readings of the clock
 SETTLE = 10  # steps in YADE before the timing
 PEERS = dict(chipmunk="libchipmunk-dev", box2d="libbox2d-dev")
 
-STEP_COLUMNS = (
-    "packing shape grains points library start iterations ns covers ms ms_without_iterations"
-    " residual mean_overlap velocity_error"
-).split()
+STEP_COLUMNS = ("packing shape grains points library start iterations ns covers ms "
+                "ms_without_iterations residual mean_overlap velocity_error").split()
 ENGINE_COLUMNS = "folder grains points threads way engine ms share".split()
-YADE_COLUMNS = (
-    "folder eta grains points threads way steps in_arrays ms ms_least ms_processor iterations"
-    " tolerance residual_max ms_sweeps ms_rest"
-).split()
+YADE_COLUMNS = ("folder eta grains points threads way steps in_arrays ms ms_least ms_processor "
+                "iterations tolerance residual_max ms_sweeps ms_rest").split()
 
 
 # ---- other libraries
@@ -63,22 +59,19 @@ def accuracy(packing, outcome):
     the step, in mean diameters.
     """
     table = np.array(outcome["contacts"]).reshape(-1, 12)
-    bodies, normal, arm1, arm2 = table[:, :2].astype(int), table[:, 2:4], table[:, 4:6], table[:,
-                                                                                               6:8]
-    friction, impulse, gap = table[:, 8], table[:, 9:11], table[:, 11]
+    bodies, normal = table[:, :2].astype(int), table[:, 2:4]
+    arm1, arm2, friction, impulse = table[:, 4:6], table[:, 6:8], table[:, 8], table[:, 9:11]
     normal = normal / np.hypot(*normal.T)[:, None]
     free = packing.free_velocity(np.array(outcome["before"]))
     problem = BodyProblem(packing.inverse_mass, free, bodies, normal, arm1, arm2, 0 * friction,
                           friction, impulse).delassus()
-    after = free + packing.inverse_mass * generalised(bodies, normal, arm1, arm2, impulse,
-                                                      len(free))
-    stated = np.array(outcome["after"])
-    overlap = -gap - SKIN * (bodies < packing.grains).sum(1)
-    return dict(
-        points=len(table), residual=measure.residual(measure.matrix(problem), problem.q, friction,
-                                                     impulse),
-        mean_overlap=float(np.maximum(0, overlap).mean()),
-        velocity_error=float(np.linalg.norm(stated - after) / max(np.linalg.norm(stated), 1e-300)))
+    impulses = generalised(bodies, normal, arm1, arm2, impulse, len(free))
+    after, stated = free + packing.inverse_mass * impulses, np.array(outcome["after"])
+    overlap = -table[:, 11] - SKIN * (bodies < packing.grains).sum(1)
+    residual = measure.residual(measure.matrix(problem), problem.q, friction, impulse)
+    error = np.linalg.norm(stated - after) / max(np.linalg.norm(stated), 1e-300)
+    return dict(points=len(table), residual=residual, velocity_error=float(error),
+                mean_overlap=float(np.maximum(0, overlap).mean()))
 
 
 def generalised(bodies, normal, arm1, arm2, impulse, count):
@@ -101,8 +94,8 @@ def peer_rows(name, program, packing, options):
 
         return run
 
-    runs = least(FEW, 1), least(MANY, 1), least(options.iterations,
-                                                1), least(options.iterations, options.steps)
+    count = options.iterations
+    runs = least(FEW, 1), least(MANY, 1), least(count, 1), least(count, options.steps)
     few, many, cold, warm = measure.best(options.repeats, options.budget, *runs)
     points = len(cold["contacts"])
     if not points:
@@ -116,21 +109,13 @@ def peer_rows(name, program, packing, options):
 
 
 def step_times(seconds, an_iteration, options):
+    """Columns of the time of a step, with and without its iterations."""
     rest = seconds - options.iterations * an_iteration
     return dict(iterations=options.iterations, ms=1e3 * seconds, ms_without_iterations=1e3 * rest)
 
 
-def chipmunk_rows(packing, options):
-    """Rows of Chipmunk; none where its program is missing."""
-    return _peer("chipmunk", packing, options)
-
-
-def box2d_rows(packing, options):
-    """Rows of Box2D; none where its program is missing."""
-    return _peer("box2d", packing, options)
-
-
-def _peer(name, packing, options):
+def library_rows(name, packing, options):
+    """Rows of another library; none if its program is missing."""
     program = getattr(options, name)
     if program is None:
         program = os.path.join(ROOT, "build", "peers", f"{name}_step")
@@ -159,21 +144,22 @@ def our_rows(packing, options):
         runs = (partial(run, count) for count in (FEW, MANY, options.iterations))
         few, many, found = measure.best(5 * options.repeats, options.budget, *runs)
         an_iteration = (many["seconds"] - few["seconds"]) / (MANY - FEW)
-        yield dict(
-            points=problem.contacts, library=f"rcr {solver}", start="cold",
-            ns=1e9 * an_iteration / problem.contacts, covers="solver",
-            **step_times(found["seconds"], an_iteration, options),
-            residual=measure.residual(matrix, delassus.q, delassus.friction, found["impulse"]))
+        residual = measure.residual(matrix, delassus.q, delassus.friction, found["impulse"])
+        yield dict(points=problem.contacts, library=f"rcr {solver}", start="cold", covers="solver",
+                   ns=1e9 * an_iteration / problem.contacts, residual=residual,
+                   **step_times(found["seconds"], an_iteration, options))
 
 
 def compare_libraries(options):
     rows = []
     for path in options.inputs:
         packing, options.present = packings.load(path), path
-        about = dict(packing=os.path.splitext(os.path.basename(path))[0], shape=packing.shape,
-                     grains=packing.grains)
-        for library in our_rows, chipmunk_rows, box2d_rows:
-            rows += [dict(about, **row) for row in library(packing, options)]
+        name = os.path.splitext(os.path.basename(path))[0]
+        about = dict(packing=name, shape=packing.shape, grains=packing.grains)
+        found = [*our_rows(packing, options)]
+        for library in PEERS:
+            found += library_rows(library, packing, options)
+        rows += [dict(about, **row) for row in found]
     return dict(step=(rows, STEP_COLUMNS))
 
 
@@ -210,10 +196,8 @@ def time_checkpoint(folder, way, options):
     processor = time.process_time() - processor
     scene.timingEnabled = False
     seen = solver.observed()
-    parts = {
-        name: 1e3 * (seconds - parts.get(name, 0)) / options.steps
-        for name, seconds in solver.seconds.items()
-    }
+    parts = {name: 1e3 * (seconds - parts.get(name, 0)) / options.steps
+             for name, seconds in solver.seconds.items()}
     name = os.path.basename(os.path.normpath(folder))
     about = dict(folder=name, grains=len(test.grains), points=solver.contactPoints,
                  threads=options.threads, way=way)
@@ -222,10 +206,8 @@ def time_checkpoint(folder, way, options):
                for engine in alive]
     total = sum(ms for _, ms in engines)
     rows = [dict(about, engine=name, ms=ms, share=ms / total) for name, ms in engines]
-    rows += [
-        dict(about, engine=f"ContactDynamics: {name}", ms=ms, share=ms / total)
-        for name, ms in parts.items()
-    ]
+    rows += [dict(about, engine=f"ContactDynamics: {name}", ms=ms, share=ms / total)
+             for name, ms in parts.items()]
     whole = dict(about, eta=test.parameters["eta"], steps=options.steps,
                  in_arrays=solver.model["arrays"] - in_arrays, ms=1e3 * float(np.mean(times)),
                  ms_least=1e3 * min(times), ms_processor=1e3 * processor / options.steps,
@@ -280,10 +262,8 @@ def check(options, in_yade):
         options.steps = 200 if in_yade else 20
     for path in options.inputs:
         if os.path.isdir(path) and not in_yade:
-            raise ValueError(
-                f"{path} is a folder: a checkpoint needs YADE, "
-                f"scripts/yade-rcr -n -x scripts/bench_step.py {path} --out DIR"
-            )
+            raise ValueError(f"{path} is a folder: a checkpoint needs YADE, "
+                             f"scripts/yade-rcr -n -x scripts/bench_step.py {path} --out DIR")
         if in_yade and not os.path.isdir(path):
             raise ValueError(
                 f"{path} is no folder: give a folder of scripts/biaxial.py, or run without YADE")

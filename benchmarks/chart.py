@@ -67,10 +67,8 @@ def arguments():
 def command(letter, point, given):
     """Command that runs a point again."""
     flags = ["--quick"] if given.quick else []
-    flags += [
-        word for name in ("particles", "siconos") if getattr(given, name)
-        for word in (f"--{name}", str(getattr(given, name)))
-    ]
+    flags += [word for name in ("particles", "siconos") if getattr(given, name)
+              for word in (f"--{name}", str(getattr(given, name)))]
     return " ".join([
         "python3 scripts/chart.py --out", given.out, *flags, "--charts", letter, "--only",
         f"'{point}'"
@@ -117,10 +115,8 @@ class Worker:
             return json.loads(answer[len(MARK) :])
         code = self.process.wait()
         self.process = None
-        return [
-            dict(status=f"{charts.GIVEN_UP}{self.limit:g} s"
-                 if expired else f"the process ended with code {code}")
-        ]
+        return [dict(status=f"{charts.GIVEN_UP}{self.limit:g} s"
+                     if expired else f"the process ended with code {code}")]
 
     def end(self):
         if self.process:
@@ -139,10 +135,8 @@ def draw(letter, given, options, worker):
     names = module.points(options)
     if given.only:
         if given.only not in names:
-            raise ValueError(
-                f"--only {given.only}: chart {letter} has no such point; "
-                f"it has {', '.join(names[:5])} … (see its CSV)"
-            )
+            raise ValueError(f"--only {given.only}: chart {letter} has no such point; "
+                             f"it has {', '.join(names[:5])} … (see its CSV)")
         todo = [given.only]
     else:
         todo = [
@@ -150,10 +144,8 @@ def draw(letter, given, options, worker):
             not table.has(name, lambda status: charts.settled(status, options.limit, given.retry))
         ]
     for name in tqdm(todo, desc=f"chart {letter}", disable=None):
-        rows = [
-            dict(row, point=name, command=command(letter, name, given))
-            for row in worker.run(letter, name)
-        ]
+        rows = [dict(row, point=name, command=command(letter, name, given))
+                for row in worker.run(letter, name)]
         table.put(name, rows)
         if given.only:
             print(json.dumps(rows, indent=2))

@@ -54,9 +54,9 @@ def main():
         print(f"| {name}: {module.TITLE} | {module.PREDICATE} | {module.BOUND:g} | {measured} |",
               f"{judged} |", flush=True)
         row = {key: getattr(module, key.upper()) for key in "title predicate bound reason".split()}
-        rows.append(dict(row, scene=name) | {f"{measure}_{run}": getattr(result, measure)
-                                             for run, result in results.items()
-                                             for measure in MEASURES})
+        row |= {f"{measure}_{run}": getattr(result, measure)
+                for run, result in results.items() for measure in MEASURES}
+        rows.append(dict(row, scene=name))
         files.write(options.out, files.table(COLUMNS, rows))
         failed += [name] if judged.startswith("fails") else []
     if failed:

@@ -31,8 +31,8 @@ def residual(matrix, q, friction, p):
     w = matrix.diagonal()[::2]
     w = np.where(w > 0, w, np.inf)
     n, t = p[:, 0] - (u[:, 0] + friction * abs(u[:, 1])) / w, p[:, 1] - u[:, 1] / w
-    edge = np.maximum(n + friction * abs(t), 0) / (1 + friction**2
-                                                   )  # normal part of the projection onto the edge
+    # normal part of the projection onto the edge of the cone
+    edge = np.maximum(n + friction * abs(t), 0) / (1 + friction**2)
     inside = (abs(t) <= friction * n) & (n > 0)
     error = np.hypot(p[:, 0] - np.where(inside, n, edge),
                      p[:, 1] - np.where(inside, t, friction * edge * np.sign(t)))
@@ -104,10 +104,8 @@ def sweep_times(runs, repeats):
 
     points = np.array([count for count, _ in runs])
     many = FEW + np.maximum(40, UNITS_OF_WORK // points)
-    calls = [
-        partial(run, solve, int(count)) for (_, solve), most in zip(runs, many)
-        for count in (FEW, most)
-    ]
+    calls = [partial(run, solve, int(count)) for (_, solve), most in zip(runs, many)
+             for count in (FEW, most)]
     least = minima(repeats, 60, *calls)
     return 1e9 * (least[1::2] - least[::2]) / ((many - FEW) * points)[:, None]
 
@@ -183,12 +181,11 @@ def mirrored(problem, seed=1, change=0.05):
     image_velocity[:, axis] += 2 * speed
     free = (problem.inverse_mass > 0).any(1)
     velocity = np.concatenate([problem.free_velocity, image_velocity])
-    velocity *= np.where(np.tile(free, 2),
-                         1 + change * np.random.default_rng(seed).normal(size=2 * count), 1)[:,
-                                                                                             None]
+    noise = 1 + change * np.random.default_rng(seed).normal(size=2 * count)
+    velocity *= np.where(np.tile(free, 2), noise, 1)[:, None]
 
-    inside = np.where(np.isin(problem.bodies[at_wall, 0], gone), 1,
-                      0)  # index of the grain in its wall contact
+    # index of the grain in its wall contact
+    inside = np.where(np.isin(problem.bodies[at_wall, 0], gone), 1, 0)
     rows = np.arange(len(inside))
     grain = problem.bodies[at_wall][rows, inside]
     arm = np.stack([problem.arm1[at_wall], problem.arm2[at_wall]], 1)[rows, inside]
@@ -220,10 +217,8 @@ def _walls_seen(problem):
 def _straight_wall(problem):
     for _, axis, sign, speed in _walls_seen(problem):
         return axis, sign, speed
-    raise ValueError(
-        "expected a prescribed body whose contacts share one normal along x or y; "
-        "give a problem with a straight wall"
-    )
+    raise ValueError("expected a prescribed body whose contacts share one normal along x or y; "
+                     "give a problem with a straight wall")
 
 
 def _walls(problem, axis, sign, speed):
@@ -325,10 +320,8 @@ def write(path, rows, columns):
 
 def given_options(options):
     """Options of a script, for its run.json."""
-    return {
-        name: value
-        for name, value in vars(options).items() if name not in ("out", "overwrite")
-    }
+    return {name: value
+            for name, value in vars(options).items() if name not in ("out", "overwrite")}
 
 
 def _cell(value):

@@ -65,21 +65,17 @@ class Packing:
 
         centre, reach = self.pose[: self.grains, :2], self.stadium.sum(1)
         pairs = cKDTree(centre).query_pairs(2 * reach.max() + alert, output_type="ndarray")
-        pairs = pairs[np.hypot(*(centre[pairs[:, 0]] - centre[pairs[:, 1]]).T) < reach[pairs].sum(1)
-                      + alert]
+        distance = np.hypot(*(centre[pairs[:, 0]] - centre[pairs[:, 1]]).T)
+        pairs = pairs[distance < reach[pairs].sum(1) + alert]
         pairs = pairs[np.lexsort(pairs.T[::-1])].reshape(-1, 2)
         pose = np.ascontiguousarray(self.pose[: self.grains])
         i, j = pairs.T
-        found = [(pairs,
-                  kernel.overlap_stadiums(self.stadium[i], pose[i], self.stadium[j], pose[j],
-                                          alert), friction)]
-        for k, normal in enumerate(WALL_NORMALS):
-            wall = self.grains + k
-            face = np.tile(self.pose[wall, :2], (self.grains, 1))
-            at = kernel.overlap_wall(face, np.tile(normal, (self.grains, 1)), self.stadium, pose,
-                                     alert / 2)
-            found.append((np.column_stack([np.full(self.grains, wall),
-                                           np.arange(self.grains)]), at, 0.0))
+        at = kernel.overlap_stadiums(self.stadium[i], pose[i], self.stadium[j], pose[j], alert)
+        found, grains = [(pairs, at, friction)], np.arange(self.grains)
+        for wall, normal in enumerate(WALL_NORMALS, self.grains):
+            face, normals = (np.tile(v, (self.grains, 1)) for v in (self.pose[wall, :2], normal))
+            at = kernel.overlap_wall(face, normals, self.stadium, pose, alert / 2)
+            found.append((np.column_stack([np.full(self.grains, wall), grains]), at, 0.0))
         bodies, position, normal, gap, mu = [], [], [], [], []
         for ids, manifold, coefficient in found:
             there = np.arange(2) < manifold["count"][:, None]
@@ -117,18 +113,14 @@ def _from_step(path):
     with np.load(path) as file:
         missing = [name for name in names if name not in file]
         if missing:
-            raise ValueError(
-                f"{path}: lacks {', '.join(missing)}; "
-                f"expected the bodies of a step, {', '.join(names)}"
-            )
+            raise ValueError(f"{path}: lacks {', '.join(missing)}; "
+                             f"expected the bodies of a step, {', '.join(names)}")
         state, before, free, inverse_mass, inverse_inertia, (dt, _, count) = (np.asarray(
             file[name], float) for name in names)
     count, inverse_mass = int(count), inverse_mass.reshape(len(inverse_mass), -1)[:, 0]
     if len(state) != count + 4:
-        raise ValueError(
-            f"{path}: state has {len(state)} rows for {count} particles; "
-            "expected four walls after them"
-        )
+        raise ValueError(f"{path}: state has {len(state)} rows for {count} particles; "
+                         "expected four walls after them")
     mass = np.divide(1, inverse_mass, out=np.zeros(count + 4), where=inverse_mass > 0)
     force = (free - before)[:, :2] * mass[:, None] / dt
     pose = state[:, :3].copy()

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Solve a one-step contact problem from a file: FCLIB HDF5 (fclib_local, 2D), Siconos 2D .dat, .npz.
+"""Solve a one-step contact problem from a file: FCLIB HDF5 (fclib_local), Siconos .dat, .npz.
 
-Prints one line of JSON: solver, contacts, iterations, residual, converged, seconds of the solver.
-Writes `reaction` and `velocity`, (contacts, 2) each, local (n, t).
+Problems are in 2D. The results are one line of JSON and a file.
+The line has solver, contacts, iterations, residual, converged and seconds of the solver.
+The file has `reaction` and `velocity`, (contacts, 2) each, local (n, t).
 """
 
 import json

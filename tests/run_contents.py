@@ -26,8 +26,8 @@ def contents(folder):
 def campaign_contents(out):
     """{name: value} of all runs of a campaign and its analysis."""
     out = pathlib.Path(out)
-    found = {f"{run.name}/{name}": value for run in sorted((out / "runs").iterdir()) for name,
-             value in contents(run).items()}
+    found = {f"{run.name}/{name}": value for run in sorted((out / "runs").iterdir())
+             for name, value in contents(run).items()}
     return found | {"analysis.json": json.loads((out / "report" / "analysis.json").read_text())}
 
 

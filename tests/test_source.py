@@ -58,8 +58,8 @@ def test_each_mutant_has_one_place():
     table = next(node.value
                  for node in ast.parse((PKG.parent / "scripts/lib/mutants.py").read_text()).body
                  if isinstance(node, ast.Assign) and node.targets[0].id == "TABLE")
-    mistakes = [(file, name, before) for file, mistakes in ast.literal_eval(table).items() for name,
-                before, _ in mistakes]
+    mistakes = [(file, name, before) for file, mistakes in ast.literal_eval(table).items()
+                for name, before, _ in mistakes]
     assert len(mistakes) > 70
     assert [(file, name) for file, name, before in mistakes
             if (PKG / "kernel" / file).read_text().count(before) != 1] == []

@@ -82,12 +82,11 @@ class Table:
         self.all = self._read() if os.path.exists(path) else []
 
     def _read(self):
-        with files.reading(self.path, "a table of a chart"), open(self.path, newline="",
-                                                                  encoding="utf-8") as file:
+        text = dict(newline="", encoding="utf-8")
+        with files.reading(self.path, "a table of a chart"), open(self.path, **text) as file:
             reader = csv.DictReader(file, strict=True)
-            lacking = [
-                name for name in ("point", "status") if name not in (reader.fieldnames or ())
-            ]
+            names = reader.fieldnames or ()
+            lacking = [name for name in ("point", "status") if name not in names]
             if lacking:
                 raise ValueError(
                     f"lacks the column {' and '.join(lacking)}; remove it to start again")

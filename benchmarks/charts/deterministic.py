@@ -125,13 +125,11 @@ def _engines(gravity, law, stiffness, tolerance):
         kn = stiffness * m * G / R
         ip2 = Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(0.8 * kn))
         law2, engine = rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=SMOOTH_DAMPING), []
-    return [
-        ForceResetter(),
-        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
-        InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()], [ip2], [law2]),
-        *engine,
-        NewtonIntegrator(gravity=gravity, damping=0),
-    ]
+    return [ForceResetter(),
+            InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
+            InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()], [ip2], [law2]),
+            *engine,
+            NewtonIntegrator(gravity=gravity, damping=0)]
 
 
 def _simulate(scene, law, dt, tolerance, stiffness, seed):

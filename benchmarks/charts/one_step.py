@@ -29,7 +29,8 @@ STEPPED = "chipmunk", "box2d"  # libraries whose steps are timed
 ETAS = 0.0, 0.4, 0.7
 STRAIN = 0.01
 LEVELS = [10.0**-k for k in range(2, 11)]
-COLORS = dict(zip((*SOLVERS, "Siconos NSGS", "Chipmunk", "Box2D"), "C0 C9 C1 C3 k C2 C4 C5".split()))
+LIBRARIES = *SOLVERS, "Siconos NSGS", "Chipmunk", "Box2D"
+COLORS = dict(zip(LIBRARIES, "C0 C9 C1 C3 k C2 C4 C5".split()))
 
 
 def sizes(options):

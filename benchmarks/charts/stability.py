@@ -32,10 +32,8 @@ def points(options):
     suite = _suite()
     names = [name for name in suite.names() if not options.quick or name.startswith(QUICK)]
     dts = (1e-4, 1e-3, 1e-2) if options.quick else (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
-    return [
-        f"{name}/{law}/{dt:g}" for name in names for law in LAWS for dt in dts
-        if law == "cd" or not getattr(suite.scene(name), "RIGID_ONLY", False)
-    ]
+    return [f"{name}/{law}/{dt:g}" for name in names for law in LAWS for dt in dts
+            if law == "cd" or not getattr(suite.scene(name), "RIGID_ONLY", False)]
 
 
 def run(name, options):
@@ -48,11 +46,9 @@ def run(name, options):
                       suite.ContactDynamics() if law == "cd" else suite.Smooth(), float(dt),
                       **shortened)
     verdict = "blows up" if not found.stable else "holds" if found.holds else "drifts"
-    return [
-        dict(scene=scene, title=module.TITLE, law=law, dt=float(dt), verdict=verdict,
-             measured=found.measured, bound=float(module.BOUND), gain=found.gain,
-             overlap=found.overlap, steps=found.steps, seconds=found.seconds)
-    ]
+    return [dict(scene=scene, title=module.TITLE, law=law, dt=float(dt), verdict=verdict,
+                 measured=found.measured, bound=float(module.BOUND), gain=found.gain,
+                 overlap=found.overlap, steps=found.steps, seconds=found.seconds)]
 
 
 def plot(rows, options):
@@ -60,11 +56,9 @@ def plot(rows, options):
     from matplotlib.patches import Patch, Rectangle
 
     suite = _suite()
-    cell = {
-        row["point"]: row["verdict"]
-        if row["status"] == "ok" else "too long" if "given up" in row["status"] else "blows up"
-        for row in rows
-    }
+    cell = {row["point"]: row["verdict"]
+            if row["status"] == "ok" else "too long" if "given up" in row["status"] else "blows up"
+            for row in rows}
     scenes = list(dict.fromkeys(point.split("/")[0] for point in points(options)))
     dts = list(dict.fromkeys(point.split("/")[2] for point in points(options)))
     figure = Figure(figsize=(2 + 0.75 * len(dts) * len(LAWS) + 3, 1.6 + 0.3 * len(scenes)))

@@ -22,8 +22,8 @@ from yade.wrapper import RotationEngine
 
 import rcr
 
-from .stage import (DT, G, R, ContactDynamics, Smooth, angle, box, build, material, positions,
-                    real_contacts, solver)
+from .stage import (DT, G, R, ContactDynamics, Smooth, angle, box, build, material, open_box,
+                    positions, real_contacts, solver)
 
 MOTIONS = "lid piston receding shear rotating wedge".split()
 CRUSHED = 0.02  # overlap over R₁ + R₂ at which grains count as crushed
@@ -136,12 +136,6 @@ def violations(scene, rigid, springs):
     return [name for name, is_broken in broken.items() if is_broken]
 
 
-def _walls(scene, rough):
-    return [
-        rcr.wall(axis, at, material=rough) for axis, at in (("x", 0), ("x", scene.width), ("y", 0))
-    ]
-
-
 def _boundary(scene, top, rough):
     """Bodies around the grains, and a function of their ids that makes their engines."""
     v, width = scene.speed, scene.width
@@ -149,18 +143,16 @@ def _boundary(scene, top, rough):
         centre, half = (width / 2, top / 2), (width / 2, top / 2)
         thick = 3 * R
         side = lambda x, y, a, b: box((x, y), (a, b), material=rough)
-        boxes = [
-            side(centre[0], -thick, half[0] + 2 * thick, thick),
-            side(centre[0], top + thick, half[0] + 2 * thick, thick),
-            side(-thick, centre[1], thick, half[1]),
-            side(width + thick, centre[1], thick, half[1]),
-        ]
+        boxes = [side(centre[0], -thick, half[0] + 2 * thick, thick),
+                 side(centre[0], top + thick, half[0] + 2 * thick, thick),
+                 side(-thick, centre[1], thick, half[1]),
+                 side(width + thick, centre[1], thick, half[1])]
         rate = scene.speed / math.hypot(*half)
         return boxes, lambda ids: [
             RotationEngine(ids=ids, angularVelocity=rate, rotationAxis=(0, 0, 1), rotateAroundZero=
                            True, zeroPoint=(*centre, 0))
         ]
-    walls = _walls(scene, rough)
+    walls = open_box(scene.width, rough)
     lid = rcr.wall("y", top, sense=-1, material=rough)
     if scene.motion in ("lid", "receding"):
         lid.state.vel[1] = -v
@@ -169,18 +161,16 @@ def _boundary(scene, top, rough):
     if scene.motion == "piston":
         walls[1].state.vel[0] = -v
     if scene.motion == "shear":  # a row of discs that sinks at a tenth of its speed
-        row = [
-            rcr.particle((x, top + R), R, 0, material=rough, fixed=True)
-            for x in np.arange(-9 * R, width + 9 * R, 2 * R)
-        ]
+        row = [rcr.particle((x, top + R), R, 0, material=rough, fixed=True)
+               for x in np.arange(-9 * R, width + 9 * R, 2 * R)]
         for disc in row:
             disc.state.vel = (v, -0.1 * v, 0)
         return walls[2:] + row + _ends(scene, top, rough), lambda ids: []
     if scene.motion == "wedge":  # a ram between two slopes
         lean = math.radians(50)
         reach = width / 2 / math.cos(lean)
-        slope = lambda x, angle: box((x, width / 4 * math.tan(lean) - R),
-                                     (reach / 2, R), angle, rough)
+        y = width / 4 * math.tan(lean) - R
+        slope = lambda x, angle: box((x, y), (reach / 2, R), angle, rough)
         slopes = [slope(width / 4, -lean), slope(0.75 * width, lean)]
         ram = rcr.particle((width / 2, top + 0.25 * width), 0.25 * width, 0, material=rough,
                            fixed=True)
@@ -201,12 +191,12 @@ def _settled(scene):
     rough = material(scene.friction)
     centers = rcr._kernel.deposit(np.array(radii), scene.width)
     lift = 0.25 * scene.width * math.tan(math.radians(50)) * 2 if scene.motion == "wedge" else 0
-    walls, _ = _boundary(dataclasses.replace(scene, speed=0), 1e3,
-                         rough) if scene.motion == "wedge" else (_walls(scene, rough), None)
-    grains = [
-        rcr.particle((x, y + lift), r, scene.eta, angle=dice.uniform(0, math.pi), material=rough)
-        for (x, y), r in zip(centers, radii)
-    ]
+    walls = open_box(scene.width, rough)
+    if scene.motion == "wedge":
+        walls, _ = _boundary(dataclasses.replace(scene, speed=0), 1e3, rough)
+    place = lambda x, y, r: rcr.particle((x, y + lift), r, scene.eta,
+                                         angle=dice.uniform(0, math.pi), material=rough)
+    grains = [place(x, y, r) for (x, y), r in zip(centers, radii)]
     ids = build(ContactDynamics(), DT, *walls, *grains)[len(walls) :]
     for _ in range(600):
         O.step()
@@ -225,10 +215,8 @@ def begin(scene, law, bed):
     rough = material(scene.friction)
     top = _top(radii, poses, scene.eta) + 1e-3 * R
     boundary, engines = _boundary(scene, top, rough)
-    grains = [
-        rcr.particle((x, y), r, scene.eta, angle=a, material=rough)
-        for r, (x, y, a) in zip(radii, poses)
-    ]
+    grains = [rcr.particle((x, y), r, scene.eta, angle=a, material=rough)
+              for r, (x, y, a) in zip(radii, poses)]
     ids = build(law, scene.dt, *boundary, *grains)
     walls, ids = ids[: len(boundary)], ids[len(boundary) :]
     O.engines = O.engines[:3] + engines(walls) + O.engines[3:]

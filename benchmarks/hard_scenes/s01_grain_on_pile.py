@@ -7,8 +7,7 @@ theirs, is still wrong.
 import numpy as np
 from yade import O
 
-from .stage import D, R, build as scene, material, real_contacts, stadium
-import rcr
+from .stage import D, R, build as scene, material, open_box, real_contacts, stadium
 
 TITLE = "light grain lands on a settled pile"
 PREDICATE = "deepest overlap of the grain, in its diameters"
@@ -21,18 +20,16 @@ def build(law, dt):
     rough = material()
     centers = [(R * (1 + row % 2) + D * k, R + row * np.sqrt(3) * R) for row in range(ROWS)
                for k in range(COLUMNS - row % 2)]
-    walls = rcr.wall("x", 0,
-                     material=rough), rcr.wall("x", COLUMNS * D,
-                                               material=rough), rcr.wall("y", 0, material=rough)
-    ids = scene(law, dt, *walls, *(stadium(0, R, c, material=rough) for c in centers))
+    discs = [stadium(0, R, c, material=rough) for c in centers]
+    ids = scene(law, dt, *open_box(COLUMNS * D, rough), *discs)
     return ids[3:]
 
 
 def measure(ids, clock):
     clock.pass_(0.2)
     top = R + (ROWS - 1) * np.sqrt(3) * R
-    grain = O.bodies.append(stadium(0, SMALL, (0.4 * COLUMNS * D, top + 3 * R),
-                                    material=material()))
+    center = 0.4 * COLUMNS * D, top + 3 * R
+    grain = O.bodies.append(stadium(0, SMALL, center, material=material()))
     worst = [0.0]
 
     def look():

@@ -5,7 +5,7 @@ The first step must find all forces; an error lets the lid sink.
 
 import rcr
 
-from .stage import D, R, build as scene, material, positions, stadium
+from .stage import D, R, build as scene, material, open_box, positions, stadium
 
 TITLE = "cold dense box under a heavy lid"
 PREDICATE = "displacement of the lid in 1 s, in diameters"
@@ -17,16 +17,11 @@ ROWS, COLUMNS = 10, 10
 def build(law, dt):
     rough = material()
     a = r = R / 2  # bricks of 2R by R, each on the ends of two
-    bricks = [
-        stadium(a, r, (R * (1 + row % 2) + D * k, r * (1 + 2 * row)), material=rough)
-        for row in range(ROWS) for k in range(COLUMNS - row % 2)
-    ]
+    bricks = [stadium(a, r, (R * (1 + row % 2) + D * k, r * (1 + 2 * row)), material=rough)
+              for row in range(ROWS) for k in range(COLUMNS - row % 2)]
     mass = sum(b.state.mass for b in bricks)
-    walls = rcr.wall("x", 0,
-                     material=rough), rcr.wall("x", COLUMNS * D,
-                                               material=rough), rcr.wall("y", 0, material=rough)
-    ids = scene(law, dt, *walls, rcr.mobile_wall("y", 2 * r * ROWS, mass, sense=-1, material=rough),
-                *bricks)
+    lid = rcr.mobile_wall("y", 2 * r * ROWS, mass, sense=-1, material=rough)
+    ids = scene(law, dt, *open_box(COLUMNS * D, rough), lid, *bricks)
     return ids[3:4]
 
 

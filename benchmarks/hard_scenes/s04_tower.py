@@ -13,10 +13,8 @@ REASON = "geometric error of 1e-3 diameters, as in all scenes"
 
 
 def tower(x):
-    return [
-        stadium(R / 2, R / 2, (x, R * (k + 0.5)), material=material(density=DENSITY * 10**k))
-        for k in range(7)
-    ]
+    return [stadium(R / 2, R / 2, (x, R * (k + 0.5)), material=material(density=DENSITY * 10**k))
+            for k in range(7)]
 
 
 def build(law, dt):

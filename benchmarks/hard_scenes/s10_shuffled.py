@@ -9,7 +9,7 @@ import numpy as np
 import rcr
 
 from .s09_side_contacts import present_problem, resultants
-from .stage import D, R, build as scene, material
+from .stage import D, R, build as scene, material, open_box
 
 TITLE = "contacts in a shuffled order"
 PREDICATE = "mean change of the strong forces (above the mean), over their mean"
@@ -26,19 +26,14 @@ def build(law, dt):
         rcr.particle((D * 1.1 * (k % 10 + 0.5), D * 1.1 * (k // 10 + 0.5)), R * rng.uniform(0.7, 1),
                      0.5, rng.uniform(0, np.pi), rough) for k in range(150)
     ]
-    walls = rcr.wall("x", 0,
-                     material=rough), rcr.wall("x", 11 * D,
-                                               material=rough), rcr.wall("y", 0, material=rough)
-    return scene(law, dt, *walls, *grains)
+    return scene(law, dt, *open_box(11 * D, rough), *grains)
 
 
 def shuffled(problem, order):
     """The problem with its contacts in another order."""
     return dataclasses.replace(
-        problem, **{
-            n: getattr(problem, n)[order]
-            for n in "bodies normal arm1 arm2 bias friction impulse".split()
-        })
+        problem, **{n: getattr(problem, n)[order]
+                    for n in "bodies normal arm1 arm2 bias friction impulse".split()})
 
 
 def measure(ids, clock):

@@ -34,10 +34,8 @@ def build(law, dt):
 
 
 def energies(ids):
-    return np.array([
-        0.5 * s.mass * s.vel.squaredNorm() + 0.5 * s.inertia[2] * s.angVel[2]**2
-        for s in map(state, ids)
-    ])
+    return np.array([0.5 * s.mass * s.vel.squaredNorm() + 0.5 * s.inertia[2] * s.angVel[2]**2
+                     for s in map(state, ids)])
 
 
 def measure(ids, clock):

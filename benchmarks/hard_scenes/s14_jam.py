@@ -7,7 +7,7 @@ import math
 
 import rcr
 
-from .stage import D, R, build as scene, deepest, material, stadium
+from .stage import D, R, build as scene, deepest, material, open_box, stadium
 
 TITLE = "box crushed by a driven lid"
 PREDICATE = "overlap at which the run stops with an error, over R"
@@ -22,11 +22,9 @@ def build(law, dt):
     centers = [(R * (1 + row % 2) + D * k, R + row * math.sqrt(3) * R) for row in range(6)
                for k in range(7 - row % 2)]
     top = 2 * R + 5 * math.sqrt(3) * R
-    walls = rcr.wall("x", 0,
-                     material=rough), rcr.wall("x", 7 * D,
-                                               material=rough), rcr.wall("y", 0, material=rough)
     lid = rcr.wall("y", top, sense=-1, velocity=-SPEED, material=rough)
-    return scene(law, dt, *walls, lid, *(stadium(0, R, c, material=rough) for c in centers))
+    discs = [stadium(0, R, c, material=rough) for c in centers]
+    return scene(law, dt, *open_box(7 * D, rough), lid, *discs)
 
 
 def measure(ids, clock):

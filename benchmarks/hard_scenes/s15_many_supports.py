@@ -13,10 +13,8 @@ REASON = "geometric error of 1e-3 diameters, as in all scenes"
 
 def build(law, dt):
     rough = material()
-    pegs = [
-        stadium(0, R / 10, (0.25 * R * k, -R / 10), material=rough, fixed=True)
-        for k in range(-3, 4)
-    ]
+    pegs = [stadium(0, R / 10, (0.25 * R * k, -R / 10), material=rough, fixed=True)
+            for k in range(-3, 4)]
     return scene(law, dt, *pegs, stadium(0.9 * R, 0.1 * R, (0, 0.1 * R), material=rough))[-1:]
 
 

@@ -18,10 +18,10 @@ CLEARANCE = 1e-3 * D
 
 def build(law, dt):
     rough = material()
-    obstacles = box((0, -R), (R / 2, R), material=rough), stadium(0, R, (4 * R, -R), material=rough,
-                                                                  fixed=True)
-    disc = scene(law, dt, *obstacles, stadium(0, R, (-5.03 * R, R + CLEARANCE), material=rough),
-                 gravity=(0, 0, 0))[-1]
+    obstacle = stadium(0, R, (4 * R, -R), material=rough, fixed=True)
+    disc = stadium(0, R, (-5.03 * R, R + CLEARANCE), material=rough)
+    corner = box((0, -R), (R / 2, R), material=rough)
+    disc = scene(law, dt, corner, obstacle, disc, gravity=(0, 0, 0))[-1]
     state(disc).vel = (SPEED, 0, 0)
     return disc
 

@@ -19,10 +19,8 @@ HALF = 1.2 * R
 
 def build(law, dt):
     rough = material()
-    walls = [
-        rcr.wall(axis, side * HALF, sense=-side, material=rough) for axis in "xy"
-        for side in (-1, 1)
-    ]
+    walls = [rcr.wall(axis, side * HALF, sense=-side, material=rough) for axis in "xy"
+             for side in (-1, 1)]
     rod, disc = stadium(0.95 * R, 0.05 * R, (0.1 * R, 0), 0.3,
                         material=rough), stadium(0, 0.1 * R, (0, 0.7 * R), material=rough)
     ids = scene(law, dt, *walls, rod, disc, gravity=(0, 0, 0))

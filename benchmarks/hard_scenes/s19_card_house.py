@@ -17,10 +17,8 @@ A, CAP, LEAN = 0.95 * R, 0.05 * R, math.radians(70)
 def tent(x, floor, rough):
     """Two cards that lean on each other; their caps touch at the top, 2 r apart."""
     reach, height = A * math.cos(LEAN) + CAP, A * math.sin(LEAN)
-    return [
-        stadium(A, CAP, (x - side * reach, floor + CAP + height), side * LEAN, material=rough)
-        for side in (1, -1)
-    ]
+    return [stadium(A, CAP, (x - side * reach, floor + CAP + height), side * LEAN, material=rough)
+            for side in (1, -1)]
 
 
 def build(law, dt):

@@ -1,7 +1,7 @@
 """S19. A pyramid of 210 discs on a rough floor, twenty at the base, µ = 0.7.
 
-Three discs need µ > tan(π/12) = 0.27 (tests/yade/test_closed_forms.py). A base of ten needs 0.5 to
-0.6, by a linear program over all forces in their cones. Below that the pyramid must collapse.
+Three discs need µ > tan(π/12) = 0.27 (tests/yade/law/test_closed_forms.py). A base of ten needs
+0.5 to 0.6, by a linear program over all forces in their cones. Below that the pyramid collapses.
 """
 
 import math

@@ -38,11 +38,9 @@ class ContactDynamics:
         ip2 = rcr.Ip2_FrictMat_FrictMat_CdPhys()
         if restitution:
             ip2.restitution = MatchMaker(algo="val", val=restitution)
-        return [
-            *_detection(ip2, rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()),
-            rcr.ContactDynamics(**self.options),
-            _newton(gravity)
-        ]
+        return [*_detection(ip2, rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()),
+                rcr.ContactDynamics(**self.options),
+                _newton(gravity)]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -61,24 +59,18 @@ class Smooth:
 
 
 def _detection(ip2, law2):
-    boxes = [
-        rcr.Bo1_Rcr_Aabb(),
-        Bo1_Wall_Aabb(),
-        Bo1_Box_Aabb(),
-        Bo1_Sphere_Aabb(),
-        Bo1_Facet_Aabb()
-    ]
-    points = [
-        rcr.Ig2_Rcr_Rcr_RcrGeom(),
-        rcr.Ig2_Wall_Rcr_RcrGeom(),
-        rcr.Ig2_Box_Rcr_RcrGeom(),
-        rcr.Ig2_Sphere_Rcr_RcrGeom()
-    ]
-    return [
-        ForceResetter(),
-        InsertionSortCollider(boxes, verletDist=0.1 * R),
-        InteractionLoop(points, [ip2], [law2])
-    ]
+    boxes = [rcr.Bo1_Rcr_Aabb(),
+             Bo1_Wall_Aabb(),
+             Bo1_Box_Aabb(),
+             Bo1_Sphere_Aabb(),
+             Bo1_Facet_Aabb()]
+    points = [rcr.Ig2_Rcr_Rcr_RcrGeom(),
+              rcr.Ig2_Wall_Rcr_RcrGeom(),
+              rcr.Ig2_Box_Rcr_RcrGeom(),
+              rcr.Ig2_Sphere_Rcr_RcrGeom()]
+    return [ForceResetter(),
+            InsertionSortCollider(boxes, verletDist=0.1 * R),
+            InteractionLoop(points, [ip2], [law2])]
 
 
 def _newton(gravity):
@@ -128,6 +120,11 @@ def box(center, half_extent, angle=0.0, material=None):
     orientation = Quaternion(Vector3(0, 0, 1), angle)
     return yade.utils.box((*center, 0), (*half_extent, 1), orientation=orientation, fixed=True,
                           material=material)
+
+
+def open_box(width, rough):
+    """Walls left, right and bottom of a box with its corner at the origin."""
+    return [rcr.wall(axis, at, material=rough) for axis, at in (("x", 0), ("x", width), ("y", 0))]
 
 
 def tilted(alpha):
@@ -194,10 +191,8 @@ def deepest():
     """Largest overlap over the cap radius of the smaller body [-]; 0 without overlaps."""
     overlaps = [0.0]
     for i in real_contacts():
-        radii = [
-            s.capRadius for s in (O.bodies[k].shape for k in (i.id1, i.id2))
-            if isinstance(s, rcr.Rcr)
-        ]
+        radii = [s.capRadius for s in (O.bodies[k].shape for k in (i.id1, i.id2))
+                 if isinstance(s, rcr.Rcr)]
         overlaps += [-gap / min(radii) for gap in tuple(i.geom.gap)[: i.geom.points]]
     return max(overlaps)
 

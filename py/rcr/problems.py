@@ -69,10 +69,11 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
         `load` reads a path.
     solver : str
         nlgs (plain Gauss–Seidel), sor (over-relaxed), nesterov (accelerated), exact or auto.
+        Without bodies, exact and auto run as nesterov.
     tolerance : float
         Residual at which the solver stops [-]; 0 runs all iterations.
     max_iterations : int
-        Largest number of sweeps; of pivots or Newton steps for the exact solver.
+        Largest number of sweeps, or of pivots of the exact solver with bodies.
     warm : bool
         Start from the problem's impulses instead of zeros.
 

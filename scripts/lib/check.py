@@ -145,7 +145,7 @@ def sanitize_plugin(arguments):
     The sanitizer delays the release of memory, so its growth is not bounded.
     """
     return sanitize("plugin-asan", [
-        [*PYTEST, "-p", "no:warnings", "tests/yade/test_f01_stale_points.py"],
+        [*PYTEST, "-p", "no:warnings", "tests/yade/law/test_f01_stale_points.py"],
         [sys.executable, FUZZER, "--scenes", "300"],
         [sys.executable, SOAK, "--growth", "inf", *(arguments or ["--minutes", "5"])],
     ], plugin=True)
@@ -160,7 +160,7 @@ def script(name, *command):
 
 def damage(arguments):
     """Tests of the readers with twenty times as many damaged files, with their counts."""
-    command = ["env", "RCR_DAMAGE=20", *PYTEST, "tests/python/test_damaged_files.py"]
+    command = ["env", "RCR_DAMAGE=20", *PYTEST, "tests/python/files/test_damaged_files.py"]
     right, about = script("damage", *command, *arguments)
     lines = (FOLDER / "damage.log").read_text().splitlines()
     counts = [line for line in lines if line.startswith("damaged files: ")]

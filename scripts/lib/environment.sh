@@ -1,6 +1,6 @@
 # The environment of all scripts: YADE, its headers, a compiler, Python.
 #
-#   ready             sets the environment up if it is missing; later calls take 0.1 s and no network
+#   ready             sets the environment up if it is missing; else takes 0.1 s and no network
 #   build             brings the compiled modules up to date
 #   enter COMMAND …   becomes COMMAND in the environment (exec)
 #

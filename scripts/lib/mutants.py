@@ -83,7 +83,8 @@ TABLE = {
          "if (limits1) used_[body1] |= lowest;\n\t\tif (lowest >> colors) return none;"),
     ],
     "sweep/layout/layout.cpp": [
-        ("model-of-the-first-point", "joins ? common(c.required, next.required) : c.required", "c.required"),
+        ("model-of-the-first-point", "joins ? common(c.required, next.required) : c.required",
+         "c.required"),
         ("layout-kept-for-other-kinds", "sameReductions && sameCell && sameBodies && samePairs",
          "sameReductions && sameCell && samePairs"),
         ("layout-kept-for-another-cell", "sameReductions && sameCell && sameBodies && samePairs",
@@ -109,7 +110,9 @@ TABLE = {
         ("growth-the-wrong-way", "least_ < lastLeast_ ?", "least_ > lastLeast_ ?"),
     ],
     "sweep/stop_test.hpp": [
-        ("kinematic-error-ignored", "\n\t\t        && kinematicError <= settings.kinematicTolerance;", ";"),
+        ("kinematic-error-ignored",
+         "\n\t\t        && kinematicError <= settings.kinematicTolerance;",
+         ";"),
         ("stall-never-seen", "sweeps_ - lowestAt_ >= settings_.stallSweeps",
          "sweeps_ - lowestAt_ > 1000000"),
     ],
@@ -117,7 +120,9 @@ TABLE = {
         ("overflow-not-swept-with-momentum", "const Impulse from = c.p + momentum * (c.p - c.old)",
          "const Impulse from = c.p"),
         ("overflow-without-reference", "c.reference = relativeVelocity(view_, c);", ""),
-        ("points-without-reference", "packed_.kernels_->updateReference(view_, chunk, singleView_.points);", ""),
+        ("points-without-reference",
+         "packed_.kernels_->updateReference(view_, chunk, singleView_.points);",
+         ""),
         ("momentum-without-the-shift", "isMass ? body[i] : old[i] - body[i];",
          "isMass ? body[i] : 0;"),
         ("floats-out-of-range", "(std::abs(value) > 1e-12 && std::abs(value) < 1e12)", "true"),
@@ -256,8 +261,9 @@ def run(names):
             start = time.monotonic()
             verdicts[mutant.name] = verdict_on(mutant, folder, package, log)
             seconds = f"({time.monotonic() - start:.0f} s)"
-            print(f"check: mutant {number} of {len(chosen)}: {mutant.name}: {verdicts[mutant.name]}",
-                  seconds, file=sys.stderr, flush=True)
+            progress = f"check: mutant {number} of {len(chosen)}"
+            print(f"{progress}: {mutant.name}: {verdicts[mutant.name]}", seconds, file=sys.stderr,
+                  flush=True)
     except KeyboardInterrupt:
         pass
     about = f"{list(verdicts.values()).count('caught')} of {len(verdicts)} caught"

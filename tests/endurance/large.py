@@ -48,8 +48,8 @@ def scene(walls, grains):
     O.reset()
     material = O.materials.append(FrictMat(density=2600, frictionAngle=0.46))
     O.bodies.append([rcr.wall(*wall, material=material) for wall in walls])
-    O.bodies.append([rcr.particle(at, R, eta, angle=angle, material=material) for at, eta,
-                     angle in grains])
+    O.bodies.append([rcr.particle(at, R, eta, angle=angle, material=material)
+                     for at, eta, angle in grains])
     return engines()
 
 

@@ -9,7 +9,6 @@ the scene as users do. A difference is printed with the least scene that still s
 """
 
 import argparse
-import math
 import os
 import sys
 import tempfile

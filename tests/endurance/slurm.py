@@ -140,8 +140,8 @@ def run_on_slurm(out):
                SCRIPTS / "lib/slurm", "--config", *config]
 
     def with_checkpoint():
-        running = ((number, name, run_of(out, name)) for number,
-                   name in jobs("%i %j", "--states=running"))
+        running = ((number, name, run_of(out, name))
+                   for number, name in jobs("%i %j", "--states=running"))
         return next(((number, name) for number, name, run in running if run
                      and (run / "checkpoint.yade.gz").exists()), None)
 
@@ -167,8 +167,8 @@ def main():
         out, local = folder / "slurm", folder / "local"
         with cluster(folder):
             number, victim = run_on_slurm(out)
-            states = {number: (name, state) for number, name,
-                      state in jobs("%i %j %T", "--states=all")}
+            states = {number: (name, state) for number, name, state in jobs("%i %j %T",
+                "--states=all")}
             version = ask("sinfo", "--version")
         resubmitted = [other for other, (name, state) in states.items() if name == victim and state
                        == "COMPLETED"]

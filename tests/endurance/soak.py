@@ -426,8 +426,8 @@ def main():
                       flush=True)
             elif word == "counts":
                 numbers = rest.split()
-                counts.update({name: int(count) for name,
-                               count in zip(numbers[::2], numbers[1::2])})
+                counts.update(
+                    {name: int(count) for name, count in zip(numbers[::2], numbers[1::2])})
                 counts["scenes"] += 1
             elif word == "wrong":
                 wrong.append(seed)

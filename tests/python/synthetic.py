@@ -98,7 +98,7 @@ def write_run(folder, eta, seed=0, strains=(0.1, 0.2, 0.3, 0.4), **options):
     packing(eta, seed=100 * seed + 99, strain=0.0, friction=0.0, a_c=0, a_fn=0,
             a_ft=0).save(folder / "isotropic.h5")
     ratios = [0.3 + 0.3 * eta + 0.01 * (-1) ** k for k in range(101)]
-    rows = [f"{strain},{1 - ratio},{1 + ratio}" for strain,
-            ratio in zip(np.linspace(0, strains[-1], 101), ratios)]
+    rows = [f"{strain},{1 - ratio},{1 + ratio}"
+            for strain, ratio in zip(np.linspace(0, strains[-1], 101), ratios)]
     (folder / "history.csv").write_text("\n".join(["strain,stress_x,stress_y", *rows]) + "\n")
     return folder

@@ -1,4 +1,4 @@
-"""The observables on synthetic runs of known distributions: recovered within their errors, complete, of the shapes promised."""
+"""The observables of synthetic runs with known distributions: values, errors and shapes."""
 
 import dataclasses
 import json
@@ -37,7 +37,10 @@ CONTRACT = dict(  # observable: (names of grids, names of arrays over elongation
 def runs(tmp_path_factory):
     """η = 0 once, η = 0.5 twice."""
     folder = tmp_path_factory.mktemp("runs")
-    return [Run.read(write_run(folder / f"{eta}-{seed}", eta, seed)) for eta, seed in ((0.5, 1), (0.0, 1), (0.5, 2))]
+    return [
+        Run.read(write_run(folder / f"{eta}-{seed}", eta, seed))
+        for eta, seed in ((0.5, 1), (0.0, 1), (0.5, 2))
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -53,58 +56,96 @@ def test_arrays_have_the_shapes_of_the_contract(result, observable):
     for name in names:
         assert value[name].shape == (2, *(len(value[grid]) for grid in grids)), name
         assert value[f"{name}_error"].shape == value[name].shape if name != "sin_phi_std" else True
-    for exponent in {"O3": ("alpha_n", "beta_n", "weak_fraction"), "O4": ("alpha_t", "beta_t")}.get(observable, ()):
+    for exponent in {"O3": ("alpha_n", "beta_n", "weak_fraction"), "O4": ("alpha_t", "beta_t")}.get(
+        observable, ()
+    ):
         assert value[exponent].shape == value[f"{exponent}_error"].shape == (2,)
 
 
 def test_every_observable_is_there_and_the_file_is_strict_json(result):
     assert list(result) == list(STATEMENTS) == [f"O{k}" for k in range(1, 19)]
-    assert all(set(entry) == {"value", "paper", "unit"} and "eta" in entry["value"] for entry in result.values())
+    assert all(
+        set(entry) == {"value", "paper", "unit"} and "eta" in entry["value"]
+        for entry in result.values()
+    )
     assert result["O13"]["value"]["f_l_r"].shape == (2, len(result["O13"]["value"]["l_r"]))
     assert result["O13"]["value"]["f_l"].shape == (2, len(result["O13"]["value"]["l"]))
     again = json.loads(json.dumps(analysis.jsonable(result), allow_nan=False))
     assert again["O12"]["value"]["c_f_lr"][0] is None  # discs have no ℓ_r
-    assert np.array(again["O15"]["value"]["a_c"]) == pytest.approx(result["O15"]["value"]["a_c"], abs=0)
+    assert np.array(again["O15"]["value"]["a_c"]) == pytest.approx(
+        result["O15"]["value"]["a_c"], abs=0
+    )
 
 
 def test_seeds_are_cumulated_and_only_the_critical_state_counts(result, runs):
-    """Snapshots at strains 0.1, 0.2, 0.3, 0.4: the critical state is the second half, from 0.2 on."""
+    """Snapshots at strains of 0.1, 0.2, 0.3, 0.4: the critical state starts at 0.2."""
     assert [len(run.networks) for run in runs] == [3, 3, 3]
     value = result["O1"]["value"]
-    assert value["seeds"].tolist() == [1, 2] and value["snapshots"].tolist() == [3, 6] and value["contacts"].tolist() == [6000, 12000]
-    assert value["sin_phi"] == pytest.approx([0.30, 0.45], abs=0.001) and value["sin_phi_std"] == pytest.approx([0.01, 0.01], rel=0.01)
+    assert (
+        value["seeds"].tolist() == [1, 2]
+        and value["snapshots"].tolist() == [3, 6]
+        and value["contacts"].tolist() == [6000, 12000]
+    )
+    assert value["sin_phi"] == pytest.approx([0.30, 0.45], abs=0.001) and value[
+        "sin_phi_std"
+    ] == pytest.approx([0.01, 0.01], rel=0.01)
     later = Run.read(runs[0].folder, from_strain=0.35)
     assert [network.attributes["strain"] for network in later.networks] == [0.4]
     earlier = Run.read(runs[0].folder, to_strain=0.3)  # from half of it on
     assert [network.attributes["strain"] for network in earlier.networks] == [0.2, 0.3]
-    assert earlier.is_critical(earlier.history["strain"]).sum() == len(earlier.critical_stresses()) < len(runs[0].critical_stresses())
+    assert (
+        earlier.is_critical(earlier.history["strain"]).sum()
+        == len(earlier.critical_stresses())
+        < len(runs[0].critical_stresses())
+    )
 
 
 def test_known_distributions_are_recovered(result):
-    """η = 0.5, 12 000 contacts with exponential forces about ⟨f_n⟩(θ), a_c = 0.2, a_fn = 0.3, a_ft = 0.1: within 4 errors.
+    """η = 0.5, 12 000 contacts, exponential forces about ⟨f_n⟩(θ): values within 4 errors.
 
-    A moment of C contacts has the error √(2/C) = 0.013, with exponential forces √2 times that; the forces' mixture of
-    exponentials of means 1 ± 0.3 leaves α_n within 0.1 of 1 and the weak share within 0.01 of 1 − 1/e. Cross products: the
-    tensors add a_c a_fn/2 to tr χ(∞) and nothing else of that order, so that a_fn is off by up to its 10 %.
+    a_c = 0.2, a_fn = 0.3, a_ft = 0.1. A moment of C contacts has the error √(2/C) = 0.013, and √2
+    times that with exponential forces. Forces are a mixture of exponentials of means 1 ± 0.3: α_n
+    is within 0.1 of 1, the weak fraction within 0.01 of 1 − 1/e. The cross product a_c a_fn/2 in
+    tr χ(∞) changes a_fn by up to 10 %.
     """
-    values = {key: {name: np.asarray(array)[1] for name, array in entry["value"].items() if len(np.shape(array)) and len(array) == 2}
-              for key, entry in result.items()}  # fmt: skip
+    values = {
+        key: {
+            name: np.asarray(array)[1]
+            for name, array in entry["value"].items()
+            if len(np.shape(array)) and len(array) == 2
+        }
+        for key, entry in result.items()
+    }
     assert values["O15"]["a_c"][-1] == pytest.approx(0.2, abs=4 * np.sqrt(2 / 12000))
     assert values["O17"]["a_fn"][-1] == pytest.approx(0.3, abs=4 * np.sqrt(4 / 12000) + 0.03)
-    assert values["O17"]["f_n_amplitude"][-1] / values["O17"]["f_n_mean"][-1] == pytest.approx(0.3, abs=4 * np.sqrt(4 / 12000))
+    assert values["O17"]["f_n_amplitude"][-1] / values["O17"]["f_n_mean"][-1] == pytest.approx(
+        0.3, abs=4 * np.sqrt(4 / 12000)
+    )
     assert values["O17"]["f_t_amplitude"][-1] == pytest.approx(0.1, abs=4 * np.sqrt(1 / 12000))
     assert values["O14"]["amplitude"][-1] == pytest.approx(0.2, abs=4 * np.sqrt(2 / 12000))
     assert values["O14"]["theta_sigma"] == pytest.approx(np.pi / 2, abs=0.03)
     assert values["O3"]["alpha_n"] == pytest.approx(1, abs=0.1)
-    x = np.geomspace(0.01, 1, 10_001)  # of e^{−x} on [0.01, 1] the fit finds the power law of the same mean logarithm
-    mean = np.trapezoid(np.log(1 / x) * np.exp(-x) * x, np.log(x)) / np.trapezoid(np.exp(-x) * x, np.log(x)) / np.log(100)
-    assert values["O3"]["beta_n"] == pytest.approx(statistics._root_of_mean(mean) / np.log(100) - 1, abs=0.1)
+    x = np.geomspace(
+        0.01, 1, 10_001
+    )  # of e^{−x} on [0.01, 1] the fit finds the power law of the same mean logarithm
+    mean = (
+        np.trapezoid(np.log(1 / x) * np.exp(-x) * x, np.log(x))
+        / np.trapezoid(np.exp(-x) * x, np.log(x))
+        / np.log(100)
+    )
+    assert values["O3"]["beta_n"] == pytest.approx(
+        statistics._root_of_mean(mean) / np.log(100) - 1, abs=0.1
+    )
     assert values["O3"]["weak_fraction"] == pytest.approx(1 - np.exp(-1), abs=0.02)
 
 
 def test_densities_and_networks_add_up(result):
-    """Integrals: 1 of P(θ, ξ), P(I_m) and P(ℓ_r); q(∞)/p and the half-sum agree to their cross products; errors are positive."""
-    for key, grid, edges in (("O8", "i_m", 0.05), ("O14", "theta", np.pi / 36), ("O10", "l_r", 0.01)):
+    """Densities have the integral 1; the half-sum is q(∞)/p up to the cross products."""
+    for key, grid, edges in (
+        ("O8", "i_m", 0.05),
+        ("O14", "theta", np.pi / 36),
+        ("O10", "l_r", 0.01),
+    ):
         assert result[key]["value"]["pdf"].sum(axis=-1) * edges == pytest.approx(1, abs=1e-9), key
     v = result["O18"]["value"]
     assert v["half_sum"] - v["q_over_p"] == pytest.approx(v["closure"], abs=1e-15)
@@ -113,7 +154,10 @@ def test_densities_and_networks_add_up(result):
 
 
 def test_standard_error_is_that_of_repeated_sampling():
-    """a_c of S snapshots of C contacts has the error √(2/(S C)); the estimate from S = 20 scatters by 1/√(2 S) = 16 %."""
+    """a_c of S snapshots of C contacts has the error √(2/(S C)).
+
+    Its estimate from S = 20 scatters by 1/√(2 S) = 16 %.
+    """
     ensemble = Ensemble([packing(0.5, seed=k) for k in range(20)])
     grids = observables.Grids.of([ensemble], 0.4)
     error = observables.measures(ensemble, grids)["O15"]["a_c_error"][-1]
@@ -123,9 +167,10 @@ def test_standard_error_is_that_of_repeated_sampling():
 
 
 def test_forces_in_strips_from_wall_to_wall():
-    """Forces that fall by half from the left side wall, at x = −5, to the right one, at 25: the mean of each strip within 4 errors of the line.
+    """Forces that fall by half from the left wall, x = −5, to the right one, x = 25.
 
-    Contacts between grains only fill x in [0, 30]; those with the side walls say where the sample begins and ends.
+    The mean of each strip is within 4 errors of the line. Contacts between grains fill x in
+    [0, 30] only; contacts with the side walls mark the ends of the sample.
     """
     made = packing(0.5, contacts=20_000, a_fn=0, a_ft=0)
     columns = {name: column.copy() for name, column in made.contacts.items()}
@@ -141,31 +186,59 @@ def test_forces_in_strips_from_wall_to_wall():
     edges = -5 + 30 * grids.strip
     middle[0] = (inside[inside < edges[1]].mean() + 5) / 30
     mean = 1 - 0.5 * (inside.mean() + 5) / 30
-    assert found == pytest.approx((1 - 0.5 * middle) / mean, abs=4 / np.sqrt(20_000 / 6))  # exponential forces: an error of the mean of 1/√C
-    assert np.isnan(observables.strip_forces(Ensemble([packing(0.5, contacts=20)]), grids)["strip_force"]).any()  # too few contacts
+    assert found == pytest.approx(
+        (1 - 0.5 * middle) / mean, abs=4 / np.sqrt(20_000 / 6)
+    )  # exponential forces: an error of the mean of 1/√C
+    assert np.isnan(
+        observables.strip_forces(Ensemble([packing(0.5, contacts=20)]), grids)["strip_force"]
+    ).any()  # too few contacts
 
 
 def test_drift_of_the_fabric():
-    """a_c that rises by 0.3 from a strain of 0.2 to 0.5, in two seeds of different levels: found within 4 errors, and the error is that of the moments."""
+    """a_c rises by 0.3 between strains of 0.2 and 0.5, in two seeds of different levels."""
 
     def run(level, seed):
         strains = np.linspace(0.2, 0.5, 7)
-        networks = [packing(0.5, seed=100 * seed + k, strain=strain, a_c=level + strain, a_fn=0, a_ft=0) for k, strain in enumerate(strains)]
+        networks = [
+            packing(0.5, seed=100 * seed + k, strain=strain, a_c=level + strain, a_fn=0, a_ft=0)
+            for k, strain in enumerate(strains)
+        ]
         return Run(folder=None, networks=networks, from_strain=0.2)
 
     found = analysis.drift([run(0.0, 1), run(0.2, 2)])
-    expected = 0.3 * np.sqrt(2 / 2000) / np.sqrt(14 * np.var(np.linspace(0.2, 0.5, 7)))  # √(2/C) of a moment, over the spread of the strains
+    expected = (
+        0.3 * np.sqrt(2 / 2000) / np.sqrt(14 * np.var(np.linspace(0.2, 0.5, 7)))
+    )  # √(2/C) of a moment, over the spread of the strains
     assert found["a_c_drift_error"] == pytest.approx(expected, rel=0.5)
     assert found["a_c_drift"] == pytest.approx(0.3, abs=4 * found["a_c_drift_error"])
-    assert np.isnan(analysis.drift([dataclasses.replace(run(0.0, 1), networks=run(0.0, 1).networks[:2])])["a_c_drift"])
+    assert np.isnan(
+        analysis.drift([dataclasses.replace(run(0.0, 1), networks=run(0.0, 1).networks[:2])])[
+            "a_c_drift"
+        ]
+    )
 
 
 def test_errors_are_over_seeds_where_there_are_three(tmp_path):
-    """Seeds whose a_c are 0.1, 0.2 and 0.3, four snapshots of each: the error is that of three values, 0.1/√3, and that of two seeds over their snapshots."""
-    runs = [Run(tmp_path / str(k), [packing(0.5, seed=10 * k + j, a_c=0.1 * k, a_fn=0, a_ft=0, contacts=8000) for j in range(4)], 0.2) for k in (1, 2, 3)]
-    for count, expected in ((3, 0.1 / np.sqrt(3)), (2, np.std([0.1] * 4 + [0.2] * 4, ddof=1) / np.sqrt(8))):
+    """Seeds with a_c = 0.1, 0.2 and 0.3: three have the error 0.1/√3, two that of snapshots."""
+    runs = [
+        Run(
+            tmp_path / str(k),
+            [
+                packing(0.5, seed=10 * k + j, a_c=0.1 * k, a_fn=0, a_ft=0, contacts=8000)
+                for j in range(4)
+            ],
+            0.2,
+        )
+        for k in (1, 2, 3)
+    ]
+    for count, expected in (
+        (3, 0.1 / np.sqrt(3)),
+        (2, np.std([0.1] * 4 + [0.2] * 4, ddof=1) / np.sqrt(8)),
+    ):
         value = analysis.analyse(runs[:count])["O15"]["value"]
-        assert value["a_c_error"][0, -1] == pytest.approx(expected, rel=0.25)  # moments of 8000 contacts: 0.016 each
+        assert value["a_c_error"][0, -1] == pytest.approx(
+            expected, rel=0.25
+        )  # moments of 8000 contacts: 0.016 each
         assert value["a_c"][0, -1] == pytest.approx(0.05 * (count + 1), abs=0.02)
 
 
@@ -177,13 +250,18 @@ def test_standard_error_leaves_out_what_is_not_known():
 
 def test_rotated_runs_are_analysed_alike():
     """θσ off the vertical changes directions, and no anisotropy."""
-    upright, tilted = (Ensemble([packing(0.5, axis=axis, contacts=20_000)]) for axis in (np.pi / 2, np.pi / 2 + 0.4))
+    upright, tilted = (
+        Ensemble([packing(0.5, axis=axis, contacts=20_000)])
+        for axis in (np.pi / 2, np.pi / 2 + 0.4)
+    )
     assert tilted.stress_angle - upright.stress_angle == pytest.approx(0.4, abs=0.05)
-    assert np.array(tilted.xi_networks().anisotropies()) == pytest.approx(np.array(upright.xi_networks().anisotropies()), abs=0.05)
+    assert np.array(tilted.xi_networks().anisotropies()) == pytest.approx(
+        np.array(upright.xi_networks().anisotropies()), abs=0.05
+    )
 
 
 def test_13000_particles_take_less_than_5_seconds():
-    """All observables of a snapshot of 13 000 particles and 26 000 contacts; 0.2 s is what it took."""
+    """All observables of a snapshot of 13 000 particles and 26 000 contacts, about 0.2 s."""
     networks = [packing(0.5, particles_=13_000, contacts=26_000)]
     start = time.perf_counter()
     ensemble = Ensemble(networks)
@@ -191,7 +269,7 @@ def test_13000_particles_take_less_than_5_seconds():
     assert time.perf_counter() - start < 5
 
 
-# --- what is refused ----------------------------------------------------------------------------------------------------
+# --- errors ------------------------------------------------------------------------------------
 
 
 def test_bad_runs_are_refused(tmp_path):
@@ -201,7 +279,9 @@ def test_bad_runs_are_refused(tmp_path):
     with pytest.raises(ValueError, match="no runs"):
         analysis.analyse([])
     run = Run.read(write_run(tmp_path / "a", 0.5))
-    with pytest.raises(ValueError, match="no network at a strain from 0.9 to inf; they are at 0.1000 to 0.4000"):
+    with pytest.raises(
+        ValueError, match="no network at a strain from 0.9 to inf; they are at 0.1000 to 0.4000"
+    ):
         Run.read(tmp_path / "a", from_strain=0.9)
     slippery = Run.read(write_run(tmp_path / "b", 0.5, friction=0.3))
     with pytest.raises(ValueError, match="friction 0.3, 0.5; expected one friction"):
@@ -219,7 +299,7 @@ def test_bad_runs_are_refused(tmp_path):
 
 
 def _of(change, network):
-    """The network with all forces frictionless, equal or fully mobilised, or half of its contacts at walls."""
+    """Return the network with other forces, or with half of its contacts at walls."""
     n = network.contacts["normal"]
     t = np.column_stack([-n[:, 1], n[:, 0]])
     fn = np.einsum("ca,ca->c", network.contacts["force"], n)[:, None]
@@ -234,49 +314,80 @@ def _of(change, network):
 @pytest.mark.parametrize("change", ["none", "frictionless", "equal", "mobilised", "walls"])
 @pytest.mark.parametrize("particles, contacts", [(2, 1), (3, 2), (10, 15), (30, 60)])
 def test_tiny_packings_are_analysed(particles, contacts, change):
-    """From one contact on: what too few contacts do not tell is not tested; no error, no warning, a strict file."""
+    """From one contact on there is no error and no warning; NaN enters no verdict."""
     for etas in ([0.0], [0.5], [0.0, 0.2, 0.5, 0.7]):
         runs = []
         for k, eta in enumerate(etas):
-            networks = [_of(change, packing(eta, seed=3 * k + j, particles_=particles, contacts=contacts, strain=0.1 * (j + 1))) for j in range(1 + k % 2)]
+            networks = [
+                _of(
+                    change,
+                    packing(
+                        eta,
+                        seed=3 * k + j,
+                        particles_=particles,
+                        contacts=contacts,
+                        strain=0.1 * (j + 1),
+                    ),
+                )
+                for j in range(1 + k % 2)
+            ]
             runs.append(Run(pathlib.Path(f"/{k}"), networks, 0.0))
         result = analysis.analyse(runs)
         table = claims.findings(result)
         json.dumps(analysis.jsonable(result), allow_nan=False)
-        assert not [row for row in table if row.verdict != claims.NOT_TESTED and "nan" in row.value + row.error]
+        assert not [
+            row
+            for row in table
+            if row.verdict != claims.NOT_TESTED and "nan" in row.value + row.error
+        ]
 
 
 def test_runs_that_are_no_seeds_are_refused(tmp_path):
-    """Of one elongation: a run twice, a run that differs in more than its seed, the networks of two runs in a folder."""
-    folders = [write_run(tmp_path / name, 0.5, seed, strains=(0.1, 0.2)) for name, seed in (("a", 1), ("b", 2))]
+    """A run given twice, other parameters than the seed, networks of two runs in a folder."""
+    folders = [
+        write_run(tmp_path / name, 0.5, seed, strains=(0.1, 0.2))
+        for name, seed in (("a", 1), ("b", 2))
+    ]
     (tmp_path / "link").symlink_to("a")
     for again in (folders[0], tmp_path / "link", tmp_path / "b" / ".." / "a"):
         with pytest.raises(ValueError, match="is given twice"):
             analysis.analyse([Run.read(folders[0]), Run.read(again)])
 
     def record(folder, **parameters):
-        run = dict(program="biaxial.py", run=json.dumps(parameters), parameters=dict(eta=0.5, **parameters))
+        run = dict(
+            program="biaxial.py", run=json.dumps(parameters), parameters=dict(eta=0.5, **parameters)
+        )
         (folder / "run.json").write_text(json.dumps(run))
         return Run.read(folder)
 
-    analysis.analyse([record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-4, threads=2)])
-    with pytest.raises(ValueError, match=r"a has tolerance = 0.0001 \(.*b 0.001\); expected runs that differ in their seed alone"):
+    analysis.analyse(
+        [record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-4, threads=2)]
+    )
+    with pytest.raises(
+        ValueError,
+        match=r"a has tolerance = 0.0001 \(.*b 0.001\); expected runs that differ in their seed",
+    ):
         analysis.analyse([record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-3)])
     with pytest.raises(ValueError, match="hold the same run"):
         analysis.analyse([record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-4)])
-    (folders[1] / "run.json").write_text((folders[1] / "run.json").read_text().replace('"eta": 0.5', '"eta": 0.4'))
+    (folders[1] / "run.json").write_text(
+        (folders[1] / "run.json").read_text().replace('"eta": 0.5', '"eta": 0.4')
+    )
     with pytest.raises(ValueError, match="has eta = 0.5, .*run.json 0.4: files of two runs"):
         Run.read(folders[1])
 
 
 def test_mixed_networks_are_refused(tmp_path):
-    """What a run into the folder of another one once left."""
+    """Two runs once wrote into one folder."""
     folder = write_run(tmp_path / "a", 0.5, strains=(0.1, 0.2))
     other = packing(0.5, strain=0.3)
     for length in ("R", "cap_radius", "half_length"):
         other.particles[length] *= 1.01
     other.save(folder / "network-0.3000.h5")
-    with pytest.raises(ValueError, match="network-0.3000.h5 and network-0.1000.h5 hold different grains: files of two runs"):
+    with pytest.raises(
+        ValueError,
+        match="network-0.3000.h5 and network-0.1000.h5 hold different grains: files of two runs",
+    ):
         Run.read(folder)
     packing(0.5, strain=0.1).save(folder / "network-0.3000.h5")
     with pytest.raises(ValueError, match="have the same strain"):
@@ -288,10 +399,22 @@ def test_mixed_networks_are_refused(tmp_path):
     [
         ("", "lacks the column strain and stress_x and stress_y"),
         ("strain,stress_x,stress_y\n", "holds no record"),
-        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,abc,2\n", "line 3: stress_x = 'abc'; expected a number"),
-        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,1,nan\n", "line 3: stress_y = nan; expected a finite number"),
-        ("strain,stress_x,stress_y\n0.1,1,2\n0.2,1\n", "line 3: stress_y = None; expected a number"),
-        ("strain,stress_x,stress_y\n0.1,1,2\n0.1,1,2\n", "the strain\\[1\\] = 0.1; expected more than"),
+        (
+            "strain,stress_x,stress_y\n0.1,1,2\n0.2,abc,2\n",
+            "line 3: stress_x = 'abc'; expected a number",
+        ),
+        (
+            "strain,stress_x,stress_y\n0.1,1,2\n0.2,1,nan\n",
+            "line 3: stress_y = nan; expected a finite number",
+        ),
+        (
+            "strain,stress_x,stress_y\n0.1,1,2\n0.2,1\n",
+            "line 3: stress_y = None; expected a number",
+        ),
+        (
+            "strain,stress_x,stress_y\n0.1,1,2\n0.1,1,2\n",
+            "the strain\\[1\\] = 0.1; expected more than",
+        ),
     ],
 )
 def test_bad_histories_are_refused(tmp_path, text, says):
@@ -301,24 +424,36 @@ def test_bad_histories_are_refused(tmp_path, text, says):
         Run.read(folder)
 
 
-# --- verdicts -----------------------------------------------------------------------------------------------------------
+# --- verdicts ----------------------------------------------------------------------------------
 
 
 def rows(result, observable, start=""):
-    return [row for row in claims.findings(result) if row.observable == observable and row.statement.startswith(start)]
+    return [
+        row
+        for row in claims.findings(result)
+        if row.observable == observable and row.statement.startswith(start)
+    ]
 
 
 def changed(result, observable, **arrays):
     """The analysis with some arrays of an observable replaced."""
-    return result | {observable: result[observable] | dict(value=result[observable]["value"] | arrays)}
+    return result | {
+        observable: result[observable] | dict(value=result[observable]["value"] | arrays)
+    }
 
 
 def test_verdicts_follow_the_data(result):
     (row,) = rows(result, "O1")
     assert row.verdict == claims.AGREES
-    (row,) = rows(changed(result, "O1", sin_phi=np.array([0.30, 0.52]), sin_phi_error=np.array([0.01, 0.01])), "O1")
+    (row,) = rows(
+        changed(result, "O1", sin_phi=np.array([0.30, 0.52]), sin_phi_error=np.array([0.01, 0.01])),
+        "O1",
+    )
     assert row.verdict == claims.DIFFERS and "off at η = 0.5" in row.value
-    (row,) = rows(changed(result, "O1", sin_phi=np.array([0.30, 0.52]), sin_phi_error=np.array([0.01, 0.04])), "O1")
+    (row,) = rows(
+        changed(result, "O1", sin_phi=np.array([0.30, 0.52]), sin_phi_error=np.array([0.01, 0.04])),
+        "O1",
+    )
     assert row.verdict == claims.AGREES  # within two errors
     weak = {row.verdict for row in rows(result, "O3", "share")}
     assert weak == {claims.NOT_TESTED}  # no run of η = 0.7
@@ -345,6 +480,10 @@ def test_ensembles_are_of_one_kind():
     with pytest.raises(ValueError, match="no snapshots"):
         Ensemble([])
     empty = packing(0.5)
-    none = Network(empty.particles, {name: column[:0] for name, column in empty.contacts.items()}, empty.attributes)
+    none = Network(
+        empty.particles,
+        {name: column[:0] for name, column in empty.contacts.items()},
+        empty.attributes,
+    )
     with pytest.raises(ValueError, match="no contact between particles"):
         Ensemble([none])

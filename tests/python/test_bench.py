@@ -1,4 +1,4 @@
-"""Benchmarks: what they measure with is right, they run on tiny problems and write the columns they state. No time is tested."""
+"""Benchmarks: their measures are right, and they write their columns on tiny problems."""
 
 import csv
 import json
@@ -14,8 +14,8 @@ from rcr import _kernel, problems
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
-measure = pytest.importorskip("measure")
-packings = pytest.importorskip("packing")
+from benchmarks import measure
+from benchmarks import packing as packings
 
 SWEEP_COLUMNS = "problem,shape,bodies,points,solver,lanes,threads,ns,ns_by_clock,ratio_to_one_thread"
 TOLERANCE_COLUMNS = (
@@ -32,7 +32,7 @@ def lattice(count=25, seed=3):
 
 
 def solved(problem, tolerance=1e-10):
-    """The problem with its solution as warm start, and what the kernels reported."""
+    """The problem with its solution as warm start, and the kernels' report."""
     arrays = problem.arrays()
     found = _kernel.solve(**arrays, solver="exact", tolerance=tolerance, max_iterations=100000,
                           kinematic_tolerance=np.inf)
@@ -46,7 +46,7 @@ def residual(problem):
 
 
 def as_npz(path, problem):
-    """A step file of ours; the four walls are the last bodies."""
+    """A step as .npz; the four walls are the last bodies."""
     p = problem
     np.savez(
         path, a=p.bodies[:, 0], b=p.bodies[:, 1], n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias,
@@ -76,16 +76,18 @@ def test_residual_is_the_one_that_the_kernels_report(tolerance):
 
 
 def test_residual_by_hand():
-    """One contact, w = 2 in both directions, falling at 1 and sliding at 0.3 with µ = 0.5: p_n = 1/2 stops it and friction holds it."""
+    """One contact, w = 2 in both directions, velocity (−1, 0.3), µ = 0.5: p_n = 1/2, friction
+    holds.
+    """
     from scipy.sparse import csc_array
 
     matrix, q = csc_array(2 * np.eye(2)), np.array([[-1, 0.3]])
     assert measure.residual(matrix, q, np.array([0.5]), np.array([[0.5, -0.15]])) < 1e-15
-    # without friction impulse: û = (0, 0.3), p − (û + µ|u_t| n)/w = (0.425, −0.15), which is in the
-    # cone
+    # Without friction impulse û = (0, 0.3), and p − (û + µ|u_t| n)/w = (0.425, −0.15) is in the
+    # cone.
     assert measure.residual(matrix, q, np.array([0.5]), np.array([[0.5, 0]])) == pytest.approx(
         np.hypot(0.075, 0.15) / 0.5)
-    assert measure.residual(matrix, -q, np.array([0.5]), np.zeros((1, 2))) == 0  # opens: no impulse
+    assert measure.residual(matrix, -q, np.array([0.5]), np.zeros((1, 2))) == 0  # the contact opens
     # also without friction and sliding
     assert measure.residual(matrix, np.array([[1, 0]]), np.array([0.0]), np.zeros((1, 2))) == 0
 
@@ -111,7 +113,7 @@ def test_a_problem_without_walls_has_no_mirror():
 
 
 def test_lattice_is_one():
-    """Discs of diameter 1 touch their neighbours in rows shifted by half, and the walls."""
+    """Discs of diameter 1 touch their neighbours in shifted rows, and the walls."""
     side, problem = 5, lattice(25)
     row, column = np.divmod(np.arange(25), side)
     centre = np.column_stack([column + 0.5 * (row % 2), np.sqrt(0.75) * row])
@@ -129,10 +131,10 @@ def test_with_two_points():
     assert measure.with_two_points(problem).contacts == problem.contacts
 
 
-def test_lever_tells_discs_from_long_grains():
+def test_levers_distinguish_discs_from_long_grains():
     problem = lattice()
     wall = (problem.bodies[:, 0] >= 25)[:, None]
-    # from a centre of the wall that says nothing
+    # the centre of a wall is arbitrary
     problem.arm1 = np.where(wall, [3.0, 4.0], problem.arm1)
     assert measure.lever(problem) < 1e-14
     assert measure.lever(measure.with_two_points(problem)) == pytest.approx(0.1 / np.hypot(1, 0.1))
@@ -192,7 +194,7 @@ def test_bench_solver_writes_its_tables(files):
 
 
 def test_bench_solver_compares_with_siconos(files):
-    """A program in the place of Siconos' Python answers; ratios are its time over ours, and only where both arrived."""
+    """A program stands for Siconos' Python; ratios exist only where both reached the tolerance."""
     found = (1e-3, 10, 2.0, 5e-4), (1e-6, 20, 4.0, 2e-6)
     rows = [dict(zip(("tolerance", "iterations", "seconds", "residual"), row)) for row in found]
     answer = files / "answer"
@@ -222,8 +224,8 @@ def test_bench_solver_marks_stated_figures(files):
         "stated", "", "stated", ""]
 
 
-def test_siconos_gives_what_its_residual_says(files):
-    """With Siconos itself, where this Python has it: its impulses at 1e-8 have the residual that it prints."""
+def test_impulses_of_siconos_have_the_residual_that_it_prints(files):
+    """Siconos' impulses at 1e-8 have the residual that it prints, if it is installed."""
     pytest.importorskip("siconos.numerics", reason="this Python has no Siconos")
     out = files / "out"
     ended = bench("bench_solver.py", files / "small.npz", "--only", "tolerances", "--siconos",
@@ -245,7 +247,7 @@ def test_siconos_gives_what_its_residual_says(files):
          "/none/python: No such file or directory"),
     ],
 )
-def test_bench_solver_says_in_a_line_what_is_wrong(files, arguments, says):
+def test_bench_solver_reports_errors_in_a_line(files, arguments, says):
     arguments = [str(files / word) if word.endswith(".npz") else word for word in arguments]
     ended = bench("bench_solver.py", *arguments, "--out", files / "out",
                   *(FAST if "--repeats" not in arguments else []))
@@ -259,7 +261,9 @@ def test_bench_solver_says_in_a_line_what_is_wrong(files, arguments, says):
 
 @pytest.fixture
 def packing(tmp_path):
-    """Six discs of diameter 1 and mass 1 in two rows between walls that they touch, moving at random; the right wall is pushed."""
+    """Six moving discs of diameter 1 and mass 1 in two rows between walls; the right wall is
+    pushed.
+    """
     count, (j, i) = 6, np.divmod(np.arange(6), 3)
     state = np.zeros((count + 4, 8))
     state[:count, 0], state[:count, 1], state[:count, 3], state[:count,
@@ -282,7 +286,7 @@ def test_packing_and_its_contacts(packing):
     assert (six.grains, six.shape, six.dt) == (6, "discs", 0.01)
     np.testing.assert_allclose(six.force[-2], [-2, 0], atol=1e-12)
     problem = six.problem(friction=0.5, alert=1e-3)
-    assert problem.contacts == 7 + 10  # between discs; at walls, which touch a side each
+    assert problem.contacts == 7 + 10  # between discs; each of two rows touches the walls
     np.testing.assert_allclose(problem.bias, 0, atol=1e-10)
     at_walls = (problem.bodies >= 6).any(1)
     assert at_walls.sum() == 10 and (problem.friction == np.where(at_walls, 0, 0.5)).all()
@@ -292,7 +296,7 @@ def test_packing_and_its_contacts(packing):
 
 
 def test_bench_step_writes_its_table(packing, tmp_path):
-    """With no other library but one that a script stands for: disc 0 falls on the floor and is stopped, which is exact."""
+    """A script stands for another library: disc 0 falls on the floor and stops, which is exact."""
     contact = [7, 0, 0, 1, 0.5, 0, 0, -0.5, 0.0, 1.0, 0.0, -0.003]
     before, after = np.zeros((10, 3)), np.zeros((10, 3))
     before[0, 1] = -1
@@ -317,7 +321,7 @@ def test_bench_step_writes_its_table(packing, tmp_path):
 
 @pytest.mark.parametrize("name", ["chipmunk", "box2d"])
 def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
-    """Where its program is built: velocities follow from impulses, and many iterations satisfy the laws of its own contacts."""
+    """Velocities of a library follow from its impulses, and many iterations satisfy its laws."""
     program = ROOT / "build" / "peers" / f"{name}_step"
     if not program.exists():
         pytest.skip(f"{program.name} is not built")
@@ -345,7 +349,7 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
         (["six.npz", "--chipmunk", "/none/program"], "/none/program: No such file or directory"),
     ],
 )
-def test_bench_step_says_in_a_line_what_is_wrong(packing, tmp_path, arguments, says):
+def test_bench_step_reports_errors_in_a_line(packing, tmp_path, arguments, says):
     (tmp_path / "six.txt").write_text("1 2 3\n")
     ended = bench("bench_step.py", tmp_path / arguments[0], *arguments[1:], "--repeats", 1, "--out",
                   tmp_path / "out")
@@ -363,7 +367,7 @@ def test_a_step_without_its_bodies_is_refused(files):
 
 
 def test_commands_run_outside_through_pipes():
-    """What is asked after `stay` is executed by a server at the other end of two pipes."""
+    """A server at the other end of two pipes executes the commands after `stay`."""
     script = f"""
 import sys
 sys.path.insert(0, {str(ROOT)!r})

@@ -238,8 +238,8 @@ def test_images_in_a_sheared_cell():
     scene.cell = np.array([[10.0, 4.0], [0.5, 8.0]])
     at = scene.grains["position"] + scene.wrap(scene.grains["position"])
     rows, shifts = plot._images(scene, at)
-    found = {(row, *np.round(np.linalg.solve(scene.cell, shift)).astype(int)) for row,
-             shift in zip(rows, shifts)}
+    found = {(row, *np.round(np.linalg.solve(scene.cell, shift)).astype(int))
+             for row, shift in zip(rows, shifts)}
     inverse = np.linalg.inv(scene.cell)
     for row, outline in enumerate(polygons(scene.grains | dict(position=at))):
         for step in np.ndindex(3, 3):

@@ -31,7 +31,13 @@ SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "network.py"
 def network_script(*arguments):
     """The script as this Python runs it; it must not look for another one."""
     command = [sys.executable, SCRIPT, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=600, env=os.environ | {"YADE_RCR_WAY": "test"})
+    return subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        env=os.environ | {"YADE_RCR_WAY": "test"},
+    )
 
 
 @pytest.fixture(scope="module")
@@ -55,12 +61,22 @@ def written(folders, tmp_path_factory):
 
 def test_script_writes_everything(written):
     out, line = written
-    assert re.fullmatch(rf"{out}/report.html: \d+ of \d+ statements agree, \d+ do not, \d+ are not tested\n", line)
+    assert re.fullmatch(
+        rf"{out}/report.html: \d+ of \d+ statements agree, \d+ do not, \d+ are not tested\n", line
+    )
     content = json.loads((out / "analysis.json").read_text())
     assert list(content) == list(STATEMENTS)
-    names = [*figures.FIGURES, *(name.removesuffix(".png") for key in MAPS for name in content[key]["value"]["files"])]
+    names = [
+        *figures.FIGURES,
+        *(name.removesuffix(".png") for key in MAPS for name in content[key]["value"]["files"]),
+    ]
     pictures = {f"{name}.{suffix}" for name in names for suffix in ("png", "pdf")}
-    assert {path.name for path in out.iterdir()} == {"analysis.json", "report.html", "table.md", "run.json"} | pictures
+    assert {path.name for path in out.iterdir()} == {
+        "analysis.json",
+        "report.html",
+        "table.md",
+        "run.json",
+    } | pictures
     assert content["O2"]["value"]["files"] == ["O2-eta-0.png", "O2-eta-0.5.png"]
     assert set(STATEMENTS) <= {name.split("-")[0] for name in names}
 
@@ -87,17 +103,27 @@ def test_analysis_of_other_runs_is_refused(written, folders, tmp_path):
     before = {path.name: path.read_bytes() for path in out.iterdir()}
     for arguments in ([folders[0]], [*folders, "--from-strain", "0.3"]):
         run = network_script(*arguments, "--out", out)
-        assert run.returncode == 1 and "remove it with --overwrite" in run.stderr and run.stderr.count("\n") == 1
+        assert (
+            run.returncode == 1
+            and "remove it with --overwrite" in run.stderr
+            and run.stderr.count("\n") == 1
+        )
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
 def test_a_run_that_has_not_ended_is_told(written, folders, tmp_path):
-    """Its figures are those of what is there; here they are not written, since the folder has others."""
+    """The warning precedes the analysis; here the folder has another one, so nothing is written."""
     out, going = tmp_path / "out", tmp_path / "going"
     shutil.copytree(written[0], out), shutil.copytree(folders[0], going)
-    (going / "run.json").write_text(json.dumps(dict(program="biaxial.py", run="x", parameters=dict(eta=0.0, strain=0.7))))
+    (going / "run.json").write_text(
+        json.dumps(dict(program="biaxial.py", run="x", parameters=dict(eta=0.0, strain=0.7)))
+    )
     run = network_script(going, "--out", out)
-    assert run.returncode == 1 and f"network.py: the run in {going} is not complete: its last network is at a strain of 0.4000, its end at 0.7\n" in run.stderr
+    assert (
+        run.returncode == 1
+        and f"network.py: the run in {going} is not complete: its last network is at a "
+        "strain of 0.4000, its end at 0.7\n" in run.stderr
+    )
 
 
 @pytest.mark.slow
@@ -198,7 +224,7 @@ def test_maps_are_a_few_collections():
 
 
 def test_outlines_are_those_of_rounded_cap_rectangles():
-    """Every vertex at the distance R' from the core segment; the longest extent is 2 R, the area that of the shape, inscribed by 1 %."""
+    """Vertices have the distance R' from the core; area and extent are those of the shape."""
     network = packing(0.6, particles_=20)
     p = network.particles
     vertices = polygons(p, points=32) - p["position"][:, None]
@@ -206,10 +232,14 @@ def test_outlines_are_those_of_rounded_cap_rectangles():
     along = np.einsum("nka,na->nk", vertices, axis)
     core = np.clip(along, -p["half_length"][:, None], p["half_length"][:, None])
     distance = np.linalg.norm(vertices - core[..., None] * axis[:, None], axis=-1)
-    assert distance == pytest.approx(np.broadcast_to(p["cap_radius"][:, None], distance.shape), abs=1e-12)
+    assert distance == pytest.approx(
+        np.broadcast_to(p["cap_radius"][:, None], distance.shape), abs=1e-12
+    )
     x, y = np.moveaxis(vertices, -1, 0)
     area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
-    assert area == pytest.approx(np.pi * p["cap_radius"] ** 2 + 4 * p["cap_radius"] * p["half_length"], rel=0.01)
+    assert area == pytest.approx(
+        np.pi * p["cap_radius"] ** 2 + 4 * p["cap_radius"] * p["half_length"], rel=0.01
+    )
 
 
 def test_segments_join_the_right_grains():

@@ -8,11 +8,12 @@ import time
 
 import numpy as np
 import rcr
+import yade.utils
 from benchmarks.hard_scenes.stage import G, box, material, stadium, tilted
 from yade import O
 from yade.wrapper import (
     Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter,
-    InsertionSortCollider, InteractionLoop, MatchMaker,
+    InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker,
     NewtonIntegrator,
 )  # fmt: skip
 
@@ -117,3 +118,84 @@ def closed_points():
         for force in (i.phys.force1, i.phys.force2)[: i.phys.points]
         if force[0] > 0
     ]
+
+
+def smooth(*bodies):
+    """A grain on a floor, or these bodies, under the smooth law."""
+    O.reset()
+    O.dt = 1e-5
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(),
+                               Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
+        InteractionLoop([getattr(rcr, name)() for name in ALL_IG2],
+                        [Ip2_FrictMat_FrictMat_FrictPhys()],
+                        [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
+        NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
+    ]
+    rough = material()
+    rough.young, rough.poisson = 1e8, 0.5
+    return [O.bodies.append(b) for b in bodies or (rcr.wall("y", 0, material=rough),
+                                                   stadium(0.2, 0.1, (0, 0.1), material=rough))]
+
+
+def periodic_scene(law, *bodies, size=2.0, gravity=(0, 0, 0), dt=1e-3, periodic=True, **options):
+    O.reset()
+    O.dt = dt
+    O.periodic = periodic
+    if periodic:
+        O.cell.setBox(size, size, size)
+    if law == "rigid":
+        O.engines = engines(gravity=gravity, **options)
+        O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in ALL_IG2]
+    else:
+        O.engines = [
+            ForceResetter(),
+            InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), rcr.Bo1_Disc_Aabb()], verletDist=0.01),
+            InteractionLoop([getattr(rcr, n)() for n in ALL_IG2],
+                            [Ip2_FrictMat_FrictMat_FrictPhys()],
+                            [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
+            NewtonIntegrator(gravity=gravity, damping=0),
+        ]
+    return [O.bodies.append(b) for b in bodies]
+
+
+def pressed_box():
+    """20 grains between walls; a stress pushes two of them."""
+    rng = np.random.default_rng(12)
+    rough = material(0.3)
+    walls = [rcr.wall(axis, 0, material=rough) for axis in "xy"]
+    walls += [rcr.mobile_wall(axis, end, mass=50, material=rough)
+              for axis, end in (("x", 1.0), ("y", 0.8))]
+    grains = [rcr.particle((0.12 + 0.19 * (k % 5), 0.1 + 0.19 * (k // 5)), 0.08,
+                           rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
+    press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3),
+             rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
+    # solved by the exact tier
+    build(*walls, *grains, dt=1e-3, gravity=(0, 0, 0), before=press, tolerance=1e-6)
+
+
+def heap(seed=0):
+    """Grains, discs and a clump at rest on a wall, a box, a facet and a fixed grain; ids by kind.
+    """
+    rng = np.random.default_rng(seed)
+    rough, smooth = material(0.5), material(0.1)
+    fixed = [
+        rcr.wall("y", 0, sense=+1, material=rough),
+        yade.utils.box((-0.1, 0.2, 0), (0.1, 0.3, 0.1), fixed=True, material=smooth),
+        yade.utils.facet([(0.5, -0.5, -2), (0.5, -0.5, 2), (0.9, 3, 0)], material=rough),
+        rcr.particle((0.25, 0.02), 0.04, 0.5, fixed=True, material=rough),
+    ]
+    grains = [
+        (rcr.disc if k % 3 == 0 else rcr.particle)((0.06 + 0.09 * (k % 4), 0.1 + 0.09 * (k // 4)),
+                                                   0.04, material=rough if k % 2 else smooth,
+                                                  **({} if k % 3 == 0
+                                                     else dict(eta=0.5, angle=rng.uniform(0, 3))))
+                                                  for k in range(16)
+    ]  # fmt: skip
+    ids = build(*fixed, *grains, dt=5e-4, tolerance=1e-10)
+    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in ALL_IG2]
+    clump, members = rcr.clump([rcr.particle((0.15 + x, 0.6), 0.06, 0.6, angle, rough)
+                                for x, angle in ((0, 0.3), (0.03, 1.8))])
+    O.trackEnergy = False
+    return dict(obstacles=ids[:4], grains=ids[4:], clump=clump, members=members)

@@ -70,12 +70,18 @@ def test_frictionless_packing_is_isostatic(packing):
     Contacts with walls count for one particle only and lower both.
     """
     mean = np.mean([point.force for point in packing.points])
-    points = [point for point in packing.points if point.force > 1e-3 * mean]  # smaller ones are below the tolerance
+    points = [
+        point for point in packing.points if point.force > 1e-3 * mean
+    ]  # smaller ones are below the tolerance
     bearing = {i for point in points for i in point.ids if i < 400}
     equations = (2 if packing.eta == 0 else 3) * len(bearing) + 2
     fewest = 0.99 if packing.eta == 0 else 0.97
-    assert fewest * equations <= len(points) <= 1.005 * equations  # 1.005: forces near the threshold
-    z, zc = (packing.network.coordination(count_side_contacts_twice=twice) for twice in (False, True))
+    assert (
+        fewest * equations <= len(points) <= 1.005 * equations
+    )  # 1.005: forces near the threshold
+    z, zc = (
+        packing.network.coordination(count_side_contacts_twice=twice) for twice in (False, True)
+    )
     bulk = 4 if packing.eta == 0 else 6
     assert bulk - 0.5 < zc < bulk + 0.1, f"Z = {z:.3f}, Zc = {zc:.3f}"
 
@@ -116,7 +122,9 @@ def test_checkpoint_continues_to_the_same_bits(packing, tmp_path):
     for _ in range(2):
         test.shear_record()
     assert np.array_equal(state(test), straight)
-    assert [(row["sin_phi"], row["iterations"]) for row in test.rows] == [(row["sin_phi"], row["iterations"]) for row in rows]
+    assert [(row["sin_phi"], row["iterations"]) for row in test.rows] == [
+        (row["sin_phi"], row["iterations"]) for row in rows
+    ]
 
 
 def test_records_do_not_depend_on_the_length_of_runs(packing):
@@ -132,7 +140,9 @@ def test_records_do_not_depend_on_the_length_of_runs(packing):
     single, alone = sheared([1] * 24)
     many, together = sheared([20, 4])
     assert np.array_equal(alone, together)
-    assert many.rows == single.rows and len(many.rows) == 24 and many.strain > 2 * PROTOCOL.ramp_strain
+    assert (
+        many.rows == single.rows and len(many.rows) == 24 and many.strain > 2 * PROTOCOL.ramp_strain
+    )
     assert many.progress["iterations"] == single.progress["iterations"]
     assert many.solver.model["arrays"] > single.solver.model["arrays"]
     assert without_cost(many.summary()) == without_cost(single.summary())
@@ -220,10 +230,17 @@ def test_walls_stay_smooth_in_shear(packing):
     test = Biaxial.load(packing.folder)
     for _ in range(2):
         test.shear_record()
-    friction = {(max(i.id1, i.id2) in test.walls): i.phys.tangensOfFrictionAngle for i in O.interactions if i.isReal}
+    friction = {
+        (max(i.id1, i.id2) in test.walls): i.phys.tangensOfFrictionAngle
+        for i in O.interactions
+        if i.isReal
+    }
     assert friction == {True: 0, False: pytest.approx(0.5, rel=1e-15)}
     at_walls = [i.phys for i in O.interactions if i.isReal and max(i.id1, i.id2) in test.walls]
-    assert max(phys.normalForce.norm() for phys in at_walls) > 0 and max(phys.shearForce.norm() for phys in at_walls) == 0
+    assert (
+        max(phys.normalForce.norm() for phys in at_walls) > 0
+        and max(phys.shearForce.norm() for phys in at_walls) == 0
+    )
     between = [i.phys for i in O.interactions if i.isReal and max(i.id1, i.id2) not in test.walls]
     assert max(phys.shearForce.norm() for phys in between) > 0
 
@@ -236,11 +253,14 @@ def test_network_file_keeps_everything(packing, tmp_path):
     for group in ("particles", "contacts"):
         for name, column in getattr(network, group).items():
             assert np.array_equal(getattr(again, group)[name], column), name
-    assert again.attributes["eta"] == packing.eta and again.attributes["strain"] == again.attributes["friction"] == 0
+    assert (
+        again.attributes["eta"] == packing.eta
+        and again.attributes["strain"] == again.attributes["friction"] == 0
+    )
     assert list(tmp_path.iterdir()) == [path]
 
 
-# ---------------------------------------------------------------------------------------------- checkpoints and results
+# --- checkpoints and results -------------------------------------------------------------------
 
 
 def test_compaction_continues_from_a_checkpoint_to_the_same_bits(tmp_path):
@@ -363,10 +383,15 @@ def test_summary_has_the_inertia_of_the_sample(packing):
     summary = test.summary()
     aspect = test.width / test.height
     expected = test.parameters["inertial_number"] ** 2 * 400 * aspect * (first / test.height) ** 2
-    assert summary["aspect_ratio"] == pytest.approx(aspect, rel=1e-12) and summary["aspect_ratio_initial"] < aspect
+    assert (
+        summary["aspect_ratio"] == pytest.approx(aspect, rel=1e-12)
+        and summary["aspect_ratio_initial"] < aspect
+    )
     assert summary["sample_inertia"] == pytest.approx(expected, rel=1e-9)
     assert summary["sample_inertia_height"] == pytest.approx(expected / aspect**2, rel=1e-9)
-    assert predicted == pytest.approx(test.sample_inertia(), rel=0.05)  # dilation: a few per cent of the area
+    assert predicted == pytest.approx(
+        test.sample_inertia(), rel=0.05
+    )  # dilation: a few per cent of the area
 
 
 def test_missed_tolerances_are_counted(packing):
@@ -410,7 +435,11 @@ def test_records_with_yielded_steps_are_left_out_of_means(packing):
     test.progress["yielded"] = test.progress["missed"] = 3
     marked, all_rows = test.summary(), test.summary(include_yielded=True)
     assert (marked["records_left_out"], marked["yielded_steps"]) == (1, 3)
-    assert abs(marked["sin_phi"] - clean["sin_phi"]) < 0.1 < abs(all_rows["sin_phi"] - clean["sin_phi"])
+    assert (
+        abs(marked["sin_phi"] - clean["sin_phi"])
+        < 0.1
+        < abs(all_rows["sin_phi"] - clean["sin_phi"])
+    )
     assert all_rows["records_left_out"] == 0 and all_rows["records"] == marked["records"]
     for row in test.rows:
         row.update(yielded_steps=1)
@@ -438,17 +467,21 @@ def test_a_jam_is_marked_in_the_history(tmp_path):
 def test_a_packing_that_has_blown_up_ends_the_test(packing):
     test = Biaxial.load(packing.folder)
     O.bodies[test.right].state.pos *= 10  # along x alone: its y is 0
-    with pytest.raises(RuntimeError, match="the packing has blown up by step .* packing fraction 0.0"):
+    with pytest.raises(
+        RuntimeError, match="the packing has blown up by step .* packing fraction 0.0"
+    ):
         test.shear_record()
 
 
 @pytest.mark.parametrize(
     "wrong",
     [
-        dict(eta=float("nan")), dict(eta=1), dict(eta="0.5"), dict(eta=True), dict(eta=1j), dict(particles=9), dict(particles=10.5), dict(particles=2**70),
-        dict(seed=-1), dict(seed=2**64), dict(friction=float("inf")), dict(friction=1e10), dict(tolerance=-1e-9), dict(tolerance=1),
-        dict(solver="magic"), dict(solver=None), dict(solver=["auto"]), dict(threads=-1), dict(threads=10**6), dict(inertial_number=0),
-        dict(inertial_number=1e9), dict(time_step=1e6), dict(time_step=-5e-324), dict(law="springs"), dict(stiffness=0),
+        dict(eta=float("nan")), dict(eta=1), dict(eta="0.5"), dict(eta=True), dict(eta=1j),
+        dict(particles=9), dict(particles=10.5), dict(particles=2**70), dict(seed=-1),
+        dict(seed=2**64), dict(friction=float("inf")), dict(friction=1e10), dict(tolerance=-1e-9),
+        dict(tolerance=1), dict(solver="magic"), dict(solver=None), dict(solver=["auto"]),
+        dict(threads=-1), dict(threads=10**6), dict(inertial_number=0), dict(inertial_number=1e9),
+        dict(time_step=1e6), dict(time_step=-5e-324), dict(law="springs"), dict(stiffness=0),
         dict(iterations=0), dict(iterations=2**31),
     ],
 )  # fmt: skip
@@ -460,11 +493,28 @@ def test_parameters_out_of_range_are_refused_before_the_scene_is_lost(wrong):
     assert list(wrong)[0] in str(error.value) and O.tags["mine"] == "kept"
 
 
-# ---------------------------------------------------------------------------------------------- the script
+# --- the script --------------------------------------------------------------------------------
 
 
-SMALL = ["--eta", "0.5", "--particles", "60", "--seed", "2", "--strain", "0.01", "--networks", "2"]  # at rest after 255 steps
-COMMAND = [sys.executable, "-c", "import sys, yade, runpy; sys.argv = sys.argv[1:]; runpy.run_path(sys.argv[0], run_name='__main__')", SCRIPT]
+SMALL = [
+    "--eta",
+    "0.5",
+    "--particles",
+    "60",
+    "--seed",
+    "2",
+    "--strain",
+    "0.01",
+    "--networks",
+    "2",
+]  # at rest after 255 steps
+COMMAND = [
+    sys.executable,
+    "-c",
+    "import sys, yade, runpy; sys.argv = sys.argv[1:]; "
+    "runpy.run_path(sys.argv[0], run_name='__main__')",
+    SCRIPT,
+]
 
 
 def script(*arguments, **settings):
@@ -562,7 +612,7 @@ def test_script_continues_to_a_larger_strain(done, tmp_path):
 
 
 def test_script_stops_cleanly_and_continues_to_the_same_results(tmp_path):
-    """Ctrl-C and SIGTERM: one line, code 130, a checkpoint. SIGKILL: the last checkpoint remains."""
+    """Ctrl-C and SIGTERM: one line, code 130, a checkpoint. SIGKILL: the last one remains."""
     arguments = [*SMALL, "--strain", "0.04"]
     assert script(*arguments, "--out", tmp_path / "straight").returncode == 0
     out, rng, codes = tmp_path / "out", random.Random(3), []
@@ -637,7 +687,10 @@ def test_a_full_disk_leaves_complete_files(done):
         (["--out", SCRIPT], "expected a folder for the results"),
         (["--friction", "-1"], "friction = -1.0; expected a coefficient ≥ 0"),
         (["--overdamped", "--law", "smooth"], "overdamped = True: springs have an inertia"),
-        (["--overdamped", "--approach", "0.001"], "approach = 0.001: shear without inertia has one rate"),
+        (
+            ["--overdamped", "--approach", "0.001"],
+            "approach = 0.001: shear without inertia has one rate",
+        ),
         (["--strain", "2"], "--strain 2.0: expected 0 < strain < 1"),
         (["--solver", "magic"], "solver 'magic' is not known"),
         (["--resume"], "nothing to resume"),

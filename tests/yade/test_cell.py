@@ -1,4 +1,4 @@
-"""The study's test in a periodic cell: at rest it has the stresses expected, sheared it keeps those that are pressed, and a save goes on."""
+"""The test in a periodic cell: stresses at rest and in shear, and a saved scene."""
 
 import numpy as np
 import pytest
@@ -11,15 +11,26 @@ def test_cell_is_isotropic_at_rest_and_keeps_its_stress_in_shear():
     test = CellTest(eta=0.3, particles=100, seed=3)
     test.compact()
     stress = test.stress / PROTOCOL.confining_stress
-    assert np.diag(stress) == pytest.approx([1, 1], abs=0.05) and abs(stress - stress.T).max() < 0.05
-    assert abs(stress[0, 1]) < 0.1  # what holds it is the packing: no friction, and nothing presses along the diagonal
+    assert (
+        np.diag(stress) == pytest.approx([1, 1], abs=0.05) and abs(stress - stress.T).max() < 0.05
+    )
+    assert (
+        abs(stress[0, 1]) < 0.1
+    )  # what holds it is the packing: no friction, and nothing presses along the diagonal
     assert 0.8 < test.packing_fraction < 0.95
     rows = test.shear("biaxial", 0.05, every=0.005)
     assert rows["strain"][-1] == pytest.approx(0.05, abs=1e-3) and len(rows["strain"]) == 10
-    overlap = max(-i.geom.gap[k] / (i.geom.refR1 + i.geom.refR2) for i in O.interactions if i.isReal for k in range(i.geom.points))
+    overlap = max(
+        -i.geom.gap[k] / (i.geom.refR1 + i.geom.refR2)
+        for i in O.interactions
+        if i.isReal
+        for k in range(i.geom.points)
+    )
     assert test.solver.yieldedSteps == 0 and overlap < 5e-3
     assert 0.2 < rows["sin_phi"].mean() < 0.7
-    lateral = rows["pressure"] * (1 - rows["sin_phi"])  # the smaller principal stress is the pressed one
+    lateral = rows["pressure"] * (
+        1 - rows["sin_phi"]
+    )  # the smaller principal stress is the pressed one
     assert lateral.mean() == pytest.approx(1, abs=0.1)
 
 
@@ -28,7 +39,12 @@ def test_shear_without_inertia_keeps_its_stress():
     test = CellTest(eta=0, particles=100, seed=1, **PROTOCOL.quasi_static)
     test.compact()
     lateral = []
-    rows = test.shear("biaxial", 0.02, lambda test, row: lateral.append(test.stress[0, 0] / PROTOCOL.confining_stress), every=0.004)
+    rows = test.shear(
+        "biaxial",
+        0.02,
+        lambda test, row: lateral.append(test.stress[0, 0] / PROTOCOL.confining_stress),
+        every=0.004,
+    )
     assert lateral == pytest.approx([1] * 5, abs=0.01) and (rows["sin_phi"] > 0.2).all()
     assert test.solver.deepestOverlap < 5e-3 and test.solver.yieldedSteps == 0
 
@@ -38,7 +54,9 @@ def test_saved_cell_goes_on_to_the_same_bits(tmp_path):
     test.compact()
     test.shear("simple", 0.005, every=0.005)
     O.save(str(tmp_path / "cell.yade"))
-    state = lambda: [(*b.state.pos, *b.state.vel, *b.state.angVel) for b in O.bodies] + [tuple(O.cell.hSize.row(k)) for k in range(3)]
+    state = lambda: [(*b.state.pos, *b.state.vel, *b.state.angVel) for b in O.bodies] + [
+        tuple(O.cell.hSize.row(k)) for k in range(3)
+    ]
     O.run(50, True)
     first = state()
     O.load(str(tmp_path / "cell.yade"))

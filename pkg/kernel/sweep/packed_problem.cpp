@@ -11,7 +11,7 @@ namespace rcr {
 
 namespace {
 
-	/// Radius of gyration of a body that cannot turn [m]. No impulse turns it; its square is finite.
+	/// Radius of gyration of a body that cannot turn [m]: no impulse turns it; finite squared.
 	constexpr double blockedGyration = 1e30;
 
 	double inverseGyration(const InverseMass& m)

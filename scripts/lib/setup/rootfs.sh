@@ -112,7 +112,7 @@ rootfs_reason() {
     fi
 }
 
-# rootfs_options: sets `bootstrap` to mmdebstrap for a small Debian; its apt has the machine's options
+# rootfs_options: sets `bootstrap` to mmdebstrap for a small Debian, with the apt options of here
 rootfs_options() {
     local bundle=/etc/ssl/certs/ca-certificates.crt
     [ -r "$bundle" ] || bundle=/dev/null
@@ -144,8 +144,8 @@ rootfs_bootstrap() {
     rootfs_fill "$1" && [ -d "$new/root/usr/src/yade/core" ]
 }
 
-# rootfs_fill SOURCES: runs `bootstrap` into $new/root. Without root rights the result passes through
-# an archive, so that the files belong to the user.
+# rootfs_fill SOURCES: runs `bootstrap` into $new/root. Without root rights the result passes
+# through an archive, so that the files belong to the user.
 rootfs_fill() {
     local sources
     IFS=';' read -ra sources <<<"$1"

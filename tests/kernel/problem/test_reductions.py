@@ -104,7 +104,7 @@ def test_discs_without_rotations_are_equal_to_rounding(make):
 
 
 def test_bodies_without_rotation_need_no_levers():
-    """Long particles with blocked rotation count as discs, unless a prescribed spin moves points."""
+    """Long particles without rotation count as discs, unless a prescribed spin moves points."""
     problem = frictionless(pile(6))
     problem["inverse_mass"] = problem["inverse_mass"] * [1, 1, 0]
     assert model(problem)["rotations"] > 0

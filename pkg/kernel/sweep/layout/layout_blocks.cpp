@@ -15,12 +15,12 @@ void Layout::color(Section& section)
 	for (int k = section.pairs.begin; k < section.pairs.end; ++k) {
 		const int         number = bySection_[k];
 		const PackedPair& pair   = pairs_[number];
-		const int         color  = coloring_.take(
-		                 record_[pair.body1], moves(pair.body1), record_[pair.body2], moves(pair.body2));
-		color_[number] = static_cast<signed char>(color);
+		const bool        moves1 = moves(pair.body1), moves2 = moves(pair.body2);
+		const int color = coloring_.take(record_[pair.body1], moves1, record_[pair.body2], moves2);
+		color_[number]  = static_cast<signed char>(color);
 		if (color == Coloring::none) continue;
 		++section.row(color, pair).pairs;
-		section.sides += !moves(pair.body1) + !moves(pair.body2);
+		section.sides += !moves1 + !moves2;
 	}
 }
 

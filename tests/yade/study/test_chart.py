@@ -17,7 +17,7 @@ from yade import O
 
 import forked
 
-SCRIPT = os.path.join(os.path.dirname(__file__), "..", "..", "scripts", "chart.py")
+SCRIPT = os.path.join(os.path.dirname(__file__), *[".."] * 3, "scripts", "chart.py")
 OPTIONS = charts.Options(out="", quick=True, particles=50, siconos="", peers="", limit=60)
 
 
@@ -198,8 +198,8 @@ def test_limit_of_rates_is_found_in_pairs():
     assert (value, slope) == pytest.approx((0.425, 2), abs=1e-9)
     assert error == pytest.approx(0.025, abs=1e-9) and slope_error < 1e-9
     noise = [0.01, -0.01, 0.01, -0.01, 0.01, -0.01]
-    value, error, slope, slope_error = quasi_static.limit([dict(row, y=row["y"] + n) for row,
-                                                           n in zip(rows, noise)], "y")
+    value, error, slope, slope_error = quasi_static.limit([dict(row, y=row["y"] + n)
+                                                           for row, n in zip(rows, noise)], "y")
     assert abs(slope - 2) < 3 * slope_error and 0 < slope_error < 2
     assert math.isnan(quasi_static.limit(rows[:1], "y")[0])
     assert math.isnan(quasi_static.limit(rows[:2], "y")[1])

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import rcr
 from rcr.frame import Frame
-from scenes import build, material, steps, velocity
-from test_gate import ALL_IG2, smooth
+from scenes import ALL_IG2, build, material, smooth, steps, velocity
 from yade import O, utils
 
 G = 9.81

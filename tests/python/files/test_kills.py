@@ -4,7 +4,7 @@ import random
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "endurance"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "endurance"))
 
 import kills
 

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import build, material, stadium
-from test_gate import ALL_IG2, smooth
+from scenes import build, material, smooth, stadium
 from yade import O, utils
 
 G = 9.81
@@ -175,8 +174,8 @@ def test_a_cloud_gains_nothing_in_a_step(restitution, friction):
     rng, gained = np.random.default_rng(2), []
     for _ in range(4):
         m = material(friction)
-        walls = [rcr.wall(axis, place, sense=sense, material=m) for axis in "xy" for place,
-                 sense in ((0, 1), (0.156, -1))]
+        walls = [rcr.wall(axis, place, sense=sense, material=m) for axis in "xy"
+                 for place, sense in ((0, 1), (0.156, -1))]
         grains = []
         for i in range(36):
             half, eta = rng.uniform(0.005, 0.0115), rng.choice([0, 0.3, 0.7, 0.95])

@@ -1,6 +1,5 @@
 """A step without a finite solution moves nothing and saves its problem to a file."""
 
-import os
 
 import numpy as np
 import pytest

@@ -11,9 +11,7 @@ import rcr
 import yade.utils
 from rcr._counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
-from scenes import G, build, material, python, steps
-from test_periodic import scene as periodic_scene
-from test_session import pressed_box
+from scenes import build, material, periodic_scene, pressed_box, python, steps
 from yade import O
 from yade.minieigenHP import Matrix3, Quaternion, Vector3
 from yade.wrapper import (

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "endurance"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "endurance"))
 import run_fuzzer  # noqa: E402
 import scene_fuzzer  # noqa: E402
 

@@ -9,11 +9,12 @@ import pytest
 import rcr
 import yade
 import yade.utils
-from scenes import (G, build, contact_forces, engines, material, python, snapshot, stadium, steps,
-                    velocity)
+from scenes import (G, build, contact_forces, engines, material, pressed_box, python, snapshot,
+                    stadium, steps, velocity)
 from yade import O
 from yade.wrapper import ForceEngine, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker
 
+HERE = os.path.dirname(__file__)
 OURS = {
     "Shape": {"Rcr"},
     "BoundFunctor": {"Bo1_Rcr_Aabb", "Bo1_Disc_Aabb"},
@@ -67,8 +68,8 @@ for name in {names + ["partikel"]}:
         print(error)
 """
     *told, unknown = python(code).stdout.splitlines()
-    assert [line.startswith(f"rcr.{name} needs a YADE session: ") for name,
-            line in zip(names, told, strict=True)] == [True] * len(names)
+    assert [line.startswith(f"rcr.{name} needs a YADE session: ")
+            for name, line in zip(names, told, strict=True)] == [True] * len(names)
     assert unknown == "module 'rcr' has no attribute 'partikel'"
 
 
@@ -86,21 +87,6 @@ def pile():
     build(rcr.wall("x", 0, material=rough), rcr.wall("x", 1.1, material=rough),
           rcr.wall("y", 0, material=rough), *grains,
           dt=2e-3, restitution=0.2, tolerance=1e-4)  # by sweeps; fmt: skip
-
-
-def pressed_box():
-    """20 grains between walls; a stress pushes two of them."""
-    rng = np.random.default_rng(12)
-    rough = material(0.3)
-    walls = [rcr.wall(axis, 0, material=rough) for axis in "xy"]
-    walls += [rcr.mobile_wall(axis, end, mass=50, material=rough) for axis,
-              end in (("x", 1.0), ("y", 0.8))]
-    grains = [rcr.particle((0.12 + 0.19 * (k % 5), 0.1 + 0.19 * (k // 5)), 0.08,
-                           rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
-    press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3),
-             rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
-    # solved by the exact tier
-    build(*walls, *grains, dt=1e-3, gravity=(0, 0, 0), before=press, tolerance=1e-6)
 
 
 SCENES = {"pile": pile, "pressed box": pressed_box}
@@ -143,7 +129,7 @@ def test_run_repeats_bit_by_bit(name):
 def test_threads_change_no_bit():
     code = f"""
 import sys
-sys.path[:0] = [{os.path.dirname(__file__)!r}]
+sys.path[:0] = [{HERE!r}, {os.path.dirname(HERE)!r}]
 import yade, hashlib
 from test_session import *
 pile()

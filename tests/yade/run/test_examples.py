@@ -13,7 +13,7 @@ from matplotlib.image import imread
 from scenes import build, material
 from yade import O
 
-FOLDER = pathlib.Path(__file__).parents[2] / "examples"
+FOLDER = pathlib.Path(__file__).parents[3] / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.py"))
 
 
@@ -49,8 +49,8 @@ def test_a_batch_gives_the_results_of_single_runs(tmp_path):
     assert (FOLDER / "batch.table").read_text().split("eta mu\n")[1] == "".join(f"{eta:.1f} {mu}\n"
         for eta, mu in rows)
     (tmp_path / "small.table").write_text("eta mu wide high seconds\n"
-                                          + "".join(f"{eta:.1f} {mu} 3 5 0.3\n" for eta,
-                                                    mu in rows))
+                                          + "".join(f"{eta:.1f} {mu} 3 5 0.3\n"
+                                                    for eta, mu in rows))
     batch = yade(tmp_path, "-j", 4, "small.table", "batch.py", program="yade-batch")
     assert batch.returncode == 0, batch.stdout + batch.stderr
     assert batch.stdout.count("(exit status 0)") == 4, batch.stdout + batch.stderr

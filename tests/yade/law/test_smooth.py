@@ -341,8 +341,8 @@ def pressed_box(share=0.3, mu=0.3, **options):
     rng = np.random.default_rng(12)
     rough, plate = material(mu), material(0)
     walls = [rcr.wall(axis, 0, material=plate) for axis in "xy"]
-    walls += [rcr.mobile_wall(axis, end, mass=50, material=plate) for axis,
-              end in (("x", 1.0), ("y", 0.8))]
+    walls += [rcr.mobile_wall(axis, end, mass=50, material=plate)
+              for axis, end in (("x", 1.0), ("y", 0.8))]
     grains = [rcr.particle((0.12 + 0.19 * (k % 5), 0.1 + 0.19 * (k // 5)), 0.08,
                            rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
     press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3),

@@ -176,8 +176,8 @@ def after(scene, arrays, steps=STEPS, one_more=True, **attributes):
 
 
 def same(one, two):
-    return all(np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b for a,
-               b in zip(one, two))
+    return all(np.array_equal(a, b, equal_nan=True) if isinstance(a, np.ndarray) else a == b
+               for a, b in zip(one, two))
 
 
 @pytest.mark.parametrize("scene", SCENES)

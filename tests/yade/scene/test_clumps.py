@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import build, material, steps, velocity
-from test_gate import ALL_IG2, smooth
+from scenes import ALL_IG2, build, material, smooth, steps, velocity
 from yade import O
 from yade.wrapper import ForceEngine
 

@@ -9,37 +9,9 @@ import rcr
 import yade.utils
 from rcr.frame import Frame
 from rcr.network import OTHER, WALL, Network
-from scenes import G, build, material, steps
-from test_gate import ALL_IG2
-from test_periodic import scene as periodic_scene
+from scenes import G, build, heap, material, periodic_scene, steps
 from yade import O
 from yade.minieigenHP import Matrix3
-
-
-def heap(seed=0):
-    """Grains, discs and a clump at rest on a wall, a box, a facet and a fixed grain; ids by kind.
-    """
-    rng = np.random.default_rng(seed)
-    rough, smooth = material(0.5), material(0.1)
-    fixed = [
-        rcr.wall("y", 0, sense=+1, material=rough),
-        yade.utils.box((-0.1, 0.2, 0), (0.1, 0.3, 0.1), fixed=True, material=smooth),
-        yade.utils.facet([(0.5, -0.5, -2), (0.5, -0.5, 2), (0.9, 3, 0)], material=rough),
-        rcr.particle((0.25, 0.02), 0.04, 0.5, fixed=True, material=rough),
-    ]
-    grains = [
-        (rcr.disc if k % 3 == 0 else rcr.particle)((0.06 + 0.09 * (k % 4), 0.1 + 0.09 * (k // 4)),
-                                                   0.04, material=rough if k % 2 else smooth,
-                                                  **({} if k % 3 == 0
-                                                     else dict(eta=0.5, angle=rng.uniform(0, 3))))
-                                                  for k in range(16)
-    ]  # fmt: skip
-    ids = build(*fixed, *grains, dt=5e-4, tolerance=1e-10)
-    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in ALL_IG2]
-    clump, members = rcr.clump([rcr.particle((0.15 + x, 0.6), 0.06, 0.6, angle, rough) for x,
-                                angle in ((0, 0.3), (0.03, 1.8))])
-    O.trackEnergy = False
-    return dict(obstacles=ids[:4], grains=ids[4:], clump=clump, members=members)
 
 
 @pytest.fixture(scope="module")

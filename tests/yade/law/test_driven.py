@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 import rcr
 from benchmarks.hard_scenes import driven, stage
-from scenes import build, material, steps
-from test_any_network import heap
+from scenes import build, heap, material, steps
 from yade import O
 
 # The other scenes are too slow, or too short for the message.

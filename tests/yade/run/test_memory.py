@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from yade import O, wrapper
 
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "endurance"))
+sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / "endurance"))
 import scene_fuzzer  # noqa: E402
 import soak  # noqa: E402
 

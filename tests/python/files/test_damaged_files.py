@@ -1,7 +1,7 @@
 """Readers load a damaged file, or reject it by one ValueError of one line that names it.
 
 Loaded data are still a valid problem, network or history: finite numbers that fit.
-`RCR_DAMAGE=20 scripts/test tests/python/test_damaged_files.py` takes twenty times as many variants.
+`RCR_DAMAGE=20 scripts/test tests/python/files/test_damaged_files.py` takes twenty times as many variants.
 """
 
 import os
@@ -16,7 +16,7 @@ from rcr.study.runs import Run
 
 import synthetic
 from damage import damaged, damaged_text
-from test_problems import dense, heap, write_fclib, write_siconos
+from problem_files import dense, heap, write_fclib, write_siconos
 
 TIMES = int(os.environ.get("RCR_DAMAGE", 1))
 total = [0, 0]  # numbers of files read and refused

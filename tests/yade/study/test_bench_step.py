@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rcr.study.biaxial import Biaxial
 
-SCRIPT = str(Path(__file__).parents[2] / "scripts" / "bench_step.py")
+SCRIPT = str(Path(__file__).parents[3] / "scripts" / "bench_step.py")
 ENGINES = ["ForceResetter", "InsertionSortCollider", "InteractionLoop", "WallStress", "WallStress",
            "ContactDynamics", "NewtonIntegrator"]
 

@@ -5,33 +5,11 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import engines, material, steps
-from test_gate import ALL_IG2
+from scenes import material, steps
+from scenes import periodic_scene as scene
 from yade import O
 from yade.minieigenHP import Matrix3
-from yade.wrapper import (ForceResetter, InsertionSortCollider, InteractionLoop,
-                          Ip2_FrictMat_FrictMat_FrictPhys, NewtonIntegrator, PeriTriaxController)
-
-
-def scene(law, *bodies, size=2.0, gravity=(0, 0, 0), dt=1e-3, periodic=True, **options):
-    O.reset()
-    O.dt = dt
-    O.periodic = periodic
-    if periodic:
-        O.cell.setBox(size, size, size)
-    if law == "rigid":
-        O.engines = engines(gravity=gravity, **options)
-        O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in ALL_IG2]
-    else:
-        O.engines = [
-            ForceResetter(),
-            InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), rcr.Bo1_Disc_Aabb()], verletDist=0.01),
-            InteractionLoop([getattr(rcr, n)() for n in ALL_IG2],
-                            [Ip2_FrictMat_FrictMat_FrictPhys()],
-                            [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
-            NewtonIntegrator(gravity=gravity, damping=0),
-        ]
-    return [O.bodies.append(b) for b in bodies]
+from yade.wrapper import InsertionSortCollider, PeriTriaxController
 
 
 def stiff():

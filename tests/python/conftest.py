@@ -1,0 +1,1 @@
+"""pytest adds the folder of this file to sys.path, for the modules that tests share."""
