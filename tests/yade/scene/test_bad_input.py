@@ -66,7 +66,7 @@ def test_pose_and_density():
 @pytest.mark.parametrize("name, value", [("capRadius", 0), ("capRadius", -1), ("capRadius", INF),
                                          ("halfLength", -1), ("halfLength", NAN)])
 def test_shape(name, value):
-    with pytest.raises(ValueError, match=rf"Rcr.{name} = .*; wanted a finite length .* "
+    with pytest.raises(ValueError, match=rf"Rcr.{name} = .*; expected a finite length .* "
                        rf"rcr.particle"):
         rcr.Rcr(**({"capRadius": 0.1, "halfLength": 0.2} | {name: value}))
 
@@ -114,7 +114,7 @@ def set_tilt(body):
         (lambda b: setattr(b.state, "inertia", (1, 1, 0)), "#1 is free to turn but has the moment "
          "of inertia 0 about z"),
         (lambda b: setattr(b.state, "blockedDOFs", "XY"), "#1 is free to leave the plane "
-         ".blockedDOFs = 'XY'.; wanted z, X and Y blocked"),
+         ".blockedDOFs = 'XY'.; expected z, X and Y blocked"),
         (lambda b: setattr(b.state, "blockedDOFs", ""), "#1 is free to leave the plane"),
         (set_tilt, "#1 is tilted out of the plane"),
         (lambda b: setattr(b.state, "pos", (NAN, 0, 0)), "#1 .*position.*nan"),
@@ -194,7 +194,7 @@ def test_damping():
 def test_time_step(dt):
     resting()
     O.dt = dt
-    refused("O.dt = .*; wanted a finite time step > 0")
+    refused("O.dt = .*; expected a finite time step > 0")
 
 
 def test_negative_time_step_is_refused_by_yade():
@@ -214,8 +214,8 @@ def test_negative_time_step_is_refused_by_yade():
         ("minIterations", 10**9, "minIterations = 1000000000.*at most maxIterations = "),
         ("maxIterations", 0, "maxIterations = 0"),
         ("maxIterations", -5, "maxIterations = -5"),
-        ("correction", -0.1, "correction = -0.1.*; wanted a share of the overlap, 0 to 1"),
-        ("correction", 1.1, "correction = 1.1.*; wanted a share of the overlap, 0 to 1"),
+        ("correction", -0.1, "correction = -0.1.*; expected a fraction of the overlap, 0 to 1"),
+        ("correction", 1.1, "correction = 1.1.*; expected a fraction of the overlap, 0 to 1"),
         ("correction", NAN, "correction = nan"),
     ],
 )
@@ -228,14 +228,14 @@ def test_settings(name, value, match):
 @pytest.mark.parametrize("e", [-0.1, 1.1, NAN])
 def test_restitution(e):
     resting(restitution=e)
-    refused("contact of bodies #0 and #1 has the restitution .*; wanted 0 to 1")
+    refused("contact of bodies #0 and #1 has the restitution .*; expected 0 to 1")
 
 
 @pytest.mark.parametrize("angle", [-0.1, 1.6, NAN])
 def test_friction(angle):
     resting()
     O.engines[2].physDispatcher.functors[0].frictAngle = MatchMaker(algo="val", val=angle)
-    refused("contact of bodies #0 and #1 has the friction coefficient .*; wanted a friction angle "
+    refused("contact of bodies #0 and #1 has the friction coefficient .*; expected a friction angle "
             "from 0 to below π/2")
 
 
@@ -246,14 +246,14 @@ def test_functor_for_a_facet_forgotten():
     O.bodies.append(yade.utils.facet([(-1, 0.25, -1), (1, 0.25, -1), (0, 0.25, 1)],
                                      material=material()))
     O.engines[2].geomDispatcher.functors = [rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Rcr_Rcr_RcrGeom()]
-    refused("no Ig2 functor of the InteractionLoop serves .*(Facet|Rcr) and (Rcr|Facet) .*Add "
+    refused("no Ig2 functor of the InteractionLoop handles .*(Facet|Rcr) and (Rcr|Facet) .*Add "
             "Ig2_Facet_Rcr_RcrGeom")
 
 
 def test_missing_ig2():
     resting()
     O.engines[2].geomDispatcher.functors = [rcr.Ig2_Wall_Rcr_RcrGeom()]
-    refused("no Ig2 functor of the InteractionLoop serves Rcr and Rcr .*Add Ig2_Rcr_Rcr_RcrGeom")
+    refused("no Ig2 functor of the InteractionLoop handles Rcr and Rcr .*Add Ig2_Rcr_Rcr_RcrGeom")
 
 
 SCENE = f"""
@@ -309,7 +309,7 @@ def test_run_and_wait_raises():
     build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-5,
           restitution=2)
     with pytest.raises(RuntimeError, match="contact of bodies #0 and #1 has the restitution 2; "
-                       "wanted 0 to 1"):
+                       "expected 0 to 1"):
         O.run(100_000, wait=True)
     assert 25_000 < O.iter < 35_000  # √(2h/g) / dt = 32 000
 

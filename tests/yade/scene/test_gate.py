@@ -71,14 +71,14 @@ def test_f6_contact_dynamics_dead():
 def test_f5_two_solvers():
     rigid()
     inserted(place(rcr.ContactDynamics), rcr.ContactDynamics())
-    refused("O.engines holds 2 of ContactDynamics; wanted one")
+    refused("O.engines holds 2 of ContactDynamics; expected one")
 
 
 @LAWS
 def test_f5_two_integrators(scene):
     scene()
     inserted(len(O.engines), NewtonIntegrator(damping=0))
-    refused("O.engines holds 2 of NewtonIntegrator; wanted one")
+    refused("O.engines holds 2 of NewtonIntegrator; expected one")
 
 
 @LAWS
@@ -161,7 +161,7 @@ def test_a_message_on_compliance_has_the_given_value(value):
     """The message has the given value, not its product with the scene's own yield."""
     rigid()
     O.engines[place(rcr.ContactDynamics)].yieldCompliance = value
-    refused(f"ContactDynamics.yieldCompliance = {value:g}; wanted a finite factor ≥ 0, 1 by "
+    refused(f"ContactDynamics.yieldCompliance = {value:g}; expected a finite factor ≥ 0, 1 by "
             f"default")
 
 
@@ -187,7 +187,7 @@ def test_engines_with_wrong_attributes_are_rejected_at_the_start(scene):
     refused("WallStress.wall = 1 is not the id of a body with the shape Wall")
     O.engines = [e for e in O.engines if not isinstance(e, rcr.WallStress)]
     O.dt = 0
-    with pytest.raises(ValueError, match="O.dt = 0; wanted a finite time step > 0"):
+    with pytest.raises(ValueError, match="O.dt = 0; expected a finite time step > 0"):
         O.run(1, True)
 
 
@@ -213,7 +213,7 @@ def test_velocities_that_lead_out_of_the_plane(scene, velocity, spin):
     scene()
     O.bodies[1].state.vel, O.bodies[1].state.angVel = Vector3(velocity), Vector3(spin)
     refused(r"body #1 has the velocity \(.*\) and the angular velocity \(.*\), which lead out of "
-            r"the plane; wanted b.state.vel\[2\]")
+            r"the plane; expected b.state.vel\[2\]")
 
 
 def test_f10_time_stepper():
@@ -239,14 +239,14 @@ def test_f2_stock_spheres_beside_the_rigid_law():
     loop.lawDispatcher.functors = [*loop.lawDispatcher.functors,
                                    Law2_ScGeom_FrictPhys_CundallStrack()]
     refused("Ig2_Sphere_Sphere_ScGeom makes contacts that ContactDynamics does not solve; take "
-            "Ig2_Sphere_Sphere_RcrGeom in its place")
+            "Ig2_Sphere_Sphere_RcrGeom instead")
 
 
 @LAWS
 def test_f18_material_without_friction(scene):
     scene()
     O.bodies[1].material = ElastMat(density=1000)
-    refused("#1 has the material ElastMat, which knows no friction; give it a FrictMat")
+    refused("#1 has the material ElastMat, which has no friction; give it a FrictMat")
 
 
 def test_f43_material_that_loses_its_friction_in_a_run():
@@ -278,7 +278,7 @@ def test_f33_friction_beyond_measure():
     rough = material()
     rough.frictionAngle = math.pi / 2
     build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough))
-    refused("has the friction angle 1.57.*; wanted radians from 0 to below π/2")
+    refused("has the friction angle 1.57.*; expected radians from 0 to below π/2")
 
 
 # --- bodies ---------------------------------------------------------------------------------------
@@ -397,7 +397,7 @@ def test_a_missing_ig2_is_reported_before_the_pair_meets(scene):
     O.bodies.append(rcr.disc((0, 9), 0.1, material=O.bodies[1].material))
     with_functors("Ig2_Rcr_Rcr_RcrGeom", "Ig2_Wall_Rcr_RcrGeom")
     refused(
-        r"serves (?=.*Sphere)(?=.*Wall)(?=.*Rcr)(\w+ and \w+ \(bodies #[0-2], #[0-2]\), ){2}so "
+        r"handles (?=.*Sphere)(?=.*Wall)(?=.*Rcr)(\w+ and \w+ \(bodies #[0-2], #[0-2]\), ){2}so "
         r"they would pass through each other. "
         r"Add (?=.*Ig2_Wall_Sphere_RcrGeom\(\))(?=.*Ig2_Sphere_Rcr_RcrGeom\(\)).* to its first list"
     )
@@ -416,7 +416,7 @@ def test_pairs_that_cannot_meet_want_no_ig2(scene):
     with_functors("Ig2_Wall_Rcr_RcrGeom", "Ig2_Box_Sphere_RcrGeom")
     O.step()
     O.bodies.append(rcr.disc((4, -1), 0.1, material=rough, mask=2, fixed=True))
-    refused(r"no Ig2 functor .* serves Sphere and Sphere \(bodies #[24], #[24]\)")
+    refused(r"no Ig2 functor .* handles Sphere and Sphere \(bodies #[24], #[24]\)")
 
 
 def test_members_of_one_clump_want_no_ig2():
