@@ -98,6 +98,7 @@ std::string ArraySteps::reason(const Scene& scene, const validation::Engines& en
 	for (const auto& functor : engines.loop->lawDispatcher->functors)
 		if (functor->getClassName() != "Law2_RcrGeom_CdPhys_SignoriniCoulomb") return "the functor " + functor->getClassName();
 	loadsBefore_.clear(), loadsAfter_.clear(), byYade_.clear();
+	movesAfter_ = false;
 	bool looped = false, solved = false;
 	for (const auto& engine : scene.engines) {
 		if (engine->dead || dynamic_cast<const PeriodicEngine*>(engine.get())) continue; // checked in each step
@@ -105,8 +106,8 @@ std::string ArraySteps::reason(const Scene& scene, const validation::Engines& en
 		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
 		if (core(*engine)) continue;
 		if (solved || !loaded(*engine, byYade_)) return "the engine " + engine->getClassName();
-		if (looped && dynamic_cast<const KinematicEngine*>(engine.get())) return "the engine " + engine->getClassName() + " after the InteractionLoop";
 		(looped ? loadsAfter_ : loadsBefore_).push_back(engine.get());
+		movesAfter_ |= looped && dynamic_cast<const KinematicEngine*>(engine.get());
 	}
 	return {};
 }
@@ -169,13 +170,17 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	scene.forces.reset(scene.iter);
 	load(scene, loadsBefore_);
 	regatherBodies(scene, engines, team, byYade_, handles, step);
-	const bool changed = neighbours_.update(step, team);
-	if (first || changed) pairs_.assign(neighbours_.list());
-	pairs_.detect(step, team);
-	setPhysics(scene, engines);
+	const auto detect = [&](bool listAll) {
+		const bool changed = neighbours_.update(step, team);
+		if (listAll || changed) pairs_.assign(neighbours_.list());
+		pairs_.detect(step, team);
+		setPhysics(scene, engines);
+	};
+	detect(first);
 	if (!loadsAfter_.empty()) {
 		load(scene, loadsAfter_);
 		regatherBodies(scene, engines, team, byYade_, handles, step);
+		if (movesAfter_) detect(false);
 	}
 	pairs_.writeContacts(step, team);
 	return true;

@@ -57,6 +57,7 @@ private:
 	bool                      active_ = false; // YADE's objects are out of date since step first_
 	std::string               reason_;
 	std::vector<Engine*>      loadsBefore_, loadsAfter_; // load engines before and after the InteractionLoop
+	bool                      movesAfter_ = false; // loadsAfter_ holds a kinematic engine
 	std::vector<Body::id_t>   byYade_;      // bodies that are read and written in each step
 	std::vector<char>         isByYade_;      // per body
 	std::vector<rcr::Inertia> inertia_;      // per body

@@ -69,6 +69,7 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 			unbalancedForce = unbalanced.mean, largestUnbalancedForce = unbalanced.largest;
 			if (scene->trackEnergy) energy.enter(*scene->energy, step_, loads, plane::toPlane(engines.integrator->gravity));
 			scatter(*scene, team, loads, handles_, step_);
+			if (handles_.masksChanged) restartCollider(engines);
 		});
 	} catch (...) {
 		arraySteps_->writeBack(*scene, team, handles_, step_);
@@ -154,38 +155,6 @@ ContactDynamics::PassOutcome ContactDynamics::reviewLastPass(const validation::E
 {
 	if (timed("missedContacts", [&] { return findMissedContacts(engines); })) converged = false;
 	return PassOutcome::converged;
-}
-
-bool ContactDynamics::findMissedContacts(const validation::Engines& engines)
-{
-	return rcr::findMissedContacts(step_, [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); });
-}
-
-/// Completes the contacts within reach, so that they do not depend on when the collider ran.
-void ContactDynamics::addUnlistedContacts(const validation::Engines& engines)
-{
-	std::vector<std::int32_t> unlisted;
-	for (std::size_t id = 0; id < handles_.isUnlisted.size(); ++id)
-		if (handles_.isUnlisted[id]) unlisted.push_back(std::int32_t(id));
-	if (unlisted.empty()) return;
-	if (rcr::findUnlistedContacts(step_, unlisted, [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); })) addUpdatedContacts(engines);
-}
-
-bool ContactDynamics::addMissedContacts(const validation::Engines& engines)
-{
-	if (!findMissedContacts(engines)) return false;
-	addUpdatedContacts(engines);
-	return true;
-}
-
-void ContactDynamics::addUpdatedContacts(const validation::Engines& engines)
-{
-	for (rcr::UpdatedContact& contact : step_.updated) {
-		if (contact.known) continue;
-		const ContactLaw law = contactLaw(*scene, *engines.loop, contact.body1, contact.body2);
-		contact.friction = law.friction, contact.restitution = law.restitution;
-	}
-	rcr::addUpdatedContacts(step_);
 }
 
 void ContactDynamics::setRestFlow()

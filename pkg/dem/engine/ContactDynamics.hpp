@@ -125,6 +125,7 @@ private:
 	void          addUnlistedContacts(const validation::Engines&);
 	bool          addMissedContacts(const validation::Engines&);
 	void          addUpdatedContacts(const validation::Engines&);
+	void          restartCollider(const validation::Engines&);
 	bool          tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setRestFlow();
 	void          trackStretch();

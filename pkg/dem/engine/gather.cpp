@@ -101,6 +101,7 @@ namespace {
 		handles_.bound.resize(count);
 		handles_.mask.resize(count);
 		handles_.isUnlisted.assign(count, false);
+		handles_.masksChanged = false;
 		handles_.z = validation::planeOf(scene_);
 		team_.forEach(count, [&](Body::id_t id) {
 			if (id + 2 * prefetchAhead < count) {
@@ -111,6 +112,8 @@ namespace {
 		});
 		step_.members.clear();
 		for (std::size_t id = 0; id < count; ++id) {
+			const Body* b = bodies[id].get();
+			if (b && std::exchange(handles_.mask[id], b->groupMask) != b->groupMask) handles_.isUnlisted[id] = handles_.masksChanged = true;
 			const int owner = step_.bodies[id].owner;
 			if (owner == int(id)) continue;
 			step_.members.push_back(int(id));
@@ -160,7 +163,6 @@ namespace {
 			move(b, s, body);
 		}
 		handles_.bound[id] = b.bound.get();
-		if (std::exchange(handles_.mask[id], b.groupMask) != b.groupMask) handles_.isUnlisted[id] = true;
 	}
 
 	/// The collider may miss contacts of a body that reaches out of its box with its alert distance, for example after a script has

@@ -26,6 +26,7 @@ struct SceneHandles {
 	std::vector<const Bound*> bound; // per body
 	std::vector<mask_t>       mask;  // per body: groupMask
 	std::vector<char>         isUnlisted; // per body: the collider may miss contacts of this step
+	bool                      masksChanged = false; // the collider lists pairs by old masks
 	std::vector<Contact>      found; // in the order of YADE's container; 0 points: not a contact of this law
 	std::vector<Contact>      sorted; // by body 1, then body 2
 	Real                      z = 0; // height of the plane

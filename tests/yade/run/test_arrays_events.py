@@ -10,7 +10,7 @@ from scenes import box, build, material
 from test_arrays import SOLVER, after, grains, same, walls
 from yade import O
 from yade.minieigenHP import Vector3
-from yade.wrapper import (ForceEngine, HarmonicMotionEngine, LinearDragEngine, PyRunner,
+from yade.wrapper import (ForceEngine, ForceResetter, HarmonicMotionEngine, LinearDragEngine, PyRunner,
                           RotationEngine, TorqueEngine)
 
 STEPS = 600
@@ -42,6 +42,11 @@ def shaken_box(seed):
     with_box(seed, (0.8, 0.02), (0.4, 0.02))
     O.engines = [HarmonicMotionEngine(A=(0.02, 0, 0), f=(10, 0, 0), fi=(0, 0, 0), ids=[51]),
                  *O.engines]
+
+
+def shaken_box_after_the_loop(seed):
+    shaken_box(seed)
+    O.engines = [*O.engines[1:4], O.engines[0], *O.engines[4:]]
 
 
 def torque_on_grains(seed):
@@ -84,7 +89,7 @@ def masks_that_change(seed):
     O.engines = [*O.engines, PyRunner(command=event(change_masks), iterPeriod=150, firstIterRun=50)]
 
 
-SCENES = [shaken_wall, shaken_box, torque_on_grains, stirrer, drag_on_fast_grains,
+SCENES = [shaken_wall, shaken_box, shaken_box_after_the_loop, torque_on_grains, stirrer, drag_on_fast_grains,
           kicked_before_the_collider, masks_that_change]
 
 
@@ -104,7 +109,9 @@ def test_a_run_repeats_its_bits(scene):
 
 
 def add_force():
-    O.engines = [O.engines[0], ForceEngine(ids=[1], force=(20, 0, 0)), *O.engines[1:]]
+    first = next(k for k, engine in enumerate(O.engines) if isinstance(engine, ForceResetter))
+    O.engines = [*O.engines[:first + 1], ForceEngine(ids=[1], force=(20, 0, 0)),
+                 *O.engines[first + 1:]]
 
 
 @pytest.mark.parametrize("arrays", [False, True])
