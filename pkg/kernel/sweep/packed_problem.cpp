@@ -11,7 +11,7 @@ namespace rcr {
 
 namespace {
 
-	/// Radius of gyration of a body that cannot turn [m]: no impulse turns it; finite squared.
+	/// Radius of gyration of a body that cannot turn [m]. Large, but its square is finite.
 	constexpr double blockedGyration = 1e30;
 
 	double inverseGyration(const InverseMass& m)

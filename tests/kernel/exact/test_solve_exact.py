@@ -102,17 +102,23 @@ def test_the_best_iterate_is_kept():
     """An incomplete step raises the residual; more iterations must not return it."""
     problem = stored("shear-500-eta-0.7")
     left = [
-        problem.solve("exact", tolerance=0, kinematic_tolerance=np.inf, max_iterations=budget)["residual"]
+        problem.solve("exact", tolerance=0, kinematic_tolerance=np.inf, max_iterations=budget)[
+            "residual"
+        ]
         for budget in range(900, 1500, 10)
     ]
     assert max(left) <= left[0]
 
 
-@pytest.mark.parametrize("tolerance, kinematic_tolerance", [(0, 0.01), (0, np.inf), (1e-10, 0), (0, 0)])
+@pytest.mark.parametrize(
+    "tolerance, kinematic_tolerance", [(0, 0.01), (0, np.inf), (1e-10, 0), (0, 0)]
+)
 def test_a_criterion_of_0_runs_all_iterations(tolerance, kinematic_tolerance):
     """The criterion cannot be met, but exact steps improve the best iterate."""
     problem = pile(4, 20, 20)
-    settings = dict(tolerance=tolerance, kinematic_tolerance=kinematic_tolerance, max_iterations=2000)
+    settings = dict(
+        tolerance=tolerance, kinematic_tolerance=kinematic_tolerance, max_iterations=2000
+    )
     swept, result = (problem.solve(solver, **settings) for solver in ("nesterov", "exact"))
     error, size = errors(problem, result["impulse"])
     assert not result["converged"] and result["iterations"] == 2000

@@ -68,14 +68,24 @@ def test_kinematic_error_is_that_of_doubles(problem, kinematic_tolerance):
     )
     for start in (problem, cold):
         end = start.solve(
-            "nesterov", tolerance=0.9, kinematic_tolerance=kinematic_tolerance, check_interval=1, max_iterations=5000
+            "nesterov",
+            tolerance=0.9,
+            kinematic_tolerance=kinematic_tolerance,
+            check_interval=1,
+            max_iterations=5000,
         )
         assert end["kinematic_error"] <= kinematic_tolerance and end["converged"], start.name
         if end["iterations"] > 0:
             earlier = start.solve(
-                "nesterov", kinematic_tolerance=kinematic_tolerance, max_iterations=end["iterations"] - 1, **UNCHECKED
+                "nesterov",
+                kinematic_tolerance=kinematic_tolerance,
+                max_iterations=end["iterations"] - 1,
+                **UNCHECKED,
             )
-            assert earlier["kinematic_error"] > 0.999 * kinematic_tolerance or earlier["residual"] > 0.9, start.name
+            assert (
+                earlier["kinematic_error"] > 0.999 * kinematic_tolerance
+                or earlier["residual"] > 0.9
+            ), start.name
 
 
 def test_fine_tolerances_are_met_in_doubles():

@@ -54,7 +54,9 @@ def kinetic(problem, v):
 @pytest.mark.parametrize("compliance", [1e-3, 1e-2, 1e-1])
 def test_vice_closes_as_in_its_closed_form(solver, compliance):
     problem, (v1, v2), mass = vice(1.0, 0.5), (1.0, 0.5), 2.0
-    found = problem.solve(solver, tolerance=1e-8, yield_compliance=compliance, kinematic_tolerance=1e-6)
+    found = problem.solve(
+        solver, tolerance=1e-8, yield_compliance=compliance, kinematic_tolerance=1e-6
+    )
     p = np.linalg.solve(np.array([[compliance + 1, -1], [-1, compliance + 1]]) / mass, [v1, v2])
     assert found["yielded"] and not found["converged"]
     np.testing.assert_allclose(found["impulse"][:, 0], p, rtol=1e-5)  # error 1e-8/√ε
@@ -242,6 +244,8 @@ def test_overlaps_that_open_are_no_wedge(push):
         friction=np.zeros(bodies),
         impulse=np.zeros((bodies, 2)),
     )
-    found = problem.solve("auto", tolerance=1e-9, max_iterations=20_000, yield_compliance=COMPLIANCE)
+    found = problem.solve(
+        "auto", tolerance=1e-9, max_iterations=20_000, yield_compliance=COMPLIANCE
+    )
     assert not found["yielded"] and found["converged"]
     np.testing.assert_allclose(found["velocity"][:, 0], speed * np.arange(bodies + 1), rtol=1e-4)

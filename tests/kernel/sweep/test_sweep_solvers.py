@@ -84,8 +84,12 @@ def test_body_with_more_contacts_than_colours():
 
 def test_stop_criteria():
     problem = pile(2, 30, 12)
-    loose = problem.solve(tolerance=0.5, max_iterations=5000, check_interval=1, kinematic_tolerance=np.inf)
-    tight = problem.solve(tolerance=0.5, max_iterations=5000, check_interval=1, kinematic_tolerance=1e-4)
+    loose = problem.solve(
+        tolerance=0.5, max_iterations=5000, check_interval=1, kinematic_tolerance=np.inf
+    )
+    tight = problem.solve(
+        tolerance=0.5, max_iterations=5000, check_interval=1, kinematic_tolerance=1e-4
+    )
     assert loose["kinematic_error"] > 1e-4 >= tight["kinematic_error"] and tight["converged"], (
         loose["kinematic_error"],
         tight["kinematic_error"],
