@@ -73,6 +73,7 @@ private:
 void bindGeometry(py::module_&);
 void bindSolvers(py::module_&);
 void bindInternals(py::module_&);
+void bindDetectors(py::module_&);
 void bindThreads(py::module_&);
 
 } // namespace rcr

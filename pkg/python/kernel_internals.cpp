@@ -12,18 +12,13 @@
 
 #include "exact/block_lu.hpp"
 #include "exact/path_following.hpp"
-#include "exact/proximal_parameter.hpp"
 #include "kernel_arrays.hpp"
 #include "parallel/thread_team.hpp"
 #include "problem/residual.hpp"
 #include "step/drive.hpp"
 #include "sweep/lane/lane_check.hpp"
 #include "sweep/layout/layout.hpp"
-#include "sweep/momentum.hpp"
 #include "sweep/packed_problem.hpp"
-#include "sweep/stop_test.hpp"
-#include "watch/missed_steps.hpp"
-#include "watch/jam_detector.hpp"
 
 namespace rcr {
 
@@ -138,30 +133,6 @@ namespace {
 
 	// ---- sweeps
 
-	/// A stop test that owns its settings.
-	struct OwnStopTest {
-		Settings settings;
-		StopTest test;
-
-		explicit OwnStopTest(const Settings& given) : settings(given), test(settings) { }
-		OwnStopTest(const OwnStopTest&) = delete;
-	};
-
-	std::unique_ptr<OwnStopTest> stopTest(
-	        double tolerance, double kinematicTolerance, double meanForceChange, int checkInterval,
-	        int minIterations, int maxIterations, int stallSweeps)
-	{
-		Settings settings;
-		settings.tolerance          = tolerance;
-		settings.kinematicTolerance = kinematicTolerance;
-		settings.meanForceChange    = meanForceChange;
-		settings.checkInterval      = checkInterval;
-		settings.minIterations      = minIterations;
-		settings.maxIterations      = maxIterations;
-		settings.stallSweeps        = stallSweeps;
-		return std::make_unique<OwnStopTest>(settings);
-	}
-
 	/// Rows of a layout. pairs: body 1, body 2, points, model, slot. islands: points, shared, half
 	/// records, range of partitions, range of interfaces. sections: range of records. chunks: first
 	/// block, blocks, points per pair, model, section. blocks1, blocks2: records of both sides.
@@ -270,6 +241,7 @@ namespace {
 
 void bindInternals(py::module_& m)
 {
+	bindDetectors(m);
 	m.def(
 	        "residual", [](const py::kwargs& arrays) { return residual(problemOf(arrays)); },
 	        "Residual [-] of a problem; arrays as in `solve`.");
@@ -300,66 +272,6 @@ void bindInternals(py::module_& m)
 	m.def("follow_path", followPathFrom, py::arg("rho"), py::arg("max_pivots"),
 	      "One proximal step about the impulses of a problem; arrays as in `solve`.\n"
 	      "Returns a dict: impulse, complete, pivots, unstable.");
-	py::class_<ProximalParameter>(m, "ProximalParameter", "ρ of proximal steps.")
-	        .def(py::init([](double start, double min, double max, double rise, double fall,
-	                         int maxPatience) {
-		             return ProximalParameter({ start, min, max, rise, fall, maxPatience });
-	             }),
-	             py::arg("start"), py::arg("min"), py::arg("max"), py::arg("rise"), py::arg("fall"),
-	             py::arg("max_patience"))
-	        .def_property_readonly("rho", &ProximalParameter::rho)
-	        .def("step_converged", &ProximalParameter::stepConverged)
-	        .def("step_failed", &ProximalParameter::stepFailed);
-
-	py::class_<Momentum>(m, "Momentum", "Nesterov momentum and its restart.")
-	        .def(py::init<>())
-	        .def_property_readonly("beta", &Momentum::beta)
-	        .def("advance", &Momentum::advance, py::arg("error"));
-	py::class_<JamDetector>(m, "JamDetector", "Detector of jams (watch/jam_detector.hpp).")
-	        .def(py::init<>())
-	        .def_readwrite("grown", &JamDetector::grown)
-	        .def_readwrite("deepest", &JamDetector::deepest)
-	        .def_readwrite("certified", &JamDetector::certified)
-	        .def_readonly_static("crushed", &JamDetector::crushed)
-	        .def_readonly_static("patience", &JamDetector::patience)
-	        .def(
-	                "update",
-	                [](JamDetector& detector, double overlap, bool noSolution) {
-		                constexpr const char* names[] = { "none", "jam", "not converged" };
-		                return names[int(detector.update(overlap, noSolution))];
-	                },
-	                py::arg("overlap"), py::arg("no_solution") = false,
-	                "Add the deepest overlap of a step over R₁ + R₂ [-]. Returns 'none', 'jam' or\n"
-	                "'not converged'.");
-	py::class_<MissedSteps>(
-	        m, "MissedSteps", "Counts of steps that missed the tolerance (watch/missed_steps.hpp).")
-	        .def(py::init<>())
-	        .def_readonly("steps", &MissedSteps::steps)
-	        .def_readonly("missed", &MissedSteps::missed)
-	        .def_readonly("yielded", &MissedSteps::yielded)
-	        .def_readonly("deepest", &MissedSteps::deepest)
-	        .def("count", &MissedSteps::count, py::arg("missed"), py::arg("yielded"),
-	             py::arg("overlap"), py::arg("removes_overlaps") = false,
-	             "Count a step. Returns true if a message is due.")
-	        .def("message", &MissedSteps::message);
-	py::class_<OwnStopTest>(m, "StopTest", "Stop criteria of sweeps; settings as in `solve`.")
-	        .def(py::init(&stopTest), py::arg("tolerance") = 1e-4,
-	             py::arg("kinematic_tolerance") = 0.01, py::arg("mean_force_change") = 0,
-	             py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
-	             py::arg("max_iterations") = 1000, py::arg("stall_sweeps") = 0)
-	        .def(
-	                "reached",
-	                [](OwnStopTest& own, const std::function<std::array<double, 3>()>& measure,
-	                   bool early) {
-		                return own.test.reached(early, [&] {
-			                const auto [residual, kinematicError, change] = measure();
-			                return Criteria { residual, kinematicError, change };
-		                });
-	                },
-	                py::arg("measure"), py::arg("early") = false,
-	                "`measure()` returns (residual, kinematic error, mean force change).")
-	        .def_property_readonly(
-	                "sweeps", [](const OwnStopTest& own) { return own.test.sweeps(); });
 	py::class_<Coloring>(m, "Coloring", "Greedy colouring of pairs.")
 	        .def(py::init([](std::size_t bodies) {
 		             Coloring coloring;

@@ -29,7 +29,8 @@ REGISTER_SERIALIZABLE(CdPhys);
 
 class Ip2_FrictMat_FrictMat_CdPhys : public IPhysFunctor {
 public:
-	void go(const shared_ptr<Material>&, const shared_ptr<Material>&, const shared_ptr<Interaction>&) override;
+	void go(const shared_ptr<Material>&, const shared_ptr<Material>&,
+	        const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(FrictMat, FrictMat);
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(Ip2_FrictMat_FrictMat_CdPhys,IPhysFunctor,

@@ -10,7 +10,8 @@ namespace yade {
 
 YADE_PLUGIN((Law2_RcrGeom_CdPhys_SignoriniCoulomb));
 
-bool Law2_RcrGeom_CdPhys_SignoriniCoulomb::go(shared_ptr<IGeom>& igeom, shared_ptr<IPhys>& iphys, Interaction*)
+bool Law2_RcrGeom_CdPhys_SignoriniCoulomb::go(
+        shared_ptr<IGeom>& igeom, shared_ptr<IPhys>& iphys, Interaction*)
 {
 	if (checked_.exchange(scene->iter) != scene->iter) {
 		const std::string message = validation::missingSolver(*scene);

@@ -24,8 +24,8 @@ RcrFrictPhys::RcrFrictPhys(const FrictPhys& stock)
 void Law2_RcrGeom_FrictPhys_CundallStrack::postLoad(Law2_RcrGeom_FrictPhys_CundallStrack&)
 {
 	if (damping >= 0 && math::isfinite(damping)) return;
-	throw std::invalid_argument(
-	        "Law2_RcrGeom_FrictPhys_CundallStrack.damping = " + boost::lexical_cast<std::string>(damping)
+	throw std::invalid_argument("Law2_RcrGeom_FrictPhys_CundallStrack.damping = "
+	        + boost::lexical_cast<std::string>(damping)
 	        + "; expected a fraction of the critical damping, 0 (none) or more.");
 }
 
@@ -35,27 +35,36 @@ namespace {
 	double inverseMass(Body::id_t id, Scene* scene)
 	{
 		const shared_ptr<Body>& b = Body::byId(id, scene);
-		const State&            s = *(b->isClumpMember() ? Body::byId(b->clumpId, scene) : b)->state;
+		const State& s = *(b->isClumpMember() ? Body::byId(b->clumpId, scene) : b)->state;
 		return s.blockedDOFs == State::DOF_ALL || s.mass == 0 ? 0 : 1 / double(s.mass);
 	}
 
 	std::string wrong(const FrictPhys& phys)
 	{
-		const auto number = [](const char* name, Real value) { return std::string(name) + " = " + boost::lexical_cast<std::string>(value); };
+		const auto number = [](const char* name, Real value) {
+			return std::string(name) + " = " + boost::lexical_cast<std::string>(value);
+		};
 		if (dynamic_cast<const CdPhys*>(&phys))
-			return "a CdPhys, made for ContactDynamics; use Ip2_FrictMat_FrictMat_FrictPhys, and O.interactions.clear() after a change of laws.";
+			return "a CdPhys, made for ContactDynamics; use Ip2_FrictMat_FrictMat_FrictPhys, and "
+			       "O.interactions.clear() after a change of laws.";
 		if (!(phys.kn > 0 && math::isfinite(phys.kn)))
-			return number("kn", phys.kn) + "; expected a stiffness > 0: set FrictMat.young, or kn of Ip2_FrictMat_FrictMat_FrictPhys.";
+			return number("kn", phys.kn)
+			        + "; expected a stiffness > 0: set FrictMat.young, or kn of "
+			          "Ip2_FrictMat_FrictMat_FrictPhys.";
 		if (!(phys.ks >= 0 && math::isfinite(phys.ks)))
-			return number("ks", phys.ks) + "; expected a stiffness ≥ 0: set FrictMat.poisson (ks/kn), or ks of Ip2_FrictMat_FrictMat_FrictPhys.";
+			return number("ks", phys.ks)
+			        + "; expected a stiffness ≥ 0: set FrictMat.poisson (ks/kn), or ks of "
+			          "Ip2_FrictMat_FrictMat_FrictPhys.";
 		if (!(phys.tangensOfFrictionAngle >= 0))
-			return "the friction coefficient " + boost::lexical_cast<std::string>(phys.tangensOfFrictionAngle)
+			return "the friction coefficient "
+			        + boost::lexical_cast<std::string>(phys.tangensOfFrictionAngle)
 			        + "; expected a friction angle from 0 to below π/2.";
 		return {};
 	}
 
 	constexpr double checkedOverlap = 0.02; // over R₁ + R₂: shallower overlaps are not checked
-	constexpr double deepFraction   = 0.5;  // of the radius of the thinner body: a deeper overlap counts
+	// of the radius of the thinner body: a deeper overlap counts
+	constexpr double deepFraction   = 0.5;
 
 	/// Half the smallest width of a grain; infinite for an obstacle.
 	double halfWidth(const Shape& shape)
@@ -65,7 +74,8 @@ namespace {
 		return std::numeric_limits<double>::infinity();
 	}
 
-	/// Replaces the FrictPhys of a new contact by one with a force per point. Returns false if the law cannot use it.
+	/// Replaces the FrictPhys of a new contact by one with a force per point. Returns false if the
+	/// law cannot use it.
 	bool prepare(shared_ptr<IPhys>& phys, const Interaction& interaction)
 	{
 		if (dynamic_cast<RcrFrictPhys*>(phys.get())) return true;
@@ -74,15 +84,16 @@ namespace {
 		if (message.empty())
 			phys = boost::make_shared<RcrFrictPhys>(stock);
 		else
-			deferError(
-			        "Law2_RcrGeom_FrictPhys_CundallStrack: the contact of bodies #" + std::to_string(interaction.getId1()) + " and #"
+			deferError("Law2_RcrGeom_FrictPhys_CundallStrack: the contact of bodies #"
+			        + std::to_string(interaction.getId1()) + " and #"
 			        + std::to_string(interaction.getId2()) + " has " + message);
 		return message.empty();
 	}
 
 } // namespace
 
-bool Law2_RcrGeom_FrictPhys_CundallStrack::go(shared_ptr<IGeom>& igeom, shared_ptr<IPhys>& iphys, Interaction* interaction)
+bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
+        shared_ptr<IGeom>& igeom, shared_ptr<IPhys>& iphys, Interaction* interaction)
 {
 	const RcrGeom& geom = static_cast<const RcrGeom&>(*igeom);
 	if (geom.points == 0 || !prepare(iphys, *interaction)) return false;
@@ -90,14 +101,20 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(shared_ptr<IGeom>& igeom, shared_p
 	carryForces(geom, phys);
 
 	const Body::id_t    id1 = interaction->getId1(), id2 = interaction->getId2();
-	const State &       state1 = *Body::byId(id1, scene)->state, &state2 = *Body::byId(id2, scene)->state;
+	const State &state1 = *Body::byId(id1, scene)->state, &state2 = *Body::byId(id2, scene)->state;
 	const rcr::Manifold manifold = geom.manifold();
-	const double        dt = double(scene->dt), kn = double(phys.kn), ks = double(phys.ks), mu = double(phys.tangensOfFrictionAngle);
+	const double        dt = double(scene->dt), kn = double(phys.kn), ks = double(phys.ks),
+	             mu              = double(phys.tangensOfFrictionAngle);
 	const double        inverse = inverseMass(id1, scene) + inverseMass(id2, scene);
 	const bool          periodic = scene->isPeriodic;
-	const rcr::Vec2     shift = periodic ? plane::toPlane(scene->cell->intrShiftPos(interaction->cellDist)) : rcr::Vec2 {};
-	const rcr::Vec2     drift = periodic ? plane::toPlane(scene->cell->intrShiftVel(interaction->cellDist)) : rcr::Vec2 {};
-	const double        dashpot = damping > 0 && inverse > 0 ? 2 * double(damping) * std::sqrt(kn / inverse) : 0;
+	const rcr::Vec2     shift    = periodic
+	               ? plane::toPlane(scene->cell->intrShiftPos(interaction->cellDist))
+	               : rcr::Vec2 {};
+	const rcr::Vec2     drift    = periodic
+	               ? plane::toPlane(scene->cell->intrShiftVel(interaction->cellDist))
+	               : rcr::Vec2 {};
+	const double        dashpot
+	        = damping > 0 && inverse > 0 ? 2 * double(damping) * std::sqrt(kn / inverse) : 0;
 
 	rcr::Twist load1, load2; // forces and moments
 	rcr::Vec2  normalForce, shearForce;
@@ -113,11 +130,13 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(shared_ptr<IGeom>& igeom, shared_p
 		point.arm1              = at.position - plane::toPlane(state1.pos);
 		point.arm2              = at.position - (plane::toPlane(state2.pos) + shift);
 		point.drift             = drift;
-		const rcr::Impulse u    = relativeVelocity(point, plane::twist(state1), plane::twist(state2));
+		const rcr::Impulse u = relativeVelocity(point, plane::twist(state1), plane::twist(state2));
 		const double       n    = std::max(0.0, -kn * at.gap - dashpot * u.n);
 		const double       free = double(force[1]) - ks * u.t * dt;
 		const double       t    = std::max(-mu * n, std::min(free, mu * n));
-		if (scene->trackEnergy) trackEnergy(phys, -at.gap, (-kn * at.gap - n) * u.n * dt, t, ks > 0 ? (free - t) / ks : -u.t * dt);
+		if (scene->trackEnergy)
+			trackEnergy(phys, -at.gap, (-kn * at.gap - n) * u.n * dt, t,
+			        ks > 0 ? (free - t) / ks : -u.t * dt);
 		force       = Vector2r(n, t);
 		normalForce = normalForce + n * at.normal;
 		shearForce  = shearForce + t * perp(at.normal);
@@ -135,10 +154,13 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(shared_ptr<IGeom>& igeom, shared_p
 	return true;
 }
 
-/// Counts contacts that overlap by more than half the radius of the thinner body. The first one prints a warning.
-void Law2_RcrGeom_FrictPhys_CundallStrack::watchOverlap(const RcrGeom& geom, const FrictPhys& phys, const Interaction& contact)
+/// Counts contacts that overlap by more than half the radius of the thinner body. The first one
+/// prints a warning.
+void Law2_RcrGeom_FrictPhys_CundallStrack::watchOverlap(
+        const RcrGeom& geom, const FrictPhys& phys, const Interaction& contact)
 {
-	const double overlap = -double(geom.points == 2 ? math::min(geom.gap[0], geom.gap[1]) : geom.gap[0]);
+	const double overlap
+	        = -double(geom.points == 2 ? math::min(geom.gap[0], geom.gap[1]) : geom.gap[0]);
 	if (overlap <= checkedOverlap * double(geom.refR1 + geom.refR2)) return;
 	const auto   width = [&](Body::id_t id) { return halfWidth(*Body::byId(id, scene)->shape); };
 	const double least = std::min(width(contact.getId1()), width(contact.getId2()));
@@ -147,15 +169,18 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::watchOverlap(const RcrGeom& geom, con
 #pragma omp atomic capture
 	before = deepOverlapCount++;
 	if (before > 0) return;
-	LOG_WARN(
-	        "step " << scene->iter << ": bodies #" << contact.getId1() << " and #" << contact.getId2() << " overlap by " << overlap
-	                << " m, more than half the radius of the thinner one, " << least << " m: springs of k_n = " << phys.kn
-	                << " N/m are too soft for these forces, and bodies may pass through each other. Set a larger FrictMat.young or slower "
-	                   "bodies. deepOverlapCount counts further cases.");
+	LOG_WARN("step " << scene->iter << ": bodies #" << contact.getId1() << " and #"
+	                 << contact.getId2() << " overlap by " << overlap
+	                 << " m, more than half the radius of the thinner one, " << least
+	                 << " m: springs of k_n = " << phys.kn
+	                 << " N/m are too soft for these forces, and bodies may pass through each "
+	                    "other. Set a larger FrictMat.young or slower "
+	                    "bodies. deepOverlapCount counts further cases.");
 }
 
 /// Work of the dashpot, and of the slider that moves by `slip` against the force `slider` [J].
-void Law2_RcrGeom_FrictPhys_CundallStrack::trackEnergy(const FrictPhys& phys, double overlap, double dashpotWork, double slider, double slip)
+void Law2_RcrGeom_FrictPhys_CundallStrack::trackEnergy(
+        const FrictPhys& phys, double overlap, double dashpotWork, double slider, double slip)
 {
 	const double kn = double(phys.kn), ks = double(phys.ks);
 	const double stored = 0.5 * kn * overlap * overlap + (ks > 0 ? 0.5 * slider * slider / ks : 0);
@@ -165,7 +190,8 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::trackEnergy(const FrictPhys& phys, do
 }
 
 /// Work that a contact does on prescribed motion [J]; negative where that drives.
-void Law2_RcrGeom_FrictPhys_CundallStrack::trackDrive(const State& s, const rcr::Twist& load, double dt)
+void Law2_RcrGeom_FrictPhys_CundallStrack::trackDrive(
+        const State& s, const rcr::Twist& load, double dt)
 {
 	const rcr::Twist v    = plane::twist(s);
 	double           work = 0;

@@ -1,11 +1,13 @@
-// Smooth contact law: a spring, a dashpot and a Coulomb slider with a spring at each point of RcrGeom.
+// Smooth contact law: a spring, a dashpot and a Coulomb slider with a spring at each point of
+// RcrGeom.
 //
 //   f_n = max(0, k_n δ − c u_n)          δ = −g > 0: overlap [m]; u = v₂ − v₁ at the point [m/s]
 //   f_t ← f_t − k_s u_t dt, |f_t| ≤ µ f_n
 //   c   = 2 ζ √(k_n m₁m₂/(m₁ + m₂))      ζ = `damping`; a fixed body has an infinite mass
 //
-// Forces act on body 2; the tangent is the normal rotated by +90°. k_n, k_s [N/m] and µ come from FrictPhys and belong to one
-// point, so a side-side contact with two points is twice as stiff. Source: Cundall and Strack 1979.
+// Forces act on body 2; the tangent is the normal rotated by +90°. k_n, k_s [N/m] and µ come from
+// FrictPhys and belong to one point, so a side-side contact with two points is twice as stiff.
+// Source: Cundall and Strack 1979.
 #pragma once
 
 #include <core/Dispatching.hpp>
@@ -56,7 +58,8 @@ private:
 	DECLARE_LOGGER;
 	void watchOverlap(const RcrGeom&, const FrictPhys&, const Interaction&);
 	void trackDrive(const State&, const rcr::Twist& load, double dt);
-	void trackEnergy(const FrictPhys&, double overlap, double dashpotWork, double slider, double slip);
+	void trackEnergy(
+	        const FrictPhys&, double overlap, double dashpotWork, double slider, double slip);
 };
 REGISTER_SERIALIZABLE(Law2_RcrGeom_FrictPhys_CundallStrack);
 

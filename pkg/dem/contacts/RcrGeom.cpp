@@ -6,12 +6,14 @@
 
 namespace yade {
 
-YADE_PLUGIN((RcrGeom)(Ig2_Planar_RcrGeom)(Ig2_Rcr_Rcr_RcrGeom)(Ig2_Wall_Rcr_RcrGeom)(Ig2_Box_Rcr_RcrGeom)(Ig2_Facet_Rcr_RcrGeom)(Ig2_Sphere_Rcr_RcrGeom)(
-        Ig2_Sphere_Sphere_RcrGeom)(Ig2_Wall_Sphere_RcrGeom)(Ig2_Box_Sphere_RcrGeom)(Ig2_Facet_Sphere_RcrGeom));
+YADE_PLUGIN((
+        RcrGeom)(Ig2_Planar_RcrGeom)(Ig2_Rcr_Rcr_RcrGeom)(Ig2_Wall_Rcr_RcrGeom)(Ig2_Box_Rcr_RcrGeom)(Ig2_Facet_Rcr_RcrGeom)(Ig2_Sphere_Rcr_RcrGeom)(Ig2_Sphere_Sphere_RcrGeom)(Ig2_Wall_Sphere_RcrGeom)(Ig2_Box_Sphere_RcrGeom)(Ig2_Facet_Sphere_RcrGeom));
 
-void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr::Pose& at1, const rcr::PlanarShape& two, const rcr::Pose& at2)
+void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr::Pose& at1,
+        const rcr::PlanarShape& two, const rcr::Pose& at2)
 {
-	const rcr::Pose& by = rcr::orderingPose(one, at1, at2); // the line along which points are sorted
+	// the line along which points are sorted
+	const rcr::Pose& by = rcr::orderingPose(one, at1, at2);
 	const double     r1 = one.contactRadius(), r2 = two.contactRadius();
 	refR1  = r1 > 0 ? r1 : r2;
 	refR2  = r2;
@@ -33,9 +35,9 @@ void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr
 rcr::Manifold RcrGeom::manifold() const
 {
 	const auto vector = [](const Vector2r& v) { return rcr::Vec2 { double(v[0]), double(v[1]) }; };
-	return { points,
-		 rcr::ContactType(type),
-		 { { vector(position1), vector(normal1), double(gap[0]) }, { vector(position2), vector(normal2), double(gap[1]) } } };
+	return { points, rcr::ContactType(type),
+		{ { vector(position1), vector(normal1), double(gap[0]) },
+		        { vector(position2), vector(normal2), double(gap[1]) } } };
 }
 
 /// An empty manifold creates nothing; where there was a contact, the Law2 erases it.
@@ -49,14 +51,18 @@ bool Ig2_Planar_RcrGeom::go(
         const shared_ptr<Interaction>& interaction)
 {
 	prefetchPair(*scene, interaction->linIx); // for pairs to come
-	const rcr::PlanarShape one = plane::shapeOf(*shape1, state1, state2.pos.z()), two = plane::shapeOf(*shape2, state2, state2.pos.z());
+	const rcr::PlanarShape one = plane::shapeOf(*shape1, state1, state2.pos.z()),
+	                       two = plane::shapeOf(*shape2, state2, state2.pos.z());
 	rcr::Manifold          manifold;
 	const rcr::Pose        at1 { plane::toPlane(state1.pos), plane::turnOf(one, state1).axis() };
 	rcr::Pose              at2 { plane::toPlane(state2.pos), plane::turnOf(two, state2).axis() };
 	at2.center             = at2.center + plane::toPlane(shift2);
 	if (rcr::canTouch(one.kind, two.kind)) {
-		const auto   alert = [&](const rcr::PlanarShape& shape, const State& s) { return rcr::alertDistance(shape, plane::twist(s), double(scene->dt)); };
-		const double reach = force ? std::numeric_limits<double>::max() : alert(one, state1) + alert(two, state2);
+		const auto alert = [&](const rcr::PlanarShape& shape, const State& s) {
+			return rcr::alertDistance(shape, plane::twist(s), double(scene->dt));
+		};
+		const double reach = force ? std::numeric_limits<double>::max()
+		                           : alert(one, state1) + alert(two, state2);
 		manifold           = rcr::contactPoints(one, at1, two, at2, reach);
 	}
 	if (!interaction->geom) {

@@ -17,7 +17,8 @@ public:
 	virtual ~RcrGeom() = default;
 
 	/// Sets the contact points of two bodies.
-	void          set(const rcr::Manifold&, const rcr::PlanarShape& one, const rcr::Pose& at1, const rcr::PlanarShape& two, const rcr::Pose& at2);
+	void          set(const rcr::Manifold&, const rcr::PlanarShape& one, const rcr::Pose& at1,
+	                 const rcr::PlanarShape& two, const rcr::Pose& at2);
 	rcr::Manifold manifold() const;
 
 	// clang-format off
@@ -42,8 +43,8 @@ REGISTER_SERIALIZABLE(RcrGeom);
 /// Base of all Ig2 functors of rcr, which detect contact points in the same way.
 class Ig2_Planar_RcrGeom : public IGeomFunctor {
 public:
-	bool
-	go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&, const Vector3r&, const bool&, const shared_ptr<Interaction>&) override;
+	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
+	        const Vector3r&, const bool&, const shared_ptr<Interaction>&) override;
 	bool goReverse(
 	        const shared_ptr<Shape>&       shape1,
 	        const shared_ptr<Shape>&       shape2,
@@ -64,13 +65,13 @@ public:
 };
 REGISTER_SERIALIZABLE(Ig2_Planar_RcrGeom);
 
-#define RCR_IG2(Name, One, Two, Doc)                                                                                                   \
-	class Name : public Ig2_Planar_RcrGeom {                                                                                       \
-	public:                                                                                                                        \
-		FUNCTOR2D(One, Two);                                                                                                   \
-		DEFINE_FUNCTOR_ORDER_2D(One, Two);                                                                                     \
-		YADE_CLASS_BASE_DOC(Name, Ig2_Planar_RcrGeom, Doc);                                                                    \
-	};                                                                                                                             \
+#define RCR_IG2(Name, One, Two, Doc)                                                               \
+	class Name : public Ig2_Planar_RcrGeom {                                                       \
+	public:                                                                                        \
+		FUNCTOR2D(One, Two);                                                                       \
+		DEFINE_FUNCTOR_ORDER_2D(One, Two);                                                         \
+		YADE_CLASS_BASE_DOC(Name, Ig2_Planar_RcrGeom, Doc);                                        \
+	};                                                                                             \
 	REGISTER_SERIALIZABLE(Name);
 
 RCR_IG2(Ig2_Rcr_Rcr_RcrGeom, Rcr, Rcr, "Contact points of two :yref:`Rcrs<Rcr>`: the closest one, and the other end of the shadow of facing sides.")

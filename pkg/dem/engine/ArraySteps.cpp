@@ -22,14 +22,17 @@ namespace {
 
 	constexpr long stepsBetweenUpdates = 100; // a fixed number, so that a run repeats its bits
 
-	/// A PeriodicEngine will act at this iteration and time. Its own isActivated() would count the call.
+	/// A PeriodicEngine will act at this iteration and time. Its own isActivated() would count the
+	/// call.
 	bool due(const PeriodicEngine& engine, long iter, Real time)
 	{
-		if (engine.nDone == 0) return engine.firstIterRun <= 0 || engine.firstIterRun == iter; // its first call starts its counting
+		// its first call starts its counting
+		if (engine.nDone == 0) return engine.firstIterRun <= 0 || engine.firstIterRun == iter;
 		if (iter < engine.iterLast) return true;
 		if (engine.nDo >= 0 && engine.nDone >= engine.nDo) return false;
 		return (engine.virtPeriod > 0 && time - engine.virtLast >= engine.virtPeriod)
-		        || (engine.realPeriod > 0 && PeriodicEngine::getClock() - engine.realLast >= engine.realPeriod)
+		        || (engine.realPeriod > 0
+		                && PeriodicEngine::getClock() - engine.realLast >= engine.realPeriod)
 		        || (engine.iterPeriod > 0 && iter - engine.iterLast >= engine.iterPeriod);
 	}
 
@@ -40,8 +43,11 @@ namespace {
 			ids.insert(ids.end(), { stress->wall, stress->start, stress->end });
 			return true;
 		}
-		static const std::set<std::string> forces { "ForceEngine", "InterpolatingDirectedForceEngine", "RadialForceEngine", "TorqueEngine", "DragEngine", "LinearDragEngine" };
-		if (!dynamic_cast<const KinematicEngine*>(&engine) && !forces.count(engine.getClassName())) return false;
+		static const std::set<std::string> forces { "ForceEngine",
+			"InterpolatingDirectedForceEngine", "RadialForceEngine", "TorqueEngine", "DragEngine",
+			"LinearDragEngine" };
+		if (!dynamic_cast<const KinematicEngine*>(&engine) && !forces.count(engine.getClassName()))
+			return false;
 		const auto& loads = static_cast<const PartialEngine&>(engine).ids;
 		ids.insert(ids.end(), loads.begin(), loads.end());
 		return true;
@@ -49,40 +55,35 @@ namespace {
 
 	bool core(const Engine& engine)
 	{
-		return dynamic_cast<const ForceResetter*>(&engine) || dynamic_cast<const Collider*>(&engine) || dynamic_cast<const InteractionLoop*>(&engine)
-		        || dynamic_cast<const ContactDynamics*>(&engine) || dynamic_cast<const NewtonIntegrator*>(&engine);
+		return dynamic_cast<const ForceResetter*>(&engine) || dynamic_cast<const Collider*>(&engine)
+		        || dynamic_cast<const InteractionLoop*>(&engine)
+		        || dynamic_cast<const ContactDynamics*>(&engine)
+		        || dynamic_cast<const NewtonIntegrator*>(&engine);
 	}
 
-	/// Finds a force on a body of the arrays, for example from a PyRunner. Arrays apply contact forces and gravity only.
+	/// Finds a force on a body of the arrays, for example from a PyRunner. Arrays apply contact
+	/// forces and gravity only.
 	std::string strayForceReason(Scene& scene, const std::vector<char>& isByYade)
 	{
 		for (std::size_t id = 0; id < isByYade.size(); ++id)
-			if (!isByYade[id] && (*scene.bodies)[id] && (scene.forces.getForce(Body::id_t(id)) != Vector3r::Zero() || scene.forces.getTorque(Body::id_t(id)) != Vector3r::Zero()))
+			if (!isByYade[id] && (*scene.bodies)[id]
+			        && (scene.forces.getForce(Body::id_t(id)) != Vector3r::Zero()
+			                || scene.forces.getTorque(Body::id_t(id)) != Vector3r::Zero()))
 				return "a force on body #" + std::to_string(id);
 		return {};
-	}
-
-	/// The interaction of two bodies without a contact; created if missing.
-	Interaction* interactionOf(Scene& scene, const rcr::Pair& pair)
-	{
-		shared_ptr<Interaction> i = scene.interactions->find(pair.body1, pair.body2);
-		if (!i) {
-			i = boost::make_shared<Interaction>(pair.body1, pair.body2);
-			scene.interactions->insert(i);
-		}
-		if (i->getId1() != pair.body1) i->swapOrder();
-		return i.get();
 	}
 
 } // namespace
 
 ArraySteps::Motion ArraySteps::motionOf(const State& s)
 {
-	return { { double(s.pos[0]), double(s.pos[1]) }, { double(s.ori.w()), double(s.ori.z()) }, { double(s.vel[0]), double(s.vel[1]), double(s.angVel[2]) } };
+	return { { double(s.pos[0]), double(s.pos[1]) }, { double(s.ori.w()), double(s.ori.z()) },
+		{ double(s.vel[0]), double(s.vel[1]), double(s.angVel[2]) } };
 }
 
 /// Property of the scene that requires YADE's engines; empty: none. Also collects the load engines.
-std::string ArraySteps::reason(const Scene& scene, const validation::Engines& engines, const rcr::Step& step)
+std::string ArraySteps::reason(
+        const Scene& scene, const validation::Engines& engines, const rcr::Step& step)
 {
 	if (scene.isPeriodic) return "a periodic cell";
 	if (!step.members.empty()) return "clumps";
@@ -92,16 +93,20 @@ std::string ArraySteps::reason(const Scene& scene, const validation::Engines& en
 	if (newton.mask > 0) return "NewtonIntegrator.mask";
 	if (!engines.loop->callbacks.empty()) return "callbacks of the InteractionLoop";
 	for (const auto& functor : engines.loop->geomDispatcher->functors)
-		if (functor->getBaseClassName() != "Ig2_Planar_RcrGeom") return "the functor " + functor->getClassName();
+		if (functor->getBaseClassName() != "Ig2_Planar_RcrGeom")
+			return "the functor " + functor->getClassName();
 	for (const auto& functor : engines.loop->physDispatcher->functors)
-		if (functor->getClassName() != "Ip2_FrictMat_FrictMat_CdPhys") return "the functor " + functor->getClassName();
+		if (functor->getClassName() != "Ip2_FrictMat_FrictMat_CdPhys")
+			return "the functor " + functor->getClassName();
 	for (const auto& functor : engines.loop->lawDispatcher->functors)
-		if (functor->getClassName() != "Law2_RcrGeom_CdPhys_SignoriniCoulomb") return "the functor " + functor->getClassName();
+		if (functor->getClassName() != "Law2_RcrGeom_CdPhys_SignoriniCoulomb")
+			return "the functor " + functor->getClassName();
 	loadsBefore_.clear(), loadsAfter_.clear(), byYade_.clear();
 	movesAfter_ = false;
 	bool looped = false, solved = false;
 	for (const auto& engine : scene.engines) {
-		if (engine->dead || dynamic_cast<const PeriodicEngine*>(engine.get())) continue; // checked in each step
+		// checked in each step
+		if (engine->dead || dynamic_cast<const PeriodicEngine*>(engine.get())) continue;
 		looped |= engine.get() == engines.loop;
 		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
 		if (core(*engine)) continue;
@@ -112,11 +117,13 @@ std::string ArraySteps::reason(const Scene& scene, const validation::Engines& en
 	return {};
 }
 
-/// Selects the bodies that are read and written in each step. Returns why contacts require YADE's engines; empty: they do not.
+/// Selects the bodies that are read and written in each step. Returns why contacts require YADE's
+/// engines; empty: they do not.
 std::string ArraySteps::selectBodies(const Scene& scene, const rcr::Step& step)
 {
 	for (const rcr::StepContact& c : step.contacts)
-		if (c.body1 > c.body2 && step.bodies[c.body1].shape.kind == step.bodies[c.body2].shape.kind) return "a contact whose bodies are not in their order";
+		if (c.body1 > c.body2 && step.bodies[c.body1].shape.kind == step.bodies[c.body2].shape.kind)
+			return "a contact whose bodies are not in their order";
 	isByYade_.assign(step.bodies.size(), false);
 	for (Body::id_t id : byYade_)
 		if (id >= 0 && std::size_t(id) < isByYade_.size()) isByYade_[id] = true;
@@ -138,20 +145,28 @@ std::string ArraySteps::momentaryReason(const Scene& scene) const
 	if (!Omega::instance().isRunning() || scene.subStepping) return "a single step";
 	const long iter = scene.iter + 1;
 	const Real time = scene.time + scene.dt;
-	if ((scene.stopAtIter > 0 && iter >= scene.stopAtIter) || (scene.stopAtTime > 0 && time >= scene.stopAtTime)) return "the end of the run";
-	if (scene.interactions->dirty || (active_ && scene.bodies->size() != isByYade_.size())) return "a change of the bodies or interactions";
+	if ((scene.stopAtIter > 0 && iter >= scene.stopAtIter)
+	        || (scene.stopAtTime > 0 && time >= scene.stopAtTime))
+		return "the end of the run";
+	if (scene.interactions->dirty || (active_ && scene.bodies->size() != isByYade_.size()))
+		return "a change of the bodies or interactions";
 	if (!scene._nextEngines.empty()) return "a change of O.engines";
-	if (active_ && count_ - first_ >= stepsBetweenUpdates) return "YADE's objects are brought up to date";
+	if (active_ && count_ - first_ >= stepsBetweenUpdates)
+		return "YADE's objects are brought up to date";
 	bool solved = false;
 	for (const auto& engine : scene.engines) {
 		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
-		const auto* periodic = engine->dead ? nullptr : dynamic_cast<const PeriodicEngine*>(engine.get());
-		if (periodic && (solved ? due(*periodic, scene.iter, scene.time) : due(*periodic, iter, time))) return "the engine " + engine->getClassName();
+		const auto* periodic
+		        = engine->dead ? nullptr : dynamic_cast<const PeriodicEngine*>(engine.get());
+		if (periodic
+		        && (solved ? due(*periodic, scene.iter, scene.time) : due(*periodic, iter, time)))
+			return "the engine " + engine->getClassName();
 	}
 	return {};
 }
 
-bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team, SceneHandles& handles, const std::vector<rcr::Twist>& loads, rcr::Step& step)
+bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
+        SceneHandles& handles, const std::vector<rcr::Twist>& loads, rcr::Step& step)
 {
 	reason_ = active_ ? std::string() : reason(scene, engines, step);
 	if (reason_.empty()) reason_ = momentaryReason(scene);
@@ -199,7 +214,8 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 		const State* const s = handles.state[id];
 		if (!s) return;
 		const auto free = [&](unsigned dof) { return !(s->blockedDOFs & dof); };
-		inertia_[id]    = { double(s->mass), double(s->inertia[2]), free(State::DOF_X), free(State::DOF_Y), free(State::DOF_RZ) };
+		inertia_[id]      = { double(s->mass), double(s->inertia[2]), free(State::DOF_X),
+			     free(State::DOF_Y), free(State::DOF_RZ) };
 		written_[id]      = motionOf(*s);
 	});
 	pairs_.all.clear();
@@ -212,28 +228,37 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 	pairs_.manifold.resize(pairs_.all.size());
 	team.forEach(pairs_.all.size(), [&](std::size_t k) {
 		rcr::Pair& pair = pairs_.all[k];
-		prefetch<CdPhys>(handles.sorted[pairs_.all[std::min(k + prefetchAhead, pairs_.all.size() - 1)].source].phys);
+		prefetch<CdPhys>(
+		        handles.sorted[pairs_.all[std::min(k + prefetchAhead, pairs_.all.size() - 1)]
+		                               .source]
+		                .phys);
 		const CdPhys& phys = *handles.sorted[pair.source].phys;
 		pair.points        = phys.points;
-		pair.friction = double(phys.tangensOfFrictionAngle), pair.restitution = double(phys.restitution);
+		pair.friction      = double(phys.tangensOfFrictionAngle),
+		pair.restitution   = double(phys.restitution);
 		for (int point = 0; point < 2; ++point)
 			pair.along[point] = double(phys.along[point]);
 	});
 }
 
 /// Moves the bodies like NewtonIntegrator. Obstacles need not lie in the plane.
-void ArraySteps::move(
-        Scene& scene, const NewtonIntegrator& newton, rcr::ThreadTeam& team, const SceneHandles& handles, const std::vector<rcr::Twist>& loads, rcr::Step& step)
+void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadTeam& team,
+        const SceneHandles& handles, const std::vector<rcr::Twist>& loads, rcr::Step& step)
 {
 	for (Body::id_t id : byYade_) {
 		State&         s = *handles.state[id];
-		const Vector3r force = scene.forces.getForce(id) + 1 / step.dt * Vector3r(loads[id].x, loads[id].y, 0);
-		const Vector3r torque = scene.forces.getTorque(id) + 1 / step.dt * Vector3r(0, 0, loads[id].rotation);
+		const Vector3r force
+		        = scene.forces.getForce(id) + 1 / step.dt * Vector3r(loads[id].x, loads[id].y, 0);
+		const Vector3r torque
+		        = scene.forces.getTorque(id) + 1 / step.dt * Vector3r(0, 0, loads[id].rotation);
 		if (step.overdamped) resetVelocity(s, step.bodies[id].velocity);
-		if (!step.displacement.empty() && step.bodies[id].free) applyCorrection(s, step.displacement[id]);
+		if (!step.displacement.empty() && step.bodies[id].free)
+			applyCorrection(s, step.displacement[id]);
 		for (int axis = 0; axis < 3; ++axis) {
-			if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] += scene.dt * (force[axis] / s.mass + newton.gravity[axis]);
-			if (!(s.blockedDOFs & State::axisDOF(axis, true))) s.angVel[axis] += scene.dt * (torque[axis] / s.inertia[axis]);
+			if (!(s.blockedDOFs & State::axisDOF(axis)))
+				s.vel[axis] += scene.dt * (force[axis] / s.mass + newton.gravity[axis]);
+			if (!(s.blockedDOFs & State::axisDOF(axis, true)))
+				s.angVel[axis] += scene.dt * (torque[axis] / s.inertia[axis]);
 		}
 		s.pos += s.vel * scene.dt;
 		const Real rate = s.angVel.norm();
@@ -252,16 +277,20 @@ void ArraySteps::move(
 			if (by.rotation != 0) body.turn = rcr::scaled(rcr::turned(body.turn, by.rotation));
 		}
 		const rcr::Twist& p = loads[id];
-		body.velocity = rcr::accelerated(body.velocity, inertia_[id], { inverseDt * p.x, inverseDt * p.y, inverseDt * p.rotation }, gravity, before);
-		body.center   = { body.center.x + body.velocity.x * before, body.center.y + body.velocity.y * before };
+		body.velocity       = rcr::accelerated(body.velocity, inertia_[id],
+		              { inverseDt * p.x, inverseDt * p.y, inverseDt * p.rotation }, gravity, before);
+		body.center         = { body.center.x + body.velocity.x * before,
+			        body.center.y + body.velocity.y * before };
 		body.turn     = rcr::integrated(body.turn, body.velocity.rotation, before);
 		body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step.dt);
 		if (body.free) body.expected = body.alertDistance;
 		if (step.overdamped) {
 			endVelocity_[id]  = body.velocity;
-			body.velocity = restVelocity(body.velocity, inertia_[id], step.restFlow.at(body.center));
+			body.velocity
+			        = restVelocity(body.velocity, inertia_[id], step.restFlow.at(body.center));
 		}
-		step.problem.freeVelocity[id] = rcr::accelerated(body.velocity, inertia_[id], {}, gravity, step.dt);
+		step.problem.freeVelocity[id]
+		        = rcr::accelerated(body.velocity, inertia_[id], {}, gravity, step.dt);
 	});
 }
 
@@ -278,7 +307,8 @@ void ArraySteps::setPhysics(Scene& scene, const validation::Engines& engines)
 {
 	for (rcr::Pair& pair : pairs_.all) {
 		if (!pair.fresh) continue;
-		if (!validation::frictional(scene, pair.body1, pair.body2) || !mayMeet(scene, engines, pair.body1, pair.body2)) {
+		if (!validation::frictional(scene, pair.body1, pair.body2)
+		        || !mayMeet(scene, engines, pair.body1, pair.body2)) {
 			pair.points = 0;
 			continue;
 		}
@@ -286,70 +316,6 @@ void ArraySteps::setPhysics(Scene& scene, const validation::Engines& engines)
 		pair.friction = law.friction, pair.restitution = law.restitution;
 		pair.since    = scene.iter;
 	}
-}
-
-void ArraySteps::writeBack(Scene& scene, rcr::ThreadTeam& team, SceneHandles& handles, const rcr::Step& step)
-{
-	if (!active_) return;
-	active_       = false;
-	scene.doSort = true; // the collider has not run during the steps in arrays
-	team.forEach(step.bodies.size(), [&](std::size_t id) {
-		prefetch<State>(handles.state[std::min(id + prefetchAhead, step.bodies.size() - 1)]);
-		State* s = handles.state[id];
-		if (!s || isByYade_[id]) return;
-		const rcr::StepBody& body = step.bodies[id];
-		const rcr::Twist&    v      = step.overdamped ? endVelocity_[id] : body.velocity;
-		const Motion         before = written_[id], now = motionOf(*s); // keeps what a script has written meanwhile
-		if (now.center == before.center) s->pos[0] = body.center.x, s->pos[1] = body.center.y;
-		if (now.turn == before.turn) s->ori.w() = body.turn.w, s->ori.z() = body.turn.z;
-		if (now.velocity == before.velocity) s->vel[0] = v.x, s->vel[1] = v.y, s->angVel[2] = v.rotation;
-	});
-
-	std::vector<Interaction*> interaction(pairs_.all.size());
-	std::vector<char>         lasts(handles.sorted.size());
-	const auto made = [](const rcr::Pair& pair) { return pair.points > 0 && (pair.source >= 0 || pair.since >= 0); }; // false after an error
-	for (std::size_t k = 0; k < interaction.size(); ++k) {
-		const int source = pairs_.all[k].source;
-		if (!made(pairs_.all[k]) || source < 0) continue;
-		lasts[source]  = true;
-		interaction[k] = handles.sorted[source].interaction;
-	}
-	for (std::size_t k = 0; k < lasts.size(); ++k)
-		if (!lasts[k] && handles.sorted[k].interaction) handles.sorted[k].interaction->reset();
-	for (std::size_t k = 0; k < interaction.size(); ++k)
-		if (made(pairs_.all[k]) && !interaction[k]) interaction[k] = interactionOf(scene, pairs_.all[k]);
-	std::vector<SceneHandles::Contact> contacts(interaction.size());
-	team.forEach(interaction.size(), [&](std::size_t k) {
-		if (const Interaction* later = interaction[std::min(k + prefetchAhead, interaction.size() - 1)]) {
-			prefetch<RcrGeom>(later->geom.get());
-			prefetch<CdPhys>(later->phys.get());
-		}
-		if (interaction[k]) contacts[k] = write(int(k), *interaction[k], step);
-	});
-	handles.sorted.swap(contacts);
-}
-
-/// Copies a pair to its interaction in YADE.
-SceneHandles::Contact ArraySteps::write(int number, Interaction& i, const rcr::Step& step) const
-{
-	const rcr::Pair& pair = pairs_.all[number];
-	if (!i.geom) i.geom = boost::make_shared<RcrGeom>();
-	if (pair.since >= 0) {
-		auto phys                    = boost::make_shared<CdPhys>();
-		phys->tangensOfFrictionAngle = pair.friction;
-		phys->restitution            = pair.restitution;
-		i.phys                       = phys;
-		i.iterMadeReal               = pair.since;
-	}
-	RcrGeom&             geom = static_cast<RcrGeom&>(*i.geom);
-	CdPhys&              phys = static_cast<CdPhys&>(*i.phys);
-	const rcr::StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
-	geom.set(pairs_.manifold[number], one.shape, one.pose(), two.shape, two.pose());
-	phys.points = geom.points;
-	phys.along  = geom.along;
-	phys.force1 = Vector2r(pair.force[0].n, pair.force[0].t);
-	phys.force2 = Vector2r(pair.force[1].n, pair.force[1].t);
-	return { &geom, &phys, &i, pair.body1, pair.body2, geom.points };
 }
 
 } // namespace yade

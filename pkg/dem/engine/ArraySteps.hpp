@@ -1,9 +1,11 @@
 // Takes steps in flat arrays, without YADE's objects.
 //
-// YADE allocates bodies, shapes, states and interactions one by one, and a loop over them takes longer than a solve. While no
-// engine reads these objects, `advance` moves the bodies like NewtonIntegrator, applies the loads of the scene, detects contacts
-// like the collider and InteractionLoop, and returns the next step gathered. `writeBack` then copies the state at the beginning
-// of the last step to YADE's objects. Results have the same bits as steps by YADE's engines.
+// YADE allocates bodies, shapes, states and interactions one by one, and a loop over them takes
+// longer than a solve. While no engine reads these objects, `advance` moves the bodies like
+// NewtonIntegrator, applies the loads of the scene, detects contacts like the collider and
+// InteractionLoop, and returns the next step gathered. `writeBack` then copies the state at the
+// beginning of the last step to YADE's objects. Results have the same bits as steps by YADE's
+// engines.
 //
 // YADE's engines take a step
 //
@@ -11,7 +13,8 @@
 //   * if an engine is due that may read any object: a PyRunner, a recorder, any engine not named below;
 //   * in scenes with clumps, a periodic cell, energy tracking or permanent forces.
 //
-// Obstacles and bodies that engines load or drive (kinematic engines, force engines, WallStress) are read and written in each step.
+// Obstacles and bodies that engines load or drive (kinematic engines, force engines, WallStress)
+// are read and written in each step.
 #pragma once
 
 #include <array>
@@ -24,12 +27,14 @@ namespace yade {
 
 class ArraySteps {
 public:
-	/// Advances from a solved step to the next one, gathered. `loads`: sum of the impulses on each body. Returns false without a
-	/// change if YADE's engines must take the next step; enginesReason() is then the reason.
-	bool advance(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&, const std::vector<rcr::Twist>& loads, rcr::Step&);
+	/// Advances from a solved step to the next one, gathered. `loads`: sum of the impulses on each
+	/// body. Returns false without a change if YADE's engines must take the next step;
+	/// enginesReason() is then the reason.
+	bool advance(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&,
+	        const std::vector<rcr::Twist>& loads, rcr::Step&);
 
-	/// Copies the state at the beginning of the step to YADE's objects, so that the step can be scattered. Does nothing if no step
-	/// was taken in arrays since the last call.
+	/// Copies the state at the beginning of the step to YADE's objects, so that the step can be
+	/// scattered. Does nothing if no step was taken in arrays since the last call.
 	void writeBack(Scene&, rcr::ThreadTeam&, SceneHandles&, const rcr::Step&);
 
 	/// Why YADE's engines take the next step; empty: they do not.
@@ -48,7 +53,8 @@ private:
 	std::string          momentaryReason(const Scene&) const;
 	std::string          selectBodies(const Scene&, const rcr::Step&);
 	void                 begin(rcr::ThreadTeam&, const SceneHandles&, const rcr::Step&);
-	void                 move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const SceneHandles&, const std::vector<rcr::Twist>& loads, rcr::Step&);
+	void move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const SceneHandles&,
+	        const std::vector<rcr::Twist>& loads, rcr::Step&);
 	void                 load(Scene&, const std::vector<Engine*>&) const;
 	void                 setPhysics(Scene&, const validation::Engines&);
 	SceneHandles::Contact write(int number, Interaction&, const rcr::Step&) const;
@@ -56,13 +62,15 @@ private:
 	long                      count_ = 0, first_ = 0;
 	bool                      active_ = false; // YADE's objects are out of date since step first_
 	std::string               reason_;
-	std::vector<Engine*>      loadsBefore_, loadsAfter_; // load engines before and after the InteractionLoop
+	// load engines before and after the InteractionLoop
+	std::vector<Engine*>      loadsBefore_, loadsAfter_;
 	bool                      movesAfter_ = false; // loadsAfter_ holds a kinematic engine
 	std::vector<Body::id_t>   byYade_;      // bodies that are read and written in each step
 	std::vector<char>         isByYade_;      // per body
 	std::vector<rcr::Inertia> inertia_;      // per body
 	std::vector<Motion>       written_;        // per body: as in YADE's objects
-	std::vector<rcr::Twist>   endVelocity_;      // per body: velocity at the end of the last overdamped step
+	// per body: velocity at the end of the last overdamped step
+	std::vector<rcr::Twist>   endVelocity_;
 	rcr::Neighbours           neighbours_;
 	rcr::Pairs                pairs_;
 };

@@ -1,4 +1,5 @@
-// Stresses of a periodic cell under Contact Dynamics. The cell stretches like a body with one degree of freedom per axis:
+// Stresses of a periodic cell under Contact Dynamics. The cell stretches like a body with one
+// degree of freedom per axis:
 //
 //   M_a (g_a⁺ − g_a) = Σ f_a s_a dt − σ_a V dt
 //
@@ -10,8 +11,9 @@
 // | V      | m²     | area of the cell                                                                     |
 // | M_a    | kg m   | `mass` · Σ m L_a² / 12: `mass` times the inertia of the grains against stretching    |
 //
-// Impulses and stretching are solved together. A cell that followed the stress of the step before would oscillate, since rigid
-// contacts bear any stress. Source: Radjaï and Voivret 2011 (periodic boundary conditions of Contact Dynamics).
+// Impulses and stretching are solved together. A cell that followed the stress of the step before
+// would oscillate, since rigid contacts bear any stress. Source: Radjaï and Voivret 2011 (periodic
+// boundary conditions of Contact Dynamics).
 #pragma once
 
 #include <core/GlobalEngine.hpp>

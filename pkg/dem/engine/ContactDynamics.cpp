@@ -21,7 +21,8 @@ YADE_PLUGIN((ContactDynamics));
 CREATE_LOGGER(ContactDynamics);
 
 namespace {
-	constexpr int mostPasses = 10; // missed contacts and large displacements settle in two or three passes
+	// missed contacts and large displacements settle in two or three passes
+	constexpr int mostPasses = 10;
 }
 
 void ContactDynamics::action()
@@ -30,7 +31,8 @@ void ContactDynamics::action()
 		const std::string invalid = invalidAttribute();
 		if (!invalid.empty()) validation::refuse(invalid);
 		const validation::Engines engines = validator_.validate(*scene);
-		if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0; // gather adds the motion of the cell
+		// gather adds the motion of the cell
+		if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0;
 		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();
 		scene->forces.sync();
 		stepThread_ = std::this_thread::get_id();
@@ -59,7 +61,10 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 			solveStep(engines);
 			loads = loadsOf(step_);
 			record(loads);
-			advanced = timed("arrays", [&] { return arrays && arraySteps_->advance(*scene, engines, team, handles_, loads, step_); });
+			advanced = timed("arrays", [&] {
+				return arrays
+				        && arraySteps_->advance(*scene, engines, team, handles_, loads, step_);
+			});
 			const std::lock_guard<std::mutex> lock(reading_);
 			enginesReason_ = arraySteps_->enginesReason(), stepsInArrays_ = arraySteps_->count();
 		} while (advanced);
@@ -67,7 +72,9 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 		timed("scatter", [&] {
 			const UnbalancedForce unbalanced = unbalancedForceOf(step_);
 			unbalancedForce = unbalanced.mean, largestUnbalancedForce = unbalanced.largest;
-			if (scene->trackEnergy) energy.enter(*scene->energy, step_, loads, plane::toPlane(engines.integrator->gravity));
+			if (scene->trackEnergy)
+				energy.enter(
+				        *scene->energy, step_, loads, plane::toPlane(engines.integrator->gravity));
 			scatter(*scene, team, loads, handles_, step_);
 			if (handles_.masksChanged) restartCollider(engines);
 		});
@@ -78,13 +85,17 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 	timed("gather", [&] { sortInteractions(*scene, handles_); });
 }
 
-/// Solves the contact problem of the step. A pass whose result contradicts its problem is followed by another one.
+/// Solves the contact problem of the step. A pass whose result contradicts its problem is followed
+/// by another one.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations  = 0;
 	work_       = 0;
 	endOverlap_ = 0;
-	if (tracksStretch()) timed("biasUpdate", [&] { rcr::removeMomentum(step_, { double(stretchChange[0]), double(stretchChange[1]) }); });
+	if (tracksStretch())
+		timed("biasUpdate", [&] {
+			rcr::removeMomentum(step_, { double(stretchChange[0]), double(stretchChange[1]) });
+		});
 	const rcr::DrivenMotion driven = rcr::drivenMotionOf(step_, workspace_.team());
 	rcr::Settings           how    = settingsOfFirstPass(driven);
 	std::vector<double>     firstBiases; // biases to which a pass may return; empty: none
@@ -100,11 +111,13 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		how = settingsOfNextPass(how, outcome);
 	}
 	if (tracksStretch()) timed("biasUpdate", [&] { trackStretch(); });
-	if (const int id = firstNotFinite(step_); id >= 0) throw std::runtime_error(failureMessage(step_, id, scene->iter));
+	if (const int id = firstNotFinite(step_); id >= 0)
+		throw std::runtime_error(failureMessage(step_, id, scene->iter));
 	checkStretch(step_, scene->iter);
 	if (endOverlap_ > rcr::MissedSteps::deep) converged = false;
-	const std::string warning = monitor.count(
-	        step_, { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations, yade::deepestOverlap(step_, workspace_.team()) });
+	const std::string warning = monitor.count(step_,
+	        { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations,
+	                yade::deepestOverlap(step_, workspace_.team()) });
 	if (!warning.empty()) LOG_WARN(warning);
 	timed("correct", [&] { correctPositions(step_, double(correction), workspace_); });
 }
@@ -115,7 +128,8 @@ void ContactDynamics::solvePass(const rcr::Settings& how)
 	const rcr::Vec2 stretchBefore = step_.problem.stretch;
 	warmStart_                    = step_.problem.impulse;
 	rcr::prepareRecovery(step_, double(correction), workspace_.team());
-	const rcr::Report report = timed("solve", [&] { return rcr::solve(step_.problem, solverName(), how, workspace_); });
+	const rcr::Report report = timed(
+	        "solve", [&] { return rcr::solve(step_.problem, solverName(), how, workspace_); });
 	const double      layout = workspace_.layoutSeconds() - layoutBefore;
 	times_.add("layout", layout), times_.add("solve", -layout);
 	iterations += report.iterations;
@@ -132,8 +146,8 @@ void ContactDynamics::solvePass(const rcr::Settings& how)
 	});
 }
 
-ContactDynamics::PassOutcome ContactDynamics::reviewPass(
-        const validation::Engines& engines, int pass, const rcr::DrivenMotion& driven, std::vector<double>& firstBiases)
+ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engines& engines,
+        int pass, const rcr::DrivenMotion& driven, std::vector<double>& firstBiases)
 {
 	if (timed("missedContacts", [&] { return addMissedContacts(engines); })) {
 		firstBiases.clear();
@@ -143,9 +157,11 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(
 	return timed("biasUpdate", [&] {
 		const bool nextIsLast = pass == mostPasses - 1;
 		if (yielded && rcr::lowerBounces(step_, nextIsLast)) return PassOutcome::bounceLowered;
-		if (yielded && rcr::restoreBiases(step_, firstBiases)) return PassOutcome::biasesRestored; // only changed biases may have no solution
+		// only changed biases may have no solution
+		if (yielded && rcr::restoreBiases(step_, firstBiases)) return PassOutcome::biasesRestored;
 		if (pass == 1 && driven.speed == 0) firstBiases = rcr::biases(step_.problem);
-		const bool changed = rcr::adaptBiases(step_, pass <= mostPasses / 2, nextIsLast, endOverlap_, workspace_.team());
+		const bool changed = rcr::adaptBiases(
+		        step_, pass <= mostPasses / 2, nextIsLast, endOverlap_, workspace_.team());
 		return changed ? PassOutcome::biasChanged : PassOutcome::converged;
 	});
 }
@@ -178,13 +194,9 @@ void ContactDynamics::record(const std::vector<rcr::Twist>& loads)
 	const std::vector<int> ids = observedIds();
 	StepObserver::check(ids, step_, handles_);
 	const double miss = double(std::max(residual / tolerance, kinematicError / kinematicTolerance));
-	observer_.record(
-	        { scene->iter + 1, double(scene->time + scene->dt), iterations, contactPoints, double(residual), tolerance > 0 && !converged, yielded, miss },
-	        ids,
-	        observeEvery,
-	        loads,
-	        step_,
-	        handles_);
+	observer_.record({ scene->iter + 1, double(scene->time + scene->dt), iterations, contactPoints,
+	                         double(residual), tolerance > 0 && !converged, yielded, miss },
+	        ids, observeEvery, loads, step_, handles_);
 	const std::lock_guard<std::mutex> lock(reading_);
 	summary_ = workspace_.summary();
 }

@@ -8,8 +8,9 @@
 //
 //   gather → [ solve → review ] repeated → monitor → correct positions → record → scatter
 //
-// Only `gather` reads the scene and only `scatter` changes it, so an exception leaves the scene as it was.
-// NewtonIntegrator then moves the bodies by the added forces p/dt. Source: Moreau 1988, 1999; Jean 1999.
+// Only `gather` reads the scene and only `scatter` changes it, so an exception leaves the scene as
+// it was. NewtonIntegrator then moves the bodies by the added forces p/dt. Source: Moreau 1988,
+// 1999; Jean 1999.
 #pragma once
 
 #include <atomic>
@@ -37,7 +38,8 @@ public:
 	/// Message about the first invalid attribute; empty if all are valid.
 	std::string invalidAttribute() const;
 
-	// Python interface (contactDynamicsPython.cpp). Locks guard what a script may access during a run.
+	// Python interface (contactDynamicsPython.cpp). Locks guard what a script may access during a
+	// run.
 	boost::python::dict        modelDict() const;
 	boost::python::dict        problemDict() const;
 	boost::python::dict        tuningDict() const;
@@ -110,7 +112,7 @@ private:
 	/// Result of a pass. All but `converged` require a further pass.
 	enum class PassOutcome { converged, missedContact, bounceLowered, biasesRestored, biasChanged };
 
-	template <class Work> auto timed(const char* stage, Work work) { return times_.measure(stage, work); }
+	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 
 	int           solverThreads() const;
 	rcr::Settings settings(const rcr::DrivenMotion&) const;
@@ -119,31 +121,32 @@ private:
 	void          runStep(const validation::Engines&);
 	void          solveStep(const validation::Engines&);
 	void          solvePass(const rcr::Settings&);
-	PassOutcome   reviewPass(const validation::Engines&, int pass, const rcr::DrivenMotion&, std::vector<double>& firstBiases);
+	PassOutcome   reviewPass(
+	          const validation::Engines&, int pass, const rcr::DrivenMotion&, std::vector<double>&);
 	PassOutcome   reviewLastPass(const validation::Engines&);
 	bool          findMissedContacts(const validation::Engines&);
 	void          addUnlistedContacts(const validation::Engines&);
 	bool          addMissedContacts(const validation::Engines&);
 	void          addUpdatedContacts(const validation::Engines&);
 	void          restartCollider(const validation::Engines&);
-	bool          tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
+	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setRestFlow();
 	void          trackStretch();
 	void          record(const std::vector<rcr::Twist>& loads);
 
 	validation::Validator        validator_;
-	rcr::Step                    step_; // memory is kept between steps; the contents are of the last one
+	rcr::Step                    step_; // the last step; keeps its memory
 	SceneHandles                 handles_;
 	rcr::Workspace               workspace_; // threads, colouring and packed arrays
 	std::shared_ptr<ArraySteps>  arraySteps_;
 	std::vector<rcr::Impulse>    warmStart_; // impulses from which the last problem was solved
-	double                       work_    = 0; // sweeps × points of the last step
-	double                       endOverlap_ = 0; // deepest overlap after a large displacement in this step, over R₁ + R₂
+	double                       work_       = 0; // sweeps × points of the last step
+	double                       endOverlap_ = 0; // deepest after large displacements, over R₁ + R₂
 	StepObserver                 observer_;
 	StageTimes                   times_;
-	mutable std::mutex           reading_; // guards the members below and the attributes solver and observe
+	mutable std::mutex           reading_; // guards what follows, and `solver` and `observe`
 	rcr::ModelSummary            summary_; // of the last step
-	std::string                  enginesReason_; // why the next step is left to YADE's engines; empty: it is not
+	std::string                  enginesReason_; // why YADE's engines take the next step
 	long                         stepsInArrays_ = 0;
 	std::atomic<std::thread::id> stepThread_;
 };

@@ -4,7 +4,8 @@
 
 namespace yade {
 
-void EnergyAccount::enter(EnergyTracker& energy, const rcr::Step& step, const std::vector<rcr::Twist>& loads, rcr::Vec2 gravity)
+void EnergyAccount::enter(EnergyTracker& energy, const rcr::Step& step,
+        const std::vector<rcr::Twist>& loads, rcr::Vec2 gravity)
 {
 	energy.add(pending_.friction, "plastDissip", index_.friction, false);
 	energy.add(pending_.impact, "impactDissip", index_.impact, false);

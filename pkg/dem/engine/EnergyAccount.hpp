@@ -1,6 +1,7 @@
 // Enters the energies of each step into O.energy.
 //
-// YADE computes the kinetic energy at the beginning of a step, so the energies of a step are entered one step later.
+// YADE computes the kinetic energy at the beginning of a step, so the energies of a step are
+// entered one step later.
 #pragma once
 
 #include <core/Scene.hpp>
@@ -13,7 +14,8 @@ class EnergyAccount {
 public:
 	/// Enters the energies of the step before this one and computes those of this step.
 	/// `loads`: sum of the contact impulses on each body [N s, N m s].
-	void enter(EnergyTracker&, const rcr::Step&, const std::vector<rcr::Twist>& loads, rcr::Vec2 gravity);
+	void enter(EnergyTracker&, const rcr::Step&, const std::vector<rcr::Twist>& loads,
+	        rcr::Vec2 gravity);
 
 	template <class Archive> void serialize(Archive& archive, unsigned)
 	{

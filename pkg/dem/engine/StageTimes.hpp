@@ -19,7 +19,12 @@ public:
 			StageTimes&                                 times;
 			const char*                                 stage;
 			const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-			~Timer() { times.add(stage, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()); }
+			~Timer()
+			{
+				times.add(stage,
+				        std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
+				                .count());
+			}
 		} timer { *this, stage };
 		return work();
 	}

@@ -24,16 +24,19 @@ public:
 		double overlap; // deepest at the beginning of the step, over R₁ + R₂ [-]
 	};
 
-	/// Counts the step. Returns a warning, or an empty text. Throws std::runtime_error if overlaps grow
-	/// from step to step while bodies are driven.
+	/// Counts the step. Returns a warning, or an empty text. Throws std::runtime_error if overlaps
+	/// grow from step to step while bodies are driven.
 	std::string count(const rcr::Step&, const Outcome&);
 
 	template <class Archive> void serialize(Archive& archive, unsigned)
 	{
 		using boost::serialization::make_nvp;
-		archive & make_nvp("steps", steps.steps) & make_nvp("missed", steps.missed) & make_nvp("yielded", steps.yielded);
-		archive & make_nvp("deepest", steps.deepest) & make_nvp("warnedYielded", steps.warnedYielded) & make_nvp("warnedDepth", steps.warnedDepth);
-		archive & make_nvp("jamGrown", jam.grown) & make_nvp("jamCertified", jam.certified) & make_nvp("jamDeepest", jam.deepest);
+		archive& make_nvp("steps", steps.steps) & make_nvp("missed", steps.missed)
+		        & make_nvp("yielded", steps.yielded);
+		archive& make_nvp("deepest", steps.deepest) & make_nvp("warnedYielded", steps.warnedYielded)
+		        & make_nvp("warnedDepth", steps.warnedDepth);
+		archive& make_nvp("jamGrown", jam.grown) & make_nvp("jamCertified", jam.certified)
+		        & make_nvp("jamDeepest", jam.deepest);
 	}
 };
 

@@ -9,16 +9,20 @@ namespace yade {
 
 namespace py = boost::python;
 
-void StepObserver::check(const std::vector<int>& ids, const rcr::Step& step, const SceneHandles& handles)
+void StepObserver::check(
+        const std::vector<int>& ids, const rcr::Step& step, const SceneHandles& handles)
 {
 	for (int id : ids) {
 		const std::string given = "ContactDynamics.observe holds " + std::to_string(id);
 		if (id < 0 || std::size_t(id) >= step.bodies.size())
-			validation::refuse(given + "; expected ids of bodies, 0 to " + std::to_string(step.bodies.size() - 1) + ".");
-		if (!handles.state[id]) validation::refuse(given + ", a body that was erased; remove the id.");
+			validation::refuse(given + "; expected ids of bodies, 0 to "
+			        + std::to_string(step.bodies.size() - 1) + ".");
+		if (!handles.state[id])
+			validation::refuse(given + ", a body that was erased; remove the id.");
 		const int owner = step.bodies[id].owner;
 		if (owner != id)
-			validation::refuse(given + ", a member of clump " + std::to_string(owner) + "; its contacts act on the clump, so give that id.");
+			validation::refuse(given + ", a member of clump " + std::to_string(owner)
+			        + "; its contacts act on the clump, so give that id.");
 	}
 }
 
@@ -26,7 +30,8 @@ void StepObserver::placeLast(const std::function<std::optional<rcr::Vec2>(int id
 {
 	if (intervals_.empty() || std::exchange(intervals_.back().placed, true)) return;
 	for (int id : intervals_.back().sums.ids)
-		if (const std::optional<rcr::Vec2> at = positionOf(id)) intervals_.back().position[id] = *at;
+		if (const std::optional<rcr::Vec2> at = positionOf(id))
+			intervals_.back().position[id] = *at;
 }
 
 void StepObserver::record(
@@ -55,7 +60,8 @@ void StepObserver::record(
 	}
 	for (int id : ids) {
 		rcr::Twist& sum = sums_.force[id];
-		sum = { sum.x + loads[id].x / step.dt, sum.y + loads[id].y / step.dt, sum.rotation + loads[id].rotation / step.dt };
+		sum             = { sum.x + loads[id].x / step.dt, sum.y + loads[id].y / step.dt,
+			            sum.rotation + loads[id].rotation / step.dt };
 	}
 	if (interval == 0 || sums_.steps < interval) return;
 	intervals_.push_back({ std::exchange(sums_, {}), result, {}, false });
@@ -83,7 +89,8 @@ py::list StepObserver::takeIntervals(const Scene& scene)
 		for (const auto& [id, at] : interval->position)
 			positions[id] = py::make_tuple(at.x, at.y);
 		entry["step"] = interval->last.step, entry["time"] = interval->last.time;
-		entry["points"] = interval->last.points, entry["last_iterations"] = interval->last.iterations;
+		entry["points"]          = interval->last.points,
+		entry["last_iterations"] = interval->last.iterations;
 		entry["last_residual"] = interval->last.residual;
 		entry["positions"]     = positions;
 		all.append(entry);

@@ -1,4 +1,5 @@
-// Means of forces and counts of steps that a script reads after a run, or as a history of equal intervals.
+// Means of forces and counts of steps that a script reads after a run, or as a history of equal
+// intervals.
 //
 // All functions lock, so Python may call them during a run.
 #pragma once
@@ -32,13 +33,16 @@ public:
 	/// Throws std::invalid_argument if an id is not that of a body or clump of the scene.
 	static void check(const std::vector<int>& ids, const rcr::Step&, const SceneHandles&);
 
-	/// Adds a step. `interval`: number of steps per entry; 0: no entries. `loads`: contact impulse on each body [N s].
-	void record(const Result&, const std::vector<int>& ids, int interval, const std::vector<rcr::Twist>& loads, const rcr::Step&, const SceneHandles&);
+	/// Adds a step. `interval`: number of steps per entry; 0: no entries. `loads`: contact impulse
+	/// on each body [N s].
+	void record(const Result&, const std::vector<int>& ids, int interval,
+	        const std::vector<rcr::Twist>& loads, const rcr::Step&, const SceneHandles&);
 
 	/// Means since the last call.
 	boost::python::dict takeMeans(const std::vector<int>& ids);
 
-	/// Entries since the last call. An entry that ended with a step of a present run stays for the next call.
+	/// Entries since the last call. An entry that ended with a step of a present run stays for the
+	/// next call.
 	boost::python::list takeIntervals(const Scene&);
 
 private:
@@ -57,7 +61,8 @@ private:
 	};
 
 	static boost::python::dict dictOf(const Sums&, const std::vector<int>& ids);
-	/// Sets the positions of the last interval. `positionOf` returns nothing for a body that was erased.
+	/// Sets the positions of the last interval. `positionOf` returns nothing for a body that was
+	/// erased.
 	void placeLast(const std::function<std::optional<rcr::Vec2>(int id)>& positionOf);
 
 	std::mutex            mutex_;

@@ -11,21 +11,35 @@ YADE_PLUGIN((WallStress));
 
 namespace {
 
-	const Wall* shapeOf(const Scene& scene, int id) { return scene.bodies->exists(id) ? dynamic_cast<const Wall*>((*scene.bodies)[id]->shape.get()) : nullptr; }
+	const Wall* shapeOf(const Scene& scene, int id)
+	{
+		return scene.bodies->exists(id)
+		        ? dynamic_cast<const Wall*>((*scene.bodies)[id]->shape.get())
+		        : nullptr;
+	}
 
 } // namespace
 
 std::string WallStress::invalidAttribute(const Scene& in) const
 {
-	for (const auto& [name, id] : { std::pair("wall", wall), std::pair("start", start), std::pair("end", end) })
+	for (const auto& [name, id] :
+	        { std::pair("wall", wall), std::pair("start", start), std::pair("end", end) })
 		if (!shapeOf(in, id))
-			return std::string("WallStress.") + name + " = " + std::to_string(id) + " is not the id of a body with the shape Wall; "
-			        "give the ids of the pressed wall and of the two that bound it.";
-	const int pressed = shapeOf(in, wall)->axis, one = shapeOf(in, start)->axis, two = shapeOf(in, end)->axis;
-	if (one != two || one == pressed) return "WallStress: the walls `start` and `end` must be parallel to each other and not to `wall`.";
+			return std::string("WallStress.") + name + " = " + std::to_string(id)
+			        + " is not the id of a body with the shape Wall; "
+			          "give the ids of the pressed wall and of the two that bound it.";
+	const int pressed = shapeOf(in, wall)->axis, one = shapeOf(in, start)->axis,
+	          two = shapeOf(in, end)->axis;
+	if (one != two || one == pressed)
+		return "WallStress: the walls `start` and `end` must be parallel to each other and not to "
+		       "`wall`.";
 	if ((*in.bodies)[wall]->state->blockedDOFs & State::axisDOF(pressed))
-		return "WallStress.wall = " + std::to_string(wall) + " is held along " + "xyz"[pressed] + ", so that no stress moves it; take rcr.mobile_wall, or set WallStress.dead.";
-	return math::isfinite(stress) ? std::string() : "WallStress.stress = " + validation::text(stress) + "; expected a finite stress [Pa]; a negative one pushes towards smaller coordinates.";
+		return "WallStress.wall = " + std::to_string(wall) + " is held along " + "xyz"[pressed]
+		        + ", so that no stress moves it; take rcr.mobile_wall, or set WallStress.dead.";
+	return math::isfinite(stress) ? std::string()
+	                              : "WallStress.stress = " + validation::text(stress)
+	                + "; expected a finite stress [Pa]; a negative one pushes towards smaller "
+	                  "coordinates.";
 }
 
 void WallStress::action()

@@ -9,7 +9,8 @@ namespace yade {
 
 bool ContactDynamics::findMissedContacts(const validation::Engines& engines)
 {
-	return rcr::findMissedContacts(step_, [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); });
+	return rcr::findMissedContacts(
+	        step_, [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); });
 }
 
 /// Completes the contacts within reach, so that they do not depend on when the collider ran.
@@ -19,16 +20,21 @@ void ContactDynamics::addUnlistedContacts(const validation::Engines& engines)
 	bool afterLoop = false;
 	for (const auto& engine : scene->engines) {
 		afterLoop |= engine.get() == engines.loop;
-		const auto* kinematic = afterLoop && !engine->dead ? dynamic_cast<const KinematicEngine*>(engine.get()) : nullptr;
+		const auto* kinematic = afterLoop && !engine->dead
+		        ? dynamic_cast<const KinematicEngine*>(engine.get())
+		        : nullptr;
 		if (!kinematic) continue;
 		for (Body::id_t id : kinematic->ids)
-			if (id >= 0 && std::size_t(id) < handles_.isUnlisted.size()) handles_.isUnlisted[id] = bool(handles_.state[id]);
+			if (id >= 0 && std::size_t(id) < handles_.isUnlisted.size())
+				handles_.isUnlisted[id] = bool(handles_.state[id]);
 	}
 	std::vector<std::int32_t> unlisted;
 	for (std::size_t id = 0; id < handles_.isUnlisted.size(); ++id)
 		if (handles_.isUnlisted[id]) unlisted.push_back(std::int32_t(id));
 	if (unlisted.empty()) return;
-	if (rcr::findUnlistedContacts(step_, unlisted, [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); })) addUpdatedContacts(engines);
+	if (rcr::findUnlistedContacts(step_, unlisted,
+	            [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); }))
+		addUpdatedContacts(engines);
 }
 
 bool ContactDynamics::addMissedContacts(const validation::Engines& engines)

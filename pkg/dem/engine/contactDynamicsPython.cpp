@@ -1,4 +1,5 @@
-// Python interface of ContactDynamics: dicts of its results, and attributes that may change during a run.
+// Python interface of ContactDynamics: dicts of its results, and attributes that may change during
+// a run.
 #include <array>
 
 #include <core/Omega.hpp>
@@ -34,7 +35,8 @@ void ContactDynamics::setObserve(const std::vector<int>& ids)
 }
 
 namespace {
-	const std::array<const char*, 5> tuningNames { "lanes", "arrays", "reductions", "minIterations", "meanForceChange" };
+	const std::array<const char*, 5> tuningNames { "lanes", "arrays", "reductions", "minIterations",
+		"meanForceChange" };
 }
 
 py::dict ContactDynamics::tuningDict() const
@@ -52,8 +54,8 @@ void ContactDynamics::setTuning(const py::dict& tuning)
 	for (int k = 0; k < py::len(given); ++k) {
 		const std::string name = py::extract<std::string>(given[k]);
 		if (std::find(tuningNames.begin(), tuningNames.end(), name) == tuningNames.end())
-			throw std::invalid_argument(
-			        "ContactDynamics.tuning has no setting '" + name + "'; expected lanes, arrays, reductions, minIterations or meanForceChange.");
+			throw std::invalid_argument("ContactDynamics.tuning has no setting '" + name
+			        + "'; expected lanes, arrays, reductions, minIterations or meanForceChange.");
 		pySetAttr(name, py::object(tuning[name]));
 	}
 }
@@ -61,11 +63,13 @@ void ContactDynamics::setTuning(const py::dict& tuning)
 /// The names of dir(), without the settings that `tuning` groups.
 py::list ContactDynamics::visibleNames(const py::object& self)
 {
-	const py::object all { py::handle<>(PyObject_CallMethod(reinterpret_cast<PyObject*>(&PyBaseObject_Type), "__dir__", "O", self.ptr())) };
+	const py::object all { py::handle<>(PyObject_CallMethod(
+		    reinterpret_cast<PyObject*>(&PyBaseObject_Type), "__dir__", "O", self.ptr())) };
 	py::list         visible;
 	for (int k = 0; k < py::len(all); ++k) {
 		const std::string name = py::extract<std::string>(all[k]);
-		if (std::find(tuningNames.begin(), tuningNames.end(), name) == tuningNames.end()) visible.append(name);
+		if (std::find(tuningNames.begin(), tuningNames.end(), name) == tuningNames.end())
+			visible.append(name);
 	}
 	return visible;
 }
@@ -85,7 +89,8 @@ py::dict ContactDynamics::modelDict() const
 	model["islands"]         = m.islands;
 	model["layouts"]         = m.layouts;
 	model["work"]            = work_;
-	model["mean_stretch_rate"] = py::make_tuple(double(meanStretchRate[0]), double(meanStretchRate[1]));
+	model["mean_stretch_rate"]
+	        = py::make_tuple(double(meanStretchRate[0]), double(meanStretchRate[1]));
 	model["arrays"]          = stepsInArrays_;
 	model["engines"]         = !arrays ? "ContactDynamics.arrays = False" : enginesReason_;
 	return model;
@@ -94,20 +99,24 @@ py::dict ContactDynamics::modelDict() const
 py::dict ContactDynamics::problemDict() const
 {
 	if (Omega::instance().isRunning() && stepThread_.load() != std::this_thread::get_id())
-		throw std::runtime_error("ContactDynamics: the contact problem changes during O.run; call O.pause() first.");
+		throw std::runtime_error(
+		        "ContactDynamics: the contact problem changes during O.run; call O.pause() first.");
 	py::dict   columns;
 	const auto add = [&](const char* name, const auto& rows) {
 		const char* bytes = reinterpret_cast<const char*>(rows.data());
-		columns[name]     = py::object(py::handle<>(PyBytes_FromStringAndSize(bytes, Py_ssize_t(rows.size() * sizeof(rows[0])))));
+		columns[name]     = py::object(py::handle<>(
+                PyBytes_FromStringAndSize(bytes, Py_ssize_t(rows.size() * sizeof(rows[0])))));
 	};
 	std::vector<std::array<double, 8>> points; // normal, arm1, arm2, bias, friction
 	std::vector<std::array<int, 2>>    bodies;
 	for (const rcr::ContactPoint& c : step_.problem.points) {
-		points.push_back({ c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction });
+		points.push_back({ c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
+		        c.friction });
 		bodies.push_back({ c.body1, c.body2 });
 	}
 	add("points", points), add("bodies", bodies), add("impulse", warmStart_);
-	add("inverse_mass", step_.problem.inverseMass), add("free_velocity", step_.problem.freeVelocity);
+	add("inverse_mass", step_.problem.inverseMass),
+	        add("free_velocity", step_.problem.freeVelocity);
 	return columns;
 }
 

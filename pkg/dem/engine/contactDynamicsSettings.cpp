@@ -8,7 +8,8 @@ namespace yade {
 namespace {
 	constexpr int    sweepsOfNextPass = 10;   // of a further pass, at least
 	constexpr double fineTolerance    = 1e-6; // below it, a further pass has all iterations
-	constexpr int    squeezedEffort   = 10;   // factor of maxIterations while grains are squeezed: a lack of sweeps must not look like a jam
+	// factor of maxIterations while grains are squeezed: a lack of sweeps must not look like a jam
+	constexpr int    squeezedEffort   = 10;
 }
 
 std::string ContactDynamics::invalidAttribute() const
@@ -17,19 +18,32 @@ std::string ContactDynamics::invalidAttribute() const
 		return std::string("ContactDynamics.") + name + " = " + given + "; expected " + expected;
 	};
 	using validation::text;
-	if (!(correction >= 0 && correction <= 1)) return message("correction", text(correction), "a fraction of the overlap, 0 to 1.");
+	if (!(correction >= 0 && correction <= 1))
+		return message("correction", text(correction), "a fraction of the overlap, 0 to 1.");
 	if (!(kinematicTolerance > 0))
-		return message("kinematicTolerance", text(kinematicTolerance), "a number > 0, 0.01 by default; math.inf switches the test off.");
-	if (!math::isfinite(tolerance)) return message("tolerance", text(tolerance), "a finite residual, 1e-4 by default; 0 runs maxIterations.");
+		return message("kinematicTolerance", text(kinematicTolerance),
+		        "a number > 0, 0.01 by default; math.inf switches the test off.");
+	if (!math::isfinite(tolerance))
+		return message("tolerance", text(tolerance),
+		        "a finite residual, 1e-4 by default; 0 runs maxIterations.");
 	if (minIterations > maxIterations)
-		return message("minIterations", std::to_string(minIterations), "at most maxIterations = ") + std::to_string(maxIterations) + ".";
-	if (observeEvery < 0) return message("observeEvery", std::to_string(observeEvery), "a number of steps, or 0 for no entries.");
-	if (threads < 0) return message("threads", std::to_string(threads), "a number of threads, or 0 for as many as YADE has.");
+		return message("minIterations", std::to_string(minIterations), "at most maxIterations = ")
+		        + std::to_string(maxIterations) + ".";
+	if (observeEvery < 0)
+		return message("observeEvery", std::to_string(observeEvery),
+		        "a number of steps, or 0 for no entries.");
+	if (threads < 0)
+		return message("threads", std::to_string(threads),
+		        "a number of threads, or 0 for as many as YADE has.");
 	if (!(yieldCompliance >= 0 && math::isfinite(yieldCompliance)))
-		return message("yieldCompliance", text(yieldCompliance), "a finite factor ≥ 0, 1 by default; with 0 contacts never yield.");
+		return message("yieldCompliance", text(yieldCompliance),
+		        "a finite factor ≥ 0, 1 by default; with 0 contacts never yield.");
 	if (flow != Matrix3r::Zero() && !(overdamped && math::isfinite(flow.sum())))
-		return "ContactDynamics.flow is not zero; expected finite entries, and overdamped = True: other bodies keep their velocities.";
-	if (trackMeanStretch && !overdamped) return message("trackMeanStretch", "True", "overdamped = True: other bodies keep their velocities.");
+		return "ContactDynamics.flow is not zero; expected finite entries, and overdamped = True: "
+		       "other bodies keep their velocities.";
+	if (trackMeanStretch && !overdamped)
+		return message("trackMeanStretch", "True",
+		        "overdamped = True: other bodies keep their velocities.");
 	try {
 		rcr::checkSettings(solverName(), settings({}));
 	} catch (const std::invalid_argument& error) {
@@ -56,22 +70,27 @@ rcr::Settings ContactDynamics::settings(const rcr::DrivenMotion& driven) const
 	return s;
 }
 
-/// Deep overlaps make forces large whatever the drive, so contacts then yield only if a proof shows that no solution exists.
+/// Deep overlaps make forces large whatever the drive, so contacts then yield only if a proof shows
+/// that no solution exists.
 rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::DrivenMotion& driven)
 {
 	rcr::Settings s = settings(driven);
 	s.roundingVelocity      = step_.rounding(workspace_.team());
 	if (monitor.jam.active()) s.maxIterations *= squeezedEffort;
-	if (yade::deepestOverlap(step_, workspace_.team()) > rcr::MissedSteps::reportedOverlap) s.yieldImpulse = std::numeric_limits<double>::infinity();
+	if (yade::deepestOverlap(step_, workspace_.team()) > rcr::MissedSteps::reportedOverlap)
+		s.yieldImpulse = std::numeric_limits<double>::infinity();
 	return s;
 }
 
-/// A further pass corrects a few contacts. The residual over all contacts would not show them, so the pass runs at least ten
-/// sweeps. All passes share the iterations of the step, except for fine tolerances.
+/// A further pass corrects a few contacts. The residual over all contacts would not show them, so
+/// the pass runs at least ten sweeps. All passes share the iterations of the step, except for fine
+/// tolerances.
 rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome outcome) const
 {
 	const bool newContacts = outcome == PassOutcome::missedContact;
-	s.maxIterations = tolerance < fineTolerance ? maxIterations : std::max(maxIterations - iterations, sweepsOfNextPass);
+	s.maxIterations        = tolerance < fineTolerance
+	               ? maxIterations
+	               : std::max(maxIterations - iterations, sweepsOfNextPass);
 	s.minIterations = std::min(std::max(minIterations, sweepsOfNextPass), s.maxIterations);
 	s.sameProblem     = !newContacts;
 	s.yieldedBefore       = yielded && (newContacts || outcome == PassOutcome::biasChanged);

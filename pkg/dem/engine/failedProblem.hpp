@@ -7,7 +7,8 @@
 
 namespace yade {
 
-/// Saves the problem to a file and returns a sentence that names it. Defined beside the Python module, whose writer it calls.
+/// Saves the problem to a file and returns a sentence that names it. Defined beside the Python
+/// module, whose writer it calls.
 std::string saveFailedProblem();
 
 /// Message about a body whose solved velocity is not finite. Saves the problem.

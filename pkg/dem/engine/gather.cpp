@@ -8,6 +8,7 @@
 
 #include "dem/engine/CellStress.hpp"
 #include "dem/validation/validation.hpp"
+#include "dem/engine/MeanField.hpp"
 #include "dem/engine/colliderBox.hpp"
 #include "dem/shapes/planarShape.hpp"
 #include "dem/engine/prefetch.hpp"
@@ -16,7 +17,8 @@ namespace yade {
 
 namespace {
 
-	/// The periodic cell of the scene with the velocity gradient that NewtonIntegrator will apply in this step.
+	/// The periodic cell of the scene with the velocity gradient that NewtonIntegrator will apply
+	/// in this step.
 	rcr::PeriodicCell cellOf(const Scene& scene, const Matrix3r& gradient)
 	{
 		rcr::PeriodicCell cell;
@@ -27,42 +29,23 @@ namespace {
 			for (int j = 0; j < 2; ++j)
 				cell.h[i][j] = double(h(i, j)), cell.gradient[i][j] = double(gradient(i, j));
 		const double determinant = cell.h[0][0] * cell.h[1][1] - cell.h[0][1] * cell.h[1][0];
-		cell.inverse[0][0] = cell.h[1][1] / determinant, cell.inverse[0][1] = -cell.h[0][1] / determinant;
-		cell.inverse[1][0] = -cell.h[1][0] / determinant, cell.inverse[1][1] = cell.h[0][0] / determinant;
+		cell.inverse[0][0]       = cell.h[1][1] / determinant,
+		cell.inverse[0][1]       = -cell.h[0][1] / determinant;
+		cell.inverse[1][0]       = -cell.h[1][0] / determinant,
+		cell.inverse[1][1]       = cell.h[0][0] / determinant;
 		return cell;
 	}
 
-	/// Terms that NewtonIntegrator adds to the velocities of bodies in a cell: change of the mean field, and its convection.
-	struct MeanField {
-		bool     periodic = false;
-		Matrix3r gradient = Matrix3r::Zero(), change = Matrix3r::Zero(), convection = Matrix3r::Zero();
-		Matrix3r rest = Matrix3r::Zero(); // prescribed gradient, which overdamped bodies follow
-
-		MeanField(const Scene& scene, const validation::Engines& engines)
-		{
-			if (!scene.isPeriodic) return;
-			const NewtonIntegrator& newton = *engines.integrator;
-			const Cell& cell = *scene.cell;
-			periodic         = true;
-			gradient         = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad;
-			if (cell.homoDeform > 0) change = gradient - newton.prevVelGrad;
-			if (cell.homoDeform > 1) convection = newton.prevVelGrad;
-			rest = gradient;
-			if (engines.cellStress) engines.cellStress->release(rest);
-		}
-
-		rcr::Twist added(const State& s, double dt) const
-		{
-			if (!periodic) return {};
-			const Vector3r v = change * s.pos + Real(dt) * (convection * s.vel);
-			return { double(v[0]), double(v[1]), 0.5 * double(change(1, 0) - change(0, 1)) };
-		}
-	};
-
 	class Gatherer {
 	public:
-		Gatherer(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team, SceneHandles& handles, rcr::Step& step)
-		        : scene_(scene), newton_(*engines.integrator), team_(team), handles_(handles), step_(step), field_(scene, engines)
+		Gatherer(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
+		        SceneHandles& handles, rcr::Step& step)
+		        : scene_(scene)
+		        , newton_(*engines.integrator)
+		        , team_(team)
+		        , handles_(handles)
+		        , step_(step)
+		        , field_(scene, engines)
 		{
 		}
 
@@ -72,7 +55,7 @@ namespace {
 
 	private:
 		void                 body(const Body&);
-		bool                 isUnlisted(const Body&, const rcr::Twist& velocity, const rcr::StepBody&) const;
+		bool isUnlisted(const Body&, const rcr::Twist& velocity, const rcr::StepBody&) const;
 		void                 move(const Body&, const State&, rcr::StepBody&);
 		std::pair<Vector3r, Vector3r> load(const Body&) const;
 		SceneHandles::Contact contactOf(Interaction&) const;
@@ -113,11 +96,13 @@ namespace {
 		step_.members.clear();
 		for (std::size_t id = 0; id < count; ++id) {
 			const Body* b = bodies[id].get();
-			if (b && std::exchange(handles_.mask[id], b->groupMask) != b->groupMask) handles_.isUnlisted[id] = handles_.masksChanged = true;
+			if (b && std::exchange(handles_.mask[id], b->groupMask) != b->groupMask)
+				handles_.isUnlisted[id] = handles_.masksChanged = true;
 			const int owner = step_.bodies[id].owner;
 			if (owner == int(id)) continue;
 			step_.members.push_back(int(id));
-			const double reach = norm(step_.bodies[id].center - step_.bodies[owner].center) + step_.bodies[id].radius;
+			const double reach = norm(step_.bodies[id].center - step_.bodies[owner].center)
+			        + step_.bodies[id].radius;
 			step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, reach);
 		}
 	}
@@ -140,8 +125,10 @@ namespace {
 		rcr::StepBody&   body  = step_.bodies[id];
 		const bool       clump = b.isClump();
 		if (b.shape && !clump) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
-		if ((clump || body.shape.kind != rcr::PlanarShape::none) && body.shape.kind != rcr::PlanarShape::wall
-		    && body.shape.kind != rcr::PlanarShape::segment && !validation::isValid(b, body.shape, handles_.z))
+		if ((clump || body.shape.kind != rcr::PlanarShape::none)
+		        && body.shape.kind != rcr::PlanarShape::wall
+		        && body.shape.kind != rcr::PlanarShape::segment
+		        && !validation::isValid(b, body.shape, handles_.z))
 			validation::refuseBody(b, scene_, handles_.z);
 		handles_.state[id]    = b.state.get();
 		body.center        = plane::toPlane(s.pos);
@@ -155,7 +142,8 @@ namespace {
 			rcr::StepBody owner;
 			owner.center = plane::toPlane(moving.pos);
 			if (moving.blockedDOFs != State::DOF_ALL) body.expected = body.alertDistance;
-			handles_.isUnlisted[id] = isUnlisted(b, memberVelocity(body, owner, plane::twist(moving)), body);
+			handles_.isUnlisted[id]
+			        = isUnlisted(b, memberVelocity(body, owner, plane::twist(moving)), body);
 		} else {
 			body.free = s.blockedDOFs != State::DOF_ALL;
 			if (body.free) body.expected = body.alertDistance;
@@ -165,21 +153,30 @@ namespace {
 		handles_.bound[id] = b.bound.get();
 	}
 
-	/// The collider may miss contacts of a body that reaches out of its box with its alert distance, for example after a script has
-	/// set its velocity, and of a fast obstacle, whose box has no alert distance. In a cell, boxes move with the cell.
-	bool Gatherer::isUnlisted(const Body& b, const rcr::Twist& velocity, const rcr::StepBody& body) const
+	/// The collider may miss contacts of a body that reaches out of its box with its alert
+	/// distance, for example after a script has set its velocity, and of a fast obstacle, whose box
+	/// has no alert distance. In a cell, boxes move with the cell.
+	bool Gatherer::isUnlisted(
+	        const Body& b, const rcr::Twist& velocity, const rcr::StepBody& body) const
 	{
 		if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
-		if (!scene_.isPeriodic) return body.shape.grain() ? leavesBox(body, b.state->pos, velocity, step_.dt, *b.bound) : leavesBox(body, *b.bound);
+		if (!scene_.isPeriodic)
+			return body.shape.grain() ? leavesBox(body, b.state->pos, velocity, step_.dt, *b.bound)
+			                          : leavesBox(body, *b.bound);
 		if (!body.shape.grain()) return body.alertDistance > double(b.bound->sweepLength);
 		const rcr::Vec2 flow = step_.cell.drift(body.center);
-		return step_.dt * rcr::speed({ velocity.x - flow.x, velocity.y - flow.y, velocity.rotation }, body.radius) > double(b.bound->sweepLength);
+		return step_.dt
+		        * rcr::speed({ velocity.x - flow.x, velocity.y - flow.y, velocity.rotation },
+		                body.radius)
+		        > double(b.bound->sweepLength);
 	}
 
-	/// Sets the inverse mass, and the velocity that NewtonIntegrator would compute without contacts.
+	/// Sets the inverse mass, and the velocity that NewtonIntegrator would compute without
+	/// contacts.
 	void Gatherer::move(const Body& b, const State& s, rcr::StepBody& body)
 	{
-		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) return; // the integrator does not move it
+		// the integrator does not move it
+		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) return;
 		if (step_.overdamped) {
 			const rcr::Twist rest = step_.restFlow.at(body.center);
 			if (!(s.blockedDOFs & State::DOF_X)) body.velocity.x = rest.x;
@@ -192,7 +189,8 @@ namespace {
 		const auto        free    = [&](unsigned dof) { return !(s.blockedDOFs & dof); };
 		rcr::Twist&       v       = step_.problem.freeVelocity[id];
 		rcr::InverseMass& inverse = step_.problem.inverseMass[id];
-		if (!math::isfinite(load.first.sum() + load.second[2])) validation::refuseBody(b, scene_, handles_.z);
+		if (!math::isfinite(load.first.sum() + load.second[2]))
+			validation::refuseBody(b, scene_, handles_.z);
 		v = body.velocity;
 		if (free(State::DOF_X)) {
 			inverse.x = 1 / double(s.mass);
@@ -214,8 +212,11 @@ namespace {
 	/// Force and torque on a body; those on the members of a clump included.
 	std::pair<Vector3r, Vector3r> Gatherer::load(const Body& b) const
 	{
-		Vector3r force = scene_.forces.getForce(b.getId()), torque = scene_.forces.getTorque(b.getId());
-		if (b.isClump()) static_cast<Clump&>(*b.shape).addForceTorqueFromMembers(b.state.get(), &scene_, force, torque);
+		Vector3r force  = scene_.forces.getForce(b.getId()),
+		         torque = scene_.forces.getTorque(b.getId());
+		if (b.isClump())
+			static_cast<Clump&>(*b.shape).addForceTorqueFromMembers(
+			        b.state.get(), &scene_, force, torque);
 		return { force, torque };
 	}
 
@@ -224,19 +225,22 @@ namespace {
 		if (!i.functorCache.geomExists) validation::checkServed(i, scene_);
 		if (!i.isReal()) return {};
 		CdPhys*  phys = dynamic_cast<CdPhys*>(i.phys.get());
-		RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic() ? static_cast<RcrGeom*>(i.geom.get()) : nullptr;
+		RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic()
+		        ? static_cast<RcrGeom*>(i.geom.get())
+		        : nullptr;
 		if (!phys && !geom) return {};
 		if (!phys || !geom)
-			validation::refuse(
-			        "the contact of bodies #" + std::to_string(i.getId1()) + " and #" + std::to_string(i.getId2()) + " has the geometry "
-			        + i.geom->getClassName() + " and the physics " + i.phys->getClassName()
-			        + "; expected RcrGeom and CdPhys: use only Ig2_…_RcrGeom and Ip2_FrictMat_FrictMat_CdPhys, and call "
+			validation::refuse("the contact of bodies #" + std::to_string(i.getId1()) + " and #"
+			        + std::to_string(i.getId2()) + " has the geometry " + i.geom->getClassName()
+			        + " and the physics " + i.phys->getClassName()
+			        + "; expected RcrGeom and CdPhys: use only Ig2_…_RcrGeom and "
+			          "Ip2_FrictMat_FrictMat_CdPhys, and call "
 			          "O.interactions.clear() after a change of functors.");
 		return { geom, phys, &i, i.getId1(), i.getId2(), geom->points };
 	}
 
-	/// Sorts contacts by ids, since YADE's container changes its order when a scene is reloaded. Counting sort by the first id,
-	/// then the contacts of one body by the second.
+	/// Sorts contacts by ids, since YADE's container changes its order when a scene is reloaded.
+	/// Counting sort by the first id, then the contacts of one body by the second.
 	void Gatherer::sort()
 	{
 		std::vector<int>& first = step_.firstOf;
@@ -250,7 +254,8 @@ namespace {
 			if (contact.points > 0) handles_.sorted[next[contact.id1]++] = contact;
 		team_.forEach(step_.bodies.size(), [&](Body::id_t id) {
 			const auto begin = handles_.sorted.begin();
-			std::sort(begin + first[id], begin + first[id + 1], [](const auto& a, const auto& b) { return a.id2 < b.id2; });
+			std::sort(begin + first[id], begin + first[id + 1],
+			        [](const auto& a, const auto& b) { return a.id2 < b.id2; });
 		});
 	}
 
@@ -267,12 +272,14 @@ namespace {
 		int points = 0;
 		for (std::size_t k = 0; k < handles_.sorted.size(); ++k) {
 			const SceneHandles::Contact& source = handles_.sorted[k];
-			step_.contacts[k]                  = { source.id1, source.id2, points, source.points, int(k), 0, 0, {}, {} };
+			step_.contacts[k]
+			        = { source.id1, source.id2, points, source.points, int(k), 0, 0, {}, {} };
 			points += source.points;
 		}
 		step_.begin(points);
 		team_.forEach(step_.contacts.size(), [&](std::size_t k) {
-			const SceneHandles::Contact& later = handles_.sorted[std::min(k + prefetchAhead, handles_.sorted.size() - 1)];
+			const SceneHandles::Contact& later
+			        = handles_.sorted[std::min(k + prefetchAhead, handles_.sorted.size() - 1)];
 			prefetch<RcrGeom>(later.geom);
 			prefetch<CdPhys>(later.phys);
 			this->points(k);
@@ -291,13 +298,16 @@ namespace {
 			contact.shift = plane::toPlane(scene_.cell->intrShiftPos(source.interaction->cellDist));
 			contact.drift = step_.cell.drift(contact.shift);
 		}
-		const rcr::Impulse force[2] = { { double(phys.force1[0]), double(phys.force1[1]) }, { double(phys.force2[0]), double(phys.force2[1]) } };
-		step_.setPoints(contact, source.geom->manifold(), double(phys.tangensOfFrictionAngle), force);
+		const rcr::Impulse force[2] = { { double(phys.force1[0]), double(phys.force1[1]) },
+			{ double(phys.force2[0]), double(phys.force2[1]) } };
+		step_.setPoints(
+		        contact, source.geom->manifold(), double(phys.tangensOfFrictionAngle), force);
 	}
 
 } // namespace
 
-void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team, SceneHandles& handles, rcr::Step& step)
+void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
+        SceneHandles& handles, rcr::Step& step)
 {
 	Gatherer gatherer(scene, engines, team, handles, step);
 	gatherer.bodies();
@@ -306,40 +316,12 @@ void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& t
 	gatherer.contacts();
 }
 
-void regatherBodies(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team, const std::vector<Body::id_t>& ids, SceneHandles& handles, rcr::Step& step)
+void regatherBodies(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
+        const std::vector<Body::id_t>& ids, SceneHandles& handles, rcr::Step& step)
 {
 	Gatherer gatherer(scene, engines, team, handles, step);
 	for (Body::id_t id : ids)
 		gatherer.gatherBody(id);
-}
-
-ContactLaw contactLaw(Scene& scene, const InteractionLoop& loop, Body::id_t id1, Body::id_t id2)
-{
-	shared_ptr<Material>&one = (*scene.bodies)[id1]->material, &two = (*scene.bodies)[id2]->material;
-	const auto  scratch = boost::make_shared<Interaction>(id1, id2);
-	bool        swap    = false;
-	loop.physDispatcher->getFunctor2D(one, two, swap)->go(one, two, scratch);
-	const CdPhys* phys = dynamic_cast<const CdPhys*>(scratch->phys.get());
-	if (!phys)
-		validation::refuse(
-		        "the contact of bodies #" + std::to_string(id1) + " and #" + std::to_string(id2) + " gets the physics "
-		        + (scratch->phys ? scratch->phys->getClassName() : std::string("None")) + " from the Ip2 functor of the materials "
-		        + one->getClassName() + " and " + two->getClassName() + "; expected CdPhys: use Ip2_FrictMat_FrictMat_CdPhys for these materials.");
-	validation::checkPhys(*phys, id1, id2);
-	return { double(phys->tangensOfFrictionAngle), double(phys->restitution) };
-}
-
-bool mayMeet(Scene& scene, const validation::Engines& engines, Body::id_t id1, Body::id_t id2)
-{
-	Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
-	bool  swap;
-#ifdef YADE_MPI
-	if (!engines.collider->mayCollide(&one, &two, scene.subdomain)) return false;
-#else
-	if (!engines.collider->mayCollide(&one, &two)) return false;
-#endif
-	return one.isBounded() && two.isBounded() && engines.loop->geomDispatcher->getFunctor2D(one.shape, two.shape, swap)
-	        && dynamic_cast<const FrictMat*>(one.material.get()) && dynamic_cast<const FrictMat*>(two.material.get());
 }
 
 } // namespace yade

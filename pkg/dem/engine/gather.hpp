@@ -27,16 +27,19 @@ struct SceneHandles {
 	std::vector<mask_t>       mask;  // per body: groupMask
 	std::vector<char>         isUnlisted; // per body: the collider may miss contacts of this step
 	bool                      masksChanged = false; // the collider lists pairs by old masks
-	std::vector<Contact>      found; // in the order of YADE's container; 0 points: not a contact of this law
+	// in the order of YADE's container; 0 points: not a contact of this law
+	std::vector<Contact>      found;
 	std::vector<Contact>      sorted; // by body 1, then body 2
 	Real                      z = 0; // height of the plane
 };
 
-/// Sets bodies, contacts, loads and start forces. Throws std::invalid_argument for unsupported scenes; changes nothing in the scene.
+/// Sets bodies, contacts, loads and start forces. Throws std::invalid_argument for unsupported
+/// scenes; changes nothing in the scene.
 void gather(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&, rcr::Step&);
 
 /// Gathers some of the bodies again, with the forces on them.
-void regatherBodies(Scene&, const validation::Engines&, rcr::ThreadTeam&, const std::vector<Body::id_t>&, SceneHandles&, rcr::Step&);
+void regatherBodies(Scene&, const validation::Engines&, rcr::ThreadTeam&,
+        const std::vector<Body::id_t>&, SceneHandles&, rcr::Step&);
 
 struct ContactLaw {
 	double friction, restitution;

@@ -34,7 +34,8 @@ inline void prefetchBody(const Body* later)
 }
 
 /// In a loop over interactions, at number k: prefetches later interactions and their contacts.
-inline void prefetchContact(const InteractionContainer& interactions, std::size_t count, std::size_t k)
+inline void prefetchContact(
+        const InteractionContainer& interactions, std::size_t count, std::size_t k)
 {
 	if (k + 2 * prefetchAhead >= count) return;
 	prefetch<Interaction>(interactions[k + 2 * prefetchAhead].get());

@@ -29,12 +29,18 @@ namespace {
 	}
 
 	/// Writes a missed contact as InteractionLoop would have made it.
-	SceneHandles::Contact writeContact(Scene& scene, const rcr::Step& step, const rcr::UpdatedContact& grown)
+	SceneHandles::Contact writeContact(
+	        Scene& scene, const rcr::Step& step, const rcr::UpdatedContact& grown)
 	{
 		shared_ptr<Interaction> i = scene.interactions->find(grown.body1, grown.body2);
 		if (!i) {
 			i = boost::make_shared<Interaction>(grown.body1, grown.body2);
-			if (scene.isPeriodic) i->cellDist = (scene.cell->hSize.inverse() * plane::toSpace(grown.shift)).array().round().matrix().cast<int>();
+			if (scene.isPeriodic)
+				i->cellDist = (scene.cell->hSize.inverse() * plane::toSpace(grown.shift))
+				                      .array()
+				                      .round()
+				                      .matrix()
+				                      .cast<int>();
 			scene.interactions->insert(i);
 		}
 		if (!i->geom && i->getId1() != grown.body1) i->swapOrder();
@@ -60,7 +66,8 @@ namespace {
 	void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 	{
 		for (const rcr::UpdatedContact& grown : step.added) {
-			step.contacts[step.find(grown.body1, grown.body2) - step.contacts.data()].source = int(handles.sorted.size());
+			step.contacts[step.find(grown.body1, grown.body2) - step.contacts.data()].source
+			        = int(handles.sorted.size());
 			handles.sorted.push_back(writeContact(scene, step, grown));
 		}
 	}
@@ -73,21 +80,24 @@ namespace {
 		cell.hSize = displaced * cell.hSize;
 		cell.trsf  = displaced * cell.trsf;
 		cell.integrateAndUpdate(0); // what it keeps of both
-		Matrix3r gradient = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad : cell.velGrad;
+		Matrix3r gradient = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero()
+		        ? cell.nextVelGrad
+		        : cell.velGrad;
 		for (int axis = 0; axis < 2; ++axis)
 			gradient(axis, axis) = now.gradient[axis][axis];
 		cell.setVelGrad(gradient);
 	}
 
 	/// A rotating obstacle reaches out of its box. YADE checks displacements only.
-	bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner, const rcr::Twist& v, double dt, const Bound& bound)
+	bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner, const rcr::Twist& v,
+	        double dt, const Bound& bound)
 	{
 		if (v.rotation == 0 || b.shape.kind < rcr::PlanarShape::box) return false;
 		rcr::Pose at = rcr::moved(b, owner, v, dt);
 		if (b.shape.kind == rcr::PlanarShape::segment) at = rcr::segmentPose(b.shape, at);
 		const rcr::Vec2 half = rcr::halfExtent(b.shape, at.axis);
-		return at.center.x + half.x > bound.max[0] || at.center.x - half.x < bound.min[0] || at.center.y + half.y > bound.max[1]
-		        || at.center.y - half.y < bound.min[1];
+		return at.center.x + half.x > bound.max[0] || at.center.x - half.x < bound.min[0]
+		        || at.center.y + half.y > bound.max[1] || at.center.y - half.y < bound.min[1];
 	}
 
 	/// Largest displacement of an image relative to its body in a step [m].
@@ -101,12 +111,16 @@ namespace {
 		return step.dt * farthest;
 	}
 
-	// Requests a run of the collider if a body reaches out of its box with its present alert distance, or an obstacle by
-	// rotation. YADE itself checks displacements only.
-	void requestCollider(Scene& scene, rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
+	// Requests a run of the collider if a body reaches out of its box with its present alert
+	// distance, or an obstacle by rotation. YADE itself checks displacements only.
+	void requestCollider(
+	        Scene& scene, rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
 	{
-		const Real widest = scene.isPeriodic ? 0.45 * scene.cell->getSize().minCoeff() : std::numeric_limits<Real>::infinity(); // YADE ends with 0.5
-		const double imageStep = largestImageDisplacement(step); // boxes do not follow images whose bodies stay
+		const Real widest = scene.isPeriodic
+		        ? 0.45 * scene.cell->getSize().minCoeff()
+		        : std::numeric_limits<Real>::infinity(); // YADE ends with 0.5
+		// boxes do not follow images whose bodies stay
+		const double imageStep = largestImageDisplacement(step);
 		std::atomic<bool> out { false };
 		team.forEach(step.bodies.size(), [&](Body::id_t id) {
 			const Bound* bound = handles.bound[id];
@@ -114,10 +128,15 @@ namespace {
 			if (!bound) return;
 			const rcr::StepBody& b = step.bodies[id];
 			const rcr::Twist&    v = step.problem.velocity[id];
-			const bool           late   = imageStep > 0 && double(scene.iter - bound->lastUpdateIter + 2) * imageStep > double(bound->sweepLength);
-			const bool           leaves = late || bound->max[0] - bound->min[0] > widest ? true
-			        : b.shape.grain() ? leavesBox(b, handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v, step.dt, *bound)
-			                                              : rotatesOutOfBox(b, step.bodies[b.owner], step.problem.velocity[b.owner], step.dt, *bound);
+			const bool           late = imageStep > 0
+			        && double(scene.iter - bound->lastUpdateIter + 2) * imageStep
+			                > double(bound->sweepLength);
+			const bool leaves = late || bound->max[0] - bound->min[0] > widest ? true
+			        : b.shape.grain()
+			        ? leavesBox(b, handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
+			                step.dt, *bound)
+			        : rotatesOutOfBox(b, step.bodies[b.owner], step.problem.velocity[b.owner],
+			                step.dt, *bound);
 			if (leaves) out.store(true, std::memory_order_relaxed);
 		});
 		if (out) scene.doSort = true;
@@ -137,32 +156,37 @@ void resetVelocity(State& s, const rcr::Twist& rest)
 void applyCorrection(State& s, const rcr::Twist& by)
 {
 	s.pos += Vector3r(by.x, by.y, 0);
-	if (by.rotation != 0) s.ori = (Quaternionr(AngleAxisr(by.rotation, Vector3r::UnitZ())) * s.ori).normalized();
+	if (by.rotation != 0)
+		s.ori = (Quaternionr(AngleAxisr(by.rotation, Vector3r::UnitZ())) * s.ori).normalized();
 }
 
 std::vector<rcr::Twist> loadsOf(const rcr::Step& step)
 {
 	std::vector<rcr::Twist> loads(step.bodies.size());
 	const rcr::InverseMass  unit = { 1, 1, 1 };
-	for (std::size_t k = 0; k < step.problem.points.size(); ++k) { // one order for any number of threads
+	// one order for any number of threads
+	for (std::size_t k = 0; k < step.problem.points.size(); ++k) {
 		const rcr::ContactPoint& c = step.problem.points[k];
 		applyImpulse(c, step.problem.impulse[k], unit, unit, loads[c.body1], loads[c.body2]);
 	}
 	return loads;
 }
 
-void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>& loads, SceneHandles& handles, rcr::Step& step)
+void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>& loads,
+        SceneHandles& handles, rcr::Step& step)
 {
 	addContacts(scene, handles, step);
 	team.forEach(step.contacts.size(), [&](std::size_t k) {
-		const auto physOf = [&](std::size_t number) { return handles.sorted[step.contacts[number].source].phys; };
+		const auto physOf = [&](std::size_t number) {
+			return handles.sorted[step.contacts[number].source].phys;
+		};
 		prefetch<CdPhys>(physOf(std::min(k + prefetchAhead, step.contacts.size() - 1)));
 		writeForces(step, step.contacts[k], *physOf(k));
 	});
 	const double inverseDt = 1 / step.dt;
 	team.forEach(step.bodies.size(), [&](Body::id_t id) {
 		const rcr::StepBody& body = step.bodies[id];
-		State*               s    = handles.state[std::min(id + prefetchAhead, step.bodies.size() - 1)];
+		State* s = handles.state[std::min(id + prefetchAhead, step.bodies.size() - 1)];
 		if (!step.displacement.empty()) prefetch<State>(s);
 		const rcr::Twist& load = loads[id];
 		if (load.x != 0 || load.y != 0 || load.rotation != 0) {
@@ -171,7 +195,8 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>&
 		}
 		if (!handles.state[id] || body.owner != id) return;
 		if (step.overdamped) resetVelocity(*handles.state[id], body.velocity);
-		if (!step.displacement.empty() && body.free) applyCorrection(*handles.state[id], step.displacement[id]);
+		if (!step.displacement.empty() && body.free)
+			applyCorrection(*handles.state[id], step.displacement[id]);
 	});
 	if (step.cell.stretches()) stretch(*scene.cell, step.cell, step.strain);
 	requestCollider(scene, team, handles, step);
@@ -192,8 +217,9 @@ void sortInteractions(Scene& scene, const SceneHandles& handles)
 	if (double(back) <= most * double(contacts)) return;
 	InteractionContainer&             all = *scene.interactions;
 	const std::lock_guard<std::mutex> lock(all.drawloopmutex);
-	const auto                        ids = [](const Interaction& i) { return std::minmax({ i.getId1(), i.getId2() }); };
-	std::sort(all.begin(), all.begin() + all.size(), [&](const auto& a, const auto& b) { return ids(*a) < ids(*b); });
+	const auto ids = [](const Interaction& i) { return std::minmax({ i.getId1(), i.getId2() }); };
+	std::sort(all.begin(), all.begin() + all.size(),
+	        [&](const auto& a, const auto& b) { return ids(*a) < ids(*b); });
 	for (std::size_t k = 0; k < all.size(); ++k)
 		all[k]->linIx = k;
 }

@@ -5,7 +5,8 @@
 
 namespace yade {
 
-/// Sum of the contact impulses on each body and of their moments about its centre [N s, N m s]; those on members act on the clump.
+/// Sum of the contact impulses on each body and of their moments about its centre [N s, N m s];
+/// those on members act on the clump.
 std::vector<rcr::Twist> loadsOf(const rcr::Step&);
 
 /// Sets the velocities of the free degrees of freedom to `rest`.
@@ -14,10 +15,13 @@ void resetVelocity(State&, const rcr::Twist& rest);
 /// Displaces a body by the position correction.
 void applyCorrection(State&, const rcr::Twist& by);
 
-/// Writes contact forces, forces on bodies, missed contacts, displacements, and the start velocities of overdamped bodies.
-void scatter(Scene&, rcr::ThreadTeam&, const std::vector<rcr::Twist>& loads, SceneHandles&, rcr::Step&);
+/// Writes contact forces, forces on bodies, missed contacts, displacements, and the start
+/// velocities of overdamped bodies.
+void scatter(
+        Scene&, rcr::ThreadTeam&, const std::vector<rcr::Twist>& loads, SceneHandles&, rcr::Step&);
 
-/// Sorts YADE's interactions by bodies if many are out of order, so that loops over them find bodies in the cache.
+/// Sorts YADE's interactions by bodies if many are out of order, so that loops over them find
+/// bodies in the cache.
 void sortInteractions(Scene&, const SceneHandles&);
 
 } // namespace yade

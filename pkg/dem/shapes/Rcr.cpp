@@ -12,26 +12,32 @@ YADE_PLUGIN((Rcr)(Bo1_Rcr_Aabb)(Bo1_Disc_Aabb));
 void Rcr::postLoad(Rcr&)
 {
 	const auto refuse = [](const char* name, Real given, const char* expected) {
-		throw std::invalid_argument(
-		        std::string("Rcr.") + name + " = " + boost::lexical_cast<std::string>(given) + "; expected " + expected
-		        + ". rcr.particle(center, R, eta) computes both from the circumscribed radius and the elongation.");
+		throw std::invalid_argument(std::string("Rcr.") + name + " = "
+		        + boost::lexical_cast<std::string>(given) + "; expected " + expected
+		        + ". rcr.particle(center, R, eta) computes both from the circumscribed radius and "
+		          "the elongation.");
 	};
 	const bool unset = math::isnan(capRadius) && halfLength == 0; // as constructed
-	if (!unset && !(capRadius > 0 && math::isfinite(capRadius))) refuse("capRadius", capRadius, "a finite length > 0");
-	if (!(halfLength >= 0 && math::isfinite(halfLength))) refuse("halfLength", halfLength, "a finite length ≥ 0");
+	if (!unset && !(capRadius > 0 && math::isfinite(capRadius)))
+		refuse("capRadius", capRadius, "a finite length > 0");
+	if (!(halfLength >= 0 && math::isfinite(halfLength)))
+		refuse("halfLength", halfLength, "a finite length ≥ 0");
 }
 
 namespace {
 
-	/// Box of a circle; in a sheared cell, the box in unsheared space. YADE's collider ends the process if a box spans half of a cell,
-	/// so the look-ahead is limited there, and the step finds missed contacts itself.
-	void setBox(shared_ptr<Bound>& bound, const Se3r& se3, Real radius, Real ahead, const Scene& scene)
+	/// Box of a circle; in a sheared cell, the box in unsheared space. YADE's collider ends the
+	/// process if a box spans half of a cell, so the look-ahead is limited there, and the step
+	/// finds missed contacts itself.
+	void setBox(
+	        shared_ptr<Bound>& bound, const Se3r& se3, Real radius, Real ahead, const Scene& scene)
 	{
 		if (!bound) bound = boost::make_shared<Aabb>();
 		const Vector3r wider  = validation::widening(scene);
 		Vector3r       center = se3.position;
 		if (scene.isPeriodic) {
-			const Real most = validation::largestShare * scene.cell->getSize().minCoeff() / wider.maxCoeff();
+			const Real most = validation::largestShare * scene.cell->getSize().minCoeff()
+			        / wider.maxCoeff();
 			ahead           = math::max(Real(0), math::min(ahead, most - radius));
 			center          = scene.cell->unshearPt(center);
 		}
@@ -40,20 +46,25 @@ namespace {
 		bound->max = center + half;
 	}
 
-	void setBox(const Shape& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body& body, Real factor, const Scene& scene)
+	void setBox(const Shape& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body& body,
+	        Real factor, const Scene& scene)
 	{
 		const rcr::PlanarShape planar = plane::shapeOf(shape, *body.state, body.state->pos.z());
-		setBox(bound, se3, factor * planar.radius(), factor * rcr::alertDistance(planar, plane::twist(*body.state), double(scene.dt)), scene);
+		setBox(bound, se3, factor * planar.radius(),
+		        factor * rcr::alertDistance(planar, plane::twist(*body.state), double(scene.dt)),
+		        scene);
 	}
 
 } // namespace
 
-void Bo1_Rcr_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body)
+void Bo1_Rcr_Aabb::go(
+        const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body)
 {
 	setBox(*shape, bound, se3, *body, 1, *scene);
 }
 
-void Bo1_Disc_Aabb::go(const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body)
+void Bo1_Disc_Aabb::go(
+        const shared_ptr<Shape>& shape, shared_ptr<Bound>& bound, const Se3r& se3, const Body* body)
 {
 	setBox(*shape, bound, se3, *body, math::max(Real(1), aabbEnlargeFactor), *scene);
 }

@@ -16,7 +16,8 @@ int planarClump(const boost::python::list& ids, double x, double y, double mass,
 	const Body::id_t id = scene->bodies->insert(body);
 	State&           s  = *body->state;
 	for (int k = 0; k < boost::python::len(ids); ++k) {
-		const shared_ptr<Body>& member = Body::byId(boost::python::extract<Body::id_t>(ids[k])(), scene);
+		const shared_ptr<Body>& member
+		        = Body::byId(boost::python::extract<Body::id_t>(ids[k])(), scene);
 		if (k == 0) s.pos = Vector3r(x, y, member->state->pos.z());
 		Clump::add(body, member);
 		Se3r& place       = clump->members[member->getId()];

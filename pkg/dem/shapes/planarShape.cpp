@@ -18,8 +18,10 @@ namespace plane {
 			rcr::Vec2 ends[2];
 			int       count = 0;
 			for (int k = 0; k < 3; ++k) {
-				const Vector3r a = state.ori * facet.vertices[k], b = state.ori * facet.vertices[(k + 1) % 3];
-				const double   above = double(state.pos.z() + a.z() - z), below = double(state.pos.z() + b.z() - z);
+				const Vector3r a   = state.ori * facet.vertices[k],
+				               b   = state.ori * facet.vertices[(k + 1) % 3];
+				const double above = double(state.pos.z() + a.z() - z),
+				             below = double(state.pos.z() + b.z() - z);
 				if (above == below || above * below > 0) continue;
 				const double    t  = above / (above - below);
 				const rcr::Vec2 at = (1 - t) * toPlane(a) + t * toPlane(b);

@@ -11,13 +11,17 @@
 namespace yade {
 namespace plane {
 
-	/// Shape in the plane at height z; kind none if it is not supported or does not reach the plane.
+	/// Shape in the plane at height z; kind none if it is not supported or does not reach the
+	/// plane.
 	rcr::PlanarShape shapeOf(const Shape&, const State&, Real z);
 
-	/// Rotation of a body. The end points of a segment are in the directions of space, so its rotation is 0.
+	/// Rotation of a body. The end points of a segment are in the directions of space, so its
+	/// rotation is 0.
 	inline rcr::Turn turnOf(const rcr::PlanarShape& shape, const State& state)
 	{
-		return shape.kind == rcr::PlanarShape::segment ? rcr::Turn {} : rcr::Turn { double(state.ori.w()), double(state.ori.z()) };
+		return shape.kind == rcr::PlanarShape::segment
+		        ? rcr::Turn {}
+		        : rcr::Turn { double(state.ori.w()), double(state.ori.z()) };
 	}
 
 } // namespace plane

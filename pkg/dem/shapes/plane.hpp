@@ -29,7 +29,8 @@ namespace plane {
 
 	inline rcr::Flow flowOf(const Matrix3r& gradient)
 	{
-		return { { { double(gradient(0, 0)), double(gradient(0, 1)) }, { double(gradient(1, 0)), double(gradient(1, 1)) } } };
+		return { { { double(gradient(0, 0)), double(gradient(0, 1)) },
+			    { double(gradient(1, 0)), double(gradient(1, 1)) } } };
 	}
 
 } // namespace plane

@@ -13,11 +13,15 @@ namespace validation {
 
 	enum Law { rigid = 1, smooth = 2, both = 3, neither = 4 };
 
-	template <class Kind> bool is(const shared_ptr<Engine>& engine) { return !engine->dead && dynamic_cast<const Kind*>(engine.get()); }
+	template <class Kind> bool is(const shared_ptr<Engine>& engine)
+	{
+		return !engine->dead && dynamic_cast<const Kind*>(engine.get());
+	}
 
 	template <class Functor, class List> bool has(const List& functors)
 	{
-		return std::any_of(functors.begin(), functors.end(), [](const auto& f) { return bool(dynamic_cast<const Functor*>(f.get())); });
+		return std::any_of(functors.begin(), functors.end(),
+		        [](const auto& f) { return bool(dynamic_cast<const Functor*>(f.get())); });
 	}
 
 	struct View {
@@ -30,9 +34,12 @@ namespace validation {
 		{
 			loop = first<InteractionLoop>();
 			const bool solver = place<ContactDynamics>() >= 0;
-			const bool laws = loop && has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(loop->lawDispatcher->functors);
-			const bool phys = loop && has<Ip2_FrictMat_FrictMat_CdPhys>(loop->physDispatcher->functors);
-			const bool springs = loop && has<Law2_RcrGeom_FrictPhys_CundallStrack>(loop->lawDispatcher->functors);
+			const bool laws   = loop
+			        && has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(loop->lawDispatcher->functors);
+			const bool phys
+			        = loop && has<Ip2_FrictMat_FrictMat_CdPhys>(loop->physDispatcher->functors);
+			const bool springs = loop
+			        && has<Law2_RcrGeom_FrictPhys_CundallStrack>(loop->lawDispatcher->functors);
 			if (solver || laws || phys) law = springs ? both : rigid;
 			else if (springs)
 				law = smooth;
@@ -48,10 +55,14 @@ namespace validation {
 			const auto found = std::find_if(engines.begin(), engines.end(), is<Kind>);
 			return found == engines.end() ? -1 : int(found - engines.begin());
 		}
-		template <class Kind> int count() const { return int(std::count_if(engines.begin(), engines.end(), is<Kind>)); }
+		template <class Kind> int count() const
+		{
+			return int(std::count_if(engines.begin(), engines.end(), is<Kind>));
+		}
 		template <class Kind> bool dead() const
 		{
-			return std::any_of(engines.begin(), engines.end(), [](const auto& e) { return e->dead && dynamic_cast<const Kind*>(e.get()); });
+			return std::any_of(engines.begin(), engines.end(),
+			        [](const auto& e) { return e->dead && dynamic_cast<const Kind*>(e.get()); });
 		}
 		template <class Shape> const Body* body() const
 		{
@@ -71,6 +82,10 @@ namespace validation {
 	std::string timeStepper(const View&);
 	std::string firstTimeStep(const View&);
 	std::string bounds(const View&);
+
+	// Rules on bodies (bodyRules.cpp).
+	std::string materials(const View&);
+	std::string obstaclesOutOfPlane(const View&);
 
 	// Rules on pairs of shapes (pairs.cpp).
 	std::string unservedPairs(const View&);

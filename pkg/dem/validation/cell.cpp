@@ -13,37 +13,51 @@ namespace validation {
 	std::string wallsInCell(const View& v)
 	{
 		const Body* wall = v.scene.isPeriodic ? v.body<Wall>() : nullptr;
-		return wall ? "body #" + std::to_string(wall->getId()) + " is a Wall in a periodic cell, which has no boundary; remove it, or use a Box or fixed Rcrs."
+		return wall ? "body #" + std::to_string(wall->getId())
+		                + " is a Wall in a periodic cell, which has no boundary; remove it, or use "
+		                  "a Box or fixed Rcrs."
 		            : std::string();
 	}
 
 	std::string cellStress(const View& v)
 	{
 		if (v.law == smooth && v.place<CellStress>() >= 0)
-			return "CellStress presses the cell of ContactDynamics, and contacts are smooth; take PeriTriaxController(dynCell=True).";
-		if (v.place<CellStress>() >= 0 && !v.scene.isPeriodic) return "CellStress has no cell to press; set O.periodic = True and O.cell.setBox(…), or remove it.";
+			return "CellStress presses the cell of ContactDynamics, and contacts are smooth; take "
+			       "PeriTriaxController(dynCell=True).";
+		if (v.place<CellStress>() >= 0 && !v.scene.isPeriodic)
+			return "CellStress has no cell to press; set O.periodic = True and O.cell.setBox(…), "
+			       "or remove it.";
 		if (v.law == rigid && v.place<PeriTriaxController>() >= 0)
-			return "PeriTriaxController moves the cell by stiffnesses or by last stresses, which rigid contacts do not have or answer without bound; use "
+			return "PeriTriaxController moves the cell by stiffnesses or by last stresses, which "
+			       "rigid contacts do not have or answer without bound; use "
 			       "rcr.CellStress.";
 		return {};
 	}
 
-	/// Rejects cells in which YADE's collider would end the process, since a body spans half of the cell.
+	/// Rejects cells in which YADE's collider would end the process, since a body spans half of the
+	/// cell.
 	std::string smallCell(const View& v)
 	{
 		if (!v.scene.isPeriodic) return {};
-		constexpr Real most = 0.24; // a quarter ends the process; the rest is a margin for a cell that shrinks
+		// a quarter ends the process; the rest is a margin for a cell that shrinks
+		constexpr Real most = 0.24;
 		const auto* collider = v.first<InsertionSortCollider>();
-		const Real  margin = collider ? math::max(Real(0), collider->verletDist) : Real(0), wider = widening(v.scene).maxCoeff();
+		const Real     margin   = collider ? math::max(Real(0), collider->verletDist) : Real(0),
+		           wider        = widening(v.scene).maxCoeff();
 		const Real  size   = v.scene.cell->getSize().minCoeff();
 		for (const auto& b : *v.scene.bodies) {
 			if (!b || !b->shape || b->isClump()) continue;
 			const Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
-			if (wider * half + margin < most * size && largestShare * size + margin < most * size) continue;
-			return "the periodic cell is " + text(size) + " wide at its narrowest, body #" + std::to_string(b->getId()) + " has the radius " + text(half)
+			if (wider * half + margin < most * size && largestShare * size + margin < most * size)
+				continue;
+			return "the periodic cell is " + text(size) + " wide at its narrowest, body #"
+			        + std::to_string(b->getId()) + " has the radius " + text(half)
 			        + " and the collider a verletDist of " + text(margin)
-			        + "; expected a cell of more than 4.2 times radius + verletDist, and 25 times verletDist, along all three axes: O.cell.setBox(…)."
-			        + (wider > 1 ? " The cell is sheared, so that radii count " + text(wider) + " times: O.cell.flipCell()." : std::string());
+			        + "; expected a cell of more than 4.2 times radius + verletDist, and 25 times "
+			          "verletDist, along all three axes: O.cell.setBox(…)."
+			        + (wider > 1 ? " The cell is sheared, so that radii count " + text(wider)
+			                                + " times: O.cell.flipCell()."
+			                     : std::string());
 		}
 		return {};
 	}

@@ -10,7 +10,8 @@
 
 namespace yade {
 
-// YADE's run thread and its lock are private. An explicit template instantiation may name private members.
+// YADE's run thread and its lock are private. An explicit template instantiation may name private
+// members.
 ThreadRunner& runThread(Omega&);
 std::mutex&   runMutex(ThreadRunner&);
 template <shared_ptr<ThreadRunner> Omega::*member> struct RunThread {
@@ -42,7 +43,8 @@ void deferError(const std::string& message)
 {
 	const std::lock_guard<std::mutex> lock(mutex);
 	if (!pending.empty()) return;
-	if (Py_AddPendingCall(raise, nullptr) != 0) return; // the queue is full; a later step finds the error again
+	// the queue is full; a later step finds the error again
+	if (Py_AddPendingCall(raise, nullptr) != 0) return;
 	pending = message;
 	Omega::instance().getScene()->stopAtIter = Omega::instance().getScene()->iter + 1;
 }
@@ -57,7 +59,7 @@ std::string takeError()
 {
 	const std::lock_guard<std::mutex> lock(mutex);
 	ThreadRunner&                     run = runThread(Omega::instance());
-	const std::string                 thrown = run.workerThrew.exchange(false) ? run.workerException.what() : "";
+	const std::string thrown = run.workerThrew.exchange(false) ? run.workerException.what() : "";
 	return ended.empty() ? thrown : std::exchange(ended, {});
 }
 

@@ -5,10 +5,12 @@
 
 namespace yade {
 
-/// Raises a ValueError in Python as soon as its main thread runs, that is right after O.step(). Stops a run.
+/// Raises a ValueError in Python as soon as its main thread runs, that is right after O.step().
+/// Stops a run.
 void deferError(const std::string& message);
 
-/// Stores the message of an exception that ended a step. YADE's run thread discards it if nobody waits for the run.
+/// Stores the message of an exception that ended a step. YADE's run thread discards it if nobody
+/// waits for the run.
 void rememberError(const std::string& message);
 /// Returns the message of the exception that ended the last run, and clears it.
 std::string takeError();

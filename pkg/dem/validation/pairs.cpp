@@ -1,4 +1,5 @@
-// Rules of validation on pairs of bodies: a functor for each pair that may meet, and overlaps before the first step.
+// Rules of validation on pairs of bodies: a functor for each pair that may meet, and overlaps
+// before the first step.
 #include <map>
 #include <set>
 #include <tuple>
@@ -20,36 +21,52 @@ namespace validation {
 		/// Properties of a body that decide which bodies it may meet.
 		struct Party {
 			const Body* body;
-			bool        still; // loads and contacts do not move it, or it is a line, which meets grains only
+			// loads and contacts do not move it, or it is a line, which meets grains only
+			bool        still;
 			Body::id_t  clump; // ID_NONE for a single body
 		};
 
 		Party partyOf(const Body& b, const Scene& scene)
 		{
 			const Body& moved = b.isClumpMember() ? *(*scene.bodies)[b.clumpId] : b;
-			const bool  line  = !isGrain(b) && (dynamic_cast<const Wall*>(b.shape.get()) || dynamic_cast<const Facet*>(b.shape.get()));
-			return { &b, line || moved.state->blockedDOFs == State::DOF_ALL, b.isClumpMember() ? b.clumpId : Body::ID_NONE };
+			const bool  line  = !isGrain(b)
+			        && (dynamic_cast<const Wall*>(b.shape.get())
+			                || dynamic_cast<const Facet*>(b.shape.get()));
+			return { &b, line || moved.state->blockedDOFs == State::DOF_ALL,
+				b.isClumpMember() ? b.clumpId : Body::ID_NONE };
 		}
 
-		bool ofOneClump(const Party& one, const Party& two) { return one.clump == two.clump && one.clump != Body::ID_NONE; }
+		bool ofOneClump(const Party& one, const Party& two)
+		{
+			return one.clump == two.clump && one.clump != Body::ID_NONE;
+		}
 
 		/// YADE's rule (Collider::mayCollide); in addition, one of the two must be movable.
 		bool mayMeet(const Party& one, const Party& two, const Collider* collider)
 		{
-			if ((one.still && two.still) || ofOneClump(one, two) || one.body == two.body) return false;
+			if ((one.still && two.still) || ofOneClump(one, two) || one.body == two.body)
+				return false;
 			const auto mask1 = one.body->groupMask, mask2 = two.body->groupMask;
-			return (mask1 & mask2) != 0 && !(mask1 == mask2 && collider && (mask1 & collider->avoidSelfInteractionMask) != 0);
+			return (mask1 & mask2) != 0
+			        && !(mask1 == mask2 && collider
+			                && (mask1 & collider->avoidSelfInteractionMask) != 0);
 		}
 
-		bool takesPart(const shared_ptr<Body>& b) { return b && b->shape && !b->isClump() && b->isBounded(); }
+		bool takesPart(const shared_ptr<Body>& b)
+		{
+			return b && b->shape && !b->isClump() && b->isBounded();
+		}
 
 		std::string named(Body::id_t id) { return '#' + std::to_string(id); }
 
 		/// Name of the functor of rcr for two shapes in any order; empty: none.
 		std::string functorFor(std::string shape1, std::string shape2)
 		{
-			const std::vector<std::string> served { "Wall", "Box", "Facet", "Sphere", "Rcr" }; // obstacles first
-			const auto rank = [&](const std::string& shape) { return std::find(served.begin(), served.end(), shape) - served.begin(); };
+			// obstacles first
+			const std::vector<std::string> served { "Wall", "Box", "Facet", "Sphere", "Rcr" };
+			const auto                     rank = [&](const std::string& shape) {
+                return std::find(served.begin(), served.end(), shape) - served.begin();
+			};
 			if (rank(shape1) > rank(shape2)) std::swap(shape1, shape2);
 			const bool exists = rank(shape2) == 3 || rank(shape2) == 4;
 			return exists ? "Ig2_" + shape1 + '_' + shape2 + "_RcrGeom" : std::string();
@@ -59,7 +76,8 @@ namespace validation {
 		struct Placed {
 			Party            party;
 			rcr::PlanarShape shape;
-			Vector3r         at;    // fractions of the edges of a periodic cell, 0 to 1; else coordinates
+			// fractions of the edges of a periodic cell, 0 to 1; else coordinates
+			Vector3r         at;
 			double           reach; // half its largest extent along the first of these axes
 		};
 
@@ -73,10 +91,12 @@ namespace validation {
 				std::vector<Placed> grains, obstacles;
 				for (const auto& b : *scene_.bodies) {
 					if (!takesPart(b)) continue;
-					Placed p { partyOf(*b, scene_), plane::shapeOf(*b->shape, *b->state, z), inverse * b->state->pos, 0 };
+					Placed p { partyOf(*b, scene_), plane::shapeOf(*b->shape, *b->state, z),
+						inverse * b->state->pos, 0 };
 					if (scene_.isPeriodic) p.at -= Vector3r(p.at.array().floor());
 					p.reach = double(inverse.row(0).norm()) * p.shape.radius();
-					if (p.shape.kind != rcr::PlanarShape::none) (p.shape.grain() ? grains : obstacles).push_back(p);
+					if (p.shape.kind != rcr::PlanarShape::none)
+						(p.shape.grain() ? grains : obstacles).push_back(p);
 				}
 				for (const Placed& obstacle : obstacles)
 					for (const Placed& grain : grains)
@@ -84,7 +104,8 @@ namespace validation {
 				checkGrains(grains);
 			}
 
-			long       pairs = 0, behind = 0; // number of pairs; of those with a grain on the inactive side of a wall
+			// number of pairs; of those with a grain on the inactive side of a wall
+			long       pairs = 0, behind = 0;
 			double     depth = 0, share = 0;  // deepest overlap [m]; the same over R₁ + R₂
 			Body::id_t one = 0, two = 0;      // the deepest pair
 			Body::id_t wall = 0, grain = 0;   // the first grain behind a wall
@@ -96,12 +117,15 @@ namespace validation {
 				double largest = 0;
 				for (const Placed& p : grains)
 					largest = std::max(largest, p.reach);
-				std::sort(grains.begin(), grains.end(), [](const Placed& a, const Placed& b) { return a.at[0] < b.at[0]; });
+				std::sort(grains.begin(), grains.end(),
+				        [](const Placed& a, const Placed& b) { return a.at[0] < b.at[0]; });
 				const std::size_t n = grains.size();
 				for (std::size_t i = 0; i < n; ++i)
 					for (std::size_t j = i + 1; j < (scene_.isPeriodic ? i + n : n); ++j) {
 						const Placed& other = grains[j % n];
-						if (double(other.at[0] - grains[i].at[0]) + (j < n ? 0 : 1) > grains[i].reach + largest) break;
+						if (double(other.at[0] - grains[i].at[0]) + (j < n ? 0 : 1)
+						        > grains[i].reach + largest)
+							break;
 						const bool ordered = grains[i].shape.kind <= other.shape.kind;
 						check(ordered ? grains[i] : other, ordered ? other : grains[i]);
 					}
@@ -110,25 +134,31 @@ namespace validation {
 			void check(const Placed& a, const Placed& b)
 			{
 				Vector3r apart = b.at - a.at;
-				if (scene_.isPeriodic) apart -= Vector3r(apart.array().round()); // the nearest image
-				const rcr::Vec2 from { plane::toPlane(edges_ * a.at) }, way { plane::toPlane(edges_ * apart) };
+				// the nearest image
+				if (scene_.isPeriodic) apart -= Vector3r(apart.array().round());
+				const rcr::Vec2 from { plane::toPlane(edges_ * a.at) },
+				        way { plane::toPlane(edges_ * apart) };
 				const double    most = a.shape.radius() + b.shape.radius();
 				if (a.shape.kind != rcr::PlanarShape::wall && dot(way, way) > most * most) return;
 				if (!mayMeet(a.party, b.party, collider_)) return;
-				const rcr::Manifold m = rcr::contactPoints(
-				        a.shape, { from, plane::turnOf(a.shape, *a.party.body->state).axis() }, b.shape, { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() }, 0);
+				const rcr::Manifold m       = rcr::contactPoints(a.shape,
+				              { from, plane::turnOf(a.shape, *a.party.body->state).axis() }, b.shape,
+				              { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() }, 0);
 				double deepest = 0;
 				for (int k = 0; k < m.count; ++k)
 					deepest = std::max(deepest, -m.points[k].gap);
 				const double part = deepest / rcr::contactSize(a.shape, b.shape);
 				if (part <= deepOverlap) return;
-				const shared_ptr<Interaction> known = scene_.interactions->find(a.party.body->getId(), b.party.body->getId());
+				const shared_ptr<Interaction> known
+				        = scene_.interactions->find(a.party.body->getId(), b.party.body->getId());
 				if (known && known->isReal()) return;
 				++pairs;
-				if (isBehind(*a.party.body, way) && behind++ == 0) wall = a.party.body->getId(), grain = b.party.body->getId();
+				if (isBehind(*a.party.body, way) && behind++ == 0)
+					wall = a.party.body->getId(), grain = b.party.body->getId();
 				if (part <= share) return;
 				depth = deepest, share = part;
-				one = std::min(a.party.body->getId(), b.party.body->getId()), two = std::max(a.party.body->getId(), b.party.body->getId());
+				one = std::min(a.party.body->getId(), b.party.body->getId()),
+				two = std::max(a.party.body->getId(), b.party.body->getId());
 			}
 
 			static bool isBehind(const Body& obstacle, rcr::Vec2 way)
@@ -147,12 +177,14 @@ namespace validation {
 	std::string unservedPairs(const View& v)
 	{
 		if (!v.loop) return {};
-		std::map<std::tuple<int, bool, mask_t>, std::vector<Party>> kinds; // two bodies of each kind, not of one clump, represent all
+		// two bodies of each kind, not of one clump, represent all
+		std::map<std::tuple<int, bool, mask_t>, std::vector<Party>> kinds;
 		for (const auto& b : *v.scene.bodies) {
 			if (!takesPart(b)) continue;
 			const Party party = partyOf(*b, v.scene);
 			auto&       some  = kinds[{ b->shape->getClassIndex(), party.still, b->groupMask }];
-			if (some.empty() || (some.size() == 1 && !ofOneClump(some.front(), party))) some.push_back(party);
+			if (some.empty() || (some.size() == 1 && !ofOneClump(some.front(), party)))
+				some.push_back(party);
 		}
 		std::string           pairs, functors;
 		std::set<std::string> reported;
@@ -160,11 +192,16 @@ namespace validation {
                         const Body *      a = one.body, *b = two.body;
                         shared_ptr<Shape> shape1 = a->shape, shape2 = b->shape;
                         bool              swap;
-                        const std::string functor = functorFor(a->shape->getClassName(), b->shape->getClassName());
-                        if (functor.empty() || v.loop->geomDispatcher->getFunctor2D(shape1, shape2, swap) || !reported.insert(functor).second) return;
-                        pairs += (pairs.empty() ? "" : ", ") + a->shape->getClassName() + " and " + b->shape->getClassName() + " (bodies " + named(a->getId()) + ", "
-                                + named(b->getId()) + ')';
-                        functors += (functors.empty() ? "" : ", ") + functor + "()";
+			            const std::string functor
+			                    = functorFor(a->shape->getClassName(), b->shape->getClassName());
+			            if (functor.empty()
+			                    || v.loop->geomDispatcher->getFunctor2D(shape1, shape2, swap)
+			                    || !reported.insert(functor).second)
+				            return;
+			            pairs += (pairs.empty() ? "" : ", ") + a->shape->getClassName() + " and "
+			                    + b->shape->getClassName() + " (bodies " + named(a->getId()) + ", "
+			                    + named(b->getId()) + ')';
+			            functors += (functors.empty() ? "" : ", ") + functor + "()";
 		};
 		for (auto kind = kinds.begin(); kind != kinds.end(); ++kind)
 			for (auto other = kind; other != kinds.end(); ++other)
@@ -172,18 +209,24 @@ namespace validation {
 					for (const Party& two : other->second)
 						if (mayMeet(one, two, v.first<Collider>())) report(one, two);
 		if (pairs.empty()) return {};
-		return "no Ig2 functor of the InteractionLoop handles " + pairs + ", so they would pass through each other. Add " + functors
-		        + " to its first list, or give bodies that must not meet a Body.mask without a common bit.";
+		return "no Ig2 functor of the InteractionLoop handles " + pairs
+		        + ", so they would pass through each other. Add " + functors
+		        + " to its first list, or give bodies that must not meet a Body.mask without a "
+		          "common bit.";
 	}
 
 	void checkServed(const Interaction& i, const Scene& scene)
 	{
 		const Body &one = *(*scene.bodies)[i.getId1()], &two = *(*scene.bodies)[i.getId2()];
 		if (partyOf(one, scene).still && partyOf(two, scene).still) return;
-		const std::string shape1 = one.shape->getClassName(), shape2 = two.shape->getClassName(), functor = functorFor(shape1, shape2);
-		refuse("no Ig2 functor of the InteractionLoop handles " + shape1 + " and " + shape2 + " (bodies " + named(i.getId1()) + ", " + named(i.getId2())
-		       + "), so they would pass through each other. "
-		       + (functor.empty() ? "Make such shapes from Wall, Box, Facet, Sphere or Rcr; obstacles meet Spheres and Rcrs." : "Add " + functor + " to its first list."));
+		const std::string shape1 = one.shape->getClassName(), shape2 = two.shape->getClassName(),
+		                  functor = functorFor(shape1, shape2);
+		refuse("no Ig2 functor of the InteractionLoop handles " + shape1 + " and " + shape2
+		        + " (bodies " + named(i.getId1()) + ", " + named(i.getId2())
+		        + "), so they would pass through each other. "
+		        + (functor.empty() ? "Make such shapes from Wall, Box, Facet, Sphere or Rcr; "
+		                             "obstacles meet Spheres and Rcrs."
+		                           : "Add " + functor + " to its first list."));
 	}
 
 	std::string overlapWarning(const Scene& scene)
@@ -195,17 +238,25 @@ namespace validation {
 		if (found.pairs == 0) return {};
 		if (found.behind > 0) {
 			const Wall& wall = static_cast<const Wall&>(*(*scene.bodies)[found.wall]->shape);
-			return "body " + named(found.grain) + (found.behind > 1 ? " and " + std::to_string(found.behind - 1) + " more lie" : " lies")
-			        + " behind a wall, body " + named(found.wall) + ", which acts towards " + (wall.sense > 0 ? '+' : '-') + "xy"[wall.axis]
-			        + " only (sense=" + std::to_string(wall.sense) + "): such a grain goes through it. Set sense=" + std::to_string(-wall.sense)
-			        + ", or 0 for both sides, or move them.";
+			return "body " + named(found.grain)
+			        + (found.behind > 1 ? " and " + std::to_string(found.behind - 1) + " more lie"
+			                            : " lies")
+			        + " behind a wall, body " + named(found.wall) + ", which acts towards "
+			        + (wall.sense > 0 ? '+' : '-') + "xy"[wall.axis] + " only (sense="
+			        + std::to_string(wall.sense) + "): such a grain goes through it. Set sense="
+			        + std::to_string(-wall.sense) + ", or 0 for both sides, or move them.";
 		}
 		std::ostringstream depth;
 		depth.precision(3);
 		depth << found.depth << " m, " << found.share << " of R₁ + R₂";
-		return "bodies " + named(found.one) + " and " + named(found.two) + " overlap by " + depth.str() + ", before their first step"
-		        + (found.pairs > 1 ? ", and " + std::to_string(found.pairs - 1) + " more pairs less deeply. " : std::string(". "))
-		        + (v.law == rigid ? "Rigid contacts take back at most 1e-4 R of it in a step" : "Springs begin with the force of it, and throw the bodies apart")
+		return "bodies " + named(found.one) + " and " + named(found.two) + " overlap by "
+		        + depth.str() + ", before their first step"
+		        + (found.pairs > 1 ? ", and " + std::to_string(found.pairs - 1)
+		                                + " more pairs less deeply. "
+		                           : std::string(". "))
+		        + (v.law == rigid
+		                        ? "Rigid contacts take back at most 1e-4 R of it in a step"
+		                        : "Springs begin with the force of it, and throw the bodies apart")
 		        + ": place them apart, or join them by rcr.clump.";
 	}
 

@@ -28,13 +28,16 @@ namespace validation {
 		template <class Kind> std::string missing(const View& v, const char* name, const char* why)
 		{
 			if (v.place<Kind>() >= 0) return {};
-			return std::string("O.engines holds ") + "no " + name + (v.dead<Kind>() ? " that is not dead, " : ", ") + why;
+			return std::string("O.engines holds ") + "no " + name
+			        + (v.dead<Kind>() ? " that is not dead, " : ", ") + why;
 		}
 
 		template <class Kind> std::string twice(const View& v, const char* name)
 		{
 			const int count = v.count<Kind>();
-			return count < 2 ? std::string() : "O.engines holds " + std::to_string(count) + " of " + name + "; expected one: remove the others.";
+			return count < 2 ? std::string()
+			                 : "O.engines holds " + std::to_string(count) + " of " + name
+			                + "; expected one: remove the others.";
 		}
 
 		template <class Before, class After> std::string order(const View& v, const char* text)
@@ -49,17 +52,23 @@ namespace validation {
 		{
 			if (v.law != both) return {};
 			const char* with = v.place<ContactDynamics>() >= 0 ? "the engine ContactDynamics"
-			        : has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(v.loop->lawDispatcher->functors) ? "Law2_RcrGeom_CdPhys_SignoriniCoulomb"
-			                                                                                      : "Ip2_FrictMat_FrictMat_CdPhys";
-			return std::string("O.engines mix Law2_RcrGeom_FrictPhys_CundallStrack, the smooth law, with ") + with
-			        + ". Smooth contacts need Ip2_FrictMat_FrictMat_FrictPhys, this law and no ContactDynamics; rigid ones "
-			          "Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb and ContactDynamics before the NewtonIntegrator.";
+			        : has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(v.loop->lawDispatcher->functors)
+			        ? "Law2_RcrGeom_CdPhys_SignoriniCoulomb"
+			        : "Ip2_FrictMat_FrictMat_CdPhys";
+			return std::string("O.engines mix Law2_RcrGeom_FrictPhys_CundallStrack, the smooth "
+			                   "law, with ")
+			        + with
+			        + ". Smooth contacts need Ip2_FrictMat_FrictMat_FrictPhys, this law and no "
+			          "ContactDynamics; rigid ones "
+			          "Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb and "
+			          "ContactDynamics before the NewtonIntegrator.";
 		}
 
 		std::string noLaw(const View& v)
 		{
 			if (!v.loop || !v.body<Rcr>()) return {};
-			return "the InteractionLoop has no law for Rcrs; put Law2_RcrGeom_CdPhys_SignoriniCoulomb (with ContactDynamics) or "
+			return "the InteractionLoop has no law for Rcrs; put "
+			       "Law2_RcrGeom_CdPhys_SignoriniCoulomb (with ContactDynamics) or "
 			       "Law2_RcrGeom_FrictPhys_CundallStrack into its third list.";
 		}
 
@@ -68,12 +77,16 @@ namespace validation {
 			if (!v.loop) return {};
 			bool                 swap;
 			shared_ptr<Material> material = boost::make_shared<FrictMat>();
-			if (!dynamic_cast<Ip2_FrictMat_FrictMat_CdPhys*>(v.loop->physDispatcher->getFunctor2D(material, material, swap).get()))
-				return "the InteractionLoop has no Ip2_FrictMat_FrictMat_CdPhys for two FrictMats; put it into its second list.";
+			if (!dynamic_cast<Ip2_FrictMat_FrictMat_CdPhys*>(
+			            v.loop->physDispatcher->getFunctor2D(material, material, swap).get()))
+				return "the InteractionLoop has no Ip2_FrictMat_FrictMat_CdPhys for two FrictMats; "
+				       "put it into its second list.";
 			shared_ptr<IGeom> geom = boost::make_shared<RcrGeom>();
 			shared_ptr<IPhys> phys = boost::make_shared<CdPhys>();
-			if (!dynamic_cast<Law2_RcrGeom_CdPhys_SignoriniCoulomb*>(v.loop->lawDispatcher->getFunctor2D(geom, phys, swap).get()))
-				return "the InteractionLoop has no Law2_RcrGeom_CdPhys_SignoriniCoulomb; put it into its third list.";
+			if (!dynamic_cast<Law2_RcrGeom_CdPhys_SignoriniCoulomb*>(
+			            v.loop->lawDispatcher->getFunctor2D(geom, phys, swap).get()))
+				return "the InteractionLoop has no Law2_RcrGeom_CdPhys_SignoriniCoulomb; put it "
+				       "into its third list.";
 			return {};
 		}
 
@@ -82,7 +95,8 @@ namespace validation {
 			bool                 swap;
 			shared_ptr<Material> material = boost::make_shared<FrictMat>();
 			if (v.loop && !v.loop->physDispatcher->getFunctor2D(material, material, swap))
-				return "the InteractionLoop has no Ip2_FrictMat_FrictMat_FrictPhys; put it into its second list.";
+				return "the InteractionLoop has no Ip2_FrictMat_FrictMat_FrictPhys; put it into "
+				       "its second list.";
 			return {};
 		}
 
@@ -92,48 +106,14 @@ namespace validation {
 			if (!v.loop) return {};
 			for (const auto& functor : v.loop->geomDispatcher->functors) {
 				if (dynamic_cast<const Ig2_Planar_RcrGeom*>(functor.get())) continue;
-				const std::string name = functor->getClassName(), pair = name.substr(0, name.rfind('_'));
-				return name + " makes contacts that " + (v.law == rigid ? "ContactDynamics does" : "Law2_RcrGeom_FrictPhys_CundallStrack does")
-				        + " not solve; take " + (pair.rfind("Ig2_", 0) == 0 ? pair + "_RcrGeom" : "an Ig2_…_RcrGeom") + " instead.";
-			}
-			return {};
-		}
-
-		// ---- bodies
-
-		std::string materials(const View& v)
-		{
-			const Material* valid = nullptr; // material of the last body; most bodies share one
-			for (const auto& b : *v.scene.bodies) {
-				const Material* material = b && b->shape && !b->isClump() ? b->material.get() : nullptr;
-				if (!material || material == valid) continue;
-				const FrictMat* rough = dynamic_cast<const FrictMat*>(material);
-				if (!rough)
-					return "body #" + std::to_string(b->getId()) + " has the material " + material->getClassName()
-					        + ", which has no friction; give it a FrictMat.";
-				if (!(rough->frictionAngle >= 0 && rough->frictionAngle < 0.5 * Mathr::PI))
-					return "body #" + std::to_string(b->getId()) + " has the friction angle " + text(rough->frictionAngle)
-					        + "; expected radians from 0 to below π/2, such as radians(26).";
-				valid = material;
-			}
-			return {};
-		}
-
-		/// Obstacles that never meet the plane of the grains.
-		std::string obstaclesOutOfPlane(const View& v)
-		{
-			const Real z = planeOf(v.scene);
-			if (math::isnan(z)) return {};
-			for (const auto& b : *v.scene.bodies) {
-				if (!b || !b->shape || isGrain(*b)) continue;
-				const auto id = [&] { return "body #" + std::to_string(b->getId()); };
-				if (const Box* box = dynamic_cast<const Box*>(b->shape.get()))
-					if (!(math::abs(b->state->pos.z() - z) <= box->extents.z()))
-						return id() + " is a Box at z = " + text(b->state->pos.z()) + " that does not reach the plane z = " + text(z)
-						        + " of the grains, so nothing would meet it; set its z, or its extents.";
-				if (dynamic_cast<const Facet*>(b->shape.get()) && plane::shapeOf(*b->shape, *b->state, z).kind == rcr::PlanarShape::none)
-					return id() + " is a Facet that does not cut the plane z = " + text(z)
-					        + " of the grains; a Facet is the segment in which it does: put a corner on either side, or remove it.";
+				const std::string name = functor->getClassName(),
+				                  pair = name.substr(0, name.rfind('_'));
+				return name + " makes contacts that "
+				        + (v.law == rigid ? "ContactDynamics does"
+				                          : "Law2_RcrGeom_FrictPhys_CundallStrack does")
+				        + " not solve; take "
+				        + (pair.rfind("Ig2_", 0) == 0 ? pair + "_RcrGeom" : "an Ig2_…_RcrGeom")
+				        + " instead.";
 			}
 			return {};
 		}
@@ -199,9 +179,12 @@ namespace validation {
 			for (const auto& e : scene.engines) {
 				add(e->dead ? shared_ptr<Engine>() : e);
 				if (const auto* loop = dynamic_cast<const InteractionLoop*>(e.get()))
-					addAll(loop->geomDispatcher->functors), addAll(loop->physDispatcher->functors), addAll(loop->lawDispatcher->functors);
-				if (const auto* collider = dynamic_cast<const Collider*>(e.get())) addAll(collider->boundDispatcher->functors);
-				if (const auto* stepper = dynamic_cast<const TimeStepper*>(e.get())) add(stepper->active ? e : shared_ptr<Engine>());
+					addAll(loop->geomDispatcher->functors), addAll(loop->physDispatcher->functors),
+					        addAll(loop->lawDispatcher->functors);
+				if (const auto* collider = dynamic_cast<const Collider*>(e.get()))
+					addAll(collider->boundDispatcher->functors);
+				if (const auto* stepper = dynamic_cast<const TimeStepper*>(e.get()))
+					add(stepper->active ? e : shared_ptr<Engine>());
 			}
 			return now;
 		}
@@ -210,9 +193,12 @@ namespace validation {
 
 	bool Signature::operator==(const Signature& other) const
 	{
-		const auto same = [](const Object& a, const Object& b) { return !a.owner_before(b) && !b.owner_before(a); };
+		const auto same = [](const Object& a, const Object& b) {
+			return !a.owner_before(b) && !b.owner_before(a);
+		};
 		return bodies == other.bodies && periodic == other.periodic
-		        && std::equal(objects.begin(), objects.end(), other.objects.begin(), other.objects.end(), same);
+		        && std::equal(objects.begin(), objects.end(), other.objects.begin(),
+		                other.objects.end(), same);
 	}
 
 	std::string refusal(const Scene& scene)
@@ -227,8 +213,9 @@ namespace validation {
 
 	std::string missingSolver(const Scene& scene)
 	{
-		return missing<ContactDynamics>(
-		        View(scene), "ContactDynamics", "so rigid contacts would carry nothing; put ContactDynamics() between the InteractionLoop and the NewtonIntegrator.");
+		return missing<ContactDynamics>(View(scene), "ContactDynamics",
+		        "so rigid contacts would carry nothing; put ContactDynamics() between the "
+		        "InteractionLoop and the NewtonIntegrator.");
 	}
 
 	bool usesRcrClasses(const Scene& scene) { return View(scene).law != neither; }
@@ -241,12 +228,15 @@ namespace validation {
 				for (const auto& functor : collider->boundDispatcher->functors)
 					if (functor->getClassName() == "Bo1_Sphere_Aabb") {
 						auto disc               = boost::make_shared<Bo1_Disc_Aabb>();
-						disc->aabbEnlargeFactor = static_cast<const Bo1_Sphere_Aabb&>(*functor).aabbEnlargeFactor;
+						disc->aabbEnlargeFactor
+						        = static_cast<const Bo1_Sphere_Aabb&>(*functor).aabbEnlargeFactor;
 						auto functors           = collider->boundDispatcher->functors;
-						std::replace(functors.begin(), functors.end(), functor, shared_ptr<BoundFunctor>(disc));
+						std::replace(functors.begin(), functors.end(), functor,
+						        shared_ptr<BoundFunctor>(disc));
 						collider->boundDispatcher->functors_set(functors);
 						for (const auto& b : *scene.bodies)
-							if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get())) b->shape->boundFunctor = nullptr; // a cache
+							if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get()))
+								b->shape->boundFunctor = nullptr; // a cache
 						return;
 					}
 	}
@@ -263,14 +253,16 @@ namespace validation {
 	Engines Validator::validate(const Scene& scene)
 	{
 		const View        view(scene);
-		const std::string wrong = timeStep(view) + integrator(view) + smallCell(view); // may change without a change of objects
+		// may change without a change of objects
+		const std::string wrong = timeStep(view) + integrator(view) + smallCell(view);
 		if (!wrong.empty()) refuse(wrong);
 		const Signature now = signature(scene);
 		if (now == seen_) return engines_;
 		const std::string message = refusal(scene);
 		if (!message.empty()) refuse(message);
 		replaceSphereBounds(scene);
-		engines_ = { view.first<NewtonIntegrator>(), view.first<InteractionLoop>(), view.first<Collider>(), view.first<CellStress>() };
+		engines_ = { view.first<NewtonIntegrator>(), view.first<InteractionLoop>(),
+			view.first<Collider>(), view.first<CellStress>() };
 		seen_    = signature(scene);
 		return engines_;
 	}
@@ -280,20 +272,24 @@ namespace validation {
 		for (Body::id_t id : { id1, id2 }) {
 			const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
 			if (dynamic_cast<const FrictMat*>(material.get())) continue;
-			deferError(
-			        "body #" + std::to_string(id) + " has " + (material ? "the material " + material->getClassName() : std::string("no material"))
-			        + " and touches #" + std::to_string(id == id1 ? id2 : id1) + "; give it a FrictMat.");
+			deferError("body #" + std::to_string(id) + " has "
+			        + (material ? "the material " + material->getClassName()
+			                    : std::string("no material"))
+			        + " and touches #" + std::to_string(id == id1 ? id2 : id1)
+			        + "; give it a FrictMat.");
 			return false;
 		}
 		return true;
 	}
 
-	/// YADE checks masks only when boxes begin to overlap. A mask that changed later counts when a rigid contact forms.
+	/// YADE checks masks only when boxes begin to overlap. A mask that changed later counts when a
+	/// rigid contact forms.
 	static bool masksAllow(const Scene& scene, const Interaction& i)
 	{
 		const View      view(scene);
 		Collider* collider = view.law == rigid ? view.first<Collider>() : nullptr;
-		const Body *    one = (*scene.bodies)[i.getId1()].get(), *two = (*scene.bodies)[i.getId2()].get();
+		const Body *    one      = (*scene.bodies)[i.getId1()].get(),
+		           *two          = (*scene.bodies)[i.getId2()].get();
 #ifdef YADE_MPI
 		return !collider || collider->mayCollide(one, two, scene.subdomain);
 #else
@@ -313,7 +309,8 @@ namespace validation {
 			passed = now;
 			return true;
 		}
-		if (View(scene).place<ContactDynamics>() < 0) deferError(message); // else ContactDynamics throws it later in this step
+		// else ContactDynamics throws it later in this step
+		if (View(scene).place<ContactDynamics>() < 0) deferError(message);
 		return false;
 	}
 

@@ -11,9 +11,10 @@
 //              NewtonIntegrator(damping=0)
 //     smooth   Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack; NewtonIntegrator
 //
-// validation.cpp holds the table of rules. It is evaluated when a run starts (rcr._session), by ContactDynamics when engines or the
-// number of bodies change, and by the Ig2 functors for a new contact. Properties that may change in each step are checked in
-// engine/gather.cpp. Each message says what was given, what is expected and what to do.
+// validation.cpp holds the table of rules. It is evaluated when a run starts (rcr._session), by
+// ContactDynamics when engines or the number of bodies change, and by the Ig2 functors for a new
+// contact. Properties that may change in each step are checked in engine/gather.cpp. Each message
+// says what was given, what is expected and what to do.
 #pragma once
 
 #include <sstream>
@@ -33,11 +34,12 @@ class Collider;
 
 namespace validation {
 
-	/// Largest half box of a body over the size of a periodic cell. YADE's collider needs boxes of less than half a cell, with its
-	/// margin (verletDist).
+	/// Largest half box of a body over the size of a periodic cell. YADE's collider needs boxes of
+	/// less than half a cell, with its margin (verletDist).
 	constexpr double largestShare = 0.2;
 
-	/// Factor by which the box of a circle grows along each axis in the unsheared space of YADE's collider; 1 without shear.
+	/// Factor by which the box of a circle grows along each axis in the unsheared space of YADE's
+	/// collider; 1 without shear.
 	Vector3r widening(const Scene&);
 
 	/// A number with up to 12 digits.
@@ -69,14 +71,17 @@ namespace validation {
 		const CellStress*       cellStress = nullptr;
 	};
 
-	/// Message of the first rule that the scene breaks; empty if it is valid or has none of the classes of rcr.
+	/// Message of the first rule that the scene breaks; empty if it is valid or has none of the
+	/// classes of rcr.
 	std::string refusal(const Scene&);
 
-	/// Replaces Bo1_Sphere_Aabb by Bo1_Disc_Aabb in scenes with ContactDynamics, so that discs get the same look-ahead as Rcrs.
+	/// Replaces Bo1_Sphere_Aabb by Bo1_Disc_Aabb in scenes with ContactDynamics, so that discs get
+	/// the same look-ahead as Rcrs.
 	void replaceSphereBounds(const Scene&);
 
-	/// Registers all bodies with a collider that has not run yet. After an erasure, YADE's collider registers only bodies that changed
-	/// since the last run of any collider, so after `O.engines = […]` it would find no contacts.
+	/// Registers all bodies with a collider that has not run yet. After an erasure, YADE's collider
+	/// registers only bodies that changed since the last run of any collider, so after `O.engines =
+	/// […]` it would find no contacts.
 	void registerBodiesWithCollider(const Scene&);
 
 	/// Message if rigid contacts have no active ContactDynamics; else empty.
@@ -85,12 +90,13 @@ namespace validation {
 	/// The scene has a law of rcr.
 	bool usesRcrClasses(const Scene&);
 
-	/// Warnings for suspicious scenes; empty: none. Spheres with the mass of a ball among Rcrs; bodies that overlap by more than 1 % of
-	/// R₁ + R₂ before their first step.
+	/// Warnings for suspicious scenes; empty: none. Spheres with the mass of a ball among Rcrs;
+	/// bodies that overlap by more than 1 % of R₁ + R₂ before their first step.
 	std::string massWarning(const Scene&);
 	std::string overlapWarning(const Scene&);
 
-	/// Identity of a scene's engines and functors. Weak pointers, since the address of a deleted engine may be used again.
+	/// Identity of a scene's engines and functors. Weak pointers, since the address of a deleted
+	/// engine may be used again.
 	struct Signature {
 		using Object = boost::weak_ptr<const void>;
 
@@ -127,7 +133,8 @@ namespace validation {
 	std::string defectOf(const Body&, Real z);
 	/// Message about the first invalid grain or clump of the scene; empty: none.
 	std::string firstInvalidBody(const Scene&);
-	/// Throws the message about an invalid body, or about a force that is not finite. Forces must be synced.
+	/// Throws the message about an invalid body, or about a force that is not finite. Forces must
+	/// be synced.
 	[[noreturn]] void refuseBody(const Body&, Scene&, Real z);
 
 	/// Throws if no Ig2 functor handles a pair of bodies that could overlap.

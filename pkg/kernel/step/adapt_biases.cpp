@@ -10,7 +10,9 @@ namespace rcr {
 bool restIsSolution(const Step& step, const DrivenMotion& drive)
 {
 	const std::vector<ContactPoint>& points = step.problem.points;
-	return drive.speed == 0 && std::all_of(points.begin(), points.end(), [](const ContactPoint& point) { return point.bias >= 0; });
+	return drive.speed == 0
+	        && std::all_of(points.begin(), points.end(),
+	                [](const ContactPoint& point) { return point.bias >= 0; });
 }
 
 bool adaptBiases(Step& step, bool allowRelease, bool last, double& overlap, ThreadTeam& team)
@@ -23,14 +25,17 @@ bool adaptBiases(Step& step, bool allowRelease, bool last, double& overlap, Thre
 	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
 		change[k]                    = { false, contact.restitution > 0, 0 };
-		if (displacesFar(step, contact)) change[k].changed = adaptToDisplacement(step, contact, allowRelease, change[k].overlap);
+		if (displacesFar(step, contact))
+			change[k].changed = adaptToDisplacement(step, contact, allowRelease, change[k].overlap);
 	});
 	bool changed = false, bounces = false;
 	overlap      = 0;
 	for (std::size_t k = 0; k < change.size(); ++k) {
 		changed |= change[k].changed;
 		overlap = std::max(overlap, change[k].overlap);
-		if (change[k].bounces) changed |= (allowRelease && cancelBounces(step, step.contacts[k])) || restrainBounce(step, step.contacts[k]);
+		if (change[k].bounces)
+			changed |= (allowRelease && cancelBounces(step, step.contacts[k]))
+			        || restrainBounce(step, step.contacts[k]);
 		bounces |= change[k].bounces;
 	}
 	if (bounces && (last || !changed)) changed |= restrainCollisions(step, last);

@@ -1,8 +1,9 @@
 // Corrects the biases of contacts after a solve.
 //
-// Large displacements end at other gaps than the biases assume, and bounces may add energy. The biases are then adapted and
-// the step is solved again. The adapted problem may have no solution. If no body is driven, the original biases are restored,
-// because rest then satisfies the contact laws.
+// Large displacements end at other gaps than the biases assume, and bounces may add energy. The
+// biases are then adapted and the step is solved again. The adapted problem may have no solution.
+// If no body is driven, the original biases are restored, because rest then satisfies the contact
+// laws.
 #pragma once
 
 #include "parallel/thread_team.hpp"
@@ -10,11 +11,13 @@
 
 namespace rcr {
 
-/// Rest satisfies the contact laws: no body is driven and no contact must open. The step then has a solution.
+/// Rest satisfies the contact laws: no body is driven and no contact must open. The step then has a
+/// solution.
 bool restIsSolution(const Step&, const DrivenMotion&);
 
-/// Adapts the biases; returns true if one changed. `allowRelease`: contacts may be released; `last`: bounces that add energy become
-/// plastic. `overlap`: set to the deepest overlap at the end of large displacements, over R₁ + R₂ [-].
+/// Adapts the biases; returns true if one changed. `allowRelease`: contacts may be released;
+/// `last`: bounces that add energy become plastic. `overlap`: set to the deepest overlap at the end
+/// of large displacements, over R₁ + R₂ [-].
 bool adaptBiases(Step&, bool allowRelease, bool last, double& overlap, ThreadTeam&);
 
 /// Restores biases and clears `before`; returns false if `before` is empty.

@@ -5,17 +5,21 @@
 
 namespace rcr {
 
-/// Two points keep their order. If one point becomes two or two become one, the nearest point keeps the force and the other
-/// one has just opened or closed. `along`: position of each point along its body [m]; `none`: a force of zero.
+/// Two points keep their order. If one point becomes two or two become one, the nearest point keeps
+/// the force and the other one has just opened or closed. `along`: position of each point along its
+/// body [m]; `none`: a force of zero.
 template <class Along, class Force>
-inline void carryForward(int before, const Along& alongBefore, int now, const Along& alongNow, Force& force1, Force& force2, const Force& none)
+inline void carryForward(int before, const Along& alongBefore, int now, const Along& alongNow,
+        Force& force1, Force& force2, const Force& none)
 {
 	if (before == 1 && now == 2) {
-		const bool second = std::abs(alongNow[1] - alongBefore[0]) < std::abs(alongNow[0] - alongBefore[0]);
+		const bool second
+		        = std::abs(alongNow[1] - alongBefore[0]) < std::abs(alongNow[0] - alongBefore[0]);
 		force2            = second ? force1 : none;
 		if (second) force1 = none;
 	} else if (before == 2 && now == 1) {
-		if (std::abs(alongBefore[1] - alongNow[0]) < std::abs(alongBefore[0] - alongNow[0])) force1 = force2;
+		if (std::abs(alongBefore[1] - alongNow[0]) < std::abs(alongBefore[0] - alongNow[0]))
+			force1 = force2;
 		force2 = none;
 	}
 }

@@ -16,7 +16,8 @@ namespace {
 	constexpr double mostLoads   = 200;  // factor of L in the largest rigid impulse
 	constexpr double stiffest    = 1e-4; // smallest ε that sweeps can solve
 
-	/// Length of the longest of all shortest chains of contacts that begin at a driven body (breadth-first search).
+	/// Length of the longest of all shortest chains of contacts that begin at a driven body
+	/// (breadth-first search).
 	int reachOfDrive(const ContactProblem& problem)
 	{
 		const std::size_t         count = problem.inverseMass.size();
@@ -32,7 +33,8 @@ namespace {
 		std::vector<std::int32_t>                first(count + 1);
 		pairs.reserve(problem.points.size());
 		for (const ContactPoint& c : problem.points) {
-			if (!pairs.empty() && pairs.back()[0] == c.body1 && pairs.back()[1] == c.body2) continue;
+			if (!pairs.empty() && pairs.back()[0] == c.body1 && pairs.back()[1] == c.body2)
+				continue;
 			pairs.push_back({ c.body1, c.body2 });
 			++first[c.body1], ++first[c.body2];
 		}
@@ -57,7 +59,8 @@ namespace {
 
 } // namespace
 
-DrivenMotion drivenMotionOf(const ContactProblem& problem, const std::vector<Twist>& before, ThreadTeam& team)
+DrivenMotion drivenMotionOf(
+        const ContactProblem& problem, const std::vector<Twist>& before, ThreadTeam& team)
 {
 	DrivenMotion drive;
 	int   reach = 0;
@@ -74,7 +77,9 @@ DrivenMotion drivenMotionOf(const ContactProblem& problem, const std::vector<Twi
 		const double       largest = std::max(inverse.x, inverse.y);
 		if (largest == 0) continue;
 		const Twist&     v    = problem.freeVelocity[id];
-		const auto       free = [&](Vec2 u) { return norm(Vec2 { inverse.x > 0 ? u.x : 0, inverse.y > 0 ? u.y : 0 }); };
+		const auto       free = [&](Vec2 u) {
+            return norm(Vec2 { inverse.x > 0 ? u.x : 0, inverse.y > 0 ? u.y : 0 });
+		};
 		++bodies;
 		total += 1 / largest;
 		momentum += (drive.speed + free({ v.x, v.y })) / largest;
@@ -82,7 +87,8 @@ DrivenMotion drivenMotionOf(const ContactProblem& problem, const std::vector<Twi
 	}
 	if (bodies == 0) return drive;
 	const double rows = bodies / std::max(std::sqrt(bodies), double(reach));
-	drive.compliance  = std::max(stiffest, drive.speed * (total / bodies) * rows / (momentum + loads * load));
+	drive.compliance
+	        = std::max(stiffest, drive.speed * (total / bodies) * rows / (momentum + loads * load));
 	drive.yieldImpulse = (mostMomenta * momentum + mostLoads * load) / rows;
 	return drive;
 }

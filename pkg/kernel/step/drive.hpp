@@ -1,20 +1,23 @@
 // Bounds of contact forces in scenes with driven bodies.
 //
-// A rigid contact bears any impulse that a driven body of speed V causes. In a wedge, impulses are bounded by the geometry
-// alone, and grains are ejected at many times V, where springs would have yielded. The drive, the motion of the grains and the
-// loads account for these impulses on one of the rows of r of the N free bodies:
+// A rigid contact bears any impulse that a driven body of speed V causes. In a wedge, impulses are
+// bounded by the geometry alone, and grains are ejected at many times V, where springs would have
+// yielded. The drive, the motion of the grains and the loads account for these impulses on one of
+// the rows of r of the N free bodies:
 //
 //   momentum   P = r/N Σ m (V + |v_free|)
 //   loads      L = r/N Σ m |v_free − v⁻|
 //
 // with r = max(√N, number of bodies that the drive reaches one through the other over contacts).
 //
-// In a step without a solution, contacts yield (solve_yielding.cpp). A contact of the mean mass m̄ that closes at V then bears P + 10 L:
+// In a step without a solution, contacts yield (solve_yielding.cpp). A contact of the mean mass m̄
+// that closes at V then bears P + 10 L:
 //
 //   ε = V m̄/(P + 10 L) ≤ 1/r
 //
-// so loads alone close contacts by a small part of V, and forces do not depend on the time step. A driven step with a contact
-// beyond 3 P + 200 L yields although it has a rigid solution: a row that is struck bears P, a contact in sheared packings up to 40 L.
+// so loads alone close contacts by a small part of V, and forces do not depend on the time step. A
+// driven step with a contact beyond 3 P + 200 L yields although it has a rigid solution: a row that
+// is struck bears P, a contact in sheared packings up to 40 L.
 //
 // | symbol       | field       | unit | meaning                                                        |
 // |--------------|-------------|------|----------------------------------------------------------------|

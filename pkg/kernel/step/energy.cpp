@@ -8,20 +8,25 @@ StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& load, Vec2 gra
 	const ContactProblem& problem = step.problem;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c      = problem.points[k];
-		const Impulse       before = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
-		const Impulse       after  = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
+		const Impulse       before
+		        = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
+		const Impulse after
+		        = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 		const double        rubbed = -0.5 * problem.impulse[k].t * (before.t + after.t);
-		const bool          returns = c.bias < 0 && rubbed < 0; // the slip reverses in a bounce: its energy belongs to the impact
+		// the slip reverses in a bounce: its energy belongs to the impact
+		const bool          returns = c.bias < 0 && rubbed < 0;
 		(returns ? energy.impact : energy.friction) += rubbed;
 		energy.impact -= 0.5 * problem.impulse[k].n * (before.n + after.n);
-		energy.driven += problem.impulse[k].n * dot(c.drift, c.normal) + problem.impulse[k].t * dot(c.drift, perp(c.normal)); // work on the cell
+		energy.driven += problem.impulse[k].n * dot(c.drift, c.normal)
+		        + problem.impulse[k].t * dot(c.drift, perp(c.normal)); // work on the cell
 	}
 	for (std::size_t id = 0; id < load.size(); ++id) {
 		const InverseMass& inverse = problem.inverseMass[id];
 		const Twist &      before = step.bodies[id].velocity, &after = problem.velocity[id];
 		if (inverse.x == 0) energy.driven += 0.5 * load[id].x * (before.x + after.x);
 		if (inverse.y == 0) energy.driven += 0.5 * load[id].y * (before.y + after.y);
-		if (inverse.rotation == 0) energy.driven += 0.5 * load[id].rotation * (before.rotation + after.rotation);
+		if (inverse.rotation == 0)
+			energy.driven += 0.5 * load[id].rotation * (before.rotation + after.rotation);
 		if (step.displacement.empty() || !step.bodies[id].free) continue;
 		if (inverse.x > 0) energy.lifted -= gravity.x * step.displacement[id].x / inverse.x;
 		if (inverse.y > 0) energy.lifted -= gravity.y * step.displacement[id].y / inverse.y;

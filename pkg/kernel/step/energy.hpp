@@ -1,9 +1,10 @@
-// Energy that the contacts of a step dissipate or transfer, from the mean of the velocities before and after the step:
+// Energy that the contacts of a step dissipate or transfer, from the mean of the velocities before
+// and after the step:
 //
 //   T⁺ − T⁻ = Σ p · ½ (u⁻ + u⁺) − Σ p · d + external work      over the points; exact for any impulses
 //
-// The tangential part is friction, the normal part impact. Prescribed degrees of freedom take part of this work or supply it.
-// Source: Moreau 1999; Kane and Levinson 1985.
+// The tangential part is friction, the normal part impact. Prescribed degrees of freedom take part
+// of this work or supply it. Source: Moreau 1999; Kane and Levinson 1985.
 #pragma once
 
 #include "step/step.hpp"
@@ -13,11 +14,13 @@ namespace rcr {
 /// Energies of one step [J], per unit depth.
 struct StepEnergy {
 	double friction = 0, impact = 0; // dissipated
-	double driven   = 0;             // work of contacts on prescribed motion; negative if that motion drives
+	// work of contacts on prescribed motion; negative if that motion drives
+	double driven   = 0;
 	double lifted   = 0;             // potential energy added by the position correction
 };
 
-/// Energies of a solved step with its displacements. `load`: sum of the impulses on each body; `gravity` [m/s²].
+/// Energies of a solved step with its displacements. `load`: sum of the impulses on each body;
+/// `gravity` [m/s²].
 StepEnergy stepEnergy(const Step&, const std::vector<Twist>& load, Vec2 gravity);
 
 } // namespace rcr

@@ -9,27 +9,32 @@ namespace rcr {
 namespace {
 
 	constexpr int    sliceCount = 64;
-	constexpr double mostShare  = 0.5; // largest fraction of the impulses through a slice that is removed
+	// largest fraction of the impulses through a slice that is removed
+	constexpr double mostShare  = 0.5;
 
 	struct Axis {
 		double Vec2::*of;
 		double Twist::*speed;
 		double InverseMass::*inverse;
 	};
-	constexpr Axis xAxis { &Vec2::x, &Twist::x, &InverseMass::x }, yAxis { &Vec2::y, &Twist::y, &InverseMass::y };
+	constexpr Axis xAxis { &Vec2::x, &Twist::x, &InverseMass::x },
+	        yAxis { &Vec2::y, &Twist::y, &InverseMass::y };
 
 	/// Calls visit(body, position along the axis, mass) for all bodies that are free along it.
 	template <class Visit> void forEachFree(const Step& step, const Axis& axis, Visit visit)
 	{
 		for (std::size_t id = 0; id < step.bodies.size(); ++id)
-			if (const double w = step.problem.inverseMass[id].*axis.inverse; w > 0) visit(id, step.bodies[id].center.*axis.of, 1 / w);
+			if (const double w = step.problem.inverseMass[id].*axis.inverse; w > 0)
+				visit(id, step.bodies[id].center.*axis.of, 1 / w);
 	}
 
 	double meanStretch(const Step& step, const Axis& axis)
 	{
 		double moment = 0, inertia = 0;
 		forEachFree(step, axis, [&](std::size_t id, double r, double mass) {
-			moment += mass * r * (step.problem.velocity[id].*axis.speed - step.bodies[id].velocity.*axis.speed);
+			moment += mass * r
+			        * (step.problem.velocity[id].*axis.speed
+			                - step.bodies[id].velocity.*axis.speed);
 			inertia += mass * r * r;
 		});
 		return inertia > 0 ? moment / inertia : 0;
@@ -46,14 +51,18 @@ namespace {
 		}
 
 		double& at(double r) { return value_[number(r)]; }
-		/// Adds to each slice f times its fraction between two positions; −f if the second lies below the first.
+		/// Adds to each slice f times its fraction between two positions; −f if the second lies
+		/// below the first.
 		void addBetween(double from, double to, double f)
 		{
-			const double low = (std::min(from, to) - low_) / width_, high = (std::max(from, to) - low_) / width_;
+			const double low  = (std::min(from, to) - low_) / width_,
+			             high = (std::max(from, to) - low_) / width_;
 			for (int k = std::max(0, int(low)); k <= std::min(sliceCount - 1, int(high)); ++k)
-				value_[k] += (to < from ? -f : f) * std::max(0.0, std::min(high, k + 1.0) - std::max(low, double(k)));
+				value_[k] += (to < from ? -f : f)
+				        * std::max(0.0, std::min(high, k + 1.0) - std::max(low, double(k)));
 		}
-		/// Sums the slices from the outside towards the origin; with a negative sign below the origin.
+		/// Sums the slices from the outside towards the origin; with a negative sign below the
+		/// origin.
 		void sumTowardsOrigin()
 		{
 			const int first = number(0);
@@ -64,7 +73,10 @@ namespace {
 		}
 
 	private:
-		int number(double r) const { return int(std::clamp((r - low_) / width_, 0.0, sliceCount - 1.0)); }
+		int number(double r) const
+		{
+			return int(std::clamp((r - low_) / width_, 0.0, sliceCount - 1.0));
+		}
 
 		double              low_, width_;
 		std::vector<double> value_;
@@ -73,28 +85,41 @@ namespace {
 	void removeMomentum(Step& step, const Axis& axis, double stretch)
 	{
 		double low = std::numeric_limits<double>::infinity(), high = -low;
-		forEachFree(step, axis, [&](std::size_t, double r, double) { low = std::min(low, r), high = std::max(high, r); });
+		forEachFree(step, axis, [&](std::size_t, double r, double) {
+			low = std::min(low, r), high = std::max(high, r);
+		});
 		if (stretch == 0 || !(high > low)) return;
 		Slices beyond(low, high), through(low, high);
-		forEachFree(step, axis, [&](std::size_t, double r, double mass) { beyond.at(r) += mass * stretch * r; });
+		forEachFree(step, axis,
+		        [&](std::size_t, double r, double mass) { beyond.at(r) += mass * stretch * r; });
 		beyond.sumTowardsOrigin();
 		ContactProblem& problem = step.problem;
-		const auto      place   = [&](const ContactPoint& c) { return (step.bodies[c.body1].center + c.arm1).*axis.of; };
+		const auto      place   = [&](const ContactPoint& c) {
+            return (step.bodies[c.body1].center + c.arm1).*axis.of;
+		};
 		for (std::size_t k = 0; k < problem.points.size(); ++k) {
 			const ContactPoint& c   = problem.points[k];
-			const Vec2          f   = problem.impulse[k].n * c.normal + problem.impulse[k].t * perp(c.normal);
-			const auto          end = [&](int id) { return problem.inverseMass[id].*axis.inverse > 0 ? step.bodies[id].center.*axis.of : place(c); };
+			const Vec2 f = problem.impulse[k].n * c.normal + problem.impulse[k].t * perp(c.normal);
+			const auto end = [&](int id) {
+				return problem.inverseMass[id].*axis.inverse > 0 ? step.bodies[id].center.*axis.of
+				                                                 : place(c);
+			};
 			through.addBetween(end(c.body1), end(c.body2), f.*axis.of);
 		}
 		for (std::size_t k = 0; k < problem.points.size(); ++k) {
 			const double at = place(problem.points[k]), all = through.at(at);
-			if (all > 0) problem.impulse[k] = (1 - std::clamp(beyond.at(at) / all, -mostShare, mostShare)) * problem.impulse[k];
+			if (all > 0)
+				problem.impulse[k] = (1 - std::clamp(beyond.at(at) / all, -mostShare, mostShare))
+				        * problem.impulse[k];
 		}
 	}
 
 } // namespace
 
-Vec2 meanStretch(const Step& step) { return { meanStretch(step, xAxis), meanStretch(step, yAxis) }; }
+Vec2 meanStretch(const Step& step)
+{
+	return { meanStretch(step, xAxis), meanStretch(step, yAxis) };
+}
 
 void removeMomentum(Step& step, Vec2 stretch)
 {

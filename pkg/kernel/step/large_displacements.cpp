@@ -11,15 +11,18 @@ namespace {
 	constexpr double infinity  = std::numeric_limits<double>::infinity();
 	constexpr int    samples        = 4;    // times within the step at which gaps are measured
 	constexpr int    bounceSamples  = 8;    // the same to decide about a bounce
-	constexpr double clearance      = 0.02; // gap over the slop that must stay open to release a contact
+	// gap over the slop that must stay open to release a contact
+	constexpr double clearance      = 0.02;
 	constexpr double loadedClearance = 0.5; // the same for a contact that bore a force
-	constexpr double earlyArrival   = 0.01; // fraction of the path that a kept contact may leave open
+	// fraction of the path that a kept contact may leave open
+	constexpr double earlyArrival   = 0.01;
 
 	const Twist& solved(const Step& step, int id) { return step.problem.velocity[id]; }
 	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
 	/// Contact points of the displaced bodies after `time`, detected with the reach of the step.
-	Manifold pointsAfter(const Step& step, const StepContact& c, double time, const Twist& (*velocity)(const Step&, int))
+	Manifold pointsAfter(const Step& step, const StepContact& c, double time,
+	        const Twist& (*velocity)(const Step&, int))
 	{
 		const auto at = [&](int id) {
 			const StepBody& body = step.bodies[id];
@@ -27,21 +30,26 @@ namespace {
 		};
 		Pose at2   = at(c.body2);
 		at2.center = at2.center + c.shift + time * c.drift;
-		return contactPoints(step.bodies[c.body1].shape, at(c.body1), step.bodies[c.body2].shape, at2, reachOf(step, c.body1) + reachOf(step, c.body2));
+		return contactPoints(step.bodies[c.body1].shape, at(c.body1), step.bodies[c.body2].shape,
+		        at2, reachOf(step, c.body1) + reachOf(step, c.body2));
 	}
 
-	/// Gap of the point that was number k of `count`, or the smallest gap if their number changed; inf: out of reach;
-	/// −inf: the point is on the far side of the body.
+	/// Gap of the point that was number k of `count`, or the smallest gap if their number changed;
+	/// inf: out of reach; −inf: the point is on the far side of the body.
 	double gapOf(const Manifold& now, int k, int count, Vec2 normal)
 	{
 		if (now.count == 0) return infinity;
-		const int at = now.count == count ? k : now.count == 2 && now.points[1].gap < now.points[0].gap ? 1 : 0;
+		const int at = now.count == count                                 ? k
+		        : now.count == 2 && now.points[1].gap < now.points[0].gap ? 1
+		                                                                  : 0;
 		return dot(now.points[at].normal, normal) > 0 ? now.points[at].gap : -infinity;
 	}
 
-	/// The path up to `time`, which ends clear of the other body and on its far side, crosses the body; else it passes beside it.
-	/// Bisection: the normal turns gradually beside a body and flips across it.
-	bool crosses(const Step& step, const StepContact& contact, double time, Vec2 normalBefore, Vec2 normalAfter)
+	/// The path up to `time`, which ends clear of the other body and on its far side, crosses the
+	/// body; else it passes beside it. Bisection: the normal turns gradually beside a body and
+	/// flips across it.
+	bool crosses(const Step& step, const StepContact& contact, double time, Vec2 normalBefore,
+	        Vec2 normalAfter)
 	{
 		constexpr int halvings = 10;
 		double        before = 0, after = time;
@@ -61,7 +69,8 @@ namespace {
 	}
 
 	/// A body has passed through the other one at `time`, whether they still overlap or not.
-	bool passedThrough(const Step& step, const StepContact& contact, const Manifold& now, double time, Vec2 normal)
+	bool passedThrough(const Step& step, const StepContact& contact, const Manifold& now,
+	        double time, Vec2 normal)
 	{
 		if (now.count == 0 || dot(now.points[0].normal, normal) > 0) return false;
 		return now.points[0].gap < 0 || crosses(step, contact, time, normal, now.points[0].normal);
@@ -80,32 +89,50 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		const int     number = contact.first + k;
 		ContactPoint& c      = step.problem.points[number];
 		const double  gap    = step.gap[number].now;
-		const double  path    = dt * relativeVelocity(c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]).n;
+		const double  path   = dt
+		        * relativeVelocity(
+		                c, step.problem.velocity[c.body1], step.problem.velocity[c.body2])
+		                  .n;
 		double        least  = infinity;
 		for (const Manifold& now : at)
 			least = std::min(least, gapOf(now, k, contact.count, c.normal));
 		int last = samples; // the last sample at which the body is on this side
-		while (last > 0 && passedThrough(step, contact, at[last - 1], dt * last / samples, c.normal))
+		while (last > 0
+		        && passedThrough(step, contact, at[last - 1], dt * last / samples, c.normal))
 			--last;
-		if (last == 0) { // no sample is on this side, so the gap is unknown and the step counts as not converged
+		// no sample is on this side, so the gap is unknown and the step counts as not converged
+		if (last == 0) {
 			overlap = 1;
 			continue;
 		}
-		const double share = double(last) / samples, end = gapOf(at[last - 1], k, contact.count, c.normal);
+		const double share = double(last) / samples,
+		             end   = gapOf(at[last - 1], k, contact.count, c.normal);
 		if (std::isfinite(end)) overlap = std::max(overlap, -end / contact.size);
-		const bool    sinks  = (end < std::min(0.0, gap) - slop || last < samples) && std::isfinite(end);
-		const double  open   = contact.restitution > 0 ? clearance * slop : std::max((step.gap[number].carried ? loadedClearance : clearance) * slop, -earlyArrival * path);
-		const bool    released = allowRelease && step.problem.impulse[number].n > 0 && least > open && std::isfinite(least);
-		if (contact.restitution > 0 && c.bias < 0) continue; // a bounce at the beginning of the step
+		const bool sinks
+		        = (end < std::min(0.0, gap) - slop || last < samples) && std::isfinite(end);
+		const double open     = contact.restitution > 0
+		            ? clearance * slop
+		            : std::max((step.gap[number].carried ? loadedClearance : clearance) * slop,
+		                    -earlyArrival * path);
+		const bool   released = allowRelease && step.problem.impulse[number].n > 0 && least > open
+		        && std::isfinite(least);
+		// a bounce at the beginning of the step
+		if (contact.restitution > 0 && c.bias < 0) continue;
 		if (!sinks && !released) continue;
-		const double before = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity).n;
-		if (sinks && contact.restitution > 0 && before < 0 && c.bias > 0) { // a bounce within the step
+		const double before
+		        = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity)
+		                  .n;
+		// a bounce within the step
+		if (sinks && contact.restitution > 0 && before < 0 && c.bias > 0) {
 			c.bias  = contact.restitution * before;
 			changed = true;
 			continue;
 		}
-		const double curve  = sinks ? (end - gap - share * path) / (share * share) : 2 * least - gap - path; // 2: also releases one of two loaded contacts
-		const double bias   = std::max((std::max(gap, 0.0) + curve) / dt, std::min(0.0, before)); // at most an elastic bounce
+		const double curve = sinks
+		        ? (end - gap - share * path) / (share * share)
+		        : 2 * least - gap - path; // 2: also releases one of two loaded contacts
+		// at most an elastic bounce
+		const double bias   = std::max((std::max(gap, 0.0) + curve) / dt, std::min(0.0, before));
 		if (dt * std::abs(bias - c.bias) < clearance * slop) continue;
 		c.bias  = bias;
 		changed = true;
@@ -117,20 +144,24 @@ bool cancelBounces(Step& step, const StepContact& contact)
 {
 	const auto bounces = [&](int k) { return step.problem.points[contact.first + k].bias < 0; };
 	if (!(bounces(0) || (contact.count == 2 && bounces(1)))) return false;
-	if (!displacesFar(step, contact, initial(step, contact.body1), initial(step, contact.body2))) return false;
+	if (!displacesFar(step, contact, initial(step, contact.body1), initial(step, contact.body2)))
+		return false;
 	double least[2] = { infinity, infinity };
 	for (int sample = 1; sample <= bounceSamples; ++sample) {
 		const Manifold now = pointsAfter(step, contact, step.dt * sample / bounceSamples, initial);
 		for (int k = 0; k < contact.count; ++k)
-			least[k] = std::min(least[k], gapOf(now, k, contact.count, step.problem.points[contact.first + k].normal));
+			least[k] = std::min(least[k],
+			        gapOf(now, k, contact.count, step.problem.points[contact.first + k].normal));
 	}
 	bool changed = false;
 	for (int k = 0; k < contact.count; ++k) {
 		ContactPoint& c   = step.problem.points[contact.first + k];
 		const double  gap = step.gap[contact.first + k].now;
 		if (!bounces(k) || least[k] < std::min(0.0, gap) - clearance * contact.slop()) continue;
-		const double closing = -relativeVelocity(c, initial(step, c.body1), initial(step, c.body2)).n;
-		c.bias               = std::max(gap, 0.0) / step.dt + closing; // the bodies keep their velocities
+		const double closing
+		        = -relativeVelocity(c, initial(step, c.body1), initial(step, c.body2)).n;
+		// the bodies keep their velocities
+		c.bias               = std::max(gap, 0.0) / step.dt + closing;
 		changed              = true;
 	}
 	return changed;

@@ -1,17 +1,20 @@
 // Contacts whose bodies pass each other or rotate far within one step.
 //
-// The law describes a contact by its tangent plane at the beginning of the step: g + dt u_n ≥ 0. The gap at the end differs
-// from this by the curvature of the path, about s²/2ρ for a relative displacement s. A disc that passes a corner would be
-// deflected by a plane that it never meets, and a spinning rod would end inside a body. For large displacements the gap is
-// therefore measured at the displaced positions. Its difference from the plane enters the bias, and the step is solved again:
+// The law describes a contact by its tangent plane at the beginning of the step: g + dt u_n ≥ 0.
+// The gap at the end differs from this by the curvature of the path, about s²/2ρ for a relative
+// displacement s. A disc that passes a corner would be deflected by a plane that it never meets,
+// and a spinning rod would end inside a body. For large displacements the gap is therefore measured
+// at the displaced positions. Its difference from the plane enters the bias, and the step is solved
+// again:
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
 // The bias is at least min(0, u_n⁻), so that the contact pushes no harder than an elastic bounce.
 //
-// A contact that its path does not need is released if a gap of 2 % of the slop stays open. A contact that bore a force already
-// is released from half the slop on, and a contact that closes 99 % of its path is kept. With restitution both are released
-// earlier, since a contact that holds a bouncing body takes its energy.
+// A contact that its path does not need is released if a gap of 2 % of the slop stays open. A
+// contact that bore a force already is released from half the slop on, and a contact that closes 99
+// % of its path is kept. With restitution both are released earlier, since a contact that holds a
+// bouncing body takes its energy.
 //
 // A bounce is cancelled if the bodies do not meet on their paths at the initial velocities.
 //
@@ -22,8 +25,8 @@
 
 namespace rcr {
 
-/// Relative displacement s per step over √((R₁ + R₂) ρ) [-] above which its curvature s²/2ρ may exceed the slop;
-/// ρ = R₁' + R₂' is the sum of the cap radii.
+/// Relative displacement s per step over √((R₁ + R₂) ρ) [-] above which its curvature s²/2ρ may
+/// exceed the slop; ρ = R₁' + R₂' is the sum of the cap radii.
 constexpr double largeDisplacement = 0.01;
 
 /// The contact has a large displacement at these velocities of its bodies.
@@ -31,8 +34,10 @@ inline bool displacesFar(const Step& step, const StepContact& c, const Twist& v1
 {
 	const StepBody &  one = step.bodies[c.body1], &two = step.bodies[c.body2];
 	const double      translation = norm(Vec2 { v2.x + c.drift.x - v1.x, v2.y + c.drift.y - v1.y });
-	const auto        cap         = [](const StepBody& b) { return b.shape.grain() ? b.shape.halfWidth : 0; };
-	const double      path         = step.dt * (translation + std::abs(v1.rotation) * one.radius + std::abs(v2.rotation) * two.radius);
+	const auto   cap  = [](const StepBody& b) { return b.shape.grain() ? b.shape.halfWidth : 0; };
+	const double path = step.dt
+	        * (translation + std::abs(v1.rotation) * one.radius
+	                + std::abs(v2.rotation) * two.radius);
 	return path * path > largeDisplacement * largeDisplacement * c.size * (cap(one) + cap(two));
 }
 
@@ -42,12 +47,14 @@ inline bool displacesFar(const Step& step, const StepContact& c)
 	return displacesFar(step, c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
 }
 
-/// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias changed.
-/// `allowRelease`: contacts that the path does not need may be released. `overlap`: raised to the deepest overlap at the end
-/// of the step over R₁ + R₂ [-]; 1 if a body has passed through the other one.
+/// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias
+/// changed. `allowRelease`: contacts that the path does not need may be released. `overlap`: raised
+/// to the deepest overlap at the end of the step over R₁ + R₂ [-]; 1 if a body has passed through
+/// the other one.
 bool adaptToDisplacement(Step&, const StepContact&, bool allowRelease, double& overlap);
 
-/// Cancels bounces of a contact whose bodies do not meet at the initial velocities. Returns true if a bias changed.
+/// Cancels bounces of a contact whose bodies do not meet at the initial velocities. Returns true if
+/// a bias changed.
 bool cancelBounces(Step&, const StepContact&);
 
 } // namespace rcr

@@ -16,7 +16,8 @@ struct Inertia {
 };
 
 /// Velocity at the end of a step under a force and a torque [N, N m] and gravity [m/s²].
-inline Twist accelerated(Twist v, const Inertia& inertia, const Twist& force, Vec2 gravity, double dt)
+inline Twist accelerated(
+        Twist v, const Inertia& inertia, const Twist& force, Vec2 gravity, double dt)
 {
 	if (inertia.x) v.x += dt * (force.x / inertia.mass + gravity.x);
 	if (inertia.y) v.y += dt * (force.y / inertia.mass + gravity.y);
@@ -24,7 +25,8 @@ inline Twist accelerated(Twist v, const Inertia& inertia, const Twist& force, Ve
 	return v;
 }
 
-/// Velocity of an overdamped body at the beginning of a step: `rest` in its free degrees of freedom.
+/// Velocity of an overdamped body at the beginning of a step: `rest` in its free degrees of
+/// freedom.
 inline Twist restVelocity(Twist v, const Inertia& inertia, const Twist& rest)
 {
 	if (inertia.x) v.x = rest.x;
@@ -34,6 +36,9 @@ inline Twist restVelocity(Twist v, const Inertia& inertia, const Twist& rest)
 }
 
 /// Rotation after the time dt at an angular velocity [rad/s].
-inline Turn integrated(const Turn& turn, double rotation, double dt) { return scaled(rotation != 0 ? turned(turn, rotation * dt) : turn); }
+inline Turn integrated(const Turn& turn, double rotation, double dt)
+{
+	return scaled(rotation != 0 ? turned(turn, rotation * dt) : turn);
+}
 
 } // namespace rcr

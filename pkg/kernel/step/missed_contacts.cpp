@@ -11,14 +11,19 @@ namespace rcr {
 
 namespace {
 
-	constexpr double      reachFactor = 1.5; // widened reach over the path; a further solve may lengthen the path
-	constexpr std::size_t fewBodies   = 16;  // up to this number of widened bodies, a linear search beats sorting
+	// widened reach over the path; a further solve may lengthen the path
+	constexpr double      reachFactor = 1.5;
+	// up to this number of widened bodies, a linear search beats sorting
+	constexpr std::size_t fewBodies   = 16;
 
-	/// Candidates for contacts of widened bodies. Grains are sorted by x if many bodies are widened and the scene is open.
+	/// Candidates for contacts of widened bodies. Grains are sorted by x if many bodies are widened
+	/// and the scene is open.
 	class Candidates {
 	public:
 		explicit Candidates(const Step& step)
-		        : step_(step), fast_(step.bodies.size()), sorted_(step.widened.size() > fewBodies && !step.cell.periodic)
+		        : step_(step)
+		        , fast_(step.bodies.size())
+		        , sorted_(step.widened.size() > fewBodies && !step.cell.periodic)
 		{
 			for (int id : step.widened)
 				fast_[id] = true;
@@ -34,7 +39,8 @@ namespace {
 			if (sorted_) std::sort(grains_.begin(), grains_.end());
 		}
 
-		/// Calls visit(other) for all bodies that a widened body may meet. Of two widened grains, the larger one finds the other.
+		/// Calls visit(other) for all bodies that a widened body may meet. Of two widened grains,
+		/// the larger one finds the other.
 		template <class Visit> void forEach(int id, Visit visit) const
 		{
 			const StepBody& b = step_.bodies[id];
@@ -45,7 +51,8 @@ namespace {
 			}
 			std::for_each(obstacles_.begin(), obstacles_.end(), visit);
 			const double own  = extent(id);
-			const double half = step_.cell.periodic ? std::numeric_limits<double>::infinity() : own + std::max(own, largestSlow_);
+			const double half = step_.cell.periodic ? std::numeric_limits<double>::infinity()
+			                                        : own + std::max(own, largestSlow_);
 			if (sorted_) {
 				const auto left = [](const auto& grain, double x) { return grain.first < x; };
 				from            = std::lower_bound(from, to, b.center.x - half, left);
@@ -56,7 +63,8 @@ namespace {
 				const int    other = from->second;
 				const double its   = extent(other);
 				if (fast_[other] && (its > own || (its == own && other <= id))) continue;
-				const Vec2   between = step_.bodies[other].center - b.center, apart = between + step_.cell.nearestShift(between);
+				const Vec2 between   = step_.bodies[other].center - b.center,
+				           apart     = between + step_.cell.nearestShift(between);
 				const double most    = own + its;
 				if (dot(apart, apart) <= most * most) visit(other);
 			}
@@ -98,7 +106,10 @@ namespace {
 			c.arm1           = pair.manifold.points[k].position - one.center;
 			c.arm2           = pair.manifold.points[k].position - (two.center + pair.shift);
 			c.drift          = step.cell.drift(pair.shift);
-			const double gap = pair.manifold.points[k].gap, u = relativeVelocity(c, step.problem.velocity[pair.body1], step.problem.velocity[pair.body2]).n;
+			const double gap = pair.manifold.points[k].gap,
+			             u   = relativeVelocity(c, step.problem.velocity[pair.body1],
+			                       step.problem.velocity[pair.body2])
+			                         .n;
 			if (gap + step.dt * u < -contactSlop * contactSize(one.shape, two.shape)) return true;
 		}
 		return false;
@@ -107,13 +118,18 @@ namespace {
 	/// Sorts by bodies and keeps the last entry of each pair.
 	void keepLastOfEach(std::vector<UpdatedContact>& updated)
 	{
-		const auto before = [](const UpdatedContact& a, const UpdatedContact& b) { return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2; };
-		const auto same   = [&](const UpdatedContact& a, const UpdatedContact& b) { return !before(a, b) && !before(b, a); };
+		const auto before = [](const UpdatedContact& a, const UpdatedContact& b) {
+			return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2;
+		};
+		const auto same = [&](const UpdatedContact& a, const UpdatedContact& b) {
+			return !before(a, b) && !before(b, a);
+		};
 		std::stable_sort(updated.begin(), updated.end(), before);
 		updated.erase(updated.begin(), std::unique(updated.rbegin(), updated.rend(), same).base());
 	}
 
-	/// Detects a pair with its present reach and collects it if it has other points than known. Returns true if so.
+	/// Detects a pair with its present reach and collects it if it has other points than known.
+	/// Returns true if so.
 	bool checkPair(Step& step, int id, int other, const MayMeet& mayMeet)
 	{
 		if (step.bodies[id].owner == step.bodies[other].owner) return false;
@@ -126,21 +142,27 @@ namespace {
 		const StepBody &   one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		const StepContact* contact = step.find(pair.body1, pair.body2);
 		Pose               at2     = two.pose();
-		pair.shift                 = contact ? contact->shift : step.cell.nearestShift(two.center - one.center);
+		pair.shift = contact ? contact->shift : step.cell.nearestShift(two.center - one.center);
 		pair.known                 = contact;
 		at2.center                 = at2.center + pair.shift;
 		const double reach         = reachOf(step, pair.body1) + reachOf(step, pair.body2);
 		pair.manifold              = contactPoints(one.shape, one.pose(), two.shape, at2, reach);
-		if (pair.manifold.count == (contact ? contact->count : 0) || (!contact && !mayMeet(pair.body1, pair.body2))) return false;
+		if (pair.manifold.count == (contact ? contact->count : 0)
+		        || (!contact && !mayMeet(pair.body1, pair.body2)))
+			return false;
 		step.updated.push_back(pair);
 		return true;
 	}
 
 } // namespace
 
-double reachOf(const Step& step, std::size_t id) { return std::max(step.bodies[id].alertDistance, id < step.reach.size() ? step.reach[id] : 0); }
+double reachOf(const Step& step, std::size_t id)
+{
+	return std::max(step.bodies[id].alertDistance, id < step.reach.size() ? step.reach[id] : 0);
+}
 
-bool findUnlistedContacts(Step& step, const std::vector<std::int32_t>& bodies, const MayMeet& mayMeet)
+bool findUnlistedContacts(
+        Step& step, const std::vector<std::int32_t>& bodies, const MayMeet& mayMeet)
 {
 	step.widened = bodies;
 	const Candidates candidates(step);
@@ -159,7 +181,9 @@ bool findMissedContacts(Step& step, const MayMeet& mayMeet)
 	const Candidates candidates(step);
 	bool             missed = false;
 	for (int id : step.widened)
-		candidates.forEach(id, [&](int other) { missed |= checkPair(step, id, other, mayMeet) && closes(step, step.updated.back()); });
+		candidates.forEach(id, [&](int other) {
+			missed |= checkPair(step, id, other, mayMeet) && closes(step, step.updated.back());
+		});
 	keepLastOfEach(step.updated);
 	return missed;
 }
@@ -177,7 +201,8 @@ namespace {
 	}
 
 	/// Sets the start forces of the points that a contact has now from those that it had.
-	void transferForces(const Step& step, const StepContact& old, const Manifold& now, Impulse* force)
+	void transferForces(
+	        const Step& step, const StepContact& old, const Manifold& now, Impulse* force)
 	{
 		Impulse both[2];
 		std::copy_n(step.force.begin() + old.first, old.count, both);
@@ -210,10 +235,13 @@ namespace {
 				continue;
 			}
 			const double size = contactSize(step.bodies[g.body1].shape, step.bodies[g.body2].shape);
-			all.push_back({ { g.body1, g.body2, 0, 0, -1, g.restitution, size, g.shift, step.cell.drift(g.shift) }, &g });
+			all.push_back({ { g.body1, g.body2, 0, 0, -1, g.restitution, size, g.shift,
+			                        step.cell.drift(g.shift) },
+			        &g });
 		}
 		std::sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) {
-			return a.contact.body1 != b.contact.body1 ? a.contact.body1 < b.contact.body1 : a.contact.body2 < b.contact.body2;
+			return a.contact.body1 != b.contact.body1 ? a.contact.body1 < b.contact.body1
+			                                          : a.contact.body2 < b.contact.body2;
 		});
 		return all;
 	}
@@ -222,7 +250,8 @@ namespace {
 
 void addUpdatedContacts(Step& step)
 {
-	std::vector<char> restarted(step.bodies.size()); // bodies whose contacts start with their initial bias
+	// bodies whose contacts start with their initial bias
+	std::vector<char> restarted(step.bodies.size());
 	for (int id : step.widened)
 		restarted[id] = true;
 	std::vector<StepContact>  contacts;
@@ -236,20 +265,26 @@ void addUpdatedContacts(Step& step)
 		c.first                   = int(points.size());
 		c.count                   = updated ? updated->manifold.count : old.count;
 		forces.resize(c.first + c.count);
-		if (updated && updated->known) transferForces(step, old, updated->manifold, &forces[c.first]);
+		if (updated && updated->known)
+			transferForces(step, old, updated->manifold, &forces[c.first]);
 		for (int k = 0; k < c.count; ++k) {
 			const int           number   = old.first + k;
-			const double        friction = updated && !updated->known ? updated->friction : step.problem.points[old.first].friction;
-			const ManifoldPoint at       = updated ? updated->manifold.points[k] : step.point(old, k);
+			const double        friction = updated && !updated->known
+			               ? updated->friction
+			               : step.problem.points[old.first].friction;
+			const ManifoldPoint at = updated ? updated->manifold.points[k] : step.point(old, k);
 			ContactPoint        point    = step.contactPoint(c, at, friction);
 			if (!updated) {
-				const double bias = restarted[c.body1] || restarted[c.body2] ? point.bias : step.problem.points[number].bias;
+				const double bias   = restarted[c.body1] || restarted[c.body2]
+				          ? point.bias
+				          : step.problem.points[number].bias;
 				point             = step.problem.points[number];
 				point.bias        = bias;
 				forces[c.first + k] = step.force[number];
 			}
 			points.push_back(point);
-			gaps.push_back({ at.gap, -c.slop(), number < old.first + old.count && step.gap[number].carried });
+			gaps.push_back({ at.gap, -c.slop(),
+			        number < old.first + old.count && step.gap[number].carried });
 		}
 		contacts.push_back(c);
 	}

@@ -1,12 +1,13 @@
 // Contacts that form within a step although its detection did not find them.
 //
-// Detection covers gaps up to the reach of a pair, which follows from the velocities at the beginning of the step:
+// Detection covers gaps up to the reach of a pair, which follows from the velocities at the
+// beginning of the step:
 //
 //   reach = e₁ + e₂,   e = max(0.01 R', 2 dt (|v| + |ω| R)) for a grain,  2 dt (|v| + |ω| R) for an obstacle
 //
-// A body that is released or hit may move further. After the solve, the reach of bodies that outran their alert distance is
-// widened to 1.5 times their path. If an undetected gap then closes beyond the slop, all contacts found so are added and the
-// step is solved again.
+// A body that is released or hit may move further. After the solve, the reach of bodies that outran
+// their alert distance is widened to 1.5 times their path. If an undetected gap then closes beyond
+// the slop, all contacts found so are added and the step is solved again.
 #pragma once
 
 #include <functional>
@@ -21,7 +22,8 @@ inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
 	switch (shape.kind) {
 		case PlanarShape::wall: return 2 * dt * std::abs(shape.axis == 0 ? v.x : v.y);
 		case PlanarShape::disc:
-		case PlanarShape::stadium: return std::max(0.01 * shape.halfWidth, 2 * dt * speed(v, shape.radius()));
+		case PlanarShape::stadium:
+			return std::max(0.01 * shape.halfWidth, 2 * dt * speed(v, shape.radius()));
 		default: return 2 * dt * speed(v, shape.radius());
 	}
 }
@@ -29,19 +31,19 @@ inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
 /// The rules of the simulation allow a contact of two bodies that do not touch yet.
 using MayMeet = std::function<bool(int body1, int body2)>;
 
-/// Collects in step.updated the undetected contacts of bodies that the simulation does not fully list, before the solve.
-/// Returns true if there are any; addUpdatedContacts must then follow.
+/// Collects in step.updated the undetected contacts of bodies that the simulation does not fully
+/// list, before the solve. Returns true if there are any; addUpdatedContacts must then follow.
 bool findUnlistedContacts(Step&, const std::vector<std::int32_t>& bodies, const MayMeet&);
 
 /// Distance within which contacts of a body were detected in this step so far [m].
 double reachOf(const Step&, std::size_t id);
 
-/// Collects in step.updated the contacts that the solved step finds with a widened reach. Returns true if one of them closes
-/// beyond the slop; addUpdatedContacts must then follow.
+/// Collects in step.updated the contacts that the solved step finds with a widened reach. Returns
+/// true if one of them closes beyond the slop; addUpdatedContacts must then follow.
 bool findMissedContacts(Step&, const MayMeet&);
 
-/// Adds step.updated to the contacts, points and forces of the step, and moves it to step.added. The caller sets friction and
-/// restitution of new contacts before.
+/// Adds step.updated to the contacts, points and forces of the step, and moves it to step.added.
+/// The caller sets friction and restitution of new contacts before.
 void addUpdatedContacts(Step&);
 
 } // namespace rcr

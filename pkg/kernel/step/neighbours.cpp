@@ -12,22 +12,28 @@ namespace {
 
 	constexpr double stepsAhead = 12;             // steps that a margin lasts
 	constexpr double least = 0.05, most = 0.4;    // margin over the mean cap radius
-	constexpr int    repairFraction = 50;         // the list is repaired if at most 1/50 of the bodies moved
+	// the list is repaired if at most 1/50 of the bodies moved
+	constexpr int    repairFraction = 50;
 	constexpr int    bodiesPerPart = 256;
 	constexpr int    mostCellsPerGrain = 4;
 
 	/// Largest displacement of a point of the surface of a body [m].
-	double displacement(const PlanarShape& before, const Pose& from, const PlanarShape& now, const Pose& to)
+	double displacement(
+	        const PlanarShape& before, const Pose& from, const PlanarShape& now, const Pose& to)
 	{
-		if (now.kind == PlanarShape::wall) return now.axis == 0 ? std::abs(to.center.x - from.center.x) : std::abs(to.center.y - from.center.y);
+		if (now.kind == PlanarShape::wall)
+			return now.axis == 0 ? std::abs(to.center.x - from.center.x)
+			                     : std::abs(to.center.y - from.center.y);
 		const double arm = now.kind == PlanarShape::box ? now.radius() : now.halfLength;
 		double       sum = norm(to.center - from.center) + arm * norm(to.axis - from.axis);
 		if (now.kind == PlanarShape::segment)
-			sum += norm(now.offset - before.offset) + arm * norm(now.along - before.along) + std::abs(now.halfLength - before.halfLength);
+			sum += norm(now.offset - before.offset) + arm * norm(now.along - before.along)
+			        + std::abs(now.halfLength - before.halfLength);
 		return sum;
 	}
 
-	/// Interval that holds all but 1 % of the values, so that a few distant grains do not enlarge the grid.
+	/// Interval that holds all but 1 % of the values, so that a few distant grains do not enlarge
+	/// the grid.
 	std::pair<double, double> bulk(std::vector<double>& x)
 	{
 		if (x.empty()) return { 0, 0 };
@@ -70,10 +76,13 @@ bool Neighbours::findMovedBodies(const Step& step, ThreadTeam& team)
 		const StepBody& body = step.bodies[id];
 		const Place&    at   = at_[id];
 		if (body.shape.kind == PlanarShape::none && at.shape.kind == PlanarShape::none) return;
-		if (body.shape.kind != at.shape.kind || body.shape.radius() != at.shape.radius() || body.shape.halfWidth != at.shape.halfWidth)
+		if (body.shape.kind != at.shape.kind || body.shape.radius() != at.shape.radius()
+		        || body.shape.halfWidth != at.shape.halfWidth)
 			same.store(false, std::memory_order_relaxed);
 		else
-			isMoved_[id] = displacement(at.shape, at.pose, body.shape, body.pose()) + body.alertDistance - at.reach > margin_;
+			isMoved_[id] = displacement(at.shape, at.pose, body.shape, body.pose())
+			                + body.alertDistance - at.reach
+			        > margin_;
 	});
 	if (!same) return false;
 	for (std::size_t id = 0; id < isMoved_.size(); ++id)
@@ -85,14 +94,20 @@ bool Neighbours::update(const Step& step, ThreadTeam& team)
 {
 	const bool same = findMovedBodies(step, team);
 	if (same && moved_.empty()) return false;
-	const std::size_t few = at_.size() / repairFraction, leave = std::count_if(moved_.begin(), moved_.end(), [&](std::int32_t id) { return !isWide_[id]; });
-	if (same && moved_.size() <= few && wide_.size() + leave <= wideAtFirst_ + few) repair(step, team);
+	const std::size_t few   = at_.size() / repairFraction,
+	                  leave = std::count_if(moved_.begin(), moved_.end(),
+	                          [&](std::int32_t id) { return !isWide_[id]; });
+	if (same && moved_.size() <= few && wide_.size() + leave <= wideAtFirst_ + few)
+		repair(step, team);
 	else
 		find(step, team);
 	return true;
 }
 
-double Neighbours::extent(std::size_t id) const { return at_[id].shape.radius() + at_[id].reach + margin_; }
+double Neighbours::extent(std::size_t id) const
+{
+	return at_[id].shape.radius() + at_[id].reach + margin_;
+}
 
 /// Bounding box of a body, enlarged by its reach, the margin and `more` [m].
 Neighbours::Box Neighbours::box(std::size_t id, double more) const
@@ -102,7 +117,8 @@ Neighbours::Box Neighbours::box(std::size_t id, double more) const
 	if (at.shape.kind == PlanarShape::segment) pose = segmentPose(at.shape, pose);
 	constexpr double infinite = std::numeric_limits<double>::infinity();
 	Vec2             half     = halfExtent(at.shape, pose.axis);
-	if (at.shape.kind == PlanarShape::wall) half = at.shape.axis == 0 ? Vec2 { at.reach, infinite } : Vec2 { infinite, at.reach };
+	if (at.shape.kind == PlanarShape::wall)
+		half = at.shape.axis == 0 ? Vec2 { at.reach, infinite } : Vec2 { infinite, at.reach };
 	const double round = at.reach + margin_ + more;
 	half               = half + Vec2 { round, round };
 	return { pose.center - half, pose.center + half };
@@ -122,7 +138,7 @@ void Neighbours::chooseMargin(const Step& step)
 		++grains;
 	}
 	const double radius = grains > 0 ? radii / grains : 0;
-	margin_             = std::clamp(stepsAhead * upperQuantile(paths), least * radius, most * radius);
+	margin_ = std::clamp(stepsAhead * upperQuantile(paths), least * radius, most * radius);
 }
 
 /// Sorts grains into cells, except for the widest, which search their surroundings.
@@ -144,15 +160,19 @@ void Neighbours::sortIntoCells(const Step& step)
 	}
 	double widest = 0;
 	if (!extents.empty()) {
-		const auto exempt = std::min(extents.size() - 1, std::size_t(std::sqrt(double(extents.size()))));
+		const auto exempt
+		        = std::min(extents.size() - 1, std::size_t(std::sqrt(double(extents.size()))));
 		std::vector<double> sorted = extents;
-		std::nth_element(sorted.begin(), sorted.begin() + (sorted.size() - 1 - exempt), sorted.end());
+		std::nth_element(
+		        sorted.begin(), sorted.begin() + (sorted.size() - 1 - exempt), sorted.end());
 		widest = sorted[sorted.size() - 1 - exempt];
 	}
 	const auto [left, right] = bulk(x);
 	const auto [low, high]   = bulk(y);
 	const Vec2 size { right - left, high - low };
-	width_   = std::max({ 2 * widest, std::sqrt(size.x * size.y / (mostCellsPerGrain * double(grains.size() + 1))), std::max(size.x, size.y) / 10000 });
+	width_ = std::max({ 2 * widest,
+	        std::sqrt(size.x * size.y / (mostCellsPerGrain * double(grains.size() + 1))),
+	        std::max(size.x, size.y) / 10000 });
 	if (!(width_ > 0)) width_ = 1;
 	origin_  = { left, low };
 	columns_ = int(size.x / width_) + 1;
@@ -198,7 +218,8 @@ template <class Visit> void Neighbours::forEachGrain(const Box& box, Visit visit
 {
 	const int left = column(box.low.x), right = column(box.high.x);
 	for (int row = this->row(box.low.y); row <= this->row(box.high.y); ++row)
-		for (std::int32_t k = firstIn_[row * columns_ + left]; k < firstIn_[row * columns_ + right + 1]; ++k)
+		for (std::int32_t k = firstIn_[row * columns_ + left];
+		        k < firstIn_[row * columns_ + right + 1]; ++k)
 			visit(inCells_[k]);
 }
 
@@ -209,12 +230,16 @@ void Neighbours::searchNarrow(const Step& step, ThreadTeam& team)
 	team.parallelFor(0, parts, [&](int part) {
 		List& found = found_[part];
 		found.clear();
-		for (std::size_t id = std::size_t(part) * bodiesPerPart; id < std::min(step.bodies.size(), std::size_t(part + 1) * bodiesPerPart); ++id) {
+		for (std::size_t id = std::size_t(part) * bodiesPerPart;
+		        id < std::min(step.bodies.size(), std::size_t(part + 1) * bodiesPerPart); ++id) {
 			if (isWide_[id]) continue;
 			const std::size_t begin = found.size();
-			const Vec2        c = at_[id].pose.center, half { 0.5 * width_, 0.5 * width_ }, round = half + half;
+			const Vec2        c     = at_[id].pose.center, half { 0.5 * width_, 0.5 * width_ },
+			           round        = half + half;
 			forEachGrain({ c - round, c + round }, [&](std::int32_t other) {
-				if (first(at_[id].shape, at_[other].shape, std::int32_t(id), other) && near(std::int32_t(id), other)) found.push_back({ std::int32_t(id), other });
+				if (first(at_[id].shape, at_[other].shape, std::int32_t(id), other)
+				        && near(std::int32_t(id), other))
+					found.push_back({ std::int32_t(id), other });
 			});
 			std::sort(found.begin() + begin, found.end());
 		}
@@ -234,7 +259,9 @@ void Neighbours::searchAround(const std::vector<std::int32_t>& bodies, ThreadTea
 		const auto take = [&](std::int32_t other) {
 			const bool ordered = first(at_[id].shape, at_[other].shape, id, other);
 			const auto pair    = ordered ? std::make_pair(id, other) : std::make_pair(other, id);
-			if (canTouch(at_[pair.first].shape.kind, at_[pair.second].shape.kind) && near(pair.first, pair.second)) found_[k].push_back(pair);
+			if (canTouch(at_[pair.first].shape.kind, at_[pair.second].shape.kind)
+			        && near(pair.first, pair.second))
+				found_[k].push_back(pair);
 		};
 		forEachGrain(box(id, 0.5 * width_), [&](std::int32_t other) {
 			if (!isWide_[other]) take(other);
@@ -269,7 +296,11 @@ void Neighbours::repair(const Step& step, ThreadTeam& team)
 		if (!isWide_[id]) wide_.push_back(id);
 		isWide_[id] = true;
 	}
-	list_.erase(std::remove_if(list_.begin(), list_.end(), [&](const auto& pair) { return isMoved_[pair.first] || isMoved_[pair.second]; }), list_.end());
+	list_.erase(std::remove_if(list_.begin(), list_.end(),
+	                    [&](const auto& pair) {
+		                    return isMoved_[pair.first] || isMoved_[pair.second];
+	                    }),
+	        list_.end());
 	searchAround(moved_, team);
 }
 

@@ -1,13 +1,15 @@
 // List of all pairs of bodies that may touch within some steps (Verlet list).
 //
-// A step has a contact where the gap of a pair is within the reach of both bodies, e₁ + e₂ (step/missed_contacts.hpp). The list
-// holds all pairs with a gap up to e₁ + e₂ + 2 s. It is valid while every body satisfies
+// A step has a contact where the gap of a pair is within the reach of both bodies, e₁ + e₂
+// (step/missed_contacts.hpp). The list holds all pairs with a gap up to e₁ + e₂ + 2 s. It is valid
+// while every body satisfies
 //
 //   |x − x₀| + a |t − t₀| + e − e₀ ≤ s        a |t − t₀|: displacement of the ends of its core by rotation
 //
-// The margin s is the path of all but the fastest bodies in 12 steps, within bounds. Candidates come from a grid of cells twice
-// as wide as all but the widest bodies with their margins. Wide bodies and obstacles search their surroundings. If few bodies
-// violate the condition, the list is repaired: only their pairs are searched again.
+// The margin s is the path of all but the fastest bodies in 12 steps, within bounds. Candidates
+// come from a grid of cells twice as wide as all but the widest bodies with their margins. Wide
+// bodies and obstacles search their surroundings. If few bodies violate the condition, the list is
+// repaired: only their pairs are searched again.
 #pragma once
 
 #include <utility>
@@ -22,8 +24,10 @@ namespace rcr {
 inline bool apart(const PlanarShape& one, Vec2 at1, const PlanarShape& two, Vec2 at2, double reach)
 {
 	const Vec2   between = at2 - at1;
-	const double most    = 1.000001 * (one.radius() + two.radius() + reach); // the margin is for rounding
-	if (one.kind == PlanarShape::wall) return std::abs(one.axis == 0 ? between.x : between.y) > most;
+	// the margin is for rounding
+	const double most    = 1.000001 * (one.radius() + two.radius() + reach);
+	if (one.kind == PlanarShape::wall)
+		return std::abs(one.axis == 0 ? between.x : between.y) > most;
 	return one.grain() && dot(between, between) > most * most;
 }
 
@@ -31,7 +35,8 @@ class Neighbours {
 public:
 	using List = std::vector<std::pair<std::int32_t, std::int32_t>>; // (body 1, body 2)
 
-	/// Makes the list valid for the step; returns false if it did not change. Not for clumps and periodic cells.
+	/// Makes the list valid for the step; returns false if it did not change. Not for clumps and
+	/// periodic cells.
 	bool update(const Step&, ThreadTeam&);
 
 	/// The pairs, sorted by body 1, then body 2.

@@ -10,15 +10,22 @@ namespace rcr {
 namespace {
 
 	/// Positions of the points of a manifold along the body by whose axis they are sorted [m].
-	void positionsAlong(const StepBody& one, const StepBody& two, const Manifold& manifold, double (&along)[2])
+	void positionsAlong(
+	        const StepBody& one, const StepBody& two, const Manifold& manifold, double (&along)[2])
 	{
 		const Pose at1 = one.pose(), at2 = two.pose(), &by = orderingPose(one.shape, at1, at2);
 		for (int k = 0; k < 2; ++k)
 			along[k] = dot(manifold.points[k].position - by.center, by.axis);
 	}
 
-	template <class One, class Two> bool before(const One& a, const Two& b) { return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2; }
-	template <class One, class Two> bool same(const One& a, const Two& b) { return a.body1 == b.body1 && a.body2 == b.body2; }
+	template <class One, class Two> bool before(const One& a, const Two& b)
+	{
+		return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2;
+	}
+	template <class One, class Two> bool same(const One& a, const Two& b)
+	{
+		return a.body1 == b.body1 && a.body2 == b.body2;
+	}
 
 	/// Inserts new pairs in order.
 	void insert(Pairs& pairs, std::vector<Pair> more)
@@ -62,7 +69,8 @@ void Pairs::detect(const Step& step, ThreadTeam& team)
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		const double    reach = one.alertDistance + two.alertDistance;
 		pair.fresh            = false;
-		if (apart(one.shape, one.center, two.shape, two.center, reach) || !canTouch(one.shape.kind, two.shape.kind)) {
+		if (apart(one.shape, one.center, two.shape, two.center, reach)
+		        || !canTouch(one.shape.kind, two.shape.kind)) {
 			pair.points = 0;
 			return;
 		}
@@ -75,7 +83,8 @@ void Pairs::detect(const Step& step, ThreadTeam& team)
 		positionsAlong(one, two, manifold[k], along);
 		pair.fresh = pair.points == 0;
 		if (pair.fresh) pair.force[0] = pair.force[1] = {};
-		carryForward(pair.points, pair.along, manifold[k].count, along, pair.force[0], pair.force[1], Impulse {});
+		carryForward(pair.points, pair.along, manifold[k].count, along, pair.force[0],
+		        pair.force[1], Impulse {});
 		pair.points = manifold[k].count;
 		std::copy_n(along, 2, pair.along);
 	});
@@ -83,7 +92,9 @@ void Pairs::detect(const Step& step, ThreadTeam& team)
 
 void Pairs::addFound(const Step& step, long iteration)
 {
-	const auto        find = [&](const UpdatedContact& found) { return std::lower_bound(all.begin(), all.end(), found, before<Pair, UpdatedContact>); };
+	const auto find = [&](const UpdatedContact& found) {
+		return std::lower_bound(all.begin(), all.end(), found, before<Pair, UpdatedContact>);
+	};
 	std::vector<Pair> more;
 	for (const UpdatedContact& found : step.added) {
 		const auto place = find(found);
@@ -102,7 +113,8 @@ void Pairs::addFound(const Step& step, long iteration)
 		}
 		manifold[&pair - all.data()] = found.manifold;
 		pair.points                  = found.manifold.count;
-		positionsAlong(step.bodies[pair.body1], step.bodies[pair.body2], found.manifold, pair.along);
+		positionsAlong(
+		        step.bodies[pair.body1], step.bodies[pair.body2], found.manifold, pair.along);
 	}
 }
 
@@ -118,7 +130,8 @@ void Pairs::numberContacts(Step& step) const
 
 void Pairs::writeContacts(Step& step, ThreadTeam& team) const
 {
-	std::vector<std::int32_t> touching, first; // numbers of pairs that touch, and of their first points
+	// numbers of pairs that touch, and of their first points
+	std::vector<std::int32_t> touching, first;
 	touching.reserve(all.size()), first.reserve(all.size());
 	int points = 0;
 	for (std::size_t k = 0; k < all.size(); ++k) {
@@ -132,8 +145,10 @@ void Pairs::writeContacts(Step& step, ThreadTeam& team) const
 	team.forEach(touching.size(), [&](std::size_t k) {
 		const std::int32_t number = touching[k];
 		const Pair&        pair   = all[number];
-		const double       size   = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
-		step.contacts[k]          = { pair.body1, pair.body2, first[k], pair.points, number, pair.restitution, size, {}, {} };
+		const double       size
+		        = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
+		step.contacts[k] = { pair.body1, pair.body2, first[k], pair.points, number,
+			pair.restitution, size, {}, {} };
 		step.setPoints(step.contacts[k], manifold[number], pair.friction, pair.force);
 	});
 	step.indexContacts();

@@ -15,9 +15,11 @@ struct Pair {
 	std::int32_t points   = 0;     // contact points; 0: no contact
 	std::int32_t source   = -1;    // number of the contact in the simulation; −1: none
 	bool         fresh    = false; // new contact, whose friction and restitution the caller sets
-	long         since    = -1;    // iteration in which the contact formed; −1: stored in the simulation
+	// iteration in which the contact formed; −1: stored in the simulation
+	long         since    = -1;
 	double       friction = 0, restitution = 0;
-	double       along[2] {};      // position of each point along the body by whose axis points are sorted [m]
+	// position of each point along the body by whose axis points are sorted [m]
+	double       along[2] {};
 	Impulse      force[2];         // of each point [N]
 };
 
@@ -28,7 +30,8 @@ struct Pairs {
 	/// Replaces the pairs by those of the list; known pairs keep their data.
 	void assign(const Neighbours::List&);
 
-	/// Detects the contact points of every pair at the poses of the step and carries their forces forward.
+	/// Detects the contact points of every pair at the poses of the step and carries their forces
+	/// forward.
 	void detect(const Step&, ThreadTeam&);
 
 	/// Adds the contacts that the step found after its detection.

@@ -14,7 +14,10 @@ namespace {
 void prepareRecovery(Step& step, double beta, ThreadTeam& team)
 {
 	step.problem.recovery.resize(step.gap.size());
-	team.forEach(step.gap.size(), [&](std::size_t k) { step.problem.recovery[k] = std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt); });
+	team.forEach(step.gap.size(), [&](std::size_t k) {
+		step.problem.recovery[k]
+		        = std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt);
+	});
 }
 
 void correctPositions(Step& step, double beta, Workspace& workspace)
@@ -22,7 +25,9 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 	step.displacement.clear();
 	step.strain = {};
 	if (beta == 0 || step.overdamped) return;
-	if (std::none_of(step.gap.begin(), step.gap.end(), [](const Gap& gap) { return gap.now < gap.allowed; })) return;
+	if (std::none_of(step.gap.begin(), step.gap.end(),
+	            [](const Gap& gap) { return gap.now < gap.allowed; }))
+		return;
 	const ContactProblem& problem = step.problem;
 	std::vector<double>   bias(step.gap.size());
 	workspace.team().forEach(bias.size(), [&](int k) {
@@ -31,11 +36,16 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 	});
 	sweepWithBias(problem, bias, sweeps, step.displacement, step.strain, workspace);
 	ThreadTeam&        team     = workspace.team();
-	const double farthest = team.maximum(step.bodies.size(), [&](std::size_t id) { // displacement over the radius
+	// displacement over the radius
+	const double farthest = team.maximum(step.bodies.size(), [&](std::size_t id) {
 		const StepBody& body = step.bodies[id];
 		const Twist &   v = problem.velocity[id], &with = step.displacement[id];
-		step.displacement[id] = body.free ? Twist { step.dt * (with.x - v.x), step.dt * (with.y - v.y), step.dt * (with.rotation - v.rotation) } : Twist {};
-		return body.free && body.radius > 0 ? speed(step.displacement[id], body.radius) / body.radius : 0;
+		step.displacement[id] = body.free ? Twist { step.dt * (with.x - v.x),
+			step.dt * (with.y - v.y), step.dt * (with.rotation - v.rotation) }
+		                                  : Twist {};
+		return body.free && body.radius > 0
+		        ? speed(step.displacement[id], body.radius) / body.radius
+		        : 0;
 	});
 	const double share = std::min(1.0, largestShift / farthest);
 	team.forEach(step.bodies.size(), [&](std::size_t id) {

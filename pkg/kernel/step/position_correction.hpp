@@ -1,12 +1,14 @@
 // Removes overlaps by displacements that never become velocities (split impulses).
 //
-// The tolerance of the solver and the curvature of paths leave overlaps. The step is solved once more from its own impulses,
-// with u_n ≥ β |g|/dt at overlaps, and the bodies are displaced by dt (v_β − v). Both solves contain the loads of the step, so
-// a displacement does not open contacts that the next step would close with an impact.
+// The tolerance of the solver and the curvature of paths leave overlaps. The step is solved once
+// more from its own impulses, with u_n ≥ β |g|/dt at overlaps, and the bodies are displaced by dt
+// (v_β − v). Both solves contain the loads of the step, so a displacement does not open contacts
+// that the next step would close with an impact.
 //
-// Only the overlap beyond the slop counts. In a marginal packing, one contact opens only if others move far, and they then
-// overlap again. The largest displacement is therefore bounded, and all are scaled by the same factor. A cell that stretches
-// is displaced with its bodies. Source: Jourdan, Alart and Jean 1998.
+// Only the overlap beyond the slop counts. In a marginal packing, one contact opens only if others
+// move far, and they then overlap again. The largest displacement is therefore bounded, and all are
+// scaled by the same factor. A cell that stretches is displaced with its bodies. Source: Jourdan,
+// Alart and Jean 1998.
 #pragma once
 
 #include "problem/solver.hpp"
@@ -14,11 +16,12 @@
 
 namespace rcr {
 
-/// Computes step.displacement and step.strain; empty and 0 if no overlap exceeds the slop. `share`: β [-]. The workspace must
-/// hold the solved step.
+/// Computes step.displacement and step.strain; empty and 0 if no overlap exceeds the slop. `share`:
+/// β [-]. The workspace must hold the solved step.
 void correctPositions(Step&, double share, Workspace&);
 
-/// Computes problem.recovery: the velocities at which yielding contacts remove the fraction β of their overlaps, at finite forces.
+/// Computes problem.recovery: the velocities at which yielding contacts remove the fraction β of
+/// their overlaps, at finite forces.
 void prepareRecovery(Step&, double share, ThreadTeam&);
 
 } // namespace rcr

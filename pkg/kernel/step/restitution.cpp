@@ -9,10 +9,12 @@ namespace rcr {
 
 namespace {
 
-	constexpr double energyTolerance = 1e-3; // energy gain over the work of all impulses that the solver's tolerance may cause
+	// energy gain over the work of all impulses that the solver's tolerance may cause
+	constexpr double energyTolerance = 1e-3;
 	constexpr double reached         = 0.99; // fraction of a bounce that counts as reached
 
-	/// Sets of bodies that impulses of the solved step join. Prescribed bodies join none. Union-find with path halving.
+	/// Sets of bodies that impulses of the solved step join. Prescribed bodies join none.
+	/// Union-find with path halving.
 	class Collisions {
 	public:
 		explicit Collisions(const Step& step)
@@ -22,12 +24,17 @@ namespace {
 			std::iota(next_.begin(), next_.end(), 0);
 			for (std::size_t k = 0; k < problem_.points.size(); ++k) {
 				const ContactPoint& c = problem_.points[k];
-				if (problem_.impulse[k].n > 0 && !problem_.prescribed(c.body1) && !problem_.prescribed(c.body2)) next_[find(c.body1)] = find(c.body2);
+				if (problem_.impulse[k].n > 0 && !problem_.prescribed(c.body1)
+				        && !problem_.prescribed(c.body2))
+					next_[find(c.body1)] = find(c.body2);
 			}
 		}
 
 		/// Number of the collision of a point.
-		int of(const ContactPoint& c) { return find(problem_.prescribed(c.body1) ? c.body2 : c.body1); }
+		int of(const ContactPoint& c)
+		{
+			return find(problem_.prescribed(c.body1) ? c.body2 : c.body1);
+		}
 
 	private:
 		const ContactProblem& problem_;
@@ -41,11 +48,18 @@ namespace {
 		}
 	};
 
-	Impulse before(const Step& step, const ContactPoint& c) { return relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity); }
+	Impulse before(const Step& step, const ContactPoint& c)
+	{
+		return relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
+	}
 
-	Impulse after(const Step& step, const ContactPoint& c) { return relativeVelocity(c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]); }
+	Impulse after(const Step& step, const ContactPoint& c)
+	{
+		return relativeVelocity(c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
+	}
 
-	/// Twice the energies of a collision: growth, loss without restitution, and work of all points as absolute values.
+	/// Twice the energies of a collision: growth, loss without restitution, and work of all points
+	/// as absolute values.
 	struct Energy {
 		double gain = 0, plasticLoss = 0, work = 0;
 	};
@@ -58,7 +72,8 @@ bool restrainBounce(Step& step, const StepContact& contact)
 	for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
 		ContactPoint& c = step.problem.points[k];
 		if (!(c.bias < 0)) continue; // no bounce
-		const double share = passiveRestitutionFactor(delassus(step.problem, c), step.problem.impulse[k], before(step, c), after(step, c), c.bias, c.friction);
+		const double share = passiveRestitutionFactor(delassus(step.problem, c),
+		        step.problem.impulse[k], before(step, c), after(step, c), c.bias, c.friction);
 		c.bias *= share;
 		changed |= share < 1;
 	}
@@ -69,7 +84,8 @@ bool lowerBounces(Step& step, bool plastic)
 {
 	bool lowered = false;
 	for (const StepContact& contact : step.contacts) {
-		for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
+		for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0;
+		        ++k) {
 			ContactPoint& c = step.problem.points[k];
 			if (!(c.bias < 0)) continue;
 			const double leaves = after(step, c).n;
@@ -94,11 +110,13 @@ bool restrainCollisions(Step& step, bool plastic)
 		Energy&       of = energy[collisions.of(c)];
 		of.gain += p.n * (u.n + left.n) + p.t * (u.t + left.t);
 		of.work += std::hypot(p.n, p.t) * std::hypot(u.n, u.t);
-		if (c.bias < 0 && u.n < 0) of.plasticLoss -= p.n * u.n * u.n / (u.n + c.bias); // b_n = e u_n⁻
+		// b_n = e u_n⁻
+		if (c.bias < 0 && u.n < 0) of.plasticLoss -= p.n * u.n * u.n / (u.n + c.bias);
 	}
 	bool changed = false;
 	for (const StepContact& contact : step.contacts) {
-		for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
+		for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0;
+		        ++k) {
 			ContactPoint& c = problem.points[k];
 			if (!(c.bias < 0 && problem.impulse[k].n > 0)) continue;
 			const Energy& of = energy[collisions.of(c)];

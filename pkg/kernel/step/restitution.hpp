@@ -4,24 +4,28 @@
 //   b_n = e u_n⁻  a bounce within the step: Newton's rule with the coefficient e
 //   b_n = 0       lasting contact
 //
-// Newton's rule adds energy in two cases. Friction may reverse the slip at a point: its restitution is then lowered to the value
-// that keeps the energy (passiveRestitutionFactor in problem/coulomb.hpp). In a collision of several bodies, a light body between two heavy
-// ones acts as a lever. A collision is a set of bodies joined by impulses of the step. Its energy grows by
+// Newton's rule adds energy in two cases. Friction may reverse the slip at a point: its restitution
+// is then lowered to the value that keeps the energy (passiveRestitutionFactor in
+// problem/coulomb.hpp). In a collision of several bodies, a light body between two heavy ones acts
+// as a lever. A collision is a set of bodies joined by impulses of the step. Its energy grows by
 //
 //   ΔE = ½ Σ p · (u + u⁻)
 //
-// over its points. Without restitution it falls by about L = ½ Σ p_n |u_n⁻| / (1 + e) over the points that bounce. The restitution
-// of all its points is lowered by the factor L / (L + 3/2 ΔE) until ΔE ≤ 0.
-// Two bounces of one body in one step may have no solution. Their restitution is lowered to what the gaps allow.
-// Source: Newton's rule after Moreau 1999; Kane and Levinson 1985 (its energy).
+// over its points. Without restitution it falls by about L = ½ Σ p_n |u_n⁻| / (1 + e) over the
+// points that bounce. The restitution of all its points is lowered by the factor L / (L + 3/2 ΔE)
+// until ΔE ≤ 0. Two bounces of one body in one step may have no solution. Their restitution is
+// lowered to what the gaps allow. Source: Newton's rule after Moreau 1999; Kane and Levinson 1985
+// (its energy).
 #pragma once
 
 #include "step/step.hpp"
 
 namespace rcr {
 
-/// Bias b_n of a point with this gap [m/s]. normalVelocity(): its u_n at the beginning of the step; called only if e > 0.
-template <class NormalVelocity> double lawBias(double gap, double restitution, double dt, NormalVelocity normalVelocity)
+/// Bias b_n of a point with this gap [m/s]. normalVelocity(): its u_n at the beginning of the step;
+/// called only if e > 0.
+template <class NormalVelocity>
+double lawBias(double gap, double restitution, double dt, NormalVelocity normalVelocity)
 {
 	if (restitution > 0) {
 		const double u = normalVelocity();
@@ -30,13 +34,16 @@ template <class NormalVelocity> double lawBias(double gap, double restitution, d
 	return gap > 0 ? gap / dt : 0;
 }
 
-/// Lowers the restitution of a contact of the solved step whose points add energy. Returns true if a bias changed.
+/// Lowers the restitution of a contact of the solved step whose points add energy. Returns true if
+/// a bias changed.
 bool restrainBounce(Step&, const StepContact&);
 
-/// In a step without a solution, lowers bounces to the velocities reached; `plastic`: to none. Returns true if a bias changed.
+/// In a step without a solution, lowers bounces to the velocities reached; `plastic`: to none.
+/// Returns true if a bias changed.
 bool lowerBounces(Step&, bool plastic);
 
-/// Lowers the restitution of collisions that add energy; `plastic`: to 0. Returns true if a bias changed.
+/// Lowers the restitution of collisions that add energy; `plastic`: to 0. Returns true if a bias
+/// changed.
 bool restrainCollisions(Step&, bool plastic);
 
 } // namespace rcr

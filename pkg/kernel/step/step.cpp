@@ -14,12 +14,14 @@ Pose moved(const StepBody& body, const StepBody& owner, const Twist& v, double t
 	if (&body != &owner) {
 		const Vec2   arm = body.center - owner.center;
 		const double c = std::cos(time * v.rotation), s = std::sin(time * v.rotation);
-		center = { owner.center.x + time * v.x + c * arm.x - s * arm.y, owner.center.y + time * v.y + s * arm.x + c * arm.y };
+		center = { owner.center.x + time * v.x + c * arm.x - s * arm.y,
+			owner.center.y + time * v.y + s * arm.x + c * arm.y };
 	}
 	return { center, turn.axis() };
 }
 
-ContactPoint Step::contactPoint(const StepContact& c, const ManifoldPoint& at, double friction) const
+ContactPoint Step::contactPoint(
+        const StepContact& c, const ManifoldPoint& at, double friction) const
 {
 	ContactPoint p;
 	p.body1    = bodies[c.body1].owner;
@@ -31,8 +33,8 @@ ContactPoint Step::contactPoint(const StepContact& c, const ManifoldPoint& at, d
 	p.drift    = c.drift;
 	p.shift    = cell.stretches() ? c.shift : Vec2 {};
 	p.bias     = overdamped ? at.gap / dt : lawBias(at.gap, c.restitution, dt, [&] {
-                             return relativeVelocity(p, bodies[p.body1].velocity, bodies[p.body2].velocity).n;
-                     });
+        return relativeVelocity(p, bodies[p.body1].velocity, bodies[p.body2].velocity).n;
+    });
 	return p;
 }
 
@@ -49,7 +51,8 @@ void Step::begin(int points)
 	strain = {};
 }
 
-void Step::setPoints(const StepContact& c, const Manifold& manifold, double friction, const Impulse* from)
+void Step::setPoints(
+        const StepContact& c, const Manifold& manifold, double friction, const Impulse* from)
 {
 	for (int k = 0; k < c.count; ++k) {
 		problem.points[c.first + k]  = contactPoint(c, manifold.points[k], friction);
@@ -79,14 +82,18 @@ void Step::indexContacts()
 
 const StepContact* Step::find(int body1, int body2) const
 {
-	const auto begin = contacts.begin() + firstOf[body1], end = contacts.begin() + firstOf[body1 + 1];
-	const auto found = std::lower_bound(begin, end, body2, [](const StepContact& c, int body) { return c.body2 < body; });
+	const auto begin = contacts.begin() + firstOf[body1],
+	           end   = contacts.begin() + firstOf[body1 + 1];
+	const auto found = std::lower_bound(
+	        begin, end, body2, [](const StepContact& c, int body) { return c.body2 < body; });
 	return found != end && found->body2 == body2 ? &*found : nullptr;
 }
 
 double Step::rounding(ThreadTeam& team) const
 {
-	return 1e-12 * team.maximum(bodies.size(), [&](std::size_t id) { return speed(bodies[id].velocity, bodies[id].radius); });
+	return 1e-12 * team.maximum(bodies.size(), [&](std::size_t id) {
+		return speed(bodies[id].velocity, bodies[id].radius);
+	});
 }
 
 void Step::startFromForces()
@@ -100,7 +107,9 @@ void Step::keepForces(ThreadTeam& team)
 {
 	const double inverseDt = 1 / dt;
 	force.resize(problem.impulse.size());
-	team.forEach(force.size(), [&](std::size_t k) { force[k] = { inverseDt * problem.impulse[k].n, inverseDt * problem.impulse[k].t }; });
+	team.forEach(force.size(), [&](std::size_t k) {
+		force[k] = { inverseDt * problem.impulse[k].n, inverseDt * problem.impulse[k].t };
+	});
 }
 
 } // namespace rcr

@@ -10,9 +10,10 @@
 //   position correction   displacements that remove overlaps             step/position_correction.hpp
 //   scatter               forces, displacements, new contacts            (simulation)
 //
-// Only the first and the last stage access the simulation, so an error in between leaves it unchanged.
-// Bodies keep the numbers that they have in the simulation. A contact stores these numbers; its points store
-// the bodies that their impulses move, which are the clumps of clump members.
+// Only the first and the last stage access the simulation, so an error in between leaves it
+// unchanged. Bodies keep the numbers that they have in the simulation. A contact stores these
+// numbers; its points store the bodies that their impulses move, which are the clumps of clump
+// members.
 //
 // | symbol | field         | unit | meaning                                                         |
 // |--------|---------------|------|-----------------------------------------------------------------|
@@ -33,11 +34,15 @@ namespace rcr {
 
 class ThreadTeam;
 
-/// Overlap over R₁ + R₂ that is not corrected. Without it, contacts at rest would open and close endlessly.
+/// Overlap over R₁ + R₂ that is not corrected. Without it, contacts at rest would open and close
+/// endlessly.
 constexpr double contactSlop = 1e-4;
 
 /// Upper bound of the speed of all points of a body [m/s].
-inline double speed(const Twist& v, double radius) { return norm(Vec2 { v.x, v.y }) + std::abs(v.rotation) * radius; }
+inline double speed(const Twist& v, double radius)
+{
+	return norm(Vec2 { v.x, v.y }) + std::abs(v.rotation) * radius;
+}
 
 /// Rotation by θ about z as the quaternion (cos θ/2, 0, 0, sin θ/2).
 struct Turn {
@@ -67,7 +72,8 @@ struct StepBody {
 	Twist        velocity;          // at the beginning of the step
 	double       radius        = 0; // PlanarShape::radius
 	double       alertDistance = 0; // distance within which its contacts were detected [m]
-	double       expected      = std::numeric_limits<double>::infinity(); // path up to which all its contacts are detected [m]
+	// path up to which all its contacts are detected [m]
+	double       expected      = std::numeric_limits<double>::infinity();
 	std::int32_t owner         = 0;     // body whose motion it shares: itself or its clump
 	bool         free          = false; // at least one degree of freedom is not blocked
 
@@ -91,7 +97,8 @@ struct StepContact {
 	std::int32_t source      = -1; // its number in the simulation; −1: new
 	double       restitution = 0;
 	double       size        = 0; // R₁ + R₂ [m]
-	Vec2         shift, drift;     // shift of the image of body 2 [m], and its velocity relative to body 2 [m/s]
+	// shift of the image of body 2 [m], and its velocity relative to body 2 [m/s]
+	Vec2         shift, drift;
 
 	double slop() const { return contactSlop * size; }
 };
@@ -111,9 +118,9 @@ struct UpdatedContact {
 	double       friction = 0, restitution = 0; // of a new contact; set by the simulation
 };
 
-/// Periodic cell: base vectors as columns of h [m], and the velocity gradient of its images [1/s]. All zero in an open scene.
-/// The cell stretches along an axis with an inverse mass, as stress and contacts drive it. Before the solve, the gradient is
-/// that without contacts.
+/// Periodic cell: base vectors as columns of h [m], and the velocity gradient of its images [1/s].
+/// All zero in an open scene. The cell stretches along an axis with an inverse mass, as stress and
+/// contacts drive it. Before the solve, the gradient is that without contacts.
 struct PeriodicCell {
 	bool   periodic = false;
 	double h[2][2] {}, inverse[2][2] {}, gradient[2][2] {};
@@ -123,7 +130,9 @@ struct PeriodicCell {
 	/// Its motion is prescribed and not zero.
 	bool driven() const
 	{
-		return gradient[0][1] != 0 || gradient[1][0] != 0 || (gradient[0][0] != 0 && inverseMass.x == 0) || (gradient[1][1] != 0 && inverseMass.y == 0);
+		return gradient[0][1] != 0 || gradient[1][0] != 0
+		        || (gradient[0][0] != 0 && inverseMass.x == 0)
+		        || (gradient[1][1] != 0 && inverseMass.y == 0);
 	}
 
 	/// Shift of body 2 to its image nearest to body 1 [m].
@@ -135,7 +144,11 @@ struct PeriodicCell {
 		return { h[0][0] * a + h[0][1] * b, h[1][0] * a + h[1][1] * b };
 	}
 	/// Velocity of an image relative to its body [m/s].
-	Vec2 drift(Vec2 shift) const { return { gradient[0][0] * shift.x + gradient[0][1] * shift.y, gradient[1][0] * shift.x + gradient[1][1] * shift.y }; }
+	Vec2 drift(Vec2 shift) const
+	{
+		return { gradient[0][0] * shift.x + gradient[0][1] * shift.y,
+			gradient[1][0] * shift.x + gradient[1][1] * shift.y };
+	}
 };
 
 /// Homogeneous flow with a velocity gradient [1/s].
@@ -145,25 +158,29 @@ struct Flow {
 	Twist at(Vec2 r) const
 	{
 		const auto& g = gradient;
-		return { g[0][0] * r.x + g[0][1] * r.y, g[1][0] * r.x + g[1][1] * r.y, 0.5 * (g[1][0] - g[0][1]) };
+		return { g[0][0] * r.x + g[0][1] * r.y, g[1][0] * r.x + g[1][1] * r.y,
+			0.5 * (g[1][0] - g[0][1]) };
 	}
 };
 
 struct Step {
 	double                    dt         = 0; // [s]
-	bool                      overdamped = false; // bodies start from restFlow; the step removes overlaps whole
+	// bodies start from restFlow; the step removes overlaps whole
+	bool                      overdamped = false;
 	Flow                      restFlow;
 	PeriodicCell              cell;
 	std::vector<StepBody>     bodies;
 	std::vector<std::int32_t> members;  // clump members
 	std::vector<StepContact>  contacts; // sorted by body1, then body2
-	std::vector<std::int32_t> firstOf;  // per body: its first contact as body 1; one more entry: the end
+	// per body: its first contact as body 1; one more entry: the end
+	std::vector<std::int32_t> firstOf;
 	std::vector<Gap>          gap;      // per point
 	ContactProblem            problem;
 	std::vector<Impulse>      force;    // per point [N]: start of the solver, then its result
 	std::vector<double>       reach;    // per body: widened alert distance [m]; 0: not widened
 	std::vector<std::int32_t> widened;  // bodies whose reach was widened after the last solve
-	std::vector<UpdatedContact> updated;  // contacts that the widened reach found and the step lacks
+	// contacts that the widened reach found and the step lacks
+	std::vector<UpdatedContact> updated;
 	std::vector<UpdatedContact> added;    // contacts that were added to the step
 	std::vector<Twist>        displacement; // per body: position correction [m, rad]; empty: none
 	Vec2                      strain;       // of the cell, from the position correction [-]
@@ -175,7 +192,8 @@ struct Step {
 		return { bodies[at.body1].center + at.arm1, at.normal, gap[c.first + k].now };
 	}
 
-	/// A detected point as a point of the problem. Its bias follows from the velocities at the beginning of the step.
+	/// A detected point as a point of the problem. Its bias follows from the velocities at the
+	/// beginning of the step.
 	ContactPoint contactPoint(const StepContact&, const ManifoldPoint&, double friction) const;
 
 	/// Allocates the points of the contacts and clears the results of the last step.
@@ -197,14 +215,16 @@ struct Step {
 	void startFromForces();
 	void keepForces(ThreadTeam&);
 
-	/// Updates the gradient of the cell and the drifts after a solve. `before`: stretch rate before it [1/s].
+	/// Updates the gradient of the cell and the drifts after a solve. `before`: stretch rate before
+	/// it [1/s].
 	void stretchCell(Vec2 before);
 
 	/// Sets the velocities of clump members after a solve.
 	void moveMembers()
 	{
 		for (std::int32_t id : members)
-			problem.velocity[id] = memberVelocity(bodies[id], bodies[bodies[id].owner], problem.velocity[bodies[id].owner]);
+			problem.velocity[id] = memberVelocity(
+			        bodies[id], bodies[bodies[id].owner], problem.velocity[bodies[id].owner]);
 	}
 };
 

@@ -1,7 +1,8 @@
 // Detects that driven bodies squeeze grains without end.
 //
-// Rigid grains do not give way, but yielding contacts (solve_yielding.cpp) let the drive continue. The sign of a squeeze is then
-// an overlap beyond 0.02 (R₁ + R₂) that keeps growing. Pauses and small recessions do not end a squeeze, since grains rearrange.
+// Rigid grains do not give way, but yielding contacts (solve_yielding.cpp) let the drive continue.
+// The sign of a squeeze is then an overlap beyond 0.02 (R₁ + R₂) that keeps growing. Pauses and
+// small recessions do not end a squeeze, since grains rearrange.
 #pragma once
 
 #include <vector>
@@ -22,8 +23,8 @@ public:
 
 	enum class Verdict { none, jam, notConverged };
 
-	/// Adds a step with its deepest overlap over R₁ + R₂ (0: none). After every `patience` steps of growth the verdict is `jam` if a
-	/// step had no solution, else `notConverged`.
+	/// Adds a step with its deepest overlap over R₁ + R₂ (0: none). After every `patience` steps of
+	/// growth the verdict is `jam` if a step had no solution, else `notConverged`.
 	Verdict update(double overlap, bool noSolution)
 	{
 		if (!(overlap > crushed)) {

@@ -17,7 +17,8 @@ bool MissedSteps::count(bool stepMissed, bool stepYielded, double overlap, bool 
 	missed += stepMissed;
 	yielded += stepYielded;
 	if (!removesOverlaps || stepMissed) deepest = std::max(deepest, overlap);
-	const bool deeper    = deepest > (missed == 0 && removesOverlaps ? none : reportedOverlap) && deepest >= 2 * warnedDepth;
+	const bool deeper = deepest > (missed == 0 && removesOverlaps ? none : reportedOverlap)
+	        && deepest >= 2 * warnedDepth;
 	const bool moreOften = yielded > 0 && yielded >= 10 * warnedYielded;
 	if (!deeper && !moreOften) return false;
 	warnedYielded = yielded, warnedDepth = deepest;
@@ -31,21 +32,26 @@ std::string MissedSteps::message() const
 	const auto deepestText = [&] { text << "the deepest overlap is " << deepest << " of R₁ + R₂"; };
 	if (missed == 0) {
 		deepestText();
-		text << " and grows, although all steps converged. Positions and forces are wrong to that extent. Something moves the bodies beside the "
-		     << "solver: bodies inserted into others, positions that a script sets, forces added after ContactDynamics, or displacements "
+		text << " and grows, although all steps converged. Positions and forces are wrong to that "
+		        "extent. Something moves the bodies beside the "
+		     << "solver: bodies inserted into others, positions that a script sets, forces added "
+		        "after ContactDynamics, or displacements "
 		     << "in a step that are too large; remove it, or take a smaller O.dt.";
 		return text.str();
 	}
-	text << missed << " of " << steps << (steps == 1 ? " step has" : " steps have") << " not converged";
+	text << missed << " of " << steps << (steps == 1 ? " step has" : " steps have")
+	     << " not converged";
 	if (yielded > 0) text << ", " << yielded << " of them without a solution";
 	text << "; ";
 	deepestText();
 	text << ". ";
 	if (yielded > 0)
-		text << "Forces of the steps without a solution are those of yielding contacts: leave these steps out of averages. "
+		text << "Forces of the steps without a solution are those of yielding contacts: leave "
+		        "these steps out of averages. "
 		     << "Slow down or reverse what is driven, or press by a force.";
 	else
-		text << "Positions are wrong to that extent. Place bodies apart at the start, take a smaller O.dt or more maxIterations.";
+		text << "Positions are wrong to that extent. Place bodies apart at the start, take a "
+		        "smaller O.dt or more maxIterations.";
 	return text.str();
 }
 

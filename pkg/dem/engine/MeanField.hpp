@@ -1,0 +1,44 @@
+// Mean velocity field of a periodic cell.
+#pragma once
+
+#include <core/Scene.hpp>
+#include <pkg/dem/NewtonIntegrator.hpp>
+
+#include "dem/engine/CellStress.hpp"
+#include "dem/validation/validation.hpp"
+#include "kernel/step/step.hpp"
+
+namespace yade {
+
+/// Terms that NewtonIntegrator adds to the velocities of bodies in a cell: change of the mean
+/// field, and its convection.
+struct MeanField {
+	bool     periodic = false;
+	Matrix3r gradient = Matrix3r::Zero(), change = Matrix3r::Zero(),
+	         convection = Matrix3r::Zero();
+	Matrix3r rest = Matrix3r::Zero(); // prescribed gradient, which overdamped bodies follow
+
+	MeanField(const Scene& scene, const validation::Engines& engines)
+	{
+		if (!scene.isPeriodic) return;
+		const NewtonIntegrator& newton = *engines.integrator;
+		const Cell& cell = *scene.cell;
+		periodic         = true;
+		gradient = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero()
+		        ? cell.nextVelGrad
+		        : cell.velGrad;
+		if (cell.homoDeform > 0) change = gradient - newton.prevVelGrad;
+		if (cell.homoDeform > 1) convection = newton.prevVelGrad;
+		rest = gradient;
+		if (engines.cellStress) engines.cellStress->release(rest);
+	}
+
+	rcr::Twist added(const State& s, double dt) const
+	{
+		if (!periodic) return {};
+		const Vector3r v = change * s.pos + Real(dt) * (convection * s.vel);
+		return { double(v[0]), double(v[1]), 0.5 * double(change(1, 0) - change(0, 1)) };
+	}
+};
+
+} // namespace yade

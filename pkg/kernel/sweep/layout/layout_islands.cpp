@@ -1,0 +1,78 @@
+// Islands of a layout: sets of bodies that no pair joins.
+#include "sweep/layout/layout.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace rcr {
+
+namespace {
+
+	/// The first body of the set that contains a body (union-find with path halving).
+	int root(std::vector<std::int32_t>& parent, int body)
+	{
+		while (parent[body] != body)
+			body = parent[body] = parent[parent[body]];
+		return body;
+	}
+
+} // namespace
+
+/// Numbers the islands in the order of their first pairs.
+void Layout::findIslands()
+{
+	std::vector<std::int32_t> parent(kind_.size()), number(kind_.size(), none);
+	std::iota(parent.begin(), parent.end(), 0);
+	int        whole = none; // the one island without that reduction
+	int        cell  = none; // a body at the boundary of a stretching cell
+	const auto join  = [&](int body1, int body2) {
+        const int a = root(parent, body1), b = root(parent, body2);
+        parent[std::max(a, b)] = std::min(a, b);
+	};
+	for (const PackedPair& pair : pairs_) {
+		if (moves(pair.body1) && moves(pair.body2)) join(pair.body1, pair.body2);
+		if (!stretches_ || !pair.drifts) continue;
+		const int body = movingBodies(pair)[0];
+		if (!moves(body)) continue;
+		if (cell != none) join(cell, body);
+		cell = body;
+	}
+	island_.assign(kind_.size(), none);
+	islands_.clear();
+	for (const PackedPair& pair : pairs_) {
+		const int body = movingBodies(pair)[0];
+		if (!moves(body)) continue;
+		std::int32_t& island = reductions_.islands ? number[root(parent, body)] : whole;
+		if (island == none) {
+			island = int(islands_.size());
+			islands_.push_back({});
+		}
+		for (int one : { pair.body1, pair.body2 })
+			if (moves(one)) island_[one] = island;
+		islands_[island].cell |= stretches_ && pair.drifts;
+		++islands_[island].pairs.end;
+		islands_[island].points += pair.points;
+	}
+}
+
+ModelSummary Layout::summary() const
+{
+	ModelSummary      s;
+	std::vector<bool> turns(kind_.size());
+	for (const PackedPair& pair : pairs_) {
+		if (islandOf(pair) == none) continue;
+		++s.pairs;
+		s.points += pair.points;
+		s.frictionalPoints += hasFriction(pair.model) ? pair.points : 0;
+		if (pair.model != Model::frictionlessDisc) turns[pair.body1] = turns[pair.body2] = true;
+	}
+	for (std::size_t body = 0; body < kind_.size(); ++body) {
+		s.fixed += kind_[body] == BodyKind::prescribed;
+		s.bodies += island_[body] != none;
+		s.rotating += island_[body] != none && turns[body];
+	}
+	s.islands = int(islands_.size());
+	return s;
+}
+
+} // namespace rcr

@@ -1,0 +1,165 @@
+// Mixed precision of an island: sweeps in floats about a reference in doubles.
+#include "sweep/packed_island.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rcr {
+
+namespace {
+
+	/// Rounds to floats; `unlimited` of doubles becomes that of floats.
+	void round(const Column& from, ColumnOf<float>& to)
+	{
+		for (int lane = 0; lane < blockWidth; ++lane)
+			to.of[lane] = float(std::min(from.of[lane], double(unlimited<float>)));
+	}
+
+	/// True if the number and its square are far from the limits of floats. Zero means an empty
+	/// slot or no impulse.
+	bool fitsFloat(double value)
+	{
+		return value == 0 || (std::abs(value) > 1e-12 && std::abs(value) < 1e12);
+	}
+
+	template <class From, class To>
+	void copyImpulses(ColumnOf<From>* from, ColumnOf<To>* to, Model model)
+	{
+		std::copy_n(PointColumnsOf<From>(from).pn(), blockWidth, PointColumnsOf<To>(to).pn());
+		if (!hasFriction(model)) return;
+		std::copy_n(NoLeverColumnsOf<From>(from).pt(), blockWidth, NoLeverColumnsOf<To>(to).pt());
+	}
+
+	double squared(double value) { return value * value; }
+
+} // namespace
+
+void PackedIsland::beginMixedPrecision()
+{
+	const double speed = std::sqrt(freeVelocity2() / island_.points);
+	if (!island_.shared || speed == 0 || !fitsFloat(speed)) return;
+	forEachRecords([&](const Range& records) {
+		for (float* const body : { singleView_.body, singleView_.oldBody }) {
+			std::fill(body + offsetOf(records.begin), body + offsetOf(records.end), 0.0f);
+			for (int k = records.begin; k < records.end && !island_.halfRecords; k += 2)
+				body[offsetOf(k) + record::inverseMass] = float(
+				        view_.recordAt(k)[record::inverseMass]);
+		}
+	});
+	forEachChunk([&](const Chunk& chunk, int number) {
+		bool fits  = true;
+		int  point = chunk.firstPoint;
+		forEachPointBlock(chunk, [&](int first) {
+			if (packed_.singleFilled_[number_])
+				copyImpulses(view_.points + first, singleView_.points + first, chunk.model);
+			else
+				for (int k = first; k < first + columnsOf(chunk.model); ++k)
+					round(view_.points[k], singleView_.points[k]);
+			const PointColumnsOf<double> c(view_.points + first);
+			for (int lane = 0; lane < blockWidth; ++lane) {
+				fits = fits & fitsFloat(c.inverseNn()[lane]) & (c.pn()[lane] < 1e12);
+				packed_.singleBias_[point].of[lane] = float(c.bias()[lane]);
+			}
+			++point;
+		});
+		packed_.sum_[number] = !fits;
+	});
+	double misfits = sum(packed_.sum_);
+	forEachOverflowPoint([&](const OverflowPoint& c) { misfits += !fitsFloat(c.w.nn); });
+	if (misfits > 0) return;
+	packed_.singleFilled_[number_] = true;
+	mixedPrecision_                = true;
+	updateReference();
+}
+
+/// Copies the impulses of floats and recomputes the velocities.
+void PackedIsland::copyToDoubles()
+{
+	invalidate();
+	forEachChunk([&](const Chunk& chunk, int) {
+		forEachPointBlock(chunk, [&](int k) {
+			copyImpulses(singleView_.points + k, view_.points + k, chunk.model);
+		});
+	});
+	recomputeVelocities();
+}
+
+void PackedIsland::saveImpulses()
+{
+	Column* const to = packed_.savedPoint_.data();
+	forEachChunk([&](const Chunk& chunk, int) {
+		forEachPointBlock(chunk, [&](int k) {
+			if (mixedPrecision_) copyImpulses(singleView_.points + k, to + k, chunk.model);
+			else
+				copyImpulses(view_.points + k, to + k, chunk.model);
+		});
+	});
+	forEachOverflowPoint([](OverflowPoint& c) { c.saved = c.p; });
+	hasSavedImpulses_ = true;
+}
+
+double PackedIsland::changeSinceSaved()
+{
+	forEachChunk([&](const Chunk& chunk, int number) {
+		double change2 = 0;
+		forEachPointBlock(chunk, [&](int k) {
+			const NoLeverColumnsOf<double> now(view_.points + k),
+			        saved(packed_.savedPoint_.data() + k);
+			for (int lane = 0; lane < blockWidth; ++lane) {
+				change2 += squared(now.pn()[lane] - saved.pn()[lane]);
+				if (hasFriction(chunk.model)) change2 += squared(now.pt()[lane] - saved.pt()[lane]);
+			}
+		});
+		packed_.sum_[number] = change2;
+	});
+	double change2 = sum(packed_.sum_);
+	forEachOverflowPoint([&](const OverflowPoint& c) { change2 += square(c.p - c.saved); });
+	return change2;
+}
+
+/// The impulses and velocities in doubles become the reference. Inverse masses stay.
+void PackedIsland::updateReference()
+{
+	forEachChunk([&](const Chunk& chunk, int) {
+		packed_.kernels_->updateReference(view_, chunk, singleView_.points);
+	});
+	forEachOverflowPoint([&](OverflowPoint& c) { c.reference = relativeVelocity(view_, c); });
+	if (stretches()) packed_.referenceStretch_ = packed_.stretch_;
+	forEachRecords([&](const Range& records) {
+		float *const body = singleView_.body, *const old = singleView_.oldBody;
+		for (std::uint32_t i = offsetOf(records.begin); i < offsetOf(records.end); ++i) {
+			const bool isMass = !island_.halfRecords && i % 4 == record::inverseMass;
+			old[i]            = isMass ? body[i] : old[i] - body[i];
+			body[i]           = isMass ? body[i] : 0;
+		}
+	});
+	sweepsSinceReference_ = 0;
+}
+
+void PackedIsland::endMixedPrecision()
+{
+	if (!mixedPrecision_) return;
+	mixedPrecision_ = false;
+	copyToDoubles();
+}
+
+/// Momentum in doubles starts at rest after sweeps in floats.
+void PackedIsland::resetMomentum()
+{
+	sweepsSinceReference_ = 0;
+	forEachRecords([&](const Range& records) {
+		std::copy(view_.recordAt(records.begin), view_.recordAt(records.end),
+		        view_.oldBody + offsetOf(records.begin));
+	});
+	forEachChunk([&](const Chunk& chunk, int) {
+		forEachPointBlock(chunk, [&](int k) {
+			const NoLeverColumnsOf<double> c(view_.points + k);
+			std::copy_n(c.pn(), blockWidth, c.oldPn());
+			if (hasFriction(chunk.model)) std::copy_n(c.pt(), blockWidth, c.oldPt());
+		});
+	});
+	forEachOverflowPoint([](OverflowPoint& c) { c.old = c.p; });
+	if (stretches()) packed_.oldStretch_ = packed_.stretch_;
+}
+
+} // namespace rcr
