@@ -5,8 +5,8 @@ Run it with YADE:
 scripts/yade-rcr -n -x scripts/biaxial.py --eta 0.5 --particles 400 --strain 0.1 --out out
 
 It writes DIR/summary.json, DIR/history.csv, DIR/isotropic.h5, DIR/network-*.h5 and DIR/run.json
-with the parameters. --resume continues from DIR/checkpoint.yade.gz. Ctrl-C ends the test after a checkpoint;
-after a kill the last checkpoint remains.
+with the parameters. --resume continues from DIR/checkpoint.yade.gz. Ctrl-C ends the test after a
+checkpoint; after a kill the last checkpoint remains.
 """
 
 import json
@@ -28,11 +28,11 @@ DEFAULT_RATE = dict(
     inertial_number=PROTOCOL.inertial_number, time_step=PROTOCOL.time_step,
     approach=0.0, overdamped=False,
 )  # fmt: skip
-OUTPUT = ["strain", "networks", "include_yielded"]  # options that change no record of the history
+OUTPUT = ["strain", "networks", "include_yielded"]  # options that change no record
 HALF_RECORD = 0.5 * PROTOCOL.record_strain
 MAX_INERTIA = 0.02  # sample inertia over σ₀ at the end, at most without a warning
 RUN_SECONDS = 3.0  # aimed duration of a run of several records
-CHECKPOINT_SECONDS = 60  # between two checkpoints; at least 20 times that of writing one
+CHECKPOINT_SECONDS = 60  # between checkpoints; at least 20 times that of writing one
 
 
 def option_text(parameters):
