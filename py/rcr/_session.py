@@ -1,6 +1,6 @@
 """Checks of the scene before ``O.run``, ``O.step`` and ``O.bodies.erase``, and clean ends of runs.
 
-pkg/dem/Gate.cpp holds the rules that reject a scene. This module adds warnings about suspicious
+pkg/dem/validation holds the rules that reject a scene. This module adds warnings about suspicious
 scenes. Scenes without classes of rcr are not checked.
 """
 

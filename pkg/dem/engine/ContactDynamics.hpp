@@ -20,9 +20,8 @@
 
 #include "dem/engine/EnergyAccount.hpp"
 #include "dem/engine/StageTimes.hpp"
-#include "dem/engine/StepObserver.hpp"
 #include "dem/engine/StepMonitor.hpp"
-#include "dem/engine/gather.hpp"
+#include "dem/engine/StepObserver.hpp"
 #include "dem/validation/validation.hpp"
 #include "kernel/problem/solver.hpp"
 #include "kernel/step/drive.hpp"
@@ -35,11 +34,8 @@ class ContactDynamics : public GlobalEngine {
 public:
 	void action() override;
 
-	/// Message about the first invalid attribute; empty if all are valid.
-	std::string invalidAttribute() const;
-
-	// Python interface (contactDynamicsPython.cpp). Locks guard what a script may access during a
-	// run.
+	std::string invalidAttribute() const; // message about the first one; empty: none
+	// Python interface. Locks guard what a script may access during a run.
 	boost::python::dict        modelDict() const;
 	boost::python::dict        problemDict() const;
 	boost::python::dict        tuningDict() const;
@@ -58,10 +54,9 @@ public:
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,
-		"Solves all rigid contacts of a step together (nonsmooth Contact Dynamics, Moreau time stepping) and adds "
-		"the contact forces to the bodies. It stands between :yref:`InteractionLoop` and :yref:`NewtonIntegrator`, "
-		"whose damping must be 0. Bodies move in the xy plane. ``O.trackEnergy`` adds plastDissip, impactDissip, "
-		"driveWork and correctionWork to ``O.energy``. The page docs/law.md describes each setting.",
+		"Solves all rigid contacts of a step together (nonsmooth Contact Dynamics, Moreau time stepping) and adds their forces to "
+		"the bodies. It stands between :yref:`InteractionLoop` and :yref:`NewtonIntegrator`, whose damping must be 0. "
+		"docs/law.md describes each setting.",
 		((Real,tolerance,1e-4,,"Residual at which the solver stops [-]; 0 runs all iterations."))
 		((Real,kinematicTolerance,0.01,,"Second stopping criterion: largest :yref:`kinematicError<ContactDynamics.kinematicError>` [-]; inf switches it off."))
 		((int,maxIterations,1000,,"Largest number of sweeps per step."))
@@ -107,9 +102,8 @@ public:
 	);
 	// clang-format on
 	DECLARE_LOGGER;
-
 private:
-	/// Result of a pass. All but `converged` require a further pass.
+	// Result of a pass. All but `converged` require a further pass.
 	enum class PassOutcome { converged, missedContact, bounceLowered, biasesRestored, biasChanged };
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
