@@ -9,7 +9,7 @@ import time
 import pytest
 from run_contents import contents, different
 
-CAMPAIGN = os.path.join(os.path.dirname(__file__), "..", "..", "scripts", "campaign")
+CAMPAIGN = os.path.join(os.path.dirname(__file__), *[".."] * 3, "scripts", "campaign")
 SMALL = ["--particles", "60", "--etas", "0.5", "--seeds", "2", "--strain", "0.04"]
 
 needs_snakemake = pytest.mark.skipif(

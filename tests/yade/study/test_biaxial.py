@@ -31,7 +31,7 @@ from scenes import closed_points
 
 STRESS = PROTOCOL.confining_stress
 BALANCED = 5e-5  # mean net force over mean contact force; the study needs 2e-3
-SCRIPT = os.path.join(os.path.dirname(__file__), "..", "..", "scripts", "biaxial.py")
+SCRIPT = os.path.join(os.path.dirname(__file__), *[".."] * 3, "scripts", "biaxial.py")
 
 
 def without_cost(summary):
