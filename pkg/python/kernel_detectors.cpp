@@ -1,5 +1,6 @@
 // Bindings of small state machines for tests: stop test, momentum, proximal parameter, jam detector.
 #include <pybind11/functional.h>
+#include <pybind11/stl.h>
 
 #include <array>
 #include <memory>

@@ -119,15 +119,16 @@ TABLE = {
     "sweep/packed_island.cpp": [
         ("overflow-not-swept-with-momentum", "const Impulse from = c.p + momentum * (c.p - c.old)",
          "const Impulse from = c.p"),
+        ("overflow-not-measured", "total += { miss, square(c.p)", "total += { 0, square(c.p)"),
+        ("relaxed-without-projection", "projectCone(c.p + step, c.friction)", "c.p + step"),
+    ],
+    "sweep/packed_island_precision.cpp": [
         ("overflow-without-reference", "c.reference = relativeVelocity(view_, c);", ""),
-        ("points-without-reference",
-         "packed_.kernels_->updateReference(view_, chunk, singleView_.points);",
+        ("points-without-reference", "packed_.kernels_->updateReference(view_, chunk, singleView_.points);",
          ""),
         ("momentum-without-the-shift", "isMass ? body[i] : old[i] - body[i];",
          "isMass ? body[i] : 0;"),
         ("floats-out-of-range", "(std::abs(value) > 1e-12 && std::abs(value) < 1e12)", "true"),
-        ("overflow-not-measured", "total += { miss, square(c.p)", "total += { 0, square(c.p)"),
-        ("relaxed-without-projection", "projectCone(c.p + step, c.friction)", "c.p + step"),
     ],
     "sweep/packed_problem.cpp": [
         ("setBiases-keeps-the-overflow", "c.bias          = bias[c.point];", ""),

@@ -185,17 +185,17 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	scene.forces.reset(scene.iter);
 	load(scene, loadsBefore_);
 	regatherBodies(scene, engines, team, byYade_, handles, step);
-	const auto detect = [&](bool listAll) {
+	const auto detect = [&](bool listAll, bool again) {
 		const bool changed = neighbours_.update(step, team);
 		if (listAll || changed) pairs_.assign(neighbours_.list());
-		pairs_.detect(step, team);
+		pairs_.detect(step, team, again);
 		setPhysics(scene, engines);
 	};
-	detect(first);
+	detect(first, false);
 	if (!loadsAfter_.empty()) {
 		load(scene, loadsAfter_);
 		regatherBodies(scene, engines, team, byYade_, handles, step);
-		if (movesAfter_) detect(false);
+		if (movesAfter_) detect(false, true);
 	}
 	pairs_.writeContacts(step, team);
 	return true;

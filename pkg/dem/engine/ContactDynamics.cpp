@@ -173,22 +173,6 @@ ContactDynamics::PassOutcome ContactDynamics::reviewLastPass(const validation::E
 	return PassOutcome::converged;
 }
 
-void ContactDynamics::setRestFlow()
-{
-	step_.restFlow = plane::flowOf(flow);
-	step_.restFlow.gradient[0][0] += double(meanStretchRate[0]);
-	step_.restFlow.gradient[1][1] += double(meanStretchRate[1]);
-}
-
-/// Adds the mean stretch of the step to the flow from which the next step starts.
-void ContactDynamics::trackStretch()
-{
-	const rcr::Vec2 change = rcr::meanStretch(step_);
-	stretchChange          = Vector2r(change.x, change.y);
-	meanStretchRate += stretchChange;
-	setRestFlow();
-}
-
 void ContactDynamics::record(const std::vector<rcr::Twist>& loads)
 {
 	const std::vector<int> ids = observedIds();

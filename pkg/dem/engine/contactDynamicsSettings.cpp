@@ -1,6 +1,8 @@
-// Attributes of ContactDynamics: validity, and conversion to the settings of the solver.
+// Attributes of ContactDynamics: validity, settings of the solver, flow of overdamped bodies.
 #include "dem/engine/ContactDynamics.hpp"
 
+#include "dem/shapes/plane.hpp"
+#include "kernel/step/follow_stretch.hpp"
 #include "kernel/watch/missed_steps.hpp"
 
 namespace yade {
@@ -70,15 +72,11 @@ rcr::Settings ContactDynamics::settings(const rcr::DrivenMotion& driven) const
 	return s;
 }
 
-/// Deep overlaps make forces large whatever the drive, so contacts then yield only if a proof shows
-/// that no solution exists.
 rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::DrivenMotion& driven)
 {
 	rcr::Settings s = settings(driven);
 	s.roundingVelocity      = step_.rounding(workspace_.team());
 	if (monitor.jam.active()) s.maxIterations *= squeezedEffort;
-	if (yade::deepestOverlap(step_, workspace_.team()) > rcr::MissedSteps::reportedOverlap)
-		s.yieldImpulse = std::numeric_limits<double>::infinity();
 	return s;
 }
 
@@ -95,6 +93,22 @@ rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome o
 	s.sameProblem     = !newContacts;
 	s.yieldedBefore       = yielded && (newContacts || outcome == PassOutcome::biasChanged);
 	return s;
+}
+
+void ContactDynamics::setRestFlow()
+{
+	step_.restFlow = plane::flowOf(flow);
+	step_.restFlow.gradient[0][0] += double(meanStretchRate[0]);
+	step_.restFlow.gradient[1][1] += double(meanStretchRate[1]);
+}
+
+/// Adds the mean stretch of the step to the flow from which the next step starts.
+void ContactDynamics::trackStretch()
+{
+	const rcr::Vec2 change = rcr::meanStretch(step_);
+	stretchChange          = Vector2r(change.x, change.y);
+	meanStretchRate += stretchChange;
+	setRestFlow();
 }
 
 } // namespace yade

@@ -96,7 +96,9 @@ namespace {
 		step_.members.clear();
 		for (std::size_t id = 0; id < count; ++id) {
 			const Body* b = bodies[id].get();
-			if (b && std::exchange(handles_.mask[id], b->groupMask) != b->groupMask)
+			const auto  before = handles_.mask[id];
+			handles_.mask[id]  = { b, b ? b->groupMask : 0 };
+			if (b && before.first == b && before.second != b->groupMask)
 				handles_.isUnlisted[id] = handles_.masksChanged = true;
 			const int owner = step_.bodies[id].owner;
 			if (owner == int(id)) continue;

@@ -24,7 +24,7 @@ struct SceneHandles {
 
 	std::vector<State*>       state; // per body; null: no body
 	std::vector<const Bound*> bound; // per body
-	std::vector<mask_t>       mask;  // per body: groupMask
+	std::vector<std::pair<const Body*, mask_t>> mask; // per body: groupMask
 	std::vector<char>         isUnlisted; // per body: the collider may miss contacts of this step
 	bool                      masksChanged = false; // the collider lists pairs by old masks
 	// in the order of YADE's container; 0 points: not a contact of this law

@@ -128,9 +128,18 @@ namespace {
 		updated.erase(updated.begin(), std::unique(updated.rbegin(), updated.rend(), same).base());
 	}
 
-	/// Detects a pair with its present reach and collects it if it has other points than known.
+	/// The contact has as many points as the manifold; `exact`: and the same gaps.
+	bool isKnown(const Step& step, const StepContact* contact, const Manifold& now, bool exact)
+	{
+		if (now.count != (contact ? contact->count : 0)) return false;
+		for (int k = 0; exact && k < now.count; ++k)
+			if (step.gap[contact->first + k].now != now.points[k].gap) return false;
+		return true;
+	}
+
+	/// Detects a pair with its present reach and collects it if it is not known so (isKnown).
 	/// Returns true if so.
-	bool checkPair(Step& step, int id, int other, const MayMeet& mayMeet)
+	bool checkPair(Step& step, int id, int other, const MayMeet& mayMeet, bool exact = false)
 	{
 		if (step.bodies[id].owner == step.bodies[other].owner) return false;
 		const auto   kind    = [&](int body) { return step.bodies[body].shape.kind; };
@@ -147,9 +156,9 @@ namespace {
 		at2.center                 = at2.center + pair.shift;
 		const double reach         = reachOf(step, pair.body1) + reachOf(step, pair.body2);
 		pair.manifold              = contactPoints(one.shape, one.pose(), two.shape, at2, reach);
-		if (pair.manifold.count == (contact ? contact->count : 0)
-		        || (!contact && !mayMeet(pair.body1, pair.body2)))
-			return false;
+		if (isKnown(step, contact, pair.manifold, exact)) return false;
+		if (exact && pair.manifold.count == 0) return false; // keeps a contact beyond a smaller reach
+		if (!contact && !mayMeet(pair.body1, pair.body2)) return false;
 		step.updated.push_back(pair);
 		return true;
 	}
@@ -167,7 +176,7 @@ bool findUnlistedContacts(
 	step.widened = bodies;
 	const Candidates candidates(step);
 	for (int id : bodies)
-		candidates.forEach(id, [&](int other) { checkPair(step, id, other, mayMeet); });
+		candidates.forEach(id, [&](int other) { checkPair(step, id, other, mayMeet, true); });
 	keepLastOfEach(step.updated);
 	step.widened.clear(); // no contact restarts, since none was solved yet
 	return !step.updated.empty();
@@ -283,8 +292,10 @@ void addUpdatedContacts(Step& step)
 				forces[c.first + k] = step.force[number];
 			}
 			points.push_back(point);
-			gaps.push_back({ at.gap, -c.slop(),
-			        number < old.first + old.count && step.gap[number].carried });
+			const bool carried = step.widened.empty()
+			        ? forces[c.first + k].n > 0 // before the first solve
+			        : number < old.first + old.count && step.gap[number].carried;
+			gaps.push_back({ at.gap, -c.slop(), carried });
 		}
 		contacts.push_back(c);
 	}

@@ -61,7 +61,7 @@ void Pairs::assign(const Neighbours::List& list)
 	all.swap(now);
 }
 
-void Pairs::detect(const Step& step, ThreadTeam& team)
+void Pairs::detect(const Step& step, ThreadTeam& team, bool again)
 {
 	manifold.resize(all.size());
 	team.forEach(all.size(), [&](std::size_t k) {
@@ -71,14 +71,15 @@ void Pairs::detect(const Step& step, ThreadTeam& team)
 		pair.fresh            = false;
 		if (apart(one.shape, one.center, two.shape, two.center, reach)
 		        || !canTouch(one.shape.kind, two.shape.kind)) {
-			pair.points = 0;
+			if (!again) pair.points = 0;
 			return;
 		}
-		manifold[k] = contactPoints(one.shape, one.pose(), two.shape, two.pose(), reach);
-		if (manifold[k].count == 0) {
-			pair.points = 0;
+		const Manifold found = contactPoints(one.shape, one.pose(), two.shape, two.pose(), reach);
+		if (found.count == 0) {
+			if (!again) pair.points = 0;
 			return;
 		}
+		manifold[k] = found;
 		double along[2];
 		positionsAlong(one, two, manifold[k], along);
 		pair.fresh = pair.points == 0;

@@ -32,7 +32,8 @@ struct Pairs {
 
 	/// Detects the contact points of every pair at the poses of the step and carries their forces
 	/// forward.
-	void detect(const Step&, ThreadTeam&);
+	/// `again`: velocities have changed since; contacts are kept where the smaller reach finds none.
+	void detect(const Step&, ThreadTeam&, bool again = false);
 
 	/// Adds the contacts that the step found after its detection.
 	void addFound(const Step&, long iteration);

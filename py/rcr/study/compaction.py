@@ -115,6 +115,7 @@ def _engines(walls, parameters):
             solver=parameters["solver"],
             threads=parameters["threads"],
             overdamped=True,
+            yieldCompliance=0,  # walls under stress give way, so each step has a solution
         ),
         NewtonIntegrator(damping=0),
     ]

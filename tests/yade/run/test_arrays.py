@@ -417,7 +417,7 @@ def test_a_member_of_a_clump_is_not_observed():
                                     rcr.particle((0, 0.1), R, 0.5, math.pi / 2)])
     solver().observe = [member]
     with pytest.raises(RuntimeError, match=f"observe holds {member}, a member of clump "
-                       f"{clump}, on which its contacts act; give that"):
+                       f"{clump}; its contacts act on the clump"):
         O.run(2, True)
 
 

@@ -47,6 +47,5 @@ def test_a_stress_that_is_not_finite_is_refused(stress):
 
 
 def test_f25_messages_name_the_function_and_the_sign():
-    assert "``rcr.mobile_wall`` makes it" in rcr.WallStress.__doc__
-    assert "no pressure" in rcr.WallStress.stress.__doc__
-    assert "``stress=-p``" in rcr.WallStress.stress.__doc__
+    assert "made by ``rcr.mobile_wall``" in rcr.WallStress.__doc__
+    assert "Use −p for a pressure p on a right or top wall" in rcr.WallStress.stress.__doc__
