@@ -11,11 +11,14 @@ import shutil
 import subprocess
 import sys
 
+from tqdm import tqdm
+
 import campaign_runs
 from rcr import _results as results, script
 
 HERE = pathlib.Path(__file__).resolve().parent
 CONTINUE = "continue with the same command"
+QUICK = dict(particles=300, etas=[[0, 0.4, 0.7]], strain=0.3, networks=6)  # a minute or two
 FREE = ("particles", "etas", "seeds", "strain", "networks", "quasi_static", *campaign_runs.OPTIONAL)
 
 
@@ -39,6 +42,9 @@ def parser():
     friction = script.number("a coefficient ≥ 0, at most 100", lambda v: 0 <= v <= 100)
     processors = len(os.sched_getaffinity(0))
     add = made.add_argument
+    add("--quick", action="store_true",
+        help="the study in small, a minute or two: 300 grains, elongations 0, 0.4 and 0.7, "
+        "strain 0.3, unless other options say otherwise")
     add("--particles", type=script.at_least(10), default=13000, metavar="N",
         help="grains of each test (default %(default)s)")
     add("--etas", type=numbers(elongation), nargs="+", metavar="ETA",
@@ -70,7 +76,10 @@ def arguments():
     words, extra = sys.argv[1:], []
     if "--" in words:
         words, extra = words[: words.index("--")], words[words.index("--") + 1 :]
-    options = (made := parser()).parse_args(words)
+    made = parser()
+    if "--quick" in words:
+        made.set_defaults(**QUICK)
+    options = made.parse_args(words)
     for name in "etas", "seeds":
         values = sorted({value for part in getattr(options, name) for value in part})
         if not values:
@@ -114,6 +123,33 @@ def command(options, extra):
         *("--config", *(f"{name}={value}" for name, value in config.items())),
         *extra,
     ]
+
+
+def strain_reached(folder):
+    """Return the last strain in the history of a run; 0 if there is none."""
+    try:
+        return float((folder / "history.csv").read_text().splitlines()[-1].split(",")[2])
+    except (OSError, IndexError, ValueError):
+        return 0.0
+
+
+def run_with_progress(words, out, options):
+    """Run Snakemake; on a terminal, show the strain of all tests as a progress bar."""
+    config = configuration(options)
+    folders = [
+        out / "runs" / campaign_runs.run_name(config, text(eta), seed)
+        for eta in options.etas
+        for seed in options.seeds
+    ]
+    form = "{desc}: {percentage:3.0f} %|{bar}| {elapsed} < {remaining}"
+    process = subprocess.Popen(words, stdout=sys.stderr)
+    with tqdm(total=options.strain * len(folders), desc="tests", disable=None,
+              bar_format=form) as bar:  # fmt: skip
+        while True:
+            try:
+                return process.wait(timeout=1)
+            except subprocess.TimeoutExpired:
+                bar.update(sum(map(strain_reached, folders)) - bar.n)
 
 
 def last_line(path):
@@ -163,10 +199,10 @@ def main():
     with results.claim_folder(out, "campaign", parameters, [], **claim) as begin:
         begin()
         try:
-            run = subprocess.run(command(options, extra), stdout=sys.stderr)
+            failed = run_with_progress(command(options, extra), out, options)
         except KeyboardInterrupt:
             raise script.Stopped(f"stopped; {CONTINUE}") from None
-    if run.returncode:
+    if failed:
         sys.exit(failure(out))  # in full: script.run shortens the messages of exceptions
     if "--dry-run" not in extra:
         print(out / last_line(out / "report" / "log"))

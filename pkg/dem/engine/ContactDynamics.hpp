@@ -4,13 +4,13 @@
 //   0 ≤ u_n + b_n ⟂ p_n ≥ 0               u = J v⁺: relative velocity of a point [m/s]; p: impulse [N s]
 //   |p_t| ≤ µ p_n, opposite to sliding
 //
-// A step runs these stages in this order (kernel/step/step.hpp describes each):
+// A step runs these stages:
 //
 //   gather → [ solve → review ] repeated → monitor → correct positions → record → scatter
 //
-// Only `gather` reads the scene and only `scatter` changes it, so an exception leaves the scene as
-// it was. NewtonIntegrator then moves the bodies by the added forces p/dt. Source: Moreau 1988,
-// 1999; Jean 1999.
+// All but the first and the last work on arrays (kernel/step/step.hpp). If no engine reads YADE's
+// objects, ArraySteps advances to the next solve without them. NewtonIntegrator moves the bodies by
+// the added forces p/dt. Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
 #include <atomic>
@@ -74,7 +74,7 @@ public:
 		((Real,residual,0,Attr::readonly,"Residual of the last step: natural map of the contact laws relative to the impulses [-]."))
 		((Real,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step over their RMS relative velocity [-]."))
 		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance."))
-		((bool,yielded,false,Attr::readonly,"The last step had no solution, so its contacts yielded."))
+		((bool,yielded,false,Attr::readonly,"Contacts of the last step yielded: it had no solution, or only one with impulses that its drive and loads do not explain."))
 		((Real,unbalancedForce,0,Attr::readonly,"Mean net force on a free body over the mean contact force, in the last step [-]."))
 		((Real,largestUnbalancedForce,0,Attr::readonly,"Largest net force on a free body over the mean contact force, in the last step [-]."))
 		((int,lanes,0,Attr::noSave,"Doubles per vector operation: 1, 4 or 8; 0: the processor's width. Results do not depend on it."))
@@ -91,7 +91,7 @@ public:
 		.add_property("observe",&ContactDynamics::observedIds,&ContactDynamics::setObserve,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; clumps, not their members. A change starts a new mean.")
 		.add_property("tuning",&ContactDynamics::tuningDict,&ContactDynamics::setTuning,"Settings of benchmarks and tests, as a dict: lanes, arrays, reductions, minIterations, meanForceChange.")
 		.add_property("missedSteps",&ContactDynamics::missedSteps,"Number of steps so far that did not converge, those without a solution included.")
-		.add_property("yieldedSteps",&ContactDynamics::yieldedSteps,"Number of steps so far without a solution.")
+		.add_property("yieldedSteps",&ContactDynamics::yieldedSteps,"Number of steps so far in which contacts yielded.")
 		.add_property("deepestOverlap",&ContactDynamics::deepestOverlap,"Deepest overlap of all steps so far over R₁ + R₂ [-].")
 		.add_property("model",&ContactDynamics::modelDict,"Size of the last problem after all reductions, as a dict; docs/solvers.md lists its keys.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by stage, as a dict [s].")

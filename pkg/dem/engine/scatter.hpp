@@ -1,4 +1,4 @@
-// Last stage of a step: writes its results to YADE's objects. No other stage changes the scene.
+// Last stage of a step: writes its results to YADE's objects.
 #pragma once
 
 #include "dem/engine/gather.hpp"

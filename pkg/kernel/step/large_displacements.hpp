@@ -11,10 +11,10 @@
 //
 // The bias is at least min(0, u_n⁻), so that the contact pushes no harder than an elastic bounce.
 //
-// A contact that its path does not need is released if a gap of 2 % of the slop stays open. A
-// contact that bore a force already is released from half the slop on, and a contact that closes 99
-// % of its path is kept. With restitution both are released earlier, since a contact that holds a
-// bouncing body takes its energy.
+// A contact is released (its bias is raised) if its gap stays open along the path by more than 2 %
+// of the slop. If it bore a force when the step began, the gap must stay open by half the slop, and
+// by 1 % of its closing path. With restitution only the first condition holds, since a contact that
+// holds a bouncing body takes its energy.
 //
 // A bounce is cancelled if the bodies do not meet on their paths at the initial velocities.
 //

@@ -10,10 +10,9 @@
 //   position correction   displacements that remove overlaps             step/position_correction.hpp
 //   scatter               forces, displacements, new contacts            (simulation)
 //
-// Only the first and the last stage access the simulation, so an error in between leaves it
-// unchanged. Bodies keep the numbers that they have in the simulation. A contact stores these
-// numbers; its points store the bodies that their impulses move, which are the clumps of clump
-// members.
+// The stages in between work on these arrays alone, so an error in them leaves the simulation as it
+// was. Bodies keep the numbers that they have in the simulation. A contact stores these numbers; its
+// points store the bodies that their impulses move, which are the clumps of clump members.
 //
 // | symbol | field         | unit | meaning                                                         |
 // |--------|---------------|------|-----------------------------------------------------------------|

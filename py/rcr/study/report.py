@@ -101,7 +101,9 @@ def _map_networks(runs):
 def _page(runs, analysis, table, pictures):
     parts = [_HEAD, "<h1>Force networks of elongated particles</h1>"]
     parts += [f"<p>{_material(runs, analysis)}</p>", "<h2>Paper against measured</h2>"]
-    parts += [f"<p>{summary(table)}. {_RULE}</p>", _table(table), "<h2>Figures</h2>"]
+    small = max(map(int, analysis["O1"]["value"]["particles"])) < FEWEST
+    parts += [f"<p>{_SMALL if small else ''}{summary(table)}. {_RULE}</p>"]
+    parts += [_table(table, small), "<h2>Figures</h2>"]
     for key, entry in analysis.items():
         images = "".join(_image(path) for path in pictures[key])
         caption = f"<b>{key}</b> Paper: {html.escape(entry['paper'])}."
@@ -109,6 +111,13 @@ def _page(runs, analysis, table, pictures):
         parts.append(f"<figure id='{key}'>{figure}</figure>")
     return "\n".join([*parts, f"<p><small>yade-rcr {__version__}</small></p></body></html>\n"])
 
+
+FEWEST = 1000  # grains from which on the verdicts of the table mean something
+
+_SMALL = (
+    f"These tests have fewer than {FEWEST} grains. The figures show what the study measures, but "
+    "the verdicts below are grey: chance and walls decide many of them. "
+)
 
 _RULE = (
     "A value agrees within its tolerance or two standard errors. A trend must exceed two standard "
@@ -224,9 +233,9 @@ def _by_eta(runs, value):
     return found
 
 
-def _table(table):
+def _table(table, grey):
     head = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
-    return f"<table>{head}{''.join(_row(row) for row in table)}</table>"
+    return f"<table>{head}{''.join(_row(row, grey) for row in table)}</table>"
 
 
 def markdown(table):
@@ -237,7 +246,7 @@ def markdown(table):
     return "".join("| " + " | ".join(row) + " |\n" for row in escaped)
 
 
-def _row(row):
+def _row(row, grey):
     names = ("statement", "criterion", "value", "error", "verdict")
     text = {name: html.escape(getattr(row, name)) for name in names}
     cells = (
@@ -245,7 +254,7 @@ def _row(row):
         f"<td>{text['statement']}<br><small>{text['criterion']}</small></td>",
         f"<td>{text['value']}</td>",
         f"<td>{text['error']}</td>",
-        f"<td class='{_CLASS[row.verdict]}'>{text['verdict']}</td>",
+        f"<td class='{'open' if grey else _CLASS[row.verdict]}'>{text['verdict']}</td>",
     )
     return f"<tr>{''.join(cells)}</tr>"
 

@@ -63,6 +63,19 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
     assert json.loads(one) == json.loads(two)
 
 
+@needs_snakemake
+@needs_environment
+def test_quick_is_the_study_in_small(tmp_path):
+    """Three elongations and a report whose verdicts are grey, since the tests are small."""
+    made = campaign(tmp_path, "--quick", "--particles", "60", "--strain", "0.02")
+    assert made.returncode == 0, made.stderr
+    names = {folder.name.partition("-eta-")[2] for folder in (tmp_path / "runs").iterdir()}
+    assert names == {"0-seed-1", "0.4-seed-1", "0.7-seed-1"}
+    page = (tmp_path / "report" / "report.html").read_text()
+    assert "fewer than 1000 grains" in page
+    assert "class='open'" in page and "class='yes'" not in page and "class='no'" not in page
+
+
 @pytest.mark.slow
 @needs_snakemake
 @needs_environment
