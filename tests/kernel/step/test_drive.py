@@ -11,15 +11,17 @@ V, G = 0.2, 9.81
 
 
 def scale(masses, before, free, wall=(0.0, V, 0.0), inverse=None, below=None):
-    """Of bodies above a wall that moves; each touches the one below it, that before it in a row."""
+    """Return the bounds of a row of bodies above a moving wall; each touches the one below it."""
     count = len(masses)
     inverse = np.array([[1 / m, 1 / m, 10 / m] for m in masses]) if inverse is None else inverse
     points = np.arange(count)
     below = points if below is None else below
     return _kernel.drive(
-        np.vstack([wall, before]), inverse_mass=np.vstack([np.zeros(3), inverse]), free_velocity=np.vstack([wall, free]),
-        bodies=np.stack([below, points + 1], axis=1).astype(np.int32), normal=np.tile([0.0, 1], (count, 1)), arm1=np.zeros((count, 2)),
-        arm2=np.zeros((count, 2)), bias=np.zeros(count), friction=np.full(count, 0.5), impulse=np.zeros((count, 2)),
+        np.vstack([wall, before]), inverse_mass=np.vstack([np.zeros(3), inverse]),
+        free_velocity=np.vstack([wall, free]),
+        bodies=np.stack([below, points + 1], axis=1).astype(np.int32),
+        normal=np.tile([0.0, 1], (count, 1)), arm1=np.zeros((count, 2)), arm2=np.zeros((count, 2)),
+        bias=np.zeros(count), friction=np.full(count, 0.5), impulse=np.zeros((count, 2)),
     )  # fmt: skip
 
 
@@ -54,8 +56,10 @@ def test_weight_closes_contacts_by_a_tenth_of_the_drive_at_most(dt):
 def test_turning_obstacles_drive_by_the_speed_of_their_points():
     arm = np.array([[2.0, 0.0]])
     speed, _, _ = _kernel.drive(
-        np.zeros((2, 3)), inverse_mass=np.array([[0.0, 0, 0], [1, 1, 1]]), free_velocity=np.array([[0.0, 0, 0.5], [0, 0, 0]]),
-        bodies=np.array([[0, 1]], np.int32), normal=np.array([[0.0, 1]]), arm1=arm, arm2=np.zeros((1, 2)), bias=np.zeros(1), friction=np.zeros(1),
+        np.zeros((2, 3)), inverse_mass=np.array([[0.0, 0, 0], [1, 1, 1]]),
+        free_velocity=np.array([[0.0, 0, 0.5], [0, 0, 0]]), bodies=np.array([[0, 1]], np.int32),
+        normal=np.array([[0.0, 1]]), arm1=arm, arm2=np.zeros((1, 2)), bias=np.zeros(1),
+        friction=np.zeros(1),
         impulse=np.zeros((1, 2)),
     )  # fmt: skip
     assert speed == 1.0
@@ -65,7 +69,8 @@ def test_turning_obstacles_drive_by_the_speed_of_their_points():
 def test_partly_blocked_bodies_drive_without_momentum(sideways, fastest):
     """A body with a prescribed v_x, free along y: v_x is a drive, and only v_y has momentum."""
     body = np.array([[0.0, 0.5, 0.0]])
-    speed, _, most = scale([2.0], np.array([[sideways, 0, 0]]), np.array([[sideways, 0.1, 0]]), inverse=body)
+    before, free = np.array([[sideways, 0, 0]]), np.array([[sideways, 0.1, 0]])
+    speed, _, most = scale([2.0], before, free, inverse=body)
     assert speed == fastest
     np.testing.assert_allclose(most, 2.0 * (3 * (fastest + 0.1) + 200 * 0.1))
 

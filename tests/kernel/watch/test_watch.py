@@ -36,7 +36,7 @@ def test_an_impact_that_recedes_gives_no_verdict():
 
 
 def test_small_recessions_do_not_end_a_squeeze():
-    overlaps = [value for overlap in growing(PATIENCE) for value in (overlap, overlap, 0.99 * overlap, 0.98 * overlap)]
+    overlaps = [factor * overlap for overlap in growing(PATIENCE) for factor in (1, 1, 0.99, 0.98)]
     assert verdicts(JamDetector(), overlaps) == [(4 * (PATIENCE - 1), "not converged")]
 
 
@@ -67,26 +67,28 @@ def test_initial_overlaps_and_shallow_ones_are_silent():
 
 def test_overlaps_that_overdamped_steps_remove_are_silent():
     assert warnings([(False, False, 0.1 * k, True) for k in range(100)]) == []
-    assert warnings([(False, False, 0.3, True)] * 5 + [(False, False, 1e-4)] * 5 + [(True, False, 1e-4)]) == []
+    compaction, shear = [(False, False, 0.3, True)] * 5, [(False, False, 1e-4)] * 5
+    assert warnings([*compaction, *shear, (True, False, 1e-4)]) == []
 
 
 def test_a_deep_overlap_of_a_missed_step_warns():
     ((step, message),) = warnings([(False, False, 1e-4), (True, False, 0.03)])
     assert step == 1
-    assert message.startswith("1 of 2 steps has not converged; the deepest overlap is 0.03") or message.startswith(
-        "1 of 2 steps have not converged; the deepest overlap is 0.03"
-    )
+    assert message.startswith("1 of 2 steps have not converged; the deepest overlap is 0.03")
     assert "Positions are wrong" in message and "smaller O.dt" in message
 
 
 def test_growing_overlaps_of_converged_steps_warn():
-    messages = warnings([(False, False, overlap) for overlap in (1e-4, 4e-3, 1e-2, 1.5e-2, 2.5e-2, 0.06)])
+    overlaps = 1e-4, 4e-3, 1e-2, 1.5e-2, 2.5e-2, 0.06
+    messages = warnings([(False, False, overlap) for overlap in overlaps])
     assert [k for k, _ in messages] == [2, 4, 5]
-    assert messages[0][1].startswith("the deepest overlap is 0.01 of R₁ + R₂ and grows, although all steps converged.")
+    start = "the deepest overlap is 0.01 of R₁ + R₂ and grows, although all steps converged."
+    assert messages[0][1].startswith(start)
 
 
 def test_a_warning_repeats_when_overlaps_double():
-    messages = warnings([(True, False, overlap) for overlap in (1e-4, 4e-3, 6e-3, 1e-2, 1.3e-2, 2e-2, 5e-2)])
+    overlaps = 1e-4, 4e-3, 6e-3, 1e-2, 1.3e-2, 2e-2, 5e-2
+    messages = warnings([(True, False, overlap) for overlap in overlaps])
     assert [k for k, _ in messages] == [2, 4, 6]
     assert "0.05" in messages[-1][1]
 
@@ -94,13 +96,15 @@ def test_a_warning_repeats_when_overlaps_double():
 def test_steps_without_a_solution_warn_at_each_tenfold():
     messages = warnings([(True, True, 0.0)] * 1000)
     assert [k for k, _ in messages] == [0, 9, 99, 999]
-    assert "without a solution" in messages[0][1] and "leave these steps out of averages" in messages[0][1]
+    assert "without a solution" in messages[0][1]
+    assert "leave these steps out of averages" in messages[0][1]
 
 
 @pytest.mark.parametrize("overlap", [1e-3, 1e-2, 0.1])
 def test_no_warning_calls_anything_harmless(overlap):
     for outcome in ((True, True), (True, False), (False, False)):
-        assert all("harmless" not in text for _, text in warnings([(False, False, 0)] + [(*outcome, overlap)] * 20))
+        messages = warnings([(False, False, 0)] + [(*outcome, overlap)] * 20)
+        assert all("harmless" not in text for _, text in messages)
 
 
 def test_counts_of_steps():

@@ -22,8 +22,9 @@ def test_partly_blocked_drives_do_not_explode(blocked, seed):
     rough = material(0.5)
     grains = [rcr.particle((0.022 * (k % 3), 0.022 * (k // 3)), rng.uniform(0.007, 0.01),
                            rng.uniform(0, 0.7), rng.uniform(0, math.pi), rough) for k in range(9)]
-    build(*grains, rcr.wall("x", -0.012, +1, material=rough), rcr.wall("x", 0.056, -1, material=rough),
-          rcr.wall("y", -0.012, +1, material=rough), dt=5e-4, tolerance=1e-4)
+    walls = [rcr.wall("x", -0.012, +1, material=rough), rcr.wall("x", 0.056, -1, material=rough),
+             rcr.wall("y", -0.012, +1, material=rough)]
+    build(*grains, *walls, dt=5e-4, tolerance=1e-4)
     driven = O.bodies[6].state
     driven.blockedDOFs = blocked
     driven.vel = Vector3(3 * math.cos(seed), -3, 0) if "x" in blocked else Vector3(0, -3, 0)
@@ -45,8 +46,8 @@ def test_rods_do_not_pass_through_walls_unnoticed(radii, sense):
     r, dt = 0.01, 1e-3
     passed = 0
     for _ in range(40):
-        rod = rcr.particle((rng.uniform(0.5, 1.5) * radii * r + r, 0), r, 0.9, rng.uniform(0, math.pi),
-                           material(0.3))
+        start = (rng.uniform(0.5, 1.5) * radii * r + r, 0)
+        rod = rcr.particle(start, r, 0.9, rng.uniform(0, math.pi), material(0.3))
         build(rod, rcr.wall("x", 0, sense, material=material(0.3)), dt=dt, gravity=(0, 0, 0))
         state = O.bodies[0].state
         state.vel = Vector3(-radii * r / dt, rng.uniform(-1, 1) * r / dt, 0)
@@ -62,8 +63,9 @@ def test_rods_do_not_pass_through_walls_unnoticed(radii, sense):
 def test_python_reads_everything_during_a_run():
     """Results, settings and observations are locked, so any thread may access them."""
     rough = material(0.5)
-    build(*[rcr.particle((0.025 * (k % 6), 0.03 * (k // 6)), 0.01, 0.5, k, rough) for k in range(30)],
-          rcr.wall("y", -0.02, +1, material=rough), dt=1e-4)
+    grains = [rcr.particle((0.025 * (k % 6), 0.03 * (k // 6)), 0.01, 0.5, k, rough)
+              for k in range(30)]
+    build(*grains, rcr.wall("y", -0.02, +1, material=rough), dt=1e-4)
     solver = O.engines[-2]
     solver.observe, solver.observeEvery = [30], 10
     O.run(4000, False)

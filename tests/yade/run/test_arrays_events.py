@@ -1,6 +1,6 @@
 """Steps in arrays equal steps of engines while engines and scripts act on bodies.
 
-Engines that move fast obstacles or load grains, and PyRunners that change engines, velocities and masks.
+Engines move fast obstacles or load grains; PyRunners change engines, velocities and masks.
 """
 
 import numpy as np
@@ -10,8 +10,8 @@ from scenes import box, build, material
 from test_arrays import SOLVER, after, grains, same, walls
 from yade import O
 from yade.minieigenHP import Vector3
-from yade.wrapper import (ForceEngine, ForceResetter, HarmonicMotionEngine, LinearDragEngine, PyRunner,
-                          RotationEngine, TorqueEngine)
+from yade.wrapper import (ForceEngine, ForceResetter, HarmonicMotionEngine, LinearDragEngine,
+                          PyRunner, RotationEngine, TorqueEngine)
 
 STEPS = 600
 EVENTS = {}
@@ -31,7 +31,8 @@ def shaken_wall(seed):
 
 def with_box(seed, center, half):
     """Grains above a box between walls."""
-    build(*grains(48, 12, seed), *walls(1.6), box(center, half, 0, material(0.5)), dt=1e-3, **SOLVER)
+    obstacle = box(center, half, 0, material(0.5))
+    build(*grains(48, 12, seed), *walls(1.6), obstacle, dt=1e-3, **SOLVER)
     for k in range(48):
         O.bodies[k].state.pos += Vector3(0, 2 * center[1], 0)
     O.engines[2].geomDispatcher.functors = [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(),
@@ -89,8 +90,8 @@ def masks_that_change(seed):
     O.engines = [*O.engines, PyRunner(command=event(change_masks), iterPeriod=150, firstIterRun=50)]
 
 
-SCENES = [shaken_wall, shaken_box, shaken_box_after_the_loop, torque_on_grains, stirrer, drag_on_fast_grains,
-          kicked_before_the_collider, masks_that_change]
+SCENES = [shaken_wall, shaken_box, shaken_box_after_the_loop, torque_on_grains, stirrer,
+          drag_on_fast_grains, kicked_before_the_collider, masks_that_change]
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
