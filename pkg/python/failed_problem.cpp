@@ -7,20 +7,16 @@
 
 namespace yade {
 
-std::string saveFailedProblem()
-{
-	const gilLock lock;
-	return boost::python::extract<std::string>(
-	        boost::python::import("rcr.scene").attr("save_not_finite")());
-}
-
 std::string failureMessage(const rcr::Step& step, int id, long number)
 {
+	const gilLock     lock;
+	const std::string saved = boost::python::extract<std::string>(
+	        boost::python::import("rcr.scene").attr("save_not_finite")());
 	const rcr::Twist& v = step.problem.velocity[id];
 	return "ContactDynamics: step " + std::to_string(number) + " would give body #"
 	        + std::to_string(id) + " the velocity (" + validation::text(v.x) + ", "
 	        + validation::text(v.y) + ") and the angular velocity " + validation::text(v.rotation)
-	        + ". Nothing has moved. " + saveFailedProblem();
+	        + ". Nothing has moved. " + saved;
 }
 
 } // namespace yade

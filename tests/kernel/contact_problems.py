@@ -214,20 +214,7 @@ def pile(seed, columns=12, rows=9):
     touch(id_of[-1, 0], spinner, np.pi / 2, 1)
     touch(floor, left, 0, 1)  # both prescribed: carries nothing
     t = np.array(rows_of_points)
-    t = t[np.lexsort((t[:, 1], t[:, 0]))]
-    return Problem(
-        f"pile {seed}",
-        seed,
-        inverse_mass=inverse_mass,
-        free_velocity=v,
-        bodies=t[:, :2].astype(np.int32),
-        normal=t[:, 2:4],
-        arm1=t[:, 4:6],
-        arm2=t[:, 6:8],
-        bias=t[:, 8],
-        friction=t[:, 9],
-        impulse=np.zeros((len(t), 2)),
-    )
+    return problem_of(f"pile {seed}", seed, inverse_mass, v, t[np.lexsort((t[:, 1], t[:, 0]))])
 
 
 def stored(name):

@@ -11,6 +11,7 @@ import rcr
 import yade.utils
 from benchmarks.hard_scenes.stage import G, box, material, stadium, tilted
 from yade import O
+from yade.minieigenHP import Matrix3
 from yade.wrapper import (
     Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter,
     InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker,
@@ -158,6 +159,16 @@ def periodic_scene(law, *bodies, size=2.0, gravity=(0, 0, 0), dt=1e-3, periodic=
             NewtonIntegrator(gravity=gravity, damping=0),
         ]
     return [O.bodies.append(b) for b in bodies]
+
+
+def shrinking_cell():
+    """Take 100 steps of a sheared periodic cell of 25 rods that shrinks until they touch."""
+    rng = np.random.default_rng(0)
+    grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098),
+                           0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
+    periodic_scene("rigid", *grains, size=1.0, dt=1e-3, tolerance=1e-8)
+    O.cell.velGrad = Matrix3(-4, 0.5, 0, 0, -4, 0, 0, 0, 0)
+    steps(100)
 
 
 def pressed_box():

@@ -10,7 +10,6 @@
 #include "dem/validation/deferredError.hpp"
 #include "kernel/step/adapt_biases.hpp"
 #include "kernel/step/follow_stretch.hpp"
-#include "kernel/step/missed_contacts.hpp"
 #include "kernel/step/position_correction.hpp"
 #include "kernel/step/restitution.hpp"
 #include "kernel/sweep/sweep_solver.hpp"
@@ -98,13 +97,12 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		});
 	const rcr::DrivenMotion driven = rcr::drivenMotionOf(step_, workspace_.team());
 	rcr::Settings           how    = settingsOfFirstPass(driven);
+	const double            compliance = how.yieldCompliance; // unless rest is a solution
 	std::vector<double>     firstBiases; // biases to which a pass may return; empty: none
 	PassOutcome             outcome = PassOutcome::converged;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
 		const bool last = pass == mostPasses || outcome == PassOutcome::biasesRestored;
-		if (rcr::restIsSolution(step_, driven)) how.yieldCompliance = 0;
-		else
-			how.yieldCompliance = settings(driven).yieldCompliance;
+		how.yieldCompliance = rcr::restIsSolution(step_, driven) ? 0 : compliance;
 		solvePass(how);
 		outcome = last ? reviewLastPass(engines) : reviewPass(engines, pass, driven, firstBiases);
 		if (outcome == PassOutcome::converged) break;

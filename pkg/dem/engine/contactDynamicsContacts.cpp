@@ -7,10 +7,16 @@
 
 namespace yade {
 
+namespace {
+	rcr::MayMeet ruleOfMeeting(Scene& scene, const validation::Engines& engines)
+	{
+		return [&](int id1, int id2) { return mayMeet(scene, engines, id1, id2); };
+	}
+}
+
 bool ContactDynamics::findMissedContacts(const validation::Engines& engines)
 {
-	return rcr::findMissedContacts(
-	        step_, [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); });
+	return rcr::findMissedContacts(step_, ruleOfMeeting(*scene, engines));
 }
 
 /// Completes the contacts within reach, so that they do not depend on when the collider ran.
@@ -32,8 +38,7 @@ void ContactDynamics::addUnlistedContacts(const validation::Engines& engines)
 	for (std::size_t id = 0; id < handles_.isUnlisted.size(); ++id)
 		if (handles_.isUnlisted[id]) unlisted.push_back(std::int32_t(id));
 	if (unlisted.empty()) return;
-	if (rcr::findUnlistedContacts(step_, unlisted,
-	            [&](int id1, int id2) { return mayMeet(*scene, engines, id1, id2); }))
+	if (rcr::findUnlistedContacts(step_, unlisted, ruleOfMeeting(*scene, engines)))
 		addUpdatedContacts(engines);
 }
 

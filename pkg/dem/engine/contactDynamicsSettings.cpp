@@ -59,23 +59,23 @@ int ContactDynamics::solverThreads() const { return threads > 0 ? threads : omp_
 rcr::Settings ContactDynamics::settings(const rcr::DrivenMotion& driven) const
 {
 	rcr::Settings s;
-	s.tolerance       = double(tolerance);
-	s.maxIterations   = maxIterations;
-	s.minIterations   = minIterations;
-	s.kinematicTolerance       = double(kinematicTolerance);
-	s.meanForceChange = double(meanForceChange);
-	s.threads         = solverThreads();
-	s.lanes           = lanes;
-	s.yieldCompliance      = double(yieldCompliance) * driven.compliance;
-	s.yieldImpulse     = driven.yieldImpulse / double(yieldCompliance); // 0: infinite
-	s.reductions      = rcr::Reductions::of(reductions);
+	s.tolerance          = double(tolerance);
+	s.maxIterations      = maxIterations;
+	s.minIterations      = minIterations;
+	s.kinematicTolerance = double(kinematicTolerance);
+	s.meanForceChange    = double(meanForceChange);
+	s.threads            = solverThreads();
+	s.lanes              = lanes;
+	s.yieldCompliance    = double(yieldCompliance) * driven.compliance;
+	s.yieldImpulse       = driven.yieldImpulse / double(yieldCompliance); // 0: infinite
+	s.reductions         = rcr::Reductions::of(reductions);
 	return s;
 }
 
 rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::DrivenMotion& driven)
 {
-	rcr::Settings s = settings(driven);
-	s.roundingVelocity      = step_.rounding(workspace_.team());
+	rcr::Settings s    = settings(driven);
+	s.roundingVelocity = step_.rounding(workspace_.team());
 	if (monitor.jam.active()) s.maxIterations *= squeezedEffort;
 	return s;
 }
@@ -90,8 +90,8 @@ rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome o
 	               ? maxIterations
 	               : std::max(maxIterations - iterations, sweepsOfNextPass);
 	s.minIterations = std::min(std::max(minIterations, sweepsOfNextPass), s.maxIterations);
-	s.sameProblem     = !newContacts;
-	s.yieldedBefore       = yielded && (newContacts || outcome == PassOutcome::biasChanged);
+	s.sameProblem   = !newContacts;
+	s.yieldedBefore = yielded && (newContacts || outcome == PassOutcome::biasChanged);
 	return s;
 }
 

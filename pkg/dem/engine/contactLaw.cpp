@@ -1,6 +1,5 @@
 // Law of a contact that the InteractionLoop has not made.
 #include <core/InteractionLoop.hpp>
-#include <pkg/common/Collider.hpp>
 
 #include "dem/engine/gather.hpp"
 #include "dem/validation/validation.hpp"
@@ -28,13 +27,9 @@ ContactLaw contactLaw(Scene& scene, const InteractionLoop& loop, Body::id_t id1,
 
 bool mayMeet(Scene& scene, const validation::Engines& engines, Body::id_t id1, Body::id_t id2)
 {
+	if (!validation::mayCollide(scene, *engines.collider, id1, id2)) return false;
 	Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
 	bool  swap;
-#ifdef YADE_MPI
-	if (!engines.collider->mayCollide(&one, &two, scene.subdomain)) return false;
-#else
-	if (!engines.collider->mayCollide(&one, &two)) return false;
-#endif
 	return one.isBounded() && two.isBounded()
 	        && engines.loop->geomDispatcher->getFunctor2D(one.shape, two.shape, swap)
 	        && dynamic_cast<const FrictMat*>(one.material.get())

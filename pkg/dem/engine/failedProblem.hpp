@@ -7,11 +7,8 @@
 
 namespace yade {
 
-/// Saves the problem to a file and returns a sentence that names it. Defined beside the Python
-/// module, whose writer it calls.
-std::string saveFailedProblem();
-
-/// Message about a body whose solved velocity is not finite. Saves the problem.
+/// Saves the problem to a file and returns a message that names the file and a body whose solved
+/// velocity is not finite. Defined beside the Python module, whose writer it calls.
 std::string failureMessage(const rcr::Step&, int id, long number);
 
 } // namespace yade

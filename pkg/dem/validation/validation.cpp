@@ -1,13 +1,10 @@
 #include "dem/validation/SceneView.hpp"
 
 #include <core/TimeStepper.hpp>
-#include <pkg/common/Box.hpp>
 #include <pkg/common/Collider.hpp>
-#include <pkg/common/Facet.hpp>
 #include <pkg/common/ForceResetter.hpp>
 #include <pkg/common/InsertionSortCollider.hpp>
 #include <pkg/common/Sphere.hpp>
-#include <pkg/common/Wall.hpp>
 
 #include "dem/engine/CellStress.hpp"
 #include "dem/engine/ContactDynamics.hpp"
@@ -282,25 +279,23 @@ namespace validation {
 		return true;
 	}
 
-	/// YADE checks masks only when boxes begin to overlap. A mask that changed later counts when a
-	/// rigid contact forms.
-	static bool masksAllow(const Scene& scene, const Interaction& i)
+	bool mayCollide(const Scene& scene, Collider& collider, Body::id_t id1, Body::id_t id2)
 	{
-		const View      view(scene);
-		Collider* collider = view.law == rigid ? view.first<Collider>() : nullptr;
-		const Body *    one      = (*scene.bodies)[i.getId1()].get(),
-		           *two          = (*scene.bodies)[i.getId2()].get();
+		const Body *one = (*scene.bodies)[id1].get(), *two = (*scene.bodies)[id2].get();
 #ifdef YADE_MPI
-		return !collider || collider->mayCollide(one, two, scene.subdomain);
+		return collider.mayCollide(one, two, scene.subdomain);
 #else
-		return !collider || collider->mayCollide(one, two);
+		return collider.mayCollide(one, two);
 #endif
 	}
 
 	bool mayTouch(const Interaction& i, const Scene& scene)
 	{
 		if (!frictional(scene, i.getId1(), i.getId2())) return false;
-		if (!masksAllow(scene, i)) return false;
+		// YADE checks masks only when boxes begin to overlap; here a rigid contact forms
+		const View view(scene);
+		Collider*  collider = view.law == rigid ? view.first<Collider>() : nullptr;
+		if (collider && !mayCollide(scene, *collider, i.getId1(), i.getId2())) return false;
 		thread_local Signature passed; // evaluates the rules once per change, not per contact
 		const Signature        now = signature(scene);
 		if (now == passed) return true;
@@ -310,7 +305,7 @@ namespace validation {
 			return true;
 		}
 		// else ContactDynamics throws it later in this step
-		if (View(scene).place<ContactDynamics>() < 0) deferError(message);
+		if (view.place<ContactDynamics>() < 0) deferError(message);
 		return false;
 	}
 

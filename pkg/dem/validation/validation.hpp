@@ -116,6 +116,9 @@ namespace validation {
 		Engines   engines_;
 	};
 
+	/// YADE's rule of masks and clumps allows a contact of the two bodies.
+	bool mayCollide(const Scene&, Collider&, Body::id_t id1, Body::id_t id2);
+
 	/// Both bodies have a FrictMat. If not, Python gets an exception as soon as possible.
 	bool frictional(const Scene&, Body::id_t id1, Body::id_t id2);
 	/// The interaction may become a contact. If not, Python gets an exception as soon as possible.

@@ -9,9 +9,8 @@ import rcr
 import yade.utils
 from rcr.frame import Frame
 from rcr.network import OTHER, WALL, Network
-from scenes import G, build, heap, material, periodic_scene, steps
+from scenes import G, build, heap, material, shrinking_cell, steps
 from yade import O
-from yade.minieigenHP import Matrix3
 
 
 @pytest.fixture(scope="module")
@@ -134,12 +133,7 @@ def test_f15_periodic_cell_needs_no_walls():
     """In a shrinking, sheared cell the volume is its own, and the stress YADE's within 1 %: YADE's
     branch vectors are a step later.
     """
-    rng = np.random.default_rng(0)
-    grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098),
-                           0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
-    periodic_scene("rigid", *grains, size=1.0, dt=1e-3, tolerance=1e-8)
-    O.cell.velGrad = Matrix3(-4, 0.5, 0, 0, -4, 0, 0, 0, 0)
-    steps(100)
+    shrinking_cell()
     network = rcr.contact_network()
     cell = np.array(O.cell.hSize)[:2, :2]
     assert network.attributes["volume"] == pytest.approx(np.linalg.det(cell))

@@ -11,7 +11,7 @@ import rcr
 import yade.utils
 from rcr._counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
-from scenes import build, material, periodic_scene, pressed_box, python, steps
+from scenes import build, material, pressed_box, python, shrinking_cell, steps
 from yade import O
 from yade.minieigenHP import Matrix3, Quaternion, Vector3
 from yade.wrapper import (
@@ -260,12 +260,7 @@ def warnings_of_stress(volume, walls=None):
 
 def test_f63_get_stress_warns_only_where_it_is_wrong():
     """getStress is right in a cell of free grains and wrong in a box of walls."""
-    rng = np.random.default_rng(0)
-    grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098),
-                           0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
-    periodic_scene("rigid", *grains, size=1.0, dt=1e-3, tolerance=1e-8)
-    O.cell.velGrad = Matrix3(-4, 0.5, 0, 0, -4, 0, 0, 0, 0)
-    steps(100)
+    shrinking_cell()
     O.cell.velGrad = Matrix3(-0.04, 0.005, 0, 0, -0.04, 0, 0, 0, 0)
     steps(100)
     told, error = warnings_of_stress(abs(np.linalg.det(np.array(O.cell.hSize)[:2, :2])))
