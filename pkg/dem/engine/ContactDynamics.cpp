@@ -12,6 +12,7 @@
 #include "kernel/step/follow_stretch.hpp"
 #include "kernel/step/position_correction.hpp"
 #include "kernel/step/restitution.hpp"
+#include "kernel/step/separation.hpp"
 #include "kernel/sweep/sweep_solver.hpp"
 
 namespace yade {
@@ -90,7 +91,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations  = 0;
 	work_       = 0;
-	endOverlap_ = 0;
+	endOverlap_ = -1;
 	if (tracksStretch())
 		timed("biasUpdate", [&] {
 			rcr::removeMomentum(step_, { double(stretchChange[0]), double(stretchChange[1]) });
@@ -112,12 +113,16 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	if (const int id = firstNotFinite(step_); id >= 0)
 		throw std::runtime_error(failureMessage(step_, id, scene->iter));
 	checkStretch(step_, scene->iter);
+	timed("correct", [&] {
+		correctPositions(step_, double(correction), workspace_);
+		// −1: no large displacement; 1: a body has passed through another one
+		if (endOverlap_ >= 0 && endOverlap_ < 1) endOverlap_ = rcr::separate(step_);
+	});
 	if (endOverlap_ > rcr::MissedSteps::deep) converged = false;
 	const std::string warning = monitor.count(step_,
 	        { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations,
 	                yade::deepestOverlap(step_, workspace_.team()) });
 	if (!warning.empty()) LOG_WARN(warning);
-	timed("correct", [&] { correctPositions(step_, double(correction), workspace_); });
 }
 
 void ContactDynamics::solvePass(const rcr::Settings& how)

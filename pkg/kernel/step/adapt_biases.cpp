@@ -24,12 +24,13 @@ bool adaptBiases(Step& step, bool allowRelease, bool last, double& overlap, Thre
 	std::vector<Change> change(step.contacts.size());
 	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
-		change[k]                    = { false, contact.restitution > 0, 0 };
-		if (displacesFar(step, contact))
-			change[k].changed = adaptToDisplacement(step, contact, allowRelease, change[k].overlap);
+		change[k]                    = { false, contact.restitution > 0, -1 };
+		if (!displacesFar(step, contact)) return;
+		change[k].overlap = 0;
+		change[k].changed = adaptToDisplacement(step, contact, allowRelease, change[k].overlap);
 	});
 	bool changed = false, bounces = false;
-	overlap      = 0;
+	overlap      = -1;
 	for (std::size_t k = 0; k < change.size(); ++k) {
 		changed |= change[k].changed;
 		overlap = std::max(overlap, change[k].overlap);

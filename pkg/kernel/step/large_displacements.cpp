@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "step/missed_contacts.hpp"
-
 namespace rcr {
 
 namespace {
@@ -17,21 +15,12 @@ namespace {
 	// fraction of the path that a kept contact may leave open
 	constexpr double earlyArrival   = 0.01;
 
-	const Twist& solved(const Step& step, int id) { return step.problem.velocity[id]; }
 	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
-	/// Contact points of the displaced bodies after `time`, detected with the reach of the step.
-	Manifold pointsAfter(const Step& step, const StepContact& c, double time,
-	        const Twist& (*velocity)(const Step&, int))
+	/// Contact points after `time` at the solved velocities.
+	Manifold solvedPointsAfter(const Step& step, const StepContact& c, double time)
 	{
-		const auto at = [&](int id) {
-			const StepBody& body = step.bodies[id];
-			return moved(body, step.bodies[body.owner], velocity(step, body.owner), time);
-		};
-		Pose at2   = at(c.body2);
-		at2.center = at2.center + c.shift + time * c.drift;
-		return contactPoints(step.bodies[c.body1].shape, at(c.body1), step.bodies[c.body2].shape,
-		        at2, reachOf(step, c.body1) + reachOf(step, c.body2));
+		return pointsAfter(step, c, time, [&](int id) { return step.problem.velocity[id]; });
 	}
 
 	/// Gap of the point that was number k of `count`, or the smallest gap if their number changed;
@@ -55,7 +44,7 @@ namespace {
 		double        before = 0, after = time;
 		for (int k = 0; k < halvings; ++k) {
 			const double   middle = 0.5 * (before + after);
-			const Manifold at     = pointsAfter(step, contact, middle, solved);
+			const Manifold at     = solvedPointsAfter(step, contact, middle);
 			if (at.count == 0) return false;
 			if (at.points[0].gap < 0) return true;
 			const Vec2 normal = at.points[0].normal;
@@ -83,7 +72,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 	const double dt = step.dt, slop = contact.slop();
 	Manifold     at[samples];
 	for (int sample = 0; sample < samples; ++sample)
-		at[sample] = pointsAfter(step, contact, dt * (sample + 1) / samples, solved);
+		at[sample] = solvedPointsAfter(step, contact, dt * (sample + 1) / samples);
 	bool changed = false;
 	for (int k = 0; k < contact.count; ++k) {
 		const int     number = contact.first + k;
@@ -148,7 +137,8 @@ bool cancelBounces(Step& step, const StepContact& contact)
 		return false;
 	double least[2] = { infinity, infinity };
 	for (int sample = 1; sample <= bounceSamples; ++sample) {
-		const Manifold now = pointsAfter(step, contact, step.dt * sample / bounceSamples, initial);
+		const Manifold now = pointsAfter(step, contact, step.dt * sample / bounceSamples,
+		        [&](int id) { return initial(step, id); });
 		for (int k = 0; k < contact.count; ++k)
 			least[k] = std::min(least[k],
 			        gapOf(now, k, contact.count, step.problem.points[contact.first + k].normal));

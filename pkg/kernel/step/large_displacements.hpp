@@ -21,6 +21,7 @@
 // Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
 #pragma once
 
+#include "step/missed_contacts.hpp"
 #include "step/step.hpp"
 
 namespace rcr {
@@ -45,6 +46,21 @@ inline bool displacesFar(const Step& step, const StepContact& c, const Twist& v1
 inline bool displacesFar(const Step& step, const StepContact& c)
 {
 	return displacesFar(step, c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
+}
+
+/// Contact points of the bodies after `time`, detected with the reach of the step.
+/// velocityOf(id): velocity of a body.
+template <class VelocityOf>
+Manifold pointsAfter(const Step& step, const StepContact& c, double time, VelocityOf velocityOf)
+{
+	const auto at = [&](int id) {
+		const StepBody& body = step.bodies[id];
+		return moved(body, step.bodies[body.owner], velocityOf(body.owner), time);
+	};
+	Pose at2   = at(c.body2);
+	at2.center = at2.center + c.shift + time * c.drift;
+	return contactPoints(step.bodies[c.body1].shape, at(c.body1), step.bodies[c.body2].shape, at2,
+	        reachOf(step, c.body1) + reachOf(step, c.body2));
 }
 
 /// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias
