@@ -116,7 +116,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	timed("correct", [&] {
 		correctPositions(step_, double(correction), workspace_);
 		// −1: no large displacement; 1: a body has passed through another one
-		if (endOverlap_ >= 0 && endOverlap_ < 1) endOverlap_ = rcr::separate(step_);
+		if (correction > 0 && !yielded && endOverlap_ >= 0 && endOverlap_ < 1) endOverlap_ = rcr::separate(step_);
 	});
 	if (endOverlap_ > rcr::MissedSteps::deep) converged = false;
 	const std::string warning = monitor.count(step_,

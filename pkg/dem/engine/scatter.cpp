@@ -16,6 +16,7 @@ namespace {
 	void writeForces(const rcr::Step& step, const rcr::StepContact& contact, CdPhys& phys)
 	{
 		rcr::Vec2 normal, shear;
+		if (contact.count == 1) phys.force2 = Vector2r::Zero();
 		for (int k = 0; k < contact.count; ++k) {
 			const rcr::ContactPoint& c     = step.problem.points[contact.first + k];
 			const rcr::Impulse&      force = step.force[contact.first + k];
