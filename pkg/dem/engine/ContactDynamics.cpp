@@ -91,7 +91,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations  = 0;
 	work_       = 0;
-	endOverlap_ = -1;
+	largeDisplacements_ = false;
 	if (tracksStretch())
 		timed("biasUpdate", [&] {
 			rcr::removeMomentum(step_, { double(stretchChange[0]), double(stretchChange[1]) });
@@ -115,10 +115,10 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	checkStretch(step_, scene->iter);
 	timed("correct", [&] {
 		correctPositions(step_, double(correction), workspace_);
-		// −1: no large displacement; 1: a body has passed through another one
-		if (correction > 0 && !yielded && endOverlap_ >= 0 && endOverlap_ < 1) endOverlap_ = rcr::separate(step_);
+		if (!largeDisplacements_) return;
+		const double overlap = rcr::separate(step_, correction > 0 && !yielded);
+		if (overlap > rcr::MissedSteps::deep) converged = false;
 	});
-	if (endOverlap_ > rcr::MissedSteps::deep) converged = false;
 	const std::string warning = monitor.count(step_,
 	        { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations,
 	                yade::deepestOverlap(step_, workspace_.team()) });
@@ -163,8 +163,8 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 		// only changed biases may have no solution
 		if (yielded && rcr::restoreBiases(step_, firstBiases)) return PassOutcome::biasesRestored;
 		if (pass == 1 && driven.speed == 0) firstBiases = rcr::biases(step_.problem);
-		const bool changed = rcr::adaptBiases(
-		        step_, pass <= mostPasses / 2, nextIsLast, endOverlap_, workspace_.team());
+		const bool changed = rcr::adaptBiases(step_, pass <= mostPasses / 2, nextIsLast,
+		        double(tolerance), largeDisplacements_, workspace_.team());
 		return changed ? PassOutcome::biasChanged : PassOutcome::converged;
 	});
 }

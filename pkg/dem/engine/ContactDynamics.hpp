@@ -135,7 +135,7 @@ private:
 	std::shared_ptr<ArraySteps>  arraySteps_;
 	std::vector<rcr::Impulse>    warmStart_; // impulses from which the last problem was solved
 	double                       work_       = 0; // sweeps × points of the last step
-	double                       endOverlap_ = 0; // deepest after large displacements, over R₁ + R₂
+	bool                         largeDisplacements_ = false; // of this step
 	StepObserver                 observer_;
 	StageTimes                   times_;
 	mutable std::mutex           reading_; // guards what follows, and `solver` and `observe`

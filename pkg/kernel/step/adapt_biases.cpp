@@ -15,31 +15,31 @@ bool restIsSolution(const Step& step, const DrivenMotion& drive)
 	                [](const ContactPoint& point) { return point.bias >= 0; });
 }
 
-bool adaptBiases(Step& step, bool allowRelease, bool last, double& overlap, ThreadTeam& team)
+bool adaptBiases(Step& step, bool allowRelease, bool last, double tolerance, bool& far,
+        ThreadTeam& team)
 {
 	struct Change {
-		bool   changed, bounces;
-		double overlap;
+		bool far, changed, pushes;
 	};
 	std::vector<Change> change(step.contacts.size());
 	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
-		change[k]                    = { false, contact.restitution > 0, -1 };
-		if (!displacesFar(step, contact)) return;
-		change[k].overlap = 0;
-		change[k].changed = adaptToDisplacement(step, contact, allowRelease, change[k].overlap);
+		change[k]                  = { displacesFar(step, contact), false, contact.restitution > 0 };
+		if (!change[k].far) return;
+		// no push is added that no solve would follow to check its energy
+		if (!last) change[k].changed = adaptToDisplacement(step, contact, allowRelease);
+		for (int point = contact.first; point < contact.first + contact.count; ++point)
+			change[k].pushes |= step.problem.points[point].bias < 0;
 	});
-	bool changed = false, bounces = false;
-	overlap      = -1;
+	bool changed = false, pushes = false;
+	far          = false;
 	for (std::size_t k = 0; k < change.size(); ++k) {
-		changed |= change[k].changed;
-		overlap = std::max(overlap, change[k].overlap);
-		if (change[k].bounces)
+		far |= change[k].far, changed |= change[k].changed, pushes |= change[k].pushes;
+		if (step.contacts[k].restitution > 0)
 			changed |= (allowRelease && cancelBounces(step, step.contacts[k]))
 			        || restrainBounce(step, step.contacts[k]);
-		bounces |= change[k].bounces;
 	}
-	if (bounces && (last || !changed)) changed |= restrainCollisions(step, last);
+	if (pushes && (last || !changed)) changed |= restrainCollisions(step, last, tolerance);
 	return changed;
 }
 

@@ -16,9 +16,9 @@ namespace rcr {
 bool restIsSolution(const Step&, const DrivenMotion&);
 
 /// Adapts the biases; returns true if one changed. `allowRelease`: contacts may be released;
-/// `last`: bounces that add energy become plastic. `overlap`: set to the deepest overlap at the end
-/// of large displacements, over R₁ + R₂ [-]; −1 without large displacements.
-bool adaptBiases(Step&, bool allowRelease, bool last, double& overlap, ThreadTeam&);
+/// `last`: bounces that add energy become plastic; `tolerance`: of the solver; `far`: set to true if
+/// a contact has a large displacement.
+bool adaptBiases(Step&, bool allowRelease, bool last, double tolerance, bool& far, ThreadTeam&);
 
 /// Restores biases and clears `before`; returns false if `before` is empty.
 bool restoreBiases(Step&, std::vector<double>& before);

@@ -17,12 +17,6 @@ namespace {
 
 	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
-	/// Contact points after `time` at the solved velocities.
-	Manifold solvedPointsAfter(const Step& step, const StepContact& c, double time)
-	{
-		return pointsAfter(step, c, time, [&](int id) { return step.problem.velocity[id]; });
-	}
-
 	/// Gap of the point that was number k of `count`, or the smallest gap if their number changed;
 	/// inf: out of reach; −inf: the point is on the far side of the body.
 	double gapOf(const Manifold& now, int k, int count, Vec2 normal)
@@ -34,40 +28,35 @@ namespace {
 		return dot(now.points[at].normal, normal) > 0 ? now.points[at].gap : -infinity;
 	}
 
-	/// The path up to `time`, which ends clear of the other body and on its far side, crosses the
-	/// body; else it passes beside it. Bisection: the normal turns gradually beside a body and
-	/// flips across it.
-	bool crosses(const Step& step, const StepContact& contact, double time, Vec2 normalBefore,
-	        Vec2 normalAfter)
-	{
-		constexpr int halvings = 10;
-		double        before = 0, after = time;
-		for (int k = 0; k < halvings; ++k) {
-			const double   middle = 0.5 * (before + after);
-			const Manifold at     = solvedPointsAfter(step, contact, middle);
-			if (at.count == 0) return false;
-			if (at.points[0].gap < 0) return true;
-			const Vec2 normal = at.points[0].normal;
-			if (dot(normal, normalBefore) < 0) after = middle, normalAfter = normal;
-			else if (dot(normal, normalAfter) < 0)
-				before = middle, normalBefore = normal;
-			else
-				return false;
-		}
-		return true;
-	}
-
-	/// A body has passed through the other one at `time`, whether they still overlap or not.
-	bool passedThrough(const Step& step, const StepContact& contact, const Manifold& now,
-	        double time, Vec2 normal)
-	{
-		if (now.count == 0 || dot(now.points[0].normal, normal) > 0) return false;
-		return now.points[0].gap < 0 || crosses(step, contact, time, normal, now.points[0].normal);
-	}
-
 } // namespace
 
-bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelease, double& overlap)
+Manifold solvedPointsAfter(const Step& step, const StepContact& c, double time)
+{
+	return pointsAfter(step, c, time, [&](int id) { return step.problem.velocity[id]; });
+}
+
+bool passedThrough(const Step& step, const StepContact& contact, const Manifold& now, double time)
+{
+	constexpr int halvings     = 10;
+	const Vec2    normalBefore = step.problem.points[contact.first].normal;
+	if (now.count == 0 || dot(now.points[0].normal, normalBefore) > 0) return false;
+	Vec2   normalAfter = now.points[0].normal;
+	double before = 0, after = time;
+	for (int k = 0; k < halvings; ++k) {
+		const double   middle = 0.5 * (before + after);
+		const Manifold at     = solvedPointsAfter(step, contact, middle);
+		if (at.count == 0) return false;
+		const Vec2 normal = at.points[0].normal;
+		if (dot(normal, normalBefore) < 0) after = middle, normalAfter = normal;
+		else if (dot(normal, normalAfter) < 0)
+			before = middle;
+		else
+			return false;
+	}
+	return true;
+}
+
+bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelease)
 {
 	const double dt = step.dt, slop = contact.slop();
 	Manifold     at[samples];
@@ -86,17 +75,13 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		for (const Manifold& now : at)
 			least = std::min(least, gapOf(now, k, contact.count, c.normal));
 		int last = samples; // the last sample at which the body is on this side
-		while (last > 0
-		        && passedThrough(step, contact, at[last - 1], dt * last / samples, c.normal))
+		while (last > 0 && passedThrough(step, contact, at[last - 1], dt * last / samples))
 			--last;
-		// no sample is on this side, so the gap is unknown and the step counts as not converged
-		if (last == 0) {
-			overlap = 1;
-			continue;
-		}
+		if (last == 0) continue; // no sample is on this side, so the gap is unknown
 		const double share = double(last) / samples,
 		             end   = gapOf(at[last - 1], k, contact.count, c.normal);
-		if (std::isfinite(end)) overlap = std::max(overlap, -end / contact.size);
+		// the contact has moved round the body; `separate` removes its overlap
+		if (end == -infinity) continue;
 		const bool sinks
 		        = (end < std::min(0.0, gap) - slop || last < samples) && std::isfinite(end);
 		const double open     = contact.restitution > 0

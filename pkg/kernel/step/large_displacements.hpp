@@ -63,11 +63,17 @@ Manifold pointsAfter(const Step& step, const StepContact& c, double time, Veloci
 	        reachOf(step, c.body1) + reachOf(step, c.body2));
 }
 
+/// Contact points after `time` at the solved velocities.
+Manifold solvedPointsAfter(const Step&, const StepContact&, double time);
+
+/// A body has passed through the other one up to `time`, when its contact points are `now`. Else it
+/// is on its side, or has moved round it. Bisection in time: the normal turns gradually round a body
+/// and flips across it.
+bool passedThrough(const Step&, const StepContact&, const Manifold& now, double time);
+
 /// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias
-/// changed. `allowRelease`: contacts that the path does not need may be released. `overlap`: raised
-/// to the deepest overlap at the end of the step over R₁ + R₂ [-]; 1 if a body has passed through
-/// the other one.
-bool adaptToDisplacement(Step&, const StepContact&, bool allowRelease, double& overlap);
+/// changed. `allowRelease`: contacts that the path does not need may be released.
+bool adaptToDisplacement(Step&, const StepContact&, bool allowRelease);
 
 /// Cancels bounces of a contact whose bodies do not meet at the initial velocities. Returns true if
 /// a bias changed.

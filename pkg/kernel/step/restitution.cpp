@@ -9,8 +9,6 @@ namespace rcr {
 
 namespace {
 
-	// energy gain over the work of all impulses that the solver's tolerance may cause
-	constexpr double energyTolerance = 1e-3;
 	constexpr double reached         = 0.99; // fraction of a bounce that counts as reached
 
 	/// Sets of bodies that impulses of the solved step join. Prescribed bodies join none.
@@ -97,8 +95,10 @@ bool lowerBounces(Step& step, bool plastic)
 	return lowered;
 }
 
-bool restrainCollisions(Step& step, bool plastic)
+bool restrainCollisions(Step& step, bool plastic, double tolerance)
 {
+	// energy gain over the work of all impulses that the tolerance of the solver may cause
+	const double energyTolerance = std::clamp(10 * tolerance, 1e-12, 1e-3);
 	ContactProblem&     problem = step.problem;
 	Collisions          collisions(step);
 	std::vector<Energy> energy(step.bodies.size());
@@ -115,8 +115,7 @@ bool restrainCollisions(Step& step, bool plastic)
 	}
 	bool changed = false;
 	for (const StepContact& contact : step.contacts) {
-		for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0;
-		        ++k) {
+		for (int k = contact.first; k < contact.first + contact.count; ++k) {
 			ContactPoint& c = problem.points[k];
 			if (!(c.bias < 0 && problem.impulse[k].n > 0)) continue;
 			const Energy& of = energy[collisions.of(c)];

@@ -42,8 +42,8 @@ bool restrainBounce(Step&, const StepContact&);
 /// Returns true if a bias changed.
 bool lowerBounces(Step&, bool plastic);
 
-/// Lowers the restitution of collisions that add energy; `plastic`: to 0. Returns true if a bias
-/// changed.
-bool restrainCollisions(Step&, bool plastic);
+/// Lowers the restitution of collisions that add energy; `plastic`: to 0. `tolerance`: of the solver
+/// [-]. Returns true if a bias changed.
+bool restrainCollisions(Step&, bool plastic, double tolerance);
 
 } // namespace rcr

@@ -27,17 +27,21 @@ namespace {
 		{
 		}
 
-		double run()
+		double run(bool displace)
 		{
 			double deepest = 0;
 			for (std::size_t k = 0; k < step_.contacts.size(); ++k) {
 				const StepContact& c = step_.contacts[k];
-				if (!displacesFar(step_, c) && !closes(c)) continue;
+				const bool         far = displacesFar(step_, c);
+				if (!far && !closes(c)) continue;
+				if (far
+				        && passedThrough(step_, c, solvedPointsAfter(step_, c, step_.dt), step_.dt))
+					return 1;
 				const double at = overlap(c);
 				deepest         = std::max(deepest, at / c.size);
 				if (at > std::max(allowed(c), trigger * c.slop())) enqueue(int(k));
 			}
-			if (queue_.empty()) return deepest;
+			if (queue_.empty() || !displace) return deepest;
 			if (step_.displacement.empty()) step_.displacement.resize(step_.bodies.size());
 			indexContacts();
 			std::vector<int> sweep;
@@ -118,19 +122,13 @@ namespace {
 			return (displacesFar(step_, c) ? kept : 1) * deepest + c.slop();
 		}
 
-		/// The point is on the side of body 1 on which the contact was.
-		bool sameSide(const StepContact& c, const ManifoldPoint& at) const
-		{
-			return dot(at.normal, step_.problem.points[c.first].normal) > 0;
-		}
-
 		/// Deepest overlap at the end of the step [m].
 		double overlap(const StepContact& c) const
 		{
 			const Manifold at      = pointsAtEnd(c);
 			double         deepest = 0;
 			for (int k = 0; k < at.count; ++k)
-				if (sameSide(c, at.points[k])) deepest = std::max(deepest, -at.points[k].gap);
+				deepest = std::max(deepest, -at.points[k].gap);
 			return deepest;
 		}
 
@@ -154,7 +152,6 @@ namespace {
 				};
 				point.arm1 = at.points[k].position - center(id1);
 				point.arm2 = at.points[k].position - (center(id2) + c.shift + step_.dt * c.drift);
-				if (!sameSide(c, at.points[k])) continue;
 				const double gap
 				        = at.points[k].gap + relativeVelocity(point, moved1, moved2).n;
 				const double excess = -gap - allowed(c);
@@ -177,6 +174,6 @@ namespace {
 
 } // namespace
 
-double separate(Step& step) { return Separation(step).run(); }
+double separate(Step& step, bool displace) { return Separation(step).run(displace); }
 
 } // namespace rcr

@@ -17,8 +17,9 @@
 
 namespace rcr {
 
-/// Adds the displacements of bodies to step.displacement. Returns the deepest overlap at the end of
-/// the step over R₁ + R₂ [-], of contacts with a large displacement and of displaced bodies.
-double separate(Step&);
+/// Adds the displacements of bodies to step.displacement, if `displace` is true. Returns the deepest overlap at the end of
+/// the step over R₁ + R₂ [-], of contacts with a large displacement and of displaced bodies; 1 and
+/// no displacements if a body has passed through another one.
+double separate(Step&, bool displace);
 
 } // namespace rcr

@@ -1,0 +1,123 @@
+"""Bodies that move or turn far within a step end it without overlap, and without gain of energy."""
+
+import math
+
+import numpy as np
+import pytest
+import rcr
+from rcr import *
+from scenes import build, material
+from yade import O
+
+R = 0.01
+
+
+def rod(center, angle=0.0, eta=0.7, **more):
+    return particle(center, R=R, eta=eta, angle=angle, material=more.pop("material"), **more)
+
+
+def kinetic(bodies):
+    return sum(0.5 * b.state.mass * b.state.vel.squaredNorm()
+               + 0.5 * b.state.inertia[2] * b.state.angVel[2] ** 2 for b in bodies)
+
+
+@pytest.mark.parametrize("dt", [4e-3, 2e-3, 1e-3, 5e-4])
+def test_a_rod_that_is_spun_up_rolls_over_its_support(dt):
+    """F48: a rod rests on a fixed disc. A disc hits its far end at 2 m/s and spins it up."""
+    grain = material(0.5)
+    cap, speed = 0.3 * R, 2.0
+    build(particle((0, 0), R=R, eta=0, fixed=True, material=grain),
+          rod((0, R + cap), material=grain),
+          particle((0.8 * R, 2 * R + 2 * cap + 0.5 * speed * dt), R=R, eta=0, material=grain,
+                   velocity=(0, -speed)), dt=dt, gravity=(0, 0, 0))
+    solver = next(e for e in O.engines if isinstance(e, ContactDynamics))
+    before = kinetic(O.bodies)
+    for _ in range(int(0.02 / dt)):
+        O.step()
+        assert kinetic(O.bodies) <= before * (1 + 1e-9)
+    assert O.bodies[1].state.angVel[2] < -10
+    assert solver.deepestOverlap < 2e-3
+    assert solver.missedSteps == 0
+
+
+def column(rng, grain):
+    """300 discs and rods, ten side by side, that collapse."""
+    return [particle((k % 10 * 2.05 * R, R + k // 10 * 2.05 * R), R=R * rng.uniform(0.7, 1),
+                     eta=rng.choice([0, 0.3, 0.7]), angle=rng.uniform(0, math.pi), material=grain)
+            for k in range(300)] + [rcr.wall("y", 0, sense=+1, material=grain)]
+
+
+def dropped(rng, grain):
+    """500 discs and rods that fall from 1 m into a box."""
+    width = 42 * R
+    return [particle((k % 20 * 2.1 * R, 1 + R + k // 20 * 2.1 * R), R=R * rng.uniform(0.7, 1),
+                     eta=rng.choice([0, 0.3, 0.7]), angle=rng.uniform(0, math.pi), material=grain)
+            for k in range(500)] + [
+        rcr.wall("y", 0, sense=+1, material=grain),
+        rcr.wall("x", -1.1 * R, sense=+1, material=grain),
+        rcr.wall("x", width, sense=-1, material=grain)]
+
+
+@pytest.mark.parametrize("scene", [column, dropped])
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_violent_scenes_end_their_steps_without_overlap(scene, seed):
+    """F48: paths up to 0.4 R in a step."""
+    build(*scene(np.random.default_rng(seed), material(0.5)), dt=1e-3)
+    O.run(800, True)
+    solver = next(e for e in O.engines if isinstance(e, ContactDynamics))
+    assert solver.deepestOverlap < 5e-3
+
+
+def collision(rng):
+    """Two to four grains on their way to a common point, up to 1 rad and 1 R a step."""
+    grain = material(rng.uniform(0, 1))
+    bodies = []
+    for k in range(rng.integers(2, 5)):
+        angle = 2 * math.pi * k / 4 + rng.uniform(-0.2, 0.2)
+        out = np.array((math.cos(angle), math.sin(angle)))
+        speed = rng.uniform(0.1, 1) * R / 1e-3
+        velocity = -speed * out + rng.uniform(-0.2, 0.2, 2) * speed
+        bodies.append(particle(tuple(rng.uniform(1.5, 2.5) * R * out), R=R * rng.uniform(0.5, 1),
+                               eta=rng.choice([0, 0.3, 0.7, 0.9]), angle=rng.uniform(0, math.pi),
+                               material=grain, velocity=tuple(velocity),
+                               angular_velocity=rng.uniform(-1, 1) / 1e-3))
+    return bodies
+
+
+def momentum(bodies, centers):
+    """Momentum and angular momentum about the origin for the given positions."""
+    total = np.zeros(3)
+    for b, x in zip(bodies, centers):
+        p = b.state.mass * np.array((b.state.vel[0], b.state.vel[1]))
+        total += (*p, x[0] * p[1] - x[1] * p[0] + b.state.inertia[2] * b.state.angVel[2])
+    return total
+
+
+def run_collision(seed):
+    """Runs 20 steps; returns the largest relative error of momenta, the largest gain of energy
+    over the initial energy, and the deepest overlap.
+    """
+    rng = np.random.default_rng(seed)
+    build(*collision(rng), dt=1e-3, gravity=(0, 0, 0), restitution=rng.choice([0, rng.uniform(), 1]),
+          tolerance=1e-8, maxIterations=20000)
+    solver = next(e for e in O.engines if isinstance(e, ContactDynamics))
+    first = kinetic(O.bodies)
+    scale = sum(b.state.mass * (b.state.vel.norm() + abs(b.state.angVel[2]) * R) for b in O.bodies)
+    error = gain = 0.0
+    for _ in range(20):
+        centers = [b.state.pos for b in O.bodies]
+        before, energy = momentum(O.bodies, centers), kinetic(O.bodies)
+        O.step()
+        change = momentum(O.bodies, centers) - before
+        error = max(error, *abs(change) / (scale, scale, scale * R))
+        gain = max(gain, (kinetic(O.bodies) - energy) / first)
+    return error, gain, solver.deepestOverlap
+
+
+def test_random_collisions_keep_momentum_and_gain_no_energy():
+    """1000 collisions with e and µ from 0 to 1."""
+    results = np.array([run_collision(seed) for seed in range(1000)])
+    error, gain, overlap = results.T
+    assert error.max() < 1e-10, f"seed {error.argmax()}"
+    assert gain.max() < 1e-10, f"seed {gain.argmax()}"
+    assert overlap.max() < 5e-3, f"seed {overlap.argmax()}"
