@@ -10,6 +10,8 @@
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
 // The bias is at least min(0, u_n⁻), so that the contact pushes no harder than an elastic bounce.
+// separation.hpp removes the overlap that is left. (With the bound e u_n⁻, a rod that rolls over a
+// disc would lose twice the energy.)
 //
 // A contact is released (its bias is raised) if its gap stays open along the path by more than 2 %
 // of the slop. If it bore a force when the step began, the gap must stay open by half the slop, and

@@ -14,7 +14,8 @@
 // over its points. Without restitution it falls by about L = ½ Σ p_n |u_n⁻| / (1 + e) over the
 // points that bounce. The restitution of all its points is lowered by the factor L / (L + 3/2 ΔE)
 // until ΔE ≤ 0. Two bounces of one body in one step may have no solution. Their restitution is
-// lowered to what the gaps allow. Source: Newton's rule after Moreau 1999; Kane and Levinson 1985
+// lowered to what the gaps allow. A contact that pushes because of a large displacement is treated
+// as one that bounces. Source: Newton's rule after Moreau 1999; Kane and Levinson 1985
 // (its energy).
 #pragma once
 

@@ -8,6 +8,7 @@
 //   restitution           restitution that does not add energy           step/restitution.hpp
 //   follow stretch        mean stretch of overdamped bodies              step/follow_stretch.hpp
 //   position correction   displacements that remove overlaps             step/position_correction.hpp
+//   separation            the same for overlaps by curved paths          step/separation.hpp
 //   scatter               forces, displacements, new contacts            (simulation)
 //
 // The stages in between work on these arrays alone, so an error in them leaves the simulation as it
