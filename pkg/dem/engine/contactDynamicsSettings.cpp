@@ -67,6 +67,7 @@ rcr::Settings ContactDynamics::settings(const rcr::DrivenMotion& driven) const
 	s.threads            = solverThreads();
 	s.lanes              = lanes;
 	s.yieldCompliance    = double(yieldCompliance) * driven.compliance;
+	s.leastResponse      = driven.leastResponse;
 	s.yieldImpulse       = driven.yieldImpulse / double(yieldCompliance); // 0: infinite
 	s.reductions         = rcr::Reductions::of(reductions);
 	return s;

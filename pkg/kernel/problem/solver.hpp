@@ -40,9 +40,10 @@ struct Settings {
 	/// Sweeps that an iteration of the exact solver counts for, in maxIterations and Report [-].
 	int exactCost = 1;
 
-	/// Compliance ε of yielding contacts (solve_yielding.cpp) [-]. Contacts yield if the step has
-	/// no solution, or if an impulse exceeds yieldImpulse. 0: contacts never yield.
-	double yieldCompliance = 0;
+	/// Compliance ε of yielding contacts and their least response w₀ (solve_yielding.cpp) [-, 1/kg].
+	/// Contacts yield if the step has no solution, or if an impulse exceeds yieldImpulse. ε = 0:
+	/// contacts never yield.
+	double yieldCompliance = 0, leastResponse = 0;
 
 	/// Normal impulse beyond which contacts yield even if the step has a solution
 	/// (step/drive.hpp) [N s].

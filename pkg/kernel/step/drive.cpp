@@ -14,6 +14,7 @@ namespace {
 	constexpr double loads       = 10;   // factor of L in the compliance
 	constexpr double mostMomenta = 3;    // factor of P in the largest rigid impulse
 	constexpr double mostLoads   = 200;  // factor of L in the largest rigid impulse
+	constexpr double response    = 0.1;  // w₀ over the response of a body of the mean mass
 	constexpr double stiffest    = 1e-4; // smallest ε that sweeps can solve
 
 	/// Length of the longest of all shortest chains of contacts that begin at a driven body
@@ -89,7 +90,8 @@ DrivenMotion drivenMotionOf(
 	const double rows = bodies / std::max(std::sqrt(bodies), double(reach));
 	drive.compliance
 	        = std::max(stiffest, drive.speed * (total / bodies) * rows / (momentum + loads * load));
-	drive.yieldImpulse = (mostMomenta * momentum + mostLoads * load) / rows;
+	drive.leastResponse = response * bodies / total;
+	drive.yieldImpulse  = (mostMomenta * momentum + mostLoads * load) / rows;
 	return drive;
 }
 

@@ -15,7 +15,8 @@
 //
 //   ε = V m̄/(P + 10 L) ≤ 1/r
 //
-// so loads alone close contacts by a small part of V, and forces do not depend on the time step. A
+// A contact that responds less than w₀ = 0.1/m̄ closes as one with this response: no contact bears
+// more than ten times P + 10 L. So loads alone close contacts by a small part of V, and forces do not depend on the time step. A
 // driven step with a contact beyond 3 P + 200 L yields although it has a rigid solution: a row that
 // is struck bears P, a contact in sheared packings up to 40 L.
 //
@@ -24,6 +25,7 @@
 // | v⁻           | before      | m/s  | velocities at the beginning of the step (argument)             |
 // | V            | speed       | m/s  | fastest prescribed motion at a contact                         |
 // | ε            | compliance  | –    | yielding velocity of a contact over its own velocity response  |
+// | w₀           | leastResponse | 1/kg | least response w_nn of a yielding contact                     |
 // | 3 P + 200 L  | yieldImpulse | N s  | largest impulse of a contact that stays rigid                  |
 //
 // The stress that loads a stretching cell is not known here, so such a cell has no bound.
@@ -39,6 +41,7 @@ struct DrivenMotion {
 	double speed       = 0;    // 0: no body is driven
 	double compliance  = 0.01; // this default serves impacts without a solution
 	double yieldImpulse = std::numeric_limits<double>::infinity();
+	double leastResponse = 0;  // w₀
 };
 
 /// Bounds of a problem whose bodies had the velocities `before`.

@@ -98,7 +98,7 @@ bool lowerBounces(Step& step, bool plastic)
 bool restrainCollisions(Step& step, bool plastic, double tolerance)
 {
 	// energy gain over the work of all impulses that the tolerance of the solver may cause
-	const double energyTolerance = std::clamp(10 * tolerance, 1e-12, 1e-3);
+	const double energyTolerance = tolerance > 0 ? std::clamp(10 * tolerance, 1e-12, 1e-3) : 1e-3;
 	ContactProblem&     problem = step.problem;
 	Collisions          collisions(step);
 	std::vector<Energy> energy(step.bodies.size());

@@ -127,7 +127,7 @@ double PackedIsland::sweepMomentum(double momentum)
 		if (sweepsSinceReference_ > 0) resetMomentum();
 		invalidate();
 		const PackedKernels& kernels = *packed_.kernels_;
-		return sweepMomentum(view_, kernels.extrapolate, momentum, 1,
+		return sweepMomentum(view_, kernels.extrapolate, momentum, {},
 		        [&](const Chunk& chunk) { return kernels.sweepMomentum(view_, chunk, momentum); });
 	}
 	if (sweepsSinceReference_ == sweepsPerReference) {
@@ -136,18 +136,17 @@ double PackedIsland::sweepMomentum(double momentum)
 	}
 	++sweepsSinceReference_;
 	const PackedKernelsOf<float>& kernels = *packed_.singleKernels_;
-	return sweepMomentum(singleView_, kernels.extrapolate, momentum, 1, [&](const Chunk& chunk) {
+	return sweepMomentum(singleView_, kernels.extrapolate, momentum, {}, [&](const Chunk& chunk) {
 		return kernels.sweepMomentum(singleView_, chunk, momentum);
 	});
 }
 
-double PackedIsland::sweepYielding(double momentum, double compliance)
+double PackedIsland::sweepYielding(double momentum, const Yielding& yielding)
 {
 	invalidate();
-	const double         kept    = 1 / (1 + compliance);
 	const PackedKernels& kernels = *packed_.kernels_;
-	return sweepMomentum(view_, kernels.extrapolate, momentum, kept, [&](const Chunk& chunk) {
-		return kernels.sweepYielding(view_, chunk, momentum, kept);
+	return sweepMomentum(view_, kernels.extrapolate, momentum, yielding, [&](const Chunk& chunk) {
+		return kernels.sweepYielding(view_, chunk, momentum, yielding);
 	});
 }
 
@@ -157,7 +156,7 @@ template <class Real, class Kernel>
 double PackedIsland::sweepMomentum(View<Real>& view,
         Extrapolate<Real>                      extrapolate,
         double                                 momentum,
-        double                                 kept,
+        const Yielding&                        yielding,
         Kernel                                 sweepChunk)
 {
 	const View<Real> before = view;
@@ -182,7 +181,7 @@ double PackedIsland::sweepMomentum(View<Real>& view,
 	double change2 = sum(packed_.sum_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		const Impulse from = c.p + momentum * (c.p - c.old);
-		const Impulse next = kept * solve(view, c, from);
+		const Impulse next = yielding.kept(c.w.nn) * solve(view, c, from);
 		applyImpulse(view, c, next - from);
 		c.old = c.p;
 		c.p   = next;

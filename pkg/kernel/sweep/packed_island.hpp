@@ -36,7 +36,7 @@ public:
 	double sweepMomentum(double momentum);
 	/// As sweepMomentum, for contacts that yield by u = −ε W p with their Delassus block W. The
 	/// solution of a point is 1/(1 + ε) of the rigid one.
-	double sweepYielding(double momentum, double compliance);
+	double sweepYielding(double momentum, const Yielding&);
 
 	/// Lets `sweepMomentum` and `measure` work on floats. Does nothing if the island is small, or
 	/// if its numbers or their squares leave the range of floats.
@@ -63,7 +63,7 @@ private:
 
 	template <class Real, class Kernel>
 	double sweepMomentum(
-	        View<Real>&, Extrapolate<Real>, double momentum, double kept, Kernel sweepChunk);
+	        View<Real>&, Extrapolate<Real>, double momentum, const Yielding&, Kernel sweepChunk);
 	template <class Real>
 	Measures measure(const View<Real>&, const PackedKernelsOf<Real>&, const ColumnOf<Real>* bias);
 	template <class Real> Impulse relativeVelocity(const View<Real>&, const OverflowPoint&) const;

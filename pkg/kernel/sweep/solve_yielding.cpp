@@ -1,12 +1,14 @@
 // A step without a solution: contacts yield.
 //
-//   the contact laws between p and u + ε W p,   W = Delassus block of the point,   ε = compliance
+//   the contact laws between p and u + ε' W p,   W = Delassus block of the point
+//   ε' = ε max(1, w₀/w_nn)
 //
-// Existence: let A = J M⁻¹Jᵀ ≥ 0 and u' = (A + ε W) p + q. Then p · u' = −µ p_n |u'_t| ≤ 0 bounds
-// the impulses, ε pᵀWp ≤ −pᵀq. So a solution exists for any motion of driven bodies.
-// Energy: p · u = p · u' − ε pᵀWp ≤ 0, so contacts add none.
-// Forces: a point closes at ε w_nn p_n. A wedged body shares the imposed motion among its contacts,
-// as dashpots of mass 1/w_nn and time ε dt would. The solution of one point is 1/(1 + ε) of the
+// Existence: let A = J M⁻¹Jᵀ ≥ 0 and u' = (A + ε' W) p + q. Then p · u' = −µ p_n |u'_t| ≤ 0 bounds
+// the impulses, ε' pᵀWp ≤ −pᵀq. So a solution exists for any motion of driven bodies.
+// Energy: p · u = p · u' − ε' pᵀWp ≤ 0, so contacts add none.
+// Forces: a point closes at ε max(w_nn, w₀) p_n. Without w₀, a driven body that may turn would bear
+// any force at a contact whose lever is tiny. A wedged body shares the imposed motion among its contacts,
+// as dashpots of mass 1/w_nn and time ε dt would. The solution of one point is 1/(1 + ε') of the
 // rigid one, because the laws are homogeneous. Sweeps with momentum converge in about 1/√ε sweeps.
 // Overlaps are corrected no faster than the driven motion, so the force of a contact grows with its
 // overlap, as with springs.
@@ -24,12 +26,13 @@ namespace {
 	constexpr double negligible = 0.01;
 
 	/// Sweeps until the relative change of the impulses is below `tolerance`, or the settings stop.
-	void sweepToRest(PackedIsland& island, IslandStop& stop, double compliance, double tolerance)
+	void sweepToRest(
+	        PackedIsland& island, IslandStop& stop, const Yielding& yielding, double tolerance)
 	{
 		constexpr int interval = 10;
 		Momentum      momentum;
 		while (!stop.reached()) {
-			const double change2 = island.sweepYielding(momentum.beta(), compliance);
+			const double change2 = island.sweepYielding(momentum.beta(), yielding);
 			momentum.advance(change2);
 			if (stop.sweeps() % interval == 0
 			        && change2 <= tolerance * tolerance * island.measure().impulse2)
@@ -79,7 +82,9 @@ Report solveYielding(ContactProblem& problem,
 		        const bool     rigidEnough = stop.meets(settings)
 		                && measures.dissipated <= negligible * rigid.dissipated
 		                && measures.impulse2 <= settings.yieldImpulse * settings.yieldImpulse;
-		        if (!rigidEnough) sweepToRest(island, stop, settings.yieldCompliance, tolerance);
+		        if (!rigidEnough)
+			        sweepToRest(island, stop, { settings.yieldCompliance, settings.leastResponse },
+			                tolerance);
 	        });
 	report.yielded   = true;
 	report.converged = false;

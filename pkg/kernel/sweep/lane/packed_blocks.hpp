@@ -36,6 +36,7 @@
 // | d±     | slide…         | –    | µ/(1 ± µ r), largest ±p_t/n₀; unlimited if 1 ± µ r ≤ 0  |
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 namespace rcr {
@@ -45,6 +46,17 @@ constexpr int blockWidth = 16;
 /// Stands for infinity. It is finite, so 0 · unlimited = 0.
 template <class Real>
 constexpr Real unlimited = sizeof(Real) == sizeof(double) ? Real(1e300) : Real(1e30);
+
+/// Law of yielding contacts (solve_yielding.cpp).
+struct Yielding {
+	double compliance = 0, leastResponse = 0; // ε [-], w₀ [1/kg]
+
+	/// Share of the rigid solution that a contact keeps.
+	double kept(double responseNn) const
+	{
+		return 1 / (1 + compliance * std::max(1.0, leastResponse / responseNn));
+	}
+};
 
 enum class Model : std::uint8_t { frictional, noLever, frictionless, frictionlessDisc };
 constexpr int models = 4;
@@ -208,8 +220,8 @@ template <class Real> struct PackedKernelsOf {
 	void (*sweepRelaxed)(const View&, const Chunk&, double relaxation);
 	/// Sweeps from y = p + β (p − p_old). Returns ‖p − y‖².
 	double (*sweepMomentum)(const View&, const Chunk&, double momentum);
-	/// As sweepMomentum, for yielding contacts: p ← kept · solution.
-	double (*sweepYielding)(const View&, const Chunk&, double momentum, double kept);
+	/// As sweepMomentum, for yielding contacts: p ← solution/(1 + ε max(1, w₀/w_nn)).
+	double (*sweepYielding)(const View&, const Chunk&, double momentum, const Yielding&);
 	/// Sums for the stop criteria at the present impulses and velocities. Floats need `bias`, b_n
 	/// of the contact law in one column per point block: their own bias contains u_ref.
 	Measures (*measure)(const View&, const Chunk&, const ColumnOf<Real>* bias);

@@ -156,7 +156,7 @@ namespace RCR_LANE_NAMESPACE {
 			sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
 				const auto p = M::impulse(c, lane),
 				           y = addProduct(p, beta, p - M::oldImpulse(c, lane));
-				const auto q = keep(M::solve(c, lane, u, y)), change = q - y;
+				const auto q = keep(c, lane, M::solve(c, lane, u, y)), change = q - y;
 				M::setOld(c, lane, p);
 				M::set(c, lane, q);
 				change2.add(lane, square(change));
@@ -167,16 +167,22 @@ namespace RCR_LANE_NAMESPACE {
 
 		/// Rigid contacts keep the whole solution.
 		struct Whole {
-			template <class Impulse> INLINE Impulse operator()(const Impulse& p) const { return p; }
+			template <class Point, class Impulse>
+			INLINE Impulse operator()(const Point&, int, const Impulse& p) const
+			{
+				return p;
+			}
 		};
 
 		/// Yielding contacts keep a share.
 		struct Share {
-			L kept;
+			L compliance, leastResponse;
 
-			template <class Impulse> INLINE Impulse operator()(const Impulse& p) const
+			template <class Point, class Impulse>
+			INLINE Impulse operator()(const Point& c, int lane, const Impulse& p) const
 			{
-				return kept * p;
+				const L scale = max(L(1.0), leastResponse * L::load(c.inverseNn() + lane));
+				return (L(1.0) / (L(1.0) + compliance * scale)) * p;
 			}
 		};
 
@@ -197,9 +203,10 @@ namespace RCR_LANE_NAMESPACE {
 		}
 
 		double sweepYielding(
-		        const PackedView& view, const Chunk& chunk, double momentum, double kept)
+		        const PackedView& view, const Chunk& chunk, double momentum, const Yielding& yielding)
 		{
-			return sweepKeeping(view, chunk, momentum, Share { Real(kept) });
+			return sweepKeeping(view, chunk, momentum,
+			        Share { Real(yielding.compliance), Real(yielding.leastResponse) });
 		}
 
 		/// b_n of the contact law; the column `bias` of floats contains u_ref too.
