@@ -73,6 +73,23 @@ namespace {
 		return {};
 	}
 
+	/// Advances iteration and time, and updates O.speed and the counts of O.timingEnabled, as
+	/// Scene::moveToNextTimeStep does.
+	void countStep(Scene& scene)
+	{
+		const auto now      = boost::posix_time::microsec_clock::local_time();
+		const long duration = (now - scene.prevTime).total_microseconds();
+		scene.prevTime      = now;
+		scene.SpeedElements(scene.iter % Scene::nSpeedIter, 0) = 1e6 / std::max(duration, 1L);
+		scene.speed                                            = scene.SpeedElements.mean();
+		if (TimingInfo::enabled)
+			for (const auto& engine : scene.engines)
+				engine->timingInfo.nExec
+				        += !engine->dead && !dynamic_cast<const PeriodicEngine*>(engine.get());
+		++scene.iter;
+		scene.time += scene.dt;
+	}
+
 } // namespace
 
 ArraySteps::Motion ArraySteps::motionOf(const State& s)
@@ -179,8 +196,7 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	if (first || !step.added.empty()) pairs_.numberContacts(step);
 	pairs_.keepForces(step, team);
 	move(scene, *engines.integrator, team, handles, loads, step);
-	++scene.iter;
-	scene.time += scene.dt;
+	countStep(scene);
 	++count_;
 	scene.forces.reset(scene.iter);
 	load(scene, loadsBefore_);

@@ -118,6 +118,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		if (!largeDisplacements_) return;
 		const double overlap = rcr::separate(step_, correction > 0 && !yielded);
 		if (overlap > rcr::MissedSteps::deep) converged = false;
+		if (!converged) checkEnergy(step_, scene->iter);
 	});
 	const std::string warning = monitor.count(step_,
 	        { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations,
@@ -154,6 +155,7 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 {
 	if (timed("missedContacts", [&] { return addMissedContacts(engines); })) {
 		firstBiases.clear();
+		if (pass == mostPasses - 1) rcr::removeBounces(step_); // the last pass has no review
 		return PassOutcome::missedContact;
 	}
 	if (overdamped) return PassOutcome::converged;

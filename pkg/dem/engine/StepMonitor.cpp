@@ -113,6 +113,39 @@ int firstNotFinite(const rcr::Step& step)
 	return -1;
 }
 
+void checkEnergy(const rcr::Step& step, long number)
+{
+	double       gain = 0, kinetic = 0, farthest = 0;
+	std::size_t  fastest = 0;
+	const auto&  problem = step.problem;
+	const auto   twice   = [](const rcr::Twist& v, const rcr::InverseMass& inverse) {
+        const auto part = [](double v, double w) { return w > 0 ? v * v / w : 0; };
+        return part(v.x, inverse.x) + part(v.y, inverse.y) + part(v.rotation, inverse.rotation);
+	};
+	for (std::size_t k = 0; k < problem.points.size(); ++k) {
+		const rcr::ContactPoint& c = problem.points[k];
+		const rcr::Impulse       u = relativeVelocity(c, step.bodies[c.body1].velocity,
+                                     step.bodies[c.body2].velocity)
+		        + relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
+		gain += 0.5 * (problem.impulse[k].n * u.n + problem.impulse[k].t * u.t);
+	}
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const rcr::StepBody& body = step.bodies[id];
+		if (problem.driven(int(id))) return;
+		kinetic += 0.5
+		        * (twice(body.velocity, problem.inverseMass[id])
+		                + twice(problem.freeVelocity[id], problem.inverseMass[id]));
+		if (!body.free || body.radius == 0) continue;
+		const double path = step.dt * speed(body.velocity, body.radius) / body.radius;
+		if (path > farthest) farthest = path, fastest = id;
+	}
+	if (!(gain > kinetic)) return;
+	throw std::runtime_error("ContactDynamics: step " + std::to_string(number)
+	        + " has not converged, and its contacts would more than double the kinetic energy. Body #"
+	        + std::to_string(fastest) + " moves " + validation::shortText(farthest)
+	        + " of its radii in this step. Nothing has moved. Take a smaller O.dt.");
+}
+
 void checkStretch(const rcr::Step& step, long number)
 {
 	const double inverse[2] = { step.cell.inverseMass.x, step.cell.inverseMass.y };

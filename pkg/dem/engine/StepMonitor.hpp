@@ -49,6 +49,10 @@ double deepestOverlap(const rcr::Step&, rcr::ThreadTeam&);
 /// Number of the first body whose solved velocity is not finite; −1: none.
 int firstNotFinite(const rcr::Step&);
 
+/// Throws std::runtime_error if the contacts of a step without driven bodies have added more energy
+/// than the kinetic energy of the bodies, before the step and without contacts.
+void checkEnergy(const rcr::Step&, long number);
+
 /// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step.
 void checkStretch(const rcr::Step&, long number);
 

@@ -95,6 +95,14 @@ bool lowerBounces(Step& step, bool plastic)
 	return lowered;
 }
 
+void removeBounces(Step& step)
+{
+	for (std::size_t k = 0; k < step.gap.size(); ++k) {
+		double& bias = step.problem.points[k].bias;
+		if (bias < 0) bias = std::max(step.gap[k].now, 0.0) / step.dt;
+	}
+}
+
 bool restrainCollisions(Step& step, bool plastic, double tolerance)
 {
 	// energy gain over the work of all impulses that the tolerance of the solver may cause

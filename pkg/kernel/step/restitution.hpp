@@ -43,6 +43,9 @@ bool restrainBounce(Step&, const StepContact&);
 /// Returns true if a bias changed.
 bool lowerBounces(Step&, bool plastic);
 
+/// Makes all bounces plastic. Without them, no step adds energy.
+void removeBounces(Step&);
+
 /// Lowers the restitution of collisions that add energy; `plastic`: to 0. `tolerance`: of the solver
 /// [-]. Returns true if a bias changed.
 bool restrainCollisions(Step&, bool plastic, double tolerance);

@@ -64,6 +64,26 @@ def test_violent_scenes_end_their_steps_without_overlap(scene, seed):
     assert solver.deepestOverlap < 5e-3
 
 
+def test_a_step_that_would_double_the_energy_is_refused():
+    """F71: twenty rods at 20 radii a step in a box, restitution 0.9."""
+    rng, dt = np.random.default_rng(1), 1e-3
+    speed, grain = 20 * R / dt, material(0.3)
+    rods = []
+    for k in range(20):
+        way = rng.uniform(0, 2 * math.pi)
+        rods.append(particle((k % 5 * 3 * R, k // 5 * 3 * R), R=R, eta=0.5, angle=rng.uniform(0, 3),
+                             velocity=(speed * math.cos(way), speed * math.sin(way)),
+                             material=grain))
+    walls = [rcr.wall(axis, at, sense, material=grain) for axis, at, sense in
+             (("x", -2 * R, +1), ("x", 14 * R, -1), ("y", -2 * R, +1), ("y", 11 * R, -1))]
+    build(*rods, *walls, dt=dt, gravity=(0, 0, 0), restitution=0.9, tolerance=1e-4)
+    before = kinetic(O.bodies)
+    with pytest.raises(RuntimeError, match="more than double the kinetic energy"):
+        for _ in range(100):
+            O.step()
+            assert kinetic(O.bodies) < 2 * before
+
+
 def collision(rng):
     """Two to four grains on their way to a common point, up to 1 rad and 1 R a step."""
     grain = material(rng.uniform(0, 1))
