@@ -91,7 +91,7 @@ rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome o
 	               ? maxIterations
 	               : std::max(maxIterations - iterations, sweepsOfNextPass);
 	s.minIterations = std::min(std::max(minIterations, sweepsOfNextPass), s.maxIterations);
-	s.sameProblem   = !newContacts;
+	s.sameProblem   = !newContacts && !yielded; // yielding may change friction
 	s.yieldedBefore = yielded && (newContacts || outcome == PassOutcome::biasChanged);
 	return s;
 }

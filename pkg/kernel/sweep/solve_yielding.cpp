@@ -6,6 +6,7 @@
 // Existence: let A = J M⁻¹Jᵀ ≥ 0 and u' = (A + ε' W) p + q. Then p · u' = −µ p_n |u'_t| ≤ 0 bounds
 // the impulses, ε' pᵀWp ≤ −pᵀq. So a solution exists for any motion of driven bodies.
 // Energy: p · u = p · u' − ε' pᵀWp ≤ 0, so contacts add none.
+// A driven body that can only turn has a singular block, W = j jᵀ/I: its points yield without friction.
 // Forces: a point closes at ε max(w_nn, w₀) p_n. Without w₀, a driven body that may turn would bear
 // any force at a contact whose lever is tiny. A wedged body shares the imposed motion among its contacts,
 // as dashpots of mass 1/w_nn and time ε dt would. The solution of one point is 1/(1 + ε') of the
@@ -14,6 +15,7 @@
 // overlap, as with springs.
 // Source: Acary, Cadoux, Lemaréchal and Malick 2011 (existence); Castro et al. 2022 (near-rigid
 // regime of a convex relative).
+#include "problem/coulomb.hpp"
 #include "problem/infeasibility.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/sweep_solver.hpp"
@@ -24,6 +26,9 @@ namespace {
 
 	/// A solved island stays rigid if it dissipates less than this share of all contacts [-].
 	constexpr double negligible = 0.01;
+
+	/// The bodies of the point can only turn about one axis, or not move at all.
+	bool isSingular(const Delassus& w) { return w.nn * w.tt - w.nt * w.nt <= 1e-9 * w.nn * w.tt; }
 
 	/// Sweeps until the relative change of the impulses is below `tolerance`, or the settings stop.
 	void sweepToRest(
@@ -69,6 +74,19 @@ Report solveYielding(ContactProblem& problem,
 	sweeps.maxIterations    = maxSweeps;
 	const double tolerance  = settings.tolerance > 0 ? settings.tolerance : Settings().tolerance;
 	const double fastest    = fastestPrescribedMotion(problem);
+	// without friction, the law of a point bounds its impulse even if its block is singular
+	std::vector<std::pair<std::size_t, double>> frictions;
+	for (std::size_t k = 0; k < problem.points.size(); ++k) {
+		ContactPoint& c = problem.points[k];
+		if (c.friction == 0 || !isSingular(delassus(problem, c))) continue;
+		frictions.emplace_back(k, c.friction);
+		c.friction           = 0;
+		problem.impulse[k].t = 0;
+		sweeps.sameProblem   = false;
+	}
+	// rounding errors of larger impulses would hide those of other contacts
+	for (Impulse& p : problem.impulse)
+		if (p.n > settings.yieldImpulse) p = settings.yieldImpulse / p.n * p;
 	std::vector<double> rigidBias;
 	for (std::size_t k = 0; k < problem.recovery.size(); ++k) {
 		rigidBias.push_back(problem.points[k].bias);
@@ -90,6 +108,8 @@ Report solveYielding(ContactProblem& problem,
 	report.converged = false;
 	for (std::size_t k = 0; k < rigidBias.size(); ++k)
 		problem.points[k].bias = rigidBias[k];
+	for (const auto& [k, friction] : frictions)
+		problem.points[k].friction = friction;
 	for (const ContactPoint& c : problem.points)
 		report.closingSpeed = std::max(report.closingSpeed,
 		        -c.bias
