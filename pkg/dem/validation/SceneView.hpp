@@ -75,6 +75,7 @@ namespace validation {
 	// Rules on engines (engines.cpp). Each returns a message, or an empty text.
 	std::string lateLoad(const View&);
 	std::string lostLoad(const View&);
+	std::string blindServo(const View&);
 	std::string wrongAttributes(const View&);
 	std::string timeStep(const View&);
 	std::string finiteMotion(const View&);

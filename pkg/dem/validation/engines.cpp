@@ -71,6 +71,17 @@ namespace validation {
 		return {};
 	}
 
+	/// A servo reads the force on its body. ContactDynamics adds contact forces after it.
+	std::string blindServo(const View& v)
+	{
+		const int integrator = v.place<NewtonIntegrator>();
+		for (int k = 0; k < integrator; ++k)
+			if (!v.engines[k]->dead && v.engines[k]->getClassName() == "ServoPIDController")
+				return "the ServoPIDController stands before the NewtonIntegrator, so it would "
+				       "read forces without those of contacts; put it after the NewtonIntegrator.";
+		return {};
+	}
+
 	std::string wrongAttributes(const View& v)
 	{
 		for (const auto& engine : v.engines) {

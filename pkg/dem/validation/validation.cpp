@@ -142,6 +142,7 @@ namespace validation {
 			{ smooth,  [](const View& v) { return order<InteractionLoop, NewtonIntegrator>(v, "the InteractionLoop stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
 			{ rigid,   lateLoad },
 			{ both,    lostLoad },
+			{ rigid,   blindServo },
 			{ both,    timeStep },
 			{ both,    wrongAttributes },
 			{ both,    cellStress },

@@ -371,6 +371,20 @@ def test_advance_is_one_run():
     assert shown == [320, 340, 360]
 
 
+def test_arrays_count_steps_and_speed_as_yade_does():
+    """F72: O.speed is the mean rate of the last ten steps; O.timingEnabled counts every engine."""
+    pressed()
+    O.timingEnabled = True
+    try:
+        counts = [engine.execCount for engine in O.engines]
+        O.run(290, True)
+        counts = [engine.execCount - count for engine, count in zip(O.engines, counts)]
+    finally:
+        O.timingEnabled = False
+    assert counts == [290] * len(counts)
+    assert solver().model["arrays"] >= least_in_arrays(290) and O.speed > 10
+
+
 def test_an_engine_ends_advance():
     pressed()
     O.engines = [*O.engines, PyRunner(iterPeriod=7, firstIterRun=7, command="O.pause()")]

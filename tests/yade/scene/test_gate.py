@@ -17,7 +17,7 @@ from yade.wrapper import (
     Bo1_Wall_Aabb, ElastMat, ForceEngine, ForceResetter, GlobalStiffnessTimeStepper, GravityEngine,
     Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider, InteractionLoop,
     Ip2_FrictMat_FrictMat_FrictPhys, Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator,
-    PyRunner, StepDisplacer, TranslationEngine,
+    PyRunner, ServoPIDController, StepDisplacer, TranslationEngine,
 )  # fmt: skip
 
 NAN = math.nan
@@ -130,6 +130,13 @@ def test_a_load_that_nothing_feels(scene, load):
     scene()
     O.engines = [load(), *O.engines]
     refused("stands before the ForceResetter, so its forces would be taken away")
+
+
+def test_a_servo_that_reads_no_contact_forces():
+    rigid()
+    servo = ServoPIDController(axis=(0, 1, 0), maxVelocity=0.1, ids=[0], target=1)
+    O.engines = [O.engines[0], servo, *O.engines[1:]]
+    refused("would read forces without those of contacts; put it after the NewtonIntegrator")
 
 
 @LAWS
