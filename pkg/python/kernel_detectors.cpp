@@ -63,7 +63,7 @@ void bindDetectors(py::module_& m)
 	        .def(py::init<>())
 	        .def_readwrite("grown", &JamDetector::grown)
 	        .def_readwrite("deepest", &JamDetector::deepest)
-	        .def_readwrite("certified", &JamDetector::certified)
+	        .def_readwrite("unsolvable", &JamDetector::unsolvable)
 	        .def_readonly_static("crushed", &JamDetector::crushed)
 	        .def_readonly_static("patience", &JamDetector::patience)
 	        .def(
@@ -79,10 +79,10 @@ void bindDetectors(py::module_& m)
 	        m, "MissedSteps", "Counts of steps that missed the tolerance (watch/missed_steps.hpp).")
 	        .def(py::init<>())
 	        .def_readonly("steps", &MissedSteps::steps)
-	        .def_readonly("missed", &MissedSteps::missed)
+	        .def_readonly("unconverged", &MissedSteps::unconverged)
 	        .def_readonly("yielded", &MissedSteps::yielded)
 	        .def_readonly("deepest", &MissedSteps::deepest)
-	        .def("count", &MissedSteps::count, py::arg("missed"), py::arg("yielded"),
+	        .def("count", &MissedSteps::count, py::arg("unconverged"), py::arg("yielded"),
 	             py::arg("overlap"), py::arg("removes_overlaps") = false,
 	             "Count a step. Returns true if a message is due.")
 	        .def("message", &MissedSteps::message);

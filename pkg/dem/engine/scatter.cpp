@@ -134,7 +134,7 @@ namespace {
 			                > double(bound->sweepLength);
 			const bool leaves = late || bound->max[0] - bound->min[0] > widest ? true
 			        : b.shape.grain()
-			        ? leavesBox(b, handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
+			        ? grainLeavesBox(b, handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
 			                step.dt, *bound)
 			        : rotatesOutOfBox(b, step.bodies[b.owner], step.problem.velocity[b.owner],
 			                step.dt, *bound);
@@ -161,19 +161,19 @@ void applyCorrection(State& s, const rcr::Twist& by)
 		s.ori = (Quaternionr(AngleAxisr(by.rotation, Vector3r::UnitZ())) * s.ori).normalized();
 }
 
-std::vector<rcr::Twist> loadsOf(const rcr::Step& step)
+std::vector<rcr::Twist> contactImpulses(const rcr::Step& step)
 {
-	std::vector<rcr::Twist> loads(step.bodies.size());
+	std::vector<rcr::Twist> impulses(step.bodies.size());
 	const rcr::InverseMass  unit = { 1, 1, 1 };
 	// one order for any number of threads
 	for (std::size_t k = 0; k < step.problem.points.size(); ++k) {
 		const rcr::ContactPoint& c = step.problem.points[k];
-		applyImpulse(c, step.problem.impulse[k], unit, unit, loads[c.body1], loads[c.body2]);
+		applyImpulse(c, step.problem.impulse[k], unit, unit, impulses[c.body1], impulses[c.body2]);
 	}
-	return loads;
+	return impulses;
 }
 
-void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>& loads,
+void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>& impulses,
         SceneHandles& handles, rcr::Step& step)
 {
 	addContacts(scene, handles, step);
@@ -189,10 +189,10 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>&
 		const rcr::StepBody& body = step.bodies[id];
 		State* s = handles.state[std::min(id + prefetchAhead, step.bodies.size() - 1)];
 		if (!step.displacement.empty()) prefetch<State>(s);
-		const rcr::Twist& load = loads[id];
-		if (load.x != 0 || load.y != 0 || load.rotation != 0) {
-			scene.forces.addForceUnsynced(id, inverseDt * Vector3r(load.x, load.y, 0));
-			scene.forces.addTorqueUnsynced(id, inverseDt * Vector3r(0, 0, load.rotation));
+		const rcr::Twist& p = impulses[id];
+		if (p.x != 0 || p.y != 0 || p.rotation != 0) {
+			scene.forces.addForceUnsynced(id, inverseDt * Vector3r(p.x, p.y, 0));
+			scene.forces.addTorqueUnsynced(id, inverseDt * Vector3r(0, 0, p.rotation));
 		}
 		if (!handles.state[id] || body.owner != id) return;
 		if (step.overdamped) resetVelocity(*handles.state[id], body.velocity);

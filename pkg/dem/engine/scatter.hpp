@@ -7,7 +7,7 @@ namespace yade {
 
 /// Sum of the contact impulses on each body and of their moments about its centre [N s, N m s];
 /// those on members act on the clump.
-std::vector<rcr::Twist> loadsOf(const rcr::Step&);
+std::vector<rcr::Twist> contactImpulses(const rcr::Step&);
 
 /// Sets the velocities of the free degrees of freedom to `rest`.
 void resetVelocity(State&, const rcr::Twist& rest);
@@ -17,8 +17,8 @@ void applyCorrection(State&, const rcr::Twist& by);
 
 /// Writes contact forces, forces on bodies, missed contacts, displacements, and the start
 /// velocities of overdamped bodies.
-void scatter(
-        Scene&, rcr::ThreadTeam&, const std::vector<rcr::Twist>& loads, SceneHandles&, rcr::Step&);
+void scatter(Scene&, rcr::ThreadTeam&, const std::vector<rcr::Twist>& impulses, SceneHandles&,
+        rcr::Step&);
 
 /// Sorts YADE's interactions by bodies if many are out of order, so that loops over them find
 /// bodies in the cache.
