@@ -57,7 +57,6 @@ private:
 	        const std::vector<rcr::Twist>& impulses, rcr::Step&);
 	void                 runEngines(Scene&, const std::vector<Engine*>&) const;
 	void                 setPhysics(Scene&, const validation::Engines&);
-	SceneHandles::Contact write(int number, Interaction&, const rcr::Step&) const;
 
 	long                      count_ = 0, first_ = 0;
 	bool                      active_ = false; // YADE's objects are out of date since step first_

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dem/engine/gather.hpp"
+#include "kernel/step/pairs.hpp"
 
 namespace yade {
 
@@ -14,6 +15,11 @@ void resetVelocity(State&, const rcr::Twist& rest);
 
 /// Displaces a body by the position correction.
 void applyCorrection(State&, const rcr::Twist& by);
+
+/// Writes the points of a pair to its interaction, and friction and restitution if
+/// `Pair::since` ≥ 0. `at2`: pose of body 2 or of its image.
+SceneHandles::Contact writeContact(Interaction&, const rcr::Pair&, const rcr::Manifold&,
+        const rcr::Step&, const rcr::Pose& at2);
 
 /// Writes contact forces, forces on bodies, missed contacts, displacements, and the start
 /// velocities of overdamped bodies.
