@@ -211,13 +211,11 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 	inertia_.resize(count), written_.resize(count), endVelocity_.resize(count);
 	team.forEach(count, [&](std::size_t id) {
 		prefetch<State>(handles.state[std::min(id + prefetchAhead, count - 1)]);
-		inertia_[id]         = {};
-		const State* const s = handles.state[id];
+		inertia_[id]   = {};
+		const State* s = handles.state[id];
 		if (!s) return;
-		const auto free = [&](unsigned dof) { return !(s->blockedDOFs & dof); };
-		inertia_[id]      = { double(s->mass), double(s->inertia[2]), free(State::DOF_X),
-			     free(State::DOF_Y), free(State::DOF_RZ) };
-		written_[id]      = motionOf(*s);
+		inertia_[id] = plane::inertiaOf(*s);
+		written_[id] = motionOf(*s);
 	});
 	pairs_.all.clear();
 	for (const rcr::StepContact& contact : step.contacts) {
