@@ -34,11 +34,8 @@ def engines(gravity=(0, -G, 0), before=(), restitution=None, **solver):
         ForceResetter(),
         InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(),
                                Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
-        InteractionLoop(
-            [getattr(rcr, name)() for name in ALL_IG2],
-            [ip2],
-            [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()],
-        ),
+        InteractionLoop([getattr(rcr, name)() for name in ALL_IG2], [ip2],
+                        [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
         *before,
         rcr.ContactDynamics(**(solver or EXACT)),
         NewtonIntegrator(gravity=gravity, damping=0),
