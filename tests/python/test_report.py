@@ -16,7 +16,6 @@ matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysi
 
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
-from rcr import _drawing as drawing
 from rcr.study import analysis, figures, maps, report
 from rcr.frame import Frame
 from rcr._outlines import polygons

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from kernel.contact_problems import assert_laws, assert_same_bits, discs, frictionless, pile
-from rcr import _kernel
 
 UNCHECKED = dict(tolerance=0, check_interval=1_000_000)  # no evaluation returns to doubles
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcr import _kernel, problems
+from rcr import problems
 from kernel.contact_problems import Problem, jacobian_times, velocity
 
 WEDGE = Path(__file__).parents[2] / "data" / "wedge_without_solution.npz"
