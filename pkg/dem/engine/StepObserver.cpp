@@ -34,13 +34,8 @@ void StepObserver::placeLast(const std::function<std::optional<rcr::Vec2>(int id
 			intervals_.back().position[id] = *at;
 }
 
-void StepObserver::record(
-        const Result&                  result,
-        const std::vector<int>&        ids,
-        int                            interval,
-        const std::vector<rcr::Twist>& impulses,
-        const rcr::Step&               step,
-        const SceneHandles&            handles)
+void StepObserver::record(const Result& result, const std::vector<int>& ids, int interval,
+        const std::vector<rcr::Twist>& impulses, const rcr::Step& step, const SceneHandles& handles)
 {
 	const std::lock_guard<std::mutex> lock(mutex_);
 	placeLast([&](int id) -> std::optional<rcr::Vec2> {
