@@ -94,8 +94,7 @@ class Table:
             for row in reader:
                 if None in row or None in row.values():
                     raise ValueError(
-                        f"line {reader.line_num}: expected {len(reader.fieldnames)} cells"
-                    )
+                        f"line {reader.line_num}: expected {len(reader.fieldnames)} cells")
                 rows.append({"settings": ""}
                             | {name: _value(name, cell)
                                for name, cell in row.items()})

@@ -143,6 +143,21 @@ DelassusProblem delassusFrom(
 	return problem;
 }
 
+Settings stopSettings(
+        double tolerance, double kinematicTolerance, double meanForceChange, int checkInterval,
+        int minIterations, int maxIterations, int stallSweeps)
+{
+	Settings settings;
+	settings.tolerance          = tolerance;
+	settings.kinematicTolerance = kinematicTolerance;
+	settings.meanForceChange    = meanForceChange;
+	settings.checkInterval      = checkInterval;
+	settings.minIterations      = minIterations;
+	settings.maxIterations      = maxIterations;
+	settings.stallSweeps        = stallSweeps;
+	return settings;
+}
+
 Array arrayOf(const std::vector<Impulse>& values)
 {
 	Array result({ py::ssize_t(values.size()), py::ssize_t(2) });

@@ -12,6 +12,7 @@
 
 #include "delassus/delassus_problem.hpp"
 #include "problem/contact_problem.hpp"
+#include "problem/solver.hpp"
 
 namespace rcr {
 
@@ -43,6 +44,11 @@ ContactProblem problemFrom(
 DelassusProblem delassusFrom(
         const py::object& rowStart, const py::object& column, const Array& block, const Array& free,
         const Array& friction, const Array& impulse);
+
+/// Default settings except those of the stop test (sweep/stop_test.hpp).
+Settings stopSettings(
+        double tolerance, double kinematicTolerance, double meanForceChange, int checkInterval,
+        int minIterations, int maxIterations, int stallSweeps);
 
 inline py::ssize_t rowsOf(const py::array& array) { return array.ndim() ? array.shape(0) : 0; }
 

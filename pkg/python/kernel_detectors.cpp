@@ -3,7 +3,6 @@
 #include <pybind11/stl.h>
 
 #include <array>
-#include <memory>
 
 #include "exact/proximal_parameter.hpp"
 #include "kernel_arrays.hpp"
@@ -21,24 +20,12 @@ namespace {
 		Settings settings;
 		StopTest test;
 
-		explicit OwnStopTest(const Settings& given) : settings(given), test(settings) { }
+		template <class... Given>
+		explicit OwnStopTest(Given... given) : settings(stopSettings(given...)), test(settings)
+		{
+		}
 		OwnStopTest(const OwnStopTest&) = delete;
 	};
-
-	std::unique_ptr<OwnStopTest> stopTest(
-	        double tolerance, double kinematicTolerance, double meanForceChange, int checkInterval,
-	        int minIterations, int maxIterations, int stallSweeps)
-	{
-		Settings settings;
-		settings.tolerance          = tolerance;
-		settings.kinematicTolerance = kinematicTolerance;
-		settings.meanForceChange    = meanForceChange;
-		settings.checkInterval      = checkInterval;
-		settings.minIterations      = minIterations;
-		settings.maxIterations      = maxIterations;
-		settings.stallSweeps        = stallSweeps;
-		return std::make_unique<OwnStopTest>(settings);
-	}
 
 } // namespace
 
@@ -63,7 +50,7 @@ void bindDetectors(py::module_& m)
 	        .def(py::init<>())
 	        .def_readwrite("grown", &JamDetector::grown)
 	        .def_readwrite("deepest", &JamDetector::deepest)
-	        .def_readwrite("certified", &JamDetector::certified)
+	        .def_readwrite("unsolvable", &JamDetector::unsolvable)
 	        .def_readonly_static("crushed", &JamDetector::crushed)
 	        .def_readonly_static("patience", &JamDetector::patience)
 	        .def(
@@ -79,15 +66,15 @@ void bindDetectors(py::module_& m)
 	        m, "MissedSteps", "Counts of steps that missed the tolerance (watch/missed_steps.hpp).")
 	        .def(py::init<>())
 	        .def_readonly("steps", &MissedSteps::steps)
-	        .def_readonly("missed", &MissedSteps::missed)
+	        .def_readonly("unconverged", &MissedSteps::unconverged)
 	        .def_readonly("yielded", &MissedSteps::yielded)
 	        .def_readonly("deepest", &MissedSteps::deepest)
-	        .def("count", &MissedSteps::count, py::arg("missed"), py::arg("yielded"),
+	        .def("count", &MissedSteps::count, py::arg("unconverged"), py::arg("yielded"),
 	             py::arg("overlap"), py::arg("removes_overlaps") = false,
 	             "Count a step. Returns true if a message is due.")
 	        .def("message", &MissedSteps::message);
 	py::class_<OwnStopTest>(m, "StopTest", "Stop criteria of sweeps; settings as in `solve`.")
-	        .def(py::init(&stopTest), py::arg("tolerance") = 1e-4,
+	        .def(py::init<double, double, double, int, int, int, int>(), py::arg("tolerance") = 1e-4,
 	             py::arg("kinematic_tolerance") = 0.01, py::arg("mean_force_change") = 0,
 	             py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
 	             py::arg("max_iterations") = 1000, py::arg("stall_sweeps") = 0)

@@ -1,14 +1,9 @@
 // Bindings of kernel internals for tests: error measures, layout, momentum, stop test, exact steps,
 // lanes.
-#include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
-#include <array>
-#include <atomic>
-#include <memory>
 #include <set>
-#include <stdexcept>
 
 #include "exact/block_lu.hpp"
 #include "exact/path_following.hpp"

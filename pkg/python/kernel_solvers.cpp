@@ -25,19 +25,14 @@ namespace {
 		ContactProblem problem = problemFrom(
 		        inverseMass, freeVelocity, bodies, normal, arm1, arm2, bias, friction, impulse,
 		        { drift, shift, inverseStretchMass, recovery });
-		Settings settings;
-		settings.tolerance          = tolerance;
-		settings.maxIterations      = maxIterations;
-		settings.threads            = threads;
-		settings.lanes              = lanes;
-		settings.checkInterval      = checkInterval;
-		settings.minIterations      = minIterations;
-		settings.stallSweeps        = stallSweeps;
-		settings.kinematicTolerance = kinematicTolerance;
-		settings.meanForceChange    = meanForceChange;
-		settings.yieldCompliance    = yieldCompliance;
-		settings.yieldImpulse       = yieldImpulse;
-		settings.reductions         = Reductions::of(reductions);
+		Settings settings = stopSettings(
+		        tolerance, kinematicTolerance, meanForceChange, checkInterval, minIterations,
+		        maxIterations, stallSweeps);
+		settings.threads         = threads;
+		settings.lanes           = lanes;
+		settings.yieldCompliance = yieldCompliance;
+		settings.yieldImpulse    = yieldImpulse;
+		settings.reductions      = Reductions::of(reductions);
 		Report report;
 		double seconds, processorSeconds;
 		{

@@ -35,8 +35,7 @@ _SCENE = {  # functions of a YADE session: their modules
     "wall": "scene",
 }
 _CLASSES = re.compile(
-    "(Bo1|Gl1|Ig2|Ip2|Law2)_.*|Rcr(Geom|FrictPhys)?|CdPhys|ContactDynamics|(Cell|Wall)Stress"
-)
+    "(Bo1|Gl1|Ig2|Ip2|Law2)_.*|Rcr(Geom|FrictPhys)?|CdPhys|ContactDynamics|(Cell|Wall)Stress")
 
 
 def __getattr__(name):

@@ -52,12 +52,9 @@ SCALES = dict(
     spin=Scale("angular velocity [1/s]", lambda frame: frame.grains["velocity"][:, 2], "coolwarm"),
     load=Scale("sum of normal forces [N/m]", _load, "magma_r"),
     pressure=Scale("mean stress of its contacts [Pa]", _pressure, "magma_r"),
-    contacts=Scale("contacts with a force", _contacts, "YlGnBu"),
-)
-CATEGORIES = dict(
-    type="Rcr, disc, member of a clump, prescribed motion",
-    shape="the colours of YADE's view, `particle(…, color=…)`",
-)
+    contacts=Scale("contacts with a force", _contacts, "YlGnBu"))
+CATEGORIES = dict(type="Rcr, disc, member of a clump, prescribed motion",
+                  shape="the colours of YADE's view, `particle(…, color=…)`")
 
 
 @dataclass

@@ -11,14 +11,10 @@ LEFT, BOTTOM, RIGHT, TOP, OTHER = -1, -2, -3, -4, -5  # ids of obstacles; body #
 CAP_CAP, CAP_SIDE, SIDE_SIDE, WALL = range(4)  # types of contacts
 
 SHAPES = dict(
-    particles=dict(
-        id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(),
-        velocity=(3,), clump=(), center=(2,),
-    ),
-    contacts=dict(
-        body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,),
-        points=(), friction=(),
-    ),
+    particles=dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(),
+                   velocity=(3,), clump=(), center=(2,)),
+    contacts=dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,),
+                  points=(), friction=()),
 )  # fmt: skip
 INTEGERS = {"id", "body1", "body2", "type", "points", "clump"}
 
@@ -67,12 +63,8 @@ def check_meaning(particles, contacts, attributes):
     """Raise a ValueError unless the columns can be those of a scene."""
     _check_particles(particles)
     _check_contacts(contacts, particles["id"])
-    valid = dict(
-        strain=math.isfinite,
-        eta=lambda v: 0 <= v < 1,
-        friction=lambda v: 0 <= v < math.inf,
-        volume=math.isfinite,
-    )
+    valid = dict(strain=math.isfinite, eta=lambda v: 0 <= v < 1,
+                 friction=lambda v: 0 <= v < math.inf, volume=math.isfinite)
     for name in valid:
         if name in attributes:
             expected = "a finite number in its range"

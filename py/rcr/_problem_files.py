@@ -80,11 +80,8 @@ def save_fclib(path, problem, title="contact problem of yade-rcr"):
     row, column, value = problem.entries()
     size = 2 * problem.contacts
     pointers = np.searchsorted(row, np.arange(size + 1))
-    info = dict(
-        title=title,
-        description="u = W r + q, local (n, t); b_n is in q",
-        math_info="W symmetric, semi-definite",
-    )
+    info = dict(title=title, description="u = W r + q, local (n, t); b_n is in q",
+                math_info="W symmetric, semi-definite")
 
     def fill(file):
         def integer(name, data):

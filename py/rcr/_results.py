@@ -39,8 +39,7 @@ def commit():
     options = ["--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
     with contextlib.suppress(OSError):
         done = subprocess.run(
-            ["git", "-C", here, "describe", *options], capture_output=True, text=True
-        )
+            ["git", "-C", here, "describe", *options], capture_output=True, text=True)
         return done.stdout.strip() or "unknown"
     return "unknown"
 

@@ -68,10 +68,8 @@ def _particles(frame):
     copied = ("id", "half_length", "cap_radius", "mass", "velocity", "clump")
     return {name: grains[name] for name in copied} | dict(
         position=grains["position"] - O.dt * grains["velocity"][:, :2],
-        angle=grains["angle"] - O.dt * grains["velocity"][:, 2],
-        center=frame.centers[free],
-        R=grains["half_length"] + grains["cap_radius"],
-    )
+        angle=grains["angle"] - O.dt * grains["velocity"][:, 2], center=frame.centers[free],
+        R=grains["half_length"] + grains["cap_radius"])
 
 
 def _contacts(frame, codes):
@@ -118,7 +116,6 @@ def _box(walls):
     if left[0] >= right[0] or bottom[1] >= top[1]:
         places = f"x = {left[0]:g}, y = {bottom[1]:g}, x = {right[0]:g}, y = {top[1]:g}"
         raise ValueError(
-            f"walls = {walls!r} are at {places}; expected the order left, bottom, right, top"
-        )
+            f"walls = {walls!r} are at {places}; expected the order left, bottom, right, top")
     area = (right[0] - left[0]) * (top[1] - bottom[1])
     return dict(zip(ids, (LEFT, BOTTOM, RIGHT, TOP))), area

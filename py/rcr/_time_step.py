@@ -127,8 +127,7 @@ def half_step_start():
     integrators = [e for e in O.engines if isinstance(e, NewtonIntegrator) and not e.dead]
     if len(integrators) != 1:
         raise ValueError(
-            f"O.engines holds {len(integrators)} NewtonIntegrators that are not dead; expected one"
-        )
+            f"O.engines holds {len(integrators)} NewtonIntegrators that are not dead; expected one")
     if not 0 < O.dt < float("inf"):
         raise ValueError(f"O.dt = {O.dt}; expected a time step > 0 [s]")
     half, gravity = 0.5 * O.dt, integrators[0].gravity

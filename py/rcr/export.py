@@ -171,19 +171,12 @@ def _grain_mesh(frame):
     radius, velocity = frame.radius, grains["velocity"]
     copied = ("id", "clump", "angle", "half_length", "cap_radius", "mass", "color")
     state = {name: grains[name] for name in copied} | dict(
-        fixed=grains["fixed"].astype(int),
-        kind=frame.kinds(),
-        R=radius,
-        eta=grains["half_length"] / radius,
-        area=frame.areas(),
-        velocity=_in_space(velocity[:, :2]),
-        speed=np.hypot(velocity[:, 0], velocity[:, 1]),
-        spin=velocity[:, 2],
+        fixed=grains["fixed"].astype(int), kind=frame.kinds(), R=radius,
+        eta=grains["half_length"] / radius, area=frame.areas(), velocity=_in_space(velocity[:, :2]),
+        speed=np.hypot(velocity[:, 0], velocity[:, 1]), spin=velocity[:, 2],
         load=frame.per_grain(normal),
         contacts=frame.per_grain((normal > 0).astype(float)).astype(int),
-        pressure=0.5 * (stress[:, 0, 0] + stress[:, 1, 1]),
-        stress=stress.reshape(-1, 4),
-    )
+        pressure=0.5 * (stress[:, 0, 0] + stress[:, 1, 1]), stress=stress.reshape(-1, 4))
     corners = np.arange(outline.shape[0] * outline.shape[1]).reshape(outline.shape[:2])
     return outline, [("polygon", corners)], {}, {name: [column] for name, column in state.items()}
 

@@ -119,14 +119,9 @@ class Frame:
         contacts = {name: column for name, column in c.items() if name not in left_out}
         grains["fixed"] = np.zeros(len(p["id"]), bool)
         grains["color"] = np.full((len(p["id"]), 3), 0.7)
-        return cls(
-            grains,
-            contacts | network.lever_arms(),
-            cell=known.get("cell"),
-            time=float(known.get("time", math.nan)),
-            cell_velocity=known.get("cell_velocity"),
-            centers=p["center"],
-        )
+        return cls(grains, contacts | network.lever_arms(), cell=known.get("cell"),
+                   time=float(known.get("time", math.nan)),
+                   cell_velocity=known.get("cell_velocity"), centers=p["center"])
 
     def rows(self, ids):
         """Return the rows of the grains with these ids, −1 for other ids."""

@@ -25,11 +25,9 @@ from rcr.frame import KINDS, Frame
 
 FOOT = 0.45  # height of the legend below a picture [in]
 MOBILIZATION, OBSTACLE_CONTACT = "plasma", "0.3"  # colours of contacts
-CONTACTS = dict(
-    force="black above the mean force, red up to it",
-    type="blue cap-cap, green cap-side, red side-side, grey with an obstacle",
-    mobilization="dark without friction to yellow where it slides: |f_t|/(µ f_n)",
-)
+CONTACTS = dict(force="black above the mean force, red up to it",
+                type="blue cap-cap, green cap-side, red side-side, grey with an obstacle",
+                mobilization="dark without friction to yellow where it slides: |f_t|/(µ f_n)")
 
 
 def packing(

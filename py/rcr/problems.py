@@ -131,6 +131,5 @@ def _settings(solver, tolerance, max_iterations, known):
         solver=solver,
         tolerance=checks.number("tolerance", tolerance, residual, lambda v: v >= 0),
         max_iterations=checks.integer(
-            "maxIterations", max_iterations, sweeps, lambda v: 1 <= v < most
-        ),
+            "maxIterations", max_iterations, sweeps, lambda v: 1 <= v < most),
     )

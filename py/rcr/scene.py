@@ -228,16 +228,9 @@ def save_problem(engine, path):
     if not len(inverse_mass):
         raise ValueError("ContactDynamics has solved no step yet; call O.step() before save()")
     problem = problems.BodyProblem(
-        inverse_mass=inverse_mass,
-        free_velocity=column("free_velocity", 3),
-        bodies=column("bodies", 2, np.int32),
-        normal=points[:, 0:2],
-        arm1=points[:, 2:4],
-        arm2=points[:, 4:6],
-        bias=points[:, 6],
-        friction=points[:, 7],
-        impulse=column("impulse", 2),
-    )
+        inverse_mass=inverse_mass, free_velocity=column("free_velocity", 3),
+        bodies=column("bodies", 2, np.int32), normal=points[:, 0:2], arm1=points[:, 2:4],
+        arm2=points[:, 4:6], bias=points[:, 6], friction=points[:, 7], impulse=column("impulse", 2))
     problems.save(path, problem)
 
 
@@ -332,9 +325,6 @@ def _outlines_of(bodies):
         for b, is_long in zip(bodies, long)
     ]
     half_length, cap_radius = np.array(sizes).T.copy()
-    return dict(
-        position=np.array([(b.state.pos[0], b.state.pos[1]) for b in bodies]),
-        angle=np.array([2 * math.atan2(b.state.ori[2], b.state.ori[3]) for b in bodies]),
-        half_length=half_length,
-        cap_radius=cap_radius,
-    )
+    return dict(position=np.array([(b.state.pos[0], b.state.pos[1]) for b in bodies]),
+                angle=np.array([2 * math.atan2(b.state.ori[2], b.state.ori[3]) for b in bodies]),
+                half_length=half_length, cap_radius=cap_radius)

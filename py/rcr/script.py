@@ -75,12 +75,10 @@ def folder(text):
         parent = os.path.dirname(parent)
     if not os.path.isdir(parent):
         raise argparse.ArgumentTypeError(
-            f"{text}: {parent} is not a folder; expected a folder for the results"
-        )
+            f"{text}: {parent} is not a folder; expected a folder for the results")
     if not os.access(parent, os.W_OK | os.X_OK):
         raise argparse.ArgumentTypeError(
-            f"{text}: the folder {parent} cannot be written; choose another"
-        )
+            f"{text}: the folder {parent} cannot be written; choose another")
     return path
 
 

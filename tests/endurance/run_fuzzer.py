@@ -293,14 +293,12 @@ def set_engines(scene, grains):
     from yade import wrapper as w
 
     floor, s = [0], scene["strength"]
-    motions = dict(
-        TranslationEngine=dict(ids=floor, translationAxis=(1, 0, 0), velocity=0.2 * s),
-        RotationEngine=dict(ids=[1], rotationAxis=(0, 0, 1), angularVelocity=6 * s),
-        HarmonicMotionEngine=dict(ids=floor, A=(0, 0.3 * R * s, 0), f=(0, 8, 0)),
-        ForceEngine=dict(ids=grains, force=(20 * s, 30 * s, 0)),
-        TorqueEngine=dict(ids=grains, moment=(0, 0, 3 * s)),
-        LinearDragEngine=dict(ids=grains, nu=s),
-    )
+    motions = dict(TranslationEngine=dict(ids=floor, translationAxis=(1, 0, 0), velocity=0.2 * s),
+                   RotationEngine=dict(ids=[1], rotationAxis=(0, 0, 1), angularVelocity=6 * s),
+                   HarmonicMotionEngine=dict(ids=floor, A=(0, 0.3 * R * s, 0), f=(0, 8, 0)),
+                   ForceEngine=dict(ids=grains, force=(20 * s, 30 * s, 0)),
+                   TorqueEngine=dict(ids=grains, moment=(0, 0, 3 * s)),
+                   LinearDragEngine=dict(ids=grains, nu=s))
     engines = list(O.engines)
     if scene["motion"] in motions:
         engines.insert(3, getattr(w, scene["motion"])(**motions[scene["motion"]]))

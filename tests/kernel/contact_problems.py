@@ -137,19 +137,10 @@ def assert_solved(problem, result, tolerance):
 def problem_of(name, seed, inverse_mass, free_velocity, points):
     """Problem from rows (body 1, body 2, normal, arm 1, arm 2, bias, friction)."""
     t = np.array(points, float)
-    return Problem(
-        name,
-        seed,
-        inverse_mass=np.array(inverse_mass, float),
-        free_velocity=np.array(free_velocity, float),
-        bodies=t[:, :2].astype(np.int32),
-        normal=t[:, 2:4],
-        arm1=t[:, 4:6],
-        arm2=t[:, 6:8],
-        bias=t[:, 8],
-        friction=t[:, 9],
-        impulse=np.zeros((len(t), 2)),
-    )
+    return Problem(name, seed, inverse_mass=np.array(inverse_mass, float),
+                   free_velocity=np.array(free_velocity, float), bodies=t[:, :2].astype(np.int32),
+                   normal=t[:, 2:4], arm1=t[:, 4:6], arm2=t[:, 6:8], bias=t[:, 8], friction=t[:, 9],
+                   impulse=np.zeros((len(t), 2)))
 
 
 def grain(p, bias=0.0, v=(0.5, -1.0), friction=0.5, mass=2.0):
@@ -318,19 +309,10 @@ def square_discs(seed, side=20):
     inverse_mass = np.vstack([grains, [[0, 0, 0], [0.1, 0, 0]]])
     velocity = rng.normal([0, -0.1, 0.5], 0.02, (side * side + 2, 3))
     velocity[floor], velocity[wall] = 0, (-0.3, 0, 0)
-    return Problem(
-        f"square discs {seed}",
-        seed,
-        inverse_mass=inverse_mass,
-        free_velocity=velocity,
-        bodies=np.column_stack([a, b]).astype(np.int32),
-        normal=n,
-        arm1=0.5 * n,
-        arm2=-0.5 * n,
-        bias=np.where(rng.random(len(a)) < 0.2, 0.05, 0),
-        friction=np.zeros(len(a)),
-        impulse=np.zeros((len(a), 2)),
-    )
+    return Problem(f"square discs {seed}", seed, inverse_mass=inverse_mass, free_velocity=velocity,
+                   bodies=np.column_stack([a, b]).astype(np.int32), normal=n, arm1=0.5 * n,
+                   arm2=-0.5 * n, bias=np.where(rng.random(len(a)) < 0.2, 0.05, 0),
+                   friction=np.zeros(len(a)), impulse=np.zeros((len(a), 2)))
 
 
 def grains_on_a_floor(count, seed=0, points=1):
@@ -341,19 +323,14 @@ def grains_on_a_floor(count, seed=0, points=1):
     floor = np.zeros((1, 3))
     inverse_mass = np.column_stack([1 / mass, 1 / mass, 6 / mass])
     free_velocity = rng.normal([0.1, -0.3, 1], 0.05, (count, 3))
-    return Problem(
-        f"{count} grains on a floor",
-        seed,
-        inverse_mass=np.vstack([inverse_mass, floor]),
-        free_velocity=np.vstack([free_velocity, floor]),
-        bodies=np.column_stack([pairs, np.full_like(pairs, count)]).astype(np.int32),
-        normal=np.tile([0.0, -1.0], (len(pairs), 1)),
-        arm1=np.column_stack([along, np.full(len(pairs), -0.5)]),
-        arm2=np.zeros((len(pairs), 2)),
-        bias=np.zeros(len(pairs)),
-        friction=np.full(len(pairs), 0.4),
-        impulse=np.zeros((len(pairs), 2)),
-    )
+    return Problem(f"{count} grains on a floor", seed,
+                   inverse_mass=np.vstack([inverse_mass, floor]),
+                   free_velocity=np.vstack([free_velocity, floor]),
+                   bodies=np.column_stack([pairs, np.full_like(pairs, count)]).astype(np.int32),
+                   normal=np.tile([0.0, -1.0], (len(pairs), 1)),
+                   arm1=np.column_stack([along, np.full(len(pairs), -0.5)]),
+                   arm2=np.zeros((len(pairs), 2)), bias=np.zeros(len(pairs)),
+                   friction=np.full(len(pairs), 0.4), impulse=np.zeros((len(pairs), 2)))
 
 
 def beside(*problems):

@@ -7,16 +7,9 @@ TAU = 2 * np.pi
 
 
 def particles(count):
-    return dict(
-        id=np.arange(count),
-        position=np.zeros((count, 2)),
-        angle=np.zeros(count),
-        R=np.ones(count),
-        cap_radius=np.ones(count),
-        half_length=np.zeros(count),
-        mass=np.ones(count),
-        velocity=np.zeros((count, 3)),
-    )
+    return dict(id=np.arange(count), position=np.zeros((count, 2)), angle=np.zeros(count),
+                R=np.ones(count), cap_radius=np.ones(count), half_length=np.zeros(count),
+                mass=np.ones(count), velocity=np.zeros((count, 3)))
 
 
 def network(theta, branch, force, friction=0.5, grains=2, **columns):
@@ -25,15 +18,9 @@ def network(theta, branch, force, friction=0.5, grains=2, **columns):
     t = np.column_stack([-n[:, 1], n[:, 0]])
     count = len(theta)
     contacts = dict(
-        body1=np.zeros(count, int),
-        body2=np.ones(count, int),
-        type=np.zeros(count, int),
-        normal=n,
-        branch=branch[:, :1] * n + branch[:, 1:] * t,
-        force=force[:, :1] * n + force[:, 1:] * t,
-        position=np.zeros((count, 2)),
-        points=np.ones(count, int),
-    )
+        body1=np.zeros(count, int), body2=np.ones(count, int), type=np.zeros(count, int), normal=n,
+        branch=branch[:, :1] * n + branch[:, 1:] * t, force=force[:, :1] * n + force[:, 1:] * t,
+        position=np.zeros((count, 2)), points=np.ones(count, int))
     return Network(particles(grains), contacts | columns, dict(volume=10.0, friction=friction))
 
 

@@ -73,8 +73,7 @@ def test_every_observable_is_there_and_the_file_is_strict_json(result):
     again = json.loads(json.dumps(analysis.jsonable(result), allow_nan=False))
     assert again["O12"]["value"]["c_f_lr"][0] is None  # discs have no ℓ_r
     assert np.array(again["O15"]["value"]["a_c"]) == pytest.approx(
-        result["O15"]["value"]["a_c"], abs=0
-    )
+        result["O15"]["value"]["a_c"], abs=0)
 
 
 def test_seeds_are_cumulated_and_only_the_critical_state_counts(result, runs):
@@ -119,8 +118,7 @@ def test_known_distributions_are_recovered(result):
     assert values["O15"]["a_c"][-1] == pytest.approx(0.2, abs=4 * np.sqrt(2 / 12000))
     assert values["O17"]["a_fn"][-1] == pytest.approx(0.3, abs=4 * np.sqrt(4 / 12000) + 0.03)
     assert values["O17"]["f_n_amplitude"][-1] / values["O17"]["f_n_mean"][-1] == pytest.approx(
-        0.3, abs=4 * np.sqrt(4 / 12000)
-    )
+        0.3, abs=4 * np.sqrt(4 / 12000))
     assert values["O17"]["f_t_amplitude"][-1] == pytest.approx(0.1, abs=4 * np.sqrt(1 / 12000))
     assert values["O14"]["amplitude"][-1] == pytest.approx(0.2, abs=4 * np.sqrt(2 / 12000))
     assert values["O14"]["theta_sigma"] == pytest.approx(np.pi / 2, abs=0.03)
@@ -134,8 +132,7 @@ def test_known_distributions_are_recovered(result):
         / np.log(100)
     )
     assert values["O3"]["beta_n"] == pytest.approx(
-        statistics._root_of_mean(mean) / np.log(100) - 1, abs=0.1
-    )
+        statistics._root_of_mean(mean) / np.log(100) - 1, abs=0.1)
     assert values["O3"]["weak_fraction"] == pytest.approx(1 - np.exp(-1), abs=0.02)
 
 
@@ -256,8 +253,7 @@ def test_rotated_runs_are_analysed_alike():
     )
     assert tilted.stress_angle - upright.stress_angle == pytest.approx(0.4, abs=0.05)
     assert np.array(tilted.xi_networks().anisotropies()) == pytest.approx(
-        np.array(upright.xi_networks().anisotropies()), abs=0.05
-    )
+        np.array(upright.xi_networks().anisotropies()), abs=0.05)
 
 
 def test_13000_particles_take_less_than_5_seconds():
@@ -321,13 +317,8 @@ def test_tiny_packings_are_analysed(particles, contacts, change):
             networks = [
                 _of(
                     change,
-                    packing(
-                        eta,
-                        seed=3 * k + j,
-                        particles_=particles,
-                        contacts=contacts,
-                        strain=0.1 * (j + 1),
-                    ),
+                    packing(eta, seed=3 * k + j, particles_=particles, contacts=contacts,
+                            strain=0.1 * (j + 1)),
                 )
                 for j in range(1 + k % 2)
             ]
@@ -361,8 +352,7 @@ def test_runs_that_are_no_seeds_are_refused(tmp_path):
         return Run.read(folder)
 
     analysis.analyse(
-        [record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-4, threads=2)]
-    )
+        [record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-4, threads=2)])
     with pytest.raises(
         ValueError,
         match=r"a has tolerance = 0.0001 \(.*b 0.001\); expected runs that differ in their seed",
@@ -371,8 +361,7 @@ def test_runs_that_are_no_seeds_are_refused(tmp_path):
     with pytest.raises(ValueError, match="hold the same run"):
         analysis.analyse([record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-4)])
     (folders[1] / "run.json").write_text(
-        (folders[1] / "run.json").read_text().replace('"eta": 0.5', '"eta": 0.4')
-    )
+        (folders[1] / "run.json").read_text().replace('"eta": 0.5', '"eta": 0.4'))
     with pytest.raises(ValueError, match="has eta = 0.5, .*run.json 0.4: files of two runs"):
         Run.read(folders[1])
 
@@ -447,13 +436,11 @@ def test_verdicts_follow_the_data(result):
     assert row.verdict == claims.AGREES
     (row,) = rows(
         changed(result, "O1", sin_phi=np.array([0.30, 0.52]), sin_phi_error=np.array([0.01, 0.01])),
-        "O1",
-    )
+        "O1")
     assert row.verdict == claims.DIFFERS and "off at η = 0.5" in row.value
     (row,) = rows(
         changed(result, "O1", sin_phi=np.array([0.30, 0.52]), sin_phi_error=np.array([0.01, 0.04])),
-        "O1",
-    )
+        "O1")
     assert row.verdict == claims.AGREES  # within two errors
     weak = {row.verdict for row in rows(result, "O3", "share")}
     assert weak == {claims.NOT_TESTED}  # no run of η = 0.7
@@ -480,10 +467,7 @@ def test_ensembles_are_of_one_kind():
     with pytest.raises(ValueError, match="no snapshots"):
         Ensemble([])
     empty = packing(0.5)
-    none = Network(
-        empty.particles,
-        {name: column[:0] for name, column in empty.contacts.items()},
-        empty.attributes,
-    )
+    none = Network(empty.particles, {name: column[:0] for name, column in empty.contacts.items()},
+                   empty.attributes)
     with pytest.raises(ValueError, match="no contact between particles"):
         Ensemble([none])

@@ -151,8 +151,7 @@ def test_exponent():
 def bench(script, *arguments, **settings):
     return subprocess.run(
         [sys.executable, ROOT / "scripts" / script, *map(str, arguments)], capture_output=True,
-        text=True, cwd="/", timeout=300, **settings
-    )
+        text=True, cwd="/", timeout=300, **settings)
 
 
 FAST = ["--repeats", "1", "--budget", "0"]

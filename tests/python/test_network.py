@@ -73,8 +73,7 @@ def test_a_network_tells_what_it_holds():
 def test_walls_count_for_the_stress_only():
     test = network(
         np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]), np.array([[3.0, 0], [1, 0]]),
-        body2=np.array([1, -4]), type=np.array([0, 3])
-    )
+        body2=np.array([1, -4]), type=np.array([0, 3]))
     assert test.stress() == pytest.approx(np.diag([0.6, 0.4]), abs=1e-15)
     assert test.fabric() == pytest.approx(np.diag([1.0, 0]), abs=1e-15)
 

@@ -16,7 +16,6 @@ matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysi
 
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
-from rcr import _drawing as drawing
 from rcr.study import analysis, figures, maps, report
 from rcr.frame import Frame
 from rcr._outlines import polygons
@@ -31,13 +30,8 @@ SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "network.py"
 def network_script(*arguments):
     """The script as this Python runs it; it must not look for another one."""
     command = [sys.executable, SCRIPT, *map(str, arguments)]
-    return subprocess.run(
-        command,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        env=os.environ | {"YADE_RCR_WAY": "test"},
-    )
+    return subprocess.run(command, capture_output=True, text=True, timeout=600,
+                          env=os.environ | {"YADE_RCR_WAY": "test"})
 
 
 @pytest.fixture(scope="module")
@@ -62,8 +56,7 @@ def written(folders, tmp_path_factory):
 def test_script_writes_everything(written):
     out, line = written
     assert re.fullmatch(
-        rf"{out}/report.html: \d+ of \d+ statements agree, \d+ do not, \d+ are not tested\n", line
-    )
+        rf"{out}/report.html: \d+ of \d+ statements agree, \d+ do not, \d+ are not tested\n", line)
     content = json.loads((out / "analysis.json").read_text())
     assert list(content) == list(STATEMENTS)
     names = [
@@ -116,8 +109,7 @@ def test_a_run_that_has_not_ended_is_told(written, folders, tmp_path):
     out, going = tmp_path / "out", tmp_path / "going"
     shutil.copytree(written[0], out), shutil.copytree(folders[0], going)
     (going / "run.json").write_text(
-        json.dumps(dict(program="biaxial.py", run="x", parameters=dict(eta=0.0, strain=0.7)))
-    )
+        json.dumps(dict(program="biaxial.py", run="x", parameters=dict(eta=0.0, strain=0.7))))
     run = network_script(going, "--out", out)
     assert (
         run.returncode == 1
@@ -233,13 +225,11 @@ def test_outlines_are_those_of_rounded_cap_rectangles():
     core = np.clip(along, -p["half_length"][:, None], p["half_length"][:, None])
     distance = np.linalg.norm(vertices - core[..., None] * axis[:, None], axis=-1)
     assert distance == pytest.approx(
-        np.broadcast_to(p["cap_radius"][:, None], distance.shape), abs=1e-12
-    )
+        np.broadcast_to(p["cap_radius"][:, None], distance.shape), abs=1e-12)
     x, y = np.moveaxis(vertices, -1, 0)
     area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
     assert area == pytest.approx(
-        np.pi * p["cap_radius"] ** 2 + 4 * p["cap_radius"] * p["half_length"], rel=0.01
-    )
+        np.pi * p["cap_radius"] ** 2 + 4 * p["cap_radius"] * p["half_length"], rel=0.01)
 
 
 def test_segments_join_the_right_grains():

@@ -34,11 +34,8 @@ def engines(gravity=(0, -G, 0), before=(), restitution=None, **solver):
         ForceResetter(),
         InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(),
                                Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
-        InteractionLoop(
-            [getattr(rcr, name)() for name in ALL_IG2],
-            [ip2],
-            [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()],
-        ),
+        InteractionLoop([getattr(rcr, name)() for name in ALL_IG2], [ip2],
+                        [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
         *before,
         rcr.ContactDynamics(**(solver or EXACT)),
         NewtonIntegrator(gravity=gravity, damping=0),
@@ -148,7 +145,6 @@ def periodic_scene(law, *bodies, size=2.0, gravity=(0, 0, 0), dt=1e-3, periodic=
         O.cell.setBox(size, size, size)
     if law == "rigid":
         O.engines = engines(gravity=gravity, **options)
-        O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in ALL_IG2]
     else:
         O.engines = [
             ForceResetter(),
@@ -205,7 +201,6 @@ def heap(seed=0):
                                                   for k in range(16)
     ]  # fmt: skip
     ids = build(*fixed, *grains, dt=5e-4, tolerance=1e-10)
-    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in ALL_IG2]
     clump, members = rcr.clump([rcr.particle((0.15 + x, 0.6), 0.06, 0.6, angle, rough)
                                 for x, angle in ((0, 0.3), (0.03, 1.8))])
     O.trackEnergy = False

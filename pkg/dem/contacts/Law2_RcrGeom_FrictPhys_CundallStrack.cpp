@@ -116,7 +116,7 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 	const double        dashpot
 	        = damping > 0 && inverse > 0 ? 2 * double(damping) * std::sqrt(kn / inverse) : 0;
 
-	rcr::Twist load1, load2; // forces and moments
+	rcr::Twist onBody1, onBody2; // forces and moments
 	rcr::Vec2  normalForce, shearForce;
 	for (int k = 0; k < manifold.count; ++k) {
 		const rcr::ManifoldPoint& at    = manifold.points[k];
@@ -140,17 +140,17 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 		force       = Vector2r(n, t);
 		normalForce = normalForce + n * at.normal;
 		shearForce  = shearForce + t * perp(at.normal);
-		applyImpulse(point, { n, t }, { 1, 1, 1 }, { 1, 1, 1 }, load1, load2);
+		applyImpulse(point, { n, t }, { 1, 1, 1 }, { 1, 1, 1 }, onBody1, onBody2);
 	}
 	watchOverlap(geom, phys, *interaction);
 	phys.normalForce = plane::toSpace(normalForce);
 	phys.shearForce  = plane::toSpace(shearForce);
-	const auto apply = [&](Body::id_t id, const State& s, const rcr::Twist& load) {
-		scene->forces.addForce(id, Vector3r(load.x, load.y, 0));
-		scene->forces.addTorque(id, Vector3r(0, 0, load.rotation));
-		if (scene->trackEnergy && !Body::byId(id, scene)->isClumpMember()) trackDrive(s, load, dt);
+	const auto apply = [&](Body::id_t id, const State& s, const rcr::Twist& force) {
+		scene->forces.addForce(id, Vector3r(force.x, force.y, 0));
+		scene->forces.addTorque(id, Vector3r(0, 0, force.rotation));
+		if (scene->trackEnergy && !Body::byId(id, scene)->isClumpMember()) trackDrive(s, force, dt);
 	};
-	apply(id1, state1, load1), apply(id2, state2, load2);
+	apply(id1, state1, onBody1), apply(id2, state2, onBody2);
 	return true;
 }
 
@@ -191,13 +191,13 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::trackEnergy(
 
 /// Work that a contact does on prescribed motion [J]; negative where that drives.
 void Law2_RcrGeom_FrictPhys_CundallStrack::trackDrive(
-        const State& s, const rcr::Twist& load, double dt)
+        const State& s, const rcr::Twist& force, double dt)
 {
 	const rcr::Twist v    = plane::twist(s);
 	double           work = 0;
-	if (s.blockedDOFs & State::DOF_X) work += load.x * v.x * dt;
-	if (s.blockedDOFs & State::DOF_Y) work += load.y * v.y * dt;
-	if (s.blockedDOFs & State::DOF_RZ) work += load.rotation * v.rotation * dt;
+	if (s.blockedDOFs & State::DOF_X) work += force.x * v.x * dt;
+	if (s.blockedDOFs & State::DOF_Y) work += force.y * v.y * dt;
+	if (s.blockedDOFs & State::DOF_RZ) work += force.rotation * v.rotation * dt;
 	if (work != 0) scene->energy->add(work, "driveWork", driveIx, false);
 }
 

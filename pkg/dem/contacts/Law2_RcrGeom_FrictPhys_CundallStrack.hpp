@@ -57,7 +57,7 @@ public:
 private:
 	DECLARE_LOGGER;
 	void watchOverlap(const RcrGeom&, const FrictPhys&, const Interaction&);
-	void trackDrive(const State&, const rcr::Twist& load, double dt);
+	void trackDrive(const State&, const rcr::Twist& force, double dt);
 	void trackEnergy(
 	        const FrictPhys&, double overlap, double dashpotWork, double slider, double slip);
 };

@@ -37,7 +37,7 @@ namespace {
 	}
 
 	/// Adds the bodies that an engine loads or drives; returns false if it may read other bodies.
-	bool loaded(const Engine& engine, std::vector<Body::id_t>& ids)
+	bool addActedOn(const Engine& engine, std::vector<Body::id_t>& ids)
 	{
 		if (const auto* stress = dynamic_cast<const WallStress*>(&engine)) {
 			ids.insert(ids.end(), { stress->wall, stress->start, stress->end });
@@ -48,8 +48,8 @@ namespace {
 			"LinearDragEngine" };
 		if (!dynamic_cast<const KinematicEngine*>(&engine) && !forces.count(engine.getClassName()))
 			return false;
-		const auto& loads = static_cast<const PartialEngine&>(engine).ids;
-		ids.insert(ids.end(), loads.begin(), loads.end());
+		const auto& more = static_cast<const PartialEngine&>(engine).ids;
+		ids.insert(ids.end(), more.begin(), more.end());
 		return true;
 	}
 
@@ -98,7 +98,8 @@ ArraySteps::Motion ArraySteps::motionOf(const State& s)
 		{ double(s.vel[0]), double(s.vel[1]), double(s.angVel[2]) } };
 }
 
-/// Property of the scene that requires YADE's engines; empty: none. Also collects the load engines.
+/// Property of the scene that requires YADE's engines; empty: none. Also collects the engines that
+/// exert forces.
 std::string ArraySteps::reason(
         const Scene& scene, const validation::Engines& engines, const rcr::Step& step)
 {
@@ -118,7 +119,7 @@ std::string ArraySteps::reason(
 	for (const auto& functor : engines.loop->lawDispatcher->functors)
 		if (functor->getClassName() != "Law2_RcrGeom_CdPhys_SignoriniCoulomb")
 			return "the functor " + functor->getClassName();
-	loadsBefore_.clear(), loadsAfter_.clear(), byYade_.clear();
+	enginesBefore_.clear(), enginesAfter_.clear(), byYade_.clear();
 	movesAfter_ = false;
 	bool looped = false, solved = false;
 	for (const auto& engine : scene.engines) {
@@ -127,8 +128,8 @@ std::string ArraySteps::reason(
 		looped |= engine.get() == engines.loop;
 		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
 		if (core(*engine)) continue;
-		if (solved || !loaded(*engine, byYade_)) return "the engine " + engine->getClassName();
-		(looped ? loadsAfter_ : loadsBefore_).push_back(engine.get());
+		if (solved || !addActedOn(*engine, byYade_)) return "the engine " + engine->getClassName();
+		(looped ? enginesAfter_ : enginesBefore_).push_back(engine.get());
 		movesAfter_ |= looped && dynamic_cast<const KinematicEngine*>(engine.get());
 	}
 	return {};
@@ -183,7 +184,7 @@ std::string ArraySteps::momentaryReason(const Scene& scene) const
 }
 
 bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
-        SceneHandles& handles, const std::vector<rcr::Twist>& loads, rcr::Step& step)
+        SceneHandles& handles, const std::vector<rcr::Twist>& impulses, rcr::Step& step)
 {
 	reason_ = active_ ? std::string() : reason(scene, engines, step);
 	if (reason_.empty()) reason_ = momentaryReason(scene);
@@ -195,11 +196,11 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	pairs_.addFound(step, scene.iter);
 	if (first || !step.added.empty()) pairs_.numberContacts(step);
 	pairs_.keepForces(step, team);
-	move(scene, *engines.integrator, team, handles, loads, step);
+	move(scene, *engines.integrator, team, handles, impulses, step);
 	countStep(scene);
 	++count_;
 	scene.forces.reset(scene.iter);
-	load(scene, loadsBefore_);
+	runEngines(scene, enginesBefore_);
 	regatherBodies(scene, engines, team, byYade_, handles, step);
 	const auto detect = [&](bool listAll, bool again) {
 		const bool changed = neighbours_.update(step, team);
@@ -208,8 +209,8 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 		setPhysics(scene, engines);
 	};
 	detect(first, false);
-	if (!loadsAfter_.empty()) {
-		load(scene, loadsAfter_);
+	if (!enginesAfter_.empty()) {
+		runEngines(scene, enginesAfter_);
 		regatherBodies(scene, engines, team, byYade_, handles, step);
 		if (movesAfter_) detect(false, true);
 	}
@@ -226,13 +227,11 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 	inertia_.resize(count), written_.resize(count), endVelocity_.resize(count);
 	team.forEach(count, [&](std::size_t id) {
 		prefetch<State>(handles.state[std::min(id + prefetchAhead, count - 1)]);
-		inertia_[id]         = {};
-		const State* const s = handles.state[id];
+		inertia_[id]   = {};
+		const State* s = handles.state[id];
 		if (!s) return;
-		const auto free = [&](unsigned dof) { return !(s->blockedDOFs & dof); };
-		inertia_[id]      = { double(s->mass), double(s->inertia[2]), free(State::DOF_X),
-			     free(State::DOF_Y), free(State::DOF_RZ) };
-		written_[id]      = motionOf(*s);
+		inertia_[id] = plane::inertiaOf(*s);
+		written_[id] = motionOf(*s);
 	});
 	pairs_.all.clear();
 	for (const rcr::StepContact& contact : step.contacts) {
@@ -259,14 +258,15 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 
 /// Moves the bodies like NewtonIntegrator. Obstacles need not lie in the plane.
 void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadTeam& team,
-        const SceneHandles& handles, const std::vector<rcr::Twist>& loads, rcr::Step& step)
+        const SceneHandles& handles, const std::vector<rcr::Twist>& impulses, rcr::Step& step)
 {
 	for (Body::id_t id : byYade_) {
-		State&         s = *handles.state[id];
-		const Vector3r force
-		        = scene.forces.getForce(id) + 1 / step.dt * Vector3r(loads[id].x, loads[id].y, 0);
-		const Vector3r torque
-		        = scene.forces.getTorque(id) + 1 / step.dt * Vector3r(0, 0, loads[id].rotation);
+		State&            s = *handles.state[id];
+		const rcr::Twist& p = impulses[id];
+		const Vector3r    force
+		        = scene.forces.getForce(id) + 1 / step.dt * Vector3r(p.x, p.y, 0);
+		const Vector3r    torque
+		        = scene.forces.getTorque(id) + 1 / step.dt * Vector3r(0, 0, p.rotation);
 		if (step.overdamped) resetVelocity(s, step.bodies[id].velocity);
 		if (!step.displacement.empty() && step.bodies[id].free)
 			applyCorrection(s, step.displacement[id]);
@@ -292,7 +292,7 @@ void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadT
 			body.center          = { body.center.x + by.x, body.center.y + by.y };
 			if (by.rotation != 0) body.turn = rcr::scaled(rcr::turned(body.turn, by.rotation));
 		}
-		const rcr::Twist& p = loads[id];
+		const rcr::Twist& p = impulses[id];
 		body.velocity       = rcr::accelerated(body.velocity, inertia_[id],
 		              { inverseDt * p.x, inverseDt * p.y, inverseDt * p.rotation }, gravity, before);
 		body.center         = { body.center.x + body.velocity.x * before,
@@ -310,7 +310,7 @@ void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadT
 	});
 }
 
-void ArraySteps::load(Scene& scene, const std::vector<Engine*>& engines) const
+void ArraySteps::runEngines(Scene& scene, const std::vector<Engine*>& engines) const
 {
 	for (Engine* engine : engines) {
 		engine->scene = &scene;

@@ -27,11 +27,11 @@ namespace yade {
 
 class ArraySteps {
 public:
-	/// Advances from a solved step to the next one, gathered. `loads`: sum of the impulses on each
-	/// body. Returns false without a change if YADE's engines must take the next step;
-	/// enginesReason() is then the reason.
+	/// Advances from a solved step to the next one, gathered. `impulses`: sum of the contact
+	/// impulses on each body. Returns false without a change if YADE's engines must take the next
+	/// step; enginesReason() is then the reason.
 	bool advance(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&,
-	        const std::vector<rcr::Twist>& loads, rcr::Step&);
+	        const std::vector<rcr::Twist>& impulses, rcr::Step&);
 
 	/// Copies the state at the beginning of the step to YADE's objects, so that the step can be
 	/// scattered. Does nothing if no step was taken in arrays since the last call.
@@ -54,17 +54,16 @@ private:
 	std::string          selectBodies(const Scene&, const rcr::Step&);
 	void                 begin(rcr::ThreadTeam&, const SceneHandles&, const rcr::Step&);
 	void move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const SceneHandles&,
-	        const std::vector<rcr::Twist>& loads, rcr::Step&);
-	void                 load(Scene&, const std::vector<Engine*>&) const;
+	        const std::vector<rcr::Twist>& impulses, rcr::Step&);
+	void                 runEngines(Scene&, const std::vector<Engine*>&) const;
 	void                 setPhysics(Scene&, const validation::Engines&);
-	SceneHandles::Contact write(int number, Interaction&, const rcr::Step&) const;
 
 	long                      count_ = 0, first_ = 0;
 	bool                      active_ = false; // YADE's objects are out of date since step first_
 	std::string               reason_;
-	// load engines before and after the InteractionLoop
-	std::vector<Engine*>      loadsBefore_, loadsAfter_;
-	bool                      movesAfter_ = false; // loadsAfter_ holds a kinematic engine
+	// engines that exert forces, before and after the InteractionLoop
+	std::vector<Engine*>      enginesBefore_, enginesAfter_;
+	bool                      movesAfter_ = false; // enginesAfter_ holds a kinematic engine
 	std::vector<Body::id_t>   byYade_;      // bodies that are read and written in each step
 	std::vector<char>         isByYade_;      // per body
 	std::vector<rcr::Inertia> inertia_;      // per body

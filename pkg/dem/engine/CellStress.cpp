@@ -32,7 +32,7 @@ void CellStress::release(Matrix3r& gradient) const
 		if (!math::isnan(stress[axis])) gradient(axis, axis) = 0;
 }
 
-void CellStress::load(rcr::Step& step) const
+void CellStress::gatherCell(rcr::Step& step) const
 {
 	double grains = 0; // their mass
 	for (std::size_t id = 0; id < step.bodies.size(); ++id)

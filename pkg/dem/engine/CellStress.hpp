@@ -28,7 +28,7 @@ public:
 	/// Sets the entries of a velocity gradient that are not prescribed to 0.
 	void release(Matrix3r& gradient) const;
 	/// Sets inertia and load of the cell of a step.
-	void load(rcr::Step&) const;
+	void gatherCell(rcr::Step&) const;
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(CellStress,GlobalEngine,

@@ -55,15 +55,15 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 		addUnlistedContacts(engines);
 	});
 	try {
-		std::vector<rcr::Twist> loads;
+		std::vector<rcr::Twist> impulses;
 		bool                    advanced = false;
 		do {
 			solveStep(engines);
-			loads = loadsOf(step_);
-			record(loads);
+			impulses = contactImpulses(step_);
+			record(impulses);
 			advanced = timed("arrays", [&] {
 				return arrays
-				        && arraySteps_->advance(*scene, engines, team, handles_, loads, step_);
+				        && arraySteps_->advance(*scene, engines, team, handles_, impulses, step_);
 			});
 			const std::lock_guard<std::mutex> lock(reading_);
 			enginesReason_ = arraySteps_->enginesReason(), stepsInArrays_ = arraySteps_->count();
@@ -73,9 +73,9 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 			const UnbalancedForce unbalanced = unbalancedForceOf(step_);
 			unbalancedForce = unbalanced.mean, largestUnbalancedForce = unbalanced.largest;
 			if (scene->trackEnergy)
-				energy.enter(
-				        *scene->energy, step_, loads, plane::toPlane(engines.integrator->gravity));
-			scatter(*scene, team, loads, handles_, step_);
+				energy.enter(*scene->energy, step_, impulses,
+				        plane::toPlane(engines.integrator->gravity));
+			scatter(*scene, team, impulses, handles_, step_);
 			if (handles_.masksChanged) restartCollider(engines);
 		});
 	} catch (...) {
@@ -178,14 +178,14 @@ ContactDynamics::PassOutcome ContactDynamics::reviewLastPass(const validation::E
 	return PassOutcome::converged;
 }
 
-void ContactDynamics::record(const std::vector<rcr::Twist>& loads)
+void ContactDynamics::record(const std::vector<rcr::Twist>& impulses)
 {
 	const std::vector<int> ids = observedIds();
 	StepObserver::check(ids, step_, handles_);
 	const double miss = double(std::max(residual / tolerance, kinematicError / kinematicTolerance));
 	observer_.record({ scene->iter + 1, double(scene->time + scene->dt), iterations, contactPoints,
 	                         double(residual), tolerance > 0 && !converged, yielded, miss },
-	        ids, observeEvery, loads, step_, handles_);
+	        ids, observeEvery, impulses, step_, handles_);
 	const std::lock_guard<std::mutex> lock(reading_);
 	summary_ = workspace_.summary();
 }

@@ -48,7 +48,7 @@ public:
 	void                       setSolver(const std::string&);
 	std::vector<int>           observedIds() const;
 	void                       setObserve(const std::vector<int>&);
-	int                        missedSteps() const { return int(monitor.steps.missed); }
+	int                        missedSteps() const { return int(monitor.steps.unconverged); }
 	int                        yieldedSteps() const { return int(monitor.steps.yielded); }
 	double                     deepestOverlap() const { return monitor.steps.deepest; }
 
@@ -126,7 +126,7 @@ private:
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setRestFlow();
 	void          trackStretch();
-	void          record(const std::vector<rcr::Twist>& loads);
+	void          record(const std::vector<rcr::Twist>& impulses);
 
 	validation::Validator        validator_;
 	rcr::Step                    step_; // the last step; keeps its memory

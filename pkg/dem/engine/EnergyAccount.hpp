@@ -13,8 +13,8 @@ namespace yade {
 class EnergyAccount {
 public:
 	/// Enters the energies of the step before this one and computes those of this step.
-	/// `loads`: sum of the contact impulses on each body [N s, N m s].
-	void enter(EnergyTracker&, const rcr::Step&, const std::vector<rcr::Twist>& loads,
+	/// `impulses`: sum of the contact impulses on each body [N s, N m s].
+	void enter(EnergyTracker&, const rcr::Step&, const std::vector<rcr::Twist>& impulses,
 	        rcr::Vec2 gravity);
 
 	template <class Archive> void serialize(Archive& archive, unsigned)

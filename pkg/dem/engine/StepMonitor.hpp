@@ -17,7 +17,7 @@ public:
 	/// Outcome of a step as the solver reports it.
 	struct Outcome {
 		long   number;     // O.iter
-		bool   missed;     // did not converge
+		bool   unconverged; // did not converge
 		bool   yielded;    // had no solution
 		bool   overdamped; // the step removes overlaps whole
 		int    iterations;
@@ -31,11 +31,11 @@ public:
 	template <class Archive> void serialize(Archive& archive, unsigned)
 	{
 		using boost::serialization::make_nvp;
-		archive& make_nvp("steps", steps.steps) & make_nvp("missed", steps.missed)
+		archive& make_nvp("steps", steps.steps) & make_nvp("missed", steps.unconverged)
 		        & make_nvp("yielded", steps.yielded);
 		archive& make_nvp("deepest", steps.deepest) & make_nvp("warnedYielded", steps.warnedYielded)
 		        & make_nvp("warnedDepth", steps.warnedDepth);
-		archive& make_nvp("jamGrown", jam.grown) & make_nvp("jamCertified", jam.certified)
+		archive& make_nvp("jamGrown", jam.grown) & make_nvp("jamCertified", jam.unsolvable)
 		        & make_nvp("jamDeepest", jam.deepest);
 	}
 };

@@ -34,13 +34,8 @@ void StepObserver::placeLast(const std::function<std::optional<rcr::Vec2>(int id
 			intervals_.back().position[id] = *at;
 }
 
-void StepObserver::record(
-        const Result&                  result,
-        const std::vector<int>&        ids,
-        int                            interval,
-        const std::vector<rcr::Twist>& loads,
-        const rcr::Step&               step,
-        const SceneHandles&            handles)
+void StepObserver::record(const Result& result, const std::vector<int>& ids, int interval,
+        const std::vector<rcr::Twist>& impulses, const rcr::Step& step, const SceneHandles& handles)
 {
 	const std::lock_guard<std::mutex> lock(mutex_);
 	placeLast([&](int id) -> std::optional<rcr::Vec2> {
@@ -53,15 +48,15 @@ void StepObserver::record(
 	sums_.iterations += result.iterations;
 	sums_.yielded += result.yielded;
 	sums_.residual = std::max(sums_.residual, result.residual);
-	if (result.missed) {
-		++sums_.missed;
-		sums_.missedSum += result.miss;
-		sums_.missedLargest = std::max(sums_.missedLargest, result.miss);
+	if (result.unconverged) {
+		++sums_.unconverged;
+		sums_.missSum += result.miss;
+		sums_.largestMiss = std::max(sums_.largestMiss, result.miss);
 	}
 	for (int id : ids) {
 		rcr::Twist& sum = sums_.force[id];
-		sum             = { sum.x + loads[id].x / step.dt, sum.y + loads[id].y / step.dt,
-			            sum.rotation + loads[id].rotation / step.dt };
+		sum             = { sum.x + impulses[id].x / step.dt, sum.y + impulses[id].y / step.dt,
+			            sum.rotation + impulses[id].rotation / step.dt };
 	}
 	if (interval == 0 || sums_.steps < interval) return;
 	intervals_.push_back({ std::exchange(sums_, {}), result, {}, false });
@@ -111,10 +106,10 @@ py::dict StepObserver::dictOf(const Sums& sums, const std::vector<int>& ids)
 	observed["steps"]          = sums.steps;
 	observed["iterations"]     = sums.iterations;
 	observed["residual"]       = sums.residual;
-	observed["missed"]         = sums.missed;
+	observed["missed"]         = sums.unconverged;
 	observed["yielded"]        = sums.yielded;
-	observed["missed_sum"]     = sums.missedSum;
-	observed["missed_largest"] = sums.missedLargest;
+	observed["missed_sum"]     = sums.missSum;
+	observed["missed_largest"] = sums.largestMiss;
 	observed["forces"]         = forces;
 	return observed;
 }

@@ -25,18 +25,18 @@ public:
 		double time; // O.time at its end [s]
 		int    iterations, points;
 		double residual;
-		bool   missed;  // did not converge
-		bool   yielded; // had no solution
+		bool   unconverged; // did not converge
+		bool   yielded;     // had no solution
 		double miss;    // residual or kinematic error over its tolerance, the larger of both [-]
 	};
 
 	/// Throws std::invalid_argument if an id is not that of a body or clump of the scene.
 	static void check(const std::vector<int>& ids, const rcr::Step&, const SceneHandles&);
 
-	/// Adds a step. `interval`: number of steps per entry; 0: no entries. `loads`: contact impulse
-	/// on each body [N s].
+	/// Adds a step. `interval`: number of steps per entry; 0: no entries. `impulses`: contact
+	/// impulse on each body [N s].
 	void record(const Result&, const std::vector<int>& ids, int interval,
-	        const std::vector<rcr::Twist>& loads, const rcr::Step&, const SceneHandles&);
+	        const std::vector<rcr::Twist>& impulses, const rcr::Step&, const SceneHandles&);
 
 	/// Means since the last call.
 	boost::python::dict takeMeans(const std::vector<int>& ids);
@@ -48,8 +48,8 @@ public:
 private:
 	struct Sums {
 		std::vector<int>          ids;
-		long                      steps = 0, iterations = 0, missed = 0, yielded = 0;
-		double                    residual = 0, missedSum = 0, missedLargest = 0;
+		long                      steps = 0, iterations = 0, unconverged = 0, yielded = 0;
+		double                    residual = 0, missSum = 0, largestMiss = 0;
 		std::map<int, rcr::Twist> force; // by body [N, N m]
 	};
 

@@ -1,7 +1,7 @@
 // Copies the state of steps in arrays to YADE's objects.
 #include "dem/engine/ArraySteps.hpp"
 #include "dem/engine/prefetch.hpp"
-#include "dem/shapes/plane.hpp"
+#include "dem/engine/scatter.hpp"
 
 namespace yade {
 
@@ -64,32 +64,14 @@ void ArraySteps::writeBack(
 			prefetch<RcrGeom>(later->geom.get());
 			prefetch<CdPhys>(later->phys.get());
 		}
-		if (interaction[k]) contacts[k] = write(int(k), *interaction[k], step);
+		if (!interaction[k]) return;
+		const rcr::Pair& pair = pairs_.all[k];
+		contacts[k] = writeContact(*interaction[k], pair, pairs_.manifold[k], step,
+		        step.bodies[pair.body2].pose());
+		contacts[k].phys->force1 = Vector2r(pair.force[0].n, pair.force[0].t);
+		contacts[k].phys->force2 = Vector2r(pair.force[1].n, pair.force[1].t);
 	});
 	handles.sorted.swap(contacts);
-}
-
-/// Copies a pair to its interaction in YADE.
-SceneHandles::Contact ArraySteps::write(int number, Interaction& i, const rcr::Step& step) const
-{
-	const rcr::Pair& pair = pairs_.all[number];
-	if (!i.geom) i.geom = boost::make_shared<RcrGeom>();
-	if (pair.since >= 0) {
-		auto phys                    = boost::make_shared<CdPhys>();
-		phys->tangensOfFrictionAngle = pair.friction;
-		phys->restitution            = pair.restitution;
-		i.phys                       = phys;
-		i.iterMadeReal               = pair.since;
-	}
-	RcrGeom&             geom = static_cast<RcrGeom&>(*i.geom);
-	CdPhys&              phys = static_cast<CdPhys&>(*i.phys);
-	const rcr::StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
-	geom.set(pairs_.manifold[number], one.shape, one.pose(), two.shape, two.pose());
-	phys.points = geom.points;
-	phys.along  = geom.along;
-	phys.force1 = Vector2r(pair.force[0].n, pair.force[0].t);
-	phys.force2 = Vector2r(pair.force[1].n, pair.force[1].t);
-	return { &geom, &phys, &i, pair.body1, pair.body2, geom.points };
 }
 
 } // namespace yade

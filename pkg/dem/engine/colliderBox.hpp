@@ -9,8 +9,8 @@ namespace yade {
 
 /// A grain at this position reaches out of its box with the alert distance of this velocity, so the
 /// collider may miss contacts.
-inline bool leavesBox(const rcr::StepBody& b, const Vector3r& at, const rcr::Twist& v, double dt,
-        const Bound& bound)
+inline bool grainLeavesBox(const rcr::StepBody& b, const Vector3r& at, const rcr::Twist& v,
+        double dt, const Bound& bound)
 {
 	const double   reach = b.radius + rcr::alertDistance(b.shape, v, dt);
 	const Vector3r moved = at - bound.refPos;
@@ -19,7 +19,7 @@ inline bool leavesBox(const rcr::StepBody& b, const Vector3r& at, const rcr::Twi
 }
 
 /// An obstacle reaches out of its box with its alert distance.
-inline bool leavesBox(const rcr::StepBody& b, const Bound& bound)
+inline bool obstacleLeavesBox(const rcr::StepBody& b, const Bound& bound)
 {
 	constexpr double infinite = std::numeric_limits<double>::infinity();
 	rcr::Pose        at       = b.pose();

@@ -1,6 +1,9 @@
 // Contacts that ContactDynamics adds to those of the InteractionLoop.
+#include <algorithm>
+
 #include <pkg/common/Collider.hpp>
 #include <pkg/common/KinematicEngines.hpp>
+#include <pkg/common/PeriodicEngines.hpp>
 
 #include "dem/engine/ContactDynamics.hpp"
 #include "kernel/step/missed_contacts.hpp"
@@ -22,17 +25,22 @@ bool ContactDynamics::findMissedContacts(const validation::Engines& engines)
 /// Completes the contacts within reach, so that they do not depend on when the collider ran.
 void ContactDynamics::addUnlistedContacts(const validation::Engines& engines)
 {
-	// Ig2 functors have used the velocities before these engines set them.
-	bool afterLoop = false;
+	// Ig2 functors have used the velocities before these engines and scripts set them.
+	bool       afterLoop = false;
+	const auto complete  = [&](Body::id_t id) {
+        if (id >= 0 && std::size_t(id) < handles_.isUnlisted.size())
+            handles_.isUnlisted[id] = bool(handles_.state[id]);
+	};
 	for (const auto& engine : scene->engines) {
+		if (engine.get() == this) break;
 		afterLoop |= engine.get() == engines.loop;
-		const auto* kinematic = afterLoop && !engine->dead
-		        ? dynamic_cast<const KinematicEngine*>(engine.get())
-		        : nullptr;
-		if (!kinematic) continue;
-		for (Body::id_t id : kinematic->ids)
-			if (id >= 0 && std::size_t(id) < handles_.isUnlisted.size())
-				handles_.isUnlisted[id] = bool(handles_.state[id]);
+		if (!afterLoop || engine->dead) continue;
+		if (const auto* kinematic = dynamic_cast<const KinematicEngine*>(engine.get()))
+			std::for_each(kinematic->ids.begin(), kinematic->ids.end(), complete);
+		const auto* script = dynamic_cast<const PeriodicEngine*>(engine.get());
+		if (script && script->nDone > 0 && script->iterLast == scene->iter)
+			for (std::size_t id = 0; id < handles_.isUnlisted.size(); ++id)
+				complete(Body::id_t(id));
 	}
 	std::vector<std::int32_t> unlisted;
 	for (std::size_t id = 0; id < handles_.isUnlisted.size(); ++id)

@@ -57,7 +57,7 @@ namespace {
 		void                 body(const Body&);
 		bool isUnlisted(const Body&, const rcr::Twist& velocity, const rcr::StepBody&) const;
 		void                 move(const Body&, const State&, rcr::StepBody&);
-		std::pair<Vector3r, Vector3r> load(const Body&) const;
+		rcr::Twist           externalForce(const Body&) const;
 		SceneHandles::Contact contactOf(Interaction&) const;
 		void                 sort();
 		void                 points(std::size_t number);
@@ -163,8 +163,9 @@ namespace {
 	{
 		if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
 		if (!scene_.isPeriodic)
-			return body.shape.grain() ? leavesBox(body, b.state->pos, velocity, step_.dt, *b.bound)
-			                          : leavesBox(body, *b.bound);
+			return body.shape.grain()
+			        ? grainLeavesBox(body, b.state->pos, velocity, step_.dt, *b.bound)
+			        : obstacleLeavesBox(body, *b.bound);
 		if (!body.shape.grain()) return body.alertDistance > double(b.bound->sweepLength);
 		const rcr::Vec2 flow = step_.cell.drift(body.center);
 		return step_.dt
@@ -179,47 +180,30 @@ namespace {
 	{
 		// the integrator does not move it
 		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) return;
-		if (step_.overdamped) {
-			const rcr::Twist rest = step_.restFlow.at(body.center);
-			if (!(s.blockedDOFs & State::DOF_X)) body.velocity.x = rest.x;
-			if (!(s.blockedDOFs & State::DOF_Y)) body.velocity.y = rest.y;
-			if (!(s.blockedDOFs & State::DOF_RZ)) body.velocity.rotation = rest.rotation;
-		}
-		const Body::id_t  id      = b.getId();
-		const double      dt      = step_.dt;
-		const auto        load    = this->load(b);
-		const auto        free    = [&](unsigned dof) { return !(s.blockedDOFs & dof); };
-		rcr::Twist&       v       = step_.problem.freeVelocity[id];
-		rcr::InverseMass& inverse = step_.problem.inverseMass[id];
-		if (!math::isfinite(load.first.sum() + load.second[2]))
-			validation::refuseBody(b, scene_, handles_.z);
-		v = body.velocity;
-		if (free(State::DOF_X)) {
-			inverse.x = 1 / double(s.mass);
-			v.x += dt * double(load.first[0] / s.mass + newton_.gravity[0]);
-		}
-		if (free(State::DOF_Y)) {
-			inverse.y = 1 / double(s.mass);
-			v.y += dt * double(load.first[1] / s.mass + newton_.gravity[1]);
-		}
-		if (free(State::DOF_RZ)) {
-			inverse.rotation = 1 / double(s.inertia[2]);
-			v.rotation += dt * double(load.second[2] / s.inertia[2]);
-		}
+		const rcr::Inertia inertia = plane::inertiaOf(s);
+		if (step_.overdamped)
+			body.velocity = restVelocity(body.velocity, inertia, step_.restFlow.at(body.center));
+		const double dt = step_.dt;
+		rcr::Twist&  v  = step_.problem.freeVelocity[b.getId()];
+		v = rcr::accelerated(body.velocity, inertia, externalForce(b),
+		        plane::toPlane(newton_.gravity), dt);
+		step_.problem.inverseMass[b.getId()] = { inertia.x ? 1 / inertia.mass : 0,
+			inertia.y ? 1 / inertia.mass : 0, inertia.rotation ? 1 / inertia.moment : 0 };
 		if (!field_.periodic) return;
 		const rcr::Twist more = field_.added(s, dt);
 		v                     = { v.x + more.x, v.y + more.y, v.rotation + more.rotation };
 	}
 
 	/// Force and torque on a body; those on the members of a clump included.
-	std::pair<Vector3r, Vector3r> Gatherer::load(const Body& b) const
+	rcr::Twist Gatherer::externalForce(const Body& b) const
 	{
 		Vector3r force  = scene_.forces.getForce(b.getId()),
 		         torque = scene_.forces.getTorque(b.getId());
 		if (b.isClump())
 			static_cast<Clump&>(*b.shape).addForceTorqueFromMembers(
 			        b.state.get(), &scene_, force, torque);
-		return { force, torque };
+		if (!math::isfinite(force.sum() + torque[2])) validation::refuseBody(b, scene_, handles_.z);
+		return { double(force[0]), double(force[1]), double(torque[2]) };
 	}
 
 	SceneHandles::Contact Gatherer::contactOf(Interaction& i) const
@@ -314,7 +298,7 @@ void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& t
 	Gatherer gatherer(scene, engines, team, handles, step);
 	gatherer.bodies();
 	step.problem.inverseStretchMass = step.problem.stretch = {};
-	if (engines.cellStress) engines.cellStress->load(step);
+	if (engines.cellStress) engines.cellStress->gatherCell(step);
 	gatherer.contacts();
 }
 

@@ -30,7 +30,7 @@ namespace {
 	}
 
 	/// Writes a missed contact as InteractionLoop would have made it.
-	SceneHandles::Contact writeContact(
+	SceneHandles::Contact writeMissedContact(
 	        Scene& scene, const rcr::Step& step, const rcr::UpdatedContact& grown)
 	{
 		shared_ptr<Interaction> i = scene.interactions->find(grown.body1, grown.body2);
@@ -45,23 +45,15 @@ namespace {
 			scene.interactions->insert(i);
 		}
 		if (!i->geom && i->getId1() != grown.body1) i->swapOrder();
-		if (!i->geom) i->geom = boost::make_shared<RcrGeom>();
+		rcr::Pair pair;
+		pair.body1 = grown.body1, pair.body2 = grown.body2;
 		if (!i->phys) {
-			auto phys                    = boost::make_shared<CdPhys>();
-			phys->tangensOfFrictionAngle = grown.friction;
-			phys->restitution            = grown.restitution;
-			i->phys                      = phys;
-			i->iterMadeReal              = scene.iter;
+			pair.friction = grown.friction, pair.restitution = grown.restitution;
+			pair.since    = scene.iter;
 		}
-		RcrGeom&             geom = static_cast<RcrGeom&>(*i->geom);
-		CdPhys&              phys = static_cast<CdPhys&>(*i->phys);
-		const rcr::StepBody &one = step.bodies[grown.body1], &two = step.bodies[grown.body2];
-		rcr::Pose            at2 = two.pose();
-		at2.center               = at2.center + grown.shift;
-		geom.set(grown.manifold, one.shape, one.pose(), two.shape, at2);
-		phys.points = geom.points;
-		phys.along  = geom.along;
-		return { &geom, &phys, i.get(), grown.body1, grown.body2, geom.points };
+		rcr::Pose at2 = step.bodies[grown.body2].pose();
+		at2.center    = at2.center + grown.shift;
+		return writeContact(*i, pair, grown.manifold, step, at2);
 	}
 
 	void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
@@ -69,7 +61,7 @@ namespace {
 		for (const rcr::UpdatedContact& grown : step.added) {
 			step.contacts[step.find(grown.body1, grown.body2) - step.contacts.data()].source
 			        = int(handles.sorted.size());
-			handles.sorted.push_back(writeContact(scene, step, grown));
+			handles.sorted.push_back(writeMissedContact(scene, step, grown));
 		}
 	}
 
@@ -134,7 +126,7 @@ namespace {
 			                > double(bound->sweepLength);
 			const bool leaves = late || bound->max[0] - bound->min[0] > widest ? true
 			        : b.shape.grain()
-			        ? leavesBox(b, handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
+			        ? grainLeavesBox(b, handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
 			                step.dt, *bound)
 			        : rotatesOutOfBox(b, step.bodies[b.owner], step.problem.velocity[b.owner],
 			                step.dt, *bound);
@@ -161,19 +153,39 @@ void applyCorrection(State& s, const rcr::Twist& by)
 		s.ori = (Quaternionr(AngleAxisr(by.rotation, Vector3r::UnitZ())) * s.ori).normalized();
 }
 
-std::vector<rcr::Twist> loadsOf(const rcr::Step& step)
+std::vector<rcr::Twist> contactImpulses(const rcr::Step& step)
 {
-	std::vector<rcr::Twist> loads(step.bodies.size());
+	std::vector<rcr::Twist> impulses(step.bodies.size());
 	const rcr::InverseMass  unit = { 1, 1, 1 };
 	// one order for any number of threads
 	for (std::size_t k = 0; k < step.problem.points.size(); ++k) {
 		const rcr::ContactPoint& c = step.problem.points[k];
-		applyImpulse(c, step.problem.impulse[k], unit, unit, loads[c.body1], loads[c.body2]);
+		applyImpulse(c, step.problem.impulse[k], unit, unit, impulses[c.body1], impulses[c.body2]);
 	}
-	return loads;
+	return impulses;
 }
 
-void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>& loads,
+SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
+        const rcr::Manifold& manifold, const rcr::Step& step, const rcr::Pose& at2)
+{
+	if (!i.geom) i.geom = boost::make_shared<RcrGeom>();
+	if (pair.since >= 0) {
+		auto phys                    = boost::make_shared<CdPhys>();
+		phys->tangensOfFrictionAngle = pair.friction;
+		phys->restitution            = pair.restitution;
+		i.phys                       = phys;
+		i.iterMadeReal               = pair.since;
+	}
+	RcrGeom&             geom = static_cast<RcrGeom&>(*i.geom);
+	CdPhys&              phys = static_cast<CdPhys&>(*i.phys);
+	const rcr::StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
+	geom.set(manifold, one.shape, one.pose(), two.shape, at2);
+	phys.points = geom.points;
+	phys.along  = geom.along;
+	return { &geom, &phys, &i, pair.body1, pair.body2, geom.points };
+}
+
+void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>& impulses,
         SceneHandles& handles, rcr::Step& step)
 {
 	addContacts(scene, handles, step);
@@ -189,10 +201,10 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>&
 		const rcr::StepBody& body = step.bodies[id];
 		State* s = handles.state[std::min(id + prefetchAhead, step.bodies.size() - 1)];
 		if (!step.displacement.empty()) prefetch<State>(s);
-		const rcr::Twist& load = loads[id];
-		if (load.x != 0 || load.y != 0 || load.rotation != 0) {
-			scene.forces.addForceUnsynced(id, inverseDt * Vector3r(load.x, load.y, 0));
-			scene.forces.addTorqueUnsynced(id, inverseDt * Vector3r(0, 0, load.rotation));
+		const rcr::Twist& p = impulses[id];
+		if (p.x != 0 || p.y != 0 || p.rotation != 0) {
+			scene.forces.addForceUnsynced(id, inverseDt * Vector3r(p.x, p.y, 0));
+			scene.forces.addTorqueUnsynced(id, inverseDt * Vector3r(0, 0, p.rotation));
 		}
 		if (!handles.state[id] || body.owner != id) return;
 		if (step.overdamped) resetVelocity(*handles.state[id], body.velocity);

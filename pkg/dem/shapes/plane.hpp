@@ -7,7 +7,7 @@
 
 #include "kernel/problem/contact_problem.hpp"
 #include "kernel/geometry/stadium.hpp"
-#include "kernel/step/step.hpp"
+#include "kernel/step/leapfrog.hpp"
 
 namespace yade {
 namespace plane {
@@ -25,6 +25,13 @@ namespace plane {
 	inline rcr::Twist twist(const State& state)
 	{
 		return { double(state.vel[0]), double(state.vel[1]), double(state.angVel[2]) };
+	}
+
+	inline rcr::Inertia inertiaOf(const State& s)
+	{
+		const auto free = [&](unsigned dof) { return !(s.blockedDOFs & dof); };
+		return { double(s.mass), double(s.inertia[2]), free(State::DOF_X), free(State::DOF_Y),
+			free(State::DOF_RZ) };
 	}
 
 	inline rcr::Flow flowOf(const Matrix3r& gradient)

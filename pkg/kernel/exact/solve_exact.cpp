@@ -55,11 +55,8 @@ namespace {
 	};
 
 	/// At most `maxIterations` accelerated sweeps, until the residual `tolerance` is reached.
-	Report sweep(ContactProblem& problem,
-	        const Settings&      settings,
-	        double               tolerance,
-	        int                  maxIterations,
-	        Workspace&           workspace)
+	Report sweep(ContactProblem& problem, const Settings& settings, double tolerance,
+	        int maxIterations, Workspace& workspace)
 	{
 		Settings sweeps           = settings;
 		sweeps.tolerance          = tolerance;

@@ -28,7 +28,7 @@
 // | w₀           | leastResponse | 1/kg | least response w_nn of a yielding contact                     |
 // | 3 P + 200 L  | yieldImpulse | N s  | largest impulse of a contact that stays rigid                  |
 //
-// The stress that loads a stretching cell is not known here, so such a cell has no bound.
+// The stress on a stretching cell is unknown here, so such a cell has no bound.
 #pragma once
 
 #include <limits>

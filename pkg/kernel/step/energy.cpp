@@ -2,7 +2,7 @@
 
 namespace rcr {
 
-StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& load, Vec2 gravity)
+StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& impulses, Vec2 gravity)
 {
 	StepEnergy            energy;
 	const ContactProblem& problem = step.problem;
@@ -20,13 +20,13 @@ StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& load, Vec2 gra
 		energy.driven += problem.impulse[k].n * dot(c.drift, c.normal)
 		        + problem.impulse[k].t * dot(c.drift, perp(c.normal)); // work on the cell
 	}
-	for (std::size_t id = 0; id < load.size(); ++id) {
+	for (std::size_t id = 0; id < impulses.size(); ++id) {
 		const InverseMass& inverse = problem.inverseMass[id];
 		const Twist &      before = step.bodies[id].velocity, &after = problem.velocity[id];
-		if (inverse.x == 0) energy.driven += 0.5 * load[id].x * (before.x + after.x);
-		if (inverse.y == 0) energy.driven += 0.5 * load[id].y * (before.y + after.y);
+		if (inverse.x == 0) energy.driven += 0.5 * impulses[id].x * (before.x + after.x);
+		if (inverse.y == 0) energy.driven += 0.5 * impulses[id].y * (before.y + after.y);
 		if (inverse.rotation == 0)
-			energy.driven += 0.5 * load[id].rotation * (before.rotation + after.rotation);
+			energy.driven += 0.5 * impulses[id].rotation * (before.rotation + after.rotation);
 		if (step.displacement.empty() || !step.bodies[id].free) continue;
 		if (inverse.x > 0) energy.lifted -= gravity.x * step.displacement[id].x / inverse.x;
 		if (inverse.y > 0) energy.lifted -= gravity.y * step.displacement[id].y / inverse.y;

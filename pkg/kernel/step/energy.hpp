@@ -19,8 +19,8 @@ struct StepEnergy {
 	double lifted   = 0;             // potential energy added by the position correction
 };
 
-/// Energies of a solved step with its displacements. `load`: sum of the impulses on each body;
-/// `gravity` [m/s²].
-StepEnergy stepEnergy(const Step&, const std::vector<Twist>& load, Vec2 gravity);
+/// Energies of a solved step with its displacements. `impulses`: sum of the contact impulses
+/// on each body; `gravity` [m/s²].
+StepEnergy stepEnergy(const Step&, const std::vector<Twist>& impulses, Vec2 gravity);
 
 } // namespace rcr

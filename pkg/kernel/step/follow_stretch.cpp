@@ -1,7 +1,6 @@
 #include "step/follow_stretch.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace rcr {

@@ -3,8 +3,6 @@
 //   v ← v + dt (f/m + g)      x ← x + dt v      θ ← θ + dt ω, as a quaternion that is scaled to length 1
 #pragma once
 
-#include <cmath>
-
 #include "step/step.hpp"
 
 namespace rcr {

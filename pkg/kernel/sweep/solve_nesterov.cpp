@@ -31,12 +31,8 @@ Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspac
 	});
 }
 
-void sweepWithBias(const ContactProblem& problem,
-        const std::vector<double>&       bias,
-        int                              sweeps,
-        std::vector<Twist>&              velocity,
-        Vec2&                            stretch,
-        Workspace&                       workspace)
+void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bias, int sweeps,
+        std::vector<Twist>& velocity, Vec2& stretch, Workspace& workspace)
 {
 	PackedProblem& packed = workspace.packed();
 	packed.setBiases(problem, bias);

@@ -18,7 +18,7 @@ public:
 
 	// Plain numbers, saved with the scene.
 	int    grown     = 0; // steps in which the overlap of this squeeze reached a new maximum
-	int    certified = 0; // steps of this squeeze that had no solution
+	int    unsolvable = 0; // steps of this squeeze that had no solution
 	double deepest   = 0; // deepest overlap of this squeeze over R₁ + R₂
 
 	enum class Verdict { none, jam, notConverged };
@@ -31,12 +31,12 @@ public:
 			*this = {};
 			return Verdict::none;
 		}
-		certified += noSolution;
+		unsolvable += noSolution;
 		if (overlap <= deepest) return Verdict::none;
 		deepest = overlap;
 		if (++grown < patience) return Verdict::none;
 		grown = 0;
-		return certified > 0 ? Verdict::jam : Verdict::notConverged;
+		return unsolvable > 0 ? Verdict::jam : Verdict::notConverged;
 	}
 
 	/// Grains are squeezed at present.

@@ -60,16 +60,12 @@ def strength(runs, ensemble, grids):
     curves = [along_strain(history, grids.strain) for history in histories]
     return dict(
         sin_phi=np.mean([sin_phi(stresses.mean(axis=0)) for stresses in late]),
-        sin_phi_std=sin_phi(np.concatenate(late)).std(),
-        sin_phi_error=standard_error(blocks),
+        sin_phi_std=sin_phi(np.concatenate(late)).std(), sin_phi_error=standard_error(blocks),
         sin_phi_network=ensemble.sin_phi(),
         sin_phi_network_error=standard_error([part.sin_phi() for part in ensemble.snapshots()]),
         sin_phi_strain=np.mean(curves, axis=0) if curves else np.full_like(grids.strain, np.nan),
-        snapshots=len(ensemble.snapshots()),
-        contacts=len(ensemble),
-        particles=np.mean([len(run.networks[0].particles["id"]) for run in runs]),
-        seeds=len(runs),
-    )
+        snapshots=len(ensemble.snapshots()), contacts=len(ensemble),
+        particles=np.mean([len(run.networks[0].particles["id"]) for run in runs]), seeds=len(runs))
 
 
 def drift(runs):
@@ -117,15 +113,12 @@ def isotropic(network, grids):
     p = network.particles
     area = np.pi * p["cap_radius"] ** 2 + 4 * p["cap_radius"] * p["half_length"]
     order = np.abs(np.mean(np.exp(2j * p["angle"])))
-    return dict(
-        pdf=statistics.density(angle % np.pi, grids.theta),
-        a_c=2 * np.abs(np.mean(np.exp(2j * angle))),
-        contacts=len(n),
-        order=order if network.attributes.get("eta", 1) else np.nan,
-        packing_fraction=area.sum() / network.attributes["volume"],
-        coordination_number=network.coordination(),
-        coordination_number_twice=network.coordination(count_side_contacts_twice=True),
-    )
+    return dict(pdf=statistics.density(angle % np.pi, grids.theta),
+                a_c=2 * np.abs(np.mean(np.exp(2j * angle))), contacts=len(n),
+                order=order if network.attributes.get("eta", 1) else np.nan,
+                packing_fraction=area.sum() / network.attributes["volume"],
+                coordination_number=network.coordination(),
+                coordination_number_twice=network.coordination(count_side_contacts_twice=True))
 
 
 def analyse(runs):
@@ -167,16 +160,13 @@ def analyse(runs):
         key: stacked([results[e][key] for e in groups], axes) for key, (_, axes) in MEASURES.items()
     }
     values["O1"] = stacked(
-        [strength(groups[e], ensembles[e], grids) for e in groups], dict(strain="strain")
-    )
+        [strength(groups[e], ensembles[e], grids) for e in groups], dict(strain="strain"))
     values["O2"] = stacked([compaction(groups[e], grids) for e in groups], dict(theta="theta"))
     values["O15"] |= stacked([drift(groups[e]) for e in groups], {})
     values |= {key: dict(eta=eta) for key in MAPS if key not in values}
     for key in ("O3", "O4"):
-        values[key] |= dict(
-            power_range=np.array([POWER_RANGE, 1.0]),
-            exponential_range=np.array([1.0, grids.xi[-1]]),
-        )
+        values[key] |= dict(power_range=np.array([POWER_RANGE, 1.0]),
+                            exponential_range=np.array([1.0, grids.xi[-1]]))
     return {
         key: dict(value=values[key], paper=paper, unit=unit)
         for key, (paper, unit) in STATEMENTS.items()

@@ -191,14 +191,9 @@ class Biaxial:
 
     def network(self):
         """Return the contact `Network` of the last step; friction 0 before the first record."""
-        return rcr.contact_network(
-            self.walls,
-            strain=self.strain,
-            eta=self.parameters["eta"],
-            friction=self.parameters["friction"] if self.rows else 0.0,
-            seed=self.parameters["seed"],
-            run=self.run,
-        )
+        return rcr.contact_network(self.walls, strain=self.strain, eta=self.parameters["eta"],
+                                   friction=self.parameters["friction"] if self.rows else 0.0,
+                                   seed=self.parameters["seed"], run=self.run)
 
     # --- the two stages -------------------------------------------------------------------------
 

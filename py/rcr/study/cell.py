@@ -56,18 +56,8 @@ class CellTest:
         If a parameter is out of its range.
     """
 
-    def __init__(
-        self,
-        eta=0.5,
-        particles=1000,
-        seed=1,
-        friction=0.5,
-        inertial_number=1e-3,
-        time_step=0.1,
-        tolerance=1e-4,
-        threads=1,
-        overdamped=False,
-    ):
+    def __init__(self, eta=0.5, particles=1000, seed=1, friction=0.5, inertial_number=1e-3,
+                 time_step=0.1, tolerance=1e-4, threads=1, overdamped=False):
         elongation = "an elongation from 0 to below 1"
         eta = checks.number("eta", eta, elongation, lambda v: 0 <= v < 1)
         least = "at least 100: a cell must be wider than four grains"
@@ -82,18 +72,12 @@ class CellTest:
         self.time_unit = math.sqrt(mass / particles / PROTOCOL.confining_stress)
         self.press = rcr.CellStress(stress=(math.nan, math.nan), mass=12 / particles)
         self.solver = rcr.ContactDynamics(
-            tolerance=tolerance, maxIterations=SOLVER_ITERATIONS, threads=threads, overdamped=True
-        )
+            tolerance=tolerance, maxIterations=SOLVER_ITERATIONS, threads=threads, overdamped=True)
         O.engines = [
             ForceResetter(),
-            InsertionSortCollider(
-                [rcr.Bo1_Rcr_Aabb()], verletDist=0.1 * PROTOCOL.smallest_radius
-            ),
-            InteractionLoop(
-                [rcr.Ig2_Rcr_Rcr_RcrGeom()],
-                [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
-                [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()],
-            ),
+            InsertionSortCollider([rcr.Bo1_Rcr_Aabb()], verletDist=0.1 * PROTOCOL.smallest_radius),
+            InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom()], [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
+                            [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
             self.press,
             self.solver,
             NewtonIntegrator(damping=0),

@@ -43,20 +43,14 @@ def _modes(values, where, sign):
     )
 
 
-@claim(
-    "O10",
-    "P(ℓ_r) has a mode at 1 − η that grows with η",
-    "a local maximum there at every η ≥ 0.2, rising beyond two errors",
-)
+@claim("O10", "P(ℓ_r) has a mode at 1 − η that grows with η",
+       "a local maximum there at every η ≥ 0.2, rising beyond two errors")
 def _(values):
     return _modes(values, lambda eta: 1 - eta, +1)
 
 
-@claim(
-    "O10",
-    "P(ℓ_r) has a mode near 1 − η/2 that shrinks with η",
-    "a local maximum there at every η ≥ 0.2, falling beyond two errors",
-)
+@claim("O10", "P(ℓ_r) has a mode near 1 − η/2 that shrinks with η",
+       "a local maximum there at every η ≥ 0.2, falling beyond two errors")
 def _(values):
     return _modes(values, lambda eta: 1 - eta / 2, -1)
 
@@ -87,8 +81,7 @@ def _sign_change(name):
 for name, label in (("c_f_lr", "C(f, ℓ_r)"), ("c_f_l", "C(f, ℓ)")):
     statement = f"{label} is positive for η ≤ 0.3, negative above"
     claim("O12", statement, "its sign, within two errors, at every η (discs have no ℓ_r)")(
-        _sign_change(name)
-    )
+        _sign_change(name))
 
 
 @claim("O12", "down to −0.22", "smaller of the two at η = 0.7 within 0.05 or two errors of −0.22")
@@ -104,11 +97,8 @@ def _(values):
     )
 
 
-@claim(
-    "O13",
-    "force above the mean for side-side contacts, well below it for aligned cap-cap ones",
-    "first class of ℓ_r above 1, last below 0.8, at every η ≥ 0.4",
-)
+@claim("O13", "force above the mean for side-side contacts, well below it for aligned cap-cap ones",
+       "first class of ℓ_r above 1, last below 0.8, at every η ≥ 0.4")
 def _(values):
     v = values["O13"]
     rows = rows_of(v, 0.4, 1)
@@ -117,21 +107,16 @@ def _(values):
         raise NotTested("too few contacts")
     ends = np.array([means[[0, -1]] for means in classes])
     value = ", ".join(
-        f"{first:.2f} and {last:.2f} ({v['eta'][row]:g})" for row, (first, last) in zip(rows, ends)
-    )
+        f"{first:.2f} and {last:.2f} ({v['eta'][row]:g})" for row, (first, last) in zip(rows, ends))
     return ((ends[:, 0] > 1) & (ends[:, 1] < 0.8)).all(), value, ""
 
 
-@claim(
-    "O13",
-    "mean force rises with ℓ for η ≤ 0.3 and falls above",
-    "sign of the slope over the classes of ℓ, at every η",
-)
+@claim("O13", "mean force rises with ℓ for η ≤ 0.3 and falls above",
+       "sign of the slope over the classes of ℓ, at every η")
 def _(values):
     v = values["O13"]
     if len(set(v["eta"] > 0.3 + 1e-9)) < 2:
         raise NotTested("expected elongations below and above 0.3")
     slopes, errors = np.array([slope_of(v["l"], means) for means in v["f_l"]]).T
     return at_every_eta(
-        v, range(len(slopes)), np.where(v["eta"] <= 0.3 + 1e-9, 1, -1) * slopes > 0, slopes, errors
-    )
+        v, range(len(slopes)), np.where(v["eta"] <= 0.3 + 1e-9, 1, -1) * slopes > 0, slopes, errors)

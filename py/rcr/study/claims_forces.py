@@ -17,31 +17,19 @@ def _(values):
     return at_every_eta(v, range(len(away)), agrees, v["sin_phi"], v["sin_phi_error"])
 
 
-@claim(
-    "O2",
-    "P(θ) is isotropic after compaction",
-    "|a_c| below 0.05, a tenth of that of the critical state, "
-    "or 3 √(2/C), that of C independent directions",
-)
+@claim("O2", "P(θ) is isotropic after compaction",
+       "|a_c| below 0.05, a tenth of that of the critical state, "
+       "or 3 √(2/C), that of C independent directions")
 def _(values):
     v = values["O2"]
     if not np.isfinite(v["a_c"]).all():
         raise NotTested("no isotropic.h5")
-    return at_every_eta(
-        v,
-        range(len(v["eta"])),
-        v["a_c"] <= np.maximum(0.05, 3 * v["a_c_error"]),
-        v["a_c"],
-        v["a_c_error"],
-    )
+    return at_every_eta(v, range(len(v["eta"])), v["a_c"] <= np.maximum(0.05, 3 * v["a_c_error"]),
+                        v["a_c"], v["a_c_error"])
 
 
-@claim(
-    "O2",
-    "frictionless packings are isostatic: Z = 4 for discs, Z_c = 6 for long particles "
-    "(each ss twice)",
-    "within 5 %, η = 0 and η ≥ 0.3",
-)
+@claim("O2", "frictionless packings are isostatic: Z = 4 for discs, Z_c = 6 for long particles "
+       "(each ss twice)", "within 5 %, η = 0 and η ≥ 0.3")
 def _(values):
     v = values["O2"]
     rows = [*rows_of(v, 0, 0, 0), *rows_of(v, 0.3, 1, 0)]
@@ -51,11 +39,8 @@ def _(values):
     return at_every_eta(v, rows, np.abs(measured / expected - 1) <= 0.05, measured)
 
 
-@claim(
-    "O2",
-    "packing fraction after compaction has its peak near η = 0.4",
-    "largest at η in [0.3, 0.5], of runs on both sides",
-)
+@claim("O2", "packing fraction after compaction has its peak near η = 0.4",
+       "largest at η in [0.3, 0.5], of runs on both sides")
 def _(values):
     v = values["O2"]
     for low, high in ((0, 0.2), (0.3, 0.5), (0.6, 1)):
@@ -83,11 +68,8 @@ def _(values):
     return at_both_ends(values["O3"], "beta_n", 0.1, -0.4, 0.1)
 
 
-@claim(
-    "O3",
-    "share of weak contacts from 60 % (η = 0) to 70 % (η = 0.7)",
-    "both within 0.03 or two errors",
-)
+@claim("O3", "share of weak contacts from 60 % (η = 0) to 70 % (η = 0.7)",
+       "both within 0.03 or two errors")
 def _(values):
     return at_both_ends(values["O3"], "weak_fraction", 0.6, 0.7, 0.03)
 
@@ -103,20 +85,14 @@ def _saturates(v, name):
     )
 
 
-@claim(
-    "O4",
-    "α_t falls with η and saturates beyond 0.4",
-    "falls beyond two errors to 0.4; changes by less than half of that to 0.7",
-)
+@claim("O4", "α_t falls with η and saturates beyond 0.4",
+       "falls beyond two errors to 0.4; changes by less than half of that to 0.7")
 def _(values):
     return _saturates(values["O4"], "alpha_t")
 
 
-@claim(
-    "O4",
-    "β_t falls with η and saturates beyond 0.4",
-    "falls beyond two errors to 0.4; changes by less than half of that to 0.7",
-)
+@claim("O4", "β_t falls with η and saturates beyond 0.4",
+       "falls beyond two errors to 0.4; changes by less than half of that to 0.7")
 def _(values):
     return _saturates(values["O4"], "beta_t")
 
@@ -126,22 +102,14 @@ def _(values):
     return at_both_ends(values["O5"], "friction_mobilization", 0.4, 0.6, 0.05)
 
 
-@claim(
-    "O6",
-    "mobilised contacts (I_m > 0.99) belong mostly to the weak network",
-    "a larger share of them is weak than of all contacts, at every η",
-)
+@claim("O6", "mobilised contacts (I_m > 0.99) belong mostly to the weak network",
+       "a larger share of them is weak than of all contacts, at every η")
 def _(values):
     v, weak = values["O5"], values["O3"]["weak_fraction"]
     if not np.isfinite(v["mobilized_weak_share"]).all():
         raise NotTested("no mobilised contact at some η")
-    return at_every_eta(
-        v,
-        range(len(weak)),
-        v["mobilized_weak_share"] > weak,
-        v["mobilized_weak_share"],
-        v["mobilized_weak_share_error"],
-    )
+    return at_every_eta(v, range(len(weak)), v["mobilized_weak_share"] > weak,
+                        v["mobilized_weak_share"], v["mobilized_weak_share_error"])
 
 
 def _force_levels(v):
@@ -152,22 +120,16 @@ def _force_levels(v):
     return np.array([np.where(level, v["i_mf"], 0).sum(axis=1) for level in used]) / count
 
 
-@claim(
-    "O7",
-    "I_mf falls with f_n",
-    "I_mf of strong classes below that of weak ones, at every η (difference given)",
-)
+@claim("O7", "I_mf falls with f_n",
+       "I_mf of strong classes below that of weak ones, at every η (difference given)")
 def _(values):
     v = values["O7"]
     weak, strong = _force_levels(v)
     return at_every_eta(v, range(len(weak)), strong < weak, strong - weak)
 
 
-@claim(
-    "O7",
-    "I_mf rises with η at every force",
-    "slope with η positive beyond two errors, for weak and for strong classes",
-)
+@claim("O7", "I_mf rises with η at every force",
+       "slope with η positive beyond two errors, for weak and for strong classes")
 def _(values):
     v = values["O7"]
     (weak, weak_error), (strong, strong_error) = (
@@ -181,11 +143,8 @@ def _(values):
     )
 
 
-@claim(
-    "O8",
-    "discs: P(I_m) falls nearly linearly",
-    "straight line through all classes: slope negative, r² ≥ 0.8",
-)
+@claim("O8", "discs: P(I_m) falls nearly linearly",
+       "straight line through all classes: slope negative, r² ≥ 0.8")
 def _(values):
     v = values["O8"]
     pdf = v["pdf"][row_of(v, 0)]
@@ -200,11 +159,8 @@ def _(values):
     return slope < 0 and r2 >= 0.8, value, f"slope {error:.1g}"
 
 
-@claim(
-    "O8",
-    "long particles: a class of contacts close to I_m = 1 stands out",
-    "at the largest η ≥ 0.5 P(I_m) of the last class is over twice the mean of the others",
-)
+@claim("O8", "long particles: a class of contacts close to I_m = 1 stands out",
+       "at the largest η ≥ 0.5 P(I_m) of the last class is over twice the mean of the others")
 def _(values):
     v = values["O8"]
     row = rows_of(v, 0.5, 1)[-1]
@@ -217,10 +173,7 @@ def _(values):
     )
 
 
-@claim(
-    "O9",
-    "chains of particles with side-side contacts, of like orientation",
-    "a map: to be looked at",
-)
+@claim("O9", "chains of particles with side-side contacts, of like orientation",
+       "a map: to be looked at")
 def _(values):
     raise NotTested("see the map")

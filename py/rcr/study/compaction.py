@@ -101,13 +101,10 @@ def _engines(walls, parameters):
     return [
         ForceResetter(),
         InsertionSortCollider(
-            [rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * PROTOCOL.smallest_radius
-        ),
-        InteractionLoop(
-            [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()],
-            [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
-            [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()],
-        ),
+            [rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * PROTOCOL.smallest_radius),
+        InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()],
+                        [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
+                        [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
         rcr.WallStress(wall=right, start=bottom, end=top, stress=stress),
         rcr.WallStress(wall=top, start=left, end=right, stress=stress),
         rcr.ContactDynamics(

@@ -41,8 +41,7 @@ def rows_of(v, low, high, least=1):
     if len(rows) < least:
         plural = "s" * (least > 1)
         raise NotTested(
-            f"expected {least} elongation{plural} in [{low:g}, {high:g}], there are {len(rows)}"
-        )
+            f"expected {least} elongation{plural} in [{low:g}, {high:g}], there are {len(rows)}")
     return rows
 
 

@@ -19,8 +19,7 @@ def _draw_curves(value, x, y, ax, band=True, **style):
         ax.plot(column(value, x), row, color=color(eta), label=rf"$\eta = {eta:g}$", **style)
         if band:
             ax.fill_between(
-                column(value, x), row - error, row + error, color=color(eta), alpha=0.2, lw=0
-            )
+                column(value, x), row - error, row + error, color=color(eta), alpha=0.2, lw=0)
     return ax
 
 
@@ -28,31 +27,15 @@ def _draw_points(value, x, y, ax, line="", least=-np.inf, **style):
     """Draw y(x) > least of every elongation as markers."""
     for eta, row in zip(value["eta"], column(value, y)):
         seen = row > least
-        ax.plot(
-            column(value, x)[seen],
-            row[seen],
-            line,
-            marker=marker(eta),
-            color=color(eta),
-            mew=0,
-            label=rf"$\eta = {eta:g}$",
-            **style,
-        )
+        ax.plot(column(value, x)[seen], row[seen], line, marker=marker(eta), color=color(eta),
+                mew=0, label=rf"$\eta = {eta:g}$", **style)
     return ax
 
 
 def _draw_by_eta(value, name, ax, label=None, style="k", mark="o", **options):
     """Draw a number against η, with error bars."""
-    ax.errorbar(
-        value["eta"],
-        column(value, name),
-        error_of(value, name),
-        color=style,
-        marker=mark,
-        lw=0.8,
-        label=label,
-        **options,
-    )
+    ax.errorbar(value["eta"], column(value, name), error_of(value, name), color=style, marker=mark,
+                lw=0.8, label=label, **options)
     ax.set_xlabel(r"$\eta$")
     return ax
 
@@ -65,12 +48,8 @@ def plot_strain(value, ax=None):
     ax = make_axes(ax)
     for eta, row in zip(value["eta"], column(value, "sin_phi_strain")):
         ax.plot(column(value, "strain"), row, color=color(eta), lw=0.8, label=rf"$\eta = {eta:g}$")
-    ax.set(
-        xlabel=r"strain $\varepsilon$",
-        ylabel=r"$\sin\varphi = q/p$",
-        xlim=(0, column(value, "strain")[-1]),
-        ylim=(0, None),
-    )
+    ax.set(xlabel=r"strain $\varepsilon$", ylabel=r"$\sin\varphi = q/p$",
+           xlim=(0, column(value, "strain")[-1]), ylim=(0, None))
     return ax
 
 
@@ -118,14 +97,8 @@ def plot_force_power(value, ax=None, suffix="n"):
     ax = make_axes(ax)
     x, y = _force_labels(suffix)
     _draw_points(value, f"f_{suffix}", "pdf", ax, least=MIN_DENSITY, ms=2.5)
-    ax.set(
-        xlabel=x,
-        ylabel=y,
-        xscale="log",
-        yscale="log",
-        xlim=(1e-3, 20),
-        ylim=(MIN_DENSITY, 300 if suffix == "t" else 100),
-    )
+    ax.set(xlabel=x, ylabel=y, xscale="log", yscale="log", xlim=(1e-3, 20),
+           ylim=(MIN_DENSITY, 300 if suffix == "t" else 100))
     _inset(value, f"beta_{suffix}", rf"$\beta_{suffix}$", ax, (0.2, 0.18, 0.4, 0.37))
     return ax
 
@@ -144,22 +117,10 @@ def plot_strips(value, ax=None):
     for eta, row, error in zip(
         value["eta"], column(value, "strip_force"), error_of(value, "strip_force")
     ):
-        ax.errorbar(
-            column(value, "strip"),
-            row,
-            error,
-            color=color(eta),
-            marker=marker(eta),
-            ms=3,
-            lw=0.8,
-            elinewidth=0.6,
-            label=rf"$\eta = {eta:g}$",
-        )
-    ax.set(
-        xlabel=r"$x/W$ (fixed wall at 0, free wall at 1)",
-        ylabel=r"$\langle f_n\rangle_x/\langle f_n\rangle$",
-        xlim=(0, 1),
-    )
+        ax.errorbar(column(value, "strip"), row, error, color=color(eta), marker=marker(eta), ms=3,
+                    lw=0.8, elinewidth=0.6, label=rf"$\eta = {eta:g}$")
+    ax.set(xlabel=r"$x/W$ (fixed wall at 0, free wall at 1)",
+           ylabel=r"$\langle f_n\rangle_x/\langle f_n\rangle$", xlim=(0, 1))
     return ax
 
 
@@ -189,19 +150,10 @@ def plot_length_pdf(value, ax=None):
     for eta, row in zip(value["eta"], column(value, "pdf")):
         seen = column(value, "l_r") > 1 - eta
         if eta > 0:
-            ax.plot(
-                column(value, "l_r")[seen],
-                row[seen],
-                color=color(eta),
-                lw=0.8,
-                label=rf"$\eta = {eta:g}$",
-            )
-    ax.set(
-        xlabel=r"$\ell_r$",
-        ylabel=r"$P(\ell_r)$",
-        ylim=(0, None),
-        xlim=(column(value, "l_r")[0] - 0.01, 1.005),
-    )
+            ax.plot(column(value, "l_r")[seen], row[seen], color=color(eta), lw=0.8,
+                    label=rf"$\eta = {eta:g}$")
+    ax.set(xlabel=r"$\ell_r$", ylabel=r"$P(\ell_r)$", ylim=(0, None),
+           xlim=(column(value, "l_r")[0] - 0.01, 1.005))
     return ax
 
 
@@ -249,15 +201,8 @@ def plot_shear_stress(value, ax=None):
     ax.axhline(0, color="0.7", lw=0.6)
     _draw_curves(value, "xi", "q_over_p", ax)
     for eta, row in zip(value["eta"], column(value, "half_sum")):
-        ax.plot(
-            column(value, "xi")[::6],
-            row[::6],
-            ls="",
-            marker=marker(eta),
-            color=color(eta),
-            mfc="none",
-            mew=0.6,
-        )
+        ax.plot(column(value, "xi")[::6], row[::6], ls="", marker=marker(eta), color=color(eta),
+                mfc="none", mew=0.6)
     ax.set(xlabel=r"$\xi$", ylabel=r"$q(\xi)/p$", xlim=(0, XI_MAX))
     keys = [
         Line2D([], [], color="k"),

@@ -47,8 +47,7 @@ class Ensemble:
         strange = [network for network in networks if not isinstance(network, Network)]
         if strange:
             raise ValueError(
-                f"{strange[0]!r:.60} is not a network; expected a result of rcr.Network.load"
-            )
+                f"{strange[0]!r:.60} is not a network; expected a result of rcr.Network.load")
         for name in ("eta", "friction"):
             found = sorted({float(n.attributes.get(name, np.nan)) for n in networks})
             if len(found) > 1 or not np.isfinite(found[0]):
@@ -89,18 +88,12 @@ def _contacts(network):
     one, two = (network.contacts[body][pick] for body in ("body1", "body2"))
     mean = force[:, 0].mean()
     angle = np.angle(n @ COMPLEX)
-    return dict(
-        fn=force[:, 0] / mean,
-        ft=force[:, 1] / mean,
-        ln=branch[:, 0] / radius.max(),
-        lt=branch[:, 1] / radius.max(),
-        reduced_length=np.hypot(*branch.T) / (radius[one] + radius[two]),
-        mobilization=network.friction_mobilization(),
-        angle=angle % np.pi,
-        theta=angle - network.stress_angle(),
-        type=network.contacts["type"][pick],
-        across=_across(network)[pick],
-    )
+    return dict(fn=force[:, 0] / mean, ft=force[:, 1] / mean, ln=branch[:, 0] / radius.max(),
+                lt=branch[:, 1] / radius.max(),
+                reduced_length=np.hypot(*branch.T) / (radius[one] + radius[two]),
+                mobilization=network.friction_mobilization(), angle=angle % np.pi,
+                theta=angle - network.stress_angle(), type=network.contacts["type"][pick],
+                across=_across(network)[pick])
 
 
 def _across(network):

@@ -69,11 +69,8 @@ def _four(vector, names, symbols, titles):
         polar = [upper.add_subplot(1, 2, k + 1, projection="polar") for k in range(2)]
         for ax, suffix, title in zip(polar, "nt", titles):
             plot_vector_directions(value, f"{vector}_{suffix}", sigma, ax)
-            ax.set_title(
-                rf"{title}, $\eta = {value['eta'][row]:g}$"
-                + (" (open: negative)" if suffix == "t" else ""),
-                fontsize=8,
-            )
+            ax.set_title(rf"{title}, $\eta = {value['eta'][row]:g}$"
+                         + (" (open: negative)" if suffix == "t" else ""), fontsize=8)
         upper.legend(*polar[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
         axes = lower.subplots(1, 2)
         for ax, name, symbol in zip(axes, names, symbols):
@@ -90,8 +87,7 @@ def _polar(value, analysis):
     fig = Figure(figsize=(COLUMN, 1.1 * COLUMN), layout="constrained")
     ax = plot_contact_directions(value, fig.add_subplot(projection="polar"))
     ax.set_title(
-        rf"$P_\theta(\theta, \xi)$, $\eta = {value['eta'][polar_row(value)]:g}$", fontsize=8
-    )
+        rf"$P_\theta(\theta, \xi)$, $\eta = {value['eta'][polar_row(value)]:g}$", fontsize=8)
     fig.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return fig
 
@@ -100,10 +96,8 @@ FIGURES = dict(
     O1=_two(plot_strain, plot_strength),
     O2=_one(plot_isotropy, projection="polar"),
     O3=_two(plot_force_tail, plot_force_power),
-    O4=_two(
-        lambda value, ax: plot_force_tail(value, ax, "t"),
-        lambda value, ax: plot_force_power(value, ax, "t"),
-    ),
+    O4=_two(lambda value, ax: plot_force_tail(value, ax, "t"),
+            lambda value, ax: plot_force_power(value, ax, "t")),
     O5=_one(plot_mobilization, of_eta=False),
     O6=_one(plot_strips),
     O7=_one(plot_mobilization_by_force),

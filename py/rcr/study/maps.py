@@ -49,12 +49,9 @@ def plot_packing(network, ax=None):
     """Draw grains coloured by the orientation of their long axes, discs grey [O2]."""
     frame, ax = _canvas(network, ax)
     long = frame.grains["half_length"] > 0
-    _grains(
-        frame,
-        ax,
-        np.where(long[:, None], _orientation_colors(frame), matplotlib.colors.to_rgba(GRAIN)),
-        "0.2",
-    )
+    _grains(frame, ax,
+            np.where(long[:, None], _orientation_colors(frame), matplotlib.colors.to_rgba(GRAIN)),
+            "0.2")
     return ax
 
 
@@ -67,8 +64,7 @@ def plot_mobilization(network, ax=None):
     centres = frame.contacts["position"][frame.between_grains]
     wide = 0.02 * drawing.points_a_metre(ax) * frame.mean_radius()
     discs = EllipseCollection(
-        size, size, np.zeros_like(size), units="xy", offsets=centres, offset_transform=ax.transData
-    )
+        size, size, np.zeros_like(size), units="xy", offsets=centres, offset_transform=ax.transData)
     discs.set(facecolor=MOBILIZED, edgecolor="0.3", linewidth=wide, zorder=5)
     ax.add_collection(discs)
     return ax
@@ -97,13 +93,8 @@ def plot_types(network, ax=None):
     lines, types = frame.segments(), np.where(frame.between_grains, frame.contacts["type"], -1)
     for code, tint in enumerate(TYPES.values()):
         pick = types == code
-        drawing.add_segments(
-            ax,
-            lines[pick],
-            np.full(pick.sum(), 0.25 * frame.mean_radius()),
-            colors=tint,
-            zorder=3 + code,
-        )
+        drawing.add_segments(ax, lines[pick], np.full(pick.sum(), 0.25 * frame.mean_radius()),
+                             colors=tint, zorder=3 + code)
     return ax
 
 
@@ -147,16 +138,11 @@ def draw(observable, network):
         figure.text(0.01, 0.2 / height, rf"$\eta = {eta:g}$", va="center", fontsize=9)
         if oriented and eta > 0:
             bar = figure.add_axes((0.6, 0.26 / height, 0.36, 0.1 / height))
-            figure.colorbar(
-                ScalarMappable(Normalize(0, 180), "hsv"),
-                cax=bar,
-                orientation="horizontal",
-                ticks=[0, 45, 90, 135, 180],
-            )
+            figure.colorbar(ScalarMappable(Normalize(0, 180), "hsv"), cax=bar,
+                            orientation="horizontal", ticks=[0, 45, 90, 135, 180])
             bar.tick_params(labelsize=7, pad=1, top=False)
             figure.text(
-                0.59, 0.31 / height, "long axis from $x$ [°]", ha="right", va="center", fontsize=8
-            )
+                0.59, 0.31 / height, "long axis from $x$ [°]", ha="right", va="center", fontsize=8)
         if keys:
             figure.legend(
                 *keys(), loc="center left", bbox_to_anchor=(0.09, 0.2 / height), ncols=3, fontsize=8

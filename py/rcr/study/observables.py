@@ -43,15 +43,11 @@ class Grids:
         steps = int(np.ceil((1 - shortest) / 0.01 - 1e-9)) or 1
         return cls(
             force=np.append(np.geomspace(1e-3, 1, 25), np.arange(1.25, top + 0.125, 0.25)),
-            mobilization=np.linspace(0, 1, 21),
-            reduced_length=1 + 0.01 * np.arange(-steps, 1),
+            mobilization=np.linspace(0, 1, 21), reduced_length=1 + 0.01 * np.arange(-steps, 1),
             length=np.arange(np.floor(shortest / 0.05 + 1e-9), 41) * 0.05,
-            theta=np.linspace(0, np.pi, 37),
-            strip=np.linspace(0, 1, STRIPS + 1),
-            strain=np.linspace(0, strain, 201),
-            xi=np.append(np.arange(0, min(8, top), 0.05), top),
-            xi_polar=np.array([0.5, 1, 2, top]),
-        )
+            theta=np.linspace(0, np.pi, 37), strip=np.linspace(0, 1, STRIPS + 1),
+            strain=np.linspace(0, strain, 201), xi=np.append(np.arange(0, min(8, top), 0.05), top),
+            xi_polar=np.array([0.5, 1, 2, top]))
 
     def values(self):
         """Return values and centres of classes, by their names in analysis.json."""
@@ -59,11 +55,8 @@ class Grids:
             name: statistics.centres(getattr(self, name))
             for name in ("mobilization", "reduced_length", "length", "theta", "strip")
         }
-        middle = np.where(
-            self.force[1:] <= 1,
-            np.sqrt(self.force[1:] * self.force[:-1]),
-            statistics.centres(self.force),
-        )
+        middle = np.where(self.force[1:] <= 1, np.sqrt(self.force[1:] * self.force[:-1]),
+                          statistics.centres(self.force))
         return middles | dict(force=middle, strain=self.strain, xi=self.xi, xi_polar=self.xi_polar)
 
 
@@ -106,11 +99,8 @@ def mean_mobilization(e, grids):
     """O5: mean of I_m, and contacts with I_m > 0.99."""
     weak = e.fn < 1
     full = e.mobilization > 0.99
-    return dict(
-        friction_mobilization=e.mobilization.mean(),
-        mobilized_fraction=np.mean(full),
-        mobilized_weak_share=np.mean(weak[full]) if full.any() else np.nan,
-    )
+    return dict(friction_mobilization=e.mobilization.mean(), mobilized_fraction=np.mean(full),
+                mobilized_weak_share=np.mean(weak[full]) if full.any() else np.nan)
 
 
 def strip_forces(e, grids):
@@ -164,10 +154,8 @@ def force_by_length(e, grids):
     """O13: mean force by classes of ℓ_r and ℓ."""
     force, length = _force_and_length(e)
     force = force / force.mean()
-    return dict(
-        f_l_r=statistics.class_means(_reduced_length(e), force, grids.reduced_length),
-        f_l=statistics.class_means(length, force, grids.length),
-    )
+    return dict(f_l_r=statistics.class_means(_reduced_length(e), force, grids.reduced_length),
+                f_l=statistics.class_means(length, force, grids.length))
 
 
 def angular_function(e, grids, value, form):
@@ -202,12 +190,8 @@ def contact_directions(e, grids):
         densities.append(statistics.density(e.angle[pick], grids.theta) if filled else none)
         moments.append(2 * np.mean(np.exp(2j * e.theta[pick])) if filled else np.nan)
     moments = np.array(moments)
-    return dict(
-        pdf=np.array(densities),
-        amplitude=moments.real,
-        off_axis=0.5 * np.angle(moments),
-        theta_sigma=e.stress_angle,
-    )
+    return dict(pdf=np.array(densities), amplitude=moments.real, off_axis=0.5 * np.angle(moments),
+                theta_sigma=e.stress_angle)
 
 
 def contact_anisotropy(e, grids):
@@ -247,10 +231,8 @@ def shear_stress(e, grids):
     xi_networks = e.xi_networks()
     ratio = xi_networks.shear_stress_ratio(grids.xi)
     half_sum = 0.5 * np.sum(xi_networks.anisotropies(grids.xi), axis=0)
-    neglected = dict(
-        cross_products=xi_networks.cross_products(grids.xi),
-        pressure_factor=xi_networks.pressure_factor(),
-    )
+    neglected = dict(cross_products=xi_networks.cross_products(grids.xi),
+                     pressure_factor=xi_networks.pressure_factor())
     return dict(q_over_p=ratio, half_sum=half_sum, closure=half_sum - ratio) | neglected
 
 
@@ -284,8 +266,7 @@ def with_errors(parts):
         values[name] = value
         if not name.endswith("_fit_error"):
             values[f"{name}_error"] = statistics.standard_error(
-                [snapshot[name] for snapshot in snapshots]
-            )
+                [snapshot[name] for snapshot in snapshots])
     return values
 
 

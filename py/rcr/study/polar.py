@@ -111,15 +111,9 @@ def plot_isotropy(value, ax=None):
     theta = column(value, "theta")
     for eta, row in zip(value["eta"], column(value, "pdf")):
         closed = np.append(np.tile(row, 2), row[0])
-        ax.plot(
-            np.linspace(theta[0], theta[0] + 2 * np.pi, len(closed)),
-            closed,
-            color=color(eta),
-            lw=0.7,
-            label=rf"$\eta = {eta:g}$",
-        )
+        ax.plot(np.linspace(theta[0], theta[0] + 2 * np.pi, len(closed)), closed, color=color(eta),
+                lw=0.7, label=rf"$\eta = {eta:g}$")
     ax.plot(
-        np.linspace(0, 2 * np.pi, 361), np.full(361, 1 / np.pi), "k--", lw=0.9, label=r"$1/\pi$"
-    )
+        np.linspace(0, 2 * np.pi, 361), np.full(361, 1 / np.pi), "k--", lw=0.9, label=r"$1/\pi$")
     ax.set_ylim(0, None)
     return style_polar(ax)

@@ -74,11 +74,8 @@ class Protocol:
     @property
     def quasi_static(self):
         """Parameters of shear near the limit I → 0 (docs/measurements.md, Quasi-static limit)."""
-        return dict(
-            overdamped=True,
-            inertial_number=self.quasi_static_rate,
-            time_step=self.quasi_static_time_step,
-        )
+        return dict(overdamped=True, inertial_number=self.quasi_static_rate,
+                    time_step=self.quasi_static_time_step)
 
     def default_iterations(self, particles):
         """Iterations of the solver in a step of the shear, at most, of so many grains."""
@@ -88,22 +85,10 @@ class Protocol:
 PROTOCOL = Protocol()
 
 
-def check_parameters(
-    eta=0.5,
-    particles=1000,
-    seed=1,
-    friction=0.5,
-    tolerance=1e-4,
-    solver="auto",
-    threads=0,
-    inertial_number=PROTOCOL.inertial_number,
-    time_step=PROTOCOL.time_step,
-    law="cd",
-    stiffness=PROTOCOL.stiffness,
-    iterations=None,
-    approach=0.0,
-    overdamped=False,
-):
+def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e-4, solver="auto",
+                     threads=0, inertial_number=PROTOCOL.inertial_number,
+                     time_step=PROTOCOL.time_step, law="cd", stiffness=PROTOCOL.stiffness,
+                     iterations=None, approach=0.0, overdamped=False):
     """Return the parameters of a test as a dict, after a check of each; see `Biaxial.prepare`.
 
     Raises

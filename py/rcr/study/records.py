@@ -95,11 +95,9 @@ def _add_record(test, observation, width, height):
     stresses = (force / lengths).reshape(2, 2).mean(axis=1)
     yielded = observation["yielded"]
     test.records.append(
-        Record(
-            observation["step"], observation["time"], width, height, stresses,
-            observation["points"], observation["last_iterations"],
-            observation["last_residual"], max(0, observation["missed"] - yielded), yielded,
-        )
+        Record(observation["step"], observation["time"], width, height, stresses,
+               observation["points"], observation["last_iterations"],
+               observation["last_residual"], max(0, observation["missed"] - yielded), yielded)
     )  # fmt: skip
     progress = test.progress
     for name in ("iterations", "missed", "missed_sum", "yielded"):

@@ -88,16 +88,9 @@ class Run:
             from_strain = 0.5 * min(to_strain, strains[-1])
         from_strain = checks.number("from_strain", from_strain)
         history = _history(folder / "history.csv")
-        run = cls(
-            folder,
-            sorted(networks.values(), key=_strain),
-            from_strain,
-            to_strain,
-            next(iter(isotropic.values()), None),
-            history,
-            record,
-            _summary(folder / "summary.json"),
-        )
+        run = cls(folder, sorted(networks.values(), key=_strain), from_strain, to_strain,
+                  next(iter(isotropic.values()), None), history, record,
+                  _summary(folder / "summary.json"))
         run._select(include_yielded, strains)
         return run
 
@@ -182,8 +175,7 @@ def _networks(folder):
     paths = sorted(folder.glob("network-*.h5"))
     if not paths:
         raise ValueError(
-            f"{folder} has no network-*.h5; expected a folder written by scripts/biaxial.py"
-        )
+            f"{folder} has no network-*.h5; expected a folder written by scripts/biaxial.py")
     isotropic = folder / "isotropic.h5"
     initial = {isotropic: Network.load(isotropic)} if isotropic.exists() else {}
     return {path: Network.load(path) for path in paths}, initial
@@ -315,8 +307,7 @@ def _check_seeds(runs):
 def _check_records(run, other):
     if run.record["run"] == other.record["run"]:
         raise ValueError(
-            f"{run.folder} and {other.folder} hold the same run; expected runs of different seeds"
-        )
+            f"{run.folder} and {other.folder} hold the same run; expected runs of different seeds")
     parameters = other.record["parameters"], run.record["parameters"]
     different = results.differing(*parameters, _FREE)
     if different:

@@ -27,15 +27,10 @@ def start(test):
     """Turn a compacted packing into the initial state of the shear."""
     solver, parameters = test.solver, test.parameters
     test.isotropic = test.network()
-    test.progress.update(
-        COUNTERS,
-        phase="shear",
-        first_step=O.iter,
-        first_height=test.height,
-        packing_fraction_initial=test.packing_fraction,
-        unbalance_initial=solver.unbalancedForce,
-        stress_deviation_initial=stress_deviation(test),
-    )
+    test.progress.update(COUNTERS, phase="shear", first_step=O.iter, first_height=test.height,
+                         packing_fraction_initial=test.packing_fraction,
+                         unbalance_initial=solver.unbalancedForce,
+                         stress_deviation_initial=stress_deviation(test))
     solver.tolerance, solver.maxIterations = parameters["tolerance"], parameters["iterations"]
     solver.overdamped = solver.trackMeanStretch = False
     if parameters["overdamped"]:
@@ -164,17 +159,7 @@ def history_row(test, record):
             f"packing fraction {fraction:.4g}, stresses of the walls {stresses} σ₀; "
             "take a smaller time step, inertial number or tolerance"
         )
-    return dict(
-        step=record.step,
-        time=record.time,
-        strain=strain,
-        sin_phi=sin_phi(record.stresses),
-        stress_x=x,
-        stress_y=y,
-        packing_fraction=fraction,
-        points=record.points,
-        iterations=record.iterations,
-        residual=record.residual,
-        unconverged_steps=record.unconverged,
-        yielded_steps=record.yielded,
-    )
+    return dict(step=record.step, time=record.time, strain=strain, sin_phi=sin_phi(record.stresses),
+                stress_x=x, stress_y=y, packing_fraction=fraction, points=record.points,
+                iterations=record.iterations, residual=record.residual,
+                unconverged_steps=record.unconverged, yielded_steps=record.yielded)

@@ -99,11 +99,9 @@ def standard_error(values):
     count = finite.sum(axis=0)
     mean = np.where(finite, values, 0).sum(axis=0) / np.maximum(count, 1)
     squares = np.where(finite, values - mean, 0) ** 2
-    return np.where(
-        count > 1,
-        np.sqrt(squares.sum(axis=0) / np.maximum(count - 1, 1) / np.maximum(count, 1)),
-        np.nan,
-    )
+    return np.where(count > 1,
+                    np.sqrt(squares.sum(axis=0) / np.maximum(count - 1, 1) / np.maximum(count, 1)),
+                    np.nan)
 
 
 def _sample(name, values, count=None):

@@ -61,8 +61,7 @@ def _strength(test, include_yielded):
         found["sin_phi_std"] = float(np.std([row["sin_phi"] for row in used]))
         found["stress_x_std"] = float(lateral)
     return found | dict(
-        records=len(late), records_left_out=len(late) - len(used), include_yielded=include_yielded
-    )
+        records=len(late), records_left_out=len(late) - len(used), include_yielded=include_yielded)
 
 
 def _structure(test):
@@ -77,16 +76,11 @@ def _structure(test):
     mobilization = float(network.friction_mobilization().mean()) if frictional else 0.0
     return dict(
         packing_fraction_initial=test.progress["packing_fraction_initial"],
-        packing_fraction_final=test.packing_fraction,
-        coordination_number=network.coordination(),
-        fraction_cc=float(np.mean(types == CAP_CAP)),
-        fraction_cs=float(np.mean(types == CAP_SIDE)),
-        fraction_ss=float(np.mean(types == SIDE_SIDE)),
-        friction_mobilization=mobilization,
-        weak_fraction=float(np.mean(force < force.mean())),
-        mean_overlap=float(overlaps.mean()),
-        max_overlap=float(overlaps.max(initial=0)),
-    )
+        packing_fraction_final=test.packing_fraction, coordination_number=network.coordination(),
+        fraction_cc=float(np.mean(types == CAP_CAP)), fraction_cs=float(np.mean(types == CAP_SIDE)),
+        fraction_ss=float(np.mean(types == SIDE_SIDE)), friction_mobilization=mobilization,
+        weak_fraction=float(np.mean(force < force.mean())), mean_overlap=float(overlaps.mean()),
+        max_overlap=float(overlaps.max(initial=0)))
 
 
 def _geometry(test):
@@ -95,17 +89,11 @@ def _geometry(test):
     first_height = progress["first_height"]
     first_width = test.area / (progress["packing_fraction_initial"] * first_height)
     along_width, along_height = test.sample_inertia()
-    return dict(
-        inertial_number=parameters["inertial_number"],
-        overdamped=parameters["overdamped"],
-        approach=parameters["approach"],
-        aspect_ratio_initial=first_width / first_height,
-        aspect_ratio=test.width / test.height,
-        sample_inertia=along_width,
-        sample_inertia_height=along_height,
-        unbalance_initial=progress["unbalance_initial"],
-        stress_deviation_initial=progress["stress_deviation_initial"],
-    )
+    return dict(inertial_number=parameters["inertial_number"], overdamped=parameters["overdamped"],
+                approach=parameters["approach"], aspect_ratio_initial=first_width / first_height,
+                aspect_ratio=test.width / test.height, sample_inertia=along_width,
+                sample_inertia_height=along_height, unbalance_initial=progress["unbalance_initial"],
+                stress_deviation_initial=progress["stress_deviation_initial"])
 
 
 def _work(test):
@@ -113,19 +101,10 @@ def _work(test):
     progress = test.progress
     missed, yielded = progress["missed"], progress["yielded"]
     return dict(
-        steps=O.iter,
-        dt=O.dt,
-        iterations_mean=progress["iterations"] / O.iter,
-        residual_max=progress["residual_max"],
-        unconverged_steps=max(0, missed - yielded),
-        yielded_steps=yielded,
-        missed_fraction=missed / max(1, O.iter - progress["first_step"]),
-        missed_mean=progress["missed_sum"] / max(1, missed),
-        missed_max=progress["missed_max"],
-        tolerance=test.parameters["tolerance"],
-        run=test.run,
-        wall_seconds=progress["wall_seconds"],
+        steps=O.iter, dt=O.dt, iterations_mean=progress["iterations"] / O.iter,
+        residual_max=progress["residual_max"], unconverged_steps=max(0, missed - yielded),
+        yielded_steps=yielded, missed_fraction=missed / max(1, O.iter - progress["first_step"]),
+        missed_mean=progress["missed_sum"] / max(1, missed), missed_max=progress["missed_max"],
+        tolerance=test.parameters["tolerance"], run=test.run, wall_seconds=progress["wall_seconds"],
         peak_memory_bytes=1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
-        threads=test.solver.threads or O.numThreads,
-        version=rcr.__version__,
-    )
+        threads=test.solver.threads or O.numThreads, version=rcr.__version__)

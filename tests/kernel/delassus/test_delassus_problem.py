@@ -6,14 +6,9 @@ from rcr import _kernel
 
 
 def spoiled(**changes):
-    arrays = dict(
-        row_start=[0, 2, 4, 5],
-        column=[0, 1, 0, 1, 2],
-        block=np.tile([1.0, 0, 0, 1], (5, 1)),
-        free=np.zeros((3, 2)),
-        friction=np.zeros(3),
-        impulse=np.zeros((3, 2)),
-    )
+    arrays = dict(row_start=[0, 2, 4, 5], column=[0, 1, 0, 1, 2],
+                  block=np.tile([1.0, 0, 0, 1], (5, 1)), free=np.zeros((3, 2)),
+                  friction=np.zeros(3), impulse=np.zeros((3, 2)))
     return _kernel.solve_delassus(**{**arrays, **changes})
 
 

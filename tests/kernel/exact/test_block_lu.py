@@ -29,17 +29,12 @@ def test_block_lu_solves_like_a_dense_one(size, pairs):
         dense[block(i, j)], dense[block(j, i)] = rng.normal(0, 1, (2, 3, 3))
     stack = lambda places: np.array([dense[block(i, j)] for i, j in places]).reshape(-1, 3, 3)
     b = rng.normal(0, 1, (size, 3))
-    x = _kernel.solve_blocks(
-        np.array(pairs, np.int32).reshape(-1, 2),
-        stack([(i, i) for i in range(size)]),
-        stack(pairs),
-        stack([(j, i) for i, j in pairs]),
-        b,
-    )
+    x = _kernel.solve_blocks(np.array(pairs, np.int32).reshape(-1, 2),
+                             stack([(i, i) for i in range(size)]), stack(pairs),
+                             stack([(j, i) for i, j in pairs]), b)
     # heavy diagonals: stable without pivoting across blocks
     np.testing.assert_allclose(
-        x.ravel(), np.linalg.solve(dense, b.ravel()), rtol=0, atol=1e-12 * np.linalg.cond(dense)
-    )
+        x.ravel(), np.linalg.solve(dense, b.ravel()), rtol=0, atol=1e-12 * np.linalg.cond(dense))
 
 
 @pytest.mark.parametrize("small", [0.0, 1e-12])
@@ -48,20 +43,14 @@ def test_a_block_may_have_a_zero_diagonal(small):
     block = np.array([[small, 2.0, 1.0], [1.0, small, 3.0], [4.0, 1.0, small]])
     b = np.array([[1.0, 2.0, 3.0]])
     x = _kernel.solve_blocks(
-        np.zeros((0, 2), np.int32), block[None], np.zeros((0, 3, 3)), np.zeros((0, 3, 3)), b
-    )
+        np.zeros((0, 2), np.int32), block[None], np.zeros((0, 3, 3)), np.zeros((0, 3, 3)), b)
     np.testing.assert_allclose(block @ x[0], b[0], rtol=0, atol=1e-14)
 
 
 def test_refuses_a_singular_block():
     with pytest.raises(ValueError, match="singular"):
-        _kernel.solve_blocks(
-            np.zeros((0, 2), np.int32),
-            np.zeros((2, 3, 3)),
-            np.zeros((0, 3, 3)),
-            np.zeros((0, 3, 3)),
-            np.ones((2, 3)),
-        )
+        _kernel.solve_blocks(np.zeros((0, 2), np.int32), np.zeros((2, 3, 3)), np.zeros((0, 3, 3)),
+                             np.zeros((0, 3, 3)), np.ones((2, 3)))
 
 
 @pytest.mark.parametrize(
@@ -81,8 +70,7 @@ def test_refuses_wrong_pairs(pairs, says):
     blocks = np.tile(np.eye(3), (len(pairs), 1, 1))
     with pytest.raises(ValueError, match=says):
         _kernel.solve_blocks(
-            np.array(pairs), np.tile(np.eye(3), (3, 1, 1)), blocks, blocks, np.ones((3, 3))
-        )
+            np.array(pairs), np.tile(np.eye(3), (3, 1, 1)), blocks, blocks, np.ones((3, 3)))
     with pytest.raises(ValueError, match=says):
         _kernel.block_fill(3, np.array(pairs))
 
@@ -98,13 +86,8 @@ def test_refuses_wrong_pairs(pairs, says):
     ],
 )
 def test_refuses_blocks_of_wrong_shape(name, shape):
-    arrays = dict(
-        pairs=np.array([(0, 1)]),
-        diagonal=np.ones((3, 3, 3)),
-        upper=np.ones((1, 3, 3)),
-        lower=np.ones((1, 3, 3)),
-        b=np.ones((3, 3)),
-    )
+    arrays = dict(pairs=np.array([(0, 1)]), diagonal=np.ones((3, 3, 3)), upper=np.ones((1, 3, 3)),
+                  lower=np.ones((1, 3, 3)), b=np.ones((3, 3)))
     with pytest.raises(ValueError, match=f"{name} has shape"):
         _kernel.solve_blocks(**{**arrays, name: np.ones(shape)})
 

@@ -7,17 +7,8 @@ The tests recompute u with NumPy.
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (
-    grain,
-    jacobian_times,
-    pile,
-    problem_of,
-    square_discs,
-    stored,
-    velocity,
-    wall_of_bricks,
-    weights,
-)
+from kernel.contact_problems import (grain, jacobian_times, pile, problem_of, square_discs, stored,
+                                     velocity, wall_of_bricks, weights)
 from rcr import _kernel
 
 MANY = 5000  # pivots
@@ -35,8 +26,7 @@ def softened_error(problem, p, rho):
     moves = w > 0
     k = np.where(moves, rho / np.where(moves, w, 1), 0)
     u = jacobian_times(problem, velocity(problem, p)) + np.column_stack(
-        [problem["bias"], np.zeros(len(p))]
-    )
+        [problem["bias"], np.zeros(len(p))])
     error = (p - law_of(problem["impulse"] - k[:, None] * u, problem["friction"]))[moves]
     return abs(error).max() / max(abs(p).max(), 1e-300)
 
@@ -87,8 +77,7 @@ PROBLEMS = [
 
 
 @pytest.mark.parametrize(
-    "make", PROBLEMS, ids=["pile 1", "pile 2", "bricks", "discs", "500 eta 0.7"]
-)
+    "make", PROBLEMS, ids=["pile 1", "pile 2", "bricks", "discs", "500 eta 0.7"])
 @pytest.mark.parametrize("rho", [0.1, 10.0])
 def test_the_softened_law_holds_at_the_end(make, rho):
     """Steps from zero, from the last solution and from random impulses in their cones."""
@@ -96,8 +85,7 @@ def test_the_softened_law_holds_at_the_end(make, rho):
     starts = [np.zeros_like(problem["impulse"])]
     n = rng.exponential(0.05, len(starts[0])) * (rng.random(len(starts[0])) < 0.6)
     starts.append(
-        np.column_stack([n, problem["friction"] * n * np.clip(rng.normal(0, 1, len(n)), -1, 1)])
-    )
+        np.column_stack([n, problem["friction"] * n * np.clip(rng.normal(0, 1, len(n)), -1, 1)]))
     arrived = 0
     for start in starts:
         problem["impulse"] = start
@@ -141,13 +129,8 @@ def rod(friction, angle, length=1.0):
     m = 1.0
     arm = -0.5 * length * np.array([np.cos(angle), np.sin(angle)])
     point = (0, 1, 0, 1, 0, 0, *arm, 0, friction)
-    return problem_of(
-        "rod",
-        None,
-        [[0, 0, 0], [1 / m, 1 / m, 12 / (m * length**2)]],
-        [[0, 0, 0], [-1.0, -1e-3, 0]],
-        [point],
-    )
+    return problem_of("rod", None, [[0, 0, 0], [1 / m, 1 / m, 12 / (m * length**2)]],
+                      [[0, 0, 0], [-1.0, -1e-3, 0]], [point])
 
 
 def test_a_rod_beyond_painleve():
@@ -171,6 +154,5 @@ def test_a_fold_lists_the_unstable_contacts():
         if not end["complete"] and end["unstable"]:
             folded += 1
             assert end["unstable"] == sorted(set(end["unstable"])) and len(end["unstable"]) < len(
-                problem["bodies"]
-            )
+                problem["bodies"])
     assert folded > 0, "no path folds"

@@ -5,17 +5,8 @@ Residuals are recomputed with NumPy from the impulses alone.
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (
-    ROUNDING,
-    assert_solved,
-    errors,
-    jammed_box,
-    pile,
-    problem_of,
-    stored,
-    velocity,
-    wall_of_bricks,
-)
+from kernel.contact_problems import (ROUNDING, assert_solved, errors, jammed_box, pile, problem_of,
+                                     stored, velocity, wall_of_bricks)
 
 TOLERANCE = 1e-10
 BUDGET = 20000  # iterations; the problems below need a tenth of it
@@ -38,16 +29,14 @@ PROBLEMS = [
 def test_reaches_1e_10_from_a_cold_start(make):
     problem = make().cold()
     assert_solved(
-        problem, problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET), TOLERANCE
-    )
+        problem, problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET), TOLERANCE)
 
 
 @pytest.mark.parametrize("name", ["shear-500-eta-0", "shear-500-eta-0.7"])
 def test_reaches_1e_10_from_a_warm_start(name):
     problem = stored(name)
     assert_solved(
-        problem, problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET), TOLERANCE
-    )
+        problem, problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET), TOLERANCE)
 
 
 @pytest.mark.parametrize("make", [lambda: pile(3), lambda: wall_of_bricks(4)])
@@ -64,8 +53,7 @@ def test_resultant_of_an_indeterminate_support_is_the_weight():
     mass = 3.0
     points = [(0, 1, 0, 1, 0, 0, x, -0.1, 0, 0.5) for x in (-2.0, -1.0, 0.0, 0.5, 2.0)]
     problem = problem_of(
-        "beam", None, [[0, 0, 0], [1 / mass, 1 / mass, 0.2]], [[0, 0, 0], [0, -1, 0]], points
-    )
+        "beam", None, [[0, 0, 0], [1 / mass, 1 / mass, 0.2]], [[0, 0, 0], [0, -1, 0]], points)
     result = problem.solve("exact", tolerance=1e-12, max_iterations=BUDGET)
     assert_solved(problem, result, 1e-12)
     p = result["impulse"]
@@ -94,8 +82,7 @@ def test_reports_an_early_stop_honestly(budget):
     assert abs(np.linalg.norm(error) / size - result["residual"]) <= ROUNDING
     assert result["residual"] <= swept["residual"] * (1 + 1e-9)
     np.testing.assert_allclose(
-        result["velocity"], velocity(problem, result["impulse"]), rtol=0, atol=1e-11
-    )
+        result["velocity"], velocity(problem, result["impulse"]), rtol=0, atol=1e-11)
 
 
 def test_the_best_iterate_is_kept():
@@ -111,14 +98,12 @@ def test_the_best_iterate_is_kept():
 
 
 @pytest.mark.parametrize(
-    "tolerance, kinematic_tolerance", [(0, 0.01), (0, np.inf), (1e-10, 0), (0, 0)]
-)
+    "tolerance, kinematic_tolerance", [(0, 0.01), (0, np.inf), (1e-10, 0), (0, 0)])
 def test_a_criterion_of_0_runs_all_iterations(tolerance, kinematic_tolerance):
     """The criterion cannot be met, but exact steps improve the best iterate."""
     problem = pile(4, 20, 20)
     settings = dict(
-        tolerance=tolerance, kinematic_tolerance=kinematic_tolerance, max_iterations=2000
-    )
+        tolerance=tolerance, kinematic_tolerance=kinematic_tolerance, max_iterations=2000)
     swept, result = (problem.solve(solver, **settings) for solver in ("nesterov", "exact"))
     error, size = errors(problem, result["impulse"])
     assert not result["converged"] and result["iterations"] == 2000

@@ -71,13 +71,11 @@ def test_discs_touch_two_and_overlap_nothing():
 
 def test_one_disc_as_wide_as_the_box_stacks():
     np.testing.assert_allclose(
-        _kernel.deposit(np.ones(3), 2.0), [(1, 1), (1, 3), (1, 5)], atol=1e-12
-    )
+        _kernel.deposit(np.ones(3), 2.0), [(1, 1), (1, 3), (1, 5)], atol=1e-12)
 
 
 @pytest.mark.parametrize(
-    "radii, width", [([1.0], 1.9), ([1.0, -1.0], 9), ([np.nan], 9), ([1.0], np.inf)]
-)
+    "radii, width", [([1.0], 1.9), ([1.0, -1.0], 9), ([np.nan], 9), ([1.0], np.inf)])
 def test_invalid_radii_are_rejected(radii, width):
     message = r"radii\[.\] = .* in a box of width .*; expected 0 < 2 radius <= width"
     with pytest.raises(ValueError, match=message):

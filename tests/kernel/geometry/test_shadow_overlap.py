@@ -149,11 +149,8 @@ def test_gap_is_the_signed_distance_of_the_cores(seed):
     assert (gap < -0.2).sum() > 0.01 * PAIRS
     deepest = np.nanmin(np.where(seen[:, None], found["gap"], np.inf), axis=1)
     with np.errstate(invalid="ignore"):
-        check(
-            seen & ~(np.abs(deepest - gap) < ROUNDING),
-            pairs,
-            f"seed {seed}: gap of the deepest point",
-        )
+        check(seen & ~(np.abs(deepest - gap) < ROUNDING), pairs,
+              f"seed {seed}: gap of the deepest point")
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -186,11 +183,8 @@ def test_points_lie_midway_between_the_surfaces(seed):
         used = found["count"] > k
         x, n, half = found["position"][:, k], found["normal"][:, k], 0.5 * found["gap"][:, k, None]
         with np.errstate(invalid="ignore"):
-            check(
-                used & (np.abs(np.linalg.norm(n, axis=1) - 1) > ROUNDING),
-                pairs,
-                "normal of unit length",
-            )
+            check(used & (np.abs(np.linalg.norm(n, axis=1) - 1) > ROUNDING), pairs,
+                  "normal of unit length")
             for core, stadium, pose in (
                 (x - (half + stadium1[:, 1:]) * n, stadium1, pose1),
                 (x + (half + stadium2[:, 1:]) * n, stadium2, pose2),
@@ -226,61 +220,23 @@ def one(stadium1, pose1, stadium2, pose2, alert=ALERT):
     "stadium1, pose1, stadium2, pose2, kind, gaps",
     [
         pytest.param((0, 0.5), (0, 0, 0), (0, 0.25), (0.77, 0, 1), CAP_CAP, [0.02], id="two discs"),
+        pytest.param((0, 0.5), (0, 0, 0), (0, 0.25), (0.7, 0, 1), CAP_CAP, [-0.05],
+                     id="two overlapping discs"),
         pytest.param(
-            (0, 0.5),
-            (0, 0, 0),
-            (0, 0.25),
-            (0.7, 0, 1),
-            CAP_CAP,
-            [-0.05],
-            id="two overlapping discs",
-        ),
+            (1, 0.5), (0, 0, 0), (0, 0.25), (0.3, 0.75, 0), CAP_SIDE, [0], id="disc on a side"),
         pytest.param(
-            (1, 0.5), (0, 0, 0), (0, 0.25), (0.3, 0.75, 0), CAP_SIDE, [0], id="disc on a side"
-        ),
-        pytest.param(
-            (1, 0.5), (0, 0, 0), (0, 0.25), (1.75, 0, 0), CAP_CAP, [0], id="disc on an end"
-        ),
+            (1, 0.5), (0, 0, 0), (0, 0.25), (1.75, 0, 0), CAP_CAP, [0], id="disc on an end"),
         pytest.param((1, 0.5), (0, 0, 0), (1, 0.25), (2.8, 0, 0), CAP_CAP, [0.05], id="end to end"),
+        pytest.param((1, 0.5), (0, 0, 0), (1, 0.5), (0.5, 0.99, 0), SIDE_SIDE, [-0.01, -0.01],
+                     id="side on side"),
         pytest.param(
-            (1, 0.5),
-            (0, 0, 0),
-            (1, 0.5),
-            (0.5, 0.99, 0),
-            SIDE_SIDE,
-            [-0.01, -0.01],
-            id="side on side",
-        ),
-        pytest.param(
-            (1, 0.5), (0, 0, 0), (1, 0.5), (0, 0, 0), SIDE_SIDE, [-1, -1], id="equal poses"
-        ),
-        pytest.param(
-            (1, 0.5),
-            (0, 0, 0),
-            (1, 0.25),
-            (0, 1.75, np.pi / 2),
-            CAP_SIDE,
-            [0],
-            id="upright on a side",
-        ),
-        pytest.param(
-            (1, 0.5),
-            (0, 0, 0),
-            (1, 0.5),
-            (0.2, 0.4, np.pi / 2),
-            CAP_SIDE,
-            [-1.6],
-            id="crossing, depth 0.6",
-        ),
-        pytest.param(
-            (0, 0.5),
-            (0, 0, 0),
-            (0, 0.25),
-            (0.81, 0, 0),
-            CAP_CAP,
-            [],
-            id="beyond the alert distance",
-        ),
+            (1, 0.5), (0, 0, 0), (1, 0.5), (0, 0, 0), SIDE_SIDE, [-1, -1], id="equal poses"),
+        pytest.param((1, 0.5), (0, 0, 0), (1, 0.25), (0, 1.75, np.pi / 2), CAP_SIDE, [0],
+                     id="upright on a side"),
+        pytest.param((1, 0.5), (0, 0, 0), (1, 0.5), (0.2, 0.4, np.pi / 2), CAP_SIDE, [-1.6],
+                     id="crossing, depth 0.6"),
+        pytest.param((0, 0.5), (0, 0, 0), (0, 0.25), (0.81, 0, 0), CAP_CAP, [],
+                     id="beyond the alert distance"),
     ],
 )
 def test_one_case_per_branch(stadium1, pose1, stadium2, pose2, kind, gaps):
@@ -344,11 +300,8 @@ def same_manifold(found, expected, pairs, clear, what, tolerance):
     for name in ("position", "normal", "gap"):
         difference = np.abs(found[name] - expected[name]).reshape(len(clear), -1)
         with np.errstate(invalid="ignore"):
-            check(
-                clear & (np.nan_to_num(difference) > tolerance).any(axis=1),
-                pairs,
-                f"{what}: {name}",
-            )
+            check(clear & (np.nan_to_num(difference) > tolerance).any(axis=1), pairs,
+                  f"{what}: {name}")
 
 
 def clear_pairs(seed):
@@ -367,8 +320,7 @@ def clear_pairs(seed):
 
 @pytest.mark.parametrize(
     "angle, shift, mirror",
-    [(0, (3, -2), False), (1, (0, 0), False), (np.pi / 2, (1, 1), False), (0.4, (0, 0), True)],
-)
+    [(0, (3, -2), False), (1, (0, 0), False), (np.pi / 2, (1, 1), False), (0.4, (0, 0), True)])
 def test_manifold_moves_with_the_pair(angle, shift, mirror):
     pairs, clear = clear_pairs(seed=7)
     expected = _kernel.overlap_stadiums(*pairs, ALERT)
@@ -508,20 +460,11 @@ def side_contact(points, friction, free_velocity):
     """Body 1 on the fixed body 0 at points (x, 0): centre (0, 1), mass 1, inertia 0.5."""
     n = len(points)
     arm0 = np.column_stack([points, np.zeros(n)])
-    return _kernel.solve(
-        inverse_mass=[(0, 0, 0), (1, 1, 2)],
-        free_velocity=[(0, 0, 0), free_velocity],
-        bodies=[(0, 1)] * n,
-        normal=[(0, 1)] * n,
-        arm1=arm0,
-        arm2=arm0 - (0, 1),
-        bias=np.zeros(n),
-        friction=np.full(n, friction),
-        impulse=np.zeros((n, 2)),
-        solver="nlgs",
-        tolerance=1e-14,
-        max_iterations=100_000,
-    )
+    return _kernel.solve(inverse_mass=[(0, 0, 0), (1, 1, 2)],
+                         free_velocity=[(0, 0, 0), free_velocity], bodies=[(0, 1)] * n,
+                         normal=[(0, 1)] * n, arm1=arm0, arm2=arm0 - (0, 1), bias=np.zeros(n),
+                         friction=np.full(n, friction), impulse=np.zeros((n, 2)), solver="nlgs",
+                         tolerance=1e-14, max_iterations=100_000)
 
 
 @pytest.mark.parametrize("friction", [0, 0.3, 0.8])

@@ -12,8 +12,7 @@ from rcr import _kernel
 SLICE = 2**20 - 1  # largest number of indices of one slice (shared_loop.cpp)
 
 needs_two_cores = pytest.mark.skipif(
-    len(os.sched_getaffinity(0)) < 2, reason="on one core, the waiting thread blocks the helper"
-)
+    len(os.sched_getaffinity(0)) < 2, reason="on one core, the waiting thread blocks the helper")
 
 
 def run(code):

@@ -45,8 +45,7 @@ def solve(W, g, mu):
         pytest.param([[2, 0], [0, 4]], (-1, 8), 0.5, (0.5, -0.25), id="slide, slip > 0"),
         pytest.param([[2, 0], [0, 4]], (-1, -8), 0.5, (0.5, 0.25), id="slide, slip < 0"),
         pytest.param(
-            [[2, 1], [1, 4]], (-1, 8), 0.5, (2 / 3, -1 / 3), id="slide, coupled, slip > 0"
-        ),
+            [[2, 1], [1, 4]], (-1, 8), 0.5, (2 / 3, -1 / 3), id="slide, coupled, slip > 0"),
         pytest.param([[2, 1], [1, 4]], (-1, -8), 0.5, (0.4, 0.2), id="slide, coupled, slip < 0"),
         pytest.param([[2, 0], [0, 0]], (-1, 3), 0.5, (0.5, -0.25), id="w_tt = 0, slide"),
         pytest.param([[2, 0], [0, 0]], (-1, 0), 0.5, (0.5, 0), id="w_tt = 0, at rest"),
@@ -58,12 +57,8 @@ def test_one_case_per_branch(W, g, mu, expected):
 
 
 @settings(max_examples=400, deadline=None)
-@given(
-    a=st.tuples(numbers, numbers),
-    b=st.tuples(numbers, numbers),
-    g=st.tuples(numbers, numbers),
-    mu=frictions,
-)
+@given(a=st.tuples(numbers, numbers), b=st.tuples(numbers, numbers), g=st.tuples(numbers, numbers),
+       mu=frictions)
 def test_laws_hold_for_any_positive_definite_block(a, b, g, mu):
     """W = A Aᵀ + 0.01 I covers weak coupling and the Painlevé case; all have a solution."""
     A = np.array([a, b])
@@ -141,8 +136,7 @@ def test_factor_is_the_largest_that_adds_no_energy(seed):
         w = W[0, 0], W[0, 1], W[1, 1]
         # impulse and energy for the restitution `factor`, without other impulses
         impulse = lambda factor: np.array(
-            _kernel.solve_coulomb(*w, before[0] - factor, before[1], mu)
-        )
+            _kernel.solve_coulomb(*w, before[0] - factor, before[1], mu))
         gain = lambda factor: work(impulse(factor), before, before + W @ impulse(factor))
         p = impulse(1)
         factor = _kernel.passive_restitution_factor(*w, p, before, before + W @ p, -1.0, mu)

@@ -6,25 +6,9 @@ velocities of problems with a unique solution (no friction) agree to the accurac
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (
-    ALL,
-    SWEEPS,
-    Problem,
-    assert_laws,
-    assert_same_bits,
-    beside,
-    discs,
-    errors,
-    frictionless,
-    grains_on_a_floor,
-    heaps,
-    model,
-    parts_of,
-    pile,
-    square_discs,
-    stored,
-    without,
-)
+from kernel.contact_problems import (ALL, SWEEPS, Problem, assert_laws, assert_same_bits, beside,
+                                     discs, errors, frictionless, grains_on_a_floor, heaps, model,
+                                     parts_of, pile, square_discs, stored, without)
 from rcr import _kernel
 
 FINE = dict(tolerance=1e-11, max_iterations=100_000, kinematic_tolerance=np.inf)
@@ -35,11 +19,9 @@ def assert_same_translation(one, other):
 
 
 @pytest.mark.parametrize("solver", SWEEPS)
-@pytest.mark.parametrize(
-    "make",
-    [lambda: pile(1), lambda: pile(2, 30, 12), lambda: square_discs(3)],
-    ids=["pile 1", "pile 2", "discs"],
-)
+@pytest.mark.parametrize("make",
+                         [lambda: pile(1), lambda: pile(2, 30, 12), lambda: square_discs(3)],
+                         ids=["pile 1", "pile 2", "discs"])
 def test_normal_impulses_alone_change_no_bit(make, solver):
     problem, settings = frictionless(make()), dict(tolerance=0, max_iterations=35)
     full = problem.solve(solver, reductions=without("frictionless", "discs"), **settings)
@@ -80,10 +62,8 @@ def test_zero_levers_without_rotations_change_no_bit(solver):
 
 
 @pytest.mark.parametrize(
-    "make",
-    [lambda: discs(pile(5, 30, 12)), lambda: frictionless(stored("shear-1000-eta-0"))],
-    ids=["pile", "1000 eta 0"],
-)
+    "make", [lambda: discs(pile(5, 30, 12)), lambda: frictionless(stored("shear-1000-eta-0"))],
+    ids=["pile", "1000 eta 0"])
 def test_discs_without_rotations_are_equal_to_rounding(make):
     """Levers of 1e-17: the same number of sweeps, equal velocities to rounding, constant spins."""
     problem = make()

@@ -2,16 +2,8 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (
-    errors,
-    grain,
-    jacobian_times,
-    pile,
-    problem_of,
-    square_discs,
-    velocity,
-    weights,
-)
+from kernel.contact_problems import (errors, grain, jacobian_times, pile, problem_of, square_discs,
+                                     velocity, weights)
 from rcr import _kernel
 
 ROUNDING = 1e-11  # sums of some hundred points

@@ -14,12 +14,8 @@ def in_a_cell(seed, stretches=True):
     pairs, pair_of = np.unique(problem["bodies"], axis=0, return_inverse=True)
     images = rng.choice([-1.0, 0, 1], (len(pairs), 2), p=[0.05, 0.9, 0.05]) * (20.0, 12.0)
     problem["shift"] = images[pair_of.ravel()]
-    return Problem(
-        f"cell {seed}",
-        seed,
-        **problem,
-        **(dict(inverse_stretch_mass=1 / MASS) if stretches else {}),
-    )
+    return Problem(f"cell {seed}", seed, **problem,
+                   **(dict(inverse_stretch_mass=1 / MASS) if stretches else {}))
 
 
 def forces(problem, impulse):
@@ -44,11 +40,8 @@ def test_workspace_follows_cells_that_stretch_or_not():
     for stretches in (False, True, False, True):
         problem = in_a_cell(4, stretches)
         settings = dict(tolerance=0, max_iterations=25)
-        assert_same_bits(
-            problem.solve(workspace=workspace, **settings),
-            problem.solve(**settings),
-            f"stretches: {stretches}",
-        )
+        assert_same_bits(problem.solve(workspace=workspace, **settings), problem.solve(**settings),
+                         f"stretches: {stretches}")
 
 
 def test_a_cell_gives_the_same_bits_with_lanes_and_threads():

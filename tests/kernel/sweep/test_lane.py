@@ -75,8 +75,7 @@ def test_a_product_with_its_sum_is_rounded_once():
     e = 2.0**-30
     for lanes in LANES:
         found = _kernel.apply_lanes(
-            lanes, "add_product", np.full(16, -1.0), np.full(16, 1 + e), np.full(16, 1 - e)
-        )
+            lanes, "add_product", np.full(16, -1.0), np.full(16, 1 + e), np.full(16, 1 - e))
         assert (found == -(e**2)).all()
 
 
@@ -93,11 +92,8 @@ def test_records_move_unchanged(lanes, whole):
         expected = records.copy()
         for half in range(size):
             expected[target + half] = records[source + half]
-        np.testing.assert_array_equal(
-            _kernel.move_lanes(lanes, whole, records, source, target),
-            expected,
-            err_msg=f"seed {seed}",
-        )
+        np.testing.assert_array_equal(_kernel.move_lanes(lanes, whole, records, source, target),
+                                      expected, err_msg=f"seed {seed}")
 
 
 def test_widths():

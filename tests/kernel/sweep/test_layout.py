@@ -2,18 +2,8 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (
-    ALL,
-    Problem,
-    beside,
-    discs,
-    frictionless,
-    grains_on_a_floor,
-    pile,
-    square_discs,
-    wall_of_bricks,
-    without,
-)
+from kernel.contact_problems import (ALL, Problem, beside, discs, frictionless, grains_on_a_floor,
+                                     pile, square_discs, wall_of_bricks, without)
 from rcr import _kernel
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -28,13 +18,8 @@ PROBLEMS = {
     "bricks": lambda: wall_of_bricks(1, 12, 15),
     "discs": lambda: square_discs(1),
     "grains": lambda: grains_on_a_floor(40, points=2),
-    "heaps": lambda: beside(
-        pile(3, 9, 7),
-        discs(pile(4, 9, 7)),
-        frictionless(pile(5, 12, 9)),
-        grains_on_a_floor(5),
-        pile(6, 2, 2),
-    ),
+    "heaps": lambda: beside(pile(3, 9, 7), discs(pile(4, 9, 7)), frictionless(pile(5, 12, 9)),
+                            grains_on_a_floor(5), pile(6, 2, 2)),
     "hub": lambda: hub(40),
     "spindle": lambda: spindle([1, 8, 64, *[512] * 9, 64, 8, 1]),
 }
@@ -45,17 +30,10 @@ def hub(count):
     angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
     n = np.column_stack([np.cos(angle), np.sin(angle)])
     return Problem(
-        "hub",
-        inverse_mass=np.ones((count + 1, 3)),
-        free_velocity=np.zeros((count + 1, 3)),
-        normal=n,
-        arm1=3 * n,
-        arm2=-0.5 * n,
+        "hub", inverse_mass=np.ones((count + 1, 3)), free_velocity=np.zeros((count + 1, 3)),
+        normal=n, arm1=3 * n, arm2=-0.5 * n,
         bodies=np.column_stack([np.zeros(count), np.arange(1, count + 1)]).astype(np.int32),
-        bias=np.zeros(count),
-        friction=np.full(count, 0.4),
-        impulse=np.zeros((count, 2)),
-    )
+        bias=np.zeros(count), friction=np.full(count, 0.4), impulse=np.zeros((count, 2)))
 
 
 def spindle(layers):
@@ -70,18 +48,10 @@ def spindle(layers):
     count, bodies = len(touch), np.array(touch, np.int32)
     angle = np.random.default_rng(0).uniform(0, 2 * np.pi, count)
     n = np.column_stack([np.cos(angle), np.sin(angle)])
-    return Problem(
-        "spindle",
-        inverse_mass=np.ones((begin[-1], 3)),
-        free_velocity=np.zeros((begin[-1], 3)),
-        normal=n,
-        arm1=0.5 * n,
-        arm2=-0.5 * n,
-        bodies=bodies[np.lexsort(bodies.T[::-1])],
-        bias=np.zeros(count),
-        friction=np.full(count, 0.4),
-        impulse=np.zeros((count, 2)),
-    )
+    return Problem("spindle", inverse_mass=np.ones((begin[-1], 3)),
+                   free_velocity=np.zeros((begin[-1], 3)), normal=n, arm1=0.5 * n, arm2=-0.5 * n,
+                   bodies=bodies[np.lexsort(bodies.T[::-1])], bias=np.zeros(count),
+                   friction=np.full(count, 0.4), impulse=np.zeros((count, 2)))
 
 
 @pytest.fixture(params=PROBLEMS)
@@ -143,8 +113,7 @@ def test_islands_are_the_connected_parts(case):
     points = [pairs[of == k, 2].sum() for k in range(of.max() + 1)]
     np.testing.assert_array_equal(layout["islands"][:, 0], points)
     np.testing.assert_array_equal(
-        layout["islands"][:, 1], [(of == k).sum() > MANY_PAIRS for k in range(of.max() + 1)]
-    )
+        layout["islands"][:, 1], [(of == k).sum() > MANY_PAIRS for k in range(of.max() + 1)])
 
 
 def test_every_pair_has_a_slot_or_is_overflow(case):
@@ -171,8 +140,7 @@ def bodies_of(problem, layout, chunks):
     """Free bodies of the pairs in these chunks, with repetitions."""
     fixed, _ = kinds(problem)
     blocks = np.concatenate(
-        [np.arange(first, first + count) for first, count, *_ in chunks] or [np.empty(0, int)]
-    )
+        [np.arange(first, first + count) for first, count, *_ in chunks] or [np.empty(0, int)])
     pairs = layout["pairs"][
         np.isin(layout["pairs"][:, 4] // WIDTH, blocks) & (layout["pairs"][:, 4] != NO_SLOT)
     ]
@@ -196,8 +164,7 @@ def test_sections_swept_at_once_share_no_moving_body(case):
         for begin, end in (partitions_begin, partitions_end), (interfaces_begin, interfaces_end):
             bodies = [
                 np.unique(
-                    bodies_of(problem, layout, layout["chunks"][layout["chunks"][:, 4] == section])
-                )
+                    bodies_of(problem, layout, layout["chunks"][layout["chunks"][:, 4] == section]))
                 for section in range(begin, end)
             ]
             if bodies:
@@ -222,8 +189,7 @@ def test_a_large_island_has_partitions_of_similar_size():
     for first, count, _, _, of in chunks:
         section[first : first + count] = of
     sizes = np.bincount(
-        section[pairs[pairs[:, 4] != NO_SLOT, 4] // WIDTH], minlength=partitions + interfaces
-    )
+        section[pairs[pairs[:, 4] != NO_SLOT, 4] // WIDTH], minlength=partitions + interfaces)
     assert partitions > 2 and interfaces == -(-(partitions - 1) // 4)
     assert (
         sizes[:partitions].max() < 1.3 * sizes[:partitions].mean()
@@ -288,8 +254,7 @@ def test_models():
         mixed = pile(2, 30, 12)
         pair = np.unique(mixed["bodies"], axis=0, return_inverse=True)[1].ravel()
         mixed["friction"] = np.where(
-            np.random.default_rng(0).random(pair.max() + 1)[pair] < share, 0, 0.4
-        )
+            np.random.default_rng(0).random(pair.max() + 1)[pair] < share, 0, 0.4)
         assert models(mixed) == expected, f"{share} of the pairs without friction"
 
 

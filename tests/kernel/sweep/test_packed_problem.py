@@ -2,15 +2,8 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (
-    BODY_ARRAYS,
-    SWEEPS,
-    Problem,
-    assert_laws,
-    assert_same_bits,
-    pile,
-    without,
-)
+from kernel.contact_problems import (BODY_ARRAYS, SWEEPS, Problem, assert_laws, assert_same_bits,
+                                     pile, without)
 from rcr import _kernel
 
 
@@ -68,8 +61,7 @@ def altered(problem, rng):
     new["friction"] = rng.uniform(0, 1, len(rows))
     if rng.random() < 0.3:
         new["inverse_mass"][rng.integers(len(new["inverse_mass"]), size=5)] = rng.choice(
-            [0.0, 1.0, 2.0], (5, 3)
-        )
+            [0.0, 1.0, 2.0], (5, 3))
     return new
 
 
@@ -82,8 +74,7 @@ def test_a_workspace_keeps_no_trace(solver):
         workspace = _kernel.Workspace()
         for _ in range(rng.integers(1, 4)):
             altered(problem, rng).solve(
-                solver, tolerance=0, max_iterations=int(rng.integers(1, 30)), workspace=workspace
-            )
+                solver, tolerance=0, max_iterations=int(rng.integers(1, 30)), workspace=workspace)
         kept = [
             problem.solve(solver, tolerance=0, max_iterations=25, workspace=workspace)
             for _ in range(2)
@@ -101,13 +92,8 @@ def test_a_workspace_changes_no_bit_with_lanes_and_threads():
         workspace = _kernel.Workspace()
         results.append(
             [
-                p.solve(
-                    tolerance=0,
-                    max_iterations=10,
-                    lanes=lanes,
-                    threads=threads,
-                    workspace=workspace,
-                )
+                p.solve(tolerance=0, max_iterations=10, lanes=lanes, threads=threads,
+                        workspace=workspace)
                 for p in shear_steps(6, 30)
             ]
         )
@@ -130,12 +116,10 @@ def test_a_workspace_takes_any_problem():
         },
     )
     none = Problem(
-        "none", **{k: v if k in ("inverse_mass", "free_velocity") else v[:0] for k, v in a.items()}
-    )
+        "none", **{k: v if k in ("inverse_mass", "free_velocity") else v[:0] for k, v in a.items()})
     for problem in (a, b, mixed, none, a):
         alone, kept = problem.solve(tolerance=0, max_iterations=20), problem.solve(
-            tolerance=0, max_iterations=20, workspace=workspace
-        )
+            tolerance=0, max_iterations=20, workspace=workspace)
         np.testing.assert_array_equal(kept["impulse"], alone["impulse"], err_msg=problem.name)
     assert none.solve()["converged"] and none.solve()["iterations"] == 0
 
@@ -149,15 +133,12 @@ def test_islands_come_and_go_in_a_workspace():
     for step in range(30):
         kept = rng.random(len(whole["bodies"])) < rng.choice([0.1, 0.4, 0.9])
         problem = Problem(
-            f"step {step}",
-            11,
-            **{key: value if key in BODY_ARRAYS else value[kept] for key, value in whole.items()},
-        )
+            f"step {step}", 11,
+            **{key: value if key in BODY_ARRAYS else value[kept] for key, value in whole.items()})
         settings = dict(tolerance=1e-3, max_iterations=20000)
         result = problem.solve(workspace=workspace, **settings)
         assert_same_bits(
-            result, problem.solve(**settings), problem.name, ("impulse", "velocity", "residual")
-        )
+            result, problem.solve(**settings), problem.name, ("impulse", "velocity", "residual"))
         assert_laws(problem, result, 1e-3)
         seen.add(workspace.model["islands"])
     assert len(seen) > 5
@@ -169,7 +150,6 @@ def test_a_kept_layout_changes_no_bit():
     for _ in range(3):
         kept = problem.solve(tolerance=0, max_iterations=20, workspace=workspace)
         fresh = problem.solve(
-            tolerance=0, max_iterations=20, workspace=other, reductions=without("layout")
-        )
+            tolerance=0, max_iterations=20, workspace=other, reductions=without("layout"))
         assert_same_bits(kept, fresh, problem.name)
     assert workspace.layouts == 1 and other.layouts == 3

@@ -26,13 +26,8 @@ DIGESTS = {
 
 @pytest.mark.parametrize("name, solver, start", DIGESTS, ids=" ".join)
 def test_sweeps_keep_their_bits(name, solver, start):
-    solution = rcr.solve(
-        str(DATA / f"{name}.npz"),
-        solver=solver,
-        tolerance=0,
-        max_iterations=37,
-        warm=start == "warm",
-    )
+    solution = rcr.solve(str(DATA / f"{name}.npz"), solver=solver, tolerance=0, max_iterations=37,
+                         warm=start == "warm")
     assert (
         hashlib.sha1(np.ascontiguousarray(solution.reaction).tobytes()).hexdigest()[:8]
         == DIGESTS[name, solver, start]

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from kernel.contact_problems import assert_laws, assert_same_bits, discs, frictionless, pile
-from rcr import _kernel
 
 UNCHECKED = dict(tolerance=0, check_interval=1_000_000)  # no evaluation returns to doubles
 
@@ -20,8 +19,7 @@ def on_a_plate(problem):
     assert not mass[floor].any()
     mass[floor] = 1e-2 * np.median(mass[mass[:, 0] > 0], axis=0)
     return type(problem)(
-        f"{problem.name}, on a plate", problem.seed, **{**problem, "inverse_mass": mass}
-    )
+        f"{problem.name}, on a plate", problem.seed, **{**problem, "inverse_mass": mass})
 
 
 KINDS = {
@@ -61,27 +59,15 @@ def test_tolerances_are_met_in_doubles(problem, tolerance):
 @pytest.mark.parametrize("kinematic_tolerance", [0.3, 0.1, 0.03])
 def test_kinematic_error_is_that_of_doubles(problem, kinematic_tolerance):
     """Floats stop at the first sweep whose whole velocities meet the tolerance."""
-    cold = type(problem)(
-        f"{problem.name}, cold",
-        problem.seed,
-        **{**problem, "impulse": np.zeros_like(problem["impulse"])},
-    )
+    cold = type(problem)(f"{problem.name}, cold", problem.seed,
+                         **{**problem, "impulse": np.zeros_like(problem["impulse"])})
     for start in (problem, cold):
-        end = start.solve(
-            "nesterov",
-            tolerance=0.9,
-            kinematic_tolerance=kinematic_tolerance,
-            check_interval=1,
-            max_iterations=5000,
-        )
+        end = start.solve("nesterov", tolerance=0.9, kinematic_tolerance=kinematic_tolerance,
+                          check_interval=1, max_iterations=5000)
         assert end["kinematic_error"] <= kinematic_tolerance and end["converged"], start.name
         if end["iterations"] > 0:
-            earlier = start.solve(
-                "nesterov",
-                kinematic_tolerance=kinematic_tolerance,
-                max_iterations=end["iterations"] - 1,
-                **UNCHECKED,
-            )
+            earlier = start.solve("nesterov", kinematic_tolerance=kinematic_tolerance,
+                                  max_iterations=end["iterations"] - 1, **UNCHECKED)
             assert (
                 earlier["kinematic_error"] > 0.999 * kinematic_tolerance
                 or earlier["residual"] > 0.9
@@ -97,11 +83,8 @@ def test_fine_tolerances_are_met_in_doubles():
 def test_a_common_velocity_changes_no_accuracy():
     """Floats hold velocities relative to the reference, so a common velocity cancels."""
     problem = large()
-    moving = type(problem)(
-        f"{problem.name}, moving",
-        problem.seed,
-        **{key: value.copy() for key, value in problem.items()},
-    )
+    moving = type(problem)(f"{problem.name}, moving", problem.seed,
+                           **{key: value.copy() for key, value in problem.items()})
     moving["free_velocity"][:, 0] += 1e5 * np.abs(problem["free_velocity"]).max()
     residuals = [
         p.solve("nesterov", max_iterations=1000, **UNCHECKED)["residual"] for p in (problem, moving)
@@ -113,11 +96,8 @@ def test_a_common_velocity_changes_no_accuracy():
 def test_masses_of_any_size(scale):
     """Numbers out of the range of floats are swept in doubles."""
     problem = large()
-    scaled = type(problem)(
-        f"{problem.name} x {scale:g}",
-        problem.seed,
-        **{key: value.copy() for key, value in problem.items()},
-    )
+    scaled = type(problem)(f"{problem.name} x {scale:g}", problem.seed,
+                           **{key: value.copy() for key, value in problem.items()})
     scaled["inverse_mass"] = problem["inverse_mass"] / scale
     scaled["impulse"] = problem["impulse"] * scale
     result = scaled.solve("nesterov", tolerance=1e-4, max_iterations=20_000)

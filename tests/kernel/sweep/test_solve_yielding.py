@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcr import _kernel, problems
+from rcr import problems
 from kernel.contact_problems import Problem, jacobian_times, velocity
 
 WEDGE = Path(__file__).parents[2] / "data" / "wedge_without_solution.npz"
@@ -31,18 +31,11 @@ def wedge(**changes):
 def vice(v1=1.0, v2=1.0, mass=2.0, mu=0.0):
     """A body between two closing walls: the left one moves at v1, the right one at −v2."""
     still = [0.0, 0, 0]
-    return Problem(
-        "vice",
-        inverse_mass=np.array([still, [1 / mass, 1 / mass, 1 / mass], still]),
-        free_velocity=np.array([[v1, 0, 0], still, [-v2, 0, 0]]),
-        bodies=np.array([[0, 1], [1, 2]], np.int32),
-        normal=np.array([[1.0, 0]] * 2),
-        arm1=np.zeros((2, 2)),
-        arm2=np.zeros((2, 2)),
-        bias=np.zeros(2),
-        friction=np.full(2, mu),
-        impulse=np.zeros((2, 2)),
-    )
+    return Problem("vice", inverse_mass=np.array([still, [1 / mass, 1 / mass, 1 / mass], still]),
+                   free_velocity=np.array([[v1, 0, 0], still, [-v2, 0, 0]]),
+                   bodies=np.array([[0, 1], [1, 2]], np.int32), normal=np.array([[1.0, 0]] * 2),
+                   arm1=np.zeros((2, 2)), arm2=np.zeros((2, 2)), bias=np.zeros(2),
+                   friction=np.full(2, mu), impulse=np.zeros((2, 2)))
 
 
 def kinetic(problem, v):
@@ -55,8 +48,7 @@ def kinetic(problem, v):
 def test_vice_closes_as_in_its_closed_form(solver, compliance):
     problem, (v1, v2), mass = vice(1.0, 0.5), (1.0, 0.5), 2.0
     found = problem.solve(
-        solver, tolerance=1e-8, yield_compliance=compliance, kinematic_tolerance=1e-6
-    )
+        solver, tolerance=1e-8, yield_compliance=compliance, kinematic_tolerance=1e-6)
     p = np.linalg.solve(np.array([[compliance + 1, -1], [-1, compliance + 1]]) / mass, [v1, v2])
     assert found["yielded"] and not found["converged"]
     np.testing.assert_allclose(found["impulse"][:, 0], p, rtol=1e-5)  # error 1e-8/√ε
@@ -131,19 +123,10 @@ def test_only_the_island_without_a_solution_yields():
     """A body beside the vice falls on the floor at 1 m/s and stops."""
     vice_, mass = vice(), 2.0
     problem = Problem(
-        "vice and body", **{name: np.concatenate([vice_[name], vice_[name][:0]]) for name in vice_}
-    )
-    fall = dict(
-        inverse_mass=[[0.0, 0, 0], [1 / mass] * 3],
-        free_velocity=[[0.0, 0, 0], [0, -1.0, 0]],
-        bodies=[[3, 4]],
-        normal=[[0.0, 1]],
-        arm1=[[0.0, 0]],
-        arm2=[[0.0, 0]],
-        bias=[0.0],
-        friction=[0.0],
-        impulse=[[0.0, 0]],
-    )
+        "vice and body", **{name: np.concatenate([vice_[name], vice_[name][:0]]) for name in vice_})
+    fall = dict(inverse_mass=[[0.0, 0, 0], [1 / mass] * 3],
+                free_velocity=[[0.0, 0, 0], [0, -1.0, 0]], bodies=[[3, 4]], normal=[[0.0, 1]],
+                arm1=[[0.0, 0]], arm2=[[0.0, 0]], bias=[0.0], friction=[0.0], impulse=[[0.0, 0]])
     for name, value in fall.items():
         problem[name] = np.concatenate([problem[name], np.array(value, problem[name].dtype)])
     found = problem.solve("auto", yield_compliance=COMPLIANCE)
@@ -179,25 +162,21 @@ def test_contacts_yield_beyond_the_most_impulse():
     problem, speed, mass, compliance = pushed_row(), 1.0, 2.0, 0.1
     found = problem.solve("auto", yield_compliance=compliance, yield_impulse=3.9, tolerance=1e-8)
     p = np.linalg.solve(
-        np.array([[1 + compliance, -1], [-1, 2 * (1 + compliance)]]) / mass, [speed, 0]
-    )
+        np.array([[1 + compliance, -1], [-1, 2 * (1 + compliance)]]) / mass, [speed, 0])
     assert found["yielded"] and not found["converged"]
     np.testing.assert_allclose(found["impulse"][:, 0], p, rtol=1e-6)
 
 
 @pytest.mark.parametrize(
     "recovery, recovered",
-    [([-0.25, 0.0], [0.25, 0.0]), ([-0.25, -5.0], [0.25, 1.0]), ([0.5, 0.5], [0.0, 0.0])],
-)
+    [([-0.25, 0.0], [0.25, 0.0]), ([-0.25, -5.0], [0.25, 1.0]), ([0.5, 0.5], [0.0, 0.0])])
 def test_overlaps_recover_no_faster_than_driven(recovery, recovered):
     """u + b yields, with b = max(recovery, −V) ≤ 0 of an overlap and V = 1."""
     problem, speed, mass, compliance = pushed_row(), 1.0, 2.0, 0.1
     problem["recovery"] = np.array(recovery)
     found = problem.solve("auto", yield_compliance=compliance, yield_impulse=0.5, tolerance=1e-8)
-    p = np.linalg.solve(
-        np.array([[1 + compliance, -1], [-1, 2 * (1 + compliance)]]) / mass,
-        np.array([speed, 0]) + recovered,
-    )
+    p = np.linalg.solve(np.array([[1 + compliance, -1], [-1, 2 * (1 + compliance)]]) / mass,
+                        np.array([speed, 0]) + recovered)
     assert found["yielded"]
     np.testing.assert_allclose(found["impulse"][:, 0], p, rtol=1e-6)
 
@@ -205,8 +184,7 @@ def test_overlaps_recover_no_faster_than_driven(recovery, recovered):
 @pytest.mark.parametrize(
     "settings",
     [dict(yield_compliance=0.1, yield_impulse=4.1), dict(yield_compliance=0, yield_impulse=1.0)],
-    ids=["less", "never"],
-)
+    ids=["less", "never"])
 def test_smaller_impulses_keep_their_bits(settings):
     found, rigid = pushed_row().solve("auto", **settings), pushed_row().solve("auto")
     assert rigid["converged"] and not found["yielded"]
@@ -232,20 +210,11 @@ def test_overlaps_that_open_are_no_wedge(push):
     free = np.zeros((bodies + 1, 3))
     free[bodies, 0] = -push
     rows = np.stack([np.arange(bodies), np.arange(1, bodies + 1)], axis=1).astype(np.int32)
-    problem = Problem(
-        "row",
-        inverse_mass=inverse,
-        free_velocity=free,
-        bodies=rows,
-        normal=np.tile([1.0, 0], (bodies, 1)),
-        arm1=np.zeros((bodies, 2)),
-        arm2=np.zeros((bodies, 2)),
-        bias=np.full(bodies, -speed),
-        friction=np.zeros(bodies),
-        impulse=np.zeros((bodies, 2)),
-    )
+    problem = Problem("row", inverse_mass=inverse, free_velocity=free, bodies=rows,
+                      normal=np.tile([1.0, 0], (bodies, 1)), arm1=np.zeros((bodies, 2)),
+                      arm2=np.zeros((bodies, 2)), bias=np.full(bodies, -speed),
+                      friction=np.zeros(bodies), impulse=np.zeros((bodies, 2)))
     found = problem.solve(
-        "auto", tolerance=1e-9, max_iterations=20_000, yield_compliance=COMPLIANCE
-    )
+        "auto", tolerance=1e-9, max_iterations=20_000, yield_compliance=COMPLIANCE)
     assert not found["yielded"] and found["converged"]
     np.testing.assert_allclose(found["velocity"][:, 0], speed * np.arange(bodies + 1), rtol=1e-4)

@@ -78,14 +78,8 @@ def test_the_mean_force_alone_suffices():
     ), "must be less than the setting"
     assert sweeps(0.9, 0.9, change, check_interval=1, max_iterations=30) == 30
     assert (
-        sweeps(
-            0.9,
-            0.9,
-            lambda sweep: math.nan,
-            check_interval=1,
-            mean_force_change=1e-3,
-            max_iterations=30,
-        )
+        sweeps(0.9, 0.9, lambda sweep: math.nan, check_interval=1, mean_force_change=1e-3,
+               max_iterations=30)
         == 30
     )
 

@@ -11,8 +11,7 @@ def test_reaches_the_tolerance_and_reports_it(make, solver):
     problem = make().cold()
     tolerance = 1e-4 if solver == "nesterov" else 1e-3
     assert_laws(
-        problem, problem.solve(solver, tolerance=tolerance, max_iterations=20000), tolerance
-    )
+        problem, problem.solve(solver, tolerance=tolerance, max_iterations=20000), tolerance)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.6])
@@ -42,8 +41,7 @@ def test_lanes_and_threads_change_no_bit(make, solver):
     for lanes in (1, 4, 8):
         for threads in (1, 2, 4):
             other = problem.solve(
-                solver, tolerance=0, max_iterations=35, lanes=lanes, threads=threads
-            )
+                solver, tolerance=0, max_iterations=35, lanes=lanes, threads=threads)
             for key in ("impulse", "velocity", "residual", "kinematic_error"):
                 differ = np.flatnonzero(np.asarray(other[key]) != np.asarray(first[key]))
                 assert not len(differ), f"{problem.name}: {key}, {lanes} lanes, {threads} threads"
@@ -67,17 +65,10 @@ def test_body_with_more_contacts_than_colours():
     v = np.zeros((count + 1, 3))
     v[1:, :2] = -0.1 * normal + 0.01
     problem = Problem(
-        "hub",
-        inverse_mass=m,
-        free_velocity=v,
+        "hub", inverse_mass=m, free_velocity=v,
         bodies=np.column_stack([np.zeros(count), np.arange(1, count + 1)]).astype(np.int32),
-        normal=normal,
-        arm1=3 * normal,
-        arm2=-0.5 * normal,
-        bias=np.zeros(count),
-        friction=np.full(count, 0.4),
-        impulse=np.zeros((count, 2)),
-    )
+        normal=normal, arm1=3 * normal, arm2=-0.5 * normal, bias=np.zeros(count),
+        friction=np.full(count, 0.4), impulse=np.zeros((count, 2)))
     for solver in SWEEPS:
         assert_laws(problem, problem.solve(solver, tolerance=1e-6, max_iterations=5000), 1e-6)
 
@@ -85,11 +76,9 @@ def test_body_with_more_contacts_than_colours():
 def test_stop_criteria():
     problem = pile(2, 30, 12)
     loose = problem.solve(
-        tolerance=0.5, max_iterations=5000, check_interval=1, kinematic_tolerance=np.inf
-    )
+        tolerance=0.5, max_iterations=5000, check_interval=1, kinematic_tolerance=np.inf)
     tight = problem.solve(
-        tolerance=0.5, max_iterations=5000, check_interval=1, kinematic_tolerance=1e-4
-    )
+        tolerance=0.5, max_iterations=5000, check_interval=1, kinematic_tolerance=1e-4)
     assert loose["kinematic_error"] > 1e-4 >= tight["kinematic_error"] and tight["converged"], (
         loose["kinematic_error"],
         tight["kinematic_error"],
@@ -97,8 +86,7 @@ def test_stop_criteria():
     assert tight["iterations"] > loose["iterations"]
     assert problem.solve(tolerance=0.5, min_iterations=77)["iterations"] >= 77
     mean_force = problem.solve(
-        "nlgs", tolerance=0, max_iterations=5000, check_interval=1, mean_force_change=1e-3
-    )
+        "nlgs", tolerance=0, max_iterations=5000, check_interval=1, mean_force_change=1e-3)
     assert mean_force["converged"] and 1 < mean_force["iterations"] < 5000
     stuck = problem.solve("nlgs", tolerance=1e-300, max_iterations=20000, stall_sweeps=50)
     assert not stuck["converged"] and stuck["iterations"] < 20000

@@ -163,11 +163,9 @@ def test_ladder_against_a_smooth_wall(theta, factor):
     critical = brentq(lambda t: a * math.cos(t) - mu * (r + 2 * a * math.sin(t)), 0.1, 1.6)
     assert abs(critical - theta) < 2e-3
     assert abs(math.tan(critical) - 1 / (2 * mu)) < r / a * (1 + 1 / mu)
-    *_, ladder = build(
-        rcr.wall("y", 0, material=material(mu)),
-        rcr.wall("x", a * math.cos(theta) + r, material=material(0)),
-        stadium(a, r, (0, r + a * math.sin(theta)), theta, material=material(10)),
-    )
+    *_, ladder = build(rcr.wall("y", 0, material=material(mu)),
+                       rcr.wall("x", a * math.cos(theta) + r, material=material(0)),
+                       stadium(a, r, (0, r + a * math.sin(theta)), theta, material=material(10)))
     steps(5)
     slips = theta < critical
     assert slips == (factor < 1)

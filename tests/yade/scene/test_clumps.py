@@ -5,17 +5,11 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import ALL_IG2, build, material, smooth, steps, velocity
+from scenes import build, material, smooth, steps, velocity
 from yade import O
 from yade.wrapper import ForceEngine
 
 G = 9.81
-
-
-def scene(*obstacles, **options):
-    ids = build(*obstacles, **options)
-    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in ALL_IG2]
-    return ids
 
 
 def two_discs(center, angle, m, R=0.1, **options):
@@ -25,7 +19,7 @@ def two_discs(center, angle, m, R=0.1, **options):
 
 
 def test_mass_and_inertia_of_two_discs():
-    scene()
+    build()
     m = material(density=2000)
     clump, members = two_discs((1, 2), 0.3, m)
     s, disc = O.bodies[clump].state, 2000 * math.pi * 0.01
@@ -37,7 +31,7 @@ def test_mass_and_inertia_of_two_discs():
 
 def test_union_of_overlapping_members_is_counted_once():
     """Discs side by side along the core of an Rcr approach its area and moment from below."""
-    scene()
+    build()
     m = material()
     grain = rcr.particle((0, 0), 0.3, 0.6, angle=0.4, material=m)
     a, r = grain.shape.halfLength, grain.shape.capRadius
@@ -49,7 +43,7 @@ def test_union_of_overlapping_members_is_counted_once():
 
 
 def test_falls_freely():
-    scene()
+    build()
     clump, members = two_discs((0, 0), 0.3, material())
     O.bodies[clump].state.angVel = (0, 0, 2)
     steps(100)
@@ -70,7 +64,7 @@ def test_an_upright_pair_topples_over_its_lower_disc(law):
     tilt = 0.2
     center = (0.1 * math.sin(tilt), 0.1 + 0.1 * math.cos(tilt))
     if law == "rigid":
-        scene(floor, dt=1e-4)
+        build(floor, dt=1e-4)
     else:
         smooth(floor)
         O.dt = 2e-5
@@ -93,7 +87,7 @@ def test_glued_into_an_rcr_falls_as_the_rcr():
     """
     def fall(make):
         m = material(friction=0.5)
-        scene(rcr.wall("y", 0, material=m), dt=2e-4)
+        build(rcr.wall("y", 0, material=m), dt=2e-4)
         moving = make(m)
         steps(2500)
         s = O.bodies[moving].state
@@ -120,7 +114,7 @@ def test_glued_into_an_rcr_falls_as_the_rcr():
 
 def test_forces_on_members_are_loads_of_the_clump():
     m = material()
-    scene(rcr.wall("y", 0, material=m), gravity=(0, 0, 0))
+    build(rcr.wall("y", 0, material=m), gravity=(0, 0, 0))
     clump, members = two_discs((0, 0.1), 0, m)
     engine_list = list(O.engines)
     O.engines = [*engine_list[:3], ForceEngine(force=(0, -100, 0), ids=members), *engine_list[3:]]
@@ -133,7 +127,7 @@ def test_forces_on_members_are_loads_of_the_clump():
 
 def test_a_pile_of_clumps_rests_and_reloads_to_the_same_bits(tmp_path):
     m = material()
-    scene(rcr.wall("y", 0, material=m), rcr.wall("x", -1, material=m), rcr.wall("x", 1, material=m))
+    build(rcr.wall("y", 0, material=m), rcr.wall("x", -1, material=m), rcr.wall("x", 1, material=m))
     rng = np.random.default_rng(1)
     for k in range(20):
         at = np.array([-0.6 + 0.4 * (k % 4), 0.2 + 0.4 * (k // 4)])

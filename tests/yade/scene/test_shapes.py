@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import rcr
 from rcr.frame import Frame
-from scenes import ALL_IG2, build, material, smooth, steps, velocity
+from scenes import build, material, smooth, steps, velocity
 from yade import O, utils
 
 G = 9.81
@@ -18,12 +18,6 @@ FLOORS = {
 }
 GRAINS = {"Sphere": lambda at, m: rcr.disc(at, 0.1, material=m), "Rcr": lambda at,
           m: rcr.particle(at, 0.1, 0, material=m)}
-
-
-def rigid(*bodies, **options):
-    ids = build(*bodies, **options)
-    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in ALL_IG2]
-    return ids
 
 
 def test_disc_has_mass_and_inertia_of_a_disc():
@@ -40,7 +34,7 @@ def test_disc_has_mass_and_inertia_of_a_disc():
 @pytest.mark.parametrize("grain", GRAINS)
 def test_a_grain_comes_to_rest_on_every_floor(floor, grain):
     m = material()
-    _, top = rigid(FLOORS[floor](m), GRAINS[grain]((0.02, 0.25), m))
+    _, top = build(FLOORS[floor](m), GRAINS[grain]((0.02, 0.25), m))
     steps(600)
     assert O.bodies[top].state.pos[1] == pytest.approx(0.1, abs=1e-5)
     assert np.abs(velocity(top)).max() < 1e-8
@@ -53,7 +47,7 @@ def test_spheres_and_rcrs_of_one_size_do_the_same(floor):
 
     def run(kinds):
         m = material()
-        ids = rigid(FLOORS[floor](m), *[GRAINS[kind](at, m) for at, kind in zip(places, kinds)])
+        ids = build(FLOORS[floor](m), *[GRAINS[kind](at, m) for at, kind in zip(places, kinds)])
         steps(60)
         return np.array([[*O.bodies[i].state.pos, *velocity(i)] for i in ids[1:]])
 
@@ -78,7 +72,7 @@ def test_a_disc_rolls_over_a_joint_of_facets_not_under_it():
              for x in (-2, -1, 0, 1)]
     floor += [utils.facet([(x + 1, 0, 1), (x + 1, 0, -1), (x, 0, 1)], material=m)
               for x in (-2, -1, 0, 1)]
-    ids = rigid(*floor, rcr.disc((-1.5, 0.1), 0.1, material=m, velocity=(1, 0),
+    ids = build(*floor, rcr.disc((-1.5, 0.1), 0.1, material=m, velocity=(1, 0),
                                  angular_velocity=-10))
     steps(2000)
     assert O.bodies[ids[-1]].state.pos[0] == pytest.approx(0.5, abs=2e-3)
@@ -90,14 +84,14 @@ def test_facet_turned_as_a_slope():
     smoothly = material(friction=0)
     slope = utils.facet([(-3, 3, -1), (3, -3, -1), (0, 0, 1)], material=smoothly)
     at = 0.1 * math.sqrt(0.5)
-    _, grain = rigid(slope, rcr.disc((at, at), 0.1, material=smoothly))
+    _, grain = build(slope, rcr.disc((at, at), 0.1, material=smoothly))
     steps(200)
     assert O.bodies[grain].state.vel[0] == pytest.approx(G / 2 * 0.2, rel=1e-6)
 
 
 def test_f11_fast_free_disc_does_not_tunnel():
     m = material()
-    _, disc = rigid(FLOORS["Box"](m), rcr.disc((0, 5), 0.1, material=m, velocity=(0, -400)))
+    _, disc = build(FLOORS["Box"](m), rcr.disc((0, 5), 0.1, material=m, velocity=(0, -400)))
     steps(40)
     assert O.bodies[disc].state.pos[1] > 0.09
 
@@ -106,14 +100,14 @@ def test_f11_spinning_box_meets_what_it_sweeps():
     m = material()
     box = utils.box((0, 0, 0), (1, 0.1, 1), material=m, fixed=True)
     box.state.angVel = (0, 0, 20)
-    _, disc = rigid(box, rcr.disc((0.8, 0.5), 0.1, material=m), gravity=(0, 0, 0), dt=5e-3)
+    _, disc = build(box, rcr.disc((0.8, 0.5), 0.1, material=m), gravity=(0, 0, 0), dt=5e-3)
     steps(40)
     assert O.bodies[disc].state.vel.norm() > 5
 
 
 def test_bound_of_a_stock_sphere_functor_looks_ahead():
     m = material()
-    rigid(FLOORS["Wall"](m), rcr.disc((0, 0.1), 0.1, material=m))
+    build(FLOORS["Wall"](m), rcr.disc((0, 0.1), 0.1, material=m))
     O.step()
     assert [type(f).__name__ for f in O.engines[1].boundDispatcher.functors].count(
         "Bo1_Disc_Aabb") == 1

@@ -13,11 +13,9 @@ CAMPAIGN = os.path.join(os.path.dirname(__file__), *[".."] * 3, "scripts", "camp
 SMALL = ["--particles", "60", "--etas", "0.5", "--seeds", "2", "--strain", "0.04"]
 
 needs_snakemake = pytest.mark.skipif(
-    not shutil.which("snakemake"), reason="the optional package snakemake is not installed"
-)
+    not shutil.which("snakemake"), reason="the optional package snakemake is not installed")
 needs_environment = pytest.mark.skipif(
-    "YADE_RCR_WAY" not in os.environ, reason="needs the environment of scripts/test"
-)
+    "YADE_RCR_WAY" not in os.environ, reason="needs the environment of scripts/test")
 
 
 def campaign(out, *arguments):

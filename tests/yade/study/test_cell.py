@@ -40,11 +40,9 @@ def test_shear_without_inertia_keeps_its_stress():
     test.compact()
     lateral = []
     rows = test.shear(
-        "biaxial",
-        0.02,
+        "biaxial", 0.02,
         lambda test, row: lateral.append(test.stress[0, 0] / PROTOCOL.confining_stress),
-        every=0.004,
-    )
+        every=0.004)
     assert lateral == pytest.approx([1] * 5, abs=0.01) and (rows["sin_phi"] > 0.2).all()
     assert test.solver.deepestOverlap < 5e-3 and test.solver.yieldedSteps == 0
 

@@ -28,11 +28,8 @@ namespace RCR_LANE_NAMESPACE {
 			return a;
 		}
 
-		void apply(LaneOperation operation,
-		        const double*    a,
-		        const double*    b,
-		        const double*    c,
-		        double*          out)
+		void apply(LaneOperation operation, const double* a, const double* b, const double* c,
+		        double* out)
 		{
 			for (int lane = 0; lane < blockWidth; lane += RCR_LANES)
 				result(operation, L::load(a + lane), L::load(b + lane), L::load(c + lane))

@@ -7,17 +7,7 @@
 namespace rcr {
 
 enum class LaneOperation {
-	add,
-	subtract,
-	multiply,
-	divide,
-	addProduct,
-	subtractProduct,
-	min,
-	max,
-	abs,
-	copySign,
-	select,
+	add, subtract, multiply, divide, addProduct, subtractProduct, min, max, abs, copySign, select,
 	zeroWhere
 };
 

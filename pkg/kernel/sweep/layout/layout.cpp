@@ -1,7 +1,6 @@
 #include "sweep/layout/layout.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "parallel/thread_team.hpp"
 
