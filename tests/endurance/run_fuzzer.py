@@ -306,8 +306,10 @@ def set_engines(scene, grains):
         command, period = f"import run_fuzzer; run_fuzzer.happen({k})", event["every"] or 10**9
         runner = w.PyRunner(command=command, firstIterRun=event["at"], iterPeriod=period)
         solver = next(n for n, e in enumerate(engines) if type(e).__name__ == "ContactDynamics")
+        # YADE replays a force that is added after the integrator when bodies are inserted later
+        late_push = event["event"] == "push" and event["place"] == "last"
         place = dict(zip(PLACES, [0, solver, solver + 1, len(engines)]))
-        engines.insert(place[event["place"]], runner)
+        engines.insert(place["after solver" if late_push else event["place"]], runner)
     O.engines = engines
 
 

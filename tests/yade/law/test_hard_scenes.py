@@ -15,9 +15,6 @@ SHORTENED = dict(s18_creep=10.0, s19_tall_stack=3.0)  # seconds of simulated tim
 # Known failures, with their figures in docs/hard-scenes.md; update both when a test of these fails.
 FAILS = {"s19_disc_pyramid": "rest and collapse both satisfy the laws, and ours collapses"}
 
-FAILS_AT_TEN = {"s10_shuffled": "grains that fall by more than a radius a step pass each other: "
-                "pushes harder than an elastic bounce, which gave energy, are none"}
-
 
 def parameters(fails):
     """The scenes as parameters; `fails` holds those that fail, with the reason."""
@@ -39,7 +36,7 @@ def test_scene_keeps_its_bound(name):
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
 
 
-@pytest.mark.parametrize("name", parameters(FAILS_AT_TEN))
+@pytest.mark.parametrize("name", parameters(fails={}))
 def test_scene_is_stable_at_ten_time_steps(name):
     result = run(name, dt=COARSE)
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
