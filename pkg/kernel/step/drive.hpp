@@ -2,23 +2,23 @@
 //
 // A rigid contact bears any impulse that a driven body of speed V causes. In a wedge, impulses are
 // bounded by the geometry alone, and grains are ejected at many times V, where springs would have
-// yielded. The drive, the motion of the grains and the loads account for these impulses on one of
-// the rows of r of the N free bodies:
+// yielded. The drive, the motion of the grains and the loads account for these impulses. The N
+// free bodies form rows of r bodies; one row sets the scale:
 //
 //   momentum   P = r/N Σ m (V + |v_free|)
 //   loads      L = r/N Σ m |v_free − v⁻|
 //
-// with r = max(√N, number of bodies that the drive reaches one through the other over contacts).
+// with r = max(√N, contacts in the chain from the drive to the farthest body).
 //
 // In a step without a solution, contacts yield (solve_yielding.cpp). A contact of the mean mass m̄
 // that closes at V then bears P + 10 L:
 //
 //   ε = V m̄/(P + 10 L) ≤ 1/r
 //
-// A contact that responds less than w₀ = 0.1/m̄ closes as one with this response: no contact bears
-// more than ten times P + 10 L. So loads alone close contacts by a small part of V, and forces do not depend on the time step. A
-// driven step with a contact beyond 3 P + 200 L yields although it has a rigid solution: a row that
-// is struck bears P, a contact in sheared packings up to 40 L.
+// A contact with w_nn < w₀ = 0.1/m̄ yields as if w_nn = w₀, so it bears at most ten times P + 10 L.
+// Loads alone close contacts by a small part of V, and forces do not depend on the time step. A
+// driven step with a contact beyond 3 P + 200 L yields although it has a rigid solution: a struck
+// row bears P, a contact in a sheared packing up to 40 L.
 //
 // | symbol       | field       | unit | meaning                                                        |
 // |--------------|-------------|------|----------------------------------------------------------------|

@@ -3,20 +3,19 @@
 // The law describes a contact by its tangent plane at the beginning of the step: g + dt u_n ≥ 0.
 // The gap at the end differs from this by the curvature of the path, about s²/2ρ for a relative
 // displacement s. A disc that passes a corner would be deflected by a plane that it never meets,
-// and a spinning rod would end inside a body. For large displacements the gap is therefore measured
-// at the displaced positions. Its difference from the plane enters the bias, and the step is solved
+// and a spinning rod would end inside a body. After each solve, the gap of a large displacement is
+// therefore measured at four times of the step. Let c be its difference from the plane at the end.
+// If the gap ends below the overlap of the beginning, c enters the bias, and the step is solved
 // again:
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
-// The bias is at least min(0, u_n⁻), so that the contact pushes no harder than an elastic bounce.
-// separation.hpp removes the overlap that is left. (With the bound e u_n⁻, a rod that rolls over a
-// disc would lose twice the energy.)
+// The bias is at least min(0, u_n⁻), so the contact pushes no harder than an elastic bounce (u_n⁻:
+// normal velocity before the step). separation.hpp removes the overlap that is left.
 //
-// A contact is released (its bias is raised) if its gap stays open along the path by more than 2 %
-// of the slop. If it bore a force when the step began, the gap must stay open by half the slop, and
-// by 1 % of its closing path. With restitution only the first condition holds, since a contact that
-// holds a bouncing body takes its energy.
+// A loaded contact whose gap stays open along the path is released: its bias is raised by twice its
+// smallest gap. The gap must exceed 2 % of the slop. Without restitution it must also exceed 1 % of
+// its closing path, and half the slop if the contact bore a force when the step began.
 //
 // A bounce is cancelled if the bodies do not meet on their paths at the initial velocities.
 //
@@ -68,13 +67,13 @@ Manifold pointsAfter(const Step& step, const StepContact& c, double time, Veloci
 /// Contact points after `time` at the solved velocities.
 Manifold solvedPointsAfter(const Step&, const StepContact&, double time);
 
-/// A body has passed through the other one up to `time`, when its contact points are `now`. Else it
-/// is on its side, or has moved round it. Bisection in time: the normal turns gradually round a body
-/// and flips across it.
+/// A body has passed through the other one up to `time`, when its contact points are `now`.
+/// Otherwise it is on its original side, or has moved around the other body. Bisection in time: the
+/// normal turns gradually around a body and flips across it.
 bool passedThrough(const Step&, const StepContact&, const Manifold& now, double time);
 
 /// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias
-/// changed. `allowRelease`: contacts that the path does not need may be released.
+/// changed. `allowRelease`: contacts whose gap stays open along the path may be released.
 bool adaptToDisplacement(Step&, const StepContact&, bool allowRelease);
 
 /// Cancels bounces of a contact whose bodies do not meet at the initial velocities. Returns true if

@@ -1,4 +1,4 @@
-// Bias b_n of a point at the beginning of a step, and restitution that would add energy.
+// Sets the bias b_n of a point. Lowers restitution that would add energy.
 //
 //   b_n = g/dt    open gap: it may close within the step
 //   b_n = e u_n⁻  a bounce within the step: Newton's rule with the coefficient e
@@ -11,12 +11,12 @@
 //
 //   ΔE = ½ Σ p · (u + u⁻)
 //
-// over its points. Without restitution it falls by about L = ½ Σ p_n |u_n⁻| / (1 + e) over the
-// points that bounce. The restitution of all its points is lowered by the factor L / (L + 3/2 ΔE)
-// until ΔE ≤ 0. Two bounces of one body in one step may have no solution. Their restitution is
-// lowered to what the gaps allow. A contact that pushes because of a large displacement is treated
-// as one that bounces. Source: Newton's rule after Moreau 1999; Kane and Levinson 1985
-// (its energy).
+// over its points. With e = 0 the collision loses about the energy L = ½ Σ p_n |u_n⁻| / (1 + e)
+// over the points that bounce. The restitution of all its points is multiplied by L / (L + 3/2 ΔE)
+// until ΔE ≤ 0. The law may have no solution if one body bounces twice in a step. The restitution
+// of both is then lowered to what the gaps allow. A contact that pushes because of a large
+// displacement is treated as one that bounces. Source: Newton's rule after Moreau 1999; Kane and
+// Levinson 1985 (its energy).
 #pragma once
 
 #include "step/step.hpp"
@@ -35,19 +35,19 @@ double lawBias(double gap, double restitution, double dt, NormalVelocity normalV
 	return gap > 0 ? gap / dt : 0;
 }
 
-/// Lowers the restitution of a contact of the solved step whose points add energy. Returns true if
+/// Lowers the restitution of a contact if its points add energy in the solved step. Returns true if
 /// a bias changed.
 bool restrainBounce(Step&, const StepContact&);
 
-/// In a step without a solution, lowers bounces to the velocities reached; `plastic`: to none.
-/// Returns true if a bias changed.
+/// In a step without a solution, lowers each rebound velocity to the solved one; `plastic`: removes
+/// the rebound. Returns true if a bias changed.
 bool lowerBounces(Step&, bool plastic);
 
 /// Makes all bounces plastic. Without them, no step adds energy.
 void removeBounces(Step&);
 
-/// Lowers the restitution of collisions that add energy; `plastic`: to 0. `tolerance`: of the solver
-/// [-]. Returns true if a bias changed.
+/// Lowers the restitution of collisions that add energy; `plastic`: to 0. `tolerance`: of the
+/// solver [-]. Returns true if a bias changed.
 bool restrainCollisions(Step&, bool plastic, double tolerance);
 
 } // namespace rcr

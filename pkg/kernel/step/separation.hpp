@@ -1,23 +1,25 @@
-// Removes the overlaps at the end of a step that curved paths leave.
+// Curved paths leave overlaps at the end of a step. This file removes them.
 //
-// The velocities of a step satisfy the law at the tangent planes of its beginning. A rod that is
-// spun up in the step rolls over the body that it touches and then ends inside it, by the curvature
-// s²/2ρ of its path. A velocity that avoids this would make the contact an elastic bounce. Bodies
-// are instead displaced, without a change of velocity, until no contact overlaps more than at the
-// beginning of the step:
+// The velocities of a step satisfy 0 ≤ u_n + b_n ⟂ p_n ≥ 0 at the tangent planes of its beginning
+// (contact_problem.hpp). A rod that is spun up in the step rolls over the body that it touches. It
+// then ends inside that body, by the curvature s²/2ρ of its path (large_displacements.hpp). A
+// velocity that avoids this overlap would rebound like an elastic collision. Bodies are instead
+// displaced by δ, without a change of velocity, until
 //
-//   g(x + dt v + δ) ≥ min(g, 0) − slop        for all contacts of bodies that are displaced
+//   g(x + dt v + δ) ≥ α min(g(x), 0) − slop        at all contacts of bodies with δ ≠ 0
 //
-// This is solved by nonlinear Gauss–Seidel, in the metric of the masses, with gaps detected at the
-// displaced positions. Contacts of displaced bodies join the system. Source: position solver of
-// Box2D (Catto 2011); Cline and Pai 2003 (post-stabilization).
+// α = 1/2 for large displacements, else 1. Overlaps below 10 slops start no displacement. Nonlinear
+// Gauss–Seidel solves this in the metric of the masses, with gaps detected at the displaced
+// positions, in at most 200 sweeps. A contact counts as solved within one slop. In a step with
+// large displacements, contacts that close beyond 10 slops by the tolerance of the solver are
+// included. Source: position solver of Box2D (Catto 2011); Cline and Pai 2003 (post-stabilization).
 #pragma once
 
 #include "step/step.hpp"
 
 namespace rcr {
 
-/// Adds the displacements of bodies to step.displacement, if `displace` is true. Returns the deepest overlap at the end of
+/// Adds δ to step.displacement if `displace` is true. Returns the deepest overlap at the end of
 /// the step over R₁ + R₂ [-], of contacts with a large displacement and of displaced bodies; 1 and
 /// no displacements if a body has passed through another one.
 double separate(Step&, bool displace);

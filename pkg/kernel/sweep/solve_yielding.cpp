@@ -1,18 +1,20 @@
 // A step without a solution: contacts yield.
 //
-//   the contact laws between p and u + ε' W p,   W = Delassus block of the point
-//   ε' = ε max(1, w₀/w_nn)
+// The contact laws hold for u' = u + ε' W p in place of u:
+//
+//   ε' = ε max(1, w₀/w_nn),   W = Delassus block of the point (components w_nn, w_nt, w_tt)
 //
 // Existence: let A = J M⁻¹Jᵀ ≥ 0 and u' = (A + ε' W) p + q. Then p · u' = −µ p_n |u'_t| ≤ 0 bounds
 // the impulses, ε' pᵀWp ≤ −pᵀq. So a solution exists for any motion of driven bodies.
-// Energy: p · u = p · u' − ε' pᵀWp ≤ 0, so contacts add none.
-// A driven body that can only turn has a singular block, W = j jᵀ/I: its points yield without friction.
+// Energy: p · u = p · u' − ε' pᵀWp ≤ 0, so contacts add no energy.
+// A driven body that can only turn has a singular block, W = j jᵀ/I: its points yield without
+// friction.
 // Forces: a point closes at ε max(w_nn, w₀) p_n. Without w₀, a driven body that may turn would bear
-// any force at a contact whose lever is tiny. A wedged body shares the imposed motion among its contacts,
-// as dashpots of mass 1/w_nn and time ε dt would. The solution of one point is 1/(1 + ε') of the
-// rigid one, because the laws are homogeneous. Sweeps with momentum converge in about 1/√ε sweeps.
-// Overlaps are corrected no faster than the driven motion, so the force of a contact grows with its
-// overlap, as with springs.
+// any force at a contact whose lever is tiny. A wedged body shares the imposed motion among its
+// contacts, as dashpots with the coefficient 1/(ε' w_nn dt) would. The solution of one point is
+// 1/(1 + ε') of the rigid one, because the laws are homogeneous. Sweeps with momentum converge in
+// about 1/√ε sweeps. Overlaps are corrected no faster than the driven motion, so the force of a
+// contact grows with its overlap, as with springs.
 // Source: Acary, Cadoux, Lemaréchal and Malick 2011 (existence); Castro et al. 2022 (near-rigid
 // regime of a convex relative).
 #include "problem/coulomb.hpp"
