@@ -26,7 +26,7 @@ class Protocol:
     density: float = 2600.0  # mass density of grains [kg/m³]
     confining_stress: float = 1e4  # σ₀ on the right and the top wall [Pa]
     deposited_fraction: float = 0.82  # packing fraction of the deposited circles [-]
-    possible_fractions: tuple = (0.2, 1.5)  # packing fractions of a test that has not blown up [-]
+    possible_fractions: tuple = (0.5, 1.5)  # packing fractions of a test that has not blown up [-]
 
     # Collapse: homogeneous contraction until the contacts carry the load
     max_contraction: float = 0.005  # strain of a step, at most [-]
