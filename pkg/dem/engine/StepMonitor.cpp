@@ -7,6 +7,7 @@
 
 #include "dem/validation/validation.hpp"
 #include "kernel/parallel/thread_team.hpp"
+#include "kernel/step/energy.hpp"
 
 namespace yade {
 
@@ -115,20 +116,13 @@ int firstNotFinite(const rcr::Step& step)
 
 void checkEnergy(const rcr::Step& step, long number)
 {
-	double       gain = 0, kinetic = 0, farthest = 0;
+	double       kinetic = 0, farthest = 0;
 	std::size_t  fastest = 0;
 	const auto&  problem = step.problem;
 	const auto   twice   = [](const rcr::Twist& v, const rcr::InverseMass& inverse) {
         const auto part = [](double v, double w) { return w > 0 ? v * v / w : 0; };
         return part(v.x, inverse.x) + part(v.y, inverse.y) + part(v.rotation, inverse.rotation);
 	};
-	for (std::size_t k = 0; k < problem.points.size(); ++k) {
-		const rcr::ContactPoint& c = problem.points[k];
-		const rcr::Impulse       u = relativeVelocity(c, step.bodies[c.body1].velocity,
-                                     step.bodies[c.body2].velocity)
-		        + relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
-		gain += 0.5 * (problem.impulse[k].n * u.n + problem.impulse[k].t * u.t);
-	}
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const rcr::StepBody& body = step.bodies[id];
 		if (problem.driven(int(id))) return;
@@ -139,7 +133,8 @@ void checkEnergy(const rcr::Step& step, long number)
 		const double path = step.dt * speed(body.velocity, body.radius) / body.radius;
 		if (path > farthest) farthest = path, fastest = id;
 	}
-	if (!(gain > kinetic)) return;
+	const rcr::StepEnergy energy = stepEnergy(step, {}, {});
+	if (!(-energy.friction - energy.impact > kinetic)) return;
 	throw std::runtime_error("ContactDynamics: step " + std::to_string(number)
 	        + " has not converged, and its contacts would more than double the kinetic energy. Body #"
 	        + std::to_string(fastest) + " moves " + validation::shortText(farthest)

@@ -37,8 +37,8 @@ Manifold solvedPointsAfter(const Step& step, const StepContact& c, double time)
 
 bool passedThrough(const Step& step, const StepContact& contact, const Manifold& now, double time)
 {
-	constexpr int halvings     = 10;
-	const Vec2    normalBefore = step.problem.points[contact.first].normal;
+	constexpr int halvings = 10;
+	const Vec2 normalBefore = step.problem.points[contact.first].normal;
 	if (now.count == 0 || dot(now.points[0].normal, normalBefore) > 0) return false;
 	Vec2   normalAfter = now.points[0].normal;
 	double before = 0, after = time;
@@ -62,6 +62,10 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 	Manifold     at[samples];
 	for (int sample = 0; sample < samples; ++sample)
 		at[sample] = solvedPointsAfter(step, contact, dt * (sample + 1) / samples);
+	int last = samples; // the last sample at which the body is on this side
+	while (last > 0 && passedThrough(step, contact, at[last - 1], dt * last / samples))
+		--last;
+	if (last == 0) return false; // no sample is on this side, so the gaps are unknown
 	bool changed = false;
 	for (int k = 0; k < contact.count; ++k) {
 		const int     number = contact.first + k;
@@ -74,10 +78,6 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		double        least  = infinity;
 		for (const Manifold& now : at)
 			least = std::min(least, gapOf(now, k, contact.count, c.normal));
-		int last = samples; // the last sample at which the body is on this side
-		while (last > 0 && passedThrough(step, contact, at[last - 1], dt * last / samples))
-			--last;
-		if (last == 0) continue; // no sample is on this side, so the gap is unknown
 		const double share = double(last) / samples,
 		             end   = gapOf(at[last - 1], k, contact.count, c.normal);
 		// the contact has moved round the body; `separate` removes its overlap
