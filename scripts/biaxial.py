@@ -5,7 +5,8 @@ Run it with YADE:
 scripts/yade-rcr -n -x scripts/biaxial.py --eta 0.5 --particles 400 --strain 0.1 --out out
 
 It writes DIR/summary.json, DIR/history.csv, DIR/isotropic.h5, DIR/network-*.h5 and DIR/run.json
-with the parameters. --resume continues from DIR/checkpoint.yade.gz. Ctrl-C ends the test after a
+with the parameters. A test that jams goes back to the saved network before the last one, and repeats
+that part of the shear with a smaller time step. --resume continues from DIR/checkpoint.yade.gz. Ctrl-C ends the test after a
 checkpoint; after a kill the last checkpoint remains.
 """
 
@@ -19,11 +20,11 @@ from tqdm import tqdm
 
 from rcr import _files as files, _results as results, script
 from rcr.study.biaxial import Biaxial
-from rcr.study.checkpoint import CHECKPOINT
+from rcr.study.checkpoint import CHECKPOINT, STATES
 from rcr.study.protocol import FREE_PARAMETERS, PROTOCOL, check_parameters
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
-MADE = ["summary.json", CHECKPOINT, "history.csv", "isotropic.h5", "network-*.h5"]
+MADE = ["summary.json", CHECKPOINT, STATES, "history.csv", "isotropic.h5", "network-*.h5"]
 DEFAULT_RATE = dict(
     inertial_number=PROTOCOL.inertial_number, time_step=PROTOCOL.time_step,
     approach=0.0, overdamped=False,
@@ -126,12 +127,32 @@ class Checkpoints:
         self.test, self.folder, self.stop = test, folder, stop
         self.next = time.monotonic() + CHECKPOINT_SECONDS
 
-    def save(self):
-        """Write a checkpoint now."""
+    def save(self, state=False):
+        """Write a checkpoint now; keep it as a `state` to which the test may go back."""
         start = time.monotonic()
-        self.test.save(self.folder)
+        self.test.save(self.folder, state)
         end = time.monotonic()
         self.next = end + max(CHECKPOINT_SECONDS, 20 * (end - start))
+
+    def go_back(self, error):
+        """Return the test at an earlier strain, with a smaller time step.
+
+        Raises the error of the failed attempt if that was the last one.
+        """
+        divisor = self.test.progress["divisor"] + 1
+        rigid = self.test.parameters["law"] == "cd"
+        if not rigid or divisor > PROTOCOL.most_divisor:
+            raise error
+        failed = max(self.test.strain, self.test.progress["failed_strain"])
+        stopped = self.test.strain
+        self.test = Biaxial.go_back(self.folder, failed, divisor)
+        tqdm.write(
+            f"biaxial.py: repeats the shear from a strain of {self.test.strain:.4f} with 1/{divisor} "
+            f"of the time step, since it stopped at {stopped:.4f}: {error}",
+            file=sys.stderr,
+        )
+        self.save()
+        return self.test
 
     def update(self):
         """Write a checkpoint if one is due; end the script if the user asked for it."""
@@ -156,7 +177,7 @@ def compact(test, options, checkpoints):
 
         test.compact(report)
     test.isotropic.save(os.path.join(options.out, "isotropic.h5"))
-    checkpoints.save()
+    checkpoints.save(state=True)
 
 
 def warn_inertia(test, strain):
@@ -188,7 +209,11 @@ def shear(test, options, checkpoints):
             target = (saved + 1) * options.strain / options.networks
             left = target - HALF_RECORD - test.strain
             records = max(1, min(most, math.ceil(left / test.strain_per_record - 1e-6)))
-            test.shear(records)
+            try:
+                test.shear(records)
+            except RuntimeError as error:
+                test = checkpoints.go_back(error)
+                continue
             seconds = time.monotonic() - began
             most = max(1, min(2 * records, int(records * RUN_SECONDS / seconds)))
             bar.n, row = 100 * test.strain, test.rows[-1]
@@ -196,8 +221,11 @@ def shear(test, options, checkpoints):
             if due() > saved:
                 name = f"network-{test.strain:.4f}.h5"
                 test.network().save(os.path.join(options.out, name))
-                checkpoints.save()
+                if test.strain > test.progress["failed_strain"]:
+                    test.progress["divisor"] = 1
+                checkpoints.save(state=True)
             checkpoints.update()
+    return test
 
 
 def load(options, parameters):
@@ -262,7 +290,7 @@ def main():
         checkpoints = Checkpoints(test, options.out, stop)
         if test.progress["phase"] != "shear":
             compact(test, options, checkpoints)
-        shear(test, options, checkpoints)
+        test = shear(test, options, checkpoints)
         write_summary(test, options)
 
 

@@ -281,9 +281,9 @@ class Biaxial:
         """Return the contents of `summary.json`; see `rcr.study.summary.summarize`."""
         return summarize(self, include_yielded)
 
-    def save(self, folder):
+    def save(self, folder, state=False):
         """Write the history and a checkpoint into a folder; see `rcr.study.checkpoint`."""
-        checkpoint.save(self, folder)
+        checkpoint.save(self, folder, state)
 
     @classmethod
     def load(cls, folder):
@@ -297,3 +297,25 @@ class Biaxial:
             If the checkpoint is damaged, or not one of a biaxial test of this version.
         """
         return cls(*checkpoint.load(folder))
+
+    @classmethod
+    def go_back(cls, folder, strain, divisor):
+        """Return the test at the last state but one in a folder, with a smaller time step.
+
+        Parameters
+        ----------
+        folder : str
+        strain : float
+            Strain at which the test failed. The time step stays smaller until a later state [-].
+        divisor : int
+            Of the time step.
+
+        Raises
+        ------
+        ValueError
+            If the state is damaged.
+        """
+        test = cls(*checkpoint.load_file(checkpoint.states(folder)[-checkpoint.KEPT_STATES:][0]))
+        test.progress.update(divisor=divisor, failed_strain=strain,
+                             repeated=test.progress["repeated"] + 1)
+        return test

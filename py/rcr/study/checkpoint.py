@@ -1,6 +1,7 @@
 """Files of a biaxial test: its history, and checkpoints that continue to the same bits."""
 
 import contextlib
+import glob
 import gzip
 import json
 import os
@@ -13,34 +14,53 @@ from rcr.study.protocol import check_parameters
 O = Omega()
 
 CHECKPOINT = "checkpoint.yade.gz"
+STATES = "state-*.yade.gz"  # checkpoints to which a test returns if it jams
+KEPT_STATES = 2
 HISTORY_COLUMNS = (
     "step", "time", "strain", "sin_phi", "stress_x", "stress_y", "packing_fraction", "points",
     "iterations", "residual", "unconverged_steps", "yielded_steps",
 )  # fmt: skip
 
 
-def save(test, folder):
-    """Write history.csv and a checkpoint: scene, parameters and history in one file."""
-    state = dict(parameters=test.parameters, progress=test.progress, rows=test.rows)
-    O.tags["biaxial"] = json.dumps(state, separators=(",", ":"))
+def save(test, folder, state=False):
+    """Write history.csv and a checkpoint: scene, parameters and history in one file.
+
+    With `state`, the checkpoint is also kept as one of the last states of the folder.
+    """
+    content = dict(parameters=test.parameters, progress=test.progress, rows=test.rows)
+    O.tags["biaxial"] = json.dumps(content, separators=(",", ":"))
     files.write(os.path.join(folder, "history.csv"), files.table(HISTORY_COLUMNS, test.rows))
     with _memory_file() as (handle, name):
         O.save(name, quiet=True)  # in memory: YADE does not end when it compresses to a full disk
         scene = handle.read()
     content = gzip.compress(scene, compresslevel=3, mtime=0)
+    if state:
+        files.write(os.path.join(folder, STATES.replace("*", f"{test.strain:.4f}")), content)
     files.write(os.path.join(folder, CHECKPOINT), content)
+    for path in states(folder)[:-KEPT_STATES]:
+        os.remove(path)
+
+
+def states(folder):
+    """Return the paths of the states in a folder, in the order of their strains."""
+    return sorted(glob.glob(os.path.join(glob.escape(folder), STATES)))
 
 
 def load(folder):
-    """Load the scene of a folder's checkpoint; return parameters, progress and rows."""
+    """Load the checkpoint of a folder; see `load_file`."""
     path = os.path.join(folder, CHECKPOINT)
     if not os.path.exists(path):
         raise FileNotFoundError(2, "is missing: nothing to resume; run without --resume", path)
-    with files.reading(path, "a checkpoint of a biaxial test"), _memory_file() as (handle, name):
+    return load_file(path)
+
+
+def load_file(path):
+    """Load the scene of a checkpoint; return parameters, progress and rows."""
+    with files.reading(path, "a checkpoint of a biaxial test"), _memory_file() as (handle, memory):
         with gzip.open(path) as file:
             handle.write(file.read())  # the check sum detects every flipped bit
             handle.flush()
-        O.load(name, quiet=True)
+        O.load(memory, quiet=True)
         state = json.loads(O.tags["biaxial"])
         return check_parameters(**state["parameters"]), state["progress"], state["rows"]
 

@@ -9,9 +9,12 @@ from rcr.study.protocol import PROTOCOL
 
 O = Omega()
 
-COUNTERS = dict(  # of the solver in the shear, in `Biaxial.progress`
-    residual_max=0.0, missed=0, missed_sum=0.0, missed_max=0.0, yielded=0
-)
+COUNTERS = dict(  # of the shear, in `Biaxial.progress`
+    residual_max=0.0, missed=0, missed_sum=0.0, missed_max=0.0, yielded=0,
+    divisor=1,  # of the time step
+    failed_strain=0.0,  # strain up to which the divisor applies
+    repeated=0,  # number of parts of the shear that a smaller time step has repeated
+)  # fmt: skip
 
 
 class Springs:

@@ -33,6 +33,7 @@ def start(test):
                          stress_deviation_initial=stress_deviation(test))
     solver.tolerance, solver.maxIterations = parameters["tolerance"], parameters["iterations"]
     solver.overdamped = solver.trackMeanStretch = False
+    solver.yieldCompliance = PROTOCOL.yield_compliance
     if parameters["overdamped"]:
         remove_inertia(test)
     for body in O.bodies:
@@ -96,11 +97,12 @@ def rate_and_step(test, strain=None):
     """Return I and dt/t₀ of the shear, now or at a strain.
 
     Up to the strain `approach` I is at least the default one and dt at most the default one.
+    `Biaxial.go_back` divides dt.
     """
     rate, step = test.parameters["inertial_number"], test.parameters["time_step"]
     if is_approaching(test, strain):
-        return max(rate, PROTOCOL.inertial_number), min(step, PROTOCOL.time_step)
-    return rate, step
+        rate, step = max(rate, PROTOCOL.inertial_number), min(step, PROTOCOL.time_step)
+    return rate, step / test.progress["divisor"]
 
 
 def top_speed(test, strain=None):

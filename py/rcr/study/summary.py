@@ -34,6 +34,8 @@ def summarize(test, include_yielded=False):
             `Biaxial.sample_inertia` at the end [-].
         ``unconverged_steps``, ``yielded_steps``
             Steps of the shear that missed the tolerance, and those without a solution.
+        ``repeated_parts``
+            Parts of the shear that were repeated with a smaller time step.
         ``missed_fraction``, ``missed_mean``, ``missed_max``
             Both over all steps of the shear; mean and largest residual over tolerance, or
             kinematic error over `kinematicTolerance` if that is larger; 0 without missed steps.
@@ -103,7 +105,7 @@ def _work(test):
     return dict(
         steps=O.iter, dt=O.dt, iterations_mean=progress["iterations"] / O.iter,
         residual_max=progress["residual_max"], unconverged_steps=max(0, missed - yielded),
-        yielded_steps=yielded, missed_fraction=missed / max(1, O.iter - progress["first_step"]),
+        yielded_steps=yielded, repeated_parts=progress["repeated"], missed_fraction=missed / max(1, O.iter - progress["first_step"]),
         missed_mean=progress["missed_sum"] / max(1, missed), missed_max=progress["missed_max"],
         tolerance=test.parameters["tolerance"], run=test.run, wall_seconds=progress["wall_seconds"],
         peak_memory_bytes=1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,

@@ -1,0 +1,108 @@
+"""A biaxial test that jams repeats a part of the shear with a smaller time step."""
+
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from rcr.study.protocol import PROTOCOL
+from run_contents import contents, different
+
+KILLED = 9  # exit code
+ROOT = os.path.join(os.path.dirname(__file__), *[".."] * 3)
+WRAPPER = """
+import os, runpy, sys, yade
+from rcr.study.biaxial import Biaxial
+
+failures, shear = dict({failures}), Biaxial.shear
+
+def failing(test, records):
+    shear(test, records)
+    for strain in [s for s in failures if test.strain > s and failures[s] > 0]:
+        failures[strain] -= 1
+        raise RuntimeError("jam of the test")
+    if test.progress["divisor"] > 1 and test.strain > {end}:
+        os._exit({killed})
+
+Biaxial.shear = failing
+sys.argv = sys.argv[1:]
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
+
+
+def run(out, *arguments, failures=(), end=1):
+    """Run biaxial.py.
+
+    `failures` are pairs of a strain and the number of failures beyond it. With a smaller time
+    step, the process is killed beyond the strain `end`.
+    """
+    options = ["--particles", "20", "--strain", "0.04", "--networks", "4", "--iterations", "300"]
+    command = [sys.executable, "-c", wrapper(failures, end),
+               os.path.join(ROOT, "scripts", "biaxial.py"), *options, *arguments, "--out", out]
+    return subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=300)
+
+
+def wrapper(failures=(), end=1):
+    return WRAPPER.format(failures=list(failures), end=end, killed=KILLED)
+
+
+def history(out):
+    """Return steps, times and strains of all records."""
+    with open(out / "history.csv") as file:
+        return [np.array(column) for column in zip(*[
+            (int(row["step"]), float(row["time"]), float(row["strain"]))
+            for row in csv.DictReader(file)])]
+
+
+def test_a_jam_repeats_a_part_with_a_smaller_time_step(tmp_path):
+    done = run(tmp_path / "out", failures=[(0.025, 2)])
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("repeats the shear from a strain of 0.0096") == 2
+    assert "with 1/2 of the time step, since it stopped at 0.0" in done.stderr
+    assert "with 1/3 of the time step" in done.stderr
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["repeated_parts"] == 1
+    steps, times, strains = history(tmp_path / "out")
+    assert (np.diff(strains) > 0).all() and strains[-1] == pytest.approx(0.04, abs=1e-3)
+    lengths = np.diff(times) / np.diff(steps)
+    stopped = float(re.search(r"stopped at ([\d.]+)", done.stderr)[1])
+    boundary = min(strain for strain in (0.0296, 0.0396) if strain > stopped)
+    smaller = (strains[1:] > 0.0098) & (strains[1:] < boundary + 0.0002)
+    assert np.allclose(lengths, np.where(smaller, 1 / 3, 1) * lengths[0], rtol=1e-3)
+
+
+def test_the_error_remains_if_the_smallest_time_step_fails_too(tmp_path):
+    done = run(tmp_path / "out", failures=[(0.005, 100)])
+    assert done.returncode == 1
+    assert done.stderr.count("repeats the shear from a strain of 0.0000") == (
+        PROTOCOL.most_divisor - 1)
+    assert done.stderr.splitlines()[-1] == "biaxial.py: jam of the test"
+
+
+def test_a_repeated_part_continues_to_the_same_bits_after_a_kill(tmp_path):
+    failures = [(0.025, 1)]
+    assert run(tmp_path / "straight", failures=failures).returncode == 0
+    assert run(tmp_path / "out", failures=failures, end=0.015).returncode == KILLED
+    resumed = run(tmp_path / "out", "--resume")
+    assert resumed.returncode == 0, resumed.stderr
+    assert not different(contents(tmp_path / "out"), contents(tmp_path / "straight"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("eta", [0, 0.4, 0.7])
+@pytest.mark.parametrize("seed", range(1, 11))
+def test_small_packings_finish(eta, seed, tmp_path):
+    """100 grains up to a strain of 0.5: columns of grains lock between the platens."""
+    script = os.path.join(ROOT, "scripts", "biaxial.py")
+    command = [sys.executable, "-c", wrapper(), script, "--particles", "100",
+               "--eta", eta, "--seed", seed, "--strain", "0.5", "--out", tmp_path / "out"]
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["strain"] == pytest.approx(0.5, abs=1e-3)
+    assert 0.6 < summary["packing_fraction_final"] < 0.9 and summary["max_overlap"] < 0.05
+    assert summary["records_left_out"] < 0.1 * summary["records"]
