@@ -233,7 +233,7 @@ def plot(rows, options):
                 ax.set_xlabel("processor time [s]")
     handles = legend_handles(figure)
     figure.tight_layout(rect=(0, 0, 1, 0.95))
-    figure.legend(handles.values(), handles.keys(), ncols=2, loc="upper center", fontsize=9)
+    figure.legend(handles.values(), handles.keys(), ncol=2, loc="upper center", fontsize=9)
     return figure
 
 

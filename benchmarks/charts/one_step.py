@@ -179,7 +179,7 @@ def plot(rows, options):
     for ax in axes[-1]:
         ax.set_xlabel("processor time [s]")
     handles = legend_handles(figure)
-    figure.legend(handles.values(), handles.keys(), ncols=4, loc="upper center",
+    figure.legend(handles.values(), handles.keys(), ncol=4, loc="upper center",
                   bbox_to_anchor=(0.5, 1.0), fontsize=8)
     figure.text(0.5, 0.93, "filled, full line: cold start; open, dashed: warm start", ha="center",
                 fontsize=8)

@@ -275,7 +275,7 @@ def plot(rows, options):
         ax.grid(alpha=0.3)
     figure.suptitle("Each observable against the rate, its limit I → 0 at the left; "
                     "stars: without inertia; grey triangles: the paper", fontsize=10)
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4,
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncol=4,
                   fontsize=9)
     return figure
 

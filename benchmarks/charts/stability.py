@@ -77,5 +77,5 @@ def plot(rows, options):
     handles = [Patch(facecolor=color, label=verdict) for verdict, color in VERDICTS.items()
                ] + [Patch(facecolor="w", edgecolor="0.7", label="no such run")]
     figure.tight_layout(rect=(0, 0.3 / (1.6 + 0.3 * len(scenes)), 1, 1))
-    figure.legend(handles=handles, ncols=5, loc="lower center", fontsize=8)
+    figure.legend(handles=handles, ncol=5, loc="lower center", fontsize=8)
     return figure

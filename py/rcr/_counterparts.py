@@ -38,7 +38,9 @@ def install():
         for name in names:
             holders = [holder for holder in (utils, export) if hasattr(holder, name)]
             holder = (holders or [yade.wrapper])[0]
-            original = getattr(holder, name)
+            original = getattr(holder, name, None)
+            if original is None:
+                continue  # this version of YADE lacks it
             if isinstance(original, type):
                 original.__init__ = _warning(original.__init__, name, counterpart)
                 continue

@@ -221,5 +221,5 @@ def _add_bar(figure, left, mappable, label, ticks=None):
 
 def _add_legend(figure, left, handles):
     anchor = (left, 0.21 / figure.get_figheight())
-    style = dict(ncols=2, fontsize=8)
+    style = dict(ncol=2, fontsize=8)
     figure.legend(handles=handles, loc="center left", bbox_to_anchor=anchor, **style)

@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pytest
+import scipy.integrate
 from rcr.study import analysis, claims, observables, statistics
 from rcr.study.ensemble import Ensemble
 from rcr.network import LEFT, RIGHT, Network
@@ -127,8 +128,8 @@ def test_known_distributions_are_recovered(result):
         0.01, 1, 10_001
     )  # of e^{−x} on [0.01, 1] the fit finds the power law of the same mean logarithm
     mean = (
-        np.trapezoid(np.log(1 / x) * np.exp(-x) * x, np.log(x))
-        / np.trapezoid(np.exp(-x) * x, np.log(x))
+        scipy.integrate.trapezoid(np.log(1 / x) * np.exp(-x) * x, np.log(x))
+        / scipy.integrate.trapezoid(np.exp(-x) * x, np.log(x))
         / np.log(100)
     )
     assert values["O3"]["beta_n"] == pytest.approx(

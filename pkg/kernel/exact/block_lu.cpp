@@ -9,7 +9,7 @@
 // Clones for wider registers, chosen at load time. Products and sums stay separate
 // (-ffp-contract=off), so all clones give the same bits. ThreadSanitizer does not support clones.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_THREAD__)
-#define RCR_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#define RCR_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define RCR_CLONES
 #endif

@@ -17,6 +17,7 @@ from rcr.study.curves import (
     plot_strain, plot_strength, plot_strips, plot_xi,
 )  # fmt: skip
 from rcr.study.plot_style import color, column, eta_legend, marker  # noqa: F401  public names
+from rcr.study.plot_style import legend_outside
 
 from rcr.study.polar import (
     plot_contact_directions, plot_isotropy, plot_vector_directions, polar_row,
@@ -71,12 +72,12 @@ def _four(vector, names, symbols, titles):
             plot_vector_directions(value, f"{vector}_{suffix}", sigma, ax)
             ax.set_title(rf"{title}, $\eta = {value['eta'][row]:g}$"
                          + (" (open: negative)" if suffix == "t" else ""), fontsize=8)
-        upper.legend(*polar[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        legend_outside(upper, polar[0], "lower center", 4)
         axes = lower.subplots(1, 2)
         for ax, name, symbol in zip(axes, names, symbols):
             plot_xi(value, name, symbol, ax)
         _letters([*polar, *axes])
-        lower.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=8)
+        legend_outside(lower, axes[0], "upper center", 8)
         return fig
 
     return figure
@@ -88,7 +89,7 @@ def _polar(value, analysis):
     ax = plot_contact_directions(value, fig.add_subplot(projection="polar"))
     ax.set_title(
         rf"$P_\theta(\theta, \xi)$, $\eta = {value['eta'][polar_row(value)]:g}$", fontsize=8)
-    fig.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    legend_outside(fig, ax, "lower center", 4)
     return fig
 
 

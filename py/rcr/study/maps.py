@@ -145,6 +145,6 @@ def draw(observable, network):
                 0.59, 0.31 / height, "long axis from $x$ [°]", ha="right", va="center", fontsize=8)
         if keys:
             figure.legend(
-                *keys(), loc="center left", bbox_to_anchor=(0.09, 0.2 / height), ncols=3, fontsize=8
+                *keys(), loc="center left", bbox_to_anchor=(0.09, 0.2 / height), ncol=3, fontsize=8
             )
         return figure
