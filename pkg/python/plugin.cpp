@@ -37,16 +37,14 @@ void registerClasses()
 #endif
 }
 
-/// Throws ImportError for another version of YADE: its class layouts would corrupt memory.
-void checkVersion()
+/// Error if another version of YADE is running, whose class layouts would corrupt memory; else empty.
+std::string versionError()
 {
 	const std::string running = boost::python::extract<std::string>(
 	        boost::python::import("yade.config").attr("version"));
-	if (running == RCR_YADE_VERSION) return;
-	const std::string message = "rcr was built for YADE " RCR_YADE_VERSION ", but YADE " + running
+	if (running == RCR_YADE_VERSION) return {};
+	return "rcr was built for YADE " RCR_YADE_VERSION ", but YADE " + running
 	        + " is running. Start scripts/yade-rcr to rebuild it.";
-	PyErr_SetString(PyExc_ImportError, message.c_str());
-	boost::python::throw_error_already_set();
 }
 
 std::string refusal()
@@ -82,7 +80,10 @@ void awaitEnd()
 
 BOOST_PYTHON_MODULE(_plugin)
 {
-	checkVersion();
+	// Python raises it: Boost.Python 1.74 loses exceptions of an import
+	const std::string error                        = versionError();
+	boost::python::scope().attr("version_error") = error;
+	if (!error.empty()) return;
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
 	registerClasses();
 	boost::python::def(

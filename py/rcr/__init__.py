@@ -69,10 +69,10 @@ def _load_plugin():
             "scripts/yade-rcr, which builds it and starts YADE with it, or install the plugin, see "
             "docs/installation.md. Without YADE, in plain python3, `import rcr` works."
         ) from error
-    except SystemError as error:  # of an old Boost.Python, about the exception of the plugin
-        raise error.__cause__ from None
     finally:
         sys.setdlopenflags(flags)
+    if plugin.version_error:
+        raise ImportError(plugin.version_error)
     import yade.wrapper
 
     return {name: getattr(yade.wrapper, name) for name in plugin.classes}

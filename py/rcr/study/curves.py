@@ -34,8 +34,8 @@ def _draw_points(value, x, y, ax, line="", least=-np.inf, **style):
 
 def _draw_by_eta(value, name, ax, label=None, style="k", mark="o", **options):
     """Draw a number against η, with error bars."""
-    ax.errorbar(value["eta"], column(value, name), error_of(value, name), color=style, marker=mark,
-                lw=0.8, label=label, **options)
+    ax.errorbar(column(value, "eta"), column(value, name), error_of(value, name), color=style,
+                marker=mark, lw=0.8, label=label, **options)
     ax.set_xlabel(r"$\eta$")
     return ax
 
