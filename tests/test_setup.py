@@ -61,16 +61,22 @@ class Machine:
         """Every package is installed, YADE in the given version."""
         self.command("dpkg-query", f'case "$*" in *ource:Version*) echo {version} ;; *) echo '
                      f'installed ;; esac')
+        self.offers(version)
 
     def nothing_installed(self):
         self.command("dpkg-query", "exit 1")
 
-    def archive(self):
+    def offers(self, version):
+        """apt knows this version of YADE and of its source."""
+        self.command("apt-cache", f'case "$*" in *policy*) echo "  Candidate: {version}" ;; '
+                     f'*) echo "Version: {version}" ;; esac')
+
+    def archive(self, version="2025.2.0"):
         """apt-get delivers YADE's source archive, and nothing else."""
         source = self.path / "trunk" / "core"
         source.mkdir(parents=True)
         (source / "Scene.hpp").write_text("// YADE\n")
-        tar = self.path / "yade_2025.2.0.orig.tar.bz2"
+        tar = self.path / f"yade_{version}.orig.tar.bz2"
         subprocess.run(["tar", "-cjf", tar, "-C", self.path, "trunk"], check=True)
         self.command("apt-get", f'case "$*" in *" source "*) cp {tar} . ;; esac')
 
@@ -135,7 +141,8 @@ def test_a_user_without_the_tools_sees_their_packages(machine):
     assert "apt-get install mmdebstrap bubblewrap uidmap" in last_line(errors)
 
 
-def test_a_user_of_debian_13_sees_the_missing_packages(machine):
+def test_a_user_whose_system_has_yade_sees_the_missing_packages(machine):
+    machine.offers("2025.2.0-1")
     machine.command("dpkg-query", """case "$*" in
 "-W g++") exit 1 ;;
 *ource:Version*) echo 2025.2.0-1 ;;
@@ -213,6 +220,7 @@ def test_native_takes_the_headers_from_the_source_archive_once(machine):
 
 def test_native_keeps_the_headers_when_a_package_is_reinstalled(machine):
     machine.user("root", 0)
+    machine.offers("2025.2.0-1")
     machine.archive()
     machine.nothing_installed()
     machine.command("apt-get", """case "$*" in *" install "*) touch installed ;; *" source "*) exit 1 ;; esac""")
@@ -231,12 +239,41 @@ def test_native_without_the_archive_takes_a_root_file_system(machine):
     assert "source archive" in errors
 
 
-def test_another_version_of_yade_is_not_used(machine):
+@pytest.mark.parametrize("version", ["2022.01a", "2023.02a", "2026.1.0"])
+def test_later_versions_of_yade_are_used(machine, version):
     machine.debian("forky")
-    machine.installed("2026.1.0-1")
+    machine.installed(f"{version}-3build1")
+    machine.archive(version)
+    code, output, errors = machine.run("ready; echo $way; native_source")
+    assert (code, output) == (0, f"native\n{machine.cache}/source-{version}\n"), errors
+    assert any(f"yade={version}-3build1" in call for call in machine.called("apt-get"))
+
+
+def test_an_older_yade_is_not_used(machine):
+    machine.installed("2021.01a-4")
     machine.root_tools(SMALL_ROOT)
     code, output, errors = machine.run("ready; echo $way")
     assert (code, output) == (0, "rootfs\n"), errors
+
+
+def test_headers_that_the_user_names_are_used(machine):
+    machine.installed("2023.02a-1")
+    code, output, errors = machine.run(
+        "ready; echo $way; native_source", YADE_SOURCE_DIR=str(machine.path))
+    assert (code, output) == (0, f"native\n{machine.path}\n"), errors
+    assert not machine.called("apt-get")
+
+
+def test_without_headers_no_package_is_installed(machine):
+    machine.user("root", 0)
+    machine.debian("bookworm")
+    machine.nothing_installed()
+    machine.offers("2023.02a-1")
+    machine.root_tools(SMALL_ROOT)
+    machine.command("apt-get", 'case "$*" in *" source "*) exit 100 ;; esac')
+    _, _, errors = machine.run("ready")
+    assert "no source archive of YADE 2023.02a found (YADE_SOURCE_DIR=FOLDER names one)" in errors
+    assert not any("python3-yade" in call for call in machine.called("apt-get"))
 
 
 # The root file system
@@ -481,8 +518,9 @@ def test_an_optional_package_is_left_out_with_what_is_lost(machine):
 # The build
 
 def build(machine, cmake, yade="2025.2.0"):
+    machine.installed(f"{yade}-1")
     machine.command("cmake", cmake)
-    return machine.run(f"ready; yade_version={yade}; build", YADE_RCR_WAY="native")
+    return machine.run("ready; build", YADE_RCR_WAY="native")
 
 
 def test_a_build_with_nothing_to_do_is_silent(machine):

@@ -5,14 +5,14 @@
 #   enter COMMAND …   becomes COMMAND in the environment (exec)
 #
 # The environment is one of two, tried in this order:
-#   setup/native.sh   this machine, if its Debian has YADE
+#   setup/native.sh   this machine, if its Debian or Ubuntu has YADE 2022.01a or later
 #   setup/rootfs.sh   a Debian 13 root file system in the user's cache
 #
 # Bash scripts of this repository source this file.
 
 set -euo pipefail
 
-yade_version=2025.2.0
+yade_version=2025.2.0 # in the root file system
 lib=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd -P)
 setup=$lib/setup
 repo=$(cd "$lib/../.." && pwd -P)
@@ -147,7 +147,7 @@ commit() {
 build() {
     local source id working=$repo/build/working
     source=$("${way}_source")
-    id="$way $yade_version $source $(packages_id)"
+    id="$way $("${way}_version") $source $(packages_id)"
     [ -w "$repo" ] || { say "$repo is not writable: using its last build" && return; }
     lock "$repo" "waiting for another build in $repo …" "$working"
     rm -f "$working" # of an interrupted build

@@ -5,6 +5,7 @@ root=$cache/root-$(packages_id)
 # files of the machine's /etc that are bound over those of the root file system
 machine_files=(resolv.conf hosts hostname localtime machine-id ssl/certs/ca-certificates.crt)
 
+rootfs_version() { echo "$yade_version"; }
 rootfs_source() { echo /usr/src/yade; }
 rootfs_yade_python() { (cd "$root" && echo usr/lib/*/yade-double/py | sed 's|^|/|'); }
 
@@ -129,6 +130,7 @@ rootfs_options() {
 rootfs_bootstrap() {
     local bootstrap bundle=/etc/ssl/certs/ca-certificates.crt
     local files="'$setup/install-packages' '$setup/fetch-source' '$setup/packages'"
+    local fetch="chroot \"\$1\" /tmp/fetch-source $yade_version /usr/src/yade /tmp/apt >&2"
     local libraries="YADE, a compiler and Python libraries (1 to 7 min) …"
     [ -r "$bundle" ] || bundle=/dev/null
     rootfs_options
@@ -140,7 +142,7 @@ rootfs_bootstrap() {
         --customize-hook='chroot "$1" /tmp/install-packages /tmp/packages >&2'
         --customize-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt"
         --customize-hook='echo "yade-rcr: set-up 3/3: headers of YADE (15 MB, up to 1 min) …" >&2'
-        --customize-hook='chroot "$1" /tmp/fetch-source /usr/src/yade /tmp/apt >&2')
+        --customize-hook="$fetch")
     rootfs_fill "$1" && [ -d "$new/root/usr/src/yade/core" ]
 }
 
