@@ -60,7 +60,8 @@ def _load_plugin():
     An ImportError says that the plugin is not built, or was built for another version of YADE.
     """
     flags = sys.getdlopenflags()
-    sys.setdlopenflags(flags | os.RTLD_GLOBAL)  # YADE finds the classes of plugins by symbols
+    # YADE finds the classes of plugins by symbols. Lazy: see _plugin in CMakeLists.txt.
+    sys.setdlopenflags(os.RTLD_LAZY | os.RTLD_GLOBAL)
     try:
         plugin = importlib.import_module("rcr._plugin")
     except ModuleNotFoundError as error:
