@@ -32,14 +32,16 @@ namespace {
 			double deepest = 0;
 			for (std::size_t k = 0; k < step_.contacts.size(); ++k) {
 				const StepContact& c = step_.contacts[k];
-				const bool         far = displacesFar(step_, c);
+				if (isFixed(c)) continue;
+				const bool far = displacesFar(step_, c);
 				if (!far && !closes(c)) continue;
 				if (far
 				        && passedThrough(step_, c, solvedPointsAfter(step_, c, step_.dt), step_.dt))
 					return 1;
 				const double at = overlap(c);
-				deepest         = std::max(deepest, at / c.size);
-				if (at > std::max(allowed(c), trigger * c.slop())) enqueue(int(k));
+				if (!isExcessive(c, at)) continue;
+				deepest = std::max(deepest, at / c.size);
+				enqueue(int(k));
 			}
 			if (queue_.empty() || !displace) return deepest;
 			if (step_.displacement.empty()) step_.displacement.resize(step_.bodies.size());
@@ -57,8 +59,9 @@ namespace {
 			deepest = 0;
 			for (std::size_t k = 0; k < touched_.size(); ++k) {
 				const StepContact& c = step_.contacts[k];
-				if (touched_[k] || displacesFar(step_, c))
-					deepest = std::max(deepest, overlap(c) / c.size);
+				if (isFixed(c) || !(touched_[k] || displacesFar(step_, c))) continue;
+				const double at = overlap(c);
+				if (isExcessive(c, at)) deepest = std::max(deepest, at / c.size);
 			}
 			return deepest;
 		}
@@ -84,6 +87,18 @@ namespace {
 				contactsOf_[step_.bodies[c.body1].owner].push_back(int(k));
 				contactsOf_[step_.bodies[c.body2].owner].push_back(int(k));
 			}
+		}
+
+		/// The motion of both bodies is prescribed.
+		bool isFixed(const StepContact& c) const
+		{
+			return step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2);
+		}
+
+		/// The step leaves an overlap that it must not leave.
+		bool isExcessive(const StepContact& c, double overlap) const
+		{
+			return overlap > std::max(allowed(c), trigger * c.slop());
 		}
 
 		/// A point of the contact ends with an overlap, by its velocity.

@@ -19,9 +19,9 @@
 
 namespace rcr {
 
-/// Adds δ to step.displacement if `displace` is true. Returns the deepest overlap at the end of
-/// the step over R₁ + R₂ [-], of contacts with a large displacement and of displaced bodies; 1 and
-/// no displacements if a body has passed through another one.
+/// Adds δ to step.displacement if `displace` is true. Returns the deepest overlap over R₁ + R₂ that
+/// the step leaves although it must not [-]; 1 and no displacements if a body has passed through
+/// another one. Overlaps of two prescribed bodies do not count.
 double separate(Step&, bool displace);
 
 } // namespace rcr

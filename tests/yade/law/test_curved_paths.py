@@ -137,3 +137,16 @@ def test_random_collisions_keep_momentum_and_gain_no_energy():
     assert error.max() < 1e-10, f"seed {error.argmax()}"
     assert gain.max() < 1e-10, f"seed {gain.argmax()}"
     assert overlap.max() < 5e-3, f"seed {overlap.argmax()}"
+
+
+@pytest.mark.parametrize("place", ["fixed", "resting"])
+def test_overlaps_of_other_bodies_do_not_count_as_missed_steps(place):
+    """A fast grain falls beside two grains that overlap: fixed ones, or resting ones."""
+    rough, fixed = material(friction=0.5), place == "fixed"
+    pair = [particle((x, 0.1), 0.1, 0, fixed=fixed, material=rough) for x in (0, 0.19)]
+    fast = particle((3, 20), 0.1, 0.5, material=rough)
+    build(rcr.wall("y", 0, material=rough), *pair, fast, gravity=(0, -9.81, 0), dt=5e-3)
+    fast.state.vel = (0, -15, 0)
+    solver = next(engine for engine in O.engines if isinstance(engine, ContactDynamics))
+    O.run(100, wait=True)
+    assert fast.state.pos[1] > 5 and solver.missedSteps == 0
