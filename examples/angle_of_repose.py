@@ -43,7 +43,7 @@ def start(eta):
         InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom()],
                         [Ip2_FrictMat_FrictMat_CdPhys()],
                         [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
-        ContactDynamics(tolerance=1e-4),
+        ContactDynamics(tolerance=1e-4, maxIterations=10_000),
         NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
         PyRunner(command="pour()", virtPeriod=0.07, initRun=True),
         PyRunner(command="measure()", virtPeriod=0.1),

@@ -44,7 +44,7 @@ O.engines = [
                     [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
     RotationEngine(ids=ring, rotateAroundZero=True, zeroPoint=(0, 0, 0), rotationAxis=(0, 0, 1),
                    angularVelocity=SPIN),
-    ContactDynamics(tolerance=1e-4),
+    ContactDynamics(tolerance=1e-4, maxIterations=10_000),
     NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
     PyRunner(command="record()", iterPeriod=10),
 ]

@@ -40,7 +40,7 @@ O.engines = [
     InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Sphere_Rcr_RcrGeom(), Ig2_Sphere_Sphere_RcrGeom(),
                      Ig2_Wall_Rcr_RcrGeom(), Ig2_Wall_Sphere_RcrGeom()],
                     [Ip2_FrictMat_FrictMat_CdPhys()], [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
-    ContactDynamics(tolerance=1e-4),
+    ContactDynamics(tolerance=1e-4, maxIterations=10_000),
     NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
 ]
 O.dt = 1e-3
