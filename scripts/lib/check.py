@@ -28,9 +28,9 @@ COLUMNS = ["date", "commit", "check", "options", "verdict", "seconds", "what"]
 
 # Tests that need address spaces, threads or processes without a sanitizer.
 LEFT_OUT = {
-    "asan": ["cannot_hire"],
+    "asan": ["fewer_threads"],
     "ubsan": [],
-    "tsan": ["cannot_hire", "forked", "million", "dropped_teams"],
+    "tsan": ["forked", "million"],
 }
 SANITIZERS = {
     "asan": dict(flags="-fsanitize=address -D_GLIBCXX_ASSERTIONS",
