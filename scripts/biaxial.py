@@ -5,9 +5,9 @@ Run it with YADE:
 scripts/yade-rcr -n -x scripts/biaxial.py --eta 0.5 --particles 400 --strain 0.1 --out out
 
 It writes DIR/summary.json, DIR/history.csv, DIR/isotropic.h5, DIR/network-*.h5 and DIR/run.json
-with the parameters. A test that jams goes back to the saved network before the last one, and repeats
-that part of the shear with a smaller time step. --resume continues from DIR/checkpoint.yade.gz. Ctrl-C ends the test after a
-checkpoint; after a kill the last checkpoint remains.
+with the parameters. A test with inertia that jams restarts from the older of DIR/state-*.yade.gz
+with a smaller time step. --resume continues from DIR/checkpoint.yade.gz. Ctrl-C ends the test
+after a checkpoint; after a kill the last checkpoint remains.
 """
 
 import json
@@ -20,11 +20,11 @@ from tqdm import tqdm
 
 from rcr import _files as files, _results as results, script
 from rcr.study.biaxial import Biaxial
-from rcr.study.checkpoint import CHECKPOINT, STATES
+from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, remove_later, states
 from rcr.study.protocol import FREE_PARAMETERS, PROTOCOL, check_parameters
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
-MADE = ["summary.json", CHECKPOINT, STATES, "history.csv", "isotropic.h5", "network-*.h5"]
+MADE = ["summary.json", CHECKPOINT, STATES, "history.csv", "isotropic.h5", NETWORKS]
 DEFAULT_RATE = dict(
     inertial_number=PROTOCOL.inertial_number, time_step=PROTOCOL.time_step,
     approach=0.0, overdamped=False,
@@ -140,8 +140,9 @@ class Checkpoints:
         Raises the error of the failed attempt if that was the last one.
         """
         divisor = self.test.progress["divisor"] + 1
-        rigid = self.test.parameters["law"] == "cd"
-        if not rigid or divisor > PROTOCOL.most_divisor:
+        parameters = self.test.parameters
+        inertial = parameters["law"] == "cd" and not parameters["overdamped"]
+        if not inertial or divisor > PROTOCOL.most_divisor or not states(self.folder):
             raise error
         failed = max(self.test.strain, self.test.progress["failed_strain"])
         stopped = self.test.strain
@@ -152,6 +153,7 @@ class Checkpoints:
             file=sys.stderr,
         )
         self.save()
+        remove_later(self.folder, self.test.strain)
         return self.test
 
     def update(self):

@@ -258,10 +258,18 @@ def test_an_older_yade_is_not_used(machine):
 
 def test_headers_that_the_user_names_are_used(machine):
     machine.installed("2023.02a-1")
+    (machine.path / "core").mkdir()
+    (machine.path / "core" / "Scene.hpp").touch()
     code, output, errors = machine.run(
         "ready; echo $way; native_source", YADE_SOURCE_DIR=str(machine.path))
     assert (code, output) == (0, f"native\n{machine.path}\n"), errors
     assert not machine.called("apt-get")
+
+
+def test_a_wrong_folder_of_headers_is_refused(machine):
+    machine.installed()
+    code, _, errors = machine.run("ready", YADE_SOURCE_DIR=str(machine.path / "none"))
+    assert code != 0 and "none has no core/Scene.hpp" in last_line(errors)
 
 
 def test_without_headers_no_package_is_installed(machine):

@@ -93,6 +93,7 @@ ready_way() {
 
 ready() {
     way=${YADE_RCR_WAY:-} # set inside the environment
+    check_source_dir
     [ -z "$way" ] && ! ready_way || return 0
     make_cache "$cache"
     lock "$cache" "waiting for another set-up in $cache …"

@@ -300,7 +300,7 @@ class Biaxial:
 
     @classmethod
     def go_back(cls, folder, strain, divisor):
-        """Return the test at the last state but one in a folder, with a smaller time step.
+        """Return the test at the older of the last two states, with a smaller time step.
 
         Parameters
         ----------

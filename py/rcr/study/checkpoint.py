@@ -5,6 +5,7 @@ import glob
 import gzip
 import json
 import os
+import re
 
 from yade.wrapper import Omega
 
@@ -16,6 +17,7 @@ O = Omega()
 CHECKPOINT = "checkpoint.yade.gz"
 STATES = "state-*.yade.gz"  # checkpoints to which a test returns if it jams
 KEPT_STATES = 2
+NETWORKS = "network-*.h5"
 HISTORY_COLUMNS = (
     "step", "time", "strain", "sin_phi", "stress_x", "stress_y", "packing_fraction", "points",
     "iterations", "residual", "unconverged_steps", "yielded_steps",
@@ -44,6 +46,13 @@ def save(test, folder, state=False):
 def states(folder):
     """Return the paths of the states in a folder, in the order of their strains."""
     return sorted(glob.glob(os.path.join(glob.escape(folder), STATES)))
+
+
+def remove_later(folder, strain):
+    """Remove the states and networks of an abandoned part of the shear, beyond a strain."""
+    for path in [*states(folder), *glob.glob(os.path.join(glob.escape(folder), NETWORKS))]:
+        if float(re.search(r"-([\d.]+?)\.(yade|h5)", os.path.basename(path))[1]) > strain + 1e-4:
+            os.remove(path)
 
 
 def load(folder):

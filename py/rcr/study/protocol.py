@@ -56,10 +56,10 @@ class Protocol:
     time_step: float = 0.1  # dt [t₀]
     inertial_number: float = 1e-3  # I [-]; net forces reach 20 to 40 % of the mean contact force
     iterations: int = 300  # of the solver in a step, at most
-    yield_compliance: float = 0.01  # `ContactDynamics.yieldCompliance`; 1 jams more often
-    most_divisor: int = 5  # of the time step where the shear is repeated
     small_iterations: int = 10_000  # the same of small packings (docs/campaign.md)
     small_particles: int = 2000  # grains of a small packing, at most
+    yield_compliance: float = 0.01  # `ContactDynamics.yieldCompliance`; 1 jams more often
+    most_divisor: int = 5  # of the time step where the shear is repeated
     ramp_strain: float = 0.002  # strain in which the top wall reaches its speed [-]
     record_strain: float = 1e-3  # strain of a record of the history [-]
     quasi_static_rate: float = 1e-4  # I t₀/dt without inertia [-]: drag of a grain over σ₀

@@ -33,6 +33,11 @@ native_installed() {
 native_source() { echo "${YADE_SOURCE_DIR:-$cache/source-$(native_version)}"; }
 native_yade_python() { echo /usr/lib/*/yade-double/py; }
 
+check_source_dir() {
+    [ -z "${YADE_SOURCE_DIR:-}" ] || [ -e "$YADE_SOURCE_DIR/core/Scene.hpp" ] ||
+        fail "YADE_SOURCE_DIR = $YADE_SOURCE_DIR has no core/Scene.hpp; give YADE's sources"
+}
+
 native_ready() { native_installed && [ -d "$(native_source)" ]; }
 
 native_possible() {

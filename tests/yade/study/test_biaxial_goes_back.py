@@ -72,7 +72,19 @@ def test_a_jam_repeats_a_part_with_a_smaller_time_step(tmp_path):
     stopped = float(re.search(r"stopped at ([\d.]+)", done.stderr)[1])
     boundary = min(strain for strain in (0.0296, 0.0396) if strain > stopped)
     smaller = (strains[1:] > 0.0098) & (strains[1:] < boundary + 0.0002)
+    saved = sorted(path.name for path in (tmp_path / "out").glob("*-0.*"))
+    assert len([name for name in saved if name.startswith("network")]) == 4, saved
+    assert len([name for name in saved if name.startswith("state")]) == 2, saved
     assert np.allclose(lengths, np.where(smaller, 1 / 3, 1) * lengths[0], rtol=1e-3)
+
+
+def test_files_of_the_abandoned_part_are_removed(tmp_path):
+    """With three steps a record, a smaller time step saves networks at other strains."""
+    done = run(tmp_path / "out", "--time-step", "0.3", failures=[(0.025, 1)])
+    assert done.returncode == 0, done.stderr
+    names = [path.name for path in (tmp_path / "out").iterdir()]
+    assert sum(name.startswith("network") for name in names) == 4, names
+    assert sum(name.startswith("state") for name in names) == 2, names
 
 
 def test_the_error_remains_if_the_smallest_time_step_fails_too(tmp_path):
