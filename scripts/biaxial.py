@@ -20,7 +20,7 @@ from tqdm import tqdm
 
 from rcr import _files as files, _results as results, script
 from rcr.study.biaxial import Biaxial
-from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, remove_later, states
+from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
 from rcr.study.protocol import FREE_PARAMETERS, PROTOCOL, check_parameters
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
@@ -135,26 +135,24 @@ class Checkpoints:
         self.next = end + max(CHECKPOINT_SECONDS, 20 * (end - start))
 
     def go_back(self, error):
-        """Return the test at an earlier strain, with a smaller time step.
+        """Return the test to an earlier strain, with a smaller time step.
 
         Raises the error of the failed attempt if that was the last one.
         """
-        divisor = self.test.progress["divisor"] + 1
-        parameters = self.test.parameters
-        inertial = parameters["law"] == "cd" and not parameters["overdamped"]
-        if not inertial or divisor > PROTOCOL.most_divisor or not states(self.folder):
+        test, stopped = self.test, self.test.strain
+        inertial = test.parameters["law"] == "cd" and not test.parameters["overdamped"]
+        last = test.progress["divisor"] == PROTOCOL.most_divisor
+        if not inertial or last or not states(self.folder, stopped):
             raise error
-        failed = max(self.test.strain, self.test.progress["failed_strain"])
-        stopped = self.test.strain
-        self.test = Biaxial.go_back(self.folder, failed, divisor)
+        test.go_back(self.folder)
         tqdm.write(
-            f"biaxial.py: repeats the shear from a strain of {self.test.strain:.4f} with 1/{divisor} "
-            f"of the time step, since it stopped at {stopped:.4f}: {error}",
+            f"biaxial.py: repeats the shear from a strain of {test.strain:.4f} with "
+            f"1/{test.progress['divisor']} of the time step, since it stopped at {stopped:.4f}: "
+            f"{error}",
             file=sys.stderr,
         )
         self.save()
-        remove_later(self.folder, self.test.strain)
-        return self.test
+        remove_later(self.folder, test.strain)
 
     def update(self):
         """Write a checkpoint if one is due; end the script if the user asked for it."""
@@ -214,20 +212,19 @@ def shear(test, options, checkpoints):
             try:
                 test.shear(records)
             except RuntimeError as error:
-                test = checkpoints.go_back(error)
+                checkpoints.go_back(error)
                 continue
             seconds = time.monotonic() - began
             most = max(1, min(2 * records, int(records * RUN_SECONDS / seconds)))
             bar.n, row = 100 * test.strain, test.rows[-1]
             bar.set_postfix_str(f"q/p {row['sin_phi']:.3f}, {row['iterations']} iterations")
             if due() > saved:
-                name = f"network-{test.strain:.4f}.h5"
+                name = name_at(NETWORKS, test.strain)
                 test.network().save(os.path.join(options.out, name))
                 if test.strain > test.progress["failed_strain"]:
                     test.progress["divisor"] = 1
                 checkpoints.save(state=True)
             checkpoints.update()
-    return test
 
 
 def load(options, parameters):
@@ -292,7 +289,7 @@ def main():
         checkpoints = Checkpoints(test, options.out, stop)
         if test.progress["phase"] != "shear":
             compact(test, options, checkpoints)
-        test = shear(test, options, checkpoints)
+        shear(test, options, checkpoints)
         write_summary(test, options)
 
 

@@ -53,12 +53,17 @@ def test_each_type_has_a_name_of_its_own():
     assert not [name for name, times in collections.Counter(names).items() if times > 1]
 
 
+def constant(file, name):
+    """Return a constant of a Python file, which is not imported."""
+    return next(ast.literal_eval(node.value)
+                for node in ast.parse((PKG.parent / file).read_text()).body
+                if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == name)
+
+
 def test_each_mutant_has_one_place():
     """`scripts/check mutants` finds the places of its mistakes by their text."""
-    table = next(node.value
-                 for node in ast.parse((PKG.parent / "scripts/lib/mutants.py").read_text()).body
-                 if isinstance(node, ast.Assign) and node.targets[0].id == "TABLE")
-    mistakes = [(file, name, before) for file, mistakes in ast.literal_eval(table).items()
+    table = constant("scripts/lib/mutants.py", "TABLE")
+    mistakes = [(file, name, before) for file, mistakes in table.items()
                 for name, before, _ in mistakes]
     assert len(mistakes) > 70
     assert [(file, name) for file, name, before in mistakes
@@ -67,9 +72,7 @@ def test_each_mutant_has_one_place():
 
 def test_checks_leave_out_tests_that_exist():
     """A renamed test would run under a sanitizer that cannot serve it."""
-    checks = ast.parse((PKG.parent / "scripts" / "lib" / "check.py").read_text())
-    [left_out] = [ast.literal_eval(node.value) for node in checks.body
-                  if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "LEFT_OUT"]
-    tests = "".join(path.read_text() for path in (PKG.parent / "tests" / "kernel").rglob("test_*.py"))
-    for name in {name for names in left_out.values() for name in names}:
+    tests = "".join(map(pathlib.Path.read_text, (PKG.parent / "tests/kernel").rglob("test_*.py")))
+    for name in {name for names in constant("scripts/lib/check.py", "LEFT_OUT").values()
+                 for name in names}:
         assert re.search(rf"def test_\w*{name}", tests), name

@@ -23,6 +23,7 @@ from yade.wrapper import Omega
 from rcr.network import sin_phi
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT
+from rcr.study.plot_style import legend_outside
 from rcr.study.protocol import PROTOCOL
 
 from . import biaxial_cost
@@ -275,8 +276,7 @@ def plot(rows, options):
         ax.grid(alpha=0.3)
     figure.suptitle("Each observable against the rate, its limit I → 0 at the left; "
                     "stars: without inertia; grey triangles: the paper", fontsize=10)
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncol=4,
-                  fontsize=9)
+    legend_outside(figure, figure.axes[0], "lower center", 4, fontsize=9)
     return figure
 
 

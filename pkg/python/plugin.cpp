@@ -37,7 +37,8 @@ void registerClasses()
 #endif
 }
 
-/// Error if another version of YADE is running, whose class layouts would corrupt memory; else empty.
+/// Error if another version of YADE is running, since its class layouts would corrupt memory; else
+/// empty.
 std::string versionError()
 {
 	const std::string running = boost::python::extract<std::string>(
@@ -64,7 +65,8 @@ boost::python::list advice()
 {
 	const yade::Scene&  scene = *yade::Omega::instance().getScene();
 	boost::python::list warnings;
-	for (const std::string& text : { yade::validation::massWarning(scene), yade::validation::overlapWarning(scene) })
+	for (const std::string& text :
+	        { yade::validation::massWarning(scene), yade::validation::overlapWarning(scene) })
 		if (!text.empty()) warnings.append(text);
 	return warnings;
 }
@@ -81,7 +83,7 @@ void awaitEnd()
 BOOST_PYTHON_MODULE(_plugin)
 {
 	// Python raises it: Boost.Python 1.74 loses exceptions of an import
-	const std::string error                        = versionError();
+	const std::string error = versionError();
 	boost::python::scope().attr("version_error") = error;
 	if (!error.empty()) return;
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;

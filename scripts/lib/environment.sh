@@ -12,7 +12,6 @@
 
 set -euo pipefail
 
-yade_version=2025.2.0 # in the root file system
 lib=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd -P)
 setup=$lib/setup
 repo=$(cd "$lib/../.." && pwd -P)
@@ -93,7 +92,6 @@ ready_way() {
 
 ready() {
     way=${YADE_RCR_WAY:-} # set inside the environment
-    check_source_dir
     [ -z "$way" ] && ! ready_way || return 0
     make_cache "$cache"
     lock "$cache" "waiting for another set-up in $cache …"

@@ -199,7 +199,7 @@ def test_plots_read_the_file_as_well(result):
     """analysis.json has null where the arrays have NaN."""
     again = json.loads(json.dumps(analysis.jsonable(result)))
     for observable in figures.FIGURES:
-        figures.draw(observable, again)
+        assert figures.draw(observable, again).findobj(Axes), observable
 
 
 def test_an_elongation_has_one_colour(result):

@@ -20,13 +20,13 @@
 // driven step with a contact beyond 3 P + 200 L yields although it has a rigid solution: a struck
 // row bears P, a contact in a sheared packing up to 40 L.
 //
-// | symbol       | field       | unit | meaning                                                        |
-// |--------------|-------------|------|----------------------------------------------------------------|
-// | v⁻           | before      | m/s  | velocities at the beginning of the step (argument)             |
-// | V            | speed       | m/s  | fastest prescribed motion at a contact                         |
-// | ε            | compliance  | –    | yielding velocity of a contact over its own velocity response  |
-// | w₀           | leastResponse | 1/kg | least response w_nn of a yielding contact                     |
-// | 3 P + 200 L  | yieldImpulse | N s  | largest impulse of a contact that stays rigid                  |
+// | symbol      | field         | unit | meaning                                              |
+// |-------------|---------------|------|------------------------------------------------------|
+// | v⁻          | before        | m/s  | velocities at the beginning of the step (argument)   |
+// | V           | speed         | m/s  | fastest prescribed motion at a contact               |
+// | ε           | compliance    | –    | yielding velocity of a contact over its own response |
+// | w₀          | leastResponse | 1/kg | least response w_nn of a yielding contact            |
+// | 3 P + 200 L | yieldImpulse  | N s  | largest impulse of a contact that stays rigid        |
 //
 // The stress on a stretching cell is unknown here, so such a cell has no bound.
 #pragma once

@@ -38,10 +38,9 @@ namespace {
 				if (far
 				        && passedThrough(step_, c, solvedPointsAfter(step_, c, step_.dt), step_.dt))
 					return 1;
-				const double at = overlap(c);
-				if (!isExcessive(c, at)) continue;
-				deepest = std::max(deepest, at / c.size);
-				enqueue(int(k));
+				const double at = excess(c);
+				if (at > 0) enqueue(int(k));
+				deepest = std::max(deepest, at);
 			}
 			if (queue_.empty() || !displace) return deepest;
 			if (step_.displacement.empty()) step_.displacement.resize(step_.bodies.size());
@@ -60,8 +59,7 @@ namespace {
 			for (std::size_t k = 0; k < touched_.size(); ++k) {
 				const StepContact& c = step_.contacts[k];
 				if (isFixed(c) || !(touched_[k] || displacesFar(step_, c))) continue;
-				const double at = overlap(c);
-				if (isExcessive(c, at)) deepest = std::max(deepest, at / c.size);
+				deepest = std::max(deepest, excess(c));
 			}
 			return deepest;
 		}
@@ -95,10 +93,11 @@ namespace {
 			return step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2);
 		}
 
-		/// The step leaves an overlap that it must not leave.
-		bool isExcessive(const StepContact& c, double overlap) const
+		/// Overlap over R₁ + R₂ if it is one that the step must not leave [-]; else 0.
+		double excess(const StepContact& c) const
 		{
-			return overlap > std::max(allowed(c), trigger * c.slop());
+			const double at = overlap(c);
+			return at > std::max(allowed(c), trigger * c.slop()) ? at / c.size : 0;
 		}
 
 		/// A point of the contact ends with an overlap, by its velocity.
@@ -152,7 +151,8 @@ namespace {
 			const StepContact& c   = step_.contacts[number];
 			const Manifold     at  = pointsAtEnd(c);
 			const int          id1 = step_.bodies[c.body1].owner, id2 = step_.bodies[c.body2].owner;
-			const InverseMass &m1 = step_.problem.inverseMass[id1], &m2 = step_.problem.inverseMass[id2];
+			const InverseMass &m1 = step_.problem.inverseMass[id1],
+			                  &m2 = step_.problem.inverseMass[id2];
 			Twist &            d1 = step_.displacement[id1], &d2 = step_.displacement[id2];
 			Twist              moved1, moved2; // by this contact
 			touched_[number] = true;

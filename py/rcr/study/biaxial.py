@@ -298,24 +298,20 @@ class Biaxial:
         """
         return cls(*checkpoint.load(folder))
 
-    @classmethod
-    def go_back(cls, folder, strain, divisor):
-        """Return the test at the older of the last two states, with a smaller time step.
+    def go_back(self, folder):
+        """Return to the older of the last two states in a folder, with a smaller time step.
 
-        Parameters
-        ----------
-        folder : str
-        strain : float
-            Strain at which the test failed. The time step stays smaller until a later state [-].
-        divisor : int
-            Of the time step.
+        The time step is dt/2, then dt/3 and so on. It stays smaller up to the first state beyond
+        the strain at which the test failed.
 
         Raises
         ------
         ValueError
             If the state is damaged.
         """
-        test = cls(*checkpoint.load_file(checkpoint.states(folder)[-checkpoint.KEPT_STATES:][0]))
-        test.progress.update(divisor=divisor, failed_strain=strain,
-                             repeated=test.progress["repeated"] + 1)
-        return test
+        failed = max(self.strain, self.progress["failed_strain"])
+        divisor = self.progress["divisor"] + 1
+        path = checkpoint.states(folder, self.strain)[-checkpoint.KEPT_STATES:][0]
+        self.__init__(*checkpoint.load_file(path))
+        self.progress.update(divisor=divisor, failed_strain=failed,
+                             repeated=self.progress["repeated"] + 1)

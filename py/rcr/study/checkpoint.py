@@ -4,6 +4,7 @@ import contextlib
 import glob
 import gzip
 import json
+import math
 import os
 import re
 
@@ -15,7 +16,7 @@ from rcr.study.protocol import check_parameters
 O = Omega()
 
 CHECKPOINT = "checkpoint.yade.gz"
-STATES = "state-*.yade.gz"  # checkpoints to which a test returns if it jams
+STATES = "state-*.yade.gz"  # checkpoints to which a test returns if it jams; * is the strain
 KEPT_STATES = 2
 NETWORKS = "network-*.h5"
 HISTORY_COLUMNS = (
@@ -29,30 +30,46 @@ def save(test, folder, state=False):
 
     With `state`, the checkpoint is also kept as one of the last states of the folder.
     """
-    content = dict(parameters=test.parameters, progress=test.progress, rows=test.rows)
-    O.tags["biaxial"] = json.dumps(content, separators=(",", ":"))
+    data = dict(parameters=test.parameters, progress=test.progress, rows=test.rows)
+    O.tags["biaxial"] = json.dumps(data, separators=(",", ":"))
     files.write(os.path.join(folder, "history.csv"), files.table(HISTORY_COLUMNS, test.rows))
     with _memory_file() as (handle, name):
         O.save(name, quiet=True)  # in memory: YADE does not end when it compresses to a full disk
         scene = handle.read()
     content = gzip.compress(scene, compresslevel=3, mtime=0)
     if state:
-        files.write(os.path.join(folder, STATES.replace("*", f"{test.strain:.4f}")), content)
+        files.write(os.path.join(folder, name_at(STATES, test.strain)), content)
     files.write(os.path.join(folder, CHECKPOINT), content)
-    for path in states(folder)[:-KEPT_STATES]:
-        os.remove(path)
+    if state:
+        for path in states(folder)[:-KEPT_STATES]:
+            os.remove(path)
 
 
-def states(folder):
-    """Return the paths of the states in a folder, in the order of their strains."""
-    return sorted(glob.glob(os.path.join(glob.escape(folder), STATES)))
+def name_at(pattern, strain):
+    """Return the name of a file of `STATES` or `NETWORKS` at a strain."""
+    return pattern.replace("*", f"{strain:.4f}")
+
+
+def states(folder, last=math.inf):
+    """Return the paths of the states in a folder up to the strain `last`, in their order."""
+    return [path for path in _find(folder, STATES) if not _is_later(path, last)]
 
 
 def remove_later(folder, strain):
     """Remove the states and networks of an abandoned part of the shear, beyond a strain."""
-    for path in [*states(folder), *glob.glob(os.path.join(glob.escape(folder), NETWORKS))]:
-        if float(re.search(r"-([\d.]+?)\.(yade|h5)", os.path.basename(path))[1]) > strain + 1e-4:
+    for path in [*_find(folder, STATES), *_find(folder, NETWORKS)]:
+        if _is_later(path, strain):
             os.remove(path)
+
+
+def _find(folder, pattern):
+    return sorted(glob.glob(os.path.join(glob.escape(folder), pattern)))
+
+
+def _is_later(path, strain):
+    """Return whether the strain in a file name is later than a strain."""
+    digits = re.search(r"-(\d\.\d+)\.", os.path.basename(path))[1]
+    return float(digits) > strain + 0.5e-4  # rounded to four digits
 
 
 def load(folder):
@@ -65,11 +82,11 @@ def load(folder):
 
 def load_file(path):
     """Load the scene of a checkpoint; return parameters, progress and rows."""
-    with files.reading(path, "a checkpoint of a biaxial test"), _memory_file() as (handle, memory):
+    with files.reading(path, "a checkpoint of a biaxial test"), _memory_file() as (handle, name):
         with gzip.open(path) as file:
             handle.write(file.read())  # the check sum detects every flipped bit
             handle.flush()
-        O.load(memory, quiet=True)
+        O.load(name, quiet=True)
         state = json.loads(O.tags["biaxial"])
         return check_parameters(**state["parameters"]), state["progress"], state["rows"]
 

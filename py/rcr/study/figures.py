@@ -16,9 +16,9 @@ from rcr.study.curves import (
     plot_mobilization, plot_mobilization_by_force, plot_mobilization_pdf, plot_shear_stress,
     plot_strain, plot_strength, plot_strips, plot_xi,
 )  # fmt: skip
-from rcr.study.plot_style import color, column, eta_legend, marker  # noqa: F401  public names
-from rcr.study.plot_style import legend_outside
-
+from rcr.study.plot_style import (  # noqa: F401  public names
+    color, column, eta_legend, legend_outside, marker,
+)  # fmt: skip
 from rcr.study.polar import (
     plot_contact_directions, plot_isotropy, plot_vector_directions, polar_row,
 )  # fmt: skip

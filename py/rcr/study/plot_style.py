@@ -48,11 +48,11 @@ def eta_legend(figure, ax):
     legend_outside(figure, ax, "upper center", 4 if figure.get_figwidth() < 5 else 8)
 
 
-def legend_outside(figure, ax, place, columns):
+def legend_outside(figure, ax, place, columns, **options):
     """Add the legend of `ax` to a figure, above or below all axes; `place` as of Matplotlib.
 
     Matplotlib before 3.7 draws it over the axes.
     """
     old = matplotlib.__version_info__ < (3, 7)
     loc = place if old else f"outside {place}"
-    figure.legend(*ax.get_legend_handles_labels(), loc=loc, ncol=columns)
+    figure.legend(*ax.get_legend_handles_labels(), loc=loc, ncol=columns, **options)

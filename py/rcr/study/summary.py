@@ -105,7 +105,8 @@ def _work(test):
     return dict(
         steps=O.iter, dt=O.dt, iterations_mean=progress["iterations"] / O.iter,
         residual_max=progress["residual_max"], unconverged_steps=max(0, missed - yielded),
-        yielded_steps=yielded, repeated_parts=progress["repeated"], missed_fraction=missed / max(1, O.iter - progress["first_step"]),
+        yielded_steps=yielded, repeated_parts=progress["repeated"],
+        missed_fraction=missed / max(1, O.iter - progress["first_step"]),
         missed_mean=progress["missed_sum"] / max(1, missed), missed_max=progress["missed_max"],
         tolerance=test.parameters["tolerance"], run=test.run, wall_seconds=progress["wall_seconds"],
         peak_memory_bytes=1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,

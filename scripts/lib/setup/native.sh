@@ -33,12 +33,11 @@ native_installed() {
 native_source() { echo "${YADE_SOURCE_DIR:-$cache/source-$(native_version)}"; }
 native_yade_python() { echo /usr/lib/*/yade-double/py; }
 
-check_source_dir() {
+native_ready() {
     [ -z "${YADE_SOURCE_DIR:-}" ] || [ -e "$YADE_SOURCE_DIR/core/Scene.hpp" ] ||
         fail "YADE_SOURCE_DIR = $YADE_SOURCE_DIR has no core/Scene.hpp; give YADE's sources"
+    native_installed && [ -d "$(native_source)" ]
 }
-
-native_ready() { native_installed && [ -d "$(native_source)" ]; }
 
 native_possible() {
     native_installed && return
@@ -80,7 +79,7 @@ native_make() {
 }
 
 native_fetch() {
-    if [ "$(id -u)" = 0 ] && ! command -v bzip2 xz >/dev/null; then
+    if [ "$(id -u)" = 0 ] && ! { command -v bzip2 && command -v xz; } >/dev/null; then
         apt-get install -y --no-install-recommends bzip2 xz-utils
     fi
     "$setup/fetch-source" "$1" "$new/source" "$new/apt"

@@ -5,7 +5,7 @@ root=$cache/root-$(packages_id)
 # files of the machine's /etc that are bound over those of the root file system
 machine_files=(resolv.conf hosts hostname localtime machine-id ssl/certs/ca-certificates.crt)
 
-rootfs_version() { echo "$yade_version"; }
+rootfs_version() { echo 2025.2.0; }
 rootfs_source() { echo /usr/src/yade; }
 rootfs_yade_python() { (cd "$root" && echo usr/lib/*/yade-double/py | sed 's|^|/|'); }
 
@@ -71,18 +71,18 @@ rootfs_make() {
     rootfs_from_mirrors rootfs_bootstrap
 }
 
-# rootfs_from_mirrors MAKE: makes $root by `MAKE SOURCES`, which fills $new/root, from the first
+# rootfs_from_mirrors MAKE: makes $root by `MAKE SOURCES`, which fills $new/tree, from the first
 # mirror that works
 rootfs_from_mirrors() {
     local sources
     while IFS= read -r sources; do
-        mkdir "$new/root"
+        mkdir "$new/tree"
         : >"$new/output"
         if "$1" "$sources"; then
             rootfs_finish
             return
         fi
-        rm -rf --one-file-system "$new/root"
+        rm -rf --one-file-system "$new/tree"
         why=$(rootfs_reason "$new/output")
         rm -f "$new/stage"
         say "$(mirror_names "$sources") failed: $why"
@@ -130,7 +130,7 @@ rootfs_options() {
 rootfs_bootstrap() {
     local bootstrap bundle=/etc/ssl/certs/ca-certificates.crt
     local files="'$setup/install-packages' '$setup/fetch-source' '$setup/packages'"
-    local fetch="chroot \"\$1\" /tmp/fetch-source $yade_version /usr/src/yade /tmp/apt >&2"
+    local fetch="chroot \"\$1\" /tmp/fetch-source $(rootfs_version) /usr/src/yade /tmp/apt >&2"
     local libraries="YADE, a compiler and Python libraries (1 to 7 min) …"
     [ -r "$bundle" ] || bundle=/dev/null
     rootfs_options
@@ -143,34 +143,34 @@ rootfs_bootstrap() {
         --customize-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt"
         --customize-hook='echo "yade-rcr: set-up 3/3: headers of YADE (15 MB, up to 1 min) …" >&2'
         --customize-hook="$fetch")
-    rootfs_fill "$1" && [ -d "$new/root/usr/src/yade/core" ]
+    rootfs_fill "$1" && [ -d "$new/tree/usr/src/yade/core" ]
 }
 
-# rootfs_fill SOURCES: runs `bootstrap` into $new/root. Without root rights the result passes
+# rootfs_fill SOURCES: runs `bootstrap` into $new/tree. Without root rights the result passes
 # through an archive, so that the files belong to the user.
 rootfs_fill() {
     local sources
     IFS=';' read -ra sources <<<"$1"
     if [ "$(id -u)" = 0 ]; then
-        bootstrap=(unshare --mount "${bootstrap[@]}" --mode=root trixie "$new/root")
+        bootstrap=(unshare --mount "${bootstrap[@]}" --mode=root trixie "$new/tree")
         "${bootstrap[@]}" "${sources[@]}" 2>&1 | record
     else
         bootstrap+=(--mode=unshare trixie -)
         { TMPDIR=/var/tmp "${bootstrap[@]}" "${sources[@]}" 2>&1 >&3 | record; } 3>&1 |
-            tar -x -C "$new/root" --exclude='./dev/*' 2>>"$log"
+            tar -x -C "$new/tree" --exclude='./dev/*' 2>>"$log"
     fi
 }
 
 # rootfs_finish: removes directories that the machine's replace, makes targets for bound files
 rootfs_finish() {
     local file
-    chmod -R u+rwX "$new/root"
-    rm -rf --one-file-system "$new"/root/{boot,dev,home,media,mnt,opt,proc,root,run,srv,sys,tmp,var}
+    chmod -R u+rwX "$new/tree"
+    rm -rf --one-file-system "$new"/tree/{boot,dev,home,media,mnt,opt,proc,root,run,srv,sys,tmp,var}
     for file in "${machine_files[@]}"; do
-        rm -f "$new/root/etc/$file"
-        : >"$new/root/etc/$file"
+        rm -f "$new/tree/etc/$file"
+        : >"$new/tree/etc/$file"
     done
-    mv "$new/root" "$root"
+    mv "$new/tree" "$root"
     # root file systems that were not entered for a month
     find "$cache" -maxdepth 1 -name 'root-*' -mtime +30 -exec rm -rf --one-file-system {} +
 }

@@ -1,6 +1,5 @@
 """A biaxial test that jams repeats a part of the shear with a smaller time step."""
 
-import csv
 import json
 import os
 import re
@@ -13,7 +12,7 @@ from rcr.study.protocol import PROTOCOL
 from run_contents import contents, different
 
 KILLED = 9  # exit code
-ROOT = os.path.join(os.path.dirname(__file__), *[".."] * 3)
+SCRIPT = os.path.join(os.path.dirname(__file__), *[".."] * 3, "scripts", "biaxial.py")
 WRAPPER = """
 import os, runpy, sys, yade
 from rcr.study.biaxial import Biaxial
@@ -35,27 +34,20 @@ runpy.run_path(sys.argv[0], run_name="__main__")
 
 
 def run(out, *arguments, failures=(), end=1):
-    """Run biaxial.py.
+    """Run biaxial.py, by default in small.
 
     `failures` are pairs of a strain and the number of failures beyond it. With a smaller time
     step, the process is killed beyond the strain `end`.
     """
-    options = ["--particles", "20", "--strain", "0.04", "--networks", "4", "--iterations", "300"]
-    command = [sys.executable, "-c", wrapper(failures, end),
-               os.path.join(ROOT, "scripts", "biaxial.py"), *options, *arguments, "--out", out]
-    return subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=300)
+    wrapper = WRAPPER.format(failures=list(failures), end=end, killed=KILLED)
+    small = ["--particles", "20", "--strain", "0.04", "--networks", "4", "--iterations", "300"]
+    command = [sys.executable, "-c", wrapper, SCRIPT, *small, *arguments, "--out", out]
+    return subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=600)
 
 
-def wrapper(failures=(), end=1):
-    return WRAPPER.format(failures=list(failures), end=end, killed=KILLED)
-
-
-def history(out):
-    """Return steps, times and strains of all records."""
-    with open(out / "history.csv") as file:
-        return [np.array(column) for column in zip(*[
-            (int(row["step"]), float(row["time"]), float(row["strain"]))
-            for row in csv.DictReader(file)])]
+def assert_saved(out):
+    """The folder has the networks of one path, and the last two states."""
+    assert len(list(out.glob("network-*"))) == 4 and len(list(out.glob("state-*"))) == 2
 
 
 def test_a_jam_repeats_a_part_with_a_smaller_time_step(tmp_path):
@@ -66,15 +58,14 @@ def test_a_jam_repeats_a_part_with_a_smaller_time_step(tmp_path):
     assert "with 1/3 of the time step" in done.stderr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["repeated_parts"] == 1
-    steps, times, strains = history(tmp_path / "out")
+    rows = np.genfromtxt(tmp_path / "out" / "history.csv", delimiter=",", names=True)
+    strains = rows["strain"]
     assert (np.diff(strains) > 0).all() and strains[-1] == pytest.approx(0.04, abs=1e-3)
-    lengths = np.diff(times) / np.diff(steps)
+    lengths = np.diff(rows["time"]) / np.diff(rows["step"])
     stopped = float(re.search(r"stopped at ([\d.]+)", done.stderr)[1])
     boundary = min(strain for strain in (0.0296, 0.0396) if strain > stopped)
     smaller = (strains[1:] > 0.0098) & (strains[1:] < boundary + 0.0002)
-    saved = sorted(path.name for path in (tmp_path / "out").glob("*-0.*"))
-    assert len([name for name in saved if name.startswith("network")]) == 4, saved
-    assert len([name for name in saved if name.startswith("state")]) == 2, saved
+    assert_saved(tmp_path / "out")
     assert np.allclose(lengths, np.where(smaller, 1 / 3, 1) * lengths[0], rtol=1e-3)
 
 
@@ -82,9 +73,7 @@ def test_files_of_the_abandoned_part_are_removed(tmp_path):
     """With three steps a record, a smaller time step saves networks at other strains."""
     done = run(tmp_path / "out", "--time-step", "0.3", failures=[(0.025, 1)])
     assert done.returncode == 0, done.stderr
-    names = [path.name for path in (tmp_path / "out").iterdir()]
-    assert sum(name.startswith("network") for name in names) == 4, names
-    assert sum(name.startswith("state") for name in names) == 2, names
+    assert_saved(tmp_path / "out")
 
 
 def test_the_error_remains_if_the_smallest_time_step_fails_too(tmp_path):
@@ -109,10 +98,8 @@ def test_a_repeated_part_continues_to_the_same_bits_after_a_kill(tmp_path):
 @pytest.mark.parametrize("seed", range(1, 11))
 def test_small_packings_finish(eta, seed, tmp_path):
     """100 grains up to a strain of 0.5: columns of grains lock between the platens."""
-    script = os.path.join(ROOT, "scripts", "biaxial.py")
-    command = [sys.executable, "-c", wrapper(), script, "--particles", "100",
-               "--eta", eta, "--seed", seed, "--strain", "0.5", "--out", tmp_path / "out"]
-    done = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=600)
+    done = run(tmp_path / "out", "--particles", 100, "--eta", eta, "--seed", seed,
+               "--strain", 0.5, "--networks", 10, "--iterations", PROTOCOL.small_iterations)
     assert done.returncode == 0, done.stderr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["strain"] == pytest.approx(0.5, abs=1e-3)
