@@ -5,7 +5,7 @@ Run it with YADE:
 scripts/yade-rcr -n -x scripts/biaxial.py --eta 0.5 --particles 400 --strain 0.1 --out out
 
 It writes DIR/summary.json, DIR/history.csv, DIR/isotropic.h5, DIR/network-*.h5 and DIR/run.json
-with the parameters. A test with inertia that jams restarts from the older of DIR/state-*.yade.gz
+with the parameters. A test that jams restarts from the older of DIR/state-*.yade.gz
 with a smaller time step. --resume continues from DIR/checkpoint.yade.gz. Ctrl-C ends the test
 after a checkpoint; after a kill the last checkpoint remains.
 """
@@ -25,10 +25,6 @@ from rcr.study.protocol import FREE_PARAMETERS, PROTOCOL, check_parameters
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, STATES, "history.csv", "isotropic.h5", NETWORKS]
-DEFAULT_RATE = dict(
-    inertial_number=PROTOCOL.inertial_number, time_step=PROTOCOL.time_step,
-    approach=0.0, overdamped=False,
-)  # fmt: skip
 OUTPUT = ["strain", "networks", "include_yielded"]  # options that change no record
 HALF_RECORD = 0.5 * PROTOCOL.record_strain
 MAX_INERTIA = 0.02  # sample inertia over σ₀ at the end, at most without a warning
@@ -36,20 +32,11 @@ RUN_SECONDS = 3.0  # aimed duration of a run of several records
 CHECKPOINT_SECONDS = 60  # between checkpoints; at least 20 times that of writing one
 
 
-def option_text(parameters):
-    """Return parameters as command-line options."""
-    words = (
-        f"--{name.replace('_', '-')}" + f" {value:g}" * (value is not True)
-        for name, value in parameters.items()
-    )
-    return " ".join(words)
-
-
 def parser():
     """Return the parser of the command line."""
     number, integer = script.number(), script.integer()
     strain = script.number("0 < strain < 1", lambda v: 0 < v < 1)
-    protocol, slow = PROTOCOL, option_text(PROTOCOL.quasi_static)
+    protocol = PROTOCOL
     made = script.Parser(prog="biaxial.py", description=__doc__.splitlines()[0])
     add = made.add_argument
     add("--eta", type=number, default=0.5,
@@ -61,17 +48,14 @@ def parser():
         help="of sizes, positions and orientations (default %(default)s)")
     add("--friction", type=number, default=0.5,
         help="between grains during the shear (default %(default)s)")
-    add("--inertial-number", type=number,
-        help=f"rate of the shear times √(m/σ0) (default {protocol.inertial_number:g})")
-    add("--time-step", type=number,
-        help=f"of the shear, over √(m/σ0) (default {protocol.time_step:g}); not of --law smooth")
-    add("--approach", type=number,
-        help=f"strain up to which --inertial-number is at least {protocol.inertial_number:g} "
-        "(default 0)")
-    add("--overdamped", action="store_true", default=None,
-        help="shear without inertia: each step of the strain I dt/t0 starts from rest")
-    add("--quasi-static", action="store_true",
-        help=f"shear so slowly that averages hardly depend on the rate: {slow}")
+    add("--inertial-number", type=number, default=protocol.inertial_number,
+        help="rate of the shear times √(m/σ0) (default %(default)g)")
+    add("--time-step", type=number, default=protocol.time_step,
+        help="of the shear, over √(m/σ0) (default %(default)g); not of --law smooth")
+    add("--approach", type=number, default=protocol.approach,
+        help="strain up to which the shear is quick, with --inertial-number at least "
+        f"{protocol.quick_inertial_number:g} and --time-step at most {protocol.quick_time_step:g} "
+        "(default %(default)g)")
     add("--threads", type=integer, default=0, help="of the contact solver (default: YADE's -j)")
     add("--tolerance", type=number, default=1e-4,
         help="residual of the contact solver (default %(default)s)")
@@ -103,15 +87,6 @@ def arguments():
     options = (made := parser()).parse_args()
     if options.resume and options.overwrite:
         made.error("--resume continues the run in DIR, --overwrite removes it: give one of them")
-    rate = DEFAULT_RATE | PROTOCOL.quasi_static if options.quasi_static else DEFAULT_RATE
-    for name, value in rate.items():
-        if getattr(options, name) is None:
-            setattr(options, name, value)
-    if options.approach >= options.strain:
-        made.error(
-            f"--approach {options.approach:g}: expected less than --strain {options.strain:g}; "
-            "--approach 0 shears at --inertial-number from the start"
-        )
     if options.strain < PROTOCOL.record_strain:
         made.error(
             f"--strain {options.strain}: expected at least {PROTOCOL.record_strain:g}, "
@@ -140,9 +115,8 @@ class Checkpoints:
         Raises the error of the failed attempt if that was the last one.
         """
         test, stopped = self.test, self.test.strain
-        inertial = test.parameters["law"] == "cd" and not test.parameters["overdamped"]
         last = test.progress["divisor"] == PROTOCOL.most_divisor
-        if not inertial or last or not states(self.folder, stopped):
+        if test.parameters["law"] != "cd" or last or not states(self.folder, stopped):
             raise error
         test.go_back(self.folder)
         tqdm.write(
@@ -274,7 +248,7 @@ def write_summary(test, options):
 
 def main():
     options = arguments()
-    no_parameters = ("out", "resume", "overwrite", "quasi_static", *OUTPUT)
+    no_parameters = ("out", "resume", "overwrite", *OUTPUT)
     given = {name: value for name, value in vars(options).items() if name not in no_parameters}
     parameters = check_parameters(**given)
     recorded = parameters | {name: getattr(options, name) for name in OUTPUT}

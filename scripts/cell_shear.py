@@ -44,7 +44,6 @@ def arguments():
     """Return the options of the command line."""
     number, integer = script.number(), script.integer()
     strain = script.number(f"{MIN_STRAIN:g} ≤ strain < 1", lambda v: MIN_STRAIN <= v < 1)
-    slow = PROTOCOL.quasi_static
     parser = script.Parser(prog="cell_shear.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("--etas", type=number, nargs="+", default=[0, 0.5], help="elongations (default 0 0.5)")
@@ -59,9 +58,6 @@ def arguments():
     add("--inertial-number", type=number, default=1e-3,
         help="rate times √(m/σ0) (default %(default)s)")
     add("--time-step", type=number, default=0.1, help="over √(m/σ0) (default %(default)s)")
-    add("--quasi-static", action="store_true",
-        help=f"shear without inertia, with --inertial-number {slow['inertial_number']:g} "
-        f"--time-step {slow['time_step']:g}")
     add("--out", type=script.new_file, default="cell-shear.csv", metavar="FILE",
         help="CSV file (default %(default)s)")
     options = parser.parse_args()
@@ -70,13 +66,7 @@ def arguments():
             f"--walls with --particles {options.particles}: expected at least {MIN_PARTICLES}, "
             "of which some are far from all walls"
         )
-    if options.quasi_static:
-        vars(options).update(slow)
-    options.rate = dict(
-        inertial_number=options.inertial_number,
-        time_step=options.time_step,
-        overdamped=options.quasi_static,
-    )
+    options.rate = dict(inertial_number=options.inertial_number, time_step=options.time_step)
     return options
 
 

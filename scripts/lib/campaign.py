@@ -19,7 +19,7 @@ from rcr import _results as results, script
 HERE = pathlib.Path(__file__).resolve().parent
 CONTINUE = "continue with the same command"
 QUICK = dict(particles=300, etas=[[0, 0.4, 0.7]], strain=0.3, networks=6)  # a minute or two
-FREE = ("particles", "etas", "seeds", "strain", "networks", "quasi_static", *campaign_runs.OPTIONAL)
+FREE = ("particles", "etas", "seeds", "strain", "networks", *campaign_runs.OPTIONAL)
 
 
 def numbers(kind):
@@ -62,8 +62,6 @@ def parser():
         help="of the shear, over √(m/σ0) (default: that of scripts/biaxial.py)")
     add("--friction", type=friction, metavar="MU",
         help="between grains during the shear (default: that of scripts/biaxial.py)")
-    add("--quasi-static", action="store_true",
-        help="shear without inertia, as scripts/biaxial.py --quasi-static")
     add("--jobs", type=script.at_least(1), default=processors, metavar="N",
         help="processors to use (default all: %(default)s)")
     add("--out", type=script.folder, required=True, metavar="DIR",
@@ -102,7 +100,6 @@ def configuration(options):
         "seeds": ",".join(map(str, options.seeds)),
         "threads": min(1024, max(1, options.jobs // (len(options.etas) * len(options.seeds)))),
         "networks": options.networks,
-        "quasi_static": int(options.quasi_static),
     }
     given = {name: getattr(options, name) for name in campaign_runs.OPTIONAL}
     return config | {name: text(value) for name, value in given.items() if value is not None}

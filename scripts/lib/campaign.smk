@@ -1,8 +1,8 @@
 # Workflow of scripts/campaign: a biaxial test for each elongation and seed, then their analysis.
 #
-# Config: particles, strain, etas and seeds (with commas), threads and networks of a test,
-# quasi_static 0 or 1; optionally iterations, time_step and friction. The working directory gets
-# runs/NAME/ as scripts/biaxial.py writes it, with its log, and report/.
+# Config: particles, strain, etas and seeds (with commas), threads and networks of a test; optionally
+# iterations, time_step and friction. The working directory gets runs/NAME/ as scripts/biaxial.py
+# writes it, with its log, and report/.
 
 import pathlib
 import sys

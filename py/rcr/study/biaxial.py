@@ -90,10 +90,8 @@ class Biaxial:
             Iterations of the solver in a step of the shear, at most
             (`Protocol.default_iterations`).
         approach : float
-            Strain up to which the shear is no slower than `Protocol.inertial_number` (0).
-        overdamped : bool
-            Shear without inertia, `ContactDynamics.overdamped` (False). A step of the strain
-            I dt/t₀ starts from rest and ends in balance, except a drag of I t₀/dt of σ₀.
+            Strain up to which the shear is quick (`Protocol.approach`): I is at least
+            `Protocol.quick_inertial_number`, dt/t₀ at most `Protocol.quick_time_step`.
 
         Raises
         ------
@@ -145,13 +143,12 @@ class Biaxial:
         Returns
         -------
         tuple of two floats
-            [-]; 0 without inertia.
+            [-].
         """
         strain = self.strain if strain is None else strain
         height = self.progress["first_height"] * (1 - strain)
         width = self.area / (self.packing_fraction * height)
-        overdamped = self.parameters["overdamped"]
-        rate = 0.0 if overdamped else shear.top_speed(self, strain) / height
+        rate = shear.top_speed(self, strain) / height
         density = PROTOCOL.density * self.packing_fraction
         stress = PROTOCOL.confining_stress
         return tuple(density * (rate * length) ** 2 / stress for length in (width, height))
@@ -217,10 +214,6 @@ class Biaxial:
             If the packing is not at rest after `Protocol.max_compaction_steps`.
         """
         compaction.compact(self, report, balanced, lambda: shear.start(self))
-
-    def remove_inertia(self):
-        """Let all steps start from rest; see `ContactDynamics.overdamped`."""
-        shear.remove_inertia(self)
 
     def switch_to_springs(self, stiffness):
         """Replace rigid contacts by unloaded springs of k_n = `stiffness` σ₀.

@@ -46,9 +46,6 @@ class CellTest:
         I and dt/t₀ of the shear [-].
     tolerance, threads
         Attributes of `rcr.ContactDynamics`.
-    overdamped : bool
-        Shear without inertia; a step then has the strain `inertial_number` × `time_step`.
-        `Protocol.quasi_static` has parameters for averages that hardly depend on the rate.
 
     Raises
     ------
@@ -57,7 +54,7 @@ class CellTest:
     """
 
     def __init__(self, eta=0.5, particles=1000, seed=1, friction=0.5, inertial_number=1e-3,
-                 time_step=0.1, tolerance=1e-4, threads=1, overdamped=False):
+                 time_step=0.1, tolerance=1e-4, threads=1):
         elongation = "an elongation from 0 to below 1"
         eta = checks.number("eta", eta, elongation, lambda v: 0 <= v < 1)
         least = "at least 100: a cell must be wider than four grains"
@@ -65,8 +62,7 @@ class CellTest:
         positive = dict(inertial_number=inertial_number, time_step=time_step, tolerance=tolerance)
         for name, value in positive.items():
             checks.number(name, value, "a finite number > 0", lambda v: v > 0)
-        self.friction, self.overdamped = friction, overdamped
-        self.rate, self.time_step = inertial_number, time_step
+        self.friction, self.rate, self.time_step = friction, inertial_number, time_step
         mass = self._make_grains(eta, particles, seed)
         self.area = mass / PROTOCOL.density
         self.time_unit = math.sqrt(mass / particles / PROTOCOL.confining_stress)
@@ -196,10 +192,7 @@ class CellTest:
     def _start_shear(self, mode):
         """Set the friction, the rate and the load of the shear."""
         solver = self.solver
-        solver.overdamped = self.overdamped
-        if self.overdamped:
-            solver.kinematicTolerance = PROTOCOL.overdamped_kinematic_tolerance
-            solver.maxIterations = PROTOCOL.iterations
+        solver.overdamped = False
         self.material.frictionAngle = math.atan(self.friction)
         for b in O.bodies:
             b.state.vel = b.state.angVel = (0, 0, 0)

@@ -53,8 +53,11 @@ class Protocol:
     max_compaction_steps: int = 20_000  # steps after which the compaction fails
 
     # Shear
-    time_step: float = 0.1  # dt [t₀]
-    inertial_number: float = 1e-3  # I [-]; net forces reach 20 to 40 % of the mean contact force
+    time_step: float = 0.4  # dt [t₀]
+    inertial_number: float = 1e-4  # I [-]; averages are near their limit I → 0
+    approach: float = 0.1  # strain up to which the shear is quick [-]
+    quick_time_step: float = 0.1  # dt of quick shear, at most [t₀]
+    quick_inertial_number: float = 1e-3  # I of quick shear, at least [-]
     iterations: int = 300  # of the solver in a step, at most
     small_iterations: int = 10_000  # the same of small packings (docs/campaign.md)
     small_particles: int = 2000  # grains of a small packing, at most
@@ -62,9 +65,6 @@ class Protocol:
     most_divisor: int = 5  # of the time step where the shear is repeated
     ramp_strain: float = 0.002  # strain in which the top wall reaches its speed [-]
     record_strain: float = 1e-3  # strain of a record of the history [-]
-    quasi_static_rate: float = 1e-4  # I t₀/dt without inertia [-]: drag of a grain over σ₀
-    quasi_static_time_step: float = 1.0  # dt without inertia [t₀]
-    overdamped_kinematic_tolerance: float = 0.1  # at `quasi_static_rate` [-]
 
     # Smooth law
     stiffness: float = 1e3  # k_n [σ₀]: mean overlaps of about 1e-3 d
@@ -72,12 +72,6 @@ class Protocol:
     viscous_damping: float = 0.3  # damping ratio along normals [-]; the shear has no other damping
     smooth_time_step: float = 0.5  # dt over `rcr.critical_time_step` [-]
     smooth_stride: int = 10  # steps between two readings of the wall stresses
-
-    @property
-    def quasi_static(self):
-        """Parameters of shear near the limit I → 0 (docs/measurements.md, Quasi-static limit)."""
-        return dict(overdamped=True, inertial_number=self.quasi_static_rate,
-                    time_step=self.quasi_static_time_step)
 
     def default_iterations(self, particles):
         """Iterations of the solver in a step of the shear, at most, of so many grains."""
@@ -90,7 +84,7 @@ PROTOCOL = Protocol()
 def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e-4, solver="auto",
                      threads=0, inertial_number=PROTOCOL.inertial_number,
                      time_step=PROTOCOL.time_step, law="cd", stiffness=PROTOCOL.stiffness,
-                     iterations=None, approach=0.0, overdamped=False):
+                     iterations=None, approach=PROTOCOL.approach):
     """Return the parameters of a test as a dict, after a check of each; see `Biaxial.prepare`.
 
     Raises
@@ -105,7 +99,6 @@ def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e
     for name in _RANGES:
         parameters[name] = _checked(name, parameters[name])
     checks.choice("law", law, ("cd", "smooth"))
-    checks.flag("overdamped", overdamped)
     _check_combination(parameters)
     return parameters
 
@@ -133,20 +126,12 @@ def _checked(name, value):
 
 def _check_combination(parameters):
     """Raise ValueError for an unknown solver and for parameters that exclude each other."""
-    solver, law, overdamped, approach, rate, step = (
-        parameters[name]
-        for name in ("solver", "law", "overdamped", "approach", "inertial_number", "time_step")
+    solver, law, rate, step = (
+        parameters[name] for name in ("solver", "law", "inertial_number", "time_step")
     )
     names = _kernel.solver_names()
     if solver not in names:
         raise ValueError(f"solver {solver!r} is not known; expected one of {', '.join(names)}")
-    if law == "smooth" and overdamped:
-        raise ValueError("overdamped = True: springs have an inertia; expected law = 'cd'")
-    if approach > 0 and overdamped:
-        raise ValueError(
-            f"approach = {approach:g}: shear without inertia has one rate; "
-            "expected approach = 0 with overdamped = True"
-        )
     if law == "cd" and rate * step > PROTOCOL.record_strain:
         raise ValueError(
             f"inertial_number × time_step = {rate * step:g} is the strain of a step; "

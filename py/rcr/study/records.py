@@ -22,7 +22,6 @@ class Springs:
 
     tolerance = residual = 0.0
     iterations = threads = 0
-    overdamped = False
 
     @property
     def contactPoints(self):

@@ -1,15 +1,15 @@
 """Shear of the biaxial test: the top wall closes at a given rate, σ₀ acts on the right wall.
 
 The top wall moves at the rate ε̇ = I/t₀ of the first height. The strain is (h₀ − h)/h₀. A record
-is 0.1 % of strain and gives a row of the history. Up to the strain `approach` the shear is no
-slower than the default rate. Needs YADE.
+is 0.1 % of strain and gives a row of the history. Up to the strain `approach` the shear is quick:
+`Protocol.quick_inertial_number`. Needs YADE.
 """
 
 import math
 
 import numpy as np
 from yade import utils
-from yade.minieigenHP import Matrix3, Vector3
+from yade.minieigenHP import Vector3
 from yade.wrapper import Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, Omega
 
 import rcr
@@ -34,8 +34,6 @@ def start(test):
     solver.tolerance, solver.maxIterations = parameters["tolerance"], parameters["iterations"]
     solver.overdamped = solver.trackMeanStretch = False
     solver.yieldCompliance = PROTOCOL.yield_compliance
-    if parameters["overdamped"]:
-        remove_inertia(test)
     for body in O.bodies:
         body.state.vel = body.state.angVel = Vector3.Zero
     _set_friction(test, parameters["friction"])
@@ -46,7 +44,7 @@ def start(test):
     if parameters["law"] == "smooth":
         switch_to_springs(test, parameters["stiffness"])
     else:
-        O.dt = parameters["time_step"] * test.time_unit
+        O.dt = rate_and_step(test)[1] * test.time_unit
 
 
 def _set_friction(test, friction):
@@ -55,18 +53,6 @@ def _set_friction(test, friction):
     for i in O.interactions:
         if i.isReal and max(i.id1, i.id2) < test.left:
             i.phys.tangensOfFrictionAngle = friction
-
-
-def remove_inertia(test):
-    """Let each step start from rest; see `Biaxial.remove_inertia`."""
-    parameters, solver = test.parameters, test.solver
-    parameters.update(overdamped=True)
-    rate = parameters["inertial_number"] / parameters["time_step"]
-    solver.overdamped = solver.trackMeanStretch = True
-    # The tolerance is a share of the velocities without contacts. Slower shear and longer steps
-    # have lower velocities beside these.
-    share = min(1, rate / PROTOCOL.quasi_static_rate)
-    solver.kinematicTolerance = PROTOCOL.overdamped_kinematic_tolerance * share
 
 
 def switch_to_springs(test, stiffness):
@@ -96,12 +82,12 @@ def is_approaching(test, strain=None):
 def rate_and_step(test, strain=None):
     """Return I and dt/t₀ of the shear, now or at a strain.
 
-    Up to the strain `approach` I is at least the default one and dt at most the default one.
-    `Biaxial.go_back` divides dt.
+    Up to the strain `approach` they are those of quick shear. `Biaxial.go_back` divides dt.
     """
     rate, step = test.parameters["inertial_number"], test.parameters["time_step"]
     if is_approaching(test, strain):
-        rate, step = max(rate, PROTOCOL.inertial_number), min(step, PROTOCOL.time_step)
+        rate = max(rate, PROTOCOL.quick_inertial_number)
+        step = min(step, PROTOCOL.quick_time_step)
     return rate, step / test.progress["divisor"]
 
 
@@ -116,6 +102,14 @@ def steps_per_record(test):
     return max(1, round(PROTOCOL.record_strain * test.time_unit / (rate * O.dt)))
 
 
+def _records_at_this_speed(test):
+    """Return the number of records before the top wall changes its speed."""
+    if not is_approaching(test):
+        return math.inf
+    left = test.parameters["approach"] - 0.5 * PROTOCOL.record_strain - test.strain
+    return max(1, math.ceil(left / test.strain_per_record))
+
+
 # --- records -----------------------------------------------------------------------------------
 
 
@@ -127,12 +121,7 @@ def shear(test, records):
         top.vel = Vector3(0, -ramp * top_speed(test), 0)
         if not isinstance(solver, Springs):
             O.dt = rate_and_step(test)[1] * test.time_unit
-        if solver.overdamped:
-            closing = top.vel[1] / test.height
-            # The flow keeps the area of the sample; trackMeanStretch adds the dilation.
-            solver.flow = Matrix3(-closing, 0, 0, 0, closing, 0, 0, 0, 0)
-        steady = ramp == 1 and not solver.overdamped and not is_approaching(test)
-        together = records if steady else 1
+        together = min(records, _records_at_this_speed(test)) if ramp == 1 else 1
         try:
             test.step(steps_per_record(test), together)
         finally:
