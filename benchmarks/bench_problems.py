@@ -24,7 +24,7 @@ def arguments():
         help="elongation, 0 = disc (default %(default)s)")
     add("--seed", type=script.integer(), default=1,
         help="seed of the packing (default %(default)s)")
-    add("--time-step", type=script.number(), default=PROTOCOL.time_step,
+    add("--time-step", type=script.number(), default=PROTOCOL.quick_time_step,
         help="time step of the shear over √(m/σ0) (default %(default)s)")
     add("--states", type=script.at_least(1), default=5,
         help="number of problems, at equal strains (default %(default)s)")
@@ -39,7 +39,8 @@ def arguments():
 
 def main():
     options = arguments()
-    parameters = check_parameters(options.eta, options.particles, options.seed,
+    parameters = check_parameters(options.eta, options.particles, options.seed, approach=0,
+                                  inertial_number=PROTOCOL.quick_inertial_number,
                                   time_step=options.time_step)
     given = dict(parameters, states=options.states, strain=options.strain)
     with results.claim_folder(options.out, "bench_problems.py", given, ["n*_e*.npz"],

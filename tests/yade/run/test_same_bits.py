@@ -9,6 +9,7 @@ import sys
 import numpy as np
 import pytest
 from rcr.study.biaxial import Biaxial
+from rcr.study.protocol import PROTOCOL
 from yade import O
 from yade.minieigenHP import Vector3
 
@@ -32,7 +33,7 @@ def shear(folder, threads, lanes, steps):
     """Yield after each step a digest of velocities, contact points and starting impulses."""
     test = Biaxial.load(folder)
     test.solver.threads, test.solver.lanes = threads, lanes
-    speed = test.parameters["inertial_number"] / test.time_unit * test.progress["first_height"]
+    speed = PROTOCOL.quick_inertial_number / test.time_unit * test.progress["first_height"]
     O.bodies[test.top].state.vel = Vector3(0, -speed, 0)
     for _ in range(steps):
         O.step()

@@ -79,12 +79,12 @@ def test_quick_is_the_study_in_small(tmp_path):
 @needs_environment
 def test_options_reach_the_tests(tmp_path):
     options = ["--iterations", "500", "--time-step", "0.05", "--friction", "0.3"]
-    run = campaign(tmp_path / "out", *SMALL, "--strain", "0.004", "--quasi-static", *options)
+    run = campaign(tmp_path / "out", *SMALL, "--strain", "0.004", *options)
     assert run.returncode == 0, run.stderr
     (folder,) = (tmp_path / "out" / "runs").iterdir()
     start = "particles-60-strain-0.004-iterations-500-time-step-0.05-friction-0.3"
-    assert folder.name == f"{start}-quasi-static-eta-0.5-seed-2"
-    expected = dict(overdamped=True, iterations=500, time_step=0.05, friction=0.3)
+    assert folder.name == f"{start}-eta-0.5-seed-2"
+    expected = dict(iterations=500, time_step=0.05, friction=0.3)
     assert {name: parameters_of(folder)[name] for name in expected} == expected
 
 
@@ -94,7 +94,8 @@ def test_defaults_are_those_of_a_test(tmp_path):
     run = campaign(tmp_path / "out", *SMALL, "--strain", "0.002")
     assert run.returncode == 0, run.stderr
     parameters = parameters_of(tmp_path / "out/runs/particles-60-strain-0.002-eta-0.5-seed-2")
-    expected = dict(overdamped=False, iterations=10_000, time_step=0.1, friction=0.5)
+    expected = dict(inertial_number=1e-4, approach=0.1, time_step=0.4, iterations=10_000,
+                    friction=0.5)
     assert {name: parameters[name] for name in expected} == expected
 
 

@@ -34,19 +34,6 @@ def test_cell_is_isotropic_at_rest_and_keeps_its_stress_in_shear():
     assert lateral.mean() == pytest.approx(1, abs=0.1)
 
 
-def test_shear_without_inertia_keeps_its_stress():
-    """Each step starts from the flow of the cell, so that its stress is the load's at once."""
-    test = CellTest(eta=0, particles=100, seed=1, **PROTOCOL.quasi_static)
-    test.compact()
-    lateral = []
-    rows = test.shear(
-        "biaxial", 0.02,
-        lambda test, row: lateral.append(test.stress[0, 0] / PROTOCOL.confining_stress),
-        every=0.004)
-    assert lateral == pytest.approx([1] * 5, abs=0.01) and (rows["sin_phi"] > 0.2).all()
-    assert test.solver.deepestOverlap < 5e-3 and test.solver.yieldedSteps == 0
-
-
 def test_saved_cell_goes_on_to_the_same_bits(tmp_path):
     test = CellTest(eta=0, particles=120)
     test.compact()

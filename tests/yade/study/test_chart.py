@@ -213,7 +213,7 @@ def test_point_of_the_rate_is_the_same_in_one_go_and_interrupted(tmp_path, monke
     monkeypatch.setattr(quasi_static, "STRAIN", 0.13)
     monkeypatch.setattr(quasi_static, "FROM", 0.11)
     monkeypatch.setattr(quasi_static, "PAUSE", 0)
-    name = "0/50/1e-3/0.4/300/1"
+    name = "0/50/1e-3/0.4/300/1e-4/1"
     (straight,) = quasi_static.run(name,
                                    dataclasses.replace(options, out=str(tmp_path / "straight")))
     records = 0
