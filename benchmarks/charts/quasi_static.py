@@ -40,18 +40,20 @@ OBSERVED = dict(sin_phi="sin φ", packing_fraction="packing fraction", friction_
                 a_c_weak="a_c(ξ = 1)", a_c="a_c", a_ln="a_ln", a_fn_weak="a_fn(ξ = 1)",
                 a_fn="a_fn", a_ft="a_ft", q_weak="q(ξ = 1)/p", half_sum="half-sum over q/p",
                 c_f_lr="C(f, ℓ_r)", missed="steps that missed the tolerance")
-COLUMNS = ("eta particles inertial_number dt iterations tolerance seed strain steps "
-           "seconds").split() + [*OBSERVED]
+COLUMNS = "eta particles inertial_number seed strain steps seconds".split() + [*OBSERVED]
 DEPENDS = ("quick",)
-SETTING = "inertial_number", "dt", "iterations", "tolerance"  # of a point, in this order
+# Settings are I/dt/iterations/tolerance. The tolerance mean-X stands for plain Gauss–Seidel that ends
+# at a relative change X of the mean force, as in the paper.
 BASE = "1e-4/0.4/300/1e-4"
 RATES = "1e-3/0.4/300/1e-4", "2e-4/0.4/300/1e-4", "5e-5/0.4/300/1e-4"
 OTHERS = "1e-4/0.4/1000/1e-4", "1e-4/0.2/300/1e-4", "1e-4/0.1/300/1e-4", "1e-4/0.4/300/1e-3"
+PLAIN = "1e-4/0.4/300/mean-1e-3", "1e-4/0.4/300/mean-1e-4"
 CHANGES = {  # setting: (label, marker, fill) of its difference from BASE
     RATES[0]: ("I = 1e-3", "o", "w"), RATES[1]: ("I = 2e-4", "o", "0.6"),
     RATES[2]: ("I = 5e-5", "o", "k"), OTHERS[0]: ("1000 sweeps", "^", "k"),
     OTHERS[1]: ("dt = 0.2 t₀", "s", "0.6"), OTHERS[2]: ("dt = 0.1 t₀", "s", "k"),
-    OTHERS[3]: ("tolerance 1e-3", "v", "w"),
+    OTHERS[3]: ("tolerance 1e-3", "v", "w"), PLAIN[0]: ("mean force 1e-3", "P", "w"),
+    PLAIN[1]: ("mean force 1e-4", "P", "k"),
 }  # fmt: skip
 LIMIT, LATER = ("I → 0", "*", "k"), ("strains 0.3 to 0.5", "D", "w")
 
@@ -66,9 +68,8 @@ def points(options):
 
     if options.quick:
         return names(100, (RATES[0], "5e-4/0.4/300/1e-4"), (1, 2))
-    settings = BASE, OTHERS[0], RATES[1], RATES[2], *OTHERS[1:], RATES[0]
-    return [*names(1000, settings, (1, 2, 3)),
-            *names(4000, (BASE, OTHERS[0], RATES[1], RATES[2]), (1,))]
+    return [*names(1000, (BASE, *OTHERS, *PLAIN, *RATES), (1, 2, 3)),
+            *names(4000, (BASE, OTHERS[0], *PLAIN, *RATES[1:]), (1,))]
 
 
 # ---- tests
@@ -86,17 +87,20 @@ def _test(name, options, folder):
 
 
 def _set(test, setting):
-    """Set rate, time step, iterations and tolerance."""
+    """Set rate, time step and solver."""
     rate, dt, iterations, tolerance = setting.split("/")
-    test.parameters.update(inertial_number=float(rate), time_step=float(dt), approach=APPROACH,
-                           iterations=int(iterations), tolerance=float(tolerance))
-    test.solver.maxIterations, test.solver.tolerance = int(iterations), float(tolerance)
+    test.parameters.update(inertial_number=float(rate), time_step=float(dt), approach=APPROACH)
+    solver, change = test.solver, tolerance.removeprefix("mean-")
+    plain = change != tolerance
+    solver.maxIterations, solver.solver = int(iterations), "nlgs" if plain else "auto"
+    solver.tolerance = 1e-4 if plain else float(tolerance)
+    solver.tuning = dict(meanForceChange=float(change) if plain else 0)
 
 
 def run(name, options):
     folder = pathlib.Path(options.out, "rates", name.replace("/", "-"))
     folder.mkdir(parents=True, exist_ok=True)
-    test, setting = _test(name, options, folder), name.split("/", 2)[2].rsplit("/", 1)[0]
+    test, setting = _test(name, options, folder), _setting(name)
     saved = time.monotonic()
     end = LAST if setting == BASE else STRAIN
     looks = lambda: math.floor((test.strain + 0.5 * RECORD) / LOOK)
@@ -125,9 +129,8 @@ def _row(test, folder, first, last):
     rows = [row for row in test.rows if within(row["strain"])]
     total = lambda name: sum(row[name] for row in rows)
     row = {name: test.parameters[name]
-           for name in ("eta", "particles", "inertial_number", "iterations", "tolerance", "seed")}
-    row |= dict(dt=test.parameters["time_step"], strain=last)
-    row |= {name: test.progress[name] for name in ("steps", "seconds")}
+           for name in ("eta", "particles", "inertial_number", "seed")}
+    row |= dict(strain=last) | {name: test.progress[name] for name in ("steps", "seconds")}
     found = observed([Network.load(path) for path in paths])
     found |= dict(sin_phi=sin_phi([total("stress_x"), total("stress_y")]),
                   packing_fraction=total("packing_fraction") / len(rows),
@@ -198,10 +201,15 @@ def limit(rows, name):
 
 
 def _with(rows, setting, strain=STRAIN):
-    """Rows of one setting I/dt/sweeps/tolerance and one window of strain."""
-    chosen = *map(float, setting.split("/")), strain
-    of_row = lambda row: (*(row[name] for name in SETTING), row["strain"])
-    return [row for row in rows if row["status"] == "ok" and of_row(row) == chosen]
+    """Rows of one setting and one window of strain."""
+    return [row for row in rows
+            if row["status"] == "ok" and _setting(row["point"]) == setting
+            and row["strain"] == strain]
+
+
+def _setting(point):
+    """I/dt/iterations/tolerance of a point."""
+    return point.split("/", 2)[2].rsplit("/", 1)[0]
 
 
 def _groups(rows):
