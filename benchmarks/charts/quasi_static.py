@@ -203,8 +203,7 @@ def limit(rows, name):
 def _with(rows, setting, strain=STRAIN):
     """Rows of one setting and one window of strain."""
     return [row for row in rows
-            if row["status"] == "ok" and _setting(row["point"]) == setting
-            and row["strain"] == strain]
+            if _setting(row["point"]) == setting and row["strain"] == strain]
 
 
 def _setting(point):
@@ -213,10 +212,11 @@ def _setting(point):
 
 
 def _groups(rows):
-    """{(eta, particles): rows}"""
+    """{(eta, particles): rows with numbers}"""
     groups = {}
     for row in rows:
-        groups.setdefault((row["eta"], row["particles"]), []).append(row)
+        if row["status"] == "ok":
+            groups.setdefault((row["eta"], row["particles"]), []).append(row)
     return dict(sorted(groups.items()))
 
 

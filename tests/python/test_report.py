@@ -140,6 +140,18 @@ def test_report_counts_missed_tolerances(folders):
     assert expected in report.unconverged_steps(runs)
 
 
+def test_report_has_the_cost_of_the_tests(folders):
+    runs = [Run.read(folder) for folder in folders]
+    for run in runs:
+        run.summary = None
+    assert report.cost(runs) == "No summary.json has the cost of its test."
+    for run, minutes in zip(runs, (2, 3)):
+        run.summary = dict(wall_seconds=60.0 * minutes, peak_memory_bytes=minutes * 2**29)
+    assert report.cost(runs) == (
+        "The tests took 5.0 min of wall time in all and 3.0 min the longest one; their largest "
+        "memory was 1.50 GiB.")
+
+
 def mark_yielded(folder, strains, out):
     """A copy of a run whose records at these strains have two steps without a solution."""
     shutil.copytree(folder, out)

@@ -147,7 +147,8 @@ def _material(runs, analysis):
     )
     window = f"{min(strains):.3f} to {max(strains):.3f}"
     state = f"Critical state: snapshots at strains from {window}. {listed}."
-    parts = [_drifts(analysis), _boxes(runs), unconverged_steps(runs), yielded_steps(runs)]
+    parts = [_drifts(analysis), _boxes(runs), unconverged_steps(runs), yielded_steps(runs),
+             cost(runs)]
     return " ".join([state, *parts])
 
 
@@ -172,6 +173,19 @@ def _boxes(runs):
     return (
         f"At the end the boxes are {min(widths):.1f} to {max(widths):.1f} times as wide as high, "
         f"and ρ (ε̇ W)² is at most {max(inertia):.1g} of σ₀."
+    )
+
+
+def cost(runs):
+    """Describe the wall time and the memory of the tests."""
+    names = ("wall_seconds", "peak_memory_bytes")
+    summaries = [run.summary for run in runs if set(names) <= set(run.summary or ())]
+    if not summaries:
+        return "No summary.json has the cost of its test."
+    seconds, memory = ([summary[name] for summary in summaries] for name in names)
+    return (
+        f"The tests took {sum(seconds) / 60:.1f} min of wall time in all and {max(seconds) / 60:.1f} "
+        f"min the longest one; their largest memory was {max(memory) / 2**30:.2f} GiB."
     )
 
 

@@ -14,7 +14,7 @@ from yade.wrapper import Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, Omega
 
 import rcr
 from rcr.network import sin_phi
-from rcr.study.compaction import stress_deviation
+from rcr.study.compaction import rest, stress_deviation
 from rcr.study.protocol import PROTOCOL
 from rcr.study.records import COUNTERS, Springs
 
@@ -34,8 +34,7 @@ def start(test):
     solver.tolerance, solver.maxIterations = parameters["tolerance"], parameters["iterations"]
     solver.overdamped = solver.trackMeanStretch = False
     solver.yieldCompliance = PROTOCOL.yield_compliance
-    for body in O.bodies:
-        body.state.vel = body.state.angVel = Vector3.Zero
+    rest()
     _set_friction(test, parameters["friction"])
     for engine in O.engines:
         if isinstance(engine, rcr.WallStress) and engine.wall == test.top:
