@@ -165,11 +165,9 @@ def _drifts(analysis):
 
 def _boxes(runs):
     """Describe the shape of the box and the inertia of the sample at the ends of the tests."""
-    names = ("aspect_ratio", "sample_inertia")
-    summaries = [run.summary for run in runs if set(names) <= set(run.summary or ())]
-    if not summaries:
+    widths, inertia = _of_summaries(runs, "aspect_ratio", "sample_inertia")
+    if not widths:
         return "No summary.json has the shape of the box."
-    widths, inertia = ([summary[name] for summary in summaries] for name in names)
     return (
         f"At the end the boxes are {min(widths):.1f} to {max(widths):.1f} times as wide as high, "
         f"and ρ (ε̇ W)² is at most {max(inertia):.1g} of σ₀."
@@ -178,15 +176,19 @@ def _boxes(runs):
 
 def cost(runs):
     """Describe the wall time and the memory of the tests."""
-    names = ("wall_seconds", "peak_memory_bytes")
-    summaries = [run.summary for run in runs if set(names) <= set(run.summary or ())]
-    if not summaries:
+    seconds, memory = _of_summaries(runs, "wall_seconds", "peak_memory_bytes")
+    if not seconds:
         return "No summary.json has the cost of its test."
-    seconds, memory = ([summary[name] for summary in summaries] for name in names)
     return (
         f"The tests took {sum(seconds) / 60:.1f} min of wall time in all and {max(seconds) / 60:.1f} "
         f"min the longest one; their largest memory was {max(memory) / 2**30:.2f} GiB."
     )
+
+
+def _of_summaries(runs, *names):
+    """Return lists of these numbers, of the runs whose summary has all of them."""
+    summaries = [run.summary for run in runs if set(names) <= set(run.summary or ())]
+    return [[summary[name] for summary in summaries] for name in names]
 
 
 def unconverged_steps(runs):
