@@ -2,7 +2,7 @@
 
 Run it with YADE:
 
-scripts/yade-rcr -n -x scripts/biaxial.py --eta 0.5 --particles 400 --strain 0.1 --out out
+scripts/yade-rcr -n -x scripts/biaxial.py --eta 0.5 --particles 400 --strain 0.3 --out out
 
 It writes DIR/summary.json, DIR/history.csv, DIR/isotropic.h5, DIR/network-*.h5 and DIR/run.json
 with the parameters. A test that jams restarts from the older of DIR/state-*.yade.gz
@@ -22,6 +22,7 @@ from rcr import _files as files, _results as results, script
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
 from rcr.study.protocol import FREE_PARAMETERS, PROTOCOL, check_parameters
+from rcr.study.shear import is_approaching, rate_and_step
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, STATES, "history.csv", "isotropic.h5", NETWORKS]
@@ -49,9 +50,10 @@ def parser():
     add("--friction", type=number, default=0.5,
         help="between grains during the shear (default %(default)s)")
     add("--inertial-number", type=number, default=protocol.inertial_number,
-        help="rate of the shear times √(m/σ0) (default %(default)g)")
+        help="rate of the shear beyond --approach, times √(m/σ0) (default %(default)g)")
     add("--time-step", type=number, default=protocol.time_step,
-        help="of the shear, over √(m/σ0) (default %(default)g); not of --law smooth")
+        help="of the shear beyond --approach, over √(m/σ0) (default %(default)g); not of --law "
+        "smooth")
     add("--approach", type=number, default=protocol.approach,
         help="strain up to which the shear is quick, with --inertial-number at least "
         f"{protocol.quick_inertial_number:g} and --time-step at most {protocol.quick_time_step:g} "
@@ -158,11 +160,13 @@ def warn_inertia(test, strain):
     """Warn if the sample will be too wide for its rate at the final strain."""
     inertia = test.sample_inertia(strain)[0]
     if inertia > MAX_INERTIA:
-        rate = test.parameters["inertial_number"] * math.sqrt(0.5 * MAX_INERTIA / inertia)
+        rate = rate_and_step(test, strain)[0] * math.sqrt(0.5 * MAX_INERTIA / inertia)
+        quick = is_approaching(test, strain)
         tqdm.write(
             f"biaxial.py: at a strain of {strain:g} the inertia of the sample, ρ (ε̇ W)², is "
             f"{inertia:.2g} of the confining stress: the fixed side wall carries that much more "
-            f"than the free one; with --inertial-number {rate:.1g} it is {50 * MAX_INERTIA:g} %",
+            f"than the free one; with {'--approach 0 ' * quick}--inertial-number {rate:.1g} it is "
+            f"{50 * MAX_INERTIA:g} %",
             file=sys.stderr,
         )
 

@@ -31,7 +31,7 @@ void ContactDynamics::action()
 		const std::string invalid = invalidAttribute();
 		if (!invalid.empty()) validation::refuse(invalid);
 		const validation::Engines engines = validator_.validate(*scene);
-		// gather adds the motion of the cell
+		// gather, not NewtonIntegrator, adds the mean velocity field of the cell to bodies
 		if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0;
 		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();
 		scene->forces.sync();
@@ -68,6 +68,7 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 			const std::lock_guard<std::mutex> lock(reading_);
 			enginesReason_ = arraySteps_->enginesReason(), stepsInArrays_ = arraySteps_->count();
 		} while (advanced);
+		// YADE's objects get the state at the beginning of this step; scatter adds its results
 		timed("writeBack", [&] { arraySteps_->writeBack(*scene, team, handles_, step_); });
 		timed("scatter", [&] {
 			const UnbalancedForce unbalanced = unbalancedForceOf(step_);
@@ -85,8 +86,9 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 	timed("gather", [&] { sortInteractions(*scene, handles_); });
 }
 
-/// Solves the contact problem of the step. A pass whose result contradicts its problem is followed
-/// by another one.
+/// Solves the contact problem of the step. Another pass follows unless the result of a pass is
+/// consistent with its problem: no contact was missed and no bias must change. Whether the solver
+/// converged is a result of its own.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations  = 0;
@@ -100,16 +102,17 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	rcr::Settings           how    = settingsOfFirstPass(driven);
 	const double            compliance = how.yieldCompliance; // unless rest is a solution
 	std::vector<double>     firstBiases; // biases to which a pass may return; empty: none
-	PassOutcome             outcome = PassOutcome::converged;
+	PassOutcome             outcome = PassOutcome::consistent;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
 		const bool last = pass == mostPasses || outcome == PassOutcome::biasesRestored;
 		how.yieldCompliance = rcr::restIsSolution(step_, driven) ? 0 : compliance;
 		solvePass(how);
 		outcome = last ? reviewLastPass(engines) : reviewPass(engines, pass, driven, firstBiases);
-		if (outcome == PassOutcome::converged) break;
+		if (outcome == PassOutcome::consistent) break;
 		how = settingsOfNextPass(how, outcome);
 	}
-	if (tracksStretch()) timed("biasUpdate", [&] { trackStretch(); });
+	if (rcr::mayMeetTwice(step_)) converged = false;
+	if (tracksStretch()) timed("biasUpdate", [&] { trackMeanFlow(); });
 	if (const int id = firstNotFinite(step_); id >= 0)
 		throw std::runtime_error(failureMessage(step_, id, scene->iter));
 	checkStretch(step_, scene->iter);
@@ -131,6 +134,7 @@ void ContactDynamics::solvePass(const rcr::Settings& how)
 	const double    layoutBefore  = workspace_.layoutSeconds();
 	const rcr::Vec2 stretchBefore = step_.problem.stretch;
 	warmStart_                    = step_.problem.impulse;
+	// biases by which contacts remove overlaps, if they yield
 	rcr::prepareRecovery(step_, double(correction), workspace_.team());
 	const rcr::Report report = timed(
 	        "solve", [&] { return rcr::solve(step_.problem, solverName(), how, workspace_); });
@@ -158,7 +162,7 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 		if (pass == mostPasses - 1) rcr::removeBounces(step_); // the last pass has no review
 		return PassOutcome::missedContact;
 	}
-	if (overdamped) return PassOutcome::converged;
+	if (overdamped) return PassOutcome::consistent;
 	return timed("biasUpdate", [&] {
 		const bool nextIsLast = pass == mostPasses - 1;
 		if (yielded && rcr::lowerBounces(step_, nextIsLast)) return PassOutcome::bounceLowered;
@@ -167,7 +171,7 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 		if (pass == 1 && driven.speed == 0) firstBiases = rcr::biases(step_.problem);
 		const bool changed = rcr::adaptBiases(step_, pass <= mostPasses / 2, nextIsLast,
 		        double(tolerance), largeDisplacements_, workspace_.team());
-		return changed ? PassOutcome::biasChanged : PassOutcome::converged;
+		return changed ? PassOutcome::biasChanged : PassOutcome::consistent;
 	});
 }
 
@@ -175,7 +179,7 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 ContactDynamics::PassOutcome ContactDynamics::reviewLastPass(const validation::Engines& engines)
 {
 	if (timed("missedContacts", [&] { return findMissedContacts(engines); })) converged = false;
-	return PassOutcome::converged;
+	return PassOutcome::consistent;
 }
 
 void ContactDynamics::record(const std::vector<rcr::Twist>& impulses)

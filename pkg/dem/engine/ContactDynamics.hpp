@@ -6,10 +6,10 @@
 //
 // A step runs these stages:
 //
-//   gather → [ solve → review ] repeated → monitor → correct positions → record → scatter
+//   gather → [ solve → review ] repeated → correct positions → monitor → record → scatter
 //
 // All but the first and the last work on arrays (kernel/step/step.hpp). If no engine reads YADE's
-// objects, ArraySteps advances to the next solve without them. NewtonIntegrator moves the bodies by
+// objects, ArraySteps advances from record to the next solve without them. NewtonIntegrator moves the bodies by
 // the added forces p/dt. Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
@@ -93,9 +93,9 @@ public:
 		.add_property("missedSteps",&ContactDynamics::missedSteps,"Number of steps so far that did not converge, those without a solution included.")
 		.add_property("yieldedSteps",&ContactDynamics::yieldedSteps,"Number of steps so far in which contacts yielded.")
 		.add_property("deepestOverlap",&ContactDynamics::deepestOverlap,"Deepest overlap of all steps so far over R₁ + R₂ [-].")
-		.add_property("model",&ContactDynamics::modelDict,"Size of the last problem after all reductions, as a dict; docs/solvers.md lists its keys.")
+		.add_property("model",&ContactDynamics::modelDict,"Size of the last problem after all reductions, and how it was solved, as a dict.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by stage, as a dict [s].")
-		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, residuals and mean contact forces of the steps since the last call. docs/obstacles.md lists its keys.")
+		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, residuals and mean contact forces of the steps since the last call. docs/solvers.md has an example.")
 		.def("observations",&ContactDynamics::takeObservations,"observations() → list of dicts: one entry per observeEvery steps since the last call, as observed() returns, with step, time and positions.")
 		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for rcr.scene.save_problem.")
 		.def("__dir__",&ContactDynamics::visibleNames)
@@ -104,7 +104,7 @@ public:
 	DECLARE_LOGGER;
 private:
 	// Result of a pass. All but `converged` require a further pass.
-	enum class PassOutcome { converged, missedContact, bounceLowered, biasesRestored, biasChanged };
+	enum class PassOutcome { consistent, missedContact, bounceLowered, biasesRestored, biasChanged };
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 
@@ -125,7 +125,7 @@ private:
 	void          restartCollider(const validation::Engines&);
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setRestFlow();
-	void          trackStretch();
+	void          trackMeanFlow();
 	void          record(const std::vector<rcr::Twist>& impulses);
 
 	validation::Validator        validator_;

@@ -18,7 +18,7 @@ public:
 	struct Outcome {
 		long   number;     // O.iter
 		bool   unconverged; // did not converge
-		bool   yielded;    // had no solution
+		bool   yielded;    // contacts yielded
 		bool   overdamped; // the step removes overlaps whole
 		int    iterations;
 		double overlap; // deepest at the beginning of the step, over R₁ + R₂ [-]
@@ -50,7 +50,7 @@ double deepestOverlap(const rcr::Step&, rcr::ThreadTeam&);
 int firstNotFinite(const rcr::Step&);
 
 /// Throws std::runtime_error if the contacts of a step without driven bodies have added more energy
-/// than the kinetic energy of the bodies, before the step and without contacts.
+/// than the sum of its kinetic energies before the step and at the end without contacts.
 void checkEnergy(const rcr::Step&, long number);
 
 /// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step.

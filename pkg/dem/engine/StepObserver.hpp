@@ -26,7 +26,7 @@ public:
 		int    iterations, points;
 		double residual;
 		bool   unconverged; // did not converge
-		bool   yielded;     // had no solution
+		bool   yielded;     // contacts yielded
 		double miss;    // residual or kinematic error over its tolerance, the larger of both [-]
 	};
 

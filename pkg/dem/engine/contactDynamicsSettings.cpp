@@ -104,7 +104,7 @@ void ContactDynamics::setRestFlow()
 }
 
 /// Adds the mean stretch of the step to the flow from which the next step starts.
-void ContactDynamics::trackStretch()
+void ContactDynamics::trackMeanFlow()
 {
 	const rcr::Vec2 change = rcr::meanStretch(step_);
 	stretchChange          = Vector2r(change.x, change.y);

@@ -15,7 +15,7 @@ bool restIsSolution(const Step& step, const DrivenMotion& drive)
 	                [](const ContactPoint& point) { return point.bias >= 0; });
 }
 
-bool adaptBiases(Step& step, bool allowRelease, bool last, double tolerance, bool& far,
+bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double tolerance, bool& far,
         ThreadTeam& team)
 {
 	struct Change {
@@ -27,7 +27,7 @@ bool adaptBiases(Step& step, bool allowRelease, bool last, double tolerance, boo
 		change[k]                  = { displacesFar(step, contact), false, contact.restitution > 0 };
 		if (!change[k].far) return;
 		// no push is added that no solve would follow to check its energy
-		if (!last) change[k].changed = adaptToDisplacement(step, contact, allowRelease);
+		if (!nextIsLast) change[k].changed = adaptToDisplacement(step, contact, allowRelease);
 		for (int point = contact.first; point < contact.first + contact.count; ++point)
 			change[k].pushes |= step.problem.points[point].bias < 0;
 	});
@@ -39,7 +39,8 @@ bool adaptBiases(Step& step, bool allowRelease, bool last, double tolerance, boo
 			changed |= (allowRelease && cancelBounces(step, step.contacts[k]))
 			        || restrainBounce(step, step.contacts[k]);
 	}
-	if (pushes && (last || !changed)) changed |= restrainCollisions(step, last, tolerance);
+	if (pushes && (nextIsLast || !changed))
+		changed |= restrainCollisions(step, nextIsLast, tolerance);
 	return changed;
 }
 

@@ -2,8 +2,7 @@
 //
 // After a large displacement, the gap differs from the one in the bias, and bounces may add energy.
 // The biases are then adapted and the step is solved again. The adapted problem may have no
-// solution. If no body is driven and all original biases are ≥ 0, these are restored: u_n = 0 is
-// then possible, so the step has a solution.
+// solution. The biases of the first solve are then restored, unless a body is driven.
 #pragma once
 
 #include "parallel/thread_team.hpp"
@@ -16,9 +15,10 @@ namespace rcr {
 bool restIsSolution(const Step&, const DrivenMotion&);
 
 /// Adapts the biases; returns true if one changed. `allowRelease`: contacts may be released;
-/// `last`: bounces that add energy become plastic; `tolerance`: of the solver; `far`: set to true
-/// if a contact has a large displacement. The last pass adds no pushes.
-bool adaptBiases(Step&, bool allowRelease, bool last, double tolerance, bool& far, ThreadTeam&);
+/// `nextIsLast`: one solve follows, so bounces that add energy become plastic and no bias becomes a
+/// push; `tolerance`: of the solver; `far`: set to true if a contact has a large displacement.
+bool adaptBiases(
+        Step&, bool allowRelease, bool nextIsLast, double tolerance, bool& far, ThreadTeam&);
 
 /// Restores biases and clears `before`; returns false if `before` is empty.
 bool restoreBiases(Step&, std::vector<double>& before);

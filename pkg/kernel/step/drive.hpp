@@ -2,8 +2,8 @@
 //
 // A rigid contact bears any impulse that a driven body of speed V causes. In a wedge, impulses are
 // bounded by the geometry alone, and grains are ejected at many times V, where springs would have
-// yielded. The drive, the motion of the grains and the loads account for these impulses. The N
-// free bodies form rows of r bodies; one row sets the scale:
+// yielded. The momentum and the loads of one row of r of the N free bodies set the scale of contact
+// impulses:
 //
 //   momentum   P = r/N Σ m (V + |v_free|)
 //   loads      L = r/N Σ m |v_free − v⁻|
@@ -16,9 +16,9 @@
 //   ε = V m̄/(P + 10 L) ≤ 1/r
 //
 // A contact with w_nn < w₀ = 0.1/m̄ yields as if w_nn = w₀, so it bears at most ten times P + 10 L.
-// Loads alone close contacts by a small part of V, and forces do not depend on the time step. A
-// driven step with a contact beyond 3 P + 200 L yields although it has a rigid solution: a struck
-// row bears P, a contact in a sheared packing up to 40 L.
+// A contact of the mass m̄ that bears L closes slower than V/10. A driven step with a contact beyond
+// 3 P + 200 L yields although it has a rigid solution: a struck row bears P, a contact in a sheared
+// packing up to 40 L.
 //
 // | symbol      | field         | unit | meaning                                              |
 // |-------------|---------------|------|------------------------------------------------------|

@@ -3,6 +3,8 @@
 //
 //   T⁺ − T⁻ = Σ p · ½ (u⁻ + u⁺) − Σ p · d + external work      over the points; exact for any impulses
 //
+// d is the velocity of the periodic image of body 2 relative to the body.
+//
 // The tangential part is friction, the normal part impact. Prescribed degrees of freedom take part
 // of this work or supply it. Source: Moreau 1999; Kane and Levinson 1985.
 #pragma once

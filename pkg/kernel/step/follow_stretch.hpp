@@ -1,12 +1,12 @@
 // Mean stretch of overdamped bodies.
 //
-// An overdamped body starts a step with the velocity of a homogeneous flow, and only motion
-// relative to the flow is resisted. If all bodies stretch otherwise, this drag adds up over the
-// sample, to a stress of (L/d)² (t₀/dt)² times the strain error of a step. The mean stretch of a
-// step is therefore added to the flow of the next step.
+// An overdamped body starts a step with the velocity of a homogeneous flow. A drag m Δv/dt resists
+// its motion relative to the flow. Where the mean strain rate of the bodies differs from the flow,
+// the drag adds up over the sample. The mean stretch of a step therefore enters the flow of the
+// next step.
 //
-// The start impulses still contain the drag of the last flow, and sweeps would remove it slowly,
-// contact by contact. It is therefore removed from the start impulses.
+// The start impulses of that step contain the drag of the earlier flow. Sweeps would remove it
+// slowly, so it is removed from the start impulses.
 #pragma once
 
 #include "step/step.hpp"

@@ -4,18 +4,18 @@
 // The gap at the end differs from this by the curvature of the path, about s²/2ρ for a relative
 // displacement s. A disc that passes a corner would be deflected by a plane that it never meets,
 // and a spinning rod would end inside a body. After each solve, the gap of a large displacement is
-// therefore measured at four times of the step. Let c be its difference from the plane at the end.
-// If the gap ends below the overlap of the beginning, c enters the bias, and the step is solved
-// again:
+// therefore measured at four times of the step. If it ends below min(0, g) by more than the slop,
+// its difference c from the plane enters the bias, and the step is solved again:
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
 // The bias is at least min(0, u_n⁻), so the contact pushes no harder than an elastic bounce (u_n⁻:
 // normal velocity before the step). separation.hpp removes the overlap that is left.
 //
-// A loaded contact whose gap stays open along the path is released: its bias is raised by twice its
-// smallest gap. The gap must exceed 2 % of the slop. Without restitution it must also exceed 1 % of
-// its closing path, and half the slop if the contact bore a force when the step began.
+// A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
+// with the smallest measured gap g_min. The gap must exceed 2 % of the slop. Without restitution it
+// must also exceed 1 % of its closing path, and half the slop if the contact bore a force when the
+// step began.
 //
 // A bounce is cancelled if the bodies do not meet on their paths at the initial velocities.
 //
@@ -27,8 +27,8 @@
 
 namespace rcr {
 
-/// Relative displacement s per step over √((R₁ + R₂) ρ) [-] above which its curvature s²/2ρ may
-/// exceed the slop; ρ = R₁' + R₂' is the sum of the cap radii.
+/// Relative displacement s per step over √((R₁ + R₂) ρ) [-] at which the deviation s²/2ρ from the
+/// tangent plane is half the slop; ρ = R₁' + R₂' is the sum of the cap radii.
 constexpr double largeDisplacement = 0.01;
 
 /// The contact has a large displacement at these velocities of its bodies.

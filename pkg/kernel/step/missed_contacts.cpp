@@ -164,6 +164,20 @@ namespace {
 
 } // namespace
 
+bool mayMeetTwice(const Step& step)
+{
+	if (!step.cell.periodic) return false;
+	double widest = 0, second = 0;
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const StepBody& b = step.bodies[id];
+		if (b.shape.kind == PlanarShape::none) continue;
+		const double extent = b.radius + step.dt * speed(step.problem.velocity[b.owner], b.radius);
+		second              = std::max(second, std::min(widest, extent));
+		widest              = std::max(widest, extent);
+	}
+	return widest + second > 0.5 * step.cell.smallestHeight();
+}
+
 double reachOf(const Step& step, std::size_t id)
 {
 	return std::max(step.bodies[id].alertDistance, id < step.reach.size() ? step.reach[id] : 0);

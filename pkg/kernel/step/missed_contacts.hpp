@@ -5,9 +5,9 @@
 //
 //   reach = e₁ + e₂,   e = max(0.01 R', 2 dt (|v| + |ω| R)) for a grain,  2 dt (|v| + |ω| R) for an obstacle
 //
-// A body that is released or hit may move further. After the solve, the reach of bodies that outran
-// their alert distance is widened to 1.5 times their path. If an undetected gap then closes beyond
-// the slop, all contacts found so are added and the step is solved again.
+// A body that is released or hit may move further. After the solve, a body whose path exceeds its
+// e gets e + 1.5 times its path. If an undetected gap then closes beyond the slop, all contacts
+// found so are added and the step is solved again.
 #pragma once
 
 #include <functional>
@@ -31,8 +31,9 @@ inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
 /// The rules of the simulation allow a contact of two bodies that do not touch yet.
 using MayMeet = std::function<bool(int body1, int body2)>;
 
-/// Collects in step.updated the undetected contacts of bodies that the simulation does not fully
-/// list, before the solve. Returns true if there are any; addUpdatedContacts must then follow.
+/// Before the solve, detects contacts of bodies whose pairs in the simulation may be incomplete.
+/// Collects them in step.updated and returns true if there are any; addUpdatedContacts must then
+/// follow.
 bool findUnlistedContacts(Step&, const std::vector<std::int32_t>& bodies, const MayMeet&);
 
 /// Distance within which contacts of a body were detected in this step so far [m].
@@ -41,6 +42,10 @@ double reachOf(const Step&, std::size_t id);
 /// Collects in step.updated the contacts that the solved step finds with a widened reach. Returns
 /// true if one of them closes beyond the slop; addUpdatedContacts must then follow.
 bool findMissedContacts(Step&, const MayMeet&);
+
+/// In the solved step, two bodies may meet at two places of a periodic cell: their radii and paths
+/// exceed half of its smallest height. Only the contact of the nearest images is detected.
+bool mayMeetTwice(const Step&);
 
 /// Adds step.updated to the contacts, points and forces of the step, and moves it to step.added.
 /// The caller sets friction and restitution of new contacts before.

@@ -31,8 +31,7 @@ struct Pairs {
 	void assign(const Neighbours::List&);
 
 	/// Detects the contact points of every pair at the poses of the step and carries their forces
-	/// forward.
-	/// `again`: velocities have changed since; contacts are kept where the smaller reach finds none.
+	/// forward. `again`: engines have changed velocities; contacts beyond the new reach remain.
 	void detect(const Step&, ThreadTeam&, bool again = false);
 
 	/// Adds the contacts that the step found after its detection.

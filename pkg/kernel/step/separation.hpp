@@ -19,9 +19,9 @@
 
 namespace rcr {
 
-/// Adds δ to step.displacement if `displace` is true. Returns the deepest overlap over R₁ + R₂ that
-/// the step leaves although it must not [-]; 1 and no displacements if a body has passed through
-/// another one. Overlaps of two prescribed bodies do not count.
+/// Adds δ to step.displacement if `displace` is true. Returns the deepest overlap at the end that
+/// the inequality above forbids, over R₁ + R₂ [-]; 1 and no displacements if a body has passed
+/// through another one. Overlaps of two prescribed bodies do not count.
 double separate(Step&, bool displace);
 
 } // namespace rcr

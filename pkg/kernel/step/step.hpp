@@ -23,6 +23,7 @@
 // | s      | shift         | m    | from body 2 to its image that body 1 meets, in a periodic cell  |
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -72,7 +73,7 @@ struct StepBody {
 	Twist        velocity;          // at the beginning of the step
 	double       radius        = 0; // PlanarShape::radius
 	double       alertDistance = 0; // distance within which its contacts were detected [m]
-	// path up to which all its contacts are detected [m]
+	// path beyond which the body may miss contacts [m]; infinite for a prescribed motion
 	double       expected      = std::numeric_limits<double>::infinity();
 	std::int32_t owner         = 0;     // body whose motion it shares: itself or its clump
 	bool         free          = false; // at least one degree of freedom is not blocked
@@ -103,7 +104,7 @@ struct StepContact {
 	double slop() const { return contactSlop * size; }
 };
 
-/// Gap of a point, and the smallest gap that is not corrected [m].
+/// Gap of a point [m]. The position correction acts on gaps below `allowed`.
 struct Gap {
 	double now, allowed;
 	bool   carried; // the point bore a force when the step began
@@ -142,6 +143,12 @@ struct PeriodicCell {
 		const double a = -std::round(inverse[0][0] * from1To2.x + inverse[0][1] * from1To2.y);
 		const double b = -std::round(inverse[1][0] * from1To2.x + inverse[1][1] * from1To2.y);
 		return { h[0][0] * a + h[0][1] * b, h[1][0] * a + h[1][1] * b };
+	}
+	/// Smallest distance between two images of a body, at least [m].
+	double smallestHeight() const
+	{
+		const double area = std::abs(h[0][0] * h[1][1] - h[0][1] * h[1][0]);
+		return area / std::max(std::hypot(h[0][0], h[1][0]), std::hypot(h[0][1], h[1][1]));
 	}
 	/// Velocity of an image relative to its body [m/s].
 	Vec2 drift(Vec2 shift) const

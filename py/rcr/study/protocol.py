@@ -59,7 +59,7 @@ class Protocol:
     quick_time_step: float = 0.1  # dt of quick shear, at most [t₀]
     quick_inertial_number: float = 1e-3  # I of quick shear, at least [-]
     iterations: int = 300  # of the solver in a step, at most
-    small_iterations: int = 10_000  # the same of small packings (docs/campaign.md)
+    small_iterations: int = 10_000  # the same of small packings (docs/biaxial.md)
     small_particles: int = 2000  # grains of a small packing, at most
     yield_compliance: float = 0.01  # `ContactDynamics.yieldCompliance`; 1 jams more often
     most_divisor: int = 5  # of the time step where the shear is repeated

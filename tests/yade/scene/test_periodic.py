@@ -154,6 +154,17 @@ def test_cell_that_is_too_small_for_a_body_is_refused():
         O.step()
 
 
+def test_a_step_that_may_meet_two_images_has_not_converged():
+    """A pair has one contact. Soak seed 440: a cell sheared to 0.6 m, grains of 5 m/s, dt = 5 ms; an
+    overlap of 0.13 (R₁ + R₂) with the other image was silent.
+    """
+    for speed, missed in ((100, 0), (200, 1)):
+        fast = rcr.particle((0.5, 0.5), 0.1, 0.5, material=material(), velocity=(speed, 0))
+        scene("rigid", fast, rcr.disc((1.5, 1.5), 0.1, material=fast.material), size=2.0, dt=5e-3)
+        steps(1)
+        assert O.engines[3].missedSteps == missed
+
+
 def test_fast_body_in_a_cell_looks_less_far_ahead():
     m = material()
     fast = rcr.particle((0.3, 1), 0.1, 0.5, material=m, velocity=(200, 0))
