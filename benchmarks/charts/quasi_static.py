@@ -47,13 +47,13 @@ DEPENDS = ("quick",)
 BASE = "1e-4/0.4/300/1e-4"
 RATES = "1e-3/0.4/300/1e-4", "2e-4/0.4/300/1e-4", "5e-5/0.4/300/1e-4"
 OTHERS = "1e-4/0.4/1000/1e-4", "1e-4/0.2/300/1e-4", "1e-4/0.1/300/1e-4", "1e-4/0.4/300/1e-3"
-PLAIN = "1e-4/0.4/300/mean-1e-3", "1e-4/0.4/300/mean-1e-4"
+PLAIN = "1e-4/0.1/300/mean-1e-3", "1e-4/0.1/300/mean-1e-4"
 CHANGES = {  # setting: (label, marker, fill) of its difference from BASE
     RATES[0]: ("I = 1e-3", "o", "w"), RATES[1]: ("I = 2e-4", "o", "0.6"),
     RATES[2]: ("I = 5e-5", "o", "k"), OTHERS[0]: ("1000 sweeps", "^", "k"),
     OTHERS[1]: ("dt = 0.2 t₀", "s", "0.6"), OTHERS[2]: ("dt = 0.1 t₀", "s", "k"),
-    OTHERS[3]: ("tolerance 1e-3", "v", "w"), PLAIN[0]: ("mean force 1e-3", "P", "w"),
-    PLAIN[1]: ("mean force 1e-4", "P", "k"),
+    OTHERS[3]: ("tolerance 1e-3", "v", "w"), PLAIN[0]: ("dt = 0.1 t₀, mean force 1e-3", "P", "w"),
+    PLAIN[1]: ("dt = 0.1 t₀, mean force 1e-4", "P", "k"),
 }  # fmt: skip
 LIMIT, LATER = ("I → 0", "*", "k"), ("strains 0.3 to 0.5", "D", "w")
 
@@ -69,7 +69,7 @@ def points(options):
     if options.quick:
         return names(100, (RATES[0], "5e-4/0.4/300/1e-4"), (1, 2))
     return [*names(1000, (BASE, *OTHERS, *PLAIN, *RATES), (1, 2, 3)),
-            *names(4000, (BASE, OTHERS[0], *PLAIN, *RATES[1:]), (1,))]
+            *names(4000, (BASE, OTHERS[0], *RATES[1:]), (1,))]
 
 
 # ---- tests

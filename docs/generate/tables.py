@@ -52,11 +52,11 @@ def results_table(name):
     return (DOCS / "results" / name / "table.md").read_text().rstrip("\n") + "\n"
 
 
-def ratios(chart, name, function="ratios"):
-    """Table of a chart, as scripts/chart.py prints it, by a function of its module."""
+def ratios(chart, name):
+    """Table of a chart, as scripts/chart.py prints it."""
     from benchmarks import charts
 
-    lines = getattr(charts.chart(chart), function)(measured(name))
+    lines = charts.chart(chart).ratios(measured(name))
     header, _, *rows = (line.split(" | ") for line in lines)
     plain = lambda match: f"{float(match[0]):g}"  # 1e+03 as 1000
     short = lambda cell: re.sub(r"(\d(?:\.\d+)?)e\+0*(\d+)", plain, cell.strip())
@@ -232,10 +232,8 @@ TABLES = {
     "biaxial-cost": lambda: ratios("c", "c-biaxial-cost"),
     "hard-scenes": hard_scenes,
     "stability": stability,
-    "study": lambda: results_table("inertial"),
-    "study-quasi-static": lambda: results_table("quasi-static"),
+    "study": lambda: results_table("study"),
     "quasi-static": lambda: ratios("e", "e-quasi-static"),
-    "other-steps": lambda: ratios("e", "e-quasi-static", "other_steps"),
     "examples": examples,
     "step-threads": step_threads,
     "cell-against-walls": cell_against_walls,
