@@ -8,7 +8,8 @@ scripts/bench_solver.py and rcr.problems.load read. Run it with YADE:
 
 import os
 
-from rcr import _results as results, script
+from rcr import script
+from rcr._data import results
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL, check_parameters
 

@@ -13,7 +13,8 @@ import numpy as np
 
 import rcr._kernel as kernel
 from benchmarks import measure
-from rcr import problems, _results as results, script
+from rcr import problems, script
+from rcr._data import results
 
 ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
 COLUMNS = ["reduction", "problem", "points", "what", "full", "reduced", "full_over_reduced"]

@@ -18,7 +18,8 @@ import numpy as np
 
 import rcr._kernel as kernel
 from benchmarks import FOLDER, measure, outside
-from rcr import problems, _results as results, script
+from rcr import problems, script
+from rcr._data import results
 
 TOLERANCES = 1e-4, 1e-6, 1e-8, 1e-10
 SOLVERS = "nesterov", "exact", "auto"

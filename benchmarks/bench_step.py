@@ -21,7 +21,8 @@ import numpy as np
 import rcr._kernel as kernel
 from benchmarks import ROOT, measure, outside
 from benchmarks import packing as packings
-from rcr import _results as results, script
+from rcr import script
+from rcr._data import results
 from rcr.problems import BodyProblem
 
 FEW, MANY = 10, 210  # iterations; their difference gives the cost of one

@@ -28,7 +28,8 @@ from tqdm import tqdm
 
 matplotlib.use("Agg")
 from benchmarks import ROOT, charts, outside
-from rcr import _files as files, _results as results, script
+from rcr import script
+from rcr._data import files, results
 
 MARK = "chart.py rows: "  # begins a line of results; YADE and libraries print other lines
 

@@ -7,7 +7,8 @@ Run it with YADE:  scripts/yade-rcr -n -x scripts/hard_scenes.py --out hard-scen
 """
 
 from benchmarks import hard_scenes
-from rcr import _files as files, script
+from rcr import script
+from rcr._data import files
 from benchmarks.hard_scenes import COARSE, TIGHT
 
 RUNS = dict(default={}, coarse=dict(dt=COARSE), tight=dict(law=TIGHT))

@@ -313,7 +313,7 @@ def show(title, rows, columns):
 
 def write(path, rows, columns):
     """Write rows (dicts) as CSV, atomically."""
-    from rcr import _files as files
+    from rcr._data import files
 
     files.write(path, files.table(columns, rows))
 

@@ -18,7 +18,8 @@ import time
 
 from tqdm import tqdm
 
-from rcr import _files as files, _results as results, script
+from rcr import script
+from rcr._data import files, results
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
 from rcr.study.protocol import FREE_PARAMETERS, PROTOCOL, check_parameters

@@ -13,7 +13,8 @@ from tqdm import tqdm
 from yade.wrapper import Omega
 
 import rcr
-from rcr import _files as files, script
+from rcr import script
+from rcr._data import files
 from rcr.study.biaxial import Biaxial
 from rcr.study.cell import MODES, CellTest
 from rcr.study.protocol import PROTOCOL

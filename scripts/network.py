@@ -11,7 +11,8 @@ import sys
 from lib import environment
 
 try:
-    from rcr import _results as results, script
+    from rcr import script
+    from rcr._data import results
     from rcr.study import report
     from rcr.study.analysis import analyse
     from rcr.study.runs import Run

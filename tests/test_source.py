@@ -9,7 +9,7 @@ import pytest
 
 PKG = pathlib.Path(__file__).resolve().parents[1] / "pkg"
 CODE = sorted(path for path in PKG.rglob("*") if path.suffix in (".cpp", ".hpp"))
-MODULES = sorted((PKG.parent / "py" / "rcr").glob("*.py"))
+MODULES = sorted((PKG.parent / "py" / "rcr").rglob("*.py"))
 OUTSIDE = re.compile(
     r'#include\s+[<"](core/|lib/|pkg/|boost/|pybind11/|Python\.h|numpy/|dem/|python/)')
 

@@ -19,7 +19,7 @@ import importlib
 import os
 import time
 
-from rcr import _files as files
+from rcr._data import files
 
 GIVEN_UP = "given up after "  # status of a point that reached its time limit; seconds follow
 NAMES = dict(a="one_step", b="deterministic", c="biaxial_cost", d="stability", e="quasi_static")

@@ -25,7 +25,7 @@ from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT
 from rcr.study.ensemble import Ensemble
 from rcr.study.observables import POWER_RANGE, correlations
-from rcr.study.plot_style import legend_outside
+from rcr.study.figures.plot_style import legend_outside
 from rcr.study.protocol import PROTOCOL
 
 from . import biaxial_cost

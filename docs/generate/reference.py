@@ -32,8 +32,8 @@ MODULES = {
     "rcr.study.observables": "Observables of one elongation",
     "rcr.study.ensemble": "Networks of many runs",
     "rcr.study.figures": "Figures of the study",
-    "rcr.study.curves": "Curves of the figures",
-    "rcr.study.polar": "Polar diagrams of the figures",
+    "rcr.study.figures.curves": "Curves of the figures",
+    "rcr.study.figures.polar": "Polar diagrams of the figures",
     "rcr.study.claims": "The paper's statements",
 }
 # Headings and the first words of their classes; all other classes are engines.

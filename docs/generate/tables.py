@@ -215,7 +215,7 @@ def quantities():
 
 def counterparts():
     """Classes of YADE and their counterparts, read without YADE."""
-    tree = ast.parse((ROOT / "py" / "rcr" / "_counterparts.py").read_text())
+    tree = ast.parse((ROOT / "py" / "rcr" / "_yade" / "counterparts.py").read_text())
     (known,) = (ast.literal_eval(node.value) for node in tree.body if isinstance(node, ast.Assign))
     rows = [[", ".join(f"`{name}`" for name in names), re.sub(r"^(\S+)", r"`\1`", counterpart)]
             for counterpart, names in known.items()]

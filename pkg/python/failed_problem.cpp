@@ -1,4 +1,4 @@
-#include "dem/engine/failedProblem.hpp"
+#include "dem/records/failedProblem.hpp"
 
 #include <boost/python.hpp>
 #include <lib/pyutil/gil.hpp>

@@ -21,14 +21,14 @@ from rcr.problems import solve
 __version__ = "0.1.0"
 
 _MODULES = ("export", "measure", "plot", "script")  # imported at first use, because they are slow
-_LAZY = dict(snapshot="plot", movie="_movie", Profile="profile")  # name: its module
+_LAZY = dict(snapshot="plot", movie="_pictures.movie", Profile="profile")  # name: its module
 _SCENE = {  # functions of a YADE session: their modules
-    "advance": "_advance",
+    "advance": "_yade.advance",
     "clump": "scene",
-    "contact_network": "_scene_network",
-    "critical_time_step": "_time_step",
+    "contact_network": "_yade.scene_network",
+    "critical_time_step": "_yade.time_step",
     "disc": "scene",
-    "half_step_start": "_time_step",
+    "half_step_start": "_yade.time_step",
     "mobile_wall": "scene",
     "particle": "scene",
     "segment": "scene",
@@ -95,12 +95,12 @@ if "yade" in sys.modules:
     globals().update(_classes)
     for _name, _module in _SCENE.items():
         globals()[_name] = getattr(importlib.import_module(f"rcr.{_module}"), _name)
-    from rcr import _counterparts, _session
+    from rcr._yade import counterparts as _counterparts, session as _guard
     from rcr.scene import save_problem
 
     _classes["ContactDynamics"].save = save_problem
     _counterparts.install()
-    _session.guard()
+    _guard.guard()
 
     __all__ += [*sorted(_classes), *_SCENE]
     __all__ = [name for name in __all__ if name not in _names_of_yade()]

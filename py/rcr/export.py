@@ -19,8 +19,8 @@ import xml.etree.ElementTree as xml
 
 import numpy as np
 
-from rcr._files import atomic_path
-from rcr._outlines import polygons
+from rcr._data.files import atomic_path
+from rcr._pictures.outlines import polygons
 from rcr.frame import Frame
 
 PARTS = ("grains", "contacts", "obstacles")

@@ -22,8 +22,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rcr import _grain_sums as grain_sums
-from rcr._outlines import half_extents
+from rcr._pictures import grain_sums
+from rcr._pictures.outlines import half_extents
 from rcr.network import Network
 
 KINDS = ("rcr", "disc", "clumped", "fixed")
@@ -103,7 +103,7 @@ class Frame:
     def of_scene(cls):
         """Return the Frame of YADE's present scene."""
         try:
-            from rcr import _yade_scene
+            from rcr._yade import yade_scene as _yade_scene
         except ImportError as error:
             raise ValueError(
                 "no scene: this Python runs without YADE; give a rcr.Network or the path of one"

@@ -6,9 +6,9 @@ warning that names the function to use. All quantities are in the plane and per 
 
 import numpy as np
 
-from rcr import _checks as checks
-from rcr import _outlines
-from rcr._files import atomic_path
+from rcr._data import checks
+from rcr._pictures import outlines as _outlines
+from rcr._data.files import atomic_path
 from rcr.frame import Frame
 
 

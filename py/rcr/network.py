@@ -20,11 +20,9 @@ import numbers
 
 import numpy as np
 
-from rcr import _checks as checks
-from rcr import _files as files
-from rcr import _grain_sums as grain_sums
-from rcr import _network_columns as network_columns
-from rcr._network_columns import (  # noqa: F401: part of this module's interface
+from rcr._data import checks, files, network_columns
+from rcr._pictures import grain_sums
+from rcr._data.network_columns import (  # noqa: F401: part of this module's interface
     BOTTOM, CAP_CAP, CAP_SIDE, LEFT, OTHER, RIGHT, SIDE_SIDE, TOP, WALL,
 )  # fmt: skip
 from rcr.xi_networks import XiNetworks, cutoffs

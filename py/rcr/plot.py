@@ -16,11 +16,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import ScalarFormatter
 
-from rcr import _checks as checks
-from rcr import _drawing as drawing
-from rcr._drawing import STYLE, TYPES
-from rcr._files import atomic_path
-from rcr._grain_colors import CATEGORIES, KIND_COLORS, SCALES, GrainColors  # noqa: F401
+from rcr._data import checks
+from rcr._pictures import drawing
+from rcr._pictures.drawing import STYLE, TYPES
+from rcr._data.files import atomic_path
+from rcr._pictures.grain_colors import CATEGORIES, KIND_COLORS, SCALES, GrainColors  # noqa: F401
 from rcr.frame import KINDS, Frame
 
 FOOT = 0.45  # height of the legend below a picture [in]

@@ -23,10 +23,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from rcr import _checks as checks
-from rcr import _files as files
-from rcr._problem import BodyProblem, DelassusProblem
-from rcr._problem_files import load, npz, result_suffix, save, save_fclib
+from rcr._data import checks, files
+from rcr._data.problem import BodyProblem, DelassusProblem
+from rcr._data.problem_files import load, npz, result_suffix, save, save_fclib
 
 __all__ = ["BodyProblem", "DelassusProblem", "Solution", "load", "result_suffix", "save",
            "save_fclib", "solve"]  # fmt: skip

@@ -14,9 +14,9 @@ import math
 
 import numpy as np
 
-from rcr import _checks as checks
-from rcr import _outlines
-from rcr._grain_sums import OUTLINE
+from rcr._data import checks
+from rcr._pictures import outlines as _outlines
+from rcr._pictures.grain_sums import OUTLINE
 from rcr.frame import Frame
 
 SAMPLES = 8  # sample points along and across a grain, and along each half of a branch vector

@@ -13,8 +13,9 @@ from yade import utils
 from yade.minieigenHP import Quaternion, Vector2, Vector3
 from yade.wrapper import Body, ContactDynamics, FrictMat, Omega, Rcr, Sphere
 
-from rcr import _checks as checks
-from rcr import _kernel, _outlines, _plugin, problems
+from rcr._data import checks
+from rcr import _kernel, _plugin, problems
+from rcr._pictures import outlines as _outlines
 
 O = Omega()
 _number = checks.number
@@ -318,7 +319,7 @@ def _axis(axis):
 
 
 def _outlines_of(bodies):
-    """Return grains as `rcr._outlines` takes them."""
+    """Return grains as `rcr._pictures.outlines` takes them."""
     long = [isinstance(b.shape, Rcr) for b in bodies]
     sizes = [
         (b.shape.halfLength, b.shape.capRadius) if is_long else (0.0, b.shape.radius)

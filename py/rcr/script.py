@@ -11,8 +11,8 @@ import signal
 import sys
 import threading
 
-from rcr import _files as files
-from rcr._files import atomic_path
+from rcr._data import files
+from rcr._data.files import atomic_path
 
 __all__ = ["Parser", "Stop", "Stopped", "at_least", "atomic_path", "folder", "integer", "new_file",
            "number", "options", "run", "stoppable"]  # fmt: skip
@@ -100,7 +100,7 @@ def _path(text):
 
 
 def add_results(parser, what, required=True):
-    """Add the options --out and --overwrite, which `rcr._results.claim_folder` takes."""
+    """Add the options --out and --overwrite, which `rcr._data.results.claim_folder` takes."""
     out = f"folder of the {what}, made if missing"
     parser.add_argument("--out", type=folder, required=required, metavar="DIR", help=out)
     overwrite = f"remove {what} of other options from the folder"

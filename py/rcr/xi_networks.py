@@ -13,7 +13,7 @@ The anisotropies here are those of the tensors, for which the half-sum holds.
 
 import numpy as np
 
-from rcr import _checks as checks
+from rcr._data import checks
 
 
 def cutoffs(xi):

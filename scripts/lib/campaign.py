@@ -14,7 +14,8 @@ import sys
 from tqdm import tqdm
 
 import campaign_runs
-from rcr import _results as results, script
+from rcr import script
+from rcr._data import results
 
 HERE = pathlib.Path(__file__).resolve().parent
 CONTINUE = "continue with the same command"

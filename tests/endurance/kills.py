@@ -27,7 +27,8 @@ sys.path[:0] = [str(TESTS), str(TESTS / "python")]
 
 import numpy as np
 import synthetic
-from rcr import _files as files, problems
+from rcr import problems
+from rcr._data import files
 from rcr.network import Network
 from run_contents import campaign_contents, contents, different
 

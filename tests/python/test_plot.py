@@ -16,9 +16,10 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from rcr import _drawing as drawing, plot
+from rcr import plot
+from rcr._pictures import drawing
 from rcr.frame import Frame
-from rcr._outlines import polygons
+from rcr._pictures.outlines import polygons
 
 from synthetic import packing
 

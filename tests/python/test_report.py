@@ -16,10 +16,11 @@ matplotlib = pytest.importorskip("matplotlib")  # the other tests of the analysi
 
 from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
-from rcr.study import analysis, figures, maps, report
+from rcr.study import analysis, figures, report
+from rcr.study.figures import maps
 from rcr.frame import Frame
-from rcr._outlines import polygons
-from rcr.study.paper import MAPS, STATEMENTS, nearest
+from rcr._pictures.outlines import polygons
+from rcr.study.claims.paper import MAPS, STATEMENTS, nearest
 from rcr.study.runs import Run
 
 from synthetic import packing, write_run

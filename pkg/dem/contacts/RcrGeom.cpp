@@ -2,7 +2,7 @@
 
 #include "dem/validation/validation.hpp"
 #include "dem/shapes/planarShape.hpp"
-#include "dem/engine/prefetch.hpp"
+#include "dem/transfer/prefetch.hpp"
 
 namespace yade {
 

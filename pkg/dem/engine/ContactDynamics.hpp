@@ -18,10 +18,10 @@
 
 #include <core/GlobalEngine.hpp>
 
-#include "dem/engine/EnergyAccount.hpp"
-#include "dem/engine/StageTimes.hpp"
-#include "dem/engine/StepMonitor.hpp"
-#include "dem/engine/StepObserver.hpp"
+#include "dem/records/EnergyAccount.hpp"
+#include "dem/records/StageTimes.hpp"
+#include "dem/records/StepMonitor.hpp"
+#include "dem/records/StepObserver.hpp"
 #include "dem/validation/validation.hpp"
 #include "kernel/problem/solver.hpp"
 #include "kernel/step/drive.hpp"

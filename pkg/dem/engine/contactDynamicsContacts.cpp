@@ -6,7 +6,7 @@
 #include <pkg/common/PeriodicEngines.hpp>
 
 #include "dem/engine/ContactDynamics.hpp"
-#include "kernel/step/missed_contacts.hpp"
+#include "kernel/detection/missed_contacts.hpp"
 
 namespace yade {
 

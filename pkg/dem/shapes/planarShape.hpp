@@ -4,7 +4,7 @@
 #include <core/Body.hpp>
 #include <core/State.hpp>
 
-#include "kernel/step/missed_contacts.hpp"
+#include "kernel/detection/missed_contacts.hpp"
 #include "dem/shapes/Rcr.hpp"
 #include "dem/shapes/plane.hpp"
 

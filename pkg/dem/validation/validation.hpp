@@ -11,9 +11,9 @@
 //              NewtonIntegrator(damping=0)
 //     smooth   Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack; NewtonIntegrator
 //
-// validation.cpp holds the table of rules. It is evaluated when a run starts (rcr._session), by
+// validation.cpp holds the table of rules. It is evaluated when a run starts (rcr._yade.session), by
 // ContactDynamics when engines or the number of bodies change, and by the Ig2 functors for a new
-// contact. Properties that may change in each step are checked in engine/gather.cpp. Each message
+// contact. Properties that may change in each step are checked in transfer/gather.cpp. Each message
 // says what was given, what is expected and what to do.
 #pragma once
 

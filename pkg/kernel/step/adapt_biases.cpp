@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "step/large_displacements.hpp"
+#include "correction/large_displacements.hpp"
 #include "step/restitution.hpp"
 
 namespace rcr {

@@ -3,12 +3,12 @@
 //   stage                 result                                         file
 //   gather                bodies, contact points, loads                  (simulation)
 //   solve                 impulses and velocities                        problem/solver.hpp
-//   missed contacts       contacts that form undetected in the step      step/missed_contacts.hpp
-//   large displacements   gaps at the displaced positions                step/large_displacements.hpp
+//   missed contacts       contacts that form undetected in the step      detection/missed_contacts.hpp
+//   large displacements   gaps at the displaced positions                correction/large_displacements.hpp
 //   restitution           restitution that does not add energy           step/restitution.hpp
 //   follow stretch        mean stretch of overdamped bodies              step/follow_stretch.hpp
-//   position correction   displacements that remove overlaps             step/position_correction.hpp
-//   separation            the same for overlaps by curved paths          step/separation.hpp
+//   position correction   displacements that remove overlaps             correction/position_correction.hpp
+//   separation            the same for overlaps by curved paths          correction/separation.hpp
 //   scatter               forces, displacements, new contacts            (simulation)
 //
 // The stages in between work on these arrays alone, so an error in them leaves the simulation as it

@@ -20,7 +20,7 @@ from rcr.network import sin_phi
 from rcr.study import statistics
 from rcr.study.ensemble import Ensemble
 from rcr.study.observables import MEASURES, POWER_RANGE, Grids, measures
-from rcr.study.paper import MAPS, STATEMENTS
+from rcr.study.claims.paper import MAPS, STATEMENTS
 from rcr.study.runs import by_elongation
 from rcr.study.statistics import standard_error
 

@@ -14,7 +14,7 @@ import numpy as np
 from yade.wrapper import Omega
 
 import rcr
-from rcr import _results as results
+from rcr._data import results
 from rcr.study import checkpoint, compaction, shear
 from rcr.study.protocol import FREE_PARAMETERS, PROTOCOL, check_parameters
 from rcr.study.records import COUNTERS, Springs, make_records

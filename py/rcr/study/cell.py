@@ -13,7 +13,7 @@ from yade.wrapper import (
 )  # fmt: skip
 
 import rcr
-from rcr import _checks as checks
+from rcr._data import checks
 from rcr.study.compaction import random_radii, relaxation_interval, relaxation_time_step
 from rcr.study.protocol import PROTOCOL
 

@@ -10,7 +10,7 @@ import re
 
 from yade.wrapper import Omega
 
-from rcr import _files as files
+from rcr._data import files
 from rcr.study.protocol import check_parameters
 
 O = Omega()

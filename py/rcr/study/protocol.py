@@ -8,7 +8,7 @@ t₀ = √(m/σ₀), the inertial number I = ε̇ t₀. Every quantity is per un
 
 import dataclasses
 
-from rcr import _checks as checks
+from rcr._data import checks
 from rcr import _kernel
 
 FREE_PARAMETERS = ("threads",)  # parameters that do not change the results

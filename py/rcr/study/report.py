@@ -10,11 +10,13 @@ import tempfile
 import numpy as np
 from PIL import Image  # Matplotlib brings it
 
-from rcr import __version__, _files as files
-from rcr.study import figures, maps
+from rcr import __version__
+from rcr._data import files
+from rcr.study import figures
 from rcr.study.analysis import analyse, jsonable
 from rcr.study.claims import AGREES, DIFFERS, NOT_TESTED, findings
-from rcr.study.paper import MAPS, nearest
+from rcr.study.claims.paper import MAPS, nearest
+from rcr.study.figures import maps
 
 _HEAD = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">

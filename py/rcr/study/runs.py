@@ -11,7 +11,7 @@ import pathlib
 
 import numpy as np
 
-from rcr import _checks as checks, _files as files, _results as results
+from rcr._data import checks, files, results
 from rcr.network import Network
 
 _TWO_RUNS = "files of two runs; remove those of one"
@@ -36,7 +36,7 @@ class Run:
     history : dict of arrays, or None
         ``strain`` [-], ``stress_x`` and ``stress_y`` on the walls [Pa] of the records of the shear.
     record : dict or None
-        Contents of run.json, with the parameters; see `rcr._results`.
+        Contents of run.json, with the parameters; see `rcr._data.results`.
     summary : dict or None
         Contents of summary.json of a complete run.
     yielded : Yielded or None

@@ -6,7 +6,7 @@ Results of too few values are NaN.
 
 import numpy as np
 
-from rcr import _checks as checks
+from rcr._data import checks
 
 LEAST = 10  # values of a class, at least, for a mean
 

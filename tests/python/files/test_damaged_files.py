@@ -10,7 +10,8 @@ import signal
 import h5py
 import numpy as np
 import pytest
-from rcr import _files as files, problems, solve
+from rcr import problems, solve
+from rcr._data import files
 from rcr.network import Network
 from rcr.study.runs import Run
 

@@ -8,7 +8,7 @@ import sys
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcr import _files as files, _results as results
+from rcr._data import files, results
 
 PARAMETERS = dict(eta=0.5, seed=1, threads=1)
 MADE = ["data-*.txt", "summary.json", "checkpoint"]
@@ -111,7 +111,7 @@ def test_parts_of_a_killed_process_go(tmp_path):
 
 def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
     code = (
-        "import sys; from rcr import _results as results\n"
+        "import sys; from rcr._data import results\n"
         "with results.claim_folder(sys.argv[1], 'test.py', dict(eta=0.5, seed=1, threads=1), []) "
         "as begin: begin(); print('in', flush=True); sys.stdin.read()"
     )

@@ -9,7 +9,8 @@ import sys
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcr import _checks as checks, script
+from rcr import script
+from rcr._data import checks
 
 WORDS = st.one_of(st.text(max_size=20), st.floats().map(repr), st.integers().map(str),
                   st.sampled_from(["1e400", "-0", "5e-324", "1_0", "٣", "0x1", "9" * 5000, "1e3",

@@ -1,4 +1,4 @@
-"""Steps in arrays (pkg/dem/engine/ArraySteps.hpp) give the bits of YADE's engines."""
+"""Steps in arrays (pkg/dem/transfer/ArraySteps.hpp) give the bits of YADE's engines."""
 
 import math
 import threading

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import rcr
 import yade.utils
-from rcr._counterparts import COUNTERPARTS
+from rcr._yade.counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
 from scenes import build, material, pressed_box, python, shrinking_cell, steps
 from yade import O

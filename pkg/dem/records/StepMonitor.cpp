@@ -1,0 +1,185 @@
+#include "dem/records/StepMonitor.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "dem/validation/validation.hpp"
+#include "kernel/parallel/thread_team.hpp"
+#include "kernel/step/energy.hpp"
+
+namespace yade {
+
+namespace {
+
+	// of a cell per step; larger ones pass contacts that the step does not detect
+	constexpr double largestStretch = 0.02;
+
+	/// "body #1", "bodies #1 and #2"; empty without ids.
+	std::string bodies(const std::vector<int>& ids)
+	{
+		if (ids.empty()) return {};
+		std::string text = ids.size() == 1 ? "body" : "bodies";
+		for (std::size_t k = 0; k < ids.size(); ++k)
+			text += (k == 0                              ? " #"
+			                        : k + 1 < ids.size() ? ", #"
+			                                             : " and #")
+			        + std::to_string(ids[k]);
+		return text;
+	}
+
+	std::string deepestPair(const rcr::Step& step, double overlap)
+	{
+		std::size_t k = 0;
+		while (overlapOf(step, k) != overlap)
+			++k;
+		return bodies({ step.problem.points[k].body1, step.problem.points[k].body2 });
+	}
+
+	/// Bodies and cell whose motion is prescribed, in words; empty: none.
+	std::string drivenParts(const rcr::Step& step)
+	{
+		std::string parts = bodies(rcr::drivenBodies(step.problem));
+		if (step.cell.driven())
+			parts += std::string(parts.empty() ? "" : " and ")
+			        + "the velocity gradient of the cell";
+		return parts;
+	}
+
+	std::string jamMessage(const std::string& pair, double overlap, const std::string& driven)
+	{
+		return "ContactDynamics: jam: " + pair + " overlap by " + validation::shortText(overlap)
+		        + " of R₁ + R₂, and the overlap grows from step to step. These steps have no "
+		          "solution, since the motion prescribed to "
+		        + driven
+		        + " presses rigid grains together. Stop or reverse that motion (b.state.vel, "
+		          "O.cell.velGrad), or press by a force (WallStress, "
+		          "CellStress).";
+	}
+
+	std::string notConvergedMessage(const std::string& pair, double overlap, int iterations)
+	{
+		return "ContactDynamics: not converged: " + pair + " overlap by "
+		        + validation::shortText(overlap)
+		        + " of R₁ + R₂, and the overlap grows from step to step. The solver found neither "
+		          "a solution in "
+		        + std::to_string(iterations)
+		        + " sweeps nor a proof that none exists, so positions and forces are wrong. Set a "
+		          "larger ContactDynamics.maxIterations or a "
+		          "smaller O.dt.";
+	}
+
+} // namespace
+
+double overlapOf(const rcr::Step& step, std::size_t k)
+{
+	const double overlap = rcr::contactSlop * step.gap[k].now / step.gap[k].allowed;
+	if (overlap <= 0) return 0;
+	const rcr::ContactPoint& c = step.problem.points[k];
+	return step.problem.prescribed(c.body1) && step.problem.prescribed(c.body2) ? 0 : overlap;
+}
+
+double deepestOverlap(const rcr::Step& step, rcr::ThreadTeam& team)
+{
+	return team.maximum(step.gap.size(), [&](std::size_t k) { return overlapOf(step, k); });
+}
+
+std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)
+{
+	const double overlap = outcome.overlap;
+	std::string  warning;
+	if (steps.count(outcome.unconverged, outcome.yielded, overlap, outcome.overdamped)) {
+		warning = "step " + std::to_string(outcome.number) + ": " + steps.message();
+		if (overlap > rcr::MissedSteps::reportedOverlap)
+			warning += " Deepest in this step: " + deepestPair(step, overlap) + ".";
+	}
+	const auto verdict = jam.update(overlap, outcome.yielded);
+	if (verdict == rcr::JamDetector::Verdict::none) return warning;
+	const std::string driven = drivenParts(step);
+	if (driven.empty()) return warning;
+	const std::string pair = deepestPair(step, overlap);
+	throw std::runtime_error(verdict == rcr::JamDetector::Verdict::jam
+	                ? jamMessage(pair, overlap, driven)
+	                : notConvergedMessage(pair, overlap, outcome.iterations));
+}
+
+int firstNotFinite(const rcr::Step& step)
+{
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const rcr::Twist& v = step.problem.velocity[id];
+		if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.rotation))
+			return int(id);
+	}
+	return -1;
+}
+
+void checkEnergy(const rcr::Step& step, long number)
+{
+	double       kinetic = 0, farthest = 0;
+	std::size_t  fastest = 0;
+	const auto&  problem = step.problem;
+	const auto   twice   = [](const rcr::Twist& v, const rcr::InverseMass& inverse) {
+        const auto part = [](double v, double w) { return w > 0 ? v * v / w : 0; };
+        return part(v.x, inverse.x) + part(v.y, inverse.y) + part(v.rotation, inverse.rotation);
+	};
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const rcr::StepBody& body = step.bodies[id];
+		if (problem.driven(int(id))) return;
+		kinetic += 0.5
+		        * (twice(body.velocity, problem.inverseMass[id])
+		                + twice(problem.freeVelocity[id], problem.inverseMass[id]));
+		if (!body.free || body.radius == 0) continue;
+		const double path = step.dt * speed(body.velocity, body.radius) / body.radius;
+		if (path > farthest) farthest = path, fastest = id;
+	}
+	const rcr::StepEnergy energy = stepEnergy(step, {}, {});
+	if (!(-energy.friction - energy.impact > kinetic)) return;
+	throw std::runtime_error("ContactDynamics: step " + std::to_string(number)
+	        + " has not converged, and its contacts would more than double the kinetic energy. Body #"
+	        + std::to_string(fastest) + " moves " + validation::shortText(farthest)
+	        + " of its radii in this step. Nothing has moved. Take a smaller O.dt.");
+}
+
+void checkStretch(const rcr::Step& step, long number)
+{
+	const double inverse[2] = { step.cell.inverseMass.x, step.cell.inverseMass.y };
+	for (int axis = 0; axis < 2; ++axis) {
+		const double strain
+		        = inverse[axis] > 0 ? std::abs(step.cell.gradient[axis][axis]) * step.dt : 0;
+		if (strain > largestStretch)
+			throw std::runtime_error("ContactDynamics: CellStress would stretch the cell by "
+			        + validation::text(100 * strain) + " % along " + "xy"[axis] + " in step "
+			        + std::to_string(number) + ", so contacts would be missed; expected at most "
+			        + validation::text(100 * largestStretch)
+			        + " %. Nothing has moved. Set a smaller O.dt or a larger CellStress.mass, or "
+			          "compress a loose cell by O.cell.velGrad first.");
+	}
+}
+
+UnbalancedForce unbalancedForceOf(const rcr::Step& step)
+{
+	double contact = 0, net = 0, largest = 0; // impulses
+	int    closed = 0, free = 0;
+	for (const rcr::Impulse& p : step.problem.impulse) {
+		contact += p.n;
+		closed += p.n > 0;
+	}
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const rcr::StepBody& body = step.bodies[id];
+		if (!body.free || !(body.shape.grain() || body.shape.kind == rcr::PlanarShape::none))
+			continue;
+		const rcr::InverseMass& inverse = step.problem.inverseMass[id];
+		const rcr::Twist &      v = step.problem.velocity[id], &before = body.velocity;
+		const rcr::Vec2         change { inverse.x > 0 ? (v.x - before.x) / inverse.x : 0,
+            inverse.y > 0 ? (v.y - before.y) / inverse.y : 0 };
+		largest = std::max(largest, norm(change));
+		net += norm(change);
+		++free;
+	}
+	constexpr double none = std::numeric_limits<double>::infinity();
+	return { closed > 0 && free > 0 ? (net / free) / (contact / closed) : none,
+		closed > 0 ? largest / (contact / closed) : none };
+}
+
+} // namespace yade

@@ -1,0 +1,117 @@
+#include "dem/records/StepObserver.hpp"
+
+#include <core/Omega.hpp>
+
+#include "dem/shapes/plane.hpp"
+#include "dem/validation/validation.hpp"
+
+namespace yade {
+
+namespace py = boost::python;
+
+void StepObserver::check(
+        const std::vector<int>& ids, const rcr::Step& step, const SceneHandles& handles)
+{
+	for (int id : ids) {
+		const std::string given = "ContactDynamics.observe holds " + std::to_string(id);
+		if (id < 0 || std::size_t(id) >= step.bodies.size())
+			validation::refuse(given + "; expected ids of bodies, 0 to "
+			        + std::to_string(step.bodies.size() - 1) + ".");
+		if (!handles.state[id])
+			validation::refuse(given + ", a body that was erased; remove the id.");
+		const int owner = step.bodies[id].owner;
+		if (owner != id)
+			validation::refuse(given + ", a member of clump " + std::to_string(owner)
+			        + "; its contacts act on the clump, so give that id.");
+	}
+}
+
+void StepObserver::placeLast(const std::function<std::optional<rcr::Vec2>(int id)>& positionOf)
+{
+	if (intervals_.empty() || std::exchange(intervals_.back().placed, true)) return;
+	for (int id : intervals_.back().sums.ids)
+		if (const std::optional<rcr::Vec2> at = positionOf(id))
+			intervals_.back().position[id] = *at;
+}
+
+void StepObserver::record(const Result& result, const std::vector<int>& ids, int interval,
+        const std::vector<rcr::Twist>& impulses, const rcr::Step& step, const SceneHandles& handles)
+{
+	const std::lock_guard<std::mutex> lock(mutex_);
+	placeLast([&](int id) -> std::optional<rcr::Vec2> {
+		if (std::size_t(id) >= step.bodies.size() || !handles.state[id]) return {};
+		return step.bodies[id].center;
+	});
+	if (sums_.ids != ids) sums_ = {};
+	sums_.ids = ids;
+	++sums_.steps;
+	sums_.iterations += result.iterations;
+	sums_.yielded += result.yielded;
+	sums_.residual = std::max(sums_.residual, result.residual);
+	if (result.unconverged) {
+		++sums_.unconverged;
+		sums_.missSum += result.miss;
+		sums_.largestMiss = std::max(sums_.largestMiss, result.miss);
+	}
+	for (int id : ids) {
+		rcr::Twist& sum = sums_.force[id];
+		sum             = { sum.x + impulses[id].x / step.dt, sum.y + impulses[id].y / step.dt,
+			            sum.rotation + impulses[id].rotation / step.dt };
+	}
+	if (interval == 0 || sums_.steps < interval) return;
+	intervals_.push_back({ std::exchange(sums_, {}), result, {}, false });
+}
+
+py::dict StepObserver::takeMeans(const std::vector<int>& ids)
+{
+	const std::lock_guard<std::mutex> lock(mutex_);
+	return dictOf(std::exchange(sums_, {}), ids);
+}
+
+py::list StepObserver::takeIntervals(const Scene& scene)
+{
+	const std::lock_guard<std::mutex> lock(mutex_);
+	if (!Omega::instance().isRunning())
+		placeLast([&](int id) -> std::optional<rcr::Vec2> {
+			if (!scene.bodies->exists(id)) return {};
+			return plane::toPlane((*scene.bodies)[id]->state->pos);
+		});
+	const bool open = !intervals_.empty() && !intervals_.back().placed;
+	const auto end  = intervals_.end() - open;
+	py::list   all;
+	for (auto interval = intervals_.begin(); interval != end; ++interval) {
+		py::dict entry = dictOf(interval->sums, interval->sums.ids), positions;
+		for (const auto& [id, at] : interval->position)
+			positions[id] = py::make_tuple(at.x, at.y);
+		entry["step"] = interval->last.step, entry["time"] = interval->last.time;
+		entry["points"]          = interval->last.points,
+		entry["last_iterations"] = interval->last.iterations;
+		entry["last_residual"] = interval->last.residual;
+		entry["positions"]     = positions;
+		all.append(entry);
+	}
+	intervals_.erase(intervals_.begin(), end);
+	return all;
+}
+
+py::dict StepObserver::dictOf(const Sums& sums, const std::vector<int>& ids)
+{
+	py::dict observed, forces;
+	for (int id : sums.steps > 0 ? sums.ids : ids) {
+		const auto       sum  = sums.force.find(id);
+		const rcr::Twist mean = sum == sums.force.end() ? rcr::Twist {} : sum->second;
+		const double     over = double(std::max(1L, sums.steps));
+		forces[id]            = py::make_tuple(mean.x / over, mean.y / over, mean.rotation / over);
+	}
+	observed["steps"]          = sums.steps;
+	observed["iterations"]     = sums.iterations;
+	observed["residual"]       = sums.residual;
+	observed["missed"]         = sums.unconverged;
+	observed["yielded"]        = sums.yielded;
+	observed["missed_sum"]     = sums.missSum;
+	observed["missed_largest"] = sums.largestMiss;
+	observed["forces"]         = forces;
+	return observed;
+}
+
+} // namespace yade

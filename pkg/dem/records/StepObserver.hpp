@@ -1,0 +1,73 @@
+// Means of forces and counts of steps that a script reads after a run, or as a history of equal
+// intervals.
+//
+// All functions lock, so Python may call them during a run.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include <boost/python.hpp>
+#include <core/Scene.hpp>
+
+#include "dem/transfer/gather.hpp"
+
+namespace yade {
+
+class StepObserver {
+public:
+	/// Results of one step.
+	struct Result {
+		long   step; // O.iter at its end
+		double time; // O.time at its end [s]
+		int    iterations, points;
+		double residual;
+		bool   unconverged; // did not converge
+		bool   yielded;     // contacts yielded
+		double miss;    // residual or kinematic error over its tolerance, the larger of both [-]
+	};
+
+	/// Throws std::invalid_argument if an id is not that of a body or clump of the scene.
+	static void check(const std::vector<int>& ids, const rcr::Step&, const SceneHandles&);
+
+	/// Adds a step. `interval`: number of steps per entry; 0: no entries. `impulses`: contact
+	/// impulse on each body [N s].
+	void record(const Result&, const std::vector<int>& ids, int interval,
+	        const std::vector<rcr::Twist>& impulses, const rcr::Step&, const SceneHandles&);
+
+	/// Means since the last call.
+	boost::python::dict takeMeans(const std::vector<int>& ids);
+
+	/// Entries since the last call. An entry that ended with a step of a present run stays for the
+	/// next call.
+	boost::python::list takeIntervals(const Scene&);
+
+private:
+	struct Sums {
+		std::vector<int>          ids;
+		long                      steps = 0, iterations = 0, unconverged = 0, yielded = 0;
+		double                    residual = 0, missSum = 0, largestMiss = 0;
+		std::map<int, rcr::Twist> force; // by body [N, N m]
+	};
+
+	struct Interval {
+		Sums                     sums;
+		Result                   last; // its last step
+		std::map<int, rcr::Vec2> position; // at its end, by body [m]
+		bool                     placed = false; // positions are known, as the next step has begun
+	};
+
+	static boost::python::dict dictOf(const Sums&, const std::vector<int>& ids);
+	/// Sets the positions of the last interval. `positionOf` returns nothing for a body that was
+	/// erased.
+	void placeLast(const std::function<std::optional<rcr::Vec2>(int id)>& positionOf);
+
+	std::mutex            mutex_;
+	Sums                  sums_;
+	std::vector<Interval> intervals_;
+};
+
+} // namespace yade

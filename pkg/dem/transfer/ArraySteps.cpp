@@ -1,0 +1,337 @@
+#include "dem/transfer/ArraySteps.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <core/Omega.hpp>
+#include <core/PartialEngine.hpp>
+#include <pkg/common/Collider.hpp>
+#include <pkg/common/ForceResetter.hpp>
+#include <pkg/common/KinematicEngines.hpp>
+#include <pkg/common/PeriodicEngines.hpp>
+
+#include "dem/engine/ContactDynamics.hpp"
+#include "dem/engine/WallStress.hpp"
+#include "dem/shapes/plane.hpp"
+#include "dem/transfer/prefetch.hpp"
+#include "dem/transfer/scatter.hpp"
+
+namespace yade {
+
+namespace {
+
+	constexpr long stepsBetweenUpdates = 100; // a fixed number, so that a run repeats its bits
+
+	/// A PeriodicEngine will act at this iteration and time. Its own isActivated() would count the
+	/// call.
+	bool due(const PeriodicEngine& engine, long iter, Real time)
+	{
+		// its first call starts its counting
+		if (engine.nDone == 0) return engine.firstIterRun <= 0 || engine.firstIterRun == iter;
+		if (iter < engine.iterLast) return true;
+		if (engine.nDo >= 0 && engine.nDone >= engine.nDo) return false;
+		return (engine.virtPeriod > 0 && time - engine.virtLast >= engine.virtPeriod)
+		        || (engine.realPeriod > 0
+		                && PeriodicEngine::getClock() - engine.realLast >= engine.realPeriod)
+		        || (engine.iterPeriod > 0 && iter - engine.iterLast >= engine.iterPeriod);
+	}
+
+	/// Adds the bodies that an engine loads or drives; returns false if it may read other bodies.
+	bool addActedOn(const Engine& engine, std::vector<Body::id_t>& ids)
+	{
+		if (const auto* stress = dynamic_cast<const WallStress*>(&engine)) {
+			ids.insert(ids.end(), { stress->wall, stress->start, stress->end });
+			return true;
+		}
+		static const std::set<std::string> forces { "ForceEngine",
+			"InterpolatingDirectedForceEngine", "RadialForceEngine", "TorqueEngine", "DragEngine",
+			"LinearDragEngine" };
+		if (!dynamic_cast<const KinematicEngine*>(&engine) && !forces.count(engine.getClassName()))
+			return false;
+		const auto& more = static_cast<const PartialEngine&>(engine).ids;
+		ids.insert(ids.end(), more.begin(), more.end());
+		return true;
+	}
+
+	bool core(const Engine& engine)
+	{
+		return dynamic_cast<const ForceResetter*>(&engine) || dynamic_cast<const Collider*>(&engine)
+		        || dynamic_cast<const InteractionLoop*>(&engine)
+		        || dynamic_cast<const ContactDynamics*>(&engine)
+		        || dynamic_cast<const NewtonIntegrator*>(&engine);
+	}
+
+	/// Finds a force on a body of the arrays, for example from a PyRunner. Arrays apply contact
+	/// forces and gravity only.
+	std::string strayForceReason(Scene& scene, const std::vector<char>& isByYade)
+	{
+		for (std::size_t id = 0; id < isByYade.size(); ++id)
+			if (!isByYade[id] && (*scene.bodies)[id]
+			        && (scene.forces.getForce(Body::id_t(id)) != Vector3r::Zero()
+			                || scene.forces.getTorque(Body::id_t(id)) != Vector3r::Zero()))
+				return "a force on body #" + std::to_string(id);
+		return {};
+	}
+
+	/// Advances iteration and time, and updates O.speed and the counts of O.timingEnabled, as
+	/// Scene::moveToNextTimeStep does.
+	void countStep(Scene& scene)
+	{
+		const auto now      = boost::posix_time::microsec_clock::local_time();
+		const long duration = (now - scene.prevTime).total_microseconds();
+		scene.prevTime      = now;
+		scene.SpeedElements(scene.iter % Scene::nSpeedIter, 0) = 1e6 / std::max(duration, 1L);
+		scene.speed                                            = scene.SpeedElements.mean();
+		if (TimingInfo::enabled)
+			for (const auto& engine : scene.engines)
+				engine->timingInfo.nExec
+				        += !engine->dead && !dynamic_cast<const PeriodicEngine*>(engine.get());
+		++scene.iter;
+		scene.time += scene.dt;
+	}
+
+} // namespace
+
+ArraySteps::Motion ArraySteps::motionOf(const State& s)
+{
+	return { { double(s.pos[0]), double(s.pos[1]) }, { double(s.ori.w()), double(s.ori.z()) },
+		{ double(s.vel[0]), double(s.vel[1]), double(s.angVel[2]) } };
+}
+
+/// Property of the scene that requires YADE's engines; empty: none. Also collects the engines that
+/// exert forces.
+std::string ArraySteps::reason(
+        const Scene& scene, const validation::Engines& engines, const rcr::Step& step)
+{
+	if (scene.isPeriodic) return "a periodic cell";
+	if (!step.members.empty()) return "clumps";
+	if (scene.trackEnergy) return "O.trackEnergy";
+	if (scene.forces.getPermForceUsed()) return "permanent forces";
+	const NewtonIntegrator& newton = *engines.integrator;
+	if (newton.mask > 0) return "NewtonIntegrator.mask";
+	if (!engines.loop->callbacks.empty()) return "callbacks of the InteractionLoop";
+	for (const auto& functor : engines.loop->geomDispatcher->functors)
+		if (functor->getBaseClassName() != "Ig2_Planar_RcrGeom")
+			return "the functor " + functor->getClassName();
+	for (const auto& functor : engines.loop->physDispatcher->functors)
+		if (functor->getClassName() != "Ip2_FrictMat_FrictMat_CdPhys")
+			return "the functor " + functor->getClassName();
+	for (const auto& functor : engines.loop->lawDispatcher->functors)
+		if (functor->getClassName() != "Law2_RcrGeom_CdPhys_SignoriniCoulomb")
+			return "the functor " + functor->getClassName();
+	enginesBefore_.clear(), enginesAfter_.clear(), byYade_.clear();
+	movesAfter_ = false;
+	bool looped = false, solved = false;
+	for (const auto& engine : scene.engines) {
+		// checked in each step
+		if (engine->dead || dynamic_cast<const PeriodicEngine*>(engine.get())) continue;
+		looped |= engine.get() == engines.loop;
+		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
+		if (core(*engine)) continue;
+		if (solved || !addActedOn(*engine, byYade_)) return "the engine " + engine->getClassName();
+		(looped ? enginesAfter_ : enginesBefore_).push_back(engine.get());
+		movesAfter_ |= looped && dynamic_cast<const KinematicEngine*>(engine.get());
+	}
+	return {};
+}
+
+/// Selects the bodies that are read and written in each step. Returns why contacts require YADE's
+/// engines; empty: they do not.
+std::string ArraySteps::selectBodies(const Scene& scene, const rcr::Step& step)
+{
+	for (const rcr::StepContact& c : step.contacts)
+		if (c.body1 > c.body2 && step.bodies[c.body1].shape.kind == step.bodies[c.body2].shape.kind)
+			return "a contact whose bodies are not in their order";
+	isByYade_.assign(step.bodies.size(), false);
+	for (Body::id_t id : byYade_)
+		if (id >= 0 && std::size_t(id) < isByYade_.size()) isByYade_[id] = true;
+	std::size_t grains = 0;
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const bool grain = step.bodies[id].shape.grain();
+		isByYade_[id] |= !grain && (*scene.bodies)[id];
+		grains += grain && !isByYade_[id];
+	}
+	byYade_.clear();
+	for (std::size_t id = 0; id < isByYade_.size(); ++id)
+		if (isByYade_[id] && (*scene.bodies)[id]) byYade_.push_back(Body::id_t(id));
+	return grains < byYade_.size() ? "more obstacles and loaded bodies than other grains" : "";
+}
+
+/// Reason of this moment for which YADE's engines must take the next step; empty: none.
+std::string ArraySteps::momentaryReason(const Scene& scene) const
+{
+	if (!Omega::instance().isRunning() || scene.subStepping) return "a single step";
+	const long iter = scene.iter + 1;
+	const Real time = scene.time + scene.dt;
+	if ((scene.stopAtIter > 0 && iter >= scene.stopAtIter)
+	        || (scene.stopAtTime > 0 && time >= scene.stopAtTime))
+		return "the end of the run";
+	if (scene.interactions->dirty || (active_ && scene.bodies->size() != isByYade_.size()))
+		return "a change of the bodies or interactions";
+	if (!scene._nextEngines.empty()) return "a change of O.engines";
+	if (active_ && count_ - first_ >= stepsBetweenUpdates)
+		return "YADE's objects are brought up to date";
+	bool solved = false;
+	for (const auto& engine : scene.engines) {
+		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
+		const auto* periodic
+		        = engine->dead ? nullptr : dynamic_cast<const PeriodicEngine*>(engine.get());
+		if (periodic
+		        && (solved ? due(*periodic, scene.iter, scene.time) : due(*periodic, iter, time)))
+			return "the engine " + engine->getClassName();
+	}
+	return {};
+}
+
+bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
+        SceneHandles& handles, const std::vector<rcr::Twist>& impulses, rcr::Step& step)
+{
+	reason_ = active_ ? std::string() : reason(scene, engines, step);
+	if (reason_.empty()) reason_ = momentaryReason(scene);
+	if (reason_.empty() && !active_) reason_ = selectBodies(scene, step);
+	if (reason_.empty() && !active_) reason_ = strayForceReason(scene, isByYade_);
+	if (!reason_.empty()) return false;
+	const bool first = !active_;
+	if (first) begin(team, handles, step);
+	pairs_.addFound(step, scene.iter);
+	if (first || !step.added.empty()) pairs_.numberContacts(step);
+	pairs_.keepForces(step, team);
+	move(scene, *engines.integrator, team, handles, impulses, step);
+	countStep(scene);
+	++count_;
+	scene.forces.reset(scene.iter);
+	runEngines(scene, enginesBefore_);
+	regatherBodies(scene, engines, team, byYade_, handles, step);
+	const auto detect = [&](bool listAll, bool again) {
+		const bool changed = neighbours_.update(step, team);
+		if (listAll || changed) pairs_.assign(neighbours_.list());
+		pairs_.detect(step, team, again);
+		setPhysics(scene, engines);
+	};
+	detect(first, false);
+	if (!enginesAfter_.empty()) {
+		runEngines(scene, enginesAfter_);
+		regatherBodies(scene, engines, team, byYade_, handles, step);
+		if (movesAfter_) detect(false, true);
+	}
+	pairs_.writeContacts(step, team);
+	return true;
+}
+
+/// Reads inertia and motion of the bodies, and the forces of the contacts.
+void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
+{
+	active_                  = true;
+	first_                  = count_;
+	const std::size_t count = step.bodies.size();
+	inertia_.resize(count), written_.resize(count), endVelocity_.resize(count);
+	team.forEach(count, [&](std::size_t id) {
+		prefetch<State>(handles.state[std::min(id + prefetchAhead, count - 1)]);
+		inertia_[id]   = {};
+		const State* s = handles.state[id];
+		if (!s) return;
+		inertia_[id] = plane::inertiaOf(*s);
+		written_[id] = motionOf(*s);
+	});
+	pairs_.all.clear();
+	for (const rcr::StepContact& contact : step.contacts) {
+		if (contact.source < 0) continue;
+		rcr::Pair pair;
+		pair.body1 = contact.body1, pair.body2 = contact.body2, pair.source = contact.source;
+		pairs_.all.push_back(pair);
+	}
+	pairs_.manifold.resize(pairs_.all.size());
+	team.forEach(pairs_.all.size(), [&](std::size_t k) {
+		rcr::Pair& pair = pairs_.all[k];
+		prefetch<CdPhys>(
+		        handles.sorted[pairs_.all[std::min(k + prefetchAhead, pairs_.all.size() - 1)]
+		                               .source]
+		                .phys);
+		const CdPhys& phys = *handles.sorted[pair.source].phys;
+		pair.points        = phys.points;
+		pair.friction      = double(phys.tangensOfFrictionAngle),
+		pair.restitution   = double(phys.restitution);
+		for (int point = 0; point < 2; ++point)
+			pair.along[point] = double(phys.along[point]);
+	});
+}
+
+/// Moves the bodies like NewtonIntegrator. Obstacles need not lie in the plane.
+void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadTeam& team,
+        const SceneHandles& handles, const std::vector<rcr::Twist>& impulses, rcr::Step& step)
+{
+	for (Body::id_t id : byYade_) {
+		State&            s = *handles.state[id];
+		const rcr::Twist& p = impulses[id];
+		const Vector3r    force
+		        = scene.forces.getForce(id) + 1 / step.dt * Vector3r(p.x, p.y, 0);
+		const Vector3r    torque
+		        = scene.forces.getTorque(id) + 1 / step.dt * Vector3r(0, 0, p.rotation);
+		if (step.overdamped) resetVelocity(s, step.bodies[id].velocity);
+		if (!step.displacement.empty() && step.bodies[id].free)
+			applyCorrection(s, step.displacement[id]);
+		for (int axis = 0; axis < 3; ++axis) {
+			if (!(s.blockedDOFs & State::axisDOF(axis)))
+				s.vel[axis] += scene.dt * (force[axis] / s.mass + newton.gravity[axis]);
+			if (!(s.blockedDOFs & State::axisDOF(axis, true)))
+				s.angVel[axis] += scene.dt * (torque[axis] / s.inertia[axis]);
+		}
+		s.pos += s.vel * scene.dt;
+		const Real rate = s.angVel.norm();
+		if (rate != 0) s.ori = Quaternionr(AngleAxisr(rate * scene.dt, s.angVel / rate)) * s.ori;
+		s.ori.normalize();
+	}
+	const double    before = step.dt, inverseDt = 1 / before;
+	const rcr::Vec2 gravity = plane::toPlane(newton.gravity);
+	step.dt                 = double(scene.dt);
+	team.forEach(step.bodies.size(), [&](std::size_t id) {
+		if (isByYade_[id]) return;
+		rcr::StepBody& body = step.bodies[id];
+		if (!step.displacement.empty() && body.free) {
+			const rcr::Twist& by = step.displacement[id];
+			body.center          = { body.center.x + by.x, body.center.y + by.y };
+			if (by.rotation != 0) body.turn = rcr::scaled(rcr::turned(body.turn, by.rotation));
+		}
+		const rcr::Twist& p = impulses[id];
+		body.velocity       = rcr::accelerated(body.velocity, inertia_[id],
+		              { inverseDt * p.x, inverseDt * p.y, inverseDt * p.rotation }, gravity, before);
+		body.center         = { body.center.x + body.velocity.x * before,
+			        body.center.y + body.velocity.y * before };
+		body.turn     = rcr::integrated(body.turn, body.velocity.rotation, before);
+		body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step.dt);
+		if (body.free) body.expected = body.alertDistance;
+		if (step.overdamped) {
+			endVelocity_[id]  = body.velocity;
+			body.velocity
+			        = restVelocity(body.velocity, inertia_[id], step.restFlow.at(body.center));
+		}
+		step.problem.freeVelocity[id]
+		        = rcr::accelerated(body.velocity, inertia_[id], {}, gravity, step.dt);
+	});
+}
+
+void ArraySteps::runEngines(Scene& scene, const std::vector<Engine*>& engines) const
+{
+	for (Engine* engine : engines) {
+		engine->scene = &scene;
+		if (!engine->dead && engine->isActivated()) engine->action();
+	}
+	scene.forces.sync();
+}
+
+void ArraySteps::setPhysics(Scene& scene, const validation::Engines& engines)
+{
+	for (rcr::Pair& pair : pairs_.all) {
+		if (!pair.fresh) continue;
+		if (!validation::frictional(scene, pair.body1, pair.body2)
+		        || !mayMeet(scene, engines, pair.body1, pair.body2)) {
+			pair.points = 0;
+			continue;
+		}
+		const ContactLaw law = contactLaw(scene, *engines.loop, pair.body1, pair.body2);
+		pair.friction = law.friction, pair.restitution = law.restitution;
+		pair.since    = scene.iter;
+	}
+}
+
+} // namespace yade

@@ -1,0 +1,80 @@
+// Takes steps in flat arrays, without YADE's objects.
+//
+// YADE allocates bodies, shapes, states and interactions one by one, and a loop over them takes
+// longer than a solve. While no engine reads these objects, `advance` moves the bodies like
+// NewtonIntegrator, applies the loads of the scene, detects contacts like the collider and
+// InteractionLoop, and returns the next step gathered. `writeBack` then copies the state at the
+// beginning of the last step to YADE's objects. Results have the same bits as steps by YADE's
+// engines.
+//
+// YADE's engines take a step
+//
+//   * at the end of a run, and every 100 steps, so that YADE's objects follow;
+//   * if an engine is due that may read any object: a PyRunner, a recorder, any engine not named below;
+//   * in scenes with clumps, a periodic cell, energy tracking or permanent forces;
+//   * if an Ig2, Ip2 or Law2 functor is not one of this plugin's own, or the loop has callbacks.
+//
+// `reason` has the complete list.
+//
+// Obstacles and bodies that engines load or drive (kinematic engines, force engines, WallStress)
+// are read and written in each step.
+#pragma once
+
+#include <array>
+
+#include "kernel/step/leapfrog.hpp"
+#include "kernel/detection/pairs.hpp"
+#include "dem/transfer/gather.hpp"
+
+namespace yade {
+
+class ArraySteps {
+public:
+	/// Advances from a solved step to the next one, gathered. `impulses`: sum of the contact
+	/// impulses on each body. Returns false without a change if YADE's engines must take the next
+	/// step; enginesReason() is then the reason.
+	bool advance(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&,
+	        const std::vector<rcr::Twist>& impulses, rcr::Step&);
+
+	/// Copies the state at the beginning of the step to YADE's objects, so that the step can be
+	/// scattered. Does nothing if no step was taken in arrays since the last call.
+	void writeBack(Scene&, rcr::ThreadTeam&, SceneHandles&, const rcr::Step&);
+
+	/// Why YADE's engines take the next step; empty: they do not.
+	const std::string& enginesReason() const { return reason_; }
+	/// Number of steps taken in arrays so far.
+	long               count() const { return count_; }
+
+private:
+	struct Motion {
+		std::array<double, 2> center, turn;
+		std::array<double, 3> velocity;
+	};
+
+	static Motion        motionOf(const State&);
+	std::string          reason(const Scene&, const validation::Engines&, const rcr::Step&);
+	std::string          momentaryReason(const Scene&) const;
+	std::string          selectBodies(const Scene&, const rcr::Step&);
+	void                 begin(rcr::ThreadTeam&, const SceneHandles&, const rcr::Step&);
+	void move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const SceneHandles&,
+	        const std::vector<rcr::Twist>& impulses, rcr::Step&);
+	void                 runEngines(Scene&, const std::vector<Engine*>&) const;
+	void                 setPhysics(Scene&, const validation::Engines&);
+
+	long                      count_ = 0, first_ = 0;
+	bool                      active_ = false; // YADE's objects are out of date since step first_
+	std::string               reason_;
+	// engines that exert forces, before and after the InteractionLoop
+	std::vector<Engine*>      enginesBefore_, enginesAfter_;
+	bool                      movesAfter_ = false; // enginesAfter_ holds a kinematic engine
+	std::vector<Body::id_t>   byYade_;      // bodies that are read and written in each step
+	std::vector<char>         isByYade_;      // per body
+	std::vector<rcr::Inertia> inertia_;      // per body
+	std::vector<Motion>       written_;        // per body: as in YADE's objects
+	// per body: velocity at the end of the last overdamped step
+	std::vector<rcr::Twist>   endVelocity_;
+	rcr::Neighbours           neighbours_;
+	rcr::Pairs                pairs_;
+};
+
+} // namespace yade

@@ -1,0 +1,77 @@
+// Copies the state of steps in arrays to YADE's objects.
+#include "dem/transfer/ArraySteps.hpp"
+#include "dem/transfer/prefetch.hpp"
+#include "dem/transfer/scatter.hpp"
+
+namespace yade {
+
+namespace {
+
+	/// The interaction of two bodies without a contact; created if missing.
+	Interaction* interactionOf(Scene& scene, const rcr::Pair& pair)
+	{
+		shared_ptr<Interaction> i = scene.interactions->find(pair.body1, pair.body2);
+		if (!i) {
+			i = boost::make_shared<Interaction>(pair.body1, pair.body2);
+			scene.interactions->insert(i);
+		}
+		if (i->getId1() != pair.body1) i->swapOrder();
+		return i.get();
+	}
+
+} // namespace
+
+void ArraySteps::writeBack(
+        Scene& scene, rcr::ThreadTeam& team, SceneHandles& handles, const rcr::Step& step)
+{
+	if (!active_) return;
+	active_       = false;
+	scene.doSort = true; // the collider has not run during the steps in arrays
+	team.forEach(step.bodies.size(), [&](std::size_t id) {
+		prefetch<State>(handles.state[std::min(id + prefetchAhead, step.bodies.size() - 1)]);
+		State* s = handles.state[id];
+		if (!s || isByYade_[id]) return;
+		const rcr::StepBody& body = step.bodies[id];
+		const rcr::Twist&    v      = step.overdamped ? endVelocity_[id] : body.velocity;
+		// keeps what a script has written meanwhile
+		const Motion         before = written_[id], now = motionOf(*s);
+		if (now.center == before.center) s->pos[0] = body.center.x, s->pos[1] = body.center.y;
+		if (now.turn == before.turn) s->ori.w() = body.turn.w, s->ori.z() = body.turn.z;
+		if (now.velocity == before.velocity)
+			s->vel[0] = v.x, s->vel[1] = v.y, s->angVel[2] = v.rotation;
+	});
+
+	std::vector<Interaction*> interaction(pairs_.all.size());
+	std::vector<char>         lasts(handles.sorted.size());
+	const auto                made = [](const rcr::Pair& pair) {
+        return pair.points > 0 && (pair.source >= 0 || pair.since >= 0);
+	}; // false after an error
+	for (std::size_t k = 0; k < interaction.size(); ++k) {
+		const int source = pairs_.all[k].source;
+		if (!made(pairs_.all[k]) || source < 0) continue;
+		lasts[source]  = true;
+		interaction[k] = handles.sorted[source].interaction;
+	}
+	for (std::size_t k = 0; k < lasts.size(); ++k)
+		if (!lasts[k] && handles.sorted[k].interaction) handles.sorted[k].interaction->reset();
+	for (std::size_t k = 0; k < interaction.size(); ++k)
+		if (made(pairs_.all[k]) && !interaction[k])
+			interaction[k] = interactionOf(scene, pairs_.all[k]);
+	std::vector<SceneHandles::Contact> contacts(interaction.size());
+	team.forEach(interaction.size(), [&](std::size_t k) {
+		if (const Interaction* later
+		        = interaction[std::min(k + prefetchAhead, interaction.size() - 1)]) {
+			prefetch<RcrGeom>(later->geom.get());
+			prefetch<CdPhys>(later->phys.get());
+		}
+		if (!interaction[k]) return;
+		const rcr::Pair& pair = pairs_.all[k];
+		contacts[k] = writeContact(*interaction[k], pair, pairs_.manifold[k], step,
+		        step.bodies[pair.body2].pose());
+		contacts[k].phys->force1 = Vector2r(pair.force[0].n, pair.force[0].t);
+		contacts[k].phys->force2 = Vector2r(pair.force[1].n, pair.force[1].t);
+	});
+	handles.sorted.swap(contacts);
+}
+
+} // namespace yade

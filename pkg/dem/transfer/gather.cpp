@@ -1,0 +1,313 @@
+#include "dem/transfer/gather.hpp"
+
+#include <numeric>
+
+#include <core/Clump.hpp>
+#include <core/InteractionLoop.hpp>
+#include <pkg/common/Collider.hpp>
+
+#include "dem/engine/CellStress.hpp"
+#include "dem/validation/validation.hpp"
+#include "dem/transfer/MeanField.hpp"
+#include "dem/transfer/colliderBox.hpp"
+#include "dem/shapes/planarShape.hpp"
+#include "dem/transfer/prefetch.hpp"
+
+namespace yade {
+
+namespace {
+
+	/// The periodic cell of the scene with the velocity gradient that NewtonIntegrator will apply
+	/// in this step.
+	rcr::PeriodicCell cellOf(const Scene& scene, const Matrix3r& gradient)
+	{
+		rcr::PeriodicCell cell;
+		if (!scene.isPeriodic) return cell;
+		cell.periodic    = true;
+		const Matrix3r& h = scene.cell->hSize;
+		for (int i = 0; i < 2; ++i)
+			for (int j = 0; j < 2; ++j)
+				cell.h[i][j] = double(h(i, j)), cell.gradient[i][j] = double(gradient(i, j));
+		const double determinant = cell.h[0][0] * cell.h[1][1] - cell.h[0][1] * cell.h[1][0];
+		cell.inverse[0][0]       = cell.h[1][1] / determinant,
+		cell.inverse[0][1]       = -cell.h[0][1] / determinant;
+		cell.inverse[1][0]       = -cell.h[1][0] / determinant,
+		cell.inverse[1][1]       = cell.h[0][0] / determinant;
+		return cell;
+	}
+
+	class Gatherer {
+	public:
+		Gatherer(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
+		        SceneHandles& handles, rcr::Step& step)
+		        : scene_(scene)
+		        , newton_(*engines.integrator)
+		        , team_(team)
+		        , handles_(handles)
+		        , step_(step)
+		        , field_(scene, engines)
+		{
+		}
+
+		void bodies();
+		void contacts();
+		void gatherBody(Body::id_t);
+
+	private:
+		void                 body(const Body&);
+		bool isUnlisted(const Body&, const rcr::Twist& velocity, const rcr::StepBody&) const;
+		void                 move(const Body&, const State&, rcr::StepBody&);
+		rcr::Twist           externalForce(const Body&) const;
+		SceneHandles::Contact contactOf(Interaction&) const;
+		void                 sort();
+		void                 points(std::size_t number);
+
+		Scene&                  scene_;
+		const NewtonIntegrator& newton_;
+		rcr::ThreadTeam&              team_;
+		SceneHandles&            handles_;
+		rcr::Step&              step_;
+		MeanField               field_;
+	};
+
+	void Gatherer::bodies()
+	{
+		const BodyContainer& bodies = *scene_.bodies;
+		const std::size_t    count  = bodies.size();
+		step_.dt                    = double(scene_.dt);
+		step_.cell                  = cellOf(scene_, field_.gradient);
+		if (field_.periodic) step_.restFlow = plane::flowOf(field_.rest);
+		step_.problem.inverseMass.resize(count);
+		step_.problem.freeVelocity.resize(count);
+		step_.bodies.resize(count);
+		handles_.state.resize(count);
+		handles_.bound.resize(count);
+		handles_.mask.resize(count);
+		handles_.isUnlisted.assign(count, false);
+		handles_.masksChanged = false;
+		handles_.z = validation::planeOf(scene_);
+		team_.forEach(count, [&](Body::id_t id) {
+			if (id + 2 * prefetchAhead < count) {
+				prefetch<Body>(bodies[id + 2 * prefetchAhead].get());
+				prefetchBody(bodies[id + prefetchAhead].get());
+			}
+			gatherBody(id);
+		});
+		step_.members.clear();
+		for (std::size_t id = 0; id < count; ++id) {
+			const Body* b = bodies[id].get();
+			const auto  before = handles_.mask[id];
+			handles_.mask[id]  = { b, b ? b->groupMask : 0 };
+			if (b && before.first == b && before.second != b->groupMask)
+				handles_.isUnlisted[id] = handles_.masksChanged = true;
+			const int owner = step_.bodies[id].owner;
+			if (owner == int(id)) continue;
+			step_.members.push_back(int(id));
+			const double reach = norm(step_.bodies[id].center - step_.bodies[owner].center)
+			        + step_.bodies[id].radius;
+			step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, reach);
+		}
+	}
+
+	void Gatherer::gatherBody(Body::id_t id)
+	{
+		step_.problem.inverseMass[id]  = {};
+		step_.problem.freeVelocity[id] = {};
+		step_.bodies[id]               = {};
+		step_.bodies[id].owner         = id;
+		handles_.state[id]                = nullptr;
+		handles_.bound[id]                = nullptr;
+		if (const Body* b = (*scene_.bodies)[id].get()) body(*b);
+	}
+
+	void Gatherer::body(const Body& b)
+	{
+		const Body::id_t id    = b.getId();
+		const State&     s     = *b.state;
+		rcr::StepBody&   body  = step_.bodies[id];
+		const bool       clump = b.isClump();
+		if (b.shape && !clump) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
+		if ((clump || body.shape.kind != rcr::PlanarShape::none)
+		        && body.shape.kind != rcr::PlanarShape::wall
+		        && body.shape.kind != rcr::PlanarShape::segment
+		        && !validation::isValid(b, body.shape, handles_.z))
+			validation::refuseBody(b, scene_, handles_.z);
+		handles_.state[id]    = b.state.get();
+		body.center        = plane::toPlane(s.pos);
+		body.turn          = plane::turnOf(body.shape, s);
+		body.velocity      = plane::twist(s);
+		body.radius        = body.shape.radius();
+		body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step_.dt);
+		if (b.isClumpMember()) {
+			body.owner          = b.clumpId;
+			const State& moving = *(*scene_.bodies)[b.clumpId]->state;
+			rcr::StepBody owner;
+			owner.center = plane::toPlane(moving.pos);
+			if (moving.blockedDOFs != State::DOF_ALL) body.expected = body.alertDistance;
+			handles_.isUnlisted[id]
+			        = isUnlisted(b, memberVelocity(body, owner, plane::twist(moving)), body);
+		} else {
+			body.free = s.blockedDOFs != State::DOF_ALL;
+			if (body.free) body.expected = body.alertDistance;
+			handles_.isUnlisted[id] = isUnlisted(b, body.velocity, body);
+			move(b, s, body);
+		}
+		handles_.bound[id] = b.bound.get();
+	}
+
+	/// The collider may miss contacts of a body that reaches out of its box with its alert
+	/// distance, for example after a script has set its velocity, and of a fast obstacle, whose box
+	/// has no alert distance. In a cell, boxes move with the cell.
+	bool Gatherer::isUnlisted(
+	        const Body& b, const rcr::Twist& velocity, const rcr::StepBody& body) const
+	{
+		if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
+		if (!scene_.isPeriodic)
+			return body.shape.grain()
+			        ? grainLeavesBox(body, b.state->pos, velocity, step_.dt, *b.bound)
+			        : obstacleLeavesBox(body, *b.bound);
+		if (!body.shape.grain()) return body.alertDistance > double(b.bound->sweepLength);
+		const rcr::Vec2 flow = step_.cell.drift(body.center);
+		return step_.dt
+		        * rcr::speed({ velocity.x - flow.x, velocity.y - flow.y, velocity.rotation },
+		                body.radius)
+		        > double(b.bound->sweepLength);
+	}
+
+	/// Sets the inverse mass, and the velocity that NewtonIntegrator would compute without
+	/// contacts.
+	void Gatherer::move(const Body& b, const State& s, rcr::StepBody& body)
+	{
+		// the integrator does not move it
+		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) return;
+		const rcr::Inertia inertia = plane::inertiaOf(s);
+		if (step_.overdamped)
+			body.velocity = restVelocity(body.velocity, inertia, step_.restFlow.at(body.center));
+		const double dt = step_.dt;
+		rcr::Twist&  v  = step_.problem.freeVelocity[b.getId()];
+		v = rcr::accelerated(body.velocity, inertia, externalForce(b),
+		        plane::toPlane(newton_.gravity), dt);
+		step_.problem.inverseMass[b.getId()] = { inertia.x ? 1 / inertia.mass : 0,
+			inertia.y ? 1 / inertia.mass : 0, inertia.rotation ? 1 / inertia.moment : 0 };
+		if (!field_.periodic) return;
+		const rcr::Twist more = field_.added(s, dt);
+		v                     = { v.x + more.x, v.y + more.y, v.rotation + more.rotation };
+	}
+
+	/// Force and torque on a body; those on the members of a clump included.
+	rcr::Twist Gatherer::externalForce(const Body& b) const
+	{
+		Vector3r force  = scene_.forces.getForce(b.getId()),
+		         torque = scene_.forces.getTorque(b.getId());
+		if (b.isClump())
+			static_cast<Clump&>(*b.shape).addForceTorqueFromMembers(
+			        b.state.get(), &scene_, force, torque);
+		if (!math::isfinite(force.sum() + torque[2])) validation::refuseBody(b, scene_, handles_.z);
+		return { double(force[0]), double(force[1]), double(torque[2]) };
+	}
+
+	SceneHandles::Contact Gatherer::contactOf(Interaction& i) const
+	{
+		if (!i.functorCache.geomExists) validation::checkServed(i, scene_);
+		if (!i.isReal()) return {};
+		CdPhys*  phys = dynamic_cast<CdPhys*>(i.phys.get());
+		RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic()
+		        ? static_cast<RcrGeom*>(i.geom.get())
+		        : nullptr;
+		if (!phys && !geom) return {};
+		if (!phys || !geom)
+			validation::refuse("the contact of bodies #" + std::to_string(i.getId1()) + " and #"
+			        + std::to_string(i.getId2()) + " has the geometry " + i.geom->getClassName()
+			        + " and the physics " + i.phys->getClassName()
+			        + "; expected RcrGeom and CdPhys: use only Ig2_…_RcrGeom and "
+			          "Ip2_FrictMat_FrictMat_CdPhys, and call "
+			          "O.interactions.clear() after a change of functors.");
+		return { geom, phys, &i, i.getId1(), i.getId2(), geom->points };
+	}
+
+	/// Sorts contacts by ids, since YADE's container changes its order when a scene is reloaded.
+	/// Counting sort by the first id, then the contacts of one body by the second.
+	void Gatherer::sort()
+	{
+		std::vector<int>& first = step_.firstOf;
+		first.assign(step_.bodies.size() + 1, 0);
+		for (const SceneHandles::Contact& contact : handles_.found)
+			if (contact.points > 0) ++first[contact.id1 + 1];
+		std::partial_sum(first.begin(), first.end(), first.begin());
+		handles_.sorted.resize(first.back());
+		std::vector<int> next = first;
+		for (const SceneHandles::Contact& contact : handles_.found)
+			if (contact.points > 0) handles_.sorted[next[contact.id1]++] = contact;
+		team_.forEach(step_.bodies.size(), [&](Body::id_t id) {
+			const auto begin = handles_.sorted.begin();
+			std::sort(begin + first[id], begin + first[id + 1],
+			        [](const auto& a, const auto& b) { return a.id2 < b.id2; });
+		});
+	}
+
+	void Gatherer::contacts()
+	{
+		InteractionContainer& interactions = *scene_.interactions;
+		handles_.found.resize(interactions.size());
+		team_.forEach(handles_.found.size(), [&](int k) {
+			prefetchContact(interactions, handles_.found.size(), k);
+			handles_.found[k] = contactOf(*interactions[k]);
+		});
+		sort();
+		step_.contacts.resize(handles_.sorted.size());
+		int points = 0;
+		for (std::size_t k = 0; k < handles_.sorted.size(); ++k) {
+			const SceneHandles::Contact& source = handles_.sorted[k];
+			step_.contacts[k]
+			        = { source.id1, source.id2, points, source.points, int(k), 0, 0, {}, {} };
+			points += source.points;
+		}
+		step_.begin(points);
+		team_.forEach(step_.contacts.size(), [&](std::size_t k) {
+			const SceneHandles::Contact& later
+			        = handles_.sorted[std::min(k + prefetchAhead, handles_.sorted.size() - 1)];
+			prefetch<RcrGeom>(later.geom);
+			prefetch<CdPhys>(later.phys);
+			this->points(k);
+		});
+	}
+
+	void Gatherer::points(std::size_t number)
+	{
+		rcr::StepContact&           contact = step_.contacts[number];
+		const SceneHandles::Contact& source  = handles_.sorted[number];
+		const CdPhys&               phys    = *source.phys;
+		validation::checkPhys(phys, contact.body1, contact.body2);
+		contact.restitution = double(phys.restitution);
+		contact.size        = double(source.geom->refR1 + source.geom->refR2);
+		if (scene_.isPeriodic) {
+			contact.shift = plane::toPlane(scene_.cell->intrShiftPos(source.interaction->cellDist));
+			contact.drift = step_.cell.drift(contact.shift);
+		}
+		const rcr::Impulse force[2] = { { double(phys.force1[0]), double(phys.force1[1]) },
+			{ double(phys.force2[0]), double(phys.force2[1]) } };
+		step_.setPoints(
+		        contact, source.geom->manifold(), double(phys.tangensOfFrictionAngle), force);
+	}
+
+} // namespace
+
+void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
+        SceneHandles& handles, rcr::Step& step)
+{
+	Gatherer gatherer(scene, engines, team, handles, step);
+	gatherer.bodies();
+	step.problem.inverseStretchMass = step.problem.stretch = {};
+	if (engines.cellStress) engines.cellStress->gatherCell(step);
+	gatherer.contacts();
+}
+
+void regatherBodies(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
+        const std::vector<Body::id_t>& ids, SceneHandles& handles, rcr::Step& step)
+{
+	Gatherer gatherer(scene, engines, team, handles, step);
+	for (Body::id_t id : ids)
+		gatherer.gatherBody(id);
+}
+
+} // namespace yade

@@ -1,0 +1,240 @@
+#include "dem/transfer/scatter.hpp"
+
+#include <atomic>
+
+#include <core/InteractionContainer.hpp>
+
+#include "kernel/detection/missed_contacts.hpp"
+#include "dem/transfer/colliderBox.hpp"
+#include "dem/shapes/plane.hpp"
+#include "dem/transfer/prefetch.hpp"
+
+namespace yade {
+
+namespace {
+
+	void writeForces(const rcr::Step& step, const rcr::StepContact& contact, CdPhys& phys)
+	{
+		rcr::Vec2 normal, shear;
+		if (contact.count == 1) phys.force2 = Vector2r::Zero();
+		for (int k = 0; k < contact.count; ++k) {
+			const rcr::ContactPoint& c     = step.problem.points[contact.first + k];
+			const rcr::Impulse&      force = step.force[contact.first + k];
+			(k == 0 ? phys.force1 : phys.force2) = Vector2r(force.n, force.t);
+			phys.bias[k]                         = c.bias;
+			normal                               = normal + force.n * c.normal;
+			shear                                = shear + force.t * perp(c.normal);
+		}
+		phys.normalForce = plane::toSpace(normal);
+		phys.shearForce  = plane::toSpace(shear);
+	}
+
+	/// Writes a missed contact as InteractionLoop would have made it.
+	SceneHandles::Contact writeMissedContact(
+	        Scene& scene, const rcr::Step& step, const rcr::UpdatedContact& grown)
+	{
+		shared_ptr<Interaction> i = scene.interactions->find(grown.body1, grown.body2);
+		if (!i) {
+			i = boost::make_shared<Interaction>(grown.body1, grown.body2);
+			if (scene.isPeriodic)
+				i->cellDist = (scene.cell->hSize.inverse() * plane::toSpace(grown.shift))
+				                      .array()
+				                      .round()
+				                      .matrix()
+				                      .cast<int>();
+			scene.interactions->insert(i);
+		}
+		if (!i->geom && i->getId1() != grown.body1) i->swapOrder();
+		rcr::Pair pair;
+		pair.body1 = grown.body1, pair.body2 = grown.body2;
+		if (!i->phys) {
+			pair.friction = grown.friction, pair.restitution = grown.restitution;
+			pair.since    = scene.iter;
+		}
+		rcr::Pose at2 = step.bodies[grown.body2].pose();
+		at2.center    = at2.center + grown.shift;
+		return writeContact(*i, pair, grown.manifold, step, at2);
+	}
+
+	void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
+	{
+		for (const rcr::UpdatedContact& grown : step.added) {
+			step.contacts[step.find(grown.body1, grown.body2) - step.contacts.data()].source
+			        = int(handles.sorted.size());
+			handles.sorted.push_back(writeMissedContact(scene, step, grown));
+		}
+	}
+
+	/// Applies strain and velocity gradient to the cell.
+	void stretch(Cell& cell, const rcr::PeriodicCell& now, rcr::Vec2 strain)
+	{
+		Matrix3r displaced = Matrix3r::Identity();
+		displaced(0, 0) += strain.x, displaced(1, 1) += strain.y;
+		cell.hSize = displaced * cell.hSize;
+		cell.trsf  = displaced * cell.trsf;
+		cell.integrateAndUpdate(0); // what it keeps of both
+		Matrix3r gradient = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero()
+		        ? cell.nextVelGrad
+		        : cell.velGrad;
+		for (int axis = 0; axis < 2; ++axis)
+			gradient(axis, axis) = now.gradient[axis][axis];
+		cell.setVelGrad(gradient);
+	}
+
+	/// A rotating obstacle reaches out of its box. YADE checks displacements only.
+	bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner, const rcr::Twist& v,
+	        double dt, const Bound& bound)
+	{
+		if (v.rotation == 0 || b.shape.kind < rcr::PlanarShape::box) return false;
+		rcr::Pose at = rcr::moved(b, owner, v, dt);
+		if (b.shape.kind == rcr::PlanarShape::segment) at = rcr::segmentPose(b.shape, at);
+		const rcr::Vec2 half = rcr::halfExtent(b.shape, at.axis);
+		return at.center.x + half.x > bound.max[0] || at.center.x - half.x < bound.min[0]
+		        || at.center.y + half.y > bound.max[1] || at.center.y - half.y < bound.min[1];
+	}
+
+	/// Largest displacement of an image relative to its body in a step [m].
+	double largestImageDisplacement(const rcr::Step& step)
+	{
+		const rcr::PeriodicCell& cell = step.cell;
+		if (!cell.periodic) return 0;
+		double farthest = 0;
+		for (int k = 0; k < 2; ++k)
+			farthest = std::max(farthest, norm(cell.drift({ cell.h[0][k], cell.h[1][k] })));
+		return step.dt * farthest;
+	}
+
+	// Requests a run of the collider if a body reaches out of its box with its present alert
+	// distance, or an obstacle by rotation. YADE itself checks displacements only.
+	void requestCollider(
+	        Scene& scene, rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
+	{
+		const Real widest = scene.isPeriodic
+		        ? 0.45 * scene.cell->getSize().minCoeff()
+		        : std::numeric_limits<Real>::infinity(); // YADE ends with 0.5
+		// boxes do not follow images whose bodies stay
+		const double imageStep = largestImageDisplacement(step);
+		std::atomic<bool> out { false };
+		team.forEach(step.bodies.size(), [&](Body::id_t id) {
+			const Bound* bound = handles.bound[id];
+			prefetch<Bound>(handles.bound[std::min(id + prefetchAhead, step.bodies.size() - 1)]);
+			if (!bound) return;
+			const rcr::StepBody& b = step.bodies[id];
+			const rcr::Twist&    v = step.problem.velocity[id];
+			const bool           late = imageStep > 0
+			        && double(scene.iter - bound->lastUpdateIter + 2) * imageStep
+			                > double(bound->sweepLength);
+			const bool leaves = late || bound->max[0] - bound->min[0] > widest ? true
+			        : b.shape.grain()
+			        ? grainLeavesBox(b, handles.state[id]->pos + step.dt * Vector3r(v.x, v.y, 0), v,
+			                step.dt, *bound)
+			        : rotatesOutOfBox(b, step.bodies[b.owner], step.problem.velocity[b.owner],
+			                step.dt, *bound);
+			if (leaves) out.store(true, std::memory_order_relaxed);
+		});
+		if (out) scene.doSort = true;
+	}
+
+} // namespace
+
+void resetVelocity(State& s, const rcr::Twist& rest)
+{
+	const Vector3r velocity(rest.x, rest.y, 0), spin(0, 0, rest.rotation);
+	for (int axis = 0; axis < 3; ++axis) {
+		if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] = velocity[axis];
+		if (!(s.blockedDOFs & State::axisDOF(axis, true))) s.angVel[axis] = spin[axis];
+	}
+}
+
+void applyCorrection(State& s, const rcr::Twist& by)
+{
+	s.pos += Vector3r(by.x, by.y, 0);
+	if (by.rotation != 0)
+		s.ori = (Quaternionr(AngleAxisr(by.rotation, Vector3r::UnitZ())) * s.ori).normalized();
+}
+
+std::vector<rcr::Twist> contactImpulses(const rcr::Step& step)
+{
+	std::vector<rcr::Twist> impulses(step.bodies.size());
+	const rcr::InverseMass  unit = { 1, 1, 1 };
+	// one order for any number of threads
+	for (std::size_t k = 0; k < step.problem.points.size(); ++k) {
+		const rcr::ContactPoint& c = step.problem.points[k];
+		applyImpulse(c, step.problem.impulse[k], unit, unit, impulses[c.body1], impulses[c.body2]);
+	}
+	return impulses;
+}
+
+SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
+        const rcr::Manifold& manifold, const rcr::Step& step, const rcr::Pose& at2)
+{
+	if (!i.geom) i.geom = boost::make_shared<RcrGeom>();
+	if (pair.since >= 0) {
+		auto phys                    = boost::make_shared<CdPhys>();
+		phys->tangensOfFrictionAngle = pair.friction;
+		phys->restitution            = pair.restitution;
+		i.phys                       = phys;
+		i.iterMadeReal               = pair.since;
+	}
+	RcrGeom&             geom = static_cast<RcrGeom&>(*i.geom);
+	CdPhys&              phys = static_cast<CdPhys&>(*i.phys);
+	const rcr::StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
+	geom.set(manifold, one.shape, one.pose(), two.shape, at2);
+	phys.points = geom.points;
+	phys.along  = geom.along;
+	return { &geom, &phys, &i, pair.body1, pair.body2, geom.points };
+}
+
+void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>& impulses,
+        SceneHandles& handles, rcr::Step& step)
+{
+	addContacts(scene, handles, step);
+	team.forEach(step.contacts.size(), [&](std::size_t k) {
+		const auto physOf = [&](std::size_t number) {
+			return handles.sorted[step.contacts[number].source].phys;
+		};
+		prefetch<CdPhys>(physOf(std::min(k + prefetchAhead, step.contacts.size() - 1)));
+		writeForces(step, step.contacts[k], *physOf(k));
+	});
+	const double inverseDt = 1 / step.dt;
+	team.forEach(step.bodies.size(), [&](Body::id_t id) {
+		const rcr::StepBody& body = step.bodies[id];
+		State* s = handles.state[std::min(id + prefetchAhead, step.bodies.size() - 1)];
+		if (!step.displacement.empty()) prefetch<State>(s);
+		const rcr::Twist& p = impulses[id];
+		if (p.x != 0 || p.y != 0 || p.rotation != 0) {
+			scene.forces.addForceUnsynced(id, inverseDt * Vector3r(p.x, p.y, 0));
+			scene.forces.addTorqueUnsynced(id, inverseDt * Vector3r(0, 0, p.rotation));
+		}
+		if (!handles.state[id] || body.owner != id) return;
+		if (step.overdamped) resetVelocity(*handles.state[id], body.velocity);
+		if (!step.displacement.empty() && body.free)
+			applyCorrection(*handles.state[id], step.displacement[id]);
+	});
+	if (step.cell.stretches()) stretch(*scene.cell, step.cell, step.strain);
+	requestCollider(scene, team, handles, step);
+}
+
+void sortInteractions(Scene& scene, const SceneHandles& handles)
+{
+	constexpr double most = 0.1; // fraction of contacts that may be out of order
+	std::size_t      back = 0, contacts = 0;
+	Body::id_t       last = 0;
+	for (const SceneHandles::Contact& contact : handles.found) {
+		if (contact.points == 0) continue;
+		const Body::id_t id = std::min(contact.id1, contact.id2);
+		back += id < last;
+		last = id;
+		++contacts;
+	}
+	if (double(back) <= most * double(contacts)) return;
+	InteractionContainer&             all = *scene.interactions;
+	const std::lock_guard<std::mutex> lock(all.drawloopmutex);
+	const auto ids = [](const Interaction& i) { return std::minmax({ i.getId1(), i.getId2() }); };
+	std::sort(all.begin(), all.begin() + all.size(),
+	        [&](const auto& a, const auto& b) { return ids(*a) < ids(*b); });
+	for (std::size_t k = 0; k < all.size(); ++k)
+		all[k]->linIx = k;
+}
+
+} // namespace yade

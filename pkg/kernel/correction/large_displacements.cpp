@@ -1,0 +1,145 @@
+#include "correction/large_displacements.hpp"
+
+#include <algorithm>
+
+namespace rcr {
+
+namespace {
+
+	constexpr double infinity  = std::numeric_limits<double>::infinity();
+	constexpr int    samples        = 4;    // times within the step at which gaps are measured
+	constexpr int    bounceSamples  = 8;    // the same to decide about a bounce
+	// gap over the slop that must stay open to release a contact
+	constexpr double clearance      = 0.02;
+	constexpr double loadedClearance = 0.5; // the same for a contact that bore a force
+	// fraction of the path that a kept contact may leave open
+	constexpr double earlyArrival   = 0.01;
+
+	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
+
+	/// Gap of the point that was number k of `count`, or the smallest gap if their number changed;
+	/// inf: out of reach; −inf: the point is on the far side of the body.
+	double gapOf(const Manifold& now, int k, int count, Vec2 normal)
+	{
+		if (now.count == 0) return infinity;
+		const int at = now.count == count                                 ? k
+		        : now.count == 2 && now.points[1].gap < now.points[0].gap ? 1
+		                                                                  : 0;
+		return dot(now.points[at].normal, normal) > 0 ? now.points[at].gap : -infinity;
+	}
+
+} // namespace
+
+Manifold solvedPointsAfter(const Step& step, const StepContact& c, double time)
+{
+	return pointsAfter(step, c, time, [&](int id) { return step.problem.velocity[id]; });
+}
+
+bool passedThrough(const Step& step, const StepContact& contact, const Manifold& now, double time)
+{
+	constexpr int halvings = 10;
+	const Vec2 normalBefore = step.problem.points[contact.first].normal;
+	if (now.count == 0 || dot(now.points[0].normal, normalBefore) > 0) return false;
+	Vec2   normalAfter = now.points[0].normal;
+	double before = 0, after = time;
+	for (int k = 0; k < halvings; ++k) {
+		const double   middle = 0.5 * (before + after);
+		const Manifold at     = solvedPointsAfter(step, contact, middle);
+		if (at.count == 0) return false;
+		const Vec2 normal = at.points[0].normal;
+		if (dot(normal, normalBefore) < 0) after = middle, normalAfter = normal;
+		else if (dot(normal, normalAfter) < 0)
+			before = middle;
+		else
+			return false;
+	}
+	return true;
+}
+
+bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelease)
+{
+	const double dt = step.dt, slop = contact.slop();
+	Manifold     at[samples];
+	for (int sample = 0; sample < samples; ++sample)
+		at[sample] = solvedPointsAfter(step, contact, dt * (sample + 1) / samples);
+	int last = samples; // the last sample at which the body is on this side
+	while (last > 0 && passedThrough(step, contact, at[last - 1], dt * last / samples))
+		--last;
+	if (last == 0) return false; // no sample is on this side, so the gaps are unknown
+	bool changed = false;
+	for (int k = 0; k < contact.count; ++k) {
+		const int     number = contact.first + k;
+		ContactPoint& c      = step.problem.points[number];
+		const double  gap    = step.gap[number].now;
+		const double  path   = dt
+		        * relativeVelocity(
+		                c, step.problem.velocity[c.body1], step.problem.velocity[c.body2])
+		                  .n;
+		double        least  = infinity;
+		for (const Manifold& now : at)
+			least = std::min(least, gapOf(now, k, contact.count, c.normal));
+		const double share = double(last) / samples,
+		             end   = gapOf(at[last - 1], k, contact.count, c.normal);
+		// the contact has moved round the body; `separate` removes its overlap
+		if (end == -infinity) continue;
+		const bool sinks
+		        = (end < std::min(0.0, gap) - slop || last < samples) && std::isfinite(end);
+		const double open     = contact.restitution > 0
+		            ? clearance * slop
+		            : std::max((step.gap[number].carried ? loadedClearance : clearance) * slop,
+		                    -earlyArrival * path);
+		const bool   released = allowRelease && step.problem.impulse[number].n > 0 && least > open
+		        && std::isfinite(least);
+		// a bounce at the beginning of the step
+		if (contact.restitution > 0 && c.bias < 0) continue;
+		if (!sinks && !released) continue;
+		const double before
+		        = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity)
+		                  .n;
+		// a bounce within the step
+		if (sinks && contact.restitution > 0 && before < 0 && c.bias > 0) {
+			c.bias  = contact.restitution * before;
+			changed = true;
+			continue;
+		}
+		const double curve = sinks
+		        ? (end - gap - share * path) / (share * share)
+		        : 2 * least - gap - path; // 2: also releases one of two loaded contacts
+		// at most an elastic bounce
+		const double bias   = std::max((std::max(gap, 0.0) + curve) / dt, std::min(0.0, before));
+		if (dt * std::abs(bias - c.bias) < clearance * slop) continue;
+		c.bias  = bias;
+		changed = true;
+	}
+	return changed;
+}
+
+bool cancelBounces(Step& step, const StepContact& contact)
+{
+	const auto bounces = [&](int k) { return step.problem.points[contact.first + k].bias < 0; };
+	if (!(bounces(0) || (contact.count == 2 && bounces(1)))) return false;
+	if (!displacesFar(step, contact, initial(step, contact.body1), initial(step, contact.body2)))
+		return false;
+	double least[2] = { infinity, infinity };
+	for (int sample = 1; sample <= bounceSamples; ++sample) {
+		const Manifold now = pointsAfter(step, contact, step.dt * sample / bounceSamples,
+		        [&](int id) { return initial(step, id); });
+		for (int k = 0; k < contact.count; ++k)
+			least[k] = std::min(least[k],
+			        gapOf(now, k, contact.count, step.problem.points[contact.first + k].normal));
+	}
+	bool changed = false;
+	for (int k = 0; k < contact.count; ++k) {
+		ContactPoint& c   = step.problem.points[contact.first + k];
+		const double  gap = step.gap[contact.first + k].now;
+		if (!bounces(k) || least[k] < std::min(0.0, gap) - clearance * contact.slop()) continue;
+		const double closing
+		        = -relativeVelocity(c, initial(step, c.body1), initial(step, c.body2)).n;
+		// the bodies keep their velocities
+		c.bias               = std::max(gap, 0.0) / step.dt + closing;
+		changed              = true;
+	}
+	return changed;
+}
+
+} // namespace rcr

@@ -1,0 +1,83 @@
+// Contacts whose bodies pass each other or rotate far within one step.
+//
+// The law describes a contact by its tangent plane at the beginning of the step: g + dt u_n ≥ 0.
+// The gap at the end differs from this by the curvature of the path, about s²/2ρ for a relative
+// displacement s. A disc that passes a corner would be deflected by a plane that it never meets,
+// and a spinning rod would end inside a body. After each solve, the gap of a large displacement is
+// therefore measured at four times of the step. If it ends below min(0, g) by more than the slop,
+// its difference c from the plane enters the bias, and the step is solved again:
+//
+//   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
+//
+// The bias is at least min(0, u_n⁻), so the contact pushes no harder than an elastic bounce (u_n⁻:
+// normal velocity before the step). separation.hpp removes the overlap that is left.
+//
+// A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
+// with the smallest measured gap g_min. The gap must exceed 2 % of the slop. Without restitution it
+// must also exceed 1 % of its closing path, and half the slop if the contact bore a force when the
+// step began.
+//
+// A bounce is cancelled if the bodies do not meet on their paths at the initial velocities.
+//
+// Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
+#pragma once
+
+#include "detection/missed_contacts.hpp"
+#include "step/step.hpp"
+
+namespace rcr {
+
+/// Relative displacement s per step over √((R₁ + R₂) ρ) [-] at which the deviation s²/2ρ from the
+/// tangent plane is half the slop; ρ = R₁' + R₂' is the sum of the cap radii.
+constexpr double largeDisplacement = 0.01;
+
+/// The contact has a large displacement at these velocities of its bodies.
+inline bool displacesFar(const Step& step, const StepContact& c, const Twist& v1, const Twist& v2)
+{
+	const StepBody &  one = step.bodies[c.body1], &two = step.bodies[c.body2];
+	const double      translation = norm(Vec2 { v2.x + c.drift.x - v1.x, v2.y + c.drift.y - v1.y });
+	const auto   cap  = [](const StepBody& b) { return b.shape.grain() ? b.shape.halfWidth : 0; };
+	const double path = step.dt
+	        * (translation + std::abs(v1.rotation) * one.radius
+	                + std::abs(v2.rotation) * two.radius);
+	return path * path > largeDisplacement * largeDisplacement * c.size * (cap(one) + cap(two));
+}
+
+/// The contact has a large displacement at the solved velocities.
+inline bool displacesFar(const Step& step, const StepContact& c)
+{
+	return displacesFar(step, c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
+}
+
+/// Contact points of the bodies after `time`, detected with the reach of the step.
+/// velocityOf(id): velocity of a body.
+template <class VelocityOf>
+Manifold pointsAfter(const Step& step, const StepContact& c, double time, VelocityOf velocityOf)
+{
+	const auto at = [&](int id) {
+		const StepBody& body = step.bodies[id];
+		return moved(body, step.bodies[body.owner], velocityOf(body.owner), time);
+	};
+	Pose at2   = at(c.body2);
+	at2.center = at2.center + c.shift + time * c.drift;
+	return contactPoints(step.bodies[c.body1].shape, at(c.body1), step.bodies[c.body2].shape, at2,
+	        reachOf(step, c.body1) + reachOf(step, c.body2));
+}
+
+/// Contact points after `time` at the solved velocities.
+Manifold solvedPointsAfter(const Step&, const StepContact&, double time);
+
+/// A body has passed through the other one up to `time`, when its contact points are `now`.
+/// Otherwise it is on its original side, or has moved around the other body. Bisection in time: the
+/// normal turns gradually around a body and flips across it.
+bool passedThrough(const Step&, const StepContact&, const Manifold& now, double time);
+
+/// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias
+/// changed. `allowRelease`: contacts whose gap stays open along the path may be released.
+bool adaptToDisplacement(Step&, const StepContact&, bool allowRelease);
+
+/// Cancels bounces of a contact whose bodies do not meet at the initial velocities. Returns true if
+/// a bias changed.
+bool cancelBounces(Step&, const StepContact&);
+
+} // namespace rcr

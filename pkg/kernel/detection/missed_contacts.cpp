@@ -1,0 +1,325 @@
+#include "detection/missed_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "step/carry_forward.hpp"
+
+namespace rcr {
+
+namespace {
+
+	// widened reach over the path; a further solve may lengthen the path
+	constexpr double      reachFactor = 1.5;
+	// up to this number of widened bodies, a linear search beats sorting
+	constexpr std::size_t fewBodies   = 16;
+
+	/// Candidates for contacts of widened bodies. Grains are sorted by x if many bodies are widened
+	/// and the scene is open.
+	class Candidates {
+	public:
+		explicit Candidates(const Step& step)
+		        : step_(step)
+		        , fast_(step.bodies.size())
+		        , sorted_(step.widened.size() > fewBodies && !step.cell.periodic)
+		{
+			for (int id : step.widened)
+				fast_[id] = true;
+			for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+				const StepBody& b = step.bodies[id];
+				if (b.shape.kind == PlanarShape::none) continue;
+				if (!b.shape.grain()) obstacles_.push_back(int(id));
+				else {
+					grains_.emplace_back(b.center.x, int(id));
+					if (!fast_[id]) largestSlow_ = std::max(largestSlow_, extent(int(id)));
+				}
+			}
+			if (sorted_) std::sort(grains_.begin(), grains_.end());
+		}
+
+		/// Calls visit(other) for all bodies that a widened body may meet. Of two widened grains,
+		/// the larger one finds the other.
+		template <class Visit> void forEach(int id, Visit visit) const
+		{
+			const StepBody& b = step_.bodies[id];
+			auto            from = grains_.begin(), to = grains_.end();
+			if (!b.shape.grain()) {
+				std::for_each(from, to, [&](const auto& grain) { visit(grain.second); });
+				return;
+			}
+			std::for_each(obstacles_.begin(), obstacles_.end(), visit);
+			const double own  = extent(id);
+			const double half = step_.cell.periodic ? std::numeric_limits<double>::infinity()
+			                                        : own + std::max(own, largestSlow_);
+			if (sorted_) {
+				const auto left = [](const auto& grain, double x) { return grain.first < x; };
+				from            = std::lower_bound(from, to, b.center.x - half, left);
+				to              = std::lower_bound(from, to, b.center.x + half, left);
+			}
+			for (; from != to; ++from) {
+				if (std::abs(from->first - b.center.x) > half) continue;
+				const int    other = from->second;
+				const double its   = extent(other);
+				if (fast_[other] && (its > own || (its == own && other <= id))) continue;
+				const Vec2 between   = step_.bodies[other].center - b.center,
+				           apart     = between + step_.cell.nearestShift(between);
+				const double most    = own + its;
+				if (dot(apart, apart) <= most * most) visit(other);
+			}
+		}
+
+	private:
+		/// Radius of the circle in which contacts of a grain are detected.
+		double extent(int id) const { return step_.bodies[id].radius + reachOf(step_, id); }
+
+		const Step&       step_;
+		std::vector<bool> fast_;
+		const bool        sorted_;
+		std::vector<int>  obstacles_;
+		double            largestSlow_ = 0;
+		std::vector<std::pair<double, int>> grains_; // x and number
+	};
+
+	/// Widens the reach of bodies whose path exceeds it.
+	void widenReach(Step& step)
+	{
+		step.widened.clear();
+		for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+			const StepBody& b = step.bodies[id];
+			if (b.shape.kind == PlanarShape::none) continue;
+			const double path = step.dt * speed(step.problem.velocity[id], b.radius);
+			if (!(path > b.expected) || path <= step.reach[id]) continue;
+			step.reach[id] = std::max(b.alertDistance, step.reach[id]) + reachFactor * path;
+			step.widened.push_back(int(id));
+		}
+	}
+
+	/// A point of the contact closes beyond the slop at the solved velocities.
+	bool closes(const Step& step, const UpdatedContact& pair)
+	{
+		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
+		for (int k = 0; k < pair.manifold.count; ++k) {
+			ContactPoint c;
+			c.normal         = pair.manifold.points[k].normal;
+			c.arm1           = pair.manifold.points[k].position - one.center;
+			c.arm2           = pair.manifold.points[k].position - (two.center + pair.shift);
+			c.drift          = step.cell.drift(pair.shift);
+			const double gap = pair.manifold.points[k].gap,
+			             u   = relativeVelocity(c, step.problem.velocity[pair.body1],
+			                       step.problem.velocity[pair.body2])
+			                         .n;
+			if (gap + step.dt * u < -contactSlop * contactSize(one.shape, two.shape)) return true;
+		}
+		return false;
+	}
+
+	/// Sorts by bodies and keeps the last entry of each pair.
+	void keepLastOfEach(std::vector<UpdatedContact>& updated)
+	{
+		const auto before = [](const UpdatedContact& a, const UpdatedContact& b) {
+			return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2;
+		};
+		const auto same = [&](const UpdatedContact& a, const UpdatedContact& b) {
+			return !before(a, b) && !before(b, a);
+		};
+		std::stable_sort(updated.begin(), updated.end(), before);
+		updated.erase(updated.begin(), std::unique(updated.rbegin(), updated.rend(), same).base());
+	}
+
+	/// The contact has as many points as the manifold; `exact`: and the same gaps.
+	bool isKnown(const Step& step, const StepContact* contact, const Manifold& now, bool exact)
+	{
+		if (now.count != (contact ? contact->count : 0)) return false;
+		for (int k = 0; exact && k < now.count; ++k)
+			if (step.gap[contact->first + k].now != now.points[k].gap) return false;
+		return true;
+	}
+
+	/// Detects a pair with its present reach and collects it if it is not known so (isKnown).
+	/// Returns true if so.
+	bool checkPair(Step& step, int id, int other, const MayMeet& mayMeet, bool exact = false)
+	{
+		if (step.bodies[id].owner == step.bodies[other].owner) return false;
+		const auto   kind    = [&](int body) { return step.bodies[body].shape.kind; };
+		const bool   ordered = kind(id) != kind(other) ? kind(id) < kind(other) : id < other;
+		UpdatedContact pair;
+		pair.body1 = ordered ? id : other;
+		pair.body2 = ordered ? other : id;
+		if (!canTouch(kind(pair.body1), kind(pair.body2))) return false;
+		const StepBody &   one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
+		const StepContact* contact = step.find(pair.body1, pair.body2);
+		Pose               at2     = two.pose();
+		pair.shift = contact ? contact->shift : step.cell.nearestShift(two.center - one.center);
+		pair.known                 = contact;
+		at2.center                 = at2.center + pair.shift;
+		const double reach         = reachOf(step, pair.body1) + reachOf(step, pair.body2);
+		pair.manifold              = contactPoints(one.shape, one.pose(), two.shape, at2, reach);
+		if (isKnown(step, contact, pair.manifold, exact)) return false;
+		if (exact && pair.manifold.count == 0) return false; // keeps a contact beyond a smaller reach
+		if (!contact && !mayMeet(pair.body1, pair.body2)) return false;
+		step.updated.push_back(pair);
+		return true;
+	}
+
+} // namespace
+
+bool mayMeetTwice(const Step& step)
+{
+	if (!step.cell.periodic) return false;
+	double widest = 0, second = 0;
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		const StepBody& b = step.bodies[id];
+		if (b.shape.kind == PlanarShape::none) continue;
+		const double extent = b.radius + step.dt * speed(step.problem.velocity[b.owner], b.radius);
+		second              = std::max(second, std::min(widest, extent));
+		widest              = std::max(widest, extent);
+	}
+	return widest + second > 0.5 * step.cell.smallestHeight();
+}
+
+double reachOf(const Step& step, std::size_t id)
+{
+	return std::max(step.bodies[id].alertDistance, id < step.reach.size() ? step.reach[id] : 0);
+}
+
+bool findUnlistedContacts(
+        Step& step, const std::vector<std::int32_t>& bodies, const MayMeet& mayMeet)
+{
+	step.widened = bodies;
+	const Candidates candidates(step);
+	for (int id : bodies)
+		candidates.forEach(id, [&](int other) { checkPair(step, id, other, mayMeet, true); });
+	keepLastOfEach(step.updated);
+	step.widened.clear(); // no contact restarts, since none was solved yet
+	return !step.updated.empty();
+}
+
+bool findMissedContacts(Step& step, const MayMeet& mayMeet)
+{
+	step.reach.resize(step.bodies.size());
+	widenReach(step);
+	if (step.widened.empty()) return false;
+	const Candidates candidates(step);
+	bool             missed = false;
+	for (int id : step.widened)
+		candidates.forEach(id, [&](int other) {
+			missed |= checkPair(step, id, other, mayMeet) && closes(step, step.updated.back());
+		});
+	keepLastOfEach(step.updated);
+	return missed;
+}
+
+namespace {
+
+	/// Position of a point along the body by whose axis the points of the pair are sorted [m].
+	double along(const Step& step, const StepContact& c, Vec2 position)
+	{
+		const StepBody &one = step.bodies[c.body1], &two = step.bodies[c.body2];
+		Pose            at2 = two.pose();
+		at2.center          = at2.center + c.shift;
+		const Pose at1      = one.pose(), &by = orderingPose(one.shape, at1, at2);
+		return dot(position - by.center, by.axis);
+	}
+
+	/// Sets the start forces of the points that a contact has now from those that it had.
+	void transferForces(
+	        const Step& step, const StepContact& old, const Manifold& now, Impulse* force)
+	{
+		Impulse both[2];
+		std::copy_n(step.force.begin() + old.first, old.count, both);
+		if (old.count != now.count) {
+			double before[2] {}, after[2] {};
+			for (int k = 0; k < old.count; ++k)
+				before[k] = along(step, old, step.point(old, k).position);
+			for (int k = 0; k < now.count; ++k)
+				after[k] = along(step, old, now.points[k].position);
+			carryForward(old.count, before, now.count, after, both[0], both[1], Impulse {});
+		}
+		std::copy_n(both, now.count, force);
+	}
+
+	struct Entry {
+		StepContact           contact; // with its old number of the first point
+		const UpdatedContact* updated; // null: unchanged
+	};
+
+	/// Old and new contacts, sorted by bodies.
+	std::vector<Entry> entries(const Step& step)
+	{
+		std::vector<Entry> all;
+		all.reserve(step.contacts.size() + step.updated.size());
+		for (const StepContact& c : step.contacts)
+			all.push_back({ c, nullptr });
+		for (const UpdatedContact& g : step.updated) {
+			if (g.known) {
+				all[step.find(g.body1, g.body2) - step.contacts.data()].updated = &g;
+				continue;
+			}
+			const double size = contactSize(step.bodies[g.body1].shape, step.bodies[g.body2].shape);
+			all.push_back({ { g.body1, g.body2, 0, 0, -1, g.restitution, size, g.shift,
+			                        step.cell.drift(g.shift) },
+			        &g });
+		}
+		std::sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) {
+			return a.contact.body1 != b.contact.body1 ? a.contact.body1 < b.contact.body1
+			                                          : a.contact.body2 < b.contact.body2;
+		});
+		return all;
+	}
+
+} // namespace
+
+void addUpdatedContacts(Step& step)
+{
+	// bodies whose contacts start with their initial bias
+	std::vector<char> restarted(step.bodies.size());
+	for (int id : step.widened)
+		restarted[id] = true;
+	std::vector<StepContact>  contacts;
+	std::vector<ContactPoint> points;
+	std::vector<Impulse>      forces;
+	std::vector<Gap>          gaps;
+	for (const Entry& entry : entries(step)) {
+		const StepContact&  old   = entry.contact;
+		const UpdatedContact* updated = entry.updated;
+		StepContact         c     = old;
+		c.first                   = int(points.size());
+		c.count                   = updated ? updated->manifold.count : old.count;
+		forces.resize(c.first + c.count);
+		if (updated && updated->known)
+			transferForces(step, old, updated->manifold, &forces[c.first]);
+		for (int k = 0; k < c.count; ++k) {
+			const int           number   = old.first + k;
+			const double        friction = updated && !updated->known
+			               ? updated->friction
+			               : step.problem.points[old.first].friction;
+			const ManifoldPoint at = updated ? updated->manifold.points[k] : step.point(old, k);
+			ContactPoint        point    = step.contactPoint(c, at, friction);
+			if (!updated) {
+				const double bias   = restarted[c.body1] || restarted[c.body2]
+				          ? point.bias
+				          : step.problem.points[number].bias;
+				point             = step.problem.points[number];
+				point.bias        = bias;
+				forces[c.first + k] = step.force[number];
+			}
+			points.push_back(point);
+			const bool carried = step.widened.empty()
+			        ? forces[c.first + k].n > 0 // before the first solve
+			        : number < old.first + old.count && step.gap[number].carried;
+			gaps.push_back({ at.gap, -c.slop(), carried });
+		}
+		contacts.push_back(c);
+	}
+	step.contacts.swap(contacts);
+	step.problem.points.swap(points);
+	step.force.swap(forces);
+	step.gap.swap(gaps);
+	step.indexContacts();
+	step.startFromForces();
+	step.added.insert(step.added.end(), step.updated.begin(), step.updated.end());
+	step.updated.clear();
+}
+
+} // namespace rcr

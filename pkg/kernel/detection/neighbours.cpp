@@ -1,0 +1,307 @@
+#include "detection/neighbours.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "detection/missed_contacts.hpp"
+
+namespace rcr {
+
+namespace {
+
+	constexpr double stepsAhead = 12;             // steps that a margin lasts
+	constexpr double least = 0.05, most = 0.4;    // margin over the mean cap radius
+	// the list is repaired if at most 1/50 of the bodies moved
+	constexpr int    repairFraction = 50;
+	constexpr int    bodiesPerPart = 256;
+	constexpr int    mostCellsPerGrain = 4;
+
+	/// Largest displacement of a point of the surface of a body [m].
+	double displacement(
+	        const PlanarShape& before, const Pose& from, const PlanarShape& now, const Pose& to)
+	{
+		if (now.kind == PlanarShape::wall)
+			return now.axis == 0 ? std::abs(to.center.x - from.center.x)
+			                     : std::abs(to.center.y - from.center.y);
+		const double arm = now.kind == PlanarShape::box ? now.radius() : now.halfLength;
+		double       sum = norm(to.center - from.center) + arm * norm(to.axis - from.axis);
+		if (now.kind == PlanarShape::segment)
+			sum += norm(now.offset - before.offset) + arm * norm(now.along - before.along)
+			        + std::abs(now.halfLength - before.halfLength);
+		return sum;
+	}
+
+	/// Interval that holds all but 1 % of the values, so that a few distant grains do not enlarge
+	/// the grid.
+	std::pair<double, double> bulk(std::vector<double>& x)
+	{
+		if (x.empty()) return { 0, 0 };
+		const std::size_t few = x.size() / 200;
+		std::nth_element(x.begin(), x.begin() + few, x.end());
+		const double low = x[few];
+		std::nth_element(x.begin(), x.end() - 1 - few, x.end());
+		return { low, x[x.size() - 1 - few] };
+	}
+
+	/// Quantile of the values that at most a tenth of the repairable fraction exceeds.
+	double upperQuantile(std::vector<double>& x)
+	{
+		if (x.empty()) return 0;
+		const auto place = x.end() - 1 - std::ptrdiff_t(x.size() / (10 * repairFraction));
+		std::nth_element(x.begin(), place, x.end());
+		return *place;
+	}
+
+	bool first(const PlanarShape& a, const PlanarShape& b, std::int32_t idA, std::int32_t idB)
+	{
+		return a.kind != b.kind ? a.kind < b.kind : idA < idB;
+	}
+
+} // namespace
+
+Neighbours::Place Neighbours::placeOf(const StepBody& body) const
+{
+	return { body.shape, body.pose(), body.alertDistance };
+}
+
+/// Lists the bodies that violate the condition; returns false if the shape of a body changed.
+bool Neighbours::findMovedBodies(const Step& step, ThreadTeam& team)
+{
+	moved_.clear();
+	if (at_.size() != step.bodies.size()) return false;
+	std::atomic<bool> same { true };
+	isMoved_.assign(at_.size(), false);
+	team.forEach(at_.size(), [&](std::size_t id) {
+		const StepBody& body = step.bodies[id];
+		const Place&    at   = at_[id];
+		if (body.shape.kind == PlanarShape::none && at.shape.kind == PlanarShape::none) return;
+		if (body.shape.kind != at.shape.kind || body.shape.radius() != at.shape.radius()
+		        || body.shape.halfWidth != at.shape.halfWidth)
+			same.store(false, std::memory_order_relaxed);
+		else
+			isMoved_[id] = displacement(at.shape, at.pose, body.shape, body.pose())
+			                + body.alertDistance - at.reach
+			        > margin_;
+	});
+	if (!same) return false;
+	for (std::size_t id = 0; id < isMoved_.size(); ++id)
+		if (isMoved_[id]) moved_.push_back(std::int32_t(id));
+	return true;
+}
+
+bool Neighbours::update(const Step& step, ThreadTeam& team)
+{
+	const bool same = findMovedBodies(step, team);
+	if (same && moved_.empty()) return false;
+	const std::size_t few   = at_.size() / repairFraction,
+	                  leave = std::count_if(moved_.begin(), moved_.end(),
+	                          [&](std::int32_t id) { return !isWide_[id]; });
+	if (same && moved_.size() <= few && wide_.size() + leave <= wideAtFirst_ + few)
+		repair(step, team);
+	else
+		find(step, team);
+	return true;
+}
+
+double Neighbours::extent(std::size_t id) const
+{
+	return at_[id].shape.radius() + at_[id].reach + margin_;
+}
+
+/// Bounding box of a body, enlarged by its reach, the margin and `more` [m].
+Neighbours::Box Neighbours::box(std::size_t id, double more) const
+{
+	const Place& at = at_[id];
+	Pose         pose = at.pose;
+	if (at.shape.kind == PlanarShape::segment) pose = segmentPose(at.shape, pose);
+	constexpr double infinite = std::numeric_limits<double>::infinity();
+	Vec2             half     = halfExtent(at.shape, pose.axis);
+	if (at.shape.kind == PlanarShape::wall)
+		half = at.shape.axis == 0 ? Vec2 { at.reach, infinite } : Vec2 { infinite, at.reach };
+	const double round = at.reach + margin_ + more;
+	half               = half + Vec2 { round, round };
+	return { pose.center - half, pose.center + half };
+}
+
+void Neighbours::chooseMargin(const Step& step)
+{
+	std::vector<double> paths;
+	double              radii = 0;
+	int                 grains = 0;
+	paths.reserve(step.bodies.size());
+	for (const StepBody& body : step.bodies) {
+		if (body.shape.kind == PlanarShape::none) continue;
+		paths.push_back(0.5 * body.alertDistance); // the alert distance is twice the path of a step
+		if (!body.shape.grain()) continue;
+		radii += body.shape.halfWidth;
+		++grains;
+	}
+	const double radius = grains > 0 ? radii / grains : 0;
+	margin_ = std::clamp(stepsAhead * upperQuantile(paths), least * radius, most * radius);
+}
+
+/// Sorts grains into cells, except for the widest, which search their surroundings.
+void Neighbours::sortIntoCells(const Step& step)
+{
+	std::vector<double>       extents, x, y;
+	std::vector<std::int32_t> grains;
+	isWide_.assign(step.bodies.size(), true);
+	wide_.clear();
+	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
+		if (at_[id].shape.kind == PlanarShape::none) continue;
+		if (!at_[id].shape.grain()) {
+			wide_.push_back(std::int32_t(id));
+			continue;
+		}
+		x.push_back(at_[id].pose.center.x), y.push_back(at_[id].pose.center.y);
+		grains.push_back(std::int32_t(id));
+		extents.push_back(extent(id));
+	}
+	double widest = 0;
+	if (!extents.empty()) {
+		const auto exempt
+		        = std::min(extents.size() - 1, std::size_t(std::sqrt(double(extents.size()))));
+		std::vector<double> sorted = extents;
+		std::nth_element(
+		        sorted.begin(), sorted.begin() + (sorted.size() - 1 - exempt), sorted.end());
+		widest = sorted[sorted.size() - 1 - exempt];
+	}
+	const auto [left, right] = bulk(x);
+	const auto [low, high]   = bulk(y);
+	const Vec2 size { right - left, high - low };
+	width_ = std::max({ 2 * widest,
+	        std::sqrt(size.x * size.y / (mostCellsPerGrain * double(grains.size() + 1))),
+	        std::max(size.x, size.y) / 10000 });
+	if (!(width_ > 0)) width_ = 1;
+	origin_  = { left, low };
+	columns_ = int(size.x / width_) + 1;
+	rows_    = int(size.y / width_) + 1;
+	std::vector<std::int32_t> cell(grains.size());
+	firstIn_.assign(std::size_t(columns_) * rows_ + 1, 0);
+	for (std::size_t k = 0; k < grains.size(); ++k) {
+		if (extents[k] > widest) {
+			wide_.push_back(grains[k]);
+			cell[k] = -1;
+			continue;
+		}
+		isWide_[grains[k]] = false;
+		const Vec2 c = at_[grains[k]].pose.center;
+		cell[k]      = row(c.y) * columns_ + column(c.x);
+		++firstIn_[cell[k] + 1];
+	}
+	for (std::size_t k = 1; k < firstIn_.size(); ++k)
+		firstIn_[k] += firstIn_[k - 1];
+	inCells_.resize(firstIn_.back());
+	std::vector<std::int32_t> place = firstIn_;
+	for (std::size_t k = 0; k < grains.size(); ++k)
+		if (cell[k] >= 0) inCells_[place[cell[k]]++] = grains[k];
+}
+
+bool Neighbours::near(std::int32_t body1, std::int32_t body2) const
+{
+	const Place &one = at_[body1], &two = at_[body2];
+	const double reach = one.reach + two.reach + 2 * margin_;
+	if (apart(one.shape, one.pose.center, two.shape, two.pose.center, reach)) return false;
+	return contactPoints(one.shape, one.pose, two.shape, two.pose, reach * (1 + 1e-9)).count > 0;
+}
+
+namespace {
+	int clipped(double place, int count) { return int(std::clamp(place, 0.0, double(count - 1))); }
+} // namespace
+
+int Neighbours::column(double x) const { return clipped((x - origin_.x) / width_, columns_); }
+int Neighbours::row(double y) const { return clipped((y - origin_.y) / width_, rows_); }
+
+/// Calls visit(grain) for all grains in the cells that a box touches.
+template <class Visit> void Neighbours::forEachGrain(const Box& box, Visit visit) const
+{
+	const int left = column(box.low.x), right = column(box.high.x);
+	for (int row = this->row(box.low.y); row <= this->row(box.high.y); ++row)
+		for (std::int32_t k = firstIn_[row * columns_ + left];
+		        k < firstIn_[row * columns_ + right + 1]; ++k)
+			visit(inCells_[k]);
+}
+
+void Neighbours::searchNarrow(const Step& step, ThreadTeam& team)
+{
+	const int parts = int((step.bodies.size() + bodiesPerPart - 1) / bodiesPerPart);
+	found_.resize(parts);
+	team.parallelFor(0, parts, [&](int part) {
+		List& found = found_[part];
+		found.clear();
+		for (std::size_t id = std::size_t(part) * bodiesPerPart;
+		        id < std::min(step.bodies.size(), std::size_t(part + 1) * bodiesPerPart); ++id) {
+			if (isWide_[id]) continue;
+			const std::size_t begin = found.size();
+			const Vec2        c     = at_[id].pose.center, half { 0.5 * width_, 0.5 * width_ },
+			           round        = half + half;
+			forEachGrain({ c - round, c + round }, [&](std::int32_t other) {
+				if (first(at_[id].shape, at_[other].shape, std::int32_t(id), other)
+				        && near(std::int32_t(id), other))
+					found.push_back({ std::int32_t(id), other });
+			});
+			std::sort(found.begin() + begin, found.end());
+		}
+	});
+	list_.clear();
+	for (const List& found : found_)
+		list_.insert(list_.end(), found.begin(), found.end());
+}
+
+/// Adds the pairs of some of the wide bodies; a pair of two of them once.
+void Neighbours::searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam& team)
+{
+	found_.resize(bodies.size());
+	team.parallelFor(0, int(bodies.size()), [&](int k) {
+		const std::int32_t id = bodies[k];
+		found_[k].clear();
+		const auto take = [&](std::int32_t other) {
+			const bool ordered = first(at_[id].shape, at_[other].shape, id, other);
+			const auto pair    = ordered ? std::make_pair(id, other) : std::make_pair(other, id);
+			if (canTouch(at_[pair.first].shape.kind, at_[pair.second].shape.kind)
+			        && near(pair.first, pair.second))
+				found_[k].push_back(pair);
+		};
+		forEachGrain(box(id, 0.5 * width_), [&](std::int32_t other) {
+			if (!isWide_[other]) take(other);
+		});
+		for (std::int32_t other : wide_)
+			if (other > id || (other < id && !isMoved_[other])) take(other);
+	});
+	const std::size_t before = list_.size();
+	for (const List& found : found_)
+		list_.insert(list_.end(), found.begin(), found.end());
+	std::sort(list_.begin() + before, list_.end());
+	std::inplace_merge(list_.begin(), list_.begin() + before, list_.end());
+}
+
+void Neighbours::find(const Step& step, ThreadTeam& team)
+{
+	at_.resize(step.bodies.size());
+	team.forEach(at_.size(), [&](std::size_t id) { at_[id] = placeOf(step.bodies[id]); });
+	chooseMargin(step);
+	sortIntoCells(step);
+	searchNarrow(step, team);
+	wideAtFirst_ = wide_.size();
+	isMoved_ = isWide_;
+	searchAround(wide_, team);
+}
+
+/// Removes moved bodies from their cells and searches their pairs again.
+void Neighbours::repair(const Step& step, ThreadTeam& team)
+{
+	for (std::int32_t id : moved_) {
+		at_[id] = placeOf(step.bodies[id]);
+		if (!isWide_[id]) wide_.push_back(id);
+		isWide_[id] = true;
+	}
+	list_.erase(std::remove_if(list_.begin(), list_.end(),
+	                    [&](const auto& pair) {
+		                    return isMoved_[pair.first] || isMoved_[pair.second];
+	                    }),
+	        list_.end());
+	searchAround(moved_, team);
+}
+
+} // namespace rcr

@@ -1,0 +1,1 @@
+"""Checks of values, files, and the contents of networks and problems."""

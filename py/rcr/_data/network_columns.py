@@ -1,0 +1,109 @@
+"""Columns of a contact network: names, shapes and checks. Needs NumPy."""
+
+import math
+
+import numpy as np
+
+from rcr._data import checks, files
+
+LEFT, BOTTOM, RIGHT, TOP, OTHER = -1, -2, -3, -4, -5  # ids of obstacles; body #k is OTHER − k
+CAP_CAP, CAP_SIDE, SIDE_SIDE, WALL = range(4)  # types of contacts
+
+SHAPES = dict(
+    particles=dict(id=(), position=(2,), angle=(), R=(), cap_radius=(), half_length=(), mass=(),
+                   velocity=(3,), clump=(), center=(2,)),
+    contacts=dict(body1=(), body2=(), type=(), normal=(2,), branch=(2,), force=(2,), position=(2,),
+                  points=(), friction=()),
+)  # fmt: skip
+INTEGERS = {"id", "body1", "body2", "type", "points", "clump"}
+
+
+def checked(group, arrays):
+    """Return the columns of a group as arrays of integers or doubles, after a check of shapes."""
+    shapes = SHAPES[group]
+    missing = sorted(set(shapes) - set(arrays))
+    if missing:
+        expected = ", ".join(shapes)
+        raise ValueError(f"group {group!r} lacks {', '.join(missing)}; expected {expected}")
+    arrays = {name: np.asarray(arrays[name]) for name in shapes}
+    first = next(iter(shapes))
+    if arrays[first].ndim != 1:
+        raise ValueError(f"{group}/{first} has shape {arrays[first].shape}; expected (rows,)")
+    rows = len(arrays[first])
+    for column, shape in shapes.items():
+        name = f"{group}/{column}"
+        values = checks.reals(name, arrays[column], (rows, *shape))
+        if column == "friction":
+            valid = np.isnan(values) | (values >= 0)
+            checks.require(valid, name, values, "a coefficient ≥ 0, or NaN if it is unknown")
+        elif not np.isfinite(values).all():
+            raise ValueError(f"{name} holds a number that is not finite")
+        if column in INTEGERS:
+            checks.require(values == np.floor(values), name, values, "whole numbers")
+            values = arrays[column].astype(np.int64)
+        arrays[column] = values
+    return arrays
+
+
+def read(file, group, path):
+    """Return the columns of a group of an HDF5 file."""
+    if not hasattr(file[group], "items"):
+        raise ValueError(f"{group} is not a group of columns")
+    columns = {}
+    for name, data in file[group].items():
+        if getattr(data, "shape", None) is None:
+            raise ValueError(f"{group}/{name} is not a column")
+        files.check_size(f"{group}/{name}", data.nbytes, path)
+        columns[name] = data[()]
+    return columns
+
+
+def check_meaning(particles, contacts, attributes):
+    """Raise a ValueError unless the columns can be those of a scene."""
+    _check_particles(particles)
+    _check_contacts(contacts, particles["id"])
+    valid = dict(strain=math.isfinite, eta=lambda v: 0 <= v < 1,
+                 friction=lambda v: 0 <= v < math.inf, volume=math.isfinite)
+    for name in valid:
+        if name in attributes:
+            expected = "a finite number in its range"
+            checks.number(f"the attribute {name}", attributes[name], expected, valid[name])
+
+
+def _check_particles(p):
+    def require(name, good, expected):
+        checks.require(good, f"particles/{name}", p[name], expected)
+
+    for name in ("R", "cap_radius", "mass"):
+        require(name, p[name] > 0, "> 0")
+    require("half_length", p["half_length"] >= 0, "≥ 0")
+    tips = p["half_length"] + p["cap_radius"]
+    require("R", abs(p["R"] - tips) <= 1e-6 * tips, "half_length + cap_radius")
+    unique, count = np.unique(p["id"], return_counts=True)
+    wrong = (count > 1) | (unique < 0)
+    if wrong.any():
+        given = f"particles/id holds {unique[wrong][0]} {count[wrong][0]} times"
+        raise ValueError(f"{given}; expected ids ≥ 0, each once")
+    good = ~np.isin(p["clump"], p["id"]) & (p["clump"] >= -1)
+    require("clump", good, "−1, or an id that no particle has")
+
+
+def _check_contacts(c, ids):
+    def require(name, good, expected):
+        checks.require(good, f"contacts/{name}", c[name], expected)
+
+    one, two, kind = c["body1"], c["body2"], c["type"]
+    require("body1", np.isin(one, ids), "the id of a particle")
+    expected = "the id of a particle, or a negative one of an obstacle"
+    require("body2", (two < 0) | np.isin(two, ids), expected)
+    require("body2", one != two, "another body than body 1")
+    require("type", (kind >= CAP_CAP) & (kind <= WALL), "0 to 3")
+    expected = f"{WALL} for an obstacle as body 2, and only there"
+    require("type", (kind == WALL) == (two < 0), expected)
+    require("points", (c["points"] == 1) | (c["points"] == 2), "1 or 2")
+    length = np.hypot(*c["normal"].T)
+    checks.require(abs(length - 1) < 1e-6, "the length of contacts/normal", length, "1")
+    normal_force = np.einsum("ca,ca->c", c["force"], c["normal"])
+    if len(length) and not normal_force.mean() > 0:
+        given = f"the mean normal force is {normal_force.mean():g}"
+        raise ValueError(f"{given}; expected > 0, compression")

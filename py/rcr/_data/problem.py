@@ -1,0 +1,204 @@
+"""One-step contact problems in memory: with bodies, or as W and q. Needs NumPy."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rcr._data import checks
+
+SYMMETRY = 1e-8  # largest |W − Wᵀ| over largest |W| [-]; files of Siconos reach 1e-10
+
+
+@dataclass
+class BodyProblem:
+    """Contact problem of one step with nb bodies and nc contact points.
+
+    The kernels' contact_problem.hpp has the equations. A ValueError reports wrong shapes, numbers
+    that are not finite, negative masses or friction, normals of another length than 1, and contacts
+    of a body with itself.
+    """
+
+    inverse_mass: np.ndarray  # (nb, 3) along x, y [1/kg], about z [1/(kg m²)]; 0 = prescribed
+    free_velocity: np.ndarray  # (nb, 3) [m/s, m/s, 1/s]
+    bodies: np.ndarray  # (nc, 2)
+    normal: np.ndarray  # (nc, 2) from body 1 to body 2
+    arm1: np.ndarray  # (nc, 2) [m]
+    arm2: np.ndarray  # (nc, 2) [m]
+    bias: np.ndarray  # (nc,) b_n [m/s]
+    friction: np.ndarray  # (nc,)
+    impulse: np.ndarray  # (nc, 2) warm start, local (n, t) [N s]
+
+    def __post_init__(self):
+        self.inverse_mass = checks.array("inverse_mass", self.inverse_mass, (None, 3))
+        self.bodies = checks.array("bodies", self.bodies, (None, 2))
+        nb, nc = len(self.inverse_mass), len(self.bodies)
+        self.free_velocity = checks.array("free_velocity", self.free_velocity, (nb, 3))
+        vectors = dict.fromkeys(("normal", "arm1", "arm2", "impulse"), (nc, 2))
+        for name, shape in (vectors | dict(bias=(nc,), friction=(nc,))).items():
+            setattr(self, name, checks.array(name, getattr(self, name), shape))
+        self.bodies = checks.ids("bodies", self.bodies, nb)
+        checks.require(self.inverse_mass >= 0, "inverse_mass", self.inverse_mass, "≥ 0")
+        checks.require(self.friction >= 0, "friction", self.friction, "µ ≥ 0")
+        length = np.hypot(*self.normal.T)
+        checks.require(abs(length - 1) <= 1e-6, "the length of normal", length, "1")
+        one, two = self.bodies.T
+        checks.require(one != two, "bodies", one, "two different bodies")
+
+    @property
+    def contacts(self):
+        """Number of contact points."""
+        return len(self.bodies)
+
+    def order(self):
+        """Return the kernels' order of the points, with those of a pair side by side, (nc,)."""
+        return np.lexsort(self.bodies.T[::-1])
+
+    def arrays(self):
+        """Return the arguments of the kernels, with the points in their `order`."""
+        order, of_bodies = self.order(), ("inverse_mass", "free_velocity")
+        columns = vars(self).items()
+        return {name: value if name in of_bodies else value[order] for name, value in columns}
+
+    def delassus(self):
+        """Return the problem as W and q, a DelassusProblem."""
+        nc, (a, b), n = self.contacts, self.bodies.T, self.normal
+        t = np.stack([-n[:, 1], n[:, 0]], 1)
+        cross = lambda r, d: r[:, 0] * d[:, 1] - r[:, 1] * d[:, 0]
+        rows = lambda r: np.stack([np.column_stack([d, cross(r, d)]) for d in (n, t)], 1)
+        # one side of a contact per row: body 1 of all contacts, then body 2
+        jacobian = np.concatenate([-rows(self.arm1), rows(self.arm2)])  # (2 nc, 2, 3)
+        body, point = np.concatenate([a, b]), np.tile(np.arange(nc), 2)
+        q = np.zeros((nc, 2))
+        np.add.at(q, point, np.einsum("kij,kj->ki", jacobian, self.free_velocity[body]))
+        q[:, 0] += self.bias
+        i, j = self._coupled_sides(body)
+        mass = self.inverse_mass[body[i]]
+        blocks = np.einsum("kia,ka,kja->kij", jacobian[i], mass, jacobian[j])
+        row = 2 * point[i][:, None, None] + np.array([[0], [1]])
+        column = 2 * point[j][:, None, None] + np.array([0, 1])
+        row, column = (np.broadcast_to(index, blocks.shape).ravel() for index in (row, column))
+        return DelassusProblem((row, column, blocks.ravel()), q, self.friction, self.impulse)
+
+    def _coupled_sides(self, body):
+        """Return all pairs of contact sides that share a body with a mass."""
+        order = np.argsort(body, kind="stable")
+        order = order[(self.inverse_mass[body[order]] > 0).any(1)]
+        count = np.bincount(body[order], minlength=len(self.inverse_mass))[body[order]]
+        first = np.searchsorted(body[order], body[order])
+        i = np.repeat(np.arange(len(order)), count)
+        j = np.arange(len(i)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
+        return order[i], order[j]
+
+
+class DelassusProblem:
+    """Contact problem of one step as W and q.
+
+    Parameters
+    ----------
+    entries : (rows, columns, values)
+        Entries of W (2 nc, 2 nc) in the order n₀, t₀, n₁, t₁ … [1/kg]. Entries of one place are
+        added.
+    q : (nc, 2) or (2 nc,) float array
+        Velocities without impulses, b_n included, local (n, t) [m/s].
+    friction : (nc,) float array
+        Friction coefficients µ [-].
+    impulse : (nc, 2) float array, optional
+        Warm start, local (n, t) [N s].
+
+    Attributes
+    ----------
+    row_start, column, block : (nc + 1,) int, (nb,) int and (nb, 2, 2) float arrays
+        W in compressed rows of blocks. Columns ascend, and each row has its diagonal block.
+
+    Raises
+    ------
+    ValueError
+        If sizes do not fit, a number is not finite, W is asymmetric beyond 1e-8 of its largest
+        entry or has a negative diagonal, or µ < 0.
+    """
+
+    def __init__(self, entries, q, friction, impulse=None):
+        self.friction = checks.array("mu", friction, (None,))
+        nc = len(self.friction)
+        self.q = _pairs("q", q, nc)
+        if impulse is None:
+            impulse = np.zeros((nc, 2))
+        self.impulse = _pairs("the warm start", impulse, nc)
+        checks.require(self.friction >= 0, "mu", self.friction, "µ ≥ 0")
+        try:
+            row, column, value = entries
+        except (TypeError, ValueError):
+            raise ValueError("entries: expected (rows, columns, values) of W") from None
+        value = checks.array("W", value, (None,))
+        row, column = (
+            checks.ids(name, checks.array(name, places, value.shape), 2 * nc).astype(np.int64)
+            for name, places in (("a row of W", row), ("a column of W", column))
+        )
+        self._assemble(nc, row, column, value)
+
+    def _assemble(self, nc, row, column, value):
+        size = 2 * nc
+        # each entry, its mirror image, and the diagonal, with zeros for missing entries
+        diagonal, zeros = np.arange(size), np.zeros(len(value) + size)
+        row, column = (
+            np.concatenate([row, column, diagonal]), np.concatenate([column, row, diagonal])
+        )  # fmt: skip
+        value = np.concatenate([value, zeros])
+        place, at = np.unique(row * size + column, return_inverse=True)
+        value = np.bincount(at.ravel(), value, len(place))
+        row, column = place // (size or 1), place % (size or 1)
+        _check_matrix(row, column, value, size)
+        places, at = np.unique(row // 2 * nc + column // 2, return_inverse=True)
+        self.block = np.zeros((len(places), 2, 2))
+        self.block[at.ravel(), row % 2, column % 2] = value
+        self.column = (places % (nc or 1)).astype(np.int32)
+        starts = np.searchsorted(places // (nc or 1), np.arange(nc + 1))
+        self.row_start = starts.astype(np.int32)
+
+    @property
+    def contacts(self):
+        """Number of contact points."""
+        return len(self.friction)
+
+    def _block_rows(self):
+        return np.repeat(np.arange(self.contacts), np.diff(self.row_start))
+
+    def entries(self):
+        """Return the nonzero entries of W as (rows, columns, values), sorted by row and column."""
+        shape = self.block.shape
+        rows = 2 * self._block_rows()[:, None, None] + np.array([[0], [1]])
+        columns = 2 * self.column[:, None, None] + np.array([0, 1])
+        row, column = (np.broadcast_to(index, shape).ravel() for index in (rows, columns))
+        value = self.block.ravel()
+        keep = np.flatnonzero(value)
+        keep = keep[np.lexsort((column[keep], row[keep]))]
+        return row[keep], column[keep], value[keep]
+
+    def velocity(self, impulse):
+        """Return u = W p + q of impulses p (nc, 2), both local (n, t)."""
+        u = self.q.copy()
+        products = np.einsum("kij,kj->ki", self.block, impulse[self.column])
+        np.add.at(u, self._block_rows(), products)
+        return u
+
+
+def _check_matrix(row, column, value, size):
+    """Raise a ValueError unless W is symmetric with a diagonal ≥ 0."""
+    mirror = np.argsort(column * size + row)
+    asymmetry, largest = abs(value - value[mirror]), abs(value).max(initial=0)
+    if asymmetry.max(initial=0) > SYMMETRY * largest:
+        k = asymmetry.argmax()
+        one = f"W[{row[k]}, {column[k]}] = {value[k]:.9g}"
+        two = f"W[{column[k]}, {row[k]}] = {value[mirror[k]]:.9g}"
+        expected = f"a difference of at most {SYMMETRY:g} of its largest entry"
+        raise ValueError(f"W is not symmetric: {one}, {two}; expected {expected}")
+    diagonal = value[row == column]
+    expected = "≥ 0, because W is positive semi-definite"
+    checks.require(diagonal >= 0, "the diagonal of W", diagonal, expected)
+
+
+def _pairs(name, array, count):
+    """Return a flat or (count, 2) array as (count, 2) doubles."""
+    array = checks.reals(name, array)
+    array = array.reshape(-1, 2) if array.size == 2 * count else array
+    return checks.array(name, array, (count, 2))

@@ -1,0 +1,202 @@
+"""A folder of results belongs to one run: run.json records the run, a lock excludes others.
+
+run.json holds `program`, `run`, `parameters`, `version`, `commit` and `date`. A resumed run adds
+`continued`, the versions, commits and dates of its continuations. `run` is a short hash of the
+parameters that determine the results. The run's files carry the hash, so that readers detect files
+of different runs in one folder.
+
+Needs Python alone.
+"""
+
+import contextlib
+import datetime
+import functools
+import hashlib
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+
+from rcr._data import files
+
+RUN, LOCK = "run.json", ".lock"
+
+
+def identity(parameters):
+    """Return a short hash of parameters; equal parameters have equal hashes."""
+    text = json.dumps(parameters, sort_keys=True, allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
+@functools.cache
+def commit():
+    """Return the commit of the clone, with a + for changed files, or 'unknown' outside a clone."""
+    stated = os.environ.get("YADE_RCR_COMMIT")
+    if stated:
+        return stated
+    here = os.path.dirname(os.path.realpath(__file__))
+    options = ["--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
+    with contextlib.suppress(OSError):
+        done = subprocess.run(
+            ["git", "-C", here, "describe", *options], capture_output=True, text=True)
+        return done.stdout.strip() or "unknown"
+    return "unknown"
+
+
+def read(folder):
+    """Return the contents of a folder's run.json, or None if there is none.
+
+    A damaged file raises a ValueError.
+    """
+    path = pathlib.Path(folder) / RUN
+    if not path.exists():
+        return None
+    with files.reading(path, "a run.json"):
+        found = json.loads(path.read_text(encoding="utf-8"))
+        kinds = dict(program=str, run=str, parameters=dict)
+        if not isinstance(found, dict) or not all(
+            isinstance(found.get(name), kind) for name, kind in kinds.items()
+        ):
+            raise ValueError("program, run or parameters are missing")
+        return found
+
+
+@contextlib.contextmanager
+def claim_folder(
+    folder, program, parameters, made, free=(), checkpoint=None, last=None, resume=False,
+    overwrite=False, wait=False,
+):  # fmt: skip
+    """Block in which the folder, made if missing, belongs to this process. It yields `begin`.
+
+    `begin()` removes the files of the previous run (unless the run is resumed), writes run.json and
+    returns its contents. Call it after everything that can fail early.
+
+    Parameters
+    ----------
+    folder : path
+    program : str
+        Name of the script.
+    parameters : dict
+        Parameters of the run, as JSON values.
+    made : list of str
+        Patterns of the program's files. A new run removes those of the previous run.
+    free : list of str
+        Names of the parameters that `resume` may change.
+    checkpoint, last : str
+        Name of the file from which `resume` continues, and of the last file of a complete run.
+    resume : bool
+        Continue the run in the folder.
+    overwrite : bool
+        Remove a run of other parameters, or one with a checkpoint.
+    wait : bool
+        Wait for another process that has the folder; by default raise an error.
+
+    Raises
+    ------
+    ValueError
+        If the folder holds another run, or another process has it.
+    OSError
+        If the folder cannot be written.
+    """
+    folder = pathlib.Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    with lock_folder(folder, wait=wait):
+        _remove_parts(folder)
+        kept = read(folder)
+        old = [path for pattern in made for path in sorted(folder.glob(pattern))]
+        if kept is not None and kept["program"] != program:
+            raise ValueError(f"{folder} holds results of {kept['program']}; choose another --out")
+        if resume:
+            _check_resumable(folder, kept, parameters, free)
+        elif not overwrite:
+            _check_new(folder, kept, old, parameters, checkpoint, last)
+
+        def begin():
+            record = _record(program, parameters, free, kept if resume else None)
+            for path in [] if resume else old:
+                path.unlink()
+            text = json.dumps(record, indent=2, ensure_ascii=False)
+            files.write(folder / RUN, text + "\n")
+            return record
+
+        yield begin
+
+
+@contextlib.contextmanager
+def lock_folder(folder, name=LOCK, wait=False):
+    """Block that excludes other processes from the folder's lock `name`.
+
+    The lock ends with the process. Without `wait`, a lock of another process raises a ValueError.
+    """
+    path = pathlib.Path(folder) / name
+    try:
+        lock = files.locked(path, wait)
+    except BlockingIOError:
+        message = "another process is writing there; wait for it or choose another --out"
+        raise ValueError(f"{folder}: {message}") from None
+    with lock:
+        try:
+            yield
+        finally:
+            path.unlink(missing_ok=True)
+
+
+def differing(one, other, free=()):
+    """Return the parameters that differ, with both values, as text; '' if none differs."""
+    names = [name for name in dict.fromkeys([*one, *other]) if name not in free]
+    return ", ".join(
+        f"{name} = {_short(one.get(name))} (here {_short(other.get(name))})"
+        for name in names
+        if one.get(name) != other.get(name)
+    )
+
+
+def _record(program, parameters, free, kept):
+    """Return the contents of run.json: of a new run, or of the continuation of the run `kept`."""
+    from rcr import __version__
+
+    date = datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds")
+    now = dict(version=__version__, commit=commit(), date=date)
+    if kept:
+        return dict(kept, parameters=parameters, continued=[*kept.get("continued", ()), now])
+    fixed = {name: value for name, value in parameters.items() if name not in free}
+    return dict(program=program, run=identity(fixed), parameters=parameters, **now)
+
+
+def _short(value):
+    text = str(value)
+    return text if len(text) <= 80 else f"{text[:79]}…"
+
+
+def _remove_parts(folder):
+    """Remove the partial files of killed processes; running processes keep theirs."""
+    for partial in folder.glob(files.PART + "*"):
+        if partial.is_dir():
+            shutil.rmtree(partial)
+            continue
+        with contextlib.suppress(BlockingIOError), files.locked(partial, wait=False):
+            partial.unlink()
+
+
+def _check_resumable(folder, kept, parameters, free):
+    other = kept and differing(kept["parameters"], parameters, free)
+    if other:
+        todo = "give its options, or start again with --overwrite"
+        raise ValueError(f"--resume: the run in {folder} has {other}; {todo}")
+
+
+def _check_new(folder, kept, old, parameters, checkpoint, last):
+    """Raise a ValueError if the folder holds files that a new run would remove."""
+    todo = "choose another --out, or remove it with --overwrite"
+    if old and kept is None:
+        names = ", ".join(path.name for path in old[:3]) + (", …" if len(old) > 3 else "")
+        raise ValueError(f"{folder} holds {names} of an unknown run; {todo}")
+    other = old and differing(kept["parameters"], parameters)
+    if other:
+        raise ValueError(f"{folder} holds a run with {other}; {todo}")
+    todo = "continue it with --resume, or start again with --overwrite"
+    if checkpoint and (folder / last).exists():
+        raise ValueError(f"{folder} holds this run, complete; {todo}")
+    if checkpoint and (folder / checkpoint).exists():
+        raise ValueError(f"{folder} holds this run, not complete; {todo}")

@@ -1,0 +1,146 @@
+"""Reader of Siconos' text files of contact problems in the plane."""
+
+import numpy as np
+
+from rcr._data import checks
+from rcr._data.problem import DelassusProblem
+
+
+def load_siconos(path):
+    """Return the DelassusProblem of a ``.dat`` file."""
+    with open(path, encoding="ascii", errors="replace") as file:
+        words = _Words(file.read().split("\n"))
+    dimension, nc = words.integer("dimension"), words.integer("number of contacts")
+    if dimension != 2:
+        raise ValueError(f"dimension = {dimension}; expected 2, contacts in the plane")
+    storage, rows, columns = (
+        words.integer(f"{name} of the matrix") for name in ("storage", "rows", "columns")
+    )
+    if nc < 0 or (rows, columns) != (2 * nc, 2 * nc):
+        given = f"the matrix is {rows} × {columns} for {nc} contacts"
+        raise ValueError(f"{given}; expected 2 rows and columns per contact")
+    if storage not in (0, 1, 2):
+        expected = "0 dense, 1 blocks or 2 sparse"
+        raise ValueError(f"storage {storage} of the matrix; expected {expected}")
+    entries = (_dense, _blocks, _sparse)[storage](words, 2 * nc)
+    q, mu = words.numbers("q", 2 * nc), words.numbers("mu", nc)
+    return DelassusProblem(entries, q, mu)
+
+
+class _Words:
+    """Reads the words of a text file in order, line by line."""
+
+    def __init__(self, lines):
+        self.lines, self.line, self.word = [line.split() for line in lines], 0, 0
+        self.count = sum(map(len, self.lines))
+
+    def skip_line(self):
+        self.line, self.word = self.line + 1, 0
+
+    def next_line(self):
+        """Return the remaining words of the line, or those of the next line with words."""
+        while self.line < len(self.lines) and self.word >= len(self.lines[self.line]):
+            self.skip_line()
+        return self.lines[self.line][self.word :] if self.line < len(self.lines) else []
+
+    def numbers(self, what, count):
+        """Read `count` numbers, over several lines; `what` names them in an error."""
+        if not 0 <= count <= self.count:
+            given = f"{count} numbers of {what} are announced"
+            raise ValueError(f"{given} in a file of {self.count} words")
+        found = []
+        while len(found) < count and (words := self.next_line()):
+            words = words[: count - len(found)]
+            self.word += len(words)
+            found += words
+        if len(found) < count:
+            raise ValueError(f"the file ends after {len(found)} of {count} numbers of {what}")
+        try:
+            return np.array(found, float)
+        except ValueError:
+            place = f"before line {self.line + 2}"
+            raise ValueError(f"{what} holds a word that is not a number, {place}") from None
+
+    def integer(self, what):
+        (value,) = self.numbers(what, 1)
+        if not (abs(value) < 2**31 and value == np.floor(value)):
+            raise ValueError(f"the {what} is {value:g}; expected a whole number of 32 bits")
+        return int(value)
+
+    def integers(self, what, count):
+        value = self.numbers(what, count)
+        good = (abs(value) < 2**31) & (value == np.floor(value))
+        checks.require(good, f"the {what}", value, "whole numbers of 32 bits")
+        return value.astype(int)
+
+
+def _dense(words, size):
+    """Read a matrix that is stored column by column."""
+    words.numbers("the size of the matrix", 2)
+    value = words.numbers("the matrix", size * size)
+    column, row = np.divmod(np.arange(size * size), size or 1)
+    return row, column, value
+
+
+def _blocks(words, size):
+    """Read blocks in order of rows, each stored column by column.
+
+    The sizes of block rows and columns are given as running sums.
+    """
+    count, rows, columns = words.integers("blocks", 3)
+    row_end = words.integers("block rows", rows)
+    column_end = words.integers("block columns", columns)
+    filled1, filled2 = words.integers("index", 2)
+    start, block_column = words.integers("index1", filled1), words.integers("index2", filled2)
+    for ends, name in (row_end, "rows"), (column_end, "columns"):
+        last = ends[-1] if len(ends) else 0
+        if (np.diff(ends, prepend=0) < 0).any() or last != size:
+            raise ValueError(f"the ends of the block {name} do not rise from 0 to {size}")
+    fits = count == filled2 and filled1 == rows + 1 and (np.diff(start) >= 0).all()
+    inside = (block_column >= 0) & (block_column < columns)
+    if not fits or start[-1] != count or not inside.all():
+        parts = f"{rows} block rows and {columns} block columns"
+        raise ValueError(f"the index of the {count} blocks does not fit {parts}")
+    row_start, column_start = (np.concatenate([[0], ends[:-1]]) for ends in (row_end, column_end))
+    entries = [(np.zeros(0, int), np.zeros(0, int), np.zeros(0))]
+    for i in range(rows):
+        for k in range(start[i], start[i + 1]):
+            j = block_column[k]
+            if words.integer("number of a block") != k:
+                raise ValueError(f"block {k} is not at the place in its index")
+            row = np.arange(row_start[i], row_end[i])
+            column = np.arange(column_start[j], column_end[j])
+            value = words.numbers(f"block {k}", len(row) * len(column))
+            entries.append((np.tile(row, len(column)), np.repeat(column, len(row)), value))
+    return tuple(np.concatenate(part) for part in zip(*entries))
+
+
+def _sparse(words, size):
+    """Read a matrix as CSparse prints it.
+
+    Lines are `col 3 : locations 6 to 9` with following lines `row : value`, or triplets
+    `row column : value`.
+    """
+    words.integer("origin of the matrix")
+    row, column, value, at, count = [], [], [], None, None
+    while (line := words.next_line()) and (":" in line or count is None):
+        try:
+            if line[0] == "col":
+                at = int(line[1])
+            elif "nnz:" in line:
+                count = int(float(line[line.index("nnz:") + 1].rstrip(",")))
+            elif ":" in line:
+                split = line.index(":")
+                places = [int(float(word)) for word in line[:split]]
+                row.append(places[0])
+                column.append(places[1] if split == 2 else at)
+                value.append(float(line[split + 1]))
+        except (ValueError, IndexError, TypeError):
+            given = f"line {words.line + 1} is not a line of a sparse matrix"
+            raise ValueError(f"{given}: {' '.join(line)[:60]!r}") from None
+        words.skip_line()
+    if None in column:
+        raise ValueError("entries of the sparse matrix precede the first line `col`")
+    if count is None or (count < 1e6 and count != len(value)):  # printed with six digits
+        raise ValueError(f"the sparse matrix has {len(value)} entries; its header says {count}")
+    return np.array(row, int), np.array(column, int), np.array(value, float)

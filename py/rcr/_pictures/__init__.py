@@ -1,0 +1,1 @@
+"""Outlines, colours and drawing of grains."""

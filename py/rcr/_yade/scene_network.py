@@ -1,0 +1,121 @@
+"""Contact network of the present scene."""
+
+import numpy as np
+from yade.wrapper import Omega
+
+from rcr._data import checks
+from rcr.frame import Frame
+from rcr.network import BOTTOM, LEFT, OTHER, RIGHT, TOP, WALL, Network
+
+O = Omega()
+
+
+def contact_network(walls=None, volume=None, **attributes):
+    """Force-bearing contacts of the last step, one row per pair of bodies, under any law.
+
+    Grains are the free and clumped `Rcr` and `Sphere` bodies. Obstacles are walls, boxes, facets
+    and grains with prescribed motion. An obstacle is always body 2 and has a negative id; contacts
+    between obstacles are left out. Positions, branch vectors and normals belong to the time of the
+    forces, before the step moved the bodies.
+
+    Parameters
+    ----------
+    walls : (int, int, int, int), optional
+        Ids of the left, bottom, right and top wall of a box. The network has the ids −1, −2, −3,
+        −4 for them, and −5 − k for any other obstacle #k.
+    volume : float, optional
+        Area of the region over which the stress is averaged [m²]; by default that of the periodic
+        cell or of the box of four walls. Without it `Network.stress` raises an error; ratios of
+        stresses, fabric and forces do not need it.
+    **attributes
+        Stored with the network: ``strain``, ``eta``, ``friction``, ``seed``.
+
+    Returns
+    -------
+    Network
+
+    Raises
+    ------
+    ValueError
+        If no grain is free, the volume is not > 0, `walls` are not four walls of a box, or an
+        attribute is one that the scene itself gives.
+    """
+    own = {"time", "dt", "cell", "cell_velocity"} & attributes.keys()
+    if own:
+        given = ", ".join(sorted(own))
+        raise ValueError(f"contact_network({given}=…): the scene gives it; choose another name")
+    frame = Frame.of_scene()
+    if frame.grains["fixed"].all():
+        raise ValueError("the scene holds no free Rcr and no free Sphere, so it has no network")
+    codes = {}
+    if walls is not None:
+        codes, box_area = _box(walls)
+        volume = box_area if volume is None else volume
+    if frame.cell is not None:
+        attributes |= dict(cell=frame.cell, cell_velocity=frame.cell_velocity)
+        volume = abs(np.linalg.det(frame.cell)) if volume is None else volume
+    if volume is not None:
+        expected = "the area of the region > 0 [m²]"
+        attributes["volume"] = checks.number("volume", volume, expected, lambda v: v > 0)
+    attributes = dict(time=O.time, dt=O.dt, **attributes)
+    return Network(_particles(frame), _contacts(frame, codes), attributes)
+
+
+def _particles(frame):
+    """Return the columns of `Network.particles`: free grains at the time of the forces."""
+    free = ~frame.grains["fixed"]
+    grains = {name: column[free] for name, column in frame.grains.items()}
+    copied = ("id", "half_length", "cap_radius", "mass", "velocity", "clump")
+    return {name: grains[name] for name in copied} | dict(
+        position=grains["position"] - O.dt * grains["velocity"][:, :2],
+        angle=grains["angle"] - O.dt * grains["velocity"][:, 2], center=frame.centers[free],
+        R=grains["half_length"] + grains["cap_radius"])
+
+
+def _contacts(frame, codes):
+    """Return the columns of `Network.contacts`: force-bearing contacts, obstacles as body 2."""
+    contacts = frame.contacts
+    fixed = np.append(frame.grains["fixed"], True)  # the last row is for obstacles
+    first, second = (fixed[frame.rows(contacts[body])] for body in ("body1", "body2"))
+    bearing = (frame.normal_force() > 0) & ~(first & second)
+    turned, at_obstacle = first[bearing], (first | second)[bearing]
+    c = {name: column[bearing] for name, column in contacts.items()}
+
+    def swap(one, two):
+        return np.where(turned.reshape(-1, *[1] * (one.ndim - 1)), two, one)
+
+    sign = np.where(turned, -1, 1)[:, None]
+    body1, body2 = swap(c["body1"], c["body2"]), swap(c["body2"], c["body1"])
+    arm1, arm2 = swap(c["arm1"], c["arm2"]), swap(c["arm2"], c["arm1"])
+    obstacles = [codes.get(int(id_), OTHER - int(id_)) for id_ in body2]
+    columns = dict(
+        body1=body1,
+        body2=np.where(at_obstacle, obstacles, body2),
+        type=np.where(at_obstacle, WALL, c["type"]),
+        points=c["points"],
+        normal=sign * c["normal"],
+        branch=np.where(at_obstacle[:, None], arm1, arm1 - arm2),
+        force=sign * c["force"],
+        position=frame.centers[frame.rows(body1)] + arm1,  # beside body 1, also across a cell edge
+        friction=c["friction"],
+    )
+    # by ids, because YADE's order changes when a scene is reloaded
+    order = np.lexsort((columns["body2"], columns["body1"]))
+    return {name: column[order] for name, column in columns.items()}
+
+
+def _box(walls):
+    """Return the codes of four walls by id, and the area between them at the time of the forces."""
+    ids = [int(w) for w in walls] if np.shape(walls) == (4,) else []
+    bodies = [O.bodies[k] if 0 <= k < len(O.bodies) else None for k in ids]
+    axes = [getattr(getattr(b, "shape", None), "axis", None) for b in bodies]
+    if axes != [0, 1, 0, 1]:
+        expected = "the ids of the left, bottom, right and top Wall of a box, or None"
+        raise checks.error("walls", walls, expected)
+    left, bottom, right, top = (b.state.pos - O.dt * b.state.vel for b in bodies)
+    if left[0] >= right[0] or bottom[1] >= top[1]:
+        places = f"x = {left[0]:g}, y = {bottom[1]:g}, x = {right[0]:g}, y = {top[1]:g}"
+        raise ValueError(
+            f"walls = {walls!r} are at {places}; expected the order left, bottom, right, top")
+    area = (right[0] - left[0]) * (top[1] - bottom[1])
+    return dict(zip(ids, (LEFT, BOTTOM, RIGHT, TOP))), area

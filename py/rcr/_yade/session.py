@@ -1,0 +1,167 @@
+"""Checks of the scene before ``O.run``, ``O.step`` and ``O.bodies.erase``, and clean ends of runs.
+
+pkg/dem/validation holds the rules that reject a scene. This module adds warnings about suspicious
+scenes. Scenes without classes of rcr are not checked.
+"""
+
+import functools
+import threading
+import time
+import warnings
+
+from yade.wrapper import InsertionSortCollider, Omega, TimeStepper
+
+from rcr import _plugin
+from rcr._yade.time_step import critical_time_step
+
+DEFAULT_TIME_STEP = 1e-8  # YADE's O.dt of a new scene [s]
+_advised = None  # number of bodies and time step at the last advice
+
+
+def guard():
+    """Add the checks to O.run, O.step, O.pause, O.wait and O.bodies.erase of this session."""
+    container = type(Omega().bodies)
+    if not hasattr(container.erase, "__wrapped__"):
+        container.erase = _checked_erase(container.erase)
+    if not hasattr(Omega.run, "__wrapped__"):
+        Omega.run = _guarded(_responsive(Omega.run))
+        Omega.step = _guarded(Omega.step)
+        Omega.pause = _after_step(Omega.pause)
+    if not hasattr(Omega.wait, "__wrapped__"):
+        Omega.wait = _raising(_after_step(Omega.wait))
+
+
+def _guarded(method):
+    """O.run or O.step that rejects an unsupported scene and warns of a suspicious one."""
+
+    @functools.wraps(method)
+    def run(omega, *arguments, **keywords):
+        refusal = _plugin.refusal()
+        if refusal:
+            raise ValueError("rcr: " + refusal)
+        _advise(omega)
+        _plugin.take_error()
+        return _raising(method)(omega, *arguments, **keywords)
+
+    return run
+
+
+def _advise(omega):
+    """Warn of a suspicious scene: at step 0, and when bodies or the time step have changed."""
+    global _advised
+    present, before = (len(omega.bodies), omega.dt), _advised
+    _advised = present
+    if omega.iter > 0 and present == before:
+        return
+    same_bodies = omega.iter > 0 and before and present[0] == before[0]
+    texts = [] if same_bodies else _plugin.advice()
+    if _plugin.serves():
+        texts += _time_step_advice(omega)
+    for text in texts:
+        warnings.warn("rcr: " + text, stacklevel=3)
+
+
+def _time_step_advice(omega):
+    """Return a list of warnings about O.dt."""
+    if omega.iter == 0 and omega.dt == DEFAULT_TIME_STEP:
+        return [
+            "O.dt = 1e-8 s is YADE's default; set it by the accuracy you want (rigid contacts) "
+            "or to 0.5 * rcr.critical_time_step() (springs)."
+        ]
+    steppers = [engine for engine in omega.engines if isinstance(engine, TimeStepper)]
+    if any(engine.active and not engine.dead for engine in steppers):
+        return []
+    try:
+        most = critical_time_step()
+    except ValueError:  # rigid contacts, or no free grain
+        return []
+    if omega.dt <= most:
+        return []
+    return [
+        f"O.dt = {omega.dt:.3g} s is beyond {most:.3g} s, where springs of this stiffness become "
+        "unstable; set O.dt = 0.5 * rcr.critical_time_step()."
+    ]
+
+
+def _responsive(run):
+    """O.run whose wait ends with the run, and whose Ctrl-C ends the run.
+
+    YADE checks every 40 ms, which is longer than many runs.
+    """
+
+    @functools.wraps(run)
+    def wrapped(omega, nSteps=-1, wait=False):
+        run(omega, nSteps, False)
+        if not wait:
+            return
+        pause = 1e-4
+        try:
+            while omega.running:
+                time.sleep(pause)
+                pause = min(2 * pause, 5e-3)
+        except KeyboardInterrupt:
+            omega.pause()
+            raise
+        omega.wait()
+
+    return wrapped
+
+
+def _after_step(method):
+    """O.pause or O.wait that returns after a whole step; YADE's may return within one.
+
+    An engine that calls it is part of a step, so it returns at once there.
+    """
+
+    @functools.wraps(method)
+    def wrapped(omega):
+        method(omega)
+        in_engine = isinstance(threading.current_thread(), threading._DummyThread)
+        if not in_engine:
+            _plugin.await_end()
+
+    return wrapped
+
+
+def _raising(method):
+    """Method that raises the error of YADE's run thread.
+
+    YADE itself raises it only in a session that already waits.
+    """
+
+    @functools.wraps(method)
+    def wrapped(omega, *arguments, **keywords):
+        try:
+            result = method(omega, *arguments, **keywords)
+        except Exception:
+            _plugin.take_error()
+            raise
+        error = "" if omega.running else _plugin.take_error()
+        if error:
+            raise RuntimeError(error)
+        return result
+
+    return wrapped
+
+
+def _checked_erase(erase):
+    """O.bodies.erase that rejects a periodic cell in which YADE's collider may hang.
+
+    The collider keeps bounds of the erased body. After a change of the cell it may never reach
+    them.
+    """
+
+    @functools.wraps(erase)
+    def wrapped(bodies, id, *arguments, **keywords):
+        omega = Omega()
+        if omega.periodic and _plugin.serves():
+            colliders = (e for e in omega.engines if isinstance(e, InsertionSortCollider))
+            if any(collider.numReinit > 0 for collider in colliders):
+                raise ValueError(
+                    f"rcr: body #{id} cannot be erased from a periodic cell whose collider has "
+                    "run, because the collider may then hang; put a new InsertionSortCollider into "
+                    "O.engines first"
+                )
+        return erase(bodies, id, *arguments, **keywords)
+
+    return wrapped

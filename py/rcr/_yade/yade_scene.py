@@ -1,0 +1,154 @@
+"""Reads YADE's present scene into the arrays of a `Frame`."""
+
+import math
+
+import numpy as np
+from yade.wrapper import (
+    Box, Facet, FrictPhys, GenericSpheresContact, NormPhys, NormShearPhys, Omega, Rcr, RcrGeom,
+    Sphere, Wall,
+)  # fmt: skip
+
+from rcr._pictures import grain_sums
+from rcr.network import CAP_CAP, WALL
+
+_GRAINS = dict(
+    id=int, clump=int, fixed=bool, position=(float, 2), angle=float, half_length=float,
+    cap_radius=float, mass=float, velocity=(float, 3), color=(float, 3),
+)  # fmt: skip
+_CONTACTS = dict(
+    body1=int, body2=int, type=int, points=int, position=(float, 2), normal=(float, 2),
+    force=(float, 2), friction=float, shift=(float, 2),
+)  # fmt: skip
+_WALLS = dict(id=int, axis=int, position=float)
+
+
+def read():
+    """Return the attributes of the scene's `Frame` as a dict."""
+    O = Omega()
+    grains, centers, z = _grains(O)
+    walls, outlines = _obstacles(O, z)
+    frame = dict(grains=grains, centers=centers, walls=walls, outlines=outlines, time=O.time)
+    cell = None
+    if O.periodic:
+        cell = np.array(O.cell.hSize)[:2, :2]
+        frame |= dict(cell=cell, cell_velocity=np.array(O.cell.velGrad)[:2, :2] @ cell)
+    return frame | dict(contacts=_contacts(O, grains["id"], centers, cell))
+
+
+def _columns(kinds, rows):
+    """Return rows of values as {name: array}."""
+    formats = [kind if isinstance(kind, tuple) else (kind,) for kind in kinds.values()]
+    table = np.array(rows, dtype=[(name, *format) for name, format in zip(kinds, formats)])
+    return {name: np.ascontiguousarray(table[name]) for name in kinds}
+
+
+def _grains(O):
+    """Return the grains, their centres of mass at the time of the forces, and their z."""
+    prescribed = {"x", "y", "Z"}.issubset
+    clumps = {}  # by id: motion prescribed, centre
+    rows, centers, z = [], [], 0.0
+    for body in O.bodies:
+        shape, state, clump = body.shape, body.state, body.clumpId
+        if not isinstance(shape, (Rcr, Sphere)):
+            continue
+        long = isinstance(shape, Rcr)
+        half, cap = (shape.halfLength, shape.capRadius) if long else (0.0, shape.radius)
+        pos, vel = state.pos, state.vel
+        if clump >= 0:
+            if clump not in clumps:
+                whole = O.bodies[clump].state
+                clumps[clump] = prescribed(whole.blockedDOFs), whole.pos - O.dt * whole.vel
+            fixed, center = clumps[clump]
+        else:
+            clump, fixed, center = -1, prescribed(state.blockedDOFs), pos - O.dt * vel
+        centers.append((center[0], center[1]))
+        z = pos[2]
+        velocity = (vel[0], vel[1], state.angVel[2])
+        place, angle = (pos[0], pos[1]), _angle(state.ori)
+        row = (body.id, clump, fixed, place, angle, half, cap, state.mass, velocity)
+        rows.append((*row, tuple(shape.color)))
+    return _columns(_GRAINS, rows), np.array(centers).reshape(-1, 2), z
+
+
+def _obstacles(O, z):
+    """Return the walls, and the outlines of boxes and facets in the plane at z."""
+    walls, boxes, facets = [], [], []
+    for body in O.bodies:
+        shape, state = body.shape, body.state
+        if isinstance(shape, Wall) and shape.axis < 2:
+            walls.append((body.id, shape.axis, state.pos[shape.axis]))
+        elif isinstance(shape, Box):
+            boxes.append((body.id, "box", _corners(shape, state)))
+        elif isinstance(shape, Facet):
+            ends = _section(shape, state, z)
+            if ends is not None:
+                facets.append((body.id, "facet", ends))
+    return _columns(_WALLS, walls), boxes + facets
+
+
+def _angle(ori):
+    """Return the rotation about z [rad]."""
+    return 2 * math.atan2(ori[2], ori[3])
+
+
+def _corners(shape, state):
+    """Return the corners of a box in the plane, (4, 2) [m]."""
+    ex, ey, _ = shape.extents
+    turn = np.exp(1j * _angle(state.ori))
+    z = turn * np.array([ex + 1j * ey, -ex + 1j * ey, -ex - 1j * ey, ex - 1j * ey])
+    return np.column_stack([z.real, z.imag]) + np.array(state.pos)[:2]
+
+
+def _section(shape, state, z):
+    """Return the ends of a facet's section at z, (2, 2) [m]; None without a section."""
+    corners = np.array([state.pos + state.ori * v for v in shape.vertices])
+    ends = []
+    for one, two in zip(corners, np.roll(corners, -1, axis=0)):
+        above, below = one[2] - z, two[2] - z
+        if above != below and above * below <= 0:
+            t = above / (above - below)
+            ends.append(((1 - t) * one + t * two)[:2])
+    pairs = ((a, b) for a in ends for b in ends)
+    length = lambda pair: np.linalg.norm(pair[1] - pair[0])
+    one, two = max(pairs, key=length, default=(None, None))
+    return None if one is None or np.array_equal(one, two) else np.array([one, two])
+
+
+def _contacts(O, ids, centers, cell):
+    """Return the contacts between bodies of rcr and of YADE's spheres, under any law."""
+    rows = []
+    for i in O.interactions:
+        supported = isinstance(i.geom, GenericSpheresContact) and isinstance(i.phys, NormPhys)
+        if i.isReal and supported:
+            row = _contact(i)
+            if row is not None:
+                shift = (0.0, 0.0) if cell is None else cell @ np.array(i.cellDist, float)[:2]
+                rows.append((*row, tuple(shift)))
+    columns = _columns(_CONTACTS, rows)
+    shift = columns.pop("shift")
+    at1, at2 = (grain_sums.rows(ids, columns[body]) for body in ("body1", "body2"))
+    centers = np.append(centers, [[math.nan] * 2], axis=0)  # the last row is for obstacles
+    columns["arm1"] = np.nan_to_num(columns["position"] - centers[at1])
+    columns["arm2"] = np.nan_to_num(columns["position"] - centers[at2] - shift)
+    columns["type"] = np.where((at1 < 0) | (at2 < 0), WALL, columns["type"])
+    return columns
+
+
+def _contact(i):
+    """Return the columns of one contact, None without contact points."""
+    geom, phys = i.geom, i.phys
+    ours = isinstance(geom, RcrGeom)
+    force = phys.normalForce
+    if isinstance(phys, NormShearPhys):
+        force = force + phys.shearForce
+    normal, position = geom.normal, geom.contactPoint
+    points = geom.points if ours else 1
+    if points == 0:
+        return None
+    if points == 2:
+        one, two = phys.force1[0], phys.force2[0]
+        if one + two > 0:
+            position = (one * geom.position1 + two * geom.position2) / (one + two)
+    vectors = tuple((vector[0], vector[1]) for vector in (position, normal, force))
+    friction = phys.tangensOfFrictionAngle if isinstance(phys, FrictPhys) else math.nan
+    return i.id1, i.id2, geom.type if ours else CAP_CAP, points, *vectors, friction

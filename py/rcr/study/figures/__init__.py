@@ -1,0 +1,157 @@
+"""The figures of the paper, drawn from the analysis. Needs NumPy and Matplotlib.
+
+`draw` makes the figure of an observable. Each ``plot_…(value, ax=None)`` takes the value of an
+observable, as `rcr.study.analysis.analyse` or analysis.json gives it, draws all elongations into
+the Axes and returns them. Colour and marker of an elongation, and the colour of a cutoff ξ, are
+the same in all figures.
+"""
+
+import matplotlib
+from matplotlib.figure import Figure
+
+from rcr._pictures.drawing import COLUMN, PAGE, STYLE
+
+from rcr.study.figures.curves import (
+    plot_correlation, plot_force_by_length, plot_force_power, plot_force_tail, plot_length_pdf,
+    plot_mobilization, plot_mobilization_by_force, plot_mobilization_pdf, plot_shear_stress,
+    plot_strain, plot_strength, plot_strips, plot_xi,
+)  # fmt: skip
+from rcr.study.figures.plot_style import (  # noqa: F401  public names
+    color, column, eta_legend, legend_outside, marker,
+)  # fmt: skip
+from rcr.study.figures.polar import (
+    plot_contact_directions, plot_isotropy, plot_vector_directions, polar_row,
+)  # fmt: skip
+
+
+
+def _letters(axes):
+    """Number axes by letters."""
+    for letter, ax in zip("abcd", axes):
+        ax.set_title(f"({letter})", loc="left", fontsize=9)
+
+
+def _one(plot, projection=None, of_eta=True):
+    """Return a function that makes a figure of one plot."""
+
+    def figure(value, analysis):
+        fig = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
+        ax = plot(value, fig.add_subplot(projection=projection))
+        if of_eta:
+            eta_legend(fig, ax)
+        return fig
+
+    return figure
+
+
+def _two(first, second):
+    """Return a function that makes a figure of two plots."""
+
+    def figure(value, analysis):
+        fig = Figure(figsize=(PAGE, 0.45 * PAGE), layout="constrained")
+        axes = fig.subplots(1, 2)
+        first(value, axes[0])
+        second(value, axes[1])
+        _letters(axes)
+        eta_legend(fig, axes[0])
+        return fig
+
+    return figure
+
+
+def _four(vector, names, symbols, titles):
+    """Return a function that makes a figure: two polar diagrams above two functions of ξ."""
+
+    def figure(value, analysis):
+        fig = Figure(figsize=(PAGE, 0.95 * PAGE), layout="constrained")
+        upper, lower = fig.subfigures(2, 1, height_ratios=(1, 0.9))
+        row = polar_row(value)
+        sigma = column(analysis["O14"]["value"], "theta_sigma")[row]
+        polar = [upper.add_subplot(1, 2, k + 1, projection="polar") for k in range(2)]
+        for ax, suffix, title in zip(polar, "nt", titles):
+            plot_vector_directions(value, f"{vector}_{suffix}", sigma, ax)
+            ax.set_title(rf"{title}, $\eta = {value['eta'][row]:g}$"
+                         + (" (open: negative)" if suffix == "t" else ""), fontsize=8)
+        legend_outside(upper, polar[0], "lower center", 4)
+        axes = lower.subplots(1, 2)
+        for ax, name, symbol in zip(axes, names, symbols):
+            plot_xi(value, name, symbol, ax)
+        _letters([*polar, *axes])
+        legend_outside(lower, axes[0], "upper center", 8)
+        return fig
+
+    return figure
+
+
+def _polar(value, analysis):
+    """Make the figure of P(θ, ξ)."""
+    fig = Figure(figsize=(COLUMN, 1.1 * COLUMN), layout="constrained")
+    ax = plot_contact_directions(value, fig.add_subplot(projection="polar"))
+    ax.set_title(
+        rf"$P_\theta(\theta, \xi)$, $\eta = {value['eta'][polar_row(value)]:g}$", fontsize=8)
+    legend_outside(fig, ax, "lower center", 4)
+    return fig
+
+
+FIGURES = dict(
+    O1=_two(plot_strain, plot_strength),
+    O2=_one(plot_isotropy, projection="polar"),
+    O3=_two(plot_force_tail, plot_force_power),
+    O4=_two(lambda value, ax: plot_force_tail(value, ax, "t"),
+            lambda value, ax: plot_force_power(value, ax, "t")),
+    O5=_one(plot_mobilization, of_eta=False),
+    O6=_one(plot_strips),
+    O7=_one(plot_mobilization_by_force),
+    O8=_one(plot_mobilization_pdf),
+    O10=_one(plot_length_pdf),
+    O12=_one(plot_correlation, of_eta=False),
+    O13=_two(plot_force_by_length, lambda value, ax: plot_force_by_length(value, ax, "l")),
+    O14=_polar,
+    O15=_one(lambda value, ax: plot_xi(value, "a_c", r"$a_c(\xi)$", ax)),
+    O16=_four(
+        "l",
+        ("a_ln", "a_lt"),
+        (r"$a_{\ell n}(\xi)$", r"$a_{\ell t}(\xi)$"),
+        (
+            r"$\langle\ell_n\rangle(\theta,\xi)/\langle\ell_n\rangle$",
+            r"$|\langle\ell_t\rangle(\theta,\xi)|/\langle\ell_n\rangle$",
+        ),
+    ),
+    O17=_four(
+        "f",
+        ("a_fn", "a_ft"),
+        (r"$a_{fn}(\xi)$", r"$a_{ft}(\xi)$"),
+        (
+            r"$\langle f_n\rangle(\theta,\xi)/\langle f_n\rangle$",
+            r"$|\langle f_t\rangle(\theta,\xi)|/\langle f_n\rangle$",
+        ),
+    ),
+    O18=_one(plot_shear_stress),
+)
+
+
+def draw(observable, analysis):
+    """Make the figure of an observable.
+
+    Parameters
+    ----------
+    observable : str
+        A key of `FIGURES`.
+    analysis : dict
+        Result of `rcr.study.analysis.analyse`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    with matplotlib.rc_context(STYLE):
+        return FIGURES[observable](analysis[observable]["value"], analysis)
+
+
+def save(figure, stem, suffixes=("png", "pdf")):
+    """Write a figure as `stem`.png and `stem`.pdf; return the paths."""
+    paths = [stem.with_name(f"{stem.name}.{suffix}") for suffix in suffixes]
+    with matplotlib.rc_context(STYLE):
+        for path in paths:
+            figure.savefig(path)
+    return paths

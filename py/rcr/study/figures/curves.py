@@ -1,0 +1,212 @@
+"""Curves of the figures of the study. Needs NumPy and Matplotlib.
+
+See `rcr.study.figures` for the arguments of each ``plot_…``.
+"""
+
+import matplotlib.ticker
+import numpy as np
+from matplotlib.lines import Line2D
+
+from rcr.study.figures.plot_style import column, color, error_of, make_axes, marker
+
+XI_MAX = 6  # end of the ξ axes; few forces are larger
+MIN_DENSITY = 1e-4  # lower densities come from single contacts
+
+
+def _draw_curves(value, x, y, ax, band=True, **style):
+    """Draw y(x) of every elongation, with a band of one standard error."""
+    for eta, row, error in zip(value["eta"], column(value, y), error_of(value, y)):
+        ax.plot(column(value, x), row, color=color(eta), label=rf"$\eta = {eta:g}$", **style)
+        if band:
+            ax.fill_between(
+                column(value, x), row - error, row + error, color=color(eta), alpha=0.2, lw=0)
+    return ax
+
+
+def _draw_points(value, x, y, ax, line="", least=-np.inf, **style):
+    """Draw y(x) > least of every elongation as markers."""
+    for eta, row in zip(value["eta"], column(value, y)):
+        seen = row > least
+        ax.plot(column(value, x)[seen], row[seen], line, marker=marker(eta), color=color(eta),
+                mew=0, label=rf"$\eta = {eta:g}$", **style)
+    return ax
+
+
+def _draw_by_eta(value, name, ax, label=None, style="k", mark="o", **options):
+    """Draw a number against η, with error bars."""
+    ax.errorbar(column(value, "eta"), column(value, name), error_of(value, name), color=style,
+                marker=mark, lw=0.8, label=label, **options)
+    ax.set_xlabel(r"$\eta$")
+    return ax
+
+
+# --- strength ------------------------------------------------------------------------------------
+
+
+def plot_strain(value, ax=None):
+    """Draw sin φ against the strain [O1]."""
+    ax = make_axes(ax)
+    for eta, row in zip(value["eta"], column(value, "sin_phi_strain")):
+        ax.plot(column(value, "strain"), row, color=color(eta), lw=0.8, label=rf"$\eta = {eta:g}$")
+    ax.set(xlabel=r"strain $\varepsilon$", ylabel=r"$\sin\varphi = q/p$",
+           xlim=(0, column(value, "strain")[-1]), ylim=(0, None))
+    return ax
+
+
+def plot_strength(value, ax=None):
+    """Draw sin φ of the critical state against η, with the paper's line [O1]."""
+    ax = make_axes(ax)
+    line = np.array([0, 0.7])
+    ax.plot(line, 0.3 + 0.3 * line, color="0.5", ls="--", label=r"paper: $0.30 + 0.30\,\eta$")
+    _draw_by_eta(value, "sin_phi", ax, label="critical state")
+    ax.set(ylabel=r"$\sin\varphi$", ylim=(0, None))
+    ax.legend(loc="lower right")
+    return ax
+
+
+# --- forces --------------------------------------------------------------------------------------
+
+
+def _force_labels(suffix):
+    name = "f_n" if suffix == "n" else "f_t"
+    bare = name if suffix == "n" else "|f_t|"
+    return rf"${bare}/\langle {bare}\rangle$", rf"$P({name})$"
+
+
+def _inset(value, name, symbol, ax, place):
+    inset = ax.inset_axes(place)
+    _draw_by_eta(value, name, inset, ms=2, elinewidth=0.6)
+    inset.set_ylabel(symbol, labelpad=1, fontsize=8)
+    inset.set_xlabel(r"$\eta$", labelpad=0, fontsize=8)
+    inset.tick_params(labelsize=6.5)
+    return inset
+
+
+def plot_force_tail(value, ax=None, suffix="n"):
+    """Draw P(f) in log-linear scales, with α(η) inset [O3, O4]."""
+    ax = make_axes(ax)
+    x, y = _force_labels(suffix)
+    _draw_points(value, f"f_{suffix}", "pdf", ax, least=MIN_DENSITY, ms=2.5)
+    ax.set(xlabel=x, ylabel=y, yscale="log", xlim=(0, 10), ylim=(MIN_DENSITY, 30))
+    _inset(value, f"alpha_{suffix}", rf"$\alpha_{suffix}$", ax, (0.57, 0.6, 0.4, 0.37))
+    return ax
+
+
+def plot_force_power(value, ax=None, suffix="n"):
+    """Draw P(f) in log-log scales, with β(η) inset [O3, O4]."""
+    ax = make_axes(ax)
+    x, y = _force_labels(suffix)
+    _draw_points(value, f"f_{suffix}", "pdf", ax, least=MIN_DENSITY, ms=2.5)
+    ax.set(xlabel=x, ylabel=y, xscale="log", yscale="log", xlim=(1e-3, 20),
+           ylim=(MIN_DENSITY, 300 if suffix == "t" else 100))
+    _inset(value, f"beta_{suffix}", rf"$\beta_{suffix}$", ax, (0.2, 0.18, 0.4, 0.37))
+    return ax
+
+
+def plot_mobilization(value, ax=None):
+    """Draw I_M(η) [O5]."""
+    ax = _draw_by_eta(value, "friction_mobilization", make_axes(ax))
+    ax.set(ylabel=r"$I_M$", ylim=(0, 1))
+    return ax
+
+
+def plot_strips(value, ax=None):
+    """Draw the mean normal force in vertical strips from wall to wall, over the mean [O6]."""
+    ax = make_axes(ax)
+    ax.axhspan(0.9, 1.1, color="0.92", lw=0)
+    for eta, row, error in zip(
+        value["eta"], column(value, "strip_force"), error_of(value, "strip_force")
+    ):
+        ax.errorbar(column(value, "strip"), row, error, color=color(eta), marker=marker(eta), ms=3,
+                    lw=0.8, elinewidth=0.6, label=rf"$\eta = {eta:g}$")
+    ax.set(xlabel=r"$x/W$ (fixed wall at 0, free wall at 1)",
+           ylabel=r"$\langle f_n\rangle_x/\langle f_n\rangle$", xlim=(0, 1))
+    return ax
+
+
+def plot_mobilization_by_force(value, ax=None):
+    """Draw I_mf(f_n) [O7]."""
+    ax = _draw_points(value, "f_n", "i_mf", make_axes(ax), line="-", ms=2.5, lw=0.6)
+    ax.set(xlabel=r"$f_n/\langle f_n\rangle$", ylabel=r"$I_{mf}$", xlim=(0, XI_MAX), ylim=(0, 1))
+    return ax
+
+
+def plot_mobilization_pdf(value, ax=None):
+    """Draw P(I_m) [O8]."""
+    ax = _draw_points(value, "i_m", "pdf", make_axes(ax), line="-", ms=2.5, lw=0.6)
+    ax.set(xlabel=r"$I_m$", ylabel=r"$P(I_m)$", xlim=(0, 1), yscale="log")
+    ax.yaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))
+    ax.yaxis.set_major_formatter(matplotlib.ticker.StrMethodFormatter("{x:g}"))
+    ax.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+    return ax
+
+
+# --- branch vectors ------------------------------------------------------------------------------
+
+
+def plot_length_pdf(value, ax=None):
+    """Draw P(ℓ_r) of each elongation, except discs, where ℓ_r is 1 [O10]."""
+    ax = make_axes(ax)
+    for eta, row in zip(value["eta"], column(value, "pdf")):
+        seen = column(value, "l_r") > 1 - eta
+        if eta > 0:
+            ax.plot(column(value, "l_r")[seen], row[seen], color=color(eta), lw=0.8,
+                    label=rf"$\eta = {eta:g}$")
+    ax.set(xlabel=r"$\ell_r$", ylabel=r"$P(\ell_r)$", ylim=(0, None),
+           xlim=(column(value, "l_r")[0] - 0.01, 1.005))
+    return ax
+
+
+def plot_correlation(value, ax=None):
+    """Draw Pearson coefficients of force and branch length against η [O12]."""
+    ax = make_axes(ax)
+    ax.axhline(0, color="0.7", lw=0.6)
+    _draw_by_eta(value, "c_f_lr", ax, label=r"$C_{f\ell_r}$")
+    _draw_by_eta(value, "c_f_l", ax, label=r"$C_{f\ell}$", style="tab:red", mark="s")
+    ax.set_ylabel("Pearson coefficient")
+    ax.legend()
+    return ax
+
+
+def plot_force_by_length(value, ax=None, length="l_r"):
+    """Draw the mean force of classes of ℓ_r or ℓ [O13]."""
+    ax = make_axes(ax)
+    ax.axhline(1, color="0.7", lw=0.6)
+    _draw_points(value, length, f"f_{length}", ax, line="-", ms=2, lw=0.6)
+    ax.set_xlabel(r"$\ell_r$" if length == "l_r" else r"$\ell/R_{\max}$")
+    ax.set_ylabel(
+        r"$\langle f\rangle_{\ell_r}/\langle f\rangle$"
+        if length == "l_r"
+        else r"$\langle f\rangle_{\ell}/\langle f\rangle$"
+    )
+    ax.set_ylim(0, None)
+    return ax
+
+
+# --- anisotropies --------------------------------------------------------------------------------
+
+
+def plot_xi(value, name, symbol, ax=None):
+    """Draw a function of ξ for every elongation [O15 to O17]."""
+    ax = make_axes(ax)
+    ax.axhline(0, color="0.7", lw=0.6)
+    _draw_curves(value, "xi", name, ax)
+    ax.set(xlabel=r"$\xi$", ylabel=symbol, xlim=(0, XI_MAX))
+    return ax
+
+
+def plot_shear_stress(value, ax=None):
+    """Draw q(ξ)/p as lines, half-sums of the anisotropies as markers [O18]."""
+    ax = make_axes(ax)
+    ax.axhline(0, color="0.7", lw=0.6)
+    _draw_curves(value, "xi", "q_over_p", ax)
+    for eta, row in zip(value["eta"], column(value, "half_sum")):
+        ax.plot(column(value, "xi")[::6], row[::6], ls="", marker=marker(eta), color=color(eta),
+                mfc="none", mew=0.6)
+    ax.set(xlabel=r"$\xi$", ylabel=r"$q(\xi)/p$", xlim=(0, XI_MAX))
+    keys = [
+        Line2D([], [], color="k"),
+        Line2D([], [], color="k", ls="", marker="o", mfc="none", mew=0.6),
+    ]
+    ax.legend(keys, [r"$q(\xi)/p$", "half-sum of anisotropies"], loc="upper left")
+    return ax

@@ -1,0 +1,150 @@
+"""Maps of one snapshot: grains, forces, friction mobilisation, orientations, contact types.
+
+Each map is a few collections: 13 000 grains take seconds and are vectors in a PDF. Each
+``plot_…(network, ax=None)`` returns the Axes; `draw` makes the figure of an observable. Needs NumPy
+and Matplotlib.
+"""
+
+import matplotlib
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import EllipseCollection
+from matplotlib.colors import Normalize
+from matplotlib.lines import Line2D
+
+from rcr._pictures import drawing
+from rcr._pictures.drawing import GRAIN, MOBILIZED, RATTLER, STRONG, STYLE, TYPES, WEAK
+from rcr.frame import Frame
+from rcr.network import SIDE_SIDE
+
+
+def _canvas(network, ax):
+    """Return the network as a frame, and Axes with its extent."""
+    frame = Frame.of(network)
+    limits = frame.extent()
+    return frame, drawing.page(limits) if ax is None else drawing.canvas(limits, ax)
+
+
+def _grains(frame, ax, colors, edge="0.5"):
+    drawing.add_grains(ax, frame.grains, frame.mean_radius(), edge, facecolors=colors)
+
+
+def _forces(frame, ax, scale=1.0):
+    """Draw forces between grains."""
+    pick = frame.between_grains
+    force = frame.normal_force()[pick]
+    drawing.add_forces(ax, frame.segments()[pick], force / force.mean(), frame.mean_radius(), scale)
+
+
+def _bearing(frame):
+    """Return the mask of the grains with a contact, (N,) bool."""
+    return frame.per_grain(np.ones(len(frame.contacts["body1"]))) > 0
+
+
+def _grey(frame):
+    return np.where(_bearing(frame), GRAIN, RATTLER)
+
+
+def plot_packing(network, ax=None):
+    """Draw grains coloured by the orientation of their long axes, discs grey [O2]."""
+    frame, ax = _canvas(network, ax)
+    long = frame.grains["half_length"] > 0
+    _grains(frame, ax,
+            np.where(long[:, None], _orientation_colors(frame), matplotlib.colors.to_rgba(GRAIN)),
+            "0.2")
+    return ax
+
+
+def plot_mobilization(network, ax=None):
+    """Draw normal forces as thickness of segments, I_m as diameter of discs [O6]."""
+    frame, ax = _canvas(network, ax)
+    _grains(frame, ax, _grey(frame))
+    _forces(frame, ax)
+    size = 0.5 * frame.mean_radius() * np.minimum(network.friction_mobilization(), 1)
+    centres = frame.contacts["position"][frame.between_grains]
+    wide = 0.02 * drawing.points_a_metre(ax) * frame.mean_radius()
+    discs = EllipseCollection(
+        size, size, np.zeros_like(size), units="xy", offsets=centres, offset_transform=ax.transData)
+    discs.set(facecolor=MOBILIZED, edgecolor="0.3", linewidth=wide, zorder=5)
+    ax.add_collection(discs)
+    return ax
+
+
+def _orientation_colors(frame):
+    return matplotlib.colormaps["hsv"]((frame.grains["angle"] % np.pi) / np.pi)
+
+
+def plot_nematic(network, ax=None):
+    """Draw forces, and particles with a side-side contact coloured by their orientation [O9]."""
+    frame, ax = _canvas(network, ax)
+    chained = frame.per_grain((frame.contacts["type"] == SIDE_SIDE).astype(float)) > 0
+    colors = np.array([matplotlib.colors.to_rgba(c) for c in (RATTLER, GRAIN)])[
+        _bearing(frame).astype(int)
+    ]
+    _grains(frame, ax, np.where(chained[:, None], _orientation_colors(frame), colors))
+    _forces(frame, ax, 0.7)
+    return ax
+
+
+def plot_types(network, ax=None):
+    """Draw centre-to-contact segments coloured by contact type [O11]."""
+    frame, ax = _canvas(network, ax)
+    _grains(frame, ax, _grey(frame))
+    lines, types = frame.segments(), np.where(frame.between_grains, frame.contacts["type"], -1)
+    for code, tint in enumerate(TYPES.values()):
+        pick = types == code
+        drawing.add_segments(ax, lines[pick], np.full(pick.sum(), 0.25 * frame.mean_radius()),
+                             colors=tint, zorder=3 + code)
+    return ax
+
+
+def _force_keys():
+    keys = [Line2D([], [], color=STRONG, lw=2), Line2D([], [], color=WEAK, lw=1)]
+    return keys, [r"$f_n > \langle f_n\rangle$", r"$f_n < \langle f_n\rangle$"]
+
+
+def _mobilization_keys():
+    keys, labels = _force_keys()
+    disc = Line2D([], [], ls="", marker="o", ms=5, mfc=MOBILIZED, mec="0.3", mew=0.5)
+    return [*keys, disc], [*labels, r"diameter $\propto I_m$"]
+
+
+def _type_keys():
+    return [Line2D([], [], color=tint, lw=2) for tint in TYPES.values()], list(TYPES)
+
+
+MAPS = dict(  # observable: (plot, keys of its legend or None, scale of orientations or not)
+    O2=(plot_packing, None, True),
+    O6=(plot_mobilization, _mobilization_keys, False),
+    O9=(plot_nematic, _force_keys, True),
+    O11=(plot_types, _type_keys, False),
+)
+
+
+def draw(observable, network):
+    """Make the map of an observable (a key of `MAPS`), as wide as a page, with a legend below.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    plot, keys, oriented = MAPS[observable]
+    eta = float(network.attributes["eta"])
+    foot = 0.45
+    with matplotlib.rc_context(STYLE):
+        ax = plot(network, drawing.page(Frame.of(network).extent(), foot))
+        figure = ax.figure
+        height = figure.get_figheight()
+        figure.text(0.01, 0.2 / height, rf"$\eta = {eta:g}$", va="center", fontsize=9)
+        if oriented and eta > 0:
+            bar = figure.add_axes((0.6, 0.26 / height, 0.36, 0.1 / height))
+            figure.colorbar(ScalarMappable(Normalize(0, 180), "hsv"), cax=bar,
+                            orientation="horizontal", ticks=[0, 45, 90, 135, 180])
+            bar.tick_params(labelsize=7, pad=1, top=False)
+            figure.text(
+                0.59, 0.31 / height, "long axis from $x$ [°]", ha="right", va="center", fontsize=8)
+        if keys:
+            figure.legend(
+                *keys(), loc="center left", bbox_to_anchor=(0.09, 0.2 / height), ncol=3, fontsize=8
+            )
+        return figure

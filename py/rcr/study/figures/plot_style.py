@@ -1,0 +1,58 @@
+"""Colours, markers and axes of the figures of the study. Needs NumPy and Matplotlib."""
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+
+from rcr._pictures.drawing import COLUMN
+from rcr.study.claims.paper import ETAS
+
+MARKERS = "osD^v<>p"
+
+
+def color(eta):
+    """Return the colour of an elongation, dark for discs."""
+    return matplotlib.colormaps["viridis"](0.93 * min(eta / max(ETAS), 1))
+
+
+def marker(eta):
+    """Return the marker of an elongation."""
+    return MARKERS[int(round(10 * eta)) % len(MARKERS)]
+
+
+def xi_color(k, count):
+    """Return the colour of the k-th of `count` cutoffs ξ."""
+    return matplotlib.colormaps["inferno"](0.85 * k / max(count - 1, 1))
+
+
+def make_axes(ax, width=COLUMN, **options):
+    """Return the Axes, or those of a new figure if `ax` is None."""
+    if ax is not None:
+        return ax
+    figure = Figure(figsize=(width, 0.82 * width), layout="constrained")
+    return figure.add_subplot(**options)
+
+
+def column(value, name):
+    """Return an array of an observable; None of the file is NaN."""
+    return np.asarray(value[name], dtype=float)
+
+
+def error_of(value, name):
+    """Return the standard error of an array, with 0 for unknown errors."""
+    return np.nan_to_num(column(value, f"{name}_error"))
+
+
+def eta_legend(figure, ax):
+    """Add one legend above all axes of a figure."""
+    legend_outside(figure, ax, "upper center", 4 if figure.get_figwidth() < 5 else 8)
+
+
+def legend_outside(figure, ax, place, columns, **options):
+    """Add the legend of `ax` to a figure, above or below all axes; `place` as of Matplotlib.
+
+    Matplotlib before 3.7 draws it over the axes.
+    """
+    old = matplotlib.__version_info__ < (3, 7)
+    loc = place if old else f"outside {place}"
+    figure.legend(*ax.get_legend_handles_labels(), loc=loc, ncol=columns, **options)

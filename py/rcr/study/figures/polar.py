@@ -1,0 +1,119 @@
+"""Polar diagrams of the figures of the study. Needs NumPy and Matplotlib.
+
+See `rcr.study.figures` for the arguments of each ``plot_…``.
+"""
+
+import matplotlib.ticker
+import numpy as np
+
+from rcr.study.claims.paper import POLAR_ETA, nearest
+from rcr.study.figures.plot_style import MARKERS, column, color, make_axes, xi_color
+
+
+def xi_label(value, xi, name):
+    """Return the label of a cutoff; the last one is infinite."""
+    top = column(value, name)[-1]
+    return r"$\xi = \infty$" if xi == top else rf"$\xi = {xi:g}$"
+
+
+def plot_polar(theta, rows, fits, labels, ax=None):
+    """Draw angular functions of period π and their fits as polar curves.
+
+    Open markers are the sizes of negative values.
+
+    Parameters
+    ----------
+    theta : (T,) array
+        Angles in [0, π) [rad].
+    rows : (K, T) array
+        A function for each ξ.
+    fits : list of callables
+        The fit of each function, of an angle [rad].
+    labels : list of str
+
+    Returns
+    -------
+    Axes
+    """
+    ax = make_axes(ax, projection="polar")
+    circle, dense = np.concatenate([theta, theta + np.pi]), np.linspace(0, 2 * np.pi, 361)
+    for k, (row, fit, label) in enumerate(zip(rows, fits, labels)):
+        tint, around = xi_color(k, len(rows)), np.tile(row, 2)
+        ax.plot(dense, np.abs(fit(dense)), color=tint, lw=0.9)
+        style = dict(ls="", marker=MARKERS[k], ms=2.5, color=tint)
+        positive, negative = around >= 0, around < 0
+        ax.plot(circle[positive], around[positive], mew=0, label=label, **style)
+        ax.plot(circle[negative], -around[negative], mfc="none", mew=0.5, **style)
+    last, known = np.abs(rows[-1]), np.isfinite(rows[-1]).any()
+    lowest = np.degrees(theta[np.nanargmin(last)]) if known else 0  # room for the radial labels
+    return style_polar(ax, lowest)
+
+
+def style_polar(ax, labels_at=None):
+    """Put radial labels at an angle [°], in the outer half; none without an angle."""
+    top = ax.get_ylim()[1]
+    ticks = [
+        tick
+        for tick in matplotlib.ticker.MaxNLocator(4).tick_values(0, top)
+        if 0 < tick < 0.85 * top
+    ]
+    shown = [f"{tick:g}" if labels_at is not None and tick > 0.45 * top else "" for tick in ticks]
+    ax.set_yticks(ticks, shown)
+    ax.set_rlabel_position(labels_at or 0)
+    ax.set_axisbelow(True)
+    ax.tick_params(labelsize=7, pad=0)
+    ax.grid(lw=0.3, color="0.8")
+    return ax
+
+
+def polar_row(value):
+    """Return the index of the elongation nearest to that of the paper's polar diagrams."""
+    shown = nearest(value["eta"], [POLAR_ETA])[0]
+    return int(np.argmin(np.abs(np.asarray(value["eta"]) - shown)))
+
+
+def plot_contact_directions(value, ax=None):
+    """Draw P(θ, ξ) with its Fourier fit (1 + a cos 2(θ − θ_c))/π [O14]."""
+    row = polar_row(value)
+    sigma = column(value, "theta_sigma")[row]
+
+    def fit(amplitude, off):
+        size = amplitude / np.cos(2 * off)
+        return lambda theta: (1 + size * np.cos(2 * (theta - sigma - off))) / np.pi
+
+    fits = [
+        fit(a, off)
+        for a, off in zip(column(value, "amplitude")[row], column(value, "off_axis")[row])
+    ]
+    labels = [xi_label(value, xi, "xi") for xi in column(value, "xi")]
+    return plot_polar(column(value, "theta"), column(value, "pdf")[row], fits, labels, ax)
+
+
+def plot_vector_directions(value, name, sigma, ax=None):
+    """Draw a mean component, normal (…_n) or tangential (…_t), by direction, with its Fourier fit.
+
+    [O16, O17]
+    """
+    row = polar_row(value)
+    amplitudes = column(value, f"{name}_amplitude")[row]
+    means = column(value, f"{name}_mean")[row] if name.endswith("n") else np.zeros_like(amplitudes)
+    wave = np.cos if name.endswith("n") else np.sin
+    fits = [
+        lambda theta, m=m, a=a: m + a * wave(2 * (theta - sigma)) for m, a in zip(means, amplitudes)
+    ]
+    labels = [xi_label(value, xi, "xi_polar") for xi in column(value, "xi_polar")]
+    return plot_polar(column(value, "theta"), column(value, name)[row], fits, labels, ax)
+
+
+def plot_isotropy(value, ax=None):
+    """Draw P(θ) of every elongation after compaction, and the circle 1/π [O2]."""
+    ax = make_axes(ax, projection="polar")
+    theta = column(value, "theta")
+    for eta, row in zip(value["eta"], column(value, "pdf")):
+        closed = np.append(np.tile(row, 2), row[0])
+        ax.plot(np.linspace(theta[0], theta[0] + 2 * np.pi, len(closed)), closed, color=color(eta),
+                lw=0.7, label=rf"$\eta = {eta:g}$")
+    ax.plot(
+        np.linspace(0, 2 * np.pi, 361), np.full(361, 1 / np.pi), "k--", lw=0.9, label=r"$1/\pi$")
+    ax.set_ylim(0, None)
+    return style_polar(ax)
