@@ -25,7 +25,7 @@ namespace yade {
 class CellStress : public GlobalEngine {
 public:
 	void action() override;
-	/// Sets the entries of a velocity gradient that are not prescribed to 0.
+	/// Sets the diagonal entries of a velocity gradient to 0 along axes with a stress.
 	void release(Matrix3r& gradient) const;
 	/// Sets inertia and load of the cell of a step.
 	void gatherCell(rcr::Step&) const;

@@ -103,7 +103,7 @@ public:
 	// clang-format on
 	DECLARE_LOGGER;
 private:
-	// Result of a pass. All but `converged` require a further pass.
+	// Result of a pass. All but `consistent` require a further pass.
 	enum class PassOutcome { consistent, missedContact, bounceLowered, biasesRestored, biasChanged };
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }

@@ -49,8 +49,8 @@ double deepestOverlap(const rcr::Step&, rcr::ThreadTeam&);
 /// Number of the first body whose solved velocity is not finite; −1: none.
 int firstNotFinite(const rcr::Step&);
 
-/// Throws std::runtime_error if the contacts of a step without driven bodies have added more energy
-/// than the sum of its kinetic energies before the step and at the end without contacts.
+/// Throws std::runtime_error if contacts have added more energy than T(v⁻) + T(v_free), the kinetic
+/// energies before the step and at its end without contacts. Steps with driven bodies are exempt.
 void checkEnergy(const rcr::Step&, long number);
 
 /// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step.

@@ -41,8 +41,8 @@ public:
 	/// Means since the last call.
 	boost::python::dict takeMeans(const std::vector<int>& ids);
 
-	/// Entries since the last call. An entry that ended with a step of a present run stays for the
-	/// next call.
+	/// Entries since the last call. During a run, the newest entry waits for the next call, because
+	/// its positions are unknown.
 	boost::python::list takeIntervals(const Scene&);
 
 private:

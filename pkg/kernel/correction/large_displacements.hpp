@@ -4,7 +4,7 @@
 // The gap at the end differs from this by the curvature of the path, about s²/2ρ for a relative
 // displacement s. A disc that passes a corner would be deflected by a plane that it never meets,
 // and a spinning rod would end inside a body. After each solve, the gap of a large displacement is
-// therefore measured at four times of the step. If it ends below min(0, g) by more than the slop,
+// therefore measured at four instants of the step. If it ends below min(0, g) by more than the slop,
 // its difference c from the plane enters the bias, and the step is solved again:
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
@@ -68,8 +68,8 @@ Manifold pointsAfter(const Step& step, const StepContact& c, double time, Veloci
 Manifold solvedPointsAfter(const Step&, const StepContact&, double time);
 
 /// A body has passed through the other one up to `time`, when its contact points are `now`.
-/// Otherwise it is on its original side, or has moved around the other body. Bisection in time: the
-/// normal turns gradually around a body and flips across it.
+/// Otherwise it is on its original side, or has moved around the other body. Bisection in time finds
+/// the change of the normal: continuous around a body, a jump through it.
 bool passedThrough(const Step&, const StepContact&, const Manifold& now, double time);
 
 /// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias

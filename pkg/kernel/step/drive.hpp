@@ -2,8 +2,8 @@
 //
 // A rigid contact bears any impulse that a driven body of speed V causes. In a wedge, impulses are
 // bounded by the geometry alone, and grains are ejected at many times V, where springs would have
-// yielded. The momentum and the loads of one row of r of the N free bodies set the scale of contact
-// impulses:
+// yielded. A row of r bodies sets the scale of contact impulses. P and L are r times the means over
+// the N free bodies:
 //
 //   momentum   P = r/N Σ m (V + |v_free|)
 //   loads      L = r/N Σ m |v_free − v⁻|

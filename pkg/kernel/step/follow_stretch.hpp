@@ -18,7 +18,7 @@ namespace rcr {
 Vec2 meanStretch(const Step&);
 
 /// Removes the momentum m r e of all bodies from the start impulses, with the stretch rate e [1/s].
-/// The impulse through a section at r falls by the momentum of the bodies beyond r.
+/// The impulse transmitted through a section at r falls by Σ m r e of the bodies farther out.
 void removeMomentum(Step&, Vec2 stretch);
 
 } // namespace rcr
