@@ -23,13 +23,11 @@ from rcr._data import files, results
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
 from rcr.study.protocol import FREE_PARAMETERS, PROTOCOL, check_parameters
-from rcr.study.shear import is_approaching, rate_and_step
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, STATES, "history.csv", "isotropic.h5", NETWORKS]
 OUTPUT = ["strain", "networks", "include_yielded"]  # options that change no record
 HALF_RECORD = 0.5 * PROTOCOL.record_strain
-MAX_INERTIA = 0.02  # sample inertia over σ₀ at the end, at most without a warning
 RUN_SECONDS = 3.0  # aimed duration of a run of several records
 CHECKPOINT_SECONDS = 60  # between checkpoints; at least 20 times that of writing one
 
@@ -58,6 +56,9 @@ def parser():
     add("--approach", type=number, default=protocol.approach,
         help="strain up to which the shear is quick, with --inertial-number at least "
         f"{protocol.quick_inertial_number:g} and --time-step at most {protocol.quick_time_step:g} "
+        "(default %(default)g)")
+    add("--sample-inertia", type=number, default=protocol.sample_inertia,
+        help="ρ (ε̇ W)²/σ0 beyond --approach, at most; lowers the rate of large samples "
         "(default %(default)g)")
     add("--threads", type=integer, default=0, help="of the contact solver (default: YADE's -j)")
     add("--tolerance", type=number, default=1e-4,
@@ -157,25 +158,8 @@ def compact(test, options, checkpoints):
     checkpoints.save(state=True)
 
 
-def warn_inertia(test, strain):
-    """Warn if the sample will be too wide for its rate at the final strain."""
-    inertia = test.sample_inertia(strain)[0]
-    if inertia > MAX_INERTIA:
-        rate = rate_and_step(test, strain)[0] * math.sqrt(0.5 * MAX_INERTIA / inertia)
-        quick = is_approaching(test, strain)
-        tqdm.write(
-            f"biaxial.py: at a strain of {strain:g} the inertia of the sample, ρ (ε̇ W)², is "
-            f"{inertia:.2g} of the confining stress: the fixed side wall carries that much more "
-            f"than the free one; with {'--approach 0 ' * quick}--inertial-number {rate:.1g} it is "
-            f"{50 * MAX_INERTIA:g} %",
-            file=sys.stderr,
-        )
-
-
 def shear(test, options, checkpoints):
     """Shear up to the strain; save a network and a checkpoint at equal strains."""
-    warn_inertia(test, options.strain)
-
     def due():
         return math.floor((test.strain + HALF_RECORD) * options.networks / options.strain)
 

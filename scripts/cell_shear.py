@@ -130,7 +130,8 @@ def inner_fraction(test):
 def between_walls(eta, seed, options):
     """Return the row of a biaxial test between walls."""
     test = Biaxial.prepare(
-        eta=eta, particles=options.particles, seed=seed, threads=1, approach=0, **options.rate
+        eta=eta, particles=options.particles, seed=seed, threads=1, approach=0, sample_inertia=1,
+        **options.rate
     )
     test.compact()
     first, inner, weak = inner_fraction(test), [], []

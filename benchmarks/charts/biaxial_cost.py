@@ -64,7 +64,8 @@ def compacted(eta, seed, options):
     folder = os.path.join(options.out, "packings", f"n{options.particles}-e{eta:g}-s{seed}")
     if not os.path.exists(os.path.join(folder, "checkpoint.yade.gz")):
         os.makedirs(folder, exist_ok=True)
-        test = Biaxial.prepare(eta, options.particles, seed, threads=1, approach=0)
+        test = Biaxial.prepare(eta, options.particles, seed, threads=1, approach=0,
+                               sample_inertia=1)
         test.compact()
         test.save(folder)
     return Biaxial.load(folder)

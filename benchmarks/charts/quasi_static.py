@@ -89,7 +89,8 @@ def _test(name, options, folder):
 def _set(test, setting):
     """Set rate, time step and solver."""
     rate, dt, iterations, tolerance = setting.split("/")
-    test.parameters.update(inertial_number=float(rate), time_step=float(dt), approach=APPROACH)
+    test.parameters.update(inertial_number=float(rate), time_step=float(dt), approach=APPROACH,
+                           sample_inertia=1)
     solver, change = test.solver, tolerance.removeprefix("mean-")
     plain = change != tolerance
     solver.maxIterations, solver.solver = int(iterations), "nlgs" if plain else "auto"

@@ -92,6 +92,9 @@ class Biaxial:
         approach : float
             Strain up to which the shear is quick (`Protocol.approach`): I is at least
             `Protocol.quick_inertial_number`, dt/t₀ at most `Protocol.quick_time_step`.
+        sample_inertia : float
+            ρ (ε̇ W)²/σ₀ beyond `approach`, at most (`Protocol.sample_inertia`): I is lowered in
+            large and wide samples.
 
         Raises
         ------

@@ -55,6 +55,7 @@ class Protocol:
     # Shear
     time_step: float = 0.4  # dt [t₀]
     inertial_number: float = 1e-4  # I [-]; averages are near their limit I → 0
+    sample_inertia: float = 2e-4  # ρ (ε̇ W)²/σ₀ at most [-]: inertia of the sample between the walls
     approach: float = 0.1  # strain up to which the shear is quick [-]
     quick_time_step: float = 0.1  # dt of quick shear, at most [t₀]
     quick_inertial_number: float = 1e-3  # I of quick shear, at least [-]
@@ -84,7 +85,8 @@ PROTOCOL = Protocol()
 def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e-4, solver="auto",
                      threads=0, inertial_number=PROTOCOL.inertial_number,
                      time_step=PROTOCOL.time_step, law="cd", stiffness=PROTOCOL.stiffness,
-                     iterations=None, approach=PROTOCOL.approach):
+                     iterations=None, approach=PROTOCOL.approach,
+                     sample_inertia=PROTOCOL.sample_inertia):
     """Return the parameters of a test as a dict, after a check of each; see `Biaxial.prepare`.
 
     Raises
@@ -115,6 +117,7 @@ _RANGES = dict(  # parameter: check, expected value, condition
     stiffness=(checks.number, "a number ≥ 1, at most 1e9", lambda v: 1 <= v <= 1e9),
     iterations=(checks.integer, "a whole number > 0 of 32 bits", lambda v: 0 < v < 2**31),
     approach=(checks.number, "a strain 0 ≤ approach < 1", lambda v: 0 <= v < 1),
+    sample_inertia=(checks.number, "a number > 0, at most 1", lambda v: 0 < v <= 1),
 )
 
 

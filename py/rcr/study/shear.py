@@ -2,7 +2,8 @@
 
 The top wall moves at the rate ε̇ = I/t₀ of the first height. The strain is (h₀ − h)/h₀. A record
 is 0.1 % of strain and gives a row of the history. Up to the strain `approach` the shear is quick:
-`Protocol.quick_inertial_number`. Needs YADE.
+`Protocol.quick_inertial_number`. Beyond it ρ (ε̇ W)² is at most the share `sample_inertia` of σ₀.
+Needs YADE.
 """
 
 import math
@@ -81,13 +82,26 @@ def is_approaching(test, strain=None):
 def rate_and_step(test, strain=None):
     """Return I and dt/t₀ of the shear, now or at a strain.
 
-    Up to the strain `approach` they are those of quick shear. `Biaxial.go_back` divides dt.
+    Up to the strain `approach` they are those of quick shear. Beyond it I is lowered where the
+    inertia of the sample would exceed its bound. `Biaxial.go_back` divides dt.
     """
     rate, step = test.parameters["inertial_number"], test.parameters["time_step"]
     if is_approaching(test, strain):
         rate = max(rate, PROTOCOL.quick_inertial_number)
         step = min(step, PROTOCOL.quick_time_step)
+    else:
+        rate = min(rate, largest_rate(test, strain))
     return rate, step / test.progress["divisor"]
+
+
+def largest_rate(test, strain=None):
+    """Return I at which ρ (ε̇ W)²/σ₀ has its bound, now or at a strain."""
+    first = test.progress["first_height"]
+    height = test.height if strain is None else first * (1 - strain)
+    density = PROTOCOL.density * test.packing_fraction
+    width = test.area / (test.packing_fraction * height)
+    bound = test.parameters["sample_inertia"] * PROTOCOL.confining_stress
+    return test.time_unit * height / (first * width) * math.sqrt(bound / density)
 
 
 def top_speed(test, strain=None):
@@ -101,12 +115,14 @@ def steps_per_record(test):
     return max(1, round(PROTOCOL.record_strain * test.time_unit / (rate * O.dt)))
 
 
-def _records_at_this_speed(test):
-    """Return the number of records before the top wall changes its speed."""
-    if not is_approaching(test):
-        return math.inf
-    left = test.parameters["approach"] - 0.5 * PROTOCOL.record_strain - test.strain
-    return max(1, math.ceil(left / test.strain_per_record))
+def _records_at_this_speed(test, most):
+    """Return the number of records, at most `most`, in which the top wall keeps its speed."""
+    if is_approaching(test):
+        left = test.parameters["approach"] - 0.5 * PROTOCOL.record_strain - test.strain
+        return max(1, min(most, math.ceil(left / test.strain_per_record)))
+    end = test.strain + most * test.strain_per_record
+    # the margin is for the dilation until then
+    return most if test.parameters["inertial_number"] < 0.8 * largest_rate(test, end) else 1
 
 
 # --- records -----------------------------------------------------------------------------------
@@ -120,7 +136,7 @@ def shear(test, records):
         top.vel = Vector3(0, -ramp * top_speed(test), 0)
         if not isinstance(solver, Springs):
             O.dt = rate_and_step(test)[1] * test.time_unit
-        together = min(records, _records_at_this_speed(test)) if ramp == 1 else 1
+        together = _records_at_this_speed(test, records) if ramp == 1 else 1
         try:
             test.step(steps_per_record(test), together)
         finally:

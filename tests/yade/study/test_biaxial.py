@@ -6,7 +6,6 @@ import json
 import math
 import os
 import random
-import re
 import resource
 import shutil
 import signal
@@ -19,7 +18,7 @@ import numpy as np
 import pytest
 import rcr
 from rcr.network import Network
-from rcr.study import compaction
+from rcr.study import compaction, shear
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, HISTORY_COLUMNS
 from rcr.study.protocol import PROTOCOL
@@ -344,7 +343,8 @@ def test_shear_is_fast_up_to_the_strain_approach(packing):
     """Wall speed and time step are those of I = 1e-3 up to it; faster tests stay as they are."""
     for own, fast in (((2e-4, 0.4), (1e-3, 0.1)), ((2e-3, 0.05), (2e-3, 0.05))):
         test = Biaxial.load(packing.folder)
-        test.parameters.update(inertial_number=own[0], time_step=own[1], approach=0.005)
+        test.parameters.update(inertial_number=own[0], time_step=own[1], approach=0.005,
+                               sample_inertia=1)
         seen = {}
         while test.strain < 0.008 - 1e-6:
             fast_stage = "fast" if test.strain < 0.005 - 5e-4 else "slow"
@@ -555,13 +555,21 @@ def test_script_refuses_the_folder_of_another_run(done, arguments, message):
     assert {path.name: path.read_bytes() for path in done.iterdir()} == before
 
 
-def test_script_warns_of_a_sample_too_wide_for_its_rate(tmp_path):
-    fast = tmp_path / "fast"
-    inertia = pytest.approx(0.05, rel=0.2)  # I² N
-    run = script(*SMALL, "--inertial-number", "0.03", "--time-step", "0.02", "--out", fast)
-    warning = re.search(r"the inertia of the sample, ρ \(ε̇ W\)², is ([0-9.]+) of", run.stderr)
-    assert run.returncode == 0 and float(warning[1]) == inertia
-    assert json.loads((fast / "summary.json").read_text())["sample_inertia"] == inertia
+def test_wide_samples_shear_more_slowly(packing):
+    """Beyond `approach`, ρ (ε̇ W)²/σ₀ stays at its bound if I would exceed it."""
+    test = Biaxial.load(packing.folder)
+    test.parameters.update(approach=0.003, inertial_number=5e-4, sample_inertia=1e-5)
+    inertias = []
+    while test.strain < 0.01:
+        quick = shear.is_approaching(test)
+        test.shear_record()
+        inertias += [] if quick else [test.sample_inertia()[0]]
+    assert inertias == pytest.approx([1e-5] * len(inertias), rel=1e-3) and len(inertias) > 5
+    one = [row["stress_x"] for row in test.rows]
+    test = Biaxial.load(packing.folder)
+    test.parameters.update(approach=0.003, inertial_number=5e-4, sample_inertia=1e-5)
+    test.shear(len(one))
+    assert [row["stress_x"] for row in test.rows] == one  # however many records are asked for
 
 
 def test_script_overwrites_on_demand(done):
