@@ -179,7 +179,7 @@ quietly() {
     if ! (enter "$@") 2>&1 | while IFS= read -r line; do
         case $line in
         "["[!0]*) # [0/1] only checks for new files
-            [ -e "$output.begun" ] || say "compiling (3 to 7 min from scratch on two processors) …"
+            [ -e "$output.begun" ] || say "compiling (2 to 5 min from scratch on two processors) …"
             : >"$output.begun"
             : >"$repo/build/working"
             ;;
