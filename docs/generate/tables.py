@@ -16,7 +16,6 @@ import csv
 import math
 import pathlib
 import re
-import statistics
 import sys
 
 DOCS = pathlib.Path(__file__).resolve().parents[1]
@@ -114,25 +113,6 @@ def stability():
         counts = lambda dt: map(verdicts(dt).count, ("holds", "drifts", "blows up"))
         lines.append([title, *(" / ".join(map(str, counts(dt))) for dt in steps)])
     return table(["hold / drift / blow up at dt =", *(f"{1e3 * dt:g} ms" for dt in steps)], lines)
-
-
-def cell_against_walls():
-    """Means over seeds with their standard errors, from scripts/cell_shear.py."""
-    columns = dict(packing_fraction_initial=4, sin_phi=3, packing_fraction=4, a_c_half=3,
-                   a_c_weak=3)  # and their digits
-    groups = {}
-    for row in measured("cell-shear"):
-        groups.setdefault((row["eta"], row["geometry"]), []).append(row)
-    lines = []
-    for (eta, geometry), rows in groups.items():
-        cells = []
-        for name, digits in columns.items():
-            values = [row[name] for row in rows]
-            error = statistics.stdev(values) / len(values)**0.5
-            cells.append(f"{statistics.mean(values):.{digits}f} ± {error:.{digits}f}")
-        lines.append([f"η = {eta:g}, {geometry}", *cells])
-    return table(["", "packing fraction at rest", "q/p", "packing fraction in shear",
-                  "a_c(ξ = 0.5)", "a_c(ξ = 1)"], lines)
 
 
 def step_threads():
@@ -236,7 +216,6 @@ TABLES = {
     "quasi-static": lambda: ratios("e", "e-quasi-static"),
     "examples": examples,
     "step-threads": step_threads,
-    "cell-against-walls": cell_against_walls,
     "driven-scenes": driven_scenes,
 }
 
