@@ -184,7 +184,7 @@ def shear(test, options, checkpoints):
             if due() > saved:
                 name = name_at(NETWORKS, test.strain)
                 test.network().save(os.path.join(options.out, name))
-                if test.strain > test.progress["failed_strain"]:
+                if test.strain > test.progress["failed_strain"] - HALF_RECORD:
                     test.progress["divisor"] = 1
                 checkpoints.save(state=True)
             checkpoints.update()
