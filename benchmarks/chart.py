@@ -5,8 +5,8 @@ a  one step: residual against time of every solver, warm and cold; Siconos, Chip
 b  scenes with a known answer: error against time, over dt and tolerance or over stiffness
 c  biaxial test: errors of its observables against time for 20 % of strain
 d  hard scenes: hold, drift or blow up, over dt and law
-e  biaxial test: observables against the rate of shear, and their quasi-static limits; takes hours,
-   not in the default
+e  biaxial test: changes of the observables by rate, time step and solver; takes hours, not in the
+   default
 
 A CSV has one row a point, with the command that repeats it. Points that it has for the same
 settings are not run again, so an interrupted call resumes. A larger --limit repeats points that ran

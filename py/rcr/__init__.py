@@ -95,12 +95,12 @@ if "yade" in sys.modules:
     globals().update(_classes)
     for _name, _module in _SCENE.items():
         globals()[_name] = getattr(importlib.import_module(f"rcr.{_module}"), _name)
-    from rcr._yade import counterparts as _counterparts, session as _guard
+    from rcr._yade import counterparts as _counterparts, session as _session
     from rcr.scene import save_problem
 
     _classes["ContactDynamics"].save = save_problem
     _counterparts.install()
-    _guard.guard()
+    _session.guard()
 
     __all__ += [*sorted(_classes), *_SCENE]
     __all__ = [name for name in __all__ if name not in _names_of_yade()]

@@ -1,15 +1,15 @@
 // List of all pairs of bodies that may touch within some steps (Verlet list).
 //
 // A step has a contact where the gap of a pair is within the reach of both bodies, e₁ + e₂
-// (detection/missed_contacts.hpp). The list holds all pairs with a gap up to e₁ + e₂ + 2 s. It is valid
-// while every body satisfies
+// (detection/missed_contacts.hpp). The list holds all pairs with a gap up to e₁ + e₂ + 2 s. It is
+// valid while every body satisfies
 //
 //   |x − x₀| + a |t − t₀| + e − e₀ ≤ s        a |t − t₀|: displacement of the ends of its core by rotation
 //
 // The margin s is the path of all but the fastest bodies in 12 steps, within 0.05 to 0.4 mean cap
 // radii. Candidates come from a grid. A cell is as wide as the search circles of all but the widest
-// grains. Wide grains and obstacles search their surroundings. If few bodies violate the condition, the list is
-// repaired: only their pairs are searched again.
+// grains. Wide grains and obstacles search their surroundings. If few bodies violate the condition,
+// the list is repaired: only their pairs are searched again.
 #pragma once
 
 #include <utility>

@@ -14,9 +14,9 @@
 // over its points. Without restitution it would lose about the energy L = ½ Σ p_n |u_n⁻| / (1 + e)
 // over the points that bounce. The restitution of all its points is multiplied by L / (L + 3/2 ΔE)
 // until ΔE ≤ 0. The law may have no solution if one body bounces twice in a step. Each rebound
-// velocity is then lowered to the normal velocity that the solver reached. A contact that pushes because of a large displacement
-// is treated as one that bounces. Source: Newton's rule after Moreau 1999; Kane and
-// Levinson 1985 (its energy).
+// velocity is then lowered to the normal velocity that the solver reached. A contact that pushes
+// because of a large displacement is treated as one that bounces. Source: Newton's rule after
+// Moreau 1999; Kane and Levinson 1985 (its energy).
 #pragma once
 
 #include "step/step.hpp"

@@ -148,9 +148,7 @@ class Biaxial:
         tuple of two floats
             [-].
         """
-        strain = self.strain if strain is None else strain
-        height = self.progress["first_height"] * (1 - strain)
-        width = self.area / (self.packing_fraction * height)
+        width, height = shear.box(self, strain)
         rate = shear.top_speed(self, strain) / height
         density = PROTOCOL.density * self.packing_fraction
         stress = PROTOCOL.confining_stress

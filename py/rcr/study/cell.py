@@ -14,7 +14,7 @@ from yade.wrapper import (
 
 import rcr
 from rcr._data import checks
-from rcr.study.compaction import random_radii, relaxation_interval, relaxation_time_step
+from rcr.study.compaction import random_radii, relaxation_interval, relaxation_time_step, rest
 from rcr.study.protocol import PROTOCOL
 
 O = Omega()
@@ -194,8 +194,7 @@ class CellTest:
         solver = self.solver
         solver.overdamped = False
         self.material.frictionAngle = math.atan(self.friction)
-        for b in O.bodies:
-            b.state.vel = b.state.angVel = (0, 0, 0)
+        rest()
         for i in O.interactions:
             if i.isReal:
                 i.phys.tangensOfFrictionAngle = self.friction

@@ -96,12 +96,17 @@ def rate_and_step(test, strain=None):
 
 def largest_rate(test, strain=None):
     """Return I at which ρ (ε̇ W)²/σ₀ has its bound, now or at a strain."""
-    first = test.progress["first_height"]
-    height = test.height if strain is None else first * (1 - strain)
+    width, height = box(test, strain)
     density = PROTOCOL.density * test.packing_fraction
-    width = test.area / (test.packing_fraction * height)
     bound = test.parameters["sample_inertia"] * PROTOCOL.confining_stress
+    first = test.progress["first_height"]
     return test.time_unit * height / (first * width) * math.sqrt(bound / density)
+
+
+def box(test, strain=None):
+    """Return width and height of the box, now or at a strain with the present area [m]."""
+    height = test.height if strain is None else test.progress["first_height"] * (1 - strain)
+    return test.area / (test.packing_fraction * height), height
 
 
 def top_speed(test, strain=None):
