@@ -9,8 +9,8 @@
 //   gather → [ solve → review ] repeated → correct positions → monitor → record → scatter
 //
 // All but the first and the last work on arrays (kernel/step/step.hpp). If no engine reads YADE's
-// objects, ArraySteps advances from record to the next solve without them. NewtonIntegrator moves the bodies by
-// the added forces p/dt. Source: Moreau 1988, 1999; Jean 1999.
+// objects, ArraySteps advances from record to the next solve without them. NewtonIntegrator moves
+// the bodies by the added forces p/dt. Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
 #include <atomic>
@@ -58,30 +58,30 @@ public:
 		"the bodies. It stands between :yref:`InteractionLoop` and :yref:`NewtonIntegrator`, whose damping must be 0. "
 		"docs/law.md describes each setting.",
 		((Real,tolerance,1e-4,,"Residual at which the solver stops [-]; 0 runs all iterations."))
-		((Real,kinematicTolerance,0.01,,"Second stopping criterion: largest :yref:`kinematicError<ContactDynamics.kinematicError>` [-]; inf switches it off."))
-		((int,maxIterations,1000,,"Largest number of sweeps per step."))
+		((Real,kinematicTolerance,0.01,,"Largest :yref:`kinematicError<ContactDynamics.kinematicError>` at which the solver stops [-]; tolerance must be met too. inf switches it off."))
+		((int,maxIterations,1000,,"Sweeps after which a solve stops. Further passes, yielding contacts and squeezed grains may take more."))
 		((std::string,solver,"auto",,"Solver: nlgs, sor, nesterov, exact or auto."))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)."))
-		((Real,correction,0.1,,"Fraction of each overlap beyond 1e-4 (R₁ + R₂) that the position correction removes per step [-]; 0 switches it off."))
-		((Real,yieldCompliance,1,,"Scale of the compliance of contacts in a step without a solution [-]; 0: contacts never yield."))
-		((bool,overdamped,false,,"Motion without inertia: bodies start each step from rest, or from :yref:`flow<ContactDynamics.flow>`."))
-		((Matrix3r,flow,Matrix3r::Zero(),,"Velocity gradient of the flow from which overdamped bodies start a step [1/s]."))
-		((bool,trackMeanStretch,false,,"Adds the mean stretching of the bodies to :yref:`flow<ContactDynamics.flow>`, so that no drag resists it."))
+		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that a step removes, by shifts of at most 1e-4 R [-]. 0 also keeps the overlaps of curved paths."))
+		((Real,yieldCompliance,1,,"Compliance of yielding contacts over its default [-]. With a larger value, driven contacts yield at smaller impulses; 0: contacts never yield."))
+		((bool,overdamped,false,,"Motion without inertia: free bodies start each step from rest, or from :yref:`flow<ContactDynamics.flow>`, and overlaps are removed whole. Sets O.cell.homoDeform = 0 in a periodic cell."))
+		((Matrix3r,flow,Matrix3r::Zero(),,"Velocity gradient of the flow from which overdamped bodies start a step [1/s]. A periodic cell uses its velGrad instead."))
+		((bool,trackMeanStretch,false,,"Overdamped bodies also start from the mean stretch of earlier steps, so that no drag resists it. Not in a periodic cell."))
 		((std::vector<int>,observe,,,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; a change starts a new mean."))
 		((int,observeEvery,0,Attr::noSave,"Number of steps in each entry of :yref:`observations<ContactDynamics.observations>`; 0 keeps no entries."))
-		((bool,converged,true,Attr::readonly,"The last step met both tolerances and left no overlap beyond 0.02 (R₁ + R₂)."))
-		((int,iterations,0,Attr::readonly,"Sweeps of the last step, summed over its passes, in the island that took most."))
+		((bool,converged,true,Attr::readonly,"The last step met both tolerances without yielding and missed no contact. Its large displacements left no overlap beyond 0.02 (R₁ + R₂)."))
+		((int,iterations,0,Attr::readonly,"Sweeps of the last step over all passes, in the island that took most. May exceed maxIterations."))
 		((Real,residual,0,Attr::readonly,"Residual of the last step: natural map of the contact laws relative to the impulses [-]."))
-		((Real,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step over their RMS relative velocity [-]."))
+		((Real,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step, over their RMS or, if larger, 1 % of the RMS without contacts [-]."))
 		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance."))
 		((bool,yielded,false,Attr::readonly,"Contacts of the last step yielded: it had no solution, or only one with impulses that its drive and loads do not explain."))
-		((Real,unbalancedForce,0,Attr::readonly,"Mean net force on a free body over the mean contact force, in the last step [-]."))
-		((Real,largestUnbalancedForce,0,Attr::readonly,"Largest net force on a free body over the mean contact force, in the last step [-]."))
+		((Real,unbalancedForce,0,Attr::readonly,"Mean net force on a free grain or clump over the mean normal force of closed points, in the last step [-]; inf without contacts."))
+		((Real,largestUnbalancedForce,0,Attr::readonly,"Largest net force on a free grain or clump over the mean normal force of closed points, in the last step [-]; inf without contacts."))
 		((int,lanes,0,Attr::noSave,"Doubles per vector operation: 1, 4 or 8; 0: the processor's width. Results do not depend on it."))
 		((bool,arrays,true,,"Take steps in arrays while no engine reads YADE's objects. Results do not depend on it."))
-		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"Simplifications that the solver may use. Results do not depend on them."))
-		((int,minIterations,0,,"Smallest number of sweeps per step."))
-		((Real,meanForceChange,0,,"Stopping criterion of the paper: relative change of the mean normal force over 10 sweeps [-]; 0: not used."))
+		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"Simplifications that the solver may use. Results agree within the tolerance."))
+		((int,minIterations,0,,"Smallest number of sweeps per pass."))
+		((Real,meanForceChange,0,,"Also ends the solver, as converged, once the mean normal force changes relatively less than this in 10 sweeps [-]; 0: not used."))
 		((Vector2r,meanStretchRate,Vector2r::Zero(),Attr::hidden,"Stretch rates along x and y that trackMeanStretch adds to the flow [1/s]."))
 		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"Change of meanStretchRate in the last step [1/s]."))
 		((StepMonitor,monitor,,Attr::hidden,"Counts of steps and overlaps."))
@@ -90,12 +90,12 @@ public:
 		.add_property("solver",&ContactDynamics::solverName,&ContactDynamics::setSolver,"Solver: nlgs, sor, nesterov, exact or auto.")
 		.add_property("observe",&ContactDynamics::observedIds,&ContactDynamics::setObserve,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; clumps, not their members. A change starts a new mean.")
 		.add_property("tuning",&ContactDynamics::tuningDict,&ContactDynamics::setTuning,"Settings of benchmarks and tests, as a dict: lanes, arrays, reductions, minIterations, meanForceChange.")
-		.add_property("missedSteps",&ContactDynamics::missedSteps,"Number of steps so far that did not converge, those without a solution included.")
+		.add_property("missedSteps",&ContactDynamics::missedSteps,"Number of steps so far that did not converge, those without a solution included; 0 at tolerance 0.")
 		.add_property("yieldedSteps",&ContactDynamics::yieldedSteps,"Number of steps so far in which contacts yielded.")
-		.add_property("deepestOverlap",&ContactDynamics::deepestOverlap,"Deepest overlap of all steps so far over R₁ + R₂ [-].")
+		.add_property("deepestOverlap",&ContactDynamics::deepestOverlap,"Deepest overlap at the beginning of a step so far, over R₁ + R₂ [-]. Pairs of prescribed bodies do not count.")
 		.add_property("model",&ContactDynamics::modelDict,"Size of the last problem after all reductions, and how it was solved, as a dict.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by stage, as a dict [s].")
-		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, residuals and mean contact forces of the steps since the last call. docs/solvers.md has an example.")
+		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, largest residual and mean contact forces since the last call. With observeEvery > 0 the last entry of observations also starts a new mean. docs/solvers.md has an example.")
 		.def("observations",&ContactDynamics::takeObservations,"observations() → list of dicts: one entry per observeEvery steps since the last call, as observed() returns, with step, time and positions.")
 		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for rcr.scene.save_problem.")
 		.def("__dir__",&ContactDynamics::visibleNames)

@@ -1,8 +1,8 @@
 """Observables O3 to O18 of one elongation. Needs NumPy, not YADE.
 
 * Exponents are maximum-likelihood fits: α to the forces above the mean, β to those from
-  `POWER_RANGE` of it up to it. ``_fit_error`` is the error of the fit. ``_half`` is β up to half of
-  the mean, which shows the effect of the range.
+  `POWER_RANGE` of it up to it. ``_fit_error`` is the error of the fit. ``_tenth`` is β
+  from a tenth of the mean on, which shows the effect of the range.
 * Angular functions ⟨·⟩(θ, ξ) are means over the contacts of S(ξ) with a normal near θ. The paper's
   forms are fitted by least squares. Tangential components are along n turned by −90°: then
   ⟨f_t⟩ = ⟨f_n⟩ a_ft sin 2(θ − θσ) with a_ft > 0.
@@ -74,14 +74,14 @@ def force_distribution(force, edges, suffix):
     force = over_mean(force)
     alpha, alpha_error = statistics.exponential_rate(force)
     beta, beta_error = statistics.power_exponent(force, POWER_RANGE)
-    half, _ = statistics.power_exponent(force, POWER_RANGE, 0.5)
+    tenth, _ = statistics.power_exponent(force, 0.1)
     return {
         "pdf": statistics.density(force, edges),
         f"alpha_{suffix}": alpha,
         f"alpha_{suffix}_fit_error": alpha_error,
         f"beta_{suffix}": beta,
         f"beta_{suffix}_fit_error": beta_error,
-        f"beta_{suffix}_half": half,
+        f"beta_{suffix}_tenth": tenth,
     }
 
 

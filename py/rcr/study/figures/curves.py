@@ -93,13 +93,14 @@ def plot_force_tail(value, ax=None, suffix="n"):
 
 
 def plot_force_power(value, ax=None, suffix="n"):
-    """Draw P(f) in log-log scales, with β(η) inset [O3, O4]."""
+    """Draw P(f) in log-log scales, with β(η) inset, and as + from f = 0.1 ⟨f⟩ on [O3, O4]."""
     ax = make_axes(ax)
     x, y = _force_labels(suffix)
     _draw_points(value, f"f_{suffix}", "pdf", ax, least=MIN_DENSITY, ms=2.5)
     ax.set(xlabel=x, ylabel=y, xscale="log", yscale="log", xlim=(1e-3, 20),
            ylim=(MIN_DENSITY, 300 if suffix == "t" else 100))
-    _inset(value, f"beta_{suffix}", rf"$\beta_{suffix}$", ax, (0.2, 0.18, 0.4, 0.37))
+    inset = _inset(value, f"beta_{suffix}", rf"$\beta_{suffix}$", ax, (0.2, 0.18, 0.4, 0.37))
+    inset.plot(value["eta"], column(value, f"beta_{suffix}_tenth"), "k+", ms=3, mew=0.6)
     return ax
 
 
