@@ -68,7 +68,7 @@ def arguments():
 def command(letter, point, given):
     """Command that runs a point again."""
     flags = ["--quick"] if given.quick else []
-    flags += [word for name in ("particles", "siconos") if getattr(given, name)
+    flags += [word for name in ("particles", "siconos", "limit") if getattr(given, name)
               for word in (f"--{name}", str(getattr(given, name)))]
     return " ".join([
         "python3 scripts/chart.py --out", given.out, *flags, "--charts", letter, "--only",

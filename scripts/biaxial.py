@@ -45,14 +45,14 @@ def parser():
     add("--strain", type=strain, default=0.5,
         help="strain of the shear, (h0 - h)/h0 (default %(default)s)")
     add("--seed", type=integer, default=1,
-        help="of sizes, positions and orientations (default %(default)s)")
+        help="seed of sizes, positions and directions (default %(default)s)")
     add("--friction", type=number, default=0.5,
         help="between grains during the shear (default %(default)s)")
     add("--inertial-number", type=number, default=protocol.inertial_number,
         help="rate of the shear beyond --approach, times √(m/σ0) (default %(default)g)")
     add("--time-step", type=number, default=protocol.time_step,
-        help="of the shear beyond --approach, over √(m/σ0) (default %(default)g); not of --law "
-        "smooth")
+        help="time step of the shear beyond --approach, in √(m/σ0) (default %(default)g); not of "
+        "--law smooth")
     add("--approach", type=number, default=protocol.approach,
         help="strain up to which the shear is quick, with --inertial-number at least "
         f"{protocol.quick_inertial_number:g} and --time-step at most {protocol.quick_time_step:g} "
@@ -60,9 +60,9 @@ def parser():
     add("--sample-inertia", type=number, default=protocol.sample_inertia,
         help="ρ (ε̇ W)²/σ0 beyond --approach, at most; lowers the rate of large samples "
         "(default %(default)g)")
-    add("--threads", type=integer, default=0, help="of the contact solver (default: YADE's -j)")
+    add("--threads", type=integer, default=0, help="threads of the contact solver (default: YADE's -j)")
     add("--tolerance", type=number, default=1e-4,
-        help="residual of the contact solver (default %(default)s)")
+        help="largest residual of the contact solver (default %(default)s)")
     add("--iterations", type=integer,
         help="of the solver in a step of the shear, at most (default "
         f"{protocol.small_iterations} up to {protocol.small_particles} grains, "
@@ -124,7 +124,7 @@ class Checkpoints:
             raise error
         test.go_back(self.folder)
         tqdm.write(
-            f"biaxial.py: repeats the shear from a strain of {test.strain:.4f} with "
+            f"biaxial.py: the shear restarts from a strain of {test.strain:.4f} with "
             f"1/{test.progress['divisor']} of the time step, since it stopped at {stopped:.4f}: "
             f"{error}",
             file=sys.stderr,
@@ -205,7 +205,12 @@ def load(options, parameters):
             f"--resume: the checkpoint in {options.out} has {other}; "
             "give its options, or start again with --overwrite"
         )
-    networks = results.read(options.out)["parameters"]["networks"]
+    record = results.read(options.out)
+    if record is None or "networks" not in record["parameters"]:
+        raise ValueError(
+            f"--resume: {options.out} has no run.json of this script; start again with --overwrite")
+    networks = record["parameters"]["networks"]
+    remove_later(options.out, test.strain)  # of a part that go_back abandoned before a kill
     if test.progress["phase"] == "shear" and test.strain > options.strain - HALF_RECORD:
         if test.strain > options.strain + HALF_RECORD:
             raise ValueError(

@@ -14,8 +14,7 @@ try:
     from rcr import script
     from rcr._data import results
     from rcr.study import report
-    from rcr.study.analysis import analyse
-    from rcr.study.runs import Run
+    from rcr.study.runs import Run, by_elongation
 except ImportError as error:  # continue in the Python of yade-rcr
     environment.reenter(error)
 
@@ -63,6 +62,7 @@ def main():
         include_yielded=options.include_yielded,
     )
     runs = [Run.read(folder, **selection) for folder in options.folders]
+    by_elongation(runs)  # raises if they do not belong together
     for run in runs:
         warn_incomplete(run)
     sources = [
@@ -70,13 +70,11 @@ def main():
         for run in runs
     ]
     parameters = dict(selection, runs=sources)
-    show("analysis")
-    found = analyse(runs)
     claim = results.claim_folder(
         options.out, "network.py", parameters, MADE, overwrite=options.overwrite
     )
     with claim as begin:
-        table = report.write(runs, options.out, show, found, begin)
+        table = report.write(runs, options.out, show, begin)
     show("")
     print(f"{os.path.join(options.out, 'report.html')}: {report.summary(table)}")
 

@@ -1,6 +1,6 @@
 """Shared parts of the hard scenes: laws, bodies, and a clock that checks energy and overlaps.
 
-R = 0.01 m is the half length of every body unless a scene states another; d = 2R.
+R = 0.01 m is the circumscribed radius of every body unless a scene states another; d = 2R.
 """
 
 import dataclasses
@@ -206,7 +206,7 @@ def farthest(ids, clock, seconds):
     """Advance by `seconds` and return the largest displacement of these bodies [m]."""
     start, way = positions(ids), [0.0]
     clock.pass_(seconds, lambda: way.append(np.linalg.norm(positions(ids) - start, axis=1).max()))
-    return max(way)
+    return np.max(way)  # NaN stays
 
 
 class Clock:
@@ -252,10 +252,11 @@ class Clock:
                 self.driven += _work_of(self.prescribed)
             self.steps += min(chunk, count)
             count -= chunk
-            self.gain = max(
+            # np.maximum keeps NaN
+            self.gain = np.maximum(
                 self.gain,
                 kinetic() - self.kinetic - max(0, self.potential - potential())
                 - max(0, self.driven))
-            self.overlap = max(self.overlap, deepest())
+            self.overlap = np.maximum(self.overlap, deepest())
             if each:
                 each()

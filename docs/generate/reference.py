@@ -27,7 +27,6 @@ MODULES = {
     "rcr.script": "Options of scripts",
     "rcr.study.biaxial": "The biaxial test",
     "rcr.study.protocol": "Constants of the biaxial test",
-    "rcr.study.cell": "Shear of a periodic cell",
     "rcr.study.analysis": "Observables of the study",
     "rcr.study.observables": "Observables of one elongation",
     "rcr.study.ensemble": "Networks of many runs",

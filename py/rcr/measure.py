@@ -70,7 +70,9 @@ def porosity(volume=None, what=None):
     """
     frame = _frame(what)
     filled = areas(frame)[1].sum()
-    if volume is not None and 0 < volume < filled:
+    if volume is not None:
+        volume = checks.number("volume", volume, "the area of the region > 0 [m²]", lambda v: v > 0)
+    if volume is not None and volume < filled:
         expected = f"the area of the region [m²], which holds grains of {filled:.6g} m²"
         raise checks.error("volume", volume, expected)
     if volume is None and frame.cell is not None:

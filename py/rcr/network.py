@@ -60,7 +60,7 @@ class Network:
     Raises
     ------
     ValueError
-        If a column is missing, has the wrong shape or is not finite.
+        If a column is missing, has the wrong shape, is not finite or cannot be that of a scene.
     """
 
     def __init__(self, particles, contacts, attributes):
@@ -79,6 +79,7 @@ class Network:
             contacts = dict(friction=friction) | contacts
         self.particles = network_columns.checked("particles", particles)
         self.contacts = network_columns.checked("contacts", contacts)
+        network_columns.check_meaning(self.particles, self.contacts, self.attributes)
 
     def __repr__(self):
         names = ("time", "strain", "eta", "friction", "volume")
@@ -114,9 +115,7 @@ class Network:
                     for name, value in file.attrs.items()
                     if name != "stress"
                 }
-            network = cls(particles, contacts, attributes)
-            network_columns.check_meaning(network.particles, network.contacts, network.attributes)
-            return network
+            return cls(particles, contacts, attributes)
 
     def save(self, path):
         """Save the network to an HDF5 file with a check sum; the write is atomic."""

@@ -60,7 +60,7 @@ class Profile:
             expected = "the lower left and the upper right corner of a rectangle [m]"
             raise checks.error("limits", limits, expected)
         self.limits = self._given
-        self._sums = None
+        self._sums, self._moments = None, 0
 
     def __repr__(self):
         grid = f"{self.cells[0]} × {self.cells[1]} cells"
@@ -92,12 +92,17 @@ class Profile:
             If there is no grain, or the first edge of the periodic cell is not along x.
         """
         frame = Frame.of(what)
+        before = self.limits, self._sums, self._moments
         if reset or self._sums is None:
             self.limits = _limits(frame) if self._given is None else self._given
             self._sums, self._moments = {}, 0
-        self._moments += 1
-        self._add_grains(frame)
-        self._add_contacts(frame)
+        self._sums, self._moments = dict(self._sums), self._moments + 1
+        try:
+            self._add_grains(frame)
+            self._add_contacts(frame)
+        except ValueError:
+            self.limits, self._sums, self._moments = before
+            raise
         return self
 
     @property

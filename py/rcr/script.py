@@ -20,7 +20,10 @@ STOPPED = 130  # exit code after Ctrl-C, as in a shell
 
 
 class Parser(argparse.ArgumentParser):
-    """An ArgumentParser whose errors take one line, without the usage."""
+    """An ArgumentParser without abbreviations, whose errors take one line, without the usage."""
+
+    def __init__(self, **keywords):
+        super().__init__(allow_abbrev=False, **keywords)
 
     def error(self, message):
         if message.startswith("argument "):
@@ -103,7 +106,7 @@ def add_results(parser, what, required=True):
     """Add the options --out and --overwrite, which `rcr._data.results.claim_folder` takes."""
     out = f"folder of the {what}, made if missing"
     parser.add_argument("--out", type=folder, required=required, metavar="DIR", help=out)
-    overwrite = f"remove {what} of other options from the folder"
+    overwrite = f"replace {what} that were made with other options"
     parser.add_argument("--overwrite", action="store_true", help=overwrite)
 
 

@@ -40,7 +40,7 @@ def parser():
     seed = script.integer("seeds ≥ 0", lambda v: v >= 0)
     strain = script.number("0 < strain < 1", lambda v: 0 < v < 1)
     positive = script.number("a number > 0, at most 10", lambda v: 0 < v <= 10)
-    friction = script.number("a coefficient ≥ 0, at most 100", lambda v: 0 <= v <= 100)
+    friction = script.number("a coefficient > 0, at most 100", lambda v: 0 < v <= 100)
     processors = len(os.sched_getaffinity(0))
     add = made.add_argument
     add("--quick", action="store_true",
@@ -158,6 +158,9 @@ def failure(out):
     """Return one line with the reason of each failed run: the last line of its log."""
     logs = sorted(out.glob("runs/*/log"))
     failed = [path for path in logs if not (path.parent / "summary.json").exists()]
+    report = out / "report" / "log"
+    if not failed and report.exists():
+        failed = [report]
     reasons = "; ".join(f"{path.resolve()}: {last_line(path)}" for path in failed)
     what = ", see above"
     if reasons:

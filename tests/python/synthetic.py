@@ -71,7 +71,8 @@ def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5
     columns = dict(body1=one, body2=(one + rng.integers(1, particles_, contacts)) % particles_,
                    position=grains["position"][one])
     columns |= dict(type=rng.integers(0, 3, contacts) if eta else np.zeros(contacts, int))
-    made = network(theta, branch, np.column_stack([fn, -fn * along]), friction, **columns)
+    force = np.column_stack([fn, -fn * along])
+    made = network(theta, branch, force, friction, particles_, **columns)
     return Network(grains, made.contacts, dict(volume=900.0, friction=friction, eta=eta,
                                                strain=strain, seed=seed))
 

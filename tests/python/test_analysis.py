@@ -175,7 +175,7 @@ def test_forces_in_strips_from_wall_to_wall():
     x = np.clip(columns["position"][:, 0], 0, 25)
     columns["position"][:, 0] = x
     columns["force"] *= (1 - 0.5 * (x + 5) / 30)[:, None]
-    columns["body2"][:2] = LEFT, RIGHT
+    columns["body2"][:2], columns["type"][:2] = (LEFT, RIGHT), 3
     columns["position"][:2, 0] = -5, 25
     ensemble = Ensemble([Network(made.particles, columns, made.attributes)])
     grids = observables.Grids.of([ensemble], 0.4)
@@ -363,7 +363,7 @@ def test_runs_that_are_no_seeds_are_refused(tmp_path):
         analysis.analyse([record(folders[0], tolerance=1e-4), record(folders[1], tolerance=1e-4)])
     (folders[1] / "run.json").write_text(
         (folders[1] / "run.json").read_text().replace('"eta": 0.5', '"eta": 0.4'))
-    with pytest.raises(ValueError, match="has eta = 0.5, .*run.json 0.4: files of two runs"):
+    with pytest.raises(ValueError, match="has eta = 0.5, .*run.json 0.4: the folder mixes two runs"):
         Run.read(folders[1])
 
 
@@ -376,7 +376,7 @@ def test_mixed_networks_are_refused(tmp_path):
     other.save(folder / "network-0.3000.h5")
     with pytest.raises(
         ValueError,
-        match="network-0.3000.h5 and network-0.1000.h5 hold different grains: files of two runs",
+        match="network-0.3000.h5 and network-0.1000.h5 hold different grains: the folder mixes",
     ):
         Run.read(folder)
     packing(0.5, strain=0.1).save(folder / "network-0.3000.h5")

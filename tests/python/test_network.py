@@ -63,7 +63,7 @@ def test_stress_of_a_row_and_a_column():
 
 def test_a_network_tells_what_it_holds():
     row = network(np.zeros(3), np.tile([1.0, 0], (3, 1)), np.ones((3, 2)),
-                  body2=np.array([1, 1, -2]))
+                  body2=np.array([1, 1, -2]), type=np.array([0, 0, 3]))
     assert repr(
         row) == "<Network: 2 grains, 3 contacts, 2 of them between grains, friction 0.5, volume 10>"
     row.attributes |= dict(strain=np.float64(0.1) * 3, seed=4, volume="large")

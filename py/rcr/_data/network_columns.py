@@ -62,12 +62,11 @@ def check_meaning(particles, contacts, attributes):
     """Raise a ValueError unless the columns can be those of a scene."""
     _check_particles(particles)
     _check_contacts(contacts, particles["id"])
-    valid = dict(strain=math.isfinite, eta=lambda v: 0 <= v < 1,
-                 friction=lambda v: 0 <= v < math.inf, volume=math.isfinite)
-    for name in valid:
-        if name in attributes:
-            expected = "a finite number in its range"
-            checks.number(f"the attribute {name}", attributes[name], expected, valid[name])
+    ranges = dict(strain=("a finite number", math.isfinite),
+                  eta=("an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1),
+                  friction=("a finite coefficient ≥ 0", lambda v: 0 <= v < math.inf))
+    for name in ranges.keys() & attributes.keys():
+        checks.number(f"the attribute {name}", attributes[name], *ranges[name])
 
 
 def _check_particles(p):

@@ -33,7 +33,7 @@ def load(path):
 
 
 def save(path, problem):
-    """Save a BodyProblem as ``.npz``, with (nb, 2) ``im`` along x and y, or any as FCLIB ``.h5``.
+    """Save a BodyProblem as ``.npz``, or any problem as FCLIB ``.h5``.
 
     Parameters
     ----------
@@ -60,26 +60,27 @@ def save(path, problem):
     files.write(path, image)
 
 
-def save_fclib(path, problem, title="contact problem of yade-rcr"):
+def save_fclib(path, problem):
     """Save a problem as FCLIB's ``fclib_local``; its warm start becomes the first guess.
 
     Parameters
     ----------
     path : str
         An existing file is replaced.
-    problem : BodyProblem, DelassusProblem or dict
-        A dict holds the arrays of a BodyProblem by name.
-    title : str
-        Title in the file.
+    problem : BodyProblem or DelassusProblem
+
+    Raises
+    ------
+    ValueError
+        If the suffix is not ``.h5`` or ``.hdf5``.
     """
-    if isinstance(problem, dict):
-        problem = BodyProblem(**problem)
+    _suffix(path, (".h5", ".hdf5"))
     if isinstance(problem, BodyProblem):
         problem = problem.delassus()
     row, column, value = problem.entries()
     size = 2 * problem.contacts
     pointers = np.searchsorted(row, np.arange(size + 1))
-    info = dict(title=title, description="u = W r + q, local (n, t); b_n is in q",
+    info = dict(title="contact problem of yade-rcr", description="u = W r + q, local (n, t); b_n is in q",
                 math_info="W symmetric, semi-definite")
 
     def fill(file):

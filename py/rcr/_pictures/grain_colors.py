@@ -51,7 +51,7 @@ SCALES = dict(
     speed=Scale("speed [m/s]", _speed),
     spin=Scale("angular velocity [1/s]", lambda frame: frame.grains["velocity"][:, 2], "coolwarm"),
     load=Scale("sum of normal forces [N/m]", _load, "magma_r"),
-    pressure=Scale("mean stress of its contacts [Pa]", _pressure, "magma_r"),
+    pressure=Scale("pressure in the grain [Pa]", _pressure, "magma_r"),
     contacts=Scale("contacts with a force", _contacts, "YlGnBu"))
 CATEGORIES = dict(type="Rcr, disc, member of a clump, prescribed motion",
                   shape="the colours of YADE's view, `particle(…, color=…)`")
@@ -102,7 +102,8 @@ class GrainColors:
         shown = values[~frame.grains["fixed"]].compressed()
         if not len(shown):
             return cls(np.tile(to_rgba(GRAIN), (len(values), 1)), scale=scale)
-        low, high = range or scale.range or (shown.min(), shown.max())
+        given = scale.range if range is None else range
+        low, high = (shown.min(), shown.max()) if given is None else given
         map_ = cmap or scale.cmap
         map_ = matplotlib.colormaps[map_] if isinstance(map_, str) else map_
         mappable = ScalarMappable(Normalize(low, high), map_.with_extremes(bad=GRAIN))

@@ -83,7 +83,8 @@ def _writer(path, fps):
 
 def _film_networks(paths, options):
     """Return a figure, and one drawing function per network, with common limits and colours."""
-    frames = sorted((Frame.of(path) for path in paths), key=lambda frame: frame.time)
+    frames = [Frame.of(path) for path in sorted(paths, key=_natural_order)]
+    frames.sort(key=lambda frame: np.nan_to_num(frame.time))
     limits = options.pop("limits", None)
     if limits is None:
         corners = np.array([frame.extent() for frame in frames])

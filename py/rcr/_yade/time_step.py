@@ -20,6 +20,9 @@ def critical_time_step(points=6):
 
         ω_n² = 2 z k_n max(1/m, a²/I),   ω_s² = 2 z k_s max(1/m, R²/I),   z = `points`.
 
+    A clump has mass and inertia of its own, `points` contact points of each member, and a and R up
+    to its furthest core end and surface.
+
     The leapfrog is stable for dt ω < 2 (√(1 + ζ²) − ζ). ζ is the damping ratio of this motion: the
     law's ratio, which belongs to one point between two bodies (ω² = 2 k_n/m), times the ratio of
     the frequencies. Tangents have no dashpot. k_n and k_s are the largest of the body's contacts.
@@ -56,8 +59,11 @@ def critical_time_step(points=6):
     stiffness_of = _stiffnesses(loops)
     steps = []
     for body in O.bodies:
-        if isinstance(body.shape, (Rcr, Sphere)) and body.state.blockedDOFs != "xyzXYZ":
-            steps.append(_stable_step(body, *stiffness_of(body), points, laws[0].damping))
+        members = [O.bodies[k] for k in body.shape.members] if body.isClump else [body]
+        grain = all(isinstance(member.shape, (Rcr, Sphere)) for member in members)
+        if grain and not body.isClumpMember and body.state.blockedDOFs != "xyzXYZ":
+            stiffness = np.max([stiffness_of(member) for member in members], axis=0)
+            steps.append(_stable_step(body, members, *stiffness, points, laws[0].damping))
     if not steps:
         raise ValueError("no Rcr and no Sphere is free to move: nothing bounds the time step")
     return min(steps)
@@ -91,15 +97,18 @@ def _stiffnesses(loops):
     return stiffness
 
 
-def _stable_step(body, kn, ks, points, damping):
-    """Return the stable time step of one body [s]; see `critical_time_step`."""
+def _stable_step(body, members, kn, ks, points, damping):
+    """Return the stable time step of a grain or clump [s]; see `critical_time_step`."""
     if not (kn > 0 and ks >= 0):
         given = f"body #{body.id} has the stiffnesses kn = {kn}, ks = {ks}"
         raise ValueError(f"{given}; expected kn > 0 and ks ≥ 0 [N/m]")
     m, inertia = body.state.mass, body.state.inertia[2]
-    a, R = getattr(body.shape, "halfLength", 0), _radius(body.shape)
-    normal = math.sqrt(2 * points * kn * max(1 / m, a * a / inertia))
-    shear = math.sqrt(2 * points * ks * max(1 / m, R * R / inertia))
+    offsets = [(member.state.pos - body.state.pos).norm() for member in members]
+    a = max(d + getattr(member.shape, "halfLength", 0) for d, member in zip(offsets, members))
+    R = max(d + _radius(member.shape) for d, member in zip(offsets, members))
+    z = points * len(members)
+    normal = math.sqrt(2 * z * kn * max(1 / m, a * a / inertia))
+    shear = math.sqrt(2 * z * ks * max(1 / m, R * R / inertia))
     ratio = damping * normal / math.sqrt(2 * kn / m)
     step = 2 / normal * (math.sqrt(1 + ratio**2) - ratio)
     return min(step, 2 / shear if shear > 0 else math.inf)

@@ -8,8 +8,8 @@
 * ``a_c_drift`` is the change of a_c over the strains of the snapshots: the critical state of sin φ
   need not be that of the fabric.
 * sin φ is that of the mean wall stresses over the history. The mean of sin φ would be too small in
-  large packings, whose stresses fluctuate by inertia. ``sin_phi_std`` is the scatter of records,
-  ``sin_phi_network`` the mean of the snapshots.
+  large packings, whose stresses fluctuate by inertia. ``sin_phi_std`` is the scatter of records.
+  With fewer than three seeds, its error is over `BLOCKS` parts of each history.
 
 `rcr.study.observables` has the rules of single observables.
 """
@@ -19,10 +19,10 @@ import numpy as np
 from rcr.network import sin_phi
 from rcr.study import statistics
 from rcr.study.ensemble import Ensemble
-from rcr.study.observables import MEASURES, POWER_RANGE, Grids, measures
+from rcr.study.observables import MEASURES, Grids, measures
 from rcr.study.claims.paper import MAPS, STATEMENTS
 from rcr.study.runs import by_elongation
-from rcr.study.statistics import standard_error
+from rcr.study.statistics import mean_of_finite, standard_error
 
 WINDOW = 0.01  # strain over which stresses are averaged for the curve of sin φ
 SEEDS = 3  # number of seeds from which on errors are those over the seeds
@@ -51,6 +51,7 @@ def along_strain(history, strain):
 def strength(runs, ensemble, grids):
     """Return sin φ of the critical state and along the strain, of the runs of one elongation."""
     late = [run.critical_stresses() for run in runs]
+    seeds = [sin_phi(stresses.mean(axis=0)) for stresses in late]
     blocks = [
         sin_phi(block.mean(axis=0))
         for stresses in late
@@ -59,11 +60,9 @@ def strength(runs, ensemble, grids):
     histories = [run.history for run in runs if run.history is not None]
     curves = [along_strain(history, grids.strain) for history in histories]
     return dict(
-        sin_phi=np.mean([sin_phi(stresses.mean(axis=0)) for stresses in late]),
-        sin_phi_std=sin_phi(np.concatenate(late)).std(), sin_phi_error=standard_error(blocks),
-        sin_phi_network=ensemble.sin_phi(),
-        sin_phi_network_error=standard_error([part.sin_phi() for part in ensemble.snapshots()]),
-        sin_phi_strain=np.mean(curves, axis=0) if curves else np.full_like(grids.strain, np.nan),
+        sin_phi=np.mean(seeds), sin_phi_std=sin_phi(np.concatenate(late)).std(),
+        sin_phi_error=standard_error(seeds if len(seeds) >= SEEDS else blocks),
+        sin_phi_strain=mean_of_finite(curves) if curves else np.full_like(grids.strain, np.nan),
         snapshots=len(ensemble.snapshots()), contacts=len(ensemble),
         particles=np.mean([len(run.networks[0].particles["id"]) for run in runs]), seeds=len(runs))
 
@@ -99,22 +98,23 @@ def compaction(runs, grids):
             dict.fromkeys(ISOTROPIC, np.nan) | dict(pdf=np.full(len(grids.theta) - 1, np.nan))
         ]
     mean = {name: np.mean([state[name] for state in states], axis=0) for name in states[0]}
-    return mean | dict(a_c_error=np.sqrt(2 / mean["contacts"] / len(states)))
+    return mean | dict(a_c=np.abs(mean["a_c"]), order=np.abs(mean["order"]),
+                       a_c_error=np.sqrt(2 / mean["contacts"] / len(states)))
 
 
 def isotropic(network, grids):
     """Return observables of one isotropic packing.
 
-    ``order`` is |⟨e^{2iφ}⟩| of the long axes, ``a_c`` is 2 |⟨e^{2iφ}⟩| of the normals. The error
-    of C independent normals is √(2/C).
+    ``order`` is ⟨e^{2iφ}⟩ of the long axes, ``a_c`` is 2 ⟨e^{2iφ}⟩ of the normals. The magnitudes
+    of their means over seeds enter analysis.json. The error of C independent normals is √(2/C).
     """
     n = network.contacts["normal"][network.between_particles]
     angle = np.arctan2(n[:, 1], n[:, 0])
     p = network.particles
     area = np.pi * p["cap_radius"] ** 2 + 4 * p["cap_radius"] * p["half_length"]
-    order = np.abs(np.mean(np.exp(2j * p["angle"])))
+    order = np.mean(np.exp(2j * p["angle"]))
     return dict(pdf=statistics.density(angle % np.pi, grids.theta),
-                a_c=2 * np.abs(np.mean(np.exp(2j * angle))), contacts=len(n),
+                a_c=2 * np.mean(np.exp(2j * angle)), contacts=len(n),
                 order=order if network.attributes.get("eta", 1) else np.nan,
                 packing_fraction=area.sum() / network.attributes["volume"],
                 coordination_number=network.coordination(),
@@ -164,9 +164,6 @@ def analyse(runs):
     values["O2"] = stacked([compaction(groups[e], grids) for e in groups], dict(theta="theta"))
     values["O15"] |= stacked([drift(groups[e]) for e in groups], {})
     values |= {key: dict(eta=eta) for key in MAPS if key not in values}
-    for key in ("O3", "O4"):
-        values[key] |= dict(power_range=np.array([POWER_RANGE, 1.0]),
-                            exponential_range=np.array([1.0, grids.xi[-1]]))
     return {
         key: dict(value=values[key], paper=paper, unit=unit)
         for key, (paper, unit) in STATEMENTS.items()

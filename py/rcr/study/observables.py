@@ -19,6 +19,7 @@ from rcr.study import statistics
 POWER_RANGE = 0.01  # least force of the fit of β over the mean; the tolerance hides smaller forces
 STRIPS = 5  # vertical strips from wall to wall
 NAMES = ("a_c", "a_ln", "a_lt", "a_fn", "a_ft")
+AXES = ("off_axis", "theta_sigma")  # angles with the period π
 
 
 @dataclasses.dataclass(frozen=True)
@@ -265,8 +266,10 @@ def with_errors(parts):
     for name, value in whole.items():
         values[name] = value
         if not name.endswith("_fit_error"):
-            values[f"{name}_error"] = statistics.standard_error(
-                [snapshot[name] for snapshot in snapshots])
+            samples = [snapshot[name] for snapshot in snapshots]
+            if name in AXES:
+                samples = [0.5 * np.angle(np.exp(2j * (sample - value))) for sample in samples]
+            values[f"{name}_error"] = statistics.standard_error(samples)
     return values
 
 

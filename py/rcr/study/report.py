@@ -32,7 +32,7 @@ img { max-width: 100%; height: auto } img.curve { max-height: 34em }
 _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
 
 
-def write(runs, out, progress=lambda name: None, analysis=None, begin=lambda: None):
+def write(runs, out, progress=lambda name: None, begin=lambda: None):
     """Analyse runs; write analysis.json, report.html, table.md and all figures to a folder.
 
     Figures are PNG and PDF. No file is replaced before all files are complete.
@@ -44,8 +44,6 @@ def write(runs, out, progress=lambda name: None, analysis=None, begin=lambda: No
         Folder, made if missing.
     progress : callable
         Called with the name of the next figure.
-    analysis : dict
-        Result of `rcr.study.analysis.analyse`, if it exists already.
     begin : callable
         Called before the first file is replaced.
 
@@ -59,9 +57,8 @@ def write(runs, out, progress=lambda name: None, analysis=None, begin=lambda: No
     ValueError
         If the runs cannot be analysed together; nothing is written then.
     """
-    if analysis is None:
-        progress("analysis")
-        analysis = analyse(runs)
+    progress("analysis")
+    analysis = analyse(runs)
     out = pathlib.Path(out)
     out.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=files.PART, dir=out) as scratch:
@@ -258,8 +255,9 @@ def _table(table, grey):
 
 def markdown(table):
     """Return the table in Markdown."""
-    rows = [("", "paper", "measured", "error", "verdict"), ("---",) * 5]
-    rows += [(row.observable, row.statement, row.value, row.error, row.verdict) for row in table]
+    names = ("observable", "statement", "criterion", "value", "error", "verdict")
+    rows = [("", "paper", "agrees if", "measured", "error", "verdict"), ("---",) * len(names)]
+    rows += [tuple(getattr(row, name) for name in names) for row in table]
     escaped = ([cell.replace("|", "\\|") for cell in row] for row in rows)
     return "".join("| " + " | ".join(row) + " |\n" for row in escaped)
 

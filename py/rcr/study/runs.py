@@ -14,9 +14,10 @@ import numpy as np
 from rcr._data import checks, files, results
 from rcr.network import Network
 
-_TWO_RUNS = "files of two runs; remove those of one"
+_TWO_RUNS = "the folder mixes two runs; remove the files of one"
 _HISTORY = "strain", "stress_x", "stress_y"
 _YIELDED = "yielded_steps"
+HALF_RECORD = 5e-4  # strain; networks are saved within half a record of their strain
 _FREE = "seed", "threads", "strain", "networks", "include_yielded"  # may differ between seeds
 
 
@@ -66,7 +67,8 @@ class Run:
         ----------
         folder : path
         from_strain, to_strain : float
-            Critical state; by default the second half up to the largest strain saved.
+            Critical state; by default the second half up to the largest strain saved, with half a
+            record more.
         include_yielded : bool
             Keep records and snapshots whose interval has a step without a solution.
 
@@ -85,7 +87,7 @@ class Run:
         strains = sorted(map(_strain, networks.values()))
         to_strain = np.inf if to_strain is None else checks.number("to_strain", to_strain)
         if from_strain is None:
-            from_strain = 0.5 * min(to_strain, strains[-1])
+            from_strain = 0.5 * min(to_strain, strains[-1]) - HALF_RECORD
         from_strain = checks.number("from_strain", from_strain)
         history = _history(folder / "history.csv")
         run = cls(folder, sorted(networks.values(), key=_strain), from_strain, to_strain,
@@ -210,11 +212,11 @@ def _check_one_run(networks, record):
 def _check_network(path, network, record):
     """Raise ValueError if a network lacks an attribute or contradicts run.json."""
     attributes = network.attributes
-    for name in ("strain", "eta", "friction"):
+    for name in ("strain", "eta", "friction", "volume"):
         if name not in attributes:
             raise ValueError(
-                f"{path} is a network without the attribute {name}; expected strain, eta and "
-                "friction, as scripts/biaxial.py stores them"
+                f"{path} is a network without the attribute {name}; expected strain, eta, friction "
+                "and volume, as scripts/biaxial.py stores them"
             )
     if not record:
         return
@@ -230,7 +232,7 @@ def _check_network(path, network, record):
 
 
 def _history(path):
-    """Return columns of history.csv, None if there is no such file."""
+    """Return columns of history.csv, None if there is no such file; stress_y holds σ₁."""
     if not path.exists():
         return None
     with files.reading(path, "a history"):
@@ -250,6 +252,8 @@ def _history(path):
         }
         rises = np.append(True, np.diff(history["strain"]) > 0)
         checks.require(rises, "the strain", history["strain"], "more than in the record before")
+        if history["stress_x"].mean() > history["stress_y"].mean():  # σ₁ is along x
+            history["stress_x"], history["stress_y"] = history["stress_y"], history["stress_x"]
         return history
 
 
@@ -312,6 +316,6 @@ def _check_records(run, other):
     different = results.differing(*parameters, _FREE)
     if different:
         raise ValueError(
-            f"{other.folder} has {different.replace('here', f'{run.folder}')}; "
+            f"{other.folder} has {different.replace('(here ', f'({run.folder} ')}; "
             "expected runs that differ in their seed alone"
         )

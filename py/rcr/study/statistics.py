@@ -97,11 +97,19 @@ def standard_error(values):
     values = np.asarray(values, dtype=float)
     finite = np.isfinite(values)
     count = finite.sum(axis=0)
-    mean = np.where(finite, values, 0).sum(axis=0) / np.maximum(count, 1)
-    squares = np.where(finite, values - mean, 0) ** 2
+    squares = np.where(finite, values - mean_of_finite(values), 0) ** 2
     return np.where(count > 1,
                     np.sqrt(squares.sum(axis=0) / np.maximum(count - 1, 1) / np.maximum(count, 1)),
                     np.nan)
+
+
+def mean_of_finite(values):
+    """Return the mean of finite values along the first axis; NaN without any."""
+    values = np.asarray(values, dtype=float)
+    finite = np.isfinite(values)
+    count = finite.sum(axis=0)
+    mean = np.where(finite, values, 0).sum(axis=0) / np.maximum(count, 1)
+    return np.where(count > 0, mean, np.nan)
 
 
 def _sample(name, values, count=None):

@@ -83,7 +83,7 @@ def _(values):
 
 
 @claim("O16", "where negative, a_ln has its peak for ξ in [1, 2]",
-       "lowest at ξ in [0.9, 2.1] for every η ≥ 0.2 (ξ given)")
+       "lowest at ξ in [0.9, 2.1] for every η ≥ 0.2 (ξ given; 6 ends the search)")
 def _(values):
     v = values["O16"]
     rows = rows_of(v, 0.2, 1)

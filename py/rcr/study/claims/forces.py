@@ -18,8 +18,7 @@ def _(values):
 
 
 @claim("O2", "P(θ) is isotropic after compaction",
-       "|a_c| below 0.05, a tenth of that of the critical state, "
-       "or 3 √(2/C), that of C independent directions")
+       "|a_c| below 0.05, or three standard errors of independent normals")
 def _(values):
     v = values["O2"]
     if not np.isfinite(v["a_c"]).all():
@@ -78,6 +77,7 @@ def _saturates(v, name):
     """Falls up to η = 0.4, and from there to 0.7 by less than half as much."""
     falls, value, error = trend(v, name, -1, 0, 0.4)
     first, middle, last = (v[name][row_of(v, eta)] for eta in (0, 0.4, 0.7))
+    require_finite(np.array([first, middle, last]))
     return (
         falls and abs(last - middle) < 0.5 * abs(middle - first),
         f"{first:.3g} → {middle:.3g} → {last:.3g} (η = 0, 0.4, 0.7)",
