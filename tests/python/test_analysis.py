@@ -472,3 +472,68 @@ def test_ensembles_are_of_one_kind():
                    empty.attributes)
     with pytest.raises(ValueError, match="no contact between particles"):
         Ensemble([none])
+
+
+def seeds_of(ratios):
+    """Runs of one elongation whose walls bear sin φ = `ratios`."""
+    made = []
+    for seed, ratio in enumerate(ratios):
+        stresses = np.full(20, 1 - ratio), np.full(20, 1 + ratio)
+        history = dict(strain=np.linspace(0.2, 0.4, 20), stress_x=stresses[0], stress_y=stresses[1])
+        network = packing(0.5, seed=seed, contacts=200)
+        made.append(Run(pathlib.Path(f"{seed}"), [network], 0.2, 0.4, None, history, None, None))
+    return made
+
+
+def test_the_error_of_sin_phi_is_that_over_three_seeds():
+    """0.40, 0.45 and 0.50 scatter by 0.05: the error is 0.05/√3."""
+    value = analysis.analyse(seeds_of((0.40, 0.45, 0.50)))["O1"]["value"]
+    assert value["sin_phi"] == pytest.approx(0.45)
+    assert value["sin_phi_error"] == pytest.approx(0.05 / np.sqrt(3))
+
+
+def test_the_curve_of_sin_phi_goes_on_where_one_seed_ends():
+    runs = seeds_of((0.4, 0.5))
+    runs[0].history = {name: column[:10] for name, column in runs[0].history.items()}
+    curve = analysis.analyse(runs)["O1"]["value"]["sin_phi_strain"][0]
+    assert curve[-1] == pytest.approx(0.5)
+
+
+def test_many_isotropic_seeds_are_isotropic():
+    """|a_c| of ten packings of 700 contacts falls as that of 7000 contacts."""
+    states = [packing(0.5, seed=seed, contacts=700, a_c=0, a_fn=0) for seed in range(10)]
+    runs = seeds_of([0.4] * 10)
+    for run, state in zip(runs, states):
+        run.isotropic = state
+    value = analysis.analyse(runs)["O2"]["value"]
+    assert value["a_c"][0] < 3 * value["a_c_error"][0] == pytest.approx(3 * np.sqrt(2 / 7000))
+
+
+def test_the_error_of_an_axis_has_its_period():
+    """Axes at ±89° and ±88° are within 2° of 90°."""
+    angles = np.radians([89, -89, 88, -88])
+    parts = [dict(off_axis=np.pi / 2), *(dict(off_axis=angle) for angle in angles)]
+    assert observables.with_errors(parts)["off_axis_error"] < np.radians(1)
+
+
+def test_major_stress_may_be_along_either_axis(tmp_path):
+    folder = write_run(tmp_path / "run", 0.5, axis=0)
+    text = (folder / "history.csv").read_text().replace("stress_x,stress_y", "stress_y,stress_x")
+    (folder / "history.csv").write_text(text)
+    sin_phi = analysis.analyse([Run.read(folder)])["O1"]["value"]["sin_phi"]
+    assert sin_phi == pytest.approx(0.45, abs=0.01)
+
+
+def test_the_network_at_the_edge_of_the_window_counts(tmp_path):
+    """It is saved within half a record of its strain."""
+    run = Run.read(write_run(tmp_path / "run", 0.5, strains=(0.1, 0.1996, 0.3, 0.4)))
+    assert [network.attributes["strain"] for network in run.networks] == [0.1996, 0.3, 0.4]
+
+
+def test_an_isotropic_state_without_area_is_refused(tmp_path):
+    folder = write_run(tmp_path / "run", 0.5)
+    network = Network.load(folder / "isotropic.h5")
+    del network.attributes["volume"]
+    network.save(folder / "isotropic.h5")
+    with pytest.raises(ValueError, match="isotropic.h5 is a network without the attribute volume"):
+        Run.read(folder)

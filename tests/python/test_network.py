@@ -280,3 +280,8 @@ def test_cutoffs_are_checked(xi):
 def test_bins_are_checked(bins):
     with pytest.raises(ValueError, match="bins"):
         random_network(50).force_pdf(bins)
+
+
+def test_contacts_of_unknown_grains_are_refused():
+    with pytest.raises(ValueError, match=r"body1\[1\] = 7; expected the id of a particle"):
+        network(np.zeros(2), np.ones((2, 2)), np.ones((2, 2)), body1=np.array([0, 7]))

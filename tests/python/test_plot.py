@@ -279,16 +279,15 @@ def test_an_empty_scene_and_other_things_are_refused(tmp_path):
 # --- films ----------------------------------------------------------------------------------------
 
 
-def test_film_of_networks(tmp_path):
-    """Frames are in the order of time and to one scale: a grain that moves right does so in the
-    film.
-    """
+@pytest.mark.parametrize("names, timed", [(["b", "a", "c"], True), (["2", "9", "10"], False)])
+def test_film_of_networks(tmp_path, names, timed):
+    """Frames in the order of time or names, to one scale: a grain moves right as in the film."""
     from PIL import Image
 
-    for k, name in enumerate(["b", "a", "c"]):
+    for k, name in enumerate(names):
         network = packing(0.5, particles_=5, contacts=20, seed=0)
         network.particles["position"] = np.tile([1.0 + 4.0 * k, 2.0], (5, 1))
-        network.attributes["time"] = float(k)
+        network.attributes |= dict(time=float(k)) if timed else {}
         network.save(tmp_path / f"network-{name}.h5")
     path = rcr.movie(tmp_path, color="black", legend=False)
     film = Image.open(path)

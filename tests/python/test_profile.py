@@ -160,3 +160,12 @@ def test_what_is_refused():
         rcr.Profile().compute(scene(1)).plot(quantity="heat")
     with pytest.raises(ValueError, match="expected one along x"):
         rcr.Profile().compute(scene(1, cell=np.array([[10.0, 0], [1.0, 6]])))
+
+
+def test_a_frame_that_is_refused_changes_nothing():
+    grid = rcr.Profile(cells=(2, 2), limits=((0, 0), (10, 6))).compute(scene(1))
+    before = grid.solid_fraction
+    turned = scene(2, cell=[[10.0, 0.0], [1.0, 6.0]])
+    with pytest.raises(ValueError, match="first edge of the periodic cell"):
+        grid.compute(turned, reset=False)
+    np.testing.assert_array_equal(grid.solid_fraction, before)
