@@ -49,7 +49,7 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 	rcr::ThreadTeam& team  = workspace_.team();
 	step_.overdamped = overdamped;
 	if (!tracksStretch()) meanStretchRate = stretchChange = Vector2r::Zero();
-	setRestFlow();
+	setRestFlow(); // gather replaces it in a periodic cell
 	timed("gather", [&] {
 		gather(*scene, engines, team, handles_, step_);
 		addUnlistedContacts(engines);
@@ -86,9 +86,9 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 	timed("gather", [&] { sortInteractions(*scene, handles_); });
 }
 
-/// Solves the contact problem of the step. Another pass follows unless the result of a pass is
-/// consistent with its problem: no contact was missed and no bias must change. Whether the solver
-/// converged is a result of its own.
+/// Solves the contact problem of the step in at most `mostPasses` passes. Another pass follows if
+/// the last one missed a contact or a bias must change; the last pass is accepted in any case.
+/// Whether the solver converged is a result of its own.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations  = 0;
@@ -117,12 +117,13 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		throw std::runtime_error(failureMessage(step_, id, scene->iter));
 	checkStretch(step_, scene->iter);
 	timed("correct", [&] {
-		correctPositions(step_, double(correction), workspace_);
+		correctPositions(step_, double(correction), workspace_); // scatter moves the bodies
 		if (!largeDisplacements_) return;
 		const double overlap = rcr::separate(step_, correction > 0 && !yielded);
 		if (overlap > rcr::MissedSteps::deep) converged = false;
 		if (!converged) checkEnergy(step_, scene->iter);
 	});
+	// the overlap at the beginning of the step; throws the error of a jam
 	const std::string warning = monitor.count(step_,
 	        { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations,
 	                yade::deepestOverlap(step_, workspace_.team()) });
@@ -149,7 +150,7 @@ void ContactDynamics::solvePass(const rcr::Settings& how)
 	contactPoints  = int(step_.problem.points.size());
 	timed("scatter", [&] {
 		step_.moveMembers();
-		step_.stretchCell(stretchBefore);
+		step_.updateGradient(stretchBefore);
 		step_.keepForces(workspace_.team());
 	});
 }

@@ -17,7 +17,7 @@ public:
 	/// Outcome of a step as the solver reports it.
 	struct Outcome {
 		long   number;     // O.iter
-		bool   unconverged; // did not converge
+		bool   unconverged; // did not converge, at a tolerance > 0
 		bool   yielded;    // contacts yielded
 		bool   overdamped; // the step removes overlaps whole
 		int    iterations;
@@ -40,7 +40,8 @@ public:
 	}
 };
 
-/// Overlap of a point at the beginning of the step over R₁ + R₂; 0 between two obstacles.
+/// Overlap of a point at the beginning of the step over R₁ + R₂; 0 between two bodies of prescribed
+/// motion.
 double overlapOf(const rcr::Step&, std::size_t point);
 
 /// Deepest overlap at the beginning of the step over R₁ + R₂.
@@ -56,7 +57,8 @@ void checkEnergy(const rcr::Step&, long number);
 /// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step.
 void checkStretch(const rcr::Step&, long number);
 
-/// Mean and largest net force on a free body over the mean contact force [-]; inf without contacts.
+/// Mean and largest net force on a free grain or clump over the mean normal force of closed points
+/// [-]; inf without contacts.
 struct UnbalancedForce {
 	double mean, largest;
 };

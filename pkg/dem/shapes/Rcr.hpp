@@ -4,17 +4,12 @@
 #include <core/Shape.hpp>
 #include <pkg/common/Bo1_Aabb.hpp>
 
-#include "kernel/geometry/stadium.hpp"
-
 namespace yade {
 
 class Rcr : public Shape {
 public:
 	virtual ~Rcr() = default;
 	void postLoad(Rcr&); // throws if it is not a stadium
-
-	rcr::Stadium stadium() const { return { double(halfLength), double(capRadius) }; }
-	double       circumscribedRadius() const { return double(halfLength + capRadius); }
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(Rcr,Shape,

@@ -15,13 +15,6 @@ namespace plane {
 	inline rcr::Vec2 toPlane(const Vector3r& v) { return { double(v[0]), double(v[1]) }; }
 	inline Vector3r  toSpace(rcr::Vec2 v) { return Vector3r(v.x, v.y, 0); }
 
-	/// Pose of a body whose orientation is a rotation about z, (w, 0, 0, z).
-	inline rcr::Pose pose(const State& state)
-	{
-		const double w = double(state.ori.w()), z = double(state.ori.z());
-		return { toPlane(state.pos), { 1 - 2 * z * z, 2 * w * z } };
-	}
-
 	inline rcr::Twist twist(const State& state)
 	{
 		return { double(state.vel[0]), double(state.vel[1]), double(state.angVel[2]) };

@@ -204,7 +204,7 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	regatherBodies(scene, engines, team, byYade_, handles, step);
 	const auto detect = [&](bool listAll, bool again) {
 		const bool changed = neighbours_.update(step, team);
-		if (listAll || changed) pairs_.assign(neighbours_.list());
+		if (listAll || changed) pairs_.assign(neighbours_.list(), again);
 		pairs_.detect(step, team, again);
 		setPhysics(scene, engines);
 	};

@@ -11,7 +11,8 @@
 
 namespace yade {
 
-/// YADE's objects of a step. Valid within one step only, since bodies and interactions come and go.
+/// YADE's objects of a step. Pointers hold until YADE's bodies or interactions change; ArraySteps
+/// stops before that.
 struct SceneHandles {
 	/// A contact in YADE; StepContact::source is its number.
 	struct Contact {

@@ -16,8 +16,8 @@ void resetVelocity(State&, const rcr::Twist& rest);
 /// Displaces a body by the position correction.
 void applyCorrection(State&, const rcr::Twist& by);
 
-/// Writes the points of a pair to its interaction, and friction and restitution if
-/// `Pair::since` ≥ 0. `at2`: pose of body 2 or of its image.
+/// Writes the points of a pair to its interaction. Creates the CdPhys of a contact that formed in
+/// arrays (`Pair::since` ≥ 0). `at2`: pose of body 2 or of its image.
 SceneHandles::Contact writeContact(Interaction&, const rcr::Pair&, const rcr::Manifold&,
         const rcr::Step&, const rcr::Pose& at2);
 

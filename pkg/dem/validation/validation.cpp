@@ -252,8 +252,8 @@ namespace validation {
 	{
 		const View        view(scene);
 		// may change without a change of objects
-		const std::string wrong = timeStep(view) + integrator(view) + smallCell(view);
-		if (!wrong.empty()) refuse(wrong);
+		for (const auto rule : { timeStep, integrator, smallCell })
+			if (const std::string wrong = rule(view); !wrong.empty()) refuse(wrong);
 		const Signature now = signature(scene);
 		if (now == seen_) return engines_;
 		const std::string message = refusal(scene);

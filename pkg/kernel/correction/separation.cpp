@@ -90,7 +90,9 @@ namespace {
 		/// The motion of both bodies is prescribed.
 		bool isFixed(const StepContact& c) const
 		{
-			return step_.problem.prescribed(c.body1) && step_.problem.prescribed(c.body2);
+			const auto fixed
+			        = [&](int id) { return step_.problem.prescribed(step_.bodies[id].owner); };
+			return fixed(c.body1) && fixed(c.body2);
 		}
 
 		/// Overlap over R₁ + R₂ if it is one that the step must not leave [-]; else 0.

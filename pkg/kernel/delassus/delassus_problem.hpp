@@ -50,7 +50,7 @@ struct DelassusProblem {
 void checkProblem(const DelassusProblem&);
 
 /// Solves the problem with the solver of that name (solve_delassus.cpp).
-/// Reads tolerance, maxIterations, checkInterval and minIterations from the settings.
+/// Reads the settings of StopTest except kinematicTolerance and meanForceChange.
 /// Throws std::invalid_argument for an unknown solver, a bad setting or a bad problem.
 Report solve(DelassusProblem&, const std::string& solver, const Settings&);
 

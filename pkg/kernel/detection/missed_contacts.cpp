@@ -146,6 +146,9 @@ namespace {
 		UpdatedContact pair;
 		pair.body1 = ordered ? id : other;
 		pair.body2 = ordered ? other : id;
+		// the simulation may hold a contact of equal kinds in either order
+		if (kind(id) == kind(other) && step.find(pair.body2, pair.body1))
+			std::swap(pair.body1, pair.body2);
 		if (!canTouch(kind(pair.body1), kind(pair.body2))) return false;
 		const StepBody &   one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		const StepContact* contact = step.find(pair.body1, pair.body2);
@@ -171,7 +174,7 @@ bool mayMeetTwice(const Step& step)
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const StepBody& b = step.bodies[id];
 		if (b.shape.kind == PlanarShape::none) continue;
-		const double extent = b.radius + step.dt * speed(step.problem.velocity[b.owner], b.radius);
+		const double extent = b.radius + step.dt * speed(step.problem.velocity[id], b.radius);
 		second              = std::max(second, std::min(widest, extent));
 		widest              = std::max(widest, extent);
 	}
@@ -222,21 +225,25 @@ namespace {
 		return dot(position - by.center, by.axis);
 	}
 
-	/// Sets the start forces of the points that a contact has now from those that it had.
-	void transferForces(
-	        const Step& step, const StepContact& old, const Manifold& now, Impulse* force)
+	/// What a point starts with: its force, and whether it bore one when the step began.
+	struct Start {
+		Impulse force;
+		bool    carried = false;
+	};
+
+	/// Sets the starts of the points that a contact has now (null: unchanged) from those it had.
+	void transferStarts(
+	        const Step& step, const StepContact& old, const Manifold* now, Start (&start)[2])
 	{
-		Impulse both[2];
-		std::copy_n(step.force.begin() + old.first, old.count, both);
-		if (old.count != now.count) {
-			double before[2] {}, after[2] {};
-			for (int k = 0; k < old.count; ++k)
-				before[k] = along(step, old, step.point(old, k).position);
-			for (int k = 0; k < now.count; ++k)
-				after[k] = along(step, old, now.points[k].position);
-			carryForward(old.count, before, now.count, after, both[0], both[1], Impulse {});
-		}
-		std::copy_n(both, now.count, force);
+		for (int k = 0; k < old.count; ++k)
+			start[k] = { step.force[old.first + k], step.gap[old.first + k].carried };
+		if (!now || old.count == now->count) return;
+		double before[2] {}, after[2] {};
+		for (int k = 0; k < old.count; ++k)
+			before[k] = along(step, old, step.point(old, k).position);
+		for (int k = 0; k < now->count; ++k)
+			after[k] = along(step, old, now->points[k].position);
+		carryForward(old.count, before, now->count, after, start[0], start[1], Start {});
 	}
 
 	struct Entry {
@@ -286,9 +293,8 @@ void addUpdatedContacts(Step& step)
 		StepContact         c     = old;
 		c.first                   = int(points.size());
 		c.count                   = updated ? updated->manifold.count : old.count;
-		forces.resize(c.first + c.count);
-		if (updated && updated->known)
-			transferForces(step, old, updated->manifold, &forces[c.first]);
+		Start start[2];
+		transferStarts(step, old, updated ? &updated->manifold : nullptr, start);
 		for (int k = 0; k < c.count; ++k) {
 			const int           number   = old.first + k;
 			const double        friction = updated && !updated->known
@@ -302,12 +308,11 @@ void addUpdatedContacts(Step& step)
 				          : step.problem.points[number].bias;
 				point             = step.problem.points[number];
 				point.bias        = bias;
-				forces[c.first + k] = step.force[number];
 			}
 			points.push_back(point);
-			const bool carried = step.widened.empty()
-			        ? forces[c.first + k].n > 0 // before the first solve
-			        : number < old.first + old.count && step.gap[number].carried;
+			forces.push_back(start[k].force);
+			// before the first solve, no body was widened
+			const bool carried = step.widened.empty() ? start[k].force.n > 0 : start[k].carried;
 			gaps.push_back({ at.gap, -c.slop(), carried });
 		}
 		contacts.push_back(c);

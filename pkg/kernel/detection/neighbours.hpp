@@ -20,7 +20,8 @@
 
 namespace rcr {
 
-/// By their centres alone, the surfaces of two bodies are further apart than `reach` [m].
+/// Sufficient test, by centres, that two surfaces are further apart than `reach` [m]; false for boxes
+/// and segments.
 inline bool apart(const PlanarShape& one, Vec2 at1, const PlanarShape& two, Vec2 at2, double reach)
 {
 	const Vec2   between = at2 - at1;

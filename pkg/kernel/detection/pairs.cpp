@@ -48,17 +48,27 @@ namespace {
 
 } // namespace
 
-void Pairs::assign(const Neighbours::List& list)
+void Pairs::assign(const Neighbours::List& list, bool again)
 {
-	std::vector<Pair> now(list.size());
-	auto              old = all.begin();
-	for (std::size_t k = 0; k < list.size(); ++k) {
-		now[k].body1 = list[k].first, now[k].body2 = list[k].second;
-		while (old != all.end() && before(*old, now[k]))
-			++old;
-		if (old != all.end() && same(*old, now[k])) now[k] = *old;
+	Pairs now;
+	now.all.reserve(list.size()), now.manifold.reserve(list.size());
+	std::size_t old  = 0;
+	const auto  keep = [&](std::size_t k) {
+        now.all.push_back(all[k]), now.manifold.push_back(manifold[k]);
+	};
+	for (const auto& [one, two] : list) {
+		Pair pair;
+		pair.body1 = one, pair.body2 = two;
+		for (; old < all.size() && before(all[old], pair); ++old)
+			if (again && all[old].points > 0) keep(old);
+		if (old < all.size() && same(all[old], pair))
+			keep(old++);
+		else
+			now.all.push_back(pair), now.manifold.emplace_back();
 	}
-	all.swap(now);
+	for (; again && old < all.size(); ++old)
+		if (all[old].points > 0) keep(old);
+	std::swap(*this, now);
 }
 
 void Pairs::detect(const Step& step, ThreadTeam& team, bool again)

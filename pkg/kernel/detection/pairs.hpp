@@ -27,8 +27,9 @@ struct Pairs {
 	std::vector<Pair>     all;      // sorted by body1, then body2
 	std::vector<Manifold> manifold; // per pair, if it touches
 
-	/// Replaces the pairs by those of the list; known pairs keep their data.
-	void assign(const Neighbours::List&);
+	/// Replaces the pairs by those of the list; known pairs keep their data. `again`: contacts
+	/// remain that the list does not hold any more.
+	void assign(const Neighbours::List&, bool again = false);
 
 	/// Detects the contact points of every pair at the poses of the step and carries their forces
 	/// forward. `again`: engines have changed velocities; contacts beyond the new reach remain.

@@ -37,7 +37,7 @@ struct ScaledContact {
 	std::int32_t body1, body2;
 	BlockVector  normal1, tangent1, normal2, tangent2;
 	double       friction, bias, wnn;
-	std::int32_t pair;    // of its bodies in the matrix; −1 if one of them is driven
+	std::int32_t pair;    // of its bodies in the matrix; −1 if the motion of one is prescribed
 	bool         flipped; // body 1 is the second of that pair
 };
 

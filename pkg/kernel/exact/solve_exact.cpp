@@ -50,7 +50,7 @@ namespace {
 
 		void offer(const Best& other, const Settings& settings)
 		{
-			if (other.distance(settings) < distance(settings)) *this = other;
+			if (!(other.distance(settings) >= distance(settings))) *this = other; // also of NaN
 		}
 	};
 

@@ -70,7 +70,8 @@ inline double contactSize(const PlanarShape& one, const PlanarShape& two)
 	return (r1 > 0 ? r1 : r2) + (r2 > 0 ? r2 : r1);
 }
 
-/// True if a body 1 of kind `one` can contact a body 2 of kind `two`.
+/// True if a body 1 of kind `one` can contact a body 2 of kind `two`; false in the other order of
+/// kinds.
 inline bool canTouch(PlanarShape::Kind one, PlanarShape::Kind two)
 {
 	return one != PlanarShape::none && two >= PlanarShape::disc && one <= two;

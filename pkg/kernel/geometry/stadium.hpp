@@ -29,11 +29,6 @@ inline Pose pose(Vec2 center, double angle)
 	return { center, { std::cos(angle), std::sin(angle) } };
 }
 
-inline Stadium stadium(double circumscribedRadius, double elongation)
-{
-	return { elongation * circumscribedRadius, (1 - elongation) * circumscribedRadius };
-}
-
 /// Area of the rectangle 2a × 2R' and two half discs [m²].
 inline double area(const Stadium& s)
 {

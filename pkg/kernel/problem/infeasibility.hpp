@@ -41,8 +41,8 @@ bool hasPositiveCost(const ContactProblem&);
 /// Detects steps without a solution whose impulses are so large that their relative error is small.
 bool exceedsEnergyBound(const ContactProblem&);
 
-/// Cheaper form of exceedsEnergyBound, to be tested first: one pass over the bodies. It uses the
-/// masses of all bodies and the RMS |u_free| of all points.
+/// Heuristic filter before exceedsEnergyBound: one pass over the bodies. It uses the masses of all
+/// bodies and the RMS |u_free| of all points, so it may miss a wedge in a large scene.
 bool mayExceedEnergyBound(const ContactProblem&, double energy, double freeSpeed);
 
 constexpr int    probeSweeps = 100;  // sweeps over which the growth of impulses is measured

@@ -9,7 +9,7 @@ namespace {
 	struct Point {
 		const ContactPoint& c;
 		Delassus            w;
-		Impulse             p, u, error; // error = p − P_K(…)
+		Impulse             p, u, free, error; // free: u without impulses; error = p − P_K(…)
 	};
 
 	/// Calls visit(point) for every point with w_nn > 0. Velocities are recomputed from impulses.
@@ -27,7 +27,7 @@ namespace {
 			const Impulse q = projectCone(
 			        { p.n - (u.n + c.bias + c.friction * std::abs(u.t)) / w.nn, p.t - u.t / w.nn },
 			        c.friction);
-			visit(Point { c, w, p, u, p - q });
+			visit(Point { c, w, p, u, freeRelativeVelocity(problem, c), p - q });
 		}
 	}
 
@@ -51,7 +51,7 @@ double kinematicError(const ContactProblem& problem, double velocityFloor)
 	forEachPoint(problem, [&](const Point& point) {
 		error2 += point.w.nn * point.w.nn * square(point.error);
 		velocity2 += square(point.u);
-		freeVelocity2 += square(freeRelativeVelocity(problem, point.c));
+		freeVelocity2 += square(point.free);
 	});
 	return kinematicErrorFromSums(error2, velocity2, freeVelocity2, velocityFloor);
 }

@@ -21,7 +21,7 @@ struct Settings {
 	int    minIterations = 0;    // sweeps before any other criterion may stop the solver
 	int    checkInterval = 10;   // sweeps between two evaluations of the stop criteria
 	int    threads       = 1;
-	int    lanes         = 0; // doubles per vector: 1, 4 or 8; 0: width of the processor
+	int    lanes         = 0; // kernels: scalar (1), AVX2 (4), the processor's widest (8, 0)
 	int    stallSweeps   = 0; // sweeps without a new lowest residual to stop at; 0: never
 
 	/// Kinematic error at which to stop, together with the residual (residual.hpp) [-]. The
@@ -69,7 +69,7 @@ struct Report {
 	double residual       = 0;     // [-]
 	bool   converged      = true;  // every island has met a stop criterion
 	double kinematicError = 0;     // [-]
-	bool   yielded        = false; // contacts have yielded (yieldCompliance)
+	bool   yielded        = false; // contacts yielded, or must since the step has no solution
 	double dissipated     = 0;     // energy dissipated by contacts, −Σ p · (u + b_n n) [J/m]
 	double freeSpeed      = 0;     // RMS relative velocity without contact impulses [m/s]
 	double closingSpeed   = 0;     // after yielding: largest −(u_n + b_n) [m/s]
@@ -113,9 +113,9 @@ Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // momentum 
 /// the report of earlier sweeps.
 Report solveExact(ContactProblem&, const Settings&, Workspace&, const Report* swept = nullptr);
 
-/// Solves with yielding contacts (sweep/solve_yielding.cpp). The workspace must hold this problem;
-/// the report is that of the rigid solve.
-Report solveYielding(ContactProblem&, const Settings&, const Report&, Workspace&);
+/// Solves with yielding contacts (sweep/solve_yielding.cpp). The workspace must hold this problem.
+/// `rigid` is the report of the rigid solve.
+Report solveYielding(ContactProblem&, const Settings&, const Report& rigid, Workspace&);
 
 /// Runs probeSweeps further sweeps on the problem that the workspace holds; returns true if the
 /// impulses diverge (infeasibility.hpp).
@@ -124,9 +124,10 @@ bool isDivergent(const ContactProblem&, const Settings&, Workspace&);
 /// Runs a solver by name: nlgs, sor, nesterov, exact or auto. Lets contacts yield if required.
 ///
 /// `auto` sweeps with momentum, and runs exact steps where sweeps stall. With friction and a
-/// tolerance below 1e-6 it runs exact steps only. A problem of up to 1000 points gets exact steps
-/// after 300 sweeps; an exact iteration counts as 20 sweeps there. Such problems also aim at a
-/// velocityFloor smaller by 1000, at limited cost; `converged` refers to the given settings.
+/// tolerance below 1e-6, exact steps follow sweeps to 1e-5. A problem of up to 1000 points gets exact
+/// steps after 300 sweeps; an exact iteration counts as 20 sweeps there. Such problems also aim at a
+/// velocityFloor smaller by 1000, at limited cost; `converged` refers to the given settings. A
+/// stretching cell is swept with momentum, unless nlgs or sor is named.
 ///
 /// Throws std::invalid_argument for an unknown name, settings out of range, or a problem that
 /// checkProblem rejects.

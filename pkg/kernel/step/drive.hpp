@@ -13,7 +13,7 @@
 // In a step without a solution, contacts yield (solve_yielding.cpp). A contact of the mean mass m̄
 // that closes at V then bears P + 10 L:
 //
-//   ε = V m̄/(P + 10 L) ≤ 1/r
+//   ε = V m̄/(P + 10 L) ≤ 1/r, at least 1e-4
 //
 // A contact with w_nn < w₀ = 0.1/m̄ yields as if w_nn = w₀, so it bears at most ten times P + 10 L.
 // A contact of the mass m̄ that bears L closes slower than V/10. A driven step with a contact beyond
@@ -28,7 +28,8 @@
 // | w₀          | leastResponse | 1/kg | least response w_nn of a yielding contact            |
 // | 3 P + 200 L | yieldImpulse  | N s  | largest impulse of a contact that stays rigid        |
 //
-// The stress on a stretching cell is unknown here, so such a cell has no bound.
+// The stress on a stretching cell is unknown here. Such a cell keeps the default ε and an infinite
+// yieldImpulse.
 #pragma once
 
 #include <limits>

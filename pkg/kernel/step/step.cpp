@@ -62,7 +62,7 @@ void Step::setPoints(
 	}
 }
 
-void Step::stretchCell(Vec2 before)
+void Step::updateGradient(Vec2 before)
 {
 	if (!cell.stretches()) return;
 	cell.gradient[0][0] += problem.stretch.x - before.x;

@@ -110,7 +110,7 @@ struct Gap {
 	bool   carried; // the point bore a force when the step began
 };
 
-/// Contact that has more or other points when it is detected with a larger reach.
+/// Contact that is new, or whose points changed in a later detection of the step.
 struct UpdatedContact {
 	std::int32_t body1 = 0, body2 = 0;
 	Vec2         shift;
@@ -144,7 +144,7 @@ struct PeriodicCell {
 		const double b = -std::round(inverse[1][0] * from1To2.x + inverse[1][1] * from1To2.y);
 		return { h[0][0] * a + h[0][1] * b, h[1][0] * a + h[1][1] * b };
 	}
-	/// Smallest distance between two images of a body, at least [m].
+	/// Smaller height of the cell: lower bound of the distance of two images of a body [m].
 	double smallestHeight() const
 	{
 		const double area = std::abs(h[0][0] * h[1][1] - h[0][1] * h[1][0]);
@@ -185,7 +185,7 @@ struct Step {
 	ContactProblem            problem;
 	std::vector<Impulse>      force;    // per point [N]: start of the solver, then its result
 	std::vector<double>       reach;    // per body: widened alert distance [m]; 0: not widened
-	std::vector<std::int32_t> widened;  // bodies whose reach was widened after the last solve
+	std::vector<std::int32_t> widened;  // bodies whose reach a solve has widened; before it: none
 	// contacts that the widened reach found and the step lacks
 	std::vector<UpdatedContact> updated;
 	std::vector<UpdatedContact> added;    // contacts that were added to the step
@@ -224,7 +224,7 @@ struct Step {
 
 	/// Updates the gradient of the cell and the drifts after a solve. `before`: stretch rate before
 	/// it [1/s].
-	void stretchCell(Vec2 before);
+	void updateGradient(Vec2 before);
 
 	/// Sets the velocities of clump members after a solve.
 	void moveMembers()

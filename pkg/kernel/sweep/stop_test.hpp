@@ -23,7 +23,7 @@ struct Criteria {
 	}
 };
 
-/// Counts sweeps and evaluates the criteria every `checkInterval` sweeps. Stops if they are met, if
+/// Counts sweeps. Evaluates the criteria before the first and after every `checkInterval`. Stops if they are met, if
 /// the residual has reached no new minimum in `stallSweeps` sweeps, or after `maxIterations`.
 class StopTest {
 public:

@@ -50,6 +50,17 @@ def shaken_box_after_the_loop(seed):
     O.engines = [*O.engines[1:4], O.engines[0], *O.engines[4:]]
 
 
+def two_shaken_grains(seed):
+    """Within a step, one driven grain becomes faster and another one slower."""
+    rng = np.random.default_rng(seed)
+    driven = [rcr.particle((x, 0.75), 0.06, 0.5, material=material(0.5), fixed=True)
+              for x in (0.2, 0.5)]
+    build(*grains(25, 5, seed), *walls(0.7), *driven, dt=2e-3, **SOLVER)
+    motions = [HarmonicMotionEngine(A=(a, a, 0), f=(f, f, 0), fi=(0, phase, 0), ids=[28 + k])
+               for k, (a, f, phase) in enumerate(rng.uniform((0.02, 10, 0), (0.1, 150, 6), (2, 3)))]
+    O.engines = [*O.engines[:3], *motions, *O.engines[3:]]
+
+
 def torque_on_grains(seed):
     build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
     O.engines = [O.engines[0], TorqueEngine(ids=[3, 11, 20], moment=(0, 0, 40)), *O.engines[1:]]
@@ -91,7 +102,7 @@ def masks_that_change(seed):
 
 
 SCENES = [shaken_wall, shaken_box, shaken_box_after_the_loop, torque_on_grains, stirrer,
-          drag_on_fast_grains, kicked_before_the_collider, masks_that_change]
+          drag_on_fast_grains, kicked_before_the_collider, masks_that_change, two_shaken_grains]
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])

@@ -153,3 +153,20 @@ def test_a_pile_of_clumps_rests_and_reloads_to_the_same_bits(tmp_path):
 def test_bad_members(given, match):
     with pytest.raises(ValueError, match=match):
         rcr.clump(given)
+
+
+@pytest.mark.parametrize("seed", [15, 19, 43, 62])
+def test_fast_crosses_do_not_pass_through_each_other(seed):
+    """Sixteen crosses in a box, v dt ≈ 1.5 R and turns up to 0.5 rad a step."""
+    m, rng = material(0.5), np.random.default_rng(seed)
+    build(*(rcr.wall(axis, place, sense, material=m) for axis, place, sense in
+            (("y", 0, 1), ("x", -0.6, 1), ("x", 0.6, -1), ("y", 1.2, -1))), dt=5e-3, tolerance=1e-4)
+    for k in range(16):
+        at = (-0.42 + 0.28 * (k % 4), 0.18 + 0.28 * (k // 4))
+        turn = rng.uniform(0, 3)
+        clump, _ = rcr.clump([rcr.particle(at, 0.1, 0.7, angle=turn + side, material=m)
+                              for side in (0, math.pi / 2)])
+        state = O.bodies[clump].state
+        state.vel, state.angVel = (*rng.uniform(-30, 30, 2), 0), (0, 0, rng.uniform(-100, 100))
+    O.run(40, True)
+    assert O.engines[-2].deepestOverlap < 0.005

@@ -53,7 +53,7 @@ def assert_saved(out):
 def test_a_jam_repeats_a_part_with_a_smaller_time_step(tmp_path):
     done = run(tmp_path / "out", failures=[(0.025, 2)])
     assert done.returncode == 0, done.stderr
-    assert done.stderr.count("repeats the shear from a strain of 0.0096") == 2
+    assert done.stderr.count("the shear restarts from a strain of 0.0096") == 2
     assert "with 1/2 of the time step, since it stopped at 0.0" in done.stderr
     assert "with 1/3 of the time step" in done.stderr
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
@@ -79,7 +79,7 @@ def test_files_of_the_abandoned_part_are_removed(tmp_path):
 def test_the_error_remains_if_the_smallest_time_step_fails_too(tmp_path):
     done = run(tmp_path / "out", failures=[(0.005, 100)])
     assert done.returncode == 1
-    assert done.stderr.count("repeats the shear from a strain of 0.0000") == (
+    assert done.stderr.count("the shear restarts from a strain of 0.0000") == (
         PROTOCOL.most_divisor - 1)
     assert done.stderr.splitlines()[-1] == "biaxial.py: jam of the test"
 

@@ -232,7 +232,8 @@ template <class Real> struct PackedKernelsOf {
 };
 using PackedKernels = PackedKernelsOf<double>;
 
-/// The kernels of the widest lanes that this processor runs, at most `lanes` wide (0: no limit).
+/// Scalar (`lanes` = 1), AVX2 (4) or the processor's widest kernels (8, 0); those of AVX-512 have
+/// 16 lanes.
 const PackedKernels&          packedKernels(int lanes);
 const PackedKernelsOf<float>& singleKernels(int lanes);
 

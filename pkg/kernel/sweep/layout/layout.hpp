@@ -24,7 +24,7 @@
 
 namespace rcr {
 
-/// Regular: one inverse mass along x and y. Prescribed: a driven body, all inverse masses zero.
+/// Regular: one inverse mass along x and y. Prescribed: all inverse masses zero.
 /// Special: a wall free along one axis, or a pivot.
 enum class BodyKind : unsigned char { regular, prescribed, special };
 
