@@ -208,7 +208,7 @@ CHECKS = {
                 "kernel tests against kernels with one error each"),
     "scenes": (python("scenes", FUZZER, "--scenes", "2000"),
                "random scenes: each keeps its bounds or is rejected before the first step"),
-    "runs": (python("runs", RUNS, "--scenes", "1000", "--without", "F70"),
+    "runs": (python("runs", RUNS, "--scenes", "1000"),
              "random runs with changes by PyRunners: arrays give the bits of engines"),
     "soak": (python("soak", SOAK), "random scenes with repeated changes; memory stays constant"),
     "driven": (driven, "random driven scenes, rigid contacts against springs"),

@@ -7,9 +7,10 @@ import sys
 import time
 
 import numpy as np
+import pytest
 import rcr
 import yade.utils
-from benchmarks.hard_scenes.stage import G, box, material, stadium, tilted
+from benchmarks.hard_scenes.stage import G, box, material, solver, stadium, tilted
 from yade import O
 from yade.minieigenHP import Matrix3
 from yade.wrapper import (
@@ -23,21 +24,22 @@ ALL_IG2 = [name for name in dir(rcr) if name.startswith("Ig2_") and name != "Ig2
 EXACT = dict(tolerance=1e-14, maxIterations=3000, solver="nlgs")
 
 
-def engines(gravity=(0, -G, 0), before=(), restitution=None, **solver):
-    """Engines of a rigid scene; `before` comes before ContactDynamics, `solver` sets its
-    attributes.
-    """
-    ip2 = rcr.Ip2_FrictMat_FrictMat_CdPhys()
+def engines(gravity=(0, -G, 0), before=(), restitution=None, law="rigid", **options):
+    """`before` precedes the solver; `options` set attributes of ContactDynamics or smooth law."""
+    if law == "rigid":
+        ip2, law2 = rcr.Ip2_FrictMat_FrictMat_CdPhys(), rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()
+        before = [*before, rcr.ContactDynamics(**(options or EXACT))]
+    else:
+        ip2 = Ip2_FrictMat_FrictMat_FrictPhys()
+        law2 = rcr.Law2_RcrGeom_FrictPhys_CundallStrack(**options)
     if restitution is not None:
         ip2.restitution = MatchMaker(algo="val", val=restitution)
     return [
         ForceResetter(),
         InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(),
                                Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
-        InteractionLoop([getattr(rcr, name)() for name in ALL_IG2], [ip2],
-                        [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
+        InteractionLoop([getattr(rcr, name)() for name in ALL_IG2], [ip2], [law2]),
         *before,
-        rcr.ContactDynamics(**(solver or EXACT)),
         NewtonIntegrator(gravity=gravity, damping=0),
     ]
 
@@ -76,8 +78,7 @@ def velocity(body_id):
 
 
 def point_forces(id1, id2):
-    """Forces (normal, tangential) of the points of a contact, (points, 2), in order along the core.
-    """
+    """Forces (normal, tangential) of a contact's points, (points, 2), in order along the core."""
     phys = O.interactions[id1, id2].phys
     return np.array([phys.force1, phys.force2])[: phys.points]
 
@@ -98,10 +99,17 @@ def contact_forces():
 
 
 def python(code, **environment):
-    """Run a script in another Python with these environment variables; return the CompletedProcess.
-    """
+    """Run code in another Python with these environment variables: CompletedProcess."""
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120,
                           env={**os.environ, **environment})
+
+
+def refused(match, moved=False):
+    """Take a step; it raises a ValueError with these words, and the scene stays as it was."""
+    before = snapshot()[:, :13]
+    with pytest.raises(ValueError, match=match):
+        O.step()
+    assert moved or np.array_equal(snapshot()[:, :13], before, equal_nan=True)
 
 
 ClosedPoint = collections.namedtuple("ClosedPoint", "ids force")
@@ -120,21 +128,10 @@ def closed_points():
 
 def smooth(*bodies):
     """A grain on a floor, or these bodies, under the smooth law."""
-    O.reset()
-    O.dt = 1e-5
-    O.engines = [
-        ForceResetter(),
-        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb(),
-                               Bo1_Sphere_Aabb(), Bo1_Facet_Aabb()], verletDist=0.01),
-        InteractionLoop([getattr(rcr, name)() for name in ALL_IG2],
-                        [Ip2_FrictMat_FrictMat_FrictPhys()],
-                        [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
-        NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
-    ]
     rough = material()
     rough.young, rough.poisson = 1e8, 0.5
-    return [O.bodies.append(b) for b in bodies or (rcr.wall("y", 0, material=rough),
-                                                   stadium(0.2, 0.1, (0, 0.1), material=rough))]
+    return build(*bodies or (rcr.wall("y", 0, material=rough),
+                             stadium(0.2, 0.1, (0, 0.1), material=rough)), dt=1e-5, law="smooth")
 
 
 def periodic_scene(law, *bodies, size=2.0, gravity=(0, 0, 0), dt=1e-3, periodic=True, **options):
@@ -143,17 +140,7 @@ def periodic_scene(law, *bodies, size=2.0, gravity=(0, 0, 0), dt=1e-3, periodic=
     O.periodic = periodic
     if periodic:
         O.cell.setBox(size, size, size)
-    if law == "rigid":
-        O.engines = engines(gravity=gravity, **options)
-    else:
-        O.engines = [
-            ForceResetter(),
-            InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), rcr.Bo1_Disc_Aabb()], verletDist=0.01),
-            InteractionLoop([getattr(rcr, n)() for n in ALL_IG2],
-                            [Ip2_FrictMat_FrictMat_FrictPhys()],
-                            [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
-            NewtonIntegrator(gravity=gravity, damping=0),
-        ]
+    O.engines = engines(gravity=gravity, law=law, **options)
     return [O.bodies.append(b) for b in bodies]
 
 
@@ -167,24 +154,23 @@ def shrinking_cell():
     steps(100)
 
 
-def pressed_box():
-    """20 grains between walls; a stress pushes two of them."""
+def pressed_box(make=build, friction=0.3, **options):
+    """20 grains between walls of this friction; a stress pushes two of them."""
     rng = np.random.default_rng(12)
-    rough = material(0.3)
-    walls = [rcr.wall(axis, 0, material=rough) for axis in "xy"]
-    walls += [rcr.mobile_wall(axis, end, mass=50, material=rough)
+    rough, plate = material(0.3), material(friction)
+    walls = [rcr.wall(axis, 0, material=plate) for axis in "xy"]
+    walls += [rcr.mobile_wall(axis, end, mass=50, material=plate)
               for axis, end in (("x", 1.0), ("y", 0.8))]
     grains = [rcr.particle((0.12 + 0.19 * (k % 5), 0.1 + 0.19 * (k // 5)), 0.08,
                            rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
     press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3),
              rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
-    # solved by the exact tier
-    build(*walls, *grains, dt=1e-3, gravity=(0, 0, 0), before=press, tolerance=1e-6)
+    # the exact tier solves 1e-6
+    make(*walls, *grains, gravity=(0, 0, 0), before=press, **options or dict(tolerance=1e-6))
 
 
 def heap(seed=0):
-    """Grains, discs and a clump at rest on a wall, a box, a facet and a fixed grain; ids by kind.
-    """
+    """Grains, discs, a clump at rest on a wall, a box, a facet, a fixed grain; ids by kind."""
     rng = np.random.default_rng(seed)
     rough, smooth = material(0.5), material(0.1)
     fixed = [

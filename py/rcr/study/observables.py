@@ -6,7 +6,8 @@
 * Angular functions ⟨·⟩(θ, ξ) are means over the contacts of S(ξ) with a normal near θ. The paper's
   forms are fitted by least squares. Tangential components are along n turned by −90°: then
   ⟨f_t⟩ = ⟨f_n⟩ a_ft sin 2(θ − θσ) with a_ft > 0.
-* ``strip_force`` compares the normal forces between grains in vertical strips from wall to wall.
+* ``strip_force`` and ``strip_stress`` compare normal forces and σ_xx between grains in vertical
+  strips from wall to wall.
 """
 
 import dataclasses
@@ -105,11 +106,14 @@ def mean_mobilization(e, grids):
 
 
 def strip_forces(e, grids):
-    """O6: mean normal force in vertical strips over the mean of the snapshot.
+    """O6: mean normal force and σ_xx in vertical strips over the means of the snapshot.
 
-    It is 1 in a sample without inertia and without effects of the walls.
+    σ_xx is 1 in a sample without inertia; contacts with the walls are left out.
     """
-    return dict(strip_force=statistics.class_means(e.across, e.fn, grids.strip))
+    f_x, l_x = (n * np.cos(e.angle) - t * np.sin(e.angle) for n, t in ((e.fn, e.ft), (e.ln, e.lt)))
+    stress = np.histogram(e.across, grids.strip, weights=f_x * l_x)[0]
+    return dict(strip_force=statistics.class_means(e.across, e.fn, grids.strip),
+                strip_stress=stress / stress.mean())
 
 
 def mobilization_by_force(e, grids):

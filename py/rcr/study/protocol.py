@@ -53,10 +53,12 @@ class Protocol:
     max_compaction_steps: int = 20_000  # steps after which the compaction fails
 
     # Shear
-    time_step: float = 0.4  # dt [t₀]
+    time_step: float = 0.4  # dt at the inertial number [t₀]
+    longest_step: float = 3.0  # dt over `time_step`, at most, where the rate is lower
     inertial_number: float = 1e-4  # I [-]; averages are near their limit I → 0
-    sample_inertia: float = 2e-4  # ρ (ε̇ W)²/σ₀ at most [-]: inertia of the sample between the walls
+    sample_inertia: float = 2e-5  # ρ (ε̇ W)²/σ₀ at most [-]; at 2e-4 the sample leaves its walls
     approach: float = 0.1  # strain up to which the shear is quick [-]
+    slowing_strain: float = 0.01  # strain in which the rate then falls [-]
     quick_time_step: float = 0.1  # dt of quick shear, at most [t₀]
     quick_inertial_number: float = 1e-3  # I of quick shear, at least [-]
     iterations: int = 300  # of the solver in a step, at most

@@ -2,7 +2,8 @@
 
 The top wall moves at the rate ε̇ = I/t₀ of the first height. The strain is (h₀ − h)/h₀. A record
 is 0.1 % of strain and gives a row of the history. Up to the strain `approach` the shear is quick:
-`Protocol.quick_inertial_number`. Beyond it ρ (ε̇ W)² is at most the share `sample_inertia` of σ₀.
+`Protocol.quick_inertial_number`. Within `Protocol.slowing_strain` beyond it, the rate falls to one
+at which ρ (ε̇ W)² is at most the share `sample_inertia` of σ₀.
 Needs YADE.
 """
 
@@ -82,16 +83,24 @@ def is_approaching(test, strain=None):
 def rate_and_step(test, strain=None):
     """Return I and dt/t₀ of the shear, now or at a strain.
 
-    Up to the strain `approach` they are those of quick shear. Beyond it I is lowered where the
-    inertia of the sample would exceed its bound. `Biaxial.go_back` divides dt.
+    Up to the strain `approach` they are those of quick shear. Beyond it I falls exponentially with
+    the strain to its final value, which is lowered where the inertia of the sample would exceed its
+    bound. dt then keeps the strain of a step. `Biaxial.go_back` divides dt.
     """
-    rate, step = test.parameters["inertial_number"], test.parameters["time_step"]
+    given, step = test.parameters["inertial_number"], test.parameters["time_step"]
+    quick, shortest = max(given, PROTOCOL.quick_inertial_number), min(step, PROTOCOL.quick_time_step)
     if is_approaching(test, strain):
-        rate = max(rate, PROTOCOL.quick_inertial_number)
-        step = min(step, PROTOCOL.quick_time_step)
-    else:
-        rate = min(rate, largest_rate(test, strain))
+        return quick, shortest / test.progress["divisor"]
+    slow = min(given, largest_rate(test, strain))
+    rate = slow * (quick / slow) ** (1 - _slowed(test, strain))
+    step = min(max(step * given / rate, shortest), PROTOCOL.longest_step * step)
     return rate, step / test.progress["divisor"]
+
+
+def _slowed(test, strain=None):
+    """Return how far the rate has fallen beyond the strain `approach`, from 0 to 1."""
+    beyond = (test.strain if strain is None else strain) - test.parameters["approach"]
+    return min(1, max(0, beyond) / PROTOCOL.slowing_strain) if test.parameters["approach"] else 1
 
 
 def largest_rate(test, strain=None):
@@ -125,6 +134,8 @@ def _records_at_this_speed(test, most):
     if is_approaching(test):
         left = test.parameters["approach"] - 0.5 * PROTOCOL.record_strain - test.strain
         return max(1, min(most, math.ceil(left / test.strain_per_record)))
+    if _slowed(test) < 1:
+        return 1
     end = test.strain + most * test.strain_per_record
     # the margin is for the dilation until then
     return most if test.parameters["inertial_number"] < 0.8 * largest_rate(test, end) else 1

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import (EXACT, G, box, build, inertia, material, point_forces, stadium, steps, tilted,
-                    velocity)
-from scipy.integrate import quad
+from rcr import _kernel
+from scenes import (EXACT, G, box, build, inertia, material, point_forces, solver, stadium, steps,
+                    tilted, velocity)
 from scipy.optimize import brentq
 from yade import O
 
@@ -23,21 +23,12 @@ slightly = pytest.mark.parametrize("factor", [0.99, 1.01], ids=["below", "above"
 @pytest.mark.parametrize("eta", [0, 0.3, 0.7, 0.95])
 @pytest.mark.parametrize("angle", [0, 1.0])
 def test_particle_has_the_mass_centre_and_inertia_of_its_shape(eta, angle):
-    """m = ρ ∫ dA, I = ρ ∫ |x|² dA, integrated over x from the half height y(x): 2y and 2x²y +
-    2y³/3.
-    """
+    """m = ρ A and I = ρ ∫ |x|² dA, which tests/kernel compares with integrals."""
     R, density = 0.3, 2600.0
-    a, r = eta * R, (1 - eta) * R
-
-    def integral(f):  # half of the shape: rectangle, then half circle x = a + r sin t
-        return 2 * (quad(lambda x: f(x, r), 0, a)[0]
-                    + quad(lambda t: f(a + r * math.sin(t), r * math.cos(t)) * r * math.cos(t), 0,
-                           math.pi / 2)[0])
-
+    core = eta * R, (1 - eta) * R
     state = rcr.particle((1, 2), R, eta, angle, material(density=density)).state
-    assert state.mass == pytest.approx(density * integral(lambda x, y: 2 * y), rel=ROUNDING)
-    assert state.inertia[2] == pytest.approx(density * integral(lambda x, y: 2 * x * x * y + 2
-        * y**3 / 3), rel=ROUNDING)
+    assert state.mass == pytest.approx(density * _kernel.area(*core), rel=ROUNDING)
+    assert state.inertia[2] == pytest.approx(density * _kernel.polar_moment(*core), rel=ROUNDING)
     assert tuple(state.pos) == (1, 2, 0) and state.blockedDOFs == "zXY"
 
 
@@ -273,12 +264,11 @@ def test_resting_pile_presses_with_its_weight():
              rcr.wall("y", 0, material=rough)]
     build(*walls, *grains, dt=4e-3, tolerance=1e-6, maxIterations=5000)
     steps(3000)
-    O.engines[-2].tolerance = 1e-13
-    O.engines[-2].maxIterations = 200_000
+    solver().tolerance, solver().maxIterations = 1e-13, 200_000
     steps(5)
     weight = G * sum(b.state.mass for b in grains)
     force = sum(np.array(O.forces.f(i)) for i in range(3))
-    replay = f"seed 5, residual {O.engines[-2].residual:g} after {O.engines[-2].iterations} iterations"
+    replay = f"seed 5, residual {solver().residual:g} after {solver().iterations} iterations"
     assert force[:2] == pytest.approx([0, -weight], abs=1e-8 * weight), replay
 
 

@@ -118,9 +118,7 @@ def test_two_fast_grains_gain_nothing_in_a_step():
 
 @pytest.mark.parametrize("restitution", [0.9, 1])
 def test_a_thin_grain_between_two_others_is_no_lever(restitution):
-    """It spins by 0.18 rad a step: a blow at one end must not throw it against the contact that
-    opens.
-    """
+    """At 0.18 rad a step a blow at one end must not throw it against the contact that opens."""
     m = material(0)
     one = stadium(0.0023, 0.0053, (-0.0467, -0.0212), angle=-0.13409, velocity=(0.2726, -0.2826),
                   angular_velocity=17.16, material=m)

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 import rcr
-from scenes import build, material, steps
+from scenes import build, material, solver, steps
 from yade import O
 
 
@@ -31,6 +31,5 @@ def test_points_and_forces_belong_together():
     pair = O.interactions[floor, brick]
     assert pair.phys.points == pair.geom.points
     # The problem holds every point of the pair: the forces on the brick are those of its contacts.
-    engine = next(e for e in O.engines if isinstance(e, rcr.ContactDynamics))
-    assert engine.contactPoints == sum(i.geom.points for i in O.interactions if i.isReal)
+    assert solver().contactPoints == sum(i.geom.points for i in O.interactions if i.isReal)
     assert O.bodies[brick].state.pos[1] > 0 and np.isfinite(O.bodies[disc].state.vel[1])

@@ -1,17 +1,11 @@
 """`ContactDynamics.model` follows the scene: friction, a freed body, heaps that touch."""
 
-import numpy as np
 import pytest
-import rcr
 from benchmarks.hard_scenes.stage import box, material, stadium
-from scenes import build, snapshot, steps
+from scenes import build, solver, steps
 from yade import O, utils
 
 SOLVER = dict(tolerance=1e-6, maxIterations=5000, solver="nesterov")
-
-
-def solver():
-    return next(e for e in O.engines if isinstance(e, rcr.ContactDynamics))
 
 
 def heaps(count, friction, length=0.0, **options):
@@ -36,8 +30,7 @@ def test_model_of_discs_without_friction():
 
 
 def test_model_follows_the_scene():
-    """With friction each point has two unknowns and bodies rotate; a freed floor joins the heaps.
-    """
+    """With friction a point has two unknowns, bodies rotate; a freed floor joins the heaps."""
     heaps(3, 0)
     steps(3)
     utils.setContactFriction(0.5)
@@ -50,17 +43,6 @@ def test_model_follows_the_scene():
     O.bodies[0].state.mass = 100.0
     O.step()
     assert solver().model["fixed"] == 0 and solver().model["islands"] == 1
-
-
-def test_reductions_change_nothing_but_the_time():
-    """A fall with all reductions and with none: without friction the motion is unique."""
-    states = []
-    for reductions in (rcr.ContactDynamics().reductions, []):
-        heaps(2, 0, reductions=reductions)
-        steps(50)
-        assert solver().converged
-        states.append(snapshot()[:, :7])
-    np.testing.assert_allclose(*states, rtol=0, atol=2e-4 * 0.05)
 
 
 def test_unknown_reduction_is_refused():

@@ -4,21 +4,19 @@ import math
 
 import pytest
 import rcr
-from scenes import build, material, stadium
+from scenes import build, material, solver, stadium
 from yade import O
 from yade.minieigenHP import Matrix3, Vector3
 
 
 def flowing(*bodies, flow=Matrix3.Zero, gravity=(0, 0, 0), dt=1e-2):
     ids = build(*bodies, gravity=gravity, dt=dt, tolerance=1e-8)
-    solver = next(engine for engine in O.engines if isinstance(engine, rcr.ContactDynamics))
-    solver.overdamped, solver.flow = True, flow
-    return [O.bodies[i] for i in ids], solver
+    solver().overdamped, solver().flow = True, flow
+    return [O.bodies[i] for i in ids], solver()
 
 
 def test_a_body_alone_goes_with_the_flow():
-    """v = flow · r and ω = half of the flow's curl in each step; earlier velocities do not matter.
-    """
+    """v = flow · r, ω = half of the flow's curl in each step, whatever the velocity before."""
     (body,), _ = flowing(stadium(0.1, 0.05, (1, 2)), flow=Matrix3(0.3, 0.1, 0, -0.5, -0.3, 0, 0, 0,
         0))
     body.state.vel = Vector3(100, 0, 0)
@@ -85,14 +83,12 @@ def pressed_row(follows, steps, count=20, last=100_000, rate=-0.2):
 
 
 def test_a_common_motion_has_no_drag_in_a_tracked_flow():
-    """The row stretches by 0.2 beyond its flow; the next step includes this rate and has no drag.
-    """
+    """The row stretches by 0.2 beyond its flow; the next step includes this and has no drag."""
     for steps in (1, 3):
         assert pressed_row(False, steps) == pytest.approx(1, rel=1e-4)
     assert pressed_row(True, 1) == pytest.approx(1, rel=1e-4)
     assert abs(pressed_row(True, 3)) < 1e-4
-    solver = next(engine for engine in O.engines if isinstance(engine, rcr.ContactDynamics))
-    assert tuple(solver.model["mean_stretch_rate"]) == pytest.approx((0.2, 0), abs=1e-4)
+    assert tuple(solver().model["mean_stretch_rate"]) == pytest.approx((0.2, 0), abs=1e-4)
 
 
 def test_a_vanished_drag_is_removed_from_the_impulses():
@@ -102,10 +98,9 @@ def test_a_vanished_drag_is_removed_from_the_impulses():
 
 def test_a_flow_that_follows_no_longer_is_forgotten():
     assert abs(pressed_row(True, 3)) < 1e-4
-    solver = next(engine for engine in O.engines if isinstance(engine, rcr.ContactDynamics))
-    solver.trackMeanStretch = False
+    solver().trackMeanStretch = False
     O.step()
-    assert tuple(solver.model["mean_stretch_rate"]) == (0, 0)
+    assert tuple(solver().model["mean_stretch_rate"]) == (0, 0)
 
 
 def test_a_flow_that_follows_is_one_without_inertia():

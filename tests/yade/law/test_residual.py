@@ -81,11 +81,9 @@ def test_reported_residual_is_that_of_the_scene(solver):
 
 @pytest.mark.parametrize("tolerance", [0, 1e-18])
 def test_an_unreachable_tolerance_gives_the_best_residual(tolerance):
-    """An unreachable tolerance leaves at most the residual of a reachable one: all passes have all
-    iterations.
-    """
+    """It leaves at most the residual of a reachable one: all passes have all iterations."""
 
-    def residual(tolerance):
+    def reached(tolerance):
         rough = material(0.5)
         build(
             rcr.wall("y", 0, sense=1, material=rough),
@@ -99,4 +97,4 @@ def test_an_unreachable_tolerance_gives_the_best_residual(tolerance):
         O.step()
         return solver.residual
 
-    assert residual(tolerance) <= 10 * residual(1e-12)
+    assert reached(tolerance) <= 10 * reached(1e-12)

@@ -5,34 +5,25 @@ import math
 import numpy as np
 import pytest
 import rcr
+import scenes
 import yade.utils
 from rcr.study.biaxial import Biaxial
-from scenes import G, build, inertia, material, point_forces, snapshot, stadium, steps, velocity
+from scenes import (G, build, inertia, material, point_forces, pressed_box, snapshot, stadium, steps,
+                    velocity)
 from yade import O
-from yade.wrapper import (
-    Bo1_Box_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat, GlobalStiffnessTimeStepper,
-    InsertionSortCollider, InteractionLoop,
-    Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, NewtonIntegrator,
-)  # fmt: skip
+from yade.wrapper import (FrictMat, GlobalStiffnessTimeStepper, Ip2_FrictMat_FrictMat_FrictPhys,
+                          MatchMaker)
 
 KN, KS = 1e6, 8e5  # N/m a point
 MU = 0.5
 
 
-def engines(gravity=(0, -G, 0), damping=0.0, local_damping=0.0, before=(), kn=KN, ks=KS):
-    return [
-        ForceResetter(),
-        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()],
-                              verletDist=0.01),
-        InteractionLoop(
-            [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom()],
-            [Ip2_FrictMat_FrictMat_FrictPhys(kn=MatchMaker(algo="val", val=kn),
-                                             ks=MatchMaker(algo="val", val=ks))],
-            [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping)],
-        ),
-        *before,
-        NewtonIntegrator(gravity=gravity, damping=local_damping),
-    ]
+def engines(local_damping=0.0, kn=KN, ks=KS, **options):
+    made = scenes.engines(law="smooth", **options)
+    ip2 = made[2].physDispatcher.functors[0]
+    ip2.kn, ip2.ks = (MatchMaker(algo="val", val=stiffness) for stiffness in (kn, ks))
+    made[-1].damping = local_damping
+    return made
 
 
 def smooth(*bodies, share=0.02, **options):
@@ -118,9 +109,7 @@ def test_resting_grain_sinks_by_its_weight():
 
 
 def test_two_points_resist_tilting():
-    """Rocking about the centre: I θ'' = −2 k_n a² θ while both ends press, period 2π √(I/(2 k_n
-    a²)).
-    """
+    """Rocking: I θ'' = −2 k_n a² θ while both ends press, period 2π √(I/(2 k_n a²))."""
     a, r = 0.4, 0.1
     smoothly = material(0)
     m, I = inertia(a, r)
@@ -183,9 +172,7 @@ def test_block_on_a_slope(factor):
 
 
 def test_tangential_springs_stay_with_their_points():
-    """A block pushed to and fro tips on one end and back: the spring of the closed end does not
-    jump.
-    """
+    """A block pushed to and fro tips on an end and back: the closed end's spring does not jump."""
     rough = material(10)
     m, _ = inertia(0.4, 0.1)
     _, block = smooth(rcr.wall("y", 0, material=rough),
@@ -311,7 +298,7 @@ def test_contact_that_opens_is_erased():
 @pytest.mark.parametrize("zeta", [0, 0.3])
 def test_critical_time_step(share, holds, zeta):
     """A pressed box at rest stays at rest below the critical step and diverges well above it."""
-    pressed_box(damping=zeta, local_damping=0.2)
+    pressed_box(smooth, 0, share=0.3, damping=zeta, local_damping=0.2)
     steps(10000)
     O.engines[-1].damping = 0
     still = yade.utils.kineticEnergy()
@@ -322,9 +309,7 @@ def test_critical_time_step(share, holds, zeta):
 
 
 def test_stock_time_stepper():
-    """GlobalStiffnessTimeStepper: 1.41044 s √(m/k) for a disc on its floor, s its safety
-    coefficient.
-    """
+    """O.dt = 1.41044 s √(m/k) for a disc on its floor; s is timestepSafetyCoefficient."""
     disc = disc_on_floor(height=0.0999,
                          before=[GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4,
                                                             timeStepUpdateInterval=1,
@@ -336,24 +321,10 @@ def test_stock_time_stepper():
     assert O.dt == pytest.approx(1.41044 * 0.4 / math.sqrt(stiffest), rel=1e-6)
 
 
-def pressed_box(share=0.3, mu=0.3, **options):
-    """20 grains between walls; a stress pushes two of them."""
-    rng = np.random.default_rng(12)
-    rough, plate = material(mu), material(0)
-    walls = [rcr.wall(axis, 0, material=plate) for axis in "xy"]
-    walls += [rcr.mobile_wall(axis, end, mass=50, material=plate)
-              for axis, end in (("x", 1.0), ("y", 0.8))]
-    grains = [rcr.particle((0.12 + 0.19 * (k % 5), 0.1 + 0.19 * (k // 5)), 0.08,
-                           rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(20)]
-    press = [rcr.WallStress(wall=2, start=1, end=3, stress=-1e3),
-             rcr.WallStress(wall=3, start=0, end=2, stress=-1e3)]
-    smooth(*walls, *grains, gravity=(0, 0, 0), before=press, share=share, **options)
-
-
 @pytest.mark.parametrize("suffix", ["yade", "xml.bz2"])
 def test_a_saved_scene_continues_to_the_same_bits(suffix, tmp_path):
     """One thread: a reload changes YADE's order of additions, so agreement is to rounding."""
-    pressed_box(damping=0.2)
+    pressed_box(smooth, 0, share=0.3, damping=0.2)
     steps(1500)
     path = str(tmp_path / f"scene.{suffix}")
     forces = {(i.id1, i.id2): point_forces(i.id1, i.id2) for i in O.interactions if i.isReal}
@@ -371,7 +342,7 @@ def test_a_saved_scene_continues_to_the_same_bits(suffix, tmp_path):
 
 def test_the_stress_of_the_network_is_that_of_the_walls():
     """σ = (1/V) Σ f⊗ℓ is the load of the walls once the box is at rest."""
-    pressed_box(mu=0.3, damping=0.3, local_damping=0.2)
+    pressed_box(smooth, 0, share=0.3, damping=0.3, local_damping=0.2)
     steps(40000)
     network = rcr.contact_network((0, 1, 2, 3), strain=0.0, eta=0.5, friction=0.3, seed=1)
     assert len(network.contacts["force"]) > 20
@@ -450,8 +421,7 @@ def test_error_stops_a_run_and_reaches_the_main_thread():
 
 
 def test_contacts_of_the_other_law():
-    """A scene changes its law but keeps its contacts: those of ContactDynamics have no stiffness.
-    """
+    """A scene changes its law and keeps its contacts, which have no stiffness."""
     rough = material()
     build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.1), material=rough))
     O.step()
@@ -470,9 +440,7 @@ def test_contacts_of_the_other_law():
 
 @pytest.mark.slow
 def test_biaxial_test_with_springs():
-    """Springs replace rigid contacts: overlaps become σ₀/k_n d, and the contact stress stays that
-    of the walls.
-    """
+    """With springs overlaps are σ₀/k_n d, and the contact stress is that of the walls."""
     stiffness = 1e3
     test = Biaxial.prepare(eta=0.5, particles=60, seed=1, law="smooth", stiffness=stiffness)
     test.compact()
@@ -500,12 +468,3 @@ def test_checkpoint_of_springs(tmp_path):
     assert again.parameters == test.parameters
     again.shear_record()
     assert len(again.rows) == 2
-
-
-@pytest.mark.parametrize("wrong, message",
-                         [(dict(law="soft"), "law = 'soft'; expected one of cd, smooth"),
-                          (dict(law="smooth", stiffness=0), "stiffness = 0; expected a number ≥ 1"),
-                          (dict(iterations=0), "iterations = 0; expected a whole number > 0")])
-def test_biaxial_refuses(wrong, message):
-    with pytest.raises(ValueError, match=message):
-        Biaxial.prepare(particles=20, **wrong)

@@ -1,5 +1,4 @@
-"""Networks of any scene: grains, obstacles, friction of contacts, volume, periodic cells, clumps.
-"""
+"""Networks of any scene: grains, obstacles, friction, volume, periodic cells, clumps."""
 
 import math
 
@@ -29,9 +28,8 @@ def resting():
     return ids, network, frame, weight, frictions
 
 
-def test_f15_obstacles_are_no_grains(resting):
-    """Wall, box, facet and fixed grain are obstacles; discs are grains; no four walls are needed.
-    """
+def test_obstacles_are_no_grains(resting):
+    """Wall, box, facet, fixed grain are obstacles; discs are grains; no four walls needed."""
     ids, network, *_ = resting
     assert sorted(network.particles["id"]) == sorted([*ids["grains"], *ids["members"]])
     at_obstacles = network.contacts["body2"] < 0
@@ -43,7 +41,7 @@ def test_f15_obstacles_are_no_grains(resting):
     assert len(network.anisotropies()) == 5
 
 
-def test_f15_friction_is_that_of_the_contact(resting):
+def test_friction_is_that_of_the_contact(resting):
     _, network, _, _, frictions = resting
     c = network.contacts
     for one, two, friction in zip(c["body1"], c["body2"], c["friction"]):
@@ -129,7 +127,7 @@ def test_scenes_without_a_free_grain_and_volumes_out_of_range():
     assert len(rcr.contact_network().contacts["force"]) == 0
 
 
-def test_f15_periodic_cell_needs_no_walls():
+def test_periodic_cell_needs_no_walls():
     """In a shrinking, sheared cell the volume is its own, and the stress YADE's within 1 %: YADE's
     branch vectors are a step later.
     """
@@ -168,6 +166,11 @@ def test_networks_of_spheres_under_a_law_of_yade():
                  NewtonIntegrator()]  # fmt: skip
     O.dt = 1e-6
     O.step()
+    frame = Frame.of()
+    assert frame.normal_force() == pytest.approx([i.phys.normalForce.norm()
+                                                  for i in O.interactions])
+    assert frame.contacts["friction"] == pytest.approx(math.tan(0.4))
+    assert list(frame.kinds()) == [3, 1, 1]
     network = rcr.contact_network(volume=8)
     assert list(network.contacts["body1"]) == [1, 1]
     assert list(network.contacts["body2"]) == [OTHER - 0, 2]

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import build, material, smooth, steps, velocity
+from scenes import build, material, solver, steps, velocity
 from yade import O
 from yade.wrapper import ForceEngine
 
@@ -63,11 +63,7 @@ def test_an_upright_pair_topples_over_its_lower_disc(law):
     floor = rcr.wall("y", 0, material=m)
     tilt = 0.2
     center = (0.1 * math.sin(tilt), 0.1 + 0.1 * math.cos(tilt))
-    if law == "rigid":
-        build(floor, dt=1e-4)
-    else:
-        smooth(floor)
-        O.dt = 2e-5
+    build(floor, dt=1e-4 if law == "rigid" else 2e-5, law=law)
     clump, members = two_discs(center, math.pi / 2 - tilt, m)
     s = O.bodies[clump].state
     height = s.pos[1]
@@ -82,9 +78,7 @@ def test_an_upright_pair_topples_over_its_lower_disc(law):
 
 
 def test_glued_into_an_rcr_falls_as_the_rcr():
-    """Discs every R'/10 along the core with the grain's mass and moment fall and roll as the grain
-    does.
-    """
+    """Discs every R'/10 along the core, with the grain's mass and moment, move as the grain."""
     def fall(make):
         m = material(friction=0.5)
         build(rcr.wall("y", 0, material=m), dt=2e-4)
@@ -169,4 +163,4 @@ def test_fast_crosses_do_not_pass_through_each_other(seed):
         state = O.bodies[clump].state
         state.vel, state.angVel = (*rng.uniform(-30, 30, 2), 0), (0, 0, rng.uniform(-100, 100))
     O.run(40, True)
-    assert O.engines[-2].deepestOverlap < 0.005
+    assert solver().deepestOverlap < 0.005

@@ -11,14 +11,9 @@ import rcr
 import yade.utils
 from rcr._yade.counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
-from scenes import build, material, pressed_box, python, shrinking_cell, steps
+from scenes import build, material, periodic_scene, pressed_box, python, shrinking_cell, steps
 from yade import O
 from yade.minieigenHP import Matrix3, Quaternion, Vector3
-from yade.wrapper import (
-    Bo1_Sphere_Aabb, ForceResetter, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider,
-    InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
-    Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator,
-)  # fmt: skip
 
 
 def zoo():
@@ -76,9 +71,7 @@ def test_a_picture_of_every_kind_of_body(tmp_path):
 
 
 def test_lever_arms_are_those_of_the_forces():
-    """A fast disc hits a resting one: arms end at the centres at the impact, 5 % of a radius
-    earlier.
-    """
+    """A fast disc hits a resting one: arms end at the centres of the impact, 0.05 R earlier."""
     rough = material(0)
     one, two = build(rcr.particle((0, 0), 1, 0, material=rough),
                      rcr.particle((2.0, 0), 1, 0, material=rough), gravity=(0, 0, 0), dt=1e-2,
@@ -93,21 +86,15 @@ def test_lever_arms_are_those_of_the_forces():
     assert contacts["force"][0] @ contacts["normal"][0] > 0
 
 
-def test_grain_stresses_add_up_to_that_of_the_network():
-    pressed_box()
-    steps(200)
-    ids, stresses = rcr.measure.stress_tensors()
-    network = rcr.contact_network((0, 1, 2, 3))
-    total = np.einsum("n,nab->ab", rcr.measure.areas()[1], stresses) / network.attributes["volume"]
-    # rounding of sums
-    assert np.abs(network.stress()).max() > 100
-    assert total == pytest.approx(network.stress(), rel=1e-9)
-
-
 def test_a_frame_of_a_network_is_that_of_its_scene(tmp_path):
     pressed_box()
     steps(200)
-    rcr.contact_network((0, 1, 2, 3), friction=0.3).save(tmp_path / "network.h5")
+    saved = rcr.contact_network((0, 1, 2, 3), friction=0.3)
+    saved.save(tmp_path / "network.h5")
+    total = np.einsum("n,nab->ab", rcr.measure.areas()[1], rcr.measure.stress_tensors()[1])
+    assert np.abs(saved.stress()).max() > 100
+    # rounding of sums
+    assert total == pytest.approx(saved.attributes["volume"] * saved.stress(), rel=1e-9)
     scene, network = Frame.of(), Frame.of(tmp_path / "network.h5")
     bearing = scene.normal_force() > 0
     order = lambda frame, pick: np.lexsort(
@@ -123,39 +110,11 @@ def test_a_frame_of_a_network_is_that_of_its_scene(tmp_path):
     assert scene.mobilization().max() <= 1 + 1e-6  # the law's limit, to the tolerance of the solver
 
 
-def test_contacts_of_spheres_under_a_law_of_yade():
-    O.reset()
-    mat = O.materials.append(yade.utils.FrictMat(density=1000, young=1e6, poisson=0.3,
-                                                 frictionAngle=0.4))
-    O.bodies.append([yade.utils.sphere((0, 0, 0), 1, material=mat, fixed=True),
-                     yade.utils.sphere((1.99, 0, 0), 1, material=mat)])
-    O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]),
-                 InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()],
-                                 [Law2_ScGeom_FrictPhys_CundallStrack()]),
-                 NewtonIntegrator()]  # fmt: skip
-    O.dt = 1e-6
-    O.step()
-    frame = Frame.of()
-    assert frame.normal_force()[0] == pytest.approx(O.interactions[0, 1].phys.normalForce.norm())
-    assert frame.contacts["friction"][0] == pytest.approx(math.tan(0.4))
-    assert list(frame.kinds()) == [3, 1]
-
-
 def test_contacts_across_the_edge_of_a_cell():
     """Two discs touch across the edge: arms are a radius long, not a period."""
-    O.reset()
-    O.periodic = True
+    periodic_scene("smooth", rcr.particle((3, 0.499), 0.5, 0, material=material()),
+                   rcr.particle((3, 7.5), 0.5, 0, material=material()), dt=1e-7)
     O.cell.hSize = ((10, 0, 0), (0, 8, 0), (0, 0, 10))
-    mat = O.materials.append(yade.utils.FrictMat(density=1000, young=1e6, poisson=0.3,
-                                                 frictionAngle=0.4))
-    O.bodies.append([rcr.particle((3, 0.499), 0.5, 0, material=mat),
-                     rcr.particle((3, 7.5), 0.5, 0, material=mat)])
-    O.engines = [ForceResetter(), InsertionSortCollider([rcr.Bo1_Rcr_Aabb()],
-                                                        allowBiggerThanPeriod=True),
-                 InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()],
-                                 [rcr.Law2_RcrGeom_FrictPhys_CundallStrack()]),
-                 NewtonIntegrator()]  # fmt: skip
-    O.dt = 1e-7
     O.step()
     frame = Frame.of()
     arm1, arm2 = frame.contacts["arm1"][0], frame.contacts["arm2"][0]
@@ -258,7 +217,7 @@ def warnings_of_stress(volume, walls=None):
     return [str(warning.message) for warning in shown], np.abs(theirs - ours).max() / np.trace(ours)
 
 
-def test_f63_get_stress_warns_only_where_it_is_wrong():
+def test_get_stress_warns_only_where_it_is_wrong():
     """getStress is right in a cell of free grains and wrong in a box of walls."""
     shrinking_cell()
     O.cell.velGrad = Matrix3(-0.04, 0.005, 0, 0, -0.04, 0, 0, 0, 0)

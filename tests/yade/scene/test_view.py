@@ -164,13 +164,11 @@ def test_contacts_are_drawn_on_top(pictures, name):
 
 
 def test_forces_are_as_thick_as_they_are(pictures):
-    """The green disc rests on its lowest point: a line runs from its centre downwards, none above.
-    """
+    """The green disc rests on its lowest point: a line from its centre down, none above."""
     changed = np.abs(pictures["type"] - pictures["unmarked"]).max(axis=-1) > 0.1
 
     def width(color, below):
-        """Width of the line in the row `below` times the disc's height under its centre [pixels].
-        """
+        """Width of the line `below` disc heights under the centre [pixels]."""
         rows, columns = np.nonzero(seen(pictures["unmarked"], color))
         row = int(rows.mean() + below * np.ptp(rows))
         return changed[row, columns.min() : columns.max() + 1].sum()

@@ -11,7 +11,7 @@ from yade import O
 
 @pytest.mark.parametrize("side, stress",
                          [(side, stress) for side in (0, 2) for stress in (-50.0, 50.0)])
-def test_f25_sign_of_the_stress(side, stress):
+def test_sign_of_the_stress(side, stress):
     """A wall of 2 kg between walls 3 m apart moves by ½ (3 σ/m) t², up to the leapfrog's dt/t."""
     ends = [rcr.wall("y", y) for y in (0, 3.0)]
     press = [rcr.WallStress(wall=2, start=0, end=1, stress=stress)]
@@ -44,8 +44,3 @@ def test_a_stress_that_is_not_finite_is_refused(stress):
           before=[rcr.WallStress(wall=2, start=0, end=1, stress=stress)])
     with pytest.raises(ValueError, match=f"WallStress.stress = {stress:g}; expected a finite stress"):
         steps(1)
-
-
-def test_f25_messages_name_the_function_and_the_sign():
-    assert "made by ``rcr.mobile_wall``" in rcr.WallStress.__doc__
-    assert "Use −p for a pressure p on a right or top wall" in rcr.WallStress.stress.__doc__

@@ -346,14 +346,15 @@ def test_shear_is_fast_up_to_the_strain_approach(packing):
         test.parameters.update(inertial_number=own[0], time_step=own[1], approach=0.005,
                                sample_inertia=1)
         seen = {}
-        while test.strain < 0.008 - 1e-6:
-            fast_stage = "fast" if test.strain < 0.005 - 5e-4 else "slow"
-            stage = "ramp" if test.strain < 0.002 else fast_stage
+        while test.strain < 0.018 - 1e-6:
+            stage = "fast" if test.strain < 0.005 - 5e-4 else "slow"
             test.shear_record()
             rate = -O.bodies[test.top].state.vel[1] / test.progress["first_height"]
-            seen[stage] = rate * test.time_unit, O.dt / test.time_unit
-        assert seen["fast"] == pytest.approx(fast, rel=1e-9)
-        assert seen["slow"] == pytest.approx(own, rel=1e-9)
+            seen.setdefault(stage, []).append((rate * test.time_unit, O.dt / test.time_unit))
+        assert seen["fast"][-1] == pytest.approx(fast, rel=1e-9)
+        rates, lengths = zip(*seen["slow"])
+        assert rates == tuple(sorted(rates, reverse=True)) and lengths == tuple(sorted(lengths))
+        assert seen["slow"][-1] == pytest.approx(own, rel=1e-9)
 
 
 def test_summary_has_the_inertia_of_the_sample(packing):
@@ -556,15 +557,17 @@ def test_script_refuses_the_folder_of_another_run(done, arguments, message):
 
 
 def test_wide_samples_shear_more_slowly(packing):
-    """Beyond `approach`, ρ (ε̇ W)²/σ₀ stays at its bound if I would exceed it."""
+    """Beyond `approach`, ρ (ε̇ W)²/σ₀ falls to its bound; dt keeps the strain of a step."""
     test = Biaxial.load(packing.folder)
     test.parameters.update(approach=0.003, inertial_number=5e-4, sample_inertia=1e-5)
-    inertias = []
-    while test.strain < 0.01:
-        quick = shear.is_approaching(test)
+    inertias, products = [], []
+    while test.strain < 0.02:
+        slow = test.strain > 0.003 + PROTOCOL.slowing_strain
         test.shear_record()
-        inertias += [] if quick else [test.sample_inertia()[0]]
+        inertias += [test.sample_inertia()[0]] if slow else []
+        products += [np.prod(shear.rate_and_step(test))] if slow else []
     assert inertias == pytest.approx([1e-5] * len(inertias), rel=1e-3) and len(inertias) > 5
+    assert products == pytest.approx([5e-4 * test.parameters["time_step"]] * len(products))
     one = [row["stress_x"] for row in test.rows]
     test = Biaxial.load(packing.folder)
     test.parameters.update(approach=0.003, inertial_number=5e-4, sample_inertia=1e-5)

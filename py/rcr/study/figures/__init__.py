@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from rcr._pictures.drawing import COLUMN, PAGE, STYLE
 
 from rcr.study.figures.curves import (
-    plot_correlation, plot_force_by_length, plot_force_power, plot_force_tail, plot_length_pdf,
+    plot_coordination, plot_correlation, plot_force_by_length, plot_force_power, plot_force_tail, plot_length_pdf,
     plot_mobilization, plot_mobilization_by_force, plot_mobilization_pdf, plot_shear_stress,
     plot_strain, plot_strength, plot_strips, plot_xi,
 )  # fmt: skip
@@ -83,6 +83,16 @@ def _four(vector, names, symbols, titles):
     return figure
 
 
+def _isotropic(value, analysis):
+    """Make the figure of P(θ) and of the coordination numbers after the compaction."""
+    fig = Figure(figsize=(PAGE, 0.45 * PAGE), layout="constrained")
+    axes = [plot_isotropy(value, fig.add_subplot(1, 2, 1, projection="polar")),
+            plot_coordination(value, fig.add_subplot(1, 2, 2))]
+    _letters(axes)
+    eta_legend(fig, axes[0])
+    return fig
+
+
 def _polar(value, analysis):
     """Make the figure of P(θ, ξ)."""
     fig = Figure(figsize=(COLUMN, 1.1 * COLUMN), layout="constrained")
@@ -95,12 +105,13 @@ def _polar(value, analysis):
 
 FIGURES = dict(
     O1=_two(plot_strain, plot_strength),
-    O2=_one(plot_isotropy, projection="polar"),
+    O2=_isotropic,
     O3=_two(plot_force_tail, plot_force_power),
     O4=_two(lambda value, ax: plot_force_tail(value, ax, "t"),
             lambda value, ax: plot_force_power(value, ax, "t")),
     O5=_one(plot_mobilization, of_eta=False),
-    O6=_one(plot_strips),
+    O6=_two(plot_strips,
+            lambda value, ax: plot_strips(value, ax, "strip_stress", r"\sigma_{xx}")),
     O7=_one(plot_mobilization_by_force),
     O8=_one(plot_mobilization_pdf),
     O10=_one(plot_length_pdf),

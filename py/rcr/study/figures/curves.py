@@ -111,17 +111,28 @@ def plot_mobilization(value, ax=None):
     return ax
 
 
-def plot_strips(value, ax=None):
-    """Draw the mean normal force in vertical strips from wall to wall, over the mean [O6]."""
+def plot_coordination(value, ax=None):
+    """Draw Z and Z_c of the isotropic packings against η, with the isostatic numbers [O2]."""
+    ax = make_axes(ax)
+    for count in (4, 6):
+        ax.axhline(count, color="0.8", lw=0.8)
+    ax.plot(value["eta"], column(value, "coordination_number"), "ks-", ms=4, lw=0.8, label="$Z$")
+    ax.plot(value["eta"], column(value, "coordination_number_twice"), "ko-", ms=4, lw=0.8,
+            mfc="w", label="$Z_c$: side-side contacts twice")
+    ax.set(xlabel=r"$\eta$", ylabel="coordination number", ylim=(3, 7))
+    ax.legend(loc="lower right")
+    return ax
+
+
+def plot_strips(value, ax=None, name="strip_force", symbol=r"\langle f_n\rangle"):
+    """Draw a mean of vertical strips from wall to wall, over that of the sample [O6]."""
     ax = make_axes(ax)
     ax.axhspan(0.9, 1.1, color="0.92", lw=0)
-    for eta, row, error in zip(
-        value["eta"], column(value, "strip_force"), error_of(value, "strip_force")
-    ):
+    for eta, row, error in zip(value["eta"], column(value, name), error_of(value, name)):
         ax.errorbar(column(value, "strip"), row, error, color=color(eta), marker=marker(eta), ms=3,
                     lw=0.8, elinewidth=0.6, label=rf"$\eta = {eta:g}$")
     ax.set(xlabel=r"$x/W$ (fixed wall at 0, free wall at 1)",
-           ylabel=r"$\langle f_n\rangle_x/\langle f_n\rangle$", xlim=(0, 1))
+           ylabel=rf"${symbol}$ of a strip over the mean", xlim=(0, 1))
     return ax
 
 
