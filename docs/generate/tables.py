@@ -115,6 +115,14 @@ def stability():
     return table(["hold / drift / blow up at dt =", *(f"{1e3 * dt:g} ms" for dt in steps)], lines)
 
 
+def sloshing():
+    """Scatter of the stress on the left wall from step to step, from benchmarks/sloshing.py."""
+    rows = [[f"{row['eta']:g}", f"{row['sample_inertia']:.0e}", f"{row['time_step']:g}",
+             f"{row['iterations']:.0f}", f"{row['scatter']:.2g}", f"{row['missed']:.2f}"]
+            for row in measured("sloshing")]
+    return table(["η", "ρ (ε̇ W)²/σ₀", "dt/t₀", "sweeps", "scatter of σ_x/σ₀", "missed steps"], rows)
+
+
 def step_threads():
     """Fastest step of each packing on one and on two threads, from scripts/bench_step.py."""
     groups = {}
@@ -215,6 +223,7 @@ TABLES = {
     "study": lambda: results_table("study"),
     "quasi-static": lambda: ratios("e", "e-quasi-static"),
     "examples": examples,
+    "sloshing": sloshing,
     "step-threads": step_threads,
     "driven-scenes": driven_scenes,
 }

@@ -59,7 +59,9 @@ def main():
     for case in old.keys() - cases.CASES.keys():
         print(f"{case}: gone")
     if not (options.dry or options.perturb):
-        REFERENCE.write_text(json.dumps(new, indent=1, ensure_ascii=False) + "\n")
+        rows = ",\n".join(f"{json.dumps(name, ensure_ascii=False)}: {json.dumps(numbers)}"
+                          for name, numbers in new.items())
+        REFERENCE.write_text("{\n" + rows + "\n}\n")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,20 @@
-"""Runs scripts in a fork of this process, which has YADE already: tests take one start together."""
+"""Runs scripts in a fork of this process, which has YADE already, or in a new process."""
 
 import os
 import runpy
 import signal
+import subprocess
 import sys
 import tempfile
 import types
 
-SECONDS = 60
+SECONDS = 600  # only a hang takes them
+YADE = """
+import os, runpy, sys, yade
+{}
+sys.argv = sys.argv[1:]
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
 
 
 def run(script, *arguments):
@@ -37,6 +44,17 @@ def run(script, *arguments):
             stream.seek(0)
             texts.append(stream.read().decode(errors="replace"))
         return types.SimpleNamespace(returncode=code, stdout=texts[0], stderr=texts[1])
+
+
+def command(script, *arguments, before=""):
+    """Command line of a new process that imports YADE, executes `before`, and runs the script."""
+    return [sys.executable, "-c", YADE.format(before), script, *map(str, arguments)]
+
+
+def yade_script(script, *arguments, before="", **settings):
+    """CompletedProcess of `command`."""
+    return subprocess.run(command(script, *arguments, before=before), capture_output=True,
+                          text=True, timeout=SECONDS, **settings)
 
 
 def complaint(ended):

@@ -2,7 +2,8 @@
 step.
 
 S18 and the stack of 100 of S19 are shortened to 10 s and 3 s; the benchmark hard_scenes_table runs
-all. The scenes of SLOW are slow tests; docs/hard-scenes.md explains the numbers. S20 is test_same_bits.py.
+all. The scenes of SLOW are slow tests; docs/hard-scenes.md explains the numbers. S20 is
+test_same_bits.py.
 """
 
 import pytest

@@ -8,10 +8,7 @@ import sys
 
 import numpy as np
 import pytest
-import rcr
 from matplotlib.image import imread
-from scenes import build, material
-from yade import O
 
 FOLDER = pathlib.Path(__file__).parents[3] / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.py"))
@@ -98,18 +95,3 @@ print("stopped", going, O.bodies[0].state.pos[0] == O.iter * O.dt, O.iter > 10)
     run.send_signal(signal.SIGINT)
     out, err = run.communicate(timeout=60)
     assert out == "stopped False True True\n", out + err
-
-
-def falling():
-    return build(rcr.particle((0, 0), 0.1, 0.5, material=material()), gravity=(0, -1, 0), dt=1e-2)
-
-
-def test_advance_makes_the_steps_of_run():
-    falling()
-    assert rcr.advance(37) and O.iter == 37
-    asked = []
-    assert rcr.advance(1000, until=lambda: asked.append(O.iter) or O.iter >= 62, every=5)
-    assert O.iter == 62 and asked == [42, 47, 52, 57, 62]
-    for steps in (0, 1.5, None):
-        with pytest.raises(ValueError, match="steps = "):
-            rcr.advance(steps)

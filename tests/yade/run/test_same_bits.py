@@ -1,5 +1,4 @@
-"""A shear test gives the same bits for all numbers of threads and lanes, on any processor with FMA.
-"""
+"""A shear test gives the same bits for any threads and lanes, on any processor with FMA."""
 
 import hashlib
 import os
@@ -117,9 +116,7 @@ OLDER = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL",
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_another_processor_with_fma_changes_no_bit():
-    """60 long particles, compacted and sheared in two processes with two threads: one has fewer
-    instructions.
-    """
+    """60 long grains, sheared in two processes, one with fewer instructions and two threads."""
     told = []
     for changes, threads, lanes in (({}, 1, 0), (OLDER, 2, 4)):
         command = [sys.executable, "-c", SMALL, str(threads), str(lanes)]

@@ -1,27 +1,15 @@
 """bench_step.py with YADE: it resumes a checkpoint and tabulates the engines' work."""
 
 import csv
-import subprocess
-import sys
 from pathlib import Path
 
+import forked
 import pytest
 from rcr.study.biaxial import Biaxial
 
 SCRIPT = str(Path(__file__).parents[3] / "scripts" / "bench_step.py")
 ENGINES = ["ForceResetter", "InsertionSortCollider", "InteractionLoop", "WallStress", "WallStress",
            "ContactDynamics", "NewtonIntegrator"]
-
-
-def bench(*arguments):
-    return subprocess.run(
-        [sys.executable, "-c", "import sys, yade, runpy; sys.argv = sys.argv[1:]; "
-         "runpy.run_path(sys.argv[0], run_name='__main__')"]
-        + [SCRIPT, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
 
 
 def rows_of(path):
@@ -34,7 +22,7 @@ def test_checkpoint(tmp_path):
     test.solver.overdamped = False
     (tmp_path / "scene").mkdir()
     test.save(tmp_path / "scene")
-    ended = bench(tmp_path / "scene", "--steps", 7, "--threads", 2, "--out", tmp_path / "out")
+    ended = forked.yade_script(SCRIPT, tmp_path / "scene", "--steps", 7, "--threads", 2, "--out", tmp_path / "out")
     assert ended.returncode == 0, ended.stderr
     all_rows, wholes = rows_of(tmp_path / "out" / "yade_engines.csv"), rows_of(
         tmp_path / "out" / "yade_step.csv")
@@ -58,7 +46,7 @@ def test_checkpoint(tmp_path):
 
 def test_so_many_sweeps(tmp_path):
     Biaxial.prepare(eta=0.5, particles=20).save(tmp_path)
-    ended = bench(tmp_path, "--steps", 3, "--iterations", 13, "--out", tmp_path / "out")
+    ended = forked.yade_script(SCRIPT, tmp_path, "--steps", 3, "--iterations", 13, "--out", tmp_path / "out")
     assert ended.returncode == 0, ended.stderr
     for whole in rows_of(tmp_path / "out" / "yade_step.csv"):
         assert float(whole["iterations"]) == 13 and float(whole["tolerance"]) == 0
@@ -69,5 +57,5 @@ def test_so_many_sweeps(tmp_path):
 def test_errors_are_reported_in_a_line(what, says, tmp_path):
     (tmp_path / "file.npz").touch()
     (tmp_path / "empty").mkdir()
-    ended = bench(tmp_path / what, "--out", tmp_path / "out")
+    ended = forked.yade_script(SCRIPT, tmp_path / what, "--out", tmp_path / "out")
     assert ended.returncode != 0 and says in ended.stderr and "Traceback" not in ended.stderr

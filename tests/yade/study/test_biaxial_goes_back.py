@@ -3,9 +3,8 @@
 import json
 import os
 import re
-import subprocess
-import sys
 
+import forked
 import numpy as np
 import pytest
 from rcr.study.protocol import PROTOCOL
@@ -13,8 +12,7 @@ from run_contents import contents, different
 
 KILLED = 9  # exit code
 SCRIPT = os.path.join(os.path.dirname(__file__), *[".."] * 3, "scripts", "biaxial.py")
-WRAPPER = """
-import os, runpy, sys, yade
+FAILING = """
 from rcr.study.biaxial import Biaxial
 
 failures, shear = dict({failures}), Biaxial.shear
@@ -28,8 +26,6 @@ def failing(test, records):
         os._exit({killed})
 
 Biaxial.shear = failing
-sys.argv = sys.argv[1:]
-runpy.run_path(sys.argv[0], run_name="__main__")
 """
 
 
@@ -39,10 +35,9 @@ def run(out, *arguments, failures=(), end=1):
     `failures` are pairs of a strain and the number of failures beyond it. With a smaller time
     step, the process is killed beyond the strain `end`.
     """
-    wrapper = WRAPPER.format(failures=list(failures), end=end, killed=KILLED)
+    failing = FAILING.format(failures=list(failures), end=end, killed=KILLED)
     small = ["--particles", "20", "--strain", "0.04", "--networks", "4", "--iterations", "300"]
-    command = [sys.executable, "-c", wrapper, SCRIPT, *small, *arguments, "--out", out]
-    return subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=600)
+    return forked.yade_script(SCRIPT, *small, *arguments, "--out", out, before=failing)
 
 
 def assert_saved(out):

@@ -102,7 +102,7 @@ def test_defaults_are_those_of_a_test(tmp_path):
 @needs_snakemake
 @needs_environment
 def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
-    """F49: a message of 500 characters was cut within a path."""
+    """A message of 500 characters was cut within a path."""
     out = tmp_path / "out"
     run = campaign(out, *SMALL, "--seeds", *"123456789", "--strain", "0.0005")
     assert run.returncode != 0

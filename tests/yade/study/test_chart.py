@@ -129,8 +129,7 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
 
 @pytest.mark.parametrize("law, most", [("cd", 1e-12), ("smooth", 1e-3), ("stock", 0.02)])
 def test_the_work_of_the_walls_is_accounted_for(law, most, tmp_path):
-    """Rigid contacts to rounding for any step; springs and clumps up to the error of their steps.
-    """
+    """Rigid contacts to rounding for any step, springs and clumps to the error of their steps."""
     test = biaxial_cost.compacted(0.5, 1, charts.Options(**{**vars(OPTIONS), "out": str(tmp_path)}))
     if law == "smooth":
         test.switch_to_springs(1e3)
@@ -206,9 +205,7 @@ def test_limit_of_rates_is_found_in_pairs():
 
 
 def test_point_of_the_rate_is_the_same_in_one_go_and_interrupted(tmp_path, monkeypatch):
-    """Checkpoints at every record and an interruption give the same row; rows of different rates
-    differ.
-    """
+    """Checkpoints and an interruption give the same row; rows of different rates differ."""
     options = charts.Options(**{**vars(OPTIONS), "out": str(tmp_path)})
     monkeypatch.setattr(quasi_static, "STRAIN", 0.13)
     monkeypatch.setattr(quasi_static, "FROM", 0.11)
