@@ -468,3 +468,15 @@ def test_checkpoint_of_springs(tmp_path):
     assert again.parameters == test.parameters
     again.shear_record()
     assert len(again.rows) == 2
+
+
+def test_the_critical_time_step_of_a_clump_follows_its_mass():
+    """A clump with a hundredth of the mass vibrates ten times as fast."""
+    found = []
+    for mass in (1.0, 0.01):
+        O.reset()
+        O.engines = engines()
+        m = material(MU)
+        rcr.clump([rcr.disc((x, 0), 0.1, material=m) for x in (-0.1, 0.1)], mass=mass)
+        found.append(rcr.critical_time_step())
+    assert found[0] == pytest.approx(10 * found[1], rel=1e-9)

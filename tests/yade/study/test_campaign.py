@@ -126,7 +126,8 @@ def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
         (["--etas", "nan"], "expected elongations 0 ≤ ETA < 1"),
         (["--iterations", "0"], "--iterations 0: expected at least 1"),
         (["--time-step", "0"], "--time-step 0.0: expected a number > 0, at most 10"),
-        (["--friction", "-1"], "--friction -1.0: expected a coefficient > 0, at most 100"),
+        (["--friction", "0"], "--friction 0.0: expected a coefficient > 0, at most 100"),
+        (["--qui"], "unrecognized arguments: --qui"),
         (["--out", ""], "--out '': expected a path"),
     ],
 )
