@@ -1,17 +1,23 @@
-"""Sources: short files, and kernels free of YADE and Python."""
+"""Sources: short files, lines of at most 100 columns, and kernels free of YADE and Python."""
 
 import ast
 import collections
 import pathlib
 import re
+import shutil
+import subprocess
 
 import pytest
 
-PKG = pathlib.Path(__file__).resolve().parents[1] / "pkg"
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+PKG = ROOT / "pkg"
 CODE = sorted(path for path in PKG.rglob("*") if path.suffix in (".cpp", ".hpp"))
-MODULES = sorted((PKG.parent / "py" / "rcr").rglob("*.py"))
+MODULES = sorted((ROOT / "py" / "rcr").rglob("*.py"))
 OUTSIDE = re.compile(
     r'#include\s+[<"](core/|lib/|pkg/|boost/|pybind11/|Python\.h|numpy/|dem/|python/)')
+COLUMNS, SHARE = 100, 0.01
+SUFFIXES = {".py", ".cpp", ".hpp", ".sh", ".md"}
+UNWRAPPED = ("pkg/dem/", "benchmarks/peers/")  # macros of classes and peers: counted as a whole
 
 
 def lines(path):
@@ -43,9 +49,7 @@ def test_kernels_stand_alone():
 
 
 def test_each_type_has_a_name_of_its_own():
-    """The linker keeps one of two templates of equal names, so that two types `Pair` corrupt
-    vectors.
-    """
+    """The linker keeps one of two templates of a name, so two types `Pair` corrupt vectors."""
     names = [found[2] for path in CODE for line in lines(path)
              if (found := re.match(r"(struct|class|enum class) (?:alignas\([^)]*\) )?(\w+)\b[^;]*$",
                                    line))]
@@ -56,7 +60,7 @@ def test_each_type_has_a_name_of_its_own():
 def constant(file, name):
     """Return a constant of a Python file, which is not imported."""
     return next(ast.literal_eval(node.value)
-                for node in ast.parse((PKG.parent / file).read_text()).body
+                for node in ast.parse((ROOT / file).read_text()).body
                 if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == name)
 
 
@@ -72,7 +76,49 @@ def test_each_mutant_has_one_place():
 
 def test_checks_leave_out_tests_that_exist():
     """A renamed test would run under a sanitizer that cannot serve it."""
-    tests = "".join(map(pathlib.Path.read_text, (PKG.parent / "tests/kernel").rglob("test_*.py")))
+    tests = "".join(map(pathlib.Path.read_text, (ROOT / "tests/kernel").rglob("test_*.py")))
     for name in {name for names in constant("scripts/lib/check.py", "LEFT_OUT").values()
                  for name in names}:
         assert re.search(rf"def test_\w*{name}", tests), name
+
+
+def tracked():
+    """Names of the tracked files of these suffixes; none without git or outside a clone."""
+    if not shutil.which("git"):
+        return []
+    command = ["git", "-C", ROOT, "ls-files"]
+    names = subprocess.run(command, capture_output=True, text=True).stdout.splitlines()
+    return [name for name in names if pathlib.Path(name).suffix in SUFFIXES]
+
+
+def wide_lines(text):
+    """(number, columns) of each wide line except tables and addresses; a tab has 4 columns."""
+    for number, line in enumerate(text.split("\n"), 1):
+        columns = len(line.expandtabs(4))
+        if columns > COLUMNS and not line.lstrip(" \t/").startswith("|") and "http" not in line:
+            yield number, columns
+
+
+def test_wide_lines_are_found():
+    text = "\n".join(["a" * 101, "| " + "a" * 200, "\t" * 25, "\t" * 26, "http://" + "a" * 100])
+    assert list(wide_lines(text)) == [(1, 101), (4, 104)]
+
+
+@pytest.mark.skipif(not tracked(), reason="needs git and a clone")
+def test_lines_have_at_most_100_columns():
+    """At most 1 % of all lines may be wider; of a wrapped file, 1 % or four lines."""
+    failed, total, count = [], 0, 0
+    for name in tracked():
+        path = ROOT / name
+        if not path.exists():
+            continue
+        text = path.read_text()
+        wide = list(wide_lines(text))
+        total, count = total + len(wide), count + text.count("\n")
+        if name.startswith(UNWRAPPED):
+            continue
+        if len(wide) > max(4, SHARE * text.count("\n")):
+            number, columns = wide[0]
+            failed.append(f"{name}:{number}: {columns} columns, {len(wide)} wide lines in all")
+    assert total <= SHARE * count
+    assert not failed, f"lines over {COLUMNS} columns:\n" + "\n".join(failed)

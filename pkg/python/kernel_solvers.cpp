@@ -45,8 +45,7 @@ namespace {
 
 		std::vector<Impulse> relative;
 		for (const ContactPoint& c : problem.points)
-			relative.push_back(
-			        relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]));
+			relative.push_back(relativeVelocity(problem, c));
 		return py::dict(
 		        py::arg("impulse")           = arrayOf(problem.impulse),
 		        py::arg("relative_velocity") = arrayOf(relative),

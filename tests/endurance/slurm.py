@@ -132,9 +132,7 @@ def run_of(out, job):
 
 
 def run_on_slurm(out):
-    """Run the campaign and cancel the first job with a checkpoint; return the job's number and
-    name.
-    """
+    """Run the campaign; cancel the first job with a checkpoint. Returns its number and name."""
     config = f"particles={PARTICLES} strain={STRAIN} etas={ETAS} seeds={SEED} threads=1".split()
     options = ["--snakefile", SCRIPTS / "lib/campaign.smk", "--directory", out, "--profile",
                SCRIPTS / "lib/slurm", "--config", *config]

@@ -63,8 +63,7 @@ def draw(rng):
 
 
 def container(scene, material):
-    """Four obstacles around the square |x|, |y| < WIDTH/2; some scenes have a turning box inside.
-    """
+    """Four obstacles around |x|, |y| < WIDTH/2; some scenes have a turning box inside."""
     import rcr
     from yade import O, utils
 
@@ -212,8 +211,7 @@ class Watch:
         self.given, self.way, self.lifted = None, 0.0, 0.0
 
     def energies(self):
-        """Kinetic energy and work of gravity in a step [J]; longest displacement of a surface [m].
-        """
+        """Kinetic energy, work of gravity in a step [J], longest displacement of a surface [m]."""
         from yade import O
 
         kinetic = work = way = 0.0
@@ -260,8 +258,7 @@ class Watch:
             self.no_gain()
 
     def told(self):
-        """True if a message has warned of grains outside: a missed tolerance, or springs too soft.
-        """
+        """True if a message has told of grains outside: missed tolerance, or too soft springs."""
         from yade import O
         from yade.wrapper import InteractionLoop
 

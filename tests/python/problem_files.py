@@ -99,9 +99,7 @@ def write_fclib(path, w, q, mu, kind=-1, change=None):
 
 
 def write_siconos(path, w, q, mu, storage="columns"):
-    """The text format of Siconos: a dense matrix, rows of 2×2 blocks, or CSparse columns or
-    triplets.
-    """
+    """Siconos' text format: a dense matrix, rows of 2×2 blocks, CSparse columns or triplets."""
     size, text = len(w), []
     number = lambda x: f"{x:.17e}"
     if storage == "dense":

@@ -81,23 +81,16 @@ def test_seeds_are_cumulated_and_only_the_critical_state_counts(result, runs):
     """Snapshots at strains of 0.1, 0.2, 0.3, 0.4: the critical state starts at 0.2."""
     assert [len(run.networks) for run in runs] == [3, 3, 3]
     value = result["O1"]["value"]
-    assert (
-        value["seeds"].tolist() == [1, 2]
-        and value["snapshots"].tolist() == [3, 6]
-        and value["contacts"].tolist() == [6000, 12000]
-    )
-    assert value["sin_phi"] == pytest.approx([0.30, 0.45], abs=0.001) and value[
-        "sin_phi_std"
-    ] == pytest.approx([0.01, 0.01], rel=0.01)
+    assert (value["seeds"].tolist() == [1, 2] and value["snapshots"].tolist() == [3, 6]
+            and value["contacts"].tolist() == [6000, 12000])
+    assert (value["sin_phi"] == pytest.approx([0.30, 0.45], abs=0.001)
+            and value["sin_phi_std"] == pytest.approx([0.01, 0.01], rel=0.01))
     later = Run.read(runs[0].folder, from_strain=0.35)
     assert [network.attributes["strain"] for network in later.networks] == [0.4]
     earlier = Run.read(runs[0].folder, to_strain=0.3)  # from half of it on
     assert [network.attributes["strain"] for network in earlier.networks] == [0.2, 0.3]
-    assert (
-        earlier.is_critical(earlier.history["strain"]).sum()
-        == len(earlier.critical_stresses())
-        < len(runs[0].critical_stresses())
-    )
+    assert (earlier.is_critical(earlier.history["strain"]).sum()
+            == len(earlier.critical_stresses()) < len(runs[0].critical_stresses()))
 
 
 def test_known_distributions_are_recovered(result):
@@ -108,14 +101,9 @@ def test_known_distributions_are_recovered(result):
     is within 0.1 of 1, the weak fraction within 0.01 of 1 − 1/e. The cross product a_c a_fn/2 in
     tr χ(∞) changes a_fn by up to 10 %.
     """
-    values = {
-        key: {
-            name: np.asarray(array)[1]
-            for name, array in entry["value"].items()
-            if len(np.shape(array)) and len(array) == 2
-        }
-        for key, entry in result.items()
-    }
+    values = {key: {name: np.asarray(array)[1] for name, array in entry["value"].items()
+                    if len(np.shape(array)) and len(array) == 2}
+              for key, entry in result.items()}
     assert values["O15"]["a_c"][-1] == pytest.approx(0.2, abs=4 * np.sqrt(2 / 12000))
     assert values["O17"]["a_fn"][-1] == pytest.approx(0.3, abs=4 * np.sqrt(4 / 12000) + 0.03)
     assert values["O17"]["f_n_amplitude"][-1] / values["O17"]["f_n_mean"][-1] == pytest.approx(
@@ -124,14 +112,10 @@ def test_known_distributions_are_recovered(result):
     assert values["O14"]["amplitude"][-1] == pytest.approx(0.2, abs=4 * np.sqrt(2 / 12000))
     assert values["O14"]["theta_sigma"] == pytest.approx(np.pi / 2, abs=0.03)
     assert values["O3"]["alpha_n"] == pytest.approx(1, abs=0.1)
-    x = np.geomspace(
-        0.01, 1, 10_001
-    )  # of e^{−x} on [0.01, 1] the fit finds the power law of the same mean logarithm
-    mean = (
-        scipy.integrate.trapezoid(np.log(1 / x) * np.exp(-x) * x, np.log(x))
-        / scipy.integrate.trapezoid(np.exp(-x) * x, np.log(x))
-        / np.log(100)
-    )
+    # of e^{−x} on [0.01, 1] the fit finds the power law of the same mean logarithm
+    x = np.geomspace(0.01, 1, 10_001)
+    mean = (scipy.integrate.trapezoid(np.log(1 / x) * np.exp(-x) * x, np.log(x))
+            / scipy.integrate.trapezoid(np.exp(-x) * x, np.log(x)) / np.log(100))
     assert values["O3"]["beta_n"] == pytest.approx(
         statistics._root_of_mean(mean) / np.log(100) - 1, abs=0.1)
     assert values["O3"]["weak_fraction"] == pytest.approx(1 - np.exp(-1), abs=0.02)
@@ -204,39 +188,24 @@ def test_drift_of_the_fabric():
         return Run(folder=None, networks=networks, from_strain=0.2)
 
     found = analysis.drift([run(0.0, 1), run(0.2, 2)])
-    expected = (
-        0.3 * np.sqrt(2 / 2000) / np.sqrt(14 * np.var(np.linspace(0.2, 0.5, 7)))
-    )  # √(2/C) of a moment, over the spread of the strains
+    # √(2/C) of a moment, over the spread of the strains
+    expected = 0.3 * np.sqrt(2 / 2000) / np.sqrt(14 * np.var(np.linspace(0.2, 0.5, 7)))
     assert found["a_c_drift_error"] == pytest.approx(expected, rel=0.5)
     assert found["a_c_drift"] == pytest.approx(0.3, abs=4 * found["a_c_drift_error"])
-    assert np.isnan(
-        analysis.drift([dataclasses.replace(run(0.0, 1), networks=run(0.0, 1).networks[:2])])[
-            "a_c_drift"
-        ]
-    )
+    assert np.isnan(analysis.drift(
+        [dataclasses.replace(run(0.0, 1), networks=run(0.0, 1).networks[:2])])["a_c_drift"])
 
 
 def test_errors_are_over_seeds_where_there_are_three(tmp_path):
     """Seeds with a_c = 0.1, 0.2 and 0.3: three have the error 0.1/√3, two that of snapshots."""
-    runs = [
-        Run(
-            tmp_path / str(k),
-            [
-                packing(0.5, seed=10 * k + j, a_c=0.1 * k, a_fn=0, a_ft=0, contacts=8000)
-                for j in range(4)
-            ],
-            0.2,
-        )
-        for k in (1, 2, 3)
-    ]
-    for count, expected in (
-        (3, 0.1 / np.sqrt(3)),
-        (2, np.std([0.1] * 4 + [0.2] * 4, ddof=1) / np.sqrt(8)),
-    ):
+    runs = [Run(tmp_path / str(k),
+                [packing(0.5, seed=10 * k + j, a_c=0.1 * k, a_fn=0, a_ft=0, contacts=8000)
+                 for j in range(4)], 0.2) for k in (1, 2, 3)]
+    for count, expected in ((3, 0.1 / np.sqrt(3)),
+                            (2, np.std([0.1] * 4 + [0.2] * 4, ddof=1) / np.sqrt(8))):
         value = analysis.analyse(runs[:count])["O15"]["value"]
-        assert value["a_c_error"][0, -1] == pytest.approx(
-            expected, rel=0.25
-        )  # moments of 8000 contacts: 0.016 each
+        # moments of 8000 contacts: 0.016 each
+        assert value["a_c_error"][0, -1] == pytest.approx(expected, rel=0.25)
         assert value["a_c"][0, -1] == pytest.approx(0.05 * (count + 1), abs=0.02)
 
 
@@ -315,40 +284,29 @@ def test_tiny_packings_are_analysed(particles, contacts, change):
     for etas in ([0.0], [0.5], [0.0, 0.2, 0.5, 0.7]):
         runs = []
         for k, eta in enumerate(etas):
-            networks = [
-                _of(
-                    change,
-                    packing(eta, seed=3 * k + j, particles_=particles, contacts=contacts,
-                            strain=0.1 * (j + 1)),
-                )
-                for j in range(1 + k % 2)
-            ]
+            networks = [_of(change, packing(eta, seed=3 * k + j, particles_=particles,
+                                            contacts=contacts, strain=0.1 * (j + 1)))
+                        for j in range(1 + k % 2)]
             runs.append(Run(pathlib.Path(f"/{k}"), networks, 0.0))
         result = analysis.analyse(runs)
         table = claims.findings(result)
         json.dumps(analysis.jsonable(result), allow_nan=False)
-        assert not [
-            row
-            for row in table
-            if row.verdict != claims.NOT_TESTED and "nan" in row.value + row.error
-        ]
+        assert not [row for row in table
+                    if row.verdict != claims.NOT_TESTED and "nan" in row.value + row.error]
 
 
 def test_runs_that_are_no_seeds_are_refused(tmp_path):
     """A run given twice, other parameters than the seed, networks of two runs in a folder."""
-    folders = [
-        write_run(tmp_path / name, 0.5, seed, strains=(0.1, 0.2))
-        for name, seed in (("a", 1), ("b", 2))
-    ]
+    folders = [write_run(tmp_path / name, 0.5, seed, strains=(0.1, 0.2))
+               for name, seed in (("a", 1), ("b", 2))]
     (tmp_path / "link").symlink_to("a")
     for again in (folders[0], tmp_path / "link", tmp_path / "b" / ".." / "a"):
         with pytest.raises(ValueError, match="is given twice"):
             analysis.analyse([Run.read(folders[0]), Run.read(again)])
 
     def record(folder, **parameters):
-        run = dict(
-            program="biaxial.py", run=json.dumps(parameters), parameters=dict(eta=0.5, **parameters)
-        )
+        run = dict(program="biaxial.py", run=json.dumps(parameters),
+                   parameters=dict(eta=0.5, **parameters))
         (folder / "run.json").write_text(json.dumps(run))
         return Run.read(folder)
 
@@ -418,18 +376,14 @@ def test_bad_histories_are_refused(tmp_path, text, says):
 
 
 def rows(result, observable, start=""):
-    return [
-        row
-        for row in claims.findings(result)
-        if row.observable == observable and row.statement.startswith(start)
-    ]
+    return [row for row in claims.findings(result)
+            if row.observable == observable and row.statement.startswith(start)]
 
 
 def changed(result, observable, **arrays):
     """The analysis with some arrays of an observable replaced."""
     return result | {
-        observable: result[observable] | dict(value=result[observable]["value"] | arrays)
-    }
+        observable: result[observable] | dict(value=result[observable]["value"] | arrays)}
 
 
 def test_verdicts_follow_the_data(result):

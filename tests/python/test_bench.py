@@ -17,15 +17,6 @@ sys.path.insert(0, str(ROOT))
 from benchmarks import measure
 from benchmarks import packing as packings
 
-SWEEP_COLUMNS = "problem,shape,bodies,points,solver,lanes,threads,ns,ns_by_clock,ratio_to_one_thread"
-TOLERANCE_COLUMNS = (
-    "problem,shape,bodies,points,solver,start,tolerance,iterations,seconds,residual,residual_numpy,reached,"
-    "siconos_seconds,siconos_figure,siconos_ratio"
-)
-STEP_COLUMNS = (
-    "packing,shape,grains,points,library,start,iterations,ns,covers,ms,ms_without_iterations,residual,mean_overlap,velocity_error"
-)
-
 
 def lattice(count=25, seed=3):
     return problems.BodyProblem(**measure.lattice(count, seed))
@@ -61,10 +52,6 @@ def rows_of(path):
         return list(csv.DictReader(file))
 
 
-def header(path):
-    return path.read_text().splitlines()[0]
-
-
 # --- what is measured with ------------------------------------------------------------------------
 
 
@@ -76,9 +63,7 @@ def test_residual_is_the_one_that_the_kernels_report(tolerance):
 
 
 def test_residual_by_hand():
-    """One contact, w = 2 in both directions, velocity (−1, 0.3), µ = 0.5: p_n = 1/2, friction
-    holds.
-    """
+    """One contact, w = 2 along n and t, u = (−1, 0.3), µ = 0.5: p_n = 1/2, friction holds."""
     from scipy.sparse import csc_array
 
     matrix, q = csc_array(2 * np.eye(2)), np.array([[-1, 0.3]])
@@ -171,8 +156,6 @@ def test_bench_solver_writes_its_tables(files):
     ended = bench("bench_solver.py", *names, "--mirror", 1, "--warm", "--tolerances", "1e-3",
                   "1e-6", "--out", files / "out", *FAST)
     assert ended.returncode == 0, ended.stderr
-    assert header(files / "out" / "sweeps.csv") == SWEEP_COLUMNS
-    assert header(files / "out" / "tolerances.csv") == TOLERANCE_COLUMNS
     sweeps = rows_of(files / "out" / "sweeps.csv")
     assert len(sweeps) == 4 * 2 * 3 * 2 + 2  # with bodies: solvers, lanes, threads
     rows = rows_of(files / "out" / "tolerances.csv")
@@ -260,9 +243,7 @@ def test_bench_solver_reports_errors_in_a_line(files, arguments, says):
 
 @pytest.fixture
 def packing(tmp_path):
-    """Six moving discs of diameter 1 and mass 1 in two rows between walls; the right wall is
-    pushed.
-    """
+    """Six moving discs of diameter 1, mass 1 in two rows between walls, the right one pushed."""
     count, (j, i) = 6, np.divmod(np.arange(6), 3)
     state = np.zeros((count + 4, 8))
     state[:count, 0], state[:count, 1], state[:count, 3], state[:count,
@@ -308,7 +289,6 @@ def test_bench_step_writes_its_table(packing, tmp_path):
     ended = bench("bench_step.py", packing, "--chipmunk", program, "--box2d", program, "--repeats",
                   1, "--out", tmp_path / "out")
     assert ended.returncode == 0, ended.stderr
-    assert header(tmp_path / "out" / "step.csv") == STEP_COLUMNS
     ours, others = [], []
     for row in rows_of(tmp_path / "out" / "step.csv"):
         (ours if row["library"].startswith("rcr") else others).append(row)

@@ -51,9 +51,7 @@ def test_partial_tensors_add_up():
 
 
 def test_stress_of_a_row_and_a_column():
-    """Contacts f = 3 along x on ℓ = 2, f = 1 along y on ℓ = 4, V = 10: σ = diag(0.6, 0.4), q/p =
-    0.2.
-    """
+    """f = 3 along x on ℓ = 2, f = 1 along y on ℓ = 4, V = 10: σ = diag(0.6, 0.4), q/p = 0.2."""
     test = network(np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]),
                    np.array([[3.0, 0], [1, 0]]))
     assert test.stress() == pytest.approx(np.diag([0.6, 0.4]), abs=1e-15)
@@ -100,9 +98,7 @@ def test_friction_is_that_of_each_contact():
 
 
 def test_files_of_before_load(tmp_path):
-    """Files without the columns friction, clump and center take the attribute, single grains,
-    positions.
-    """
+    """Without the columns friction, clump, center: the attribute, single grains, positions."""
     test = random_network()
     path = tmp_path / "network-0.h5"
     test.save(path)
@@ -154,8 +150,7 @@ def test_force_pdf_is_a_density():
 
 
 def test_coordination_leaves_rattlers_out():
-    """A triangle with a fourth grain on one contact, a rattler: Z = 2; with one side contact 8/3.
-    """
+    """A triangle and a grain on one contact, a rattler: Z = 2; with one side contact 8/3."""
     pairs = np.array([[0, 1], [1, 2], [2, 0], [2, 3]])
     test = network(np.zeros(4), np.ones((4, 2)), np.ones((4, 2)), grains=4, body1=pairs[:, 0],
                    body2=pairs[:, 1], points=np.array([2, 1, 1, 1]))
@@ -171,7 +166,9 @@ def test_file_round_trip_and_refusals(tmp_path):
     path = tmp_path / "network-0.h5"
     test.save(path)
     again = Network.load(path)
-    assert np.array_equal(again.contacts["force"], test.contacts["force"])
+    for group in ("particles", "contacts"):
+        for name, column in getattr(test, group).items():
+            assert np.array_equal(getattr(again, group)[name], column), name
     assert again.attributes["volume"] == 10 and again.attributes["friction"] == 0.5
     assert [p.name for p in tmp_path.iterdir()] == ["network-0.h5"]
 
@@ -185,17 +182,6 @@ def test_file_round_trip_and_refusals(tmp_path):
         Network(test.particles, contacts | dict(force=contacts["force"] * np.nan), dict(volume=1))
     with pytest.raises(ValueError, match="volume = 0"):
         Network(test.particles, contacts, dict(volume=0))
-
-
-def test_a_failed_save_leaves_the_old_file(tmp_path, monkeypatch):
-    test = random_network()
-    path = tmp_path / "network-0.h5"
-    test.save(path)
-    before = path.read_bytes()
-    monkeypatch.setattr(Network, "stress", lambda self: 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        test.save(path)
-    assert path.read_bytes() == before and len(list(tmp_path.iterdir())) == 1
 
 
 def spoil(path, name, change):

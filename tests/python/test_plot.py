@@ -139,9 +139,7 @@ def test_equal_forces_have_one_colour():
 
 @pytest.mark.parametrize("count", [1, 2, 10, 200])
 def test_lines_cover_no_grain_and_stay_in_the_picture(count):
-    """Outlines of a few large grains are at most 1/20 of the radius, and no thicker than the
-    margin.
-    """
+    """Outlines of few large grains: at most 1/20 of the radius, no thicker than the margin."""
     row = frame(count)
     row.contacts = contacts(count - 1, force=np.tile([1.0, 0], (count - 1, 1)))
     row.walls = dict(id=np.array([99]), axis=np.array([1]), position=np.array([-0.5]))

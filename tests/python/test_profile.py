@@ -12,9 +12,7 @@ from synthetic import particles
 
 
 def scene(seed, count=30, cell=None):
-    """A network of random grains in a box of 10 × 6, with contacts anywhere and any forces that
-    push.
-    """
+    """A network of random grains in a box of 10 × 6; contacts anywhere, any pushing forces."""
     rng = np.random.default_rng(seed)
     size = np.array([10.0, 6.0])
     eta = rng.uniform(0, 0.8, count)
@@ -104,9 +102,7 @@ def test_layers_are_means_of_a_map():
 
 
 def test_a_turning_grain_and_a_grain_in_two_cells():
-    """A disc of radius 1 on the border of two cells turns at 1/s: its halves move up and down by
-    4/(3π).
-    """
+    """A disc (R = 1) on the border of two cells turns at 1/s: halves move by ±4/(3π)."""
     disc = particles(1) | dict(velocity=np.array([[0.0, 0, 1]]))
     empty = dict(body1=[], body2=[], type=[], normal=np.empty((0, 2)), branch=np.empty((0, 2)),
                  force=np.empty((0, 2)), position=np.empty((0, 2)), points=[])

@@ -60,17 +60,11 @@ def test_script_writes_everything(written):
         rf"{out}/report.html: \d+ of \d+ statements agree, \d+ do not, \d+ are not tested\n", line)
     content = json.loads((out / "analysis.json").read_text())
     assert list(content) == list(STATEMENTS)
-    names = [
-        *figures.FIGURES,
-        *(name.removesuffix(".png") for key in MAPS for name in content[key]["value"]["files"]),
-    ]
+    names = [*figures.FIGURES, *(name.removesuffix(".png") for key in MAPS
+                                 for name in content[key]["value"]["files"])]
     pictures = {f"{name}.{suffix}" for name in names for suffix in ("png", "pdf")}
     assert {path.name for path in out.iterdir()} == {
-        "analysis.json",
-        "report.html",
-        "table.md",
-        "run.json",
-    } | pictures
+        "analysis.json", "report.html", "table.md", "run.json"} | pictures
     assert content["O2"]["value"]["files"] == ["O2-eta-0.png", "O2-eta-0.5.png"]
     assert set(STATEMENTS) <= {name.split("-")[0] for name in names}
 
@@ -97,11 +91,8 @@ def test_analysis_of_other_runs_is_refused(written, folders, tmp_path):
     before = {path.name: path.read_bytes() for path in out.iterdir()}
     for arguments in ([folders[0]], [*folders, "--from-strain", "0.3"]):
         run = network_script(*arguments, "--out", out)
-        assert (
-            run.returncode == 1
-            and "remove it with --overwrite" in run.stderr
-            and run.stderr.count("\n") == 1
-        )
+        assert (run.returncode == 1 and "remove it with --overwrite" in run.stderr
+                and run.stderr.count("\n") == 1)
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
@@ -112,11 +103,9 @@ def test_a_run_that_has_not_ended_is_told(written, folders, tmp_path):
     (going / "run.json").write_text(
         json.dumps(dict(program="biaxial.py", run="x", parameters=dict(eta=0.0, strain=0.7))))
     run = network_script(going, "--out", out)
-    assert (
-        run.returncode == 1
-        and f"network.py: the run in {going} is not complete: its last network is at a "
-        "strain of 0.4000, its end at 0.7\n" in run.stderr
-    )
+    assert (run.returncode == 1
+            and f"network.py: the run in {going} is not complete: its last network is at a "
+            "strain of 0.4000, its end at 0.7\n" in run.stderr)
 
 
 @pytest.mark.slow
@@ -129,10 +118,8 @@ def test_analysis_of_other_runs_takes_the_place_of_one(written, folders, tmp_pat
 
 def test_report_counts_missed_tolerances(folders):
     """Shares of 1 and 3 % of two seeds, 2 and 4 times the tolerance: (1 × 2 + 3 × 4)/4 = 3.5."""
-    summaries = [
-        dict(missed_fraction=0.01, missed_mean=2.0, missed_max=3.0),
-        dict(missed_fraction=0.03, missed_mean=4.0, missed_max=9.0),
-    ]
+    summaries = [dict(missed_fraction=0.01, missed_mean=2.0, missed_max=3.0),
+                 dict(missed_fraction=0.03, missed_mean=4.0, missed_max=9.0)]
     runs = [Run.read(folders[1]) for _ in summaries]
     assert report.unconverged_steps(runs).startswith("No summary.json counts")
     for run, summary in zip(runs, summaries):
@@ -163,7 +150,7 @@ def mark_yielded(folder, strains, out):
 
 
 def test_records_and_snapshots_with_yielded_steps_are_left_out(folders, tmp_path):
-    """F50: the critical state has 51 records and snapshots at strains of 0.2, 0.3 and 0.4."""
+    """The critical state has 51 records and snapshots at strains of 0.2, 0.3 and 0.4."""
     folder = mark_yielded(folders[1], (0.1, 0.4), tmp_path / "marked")
     run, whole = Run.read(folder), Run.read(folder, include_yielded=True)
     assert [network.attributes["strain"] for network in run.networks] == [0.2, 0.3]

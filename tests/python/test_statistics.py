@@ -53,8 +53,7 @@ def test_exponents_look_at_their_range_only():
 
 
 def test_mean_and_variance_of_the_power_law_join_their_series():
-    """m(κ) and −dm/dκ on both sides of the switch to the series agree with a difference quotient.
-    """
+    """m(κ) and −dm/dκ agree with a difference quotient on both sides of the series."""
     for kappa in (1e-4, 9e-4, 1.1e-3, 9e-3, 1.1e-2, 0.5, -3, 40):
         step = 1e-4
         slope = (statistics._mean(kappa + step) - statistics._mean(kappa - step)) / (2 * step)

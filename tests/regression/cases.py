@@ -1,6 +1,4 @@
-"""Small scenes of every class, law and solver, and numbers of their results: {case: {quantity:
-number}}.
-"""
+"""Numbers of small scenes of every class, law and solver: {case: {quantity: number}}."""
 
 import math
 import pathlib

@@ -292,9 +292,8 @@ void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadT
 			body.center          = { body.center.x + by.x, body.center.y + by.y };
 			if (by.rotation != 0) body.turn = rcr::scaled(rcr::turned(body.turn, by.rotation));
 		}
-		const rcr::Twist& p = impulses[id];
-		body.velocity       = rcr::accelerated(body.velocity, inertia_[id],
-		              { inverseDt * p.x, inverseDt * p.y, inverseDt * p.rotation }, gravity, before);
+		body.velocity = rcr::accelerated(
+		        body.velocity, inertia_[id], inverseDt * impulses[id], gravity, before);
 		body.center         = { body.center.x + body.velocity.x * before,
 			        body.center.y + body.velocity.y * before };
 		body.turn     = rcr::integrated(body.turn, body.velocity.rotation, before);

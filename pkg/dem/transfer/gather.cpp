@@ -190,8 +190,7 @@ namespace {
 		step_.problem.inverseMass[b.getId()] = { inertia.x ? 1 / inertia.mass : 0,
 			inertia.y ? 1 / inertia.mass : 0, inertia.rotation ? 1 / inertia.moment : 0 };
 		if (!field_.periodic) return;
-		const rcr::Twist more = field_.added(s, dt);
-		v                     = { v.x + more.x, v.y + more.y, v.rotation + more.rotation };
+		v = v + field_.added(s, dt);
 	}
 
 	/// Force and torque on a body; those on the members of a clump included.

@@ -141,13 +141,10 @@ namespace validation {
 				const double    most = a.shape.radius() + b.shape.radius();
 				if (a.shape.kind != rcr::PlanarShape::wall && dot(way, way) > most * most) return;
 				if (!mayMeet(a.party, b.party, collider_)) return;
-				const rcr::Manifold m       = rcr::contactPoints(a.shape,
-				              { from, plane::turnOf(a.shape, *a.party.body->state).axis() }, b.shape,
-				              { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() }, 0);
-				double deepest = 0;
-				for (int k = 0; k < m.count; ++k)
-					deepest = std::max(deepest, -m.points[k].gap);
-				const double part = deepest / rcr::contactSize(a.shape, b.shape);
+				const rcr::Manifold m = rcr::contactPoints(a.shape,
+				        { from, plane::turnOf(a.shape, *a.party.body->state).axis() }, b.shape,
+				        { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() }, 0);
+				const double part = m.deepest() / rcr::contactSize(a.shape, b.shape);
 				if (part <= deepOverlap) return;
 				const shared_ptr<Interaction> known
 				        = scene_.interactions->find(a.party.body->getId(), b.party.body->getId());

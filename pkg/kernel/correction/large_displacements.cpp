@@ -72,9 +72,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		ContactPoint& c      = step.problem.points[number];
 		const double  gap    = step.gap[number].now;
 		const double  path   = dt
-		        * relativeVelocity(
-		                c, step.problem.velocity[c.body1], step.problem.velocity[c.body2])
-		                  .n;
+		        * relativeVelocity(step.problem, c).n;
 		double        least  = infinity;
 		for (const Manifold& now : at)
 			least = std::min(least, gapOf(now, k, contact.count, c.normal));

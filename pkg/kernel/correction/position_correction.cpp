@@ -49,8 +49,7 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 	});
 	const double share = std::min(1.0, largestShift / farthest);
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
-		Twist& shift = step.displacement[id];
-		shift        = { share * shift.x, share * shift.y, share * shift.rotation };
+		step.displacement[id] = share * step.displacement[id];
 	});
 	step.strain = (share * step.dt) * (step.strain - problem.stretch);
 }

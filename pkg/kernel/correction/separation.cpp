@@ -14,11 +14,6 @@ namespace {
 	constexpr double tolerance  = 1;   // of an overlap, over the slop
 	constexpr double kept       = 0.5; // share of an overlap that a large displacement may keep
 
-	void add(Twist& to, const Twist& by)
-	{
-		to = { to.x + by.x, to.y + by.y, to.rotation + by.rotation };
-	}
-
 	class Separation {
 	public:
 		explicit Separation(Step& step)
@@ -106,10 +101,7 @@ namespace {
 		bool closes(const StepContact& c) const
 		{
 			for (int k = c.first; k < c.first + c.count; ++k) {
-				const ContactPoint& point = step_.problem.points[k];
-				const double        u     = relativeVelocity(point,
-                        step_.problem.velocity[point.body1], step_.problem.velocity[point.body2])
-				                         .n;
+				const double u = relativeVelocity(step_.problem, step_.problem.points[k]).n;
 				if (step_.gap[k].now + step_.dt * u < -trigger * c.slop()) return true;
 			}
 			return false;
@@ -123,9 +115,7 @@ namespace {
 		Manifold pointsAtEnd(const StepContact& c) const
 		{
 			return pointsAfter(step_, c, step_.dt, [&](int id) {
-				const Twist v = step_.problem.velocity[id], d = displacement(id);
-				return Twist { v.x + d.x / step_.dt, v.y + d.y / step_.dt,
-					v.rotation + d.rotation / step_.dt };
+				return step_.problem.velocity[id] + displacement(id) / step_.dt;
 			});
 		}
 
@@ -141,11 +131,7 @@ namespace {
 		/// Deepest overlap at the end of the step [m].
 		double overlap(const StepContact& c) const
 		{
-			const Manifold at      = pointsAtEnd(c);
-			double         deepest = 0;
-			for (int k = 0; k < at.count; ++k)
-				deepest = std::max(deepest, -at.points[k].gap);
-			return deepest;
+			return pointsAtEnd(c).deepest();
 		}
 
 		void separate(int number)
@@ -180,7 +166,7 @@ namespace {
 				displaced = true;
 			}
 			if (!displaced) return;
-			add(d1, moved1), add(d2, moved2);
+			d1 = d1 + moved1, d2 = d2 + moved2;
 			enqueue(number);
 			for (int id : { id1, id2 })
 				if (!step_.problem.prescribed(id))

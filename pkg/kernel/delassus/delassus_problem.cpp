@@ -2,19 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
+
+#include "problem/refuse.hpp"
 
 namespace rcr {
 
 namespace {
-
-	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
-	{
-		std::ostringstream text;
-		(text << ... << parts);
-		throw std::invalid_argument(text.str());
-	}
 
 	bool finite(Impulse p) { return std::isfinite(p.n) && std::isfinite(p.t); }
 	bool finite(const DelassusBlock& w)

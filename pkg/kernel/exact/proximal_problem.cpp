@@ -101,10 +101,8 @@ void ProximalProblem::setReference(ContactProblem& problem)
 {
 	updateVelocity(problem);
 	for (std::size_t i = 0; i < size(); ++i) {
-		const ScaledContact& c = contacts[i];
-		referenceVelocity[i]   = relativeVelocity(
-		          problem.points[origin_[i]], problem.velocity[c.body1], problem.velocity[c.body2]);
-		referenceVelocity[i].n += c.bias;
+		referenceVelocity[i] = relativeVelocity(problem, problem.points[origin_[i]]);
+		referenceVelocity[i].n += contacts[i].bias;
 		reference[i] = problem.impulse[origin_[i]];
 	}
 }

@@ -17,6 +17,8 @@
 // the second point is new, see pkg/README.md.
 #pragma once
 
+#include <algorithm>
+
 #include "geometry/stadium.hpp"
 
 namespace rcr {
@@ -33,6 +35,13 @@ struct Manifold {
 	int           count = 0;
 	ContactType   type  = ContactType::capCap;
 	ManifoldPoint points[2];
+
+	/// Deepest overlap of the points; 0 if all are open [m].
+	double deepest() const
+	{
+		const double second = count > 1 ? -points[1].gap : 0;
+		return std::max({ 0.0, count > 0 ? -points[0].gap : 0, second });
+	}
 };
 
 /// Wall along a line. The free side is (x − origin) · normal > 0.

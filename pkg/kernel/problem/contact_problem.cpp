@@ -1,10 +1,9 @@
 #include "problem/contact_problem.hpp"
 
 #include <algorithm>
-#include <sstream>
-#include <stdexcept>
 
 #include "parallel/thread_team.hpp"
+#include "problem/refuse.hpp"
 
 namespace rcr {
 
@@ -15,19 +14,10 @@ namespace {
 	/// µ > 1e4 it would meet the default tolerance. 1e3 is an angle of 89.94°: points stick.
 	constexpr double maxFriction = 1e3;
 
-	[[noreturn]] void refuse(const char* what, std::size_t index, const char* problem)
-	{
-		std::ostringstream message;
-		message << what << ' ' << index << ": " << problem;
-		throw std::invalid_argument(message.str());
-	}
-
 	void checkSize(const char* what, std::size_t given, std::size_t expected)
 	{
-		if (given == expected) return;
-		std::ostringstream message;
-		message << what << " holds " << given << " entries; expected " << expected;
-		throw std::invalid_argument(message.str());
+		if (given != expected)
+			refuse(what, " holds ", given, " entries; expected ", expected);
 	}
 
 	/// Free of branches: x − x is 0, or NaN if x is not finite.
@@ -62,24 +52,24 @@ namespace {
 	[[noreturn]] void refuseBody(std::size_t i, const InverseMass& m, const Twist& v)
 	{
 		if (!finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation))
-			refuse("body", i, "a mass or velocity is not finite");
-		refuse("body", i,
-		       "an inverse mass is negative; expected 1/m > 0, or 0 for prescribed motion");
+			refuse("body ", i, ": a mass or velocity is not finite");
+		refuse("body ", i,
+		       ": an inverse mass is negative; expected 1/m > 0, or 0 for prescribed motion");
 	}
 
 	[[noreturn]] void refusePoint(
 	        std::size_t k, const ContactPoint& c, const Impulse& p, std::size_t bodies)
 	{
-		if (!idsInRange(c, bodies)) refuse("contact point", k, "body id out of range");
-		if (c.body1 == c.body2) refuse("contact point", k, "both bodies are the same");
+		if (!idsInRange(c, bodies)) refuse("contact point ", k, ": body id out of range");
+		if (c.body1 == c.body2) refuse("contact point ", k, ": both bodies are the same");
 		if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
 		            c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t))
-			refuse("contact point", k, "a number is not finite");
-		if (!isUnit(c.normal)) refuse("contact point", k, "the normal is not of unit length");
+			refuse("contact point ", k, ": a number is not finite");
+		if (!isUnit(c.normal)) refuse("contact point ", k, ": the normal is not of unit length");
 		if (c.friction < 0)
-			refuse("contact point", k, "the friction coefficient is negative; expected µ ≥ 0");
-		refuse("contact point", k,
-		       "the friction coefficient is above 1000, too large to measure errors; give a "
+			refuse("contact point ", k, ": the friction coefficient is negative; expected µ ≥ 0");
+		refuse("contact point ", k,
+		       ": the friction coefficient is above 1000, too large to measure errors; give a "
 		       "friction angle of at most 89.9°");
 	}
 

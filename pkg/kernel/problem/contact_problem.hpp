@@ -45,6 +45,13 @@ struct Twist {
 	double x = 0, y = 0, rotation = 0;
 };
 
+inline Twist operator+(const Twist& a, const Twist& b)
+{
+	return { a.x + b.x, a.y + b.y, a.rotation + b.rotation };
+}
+inline Twist operator*(double s, const Twist& a) { return { s * a.x, s * a.y, s * a.rotation }; }
+inline Twist operator/(const Twist& a, double s) { return { a.x / s, a.y / s, a.rotation / s }; }
+
 /// Components (n, t) at a contact point, of an impulse or of its conjugate velocity.
 struct Impulse {
 	double n = 0, t = 0;
@@ -119,6 +126,12 @@ inline Impulse relativeVelocity(const ContactPoint& c, const Twist& v1, const Tw
 	const Vec2 u = Vec2 { v2.x, v2.y } + cross(v2.rotation, c.arm2) - Vec2 { v1.x, v1.y }
 	        - cross(v1.rotation, c.arm1) + c.drift;
 	return { dot(u, c.normal), dot(u, perp(c.normal)) };
+}
+
+/// u at a point for the velocities of the problem [m/s].
+inline Impulse relativeVelocity(const ContactProblem& problem, const ContactPoint& c)
+{
+	return relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
 }
 
 /// u at a point for the free velocities of its bodies, without the stretch by contacts [m/s].

@@ -83,8 +83,7 @@ double dissipatedEnergy(const ContactProblem& problem)
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		const Impulse&      p = problem.impulse[k];
-		energy -= work(p, relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]))
-		        + p.n * c.bias;
+		energy -= work(p, relativeVelocity(problem, c)) + p.n * c.bias;
 	}
 	return energy;
 }
@@ -95,7 +94,7 @@ bool hasPositiveCost(const ContactProblem& problem)
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
 		const Impulse&      p = problem.impulse[k];
-		const Impulse u = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
+		const Impulse       u = relativeVelocity(problem, c);
 		sum += 0.5 * (work(p, u) + work(p, freeRelativeVelocity(problem, c))) + p.n * c.bias;
 	}
 	return !(sum <= 0); // true also if products of large impulses overflow to NaN
@@ -120,7 +119,7 @@ bool isDivergent(const ContactProblem& problem, const std::vector<Impulse>& befo
 	std::vector<Impulse> d(before.size());
 	for (std::size_t k = 0; k < d.size(); ++k) {
 		const Impulse& p = problem.impulse[k];
-		d[k]             = { p.n - before[k].n, p.t - before[k].t };
+		d[k]             = p - before[k];
 		growth2 += work(d[k], d[k]);
 		size2 += work(p, p);
 	}

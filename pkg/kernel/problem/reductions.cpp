@@ -1,8 +1,8 @@
 #include "problem/reductions.hpp"
 
 #include <algorithm>
-#include <sstream>
-#include <stdexcept>
+
+#include "problem/refuse.hpp"
 
 namespace rcr {
 
@@ -39,12 +39,10 @@ Reductions Reductions::of(const std::vector<std::string>& wanted)
 		result.*one.flag = std::find(wanted.begin(), wanted.end(), one.name) != wanted.end();
 	for (const std::string& name : wanted) {
 		if (std::find(names().begin(), names().end(), name) != names().end()) continue;
-		std::ostringstream text;
-		text << "reduction '" << name << "' is not known: give some of";
+		std::string known;
 		for (const std::string& one : names())
-			text << ' ' << one;
-		text << ", or none";
-		throw std::invalid_argument(text.str());
+			known += ' ' + one;
+		refuse("reduction '", name, "' is not known: give some of", known, ", or none");
 	}
 	return result;
 }

@@ -22,8 +22,7 @@ namespace {
 			const Delassus      w = delassus(problem, c);
 			if (w.nn <= 0) continue;
 			const Impulse p  = problem.impulse[k];
-			const Twist & v1 = problem.velocity[c.body1], &v2 = problem.velocity[c.body2];
-			const Impulse u = relativeVelocity(c, v1, v2);
+			const Impulse u = relativeVelocity(problem, c);
 			const Impulse q = projectCone(
 			        { p.n - (u.n + c.bias + c.friction * std::abs(u.t)) / w.nn, p.t - u.t / w.nn },
 			        c.friction);

@@ -1,12 +1,11 @@
 #include "problem/solver.hpp"
 
 #include "problem/infeasibility.hpp"
+#include "problem/refuse.hpp"
 #include "problem/residual.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 
 namespace rcr {
 
@@ -34,13 +33,6 @@ namespace {
 	constexpr double fineFloor = 1e-3;
 	/// Exact iterations × points that are spent at most on this finer floor.
 	constexpr int maxFineWork = 15000;
-
-	template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
-	{
-		std::ostringstream text;
-		(text << ... << parts);
-		throw std::invalid_argument(text.str());
-	}
 
 	bool frictionless(const ContactProblem& problem)
 	{

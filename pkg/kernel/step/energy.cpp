@@ -10,8 +10,7 @@ StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& impulses, Vec2
 		const ContactPoint& c      = problem.points[k];
 		const Impulse       before
 		        = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
-		const Impulse after
-		        = relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2]);
+		const Impulse       after  = relativeVelocity(problem, c);
 		const double        rubbed = -0.5 * problem.impulse[k].t * (before.t + after.t);
 		// the slip reverses in a bounce: its energy belongs to the impact
 		const bool          returns = c.bias < 0 && rubbed < 0;

@@ -53,7 +53,7 @@ namespace {
 
 	Impulse after(const Step& step, const ContactPoint& c)
 	{
-		return relativeVelocity(c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
+		return relativeVelocity(step.problem, c);
 	}
 
 	/// Twice the energies of a collision: growth, loss without restitution, and work of all points

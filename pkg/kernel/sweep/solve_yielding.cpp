@@ -113,10 +113,8 @@ Report solveYielding(ContactProblem& problem,
 	for (const auto& [k, friction] : frictions)
 		problem.points[k].friction = friction;
 	for (const ContactPoint& c : problem.points)
-		report.closingSpeed = std::max(report.closingSpeed,
-		        -c.bias
-		                - relativeVelocity(c, problem.velocity[c.body1], problem.velocity[c.body2])
-		                          .n);
+		report.closingSpeed
+		        = std::max(report.closingSpeed, -c.bias - relativeVelocity(problem, c).n);
 	return report;
 }
 

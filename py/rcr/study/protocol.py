@@ -53,8 +53,7 @@ class Protocol:
     max_compaction_steps: int = 20_000  # steps after which the compaction fails
 
     # Shear
-    time_step: float = 0.4  # dt at the inertial number [t₀]
-    longest_step: float = 3.0  # dt over `time_step`, at most, where the rate is lower
+    time_step: float = 0.4  # dt [t₀]; at 1.2 contacts of long grains sink in
     inertial_number: float = 1e-4  # I [-]; averages are near their limit I → 0
     sample_inertia: float = 2e-5  # ρ (ε̇ W)²/σ₀ at most [-]; at 2e-4 the sample leaves its walls
     approach: float = 0.1  # strain up to which the shear is quick [-]

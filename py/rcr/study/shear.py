@@ -85,7 +85,7 @@ def rate_and_step(test, strain=None):
 
     Up to the strain `approach` they are those of quick shear. Beyond it I falls exponentially with
     the strain to its final value, which is lowered where the inertia of the sample would exceed its
-    bound. dt then keeps the strain of a step. `Biaxial.go_back` divides dt.
+    bound. `Biaxial.go_back` divides dt.
     """
     given, step = test.parameters["inertial_number"], test.parameters["time_step"]
     quick, shortest = max(given, PROTOCOL.quick_inertial_number), min(step, PROTOCOL.quick_time_step)
@@ -93,7 +93,7 @@ def rate_and_step(test, strain=None):
         return quick, shortest / test.progress["divisor"]
     slow = min(given, largest_rate(test, strain))
     rate = slow * (quick / slow) ** (1 - _slowed(test, strain))
-    step = min(max(step * given / rate, shortest), PROTOCOL.longest_step * step)
+    step = min(max(step * given / rate, shortest), step)
     return rate, step / test.progress["divisor"]
 
 

@@ -111,12 +111,13 @@ def test_open_contacts_carry_no_impulse():
     assert found["converged"] and not found["impulse"].any()
 
 
-def test_contact_of_two_driven_bodies_carries_no_impulse():
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_contact_of_two_driven_bodies_carries_no_impulse(solver):
     """w_nn = 0: the impulse is zero, even where the contact closes or starts with an impulse."""
     w = np.diag([2.0, 1.0, 0.0, 0.0, 0.0, 1.0])
     q = [[-2, -3], [-1, 1], [-1, 2]]
     for start in (np.zeros((3, 2)), np.full((3, 2), 0.1)):
-        found = Problem(w, q, [0.5] * 3, start).solve("nesterov", tolerance=1e-12)
+        found = Problem(w, q, [0.5] * 3, start).solve(solver, tolerance=1e-12)
         p, u = found["impulse"], found["relative_velocity"]
         np.testing.assert_allclose(p, [[1, 0.5], [0, 0], [0, 0]], rtol=1e-12)
         np.testing.assert_allclose(u, [[0, -2.5], [-1, 1], [-1, 2]], atol=1e-12)

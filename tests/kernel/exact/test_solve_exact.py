@@ -5,37 +5,32 @@ Residuals are recomputed with NumPy from the impulses alone.
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (ROUNDING, assert_solved, errors, jammed_box, pile, problem_of,
-                                     stored, velocity, wall_of_bricks)
+from kernel.contact_problems import (PROBLEMS, ROUNDING, assert_laws, errors, jammed_box, pile,
+                                     problem_of, stored, velocity, wall_of_bricks)
 
 TOLERANCE = 1e-10
 BUDGET = 20000  # iterations; the problems below need a tenth of it
 
-PROBLEMS = [
-    pytest.param(lambda: pile(1), id="pile 1"),
-    pytest.param(lambda: pile(2, 30, 12), id="pile 2"),
+MORE_PROBLEMS = [
     pytest.param(lambda: pile(4, 20, 20), id="pile 4"),
     pytest.param(lambda: wall_of_bricks(1), id="bricks 1"),
     pytest.param(lambda: wall_of_bricks(2, 15, 20), id="bricks 2"),
     pytest.param(lambda: wall_of_bricks(3, tilt=0), id="bricks parallel"),
     pytest.param(lambda: jammed_box(1), id="jammed box"),
-    pytest.param(lambda: stored("shear-500-eta-0"), id="500 eta 0"),
-    pytest.param(lambda: stored("shear-500-eta-0.7"), id="500 eta 0.7"),
-    pytest.param(lambda: stored("shear-1000-eta-0"), id="1000 eta 0"),
 ]
 
 
-@pytest.mark.parametrize("make", PROBLEMS)
+@pytest.mark.parametrize("make", [*PROBLEMS, *MORE_PROBLEMS])
 def test_reaches_1e_10_from_a_cold_start(make):
     problem = make().cold()
-    assert_solved(
+    assert_laws(
         problem, problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET), TOLERANCE)
 
 
 @pytest.mark.parametrize("name", ["shear-500-eta-0", "shear-500-eta-0.7"])
 def test_reaches_1e_10_from_a_warm_start(name):
     problem = stored(name)
-    assert_solved(
+    assert_laws(
         problem, problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET), TOLERANCE)
 
 
@@ -44,7 +39,7 @@ def test_reaches_1e_10_without_friction(make):
     problem = make()
     problem["friction"] = np.zeros_like(problem["friction"])
     result = problem.solve("exact", tolerance=TOLERANCE, max_iterations=BUDGET)
-    assert_solved(problem, result, TOLERANCE)
+    assert_laws(problem, result, TOLERANCE)
     assert not result["impulse"][:, 1].any()
 
 
@@ -55,7 +50,7 @@ def test_resultant_of_an_indeterminate_support_is_the_weight():
     problem = problem_of(
         "beam", None, [[0, 0, 0], [1 / mass, 1 / mass, 0.2]], [[0, 0, 0], [0, -1, 0]], points)
     result = problem.solve("exact", tolerance=1e-12, max_iterations=BUDGET)
-    assert_solved(problem, result, 1e-12)
+    assert_laws(problem, result, 1e-12)
     p = result["impulse"]
     assert p[:, 0].sum() == pytest.approx(mass, rel=1e-11)
     assert (p[:, 0] * problem["arm2"][:, 0]).sum() == pytest.approx(0, abs=1e-11)
@@ -88,12 +83,9 @@ def test_reports_an_early_stop_honestly(budget):
 def test_the_best_iterate_is_kept():
     """An incomplete step raises the residual; more iterations must not return it."""
     problem = stored("shear-500-eta-0.7")
-    left = [
-        problem.solve("exact", tolerance=0, kinematic_tolerance=np.inf, max_iterations=budget)[
-            "residual"
-        ]
-        for budget in range(900, 1500, 10)
-    ]
+    settings = dict(tolerance=0, kinematic_tolerance=np.inf)
+    left = [problem.solve("exact", max_iterations=budget, **settings)["residual"]
+            for budget in range(900, 1500, 10)]
     assert max(left) <= left[0]
 
 
@@ -107,10 +99,8 @@ def test_a_criterion_of_0_runs_all_iterations(tolerance, kinematic_tolerance):
     swept, result = (problem.solve(solver, **settings) for solver in ("nesterov", "exact"))
     error, size = errors(problem, result["impulse"])
     assert not result["converged"] and result["iterations"] == 2000
-    assert (
-        np.linalg.norm(error) / size < 1e-6 * swept["residual"]
-        and result["kinematic_error"] < 1e-6 * swept["kinematic_error"]
-    )
+    assert (np.linalg.norm(error) / size < 1e-6 * swept["residual"]
+            and result["kinematic_error"] < 1e-6 * swept["kinematic_error"])
 
 
 def test_box_that_is_crushed_has_no_solution():
@@ -122,10 +112,7 @@ def test_box_that_is_crushed_has_no_solution():
     for tolerance in (1e-4, 1e-6, 1e-8):
         result = problem.solve("exact", tolerance=tolerance, max_iterations=3000)
         assert not result["converged"] and result["kinematic_error"] > 0.01, (
-            tolerance,
-            result["residual"],
-            result["kinematic_error"],
-        )
+            tolerance, result["residual"], result["kinematic_error"])
         assert np.isfinite(result["impulse"]).all() and np.isfinite(result["velocity"]).all()
 
 
@@ -136,6 +123,6 @@ def test_a_start_whose_squares_overflow_is_dropped(seed):
     cold = problem.solve("exact", tolerance=1e-8, max_iterations=BUDGET)
     problem["impulse"] = np.full_like(problem["impulse"], 1e200)
     found = problem.solve("exact", tolerance=1e-8, max_iterations=BUDGET)
-    assert_solved(problem, found, 1e-8)
+    assert_laws(problem, found, 1e-8)
     np.testing.assert_allclose(found["velocity"], cold["velocity"], rtol=0, atol=1e-6)
     assert problem.solve("exact", tolerance=1e-8, max_iterations=30)["iterations"] <= 30

@@ -37,13 +37,6 @@ def test_area_and_polar_moment_equal_integrals(a, r):
     assert found == pytest.approx((area, moment), rel=1e-12)  # quadrature of smooth integrands
 
 
-def test_disc_limit():
-    """a = 0: A = πr², ∫ |x|² dA = πr⁴/2."""
-    r = 0.7
-    assert _kernel.area(0, r) == pytest.approx(np.pi * r**2, rel=ROUNDING)
-    assert _kernel.polar_moment(0, r) == pytest.approx(np.pi * r**4 / 2, rel=ROUNDING)
-
-
 @pytest.mark.parametrize("r", [1e-3, 1e-6, 1e-9])
 def test_needle_limit(r):
     """r → 0: A → 4ar (1 + (π/4)(r/a)), polar moment per area → a²/3 (1 + (π/2)(r/a))."""

@@ -1,12 +1,10 @@
 """Helper threads belong to the process: their number is bounded, and a forked child has its own."""
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from kernel.contact_problems import pile
+from kernel.contact_problems import pile, run
 from rcr import _kernel
 
 IDLE_LIMIT = 10  # s without a request, after which a helper ends (thread_pool.cpp)
@@ -14,13 +12,6 @@ IDLE_LIMIT = 10  # s without a request, after which a helper ends (thread_pool.c
 
 def threads_now():
     return len(list(Path("/proc/self/task").iterdir()))
-
-
-def run(code):
-    """Start `code` in a new process, which has no helpers."""
-    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))
-    command = [sys.executable, "-c", code]
-    return subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -68,7 +59,7 @@ def test_simultaneous_teams_have_separate_helpers():
         [leader.join() for leader in leaders]
         print(len(wrong), _kernel.helper_count())
     """
-    wrong, helpers = map(int, run(code).communicate(timeout=120)[0].split())
+    wrong, helpers = map(int, run(code).communicate()[0].split())
     assert wrong == 0 and 2 <= helpers <= 8
 
 
@@ -108,7 +99,7 @@ def test_forked_child_has_its_own_helpers():
         assert (solve() == expected).all()
         print(failed)
     """
-    assert run(code).communicate(timeout=500)[0].split() == ["0"]
+    assert run(code, 500).communicate()[0].split() == ["0"]
 
 
 def test_idle_helper_ends(idle_helpers):

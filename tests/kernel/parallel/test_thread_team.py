@@ -1,24 +1,16 @@
 """A team processes every index once, with any helpers; exceptions and missing threads are safe."""
 
 import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
-from kernel.contact_problems import assert_same_bits, grains_on_a_floor, pile
+from kernel.contact_problems import assert_same_bits, grains_on_a_floor, pile, run
 from rcr import _kernel
 
 SLICE = 2**20 - 1  # largest number of indices of one slice (shared_loop.cpp)
 
 needs_two_cores = pytest.mark.skipif(
     len(os.sched_getaffinity(0)) < 2, reason="on one core, the waiting thread blocks the helper")
-
-
-def run(code):
-    """Return the exit code of a new process. Lost work would block it, so its time is limited."""
-    environment = dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path))
-    return subprocess.run([sys.executable, "-c", code], timeout=120, env=environment).returncode
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3, 8])
@@ -33,12 +25,11 @@ def test_every_index_once(threads, count):
 
 @pytest.mark.parametrize("count", [SLICE, SLICE + 1, SLICE + 2, 2 * SLICE + 1])
 def test_loop_of_several_slices(count):
-    assert run(
-        f"""if True:
+    code = f"""if True:
         from rcr import _kernel
         assert _kernel.ThreadTeam().loop_counts(2, {count}) == [1] * {count}
     """
-    ) == 0
+    assert run(code).wait() == 0
 
 
 @pytest.mark.parametrize("chunks", [False, True])
@@ -55,8 +46,7 @@ def test_exception_reaches_the_leader(threads, chunks):
 
 def test_team_works_with_fewer_threads():
     """Without address space for 64 stacks: the same bits. Later, with space: all helpers."""
-    assert run(
-        """if True:
+    code = """if True:
         import resource
         from pathlib import Path
         import numpy as np
@@ -76,7 +66,7 @@ def test_team_works_with_fewer_threads():
         assert (solve() == alone).all() and team.loop_counts(64, 5000) == [1] * 5000
         assert few < 63 == _kernel.helper_count(), (few, _kernel.helper_count())
     """
-    ) == 0
+    assert run(code).wait() == 0
 
 
 @needs_two_cores

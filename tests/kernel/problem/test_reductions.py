@@ -6,7 +6,7 @@ velocities of problems with a unique solution (no friction) agree to the accurac
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (ALL, SWEEPS, Problem, assert_laws, assert_same_bits, beside,
+from kernel.contact_problems import (ALL, SWEEPS, assert_laws, assert_same_bits, beside,
                                      discs, errors, frictionless, grains_on_a_floor, heaps, model,
                                      parts_of, pile, square_discs, stored, without)
 from rcr import _kernel
@@ -109,7 +109,7 @@ def test_discs_on_a_rotating_drum():
 def test_the_model_follows_the_problem(change):
     """The model changes at the next step, and back, with friction, a lever or a released body."""
     before = discs(pile(7, 20, 10))
-    after = Problem(f"{change} changed", 7, **{key: value.copy() for key, value in before.items()})
+    after = before.copy(f"{change} changed")
     floor = int(np.flatnonzero(~before["inverse_mass"].any(1))[0])
     if change == "friction":
         after["friction"][11] = 0.3
@@ -213,7 +213,7 @@ def test_many_single_grains(solver):
 
 
 def test_heap_does_not_hide_the_error_of_a_grain():
-    """The impulses of a heap hide a falling grain in a common residual, not per island (S1)."""
+    """One residual for the scene misses a falling grain beside a heap; one an island shows it."""
     heap = pile(2, 30, 12)
     heap["impulse"] = heap.solve(tolerance=1e-8, max_iterations=50000)["impulse"]
     grain = grains_on_a_floor(1, points=2)

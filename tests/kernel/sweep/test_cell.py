@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import SWEEPS, Problem, assert_laws, assert_same_bits, pile
+from kernel.contact_problems import SWEEPS, assert_laws, assert_same_bits, pile
 from rcr import _kernel
 
 MASS = np.array([400.0, 240.0])  # M_c [kg m²]
@@ -14,8 +14,7 @@ def in_a_cell(seed, stretches=True):
     pairs, pair_of = np.unique(problem["bodies"], axis=0, return_inverse=True)
     images = rng.choice([-1.0, 0, 1], (len(pairs), 2), p=[0.05, 0.9, 0.05]) * (20.0, 12.0)
     problem["shift"] = images[pair_of.ravel()]
-    return Problem(f"cell {seed}", seed, **problem,
-                   **(dict(inverse_stretch_mass=1 / MASS) if stretches else {}))
+    return problem.copy(f"cell {seed}", **dict(inverse_stretch_mass=1 / MASS) if stretches else {})
 
 
 def forces(problem, impulse):
@@ -31,7 +30,7 @@ def test_contacts_stretch_the_cell_and_hold_their_laws(solver):
     np.testing.assert_allclose(found["stretch"], stretch, rtol=1e-12, atol=1e-14)
     moved = np.abs(stretch * problem["shift"]).max()
     assert moved > 1e-4, "contacts must stretch the cell"
-    assert_laws(Problem(problem.name, 4, **problem, drift=stretch * problem["shift"]), found, 1e-6)
+    assert_laws(problem.copy(problem.name, drift=stretch * problem["shift"]), found, 1e-6)
 
 
 def test_workspace_follows_cells_that_stretch_or_not():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from kernel.contact_problems import (ALL, Problem, beside, discs, frictionless, grains_on_a_floor,
-                                     pile, square_discs, wall_of_bricks, without)
+                                     hub, pile, square_discs, wall_of_bricks, without)
 from rcr import _kernel
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -13,27 +13,13 @@ FRICTIONAL, NO_LEVER, FRICTIONLESS, FRICTIONLESS_DISC = range(4)
 FEW_PAIRS, MANY_PAIRS = 16, 1024  # limits of islands: all overflow; one thread
 
 PROBLEMS = {
-    "pile": lambda: pile(1),
-    "large pile": lambda: pile(2, 40, 20),
-    "bricks": lambda: wall_of_bricks(1, 12, 15),
-    "discs": lambda: square_discs(1),
+    "pile": lambda: pile(1), "large pile": lambda: pile(2, 40, 20),
+    "bricks": lambda: wall_of_bricks(1, 12, 15), "discs": lambda: square_discs(1),
     "grains": lambda: grains_on_a_floor(40, points=2),
     "heaps": lambda: beside(pile(3, 9, 7), discs(pile(4, 9, 7)), frictionless(pile(5, 12, 9)),
                             grains_on_a_floor(5), pile(6, 2, 2)),
-    "hub": lambda: hub(40),
-    "spindle": lambda: spindle([1, 8, 64, *[512] * 9, 64, 8, 1]),
+    "hub": lambda: hub(40), "spindle": lambda: spindle([1, 8, 64, *[512] * 9, 64, 8, 1]),
 }
-
-
-def hub(count):
-    """A disc with many contacts."""
-    angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
-    n = np.column_stack([np.cos(angle), np.sin(angle)])
-    return Problem(
-        "hub", inverse_mass=np.ones((count + 1, 3)), free_velocity=np.zeros((count + 1, 3)),
-        normal=n, arm1=3 * n, arm2=-0.5 * n,
-        bodies=np.column_stack([np.zeros(count), np.arange(1, count + 1)]).astype(np.int32),
-        bias=np.zeros(count), friction=np.full(count, 0.4), impulse=np.zeros((count, 2)))
 
 
 def spindle(layers):
@@ -42,9 +28,7 @@ def spindle(layers):
     touch = [
         (begin[k] + i, begin[k + 1] + (8 * i + j if b > a else i // 8 if b < a else (i + j) % b))
         for k, (a, b) in enumerate(zip(layers, layers[1:]))
-        for i in range(a)
-        for j in range(8 if b >= a else 1)
-    ]
+        for i in range(a) for j in range(8 if b >= a else 1)]
     count, bodies = len(touch), np.array(touch, np.int32)
     angle = np.random.default_rng(0).uniform(0, 2 * np.pi, count)
     n = np.column_stack([np.cos(angle), np.sin(angle)])
@@ -57,12 +41,9 @@ def spindle(layers):
 @pytest.fixture(params=PROBLEMS)
 def case(request):
     problem = PROBLEMS[request.param]()
-    return problem, {
-        key: np.array(value)
-        if key in ("pairs", "islands", "sections", "chunks", "blocks1", "blocks2", "records")
-        else value
-        for key, value in _kernel.layout(ALL, **problem).items()
-    }
+    arrays = "pairs", "islands", "sections", "chunks", "blocks1", "blocks2", "records"
+    return problem, {key: np.array(value) if key in arrays else value
+                     for key, value in _kernel.layout(ALL, **problem).items()}
 
 
 def kinds(problem):
@@ -91,18 +72,11 @@ def islands_of(problem, pairs):
     """The island of each pair, in the order of their first pairs; −1 between driven bodies."""
     fixed, _ = kinds(problem)
     free = pairs[~fixed[pairs[:, :2]].any(1)]
-    part = connected_components(
-        coo_array((np.ones(len(free)), free[:, :2].T), (len(fixed), len(fixed))), directed=False
-    )[1]
-    number = {}
-    return np.array(
-        [
-            -1
-            if fixed[a] and fixed[b]
-            else number.setdefault(part[b if fixed[a] else a], len(number))
-            for a, b, *_ in pairs.tolist()
-        ]
-    )
+    graph = coo_array((np.ones(len(free)), free[:, :2].T), (len(fixed), len(fixed)))
+    part, number = connected_components(graph, directed=False)[1], {}
+    return np.array([-1 if fixed[a] and fixed[b]
+                     else number.setdefault(part[b if fixed[a] else a], len(number))
+                     for a, b, *_ in pairs.tolist()])
 
 
 def test_islands_are_the_connected_parts(case):
@@ -141,10 +115,8 @@ def bodies_of(problem, layout, chunks):
     fixed, _ = kinds(problem)
     blocks = np.concatenate(
         [np.arange(first, first + count) for first, count, *_ in chunks] or [np.empty(0, int)])
-    pairs = layout["pairs"][
-        np.isin(layout["pairs"][:, 4] // WIDTH, blocks) & (layout["pairs"][:, 4] != NO_SLOT)
-    ]
-    bodies = pairs[:, :2].ravel()
+    slots = layout["pairs"][:, 4]
+    bodies = layout["pairs"][np.isin(slots // WIDTH, blocks) & (slots != NO_SLOT), :2].ravel()
     return bodies[~fixed[bodies]]
 
 
@@ -158,26 +130,20 @@ def test_pairs_of_a_chunk_share_no_moving_body(case):
 def test_sections_swept_at_once_share_no_moving_body(case):
     """Partitions, then interfaces; the records of a partition belong to its bodies alone."""
     problem, layout = case
-    for partitions_begin, partitions_end, interfaces_begin, interfaces_end in layout["islands"][
-        :, 3:
-    ]:
-        for begin, end in (partitions_begin, partitions_end), (interfaces_begin, interfaces_end):
-            bodies = [
-                np.unique(
-                    bodies_of(problem, layout, layout["chunks"][layout["chunks"][:, 4] == section]))
-                for section in range(begin, end)
-            ]
+    chunks, records = layout["chunks"], layout["records"]
+    moving = lambda section: bodies_of(problem, layout, chunks[chunks[:, 4] == section])
+    for partitions_begin, partitions_end, *interfaces in layout["islands"][:, 3:]:
+        for begin, end in (partitions_begin, partitions_end), interfaces:
+            bodies = [np.unique(moving(section)) for section in range(begin, end)]
             if bodies:
                 every = np.concatenate(bodies)
                 assert len(np.unique(every)) == len(every)
         for section in range(partitions_begin, partitions_end):
-            moving = bodies_of(problem, layout, layout["chunks"][layout["chunks"][:, 4] == section])
             begin, end = layout["sections"][section]
-            inside = np.flatnonzero((begin <= layout["records"]) & (layout["records"] < end))
-            assert np.isin(moving, inside).all() and begin % 2 == end % 2 == 0
-            assert (
-                section == partitions_begin or begin >= layout["sections"][section - 1][1]
-            ), "a record belongs to one partition"
+            inside = np.flatnonzero((begin <= records) & (records < end))
+            assert np.isin(moving(section), inside).all() and begin % 2 == end % 2 == 0
+            assert (section == partitions_begin
+                    or begin >= layout["sections"][section - 1][1]), "a record of two partitions"
 
 
 def test_a_large_island_has_partitions_of_similar_size():
@@ -191,19 +157,14 @@ def test_a_large_island_has_partitions_of_similar_size():
     sizes = np.bincount(
         section[pairs[pairs[:, 4] != NO_SLOT, 4] // WIDTH], minlength=partitions + interfaces)
     assert partitions > 2 and interfaces == -(-(partitions - 1) // 4)
-    assert (
-        sizes[:partitions].max() < 1.3 * sizes[:partitions].mean()
-        and sizes[partitions:].sum() < 0.15 * sizes.sum()
-    )
+    assert (sizes[:partitions].max() < 1.3 * sizes[:partitions].mean()
+            and sizes[partitions:].sum() < 0.15 * sizes.sum())
 
 
 def test_blocks_have_one_model_and_number_of_points(case):
     _, layout = case
-    chunk_of = {
-        block: chunk
-        for chunk in layout["chunks"].tolist()
-        for block in range(chunk[0], chunk[0] + chunk[1])
-    }
+    chunk_of = {block: chunk for chunk in layout["chunks"].tolist()
+                for block in range(chunk[0], chunk[0] + chunk[1])}
     assert len(chunk_of) == len(layout["blocks1"]), "a block belongs to one chunk"
     for _, _, points, model, slot in layout["pairs"].tolist():
         if slot != NO_SLOT:
@@ -214,9 +175,9 @@ def test_records(case):
     """A free body has one record; each driven side and each empty slot has a separate one."""
     problem, layout = case
     fixed, _ = kinds(problem)
-    pairs, sides = layout["pairs"], np.stack(
-        [layout["blocks1"].ravel(), layout["blocks2"].ravel()]
-    ) if len(layout["blocks1"]) else np.empty((2, 0))
+    pairs, sides = layout["pairs"], np.empty((2, 0))
+    if len(layout["blocks1"]):
+        sides = np.stack([layout["blocks1"].ravel(), layout["blocks2"].ravel()])
     placed = pairs[pairs[:, 4] != NO_SLOT]
     own = np.ones(sides.shape, bool)
     for side in range(2):
@@ -239,9 +200,8 @@ def test_models():
         pairs = np.array(_kernel.layout(reductions, **problem)["pairs"])
         return set(pairs[pairs[:, 4] != NO_SLOT, 3].tolist())
 
-    assert models(square_discs(1)) == {FRICTIONLESS_DISC} and models(
-        square_discs(1), without("discs")
-    ) == {FRICTIONLESS}
+    assert models(square_discs(1)) == {FRICTIONLESS_DISC}
+    assert models(square_discs(1), without("discs")) == {FRICTIONLESS}
     assert models(square_discs(1), without("frictionless", "discs")) == {FRICTIONAL}
     assert models(square_discs(1), without("frictionless")) == {NO_LEVER}
     discs = square_discs(1)
@@ -259,12 +219,9 @@ def test_models():
 
 
 def test_small_islands_are_overflow():
-    layouts = [
-        _kernel.layout(ALL, **grains_on_a_floor(1, points=2)),
-        _kernel.layout(ALL, **hub(FEW_PAIRS)),
-        _kernel.layout(ALL, **hub(FEW_PAIRS + 1)),
-    ]
-    assert [len(layout["chunks"]) > 0 for layout in layouts] == [False, False, True]
+    problems = grains_on_a_floor(1, points=2), hub(FEW_PAIRS), hub(FEW_PAIRS + 1)
+    chunks = [_kernel.layout(ALL, **problem)["chunks"] for problem in problems]
+    assert [len(found) > 0 for found in chunks] == [False, False, True]
 
 
 def test_the_layout_is_a_function_of_the_problem(case):

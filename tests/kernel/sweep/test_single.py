@@ -18,16 +18,11 @@ def on_a_plate(problem):
     floor = np.bincount(problem["bodies"].ravel(), minlength=len(mass)).argmax()
     assert not mass[floor].any()
     mass[floor] = 1e-2 * np.median(mass[mass[:, 0] > 0], axis=0)
-    return type(problem)(
-        f"{problem.name}, on a plate", problem.seed, **{**problem, "inverse_mass": mass})
+    return problem.copy(f"{problem.name}, on a plate", inverse_mass=mass)
 
 
-KINDS = {
-    "frictional": large,
-    "frictionless": lambda: large(frictionless),
-    "discs": lambda: large(discs),
-    "overflow": lambda: large(on_a_plate),
-}
+KINDS = {"frictional": large, "frictionless": lambda: large(frictionless),
+         "discs": lambda: large(discs), "overflow": lambda: large(on_a_plate)}
 
 
 @pytest.fixture(params=KINDS, scope="module")
@@ -38,8 +33,7 @@ def problem(request):
 def test_lanes_and_threads_change_no_bit(problem):
     first, *others = [
         problem.solve("nesterov", max_iterations=130, lanes=lanes, threads=threads, **UNCHECKED)
-        for lanes, threads in ((1, 1), (4, 1), (8, 1), (8, 2), (0, 4))
-    ]
+        for lanes, threads in ((1, 1), (4, 1), (8, 1), (8, 2), (0, 4))]
     for other in others:
         assert_same_bits(first, other, problem.name)
 
@@ -59,19 +53,15 @@ def test_tolerances_are_met_in_doubles(problem, tolerance):
 @pytest.mark.parametrize("kinematic_tolerance", [0.3, 0.1, 0.03])
 def test_kinematic_error_is_that_of_doubles(problem, kinematic_tolerance):
     """Floats stop at the first sweep whose whole velocities meet the tolerance."""
-    cold = type(problem)(f"{problem.name}, cold", problem.seed,
-                         **{**problem, "impulse": np.zeros_like(problem["impulse"])})
-    for start in (problem, cold):
+    for start in (problem, problem.cold()):
         end = start.solve("nesterov", tolerance=0.9, kinematic_tolerance=kinematic_tolerance,
                           check_interval=1, max_iterations=5000)
         assert end["kinematic_error"] <= kinematic_tolerance and end["converged"], start.name
         if end["iterations"] > 0:
             earlier = start.solve("nesterov", kinematic_tolerance=kinematic_tolerance,
                                   max_iterations=end["iterations"] - 1, **UNCHECKED)
-            assert (
-                earlier["kinematic_error"] > 0.999 * kinematic_tolerance
-                or earlier["residual"] > 0.9
-            ), start.name
+            assert (earlier["kinematic_error"] > 0.999 * kinematic_tolerance
+                    or earlier["residual"] > 0.9), start.name
 
 
 def test_fine_tolerances_are_met_in_doubles():
@@ -83,8 +73,7 @@ def test_fine_tolerances_are_met_in_doubles():
 def test_a_common_velocity_changes_no_accuracy():
     """Floats hold velocities relative to the reference, so a common velocity cancels."""
     problem = large()
-    moving = type(problem)(f"{problem.name}, moving", problem.seed,
-                           **{key: value.copy() for key, value in problem.items()})
+    moving = problem.copy(f"{problem.name}, moving")
     moving["free_velocity"][:, 0] += 1e5 * np.abs(problem["free_velocity"]).max()
     residuals = [
         p.solve("nesterov", max_iterations=1000, **UNCHECKED)["residual"] for p in (problem, moving)
@@ -96,10 +85,8 @@ def test_a_common_velocity_changes_no_accuracy():
 def test_masses_of_any_size(scale):
     """Numbers out of the range of floats are swept in doubles."""
     problem = large()
-    scaled = type(problem)(f"{problem.name} x {scale:g}", problem.seed,
-                           **{key: value.copy() for key, value in problem.items()})
-    scaled["inverse_mass"] = problem["inverse_mass"] / scale
-    scaled["impulse"] = problem["impulse"] * scale
+    scaled = problem.copy(f"{problem.name} x {scale:g}", impulse=problem["impulse"] * scale,
+                          inverse_mass=problem["inverse_mass"] / scale)
     result = scaled.solve("nesterov", tolerance=1e-4, max_iterations=20_000)
     assert_laws(scaled, result, 1e-4)
     assert np.isfinite(result["impulse"]).all() and result["converged"]

@@ -6,26 +6,12 @@ at both points, and the contacts yield by ε W p:
     p₁ ε/m + (p₁ − p₂)/m = V₁,  p₂ ε/m − (p₁ − p₂)/m = V₂
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from rcr import problems
-from kernel.contact_problems import Problem, jacobian_times, velocity
+from kernel.contact_problems import Problem, frictionless, jacobian_times, stored, velocity
 
-WEDGE = Path(__file__).parents[2] / "data" / "wedge_without_solution.npz"
+WEDGE = "wedge_without_solution"
 COMPLIANCE = 0.01
-
-
-def wedge(**changes):
-    arrays = problems.load(WEDGE).arrays()
-    return Problem(
-        "wedge",
-        **{
-            **arrays,
-            **{name: np.full_like(arrays[name], value) for name, value in changes.items()},
-        },
-    )
 
 
 def vice(v1=1.0, v2=1.0, mass=2.0, mu=0.0):
@@ -57,7 +43,7 @@ def test_vice_closes_as_in_its_closed_form(solver, compliance):
 
 @pytest.mark.parametrize("start", [0.0, 1.0, 1e6], ids="cold warm grown".split())
 def test_wedge_has_bounded_forces(start):
-    problem = wedge()
+    problem = stored(WEDGE)
     size = np.linalg.norm(problem["impulse"])
     problem["impulse"] = problem["impulse"] * (start / size)
     rigid = problem.solve("auto")
@@ -74,7 +60,7 @@ def test_wedge_has_bounded_forces(start):
 
 def test_yielding_contacts_obey_their_laws():
     """u + ε W p obeys Signorini and Coulomb at every point."""
-    problem = wedge()
+    problem = stored(WEDGE)
     p = problem.solve("auto", yield_compliance=COMPLIANCE, tolerance=1e-7)["impulse"]
     u = jacobian_times(problem, velocity(problem, p))
     for k, (n, t) in enumerate(p):
@@ -103,14 +89,14 @@ def response(problem, k, direction):
 
 def test_a_step_with_a_solution_keeps_its_bits():
     """Without friction the wedge can open."""
-    problem = wedge(friction=0.0).cold()
+    problem = frictionless(stored(WEDGE)).cold()
     rigid, found = (problem.solve("auto", yield_compliance=c) for c in (0, COMPLIANCE))
     assert rigid["converged"] and not found["yielded"]
     np.testing.assert_array_equal(found["impulse"], rigid["impulse"])
 
 
 def test_a_step_that_stops_early_keeps_its_bits():
-    problem = wedge(friction=0.0).cold()
+    problem = frictionless(stored(WEDGE)).cold()
     rigid, found = (
         problem.solve("nesterov", tolerance=1e-12, max_iterations=20, yield_compliance=c)
         for c in (0, COMPLIANCE)
@@ -135,7 +121,7 @@ def test_only_the_island_without_a_solution_yields():
 
 
 def test_bits_do_not_depend_on_lanes_and_threads():
-    problem = wedge()
+    problem = stored(WEDGE)
     results = [
         problem.solve("auto", yield_compliance=COMPLIANCE, lanes=lanes, threads=threads)["impulse"]
         for lanes in (1, 4, 8)

@@ -4,9 +4,7 @@ import random
 
 
 def damaged(whole, count, seed=1):
-    """`count` variants of the bytes `whole`: cut, doubled, emptied, with flipped bits, zeros or
-    noise.
-    """
+    """`count` variants of the bytes `whole`: cut, doubled, empty, flipped bits, zeros, noise."""
     rng = random.Random(seed)
     for k in range(count):
         content, at = bytearray(whole), rng.randrange(max(1, len(whole)))
@@ -24,11 +22,9 @@ def damaged(whole, count, seed=1):
 
 
 def damaged_text(text, count, seed=1):
-    """`count` variants of a table of numbers: words replaced, dropped or doubled; then `damaged`.
-    """
+    """`count` variants of a table: words replaced, dropped or doubled; then `damaged`."""
     rng = random.Random(seed)
     strange = "nan inf -inf 1e400 -1 0 1e-320 2147483648 1e18 999999999 abc µ 1,5 0x10 1j -- ' \" \0".split(" ")
-    words = text.split(" ")
     for _ in range(count):
         lines = text.split("\n")
         row = rng.randrange(len(lines))

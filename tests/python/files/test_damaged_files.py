@@ -117,9 +117,7 @@ def test_networks(tmp_path):
 
 
 def test_networks_that_others_have_written(tmp_path):
-    """Without a seal HDF5 and the meaning of the columns detect errors; the rest reads as a
-    network.
-    """
+    """Without a seal HDF5 and the meaning of columns show errors; the rest reads as a network."""
     path = tmp_path / "network-0.1.h5"
     synthetic.packing(0.5, particles_=30, contacts=60).save(path)
     with h5py.File(path, "r+") as file:

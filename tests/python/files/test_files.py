@@ -3,7 +3,6 @@
 import multiprocessing
 import os
 import signal
-import stat
 import subprocess
 import sys
 import time
@@ -15,8 +14,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcr._data import files
 from rcr._data.files import atomic_path
-
-from synthetic import packing
 
 
 def test_writes_bytes_and_text(tmp_path):
@@ -145,21 +142,6 @@ def test_missing_files_and_folders_are_os_errors(tmp_path):
         (tmp_path / "x").touch()
         with files.reading(tmp_path / "x", "a table"):
             raise KeyboardInterrupt
-
-
-def mode(path):
-    return stat.S_IMODE(os.stat(path).st_mode)
-
-
-@pytest.mark.parametrize("mask, wanted", [(0o022, 0o644), (0o027, 0o640)])
-def test_networks_have_the_permissions_of_any_file(tmp_path, mask, wanted):
-    """Networks get the mode of new files, not 0600."""
-    before = os.umask(mask)
-    try:
-        packing(0.5).save(tmp_path / "network.h5")
-    finally:
-        os.umask(before)
-    assert mode(tmp_path / "network.h5") == wanted
 
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])

@@ -108,8 +108,8 @@ def run_collision(seed):
     over the initial energy, and the deepest overlap.
     """
     rng = np.random.default_rng(seed)
-    build(*collision(rng), dt=1e-3, gravity=(0, 0, 0), restitution=rng.choice([0, rng.uniform(), 1]),
-          tolerance=1e-8, maxIterations=20000)
+    build(*collision(rng), dt=1e-3, gravity=(0, 0, 0), tolerance=1e-8, maxIterations=20000,
+          restitution=rng.choice([0, rng.uniform(), 1]))
     first = kinetic()
     scale = sum(b.state.mass * (b.state.vel.norm() + abs(b.state.angVel[2]) * R) for b in O.bodies)
     error = gain = 0.0

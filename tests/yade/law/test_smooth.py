@@ -8,8 +8,8 @@ import rcr
 import scenes
 import yade.utils
 from rcr.study.biaxial import Biaxial
-from scenes import (G, build, inertia, material, point_forces, pressed_box, snapshot, stadium, steps,
-                    velocity)
+from scenes import (G, build, inertia, material, point_forces, pressed_box, snapshot, stadium,
+                    steps, velocity)
 from yade import O
 from yade.wrapper import (FrictMat, GlobalStiffnessTimeStepper, Ip2_FrictMat_FrictMat_FrictPhys,
                           MatchMaker)

@@ -379,7 +379,7 @@ def test_arrays_count_steps_and_speed_as_yade_does():
         O.timingEnabled = False
     assert counts == [290] * len(counts)
     assert solver().model["arrays"] >= least_in_arrays(290)
-    assert 0.1 * rate < O.speed  # one in 100 steps alone would give 0.01
+    assert O.speed > 0.5 * rate  # the first steps are the longest; engines take one in 100
 
 
 def test_an_engine_ends_advance():

@@ -391,7 +391,8 @@ def test_initial_overlaps_warn_once(scene):
     assert advised() == []
     O.bodies.append(stadium(0.2, 0.1, (3, 0.08), material=rough))
     (told,) = advised()
-    assert "bodies #0 and #4 overlap by 0.02 m, 0.0333 of R₁ + R₂, before their first step. " in told
+    assert ("bodies #0 and #4 overlap by 0.02 m, 0.0333 of R₁ + R₂, before their first "
+            "step. ") in told
 
 
 @LAWS

@@ -1,13 +1,14 @@
 """bench_step.py with YADE: it resumes a checkpoint and tabulates the engines' work."""
 
 import csv
+from functools import partial
 from pathlib import Path
 
 import forked
 import pytest
 from rcr.study.biaxial import Biaxial
 
-SCRIPT = str(Path(__file__).parents[3] / "scripts" / "bench_step.py")
+bench = partial(forked.yade_script, Path(__file__).parents[3] / "scripts" / "bench_step.py")
 ENGINES = ["ForceResetter", "InsertionSortCollider", "InteractionLoop", "WallStress", "WallStress",
            "ContactDynamics", "NewtonIntegrator"]
 
@@ -22,7 +23,7 @@ def test_checkpoint(tmp_path):
     test.solver.overdamped = False
     (tmp_path / "scene").mkdir()
     test.save(tmp_path / "scene")
-    ended = forked.yade_script(SCRIPT, tmp_path / "scene", "--steps", 7, "--threads", 2, "--out", tmp_path / "out")
+    ended = bench(tmp_path / "scene", "--steps", 7, "--threads", 2, "--out", tmp_path / "out")
     assert ended.returncode == 0, ended.stderr
     all_rows, wholes = rows_of(tmp_path / "out" / "yade_engines.csv"), rows_of(
         tmp_path / "out" / "yade_step.csv")
@@ -46,7 +47,7 @@ def test_checkpoint(tmp_path):
 
 def test_so_many_sweeps(tmp_path):
     Biaxial.prepare(eta=0.5, particles=20).save(tmp_path)
-    ended = forked.yade_script(SCRIPT, tmp_path, "--steps", 3, "--iterations", 13, "--out", tmp_path / "out")
+    ended = bench(tmp_path, "--steps", 3, "--iterations", 13, "--out", tmp_path / "out")
     assert ended.returncode == 0, ended.stderr
     for whole in rows_of(tmp_path / "out" / "yade_step.csv"):
         assert float(whole["iterations"]) == 13 and float(whole["tolerance"]) == 0
@@ -57,5 +58,5 @@ def test_so_many_sweeps(tmp_path):
 def test_errors_are_reported_in_a_line(what, says, tmp_path):
     (tmp_path / "file.npz").touch()
     (tmp_path / "empty").mkdir()
-    ended = forked.yade_script(SCRIPT, tmp_path / what, "--out", tmp_path / "out")
+    ended = bench(tmp_path / what, "--out", tmp_path / "out")
     assert ended.returncode != 0 and says in ended.stderr and "Traceback" not in ended.stderr
