@@ -144,7 +144,8 @@ namespace validation {
 				const rcr::Manifold m = rcr::contactPoints(a.shape,
 				        { from, plane::turnOf(a.shape, *a.party.body->state).axis() }, b.shape,
 				        { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() }, 0);
-				const double part = m.deepest() / rcr::contactSize(a.shape, b.shape);
+				const double deepest = m.deepest();
+				const double part    = deepest / rcr::contactSize(a.shape, b.shape);
 				if (part <= deepOverlap) return;
 				const shared_ptr<Interaction> known
 				        = scene_.interactions->find(a.party.body->getId(), b.party.body->getId());
