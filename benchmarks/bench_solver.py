@@ -6,7 +6,6 @@ minimum of several runs. With one thread they are processor time, which other pr
 change; with more they are wall-clock time.
 """
 
-import csv
 import json
 import os
 import re
@@ -30,8 +29,8 @@ ABOUT = ["problem", "shape", "bodies", "points"]
 COLUMNS = dict(
     sweeps=[*ABOUT, "solver", "lanes", "threads", "ns", "ns_by_clock", "ratio_to_one_thread"],
     tolerances=[*ABOUT, "solver", "start", "tolerance", "iterations", "seconds", "residual",
-                "residual_numpy", "reached", "siconos_seconds", "siconos_figure", "siconos_ratio"],
-    peers=[*ABOUT, "peer", "figure", "start", "tolerance", "iterations", "seconds", "residual",
+                "residual_numpy", "reached", "siconos_seconds", "siconos_ratio"],
+    peers=[*ABOUT, "peer", "start", "tolerance", "iterations", "seconds", "residual",
            "reached", "ns"],
     growth=["shape", "solver", "start", "problems", "points_from", "points_to", "sweeps_exponent",
             "seconds_exponent"],
@@ -140,18 +139,8 @@ def siconos_rows(case, warm, options):
             found = json.loads(answer.splitlines()[-1])  # Siconos may print lines before
             for row in found["rows"]:
                 reached = row["residual"] <= row["tolerance"]
-                yield dict(case.about, peer=f"Siconos {method.upper()}", figure="measured",
+                yield dict(case.about, peer=f"Siconos {method.upper()}",
                            start="warm" if warm else "cold", **row, reached=reached, ns=found["ns"])
-
-
-def stated_rows(case):
-    """Times of reference.csv, measured on a similar machine, for problems of the same name."""
-    with open(os.path.join(FOLDER, "reference.csv"), newline="") as file:
-        for row in csv.DictReader(file):
-            if row["problem"] == case.name:
-                numbers = {key: float(row[key]) for key in ("tolerance", "seconds", "ns")}
-                yield dict(case.about, peer=row["peer"], figure="stated", start="cold",
-                           reached=True, **numbers)
 
 
 def compare(rows, peers):
@@ -161,7 +150,7 @@ def compare(rows, peers):
         same = [peer for peer in peers if peer["reached"] and key(peer) == key(row)]
         if same:
             best = min(same, key=lambda peer: peer["seconds"])
-            row.update(siconos_seconds=best["seconds"], siconos_figure=best["figure"])
+            row.update(siconos_seconds=best["seconds"])
             if row["reached"]:
                 row["siconos_ratio"] = best["seconds"] / row["seconds"]
 
@@ -306,8 +295,7 @@ def measured(options):
             for warm in (False, True) if options.warm else (False,):
                 rows = [row for solver in options.solvers
                         for row in tolerance_rows(case, solver, warm, options)]
-                stated = [] if warm else list(stated_rows(case))
-                peers = list(siconos_rows(case, warm, options)) if options.siconos else stated
+                peers = list(siconos_rows(case, warm, options)) if options.siconos else []
                 compare(rows, peers)
                 tables["tolerances"] += rows
                 tables["peers"] += peers

@@ -7,6 +7,7 @@
 
 import inspect
 
+from benchmarks import hard_scenes as suite
 
 TITLE = "Hard scenes: holds, drifts, blows up"
 COLUMNS = "scene title law dt verdict measured bound gain overlap steps seconds".split()
@@ -19,17 +20,7 @@ VERDICTS = dict([("holds", "#4daf4a"), ("drifts", "#ffcc33"), ("blows up", "#e41
                  ("too long", "0.85")])
 
 
-def _suite():
-    try:
-        from benchmarks import hard_scenes
-    except ImportError as error:
-        raise ValueError(
-            f"chart d needs the hard scenes, benchmarks.hard_scenes: {error}") from error
-    return hard_scenes
-
-
 def points(options):
-    suite = _suite()
     names = [name for name in suite.names() if not options.quick or name.startswith(QUICK)]
     dts = (1e-4, 1e-3, 1e-2) if options.quick else (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
     return [f"{name}/{law}/{dt:g}" for name in names for law in LAWS for dt in dts
@@ -37,7 +28,6 @@ def points(options):
 
 
 def run(name, options):
-    suite = _suite()
     scene, law, dt = name.split("/")
     module = suite.scene(scene)
     shortened = dict(seconds=1.0 if options.quick else 10.0) if "seconds" in inspect.signature(
@@ -55,7 +45,6 @@ def plot(rows, options):
     from matplotlib.figure import Figure
     from matplotlib.patches import Patch, Rectangle
 
-    suite = _suite()
     cell = {row["point"]: row["verdict"]
             if row["status"] == "ok" else "too long" if "given up" in row["status"] else "blows up"
             for row in rows}

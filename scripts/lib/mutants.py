@@ -166,7 +166,7 @@ TABLE = {
         ("enters-sticking", "friction <= 0 ? 0 : tangential > 0 ? 1 : -1", "0"),
     ],
     "exact/proximal_problem.cpp": [
-        ("bias-forgotten", "referenceVelocity[i].n += c.bias;", ""),
+        ("bias-forgotten", "referenceVelocity[i].n += contacts[i].bias;", ""),
         ("pair-turned-round", "c.body1 > c.body2 });", "false });"),
     ],
     "exact/solve_exact.cpp": [

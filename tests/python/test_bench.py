@@ -3,7 +3,6 @@
 import csv
 import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -190,20 +189,10 @@ def test_bench_solver_compares_with_siconos(files):
     assert ended.returncode == 0, ended.stderr
     first, second = rows_of(files / "out" / "tolerances.csv")
     assert float(first["siconos_ratio"]) == pytest.approx(2.0 / float(first["seconds"]))
-    assert first["siconos_figure"] == "measured"
     assert second["siconos_ratio"] == ""
     peers = rows_of(files / "out" / "peers.csv")
     assert [(row["peer"], row["reached"]) for row in peers] == [("Siconos NSGS", "True"),
         ("Siconos NSGS", "False")]
-
-
-def test_bench_solver_marks_stated_figures(files):
-    shutil.copy(files / "small.npz", files / "n500_e0_0.npz")
-    ended = bench("bench_solver.py", files / "n500_e0_0.npz", "--only", "tolerances", "--solvers",
-                  "exact", "--out", files / "out", *FAST)
-    assert ended.returncode == 0, ended.stderr
-    assert [row["siconos_figure"] for row in rows_of(files / "out" / "tolerances.csv")] == [
-        "stated", "", "stated", ""]
 
 
 def test_impulses_of_siconos_have_the_residual_that_it_prints(files):

@@ -30,13 +30,6 @@ def integer(name, value, expected="a whole number", valid=lambda v: True):
     return int(value)
 
 
-def flag(name, value):
-    """Return `value` as a bool, if it is True or False."""
-    if not isinstance(value, (bool, np.bool_)):
-        raise error(name, value, "True or False")
-    return bool(value)
-
-
 def choice(name, value, known):
     """Return `value`, if it is one of the words `known`."""
     if not isinstance(value, str) or value not in known:
