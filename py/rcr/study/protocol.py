@@ -16,9 +16,9 @@ FREE_PARAMETERS = ("threads",)  # parameters that do not change the results
 
 @dataclasses.dataclass(frozen=True)
 class Protocol:
-    """Constants of the biaxial test; `PROTOCOL` holds the values of the study.
+    """Constants of the biaxial test; `PROTOCOL` holds the defaults.
 
-    A field without a source was chosen by the tests of docs/measurements.md or sets a scale only.
+    The tests of docs/measurements.md chose these values, or they set a scale.
     """
 
     # Grains and load
@@ -55,7 +55,7 @@ class Protocol:
     # Shear
     time_step: float = 0.4  # dt [t₀]; at 1.2 contacts of long grains sink in
     inertial_number: float = 1e-4  # I [-]; averages are near their limit I → 0
-    sample_inertia: float = 2e-5  # ρ (ε̇ W)²/σ₀ at most [-]; at 2e-4 the sample leaves its walls
+    sample_inertia: float = 2e-5  # ρ (v W/h)²/σ₀ at most [-]; at 2e-4 the sample sloshes
     approach: float = 0.1  # strain up to which the shear is quick [-]
     slowing_strain: float = 0.01  # strain in which the rate then falls [-]
     quick_time_step: float = 0.1  # dt of quick shear, at most [t₀]
@@ -63,7 +63,7 @@ class Protocol:
     iterations: int = 300  # of the solver in a step, at most
     small_iterations: int = 10_000  # the same of small packings (docs/biaxial.md)
     small_particles: int = 2000  # grains of a small packing, at most
-    yield_compliance: float = 0.01  # `ContactDynamics.yieldCompliance`; 1 jams more often
+    yield_compliance: float = 0.01  # `ContactDynamics.yieldCompliance`
     most_divisor: int = 5  # of the time step where the shear is repeated
     ramp_strain: float = 0.002  # strain in which the top wall reaches its speed [-]
     record_strain: float = 1e-3  # strain of a record of the history [-]
