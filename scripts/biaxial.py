@@ -60,7 +60,8 @@ def parser():
     add("--sample-inertia", type=number, default=protocol.sample_inertia,
         help="ρ (ε̇ W)²/σ0 beyond --approach, at most; lowers the rate of large samples "
         "(default %(default)g)")
-    add("--threads", type=integer, default=0, help="threads of the contact solver (default: YADE's -j)")
+    add("--threads", type=integer, default=0,
+        help="threads of the contact solver (default: YADE's -j)")
     add("--tolerance", type=number, default=1e-4,
         help="largest residual of the contact solver (default %(default)s)")
     add("--iterations", type=integer,

@@ -70,17 +70,18 @@ def porosity(volume=None, what=None):
     """
     frame = _frame(what)
     filled = areas(frame)[1].sum()
+    positive = "the area of the region > 0 [m²]"
     if volume is not None:
-        volume = checks.number("volume", volume, "the area of the region > 0 [m²]", lambda v: v > 0)
-    if volume is not None and volume < filled:
-        expected = f"the area of the region [m²], which holds grains of {filled:.6g} m²"
-        raise checks.error("volume", volume, expected)
-    if volume is None and frame.cell is not None:
+        volume = checks.number("volume", volume, positive, lambda v: v > 0)
+        if volume < filled:
+            expected = f"the area of the region [m²], which holds grains of {filled:.6g} m²"
+            raise checks.error("volume", volume, expected)
+    elif frame.cell is not None:
         volume = abs(np.linalg.det(frame.cell))
-    elif volume is None:
+    else:
         volume = np.prod(np.diff(extent(frame), axis=0))
     if not volume > 0:
-        raise checks.error("volume", volume, "the area of the region > 0 [m²]")
+        raise checks.error("volume", volume, positive)
     return float(1 - filled / volume)
 
 

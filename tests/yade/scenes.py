@@ -104,7 +104,7 @@ def python(code, **environment):
                           env={**os.environ, **environment})
 
 
-def refused(match, moved=False):
+def assert_refused(match, moved=False):
     """Take a step; it raises a ValueError with these words, and the scene stays as it was."""
     before = snapshot()[:, :13]
     with pytest.raises(ValueError, match=match):

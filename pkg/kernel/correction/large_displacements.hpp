@@ -13,9 +13,9 @@
 // normal velocity before the step). separation.hpp removes the overlap that is left.
 //
 // A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
-// with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0. The gap must exceed 2 % of the slop. Without restitution it
-// must also exceed 1 % of its closing path, and half the slop if the contact bore a force when the
-// step began.
+// with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0. The gap must exceed 2 % of
+// the slop. Without restitution it must also exceed 1 % of its closing path, and half the slop if the
+// contact bore a force when the step began.
 //
 // A bounce is cancelled if the bodies do not meet on their paths at the initial velocities.
 //

@@ -7,8 +7,8 @@ import warnings
 import numpy as np
 import pytest
 import rcr
-from scenes import (build, engines, material, python, refused, smooth, snapshot, solver, stadium,
-                    steps)
+from scenes import (assert_refused, build, engines, material, python, smooth, snapshot, solver,
+                    stadium, steps)
 from yade import O, utils
 from yade.minieigenHP import Quaternion, Vector3
 from yade.wrapper import (
@@ -103,7 +103,7 @@ RIGID = {  # under the rigid law: name of the error, change of the scene, words 
 def test_errors_under_the_rigid_law(change, match):
     rigid()
     change()
-    refused(match)
+    assert_refused(match)
 
 
 OUT = (r"body #1 has the velocity \(.*\) and the angular velocity \(.*\), which lead out of "
@@ -135,7 +135,7 @@ BOTH = {
 def test_errors_under_both_laws(scene, change, match):
     scene()
     change()
-    refused(match)
+    assert_refused(match)
 
 
 # --- engines --------------------------------------------------------------------------------------
@@ -156,11 +156,11 @@ def test_a_load_that_nothing_feels(scene, load):
     """The next ForceResetter deletes its force before a step uses it."""
     scene()
     O.engines = [*O.engines, load()]
-    refused("stands after the NewtonIntegrator, so its forces would be taken away before they move "
-            "anything; put it between the two")
+    assert_refused("stands after the NewtonIntegrator, so its forces would be taken away before "
+                   "they move anything; put it between the two")
     scene()
     O.engines = [load(), *O.engines]
-    refused("stands before the ForceResetter, so its forces would be taken away")
+    assert_refused("stands before the ForceResetter, so its forces would be taken away")
 
 
 @LAWS
@@ -196,7 +196,7 @@ def test_engines_with_wrong_attributes_are_rejected_at_the_start(scene):
     scene(before=[rcr.WallStress(wall=1, start=0, end=0)]) if scene is rigid else scene()
     if scene is smooth:
         loaded(rcr.WallStress(wall=1, start=0, end=0))
-    refused("WallStress.wall = 1 is not the id of a body with the shape Wall")
+    assert_refused("WallStress.wall = 1 is not the id of a body with the shape Wall")
     O.engines = [e for e in O.engines if not isinstance(e, rcr.WallStress)]
     O.dt = 0
     with pytest.raises(ValueError, match="O.dt = 0; expected a finite time step > 0"):
@@ -209,8 +209,8 @@ def test_the_steppers_first_step():
     O.bodies[1].state.pos = Vector3(0, 0.2, 0)
     stepper = GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4)
     inserted(0, stepper)
-    refused(r"GlobalStiffnessTimeStepper.defaultDt = -1 would set O.dt = 1 s while no Rcrs touch; "
-            r"set defaultDt = 0.5 \* rcr.critical_time_step\(\)")
+    assert_refused(r"GlobalStiffnessTimeStepper.defaultDt = -1 would set O.dt = 1 s while no Rcrs "
+                   r"touch; set defaultDt = 0.5 \* rcr.critical_time_step\(\)")
     stepper.defaultDt = 0.5 * rcr.critical_time_step()
     steps(5)
     assert O.dt == stepper.defaultDt
@@ -334,7 +334,7 @@ def test_a_missing_ig2_is_reported_before_the_pair_meets(scene):
     scene()
     O.bodies.append(rcr.disc((0, 9), 0.1, material=O.bodies[1].material))
     with_functors("Ig2_Rcr_Rcr_RcrGeom", "Ig2_Wall_Rcr_RcrGeom")
-    refused(
+    assert_refused(
         r"handles (?=.*Sphere)(?=.*Wall)(?=.*Rcr)(\w+ and \w+ \(bodies #[0-2], #[0-2]\), ){2}so "
         r"they would pass through each other. "
         r"Add (?=.*Ig2_Wall_Sphere_RcrGeom\(\))(?=.*Ig2_Sphere_Rcr_RcrGeom\(\)).* to its first list"
@@ -353,7 +353,7 @@ def test_pairs_that_cannot_meet_want_no_ig2(scene):
     with_functors("Ig2_Wall_Rcr_RcrGeom", "Ig2_Box_Sphere_RcrGeom")
     O.step()
     O.bodies.append(rcr.disc((4, -1), 0.1, material=rough, mask=2, fixed=True))
-    refused(r"no Ig2 functor .* handles Sphere and Sphere \(bodies #[24], #[24]\)")
+    assert_refused(r"no Ig2 functor .* handles Sphere and Sphere \(bodies #[24], #[24]\)")
 
 
 def test_members_of_one_clump_want_no_ig2():
@@ -365,7 +365,7 @@ def test_members_of_one_clump_want_no_ig2():
     O.step()
     rcr.clump([stadium(0.2, 0.1, (2, 0.3), material=rough),
                rcr.disc((2.1, 0.4), 0.1, material=rough)])
-    refused(
+    assert_refused(
         r"Add (?=.*Ig2_Rcr_Rcr_RcrGeom)(?=.*Ig2_Sphere_Rcr_RcrGeom)(?=.*Ig2_Sphere_Sphere_RcrGeom)")
 
 
