@@ -1,8 +1,8 @@
 # Finds an installed YADE and the headers of the same version.
 #
-# YADE has no development package. Its headers come from its source archive, unpacked in
-# YADE_SOURCE_DIR. Class layouts depend on the definitions of YADE's build, which follow from the
-# features of the installed YADE. An unknown feature is an error.
+# YADE has no development package. Its headers come from its sources in YADE_SOURCE_DIR. Class
+# layouts depend on the definitions of YADE's build, which follow from the features of the installed
+# YADE. An unknown feature is an error.
 #
 # Defines the target YADE::YADE, YADE_VERSION, and YADE_OPENGL if YADE has a 3D view.
 
@@ -20,11 +20,9 @@ execute_process(
 	OUTPUT_VARIABLE yade_facts OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 list(POP_FRONT yade_facts YADE_VERSION yade_bits yade_decimals)
 
-file(READ "${YADE_SOURCE_DIR}/RELEASE" yade_release)
-string(STRIP "${yade_release}" yade_release)
-if(NOT yade_release STREQUAL YADE_VERSION)
-	message(FATAL_ERROR "YADE_SOURCE_DIR = ${YADE_SOURCE_DIR} has version ${yade_release}, the \
-installed YADE has ${YADE_VERSION}. Give the source archive of version ${YADE_VERSION}.")
+if(NOT yade_source_version STREQUAL YADE_VERSION)
+	message(FATAL_ERROR "YADE_SOURCE_DIR = ${YADE_SOURCE_DIR} has version ${yade_source_version}, \
+the installed YADE has ${YADE_VERSION}. Give the sources of version ${YADE_VERSION}.")
 endif()
 
 # Definitions of each feature for the headers (CMakeLists.txt of YADE); empty: no effect on layouts.

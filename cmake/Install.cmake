@@ -37,14 +37,15 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_STRIP_FILES TRUE)
 include(${CMAKE_CURRENT_LIST_DIR}/YadeHeaders.cmake)
 if(YADE_HEADERS_FOUND)
-	file(READ "${YADE_SOURCE_DIR}/RELEASE" rcr_yade)
-	string(STRIP "${rcr_yade}" rcr_yade)
+	file(GLOB rcr_amd /usr/lib/*/libamd.so.[0-9])
+	string(REGEX REPLACE ".*\\.so\\." "libamd" rcr_amd "${rcr_amd}") # package of SuiteSparse's AMD
 	math(EXPR rcr_next_python "${Python3_VERSION_MINOR} + 1")
 	string(JOIN ", " CPACK_DEBIAN_PACKAGE_DEPENDS
-		yade python3-yade "libyade (>= ${rcr_yade})" "libyade (<< ${rcr_yade}.0)"
+		yade python3-yade "libyade (>= ${yade_source_version})"
+		"libyade (<< ${yade_source_version}.0)"
 		"python3 (>= ${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR})"
 		"python3 (<< ${Python3_VERSION_MAJOR}.${rcr_next_python})"
-		libamd3 libgl1 python3-numpy
+		${rcr_amd} libgl1 python3-numpy
 		python3-h5py python3-matplotlib python3-tqdm)
 	set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-meshio, ffmpeg")
 endif()
