@@ -30,6 +30,9 @@ std::string WallStress::invalidAttribute(const Scene& in) const
 			          "give the ids of the pressed wall and of the two that bound it.";
 	const int pressed = shapeOf(in, wall)->axis, one = shapeOf(in, start)->axis,
 	          two = shapeOf(in, end)->axis;
+	if (start == end)
+		return "WallStress.start and WallStress.end are both " + std::to_string(start)
+		        + ", so that the pressed length is 0; give the ids of the two walls that bound it.";
 	if (one != two || one == pressed)
 		return "WallStress: the walls `start` and `end` must be parallel to each other and not to "
 		       "`wall`.";

@@ -127,10 +127,7 @@ namespace {
 		rcr::StepBody&   body  = step_.bodies[id];
 		const bool       clump = b.isClump();
 		if (b.shape && !clump) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
-		if ((clump || body.shape.kind != rcr::PlanarShape::none)
-		        && body.shape.kind != rcr::PlanarShape::wall
-		        && body.shape.kind != rcr::PlanarShape::segment
-		        && !validation::isValid(b, body.shape, handles_.z))
+		if (!validation::isValid(b, body.shape, handles_.z))
 			validation::refuseBody(b, scene_, handles_.z);
 		handles_.state[id]    = b.state.get();
 		body.center        = plane::toPlane(s.pos);

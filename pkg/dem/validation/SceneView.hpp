@@ -94,6 +94,7 @@ namespace validation {
 	// Rules on the periodic cell (cell.cpp).
 	std::string wallsInCell(const View&);
 	std::string cellStress(const View&);
+	std::string velocityGradient(const View&);
 	std::string smallCell(const View&);
 
 } // namespace validation

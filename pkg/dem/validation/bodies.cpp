@@ -32,12 +32,22 @@ namespace validation {
 
 		rcr::PlanarShape shapeOf(const Body& b, Real z)
 		{
-			return b.isClump() ? rcr::PlanarShape {} : plane::shapeOf(*b.shape, *b.state, z);
+			return b.shape && !b.isClump() ? plane::shapeOf(*b.shape, *b.state, z)
+			                               : rcr::PlanarShape {};
+		}
+		bool finite(const Quaternionr& q)
+		{
+			return math::isfinite(q.w()) && math::isfinite(q.x()) && math::isfinite(q.y())
+			        && math::isfinite(q.z());
 		}
 		bool upright(const State& s)
 		{
-			return math::abs(s.ori.x()) <= tilted && math::abs(s.ori.y()) <= tilted
-			        && math::isfinite(s.ori.w() + s.ori.z());
+			return math::abs(s.ori.x()) <= tilted && math::abs(s.ori.y()) <= tilted;
+		}
+		/// The shape turns with its body about z only. Walls never turn; Facets may be tilted.
+		bool planar(const Body& b, const rcr::PlanarShape& shape)
+		{
+			return b.isClump() || shape.grain() || shape.kind == rcr::PlanarShape::box;
 		}
 		bool inPlane(const State& s, const rcr::PlanarShape& shape, Real z)
 		{
@@ -46,6 +56,11 @@ namespace validation {
 		bool staysInPlane(const State& s)
 		{
 			return s.vel[2] == 0 && s.angVel[0] == 0 && s.angVel[1] == 0;
+		}
+		/// A Wall stays normal to its axis, whatever its angular velocity.
+		bool canTurn(const State& s, const rcr::PlanarShape& shape)
+		{
+			return shape.kind != rcr::PlanarShape::wall || s.angVel == Vector3r::Zero();
 		}
 		bool shaped(const rcr::PlanarShape& shape) { return !shape.grain() || shape.halfWidth > 0; }
 		bool keepsToPlane(const State& s)
@@ -84,11 +99,13 @@ namespace validation {
 	bool isValid(const Body& b, const rcr::PlanarShape& shape, Real z)
 	{
 		const State& s = *b.state;
-		if (!finite(s.pos) || !finite(s.vel) || !finite(s.angVel) || !upright(s)
-		        || !inPlane(s, shape, z) || !shaped(shape))
-			return false;
-		return b.isClumpMember()
-		        || ((!shape.grain() || staysInPlane(s)) && keepsToPlane(s) && heavy(s) && inert(s));
+		if (!finite(s.pos) || !finite(s.vel) || !finite(s.angVel) || !finite(s.ori)) return false;
+		const bool flat = planar(b, shape);
+		if (flat && (!upright(s) || !inPlane(s, shape, z) || !shaped(shape))) return false;
+		if (!canTurn(s, shape)) return false;
+		if (b.isClumpMember()) return true;
+		return (!shape.grain() || staysInPlane(s)) && (!flat || keepsToPlane(s)) && heavy(s)
+		        && inert(s);
 	}
 
 	std::string defectOf(const Body& b, Real z)
@@ -104,11 +121,12 @@ namespace validation {
 		if (!finite(s.pos)) return vector("position", s.pos, "set b.state.pos.");
 		if (!finite(s.vel)) return vector("velocity", s.vel, "set b.state.vel.");
 		if (!finite(s.angVel)) return vector("angular velocity", s.angVel, "set b.state.angVel.");
-		if (!math::isfinite(s.ori.w() + s.ori.x() + s.ori.y() + s.ori.z()))
+		if (!finite(s.ori))
 			return name
 			        + " has an orientation that is not finite; set b.state.ori = Quaternion((0, 0, "
 			          "1), angle).";
-		if (!upright(s))
+		const bool flat = planar(b, shape);
+		if (flat && !upright(s))
 			return name + " is tilted out of the plane z = const; turn it about z only"
 			        + (b.isClump() ? ": make the clump by rcr.clump, which YADE's own "
 			                         "appendClumped turns to principal axes."
@@ -116,8 +134,11 @@ namespace validation {
 		if (!inPlane(s, shape, z))
 			return name + " lies at z = " + text(s.pos.z()) + ", other grains at z = " + text(z)
 			        + ", so they would not meet in the plane; give all the same z.";
+		if (!canTurn(s, shape))
+			return name + " is a Wall with the angular velocity " + coordinates(s.angVel)
+			        + ", but Walls cannot turn: use a Box or rcr.segment.";
 		if (b.isClumpMember()) return {};
-		if (!keepsToPlane(s))
+		if (flat && !keepsToPlane(s))
 			return name + " is free to leave the plane (blockedDOFs = '" + s.blockedDOFs_vec_get()
 			        + "'); expected z, X and Y blocked. "
 			        + (dynamic_cast<const Sphere*>(b.shape.get()) ? "Make a disc by rcr.disc."
@@ -153,7 +174,7 @@ namespace validation {
 	{
 		const Real z = planeOf(scene);
 		for (const auto& b : *scene.bodies) {
-			if (!b || !(isGrain(*b) || b->isClump()) || isValid(*b, shapeOf(*b, z), z)) continue;
+			if (!b || isValid(*b, shapeOf(*b, z), z)) continue;
 			const std::string wrong = defectOf(*b, z);
 			if (!wrong.empty()) return wrong;
 		}

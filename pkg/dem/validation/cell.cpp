@@ -34,6 +34,12 @@ namespace validation {
 		return {};
 	}
 
+	std::string velocityGradient(const View& v)
+	{
+		if (!v.scene.isPeriodic || math::isfinite(v.scene.cell->velGrad.sum())) return {};
+		return "O.cell.velGrad is not finite; expected a velocity gradient in 1/s.";
+	}
+
 	/// Rejects cells in which YADE's collider would end the process, since a body spans half of the
 	/// cell.
 	std::string smallCell(const View& v)

@@ -157,6 +157,7 @@ namespace validation {
 			{ smooth,  smoothFunctors },
 			{ both,    foreignGeometry },
 			{ both,    materials },
+			{ both,    velocityGradient },
 			{ both,    smallCell },
 			{ both,    obstaclesOutOfPlane },
 			{ both,    [](const View& v) { return firstInvalidBody(v.scene); } },
@@ -252,7 +253,7 @@ namespace validation {
 	{
 		const View        view(scene);
 		// may change without a change of objects
-		for (const auto rule : { timeStep, integrator, smallCell })
+		for (const auto rule : { timeStep, integrator, velocityGradient, smallCell })
 			if (const std::string wrong = rule(view); !wrong.empty()) refuse(wrong);
 		const Signature now = signature(scene);
 		if (now == seen_) return engines_;

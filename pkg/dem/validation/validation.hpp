@@ -134,7 +134,7 @@ namespace validation {
 	bool isValid(const Body&, const rcr::PlanarShape&, Real z);
 	/// Message about an invalid body; empty if it is valid.
 	std::string defectOf(const Body&, Real z);
-	/// Message about the first invalid grain or clump of the scene; empty: none.
+	/// Message about the first invalid body of the scene; empty: none.
 	std::string firstInvalidBody(const Scene&);
 	/// Throws the message about an invalid body, or about a force that is not finite. Forces must
 	/// be synced.

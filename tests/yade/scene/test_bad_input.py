@@ -14,7 +14,7 @@ import yade.utils
 from scenes import assert_refused, build, material, python, solver, stadium, steps, wait_until
 from yade import O
 from yade.minieigenHP import Quaternion
-from yade.wrapper import Body, ForceEngine, MatchMaker
+from yade.wrapper import Body, ForceEngine, MatchMaker, RotationEngine
 
 NAN, INF = math.nan, math.inf
 
@@ -114,6 +114,40 @@ def set_tilt(body):
 def test_body(change, match):
     change(resting())
     assert_refused(match)
+
+
+@pytest.mark.parametrize("obstacle", [
+    lambda: rcr.wall("x", -5),
+    lambda: rcr.segment((-5, 0), (-4, 1)),
+    lambda: yade.utils.box((-5, 0, 0), (0.1, 0.1, 0.1), fixed=True),
+], ids=["wall", "segment", "box"])
+@pytest.mark.parametrize("change, match", [
+    (lambda b: setattr(b.state, "pos", (0, NAN, 0)), "position .*nan"),
+    (lambda b: setattr(b.state, "vel", (NAN, 0, 0)), "velocity .*nan"),
+    (lambda b: setattr(b.state, "angVel", (0, 0, INF)), "angular velocity .*inf"),
+    (lambda b: setattr(b.state, "ori", Quaternion(NAN, 0, 0, 0)), "orientation"),
+], ids=["position", "velocity", "spin", "orientation"])
+def test_obstacle(obstacle, change, match):
+    """In mid-run a wall at NaN crashed the neighbour list."""
+    resting()
+    O.engines[1].boundDispatcher.functors = [*O.engines[1].boundDispatcher.functors,
+                                             rcr.Bo1_Box_Aabb(), rcr.Bo1_Facet_Aabb()]
+    body = O.bodies[O.bodies.append(obstacle())]
+    O.run(30, True)
+    change(body)
+    assert_refused(f"#{body.id} has .*{match}")
+
+
+def test_wall_that_turns():
+    """Its points would have velocities, but it would stay where it is."""
+    resting(before=[RotationEngine(ids=[0], rotationAxis=(0, 0, 1), angularVelocity=0.1)])
+    assert_refused("#0 is a Wall with the angular velocity .*use a Box or rcr.segment", moved=True)
+
+
+def test_wall_made_dynamic():
+    resting()
+    O.bodies[0].dynamic = True
+    assert_refused("#0 is free but has the mass 0; give it a mass > 0")
 
 
 @pytest.mark.parametrize("before", ["ForceEngine", "permanent force", "permanent torque"])

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import material, solver, steps
+from scenes import assert_refused, material, solver, steps
 from scenes import periodic_scene as scene
 from yade import O
 from yade.minieigenHP import Matrix3
@@ -153,6 +153,14 @@ def test_cell_that_is_too_small_for_a_body_is_refused():
     with pytest.raises(ValueError, match="the periodic cell is 0.7 wide at its narrowest, body #0 "
                        "has the radius 0.2"):
         O.step()
+
+
+def test_velocity_gradient_that_is_not_finite_is_refused():
+    size, _, grains = packing(0.5, count=25)
+    scene("rigid", *grains, size=size)
+    steps(5)
+    O.cell.velGrad = Matrix3(0, math.nan, 0, 0, 0, 0, 0, 0, 0)
+    assert_refused("O.cell.velGrad is not finite", moved=True)
 
 
 def test_a_step_that_may_meet_two_images_has_not_converged():

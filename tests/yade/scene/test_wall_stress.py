@@ -5,7 +5,7 @@ import math
 import pytest
 import rcr
 import yade.utils
-from scenes import G, build, material, steps
+from scenes import G, assert_refused, build, material, steps
 from yade import O
 
 
@@ -34,6 +34,12 @@ def test_a_lid_that_is_no_wall_is_pressed_by_a_permanent_force(lid):
     # rounding
     assert -O.forces.f(floor)[1] == pytest.approx(300 + (2 + sum(b.state.mass for b in grains)) * G,
                                                   rel=1e-9)
+
+
+def test_one_wall_as_both_ends_is_refused():
+    build(rcr.wall("y", 0), rcr.mobile_wall("x", 2, mass=2.0),
+          before=[rcr.WallStress(wall=1, start=0, end=0, stress=-10)])
+    assert_refused("WallStress.start and WallStress.end are both 0, so that the pressed length is 0")
 
 
 @pytest.mark.parametrize("stress", [math.nan, math.inf])
