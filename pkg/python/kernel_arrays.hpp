@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <cstring>
 #include <ctime>
 #include <string>
 #include <vector>
@@ -28,17 +29,8 @@ void requireBlocks(const py::array&, const char* name, py::ssize_t count); // sh
 /// Ids from an array of integers. Throws ValueError for other types and for more than 32 bits.
 Ids idsFrom(const py::object&, const char* name);
 
-/// Optional arrays of a problem, or None: d (nc, 2), s (nc, 2), M_c⁻¹ (2,) and recovery (nc,).
-struct OptionalArrays {
-	py::object drift = py::none(), shift = py::none(), inverseStretchMass = py::none(),
-	           recovery = py::none();
-};
-
-/// A problem from arrays. Checks all shapes, ids and numbers.
-ContactProblem problemFrom(
-        const Array& inverseMass, const Array& freeVelocity, const py::object& bodies,
-        const Array& normal, const Array& arm1, const Array& arm2, const Array& bias,
-        const Array& friction, const Array& impulse, const OptionalArrays& = {});
+/// A problem from the arrays of `solve`, by name. Checks all names, shapes, ids and numbers.
+ContactProblem problemFrom(const py::kwargs& arrays);
 
 /// A problem of W and q from arrays. Checks the shapes; the solver checks the values.
 DelassusProblem delassusFrom(
@@ -52,8 +44,23 @@ Settings stopSettings(
 
 inline py::ssize_t rowsOf(const py::array& array) { return array.ndim() ? array.shape(0) : 0; }
 
-Array arrayOf(const std::vector<Impulse>&); // (n, 2)
-Array arrayOf(const std::vector<Twist>&);   // (n, 3)
+/// Rows of an array as structs of doubles. Throws ValueError for another shape.
+template <class Row>
+std::vector<Row> rowsFrom(const Array& array, const char* name, py::ssize_t count)
+{
+	requireShape(array, name, count, sizeof(Row) / sizeof(double));
+	std::vector<Row> rows(count);
+	if (count > 0) std::memcpy(rows.data(), array.data(), count * sizeof(Row));
+	return rows;
+}
+
+/// The array of rowsFrom from its rows.
+template <class Row> Array arrayOf(const std::vector<Row>& rows)
+{
+	Array array({ py::ssize_t(rows.size()), py::ssize_t(sizeof(Row) / sizeof(double)) });
+	if (!rows.empty()) std::memcpy(array.mutable_data(), rows.data(), rows.size() * sizeof(Row));
+	return array;
+}
 
 /// Wall time and processor time of this thread since construction [s].
 class Stopwatch {
