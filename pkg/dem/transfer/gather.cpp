@@ -215,9 +215,9 @@ namespace {
 		        : nullptr;
 		if (!phys && !geom) return {};
 		if (!phys || !geom)
-			validation::refuse("the contact of bodies #" + std::to_string(i.getId1()) + " and #"
-			        + std::to_string(i.getId2()) + " has the geometry " + i.geom->getClassName()
-			        + " and the physics " + i.phys->getClassName()
+			validation::refuse("the contact of " + validation::named({ i.getId1(), i.getId2() })
+			        + " has the geometry " + i.geom->getClassName() + " and the physics "
+			        + i.phys->getClassName()
 			        + "; expected RcrGeom and CdPhys: use only Ig2_…_RcrGeom and "
 			          "Ip2_FrictMat_FrictMat_CdPhys, and call "
 			          "O.interactions.clear() after a change of functors.");

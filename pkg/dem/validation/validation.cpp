@@ -7,9 +7,6 @@
 #include <pkg/common/Sphere.hpp>
 
 #include "dem/engine/CellStress.hpp"
-#include "dem/engine/ContactDynamics.hpp"
-#include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
-#include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 #include "dem/shapes/Rcr.hpp"
 #include "dem/contacts/RcrGeom.hpp"
 #include "dem/shapes/planarShape.hpp"
@@ -25,7 +22,7 @@ namespace validation {
 		template <class Kind> std::string missing(const View& v, const char* name, const char* why)
 		{
 			if (v.place<Kind>() >= 0) return {};
-			return std::string("O.engines holds ") + "no " + name
+			return std::string("O.engines holds no ") + name
 			        + (v.dead<Kind>() ? " that is not dead, " : ", ") + why;
 		}
 
@@ -270,7 +267,7 @@ namespace validation {
 		for (Body::id_t id : { id1, id2 }) {
 			const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
 			if (dynamic_cast<const FrictMat*>(material.get())) continue;
-			deferError("body #" + std::to_string(id) + " has "
+			deferError(named({ id }) + " has "
 			        + (material ? "the material " + material->getClassName()
 			                    : std::string("no material"))
 			        + " and touches #" + std::to_string(id == id1 ? id2 : id1)
