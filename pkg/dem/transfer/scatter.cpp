@@ -5,6 +5,7 @@
 #include <core/InteractionContainer.hpp>
 
 #include "kernel/detection/missed_contacts.hpp"
+#include "dem/transfer/MeanField.hpp"
 #include "dem/transfer/colliderBox.hpp"
 #include "dem/shapes/plane.hpp"
 #include "dem/transfer/prefetch.hpp"
@@ -33,27 +34,16 @@ namespace {
 	SceneHandles::Contact writeMissedContact(
 	        Scene& scene, const rcr::Step& step, const rcr::UpdatedContact& grown)
 	{
-		shared_ptr<Interaction> i = scene.interactions->find(grown.body1, grown.body2);
-		if (!i) {
-			i = boost::make_shared<Interaction>(grown.body1, grown.body2);
-			if (scene.isPeriodic)
-				i->cellDist = (scene.cell->hSize.inverse() * plane::toSpace(grown.shift))
-				                      .array()
-				                      .round()
-				                      .matrix()
-				                      .cast<int>();
-			scene.interactions->insert(i);
-		}
-		if (!i->geom && i->getId1() != grown.body1) i->swapOrder();
 		rcr::Pair pair;
 		pair.body1 = grown.body1, pair.body2 = grown.body2;
-		if (!i->phys) {
+		Interaction& i = interactionOf(scene, pair, grown.shift);
+		if (!i.phys) {
 			pair.friction = grown.friction, pair.restitution = grown.restitution;
 			pair.since    = scene.iter;
 		}
 		rcr::Pose at2 = step.bodies[grown.body2].pose();
 		at2.center    = at2.center + grown.shift;
-		return writeContact(*i, pair, grown.manifold, step, at2);
+		return writeContact(i, pair, grown.manifold, step, at2);
 	}
 
 	void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
@@ -73,9 +63,7 @@ namespace {
 		cell.hSize = displaced * cell.hSize;
 		cell.trsf  = displaced * cell.trsf;
 		cell.integrateAndUpdate(0); // what it keeps of both
-		Matrix3r gradient = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero()
-		        ? cell.nextVelGrad
-		        : cell.velGrad;
+		Matrix3r gradient = gradientOf(cell);
 		for (int axis = 0; axis < 2; ++axis)
 			gradient(axis, axis) = now.gradient[axis][axis];
 		cell.setVelGrad(gradient);
@@ -163,6 +151,23 @@ std::vector<rcr::Twist> contactImpulses(const rcr::Step& step)
 		applyImpulse(c, step.problem.impulse[k], unit, unit, impulses[c.body1], impulses[c.body2]);
 	}
 	return impulses;
+}
+
+Interaction& interactionOf(Scene& scene, const rcr::Pair& pair, rcr::Vec2 shift)
+{
+	shared_ptr<Interaction> i = scene.interactions->find(pair.body1, pair.body2);
+	if (!i) {
+		i = boost::make_shared<Interaction>(pair.body1, pair.body2);
+		if (scene.isPeriodic)
+			i->cellDist = (scene.cell->hSize.inverse() * plane::toSpace(shift))
+			                      .array()
+			                      .round()
+			                      .matrix()
+			                      .cast<int>();
+		scene.interactions->insert(i);
+	}
+	if (!i->geom && i->getId1() != pair.body1) i->swapOrder();
+	return *i;
 }
 
 SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
