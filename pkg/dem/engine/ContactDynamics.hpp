@@ -41,10 +41,10 @@ public:
 	boost::python::dict        takeObserved() { return observer_.takeMeans(observedIds()); }
 	boost::python::list        takeObservations() { return observer_.takeIntervals(*scene); }
 	boost::python::dict        secondsDict() const { return times_.dict(); }
-	std::string                solverName() const;
-	void                       setSolver(const std::string&);
-	std::vector<int>           observedIds() const;
-	void                       setObserve(const std::vector<int>&);
+	std::string                solverName() const { return lockedCopy(solver); }
+	void                       setSolver(const std::string& name) { lockedSet(solver, name); }
+	std::vector<int>           observedIds() const { return lockedCopy(observe); }
+	void                       setObserve(const std::vector<int>& ids) { lockedSet(observe, ids); }
 	int                        missedSteps() const { return int(monitor.steps.unconverged); }
 	int                        yieldedSteps() const { return int(monitor.steps.yielded); }
 	double                     deepestOverlap() const { return monitor.steps.deepest; }
@@ -104,6 +104,16 @@ private:
 	};
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
+	template <class Value> Value lockedCopy(const Value& attribute) const
+	{
+		const std::lock_guard<std::mutex> lock(reading_);
+		return attribute;
+	}
+	template <class Value> void lockedSet(Value& attribute, const Value& given)
+	{
+		const std::lock_guard<std::mutex> lock(reading_);
+		attribute = given;
+	}
 
 	int           solverThreads() const;
 	rcr::Settings settings(const rcr::DrivenMotion&) const;

@@ -1,5 +1,4 @@
-// Python interface of ContactDynamics: dicts of its results, and attributes that may change during
-// a run.
+// Python interface of ContactDynamics: results as dicts.
 #include <array>
 
 #include <core/Omega.hpp>
@@ -10,49 +9,25 @@ namespace yade {
 
 namespace py = boost::python;
 
-std::string ContactDynamics::solverName() const
-{
-	const std::lock_guard<std::mutex> lock(reading_);
-	return solver;
-}
-
-void ContactDynamics::setSolver(const std::string& name)
-{
-	const std::lock_guard<std::mutex> lock(reading_);
-	solver = name;
-}
-
-std::vector<int> ContactDynamics::observedIds() const
-{
-	const std::lock_guard<std::mutex> lock(reading_);
-	return observe;
-}
-
-void ContactDynamics::setObserve(const std::vector<int>& ids)
-{
-	const std::lock_guard<std::mutex> lock(reading_);
-	observe = ids;
-}
-
 py::dict ContactDynamics::modelDict() const
 {
 	const std::lock_guard<std::mutex> lock(reading_);
 	const rcr::ModelSummary&          m = summary_;
 	py::dict                          model;
-	model["bodies"]          = m.bodies;
-	model["rotations"]       = m.rotating;
-	model["fixed"]           = m.fixed;
-	model["pairs"]           = m.pairs;
-	model["points"]          = m.points;
-	model["unknowns"]        = m.unknowns();
-	model["frictionless"]    = m.frictionalPoints == 0;
-	model["islands"]         = m.islands;
-	model["layouts"]         = m.layouts;
-	model["work"]            = work_;
+	model["bodies"]       = m.bodies;
+	model["rotations"]    = m.rotating;
+	model["fixed"]        = m.fixed;
+	model["pairs"]        = m.pairs;
+	model["points"]       = m.points;
+	model["unknowns"]     = m.unknowns();
+	model["frictionless"] = m.frictionalPoints == 0;
+	model["islands"]      = m.islands;
+	model["layouts"]      = m.layouts;
+	model["work"]         = work_;
 	model["mean_stretch_rate"]
 	        = py::make_tuple(double(meanStretchRate[0]), double(meanStretchRate[1]));
-	model["arrays"]          = stepsInArrays_;
-	model["engines"]         = !arrays ? "ContactDynamics.arrays = False" : enginesReason_;
+	model["arrays"]  = stepsInArrays_;
+	model["engines"] = !arrays ? "ContactDynamics.arrays = False" : enginesReason_;
 	return model;
 }
 
@@ -75,8 +50,8 @@ py::dict ContactDynamics::problemDict() const
 		bodies.push_back({ c.body1, c.body2 });
 	}
 	add("points", points), add("bodies", bodies), add("impulse", warmStart_);
-	add("inverse_mass", step_.problem.inverseMass),
-	        add("free_velocity", step_.problem.freeVelocity);
+	add("inverse_mass", step_.problem.inverseMass);
+	add("free_velocity", step_.problem.freeVelocity);
 	return columns;
 }
 
