@@ -12,7 +12,7 @@ void ArraySteps::writeBack(
 	active_       = false;
 	scene.doSort = true; // the collider has not run during the steps in arrays
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
-		prefetch<State>(handles.state[std::min(id + prefetchAhead, step.bodies.size() - 1)]);
+		prefetch<State>(handles.state[turnAhead(id, step.bodies.size())]);
 		State* s = handles.state[id];
 		if (!s || isByYade_[id]) return;
 		const rcr::StepBody& body = step.bodies[id];
@@ -43,8 +43,7 @@ void ArraySteps::writeBack(
 			interaction[k] = &interactionOf(scene, pairs_.all[k], {});
 	std::vector<SceneHandles::Contact> contacts(interaction.size());
 	team.forEach(interaction.size(), [&](std::size_t k) {
-		if (const Interaction* later
-		        = interaction[std::min(k + prefetchAhead, interaction.size() - 1)]) {
+		if (const Interaction* later = interaction[turnAhead(k, interaction.size())]) {
 			prefetch<RcrGeom>(later->geom.get());
 			prefetch<CdPhys>(later->phys.get());
 		}

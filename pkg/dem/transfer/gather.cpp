@@ -156,8 +156,8 @@ namespace {
 	}
 
 	/// The collider may miss contacts of a body that reaches out of its box with its alert
-	/// distance, for example after a script has set its velocity, and of a fast obstacle, whose box
-	/// has no alert distance. In a cell, boxes move with the cell.
+	/// distance, for example after a script has set its velocity. The box of an obstacle has no
+	/// alert distance. In a cell, boxes move with the cell.
 	bool Gatherer::isUnlisted(
 	        const Body& b, const rcr::Twist& velocity, const rcr::StepBody& body) const
 	{
@@ -264,7 +264,7 @@ namespace {
 		step_.begin(points);
 		team_.forEach(step_.contacts.size(), [&](std::size_t k) {
 			const SceneHandles::Contact& later
-			        = handles_.sorted[std::min(k + prefetchAhead, handles_.sorted.size() - 1)];
+			        = handles_.sorted[turnAhead(k, handles_.sorted.size())];
 			prefetch<RcrGeom>(later.geom);
 			prefetch<CdPhys>(later.phys);
 			this->points(k);

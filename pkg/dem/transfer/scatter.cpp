@@ -105,7 +105,7 @@ namespace {
 		std::atomic<bool> out { false };
 		team.forEach(step.bodies.size(), [&](Body::id_t id) {
 			const Bound* bound = handles.bound[id];
-			prefetch<Bound>(handles.bound[std::min(id + prefetchAhead, step.bodies.size() - 1)]);
+			prefetch<Bound>(handles.bound[turnAhead(id, step.bodies.size())]);
 			if (!bound) return;
 			const rcr::StepBody& b = step.bodies[id];
 			const rcr::Twist&    v = step.problem.velocity[id];
@@ -198,14 +198,14 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>&
 		const auto physOf = [&](std::size_t number) {
 			return handles.sorted[step.contacts[number].source].phys;
 		};
-		prefetch<CdPhys>(physOf(std::min(k + prefetchAhead, step.contacts.size() - 1)));
+		prefetch<CdPhys>(physOf(turnAhead(k, step.contacts.size())));
 		writeForces(step, step.contacts[k], *physOf(k));
 	});
 	const double inverseDt = 1 / step.dt;
 	team.forEach(step.bodies.size(), [&](Body::id_t id) {
 		const rcr::StepBody& body = step.bodies[id];
-		State* s = handles.state[std::min(id + prefetchAhead, step.bodies.size() - 1)];
-		if (!step.displacement.empty()) prefetch<State>(s);
+		if (!step.displacement.empty())
+			prefetch<State>(handles.state[turnAhead(id, step.bodies.size())]);
 		const rcr::Twist& p = impulses[id];
 		if (p.x != 0 || p.y != 0 || p.rotation != 0) {
 			scene.forces.addForceUnsynced(id, inverseDt * Vector3r(p.x, p.y, 0));
