@@ -218,22 +218,23 @@ namespace validation {
 	void replaceSphereBounds(const Scene& scene)
 	{
 		if (View(scene).law != rigid) return;
-		for (const auto& e : scene.engines)
-			if (Collider* collider = dynamic_cast<Collider*>(e.get()))
-				for (const auto& functor : collider->boundDispatcher->functors)
-					if (functor->getClassName() == "Bo1_Sphere_Aabb") {
-						auto disc               = boost::make_shared<Bo1_Disc_Aabb>();
-						disc->aabbEnlargeFactor
-						        = static_cast<const Bo1_Sphere_Aabb&>(*functor).aabbEnlargeFactor;
-						auto functors           = collider->boundDispatcher->functors;
-						std::replace(functors.begin(), functors.end(), functor,
-						        shared_ptr<BoundFunctor>(disc));
-						collider->boundDispatcher->functors_set(functors);
-						for (const auto& b : *scene.bodies)
-							if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get()))
-								b->shape->boundFunctor = nullptr; // a cache
-						return;
-					}
+		for (const auto& e : scene.engines) {
+			Collider* collider = dynamic_cast<Collider*>(e.get());
+			if (!collider) continue;
+			auto       functors = collider->boundDispatcher->functors;
+			const auto sphere   = std::find_if(functors.begin(), functors.end(),
+                    [](const auto& f) { return f->getClassName() == "Bo1_Sphere_Aabb"; });
+			if (sphere == functors.end()) continue;
+			auto disc = boost::make_shared<Bo1_Disc_Aabb>();
+			disc->aabbEnlargeFactor
+			        = static_cast<const Bo1_Sphere_Aabb&>(**sphere).aabbEnlargeFactor;
+			*sphere = disc;
+			collider->boundDispatcher->functors_set(functors);
+			for (const auto& b : *scene.bodies)
+				if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get()))
+					b->shape->boundFunctor = nullptr; // a cache
+			return;
+		}
 	}
 
 	void registerBodiesWithCollider(const Scene& scene)
