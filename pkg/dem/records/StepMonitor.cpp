@@ -13,7 +13,7 @@ namespace yade {
 
 namespace {
 
-	// of a cell per step; larger ones pass contacts that the step does not detect
+	// strain of a cell per step; beyond it, bodies pass contacts that the step does not detect
 	constexpr double largestStretch = 0.02;
 
 	std::string deepestPair(const rcr::Step& step, double overlap)
