@@ -45,6 +45,10 @@ py::dict ContactDynamics::problemDict() const
 	std::vector<std::array<double, 8>> points; // normal, arm1, arm2, bias, friction
 	std::vector<std::array<int, 2>>    bodies;
 	for (const rcr::ContactPoint& c : step_.problem.points) {
+		if (c.drift.x != 0 || c.drift.y != 0 || step_.problem.stretches())
+			throw std::invalid_argument(
+			        "ContactDynamics: the periodic cell deforms, and files of problems have no "
+			        "velocities of images; save a step at O.cell.velGrad = 0 without CellStress.");
 		points.push_back({ c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
 		        c.friction });
 		bodies.push_back({ c.body1, c.body2 });
