@@ -36,36 +36,23 @@ namespace {
 		return cell;
 	}
 
-	class Gatherer {
-	public:
-		Gatherer(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
-		        SceneHandles& handles, rcr::Step& step)
-		        : scene_(scene)
-		        , newton_(*engines.integrator)
-		        , team_(team)
-		        , handles_(handles)
-		        , step_(step)
-		        , field_(scene, engines)
-		{
-		}
-
+	struct Gatherer {
 		void bodies();
 		void contacts();
 		void gatherBody(Body::id_t);
 
-	private:
-		void                 body(const Body&);
+		void                  body(const Body&);
 		bool isUnlisted(const Body&, const rcr::Twist& velocity, const rcr::StepBody&) const;
-		void                 move(const Body&, const State&, rcr::StepBody&);
-		rcr::Twist           externalForce(const Body&) const;
+		void                  move(const Body&, const State&, rcr::StepBody&);
+		rcr::Twist            externalForce(const Body&) const;
 		SceneHandles::Contact contactOf(Interaction&) const;
-		void                 sort();
-		void                 points(std::size_t number);
+		void                  sort();
+		void                  points(std::size_t number);
 
 		Scene&                  scene_;
 		const NewtonIntegrator& newton_;
-		rcr::ThreadTeam&              team_;
-		SceneHandles&            handles_;
+		rcr::ThreadTeam&        team_;
+		SceneHandles&           handles_;
 		rcr::Step&              step_;
 		MeanField               field_;
 	};
@@ -294,7 +281,7 @@ namespace {
 void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
         SceneHandles& handles, rcr::Step& step)
 {
-	Gatherer gatherer(scene, engines, team, handles, step);
+	Gatherer gatherer { scene, *engines.integrator, team, handles, step, { scene, engines } };
 	gatherer.bodies();
 	step.problem.inverseStretchMass = step.problem.stretch = {};
 	if (engines.cellStress) engines.cellStress->gatherCell(step);
@@ -304,7 +291,7 @@ void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& t
 void regatherBodies(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
         const std::vector<Body::id_t>& ids, SceneHandles& handles, rcr::Step& step)
 {
-	Gatherer gatherer(scene, engines, team, handles, step);
+	Gatherer gatherer { scene, *engines.integrator, team, handles, step, { scene, engines } };
 	for (Body::id_t id : ids)
 		gatherer.gatherBody(id);
 }
