@@ -1,5 +1,6 @@
 #include "kernel_arrays.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -8,35 +9,20 @@
 
 namespace rcr {
 
-namespace {
-
-	[[noreturn]] void refuseShape(
-	        const py::array& array, const char* name, const std::string& expected)
-	{
-		std::ostringstream message;
-		message << name << " has shape (";
-		for (py::ssize_t k = 0; k < array.ndim(); ++k)
-			message << (k ? ", " : "") << array.shape(k);
-		throw py::value_error(message.str() + "); expected (" + expected + ")");
-	}
-
-} // namespace
-
-void requireShape(const py::array& array, const char* name, py::ssize_t rows, py::ssize_t columns)
+void requireShape(
+        const py::array& array, const char* name, std::initializer_list<py::ssize_t> shape)
 {
-	const bool fits = columns == 1
-	        ? array.ndim() == 1 && array.shape(0) == rows
-	        : array.ndim() == 2 && array.shape(0) == rows && array.shape(1) == columns;
-	if (!fits)
-		refuseShape(
-		        array, name,
-		        std::to_string(rows) + (columns > 1 ? ", " + std::to_string(columns) : ""));
-}
-
-void requireBlocks(const py::array& array, const char* name, py::ssize_t count)
-{
-	if (array.ndim() != 3 || array.shape(0) != count || array.shape(1) != 3 || array.shape(2) != 3)
-		refuseShape(array, name, std::to_string(count) + ", 3, 3");
+	const py::ssize_t* given = array.shape();
+	if (std::equal(given, given + array.ndim(), shape.begin(), shape.end())) return;
+	const auto listed = [](const py::ssize_t* sizes, py::ssize_t count) {
+		std::string list;
+		for (py::ssize_t k = 0; k < count; ++k)
+			list += (k ? ", " : "") + std::to_string(sizes[k]);
+		return '(' + list + ')';
+	};
+	throw py::value_error(
+	        std::string(name) + " has shape " + listed(given, array.ndim()) + "; expected "
+	        + listed(shape.begin(), shape.size()));
 }
 
 Ids idsFrom(const py::object& given, const char* name)
@@ -76,7 +62,7 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 	const Array       inverseMass = given("inverse_mass");
 	const Ids         bodies      = idsFrom(arrays["bodies"], "bodies");
 	const py::ssize_t nb = rowsOf(inverseMass), nc = rowsOf(bodies);
-	requireShape(bodies, "bodies", nc, 2);
+	requireShape(bodies, "bodies", { nc, 2 });
 	const auto vectors = [&](const char* name) { return rowsFrom<Vec2>(given(name), name, nc); };
 	const auto numbers = [&](const char* name) { return rowsFrom<double>(given(name), name, nc); };
 	const auto optional
@@ -94,7 +80,7 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 		                           bias[k], friction[k], drift[k], shift[k] });
 	if (has("inverse_stretch_mass")) {
 		const Array mass = given("inverse_stretch_mass");
-		requireShape(mass, "inverse_stretch_mass", 2, 1);
+		requireShape(mass, "inverse_stretch_mass", { 2 });
 		problem.inverseStretchMass = { mass.at(0), mass.at(1) };
 	}
 	if (has("recovery")) problem.recovery = numbers("recovery");
@@ -110,8 +96,8 @@ DelassusProblem delassusFrom(
 	const Ids rowStart   = idsFrom(givenRowStart, "row_start"),
 	          column     = idsFrom(givenColumn, "column");
 	const py::ssize_t nc = rowsOf(free), entries = rowsOf(column);
-	requireShape(rowStart, "row_start", nc + 1, 1);
-	requireShape(column, "column", entries, 1);
+	requireShape(rowStart, "row_start", { nc + 1 });
+	requireShape(column, "column", { entries });
 	DelassusProblem problem;
 	problem.rowStart.assign(rowStart.data(), rowStart.data() + nc + 1);
 	problem.column.assign(column.data(), column.data() + entries);

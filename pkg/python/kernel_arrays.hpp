@@ -4,10 +4,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include <chrono>
 #include <cstdint>
 #include <cstring>
-#include <ctime>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -22,9 +21,8 @@ namespace py = pybind11;
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Ids   = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
 
-/// Throws ValueError if the shape is not (rows, columns), or (rows,) for columns = 1.
-void requireShape(const py::array&, const char* name, py::ssize_t rows, py::ssize_t columns);
-void requireBlocks(const py::array&, const char* name, py::ssize_t count); // shape (count, 3, 3)
+/// Throws ValueError for another shape.
+void requireShape(const py::array&, const char* name, std::initializer_list<py::ssize_t> shape);
 
 /// Ids from an array of integers. Throws ValueError for other types and for more than 32 bits.
 Ids idsFrom(const py::object&, const char* name);
@@ -48,7 +46,11 @@ inline py::ssize_t rowsOf(const py::array& array) { return array.ndim() ? array.
 template <class Row>
 std::vector<Row> rowsFrom(const Array& array, const char* name, py::ssize_t count)
 {
-	requireShape(array, name, count, sizeof(Row) / sizeof(double));
+	constexpr py::ssize_t columns = sizeof(Row) / sizeof(double);
+	if (columns > 1)
+		requireShape(array, name, { count, columns });
+	else
+		requireShape(array, name, { count });
 	std::vector<Row> rows(count);
 	if (count > 0) std::memcpy(rows.data(), array.data(), count * sizeof(Row));
 	return rows;
@@ -61,26 +63,6 @@ template <class Row> Array arrayOf(const std::vector<Row>& rows)
 	if (!rows.empty()) std::memcpy(array.mutable_data(), rows.data(), rows.size() * sizeof(Row));
 	return array;
 }
-
-/// Wall time and processor time of this thread since construction [s].
-class Stopwatch {
-public:
-	double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-	double processorSeconds() const { return processorNow() - processorStart_; }
-
-private:
-	using Clock = std::chrono::steady_clock;
-
-	static double processorNow()
-	{
-		timespec now;
-		clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-		return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
-	}
-
-	Clock::time_point start_          = Clock::now();
-	double            processorStart_ = processorNow();
-};
 
 // The parts of the module.
 void bindGeometry(py::module_&);

@@ -33,7 +33,7 @@ namespace {
 	std::vector<BlockLu::Pair> pairsFrom(const py::object& given, std::int32_t size)
 	{
 		const Ids ids = idsFrom(given, "pairs");
-		if (ids.size() > 0) requireShape(ids, "pairs", ids.shape(0), 2);
+		if (ids.size() > 0) requireShape(ids, "pairs", { ids.shape(0), 2 });
 		std::vector<BlockLu::Pair> pairs;
 		std::set<BlockLu::Pair>    seen;
 		for (py::ssize_t k = 0; k < (ids.size() > 0 ? ids.shape(0) : 0); ++k) {
@@ -60,10 +60,10 @@ namespace {
 		const py::ssize_t                n     = rowsOf(b);
 		const std::vector<BlockLu::Pair> pairs = pairsFrom(givenPairs, std::int32_t(n));
 		const py::ssize_t                count = pairs.size();
-		requireShape(b, "b", n, 3);
-		requireBlocks(diagonal, "diagonal", n);
-		requireBlocks(upper, "upper", count);
-		requireBlocks(lower, "lower", count);
+		requireShape(b, "b", { n, 3 });
+		requireShape(diagonal, "diagonal", { n, 3, 3 });
+		requireShape(upper, "upper", { count, 3, 3 });
+		requireShape(lower, "lower", { count, 3, 3 });
 		const auto copy = [](const Array& from, py::ssize_t k, Block& to) {
 			for (int i = 0; i < 3; ++i)
 				for (int j = 0; j < 3; ++j)
@@ -177,7 +177,7 @@ namespace {
 		if (found == std::end(names))
 			throw py::value_error("operation '" + name + "' is not known");
 		for (const Array* array : { &a, &b, &c })
-			requireShape(*array, "operand", blockWidth, 1);
+			requireShape(*array, "operand", { blockWidth });
 		const Operand x(a), y(b), z(c);
 		Operand       out;
 		laneCheck(lanes).apply(
@@ -192,9 +192,9 @@ namespace {
 	{
 		const Ids from = idsFrom(givenFrom, "from"), to = idsFrom(givenTo, "to");
 		const int count = int(rowsOf(records));
-		requireShape(records, "records", count, 2);
-		requireShape(from, "from", blockWidth, 1);
-		requireShape(to, "to", blockWidth, 1);
+		requireShape(records, "records", { count, 2 });
+		requireShape(from, "from", { blockWidth });
+		requireShape(to, "to", { blockWidth });
 		std::vector<double, LaneAllocator<double>> body(2 * count + 2);
 		std::copy_n(records.data(), 2 * count, body.begin());
 		PairBlock places;
