@@ -9,7 +9,6 @@
 #include "dem/engine/CellStress.hpp"
 #include "dem/shapes/Rcr.hpp"
 #include "dem/contacts/RcrGeom.hpp"
-#include "dem/shapes/planarShape.hpp"
 #include "dem/validation/deferredError.hpp"
 
 namespace yade {
