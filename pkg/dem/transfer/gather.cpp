@@ -149,10 +149,13 @@ namespace {
 	        const Body& b, const rcr::Twist& velocity, const rcr::StepBody& body) const
 	{
 		if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
-		if (!scene_.isPeriodic)
-			return body.shape.grain()
-			        ? grainLeavesBox(body, b.state->pos, velocity, step_.dt, *b.bound)
-			        : obstacleLeavesBox(body, *b.bound);
+		if (!scene_.isPeriodic && body.shape.grain())
+			return grainLeavesBox(body, b.state->pos, velocity, step_.dt, *b.bound);
+		if (!scene_.isPeriodic) {
+			// margin for rounding
+			const double reach = body.alertDistance * (1 - 1e-9) - 1e-9 * body.radius;
+			return obstacleLeavesBox(body.shape, body.pose(), reach, *b.bound);
+		}
 		if (!body.shape.grain()) return body.alertDistance > double(b.bound->sweepLength);
 		const rcr::Vec2 flow = step_.cell.drift(body.center);
 		return step_.dt

@@ -73,12 +73,8 @@ namespace {
 	bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner, const rcr::Twist& v,
 	        double dt, const Bound& bound)
 	{
-		if (v.rotation == 0 || b.shape.kind < rcr::PlanarShape::box) return false;
-		rcr::Pose at = rcr::moved(b, owner, v, dt);
-		if (b.shape.kind == rcr::PlanarShape::segment) at = rcr::segmentPose(b.shape, at);
-		const rcr::Vec2 half = rcr::halfExtent(b.shape, at.axis);
-		return at.center.x + half.x > bound.max[0] || at.center.x - half.x < bound.min[0]
-		        || at.center.y + half.y > bound.max[1] || at.center.y - half.y < bound.min[1];
+		return v.rotation != 0 && b.shape.kind >= rcr::PlanarShape::box
+		        && obstacleLeavesBox(b.shape, rcr::moved(b, owner, v, dt), 0, bound);
 	}
 
 	/// Largest displacement of an image relative to its body in a step [m].
