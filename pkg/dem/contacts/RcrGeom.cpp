@@ -41,13 +41,8 @@ rcr::Manifold RcrGeom::manifold() const
 }
 
 /// An empty manifold creates nothing; where there was a contact, the Law2 erases it.
-bool Ig2_Planar_RcrGeom::go(
-        const shared_ptr<Shape>&       shape1,
-        const shared_ptr<Shape>&       shape2,
-        const State&                   state1,
-        const State&                   state2,
-        const Vector3r&                shift2,
-        const bool&                    force,
+bool Ig2_Planar_RcrGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,
+        const State& state1, const State& state2, const Vector3r& shift2, const bool& force,
         const shared_ptr<Interaction>& interaction)
 {
 	prefetchPair(*scene, interaction->linIx); // for pairs to come
