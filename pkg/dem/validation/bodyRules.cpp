@@ -29,13 +29,14 @@ namespace validation {
 		return {};
 	}
 
-	/// Obstacles that never meet the plane of the grains.
+	/// Obstacles without a finite position, or that never meet the plane of the grains.
 	std::string obstaclesOutOfPlane(const View& v)
 	{
 		const Real z = planeOf(v.scene);
 		if (math::isnan(z)) return {};
 		for (const auto& b : *v.scene.bodies) {
 			if (!b || !b->shape || isGrain(*b)) continue;
+			if (!math::isfinite(b->state->pos.sum())) return defectOf(*b, z);
 			if (const Box* box = dynamic_cast<const Box*>(b->shape.get()))
 				if (!(math::abs(b->state->pos.z() - z) <= box->extents.z()))
 					return named({ b->getId() }) + " is a Box at z = " + text(b->state->pos.z())
