@@ -110,7 +110,9 @@ namespace validation {
                     + "; expected finite numbers: " + remedy;
 		};
 		const rcr::PlanarShape shape = shapeOf(b, z);
-		if (!shaped(shape)) return name + " has a Rcr shape without a cap radius; set it.";
+		if (!shaped(shape))
+			return name + " has the cap radius " + text(shape.halfWidth)
+			        + "; expected a length > 0: set b.shape.capRadius, or radius of a disc.";
 		if (!finite(s.pos)) return vector("position", s.pos, "set b.state.pos.");
 		if (!finite(s.vel)) return vector("velocity", s.vel, "set b.state.vel.");
 		if (!finite(s.angVel)) return vector("angular velocity", s.angVel, "set b.state.angVel.");

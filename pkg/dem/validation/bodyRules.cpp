@@ -29,7 +29,7 @@ namespace validation {
 		return {};
 	}
 
-	/// Obstacles without a finite position, or that never meet the plane of the grains.
+	/// Obstacles without a finite position or size, or that never meet the plane of the grains.
 	std::string obstaclesOutOfPlane(const View& v)
 	{
 		const Real z = planeOf(v.scene);
@@ -37,12 +37,17 @@ namespace validation {
 		for (const auto& b : *v.scene.bodies) {
 			if (!b || !b->shape || isGrain(*b)) continue;
 			if (!math::isfinite(b->state->pos.sum())) return defectOf(*b, z);
-			if (const Box* box = dynamic_cast<const Box*>(b->shape.get()))
-				if (!(math::abs(b->state->pos.z() - z) <= box->extents.z()))
+			if (const Box* box = dynamic_cast<const Box*>(b->shape.get())) {
+				const Vector3r& half = box->extents;
+				if (!(half[0] >= 0 && half[1] >= 0 && math::isfinite(half[0] + half[1])))
+					return named({ b->getId() }) + " is a Box with the extents " + coordinates(half)
+					        + ", so nothing would meet it; expected finite half widths ≥ 0.";
+				if (!(math::abs(b->state->pos.z() - z) <= half[2]))
 					return named({ b->getId() }) + " is a Box at z = " + text(b->state->pos.z())
 					        + " that does not reach the plane z = " + text(z)
 					        + " of the grains, so nothing would meet it; set its z, or its "
 					          "extents.";
+			}
 			if (dynamic_cast<const Facet*>(b->shape.get())
 			        && plane::shapeOf(*b->shape, *b->state, z).kind == rcr::PlanarShape::none)
 				return named({ b->getId() }) + " is a Facet that does not cut the plane z = "
