@@ -123,7 +123,8 @@ void checkEnergy(const rcr::Step& step, long number)
 	const rcr::StepEnergy energy = stepEnergy(step, {}, {});
 	if (!(-energy.friction - energy.impact > kinetic)) return;
 	throw std::runtime_error("ContactDynamics: step " + std::to_string(number)
-	        + " has not converged, and its contacts would more than double the kinetic energy. Body #"
+	        + " has not converged, and its contacts would more than double the kinetic energy. "
+	          "Body #"
 	        + std::to_string(fastest) + " moves " + validation::text(farthest, 2)
 	        + " of its radii in this step. Nothing has moved. Take a smaller O.dt.");
 }
