@@ -56,7 +56,7 @@ std::vector<Row> rowsFrom(const Array& array, const char* name, py::ssize_t coun
 	return rows;
 }
 
-/// The array of rowsFrom from its rows.
+/// Array of these rows, as rowsFrom reads it.
 template <class Row> Array arrayOf(const std::vector<Row>& rows)
 {
 	Array array({ py::ssize_t(rows.size()), py::ssize_t(sizeof(Row) / sizeof(double)) });

@@ -107,16 +107,10 @@ namespace {
 void bindGeometry(py::module_& m)
 {
 	m.def(
-	        "area",
-	        [](double a, double r) {
-		        return area(Stadium { a, r });
-	        },
+	        "area", [](double a, double r) { return area(Stadium { a, r }); },
 	        py::arg("half_length"), py::arg("cap_radius"), "Area of a stadium [m²].");
 	m.def(
-	        "polar_moment",
-	        [](double a, double r) {
-		        return polarMoment(Stadium { a, r });
-	        },
+	        "polar_moment", [](double a, double r) { return polarMoment(Stadium { a, r }); },
 	        py::arg("half_length"), py::arg("cap_radius"),
 	        "∫ |x|² dA of a stadium about its centre [m⁴].");
 	m.def(
