@@ -119,8 +119,6 @@ namespace {
 		        && body.shape.kind != rcr::PlanarShape::segment
 		        && !validation::isValid(b, body.shape, handles_.z))
 			validation::refuseBody(b, scene_, handles_.z);
-		if (b.shape && !math::isfinite(s.pos.sum()))
-			validation::refuseBody(b, scene_, handles_.z);
 		handles_.state[id]    = b.state.get();
 		body.center        = plane::toPlane(s.pos);
 		body.turn          = plane::turnOf(body.shape, s);

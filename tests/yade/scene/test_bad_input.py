@@ -6,7 +6,6 @@ since YADE runs it in a thread. A run in the background stops at the error and l
 
 import math
 import os
-from functools import partial
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ import yade.utils
 from scenes import assert_refused, build, material, python, solver, stadium, steps, wait_until
 from yade import O
 from yade.minieigenHP import Quaternion
-from yade.wrapper import Body, ForceEngine, MatchMaker, PyRunner
+from yade.wrapper import Body, ForceEngine, MatchMaker
 
 NAN, INF = math.nan, math.inf
 
@@ -132,25 +131,6 @@ def set_tilt(body):
 def test_body(change, match):
     change(resting())
     assert_refused(match)
-
-
-@pytest.mark.parametrize("place", [(0, NAN, 0), (NAN, 0, 0), (0, INF, 0)], ids=str)
-@pytest.mark.parametrize("make", [partial(rcr.wall, "y", 0), partial(rcr.segment, (-1, 0), (1, 0))],
-                         ids=["wall", "segment"])
-def test_position_of_an_obstacle(make, place):
-    """Grains would fall through it."""
-    rough = material()
-    build(make(material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough))
-    O.step()
-    O.bodies[0].state.pos = place
-    assert_refused("#0 has the position .*(nan|inf).*; expected finite numbers")
-
-
-def test_position_of_an_obstacle_set_during_a_step():
-    resting(before=[PyRunner(command="O.bodies[0].state.pos = (0, float('inf'), 0)",
-                             iterPeriod=1)])
-    O.step()
-    assert_refused("#0 has the position .*inf", moved=True)
 
 
 @pytest.mark.parametrize("before", ["ForceEngine", "permanent force", "permanent torque"])
