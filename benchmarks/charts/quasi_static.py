@@ -96,7 +96,7 @@ def _set(test, setting):
     plain = change != tolerance
     solver.maxIterations, solver.solver = int(iterations), "nlgs" if plain else "auto"
     solver.tolerance = 1e-4 if plain else float(tolerance)
-    solver.meanForceChange = float(change) if plain else 0
+    solver.tuning = dict(meanForceChange=float(change) if plain else 0)
 
 
 def run(name, options):
@@ -140,7 +140,7 @@ def _row(test, folder, first, last):
                   stress_scatter=np.std([row["stress_x"] for row in rows]) / biaxial_cost.STRESS,
                   missed=(total("unconverged_steps") + total("yielded_steps"))
                   / (rows[-1]["step"] - rows[0]["step"]) * (1 - 1 / len(rows)))
-    if test.solver.meanForceChange:
+    if test.solver.tuning["meanForceChange"]:
         found["missed"] = math.nan  # steps may end above the tolerance
     return row | {name: float(value) for name, value in found.items()}
 

@@ -38,6 +38,9 @@ public:
 	// Python interface. Locks guard what a script may access during a run.
 	boost::python::dict        modelDict() const;
 	boost::python::dict        problemDict() const;
+	boost::python::dict        tuningDict() const;
+	void                       setTuning(const boost::python::dict&);
+	static boost::python::list visibleNames(const boost::python::object& self);
 	boost::python::dict        takeObserved() { return observer_.takeMeans(observedIds()); }
 	boost::python::list        takeObservations() { return observer_.takeIntervals(*scene); }
 	boost::python::dict        secondsDict() const { return times_.dict(); }
@@ -86,6 +89,7 @@ public:
 		/* ctor */,
 		.add_property("solver",&ContactDynamics::solverName,&ContactDynamics::setSolver,"Solver: nlgs, sor, nesterov, exact or auto.")
 		.add_property("observe",&ContactDynamics::observedIds,&ContactDynamics::setObserve,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; clumps, not their members. A change starts a new mean.")
+		.add_property("tuning",&ContactDynamics::tuningDict,&ContactDynamics::setTuning,"Settings of benchmarks and tests, as a dict: lanes, arrays, reductions, minIterations, meanForceChange.")
 		.add_property("missedSteps",&ContactDynamics::missedSteps,"Number of steps so far that did not converge, those without a solution included; 0 at tolerance 0.")
 		.add_property("yieldedSteps",&ContactDynamics::yieldedSteps,"Number of steps so far in which contacts yielded.")
 		.add_property("deepestOverlap",&ContactDynamics::deepestOverlap,"Deepest overlap at the beginning of a step so far, over R₁ + R₂ [-]. Pairs of prescribed bodies do not count.")
@@ -94,6 +98,7 @@ public:
 		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, largest residual and mean contact forces since the last call. With observeEvery > 0 the last entry of observations also starts a new mean. docs/solvers.md has an example.")
 		.def("observations",&ContactDynamics::takeObservations,"observations() → list of dicts: one entry per observeEvery steps since the last call, as observed() returns, with step, time and positions.")
 		.def("_problem",&ContactDynamics::problemDict,"Arrays of the last contact problem as bytes, for rcr.scene.save_problem.")
+		.def("__dir__",&ContactDynamics::visibleNames)
 	);
 	// clang-format on
 	DECLARE_LOGGER;

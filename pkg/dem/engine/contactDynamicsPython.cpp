@@ -9,6 +9,46 @@ namespace yade {
 
 namespace py = boost::python;
 
+namespace {
+	const std::array<const char*, 5> tuningNames { "lanes", "arrays", "reductions", "minIterations",
+		"meanForceChange" };
+}
+
+py::dict ContactDynamics::tuningDict() const
+{
+	py::dict       tuning;
+	const py::dict all = pyDict();
+	for (const char* name : tuningNames)
+		tuning[name] = all[name];
+	return tuning;
+}
+
+void ContactDynamics::setTuning(const py::dict& tuning)
+{
+	const py::list given = tuning.keys();
+	for (int k = 0; k < py::len(given); ++k) {
+		const std::string name = py::extract<std::string>(given[k]);
+		if (std::find(tuningNames.begin(), tuningNames.end(), name) == tuningNames.end())
+			throw std::invalid_argument("ContactDynamics.tuning has no setting '" + name
+			        + "'; expected lanes, arrays, reductions, minIterations or meanForceChange.");
+		pySetAttr(name, py::object(tuning[name]));
+	}
+}
+
+/// The names of dir(), without the settings that `tuning` groups.
+py::list ContactDynamics::visibleNames(const py::object& self)
+{
+	const py::object all { py::handle<>(PyObject_CallMethod(
+		    reinterpret_cast<PyObject*>(&PyBaseObject_Type), "__dir__", "O", self.ptr())) };
+	py::list         visible;
+	for (int k = 0; k < py::len(all); ++k) {
+		const std::string name = py::extract<std::string>(all[k]);
+		if (std::find(tuningNames.begin(), tuningNames.end(), name) == tuningNames.end())
+			visible.append(name);
+	}
+	return visible;
+}
+
 py::dict ContactDynamics::modelDict() const
 {
 	const std::lock_guard<std::mutex> lock(reading_);
