@@ -1,5 +1,6 @@
 #include "Gl1_CdPhys.hpp"
 
+#include "dem/validation/validation.hpp"
 #include "overlay.hpp"
 
 namespace yade {
@@ -11,12 +12,6 @@ Real        Gl1_CdPhys::maxForce;
 Real        Gl1_CdPhys::width;
 
 namespace {
-
-	bool isGrain(const Body& body)
-	{
-		return dynamic_cast<const Rcr*>(body.shape.get())
-		        || dynamic_cast<const Sphere*>(body.shape.get());
-	}
 
 	/// Point of application of the resultant force.
 	template <class Phys> Vector3r pointOfApplication(const RcrGeom& geom, const Phys& phys)
@@ -54,8 +49,10 @@ namespace {
 		const Vector3r image   = scene.isPeriodic ? Vector3r(scene.cell->intrShiftPos(i.cellDist))
 		                                          : Vector3r(Vector3r::Zero());
 		chooseColor(phys, *geom, normal);
-		if (isGrain(*one)) overlay::ribbon(shift + one->state->pos, shift + contact, half);
-		if (isGrain(*two)) overlay::ribbon(shift + contact, shift + two->state->pos + image, half);
+		if (validation::isGrain(*one))
+			overlay::ribbon(shift + one->state->pos, shift + contact, half);
+		if (validation::isGrain(*two))
+			overlay::ribbon(shift + contact, shift + two->state->pos + image, half);
 	}
 
 } // namespace

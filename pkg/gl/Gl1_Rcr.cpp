@@ -14,7 +14,7 @@ int  Gl1_Rcr::slices;
 namespace {
 
 	struct OutlinePoint {
-		double x, y;   // from the centre, along the axes of the particle [m]
+		double x, y;   // from the centre, along the axes of the grain [m]
 		double nx, ny; // outward normal
 	};
 
@@ -73,11 +73,11 @@ void Gl1_Rcr::go(
         const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool wireOfView,
         const GLViewInfo&)
 {
-	const Rcr&                      particle = static_cast<const Rcr&>(*shape);
-	const std::vector<OutlinePoint> points   = outline(particle, std::max(slices, 1));
-	const Vector3r&                 color    = particle.color;
-	const double                    z        = double(depth * particle.capRadius);
-	const bool                      lines    = wire || wireOfView;
+	const Rcr&                      grain  = static_cast<const Rcr&>(*shape);
+	const std::vector<OutlinePoint> points = outline(grain, std::max(slices, 1));
+	const Vector3r&                 color  = grain.color;
+	const double                    z      = double(depth * grain.capRadius);
+	const bool                      lines  = wire || wireOfView;
 	glEnable(GL_NORMALIZE); // remains on, as for a Sphere; else the boxes of YADE are white
 	glPushAttrib(GL_ENABLE_BIT | GL_LINE_BIT | GL_CURRENT_BIT);
 	glDisable(GL_CULL_FACE);
@@ -90,8 +90,8 @@ void Gl1_Rcr::go(
 		glColor3d(shade * double(color[0]), shade * double(color[1]), shade * double(color[2]));
 		glLineWidth(2);
 		drawMark(
-		        double(particle.halfLength + particle.capRadius),
-		        z + (lines ? 0 : 0.01 * double(particle.capRadius)));
+		        double(grain.halfLength + grain.capRadius),
+		        z + (lines ? 0 : 0.01 * double(grain.capRadius)));
 	}
 	glPopAttrib();
 }

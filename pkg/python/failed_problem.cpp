@@ -13,8 +13,8 @@ std::string failureMessage(const rcr::Step& step, int id, long number)
 	const std::string saved = boost::python::extract<std::string>(
 	        boost::python::import("rcr.scene").attr("save_not_finite")());
 	const rcr::Twist& v = step.problem.velocity[id];
-	return "ContactDynamics: step " + std::to_string(number) + " would give body #"
-	        + std::to_string(id) + " the velocity (" + validation::text(v.x) + ", "
+	return "ContactDynamics: step " + std::to_string(number) + " would give "
+	        + validation::named({ id }) + " the velocity (" + validation::text(v.x) + ", "
 	        + validation::text(v.y) + ") and the angular velocity " + validation::text(v.rotation)
 	        + ". Nothing has moved. " + saved;
 }

@@ -1,41 +1,28 @@
 #include "kernel_arrays.hpp"
 
+#include <algorithm>
 #include <limits>
+#include <set>
 #include <sstream>
 
 #include "parallel/thread_team.hpp"
 
 namespace rcr {
 
-namespace {
-
-	[[noreturn]] void refuseShape(
-	        const py::array& array, const char* name, const std::string& expected)
-	{
-		std::ostringstream message;
-		message << name << " has shape (";
-		for (py::ssize_t k = 0; k < array.ndim(); ++k)
-			message << (k ? ", " : "") << array.shape(k);
-		throw py::value_error(message.str() + "); expected (" + expected + ")");
-	}
-
-} // namespace
-
-void requireShape(const py::array& array, const char* name, py::ssize_t rows, py::ssize_t columns)
+void requireShape(
+        const py::array& array, const char* name, std::initializer_list<py::ssize_t> shape)
 {
-	const bool fits = columns == 1
-	        ? array.ndim() == 1 && array.shape(0) == rows
-	        : array.ndim() == 2 && array.shape(0) == rows && array.shape(1) == columns;
-	if (!fits)
-		refuseShape(
-		        array, name,
-		        std::to_string(rows) + (columns > 1 ? ", " + std::to_string(columns) : ""));
-}
-
-void requireBlocks(const py::array& array, const char* name, py::ssize_t count)
-{
-	if (array.ndim() != 3 || array.shape(0) != count || array.shape(1) != 3 || array.shape(2) != 3)
-		refuseShape(array, name, std::to_string(count) + ", 3, 3");
+	const py::ssize_t* given = array.shape();
+	if (std::equal(given, given + array.ndim(), shape.begin(), shape.end())) return;
+	const auto listed = [](const py::ssize_t* sizes, py::ssize_t count) {
+		std::string list;
+		for (py::ssize_t k = 0; k < count; ++k)
+			list += (k ? ", " : "") + std::to_string(sizes[k]);
+		return '(' + list + ')';
+	};
+	throw py::value_error(
+	        std::string(name) + " has shape " + listed(given, array.ndim()) + "; expected "
+	        + listed(shape.begin(), shape.size()));
 }
 
 Ids idsFrom(const py::object& given, const char* name)
@@ -61,57 +48,42 @@ Ids idsFrom(const py::object& given, const char* name)
 	return Ids::ensure(array);
 }
 
-ContactProblem problemFrom(
-        const Array& inverseMass, const Array& freeVelocity, const py::object& givenBodies,
-        const Array& normal, const Array& arm1, const Array& arm2, const Array& bias,
-        const Array& friction, const Array& impulse, const OptionalArrays& optional)
+ContactProblem problemFrom(const py::kwargs& arrays)
 {
-	const Ids         bodies = idsFrom(givenBodies, "bodies");
+	static const std::set<std::string> names { "inverse_mass", "free_velocity", "bodies", "normal",
+		"arm1", "arm2", "bias", "friction", "impulse", "drift", "shift", "inverse_stretch_mass",
+		"recovery" };
+	for (const auto& item : arrays)
+		if (const std::string name = py::str(item.first); !names.count(name))
+			throw py::type_error("'" + name + "' is neither a setting nor an array of a problem");
+	const auto given = [&](const char* name) { return arrays[name].cast<Array>(); };
+	const auto has
+	        = [&](const char* name) { return arrays.contains(name) && !arrays[name].is_none(); };
+	const Array       inverseMass = given("inverse_mass");
+	const Ids         bodies      = idsFrom(arrays["bodies"], "bodies");
 	const py::ssize_t nb = rowsOf(inverseMass), nc = rowsOf(bodies);
-	requireShape(inverseMass, "inverse_mass", nb, 3);
-	requireShape(freeVelocity, "free_velocity", nb, 3);
-	requireShape(bodies, "bodies", nc, 2);
-	requireShape(normal, "normal", nc, 2);
-	requireShape(arm1, "arm1", nc, 2);
-	requireShape(arm2, "arm2", nc, 2);
-	requireShape(bias, "bias", nc, 1);
-	requireShape(friction, "friction", nc, 1);
-	requireShape(impulse, "impulse", nc, 2);
-	const auto vectors = [nc](const py::object& given, const char* name) {
-		if (given.is_none()) return std::vector<Vec2>(nc);
-		const Array array = given.cast<Array>();
-		requireShape(array, name, nc, 2);
-		std::vector<Vec2> values;
-		for (py::ssize_t k = 0; k < nc; ++k)
-			values.push_back({ array.at(k, 0), array.at(k, 1) });
-		return values;
-	};
-	const std::vector<Vec2> drift = vectors(optional.drift, "drift"),
-	                        shift = vectors(optional.shift, "shift");
+	requireShape(bodies, "bodies", { nc, 2 });
+	const auto vectors = [&](const char* name) { return rowsFrom<Vec2>(given(name), name, nc); };
+	const auto numbers = [&](const char* name) { return rowsFrom<double>(given(name), name, nc); };
+	const auto optional
+	        = [&](const char* name) { return has(name) ? vectors(name) : std::vector<Vec2>(nc); };
+	const auto normal = vectors("normal"), arm1 = vectors("arm1"), arm2 = vectors("arm2"),
+	           drift = optional("drift"), shift = optional("shift");
+	const auto bias = numbers("bias"), friction = numbers("friction");
 
 	ContactProblem problem;
-	for (py::ssize_t i = 0; i < nb; ++i) {
-		problem.inverseMass.push_back(
-		        { inverseMass.at(i, 0), inverseMass.at(i, 1), inverseMass.at(i, 2) });
-		problem.freeVelocity.push_back(
-		        { freeVelocity.at(i, 0), freeVelocity.at(i, 1), freeVelocity.at(i, 2) });
-	}
-	for (py::ssize_t k = 0; k < nc; ++k) {
-		const auto vec = [k](const Array& a) { return Vec2 { a.at(k, 0), a.at(k, 1) }; };
-		problem.points.push_back({ bodies.at(k, 0), bodies.at(k, 1), vec(normal), vec(arm1),
-		                           vec(arm2), bias.at(k), friction.at(k), drift[k], shift[k] });
-		problem.impulse.push_back({ impulse.at(k, 0), impulse.at(k, 1) });
-	}
-	if (!optional.inverseStretchMass.is_none()) {
-		const Array mass = optional.inverseStretchMass.cast<Array>();
-		requireShape(mass, "inverse_stretch_mass", 2, 1);
+	problem.inverseMass  = rowsFrom<InverseMass>(inverseMass, "inverse_mass", nb);
+	problem.freeVelocity = rowsFrom<Twist>(given("free_velocity"), "free_velocity", nb);
+	problem.impulse      = rowsFrom<Impulse>(given("impulse"), "impulse", nc);
+	for (py::ssize_t k = 0; k < nc; ++k)
+		problem.points.push_back({ bodies.at(k, 0), bodies.at(k, 1), normal[k], arm1[k], arm2[k],
+		                           bias[k], friction[k], drift[k], shift[k] });
+	if (has("inverse_stretch_mass")) {
+		const Array mass = given("inverse_stretch_mass");
+		requireShape(mass, "inverse_stretch_mass", { 2 });
 		problem.inverseStretchMass = { mass.at(0), mass.at(1) };
 	}
-	if (!optional.recovery.is_none()) {
-		const Array recovery = optional.recovery.cast<Array>();
-		requireShape(recovery, "recovery", nc, 1);
-		problem.recovery.assign(recovery.data(), recovery.data() + nc);
-	}
+	if (has("recovery")) problem.recovery = numbers("recovery");
 	ThreadTeam team;
 	checkProblem(problem, team);
 	return problem;
@@ -124,22 +96,15 @@ DelassusProblem delassusFrom(
 	const Ids rowStart   = idsFrom(givenRowStart, "row_start"),
 	          column     = idsFrom(givenColumn, "column");
 	const py::ssize_t nc = rowsOf(free), entries = rowsOf(column);
-	requireShape(free, "free", nc, 2);
-	requireShape(friction, "friction", nc, 1);
-	requireShape(impulse, "impulse", nc, 2);
-	requireShape(rowStart, "row_start", nc + 1, 1);
-	requireShape(column, "column", entries, 1);
-	requireShape(block, "block", entries, 4);
+	requireShape(rowStart, "row_start", { nc + 1 });
+	requireShape(column, "column", { entries });
 	DelassusProblem problem;
 	problem.rowStart.assign(rowStart.data(), rowStart.data() + nc + 1);
 	problem.column.assign(column.data(), column.data() + entries);
-	for (py::ssize_t e = 0; e < entries; ++e)
-		problem.block.push_back({ block.at(e, 0), block.at(e, 1), block.at(e, 2), block.at(e, 3) });
-	for (py::ssize_t k = 0; k < nc; ++k) {
-		problem.free.push_back({ free.at(k, 0), free.at(k, 1) });
-		problem.friction.push_back(friction.at(k));
-		problem.impulse.push_back({ impulse.at(k, 0), impulse.at(k, 1) });
-	}
+	problem.block    = rowsFrom<DelassusBlock>(block, "block", entries);
+	problem.free     = rowsFrom<Impulse>(free, "free", nc);
+	problem.friction = rowsFrom<double>(friction, "friction", nc);
+	problem.impulse  = rowsFrom<Impulse>(impulse, "impulse", nc);
 	return problem;
 }
 
@@ -156,25 +121,6 @@ Settings stopSettings(
 	settings.maxIterations      = maxIterations;
 	settings.stallSweeps        = stallSweeps;
 	return settings;
-}
-
-Array arrayOf(const std::vector<Impulse>& values)
-{
-	Array result({ py::ssize_t(values.size()), py::ssize_t(2) });
-	for (std::size_t k = 0; k < values.size(); ++k)
-		result.mutable_at(k, 0) = values[k].n, result.mutable_at(k, 1) = values[k].t;
-	return result;
-}
-
-Array arrayOf(const std::vector<Twist>& values)
-{
-	Array result({ py::ssize_t(values.size()), py::ssize_t(3) });
-	for (std::size_t k = 0; k < values.size(); ++k) {
-		result.mutable_at(k, 0) = values[k].x;
-		result.mutable_at(k, 1) = values[k].y;
-		result.mutable_at(k, 2) = values[k].rotation;
-	}
-	return result;
 }
 
 } // namespace rcr

@@ -4,9 +4,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include <chrono>
 #include <cstdint>
-#include <ctime>
+#include <cstring>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -21,24 +21,14 @@ namespace py = pybind11;
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Ids   = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
 
-/// Throws ValueError if the shape is not (rows, columns), or (rows,) for columns = 1.
-void requireShape(const py::array&, const char* name, py::ssize_t rows, py::ssize_t columns);
-void requireBlocks(const py::array&, const char* name, py::ssize_t count); // shape (count, 3, 3)
+/// Throws ValueError for another shape.
+void requireShape(const py::array&, const char* name, std::initializer_list<py::ssize_t> shape);
 
 /// Ids from an array of integers. Throws ValueError for other types and for more than 32 bits.
 Ids idsFrom(const py::object&, const char* name);
 
-/// Optional arrays of a problem, or None: d (nc, 2), s (nc, 2), M_c⁻¹ (2,) and recovery (nc,).
-struct OptionalArrays {
-	py::object drift = py::none(), shift = py::none(), inverseStretchMass = py::none(),
-	           recovery = py::none();
-};
-
-/// A problem from arrays. Checks all shapes, ids and numbers.
-ContactProblem problemFrom(
-        const Array& inverseMass, const Array& freeVelocity, const py::object& bodies,
-        const Array& normal, const Array& arm1, const Array& arm2, const Array& bias,
-        const Array& friction, const Array& impulse, const OptionalArrays& = {});
+/// A problem from the arrays of `solve`, by name. Checks all names, shapes, ids and numbers.
+ContactProblem problemFrom(const py::kwargs& arrays);
 
 /// A problem of W and q from arrays. Checks the shapes; the solver checks the values.
 DelassusProblem delassusFrom(
@@ -52,28 +42,27 @@ Settings stopSettings(
 
 inline py::ssize_t rowsOf(const py::array& array) { return array.ndim() ? array.shape(0) : 0; }
 
-Array arrayOf(const std::vector<Impulse>&); // (n, 2)
-Array arrayOf(const std::vector<Twist>&);   // (n, 3)
+/// Rows of an array as structs of doubles. Throws ValueError for another shape.
+template <class Row>
+std::vector<Row> rowsFrom(const Array& array, const char* name, py::ssize_t count)
+{
+	constexpr py::ssize_t columns = sizeof(Row) / sizeof(double);
+	if (columns > 1)
+		requireShape(array, name, { count, columns });
+	else
+		requireShape(array, name, { count });
+	std::vector<Row> rows(count);
+	if (count > 0) std::memcpy(rows.data(), array.data(), count * sizeof(Row));
+	return rows;
+}
 
-/// Wall time and processor time of this thread since construction [s].
-class Stopwatch {
-public:
-	double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
-	double processorSeconds() const { return processorNow() - processorStart_; }
-
-private:
-	using Clock = std::chrono::steady_clock;
-
-	static double processorNow()
-	{
-		timespec now;
-		clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-		return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
-	}
-
-	Clock::time_point start_          = Clock::now();
-	double            processorStart_ = processorNow();
-};
+/// Array of these rows, as rowsFrom reads it.
+template <class Row> Array arrayOf(const std::vector<Row>& rows)
+{
+	Array array({ py::ssize_t(rows.size()), py::ssize_t(sizeof(Row) / sizeof(double)) });
+	if (!rows.empty()) std::memcpy(array.mutable_data(), rows.data(), rows.size() * sizeof(Row));
+	return array;
+}
 
 // The parts of the module.
 void bindGeometry(py::module_&);

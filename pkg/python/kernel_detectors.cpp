@@ -1,4 +1,4 @@
-// Bindings of small state machines for tests: stop test, momentum, proximal parameter, jam detector.
+// Bindings of small state machines for tests.
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 

@@ -1,4 +1,5 @@
 // Bindings of stadium, shadow overlap and deposition.
+#include <array>
 #include <cmath>
 #include <sstream>
 
@@ -10,19 +11,20 @@ namespace rcr {
 
 namespace {
 
-	py::dict toDict(const std::vector<Manifold>& manifolds)
+	/// Manifolds of n pairs as arrays; `overlap` returns that of pair i.
+	template <class Overlap> py::dict manifolds(py::ssize_t n, Overlap overlap)
 	{
-		const py::ssize_t n = manifolds.size();
-		Ids               count(n), type(n);
-		Array             position({ n, py::ssize_t(2), py::ssize_t(2) }),
+		Ids   count(n), type(n);
+		Array position({ n, py::ssize_t(2), py::ssize_t(2) }),
 		        normal({ n, py::ssize_t(2), py::ssize_t(2) });
 		Array gap({ n, py::ssize_t(2) });
 		for (py::ssize_t i = 0; i < n; ++i) {
-			count.mutable_at(i) = manifolds[i].count;
-			type.mutable_at(i)  = int(manifolds[i].type);
+			const Manifold manifold = overlap(i);
+			count.mutable_at(i)     = manifold.count;
+			type.mutable_at(i)      = int(manifold.type);
 			for (int k = 0; k < 2; ++k) {
-				const ManifoldPoint& p       = manifolds[i].points[k];
-				const bool           used    = k < manifolds[i].count;
+				const ManifoldPoint& p       = manifold.points[k];
+				const bool           used    = k < manifold.count;
 				position.mutable_at(i, k, 0) = used ? p.position.x : NAN;
 				position.mutable_at(i, k, 1) = used ? p.position.y : NAN;
 				normal.mutable_at(i, k, 0)   = used ? p.normal.x : NAN;
@@ -35,80 +37,69 @@ namespace {
 		        py::arg("normal") = normal, py::arg("gap") = gap);
 	}
 
-	Pose poseAt(const Array& a, py::ssize_t i)
+	/// Poses from rows (x, y, angle).
+	std::vector<Pose> posesFrom(const Array& array, const char* name, py::ssize_t count)
 	{
-		return pose({ a.at(i, 0), a.at(i, 1) }, a.at(i, 2));
+		std::vector<Pose> poses;
+		for (const auto& [x, y, angle] : rowsFrom<std::array<double, 3>>(array, name, count))
+			poses.push_back(pose({ x, y }, angle));
+		return poses;
 	}
-	Stadium stadiumAt(const Array& a, py::ssize_t i) { return { a.at(i, 0), a.at(i, 1) }; }
 
 	py::dict overlapStadiums(
 	        const Array& stadium1, const Array& pose1, const Array& stadium2, const Array& pose2,
 	        double alertDistance)
 	{
-		const py::ssize_t n = stadium1.ndim() ? stadium1.shape(0) : 0;
-		requireShape(stadium1, "stadium1", n, 2);
-		requireShape(pose1, "pose1", n, 3);
-		requireShape(stadium2, "stadium2", n, 2);
-		requireShape(pose2, "pose2", n, 3);
-		std::vector<Manifold> result(n);
-		for (py::ssize_t i = 0; i < n; ++i)
-			result[i] = shadowOverlap(
-			        stadiumAt(stadium1, i), poseAt(pose1, i), stadiumAt(stadium2, i),
-			        poseAt(pose2, i), alertDistance);
-		return toDict(result);
+		const py::ssize_t n      = rowsOf(stadium1);
+		const auto        shape1 = rowsFrom<Stadium>(stadium1, "stadium1", n);
+		const auto        at1    = posesFrom(pose1, "pose1", n);
+		const auto        shape2 = rowsFrom<Stadium>(stadium2, "stadium2", n);
+		const auto        at2    = posesFrom(pose2, "pose2", n);
+		return manifolds(n, [&](py::ssize_t i) {
+			return shadowOverlap(shape1[i], at1[i], shape2[i], at2[i], alertDistance);
+		});
 	}
 
 	py::dict overlapWall(
-	        const Array& origin, const Array& normal, const Array& stadium, const Array& at,
+	        const Array& origin, const Array& normal, const Array& stadium, const Array& pose,
 	        double alertDistance)
 	{
-		const py::ssize_t n = stadium.ndim() ? stadium.shape(0) : 0;
-		requireShape(origin, "origin", n, 2);
-		requireShape(normal, "normal", n, 2);
-		requireShape(stadium, "stadium", n, 2);
-		requireShape(at, "pose", n, 3);
-		std::vector<Manifold> result(n);
-		for (py::ssize_t i = 0; i < n; ++i) {
-			const HalfPlane wall { { origin.at(i, 0), origin.at(i, 1) },
-				                   { normal.at(i, 0), normal.at(i, 1) } };
-			result[i] = shadowOverlap(wall, stadiumAt(stadium, i), poseAt(at, i), alertDistance);
-		}
-		return toDict(result);
+		const py::ssize_t n       = rowsOf(stadium);
+		const auto        origins = rowsFrom<Vec2>(origin, "origin", n);
+		const auto        normals = rowsFrom<Vec2>(normal, "normal", n);
+		const auto        shapes  = rowsFrom<Stadium>(stadium, "stadium", n);
+		const auto        poses   = posesFrom(pose, "pose", n);
+		return manifolds(n, [&](py::ssize_t i) {
+			const HalfPlane wall { origins[i], normals[i] };
+			return shadowOverlap(wall, shapes[i], poses[i], alertDistance);
+		});
 	}
 
 	py::dict overlapBox(
-	        const Array& halfExtent, const Array& boxPose, const Array& stadium, const Array& at,
+	        const Array& halfExtent, const Array& boxPose, const Array& stadium, const Array& pose,
 	        double alertDistance)
 	{
-		const py::ssize_t n = stadium.ndim() ? stadium.shape(0) : 0;
-		requireShape(halfExtent, "half_extent", n, 2);
-		requireShape(boxPose, "box_pose", n, 3);
-		requireShape(stadium, "stadium", n, 2);
-		requireShape(at, "pose", n, 3);
-		std::vector<Manifold> result(n);
-		for (py::ssize_t i = 0; i < n; ++i)
-			result[i] = shadowOverlap(
-			        Rectangle { { halfExtent.at(i, 0), halfExtent.at(i, 1) } }, poseAt(boxPose, i),
-			        stadiumAt(stadium, i), poseAt(at, i), alertDistance);
-		return toDict(result);
+		const py::ssize_t n        = rowsOf(stadium);
+		const auto        boxes    = rowsFrom<Rectangle>(halfExtent, "half_extent", n);
+		const auto        boxPoses = posesFrom(boxPose, "box_pose", n);
+		const auto        shapes   = rowsFrom<Stadium>(stadium, "stadium", n);
+		const auto        poses    = posesFrom(pose, "pose", n);
+		return manifolds(n, [&](py::ssize_t i) {
+			return shadowOverlap(boxes[i], boxPoses[i], shapes[i], poses[i], alertDistance);
+		});
 	}
 
 	Array depositArrays(const Array& radii, double width)
 	{
-		const py::ssize_t n = radii.ndim() ? radii.shape(0) : 0;
-		requireShape(radii, "radii", n, 1);
-		for (py::ssize_t i = 0; i < n; ++i)
-			if (!(radii.at(i) > 0 && 2 * radii.at(i) <= width && std::isfinite(width))) {
+		const auto rows = rowsFrom<double>(radii, "radii", rowsOf(radii));
+		for (std::size_t i = 0; i < rows.size(); ++i)
+			if (!(rows[i] > 0 && 2 * rows[i] <= width && std::isfinite(width))) {
 				std::ostringstream message;
-				message << "radii[" << i << "] = " << radii.at(i) << " in a box of width " << width
+				message << "radii[" << i << "] = " << rows[i] << " in a box of width " << width
 				        << "; expected 0 < 2 radius <= width";
 				throw py::value_error(message.str());
 			}
-		const std::vector<Vec2> centers = deposit({ radii.data(), radii.data() + n }, width);
-		Array                   result({ n, py::ssize_t(2) });
-		for (py::ssize_t i = 0; i < n; ++i)
-			result.mutable_at(i, 0) = centers[i].x, result.mutable_at(i, 1) = centers[i].y;
-		return result;
+		return arrayOf(deposit(rows, width));
 	}
 
 } // namespace
@@ -116,16 +107,10 @@ namespace {
 void bindGeometry(py::module_& m)
 {
 	m.def(
-	        "area",
-	        [](double a, double r) {
-		        return area(Stadium { a, r });
-	        },
+	        "area", [](double a, double r) { return area(Stadium { a, r }); },
 	        py::arg("half_length"), py::arg("cap_radius"), "Area of a stadium [m²].");
 	m.def(
-	        "polar_moment",
-	        [](double a, double r) {
-		        return polarMoment(Stadium { a, r });
-	        },
+	        "polar_moment", [](double a, double r) { return polarMoment(Stadium { a, r }); },
 	        py::arg("half_length"), py::arg("cap_radius"),
 	        "∫ |x|² dA of a stadium about its centre [m⁴].");
 	m.def(

@@ -1,5 +1,4 @@
-// Bindings of kernel internals for tests: error measures, layout, momentum, stop test, exact steps,
-// lanes.
+// Bindings of kernel internals for tests: error measures, layout, exact steps, lanes.
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -19,28 +18,11 @@ namespace rcr {
 
 namespace {
 
-	/// The problem of keyword arguments, with the names of `solve`.
-	ContactProblem problemOf(const py::kwargs& arrays)
-	{
-		const auto array    = [&](const char* name) { return arrays[name].cast<Array>(); };
-		const auto optional = [&](const char* name) {
-			return arrays.contains(name) ? py::object(arrays[name]) : py::none();
-		};
-		return problemFrom(
-		        array("inverse_mass"), array("free_velocity"), arrays["bodies"], array("normal"),
-		        array("arm1"), array("arm2"), array("bias"), array("friction"), array("impulse"),
-		        { optional("drift"), optional("shift"), optional("inverse_stretch_mass"),
-		          optional("recovery") });
-	}
-
 	py::tuple driveFrom(const Array& before, const py::kwargs& arrays)
 	{
-		const ContactProblem problem = problemOf(arrays);
-		requireShape(before, "before", py::ssize_t(problem.freeVelocity.size()), 3);
-		std::vector<Twist> twists(rowsOf(before));
-		for (std::size_t i = 0; i < twists.size(); ++i)
-			twists[i] = { before.at(i, 0), before.at(i, 1), before.at(i, 2) };
-		ThreadTeam  alone;
+		const ContactProblem problem = problemFrom(arrays);
+		const auto   twists = rowsFrom<Twist>(before, "before", problem.freeVelocity.size());
+		ThreadTeam   alone;
 		const DrivenMotion drive = drivenMotionOf(problem, twists, alone);
 		return py::make_tuple(drive.speed, drive.compliance, drive.yieldImpulse);
 	}
@@ -51,7 +33,7 @@ namespace {
 	std::vector<BlockLu::Pair> pairsFrom(const py::object& given, std::int32_t size)
 	{
 		const Ids ids = idsFrom(given, "pairs");
-		if (ids.size() > 0) requireShape(ids, "pairs", ids.shape(0), 2);
+		if (ids.size() > 0) requireShape(ids, "pairs", { ids.shape(0), 2 });
 		std::vector<BlockLu::Pair> pairs;
 		std::set<BlockLu::Pair>    seen;
 		for (py::ssize_t k = 0; k < (ids.size() > 0 ? ids.shape(0) : 0); ++k) {
@@ -78,10 +60,10 @@ namespace {
 		const py::ssize_t                n     = rowsOf(b);
 		const std::vector<BlockLu::Pair> pairs = pairsFrom(givenPairs, std::int32_t(n));
 		const py::ssize_t                count = pairs.size();
-		requireShape(b, "b", n, 3);
-		requireBlocks(diagonal, "diagonal", n);
-		requireBlocks(upper, "upper", count);
-		requireBlocks(lower, "lower", count);
+		requireShape(b, "b", { n, 3 });
+		requireShape(diagonal, "diagonal", { n, 3, 3 });
+		requireShape(upper, "upper", { count, 3, 3 });
+		requireShape(lower, "lower", { count, 3, 3 });
 		const auto copy = [](const Array& from, py::ssize_t k, Block& to) {
 			for (int i = 0; i < 3; ++i)
 				for (int j = 0; j < 3; ++j)
@@ -114,7 +96,7 @@ namespace {
 	/// One proximal step about the impulses of the problem, with the same ρ at all points.
 	py::dict followPathFrom(double rho, int maxPivots, const py::kwargs& arrays)
 	{
-		ContactProblem  problem = problemOf(arrays);
+		ContactProblem  problem = problemFrom(arrays);
 		ProximalProblem proximal(problem);
 		proximal.setReference(problem);
 		for (std::size_t i = 0; i < proximal.size(); ++i)
@@ -134,7 +116,7 @@ namespace {
 	py::dict layoutOf(const std::vector<std::string>& reductions, const py::kwargs& arrays)
 	{
 		using Rows                   = std::vector<std::vector<std::int32_t>>;
-		const ContactProblem problem = problemOf(arrays);
+		const ContactProblem problem = problemFrom(arrays);
 		Layout               layout;
 		ThreadTeam           alone;
 		layout.update(problem, Reductions::of(reductions), alone);
@@ -195,7 +177,7 @@ namespace {
 		if (found == std::end(names))
 			throw py::value_error("operation '" + name + "' is not known");
 		for (const Array* array : { &a, &b, &c })
-			requireShape(*array, "operand", blockWidth, 1);
+			requireShape(*array, "operand", { blockWidth });
 		const Operand x(a), y(b), z(c);
 		Operand       out;
 		laneCheck(lanes).apply(
@@ -210,12 +192,11 @@ namespace {
 	{
 		const Ids from = idsFrom(givenFrom, "from"), to = idsFrom(givenTo, "to");
 		const int count = int(rowsOf(records));
-		requireShape(records, "records", count, 2);
-		requireShape(from, "from", blockWidth, 1);
-		requireShape(to, "to", blockWidth, 1);
+		requireShape(records, "records", { count, 2 });
+		requireShape(from, "from", { blockWidth });
+		requireShape(to, "to", { blockWidth });
 		std::vector<double, LaneAllocator<double>> body(2 * count + 2);
-		for (int i = 0; i < count; ++i)
-			body[2 * i] = records.at(i, 0), body[2 * i + 1] = records.at(i, 1);
+		std::copy_n(records.data(), 2 * count, body.begin());
 		PairBlock places;
 		for (int lane = 0; lane < blockWidth; ++lane) {
 			for (const int place : { from.at(lane), to.at(lane) })
@@ -227,8 +208,7 @@ namespace {
 		const LaneCheck& check = laneCheck(lanes);
 		(whole ? check.moveBodies : check.moveCentres)(body.data(), places.body1, places.body2);
 		Array result({ py::ssize_t(count), py::ssize_t(2) });
-		for (int i = 0; i < count; ++i)
-			result.mutable_at(i, 0) = body[2 * i], result.mutable_at(i, 1) = body[2 * i + 1];
+		std::copy_n(body.begin(), 2 * count, result.mutable_data());
 		return result;
 	}
 
@@ -238,16 +218,15 @@ void bindInternals(py::module_& m)
 {
 	bindDetectors(m);
 	m.def(
-	        "residual", [](const py::kwargs& arrays) { return residual(problemOf(arrays)); },
+	        "residual", [](const py::kwargs& arrays) { return residual(problemFrom(arrays)); },
 	        "Residual [-] of a problem; arrays as in `solve`.");
 	m.def("drive", driveFrom, py::arg("before"),
-	      "(speed, compliance, yield_impulse) of a problem, for previous velocities of the "
-	      "bodies;\n"
-	      "arrays as in `solve`.");
+	      "(speed, compliance, yield_impulse) of a problem, for previous velocities of the\n"
+	      "bodies; arrays as in `solve`.");
 	m.def(
 	        "kinematic_error",
 	        [](double velocityFloor, const py::kwargs& arrays) {
-		        return kinematicError(problemOf(arrays), velocityFloor);
+		        return kinematicError(problemFrom(arrays), velocityFloor);
 	        },
 	        py::arg("velocity_floor"),
 	        "Kinematic error [-] of a problem (residual.hpp); arrays as in `solve`.");

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <ctime>
 
 #include "delassus/delassus_problem.hpp"
 #include "kernel_arrays.hpp"
@@ -12,52 +13,70 @@ namespace rcr {
 
 namespace {
 
-	py::dict solveArrays(
-	        const Array& inverseMass, const Array& freeVelocity, const py::object& bodies,
-	        const Array& normal, const Array& arm1, const Array& arm2, const Array& bias,
-	        const Array& friction, const Array& impulse, const std::string& solver,
-	        double tolerance, int maxIterations, int threads, int lanes, int checkInterval,
-	        int minIterations, int stallSweeps, double kinematicTolerance, double meanForceChange,
-	        double yieldCompliance, double yieldImpulse, const std::vector<std::string>& reductions,
-	        Workspace* workspace, const py::object& drift, const py::object& shift,
-	        const py::object& inverseStretchMass, const py::object& recovery)
+	/// Time of a clock [s].
+	double now(clockid_t clock)
 	{
-		ContactProblem problem = problemFrom(
-		        inverseMass, freeVelocity, bodies, normal, arm1, arm2, bias, friction, impulse,
-		        { drift, shift, inverseStretchMass, recovery });
-		Settings settings = stopSettings(
-		        tolerance, kinematicTolerance, meanForceChange, checkInterval, minIterations,
-		        maxIterations, stallSweeps);
+		timespec time;
+		clock_gettime(clock, &time);
+		return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+	}
+
+	/// Runs a solver without Python's lock. Adds its report and times to the results.
+	template <class Solve> Report timed(py::dict& results, Solve solve)
+	{
+		Report report;
+		double seconds, processorSeconds;
+		{
+			const py::gil_scoped_release release;
+			const double wall = now(CLOCK_MONOTONIC), processor = now(CLOCK_THREAD_CPUTIME_ID);
+			report           = solve();
+			seconds          = now(CLOCK_MONOTONIC) - wall;
+			processorSeconds = now(CLOCK_THREAD_CPUTIME_ID) - processor;
+		}
+		results["iterations"]        = report.iterations;
+		results["residual"]          = report.residual;
+		results["converged"]         = report.converged;
+		results["seconds"]           = seconds;
+		results["processor_seconds"] = processorSeconds;
+		return report;
+	}
+
+	py::dict solveArrays(
+	        const std::string& solver, double tolerance, int maxIterations, int threads, int lanes,
+	        int checkInterval, int minIterations, int stallSweeps, double kinematicTolerance,
+	        double meanForceChange, double yieldCompliance, double yieldImpulse,
+	        const std::vector<std::string>& reductions, Workspace* workspace,
+	        const py::kwargs& arrays)
+	{
+		ContactProblem problem  = problemFrom(arrays);
+		Settings       settings = stopSettings(
+                tolerance, kinematicTolerance, meanForceChange, checkInterval, minIterations,
+                maxIterations, stallSweeps);
 		settings.threads         = threads;
 		settings.lanes           = lanes;
 		settings.yieldCompliance = yieldCompliance;
 		settings.yieldImpulse    = yieldImpulse;
 		settings.reductions      = Reductions::of(reductions);
-		Report report;
-		double seconds, processorSeconds;
-		{
-			py::gil_scoped_release release;
-			const Stopwatch        watch;
-			report  = workspace ? solve(problem, solver, settings, *workspace)
-			                    : solve(problem, solver, settings);
-			seconds = watch.seconds(), processorSeconds = watch.processorSeconds();
-		}
+		py::dict     results;
+		const Report report = timed(results, [&] {
+			return workspace ? solve(problem, solver, settings, *workspace)
+			                 : solve(problem, solver, settings);
+		});
 
 		std::vector<Impulse> relative;
 		for (const ContactPoint& c : problem.points)
 			relative.push_back(relativeVelocity(problem, c));
-		return py::dict(
-		        py::arg("impulse")           = arrayOf(problem.impulse),
-		        py::arg("relative_velocity") = arrayOf(relative),
-		        py::arg("velocity")          = arrayOf(problem.velocity),
-		        py::arg("stretch")           = py::make_tuple(problem.stretch.x, problem.stretch.y),
-		        py::arg("iterations") = report.iterations, py::arg("residual") = report.residual,
-		        py::arg("converged")       = report.converged,
-		        py::arg("kinematic_error") = report.kinematicError,
-		        py::arg("yielded") = report.yielded, py::arg("dissipated") = report.dissipated,
-		        py::arg("closing_speed")  = report.closingSpeed,
-		        py::arg("impulse_growth") = report.impulseGrowth, py::arg("work") = report.work,
-		        py::arg("seconds") = seconds, py::arg("processor_seconds") = processorSeconds);
+		results["impulse"]           = arrayOf(problem.impulse);
+		results["relative_velocity"] = arrayOf(relative);
+		results["velocity"]          = arrayOf(problem.velocity);
+		results["stretch"]           = py::make_tuple(problem.stretch.x, problem.stretch.y);
+		results["kinematic_error"]   = report.kinematicError;
+		results["yielded"]           = report.yielded;
+		results["dissipated"]        = report.dissipated;
+		results["closing_speed"]     = report.closingSpeed;
+		results["impulse_growth"]    = report.impulseGrowth;
+		results["work"]              = report.work;
+		return results;
 	}
 
 	py::dict modelOf(const Workspace& workspace)
@@ -81,20 +100,11 @@ namespace {
 		settings.tolerance     = tolerance;
 		settings.maxIterations = maxIterations;
 		settings.checkInterval = checkInterval;
-		Report report;
-		double seconds, processorSeconds;
-		{
-			py::gil_scoped_release release;
-			const Stopwatch        watch;
-			report  = solve(problem, solver, settings);
-			seconds = watch.seconds(), processorSeconds = watch.processorSeconds();
-		}
-		return py::dict(
-		        py::arg("impulse")           = arrayOf(problem.impulse),
-		        py::arg("relative_velocity") = arrayOf(problem.velocity),
-		        py::arg("iterations") = report.iterations, py::arg("residual") = report.residual,
-		        py::arg("converged") = report.converged, py::arg("seconds") = seconds,
-		        py::arg("processor_seconds") = processorSeconds);
+		py::dict results;
+		timed(results, [&] { return solve(problem, solver, settings); });
+		results["impulse"]           = arrayOf(problem.impulse);
+		results["relative_velocity"] = arrayOf(problem.velocity);
+		return results;
 	}
 
 } // namespace
@@ -134,24 +144,22 @@ void bindSolvers(py::module_& m)
 	        "Data of the sweep solvers between problems. Use one for all steps of a simulation.")
 	        .def(py::init<>())
 	        .def_property_readonly(
-	                "model", modelOf, "Model of the last problem, as in ContactDynamics.model.")
-	        .def_property_readonly(
-	                "layouts", &Workspace::layouts, "Number of times that the layout was built.");
+	                "model", modelOf, "Model of the last problem, as in ContactDynamics.model.");
 
 	m.def("solver_names", solverNames, "Names of the solvers of `solve`.");
-	m.def("solve", solveArrays, py::arg("inverse_mass"), py::arg("free_velocity"),
-	      py::arg("bodies"), py::arg("normal"), py::arg("arm1"), py::arg("arm2"), py::arg("bias"),
-	      py::arg("friction"), py::arg("impulse"), py::arg("solver") = "auto",
-	      py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000, py::arg("threads") = 1,
-	      py::arg("lanes") = 0, py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
+	m.def("solve", solveArrays, py::arg("solver") = "auto", py::arg("tolerance") = 1e-4,
+	      py::arg("max_iterations") = 1000, py::arg("threads") = 1, py::arg("lanes") = 0,
+	      py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
 	      py::arg("stall_sweeps")        = 0,
 	      py::arg("kinematic_tolerance") = Settings().kinematicTolerance,
 	      py::arg("mean_force_change") = 0, py::arg("yield_compliance") = 0,
 	      py::arg("yield_impulse") = Settings().yieldImpulse,
 	      py::arg("reductions") = Reductions::names(), py::arg("workspace") = nullptr,
-	      py::arg("drift") = py::none(), py::arg("shift") = py::none(),
-	      py::arg("inverse_stretch_mass") = py::none(), py::arg("recovery") = py::none(),
 	      "Solve one contact problem (contact_problem.hpp); settings as in solver.hpp.\n"
+	      "\n"
+	      "Arrays by keyword: inverse_mass and free_velocity (nb, 3), bodies, normal, arm1, arm2\n"
+	      "and impulse (nc, 2), bias and friction (nc,); optional: drift and shift (nc, 2),\n"
+	      "inverse_stretch_mass (2,), recovery (nc,).\n"
 	      "\n"
 	      "Returns a dict: impulse (nc, 2) [N s], relative_velocity (nc, 2) [m/s], velocity\n"
 	      "(nb, 3) [m/s, 1/s], stretch (2,) [1/s], iterations, residual [-], converged,\n"

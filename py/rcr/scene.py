@@ -221,7 +221,8 @@ def save_problem(engine, path):
     Raises
     ------
     ValueError
-        If the suffix is unknown, or no step was made since the scene was made or loaded.
+        If the suffix is unknown, no step was made since the scene was made or loaded, or contacts
+        cross the boundary of a deforming periodic cell.
     """
     raw = engine._problem()
     column = lambda name, width, kind=np.float64: np.frombuffer(raw[name], kind).reshape(-1, width)

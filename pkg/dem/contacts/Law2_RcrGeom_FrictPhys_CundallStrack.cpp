@@ -8,6 +8,7 @@
 #include "dem/contacts/carryForces.hpp"
 #include "dem/shapes/plane.hpp"
 #include "dem/validation/deferredError.hpp"
+#include "dem/validation/validation.hpp"
 
 namespace yade {
 
@@ -25,7 +26,7 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::postLoad(Law2_RcrGeom_FrictPhys_Cunda
 {
 	if (damping >= 0 && math::isfinite(damping)) return;
 	throw std::invalid_argument("Law2_RcrGeom_FrictPhys_CundallStrack.damping = "
-	        + boost::lexical_cast<std::string>(damping)
+	        + validation::text(damping)
 	        + "; expected a fraction of the critical damping, 0 (none) or more.");
 }
 
@@ -42,7 +43,7 @@ namespace {
 	std::string wrong(const FrictPhys& phys)
 	{
 		const auto number = [](const char* name, Real value) {
-			return std::string(name) + " = " + boost::lexical_cast<std::string>(value);
+			return std::string(name) + " = " + validation::text(value);
 		};
 		if (dynamic_cast<const CdPhys*>(&phys))
 			return "a CdPhys, made for ContactDynamics; use Ip2_FrictMat_FrictMat_FrictPhys, and "
@@ -56,8 +57,7 @@ namespace {
 			        + "; expected a stiffness ≥ 0: set FrictMat.poisson (ks/kn), or ks of "
 			          "Ip2_FrictMat_FrictMat_FrictPhys.";
 		if (!(phys.tangensOfFrictionAngle >= 0))
-			return "the friction coefficient "
-			        + boost::lexical_cast<std::string>(phys.tangensOfFrictionAngle)
+			return "the friction coefficient " + validation::text(phys.tangensOfFrictionAngle)
 			        + "; expected a friction angle from 0 to below π/2.";
 		return {};
 	}
@@ -84,9 +84,9 @@ namespace {
 		if (message.empty())
 			phys = boost::make_shared<RcrFrictPhys>(stock);
 		else
-			deferError("Law2_RcrGeom_FrictPhys_CundallStrack: the contact of bodies #"
-			        + std::to_string(interaction.getId1()) + " and #"
-			        + std::to_string(interaction.getId2()) + " has " + message);
+			deferError("Law2_RcrGeom_FrictPhys_CundallStrack: the contact of "
+			        + validation::named({ interaction.getId1(), interaction.getId2() }) + " has "
+			        + message);
 		return message.empty();
 	}
 

@@ -6,8 +6,12 @@
 
 namespace yade {
 
-YADE_PLUGIN((
-        RcrGeom)(Ig2_Planar_RcrGeom)(Ig2_Rcr_Rcr_RcrGeom)(Ig2_Wall_Rcr_RcrGeom)(Ig2_Box_Rcr_RcrGeom)(Ig2_Facet_Rcr_RcrGeom)(Ig2_Sphere_Rcr_RcrGeom)(Ig2_Sphere_Sphere_RcrGeom)(Ig2_Wall_Sphere_RcrGeom)(Ig2_Box_Sphere_RcrGeom)(Ig2_Facet_Sphere_RcrGeom));
+// clang-format off
+YADE_PLUGIN((RcrGeom)(Ig2_Planar_RcrGeom)
+        (Ig2_Rcr_Rcr_RcrGeom)(Ig2_Wall_Rcr_RcrGeom)(Ig2_Box_Rcr_RcrGeom)(Ig2_Facet_Rcr_RcrGeom)
+        (Ig2_Sphere_Rcr_RcrGeom)(Ig2_Sphere_Sphere_RcrGeom)
+        (Ig2_Wall_Sphere_RcrGeom)(Ig2_Box_Sphere_RcrGeom)(Ig2_Facet_Sphere_RcrGeom));
+// clang-format on
 
 void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr::Pose& at1,
         const rcr::PlanarShape& two, const rcr::Pose& at2)
@@ -41,13 +45,8 @@ rcr::Manifold RcrGeom::manifold() const
 }
 
 /// An empty manifold creates nothing; where there was a contact, the Law2 erases it.
-bool Ig2_Planar_RcrGeom::go(
-        const shared_ptr<Shape>&       shape1,
-        const shared_ptr<Shape>&       shape2,
-        const State&                   state1,
-        const State&                   state2,
-        const Vector3r&                shift2,
-        const bool&                    force,
+bool Ig2_Planar_RcrGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,
+        const State& state1, const State& state2, const Vector3r& shift2, const bool& force,
         const shared_ptr<Interaction>& interaction)
 {
 	prefetchPair(*scene, interaction->linIx); // for pairs to come

@@ -45,13 +45,8 @@ class Ig2_Planar_RcrGeom : public IGeomFunctor {
 public:
 	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
 	        const Vector3r&, const bool&, const shared_ptr<Interaction>&) override;
-	bool goReverse(
-	        const shared_ptr<Shape>&       shape1,
-	        const shared_ptr<Shape>&       shape2,
-	        const State&                   state1,
-	        const State&                   state2,
-	        const Vector3r&                shift2,
-	        const bool&                    force,
+	bool goReverse(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,
+	        const State& state1, const State& state2, const Vector3r& shift2, const bool& force,
 	        const shared_ptr<Interaction>& interaction) override
 	{
 		interaction->swapOrder();

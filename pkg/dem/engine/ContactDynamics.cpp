@@ -87,8 +87,8 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 }
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. Another pass follows if
-/// the last one missed a contact or a bias must change; the last pass is accepted in any case.
-/// Whether the solver converged is a result of its own.
+/// one missed a contact or a bias must change. The last pass is accepted, but has not converged if
+/// it missed a contact.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations  = 0;
@@ -107,7 +107,12 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		const bool last = pass == mostPasses || outcome == PassOutcome::biasesRestored;
 		how.yieldCompliance = rcr::restIsSolution(step_, driven) ? 0 : compliance;
 		solvePass(how);
-		outcome = last ? reviewLastPass(engines) : reviewPass(engines, pass, driven, firstBiases);
+		if (last) {
+			if (timed("missedContacts", [&] { return findMissedContacts(engines); }))
+				converged = false;
+			break;
+		}
+		outcome = reviewPass(engines, pass, driven, firstBiases);
 		if (outcome == PassOutcome::consistent) break;
 		how = settingsOfNextPass(how, outcome);
 	}
@@ -166,7 +171,7 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 	if (overdamped) return PassOutcome::consistent;
 	return timed("biasUpdate", [&] {
 		const bool nextIsLast = pass == mostPasses - 1;
-		if (yielded && rcr::lowerBounces(step_, nextIsLast)) return PassOutcome::bounceLowered;
+		if (yielded && rcr::lowerBounces(step_, nextIsLast)) return PassOutcome::restitutionLowered;
 		// only changed biases may have no solution
 		if (yielded && rcr::restoreBiases(step_, firstBiases)) return PassOutcome::biasesRestored;
 		if (pass == 1 && driven.speed == 0) firstBiases = rcr::biases(step_.problem);
@@ -174,13 +179,6 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 		        double(tolerance), largeDisplacements_, workspace_.team());
 		return changed ? PassOutcome::biasChanged : PassOutcome::consistent;
 	});
-}
-
-/// No pass follows, so a contact that is still missed makes the step one that did not converge.
-ContactDynamics::PassOutcome ContactDynamics::reviewLastPass(const validation::Engines& engines)
-{
-	if (timed("missedContacts", [&] { return findMissedContacts(engines); })) converged = false;
-	return PassOutcome::consistent;
 }
 
 void ContactDynamics::record(const std::vector<rcr::Twist>& impulses)

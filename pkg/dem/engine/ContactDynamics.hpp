@@ -44,10 +44,10 @@ public:
 	boost::python::dict        takeObserved() { return observer_.takeMeans(observedIds()); }
 	boost::python::list        takeObservations() { return observer_.takeIntervals(*scene); }
 	boost::python::dict        secondsDict() const { return times_.dict(); }
-	std::string                solverName() const;
-	void                       setSolver(const std::string&);
-	std::vector<int>           observedIds() const;
-	void                       setObserve(const std::vector<int>&);
+	std::string                solverName() const { return lockedCopy(solver); }
+	void                       setSolver(const std::string& name) { lockedSet(solver, name); }
+	std::vector<int>           observedIds() const { return lockedCopy(observe); }
+	void                       setObserve(const std::vector<int>& ids) { lockedSet(observe, ids); }
 	int                        missedSteps() const { return int(monitor.steps.unconverged); }
 	int                        yieldedSteps() const { return int(monitor.steps.yielded); }
 	double                     deepestOverlap() const { return monitor.steps.deepest; }
@@ -60,14 +60,14 @@ public:
 		((Real,tolerance,1e-4,,"Residual at which the solver stops [-]; 0 runs all iterations."))
 		((Real,kinematicTolerance,0.01,,"Largest :yref:`kinematicError<ContactDynamics.kinematicError>` at which the solver stops [-]; tolerance must be met too. inf switches it off."))
 		((int,maxIterations,1000,,"Sweeps after which a solve stops. Further passes, yielding contacts and squeezed grains may take more."))
-		((std::string,solver,"auto",,"Solver: nlgs, sor, nesterov, exact or auto."))
+		((std::string,solver,"auto",,"Name of the solver."))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)."))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that a step removes, by shifts of at most 1e-4 R [-]. 0 also keeps the overlaps of curved paths."))
 		((Real,yieldCompliance,1,,"Compliance of yielding contacts over its default [-]. With a larger value, driven contacts yield at smaller impulses; 0: contacts never yield."))
 		((bool,overdamped,false,,"Motion without inertia: free bodies start each step from rest, or from :yref:`flow<ContactDynamics.flow>`, and overlaps are removed whole. Sets O.cell.homoDeform = 0 in a periodic cell."))
 		((Matrix3r,flow,Matrix3r::Zero(),,"Velocity gradient of the flow from which overdamped bodies start a step [1/s]. A periodic cell uses its velGrad instead."))
 		((bool,trackMeanStretch,false,,"Overdamped bodies also start from the mean stretch of earlier steps, so that no drag resists it. Not in a periodic cell."))
-		((std::vector<int>,observe,,,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; a change starts a new mean."))
+		((std::vector<int>,observe,,,"Ids of the observed bodies."))
 		((int,observeEvery,0,Attr::noSave,"Number of steps in each entry of :yref:`observations<ContactDynamics.observations>`; 0 keeps no entries."))
 		((bool,converged,true,Attr::readonly,"The last step met both tolerances without yielding and missed no contact. Its large displacements left no overlap beyond 0.02 (R₁ + R₂)."))
 		((int,iterations,0,Attr::readonly,"Sweeps of the last step over all passes, in the island that took most. May exceed maxIterations."))
@@ -104,9 +104,21 @@ public:
 	DECLARE_LOGGER;
 private:
 	// Result of a pass. All but `consistent` require a further pass.
-	enum class PassOutcome { consistent, missedContact, bounceLowered, biasesRestored, biasChanged };
+	enum class PassOutcome {
+		consistent, missedContact, restitutionLowered, biasesRestored, biasChanged
+	};
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
+	template <class Value> Value lockedCopy(const Value& attribute) const
+	{
+		const std::lock_guard<std::mutex> lock(reading_);
+		return attribute;
+	}
+	template <class Value> void lockedSet(Value& attribute, const Value& given)
+	{
+		const std::lock_guard<std::mutex> lock(reading_);
+		attribute = given;
+	}
 
 	int           solverThreads() const;
 	rcr::Settings settings(const rcr::DrivenMotion&) const;
@@ -117,7 +129,6 @@ private:
 	void          solvePass(const rcr::Settings&);
 	PassOutcome   reviewPass(
 	          const validation::Engines&, int pass, const rcr::DrivenMotion&, std::vector<double>&);
-	PassOutcome   reviewLastPass(const validation::Engines&);
 	bool          findMissedContacts(const validation::Engines&);
 	void          addUnlistedContacts(const validation::Engines&);
 	bool          addMissedContacts(const validation::Engines&);

@@ -1,5 +1,4 @@
-// Python interface of ContactDynamics: dicts of its results, and attributes that may change during
-// a run.
+// Python interface of ContactDynamics: results as dicts.
 #include <array>
 
 #include <core/Omega.hpp>
@@ -9,30 +8,6 @@
 namespace yade {
 
 namespace py = boost::python;
-
-std::string ContactDynamics::solverName() const
-{
-	const std::lock_guard<std::mutex> lock(reading_);
-	return solver;
-}
-
-void ContactDynamics::setSolver(const std::string& name)
-{
-	const std::lock_guard<std::mutex> lock(reading_);
-	solver = name;
-}
-
-std::vector<int> ContactDynamics::observedIds() const
-{
-	const std::lock_guard<std::mutex> lock(reading_);
-	return observe;
-}
-
-void ContactDynamics::setObserve(const std::vector<int>& ids)
-{
-	const std::lock_guard<std::mutex> lock(reading_);
-	observe = ids;
-}
 
 namespace {
 	const std::array<const char*, 5> tuningNames { "lanes", "arrays", "reductions", "minIterations",
@@ -79,20 +54,20 @@ py::dict ContactDynamics::modelDict() const
 	const std::lock_guard<std::mutex> lock(reading_);
 	const rcr::ModelSummary&          m = summary_;
 	py::dict                          model;
-	model["bodies"]          = m.bodies;
-	model["rotations"]       = m.rotating;
-	model["fixed"]           = m.fixed;
-	model["pairs"]           = m.pairs;
-	model["points"]          = m.points;
-	model["unknowns"]        = m.unknowns();
-	model["frictionless"]    = m.frictionalPoints == 0;
-	model["islands"]         = m.islands;
-	model["layouts"]         = m.layouts;
-	model["work"]            = work_;
+	model["bodies"]       = m.bodies;
+	model["rotations"]    = m.rotating;
+	model["fixed"]        = m.fixed;
+	model["pairs"]        = m.pairs;
+	model["points"]       = m.points;
+	model["unknowns"]     = m.unknowns();
+	model["frictionless"] = m.frictionalPoints == 0;
+	model["islands"]      = m.islands;
+	model["layouts"]      = m.layouts;
+	model["work"]         = work_;
 	model["mean_stretch_rate"]
 	        = py::make_tuple(double(meanStretchRate[0]), double(meanStretchRate[1]));
-	model["arrays"]          = stepsInArrays_;
-	model["engines"]         = !arrays ? "ContactDynamics.arrays = False" : enginesReason_;
+	model["arrays"]  = stepsInArrays_;
+	model["engines"] = !arrays ? "ContactDynamics.arrays = False" : enginesReason_;
 	return model;
 }
 
@@ -110,13 +85,17 @@ py::dict ContactDynamics::problemDict() const
 	std::vector<std::array<double, 8>> points; // normal, arm1, arm2, bias, friction
 	std::vector<std::array<int, 2>>    bodies;
 	for (const rcr::ContactPoint& c : step_.problem.points) {
+		if (c.drift.x != 0 || c.drift.y != 0 || step_.problem.stretches())
+			throw std::invalid_argument(
+			        "ContactDynamics: the periodic cell deforms, and files of problems have no "
+			        "velocities of images; save a step at O.cell.velGrad = 0 without CellStress.");
 		points.push_back({ c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
 		        c.friction });
 		bodies.push_back({ c.body1, c.body2 });
 	}
 	add("points", points), add("bodies", bodies), add("impulse", warmStart_);
-	add("inverse_mass", step_.problem.inverseMass),
-	        add("free_velocity", step_.problem.freeVelocity);
+	add("inverse_mass", step_.problem.inverseMass);
+	add("free_velocity", step_.problem.freeVelocity);
 	return columns;
 }
 

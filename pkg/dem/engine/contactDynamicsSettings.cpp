@@ -3,7 +3,6 @@
 
 #include "dem/shapes/plane.hpp"
 #include "kernel/step/follow_stretch.hpp"
-#include "kernel/watch/missed_steps.hpp"
 
 namespace yade {
 

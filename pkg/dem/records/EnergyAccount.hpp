@@ -25,7 +25,7 @@ public:
 	}
 
 private:
-	/// Numbers under which O.energy knows the entries.
+	/// Numbers of the entries in O.energy.
 	struct Indices {
 		int friction = -1, impact = -1, drive = -1, correction = -1, gravity = -1;
 	};

@@ -13,34 +13,21 @@ namespace yade {
 
 namespace {
 
-	// of a cell per step; larger ones pass contacts that the step does not detect
+	// strain of a cell per step; beyond it, bodies pass contacts that the step does not detect
 	constexpr double largestStretch = 0.02;
-
-	/// "body #1", "bodies #1 and #2"; empty without ids.
-	std::string bodies(const std::vector<int>& ids)
-	{
-		if (ids.empty()) return {};
-		std::string text = ids.size() == 1 ? "body" : "bodies";
-		for (std::size_t k = 0; k < ids.size(); ++k)
-			text += (k == 0                              ? " #"
-			                        : k + 1 < ids.size() ? ", #"
-			                                             : " and #")
-			        + std::to_string(ids[k]);
-		return text;
-	}
 
 	std::string deepestPair(const rcr::Step& step, double overlap)
 	{
 		std::size_t k = 0;
 		while (overlapOf(step, k) != overlap)
 			++k;
-		return bodies({ step.problem.points[k].body1, step.problem.points[k].body2 });
+		return validation::named({ step.problem.points[k].body1, step.problem.points[k].body2 });
 	}
 
 	/// Bodies and cell whose motion is prescribed, in words; empty: none.
 	std::string drivenParts(const rcr::Step& step)
 	{
-		std::string parts = bodies(rcr::drivenBodies(step.problem));
+		std::string parts = validation::named(rcr::drivenBodies(step.problem));
 		if (step.cell.driven())
 			parts += std::string(parts.empty() ? "" : " and ")
 			        + "the velocity gradient of the cell";
@@ -49,7 +36,7 @@ namespace {
 
 	std::string jamMessage(const std::string& pair, double overlap, const std::string& driven)
 	{
-		return "ContactDynamics: jam: " + pair + " overlap by " + validation::shortText(overlap)
+		return "ContactDynamics: jam: " + pair + " overlap by " + validation::text(overlap, 2)
 		        + " of R₁ + R₂, and the overlap grows from step to step. These steps have no "
 		          "solution, since the motion prescribed to "
 		        + driven
@@ -61,7 +48,7 @@ namespace {
 	std::string notConvergedMessage(const std::string& pair, double overlap, int iterations)
 	{
 		return "ContactDynamics: not converged: " + pair + " overlap by "
-		        + validation::shortText(overlap)
+		        + validation::text(overlap, 2)
 		        + " of R₁ + R₂, and the overlap grows from step to step. The solver found neither "
 		          "a solution in "
 		        + std::to_string(iterations)
@@ -136,8 +123,9 @@ void checkEnergy(const rcr::Step& step, long number)
 	const rcr::StepEnergy energy = stepEnergy(step, {}, {});
 	if (!(-energy.friction - energy.impact > kinetic)) return;
 	throw std::runtime_error("ContactDynamics: step " + std::to_string(number)
-	        + " has not converged, and its contacts would more than double the kinetic energy. Body #"
-	        + std::to_string(fastest) + " moves " + validation::shortText(farthest)
+	        + " has not converged, and its contacts would more than double the kinetic energy. "
+	          "Body #"
+	        + std::to_string(fastest) + " moves " + validation::text(farthest, 2)
 	        + " of its radii in this step. Nothing has moved. Take a smaller O.dt.");
 }
 

@@ -16,9 +16,9 @@ public:
 
 	/// Outcome of a step as the solver reports it.
 	struct Outcome {
-		long   number;     // O.iter
-		bool   unconverged; // did not converge, at a tolerance > 0
-		bool   yielded;    // contacts yielded
+		long   number;      // O.iter
+		bool   unconverged; // at a tolerance > 0
+		bool   yielded;
 		bool   overdamped; // the step removes overlaps whole
 		int    iterations;
 		double overlap; // deepest at the beginning of the step, over R₁ + R₂ [-]

@@ -83,11 +83,12 @@ py::list StepObserver::takeIntervals(const Scene& scene)
 		py::dict entry = dictOf(interval->sums, interval->sums.ids), positions;
 		for (const auto& [id, at] : interval->position)
 			positions[id] = py::make_tuple(at.x, at.y);
-		entry["step"] = interval->last.step, entry["time"] = interval->last.time;
-		entry["points"]          = interval->last.points,
+		entry["step"]            = interval->last.step;
+		entry["time"]            = interval->last.time;
+		entry["points"]          = interval->last.points;
 		entry["last_iterations"] = interval->last.iterations;
-		entry["last_residual"] = interval->last.residual;
-		entry["positions"]     = positions;
+		entry["last_residual"]   = interval->last.residual;
+		entry["positions"]       = positions;
 		all.append(entry);
 	}
 	intervals_.erase(intervals_.begin(), end);

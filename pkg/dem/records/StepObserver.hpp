@@ -25,9 +25,8 @@ public:
 		double time; // O.time at its end [s]
 		int    iterations, points;
 		double residual;
-		bool   unconverged; // did not converge
-		bool   yielded;     // contacts yielded
-		double miss;    // residual or kinematic error over its tolerance, the larger of both [-]
+		bool   unconverged, yielded;
+		double miss; // residual or kinematic error over its tolerance, the larger of both [-]
 	};
 
 	/// Throws std::invalid_argument if an id is not that of a body or clump of the scene.

@@ -13,7 +13,7 @@ void Rcr::postLoad(Rcr&)
 {
 	const auto refuse = [](const char* name, Real given, const char* expected) {
 		throw std::invalid_argument(std::string("Rcr.") + name + " = "
-		        + boost::lexical_cast<std::string>(given) + "; expected " + expected
+		        + validation::text(given) + "; expected " + expected
 		        + ". rcr.particle(center, R, eta) computes both from the circumscribed radius and "
 		          "the elongation.");
 	};

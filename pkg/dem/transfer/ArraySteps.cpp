@@ -226,7 +226,7 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 	const std::size_t count = step.bodies.size();
 	inertia_.resize(count), written_.resize(count), endVelocity_.resize(count);
 	team.forEach(count, [&](std::size_t id) {
-		prefetch<State>(handles.state[std::min(id + prefetchAhead, count - 1)]);
+		prefetch<State>(handles.state[turnAhead(id, count)]);
 		inertia_[id]   = {};
 		const State* s = handles.state[id];
 		if (!s) return;
@@ -242,11 +242,9 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 	}
 	pairs_.manifold.resize(pairs_.all.size());
 	team.forEach(pairs_.all.size(), [&](std::size_t k) {
-		rcr::Pair& pair = pairs_.all[k];
-		prefetch<CdPhys>(
-		        handles.sorted[pairs_.all[std::min(k + prefetchAhead, pairs_.all.size() - 1)]
-		                               .source]
-		                .phys);
+		rcr::Pair&       pair  = pairs_.all[k];
+		const rcr::Pair& later = pairs_.all[turnAhead(k, pairs_.all.size())];
+		prefetch<CdPhys>(handles.sorted[later.source].phys);
 		const CdPhys& phys = *handles.sorted[pair.source].phys;
 		pair.points        = phys.points;
 		pair.friction      = double(phys.tangensOfFrictionAngle),

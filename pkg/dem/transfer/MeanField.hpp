@@ -10,6 +10,13 @@
 
 namespace yade {
 
+/// Velocity gradient that a cell will have in the next step [1/s].
+inline Matrix3r gradientOf(const Cell& cell)
+{
+	return cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad
+	                                                                   : cell.velGrad;
+}
+
 /// Terms that NewtonIntegrator adds to the velocities of bodies in a cell: change of the mean
 /// field, and its convection.
 struct MeanField {
@@ -24,9 +31,7 @@ struct MeanField {
 		const NewtonIntegrator& newton = *engines.integrator;
 		const Cell& cell = *scene.cell;
 		periodic         = true;
-		gradient = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero()
-		        ? cell.nextVelGrad
-		        : cell.velGrad;
+		gradient         = gradientOf(cell);
 		if (cell.homoDeform > 0) change = gradient - newton.prevVelGrad;
 		if (cell.homoDeform > 1) convection = newton.prevVelGrad;
 		rest = gradient;

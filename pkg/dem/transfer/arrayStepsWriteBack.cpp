@@ -5,22 +5,6 @@
 
 namespace yade {
 
-namespace {
-
-	/// The interaction of two bodies without a contact; created if missing.
-	Interaction* interactionOf(Scene& scene, const rcr::Pair& pair)
-	{
-		shared_ptr<Interaction> i = scene.interactions->find(pair.body1, pair.body2);
-		if (!i) {
-			i = boost::make_shared<Interaction>(pair.body1, pair.body2);
-			scene.interactions->insert(i);
-		}
-		if (i->getId1() != pair.body1) i->swapOrder();
-		return i.get();
-	}
-
-} // namespace
-
 void ArraySteps::writeBack(
         Scene& scene, rcr::ThreadTeam& team, SceneHandles& handles, const rcr::Step& step)
 {
@@ -28,7 +12,7 @@ void ArraySteps::writeBack(
 	active_       = false;
 	scene.doSort = true; // the collider has not run during the steps in arrays
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
-		prefetch<State>(handles.state[std::min(id + prefetchAhead, step.bodies.size() - 1)]);
+		prefetch<State>(handles.state[turnAhead(id, step.bodies.size())]);
 		State* s = handles.state[id];
 		if (!s || isByYade_[id]) return;
 		const rcr::StepBody& body = step.bodies[id];
@@ -56,11 +40,10 @@ void ArraySteps::writeBack(
 		if (!lasts[k] && handles.sorted[k].interaction) handles.sorted[k].interaction->reset();
 	for (std::size_t k = 0; k < interaction.size(); ++k)
 		if (made(pairs_.all[k]) && !interaction[k])
-			interaction[k] = interactionOf(scene, pairs_.all[k]);
+			interaction[k] = &interactionOf(scene, pairs_.all[k], {});
 	std::vector<SceneHandles::Contact> contacts(interaction.size());
 	team.forEach(interaction.size(), [&](std::size_t k) {
-		if (const Interaction* later
-		        = interaction[std::min(k + prefetchAhead, interaction.size() - 1)]) {
+		if (const Interaction* later = interaction[turnAhead(k, interaction.size())]) {
 			prefetch<RcrGeom>(later->geom.get());
 			prefetch<CdPhys>(later->phys.get());
 		}

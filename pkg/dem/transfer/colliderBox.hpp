@@ -18,19 +18,18 @@ inline bool grainLeavesBox(const rcr::StepBody& b, const Vector3r& at, const rcr
 	return std::max(std::abs(double(moved[0])), std::abs(double(moved[1]))) + reach > half;
 }
 
-/// An obstacle reaches out of its box with its alert distance.
-inline bool obstacleLeavesBox(const rcr::StepBody& b, const Bound& bound)
+/// An obstacle at this pose reaches out of its box with this distance.
+inline bool obstacleLeavesBox(
+        const rcr::PlanarShape& shape, rcr::Pose at, double reach, const Bound& bound)
 {
 	constexpr double infinite = std::numeric_limits<double>::infinity();
-	rcr::Pose        at       = b.pose();
-	if (b.shape.kind == rcr::PlanarShape::segment) at = rcr::segmentPose(b.shape, at);
-	rcr::Vec2 half = rcr::halfExtent(b.shape, at.axis);
-	if (b.shape.kind == rcr::PlanarShape::wall)
-		half = b.shape.axis == 0 ? rcr::Vec2 { 0, -infinite } : rcr::Vec2 { -infinite, 0 };
-	const double reach = b.alertDistance * (1 - 1e-9) - 1e-9 * b.radius; // margin for rounding
-	const auto   out   = [&](int axis, double center, double extent) {
-        return center + extent + reach > double(bound.max[axis])
-                || center - extent - reach < double(bound.min[axis]);
+	if (shape.kind == rcr::PlanarShape::segment) at = rcr::segmentPose(shape, at);
+	rcr::Vec2 half = rcr::halfExtent(shape, at.axis);
+	if (shape.kind == rcr::PlanarShape::wall)
+		half = shape.axis == 0 ? rcr::Vec2 { 0, -infinite } : rcr::Vec2 { -infinite, 0 };
+	const auto out = [&](int axis, double center, double extent) {
+		return center + extent + reach > double(bound.max[axis])
+		        || center - extent - reach < double(bound.min[axis]);
 	};
 	return out(0, at.center.x, half.x) || out(1, at.center.y, half.y);
 }

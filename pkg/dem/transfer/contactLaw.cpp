@@ -15,8 +15,8 @@ ContactLaw contactLaw(Scene& scene, const InteractionLoop& loop, Body::id_t id1,
 	loop.physDispatcher->getFunctor2D(one, two, swap)->go(one, two, scratch);
 	const CdPhys* phys = dynamic_cast<const CdPhys*>(scratch->phys.get());
 	if (!phys)
-		validation::refuse("the contact of bodies #" + std::to_string(id1) + " and #"
-		        + std::to_string(id2) + " gets the physics "
+		validation::refuse("the contact of " + validation::named({ id1, id2 })
+		        + " gets the physics "
 		        + (scratch->phys ? scratch->phys->getClassName() : std::string("None"))
 		        + " from the Ip2 functor of the materials " + one->getClassName() + " and "
 		        + two->getClassName()

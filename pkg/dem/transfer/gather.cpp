@@ -36,36 +36,23 @@ namespace {
 		return cell;
 	}
 
-	class Gatherer {
-	public:
-		Gatherer(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
-		        SceneHandles& handles, rcr::Step& step)
-		        : scene_(scene)
-		        , newton_(*engines.integrator)
-		        , team_(team)
-		        , handles_(handles)
-		        , step_(step)
-		        , field_(scene, engines)
-		{
-		}
-
+	struct Gatherer {
 		void bodies();
 		void contacts();
 		void gatherBody(Body::id_t);
 
-	private:
-		void                 body(const Body&);
+		void                  body(const Body&);
 		bool isUnlisted(const Body&, const rcr::Twist& velocity, const rcr::StepBody&) const;
-		void                 move(const Body&, const State&, rcr::StepBody&);
-		rcr::Twist           externalForce(const Body&) const;
+		void                  move(const Body&, const State&, rcr::StepBody&);
+		rcr::Twist            externalForce(const Body&) const;
 		SceneHandles::Contact contactOf(Interaction&) const;
-		void                 sort();
-		void                 points(std::size_t number);
+		void                  sort();
+		void                  points(std::size_t number);
 
 		Scene&                  scene_;
 		const NewtonIntegrator& newton_;
-		rcr::ThreadTeam&              team_;
-		SceneHandles&            handles_;
+		rcr::ThreadTeam&        team_;
+		SceneHandles&           handles_;
 		rcr::Step&              step_;
 		MeanField               field_;
 	};
@@ -153,16 +140,19 @@ namespace {
 	}
 
 	/// The collider may miss contacts of a body that reaches out of its box with its alert
-	/// distance, for example after a script has set its velocity, and of a fast obstacle, whose box
-	/// has no alert distance. In a cell, boxes move with the cell.
+	/// distance, for example after a script has set its velocity. The box of an obstacle has no
+	/// alert distance. In a cell, boxes move with the cell.
 	bool Gatherer::isUnlisted(
 	        const Body& b, const rcr::Twist& velocity, const rcr::StepBody& body) const
 	{
 		if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
-		if (!scene_.isPeriodic)
-			return body.shape.grain()
-			        ? grainLeavesBox(body, b.state->pos, velocity, step_.dt, *b.bound)
-			        : obstacleLeavesBox(body, *b.bound);
+		if (!scene_.isPeriodic && body.shape.grain())
+			return grainLeavesBox(body, b.state->pos, velocity, step_.dt, *b.bound);
+		if (!scene_.isPeriodic) {
+			// margin for rounding
+			const double reach = body.alertDistance * (1 - 1e-9) - 1e-9 * body.radius;
+			return obstacleLeavesBox(body.shape, body.pose(), reach, *b.bound);
+		}
 		if (!body.shape.grain()) return body.alertDistance > double(b.bound->sweepLength);
 		const rcr::Vec2 flow = step_.cell.drift(body.center);
 		return step_.dt
@@ -212,9 +202,9 @@ namespace {
 		        : nullptr;
 		if (!phys && !geom) return {};
 		if (!phys || !geom)
-			validation::refuse("the contact of bodies #" + std::to_string(i.getId1()) + " and #"
-			        + std::to_string(i.getId2()) + " has the geometry " + i.geom->getClassName()
-			        + " and the physics " + i.phys->getClassName()
+			validation::refuse("the contact of " + validation::named({ i.getId1(), i.getId2() })
+			        + " has the geometry " + i.geom->getClassName() + " and the physics "
+			        + i.phys->getClassName()
 			        + "; expected RcrGeom and CdPhys: use only Ig2_…_RcrGeom and "
 			          "Ip2_FrictMat_FrictMat_CdPhys, and call "
 			          "O.interactions.clear() after a change of functors.");
@@ -261,7 +251,7 @@ namespace {
 		step_.begin(points);
 		team_.forEach(step_.contacts.size(), [&](std::size_t k) {
 			const SceneHandles::Contact& later
-			        = handles_.sorted[std::min(k + prefetchAhead, handles_.sorted.size() - 1)];
+			        = handles_.sorted[turnAhead(k, handles_.sorted.size())];
 			prefetch<RcrGeom>(later.geom);
 			prefetch<CdPhys>(later.phys);
 			this->points(k);
@@ -291,7 +281,7 @@ namespace {
 void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
         SceneHandles& handles, rcr::Step& step)
 {
-	Gatherer gatherer(scene, engines, team, handles, step);
+	Gatherer gatherer { scene, *engines.integrator, team, handles, step, { scene, engines } };
 	gatherer.bodies();
 	step.problem.inverseStretchMass = step.problem.stretch = {};
 	if (engines.cellStress) engines.cellStress->gatherCell(step);
@@ -301,7 +291,7 @@ void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& t
 void regatherBodies(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& team,
         const std::vector<Body::id_t>& ids, SceneHandles& handles, rcr::Step& step)
 {
-	Gatherer gatherer(scene, engines, team, handles, step);
+	Gatherer gatherer { scene, *engines.integrator, team, handles, step, { scene, engines } };
 	for (Body::id_t id : ids)
 		gatherer.gatherBody(id);
 }

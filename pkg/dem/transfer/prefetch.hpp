@@ -1,6 +1,7 @@
 // Prefetching for loops over YADE's objects, which lie scattered in memory.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 
 #include <core/Interaction.hpp>
@@ -13,6 +14,12 @@
 namespace yade {
 
 constexpr std::size_t prefetchAhead = 8; // turns of a loop that cover the latency of memory
+
+/// The turn whose memory a loop of `count` turns prefetches in turn k.
+inline std::size_t turnAhead(std::size_t k, std::size_t count)
+{
+	return std::min(k + prefetchAhead, count - 1);
+}
 
 /// Prefetches the memory of an object of type T; null is allowed.
 template <class T> inline void prefetch(const void* object)

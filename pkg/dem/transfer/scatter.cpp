@@ -5,6 +5,7 @@
 #include <core/InteractionContainer.hpp>
 
 #include "kernel/detection/missed_contacts.hpp"
+#include "dem/transfer/MeanField.hpp"
 #include "dem/transfer/colliderBox.hpp"
 #include "dem/shapes/plane.hpp"
 #include "dem/transfer/prefetch.hpp"
@@ -33,27 +34,16 @@ namespace {
 	SceneHandles::Contact writeMissedContact(
 	        Scene& scene, const rcr::Step& step, const rcr::UpdatedContact& grown)
 	{
-		shared_ptr<Interaction> i = scene.interactions->find(grown.body1, grown.body2);
-		if (!i) {
-			i = boost::make_shared<Interaction>(grown.body1, grown.body2);
-			if (scene.isPeriodic)
-				i->cellDist = (scene.cell->hSize.inverse() * plane::toSpace(grown.shift))
-				                      .array()
-				                      .round()
-				                      .matrix()
-				                      .cast<int>();
-			scene.interactions->insert(i);
-		}
-		if (!i->geom && i->getId1() != grown.body1) i->swapOrder();
 		rcr::Pair pair;
 		pair.body1 = grown.body1, pair.body2 = grown.body2;
-		if (!i->phys) {
+		Interaction& i = interactionOf(scene, pair, grown.shift);
+		if (!i.phys) {
 			pair.friction = grown.friction, pair.restitution = grown.restitution;
 			pair.since    = scene.iter;
 		}
 		rcr::Pose at2 = step.bodies[grown.body2].pose();
 		at2.center    = at2.center + grown.shift;
-		return writeContact(*i, pair, grown.manifold, step, at2);
+		return writeContact(i, pair, grown.manifold, step, at2);
 	}
 
 	void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
@@ -73,9 +63,7 @@ namespace {
 		cell.hSize = displaced * cell.hSize;
 		cell.trsf  = displaced * cell.trsf;
 		cell.integrateAndUpdate(0); // what it keeps of both
-		Matrix3r gradient = cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero()
-		        ? cell.nextVelGrad
-		        : cell.velGrad;
+		Matrix3r gradient = gradientOf(cell);
 		for (int axis = 0; axis < 2; ++axis)
 			gradient(axis, axis) = now.gradient[axis][axis];
 		cell.setVelGrad(gradient);
@@ -85,12 +73,8 @@ namespace {
 	bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner, const rcr::Twist& v,
 	        double dt, const Bound& bound)
 	{
-		if (v.rotation == 0 || b.shape.kind < rcr::PlanarShape::box) return false;
-		rcr::Pose at = rcr::moved(b, owner, v, dt);
-		if (b.shape.kind == rcr::PlanarShape::segment) at = rcr::segmentPose(b.shape, at);
-		const rcr::Vec2 half = rcr::halfExtent(b.shape, at.axis);
-		return at.center.x + half.x > bound.max[0] || at.center.x - half.x < bound.min[0]
-		        || at.center.y + half.y > bound.max[1] || at.center.y - half.y < bound.min[1];
+		return v.rotation != 0 && b.shape.kind >= rcr::PlanarShape::box
+		        && obstacleLeavesBox(b.shape, rcr::moved(b, owner, v, dt), 0, bound);
 	}
 
 	/// Largest displacement of an image relative to its body in a step [m].
@@ -117,7 +101,7 @@ namespace {
 		std::atomic<bool> out { false };
 		team.forEach(step.bodies.size(), [&](Body::id_t id) {
 			const Bound* bound = handles.bound[id];
-			prefetch<Bound>(handles.bound[std::min(id + prefetchAhead, step.bodies.size() - 1)]);
+			prefetch<Bound>(handles.bound[turnAhead(id, step.bodies.size())]);
 			if (!bound) return;
 			const rcr::StepBody& b = step.bodies[id];
 			const rcr::Twist&    v = step.problem.velocity[id];
@@ -165,6 +149,23 @@ std::vector<rcr::Twist> contactImpulses(const rcr::Step& step)
 	return impulses;
 }
 
+Interaction& interactionOf(Scene& scene, const rcr::Pair& pair, rcr::Vec2 shift)
+{
+	shared_ptr<Interaction> i = scene.interactions->find(pair.body1, pair.body2);
+	if (!i) {
+		i = boost::make_shared<Interaction>(pair.body1, pair.body2);
+		if (scene.isPeriodic)
+			i->cellDist = (scene.cell->hSize.inverse() * plane::toSpace(shift))
+			                      .array()
+			                      .round()
+			                      .matrix()
+			                      .cast<int>();
+		scene.interactions->insert(i);
+	}
+	if (!i->geom && i->getId1() != pair.body1) i->swapOrder();
+	return *i;
+}
+
 SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
         const rcr::Manifold& manifold, const rcr::Step& step, const rcr::Pose& at2)
 {
@@ -193,14 +194,14 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>&
 		const auto physOf = [&](std::size_t number) {
 			return handles.sorted[step.contacts[number].source].phys;
 		};
-		prefetch<CdPhys>(physOf(std::min(k + prefetchAhead, step.contacts.size() - 1)));
+		prefetch<CdPhys>(physOf(turnAhead(k, step.contacts.size())));
 		writeForces(step, step.contacts[k], *physOf(k));
 	});
 	const double inverseDt = 1 / step.dt;
 	team.forEach(step.bodies.size(), [&](Body::id_t id) {
 		const rcr::StepBody& body = step.bodies[id];
-		State* s = handles.state[std::min(id + prefetchAhead, step.bodies.size() - 1)];
-		if (!step.displacement.empty()) prefetch<State>(s);
+		if (!step.displacement.empty())
+			prefetch<State>(handles.state[turnAhead(id, step.bodies.size())]);
 		const rcr::Twist& p = impulses[id];
 		if (p.x != 0 || p.y != 0 || p.rotation != 0) {
 			scene.forces.addForceUnsynced(id, inverseDt * Vector3r(p.x, p.y, 0));

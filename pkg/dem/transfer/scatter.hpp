@@ -16,6 +16,9 @@ void resetVelocity(State&, const rcr::Twist& rest);
 /// Displaces a body by the position correction.
 void applyCorrection(State&, const rcr::Twist& by);
 
+/// Returns the interaction of a pair and creates a missing one. `shift`: from body 2 to its image.
+Interaction& interactionOf(Scene&, const rcr::Pair&, rcr::Vec2 shift);
+
 /// Writes the points of a pair to its interaction. Creates the CdPhys of a contact that formed in
 /// arrays (`Pair::since` ≥ 0). `at2`: pose of body 2 or of its image.
 SceneHandles::Contact writeContact(Interaction&, const rcr::Pair&, const rcr::Manifold&,

@@ -20,11 +20,6 @@ namespace validation {
 		// µ up to which the residual resolves u_n beside µ |u_t|
 		constexpr double   mostFriction = 1e3;
 
-		std::string body(Body::id_t id) { return "body #" + std::to_string(id); }
-		std::string coordinates(const Vector3r& v)
-		{
-			return '(' + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + ')';
-		}
 		bool finite(const Vector3r& v)
 		{
 			return math::isfinite(v[0]) && math::isfinite(v[1]) && math::isfinite(v[2]);
@@ -80,6 +75,21 @@ namespace validation {
 
 	} // namespace
 
+	std::string coordinates(const Vector3r& v)
+	{
+		return '(' + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + ')';
+	}
+
+	std::string named(const std::vector<Body::id_t>& ids)
+	{
+		if (ids.empty()) return {};
+		std::string list = ids.size() == 1 ? "body" : "bodies";
+		for (std::size_t k = 0; k < ids.size(); ++k)
+			list += (k == 0 ? " #" : k + 1 < ids.size() ? ", #" : " and #")
+			        + std::to_string(ids[k]);
+		return list;
+	}
+
 	void refuse(const std::string& message) { throw std::invalid_argument("rcr: " + message); }
 
 	bool isGrain(const Body& b)
@@ -111,13 +121,15 @@ namespace validation {
 	std::string defectOf(const Body& b, Real z)
 	{
 		const State&      s      = *b.state;
-		const std::string name   = body(b.getId());
+		const std::string name   = named({ b.getId() });
 		const auto        vector = [&](const char* what, const Vector3r& v, const char* remedy) {
             return name + " has the " + what + ' ' + coordinates(v)
                     + "; expected finite numbers: " + remedy;
 		};
 		const rcr::PlanarShape shape = shapeOf(b, z);
-		if (!shaped(shape)) return name + " has a Rcr shape without a cap radius; set it.";
+		if (!shaped(shape))
+			return name + " has the cap radius " + text(shape.halfWidth)
+			        + "; expected a length > 0: set b.shape.capRadius, or radius of a disc.";
 		if (!finite(s.pos)) return vector("position", s.pos, "set b.state.pos.");
 		if (!finite(s.vel)) return vector("velocity", s.vel, "set b.state.vel.");
 		if (!finite(s.angVel)) return vector("angular velocity", s.angVel, "set b.state.angVel.");
@@ -164,8 +176,9 @@ namespace validation {
 	{
 		const std::string wrong = defectOf(b, z);
 		if (!wrong.empty()) refuse(wrong);
-		refuse(body(b.getId()) + " has the force " + coordinates(scene.forces.getForce(b.getId()))
-		        + " and the torque " + coordinates(scene.forces.getTorque(b.getId()))
+		const Body::id_t id = b.getId();
+		refuse(named({ id }) + " has the force " + coordinates(scene.forces.getForce(id))
+		        + " and the torque " + coordinates(scene.forces.getTorque(id))
 		        + "; expected finite numbers: find the engine, or the O.forces of a script, that "
 		          "gave them.");
 	}
@@ -198,7 +211,7 @@ namespace validation {
 			if (math::abs(b->state->mass - mass) <= 1e-9 * mass && !ball) ball = b.get();
 		}
 		if (!rcrs || !ball) return {};
-		return body(ball->getId()) + " is a Sphere with the mass of a ball, "
+		return named({ ball->getId() }) + " is a Sphere with the mass of a ball, "
 		        + text(ball->state->mass)
 		        + " kg, among Rcrs, whose masses are per unit depth; make it by rcr.disc(center, "
 		          "R), which sets the mass of a disc.";
@@ -210,8 +223,7 @@ namespace validation {
 		        = phys.tangensOfFrictionAngle >= 0 && phys.tangensOfFrictionAngle <= mostFriction;
 		const bool restitution = phys.restitution >= 0 && phys.restitution <= 1;
 		if (friction && restitution) return;
-		const std::string pair
-		        = "contact of bodies #" + std::to_string(id1) + " and #" + std::to_string(id2);
+		const std::string pair = "contact of " + named({ id1, id2 });
 		if (!friction)
 			refuse(pair + " has the friction coefficient " + text(phys.tangensOfFrictionAngle)
 			        + "; expected a friction angle from 0 to below π/2, and a coefficient of at "

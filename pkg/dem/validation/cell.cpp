@@ -13,7 +13,7 @@ namespace validation {
 	std::string wallsInCell(const View& v)
 	{
 		const Body* wall = v.scene.isPeriodic ? v.body<Wall>() : nullptr;
-		return wall ? "body #" + std::to_string(wall->getId())
+		return wall ? named({ wall->getId() })
 		                + " is a Wall in a periodic cell, which has no boundary; remove it, or use "
 		                  "a Box or fixed Rcrs."
 		            : std::string();
@@ -56,8 +56,8 @@ namespace validation {
 			const Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
 			if (wider * half + margin < most * size && largestShare * size + margin < most * size)
 				continue;
-			return "the periodic cell is " + text(size) + " wide at its narrowest, body #"
-			        + std::to_string(b->getId()) + " has the radius " + text(half)
+			return "the periodic cell is " + text(size) + " wide at its narrowest, "
+			        + named({ b->getId() }) + " has the radius " + text(half)
 			        + " and the collider a verletDist of " + text(margin)
 			        + "; expected a cell of more than 4.2 times radius + verletDist, and 25 times "
 			          "verletDist, along all three axes: O.cell.setBox(…)."

@@ -108,10 +108,9 @@ namespace validation {
 	{
 		const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
 		if (!newton) return {};
-		const Vector3r& g = newton->gravity;
-		if (!math::isfinite(g.sum()))
-			return "NewtonIntegrator.gravity = (" + text(g[0]) + ", " + text(g[1]) + ", "
-			        + text(g[2]) + "); expected finite accelerations, as gravity=(0, -9.81, 0).";
+		if (!math::isfinite(newton->gravity.sum()))
+			return "NewtonIntegrator.gravity = " + coordinates(newton->gravity)
+			        + "; expected finite accelerations, as gravity=(0, -9.81, 0).";
 		return math::isfinite(newton->damping) ? std::string()
 		                                       : "NewtonIntegrator.damping = "
 		                + text(newton->damping) + "; expected a finite share, 0 for none.";
@@ -128,9 +127,8 @@ namespace validation {
 			return "NewtonIntegrator.densityScaling is on; switch it off, the time step is not "
 			       "bound by a stiffness.";
 		return newton && newton->gravity[2] != 0
-		        ? "NewtonIntegrator.gravity = (" + text(newton->gravity[0]) + ", "
-		                + text(newton->gravity[1]) + ", " + text(newton->gravity[2])
-		                + ") pulls out of the plane of the grains, which is x and y; set "
+		        ? "NewtonIntegrator.gravity = " + coordinates(newton->gravity)
+		                + " pulls out of the plane of the grains, which is x and y; set "
 		                  "gravity=(0, -9.81, 0)."
 		        : std::string();
 	}
@@ -163,9 +161,8 @@ namespace validation {
 			        || collider->boundDispatcher->getFunctor1D(b->shape))
 				continue;
 			const std::string shape = b->shape->getClassName();
-			return "the collider has no Bo1_" + shape + "_Aabb, so body #"
-			        + std::to_string(b->getId()) + " would meet nothing; put Bo1_" + shape
-			        + "_Aabb() into its list.";
+			return "the collider has no Bo1_" + shape + "_Aabb, so " + named({ b->getId() })
+			        + " would meet nothing; put Bo1_" + shape + "_Aabb() into its list.";
 		}
 		return {};
 	}

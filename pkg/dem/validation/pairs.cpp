@@ -57,7 +57,12 @@ namespace validation {
 			return b && b->shape && !b->isClump() && b->isBounded();
 		}
 
-		std::string named(Body::id_t id) { return '#' + std::to_string(id); }
+		/// "Sphere and Rcr (bodies #1, #2)"
+		std::string shapesOf(const Body& one, const Body& two)
+		{
+			return one.shape->getClassName() + " and " + two.shape->getClassName() + " (bodies #"
+			        + std::to_string(one.getId()) + ", #" + std::to_string(two.getId()) + ')';
+		}
 
 		/// Name of the functor of rcr for two shapes in any order; empty: none.
 		std::string functorFor(std::string shape1, std::string shape2)
@@ -186,26 +191,21 @@ namespace validation {
 		}
 		std::string           pairs, functors;
 		std::set<std::string> reported;
-		const auto            report = [&](const Party& one, const Party& two) {
-                        const Body *      a = one.body, *b = two.body;
-                        shared_ptr<Shape> shape1 = a->shape, shape2 = b->shape;
-                        bool              swap;
-			            const std::string functor
-			                    = functorFor(a->shape->getClassName(), b->shape->getClassName());
-			            if (functor.empty()
-			                    || v.loop->geomDispatcher->getFunctor2D(shape1, shape2, swap)
-			                    || !reported.insert(functor).second)
-				            return;
-			            pairs += (pairs.empty() ? "" : ", ") + a->shape->getClassName() + " and "
-			                    + b->shape->getClassName() + " (bodies " + named(a->getId()) + ", "
-			                    + named(b->getId()) + ')';
-			            functors += (functors.empty() ? "" : ", ") + functor + "()";
+		const auto            report = [&](const Body& one, const Body& two) {
+			shared_ptr<Shape> shape1 = one.shape, shape2 = two.shape;
+			bool              swap;
+			const std::string functor = functorFor(shape1->getClassName(), shape2->getClassName());
+			if (functor.empty() || v.loop->geomDispatcher->getFunctor2D(shape1, shape2, swap)
+			        || !reported.insert(functor).second)
+				return;
+			pairs += (pairs.empty() ? "" : ", ") + shapesOf(one, two);
+			functors += (functors.empty() ? "" : ", ") + functor + "()";
 		};
 		for (auto kind = kinds.begin(); kind != kinds.end(); ++kind)
 			for (auto other = kind; other != kinds.end(); ++other)
 				for (const Party& one : kind->second)
 					for (const Party& two : other->second)
-						if (mayMeet(one, two, v.first<Collider>())) report(one, two);
+						if (mayMeet(one, two, v.first<Collider>())) report(*one.body, *two.body);
 		if (pairs.empty()) return {};
 		return "no Ig2 functor of the InteractionLoop handles " + pairs
 		        + ", so they would pass through each other. Add " + functors
@@ -217,11 +217,10 @@ namespace validation {
 	{
 		const Body &one = *(*scene.bodies)[i.getId1()], &two = *(*scene.bodies)[i.getId2()];
 		if (partyOf(one, scene).still && partyOf(two, scene).still) return;
-		const std::string shape1 = one.shape->getClassName(), shape2 = two.shape->getClassName(),
-		                  functor = functorFor(shape1, shape2);
-		refuse("no Ig2 functor of the InteractionLoop handles " + shape1 + " and " + shape2
-		        + " (bodies " + named(i.getId1()) + ", " + named(i.getId2())
-		        + "), so they would pass through each other. "
+		const std::string functor
+		        = functorFor(one.shape->getClassName(), two.shape->getClassName());
+		refuse("no Ig2 functor of the InteractionLoop handles " + shapesOf(one, two)
+		        + ", so they would pass through each other. "
 		        + (functor.empty() ? "Make such shapes from Wall, Box, Facet, Sphere or Rcr; "
 		                             "obstacles meet Spheres and Rcrs."
 		                           : "Add " + functor + " to its first list."));
@@ -236,19 +235,16 @@ namespace validation {
 		if (found.pairs == 0) return {};
 		if (found.behind > 0) {
 			const Wall& wall = static_cast<const Wall&>(*(*scene.bodies)[found.wall]->shape);
-			return "body " + named(found.grain)
+			return named({ found.grain })
 			        + (found.behind > 1 ? " and " + std::to_string(found.behind - 1) + " more lie"
 			                            : " lies")
-			        + " behind a wall, body " + named(found.wall) + ", which acts towards "
+			        + " behind a wall, " + named({ found.wall }) + ", which acts towards "
 			        + (wall.sense > 0 ? '+' : '-') + "xy"[wall.axis] + " only (sense="
 			        + std::to_string(wall.sense) + "): such a grain goes through it. Set sense="
 			        + std::to_string(-wall.sense) + ", or 0 for both sides, or move them.";
 		}
-		std::ostringstream depth;
-		depth.precision(3);
-		depth << found.depth << " m, " << found.share << " of R₁ + R₂";
-		return "bodies " + named(found.one) + " and " + named(found.two) + " overlap by "
-		        + depth.str() + ", before their first step"
+		return named({ found.one, found.two }) + " overlap by " + text(found.depth, 3) + " m, "
+		        + text(found.share, 3) + " of R₁ + R₂, before their first step"
 		        + (found.pairs > 1 ? ", and " + std::to_string(found.pairs - 1)
 		                                + " more pairs less deeply. "
 		                           : std::string(". "))

@@ -7,12 +7,8 @@
 #include <pkg/common/Sphere.hpp>
 
 #include "dem/engine/CellStress.hpp"
-#include "dem/engine/ContactDynamics.hpp"
-#include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
-#include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 #include "dem/shapes/Rcr.hpp"
 #include "dem/contacts/RcrGeom.hpp"
-#include "dem/shapes/planarShape.hpp"
 #include "dem/validation/deferredError.hpp"
 
 namespace yade {
@@ -25,7 +21,7 @@ namespace validation {
 		template <class Kind> std::string missing(const View& v, const char* name, const char* why)
 		{
 			if (v.place<Kind>() >= 0) return {};
-			return std::string("O.engines holds ") + "no " + name
+			return std::string("O.engines holds no ") + name
 			        + (v.dead<Kind>() ? " that is not dead, " : ", ") + why;
 		}
 
@@ -159,8 +155,8 @@ namespace validation {
 			{ both,    materials },
 			{ both,    velocityGradient },
 			{ both,    smallCell },
-			{ both,    obstaclesOutOfPlane },
 			{ both,    [](const View& v) { return firstInvalidBody(v.scene); } },
+			{ both,    obstaclesOutOfPlane },
 			{ both,    unservedPairs },
 		};
 		// clang-format on
@@ -222,22 +218,23 @@ namespace validation {
 	void replaceSphereBounds(const Scene& scene)
 	{
 		if (View(scene).law != rigid) return;
-		for (const auto& e : scene.engines)
-			if (Collider* collider = dynamic_cast<Collider*>(e.get()))
-				for (const auto& functor : collider->boundDispatcher->functors)
-					if (functor->getClassName() == "Bo1_Sphere_Aabb") {
-						auto disc               = boost::make_shared<Bo1_Disc_Aabb>();
-						disc->aabbEnlargeFactor
-						        = static_cast<const Bo1_Sphere_Aabb&>(*functor).aabbEnlargeFactor;
-						auto functors           = collider->boundDispatcher->functors;
-						std::replace(functors.begin(), functors.end(), functor,
-						        shared_ptr<BoundFunctor>(disc));
-						collider->boundDispatcher->functors_set(functors);
-						for (const auto& b : *scene.bodies)
-							if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get()))
-								b->shape->boundFunctor = nullptr; // a cache
-						return;
-					}
+		for (const auto& e : scene.engines) {
+			Collider* collider = dynamic_cast<Collider*>(e.get());
+			if (!collider) continue;
+			auto       functors = collider->boundDispatcher->functors;
+			const auto sphere   = std::find_if(functors.begin(), functors.end(),
+                    [](const auto& f) { return f->getClassName() == "Bo1_Sphere_Aabb"; });
+			if (sphere == functors.end()) continue;
+			auto disc = boost::make_shared<Bo1_Disc_Aabb>();
+			disc->aabbEnlargeFactor
+			        = static_cast<const Bo1_Sphere_Aabb&>(**sphere).aabbEnlargeFactor;
+			*sphere = disc;
+			collider->boundDispatcher->functors_set(functors);
+			for (const auto& b : *scene.bodies)
+				if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get()))
+					b->shape->boundFunctor = nullptr; // a cache
+			return;
+		}
 	}
 
 	void registerBodiesWithCollider(const Scene& scene)
@@ -271,7 +268,7 @@ namespace validation {
 		for (Body::id_t id : { id1, id2 }) {
 			const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
 			if (dynamic_cast<const FrictMat*>(material.get())) continue;
-			deferError("body #" + std::to_string(id) + " has "
+			deferError(named({ id }) + " has "
 			        + (material ? "the material " + material->getClassName()
 			                    : std::string("no material"))
 			        + " and touches #" + std::to_string(id == id1 ? id2 : id1)

@@ -42,23 +42,19 @@ namespace validation {
 	/// collider; 1 without shear.
 	Vector3r widening(const Scene&);
 
-	/// A number with up to 12 digits.
-	inline std::string text(Real value)
+	inline std::string text(Real value, int digits = 12)
 	{
 		std::ostringstream out;
-		out.precision(12);
+		out.precision(digits);
 		out << value;
 		return out.str();
 	}
 
-	/// A number with 2 digits.
-	inline std::string shortText(double value)
-	{
-		std::ostringstream out;
-		out.precision(2);
-		out << value;
-		return out.str();
-	}
+	/// "(x, y, z)"
+	std::string coordinates(const Vector3r&);
+
+	/// "body #1", "bodies #1 and #2"; empty without ids.
+	std::string named(const std::vector<Body::id_t>& ids);
 
 	/// Throws std::invalid_argument with this text.
 	[[noreturn]] void refuse(const std::string& message);

@@ -64,7 +64,24 @@ def test_shape_without_a_radius():
     body = Body(shape=rcr.Rcr(), material=material())
     body.state.blockedDOFs = "xyzXYZ"
     O.bodies.append(body)
-    assert_refused("#3 has a Rcr shape without a cap radius")
+    assert_refused("#3 has the cap radius -?nan; expected a length > 0")
+
+
+@pytest.mark.parametrize("half", [(INF, 1, 1), (1, NAN, 1), (1, -1, 1)], ids=str)
+def test_extents_of_a_box(half):
+    """Grains would fall through it."""
+    rough = material()
+    build(yade.utils.box((0, -1, 0), half, fixed=True, material=rough),
+          stadium(0.2, 0.1, (0, 0.1), material=rough))
+    assert_refused(r"#0 is a Box with the extents \(.*\), so nothing would meet it")
+
+
+@pytest.mark.parametrize("radius", [0, -0.1, NAN])
+def test_radius_of_a_disc(radius):
+    resting()
+    O.bodies.append(rcr.disc((3, 1), 0.1, material=material()))
+    O.bodies[3].shape.radius = radius
+    assert_refused("#3 has the cap radius .*; expected a length > 0.*radius of a disc")
 
 
 def test_walls():

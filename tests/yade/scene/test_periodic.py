@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import assert_refused, material, solver, steps
+from scenes import assert_refused, material, shrinking_cell, solver, steps
 from scenes import periodic_scene as scene
 from yade import O
 from yade.minieigenHP import Matrix3
@@ -138,6 +138,18 @@ def test_a_reload_continues_to_the_same_bits(tmp_path):
     O.load(str(tmp_path / "cell.yade"))
     steps(100)
     assert state() == first
+
+
+def test_problems_of_a_deforming_cell_are_not_saved(tmp_path):
+    """Files have no velocities of images, so their solution would be another."""
+    shrinking_cell()
+    path = str(tmp_path / "problem.npz")
+    with pytest.raises(ValueError, match="the periodic cell deforms"):
+        solver().save(path)
+    O.cell.velGrad = Matrix3.Zero
+    O.step()
+    solver().save(path)
+    assert rcr.problems.load(path).contacts == solver().contactPoints > 0
 
 
 def test_walls_in_a_cell_are_refused():
