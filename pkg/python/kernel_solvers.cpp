@@ -134,9 +134,7 @@ void bindSolvers(py::module_& m)
 	        "Data of the sweep solvers between problems. Use one for all steps of a simulation.")
 	        .def(py::init<>())
 	        .def_property_readonly(
-	                "model", modelOf, "Model of the last problem, as in ContactDynamics.model.")
-	        .def_property_readonly(
-	                "layouts", &Workspace::layouts, "Number of times that the layout was built.");
+	                "model", modelOf, "Model of the last problem, as in ContactDynamics.model.");
 
 	m.def("solver_names", solverNames, "Names of the solvers of `solve`.");
 	m.def("solve", solveArrays, py::arg("inverse_mass"), py::arg("free_velocity"),

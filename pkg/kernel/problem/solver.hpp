@@ -95,11 +95,10 @@ class Workspace {
 public:
 	Workspace();
 	~Workspace();
-	PackedProblem& packed() { return *packed_; }
-	ThreadTeam&    team();                // may be used for other loops of the same step
-	ModelSummary   summary() const;       // of the last problem
-	int            layouts() const;       // number of times that the layout was rebuilt
-	double         layoutSeconds() const; // total time of these rebuilds [s]
+	PackedProblem&      packed() { return *packed_; }
+	ThreadTeam&         team();                // may be used for other loops of the same step
+	const ModelSummary& summary() const;       // of the last problem
+	double              layoutSeconds() const; // total time of all layouts [s]
 
 private:
 	std::unique_ptr<PackedProblem> packed_;

@@ -47,7 +47,9 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	layoutSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
 	                          .count();
 	if (fresh) {
-		++layouts_;
+		const int layouts = summary_.layouts + 1;
+		summary_          = layout_.summary();
+		summary_.layouts  = layouts;
 		point_.resize(layout_.columns());
 		savedPoint_.resize(point_.size());
 		for (const Range& vacant : layout_.vacant())
@@ -67,7 +69,8 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	inverseGyration_.resize(problem.inverseMass.size());
 	team.forEach(problem.inverseMass.size(),
 	        [&](int i) { inverseGyration_[i] = inverseGyration(problem.inverseMass[i]); });
-	loadBodies(problem);
+	team.forEach(problem.inverseMass.size(),
+	        [&](int i) { loadBody(problem, i, layout_.record(i), layout_.hasHalfRecord(i)); });
 	team.forEach(pairs.size(), [&](int k) {
 		if (pairs[k].slot != PackedPair::noSlot) fill(problem, pairs[k]);
 	});
@@ -103,12 +106,6 @@ void PackedProblem::loadBody(const ContactProblem& problem, int body, int number
 	const bool regular      = layout_.kind(body) == BodyKind::regular;
 	to[record::spin]        = v.rotation / inverseGyration_[body];
 	to[record::inverseMass] = regular ? problem.inverseMass[body].x : 0;
-}
-
-void PackedProblem::loadBodies(const ContactProblem& problem)
-{
-	team.forEach(problem.inverseMass.size(),
-	        [&](int i) { loadBody(problem, i, layout_.record(i), layout_.hasHalfRecord(i)); });
 }
 
 void PackedProblem::fill(const ContactProblem& problem, const PackedPair& pair)
@@ -275,13 +272,6 @@ void PackedProblem::storeVelocity(const ContactProblem& problem, std::vector<Twi
 		if (!layout_.hasHalfRecord(i) && problem.inverseMass[i].rotation > 0)
 			velocity[i].rotation = v[record::spin] * inverseGyration_[i];
 	});
-}
-
-ModelSummary PackedProblem::summary() const
-{
-	ModelSummary s = layout_.summary();
-	s.layouts      = layouts_;
-	return s;
 }
 
 } // namespace rcr

@@ -28,7 +28,7 @@ def test_a_workspace_follows_pairs_that_come_and_go(solver):
         assert_laws(problem, result, 1e-3)
         changes += before is None or not np.array_equal(before, problem["bodies"])
         before = problem["bodies"]
-    assert workspace.layouts == changes < 60, "a new layout exactly where pairs change"
+    assert workspace.model["layouts"] == changes < 60, "a new layout exactly where pairs change"
 
 
 def altered(problem, rng):
@@ -117,4 +117,4 @@ def test_a_kept_layout_changes_no_bit():
         fresh = problem.solve(
             tolerance=0, max_iterations=20, workspace=other, reductions=without("layout"))
         assert_same_bits(kept, fresh, problem.name)
-    assert workspace.layouts == 1 and other.layouts == 3
+    assert workspace.model["layouts"] == 1 and other.model["layouts"] == 3
