@@ -33,13 +33,13 @@ namespace {
 		settings.yieldCompliance = yieldCompliance;
 		settings.yieldImpulse    = yieldImpulse;
 		settings.reductions      = Reductions::of(reductions);
-		Report report;
-		double seconds, processorSeconds;
+		Workspace own;
+		Report    report;
+		double    seconds, processorSeconds;
 		{
 			py::gil_scoped_release release;
 			const Stopwatch        watch;
-			report  = workspace ? solve(problem, solver, settings, *workspace)
-			                    : solve(problem, solver, settings);
+			report  = solve(problem, solver, settings, workspace ? *workspace : own);
 			seconds = watch.seconds(), processorSeconds = watch.processorSeconds();
 		}
 

@@ -83,6 +83,21 @@ struct Report {
 	{
 		return settings.tolerance > 0 && residual <= settings.tolerance;
 	}
+
+	/// Residual and kinematic error meet their tolerances.
+	bool accurate(const Settings& settings) const
+	{
+		return reached(settings) && kinematicError <= settings.kinematicTolerance;
+	}
+
+	/// This report with the iterations and the work of an earlier solver added.
+	Report after(const Report& before) const
+	{
+		Report both = *this;
+		both.iterations += before.iterations;
+		both.work += before.work;
+		return both;
+	}
 };
 
 class PackedProblem;
@@ -131,7 +146,6 @@ bool isDivergent(const ContactProblem&, const Settings&, Workspace&);
 /// Throws std::invalid_argument for an unknown name, settings out of range, or a problem that
 /// checkProblem rejects.
 Report solve(ContactProblem&, const std::string& solver, const Settings&, Workspace&);
-Report solve(ContactProblem&, const std::string& solver, const Settings&);
 
 /// Sweeps with momentum from the last solution of the workspace, with other biases. Keeps the
 /// impulses of the problem; returns velocities and stretch only.
