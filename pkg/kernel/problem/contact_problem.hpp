@@ -39,6 +39,9 @@ class ThreadTeam;
 struct InverseMass {
 	double x = 0, y = 0; // 1/m along each axis; a mobile wall is free along one axis
 	double rotation = 0; // 1/I
+
+	/// True if no impulse changes the motion of the body.
+	bool prescribed() const { return x == 0 && y == 0 && rotation == 0; }
 };
 
 struct Twist {
@@ -94,12 +97,7 @@ struct ContactProblem {
 	/// Sets the stretch and updates the drifts of all points.
 	void setStretch(Vec2);
 
-	/// True if no impulse changes the motion of this body.
-	bool prescribed(int body) const
-	{
-		const InverseMass& m = inverseMass[body];
-		return m.x == 0 && m.y == 0 && m.rotation == 0;
-	}
+	bool prescribed(int body) const { return inverseMass[body].prescribed(); }
 
 	/// Prescribed components of the velocity of a body; free components are 0 [m/s, 1/s].
 	Twist prescribedMotion(int body) const
@@ -142,12 +140,15 @@ inline Impulse freeRelativeVelocity(const ContactProblem& problem, const Contact
 	return relativeVelocity(free, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
 }
 
+/// Components along x and y of an impulse (n, t) at a point with this normal.
+inline Vec2 inPlane(Vec2 normal, Impulse p) { return p.n * normal + p.t * perp(normal); }
+
 /// Adds M⁻¹ Jᵀ p of one point to the velocities of its two bodies.
 inline void applyImpulse(
         const ContactPoint& c, const Impulse& p, const InverseMass& m1, const InverseMass& m2,
         Twist& v1, Twist& v2)
 {
-	const Vec2 f = p.n * c.normal + p.t * perp(c.normal);
+	const Vec2 f = inPlane(c.normal, p);
 	v1.x -= m1.x * f.x;
 	v1.y -= m1.y * f.y;
 	v1.rotation -= m1.rotation * cross(c.arm1, f);

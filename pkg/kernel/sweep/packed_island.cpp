@@ -34,10 +34,10 @@ Impulse PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoi
 template <class Real>
 void PackedIsland::applyImpulse(const View<Real>& view, const OverflowPoint& c, const Impulse& p)
 {
-	const Vec2 f    = p.n * c.normal + p.t * perp(c.normal);
+	const Vec2 f    = inPlane(c.normal, p);
 	const auto push = [&](int number, const InverseMass& mass, double sign, double torque) {
 		// islands may share a driven body: do not write to it
-		if (mass.x == 0 && mass.y == 0 && mass.rotation == 0) return;
+		if (mass.prescribed()) return;
 		Real* const v = view.recordAt(number);
 		v[record::x]  = Real(v[record::x] + sign * (mass.x * f.x));
 		v[record::y]  = Real(v[record::y] + sign * (mass.y * f.y));

@@ -20,7 +20,7 @@ namespace {
 
 	BodyKind kindOf(const InverseMass& m)
 	{
-		if (m.x == 0 && m.y == 0 && m.rotation == 0) return BodyKind::prescribed;
+		if (m.prescribed()) return BodyKind::prescribed;
 		return m.x == m.y && m.x > 0 ? BodyKind::regular : BodyKind::special;
 	}
 
