@@ -45,13 +45,6 @@ inline double polarMoment(const Stadium& s)
 	return rectangle + halfDiscs;
 }
 
-/// Support point: the point of the stadium that is farthest along a unit direction [m].
-inline Vec2 support(const Stadium& s, const Pose& at, Vec2 direction)
-{
-	const double end = dot(at.axis, direction) < 0 ? -s.halfLength : s.halfLength;
-	return at.center + end * at.axis + s.capRadius * direction;
-}
-
 /// Half widths of the axis-aligned bounding box [m].
 inline Vec2 halfExtent(const Stadium& s, Vec2 axis)
 {

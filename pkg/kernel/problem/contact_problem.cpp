@@ -103,6 +103,14 @@ void updateVelocity(ContactProblem& problem)
 		problem.setStretch(componentwise(problem.inverseStretchMass, stretching));
 }
 
+std::vector<int> drivenBodies(const ContactProblem& problem)
+{
+	std::vector<int> driven;
+	for (int body = 0; body < int(problem.inverseMass.size()); ++body)
+		if (problem.driven(body)) driven.push_back(body);
+	return driven;
+}
+
 double fastestPrescribedMotion(const ContactProblem& problem)
 {
 	double     fastest = 0;

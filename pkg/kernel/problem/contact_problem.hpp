@@ -115,6 +115,9 @@ struct ContactProblem {
 	}
 };
 
+/// Numbers of the driven bodies.
+std::vector<int> drivenBodies(const ContactProblem&);
+
 /// Largest prescribed speed at any contact point, of bodies and of periodic images [m/s].
 double fastestPrescribedMotion(const ContactProblem&);
 
