@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-
-#include "detection/missed_contacts.hpp"
+#include <limits>
 
 namespace rcr {
 
@@ -53,10 +52,7 @@ namespace {
 		return *place;
 	}
 
-	bool first(const PlanarShape& a, const PlanarShape& b, std::int32_t idA, std::int32_t idB)
-	{
-		return a.kind != b.kind ? a.kind < b.kind : idA < idB;
-	}
+	int clipped(double place, int count) { return int(std::clamp(place, 0.0, double(count - 1))); }
 
 } // namespace
 
@@ -206,10 +202,6 @@ bool Neighbours::near(std::int32_t body1, std::int32_t body2) const
 	return contactPoints(one.shape, one.pose, two.shape, two.pose, reach * (1 + 1e-9)).count > 0;
 }
 
-namespace {
-	int clipped(double place, int count) { return int(std::clamp(place, 0.0, double(count - 1))); }
-} // namespace
-
 int Neighbours::column(double x) const { return clipped((x - origin_.x) / width_, columns_); }
 int Neighbours::row(double y) const { return clipped((y - origin_.y) / width_, rows_); }
 
@@ -237,7 +229,7 @@ void Neighbours::searchNarrow(const Step& step, ThreadTeam& team)
 			const Vec2        c     = at_[id].pose.center, half { 0.5 * width_, 0.5 * width_ },
 			           round        = half + half;
 			forEachGrain({ c - round, c + round }, [&](std::int32_t other) {
-				if (first(at_[id].shape, at_[other].shape, std::int32_t(id), other)
+				if (comesFirst(at_[id].shape, int(id), at_[other].shape, other)
 				        && near(std::int32_t(id), other))
 					found.push_back({ std::int32_t(id), other });
 			});
@@ -257,7 +249,7 @@ void Neighbours::searchAround(const std::vector<std::int32_t>& bodies, ThreadTea
 		const std::int32_t id = bodies[k];
 		found_[k].clear();
 		const auto take = [&](std::int32_t other) {
-			const bool ordered = first(at_[id].shape, at_[other].shape, id, other);
+			const bool ordered = comesFirst(at_[id].shape, id, at_[other].shape, other);
 			const auto pair    = ordered ? std::make_pair(id, other) : std::make_pair(other, id);
 			if (canTouch(at_[pair.first].shape.kind, at_[pair.second].shape.kind)
 			        && near(pair.first, pair.second))

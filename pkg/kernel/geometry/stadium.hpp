@@ -24,6 +24,8 @@ struct Pose {
 	Vec2 axis { 1, 0 };
 };
 
+inline Pose shifted(const Pose& at, Vec2 by) { return { at.center + by, at.axis }; }
+
 inline Pose pose(Vec2 center, double angle)
 {
 	return { center, { std::cos(angle), std::sin(angle) } };

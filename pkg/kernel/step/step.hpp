@@ -119,6 +119,11 @@ struct UpdatedContact {
 	double       friction = 0, restitution = 0; // of a new contact; set by the simulation
 };
 
+/// Order of contacts and pairs: by body 1, then by body 2.
+inline constexpr auto precedes = [](const auto& a, const auto& b) {
+	return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2;
+};
+
 /// Periodic cell: base vectors as columns of h [m], and the velocity gradient of its images [1/s].
 /// All zero in an open scene. The cell stretches along an axis with an inverse mass, as stress and
 /// contacts drive it. Before the solve, the gradient is that without contacts.
