@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace rcr {
 
@@ -186,8 +187,7 @@ void Neighbours::sortIntoCells(const Step& step)
 		cell[k]      = row(c.y) * columns_ + column(c.x);
 		++firstIn_[cell[k] + 1];
 	}
-	for (std::size_t k = 1; k < firstIn_.size(); ++k)
-		firstIn_[k] += firstIn_[k - 1];
+	std::partial_sum(firstIn_.begin(), firstIn_.end(), firstIn_.begin());
 	inCells_.resize(firstIn_.back());
 	std::vector<std::int32_t> place = firstIn_;
 	for (std::size_t k = 0; k < grains.size(); ++k)
