@@ -281,7 +281,7 @@ void bindInternals(py::module_& m)
 	m.def("layout", layoutOf, py::arg("reductions"), "Layout of a problem; arrays as in `solve`.");
 
 	m.def(
-	        "lane_width", [](int lanes) { return laneCheck(lanes).width; }, py::arg("lanes"),
+	        "lane_width", [](int lanes) { return packedKernels(lanes).width; }, py::arg("lanes"),
 	        "Vector width that runs for `lanes`.");
 	m.def("apply_lanes", applyLanes, py::arg("lanes"), py::arg("operation"), py::arg("a"),
 	      py::arg("b"), py::arg("c"), "Apply an operation of lane.hpp to 16 numbers.");

@@ -135,7 +135,7 @@ double PackedIsland::sweepMomentum(double momentum)
 		updateReference();
 	}
 	++sweepsSinceReference_;
-	const PackedKernelsOf<float>& kernels = *packed_.singleKernels_;
+	const MomentumKernels<float>& kernels = *packed_.singleKernels_;
 	return sweepMomentum(singleView_, kernels.extrapolate, momentum, {}, [&](const Chunk& chunk) {
 		return kernels.sweepMomentum(singleView_, chunk, momentum);
 	});
@@ -201,7 +201,7 @@ Measures PackedIsland::measure()
 
 template <class Real>
 Measures PackedIsland::measure(
-        const View<Real>& view, const PackedKernelsOf<Real>& kernels, const ColumnOf<Real>* bias)
+        const View<Real>& view, const MomentumKernels<Real>& kernels, const ColumnOf<Real>* bias)
 {
 	forEachChunk([&](const Chunk& chunk, int k) {
 		packed_.partial_[k] = kernels.measure(view, chunk, bias);

@@ -65,7 +65,7 @@ private:
 	double sweepMomentum(
 	        View<Real>&, Extrapolate<Real>, double momentum, const Yielding&, Kernel sweepChunk);
 	template <class Real>
-	Measures measure(const View<Real>&, const PackedKernelsOf<Real>&, const ColumnOf<Real>* bias);
+	Measures measure(const View<Real>&, const MomentumKernels<Real>&, const ColumnOf<Real>* bias);
 	template <class Real> Impulse relativeVelocity(const View<Real>&, const OverflowPoint&) const;
 	template <class Real>
 	void applyImpulse(const View<Real>&, const OverflowPoint&, const Impulse&);

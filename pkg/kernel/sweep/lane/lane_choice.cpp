@@ -20,7 +20,7 @@ RCR_COMPILED(avx512)
 
 #define RCR_COMPILED_SINGLE(lanes)                                                                 \
 	namespace lanes {                                                                              \
-		extern const PackedKernelsOf<float> kernels;                                               \
+		extern const MomentumKernels<float> kernels;                                               \
 	}
 RCR_COMPILED_SINGLE(single1)
 RCR_COMPILED_SINGLE(single8)
@@ -34,7 +34,7 @@ namespace {
 
 	struct Kernels {
 		const PackedKernels&          packed;
-		const PackedKernelsOf<float>& single;
+		const MomentumKernels<float>& single;
 		const LaneCheck&              check;
 	};
 
@@ -60,7 +60,7 @@ namespace {
 } // namespace
 
 const PackedKernels&          packedKernels(int lanes) { return chosen(lanes).packed; }
-const PackedKernelsOf<float>& singleKernels(int lanes) { return chosen(lanes).single; }
+const MomentumKernels<float>& singleKernels(int lanes) { return chosen(lanes).single; }
 const LaneCheck&              laneCheck(int lanes) { return chosen(lanes).check; }
 
 } // namespace rcr

@@ -16,22 +16,24 @@ namespace RCR_LANE_NAMESPACE {
 
 	namespace {
 
-		template <int Points> struct Count {
-			static constexpr int value = Points;
-		};
-
-		/// Calls work(model, points a pair) of the chunk.
-		template <class Work> inline void dispatch(const Chunk& chunk, Work work)
+		/// Calls work(model) for the model of the chunk.
+		template <class Work> inline void withModel(const Chunk& chunk, Work work)
 		{
-			const auto as = [&](auto model) {
-				chunk.pointsPerPair == 1 ? work(model, Count<1>()) : work(model, Count<2>());
-			};
 			switch (chunk.model) {
-				case Model::frictional: return as(Frictional());
-				case Model::noLever: return as(NoLever());
-				case Model::frictionless: return as(Frictionless());
-				case Model::frictionlessDisc: return as(FrictionlessDisc());
+				case Model::frictional: return work(Frictional());
+				case Model::noLever: return work(NoLever());
+				case Model::frictionless: return work(Frictionless());
+				case Model::frictionlessDisc: return work(FrictionlessDisc());
 			}
+		}
+
+		/// Calls work(model, points a pair) for the chunk.
+		template <class Work> inline void withModelAndPoints(const Chunk& chunk, Work work)
+		{
+			withModel(chunk, [&](auto model) {
+				chunk.pointsPerPair == 1 ? work(model, std::integral_constant<int, 1>())
+				                         : work(model, std::integral_constant<int, 2>());
+			});
 		}
 
 		// ---- the loops
