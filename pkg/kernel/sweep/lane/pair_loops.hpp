@@ -57,8 +57,6 @@ namespace RCR_LANE_NAMESPACE {
 			}
 		}
 
-		using Sum = SlotSum<blockWidth>;
-
 		// Whole bodies; those of frictionless discs have no spin.
 
 		struct WholePair {
