@@ -40,9 +40,9 @@ struct Settings {
 	/// Sweeps that an iteration of the exact solver counts for, in maxIterations and Report [-].
 	int exactCost = 1;
 
-	/// Compliance ε of yielding contacts and their least response w₀ (solve_yielding.cpp) [-, 1/kg].
-	/// Contacts yield if the step has no solution, or if an impulse exceeds yieldImpulse. ε = 0:
-	/// contacts never yield.
+	/// Compliance ε of yielding contacts, and their least response w₀ [-, 1/kg]
+	/// (solve_yielding.cpp). Contacts yield if the step has no solution, or if an impulse exceeds
+	/// yieldImpulse. ε = 0: contacts never yield.
 	double yieldCompliance = 0, leastResponse = 0;
 
 	/// Normal impulse beyond which contacts yield even if the step has a solution
@@ -138,10 +138,10 @@ bool isDivergent(const ContactProblem&, const Settings&, Workspace&);
 /// Runs a solver by name: nlgs, sor, nesterov, exact or auto. Lets contacts yield if required.
 ///
 /// `auto` sweeps with momentum, and runs exact steps where sweeps stall. With friction and a
-/// tolerance below 1e-6, exact steps follow sweeps to 1e-5. A problem of up to 1000 points gets exact
-/// steps after 300 sweeps; an exact iteration counts as 20 sweeps there. Such problems also aim at a
-/// velocityFloor smaller by 1000, at limited cost; `converged` refers to the given settings. A
-/// stretching cell is swept with momentum, unless nlgs or sor is named.
+/// tolerance below 1e-6, exact steps follow sweeps to 1e-5. A problem of up to 1000 points gets
+/// exact steps after 300 sweeps; an exact iteration counts as 20 sweeps there. Such problems also
+/// aim at a velocityFloor smaller by 1000, at limited cost; `converged` refers to the given
+/// settings. A stretching cell is swept with momentum, unless nlgs or sor is named.
 ///
 /// Throws std::invalid_argument for an unknown name, settings out of range, or a problem that
 /// checkProblem rejects.

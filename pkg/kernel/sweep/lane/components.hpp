@@ -1,4 +1,4 @@
-// Components (n, t), the friction cone and sums of RCR_LANES contact points. Compiled like lane.hpp.
+// Components (n, t), friction cone and sums of RCR_LANES contact points. Compiled like lane.hpp.
 #pragma once
 
 #include "sweep/lane/lane.hpp"
