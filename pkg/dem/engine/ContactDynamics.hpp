@@ -104,7 +104,9 @@ public:
 	DECLARE_LOGGER;
 private:
 	// Result of a pass. All but `consistent` require a further pass.
-	enum class PassOutcome { consistent, missedContact, bounceLowered, biasesRestored, biasChanged };
+	enum class PassOutcome {
+		consistent, missedContact, restitutionLowered, biasesRestored, biasChanged
+	};
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 

@@ -7,13 +7,13 @@ namespace rcr {
 namespace {
 
 	constexpr double infinity  = std::numeric_limits<double>::infinity();
-	constexpr int    samples        = 4;    // times within the step at which gaps are measured
-	constexpr int    bounceSamples  = 8;    // the same to decide about a bounce
+	constexpr int    samples            = 4; // times within the step at which gaps are measured
+	constexpr int    restitutionSamples = 8; // the same to cancel restitution
 	// gap over the slop that must stay open to release a contact
-	constexpr double clearance      = 0.02;
-	constexpr double loadedClearance = 0.5; // the same for a contact that bore a force
+	constexpr double clearance          = 0.02;
+	constexpr double loadedClearance    = 0.5; // the same for a contact that bore a force
 	// fraction of the path that a kept contact may leave open
-	constexpr double earlyArrival   = 0.01;
+	constexpr double earlyArrival       = 0.01;
 
 	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
@@ -88,13 +88,13 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		                    -earlyArrival * path);
 		const bool   released = allowRelease && step.problem.impulse[number].n > 0 && least > open
 		        && std::isfinite(least);
-		// a bounce at the beginning of the step
+		// restitution from the beginning of the step
 		if (contact.restitution > 0 && c.bias < 0) continue;
 		if (!sinks && !released) continue;
 		const double before
 		        = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity)
 		                  .n;
-		// a bounce within the step
+		// restitution within the step
 		if (sinks && contact.restitution > 0 && before < 0 && c.bias > 0) {
 			c.bias  = contact.restitution * before;
 			changed = true;
@@ -103,7 +103,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		const double curve = sinks
 		        ? (end - gap - share * path) / (share * share)
 		        : 2 * least - gap - path; // 2: also releases one of two loaded contacts
-		// at most an elastic bounce
+		// at most an elastic impact
 		const double bias   = std::max((std::max(gap, 0.0) + curve) / dt, std::min(0.0, before));
 		if (dt * std::abs(bias - c.bias) < clearance * slop) continue;
 		c.bias  = bias;
@@ -112,15 +112,15 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 	return changed;
 }
 
-bool cancelBounces(Step& step, const StepContact& contact)
+bool cancelRestitution(Step& step, const StepContact& contact)
 {
 	const auto bounces = [&](int k) { return step.problem.points[contact.first + k].bias < 0; };
 	if (!(bounces(0) || (contact.count == 2 && bounces(1)))) return false;
 	if (!displacesFar(step, contact, initial(step, contact.body1), initial(step, contact.body2)))
 		return false;
 	double least[2] = { infinity, infinity };
-	for (int sample = 1; sample <= bounceSamples; ++sample) {
-		const Manifold now = pointsAfter(step, contact, step.dt * sample / bounceSamples,
+	for (int sample = 1; sample <= restitutionSamples; ++sample) {
+		const Manifold now = pointsAfter(step, contact, step.dt * sample / restitutionSamples,
 		        [&](int id) { return initial(step, id); });
 		for (int k = 0; k < contact.count; ++k)
 			least[k] = std::min(least[k],

@@ -111,7 +111,7 @@ std::vector<int> drivenBodies(const ContactProblem& problem)
 	return driven;
 }
 
-double fastestPrescribedMotion(const ContactProblem& problem)
+double drivenSpeed(const ContactProblem& problem)
 {
 	double     fastest = 0;
 	const auto include = [&](int body, Vec2 arm) {

@@ -15,7 +15,7 @@
 // | M⁻¹    | InverseMass        | 1/kg, 1/(kg m²) | 0: this degree of freedom is prescribed       |
 // | n      | normal             | –         | unit, from body 1 to body 2; t: n rotated by +90°   |
 // | r₁, r₂ | arm1, arm2         | m         | point minus centre of body 1, of body 2             |
-// | b_n    | bias               | m/s       | gap/dt if open, restitution if the point bounces    |
+// | b_n    | bias               | m/s       | gap/dt if open, or velocity of restitution          |
 // | µ      | friction           | –         | Coulomb coefficient                                 |
 // | d      | drift              | m/s       | velocity of the periodic image of body 2, relative  |
 // | s      | shift              | m         | from body 2 to that image; 0 for a rigid cell       |
@@ -118,8 +118,8 @@ struct ContactProblem {
 /// Numbers of the driven bodies.
 std::vector<int> drivenBodies(const ContactProblem&);
 
-/// Largest prescribed speed at any contact point, of bodies and of periodic images [m/s].
-double fastestPrescribedMotion(const ContactProblem&);
+/// Largest speed of driven motion at a contact point, of bodies and of periodic images [m/s].
+double drivenSpeed(const ContactProblem&);
 
 /// u at a point for given velocities of its bodies, components (n, t) [m/s].
 inline Impulse relativeVelocity(const ContactPoint& c, const Twist& v1, const Twist& v2)

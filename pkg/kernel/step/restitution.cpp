@@ -9,7 +9,7 @@ namespace rcr {
 
 namespace {
 
-	constexpr double reached         = 0.99; // fraction of a bounce that counts as reached
+	constexpr double reached = 0.99; // fraction of the restitution that counts as reached
 
 	/// Sets of bodies that impulses of the solved step join. Prescribed bodies join none.
 	/// Union-find with path halving.
@@ -64,12 +64,12 @@ namespace {
 
 } // namespace
 
-bool restrainBounce(Step& step, const StepContact& contact)
+bool lowerRestitution(Step& step, const StepContact& contact)
 {
 	bool changed = false;
 	for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
 		ContactPoint& c = step.problem.points[k];
-		if (!(c.bias < 0)) continue; // no bounce
+		if (!(c.bias < 0)) continue; // no restitution
 		const double share = passiveRestitutionFactor(delassus(step.problem, c),
 		        step.problem.impulse[k], before(step, c), after(step, c), c.bias, c.friction);
 		c.bias *= share;
@@ -78,7 +78,7 @@ bool restrainBounce(Step& step, const StepContact& contact)
 	return changed;
 }
 
-bool lowerBounces(Step& step, bool plastic)
+bool limitRestitution(Step& step, bool plastic)
 {
 	bool lowered = false;
 	for (const StepContact& contact : step.contacts) {
@@ -95,7 +95,7 @@ bool lowerBounces(Step& step, bool plastic)
 	return lowered;
 }
 
-void removeBounces(Step& step)
+void removeRestitution(Step& step)
 {
 	for (std::size_t k = 0; k < step.gap.size(); ++k) {
 		double& bias = step.problem.points[k].bias;
@@ -103,7 +103,7 @@ void removeBounces(Step& step)
 	}
 }
 
-bool restrainCollisions(Step& step, bool plastic, double tolerance)
+bool lowerCollisionRestitution(Step& step, bool plastic, double tolerance)
 {
 	// energy gain over the work of all impulses that the tolerance of the solver may cause
 	const double energyTolerance = tolerance > 0 ? std::clamp(10 * tolerance, 1e-12, 1e-3) : 1e-3;

@@ -36,7 +36,7 @@ void PackedIsland::applyImpulse(const View<Real>& view, const OverflowPoint& c, 
 {
 	const Vec2 f    = inPlane(c.normal, p);
 	const auto push = [&](int number, const InverseMass& mass, double sign, double torque) {
-		// islands may share a driven body: do not write to it
+		// islands may share a prescribed body: do not write to it
 		if (mass.prescribed()) return;
 		Real* const v = view.recordAt(number);
 		v[record::x]  = Real(v[record::x] + sign * (mass.x * f.x));

@@ -16,7 +16,7 @@ namespace {
 
 	double inverseGyration(const InverseMass& m)
 	{
-		if (m.x != m.y || m.x <= 0) return 1; // driven or special bodies: any scale serves
+		if (m.x != m.y || m.x <= 0) return 1; // prescribed or special bodies: any scale serves
 		return m.rotation > 0 ? std::sqrt(m.rotation / m.x) : 1 / blockedGyration;
 	}
 
@@ -56,7 +56,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 			std::fill(point_.begin() + vacant.begin, point_.begin() + vacant.end, Column {});
 		body_.assign(offsetOf(layout_.records()) + 4, 0);
 		oldBody_.resize(body_.size());
-		singleBody_.assign(body_.size(), 0); // driven bodies never differ from the reference
+		singleBody_.assign(body_.size(), 0); // prescribed bodies never differ from the reference
 		singleOldBody_.assign(body_.size(), 0);
 		singlePoint_.resize(point_.size());
 		singleBias_.resize(layout_.pointBlocks());
@@ -113,7 +113,7 @@ void PackedProblem::fill(const ContactProblem& problem, const PackedPair& pair)
 	const int        lane = pair.slot % blockWidth;
 	const PairBlock& home = layout_.pairBlocks()[pair.slot / blockWidth];
 	const bool       half = pair.model == Model::frictionlessDisc;
-	const auto       load = [&](int body, std::uint32_t offset) { // driven bodies only
+	const auto       load = [&](int body, std::uint32_t offset) { // prescribed bodies only
         if (offset != offsetOf(layout_.record(body)))
             loadBody(problem, body, recordOf(offset), half);
 	};

@@ -7,9 +7,9 @@
 // Existence: let A = J M⁻¹Jᵀ ≥ 0 and u' = (A + ε' W) p + q. Then p · u' = −µ p_n |u'_t| ≤ 0 bounds
 // the impulses, ε' pᵀWp ≤ −pᵀq. So a solution exists for any motion of driven bodies.
 // Energy: p · u = p · u' − ε' pᵀWp ≤ 0, so contacts add no energy.
-// A driven body that can only turn has a singular block, W = j jᵀ/I: its points yield without
+// A body that can only turn has a singular block, W = j jᵀ/I: its points yield without
 // friction.
-// Forces: a point closes at ε max(w_nn, w₀) p_n. Without w₀, a driven body that may turn would bear
+// Forces: a point closes at ε max(w_nn, w₀) p_n. Without w₀, a body that can only turn would bear
 // any force at a contact whose lever is tiny. A wedged body shares the imposed motion among its
 // contacts, as dashpots with the coefficient 1/(ε' w_nn dt) would. The solution of one point is
 // 1/(1 + ε') of the rigid one, because the laws are homogeneous. Sweeps with momentum converge in
@@ -75,7 +75,7 @@ Report solveYielding(ContactProblem& problem,
 	sweeps.checkInterval    = maxSweeps;
 	sweeps.maxIterations    = maxSweeps;
 	const double tolerance  = settings.tolerance > 0 ? settings.tolerance : Settings().tolerance;
-	const double fastest    = fastestPrescribedMotion(problem);
+	const double fastest    = drivenSpeed(problem);
 	// without friction, the law of a point bounds its impulse even if its block is singular
 	std::vector<std::pair<std::size_t, double>> frictions;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {

@@ -268,7 +268,8 @@ namespace RCR_LANE_NAMESPACE {
 		};
 
 		double sweepYielding(
-		        const PackedView& view, const Chunk& chunk, double momentum, const Yielding& yielding)
+		        const PackedView& view, const Chunk& chunk, double momentum,
+		        const Yielding& yielding)
 		{
 			return sweepKeeping(view, chunk, momentum,
 			        Share { Real(yielding.compliance), Real(yielding.leastResponse) });
@@ -297,8 +298,8 @@ namespace RCR_LANE_NAMESPACE {
 	} // namespace
 
 	extern const PackedKernels kernels;
-	const PackedKernels        kernels { { sweepMomentum, measure, extrapolate }, RCR_LANES, prepare,
-		apply, sweep, sweepRelaxed, sweepYielding, updateReference };
+	const PackedKernels        kernels { { sweepMomentum, measure, extrapolate }, RCR_LANES,
+		prepare, apply, sweep, sweepRelaxed, sweepYielding, updateReference };
 #endif
 
 } // namespace RCR_LANE_NAMESPACE

@@ -150,7 +150,7 @@ bool Layout::packable(const PackedPair& pair) const
 	        || (b == BodyKind::regular && a != BodyKind::special);
 }
 
-/// Sorts the pairs by island. Pairs of two driven bodies belong to none.
+/// Sorts the pairs by island. Pairs of two prescribed bodies belong to none.
 void Layout::sortPairs()
 {
 	byIsland_.resize(beginRanges(islands_));
