@@ -71,8 +71,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		const int     number = contact.first + k;
 		ContactPoint& c      = step.problem.points[number];
 		const double  gap    = step.gap[number].now;
-		const double  path   = dt
-		        * relativeVelocity(step.problem, c).n;
+		const double  path   = dt * relativeVelocity(step.problem, c).n;
 		double        least  = infinity;
 		for (const Manifold& now : at)
 			least = std::min(least, gapOf(now, k, contact.count, c.normal));
@@ -91,9 +90,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		// restitution from the beginning of the step
 		if (contact.restitution > 0 && c.bias < 0) continue;
 		if (!sinks && !released) continue;
-		const double before
-		        = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity)
-		                  .n;
+		const double before = step.initialVelocity(c).n;
 		// restitution within the step
 		if (sinks && contact.restitution > 0 && before < 0 && c.bias > 0) {
 			c.bias  = contact.restitution * before;
@@ -131,11 +128,10 @@ bool cancelRestitution(Step& step, const StepContact& contact)
 		ContactPoint& c   = step.problem.points[contact.first + k];
 		const double  gap = step.gap[contact.first + k].now;
 		if (!bounces(k) || least[k] < std::min(0.0, gap) - clearance * contact.slop()) continue;
-		const double closing
-		        = -relativeVelocity(c, initial(step, c.body1), initial(step, c.body2)).n;
+		const double  closing = -step.initialVelocity(c).n;
 		// the bodies keep their velocities
-		c.bias               = std::max(gap, 0.0) / step.dt + closing;
-		changed              = true;
+		c.bias  = std::max(gap, 0.0) / step.dt + closing;
+		changed = true;
 	}
 	return changed;
 }

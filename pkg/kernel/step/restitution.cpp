@@ -46,16 +46,6 @@ namespace {
 		}
 	};
 
-	Impulse before(const Step& step, const ContactPoint& c)
-	{
-		return relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
-	}
-
-	Impulse after(const Step& step, const ContactPoint& c)
-	{
-		return relativeVelocity(step.problem, c);
-	}
-
 	/// Twice the energies of a collision: growth, loss without restitution, and work of all points
 	/// as absolute values.
 	struct Energy {
@@ -71,7 +61,8 @@ bool lowerRestitution(Step& step, const StepContact& contact)
 		ContactPoint& c = step.problem.points[k];
 		if (!(c.bias < 0)) continue; // no restitution
 		const double share = passiveRestitutionFactor(delassus(step.problem, c),
-		        step.problem.impulse[k], before(step, c), after(step, c), c.bias, c.friction);
+		        step.problem.impulse[k], step.initialVelocity(c), relativeVelocity(step.problem, c),
+		        c.bias, c.friction);
 		c.bias *= share;
 		changed |= share < 1;
 	}
@@ -86,7 +77,7 @@ bool limitRestitution(Step& step, bool plastic)
 		        ++k) {
 			ContactPoint& c = step.problem.points[k];
 			if (!(c.bias < 0)) continue;
-			const double leaves = after(step, c).n;
+			const double leaves = relativeVelocity(step.problem, c).n;
 			if (leaves >= -reached * c.bias) continue;
 			c.bias  = leaves > 0 && !plastic ? -leaves : std::max(step.gap[k].now, 0.0) / step.dt;
 			lowered = true;
@@ -114,7 +105,7 @@ bool lowerCollisionRestitution(Step& step, bool plastic, double tolerance)
 		const ContactPoint& c = problem.points[k];
 		const Impulse       p = problem.impulse[k];
 		if (!(p.n > 0)) continue;
-		const Impulse u = before(step, c), left = after(step, c);
+		const Impulse u = step.initialVelocity(c), left = relativeVelocity(problem, c);
 		Energy&       of = energy[collisions.of(c)];
 		of.gain += p.n * (u.n + left.n) + p.t * (u.t + left.t);
 		of.work += std::hypot(p.n, p.t) * std::hypot(u.n, u.t);

@@ -33,9 +33,9 @@ ContactPoint Step::contactPoint(
 	p.friction = friction;
 	p.drift    = c.drift;
 	p.shift    = cell.stretches() ? c.shift : Vec2 {};
-	p.bias     = overdamped ? at.gap / dt : lawBias(at.gap, c.restitution, dt, [&] {
-        return relativeVelocity(p, bodies[p.body1].velocity, bodies[p.body2].velocity).n;
-    });
+	p.bias     = overdamped
+	            ? at.gap / dt
+	            : lawBias(at.gap, c.restitution, dt, [&] { return initialVelocity(p).n; });
 	return p;
 }
 

@@ -204,6 +204,12 @@ struct Step {
 		return { bodies[at.body1].center + at.arm1, at.normal, gap[c.first + k].now };
 	}
 
+	/// u of a point at the beginning of the step [m/s].
+	Impulse initialVelocity(const ContactPoint& c) const
+	{
+		return relativeVelocity(c, bodies[c.body1].velocity, bodies[c.body2].velocity);
+	}
+
 	/// A detected point as a point of the problem. Its bias follows from the velocities at the
 	/// beginning of the step.
 	ContactPoint contactPoint(const StepContact&, const ManifoldPoint&, double friction) const;
