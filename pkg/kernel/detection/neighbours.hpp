@@ -57,7 +57,6 @@ private:
 	void  repair(const Step&, ThreadTeam&);
 	bool  findMovedBodies(const Step&, ThreadTeam&);
 	Place placeOf(const StepBody&) const;
-	double extent(std::size_t id) const; // radius of the circle in which a grain has pairs
 	Box    box(std::size_t id, double more) const;
 	int    column(double x) const;
 	int    row(double y) const;

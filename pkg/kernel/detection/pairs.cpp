@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "step/carry_forward.hpp"
+
 namespace rcr {
 
 void Pairs::assign(const Neighbours::List& list, bool again)

@@ -12,7 +12,6 @@
 // kind that comes first in this table: normals point from an obstacle to a grain.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 
 #include "geometry/shadow_overlap.hpp"
