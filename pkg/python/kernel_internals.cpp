@@ -152,7 +152,7 @@ namespace {
 		for (const Section& section : layout.sections()) {
 			for (int k = section.chunks.begin; k < section.chunks.end; ++k) {
 				const Chunk& c = layout.chunks()[k];
-				chunks.push_back({ c.firstPair, c.blocks, c.pointsPerPair, int(c.model),
+				chunks.push_back({ c.firstBlock, c.blocks, c.pointsPerPair, int(c.model),
 				                   int(sections.size()) });
 			}
 			sections.push_back({ section.records.begin, section.records.end });

@@ -170,7 +170,7 @@ constexpr int columnsOf(Model model)
 
 /// The blocks of one colour, one model and one number of points per pair.
 struct Chunk {
-	std::int32_t firstPair, blocks, firstColumn, pointsPerPair;
+	std::int32_t firstBlock, blocks, firstColumn, pointsPerPair;
 	Model        model;
 	std::int32_t firstPoint; // index of its first point block among those of all chunks
 };

@@ -50,7 +50,7 @@ namespace RCR_LANE_NAMESPACE {
 		{
 			const typename M::Columns point(view.points + chunk.firstColumn);
 			for (int b = 0; b < chunk.blocks; ++b) {
-				const PairBlock& pairs = view.pairs[chunk.firstPair + b];
+				const PairBlock& pairs = view.pairs[chunk.firstBlock + b];
 				for (int lane = 0; lane < blockWidth; lane += RCR_LANES)
 					visit(P { view.body, pairs.body1 + lane }, P { view.body, pairs.body2 + lane },
 					        pointAt(point, b * chunk.pointsPerPair), lane);
