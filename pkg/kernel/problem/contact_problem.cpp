@@ -4,15 +4,13 @@
 
 #include "parallel/thread_team.hpp"
 #include "problem/refuse.hpp"
+#include "problem/residual.hpp"
 
 namespace rcr {
 
 namespace {
 
 	constexpr double normalTolerance = 2e-6; // deviation of |n|² from 1 [-]
-	/// A point that closes and slips has a residual of about 1/µ, because µ |u_t| exceeds u_n. For
-	/// µ > 1e4 it would meet the default tolerance. 1e3 is an angle of 89.94°: points stick.
-	constexpr double maxFriction = 1e3;
 
 	void checkSize(const char* what, std::size_t given, std::size_t expected)
 	{
