@@ -1,9 +1,9 @@
 #include "step/restitution.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "problem/coulomb.hpp"
+#include "problem/disjoint_sets.hpp"
 
 namespace rcr {
 
@@ -12,38 +12,29 @@ namespace {
 	constexpr double reached = 0.99; // fraction of the restitution that counts as reached
 
 	/// Sets of bodies that impulses of the solved step join. Prescribed bodies join none.
-	/// Union-find with path halving.
 	class Collisions {
 	public:
 		explicit Collisions(const Step& step)
 		        : problem_(step.problem)
-		        , next_(step.bodies.size())
+		        , sets_(step.bodies.size())
 		{
-			std::iota(next_.begin(), next_.end(), 0);
 			for (std::size_t k = 0; k < problem_.points.size(); ++k) {
 				const ContactPoint& c = problem_.points[k];
 				if (problem_.impulse[k].n > 0 && !problem_.prescribed(c.body1)
 				        && !problem_.prescribed(c.body2))
-					next_[find(c.body1)] = find(c.body2);
+					sets_.join(c.body1, c.body2);
 			}
 		}
 
 		/// Number of the collision of a point.
 		int of(const ContactPoint& c)
 		{
-			return find(problem_.prescribed(c.body1) ? c.body2 : c.body1);
+			return sets_.find(problem_.prescribed(c.body1) ? c.body2 : c.body1);
 		}
 
 	private:
 		const ContactProblem& problem_;
-		std::vector<int>      next_;
-
-		int find(int body)
-		{
-			while (next_[body] != body)
-				body = next_[body] = next_[next_[body]];
-			return body;
-		}
+		DisjointSets          sets_;
 	};
 
 	/// Twice the energies of a collision: growth, loss without restitution, and work of all points
