@@ -10,7 +10,7 @@ namespace {
 		const ContactProblem& problem;
 		const ContactPoint&   c;
 		Delassus              w;
-		Impulse               p, u, error; // error = p − P_K(…)
+		Impulse               p, u, error;
 	};
 
 	/// Calls visit(point) for every point with w_nn > 0. Velocities are recomputed from impulses.
@@ -22,12 +22,9 @@ namespace {
 			const ContactPoint& c = problem.points[k];
 			const Delassus      w = delassus(problem, c);
 			if (w.nn <= 0) continue;
-			const Impulse p = problem.impulse[k];
-			const Impulse u = relativeVelocity(problem, c);
-			const Impulse q = projectCone(
-			        { p.n - (u.n + c.bias + c.friction * std::abs(u.t)) / w.nn, p.t - u.t / w.nn },
-			        c.friction);
-			visit(Point { problem, c, w, p, u, p - q });
+			const Impulse p = problem.impulse[k], u = relativeVelocity(problem, c);
+			visit(Point { problem, c, w, p, u,
+			        lawError(p, { u.n + c.bias, u.t }, c.friction, w.nn) });
 		}
 	}
 

@@ -211,10 +211,7 @@ Measures PackedIsland::measure(
 		const Impulse u        = relativeVelocity(view, c);
 		const double  un       = u.n + c.bias;
 		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
-		const Impulse q        = projectCone(
-		               { c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn },
-		               c.friction);
-		const double miss = square(c.p - q);
+		const double  miss     = square(lawError(c.p, { un, u.t }, c.friction, c.w.nn));
 		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping,
 			-(c.p.n * un + c.p.t * u.t) };
 	});
