@@ -68,7 +68,8 @@ void Pairs::addFound(const Step& step, long iteration)
 		list.emplace_back(pair.body1, pair.body2);
 	for (const UpdatedContact& found : step.added)
 		list.emplace_back(found.body1, found.body2);
-	std::sort(list.begin(), list.end());
+	std::sort(list.begin() + all.size(), list.end());
+	std::inplace_merge(list.begin(), list.begin() + all.size(), list.end());
 	list.erase(std::unique(list.begin(), list.end()), list.end());
 	assign(list);
 	for (const UpdatedContact& found : step.added) {
