@@ -44,6 +44,7 @@ struct InverseMass {
 	bool prescribed() const { return x == 0 && y == 0 && rotation == 0; }
 };
 
+/// Components (x, y, rotation) of a velocity, displacement, impulse or force of a body.
 struct Twist {
 	double x = 0, y = 0, rotation = 0;
 };
@@ -55,7 +56,7 @@ inline Twist operator+(const Twist& a, const Twist& b)
 inline Twist operator*(double s, const Twist& a) { return { s * a.x, s * a.y, s * a.rotation }; }
 inline Twist operator/(const Twist& a, double s) { return { a.x / s, a.y / s, a.rotation / s }; }
 
-/// Components (n, t) at a contact point, of an impulse or of its conjugate velocity.
+/// Components (n, t) of an impulse, force or velocity at a contact point.
 struct Impulse {
 	double n = 0, t = 0;
 };
