@@ -48,7 +48,7 @@ namespace {
 bool lowerRestitution(Step& step, const StepContact& contact)
 {
 	bool changed = false;
-	for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
+	for (int k = contact.first; k < contact.first + contact.count; ++k) {
 		ContactPoint& c = step.problem.points[k];
 		if (!(c.bias < 0)) continue; // no restitution
 		const double share = passiveRestitutionFactor(delassus(step.problem, c),
@@ -64,8 +64,8 @@ bool limitRestitution(Step& step, bool plastic)
 {
 	bool lowered = false;
 	for (const StepContact& contact : step.contacts) {
-		for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0;
-		        ++k) {
+		if (!(contact.restitution > 0)) continue;
+		for (int k = contact.first; k < contact.first + contact.count; ++k) {
 			ContactPoint& c = step.problem.points[k];
 			if (!(c.bias < 0)) continue;
 			const double leaves = relativeVelocity(step.problem, c).n;

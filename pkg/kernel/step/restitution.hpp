@@ -35,8 +35,8 @@ double lawBias(double gap, double restitution, double dt, NormalVelocity normalV
 	return gap > 0 ? gap / dt : 0;
 }
 
-/// Lowers the restitution of a contact if its points add energy in the solved step. Returns true if
-/// a bias changed.
+/// Lowers the restitution e > 0 of a contact if its points add energy in the solved step. Returns
+/// true if a bias changed.
 bool lowerRestitution(Step&, const StepContact&);
 
 /// In a step without a solution, limits restitution to the solved velocity of each point;

@@ -124,6 +124,12 @@ inline constexpr auto precedes = [](const auto& a, const auto& b) {
 	return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2;
 };
 
+/// Product of a matrix and a vector.
+inline Vec2 product(const double (&m)[2][2], Vec2 v)
+{
+	return { m[0][0] * v.x + m[0][1] * v.y, m[1][0] * v.x + m[1][1] * v.y };
+}
+
 /// Periodic cell: base vectors as columns of h [m], and the velocity gradient of its images [1/s].
 /// All zero in an open scene. The cell stretches along an axis with an inverse mass, as stress and
 /// contacts drive it. Before the solve, the gradient is that without contacts.
@@ -145,9 +151,8 @@ struct PeriodicCell {
 	Vec2 nearestShift(Vec2 from1To2) const
 	{
 		if (!periodic) return {};
-		const double a = -std::round(inverse[0][0] * from1To2.x + inverse[0][1] * from1To2.y);
-		const double b = -std::round(inverse[1][0] * from1To2.x + inverse[1][1] * from1To2.y);
-		return { h[0][0] * a + h[0][1] * b, h[1][0] * a + h[1][1] * b };
+		const Vec2 cells = product(inverse, from1To2);
+		return product(h, { -std::round(cells.x), -std::round(cells.y) });
 	}
 	/// Smaller height of the cell: lower bound of the distance of two images of a body [m].
 	double smallestHeight() const
@@ -156,11 +161,7 @@ struct PeriodicCell {
 		return area / std::max(std::hypot(h[0][0], h[1][0]), std::hypot(h[0][1], h[1][1]));
 	}
 	/// Velocity of an image relative to its body [m/s].
-	Vec2 drift(Vec2 shift) const
-	{
-		return { gradient[0][0] * shift.x + gradient[0][1] * shift.y,
-			gradient[1][0] * shift.x + gradient[1][1] * shift.y };
-	}
+	Vec2 drift(Vec2 shift) const { return product(gradient, shift); }
 };
 
 /// Homogeneous flow with a velocity gradient [1/s].
@@ -169,9 +170,8 @@ struct Flow {
 
 	Twist at(Vec2 r) const
 	{
-		const auto& g = gradient;
-		return { g[0][0] * r.x + g[0][1] * r.y, g[1][0] * r.x + g[1][1] * r.y,
-			0.5 * (g[1][0] - g[0][1]) };
+		const Vec2 v = product(gradient, r);
+		return { v.x, v.y, 0.5 * (gradient[1][0] - gradient[0][1]) };
 	}
 };
 
