@@ -153,7 +153,8 @@ namespace {
 		pair.manifold = contactPoints(one.shape, one.pose(), two.shape,
 		        shifted(two.pose(), pair.shift), reachOf(step, id) + reachOf(step, other));
 		if (isKnown(step, contact, pair.manifold, exact)) return false;
-		if (exact && pair.manifold.count == 0) return false; // keeps a contact beyond a smaller reach
+		// keeps a contact beyond a smaller reach
+		if (exact && pair.manifold.count == 0) return false;
 		if (!contact && !mayMeet(id, other)) return false;
 		step.updated.push_back(pair);
 		return true;

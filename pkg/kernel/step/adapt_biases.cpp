@@ -24,7 +24,7 @@ bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double toleranc
 	std::vector<Change> change(step.contacts.size());
 	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
-		change[k]                  = { displacesFar(step, contact), false, contact.restitution > 0 };
+		change[k] = { displacesFar(step, contact), false, contact.restitution > 0 };
 		if (!change[k].far) return;
 		// no push is added that no solve would follow to check its energy
 		if (!nextIsLast) change[k].changed = adaptToDisplacement(step, contact, allowRelease);

@@ -1,26 +1,26 @@
 // One time step of rigid contacts: all data that its stages read and write, in flat arrays.
 //
-//   stage                 result                                         file
-//   gather                bodies, contact points, loads                  (simulation)
-//   solve                 impulses and velocities                        problem/solver.hpp
-//   missed contacts       contacts that form undetected in the step      detection/missed_contacts.hpp
-//   large displacements   gaps at the displaced positions                correction/large_displacements.hpp
-//   restitution           restitution that does not add energy           step/restitution.hpp
-//   follow stretch        mean stretch of overdamped bodies              step/follow_stretch.hpp
-//   position correction   displacements that remove overlaps             correction/position_correction.hpp
-//   separation            the same for overlaps by curved paths          correction/separation.hpp
-//   scatter               forces, displacements, new contacts            (simulation)
+//   stage                result                               file
+//   gather               bodies, contact points, loads        (simulation)
+//   solve                impulses and velocities              problem/solver.hpp
+//   missed contacts      contacts that form undetected        detection/missed_contacts.hpp
+//   large displacements  gaps at the displaced positions      correction/large_displacements.hpp
+//   restitution          restitution that adds no energy      step/restitution.hpp
+//   follow stretch       mean stretch of overdamped bodies    step/follow_stretch.hpp
+//   position correction  displacements that remove overlaps   correction/position_correction.hpp
+//   separation           the same for overlaps by curves      correction/separation.hpp
+//   scatter              forces, displacements, new contacts  (simulation)
 //
 // The stages in between work on these arrays alone, so an error in them leaves the simulation as it
-// was. Bodies keep the numbers that they have in the simulation. A contact stores these numbers; its
-// points store the bodies that their impulses move, which are the clumps of clump members.
+// was. Bodies keep the numbers that they have in the simulation. A contact stores these numbers.
+// Its points store the bodies that their impulses move: the clumps of clump members.
 //
-// | symbol | field         | unit | meaning                                                         |
-// |--------|---------------|------|-----------------------------------------------------------------|
-// | e      | alertDistance | m    | distance within which contacts of a body are detected           |
-// | g      | gap           | m    | gap of a point; negative: overlap                               |
-// | b_n    | bias          | m/s  | bias of a point in 0 ≤ u_n + b_n ⟂ p_n ≥ 0                      |
-// | s      | shift         | m    | from body 2 to its image that body 1 meets, in a periodic cell  |
+// | symbol | field         | unit | meaning                                               |
+// |--------|---------------|------|-------------------------------------------------------|
+// | e      | alertDistance | m    | distance within which contacts of a body are detected |
+// | g      | gap           | m    | gap of a point; negative: overlap                     |
+// | b_n    | bias          | m/s  | bias of a point in 0 ≤ u_n + b_n ⟂ p_n ≥ 0            |
+// | s      | shift         | m    | from body 2 to its image that meets body 1            |
 #pragma once
 
 #include <algorithm>
