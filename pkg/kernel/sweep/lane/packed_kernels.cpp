@@ -78,38 +78,27 @@ namespace RCR_LANE_NAMESPACE {
 		Measures measure(const PackedView& view, const Chunk& chunk, const Column* bias)
 		{
 			Sum error2, impulse2, normal, kinematicError2, velocity2, stopping2, dissipated;
-			withModel(chunk, [&](auto model) {
-				using M                   = decltype(model);
-				const Column* const first = view.points + chunk.firstColumn;
-				forEachPair<M>(view, chunk,
-				        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
-					        const auto [v1, v2] = loadWhole<M>(point, lane, at1, at2);
-					        for (int i = 0; i < chunk.pointsPerPair; ++i) {
-						        const auto   c = pointAt(point, i);
-						        const Vector u = wholeVelocity(c, lane, v1, v2),
-						                     p { L::load(c.pn() + lane), tangential(c, lane) };
-						        const int number = chunk.firstPoint
-						                + int(c.first() - first) / M::Columns::count;
-						        const L un = u.n + L::load(c.bias() + lane), mu = friction(c, lane);
-						        const L law      = lawBias(c, lane, bias, number);
-						        const L speed    = relativeToReference ? un - law : u.n;
-						        const L scale    = L::load(c.inverseNn() + lane),
-						                stopping = (abs(speed) + abs(law)) * scale;
-						        const Vector q   = projectCone(
-						                  { p.n - (un + mu * abs(u.t)) * scale, p.t - u.t * scale },
-						                  mu);
-						        const L miss = (p.n - q.n) * (p.n - q.n)
-						                + (p.t - q.t) * (p.t - q.t);
-						        error2.add(lane, miss);
-						        impulse2.add(lane, p.n * p.n + p.t * p.t);
-						        normal.add(lane, p.n);
-						        kinematicError2.add(lane,
-						                select(scale <= L(0.0), L(0.0), miss / (scale * scale)));
-						        velocity2.add(lane, speed * speed + u.t * u.t);
-						        stopping2.add(lane, stopping * stopping);
-						        dissipated.add(lane, L(0.0) - (p.n * un + p.t * u.t));
-					        }
-				        });
+			const Column* const first = view.points + chunk.firstColumn;
+			forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
+				const Vector u = wholeVelocity(c, lane, v1, v2),
+				             p { L::load(c.pn() + lane), tangential(c, lane) };
+				const int number   = chunk.firstPoint + int(c.first() - first) / c.count;
+				const L   un       = u.n + L::load(c.bias() + lane), mu = friction(c, lane);
+				const L   law      = lawBias(c, lane, bias, number);
+				const L   speed    = relativeToReference ? un - law : u.n;
+				const L   scale    = L::load(c.inverseNn() + lane),
+				          stopping = (abs(speed) + abs(law)) * scale;
+				const Vector q     = projectCone(
+				        { p.n - (un + mu * abs(u.t)) * scale, p.t - u.t * scale }, mu);
+				const L miss = (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
+				error2.add(lane, miss);
+				impulse2.add(lane, p.n * p.n + p.t * p.t);
+				normal.add(lane, p.n);
+				kinematicError2.add(
+				        lane, select(scale <= L(0.0), L(0.0), miss / (scale * scale)));
+				velocity2.add(lane, speed * speed + u.t * u.t);
+				stopping2.add(lane, stopping * stopping);
+				dissipated.add(lane, L(0.0) - (p.n * un + p.t * u.t));
 			});
 			return { error2.total(), impulse2.total(), normal.total(), kinematicError2.total(),
 				velocity2.total(), stopping2.total(), dissipated.total() };
@@ -185,18 +174,10 @@ namespace RCR_LANE_NAMESPACE {
 		double prepare(const PackedView& view, const Chunk& chunk)
 		{
 			Sum velocity2;
-			withModel(chunk, [&](auto model) {
-				using M = decltype(model);
-				forEachPair<M>(view, chunk,
-				        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
-					        const auto [v1, v2] = loadWhole<M>(point, lane, at1, at2);
-					        for (int i = 0; i < chunk.pointsPerPair; ++i) {
-						        const auto c = pointAt(point, i);
-						        preparePoint(c, lane, v1.inverseMass, v2.inverseMass);
-						        const Vector u = wholeVelocity(c, lane, v1, v2);
-						        velocity2.add(lane, u.n * u.n + u.t * u.t);
-					        }
-				        });
+			forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
+				preparePoint(c, lane, v1.inverseMass, v2.inverseMass);
+				const Vector u = wholeVelocity(c, lane, v1, v2);
+				velocity2.add(lane, u.n * u.n + u.t * u.t);
 			});
 			return velocity2.total();
 		}
@@ -277,21 +258,11 @@ namespace RCR_LANE_NAMESPACE {
 
 		void updateReference(const PackedView& view, const Chunk& chunk, ColumnOf<float>* points)
 		{
-			withModel(chunk, [&](auto model) {
-				using M          = decltype(model);
-				auto* const from = view.points + chunk.firstColumn;
-				auto* const to   = points + chunk.firstColumn;
-				forEachPair<M>(view, chunk,
-				        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
-					        const auto [v1, v2] = loadWhole<M>(point, lane, at1, at2);
-					        for (int i = 0; i < chunk.pointsPerPair; ++i) {
-						        const auto                  c = pointAt(point, i);
-						        const PointColumnsOf<float> single(to + (c.first() - from));
-						        const Vector                u = wholeVelocity(c, lane, v1, v2);
-						        (u.n + L::load(c.bias() + lane)).store(single.bias() + lane);
-						        u.t.store(single.tangentialBias() + lane);
-					        }
-				        });
+			forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
+				const PointColumnsOf<float> single(points + (c.first() - view.points));
+				const Vector                u = wholeVelocity(c, lane, v1, v2);
+				(u.n + L::load(c.bias() + lane)).store(single.bias() + lane);
+				u.t.store(single.tangentialBias() + lane);
 			});
 		}
 

@@ -82,6 +82,21 @@ namespace RCR_LANE_NAMESPACE {
 				M::store(v, at);
 		}
 
+		/// Calls visit(point, lane, v1, v2) for all points of a chunk, RCR_LANES at a time.
+		template <class Visit>
+		inline void forEachPoint(const PackedView& view, const Chunk& chunk, Visit visit)
+		{
+			withModel(chunk, [&](auto model) {
+				using M = decltype(model);
+				forEachPair<M>(view, chunk,
+				        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
+					        const auto [v1, v2] = loadWhole<M>(point, lane, at1, at2);
+					        for (int i = 0; i < chunk.pointsPerPair; ++i)
+						        visit(pointAt(point, i), lane, v1, v2);
+				        });
+			});
+		}
+
 		/// The velocity (u_n, u_t) of the stop criteria.
 		template <class Columns>
 		inline Vector wholeVelocity(const Columns& c, int lane, const B& v1, const B& v2)
