@@ -121,14 +121,6 @@ void bindGeometry(py::module_& m)
 	        },
 	        py::arg("half_length"), py::arg("cap_radius"), py::arg("angle"),
 	        "Half widths of the axis-aligned bounding box [m].");
-	m.def(
-	        "support",
-	        [](double a, double r, double angle, double direction) {
-		        const Vec2 p = support(Stadium { a, r }, pose({}, angle), pose({}, direction).axis);
-		        return py::make_tuple(p.x, p.y);
-	        },
-	        py::arg("half_length"), py::arg("cap_radius"), py::arg("angle"), py::arg("direction"),
-	        "Support point of a stadium along a direction [m].");
 
 	const char* manifold
 	        = "Manifolds of N pairs: dict of count (N,), type (N,) with 0 cc, 1 cs, 2 ss, 3 wall,\n"

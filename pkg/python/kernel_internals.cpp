@@ -134,7 +134,7 @@ namespace {
 		for (const Section& section : layout.sections()) {
 			for (int k = section.chunks.begin; k < section.chunks.end; ++k) {
 				const Chunk& c = layout.chunks()[k];
-				chunks.push_back({ c.firstPair, c.blocks, c.pointsPerPair, int(c.model),
+				chunks.push_back({ c.firstBlock, c.blocks, c.pointsPerPair, int(c.model),
 				                   int(sections.size()) });
 			}
 			sections.push_back({ section.records.begin, section.records.end });
@@ -260,7 +260,7 @@ void bindInternals(py::module_& m)
 	m.def("layout", layoutOf, py::arg("reductions"), "Layout of a problem; arrays as in `solve`.");
 
 	m.def(
-	        "lane_width", [](int lanes) { return laneCheck(lanes).width; }, py::arg("lanes"),
+	        "lane_width", [](int lanes) { return packedKernels(lanes).width; }, py::arg("lanes"),
 	        "Vector width that runs for `lanes`.");
 	m.def("apply_lanes", applyLanes, py::arg("lanes"), py::arg("operation"), py::arg("a"),
 	      py::arg("b"), py::arg("c"), "Apply an operation of lane.hpp to 16 numbers.");

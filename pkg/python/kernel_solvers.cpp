@@ -57,10 +57,10 @@ namespace {
 		settings.yieldCompliance = yieldCompliance;
 		settings.yieldImpulse    = yieldImpulse;
 		settings.reductions      = Reductions::of(reductions);
+		Workspace    own;
 		py::dict     results;
 		const Report report = timed(results, [&] {
-			return workspace ? solve(problem, solver, settings, *workspace)
-			                 : solve(problem, solver, settings);
+			return solve(problem, solver, settings, workspace ? *workspace : own);
 		});
 
 		std::vector<Impulse> relative;

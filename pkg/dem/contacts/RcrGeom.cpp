@@ -16,9 +16,7 @@ YADE_PLUGIN((RcrGeom)(Ig2_Planar_RcrGeom)
 void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr::Pose& at1,
         const rcr::PlanarShape& two, const rcr::Pose& at2)
 {
-	// the line along which points are sorted
-	const rcr::Pose& by = rcr::orderingPose(one, at1, at2);
-	const double     r1 = one.contactRadius(), r2 = two.contactRadius();
+	const double r1 = one.contactRadius(), r2 = two.contactRadius();
 	refR1  = r1 > 0 ? r1 : r2;
 	refR2  = r2;
 	points = m.count;
@@ -27,7 +25,7 @@ void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr
 	const auto vector = [](rcr::Vec2 v) { return Vector2r(v.x, v.y); };
 	for (int k = 0; k < 2; ++k) {
 		gap[k]   = m.points[k].gap;
-		along[k] = dot(m.points[k].position - by.center, by.axis);
+		along[k] = rcr::positionAlong(one, at1, at2, m.points[k].position);
 	}
 	position1 = vector(m.points[0].position), normal1 = vector(m.points[0].normal);
 	position2 = vector(m.points[1].position), normal2 = vector(m.points[1].normal);

@@ -165,13 +165,14 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 {
 	if (timed("missedContacts", [&] { return addMissedContacts(engines); })) {
 		firstBiases.clear();
-		if (pass == mostPasses - 1) rcr::removeBounces(step_); // the last pass has no review
+		if (pass == mostPasses - 1) rcr::removeRestitution(step_); // the last pass has no review
 		return PassOutcome::missedContact;
 	}
 	if (overdamped) return PassOutcome::consistent;
 	return timed("biasUpdate", [&] {
 		const bool nextIsLast = pass == mostPasses - 1;
-		if (yielded && rcr::lowerBounces(step_, nextIsLast)) return PassOutcome::restitutionLowered;
+		if (yielded && rcr::limitRestitution(step_, nextIsLast))
+			return PassOutcome::restitutionLowered;
 		// only changed biases may have no solution
 		if (yielded && rcr::restoreBiases(step_, firstBiases)) return PassOutcome::biasesRestored;
 		if (pass == 1 && driven.speed == 0) firstBiases = rcr::biases(step_.problem);

@@ -7,13 +7,13 @@ namespace rcr {
 namespace {
 
 	constexpr double infinity  = std::numeric_limits<double>::infinity();
-	constexpr int    samples        = 4;    // times within the step at which gaps are measured
-	constexpr int    bounceSamples  = 8;    // the same to decide about a bounce
+	constexpr int    samples            = 4; // times within the step at which gaps are measured
+	constexpr int    restitutionSamples = 8; // the same to cancel restitution
 	// gap over the slop that must stay open to release a contact
-	constexpr double clearance      = 0.02;
-	constexpr double loadedClearance = 0.5; // the same for a contact that bore a force
+	constexpr double clearance          = 0.02;
+	constexpr double loadedClearance    = 0.5; // the same for a contact that bore a force
 	// fraction of the path that a kept contact may leave open
-	constexpr double earlyArrival   = 0.01;
+	constexpr double earlyArrival       = 0.01;
 
 	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
@@ -71,8 +71,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		const int     number = contact.first + k;
 		ContactPoint& c      = step.problem.points[number];
 		const double  gap    = step.gap[number].now;
-		const double  path   = dt
-		        * relativeVelocity(step.problem, c).n;
+		const double  path   = dt * relativeVelocity(step.problem, c).n;
 		double        least  = infinity;
 		for (const Manifold& now : at)
 			least = std::min(least, gapOf(now, k, contact.count, c.normal));
@@ -88,13 +87,11 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		                    -earlyArrival * path);
 		const bool   released = allowRelease && step.problem.impulse[number].n > 0 && least > open
 		        && std::isfinite(least);
-		// a bounce at the beginning of the step
+		// restitution from the beginning of the step
 		if (contact.restitution > 0 && c.bias < 0) continue;
 		if (!sinks && !released) continue;
-		const double before
-		        = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity)
-		                  .n;
-		// a bounce within the step
+		const double before = step.initialVelocity(c).n;
+		// restitution within the step
 		if (sinks && contact.restitution > 0 && before < 0 && c.bias > 0) {
 			c.bias  = contact.restitution * before;
 			changed = true;
@@ -103,7 +100,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		const double curve = sinks
 		        ? (end - gap - share * path) / (share * share)
 		        : 2 * least - gap - path; // 2: also releases one of two loaded contacts
-		// at most an elastic bounce
+		// at most an elastic impact
 		const double bias   = std::max((std::max(gap, 0.0) + curve) / dt, std::min(0.0, before));
 		if (dt * std::abs(bias - c.bias) < clearance * slop) continue;
 		c.bias  = bias;
@@ -112,15 +109,15 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 	return changed;
 }
 
-bool cancelBounces(Step& step, const StepContact& contact)
+bool cancelRestitution(Step& step, const StepContact& contact)
 {
 	const auto bounces = [&](int k) { return step.problem.points[contact.first + k].bias < 0; };
 	if (!(bounces(0) || (contact.count == 2 && bounces(1)))) return false;
 	if (!displacesFar(step, contact, initial(step, contact.body1), initial(step, contact.body2)))
 		return false;
 	double least[2] = { infinity, infinity };
-	for (int sample = 1; sample <= bounceSamples; ++sample) {
-		const Manifold now = pointsAfter(step, contact, step.dt * sample / bounceSamples,
+	for (int sample = 1; sample <= restitutionSamples; ++sample) {
+		const Manifold now = pointsAfter(step, contact, step.dt * sample / restitutionSamples,
 		        [&](int id) { return initial(step, id); });
 		for (int k = 0; k < contact.count; ++k)
 			least[k] = std::min(least[k],
@@ -131,11 +128,10 @@ bool cancelBounces(Step& step, const StepContact& contact)
 		ContactPoint& c   = step.problem.points[contact.first + k];
 		const double  gap = step.gap[contact.first + k].now;
 		if (!bounces(k) || least[k] < std::min(0.0, gap) - clearance * contact.slop()) continue;
-		const double closing
-		        = -relativeVelocity(c, initial(step, c.body1), initial(step, c.body2)).n;
+		const double  closing = -step.initialVelocity(c).n;
 		// the bodies keep their velocities
-		c.bias               = std::max(gap, 0.0) / step.dt + closing;
-		changed              = true;
+		c.bias  = std::max(gap, 0.0) / step.dt + closing;
+		changed = true;
 	}
 	return changed;
 }

@@ -4,20 +4,20 @@
 // The gap at the end differs from this by the curvature of the path, about s²/2ρ for a relative
 // displacement s. A disc that passes a corner would be deflected by a plane that it never meets,
 // and a spinning rod would end inside a body. After each solve, the gap of a large displacement is
-// therefore measured at four instants of the step. If it ends below min(0, g) by more than the slop,
-// its difference c from the plane enters the bias, and the step is solved again:
+// therefore measured at four instants of the step. If it ends below min(0, g) by more than the
+// slop, its difference c from the plane enters the bias, and the step is solved again:
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
-// The bias is at least min(0, u_n⁻), so the contact pushes no harder than an elastic bounce (u_n⁻:
+// The bias is at least min(0, u_n⁻), so the contact pushes no harder than an elastic impact (u_n⁻:
 // normal velocity before the step). separation.hpp removes the overlap that is left.
 //
 // A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
-// with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0. The gap must exceed 2 % of
-// the slop. Without restitution it must also exceed 1 % of its closing path, and half the slop if the
-// contact bore a force when the step began.
+// with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0. The gap must exceed 2 %
+// of the slop. Without restitution it must also exceed 1 % of its closing path, and half the slop
+// if the contact bore a force when the step began.
 //
-// A bounce is cancelled if the bodies do not meet on their paths at the initial velocities.
+// Restitution is cancelled if the bodies do not meet on their paths at the initial velocities.
 //
 // Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
 #pragma once
@@ -68,16 +68,16 @@ Manifold pointsAfter(const Step& step, const StepContact& c, double time, Veloci
 Manifold solvedPointsAfter(const Step&, const StepContact&, double time);
 
 /// A body has passed through the other one up to `time`, when its contact points are `now`.
-/// Otherwise it is on its original side, or has moved around the other body. Bisection in time finds
-/// the change of the normal: continuous around a body, a jump through it.
+/// Otherwise it is on its original side, or has moved around the other body. Bisection in time
+/// finds the change of the normal: continuous around a body, a jump through it.
 bool passedThrough(const Step&, const StepContact&, const Manifold& now, double time);
 
 /// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias
 /// changed. `allowRelease`: contacts whose gap stays open along the path may be released.
 bool adaptToDisplacement(Step&, const StepContact&, bool allowRelease);
 
-/// Cancels bounces of a contact whose bodies do not meet at the initial velocities. Returns true if
-/// a bias changed.
-bool cancelBounces(Step&, const StepContact&);
+/// Cancels the restitution of a contact whose bodies do not meet at the initial velocities. Returns
+/// true if a bias changed.
+bool cancelRestitution(Step&, const StepContact&);
 
 } // namespace rcr

@@ -16,12 +16,12 @@
 
 namespace rcr {
 
-/// Computes step.displacement and step.strain; empty and 0 if no overlap exceeds the slop. `share`:
-/// β [-]. The workspace must hold the solved step.
-void correctPositions(Step&, double share, Workspace&);
+/// Computes step.displacement and step.strain; empty and 0 if no overlap exceeds the slop. The
+/// workspace must hold the solved step.
+void correctPositions(Step&, double beta, Workspace&);
 
 /// Computes problem.recovery: the velocities at which yielding contacts remove the fraction β of
 /// their overlaps, at finite forces.
-void prepareRecovery(Step&, double share, ThreadTeam&);
+void prepareRecovery(Step&, double beta, ThreadTeam&);
 
 } // namespace rcr

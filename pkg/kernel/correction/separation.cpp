@@ -93,7 +93,7 @@ namespace {
 		/// Overlap over R₁ + R₂ if it is one that the step must not leave [-]; else 0.
 		double excess(const StepContact& c) const
 		{
-			const double at = overlap(c);
+			const double at = pointsAtEnd(c).deepest();
 			return at > std::max(allowed(c), trigger * c.slop()) ? at / c.size : 0;
 		}
 
@@ -126,12 +126,6 @@ namespace {
 			for (int k = 0; k < c.count; ++k)
 				deepest = std::max(deepest, -step_.gap[c.first + k].now);
 			return (displacesFar(step_, c) ? kept : 1) * deepest + c.slop();
-		}
-
-		/// Deepest overlap at the end of the step [m].
-		double overlap(const StepContact& c) const
-		{
-			return pointsAtEnd(c).deepest();
 		}
 
 		void separate(int number)

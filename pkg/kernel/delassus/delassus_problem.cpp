@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "problem/refuse.hpp"
+#include "problem/residual.hpp"
 
 namespace rcr {
 
@@ -73,6 +74,9 @@ namespace {
 				refuse("contact ", k, ": q or the impulse is not finite");
 			if (!(problem.friction[k] >= 0 && std::isfinite(problem.friction[k])))
 				refuse("contact ", k, ": µ = ", problem.friction[k], "; expected µ ≥ 0");
+			if (problem.friction[k] > maxFriction)
+				refuse("contact ", k, ": µ = ", problem.friction[k],
+				        " is too large to measure errors; expected µ ≤ ", maxFriction);
 		}
 	}
 

@@ -45,8 +45,8 @@ struct DelassusProblem {
 	std::vector<Impulse>       velocity; // out: u of the solution
 };
 
-/// Checks array lengths, the pattern of W and every number; diagonals and friction must be ≥ 0.
-/// Throws std::invalid_argument.
+/// Checks array lengths, the pattern of W and every number; diagonals must be ≥ 0 and friction
+/// within 0 … 1000. Throws std::invalid_argument.
 void checkProblem(const DelassusProblem&);
 
 /// Solves the problem with the solver of that name (solve_delassus.cpp).

@@ -37,7 +37,7 @@ namespace {
 				const auto end = problem.column.begin() + problem.rowStart[k + 1];
 				diagonal_[k] = std::int32_t(std::lower_bound(row, end, k) - problem.column.begin());
 				if (block(k).nn <= 0)
-					problem.impulse[k] = {}; // two driven bodies: no impulse moves them
+					problem.impulse[k] = {}; // two prescribed bodies: no impulse moves them
 			}
 		}
 

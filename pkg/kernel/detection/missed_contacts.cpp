@@ -117,13 +117,10 @@ namespace {
 	/// Sorts by bodies and keeps the last entry of each pair.
 	void keepLastOfEach(std::vector<UpdatedContact>& updated)
 	{
-		const auto before = [](const UpdatedContact& a, const UpdatedContact& b) {
-			return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2;
+		const auto same = [](const UpdatedContact& a, const UpdatedContact& b) {
+			return a.body1 == b.body1 && a.body2 == b.body2;
 		};
-		const auto same = [&](const UpdatedContact& a, const UpdatedContact& b) {
-			return !before(a, b) && !before(b, a);
-		};
-		std::stable_sort(updated.begin(), updated.end(), before);
+		std::stable_sort(updated.begin(), updated.end(), precedes);
 		updated.erase(updated.begin(), std::unique(updated.rbegin(), updated.rend(), same).base());
 	}
 
@@ -141,26 +138,24 @@ namespace {
 	bool checkPair(Step& step, int id, int other, const MayMeet& mayMeet, bool exact = false)
 	{
 		if (step.bodies[id].owner == step.bodies[other].owner) return false;
-		const auto   kind    = [&](int body) { return step.bodies[body].shape.kind; };
-		const bool   ordered = kind(id) != kind(other) ? kind(id) < kind(other) : id < other;
-		UpdatedContact pair;
-		pair.body1 = ordered ? id : other;
-		pair.body2 = ordered ? other : id;
+		const auto shape = [&](int body) -> const PlanarShape& { return step.bodies[body].shape; };
+		if (!comesFirst(shape(id), id, shape(other), other)) std::swap(id, other);
 		// the simulation may hold a contact of equal kinds in either order
-		if (kind(id) == kind(other) && step.find(pair.body2, pair.body1))
-			std::swap(pair.body1, pair.body2);
-		if (!canTouch(kind(pair.body1), kind(pair.body2))) return false;
-		const StepBody &   one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
-		const StepContact* contact = step.find(pair.body1, pair.body2);
-		Pose               at2     = two.pose();
+		if (shape(id).kind == shape(other).kind && step.find(other, id)) std::swap(id, other);
+		if (!canTouch(shape(id).kind, shape(other).kind)) return false;
+		const StepBody &   one = step.bodies[id], &two = step.bodies[other];
+		const StepContact* contact = step.find(id, other);
+		UpdatedContact     pair;
+		pair.body1 = id;
+		pair.body2 = other;
 		pair.shift = contact ? contact->shift : step.cell.nearestShift(two.center - one.center);
-		pair.known                 = contact;
-		at2.center                 = at2.center + pair.shift;
-		const double reach         = reachOf(step, pair.body1) + reachOf(step, pair.body2);
-		pair.manifold              = contactPoints(one.shape, one.pose(), two.shape, at2, reach);
+		pair.known = contact;
+		pair.manifold = contactPoints(one.shape, one.pose(), two.shape,
+		        shifted(two.pose(), pair.shift), reachOf(step, id) + reachOf(step, other));
 		if (isKnown(step, contact, pair.manifold, exact)) return false;
-		if (exact && pair.manifold.count == 0) return false; // keeps a contact beyond a smaller reach
-		if (!contact && !mayMeet(pair.body1, pair.body2)) return false;
+		// keeps a contact beyond a smaller reach
+		if (exact && pair.manifold.count == 0) return false;
+		if (!contact && !mayMeet(id, other)) return false;
 		step.updated.push_back(pair);
 		return true;
 	}
@@ -215,16 +210,6 @@ bool findMissedContacts(Step& step, const MayMeet& mayMeet)
 
 namespace {
 
-	/// Position of a point along the body by whose axis the points of the pair are sorted [m].
-	double along(const Step& step, const StepContact& c, Vec2 position)
-	{
-		const StepBody &one = step.bodies[c.body1], &two = step.bodies[c.body2];
-		Pose            at2 = two.pose();
-		at2.center          = at2.center + c.shift;
-		const Pose at1      = one.pose(), &by = orderingPose(one.shape, at1, at2);
-		return dot(position - by.center, by.axis);
-	}
-
 	/// What a point starts with: its force, and whether it bore one when the step began.
 	struct Start {
 		Impulse force;
@@ -238,11 +223,15 @@ namespace {
 		for (int k = 0; k < old.count; ++k)
 			start[k] = { step.force[old.first + k], step.gap[old.first + k].carried };
 		if (!now || old.count == now->count) return;
+		const StepBody &one = step.bodies[old.body1], &two = step.bodies[old.body2];
+		const auto      along = [&](Vec2 position) {
+            return positionAlong(one.shape, one.pose(), shifted(two.pose(), old.shift), position);
+		};
 		double before[2] {}, after[2] {};
 		for (int k = 0; k < old.count; ++k)
-			before[k] = along(step, old, step.point(old, k).position);
+			before[k] = along(step.point(old, k).position);
 		for (int k = 0; k < now->count; ++k)
-			after[k] = along(step, old, now->points[k].position);
+			after[k] = along(now->points[k].position);
 		carryForward(old.count, before, now->count, after, start[0], start[1], Start {});
 	}
 
@@ -268,10 +257,8 @@ namespace {
 			                        step.cell.drift(g.shift) },
 			        &g });
 		}
-		std::sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) {
-			return a.contact.body1 != b.contact.body1 ? a.contact.body1 < b.contact.body1
-			                                          : a.contact.body2 < b.contact.body2;
-		});
+		std::sort(all.begin(), all.end(),
+		        [](const Entry& a, const Entry& b) { return precedes(a.contact, b.contact); });
 		return all;
 	}
 

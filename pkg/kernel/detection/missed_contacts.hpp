@@ -3,7 +3,7 @@
 // Detection covers gaps up to the reach of a pair, which follows from the velocities at the
 // beginning of the step:
 //
-//   reach = e₁ + e₂,   e = max(0.01 R', 2 dt (|v| + |ω| R)) for a grain,  2 dt (|v| + |ω| R) for an obstacle
+//   reach = e₁ + e₂,   e = 2 dt (|v| + |ω| R), for a grain at least 0.01 R'
 //
 // A body that is released or hit may move further. After the solve, a body whose path exceeds its
 // e gets e + 1.5 times its path. If an undetected gap then closes beyond the slop, all contacts

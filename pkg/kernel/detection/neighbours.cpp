@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-
-#include "detection/missed_contacts.hpp"
+#include <limits>
+#include <numeric>
 
 namespace rcr {
 
@@ -32,31 +32,29 @@ namespace {
 		return sum;
 	}
 
+	/// The value that `count` smaller ones precede in order; 0 without values.
+	double ranked(std::vector<double>& values, std::size_t count)
+	{
+		if (values.empty()) return 0;
+		std::nth_element(values.begin(), values.begin() + count, values.end());
+		return values[count];
+	}
+
+	/// The value that `count` larger ones follow in order; 0 without values.
+	double rankedFromTop(std::vector<double>& values, std::size_t count)
+	{
+		return ranked(values, values.size() - 1 - count);
+	}
+
 	/// Interval that holds all but 1 % of the values, so that a few distant grains do not enlarge
 	/// the grid.
 	std::pair<double, double> bulk(std::vector<double>& x)
 	{
-		if (x.empty()) return { 0, 0 };
 		const std::size_t few = x.size() / 200;
-		std::nth_element(x.begin(), x.begin() + few, x.end());
-		const double low = x[few];
-		std::nth_element(x.begin(), x.end() - 1 - few, x.end());
-		return { low, x[x.size() - 1 - few] };
+		return { ranked(x, few), rankedFromTop(x, few) };
 	}
 
-	/// Quantile of the values that at most a tenth of the repairable fraction exceeds.
-	double upperQuantile(std::vector<double>& x)
-	{
-		if (x.empty()) return 0;
-		const auto place = x.end() - 1 - std::ptrdiff_t(x.size() / (10 * repairFraction));
-		std::nth_element(x.begin(), place, x.end());
-		return *place;
-	}
-
-	bool first(const PlanarShape& a, const PlanarShape& b, std::int32_t idA, std::int32_t idB)
-	{
-		return a.kind != b.kind ? a.kind < b.kind : idA < idB;
-	}
+	int clipped(double place, int count) { return int(std::clamp(place, 0.0, double(count - 1))); }
 
 } // namespace
 
@@ -104,11 +102,6 @@ bool Neighbours::update(const Step& step, ThreadTeam& team)
 	return true;
 }
 
-double Neighbours::extent(std::size_t id) const
-{
-	return at_[id].shape.radius() + at_[id].reach + margin_;
-}
-
 /// Bounding box of a body, enlarged by its reach, the margin and `more` [m].
 Neighbours::Box Neighbours::box(std::size_t id, double more) const
 {
@@ -138,7 +131,9 @@ void Neighbours::chooseMargin(const Step& step)
 		++grains;
 	}
 	const double radius = grains > 0 ? radii / grains : 0;
-	margin_ = std::clamp(stepsAhead * upperQuantile(paths), least * radius, most * radius);
+	// exceeded by at most a tenth of the bodies that a repair may move
+	const double path = rankedFromTop(paths, paths.size() / (10 * repairFraction));
+	margin_           = std::clamp(stepsAhead * path, least * radius, most * radius);
 }
 
 /// Sorts grains into cells, except for the widest, which search their surroundings.
@@ -156,17 +151,12 @@ void Neighbours::sortIntoCells(const Step& step)
 		}
 		x.push_back(at_[id].pose.center.x), y.push_back(at_[id].pose.center.y);
 		grains.push_back(std::int32_t(id));
-		extents.push_back(extent(id));
+		extents.push_back(at_[id].shape.radius() + at_[id].reach + margin_);
 	}
-	double widest = 0;
-	if (!extents.empty()) {
-		const auto exempt
-		        = std::min(extents.size() - 1, std::size_t(std::sqrt(double(extents.size()))));
-		std::vector<double> sorted = extents;
-		std::nth_element(
-		        sorted.begin(), sorted.begin() + (sorted.size() - 1 - exempt), sorted.end());
-		widest = sorted[sorted.size() - 1 - exempt];
-	}
+	std::vector<double> ordered = extents;
+	const std::size_t   exempt
+	        = std::min(extents.size() - 1, std::size_t(std::sqrt(double(extents.size()))));
+	const double widest      = rankedFromTop(ordered, exempt);
 	const auto [left, right] = bulk(x);
 	const auto [low, high]   = bulk(y);
 	const Vec2 size { right - left, high - low };
@@ -190,8 +180,7 @@ void Neighbours::sortIntoCells(const Step& step)
 		cell[k]      = row(c.y) * columns_ + column(c.x);
 		++firstIn_[cell[k] + 1];
 	}
-	for (std::size_t k = 1; k < firstIn_.size(); ++k)
-		firstIn_[k] += firstIn_[k - 1];
+	std::partial_sum(firstIn_.begin(), firstIn_.end(), firstIn_.begin());
 	inCells_.resize(firstIn_.back());
 	std::vector<std::int32_t> place = firstIn_;
 	for (std::size_t k = 0; k < grains.size(); ++k)
@@ -205,10 +194,6 @@ bool Neighbours::near(std::int32_t body1, std::int32_t body2) const
 	if (apart(one.shape, one.pose.center, two.shape, two.pose.center, reach)) return false;
 	return contactPoints(one.shape, one.pose, two.shape, two.pose, reach * (1 + 1e-9)).count > 0;
 }
-
-namespace {
-	int clipped(double place, int count) { return int(std::clamp(place, 0.0, double(count - 1))); }
-} // namespace
 
 int Neighbours::column(double x) const { return clipped((x - origin_.x) / width_, columns_); }
 int Neighbours::row(double y) const { return clipped((y - origin_.y) / width_, rows_); }
@@ -234,10 +219,9 @@ void Neighbours::searchNarrow(const Step& step, ThreadTeam& team)
 		        id < std::min(step.bodies.size(), std::size_t(part + 1) * bodiesPerPart); ++id) {
 			if (isWide_[id]) continue;
 			const std::size_t begin = found.size();
-			const Vec2        c     = at_[id].pose.center, half { 0.5 * width_, 0.5 * width_ },
-			           round        = half + half;
-			forEachGrain({ c - round, c + round }, [&](std::int32_t other) {
-				if (first(at_[id].shape, at_[other].shape, std::int32_t(id), other)
+			const Vec2        c     = at_[id].pose.center, around { width_, width_ };
+			forEachGrain({ c - around, c + around }, [&](std::int32_t other) {
+				if (comesFirst(at_[id].shape, int(id), at_[other].shape, other)
 				        && near(std::int32_t(id), other))
 					found.push_back({ std::int32_t(id), other });
 			});
@@ -257,7 +241,7 @@ void Neighbours::searchAround(const std::vector<std::int32_t>& bodies, ThreadTea
 		const std::int32_t id = bodies[k];
 		found_[k].clear();
 		const auto take = [&](std::int32_t other) {
-			const bool ordered = first(at_[id].shape, at_[other].shape, id, other);
+			const bool ordered = comesFirst(at_[id].shape, id, at_[other].shape, other);
 			const auto pair    = ordered ? std::make_pair(id, other) : std::make_pair(other, id);
 			if (canTouch(at_[pair.first].shape.kind, at_[pair.second].shape.kind)
 			        && near(pair.first, pair.second))

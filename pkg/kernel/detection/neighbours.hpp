@@ -4,7 +4,7 @@
 // (detection/missed_contacts.hpp). The list holds all pairs with a gap up to e₁ + e₂ + 2 s. It is
 // valid while every body satisfies
 //
-//   |x − x₀| + a |t − t₀| + e − e₀ ≤ s        a |t − t₀|: displacement of the ends of its core by rotation
+//   |x − x₀| + a |t − t₀| + e − e₀ ≤ s     a |t − t₀|: displacement of the ends of its core
 //
 // The margin s is the path of all but the fastest bodies in 12 steps, within 0.05 to 0.4 mean cap
 // radii. Candidates come from a grid. A cell is as wide as the search circles of all but the widest
@@ -20,8 +20,8 @@
 
 namespace rcr {
 
-/// Sufficient test, by centres, that two surfaces are further apart than `reach` [m]; false for boxes
-/// and segments.
+/// Sufficient test, by centres, that two surfaces are further apart than `reach` [m]; false for
+/// boxes and segments.
 inline bool apart(const PlanarShape& one, Vec2 at1, const PlanarShape& two, Vec2 at2, double reach)
 {
 	const Vec2   between = at2 - at1;
@@ -57,7 +57,6 @@ private:
 	void  repair(const Step&, ThreadTeam&);
 	bool  findMovedBodies(const Step&, ThreadTeam&);
 	Place placeOf(const StepBody&) const;
-	double extent(std::size_t id) const; // radius of the circle in which a grain has pairs
 	Box    box(std::size_t id, double more) const;
 	int    column(double x) const;
 	int    row(double y) const;

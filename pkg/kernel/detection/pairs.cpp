@@ -3,50 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "detection/missed_contacts.hpp"
+#include "step/carry_forward.hpp"
 
 namespace rcr {
-
-namespace {
-
-	/// Positions of the points of a manifold along the body by whose axis they are sorted [m].
-	void positionsAlong(
-	        const StepBody& one, const StepBody& two, const Manifold& manifold, double (&along)[2])
-	{
-		const Pose at1 = one.pose(), at2 = two.pose(), &by = orderingPose(one.shape, at1, at2);
-		for (int k = 0; k < 2; ++k)
-			along[k] = dot(manifold.points[k].position - by.center, by.axis);
-	}
-
-	template <class One, class Two> bool before(const One& a, const Two& b)
-	{
-		return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2;
-	}
-	template <class One, class Two> bool same(const One& a, const Two& b)
-	{
-		return a.body1 == b.body1 && a.body2 == b.body2;
-	}
-
-	/// Inserts new pairs in order.
-	void insert(Pairs& pairs, std::vector<Pair> more)
-	{
-		std::size_t from = pairs.all.size(), to = from + more.size();
-		pairs.all.resize(to);
-		pairs.manifold.resize(to);
-		while (!more.empty()) {
-			--to;
-			if (from > 0 && before(more.back(), pairs.all[from - 1])) {
-				--from;
-				pairs.all[to]      = pairs.all[from];
-				pairs.manifold[to] = pairs.manifold[from];
-			} else {
-				pairs.all[to] = more.back();
-				more.pop_back();
-			}
-		}
-	}
-
-} // namespace
 
 void Pairs::assign(const Neighbours::List& list, bool again)
 {
@@ -59,9 +18,9 @@ void Pairs::assign(const Neighbours::List& list, bool again)
 	for (const auto& [one, two] : list) {
 		Pair pair;
 		pair.body1 = one, pair.body2 = two;
-		for (; old < all.size() && before(all[old], pair); ++old)
+		for (; old < all.size() && precedes(all[old], pair); ++old)
 			if (again && all[old].points > 0) keep(old);
-		if (old < all.size() && same(all[old], pair))
+		if (old < all.size() && !precedes(pair, all[old]))
 			keep(old++);
 		else
 			now.all.push_back(pair), now.manifold.emplace_back();
@@ -78,54 +37,53 @@ void Pairs::detect(const Step& step, ThreadTeam& team, bool again)
 		Pair&           pair = all[k];
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		const double    reach = one.alertDistance + two.alertDistance;
-		pair.fresh            = false;
-		if (apart(one.shape, one.center, two.shape, two.center, reach)
-		        || !canTouch(one.shape.kind, two.shape.kind)) {
-			if (!again) pair.points = 0;
-			return;
-		}
-		const Manifold found = contactPoints(one.shape, one.pose(), two.shape, two.pose(), reach);
+		const Pose      at1 = one.pose(), at2 = two.pose();
+		Manifold        found;
+		if (!apart(one.shape, one.center, two.shape, two.center, reach)
+		        && canTouch(one.shape.kind, two.shape.kind))
+			found = contactPoints(one.shape, at1, two.shape, at2, reach);
+		pair.fresh = found.count > 0 && pair.points == 0;
 		if (found.count == 0) {
 			if (!again) pair.points = 0;
 			return;
 		}
-		manifold[k] = found;
-		double along[2];
-		positionsAlong(one, two, manifold[k], along);
-		pair.fresh = pair.points == 0;
 		if (pair.fresh) pair.force[0] = pair.force[1] = {};
-		carryForward(pair.points, pair.along, manifold[k].count, along, pair.force[0],
-		        pair.force[1], Impulse {});
-		pair.points = manifold[k].count;
+		double along[2];
+		for (int point = 0; point < 2; ++point)
+			along[point] = positionAlong(one.shape, at1, at2, found.points[point].position);
+		carryForward(pair.points, pair.along, found.count, along, pair.force[0], pair.force[1],
+		        Impulse {});
+		manifold[k] = found;
+		pair.points = found.count;
 		std::copy_n(along, 2, pair.along);
 	});
 }
 
 void Pairs::addFound(const Step& step, long iteration)
 {
-	const auto find = [&](const UpdatedContact& found) {
-		return std::lower_bound(all.begin(), all.end(), found, before<Pair, UpdatedContact>);
-	};
-	std::vector<Pair> more;
+	if (step.added.empty()) return;
+	Neighbours::List list;
+	list.reserve(all.size() + step.added.size());
+	for (const Pair& pair : all)
+		list.emplace_back(pair.body1, pair.body2);
+	for (const UpdatedContact& found : step.added)
+		list.emplace_back(found.body1, found.body2);
+	std::sort(list.begin() + all.size(), list.end());
+	std::inplace_merge(list.begin(), list.begin() + all.size(), list.end());
+	list.erase(std::unique(list.begin(), list.end()), list.end());
+	assign(list);
 	for (const UpdatedContact& found : step.added) {
-		const auto place = find(found);
-		if (place != all.end() && same(*place, found)) continue;
-		more.emplace_back();
-		more.back().body1 = found.body1, more.back().body2 = found.body2;
-	}
-	std::sort(more.begin(), more.end(), before<Pair, Pair>); // two passes may find the same pair
-	more.erase(std::unique(more.begin(), more.end(), same<Pair, Pair>), more.end());
-	insert(*this, std::move(more));
-	for (const UpdatedContact& found : step.added) {
-		Pair& pair = *find(found);
+		Pair& pair = *std::lower_bound(all.begin(), all.end(), found, precedes);
 		if (pair.points == 0) {
 			pair.friction = found.friction, pair.restitution = found.restitution;
 			pair.since = iteration;
 		}
 		manifold[&pair - all.data()] = found.manifold;
 		pair.points                  = found.manifold.count;
-		positionsAlong(
-		        step.bodies[pair.body1], step.bodies[pair.body2], found.manifold, pair.along);
+		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
+		for (int k = 0; k < 2; ++k)
+			pair.along[k] = positionAlong(
+			        one.shape, one.pose(), two.pose(), found.manifold.points[k].position);
 	}
 }
 
@@ -133,7 +91,7 @@ void Pairs::numberContacts(Step& step) const
 {
 	auto pair = all.begin();
 	for (StepContact& contact : step.contacts) {
-		while (before(*pair, contact))
+		while (precedes(*pair, contact))
 			++pair;
 		contact.source = int(pair - all.begin());
 	}

@@ -5,7 +5,6 @@
 
 #include <vector>
 
-#include "step/carry_forward.hpp"
 #include "detection/neighbours.hpp"
 
 namespace rcr {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <numeric>
 
 // Clones for wider registers, chosen at load time. Products and sums stay separate
 // (-ffp-contract=off), so all clones give the same bits. ThreadSanitizer does not support clones.
@@ -112,8 +113,7 @@ BlockLu::BlockLu(std::int32_t size, const std::vector<Pair>& pairs) : size_(size
 		++begin[pair.first + 1];
 		++begin[pair.second + 1];
 	}
-	for (std::int32_t i = 0; i < size; ++i)
-		begin[i + 1] += begin[i];
+	std::partial_sum(begin.begin(), begin.end(), begin.begin());
 	std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
 	for (const Pair& pair : pairs) {
 		neighbours[next[pair.first]++]  = pair.second;
@@ -172,8 +172,7 @@ void BlockLu::transposePattern()
 	leftStart_.assign(size_ + 1, 0);
 	for (std::int32_t row : rows_)
 		++leftStart_[row + 1];
-	for (std::int32_t i = 0; i < size_; ++i)
-		leftStart_[i + 1] += leftStart_[i];
+	std::partial_sum(leftStart_.begin(), leftStart_.end(), leftStart_.begin());
 	leftEntry_.resize(rows_.size());
 	leftEnd_.resize(rows_.size());
 	std::vector<std::int32_t> next(leftStart_.begin(), leftStart_.end() - 1);

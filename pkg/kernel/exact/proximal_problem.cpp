@@ -8,8 +8,6 @@ namespace rcr {
 
 namespace {
 
-	bool prescribed(const InverseMass& m) { return m.x == 0 && m.y == 0 && m.rotation == 0; }
-
 	/// Row of Ĵ of one body: direction d, lever arm, sign −1 for body 1 and +1 for body 2.
 	BlockVector scaledRow(Vec2 d, Vec2 arm, const InverseMass& m, double sign)
 	{
@@ -32,7 +30,7 @@ namespace {
 			contacts.push_back({ c.body1, c.body2, scaledRow(n, c.arm1, m1, -1),
 			        scaledRow(t, c.arm1, m1, -1), scaledRow(n, c.arm2, m2, 1),
 			        scaledRow(t, c.arm2, m2, 1), c.friction, c.bias, w.nn,
-			        prescribed(m1) || prescribed(m2) ? -1 : 0, c.body1 > c.body2 });
+			        m1.prescribed() || m2.prescribed() ? -1 : 0, c.body1 > c.body2 });
 			origin.push_back(k);
 		}
 		return contacts;

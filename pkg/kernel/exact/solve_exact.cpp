@@ -77,10 +77,7 @@ namespace {
 		problem.impulse.assign(problem.points.size(), {});
 		Settings cold    = settings;
 		cold.sameProblem = false;
-		Report again     = sweep(problem, cold, tolerance, most(left), workspace);
-		again.iterations += report.iterations;
-		again.work += report.work;
-		return again;
+		return sweep(problem, cold, tolerance, most(left), workspace).after(report);
 	}
 
 	/// One proximal step about the present impulses.
@@ -126,8 +123,7 @@ Report solveExact(ContactProblem& problem,
 		report.iterations = 0, report.work = 0;
 	} else {
 		report           = begin(problem, settings, workspace);
-		report.converged = report.reached(settings)
-		        && report.kinematicError <= settings.kinematicTolerance;
+		report.converged = report.accurate(settings);
 		if (report.converged || report.iterations >= settings.maxIterations) return report;
 		report.yielded = hasNoSolution();
 		if (report.yielded) return report;

@@ -12,7 +12,6 @@
 // kind that comes first in this table: normals point from an obstacle to a grain.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 
 #include "geometry/shadow_overlap.hpp"
@@ -77,15 +76,24 @@ inline bool canTouch(PlanarShape::Kind one, PlanarShape::Kind two)
 	return one != PlanarShape::none && two >= PlanarShape::disc && one <= two;
 }
 
+/// True if a body comes first in a pair: by its kind, then by its number.
+inline bool comesFirst(const PlanarShape& one, int id1, const PlanarShape& two, int id2)
+{
+	return one.kind != two.kind ? one.kind < two.kind : id1 < id2;
+}
+
 /// Contact points of two bodies with gaps up to `alertDistance` [m]. Requires canTouch.
 Manifold contactPoints(
         const PlanarShape& one, const Pose& at1, const PlanarShape& two, const Pose& at2,
         double alertDistance);
 
-/// Pose whose axis orders the points of a pair: of body 1 for two grains, else of the grain.
-inline const Pose& orderingPose(const PlanarShape& one, const Pose& at1, const Pose& at2)
+/// Position along the axis that orders the points of a pair [m]: of body 1 for two grains, else of
+/// the grain.
+inline double positionAlong(
+        const PlanarShape& one, const Pose& at1, const Pose& at2, Vec2 position)
 {
-	return one.kind == PlanarShape::stadium ? at1 : at2;
+	const Pose& by = one.kind == PlanarShape::stadium ? at1 : at2;
+	return dot(position - by.center, by.axis);
 }
 
 } // namespace rcr

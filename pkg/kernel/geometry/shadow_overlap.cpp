@@ -137,15 +137,13 @@ Manifold shadowOverlap(
 		Facing least;
 		least.distance = -std::numeric_limits<double>::infinity();
 		for (int k = 0; k < 4; ++k) {
-			const Vec2   axis = k < 2 ? at1.axis : at2.axis;
-			const Vec2   end  = k < 2 ? facing[k].core2 : facing[k].core1;
-			const Vec2   base = k < 2 ? at1.center : at2.center;
-			const double h    = cross(axis, end - base);
+			const Pose&  at  = k < 2 ? at1 : at2;
+			const Vec2   end = k < 2 ? facing[k].core2 : facing[k].core1;
+			const double h   = cross(at.axis, end - at.center);
 			if (-std::abs(h) <= least.distance) continue;
-			const Vec2 foot = end - h * perp(axis);
-			const Vec2 out  = (k < 2 ? -sign(h) : sign(h)) * perp(axis);
-			least           = k < 2 ? Facing { foot, end, out, -std::abs(h), true }
-			                        : Facing { end, foot, out, -std::abs(h), true };
+			const Vec2   side = perp(at.axis);
+			const Facing back { end - h * side, end, -sign(h) * side, -std::abs(h), true };
+			least = k < 2 ? back : swapped(back);
 		}
 		return manifold(&least, 1, s1.capRadius, s2.capRadius, alertDistance, at1.axis);
 	}

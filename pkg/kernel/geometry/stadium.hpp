@@ -24,6 +24,8 @@ struct Pose {
 	Vec2 axis { 1, 0 };
 };
 
+inline Pose shifted(const Pose& at, Vec2 by) { return { at.center + by, at.axis }; }
+
 inline Pose pose(Vec2 center, double angle)
 {
 	return { center, { std::cos(angle), std::sin(angle) } };
@@ -43,13 +45,6 @@ inline double polarMoment(const Stadium& s)
 	// the centroid of a half disc is 4r/3π from its cut
 	const double halfDiscs = M_PI * r * r * (r * r / 2 + a * a) + 8 * a * r * r * r / 3;
 	return rectangle + halfDiscs;
-}
-
-/// Support point: the point of the stadium that is farthest along a unit direction [m].
-inline Vec2 support(const Stadium& s, const Pose& at, Vec2 direction)
-{
-	const double end = dot(at.axis, direction) < 0 ? -s.halfLength : s.halfLength;
-	return at.center + end * at.axis + s.capRadius * direction;
 }
 
 /// Half widths of the axis-aligned bounding box [m].

@@ -4,15 +4,13 @@
 
 #include "parallel/thread_team.hpp"
 #include "problem/refuse.hpp"
+#include "problem/residual.hpp"
 
 namespace rcr {
 
 namespace {
 
 	constexpr double normalTolerance = 2e-6; // deviation of |n|² from 1 [-]
-	/// A point that closes and slips has a residual of about 1/µ, because µ |u_t| exceeds u_n. For
-	/// µ > 1e4 it would meet the default tolerance. 1e3 is an angle of 89.94°: points stick.
-	constexpr double maxFriction = 1e3;
 
 	void checkSize(const char* what, std::size_t given, std::size_t expected)
 	{
@@ -26,10 +24,14 @@ namespace {
 		return ((values - values) + ...) == 0;
 	}
 
+	bool isFinite(const InverseMass& m, const Twist& v)
+	{
+		return finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation);
+	}
+
 	bool isValid(const InverseMass& m, const Twist& v)
 	{
-		return finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation) & (m.x >= 0) & (m.y >= 0)
-		        & (m.rotation >= 0);
+		return isFinite(m, v) & (m.x >= 0) & (m.y >= 0) & (m.rotation >= 0);
 	}
 
 	bool idsInRange(const ContactPoint& c, std::size_t bodies)
@@ -40,18 +42,22 @@ namespace {
 
 	bool isUnit(Vec2 normal) { return std::abs(dot(normal, normal) - 1) <= normalTolerance; }
 
+	bool isFinite(const ContactPoint& c, const Impulse& p)
+	{
+		return finite(
+		        c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction,
+		        c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t);
+	}
+
 	bool isValid(const ContactPoint& c, const Impulse& p, std::size_t bodies)
 	{
 		return idsInRange(c, bodies) & (c.body1 != c.body2) & isUnit(c.normal) & (c.friction >= 0)
-		        & (c.friction <= maxFriction)
-		        & finite(
-		                c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction, c.drift.x,
-		                c.drift.y, c.shift.x, c.shift.y, p.n, p.t);
+		        & (c.friction <= maxFriction) & isFinite(c, p);
 	}
 
 	[[noreturn]] void refuseBody(std::size_t i, const InverseMass& m, const Twist& v)
 	{
-		if (!finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation))
+		if (!isFinite(m, v))
 			refuse("body ", i, ": a mass or velocity is not finite");
 		refuse("body ", i,
 		       ": an inverse mass is negative; expected 1/m > 0, or 0 for prescribed motion");
@@ -62,9 +68,7 @@ namespace {
 	{
 		if (!idsInRange(c, bodies)) refuse("contact point ", k, ": body id out of range");
 		if (c.body1 == c.body2) refuse("contact point ", k, ": both bodies are the same");
-		if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
-		            c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t))
-			refuse("contact point ", k, ": a number is not finite");
+		if (!isFinite(c, p)) refuse("contact point ", k, ": a number is not finite");
 		if (!isUnit(c.normal)) refuse("contact point ", k, ": the normal is not of unit length");
 		if (c.friction < 0)
 			refuse("contact point ", k, ": the friction coefficient is negative; expected µ ≥ 0");
@@ -91,17 +95,21 @@ void updateVelocity(ContactProblem& problem)
 		applyImpulse(
 		        c, problem.impulse[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
 		        problem.velocity[c.body1], problem.velocity[c.body2]);
-		stretching
-		        = stretching
-		        + componentwise(
-		                  c.shift,
-		                  problem.impulse[k].n * c.normal + problem.impulse[k].t * perp(c.normal));
+		stretching = stretching + componentwise(c.shift, inPlane(c.normal, problem.impulse[k]));
 	}
 	if (problem.stretches())
 		problem.setStretch(componentwise(problem.inverseStretchMass, stretching));
 }
 
-double fastestPrescribedMotion(const ContactProblem& problem)
+std::vector<int> drivenBodies(const ContactProblem& problem)
+{
+	std::vector<int> driven;
+	for (int body = 0; body < int(problem.inverseMass.size()); ++body)
+		if (problem.driven(body)) driven.push_back(body);
+	return driven;
+}
+
+double drivenSpeed(const ContactProblem& problem)
 {
 	double     fastest = 0;
 	const auto include = [&](int body, Vec2 arm) {

@@ -15,7 +15,7 @@
 // | M⁻¹    | InverseMass        | 1/kg, 1/(kg m²) | 0: this degree of freedom is prescribed       |
 // | n      | normal             | –         | unit, from body 1 to body 2; t: n rotated by +90°   |
 // | r₁, r₂ | arm1, arm2         | m         | point minus centre of body 1, of body 2             |
-// | b_n    | bias               | m/s       | gap/dt if open, restitution if the point bounces    |
+// | b_n    | bias               | m/s       | gap/dt if open, or velocity of restitution          |
 // | µ      | friction           | –         | Coulomb coefficient                                 |
 // | d      | drift              | m/s       | velocity of the periodic image of body 2, relative  |
 // | s      | shift              | m         | from body 2 to that image; 0 for a rigid cell       |
@@ -39,8 +39,12 @@ class ThreadTeam;
 struct InverseMass {
 	double x = 0, y = 0; // 1/m along each axis; a mobile wall is free along one axis
 	double rotation = 0; // 1/I
+
+	/// True if no impulse changes the motion of the body.
+	bool prescribed() const { return x == 0 && y == 0 && rotation == 0; }
 };
 
+/// Components (x, y, rotation) of a velocity, displacement, impulse or force of a body.
 struct Twist {
 	double x = 0, y = 0, rotation = 0;
 };
@@ -52,7 +56,7 @@ inline Twist operator+(const Twist& a, const Twist& b)
 inline Twist operator*(double s, const Twist& a) { return { s * a.x, s * a.y, s * a.rotation }; }
 inline Twist operator/(const Twist& a, double s) { return { a.x / s, a.y / s, a.rotation / s }; }
 
-/// Components (n, t) at a contact point, of an impulse or of its conjugate velocity.
+/// Components (n, t) of an impulse, force or velocity at a contact point.
 struct Impulse {
 	double n = 0, t = 0;
 };
@@ -94,12 +98,7 @@ struct ContactProblem {
 	/// Sets the stretch and updates the drifts of all points.
 	void setStretch(Vec2);
 
-	/// True if no impulse changes the motion of this body.
-	bool prescribed(int body) const
-	{
-		const InverseMass& m = inverseMass[body];
-		return m.x == 0 && m.y == 0 && m.rotation == 0;
-	}
+	bool prescribed(int body) const { return inverseMass[body].prescribed(); }
 
 	/// Prescribed components of the velocity of a body; free components are 0 [m/s, 1/s].
 	Twist prescribedMotion(int body) const
@@ -117,8 +116,11 @@ struct ContactProblem {
 	}
 };
 
-/// Largest prescribed speed at any contact point, of bodies and of periodic images [m/s].
-double fastestPrescribedMotion(const ContactProblem&);
+/// Numbers of the driven bodies.
+std::vector<int> drivenBodies(const ContactProblem&);
+
+/// Largest speed of driven motion at a contact point, of bodies and of periodic images [m/s].
+double drivenSpeed(const ContactProblem&);
 
 /// u at a point for given velocities of its bodies, components (n, t) [m/s].
 inline Impulse relativeVelocity(const ContactPoint& c, const Twist& v1, const Twist& v2)
@@ -142,12 +144,15 @@ inline Impulse freeRelativeVelocity(const ContactProblem& problem, const Contact
 	return relativeVelocity(free, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
 }
 
+/// Components along x and y of an impulse (n, t) at a point with this normal.
+inline Vec2 inPlane(Vec2 normal, Impulse p) { return p.n * normal + p.t * perp(normal); }
+
 /// Adds M⁻¹ Jᵀ p of one point to the velocities of its two bodies.
 inline void applyImpulse(
         const ContactPoint& c, const Impulse& p, const InverseMass& m1, const InverseMass& m2,
         Twist& v1, Twist& v2)
 {
-	const Vec2 f = p.n * c.normal + p.t * perp(c.normal);
+	const Vec2 f = inPlane(c.normal, p);
 	v1.x -= m1.x * f.x;
 	v1.y -= m1.y * f.y;
 	v1.rotation -= m1.rotation * cross(c.arm1, f);

@@ -96,4 +96,11 @@ inline Impulse projectCone(Impulse p, double friction)
 	return { n, std::copysign(friction * n, p.t) };
 }
 
+/// Error p − P_K(p − (u + µ|u_t| n)/w_nn) of one point (residual.hpp). `u` includes the bias b_n.
+inline Impulse lawError(Impulse p, Impulse u, double friction, double wnn)
+{
+	const Impulse stepped { p.n - (u.n + friction * std::abs(u.t)) / wnn, p.t - u.t / wnn };
+	return p - projectCone(stepped, friction);
+}
+
 } // namespace rcr

@@ -46,36 +46,37 @@ namespace {
 		return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * velocityScale;
 	}
 
-} // namespace
+	/// The bound of the header over V [-], for impulses projected onto their cones. Infinity: no
+	/// velocities are admissible. 0: this direction proves nothing.
+	double velocityChangeBound(const ContactProblem& problem, const std::vector<Impulse>& direction)
+	{
+		std::vector<Impulse> d(direction.size());
+		std::vector<Twist>   change(problem.inverseMass.size()); // M⁻¹Jᵀd
+		Vec2                 stretchImpulse;
+		for (std::size_t k = 0; k < d.size(); ++k) {
+			const ContactPoint& c = problem.points[k];
+			d[k]                  = projectCone(direction[k], c.friction);
+			applyImpulse(
+			        c, d[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
+			        change[c.body1], change[c.body2]);
+			stretchImpulse = stretchImpulse + componentwise(c.shift, inPlane(c.normal, d[k]));
+		}
+		const Vec2 stretch = componentwise(problem.inverseStretchMass, stretchImpulse);
+		double     closing = 0, norm2 = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
+		for (std::size_t k = 0; k < d.size(); ++k) {
+			const ContactPoint& c = problem.points[k];
+			closing -= work(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
+			// impulses move the image of body 2 through the stretch of the cell only
+			ContactPoint response = c;
+			response.drift        = componentwise(stretch, c.shift);
+			norm2 += work(d[k], relativeVelocity(response, change[c.body1], change[c.body2]));
+		}
+		if (!(closing > 0)) return 0;
+		return norm2 > 0 ? closing / (std::sqrt(norm2) * velocityScale(problem, d))
+		                 : std::numeric_limits<double>::infinity();
+	}
 
-double velocityChangeBound(const ContactProblem& problem, const std::vector<Impulse>& direction)
-{
-	std::vector<Impulse> d(direction.size());
-	std::vector<Twist>   change(problem.inverseMass.size()); // M⁻¹Jᵀd
-	Vec2                 stretchImpulse;
-	for (std::size_t k = 0; k < d.size(); ++k) {
-		const ContactPoint& c = problem.points[k];
-		d[k]                  = projectCone(direction[k], c.friction);
-		applyImpulse(
-		        c, d[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
-		        change[c.body1], change[c.body2]);
-		stretchImpulse = stretchImpulse
-		        + componentwise(c.shift, d[k].n * c.normal + d[k].t * perp(c.normal));
-	}
-	const Vec2 stretch = componentwise(problem.inverseStretchMass, stretchImpulse);
-	double     closing = 0, norm2 = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
-	for (std::size_t k = 0; k < d.size(); ++k) {
-		const ContactPoint& c = problem.points[k];
-		closing -= work(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
-		ContactPoint response
-		        = c; // impulses move the image of body 2 through the stretch of the cell only
-		response.drift = componentwise(stretch, c.shift);
-		norm2 += work(d[k], relativeVelocity(response, change[c.body1], change[c.body2]));
-	}
-	if (!(closing > 0)) return 0;
-	return norm2 > 0 ? closing / (std::sqrt(norm2) * velocityScale(problem, d))
-	                 : std::numeric_limits<double>::infinity();
-}
+} // namespace
 
 double dissipatedEnergy(const ContactProblem& problem)
 {

@@ -23,10 +23,6 @@
 
 namespace rcr {
 
-/// The bound above over V [-], for impulses projected onto their cones. Infinity: no velocities are
-/// admissible. 0: this direction proves nothing.
-double velocityChangeBound(const ContactProblem&, const std::vector<Impulse>& direction);
-
 /// −Σ p · (u + b_n n): energy that contacts dissipate in the step [J/m]. It includes the work of
 /// friction, and of points that still close.
 double dissipatedEnergy(const ContactProblem&);

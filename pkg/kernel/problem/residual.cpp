@@ -7,9 +7,10 @@ namespace rcr {
 namespace {
 
 	struct Point {
-		const ContactPoint& c;
-		Delassus            w;
-		Impulse             p, u, free, error; // free: u without impulses; error = p − P_K(…)
+		const ContactProblem& problem;
+		const ContactPoint&   c;
+		Delassus              w;
+		Impulse               p, u, error;
 	};
 
 	/// Calls visit(point) for every point with w_nn > 0. Velocities are recomputed from impulses.
@@ -21,12 +22,9 @@ namespace {
 			const ContactPoint& c = problem.points[k];
 			const Delassus      w = delassus(problem, c);
 			if (w.nn <= 0) continue;
-			const Impulse p  = problem.impulse[k];
-			const Impulse u = relativeVelocity(problem, c);
-			const Impulse q = projectCone(
-			        { p.n - (u.n + c.bias + c.friction * std::abs(u.t)) / w.nn, p.t - u.t / w.nn },
-			        c.friction);
-			visit(Point { c, w, p, u, freeRelativeVelocity(problem, c), p - q });
+			const Impulse p = problem.impulse[k], u = relativeVelocity(problem, c);
+			visit(Point { problem, c, w, p, u,
+			        lawError(p, { u.n + c.bias, u.t }, c.friction, w.nn) });
 		}
 	}
 
@@ -50,7 +48,7 @@ double kinematicError(const ContactProblem& problem, double velocityFloor)
 	forEachPoint(problem, [&](const Point& point) {
 		error2 += point.w.nn * point.w.nn * square(point.error);
 		velocity2 += square(point.u);
-		freeVelocity2 += square(point.free);
+		freeVelocity2 += square(freeRelativeVelocity(point.problem, point.c));
 	});
 	return kinematicErrorFromSums(error2, velocity2, freeVelocity2, velocityFloor);
 }

@@ -9,6 +9,11 @@
 
 namespace rcr {
 
+/// Largest friction coefficient [-]. A point that closes and slips has a residual of about 1/µ,
+/// because µ |u_t| exceeds u_n. For µ > 1e4 it would meet the default tolerance. 1e3 is an angle of
+/// 89.94°: points stick.
+constexpr double maxFriction = 1e3;
+
 /// Relative natural-map residual of De Saxcé's form of the contact laws [-]:
 ///
 ///   ‖p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn)‖ / ‖p‖,   K = { |p_t| ≤ µ p_n }

@@ -73,14 +73,6 @@ namespace {
 		        && isDivergent(problem, settings, workspace);
 	}
 
-	/// The last report with the iterations and the work of both solvers.
-	Report following(const Report& before, Report report)
-	{
-		report.iterations += before.iterations;
-		report.work += before.work;
-		return report;
-	}
-
 	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
 	{
 		const bool   small = settings.tolerance > 0 && int(problem.points.size()) <= smallProblem;
@@ -106,8 +98,7 @@ namespace {
 			steps.velocityFloor = velocityFloor;
 			steps.maxIterations = iterations;
 			steps.exactCost     = cost;
-			const Report before = report;
-			report              = following(before, solveExact(problem, steps, workspace, &before));
+			report              = solveExact(problem, steps, workspace, &report).after(report);
 		};
 		if (left() > 0) {
 			report.yielded = mustYield(report, problem, settings, workspace);
@@ -122,15 +113,13 @@ namespace {
 				sweeps.sameProblem   = true;
 				sweeps.velocityFloor = floor;
 				sweeps.maxIterations = left() - fine;
-				report               = following(report, solveNesterov(problem, sweeps, workspace));
+				report               = solveNesterov(problem, sweeps, workspace).after(report);
 			}
 		}
 		if (fine > 0) runExact(fine, settings.velocityFloor, forcesKnown ? 1 : cost);
 		if (small && !report.yielded && left() > 0 && !converged()) runExact(left(), floor, cost);
 		if (small) report.kinematicError = kinematicError(problem, floor);
-		report.converged = report.converged
-		        || (report.reached(settings)
-		            && report.kinematicError <= settings.kinematicTolerance);
+		report.converged = report.converged || report.accurate(settings);
 		return report;
 	}
 
@@ -204,12 +193,6 @@ void checkSettings(const std::string& solver, const Settings& s)
 		       ": give a finite change ≥ 0; 0 disables the criterion");
 }
 
-Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings)
-{
-	Workspace workspace;
-	return solve(problem, solver, settings, workspace);
-}
-
 Report solve(
         ContactProblem& problem, const std::string& solver, const Settings& settings,
         Workspace& workspace)
@@ -218,9 +201,9 @@ Report solve(
 	checkSettings(solver, settings);
 	const Report rigid = solveRigid(problem, solver, settings, workspace);
 	if (mustYield(rigid, problem, settings, workspace))
-		return following(rigid, solveYielding(problem, settings, rigid, workspace));
+		return solveYielding(problem, settings, rigid, workspace).after(rigid);
 	if (rigid.converged || !hasPositiveCost(problem)) return rigid;
-	return following(rigid, solveFromZero(problem, settings, workspace));
+	return solveFromZero(problem, settings, workspace).after(rigid);
 }
 
 } // namespace rcr

@@ -40,9 +40,9 @@ struct Settings {
 	/// Sweeps that an iteration of the exact solver counts for, in maxIterations and Report [-].
 	int exactCost = 1;
 
-	/// Compliance ε of yielding contacts and their least response w₀ (solve_yielding.cpp) [-, 1/kg].
-	/// Contacts yield if the step has no solution, or if an impulse exceeds yieldImpulse. ε = 0:
-	/// contacts never yield.
+	/// Compliance ε of yielding contacts, and their least response w₀ [-, 1/kg]
+	/// (solve_yielding.cpp). Contacts yield if the step has no solution, or if an impulse exceeds
+	/// yieldImpulse. ε = 0: contacts never yield.
 	double yieldCompliance = 0, leastResponse = 0;
 
 	/// Normal impulse beyond which contacts yield even if the step has a solution
@@ -83,6 +83,21 @@ struct Report {
 	{
 		return settings.tolerance > 0 && residual <= settings.tolerance;
 	}
+
+	/// Residual and kinematic error meet their tolerances.
+	bool accurate(const Settings& settings) const
+	{
+		return reached(settings) && kinematicError <= settings.kinematicTolerance;
+	}
+
+	/// This report with the iterations and the work of an earlier solver added.
+	Report after(const Report& before) const
+	{
+		Report both = *this;
+		both.iterations += before.iterations;
+		both.work += before.work;
+		return both;
+	}
 };
 
 class PackedProblem;
@@ -95,11 +110,10 @@ class Workspace {
 public:
 	Workspace();
 	~Workspace();
-	PackedProblem& packed() { return *packed_; }
-	ThreadTeam&    team();                // may be used for other loops of the same step
-	ModelSummary   summary() const;       // of the last problem
-	int            layouts() const;       // number of times that the layout was rebuilt
-	double         layoutSeconds() const; // total time of these rebuilds [s]
+	PackedProblem&      packed() { return *packed_; }
+	ThreadTeam&         team();                // may be used for other loops of the same step
+	const ModelSummary& summary() const;       // of the last problem
+	double              layoutSeconds() const; // total time of all layouts [s]
 
 private:
 	std::unique_ptr<PackedProblem> packed_;
@@ -124,15 +138,14 @@ bool isDivergent(const ContactProblem&, const Settings&, Workspace&);
 /// Runs a solver by name: nlgs, sor, nesterov, exact or auto. Lets contacts yield if required.
 ///
 /// `auto` sweeps with momentum, and runs exact steps where sweeps stall. With friction and a
-/// tolerance below 1e-6, exact steps follow sweeps to 1e-5. A problem of up to 1000 points gets exact
-/// steps after 300 sweeps; an exact iteration counts as 20 sweeps there. Such problems also aim at a
-/// velocityFloor smaller by 1000, at limited cost; `converged` refers to the given settings. A
-/// stretching cell is swept with momentum, unless nlgs or sor is named.
+/// tolerance below 1e-6, exact steps follow sweeps to 1e-5. A problem of up to 1000 points gets
+/// exact steps after 300 sweeps; an exact iteration counts as 20 sweeps there. Such problems also
+/// aim at a velocityFloor smaller by 1000, at limited cost; `converged` refers to the given
+/// settings. A stretching cell is swept with momentum, unless nlgs or sor is named.
 ///
 /// Throws std::invalid_argument for an unknown name, settings out of range, or a problem that
 /// checkProblem rejects.
 Report solve(ContactProblem&, const std::string& solver, const Settings&, Workspace&);
-Report solve(ContactProblem&, const std::string& solver, const Settings&);
 
 /// Sweeps with momentum from the last solution of the workspace, with other biases. Keeps the
 /// impulses of the problem; returns velocities and stretch only.

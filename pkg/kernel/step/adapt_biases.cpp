@@ -24,7 +24,7 @@ bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double toleranc
 	std::vector<Change> change(step.contacts.size());
 	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
-		change[k]                  = { displacesFar(step, contact), false, contact.restitution > 0 };
+		change[k] = { displacesFar(step, contact), false, contact.restitution > 0 };
 		if (!change[k].far) return;
 		// no push is added that no solve would follow to check its energy
 		if (!nextIsLast) change[k].changed = adaptToDisplacement(step, contact, allowRelease);
@@ -36,11 +36,11 @@ bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double toleranc
 	for (std::size_t k = 0; k < change.size(); ++k) {
 		far |= change[k].far, changed |= change[k].changed, pushes |= change[k].pushes;
 		if (step.contacts[k].restitution > 0)
-			changed |= (allowRelease && cancelBounces(step, step.contacts[k]))
-			        || restrainBounce(step, step.contacts[k]);
+			changed |= (allowRelease && cancelRestitution(step, step.contacts[k]))
+			        || lowerRestitution(step, step.contacts[k]);
 	}
 	if (pushes && (nextIsLast || !changed))
-		changed |= restrainCollisions(step, nextIsLast, tolerance);
+		changed |= lowerCollisionRestitution(step, nextIsLast, tolerance);
 	return changed;
 }
 

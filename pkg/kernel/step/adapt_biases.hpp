@@ -1,7 +1,7 @@
 // Corrects the biases of contacts after a solve.
 //
-// After a large displacement, the gap differs from the one in the bias, and bounces may add energy.
-// The biases are then adapted and the step is solved again. The adapted problem may have no
+// After a large displacement, the gap differs from the one in the bias, and restitution may add
+// energy. The biases are then adapted and the step is solved again. The adapted problem may have no
 // solution. The biases of the first solve are then restored, unless a body is driven.
 #pragma once
 
@@ -15,8 +15,8 @@ namespace rcr {
 bool restIsSolution(const Step&, const DrivenMotion&);
 
 /// Adapts the biases; returns true if one changed. `allowRelease`: contacts may be released;
-/// `nextIsLast`: one solve follows, so bounces that add energy become plastic and no bias becomes a
-/// push; `tolerance`: of the solver; `far`: set to true if a contact has a large displacement.
+/// `nextIsLast`: one solve follows, so restitution that adds energy is removed and no bias becomes
+/// a push; `tolerance`: of the solver; `far`: set to true if a contact has a large displacement.
 bool adaptBiases(
         Step&, bool allowRelease, bool nextIsLast, double tolerance, bool& far, ThreadTeam&);
 

@@ -68,7 +68,7 @@ DrivenMotion drivenMotionOf(
 	team.parallelFor(0, 2, [&](int part) {
 		if (part == 0) reach = reachOfDrive(problem);
 		else
-			drive.speed = fastestPrescribedMotion(problem);
+			drive.speed = drivenSpeed(problem);
 	});
 	if (drive.speed == 0 || problem.stretches()) return drive;
 	double total = 0, momentum = 0, load = 0;

@@ -23,7 +23,7 @@
 // | symbol      | field         | unit | meaning                                              |
 // |-------------|---------------|------|------------------------------------------------------|
 // | v⁻          | before        | m/s  | velocities at the beginning of the step (argument)   |
-// | V           | speed         | m/s  | fastest prescribed motion at a contact               |
+// | V           | speed         | m/s  | fastest driven motion at a contact                   |
 // | ε           | compliance    | –    | yielding velocity of a contact over its own response |
 // | w₀          | leastResponse | 1/kg | least response w_nn of a yielding contact            |
 // | 3 P + 200 L | yieldImpulse  | N s  | largest impulse of a contact that stays rigid        |

@@ -8,11 +8,9 @@ StepEnergy stepEnergy(const Step& step, const std::vector<Twist>& impulses, Vec2
 	const ContactProblem& problem = step.problem;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c      = problem.points[k];
-		const Impulse       before
-		        = relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
-		const Impulse       after  = relativeVelocity(problem, c);
+		const Impulse       before = step.initialVelocity(c), after = relativeVelocity(problem, c);
 		const double        rubbed = -0.5 * problem.impulse[k].t * (before.t + after.t);
-		// the slip reverses in a bounce: its energy belongs to the impact
+		// restitution reverses the slip: its energy belongs to the impact
 		const bool          returns = c.bias < 0 && rubbed < 0;
 		(returns ? energy.impact : energy.friction) += rubbed;
 		energy.impact -= 0.5 * problem.impulse[k].n * (before.n + after.n);

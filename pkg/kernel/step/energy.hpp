@@ -1,7 +1,7 @@
 // Energy that the contacts of a step dissipate or transfer, from the mean of the velocities before
-// and after the step:
+// and after the step, summed over the points:
 //
-//   T⁺ − T⁻ = Σ p · ½ (u⁻ + u⁺) − Σ p · d + external work      over the points; exact for any impulses
+//   T⁺ − T⁻ = Σ p · ½ (u⁻ + u⁺) − Σ p · d + external work      exact for any impulses
 //
 // d is the velocity of the periodic image of body 2 relative to the body.
 //

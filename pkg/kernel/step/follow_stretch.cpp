@@ -98,7 +98,7 @@ namespace {
 		};
 		for (std::size_t k = 0; k < problem.points.size(); ++k) {
 			const ContactPoint& c   = problem.points[k];
-			const Vec2 f = problem.impulse[k].n * c.normal + problem.impulse[k].t * perp(c.normal);
+			const Vec2          f   = inPlane(c.normal, problem.impulse[k]);
 			const auto end = [&](int id) {
 				return problem.inverseMass[id].*axis.inverse > 0 ? step.bodies[id].center.*axis.of
 				                                                 : place(c);

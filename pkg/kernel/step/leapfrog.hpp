@@ -1,6 +1,6 @@
 // Leapfrog integration of a body in the plane, with the same bits as YADE's NewtonIntegrator.
 //
-//   v ← v + dt (f/m + g)      x ← x + dt v      θ ← θ + dt ω, as a quaternion that is scaled to length 1
+//   v ← v + dt (f/m + g)      x ← x + dt v      θ ← θ + dt ω, as a quaternion of length 1
 #pragma once
 
 #include "step/step.hpp"

@@ -1,60 +1,41 @@
 #include "step/restitution.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "problem/coulomb.hpp"
+#include "problem/disjoint_sets.hpp"
 
 namespace rcr {
 
 namespace {
 
-	constexpr double reached         = 0.99; // fraction of a bounce that counts as reached
+	constexpr double reached = 0.99; // fraction of the restitution that counts as reached
 
 	/// Sets of bodies that impulses of the solved step join. Prescribed bodies join none.
-	/// Union-find with path halving.
 	class Collisions {
 	public:
 		explicit Collisions(const Step& step)
 		        : problem_(step.problem)
-		        , next_(step.bodies.size())
+		        , sets_(step.bodies.size())
 		{
-			std::iota(next_.begin(), next_.end(), 0);
 			for (std::size_t k = 0; k < problem_.points.size(); ++k) {
 				const ContactPoint& c = problem_.points[k];
 				if (problem_.impulse[k].n > 0 && !problem_.prescribed(c.body1)
 				        && !problem_.prescribed(c.body2))
-					next_[find(c.body1)] = find(c.body2);
+					sets_.join(c.body1, c.body2);
 			}
 		}
 
 		/// Number of the collision of a point.
 		int of(const ContactPoint& c)
 		{
-			return find(problem_.prescribed(c.body1) ? c.body2 : c.body1);
+			return sets_.find(problem_.prescribed(c.body1) ? c.body2 : c.body1);
 		}
 
 	private:
 		const ContactProblem& problem_;
-		std::vector<int>      next_;
-
-		int find(int body)
-		{
-			while (next_[body] != body)
-				body = next_[body] = next_[next_[body]];
-			return body;
-		}
+		DisjointSets          sets_;
 	};
-
-	Impulse before(const Step& step, const ContactPoint& c)
-	{
-		return relativeVelocity(c, step.bodies[c.body1].velocity, step.bodies[c.body2].velocity);
-	}
-
-	Impulse after(const Step& step, const ContactPoint& c)
-	{
-		return relativeVelocity(step.problem, c);
-	}
 
 	/// Twice the energies of a collision: growth, loss without restitution, and work of all points
 	/// as absolute values.
@@ -64,29 +45,30 @@ namespace {
 
 } // namespace
 
-bool restrainBounce(Step& step, const StepContact& contact)
+bool lowerRestitution(Step& step, const StepContact& contact)
 {
 	bool changed = false;
-	for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0; ++k) {
+	for (int k = contact.first; k < contact.first + contact.count; ++k) {
 		ContactPoint& c = step.problem.points[k];
-		if (!(c.bias < 0)) continue; // no bounce
+		if (!(c.bias < 0)) continue; // no restitution
 		const double share = passiveRestitutionFactor(delassus(step.problem, c),
-		        step.problem.impulse[k], before(step, c), after(step, c), c.bias, c.friction);
+		        step.problem.impulse[k], step.initialVelocity(c), relativeVelocity(step.problem, c),
+		        c.bias, c.friction);
 		c.bias *= share;
 		changed |= share < 1;
 	}
 	return changed;
 }
 
-bool lowerBounces(Step& step, bool plastic)
+bool limitRestitution(Step& step, bool plastic)
 {
 	bool lowered = false;
 	for (const StepContact& contact : step.contacts) {
-		for (int k = contact.first; k < contact.first + contact.count && contact.restitution > 0;
-		        ++k) {
+		if (!(contact.restitution > 0)) continue;
+		for (int k = contact.first; k < contact.first + contact.count; ++k) {
 			ContactPoint& c = step.problem.points[k];
 			if (!(c.bias < 0)) continue;
-			const double leaves = after(step, c).n;
+			const double leaves = relativeVelocity(step.problem, c).n;
 			if (leaves >= -reached * c.bias) continue;
 			c.bias  = leaves > 0 && !plastic ? -leaves : std::max(step.gap[k].now, 0.0) / step.dt;
 			lowered = true;
@@ -95,7 +77,7 @@ bool lowerBounces(Step& step, bool plastic)
 	return lowered;
 }
 
-void removeBounces(Step& step)
+void removeRestitution(Step& step)
 {
 	for (std::size_t k = 0; k < step.gap.size(); ++k) {
 		double& bias = step.problem.points[k].bias;
@@ -103,7 +85,7 @@ void removeBounces(Step& step)
 	}
 }
 
-bool restrainCollisions(Step& step, bool plastic, double tolerance)
+bool lowerCollisionRestitution(Step& step, bool plastic, double tolerance)
 {
 	// energy gain over the work of all impulses that the tolerance of the solver may cause
 	const double energyTolerance = tolerance > 0 ? std::clamp(10 * tolerance, 1e-12, 1e-3) : 1e-3;
@@ -114,7 +96,7 @@ bool restrainCollisions(Step& step, bool plastic, double tolerance)
 		const ContactPoint& c = problem.points[k];
 		const Impulse       p = problem.impulse[k];
 		if (!(p.n > 0)) continue;
-		const Impulse u = before(step, c), left = after(step, c);
+		const Impulse u = step.initialVelocity(c), left = relativeVelocity(problem, c);
 		Energy&       of = energy[collisions.of(c)];
 		of.gain += p.n * (u.n + left.n) + p.t * (u.t + left.t);
 		of.work += std::hypot(p.n, p.t) * std::hypot(u.n, u.t);

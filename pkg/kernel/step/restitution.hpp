@@ -1,7 +1,7 @@
 // Sets the bias b_n of a point. Lowers restitution that would add energy.
 //
 //   b_n = g/dt    open gap: it may close within the step
-//   b_n = e u_n⁻  a bounce within the step: Newton's rule with the coefficient e
+//   b_n = e u_n⁻  restitution within the step: Newton's rule with the coefficient e
 //   b_n = 0       lasting contact
 //
 // Newton's rule adds energy in two cases. Friction may reverse the slip at a point: its restitution
@@ -12,10 +12,10 @@
 //   ΔE = ½ Σ p · (u + u⁻)
 //
 // over its points. Without restitution it would lose about the energy L = ½ Σ p_n |u_n⁻| / (1 + e)
-// over the points that bounce. The restitution of all its points is multiplied by L / (L + 3/2 ΔE)
-// until ΔE ≤ 0. The law may have no solution if one body bounces twice in a step. Each rebound
-// velocity is then lowered to the normal velocity that the solver reached. A contact that pushes
-// because of a large displacement is treated as one that bounces. Source: Newton's rule after
+// over the points with restitution. All their biases are multiplied by L / (L + 3/2 ΔE) until
+// ΔE ≤ 0. The law may have no solution if one body collides twice in a step. The restitution of a
+// point is then limited to the normal velocity that the solver reached. A contact that pushes
+// because of a large displacement is treated as one with restitution. Source: Newton's rule after
 // Moreau 1999; Kane and Levinson 1985 (its energy).
 #pragma once
 
@@ -35,19 +35,19 @@ double lawBias(double gap, double restitution, double dt, NormalVelocity normalV
 	return gap > 0 ? gap / dt : 0;
 }
 
-/// Lowers the restitution of a contact if its points add energy in the solved step. Returns true if
-/// a bias changed.
-bool restrainBounce(Step&, const StepContact&);
+/// Lowers the restitution e > 0 of a contact if its points add energy in the solved step. Returns
+/// true if a bias changed.
+bool lowerRestitution(Step&, const StepContact&);
 
-/// In a step without a solution, lowers each rebound velocity to the solved one; `plastic`: removes
-/// the rebound. Returns true if a bias changed.
-bool lowerBounces(Step&, bool plastic);
+/// In a step without a solution, limits restitution to the solved velocity of each point;
+/// `plastic`: removes it. Returns true if a bias changed.
+bool limitRestitution(Step&, bool plastic);
 
-/// Makes all bounces plastic. Without them, no step adds energy.
-void removeBounces(Step&);
+/// Removes all restitution. Without it, no step adds energy.
+void removeRestitution(Step&);
 
 /// Lowers the restitution of collisions that add energy; `plastic`: to 0. `tolerance`: of the
 /// solver [-]. Returns true if a bias changed.
-bool restrainCollisions(Step&, bool plastic, double tolerance);
+bool lowerCollisionRestitution(Step&, bool plastic, double tolerance);
 
 } // namespace rcr

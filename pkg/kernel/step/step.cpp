@@ -1,6 +1,7 @@
 #include "step/step.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 #include "parallel/thread_team.hpp"
 #include "step/restitution.hpp"
@@ -32,9 +33,9 @@ ContactPoint Step::contactPoint(
 	p.friction = friction;
 	p.drift    = c.drift;
 	p.shift    = cell.stretches() ? c.shift : Vec2 {};
-	p.bias     = overdamped ? at.gap / dt : lawBias(at.gap, c.restitution, dt, [&] {
-        return relativeVelocity(p, bodies[p.body1].velocity, bodies[p.body2].velocity).n;
-    });
+	p.bias     = overdamped
+	            ? at.gap / dt
+	            : lawBias(at.gap, c.restitution, dt, [&] { return initialVelocity(p).n; });
 	return p;
 }
 
@@ -76,8 +77,7 @@ void Step::indexContacts()
 	firstOf.assign(bodies.size() + 1, 0);
 	for (const StepContact& c : contacts)
 		++firstOf[c.body1 + 1];
-	for (std::size_t id = 0; id < bodies.size(); ++id)
-		firstOf[id + 1] += firstOf[id];
+	std::partial_sum(firstOf.begin(), firstOf.end(), firstOf.begin());
 }
 
 const StepContact* Step::find(int body1, int body2) const

@@ -1,26 +1,26 @@
 // One time step of rigid contacts: all data that its stages read and write, in flat arrays.
 //
-//   stage                 result                                         file
-//   gather                bodies, contact points, loads                  (simulation)
-//   solve                 impulses and velocities                        problem/solver.hpp
-//   missed contacts       contacts that form undetected in the step      detection/missed_contacts.hpp
-//   large displacements   gaps at the displaced positions                correction/large_displacements.hpp
-//   restitution           restitution that does not add energy           step/restitution.hpp
-//   follow stretch        mean stretch of overdamped bodies              step/follow_stretch.hpp
-//   position correction   displacements that remove overlaps             correction/position_correction.hpp
-//   separation            the same for overlaps by curved paths          correction/separation.hpp
-//   scatter               forces, displacements, new contacts            (simulation)
+//   stage                result                               file
+//   gather               bodies, contact points, loads        (simulation)
+//   solve                impulses and velocities              problem/solver.hpp
+//   missed contacts      contacts that form undetected        detection/missed_contacts.hpp
+//   large displacements  gaps at the displaced positions      correction/large_displacements.hpp
+//   restitution          restitution that adds no energy      step/restitution.hpp
+//   follow stretch       mean stretch of overdamped bodies    step/follow_stretch.hpp
+//   position correction  displacements that remove overlaps   correction/position_correction.hpp
+//   separation           the same for overlaps by curves      correction/separation.hpp
+//   scatter              forces, displacements, new contacts  (simulation)
 //
 // The stages in between work on these arrays alone, so an error in them leaves the simulation as it
-// was. Bodies keep the numbers that they have in the simulation. A contact stores these numbers; its
-// points store the bodies that their impulses move, which are the clumps of clump members.
+// was. Bodies keep the numbers that they have in the simulation. A contact stores these numbers.
+// Its points store the bodies that their impulses move: the clumps of clump members.
 //
-// | symbol | field         | unit | meaning                                                         |
-// |--------|---------------|------|-----------------------------------------------------------------|
-// | e      | alertDistance | m    | distance within which contacts of a body are detected           |
-// | g      | gap           | m    | gap of a point; negative: overlap                               |
-// | b_n    | bias          | m/s  | bias of a point in 0 ≤ u_n + b_n ⟂ p_n ≥ 0                      |
-// | s      | shift         | m    | from body 2 to its image that body 1 meets, in a periodic cell  |
+// | symbol | field         | unit | meaning                                               |
+// |--------|---------------|------|-------------------------------------------------------|
+// | e      | alertDistance | m    | distance within which contacts of a body are detected |
+// | g      | gap           | m    | gap of a point; negative: overlap                     |
+// | b_n    | bias          | m/s  | bias of a point in 0 ≤ u_n + b_n ⟂ p_n ≥ 0            |
+// | s      | shift         | m    | from body 2 to its image that meets body 1            |
 #pragma once
 
 #include <algorithm>
@@ -119,6 +119,17 @@ struct UpdatedContact {
 	double       friction = 0, restitution = 0; // of a new contact; set by the simulation
 };
 
+/// Order of contacts and pairs: by body 1, then by body 2.
+inline constexpr auto precedes = [](const auto& a, const auto& b) {
+	return a.body1 != b.body1 ? a.body1 < b.body1 : a.body2 < b.body2;
+};
+
+/// Product of a matrix and a vector.
+inline Vec2 product(const double (&m)[2][2], Vec2 v)
+{
+	return { m[0][0] * v.x + m[0][1] * v.y, m[1][0] * v.x + m[1][1] * v.y };
+}
+
 /// Periodic cell: base vectors as columns of h [m], and the velocity gradient of its images [1/s].
 /// All zero in an open scene. The cell stretches along an axis with an inverse mass, as stress and
 /// contacts drive it. Before the solve, the gradient is that without contacts.
@@ -140,9 +151,8 @@ struct PeriodicCell {
 	Vec2 nearestShift(Vec2 from1To2) const
 	{
 		if (!periodic) return {};
-		const double a = -std::round(inverse[0][0] * from1To2.x + inverse[0][1] * from1To2.y);
-		const double b = -std::round(inverse[1][0] * from1To2.x + inverse[1][1] * from1To2.y);
-		return { h[0][0] * a + h[0][1] * b, h[1][0] * a + h[1][1] * b };
+		const Vec2 cells = product(inverse, from1To2);
+		return product(h, { -std::round(cells.x), -std::round(cells.y) });
 	}
 	/// Smaller height of the cell: lower bound of the distance of two images of a body [m].
 	double smallestHeight() const
@@ -151,11 +161,7 @@ struct PeriodicCell {
 		return area / std::max(std::hypot(h[0][0], h[1][0]), std::hypot(h[0][1], h[1][1]));
 	}
 	/// Velocity of an image relative to its body [m/s].
-	Vec2 drift(Vec2 shift) const
-	{
-		return { gradient[0][0] * shift.x + gradient[0][1] * shift.y,
-			gradient[1][0] * shift.x + gradient[1][1] * shift.y };
-	}
+	Vec2 drift(Vec2 shift) const { return product(gradient, shift); }
 };
 
 /// Homogeneous flow with a velocity gradient [1/s].
@@ -164,9 +170,8 @@ struct Flow {
 
 	Twist at(Vec2 r) const
 	{
-		const auto& g = gradient;
-		return { g[0][0] * r.x + g[0][1] * r.y, g[1][0] * r.x + g[1][1] * r.y,
-			0.5 * (g[1][0] - g[0][1]) };
+		const Vec2 v = product(gradient, r);
+		return { v.x, v.y, 0.5 * (gradient[1][0] - gradient[0][1]) };
 	}
 };
 
@@ -197,6 +202,12 @@ struct Step {
 	{
 		const ContactPoint& at = problem.points[c.first + k];
 		return { bodies[at.body1].center + at.arm1, at.normal, gap[c.first + k].now };
+	}
+
+	/// u of a point at the beginning of the step [m/s].
+	Impulse initialVelocity(const ContactPoint& c) const
+	{
+		return relativeVelocity(c, bodies[c.body1].velocity, bodies[c.body2].velocity);
 	}
 
 	/// A detected point as a point of the problem. Its bias follows from the velocities at the

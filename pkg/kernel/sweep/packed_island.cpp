@@ -34,10 +34,10 @@ Impulse PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoi
 template <class Real>
 void PackedIsland::applyImpulse(const View<Real>& view, const OverflowPoint& c, const Impulse& p)
 {
-	const Vec2 f    = p.n * c.normal + p.t * perp(c.normal);
+	const Vec2 f    = inPlane(c.normal, p);
 	const auto push = [&](int number, const InverseMass& mass, double sign, double torque) {
-		// islands may share a driven body: do not write to it
-		if (mass.x == 0 && mass.y == 0 && mass.rotation == 0) return;
+		// islands may share a prescribed body: do not write to it
+		if (mass.prescribed()) return;
 		Real* const v = view.recordAt(number);
 		v[record::x]  = Real(v[record::x] + sign * (mass.x * f.x));
 		v[record::y]  = Real(v[record::y] + sign * (mass.y * f.y));
@@ -135,7 +135,7 @@ double PackedIsland::sweepMomentum(double momentum)
 		updateReference();
 	}
 	++sweepsSinceReference_;
-	const PackedKernelsOf<float>& kernels = *packed_.singleKernels_;
+	const MomentumKernels<float>& kernels = *packed_.singleKernels_;
 	return sweepMomentum(singleView_, kernels.extrapolate, momentum, {}, [&](const Chunk& chunk) {
 		return kernels.sweepMomentum(singleView_, chunk, momentum);
 	});
@@ -201,7 +201,7 @@ Measures PackedIsland::measure()
 
 template <class Real>
 Measures PackedIsland::measure(
-        const View<Real>& view, const PackedKernelsOf<Real>& kernels, const ColumnOf<Real>* bias)
+        const View<Real>& view, const MomentumKernels<Real>& kernels, const ColumnOf<Real>* bias)
 {
 	forEachChunk([&](const Chunk& chunk, int k) {
 		packed_.partial_[k] = kernels.measure(view, chunk, bias);
@@ -211,10 +211,7 @@ Measures PackedIsland::measure(
 		const Impulse u        = relativeVelocity(view, c);
 		const double  un       = u.n + c.bias;
 		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
-		const Impulse q        = projectCone(
-		               { c.p.n - (un + c.friction * std::abs(u.t)) / c.w.nn, c.p.t - u.t / c.w.nn },
-		               c.friction);
-		const double miss = square(c.p - q);
+		const double  miss     = square(lawError(c.p, { un, u.t }, c.friction, c.w.nn));
 		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping,
 			-(c.p.n * un + c.p.t * u.t) };
 	});

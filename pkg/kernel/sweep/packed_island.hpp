@@ -28,14 +28,10 @@ public:
 	void prepare();
 	/// v ← v_free + M⁻¹Jᵀp, unless v is that already.
 	void recomputeVelocities();
-	/// Solves every point once.
-	void sweep();
-	/// p ← P_K(p + relaxation (solution − p)) at every point.
-	void sweepRelaxed(double relaxation);
-	/// Sweeps from y = p + β (p − p_old) and extrapolated velocities. Returns ‖p − y‖² [(N s)²].
+	/// Sweeps of PackedKernels over the pairs with slots, then over the overflow.
+	void   sweep();
+	void   sweepRelaxed(double relaxation);
 	double sweepMomentum(double momentum);
-	/// As sweepMomentum, for contacts that yield by u = −ε W p with their Delassus block W. The
-	/// solution of a point is 1/(1 + ε) of the rigid one.
 	double sweepYielding(double momentum, const Yielding&);
 
 	/// Lets `sweepMomentum` and `measure` work on floats. Does nothing if the island is small, or
@@ -65,7 +61,7 @@ private:
 	double sweepMomentum(
 	        View<Real>&, Extrapolate<Real>, double momentum, const Yielding&, Kernel sweepChunk);
 	template <class Real>
-	Measures measure(const View<Real>&, const PackedKernelsOf<Real>&, const ColumnOf<Real>* bias);
+	Measures measure(const View<Real>&, const MomentumKernels<Real>&, const ColumnOf<Real>* bias);
 	template <class Real> Impulse relativeVelocity(const View<Real>&, const OverflowPoint&) const;
 	template <class Real>
 	void applyImpulse(const View<Real>&, const OverflowPoint&, const Impulse&);

@@ -16,7 +16,7 @@ namespace {
 
 	double inverseGyration(const InverseMass& m)
 	{
-		if (m.x != m.y || m.x <= 0) return 1; // driven or special bodies: any scale serves
+		if (m.x != m.y || m.x <= 0) return 1; // prescribed or special bodies: any scale serves
 		return m.rotation > 0 ? std::sqrt(m.rotation / m.x) : 1 / blockedGyration;
 	}
 
@@ -47,14 +47,16 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	layoutSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
 	                          .count();
 	if (fresh) {
-		++layouts_;
+		const int layouts = summary_.layouts + 1;
+		summary_          = layout_.summary();
+		summary_.layouts  = layouts;
 		point_.resize(layout_.columns());
 		savedPoint_.resize(point_.size());
 		for (const Range& vacant : layout_.vacant())
 			std::fill(point_.begin() + vacant.begin, point_.begin() + vacant.end, Column {});
 		body_.assign(offsetOf(layout_.records()) + 4, 0);
 		oldBody_.resize(body_.size());
-		singleBody_.assign(body_.size(), 0); // driven bodies never differ from the reference
+		singleBody_.assign(body_.size(), 0); // prescribed bodies never differ from the reference
 		singleOldBody_.assign(body_.size(), 0);
 		singlePoint_.resize(point_.size());
 		singleBias_.resize(layout_.pointBlocks());
@@ -67,7 +69,8 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	inverseGyration_.resize(problem.inverseMass.size());
 	team.forEach(problem.inverseMass.size(),
 	        [&](int i) { inverseGyration_[i] = inverseGyration(problem.inverseMass[i]); });
-	loadBodies(problem);
+	team.forEach(problem.inverseMass.size(),
+	        [&](int i) { loadBody(problem, i, layout_.record(i), layout_.hasHalfRecord(i)); });
 	team.forEach(pairs.size(), [&](int k) {
 		if (pairs[k].slot != PackedPair::noSlot) fill(problem, pairs[k]);
 	});
@@ -105,18 +108,12 @@ void PackedProblem::loadBody(const ContactProblem& problem, int body, int number
 	to[record::inverseMass] = regular ? problem.inverseMass[body].x : 0;
 }
 
-void PackedProblem::loadBodies(const ContactProblem& problem)
-{
-	team.forEach(problem.inverseMass.size(),
-	        [&](int i) { loadBody(problem, i, layout_.record(i), layout_.hasHalfRecord(i)); });
-}
-
 void PackedProblem::fill(const ContactProblem& problem, const PackedPair& pair)
 {
 	const int        lane = pair.slot % blockWidth;
 	const PairBlock& home = layout_.pairBlocks()[pair.slot / blockWidth];
 	const bool       half = pair.model == Model::frictionlessDisc;
-	const auto       load = [&](int body, std::uint32_t offset) { // driven bodies only
+	const auto       load = [&](int body, std::uint32_t offset) { // prescribed bodies only
         if (offset != offsetOf(layout_.record(body)))
             loadBody(problem, body, recordOf(offset), half);
 	};
@@ -275,13 +272,6 @@ void PackedProblem::storeVelocity(const ContactProblem& problem, std::vector<Twi
 		if (!layout_.hasHalfRecord(i) && problem.inverseMass[i].rotation > 0)
 			velocity[i].rotation = v[record::spin] * inverseGyration_[i];
 	});
-}
-
-ModelSummary PackedProblem::summary() const
-{
-	ModelSummary s = layout_.summary();
-	s.layouts      = layouts_;
-	return s;
 }
 
 } // namespace rcr

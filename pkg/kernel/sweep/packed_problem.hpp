@@ -56,10 +56,7 @@ public:
 	/// Stretch rate of the cell that the impulses cause [1/s].
 	Vec2 stretch() const { return stretch_; }
 	/// The model of the last problem.
-	ModelSummary summary() const;
-	/// Number of layouts so far. A problem with the same pairs and kinds of bodies needs no new
-	/// one.
-	int layouts() const { return layouts_; }
+	const ModelSummary& summary() const { return summary_; }
 	/// Time of all layouts so far, checks included [s].
 	double layoutSeconds() const { return layoutSeconds_; }
 
@@ -85,7 +82,6 @@ private:
 	};
 
 	void loadBody(const ContactProblem&, int body, int record, bool half);
-	void loadBodies(const ContactProblem&);
 	void recomputeVelocities();
 	void fill(const ContactProblem&, const PackedPair&);
 	void fillPoint(const ContactProblem&, const PackedPair&, int point, Column*);
@@ -104,7 +100,7 @@ private:
 	}
 
 	const PackedKernels*          kernels_       = nullptr;
-	const PackedKernelsOf<float>* singleKernels_ = nullptr;
+	const MomentumKernels<float>* singleKernels_ = nullptr;
 	Layout                        layout_;
 	std::vector<double>           inverseGyration_; // 1/k of each body [1/m]
 
@@ -135,8 +131,8 @@ private:
 	Vec2 inverseStretchMass_, stretch_, oldStretch_, referenceStretch_;
 
 	ParallelChoice sweepTrial_; // of large islands
+	ModelSummary   summary_;
 	double         layoutSeconds_ = 0;
-	int            layouts_       = 0;
 };
 
 } // namespace rcr

@@ -7,9 +7,9 @@
 // Existence: let A = J M⁻¹Jᵀ ≥ 0 and u' = (A + ε' W) p + q. Then p · u' = −µ p_n |u'_t| ≤ 0 bounds
 // the impulses, ε' pᵀWp ≤ −pᵀq. So a solution exists for any motion of driven bodies.
 // Energy: p · u = p · u' − ε' pᵀWp ≤ 0, so contacts add no energy.
-// A driven body that can only turn has a singular block, W = j jᵀ/I: its points yield without
+// A body that can only turn has a singular block, W = j jᵀ/I: its points yield without
 // friction.
-// Forces: a point closes at ε max(w_nn, w₀) p_n. Without w₀, a driven body that may turn would bear
+// Forces: a point closes at ε max(w_nn, w₀) p_n. Without w₀, a body that can only turn would bear
 // any force at a contact whose lever is tiny. A wedged body shares the imposed motion among its
 // contacts, as dashpots with the coefficient 1/(ε' w_nn dt) would. The solution of one point is
 // 1/(1 + ε') of the rigid one, because the laws are homogeneous. Sweeps with momentum converge in
@@ -75,13 +75,12 @@ Report solveYielding(ContactProblem& problem,
 	sweeps.checkInterval    = maxSweeps;
 	sweeps.maxIterations    = maxSweeps;
 	const double tolerance  = settings.tolerance > 0 ? settings.tolerance : Settings().tolerance;
-	const double fastest    = fastestPrescribedMotion(problem);
+	const double fastest    = drivenSpeed(problem);
+	const std::vector<ContactPoint> given = problem.points;
 	// without friction, the law of a point bounds its impulse even if its block is singular
-	std::vector<std::pair<std::size_t, double>> frictions;
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		ContactPoint& c = problem.points[k];
 		if (c.friction == 0 || !isSingular(delassus(problem, c))) continue;
-		frictions.emplace_back(k, c.friction);
 		c.friction           = 0;
 		problem.impulse[k].t = 0;
 		sweeps.sameProblem   = false;
@@ -89,9 +88,7 @@ Report solveYielding(ContactProblem& problem,
 	// rounding errors of larger impulses would hide those of other contacts
 	for (Impulse& p : problem.impulse)
 		if (p.n > settings.yieldImpulse) p = settings.yieldImpulse / p.n * p;
-	std::vector<double> rigidBias;
 	for (std::size_t k = 0; k < problem.recovery.size(); ++k) {
-		rigidBias.push_back(problem.points[k].bias);
 		// correct overlaps no faster than the driven motion
 		const double recovery  = std::max(problem.recovery[k], -fastest);
 		problem.points[k].bias = std::min(problem.points[k].bias, recovery);
@@ -108,10 +105,10 @@ Report solveYielding(ContactProblem& problem,
 	        });
 	report.yielded   = true;
 	report.converged = false;
-	for (std::size_t k = 0; k < rigidBias.size(); ++k)
-		problem.points[k].bias = rigidBias[k];
-	for (const auto& [k, friction] : frictions)
-		problem.points[k].friction = friction;
+	for (std::size_t k = 0; k < given.size(); ++k) {
+		problem.points[k].bias     = given[k].bias;
+		problem.points[k].friction = given[k].friction;
+	}
 	for (const ContactPoint& c : problem.points)
 		report.closingSpeed
 		        = std::max(report.closingSpeed, -c.bias - relativeVelocity(problem, c).n);

@@ -1,7 +1,6 @@
 // The stop test of all sweep solvers.
 #pragma once
 
-#include <algorithm>
 #include <limits>
 
 #include "problem/solver.hpp"
@@ -23,8 +22,9 @@ struct Criteria {
 	}
 };
 
-/// Counts sweeps. Evaluates the criteria before the first and after every `checkInterval`. Stops if they are met, if
-/// the residual has reached no new minimum in `stallSweeps` sweeps, or after `maxIterations`.
+/// Counts sweeps. Evaluates the criteria before the first and after every `checkInterval`. Stops if
+/// they are met, if the residual has reached no new minimum in `stallSweeps` sweeps, or after
+/// `maxIterations`.
 class StopTest {
 public:
 	explicit StopTest(const Settings& settings) : settings_(settings) { }

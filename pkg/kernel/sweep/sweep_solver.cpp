@@ -9,10 +9,9 @@ namespace rcr {
 
 Workspace::Workspace() : packed_(std::make_unique<PackedProblem>()) { }
 Workspace::~Workspace() = default;
-ThreadTeam&  Workspace::team() { return packed_->team; }
-ModelSummary Workspace::summary() const { return packed_->summary(); }
-int          Workspace::layouts() const { return packed_->layouts(); }
-double       Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
+ThreadTeam&         Workspace::team() { return packed_->team; }
+const ModelSummary& Workspace::summary() const { return packed_->summary(); }
+double              Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
 
 namespace {
 

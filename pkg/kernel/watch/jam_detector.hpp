@@ -5,10 +5,6 @@
 // small recessions do not end a squeeze, since grains rearrange.
 #pragma once
 
-#include <vector>
-
-#include "problem/contact_problem.hpp"
-
 namespace rcr {
 
 class JamDetector {
@@ -17,9 +13,9 @@ public:
 	static constexpr int    patience = 10;   // steps of growth up to a verdict
 
 	// Plain numbers, saved with the scene.
-	int    grown     = 0; // steps in which the overlap of this squeeze reached a new maximum
+	int    grown      = 0; // steps in which the overlap of this squeeze reached a new maximum
 	int    unsolvable = 0; // steps of this squeeze that had no solution
-	double deepest   = 0; // deepest overlap of this squeeze over R₁ + R₂
+	double deepest    = 0; // deepest overlap of this squeeze over R₁ + R₂
 
 	enum class Verdict { none, jam, notConverged };
 
@@ -42,8 +38,5 @@ public:
 	/// Grains are squeezed at present.
 	bool active() const { return deepest > 0; }
 };
-
-/// Numbers of the bodies whose prescribed velocity is not 0.
-std::vector<int> drivenBodies(const ContactProblem&);
 
 } // namespace rcr

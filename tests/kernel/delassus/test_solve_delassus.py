@@ -131,3 +131,12 @@ def test_rounded_asymmetry_of_w_is_solved_exactly(solver):
     problem = Problem(problem.w, problem.q, problem.friction)
     found = problem.solve(solver, tolerance=1e-11, max_iterations=20000)
     assert found["converged"] and problem.residual(found["impulse"]) <= 1e-11 * (1 + 1e-3)
+
+
+def test_refuses_friction_that_hides_errors():
+    """At µ = 1e5, contact 1 closes and slips at a residual of 1e-5, so no sweep would run."""
+    q, start = [[-1, 0], [-1, 1]], [[1, 0], [0, 0]]
+    found = Problem(np.eye(4), q, [0, 1e3], start).solve("nlgs")
+    assert found["iterations"] > 0 and found["relative_velocity"][1, 0] > -1e-12
+    with pytest.raises(ValueError, match="contact 1: µ = 100000 is too large to measure errors"):
+        Problem(np.eye(4), q, [0, 1e5], start).solve("nlgs")

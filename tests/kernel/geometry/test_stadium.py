@@ -49,17 +49,8 @@ def test_needle_limit(r):
 
 @pytest.mark.parametrize("a, r", STADIUMS)
 @pytest.mark.parametrize("angle", [0, 0.3, np.pi / 2, 2.5, -1.1])
-def test_bounds_and_support_enclose_the_boundary(a, r, angle):
-    """The support point is on the boundary; no point is farther along the direction."""
+def test_bounds_enclose_the_boundary(a, r, angle):
     points = boundary(a, r, angle)
     # upper bound of the sagitta of one sampling step
     sampling = (r * 2 * np.pi / len(points)) ** 2 / r + ROUNDING
     assert _kernel.half_extent(a, r, angle) == pytest.approx(points.max(axis=0), abs=sampling)
-    axis = direction_of(angle)
-    for direction in np.linspace(0, 2 * np.pi, 17) + 0.01:
-        point = np.array(_kernel.support(a, r, angle, direction))
-        along = direction_of(direction)
-        where = f"angle {angle}, direction {direction}"
-        assert point @ along == pytest.approx((points @ along).max(), abs=sampling), where
-        core = np.clip(point @ axis, -a, a) * axis
-        assert np.linalg.norm(point - core) == pytest.approx(r, abs=4 * ROUNDING), where

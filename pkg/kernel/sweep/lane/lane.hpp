@@ -174,7 +174,7 @@ namespace RCR_LANE_NAMESPACE {
 	friend Lane max(Lane a, Lane b) { return mm##_max_##type(a.value, b.value); }
 
 // AVX2: a mask is a register. −0 has the sign bit alone.
-#define RCR_LANE_AVX2(type)                                                                        \
+#define RCR_LANE_AVX2(lanes, type)                                                                 \
 	friend Lane abs(Lane a) { return _mm256_andnot_##type(Lane(Real(-0.0)).value, a.value); }      \
 	friend Lane copySign(Lane a, Lane b)                                                           \
 	{                                                                                              \
@@ -182,20 +182,20 @@ namespace RCR_LANE_NAMESPACE {
 		return _mm256_or_##type(                                                                   \
 		        _mm256_andnot_##type(sign, a.value), _mm256_and_##type(sign, b.value));            \
 	}                                                                                              \
-	friend auto operator<=(Lane a, Lane b)                                                         \
+	friend Mask<lanes> operator<=(Lane a, Lane b)                                                  \
 	{                                                                                              \
-		return MaskOf { _mm256_cmp_##type(a.value, b.value, _CMP_LE_OQ) };                         \
+		return { _mm256_cmp_##type(a.value, b.value, _CMP_LE_OQ) };                                \
 	}                                                                                              \
-	friend Lane select(MaskOf m, Lane yes, Lane no)                                                \
+	friend Lane select(Mask<lanes> m, Lane yes, Lane no)                                           \
 	{                                                                                              \
 		return _mm256_blendv_##type(no.value, yes.value, m.value);                                 \
 	}                                                                                              \
-	friend Lane zeroWhere(MaskOf m, Lane a) { return _mm256_andnot_##type(m.value, a.value); }
+	friend Lane zeroWhere(Mask<lanes> m, Lane a) { return _mm256_andnot_##type(m.value, a.value); }
 #endif
 
 #if defined(__AVX512F__)
 // AVX-512: a mask is a number. 0xca chooses bits: the sign of b, the rest of a.
-#define RCR_LANE_AVX512(type, bits)                                                                \
+#define RCR_LANE_AVX512(lanes, type, bits)                                                         \
 	friend Lane abs(Lane a) { return _mm512_abs_##type(a.value); }                                 \
 	friend Lane copySign(Lane a, Lane b)                                                           \
 	{                                                                                              \
@@ -203,15 +203,15 @@ namespace RCR_LANE_NAMESPACE {
 		return _mm512_castsi512_##type(_mm512_ternarylogic_##bits(sign,                            \
 		        _mm512_cast##type##_si512(b.value), _mm512_cast##type##_si512(a.value), 0xca));    \
 	}                                                                                              \
-	friend auto operator<=(Lane a, Lane b)                                                         \
+	friend Mask<lanes> operator<=(Lane a, Lane b)                                                  \
 	{                                                                                              \
-		return MaskOf { _mm512_cmp_##type##_mask(a.value, b.value, _CMP_LE_OQ) };                  \
+		return { _mm512_cmp_##type##_mask(a.value, b.value, _CMP_LE_OQ) };                         \
 	}                                                                                              \
-	friend Lane select(MaskOf m, Lane yes, Lane no)                                                \
+	friend Lane select(Mask<lanes> m, Lane yes, Lane no)                                           \
 	{                                                                                              \
 		return _mm512_mask_blend_##type(m.value, no.value, yes.value);                             \
 	}                                                                                              \
-	friend Lane zeroWhere(MaskOf m, Lane a)                                                        \
+	friend Lane zeroWhere(Mask<lanes> m, Lane a)                                                   \
 	{                                                                                              \
 		return _mm512_mask_blend_##type(m.value, a.value, _mm512_setzero_##type());                \
 	}
@@ -223,9 +223,8 @@ namespace RCR_LANE_NAMESPACE {
 	};
 
 	template <> struct Lane<4> {
-		using MaskOf = Mask<4>;
 		RCR_LANE_ARITHMETIC(__m256d, _mm256, pd)
-		RCR_LANE_AVX2(pd)
+		RCR_LANE_AVX2(4, pd)
 		void store(float* to) const { _mm_store_ps(to, _mm256_cvtpd_ps(value)); }
 	};
 #endif
@@ -236,9 +235,8 @@ namespace RCR_LANE_NAMESPACE {
 	};
 
 	template <> struct Lane<8> {
-		using MaskOf = Mask<8>;
 		RCR_LANE_ARITHMETIC(__m512d, _mm512, pd)
-		RCR_LANE_AVX512(pd, epi64)
+		RCR_LANE_AVX512(8, pd, epi64)
 		Lane(Lane<4> low, Lane<4> high)
 		        : value(_mm512_insertf64x4(_mm512_castpd256_pd512(low.value), high.value, 1))
 		{
@@ -255,9 +253,8 @@ namespace RCR_LANE_NAMESPACE {
 	};
 
 	template <> struct Lane<8> {
-		using MaskOf = Mask<8>;
 		RCR_LANE_ARITHMETIC(__m256, _mm256, ps)
-		RCR_LANE_AVX2(ps)
+		RCR_LANE_AVX2(8, ps)
 	};
 #endif
 
@@ -267,9 +264,8 @@ namespace RCR_LANE_NAMESPACE {
 	};
 
 	template <> struct Lane<16> {
-		using MaskOf = Mask<16>;
 		RCR_LANE_ARITHMETIC(__m512, _mm512, ps)
-		RCR_LANE_AVX512(ps, epi32)
+		RCR_LANE_AVX512(16, ps, epi32)
 		Lane(Lane<8> low, Lane<8> high) : value(joined(low.value, high.value)) { }
 		friend Lane<8> lowHalf(Lane a) { return _mm512_castps512_ps256(a.value); }
 		friend Lane<8> highHalf(Lane a)

@@ -53,7 +53,7 @@ namespace RCR_LANE_NAMESPACE {
 	} // namespace
 
 	extern const LaneCheck check;
-	const LaneCheck        check { RCR_LANES, apply, moveBodies, moveCentres };
+	const LaneCheck        check { apply, moveBodies, moveCentres };
 
 } // namespace RCR_LANE_NAMESPACE
 } // namespace rcr

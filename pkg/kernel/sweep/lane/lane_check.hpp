@@ -12,7 +12,6 @@ enum class LaneOperation {
 };
 
 struct LaneCheck {
-	int width;
 	/// out = operation(a, b, c) for arrays of blockWidth numbers at multiples of 64 bytes.
 	/// select: a <= b ? b : c; zeroWhere: a <= b ? 0 : c.
 	void (*apply)(LaneOperation, const double* a, const double* b, const double* c, double* out);

@@ -4,37 +4,28 @@
 
 namespace rcr {
 
-// packed_kernels.cpp and lane_check.cpp, compiled once per width
-#define RCR_COMPILED(lanes)                                                                        \
+// packed_kernels.cpp and lane_check.cpp, compiled once per width, and the kernels of floats
+#define RCR_COMPILED(lanes, floats)                                                                \
 	namespace lanes {                                                                              \
 		extern const PackedKernels kernels;                                                        \
 		extern const LaneCheck     check;                                                          \
+	}                                                                                              \
+	namespace floats {                                                                             \
+		extern const MomentumKernels<float> kernels;                                               \
 	}
-RCR_COMPILED(lanes1)
-RCR_COMPILED(lanes4)
-RCR_COMPILED(lanes8) // two halves per lane without AVX-512
+RCR_COMPILED(lanes1, single1)
+RCR_COMPILED(lanes4, single8)
+RCR_COMPILED(lanes8, single16) // two halves per lane without AVX-512
 #ifdef RCR_X86
-RCR_COMPILED(fma1) // one lane with FMA in hardware
-RCR_COMPILED(avx512)
-#endif
-
-#define RCR_COMPILED_SINGLE(lanes)                                                                 \
-	namespace lanes {                                                                              \
-		extern const PackedKernelsOf<float> kernels;                                               \
-	}
-RCR_COMPILED_SINGLE(single1)
-RCR_COMPILED_SINGLE(single8)
-RCR_COMPILED_SINGLE(single16)
-#ifdef RCR_X86
-RCR_COMPILED_SINGLE(single_fma1)
-RCR_COMPILED_SINGLE(single_avx512)
+RCR_COMPILED(fma1, single_fma1) // one lane with FMA in hardware
+RCR_COMPILED(avx512, single_avx512)
 #endif
 
 namespace {
 
 	struct Kernels {
 		const PackedKernels&          packed;
-		const PackedKernelsOf<float>& single;
+		const MomentumKernels<float>& single;
 		const LaneCheck&              check;
 	};
 
@@ -60,7 +51,7 @@ namespace {
 } // namespace
 
 const PackedKernels&          packedKernels(int lanes) { return chosen(lanes).packed; }
-const PackedKernelsOf<float>& singleKernels(int lanes) { return chosen(lanes).single; }
+const MomentumKernels<float>& singleKernels(int lanes) { return chosen(lanes).single; }
 const LaneCheck&              laneCheck(int lanes) { return chosen(lanes).check; }
 
 } // namespace rcr

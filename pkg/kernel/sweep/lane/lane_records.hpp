@@ -80,53 +80,46 @@ namespace RCR_LANE_NAMESPACE {
 	}
 
 #if defined(__AVX2__) && !defined(RCR_SINGLE)
+	/// Two numbers of record i, then of record i + 2, from number `part` of each.
+	inline __attribute__((always_inline)) __m256d loadTwo(const Places<4>& at, int i, int part)
+	{
+		return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(at[i] + part)),
+		        _mm_load_pd(at[i + 2] + part), 1);
+	}
+
+	inline __attribute__((always_inline)) void storeTwo(
+	        __m256d numbers, const Places<4>& at, int i, int part)
+	{
+		_mm_store_pd(at[i] + part, _mm256_castpd256_pd128(numbers));
+		_mm_store_pd(at[i + 2] + part, _mm256_extractf128_pd(numbers, 1));
+	}
+
+	template <> inline Centres<4> loadCentres<4>(const Places<4>& at)
+	{
+		const __m256d v02 = loadTwo(at, 0, 0), v13 = loadTwo(at, 1, 0);
+		return { _mm256_unpacklo_pd(v02, v13), _mm256_unpackhi_pd(v02, v13) };
+	}
+
+	template <> inline void storeCentres<4>(const Centres<4>& v, const Places<4>& at)
+	{
+		storeTwo(_mm256_unpacklo_pd(v.x.value, v.y.value), at, 0, 0);
+		storeTwo(_mm256_unpackhi_pd(v.x.value, v.y.value), at, 1, 0);
+	}
+
 	template <> inline Bodies<4> loadBodies<4>(const Places<4>& at)
 	{
-		// (x, y) of records 0 | 2 and 1 | 3, then unpack; likewise (spin, 1/m)
-		const auto halves = [&](int i, int part) __attribute__((always_inline))
-		{
-			return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(at[i] + part)),
-			        _mm_load_pd(at[i + 2] + part), 1);
-		};
-		const __m256d v02 = halves(0, 0), v13 = halves(1, 0), w02 = halves(0, 2),
-		              w13 = halves(1, 2);
+		const __m256d v02 = loadTwo(at, 0, 0), v13 = loadTwo(at, 1, 0), w02 = loadTwo(at, 0, 2),
+		              w13 = loadTwo(at, 1, 2);
 		return { _mm256_unpacklo_pd(v02, v13), _mm256_unpackhi_pd(v02, v13),
 			_mm256_unpacklo_pd(w02, w13), _mm256_unpackhi_pd(w02, w13) };
 	}
 
 	template <> inline void storeBodies<4>(const Bodies<4>& v, const Places<4>& at)
 	{
-		const auto put = [&](__m256d pair, int i, int part) __attribute__((always_inline))
-		{
-			_mm_store_pd(at[i] + part, _mm256_castpd256_pd128(pair));
-			_mm_store_pd(at[i + 2] + part, _mm256_extractf128_pd(pair, 1));
-		};
-		put(_mm256_unpacklo_pd(v.x.value, v.y.value), 0, 0);
-		put(_mm256_unpackhi_pd(v.x.value, v.y.value), 1, 0);
-		put(_mm256_unpacklo_pd(v.spin.value, v.inverseMass.value), 0, 2);
-		put(_mm256_unpackhi_pd(v.spin.value, v.inverseMass.value), 1, 2);
-	}
-
-	template <> inline Centres<4> loadCentres<4>(const Places<4>& at)
-	{
-		const auto halves = [&](int i) __attribute__((always_inline))
-		{
-			return _mm256_insertf128_pd(
-			        _mm256_castpd128_pd256(_mm_load_pd(at[i])), _mm_load_pd(at[i + 2]), 1);
-		};
-		const __m256d v02 = halves(0), v13 = halves(1);
-		return { _mm256_unpacklo_pd(v02, v13), _mm256_unpackhi_pd(v02, v13) };
-	}
-
-	template <> inline void storeCentres<4>(const Centres<4>& v, const Places<4>& at)
-	{
-		const auto put = [&](__m256d pair, int i) __attribute__((always_inline))
-		{
-			_mm_store_pd(at[i], _mm256_castpd256_pd128(pair));
-			_mm_store_pd(at[i + 2], _mm256_extractf128_pd(pair, 1));
-		};
-		put(_mm256_unpacklo_pd(v.x.value, v.y.value), 0);
-		put(_mm256_unpackhi_pd(v.x.value, v.y.value), 1);
+		storeTwo(_mm256_unpacklo_pd(v.x.value, v.y.value), at, 0, 0);
+		storeTwo(_mm256_unpackhi_pd(v.x.value, v.y.value), at, 1, 0);
+		storeTwo(_mm256_unpacklo_pd(v.spin.value, v.inverseMass.value), at, 0, 2);
+		storeTwo(_mm256_unpackhi_pd(v.spin.value, v.inverseMass.value), at, 1, 2);
 	}
 #endif
 
@@ -167,38 +160,6 @@ namespace RCR_LANE_NAMESPACE {
 		put(_mm512_permutex2var_pd(xy1, low, sm1), 1, 3);
 		put(_mm512_permutex2var_pd(xy0, high, sm0), 4, 6);
 		put(_mm512_permutex2var_pd(xy1, high, sm1), 5, 7);
-	}
-
-	// A register takes four half records, so (x, y) unpack in place.
-	template <> inline Centres<8> loadCentres<8>(const Places<8>& at)
-	{
-		const auto two = [&](int i) __attribute__((always_inline))
-		{
-			return _mm256_insertf128_pd(
-			        _mm256_castpd128_pd256(_mm_load_pd(at[i])), _mm_load_pd(at[i + 2]), 1);
-		};
-		const auto four = [&](int i) __attribute__((always_inline))
-		{
-			return _mm512_insertf64x4(_mm512_castpd256_pd512(two(i)), two(i + 4), 1);
-		};
-		const __m512d even = four(0), odd = four(1);
-		return { _mm512_unpacklo_pd(even, odd), _mm512_unpackhi_pd(even, odd) };
-	}
-
-	template <> inline void storeCentres<8>(const Centres<8>& v, const Places<8>& at)
-	{
-		const auto two = [&](__m256d pair, int i) __attribute__((always_inline))
-		{
-			_mm_store_pd(at[i], _mm256_castpd256_pd128(pair));
-			_mm_store_pd(at[i + 2], _mm256_extractf128_pd(pair, 1));
-		};
-		const auto four = [&](__m512d pairs, int i) __attribute__((always_inline))
-		{
-			two(_mm512_castpd512_pd256(pairs), i);
-			two(_mm512_extractf64x4_pd(pairs, 1), i + 4);
-		};
-		four(_mm512_unpacklo_pd(v.x.value, v.y.value), 0);
-		four(_mm512_unpackhi_pd(v.x.value, v.y.value), 1);
 	}
 #endif
 

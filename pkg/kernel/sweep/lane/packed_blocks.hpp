@@ -76,7 +76,7 @@ namespace record {
 inline std::uint32_t offsetOf(std::int32_t record) { return 2 * std::uint32_t(record); }
 inline std::int32_t  recordOf(std::uint32_t offset) { return std::int32_t(offset / 2); }
 
-/// Offsets of the records of the pairs of a block. Each driven body has one record per slot.
+/// Offsets of the records of the pairs of a block. A prescribed body has one record per slot.
 struct alignas(64) PairBlock {
 	std::uint32_t body1[blockWidth], body2[blockWidth];
 };
@@ -170,7 +170,7 @@ constexpr int columnsOf(Model model)
 
 /// The blocks of one colour, one model and one number of points per pair.
 struct Chunk {
-	std::int32_t firstPair, blocks, firstColumn, pointsPerPair;
+	std::int32_t firstBlock, blocks, firstColumn, pointsPerPair;
 	Model        model;
 	std::int32_t firstPoint; // index of its first point block among those of all chunks
 };
@@ -205,10 +205,21 @@ struct Measures {
 	}
 };
 
-/// The kernels of one lane width. Each works on one chunk.
-template <class Real> struct PackedKernelsOf {
+/// The kernels of sweeps with momentum, in doubles or floats. Each works on one chunk.
+template <class Real> struct MomentumKernels {
 	using View = PackedViewOf<Real>;
 
+	/// Sweeps from y = p + β (p − p_old). Returns ‖p − y‖².
+	double (*sweepMomentum)(const View&, const Chunk&, double momentum);
+	/// Sums for the stop criteria at the present impulses and velocities. Floats need `bias`, b_n
+	/// of the contact law in one column per point block: their own bias contains u_ref.
+	Measures (*measure)(const View&, const Chunk&, const ColumnOf<Real>* bias);
+	/// v_old ← v + β (v − v_old) for half records first … last − 1. The caller swaps both arrays.
+	void (*extrapolate)(const View&, int first, int last, double momentum);
+};
+
+/// All kernels of one lane width.
+struct PackedKernels : MomentumKernels<double> {
 	int width;
 	/// Computes lever arms and Delassus coefficients from the raw arms. Returns Σ |u|².
 	double (*prepare)(const View&, const Chunk&);
@@ -218,23 +229,15 @@ template <class Real> struct PackedKernelsOf {
 	void (*sweep)(const View&, const Chunk&);
 	/// p ← P_K(p + relaxation (solution − p))
 	void (*sweepRelaxed)(const View&, const Chunk&, double relaxation);
-	/// Sweeps from y = p + β (p − p_old). Returns ‖p − y‖².
-	double (*sweepMomentum)(const View&, const Chunk&, double momentum);
 	/// As sweepMomentum, for yielding contacts: p ← solution/(1 + ε max(1, w₀/w_nn)).
 	double (*sweepYielding)(const View&, const Chunk&, double momentum, const Yielding&);
-	/// Sums for the stop criteria at the present impulses and velocities. Floats need `bias`, b_n
-	/// of the contact law in one column per point block: their own bias contains u_ref.
-	Measures (*measure)(const View&, const Chunk&, const ColumnOf<Real>* bias);
 	/// Writes (u_n + b_n, u_t) to `bias` and `tangentialBias` of the columns of floats.
 	void (*updateReference)(const View&, const Chunk&, ColumnOf<float>* points);
-	/// v_old ← v + β (v − v_old) for half records first … last − 1. The caller swaps both arrays.
-	void (*extrapolate)(const View&, int first, int last, double momentum);
 };
-using PackedKernels = PackedKernelsOf<double>;
 
 /// Scalar (`lanes` = 1), AVX2 (4) or the processor's widest kernels (8, 0); those of AVX-512 have
 /// 16 lanes.
 const PackedKernels&          packedKernels(int lanes);
-const PackedKernelsOf<float>& singleKernels(int lanes);
+const MomentumKernels<float>& singleKernels(int lanes);
 
 } // namespace rcr

@@ -7,6 +7,120 @@ namespace RCR_LANE_NAMESPACE {
 
 	namespace {
 
+		/// One sweep. next(point, lane, u) stores the new impulse and returns its change.
+		template <class M, int Points, class Next>
+		inline void sweepPairs(const PackedView& view, const Chunk& chunk, Next next)
+		{
+			forEachPair<M>(view, chunk,
+			        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
+				        auto v1 = M::load(at1), v2 = M::load(at2);
+				        for (int i = 0; i < Points; ++i) {
+					        const auto c      = pointAt(point, i);
+					        const auto change = next(c, lane, M::velocity(c, lane, v1, v2));
+					        M::apply(c, lane, change, v1, v2);
+				        }
+				        M::store(v1, at1);
+				        M::store(v2, at2);
+			        });
+		}
+
+		template <class M, int Points, class Keep>
+		NOINLINE double sweepMomentumAs(
+		        const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
+		{
+			const L beta = Real(momentum);
+			Sum     change2;
+			sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
+				const auto p = M::impulse(c, lane),
+				           y = addProduct(p, beta, p - M::oldImpulse(c, lane));
+				const auto q = keep(c, lane, M::solve(c, lane, u, y)), change = q - y;
+				M::setOld(c, lane, p);
+				M::set(c, lane, q);
+				change2.add(lane, square(change));
+				return change;
+			});
+			return change2.total();
+		}
+
+		/// Rigid contacts keep the whole solution.
+		struct Whole {
+			template <class Point, class Impulse>
+			INLINE Impulse operator()(const Point&, int, const Impulse& p) const
+			{
+				return p;
+			}
+		};
+
+		template <class Keep>
+		double sweepKeeping(const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
+		{
+			double change2 = 0;
+			withModelAndPoints(chunk, [&](auto model, auto points) {
+				change2 = sweepMomentumAs<decltype(model), points.value>(
+				        view, chunk, momentum, keep);
+			});
+			return change2;
+		}
+
+		double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
+		{
+			return sweepKeeping(view, chunk, momentum, Whole());
+		}
+
+		/// b_n of the contact law; the column `bias` of floats contains u_ref too.
+		INLINE inline L lawBias(const PointColumns& c, int lane, const Column* bias, int point)
+		{
+			if constexpr (relativeToReference) return L::load(bias[point].of + lane);
+			else
+				return L::load(c.bias() + lane);
+		}
+
+		Measures measure(const PackedView& view, const Chunk& chunk, const Column* bias)
+		{
+			Sum error2, impulse2, normal, kinematicError2, velocity2, stopping2, dissipated;
+			const Column* const first = view.points + chunk.firstColumn;
+			forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
+				const Vector u = wholeVelocity(c, lane, v1, v2),
+				             p { L::load(c.pn() + lane), tangential(c, lane) };
+				const int number   = chunk.firstPoint + int(c.first() - first) / c.count;
+				const L   un       = u.n + L::load(c.bias() + lane), mu = friction(c, lane);
+				const L   law      = lawBias(c, lane, bias, number);
+				const L   speed    = relativeToReference ? un - law : u.n;
+				const L   scale    = L::load(c.inverseNn() + lane),
+				          stopping = (abs(speed) + abs(law)) * scale;
+				const Vector q     = projectCone(
+				        { p.n - (un + mu * abs(u.t)) * scale, p.t - u.t * scale }, mu);
+				const L miss = (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
+				error2.add(lane, miss);
+				impulse2.add(lane, p.n * p.n + p.t * p.t);
+				normal.add(lane, p.n);
+				kinematicError2.add(
+				        lane, select(scale <= L(0.0), L(0.0), miss / (scale * scale)));
+				velocity2.add(lane, speed * speed + u.t * u.t);
+				stopping2.add(lane, stopping * stopping);
+				dissipated.add(lane, L(0.0) - (p.n * un + p.t * u.t));
+			});
+			return { error2.total(), impulse2.total(), normal.total(), kinematicError2.total(),
+				velocity2.total(), stopping2.total(), dissipated.total() };
+		}
+
+		void extrapolate(const PackedView& view, int first, int last, double momentum)
+		{
+			const Real  beta  = Real(momentum);
+			const Real* value = view.body;
+			Real*       old   = view.oldBody;
+			for (long i = 2L * first; i < 2L * last; ++i)
+				old[i] = fma(beta, value[i] - old[i], value[i]);
+		}
+
+	} // namespace
+
+#ifdef RCR_SINGLE
+	extern const MomentumKernels<float> kernels;
+	const MomentumKernels<float>        kernels { sweepMomentum, measure, extrapolate };
+#else
+	namespace {
+
 		inline L inverse(L value) { return zeroWhere(value <= L(0.0), L(1.0) / value); }
 
 		inline void preparePoint(const FrictionlessDiscColumns& c, int lane, L m1, L m2)
@@ -60,25 +174,17 @@ namespace RCR_LANE_NAMESPACE {
 		double prepare(const PackedView& view, const Chunk& chunk)
 		{
 			Sum velocity2;
-			dispatch(chunk, [&](auto model, auto) {
-				using M = decltype(model);
-				forEachPair<M>(view, chunk,
-				        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
-					        const auto [v1, v2] = loadWhole<M>(point, lane, at1, at2);
-					        for (int i = 0; i < chunk.pointsPerPair; ++i) {
-						        const auto c = pointAt(point, i);
-						        preparePoint(c, lane, v1.inverseMass, v2.inverseMass);
-						        const Vector u = wholeVelocity(c, lane, v1, v2);
-						        velocity2.add(lane, u.n * u.n + u.t * u.t);
-					        }
-				        });
+			forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
+				preparePoint(c, lane, v1.inverseMass, v2.inverseMass);
+				const Vector u = wholeVelocity(c, lane, v1, v2);
+				velocity2.add(lane, u.n * u.n + u.t * u.t);
 			});
 			return velocity2.total();
 		}
 
 		void apply(const PackedView& view, const Chunk& chunk)
 		{
-			dispatch(chunk, [&](auto model, auto) {
+			withModel(chunk, [&](auto model) {
 				using M = decltype(model);
 				forEachPair<M>(view, chunk,
 				        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
@@ -94,23 +200,6 @@ namespace RCR_LANE_NAMESPACE {
 			});
 		}
 
-		/// One sweep. next(point, lane, u) stores the new impulse and returns its change.
-		template <class M, int Points, class Next>
-		inline void sweepPairs(const PackedView& view, const Chunk& chunk, Next next)
-		{
-			forEachPair<M>(view, chunk,
-			        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
-				        auto v1 = M::load(at1), v2 = M::load(at2);
-				        for (int i = 0; i < Points; ++i) {
-					        const auto c      = pointAt(point, i);
-					        const auto change = next(c, lane, M::velocity(c, lane, v1, v2));
-					        M::apply(c, lane, change, v1, v2);
-				        }
-				        M::store(v1, at1);
-				        M::store(v2, at2);
-			        });
-		}
-
 		template <class M, int Points>
 		NOINLINE void sweepAs(const PackedView& view, const Chunk& chunk)
 		{
@@ -123,7 +212,7 @@ namespace RCR_LANE_NAMESPACE {
 
 		void sweep(const PackedView& view, const Chunk& chunk)
 		{
-			dispatch(chunk, [&](auto model, auto points) {
+			withModelAndPoints(chunk, [&](auto model, auto points) {
 				sweepAs<decltype(model), points.value>(view, chunk);
 			});
 		}
@@ -142,37 +231,10 @@ namespace RCR_LANE_NAMESPACE {
 
 		void sweepRelaxed(const PackedView& view, const Chunk& chunk, double relaxation)
 		{
-			dispatch(chunk, [&](auto model, auto points) {
+			withModelAndPoints(chunk, [&](auto model, auto points) {
 				sweepRelaxedAs<decltype(model), points.value>(view, chunk, relaxation);
 			});
 		}
-
-		template <class M, int Points, class Keep>
-		NOINLINE double sweepMomentumAs(
-		        const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
-		{
-			const L beta = Real(momentum);
-			Sum     change2;
-			sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
-				const auto p = M::impulse(c, lane),
-				           y = addProduct(p, beta, p - M::oldImpulse(c, lane));
-				const auto q = keep(c, lane, M::solve(c, lane, u, y)), change = q - y;
-				M::setOld(c, lane, p);
-				M::set(c, lane, q);
-				change2.add(lane, square(change));
-				return change;
-			});
-			return change2.total();
-		}
-
-		/// Rigid contacts keep the whole solution.
-		struct Whole {
-			template <class Point, class Impulse>
-			INLINE Impulse operator()(const Point&, int, const Impulse& p) const
-			{
-				return p;
-			}
-		};
 
 		/// Yielding contacts keep a share.
 		struct Share {
@@ -186,111 +248,30 @@ namespace RCR_LANE_NAMESPACE {
 			}
 		};
 
-		template <class Keep>
-		double sweepKeeping(const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
-		{
-			double change2 = 0;
-			dispatch(chunk, [&](auto model, auto points) {
-				change2 = sweepMomentumAs<decltype(model), points.value>(
-				        view, chunk, momentum, keep);
-			});
-			return change2;
-		}
-
-		double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
-		{
-			return sweepKeeping(view, chunk, momentum, Whole());
-		}
-
 		double sweepYielding(
-		        const PackedView& view, const Chunk& chunk, double momentum, const Yielding& yielding)
+		        const PackedView& view, const Chunk& chunk, double momentum,
+		        const Yielding& yielding)
 		{
 			return sweepKeeping(view, chunk, momentum,
 			        Share { Real(yielding.compliance), Real(yielding.leastResponse) });
 		}
 
-		/// b_n of the contact law; the column `bias` of floats contains u_ref too.
-		INLINE inline L lawBias(const PointColumns& c, int lane, const Column* bias, int point)
-		{
-			if constexpr (relativeToReference) return L::load(bias[point].of + lane);
-			else
-				return L::load(c.bias() + lane);
-		}
-
-		Measures measure(const PackedView& view, const Chunk& chunk, const Column* bias)
-		{
-			Sum error2, impulse2, normal, kinematicError2, velocity2, stopping2, dissipated;
-			dispatch(chunk, [&](auto model, auto) {
-				using M                   = decltype(model);
-				const Column* const first = view.points + chunk.firstColumn;
-				forEachPair<M>(view, chunk,
-				        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
-					        const auto [v1, v2] = loadWhole<M>(point, lane, at1, at2);
-					        for (int i = 0; i < chunk.pointsPerPair; ++i) {
-						        const auto   c = pointAt(point, i);
-						        const Vector u = wholeVelocity(c, lane, v1, v2),
-						                     p { L::load(c.pn() + lane), tangential(c, lane) };
-						        const int number = chunk.firstPoint
-						                + int(c.first() - first) / M::Columns::count;
-						        const L un = u.n + L::load(c.bias() + lane), mu = friction(c, lane);
-						        const L law      = lawBias(c, lane, bias, number);
-						        const L speed    = relativeToReference ? un - law : u.n;
-						        const L scale    = L::load(c.inverseNn() + lane),
-						                stopping = (abs(speed) + abs(law)) * scale;
-						        const Vector q   = projectCone(
-						                  { p.n - (un + mu * abs(u.t)) * scale, p.t - u.t * scale },
-						                  mu);
-						        const L miss = (p.n - q.n) * (p.n - q.n)
-						                + (p.t - q.t) * (p.t - q.t);
-						        error2.add(lane, miss);
-						        impulse2.add(lane, p.n * p.n + p.t * p.t);
-						        normal.add(lane, p.n);
-						        kinematicError2.add(lane,
-						                select(scale <= L(0.0), L(0.0), miss / (scale * scale)));
-						        velocity2.add(lane, speed * speed + u.t * u.t);
-						        stopping2.add(lane, stopping * stopping);
-						        dissipated.add(lane, L(0.0) - (p.n * un + p.t * u.t));
-					        }
-				        });
-			});
-			return { error2.total(), impulse2.total(), normal.total(), kinematicError2.total(),
-				velocity2.total(), stopping2.total(), dissipated.total() };
-		}
-
 		void updateReference(const PackedView& view, const Chunk& chunk, ColumnOf<float>* points)
 		{
-			dispatch(chunk, [&](auto model, auto) {
-				using M          = decltype(model);
-				auto* const from = view.points + chunk.firstColumn;
-				auto* const to   = points + chunk.firstColumn;
-				forEachPair<M>(view, chunk,
-				        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
-					        const auto [v1, v2] = loadWhole<M>(point, lane, at1, at2);
-					        for (int i = 0; i < chunk.pointsPerPair; ++i) {
-						        const auto                  c = pointAt(point, i);
-						        const PointColumnsOf<float> single(to + (c.first() - from));
-						        const Vector                u = wholeVelocity(c, lane, v1, v2);
-						        (u.n + L::load(c.bias() + lane)).store(single.bias() + lane);
-						        u.t.store(single.tangentialBias() + lane);
-					        }
-				        });
+			forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
+				const PointColumnsOf<float> single(points + (c.first() - view.points));
+				const Vector                u = wholeVelocity(c, lane, v1, v2);
+				(u.n + L::load(c.bias() + lane)).store(single.bias() + lane);
+				u.t.store(single.tangentialBias() + lane);
 			});
-		}
-
-		void extrapolate(const PackedView& view, int first, int last, double momentum)
-		{
-			const Real  beta  = Real(momentum);
-			const Real* value = view.body;
-			Real*       old   = view.oldBody;
-			for (long i = 2L * first; i < 2L * last; ++i)
-				old[i] = fma(beta, value[i] - old[i], value[i]);
 		}
 
 	} // namespace
 
-	extern const PackedKernelsOf<Real> kernels;
-	const PackedKernelsOf<Real>        kernels { RCR_LANES, prepare, apply, sweep, sweepRelaxed,
-        sweepMomentum, sweepYielding, measure, updateReference, extrapolate };
+	extern const PackedKernels kernels;
+	const PackedKernels        kernels { { sweepMomentum, measure, extrapolate }, RCR_LANES,
+		prepare, apply, sweep, sweepRelaxed, sweepYielding, updateReference };
+#endif
 
 } // namespace RCR_LANE_NAMESPACE
 } // namespace rcr

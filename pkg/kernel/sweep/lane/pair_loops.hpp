@@ -16,22 +16,24 @@ namespace RCR_LANE_NAMESPACE {
 
 	namespace {
 
-		template <int Points> struct Count {
-			static constexpr int value = Points;
-		};
-
-		/// Calls work(model, points a pair) of the chunk.
-		template <class Work> inline void dispatch(const Chunk& chunk, Work work)
+		/// Calls work(model) for the model of the chunk.
+		template <class Work> inline void withModel(const Chunk& chunk, Work work)
 		{
-			const auto as = [&](auto model) {
-				chunk.pointsPerPair == 1 ? work(model, Count<1>()) : work(model, Count<2>());
-			};
 			switch (chunk.model) {
-				case Model::frictional: return as(Frictional());
-				case Model::noLever: return as(NoLever());
-				case Model::frictionless: return as(Frictionless());
-				case Model::frictionlessDisc: return as(FrictionlessDisc());
+				case Model::frictional: return work(Frictional());
+				case Model::noLever: return work(NoLever());
+				case Model::frictionless: return work(Frictionless());
+				case Model::frictionlessDisc: return work(FrictionlessDisc());
 			}
+		}
+
+		/// Calls work(model, points a pair) for the chunk.
+		template <class Work> inline void withModelAndPoints(const Chunk& chunk, Work work)
+		{
+			withModel(chunk, [&](auto model) {
+				chunk.pointsPerPair == 1 ? work(model, std::integral_constant<int, 1>())
+				                         : work(model, std::integral_constant<int, 2>());
+			});
 		}
 
 		// ---- the loops
@@ -48,14 +50,12 @@ namespace RCR_LANE_NAMESPACE {
 		{
 			const typename M::Columns point(view.points + chunk.firstColumn);
 			for (int b = 0; b < chunk.blocks; ++b) {
-				const PairBlock& pairs = view.pairs[chunk.firstPair + b];
+				const PairBlock& pairs = view.pairs[chunk.firstBlock + b];
 				for (int lane = 0; lane < blockWidth; lane += RCR_LANES)
 					visit(P { view.body, pairs.body1 + lane }, P { view.body, pairs.body2 + lane },
 					        pointAt(point, b * chunk.pointsPerPair), lane);
 			}
 		}
-
-		using Sum = SlotSum<blockWidth>;
 
 		// Whole bodies; those of frictionless discs have no spin.
 
@@ -80,6 +80,21 @@ namespace RCR_LANE_NAMESPACE {
 			if constexpr (std::is_same_v<M, FrictionlessDisc>) M::store({ v.x, v.y }, at);
 			else
 				M::store(v, at);
+		}
+
+		/// Calls visit(point, lane, v1, v2) for all points of a chunk, RCR_LANES at a time.
+		template <class Visit>
+		inline void forEachPoint(const PackedView& view, const Chunk& chunk, Visit visit)
+		{
+			withModel(chunk, [&](auto model) {
+				using M = decltype(model);
+				forEachPair<M>(view, chunk,
+				        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
+					        const auto [v1, v2] = loadWhole<M>(point, lane, at1, at2);
+					        for (int i = 0; i < chunk.pointsPerPair; ++i)
+						        visit(pointAt(point, i), lane, v1, v2);
+				        });
+			});
 		}
 
 		/// The velocity (u_n, u_t) of the stop criteria.

@@ -17,11 +17,8 @@
 namespace rcr {
 namespace RCR_LANE_NAMESPACE {
 
-	using L = Lane<RCR_LANES>;
 	using B = Bodies<RCR_LANES>;
 	using P = Places<RCR_LANES>;
-
-	using Vector = Components<RCR_LANES>;
 
 	using PointColumns            = PointColumnsOf<Real>;
 	using FrictionlessDiscColumns = FrictionlessDiscColumnsOf<Real>;

@@ -17,8 +17,8 @@ public:
 	/// Frees all colours of a body, for pairs that are swept at another time.
 	void free(int body) { used_[body] = 0; }
 
-	/// Returns the colour of a pair, or none. `limits1`, `limits2`: false for a driven body, which
-	/// pairs of one colour may share.
+	/// Returns the colour of a pair, or none. `limits1`, `limits2`: false for a prescribed body,
+	/// which pairs of one colour may share.
 	int take(int body1, bool limits1, int body2, bool limits2)
 	{
 		const std::uint32_t free = ~(used_[body1] | used_[body2]), lowest = free & (~free + 1);

@@ -20,7 +20,7 @@ namespace {
 
 	BodyKind kindOf(const InverseMass& m)
 	{
-		if (m.x == 0 && m.y == 0 && m.rotation == 0) return BodyKind::prescribed;
+		if (m.prescribed()) return BodyKind::prescribed;
 		return m.x == m.y && m.x > 0 ? BodyKind::regular : BodyKind::special;
 	}
 
@@ -150,7 +150,7 @@ bool Layout::packable(const PackedPair& pair) const
 	        || (b == BodyKind::regular && a != BodyKind::special);
 }
 
-/// Sorts the pairs by island. Pairs of two driven bodies belong to none.
+/// Sorts the pairs by island. Pairs of two prescribed bodies belong to none.
 void Layout::sortPairs()
 {
 	byIsland_.resize(beginRanges(islands_));

@@ -4,8 +4,8 @@
 // models and the kinds of its bodies. So a simulation that is saved and loaded continues with the
 // same bits. A layout stays while these stay; a new one takes as long as twenty sweeps in floats.
 //
-// Islands are the connected parts of the graph of bodies; driven bodies do not connect. A large
-// island is cut into partitions (partitions.hpp). Its pairs form sections: those within a
+// Islands are the connected parts of the graph of bodies; prescribed bodies do not connect. A
+// large island is cut into partitions (partitions.hpp). Its pairs form sections: those within a
 // partition, or those on some interfaces. A section has its own blocks and colours. One thread
 // sweeps a section colour after colour; all partitions may be swept at once, and then all
 // interfaces.
@@ -30,7 +30,7 @@ enum class BodyKind : unsigned char { regular, prescribed, special };
 
 /// One or two consecutive points between the same two bodies.
 struct PackedPair {
-	static constexpr std::int32_t noSlot = -1; // overflow, or a pair of two driven bodies
+	static constexpr std::int32_t noSlot = -1; // overflow, or a pair of two prescribed bodies
 
 	std::int32_t body1, body2, firstPoint, points;
 	Model        required; // the cheapest that holds
@@ -55,7 +55,7 @@ struct Section {
 	Range        records; // of the bodies of a partition
 	Range        pairs;   // in Layout::bySection
 	Row          rows[Coloring::colors][models][2];
-	std::int32_t sides      = 0; // driven bodies of its pairs, counted per pair: each has a record
+	std::int32_t sides      = 0; // prescribed bodies, counted per pair: each has a record
 	std::int32_t nextRecord = 0; // of these
 
 	Row& row(int color, const PackedPair& pair)
@@ -87,7 +87,7 @@ public:
 	int                            pointBlocks() const { return pointBlocks_; }
 	BodyKind                       kind(int body) const { return kind_[body]; }
 
-	/// Number of half records: of bodies, then of driven sides of pairs and of empty slots.
+	/// Number of half records: of bodies, then of `sides` of sections and of empty slots.
 	int records() const { return records_; }
 	/// Record of a body. Order: island after island, partition after partition, then other bodies.
 	int  record(int body) const { return record_[body]; }
@@ -117,7 +117,7 @@ private:
 	bool moves(int body) const { return kind_[body] != BodyKind::prescribed || !reductions_.fixed; }
 	bool packable(const PackedPair&) const;
 	void findIslands();
-	/// The bodies of a pair; a driven one is replaced by its partner.
+	/// The bodies of a pair; a prescribed one is replaced by its partner.
 	Partitions::Edge movingBodies(const PackedPair& pair) const
 	{
 		return { moves(pair.body1) ? pair.body1 : pair.body2,

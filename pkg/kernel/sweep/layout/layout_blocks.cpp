@@ -55,7 +55,8 @@ void Layout::makeBlocks(Row& row, Model model, int points)
 	vacant_.push_back({ columns_ - points * columnsOf(model), columns_ });
 }
 
-/// Gives each pair of a section the next slot of its row, and each driven side a separate record.
+/// Gives each pair of a section the next slot of its row, and each prescribed body in it
+/// a separate record.
 void Layout::place(Section& section)
 {
 	const auto side = [&](int body) {

@@ -1,40 +1,22 @@
 // Islands of a layout: sets of bodies that no pair joins.
+#include "problem/disjoint_sets.hpp"
 #include "sweep/layout/layout.hpp"
 
-#include <algorithm>
-#include <numeric>
-
 namespace rcr {
-
-namespace {
-
-	/// The first body of the set that contains a body (union-find with path halving).
-	int root(std::vector<std::int32_t>& parent, int body)
-	{
-		while (parent[body] != body)
-			body = parent[body] = parent[parent[body]];
-		return body;
-	}
-
-} // namespace
 
 /// Numbers the islands in the order of their first pairs.
 void Layout::findIslands()
 {
-	std::vector<std::int32_t> parent(kind_.size()), number(kind_.size(), none);
-	std::iota(parent.begin(), parent.end(), 0);
-	int        whole = none; // the one island without that reduction
-	int        cell  = none; // a body at the boundary of a stretching cell
-	const auto join  = [&](int body1, int body2) {
-        const int a = root(parent, body1), b = root(parent, body2);
-        parent[std::max(a, b)] = std::min(a, b);
-	};
+	DisjointSets              sets(kind_.size());
+	std::vector<std::int32_t> number(kind_.size(), none);
+	std::int32_t              whole = none; // the one island without that reduction
+	int                       cell  = none; // a body at the boundary of a stretching cell
 	for (const PackedPair& pair : pairs_) {
-		if (moves(pair.body1) && moves(pair.body2)) join(pair.body1, pair.body2);
+		if (moves(pair.body1) && moves(pair.body2)) sets.join(pair.body1, pair.body2);
 		if (!stretches_ || !pair.drifts) continue;
 		const int body = movingBodies(pair)[0];
 		if (!moves(body)) continue;
-		if (cell != none) join(cell, body);
+		if (cell != none) sets.join(cell, body);
 		cell = body;
 	}
 	island_.assign(kind_.size(), none);
@@ -42,7 +24,7 @@ void Layout::findIslands()
 	for (const PackedPair& pair : pairs_) {
 		const int body = movingBodies(pair)[0];
 		if (!moves(body)) continue;
-		std::int32_t& island = reductions_.islands ? number[root(parent, body)] : whole;
+		std::int32_t& island = reductions_.islands ? number[sets.find(body)] : whole;
 		if (island == none) {
 			island = int(islands_.size());
 			islands_.push_back({});
