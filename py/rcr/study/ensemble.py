@@ -1,5 +1,7 @@
 """Contacts of several snapshots of one elongation, cumulated as the paper does. Needs NumPy."""
 
+import functools
+
 import numpy as np
 
 from rcr.network import COMPLEX, LEFT, RIGHT, Network
@@ -70,12 +72,9 @@ class Ensemble:
             return [self]
         return [Ensemble([network]) for network in self._networks]
 
-    def sin_phi(self):
-        """Return the mean q/p of the snapshots [-]."""
-        return np.mean([network.sin_phi() for network in self._networks])
-
+    @functools.cached_property
     def xi_networks(self):
-        """Return partial sums of the cumulated contacts; see `XiNetworks`."""
+        """Partial sums of the cumulated contacts; see `XiNetworks`."""
         return XiNetworks(self.theta, self.ln + 1j * self.lt, self.fn + 1j * self.ft, self.fn)
 
 

@@ -201,7 +201,7 @@ def contact_directions(e, grids):
 
 def contact_anisotropy(e, grids):
     """O15: a_c(ξ)."""
-    return dict(a_c=e.xi_networks().anisotropies(grids.xi)[0])
+    return dict(a_c=e.xi_networks.anisotropies(grids.xi)[0])
 
 
 def branch_anisotropies(e, grids):
@@ -225,7 +225,7 @@ def _anisotropies(e, grids, vector, normal, tangential, which):
         f"{vector}_t": across,
         f"{vector}_t_amplitude": across_amplitude,
     }
-    return dict(zip(NAMES[which], e.xi_networks().anisotropies(grids.xi)[which])) | functions
+    return dict(zip(NAMES[which], e.xi_networks.anisotropies(grids.xi)[which])) | functions
 
 
 def shear_stress(e, grids):
@@ -233,12 +233,11 @@ def shear_stress(e, grids):
 
     κ q(ξ)/p = half-sum + cross products exactly, with the pressure factor κ.
     """
-    xi_networks = e.xi_networks()
-    ratio = xi_networks.shear_stress_ratio(grids.xi)
-    half_sum = 0.5 * np.sum(xi_networks.anisotropies(grids.xi), axis=0)
-    neglected = dict(cross_products=xi_networks.cross_products(grids.xi),
-                     pressure_factor=xi_networks.pressure_factor())
-    return dict(q_over_p=ratio, half_sum=half_sum, closure=half_sum - ratio) | neglected
+    ratio = e.xi_networks.shear_stress_ratio(grids.xi)
+    half_sum = 0.5 * np.sum(e.xi_networks.anisotropies(grids.xi), axis=0)
+    return dict(q_over_p=ratio, half_sum=half_sum, closure=half_sum - ratio,
+                cross_products=e.xi_networks.cross_products(grids.xi),
+                pressure_factor=e.xi_networks.pressure_factor())
 
 
 MEASURES = dict(  # observable: (function, {name in analysis.json: grid of its arrays})
