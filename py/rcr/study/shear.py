@@ -17,7 +17,7 @@ from yade.wrapper import Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, Omega
 import rcr
 from rcr.network import sin_phi
 from rcr.study.compaction import rest, stress_deviation
-from rcr.study.protocol import PROTOCOL
+from rcr.study.protocol import HALF_RECORD, PROTOCOL
 from rcr.study.records import COUNTERS, Springs
 
 O = Omega()
@@ -77,7 +77,7 @@ def switch_to_springs(test, stiffness):
 def is_approaching(test, strain=None):
     """Return whether the test, now or at a strain, has not reached the strain `approach`."""
     strain = test.strain if strain is None else strain
-    return strain < test.parameters["approach"] - 0.5 * PROTOCOL.record_strain
+    return strain < test.parameters["approach"] - HALF_RECORD
 
 
 def rate_and_step(test, strain=None):
@@ -132,7 +132,7 @@ def steps_per_record(test):
 def _records_at_this_speed(test, most):
     """Return the number of records, at most `most`, in which the top wall keeps its speed."""
     if is_approaching(test):
-        left = test.parameters["approach"] - 0.5 * PROTOCOL.record_strain - test.strain
+        left = test.parameters["approach"] - HALF_RECORD - test.strain
         return max(1, min(most, math.ceil(left / test.strain_per_record)))
     if _slowed(test) < 1:
         return 1
