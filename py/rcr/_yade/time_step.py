@@ -152,12 +152,8 @@ def half_step_start():
         force, torque = Vector3.Zero, Vector3.Zero
         if loaded:
             force, torque = O.forces.permF(body.id), O.forces.permT(body.id)
-        turn = Vector3(*(torque[k] / state.inertia[k] for k in range(3)))
-        state.vel -= half * _free_part(state, "xyz", gravity + force / state.mass)
-        state.angVel -= half * _free_part(state, "XYZ", turn)
-
-
-def _free_part(state, names, vector):
-    """Set the components along blocked degrees of freedom to 0."""
-    free = (0 if name in state.blockedDOFs else value for name, value in zip(names, vector))
-    return Vector3(*free)
+        free = [name not in state.blockedDOFs for name in "xyzXYZ"]
+        linear = [gravity[k] + force[k] / state.mass if free[k] else 0 for k in range(3)]
+        angular = [torque[k] / state.inertia[k] if free[3 + k] else 0 for k in range(3)]
+        state.vel -= half * Vector3(*linear)
+        state.angVel -= half * Vector3(*angular)
