@@ -28,10 +28,8 @@ def arguments():
     script.add_results(parser, "results")
     script.add_window(parser)
     parser.add_argument(
-        "--include-yielded",
-        action="store_true",
-        help="keep records and networks whose record has a step without a solution",
-    )
+        "--include-yielded", action="store_true",
+        help="keep records and networks whose record has a step without a solution")
     return parser.parse_args()
 
 
@@ -56,11 +54,8 @@ def warn_incomplete(run):
 
 def main():
     options = arguments()
-    selection = dict(
-        from_strain=options.from_strain,
-        to_strain=options.to_strain,
-        include_yielded=options.include_yielded,
-    )
+    names = ("from_strain", "to_strain", "include_yielded")
+    selection = {name: getattr(options, name) for name in names}
     runs = [Run.read(folder, **selection) for folder in options.folders]
     by_elongation(runs)  # raises if they do not belong together
     for run in runs:
@@ -70,10 +65,8 @@ def main():
         for run in runs
     ]
     parameters = dict(selection, runs=sources)
-    claim = results.claim_folder(
-        options.out, "network.py", parameters, MADE, overwrite=options.overwrite
-    )
-    with claim as begin:
+    with results.claim_folder(options.out, "network.py", parameters, MADE,
+                              overwrite=options.overwrite) as begin:
         table = report.write(runs, options.out, show, begin)
     show("")
     print(f"{os.path.join(options.out, 'report.html')}: {report.summary(table)}")
