@@ -60,7 +60,7 @@ def read(file, group, path):
 
 def check_meaning(particles, contacts, attributes):
     """Raise a ValueError unless the columns can be those of a scene."""
-    _check_particles(particles)
+    _check_grains(particles)
     _check_contacts(contacts, particles["id"])
     ranges = dict(strain=("a finite number", math.isfinite),
                   eta=("an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1),
@@ -69,7 +69,7 @@ def check_meaning(particles, contacts, attributes):
         checks.number(f"the attribute {name}", attributes[name], *ranges[name])
 
 
-def _check_particles(p):
+def _check_grains(p):
     def require(name, good, expected):
         checks.require(good, f"particles/{name}", p[name], expected)
 

@@ -58,10 +58,10 @@ def contact_network(walls=None, volume=None, **attributes):
         expected = "the area of the region > 0 [m²]"
         attributes["volume"] = checks.number("volume", volume, expected, lambda v: v > 0)
     attributes = dict(time=O.time, dt=O.dt, **attributes)
-    return Network(_particles(frame), _contacts(frame, codes), attributes)
+    return Network(_grains(frame), _contacts(frame, codes), attributes)
 
 
-def _particles(frame):
+def _grains(frame):
     """Return the columns of `Network.particles`: free grains at the time of the forces."""
     grains = frame.free_grains()
     copied = ("id", "half_length", "cap_radius", "mass", "velocity", "clump")

@@ -13,7 +13,7 @@ _COLUMNS = (
 
 
 class Ensemble:
-    """Contacts between particles of snapshots of the same elongation and friction.
+    """Contacts between grains of snapshots of the same elongation and friction.
 
     Attributes
     ----------

@@ -57,7 +57,10 @@ def _set_friction(test, friction):
 
 
 def switch_to_springs(test, stiffness):
-    """Replace the rigid contacts by unloaded springs; see `Biaxial.switch_to_springs`."""
+    """Replace rigid contacts by unloaded springs of k_n = `stiffness` σ₀.
+
+    The packing shrinks by about σ₀/k_n until they are loaded.
+    """
     O.interactions.clear()
     O.engines = [engine for engine in O.engines if not isinstance(engine, rcr.ContactDynamics)]
     loop = utils.typedEngine("InteractionLoop")
@@ -88,7 +91,8 @@ def rate_and_step(test, strain=None):
     bound. `Biaxial.go_back` divides dt.
     """
     given, step = test.parameters["inertial_number"], test.parameters["time_step"]
-    quick, shortest = max(given, PROTOCOL.quick_inertial_number), min(step, PROTOCOL.quick_time_step)
+    quick = max(given, PROTOCOL.quick_inertial_number)
+    shortest = min(step, PROTOCOL.quick_time_step)
     if is_approaching(test, strain):
         return quick, shortest / test.progress["divisor"]
     slow = min(given, largest_rate(test, strain))

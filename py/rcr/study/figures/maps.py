@@ -70,7 +70,7 @@ def _orientation_colors(frame):
 
 
 def plot_nematic(network, ax=None):
-    """Draw forces, and particles with a side-side contact coloured by their orientation [O9]."""
+    """Draw forces, and grains with a side-side contact coloured by their orientation [O9]."""
     frame, ax = _canvas(network, ax)
     chained = frame.per_grain(frame.contacts["type"] == SIDE_SIDE) > 0
     grey = to_rgba_array(_grey(frame))
