@@ -23,12 +23,16 @@ MADE = ["analysis.json", "report.html", "table.md", "O[0-9]*.png", "O[0-9]*.pdf"
 
 def arguments():
     """Return the options of the command line."""
+    strain = script.number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1)
     parser = script.Parser(prog="network.py", description=__doc__)
-    parser.add_argument("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
+    add = parser.add_argument
+    add("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
     script.add_results(parser, "results")
-    script.add_window(parser)
-    parser.add_argument(
-        "--include-yielded", action="store_true",
+    add("--from-strain", type=strain, metavar="E",
+        help="start of the critical state (default: half of its end)")
+    add("--to-strain", type=strain, metavar="E",
+        help="end of the critical state (default: each test's end)")
+    add("--include-yielded", action="store_true",
         help="keep records and networks whose record has a step without a solution")
     return parser.parse_args()
 

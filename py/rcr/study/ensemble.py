@@ -7,10 +7,6 @@ import numpy as np
 from rcr.network import COMPLEX, LEFT, RIGHT, Network
 from rcr.xi_networks import XiNetworks
 
-_COLUMNS = (
-    "fn", "ft", "ln", "lt", "reduced_length", "mobilization", "angle", "theta", "type", "across",
-)  # fmt: skip
-
 
 class Ensemble:
     """Contacts between grains of snapshots of the same elongation and friction.
@@ -58,7 +54,7 @@ class Ensemble:
             setattr(self, name, found[0])
         self._networks = list(networks)
         parts = [_contacts(network) for network in networks]
-        for name in _COLUMNS:
+        for name in parts[0]:
             setattr(self, name, np.concatenate([part[name] for part in parts]))
         double_angles = [2 * network.stress_angle() for network in networks]
         self.stress_angle = 0.5 * np.angle(np.mean(np.exp(1j * np.array(double_angles)))) % np.pi

@@ -187,15 +187,11 @@ def contact_directions(e, grids):
 
     ``amplitude`` is a cos 2 ``off_axis``, ``off_axis`` is θ_c − θσ [rad].
     """
-    none = np.nan * grids.theta[1:]
-    densities, moments = [], []
-    for xi in grids.xi_polar:
-        pick = e.fn <= xi
-        filled = pick.any()
-        densities.append(statistics.density(e.angle[pick], grids.theta) if filled else none)
-        moments.append(2 * np.mean(np.exp(2j * e.theta[pick])) if filled else np.nan)
-    moments = np.array(moments)
-    return dict(pdf=np.array(densities), amplitude=moments.real, off_axis=0.5 * np.angle(moments),
+    picks = [e.fn <= xi for xi in grids.xi_polar]
+    pdf = np.array([statistics.density(e.angle[pick], grids.theta) for pick in picks])
+    waves = [np.exp(2j * e.theta[pick]) for pick in picks]
+    moments = np.array([2 * np.mean(wave) if len(wave) else np.nan for wave in waves])
+    return dict(pdf=pdf, amplitude=moments.real, off_axis=0.5 * np.angle(moments),
                 theta_sigma=e.stress_angle)
 
 
