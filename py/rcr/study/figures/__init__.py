@@ -6,6 +6,8 @@ the Axes and returns them. Colour and marker of an elongation, and the colour of
 the same in all figures.
 """
 
+from functools import partial
+
 import matplotlib
 from matplotlib.figure import Figure
 
@@ -97,16 +99,14 @@ FIGURES = dict(
     O1=_two(plot_strain, plot_strength),
     O2=_two(plot_isotropy, plot_coordination, "polar"),
     O3=_two(plot_force_tail, plot_force_power),
-    O4=_two(lambda value, ax: plot_force_tail(value, ax, "t"),
-            lambda value, ax: plot_force_power(value, ax, "t")),
+    O4=_two(partial(plot_force_tail, suffix="t"), partial(plot_force_power, suffix="t")),
     O5=_one(plot_mobilization, of_eta=False),
-    O6=_two(plot_strips,
-            lambda value, ax: plot_strips(value, ax, "strip_stress", r"\sigma_{xx}")),
+    O6=_two(plot_strips, partial(plot_strips, name="strip_stress", symbol=r"\sigma_{xx}")),
     O7=_one(plot_mobilization_by_force),
     O8=_one(plot_mobilization_pdf),
     O10=_one(plot_length_pdf),
     O12=_one(plot_correlation, of_eta=False),
-    O13=_two(plot_force_by_length, lambda value, ax: plot_force_by_length(value, ax, "l")),
+    O13=_two(plot_force_by_length, partial(plot_force_by_length, length="l")),
     O14=_polar,
     O15=_one(lambda value, ax: plot_xi(value, "a_c", r"$a_c(\xi)$", ax)),
     O16=_four("l", r"\ell"),
