@@ -39,7 +39,8 @@ def checked(group, arrays):
         elif not np.isfinite(values).all():
             raise ValueError(f"{name} holds a number that is not finite")
         if column in INTEGERS:
-            checks.require(values == np.floor(values), name, values, "whole numbers")
+            whole = (values == np.floor(values)) & (np.abs(values) < 2**63)
+            checks.require(whole, name, values, "whole numbers of 64 bits")
             values = arrays[column].astype(np.int64)
         arrays[column] = values
     return arrays
