@@ -45,14 +45,14 @@ def _(v):
     rows = rows_of(v, 0.01, 1)
     value, error = (v[name][rows][:, v["xi"] >= 0.2] for name in ("a_c", "a_c_error"))
     agrees = (value >= -SIGMAS * known(error)).all(axis=1)
-    return at_every_eta(v, rows, agrees, value.min(axis=1), error)
+    return at_every_eta(v["eta"][rows], agrees, value.min(axis=1), error)
 
 
 @claim("O15", "a_c = 0.3 at ξ = 1 for long particles", "within 0.05 or two errors at every η ≥ 0.5")
 def _(v):
     rows = rows_of(v, 0.5, 1)
     value, error = at_xi(v, "a_c", 1, rows)
-    return at_every_eta(v, rows, is_within(value - 0.3, 0.05, error), value, error)
+    return at_every_eta(v["eta"][rows], is_within(value - 0.3, 0.05, error), value, error)
 
 
 @claim("O16", "a_ln positive for η ≤ 0.1, negative above",
@@ -60,7 +60,7 @@ def _(v):
 def _(v):
     value, error = v["a_ln"][:, -1], known(v["a_ln_error"][:, -1])
     expected = np.where(v["eta"] <= 0.1 + 1e-9, 1, -1)
-    return at_every_eta(v, range(len(value)), expected * value > -SIGMAS * error, value, error)
+    return at_every_eta(v["eta"], expected * value > -SIGMAS * error, value, error)
 
 
 @claim("O16", "where negative, a_ln has its peak for ξ in [1, 2]",
@@ -68,7 +68,7 @@ def _(v):
 def _(v):
     rows = rows_of(v, 0.2, 1)
     xi = np.array([minimum(v, "a_ln", row)[0] for row in rows])
-    return at_every_eta(v, rows, (xi >= 0.9) & (xi <= 2.1), xi)
+    return at_every_eta(v["eta"][rows], (xi >= 0.9) & (xi <= 2.1), xi)
 
 
 @claim("O16", "a_lt < 0 and monotonic in ξ",
@@ -77,7 +77,7 @@ def _(v):
     rows = rows_of(v, 0.01, 1)
     smooth, _ = is_monotonic(v, "a_lt", -1, rows)
     value = v["a_lt"][rows, -1]
-    return at_every_eta(v, rows, smooth & (value < 0), value, v["a_lt_error"][rows, -1])
+    return at_every_eta(v["eta"][rows], smooth & (value < 0), value, v["a_lt_error"][rows, -1])
 
 
 @claim("O16 O15", "|a_lt| > |a_ln|, both weak compared with a_c",
@@ -87,7 +87,7 @@ def _(v, contacts):
     a_ln, a_lt = (np.abs(v[name][rows, -1]) for name in ("a_ln", "a_lt"))
     ratio = np.divide(a_lt, a_ln, out=np.full_like(a_lt, np.nan), where=a_ln > 0)
     agrees = (a_ln < a_lt) & (a_lt < 0.5 * contacts["a_c"][rows, -1])
-    return at_every_eta(v, rows, agrees, ratio)
+    return at_every_eta(v["eta"][rows], agrees, ratio)
 
 
 @claim("O17", "discs: a_fn(ξ) positive",
@@ -103,7 +103,7 @@ def _(v):
 def _(v):
     rows = rows_of(v, 0.01, 1)
     xi, lowest, error = np.array([minimum(v, "a_fn", row) for row in rows]).T
-    return at_every_eta(v, rows, (xi > 0.89) & (xi < 1.11) & (lowest < -SIGMAS * error), xi)
+    return at_every_eta(v["eta"][rows], (xi > 0.89) & (xi < 1.11) & (lowest < -SIGMAS * error), xi)
 
 
 @claim("O17", "η > 0: a_fn becomes positive beyond ξ ≈ 2",
@@ -112,14 +112,14 @@ def _(v):
     rows = rows_of(v, 0.01, 1)
     negative = [np.flatnonzero(v["a_fn"][row] < 0) for row in rows]
     xi = np.array([v["xi"][k[-1]] if len(k) else 0 for k in negative])
-    return at_every_eta(v, rows, (xi >= 1.5) & (xi <= 3), xi)
+    return at_every_eta(v["eta"][rows], (xi >= 1.5) & (xi <= 3), xi)
 
 
 @claim("O17", "a_ft rises with ξ",
        "steps back below 10 % of its range or two errors, at every η (largest given)")
 def _(v):
     smooth, back = is_monotonic(v, "a_ft", +1, range(len(v["eta"])))
-    return at_every_eta(v, range(len(back)), smooth, back)
+    return at_every_eta(v["eta"], smooth, back)
 
 
 @claim("O17", "a_ft rises with η", "slope of a_ft(∞) positive beyond two errors")
@@ -139,11 +139,11 @@ def _(v):
        "q(1)/p below 0.1 or two errors above it, at every η")
 def _(v):
     value, error = at_xi(v, "q_over_p", 1)
-    return at_every_eta(v, range(len(value)), value - SIGMAS * error < 0.1, value, error)
+    return at_every_eta(v["eta"], value - SIGMAS * error < 0.1, value, error)
 
 
 @claim("O18", "half-sum of the anisotropies fits q(ξ)/p at every ξ",
        "difference below 10 % of q(∞)/p at every ξ and η (largest share given)")
 def _(v):
     share = np.abs(v["closure"]).max(axis=1) / np.abs(v["q_over_p"][:, -1])
-    return at_every_eta(v, range(len(share)), share <= 0.1, share)
+    return at_every_eta(v["eta"], share <= 0.1, share)

@@ -73,7 +73,7 @@ def _sign_change(v, name):
     rows = np.flatnonzero(np.isfinite(v[name]))
     value, error = v[name][rows], v[f"{name}_error"][rows]
     agrees = _sign_up_to_0_3(v["eta"][rows]) * value > -SIGMAS * known(error)
-    return at_every_eta(v, rows, agrees, value, error)
+    return at_every_eta(v["eta"][rows], agrees, value, error)
 
 
 @claim("O12", "C(f, ℓ_r) is positive for η ≤ 0.3, negative above",
@@ -114,4 +114,4 @@ def _(v):
 def _(v):
     sign = _sign_up_to_0_3(v["eta"])
     slopes, errors = np.array([slope_of(v["l"], means) for means in v["f_l"]]).T
-    return at_every_eta(v, range(len(slopes)), sign * slopes > 0, slopes, errors)
+    return at_every_eta(v["eta"], sign * slopes > 0, slopes, errors)

@@ -134,16 +134,16 @@ def at_both_ends(v, name, low, high, tolerance):
     return agrees, f"{value[0]:.3g} → {value[1]:.3g}", format_errors(error)
 
 
-def at_every_eta(v, rows, agrees, values, errors=None):
+def at_every_eta(etas, agrees, values, errors=None):
     """Combine verdicts on several elongations; list the value of each, with η in brackets."""
-    off = ", ".join(f"{v['eta'][row]:g}" for row, agreed in zip(rows, agrees) if not agreed)
-    value = list_by_eta(v, rows, require_finite(values)) + (f"; off at η = {off}" if off else "")
+    off = ", ".join(f"{eta:g}" for eta, agreed in zip(etas, agrees) if not agreed)
+    value = list_by_eta(etas, require_finite(values)) + (f"; off at η = {off}" if off else "")
     return not off, value, "" if errors is None else format_largest(errors)
 
 
-def list_by_eta(v, rows, values, form="{:.2f}"):
+def list_by_eta(etas, values, digits=2):
     """Return values as a text, with η in brackets."""
-    return ", ".join(f"{form.format(values[i])} ({v['eta'][row]:g})" for i, row in enumerate(rows))
+    return ", ".join(f"{value:.{digits}f} ({eta:g})" for value, eta in zip(values, etas))
 
 
 def format_errors(error):

@@ -13,7 +13,7 @@ from rcr.study.statistics import pearson
 def _(v):
     away = v["sin_phi"] - 0.3 - 0.3 * v["eta"]
     agrees = is_within(away, 0.02, v["sin_phi_error"])
-    return at_every_eta(v, range(len(away)), agrees, v["sin_phi"], v["sin_phi_error"])
+    return at_every_eta(v["eta"], agrees, v["sin_phi"], v["sin_phi_error"])
 
 
 @claim("O2", "P(θ) is isotropic after compaction",
@@ -21,7 +21,7 @@ def _(v):
 def _(v):
     if not np.isfinite(v["a_c"]).all():
         raise NotTested("no isotropic.h5")
-    return at_every_eta(v, range(len(v["eta"])), v["a_c"] <= np.maximum(0.05, 3 * v["a_c_error"]),
+    return at_every_eta(v["eta"], v["a_c"] <= np.maximum(0.05, 3 * v["a_c_error"]),
                         v["a_c"], v["a_c_error"])
 
 
@@ -32,7 +32,7 @@ def _(v):
     if not rows or not np.isfinite(v["coordination_number_twice"]).all():
         raise NotTested("no isotropic state of these elongations")
     measured, expected = v["coordination_number_twice"][rows], np.where(v["eta"][rows] == 0, 4, 6)
-    return at_every_eta(v, rows, np.abs(measured / expected - 1) <= 0.05, measured)
+    return at_every_eta(v["eta"][rows], np.abs(measured / expected - 1) <= 0.05, measured)
 
 
 @claim("O2", "packing fraction after compaction has its peak near η = 0.4",
@@ -43,7 +43,7 @@ def _(v):
     if not np.isfinite(v["packing_fraction"]).all():
         raise NotTested("no isotropic.h5")
     densest = v["eta"][np.argmax(v["packing_fraction"])]
-    listed = list_by_eta(v, range(len(v["eta"])), v["packing_fraction"], "{:.3f}")
+    listed = list_by_eta(v["eta"], v["packing_fraction"], 3)
     return 0.3 - 1e-9 <= densest <= 0.5 + 1e-9, listed, ""
 
 
@@ -99,8 +99,7 @@ def _(_, v, forces):
     share, weak = v["mobilized_weak_share"], forces["weak_fraction"]
     if not np.isfinite(share).all():
         raise NotTested("no mobilised contact at some η")
-    return at_every_eta(
-        v, range(len(weak)), share > weak, share, v["mobilized_weak_share_error"])
+    return at_every_eta(v["eta"], share > weak, share, v["mobilized_weak_share_error"])
 
 
 def _force_levels(v):
@@ -115,7 +114,7 @@ def _force_levels(v):
        "I_mf of strong classes below that of weak ones, at every η (difference given)")
 def _(v):
     weak, strong = _force_levels(v)
-    return at_every_eta(v, range(len(weak)), strong < weak, strong - weak)
+    return at_every_eta(v["eta"], strong < weak, strong - weak)
 
 
 @claim("O7", "I_mf rises with η at every force",
