@@ -22,12 +22,11 @@ from rcr import script
 from rcr._data import files, results
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
-from rcr.study.protocol import FREE_PARAMETERS, PROTOCOL, check_parameters
+from rcr.study.protocol import FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_parameters
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, STATES, "history.csv", "isotropic.h5", NETWORKS]
 OUTPUT = ["strain", "networks", "include_yielded"]  # options that change no record
-HALF_RECORD = 0.5 * PROTOCOL.record_strain
 RUN_SECONDS = 3.0  # aimed duration of a run of several records
 CHECKPOINT_SECONDS = 60  # between checkpoints; at least 20 times that of writing one
 
@@ -36,7 +35,6 @@ def parser():
     """Return the parser of the command line."""
     number, integer = script.number(), script.integer()
     strain = script.number("0 < strain < 1", lambda v: 0 < v < 1)
-    protocol = PROTOCOL
     made = script.Parser(prog="biaxial.py", description=__doc__.splitlines()[0])
     add = made.add_argument
     add("--eta", type=number, default=0.5,
@@ -48,16 +46,16 @@ def parser():
         help="seed of sizes, positions and directions (default %(default)s)")
     add("--friction", type=number, default=0.5,
         help="between grains during the shear (default %(default)s)")
-    add("--inertial-number", type=number, default=protocol.inertial_number,
+    add("--inertial-number", type=number, default=PROTOCOL.inertial_number,
         help="rate of the shear beyond --approach, times √(m/σ0) (default %(default)g)")
-    add("--time-step", type=number, default=protocol.time_step,
+    add("--time-step", type=number, default=PROTOCOL.time_step,
         help="time step of the shear beyond --approach, in √(m/σ0) (default %(default)g); not of "
         "--law smooth")
-    add("--approach", type=number, default=protocol.approach,
+    add("--approach", type=number, default=PROTOCOL.approach,
         help="strain up to which the shear is quick, with --inertial-number at least "
-        f"{protocol.quick_inertial_number:g} and --time-step at most {protocol.quick_time_step:g} "
+        f"{PROTOCOL.quick_inertial_number:g} and --time-step at most {PROTOCOL.quick_time_step:g} "
         "(default %(default)g)")
-    add("--sample-inertia", type=number, default=protocol.sample_inertia,
+    add("--sample-inertia", type=number, default=PROTOCOL.sample_inertia,
         help="ρ (ε̇ W)²/σ0 beyond --approach, at most; lowers the rate of large samples "
         "(default %(default)g)")
     add("--threads", type=integer, default=0,
@@ -66,13 +64,13 @@ def parser():
         help="largest residual of the contact solver (default %(default)s)")
     add("--iterations", type=integer,
         help="of the solver in a step of the shear, at most (default "
-        f"{protocol.small_iterations} up to {protocol.small_particles} grains, "
-        f"else {protocol.iterations})")
+        f"{PROTOCOL.small_iterations} up to {PROTOCOL.small_particles} grains, "
+        f"else {PROTOCOL.iterations})")
     add("--solver", default="auto",
         help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
     add("--law", choices=["cd", "smooth"], default="cd",
         help="rigid contacts, or springs and dashpots (default %(default)s)")
-    add("--stiffness", type=number, default=protocol.stiffness,
+    add("--stiffness", type=number, default=PROTOCOL.stiffness,
         help="kn/σ0 of --law smooth (default %(default)s)")
     add("--networks", type=script.at_least(1), default=10,
         help="number of networks saved, at equal strains (default %(default)s)")

@@ -23,15 +23,17 @@ MADE = ["analysis.json", "report.html", "table.md", "O[0-9]*.png", "O[0-9]*.pdf"
 
 def arguments():
     """Return the options of the command line."""
+    strain = script.number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1)
     parser = script.Parser(prog="network.py", description=__doc__)
-    parser.add_argument("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
+    add = parser.add_argument
+    add("folders", nargs="+", metavar="DIR", help="folder with network-*.h5")
     script.add_results(parser, "results")
-    script.add_window(parser)
-    parser.add_argument(
-        "--include-yielded",
-        action="store_true",
-        help="keep records and networks whose record has a step without a solution",
-    )
+    add("--from-strain", type=strain, metavar="E",
+        help="start of the critical state (default: half of its end)")
+    add("--to-strain", type=strain, metavar="E",
+        help="end of the critical state (default: each test's end)")
+    add("--include-yielded", action="store_true",
+        help="keep records and networks whose record has a step without a solution")
     return parser.parse_args()
 
 
@@ -56,11 +58,8 @@ def warn_incomplete(run):
 
 def main():
     options = arguments()
-    selection = dict(
-        from_strain=options.from_strain,
-        to_strain=options.to_strain,
-        include_yielded=options.include_yielded,
-    )
+    names = ("from_strain", "to_strain", "include_yielded")
+    selection = {name: getattr(options, name) for name in names}
     runs = [Run.read(folder, **selection) for folder in options.folders]
     by_elongation(runs)  # raises if they do not belong together
     for run in runs:
@@ -70,10 +69,8 @@ def main():
         for run in runs
     ]
     parameters = dict(selection, runs=sources)
-    claim = results.claim_folder(
-        options.out, "network.py", parameters, MADE, overwrite=options.overwrite
-    )
-    with claim as begin:
+    with results.claim_folder(options.out, "network.py", parameters, MADE,
+                              overwrite=options.overwrite) as begin:
         table = report.write(runs, options.out, show, begin)
     show("")
     print(f"{os.path.join(options.out, 'report.html')}: {report.summary(table)}")

@@ -44,8 +44,7 @@ def main():
     solution = problems.solve(options.problem, options.solver, options.tolerance,
                               options.max_iterations, options.warm)
     solution.save(options.out)
-    keys = ("solver", "contacts", "iterations", "residual", "converged", "seconds")
-    print(json.dumps({key: getattr(solution, key) for key in keys}, allow_nan=False))
+    print(json.dumps(solution.scalars(), allow_nan=False))
 
 
 script.run(main)

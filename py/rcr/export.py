@@ -175,7 +175,7 @@ def _grain_mesh(frame):
         eta=grains["half_length"] / radius, area=frame.areas(), velocity=_in_space(velocity[:, :2]),
         speed=np.hypot(velocity[:, 0], velocity[:, 1]), spin=velocity[:, 2],
         load=frame.per_grain(normal),
-        contacts=frame.per_grain((normal > 0).astype(float)).astype(int),
+        contacts=frame.per_grain(normal > 0).astype(int),
         pressure=0.5 * (stress[:, 0, 0] + stress[:, 1, 1]), stress=stress.reshape(-1, 4))
     corners = np.arange(outline.shape[0] * outline.shape[1]).reshape(outline.shape[:2])
     return outline, [("polygon", corners)], {}, {name: [column] for name, column in state.items()}

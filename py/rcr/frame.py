@@ -133,6 +133,16 @@ class Frame:
         first, second = (self.rows(self.contacts[body]) for body in ("body1", "body2"))
         return (first >= 0) & (second >= 0)
 
+    def free_ends(self):
+        """Return masks of the contacts whose body 1 and whose body 2 is a free grain, (2, C)."""
+        free = np.append(~self.grains["fixed"], False)  # the last row is for obstacles
+        return np.array([free[self.rows(self.contacts[body])] for body in ("body1", "body2")])
+
+    def free_grains(self):
+        """Return the columns of the grains without prescribed motion."""
+        free = ~self.grains["fixed"]
+        return {name: column[free] for name, column in self.grains.items()}
+
     @property
     def radius(self):
         """Circumscribed radius R of each grain, (N,) [m]."""

@@ -4,12 +4,12 @@ Conventions
 -----------
 * A contact force acts on body 2 from body 1. The branch vector points from the centre of 1 to the
   centre of 2, the normal n from 1 to 2. The tangent t is n turned by +90°. Compression is positive.
-* One row is one pair of particles with one or two contact points. Obstacles are always body 2 and
+* One row is one pair of grains with one or two contact points. Obstacles are always body 2 and
   have negative ids; their branch vectors end at the contact point. The walls of a box are −1 left,
   −2 bottom, −3 right, −4 top. Another obstacle has −5 minus its id in YADE.
 * A clump moves as one body: branch vectors join centres of mass of clumps, and the contacts of its
   members are counted together.
-* The stress counts all contacts. All other observables count those between particles.
+* The stress counts all contacts. All other observables count those between grains.
 * The ξ-network S(ξ) holds the contacts with f_n ≤ ξ ⟨f_n⟩. Its tensors are divided by the number
   of contacts of the whole network, so that tr F(ξ) = N(ξ)/N.
 * The stress axes give the sign of an anisotropy: a = 2 (X₁₁ − X₂₂)/tr X(∞), with axis 1 along σ₁.
@@ -52,7 +52,7 @@ class Network:
         [m], ``points`` (C,) 1 or 2. Optional: ``friction`` (C,) µ or NaN if unknown, by default
         the attribute.
     attributes : dict
-        All are optional: ``volume`` area of the region [m²], ``friction`` between particles [-],
+        All are optional: ``volume`` area of the region [m²], ``friction`` between grains [-],
         ``cell`` (2, 2) edges of a periodic cell as columns [m], ``cell_velocity`` (2, 2) their
         velocities [m/s], ``time`` [s], ``strain`` [-], ``dt`` [s], ``eta`` [-], ``seed``,
         ``version``.
@@ -132,7 +132,7 @@ class Network:
 
     @property
     def between_particles(self):
-        """Mask of the contacts between particles, (C,) bool."""
+        """Mask of the contacts between grains, (C,) bool."""
         return self.contacts["body2"] >= 0
 
     def stress(self):
@@ -180,7 +180,7 @@ class Network:
         return sin_phi(np.linalg.eigvalsh(0.5 * (moments + moments.T)))
 
     def local_components(self):
-        """Return n, t, and (n, t) components of branch and force between particles, (C, 2) each."""
+        """Return n, t, and (n, t) components of branch and force between grains, (C, 2) each."""
         pick = self.between_particles
         if not pick.any():
             raise ValueError("the network has no contact between particles")
@@ -191,7 +191,7 @@ class Network:
         return n, t, np.einsum("cka,ca->ck", frame, branch), np.einsum("cka,ca->ck", frame, force)
 
     def xi_networks(self):
-        """Return the `rcr.xi_networks.XiNetworks` of the contacts between particles."""
+        """Return the `rcr.xi_networks.XiNetworks` of the contacts between grains."""
         n, _, branch, force = self.local_components()
         theta = np.arctan2(n[:, 1], n[:, 0]) - self.stress_angle()
         scaled = force[:, 0] / force[:, 0].mean()
@@ -230,14 +230,14 @@ class Network:
         return self.xi_networks().anisotropies(xi)
 
     def shear_stress_ratio(self, xi=np.inf):
-        """Return q(ξ)/p of the contacts between particles [-].
+        """Return q(ξ)/p of the contacts between grains [-].
 
         q(ξ) is the deviator of the partial stress along the axes of σ, p that of the whole network.
         """
         return self.xi_networks().shear_stress_ratio(xi)
 
     def force_pdf(self, bins=50):
-        """Return the probability density of f_n/⟨f_n⟩ between particles, in logarithmic classes.
+        """Return the probability density of f_n/⟨f_n⟩ between grains, in logarithmic classes.
 
         Returns
         -------
@@ -254,12 +254,12 @@ class Network:
         return np.sqrt(edges[1:] * edges[:-1]), count / (np.diff(edges) * len(force))
 
     def friction_mobilization(self):
-        """Return I_m = |f_t|/(µ f_n) of each contact between particles, 0 for µ = 0, (C,) [-].
+        """Return I_m = |f_t|/(µ f_n) of each contact between grains, 0 for µ = 0, (C,) [-].
 
         Raises
         ------
         ValueError
-            If no contact between particles has a friction coefficient > 0.
+            If no contact between grains has a friction coefficient > 0.
         """
         force = self.local_components()[3]
         friction = self.contacts["friction"][self.between_particles]
@@ -284,14 +284,14 @@ class Network:
         return dict(arm1=arm1, arm2=np.where(inner, arm1 - self.contacts["branch"], 0.0))
 
     def grain_stresses(self):
-        """Return the mean stress in each particle, (N, 2, 2), compression positive [Pa].
+        """Return the mean stress in each grain, (N, 2, 2), compression positive [Pa].
 
         See `rcr.frame.Frame.stress_tensors`.
         """
         return grain_sums.stress_tensors(self.particles, self.contacts | self.lever_arms())
 
     def grain_coordination(self):
-        """Return the number of contacts of each particle, (N,) int.
+        """Return the number of contacts of each grain, (N,) int.
 
         Obstacles are included. Members of a clump have the number of the clump.
         """
@@ -299,7 +299,7 @@ class Network:
         return grain_sums.contact_sums(self.particles, self.contacts, ones).astype(int)
 
     def coordination(self, count_side_contacts_twice=False):
-        """Return the mean number of contacts per particle or clump without rattlers [-].
+        """Return the mean number of contacts per grain or clump without rattlers [-].
 
         Rattlers have fewer than two contacts. They are removed with their contacts until none is
         left. Obstacles are included. `count_side_contacts_twice` counts a contact of two points as
@@ -314,7 +314,7 @@ class Network:
         Returns
         -------
         alive : (largest id + 1,) bool array
-            True for each remaining particle or clump, by id.
+            True for each remaining grain or clump, by id.
         kept : (C,) bool array
             True for each remaining contact.
         total : (largest id + 1,) int array
@@ -324,7 +324,7 @@ class Network:
         double = count_side_contacts_twice & (self.contacts["points"] == 2)
         weight = np.where(double, 2, 1)
         size = int(max(ids.max(initial=-1), clump.max(initial=-1))) + 1
-        body = np.arange(size)  # id of the clump of each particle
+        body = np.arange(size)  # id of the clump of each grain
         body[ids] = np.where(clump >= 0, clump, ids)
         alive = np.zeros(size, dtype=bool)
         alive[body[ids]] = True

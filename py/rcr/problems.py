@@ -44,6 +44,10 @@ class Solution:
     reaction: np.ndarray  # (nc, 2) impulses, local (n, t)
     velocity: np.ndarray  # (nc, 2) without b_n for a BodyProblem, else u = W p + q; local (n, t)
 
+    def scalars(self):
+        """Return the results without arrays, {name: value}."""
+        return {field.name: getattr(self, field.name) for field in fields(self)[:6]}
+
     def save(self, path):
         """Save reaction and velocity as ``.npz`` or ``.h5``; the write is atomic."""
         if result_suffix(path) == ".npz":
@@ -52,8 +56,7 @@ class Solution:
 
             def fill(file):
                 file["reaction"], file["velocity"] = self.reaction, self.velocity
-                scalars = [field.name for field in fields(self)[:6]]
-                file.attrs.update({name: getattr(self, name) for name in scalars})
+                file.attrs.update(self.scalars())
 
             image = files.hdf5(fill)
         files.write(path, image)
@@ -115,9 +118,8 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
             f"the result of solver {solver!r} is not finite; "
             "masses, velocities or entries of W differ too much in size"
         )
-    scalars = [found[name] for name in ("iterations", "residual", "converged", "seconds")]
-    arrays = found["impulse"], found["relative_velocity"]
-    return Solution(solver, problem.contacts, *scalars, *arrays)
+    names = ("iterations", "residual", "converged", "seconds", "impulse", "relative_velocity")
+    return Solution(solver, problem.contacts, *(found[name] for name in names))
 
 
 def _settings(solver, tolerance, max_iterations, known):

@@ -16,7 +16,6 @@ import numpy as np
 
 from rcr._data import checks
 from rcr._pictures import outlines as _outlines
-from rcr._pictures.grain_sums import OUTLINE
 from rcr.frame import Frame
 
 SAMPLES = 8  # sample points along and across a grain, and along each half of a branch vector
@@ -197,8 +196,7 @@ class Profile:
         return self._sums[name] / self._moments
 
     def _add_grains(self, frame):
-        free = ~frame.grains["fixed"]
-        grains = {name: column[free] for name, column in frame.grains.items()}
+        free, grains = ~frame.grains["fixed"], frame.free_grains()
         arms, weight = _samples(grains)  # (N, K, 2) and (N, K)
         place, drift = _into_cell(frame, grains["position"][:, None] + arms)
         speed, spin = grains["velocity"][:, None, :2], grains["velocity"][:, None, 2:]
@@ -212,8 +210,7 @@ class Profile:
     def _add_contacts(self, frame):
         contacts = frame.contacts
         bearing = frame.normal_force() > 0
-        fixed = np.append(frame.grains["fixed"], True)  # the last row is for obstacles
-        free1, free2 = (~fixed[frame.rows(contacts[body])] for body in ("body1", "body2"))
+        free1, free2 = frame.free_ends()
         along = (np.arange(SAMPLES) + 0.5) / SAMPLES
         for free, arm, sign in ((free1, "arm1", 1), (free2, "arm2", -1)):
             pick = bearing & free
@@ -252,10 +249,10 @@ def _limits(frame):
     """Return the corners of the free grains' box, or of the periodic cell as a rectangle."""
     if frame.cell is not None:
         return np.array([[0.0, 0.0], [frame.cell[0, 0], frame.cell[1, 1]]])
-    free = ~frame.grains["fixed"]
-    if not free.any():
+    grains = frame.free_grains()
+    if not len(grains["id"]):
         raise ValueError("the scene holds no free Rcr and no free Sphere: nothing to compute")
-    return _outlines.bounds({name: frame.grains[name][free] for name in OUTLINE})
+    return _outlines.bounds(grains)
 
 
 def _samples(grains):

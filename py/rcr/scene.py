@@ -4,7 +4,6 @@ Masses and forces are per unit depth: kg and N per metre. The functions are also
 """
 
 import math
-import numbers
 import os
 from collections.abc import Sequence
 
@@ -13,9 +12,10 @@ from yade import utils
 from yade.minieigenHP import Quaternion, Vector2, Vector3
 from yade.wrapper import Body, ContactDynamics, FrictMat, Omega, Rcr, Sphere
 
-from rcr._data import checks
 from rcr import _kernel, _plugin, problems
+from rcr._data import checks
 from rcr._pictures import outlines as _outlines
+from rcr._yade.yade_scene import angle as angle_of, lengths
 
 O = Omega()
 _number = checks.number
@@ -67,8 +67,8 @@ def particle(
     shape = Rcr(capRadius=(1 - eta) * R, halfLength=eta * R)
     area = _kernel.area(shape.halfLength, shape.capRadius)
     moment = _kernel.polar_moment(shape.halfLength, shape.capRadius)
-    motion = dict(fixed=fixed, velocity=velocity, angular_velocity=angular_velocity)
-    return _grain(shape, center, angle, material, area, moment, color=color, mask=mask, **motion)
+    return _grain(shape, area, moment, center, angle, material, fixed, color, mask, velocity,
+                  angular_velocity)
 
 
 def disc(
@@ -82,9 +82,8 @@ def disc(
     """
     R = _number("R", R, "a finite radius > 0 [m]", _positive)
     area, moment = math.pi * R**2, math.pi * R**4 / 2
-    motion = dict(fixed=fixed, velocity=velocity, angular_velocity=angular_velocity)
-    shape = Sphere(radius=R)
-    return _grain(shape, center, angle, material, area, moment, color=color, mask=mask, **motion)
+    return _grain(Sphere(radius=R), area, moment, center, angle, material, fixed, color, mask,
+                  velocity, angular_velocity)
 
 
 def clump(members, mass=None, inertia=None):
@@ -248,7 +247,7 @@ def save_not_finite():
 
 
 def _grain(
-    shape, center, angle, material, area, polar_moment, *, fixed, color, mask, velocity,
+    shape, area, polar_moment, center, angle, material, fixed, color, mask, velocity,
     angular_velocity,
 ):  # fmt: skip
     """Return a body in the plane with mass and inertia per unit depth."""
@@ -288,45 +287,39 @@ def _material(material):
 
 def _point(name, given):
     """Return two or three finite coordinates as a Vector3."""
+    expected = "two or three coordinates (x, y) or (x, y, z) [m]"
+    return _vector(name, given, expected, "a finite coordinate [m]")
+
+
+def _velocity(given):
+    expected = "two components (v_x, v_y) in the plane [m/s]"
+    velocity = _vector("velocity", given, expected, "a finite velocity [m/s]")
+    if velocity[2] != 0:
+        raise checks.error("velocity", given, expected)
+    return velocity
+
+
+def _vector(name, given, expected, expected_component):
+    """Return two or three finite components as a Vector3."""
     vector = isinstance(given, (Sequence, np.ndarray, Vector2, Vector3))
-    coordinates = list(given) if vector else []
-    if len(coordinates) not in (2, 3):
-        raise checks.error(name, given, "two or three coordinates (x, y) or (x, y, z) [m]")
-    finite = [
-        _number(f"{name}[{k}]", value, "a finite coordinate [m]")
-        for k, value in enumerate(coordinates)
-    ]
+    components = list(given) if vector else []
+    if len(components) not in (2, 3):
+        raise checks.error(name, given, expected)
+    finite = [_number(f"{name}[{k}]", v, expected_component) for k, v in enumerate(components)]
     return Vector3(*finite, *[0] * (3 - len(finite)))
-
-
-def _velocity(velocity):
-    components = list(velocity)
-    if len(components) not in (2, 3) or (len(components) == 3 and components[2] != 0):
-        raise checks.error("velocity", velocity, "two components (v_x, v_y) in the plane [m/s]")
-    x, y = (
-        _number(f"velocity[{k}]", value, "a finite velocity [m/s]")
-        for k, value in enumerate(components[:2])
-    )
-    return Vector3(x, y, 0)
 
 
 def _axis(axis):
     """Return 0 or 1 for an axis that is given by its name or its number."""
-    for k, name in enumerate("xy"):
-        number = isinstance(axis, numbers.Integral) and not isinstance(axis, bool)
-        if axis == name or (number and axis == k):
-            return k
-    raise checks.error("axis", axis, "'x' or 'y' (or 0 or 1), the axis of the wall's normal")
+    if axis in ("x", "y"):
+        return "xy".index(axis)
+    expected = "'x' or 'y' (or 0 or 1), the axis of the wall's normal"
+    return checks.integer("axis", axis, expected, lambda v: v in (0, 1))
 
 
 def _outlines_of(bodies):
     """Return grains as `rcr._pictures.outlines` takes them."""
-    long = [isinstance(b.shape, Rcr) for b in bodies]
-    sizes = [
-        (b.shape.halfLength, b.shape.capRadius) if is_long else (0.0, b.shape.radius)
-        for b, is_long in zip(bodies, long)
-    ]
-    half_length, cap_radius = np.array(sizes).T.copy()
+    half_length, cap_radius = np.array([lengths(b.shape) for b in bodies]).T.copy()
     return dict(position=np.array([(b.state.pos[0], b.state.pos[1]) for b in bodies]),
-                angle=np.array([2 * math.atan2(b.state.ori[2], b.state.ori[3]) for b in bodies]),
+                angle=np.array([angle_of(b.state.ori) for b in bodies]),
                 half_length=half_length, cap_radius=cap_radius)

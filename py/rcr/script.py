@@ -110,15 +110,6 @@ def add_results(parser, what, required=True):
     parser.add_argument("--overwrite", action="store_true", help=overwrite)
 
 
-def add_window(parser):
-    """Add the options --from-strain and --to-strain: limits of the critical state of a test."""
-    strain = number("a strain 0 ≤ E < 1", lambda v: 0 <= v < 1)
-    parser.add_argument("--from-strain", type=strain, metavar="E",
-                        help="start of the critical state (default: half of its end)")  # fmt: skip
-    parser.add_argument("--to-strain", type=strain, metavar="E",
-                        help="end of the critical state (default: each test's end)")  # fmt: skip
-
-
 def options(doc, **more):
     """Parse the options --out DIR and --quick of an example, and make the folder.
 

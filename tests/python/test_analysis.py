@@ -222,8 +222,8 @@ def test_rotated_runs_are_analysed_alike():
         for axis in (np.pi / 2, np.pi / 2 + 0.4)
     )
     assert tilted.stress_angle - upright.stress_angle == pytest.approx(0.4, abs=0.05)
-    assert np.array(tilted.xi_networks().anisotropies()) == pytest.approx(
-        np.array(upright.xi_networks().anisotropies()), abs=0.05)
+    assert np.array(tilted.xi_networks.anisotropies()) == pytest.approx(
+        np.array(upright.xi_networks.anisotropies()), abs=0.05)
 
 
 def test_13000_particles_take_less_than_5_seconds():

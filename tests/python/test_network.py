@@ -209,6 +209,8 @@ def put(index, value):
          r"or a negative one"),
         ("contacts/body2", put(0, 0), r"contacts/body2\[0\] = 0; expected another body"),
         ("contacts/body1", lambda c: c + 0.5, "expected whole numbers"),
+        ("contacts/body2", lambda c: c.astype(np.uint64) - 6,  # −5 if it were signed
+         r"contacts/body2\[0\] = 1\.84467e\+19; expected whole numbers of 64 bits"),
         ("contacts/type", put(1, 4), r"contacts/type\[1\] = 4; expected 0 to 3"),
         ("contacts/normal", put((4, 0), 3.0), r"the length of contacts/normal\[4\] = 3.*; expected "
          r"1"),

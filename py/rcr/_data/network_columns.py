@@ -39,7 +39,8 @@ def checked(group, arrays):
         elif not np.isfinite(values).all():
             raise ValueError(f"{name} holds a number that is not finite")
         if column in INTEGERS:
-            checks.require(values == np.floor(values), name, values, "whole numbers")
+            whole = (values == np.floor(values)) & (np.abs(values) < 2**63)
+            checks.require(whole, name, values, "whole numbers of 64 bits")
             values = arrays[column].astype(np.int64)
         arrays[column] = values
     return arrays
@@ -60,7 +61,7 @@ def read(file, group, path):
 
 def check_meaning(particles, contacts, attributes):
     """Raise a ValueError unless the columns can be those of a scene."""
-    _check_particles(particles)
+    _check_grains(particles)
     _check_contacts(contacts, particles["id"])
     ranges = dict(strain=("a finite number", math.isfinite),
                   eta=("an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1),
@@ -69,7 +70,7 @@ def check_meaning(particles, contacts, attributes):
         checks.number(f"the attribute {name}", attributes[name], *ranges[name])
 
 
-def _check_particles(p):
+def _check_grains(p):
     def require(name, good, expected):
         checks.require(good, f"particles/{name}", p[name], expected)
 

@@ -52,7 +52,7 @@ def save(path, problem):
     if not isinstance(problem, BodyProblem):
         raise ValueError(f"{path}: the problem has no bodies; save it as .h5")
     p, (a, b) = problem, problem.bodies.T
-    meta = [1.0, 1.0, len(p.inverse_mass)]  # dt and length 1: units as given; number of particles
+    meta = [1.0, 1.0, len(p.inverse_mass)]  # dt and length 1: units as given; number of grains
     points = dict(a=a, b=b, n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias, mu=p.friction)
     points["p0"] = p.impulse
     mass = dict(im=p.inverse_mass[:, :2], iI=p.inverse_mass[:, 2])
@@ -63,16 +63,7 @@ def save(path, problem):
 def save_fclib(path, problem):
     """Save a problem as FCLIB's ``fclib_local``; its warm start becomes the first guess.
 
-    Parameters
-    ----------
-    path : str
-        An existing file is replaced.
-    problem : BodyProblem or DelassusProblem
-
-    Raises
-    ------
-    ValueError
-        If the suffix is not ``.h5`` or ``.hdf5``.
+    `path` ends in ``.h5`` or ``.hdf5``; see `save`.
     """
     _suffix(path, (".h5", ".hdf5"))
     if isinstance(problem, BodyProblem):
@@ -80,7 +71,8 @@ def save_fclib(path, problem):
     row, column, value = problem.entries()
     size = 2 * problem.contacts
     pointers = np.searchsorted(row, np.arange(size + 1))
-    info = dict(title="contact problem of yade-rcr", description="u = W r + q, local (n, t); b_n is in q",
+    info = dict(title="contact problem of yade-rcr",
+                description="u = W r + q, local (n, t); b_n is in q",
                 math_info="W symmetric, semi-definite")
 
     def fill(file):
@@ -142,13 +134,13 @@ def _load_npz(path):
     shapes |= dict(im=np.shape(d["im"]), iI=(nb,), vfree=(nb, 3), meta=(3,))
     d = {name: checks.array(name, d[name], shapes[name]) for name in names}
     checks.require(d["mu"] >= 0, "mu", d["mu"], "µ ≥ 0")
-    particles = d["meta"][2]
-    if not (particles == int(particles) and 0 <= particles <= nb):
+    grains = d["meta"][2]
+    if not (grains == int(grains) and 0 <= grains <= nb):
         expected = f"the number of particles, at most {nb}"
-        raise ValueError(f"meta[2] = {particles:g}; expected {expected}")
+        raise ValueError(f"meta[2] = {grains:g}; expected {expected}")
     if d["im"].shape == (nb,):
         d["im"] = np.column_stack([d["im"], d["im"]])
-        d["im"][int(particles) :, 1] = 0  # walls move along x alone
+        d["im"][int(grains) :, 1] = 0  # walls move along x alone
     inverse_mass = np.column_stack([checks.array("im", d["im"], (nb, 2)), d["iI"]])
     bodies = np.column_stack([checks.ids("a", d["a"], nb), checks.ids("b", d["b"], nb)])
     points = (d[name] for name in ("n", "ra", "rb", "bn", "mu", "p0"))

@@ -46,14 +46,14 @@ TYPES = {"cap-cap": "#1f77b4", "cap-side": "#2ca02c", "side-side": "#d62728"}
 GRAIN, RATTLER, OBSTACLE = "#d9d9d9", "#f5f5f5", "#9c9c9c"
 
 
-def page(limits, foot=0.0, width=PAGE):
+def page(limits, foot=0.0):
     """Return Axes in a new Figure of the limits (2, 2) [m], with `foot` inches free below."""
     smallest = 1e-9 * np.abs(limits).max() + 1e-300
     across, up = np.maximum(limits[1] - limits[0], smallest)
-    body = min(width * up / across, TALLEST)
-    width = min(width, max(body * across / up, LEGEND if foot else 1))
-    figure = Figure(figsize=(width, body + foot))
+    body = min(PAGE * up / across, TALLEST)
+    width = min(PAGE, max(body * across / up, LEGEND if foot else 1))
     height = body + foot
+    figure = Figure(figsize=(width, height))
     return canvas(limits, figure.add_axes((0, foot / height, 1, body / height)))
 
 

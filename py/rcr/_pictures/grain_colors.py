@@ -29,30 +29,15 @@ def _orientation(frame):
     return np.ma.masked_where(disc, np.degrees(frame.grains["angle"]) % 180)
 
 
-def _speed(frame):
-    return np.hypot(*frame.grains["velocity"][:, :2].T)
-
-
-def _contacts(frame):
-    return frame.per_grain((frame.normal_force() > 0).astype(float))
-
-
-def _pressure(frame):
-    return 0.5 * np.einsum("naa->n", frame.stress_tensors())
-
-
-def _load(frame):
-    return frame.per_grain(frame.normal_force())
-
-
 ANGLES = (0, 45, 90, 135, 180)
 SCALES = dict(
     orientation=Scale("long axis from $x$ [°]", _orientation, "hsv", (0, 180), ANGLES),
-    speed=Scale("speed [m/s]", _speed),
-    spin=Scale("angular velocity [1/s]", lambda frame: frame.grains["velocity"][:, 2], "coolwarm"),
-    load=Scale("sum of normal forces [N/m]", _load, "magma_r"),
-    pressure=Scale("pressure in the grain [Pa]", _pressure, "magma_r"),
-    contacts=Scale("contacts with a force", _contacts, "YlGnBu"))
+    speed=Scale("speed [m/s]", lambda f: np.hypot(*f.grains["velocity"][:, :2].T)),
+    spin=Scale("angular velocity [1/s]", lambda f: f.grains["velocity"][:, 2], "coolwarm"),
+    load=Scale("sum of normal forces [N/m]", lambda f: f.per_grain(f.normal_force()), "magma_r"),
+    pressure=Scale("pressure in the grain [Pa]",
+                   lambda f: 0.5 * np.einsum("naa->n", f.stress_tensors()), "magma_r"),
+    contacts=Scale("contacts with a force", lambda f: f.per_grain(f.normal_force() > 0), "YlGnBu"))
 CATEGORIES = dict(type="Rcr, disc, member of a clump, prescribed motion",
                   shape="the colours of YADE's view, `particle(…, color=…)`")
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from rcr._pictures import outlines as _outlines
 
-OUTLINE = ("position", "angle", "half_length", "cap_radius")  # columns of an outline
 STRIPS = 2000  # vertical strips of a clump; the relative error of its area is about 1e-5
 
 
@@ -26,7 +25,8 @@ def areas(grains):
     own, clump = _outlines.areas(grains), grains["clump"]
     for number in np.unique(clump[clump >= 0]):
         members = clump == number
-        union, _, _ = _outlines.union({name: grains[name][members] for name in OUTLINE}, STRIPS)
+        clumped = {name: column[members] for name, column in grains.items()}
+        union, _, _ = _outlines.union(clumped, STRIPS)
         own[members] *= union / own[members].sum()
     return own
 

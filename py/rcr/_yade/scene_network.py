@@ -58,28 +58,26 @@ def contact_network(walls=None, volume=None, **attributes):
         expected = "the area of the region > 0 [m²]"
         attributes["volume"] = checks.number("volume", volume, expected, lambda v: v > 0)
     attributes = dict(time=O.time, dt=O.dt, **attributes)
-    return Network(_particles(frame), _contacts(frame, codes), attributes)
+    return Network(_grains(frame), _contacts(frame, codes), attributes)
 
 
-def _particles(frame):
+def _grains(frame):
     """Return the columns of `Network.particles`: free grains at the time of the forces."""
-    free = ~frame.grains["fixed"]
-    grains = {name: column[free] for name, column in frame.grains.items()}
+    grains = frame.free_grains()
     copied = ("id", "half_length", "cap_radius", "mass", "velocity", "clump")
     return {name: grains[name] for name in copied} | dict(
         position=grains["position"] - O.dt * grains["velocity"][:, :2],
-        angle=grains["angle"] - O.dt * grains["velocity"][:, 2], center=frame.centers[free],
+        angle=grains["angle"] - O.dt * grains["velocity"][:, 2],
+        center=frame.centers[~frame.grains["fixed"]],
         R=grains["half_length"] + grains["cap_radius"])
 
 
 def _contacts(frame, codes):
     """Return the columns of `Network.contacts`: force-bearing contacts, obstacles as body 2."""
-    contacts = frame.contacts
-    fixed = np.append(frame.grains["fixed"], True)  # the last row is for obstacles
-    first, second = (fixed[frame.rows(contacts[body])] for body in ("body1", "body2"))
-    bearing = (frame.normal_force() > 0) & ~(first & second)
-    turned, at_obstacle = first[bearing], (first | second)[bearing]
-    c = {name: column[bearing] for name, column in contacts.items()}
+    free1, free2 = frame.free_ends()
+    bearing = (frame.normal_force() > 0) & (free1 | free2)
+    turned, at_obstacle = ~free1[bearing], ~(free1 & free2)[bearing]
+    c = {name: column[bearing] for name, column in frame.contacts.items()}
 
     def swap(one, two):
         return np.where(turned.reshape(-1, *[1] * (one.ndim - 1)), two, one)

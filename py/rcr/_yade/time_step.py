@@ -9,6 +9,8 @@ from yade.wrapper import (
     Law2_RcrGeom_FrictPhys_CundallStrack, NewtonIntegrator, Omega, Rcr, Sphere,
 )  # fmt: skip
 
+from rcr._yade.yade_scene import lengths
+
 O = Omega()
 
 
@@ -69,10 +71,6 @@ def critical_time_step(points=6):
     return min(steps)
 
 
-def _radius(shape):
-    return shape.halfLength + shape.capRadius if isinstance(shape, Rcr) else shape.radius
-
-
 def _stiffnesses(loops):
     """Return a function that gives k_n and k_s [N/m] of a body."""
     functors = [ip2 for loop in loops for ip2 in loop.physDispatcher.functors]
@@ -89,7 +87,7 @@ def _stiffnesses(loops):
                 stiffest[id_] = np.maximum((i.phys.kn, i.phys.ks), stiffest.get(id_, 0))
 
     def stiffness(body):
-        kn = body.material.young * _radius(body.shape)
+        kn = body.material.young * sum(lengths(body.shape))
         own = dict(kn=kn, ks=kn * body.material.poisson)
         future = [own[name] if given[name] is None else given[name] for name in own]
         return stiffest.get(body.id, future)
@@ -104,8 +102,9 @@ def _stable_step(body, members, kn, ks, points, damping):
         raise ValueError(f"{given}; expected kn > 0 and ks ≥ 0 [N/m]")
     m, inertia = body.state.mass, body.state.inertia[2]
     offsets = [(member.state.pos - body.state.pos).norm() for member in members]
-    a = max(d + getattr(member.shape, "halfLength", 0) for d, member in zip(offsets, members))
-    R = max(d + _radius(member.shape) for d, member in zip(offsets, members))
+    shapes = [lengths(member.shape) for member in members]
+    a = max(d + half for d, (half, _) in zip(offsets, shapes))
+    R = max(d + sum(shape) for d, shape in zip(offsets, shapes))
     z = points * len(members)
     normal = math.sqrt(2 * z * kn * max(1 / m, a * a / inertia))
     shear = math.sqrt(2 * z * ks * max(1 / m, R * R / inertia))
@@ -152,12 +151,8 @@ def half_step_start():
         force, torque = Vector3.Zero, Vector3.Zero
         if loaded:
             force, torque = O.forces.permF(body.id), O.forces.permT(body.id)
-        turn = Vector3(*(torque[k] / state.inertia[k] for k in range(3)))
-        state.vel -= half * _free_part(state, "xyz", gravity + force / state.mass)
-        state.angVel -= half * _free_part(state, "XYZ", turn)
-
-
-def _free_part(state, names, vector):
-    """Set the components along blocked degrees of freedom to 0."""
-    free = (0 if name in state.blockedDOFs else value for name, value in zip(names, vector))
-    return Vector3(*free)
+        free = [name not in state.blockedDOFs for name in "xyzXYZ"]
+        linear = [gravity[k] + force[k] / state.mass if free[k] else 0 for k in range(3)]
+        angular = [torque[k] / state.inertia[k] if free[3 + k] else 0 for k in range(3)]
+        state.vel -= half * Vector3(*linear)
+        state.angVel -= half * Vector3(*angular)

@@ -51,8 +51,7 @@ def _grains(O):
         shape, state, clump = body.shape, body.state, body.clumpId
         if not isinstance(shape, (Rcr, Sphere)):
             continue
-        long = isinstance(shape, Rcr)
-        half, cap = (shape.halfLength, shape.capRadius) if long else (0.0, shape.radius)
+        half, cap = lengths(shape)
         pos, vel = state.pos, state.vel
         if clump >= 0:
             if clump not in clumps:
@@ -64,8 +63,8 @@ def _grains(O):
         centers.append((center[0], center[1]))
         z = pos[2]
         velocity = (vel[0], vel[1], state.angVel[2])
-        place, angle = (pos[0], pos[1]), _angle(state.ori)
-        row = (body.id, clump, fixed, place, angle, half, cap, state.mass, velocity)
+        place = pos[0], pos[1]
+        row = (body.id, clump, fixed, place, angle(state.ori), half, cap, state.mass, velocity)
         rows.append((*row, tuple(shape.color)))
     return _columns(_GRAINS, rows), np.array(centers).reshape(-1, 2), z
 
@@ -86,15 +85,22 @@ def _obstacles(O, z):
     return _columns(_WALLS, walls), boxes + facets
 
 
-def _angle(ori):
+def angle(ori):
     """Return the rotation about z [rad]."""
     return 2 * math.atan2(ori[2], ori[3])
+
+
+def lengths(shape):
+    """Return half length and cap radius of an Rcr or a Sphere [m]."""
+    if isinstance(shape, Rcr):
+        return shape.halfLength, shape.capRadius
+    return 0.0, shape.radius
 
 
 def _corners(shape, state):
     """Return the corners of a box in the plane, (4, 2) [m]."""
     ex, ey, _ = shape.extents
-    turn = np.exp(1j * _angle(state.ori))
+    turn = np.exp(1j * angle(state.ori))
     z = turn * np.array([ex + 1j * ey, -ex + 1j * ey, -ex - 1j * ey, ex - 1j * ey])
     return np.column_stack([z.real, z.imag]) + np.array(state.pos)[:2]
 

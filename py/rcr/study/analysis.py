@@ -16,6 +16,7 @@
 
 import numpy as np
 
+from rcr._pictures.outlines import areas
 from rcr.network import sin_phi
 from rcr.study import statistics
 from rcr.study.ensemble import Ensemble
@@ -63,7 +64,7 @@ def strength(runs, ensemble, grids):
         sin_phi=np.mean(seeds), sin_phi_std=sin_phi(np.concatenate(late)).std(),
         sin_phi_error=standard_error(seeds if len(seeds) >= SEEDS else blocks),
         sin_phi_strain=mean_of_finite(curves) if curves else np.full_like(grids.strain, np.nan),
-        snapshots=len(ensemble.snapshots()), contacts=len(ensemble),
+        snapshots=sum(len(run.networks) for run in runs), contacts=len(ensemble),
         particles=np.mean([len(run.networks[0].particles["id"]) for run in runs]), seeds=len(runs))
 
 
@@ -72,31 +73,23 @@ def drift(runs):
 
     A straight line is fitted, with one slope for all seeds; NaN for fewer than three snapshots.
     """
-    series = [
-        (
-            np.array([network.attributes["strain"] for network in run.networks]),
-            [network.anisotropies()[0] for network in run.networks],
-        )
-        for run in runs
-    ]
-    x = np.concatenate([strain - strain.mean() for strain, _ in series])
-    y = np.concatenate([values - np.mean(values) for _, values in series])
-    left = len(x) - len(series) - 1
+    strains = [np.array([n.attributes["strain"] for n in run.networks]) for run in runs]
+    values = [np.array([n.anisotropies()[0] for n in run.networks]) for run in runs]
+    x, y = (np.concatenate([part - part.mean() for part in parts]) for parts in (strains, values))
+    left = len(x) - len(runs) - 1
     if left < 1 or not x.any():
         return dict(a_c_drift=np.nan, a_c_drift_error=np.nan)
     slope = x @ y / (x @ x)
     error = np.sqrt(np.sum((y - slope * x) ** 2) / left / (x @ x))
-    strains = np.concatenate([strain for strain, _ in series])
-    return dict(a_c_drift=slope * np.ptp(strains), a_c_drift_error=error * np.ptp(strains))
+    length = np.ptp(np.concatenate(strains))
+    return dict(a_c_drift=slope * length, a_c_drift_error=error * length)
 
 
 def compaction(runs, grids):
     """Return observables of the isotropic state; NaN without isotropic.h5."""
+    unknown = dict.fromkeys(ISOTROPIC, np.nan) | dict(pdf=np.full(len(grids.theta) - 1, np.nan))
     states = [isotropic(run.isotropic, grids) for run in runs if run.isotropic is not None]
-    if not states:
-        states = [
-            dict.fromkeys(ISOTROPIC, np.nan) | dict(pdf=np.full(len(grids.theta) - 1, np.nan))
-        ]
+    states = states or [unknown]
     mean = {name: np.mean([state[name] for state in states], axis=0) for name in states[0]}
     return mean | dict(a_c=np.abs(mean["a_c"]), order=np.abs(mean["order"]),
                        a_c_error=np.sqrt(2 / mean["contacts"] / len(states)))
@@ -111,12 +104,11 @@ def isotropic(network, grids):
     n = network.contacts["normal"][network.between_particles]
     angle = np.arctan2(n[:, 1], n[:, 0])
     p = network.particles
-    area = np.pi * p["cap_radius"] ** 2 + 4 * p["cap_radius"] * p["half_length"]
     order = np.mean(np.exp(2j * p["angle"]))
     return dict(pdf=statistics.density(angle % np.pi, grids.theta),
                 a_c=2 * np.mean(np.exp(2j * angle)), contacts=len(n),
                 order=order if network.attributes.get("eta", 1) else np.nan,
-                packing_fraction=area.sum() / network.attributes["volume"],
+                packing_fraction=areas(p).sum() / network.attributes["volume"],
                 coordination_number=network.coordination(),
                 coordination_number_twice=network.coordination(count_side_contacts_twice=True))
 

@@ -216,17 +216,9 @@ class Biaxial:
         """
         compaction.compact(self, report, balanced, lambda: shear.start(self))
 
-    def switch_to_springs(self, stiffness):
-        """Replace rigid contacts by unloaded springs of k_n = `stiffness` σ₀.
+    switch_to_springs = shear.switch_to_springs
 
-        The packing shrinks by about σ₀/k_n until they are loaded.
-        """
-        shear.switch_to_springs(self, stiffness)
-
-    @property
-    def steps_per_record(self):
-        """Number of steps of a record."""
-        return shear.steps_per_record(self)
+    steps_per_record = property(shear.steps_per_record)
 
     @property
     def strain_per_record(self):
@@ -262,22 +254,12 @@ class Biaxial:
 
     @property
     def run(self):
-        """Short hash of the parameters, stored in the files of the test."""
-        return results.identity(self.identity)
+        """Short hash of the parameters that determine the results, stored in the files."""
+        given = self.parameters.items()
+        return results.identity({name: v for name, v in given if name not in FREE_PARAMETERS})
 
-    @property
-    def identity(self):
-        """Parameters that determine the results; the number of threads does not."""
-        kept = self.parameters.items()
-        return {name: value for name, value in kept if name not in FREE_PARAMETERS}
-
-    def summary(self, include_yielded=False):
-        """Return the contents of `summary.json`; see `rcr.study.summary.summarize`."""
-        return summarize(self, include_yielded)
-
-    def save(self, folder, state=False):
-        """Write the history and a checkpoint into a folder; see `rcr.study.checkpoint`."""
-        checkpoint.save(self, folder, state)
+    summary = summarize
+    save = checkpoint.save
 
     @classmethod
     def load(cls, folder):

@@ -71,10 +71,10 @@ def make_scene(parameters):
     do not depend on the elongation.
     """
     O.reset()
-    particles = parameters["particles"]
+    count = parameters["particles"]
     rng = np.random.default_rng(parameters["seed"])
-    centres, radii, width, height = deposited_packing(particles, rng)
-    angles = rng.uniform(0, math.pi, particles)
+    centres, radii, width, height = deposited_packing(count, rng)
+    angles = rng.uniform(0, math.pi, count)
     grain, plate = (
         O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0, label=label))
         for label in ("grain", "plate")
@@ -82,7 +82,7 @@ def make_scene(parameters):
     grains = zip(centres, radii, angles)
     O.bodies.append([rcr.particle(c, R, parameters["eta"], a, grain) for c, R, a in grains])
     mass = sum(b.state.mass for b in O.bodies)
-    wall_mass = mass / math.sqrt(particles)  # of a row of grains; heavier walls lag behind
+    wall_mass = mass / math.sqrt(count)  # of a row of grains; heavier walls lag behind
     walls = O.bodies.append(
         [
             rcr.wall("x", 0, +1, material=plate),
@@ -92,7 +92,7 @@ def make_scene(parameters):
         ]
     )
     shortest, _ = PROTOCOL.relaxation_time_steps
-    O.dt = shortest * math.sqrt(mass / particles / PROTOCOL.confining_stress)
+    O.dt = shortest * math.sqrt(mass / count / PROTOCOL.confining_stress)
     O.engines = _engines(walls, parameters)
 
 

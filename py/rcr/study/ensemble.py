@@ -1,17 +1,15 @@
 """Contacts of several snapshots of one elongation, cumulated as the paper does. Needs NumPy."""
 
+import functools
+
 import numpy as np
 
 from rcr.network import COMPLEX, LEFT, RIGHT, Network
 from rcr.xi_networks import XiNetworks
 
-_COLUMNS = (
-    "fn", "ft", "ln", "lt", "reduced_length", "mobilization", "angle", "theta", "type", "across",
-)  # fmt: skip
-
 
 class Ensemble:
-    """Contacts between particles of snapshots of the same elongation and friction.
+    """Contacts between grains of snapshots of the same elongation and friction.
 
     Attributes
     ----------
@@ -56,7 +54,7 @@ class Ensemble:
             setattr(self, name, found[0])
         self._networks = list(networks)
         parts = [_contacts(network) for network in networks]
-        for name in _COLUMNS:
+        for name in parts[0]:
             setattr(self, name, np.concatenate([part[name] for part in parts]))
         double_angles = [2 * network.stress_angle() for network in networks]
         self.stress_angle = 0.5 * np.angle(np.mean(np.exp(1j * np.array(double_angles)))) % np.pi
@@ -70,12 +68,9 @@ class Ensemble:
             return [self]
         return [Ensemble([network]) for network in self._networks]
 
-    def sin_phi(self):
-        """Return the mean q/p of the snapshots [-]."""
-        return np.mean([network.sin_phi() for network in self._networks])
-
+    @functools.cached_property
     def xi_networks(self):
-        """Return partial sums of the cumulated contacts; see `XiNetworks`."""
+        """Partial sums of the cumulated contacts; see `XiNetworks`."""
         return XiNetworks(self.theta, self.ln + 1j * self.lt, self.fn + 1j * self.ft, self.fn)
 
 

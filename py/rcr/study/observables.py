@@ -187,21 +187,17 @@ def contact_directions(e, grids):
 
     ``amplitude`` is a cos 2 ``off_axis``, ``off_axis`` is θ_c − θσ [rad].
     """
-    none = np.nan * grids.theta[1:]
-    densities, moments = [], []
-    for xi in grids.xi_polar:
-        pick = e.fn <= xi
-        filled = pick.any()
-        densities.append(statistics.density(e.angle[pick], grids.theta) if filled else none)
-        moments.append(2 * np.mean(np.exp(2j * e.theta[pick])) if filled else np.nan)
-    moments = np.array(moments)
-    return dict(pdf=np.array(densities), amplitude=moments.real, off_axis=0.5 * np.angle(moments),
+    picks = [e.fn <= xi for xi in grids.xi_polar]
+    pdf = np.array([statistics.density(e.angle[pick], grids.theta) for pick in picks])
+    waves = [np.exp(2j * e.theta[pick]) for pick in picks]
+    moments = np.array([2 * np.mean(wave) if len(wave) else np.nan for wave in waves])
+    return dict(pdf=pdf, amplitude=moments.real, off_axis=0.5 * np.angle(moments),
                 theta_sigma=e.stress_angle)
 
 
 def contact_anisotropy(e, grids):
     """O15: a_c(ξ)."""
-    return dict(a_c=e.xi_networks().anisotropies(grids.xi)[0])
+    return dict(a_c=e.xi_networks.anisotropies(grids.xi)[0])
 
 
 def branch_anisotropies(e, grids):
@@ -225,7 +221,7 @@ def _anisotropies(e, grids, vector, normal, tangential, which):
         f"{vector}_t": across,
         f"{vector}_t_amplitude": across_amplitude,
     }
-    return dict(zip(NAMES[which], e.xi_networks().anisotropies(grids.xi)[which])) | functions
+    return dict(zip(NAMES[which], e.xi_networks.anisotropies(grids.xi)[which])) | functions
 
 
 def shear_stress(e, grids):
@@ -233,12 +229,11 @@ def shear_stress(e, grids):
 
     κ q(ξ)/p = half-sum + cross products exactly, with the pressure factor κ.
     """
-    xi_networks = e.xi_networks()
-    ratio = xi_networks.shear_stress_ratio(grids.xi)
-    half_sum = 0.5 * np.sum(xi_networks.anisotropies(grids.xi), axis=0)
-    neglected = dict(cross_products=xi_networks.cross_products(grids.xi),
-                     pressure_factor=xi_networks.pressure_factor())
-    return dict(q_over_p=ratio, half_sum=half_sum, closure=half_sum - ratio) | neglected
+    ratio = e.xi_networks.shear_stress_ratio(grids.xi)
+    half_sum = 0.5 * np.sum(e.xi_networks.anisotropies(grids.xi), axis=0)
+    return dict(q_over_p=ratio, half_sum=half_sum, closure=half_sum - ratio,
+                cross_products=e.xi_networks.cross_products(grids.xi),
+                pressure_factor=e.xi_networks.pressure_factor())
 
 
 MEASURES = dict(  # observable: (function, {name in analysis.json: grid of its arrays})

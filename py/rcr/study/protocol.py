@@ -1,4 +1,4 @@
-"""Constants and parameters of the biaxial test. Needs NumPy and the kernel, not YADE.
+"""Constants and parameters of the biaxial test. `check_parameters` needs the kernel, not YADE.
 
 Units
 -----
@@ -9,7 +9,6 @@ t₀ = √(m/σ₀), the inertial number I = ε̇ t₀. Every quantity is per un
 import dataclasses
 
 from rcr._data import checks
-from rcr import _kernel
 
 FREE_PARAMETERS = ("threads",)  # parameters that do not change the results
 
@@ -81,6 +80,7 @@ class Protocol:
 
 
 PROTOCOL = Protocol()
+HALF_RECORD = 0.5 * PROTOCOL.record_strain  # deviation of a saved strain, at most
 
 
 def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e-4, solver="auto",
@@ -130,14 +130,14 @@ def _checked(name, value):
 
 def _check_combination(parameters):
     """Raise ValueError for an unknown solver and for parameters that exclude each other."""
-    solver, law, rate, step = (
-        parameters[name] for name in ("solver", "law", "inertial_number", "time_step")
-    )
-    names = _kernel.solver_names()
+    from rcr import _kernel
+
+    solver, names = parameters["solver"], _kernel.solver_names()
     if solver not in names:
         raise ValueError(f"solver {solver!r} is not known; expected one of {', '.join(names)}")
-    if law == "cd" and rate * step > PROTOCOL.record_strain:
+    strain = parameters["inertial_number"] * parameters["time_step"]
+    if parameters["law"] == "cd" and strain > PROTOCOL.record_strain:
         raise ValueError(
-            f"inertial_number × time_step = {rate * step:g} is the strain of a step; "
+            f"inertial_number × time_step = {strain:g} is the strain of a step; "
             f"expected at most {PROTOCOL.record_strain:g}, the strain of a record"
         )

@@ -139,16 +139,14 @@ def _material(runs, analysis):
     value = analysis["O1"]["value"]
     strains = [float(network.attributes["strain"]) for run in runs for network in run.networks]
     columns = ("eta", "particles", "seeds", "snapshots", "contacts")
-    rows = zip(*(value[name] for name in columns))
     listed = "; ".join(
         f"η = {eta:g}: {n:.0f} particles, {seeds} seed(s), {s} snapshots, {c} contacts"
-        for eta, n, seeds, s, c in rows
+        for eta, n, seeds, s, c in zip(*(value[name] for name in columns))
     )
     window = f"{min(strains):.3f} to {max(strains):.3f}"
     state = f"Critical state: snapshots at strains from {window}. {listed}."
-    parts = [_drifts(analysis), _boxes(runs), unconverged_steps(runs), yielded_steps(runs),
-             cost(runs)]
-    return " ".join([state, *parts])
+    return " ".join([state, _drifts(analysis), _boxes(runs), unconverged_steps(runs),
+                     yielded_steps(runs), cost(runs)])
 
 
 def _drifts(analysis):
@@ -179,8 +177,9 @@ def cost(runs):
     if not seconds:
         return "No summary.json has the cost of its test."
     return (
-        f"The tests took {sum(seconds) / 60:.1f} min of wall time in all and {max(seconds) / 60:.1f} "
-        f"min the longest one; their largest memory was {max(memory) / 2**30:.2f} GiB."
+        f"The tests took {sum(seconds) / 60:.1f} min of wall time in all and "
+        f"{max(seconds) / 60:.1f} min the longest one; "
+        f"their largest memory was {max(memory) / 2**30:.2f} GiB."
     )
 
 
@@ -211,9 +210,8 @@ def unconverged_steps(runs):
 
 def _missed(run):
     """Return share, mean factor and largest factor of the missed steps, None if not recorded."""
-    numbers = [
-        (run.summary or {}).get(name) for name in ("missed_fraction", "missed_mean", "missed_max")
-    ]
+    names = ("missed_fraction", "missed_mean", "missed_max")
+    numbers = [(run.summary or {}).get(name) for name in names]
     return numbers if all(isinstance(value, (int, float)) for value in numbers) else None
 
 

@@ -13,11 +13,11 @@ import numpy as np
 
 from rcr._data import checks, files, results
 from rcr.network import Network
+from rcr.study.protocol import HALF_RECORD
 
 _TWO_RUNS = "the folder mixes two runs; remove the files of one"
 _HISTORY = "strain", "stress_x", "stress_y"
 _YIELDED = "yielded_steps"
-HALF_RECORD = 5e-4  # strain; networks are saved within half a record of their strain
 _FREE = "seed", "threads", "strain", "networks", "include_yielded"  # may differ between seeds
 
 

@@ -17,7 +17,7 @@ from yade.wrapper import Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, Omega
 import rcr
 from rcr.network import sin_phi
 from rcr.study.compaction import rest, stress_deviation
-from rcr.study.protocol import PROTOCOL
+from rcr.study.protocol import HALF_RECORD, PROTOCOL
 from rcr.study.records import COUNTERS, Springs
 
 O = Omega()
@@ -57,7 +57,10 @@ def _set_friction(test, friction):
 
 
 def switch_to_springs(test, stiffness):
-    """Replace the rigid contacts by unloaded springs; see `Biaxial.switch_to_springs`."""
+    """Replace rigid contacts by unloaded springs of k_n = `stiffness` σ₀.
+
+    The packing shrinks by about σ₀/k_n until they are loaded.
+    """
     O.interactions.clear()
     O.engines = [engine for engine in O.engines if not isinstance(engine, rcr.ContactDynamics)]
     loop = utils.typedEngine("InteractionLoop")
@@ -77,7 +80,7 @@ def switch_to_springs(test, stiffness):
 def is_approaching(test, strain=None):
     """Return whether the test, now or at a strain, has not reached the strain `approach`."""
     strain = test.strain if strain is None else strain
-    return strain < test.parameters["approach"] - 0.5 * PROTOCOL.record_strain
+    return strain < test.parameters["approach"] - HALF_RECORD
 
 
 def rate_and_step(test, strain=None):
@@ -88,7 +91,8 @@ def rate_and_step(test, strain=None):
     bound. `Biaxial.go_back` divides dt.
     """
     given, step = test.parameters["inertial_number"], test.parameters["time_step"]
-    quick, shortest = max(given, PROTOCOL.quick_inertial_number), min(step, PROTOCOL.quick_time_step)
+    quick = max(given, PROTOCOL.quick_inertial_number)
+    shortest = min(step, PROTOCOL.quick_time_step)
     if is_approaching(test, strain):
         return quick, shortest / test.progress["divisor"]
     slow = min(given, largest_rate(test, strain))
@@ -132,7 +136,7 @@ def steps_per_record(test):
 def _records_at_this_speed(test, most):
     """Return the number of records, at most `most`, in which the top wall keeps its speed."""
     if is_approaching(test):
-        left = test.parameters["approach"] - 0.5 * PROTOCOL.record_strain - test.strain
+        left = test.parameters["approach"] - HALF_RECORD - test.strain
         return max(1, min(most, math.ceil(left / test.strain_per_record)))
     if _slowed(test) < 1:
         return 1

@@ -20,11 +20,9 @@ def density(x, edges):
         [1/unit of x]; Σ density Δ is the fraction of x within the edges.
     """
     x, edges = _sample("x", x), _edges(edges)
-    return (
-        np.histogram(x, edges)[0] / (np.diff(edges) * len(x))
-        if len(x)
-        else np.full(len(edges) - 1, np.nan)
-    )
+    if len(x) == 0:
+        return np.full(len(edges) - 1, np.nan)
+    return np.histogram(x, edges)[0] / (np.diff(edges) * len(x))
 
 
 def centres(edges):
@@ -94,22 +92,15 @@ def standard_error(values):
 
     It is NaN for fewer than two values.
     """
-    values = np.asarray(values, dtype=float)
-    finite = np.isfinite(values)
-    count = finite.sum(axis=0)
-    squares = np.where(finite, values - mean_of_finite(values), 0) ** 2
-    return np.where(count > 1,
-                    np.sqrt(squares.sum(axis=0) / np.maximum(count - 1, 1) / np.maximum(count, 1)),
-                    np.nan)
+    values = np.ma.masked_invalid(np.asarray(values, dtype=float))
+    variance = values.var(axis=0, ddof=1) / values.count(axis=0)
+    return np.sqrt(np.ma.filled(variance, np.nan))
 
 
 def mean_of_finite(values):
     """Return the mean of finite values along the first axis; NaN without any."""
-    values = np.asarray(values, dtype=float)
-    finite = np.isfinite(values)
-    count = finite.sum(axis=0)
-    mean = np.where(finite, values, 0).sum(axis=0) / np.maximum(count, 1)
-    return np.where(count > 0, mean, np.nan)
+    values = np.ma.masked_invalid(np.asarray(values, dtype=float))
+    return np.ma.filled(values.mean(axis=0), np.nan)
 
 
 def _sample(name, values, count=None):
@@ -119,7 +110,7 @@ def _sample(name, values, count=None):
 def _edges(values):
     values = checks.array("edges", values, (None,))
     if len(values) < 2 or not (np.diff(values) > 0).all():
-        raise ValueError(f"edges = {values}; wanted at least two that rise")
+        raise ValueError(f"edges = {values}; expected at least two that rise")
     return values
 
 
@@ -130,11 +121,9 @@ def _mean(kappa):
 
 def _variance(kappa):
     """Return −dm/dκ = 1/κ² − 1/(4 sinh² κ/2)."""
-    return (
-        1 / 12 - kappa**2 / 240
-        if abs(kappa) < 1e-2
-        else 1 / kappa**2 - 0.25 / np.sinh(0.5 * kappa) ** 2
-    )
+    if abs(kappa) < 1e-2:
+        return 1 / 12 - kappa**2 / 240
+    return 1 / kappa**2 - 0.25 / np.sinh(0.5 * kappa) ** 2
 
 
 def _root_of_mean(mean):

@@ -91,10 +91,12 @@ def _geometry(test):
     first_height = progress["first_height"]
     first_width = test.area / (progress["packing_fraction_initial"] * first_height)
     along_width, along_height = test.sample_inertia()
-    return dict(inertial_number=parameters["inertial_number"], approach=parameters["approach"], aspect_ratio_initial=first_width / first_height,
-                aspect_ratio=test.width / test.height, sample_inertia=along_width,
-                sample_inertia_height=along_height, unbalance_initial=progress["unbalance_initial"],
-                stress_deviation_initial=progress["stress_deviation_initial"])
+    return dict(
+        inertial_number=parameters["inertial_number"], approach=parameters["approach"],
+        aspect_ratio_initial=first_width / first_height, aspect_ratio=test.width / test.height,
+        sample_inertia=along_width, sample_inertia_height=along_height,
+        unbalance_initial=progress["unbalance_initial"],
+        stress_deviation_initial=progress["stress_deviation_initial"])
 
 
 def _work(test):

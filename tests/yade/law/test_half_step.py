@@ -37,16 +37,18 @@ def test_gravity_and_permanent_loads_of_what_is_free():
     clump, members = rcr.clump(clump_members)
     guided = O.bodies.append(rcr.particle((8, 5), 0.2, 0.5, material=m))
     O.bodies[guided].state.blockedDOFs = "xzXYZ"
+    wall = O.bodies.append(rcr.mobile_wall("x", 20, 2.0, material=m))  # without inertia
     s = O.bodies[grain].state
     O.forces.setPermF(grain, (3 * s.mass, 0, 0))
     O.forces.setPermT(grain, (0, 0, 2 * s.inertia[2]))
     O.forces.setPermF(guided, (1, 0, 0))
-    starts = {i: O.bodies[i].state.pos for i in (grain, clump, guided)}
+    O.forces.setPermF(wall, (3, 0, 0))
+    starts = {i: O.bodies[i].state.pos for i in (grain, clump, guided, wall)}
     rcr.half_step_start()
     O.run(20, True)
     t = 20 * O.dt
     for i, (x, y) in {grain: (1.5 * t**2, -0.5 * G * t**2), clump: (0, -0.5 * G * t**2),
-                      guided: (0, -0.5 * G * t**2)}.items():
+                      guided: (0, -0.5 * G * t**2), wall: (0.75 * t**2, 0)}.items():
         assert tuple(O.bodies[i].state.pos - starts[i]) == pytest.approx((x, y, 0), abs=1e-9), i
     assert s.rot()[2] == pytest.approx(t**2, abs=1e-9)
 

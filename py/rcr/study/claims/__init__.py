@@ -51,11 +51,11 @@ def findings(analysis):
     """
     values = {key: entry["value"] for key, entry in analysis.items()}
     rows = []
-    for observable, statement, criterion, test in CLAIMS:
+    for observables, statement, criterion, test in CLAIMS:
         try:
-            agrees, value, error = test(values)
+            agrees, value, error = test(*(values[key] for key in observables))
             verdict = AGREES if agrees else DIFFERS
         except NotTested as reason:
             value, error, verdict = str(reason), "", NOT_TESTED
-        rows.append(Finding(observable, statement, criterion, value, error, verdict))
+        rows.append(Finding(observables[0], statement, criterion, value, error, verdict))
     return sorted(rows, key=lambda row: int(row.observable[1:]))

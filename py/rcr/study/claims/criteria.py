@@ -1,24 +1,27 @@
 """Parts of the criteria by which statements of the paper are tested. Needs NumPy.
 
-A criterion is a function of the values of all observables, {O1: {name: array}, …}. It returns
-whether the statement agrees, the measured value and its error as texts, or raises `NotTested`.
+A criterion is a function of the values {name: array} of an observable. It returns whether the
+statement agrees, the measured value and its error as texts, or raises `NotTested`.
 """
 
 import numpy as np
 
 SIGMAS = 2  # standard errors that a deviation may have by chance
-CLAIMS = []  # (observable, statement, criterion, function), in the order of registration
+CLAIMS = []  # (observables, statement, criterion, function), in the order of registration
 
 
 class NotTested(Exception):
     """Raised where the data do not suffice; the message is the reason."""
 
 
-def claim(observable, statement, criterion):
-    """Return a decorator that registers a criterion as a row of the table."""
+def claim(observables, statement, criterion):
+    """Return a decorator that registers a criterion as a row of the table.
+
+    The row belongs to the first of `observables`. The criterion takes the values of each.
+    """
 
     def register(test):
-        CLAIMS.append((observable, statement, criterion, test))
+        CLAIMS.append((observables.split(), statement, criterion, test))
         return test
 
     return register
@@ -51,9 +54,9 @@ def at_xi(v, name, xi, rows=slice(None)):
     return v[name][rows, k], known(v[f"{name}_error"][rows, k])
 
 
-def minimum(v, name, row, high=6):
-    """Return ξ, value and error of the lowest point of a function of ξ."""
-    keep = v["xi"] <= high
+def minimum(v, name, row):
+    """Return ξ, value and error of the lowest point of a function of ξ ≤ 6."""
+    keep = v["xi"] <= 6
     k = int(np.argmin(v[name][row, keep]))
     return v["xi"][k], v[name][row, k], known(v[f"{name}_error"][row, k])
 
@@ -68,6 +71,11 @@ def require_finite(values):
 def known(error):
     """Return the errors, with 0 for unknown ones: then the tolerance alone counts."""
     return np.nan_to_num(error)
+
+
+def is_within(deviation, tolerance, error):
+    """Test whether deviations are within a tolerance or two errors, whichever is wider."""
+    return np.abs(deviation) <= np.maximum(tolerance, SIGMAS * known(error))
 
 
 # --- trends -----------------------------------------------------------------------------------
@@ -95,8 +103,8 @@ def trend(v, name, sign, low=0, high=1):
     return sign * slope > SIGMAS * error, value, f"slope {slope:.2g} ± {error:.1g}"
 
 
-def is_monotonic(v, name, sign, rows, low=0.2):
-    """Test whether a function of ξ rises (sign +1) or falls (−1) for ξ ≥ low.
+def is_monotonic(v, name, sign, rows):
+    """Test whether a function of ξ rises (sign +1) or falls (−1) for 0.2 ≤ ξ ≤ 6.
 
     Its largest step back must be below two errors or 10 % of its range.
 
@@ -105,7 +113,7 @@ def is_monotonic(v, name, sign, rows, low=0.2):
     (rows,) bool array, (rows,) float array
         The verdicts and the largest steps back.
     """
-    keep = (v["xi"] >= low) & (v["xi"] <= 6)
+    keep = (v["xi"] >= 0.2) & (v["xi"] <= 6)
     back, allowed = [], []
     for row in rows:
         curve = sign * v[name][row, keep]
@@ -122,22 +130,27 @@ def at_both_ends(v, name, low, high, tolerance):
     """Test the values at η = 0 and 0.7 against those of the paper."""
     rows = [row_of(v, 0), row_of(v, 0.7)]
     value, error = require_finite(v[name][rows]), v[f"{name}_error"][rows]
-    agrees = np.abs(value - (low, high)) <= np.maximum(tolerance, SIGMAS * known(error))
-    return agrees.all(), f"{value[0]:.3g} → {value[1]:.3g}", format_errors(error)
+    agrees = is_within(value - (low, high), tolerance, error).all()
+    return agrees, f"{value[0]:.3g} → {value[1]:.3g}", format_errors(error)
 
 
-def at_every_eta(v, rows, agrees, values, errors=None):
+def at_every_eta(etas, agrees, values, errors=None):
     """Combine verdicts on several elongations; list the value of each, with η in brackets."""
-    off = ", ".join(f"{v['eta'][row]:g}" for row, agreed in zip(rows, agrees) if not agreed)
-    value = list_by_eta(v, rows, require_finite(values)) + (f"; off at η = {off}" if off else "")
-    return not off, value, "" if errors is None else f"≤ {known(errors).max():.1g}"
+    off = ", ".join(f"{eta:g}" for eta, agreed in zip(etas, agrees) if not agreed)
+    value = list_by_eta(etas, require_finite(values)) + (f"; off at η = {off}" if off else "")
+    return not off, value, "" if errors is None else format_largest(errors)
 
 
-def list_by_eta(v, rows, values, form="{:.2f}"):
+def list_by_eta(etas, values, digits=2):
     """Return values as a text, with η in brackets."""
-    return ", ".join(f"{form.format(values[i])} ({v['eta'][row]:g})" for i, row in enumerate(rows))
+    return ", ".join(f"{value:.{digits}f} ({eta:g})" for value, eta in zip(values, etas))
 
 
 def format_errors(error):
     """Return errors as a text, with ? for unknown ones."""
     return ", ".join("?" if np.isnan(e) else f"{e:.1g}" for e in np.atleast_1d(error))
+
+
+def format_largest(errors):
+    """Return the largest of the known errors as a text."""
+    return f"≤ {known(errors).max():.1g}"

@@ -3,113 +3,103 @@
 import numpy as np
 
 from rcr.study.claims.criteria import (
-    SIGMAS, NotTested, at_both_ends, at_every_eta, claim, format_errors, known, list_by_eta,
+    SIGMAS, NotTested, at_both_ends, at_every_eta, claim, format_errors, is_within, list_by_eta,
     require_finite, row_of, rows_of, slope_of, trend,
 )  # fmt: skip
 from rcr.study.statistics import pearson
 
 
 @claim("O1", "sin φ = 0.30 + 0.30 η at the critical state", "within 0.02 or two errors at every η")
-def _(values):
-    v = values["O1"]
-    away = np.abs(v["sin_phi"] - 0.3 - 0.3 * v["eta"])
-    agrees = away <= np.maximum(0.02, SIGMAS * known(v["sin_phi_error"]))
-    return at_every_eta(v, range(len(away)), agrees, v["sin_phi"], v["sin_phi_error"])
+def _(v):
+    away = v["sin_phi"] - 0.3 - 0.3 * v["eta"]
+    agrees = is_within(away, 0.02, v["sin_phi_error"])
+    return at_every_eta(v["eta"], agrees, v["sin_phi"], v["sin_phi_error"])
 
 
 @claim("O2", "P(θ) is isotropic after compaction",
        "|a_c| below 0.05, or three standard errors of independent normals")
-def _(values):
-    v = values["O2"]
+def _(v):
     if not np.isfinite(v["a_c"]).all():
         raise NotTested("no isotropic.h5")
-    return at_every_eta(v, range(len(v["eta"])), v["a_c"] <= np.maximum(0.05, 3 * v["a_c_error"]),
+    return at_every_eta(v["eta"], v["a_c"] <= np.maximum(0.05, 3 * v["a_c_error"]),
                         v["a_c"], v["a_c_error"])
 
 
 @claim("O2", "frictionless packings are isostatic: Z = 4 for discs, Z_c = 6 for long particles "
        "(each ss twice)", "within 5 %, η = 0 and η ≥ 0.3")
-def _(values):
-    v = values["O2"]
+def _(v):
     rows = [*rows_of(v, 0, 0, 0), *rows_of(v, 0.3, 1, 0)]
     if not rows or not np.isfinite(v["coordination_number_twice"]).all():
         raise NotTested("no isotropic state of these elongations")
     measured, expected = v["coordination_number_twice"][rows], np.where(v["eta"][rows] == 0, 4, 6)
-    return at_every_eta(v, rows, np.abs(measured / expected - 1) <= 0.05, measured)
+    return at_every_eta(v["eta"][rows], np.abs(measured / expected - 1) <= 0.05, measured)
 
 
 @claim("O2", "packing fraction after compaction has its peak near η = 0.4",
        "largest at η in [0.3, 0.5], of runs on both sides")
-def _(values):
-    v = values["O2"]
+def _(v):
     for low, high in ((0, 0.2), (0.3, 0.5), (0.6, 1)):
         rows_of(v, low, high)
     if not np.isfinite(v["packing_fraction"]).all():
         raise NotTested("no isotropic.h5")
     densest = v["eta"][np.argmax(v["packing_fraction"])]
-    return (
-        0.3 - 1e-9 <= densest <= 0.5 + 1e-9,
-        list_by_eta(v, range(len(v["eta"])), v["packing_fraction"], "{:.3f}"),
-        "",
-    )
+    listed = list_by_eta(v["eta"], v["packing_fraction"], 3)
+    return 0.3 - 1e-9 <= densest <= 0.5 + 1e-9, listed, ""
 
 
 # --- forces -----------------------------------------------------------------------------------
 
 
 @claim("O3", "α_n falls with η", "slope negative beyond two errors")
-def _(values):
-    return trend(values["O3"], "alpha_n", -1)
+def _(v):
+    return trend(v, "alpha_n", -1)
 
 
 @claim("O3", "β_n from 0.1 (η = 0) to −0.4 (η = 0.7)", "both within 0.1 or two errors")
-def _(values):
-    return at_both_ends(values["O3"], "beta_n", 0.1, -0.4, 0.1)
+def _(v):
+    return at_both_ends(v, "beta_n", 0.1, -0.4, 0.1)
 
 
 @claim("O3", "share of weak contacts from 60 % (η = 0) to 70 % (η = 0.7)",
        "both within 0.03 or two errors")
-def _(values):
-    return at_both_ends(values["O3"], "weak_fraction", 0.6, 0.7, 0.03)
+def _(v):
+    return at_both_ends(v, "weak_fraction", 0.6, 0.7, 0.03)
 
 
 def _saturates(v, name):
     """Falls up to η = 0.4, and from there to 0.7 by less than half as much."""
-    falls, value, error = trend(v, name, -1, 0, 0.4)
+    falls, _, error = trend(v, name, -1, 0, 0.4)
     first, middle, last = (v[name][row_of(v, eta)] for eta in (0, 0.4, 0.7))
     require_finite(np.array([first, middle, last]))
-    return (
-        falls and abs(last - middle) < 0.5 * abs(middle - first),
-        f"{first:.3g} → {middle:.3g} → {last:.3g} (η = 0, 0.4, 0.7)",
-        error,
-    )
+    saturates = abs(last - middle) < 0.5 * abs(middle - first)
+    value = f"{first:.3g} → {middle:.3g} → {last:.3g} (η = 0, 0.4, 0.7)"
+    return falls and saturates, value, error
 
 
 @claim("O4", "α_t falls with η and saturates beyond 0.4",
        "falls beyond two errors to 0.4; changes by less than half of that to 0.7")
-def _(values):
-    return _saturates(values["O4"], "alpha_t")
+def _(v):
+    return _saturates(v, "alpha_t")
 
 
 @claim("O4", "β_t falls with η and saturates beyond 0.4",
        "falls beyond two errors to 0.4; changes by less than half of that to 0.7")
-def _(values):
-    return _saturates(values["O4"], "beta_t")
+def _(v):
+    return _saturates(v, "beta_t")
 
 
 @claim("O5", "I_M from 0.4 (η = 0) to 0.6 (η = 0.7)", "both within 0.05 or two errors")
-def _(values):
-    return at_both_ends(values["O5"], "friction_mobilization", 0.4, 0.6, 0.05)
+def _(v):
+    return at_both_ends(v, "friction_mobilization", 0.4, 0.6, 0.05)
 
 
-@claim("O6", "mobilised contacts (I_m > 0.99) belong mostly to the weak network",
+@claim("O6 O5 O3", "mobilised contacts (I_m > 0.99) belong mostly to the weak network",
        "a larger share of them is weak than of all contacts, at every η")
-def _(values):
-    v, weak = values["O5"], values["O3"]["weak_fraction"]
-    if not np.isfinite(v["mobilized_weak_share"]).all():
+def _(_, v, forces):
+    share, weak = v["mobilized_weak_share"], forces["weak_fraction"]
+    if not np.isfinite(share).all():
         raise NotTested("no mobilised contact at some η")
-    return at_every_eta(v, range(len(weak)), v["mobilized_weak_share"] > weak,
-                        v["mobilized_weak_share"], v["mobilized_weak_share_error"])
+    return at_every_eta(v["eta"], share > weak, share, v["mobilized_weak_share_error"])
 
 
 def _force_levels(v):
@@ -122,31 +112,25 @@ def _force_levels(v):
 
 @claim("O7", "I_mf falls with f_n",
        "I_mf of strong classes below that of weak ones, at every η (difference given)")
-def _(values):
-    v = values["O7"]
+def _(v):
     weak, strong = _force_levels(v)
-    return at_every_eta(v, range(len(weak)), strong < weak, strong - weak)
+    return at_every_eta(v["eta"], strong < weak, strong - weak)
 
 
 @claim("O7", "I_mf rises with η at every force",
        "slope with η positive beyond two errors, for weak and for strong classes")
-def _(values):
-    v = values["O7"]
+def _(v):
     (weak, weak_error), (strong, strong_error) = (
         slope_of(v["eta"], level) for level in _force_levels(v)
     )
     agrees = weak > SIGMAS * weak_error and strong > SIGMAS * strong_error
-    return (
-        agrees,
-        f"slope {weak:.2g} (weak), {strong:.2g} (strong)",
-        f"{weak_error:.1g}, {strong_error:.1g}",
-    )
+    value = f"slope {weak:.2g} (weak), {strong:.2g} (strong)"
+    return agrees, value, format_errors([weak_error, strong_error])
 
 
 @claim("O8", "discs: P(I_m) falls nearly linearly",
        "straight line through all classes: slope negative, r² ≥ 0.8")
-def _(values):
-    v = values["O8"]
+def _(v):
     pdf = v["pdf"][row_of(v, 0)]
     slope, error = slope_of(v["i_m"], pdf)
     r2 = require_finite(pearson(v["i_m"], pdf)) ** 2
@@ -161,19 +145,15 @@ def _(values):
 
 @claim("O8", "long particles: a class of contacts close to I_m = 1 stands out",
        "at the largest η ≥ 0.5 P(I_m) of the last class is over twice the mean of the others")
-def _(values):
-    v = values["O8"]
+def _(v):
     row = rows_of(v, 0.5, 1)[-1]
     pdf = v["pdf"][row]
     last, others = pdf[-1], pdf[:-1].mean()
-    return (
-        last > 2 * others,
-        f"{last:.2f} against {others:.2f} (η = {v['eta'][row]:g})",
-        format_errors(v["pdf_error"][row, -1]),
-    )
+    value = f"{last:.2f} against {others:.2f} (η = {v['eta'][row]:g})"
+    return last > 2 * others, value, format_errors(v["pdf_error"][row, -1])
 
 
 @claim("O9", "chains of particles with side-side contacts, of like orientation",
        "a map: to be looked at")
-def _(values):
+def _(v):
     raise NotTested("see the map")

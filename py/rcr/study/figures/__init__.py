@@ -6,15 +6,16 @@ the Axes and returns them. Colour and marker of an elongation, and the colour of
 the same in all figures.
 """
 
+from functools import partial
+
 import matplotlib
 from matplotlib.figure import Figure
 
 from rcr._pictures.drawing import COLUMN, PAGE, STYLE
-
 from rcr.study.figures.curves import (
-    plot_coordination, plot_correlation, plot_force_by_length, plot_force_power, plot_force_tail, plot_length_pdf,
-    plot_mobilization, plot_mobilization_by_force, plot_mobilization_pdf, plot_shear_stress,
-    plot_strain, plot_strength, plot_strips, plot_xi,
+    plot_coordination, plot_correlation, plot_force_by_length, plot_force_power, plot_force_tail,
+    plot_length_pdf, plot_mobilization, plot_mobilization_by_force, plot_mobilization_pdf,
+    plot_shear_stress, plot_strain, plot_strength, plot_strips, plot_xi,
 )  # fmt: skip
 from rcr.study.figures.plot_style import (  # noqa: F401  public names
     color, column, eta_legend, legend_outside, marker,
@@ -24,19 +25,18 @@ from rcr.study.figures.polar import (
 )  # fmt: skip
 
 
-
 def _letters(axes):
     """Number axes by letters."""
     for letter, ax in zip("abcd", axes):
         ax.set_title(f"({letter})", loc="left", fontsize=9)
 
 
-def _one(plot, projection=None, of_eta=True):
+def _one(plot, of_eta=True):
     """Return a function that makes a figure of one plot."""
 
     def figure(value, analysis):
         fig = Figure(figsize=(COLUMN, 0.95 * COLUMN), layout="constrained")
-        ax = plot(value, fig.add_subplot(projection=projection))
+        ax = plot(value, fig.add_subplot())
         if of_eta:
             eta_legend(fig, ax)
         return fig
@@ -44,14 +44,13 @@ def _one(plot, projection=None, of_eta=True):
     return figure
 
 
-def _two(first, second):
-    """Return a function that makes a figure of two plots."""
+def _two(first, second, projection=None):
+    """Return a function that makes a figure of two plots, the first one in a projection."""
 
     def figure(value, analysis):
         fig = Figure(figsize=(PAGE, 0.45 * PAGE), layout="constrained")
-        axes = fig.subplots(1, 2)
-        first(value, axes[0])
-        second(value, axes[1])
+        axes = [first(value, fig.add_subplot(1, 2, 1, projection=projection)),
+                second(value, fig.add_subplot(1, 2, 2))]
         _letters(axes)
         eta_legend(fig, axes[0])
         return fig
@@ -59,8 +58,11 @@ def _two(first, second):
     return figure
 
 
-def _four(vector, names, symbols, titles):
+def _four(vector, symbol):
     """Return a function that makes a figure: two polar diagrams above two functions of ξ."""
+    scale = rf"\langle {symbol}_n\rangle"
+    titles = (rf"${scale}(\theta,\xi)/{scale}$",
+              rf"$|\langle {symbol}_t\rangle(\theta,\xi)|/{scale}$")
 
     def figure(value, analysis):
         fig = Figure(figsize=(PAGE, 0.95 * PAGE), layout="constrained")
@@ -74,23 +76,13 @@ def _four(vector, names, symbols, titles):
                          + (" (open: negative)" if suffix == "t" else ""), fontsize=8)
         legend_outside(upper, polar[0], "lower center", 4)
         axes = lower.subplots(1, 2)
-        for ax, name, symbol in zip(axes, names, symbols):
-            plot_xi(value, name, symbol, ax)
+        for ax, suffix in zip(axes, "nt"):
+            plot_xi(value, f"a_{vector}{suffix}", rf"$a_{{{symbol} {suffix}}}(\xi)$", ax)
         _letters([*polar, *axes])
         legend_outside(lower, axes[0], "upper center", 8)
         return fig
 
     return figure
-
-
-def _isotropic(value, analysis):
-    """Make the figure of P(θ) and of the coordination numbers after the compaction."""
-    fig = Figure(figsize=(PAGE, 0.45 * PAGE), layout="constrained")
-    axes = [plot_isotropy(value, fig.add_subplot(1, 2, 1, projection="polar")),
-            plot_coordination(value, fig.add_subplot(1, 2, 2))]
-    _letters(axes)
-    eta_legend(fig, axes[0])
-    return fig
 
 
 def _polar(value, analysis):
@@ -105,38 +97,20 @@ def _polar(value, analysis):
 
 FIGURES = dict(
     O1=_two(plot_strain, plot_strength),
-    O2=_isotropic,
+    O2=_two(plot_isotropy, plot_coordination, "polar"),
     O3=_two(plot_force_tail, plot_force_power),
-    O4=_two(lambda value, ax: plot_force_tail(value, ax, "t"),
-            lambda value, ax: plot_force_power(value, ax, "t")),
+    O4=_two(partial(plot_force_tail, suffix="t"), partial(plot_force_power, suffix="t")),
     O5=_one(plot_mobilization, of_eta=False),
-    O6=_two(plot_strips,
-            lambda value, ax: plot_strips(value, ax, "strip_stress", r"\sigma_{xx}")),
+    O6=_two(plot_strips, partial(plot_strips, name="strip_stress", symbol=r"\sigma_{xx}")),
     O7=_one(plot_mobilization_by_force),
     O8=_one(plot_mobilization_pdf),
     O10=_one(plot_length_pdf),
     O12=_one(plot_correlation, of_eta=False),
-    O13=_two(plot_force_by_length, lambda value, ax: plot_force_by_length(value, ax, "l")),
+    O13=_two(plot_force_by_length, partial(plot_force_by_length, length="l")),
     O14=_polar,
     O15=_one(lambda value, ax: plot_xi(value, "a_c", r"$a_c(\xi)$", ax)),
-    O16=_four(
-        "l",
-        ("a_ln", "a_lt"),
-        (r"$a_{\ell n}(\xi)$", r"$a_{\ell t}(\xi)$"),
-        (
-            r"$\langle\ell_n\rangle(\theta,\xi)/\langle\ell_n\rangle$",
-            r"$|\langle\ell_t\rangle(\theta,\xi)|/\langle\ell_n\rangle$",
-        ),
-    ),
-    O17=_four(
-        "f",
-        ("a_fn", "a_ft"),
-        (r"$a_{fn}(\xi)$", r"$a_{ft}(\xi)$"),
-        (
-            r"$\langle f_n\rangle(\theta,\xi)/\langle f_n\rangle$",
-            r"$|\langle f_t\rangle(\theta,\xi)|/\langle f_n\rangle$",
-        ),
-    ),
+    O16=_four("l", r"\ell"),
+    O17=_four("f", "f"),
     O18=_one(plot_shear_stress),
 )
 

@@ -13,14 +13,12 @@ XI_MAX = 6  # end of the ξ axes; few forces are larger
 MIN_DENSITY = 1e-4  # lower densities come from single contacts
 
 
-def _draw_curves(value, x, y, ax, band=True, **style):
-    """Draw y(x) of every elongation, with a band of one standard error."""
+def _draw_curves(value, y, ax):
+    """Draw y(ξ) of every elongation, with a band of one standard error."""
+    xi = column(value, "xi")
     for eta, row, error in zip(value["eta"], column(value, y), error_of(value, y)):
-        ax.plot(column(value, x), row, color=color(eta), label=rf"$\eta = {eta:g}$", **style)
-        if band:
-            ax.fill_between(
-                column(value, x), row - error, row + error, color=color(eta), alpha=0.2, lw=0)
-    return ax
+        ax.plot(xi, row, color=color(eta), label=rf"$\eta = {eta:g}$")
+        ax.fill_between(xi, row - error, row + error, color=color(eta), alpha=0.2, lw=0)
 
 
 def _draw_points(value, x, y, ax, line="", least=-np.inf, **style):
@@ -185,13 +183,9 @@ def plot_force_by_length(value, ax=None, length="l_r"):
     ax = make_axes(ax)
     ax.axhline(1, color="0.7", lw=0.6)
     _draw_points(value, length, f"f_{length}", ax, line="-", ms=2, lw=0.6)
-    ax.set_xlabel(r"$\ell_r$" if length == "l_r" else r"$\ell/R_{\max}$")
-    ax.set_ylabel(
-        r"$\langle f\rangle_{\ell_r}/\langle f\rangle$"
-        if length == "l_r"
-        else r"$\langle f\rangle_{\ell}/\langle f\rangle$"
-    )
-    ax.set_ylim(0, None)
+    label, symbol = (r"\ell_r", r"\ell_r") if length == "l_r" else (r"\ell/R_{\max}", r"\ell")
+    ax.set(xlabel=f"${label}$", ylabel=rf"$\langle f\rangle_{{{symbol}}}/\langle f\rangle$",
+           ylim=(0, None))
     return ax
 
 
@@ -202,7 +196,7 @@ def plot_xi(value, name, symbol, ax=None):
     """Draw a function of ξ for every elongation [O15 to O17]."""
     ax = make_axes(ax)
     ax.axhline(0, color="0.7", lw=0.6)
-    _draw_curves(value, "xi", name, ax)
+    _draw_curves(value, name, ax)
     ax.set(xlabel=r"$\xi$", ylabel=symbol, xlim=(0, XI_MAX))
     return ax
 
@@ -211,14 +205,12 @@ def plot_shear_stress(value, ax=None):
     """Draw q(ξ)/p as lines, half-sums of the anisotropies as markers [O18]."""
     ax = make_axes(ax)
     ax.axhline(0, color="0.7", lw=0.6)
-    _draw_curves(value, "xi", "q_over_p", ax)
+    _draw_curves(value, "q_over_p", ax)
     for eta, row in zip(value["eta"], column(value, "half_sum")):
         ax.plot(column(value, "xi")[::6], row[::6], ls="", marker=marker(eta), color=color(eta),
                 mfc="none", mew=0.6)
     ax.set(xlabel=r"$\xi$", ylabel=r"$q(\xi)/p$", xlim=(0, XI_MAX))
-    keys = [
-        Line2D([], [], color="k"),
-        Line2D([], [], color="k", ls="", marker="o", mfc="none", mew=0.6),
-    ]
-    ax.legend(keys, [r"$q(\xi)/p$", "half-sum of anisotropies"], loc="upper left")
+    marks = Line2D([], [], color="k", ls="", marker="o", mfc="none", mew=0.6)
+    ax.legend([Line2D([], [], color="k"), marks], [r"$q(\xi)/p$", "half-sum of anisotropies"],
+              loc="upper left")
     return ax

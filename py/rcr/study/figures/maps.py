@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, to_rgba, to_rgba_array
 from matplotlib.lines import Line2D
 
 from rcr._pictures import drawing
@@ -36,22 +36,17 @@ def _forces(frame, ax, scale=1.0):
     drawing.add_forces(ax, frame.segments()[pick], force / force.mean(), frame.mean_radius(), scale)
 
 
-def _bearing(frame):
-    """Return the mask of the grains with a contact, (N,) bool."""
-    return frame.per_grain(np.ones(len(frame.contacts["body1"]))) > 0
-
-
 def _grey(frame):
-    return np.where(_bearing(frame), GRAIN, RATTLER)
+    """Return the colour of each grain, pale without a contact, (N,) str."""
+    bearing = frame.per_grain(np.ones(len(frame.contacts["body1"]))) > 0
+    return np.where(bearing, GRAIN, RATTLER)
 
 
 def plot_packing(network, ax=None):
     """Draw grains coloured by the orientation of their long axes, discs grey [O2]."""
     frame, ax = _canvas(network, ax)
-    long = frame.grains["half_length"] > 0
-    _grains(frame, ax,
-            np.where(long[:, None], _orientation_colors(frame), matplotlib.colors.to_rgba(GRAIN)),
-            "0.2")
+    long = frame.grains["half_length"][:, None] > 0
+    _grains(frame, ax, np.where(long, _orientation_colors(frame), to_rgba(GRAIN)), "0.2")
     return ax
 
 
@@ -75,13 +70,11 @@ def _orientation_colors(frame):
 
 
 def plot_nematic(network, ax=None):
-    """Draw forces, and particles with a side-side contact coloured by their orientation [O9]."""
+    """Draw forces, and grains with a side-side contact coloured by their orientation [O9]."""
     frame, ax = _canvas(network, ax)
-    chained = frame.per_grain((frame.contacts["type"] == SIDE_SIDE).astype(float)) > 0
-    colors = np.array([matplotlib.colors.to_rgba(c) for c in (RATTLER, GRAIN)])[
-        _bearing(frame).astype(int)
-    ]
-    _grains(frame, ax, np.where(chained[:, None], _orientation_colors(frame), colors))
+    chained = frame.per_grain(frame.contacts["type"] == SIDE_SIDE) > 0
+    grey = to_rgba_array(_grey(frame))
+    _grains(frame, ax, np.where(chained[:, None], _orientation_colors(frame), grey))
     _forces(frame, ax, 0.7)
     return ax
 
@@ -130,9 +123,8 @@ def draw(observable, network):
     """
     plot, keys, oriented = MAPS[observable]
     eta = float(network.attributes["eta"])
-    foot = 0.45
     with matplotlib.rc_context(STYLE):
-        ax = plot(network, drawing.page(Frame.of(network).extent(), foot))
+        ax = plot(network, drawing.page(Frame.of(network).extent(), foot=0.45))
         figure = ax.figure
         height = figure.get_figheight()
         figure.text(0.01, 0.2 / height, rf"$\eta = {eta:g}$", va="center", fontsize=9)

@@ -25,12 +25,11 @@ def xi_color(k, count):
     return matplotlib.colormaps["inferno"](0.85 * k / max(count - 1, 1))
 
 
-def make_axes(ax, width=COLUMN, **options):
+def make_axes(ax, **options):
     """Return the Axes, or those of a new figure if `ax` is None."""
     if ax is not None:
         return ax
-    figure = Figure(figsize=(width, 0.82 * width), layout="constrained")
-    return figure.add_subplot(**options)
+    return Figure(figsize=(COLUMN, 0.82 * COLUMN), layout="constrained").add_subplot(**options)
 
 
 def column(value, name):

@@ -27,7 +27,7 @@ def plot_polar(theta, rows, fits, labels, ax=None):
         Angles in [0, π) [rad].
     rows : (K, T) array
         A function for each ξ.
-    fits : list of callables
+    fits : iterable of callables
         The fit of each function, of an angle [rad].
     labels : list of str
 
@@ -52,11 +52,8 @@ def plot_polar(theta, rows, fits, labels, ax=None):
 def style_polar(ax, labels_at=None):
     """Put radial labels at an angle [°], in the outer half; none without an angle."""
     top = ax.get_ylim()[1]
-    ticks = [
-        tick
-        for tick in matplotlib.ticker.MaxNLocator(4).tick_values(0, top)
-        if 0 < tick < 0.85 * top
-    ]
+    ticks = matplotlib.ticker.MaxNLocator(4).tick_values(0, top)
+    ticks = [tick for tick in ticks if 0 < tick < 0.85 * top]
     shown = [f"{tick:g}" if labels_at is not None and tick > 0.45 * top else "" for tick in ticks]
     ax.set_yticks(ticks, shown)
     ax.set_rlabel_position(labels_at or 0)
@@ -68,8 +65,7 @@ def style_polar(ax, labels_at=None):
 
 def polar_row(value):
     """Return the index of the elongation nearest to that of the paper's polar diagrams."""
-    shown = nearest(value["eta"], [POLAR_ETA])[0]
-    return int(np.argmin(np.abs(np.asarray(value["eta"]) - shown)))
+    return list(value["eta"]).index(nearest(value["eta"], [POLAR_ETA])[0])
 
 
 def plot_contact_directions(value, ax=None):
@@ -81,10 +77,7 @@ def plot_contact_directions(value, ax=None):
         size = amplitude / np.cos(2 * off)
         return lambda theta: (1 + size * np.cos(2 * (theta - sigma - off))) / np.pi
 
-    fits = [
-        fit(a, off)
-        for a, off in zip(column(value, "amplitude")[row], column(value, "off_axis")[row])
-    ]
+    fits = map(fit, column(value, "amplitude")[row], column(value, "off_axis")[row])
     labels = [xi_label(value, xi, "xi") for xi in column(value, "xi")]
     return plot_polar(column(value, "theta"), column(value, "pdf")[row], fits, labels, ax)
 
