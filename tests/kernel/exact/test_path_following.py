@@ -7,8 +7,8 @@ The tests recompute u with NumPy.
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (grain, jacobian_times, pile, problem_of, square_discs, stored,
-                                     velocity, wall_of_bricks, weights)
+from kernel.contact_problems import (grain, jacobian_times, pile, problem_of_rows, square_discs,
+                                     stored, velocity, wall_of_bricks, weights)
 from rcr import _kernel
 
 MANY = 5000  # pivots
@@ -129,8 +129,8 @@ def rod(friction, angle, length=1.0):
     m = 1.0
     arm = -0.5 * length * np.array([np.cos(angle), np.sin(angle)])
     point = (0, 1, 0, 1, 0, 0, *arm, 0, friction)
-    return problem_of("rod", None, [[0, 0, 0], [1 / m, 1 / m, 12 / (m * length**2)]],
-                      [[0, 0, 0], [-1.0, -1e-3, 0]], [point])
+    return problem_of_rows("rod", [[0, 0, 0], [1 / m, 1 / m, 12 / (m * length**2)]],
+                           [[0, 0, 0], [-1.0, -1e-3, 0]], [point])
 
 
 def test_a_rod_beyond_painleve():

@@ -7,6 +7,7 @@ cap radii.
 
 import numpy as np
 import pytest
+from kernel.contact_problems import problem_of
 from rcr import _kernel
 
 ROUNDING = 1e-13  # some operations on lengths of order 1
@@ -444,13 +445,10 @@ def test_box_one_case_per_branch(pose, gaps, xs):
 
 def side_contact(points, friction, free_velocity):
     """Body 1 on the fixed body 0 at points (x, 0): centre (0, 1), mass 1, inertia 0.5."""
-    n = len(points)
-    arm0 = np.column_stack([points, np.zeros(n)])
-    return _kernel.solve(inverse_mass=[(0, 0, 0), (1, 1, 2)],
-                         free_velocity=[(0, 0, 0), free_velocity], bodies=[(0, 1)] * n,
-                         normal=[(0, 1)] * n, arm1=arm0, arm2=arm0 - (0, 1), bias=np.zeros(n),
-                         friction=np.full(n, friction), impulse=np.zeros((n, 2)), solver="nlgs",
-                         tolerance=1e-14, max_iterations=100_000)
+    arm0 = np.column_stack([points, np.zeros(len(points))])
+    problem = problem_of("side contact", [(0, 0, 0), (1, 1, 2)], [(0, 0, 0), free_velocity],
+                         [(0, 1)] * len(points), (0, 1), arm0, arm0 - (0, 1), friction=friction)
+    return problem.solve("nlgs", tolerance=1e-14, max_iterations=100_000)
 
 
 @pytest.mark.parametrize("friction", [0, 0.3, 0.8])

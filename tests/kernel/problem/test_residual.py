@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (errors, grain, jacobian_times, pile, problem_of, square_discs,
-                                     velocity, weights)
+from kernel.contact_problems import (errors, grain, jacobian_times, pile, problem_of_rows,
+                                     square_discs, velocity, weights)
 from rcr import _kernel
 
 ROUNDING = 1e-11  # sums of some hundred points
@@ -106,7 +106,7 @@ def test_overflowing_scale_hides_no_error():
     falling = (0, 2, 0, 1, 0, 0, 0, -0.1, 0, 0)
     inverse_mass = [[0, 0, 0], [1, 1, 0], [1, 1, 0]]
     velocity = [[0, 0, 0], [0, 0, 0], [0, -1, 0]]
-    problem = problem_of("squeezed", None, inverse_mass, velocity, [*squeezed, falling])
+    problem = problem_of_rows("squeezed", inverse_mass, velocity, [*squeezed, falling])
     problem["impulse"] = np.array([[1e160, 0], [1e160, 0], [0.5, 0]])
     assert np.isnan(_kernel.residual(**problem))
     problem["impulse"][:2] = 1e150, 0
