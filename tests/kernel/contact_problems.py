@@ -108,6 +108,13 @@ def assert_laws(problem, result, tolerance):
     np.testing.assert_allclose(result["velocity"], expected, rtol=0, atol=rounding, err_msg=replay)
 
 
+def solved(problem, solver="nesterov", tolerance=1e-6, max_iterations=20_000, **settings):
+    """Result of a solve that obeys the laws to the tolerance."""
+    result = problem.solve(solver, tolerance=tolerance, max_iterations=max_iterations, **settings)
+    assert_laws(problem, result, tolerance)
+    return result
+
+
 def assert_same_bits(one, other, where, keys=("impulse", "velocity")):
     for key in keys:
         differ = np.flatnonzero(np.asarray(one[key]).ravel() != np.asarray(other[key]).ravel())

@@ -34,23 +34,19 @@ def solve(W, g, mu):
     return np.array(_kernel.solve_coulomb(W[0][0], W[0][1], W[1][1], g[0], g[1], mu))
 
 
-@pytest.mark.parametrize(
-    "W, g, mu, expected",
-    [
-        pytest.param([[2, 0], [0, 4]], (1, 3), 0.5, (0, 0), id="open"),
-        pytest.param([[2, 0], [0, 4]], (0, 3), 0.5, (0, 0), id="touching, g_n = 0"),
-        pytest.param([[2, 0], [0, 4]], (-1, 3), 0, (0.5, 0), id="frictionless"),
-        pytest.param([[2, 0], [0, 4]], (-1, 0), 0.5, (0.5, 0), id="no slip"),
-        pytest.param([[2, 0], [0, 4]], (-1, 0.8), 0.5, (0.5, -0.2), id="stick"),
-        pytest.param([[2, 0], [0, 4]], (-1, 8), 0.5, (0.5, -0.25), id="slide, slip > 0"),
-        pytest.param([[2, 0], [0, 4]], (-1, -8), 0.5, (0.5, 0.25), id="slide, slip < 0"),
-        pytest.param(
-            [[2, 1], [1, 4]], (-1, 8), 0.5, (2 / 3, -1 / 3), id="slide, coupled, slip > 0"),
-        pytest.param([[2, 1], [1, 4]], (-1, -8), 0.5, (0.4, 0.2), id="slide, coupled, slip < 0"),
-        pytest.param([[2, 0], [0, 0]], (-1, 3), 0.5, (0.5, -0.25), id="w_tt = 0, slide"),
-        pytest.param([[2, 0], [0, 0]], (-1, 0), 0.5, (0.5, 0), id="w_tt = 0, at rest"),
-    ],
-)
+@pytest.mark.parametrize("W, g, mu, expected", [
+    pytest.param([[2, 0], [0, 4]], (1, 3), 0.5, (0, 0), id="open"),
+    pytest.param([[2, 0], [0, 4]], (0, 3), 0.5, (0, 0), id="touching, g_n = 0"),
+    pytest.param([[2, 0], [0, 4]], (-1, 3), 0, (0.5, 0), id="frictionless"),
+    pytest.param([[2, 0], [0, 4]], (-1, 0), 0.5, (0.5, 0), id="no slip"),
+    pytest.param([[2, 0], [0, 4]], (-1, 0.8), 0.5, (0.5, -0.2), id="stick"),
+    pytest.param([[2, 0], [0, 4]], (-1, 8), 0.5, (0.5, -0.25), id="slide, slip > 0"),
+    pytest.param([[2, 0], [0, 4]], (-1, -8), 0.5, (0.5, 0.25), id="slide, slip < 0"),
+    pytest.param([[2, 1], [1, 4]], (-1, 8), 0.5, (2 / 3, -1 / 3), id="slide, coupled, slip > 0"),
+    pytest.param([[2, 1], [1, 4]], (-1, -8), 0.5, (0.4, 0.2), id="slide, coupled, slip < 0"),
+    pytest.param([[2, 0], [0, 0]], (-1, 3), 0.5, (0.5, -0.25), id="w_tt = 0, slide"),
+    pytest.param([[2, 0], [0, 0]], (-1, 0), 0.5, (0.5, 0), id="w_tt = 0, at rest"),
+])
 def test_one_case_per_branch(W, g, mu, expected):
     assert solve(W, g, mu) == pytest.approx(np.array(expected), rel=1e-15)
     check_laws(W, g, mu, expected)

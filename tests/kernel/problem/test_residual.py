@@ -27,19 +27,16 @@ def test_errors_equal_numpy_at_any_impulses(seed):
         assert found == pytest.approx(expected, rel=ROUNDING), floor
 
 
-@pytest.mark.parametrize(
-    "problem, state",
-    [
-        (grain((2, 1), v=(0.9, -1)), "slides along +x, against the tangent: p_t = µ p_n"),
-        (grain((2, 1), v=(0.4, -1)), "no solution: friction of 0.8 suffices to stick"),
-        (grain((2, 0.8), v=(0.4, -1)), "sticks"),
-        (grain((0, 0), v=(0.4, 1)), "separates"),
-        (grain((0, 0), bias=1.0), "stays open in this step"),
-        (grain((1, 0.5), bias=0.5), "closes its gap and stops"),
-        (grain((3, 1), bias=-0.5, friction=1 / 3), "bounces"),
-        (grain((2, 0), friction=0), "has no friction"),
-    ],
-)
+@pytest.mark.parametrize("problem, state", [
+    (grain((2, 1), v=(0.9, -1)), "slides along +x, against the tangent: p_t = µ p_n"),
+    (grain((2, 1), v=(0.4, -1)), "no solution: friction of 0.8 suffices to stick"),
+    (grain((2, 0.8), v=(0.4, -1)), "sticks"),
+    (grain((0, 0), v=(0.4, 1)), "separates"),
+    (grain((0, 0), bias=1.0), "stays open in this step"),
+    (grain((1, 0.5), bias=0.5), "closes its gap and stops"),
+    (grain((3, 1), bias=-0.5, friction=1 / 3), "bounces"),
+    (grain((2, 0), friction=0), "has no friction"),
+])
 def test_zero_at_closed_forms(problem, state):
     """v⁺ = v + p/m in (n, t), with the normal +y and the tangent −x."""
     solved = "no solution" not in state

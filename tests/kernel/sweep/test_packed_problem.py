@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import EQUAL, SWEEPS, assert_laws, assert_same_bits, pile, without
+from kernel.contact_problems import EQUAL, SWEEPS, assert_same_bits, pile, solved, without
 from rcr import _kernel
 
 
@@ -24,8 +24,7 @@ def test_a_workspace_follows_pairs_that_come_and_go(solver):
     workspace = _kernel.Workspace()
     before, changes = None, 0
     for problem in shear_steps(5, 60):
-        result = problem.solve(solver, tolerance=1e-3, max_iterations=20000, workspace=workspace)
-        assert_laws(problem, result, 1e-3)
+        solved(problem, solver, 1e-3, workspace=workspace)
         changes += before is None or not np.array_equal(before, problem["bodies"])
         before = problem["bodies"]
     assert workspace.layouts == changes < 60, "a new layout exactly where pairs change"
@@ -96,10 +95,8 @@ def test_islands_come_and_go_in_a_workspace():
     for step in range(30):
         kept = rng.random(len(whole["bodies"])) < rng.choice([0.1, 0.4, 0.9])
         problem = whole.at_points(f"step {step}", kept)
-        settings = dict(tolerance=1e-3, max_iterations=20000)
-        result = problem.solve(workspace=workspace, **settings)
-        assert_same_bits(result, problem.solve(**settings), problem.name, EQUAL)
-        assert_laws(problem, result, 1e-3)
+        kept = solved(problem, tolerance=1e-3, workspace=workspace)
+        assert_same_bits(kept, solved(problem, tolerance=1e-3), problem.name, EQUAL)
         seen.add(workspace.model["islands"])
     assert len(seen) > 5
 

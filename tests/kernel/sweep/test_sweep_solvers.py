@@ -3,16 +3,13 @@
 import numpy as np
 import pytest
 from kernel.contact_problems import (PROBLEMS, SWEEPS, assert_lanes_and_threads_change_no_bit,
-                                     assert_laws, hub, jacobian_times, pile)
+                                     hub, jacobian_times, pile, solved)
 
 
 @pytest.mark.parametrize("make", PROBLEMS)
 @pytest.mark.parametrize("solver", SWEEPS)
 def test_reaches_the_tolerance_and_reports_it(make, solver):
-    problem = make().cold()
-    tolerance = 1e-4 if solver == "nesterov" else 1e-3
-    result = problem.solve(solver, tolerance=tolerance, max_iterations=20000)
-    assert_laws(problem, result, tolerance)
+    solved(make().cold(), solver, 1e-4 if solver == "nesterov" else 1e-3)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.6])
@@ -24,12 +21,11 @@ def test_points_that_drift(solver, share):
     drift = rng.normal(0, 0.1, (count, 2))
     problem["drift"] = drift * (rng.random((count, 1)) < share)
     tolerance = 1e-6 if solver == "exact" else 1e-3
-    settings = dict(tolerance=tolerance, max_iterations=20000)
-    result = problem.solve(solver, **settings)
-    assert_laws(problem, result, tolerance)
+    result = solved(problem, solver, tolerance)
     expected = jacobian_times(problem, result["velocity"])
     np.testing.assert_allclose(result["relative_velocity"], expected, rtol=0, atol=1e-12)
-    assert_lanes_and_threads_change_no_bit(problem, solver, [(0, 1), (4, 2)], **settings)
+    assert_lanes_and_threads_change_no_bit(problem, solver, [(0, 1), (4, 2)],
+                                           tolerance=tolerance, max_iterations=20_000)
 
 
 @pytest.mark.parametrize("make", PROBLEMS)
@@ -50,7 +46,7 @@ def test_body_with_more_contacts_than_colours():
     problem = hub(40)
     problem["free_velocity"][1:, :2] = -0.1 * problem["normal"] + 0.01
     for solver in SWEEPS:
-        assert_laws(problem, problem.solve(solver, tolerance=1e-6, max_iterations=5000), 1e-6)
+        solved(problem, solver, max_iterations=5000)
 
 
 def test_stop_criteria():
