@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcr.network import Network
 
+from damage import put, replace
 from synthetic import anisotropic, network, random_network
 
 
@@ -184,23 +185,6 @@ def test_file_round_trip_and_refusals(tmp_path):
         Network(test.particles, contacts, dict(volume=0))
 
 
-def spoil(path, name, change):
-    """Change a column of a network's file."""
-    with h5py.File(path, "r+") as file:
-        column = file[name][()]
-        del file[name]
-        file[name] = change(column)
-
-
-def put(index, value):
-    def change(column):
-        column = np.array(column)
-        column[index] = value
-        return column
-
-    return change
-
-
 @pytest.mark.parametrize(
     "name, change, says",
     [
@@ -232,7 +216,8 @@ def put(index, value):
 def test_files_without_meaning_are_refused(tmp_path, name, change, says):
     path = tmp_path / "network-0.h5"
     random_network().save(path)
-    spoil(path, name, change)
+    with h5py.File(path, "r+") as file:
+        replace(name, change)(file)
     with pytest.raises(ValueError, match=says) as error:
         Network.load(path)
     assert str(path) in str(error.value) and "\n" not in str(error.value)

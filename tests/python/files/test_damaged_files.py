@@ -17,7 +17,7 @@ from rcr.study.runs import Run
 
 import synthetic
 from damage import damaged, damaged_text
-from problem_files import dense, heap, write_fclib, write_siconos
+from problem_files import write_fclib, write_siconos
 
 TIMES = int(os.environ.get("RCR_DAMAGE", 1))
 total = [0, 0]  # numbers of files read and refused
@@ -49,12 +49,6 @@ def survey(path, variants, read):
     signal.alarm(0)
     total[:] = np.add(total, count).tolist()
     return count
-
-
-@pytest.fixture(scope="module")
-def step():
-    arrays = heap(1)
-    return arrays, *dense(arrays)
 
 
 def read_problem(path):
