@@ -16,14 +16,16 @@ from pathlib import Path
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parent.parent
-TOOLS = """awk basename bash bzip2 cat chmod cp cut date dirname echo env find flock getent grep head ln ls mkdir
-    mktemp mv nproc paste printf readlink realpath rm rmdir sed seq sh sha256sum sleep sort tail tar tee touch tr true wc""".split()
+TOOLS = """awk basename bash bzip2 cat chmod cp cut date dirname echo env find flock getent grep head
+    ln ls mkdir mktemp mv nproc paste printf readlink realpath rm rmdir sed seq sh sha256sum sleep
+    sort tail tar tee touch tr true wc""".split()
 
 
 # A root file system as small as it goes, written as the archive that mmdebstrap would write.
 SMALL_ROOT = """
 work=$(mktemp -d)
-mkdir -p $work/usr/src/yade/core $work/usr/bin $work/usr/lib/x/yade-double/py $work/etc/ssl/certs $work/var
+mkdir -p $work/usr/src/yade/core $work/usr/bin $work/usr/lib/x/yade-double/py
+mkdir -p $work/etc/ssl/certs $work/var
 echo root >$work/usr/bin/python3
 ln -s usr/bin $work/bin
 tar -c -C $work .
@@ -251,8 +253,8 @@ def test_native_keeps_the_headers_when_a_package_is_reinstalled(machine):
     machine.offers("2025.2.0-1")
     machine.archive()
     machine.nothing_installed()
-    machine.command("apt-get", 'case "$*" in *" install "*) touch installed ;; *" source "*) exit 1 '
-                    ';; esac')
+    machine.command("apt-get", 'case "$*" in *" install "*) touch installed ;; '
+                    '*" source "*) exit 1 ;; esac')
     machine.command("dpkg-query", f'cd {machine.path}; [ -e installed ] || exit 1; case "$*" in '
                     '*ource:Version*) echo 2025.2.0-1 ;; *) echo installed ;; esac')
     (machine.cache / "source-2025.2.0").mkdir(parents=True)
@@ -399,9 +401,8 @@ def test_a_system_that_is_not_debian_uses_the_default_mirror(machine):
 def test_the_next_mirror_is_tried(machine):
     machine.command("apt-get", "echo bookworm main http://one/debian/; echo bookworm-updates main "
                     "http://one/debian/")
-    machine.bare(f"""case "$*" in
-*updates*) echo "E: Failed to fetch http://one/debian/pool/dash_1_amd64.deb  404  Not Found" >&2; exit 1 ;;
-esac {SMALL_ROOT}""")
+    missing = "E: Failed to fetch http://one/debian/pool/dash_1_amd64.deb  404  Not Found"
+    machine.bare(f'case "$*" in *updates*) echo "{missing}" >&2; exit 1 ;; esac {SMALL_ROOT}')
     assert "dash_1_amd64.deb (404" in machine.sets_up("rootfs")
     assert len(machine.called("mmdebstrap")) == 2
 
@@ -494,7 +495,8 @@ def install(machine, apt_get, packages="yade\ng++\n? python3-tqdm: progress bars
     return machine.run(f"{machine.repo}/scripts/lib/setup/install-packages {machine.path}/list")
 
 
-HOLE = 'echo "E: Failed to fetch http://mirror/pool/g/g++_4%3a14.2-1%2bb1_amd64.deb  404  Not Found [IP: 1]"; exit 100'
+HOLE = ('echo "E: Failed to fetch http://mirror/pool/g/g++_4%3a14.2-1%2bb1_amd64.deb  404  Not Found '
+        '[IP: 1]"; exit 100')
 
 
 @pytest.mark.parametrize("apt_get, complete, words", [

@@ -313,9 +313,10 @@ def test_runs_that_are_no_seeds_are_refused(tmp_path):
         analysis.analyse([first, record(folders[1], tolerance=1e-3)])
     with pytest.raises(ValueError, match="hold the same run"):
         analysis.analyse([first, record(folders[1], tolerance=1e-4)])
-    (folders[1] / "run.json").write_text(
-        (folders[1] / "run.json").read_text().replace('"eta": 0.5', '"eta": 0.4'))
-    with pytest.raises(ValueError, match="has eta = 0.5, .*run.json 0.4: the folder mixes two runs"):
+    text = (folders[1] / "run.json").read_text()
+    (folders[1] / "run.json").write_text(text.replace('"eta": 0.5', '"eta": 0.4'))
+    with pytest.raises(ValueError, match="has eta = 0.5, .*run.json 0.4: the folder mixes two "
+                       "runs"):
         Run.read(folders[1])
 
 

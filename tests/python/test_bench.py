@@ -337,4 +337,5 @@ for command in ["/none/program"], ["sh", "-c", "echo first; echo why >&2; exit 3
 """
     ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
                            env={**os.environ, "PYTHONIOENCODING": "utf-8"})
-    assert ended.stdout == "a b ü\n/none/program: No such file or directory\nsh: why\n", ended.stderr
+    expected = ["a b ü", "/none/program: No such file or directory", "sh: why"]
+    assert ended.stdout.splitlines() == expected, ended.stderr

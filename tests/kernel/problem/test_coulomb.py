@@ -99,11 +99,6 @@ def test_projection_is_the_nearest_point_of_the_cone(n, t, mu):
 # ---- passive restitution
 
 
-def work(p, before, after):
-    """Twice the energy that an impulse adds, p · (u + u⁻)."""
-    return np.dot(p, np.add(before, after))
-
-
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
 def test_restitution_without_friction_is_not_reduced(e):
     """u⁺ = −e u⁻ dissipates (1 − e²) of the energy."""
@@ -121,13 +116,12 @@ def test_factor_is_the_largest_that_adds_no_energy(seed):
         W, mu = A @ A.T + 0.1 * np.eye(2), rng.uniform(0, 1)
         before = np.array([-1.0, rng.normal(0, 1)])
         w = W[0, 0], W[0, 1], W[1, 1]
-        # impulse and energy for the restitution `factor`, without other impulses
-        impulse = lambda factor: np.array(
-            _kernel.solve_coulomb(*w, before[0] - factor, before[1], mu))
-        gain = lambda factor: work(impulse(factor), before, before + W @ impulse(factor))
+        # impulse, and twice the added energy p · (u + u⁻), for the restitution `factor`
+        impulse = lambda factor: solve(W, (before[0] - factor, before[1]), mu)
+        gain = lambda factor: impulse(factor) @ (2 * before + W @ impulse(factor))
         p = impulse(1)
         factor = _kernel.passive_restitution_factor(*w, p, before, before + W @ p, -1.0, mu)
-        replay = f"seed {seed}: passive_restitution_factor({w}, {p}, {before}, µ = {mu}) = {factor}"
+        replay = f"passive_restitution_factor({w}, {p}, {before}, µ = {mu}) = {factor}"
         scale = np.hypot(*p) * np.hypot(*before)
         if gain(1) <= 1e-3 * scale:
             assert factor == 1, replay

@@ -105,7 +105,8 @@ def test_networks(saved):
 
     def read_same(path):
         again = Network.load(path)
-        for one, other in ((network.particles, again.particles), (network.contacts, again.contacts)):
+        for group in "particles", "contacts":
+            one, other = getattr(network, group), getattr(again, group)
             assert all(np.array_equal(one[name], other[name]) for name in one)
         assert again.attributes["strain"] == network.attributes["strain"]
 
