@@ -33,16 +33,19 @@ def python(code, folder, *path):
 @needs_cmake
 @needs_build
 def test_installed_package_is_found_and_whole(tmp_path):
-    """The install step copies all files of the package."""
+    """The install step copies all modules of the package."""
     cmake("--install", BUILD, "--prefix", tmp_path)
     site = tmp_path / SITE
     yade = [path for path in sys.path if path.endswith("/py")
             and (pathlib.Path(path) / "yade").is_dir()]
-    code = "import sys, rcr; print(rcr.__file__); print(rcr.solve.__module__); print(rcr.info()['plugin'])"
+    code = "import rcr; print(rcr.__file__, rcr.solve.__module__, rcr.info()['plugin'])"
     for before in ("", "import yade; ") if yade else ("",):
         told = python(before + code, tmp_path, site, *yade)
         assert str(site / "rcr" / "__init__.py") in told
         assert ("for YADE" in told) == bool(before)
+    modules = [{path.relative_to(folder) for path in (folder / "rcr").rglob("*.py")}
+               for folder in (site, ROOT / "py")]
+    assert modules[0] == modules[1]
 
 
 @needs_cmake
@@ -68,9 +71,14 @@ def test_analysis_alone_without_headers_of_yade(tmp_path):
     assert not list(site.rglob("*.so"))
     assert str(site) in python("import rcr, rcr.plot, rcr.measure, rcr.study.analysis; "
                                "print(rcr.Network, rcr.__file__)", tmp_path, site)
-    solve = "import rcr\ntry:\n    rcr.solve('problem.npz')\nexcept ImportError as error:\n    print(error)"
-    assert "has no kernels, only the analysis: the solver has to be compiled" in python(solve,
-        tmp_path, site)
+    told = python("""
+import rcr
+try:
+    rcr.solve("problem.npz")
+except ImportError as error:
+    print(error)
+""", tmp_path, site)
+    assert "has no kernels, only the analysis: the solver has to be compiled" in told
 
 
 @needs_cmake

@@ -6,6 +6,7 @@ bwrap, id, df, uname. A stand-in writes its arguments to `calls`.
 """
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -15,8 +16,31 @@ from pathlib import Path
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parent.parent
-TOOLS = """awk basename bash bzip2 cat chmod cp cut date dirname echo env find flock getent grep head ln ls mkdir
-    mktemp mv nproc paste printf readlink realpath rm rmdir sed seq sh sha256sum sleep sort tail tar tee touch tr true wc""".split()
+TOOLS = """awk basename bash bzip2 cat chmod cp cut date dirname echo env find flock getent grep head
+    ln ls mkdir mktemp mv nproc paste printf readlink realpath rm rmdir sed seq sh sha256sum sleep
+    sort tail tar tee touch tr true wc""".split()
+
+
+# A root file system as small as it goes, written as the archive that mmdebstrap would write.
+SMALL_ROOT = """
+work=$(mktemp -d)
+mkdir -p $work/usr/src/yade/core $work/usr/bin $work/usr/lib/x/yade-double/py
+mkdir -p $work/etc/ssl/certs $work/var
+echo root >$work/usr/bin/python3
+ln -s usr/bin $work/bin
+tar -c -C $work .
+"""
+
+
+def last_line(errors):
+    return errors.strip().splitlines()[-1]
+
+
+def wait_for(condition, seconds=60):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.01)
 
 
 class Machine:
@@ -80,7 +104,7 @@ class Machine:
         subprocess.run(["tar", "-cjf", tar, "-C", self.path, "trunk"], check=True)
         self.command("apt-get", f'case "$*" in *" source "*) cp {tar} . ;; esac')
 
-    def root_tools(self, mmdebstrap):
+    def root_tools(self, mmdebstrap=SMALL_ROOT):
         """The tools for a root file system, with `mmdebstrap` as the shell code of that command."""
         self.command("mmdebstrap", mmdebstrap)
         self.command("bwrap", "exit 0")
@@ -89,7 +113,7 @@ class Machine:
         if not (self.bin / "apt-get").exists():
             self.command("apt-get", "exit 100")
 
-    def bare(self, mmdebstrap):
+    def bare(self, mmdebstrap=SMALL_ROOT):
         """Debian 12 without packages, and the tools for a root file system."""
         self.debian("bookworm")
         self.nothing_installed()
@@ -111,6 +135,22 @@ class Machine:
         output, errors = process.communicate(timeout=60)
         return process.returncode, output, errors
 
+    def succeeds(self, code, prints="", **environment):
+        """Run code that prints `prints`; return standard error."""
+        status, output, errors = self.run(code, **environment)
+        assert (status, output) == (0, prints), errors
+        return errors
+
+    def sets_up(self, way):
+        """Set up by this way, "native" or "rootfs"; return standard error."""
+        return self.succeeds("ready; echo $way", f"{way}\n")
+
+    def refuses(self, **environment):
+        """Return the last line of standard error of a set-up that fails."""
+        status, _, errors = self.run("ready", **environment)
+        assert status != 0
+        return last_line(errors)
+
     def called(self, name):
         return [line for line in self.calls.read_text().splitlines() if line.startswith(name + " ")]
 
@@ -123,28 +163,31 @@ def machine(tmp_path):
     return Machine(tmp_path)
 
 
-# A root file system as small as it goes, written as the archive that mmdebstrap would write.
-SMALL_ROOT = """
-work=$(mktemp -d)
-mkdir -p $work/usr/src/yade/core $work/usr/bin $work/usr/lib/x/yade-double/py $work/etc/ssl/certs $work/var
-echo root >$work/usr/bin/python3
-ln -s usr/bin $work/bin
-tar -c -C $work .
-"""
+def two_at_once(machine, code, tool, work, until, **environment):
+    """(output, errors) of two processes; `tool` does its work, then waits for `until(flocks)`.
+
+    `flocks` are the calls of flock: "flock -w …" in a loop, then "flock 9" after the notice.
+    """
+    environment["YADE_RCR_PATIENCE"] = "0.05"  # seconds
+    end = machine.path / "end"
+    end.unlink(missing_ok=True)
+    machine.calls.write_text("")
+    machine.command("flock", f'exec {shutil.which("flock")} "$@"')
+    machine.command(tool, f"{work}\nuntil [ -e {end} ]; do sleep 0.01; done")
+    processes = [machine.start(code, **environment) for _ in range(2)]
+    try:
+        wait_for(lambda: until(machine.called("flock")))
+    finally:
+        end.touch()
+    return [process.communicate(timeout=60) for process in processes]
 
 
 # Machines that lack something: one line that says what to do, and a non-zero exit.
 
-def last_line(errors):
-    return errors.strip().splitlines()[-1]
-
-
 def test_a_user_without_the_tools_sees_their_packages(machine):
     machine.debian("bookworm")
     machine.nothing_installed()
-    code, _, errors = machine.run("ready")
-    assert code != 0
-    assert "apt-get install mmdebstrap bubblewrap uidmap" in last_line(errors)
+    assert "apt-get install mmdebstrap bubblewrap uidmap" in machine.refuses()
 
 
 def test_a_user_whose_system_has_yade_sees_the_missing_packages(machine):
@@ -154,10 +197,9 @@ def test_a_user_whose_system_has_yade_sees_the_missing_packages(machine):
 *ource:Version*) echo 2025.2.0-1 ;;
 *Status*) echo installed; echo "no packages found matching g++" >&2; exit 1 ;;
 esac""")
-    code, _, errors = machine.run("ready")
-    assert code != 0
-    assert "apt-get install g++" in last_line(errors)
-    assert "libyade" not in last_line(errors), "only what is missing"
+    message = machine.refuses()
+    assert "apt-get install g++" in message
+    assert "libyade" not in message, "only what is missing"
 
 
 @pytest.mark.parametrize("break_it, words", [
@@ -167,11 +209,9 @@ esac""")
     (lambda m: m.free(2), "2 GB free"),
 ])
 def test_an_unsuitable_machine_prints_the_reason(machine, break_it, words):
-    machine.bare(SMALL_ROOT)
+    machine.bare()
     break_it(machine)
-    code, _, errors = machine.run("ready")
-    assert code != 0
-    assert words in last_line(errors)
+    assert words in machine.refuses()
     assert not machine.called("mmdebstrap")
 
 
@@ -185,19 +225,10 @@ def test_an_unsuitable_machine_prints_the_reason(machine, break_it, words):
 ])
 def test_a_failed_bootstrap_says_why_and_leaves_nothing(machine, output, words):
     machine.bare(f'echo "{output}" >&2; exit 1')
-    code, _, errors = machine.run("ready")
-    assert code != 0
-    assert words in last_line(errors)
-    assert str(machine.cache / "log") in last_line(errors)
+    message = machine.refuses()
+    assert words in message and str(machine.cache / "log") in message
     assert output in (machine.cache / "log").read_text()
     assert [file.name for file in machine.cache.iterdir()] == ["log"]
-
-
-def wait_for(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.01)
 
 
 # Native
@@ -205,9 +236,7 @@ def wait_for(condition, seconds=60):
 def test_native_takes_the_headers_from_the_source_archive_once(machine):
     machine.installed()
     machine.archive()
-    code, _, errors = machine.run("ready; echo $way >way")
-    assert code == 0, errors
-    assert (machine.path / "way").read_text() == "native\n"
+    machine.sets_up("native")
     assert (machine.cache / "source-2025.2.0" / "core" / "Scene.hpp").exists()
     assert not list(machine.cache.glob("new.*"))
     assert any("yade=2025.2.0-1" in call
@@ -215,8 +244,7 @@ def test_native_takes_the_headers_from_the_source_archive_once(machine):
 
     machine.command("apt-get", "exit 1")
     machine.calls.write_text("")
-    code, _, errors = machine.run("ready")
-    assert (code, errors) == (0, "")
+    assert machine.succeeds("ready") == ""
     assert not machine.called("apt-get"), "no network once it is set up"
 
 
@@ -225,20 +253,18 @@ def test_native_keeps_the_headers_when_a_package_is_reinstalled(machine):
     machine.offers("2025.2.0-1")
     machine.archive()
     machine.nothing_installed()
-    machine.command("apt-get", """case "$*" in *" install "*) touch installed ;; *" source "*) exit 1 ;; esac""")
-    machine.command("dpkg-query", 'cd %s; [ -e installed ] || exit 1; case "$*" in '
-                    '*ource:Version*) echo 2025.2.0-1 ;; *) echo installed ;; esac' % machine.path)
+    machine.command("apt-get", 'case "$*" in *" install "*) touch installed ;; '
+                    '*" source "*) exit 1 ;; esac')
+    machine.command("dpkg-query", f'cd {machine.path}; [ -e installed ] || exit 1; case "$*" in '
+                    '*ource:Version*) echo 2025.2.0-1 ;; *) echo installed ;; esac')
     (machine.cache / "source-2025.2.0").mkdir(parents=True)
-    code, output, errors = machine.run("ready; echo $way")
-    assert (code, output) == (0, "native\n"), errors
+    machine.sets_up("native")
 
 
 def test_native_without_the_archive_takes_a_root_file_system(machine):
     machine.installed()
-    machine.root_tools(SMALL_ROOT)
-    code, output, errors = machine.run("ready; echo $way")
-    assert (code, output) == (0, "rootfs\n"), errors
-    assert "source archive" in errors
+    machine.root_tools()
+    assert "source archive" in machine.sets_up("rootfs")
 
 
 @pytest.mark.parametrize("version", ["2022.01a", "2023.02a", "2026.1.0"])
@@ -246,37 +272,35 @@ def test_later_versions_of_yade_are_used(machine, version):
     machine.debian("forky")
     machine.installed(f"{version}-3build1")
     machine.archive(version)
-    code, output, errors = machine.run("ready; echo $way; native_source")
-    assert (code, output) == (0, f"native\n{machine.cache}/source-{version}\n"), errors
+    machine.succeeds("ready; echo $way; native_source",
+                     f"native\n{machine.cache}/source-{version}\n")
     assert any(f"yade={version}-3build1" in call for call in machine.called("apt-get"))
 
 
 def test_an_older_yade_is_not_used(machine):
     machine.installed("2021.01a-4")
-    machine.root_tools(SMALL_ROOT)
-    code, output, errors = machine.run("ready; echo $way")
-    assert (code, output) == (0, "rootfs\n"), errors
+    machine.root_tools()
+    machine.sets_up("rootfs")
 
 
 def test_headers_that_the_user_names_are_used(machine):
     machine.installed("2023.02a-1")
     (machine.path / "core").mkdir()
     (machine.path / "core" / "Scene.hpp").touch()
-    code, output, errors = machine.run(
-        "ready; echo $way; native_source", YADE_SOURCE_DIR=str(machine.path))
-    assert (code, output) == (0, f"native\n{machine.path}\n"), errors
+    machine.succeeds("ready; echo $way; native_source", f"native\n{machine.path}\n",
+                     YADE_SOURCE_DIR=str(machine.path))
     assert not machine.called("apt-get")
 
 
 def test_a_wrong_folder_of_headers_is_refused(machine):
     machine.installed()
-    code, _, errors = machine.run("ready", YADE_SOURCE_DIR=str(machine.path / "none"))
-    assert code != 0 and "none has no core/Scene.hpp" in last_line(errors)
+    message = machine.refuses(YADE_SOURCE_DIR=str(machine.path / "none"))
+    assert "none has no core/Scene.hpp" in message
 
 
 def test_without_headers_no_package_is_installed(machine):
     machine.user("root", 0)
-    machine.bare(SMALL_ROOT)
+    machine.bare()
     machine.offers("2023.02a-1")
     machine.command("apt-get", 'case "$*" in *" source "*) exit 100 ;; esac')
     _, _, errors = machine.run("ready")
@@ -295,9 +319,8 @@ def test_a_root_file_system_is_complete_or_not_there(machine):
     assert not machine.roots()
     assert list(machine.cache.glob("new.*")), "the interrupted one's leftovers"
 
-    machine.root_tools(SMALL_ROOT)
-    code, output, errors = machine.run("ready; echo $way")
-    assert (code, output) == (0, "rootfs\n"), errors
+    machine.root_tools()
+    machine.sets_up("rootfs")
     assert len(machine.roots()) == 1
     assert not list(machine.cache.glob("new.*"))
 
@@ -315,8 +338,8 @@ def test_ctrl_c_leaves_nothing(machine):
 
 
 def test_a_changed_package_list_makes_another_root(machine):
-    machine.bare(SMALL_ROOT)
-    assert machine.run("ready")[0] == 0
+    machine.bare()
+    machine.succeeds("ready")
     packages = machine.repo / "scripts" / "lib" / "setup" / "packages"
 
     packages.write_text("# another comment\n" + packages.read_text())
@@ -329,22 +352,21 @@ def test_a_changed_package_list_makes_another_root(machine):
 
 
 def test_a_complete_root_is_kept_when_bubblewrap_was_removed(machine):
-    machine.bare(SMALL_ROOT)
-    assert machine.run("ready")[0] == 0
+    machine.bare()
+    machine.succeeds("ready")
     (machine.bin / "bwrap").unlink()
     machine.user("root", 0)
     machine.command("apt-get", f'printf "#!/bin/sh\\n" >{machine.bin}/bwrap; chmod +x '
                     f'{machine.bin}/bwrap')
-    code, output, errors = machine.run("ready; echo $way")
-    assert (code, output) == (0, "rootfs\n"), errors
+    machine.sets_up("rootfs")
     assert len(machine.called("mmdebstrap")) == 1
     assert not (machine.roots()[0] / "root").exists()
 
 
 def test_a_second_set_up_waits_for_the_first(machine):
-    machine.bare("sleep 1" + SMALL_ROOT)
-    processes = [machine.start("ready; echo $way", YADE_RCR_PATIENCE="0.1") for _ in range(2)]
-    results = [process.communicate(timeout=60) for process in processes]
+    machine.bare()
+    results = two_at_once(machine, "ready; echo $way", "mmdebstrap", SMALL_ROOT,
+                          lambda flocks: "flock 9" in flocks)
     assert [output for output, _ in results] == ["rootfs\n"] * 2, results
     assert sum("waiting for another set-up" in errors for _, errors in results) == 1
     assert len(machine.called("mmdebstrap")) == 1
@@ -379,12 +401,9 @@ def test_a_system_that_is_not_debian_uses_the_default_mirror(machine):
 def test_the_next_mirror_is_tried(machine):
     machine.command("apt-get", "echo bookworm main http://one/debian/; echo bookworm-updates main "
                     "http://one/debian/")
-    machine.bare(f"""case "$*" in
-*updates*) echo "E: Failed to fetch http://one/debian/pool/dash_1_amd64.deb  404  Not Found" >&2; exit 1 ;;
-esac {SMALL_ROOT}""")
-    code, output, errors = machine.run("ready; echo $way")
-    assert (code, output) == (0, "rootfs\n")
-    assert "dash_1_amd64.deb (404" in errors
+    missing = "E: Failed to fetch http://one/debian/pool/dash_1_amd64.deb  404  Not Found"
+    machine.bare(f'case "$*" in *updates*) echo "{missing}" >&2; exit 1 ;; esac {SMALL_ROOT}')
+    assert "dash_1_amd64.deb (404" in machine.sets_up("rootfs")
     assert len(machine.called("mmdebstrap")) == 2
 
 
@@ -393,12 +412,11 @@ esac {SMALL_ROOT}""")
 @pytest.fixture
 def entered(machine):
     """Run a command in a small root file system; return the bind options of bubblewrap in order."""
-    machine.bare(SMALL_ROOT)
+    machine.bare()
 
-    def enter(*arguments, **environment):
+    def enter(*arguments):
         machine.calls.write_text("")
-        code, _, errors = machine.run(f"ready; enter {' '.join(arguments)}", **environment)
-        assert code == 0, errors
+        machine.succeeds(f"ready; enter {' '.join(arguments)}")
         call = [line for line in machine.called("bwrap") if "--die-with-parent" in line][-1].split()
         return call, {call[i + 2] for i, word in enumerate(call)
                       if word in ("--bind", "--dev-bind")}
@@ -424,12 +442,15 @@ def test_an_argument_under_usr_is_bound(entered, argument, path):
     assert path in entered("python3", argument)[1]
 
 
-@pytest.mark.parametrize("argument", ["/no-such-top/x.csv", "--out=/no-such-top/x.csv",
-                                      "--out /no-such-top/a/b", "--out ''"])
-def test_an_argument_that_does_not_exist_is_left_to_the_command(entered, argument):
+@pytest.mark.parametrize("arguments, last", [
+    ("/no-such-top/x.csv", "/no-such-top/x.csv"),
+    ("--out=/no-such-top/x.csv", "--out=/no-such-top/x.csv"),
+    ("--out /no-such-top/a/b", "/no-such-top/a/b"),
+    ("--out ''", "--out"),  # `calls` shows no empty word
+])
+def test_an_argument_that_does_not_exist_is_left_to_the_command(entered, arguments, last):
     """The search for the first existing part of a path ends."""
-    assert entered("python3", argument)[0][-1] == (argument.split()[-1] if "''" not in argument
-                                                   else "--out")
+    assert entered("python3", arguments)[0][-1] == last
 
 
 def test_folders_of_the_root_file_system_stay(entered):
@@ -444,20 +465,17 @@ def test_a_bind_keeps_the_files_of_the_root(entered):
 
 def test_without_home_a_directory_in_the_cache_is_home(machine):
     """YADE fails without HOME."""
-    code, output, errors = machine.run("ready; enter sh -c 'echo $HOME'", YADE_RCR_WAY="native",
-                                       HOME="")
-    assert (code, output) == (0, f"{machine.cache}/home\n"), errors
+    machine.succeeds("ready; enter sh -c 'echo $HOME'", f"{machine.cache}/home\n",
+                     YADE_RCR_WAY="native", HOME="")
     assert (machine.cache / "home").is_dir()
 
 
 def test_each_stage_of_the_set_up_prints_its_duration(machine):
     machine.bare('echo "yade-rcr: set-up 2/3: packages (1 min) …" >&2; sleep 1' + SMALL_ROOT)
-    code, _, errors = machine.run("ready")
-    assert code == 0
-    lines = errors.splitlines()
-    assert [line.split(": ", 1)[1].split(" ")[1] for line in lines] == ["1/3:", "1/3", "2/3:",
-        "2/3"]
-    assert " took " in lines[1] and lines[3] >= "yade-rcr: set-up 2/3 took 1 s"
+    assert re.fullmatch(r"yade-rcr: set-up 1/3: .*\n"
+                        r"yade-rcr: set-up 1/3 took \d+ s\n"
+                        r"yade-rcr: set-up 2/3: packages \(1 min\) …\n"
+                        r"yade-rcr: set-up 2/3 took [1-9]\d* s\n", machine.succeeds("ready"))
 
 
 def test_inside_it_nothing_is_entered_again(machine):
@@ -477,7 +495,8 @@ def install(machine, apt_get, packages="yade\ng++\n? python3-tqdm: progress bars
     return machine.run(f"{machine.repo}/scripts/lib/setup/install-packages {machine.path}/list")
 
 
-HOLE = 'echo "E: Failed to fetch http://mirror/pool/g/g++_4%3a14.2-1%2bb1_amd64.deb  404  Not Found [IP: 1]"; exit 100'
+HOLE = ('echo "E: Failed to fetch http://mirror/pool/g/g++_4%3a14.2-1%2bb1_amd64.deb  404  Not Found '
+        '[IP: 1]"; exit 100')
 
 
 @pytest.mark.parametrize("apt_get, complete, words", [
@@ -535,23 +554,22 @@ def test_another_environment_wipes_the_build(machine):
     assert not (machine.repo / "build" / "stale").exists()
 
 
-def two_builds(machine, **environment):
+def two_builds(machine, work, until):
     """stderr of two builds at the same time."""
-    processes = [machine.start("ready; build", YADE_RCR_WAY="native", **environment)
-                 for _ in range(2)]
-    return [process.communicate(timeout=60)[1] for process in processes]
+    done = two_at_once(machine, "ready; build", "cmake", work, until, YADE_RCR_WAY="native")
+    return [errors for _, errors in done]
 
 
-def test_a_second_build_waits_for_one_that_configures_or_compiles(machine):
-    for cmake in ("sleep 0.5", 'echo "[1/2] CXX a.cpp"; sleep 0.5'):
-        machine.command("cmake", cmake)
-        errors = two_builds(machine, YADE_RCR_PATIENCE="0.1")
+def test_a_second_build_waits_for_one_that_has_work(machine):
+    """The first one configures, then it compiles."""
+    for work in ("", 'echo "[1/2] CXX a.cpp"'):
+        errors = two_builds(machine, work, lambda flocks: "flock 9" in flocks)
         assert sum("waiting for another build" in text for text in errors) == 1, errors
 
 
 def test_two_builds_with_nothing_to_do_are_silent(machine):
     """Each looks for new files in turn, which may take longer than the second one's patience."""
     build(machine, "exit 0")
-    machine.command("cmake", "sleep 0.7")
-    assert two_builds(machine, YADE_RCR_PATIENCE="0.1") == ["", ""]
+    impatient = lambda flocks: len(flocks) >= 4 or "flock 9" in flocks  # has waited twice
+    assert two_builds(machine, "", impatient) == ["", ""]
     assert not (machine.repo / "build" / "working").exists()

@@ -18,6 +18,8 @@ DATA = Path(__file__).parents[1] / "data"
 ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
 ROUNDING = 1e-13  # of a residual: sums of some thousand velocities with errors of 1e-16
 BODY_ARRAYS = "inverse_mass", "free_velocity"
+LANES_AND_THREADS = [(lanes, threads) for lanes in (1, 4, 8) for threads in (1, 2, 4)]
+EQUAL = "impulse", "velocity", "iterations", "residual", "kinematic_error"  # of repeated solves
 
 
 class Problem(dict):
@@ -65,6 +67,12 @@ def velocity(problem, p):
     return problem["free_velocity"] + problem["inverse_mass"] * sums
 
 
+def kinetic_energy(problem, v):
+    """Kinetic energy [J] of body velocities (nb, 3), without prescribed motions."""
+    inverse = problem["inverse_mass"]
+    return (v**2 / np.where(inverse > 0, inverse, np.inf)).sum() / 2
+
+
 def weights(problem):
     """w_nn of every point (nc,)."""
     a, b = problem["bodies"].T
@@ -100,11 +108,27 @@ def assert_laws(problem, result, tolerance):
     np.testing.assert_allclose(result["velocity"], expected, rtol=0, atol=rounding, err_msg=replay)
 
 
+def solved(problem, solver="nesterov", tolerance=1e-6, max_iterations=20_000, **settings):
+    """Result of a solve that obeys the laws to the tolerance."""
+    result = problem.solve(solver, tolerance=tolerance, max_iterations=max_iterations, **settings)
+    assert_laws(problem, result, tolerance)
+    return result
+
+
 def assert_same_bits(one, other, where, keys=("impulse", "velocity")):
     for key in keys:
         differ = np.flatnonzero(np.asarray(one[key]).ravel() != np.asarray(other[key]).ravel())
         size = np.size(one[key])
         assert not len(differ), f"{where}: {key} differs first at entry {differ[0]} of {size}"
+
+
+def assert_lanes_and_threads_change_no_bit(problem, solver, choices=LANES_AND_THREADS, **settings):
+    """Compare solves with (lanes, threads) of `choices` and two of the first choice."""
+    solve = lambda lanes, threads: problem.solve(solver, lanes=lanes, threads=threads, **settings)
+    first = solve(*choices[0])
+    for lanes, threads in choices:
+        where = f"{problem.name}, {solver}, {lanes} lanes, {threads} threads"
+        assert_same_bits(solve(lanes, threads), first, where, EQUAL)
 
 
 def model(problem, **settings):
@@ -127,20 +151,30 @@ def run(code, seconds=120):
 # ---- problems
 
 
-def problem_of(name, seed, inverse_mass, free_velocity, points):
+def problem_of(name, inverse_mass, free_velocity, bodies, normal, arm1=(0, 0), arm2=(0, 0), bias=0,
+               friction=0, seed=None):
+    """Problem without impulses; a single vector or number applies to every point."""
+    def each(value, *shape):
+        return np.broadcast_to(value, (len(bodies), *shape)).astype(float, order="C")
+
+    return Problem(name, seed, inverse_mass=np.array(inverse_mass, float),
+                   free_velocity=np.array(free_velocity, float), bodies=np.array(bodies, np.int32),
+                   normal=each(normal, 2), arm1=each(arm1, 2), arm2=each(arm2, 2), bias=each(bias),
+                   friction=each(friction), impulse=np.zeros((len(bodies), 2)))
+
+
+def problem_of_rows(name, inverse_mass, free_velocity, points, seed=None):
     """Problem from rows (body 1, body 2, normal, arm 1, arm 2, bias, friction)."""
     t = np.array(points, float)
-    return Problem(name, seed, inverse_mass=np.array(inverse_mass, float),
-                   free_velocity=np.array(free_velocity, float), bodies=t[:, :2].astype(np.int32),
-                   normal=t[:, 2:4], arm1=t[:, 4:6], arm2=t[:, 6:8], bias=t[:, 8], friction=t[:, 9],
-                   impulse=np.zeros((len(t), 2)))
+    return problem_of(name, inverse_mass, free_velocity, t[:, :2], t[:, 2:4], t[:, 4:6], t[:, 6:8],
+                      t[:, 8], t[:, 9], seed)
 
 
 def grain(p, bias=0.0, v=(0.5, -1.0), friction=0.5, mass=2.0):
     """A grain without rotation on a floor (body 0), with the impulse p."""
     point = (0, 1, 0, 1, 0, 0, 0, -0.1, bias, friction)
     inverse_mass = [[0, 0, 0], [1 / mass, 1 / mass, 0]]
-    problem = problem_of("grain", None, inverse_mass, [[0, 0, 0], [*v, 0]], [point])
+    problem = problem_of_rows("grain", inverse_mass, [[0, 0, 0], [*v, 0]], [point])
     problem["impulse"] = np.array([p], float)
     return problem
 
@@ -198,7 +232,7 @@ def pile(seed, columns=12, rows=9):
     touch(id_of[-1, 0], spinner, np.pi / 2, 1)
     touch(floor, left, 0, 1)  # both prescribed: carries nothing
     t = np.array(rows_of_points)
-    return problem_of(f"pile {seed}", seed, inverse_mass, v, t[np.lexsort((t[:, 1], t[:, 0]))])
+    return problem_of_rows(f"pile {seed}", inverse_mass, v, t[np.lexsort((t[:, 1], t[:, 0]))], seed)
 
 
 def stored(name):
@@ -241,7 +275,7 @@ def wall_of_bricks(seed, courses=8, bricks=10, tilt=1e-3):
                 if 0 <= under < bricks:
                     below, above = (course - 1) * bricks + under, course * bricks + k
                     side(below, above, x(course - 1, under), x(course, k))
-    return problem_of(f"bricks {seed}", seed, m, v, points)
+    return problem_of_rows(f"bricks {seed}", m, v, points, seed)
 
 
 def jammed_box(seed, size=14, closing=0.0):
@@ -270,7 +304,7 @@ def jammed_box(seed, size=14, closing=0.0):
                     n = np.array(normal)
                     arm2 = -0.5 * n if other < count else 0 * n
                     points.append((here, other, *n, *(0.5 * n), *arm2, 0, 0.4))
-    return problem_of(f"jammed box {seed}", seed, m, v, points)
+    return problem_of_rows(f"jammed box {seed}", m, v, points, seed)
 
 
 def frictionless(problem):
@@ -297,21 +331,17 @@ def square_discs(seed, side=20):
     inverse_mass = np.vstack([grains, [[0, 0, 0], [0.1, 0, 0]]])
     velocity = rng.normal([0, -0.1, 0.5], 0.02, (side * side + 2, 3))
     velocity[floor], velocity[wall] = 0, (-0.3, 0, 0)
-    return Problem(f"square discs {seed}", seed, inverse_mass=inverse_mass, free_velocity=velocity,
-                   bodies=np.column_stack([a, b]).astype(np.int32), normal=n, arm1=0.5 * n,
-                   arm2=-0.5 * n, bias=np.where(rng.random(len(a)) < 0.2, 0.05, 0),
-                   friction=np.zeros(len(a)), impulse=np.zeros((len(a), 2)))
+    return problem_of(f"square discs {seed}", inverse_mass, velocity, np.column_stack([a, b]), n,
+                      0.5 * n, -0.5 * n, np.where(rng.random(len(a)) < 0.2, 0.05, 0), seed=seed)
 
 
 def hub(count):
     """A disc with many contacts."""
     angle = np.linspace(0, 2 * np.pi, count, endpoint=False)
     n = np.column_stack([np.cos(angle), np.sin(angle)])
-    return Problem(
-        "hub", inverse_mass=np.ones((count + 1, 3)), free_velocity=np.zeros((count + 1, 3)),
-        normal=n, arm1=3 * n, arm2=-0.5 * n,
-        bodies=np.column_stack([np.zeros(count), np.arange(1, count + 1)]).astype(np.int32),
-        bias=np.zeros(count), friction=np.full(count, 0.4), impulse=np.zeros((count, 2)))
+    bodies = [(0, k) for k in range(1, count + 1)]
+    return problem_of("hub", np.ones((count + 1, 3)), np.zeros((count + 1, 3)), bodies, n, 3 * n,
+                      -0.5 * n, friction=0.4)
 
 
 def grains_on_a_floor(count, seed=0, points=1):
@@ -319,17 +349,14 @@ def grains_on_a_floor(count, seed=0, points=1):
     rng = np.random.default_rng(seed)
     mass, pairs = rng.uniform(0.5, 2, count), np.repeat(np.arange(count), points)
     along = np.where(np.arange(len(pairs)) % 2, 0.3, -0.3) + rng.normal(0, 0.01, len(pairs))
-    floor = np.zeros((1, 3))
+    floor = np.zeros(3)
     inverse_mass = np.column_stack([1 / mass, 1 / mass, 6 / mass])
     free_velocity = rng.normal([0.1, -0.3, 1], 0.05, (count, 3))
-    return Problem(f"{count} grains on a floor", seed,
-                   inverse_mass=np.vstack([inverse_mass, floor]),
-                   free_velocity=np.vstack([free_velocity, floor]),
-                   bodies=np.column_stack([pairs, np.full_like(pairs, count)]).astype(np.int32),
-                   normal=np.tile([0.0, -1.0], (len(pairs), 1)),
-                   arm1=np.column_stack([along, np.full(len(pairs), -0.5)]),
-                   arm2=np.zeros((len(pairs), 2)), bias=np.zeros(len(pairs)),
-                   friction=np.full(len(pairs), 0.4), impulse=np.zeros((len(pairs), 2)))
+    return problem_of(f"{count} grains on a floor", np.vstack([inverse_mass, floor]),
+                      np.vstack([free_velocity, floor]),
+                      bodies=np.column_stack([pairs, np.full_like(pairs, count)]),
+                      normal=(0, -1), arm1=np.column_stack([along, np.full(len(pairs), -0.5)]),
+                      friction=0.4, seed=seed)
 
 
 def beside(*problems):

@@ -6,6 +6,12 @@ from rcr.network import Network
 TAU = 2 * np.pi
 
 
+def polygon_areas(corners):
+    """Areas (n,) of n polygons with corners (n, k, 2) by the shoelace formula."""
+    x, y = np.moveaxis(corners, -1, 0)
+    return 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+
+
 def particles(count):
     return dict(id=np.arange(count), position=np.zeros((count, 2)), angle=np.zeros(count),
                 R=np.ones(count), cap_radius=np.ones(count), half_length=np.zeros(count),
@@ -27,8 +33,8 @@ def network(theta, branch, force, friction=0.5, grains=2, **columns):
 def directions(rng, count, a_c, axis):
     """Angles of normals drawn from P(θ) ∝ 1 + a_c cos 2(θ − axis), by rejection; (count,) [rad]."""
     theta = rng.uniform(0, TAU, 4 * count)
-    return theta[rng.uniform(0, 1 + abs(a_c), len(theta)) < 1 + a_c * np.cos(2 * (theta - axis))][
-        :count]
+    density = 1 + a_c * np.cos(2 * (theta - axis))
+    return theta[rng.uniform(0, 1 + abs(a_c), len(theta)) < density][:count]
 
 
 def anisotropic(count, a_c, a_ln, a_lt, a_fn, a_ft, seed=0, axis=np.pi / 2):
@@ -65,12 +71,12 @@ def packing(eta, seed=0, particles_=200, contacts=2000, strain=0.4, friction=0.5
     branch = np.column_stack([1 - eta * rng.uniform(0, 0.5, contacts),
                               eta * rng.uniform(-0.2, 0.2, contacts)]) * 2
     one = rng.integers(0, particles_, contacts)
-    grains = particles(particles_) | dict(position=rng.uniform(0, 30, (particles_, 2)),
-                                          angle=rng.uniform(0, np.pi, particles_))
-    grains |= dict(cap_radius=np.full(particles_, 1 - eta), half_length=np.full(particles_, eta))
+    grains = particles(particles_) | dict(
+        position=rng.uniform(0, 30, (particles_, 2)), angle=rng.uniform(0, np.pi, particles_),
+        cap_radius=np.full(particles_, 1 - eta), half_length=np.full(particles_, eta))
     columns = dict(body1=one, body2=(one + rng.integers(1, particles_, contacts)) % particles_,
-                   position=grains["position"][one])
-    columns |= dict(type=rng.integers(0, 3, contacts) if eta else np.zeros(contacts, int))
+                   position=grains["position"][one],
+                   type=rng.integers(0, 3, contacts) if eta else np.zeros(contacts, int))
     force = np.column_stack([fn, -fn * along])
     made = network(theta, branch, force, friction, particles_, **columns)
     return Network(grains, made.contacts, dict(volume=900.0, friction=friction, eta=eta,
@@ -81,10 +87,10 @@ def write_run(folder, eta, seed=0, strains=(0.1, 0.2, 0.3, 0.4), **options):
     """A results folder as scripts/biaxial.py writes it."""
     folder.mkdir(parents=True)
     for k, strain in enumerate(strains):
-        packing(eta, seed=100 * seed + k, strain=strain,
-                **options).save(folder / f"network-{strain:.4f}.h5")
-    packing(eta, seed=100 * seed + 99, strain=0.0, friction=0.0, a_c=0, a_fn=0,
-            a_ft=0).save(folder / "isotropic.h5")
+        moment = packing(eta, seed=100 * seed + k, strain=strain, **options)
+        moment.save(folder / f"network-{strain:.4f}.h5")
+    isotropic = packing(eta, 100 * seed + 99, strain=0.0, friction=0.0, a_c=0, a_fn=0, a_ft=0)
+    isotropic.save(folder / "isotropic.h5")
     ratios = [0.3 + 0.3 * eta + 0.01 * (-1) ** k for k in range(101)]
     rows = [f"{strain},{1 - ratio},{1 + ratio}"
             for strain, ratio in zip(np.linspace(0, strains[-1], 101), ratios)]

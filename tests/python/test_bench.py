@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rcr import _kernel, problems
+from scipy.sparse import csc_array
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
@@ -35,15 +36,11 @@ def residual(problem):
                             problem.impulse)
 
 
-def as_npz(path, problem):
+def as_npz(path, p):
     """A step as .npz; the four walls are the last bodies."""
-    p = problem
-    np.savez(
-        path, a=p.bodies[:, 0], b=p.bodies[:, 1], n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias,
-        mu=p.friction, p0=p.impulse,
-        im=p.inverse_mass[:, 0], iI=p.inverse_mass[:, 2], vfree=p.free_velocity,
-        meta=np.array([0.01, 1, len(p.inverse_mass) - 4]),
-    )  # fmt: skip
+    np.savez(path, a=p.bodies[:, 0], b=p.bodies[:, 1], n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias,
+             mu=p.friction, p0=p.impulse, im=p.inverse_mass[:, 0], iI=p.inverse_mass[:, 2],
+             vfree=p.free_velocity, meta=[0.01, 1, len(p.inverse_mass) - 4])
 
 
 def rows_of(path):
@@ -63,17 +60,15 @@ def test_residual_is_the_one_that_the_kernels_report(tolerance):
 
 def test_residual_by_hand():
     """One contact, w = 2 along n and t, u = (−1, 0.3), µ = 0.5: p_n = 1/2, friction holds."""
-    from scipy.sparse import csc_array
+    def of(q, p, mu=0.5):
+        return measure.residual(csc_array(2 * np.eye(2)), np.array([q]), np.array([mu]),
+                                np.array([p]))
 
-    matrix, q = csc_array(2 * np.eye(2)), np.array([[-1, 0.3]])
-    assert measure.residual(matrix, q, np.array([0.5]), np.array([[0.5, -0.15]])) < 1e-15
-    # Without friction impulse û = (0, 0.3), and p − (û + µ|u_t| n)/w = (0.425, −0.15) is in the
-    # cone.
-    assert measure.residual(matrix, q, np.array([0.5]), np.array([[0.5, 0]])) == pytest.approx(
-        np.hypot(0.075, 0.15) / 0.5)
-    assert measure.residual(matrix, -q, np.array([0.5]), np.zeros((1, 2))) == 0  # the contact opens
-    # also without friction and sliding
-    assert measure.residual(matrix, np.array([[1, 0]]), np.array([0.0]), np.zeros((1, 2))) == 0
+    assert of((-1, 0.3), (0.5, -0.15)) < 1e-15
+    # without friction impulse û = (0, 0.3); p − (û + µ|u_t| n)/w = (0.425, −0.15) is in the cone
+    assert of((-1, 0.3), (0.5, 0)) == pytest.approx(np.hypot(0.075, 0.15) / 0.5)
+    # the contact opens, also without friction and sliding
+    assert of((1, -0.3), (0.0, 0)) == of((1, 0), (0.0, 0), mu=0.0) == 0
 
 
 @pytest.mark.parametrize("times", [1, 2, 3])
@@ -132,10 +127,29 @@ def test_exponent():
 # --- scripts/bench_solver.py ----------------------------------------------------------------------
 
 
-def bench(script, *arguments, **settings):
-    return subprocess.run(
-        [sys.executable, ROOT / "scripts" / script, *map(str, arguments)], capture_output=True,
-        text=True, cwd="/", timeout=300, **settings)
+def bench(script, *arguments):
+    command = [sys.executable, ROOT / "scripts" / script, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, cwd="/", timeout=300)
+
+
+def measured(script, *arguments):
+    """Run a benchmark that succeeds; its results are in the folder after --out."""
+    ended = bench(script, *arguments)
+    assert ended.returncode == 0, ended.stderr
+
+
+def assert_refused(says, script, *arguments, beside="contact points"):
+    """The benchmark fails with one line, beside those that contain `beside`."""
+    ended = bench(script, *arguments)
+    complaint = [line for line in ended.stderr.splitlines() if beside not in line]
+    assert ended.returncode != 0 and len(complaint) == 1 and says in complaint[0], ended.stderr
+
+
+def answer(path, **outcome):
+    """A program that prints this as JSON."""
+    path.write_text(f"#!/bin/sh\necho a line of its own\necho '{json.dumps(outcome)}'\n")
+    path.chmod(0o755)
+    return path
 
 
 FAST = ["--repeats", "1", "--budget", "0"]
@@ -152,17 +166,16 @@ def files(tmp_path):
 
 def test_bench_solver_writes_its_tables(files):
     names = [files / name for name in ("small.npz", "larger.npz", "small.h5")]
-    ended = bench("bench_solver.py", *names, "--mirror", 1, "--warm", "--tolerances", "1e-3",
-                  "1e-6", "--out", files / "out", *FAST)
-    assert ended.returncode == 0, ended.stderr
+    measured("bench_solver.py", *names, "--mirror", 1, "--warm", "--tolerances", "1e-3", "1e-6",
+             "--out", files / "out", *FAST)
     sweeps = rows_of(files / "out" / "sweeps.csv")
     assert len(sweeps) == 4 * 2 * 3 * 2 + 2  # with bodies: solvers, lanes, threads
     rows = rows_of(files / "out" / "tolerances.csv")
     assert {row["problem"] for row in rows} == {"small", "small x2", "larger", "larger x2"}
     for row in rows:
-        assert float(row["residual_numpy"]) == pytest.approx(float(row["residual"]), rel=1e-5,
-            abs=1e-13)
-        assert (row["reached"] == "True") == (float(row["residual"]) <= float(row["tolerance"]))
+        reported = float(row["residual"])
+        assert float(row["residual_numpy"]) == pytest.approx(reported, rel=1e-5, abs=1e-13)
+        assert (row["reached"] == "True") == (reported <= float(row["tolerance"]))
         assert float(row["seconds"]) > 0 and row["siconos_seconds"] == ""
     assert {(row["solver"], row["start"]) for row in rows if row["reached"] == "True"} >= {
         ("exact", "cold"), ("exact", "warm")}
@@ -178,53 +191,39 @@ def test_bench_solver_compares_with_siconos(files):
     """A program stands for Siconos' Python; ratios exist only where both reached the tolerance."""
     found = (1e-3, 10, 2.0, 5e-4), (1e-6, 20, 4.0, 2e-6)
     rows = [dict(zip(("tolerance", "iterations", "seconds", "residual"), row)) for row in found]
-    answer = files / "answer"
-    answer.write_text("#!/bin/sh\necho '" + json.dumps(dict(rows=rows, ns=100.0)) + "'\n")
-    answer.chmod(0o755)
-    ended = bench(
-        "bench_solver.py", files / "small.npz", "--only", "tolerances", "--solvers", "exact",
-        "--tolerances", "1e-3", "1e-6",
-        "--siconos", answer, "--out", files / "out", *FAST,
-    )  # fmt: skip
-    assert ended.returncode == 0, ended.stderr
+    siconos = answer(files / "answer", rows=rows, ns=100.0)
+    measured("bench_solver.py", files / "small.npz", "--only", "tolerances", "--solvers", "exact",
+             "--tolerances", "1e-3", "1e-6", "--siconos", siconos, "--out", files / "out", *FAST)
     first, second = rows_of(files / "out" / "tolerances.csv")
     assert float(first["siconos_ratio"]) == pytest.approx(2.0 / float(first["seconds"]))
     assert second["siconos_ratio"] == ""
     peers = rows_of(files / "out" / "peers.csv")
-    assert [(row["peer"], row["reached"]) for row in peers] == [("Siconos NSGS", "True"),
-        ("Siconos NSGS", "False")]
+    assert [row["peer"] for row in peers] == ["Siconos NSGS"] * 2
+    assert [row["reached"] for row in peers] == ["True", "False"]
 
 
 def test_impulses_of_siconos_have_the_residual_that_it_prints(files):
     """Siconos' impulses at 1e-8 have the residual that it prints, if it is installed."""
     pytest.importorskip("siconos.numerics", reason="this Python has no Siconos")
-    out = files / "out"
-    ended = bench("bench_solver.py", files / "small.npz", "--only", "tolerances", "--siconos",
-                  sys.executable, "--out", out, *FAST)
-    assert ended.returncode == 0, ended.stderr
-    assert all(row["reached"] == "True" for row in rows_of(out / "peers.csv"))
+    measured("bench_solver.py", files / "small.npz", "--only", "tolerances", "--siconos",
+             sys.executable, "--out", files / "out", *FAST)
+    assert all(row["reached"] == "True" for row in rows_of(files / "out" / "peers.csv"))
 
 
-@pytest.mark.parametrize(
-    "arguments, says",
-    [
-        (["none.npz"], "none.npz"),
-        (["small.npz", "--solvers", "best"], "--solvers best: expected some of nlgs"),
-        (["small.npz", "--tolerances", "2"], "--tolerances 2.0: expected numbers between 0 and 1"),
-        (["small.npz", "--mirror", "-1"], "--mirror -1: expected at least 0"),
-        (["small.npz", "--threads", "0"], "--threads 0: expected at least 1"),
-        (["small.npz", "--repeats", "0"], "--repeats 0: expected at least 1"),
-        (["small.npz", "--siconos", "/none/python", "--only", "tolerances"],
-         "/none/python: No such file or directory"),
-    ],
-)
-def test_bench_solver_reports_errors_in_a_line(files, arguments, says):
-    arguments = [str(files / word) if word.endswith(".npz") else word for word in arguments]
-    ended = bench("bench_solver.py", *arguments, "--out", files / "out",
-                  *(FAST if "--repeats" not in arguments else []))
-    complaint = [line for line in ended.stderr.splitlines() if "contact points" not in line]
-    assert ended.returncode != 0 and len(complaint) == 1 and says in complaint[0], ended.stderr
-    assert not list((files / "out").glob("*")) if (files / "out").exists() else True
+@pytest.mark.parametrize("name, options, says", [
+    ("none.npz", "", "none.npz"),
+    ("small.npz", "--solvers best", "--solvers best: expected some of nlgs"),
+    ("small.npz", "--tolerances 2", "--tolerances 2.0: expected numbers between 0 and 1"),
+    ("small.npz", "--mirror -1", "--mirror -1: expected at least 0"),
+    ("small.npz", "--threads 0", "--threads 0: expected at least 1"),
+    ("small.npz", "--repeats 0", "--repeats 0: expected at least 1"),
+    ("small.npz", "--siconos /none/python --only tolerances",
+     "/none/python: No such file or directory"),
+])
+def test_bench_solver_reports_errors_in_a_line(files, name, options, says):
+    assert_refused(says, "bench_solver.py", files / name, "--out", files / "out", *FAST,
+                   *options.split())
+    assert not list((files / "out").glob("*"))
 
 
 # --- scripts/bench_step.py ------------------------------------------------------------------------
@@ -235,8 +234,8 @@ def packing(tmp_path):
     """Six moving discs of diameter 1, mass 1 in two rows between walls, the right one pushed."""
     count, (j, i) = 6, np.divmod(np.arange(6), 3)
     state = np.zeros((count + 4, 8))
-    state[:count, 0], state[:count, 1], state[:count, 3], state[:count,
-        5] = i + 0.5, j + 0.5, 0.5, 0.5
+    state[:count, 0], state[:count, 1] = i + 0.5, j + 0.5
+    state[:count, [3, 5]] = 0.5
     state[count + 2, 0], state[count + 3, 1] = 3, 2
     im = np.append(np.ones(count), [0, 0, 0.5, 0])
     iI = np.append(np.full(count, 8.0), np.zeros(4))
@@ -270,14 +269,10 @@ def test_bench_step_writes_its_table(packing, tmp_path):
     before, after = np.zeros((10, 3)), np.zeros((10, 3))
     before[0, 1] = -1
     after[8, 0] = -0.01  # pushed
-    outcome = dict(library="Other 1", seconds=[1e-3] * 20, contacts=[contact],
-                   before=before.tolist(), after=after.tolist())
-    program = tmp_path / "other"
-    program.write_text(f"#!/bin/sh\necho a line of its own\necho '{json.dumps(outcome)}'\n")
-    program.chmod(0o755)
-    ended = bench("bench_step.py", packing, "--chipmunk", program, "--box2d", program, "--repeats",
-                  1, "--out", tmp_path / "out")
-    assert ended.returncode == 0, ended.stderr
+    program = answer(tmp_path / "other", library="Other 1", seconds=[1e-3] * 20,
+                     contacts=[contact], before=before.tolist(), after=after.tolist())
+    measured("bench_step.py", packing, "--chipmunk", program, "--box2d", program, "--repeats", 1,
+             "--out", tmp_path / "out")
     ours, others = [], []
     for row in rows_of(tmp_path / "out" / "step.csv"):
         (ours if row["library"].startswith("rcr") else others).append(row)
@@ -293,10 +288,8 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
     program = ROOT / "build" / "peers" / f"{name}_step"
     if not program.exists():
         pytest.skip(f"{program.name} is not built")
-    arguments = [packing, f"--{name}", program, "--iterations", 2000, "--repeats", 1, "--out",
-                 tmp_path / "out"]
-    ended = bench("bench_step.py", *arguments)
-    assert ended.returncode == 0, ended.stderr
+    measured("bench_step.py", packing, f"--{name}", program, "--iterations", 2000, "--repeats", 1,
+             "--out", tmp_path / "out")
     cold, warm = (row for row in rows_of(tmp_path / "out" / "step.csv")
                   if row["library"].lower().startswith(name))
     rounding = 1e-12 if name == "chipmunk" else 1e-4  # Box2D computes in single precision
@@ -305,30 +298,24 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
     assert int(cold["points"]) == 17
 
 
-@pytest.mark.parametrize(
-    "arguments, says",
-    [
-        (["none.npz"], "none.npz"),
-        (["six.txt"], "expected a step .npz or a network .h5"),
-        (["."], "a checkpoint needs YADE"),
-        (["six.npz", "--iterations", "0"], "--iterations 0: expected at least 1"),
-        (["six.npz", "--steps", "0"], "--steps 0: expected at least 1"),
-        (["six.npz", "--friction", "-1"], "--friction -1.0: expected a coefficient ≥ 0"),
-        (["six.npz", "--chipmunk", "/none/program"], "/none/program: No such file or directory"),
-    ],
-)
-def test_bench_step_reports_errors_in_a_line(packing, tmp_path, arguments, says):
+@pytest.mark.parametrize("name, options, says", [
+    ("none.npz", "", "none.npz"),
+    ("six.txt", "", "expected a step .npz or a network .h5"),
+    (".", "", "a checkpoint needs YADE"),
+    ("six.npz", "--iterations 0", "--iterations 0: expected at least 1"),
+    ("six.npz", "--steps 0", "--steps 0: expected at least 1"),
+    ("six.npz", "--friction -1", "--friction -1.0: expected a coefficient ≥ 0"),
+    ("six.npz", "--chipmunk /none/program", "/none/program: No such file or directory"),
+])
+def test_bench_step_reports_errors_in_a_line(packing, tmp_path, name, options, says):
     (tmp_path / "six.txt").write_text("1 2 3\n")
-    ended = bench("bench_step.py", tmp_path / arguments[0], *arguments[1:], "--repeats", 1, "--out",
-                  tmp_path / "out")
-    complaint = [line for line in ended.stderr.splitlines() if "is left out" not in line]
-    assert ended.returncode != 0 and len(complaint) == 1 and says in complaint[0], ended.stderr
+    assert_refused(says, "bench_step.py", tmp_path / name, "--repeats", 1, "--out",
+                   tmp_path / "out", *options.split(), beside="is left out")
 
 
 def test_a_step_without_its_bodies_is_refused(files):
-    ended = bench("bench_step.py", files / "small.npz", "--out", files / "out")
-    assert ended.returncode != 0 and "small.npz: lacks state, vprev" in ended.stderr
-    assert "Traceback" not in ended.stderr
+    assert_refused("small.npz: lacks state, vprev", "bench_step.py", files / "small.npz", "--out",
+                   files / "out", beside="is left out")
 
 
 # --- benchmarks/outside.py ------------------------------------------------------------------------
@@ -350,4 +337,5 @@ for command in ["/none/program"], ["sh", "-c", "echo first; echo why >&2; exit 3
 """
     ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
                            env={**os.environ, "PYTHONIOENCODING": "utf-8"})
-    assert ended.stdout == "a b ü\n/none/program: No such file or directory\nsh: why\n", ended.stderr
+    expected = ["a b ü", "/none/program: No such file or directory", "sh: why"]
+    assert ended.stdout.splitlines() == expected, ended.stderr

@@ -30,23 +30,31 @@ def frame(count=3, **columns):
         id=np.arange(count), clump=np.full(count, -1), fixed=np.zeros(count, bool),
         position=np.column_stack([2.0 * np.arange(count), np.zeros(count)]),
         angle=np.zeros(count), half_length=np.full(count, 0.5), cap_radius=np.full(count, 0.5),
-        mass=np.ones(count),
-        velocity=np.zeros((count, 3)), color=np.tile([0.1, 0.2, 0.3], (count, 1)),
-    )  # fmt: skip
+        mass=np.ones(count), velocity=np.zeros((count, 3)),
+        color=np.tile([0.1, 0.2, 0.3], (count, 1)))
     return Frame(grains | columns, contacts(0))
 
 
 def contacts(count, **columns):
-    zeros = np.zeros((count, 2))
-    made = dict(body1=np.arange(count), body2=np.arange(count) + 1, type=np.zeros(count, int),
-                points=np.ones(count, int), friction=np.full(count, 0.5))
-    made |= dict(position=zeros, normal=zeros + [1, 0], force=zeros + [1, 0], arm1=zeros + [1, 0],
-                 arm2=zeros - [1, 0])
-    return made | columns
+    zeros, along_x = np.zeros((count, 2)), np.tile([1.0, 0], (count, 1))
+    return dict(body1=np.arange(count), body2=np.arange(count) + 1, type=np.zeros(count, int),
+                points=np.ones(count, int), friction=np.full(count, 0.5), position=zeros,
+                normal=along_x, force=along_x, arm1=along_x, arm2=-along_x) | columns
+
+
+def pressed(count, *forces):
+    """Grains in a row with these normal forces between them."""
+    row = frame(count)
+    row.contacts = contacts(len(forces), force=np.outer(forces, [1, 0]))
+    return row
 
 
 def grains_of(ax):
     return next(c for c in ax.collections if isinstance(c, PolyCollection))
+
+
+def forces_of(ax):
+    return [c for c in ax.collections if isinstance(c, LineCollection)]
 
 
 def test_a_picture_needs_neither_a_display_nor_pyplot(tmp_path):
@@ -112,44 +120,36 @@ def test_load_and_pressure_of_a_grain_between_two():
 
     A disc squeezed by F along x has the stress F·2r/A.
     """
-    row = frame(3, half_length=np.zeros(3), cap_radius=np.ones(3))
-    row.contacts = contacts(2, force=np.array([[7.0, 0], [7.0, 0]]))
+    row = pressed(3, 7.0, 7.0)
+    row.grains |= dict(half_length=np.zeros(3), cap_radius=np.ones(3))
     assert plot.SCALES["load"].values(row) == pytest.approx([7, 14, 7])
     assert plot.SCALES["pressure"].values(row)[1] == pytest.approx(0.5 * 7 * 2 / np.pi)
     assert plot.SCALES["contacts"].values(row) == pytest.approx([1, 2, 1])
 
 
 def test_segments_are_as_thick_as_their_force():
-    row = frame(4)
-    row.contacts = contacts(3, force=np.array([[1.0, 0], [2.0, 0], [3.0, 0]]))
-    lines = [c for c in plot.packing(row, contacts="type").collections
-             if isinstance(c, LineCollection)]
+    lines = forces_of(plot.packing(pressed(4, 1.0, 2.0, 3.0), contacts="type"))
     widths = np.sort(np.concatenate([c.get_linewidths() for c in lines]))
     assert widths / widths[0] == pytest.approx([1, 2, 3])
 
 
 def test_equal_forces_have_one_colour():
     """Rounding must not matter: 0.1 three times has the mean 0.10000000000000002."""
-    row = frame(4)
-    row.contacts = contacts(3, force=np.array([[0.1, 0], [0.1 + 1e-9, 0], [0.1 - 1e-9, 0]]))
-    lines = [c for c in plot.packing(row, contacts="force").collections
-             if isinstance(c, LineCollection) and len(c.get_paths())]
-    assert len(lines) == 1
+    row = pressed(4, 0.1, 0.1 + 1e-9, 0.1 - 1e-9)
+    assert len([c for c in forces_of(plot.packing(row, contacts="force")) if c.get_paths()]) == 1
 
 
 @pytest.mark.parametrize("count", [1, 2, 10, 200])
 def test_lines_cover_no_grain_and_stay_in_the_picture(count):
     """Outlines of few large grains: at most 1/20 of the radius, no thicker than the margin."""
-    row = frame(count)
-    row.contacts = contacts(count - 1, force=np.tile([1.0, 0], (count - 1, 1)))
+    row = pressed(count, *[1.0] * (count - 1))
     row.walls = dict(id=np.array([99]), axis=np.array([1]), position=np.array([-0.5]))
     ax = plot.packing(row, contacts="type" if count > 1 else None)
     grains, point = grains_of(ax), drawing.points_a_metre(ax)
     assert grains.get_linewidths()[0] <= min(0.05 * point, 1.5)
     margin = point * (-1 - ax.get_xlim()[0])  # visible part of the first grain
     assert max(grains.get_linewidths()[0], ax.lines[0].get_linewidth()) / 2 < margin
-    for forces in (c for c in ax.collections if isinstance(c, LineCollection)):
-        assert forces.get_linewidths()[0] <= 4
+    assert all(forces.get_linewidths()[0] <= 4 for forces in forces_of(ax))
 
 
 @pytest.mark.parametrize("wide", [True, False], ids=["wide", "narrow"])
@@ -163,14 +163,12 @@ def test_texts_of_the_foot_do_not_overlap(color, contacts, wide):
                       limits=((0, 0), (20, 10) if wide else (4, 20)))
     figure = ax.figure
     FigureCanvasAgg(figure).draw()
-    ticks = [(tick, scale.get_xlim()) for scale in figure.axes[1:]
-             for tick in scale.xaxis.get_major_ticks()]
-    texts = [*figure.texts, *(tick.label1 for tick, (low, high) in ticks
-                              if low <= tick.get_loc() <= high),
-             *(text for key in figure.legends for text in key.get_texts())]
-    boxes = [text.get_window_extent() for text in texts] + [axes.get_window_extent()
-                                                            for axes in figure.axes]
-    names = [text.get_text() for text in texts] + ["picture", *("scale" for _ in figure.axes[1:])]
+    picture, *scales = figure.axes
+    ticks = [tick.label1 for scale in scales for tick in scale.xaxis.get_major_ticks()
+             if scale.get_xlim()[0] <= tick.get_loc() <= scale.get_xlim()[1]]
+    texts = [*figure.texts, *ticks, *(text for key in figure.legends for text in key.get_texts())]
+    boxes = [artist.get_window_extent() for artist in (*texts, picture, *scales)]
+    names = [text.get_text() for text in texts] + ["picture"] + ["scale"] * len(scales)
     assert len(names) > 1
     overlaps = [(one, two) for k, one in enumerate(names) for j, two in enumerate(names[:k])
                 if boxes[k].overlaps(boxes[j])]
@@ -185,14 +183,13 @@ def test_texts_of_the_foot_do_not_overlap(color, contacts, wide):
 def test_the_label_of_a_scale_has_its_power(speed, power):
     """Without its power, grains at rest to rounding seem to move at 4 m/s."""
     row = frame(3, velocity=np.array([[0, 0, 0], [speed / 2, 0, 0], [speed, 0, 0]]))
-    words = [text.get_text() for text in plot.packing(row, color="speed",
-                                                      contacts=None).figure.texts]
-    assert len(words) == 1 and (power in words[0] if power else "10" not in words[0])
+    (text,) = plot.packing(row, color="speed", contacts=None).figure.texts
+    assert power in text.get_text() if power else "10" not in text.get_text()
 
 
 def test_fixed_grains_are_grey():
-    colors = grains_of(plot.packing(frame(2, fixed=np.array([False, True])),
-                                    color="red")).get_facecolor()
+    scene = frame(2, fixed=np.array([False, True]))
+    colors = grains_of(plot.packing(scene, color="red")).get_facecolor()
     assert colors == pytest.approx(np.array([to_rgba("red"), to_rgba(drawing.OBSTACLE)]))
 
 
@@ -222,12 +219,12 @@ def test_a_cell_shows_grains_inside_and_their_images():
     """A grain across a corner has three images; one outside by a period is drawn inside."""
     cell = frame(2, position=np.array([[9.9, 9.9], [-5.0, 25.0]]))
     cell.cell = np.array([[10.0, 0], [0, 10.0]])
-    inside, images = [c for c in plot.packing(cell).collections if isinstance(c, PolyCollection)][
-        1:]
+    _, inside, images = (c for c in plot.packing(cell).collections
+                         if isinstance(c, PolyCollection))
     centres = lambda c: np.array([path.vertices[:-1].mean(axis=0) for path in c.get_paths()])
     assert centres(inside) == pytest.approx(np.array([[9.9, 9.9], [5, 5]]))
-    assert sorted(map(tuple, np.round(centres(images), 9))) == [(-0.1, -0.1), (-0.1, 9.9),
-        (9.9, -0.1)]
+    found = sorted(map(tuple, np.round(centres(images), 9)))
+    assert found == [(-0.1, -0.1), (-0.1, 9.9), (9.9, -0.1)]
 
 
 def test_images_in_a_sheared_cell():
@@ -255,10 +252,11 @@ def test_users_axes_are_kept_and_get_no_legend():
     assert len(figure.axes) == 1 and not figure.legends
 
 
-@pytest.mark.parametrize("options, wanted",
-                         [(dict(color="sped"), "orientation"),
-                          (dict(color=[1, 2]), "each of the 3 grains"),
-                          (dict(contacts="forces"), "'force'")])
+@pytest.mark.parametrize("options, wanted", [
+    (dict(color="sped"), "orientation"),
+    (dict(color=[1, 2]), "each of the 3 grains"),
+    (dict(contacts="forces"), "'force'"),
+])
 def test_unknown_values_are_rejected(options, wanted):
     with pytest.raises(ValueError, match=wanted):
         plot.packing(frame(3), **options)
@@ -277,41 +275,36 @@ def test_an_empty_scene_and_other_things_are_refused(tmp_path):
 # --- films ----------------------------------------------------------------------------------------
 
 
+def moments_of(path):
+    """Grey values (h, w) of the moments of a film."""
+    from PIL import Image, ImageSequence
+
+    return [np.asarray(moment.convert("L")) for moment in ImageSequence.Iterator(Image.open(path))]
+
+
 @pytest.mark.parametrize("names, timed", [(["b", "a", "c"], True), (["2", "9", "10"], False)])
 def test_film_of_networks(tmp_path, names, timed):
     """Frames in the order of time or names, to one scale: a grain moves right as in the film."""
-    from PIL import Image
-
     for k, name in enumerate(names):
         network = packing(0.5, particles_=5, contacts=20, seed=0)
         network.particles["position"] = np.tile([1.0 + 4.0 * k, 2.0], (5, 1))
         network.attributes |= dict(time=float(k)) if timed else {}
         network.save(tmp_path / f"network-{name}.h5")
     path = rcr.movie(tmp_path, color="black", legend=False)
-    film = Image.open(path)
-    assert path.name == "movie.gif" and film.n_frames == 3
-    middles = []
-    for k in range(3):
-        film.seek(k)
-        dark = np.asarray(film.convert("L")) < 50
-        middles.append(np.nonzero(dark)[1].mean())
+    assert path.name == "movie.gif"
+    middles = [np.nonzero(grey < 50)[1].mean() for grey in moments_of(path)]
+    assert len(middles) == 3
     assert np.diff(middles) == pytest.approx(np.diff(middles)[0], rel=0.05)
     assert middles[0] < middles[1]
 
 
 def test_film_of_pictures(tmp_path):
     """Picture 9 comes before picture 10."""
-    from PIL import Image
-
     for k in (10, 9):
         plot.snapshot(tmp_path / f"p{k}.png", frame(3), color="black" if k == 9 else "white",
                       legend=False, dpi=30)
-    film = Image.open(rcr.movie(tmp_path, tmp_path / "film.gif"))
-    brightness = []
-    for k in range(2):
-        film.seek(k)
-        brightness.append(np.asarray(film.convert("L")).mean())
-    assert film.n_frames == 2 and brightness[0] < brightness[1] - 50
+    nine, ten = moments_of(rcr.movie(tmp_path, tmp_path / "film.gif"))
+    assert nine.mean() < ten.mean() - 50
 
 
 def test_films_of_nothing(tmp_path, monkeypatch):

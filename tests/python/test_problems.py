@@ -14,8 +14,9 @@ import hypothesis.extra.numpy as hnp
 import numpy as np
 import pytest
 from hypothesis import strategies as st
+from damage import put, replace
 from natural_map import residual
-from problem_files import dense, heap, write_fclib, write_siconos
+from problem_files import heap, write_fclib, write_siconos
 from rcr import problems, solve
 
 ROOT = Path(__file__).parents[2]
@@ -24,12 +25,6 @@ DATA = ROOT / "tests" / "data"
 SICONOS = sorted((ROOT.parent / "shared" / "data").glob("*.dat"))
 PACKINGS = [DATA / f"shear-500-eta-{eta}.npz" for eta in ("0", "0.7")]
 SOLVERS = ["nlgs", "sor", "nesterov", "exact", "auto"]
-
-
-@pytest.fixture(scope="module")
-def step():
-    arrays = heap(1)
-    return arrays, *dense(arrays)
 
 
 @pytest.fixture
@@ -69,8 +64,7 @@ def test_every_solver_satisfies_the_laws(files, step, name, solver):
     tolerance = 1e-10 if solver in ("exact", "auto") else 1e-5
     found = solve(files / name, solver, tolerance, 20000)
     recomputed = residual(w, q, arrays["mu"], found.reaction)
-    assert found.converged, f"{name}, {solver}: {recomputed:.3e}, reported {found.residual:.3e}"
-    assert recomputed <= tolerance * (1 + 1e-6), f"{name}, {solver}: {recomputed:.3e}, reported {found.residual:.3e}"
+    assert found.converged and recomputed <= tolerance * (1 + 1e-6)
     # rounding of the sums in u: 1e-16 of the impulses
     assert recomputed == pytest.approx(found.residual, rel=1e-6, abs=1e-14)
     u = (w @ found.reaction.ravel()).reshape(-1, 2) + q
@@ -97,8 +91,8 @@ def test_warm_start(files):
     problem.impulse = solve(problem, "exact", 1e-9).reaction
     problems.save_fclib(files / "warm.h5", problem)
     for again in (problem, files / "warm.h5"):
-        assert solve(again, "nesterov", 1e-6, warm=True).iterations == 0 < solve(again, "nesterov",
-            1e-6).iterations
+        assert solve(again, "nesterov", 1e-6, warm=True).iterations == 0
+        assert solve(again, "nesterov", 1e-6).iterations > 0
 
 
 def test_save_fclib_round_trip(files, step):
@@ -126,128 +120,86 @@ def test_no_contacts(tmp_path):
 # --- malformed files ------------------------------------------------------------------------------
 
 
-def spoil(**changes):
-    def change(arrays):
-        for name, value in changes.items():
-            if value is None:
-                del arrays[name]
-            elif callable(value):
-                arrays[name] = value(np.array(arrays[name]))
-            else:
-                arrays[name] = value
-
-    return change
-
-
-def put(index, value):
-    def change(array):
-        array[index] = value
-        return array
-
-    return change
-
-
-@pytest.mark.parametrize(
-    "change, says",
-    [
-        (spoil(mu=None), r"lacks mu; expected the arrays a, b"),
-        (spoil(mu=put(3, -0.1)), r"mu\[3\] = -0.1; expected µ ≥ 0"),
-        (spoil(mu=lambda a: a[:-1]), r"mu has shape \(\d+,\); expected \(\d+,\)"),
-        (spoil(vfree=put((2, 1), np.nan)), r"vfree\[2, 1\] = nan; expected finite"),
-        (spoil(a=put(0, 999)), r"a\[0\] = 999; expected whole numbers from 0 to 33"),
-        (spoil(b=put(1, -1)), r"b\[1\] = -1"),
-        (spoil(im=put(4, -1.0)), r"inverse_mass\[4, 0\] = -1; expected ≥ 0"),
-        (spoil(n=put(5, 2.0)), r"the length of normal\[5\] = 2.8"),
-        (spoil(n=np.array([["x"]])), r"n does not hold numbers"),
-        (spoil(meta=put(2, 1000.0)), r"meta\[2\] = 1000; expected the number of particles"),
-        (lambda arrays: arrays.update(b=arrays["a"]), r"expected two different bodies"),
-    ],
-)
-def test_refuses_npz(step, tmp_path, change, says):
-    arrays = dict(step[0])
-    change(arrays)
-    np.savez(tmp_path / "bad.npz", **arrays)
+def assert_refused(path, says):
+    """One line names the file and says what is wrong."""
     with pytest.raises(ValueError, match=says) as error:
-        solve(tmp_path / "bad.npz")
-    assert "bad.npz: " in str(error.value) and "\n" not in str(error.value)
+        solve(path)
+    assert f"{path.name}: " in str(error.value) and "\n" not in str(error.value)
 
 
-def replace(name, value):
-    def change(group):
-        data = value(group[name][()]) if callable(value) else value
-        del group[name]
-        group[name] = data
-
-    return change
+@pytest.mark.parametrize("name, change, says", [
+    ("mu", None, r"lacks mu; expected the arrays a, b"),
+    ("mu", put(3, -0.1), r"mu\[3\] = -0.1; expected µ ≥ 0"),
+    ("mu", lambda a: a[:-1], r"mu has shape \(\d+,\); expected \(\d+,\)"),
+    ("vfree", put((2, 1), np.nan), r"vfree\[2, 1\] = nan; expected finite"),
+    ("a", put(0, 999), r"a\[0\] = 999; expected whole numbers from 0 to 33"),
+    ("b", put(1, -1), r"b\[1\] = -1"),
+    ("im", put(4, -1.0), r"inverse_mass\[4, 0\] = -1; expected ≥ 0"),
+    ("n", put(5, 2.0), r"the length of normal\[5\] = 2.8"),
+    ("n", lambda a: np.array([["x"]]), r"n does not hold numbers"),
+    ("meta", put(2, 1000.0), r"meta\[2\] = 1000; expected the number of particles"),
+    ("b", lambda a: heap(1)["a"], r"expected two different bodies"),
+])
+def test_refuses_npz(step, tmp_path, name, change, says):
+    arrays = dict(step[0])
+    array = arrays.pop(name)
+    np.savez(tmp_path / "bad.npz", **arrays, **({name: change(array)} if change else {}))
+    assert_refused(tmp_path / "bad.npz", says)
 
 
 def remove(name):
-    def change(group):
-        del group[name]
-
-    return change
+    return lambda group: group.pop(name)
 
 
-@pytest.mark.parametrize(
-    "change, says",
-    [
-        (remove("W/x"), "fclib_local lacks W/x"),
-        (remove("spacedim"), "fclib_local lacks spacedim"),
-        (remove("vectors/mu"), "fclib_local lacks vectors/mu"),
-        (replace("spacedim", np.array([3])), "spacedim = 3; expected 2"),
-        (replace("W/m", np.array([7])), r"W is 7 × \d+"),
-        (replace("W/nz", np.array([-5])), "W/nz = -5; expected −1"),
-        (replace("W/p", lambda p: p[:-1]), r"W/p is not \d+ ascending pointers"),
-        (replace("W/p", lambda p: p[::-1]), r"W/p is not \d+ ascending pointers"),
-        (replace("W/p", put(-1, 10**6)), r"W/p is not \d+ ascending pointers"),
-        (replace("W/i", put(2, 10**6)), r"a row of W\[2\] = 1e\+06"),
-        (replace("W/x", put(2, np.inf)), r"W\[2\] = inf; expected finite"),
-        (replace("W/x", lambda x: -x), r"the diagonal of W\[\d+\] = -.*positive semi-definite"),
-        (replace("W/x", put(1, 123.0)), r"W is not symmetric: W\["),
-        (replace("vectors/q", lambda q: q[:-2]), r"q has shape"),
-        (replace("vectors/q", put(0, np.nan)), r"q\[0, 0\] = nan"),
-        (replace("vectors/mu", put(2, -1.0)), r"mu\[2\] = -1; expected µ ≥ 0"),
-        (lambda group: group.create_group("V"), "equality constraints"),
-        (lambda group: group.file.move("fclib_local", "fclib_global"),
-         "no group fclib_local but fclib_global"),
-    ],
-)
+@pytest.mark.parametrize("change, says", [
+    (remove("W/x"), "fclib_local lacks W/x"),
+    (remove("spacedim"), "fclib_local lacks spacedim"),
+    (remove("vectors/mu"), "fclib_local lacks vectors/mu"),
+    (replace("spacedim", np.array([3])), "spacedim = 3; expected 2"),
+    (replace("W/m", np.array([7])), r"W is 7 × \d+"),
+    (replace("W/nz", np.array([-5])), "W/nz = -5; expected −1"),
+    (replace("W/p", lambda p: p[:-1]), r"W/p is not \d+ ascending pointers"),
+    (replace("W/p", lambda p: p[::-1]), r"W/p is not \d+ ascending pointers"),
+    (replace("W/p", put(-1, 10**6)), r"W/p is not \d+ ascending pointers"),
+    (replace("W/i", put(2, 10**6)), r"a row of W\[2\] = 1e\+06"),
+    (replace("W/x", put(2, np.inf)), r"W\[2\] = inf; expected finite"),
+    (replace("W/x", lambda x: -x), r"the diagonal of W\[\d+\] = -.*positive semi-definite"),
+    (replace("W/x", put(1, 123.0)), r"W is not symmetric: W\["),
+    (replace("vectors/q", lambda q: q[:-2]), r"q has shape"),
+    (replace("vectors/q", put(0, np.nan)), r"q\[0, 0\] = nan"),
+    (replace("vectors/mu", put(2, -1.0)), r"mu\[2\] = -1; expected µ ≥ 0"),
+    (lambda group: group.create_group("V"), "equality constraints"),
+    (lambda group: group.file.move("fclib_local", "fclib_global"),
+     "no group fclib_local but fclib_global"),
+])
 def test_refuses_fclib(step, tmp_path, change, says):
     arrays, w, q = step
     write_fclib(tmp_path / "bad.h5", w, q, arrays["mu"], -1, change)
-    with pytest.raises(ValueError, match=says) as error:
-        solve(tmp_path / "bad.h5")
-    assert "bad.h5: " in str(error.value) and "\n" not in str(error.value)
+    assert_refused(tmp_path / "bad.h5", says)
 
 
 def test_asymmetry_of_rounded_files_is_accepted(step, tmp_path):
     """Files of Siconos are asymmetric by 1e-10 of the largest entry; 1e-7 is refused."""
     arrays, w, q = step
-    for size, good in ((1e-10, True), (1e-7, False)):
-        off = w.copy()
-        off[0, 1] += size * abs(w).max()
-        write_fclib(tmp_path / "off.h5", off, q, arrays["mu"])
-        if good:
-            assert residual(off, q, arrays["mu"],
-                            solve(tmp_path / "off.h5", "exact", 1e-9).reaction) < 1e-9 * 1.001
-        else:
-            with pytest.raises(ValueError, match="not symmetric"):
-                problems.load(tmp_path / "off.h5")
+    off, path = w.copy(), tmp_path / "off.h5"
+    off[0, 1] = w[0, 1] + 1e-10 * abs(w).max()
+    write_fclib(path, off, q, arrays["mu"])
+    assert residual(off, q, arrays["mu"], solve(path, "exact", 1e-9).reaction) < 1e-9 * 1.001
+    off[0, 1] = w[0, 1] + 1e-7 * abs(w).max()
+    write_fclib(path, off, q, arrays["mu"])
+    assert_refused(path, "not symmetric")
 
 
-@pytest.mark.parametrize(
-    "old, new, says",
-    [
-        ("2\n", "3\n", "dimension = 3; expected 2"),
-        ("CSparse", "CSparse 1 : x\nCSparse", "not a line of a sparse matrix"),
-        ("nnz: ", "nnz: 1", "its header says 1"),
-        ("      0 : ", "      x : ", "line 10 is not a line of a sparse matrix"),
-        ("      0 : ", "      0 : nan ", r"W\[0\] = nan; expected finite"),
-        ("col 0 ", "col y ", "not a line of a sparse matrix"),
-        ("5.00000000000000000e-01 ", "0.5x ", "mu holds a word that is not a number"),
-        ("5.00000000000000000e-01 ", "-0.5 ", r"mu\[\d+\] = -0.5; expected µ ≥ 0"),
-    ],
-)
+@pytest.mark.parametrize("old, new, says", [
+    ("2\n", "3\n", "dimension = 3; expected 2"),
+    ("CSparse", "CSparse 1 : x\nCSparse", "not a line of a sparse matrix"),
+    ("nnz: ", "nnz: 1", "its header says 1"),
+    ("      0 : ", "      x : ", "line 10 is not a line of a sparse matrix"),
+    ("      0 : ", "      0 : nan ", r"W\[0\] = nan; expected finite"),
+    ("col 0 ", "col y ", "not a line of a sparse matrix"),
+    ("5.00000000000000000e-01 ", "0.5x ", "mu holds a word that is not a number"),
+    ("5.00000000000000000e-01 ", "-0.5 ", r"mu\[\d+\] = -0.5; expected µ ≥ 0"),
+])
 def test_refuses_siconos(step, tmp_path, old, new, says):
     arrays, w, q = step
     path = tmp_path / "bad.dat"
@@ -255,9 +207,7 @@ def test_refuses_siconos(step, tmp_path, old, new, says):
     text = path.read_text()
     assert old in text
     path.write_text(text.replace(old, new, 1))
-    with pytest.raises(ValueError, match=says) as error:
-        problems.load(path)
-    assert "bad.dat: " in str(error.value) and "\n" not in str(error.value)
+    assert_refused(path, says)
 
 
 @pytest.mark.parametrize("storage", ["dense", "blocks", "columns", "triplets"])
@@ -265,11 +215,10 @@ def test_refuses_any_siconos_file_that_ends_early(step, tmp_path, storage):
     arrays, w, q = step
     path = tmp_path / "bad.dat"
     write_siconos(path, w, q, arrays["mu"], storage)
-    words = path.read_text().splitlines()
-    for keep in np.linspace(0, len(words) - 1, 15).astype(int):
-        path.write_text("\n".join(words[:keep]))
-        with pytest.raises(ValueError):
-            problems.load(path)
+    lines = path.read_text().splitlines()
+    for keep in np.linspace(0, len(lines) - 1, 15).astype(int):
+        path.write_text("\n".join(lines[:keep]))
+        assert_refused(path, "")
 
 
 def test_refuses_other_files(tmp_path):
@@ -290,6 +239,13 @@ def test_refuses_other_files(tmp_path):
 def run(*arguments):
     return subprocess.run([sys.executable, ROOT / "scripts" / "solve.py", *map(str, arguments)],
                           capture_output=True, text=True, cwd="/")
+
+
+def assert_script_refuses(arguments, says):
+    """The script prints one line, on standard error, and fails."""
+    ended = run(*arguments)
+    assert ended.returncode != 0 and ended.stdout == "" and says in ended.stderr, ended.stderr
+    assert ended.stderr.count("\n") == 1, ended.stderr
 
 
 @pytest.mark.parametrize("name", ["step.npz", "columns.h5", "columns.dat"])
@@ -319,9 +275,7 @@ def test_the_script_reports_errors_in_a_line(files):
          "solver 'best' is not known"),
         ((files / "step.npz", "--tolerance", "-1", "--out", files / "o.npz"), "tolerance = -1"),
     ):
-        ended = run(*arguments)
-        assert ended.returncode != 0 and ended.stdout == "" and says in ended.stderr, ended.stderr
-        assert ended.stderr.count("\n") == 1, ended.stderr
+        assert_script_refuses(arguments, says)
     assert run("--help").returncode == 0
 
 
@@ -347,9 +301,7 @@ def test_script_refuses_before_anything_is_lost(files):
         ((files / "step.npz", "--max-iterations", "1.5", "--out", files / "o.npz"),
          "--max-iterations '1.5': expected a whole number"),
     ):
-        ended = run(*arguments)
-        assert ended.returncode != 0 and ended.stdout == "" and says in ended.stderr, ended.stderr
-        assert ended.stderr.count("\n") == 1, ended.stderr
+        assert_script_refuses(arguments, says)
     assert sorted(files.iterdir()) == names and (files / "step.npz").read_bytes() == before
 
 
@@ -388,9 +340,9 @@ def one_contact(**changes):
                   solver=st.one_of(SCALARS, st.sampled_from(SOLVERS)))
 def test_settings_are_checked(tolerance, max_iterations, solver):
     """Any values give a solution, or one ValueError of one line."""
-    # its time is the given one
-    hypothesis.assume(not (isinstance(max_iterations, int) and max_iterations > 10**4 and tolerance
-                           == 0))
+    # a tolerance of 0 runs all iterations
+    hypothesis.assume(not (isinstance(max_iterations, int) and max_iterations > 10**4
+                           and tolerance == 0))
     try:
         found = solve(problems.BodyProblem(**one_contact()), solver, tolerance, max_iterations)
     except ValueError as error:

@@ -11,6 +11,9 @@ from rcr.network import Network
 from synthetic import particles
 
 
+BOX = (0, 0), (10, 6)
+
+
 def scene(seed, count=30, cell=None):
     """A network of random grains in a box of 10 × 6; contacts anywhere, any pushing forces."""
     rng = np.random.default_rng(seed)
@@ -19,10 +22,8 @@ def scene(seed, count=30, cell=None):
     radius = rng.uniform(0.2, 0.5, count)
     grains = particles(count) | dict(
         position=rng.uniform(0.5, size - 0.5, (count, 2)), angle=rng.uniform(0, 3, count), R=radius,
-        cap_radius=(1 - eta) * radius,
-        half_length=eta * radius, mass=rng.uniform(1, 2, count),
-        velocity=rng.normal(0, 1, (count, 3)),
-    )  # fmt: skip
+        cap_radius=(1 - eta) * radius, half_length=eta * radius, mass=rng.uniform(1, 2, count),
+        velocity=rng.normal(0, 1, (count, 3)))
     one = rng.integers(0, count, 3 * count)
     two = (one + rng.integers(1, count, 3 * count)) % count
     angle = rng.uniform(0, 2 * np.pi, 3 * count)
@@ -33,13 +34,11 @@ def scene(seed, count=30, cell=None):
     branch = np.where(wall[:, None], position, grains["position"][two]) - grains["position"][one]
     force = rng.exponential(1, (3 * count, 1)) * (n + rng.uniform(-0.3, 0.3, (3 * count, 1)) * t)
     contacts = dict(body1=one, body2=np.where(wall, -7, two), type=np.where(wall, 3, 0), normal=n,
-                    branch=branch, force=force, position=position,
-                    points=np.ones(3 * count, int))  # fmt: skip
-    return Network(grains, contacts,
-                   dict(volume=60.0,
-                        **({} if cell is None
-                           else dict(cell=cell, cell_velocity=np.array([[0, 0.5], [0, 0]])
-                                     @ cell))))
+                    branch=branch, force=force, position=position, points=np.ones(3 * count, int))
+    attributes = dict(volume=60.0)
+    if cell is not None:
+        attributes |= dict(cell=cell, cell_velocity=np.array([[0, 0.5], [0, 0]]) @ cell)
+    return Network(grains, contacts, attributes)
 
 
 grids = st.tuples(st.integers(1, 9), st.integers(1, 9))
@@ -56,11 +55,10 @@ def test_sums_over_the_grid_are_those_of_the_scene(seed, cells):
     p = network.particles
     assert total(profile.stress) == pytest.approx(60 * network.stress(), rel=1e-9, abs=1e-9)
     assert total(profile.solid_fraction) == pytest.approx(Frame.of(network).areas().sum())
-    assert profile._sum("momentum").sum(axis=(0, 1)) == pytest.approx(
-        (p["mass"][:, None] * p["velocity"][:, :2]).sum(axis=0), abs=1e-9)
+    momentum = p["mass"] @ p["velocity"][:, :2]
+    assert profile._sum("momentum").sum(axis=(0, 1)) == pytest.approx(momentum, abs=1e-9)
     inner = network.contacts["normal"][network.between_particles]
-    assert profile._sum("fabric").sum(axis=(0, 1)) == pytest.approx(np.einsum("ca,cb->ab", inner,
-        inner), abs=1e-9)
+    assert profile._sum("fabric").sum(axis=(0, 1)) == pytest.approx(inner.T @ inner, abs=1e-9)
 
 
 @settings(max_examples=15, deadline=None)
@@ -75,27 +73,25 @@ def test_images_in_a_periodic_cell_are_one(seed, cells, turns):
     network = scene(seed, cell=cell)
     profile = rcr.Profile(cells).compute(network)
     assert (profile.limits == [[0, 0], [10, 6]]).all()
-    assert 60 * profile.stress.mean(axis=(0, 1)) == pytest.approx(60 * network.stress(), rel=1e-9,
-        abs=1e-9)
+    stress = 60 * profile.stress.mean(axis=(0, 1))
+    assert stress == pytest.approx(60 * network.stress(), rel=1e-9, abs=1e-9)
     assert profile.solid_fraction.mean() * 60 == pytest.approx(Frame.of(network).areas().sum())
     shift, faster = cell @ turns, network.attributes["cell_velocity"] @ turns
-    moved = Network(
-        {k: v for k, v in network.particles.items() if k != "center"}
-        | dict(position=network.particles["position"] + shift,
-               velocity=network.particles["velocity"] + [*faster, 0]),
-        network.contacts | dict(position=network.contacts["position"] + shift), network.attributes,
-    )  # fmt: skip
-    again = rcr.Profile(cells).compute(moved)
+    grains, contacts = network.particles, network.contacts
+    grains = grains | dict(position=grains["position"] + shift,
+                           velocity=grains["velocity"] + [*faster, 0])
+    del grains["center"]
+    contacts = contacts | dict(position=contacts["position"] + shift)
+    again = rcr.Profile(cells).compute(Network(grains, contacts, network.attributes))
     assert again.solid_fraction == pytest.approx(profile.solid_fraction, abs=0.05)
-    assert again._sum("momentum").sum(axis=(0, 1)) == pytest.approx(
-        profile._sum("momentum").sum(axis=(0, 1)), abs=1e-8)
-    assert again.stress.sum(axis=(0, 1)) == pytest.approx(profile.stress.sum(axis=(0, 1)), abs=1e-8)
+    for field in (lambda grid: grid._sum("momentum"), lambda grid: grid.stress):
+        total = field(profile).sum(axis=(0, 1))
+        assert field(again).sum(axis=(0, 1)) == pytest.approx(total, abs=1e-8)
 
 
 def test_layers_are_means_of_a_map():
     network = scene(1)
-    limits = ((0, 0), (10, 6))
-    layers, map_ = (rcr.Profile(cells, limits).compute(network) for cells in ((1, 6), (5, 6)))
+    layers, map_ = (rcr.Profile(cells, BOX).compute(network) for cells in ((1, 6), (5, 6)))
     assert layers.pressure[0] == pytest.approx(map_.pressure.mean(axis=0))
     assert layers.solid_fraction[0] == pytest.approx(map_.solid_fraction.mean(axis=0))
     assert layers.centers[1] == pytest.approx(np.arange(6) + 0.5) and len(map_.edges[0]) == 6
@@ -116,32 +112,37 @@ def test_a_turning_grain_and_a_grain_in_two_cells():
 
 def test_averages_over_moments():
     one, two = scene(1), scene(2)
-    limits = ((0, 0), (10, 6))
-    mean = rcr.Profile((3, 3), limits).compute(one).compute(two, reset=False)
-    apart = [rcr.Profile((3, 3), limits).compute(network) for network in (one, two)]
+    mean = rcr.Profile((3, 3), BOX).compute(one).compute(two, reset=False)
+    apart = [rcr.Profile((3, 3), BOX).compute(network) for network in (one, two)]
     assert mean.stress == pytest.approx(0.5 * (apart[0].stress + apart[1].stress))
     assert mean.compute(two).stress == pytest.approx(apart[1].stress)
 
 
-@pytest.mark.parametrize("cells, quantity", [((1, 4), "velocity_x"), ((4, 1), "pressure"),
-                                             ((4, 4), "shear_stress"), ((4, 4), "coordination")])
-def test_plot_returns_its_axes(cells, quantity):
-    profile = rcr.Profile(cells, ((0, 0), (10, 6))).compute(scene(1))
+@pytest.mark.parametrize("quantity", ["shear_stress", "coordination"])
+def test_plot_returns_its_axes(quantity):
+    profile = rcr.Profile((4, 4), BOX).compute(scene(1))
     ax = profile.plot(quantity=quantity)
     assert profile.plot(ax, quantity) is ax
-    if 1 in cells:
-        (line, _) = ax.get_lines()
-        drawn = line.get_xdata() if cells[0] == 1 else line.get_ydata()
-        assert drawn == pytest.approx({"velocity_x": profile.velocity[0, ..., 0].ravel() if cells[0]
-                                       == 1 else 0, "pressure": profile.pressure.ravel()}[quantity])
+
+
+def test_plot_of_layers_draws_their_values():
+    """Along x for layers over y, along y for layers over x."""
+    rows, columns = (rcr.Profile(cells, BOX).compute(scene(1)) for cells in ((1, 4), (4, 1)))
+    for profile, quantity, drawn, values in (
+            (rows, "velocity_x", lambda line: line.get_xdata(), rows.velocity[0, :, 0]),
+            (columns, "pressure", lambda line: line.get_ydata(), columns.pressure[:, 0])):
+        ax = profile.plot(quantity=quantity)
+        (line,) = ax.get_lines()
+        assert drawn(line) == pytest.approx(values)
+        assert profile.plot(ax, quantity) is ax
 
 
 def test_a_profile_tells_what_it_holds():
     profile = rcr.Profile(cells=(1, 4), limits=((0, -1), (2, 1)))
     assert repr(profile) == "<Profile: 1 × 4 cells, nothing computed yet>"
-    assert repr(
-        profile.compute(scene(1))) == "<Profile: 1 × 4 cells from (0, -1) to (2, 1) m, 1 moment>"
-    assert repr(profile.compute(scene(2), reset=False)) == "<Profile: 1 × 4 cells from (0, -1) to (2, 1) m, mean of 2 moments>"
+    limits = "1 × 4 cells from (0, -1) to (2, 1) m"
+    assert repr(profile.compute(scene(1))) == f"<Profile: {limits}, 1 moment>"
+    assert repr(profile.compute(scene(2), reset=False)) == f"<Profile: {limits}, mean of 2 moments>"
 
 
 def test_what_is_refused():
@@ -159,7 +160,7 @@ def test_what_is_refused():
 
 
 def test_a_frame_that_is_refused_changes_nothing():
-    grid = rcr.Profile(cells=(2, 2), limits=((0, 0), (10, 6))).compute(scene(1))
+    grid = rcr.Profile(cells=(2, 2), limits=BOX).compute(scene(1))
     before = grid.solid_fraction
     turned = scene(2, cell=[[10.0, 0.0], [1.0, 6.0]])
     with pytest.raises(ValueError, match="first edge of the periodic cell"):

@@ -23,7 +23,7 @@ from rcr._pictures.outlines import polygons
 from rcr.study.claims.paper import MAPS, STATEMENTS, nearest
 from rcr.study.runs import Run
 
-from synthetic import packing, write_run
+from synthetic import packing, polygon_areas, write_run
 
 SCRIPT = pathlib.Path(__file__).parents[2] / "scripts" / "network.py"
 
@@ -54,10 +54,23 @@ def written(folders, tmp_path_factory):
     return out, run.stdout
 
 
+@pytest.fixture
+def out(written, tmp_path):
+    """A copy of that folder."""
+    return shutil.copytree(written[0], tmp_path / "out")
+
+
+def assert_refused(says, *arguments):
+    """The script fails with one line."""
+    run = network_script(*arguments)
+    assert run.returncode == 1 and run.stdout == "" and says in run.stderr, run.stderr
+    assert run.stderr.startswith("network.py: ") and run.stderr.count("\n") == 1, run.stderr
+
+
 def test_script_writes_everything(written):
     out, line = written
-    assert re.fullmatch(
-        rf"{out}/report.html: \d+ of \d+ statements agree, \d+ do not, \d+ are not tested\n", line)
+    assert re.fullmatch(rf"{out}/report.html: \d+ of \d+ statements agree, \d+ do not, \d+ are not "
+                        r"tested\n", line)
     content = json.loads((out / "analysis.json").read_text())
     assert list(content) == list(STATEMENTS)
     names = [*figures.FIGURES, *(name.removesuffix(".png") for key in MAPS
@@ -84,34 +97,27 @@ def test_report_is_self_contained(written):
     assert base64.b64decode(image).startswith(b"\x89PNG")
 
 
-def test_analysis_of_other_runs_is_refused(written, folders, tmp_path):
+def test_analysis_of_other_runs_is_refused(out, folders):
     """Maps of an elongation that is no longer there would stay."""
-    out = tmp_path / "out"
-    shutil.copytree(written[0], out)
     before = {path.name: path.read_bytes() for path in out.iterdir()}
     for arguments in ([folders[0]], [*folders, "--from-strain", "0.3"]):
-        run = network_script(*arguments, "--out", out)
-        assert (run.returncode == 1 and "remove it with --overwrite" in run.stderr
-                and run.stderr.count("\n") == 1)
+        assert_refused("remove it with --overwrite", *arguments, "--out", out)
     assert {path.name: path.read_bytes() for path in out.iterdir()} == before
 
 
-def test_a_run_that_has_not_ended_is_told(written, folders, tmp_path):
+def test_a_run_that_has_not_ended_is_told(out, folders, tmp_path):
     """The warning precedes the analysis; here the folder has another one, so nothing is written."""
-    out, going = tmp_path / "out", tmp_path / "going"
-    shutil.copytree(written[0], out), shutil.copytree(folders[0], going)
-    (going / "run.json").write_text(
-        json.dumps(dict(program="biaxial.py", run="x", parameters=dict(eta=0.0, strain=0.7))))
+    going = shutil.copytree(folders[0], tmp_path / "going")
+    record = dict(program="biaxial.py", run="x", parameters=dict(eta=0.0, strain=0.7))
+    (going / "run.json").write_text(json.dumps(record))
     run = network_script(going, "--out", out)
-    assert (run.returncode == 1
-            and f"network.py: the run in {going} is not complete: its last network is at a "
-            "strain of 0.4000, its end at 0.7\n" in run.stderr)
+    assert run.returncode == 1
+    assert (f"network.py: the run in {going} is not complete: its last network is at a strain of "
+            "0.4000, its end at 0.7\n") in run.stderr
 
 
 @pytest.mark.slow
-def test_analysis_of_other_runs_takes_the_place_of_one(written, folders, tmp_path):
-    out = tmp_path / "out"
-    shutil.copytree(written[0], out)
+def test_analysis_of_other_runs_takes_the_place_of_one(out, folders):
     assert network_script(folders[0], "--out", out, "--overwrite").returncode == 0
     assert not (out / "O6-eta-0.5.png").exists() and (out / "O6-eta-0.png").exists()
 
@@ -166,28 +172,25 @@ def test_records_and_snapshots_with_yielded_steps_are_left_out(folders, tmp_path
 
 
 def test_script_includes_yielded_records_on_demand(folders, tmp_path):
-    folder = mark_yielded(folders[1], (0.2, 0.3, 0.4), tmp_path / "marked")
-    refused = network_script(folder, "--out", tmp_path / "out")
-    assert refused.returncode == 1 and "--include-yielded" in refused.stderr
-    run = network_script(folder, "--include-yielded", "--out", tmp_path / "out")
+    folder, new = mark_yielded(folders[1], (0.2, 0.3, 0.4), tmp_path / "marked"), tmp_path / "new"
+    assert_refused("--include-yielded", folder, "--out", new)
+    run = network_script(folder, "--include-yielded", "--out", new)
     assert run.returncode == 0, run.stderr
-    assert "in 3 of 51 records" in (tmp_path / "out" / "report.html").read_text()
+    assert "in 3 of 51 records" in (new / "report.html").read_text()
 
 
 @pytest.mark.parametrize("case", ["nothing", "empty", "broken", "mixed"])
 def test_script_refuses_bad_input(case, folders, tmp_path):
-    bad, out = tmp_path / "bad", tmp_path / "out"
+    bad, new = tmp_path / "bad", tmp_path / "new"
     if case != "nothing":
         bad.mkdir()
     if case == "broken":
         (bad / "network-0.1.h5").write_text("no HDF5")
     if case == "mixed":
         packing(0.3, friction=0.2).save(bad / "network-0.1.h5")
-    run = network_script(folders[0], bad, "--out", out)
-    assert run.returncode == 1 and run.stdout == ""
-    assert run.stderr.startswith("network.py: ") and run.stderr.count("\n") == 1
-    assert ("friction 0.2, 0.5" if case == "mixed" else str(bad)) in run.stderr
-    assert not out.exists()
+    says = "friction 0.2, 0.5" if case == "mixed" else str(bad)
+    assert_refused(says, folders[0], bad, "--out", new)
+    assert not new.exists()
 
 
 def test_plots_draw_into_the_axes_given(result):
@@ -224,20 +227,16 @@ def test_outlines_are_those_of_rounded_cap_rectangles():
     along = np.einsum("nka,na->nk", vertices, axis)
     core = np.clip(along, -p["half_length"][:, None], p["half_length"][:, None])
     distance = np.linalg.norm(vertices - core[..., None] * axis[:, None], axis=-1)
-    assert distance == pytest.approx(
-        np.broadcast_to(p["cap_radius"][:, None], distance.shape), abs=1e-12)
-    x, y = np.moveaxis(vertices, -1, 0)
-    area = 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
-    assert area == pytest.approx(
-        np.pi * p["cap_radius"] ** 2 + 4 * p["cap_radius"] * p["half_length"], rel=0.01)
+    r, a = p["cap_radius"], p["half_length"]
+    assert distance - r[:, None] == pytest.approx(np.zeros_like(distance), abs=1e-12)
+    assert polygon_areas(vertices) == pytest.approx(np.pi * r**2 + 4 * r * a, rel=0.01)
 
 
 def test_segments_join_the_right_grains():
     """Ids need not be in order."""
-    network = packing(0.5, particles_=50, contacts=100)
-    segments = Frame.of(network).segments()
-    turned = packing(0.5, particles_=50, contacts=100)
+    network, turned = (packing(0.5, particles_=50, contacts=100) for _ in range(2))
     turned.particles = {name: column[::-1] for name, column in turned.particles.items()}
+    segments = Frame.of(network).segments()
     assert np.array_equal(Frame.of(turned).segments(), segments)
     assert np.array_equal(segments[:, 0], network.particles["position"][network.contacts["body1"]])
 

@@ -2,23 +2,25 @@
 
 import numpy as np
 import pytest
-from kernel.graphs import grid, star
 from rcr import _kernel
 
 
-@pytest.mark.parametrize(
-    "size, pairs",
-    [
-        (1, []),
-        (2, [(1, 0)]),
-        (7, []),
-        star(30),
-        grid(9, 13),
-        (40, [(i, i + 1) for i in range(39)]),
-        (12, [(i, j) for i in range(12) for j in range(i)]),
-    ],
-    ids=["one row", "two rows", "diagonal", "star", "grid", "chain", "full"],
-)
+def grid(rows, columns):
+    """Number of nodes and list of edges."""
+    at = lambda i, j: i * columns + j
+    across = [(at(i, j), at(i, j + 1)) for i in range(rows) for j in range(columns - 1)]
+    up = [(at(i + 1, j), at(i, j)) for i in range(rows - 1) for j in range(columns)]
+    return rows * columns, across + up
+
+
+STAR = 31, [(0, k) for k in range(1, 31)]
+CHAIN = 40, [(i, i + 1) for i in range(39)]
+FULL = 12, [(i, j) for i in range(12) for j in range(i)]
+GRAPHS = {"one row": (1, []), "two rows": (2, [(1, 0)]), "diagonal": (7, []), "star": STAR,
+          "grid": grid(9, 13), "chain": CHAIN, "full": FULL}
+
+
+@pytest.mark.parametrize("size, pairs", GRAPHS.values(), ids=GRAPHS)
 def test_block_lu_solves_like_a_dense_one(size, pairs):
     """Rows in order and shuffled, each pair in either order, b full and with one number."""
     rng = np.random.default_rng(size)
@@ -56,19 +58,16 @@ def test_refuses_a_singular_block():
                              np.zeros((0, 3, 3)), np.ones((2, 3)))
 
 
-@pytest.mark.parametrize(
-    "pairs, says",
-    [
-        ([(0, 1), (1, 3)], r"pairs\[1\] = \(1, 3\); expected rows from 0 to 2"),
-        ([(-1, 0)], r"pairs\[0\] = \(-1, 0\); expected rows from 0 to 2"),
-        ([(2**31 - 1, 0)], "expected rows from 0 to 2"),
-        ([(2**32 + 1, 0)], "pairs holds 4294967297; expected integers of 32 bits"),
-        ([(0.7, 1)], "pairs holds float64; expected integers"),
-        ([(2, 2)], r"pairs\[0\] = \(2, 2\); expected two different rows"),
-        ([(0, 1), (1, 2), (1, 0)], r"pairs\[2\] = \(1, 0\) is given twice"),
-        ([(0, 1, 2)], r"pairs has shape \(1, 3\); expected \(1, 2\)"),
-    ],
-)
+@pytest.mark.parametrize("pairs, says", [
+    ([(0, 1), (1, 3)], r"pairs\[1\] = \(1, 3\); expected rows from 0 to 2"),
+    ([(-1, 0)], r"pairs\[0\] = \(-1, 0\); expected rows from 0 to 2"),
+    ([(2**31 - 1, 0)], "expected rows from 0 to 2"),
+    ([(2**32 + 1, 0)], "pairs holds 4294967297; expected integers of 32 bits"),
+    ([(0.7, 1)], "pairs holds float64; expected integers"),
+    ([(2, 2)], r"pairs\[0\] = \(2, 2\); expected two different rows"),
+    ([(0, 1), (1, 2), (1, 0)], r"pairs\[2\] = \(1, 0\) is given twice"),
+    ([(0, 1, 2)], r"pairs has shape \(1, 3\); expected \(1, 2\)"),
+])
 def test_refuses_wrong_pairs(pairs, says):
     blocks = np.tile(np.eye(3), (len(pairs), 1, 1))
     with pytest.raises(ValueError, match=says):
@@ -78,16 +77,10 @@ def test_refuses_wrong_pairs(pairs, says):
         _kernel.block_fill(3, np.array(pairs))
 
 
-@pytest.mark.parametrize(
-    "name, shape",
-    [
-        ("diagonal", (2, 3, 3)),
-        ("diagonal", (3, 9)),
-        ("upper", (2, 3, 3)),
-        ("lower", (1, 3, 2)),
-        ("b", (3, 2)),
-    ],
-)
+@pytest.mark.parametrize("name, shape", [
+    ("diagonal", (2, 3, 3)), ("diagonal", (3, 9)), ("upper", (2, 3, 3)), ("lower", (1, 3, 2)),
+    ("b", (3, 2)),
+])
 def test_refuses_blocks_of_wrong_shape(name, shape):
     arrays = dict(pairs=np.array([(0, 1)]), diagonal=np.ones((3, 3, 3)), upper=np.ones((1, 3, 3)),
                   lower=np.ones((1, 3, 3)), b=np.ones((3, 3)))
@@ -95,16 +88,9 @@ def test_refuses_blocks_of_wrong_shape(name, shape):
         _kernel.solve_blocks(**{**arrays, name: np.ones(shape)})
 
 
-@pytest.mark.parametrize(
-    "size, pairs",
-    [
-        star(30),
-        (40, [(i, i + 1) for i in range(39)]),
-        (31, [((k - 1) // 2, k) for k in range(1, 31)]),
-        (5, []),
-        (1, []),
-    ],
-)
+@pytest.mark.parametrize("size, pairs", [
+    STAR, CHAIN, (31, [((k - 1) // 2, k) for k in range(1, 31)]), (5, []), (1, []),
+])
 def test_a_tree_has_no_fill(size, pairs):
     assert _kernel.block_fill(size, pairs) == len(pairs)
 
@@ -115,4 +101,4 @@ def test_a_grid_has_little_fill():
 
 
 def test_a_full_matrix_is_full():
-    assert _kernel.block_fill(12, [(i, j) for i in range(12) for j in range(i)]) == 66
+    assert _kernel.block_fill(*FULL) == 66

@@ -28,13 +28,10 @@ def test_falls_down_to_the_minimum():
 
 
 def test_every_failure_doubles_the_steps_before_the_next_rise():
+    """Two steps after the first failure, four after the second."""
     one = parameter()
-    assert after(one, "-+") == [10, 10] and after(one, "+") == [
-        100
-    ]  # two steps after the first failure
-    assert after(one, "-+++") == [10, 10, 10, 10] and after(one, "+") == [
-        100
-    ]  # four after the second
+    assert after(one, "-++") == [10, 10, 100]
+    assert after(one, "-++++") == [10, 10, 10, 10, 100]
 
 
 def test_patience_has_a_limit_and_recovers():
@@ -43,13 +40,13 @@ def test_patience_has_a_limit_and_recovers():
     after(one, "-----")
     assert after(one, "+" * 8) == [1] * 7 + [10]
     assert after(one, "+" * 4) == [10] * 3 + [100]
-    assert after(one, "+" * 2) == [100, 1000] and after(one, "++") == [1e4, 1e5]
+    assert after(one, "+" * 4) == [100, 1e3, 1e4, 1e5]
 
 
 def test_a_failed_step_restarts_the_count():
     one = parameter()
     after(one, "-+")
-    assert after(one, "-+++") == [1, 1, 1, 1] and after(one, "+") == [10]
+    assert after(one, "-++++") == [1, 1, 1, 1, 10]
 
 
 def test_without_patience_every_step_counts():

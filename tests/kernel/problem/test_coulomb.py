@@ -34,23 +34,19 @@ def solve(W, g, mu):
     return np.array(_kernel.solve_coulomb(W[0][0], W[0][1], W[1][1], g[0], g[1], mu))
 
 
-@pytest.mark.parametrize(
-    "W, g, mu, expected",
-    [
-        pytest.param([[2, 0], [0, 4]], (1, 3), 0.5, (0, 0), id="open"),
-        pytest.param([[2, 0], [0, 4]], (0, 3), 0.5, (0, 0), id="touching, g_n = 0"),
-        pytest.param([[2, 0], [0, 4]], (-1, 3), 0, (0.5, 0), id="frictionless"),
-        pytest.param([[2, 0], [0, 4]], (-1, 0), 0.5, (0.5, 0), id="no slip"),
-        pytest.param([[2, 0], [0, 4]], (-1, 0.8), 0.5, (0.5, -0.2), id="stick"),
-        pytest.param([[2, 0], [0, 4]], (-1, 8), 0.5, (0.5, -0.25), id="slide, slip > 0"),
-        pytest.param([[2, 0], [0, 4]], (-1, -8), 0.5, (0.5, 0.25), id="slide, slip < 0"),
-        pytest.param(
-            [[2, 1], [1, 4]], (-1, 8), 0.5, (2 / 3, -1 / 3), id="slide, coupled, slip > 0"),
-        pytest.param([[2, 1], [1, 4]], (-1, -8), 0.5, (0.4, 0.2), id="slide, coupled, slip < 0"),
-        pytest.param([[2, 0], [0, 0]], (-1, 3), 0.5, (0.5, -0.25), id="w_tt = 0, slide"),
-        pytest.param([[2, 0], [0, 0]], (-1, 0), 0.5, (0.5, 0), id="w_tt = 0, at rest"),
-    ],
-)
+@pytest.mark.parametrize("W, g, mu, expected", [
+    pytest.param([[2, 0], [0, 4]], (1, 3), 0.5, (0, 0), id="open"),
+    pytest.param([[2, 0], [0, 4]], (0, 3), 0.5, (0, 0), id="touching, g_n = 0"),
+    pytest.param([[2, 0], [0, 4]], (-1, 3), 0, (0.5, 0), id="frictionless"),
+    pytest.param([[2, 0], [0, 4]], (-1, 0), 0.5, (0.5, 0), id="no slip"),
+    pytest.param([[2, 0], [0, 4]], (-1, 0.8), 0.5, (0.5, -0.2), id="stick"),
+    pytest.param([[2, 0], [0, 4]], (-1, 8), 0.5, (0.5, -0.25), id="slide, slip > 0"),
+    pytest.param([[2, 0], [0, 4]], (-1, -8), 0.5, (0.5, 0.25), id="slide, slip < 0"),
+    pytest.param([[2, 1], [1, 4]], (-1, 8), 0.5, (2 / 3, -1 / 3), id="slide, coupled, slip > 0"),
+    pytest.param([[2, 1], [1, 4]], (-1, -8), 0.5, (0.4, 0.2), id="slide, coupled, slip < 0"),
+    pytest.param([[2, 0], [0, 0]], (-1, 3), 0.5, (0.5, -0.25), id="w_tt = 0, slide"),
+    pytest.param([[2, 0], [0, 0]], (-1, 0), 0.5, (0.5, 0), id="w_tt = 0, at rest"),
+])
 def test_one_case_per_branch(W, g, mu, expected):
     assert solve(W, g, mu) == pytest.approx(np.array(expected), rel=1e-15)
     check_laws(W, g, mu, expected)
@@ -103,11 +99,6 @@ def test_projection_is_the_nearest_point_of_the_cone(n, t, mu):
 # ---- passive restitution
 
 
-def work(p, before, after):
-    """Twice the energy that an impulse adds, p · (u + u⁻)."""
-    return np.dot(p, np.add(before, after))
-
-
 @pytest.mark.parametrize("e", [0.0, 0.5, 1.0])
 def test_restitution_without_friction_is_not_reduced(e):
     """u⁺ = −e u⁻ dissipates (1 − e²) of the energy."""
@@ -125,13 +116,12 @@ def test_factor_is_the_largest_that_adds_no_energy(seed):
         W, mu = A @ A.T + 0.1 * np.eye(2), rng.uniform(0, 1)
         before = np.array([-1.0, rng.normal(0, 1)])
         w = W[0, 0], W[0, 1], W[1, 1]
-        # impulse and energy for the restitution `factor`, without other impulses
-        impulse = lambda factor: np.array(
-            _kernel.solve_coulomb(*w, before[0] - factor, before[1], mu))
-        gain = lambda factor: work(impulse(factor), before, before + W @ impulse(factor))
+        # impulse, and twice the added energy p · (u + u⁻), for the restitution `factor`
+        impulse = lambda factor: solve(W, (before[0] - factor, before[1]), mu)
+        gain = lambda factor: impulse(factor) @ (2 * before + W @ impulse(factor))
         p = impulse(1)
         factor = _kernel.passive_restitution_factor(*w, p, before, before + W @ p, -1.0, mu)
-        replay = f"seed {seed}: passive_restitution_factor({w}, {p}, {before}, µ = {mu}) = {factor}"
+        replay = f"passive_restitution_factor({w}, {p}, {before}, µ = {mu}) = {factor}"
         scale = np.hypot(*p) * np.hypot(*before)
         if gain(1) <= 1e-3 * scale:
             assert factor == 1, replay

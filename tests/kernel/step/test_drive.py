@@ -5,6 +5,7 @@ P = r/N Σ m (V + |v_free|), L = r/N Σ m |v_free − v⁻|; r = N in a row.
 
 import numpy as np
 import pytest
+from kernel.contact_problems import problem_of
 from rcr import _kernel
 
 V, G = 0.2, 9.81
@@ -12,17 +13,12 @@ V, G = 0.2, 9.81
 
 def scale(masses, before, free, wall=(0.0, V, 0.0), inverse=None, below=None):
     """Return the bounds of a row of bodies above a moving wall; each touches the one below it."""
-    count = len(masses)
     inverse = np.array([[1 / m, 1 / m, 10 / m] for m in masses]) if inverse is None else inverse
-    points = np.arange(count)
+    points = np.arange(len(masses))
     below = points if below is None else below
-    return _kernel.drive(
-        np.vstack([wall, before]), inverse_mass=np.vstack([np.zeros(3), inverse]),
-        free_velocity=np.vstack([wall, free]),
-        bodies=np.stack([below, points + 1], axis=1).astype(np.int32),
-        normal=np.tile([0.0, 1], (count, 1)), arm1=np.zeros((count, 2)), arm2=np.zeros((count, 2)),
-        bias=np.zeros(count), friction=np.full(count, 0.5), impulse=np.zeros((count, 2)),
-    )  # fmt: skip
+    problem = problem_of("row", np.vstack([np.zeros(3), inverse]), np.vstack([wall, free]),
+                         np.stack([below, points + 1], axis=1), normal=(0, 1), friction=0.5)
+    return _kernel.drive(np.vstack([wall, before]), **problem)
 
 
 def test_closed_form():
@@ -37,13 +33,9 @@ def test_closed_form():
 
 
 def test_turning_obstacles_drive_by_the_speed_of_their_points():
-    arm = np.array([[2.0, 0.0]])
-    speed, _, _ = _kernel.drive(
-        np.zeros((2, 3)), inverse_mass=np.array([[0.0, 0, 0], [1, 1, 1]]),
-        free_velocity=np.array([[0.0, 0, 0.5], [0, 0, 0]]), bodies=np.array([[0, 1]], np.int32),
-        normal=np.array([[0.0, 1]]), arm1=arm, arm2=np.zeros((1, 2)), bias=np.zeros(1),
-        friction=np.zeros(1), impulse=np.zeros((1, 2)),
-    )  # fmt: skip
+    problem = problem_of("drum", [[0, 0, 0], [1, 1, 1]], [[0, 0, 0.5], [0, 0, 0]], [[0, 1]],
+                         normal=(0, 1), arm1=(2, 0))
+    speed, _, _ = _kernel.drive(np.zeros((2, 3)), **problem)
     assert speed == 1.0
 
 

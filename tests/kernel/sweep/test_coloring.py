@@ -7,11 +7,9 @@ OVERFLOW = -1
 
 
 def test_lowest_colour_that_is_free_at_both():
-    coloring = _kernel.Coloring(4)
-    taken = [
-        coloring.take(a, True, b, True) for a, b in [(0, 1), (2, 3), (1, 2), (0, 3), (0, 2), (1, 3)]
-    ]
-    assert taken == [0, 0, 1, 1, 2, 2]  # the complete graph of four bodies needs three
+    """The complete graph of four bodies needs three."""
+    coloring, pairs = _kernel.Coloring(4), [(0, 1), (2, 3), (1, 2), (0, 3), (0, 2), (1, 3)]
+    assert [coloring.take(a, True, b, True) for a, b in pairs] == [0, 0, 1, 1, 2, 2]
 
 
 def test_a_driven_body_takes_no_colour():

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (ALL, Problem, beside, discs, frictionless, grains_on_a_floor,
-                                     hub, pile, square_discs, wall_of_bricks, without)
+from kernel.contact_problems import (ALL, beside, discs, frictionless, grains_on_a_floor, hub, pile,
+                                     problem_of, square_discs, wall_of_bricks, without)
 from rcr import _kernel
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -29,16 +29,13 @@ def spindle(layers):
         (begin[k] + i, begin[k + 1] + (8 * i + j if b > a else i // 8 if b < a else (i + j) % b))
         for k, (a, b) in enumerate(zip(layers, layers[1:]))
         for i in range(a) for j in range(8 if b >= a else 1)]
-    count, bodies = len(touch), np.array(touch, np.int32)
-    angle = np.random.default_rng(0).uniform(0, 2 * np.pi, count)
+    angle = np.random.default_rng(0).uniform(0, 2 * np.pi, len(touch))
     n = np.column_stack([np.cos(angle), np.sin(angle)])
-    return Problem("spindle", inverse_mass=np.ones((begin[-1], 3)),
-                   free_velocity=np.zeros((begin[-1], 3)), normal=n, arm1=0.5 * n, arm2=-0.5 * n,
-                   bodies=bodies[np.lexsort(bodies.T[::-1])], bias=np.zeros(count),
-                   friction=np.full(count, 0.4), impulse=np.zeros((count, 2)))
+    return problem_of("spindle", np.ones((begin[-1], 3)), np.zeros((begin[-1], 3)), sorted(touch),
+                      n, 0.5 * n, -0.5 * n, friction=0.4)
 
 
-@pytest.fixture(params=PROBLEMS)
+@pytest.fixture(scope="module", params=PROBLEMS)
 def case(request):
     problem = PROBLEMS[request.param]()
     arrays = "pairs", "islands", "sections", "chunks", "blocks1", "blocks2", "records"
@@ -154,11 +151,11 @@ def test_a_large_island_has_partitions_of_similar_size():
     section = np.full(len(layout["blocks1"]), -1)
     for first, count, _, _, of in chunks:
         section[first : first + count] = of
-    sizes = np.bincount(
-        section[pairs[pairs[:, 4] != NO_SLOT, 4] // WIDTH], minlength=partitions + interfaces)
+    slots = pairs[pairs[:, 4] != NO_SLOT, 4]
+    sizes = np.bincount(section[slots // WIDTH], minlength=partitions + interfaces)
     assert partitions > 2 and interfaces == -(-(partitions - 1) // 4)
-    assert (sizes[:partitions].max() < 1.3 * sizes[:partitions].mean()
-            and sizes[partitions:].sum() < 0.15 * sizes.sum())
+    assert sizes[:partitions].max() < 1.3 * sizes[:partitions].mean()
+    assert sizes[partitions:].sum() < 0.15 * sizes.sum()
 
 
 def test_blocks_have_one_model_and_number_of_points(case):

@@ -38,16 +38,18 @@ def test_allowed_growth_halves_without_a_new_minimum():
     """A run without a new minimum halves the allowed growth; a new minimum raises it by 1.2."""
     momentum = _kernel.Momentum()
     restarts = lambda error: advance(momentum, [error])[-1] == 0
-    assert not restarts(1.0) and restarts(3.01)  # first run: the growth stays at its maximum 2
-    assert not restarts(3.01 * 3) and restarts(3.01 * 3.01)  # minimum 3.01 above 1: growth 1
-    assert not restarts(3.01 * 3.01 * 1.99) and restarts(
-        3.01 * 3.01 * 2.01
-    )  # above 3.01: growth 0.5
-    last = 3.01 * 3.01 * 2.01
-    assert (
-        not restarts(last / 100) and not restarts(last / 100 * 1.49) and restarts(last / 100 * 1.51)
-    )  # new minimum: growth 0.6
-    assert not restarts(last / 100 * 1.51 * 1.59) and restarts(last / 100 * 1.51 * 1.61)
+    # first run: the growth stays at its maximum 2
+    assert not restarts(1.0) and restarts(3.01)
+    # minimum 3.01 above 1: growth 1
+    assert not restarts(3.01 * 3) and restarts(3.01 * 3.01)
+    # minimum above 3.01: growth 0.5
+    last = 3.01 * 3.01
+    assert not restarts(last * 1.99) and restarts(last * 2.01)
+    last *= 2.01 / 100  # a new minimum
+    assert not restarts(last) and not restarts(last * 1.49) and restarts(last * 1.51)
+    # growth 0.6
+    last *= 1.51
+    assert not restarts(last * 1.59) and restarts(last * 1.61)
 
 
 def test_allowed_growth_is_at_least_a_twentieth():

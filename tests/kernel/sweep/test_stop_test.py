@@ -40,9 +40,8 @@ def test_tolerance_at_the_next_interval():
 
 
 def test_equal_to_the_tolerance_is_enough():
-    assert (
-        sweeps(falling, tolerance=0.5**10) == 10 and sweeps(falling, tolerance=0.5**10.01) == 20
-    )
+    assert sweeps(falling, tolerance=0.5**10) == 10
+    assert sweeps(falling, tolerance=0.5**10.01) == 20
 
 
 def test_early_evaluation():
@@ -72,16 +71,11 @@ def test_the_kinematic_tolerance_must_be_met_too():
 
 
 def test_the_mean_force_alone_suffices():
-    change = lambda sweep: 0.1**sweep
-    assert (
-        sweeps(0.9, 0.9, change, check_interval=1, mean_force_change=1e-3) == 4
-    ), "must be less than the setting"
-    assert sweeps(0.9, 0.9, change, check_interval=1, max_iterations=30) == 30
-    assert (
-        sweeps(0.9, 0.9, lambda sweep: math.nan, check_interval=1, mean_force_change=1e-3,
-               max_iterations=30)
-        == 30
-    )
+    """The change must be less than the setting."""
+    change, every = lambda sweep: 0.1**sweep, dict(check_interval=1, max_iterations=30)
+    assert sweeps(0.9, 0.9, change, mean_force_change=1e-3, **every) == 4
+    assert sweeps(0.9, 0.9, change, **every) == 30
+    assert sweeps(0.9, 0.9, math.nan, mean_force_change=1e-3, **every) == 30
 
 
 def test_stops_when_the_residual_stalls():

@@ -1,7 +1,7 @@
 """Readers load a damaged file, or reject it by one ValueError of one line that names it.
 
 Loaded data are still a valid problem, network or history: finite numbers that fit.
-`RCR_DAMAGE=20 scripts/test tests/python/files/test_damaged_files.py` takes twenty times as many variants.
+RCR_DAMAGE=20 takes twenty times as many variants.
 """
 
 import os
@@ -17,7 +17,7 @@ from rcr.study.runs import Run
 
 import synthetic
 from damage import damaged, damaged_text
-from problem_files import dense, heap, write_fclib, write_siconos
+from problem_files import write_fclib, write_siconos
 
 TIMES = int(os.environ.get("RCR_DAMAGE", 1))
 total = [0, 0]  # numbers of files read and refused
@@ -51,10 +51,12 @@ def survey(path, variants, read):
     return count
 
 
-@pytest.fixture(scope="module")
-def step():
-    arrays = heap(1)
-    return arrays, *dense(arrays)
+@pytest.fixture
+def saved(tmp_path):
+    """Path of a small network, and the network."""
+    network, path = synthetic.packing(0.5, particles_=30, contacts=60), tmp_path / "network-0.1.h5"
+    network.save(path)
+    return path, network
 
 
 def read_problem(path):
@@ -86,9 +88,10 @@ def test_siconos_problems(step, tmp_path, storage):
     assert survey(path, damaged_text(path.read_text(), 60 * TIMES), read_problem)[1] > 30
 
 
-@pytest.mark.parametrize("header", ["2 3 1 6 6 -5 3 3", "2 3 0 6 6 1e999", "2 1e9 0 2e9 2e9",
-                                    "2 3 1 6 6 9 1e9 1e9", "inf", "nan 3", "2 -1 0 -2 -2",
-                                    "2 3 1 6 6 9 3 3 -6 4 6"])
+@pytest.mark.parametrize("header", [
+    "2 3 1 6 6 -5 3 3", "2 3 0 6 6 1e999", "2 1e9 0 2e9 2e9", "2 3 1 6 6 9 1e9 1e9", "inf", "nan 3",
+    "2 -1 0 -2 -2", "2 3 1 6 6 9 3 3 -6 4 6",
+])
 def test_siconos_sizes_beyond_the_file(tmp_path, header):
     path = tmp_path / "x.dat"
     path.write_text(header.replace(" ", "\n"))
@@ -96,46 +99,39 @@ def test_siconos_sizes_beyond_the_file(tmp_path, header):
         problems.load(path)
 
 
-def same(network, again):
-    pairs = [(getattr(network, group), getattr(again, group))
-             for group in ("particles", "contacts")]
-    return all(np.array_equal(one[name], other[name]) for one, other in pairs
-               for name in one) and again.attributes["strain"] == network.attributes["strain"]
-
-
-def test_networks(tmp_path):
+def test_networks(saved):
     """Files of rcr are refused, or hold the original data: then only the seal was damaged."""
-    path = tmp_path / "network-0.1.h5"
-    network = synthetic.packing(0.5, particles_=30, contacts=60)
-    network.save(path)
+    path, network = saved
 
-    def read(path):
-        assert same(network, Network.load(path))
+    def read_same(path):
+        again = Network.load(path)
+        for group in "particles", "contacts":
+            one, other = getattr(network, group), getattr(again, group)
+            assert all(np.array_equal(one[name], other[name]) for name in one)
+        assert again.attributes["strain"] == network.attributes["strain"]
 
-    read_, refused = survey(path, damaged(path.read_bytes(), 300 * TIMES), read)
-    assert read_ < 0.2 * refused  # zeros over zeros change nothing
+    read, refused = survey(path, damaged(path.read_bytes(), 300 * TIMES), read_same)
+    assert read < 0.2 * refused  # zeros over zeros change nothing
 
 
-def test_networks_that_others_have_written(tmp_path):
+def test_networks_that_others_have_written(saved):
     """Without a seal HDF5 and the meaning of columns show errors; the rest reads as a network."""
-    path = tmp_path / "network-0.1.h5"
-    synthetic.packing(0.5, particles_=30, contacts=60).save(path)
+    path, _ = saved
     with h5py.File(path, "r+") as file:
         del file.attrs["version"]  # HDF5 may search its damaged heap of words forever
     assert files.SEAL not in path.read_bytes()
 
     def read(path):
         again = Network.load(path)
-        assert ("volume" not in again.attributes or again.stress().shape == (2, 2))
+        assert "volume" not in again.attributes or again.stress().shape == (2, 2)
         assert all(np.isfinite(column).all() for column in again.contacts.values())
 
     assert survey(path, damaged(path.read_bytes(), 200 * TIMES), read)[1] > 30
 
 
-def test_a_network_that_was_changed_on_purpose(tmp_path):
+def test_a_network_that_was_changed_on_purpose(saved):
     """A change by HDF5 removes the seal."""
-    path = tmp_path / "network-0.1.h5"
-    synthetic.packing(0.5, particles_=30, contacts=60).save(path)
+    path, _ = saved
     with h5py.File(path, "r+") as file:
         file.attrs["strain"] = 0.25
         file["contacts/type"][0] = 2
@@ -144,14 +140,13 @@ def test_a_network_that_was_changed_on_purpose(tmp_path):
 
 def test_histories_records_and_summaries(tmp_path):
     folder = synthetic.write_run(tmp_path / "run", 0.5, particles_=30, contacts=60)
-    (folder / "run.json").write_text('{"program": "biaxial.py", "run": "x", "parameters": {"eta": '
-                                     '0.5}}')
+    (folder / "run.json").write_text(
+        '{"program": "biaxial.py", "run": "x", "parameters": {"eta": 0.5}}')
     (folder / "summary.json").write_text('{"eta": 0.5, "missed_fraction": 0.1}')
     Run.read(folder)
     for name, most in (("history.csv", 40), ("run.json", 20), ("summary.json", 20)):
-        text = (folder / name).read_text()
-        assert survey(folder / name, damaged_text(text, most * TIMES),
-                      lambda path: Run.read(path.parent))[1] > 10
+        text, read = (folder / name).read_text(), lambda path: Run.read(path.parent)
+        assert survey(folder / name, damaged_text(text, most * TIMES), read)[1] > 10
         (folder / name).write_text(text)
 
 

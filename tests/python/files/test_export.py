@@ -11,13 +11,7 @@ from rcr import export
 from rcr.export import KINDS, VtkSeries, vtk
 from rcr.frame import Frame
 
-from synthetic import packing
-
-
-def polygon_areas(mesh):
-    """Areas of all polygons by the shoelace formula."""
-    x, y = np.moveaxis(mesh.points[mesh.cells_dict["polygon"]][..., :2], -1, 0)
-    return 0.5 * (x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1)
+from synthetic import packing, polygon_areas
 
 
 def data(mesh, name):
@@ -36,10 +30,11 @@ def test_areas_and_state_come_back(tmp_path):
     grains = meshio.read(vtk(tmp_path / "pile.vtm", network)[0])
     p = network.particles
     r, a = p["cap_radius"], p["half_length"]
-    assert polygon_areas(grains) == pytest.approx(11 * np.sin(np.pi / 11) * r**2 + 4 * a * r,
-                                                  rel=1e-12)
+    corners = grains.points[grains.cells_dict["polygon"]]
+    area = 11 * np.sin(np.pi / 11) * r**2 + 4 * a * r
+    assert polygon_areas(corners[..., :2]) == pytest.approx(area, rel=1e-12)
     assert data(grains, "area") == pytest.approx(np.pi * r**2 + 4 * a * r, rel=1e-14)
-    centres = grains.points[grains.cells_dict["polygon"]].mean(axis=1)
+    centres = corners.mean(axis=1)
     assert centres[:, :2] == pytest.approx(p["position"], abs=1e-9) and not centres[:, 2].any()
     for name in ("id", "angle", "half_length", "mass"):
         assert np.array_equal(data(grains, name), p[name])
@@ -60,12 +55,11 @@ def test_contacts_are_lines_with_forces(tmp_path):
     assert lines[1::2, 1] - lines[0::2, 0] == pytest.approx(network.contacts["branch"])
     force = data(contacts, "force")[::2, :2]
     assert np.array_equal(force, network.contacts["force"])
-    n = network.contacts["normal"]
-    assert data(contacts, "normal_force")[::2] == pytest.approx((force * n).sum(axis=1))
-    assert data(contacts, "shear_force")[::2] ** 2 == pytest.approx((force**2).sum(axis=1)
-        - (force * n).sum(axis=1) ** 2, abs=1e-9)
-    assert contacts.point_data["normal_force"] == pytest.approx(np.repeat((force * n).sum(axis=1),
-        3))
+    normal = (force * network.contacts["normal"]).sum(axis=1)
+    assert data(contacts, "normal_force")[::2] == pytest.approx(normal)
+    shear2 = (force**2).sum(axis=1) - normal**2
+    assert data(contacts, "shear_force")[::2] ** 2 == pytest.approx(shear2, abs=1e-9)
+    assert contacts.point_data["normal_force"] == pytest.approx(np.repeat(normal, 3))
 
 
 def scene(time=0.0):
@@ -81,23 +75,22 @@ def test_obstacles(tmp_path):
     frame.walls = dict(id=np.array([9]), axis=np.array([1]), position=np.array([-1.0]))
     frame.cell = np.array([[40.0, 5], [0, 40]])
     obstacles = meshio.read(vtk(tmp_path / "o.vtm", frame)[2])
-    lines, quads = obstacles.cells_dict["line"], obstacles.cells_dict["quad"]
+    lines, quads = (obstacles.points[obstacles.cells_dict[kind]][..., :2]
+                    for kind in ("line", "quad"))
     kinds = [[KINDS[k] for k in column] for column in obstacles.cell_data["kind"]]
     assert kinds == [["facet", "wall", "cell", "cell", "cell", "cell"], ["box"]]
     assert [list(column) for column in obstacles.cell_data["id"]] == [[8, 9, -1, -1, -1, -1], [7]]
-    assert np.linalg.norm(np.diff(obstacles.points[lines[0]], axis=0)) == pytest.approx(5)
-    assert (obstacles.points[lines[1]][:, 1] == -1).all()
-    assert obstacles.points[lines[2:, 0],
-                            :2] == pytest.approx(np.array([[0, 0], [40, 0], [45, 40], [5, 40]]))
-    assert obstacles.points[quads[0],
-                            :2] == pytest.approx(np.array([[0, 0], [2, 0], [2, 1], [0, 1]]))
+    assert np.linalg.norm(lines[0, 1] - lines[0, 0]) == pytest.approx(5)
+    assert (lines[1, :, 1] == -1).all()
+    assert lines[2:, 0] == pytest.approx(np.array([[0, 0], [40, 0], [45, 40], [5, 40]]))
+    assert quads[0] == pytest.approx(np.array([[0, 0], [2, 0], [2, 1], [0, 1]]))
 
 
 def test_index_names_the_three_files(tmp_path):
     files = vtk(tmp_path / "pile.vtm", packing(0.5))
     parts = list(xml.parse(tmp_path / "pile.vtm").iter("DataSet"))
-    assert [(p.attrib["name"], tmp_path / p.attrib["file"]) for p in parts] == list(
-        zip(("grains", "contacts", "obstacles"), files))
+    assert [p.attrib["name"] for p in parts] == ["grains", "contacts", "obstacles"]
+    assert [tmp_path / p.attrib["file"] for p in parts] == list(files)
     with pytest.raises(ValueError, match="ends in .vtm"):
         vtk(tmp_path / "pile.vtk", packing(0.5))
 
@@ -133,8 +126,8 @@ def test_series_grows_and_its_files_are_there(tmp_path):
     assert [time for time, _ in moments] == [0, 0, 0, 0.1, 0.1, 0.1, 0.3, 0.3, 0.3]
     assert len({file for _, file in moments}) == 9
     assert all((tmp_path / "out" / file).exists() for _, file in moments)
-    assert [part.attrib["part"] for part in xml.parse(series.index).iter("DataSet")] == 3 * ["0",
-        "1", "2"]
+    parts = [part.attrib["part"] for part in xml.parse(series.index).iter("DataSet")]
+    assert parts == 3 * ["0", "1", "2"]
 
 
 def test_a_series_resumes_at_an_earlier_time(tmp_path):

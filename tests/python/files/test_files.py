@@ -69,7 +69,12 @@ def test_a_full_disk_loses_nothing(tmp_path):
     """A limit on file sizes acts on a writer like a full disk."""
     path = tmp_path / "kept"
     files.write(path, b"old")
-    code = "import resource, sys; resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)); from rcr._data import files; files.write(sys.argv[1], bytes(10**6))"
+    code = """
+import resource, sys
+from rcr._data import files
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+files.write(sys.argv[1], bytes(10**6))
+"""
     ended = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True)
     assert ended.returncode == 1 and str(path) in ended.stderr.splitlines()[-1]
     assert path.read_bytes() == b"old" and [p.name for p in tmp_path.iterdir()] == ["kept"]

@@ -5,6 +5,7 @@ import math
 import signal
 import subprocess
 import sys
+import textwrap
 
 import pytest
 from hypothesis import given
@@ -20,10 +21,11 @@ WORDS = st.one_of(st.text(max_size=20), st.floats().map(repr), st.integers().map
 @given(WORDS)
 def test_numbers(text):
     """Numbers are finite, within the range and of 64 bits; else one short line."""
-    for kind, fits in ((script.number("0 ≤ x < 1", lambda v: 0 <= v < 1), lambda v: 0 <= v < 1),
+    share = lambda v: 0 <= v < 1
+    for kind, fits in ((script.number("0 ≤ x < 1", share), share),
                        (script.integer(), lambda v: isinstance(v, int) and abs(v) <= 2**63),
                        (script.at_least(3), lambda v: 3 <= v < 2**31),
-                       (script.number(), math.isfinite)):  # fmt: skip
+                       (script.number(), math.isfinite)):
         try:
             assert fits(kind(text))
         except argparse.ArgumentTypeError as error:
@@ -54,39 +56,52 @@ def test_values_from_python(value):
             assert str(error).startswith("x = ") and "; expected " in str(error)
 
 
-def ended(body):
-    """Exit code, stdout and stderr of a script with this main."""
-    code = f"import sys\nfrom rcr import script\ndef main():\n    {body}\nsys.argv = ['/some/where/x.py']\nscript.run(main)"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    return run.returncode, run.stdout, run.stderr
+def started(body):
+    """A script with this main."""
+    code = f"""
+import sys
+from rcr import script
+
+def main():
+{textwrap.indent(body, "    ")}
+
+sys.argv = ["/some/where/x.py"]
+script.run(main)
+"""
+    return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, text=True)
 
 
-@pytest.mark.parametrize(
-    "body, code, errors",
-    [
-        ("print('fine')", 0, ""),
-        ("raise ValueError('a\\nb')", 1, "x.py: a b\n"),
-        ("open('/none/x')", 1, "x.py: /none/x: No such file or directory\n"),
-        ("raise KeyboardInterrupt", 130, "x.py: stopped\n"),
-        ("raise script.Stopped('stopped here; go on so')", 130, "x.py: stopped here; go on so\n"),
-        ("raise MemoryError", 1, "x.py: the memory does not suffice; choose a smaller problem\n"),
-        ("sys.exit('why')", 1, "x.py: why\n"),
-        ("script.Parser(prog='x.py').parse_args(['--what'])", 2, "x.py: unrecognized arguments: "
-         "--what\n"),
-    ],
-)
+@pytest.mark.parametrize("body, code, errors", [
+    ("print('fine')", 0, ""),
+    ("raise ValueError('a\\nb')", 1, "a b"),
+    ("open('/none/x')", 1, "/none/x: No such file or directory"),
+    ("raise KeyboardInterrupt", 130, "stopped"),
+    ("raise script.Stopped('stopped here; go on so')", 130, "stopped here; go on so"),
+    ("raise MemoryError", 1, "the memory does not suffice; choose a smaller problem"),
+    ("sys.exit('why')", 1, "why"),
+    ("script.Parser(prog='x.py').parse_args(['--what'])", 2, "unrecognized arguments: --what"),
+])
 def test_ends(body, code, errors):
-    assert ended(body) == (code, "fine\n" if code == 0 else "", errors)
+    process = started(body)
+    expected = ("", f"x.py: {errors}\n") if code else ("fine\n", "")
+    assert process.communicate() == expected and process.returncode == code
 
 
 def test_a_first_signal_stops_later_a_second_one_at_once():
-    body = "with script.stoppable() as stop:\n        print('in', flush=True)\n        while True:\n            if stop.asked: print('asked', flush=True); stop.asked = 2\n            sys.stdin"
-    code = f"import sys\nfrom rcr import script\ndef main():\n    {body}\nsys.argv = ['x.py']\nscript.run(main)"
+    body = """
+with script.stoppable() as stop:
+    print("in", flush=True)
+    while True:
+        if stop.asked:
+            print("asked", flush=True)
+            stop.asked = 2
+"""
     for number in (signal.SIGINT, signal.SIGTERM):
-        process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, text=True)
+        process = started(body)
         assert process.stdout.readline() == "in\n"
         process.send_signal(number)
         assert process.stdout.readline() == "asked\n"
         process.send_signal(number)
-        assert process.communicate(timeout=60)[1] == "x.py: stopped\n" and process.returncode == 130
+        assert process.communicate(timeout=60)[1] == "x.py: stopped\n"
+        assert process.returncode == 130

@@ -2,6 +2,28 @@
 
 import random
 
+import numpy as np
+
+
+def put(index, value):
+    """A change of an array: `value` at `index`."""
+    def change(array):
+        array = np.array(array)
+        array[index] = value
+        return array
+
+    return change
+
+
+def replace(name, value):
+    """A change of an HDF5 group: `value`, or `value` of the old array, as the array `name`."""
+    def change(group):
+        array = value(group[name][()]) if callable(value) else value
+        del group[name]
+        group[name] = array
+
+    return change
+
 
 def damaged(whole, count, seed=1):
     """`count` variants of the bytes `whole`: cut, doubled, empty, flipped bits, zeros, noise."""
@@ -24,7 +46,8 @@ def damaged(whole, count, seed=1):
 def damaged_text(text, count, seed=1):
     """`count` variants of a table: words replaced, dropped or doubled; then `damaged`."""
     rng = random.Random(seed)
-    strange = "nan inf -inf 1e400 -1 0 1e-320 2147483648 1e18 999999999 abc µ 1,5 0x10 1j -- ' \" \0".split(" ")
+    strange = ("nan inf -inf 1e400 -1 0 1e-320 2147483648 1e18 999999999 abc µ 1,5 0x10 1j -- ' \" "
+               "\0").split(" ")
     for _ in range(count):
         lines = text.split("\n")
         row = rng.randrange(len(lines))
