@@ -62,31 +62,14 @@ def ratios(chart, name):
     return table(header, [[short(cell) for cell in row] for row in rows])
 
 
-def scene_constants(name):
-    """TITLE, PREDICATE and other constants of a hard scene, read without YADE."""
-    found = {}
-    source = (ROOT / "benchmarks" / "hard_scenes" / f"{name}.py").read_text()
-    for node in ast.parse(source).body:
-        if not isinstance(node, ast.Assign):
-            continue
-        target, value = node.targets[0], node.value
-        pairs = [(target, value)]
-        if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
-            pairs = zip(target.elts, value.elts)
-        for variable, constant in pairs:
-            if isinstance(constant, ast.Constant):
-                found[variable.id] = constant.value
-            elif isinstance(constant, ast.Attribute) and variable.id.isupper():  # of another scene
-                found[variable.id] = scene_constants(constant.value.id)[constant.attr]
-    return found
-
-
 def stability_rows():
     return [row for row in measured("d-stability") if row["status"] == "ok"]
 
 
 def hard_scenes():
     """Verdicts of every hard scene."""
+    from benchmarks import hard_scenes as suite
+
     runs = {(row["scene"], row["law"], row["dt"]): row for row in stability_rows()}
 
     def result(*key):
@@ -94,9 +77,9 @@ def hard_scenes():
 
     rows = []
     for name in dict.fromkeys(scene for scene, _, _ in runs):
-        scene = scene_constants(name)
-        title = f"{name[:3].upper().replace('S0', 'S')} {scene['TITLE']}"
-        rows.append([title, scene["PREDICATE"], f"{scene['BOUND']:g}", result(name, "cd", 1e-3),
+        scene = suite.scene(name)
+        title = f"{name[:3].upper().replace('S0', 'S')} {scene.TITLE}"
+        rows.append([title, scene.PREDICATE, f"{scene.BOUND:g}", result(name, "cd", 1e-3),
                      result(name, "cd", 1e-2), result(name, "smooth", 1e-4)])
     header = ["scene", "must hold", "bound", "rigid, 1 ms", "rigid, 10 ms", "springs, 0.1 ms"]
     return table(header, rows)
