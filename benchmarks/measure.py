@@ -160,10 +160,9 @@ def mirrored(problem, seed=1, change=0.05):
     ValueError
         If no such wall exists.
     """
-    axis, sign, speed = _straight_wall(problem)
+    axis, speed, gone = _straight_wall(problem)
     flip = 1 - 2 * np.eye(2)[axis]
     turn = np.append(flip, -1)
-    gone = _walls(problem, axis, sign, speed)
     count = len(problem.inverse_mass)
     at_wall = np.isin(problem.bodies, gone).any(1)
     kept = ~at_wall
@@ -195,25 +194,24 @@ def mirrored(problem, seed=1, change=0.05):
         impulse=join("impulse", problem.impulse * [1, -1], problem.impulse[at_wall]))
 
 
-def _walls_seen(problem):
-    """(body, axis, sign of the outward normal, speed along the axis) of every straight wall."""
+def _straight_wall(problem):
+    """(axis of the normal, speed along it, bodies) of the first straight wall.
+
+    Prescribed bodies with the same normal and speed form one wall.
+    """
+    walls = {}
     for body in np.flatnonzero(~(problem.inverse_mass > 0).any(1)):
         first, second = (problem.bodies == body).T
         normals = np.concatenate([problem.normal[first], -problem.normal[second]])
         if len(normals) and (normals == normals[0]).all() and abs(normals[0]).max() == 1:
             axis = int(abs(normals[0, 1]) == 1)
-            yield body, axis, normals[0, axis], problem.free_velocity[body, axis]
-
-
-def _straight_wall(problem):
-    for _, axis, sign, speed in _walls_seen(problem):
-        return axis, sign, speed
-    raise ValueError("expected a prescribed body whose contacts share one normal along x or y; "
-                     "give a problem with a straight wall")
-
-
-def _walls(problem, axis, sign, speed):
-    return [body for body, *wall in _walls_seen(problem) if wall == [axis, sign, speed]]
+            speed = problem.free_velocity[body, axis]
+            walls.setdefault((axis, speed, normals[0, axis]), []).append(body)
+    if not walls:
+        raise ValueError("expected a prescribed body whose contacts share one normal along x or y; "
+                         "give a problem with a straight wall")
+    (axis, speed, _), bodies = next(iter(walls.items()))
+    return axis, speed, bodies
 
 
 def lever(problem):

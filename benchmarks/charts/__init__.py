@@ -93,11 +93,8 @@ class Table:
             rows = []
             for row in reader:
                 if None in row or None in row.values():
-                    raise ValueError(
-                        f"line {reader.line_num}: expected {len(reader.fieldnames)} cells")
-                rows.append({"settings": ""}
-                            | {name: _value(name, cell)
-                               for name, cell in row.items()})
+                    raise ValueError(f"line {reader.line_num}: expected {len(names)} cells")
+                rows.append(dict(settings="") | {name: number(row[name]) for name in names})
             return rows
 
     @property
@@ -117,12 +114,8 @@ class Table:
         files.write(self.path, files.table(self.columns, self.all))
 
 
-_WORDS = {"point", "settings", "status", "command"}
-
-
-def _value(name, cell):
-    if name in _WORDS:
-        return cell
+def number(cell):
+    """A cell of a CSV as a float, or as its text if it is no number."""
     try:
         return float(cell)
     except ValueError:

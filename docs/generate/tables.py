@@ -21,8 +21,9 @@ import sys
 DOCS = pathlib.Path(__file__).resolve().parents[1]
 ROOT = DOCS.parent
 sys.path[:0] = [str(ROOT), str(ROOT / "py")]
+from benchmarks import charts
+
 MARK = re.compile(r"(<!-- table: (\S+) -->\n).*?(<!-- end -->)", re.S)
-TEXTS = {"point", "status", "command", "law", "scene", "title", "verdict"}  # columns of charts
 
 
 def table(header, rows):
@@ -35,26 +36,12 @@ def table(header, rows):
 def measured(name):
     """Rows (dicts) of a CSV in docs/results/charts, with numbers as floats."""
     with open(DOCS / "results" / "charts" / f"{name}.csv", newline="") as file:
-        return [{key: cell if key in TEXTS else number(cell) for key, cell in row.items()}
+        return [{key: charts.number(cell) for key, cell in row.items()}
                 for row in csv.DictReader(file)]
-
-
-def number(cell):
-    try:
-        return float(cell)
-    except ValueError:
-        return cell
-
-
-def results_table(name):
-    """Table of the study in docs/results."""
-    return (DOCS / "results" / name / "table.md").read_text().rstrip("\n") + "\n"
 
 
 def ratios(chart, name):
     """Table of a chart, as scripts/chart.py prints it."""
-    from benchmarks import charts
-
     lines = charts.chart(chart).ratios(measured(name))
     header, _, *rows = (line.split(" | ") for line in lines)
     plain = lambda match: f"{float(match[0]):g}"  # 1e+03 as 1000
@@ -203,7 +190,7 @@ TABLES = {
     "biaxial-cost": lambda: ratios("c", "c-biaxial-cost"),
     "hard-scenes": hard_scenes,
     "stability": stability,
-    "study": lambda: results_table("study"),
+    "study": lambda: (DOCS / "results" / "study" / "table.md").read_text(),
     "quasi-static": lambda: ratios("e", "e-quasi-static"),
     "examples": examples,
     "sloshing": sloshing,
