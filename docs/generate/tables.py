@@ -7,6 +7,7 @@ A page names a table, and this script writes it between the marks:
     …
     <!-- end -->
 
+Run it with YADE:  scripts/lib/run python3 docs/generate/tables.py
 `--check` writes nothing and exits with 1 if a page is out of date.
 """
 
@@ -18,11 +19,14 @@ import pathlib
 import re
 import sys
 
+import yade  # noqa: F401: rcr loads its plugin into it
+from benchmarks import charts, hard_scenes as suite
+from rcr._yade.counterparts import COUNTERPARTS
+from rcr.plot import CATEGORIES, CONTACTS, SCALES
+from rcr.profile import QUANTITIES
+
 DOCS = pathlib.Path(__file__).resolve().parents[1]
 ROOT = DOCS.parent
-sys.path[:0] = [str(ROOT), str(ROOT / "py")]
-from benchmarks import charts
-
 MARK = re.compile(r"(<!-- table: (\S+) -->\n).*?(<!-- end -->)", re.S)
 
 
@@ -55,8 +59,6 @@ def stability_rows():
 
 def hard_scenes():
     """Verdicts of every hard scene."""
-    from benchmarks import hard_scenes as suite
-
     runs = {(row["scene"], row["law"], row["dt"]): row for row in stability_rows()}
 
     def result(*key):
@@ -149,34 +151,26 @@ def named(header, texts):
 
 
 def colors():
-    from rcr.plot import CATEGORIES, SCALES
-
     shown = {name: re.sub(r"\$(.*?)\$", r"\1", scale.label) for name, scale in SCALES.items()}
     any_color = {"'#e8e4da'": "this or any other colour of Matplotlib"}
     return named(["color", "shows"], shown | CATEGORIES | any_color)
 
 
 def contact_colors():
-    from rcr.plot import CONTACTS
-
     shape = "segments from centre to contact to centre, as thick as the normal force"
     return named(["contacts", shape], CONTACTS)
 
 
 def quantities():
-    from rcr.profile import QUANTITIES
-
     plain = lambda label: label.replace("$", "").replace("\\sigma_{xy}", "σ_xy")
     texts = {name: plain(label) for name, (label, *_) in QUANTITIES.items()}
     return named(["quantity", "is"], texts)
 
 
 def counterparts():
-    """Classes of YADE and their counterparts, read without YADE."""
-    tree = ast.parse((ROOT / "py" / "rcr" / "_yade" / "counterparts.py").read_text())
-    (known,) = (ast.literal_eval(node.value) for node in tree.body if isinstance(node, ast.Assign))
+    """Classes of YADE and their counterparts."""
     rows = [[", ".join(f"`{name}`" for name in names), re.sub(r"^(\S+)", r"`\1`", counterpart)]
-            for counterpart, names in known.items()]
+            for counterpart, names in COUNTERPARTS.items()]
     return table(["of YADE", "of rcr"], rows)
 
 
