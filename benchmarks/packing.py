@@ -115,8 +115,8 @@ def _from_step(path):
         if missing:
             raise ValueError(f"{path}: lacks {', '.join(missing)}; "
                              f"expected the bodies of a step, {', '.join(names)}")
-        state, before, free, inverse_mass, inverse_inertia, (dt, _, count) = (np.asarray(
-            file[name], float) for name in names)
+        arrays = [np.asarray(file[name], float) for name in names]
+    state, before, free, inverse_mass, inverse_inertia, (dt, _, count) = arrays
     count, inverse_mass = int(count), inverse_mass.reshape(len(inverse_mass), -1)[:, 0]
     if len(state) != count + 4:
         raise ValueError(f"{path}: state has {len(state)} rows for {count} particles; "

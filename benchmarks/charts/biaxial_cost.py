@@ -22,6 +22,7 @@ import os
 import time
 
 import numpy as np
+from matplotlib.figure import Figure
 from yade.wrapper import Omega
 
 from benchmarks.charts import legend_handles
@@ -217,8 +218,6 @@ STYLES = dict(dt=("0", "o", "-"), tolerance=("0", "s", "--"), inertial_number=("
 
 
 def plot(rows, options):
-    from matplotlib.figure import Figure
-
     rows = [row for row in rows if row["status"] == "ok"]
     figure = Figure(figsize=(9, 2.6 * len(OBSERVED)))
     for line, name in zip(figure.subplots(len(OBSERVED), len(ETAS), sharex="col"), OBSERVED):

@@ -23,6 +23,7 @@ the column is 0.072 ± 0.007 m with ζ = 0.3 (e = 0.45) and 0.055 ± 0.002 m wit
 import math
 
 import numpy as np
+from matplotlib.figure import Figure
 from yade.minieigenHP import Vector3
 from yade.wrapper import (Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider,
                           InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker,
@@ -181,8 +182,6 @@ def run(name, options):
 
 
 def plot(rows, options):
-    from matplotlib.figure import Figure
-
     rows = [row for row in rows if row["status"] == "ok"]
     figure = Figure(figsize=(10, 7.5))
     for ax, scene in zip(figure.subplots(2, 2).flat, SCENES):

@@ -11,6 +11,7 @@ import sys
 import tempfile
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from benchmarks import ROOT, measure, outside
 from benchmarks.charts import legend_handles
@@ -164,8 +165,6 @@ def _panel(ax, rows):
 
 
 def plot(rows, options):
-    from matplotlib.figure import Figure
-
     rows = [row for row in rows if row["status"] == "ok"]
     counts = sorted({row["particles"] for row in rows})
     figure = Figure(figsize=(4 * len(counts), 9))

@@ -16,6 +16,7 @@ import pathlib
 import time
 
 import numpy as np
+from matplotlib.figure import Figure
 from yade.wrapper import Omega
 
 from rcr.network import Network, sin_phi
@@ -259,8 +260,6 @@ def _cell(value, error):
 
 
 def plot(rows, options):
-    from matplotlib.figure import Figure
-
     groups = {key: group for key, group in _groups(rows).items() if _with(group, BASE)}
     figure = Figure(figsize=(2 + 3 * max(1, len(groups)), 7), layout="constrained")
     axes = figure.subplots(1, max(1, len(groups)), sharex=True, sharey=True, squeeze=False)[0]

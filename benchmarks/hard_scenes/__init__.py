@@ -20,7 +20,8 @@ import time
 from . import driven
 from .stage import COARSE, DT, Clock, ContactDynamics, Smooth
 
-__all__ = ["COARSE", "DT", "TIGHT", "ContactDynamics", "Result", "Smooth", "names", "run", "scene"]
+__all__ = ["COARSE", "DT", "TIGHT", "ContactDynamics", "Result", "Smooth", "names", "run", "scene",
+           "title"]  # fmt: skip
 
 TUNNEL = 1.0  # overlap over the smaller cap radius at which a contact reaches a centre line
 TIGHT = ContactDynamics(dict(tolerance=1e-10, kinematicTolerance=1e-5))  # without solver errors
@@ -36,6 +37,11 @@ def names():
 def scene(name):
     """The scene of this name."""
     return driven.SCENES.get(name) or importlib.import_module(f"{__name__}.{name}")
+
+
+def title(name):
+    """Number and title of a scene."""
+    return f"{name[:3].upper().replace('S0', 'S')} {scene(name).TITLE}"
 
 
 @dataclasses.dataclass(frozen=True)

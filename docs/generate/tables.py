@@ -67,9 +67,9 @@ def hard_scenes():
     rows = []
     for name in dict.fromkeys(scene for scene, _, _ in runs):
         scene = suite.scene(name)
-        title = f"{name[:3].upper().replace('S0', 'S')} {scene.TITLE}"
-        rows.append([title, scene.PREDICATE, f"{scene.BOUND:g}", result(name, "cd", 1e-3),
-                     result(name, "cd", 1e-2), result(name, "smooth", 1e-4)])
+        rows.append([suite.title(name), scene.PREDICATE, f"{scene.BOUND:g}",
+                     result(name, "cd", 1e-3), result(name, "cd", 1e-2),
+                     result(name, "smooth", 1e-4)])
     header = ["scene", "must hold", "bound", "rigid, 1 ms", "rigid, 10 ms", "springs, 0.1 ms"]
     return table(header, rows)
 
