@@ -2,7 +2,6 @@
 
 Each module of this package is a chart:
 
-    TITLE                       title of the figure
     points(options)             names of its points, in the order of their runs
     run(name, options)          rows (dicts) of one point; most have one
     plot(rows, options)         the figure
@@ -17,7 +16,6 @@ import csv
 import dataclasses
 import importlib
 import os
-import time
 
 from rcr._data import files
 
@@ -126,13 +124,3 @@ def legend_handles(figure):
     """{label: handle} of the lines of all panels."""
     return {label: handle for ax in figure.axes
             for handle, label in zip(*ax.get_legend_handles_labels())}
-
-
-def least_time(repeats, work):
-    """Result of `work()` and its minimum processor time over `repeats` runs [s]."""
-    seconds = []
-    for _ in range(repeats):
-        start = time.process_time()
-        result = work()
-        seconds.append(time.process_time() - start)
-    return result, min(seconds)

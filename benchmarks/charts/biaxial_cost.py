@@ -34,7 +34,6 @@ from rcr.study.protocol import PROTOCOL
 O = Omega()
 RECORD = PROTOCOL.record_strain  # strain of a record
 STRESS = PROTOCOL.confining_stress  # [Pa]
-TITLE = "Biaxial test: error against processor time of 20 % of strain"
 TITLES = dict(sin_phi="q/p", packing_fraction="packing fraction", friction_mobilization="I_M",
               mobilized="share of sliding contacts (I_m > 0.99)",
               weak_fabric="fabric of weak contacts, a_c(ξ = 1)",

@@ -21,7 +21,6 @@ from rcr.study.protocol import PROTOCOL
 
 RECORD = PROTOCOL.record_strain  # strain of a record
 
-TITLE = "One step: residual against processor time"
 COLUMNS = ("problem eta particles contacts library start tolerance iterations seconds"
            " residual").split()
 DEPENDS = ("quick",)

@@ -32,7 +32,6 @@ from . import biaxial_cost
 
 O = Omega()
 RECORD = PROTOCOL.record_strain  # strain of a record
-TITLE = "Biaxial test: changes of the observables by rate, time step and solver"
 APPROACH, FROM, STRAIN, LAST, LOOK = 0.1, 0.15, 0.3, 0.5, 0.01  # strains
 PAUSE = 60  # seconds between two checkpoints
 OBSERVED = dict(sin_phi="sin φ", packing_fraction="packing fraction", friction_mobilization="I_M",

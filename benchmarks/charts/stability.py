@@ -12,7 +12,6 @@ from matplotlib.patches import Patch, Rectangle
 
 from benchmarks import hard_scenes as suite
 
-TITLE = "Hard scenes: holds, drifts, blows up"
 COLUMNS = "scene title law dt verdict measured bound gain overlap steps seconds".split()
 DEPENDS = ("quick",)
 LAWS = dict(cd=suite.ContactDynamics(), smooth=suite.Smooth())
