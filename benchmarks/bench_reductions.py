@@ -5,16 +5,13 @@ without friction. Times are processor time, the minimum of several runs: per con
 sweep, or of a whole solution.
 """
 
-import contextlib
-import os
 from functools import partial
 
 import numpy as np
 
 import rcr._kernel as kernel
-from benchmarks import measure
+from benchmarks import measure, tables
 from rcr import problems, script
-from rcr._data import results
 
 ALL = ["frictionless", "discs", "fixed", "islands", "layout"]
 COLUMNS = ["reduction", "problem", "points", "what", "full", "reduced", "full_over_reduced"]
@@ -144,22 +141,13 @@ def main():
     parser.add_argument(
         "problems", nargs="*", metavar="PROBLEM",
         help="file .npz with bodies (default: lattices of 500, 2000 and 8000 discs)")
-    parser.add_argument("--repeats", type=script.at_least(1), default=20, metavar="N",
-                        help="runs; the fastest counts (default %(default)s)")
+    tables.add_repeats(parser, 20)
     script.add_results(parser, "table", required=False)
     options = parser.parse_args()
     given = measure.given(options.problems)
     for name, problem in given:
         if not isinstance(problem, problems.BodyProblem):
             raise ValueError(f"{name}: holds W and q; expected bodies, give a .npz file")
-    owner = dict(parameters=measure.given_options(options), made=["reductions.csv"],
-                 overwrite=options.overwrite)
-    folder = contextlib.nullcontext()
-    if options.out:
-        folder = results.claim_folder(options.out, "bench_reductions.py", **owner)
-    with folder as begin:
-        table = list(rows([(name, problem.arrays()) for name, problem in given], options))
-        measure.show("reductions", table, COLUMNS)
-        if options.out:
-            begin()
-            measure.write(os.path.join(options.out, "reductions.csv"), table, COLUMNS)
+    arrays = [(name, problem.arrays()) for name, problem in given]
+    measured = lambda options: dict(reductions=list(rows(arrays, options)))
+    tables.store("bench_reductions.py", options, dict(reductions=COLUMNS), measured)

@@ -16,9 +16,8 @@ from functools import partial
 import numpy as np
 
 import rcr._kernel as kernel
-from benchmarks import FOLDER, measure, outside
+from benchmarks import FOLDER, measure, outside, tables
 from rcr import problems, script
-from rcr._data import results
 
 TOLERANCES = 1e-4, 1e-6, 1e-8, 1e-10
 SOLVERS = "nesterov", "exact", "auto"
@@ -235,10 +234,7 @@ def arguments():
     add("--warm", action="store_true", help="start from the impulses in the files too")
     add("--threads", type=script.THREADS, nargs="+", default=[1, 2], metavar="N",
         help="numbers of threads of the sweeps (default: 1 2)")
-    add("--repeats", type=script.at_least(1), default=20, metavar="N",
-        help="runs; the fastest counts (default %(default)s)")
-    add("--budget", type=script.number("seconds ≥ 0", lambda v: v >= 0), default=5, metavar="S",
-        help="seconds after which a run is not repeated (default %(default)s)")
+    tables.add_repeats(parser, 20, budget=5)
     add("--max-iterations", type=script.at_least(1), default=100000, metavar="N",
         help="largest number of iterations (default %(default)s)")
     add("--siconos", metavar="PYTHON",
@@ -269,35 +265,28 @@ def given(options):
             yield f"{name} x{2**k}", problem
 
 
-def main():
-    options = arguments()
-    check(options)
-    with results.claim_folder(options.out, "bench_solver.py", measure.given_options(options),
-                              [f"{name}.csv" for name in COLUMNS],
-                              overwrite=options.overwrite) as begin:
-        tables = measured(options)
-        begin()
-        for name, rows in tables.items():
-            measure.show(name, rows, COLUMNS[name])
-            measure.write(os.path.join(options.out, f"{name}.csv"), rows, COLUMNS[name])
-
-
 def measured(options):
     """{name: rows} of every table."""
-    tables = {name: [] for name in COLUMNS}
+    made = {name: [] for name in COLUMNS}
     for name, problem in given(options):
         case = Case(name, problem)
         print(f"{name}: {case.points} contact points", file=sys.stderr)
         if "sweeps" in options.only:
-            tables["sweeps"] += sweep_rows(case, options.repeats, options.threads)
-            tables["roofline"] += roofline_rows(case, options.repeats)
+            made["sweeps"] += sweep_rows(case, options.repeats, options.threads)
+            made["roofline"] += roofline_rows(case, options.repeats)
         if "tolerances" in options.only:
             for warm in (False, True) if options.warm else (False,):
                 rows = [row for solver in options.solvers
                         for row in tolerance_rows(case, solver, warm, options)]
                 peers = list(siconos_rows(case, warm, options)) if options.siconos else []
                 compare(rows, peers)
-                tables["tolerances"] += rows
-                tables["peers"] += peers
-    tables["growth"] = list(growth_rows(tables["tolerances"]))
-    return tables
+                made["tolerances"] += rows
+                made["peers"] += peers
+    made["growth"] = list(growth_rows(made["tolerances"]))
+    return made
+
+
+def main():
+    options = arguments()
+    check(options)
+    tables.store("bench_solver.py", options, COLUMNS, measured)

@@ -14,15 +14,15 @@ import json
 import os
 import sys
 import tempfile
+import time
 from functools import partial
 
 import numpy as np
 
 import rcr._kernel as kernel
-from benchmarks import ROOT, measure, outside
+from benchmarks import ROOT, measure, outside, tables
 from benchmarks import packing as packings
 from rcr import script
-from rcr._data import results
 from rcr.problems import BodyProblem
 
 FEW, MANY = 10, 210  # iterations; their difference gives the cost of one
@@ -32,11 +32,13 @@ BLOCK = 50  # steps in YADE between two readings of the clock
 SETTLE = 10  # steps in YADE before the timing
 PEERS = dict(chipmunk="libchipmunk-dev", box2d="libbox2d-dev")
 
-STEP_COLUMNS = ("packing shape grains points library start iterations ns covers ms "
-                "ms_without_iterations residual mean_overlap velocity_error").split()
-ENGINE_COLUMNS = "folder grains points threads way engine ms share".split()
-YADE_COLUMNS = ("folder eta grains points threads way steps in_arrays ms ms_least ms_processor "
-                "iterations tolerance residual_max ms_sweeps ms_rest").split()
+COLUMNS = dict(
+    yade_engines="folder grains points threads way engine ms share".split(),
+    yade_step=("folder eta grains points threads way steps in_arrays ms ms_least ms_processor "
+               "iterations tolerance residual_max ms_sweeps ms_rest").split(),
+    step=("packing shape grains points library start iterations ns covers ms "
+          "ms_without_iterations residual mean_overlap velocity_error").split(),
+)
 
 
 # ---- other libraries
@@ -161,7 +163,7 @@ def compare_libraries(options):
         for library in PEERS:
             found += library_rows(library, packing, options)
         rows += [dict(about, **row) for row in found]
-    return dict(step=(rows, STEP_COLUMNS))
+    return dict(step=rows)
 
 
 # ---- inside YADE
@@ -169,8 +171,6 @@ def compare_libraries(options):
 
 def time_checkpoint(folder, way, options):
     """Continue a checkpoint by some steps; rows of the engines, and a row of the whole step."""
-    import time
-
     from rcr.study.biaxial import Biaxial
     from yade import timing
     from yade.wrapper import Omega
@@ -225,7 +225,7 @@ def time_yade(options):
             rows, row = time_checkpoint(folder, way, options)
             engines += rows
             whole.append(row)
-    return dict(yade_engines=(engines, ENGINE_COLUMNS), yade_step=(whole, YADE_COLUMNS))
+    return dict(yade_engines=engines, yade_step=whole)
 
 
 # ---- the script
@@ -244,14 +244,10 @@ def arguments():
         help="friction between grains (default %(default)s)")
     add("--threads", type=script.THREADS, default=1, metavar="N",
         help="threads of our solver in YADE (default %(default)s)")
-    add("--repeats", type=script.at_least(1), default=5, metavar="N",
-        help="runs; the fastest counts (default %(default)s)")
-    add("--budget", type=script.number("seconds ≥ 0", lambda v: v >= 0), default=20, metavar="S",
-        help="seconds after which a run is not repeated (default %(default)s)")
+    tables.add_repeats(parser, 5, budget=20)
+    about = "step program, inside or outside the environment (default: build/peers/{}_step)"
     for name in PEERS:
-        add(
-            f"--{name}", metavar="PROGRAM", help=
-            f"step program, inside or outside the environment (default: build/peers/{name}_step)")
+        add(f"--{name}", metavar="PROGRAM", help=about.format(name))
     script.add_results(parser, "tables")
     return parser.parse_args()
 
@@ -274,11 +270,4 @@ def main():
     options = arguments()
     in_yade = "yade" in sys.modules
     check(options, in_yade)
-    made = [f"{name}.csv" for name in ("yade_engines", "yade_step", "step")]
-    with results.claim_folder(options.out, "bench_step.py", measure.given_options(options), made,
-                              overwrite=options.overwrite) as begin:
-        tables = (time_yade if in_yade else compare_libraries)(options)
-        begin()
-        for name, (rows, columns) in tables.items():
-            measure.show(name, rows, columns)
-            measure.write(os.path.join(options.out, f"{name}.csv"), rows, columns)
+    tables.store("bench_step.py", options, COLUMNS, time_yade if in_yade else compare_libraries)

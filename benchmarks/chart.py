@@ -70,10 +70,8 @@ def command(letter, point, given):
     flags = ["--quick"] if given.quick else []
     flags += [word for name in ("particles", "siconos", "limit") if getattr(given, name)
               for word in (f"--{name}", str(getattr(given, name)))]
-    return " ".join([
-        "python3 scripts/chart.py --out", given.out, *flags, "--charts", letter, "--only",
-        f"'{point}'"
-    ])
+    return " ".join(["python3 scripts/chart.py --out", given.out, *flags, "--charts", letter,
+                     "--only", f"'{point}'"])
 
 
 # ---- the process that computes
@@ -84,9 +82,7 @@ def work(options):
     for line in sys.stdin:
         letter, point = json.loads(line)
         try:
-            rows = [
-                dict(dict(status="ok"), **row) for row in charts.chart(letter).run(point, options)
-            ]
+            rows = [dict(status="ok") | row for row in charts.chart(letter).run(point, options)]
         except (ValueError, RuntimeError, OSError) as error:
             rows = [dict(status=f"{type(error).__name__}: {error}".splitlines()[0][:200])]
         print(MARK + json.dumps(rows), flush=True)
@@ -140,10 +136,8 @@ def draw(letter, given, options, worker):
                              f"it has {', '.join(names[:5])} … (see its CSV)")
         todo = [given.only]
     else:
-        todo = [
-            name for name in names if
-            not table.has(name, lambda status: charts.settled(status, options.limit, given.retry))
-        ]
+        is_settled = lambda status: charts.settled(status, options.limit, given.retry)
+        todo = [name for name in names if not table.has(name, is_settled)]
     for name in tqdm(todo, desc=f"chart {letter}", disable=None):
         rows = [dict(row, point=name, command=command(letter, name, given))
                 for row in worker.run(letter, name)]

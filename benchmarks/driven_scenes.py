@@ -34,12 +34,10 @@ def arguments():
 
 
 def courses(path):
-    """{seed: course of springs} of a CSV of this script; older files may lack columns."""
+    """{seed: course of springs} of a CSV of this script."""
     value = {float: float, int: int, bool: "True".__eq__}
-    fields = dataclasses.fields(driven.Course)
-    read = lambda row, f: value[f.type](row[f"{f.name}_springs"])
-    course = lambda row: driven.Course(
-        **{f.name: read(row, f) for f in fields if f"{f.name}_springs" in row})
+    course = lambda row: driven.Course(*(value[field.type](row[f"{field.name}_springs"])
+                                         for field in dataclasses.fields(driven.Course)))
     with open(path, newline="") as file:
         return {int(row["seed"]): course(row) for row in csv.DictReader(file)}
 
@@ -65,7 +63,6 @@ def main():
     counts, yielded = Counter(), 0
     print("| " + " | ".join(SHOWN) + " |\n" + "|---" * len(SHOWN) + "|")
     with open(options.out, "w", newline="") as file:
-        table = None
         for seed in range(options.first, options.first + options.count):
             scene = driven.draw(seed)
             rigid, springs = driven.run(scene, options.known.get(seed))
@@ -74,8 +71,8 @@ def main():
             yielded += rigid.yielded > 0
             print(shown(scene, rigid, springs, broken), flush=True)
             line = row(scene, rigid, springs, broken)
-            if table is None:
-                table = csv.DictWriter(file, line)
+            table = csv.DictWriter(file, line)
+            if seed == options.first:
                 table.writeheader()
             table.writerow(line)
             file.flush()

@@ -25,12 +25,10 @@ def arguments():
     parser.add_argument("--out", type=script.new_file, default="hard-scenes.csv", metavar="FILE",
                         help="CSV (default %(default)s)")
     options = parser.parse_args()
-    options.names = [
-        name for name in hard_scenes.names() if name.startswith(tuple(options.only.split(",")))
-    ]
+    names = hard_scenes.names()
+    options.names = [name for name in names if name.startswith(tuple(options.only.split(",")))]
     if not options.names:
-        parser.error(
-            f"--only {options.only}: expected prefixes of {', '.join(hard_scenes.names())}")
+        parser.error(f"--only {options.only}: expected prefixes of {', '.join(names)}")
     return options
 
 

@@ -1,4 +1,4 @@
-"""Shared parts of the benchmarks: residual in NumPy, larger problems, times of sweeps, tables.
+"""Shared parts of the benchmarks: residual in NumPy, times of sweeps, larger problems.
 
 Needs NumPy and SciPy.
 """
@@ -49,10 +49,8 @@ def matrix(problem):
     return csc_array((values, (rows, columns)), shape=(2 * problem.contacts,) * 2)
 
 
-def best(repeats, budget, *functions):
-    """The fastest result of each function; the functions are called in turn.
-
-    A result is a number of seconds or a dict with ``seconds``.
+def rounds(repeats, budget, functions):
+    """Yield the results of the functions, called in turn, of each round.
 
     Parameters
     ----------
@@ -61,27 +59,20 @@ def best(repeats, budget, *functions):
     budget : float
         No round begins later than this [s].
     """
+    start = time.perf_counter()
+    for _ in range(repeats):
+        yield [function() for function in functions]
+        if time.perf_counter() - start > budget:
+            break
+
+
+def best(repeats, budget, *functions):
+    """The fastest result of each function, a number of seconds or a dict with ``seconds``.
+
+    `repeats` and `budget` are those of `rounds`.
+    """
     seconds = lambda result: result["seconds"] if isinstance(result, dict) else result
-    start, least = time.perf_counter(), [None] * len(functions)
-    for _ in range(repeats):
-        for k, function in enumerate(functions):
-            result = function()
-            if least[k] is None or seconds(result) < seconds(least[k]):
-                least[k] = result
-        if time.perf_counter() - start > budget:
-            break
-    return least
-
-
-def minima(repeats, budget, *functions):
-    """Elementwise minimum of the tuples that each function returns; arguments as in `best`."""
-    start, least = time.perf_counter(), None
-    for _ in range(repeats):
-        results = np.array([function() for function in functions])
-        least = results if least is None else np.minimum(least, results)
-        if time.perf_counter() - start > budget:
-            break
-    return least
+    return [min(results, key=seconds) for results in zip(*rounds(repeats, budget, functions))]
 
 
 def sweep_times(runs, repeats):
@@ -106,7 +97,7 @@ def sweep_times(runs, repeats):
     many = FEW + np.maximum(40, UNITS_OF_WORK // points)
     calls = [partial(run, solve, int(count)) for (_, solve), most in zip(runs, many)
              for count in (FEW, most)]
-    least = minima(repeats, 60, *calls)
+    least = np.min([*rounds(repeats, 60, calls)], axis=0)
     return 1e9 * (least[1::2] - least[::2]) / ((many - FEW) * points)[:, None]
 
 
@@ -169,10 +160,9 @@ def mirrored(problem, seed=1, change=0.05):
     ValueError
         If no such wall exists.
     """
-    axis, sign, speed = _straight_wall(problem)
+    axis, speed, gone = _straight_wall(problem)
     flip = 1 - 2 * np.eye(2)[axis]
     turn = np.append(flip, -1)
-    gone = _walls(problem, axis, sign, speed)
     count = len(problem.inverse_mass)
     at_wall = np.isin(problem.bodies, gone).any(1)
     kept = ~at_wall
@@ -204,25 +194,24 @@ def mirrored(problem, seed=1, change=0.05):
         impulse=join("impulse", problem.impulse * [1, -1], problem.impulse[at_wall]))
 
 
-def _walls_seen(problem):
-    """(body, axis, sign of the outward normal, speed along the axis) of every straight wall."""
+def _straight_wall(problem):
+    """(axis of the normal, speed along it, bodies) of the first straight wall.
+
+    Prescribed bodies with the same normal and speed form one wall.
+    """
+    walls = {}
     for body in np.flatnonzero(~(problem.inverse_mass > 0).any(1)):
         first, second = (problem.bodies == body).T
         normals = np.concatenate([problem.normal[first], -problem.normal[second]])
         if len(normals) and (normals == normals[0]).all() and abs(normals[0]).max() == 1:
             axis = int(abs(normals[0, 1]) == 1)
-            yield body, axis, normals[0, axis], problem.free_velocity[body, axis]
-
-
-def _straight_wall(problem):
-    for _, axis, sign, speed in _walls_seen(problem):
-        return axis, sign, speed
-    raise ValueError("expected a prescribed body whose contacts share one normal along x or y; "
-                     "give a problem with a straight wall")
-
-
-def _walls(problem, axis, sign, speed):
-    return [body for body, *wall in _walls_seen(problem) if wall == [axis, sign, speed]]
+            speed = problem.free_velocity[body, axis]
+            walls.setdefault((axis, speed, normals[0, axis]), []).append(body)
+    if not walls:
+        raise ValueError("expected a prescribed body whose contacts share one normal along x or y; "
+                         "give a problem with a straight wall")
+    (axis, speed, _), bodies = next(iter(walls.items()))
+    return axis, speed, bodies
 
 
 def lever(problem):
@@ -233,9 +222,8 @@ def lever(problem):
         r, n = arm[turns], problem.normal[turns]
         size = np.hypot(*r.T)
         across = abs(r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0])
-        largest = max(
-            largest,
-            np.divide(across, size, out=np.zeros_like(size), where=size > 0).max(initial=0))
+        sine = np.divide(across, size, out=np.zeros_like(size), where=size > 0)
+        largest = max(largest, sine.max(initial=0))
     return float(largest)
 
 
@@ -293,38 +281,3 @@ def lattice(count, seed=1):
                 normal=normal, arm1=np.where((a >= discs)[:, None], 0, 0.5 * normal),
                 arm2=-0.5 * normal,
                 bias=np.where(closed, 0, 0.1), friction=friction, impulse=np.zeros((len(a), 2)))
-
-
-# ---- tables
-
-
-def show(title, rows, columns):
-    """Print rows (dicts) as a table."""
-    if not rows:
-        return
-    cells = [list(columns)] + [[_cell(row.get(column)) for column in columns] for row in rows]
-    widths = [max(map(len, column)) for column in zip(*cells)]
-    print(f"\n{title}")
-    for line in cells:
-        print("  ".join(
-            cell.rjust(width) if k else cell.ljust(width)
-            for k, (cell, width) in enumerate(zip(line, widths))).rstrip())
-
-
-def write(path, rows, columns):
-    """Write rows (dicts) as CSV, atomically."""
-    from rcr._data import files
-
-    files.write(path, files.table(columns, rows))
-
-
-def given_options(options):
-    """Options of a script, for its run.json."""
-    return {name: value
-            for name, value in vars(options).items() if name not in ("out", "overwrite")}
-
-
-def _cell(value):
-    if value is None:
-        return ""
-    return f"{value:.3g}" if isinstance(value, float) else str(value)

@@ -9,6 +9,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 
 _PIPES = "YADE_RCR_OUTSIDE"
 _DESCRIPTORS = 20, 21  # the shell scripts of the environment use lower ones
@@ -61,12 +62,12 @@ def _ask(arguments):
     if _ends is None:
         reading, writing = pipes()
         _ends = os.fdopen(reading), os.fdopen(writing, "w")
-    _ends[1].write(json.dumps(arguments) + "\n")
-    _ends[1].flush()
-    return json.loads(
-        _ends[0].readline() or
-        '{"code": 1, "error": "the server outside has ended; run the script again", "output": ""}'
-    )
+    name = f"{os.getpid()}-{time.monotonic_ns()}"
+    print(name, json.dumps(arguments), file=_ends[1], flush=True)
+    for line in _ends[0]:
+        if line.startswith(name + " "):  # others answer processes that a time limit has ended
+            return json.loads(line.removeprefix(name))
+    return dict(code=1, error="the server outside has ended; run the script again", output="")
 
 
 def _execute(arguments):
@@ -79,4 +80,5 @@ def _execute(arguments):
 
 if __name__ == "__main__":
     for line in sys.stdin:
-        print(json.dumps(_execute(json.loads(line))), flush=True)
+        name, command = line.split(" ", 1)
+        print(name, json.dumps(_execute(json.loads(command))), flush=True)

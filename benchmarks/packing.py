@@ -76,15 +76,13 @@ class Packing:
             face, normals = (np.tile(v, (self.grains, 1)) for v in (self.pose[wall, :2], normal))
             at = kernel.overlap_wall(face, normals, self.stadium, pose, alert / 2)
             found.append((np.column_stack([np.full(self.grains, wall), grains]), at, 0.0))
-        bodies, position, normal, gap, mu = [], [], [], [], []
+        rows = []
         for ids, manifold, coefficient in found:
             there = np.arange(2) < manifold["count"][:, None]
-            bodies.append(np.repeat(ids[:, None], 2, 1)[there])
-            position.append(manifold["position"][there])
-            normal.append(manifold["normal"][there])
-            gap.append(manifold["gap"][there])
-            mu.append(np.full(there.sum(), coefficient))
-        bodies, position, normal, gap, mu = map(np.concatenate, (bodies, position, normal, gap, mu))
+            columns = (manifold[name][there] for name in ("position", "normal", "gap"))
+            bodies, mu = np.repeat(ids[:, None], 2, 1)[there], np.full(there.sum(), coefficient)
+            rows.append((bodies, *columns, mu))
+        bodies, position, normal, gap, mu = map(np.concatenate, zip(*rows))
         arm1, arm2 = (position - self.pose[bodies[:, side], :2] for side in (0, 1))
         return BodyProblem(self.inverse_mass, self.free_velocity(self.velocity), bodies, normal,
                            np.where((bodies[:, :1] < self.grains), arm1, 0), arm2,
@@ -115,8 +113,8 @@ def _from_step(path):
         if missing:
             raise ValueError(f"{path}: lacks {', '.join(missing)}; "
                              f"expected the bodies of a step, {', '.join(names)}")
-        state, before, free, inverse_mass, inverse_inertia, (dt, _, count) = (np.asarray(
-            file[name], float) for name in names)
+        arrays = [np.asarray(file[name], float) for name in names]
+    state, before, free, inverse_mass, inverse_inertia, (dt, _, count) = arrays
     count, inverse_mass = int(count), inverse_mass.reshape(len(inverse_mass), -1)[:, 0]
     if len(state) != count + 4:
         raise ValueError(f"{path}: state has {len(state)} rows for {count} particles; "

@@ -73,7 +73,6 @@ if(POLICY CMP0167) # use the configuration of Boost
 	cmake_policy(SET CMP0167 NEW)
 endif()
 set(yade_python_version ${Python3_VERSION_MAJOR}${Python3_VERSION_MINOR})
-set(yade_boost_python Boost::python${yade_python_version})
 find_package(Boost REQUIRED COMPONENTS python${yade_python_version} serialization log thread)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
@@ -87,6 +86,6 @@ target_compile_definitions(YADE::YADE INTERFACE ${yade_definitions})
 target_link_directories(YADE::YADE INTERFACE "${yade_library_dir}")
 target_link_options(YADE::YADE INTERFACE "-Wl,-rpath,${yade_library_dir}")
 target_link_libraries(YADE::YADE INTERFACE
-	yade pkg_common pkg_dem Boost::headers ${yade_boost_python}
+	yade pkg_common pkg_dem Boost::headers Boost::python${yade_python_version}
 	Boost::serialization Boost::log Boost::thread Eigen3::Eigen OpenMP::OpenMP_CXX
 	$<$<BOOL:${MPI_CXX_FOUND}>:MPI::MPI_CXX>)

@@ -2,14 +2,21 @@
 
 import importlib.util
 import pathlib
-import re
+import sys
+
+import yade  # noqa: F401: rcr loads its plugin into it
+from rcr import __version__ as release
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent / "generate"))
+from reference import escaped
 
 project = "yade-rcr"
 author = "the authors of yade-rcr"
-package = pathlib.Path(__file__).parents[1] / "py" / "rcr" / "__init__.py"
-release = re.search(r'^__version__ = "(.*)"', package.read_text(), re.M)[1]
 
-extensions = ["myst_parser"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+autodoc_member_order = "bysource"
+autodoc_typehints_format = "fully-qualified"
+napoleon_use_rtype = False
 myst_heading_anchors = 3
 default_role = "code"  # `x` in docstrings
 add_module_names = False
@@ -24,3 +31,10 @@ html_static_path = ["static"]
 html_css_files = ["wide.css"]
 html_copy_source = False
 html_show_copyright = False
+
+
+def setup(app):
+    def escape(app, what, name, thing, options, lines):
+        lines[:] = escaped("\n".join(lines)).splitlines()
+
+    app.connect("autodoc-process-docstring", escape, priority=400)  # before napoleon

@@ -37,19 +37,17 @@ def column(young):
     O.bodies.append(rcr.wall("y", 0, +1, material=rough))
     places = [(2.05 * R * i, 2.05 * R * (j + 0.5)) for i in range(WIDE) for j in range(HIGH)]
     O.bodies.append([particle(at, R, 0.5, draw.uniform(0, math.pi), rough) for at in places])
-    find = [Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom()]
     if young is None:
-        loop = InteractionLoop(find, [Ip2_FrictMat_FrictMat_CdPhys()],
-                               [Law2_RcrGeom_CdPhys_SignoriniCoulomb()])
+        ip2, law2 = Ip2_FrictMat_FrictMat_CdPhys(), Law2_RcrGeom_CdPhys_SignoriniCoulomb()
         solver = [ContactDynamics(tolerance=1e-4)]
     else:
-        loop = InteractionLoop(find, [Ip2_FrictMat_FrictMat_FrictPhys()],
-                               [Law2_RcrGeom_FrictPhys_CundallStrack(damping=0.5)])
-        solver = []
+        ip2 = Ip2_FrictMat_FrictMat_FrictPhys()
+        law2, solver = Law2_RcrGeom_FrictPhys_CundallStrack(damping=0.5), []
     O.engines = [
         ForceResetter(),
         InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
-        loop, *solver,
+        InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Wall_Rcr_RcrGeom()], [ip2], [law2]),
+        *solver,
         NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),
         PyRunner(command="record()", virtPeriod=0.01, initRun=True),
     ]

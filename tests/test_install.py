@@ -82,6 +82,15 @@ except ImportError as error:
 
 
 @needs_cmake
+@needs_build
+def test_pip_compiles_outside_the_clone(tmp_path):
+    """It must not replace the modules of scripts/yade-rcr."""
+    cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path, "-DSKBUILD=2", "-DRCR_PLUGIN=OFF",
+          f"-DPython3_EXECUTABLE={sys.executable}")
+    assert f"build {ROOT}" not in (tmp_path / "build.ninja").read_text()
+
+
+@needs_cmake
 def test_one_version(tmp_path):
     cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path, "-DRCR_PLUGIN=AUTO",
           f"-DYADE_SOURCE_DIR={tmp_path}")

@@ -2,7 +2,6 @@
 
 Each module of this package is a chart:
 
-    TITLE                       title of the figure
     points(options)             names of its points, in the order of their runs
     run(name, options)          rows (dicts) of one point; most have one
     plot(rows, options)         the figure
@@ -17,7 +16,6 @@ import csv
 import dataclasses
 import importlib
 import os
-import time
 
 from rcr._data import files
 
@@ -93,11 +91,8 @@ class Table:
             rows = []
             for row in reader:
                 if None in row or None in row.values():
-                    raise ValueError(
-                        f"line {reader.line_num}: expected {len(reader.fieldnames)} cells")
-                rows.append({"settings": ""}
-                            | {name: _value(name, cell)
-                               for name, cell in row.items()})
+                    raise ValueError(f"line {reader.line_num}: expected {len(names)} cells")
+                rows.append(dict(settings="") | {name: number(row[name]) for name in names})
             return rows
 
     @property
@@ -117,12 +112,8 @@ class Table:
         files.write(self.path, files.table(self.columns, self.all))
 
 
-_WORDS = {"point", "settings", "status", "command"}
-
-
-def _value(name, cell):
-    if name in _WORDS:
-        return cell
+def number(cell):
+    """A cell of a CSV as a float, or as its text if it is no number."""
     try:
         return float(cell)
     except ValueError:
@@ -133,13 +124,3 @@ def legend_handles(figure):
     """{label: handle} of the lines of all panels."""
     return {label: handle for ax in figure.axes
             for handle, label in zip(*ax.get_legend_handles_labels())}
-
-
-def least_time(repeats, work):
-    """Result of `work()` and its minimum processor time over `repeats` runs [s]."""
-    seconds = []
-    for _ in range(repeats):
-        start = time.process_time()
-        result = work()
-        seconds.append(time.process_time() - start)
-    return result, min(seconds)

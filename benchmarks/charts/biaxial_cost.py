@@ -22,6 +22,7 @@ import os
 import time
 
 import numpy as np
+from matplotlib.figure import Figure
 from yade.wrapper import Omega
 
 from benchmarks.charts import legend_handles
@@ -33,7 +34,6 @@ from rcr.study.protocol import PROTOCOL
 O = Omega()
 RECORD = PROTOCOL.record_strain  # strain of a record
 STRESS = PROTOCOL.confining_stress  # [Pa]
-TITLE = "Biaxial test: error against processor time of 20 % of strain"
 TITLES = dict(sin_phi="q/p", packing_fraction="packing fraction", friction_mobilization="I_M",
               mobilized="share of sliding contacts (I_m > 0.99)",
               weak_fabric="fabric of weak contacts, a_c(ξ = 1)",
@@ -217,8 +217,6 @@ STYLES = dict(dt=("0", "o", "-"), tolerance=("0", "s", "--"), inertial_number=("
 
 
 def plot(rows, options):
-    from matplotlib.figure import Figure
-
     rows = [row for row in rows if row["status"] == "ok"]
     figure = Figure(figsize=(9, 2.6 * len(OBSERVED)))
     for line, name in zip(figure.subplots(len(OBSERVED), len(ETAS), sharex="col"), OBSERVED):

@@ -21,19 +21,21 @@ the column is 0.072 ± 0.007 m with ζ = 0.3 (e = 0.45) and 0.055 ± 0.002 m wit
 """
 
 import math
+import time
+from functools import partial
 
 import numpy as np
+from matplotlib.figure import Figure
 from yade.minieigenHP import Vector3
 from yade.wrapper import (Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider,
                           InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker,
                           NewtonIntegrator, Omega)
 
 import rcr
-from benchmarks.charts import least_time
+from benchmarks import measure
 
 O = Omega()
 G, DENSITY = 9.81, 1000.0
-TITLE = "Scenes with a known answer: error against processor time"
 COLUMNS = "scene law dt tolerance stiffness steps seconds value reference".split()
 DEPENDS = ("quick",)
 FINEST = dict(dt=1e-4, tolerance=1e-6)  # reference of the column
@@ -133,18 +135,20 @@ def _engines(gravity, law, stiffness, tolerance):
 
 
 def _simulate(scene, law, dt, tolerance, stiffness, seed):
+    start = time.process_time()
     O.reset()
-    bodies, gravity, seconds, observed, exact = SCENES[scene](seed)
+    bodies, gravity, duration, observed, exact = SCENES[scene](seed)
     O.bodies.append(bodies)
     O.engines = _engines(gravity, law, stiffness, tolerance)
     step = dt if law != "smooth" else SMOOTH_SHARE * rcr.critical_time_step()
-    steps = math.ceil(seconds / step - 1e-9)
-    O.dt = seconds / steps
+    steps = math.ceil(duration / step - 1e-9)
+    O.dt = duration / steps
     if law == "half":
         rcr.half_step_start()
     for _ in range(steps):
         O.step()
-    return dict(steps=steps, dt=O.dt, value=float(observed()), reference=exact)
+    return dict(steps=steps, dt=O.dt, value=float(observed()), reference=exact,
+                seconds=time.process_time() - start)
 
 
 # ---- the chart
@@ -172,17 +176,14 @@ def run(name, options):
         setting = dict(law=law, dt="", tolerance="", stiffness=float(numbers[0]))
     seeds = [int(numbers[0])] if law == "reference" else range(RUNS if scene == "column" else 1)
     repeats = 1 if scene == "column" else 3
-    runs = [least_time(repeats, lambda: _simulate(scene, seed=seed, **setting)) for seed in seeds]
-    means = {key: float(np.mean([found[key] for found, _ in runs]))
-             for key in ("steps", "dt", "value")}
-    seconds = float(np.mean([seconds for _, seconds in runs]))
-    reference = runs[0][0]["reference"]
-    return [dict(setting, scene=scene, law=law, seconds=seconds, **means, reference=reference)]
+    simulate = lambda seed: partial(_simulate, scene, seed=seed, **setting)
+    runs = [measure.best(repeats, math.inf, simulate(seed))[0] for seed in seeds]
+    means = {key: float(np.mean([found[key] for found in runs]))
+             for key in ("steps", "dt", "value", "seconds")}
+    return [dict(setting, scene=scene, law=law, **means, reference=runs[0]["reference"])]
 
 
 def plot(rows, options):
-    from matplotlib.figure import Figure
-
     rows = [row for row in rows if row["status"] == "ok"]
     figure = Figure(figsize=(10, 7.5))
     for ax, scene in zip(figure.subplots(2, 2).flat, SCENES):

@@ -1,18 +1,17 @@
 """Chart a. One step of a sheared packing: residual against time of each solver, cold and warm.
 
-Rows come from scripts/bench_solver.py and scripts/bench_step.py. Problems with 'x8' are mirrored
+Rows are those of scripts/bench_solver.py and scripts/bench_step.py. Problems with 'x8' are mirrored
 three times and changed by 5 % (`benchmarks.measure.mirrored`): large problems without large tests.
 """
 
-import csv
 import os
-import subprocess
-import sys
-import tempfile
+from types import SimpleNamespace
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from benchmarks import ROOT, measure, outside
+from benchmarks import bench_solver, bench_step, measure
+from benchmarks import packing as packings
 from benchmarks.charts import legend_handles
 from rcr import problems
 from rcr.study.biaxial import Biaxial
@@ -20,7 +19,6 @@ from rcr.study.protocol import PROTOCOL
 
 RECORD = PROTOCOL.record_strain  # strain of a record
 
-TITLE = "One step: residual against processor time"
 COLUMNS = ("problem eta particles contacts library start tolerance iterations seconds"
            " residual").split()
 DEPENDS = ("quick",)
@@ -50,14 +48,6 @@ def _program(name, options):
     return os.path.join(options.peers, f"{name}_step")
 
 
-def _script(script, *arguments):
-    """Run a script of scripts/, which may call programs outside the environment."""
-    command = [sys.executable, os.path.join(ROOT, "scripts", script), *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, pass_fds=outside.pipes())
-    if done.returncode:
-        raise RuntimeError((done.stderr.strip().splitlines() or [f"{script} failed"])[-1])
-
-
 def _files(particles, eta, options):
     """Paths of the problem and the network of a sheared packing, made at the first call."""
     folder = os.path.join(options.out, "problems")
@@ -79,55 +69,51 @@ def run(name, options):
     problem, network = _files(particles, float(eta), options)
     title = os.path.basename(problem)[:-4] + (f" x{2**mirror}" if mirror else "")
     about = dict(eta=float(eta), particles=int(count), problem=title)
-    with tempfile.TemporaryDirectory() as folder:
-        if library in STEPPED:
-            rows = _stepped(library, network, folder, options)
-        else:
-            if mirror:
-                problem = _mirrored(problem, mirror, os.path.join(folder, f"{title}.npz"))
-            rows = _solved(library, problem, folder, options)
-        return [dict(about, **row) for row in rows]
+    if library in STEPPED:
+        rows = _stepped(library, network, options)
+    else:
+        rows = _solved(library, _mirrored(problem, mirror), options)
+    return [dict(about, **row) for row in rows]
 
 
-def _mirrored(problem, times, path):
-    """Path of the problem, reflected several times."""
-    larger = problems.load(problem)
+def _mirrored(path, times):
+    """The problem of a file, reflected several times."""
+    problem = problems.load(path)
     for k in range(1, times + 1):
-        larger = measure.mirrored(larger, seed=k)
-    problems.save(path, larger)
-    return path
+        problem = measure.mirrored(problem, seed=k)
+    return problem
 
 
-def _solved(library, problem, folder, options):
-    """Rows of the time to each tolerance, up to the first not reached."""
-    ours = library != "siconos"
-    tolerances = [f"1e-{k}" for k in range(1, 11) if ours or k <= 8]
-    iterations, limit = (5000, 2) if options.quick else (10000, 10)
-    solvers = [library] if ours else ["nesterov", "--siconos", options.siconos]
-    _script("bench_solver.py", problem, "--only", "tolerances", "--warm", "--repeats", 3,
-            "--budget", 1, "--out", folder, "--max-iterations", iterations, "--limit", limit,
-            "--tolerances", *tolerances, "--solvers", *solvers)
-    with open(os.path.join(folder, "tolerances.csv" if ours else "peers.csv"), newline="") as file:
-        for row in csv.DictReader(file):
-            if ours or row["reached"] == "True":
-                yield dict(library=row.get("solver") or row["peer"], contacts=int(row["points"]),
-                           start=row["start"], tolerance=float(row["tolerance"]),
-                           iterations=float(row["iterations"]), seconds=float(row["seconds"]),
-                           residual=float(row["residual"]))
+def _solved(library, problem, options):
+    """Rows of the time to each tolerance, cold and warm, up to the first not reached."""
+    ours, case = library != "siconos", bench_solver.Case("", problem)
+    given = SimpleNamespace(
+        repeats=3, budget=1, tolerances=[float(f"1e-{k}") for k in range(1, 11 if ours else 9)],
+        max_iterations=5000 if options.quick else 10000, siconos=options.siconos,
+        siconos_methods=["nsgs"], limit=2 if options.quick else 10,
+    )  # fmt: skip
+    for warm in False, True:
+        if ours:
+            rows = bench_solver.tolerance_rows(case, library, warm, given)
+        else:
+            rows = bench_solver.siconos_rows(case, warm, given)
+        for row in rows:
+            if ours or row["reached"]:
+                yield dict(library=row.get("solver") or row["peer"], contacts=case.points,
+                           start=row["start"], tolerance=row["tolerance"],
+                           iterations=float(row["iterations"]), seconds=row["seconds"],
+                           residual=row["residual"])
 
 
-def _stepped(library, network, folder, options):
+def _stepped(library, network, options):
     """Rows of a whole step of a game library, over the number of iterations."""
+    packing, program = packings.load(network), _program(library, options)
     for iterations in (10, 40, 160) if options.quick else (10, 40, 160, 640):
-        out = os.path.join(folder, str(iterations))
-        _script("bench_step.py", network, f"--{library}", _program(library, options),
-                "--iterations", iterations, "--repeats", 3, "--budget", 1, "--out", out)
-        with open(os.path.join(out, "step.csv"), newline="") as file:
-            for row in csv.DictReader(file):
-                if not row["library"].startswith("rcr"):
-                    yield dict(library=row["library"], contacts=int(row["points"]),
-                               start=row["start"], iterations=iterations,
-                               seconds=1e-3 * float(row["ms"]), residual=float(row["residual"]))
+        given = SimpleNamespace(repeats=3, budget=1, friction=0.5, iterations=iterations, steps=20,
+                                present=network)
+        for row in bench_step.peer_rows(library, program, packing, given):
+            yield dict(library=row["library"], contacts=row["points"], start=row["start"],
+                       iterations=iterations, seconds=1e-3 * row["ms"], residual=row["residual"])
 
 
 def ratios(rows):
@@ -164,8 +150,6 @@ def _panel(ax, rows):
 
 
 def plot(rows, options):
-    from matplotlib.figure import Figure
-
     rows = [row for row in rows if row["status"] == "ok"]
     counts = sorted({row["particles"] for row in rows})
     figure = Figure(figsize=(4 * len(counts), 9))

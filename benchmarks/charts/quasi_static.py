@@ -16,6 +16,7 @@ import pathlib
 import time
 
 import numpy as np
+from matplotlib.figure import Figure
 from yade.wrapper import Omega
 
 from rcr.network import Network, sin_phi
@@ -31,7 +32,6 @@ from . import biaxial_cost
 
 O = Omega()
 RECORD = PROTOCOL.record_strain  # strain of a record
-TITLE = "Biaxial test: changes of the observables by rate, time step and solver"
 APPROACH, FROM, STRAIN, LAST, LOOK = 0.1, 0.15, 0.3, 0.5, 0.01  # strains
 PAUSE = 60  # seconds between two checkpoints
 OBSERVED = dict(sin_phi="sin φ", packing_fraction="packing fraction", friction_mobilization="I_M",
@@ -162,8 +162,8 @@ def observed(networks):
 # ---- limit, changes and figure
 
 
-def fit(rows, name):
-    """Fit y = y₀ + b √I by least squares, with a y₀ for each seed.
+def limit(rows, name):
+    """Limit I → 0 of the fit y = y₀ + b √I by least squares, with a y₀ for each seed.
 
     Parameters
     ----------
@@ -174,32 +174,22 @@ def fit(rows, name):
 
     Returns
     -------
-    (dict, float, (n, n) float array) or None
-        {seed: y₀}, b, and the covariance of (y₀ …, b); None for fewer than two rates.
+    (float, float, float, float)
+        Mean y₀, its error, b and its error; NaN for too few rows. The first error includes the
+        scatter of the seeds.
     """
     seeds = sorted({row["seed"] for row in rows})
     x = np.sqrt(np.array([row["inertial_number"] for row in rows], dtype=float))
     y = np.array([row[name] for row in rows], dtype=float)
     if len(x) == 0 or np.ptp(x) == 0:
-        return None
+        return math.nan, math.nan, math.nan, math.nan
     of_seed = [[row["seed"] == seed for seed in seeds] for row in rows]
     design = np.column_stack([of_seed, x]).astype(float)
     values = np.linalg.lstsq(design, y, rcond=None)[0]
     freedom = len(y) - design.shape[1]
     variance = np.sum((y - design @ values)**2) / freedom if freedom > 0 else math.nan
     covariance = np.linalg.inv(design.T @ design) * variance
-    return dict(zip(seeds, values)), float(values[-1]), covariance
-
-
-def limit(rows, name):
-    """(mean y₀, error, b, error) of `fit`; the first error includes the scatter of the seeds.
-
-    Values are NaN for too few rows.
-    """
-    found = fit(rows, name)
-    if found is None:
-        return math.nan, math.nan, math.nan, math.nan
-    levels, slope, covariance = list(found[0].values()), found[1], found[2]
+    levels, slope = values[:-1], float(values[-1])
     share = np.append(np.full(len(levels), 1 / len(levels)), 0)
     scatter = np.var(levels, ddof=1) / len(levels) if len(levels) > 1 else 0.0
     error = math.sqrt(max(share @ covariance @ share, scatter))
@@ -231,7 +221,7 @@ def change(rows, others, name):
     first = {row["seed"]: row[name] for row in rows}
     values = np.array([row[name] - first[row["seed"]] for row in others if row["seed"] in first])
     return (float(values.mean()) if len(values) else math.nan,
-            float(values.std(ddof=1) / math.sqrt(len(values))) if len(values) > 1 else math.nan)
+            float(statistics.standard_error(values)))
 
 
 def changes(rows, name):
@@ -269,8 +259,6 @@ def _cell(value, error):
 
 
 def plot(rows, options):
-    from matplotlib.figure import Figure
-
     groups = {key: group for key, group in _groups(rows).items() if _with(group, BASE)}
     figure = Figure(figsize=(2 + 3 * max(1, len(groups)), 7), layout="constrained")
     axes = figure.subplots(1, max(1, len(groups)), sharex=True, sharey=True, squeeze=False)[0]

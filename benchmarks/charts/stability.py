@@ -7,17 +7,18 @@
 
 import inspect
 
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Rectangle
+
 from benchmarks import hard_scenes as suite
 
-TITLE = "Hard scenes: holds, drifts, blows up"
 COLUMNS = "scene title law dt verdict measured bound gain overlap steps seconds".split()
 DEPENDS = ("quick",)
-LAWS = "cd", "smooth"
+LAWS = dict(cd=suite.ContactDynamics(), smooth=suite.Smooth())
 LABELS = dict(cd="rigid", smooth="springs, E = 10⁸ Pa")
 QUICK = ("s02_chain", "s04_mass", "s05", "s06_overlap", "s07_parallel_at_rest", "s08", "s12", "s13",
          "s16", "s17", "s18", "s19_tall_stack")
-VERDICTS = dict([("holds", "#4daf4a"), ("drifts", "#ffcc33"), ("blows up", "#e41a1c"),
-                 ("too long", "0.85")])
+VERDICTS = {"holds": "#4daf4a", "drifts": "#ffcc33", "blows up": "#e41a1c", "too long": "0.85"}
 
 
 def points(options):
@@ -30,11 +31,9 @@ def points(options):
 def run(name, options):
     scene, law, dt = name.split("/")
     module = suite.scene(scene)
-    shortened = dict(seconds=1.0 if options.quick else 10.0) if "seconds" in inspect.signature(
-        module.measure).parameters else {}
-    found = suite.run(scene,
-                      suite.ContactDynamics() if law == "cd" else suite.Smooth(), float(dt),
-                      **shortened)
+    is_long = "seconds" in inspect.signature(module.measure).parameters
+    shortened = dict(seconds=1.0 if options.quick else 10.0) if is_long else {}
+    found = suite.run(scene, LAWS[law], float(dt), **shortened)
     verdict = "blows up" if not found.stable else "holds" if found.holds else "drifts"
     return [dict(scene=scene, title=module.TITLE, law=law, dt=float(dt), verdict=verdict,
                  measured=found.measured, bound=float(module.BOUND), gain=found.gain,
@@ -42,12 +41,8 @@ def run(name, options):
 
 
 def plot(rows, options):
-    from matplotlib.figure import Figure
-    from matplotlib.patches import Patch, Rectangle
-
-    cell = {row["point"]: row["verdict"]
-            if row["status"] == "ok" else "too long" if "given up" in row["status"] else "blows up"
-            for row in rows}
+    failed = lambda row: "too long" if "given up" in row["status"] else "blows up"
+    cell = {row["point"]: row["verdict"] if row["status"] == "ok" else failed(row) for row in rows}
     scenes = list(dict.fromkeys(point.split("/")[0] for point in points(options)))
     dts = list(dict.fromkeys(point.split("/")[2] for point in points(options)))
     figure = Figure(figsize=(2 + 0.75 * len(dts) * len(LAWS) + 3, 1.6 + 0.3 * len(scenes)))
@@ -60,11 +55,9 @@ def plot(rows, options):
         ax.set(xlim=(-0.5, len(dts) - 0.5), ylim=(len(scenes) - 0.5, -0.5), xticks=range(len(dts)),
                xlabel="time step [s]", title=LABELS[law])
         ax.set_xticklabels([f"{float(dt):.0e}" for dt in dts], fontsize=8)
-        ax.set_yticks(range(len(scenes)), [
-            f"{scene[:3].upper().replace('S0', 'S')} {suite.scene(scene).TITLE}" for scene in scenes
-        ], fontsize=8)
-    handles = [Patch(facecolor=color, label=verdict) for verdict, color in VERDICTS.items()
-               ] + [Patch(facecolor="w", edgecolor="0.7", label="no such run")]
+        ax.set_yticks(range(len(scenes)), [suite.title(scene) for scene in scenes], fontsize=8)
+    handles = [Patch(facecolor=color, label=verdict) for verdict, color in VERDICTS.items()]
+    handles += [Patch(facecolor="w", edgecolor="0.7", label="no such run")]
     figure.tight_layout(rect=(0, 0.3 / (1.6 + 0.3 * len(scenes)), 1, 1))
     figure.legend(handles=handles, ncol=5, loc="lower center", fontsize=8)
     return figure

@@ -1,8 +1,6 @@
-"""Scenes on which contact solvers are known to fail, one a module.
+"""Scenes on which contact solvers are known to fail.
 
-Each has one predicate, its bound and the reason of the bound.
-
-A module of this package has
+A scene is a module of this package, or one of `driven.SCENES`. It has
 
     TITLE, PREDICATE, BOUND, REASON     what must hold: measured ≤ BOUND
     build(law, dt)                      makes the scene, returns what measure needs
@@ -19,9 +17,11 @@ import math
 import pkgutil
 import time
 
+from . import driven
 from .stage import COARSE, DT, Clock, ContactDynamics, Smooth
 
-__all__ = ["COARSE", "DT", "TIGHT", "ContactDynamics", "Result", "Smooth", "names", "run", "scene"]
+__all__ = ["COARSE", "DT", "TIGHT", "ContactDynamics", "Result", "Smooth", "names", "run", "scene",
+           "title"]  # fmt: skip
 
 TUNNEL = 1.0  # overlap over the smaller cap radius at which a contact reaches a centre line
 TIGHT = ContactDynamics(dict(tolerance=1e-10, kinematicTolerance=1e-5))  # without solver errors
@@ -30,13 +30,18 @@ BLOW_UP = 0.05  # energy gain over the scale; time stepping gives some per cent 
 
 def names():
     """Names of all scenes, in order."""
-    return sorted(name for _, name, _ in pkgutil.iter_modules(__path__)
-                  if name.startswith("s") and name[1:3].isdigit())
+    modules = [name for _, name, _ in pkgutil.iter_modules(__path__) if name[1:3].isdigit()]
+    return sorted([*modules, *driven.SCENES])
 
 
 def scene(name):
-    """The module of a scene."""
-    return importlib.import_module(f"{__name__}.{name}")
+    """The scene of this name."""
+    return driven.SCENES.get(name) or importlib.import_module(f"{__name__}.{name}")
+
+
+def title(name):
+    """Number and title of a scene."""
+    return f"{name[:3].upper().replace('S0', 'S')} {scene(name).TITLE}"
 
 
 @dataclasses.dataclass(frozen=True)

@@ -25,7 +25,12 @@ import rcr
 from .stage import (DT, G, R, ContactDynamics, Smooth, angle, box, build, material, open_box,
                     positions, real_contacts, solver)
 
-MOTIONS = "lid piston receding shear rotating wedge".split()
+TITLES = dict(  # of the hard scenes S21 to S26, one a motion
+    lid="lid driven into a bed", piston="side wall driven into a bed",
+    receding="lid driven beside a receding wall", shear="shear box whose row sinks",
+    rotating="closed box that turns", wedge="ram between two slopes",
+)  # fmt: skip
+MOTIONS = list(TITLES)
 CRUSHED = 0.02  # overlap over R₁ + R₂ at which grains count as crushed
 RIGID, SPRINGS = ContactDynamics(), Smooth(young=1e8, damping=0.3)
 PACE = 0.02  # largest displacement of the drive in a step, over R
@@ -128,60 +133,45 @@ def violations(scene, rigid, springs):
     broken = dict(
         ended=not rigid.ended,
         speed=rigid.fastest > 10 * scene.speed + math.sqrt(2 * G * rigid.fall),
-        force=rigid.force > 100 * springs.force, time=rigid.slowest > 10 * rigid.median,
+        force=rigid.force > 100 * springs.force,
+        time=rigid.slowest > 10 * rigid.median,
         false_alarm=rigid.stopped < math.inf and springs.crushed == math.inf
-        and rigid.taken_over <= CRUSHED, no_alarm=rigid.stopped == math.inf
+        and rigid.taken_over <= CRUSHED,
+        no_alarm=rigid.stopped == math.inf
         and max(rigid.crushed, springs.crushed) + late < rigid.duration,
-        late_alarm=math.inf > rigid.stopped > rigid.crushed + late)
+        late_alarm=math.inf > rigid.stopped > rigid.crushed + late,
+    )  # fmt: skip
     return [name for name, is_broken in broken.items() if is_broken]
 
 
 def _boundary(scene, top, rough):
-    """Bodies around the grains, and a function of their ids that makes their engines."""
+    """Bodies around the grains, whose highest point is at `top`."""
     v, width = scene.speed, scene.width
     if scene.motion == "rotating":
-        centre, half = (width / 2, top / 2), (width / 2, top / 2)
-        thick = 3 * R
-        side = lambda x, y, a, b: box((x, y), (a, b), material=rough)
-        boxes = [side(centre[0], -thick, half[0] + 2 * thick, thick),
-                 side(centre[0], top + thick, half[0] + 2 * thick, thick),
-                 side(-thick, centre[1], thick, half[1]),
-                 side(width + thick, centre[1], thick, half[1])]
-        rate = scene.speed / math.hypot(*half)
-        return boxes, lambda ids: [
-            RotationEngine(ids=ids, angularVelocity=rate, rotationAxis=(0, 0, 1), rotateAroundZero=
-                           True, zeroPoint=(*centre, 0))
-        ]
-    walls = open_box(scene.width, rough)
-    lid = rcr.wall("y", top, sense=-1, material=rough)
-    if scene.motion in ("lid", "receding"):
-        lid.state.vel[1] = -v
-        if scene.motion == "receding":
-            walls[1].state.vel[0] = 1.7 * v
-    if scene.motion == "piston":
-        walls[1].state.vel[0] = -v
+        x, y, thick = width / 2, top / 2, 3 * R
+        sides = [((x, -thick), (x + 2 * thick, thick)), ((x, top + thick), (x + 2 * thick, thick)),
+                 ((-thick, y), (thick, y)), ((width + thick, y), (thick, y))]
+        return [box(center, half_extent, material=rough) for center, half_extent in sides]
+    walls = open_box(width, rough)
     if scene.motion == "shear":  # a row of discs that sinks at a tenth of its speed
-        row = [rcr.particle((x, top + R), R, 0, material=rough, fixed=True)
+        row = [rcr.particle((x, top + R), R, 0, material=rough, fixed=True, velocity=(v, -0.1 * v))
                for x in np.arange(-9 * R, width + 9 * R, 2 * R)]
-        for disc in row:
-            disc.state.vel = (v, -0.1 * v, 0)
-        return walls[2:] + row + _ends(scene, top, rough), lambda ids: []
+        ends = [box((x, 0.45 * top), (R, 0.5 * top), material=rough) for x in (-R, width + R)]
+        return walls[2:] + row + ends  # the sides end below the row
     if scene.motion == "wedge":  # a ram between two slopes
         lean = math.radians(50)
         reach = width / 2 / math.cos(lean)
         y = width / 4 * math.tan(lean) - R
-        slope = lambda x, angle: box((x, y), (reach / 2, R), angle, rough)
-        slopes = [slope(width / 4, -lean), slope(0.75 * width, lean)]
+        slopes = [box((x, y), (reach / 2, R), angle, rough)
+                  for x, angle in ((width / 4, -lean), (0.75 * width, lean))]
         ram = rcr.particle((width / 2, top + 0.25 * width), 0.25 * width, 0, material=rough,
-                           fixed=True)
-        ram.state.vel[1] = -v
-        return walls + slopes + [ram], lambda ids: []
-    return walls + [lid], lambda ids: []
-
-
-def _ends(scene, top, rough):
-    """Sides of a shear box, which end below its moving row."""
-    return [box((x, 0.45 * top), (R, 0.5 * top), material=rough) for x in (-R, scene.width + R)]
+                           fixed=True, velocity=(0, -v))
+        return walls + slopes + [ram]
+    lid = rcr.wall("y", top, sense=-1, material=rough)
+    if scene.motion != "piston":
+        lid.state.vel[1] = -v
+    walls[1].state.vel[0] = dict(lid=0, receding=1.7 * v, piston=-v)[scene.motion]
+    return walls + [lid]
 
 
 def _settled(scene):
@@ -193,7 +183,7 @@ def _settled(scene):
     lift = 0.25 * scene.width * math.tan(math.radians(50)) * 2 if scene.motion == "wedge" else 0
     walls = open_box(scene.width, rough)
     if scene.motion == "wedge":
-        walls, _ = _boundary(dataclasses.replace(scene, speed=0), 1e3, rough)
+        walls = _boundary(dataclasses.replace(scene, speed=0), 1e3, rough)
     place = lambda x, y, r: rcr.particle((x, y + lift), r, scene.eta,
                                          angle=dice.uniform(0, math.pi), material=rough)
     grains = [place(x, y, r) for (x, y), r in zip(centers, radii)]
@@ -204,9 +194,8 @@ def _settled(scene):
 
 
 def _top(radii, poses, eta):
-    return max(
-        float(y) + r * ((1 - eta) + eta * abs(math.sin(angle)))
-        for r, (_, y, angle) in zip(radii, poses))
+    return max(float(y) + r * ((1 - eta) + eta * abs(math.sin(angle)))
+               for r, (_, y, angle) in zip(radii, poses))
 
 
 def begin(scene, law, bed):
@@ -214,12 +203,16 @@ def begin(scene, law, bed):
     radii, poses = bed
     rough = material(scene.friction)
     top = _top(radii, poses, scene.eta) + 1e-3 * R
-    boundary, engines = _boundary(scene, top, rough)
+    boundary = _boundary(scene, top, rough)
     grains = [rcr.particle((x, y), r, scene.eta, angle=a, material=rough)
               for r, (x, y, a) in zip(radii, poses)]
     ids = build(law, scene.dt, *boundary, *grains)
     walls, ids = ids[: len(boundary)], ids[len(boundary) :]
-    O.engines = O.engines[:3] + engines(walls) + O.engines[3:]
+    if scene.motion == "rotating":
+        center = scene.width / 2, top / 2
+        turn = RotationEngine(ids=walls, angularVelocity=scene.speed / math.hypot(*center),
+                              rotationAxis=(0, 0, 1), rotateAroundZero=True, zeroPoint=(*center, 0))
+        O.engines = O.engines[:3] + [turn] + O.engines[3:]
     return ids, top
 
 
@@ -232,8 +225,8 @@ class Moment:
 
     @staticmethod
     def now():
-        return Moment(O.time,
-                      [(s.pos, s.ori, s.vel, s.angVel) for s in (body.state for body in O.bodies)])
+        states = [body.state for body in O.bodies]
+        return Moment(O.time, [(s.pos, s.ori, s.vel, s.angVel) for s in states])
 
 
 def _follow(scene, law, bed, duration, looks=None, start=None):
@@ -284,35 +277,40 @@ def _look(course, ids):
             continue
         geom = i.geom
         course.force = max(course.force, i.phys.normalForce.norm())
-        course.overlap = max(course.overlap, -min(tuple(geom.gap)[:geom.points]) /
-                             (geom.refR1 + geom.refR2))
+        gap = min(tuple(geom.gap)[: geom.points])
+        course.overlap = max(course.overlap, -gap / (geom.refR1 + geom.refR2))
 
 
 # ---- one scene of each motion, for the suite of hard scenes
 
-PREDICATE = "speed of the fastest grain, over ten times the drive plus free fall"
-BOUND = 1
-REASON = "a slow drive throws no grain"
-SECONDS = 0.5  # duration, in which the drive moves by 3 R
 
+class Staged:
+    """Hard scene of a motion, with the attributes of the modules of this package."""
 
-def staged(motion):
-    """``build`` and ``measure`` of the hard scene with this motion."""
+    PREDICATE = "speed of the fastest grain, over ten times the drive plus free fall"
+    BOUND = 1
+    REASON = "a slow drive throws no grain"
+    SECONDS = 0.5  # duration, in which the drive moves by 3 R
 
-    def build_scene(law, dt):
-        scene = Scene(seed=0, motion=motion, eta=0.5, friction=0.5, grains=60, dt=dt,
-                      speed=3 * R / SECONDS, steps=math.ceil(SECONDS / dt))
+    def __init__(self, motion, title):
+        self.motion, self.TITLE = motion, title
+
+    def build(self, law, dt):
+        scene = Scene(seed=0, motion=self.motion, eta=0.5, friction=0.5, grains=60, dt=dt,
+                      speed=3 * R / self.SECONDS, steps=math.ceil(self.SECONDS / dt))
         ids, top = begin(scene, law, _settled(scene))
         return ids, 10 * scene.speed + math.sqrt(2 * G * top)
 
-    def measure(built, clock):
+    def measure(self, built, clock):
         ids, allowed = built
         speeds = [0.0]
+        look = lambda: speeds.append(max(O.bodies[i].state.vel.norm() for i in ids))
         try:
-            clock.pass_(SECONDS,
-                        lambda: speeds.append(max(O.bodies[i].state.vel.norm() for i in ids)))
+            clock.pass_(self.SECONDS, look)
         except RuntimeError as stopped:
             assert "jam" in str(stopped), stopped
         return max(speeds) / allowed
 
-    return build_scene, measure
+
+SCENES = {f"s{number}_driven_{motion}": Staged(motion, title)
+          for number, (motion, title) in enumerate(TITLES.items(), 21)}

@@ -7,12 +7,11 @@ theirs, is still wrong.
 import numpy as np
 from yade import O
 
+from .rest import BOUND, REASON
 from .stage import D, R, build as scene, material, open_box, real_contacts, stadium
 
 TITLE = "light grain lands on a settled pile"
 PREDICATE = "deepest overlap of the grain, in its diameters"
-BOUND = 1e-3
-REASON = "geometric error of 1e-3 diameters, as in all scenes"
 COLUMNS, ROWS, SMALL = 20, 12, R / 5
 
 

@@ -3,13 +3,13 @@
 One stop criterion serves all: neighbours 10⁶ times as heavy hide errors in the tower.
 """
 
-from . import s04_mass_ratio, s04_tower
+from .rest import BOUND, PREDICATE, REASON, measure
+from .s04_mass_ratio import columns
+from .s04_tower import tower
 from .stage import material, on_floor
 
 TITLE = "all mass ratios in one scene"
-PREDICATE, BOUND, REASON = s04_tower.PREDICATE, s04_tower.BOUND, s04_tower.REASON
-measure = s04_tower.measure
 
 
 def build(law, dt):
-    return on_floor(law, dt, material(), *s04_mass_ratio.columns(), *s04_tower.tower(-1.0))
+    return on_floor(law, dt, material(), *columns(), *tower(-1.0))

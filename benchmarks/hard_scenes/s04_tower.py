@@ -4,12 +4,10 @@ The lowest carries 10⁶ times its weight. A solver error that is small beside t
 light bodies.
 """
 
-from .stage import D, DENSITY, R, X, farthest, material, on_floor, stadium
+from .rest import BOUND, PREDICATE, REASON, measure
+from .stage import DENSITY, R, X, material, on_floor, stadium
 
 TITLE = "tower of seven, each ten times as heavy as the one below"
-PREDICATE = "largest displacement in 10 s, in diameters"
-BOUND = 1e-3
-REASON = "geometric error of 1e-3 diameters, as in all scenes"
 
 
 def tower(x):
@@ -19,7 +17,3 @@ def tower(x):
 
 def build(law, dt):
     return on_floor(law, dt, material(), *tower(X))
-
-
-def measure(ids, clock):
-    return farthest(ids, clock, 10.0) / D

@@ -5,12 +5,11 @@ The warm start then has twice the correct forces; a solver that keeps them throw
 
 from yade import O
 
+from .rest import BOUND, REASON
 from .stage import D, R, X, farthest, material, on_floor, stadium
 
 TITLE = "stack whose upper half is removed"
 PREDICATE = "largest displacement of the rest in 1 s, in diameters"
-BOUND = 1e-3
-REASON = "geometric error of 1e-3 diameters, as in all scenes"
 
 
 def build(law, dt):

@@ -16,9 +16,8 @@ COUNT = 8
 
 def long_stack(law, dt, mu_floor, gravity, count):
     rough = material()
-    rods = [
-        stadium(0.9 * R, 0.1 * R, (X, 0.1 * R * (1 + 2 * k)), material=rough) for k in range(count)
-    ]
+    rods = [stadium(0.9 * R, 0.1 * R, (X, 0.1 * R * (1 + 2 * k)), material=rough)
+            for k in range(count)]
     return on_floor(law, dt, material(mu_floor), *rods, gravity=gravity)
 
 
@@ -41,5 +40,5 @@ def measure(ids, clock):
         last.append(kinds())
 
     clock.step(1000, look)
-    return sum(changes) if all(
-        points == 2 for *_, points in last[-1]) and len(last[-1]) == len(ids) else math.inf
+    complete = [points for *_, points in last[-1]] == [2] * len(ids)
+    return sum(changes) if complete else math.inf

@@ -5,12 +5,10 @@ The floor has µ = 0.3, the RCRs have 0.5.
 
 import math
 
-from .s07_parallel_at_rest import long_stack, measure
+from .s07_parallel_at_rest import BOUND, PREDICATE, long_stack, measure
 from .stage import tilted
 
 TITLE = "long parallel RCRs sliding"
-PREDICATE = "steps of 1000 in which a contact changes its type or points"
-BOUND = 0
 REASON = "they slide as one block"
 
 

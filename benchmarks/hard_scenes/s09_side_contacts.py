@@ -11,7 +11,7 @@ import numpy as np
 import rcr
 from rcr import problems
 
-from .stage import R, build as scene, material, solver, stadium, tilted
+from .stage import R, material, on_floor, solver, stadium, tilted
 
 TITLE = "indeterminate side contacts"
 PREDICATE = "largest difference of a pair's resultant between solvers, relative"
@@ -23,10 +23,9 @@ SOLVERS = "nlgs", "sor", "nesterov", "exact"
 
 def build(law, dt):
     rough = material()
-    bricks = [
-        stadium(R / 2, R / 2, (0.1 * R * k, R / 2 * (1 + 2 * k)), material=rough) for k in range(5)
-    ]
-    return scene(law, dt, rcr.wall("y", 0, material=rough), *bricks, gravity=tilted(0.2))
+    bricks = [stadium(R / 2, R / 2, (0.1 * R * k, R / 2 * (1 + 2 * k)), material=rough)
+              for k in range(5)]
+    return on_floor(law, dt, rough, *bricks, gravity=tilted(0.2))
 
 
 def present_problem():
@@ -50,9 +49,6 @@ def resultants(problem, impulse):
 def measure(ids, clock):
     clock.step(5)
     problem = present_problem()
-    found = [
-        resultants(problem,
-                   rcr.solve(problem, solver=s, tolerance=1e-10, max_iterations=1_000_000).reaction)
-        for s in SOLVERS
-    ]
+    solve = lambda s: rcr.solve(problem, solver=s, tolerance=1e-10, max_iterations=1_000_000)
+    found = [resultants(problem, solve(s).reaction) for s in SOLVERS]
     return max(abs(other - found[0]).max() for other in found[1:]) / abs(found[0]).max()

@@ -22,26 +22,24 @@ SEED = 10
 def build(law, dt):
     rng = np.random.default_rng(SEED)
     rough = material()
-    grains = [
-        rcr.particle((D * 1.1 * (k % 10 + 0.5), D * 1.1 * (k // 10 + 0.5)), R * rng.uniform(0.7, 1),
-                     0.5, rng.uniform(0, np.pi), rough) for k in range(150)
-    ]
+    centers = [(D * 1.1 * (k % 10 + 0.5), D * 1.1 * (k // 10 + 0.5)) for k in range(150)]
+    grains = [rcr.particle(c, R * rng.uniform(0.7, 1), 0.5, rng.uniform(0, np.pi), rough)
+              for c in centers]
     return scene(law, dt, *open_box(11 * D, rough), *grains)
 
 
 def shuffled(problem, order):
     """The problem with its contacts in another order."""
-    return dataclasses.replace(
-        problem, **{n: getattr(problem, n)[order]
-                    for n in "bodies normal arm1 arm2 bias friction impulse".split()})
+    names = "bodies normal arm1 arm2 bias friction impulse".split()
+    return dataclasses.replace(problem, **{name: getattr(problem, name)[order] for name in names})
 
 
 def measure(ids, clock):
     clock.pass_(2.0)
     problem = present_problem()
+    orders = np.arange(problem.contacts), np.random.default_rng(SEED).permutation(problem.contacts)
     forces = []
-    for order in np.arange(problem.contacts), np.random.default_rng(SEED).permutation(
-            problem.contacts):
+    for order in orders:
         other = shuffled(problem, order)
         solution = rcr.solve(other, solver="auto", tolerance=1e-8, max_iterations=1_000_000)
         forces.append(np.hypot(*resultants(other, solution.reaction)[:, :2].T))

@@ -8,10 +8,9 @@ once, p = −W⁻¹ u (Génot and Brogliato 1999).
 import math
 
 import numpy as np
-import rcr
 from yade import O
 
-from .stage import G, R, build as scene, material, stadium, state, twist
+from .stage import G, R, material, on_floor, stadium, state, twist
 
 TITLE = "Painlevé rod"
 PREDICATE = "relative error of the twist after the impact"
@@ -23,8 +22,9 @@ SPEED = 30 * R
 
 
 def build(law, dt):
-    rod = scene(law, dt, rcr.wall("y", 0, material=material(MU)),
-                stadium(A, CAP, (0, CAP + A * math.sin(ANGLE)), ANGLE, material=material(MU)))[1]
+    rough = material(MU)
+    rod = stadium(A, CAP, (0, CAP + A * math.sin(ANGLE)), ANGLE, material=rough)
+    (rod,) = on_floor(law, dt, rough, rod)
     state(rod).vel = (-SPEED, 0, 0)
     return rod
 

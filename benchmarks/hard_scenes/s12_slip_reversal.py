@@ -21,12 +21,11 @@ SPEED = 10 * R
 
 def build(law, dt):
     rough = material(0.5)
-    rods = [
-        stadium(0.9 * R, 0.1 * R, (4 * R *
-                                   (9 * j + k), (0.1 + 0.9 * math.sin(math.radians(degrees))) * R),
-                math.radians(degrees), material=rough) for j, degrees in enumerate(ANGLES)
-        for k in range(len(SLIPS))
-    ]
+    rods = []
+    for j, angle in enumerate(map(math.radians, ANGLES)):
+        y = (0.1 + 0.9 * math.sin(angle)) * R
+        rods += [stadium(0.9 * R, 0.1 * R, (4 * R * (9 * j + k), y), angle, material=rough)
+                 for k in range(len(SLIPS))]
     ids = on_floor(law, dt, rough, *rods, gravity=(0, 0, 0), restitution=1)
     for k, i in enumerate(ids):
         state(i).vel = (SPEED * SLIPS[k % len(SLIPS)], -SPEED, 0)

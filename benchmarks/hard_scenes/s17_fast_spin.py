@@ -21,8 +21,8 @@ def build(law, dt):
     rough = material()
     walls = [rcr.wall(axis, side * HALF, sense=-side, material=rough) for axis in "xy"
              for side in (-1, 1)]
-    rod, disc = stadium(0.95 * R, 0.05 * R, (0.1 * R, 0), 0.3,
-                        material=rough), stadium(0, 0.1 * R, (0, 0.7 * R), material=rough)
+    rod = stadium(0.95 * R, 0.05 * R, (0.1 * R, 0), 0.3, material=rough)
+    disc = stadium(0, 0.1 * R, (0, 0.7 * R), material=rough)
     ids = scene(law, dt, *walls, rod, disc, gravity=(0, 0, 0))
     state(ids[4]).angVel = (0, 0, SPIN)
     return ids[4:]

@@ -10,28 +10,21 @@ import math
 
 import rcr
 
-from .stage import D, G, R, build as scene, farthest, material, push, stadium
+from .rest import BOUND, PREDICATE, REASON, measure
+from .stage import G, R, build as scene, material, push, stadium
 
 TITLE = "flat arch of nine"
-PREDICATE = "largest displacement in 10 s, in diameters"
-BOUND = 1e-3
-REASON = "geometric error of 1e-3 diameters, as in all scenes"
 COUNT, MU = 9, 0.5
 
 
 def build(law, dt):
     rough = material(MU)
     a, r = 0.8 * R, 0.2 * R
-    stones = [
-        stadium(a, r, (r * (1 + 2 * k), 0), math.pi / 2, material=rough) for k in range(COUNT)
-    ]
+    stones = [stadium(a, r, (r * (1 + 2 * k), 0), math.pi / 2, material=rough)
+              for k in range(COUNT)]
     weight = G * sum(s.state.mass for s in stones)
     press = rcr.mobile_wall("x", 2 * r * COUNT, stones[0].state.mass, sense=-1, material=rough)
     ids = scene(law, dt, rcr.wall("x", 0, material=rough), press, *stones)
     thrust = 1.3 * max(weight / (2 * MU), weight * 2 * r * COUNT / 8 / a)
     push(ids[1], (-thrust, 0))
     return ids[2:]
-
-
-def measure(ids, clock):
-    return farthest(ids, clock, 10.0) / D

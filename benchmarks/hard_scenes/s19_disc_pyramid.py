@@ -6,12 +6,10 @@ Three discs need µ > tan(π/12) = 0.27 (tests/yade/law/test_closed_forms.py). A
 
 import math
 
-from .stage import D, R, farthest, material, on_floor, stadium
+from .rest import BOUND, PREDICATE, REASON, measure
+from .stage import D, R, material, on_floor, stadium
 
 TITLE = "pyramid of 210 discs"
-PREDICATE = "largest displacement in 10 s, in diameters"
-BOUND = 1e-3
-REASON = "geometric error of 1e-3 diameters, as in all scenes"
 BASE = 20
 
 
@@ -20,7 +18,3 @@ def build(law, dt):
     centers = [(R * row + D * k, R + row * math.sqrt(3) * R) for row in range(BASE)
                for k in range(BASE - row)]
     return on_floor(law, dt, rough, *(stadium(0, R, c, material=rough) for c in centers))
-
-
-def measure(ids, clock):
-    return farthest(ids, clock, 10.0) / D

@@ -10,9 +10,9 @@ import numpy as np
 import yade.utils
 from yade import O
 from yade.minieigenHP import Quaternion, Vector3
-from yade.wrapper import (Bo1_Box_Aabb, Bo1_Facet_Aabb, Bo1_Sphere_Aabb, Bo1_Wall_Aabb,
-                          ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop,
-                          Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker, NewtonIntegrator)
+from yade.wrapper import (Bo1_Box_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat,
+                          InsertionSortCollider, InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
+                          MatchMaker, NewtonIntegrator)
 
 import rcr
 
@@ -59,15 +59,8 @@ class Smooth:
 
 
 def _detection(ip2, law2):
-    boxes = [rcr.Bo1_Rcr_Aabb(),
-             Bo1_Wall_Aabb(),
-             Bo1_Box_Aabb(),
-             Bo1_Sphere_Aabb(),
-             Bo1_Facet_Aabb()]
-    points = [rcr.Ig2_Rcr_Rcr_RcrGeom(),
-              rcr.Ig2_Wall_Rcr_RcrGeom(),
-              rcr.Ig2_Box_Rcr_RcrGeom(),
-              rcr.Ig2_Sphere_Rcr_RcrGeom()]
+    boxes = [rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()]
+    points = [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom()]
     return [ForceResetter(),
             InsertionSortCollider(boxes, verletDist=0.1 * R),
             InteractionLoop(points, [ip2], [law2])]

@@ -1,16 +1,12 @@
 #!/usr/bin/env python3
-"""Write the reference in docs/reference from docstrings: classes of the plugin and Python modules.
+"""Write the reference in docs/reference: docstrings of the plugin's classes, and Python modules.
 
 Run it with YADE:  scripts/lib/run python3 docs/generate/reference.py
 """
 
-import importlib
-import inspect
 import pathlib
 import re
 import shutil
-
-from sphinx.ext.napoleon import Config, NumpyDocstring
 
 OUT = pathlib.Path(__file__).resolve().parents[1] / "reference"
 MODULES = {
@@ -132,57 +128,17 @@ def yade_kinds(classes):
     return kinds
 
 
-def python_doc(thing, what):
-    text = escaped(inspect.getdoc(thing) or "")
-    return str(NumpyDocstring(text, Config(napoleon_use_rtype=False), what=what))
-
-
-def signature(thing):
-    try:
-        return str(inspect.signature(thing))
-    except (TypeError, ValueError):
-        return "(…)"
-
-
-def python_class(name, cls):
-    lines = [f".. py:class:: {name}{signature(cls)}\n", indented(python_doc(cls, "class")) + "\n"]
-    for member, value in vars(cls).items():
-        if member.startswith("_") or not inspect.getdoc(value):
-            continue
-        bound = getattr(cls, member)
-        if isinstance(value, property):
-            head = f".. py:property:: {member}\n\n"
-            lines.append(indented(head + indented(python_doc(value, "attribute"))))
-        elif inspect.isfunction(inspect.unwrap(bound)) or inspect.ismethod(bound):
-            options = {classmethod: "   :classmethod:\n", staticmethod: "   :staticmethod:\n"}
-            head = f".. py:method:: {member}{signature(bound)}\n{options.get(type(value), '')}\n"
-            lines.append(indented(head + indented(python_doc(bound, "method"))))
-        lines.append("")
-    return "\n".join(lines)
-
-
-SESSION = ("advance", "contact_network", "critical_time_step", "half_step_start", "info", "movie")
-
-
-def members(name, module):
-    """Return the documented members of a module by name."""
-    own = [key for key, thing in vars(module).items() if getattr(thing, "__module__", "") == name]
-    names = SESSION if name == "rcr" else getattr(module, "__all__", own)
-    things = {key: getattr(module, key) for key in names if not key.startswith("_")}
-    return {key: thing for key, thing in things.items() if inspect.getdoc(thing)}
+SESSION = "advance contact_network critical_time_step half_step_start info movie".split()
 
 
 def python_page(name, title):
-    module = importlib.import_module(name)
-    page = [heading(f"{title}: {name}", "="), f".. py:module:: {name}\n",
-            python_doc(module, "module") + "\n"]
-    for public, thing in members(name, module).items():
-        if inspect.isclass(thing):
-            page.append(python_class(public, thing))
-        elif inspect.isfunction(thing):
-            page += [f".. py:function:: {public}{signature(thing)}\n",
-                     indented(python_doc(thing, "function")) + "\n"]
-    return "\n".join(page)
+    """Page of a module for autodoc; that of `rcr` has the functions that no other page has."""
+    page = [heading(f"{title}: {name}", "="), f".. automodule:: {name}"]
+    if name == "rcr":
+        page += ["", *(f".. autofunction:: rcr.{function}" for function in SESSION)]
+    else:
+        page += ["   :members:"]
+    return "\n".join(page) + "\n"
 
 
 def main():

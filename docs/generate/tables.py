@@ -7,6 +7,7 @@ A page names a table, and this script writes it between the marks:
     …
     <!-- end -->
 
+Run it with YADE:  scripts/lib/run python3 docs/generate/tables.py
 `--check` writes nothing and exits with 1 if a page is out of date.
 """
 
@@ -18,11 +19,15 @@ import pathlib
 import re
 import sys
 
+import yade  # noqa: F401: rcr loads its plugin into it
+from benchmarks import charts, hard_scenes as suite
+from rcr._yade.counterparts import COUNTERPARTS
+from rcr.plot import CATEGORIES, CONTACTS, SCALES
+from rcr.profile import QUANTITIES
+
 DOCS = pathlib.Path(__file__).resolve().parents[1]
 ROOT = DOCS.parent
-sys.path[:0] = [str(ROOT), str(ROOT / "py")]
 MARK = re.compile(r"(<!-- table: (\S+) -->\n).*?(<!-- end -->)", re.S)
-TEXTS = {"point", "status", "command", "law", "scene", "title", "verdict"}  # columns of charts
 
 
 def table(header, rows):
@@ -35,50 +40,17 @@ def table(header, rows):
 def measured(name):
     """Rows (dicts) of a CSV in docs/results/charts, with numbers as floats."""
     with open(DOCS / "results" / "charts" / f"{name}.csv", newline="") as file:
-        return [{key: cell if key in TEXTS else number(cell) for key, cell in row.items()}
+        return [{key: charts.number(cell) for key, cell in row.items()}
                 for row in csv.DictReader(file)]
-
-
-def number(cell):
-    try:
-        return float(cell)
-    except ValueError:
-        return cell
-
-
-def results_table(name):
-    """Table of the study in docs/results."""
-    return (DOCS / "results" / name / "table.md").read_text().rstrip("\n") + "\n"
 
 
 def ratios(chart, name):
     """Table of a chart, as scripts/chart.py prints it."""
-    from benchmarks import charts
-
     lines = charts.chart(chart).ratios(measured(name))
     header, _, *rows = (line.split(" | ") for line in lines)
     plain = lambda match: f"{float(match[0]):g}"  # 1e+03 as 1000
     short = lambda cell: re.sub(r"(\d(?:\.\d+)?)e\+0*(\d+)", plain, cell.strip())
     return table(header, [[short(cell) for cell in row] for row in rows])
-
-
-def scene_constants(name):
-    """TITLE, PREDICATE and other constants of a hard scene, read without YADE."""
-    found = {}
-    source = (ROOT / "benchmarks" / "hard_scenes" / f"{name}.py").read_text()
-    for node in ast.parse(source).body:
-        if not isinstance(node, ast.Assign):
-            continue
-        target, value = node.targets[0], node.value
-        pairs = [(target, value)]
-        if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
-            pairs = zip(target.elts, value.elts)
-        for variable, constant in pairs:
-            if isinstance(constant, ast.Constant):
-                found[variable.id] = constant.value
-            elif isinstance(constant, ast.Attribute) and variable.id.isupper():  # of another scene
-                found[variable.id] = scene_constants(constant.value.id)[constant.attr]
-    return found
 
 
 def stability_rows():
@@ -94,10 +66,10 @@ def hard_scenes():
 
     rows = []
     for name in dict.fromkeys(scene for scene, _, _ in runs):
-        scene = scene_constants(name)
-        title = f"{name[:3].upper().replace('S0', 'S')} {scene['TITLE']}"
-        rows.append([title, scene["PREDICATE"], f"{scene['BOUND']:g}", result(name, "cd", 1e-3),
-                     result(name, "cd", 1e-2), result(name, "smooth", 1e-4)])
+        scene = suite.scene(name)
+        rows.append([suite.title(name), scene.PREDICATE, f"{scene.BOUND:g}",
+                     result(name, "cd", 1e-3), result(name, "cd", 1e-2),
+                     result(name, "smooth", 1e-4)])
     header = ["scene", "must hold", "bound", "rigid, 1 ms", "rigid, 10 ms", "springs, 0.1 ms"]
     return table(header, rows)
 
@@ -179,34 +151,26 @@ def named(header, texts):
 
 
 def colors():
-    from rcr.plot import CATEGORIES, SCALES
-
     shown = {name: re.sub(r"\$(.*?)\$", r"\1", scale.label) for name, scale in SCALES.items()}
     any_color = {"'#e8e4da'": "this or any other colour of Matplotlib"}
     return named(["color", "shows"], shown | CATEGORIES | any_color)
 
 
 def contact_colors():
-    from rcr.plot import CONTACTS
-
     shape = "segments from centre to contact to centre, as thick as the normal force"
     return named(["contacts", shape], CONTACTS)
 
 
 def quantities():
-    from rcr.profile import QUANTITIES
-
     plain = lambda label: label.replace("$", "").replace("\\sigma_{xy}", "σ_xy")
     texts = {name: plain(label) for name, (label, *_) in QUANTITIES.items()}
     return named(["quantity", "is"], texts)
 
 
 def counterparts():
-    """Classes of YADE and their counterparts, read without YADE."""
-    tree = ast.parse((ROOT / "py" / "rcr" / "_yade" / "counterparts.py").read_text())
-    (known,) = (ast.literal_eval(node.value) for node in tree.body if isinstance(node, ast.Assign))
+    """Classes of YADE and their counterparts."""
     rows = [[", ".join(f"`{name}`" for name in names), re.sub(r"^(\S+)", r"`\1`", counterpart)]
-            for counterpart, names in known.items()]
+            for counterpart, names in COUNTERPARTS.items()]
     return table(["of YADE", "of rcr"], rows)
 
 
@@ -220,7 +184,7 @@ TABLES = {
     "biaxial-cost": lambda: ratios("c", "c-biaxial-cost"),
     "hard-scenes": hard_scenes,
     "stability": stability,
-    "study": lambda: results_table("study"),
+    "study": lambda: (DOCS / "results" / "study" / "table.md").read_text(),
     "quasi-static": lambda: ratios("e", "e-quasi-static"),
     "examples": examples,
     "sloshing": sloshing,

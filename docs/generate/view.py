@@ -14,7 +14,6 @@ import traceback
 from PyQt5.QtWidgets import QApplication
 from yade import qt
 
-import rcr
 from rcr import *
 
 PALETTE = [(0.55, 0.75, 1.0), (1.0, 0.87, 0.5), (0.7, 0.95, 0.7), (1.0, 0.7, 0.62)]
@@ -40,19 +39,19 @@ def scene():
     for k in range(84):
         at = (-0.1125 + 0.025 * (k % 10), 0.065 + 0.025 * (k // 10))
         color = PALETTE[k % 4]
-        grain = disc(at, 0.009, color=color, material=rough) if k % 4 == 3 else particle(
-            at, 0.012, 0.3 + 0.2 * (k % 3), turn.uniform(0, math.pi), rough, color=color)
-        O.bodies.append(grain)
-    pairs = [
-        f"Ig2_{one}_{two}_RcrGeom"
-        for one, two in (("Rcr", "Rcr"), ("Sphere", "Rcr"), ("Sphere", "Sphere"), ("Box", "Rcr"),
-                         ("Box", "Sphere"))
-    ]
+        if k % 4 == 3:
+            O.bodies.append(disc(at, 0.009, color=color, material=rough))
+        else:
+            eta, angle = 0.3 + 0.2 * (k % 3), turn.uniform(0, math.pi)
+            O.bodies.append(particle(at, 0.012, eta, angle, rough, color=color))
     O.engines = [
         ForceResetter(),
-        InsertionSortCollider(
-            [Bo1_Rcr_Aabb(), Bo1_Sphere_Aabb(), Bo1_Box_Aabb()], verletDist=0.001),
-        InteractionLoop([getattr(rcr, name)() for name in pairs], [Ip2_FrictMat_FrictMat_CdPhys()],
+        InsertionSortCollider([Bo1_Rcr_Aabb(), Bo1_Sphere_Aabb(), Bo1_Box_Aabb()],
+                              verletDist=0.001),
+        InteractionLoop([Ig2_Rcr_Rcr_RcrGeom(), Ig2_Sphere_Rcr_RcrGeom(),
+                         Ig2_Sphere_Sphere_RcrGeom(), Ig2_Box_Rcr_RcrGeom(),
+                         Ig2_Box_Sphere_RcrGeom()],
+                        [Ip2_FrictMat_FrictMat_CdPhys()],
                         [Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
         ContactDynamics(tolerance=1e-6),
         NewtonIntegrator(gravity=(0, -9.81, 0), damping=0),

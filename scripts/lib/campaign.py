@@ -131,14 +131,19 @@ def strain_reached(folder):
         return 0.0
 
 
-def run_with_progress(words, out, options):
-    """Run Snakemake; on a terminal, show the strain of all tests as a progress bar."""
+def run_folders(out, options):
+    """Return the folders of all tests."""
     config = configuration(options)
-    folders = [
+    return [
         out / "runs" / campaign_runs.run_name(config, text(eta), seed)
         for eta in options.etas
         for seed in options.seeds
     ]
+
+
+def run_with_progress(words, out, options):
+    """Run Snakemake; on a terminal, show the strain of all tests as a progress bar."""
+    folders = run_folders(out, options)
     form = "{desc}: {percentage:3.0f} %|{bar}| {elapsed} < {remaining}"
     process = subprocess.Popen(words, stdout=sys.stderr)
     with tqdm(total=options.strain * len(folders), desc="tests", disable=None,
@@ -173,17 +178,14 @@ def check_networks(out, options):
 
     The name of a run does not hold that number.
     """
-    config = configuration(options)
-    for eta in options.etas:
-        for seed in options.seeds:
-            folder = out / "runs" / campaign_runs.run_name(config, text(eta), seed)
-            record = results.read(folder)
-            made = record["parameters"]["networks"] if record else options.networks
-            if made != options.networks:
-                raise ValueError(
-                    f"{folder} has --networks {made}, this campaign --networks "
-                    f"{options.networks}; give the same number or another --out"
-                )
+    for folder in run_folders(out, options):
+        record = results.read(folder)
+        made = record["parameters"]["networks"] if record else options.networks
+        if made != options.networks:
+            raise ValueError(
+                f"{folder} has --networks {made}, this campaign --networks {options.networks}; "
+                "give the same number or another --out"
+            )
 
 
 def main():

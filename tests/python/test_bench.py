@@ -324,10 +324,11 @@ def test_a_step_without_its_bodies_is_refused(files):
 def test_commands_run_outside_through_pipes():
     """A server at the other end of two pipes executes the commands after `stay`."""
     script = f"""
-import sys
+import os, sys
 sys.path.insert(0, {str(ROOT)!r})
 from benchmarks import outside
 outside.stay()
+os.write(outside.pipes()[1], b'0 ["echo", "of a process that has ended"]\\n')
 print(outside.run(["echo", "a b", "ü"]), end="")
 for command in ["/none/program"], ["sh", "-c", "echo first; echo why >&2; exit 3"]:
     try:

@@ -32,7 +32,7 @@ own_debian() {
 }
 
 with_packages() {
-    local bootstrap
+    local bootstrap bundle
     rootfs_options
     bootstrap+=("--include=$(IFS=,; echo "${packages[*]}"),bubblewrap")
     rootfs_fill "$1"

@@ -113,14 +113,17 @@ rootfs_reason() {
     fi
 }
 
-# rootfs_options: sets `bootstrap` to mmdebstrap for a small Debian, with the apt options of here
+# rootfs_options: sets `bootstrap` to mmdebstrap for a small Debian, with the apt options of here,
+# and `bundle` to the certificates
 rootfs_options() {
-    local bundle=/etc/ssl/certs/ca-certificates.crt
+    bundle=/etc/ssl/certs/ca-certificates.crt
     [ -r "$bundle" ] || bundle=/dev/null
     apt-config dump --no-empty --format '%f "%v";%n' Acquire |
         grep -E '^Acquire::(Check-|Retries|Force|https?::)' |
         grep -vi 'auto-\?detect' >"$new/apt.conf"
-    bootstrap=(mmdebstrap --variant=minbase
+    bootstrap=(mmdebstrap --mode=unshare)
+    [ "$(id -u)" != 0 ] || bootstrap=(unshare --mount mmdebstrap --mode=root)
+    bootstrap+=(--variant=minbase
         --aptopt="$new/apt.conf" --aptopt='Acquire::Languages "none"' --dpkgopt=force-unsafe-io
         --setup-hook='mkdir -p "$1/etc/ssl/certs"'
         --setup-hook="upload '$bundle' /etc/ssl/certs/ca-certificates.crt")
@@ -128,11 +131,10 @@ rootfs_options() {
 
 # rootfs_bootstrap SOURCES: makes the root file system with the packages and YADE's headers
 rootfs_bootstrap() {
-    local bootstrap bundle=/etc/ssl/certs/ca-certificates.crt
+    local bootstrap bundle
     local files="'$setup/install-packages' '$setup/fetch-source' '$setup/packages'"
     local fetch="chroot \"\$1\" /tmp/fetch-source $(rootfs_version) /usr/src/yade /tmp/apt >&2"
     local libraries="YADE, a compiler and Python libraries (1 to 7 min) …"
-    [ -r "$bundle" ] || bundle=/dev/null
     rootfs_options
     bootstrap+=(--dpkgopt='path-exclude=/usr/share/doc/*'
         --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*'
@@ -152,11 +154,9 @@ rootfs_fill() {
     local sources
     IFS=';' read -ra sources <<<"$1"
     if [ "$(id -u)" = 0 ]; then
-        bootstrap=(unshare --mount "${bootstrap[@]}" --mode=root trixie "$new/tree")
-        "${bootstrap[@]}" "${sources[@]}" 2>&1 | record
+        "${bootstrap[@]}" trixie "$new/tree" "${sources[@]}" 2>&1 | record
     else
-        bootstrap+=(--mode=unshare trixie -)
-        { TMPDIR=/var/tmp "${bootstrap[@]}" "${sources[@]}" 2>&1 >&3 | record; } 3>&1 |
+        { TMPDIR=/var/tmp "${bootstrap[@]}" trixie - "${sources[@]}" 2>&1 >&3 | record; } 3>&1 |
             tar -x -C "$new/tree" --exclude='./dev/*' 2>>"$log"
     fi
 }

@@ -59,13 +59,12 @@ def test_damaged_tables_are_named(tmp_path, content):
 
 
 def test_a_point_of_one_step_runs(tmp_path):
-    """Chart a finds bench_solver.py from any folder."""
+    """Our solver, and a program of another library with each number of iterations."""
     rows = one_step.run("250/0/auto", dataclasses.replace(OPTIONS, out=str(tmp_path)))
     assert {row["start"] for row in rows} == {"cold", "warm"}
     assert all(row["library"] == "auto" and row["seconds"] > 0 for row in rows)
     assert min(row["residual"] for row in rows) < 1e-4
-    # A script stands for another library: a grain falls on the floor and stops. Two numbers of
-    # iterations need one folder.
+    # A script stands for another library: a grain falls on the floor and stops.
     count = 250
     before, after = np.zeros((count + 4, 3)), np.zeros((count + 4, 3))
     before[0, 1] = -1

@@ -1,0 +1,66 @@
+"""Tables of the benchmarks: options, output on the terminal and CSV files."""
+
+import contextlib
+import os
+
+from rcr import script
+from rcr._data import files, results
+
+
+def add_repeats(parser, repeats, budget=None):
+    """Add the options --repeats and --budget with these default values."""
+    parser.add_argument("--repeats", type=script.at_least(1), default=repeats, metavar="N",
+                        help="runs; the fastest counts (default %(default)s)")
+    if budget:
+        seconds = script.number("seconds ≥ 0", lambda v: v >= 0)
+        parser.add_argument("--budget", type=seconds, default=budget, metavar="S",
+                            help="seconds after which a run is not repeated (default %(default)s)")
+
+
+def store(program, options, columns, measured):
+    """Print tables, and write them as CSV into the folder of --out, if it is given.
+
+    Parameters
+    ----------
+    program : str
+        Name of the script.
+    options : argparse.Namespace
+    columns : dict
+        {name of a table: its columns}
+    measured : callable
+        Returns {name: rows (dicts)} for the options.
+    """
+    given = {name: value for name, value in vars(options).items()
+             if name not in ("out", "overwrite")}
+    folder = contextlib.nullcontext()
+    if options.out:
+        folder = results.claim_folder(options.out, program, given,
+                                      [f"{name}.csv" for name in columns],
+                                      overwrite=options.overwrite)
+    with folder as begin:
+        tables = measured(options)
+        if begin:
+            begin()
+        for name, rows in tables.items():
+            _show(name, rows, columns[name])
+            if begin:
+                table = files.table(columns[name], rows)
+                files.write(os.path.join(options.out, f"{name}.csv"), table)
+
+
+def _show(title, rows, columns):
+    """Print rows (dicts) as a table."""
+    if not rows:
+        return
+    cells = [list(columns)] + [[_cell(row.get(column)) for column in columns] for row in rows]
+    widths = [max(map(len, column)) for column in zip(*cells)]
+    print(f"\n{title}")
+    for first, *others in cells:
+        line = [first.ljust(widths[0]), *(c.rjust(w) for c, w in zip(others, widths[1:]))]
+        print("  ".join(line).rstrip())
+
+
+def _cell(value):
+    if value is None:
+        return ""
+    return f"{value:.3g}" if isinstance(value, float) else str(value)
