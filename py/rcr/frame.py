@@ -240,5 +240,5 @@ class Frame:
         low, high = np.quantile(place, (0.01, 0.99), axis=0)
         size = 0.5 * (high - low) + 0.5 * (high - low).max() + 2 * self.mean_radius()
         near = (np.abs(place - 0.5 * (low + high)) <= size).all(axis=1)
-        reach = np.column_stack([half_extents(self.grains, k) for k in (0, 1)])
+        reach = half_extents(self.grains)
         return [(place - reach)[near], (place + reach)[near]]

@@ -15,15 +15,15 @@ def areas(grains):
     return np.pi * r**2 + 4 * a * r
 
 
-def half_extents(grains, axis):
-    """Return half the width of each grain along x (axis 0) or y (1), (N,) [m]."""
-    along = np.abs(np.cos(grains["angle"]) if axis == 0 else np.sin(grains["angle"]))
-    return grains["half_length"] * along + grains["cap_radius"]
+def half_extents(grains):
+    """Return half the width of each grain along x and along y, (N, 2) [m]."""
+    along = np.abs(np.column_stack([np.cos(grains["angle"]), np.sin(grains["angle"])]))
+    return grains["half_length"][:, None] * along + grains["cap_radius"][:, None]
 
 
 def bounds(grains):
     """Return the lower left and upper right corner of the box around all grains, (2, 2) [m]."""
-    reach = np.column_stack([half_extents(grains, axis) for axis in (0, 1)])
+    reach = half_extents(grains)
     low, high = grains["position"] - reach, grains["position"] + reach
     return np.stack([low.min(axis=0), high.max(axis=0)])
 
@@ -44,7 +44,7 @@ def union(grains, strips=STRIPS):
 
     The integral is exact along y and follows the midpoint rule along x.
     """
-    x, reach = grains["position"][:, 0], half_extents(grains, 0)
+    x, reach = grains["position"][:, 0], half_extents(grains)[:, 0]
     left, right = (x - reach).min(), (x + reach).max()
     width = (right - left) / strips
     at = left + width * (np.arange(strips) + 0.5)

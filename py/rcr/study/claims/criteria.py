@@ -61,10 +61,10 @@ def minimum(v, name, row):
     return v["xi"][k], v[name][row, k], known(v[f"{name}_error"][row, k])
 
 
-def require_finite(values):
-    """Return the values; raise NotTested if one is NaN, as for a class with too few contacts."""
+def require_finite(values, reason="too few contacts"):
+    """Return the values; raise NotTested with a reason if one is NaN."""
     if not np.isfinite(values).all():
-        raise NotTested("too few contacts")
+        raise NotTested(reason)
     return values
 
 
