@@ -16,9 +16,9 @@ from pathlib import Path
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parent.parent
-TOOLS = """awk basename bash bzip2 cat chmod cp cut date dirname echo env find flock getent grep head
-    ln ls mkdir mktemp mv nproc paste printf readlink realpath rm rmdir sed seq sh sha256sum sleep
-    sort tail tar tee touch tr true wc""".split()
+TOOLS = """awk basename bash bzip2 cat chmod cp cut date dirname echo env find flock getent grep
+    head ln ls mkdir mktemp mv nproc paste printf readlink realpath rm rmdir sed seq sh sha256sum
+    sleep sort tail tar tee touch tr true wc""".split()
 
 
 # A root file system as small as it goes, written as the archive that mmdebstrap would write.
@@ -495,8 +495,8 @@ def install(machine, apt_get, packages="yade\ng++\n? python3-tqdm: progress bars
     return machine.run(f"{machine.repo}/scripts/lib/setup/install-packages {machine.path}/list")
 
 
-HOLE = ('echo "E: Failed to fetch http://mirror/pool/g/g++_4%3a14.2-1%2bb1_amd64.deb  404  Not Found '
-        '[IP: 1]"; exit 100')
+HOLE = ('echo "E: Failed to fetch http://mirror/pool/g/g++_4%3a14.2-1%2bb1_amd64.deb  404  '
+        'Not Found [IP: 1]"; exit 100')
 
 
 @pytest.mark.parametrize("apt_get, complete, words", [
