@@ -16,9 +16,9 @@ from pathlib import Path
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parent.parent
-TOOLS = """awk basename bash bzip2 cat chmod cp cut date dirname echo env find flock getent grep head
-    ln ls mkdir mktemp mv nproc paste printf readlink realpath rm rmdir sed seq sh sha256sum sleep
-    sort tail tar tee touch tr true wc""".split()
+TOOLS = """awk basename bash bzip2 cat chmod cp cut date dirname echo env find flock getent grep
+    head ln ls mkdir mktemp mv nproc paste printf readlink realpath rm rmdir sed seq sh sha256sum
+    sleep sort tail tar tee touch tr true wc""".split()
 
 
 # A root file system as small as it goes, written as the archive that mmdebstrap would write.
@@ -251,7 +251,6 @@ def test_native_takes_the_headers_from_the_source_archive_once(machine):
 def test_native_keeps_the_headers_when_a_package_is_reinstalled(machine):
     machine.user("root", 0)
     machine.offers("2025.2.0-1")
-    machine.archive()
     machine.nothing_installed()
     machine.command("apt-get", 'case "$*" in *" install "*) touch installed ;; '
                     '*" source "*) exit 1 ;; esac')
@@ -472,8 +471,7 @@ def test_without_home_a_directory_in_the_cache_is_home(machine):
 
 def test_each_stage_of_the_set_up_prints_its_duration(machine):
     machine.bare('echo "yade-rcr: set-up 2/3: packages (1 min) …" >&2; sleep 1' + SMALL_ROOT)
-    assert re.fullmatch(r"yade-rcr: set-up 1/3: .*\n"
-                        r"yade-rcr: set-up 1/3 took \d+ s\n"
+    assert re.fullmatch(r"yade-rcr: set-up 1/3: .*\nyade-rcr: set-up 1/3 took \d+ s\n"
                         r"yade-rcr: set-up 2/3: packages \(1 min\) …\n"
                         r"yade-rcr: set-up 2/3 took [1-9]\d* s\n", machine.succeeds("ready"))
 
@@ -495,8 +493,8 @@ def install(machine, apt_get, packages="yade\ng++\n? python3-tqdm: progress bars
     return machine.run(f"{machine.repo}/scripts/lib/setup/install-packages {machine.path}/list")
 
 
-HOLE = ('echo "E: Failed to fetch http://mirror/pool/g/g++_4%3a14.2-1%2bb1_amd64.deb  404  Not Found '
-        '[IP: 1]"; exit 100')
+HOLE = ('echo "E: Failed to fetch http://mirror/pool/g/g++_4%3a14.2-1%2bb1_amd64.deb  404  '
+        'Not Found [IP: 1]"; exit 100')
 
 
 @pytest.mark.parametrize("apt_get, complete, words", [

@@ -77,8 +77,7 @@ def test_each_mutant_has_one_place():
 def test_checks_leave_out_tests_that_exist():
     """A renamed test would run under a sanitizer that cannot serve it."""
     tests = "".join(map(pathlib.Path.read_text, (ROOT / "tests/kernel").rglob("test_*.py")))
-    for name in {name for names in constant("scripts/lib/check.py", "LEFT_OUT").values()
-                 for name in names}:
+    for name in sum(constant("scripts/lib/check.py", "LEFT_OUT").values(), []):
         assert re.search(rf"def test_\w*{name}", tests), name
 
 

@@ -46,12 +46,10 @@ def heap(seed, count=30):
     iI[:count] = 8 * im[:count]
     v[:count] = rng.normal(0, 0.02, (count, 3)) + [0, -0.1, 0]
     v[right] = -0.2, 0, 0
-    return dict(
-        a=t[:, 0].astype(int), b=t[:, 1].astype(int), n=t[:, 2:4], ra=t[:, 4:6], rb=t[:, 6:8],
-        bn=t[:, 8], mu=t[:, 9], gap=0.01 * t[:, 8],
-        p0=abs(rng.normal(0, 0.01, (len(t), 2))) * [1, 0], im=im, iI=iI, vfree=v, vprev=v,
-        meta=np.array([0.01, 1.0, count]),
-    )  # fmt: skip
+    return dict(a=t[:, 0].astype(int), b=t[:, 1].astype(int), n=t[:, 2:4], ra=t[:, 4:6],
+                rb=t[:, 6:8], bn=t[:, 8], mu=t[:, 9], gap=0.01 * t[:, 8],
+                p0=abs(rng.normal(0, 0.01, (len(t), 2))) * [1, 0], im=im, iI=iI, vfree=v, vprev=v,
+                meta=np.array([0.01, 1.0, count]))
 
 
 def dense(arrays):
@@ -62,11 +60,10 @@ def dense(arrays):
     jacobian = np.zeros((nc, 2, nb, 3))
     for k in range(nc):
         n = arrays["n"][k]
-        for row, d in enumerate((n, np.array([-n[1], n[0]]))):
-            for body, arm, sign in ((arrays["a"][k], arrays["ra"][k], -1),
-                                    (arrays["b"][k], arrays["rb"][k], 1)):
-                jacobian[k, row, body] += sign * np.array([d[0], d[1], arm[0] * d[1] - arm[1]
-                                                           * d[0]])
+        for row, (x, y) in enumerate((n, (-n[1], n[0]))):
+            for body, arm, sign in (("a", "ra", -1), ("b", "rb", 1)):
+                r = arrays[arm][k]
+                jacobian[k, row, arrays[body][k]] += sign * np.array([x, y, r[0] * y - r[1] * x])
     jacobian = jacobian.reshape(2 * nc, 3 * nb)
     q = (jacobian @ arrays["vfree"].ravel()).reshape(nc, 2)
     q[:, 0] += arrays["bn"]
@@ -78,19 +75,14 @@ def write_fclib(path, w, q, mu, kind=-1, change=None):
 
     `change(group)` damages it.
     """
-    row, column = np.nonzero(w if kind != -1 else w.T)
-    if kind == -1:
-        row, column = column, row
-    outer = column if kind == -1 else row
+    outer, inner = np.nonzero(w.T if kind == -1 else w)
+    row, column = (inner, outer) if kind == -1 else (outer, inner)
+    triplets = kind == "triplets"
+    values = dict(nzmax=[len(row)], m=[len(w)], n=[len(w)], nz=[len(row) if triplets else kind],
+                  p=row if triplets else np.searchsorted(outer, np.arange(len(w) + 1)), i=inner)
     with h5py.File(path, "w") as file:
         group = file.create_group("fclib_local")
         group["spacedim"] = np.array([2], np.int32)
-        pointers, index = np.searchsorted(outer,
-                                          np.arange(len(w) + 1)), row if kind == -1 else column
-        if kind == "triplets":
-            pointers, index = row, column
-        values = dict(nzmax=[len(row)], m=[len(w)], n=[len(w)],
-                      nz=[len(row) if kind == "triplets" else kind], p=pointers, i=index)
         for name, value in values.items():
             group[f"W/{name}"] = np.array(value, np.int32)
         group["W/x"], group["vectors/q"], group["vectors/mu"] = w[row, column], q.ravel(), mu

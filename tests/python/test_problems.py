@@ -223,11 +223,8 @@ def test_refuses_any_siconos_file_that_ends_early(step, tmp_path, storage):
 
 def test_refuses_other_files(tmp_path):
     for name in ("x.npz", "x.h5", "x.dat"):
-        with pytest.raises(OSError):
-            solve(tmp_path / name)
         (tmp_path / name).write_text("what is this\n")
-        with pytest.raises(ValueError, match=name):
-            solve(tmp_path / name)
+        assert_refused(tmp_path / name, "")
     with pytest.raises(ValueError, match=r"unknown suffix '.mat'; expected one of .npz, .h5, "
                        r".hdf5, .dat"):
         solve(tmp_path / "x.mat")
@@ -236,16 +233,9 @@ def test_refuses_other_files(tmp_path):
 # --- the script -----------------------------------------------------------------------------------
 
 
-def run(*arguments):
+def run(*arguments, folder="/"):
     return subprocess.run([sys.executable, ROOT / "scripts" / "solve.py", *map(str, arguments)],
-                          capture_output=True, text=True, cwd="/")
-
-
-def assert_script_refuses(arguments, says):
-    """The script prints one line, on standard error, and fails."""
-    ended = run(*arguments)
-    assert ended.returncode != 0 and ended.stdout == "" and says in ended.stderr, ended.stderr
-    assert ended.stderr.count("\n") == 1, ended.stderr
+                          capture_output=True, text=True, cwd=folder)
 
 
 @pytest.mark.parametrize("name", ["step.npz", "columns.h5", "columns.dat"])
@@ -267,41 +257,36 @@ def test_script(files, step, name, out):
     assert warm["iterations"] == 3
 
 
-def test_the_script_reports_errors_in_a_line(files):
-    for arguments, says in (
-        ((files / "none.npz", "--out", files / "o.npz"), "none.npz"),
-        ((files / "step.npz", "--out", files / "o.txt"), "unknown suffix '.txt'"),
-        ((files / "step.npz", "--solver", "best", "--out", files / "o.npz"),
-         "solver 'best' is not known"),
-        ((files / "step.npz", "--tolerance", "-1", "--out", files / "o.npz"), "tolerance = -1"),
-    ):
-        assert_script_refuses(arguments, says)
+def test_the_script_prints_its_options():
     assert run("--help").returncode == 0
 
 
-def test_script_refuses_before_anything_is_lost(files):
+@pytest.mark.parametrize("arguments, says", [
+    ("none.npz --out o.npz", "none.npz"),
+    ("step.npz --out o.txt", "unknown suffix '.txt'"),
+    ("step.npz --out step.npz", "this is the problem itself"),
+    ("step.npz --out link.npz", "this is the problem itself"),
+    ("step.npz --out folder.npz", "is a folder"),
+    ("step.npz --out none/o.npz", "this folder does not exist"),
+    ("step.npz --out=", "--out '': expected a path"),
+    (". --out o.npz", "unknown suffix"),
+    ("folder.npz --out o.npz", "Is a directory"),
+    ("step.npz --out o.npz --solver best", "solver 'best' is not known"),
+    ("step.npz --out o.npz --tolerance -1", "tolerance = -1"),
+    ("step.npz --out o.npz --tolerance nan", "--tolerance nan: expected a finite number"),
+    (f"step.npz --out o.npz --max-iterations {'9' * 30}", "--max-iterations 999"),
+    (f"step.npz --out o.npz --max-iterations {2**31}", "maxIterations = 2147483648"),
+    ("step.npz --out o.npz --max-iterations 1.5",
+     "--max-iterations '1.5': expected a whole number"),
+])
+def test_script_refuses_in_a_line_and_loses_nothing(files, arguments, says):
     """The output never overwrites the problem, by whatever name; a failed solve leaves no file."""
     (files / "link.npz").symlink_to("step.npz")
     (files / "folder.npz").mkdir()
     names, before = sorted(files.iterdir()), (files / "step.npz").read_bytes()
-    for arguments, says in (
-        ((files / "step.npz", "--out", files / "step.npz"), "this is the problem itself"),
-        ((files / "step.npz", "--out", files / "link.npz"), "this is the problem itself"),
-        ((files / "step.npz", "--out", files / "folder.npz"), "is a folder"),
-        ((files / "step.npz", "--out", files / "none" / "o.npz"), "this folder does not exist"),
-        ((files / "step.npz", "--out", ""), "--out '': expected a path"),
-        ((files, "--out", files / "o.npz"), "unknown suffix"),
-        ((files / "folder.npz", "--out", files / "o.npz"), "Is a directory"),
-        ((files / "step.npz", "--tolerance", "nan", "--out", files / "o.npz"),
-         "--tolerance nan: expected a finite number"),
-        ((files / "step.npz", "--max-iterations", "9" * 30, "--out", files / "o.npz"),
-         "--max-iterations 999"),
-        ((files / "step.npz", "--max-iterations", 2**31, "--out", files / "o.npz"),
-         "maxIterations = 2147483648"),
-        ((files / "step.npz", "--max-iterations", "1.5", "--out", files / "o.npz"),
-         "--max-iterations '1.5': expected a whole number"),
-    ):
-        assert_script_refuses(arguments, says)
+    ended = run(*arguments.split(), folder=files)
+    assert ended.returncode != 0 and ended.stdout == "" and says in ended.stderr, ended.stderr
+    assert ended.stderr.count("\n") == 1, ended.stderr
     assert sorted(files.iterdir()) == names and (files / "step.npz").read_bytes() == before
 
 
@@ -310,11 +295,9 @@ def test_numbers_beyond_doubles_are_no_result(files, step):
     arrays = dict(step[0], im=step[0]["im"] * 1e300, vfree=step[0]["vfree"] * 1e300)
     np.savez(files / "huge.npz", **arrays)
     ended = run(files / "huge.npz", "--solver", "nlgs", "--out", files / "o.npz")
-    if ended.returncode == 0:
-        assert np.isfinite(json.loads(ended.stdout)["residual"])
-    else:
-        assert ended.stderr.count("\n") == 1 and "not finite" in ended.stderr
-        assert not (files / "o.npz").exists()
+    assert ended.returncode != 0 and ended.stdout == ""
+    assert ended.stderr.count("\n") == 1 and "not finite" in ended.stderr
+    assert not (files / "o.npz").exists()
 
 
 # --- values from Python ---------------------------------------------------------------------------
@@ -322,18 +305,14 @@ def test_numbers_beyond_doubles_are_no_result(files, step):
 
 SCALARS = st.one_of(
     st.floats(), st.integers(), st.booleans(), st.none(), st.text(max_size=3), st.complex_numbers(),
-    st.sampled_from([5e-324, 1e308, -0.0, 2**31, 2**63, 2**70]),
-)  # fmt: skip
+    st.sampled_from([5e-324, 1e308, -0.0, 2**31, 2**63, 2**70]))
 
 
 def one_contact(**changes):
     """Arguments of a BodyProblem of a grain on a floor."""
-    given = dict(
-        inverse_mass=[[1.0, 1, 8], [0, 0, 0]], free_velocity=[[0.1, -0.1, 0.3], [0, 0, 0]],
-        bodies=[[0, 1]], normal=[[0.0, -1]], arm1=[[0.1, -0.5]],
-        arm2=[[0.0, 0]], bias=[0.0], friction=[0.5], impulse=[[0.0, 0]],
-    )  # fmt: skip
-    return given | changes
+    return dict(inverse_mass=[[1.0, 1, 8], [0, 0, 0]], free_velocity=[[0.1, -0.1, 0.3], [0, 0, 0]],
+                bodies=[[0, 1]], normal=[[0.0, -1]], arm1=[[0.1, -0.5]], arm2=[[0.0, 0]],
+                bias=[0.0], friction=[0.5], impulse=[[0.0, 0]]) | changes
 
 
 @hypothesis.given(tolerance=SCALARS, max_iterations=SCALARS,
@@ -356,7 +335,7 @@ def test_settings_are_checked(tolerance, max_iterations, solver):
     value=st.one_of(SCALARS, st.lists(SCALARS, max_size=4),
                     st.lists(st.lists(SCALARS, min_size=2, max_size=3), max_size=3),
                     hnp.arrays(hnp.scalar_dtypes(), hnp.array_shapes(max_dims=3, max_side=3))),
-)  # fmt: skip
+)
 def test_arrays_of_a_problem_are_checked(name, value):
     """Any values give a finite problem that is solved, or one ValueError of one line."""
     try:

@@ -17,18 +17,17 @@ def threads_now():
 @pytest.fixture(scope="module", autouse=True)
 def idle_helpers():
     """Process that counts its helpers before and after they idle. It sleeps during other tests."""
-    yield run(
-        f"""if True:
+    yield run(f"""if True:
         import time
         from rcr import _kernel
         _kernel.ThreadTeam().loop_counts(3, 1000)
-        before = _kernel.helper_count()
-        time.sleep({IDLE_LIMIT + 1})
+        before, end = _kernel.helper_count(), time.monotonic() + {IDLE_LIMIT + 20}
+        while _kernel.helper_count() and time.monotonic() < end:
+            time.sleep(0.1)
         between = _kernel.helper_count()
         _kernel.ThreadTeam().loop_counts(2, 1000)
         print(before, between, _kernel.helper_count())
-    """
-    )
+    """)
 
 
 def test_idle_teams_hold_no_threads():
