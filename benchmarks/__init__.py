@@ -6,5 +6,4 @@ Entry points: `scripts/chart.py`, `scripts/hard_scenes.py` and `scripts/bench_*.
 
 import os
 
-FOLDER = os.path.dirname(os.path.realpath(__file__))
-ROOT = os.path.dirname(FOLDER)
+ROOT = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))

@@ -16,7 +16,7 @@ from functools import partial
 import numpy as np
 
 import rcr._kernel as kernel
-from benchmarks import FOLDER, measure, outside, tables
+from benchmarks import ROOT, measure, outside, tables
 from rcr import problems, script
 
 TOLERANCES = 1e-4, 1e-6, 1e-8, 1e-10
@@ -124,7 +124,7 @@ def tolerance_rows(case, solver, warm, options):
 
 def siconos_rows(case, warm, options):
     """Time and iterations of Siconos, which runs in its own Python."""
-    d, program = case.delassus, os.path.join(FOLDER, "peers", "siconos_solve.py")
+    d, program = case.delassus, os.path.join(ROOT, "benchmarks", "peers", "siconos_solve.py")
     rows, columns, values = d.entries()
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "problem.npz")

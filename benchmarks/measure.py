@@ -50,7 +50,7 @@ def matrix(problem):
 
 
 def rounds(repeats, budget, functions):
-    """Yield the results of the functions, called in turn, of each round.
+    """Call the functions in turn and yield their results, a list for each round.
 
     Parameters
     ----------

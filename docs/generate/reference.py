@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write the reference in docs/reference: docstrings of the plugin's classes, and Python modules.
+"""Write the pages of docs/reference: classes of the plugin, and Python modules for autodoc.
 
 Run it with YADE:  scripts/lib/run python3 docs/generate/reference.py
 """
