@@ -117,6 +117,11 @@ def contact_forces():
             for i in O.interactions}
 
 
+def plane(xx, xy, yx, yy):
+    """A matrix that acts in the plane."""
+    return Matrix3(xx, xy, 0, yx, yy, 0, 0, 0, 0)
+
+
 def gaps():
     """Gaps of all contact points at the beginning of the last step [m]."""
     return [i.geom.gap[k] for i in O.interactions for k in range(i.geom.points)]
@@ -146,7 +151,7 @@ def shrinking_cell():
     grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098),
                            0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
     build(*grains, cell=1.0, gravity=(0, 0, 0), tolerance=1e-8)
-    O.cell.velGrad = Matrix3(-4, 0.5, 0, 0, -4, 0, 0, 0, 0)
+    O.cell.velGrad = plane(-4, 0.5, 0, -4)
     steps(100)
 
 
