@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 import yade.utils  # before rcr, which loads its plugin into it
 import rcr
-from benchmarks.hard_scenes.stage import (G, box, kinetic, material, open_box, solver, stadium,
-                                          tilted)
+from benchmarks.hard_scenes.stage import G, box, material, open_box, solver, stadium, tilted
 from yade import O
 from yade.minieigenHP import Matrix3
 from yade.wrapper import (
@@ -103,7 +102,7 @@ def point_forces(id1, id2):
 
 
 def snapshot():
-    """States of the bodies and forces on them, (n, 20), for comparisons of bits."""
+    """Positions, orientations, velocities, forces and torques of the bodies, (n, 19)."""
     rows = []
     for b in O.bodies:
         s = b.state

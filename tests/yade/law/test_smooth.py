@@ -322,13 +322,6 @@ def test_the_stress_of_the_network_is_that_of_the_walls():
 
 # --- what is refused ------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("damping", [-0.1, math.nan, math.inf])
-def test_damping_out_of_range(damping):
-    with pytest.raises(ValueError, match=r"CundallStrack.damping = .*; expected a fraction of the "
-                       r"critical damping"):
-        rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping)
-
-
 @pytest.mark.parametrize("name, value, match", [
     ("kn", -1.0, "bodies #0 and #1 has kn = -1; expected a stiffness > 0: set FrictMat.young"),
     ("kn", math.nan, "kn = -?nan"), ("ks", -1.0, "ks = -1; expected a stiffness ≥ 0"),
