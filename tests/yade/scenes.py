@@ -44,7 +44,7 @@ def engines(gravity=(0, -G, 0), before=(), restitution=None, law="rigid", **opti
 
 
 def build(*bodies, dt=1e-3, cell=None, **options):
-    """A fresh scene of these bodies, in a square cell of this side [m] if any; returns their ids."""
+    """A fresh scene of these bodies, in a cell of this side [m] if any; returns their ids."""
     O.reset()
     O.dt = dt
     if cell:
@@ -126,14 +126,15 @@ def gaps():
     return [i.geom.gap[k] for i in O.interactions for k in range(i.geom.points)]
 
 
-def python(code, **environment):
-    """Run code in another Python with these environment variables: CompletedProcess.
+def environment(**changes):
+    """Environment of a process whose Python may import the modules of the tests."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **changes}
 
-    The code may import the modules of the tests.
-    """
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **environment}
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120,
-                          env=environment)
+
+def python(code, **changes):
+    """Run code in another Python with changed environment variables: CompletedProcess."""
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600,
+                          env=environment(**changes))
 
 
 def assert_refused(match, moved=False):

@@ -43,5 +43,6 @@ def test_a_lid_that_is_no_wall_is_pressed_by_a_permanent_force(lid):
 def test_a_stress_that_is_not_finite_is_refused(stress):
     """The message names WallStress, not a force on the wall."""
     pressed_wall(2, stress)
-    with pytest.raises(ValueError, match=f"WallStress.stress = {stress:g}; expected a finite stress"):
+    message = f"WallStress.stress = {stress:g}; expected a finite stress"
+    with pytest.raises(ValueError, match=message):
         O.step()
