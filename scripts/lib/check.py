@@ -145,7 +145,7 @@ def sanitize_plugin(arguments):
     The sanitizer delays the release of memory, so its growth is not bounded.
     """
     return sanitize("plugin-asan", [
-        [*PYTEST, "-p", "no:warnings", "tests/yade/law/test_f01_stale_points.py"],
+        [*PYTEST, "-p", "no:warnings", "tests/yade/law/test_growing_pair.py"],
         [sys.executable, FUZZER, "--scenes", "300"],
         [sys.executable, SOAK, "--growth", "inf", *(arguments or ["--minutes", "5"])],
     ], plugin=True)

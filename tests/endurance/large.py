@@ -16,7 +16,7 @@ import sys
 import time
 
 import numpy as np
-import yade
+import yade  # noqa: F401  before rcr
 import rcr
 from yade import O
 from yade.wrapper import (

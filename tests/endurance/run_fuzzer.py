@@ -8,12 +8,19 @@ the scene as users do. A difference is printed with the least scene that still s
 `--only SEED` prints one scene and its result.
 """
 
-import argparse
+import functools
 import os
 import sys
 import tempfile
-import warnings
 
+import numpy as np
+import yade  # noqa: F401  before rcr
+import rcr
+from yade import O, utils
+from yade import wrapper as w
+from yade.minieigenHP import Quaternion
+
+import children
 import scene_fuzzer
 from scene_fuzzer import R
 
@@ -27,85 +34,90 @@ COLUMNS = 7
 
 def engine(kind):
     """The engine of this class."""
-    from yade import O
-
     return next(e for e in O.engines if type(e).__name__ == kind)
 
 
 def some_grain(rng):
     """A grain that can move, or None."""
-    from yade import O
-
     free = [b for b in O.bodies if type(b.shape).__name__ in ("Rcr", "Sphere") and b.dynamic]
     return free[rng.integers(len(free))] if free else None
 
 
 def some_obstacle(rng):
-    from yade import O
-
     held = [b for b in O.bodies if b.state.blockedDOFs == "xyzXYZ"]
     return held[rng.integers(len(held))]
 
 
 def above(rng):
     """A place above all bodies."""
-    from yade import O
-
     top = max((b.state.pos[1] for b in O.bodies if b.dynamic), default=0)
     return (rng.uniform(0, COLUMNS * 2 * R), top + 3 * R, 0)
 
 
-def insert(rng):
-    from yade import O
+EVENTS = {}
 
+
+def event(change):
+    """Add a function of random numbers to EVENTS, in the order of the draws."""
+    EVENTS[change.__name__] = change
+    return change
+
+
+def event_of_a_grain(change):
+    """`event` for a function of a grain and random numbers; it needs a grain that can move."""
+
+    @event
+    @functools.wraps(change)
+    def changed(rng):
+        if body := some_grain(rng):
+            change(body, rng)
+
+    return changed
+
+
+@event
+def insert(rng):
     kind = ["Rcr", "Sphere"][rng.integers(2)]
     scene_fuzzer.grain(kind, above(rng)[:2], rng.uniform(0, 0.9), 1.0, O.materials[0], rng)
 
 
-def erase(rng):
-    from yade import O
-
-    if body := some_grain(rng):
-        O.bodies.erase(body.id)
+@event_of_a_grain
+def erase(body, rng):
+    O.bodies.erase(body.id)
 
 
-def teleport(rng):
-    if body := some_grain(rng):
-        body.state.pos = above(rng)
+@event_of_a_grain
+def teleport(body, rng):
+    body.state.pos = above(rng)
 
 
-def kick(rng):
-    if body := some_grain(rng):
-        body.state.vel = (*rng.uniform(-8, 8, 2), 0)
+@event_of_a_grain
+def kick(body, rng):
+    body.state.vel = (*rng.uniform(-8, 8, 2), 0)
 
 
-def spin(rng):
-    if body := some_grain(rng):
-        body.state.angVel = (0, 0, rng.uniform(-300, 300))
+@event_of_a_grain
+def spin(body, rng):
+    body.state.angVel = (0, 0, rng.uniform(-300, 300))
 
 
-def turn(rng):
-    from yade.minieigenHP import Quaternion
-
-    if body := some_grain(rng):
-        body.state.ori = Quaternion((0, 0, 1), rng.uniform(0, 3))
+@event_of_a_grain
+def turn(body, rng):
+    body.state.ori = Quaternion((0, 0, 1), rng.uniform(0, 3))
 
 
-def push(rng):
-    from yade import O
-
-    if body := some_grain(rng):
-        O.forces.addF(body.id, (*rng.uniform(-500, 500, 2), 0))
-        O.forces.addT(body.id, (0, 0, rng.uniform(-20, 20)))
+@event_of_a_grain
+def push(body, rng):
+    O.forces.addF(body.id, (*rng.uniform(-500, 500, 2), 0))
+    O.forces.addT(body.id, (0, 0, rng.uniform(-20, 20)))
 
 
-def push_permanently(rng):
-    from yade import O
-
-    if body := some_grain(rng):
-        O.forces.setPermF(body.id, (*rng.uniform(-50, 50, 2), 0))
+@event_of_a_grain
+def push_permanently(body, rng):
+    O.forces.setPermF(body.id, (*rng.uniform(-50, 50, 2), 0))
 
 
+@event
 def retune(rng):
     name = ["tolerance", "maxIterations", "solver", "correction", "threads"][rng.integers(5)]
     values = dict(tolerance=[1e-2, 1e-6], maxIterations=[10, 500], solver=["nlgs", "exact", "auto"],
@@ -113,121 +125,104 @@ def retune(rng):
     setattr(engine("ContactDynamics"), name, values[name][rng.integers(len(values[name]))])
 
 
-def add_engine(rng):
-    from yade import O
-    from yade.wrapper import ForceEngine
-
-    if body := some_grain(rng):
-        load = ForceEngine(ids=[body.id], force=(*rng.uniform(-50, 50, 2), 0))
-        O.engines = [*O.engines[:3], load, *O.engines[3:]]
+@event_of_a_grain
+def add_engine(body, rng):
+    load = w.ForceEngine(ids=[body.id], force=(*rng.uniform(-50, 50, 2), 0))
+    O.engines = [*O.engines[:3], load, *O.engines[3:]]
 
 
+@event
 def remove_engine(rng):
-    from yade import O
-
     O.engines = [e for e in O.engines if type(e).__name__ != "ForceEngine"]
 
 
+@event
 def stop_engine(rng):
-    from yade import O
-
     for e in O.engines:
         if type(e).__name__ in ("ForceEngine", "TorqueEngine", "RotationEngine"):
             e.dead = not e.dead
 
 
+@event
 def time_step(rng):
-    from yade import O
-
     O.dt *= [0.5, 0.9, 1.1][rng.integers(3)]
 
 
+@event
 def gravity(rng):
     engine("NewtonIntegrator").gravity = (*rng.uniform(-10, 10, 2), 0)
 
 
-def mask(rng):
-    if body := some_grain(rng):
-        body.mask = int(rng.integers(1, 4))
+@event_of_a_grain
+def mask(body, rng):
+    body.mask = int(rng.integers(1, 4))
 
 
+@event
 def material(rng):
-    from yade import O
-    from yade.wrapper import FrictMat
-
     if body := some_grain(rng):
-        body.mat = FrictMat(density=1000, frictionAngle=rng.uniform(0, 0.8), young=1e7)
+        body.mat = w.FrictMat(density=1000, frictionAngle=rng.uniform(0, 0.8), young=1e7)
     O.materials[0].frictionAngle = rng.uniform(0, 0.8)
 
 
+@event
 def contact_friction(rng):
-    from yade import utils
-
     utils.setContactFriction(rng.uniform(0, 0.8))
 
 
-def block(rng):
-    if body := some_grain(rng):
-        body.state.blockedDOFs = ["xzXY", "yzXY", "zXYZ", "xyzXYZ", "zXY"][rng.integers(5)]
+@event_of_a_grain
+def block(body, rng):
+    body.state.blockedDOFs = ["xzXY", "yzXY", "zXYZ", "xyzXYZ", "zXY"][rng.integers(5)]
 
 
-def drive(rng):
-    body = some_obstacle(rng)
-    body.state.vel = (*rng.uniform(-0.5, 0.5, 2), 0)
+@event
+def drive(rng, speed=0.5):
+    some_obstacle(rng).state.vel = (*rng.uniform(-speed, speed, 2), 0)
 
 
+@event
 def fast_obstacle(rng):
-    body = some_obstacle(rng)
-    body.state.vel = (*rng.uniform(-5, 5, 2), 0)
+    drive(rng, speed=5)
 
 
+@event
 def save(rng):
-    from yade import O
-
     with tempfile.TemporaryDirectory() as folder:
         O.save(os.path.join(folder, "scene.yade"), quiet=True)
 
 
+@event
 def pause(rng):
-    from yade import O
-
     O.pause()
 
 
+@event
 def stop_at(rng):
-    from yade import O
-
     O.stopAtIter = O.iter + int(rng.integers(1, 30))
 
 
+@event
 def clear(rng):
-    from yade import O
-
     O.interactions.clear()
 
 
+@event
 def verlet(rng):
     engine("InsertionSortCollider").verletDist *= 0.5
 
 
+@event
 def track(rng):
-    from yade import O
-
     O.trackEnergy = not O.trackEnergy
 
 
+@event
 def look(rng):
     """Reads of a script change nothing."""
-    from yade import O
-
-    sum(i.phys.force1[0] + i.geom.gap[0] for i in O.interactions if i.isReal)
+    sum(i.phys.force1[0] + i.geom.gap[0] for i in O.interactions)
     return [(O.forces.f(b.id), b.state.pos) for b in O.bodies]
 
 
-EVENTS = [insert, erase, teleport, kick, spin, turn, push, push_permanently, retune, add_engine,
-          remove_engine, stop_engine, time_step, gravity, mask, material, contact_friction, block,
-          drive, fast_obstacle, save, pause, stop_at, clear, verlet, track, look]  # fmt: skip
-EVENTS = {event.__name__: event for event in EVENTS}
 MOTIONS = ["TranslationEngine", "RotationEngine", "HarmonicMotionEngine", "ForceEngine",
            "TorqueEngine", "LinearDragEngine", "shakers", "none", "none"]  # fmt: skip
 
@@ -237,8 +232,6 @@ MOTIONS = ["TranslationEngine", "RotationEngine", "HarmonicMotionEngine", "Force
 
 def draw(seed):
     """A scene as plain data, so that it can be printed and made smaller."""
-    import numpy as np
-
     rng = np.random.default_rng(seed)
     pick = lambda *values: values[rng.integers(len(values))]
     event = lambda: dict(event=pick(*EVENTS), at=int(rng.integers(1, 400)),
@@ -260,10 +253,6 @@ def draw(seed):
 
 def build(scene):
     """The scene in YADE: a box without lid, grains in rows, engines, PyRunners."""
-    import numpy as np
-    import rcr
-    from yade import O
-
     rng = np.random.default_rng(scene["seed"] + 1)
     rough = scene_fuzzer.begin(scene)
     scene_fuzzer.obstacles(scene, rough)
@@ -289,10 +278,6 @@ def build(scene):
 
 def set_engines(scene, grains):
     """Adds the motion and the PyRunners of the scene to its engines."""
-    import numpy as np
-    from yade import O
-    from yade import wrapper as w
-
     floor, s = [0], scene["strength"]
     motions = dict(TranslationEngine=dict(ids=floor, translationAxis=(1, 0, 0), velocity=0.2 * s),
                    RotationEngine=dict(ids=[1], rotationAxis=(0, 0, 1), angularVelocity=6 * s),
@@ -321,9 +306,6 @@ def set_engines(scene, grains):
 
 def happen(k):
     """Run the event of PyRunner k, with random numbers that depend on seed and step only."""
-    import numpy as np
-    from yade import O
-
     EVENTS[current["events"][k]["event"]](np.random.default_rng([current["seed"], k, O.iter]))
 
 
@@ -335,24 +317,19 @@ current = {}
 
 def state():
     """Step, time, motion of the bodies, and forces of the contacts; −0 is 0."""
-    from yade import O
-
     row = lambda *numbers: tuple(x + 0 for x in numbers)
     bodies = [row(b.id, *b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel)
               for b in O.bodies]
     contacts = sorted(
         row(i.id1, i.id2, i.phys.points, *i.phys.force1, *i.phys.force2, *i.geom.gap)
         for i in O.interactions
-        if i.isReal and hasattr(i.phys, "points")
+        if hasattr(i.phys, "points")
     )
     return dict(step=O.iter, time=O.time, dt=O.dt, bodies=bodies, contacts=contacts)
 
 
 def play(scene, arrays):
     """States after each run of the scene, with the error that ended it, and its steps in arrays."""
-    import numpy as np
-    from yade import O
-
     np.random.seed(scene["seed"])
     current.clear()
     current.update(scene)
@@ -418,34 +395,24 @@ def shrink(scene):
 # --- main -----------------------------------------------------------------------------------------
 
 
+def outcome(seed):
+    """The first difference with the least scene that shows it, or None; steps in arrays."""
+    scene = draw(seed)
+    found, steps = difference(scene)
+    if found == "same":
+        return None, dict(steps=steps)
+    least = shrink(scene)
+    return f"{found}\n  least: {difference(least)[0]}\n  {least}", dict(steps=steps)
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scenes", type=int, default=500)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--only", type=int, help="one seed")
-    options = parser.parse_args()
-    warnings.simplefilter("ignore")
-    import yade  # noqa: F401
-
-    import rcr  # noqa: F401
-
-    seeds = range(options.first, options.first + options.scenes)
+    options = children.parser(__doc__, scenes=500).parse_args()
     if options.only is not None:
-        seeds = [options.only]
-    passed = failed = in_arrays = 0
-    for seed in seeds:
-        scene = draw(seed)
-        found, steps = difference(scene)
-        in_arrays += steps
-        passed, failed = passed + (found == "same"), failed + (found != "same")
-        if found != "same":
-            least = shrink(scene)
-            print(f"seed {seed}: {found}\n  least: {difference(least)[0]}\n  {least}", flush=True)
-        elif options.only is not None:
-            print(scene)
-    print(f"{in_arrays} steps in arrays")
-    print(f"{passed} passed, {failed} failed")
-    sys.exit(bool(failed))
+        print(draw(options.only))
+    counts, wrong = children.check(outcome, options)
+    print(f"{counts['steps']} steps in arrays")
+    print(f"{counts['scenes'] - len(wrong)} passed, {len(wrong)} failed")
+    sys.exit(bool(wrong))
 
 
 if __name__ == "__main__":

@@ -6,31 +6,33 @@ moves.
     scripts/lib/run python3 tests/endurance/scene_fuzzer.py --scenes 2000 [--first 0] [--steps 60]
 
 prints counts, and seed and outcome of each scene that does neither. `--only SEED` runs one scene in
-this process. Batches run in separate processes, so that an abort is an outcome too.
+this process.
 """
 
-import argparse
-import collections
 import math
 import os
-import pathlib
-import subprocess
 import sys
-import warnings
 
 import numpy as np
+import yade  # noqa: F401  before rcr
+import rcr
+from yade import O, utils
+from yade import wrapper as w
+from yade.minieigenHP import Matrix3, Quaternion
 
+import children
+
+R = 0.1  # radius of the grains [m]
+WIDTH = 24 * R  # of a periodic cell [m]
 DEEPEST = 0.05  # largest overlap of free grains over R₁ + R₂
-# largest speed over that of start, drives and fall
-SPEED = 3.0
-BATCH = 50
+SPEED = 3.0  # largest speed over that of start, drives and fall
 
 
 def draw(rng):
     """A scene as plain data, so that it can be printed."""
     periodic = rng.random() < 0.2
     law = "rigid" if rng.random() < 0.7 else "smooth"
-    scene = dict(
+    return dict(
         law=law,
         periodic=periodic,
         count=int(rng.integers(1, 25)),
@@ -50,10 +52,9 @@ def draw(rng):
         gradient=[float(g) for g in rng.choice([0, 0, -0.3, 0.5], 4)] if periodic else None,
         fault=str(rng.choice(["none"] * 12 + FAULTS)),
         reload=bool(rng.random() < 0.1),
+        # YADE's collider fails after an erase in a cell
         erase=bool(rng.random() < 0.2) and not periodic,
-         # YADE's collider fails after an erase in a cell
     )
-    return scene
 
 
 FAULTS = [
@@ -67,15 +68,8 @@ FAULTS = [
 ]  # fmt: skip
 
 
-R = 0.1  # radius of the grains [m]
-WIDTH = 24 * R  # of a periodic cell [m]
-
-
 def obstacles(scene, material):
     """Append the floor, and a turning box above it if the scene has one."""
-    import rcr
-    from yade import O, utils
-
     floors = {
         "Wall": lambda: rcr.wall("y", 0, material=material),
         "Box": lambda: utils.box((0, -0.5, 0), (9, 0.5, 1), material=material, fixed=True),
@@ -91,10 +85,7 @@ def obstacles(scene, material):
 
 
 def grain(kind, at, eta, speed, material, rng):
-    """Appends a grain of this kind with a velocity up to `speed` along each axis."""
-    import rcr
-    from yade import O
-
+    """Append a grain of this kind with a velocity up to `speed` along each axis."""
     more = dict(material=material, velocity=tuple(rng.uniform(-1, 1, 2) * speed),
                 angular_velocity=rng.uniform(-1, 1) * speed / R)
     if kind == "Sphere":
@@ -107,11 +98,7 @@ def grain(kind, at, eta, speed, material, rng):
 
 
 def engines(scene):
-    """Puts the engines of the scene's law into O, with its time step."""
-    import rcr
-    from yade import O
-    from yade import wrapper as w
-
+    """Put the engines of the scene's law into O, with its time step."""
     names = [f"Ig2_{one}_{two}_RcrGeom" for two in ("Rcr", "Sphere")
              for one in ("Wall", "Box", "Facet", "Sphere")] + ["Ig2_Rcr_Rcr_RcrGeom"]
     ig2 = [getattr(rcr, name)() for name in names]
@@ -125,9 +112,9 @@ def engines(scene):
         if scene["restitution"]:
             ip2.restitution = w.MatchMaker(algo="val", val=scene["restitution"])
         loop = w.InteractionLoop(ig2, [ip2], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()])
-        solver = rcr.ContactDynamics(solver=scene["solver"], threads=scene["threads"],
-                                     overdamped=scene["overdamped"])
-        O.engines = [w.ForceResetter(), collider, loop, solver, newton]
+        solve = rcr.ContactDynamics(solver=scene["solver"], threads=scene["threads"],
+                                    overdamped=scene["overdamped"])
+        O.engines = [w.ForceResetter(), collider, loop, solve, newton]
         O.dt = scene["dt"]
     else:
         loop = w.InteractionLoop(ig2, [w.Ip2_FrictMat_FrictMat_FrictPhys()],
@@ -136,11 +123,19 @@ def engines(scene):
         O.dt = 2e-5
 
 
+def solver():
+    """The first engine ContactDynamics, or None."""
+    return next((e for e in O.engines if isinstance(e, rcr.ContactDynamics)), None)
+
+
+def loose_grains():
+    """Free grains outside clumps."""
+    return [b for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump
+            and not b.isClumpMember]
+
+
 def begin(scene):
     """An empty scene, in a cell if it is periodic; returns the material of its bodies."""
-    from yade import O
-    from yade import wrapper as w
-
     O.reset()
     material = w.FrictMat(density=1000, frictionAngle=math.atan(scene["friction"]), young=1e7,
                           poisson=0.5)
@@ -152,17 +147,12 @@ def begin(scene):
 
 
 def shear_cell(gradient):
-    from yade import O
-    from yade.minieigenHP import Matrix3
-
     a, b, c, d = gradient
     O.cell.velGrad = Matrix3(a, b, 0, c, d, 0, 0, 0, 0)
 
 
 def build(scene, rng):
     """The scene in YADE."""
-    from yade import O
-
     material = begin(scene)
     if not scene["periodic"]:
         obstacles(scene, material)
@@ -188,10 +178,6 @@ NOT_IN_CELL = {"box out of plane", "facet out of plane"}
 
 def engine_faults():
     """{fault: function that puts it into the engines}."""
-    import rcr
-    from yade import O
-    from yade import wrapper as w
-
     engines = list(O.engines)
     of = lambda kind: next((e for e in engines if isinstance(e, kind)), None)
     solver, newton = of(rcr.ContactDynamics), of(w.NewtonIntegrator)
@@ -224,11 +210,6 @@ def engine_faults():
 
 def body_faults(body):
     """{fault: function that puts it into this grain or appends a faulty body}."""
-    import rcr
-    from yade import O, utils
-    from yade import wrapper as w
-    from yade.minieigenHP import Quaternion
-
     nan, rough = math.nan, O.materials[0]
     state = lambda name, value: lambda: setattr(body.state, name, value)
     far = lambda x: rcr.disc((x, 50), 0.1, material=rough)
@@ -256,13 +237,8 @@ def body_faults(body):
 
 def spoil(scene):
     """Put the fault into the scene; False where it does not apply, "late" if a contact shows it."""
-    import rcr
-    from yade import O
-    from yade import wrapper as w
-
     fault, rigid = scene["fault"], scene["law"] == "rigid"
-    body = next((b for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump
-                 and not b.isClumpMember), None)
+    body = next(iter(loose_grains()), None)
     grains = sum(isinstance(b.shape, (rcr.Rcr, w.Sphere)) for b in O.bodies)
     if fault == "none" or (fault in NEED_BODY and body is None):
         return False
@@ -277,25 +253,18 @@ def spoil(scene):
 
 
 def state():
-    from yade import O
-
     return np.array([[*b.state.pos, *b.state.vel, *b.state.angVel] for b in O.bodies])
 
 
 def deepest_overlap():
     """Deepest overlap over R₁ + R₂ of all pairs with a body that can move."""
-    import rcr
-    from yade import O
-
     deepest = 0.0
     for i in O.interactions:
-        if i.isReal and isinstance(i.geom, rcr.RcrGeom):
-            moving = any(O.bodies[b].state.blockedDOFs != "xyzXYZ" or O.bodies[b].isClumpMember
-                         for b in (i.id1, i.id2))
-            if moving and i.geom.points:
-                deepest = max(deepest,
-                              max(-i.geom.gap[p] for p in range(i.geom.points)) / (i.geom.refR1
-                    + i.geom.refR2))
+        moving = any(O.bodies[b].state.blockedDOFs != "xyzXYZ" or O.bodies[b].isClumpMember
+                     for b in (i.id1, i.id2))
+        if moving and isinstance(i.geom, rcr.RcrGeom):
+            gap = min((i.geom.gap[p] for p in range(i.geom.points)), default=0)
+            deepest = max(deepest, -gap / (i.geom.refR1 + i.geom.refR2))
     return deepest
 
 
@@ -303,8 +272,6 @@ class Bounds:
     """Bounds of speed, overlap and energy of a scene; `violated` returns a sentence or None."""
 
     def __init__(self, scene, steps):
-        from yade import O
-
         self.scene, self.missed, self.total = scene, False, None
         given = scene["speed"] * 2 + 5 * 0.4 * scene["turning"] + 0.5
         self.speed = given + scene["gravity"] * O.dt * steps
@@ -320,9 +287,6 @@ class Bounds:
         return self.overlap_violated() or (self.energy_violated() if after_first else None)
 
     def overlap_violated(self):
-        import rcr
-        from yade import O
-
         deepest = deepest_overlap()
         bound = DEEPEST if self.scene["law"] == "rigid" else 0.3
         solvers = [e for e in O.engines if isinstance(e, rcr.ContactDynamics)]
@@ -332,8 +296,6 @@ class Bounds:
             return f"an overlap of {deepest:.3g} (R₁ + R₂)"
 
     def energy_violated(self):
-        from yade import O
-
         scene = self.scene
         rigid = scene["law"] == "rigid" and not scene["overdamped"]
         if not scene["energy"] or scene["periodic"] or not rigid:
@@ -348,23 +310,16 @@ class Bounds:
 
 def disturb(scene, k, steps):
     """Reload the scene, or erase a grain, in the steps of the scene; energy is not checked then."""
-    from yade import O
-
     if scene["reload"] and k == steps // 2:
         path = f"/tmp/scene-fuzzer-{os.getpid()}.yade"
         O.save(path), O.load(path), os.unlink(path)
-    if scene["erase"] and k == steps // 3:
-        loose = [b.id for b in O.bodies if b.state.blockedDOFs == "zXY" and not b.isClump
-                 and not b.isClumpMember]
-        if len(loose) > 1:
-            O.bodies.erase(loose[0])
-            scene["energy"] = False
+    if scene["erase"] and k == steps // 3 and len(loose := loose_grains()) > 1:
+        O.bodies.erase(loose[0].id)
+        scene["energy"] = False
 
 
 def outcome(seed, steps):
     """'ran', 'refused' or a sentence that describes the error."""
-    from yade import O
-
     rng = np.random.default_rng(seed)
     scene = draw(rng)
     build(scene, rng)
@@ -386,58 +341,25 @@ def outcome(seed, steps):
         if wrong := bounds.violated(k > 0):
             return f"{wrong} after step {k}"
         disturb(scene, k, steps)
-    if spoiled == "late" and scene["law"] == "rigid" and any(i.isReal for i in O.interactions):
+    if spoiled == "late" and scene["law"] == "rigid" and O.interactions.countReal():
         return f"ran with the fault '{scene['fault']}'"
     return "ran"
 
 
-def batch(first, count, steps):
-    warnings.simplefilter("ignore")
-    import yade
-    import rcr
-
-    for seed in range(first, first + count):
-        print(f"seed {seed}", flush=True)
-        print(f"outcome {seed} {outcome(seed, steps)}", flush=True)
-
-
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scenes", type=int, default=2000)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--steps", type=int, default=60)
-    parser.add_argument("--only", type=int, help="run one seed again, here")
-    parser.add_argument("--batch", nargs=2, type=int, help=argparse.SUPPRESS)
-    arguments = parser.parse_args()
-    if arguments.only is not None:
-    
-        print(draw(np.random.default_rng(arguments.only)))
-        return batch(arguments.only, 1, arguments.steps)
-    if arguments.batch:
-        return batch(*arguments.batch, arguments.steps)
-    counts, wrong = collections.Counter(), []
-    first, end = arguments.first, arguments.first + arguments.scenes
-    while first < end:
-        count = min(BATCH, end - first)
-        command = [sys.executable, str(pathlib.Path(__file__).resolve()), "--batch", str(first),
-                   str(count), "--steps", str(arguments.steps)]
-        result = subprocess.run(command, capture_output=True, text=True, timeout=1800)
-        lines = [line.split(" ", 2) for line in result.stdout.splitlines()]
-        for line in lines:
-            if line[0] == "outcome":
-                counts[line[2] if line[2] in ("ran", "refused") else "otherwise"] += 1
-                if line[2] not in ("ran", "refused"):
-                    wrong.append((int(line[1]), line[2]))
-        started = max((int(line[1]) for line in lines if line[0] == "seed"), default=first)
-        if result.returncode != 0:
-            counts["otherwise"] += 1
-            wrong.append((started, f"the process ended with {result.returncode}: "
-                          f"{result.stderr[-300:]}"))
-        first = started + 1
-        print(dict(counts), flush=True)
-    for seed, what in wrong:
-        print(f"seed {seed}: {what}")
-    print(f"{counts['ran'] + counts['refused']} passed, {counts['otherwise']} failed")
+    parser = children.parser(__doc__, scenes=2000)
+    parser.add_argument("--steps", type=int, default=60, help="of a scene (default %(default)s)")
+    options = parser.parse_args()
+    if options.only is not None:
+        print(draw(np.random.default_rng(options.only)))
+
+    def of_seed(seed):
+        what = outcome(seed, options.steps)
+        return (None, {what: 1}) if what in ("ran", "refused") else (what, {})
+
+    counts, wrong = children.check(of_seed, options)
+    print(dict(counts))
+    print(f"{counts['ran'] + counts['refused']} passed, {len(wrong)} failed")
     sys.exit(bool(wrong))
 
 

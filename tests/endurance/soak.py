@@ -13,28 +13,31 @@ are saved and loaded. After each step these must hold:
     scripts/check soak -- --minutes 20 [--first 0]
     scripts/lib/run python3 tests/endurance/soak.py --only SEED
 
-The last line prints counts, memory and the next seed. A failed scene is printed with its seed. The
-scenes run in a child process; a crash or hang is printed, and the soak continues after it.
+The last line prints counts, memory and the seeds. A failed scene is printed with its seed.
 """
 
-import argparse
 import collections
 import ctypes
 import gc
+import math
 import os
-import signal
-import subprocess
 import sys
 import tempfile
 import time
-import warnings
 
+import numpy as np
+import yade
+import rcr
+from yade import O, utils
+from yade.minieigenHP import Vector3
+from yade.wrapper import InteractionLoop
+
+import children
 import scene_fuzzer
 from scene_fuzzer import R, WIDTH
 
 EVENTS = 12  # events of a scene
 STEPS = 80  # steps between two events
-LIMIT = 600  # processor time of a scene [s]
 HIT = 100.0  # largest speed of a hit [m/s]
 MISSED_STEPS_HEAL = 200  # steps; overlaps may stay deep after a step that missed the tolerance
 # Displacement of a surface in a step over R. Beyond it a rod may meet the same neighbour twice in a
@@ -64,26 +67,22 @@ def draw(rng):
 
 def container(scene, material):
     """Four obstacles around |x|, |y| < WIDTH/2; some scenes have a turning box inside."""
-    import rcr
-    from yade import O, utils
-
     half, out = WIDTH / 2, 3 * WIDTH
     for axis in (0, 1):
         for side in (-1, 1):
             swap = lambda along, across: (along, across) if axis == 0 else (across, along)
-            if scene["floor"] == "Wall":
-                O.bodies.append(rcr.wall("xy"[axis], side * half, sense=-side, material=material))
-            elif scene["floor"] == "Box":
-                O.bodies.append(utils.box((*swap(side * (half + 0.5), 0), 0), (*swap(0.5, out), 1),
-                                          material=material, fixed=True))
-            elif scene["floor"] == "Facet":
-                O.bodies.append(
-                    utils.facet([(*swap(side * half, -out), -1), (*swap(side * half, out), -1),
-                                 (*swap(side * half, 0), 1)], material=material))
-            else:
-                O.bodies.append(rcr.particle(swap(side * (half + 0.1), 0), 5, 0.98, angle=0 if axis
-                                             else 3.141592653589793 / 2, fixed=True,
-                                             material=material))
+            obstacle = {
+                "Wall": lambda: rcr.wall("xy"[axis], side * half, sense=-side, material=material),
+                "Box": lambda: utils.box((*swap(side * (half + 0.5), 0), 0), (*swap(0.5, out), 1),
+                                         material=material, fixed=True),
+                "Facet": lambda: utils.facet(
+                    [(*swap(side * half, -out), -1), (*swap(side * half, out), -1),
+                     (*swap(side * half, 0), 1)], material=material),
+                "Rcr": lambda: rcr.particle(swap(side * (half + 0.1), 0), 5, 0.98,
+                                            angle=0 if axis else math.pi / 2, fixed=True,
+                                            material=material),
+            }[scene["floor"]]
+            O.bodies.append(obstacle())
     if scene["turning"]:
         box = utils.box((0, 0, 0), (3 * R, 0.2 * R, 1), material=material, fixed=True)
         box.state.angVel = (0, 0, 5)
@@ -92,26 +91,26 @@ def container(scene, material):
 
 def movable():
     """Grains and clumps that can move, without members of clumps."""
-    from yade import O
-
     return [b for b in O.bodies if not b.isClumpMember and "x" not in b.state.blockedDOFs]
+
+
+def places():
+    """Centres of the movable bodies, (n, 2) [m]."""
+    return np.array([[b.state.pos[0], b.state.pos[1]] for b in movable()]).reshape(-1, 2)
 
 
 def add(scene, material, rng):
     """Append a grain at a free place; False if there is none."""
-    import numpy as np
-    from yade import O
-
-    others = np.array([[b.state.pos[0], b.state.pos[1]] for b in movable()]).reshape(-1, 2)
+    others = places()
     for _ in range(30):
-        at = rng.uniform(-WIDTH / 2 + 1.2 * R, WIDTH / 2 - 1.2 * R, 2) + (WIDTH / 2
-            if scene["periodic"] else 0)
+        at = rng.uniform(-WIDTH / 2 + 1.2 * R, WIDTH / 2 - 1.2 * R, 2)
+        at = at + (WIDTH / 2 if scene["periodic"] else 0)
         away = others - at
         if scene["periodic"]:
             cell = np.array(O.cell.hSize)[:2, :2]
             away = away - np.rint(away @ np.linalg.inv(cell).T) @ cell.T
-        if (np.hypot(*away.T) > 2.1 * R).all() and not (scene["turning"] and np.hypot(*at) < 4.2
-                                                        * R):
+        in_box = scene["turning"] and np.hypot(*at) < 4.2 * R
+        if (np.hypot(*away.T) > 2.1 * R).all() and not in_box:
             scene_fuzzer.grain(str(rng.choice(["Rcr", "Sphere", "clump"], p=[0.6, 0.3, 0.1])),
                                tuple(at), rng.choice([0, 0.3, 0.6, 0.9]), scene["speed"], material,
                                rng)
@@ -121,17 +120,15 @@ def add(scene, material, rng):
 
 def change(what, scene, material, rng):
     """Apply one event; False where it does not fit the scene."""
-    import rcr
-    from yade import O, utils
-
-    grains = movable()
-    solver = next((e for e in O.engines if isinstance(e, rcr.ContactDynamics)), None)
+    grains, solver = movable(), scene_fuzzer.solver()
     if what == "added":
         return add(scene, material, rng)
+    # YADE's collider fails after an erase in a cell
+    if ((what == "erased" and (scene["periodic"] or len(grains) < 2))
+            or (what in ("threads", "solvers") and not solver)
+            or (what == "gradients" and not scene["periodic"])):
+        return False
     if what == "erased":
-        if scene["periodic"] or len(
-                grains) < 2:  # YADE's collider fails after an erase in a cell
-            return False
         body = grains[rng.integers(len(grains))]
         O.bodies.erase(body.id, body.isClump)
     elif what == "hits":
@@ -141,12 +138,8 @@ def change(what, scene, material, rng):
     elif what == "frictions":
         utils.setContactFriction(float(rng.uniform(0, 0.8)))
     elif what == "threads":
-        if not solver:
-            return False
         solver.threads = int(rng.integers(1, 5))
     elif what == "solvers":
-        if not solver:
-            return False
         solver.solver = str(rng.choice(["auto", "nlgs", "sor", "nesterov", "exact"]))
     elif what == "laws":
         scene["law"] = "smooth" if solver else "rigid"
@@ -158,20 +151,15 @@ def change(what, scene, material, rng):
                 if body.state.vel.norm() > 5:
                     body.state.vel = body.state.vel * (5 / body.state.vel.norm())
     elif what == "gradients":
-        if not scene["periodic"]:
-            return False
         scene["gradient"] = [-rate for rate in scene["gradient"]]
         scene_fuzzer.shear_cell(scene["gradient"])
     else:
-        return same_bits_after_reload(scene)
+        check_reload(scene)
     return True
 
 
-def same_bits_after_reload(scene):
+def check_reload(scene):
     """Save and run, load and run again; both must give the same bits, with springs to rounding."""
-    import numpy as np
-    from yade import O
-
     with tempfile.NamedTemporaryFile(suffix=".yade") as file:
         O.save(file.name)
         run(SAME_BITS)
@@ -183,12 +171,9 @@ def same_bits_after_reload(scene):
             raise Wrong(f"other bits after a reload: they differ by up to "
                         f"{np.abs(scene_fuzzer.state() - straight).max():.3g}")
         O.load(file.name)
-    return True
 
 
 def run(steps):
-    from yade import O
-
     for _ in range(steps):
         O.step()
 
@@ -202,7 +187,7 @@ class Watch:
 
     def __init__(self, scene):
         self.scene, self.healing, self.missed, self.steps = scene, 0, 0, 0
-        self.deepOverlapCount = self.astray = False
+        self.too_soft = self.astray = False
         # overlap left by springs; rigid contacts remove it by 1e-4 R a step
         self.inherited = 0.0
         self.restart()
@@ -213,8 +198,6 @@ class Watch:
 
     def energies(self):
         """Kinetic energy, work of gravity in a step [J], longest displacement of a surface [m]."""
-        from yade import O
-
         kinetic = work = way = 0.0
         for b in movable():
             v, w = b.state.vel, b.state.angVel[2]
@@ -224,16 +207,12 @@ class Watch:
         return kinetic, work, way
 
     def step(self):
-        import numpy as np
-        import rcr
-        from yade import O
-
         O.step()
         self.steps += 1
         now = scene_fuzzer.state()
         if not np.isfinite(now).all():
             raise Wrong("numbers that are not finite")
-        solver = next((e for e in O.engines if isinstance(e, rcr.ContactDynamics)), None)
+        solver = scene_fuzzer.solver()
         if solver:
             self.missed += not solver.converged
             self.healing = MISSED_STEPS_HEAL if not solver.converged else max(0, self.healing - 1)
@@ -243,16 +222,16 @@ class Watch:
             if solver.converged and not solver.yielded and solver.residual > solver.tolerance:
                 raise Wrong(f"a converged step with a residual of {solver.residual:.3g}")
         if not self.scene["periodic"]:
-            places = np.array([[b.state.pos[0], b.state.pos[1]] for b in movable()])
-            self.astray = self.astray or (np.abs(places).max() > WIDTH / 2 and self.told())
-            if np.abs(places).max() > WIDTH / 2 and not self.astray:
-                raise Wrong(f"a grain at {np.abs(places).max():.3g} m, outside the box of half "
-                            f"width {WIDTH / 2:.3g}")
+            farthest = np.abs(places()).max()
+            self.astray = self.astray or (farthest > WIDTH / 2 and self.told())
+            if farthest > WIDTH / 2 and not self.astray:
+                raise Wrong(f"a grain at {farthest:.3g} m, outside the box of half width "
+                            f"{WIDTH / 2:.3g}")
         if self.steps % 4 == 0:
             deepest = scene_fuzzer.deepest_overlap()
             self.inherited = min(self.inherited, deepest) if solver else deepest
-            if deepest > (max(scene_fuzzer.DEEPEST, 1.05 * self.inherited) if solver
-                          else 0.5) and not self.healing:
+            bound = max(scene_fuzzer.DEEPEST, 1.05 * self.inherited) if solver else 0.5
+            if deepest > bound and not self.healing:
                 raise Wrong(f"an overlap of {deepest:.3g} (R₁ + R₂)")
         driven = self.scene["turning"] or (self.scene["gradient"] and any(self.scene["gradient"]))
         if solver and not driven and not self.scene["overdamped"]:
@@ -260,21 +239,16 @@ class Watch:
 
     def told(self):
         """True if a message has told of grains outside: missed tolerance, or too soft springs."""
-        from yade import O
-        from yade.wrapper import InteractionLoop
-
         laws = [functor for e in O.engines if isinstance(e, InteractionLoop)
                 for functor in e.lawDispatcher.functors]
-        self.deepOverlapCount = self.deepOverlapCount or any(getattr(law, "deepOverlapCount", 0) for law in laws)
-        return self.healing or self.deepOverlapCount
+        self.too_soft = self.too_soft or any(getattr(law, "deepOverlapCount", 0) for law in laws)
+        return self.healing or self.too_soft
 
     def no_gain(self):
         """Kinetic energy grows by at most the work of gravity, m g v̄ dt.
 
         v̄ is the mean of the velocities before and after the step.
         """
-        from yade import O
-
         kinetic, work, way = self.energies()
         if self.given is None or max(way, self.way) > RESOLVED * R:
             self.given, self.reference, self.work, self.way = kinetic, kinetic, work, way
@@ -282,18 +256,15 @@ class Watch:
         self.given += 0.5 * (work + self.work)
         self.reference += 0.5 * (abs(work) + abs(self.work))
         self.work, self.way = work, way
-        self.lifted += AT_REST * (self.scene["gravity"] * O.dt) ** 2 * sum(b.state.mass
-            for b in movable())
+        mass = sum(b.state.mass for b in movable())
+        self.lifted += AT_REST * (self.scene["gravity"] * O.dt) ** 2 * mass
         if kinetic - self.given > ENERGY * self.reference + self.lifted + 1e-9:
             raise Wrong(f"a kinetic energy of {kinetic:.4g} J where {self.given:.4g} J were given, "
                         f"after {self.reference:.4g} J in all")
 
 
 def outcome(seed, counts):
-    """Run one scene; None, or a sentence that describes the error."""
-    import numpy as np
-    from yade import O
-
+    """Run one scene; None, or a sentence that describes the error. Counts events and steps."""
     rng = np.random.default_rng([seed, 1])
     scene = draw(rng)
     material = scene_fuzzer.begin(scene)
@@ -340,12 +311,9 @@ def let_go(held):
     custom_vector_from_seq) and never frees engines and functors: plain YADE grows by 37 kB with
     each scene of twenty spheres. Objects with an owner in Python stay.
     """
-    from yade import wrapper
-    from yade.minieigenHP import Vector3
-
     gc.collect()
-    objects = tuple([o for o in gc.get_objects() if isinstance(o, (wrapper.Serializable, Vector3))
-                     and id(o) not in held])
+    kinds = yade.wrapper.Serializable, Vector3
+    objects = tuple([o for o in gc.get_objects() if isinstance(o, kinds) and id(o) not in held])
     owned = {id(o) for owner in gc.get_referrers(*objects) if owner is not objects
              for o in gc.get_referents(owner)}
     dropped = 0
@@ -365,87 +333,50 @@ def resident():
         return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
-def scenes(first, seconds, most):
-    """Run scenes in the child process until the time is over; print lines that `main` reads."""
-    warnings.simplefilter("ignore")
-    import yade
-    import rcr
+def growth(samples):
+    """Growth [%] from the first to the last quarter of the scenes after the warm-up; their sizes.
 
-    held = {id(o): o for o in gc.get_objects() if isinstance(o, yade.wrapper.Serializable)}
-    start, seed = time.monotonic(), first
-    while time.monotonic() - start < seconds and seed < first + most:
-        signal.setitimer(signal.ITIMER_PROF, LIMIT)
-        print(f"seed {seed}", flush=True)
-        counts = collections.Counter()
-        wrong = outcome(seed, counts)
-        yade.O.reset()
-        counts["references"] = let_go(held)
-        signal.setitimer(signal.ITIMER_PROF, 0)
-        print(f"memory {time.monotonic() - start:.1f} {resident():.2f}", flush=True)
-        print("counts", *(f"{name} {count}" for name, count in counts.items()), flush=True)
-        if wrong:
-            print(f"wrong {wrong}", flush=True)
-        seed += 1
+    `samples` are (seconds, MB) after each scene of a process.
+    """
+    sizes = [size for at, size in samples if at > WARM_UP * samples[-1][0]] or [0.0]
+    if len(sizes) < 8:
+        return 0.0, sizes
+    first, last = sizes[: len(sizes) // 4], sizes[-len(sizes) // 4 :]
+    return 100 * (np.mean(last) / np.mean(first) - 1), sizes
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="soak.py", description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = children.parser(__doc__, scenes=sys.maxsize)
     parser.add_argument("--minutes", type=float, default=20, help="how long (default %(default)s)")
-    parser.add_argument("--scenes", type=int, default=sys.maxsize, help="at most so many")
-    parser.add_argument("--first", type=int, default=0, metavar="SEED",
-                        help="of the first scene (default %(default)s)")
-    parser.add_argument("--only", type=int, metavar="SEED", help="run this scene alone, in this "
-                        "process")
     parser.add_argument("--growth", type=float, default=1.0, metavar="PERCENT",
                         help="of memory, after a quarter of the time (default %(default)s)")
-    parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.only is not None:
-        return scenes(options.only, float("inf"), 1)
-    if options.child:
-        return scenes(options.first, 60 * options.minutes, options.scenes)
-    end = time.monotonic() + 60 * options.minutes
-    counts, wrong, memory = collections.Counter(), [], []
-    seed, last = options.first, options.first + options.scenes
-    while time.monotonic() < end and seed < last:
-        memory = []  # samples of one process
-        left = (end - time.monotonic()) / 60
-        command = [sys.executable, __file__, "--child", "--minutes", str(left), "--first",
-                   str(seed), "--scenes", str(last - seed)]
-        child = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-        for line in child.stdout:
-            word, _, rest = line.strip().partition(" ")
-            if word == "seed":
-                seed = int(rest)
-            elif word == "memory":
-                memory.append([float(number) for number in rest.split()])
-                print(f"seed {seed}: {memory[-1][1]:.1f} MB after {memory[-1][0]:.0f} s",
-                      flush=True)
-            elif word == "counts":
-                numbers = rest.split()
-                counts.update(
-                    {name: int(count) for name, count in zip(numbers[::2], numbers[1::2])})
-                counts["scenes"] += 1
-            elif word == "wrong":
-                wrong.append(seed)
-                print(f"seed {seed}: {rest}", flush=True)
-        if child.wait():
-            counts["scenes"] += 1
-            wrong.append(seed)
-            print(f"seed {seed}: the process ended with {child.returncode}", flush=True)
-        seed += 1
-    warm = [size for at, size in memory if at > WARM_UP * memory[-1][0]] if memory else []
-    growth = 100 * (sum(warm[-len(warm) // 4 :]) / len(warm[-len(warm) // 4 :]) / (
-        sum(warm[: len(warm) // 4]) / (len(warm) // 4)) - 1) if len(warm) >= 8 else 0.0
+    held = {id(o): o for o in gc.get_objects() if isinstance(o, yade.wrapper.Serializable)}
+    start, samples = time.monotonic(), []
+
+    def of_seed(seed):
+        counts = collections.Counter()
+        wrong = outcome(seed, counts)
+        O.reset()
+        counts["references"] = let_go(held)
+        return wrong, {**counts, "memory": (os.getpid(), time.monotonic() - start, resident())}
+
+    def sample(seed, numbers):
+        if numbers:  # no crash
+            samples.append(numbers.pop("memory"))
+            _, at, size = samples[-1]
+            print(f"seed {seed}: {size:.1f} MB after {at:.0f} s", flush=True)
+
+    counts, wrong = children.check(of_seed, options, 60 * options.minutes, sample)
+    grown, sizes = growth([sample[1:] for sample in samples if sample[0] == samples[-1][0]])
+    first = options.first if options.only is None else options.only
+    last = first + counts["scenes"] - 1
     told = ", ".join(f"{counts.pop(name)} {name}" for name in ("scenes", "steps"))
     told += "".join(f", {count} {name}" for name, count in sorted(counts.items()))
-    flat = growth <= options.growth
-    print(f"soak: {told}; {len(wrong)} "
-          f"wrong{': seeds ' + ', '.join(map(str, wrong)) if wrong else ''}; "
-          f"memory {warm[0] if warm else 0:.1f} to {warm[-1] if warm else 0:.1f} MB, {growth:+.2f} "
-          f"% since the warm-up{'' if flat else ': GROWS'}; seeds {options.first} to "
-          f"{seed - 1}")  # fmt: skip
+    seeds = f": seeds {', '.join(map(str, wrong))}" if wrong else ""
+    flat = grown <= options.growth
+    print(f"soak: {told}; {len(wrong)} wrong{seeds}; memory {sizes[0]:.1f} to {sizes[-1]:.1f} MB, "
+          f"{grown:+.2f} % since the warm-up{'' if flat else ': GROWS'}; seeds {first} to {last}")
     sys.exit(bool(wrong) or not flat)
 
 

@@ -22,8 +22,8 @@ def test_results_equal_the_reference(name):
     found = cases.CASES[name]()
     assert found.keys() == REFERENCE[name].keys()
     for quantity, value in found.items():
-        assert value == pytest.approx(REFERENCE[name][quantity], rel=FORCE if quantity == "force"
-                                      else ELSE, abs=1e-12), quantity
+        error = FORCE if quantity == "force" else ELSE
+        assert value == pytest.approx(REFERENCE[name][quantity], rel=error, abs=1e-12), quantity
 
 
 def test_every_case_has_a_reference():

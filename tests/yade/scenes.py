@@ -1,6 +1,5 @@
 """Scenes for the tests: engines, bodies, and results."""
 
-import collections
 import os
 import subprocess
 import sys
@@ -8,9 +7,9 @@ import time
 
 import numpy as np
 import pytest
+import yade.utils  # before rcr, which loads its plugin into it
 import rcr
-import yade.utils
-from benchmarks.hard_scenes.stage import G, box, material, solver, stadium, tilted
+from benchmarks.hard_scenes.stage import G, box, material, open_box, solver, stadium, tilted
 from yade import O
 from yade.minieigenHP import Matrix3
 from yade.wrapper import (
@@ -44,12 +43,31 @@ def engines(gravity=(0, -G, 0), before=(), restitution=None, law="rigid", **opti
     ]
 
 
-def build(*bodies, dt=1e-3, **options):
-    """A fresh scene of these bodies; returns their ids."""
+def build(*bodies, dt=1e-3, cell=None, **options):
+    """A fresh scene of these bodies, in a cell of this side [m] if any; returns their ids."""
     O.reset()
     O.dt = dt
+    if cell:
+        O.periodic = True
+        O.cell.setBox(cell, cell, cell)
     O.engines = engines(**options)
     return [O.bodies.append(body) for body in bodies]
+
+
+def grain_on_floor(a, friction=0.5, height=0.1, angle=0, make=build, **options):
+    """A fresh scene of a grain and a floor, both of this friction; returns the grain's id, 1.
+
+    The grain has the half length `a` [m] and the cap radius 0.1 m. `height` is that of its centre
+    [m]; a flat grain touches the floor by default.
+    """
+    rough = material(friction)
+    return make(rcr.wall("y", 0, material=rough),
+                stadium(a, 0.1, (0, height), angle, material=rough), **options)[1]
+
+
+def insert(place, *new):
+    """Insert engines at this place of O.engines; at 3 they follow the InteractionLoop."""
+    O.engines = [*O.engines[:place], *new, *O.engines[place:]]
 
 
 def inertia(a, r, density=1000.0):
@@ -84,7 +102,7 @@ def point_forces(id1, id2):
 
 
 def snapshot():
-    """States of the bodies and forces on them, (n, 20), for comparisons of bits."""
+    """Positions, orientations, velocities, forces and torques of the bodies, (n, 19)."""
     rows = []
     for b in O.bodies:
         s = b.state
@@ -94,14 +112,29 @@ def snapshot():
 
 def contact_forces():
     """Point forces of all contacts by the ids of their bodies."""
-    return {(i.id1, i.id2): (i.phys.points, *i.phys.force1, *i.phys.force2) for i in O.interactions
-            if i.isReal}
+    return {(i.id1, i.id2): (i.phys.points, *i.phys.force1, *i.phys.force2)
+            for i in O.interactions}
 
 
-def python(code, **environment):
-    """Run code in another Python with these environment variables: CompletedProcess."""
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120,
-                          env={**os.environ, **environment})
+def plane(xx, xy, yx, yy):
+    """A matrix that acts in the plane."""
+    return Matrix3(xx, xy, 0, yx, yy, 0, 0, 0, 0)
+
+
+def gaps():
+    """Gaps of all contact points at the beginning of the last step [m]."""
+    return [i.geom.gap[k] for i in O.interactions for k in range(i.geom.points)]
+
+
+def environment(**changes):
+    """Environment of a process whose Python may import the modules of the tests."""
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **changes}
+
+
+def python(code, **changes):
+    """Run code in another Python with changed environment variables: CompletedProcess."""
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600,
+                          env=environment(**changes))
 
 
 def assert_refused(match, moved=False):
@@ -112,45 +145,13 @@ def assert_refused(match, moved=False):
     assert moved or np.array_equal(snapshot()[:, :13], before, equal_nan=True)
 
 
-ClosedPoint = collections.namedtuple("ClosedPoint", "ids force")
-
-
-def closed_points():
-    """Contact points that carry a force: ids of the bodies, normal force [N]."""
-    return [
-        ClosedPoint((i.id1, i.id2), force[0])
-        for i in O.interactions
-        if i.isReal
-        for force in (i.phys.force1, i.phys.force2)[: i.phys.points]
-        if force[0] > 0
-    ]
-
-
-def smooth(*bodies):
-    """A grain on a floor, or these bodies, under the smooth law."""
-    rough = material()
-    rough.young, rough.poisson = 1e8, 0.5
-    return build(*bodies or (rcr.wall("y", 0, material=rough),
-                             stadium(0.2, 0.1, (0, 0.1), material=rough)), dt=1e-5, law="smooth")
-
-
-def periodic_scene(law, *bodies, size=2.0, gravity=(0, 0, 0), dt=1e-3, periodic=True, **options):
-    O.reset()
-    O.dt = dt
-    O.periodic = periodic
-    if periodic:
-        O.cell.setBox(size, size, size)
-    O.engines = engines(gravity=gravity, law=law, **options)
-    return [O.bodies.append(b) for b in bodies]
-
-
 def shrinking_cell():
     """Take 100 steps of a sheared periodic cell of 25 rods that shrinks until they touch."""
     rng = np.random.default_rng(0)
     grains = [rcr.particle((0.2 * (k % 5) + 0.1, 0.2 * (k // 5) + 0.1), rng.uniform(0.07, 0.098),
                            0.5, rng.uniform(0, 3), material(0.3)) for k in range(25)]
-    periodic_scene("rigid", *grains, size=1.0, dt=1e-3, tolerance=1e-8)
-    O.cell.velGrad = Matrix3(-4, 0.5, 0, 0, -4, 0, 0, 0, 0)
+    build(*grains, cell=1.0, gravity=(0, 0, 0), tolerance=1e-8)
+    O.cell.velGrad = plane(-4, 0.5, 0, -4)
     steps(100)
 
 
@@ -179,13 +180,11 @@ def heap(seed=0):
         yade.utils.facet([(0.5, -0.5, -2), (0.5, -0.5, 2), (0.9, 3, 0)], material=rough),
         rcr.particle((0.25, 0.02), 0.04, 0.5, fixed=True, material=rough),
     ]
-    grains = [
-        (rcr.disc if k % 3 == 0 else rcr.particle)((0.06 + 0.09 * (k % 4), 0.1 + 0.09 * (k // 4)),
-                                                   0.04, material=rough if k % 2 else smooth,
-                                                  **({} if k % 3 == 0
-                                                     else dict(eta=0.5, angle=rng.uniform(0, 3))))
-                                                  for k in range(16)
-    ]  # fmt: skip
+    grains = []
+    for k in range(16):
+        at, surface = (0.06 + 0.09 * (k % 4), 0.1 + 0.09 * (k // 4)), rough if k % 2 else smooth
+        grains.append(rcr.disc(at, 0.04, surface) if k % 3 == 0
+                      else rcr.particle(at, 0.04, 0.5, rng.uniform(0, 3), surface))
     ids = build(*fixed, *grains, dt=5e-4, tolerance=1e-10)
     clump, members = rcr.clump([rcr.particle((0.15 + x, 0.6), 0.06, 0.6, angle, rough)
                                 for x, angle in ((0, 0.3), (0.03, 1.8))])

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 import rcr
 from rcr import _kernel
-from scenes import (EXACT, G, box, build, inertia, material, point_forces, solver, stadium, steps,
-                    tilted, velocity)
-from scipy.optimize import brentq
+from scenes import (EXACT, G, box, build, grain_on_floor, inertia, material, open_box, point_forces,
+                    solver, stadium, steps, tilted, velocity)
 from yade import O
 
 DT = 1e-3
@@ -45,8 +44,8 @@ def floor_and_slope(kind, alpha, body, mu):
                      stadium(a, r, (0, r + a * abs(math.sin(angle))), angle, material=material(10)),
                      gravity=tilted(alpha))
         return i, np.array([1.0, 0.0])
-    down, up = np.array([math.cos(alpha), -math.sin(alpha)]), np.array(
-        [math.sin(alpha), math.cos(alpha)])
+    down = np.array([math.cos(alpha), -math.sin(alpha)])
+    up = np.array([math.sin(alpha), math.cos(alpha)])
     center = (r + a * abs(math.sin(angle))) * up
     _, i = build(box(-0.5 * up, (5, 0.5), -alpha, material(mu)),
                  stadium(a, r, center, angle - alpha, material=material(10)))
@@ -101,22 +100,26 @@ def test_block_on_a_slope_tips_over_its_lower_edge(kind, factor):
     block, _ = floor_and_slope(kind, alpha, (a, r, 0), 2.0)
     steps(1)  # the lever arm changes later
     m, I = inertia(a, r)
-    expected = min(0, -m * G * (r * math.sin(alpha) - a * math.cos(alpha)) / (I + m
-        * (a**2 + r**2)))
+    torque = -m * G * (r * math.sin(alpha) - a * math.cos(alpha))
+    expected = min(0, torque / (I + m * (a**2 + r**2)))
     assert velocity(block)[2] / DT == pytest.approx(expected, abs=1e-10 * G / r)
+
+
+def rough_rod(a, r, angle):
+    """A rod on one cap that does not slide; returns its id."""
+    rod, _ = floor_and_slope("wall", 0, (a, r, angle), 100.0)
+    O.bodies[rod].material.frictionAngle = math.atan(100)
+    return rod
 
 
 @pytest.mark.parametrize("angle", [0.2, 0.8, 1.5, math.pi / 2, 2.5])
 def test_rcr_starts_to_rock_about_its_contact(angle):
     """On one cap without sliding ω' = −m g x/(I + m (x² + y²)), (x, y) from contact to centre."""
     a, r = 0.4, 0.1
-    rod, _ = floor_and_slope("wall", 0, (a, r, angle), 100.0)
-    O.bodies[rod].material.frictionAngle = math.atan(100)
+    rod = rough_rod(a, r, angle)
     steps(1)
     m, I = inertia(a, r)
     x, y = a * math.cos(angle), r + a * math.sin(angle)
-    if angle > math.pi / 2:
-        x = -a * math.cos(math.pi - angle)
     assert velocity(rod)[2] / DT == pytest.approx(-m * G * x / (I + m * (x * x + y * y)), rel=1e-10,
                                                   abs=1e-10)
 
@@ -127,8 +130,7 @@ def test_rcr_rocks_and_keeps_its_energy():
     m, I = inertia(a, r)
     losses = []
     for dt in (1e-3, 5e-4):
-        rod, _ = floor_and_slope("wall", 0, (a, r, 1.2), 100.0)
-        O.bodies[rod].material.frictionAngle = math.atan(100)
+        rod = rough_rod(a, r, 1.2)
         O.dt = dt
         height = O.bodies[rod].state.pos[1]
         steps(round(0.2 / dt))
@@ -151,17 +153,12 @@ def test_ladder_against_a_smooth_wall(theta, factor):
     """
     a, r = 1.0, 0.05
     mu = factor * a * math.cos(theta) / (r + 2 * a * math.sin(theta))
-    critical = brentq(lambda t: a * math.cos(t) - mu * (r + 2 * a * math.sin(t)), 0.1, 1.6)
-    assert abs(critical - theta) < 2e-3
-    assert abs(math.tan(critical) - 1 / (2 * mu)) < r / a * (1 + 1 / mu)
     *_, ladder = build(rcr.wall("y", 0, material=material(mu)),
                        rcr.wall("x", a * math.cos(theta) + r, material=material(0)),
                        stadium(a, r, (0, r + a * math.sin(theta)), theta, material=material(10)))
     steps(5)
-    slips = theta < critical
-    assert slips == (factor < 1)
     speed = abs(velocity(ladder)[2])
-    assert speed > 1e-6 if slips else speed < STILL
+    assert speed > 1e-6 if factor < 1 else speed < STILL
 
 
 @pytest.mark.parametrize("where", ["discs", "floor"])
@@ -221,8 +218,8 @@ def test_load_beyond_the_edge_tips(support, shift):
 def side_on_side(support, shift, friction=0.5):
     a, r = 0.4, 0.1
     rough = material(friction)
-    below = stadium(a, r, (0, -r), material=rough, fixed=True) if support == "rcr" else box(
-        (0, -0.3), (a, 0.3), material=rough)
+    below = (stadium(a, r, (0, -r), material=rough, fixed=True) if support == "rcr"
+             else box((0, -0.3), (a, 0.3), material=rough))
     return build(below, stadium(a, r, (shift, r), material=rough))
 
 
@@ -236,8 +233,7 @@ def test_zigzag_column_presses_like_a_fluid():
     smooth = material(0)
     m, _ = inertia(0, R)
     *_, lowest = ids = build(
-        rcr.wall("x", 0, material=smooth), rcr.wall("x", 2 * R + dx, material=smooth),
-        rcr.wall("y", 0, material=smooth),
+        *open_box(2 * R + dx, smooth),
         *(stadium(0, R, (R + dx * (k % 2), R + k * dy), material=smooth)
           for k in reversed(range(n))),
         **EXACT | dict(maxIterations=1_000_000),
@@ -260,9 +256,7 @@ def test_resting_pile_presses_with_its_weight():
                      rng.uniform(0.06, 0.09), rng.uniform(0, 0.8), rng.uniform(0, 3), rough)
         for k in range(30)
     ]
-    walls = [rcr.wall("x", 0, material=rough), rcr.wall("x", 1.1, material=rough),
-             rcr.wall("y", 0, material=rough)]
-    build(*walls, *grains, dt=4e-3, tolerance=1e-6, maxIterations=5000)
+    build(*open_box(1.1, rough), *grains, dt=4e-3, tolerance=1e-6, maxIterations=5000)
     steps(3000)
     solver().tolerance, solver().maxIterations = 1e-13, 200_000
     steps(5)
@@ -282,16 +276,16 @@ def test_free_flight_is_that_of_the_symplectic_scheme():
     n = 200
     steps(n)
     assert velocity(body) == pytest.approx([3, 4 - G * n * DT, 1.5], rel=ROUNDING)
-    assert tuple(state.pos) == pytest.approx((1 + 3 * n * DT, 2 + 4 * n * DT - G * DT**2 * n
-                                              * (n + 1) / 2, 0), rel=ROUNDING)
-    assert 2 * math.atan2(state.ori[2], state.ori[3]) == pytest.approx(0.3 + 1.5 * n * DT,
-        rel=ROUNDING)
+    place = (1 + 3 * n * DT, 2 + 4 * n * DT - G * DT**2 * n * (n + 1) / 2, 0)
+    assert tuple(state.pos) == pytest.approx(place, rel=ROUNDING)
+    angle = 2 * math.atan2(state.ori[2], state.ori[3])
+    assert angle == pytest.approx(0.3 + 1.5 * n * DT, rel=ROUNDING)
 
 
 def test_plastic_disc_closes_its_gap_and_rests():
     """e = 0: the last gap closes within one step, v = −gap/dt; the next step stops the disc."""
     h, R = 0.5, 0.1
-    _, disc = build(rcr.wall("y", 0, material=material()), stadium(0, R, (0, R + h)))
+    disc = grain_on_floor(0, height=R + h)
     steps(round(math.sqrt(2 * h / G) / DT) + 3)  # a few steps after the impact
     assert velocity(disc) == pytest.approx(0, abs=STILL)
     assert O.bodies[disc].state.pos[1] == pytest.approx(R, abs=STILL * DT)
@@ -304,9 +298,10 @@ def test_disc_bounces(e):
     A step moves the disc by v dt at most, so the energy of a bounce is uncertain by m g v dt.
     """
     h, R = 0.5, 0.1
-    _, disc = build(rcr.wall("y", 0, material=material()), stadium(0, R, (0, R + h)), restitution=e)
+    disc = grain_on_floor(0, height=R + h, restitution=e)
+    count, bounces = {0.3: (500, 1), 0.8: (1300, 2), 1.0: (1000, 1)}[e]
     apexes, before = [], 0.0
-    for _ in range({0.3: 500, 0.8: 1300, 1.0: 1000}[e]):
+    for _ in range(count):
         O.step()
         v = velocity(disc)[1]
         if before < -10 * G * DT and v > before:  # an impact, no resting contact
@@ -315,7 +310,6 @@ def test_disc_bounces(e):
             apexes.append(O.bodies[disc].state.pos[1] - R)
         before = v
     speed = math.sqrt(2 * G * h)
-    bounces = {0.3: 1, 0.8: 2, 1.0: 1}[e]
     assert len(apexes) >= bounces
     for n, apex in enumerate(apexes[:bounces], start=1):
         assert apex == pytest.approx(e ** (2 * n) * h, abs=2 * n * speed * DT)

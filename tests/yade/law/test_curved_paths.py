@@ -31,22 +31,24 @@ def test_a_rod_that_is_spun_up_rolls_over_its_support(dt):
     assert solver().missedSteps == 0
 
 
+def rows(rng, grain, count, columns, pitch, height=0):
+    """Discs and rods above a floor; the pitch is in R, the height in m."""
+    return [particle((k % columns * pitch * R, height + R + k // columns * pitch * R),
+                     R=R * rng.uniform(0.7, 1), eta=rng.choice([0, 0.3, 0.7]),
+                     angle=rng.uniform(0, math.pi), material=grain)
+            for k in range(count)] + [rcr.wall("y", 0, sense=+1, material=grain)]
+
+
 def column(rng, grain):
     """300 discs and rods, ten side by side, that collapse."""
-    return [particle((k % 10 * 2.05 * R, R + k // 10 * 2.05 * R), R=R * rng.uniform(0.7, 1),
-                     eta=rng.choice([0, 0.3, 0.7]), angle=rng.uniform(0, math.pi), material=grain)
-            for k in range(300)] + [rcr.wall("y", 0, sense=+1, material=grain)]
+    return rows(rng, grain, 300, 10, 2.05)
 
 
 def dropped(rng, grain):
     """500 discs and rods that fall from 1 m into a box."""
-    width = 42 * R
-    return [particle((k % 20 * 2.1 * R, 1 + R + k // 20 * 2.1 * R), R=R * rng.uniform(0.7, 1),
-                     eta=rng.choice([0, 0.3, 0.7]), angle=rng.uniform(0, math.pi), material=grain)
-            for k in range(500)] + [
-        rcr.wall("y", 0, sense=+1, material=grain),
-        rcr.wall("x", -1.1 * R, sense=+1, material=grain),
-        rcr.wall("x", width, sense=-1, material=grain)]
+    return [*rows(rng, grain, 500, 20, 2.1, height=1),
+            rcr.wall("x", -1.1 * R, sense=+1, material=grain),
+            rcr.wall("x", 42 * R, sense=-1, material=grain)]
 
 
 @pytest.mark.parametrize("scene", [column, dropped])
@@ -104,9 +106,7 @@ def momentum(bodies, centers):
 
 
 def run_collision(seed):
-    """Runs 20 steps; returns the largest relative error of momenta, the largest gain of energy
-    over the initial energy, and the deepest overlap.
-    """
+    """Run 20 steps; returns the largest relative error of momenta, gain of energy, and overlap."""
     rng = np.random.default_rng(seed)
     build(*collision(rng), dt=1e-3, gravity=(0, 0, 0), tolerance=1e-8, maxIterations=20000,
           restitution=rng.choice([0, rng.uniform(), 1]))

@@ -4,11 +4,10 @@ import pytest
 import rcr
 from benchmarks import charts
 from benchmarks.charts import deterministic
-from scenes import build, material, stadium
+from scenes import G, build, material, stadium
 from yade import O
 from yade.wrapper import NewtonIntegrator
 
-G = 9.81
 OPTIONS = charts.Options(out="", quick=True, particles=50, siconos="", peers="", limit=60)
 
 
@@ -31,10 +30,8 @@ def test_smooth_motion_is_of_higher_order():
 
 def test_gravity_and_permanent_loads_of_what_is_free():
     m = material()
-    grain, clump_members = stadium(0.2, 0.1, (0, 5), material=m), [rcr.disc((3 + k, 5), 0.4, m)
-        for k in range(2)]
-    _, grain = build(rcr.wall("y", 0, material=m), grain, dt=1e-2)
-    clump, members = rcr.clump(clump_members)
+    _, grain = build(rcr.wall("y", 0, material=m), stadium(0.2, 0.1, (0, 5), material=m), dt=1e-2)
+    clump, _ = rcr.clump([rcr.disc((3 + k, 5), 0.4, m) for k in range(2)])
     guided = O.bodies.append(rcr.particle((8, 5), 0.2, 0.5, material=m))
     O.bodies[guided].state.blockedDOFs = "xzXYZ"
     wall = O.bodies.append(rcr.mobile_wall("x", 20, 2.0, material=m))  # without inertia

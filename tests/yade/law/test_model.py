@@ -8,16 +8,16 @@ from yade import O, utils
 SOLVER = dict(tolerance=1e-6, maxIterations=5000, solver="nesterov")
 
 
-def heaps(count, friction, length=0.0, **options):
-    """Heaps of 5 × 4 particles side by side on a fixed floor, too far apart to touch."""
+def heaps(count, friction, **options):
+    """Heaps of 5 × 4 discs side by side on a fixed floor, too far apart to touch."""
     one = material(friction=friction)
     grains = [
-        stadium(length, 0.05, (2 * heap + 0.1 * column + 0.03 * (row % 2), 0.05 + 0.09 * row),
+        stadium(0, 0.05, (2 * heap + 0.1 * column + 0.03 * (row % 2), 0.05 + 0.09 * row),
                 material=one)
         for heap in range(count) for row in range(4) for column in range(5)
     ]  # fmt: skip
     return build(box((count, -0.1), (2 * count, 0.1), material=one), *grains,
-                 **{**SOLVER, **options})
+                 **SOLVER, **options)
 
 
 def test_model_of_discs_without_friction():

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import build, material, solver
+from scenes import build, material, solver, steps
 from yade import O
 from yade.minieigenHP import Vector3
 
@@ -52,8 +52,7 @@ def test_rods_do_not_pass_through_walls_unnoticed(radii, sense):
         state = O.bodies[0].state
         state.vel = Vector3(-radii * r / dt, rng.uniform(-1, 1) * r / dt, 0)
         state.angVel = Vector3(0, 0, rng.uniform(-1, 1) / dt)
-        for _ in range(4):
-            O.step()
+        steps(4)
         if state.pos[0] < 0:
             passed += 1
             assert solver().missedSteps > 0

@@ -1,55 +1,47 @@
 """The smooth law: closed forms of spring, dashpot and slider, saved scenes, rejections."""
 
+import functools
 import math
 
 import numpy as np
 import pytest
 import rcr
-import scenes
 import yade.utils
 from rcr.study.biaxial import Biaxial
-from scenes import (G, build, inertia, material, point_forces, pressed_box, snapshot, stadium,
-                    steps, velocity)
+from scenes import (G, build, engines, gaps, grain_on_floor, inertia, insert, material,
+                    point_forces, pressed_box, snapshot, stadium, steps, velocity)
 from yade import O
-from yade.wrapper import (FrictMat, GlobalStiffnessTimeStepper, Ip2_FrictMat_FrictMat_FrictPhys,
-                          MatchMaker)
+from yade.wrapper import FrictMat, GlobalStiffnessTimeStepper, MatchMaker
 
 KN, KS = 1e6, 8e5  # N/m a point
 MU = 0.5
 
 
-def engines(local_damping=0.0, kn=KN, ks=KS, **options):
-    made = scenes.engines(law="smooth", **options)
-    ip2 = made[2].physDispatcher.functors[0]
-    ip2.kn, ip2.ks = (MatchMaker(algo="val", val=stiffness) for stiffness in (kn, ks))
-    made[-1].damping = local_damping
-    return made
+def ip2():
+    return O.engines[2].physDispatcher.functors[0]
 
 
-def smooth(*bodies, share=0.02, **options):
+def smooth(*bodies, share=0.02, local_damping=0.0, **options):
     """A fresh scene of these bodies with a share of the critical time step; returns their ids."""
-    O.reset()
-    O.engines = engines(**options)
-    ids = [O.bodies.append(body) for body in bodies]
+    ids = build(*bodies, law="smooth", **options)
+    ip2().kn, ip2().ks = (MatchMaker(algo="val", val=stiffness) for stiffness in (KN, KS))
+    O.engines[-1].damping = local_damping
     O.dt = share * rcr.critical_time_step()
     return ids
 
 
-def disc_on_floor(R=0.1, height=None, **options):
-    rough = material(MU)
-    return smooth(rcr.wall("y", 0, material=rough),
-                  stadium(0, R, (0, R if height is None else height), material=rough), **options)[1]
+on_floor = functools.partial(grain_on_floor, friction=MU, make=smooth)
 
 
 # --- normal spring and dashpot --------------------------------------------------------------------
 
-def bounce(disc, speed, R=0.1):
+def bounce(disc, speed):
     """Contact time and final speed of a disc that hits the floor."""
     O.bodies[disc].state.vel = (0, -speed, 0)
     start = end = None
     while end is None:
         O.step()
-        overlap = R - O.bodies[disc].state.pos[1]
+        overlap = 0.1 - O.bodies[disc].state.pos[1]
         if start is None and overlap > 0:
             start = O.time
         if start is not None and O.bodies[disc].state.vel[1] > 0 and overlap <= 0:
@@ -59,7 +51,7 @@ def bounce(disc, speed, R=0.1):
 
 def test_elastic_rebound():
     """Half a period of m x'' = −k_n x: contact time π √(m/k_n), all speed returned."""
-    disc = disc_on_floor(height=0.1005, gravity=(0, 0, 0))
+    disc = on_floor(0, height=0.1005, gravity=(0, 0, 0))
     m, _ = inertia(0, 0.1)
     time, speed = bounce(disc, 0.1)
     # contact and separation are detected a step late
@@ -71,7 +63,7 @@ def test_elastic_rebound():
 @pytest.mark.parametrize("speed, through", [(0.1, False), (30, True)])
 def test_springs_too_soft_for_a_blow_warn(speed, through, capfd):
     """A rod must not pass a facet without a warning; a blow overlaps by v √(m/k_n)."""
-    disc = disc_on_floor(height=0.1005, gravity=(0, 0, 0))
+    disc = on_floor(0, height=0.1005, gravity=(0, 0, 0))
     law = O.engines[2].lawDispatcher.functors[0]
     O.bodies[disc].state.vel = (0, -speed, 0)
     steps(math.ceil(0.25 * 2 * math.pi * math.sqrt(O.bodies[disc].state.mass / KN) / O.dt))
@@ -87,7 +79,7 @@ def test_damped_rebound(zeta):
     ω_d = ω √(1−ζ²); the first zero of the force is ω_d t₁ = π − arctan(2ζ√(1−ζ²)/(1−2ζ²)), and
     e = exp(−ζ ω t₁) (Schwager and Pöschel 2007).
     """
-    disc = disc_on_floor(height=0.1005, gravity=(0, 0, 0), damping=zeta, share=0.01)
+    disc = on_floor(0, height=0.1005, gravity=(0, 0, 0), damping=zeta, share=0.01)
     root = math.sqrt(1 - zeta**2)
     # k x + c x' = 0 ⟺ tan(ω_d t) = −tan(phase)
     phase = math.atan2(2 * zeta * root, 1 - 2 * zeta**2)
@@ -96,46 +88,39 @@ def test_damped_rebound(zeta):
     assert speed / 0.1 == pytest.approx(math.exp(-zeta / root * (math.pi - phase)), rel=2e-2)
 
 
-def test_resting_grain_sinks_by_its_weight():
+@pytest.mark.parametrize("damping", ["damping", "local_damping"])
+def test_resting_grain_sinks_by_its_weight(damping):
     """Two points a grain: δ = m g/(2 k_n), with dashpots alone and with YADE's local damping."""
-    for damped in (dict(damping=0.5), dict(local_damping=0.3)):
-        rough = material(MU)
-        _, block = smooth(rcr.wall("y", 0, material=rough),
-                          stadium(0.3, 0.1, (0, 0.1), material=rough), share=0.2, **damped)
-        m, _ = inertia(0.3, 0.1)
-        steps(3000)
-        assert 0.1 - O.bodies[block].state.pos[1] == pytest.approx(m * G / (2 * KN), rel=1e-3)
-        assert point_forces(0, block)[:, 0] == pytest.approx(m * G / 2, rel=1e-3)
+    block = on_floor(0.3, share=0.2, **{damping: 0.5 if damping == "damping" else 0.3})
+    m, _ = inertia(0.3, 0.1)
+    steps(3000)
+    assert 0.1 - O.bodies[block].state.pos[1] == pytest.approx(m * G / (2 * KN), rel=1e-3)
+    assert point_forces(0, block)[:, 0] == pytest.approx(m * G / 2, rel=1e-3)
 
 
 def test_two_points_resist_tilting():
     """Rocking: I θ'' = −2 k_n a² θ while both ends press, period 2π √(I/(2 k_n a²))."""
-    a, r = 0.4, 0.1
-    smoothly = material(0)
-    m, I = inertia(a, r)
+    a = 0.4
+    m, I = inertia(a, 0.1)
     sunk = m * G / (2 * KN)
-    _, block = smooth(rcr.wall("y", 0, material=smoothly),
-                      stadium(a, r, (0, r - sunk), material=smoothly))
+    block = on_floor(a, friction=0, height=0.1 - sunk)
     O.bodies[block].state.angVel = (0, 0, 1e-5)  # amplitude v/ω < `sunk`
     rotation = []
     while len(rotation) < 2 or not rotation[-2] < 0 <= rotation[-1]:
         O.step()
         rotation.append(O.bodies[block].state.angVel[2])
     # ω starts at a maximum; it passes 0, rising, after three quarters of a period
-    assert len(rotation) * O.dt == pytest.approx(0.75 * 2 * math.pi
-                                                 * math.sqrt(I / (2 * KN * a * a)), rel=5e-3)
+    period = 2 * math.pi * math.sqrt(I / (2 * KN * a * a))
+    assert len(rotation) * O.dt == pytest.approx(0.75 * period, rel=5e-3)
 
 
 # --- friction -------------------------------------------------------------------------------------
 
 def block_on_a_slope(alpha):
     """A flat block on a floor that was tilted slowly, without oscillation."""
-    rough = material(MU)
     m, _ = inertia(0.3, 0.1)
-    _, block = smooth(rcr.wall("y", 0, material=rough),
-                      stadium(0.3, 0.1, (0, 0.1 - m * G / (2 * KN)), material=rough), damping=0.3,
-                      share=0.2)
-    O.engines[-1].damping = 0.3  # tangential springs have no dashpot
+    # local damping too: tangential springs have no dashpot
+    block = on_floor(0.3, height=0.1 - m * G / (2 * KN), damping=0.3, local_damping=0.3, share=0.2)
     for now in np.linspace(0, alpha, 10000):
         O.engines[-1].gravity = (G * math.sin(now), -G * math.cos(now), 0)
         O.step()
@@ -143,10 +128,10 @@ def block_on_a_slope(alpha):
 
 
 def test_block_that_sticks_hangs_in_its_springs():
-    """Both points carry T/2, T = m g sin α; the floor's moment T r turns the block by T r/(2 k_n
-    a²).
+    """Both points carry T/2, T = m g sin α; the floor's moment T r turns the block by θ.
 
-    Its centre moves by T/(2 k_s) + r θ. No point slides while T/2 ≤ µ (N/2 − T r/(2a)).
+    θ = T r/(2 k_n a²); the centre moves by T/(2 k_s) + r θ. No point slides while
+    T/2 ≤ µ (N/2 − T r/(2a)).
     """
     a, r = 0.3, 0.1
     alpha = math.atan(0.5 * MU)
@@ -173,12 +158,9 @@ def test_block_on_a_slope(factor):
 
 def test_tangential_springs_stay_with_their_points():
     """A block pushed to and fro tips on an end and back: the closed end's spring does not jump."""
-    rough = material(10)
     m, _ = inertia(0.4, 0.1)
-    _, block = smooth(rcr.wall("y", 0, material=rough),
-                      stadium(0.4, 0.1, (0, 0.1 - m * G / (2 * KN)), material=rough), share=0.1,
-                      damping=0.3)
-    O.engines[-1].damping = 0.2
+    block = on_floor(0.4, friction=10, height=0.1 - m * G / (2 * KN), share=0.1, damping=0.3,
+                     local_damping=0.2)
     O.forces.setPermF(block, (0.3 * m * G, 0, 0))
     steps(3000)
     points, held = [], []
@@ -195,20 +177,17 @@ def test_tangential_springs_stay_with_their_points():
 
 def test_energy_is_kept_or_accounted_for():
     """A block thrown onto the floor: the sum of all energies is constant to first order in dt."""
-    rough = material(0.3)
     worst = []
     for share in (0.1, 0.05):
-        _, rod = smooth(rcr.wall("y", 0, material=rough),
-                        stadium(0.3, 0.1, (0, 0.4), 0.7, material=rough), share=share, damping=0.1)
+        rod = on_floor(0.3, friction=0.3, height=0.4, angle=0.7, share=share, damping=0.1)
         O.trackEnergy = True
         m, _ = inertia(0.3, 0.1)
         O.bodies[rod].state.vel = (1.0, -1.0, 0)
         first, losses = None, []
         for _ in range(round(0.4 / O.dt)):
             O.step()
-            energy = yade.utils.kineticEnergy() + sum(O.energy[k] for k in O.energy.keys()
-                                                      if k in ("elastPotential", "plastDissip",
-                "viscDissip"))
+            accounts = {"elastPotential", "plastDissip", "viscDissip"} & set(O.energy.keys())
+            energy = yade.utils.kineticEnergy() + sum(O.energy[name] for name in sorted(accounts))
             energy += m * G * O.bodies[rod].state.pos[1]
             first = first or energy
             losses.append(energy / first - 1)
@@ -238,18 +217,13 @@ def test_energy_that_contacts_make_where_they_change_their_kind(young, share, le
         rng = np.random.default_rng(seed)
         grains = [rcr.particle((0.0125 + 0.024 * i, 0.0125 + 0.024 * j), rng.uniform(0.007, 0.01),
                                0.5, i * j, m) for i in range(3) for j in range(4)]
-        O.reset()
+        build(rcr.wall("y", 0, 1, material=m), rcr.wall("x", 0, 1, material=m),
+              rcr.wall("x", 0.075, -1, material=m), *grains, law="smooth")
         O.trackEnergy = True
-        O.bodies.append([rcr.wall("y", 0, 1, material=m), rcr.wall("x", 0, 1, material=m),
-                         rcr.wall("x", 0.075, -1, material=m), *grains])
-        O.engines = engines()
-        # stiffnesses of the materials
-        O.engines[2].physDispatcher.functors = [Ip2_FrictMat_FrictMat_FrictPhys()]
         O.dt = share * rcr.critical_time_step()
         for _ in range(25):
             O.run(int(0.01 / O.dt), True)
-            deepest = max([deepest, *(-i.geom.gap[k] / 0.0035 for i in O.interactions if i.isReal
-                                      for k in range(i.geom.points))])
+            deepest = max(deepest, -min(gaps(), default=0) / 0.0035)
         worst = max(worst, abs(O.energy.total() / O.energy["gravWork"]))
     O.trackEnergy = False
     print(f"E = {young:g}, dt = {share} critical: overlaps up to {deepest:.2g} cap radii, balance "
@@ -258,20 +232,14 @@ def test_energy_that_contacts_make_where_they_change_their_kind(young, share, le
 
 
 def test_stock_stiffness_from_materials():
-    """Ip2_FrictMat_FrictMat_FrictPhys takes circumscribed radii: k_n = 2 E R₁R₂/(R₁ + R₂), k_s = ν
-    k_n.
+    """Stiffnesses follow from circumscribed radii: k_n = 2 E R₁R₂/(R₁ + R₂), k_s = ν k_n.
 
     A wall has R₂ = R₁.
     """
     rough = FrictMat(density=1000, frictionAngle=0.4, young=1e7, poisson=0.25)
-    O.reset()
-    O.engines = engines()
-    O.engines[2].physDispatcher.functors = [Ip2_FrictMat_FrictMat_FrictPhys()]
-    O.bodies.append([rcr.wall("y", 0, material=rough),
-                     stadium(0.2, 0.1, (0, 0.0999), material=rough),
-                     stadium(0.05, 0.1, (0, 0.2997), material=rough)])
-    before = rcr.critical_time_step()
-    O.dt = 0.1 * before
+    build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.0999), material=rough),
+          stadium(0.05, 0.1, (0, 0.2997), material=rough), law="smooth")
+    O.dt = 0.1 * rcr.critical_time_step()
     O.step()
     wall, pair = O.interactions[0, 1].phys, O.interactions[1, 2].phys
     assert (wall.kn, wall.ks) == pytest.approx((1e7 * 0.3, 0.25e7 * 0.3))
@@ -282,13 +250,13 @@ def test_stock_stiffness_from_materials():
 
 
 def test_contact_that_opens_is_erased():
-    disc = disc_on_floor(height=0.0999, gravity=(0, 0, 0))
+    disc = on_floor(0, height=0.0999, gravity=(0, 0, 0))
     O.step()
     assert O.interactions[0, disc].isReal
     O.bodies[disc].state.pos = (0, 0.11, 0)  # farther than 1 % of the radius
     O.bodies[disc].state.vel = (0, 0, 0)
     steps(2)
-    assert not any(i.isReal for i in O.interactions)
+    assert O.interactions.countReal() == 0
     O.bodies[disc].state.pos = (0, 0.1005, 0)  # found, but open
     steps(2)
     assert O.interactions[0, disc].isReal and O.forces.f(disc).norm() == 0
@@ -310,10 +278,9 @@ def test_critical_time_step(share, holds, zeta):
 
 def test_stock_time_stepper():
     """O.dt = 1.41044 s √(m/k) for a disc on its floor; s is timestepSafetyCoefficient."""
-    disc = disc_on_floor(height=0.0999,
-                         before=[GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4,
-                                                            timeStepUpdateInterval=1,
-                                                            defaultDt=1e-5)])
+    on_floor(0, height=0.0999,
+             before=[GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4,
+                                                timeStepUpdateInterval=1, defaultDt=1e-5)])
     O.dynDt = True
     steps(3)
     m, I = inertia(0, 0.1)
@@ -327,12 +294,14 @@ def test_a_saved_scene_continues_to_the_same_bits(suffix, tmp_path):
     pressed_box(smooth, 0, share=0.3, damping=0.2)
     steps(1500)
     path = str(tmp_path / f"scene.{suffix}")
-    forces = {(i.id1, i.id2): point_forces(i.id1, i.id2) for i in O.interactions if i.isReal}
+    point_forces_by_pair = lambda: {(i.id1, i.id2): point_forces(i.id1, i.id2)
+                                    for i in O.interactions}
+    forces = point_forces_by_pair()
     O.save(path)
     steps(100)
     straight = snapshot()[:, :13]
     O.load(path)
-    loaded = {(i.id1, i.id2): point_forces(i.id1, i.id2) for i in O.interactions if i.isReal}
+    loaded = point_forces_by_pair()
     assert forces.keys() == loaded.keys()
     assert all(np.array_equal(forces[pair], loaded[pair]) for pair in forces)
     assert any(np.abs(f[:, 1]).max(initial=0) > 0 for f in loaded.values())
@@ -353,68 +322,53 @@ def test_the_stress_of_the_network_is_that_of_the_walls():
 
 # --- what is refused ------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("damping", [-0.1, math.nan, math.inf])
-def test_damping_out_of_range(damping):
-    with pytest.raises(ValueError, match=r"CundallStrack.damping = .*; expected a fraction of the "
-                       r"critical damping"):
-        rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping)
-
-
-@pytest.mark.parametrize(
-    "change, match",
-    [
-        (dict(kn=-1.0), "bodies #0 and #1 has kn = -1; expected a stiffness > 0: set FrictMat.young"),
-        (dict(kn=math.nan), "kn = -?nan"),
-        (dict(ks=-1.0), "ks = -1; expected a stiffness ≥ 0"),
-    ],
-)
-def test_stiffness_that_is_none(change, match):
-    rough = material()
-    O.reset()
-    O.engines = engines(**change)
-    O.bodies.append([rcr.wall("y", 0, material=rough),
-                     stadium(0, 0.1, (0, 0.0999), material=rough)])
-    O.dt = 1e-5
+@pytest.mark.parametrize("name, value, match", [
+    ("kn", -1.0, "bodies #0 and #1 has kn = -1; expected a stiffness > 0: set FrictMat.young"),
+    ("kn", math.nan, "kn = -?nan"), ("ks", -1.0, "ks = -1; expected a stiffness ≥ 0"),
+])  # fmt: skip
+def test_stiffness_that_is_none(name, value, match):
+    on_floor(0, height=0.0999)
+    setattr(ip2(), name, MatchMaker(algo="val", val=value))
     with pytest.raises(ValueError, match=match):
         O.step()
 
 
 def test_critical_time_step_wants_a_smooth_scene():
-    build(rcr.wall("y", 0, material=material()), stadium(0, 0.1, (0, 0.1), material=material()))
+    grain_on_floor(0)
     with pytest.raises(ValueError, match="O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack"):
         rcr.critical_time_step()
-    O.reset()
-    O.engines = engines()
+    build(law="smooth")
     with pytest.raises(ValueError, match="no Rcr and no Sphere is free"):
         rcr.critical_time_step()
 
 
-@pytest.mark.parametrize("extra", ["engine", "law", "ip2"])
-def test_mixed_laws(extra):
-    """The message names the class that does not fit.
+def add_rigid_law():
+    laws = O.engines[2].lawDispatcher
+    laws.functors = [*laws.functors, rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]
 
-    With ContactDynamics nothing moves; without it the step is made.
-    """
-    disc_on_floor(height=0.0999)
-    loop = O.engines[2]
-    if extra == "engine":
-        O.engines = [*O.engines[:3], rcr.ContactDynamics(), O.engines[3]]
-    if extra == "law":
-        loop.lawDispatcher.functors = [*loop.lawDispatcher.functors,
-                                       rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]
-    if extra == "ip2":
-        loop.physDispatcher.functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()]
-    name = dict(engine="the engine ContactDynamics", law="Law2_RcrGeom_CdPhys_SignoriniCoulomb",
-                ip2="Ip2_FrictMat_FrictMat_CdPhys")[extra]
+
+def take_rigid_ip2():
+    O.engines[2].physDispatcher.functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()]
+
+
+@pytest.mark.parametrize("change, name", [
+    (lambda: insert(3, rcr.ContactDynamics()), "the engine ContactDynamics"),
+    (add_rigid_law, "Law2_RcrGeom_CdPhys_SignoriniCoulomb"),
+    (take_rigid_ip2, "Ip2_FrictMat_FrictMat_CdPhys"),
+], ids=["engine", "law", "ip2"])  # fmt: skip
+def test_mixed_laws(change, name):
+    """The message names the class that does not fit, and no contact forms."""
+    on_floor(0, height=0.0999)
+    change()
     with pytest.raises(ValueError, match=f"mix Law2_RcrGeom_FrictPhys_CundallStrack, the smooth "
                        f"law, with {name}"):
         O.step()
-    assert not any(i.isReal for i in O.interactions)
+    assert O.interactions.countReal() == 0
 
 
 def test_error_stops_a_run_and_reaches_the_main_thread():
-    disc_on_floor(height=0.0999)
-    O.engines[2].physDispatcher.functors = [rcr.Ip2_FrictMat_FrictMat_CdPhys()]
+    on_floor(0, height=0.0999)
+    take_rigid_ip2()
     with pytest.raises(ValueError, match="O.engines mix"):
         O.run(1000, wait=True)
     assert O.iter <= 1
@@ -422,10 +376,9 @@ def test_error_stops_a_run_and_reaches_the_main_thread():
 
 def test_contacts_of_the_other_law():
     """A scene changes its law and keeps its contacts, which have no stiffness."""
-    rough = material()
-    build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.1), material=rough))
+    grain_on_floor(0)
     O.step()
-    O.engines = engines()
+    O.engines = engines(law="smooth")
     O.saveTmp(quiet=True)
     O.loadTmp(quiet=True)  # otherwise YADE uses the functors stored in each contact
     with pytest.raises(ValueError, match=r"has a CdPhys, made for ContactDynamics; "
@@ -455,7 +408,7 @@ def test_biaxial_test_with_springs():
     assert summary["dt"] < 0.02 * test.time_unit
     assert 0 < summary["friction_mobilization"] <= 1 and summary["sin_phi"] > 0
     friction = {(max(i.id1, i.id2) in test.walls): i.phys.tangensOfFrictionAngle
-                for i in O.interactions if i.isReal}
+                for i in O.interactions}
     assert friction == {True: 0, False: pytest.approx(0.5)}
 
 
@@ -474,9 +427,7 @@ def test_the_critical_time_step_of_a_clump_follows_its_mass():
     """A clump with a hundredth of the mass vibrates ten times as fast."""
     found = []
     for mass in (1.0, 0.01):
-        O.reset()
-        O.engines = engines()
-        m = material(MU)
-        rcr.clump([rcr.disc((x, 0), 0.1, material=m) for x in (-0.1, 0.1)], mass=mass)
+        build(law="smooth")
+        rcr.clump([rcr.disc((x, 0), 0.1, material=material()) for x in (-0.1, 0.1)], mass=mass)
         found.append(rcr.critical_time_step())
     assert found[0] == pytest.approx(10 * found[1], rel=1e-9)

@@ -6,27 +6,24 @@ Engines move fast obstacles or load grains; PyRunners change engines, velocities
 import numpy as np
 import pytest
 import rcr
-from scenes import box, build, material, solver
-from test_arrays import SOLVER, after, grains, same, walls
+from scenes import box, build, insert, material, solver
+from test_arrays import SOLVER, after, grains, run_each, same, walls
 from yade import O
 from yade.minieigenHP import Vector3
 from yade.wrapper import (ForceEngine, ForceResetter, HarmonicMotionEngine, LinearDragEngine,
-                          PyRunner, RotationEngine, TorqueEngine)
+                          RotationEngine, TorqueEngine)
 
 STEPS = 600
-EVENTS = {}
 
 
-def event(function):
-    """Makes a function available to the commands of PyRunners."""
-    EVENTS[function.__name__] = function
-    return f"from test_arrays_events import EVENTS; EVENTS['{function.__name__}']()"
+def pit(seed):
+    """40 grains above a floor between walls."""
+    build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
 
 
 def shaken_wall(seed):
-    build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
-    O.engines = [HarmonicMotionEngine(A=(0, 0.02, 0), f=(0, 8, 0), fi=(0, 0, 0), ids=[42]),
-                 *O.engines]
+    pit(seed)
+    insert(0, HarmonicMotionEngine(A=(0, 0.02, 0), f=(0, 8, 0), fi=(0, 0, 0), ids=[42]))
 
 
 def with_box(seed, center, half):
@@ -35,14 +32,11 @@ def with_box(seed, center, half):
     build(*grains(48, 12, seed), *walls(1.6), obstacle, dt=1e-3, **SOLVER)
     for k in range(48):
         O.bodies[k].state.pos += Vector3(0, 2 * center[1], 0)
-    O.engines[2].geomDispatcher.functors = [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(),
-                                            rcr.Ig2_Box_Rcr_RcrGeom()]
 
 
 def shaken_box(seed):
     with_box(seed, (0.8, 0.02), (0.4, 0.02))
-    O.engines = [HarmonicMotionEngine(A=(0.02, 0, 0), f=(10, 0, 0), fi=(0, 0, 0), ids=[51]),
-                 *O.engines]
+    insert(0, HarmonicMotionEngine(A=(0.02, 0, 0), f=(10, 0, 0), fi=(0, 0, 0), ids=[51]))
 
 
 def shaken_box_after_the_loop(seed):
@@ -56,27 +50,28 @@ def two_shaken_grains(seed):
     driven = [rcr.particle((x, 0.75), 0.06, 0.5, material=material(0.5), fixed=True)
               for x in (0.2, 0.5)]
     build(*grains(25, 5, seed), *walls(0.7), *driven, dt=2e-3, **SOLVER)
-    motions = [HarmonicMotionEngine(A=(a, a, 0), f=(f, f, 0), fi=(0, phase, 0), ids=[28 + k])
-               for k, (a, f, phase) in enumerate(rng.uniform((0.02, 10, 0), (0.1, 150, 6), (2, 3)))]
-    O.engines = [*O.engines[:3], *motions, *O.engines[3:]]
+    motions = rng.uniform((0.02, 10, 0), (0.1, 150, 6), (2, 3))
+    insert(3, *(HarmonicMotionEngine(A=(a, a, 0), f=(f, f, 0), fi=(0, phase, 0), ids=[28 + k])
+                for k, (a, f, phase) in enumerate(motions)))
 
 
 def torque_on_grains(seed):
-    build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
-    O.engines = [O.engines[0], TorqueEngine(ids=[3, 11, 20], moment=(0, 0, 40)), *O.engines[1:]]
+    pit(seed)
+    insert(1, TorqueEngine(ids=[3, 11, 20], moment=(0, 0, 40)))
 
 
 def stirrer(seed):
     with_box(seed, (0.8, 0.45), (0.2, 0.02))
-    O.engines = [RotationEngine(ids=[51], rotateAroundZero=True, rotationAxis=(0, 0, 1),
-                                zeroPoint=(0.8, 0.45, 0), angularVelocity=6), *O.engines]
+    insert(0, RotationEngine(ids=[51], rotateAroundZero=True, rotationAxis=(0, 0, 1),
+                             zeroPoint=(0.8, 0.45, 0), angularVelocity=6))
 
 
 def drag_on_fast_grains(seed):
-    build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
-    for k in range(0, 40, 5):
+    pit(seed)
+    fast = list(range(0, 40, 5))
+    for k in fast:
         O.bodies[k].state.vel = Vector3(8, 4, 0)
-    O.engines = [O.engines[0], LinearDragEngine(ids=list(range(0, 40, 5)), nu=0.02), *O.engines[1:]]
+    insert(1, LinearDragEngine(ids=fast, nu=0.02))
 
 
 def kick():
@@ -85,8 +80,8 @@ def kick():
 
 
 def kicked_before_the_collider(seed):
-    build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
-    O.engines = [PyRunner(command=event(kick), iterPeriod=70), *O.engines]
+    pit(seed)
+    insert(0, run_each(70, "kick", __name__))
 
 
 def change_masks():
@@ -95,10 +90,10 @@ def change_masks():
 
 
 def masks_that_change(seed):
-    build(*grains(40, 6, seed), *walls(0.9), dt=1e-3, **SOLVER)
+    pit(seed)
     for b in O.bodies:
         b.mask = 3 if b.id >= 40 else 1 + b.id % 2
-    O.engines = [*O.engines, PyRunner(command=event(change_masks), iterPeriod=150, firstIterRun=50)]
+    O.engines = [*O.engines, run_each(150, "change_masks", __name__, firstIterRun=50)]
 
 
 SCENES = [shaken_wall, shaken_box, shaken_box_after_the_loop, torque_on_grains, stirrer,
@@ -116,8 +111,7 @@ def test_same_bits_as_the_engines(scene, seed):
 
 def add_force():
     first = next(k for k, engine in enumerate(O.engines) if isinstance(engine, ForceResetter))
-    O.engines = [*O.engines[:first + 1], ForceEngine(ids=[1], force=(20, 0, 0)),
-                 *O.engines[first + 1:]]
+    insert(first + 1, ForceEngine(ids=[1], force=(20, 0, 0)))
 
 
 @pytest.mark.parametrize("arrays", [False, True])
@@ -127,9 +121,7 @@ def test_engines_set_during_a_run_act(arrays, place):
     build(rcr.disc((0, 0), 0.05, material(0.5)), rcr.disc((1, 0), 0.05, material(0.5)), dt=1e-3,
           gravity=(0, 0, 0), **SOLVER)
     solver().arrays = arrays
-    O.engines = [*O.engines[:place],
-                 PyRunner(command=event(add_force), iterPeriod=1000, firstIterRun=100, nDo=1),
-                 *O.engines[place:]]
+    insert(place, run_each(1000, "add_force", __name__, firstIterRun=100, nDo=1))
     O.run(300, True)
     moved = O.bodies[1].state.pos[0] - 1
     acceleration = 20 / O.bodies[1].state.mass

@@ -9,26 +9,29 @@ import sys
 import numpy as np
 import pytest
 from matplotlib.image import imread
+from scenes import environment
 
 FOLDER = pathlib.Path(__file__).parents[3] / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.py"))
 
 
-def yade(folder, *command, program="yade"):
-    return subprocess.run([program, *map(str, command)], capture_output=True, text=True,
-                          timeout=300, cwd=folder)
-
-
 QUICK = ["first_scene"]  # the others take some seconds each
 
 
-@pytest.mark.parametrize("script",
-                         [pytest.param(path, id=path.stem, marks=[pytest.mark.slow]
-                                       * (path.stem not in QUICK)) for path in EXAMPLES])
+def yade(folder, *command, program="yade", code=0):
+    """The ended process of a program, which must return this code."""
+    run = subprocess.run([program, *map(str, command)], capture_output=True, text=True, timeout=300,
+                         cwd=folder)
+    assert run.returncode == code, run.stdout + run.stderr
+    return run
+
+
+@pytest.mark.parametrize("script", [
+    pytest.param(path, id=path.stem, marks=[] if path.stem in QUICK else [pytest.mark.slow])
+    for path in EXAMPLES])  # fmt: skip
 def test_example(script, tmp_path):
     out = tmp_path / "out"
     run = yade(tmp_path, "-n", "-x", script, "--quick", "--out", out)
-    assert run.returncode == 0, run.stdout + run.stderr
     assert "Traceback" not in run.stdout + run.stderr
     pictures = list(out.glob("*.png"))
     assert pictures and all(imread(picture)[..., :3].std() > 0.02 for picture in pictures)
@@ -43,20 +46,17 @@ def test_a_batch_gives_the_results_of_single_runs(tmp_path):
     """Four jobs at the same time give what a single run with default parameters gives."""
     shutil.copy(FOLDER / "batch.py", tmp_path)
     rows = [(0, 0.2), (0, 0.5), (0.5, 0.2), (0.5, 0.5)]
-    assert (FOLDER / "batch.table").read_text().split("eta mu\n")[1] == "".join(f"{eta:.1f} {mu}\n"
-        for eta, mu in rows)
-    (tmp_path / "small.table").write_text("eta mu wide high seconds\n"
-                                          + "".join(f"{eta:.1f} {mu} 3 5 0.3\n"
-                                                    for eta, mu in rows))
+    lines = [f"{eta:.1f} {mu}" for eta, mu in rows]
+    assert (FOLDER / "batch.table").read_text().split("eta mu\n")[1].splitlines() == lines
+    small = ["eta mu wide high seconds", *(f"{line} 3 5 0.3" for line in lines)]
+    (tmp_path / "small.table").write_text("\n".join(small) + "\n")
     batch = yade(tmp_path, "-j", 4, "small.table", "batch.py", program="yade-batch")
-    assert batch.returncode == 0, batch.stdout + batch.stderr
     assert batch.stdout.count("(exit status 0)") == 4, batch.stdout + batch.stderr
-    single = yade(tmp_path, "-n", "-x", "batch.py", "--quick", "--out", "single")
-    assert single.returncode == 0, single.stdout + single.stderr
+    yade(tmp_path, "-n", "-x", "batch.py", "--quick", "--out", "single")
+    of_batch, single = tmp_path / "out" / "batch", tmp_path / "single"
     name = "eta-0.5-mu-0.5.txt"
-    assert (tmp_path / "out" / "batch" / name).read_bytes() == (
-        tmp_path / "single" / name).read_bytes()
-    table = np.genfromtxt(tmp_path / "out" / "batch" / "batch.csv", delimiter=",", names=True)
+    assert (of_batch / name).read_bytes() == (single / name).read_bytes()
+    table = np.genfromtxt(of_batch / "batch.csv", delimiter=",", names=True)
     assert [(row["eta"], row["mu"]) for row in table] == rows and len(set(table["runout"])) == 4
 
 
@@ -65,8 +65,7 @@ def test_the_regression_example_reports_differences(tmp_path):
     text = (FOLDER / "regression.py").read_text()
     assert text.count("math.atan(0.5)") == 1
     script.write_text(text.replace("math.atan(0.5)", "0"))  # without friction
-    run = yade(tmp_path, "-n", "-x", script, "--out", "out")
-    assert run.returncode == 1 and "expected" in run.stderr, run.stdout + run.stderr
+    assert "expected" in yade(tmp_path, "-n", "-x", script, "--out", "out", code=1).stderr
 
 
 def test_ctrl_c_ends_after_a_whole_step(tmp_path):
@@ -75,22 +74,17 @@ def test_ctrl_c_ends_after_a_whole_step(tmp_path):
     The velocity is 1 and the time step a power of two, so that sums of any length are exact.
     """
     code = """
-import yade
-import rcr
-from yade.wrapper import *
-O = Omega()
-O.bodies.append(rcr.particle((0, 0), 0.1, 0.5, velocity=(1, 0)))
-O.engines = [ForceResetter(), InsertionSortCollider([rcr.Bo1_Rcr_Aabb()]),
-             InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom()], [rcr.Ip2_FrictMat_FrictMat_CdPhys()], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
-             rcr.ContactDynamics(), NewtonIntegrator(damping=0),
-             PyRunner(command="print('ready', flush=True)", iterPeriod=100, nDo=2)]  # once
-O.dt = 2**-13
+from scenes import *
+from yade.wrapper import PyRunner
+build(rcr.particle((0, 0), 0.1, 0.5, velocity=(1, 0)), gravity=(0, 0, 0), dt=2**-13)
+ready = PyRunner(command="print('ready', flush=True)", iterPeriod=100, nDo=2)  # once
+O.engines = [*O.engines, ready]
 rcr.advance(10, "first")
 going = rcr.advance(10**9, "for ever")
 print("stopped", going, O.bodies[0].state.pos[0] == O.iter * O.dt, O.iter > 10)
 """
-    run = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE,
-                           stderr=subprocess.PIPE, text=True)
+    run = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True,
+                           stderr=subprocess.PIPE, env=environment())
     assert "ready\n" in iter(run.stdout.readline, "")
     run.send_signal(signal.SIGINT)
     out, err = run.communicate(timeout=60)

@@ -9,7 +9,7 @@ import yade.utils
 from rcr.frame import Frame
 from rcr.network import OTHER, WALL, Network
 from scenes import G, build, heap, material, shrinking_cell, steps
-from yade import O
+from yade import O, wrapper as w
 
 
 @pytest.fixture(scope="module")
@@ -23,8 +23,7 @@ def resting():
     frame = Frame.of()
     weight = G * (sum(O.bodies[k].state.mass for k in ids["grains"])
                   + O.bodies[ids["clump"]].state.mass)
-    frictions = {frozenset((i.id1, i.id2)): i.phys.tangensOfFrictionAngle for i in O.interactions
-                 if i.isReal}
+    frictions = {frozenset((i.id1, i.id2)): i.phys.tangensOfFrictionAngle for i in O.interactions}
     return ids, network, frame, weight, frictions
 
 
@@ -61,9 +60,8 @@ def test_stresses_of_grains_and_of_the_scene(resting):
     """Σ A σ = V σ, with clumps too; grain stresses of network and scene agree."""
     _, network, frame, *_ = resting
     areas, stresses = Frame.of_network(network).areas(), network.grain_stresses()
-    # rounding of sums
-    assert np.einsum("n,nab->ab", areas, stresses) / 0.25 == pytest.approx(network.stress(),
-        rel=1e-9)
+    mean = np.einsum("n,nab->ab", areas, stresses) / 0.25
+    assert mean == pytest.approx(network.stress(), rel=1e-9)  # rounding of sums
     free = ~frame.grains["fixed"]
     assert stresses == pytest.approx(frame.stress_tensors()[free], rel=1e-9, abs=1e-9)
     assert (network.grain_coordination() == frame.per_grain(frame.normal_force() > 0)[free]).all()
@@ -72,8 +70,7 @@ def test_stresses_of_grains_and_of_the_scene(resting):
 def test_a_clump_counts_as_one(resting):
     """The stress of a clump is symmetric up to its acceleration; arms start at its own centre."""
     ids, network, *_ = resting
-    row = list(network.particles["id"]).index(ids["members"][0])
-    other = list(network.particles["id"]).index(ids["members"][1])
+    row, other = (list(network.particles["id"]).index(member) for member in ids["members"])
     stress = network.grain_stresses()
     assert np.array_equal(stress[row], stress[other])
     assert network.grain_coordination()[row] == network.grain_coordination()[other] >= 2
@@ -85,8 +82,8 @@ def test_a_clump_counts_as_one(resting):
 
 def test_volume_is_asked_for_where_it_is_needed(resting, tmp_path):
     _, network, *_ = resting
-    bare = Network(network.particles, network.contacts, {k: v for k, v in network.attributes.items()
-                                                         if k != "volume"})
+    attributes = {name: value for name, value in network.attributes.items() if name != "volume"}
+    bare = Network(network.particles, network.contacts, attributes)
     with pytest.raises(ValueError, match=r"no volume.*contact_network\(volume=…\)"):
         bare.stress()
     assert bare.sin_phi() == pytest.approx(network.sin_phi())
@@ -98,21 +95,18 @@ def test_volume_is_asked_for_where_it_is_needed(resting, tmp_path):
     assert np.array_equal(again.grain_stresses(), network.grain_stresses())
 
 
-@pytest.mark.parametrize("walls", [(0, 1), (0, 1, 2, 99), (1, 0, 3, 2), "box", (0, 1, 2, 4)])
-def test_walls_that_are_no_box(walls):
-    build(rcr.wall("x", 0), rcr.wall("y", 0), rcr.wall("x", 1), rcr.wall("y", 1),
-          rcr.particle((0.5, 0.5), 0.1, 0.5, material=material()))
-    with pytest.raises(ValueError, match="left, bottom, right and top Wall of a box"):
-        rcr.contact_network(walls)
+NO_BOX = "left, bottom, right and top Wall of a box"
+ORDER = "are at x = .*; expected the order left, bottom, right, top"
 
 
-@pytest.mark.parametrize("walls", [(2, 1, 0, 3), (0, 3, 2, 1), (2, 3, 0, 1)])
-def test_walls_are_identified_by_their_places(walls):
-    """Places of the walls give volume and codes, whatever their order."""
+@pytest.mark.parametrize("walls, match", [
+    *((walls, NO_BOX) for walls in ((0, 1), (0, 1, 2, 99), (1, 0, 3, 2), "box", (0, 1, 2, 4))),
+    *((walls, ORDER) for walls in ((2, 1, 0, 3), (0, 3, 2, 1), (2, 3, 0, 1))),
+])  # fmt: skip
+def test_walls_that_are_no_box(walls, match):
     build(rcr.wall("x", 0), rcr.wall("y", 0), rcr.wall("x", 1), rcr.wall("y", 2),
           rcr.particle((0.5, 0.5), 0.1, 0.5, material=material()))
-    with pytest.raises(ValueError, match="are at x = .*; expected the order left, bottom, right, "
-                       "top"):
+    with pytest.raises(ValueError, match=match):
         rcr.contact_network(walls)
 
 
@@ -128,42 +122,33 @@ def test_scenes_without_a_free_grain_and_volumes_out_of_range():
 
 
 def test_periodic_cell_needs_no_walls():
-    """In a shrinking, sheared cell the volume is its own, and the stress YADE's within 1 %: YADE's
-    branch vectors are a step later.
-    """
+    """The volume is that of the cell, the stress YADE's, whose branch vectors are a step later."""
     shrinking_cell()
     network = rcr.contact_network()
-    cell = np.array(O.cell.hSize)[:2, :2]
-    assert network.attributes["volume"] == pytest.approx(np.linalg.det(cell))
+    volume = network.attributes["volume"]
+    assert volume == pytest.approx(np.linalg.det(np.array(O.cell.hSize)[:2, :2]))
     assert len(network.contacts["force"]) > 10
     # branch of two touching grains, without a period
     assert np.hypot(*network.contacts["branch"].T).max() < 0.2
     stress = network.stress()
-    assert np.einsum("n,nab->ab", rcr.measure.areas()[1],
-                     network.grain_stresses()) / network.attributes["volume"] == pytest.approx(
-        stress, rel=1e-9)
-    theirs = -np.array(yade.utils.getStress(network.attributes["volume"]))[:2, :2]
+    total = np.einsum("n,nab->ab", rcr.measure.areas()[1], network.grain_stresses())
+    assert total / volume == pytest.approx(stress, rel=1e-9)
+    theirs = -np.array(yade.utils.getStress(volume))[:2, :2]
     assert stress == pytest.approx(0.5 * (theirs + theirs.T), abs=0.02 * np.trace(stress))
-    crossing = [i for i in O.interactions if i.isReal and i.phys.normalForce.norm() > 0
-                and tuple(i.cellDist) != (0, 0, 0)]
-    assert len(crossing) > 3
+    assert sum(i.phys.normalForce.norm() > 0 and tuple(i.cellDist) != (0, 0, 0)
+               for i in O.interactions) > 3
 
 
 def test_networks_of_spheres_under_a_law_of_yade():
-    from yade.wrapper import (
-        Bo1_Sphere_Aabb, ForceResetter, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider,
-        InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys,
-        Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator,
-    )  # fmt: skip
-
-    mat = O.materials.append(yade.utils.FrictMat(density=1000, young=1e6, poisson=0.3,
-                                                 frictionAngle=0.4))
-    O.bodies.append([yade.utils.sphere((x, 0, 0), 1, material=mat, fixed=x == 0)
+    m = material(math.tan(0.4))
+    m.young = 1e6
+    O.bodies.append([yade.utils.sphere((x, 0, 0), 1, material=m, fixed=x == 0)
                      for x in (0, 1.99, 3.98)])
-    O.engines = [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]),
-                 InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()],
-                                 [Law2_ScGeom_FrictPhys_CundallStrack()]),
-                 NewtonIntegrator()]  # fmt: skip
+    O.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb()]),
+                 w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()],
+                                   [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+                                   [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
+                 w.NewtonIntegrator()]  # fmt: skip
     O.dt = 1e-6
     O.step()
     frame = Frame.of()

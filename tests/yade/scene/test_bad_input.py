@@ -5,13 +5,13 @@ since YADE runs it in a thread. A run in the background stops at the error and l
 """
 
 import math
-import os
 
 import numpy as np
 import pytest
 import rcr
 import yade.utils
-from scenes import assert_refused, build, material, python, solver, stadium, steps, wait_until
+from scenes import (assert_refused, build, grain_on_floor, insert, material, python, solver,
+                    stadium, steps, wait_until)
 from yade import O
 from yade.minieigenHP import Quaternion
 from yade.wrapper import Body, ForceEngine, MatchMaker, RotationEngine
@@ -21,42 +21,59 @@ NAN, INF = math.nan, math.inf
 
 def resting(**options):
     """A grain at rest on a wall (0), and a second one above it."""
-    rough = material()
-    ids = build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough),
-                stadium(0.2, 0.1, (0, 0.3), material=rough), **options)
-    return O.bodies[ids[1]]
+    grain_on_floor(0.2, **options)
+    O.bodies.append(stadium(0.2, 0.1, (0, 0.3), material=O.bodies[1].material))
+    return O.bodies[1]
 
 
-# --- particles ------------------------------------------------------------------------------------
+# --- calls ----------------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("R", [0, -0.1, NAN, INF, "0.1", None])
-def test_radius(R):
-    with pytest.raises(ValueError, match=r"R = .*; expected a finite radius of the circumscribed "
-                       r"circle > 0"):
-        rcr.particle((0, 0), R, 0.5)
+def grain(center=(0, 0), R=0.1, eta=0.5, **options):
+    return rcr.particle(center, R, eta, **options)
 
 
-@pytest.mark.parametrize("eta", [-0.1, 1, 1.5, NAN])
-def test_elongation(eta):
-    with pytest.raises(ValueError, match=r"eta = .*; expected an elongation 0 ≤ eta < 1"):
-        rcr.particle((0, 0), 0.1, eta)
+CALLS = [  # function, words of its ValueError
+    *((lambda R=R: grain(R=R), "R = .*; expected a finite radius of the circumscribed circle > 0")
+      for R in (0, -0.1, NAN, INF, "0.1", None)),
+    *((lambda eta=eta: grain(eta=eta), "eta = .*; expected an elongation 0 ≤ eta < 1")
+      for eta in (-0.1, 1, 1.5, NAN)),
+    (lambda: grain((0, NAN)), r"center\[1\] = nan; expected a finite coordinate"),
+    (lambda: grain(angle=INF), "angle = inf; expected a finite angle"),
+    (lambda: grain(material=material(density=0)),
+     "material.density = 0.0; expected a finite density > 0"),
+    (lambda: grain(material=None), "material = None; expected a FrictMat"),
+    *((lambda given={name: value}: rcr.Rcr(**{"capRadius": 0.1, "halfLength": 0.2, **given}),
+       f"Rcr.{name} = .*; expected a finite length .* rcr.particle")
+      for name, value in (("capRadius", 0), ("capRadius", -1), ("capRadius", INF),
+                          ("halfLength", -1), ("halfLength", NAN))),
+    *((lambda axis=axis: rcr.wall(axis, 0), rf"axis = {axis!r}; expected 'x' or 'y' \(or 0 or 1\)")
+      for axis in ("z", 2, -1, 0.5, True, None)),
+    *((lambda sense=sense: rcr.wall("y", 0, sense=sense), "sense = .*; expected [+]1, −1, or 0")
+      for sense in (5, -2, 0.5, "left")),
+    (lambda: rcr.wall("x", NAN), "position = nan; expected a finite coordinate"),
+    (lambda: rcr.wall("y", 0, material=3.5), "material = 3.5; expected a FrictMat"),
+    (lambda: rcr.mobile_wall("x", 0, mass=0), "mass = 0; expected a finite mass > 0"),
+    *((lambda ends=ends: rcr.segment(*ends), "expected")
+      for ends in (((0, 0), (0, 0)), ((0, 0, 0), (1, 0, 1)), ((0, 0), (NAN, 0)))),
+    (lambda: rcr.segment((0, 0), (NAN, 1)), r"end\[0\] = nan"),
+    *((lambda members=members: rcr.clump(members), "at least one body")
+      for members in ([], ["grain"])),
+    (lambda: rcr.clump([grain()] * 2), "members holds a body twice"),
+    *((lambda damping=damping: rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping),
+       "CundallStrack.damping = .*; expected a fraction of the critical damping")
+      for damping in (-0.1, NAN, INF)),
+    (lambda: rcr.plot.packing(limits=((1, 1), (0, 0))), "limits = .* in this order"),
+    (lambda: rcr.contact_network(time=1.0, seed=3),
+     r"contact_network\(time=…\): the scene gives it"),
+]
 
 
-def test_pose_and_density():
-    with pytest.raises(ValueError, match=r"center\[1\] = nan; expected a finite coordinate"):
-        rcr.particle((0, NAN), 0.1, 0.5)
-    with pytest.raises(ValueError, match=r"angle = inf; expected a finite angle"):
-        rcr.particle((0, 0), 0.1, 0.5, angle=INF)
-    with pytest.raises(ValueError, match=r"material.density = 0.0; expected a finite density > 0"):
-        rcr.particle((0, 0), 0.1, 0.5, material=material(density=0))
-
-
-@pytest.mark.parametrize("name, value", [("capRadius", 0), ("capRadius", -1), ("capRadius", INF),
-                                         ("halfLength", -1), ("halfLength", NAN)])
-def test_shape(name, value):
-    with pytest.raises(ValueError, match=rf"Rcr.{name} = .*; expected a finite length .* "
-                       rf"rcr.particle"):
-        rcr.Rcr(**({"capRadius": 0.1, "halfLength": 0.2} | {name: value}))
+@pytest.mark.parametrize("call, match", CALLS)
+def test_calls_that_are_refused(call, match):
+    build(stadium(0.2, 0.1, (0, 1), material=material()))
+    with pytest.raises(ValueError, match=match):
+        call()
+    assert len(O.bodies) == 1
 
 
 def test_shape_without_a_radius():
@@ -84,17 +101,6 @@ def test_radius_of_a_disc(radius):
     assert_refused("#3 has the cap radius .*; expected a length > 0.*radius of a disc")
 
 
-def test_walls():
-    for axis in ("z", 2, -1, 0.5, True, None):
-        with pytest.raises(ValueError, match=f"axis = {axis!r}; expected 'x' or 'y' \\(or 0 or "
-                           f"1\\)"):
-            rcr.wall(axis, 0)
-    with pytest.raises(ValueError, match="position = nan; expected a finite coordinate"):
-        rcr.wall("x", NAN)
-    with pytest.raises(ValueError, match="mass = 0; expected a finite mass > 0"):
-        rcr.mobile_wall("x", 0, mass=0)
-
-
 @pytest.mark.parametrize("name, number", [("x", 0), ("y", 1)])
 def test_axis_of_a_wall_by_its_number(name, number):
     """Numbers as in YADE's own walls."""
@@ -106,30 +112,21 @@ def test_axis_of_a_wall_by_its_number(name, number):
 
 # --- bodies ---------------------------------------------------------------------------------------
 
-def set_tilt(body):
-    body.state.ori = Quaternion((1, 0, 0), 0.1)
-
-
-@pytest.mark.parametrize(
-    "change, match",
-    [
-        (lambda b: setattr(b.state, "mass", 0), "#1 is free but has the mass 0; give it a mass > "
-         "0"),
-        (lambda b: setattr(b.state, "mass", NAN), "#1 is free but has the mass nan"),
-        (lambda b: setattr(b.state, "inertia", (1, 1, 0)), "#1 is free to turn but has the moment "
-         "of inertia 0 about z"),
-        (lambda b: setattr(b.state, "blockedDOFs", "XY"), "#1 is free to leave the plane "
-         ".blockedDOFs = 'XY'.; expected z, X and Y blocked"),
-        (lambda b: setattr(b.state, "blockedDOFs", ""), "#1 is free to leave the plane"),
-        (set_tilt, "#1 is tilted out of the plane"),
-        (lambda b: setattr(b.state, "pos", (NAN, 0, 0)), "#1 .*position.*nan"),
-        (lambda b: setattr(b.state, "pos", (0, INF, 0)), "#1 .*position.*inf"),
-        (lambda b: setattr(b.state, "vel", (NAN, 0, 0)), "#1 .*velocity.*nan"),
-        (lambda b: setattr(b.state, "angVel", (0, 0, NAN)), "#1 .*velocity.*nan"),
-    ],
-)
-def test_body(change, match):
-    change(resting())
+@pytest.mark.parametrize("name, value, match", [
+    ("mass", 0, "#1 is free but has the mass 0; give it a mass > 0"),
+    ("mass", NAN, "#1 is free but has the mass nan"),
+    ("inertia", (1, 1, 0), "#1 is free to turn but has the moment of inertia 0 about z"),
+    ("blockedDOFs", "XY", "#1 is free to leave the plane .blockedDOFs = 'XY'.; expected z, X and Y "
+     "blocked"),
+    ("blockedDOFs", "", "#1 is free to leave the plane"),
+    ("ori", Quaternion((1, 0, 0), 0.1), "#1 is tilted out of the plane"),
+    ("pos", (NAN, 0, 0), "#1 .*position.*nan"),
+    ("pos", (0, INF, 0), "#1 .*position.*inf"),
+    ("vel", (NAN, 0, 0), "#1 .*velocity.*nan"),
+    ("angVel", (0, 0, NAN), "#1 .*velocity.*nan"),
+])  # fmt: skip
+def test_state_of_a_body(name, value, match):
+    setattr(resting().state, name, value)
     assert_refused(match)
 
 
@@ -145,10 +142,8 @@ def test_body(change, match):
     (lambda b: setattr(b.state, "ori", Quaternion(NAN, 0, 0, 0)), "orientation"),
 ], ids=["position", "velocity", "spin", "orientation"])
 def test_obstacle(obstacle, change, match):
-    """In mid-run a wall at NaN crashed the neighbour list."""
+    """A wall at NaN ended the process."""
     resting()
-    O.engines[1].boundDispatcher.functors = [*O.engines[1].boundDispatcher.functors,
-                                             rcr.Bo1_Box_Aabb(), rcr.Bo1_Facet_Aabb()]
     body = O.bodies[O.bodies.append(obstacle())]
     O.run(30, True)
     change(body)
@@ -186,10 +181,12 @@ def test_clump_that_is_turned_out_of_the_plane():
 
 # --- engines --------------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("order, match", [([0, 1, 2, 3], "O.engines holds no NewtonIntegrator"),
-                                          ([0, 1, 3, 4], "O.engines holds no InteractionLoop"),
-                                          ([0, 1, 3, 2, 4], "stands before the InteractionLoop"),
-                                          ([0, 1, 2, 4, 3], "stands after the NewtonIntegrator")])
+@pytest.mark.parametrize("order, match", [
+    ([0, 1, 2, 3], "O.engines holds no NewtonIntegrator"),
+    ([0, 1, 3, 4], "O.engines holds no InteractionLoop"),
+    ([0, 1, 3, 2, 4], "stands before the InteractionLoop"),
+    ([0, 1, 2, 4, 3], "stands after the NewtonIntegrator"),
+])  # fmt: skip
 def test_order_of_engines(order, match):
     """Indices of the engines of `resting`: 3 is ContactDynamics, 4 the integrator."""
     resting()
@@ -199,10 +196,11 @@ def test_order_of_engines(order, match):
     assert_refused(match, moved=order[-2:] == [4, 3])  # by the integrator
 
 
-@pytest.mark.parametrize("name, value, match",
-                         [("dead", True, "O.engines holds no NewtonIntegrator"),
-                          ("damping", 0.2, "NewtonIntegrator.damping = 0.2.* would damp the "
-                           "contact forces; set damping=0")])
+@pytest.mark.parametrize("name, value, match", [
+    ("dead", True, "O.engines holds no NewtonIntegrator"),
+    ("damping", 0.2, "NewtonIntegrator.damping = 0.2.* would damp the contact forces; set "
+     "damping=0"),
+])  # fmt: skip
 def test_integrator(name, value, match):
     resting()
     setattr(O.engines[-1], name, value)
@@ -222,23 +220,23 @@ def test_negative_time_step_is_refused_by_yade():
         O.dt = -1e-3
 
 
-@pytest.mark.parametrize(
-    "name, value, match",
-    [
-        ("solver", "magic", "magic.*nlgs.*nesterov.*exact.*auto"),
-        ("tolerance", -1e-4, "tolerance = -0.0001"),
-        ("tolerance", NAN, "tolerance = -?nan"),
-        ("tolerance", float("inf"), "tolerance = inf; expected a finite residual"),
-        ("meanForceChange", float("inf"), "meanForceChange = inf: give a finite change"),
-        ("minIterations", 10**9, "minIterations = 1000000000.*at most maxIterations = "),
-        ("maxIterations", 0, "maxIterations = 0"),
-        ("maxIterations", -5, "maxIterations = -5"),
-        ("correction", -0.1, "correction = -0.1.*; expected a fraction of the overlap, 0 to 1"),
-        ("correction", 1.1, "correction = 1.1.*; expected a fraction of the overlap, 0 to 1"),
-        ("correction", NAN, "correction = nan"),
-    ],
-)
+@pytest.mark.parametrize("name, value, match", [
+    ("solver", "magic", "magic.*nlgs.*nesterov.*exact.*auto"),
+    ("tolerance", -1e-4, "tolerance = -0.0001"),
+    ("tolerance", NAN, "tolerance = -?nan"),
+    ("tolerance", INF, "tolerance = inf; expected a finite residual"),
+    ("meanForceChange", INF, "meanForceChange = inf: give a finite change"),
+    ("minIterations", 10**9, "minIterations = 1000000000.*at most maxIterations = "),
+    ("maxIterations", 0, "maxIterations = 0"),
+    ("maxIterations", -5, "maxIterations = -5"),
+    ("correction", -0.1, "correction = -0.1.*; expected a fraction of the overlap, 0 to 1"),
+    ("correction", 1.1, "correction = 1.1.*; expected a fraction of the overlap, 0 to 1"),
+    ("correction", NAN, "correction = nan"),
+    *(("yieldCompliance", value, f"ContactDynamics.yieldCompliance = {value:g}; expected a finite "
+       f"factor ≥ 0, 1 by default") for value in (NAN, INF, -1.0)),
+])  # fmt: skip
 def test_settings(name, value, match):
+    """The message has the given value, not its product with a factor of the scene."""
     resting()
     setattr(solver(), name, value)
     assert_refused(match)
@@ -269,35 +267,29 @@ def test_functor_for_a_facet_forgotten():
                    ".*Add Ig2_Facet_Rcr_RcrGeom")
 
 
-SCENE = f"""
-import sys
-sys.path.insert(0, {os.path.dirname(os.path.dirname(__file__))!r})
-import yade
-from scenes import *
-build(rcr.wall("y", 0, material=material()), stadium(0.2, 0.1, (0, HEIGHT), material=material()))
-"""
-
-
 @pytest.mark.parametrize("height", [0.1, 5], ids=["in contact", "no contact yet"])
-@pytest.mark.parametrize(
-    "change, match",
-    [
-        ("O.engines[2].lawDispatcher.functors = []", "no Law2_RcrGeom_CdPhys_SignoriniCoulomb"),
-        ("O.engines[2].physDispatcher.functors = []", "no Ip2_FrictMat_FrictMat_CdPhys"),
-        ("O.engines[2].physDispatcher.functors = [yade.wrapper.Ip2_FrictMat_FrictMat_FrictPhys()]",
-         "no Ip2_FrictMat_FrictMat_CdPhys"),
-    ],
-)
-def test_missing_functor_of_the_contact(change, match, height):
+@pytest.mark.parametrize("functors, match", [
+    ("lawDispatcher.functors = []", "no Law2_RcrGeom_CdPhys_SignoriniCoulomb"),
+    ("physDispatcher.functors = []", "no Ip2_FrictMat_FrictMat_CdPhys"),
+    ("physDispatcher.functors = [Ip2_FrictMat_FrictMat_FrictPhys()]",
+     "no Ip2_FrictMat_FrictMat_CdPhys"),
+])  # fmt: skip
+def test_missing_functor_of_the_contact(functors, match, height):
     """YADE alone ends the process: exit(1) without a law, an exception without physics."""
-    attempt = f"{change}\ntry: O.step()\nexcept ValueError as error: print(error)"
-    result = python(SCENE.replace("HEIGHT", str(height)) + attempt)
+    result = python(f"""
+from scenes import *
+grain_on_floor(0.2, height={height})
+O.engines[2].{functors}
+try:
+    O.step()
+except ValueError as error:
+    print(error)
+""")
     assert result.returncode == 0 and match in result.stdout, result.stdout + result.stderr
 
 
 def test_plugin_of_another_version():
-    result = python(
-        """
+    result = python("""
 import yade, yade.config
 yade.config.version = "1999.1"
 try:
@@ -305,20 +297,17 @@ try:
 except ImportError as error:
     print(error)
 assert "Rcr" not in yade.system.childClasses("Shape")
-"""
-    )
-    assert "rcr was built for YADE 20" in result.stdout, result.stderr
-    assert ("but YADE 1999.1 is running. Start scripts/yade-rcr to rebuild "
-            "it") in result.stdout, result.stderr
+""")
+    for words in ("rcr was built for YADE 20",
+                  "but YADE 1999.1 is running. Start scripts/yade-rcr to rebuild it"):
+        assert words in result.stdout, result.stderr
 
 
 # --- how errors arrive ----------------------------------------------------------------------------
 
 def test_run_and_wait_raises():
     """YADE's wait() misses an early error; this one comes after 30 000 steps with a contact."""
-    rough = material()
-    build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-5,
-          restitution=2)
+    grain_on_floor(0, height=0.6, dt=1e-5, restitution=2)
     with pytest.raises(RuntimeError, match="contact of bodies #0 and #1 has the restitution 2; "
                        "expected 0 to 1"):
         O.run(100_000, wait=True)
@@ -334,12 +323,10 @@ def test_background_run_is_refused_before_it_begins():
 
 
 def test_background_run_stops_at_the_error():
-    rough = material()
-    build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.6), material=rough), dt=1e-4,
-          restitution=2)
+    grain_on_floor(0, height=0.6, dt=1e-4, restitution=2)
     O.run(100_000)
     wait_until(lambda: not O.running)
-    assert not O.running and 2500 < O.iter < 3500  # √(2h/g) / dt = 3200
+    assert 2500 < O.iter < 3500  # √(2h/g) / dt = 3200
 
 
 def test_a_stress_on_a_wall_that_is_held_is_refused():
@@ -347,12 +334,11 @@ def test_a_stress_on_a_wall_that_is_held_is_refused():
     m = material()
     build(rcr.wall("x", -1, material=m), rcr.wall("x", 1, material=m),
           rcr.wall("y", 3, sense=-1, material=m), stadium(0.2, 0.1, (0, 1), material=m))
-    O.engines = O.engines[:-2] + [rcr.WallStress(wall=2, start=0, end=1, stress=-10)] + O.engines[
-        -2:]
+    insert(3, rcr.WallStress(wall=2, start=0, end=1, stress=-10))
     assert_refused("WallStress.wall = 2 is held along y, so that no stress moves it; take "
                    "rcr.mobile_wall")
-    O.engines[-3].dead = True
-    steps(1)
+    O.engines[3].dead = True
+    O.step()
 
 
 def test_a_scene_continues_once_the_error_is_corrected():
@@ -362,24 +348,3 @@ def test_a_scene_continues_once_the_error_is_corrected():
     body.state.mass = mass
     steps(10)
     assert body.state.pos[1] == pytest.approx(0.1, abs=1e-12)  # rounding
-
-
-@pytest.mark.parametrize(
-    "call, says",
-    [
-        (lambda: rcr.particle((0, 0), 0.1, 0.5, material=None),
-         "material = None; expected a FrictMat"),
-        (lambda: rcr.wall("y", 0, material=3.5), "material = 3.5; expected a FrictMat"),
-        (lambda: rcr.segment((0, 0), (math.nan, 1)), r"end\[0\] = nan"),
-        (lambda: rcr.clump([rcr.particle((0, 0), 0.1, 0.5)] * 2), "members holds a body twice"),
-        (lambda: rcr.plot.packing(limits=((1, 1), (0, 0))), "limits = .* in this order"),
-        (lambda: rcr.contact_network(time=1.0, seed=3), r"contact_network\(time=…\): the scene "
-         r"gives it"),
-    ],
-)
-def test_messages_name_the_error(call, says):
-    build(stadium(0.2, 0.1, (0, 1), material=material()))
-    bodies = len(O.bodies)
-    with pytest.raises(ValueError, match=says):
-        call()
-    assert len(O.bodies) == bodies

@@ -7,8 +7,8 @@ import warnings
 import numpy as np
 import pytest
 import rcr
-from scenes import (assert_refused, build, engines, material, python, smooth, snapshot, solver,
-                    stadium, steps)
+from scenes import (assert_refused, build, gaps, grain_on_floor, insert, material, python, snapshot,
+                    solver, stadium, steps)
 from yade import O, utils
 from yade.minieigenHP import Quaternion, Vector3
 from yade.wrapper import (
@@ -21,26 +21,18 @@ NAN = math.nan
 
 
 def rigid(**options):
-    """A grain on a floor under the rigid law."""
-    rough = material()
-    return build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.1), material=rough),
-                 **options)
+    return grain_on_floor(0.2, **options)
+
+
+def smooth():
+    return grain_on_floor(0.2, dt=1e-5, law="smooth")
 
 
 LAWS = pytest.mark.parametrize("scene", [rigid, smooth])
 
 
-def place(kind):
-    return next(k for k, e in enumerate(O.engines) if isinstance(e, kind))
-
-
 def without(kind):
     O.engines = [e for e in O.engines if not isinstance(e, kind)]
-
-
-def inserted(at, engine):
-    old = list(O.engines)
-    O.engines = old[:at] + [engine] + old[at:]
 
 
 def add_stock_spheres():
@@ -55,9 +47,9 @@ def add(make, *arguments, **options):
     O.bodies.append(make(*arguments, material=O.bodies[1].material, **options))
 
 
-def loaded(engine):
-    """Insert an engine between ContactDynamics and the integrator."""
-    inserted(place(NewtonIntegrator), engine)
+def insert_late(engine):
+    """Insert an engine before the integrator, under the rigid law behind ContactDynamics."""
+    insert(-1, engine)
 
 
 UNSEEN = "stands after ContactDynamics, which would not see its load; put it before"
@@ -68,21 +60,17 @@ RIGID = {  # under the rigid law: name of the error, change of the scene, words 
         r"InteractionLoop and the NewtonIntegrator"),
     "dead solver": (lambda: setattr(solver(), "dead", True),
                     "O.engines holds no ContactDynamics that is not dead"),
-    "two solvers": (lambda: inserted(place(rcr.ContactDynamics), rcr.ContactDynamics()),
+    "two solvers": (lambda: insert(3, rcr.ContactDynamics()),
                     "O.engines holds 2 of ContactDynamics; expected one"),
-    "late force": (lambda: loaded(ForceEngine(force=(500, 0, 0), ids=[1])), UNSEEN),
-    "late stress": (lambda: loaded(rcr.WallStress(wall=0, start=0, end=0)), UNSEEN),
-    "late displacer": (lambda: loaded(StepDisplacer(ids=[0], mov=(1e-3, 0, 0))),
+    "late force": (lambda: insert_late(ForceEngine(force=(500, 0, 0), ids=[1])), UNSEEN),
+    "late stress": (lambda: insert_late(rcr.WallStress(wall=0, start=0, end=0)), UNSEEN),
+    "late displacer": (lambda: insert_late(StepDisplacer(ids=[0], mov=(1e-3, 0, 0))),
                        "the StepDisplacer " + UNSEEN),
     "early servo": (
-        lambda: inserted(1, ServoPIDController(axis=(0, 1, 0), maxVelocity=0.1, ids=[0], target=1)),
+        lambda: insert(1, ServoPIDController(axis=(0, 1, 0), maxVelocity=0.1, ids=[0], target=1)),
         "would read forces without those of contacts; put it after the NewtonIntegrator"),
-    "stepper": (lambda: inserted(0, GlobalStiffnessTimeStepper()),
+    "stepper": (lambda: insert(0, GlobalStiffnessTimeStepper()),
                 "the GlobalStiffnessTimeStepper would set O.dt from stiffnesses"),
-    # the message has the given value, not its product with the scene's own yield
-    **{f"yield {value}": (lambda value=value: setattr(solver(), "yieldCompliance", value),
-                          f"ContactDynamics.yieldCompliance = {value:g}; expected a finite factor "
-                          f"≥ 0, 1 by default") for value in (math.nan, math.inf, -1.0)},
     "gravity": (lambda: setattr(O.engines[-1], "gravity", (0, 0, -9.81)),
                 r"pulls out of the plane of the grains, which is x and y; set gravity=\(0, -9.81, "
                 r"0\)"),
@@ -109,7 +97,7 @@ def test_errors_under_the_rigid_law(change, match):
 OUT = (r"body #1 has the velocity \(.*\) and the angular velocity \(.*\), which lead out of "
        r"the plane; expected b.state.vel\[2\]")
 BOTH = {
-    "two integrators": (lambda: inserted(len(O.engines), NewtonIntegrator(damping=0)),
+    "two integrators": (lambda: insert(9, NewtonIntegrator(damping=0)),
                         "O.engines holds 2 of NewtonIntegrator; expected one"),
     "no collider": (lambda: without(InsertionSortCollider), "O.engines holds no collider"),
     "no resetter": (lambda: without(ForceResetter), "O.engines holds no ForceResetter"),
@@ -183,7 +171,7 @@ def test_a_displacer_gives_no_forces(scene):
 def test_forces_after_the_solver_cause_a_warning(capfd):
     """A PyRunner after ContactDynamics presses a grain in; only the overlap shows it."""
     rigid()
-    loaded(PyRunner(command="O.forces.addF(1, (0, -1e5, 0))", iterPeriod=1))
+    insert_late(PyRunner(command="O.forces.addF(1, (0, -1e5, 0))", iterPeriod=1))
     steps(100)
     told = capfd.readouterr().err
     assert "and grows, although all steps converged." in told
@@ -195,7 +183,7 @@ def test_forces_after_the_solver_cause_a_warning(capfd):
 def test_engines_with_wrong_attributes_are_rejected_at_the_start(scene):
     scene(before=[rcr.WallStress(wall=1, start=0, end=0)]) if scene is rigid else scene()
     if scene is smooth:
-        loaded(rcr.WallStress(wall=1, start=0, end=0))
+        insert_late(rcr.WallStress(wall=1, start=0, end=0))
     assert_refused("WallStress.wall = 1 is not the id of a body with the shape Wall")
     O.engines = [e for e in O.engines if not isinstance(e, rcr.WallStress)]
     O.dt = 0
@@ -208,7 +196,7 @@ def test_the_steppers_first_step():
     smooth()
     O.bodies[1].state.pos = Vector3(0, 0.2, 0)
     stepper = GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4)
-    inserted(0, stepper)
+    insert(0, stepper)
     assert_refused(r"GlobalStiffnessTimeStepper.defaultDt = -1 would set O.dt = 1 s while no Rcrs "
                    r"touch; set defaultDt = 0.5 \* rcr.critical_time_step\(\)")
     stepper.defaultDt = 0.5 * rcr.critical_time_step()
@@ -226,36 +214,23 @@ def test_time_step_forgotten(scene):
 
 def test_material_that_loses_its_friction_in_a_run():
     """YADE alone ends the process in its parallel loop."""
-    result = python(
-        f"""
-import sys, time
-sys.path.insert(0, {__file__.rsplit('/', 2)[0]!r})
-import yade
+    result = python("""
 from scenes import *
 from yade.wrapper import ElastMat, PyRunner
-rough = material()
-build(rcr.wall("y", 0, material=rough), stadium(0.2, 0.1, (0, 0.15), material=rough))
-O.engines = [*O.engines, PyRunner(iterPeriod=1, command="O.bodies[1].material = ElastMat(density=1000)")]
-import __main__
-__main__.ElastMat = ElastMat
+grain_on_floor(0.2, height=0.15)
+change = "O.bodies[1].material = ElastMat(density=1000)"
+O.engines = [*O.engines, PyRunner(iterPeriod=1, command=change)]
 try:
     O.run(500, True)
     O.step()
 except (ValueError, RuntimeError) as error:
     print("told:", error)
-"""
-    )
+""")
     assert result.returncode == 0, result.stdout + result.stderr
     assert "give it a FrictMat" in result.stdout, result.stdout + result.stderr
 
 
 # --- bodies ---------------------------------------------------------------------------------------
-
-@pytest.mark.parametrize("sense", [5, -2, 0.5, "left"])
-def test_sense_of_a_wall(sense):
-    with pytest.raises(ValueError, match="sense = .*; expected [+]1, −1, or 0"):
-        rcr.wall("y", 0, sense=sense)
-
 
 def test_ball_among_rcrs():
     rigid()
@@ -271,54 +246,53 @@ def test_ball_among_rcrs():
 @pytest.mark.parametrize("dt", [1, 30, 1000])
 def test_step_that_ends_in_an_overlap_has_not_converged(dt):
     rough = material()
-    ids = build(stadium(0.2, 0.1, (0, 0), material=rough), stadium(0.2, 0.1, (1.0, 0.1), angle=1.0,
-        material=rough), dt=dt, gravity=(0, 0, 0))
-    O.bodies[ids[0]].state.vel, O.bodies[ids[0]].state.angVel = (1.0 / dt, 0, 0), (0, 0, 5.0 / dt)
-    before = True
+    build(stadium(0.2, 0.1, (0, 0), material=rough, velocity=(1.0 / dt, 0),
+                  angular_velocity=5.0 / dt),
+          stadium(0.2, 0.1, (1.0, 0.1), angle=1.0, material=rough), dt=dt, gravity=(0, 0, 0))
+    converged = True
     for _ in range(3):
         O.step()
+        # gaps are those at the beginning of the step
+        assert min(gaps(), default=0) > -0.02 * 0.6 or not converged
         converged = solver().converged
-        # at the beginning of the step
-        gaps = [i.geom.gap[k] for i in O.interactions if i.isReal for k in range(i.geom.points)]
-        assert not gaps or min(gaps) > -0.02 * 0.6 or not before
-        before = converged
+    assert O.bodies[1].state.vel.norm() > 0, "they missed"
 
 
 def test_an_exception_leaves_no_trace():
     """A rejected step, corrected and made, gives the bits of a run without the fault."""
     def run(fault):
-        ids = rigid()
-        O.bodies[ids[1]].state.vel = (3.0, -2.0, 0)
+        rigid()
+        state = O.bodies[1].state
+        state.vel = (3.0, -2.0, 0)
         steps(5)
         if fault:
-            O.bodies[ids[1]].state.inertia = (1, 1, 0)
-            before = snapshot()
-            with pytest.raises(ValueError, match="moment of inertia 0"):
-                O.step()
-            assert np.array_equal(snapshot()[:, :13], before[:, :13])
-            O.bodies[ids[1]].state.inertia = inertia
-        inertia_now = O.bodies[ids[1]].state.inertia
+            inertia, state.inertia = tuple(state.inertia), (1, 1, 0)
+            assert_refused("moment of inertia 0")
+            state.inertia = inertia
         steps(20)
-        return snapshot(), inertia_now
+        return snapshot()
 
-    clean, inertia = run(False)
-    faulty, _ = run(True)
-    assert np.array_equal(clean, faulty)
+    assert np.array_equal(run(False), run(True))
 
 
 def test_missed_steps_are_counted_and_the_counts_are_saved(tmp_path):
     rough = material()
     pile = [stadium(0, 0.1, (0.01 * k, 0.1 + 0.2 * k), material=rough) for k in range(6)]
     build(rcr.wall("y", 0, material=rough), *pile, tolerance=1e-13, maxIterations=1, solver="nlgs")
-    steps(20)
+
+    def missed(count):
+        """Number of the next steps that miss the tolerance."""
+        return sum(not (O.step() or solver().converged) for _ in range(count))
+
+    first = missed(20)
     counts = lambda: (solver().missedSteps, solver().yieldedSteps, solver().deepestOverlap)
     saved = counts()
-    assert 0 < saved[0] <= 20 and saved[1] == 0
+    assert saved[:2] == (first, 0) and first > 0
     O.save(str(tmp_path / "pile.yade"))
     O.load(str(tmp_path / "pile.yade"))
     assert counts() == saved
-    steps(5)
-    assert saved[0] <= solver().missedSteps <= saved[0] + 5
+    second = missed(5)
+    assert solver().missedSteps == first + second and second > 0
 
 
 # --- pairs that may meet --------------------------------------------------------------------------
@@ -407,15 +381,8 @@ def test_grains_behind_a_wall_warn(scene):
 
 
 def test_overlaps_of_images_warn():
-    O.reset()
-    O.periodic = True
-    O.cell.setBox(2, 2, 2)
-    rough = material()
-    O.bodies.append([rcr.disc((1.95, 1.0), 0.1, material=rough),
-                     rcr.disc((2.1, 3.0), 0.1, material=rough),
-                     rcr.disc((0.5, 0.5), 0.1, material=rough)])
-    O.engines = engines(gravity=(0, 0, 0))
-    O.dt = 1e-3
+    places = (1.95, 1.0), (2.1, 3.0), (0.5, 0.5)
+    build(*(rcr.disc(at, 0.1, material=material()) for at in places), cell=2, gravity=(0, 0, 0))
     (told,) = advised()
     assert "bodies #0 and #1 overlap by 0.05 m, 0.25 of R₁ + R₂, before their first step. " in told
 
@@ -463,9 +430,11 @@ def test_new_contacts_do_not_visit_all_bodies():
     # visit of all bodies for each takes 81 times as long.
     few, many = (min(first_step(side) for _ in range(3)) for side in (15, 45))
     assert many < 27 * few
+
+
 def test_a_contact_dynamics_set_dead_is_reported():
     """ContactDynamics checks the scene, so its absence needs another check."""
-    build(rcr.wall("y", 0, material=material()), stadium(0.3, 0.1, (0, 0.1), material=material()))
+    rigid()
     steps(2)
     solver().dead = True
     with pytest.raises(ValueError, match="no ContactDynamics that is not dead"):
@@ -473,11 +442,10 @@ def test_a_contact_dynamics_set_dead_is_reported():
 
 
 @pytest.mark.parametrize("law", ["rigid", "smooth"])
-@pytest.mark.parametrize("name, value",
-                         [("gravity", (0, math.nan, 0)), ("gravity", (math.inf, 0, 0)),
-                          ("damping", math.nan)])
+@pytest.mark.parametrize("name, value", [("gravity", (0, NAN, 0)), ("gravity", (math.inf, 0, 0)),
+                                         ("damping", NAN)])
 def test_motion_that_is_not_finite_is_refused_by_its_name(law, name, value):
     build(stadium(0.3, 0.1, (0, 1), material=material()), law=law)
     setattr(O.engines[-1], name, value)
     with pytest.raises(ValueError, match=f"NewtonIntegrator.{name} = "):
-        steps(1)
+        O.step()

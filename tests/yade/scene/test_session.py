@@ -1,20 +1,17 @@
 """rcr in a YADE session: classes, order of engines, saved scenes that continue to the same bits."""
 
 import math
-import os
-import sys
 
 import numpy as np
 import pytest
 import rcr
 import yade
 import yade.utils
-from scenes import (G, build, contact_forces, engines, material, pressed_box, python, snapshot,
-                    solver, stadium, steps, velocity)
+from scenes import (G, build, contact_forces, engines, grain_on_floor, material, open_box,
+                    pressed_box, python, snapshot, solver, stadium, steps, tilted, velocity)
 from yade import O
 from yade.wrapper import ForceEngine, MatchMaker
 
-HERE = os.path.dirname(__file__)
 OURS = {
     "Shape": {"Rcr"},
     "BoundFunctor": {"Bo1_Rcr_Aabb", "Bo1_Disc_Aabb"},
@@ -84,9 +81,7 @@ def pile():
                      rng.uniform(0, 0.8), rng.uniform(0, 3), rough)
         for k in range(40)
     ]
-    build(rcr.wall("x", 0, material=rough), rcr.wall("x", 1.1, material=rough),
-          rcr.wall("y", 0, material=rough), *grains,
-          dt=2e-3, restitution=0.2, tolerance=1e-4)  # by sweeps; fmt: skip
+    build(*open_box(1.1, rough), *grains, dt=2e-3, restitution=0.2, tolerance=1e-4)  # by sweeps
 
 
 SCENES = {"pile": pile, "pressed box": pressed_box}
@@ -117,32 +112,20 @@ def test_a_saved_scene_continues_to_the_same_bits(name, suffix, tmp_path):
 
 
 def test_threads_change_no_bit():
-    code = f"""
-import sys
-sys.path[:0] = [{HERE!r}, {os.path.dirname(HERE)!r}]
-import yade, hashlib
-from test_session import *
+    code = """
+import hashlib
+from scenes import snapshot, steps
+from test_session import pile
 pile()
 steps(100)
 print(hashlib.sha256(snapshot().tobytes()).hexdigest())
 """
-    hashes = {}
-    for threads in ("1", "2"):
-        result = python(code, OMP_NUM_THREADS=threads)
-        assert result.returncode == 0, result.stderr
-        hashes[threads] = result.stdout.split()[-1]
-    assert hashes["1"] == hashes["2"]
+    one, two = (python(code, OMP_NUM_THREADS=threads) for threads in "12")
+    assert one.returncode == two.returncode == 0, one.stderr + two.stderr
+    assert one.stdout.split()[-1] == two.stdout.split()[-1]
 
 
 # --- materials ------------------------------------------------------------------------------------
-
-def slope(mu, tan_alpha, **options):
-    """A flat slider on a floor of friction µ under gravity at the angle α; returns its id."""
-    alpha = math.atan(tan_alpha)
-    rough = material(mu)
-    return build(rcr.wall("y", 0, material=rough), stadium(0.4, 0.1, (0, 0.1), material=rough),
-                 gravity=(G * math.sin(alpha), -G * math.cos(alpha), 0), **options)[1]  # fmt: skip
-
 
 def soften(angle):
     for body in O.bodies:
@@ -167,27 +150,26 @@ def made_anew(angle):
                          [(soften, False), (exchange, False), (yade.utils.setContactFriction, True),
                           (each_contact, True), (made_anew, True)])
 def test_friction_that_changes_in_a_run(change, acts):
-    """A contact keeps the friction of its formation (docs/law.md)."""
-    slider = slope(0.5, 0.3)
+    """A contact keeps the friction of its formation (docs/law.md); a slider on a slope shows it."""
+    alpha = math.atan(0.3)
+    slider = grain_on_floor(0.4, gravity=tilted(alpha))
     steps(5)
     assert velocity(slider)[0] == pytest.approx(0, abs=1e-12)  # rounding
     change(math.atan(0.1))
     O.step()
-    alpha = math.atan(0.3)
-    assert velocity(slider)[0] / O.dt == pytest.approx(G * (math.sin(alpha) - 0.1 * math.cos(alpha))
-                                                       if acts else 0, rel=1e-10, abs=1e-9)
+    expected = G * (math.sin(alpha) - 0.1 * math.cos(alpha)) if acts else 0
+    assert velocity(slider)[0] / O.dt == pytest.approx(expected, rel=1e-10, abs=1e-9)
 
 
-@pytest.mark.parametrize("maker, expected",
-                         [(None, 0.2), (("val", 0.9), 0.9), (("max", None), 0.6)])
+@pytest.mark.parametrize("maker, expected", [
+    (None, 0.2), (dict(algo="val", val=math.atan(0.9)), 0.9), (dict(algo="max"), 0.6),
+])  # fmt: skip
 def test_friction_of_two_materials(maker, expected):
     """The smaller angle counts, as in YADE, unless a MatchMaker differs."""
     build(rcr.wall("y", 0, material=material(0.2)),
           stadium(0.4, 0.1, (0, 0.1), material=material(0.6)))
     if maker:
-        algo, mu = maker
-        O.engines[2].physDispatcher.functors[0].frictAngle = MatchMaker(algo=algo,
-            val=math.atan(mu or 0))
+        O.engines[2].physDispatcher.functors[0].frictAngle = MatchMaker(**maker)
     O.step()
     # tan(atan(µ))
     assert O.interactions[0, 1].phys.tangensOfFrictionAngle == pytest.approx(expected, rel=1e-14)
@@ -195,9 +177,7 @@ def test_friction_of_two_materials(maker, expected):
 
 @pytest.mark.parametrize("e", [0.0, 0.5])
 def test_restitution_by_match_maker(e):
-    rough = material()
-    _, disc = build(rcr.wall("y", 0, material=rough), stadium(0, 0.1, (0, 0.1), material=rough),
-                    gravity=(0, 0, 0), restitution=e)
+    disc = grain_on_floor(0, gravity=(0, 0, 0), restitution=e)
     O.bodies[disc].state.vel = (0, -1, 0)
     O.step()
     assert velocity(disc)[1] == pytest.approx(e, abs=1e-12)  # rounding
@@ -221,24 +201,15 @@ def test_engines_that_are_new_after_an_erase_see_the_bodies(law):
     assert O.interactions.has(floor, second) and abs(O.bodies[second].state.pos[1] - 0.05) < 1e-3
 
 
-PAUSED = """
-import yade, rcr
-from scenes import build, stadium
-from yade import O
+@pytest.mark.parametrize("rigid", [True, False])
+def test_a_pause_in_mid_step_ends_the_run(rigid):
+    """O.pause in a PyRunner must not wait for the end of the run that calls it."""
+    done = python(f"""
+from scenes import *
 from yade.wrapper import PyRunner
-
-def stop():
-    if O.iter == 5:
-        O.pause()
-        print("went on", flush=True)
-
-import __main__
-__main__.stop = stop
-if {rigid}:
-    build(stadium(0.2, 0.1, (0, 1)))
-else:
-    O.engines = []
-O.engines = [*O.engines, PyRunner(command="stop()", iterPeriod=1)]
+build(stadium(0.2, 0.1, (0, 1)))
+command = "if O.iter == 5: O.pause(); print('went on', flush=True)"
+O.engines = [*(O.engines if {rigid} else []), PyRunner(command=command, iterPeriod=1)]
 O.run(20, True)
 assert O.iter == 6, O.iter
 O.run(20, True)
@@ -246,25 +217,15 @@ assert O.iter == 26, O.iter
 rcr.advance(4) if {rigid} else O.run(4, True)
 O.reset()
 print("ended", flush=True)
-"""
-
-
-@pytest.mark.parametrize("rigid", [True, False])
-def test_a_pause_in_mid_step_ends_the_run(rigid):
-    """O.pause in a PyRunner must not wait for the end of the run that calls it."""
-    done = python(PAUSED.format(rigid=rigid), PYTHONPATH=os.pathsep.join(sys.path))
-    assert done.stdout.split("\n")[-3:] == ["went on", "ended",
-                                            ""], done.stdout[-500:] + done.stderr[-2000:]
+""")
+    assert done.stdout.endswith("went on\nended\n"), done.stdout[-500:] + done.stderr[-2000:]
 
 
 def test_a_waited_run_that_fails_raises_every_time():
     """YADE's run thread loses its exception if it ends before the session waits."""
-    m = material()
     for _ in range(30):
-        O.reset()
-        O.engines = engines(before=[ForceEngine(force=(math.nan, 0, 0), ids=[0])])
-        O.dt = 1e-3
-        O.bodies.append(rcr.particle((0, 1), 0.1, 0.5, material=m))
+        build(rcr.particle((0, 1), 0.1, 0.5, material=material()),
+              before=[ForceEngine(force=(math.nan, 0, 0), ids=[0])])
         with pytest.raises(RuntimeError, match="body #0 has the force"):
             O.run(5, True)
         with pytest.raises(RuntimeError, match="body #0 has the force"):
@@ -283,7 +244,7 @@ def test_a_velocity_set_between_steps_meets_far_contacts(settled, clumped):
     hit = rcr.clump(discs)[0] if clumped else O.bodies.append(discs[0])
     steps(settled)
     O.bodies[hit].state.vel = (-60, 0, 0)
-    steps(1)
+    O.step()
     assert O.bodies[hit].state.pos[0] == pytest.approx(R, abs=1e-6)
 
 
@@ -292,18 +253,16 @@ def test_a_velocity_set_between_steps_meets_far_contacts(settled, clumped):
 @pytest.mark.parametrize("one_by_one", [True, False], ids=["single steps", "a run"])
 def test_a_fast_lid_meets_a_disc_that_rests(lid, free, one_by_one):
     """YADE's box of the lid reaches by verletDist; the lid moves further in a step."""
-    R, smooth, deepest = 0.015, material(0), []
+    smooth, deepest = material(0), []
     for start in np.linspace(0.045, 0.049, 14):
         if lid == "wall":
-            body = rcr.mobile_wall("y", start - 0.005, mass=1.0, sense=-1,
-                                   material=smooth) if free else rcr.wall("y", start - 0.005, -1,
-                material=smooth)
+            body = rcr.wall("y", start - 0.005, sense=-1, material=smooth)
         else:
             body = yade.utils.box((0, start, 0), (0.1, 0.005, 0.01), fixed=True, material=smooth)
-            body.state.mass, body.state.blockedDOFs = 1.0, "xzXYZ" if free else "xyzXYZ"
-        _, moving = build(rcr.disc((0, 0), R, material=smooth), body, gravity=(0, 0, 0), dt=1e-3)
+        body.state.mass, body.state.blockedDOFs = 1.0, "xzXYZ" if free else "xyzXYZ"
+        body.state.vel = (0, -4, 0)
+        build(rcr.disc((0, 0), 0.015, material=smooth), body, gravity=(0, 0, 0))
         O.engines[1].verletDist = 0.001
-        O.bodies[moving].state.vel = (0, -4, 0)
-        [O.step() for _ in range(12)] if one_by_one else O.run(12, True)
+        steps(12) if one_by_one else O.run(12, True)
         deepest.append(solver().deepestOverlap)
     assert max(deepest) < 1e-3

@@ -9,31 +9,34 @@ from scenes import G, assert_refused, build, material, steps
 from yade import O
 
 
-@pytest.mark.parametrize("side, stress",
-                         [(side, stress) for side in (0, 2) for stress in (-50.0, 50.0)])
+def pressed_wall(side, stress):
+    """A wall of 2 kg at x = side under a stress, between walls 3 m apart."""
+    build(rcr.wall("y", 0), rcr.wall("y", 3.0), rcr.mobile_wall("x", side, mass=2.0),
+          gravity=(0, 0, 0), before=[rcr.WallStress(wall=2, start=0, end=1, stress=stress)])
+
+
+@pytest.mark.parametrize("side", [0, 2])
+@pytest.mark.parametrize("stress", [-50.0, 50.0])
 def test_sign_of_the_stress(side, stress):
-    """A wall of 2 kg between walls 3 m apart moves by ½ (3 σ/m) t², up to the leapfrog's dt/t."""
-    ends = [rcr.wall("y", y) for y in (0, 3.0)]
-    press = [rcr.WallStress(wall=2, start=0, end=1, stress=stress)]
-    build(*ends, rcr.mobile_wall("x", side, mass=2.0), gravity=(0, 0, 0), before=press, dt=1e-3)
+    """The wall moves by ½ (3 σ/m) t², up to the leapfrog's dt/t."""
+    pressed_wall(side, stress)
     steps(100)
-    assert O.bodies[2].state.pos[0] - side == pytest.approx(0.5 * 3 * stress / 2 * 0.1**2,
-                                                            rel=0.011)
+    way = O.bodies[2].state.pos[0] - side
+    assert way == pytest.approx(0.5 * 3 * stress / 2 * 0.1**2, rel=0.011)
 
 
 @pytest.mark.parametrize("lid", [yade.utils.box((0, 1.1, 0), (1.5, 0.1, 0.1), fixed=True),
                                  rcr.segment((-1.5, 1), (1.5, 1))], ids=["box", "segment"])
 def test_a_lid_that_is_no_wall_is_pressed_by_a_permanent_force(lid):
-    """The floor bears σ W, its weight and that of two grains (docs/obstacles.md)."""
+    """The floor bears σ W and the weight of the lid and two grains (docs/obstacles.md)."""
     lid.state.mass, lid.state.blockedDOFs = 2.0, "xzXYZ"
     m = material(0)
     grains = [rcr.particle((x, 0.5), 0.5, 0, material=m) for x in (-1, 1)]
     floor, *_, plate = build(rcr.wall("y", 0, material=m), *grains, lid, dt=1e-3)
     O.forces.setPermF(plate, (0, -100 * 3, 0))
     steps(20)
-    # rounding
-    assert -O.forces.f(floor)[1] == pytest.approx(300 + (2 + sum(b.state.mass for b in grains)) * G,
-                                                  rel=1e-9)
+    weight = (2 + sum(b.state.mass for b in grains)) * G
+    assert -O.forces.f(floor)[1] == pytest.approx(300 + weight, rel=1e-9)  # rounding
 
 
 def test_one_wall_as_both_ends_is_refused():
@@ -45,8 +48,7 @@ def test_one_wall_as_both_ends_is_refused():
 @pytest.mark.parametrize("stress", [math.nan, math.inf])
 def test_a_stress_that_is_not_finite_is_refused(stress):
     """The message names WallStress, not a force on the wall."""
-    ends = [rcr.wall("y", y) for y in (0, 3.0)]
-    build(*ends, rcr.mobile_wall("x", 2, mass=2.0),
-          before=[rcr.WallStress(wall=2, start=0, end=1, stress=stress)])
-    with pytest.raises(ValueError, match=f"WallStress.stress = {stress:g}; expected a finite stress"):
-        steps(1)
+    pressed_wall(2, stress)
+    message = f"WallStress.stress = {stress:g}; expected a finite stress"
+    with pytest.raises(ValueError, match=message):
+        O.step()

@@ -25,8 +25,8 @@ def test_checkpoint(tmp_path):
     test.save(tmp_path / "scene")
     ended = bench(tmp_path / "scene", "--steps", 7, "--threads", 2, "--out", tmp_path / "out")
     assert ended.returncode == 0, ended.stderr
-    all_rows, wholes = rows_of(tmp_path / "out" / "yade_engines.csv"), rows_of(
-        tmp_path / "out" / "yade_step.csv")
+    all_rows, wholes = (rows_of(tmp_path / "out" / f"yade_{name}.csv")
+                        for name in ("engines", "step"))
     assert [whole["way"] for whole in wholes] == ["engines", "arrays"]
     assert [whole["in_arrays"] for whole in wholes] == ["0", "6"]
     for whole in wholes:

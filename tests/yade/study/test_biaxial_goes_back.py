@@ -29,15 +29,17 @@ Biaxial.shear = failing
 """
 
 
-def run(out, *arguments, failures=(), end=1):
-    """Run biaxial.py, by default in small.
+def run(out, *arguments, failures=(), end=1, code=0):
+    """Run biaxial.py, by default in small; it must return this code.
 
     `failures` are pairs of a strain and the number of failures beyond it. With a smaller time
     step, the process is killed beyond the strain `end`.
     """
     failing = FAILING.format(failures=list(failures), end=end, killed=KILLED)
     small = ["--particles", "20", "--strain", "0.04", "--networks", "4", "--iterations", "300"]
-    return forked.yade_script(SCRIPT, *small, *arguments, "--out", out, before=failing)
+    ended = forked.yade_script(SCRIPT, *small, *arguments, "--out", out, before=failing)
+    assert ended.returncode == code, ended.stderr
+    return ended
 
 
 def assert_saved(out):
@@ -47,7 +49,6 @@ def assert_saved(out):
 
 def test_a_jam_repeats_a_part_with_a_smaller_time_step(tmp_path):
     done = run(tmp_path / "out", failures=[(0.025, 2)])
-    assert done.returncode == 0, done.stderr
     assert done.stderr.count("the shear restarts from a strain of 0.0096") == 2
     assert "with 1/2 of the time step, since it stopped at 0.0" in done.stderr
     assert "with 1/3 of the time step" in done.stderr
@@ -66,14 +67,12 @@ def test_a_jam_repeats_a_part_with_a_smaller_time_step(tmp_path):
 
 def test_files_of_the_abandoned_part_are_removed(tmp_path):
     """With three steps a record, a smaller time step saves networks at other strains."""
-    done = run(tmp_path / "out", "--time-step", "0.3", failures=[(0.025, 1)])
-    assert done.returncode == 0, done.stderr
+    run(tmp_path / "out", "--time-step", "0.3", failures=[(0.025, 1)])
     assert_saved(tmp_path / "out")
 
 
 def test_the_error_remains_if_the_smallest_time_step_fails_too(tmp_path):
-    done = run(tmp_path / "out", failures=[(0.005, 100)])
-    assert done.returncode == 1
+    done = run(tmp_path / "out", failures=[(0.005, 100)], code=1)
     assert done.stderr.count("the shear restarts from a strain of 0.0000") == (
         PROTOCOL.most_divisor - 1)
     assert done.stderr.splitlines()[-1] == "biaxial.py: jam of the test"
@@ -81,10 +80,9 @@ def test_the_error_remains_if_the_smallest_time_step_fails_too(tmp_path):
 
 def test_a_repeated_part_continues_to_the_same_bits_after_a_kill(tmp_path):
     failures = [(0.025, 1)]
-    assert run(tmp_path / "straight", failures=failures).returncode == 0
-    assert run(tmp_path / "out", failures=failures, end=0.015).returncode == KILLED
-    resumed = run(tmp_path / "out", "--resume")
-    assert resumed.returncode == 0, resumed.stderr
+    run(tmp_path / "straight", failures=failures)
+    run(tmp_path / "out", failures=failures, end=0.015, code=KILLED)
+    run(tmp_path / "out", "--resume")
     assert not different(contents(tmp_path / "out"), contents(tmp_path / "straight"))
 
 
@@ -93,9 +91,8 @@ def test_a_repeated_part_continues_to_the_same_bits_after_a_kill(tmp_path):
 @pytest.mark.parametrize("seed", range(1, 11))
 def test_small_packings_finish(eta, seed, tmp_path):
     """100 grains up to a strain of 0.5: columns of grains lock between the platens."""
-    done = run(tmp_path / "out", "--particles", 100, "--eta", eta, "--seed", seed,
-               "--strain", 0.5, "--networks", 10, "--iterations", PROTOCOL.small_iterations)
-    assert done.returncode == 0, done.stderr
+    run(tmp_path / "out", "--particles", 100, "--eta", eta, "--seed", seed, "--strain", 0.5,
+        "--networks", 10, "--iterations", PROTOCOL.small_iterations)
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["strain"] == pytest.approx(0.5, abs=1e-3)
     assert 0.6 < summary["packing_fraction_final"] < 0.9 and summary["max_overlap"] < 0.05
