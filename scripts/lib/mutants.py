@@ -43,6 +43,7 @@ TABLE = {
          "std::abs(along) < sideReach * s.halfLength) continue"),
     ],
     "problem/coulomb.hpp": [
+        ("without-de-saxce", "(u.n + friction * std::abs(u.t)) / wnn", "u.n / wnn"),
         ("sticks-beyond-the-cone", "std::abs(t) <= friction * n) return",
          "std::abs(t) <= 1.001 * friction * n) return"),
         ("slides-along-the-slip", "slip > 0 ? -friction : friction",
@@ -56,9 +57,7 @@ TABLE = {
          "< 0 ? active : passive) = factor"),
     ],
     "problem/residual.cpp": [
-        ("without-de-saxce", "(u.n + c.bias + c.friction * std::abs(u.t)) / w.nn",
-         "(u.n + c.bias) / w.nn"),
-        ("without-bias", "(u.n + c.bias + c.friction", "(u.n + c.friction"),
+        ("without-bias", "lawError(p, { u.n + c.bias, u.t }", "lawError(p, { u.n, u.t }"),
         ("kinematic-error-of-impulses", "point.w.nn * point.w.nn * square(point.error)",
          "square(point.error)"),
     ],

@@ -6,6 +6,7 @@
 #include "dem/engine/CellStress.hpp"
 #include "dem/validation/SceneView.hpp"
 #include "dem/shapes/planarShape.hpp"
+#include "dem/transfer/MeanField.hpp"
 
 namespace yade {
 namespace validation {
@@ -36,7 +37,7 @@ namespace validation {
 
 	std::string velocityGradient(const View& v)
 	{
-		if (!v.scene.isPeriodic || math::isfinite(v.scene.cell->velGrad.sum())) return {};
+		if (!v.scene.isPeriodic || math::isfinite(gradientOf(*v.scene.cell).sum())) return {};
 		return "O.cell.velGrad is not finite; expected a velocity gradient in 1/s.";
 	}
 

@@ -111,7 +111,7 @@ BOTH = {
     "pitch": (lambda: setattr(O.bodies[1].state, "angVel", (0, 1e-3, 0)), OUT),
     "no friction": (lambda: setattr(O.bodies[1], "material", ElastMat(density=1000)),
                     "#1 has the material ElastMat, which has no friction; give it a FrictMat"),
-    "box": (lambda: add(utils.box, (0, 0, 5), (1, 1, 1)),
+    "box": (lambda: add(utils.box, (0, 0, 5), (1, 1, 1), fixed=True),
             "#2 is a Box at z = 5 that does not reach the plane z = 0"),
     "facet": (lambda: add(utils.facet, [(0, -1, 1), (1, -1, 1), (0, -1, 2)]),
               "#2 is a Facet that does not cut the plane z = 0"),
