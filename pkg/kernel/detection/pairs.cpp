@@ -74,7 +74,7 @@ void Pairs::addFound(const Step& step, long iteration)
 	assign(list);
 	for (const UpdatedContact& found : step.added) {
 		Pair& pair = *std::lower_bound(all.begin(), all.end(), found, precedes);
-		if (pair.points == 0) {
+		if (!found.known) {
 			pair.friction = found.friction, pair.restitution = found.restitution;
 			pair.since = iteration;
 		}

@@ -26,3 +26,9 @@ def test_steps_in_arrays_and_of_engines_give_the_same_bits(first):
              for seed in range(first, first + 10)}
     assert {what for what, _ in found.values()} == {"same"}, found
     assert sum(steps for _, steps in found.values()) > 500
+
+
+def test_a_contact_that_a_step_loses_and_finds_again_keeps_its_friction():
+    """It slid without friction in arrays."""
+    scene = run_fuzzer.draw(807)
+    assert run_fuzzer.difference({**scene, "runs": [22]})[0] == "same"
