@@ -59,7 +59,7 @@ std::string refusal()
 	return reason;
 }
 
-bool serves() { return yade::validation::usesRcrClasses(*yade::Omega::instance().getScene()); }
+bool usesRcr() { return yade::validation::usesRcrClasses(*yade::Omega::instance().getScene()); }
 
 boost::python::list advice()
 {
@@ -96,7 +96,7 @@ BOOST_PYTHON_MODULE(_plugin)
 	        "Message of the error that stopped ContactDynamics, returned once; empty without "
 	        "error.");
 	boost::python::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
-	boost::python::def("serves", serves, "True if the scene contains a law of this plugin.");
+	boost::python::def("usesRcr", usesRcr, "True if the scene contains a law of this plugin.");
 	boost::python::def("advice", advice, "Warnings for suspicious scenes, a list of texts.");
 	boost::python::def(
 	        "planar_clump", yade::planarClump,

@@ -194,7 +194,7 @@ namespace {
 
 	SceneHandles::Contact Gatherer::contactOf(Interaction& i) const
 	{
-		if (!i.functorCache.geomExists) validation::checkServed(i, scene_);
+		if (!i.functorCache.geomExists) validation::checkSupported(i, scene_);
 		if (!i.isReal()) return {};
 		CdPhys*  phys = dynamic_cast<CdPhys*>(i.phys.get());
 		RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic()

@@ -89,7 +89,7 @@ namespace validation {
 	std::string obstaclesOutOfPlane(const View&);
 
 	// Rules on pairs of shapes (pairs.cpp).
-	std::string unservedPairs(const View&);
+	std::string unsupportedPairs(const View&);
 
 	// Rules on the periodic cell (cell.cpp).
 	std::string wallsInCell(const View&);

@@ -68,9 +68,9 @@ namespace validation {
 		std::string functorFor(std::string shape1, std::string shape2)
 		{
 			// obstacles first
-			const std::vector<std::string> served { "Wall", "Box", "Facet", "Sphere", "Rcr" };
+			const std::vector<std::string> supported { "Wall", "Box", "Facet", "Sphere", "Rcr" };
 			const auto                     rank = [&](const std::string& shape) {
-                return std::find(served.begin(), served.end(), shape) - served.begin();
+                return std::find(supported.begin(), supported.end(), shape) - supported.begin();
 			};
 			if (rank(shape1) > rank(shape2)) std::swap(shape1, shape2);
 			const bool exists = rank(shape2) == 3 || rank(shape2) == 4;
@@ -177,7 +177,7 @@ namespace validation {
 
 	} // namespace
 
-	std::string unservedPairs(const View& v)
+	std::string unsupportedPairs(const View& v)
 	{
 		if (!v.loop) return {};
 		// two bodies of each kind, not of one clump, represent all
@@ -213,7 +213,7 @@ namespace validation {
 		          "common bit.";
 	}
 
-	void checkServed(const Interaction& i, const Scene& scene)
+	void checkSupported(const Interaction& i, const Scene& scene)
 	{
 		const Body &one = *(*scene.bodies)[i.getId1()], &two = *(*scene.bodies)[i.getId2()];
 		if (partyOf(one, scene).still && partyOf(two, scene).still) return;

@@ -157,7 +157,7 @@ namespace validation {
 			{ both,    smallCell },
 			{ both,    [](const View& v) { return firstInvalidBody(v.scene); } },
 			{ both,    obstaclesOutOfPlane },
-			{ both,    unservedPairs },
+			{ both,    unsupportedPairs },
 		};
 		// clang-format on
 

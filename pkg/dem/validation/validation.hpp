@@ -137,7 +137,7 @@ namespace validation {
 	[[noreturn]] void refuseBody(const Body&, Scene&, Real z);
 
 	/// Throws if no Ig2 functor handles a pair of bodies that could overlap.
-	void checkServed(const Interaction&, const Scene&);
+	void checkSupported(const Interaction&, const Scene&);
 
 	/// Throws if friction or restitution of a contact are invalid.
 	void checkPhys(const CdPhys&, Body::id_t id1, Body::id_t id2);

@@ -40,7 +40,7 @@ namespace rcr {
 
 struct DrivenMotion {
 	double speed       = 0;    // 0: no body is driven
-	double compliance  = 0.01; // this default serves impacts without a solution
+	double compliance  = 0.01; // for impacts without a solution
 	double yieldImpulse = std::numeric_limits<double>::infinity();
 	double leastResponse = 0;  // w₀
 };

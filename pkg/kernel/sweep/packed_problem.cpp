@@ -16,7 +16,7 @@ namespace {
 
 	double inverseGyration(const InverseMass& m)
 	{
-		if (m.x != m.y || m.x <= 0) return 1; // prescribed or special bodies: any scale serves
+		if (m.x != m.y || m.x <= 0) return 1; // prescribed or special bodies: any scale is valid
 		return m.rotation > 0 ? std::sqrt(m.rotation / m.x) : 1 / blockedGyration;
 	}
 

@@ -55,7 +55,7 @@ def _advise(omega):
         return
     same_bodies = omega.iter > 0 and before and present[0] == before[0]
     texts = [] if same_bodies else _plugin.advice()
-    if _plugin.serves():
+    if _plugin.usesRcr():
         texts += _time_step_advice(omega)
     for text in texts:
         warnings.warn("rcr: " + text, stacklevel=3)
@@ -154,7 +154,7 @@ def _checked_erase(erase):
     @functools.wraps(erase)
     def wrapped(bodies, id, *arguments, **keywords):
         omega = Omega()
-        if omega.periodic and _plugin.serves():
+        if omega.periodic and _plugin.usesRcr():
             colliders = (e for e in omega.engines if isinstance(e, InsertionSortCollider))
             if any(collider.numReinit > 0 for collider in colliders):
                 raise ValueError(

@@ -105,7 +105,7 @@ rootfs_reason() {
         echo "the disk is full"
     elif grep -qE 'Temporary failure|Could not (resolve|connect)|unreachable' "$1" ||
         grep -qE 'Connection (failed|timed out)' "$1"; then
-        echo "it does not answer; check the network"
+        echo "the mirror does not answer; check the network"
     elif grep -qE '^E: Failed to fetch' "$1"; then
         sed -nE 's/^E: Failed to fetch ([^ ]+) +(.*)/it does not deliver \1 (\2)/p' "$1" | tail -n 1
     else
