@@ -148,7 +148,7 @@ def _row(test, folder, first, last):
 def observed(networks):
     """Observables of the cumulated contacts of networks."""
     ensemble = Ensemble(networks)
-    parts = ensemble.xi_networks()
+    parts = ensemble.xi_networks
     half, weak, whole = np.transpose(parts.anisotropies(np.array([0.5, 1, ensemble.fn.max()])))
     ratio = parts.shear_stress_ratio(np.array([1, ensemble.fn.max()]))
     beta, _ = statistics.power_exponent(ensemble.fn, POWER_RANGE)
