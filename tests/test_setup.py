@@ -141,7 +141,7 @@ class Machine:
         assert (status, output) == (0, prints), errors
         return errors
 
-    def sets_up(self, way):
+    def assert_sets_up(self, way):
         """Set up by this way, "native" or "rootfs"; return standard error."""
         return self.succeeds("ready; echo $way", f"{way}\n")
 
@@ -236,7 +236,7 @@ def test_a_failed_bootstrap_says_why_and_leaves_nothing(machine, output, words):
 def test_native_takes_the_headers_from_the_source_archive_once(machine):
     machine.installed()
     machine.archive()
-    machine.sets_up("native")
+    machine.assert_sets_up("native")
     assert (machine.cache / "source-2025.2.0" / "core" / "Scene.hpp").exists()
     assert not list(machine.cache.glob("new.*"))
     assert any("yade=2025.2.0-1" in call
@@ -257,13 +257,13 @@ def test_native_keeps_the_headers_when_a_package_is_reinstalled(machine):
     machine.command("dpkg-query", f'cd {machine.path}; [ -e installed ] || exit 1; case "$*" in '
                     '*ource:Version*) echo 2025.2.0-1 ;; *) echo installed ;; esac')
     (machine.cache / "source-2025.2.0").mkdir(parents=True)
-    machine.sets_up("native")
+    machine.assert_sets_up("native")
 
 
 def test_native_without_the_archive_takes_a_root_file_system(machine):
     machine.installed()
     machine.root_tools()
-    assert "source archive" in machine.sets_up("rootfs")
+    assert "source archive" in machine.assert_sets_up("rootfs")
 
 
 @pytest.mark.parametrize("version", ["2022.01a", "2023.02a", "2026.1.0"])
@@ -279,7 +279,7 @@ def test_later_versions_of_yade_are_used(machine, version):
 def test_an_older_yade_is_not_used(machine):
     machine.installed("2021.01a-4")
     machine.root_tools()
-    machine.sets_up("rootfs")
+    machine.assert_sets_up("rootfs")
 
 
 def test_headers_that_the_user_names_are_used(machine):
@@ -319,7 +319,7 @@ def test_a_root_file_system_is_complete_or_not_there(machine):
     assert list(machine.cache.glob("new.*")), "the interrupted one's leftovers"
 
     machine.root_tools()
-    machine.sets_up("rootfs")
+    machine.assert_sets_up("rootfs")
     assert len(machine.roots()) == 1
     assert not list(machine.cache.glob("new.*"))
 
@@ -357,7 +357,7 @@ def test_a_complete_root_is_kept_when_bubblewrap_was_removed(machine):
     machine.user("root", 0)
     machine.command("apt-get", f'printf "#!/bin/sh\\n" >{machine.bin}/bwrap; chmod +x '
                     f'{machine.bin}/bwrap')
-    machine.sets_up("rootfs")
+    machine.assert_sets_up("rootfs")
     assert len(machine.called("mmdebstrap")) == 1
     assert not (machine.roots()[0] / "root").exists()
 
@@ -402,7 +402,7 @@ def test_the_next_mirror_is_tried(machine):
                     "http://one/debian/")
     missing = "E: Failed to fetch http://one/debian/pool/dash_1_amd64.deb  404  Not Found"
     machine.bare(f'case "$*" in *updates*) echo "{missing}" >&2; exit 1 ;; esac {SMALL_ROOT}')
-    assert "dash_1_amd64.deb (404" in machine.sets_up("rootfs")
+    assert "dash_1_amd64.deb (404" in machine.assert_sets_up("rootfs")
     assert len(machine.called("mmdebstrap")) == 2
 
 

@@ -108,8 +108,8 @@ def assert_laws(problem, result, tolerance):
     np.testing.assert_allclose(result["velocity"], expected, rtol=0, atol=rounding, err_msg=replay)
 
 
-def solved(problem, solver="nesterov", tolerance=1e-6, max_iterations=20_000, **settings):
-    """Result of a solve that obeys the laws to the tolerance."""
+def assert_solved(problem, solver="nesterov", tolerance=1e-6, max_iterations=20_000, **settings):
+    """Solve a problem; the result obeys the laws to the tolerance, and is returned."""
     result = problem.solve(solver, tolerance=tolerance, max_iterations=max_iterations, **settings)
     assert_laws(problem, result, tolerance)
     return result

@@ -6,8 +6,8 @@ Residuals are recomputed with NumPy from the impulses alone.
 import numpy as np
 import pytest
 from kernel.contact_problems import (PROBLEMS, ROUNDING, assert_lanes_and_threads_change_no_bit,
-                                     errors, frictionless, jammed_box, pile, problem_of_rows,
-                                     solved, stored, velocity, wall_of_bricks)
+                                     assert_solved, errors, frictionless, jammed_box, pile,
+                                     problem_of_rows, stored, velocity, wall_of_bricks)
 
 BUDGET = 20000  # iterations; the problems below need a tenth of it
 
@@ -22,17 +22,17 @@ MORE_PROBLEMS = [
 
 @pytest.mark.parametrize("make", [*PROBLEMS, *MORE_PROBLEMS])
 def test_reaches_1e_10_from_a_cold_start(make):
-    solved(make().cold(), "exact", 1e-10)
+    assert_solved(make().cold(), "exact", 1e-10)
 
 
 @pytest.mark.parametrize("name", ["shear-500-eta-0", "shear-500-eta-0.7"])
 def test_reaches_1e_10_from_a_warm_start(name):
-    solved(stored(name), "exact", 1e-10)
+    assert_solved(stored(name), "exact", 1e-10)
 
 
 @pytest.mark.parametrize("make", [lambda: pile(3), lambda: wall_of_bricks(4)])
 def test_reaches_1e_10_without_friction(make):
-    assert not solved(frictionless(make()), "exact", 1e-10)["impulse"][:, 1].any()
+    assert not assert_solved(frictionless(make()), "exact", 1e-10)["impulse"][:, 1].any()
 
 
 def test_resultant_of_an_indeterminate_support_is_the_weight():
@@ -41,7 +41,7 @@ def test_resultant_of_an_indeterminate_support_is_the_weight():
     points = [(0, 1, 0, 1, 0, 0, x, -0.1, 0, 0.5) for x in (-2.0, -1.0, 0.0, 0.5, 2.0)]
     inverse_mass = [[0, 0, 0], [1 / mass, 1 / mass, 0.2]]
     problem = problem_of_rows("beam", inverse_mass, [[0, 0, 0], [0, -1, 0]], points)
-    result = solved(problem, "exact", 1e-12)
+    result = assert_solved(problem, "exact", 1e-12)
     p = result["impulse"]
     assert p[:, 0].sum() == pytest.approx(mass, rel=1e-11)
     assert (p[:, 0] * problem["arm2"][:, 0]).sum() == pytest.approx(0, abs=1e-11)
@@ -107,8 +107,8 @@ def test_box_that_is_crushed_has_no_solution():
 def test_a_start_whose_squares_overflow_is_dropped(seed):
     """Its residual is NaN, so the solver starts again from zero."""
     problem = pile(seed)
-    cold = solved(problem, "exact", 1e-8)
+    cold = assert_solved(problem, "exact", 1e-8)
     problem["impulse"] = np.full_like(problem["impulse"], 1e200)
-    found = solved(problem, "exact", 1e-8)
+    found = assert_solved(problem, "exact", 1e-8)
     np.testing.assert_allclose(found["velocity"], cold["velocity"], rtol=0, atol=1e-6)
     assert problem.solve("exact", tolerance=1e-8, max_iterations=30)["iterations"] <= 30

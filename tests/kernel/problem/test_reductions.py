@@ -6,9 +6,10 @@ velocities of problems with a unique solution (no friction) agree to the accurac
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (ALL, EQUAL, SWEEPS, assert_laws, assert_same_bits, beside,
-                                     discs, errors, frictionless, grains_on_a_floor, heaps, model,
-                                     parts_of, pile, solved, square_discs, stored, without)
+from kernel.contact_problems import (ALL, EQUAL, SWEEPS, assert_laws, assert_same_bits,
+                                     assert_solved, beside, discs, errors, frictionless,
+                                     grains_on_a_floor, heaps, model, parts_of, pile, square_discs,
+                                     stored, without)
 from rcr import _kernel
 
 FINE = dict(tolerance=1e-11, max_iterations=100_000, kinematic_tolerance=np.inf)
@@ -87,10 +88,10 @@ def test_bodies_without_rotation_need_no_levers():
     problem = frictionless(pile(6))
     problem["inverse_mass"] = problem["inverse_mass"] * [1, 1, 0]
     assert model(problem)["rotations"] > 0
-    solved(problem)
+    assert_solved(problem)
     problem["free_velocity"] = problem["free_velocity"] * [1, 1, 0]
     assert model(problem)["rotations"] == 0
-    solved(problem)
+    assert_solved(problem)
 
 
 def test_discs_on_a_rotating_drum():
@@ -101,7 +102,7 @@ def test_discs_on_a_rotating_drum():
     at_floor = problem["bodies"] == floor
     problem["arm1"][at_floor[:, 0]] = problem["arm2"][at_floor[:, 1]] = 2.0, 0.3
     assert model(problem)["rotations"] > 0
-    solved(problem)
+    assert_solved(problem)
 
 
 @pytest.mark.parametrize("change", ["friction", "lever", "freed"])
@@ -205,7 +206,7 @@ def test_many_single_grains(solver):
     problems[0]["free_velocity"][:333:3, 1] = 0.2  # these separate
     whole = beside(*problems)
     assert model(whole)["islands"] == 573
-    result = solved(whole, solver, 1e-10, max_iterations=1000)
+    result = assert_solved(whole, solver, 1e-10, max_iterations=1000)
     assert result["work"] < result["iterations"] * len(whole["bodies"])
 
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import (assert_laws, assert_same_bits, frictionless, kinetic_energy,
-                                     pile, solved, stored)
+from kernel.contact_problems import (assert_laws, assert_same_bits, assert_solved, frictionless,
+                                     kinetic_energy, pile, stored)
 
 
 @pytest.mark.parametrize("change, message", [
@@ -26,7 +26,7 @@ def test_problem_without_contacts():
 
 @pytest.mark.parametrize("name", ["shear-500-eta-0.7", "shear-1000-eta-0"])
 def test_auto_runs_exact_steps_for_fine_tolerances(name):
-    solved(stored(name).cold(), "auto", 1e-9)
+    assert_solved(stored(name).cold(), "auto", 1e-9)
 
 
 @pytest.mark.parametrize("friction, same", [(0.0, "nesterov"), (0.5, "exact")])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import EQUAL, SWEEPS, assert_same_bits, pile, solved, without
+from kernel.contact_problems import EQUAL, SWEEPS, assert_same_bits, assert_solved, pile, without
 from rcr import _kernel
 
 
@@ -24,7 +24,7 @@ def test_a_workspace_follows_pairs_that_come_and_go(solver):
     workspace = _kernel.Workspace()
     before, changes = None, 0
     for problem in shear_steps(5, 60):
-        solved(problem, solver, 1e-3, workspace=workspace)
+        assert_solved(problem, solver, 1e-3, workspace=workspace)
         changes += before is None or not np.array_equal(before, problem["bodies"])
         before = problem["bodies"]
     assert workspace.model["layouts"] == changes < 60, "a new layout exactly where pairs change"
@@ -95,8 +95,8 @@ def test_islands_come_and_go_in_a_workspace():
     for step in range(30):
         kept = rng.random(len(whole["bodies"])) < rng.choice([0.1, 0.4, 0.9])
         problem = whole.at_points(f"step {step}", kept)
-        kept = solved(problem, tolerance=1e-3, workspace=workspace)
-        assert_same_bits(kept, solved(problem, tolerance=1e-3), problem.name, EQUAL)
+        kept = assert_solved(problem, tolerance=1e-3, workspace=workspace)
+        assert_same_bits(kept, assert_solved(problem, tolerance=1e-3), problem.name, EQUAL)
         seen.add(workspace.model["islands"])
     assert len(seen) > 5
 

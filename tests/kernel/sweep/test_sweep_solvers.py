@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from kernel.contact_problems import (PROBLEMS, SWEEPS, assert_lanes_and_threads_change_no_bit,
-                                     hub, jacobian_times, pile, solved)
+                                     assert_solved, hub, jacobian_times, pile)
 
 
 @pytest.mark.parametrize("make", PROBLEMS)
 @pytest.mark.parametrize("solver", SWEEPS)
 def test_reaches_the_tolerance_and_reports_it(make, solver):
-    solved(make().cold(), solver, 1e-4 if solver == "nesterov" else 1e-3)
+    assert_solved(make().cold(), solver, 1e-4 if solver == "nesterov" else 1e-3)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.6])
@@ -21,7 +21,7 @@ def test_points_that_drift(solver, share):
     drift = rng.normal(0, 0.1, (count, 2))
     problem["drift"] = drift * (rng.random((count, 1)) < share)
     tolerance = 1e-6 if solver == "exact" else 1e-3
-    result = solved(problem, solver, tolerance)
+    result = assert_solved(problem, solver, tolerance)
     expected = jacobian_times(problem, result["velocity"])
     np.testing.assert_allclose(result["relative_velocity"], expected, rtol=0, atol=1e-12)
     assert_lanes_and_threads_change_no_bit(problem, solver, [(0, 1), (4, 2)],
@@ -46,7 +46,7 @@ def test_body_with_more_contacts_than_colours():
     problem = hub(40)
     problem["free_velocity"][1:, :2] = -0.1 * problem["normal"] + 0.01
     for solver in SWEEPS:
-        solved(problem, solver, max_iterations=5000)
+        assert_solved(problem, solver, max_iterations=5000)
 
 
 def test_stop_criteria():
