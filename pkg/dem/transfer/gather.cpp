@@ -126,10 +126,11 @@ namespace {
 			body.owner          = b.clumpId;
 			const State& moving = *(*scene_.bodies)[b.clumpId]->state;
 			rcr::StepBody owner;
-			owner.center = plane::toPlane(moving.pos);
-			if (moving.blockedDOFs != State::DOF_ALL) body.expected = body.alertDistance;
-			handles_.isUnlisted[id]
-			        = isUnlisted(b, memberVelocity(body, owner, plane::twist(moving)), body);
+			owner.center       = plane::toPlane(moving.pos);
+			body.velocity      = memberVelocity(body, owner, plane::twist(moving));
+			body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step_.dt);
+			body.expected      = body.alertDistance;
+			handles_.isUnlisted[id] = isUnlisted(b, body.velocity, body);
 		} else {
 			body.free = s.blockedDOFs != State::DOF_ALL;
 			if (body.free) body.expected = body.alertDistance;

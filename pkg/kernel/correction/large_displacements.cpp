@@ -13,7 +13,7 @@ namespace {
 	constexpr double clearance          = 0.02;
 	constexpr double loadedClearance    = 0.5; // the same for a contact that bore a force
 	// fraction of the path that a kept contact may leave open
-	constexpr double earlyArrival       = 0.01;
+	constexpr double earlyArrival       = 5e-4;
 
 	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
@@ -35,10 +35,10 @@ Manifold solvedPointsAfter(const Step& step, const StepContact& c, double time)
 	return pointsAfter(step, c, time, [&](int id) { return step.problem.velocity[id]; });
 }
 
-bool passedThrough(const Step& step, const StepContact& contact, const Manifold& now, double time)
+bool passedThrough(const Step& step, const StepContact& contact, Vec2 normalBefore,
+        const Manifold& now, double time)
 {
 	constexpr int halvings = 10;
-	const Vec2 normalBefore = step.problem.points[contact.first].normal;
 	if (now.count == 0 || dot(now.points[0].normal, normalBefore) > 0) return false;
 	Vec2   normalAfter = now.points[0].normal;
 	double before = 0, after = time;
@@ -56,14 +56,27 @@ bool passedThrough(const Step& step, const StepContact& contact, const Manifold&
 	return true;
 }
 
+bool meetOnPaths(const Step& step, const StepContact& contact, Vec2 normalBefore)
+{
+	for (int sample = 1; sample <= samples; ++sample) {
+		const double   time = step.dt * sample / samples;
+		const Manifold now  = solvedPointsAfter(step, contact, time);
+		if (now.deepest() > contact.slop()
+		        || passedThrough(step, contact, normalBefore, now, time))
+			return true;
+	}
+	return false;
+}
+
 bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelease)
 {
 	const double dt = step.dt, slop = contact.slop();
 	Manifold     at[samples];
 	for (int sample = 0; sample < samples; ++sample)
 		at[sample] = solvedPointsAfter(step, contact, dt * (sample + 1) / samples);
-	int last = samples; // the last sample at which the body is on this side
-	while (last > 0 && passedThrough(step, contact, at[last - 1], dt * last / samples))
+	const Vec2 normal = step.problem.points[contact.first].normal;
+	int        last   = samples; // the last sample at which the body is on this side
+	while (last > 0 && passedThrough(step, contact, normal, at[last - 1], dt * last / samples))
 		--last;
 	if (last == 0) return false; // no sample is on this side, so the gaps are unknown
 	bool changed = false;

@@ -14,7 +14,7 @@
 //
 // A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
 // with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0. The gap must exceed 2 %
-// of the slop. Without restitution it must also exceed 1 % of its closing path, and half the slop
+// of the slop. Without restitution it must also exceed 0.05 % of its closing path, and half the slop
 // if the contact bore a force when the step began.
 //
 // Restitution is cancelled if the bodies do not meet on their paths at the initial velocities.
@@ -34,12 +34,12 @@ constexpr double largeDisplacement = 0.01;
 /// The contact has a large displacement at these velocities of its bodies.
 inline bool displacesFar(const Step& step, const StepContact& c, const Twist& v1, const Twist& v2)
 {
-	const StepBody &  one = step.bodies[c.body1], &two = step.bodies[c.body2];
-	const double      translation = norm(Vec2 { v2.x + c.drift.x - v1.x, v2.y + c.drift.y - v1.y });
-	const auto   cap  = [](const StepBody& b) { return b.shape.grain() ? b.shape.halfWidth : 0; };
-	const double path = step.dt
-	        * (translation + std::abs(v1.rotation) * one.radius
-	                + std::abs(v2.rotation) * two.radius);
+	const StepBody &one = step.bodies[c.body1], &two = step.bodies[c.body2];
+	const auto      cap = [](const StepBody& b) { return b.shape.grain() ? b.shape.halfWidth : 0; };
+	const double    path
+	        = step.dt * norm(Vec2 { v2.x + c.drift.x - v1.x, v2.y + c.drift.y - v1.y })
+	        + step.pathOf(c.body1, { 0, 0, v1.rotation })
+	        + step.pathOf(c.body2, { 0, 0, v2.rotation });
 	return path * path > largeDisplacement * largeDisplacement * c.size * (cap(one) + cap(two));
 }
 
@@ -70,7 +70,13 @@ Manifold solvedPointsAfter(const Step&, const StepContact&, double time);
 /// A body has passed through the other one up to `time`, when its contact points are `now`.
 /// Otherwise it is on its original side, or has moved around the other body. Bisection in time
 /// finds the change of the normal: continuous around a body, a jump through it.
-bool passedThrough(const Step&, const StepContact&, const Manifold& now, double time);
+/// normalBefore: that at the beginning of the step.
+bool passedThrough(const Step&, const StepContact&, Vec2 normalBefore, const Manifold& now,
+        double time);
+
+/// The bodies meet on their paths at the solved velocities: an overlap exceeds the slop at one of
+/// four instants of the step, or one body has passed through the other.
+bool meetOnPaths(const Step&, const StepContact&, Vec2 normalBefore);
 
 /// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias
 /// changed. `allowRelease`: contacts whose gap stays open along the path may be released.

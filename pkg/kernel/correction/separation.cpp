@@ -31,7 +31,8 @@ namespace {
 				const bool far = displacesFar(step_, c);
 				if (!far && !closes(c)) continue;
 				if (far
-				        && passedThrough(step_, c, solvedPointsAfter(step_, c, step_.dt), step_.dt))
+				        && passedThrough(step_, c, step_.problem.points[c.first].normal,
+				                solvedPointsAfter(step_, c, step_.dt), step_.dt))
 					return 1;
 				const double at = excess(c);
 				if (at > 0) enqueue(int(k));

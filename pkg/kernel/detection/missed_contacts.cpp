@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "correction/large_displacements.hpp"
 #include "step/carry_forward.hpp"
 
 namespace rcr {
@@ -19,12 +20,12 @@ namespace {
 	/// and the scene is open.
 	class Candidates {
 	public:
-		explicit Candidates(const Step& step)
+		Candidates(const Step& step, const std::vector<std::int32_t>& widened)
 		        : step_(step)
 		        , fast_(step.bodies.size())
-		        , sorted_(step.widened.size() > fewBodies && !step.cell.periodic)
+		        , sorted_(widened.size() > fewBodies && !step.cell.periodic)
 		{
-			for (int id : step.widened)
+			for (int id : widened)
 				fast_[id] = true;
 			for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 				const StepBody& b = step.bodies[id];
@@ -81,35 +82,51 @@ namespace {
 		std::vector<std::pair<double, int>> grains_; // x and number
 	};
 
-	/// Widens the reach of bodies whose path exceeds it.
-	void widenReach(Step& step)
+	/// Widens the reach of bodies whose path exceeds it, and returns these bodies.
+	std::vector<std::int32_t> widenReach(Step& step)
 	{
-		step.widened.clear();
+		std::vector<std::int32_t> widened;
 		for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 			const StepBody& b = step.bodies[id];
 			if (b.shape.kind == PlanarShape::none) continue;
-			const double path = step.dt * speed(step.problem.velocity[id], b.radius);
+			const double path = step.pathOf(int(id), step.problem.velocity[id]);
 			if (!(path > b.expected) || path <= step.reach[id]) continue;
 			step.reach[id] = std::max(b.alertDistance, step.reach[id]) + reachFactor * path;
-			step.widened.push_back(int(id));
+			widened.push_back(std::int32_t(id));
 		}
+		return widened;
 	}
 
-	/// A point of the contact closes beyond the slop at the solved velocities.
+	/// A new contact of the step.
+	StepContact newContact(const Step& step, const UpdatedContact& pair)
+	{
+		const double size
+		        = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
+		return { pair.body1, pair.body2, 0, 0, -1, pair.restitution, size, pair.shift,
+			step.cell.drift(pair.shift) };
+	}
+
+	/// A point of the contact closes beyond the slop at the solved velocities. A new contact with a
+	/// large displacement also closes if its bodies meet on their curved paths.
 	bool closes(const Step& step, const UpdatedContact& pair)
 	{
+		if (pair.manifold.count == 0) return false;
+		const StepContact contact = newContact(step, pair);
+		if (!pair.known && displacesFar(step, contact)
+		        && meetOnPaths(step, contact, pair.manifold.points[0].normal))
+			return true;
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		for (int k = 0; k < pair.manifold.count; ++k) {
 			ContactPoint c;
 			c.normal         = pair.manifold.points[k].normal;
 			c.arm1           = pair.manifold.points[k].position - one.center;
 			c.arm2           = pair.manifold.points[k].position - (two.center + pair.shift);
-			c.drift          = step.cell.drift(pair.shift);
+			c.drift          = contact.drift;
 			const double gap = pair.manifold.points[k].gap,
 			             u   = relativeVelocity(c, step.problem.velocity[pair.body1],
 			                       step.problem.velocity[pair.body2])
 			                         .n;
-			if (gap + step.dt * u < -contactSlop * contactSize(one.shape, two.shape)) return true;
+			if (gap + step.dt * u < -contact.slop()) return true;
 		}
 		return false;
 	}
@@ -134,15 +151,14 @@ namespace {
 	}
 
 	/// Detects a pair with its present reach and collects it if it is not known so (isKnown).
-	/// Returns true if so.
-	bool checkPair(Step& step, int id, int other, const MayMeet& mayMeet, bool exact = false)
+	void checkPair(Step& step, int id, int other, const MayMeet& mayMeet, bool exact = false)
 	{
-		if (step.bodies[id].owner == step.bodies[other].owner) return false;
+		if (step.bodies[id].owner == step.bodies[other].owner) return;
 		const auto shape = [&](int body) -> const PlanarShape& { return step.bodies[body].shape; };
 		if (!comesFirst(shape(id), id, shape(other), other)) std::swap(id, other);
 		// the simulation may hold a contact of equal kinds in either order
 		if (shape(id).kind == shape(other).kind && step.find(other, id)) std::swap(id, other);
-		if (!canTouch(shape(id).kind, shape(other).kind)) return false;
+		if (!canTouch(shape(id).kind, shape(other).kind)) return;
 		const StepBody &   one = step.bodies[id], &two = step.bodies[other];
 		const StepContact* contact = step.find(id, other);
 		UpdatedContact     pair;
@@ -152,12 +168,11 @@ namespace {
 		pair.known = contact;
 		pair.manifold = contactPoints(one.shape, one.pose(), two.shape,
 		        shifted(two.pose(), pair.shift), reachOf(step, id) + reachOf(step, other));
-		if (isKnown(step, contact, pair.manifold, exact)) return false;
+		if (isKnown(step, contact, pair.manifold, exact)) return;
 		// keeps a contact beyond a smaller reach
-		if (exact && pair.manifold.count == 0) return false;
-		if (!contact && !mayMeet(id, other)) return false;
+		if (exact && pair.manifold.count == 0) return;
+		if (!contact && !mayMeet(id, other)) return;
 		step.updated.push_back(pair);
-		return true;
 	}
 
 } // namespace
@@ -169,7 +184,7 @@ bool mayMeetTwice(const Step& step)
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const StepBody& b = step.bodies[id];
 		if (b.shape.kind == PlanarShape::none) continue;
-		const double extent = b.radius + step.dt * speed(step.problem.velocity[id], b.radius);
+		const double extent = b.radius + step.pathOf(int(id), step.problem.velocity[id]);
 		second              = std::max(second, std::min(widest, extent));
 		widest              = std::max(widest, extent);
 	}
@@ -184,28 +199,27 @@ double reachOf(const Step& step, std::size_t id)
 bool findUnlistedContacts(
         Step& step, const std::vector<std::int32_t>& bodies, const MayMeet& mayMeet)
 {
-	step.widened = bodies;
-	const Candidates candidates(step);
+	const Candidates candidates(step, bodies);
 	for (int id : bodies)
 		candidates.forEach(id, [&](int other) { checkPair(step, id, other, mayMeet, true); });
 	keepLastOfEach(step.updated);
-	step.widened.clear(); // no contact restarts, since none was solved yet
 	return !step.updated.empty();
 }
 
 bool findMissedContacts(Step& step, const MayMeet& mayMeet)
 {
 	step.reach.resize(step.bodies.size());
-	widenReach(step);
-	if (step.widened.empty()) return false;
-	const Candidates candidates(step);
-	bool             missed = false;
-	for (int id : step.widened)
-		candidates.forEach(id, [&](int other) {
-			missed |= checkPair(step, id, other, mayMeet) && closes(step, step.updated.back());
-		});
-	keepLastOfEach(step.updated);
-	return missed;
+	const std::vector<std::int32_t> widened = widenReach(step);
+	if (!widened.empty()) {
+		const Candidates candidates(step, widened);
+		for (int id : widened)
+			candidates.forEach(id, [&](int other) { checkPair(step, id, other, mayMeet); });
+		keepLastOfEach(step.updated);
+		step.widened.insert(step.widened.end(), widened.begin(), widened.end());
+	}
+	// those of earlier solves may close at the present velocities
+	return std::any_of(step.updated.begin(), step.updated.end(),
+	        [&](const UpdatedContact& pair) { return closes(step, pair); });
 }
 
 namespace {
@@ -252,10 +266,7 @@ namespace {
 				all[step.find(g.body1, g.body2) - step.contacts.data()].updated = &g;
 				continue;
 			}
-			const double size = contactSize(step.bodies[g.body1].shape, step.bodies[g.body2].shape);
-			all.push_back({ { g.body1, g.body2, 0, 0, -1, g.restitution, size, g.shift,
-			                        step.cell.drift(g.shift) },
-			        &g });
+			all.push_back({ newContact(step, g), &g });
 		}
 		std::sort(all.begin(), all.end(),
 		        [](const Entry& a, const Entry& b) { return precedes(a.contact, b.contact); });
@@ -312,6 +323,7 @@ void addUpdatedContacts(Step& step)
 	step.startFromForces();
 	step.added.insert(step.added.end(), step.updated.begin(), step.updated.end());
 	step.updated.clear();
+	step.widened.clear();
 }
 
 } // namespace rcr

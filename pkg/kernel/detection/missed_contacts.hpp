@@ -7,7 +7,8 @@
 //
 // A body that is released or hit may move further. After the solve, a body whose path exceeds its
 // e gets e + 1.5 times its path. If an undetected gap then closes beyond the slop, all contacts
-// found so are added and the step is solved again.
+// found so are added and the step is solved again. A gap closes on its tangent plane, or, with a
+// large displacement, on the curved paths of the bodies.
 #pragma once
 
 #include <functional>

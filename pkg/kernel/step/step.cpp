@@ -47,6 +47,7 @@ void Step::begin(int points)
 	force.resize(points);
 	reach.assign(reach.size(), 0);
 	updated.clear();
+	widened.clear();
 	added.clear();
 	displacement.clear();
 	strain = {};

@@ -73,7 +73,8 @@ struct StepBody {
 	Twist        velocity;          // at the beginning of the step
 	double       radius        = 0; // PlanarShape::radius
 	double       alertDistance = 0; // distance within which its contacts were detected [m]
-	// path beyond which the body may miss contacts [m]; infinite for a prescribed motion
+	// path beyond which the body may miss contacts [m]; infinite for a prescribed motion, but not
+	// for members of clumps
 	double       expected      = std::numeric_limits<double>::infinity();
 	std::int32_t owner         = 0;     // body whose motion it shares: itself or its clump
 	bool         free          = false; // at least one degree of freedom is not blocked
@@ -190,7 +191,8 @@ struct Step {
 	ContactProblem            problem;
 	std::vector<Impulse>      force;    // per point [N]: start of the solver, then its result
 	std::vector<double>       reach;    // per body: widened alert distance [m]; 0: not widened
-	std::vector<std::int32_t> widened;  // bodies whose reach a solve has widened; before it: none
+	// bodies whose reach the solves have widened since contacts were added; before them: none
+	std::vector<std::int32_t> widened;
 	// contacts that the widened reach found and the step lacks
 	std::vector<UpdatedContact> updated;
 	std::vector<UpdatedContact> added;    // contacts that were added to the step
@@ -236,6 +238,18 @@ struct Step {
 	/// Updates the gradient of the cell and the drifts after a solve. `before`: stretch rate before
 	/// it [1/s].
 	void updateGradient(Vec2 before);
+
+	/// Upper bound of the path of all points of a body in the step, if its centre moves at the
+	/// velocity v from now on [m]. The centre of a clump member turns about that of its clump: its
+	/// velocity changes by up to |ω| min(|ω| dt, 2) of their distance.
+	double pathOf(int id, const Twist& v) const
+	{
+		const StepBody& body = bodies[id];
+		const double    spin = std::abs(v.rotation);
+		if (body.owner == id) return dt * speed(v, body.radius);
+		const double arm = norm(body.center - bodies[body.owner].center);
+		return dt * (speed(v, body.radius) + arm * spin * std::min(dt * spin, 2.0));
+	}
 
 	/// Sets the velocities of clump members after a solve.
 	void moveMembers()

@@ -142,3 +142,24 @@ def test_overlaps_of_other_bodies_do_not_count_as_missed_steps(place):
     fast.state.vel = (0, -15, 0)
     O.run(100, wait=True)
     assert fast.state.pos[1] > 5 and solver().missedSteps == 0
+
+
+@pytest.mark.parametrize("angle, slide", [(1.5, 0), (3, 1)])
+def test_a_turning_clump_meets_a_disc_on_its_curved_path(angle, slide):
+    """The head of a hammer ends its step in a disc that its first velocity would miss.
+
+    With `slide`, the clump moves so that the head starts at rest.
+    """
+    grain, dt, head = material(0.5), 1e-3, np.array((0.1, 0))
+    build(dt=dt, gravity=(0, 0, 0), tolerance=1e-4)
+    members = [particle((s * 0.1, 0), R=0.01, eta=0, material=grain) for s in (-1, 1)]
+    hammer, _ = rcr.clump(members)
+    velocity = np.array((0, -slide * angle / dt * head[0]))
+    O.bodies[hammer].state.vel = (*velocity, 0)
+    O.bodies[hammer].state.angVel = (0, 0, angle / dt)
+    end = velocity * dt + head[0] * np.array((math.cos(angle), math.sin(angle)))
+    O.bodies.append(particle(tuple(end), R=0.01, eta=0, material=grain))
+    O.step()
+    assert solver().converged and solver().contactPoints > 0
+    O.step()
+    assert solver().deepestOverlap < 5e-3

@@ -1,5 +1,4 @@
-"""Every hard scene keeps its bound at the default settings and stays stable at ten times the time
-step.
+"""Every hard scene keeps its bound at the default settings and is stable at ten times the time step.
 
 S18 and the stack of 100 of S19 are shortened to 10 s and 3 s; the benchmark hard_scenes_table runs
 all. The scenes of SLOW are slow tests; docs/hard-scenes.md explains the numbers. S20 is
@@ -15,6 +14,8 @@ SLOW = ("s01_grain_on_pile", "s03_cold_box", "s04_together", "s10_shuffled", "s1
 SHORTENED = dict(s18_creep=10.0, s19_tall_stack=3.0)  # seconds of simulated time
 # Known failures, with their figures in docs/hard-scenes.md; update both when a test of these fails.
 FAILS = {"s19_disc_pyramid": "rest and collapse both satisfy the laws, and ours collapses"}
+# Scenes that drift at ten times the time step, as docs/hard-scenes.md explains.
+DRIFTS = ("s06_overlap_heals", "s08_joints", "s11_painleve", "s19_disc_pyramid")
 
 
 def parameters(fails):
@@ -39,5 +40,6 @@ def test_scene_keeps_its_bound(name):
 
 @pytest.mark.parametrize("name", parameters(fails={}))
 def test_scene_is_stable_at_ten_time_steps(name):
-    result = run(name, dt=COARSE)
+    result, scene = run(name, dt=COARSE), hard_scenes.scene(name)
     assert result.stable, f"energy out of nothing, or tunnelling: {result}"
+    assert (result.measured <= scene.BOUND) != (name in DRIFTS), f"{scene.PREDICATE}: {result}"
