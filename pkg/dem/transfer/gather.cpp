@@ -127,10 +127,13 @@ namespace {
 			const State& moving = *(*scene_.bodies)[b.clumpId]->state;
 			rcr::StepBody owner;
 			owner.center       = plane::toPlane(moving.pos);
-			body.velocity      = memberVelocity(body, owner, plane::twist(moving));
-			body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step_.dt);
-			body.expected      = body.alertDistance;
-			handles_.isUnlisted[id] = isUnlisted(b, body.velocity, body);
+			body.velocity = memberVelocity(body, owner, plane::twist(moving));
+			// YADE sets the velocity of a member, which the Ig2 functors read, when it moves the clump
+			const double detected   = body.alertDistance + 1e-9 * body.radius;
+			body.alertDistance      = rcr::alertDistance(body.shape, body.velocity, step_.dt);
+			body.expected           = body.alertDistance;
+			handles_.isUnlisted[id] = body.alertDistance > detected
+			        || isUnlisted(b, body.velocity, body);
 		} else {
 			body.free = s.blockedDOFs != State::DOF_ALL;
 			if (body.free) body.expected = body.alertDistance;

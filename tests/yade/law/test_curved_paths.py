@@ -163,3 +163,16 @@ def test_a_turning_clump_meets_a_disc_on_its_curved_path(angle, slide):
     assert solver().converged and solver().contactPoints > 0
     O.step()
     assert solver().deepestOverlap < 5e-3
+
+
+def test_the_first_step_of_a_clump_meets_what_is_near():
+    """YADE gives members the velocity of their clump only when it moves them."""
+    grain, dt = material(0.5), 1e-3
+    build(particle((0, 0), R=R, eta=0, fixed=True, material=grain), dt=dt, gravity=(0, 0, 0),
+          tolerance=1e-4)
+    clump, _ = rcr.clump([particle((s * R, 2.2 * R), R=R, eta=0, material=grain) for s in (0, 2)])
+    O.bodies[clump].state.vel = (0, -0.5 * R / dt, 0)
+    O.step()
+    assert solver().contactPoints > 0
+    O.step()
+    assert solver().deepestOverlap < 5e-3
