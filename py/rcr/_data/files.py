@@ -10,6 +10,7 @@ import csv
 import fcntl
 import hashlib
 import io
+import json
 import os
 import stat
 import tempfile
@@ -154,6 +155,24 @@ def reading(path, kind):
         raise ValueError(f"{path}: damaged, or larger than the memory") from error
     except Exception as error:  # zlib.error, BadZipFile, EOFError, KeyError, RuntimeError …
         raise ValueError(f"{path}: damaged, or not {kind} ({one_line(error)})") from error
+
+
+def read_json(path, kind, **members):
+    """Return the dict of a JSON file, None if it is missing; `members` are types by their names.
+
+    A damaged file raises a ValueError.
+    """
+    if not os.path.exists(path):
+        return None
+    with reading(path, kind), open(path, encoding="utf-8") as file:
+        found = json.load(file)
+        if not isinstance(found, dict):
+            raise ValueError("holds no keys")
+        missing = [name for name, type_ in members.items()
+                   if not isinstance(found.get(name), type_)]
+        if missing:
+            raise ValueError(f"lacks {', '.join(missing)}")
+        return found
 
 
 def check_seal(path):

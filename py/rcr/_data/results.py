@@ -45,21 +45,9 @@ def commit():
 
 
 def read(folder):
-    """Return the contents of a folder's run.json, or None if there is none.
-
-    A damaged file raises a ValueError.
-    """
+    """Return the contents of a folder's run.json, None if there is none."""
     path = pathlib.Path(folder) / RUN
-    if not path.exists():
-        return None
-    with files.reading(path, "a run.json"):
-        found = json.loads(path.read_text(encoding="utf-8"))
-        kinds = dict(program=str, run=str, parameters=dict)
-        if not isinstance(found, dict) or not all(
-            isinstance(found.get(name), kind) for name, kind in kinds.items()
-        ):
-            raise ValueError("program, run or parameters are missing")
-        return found
+    return files.read_json(path, "a run.json", program=str, run=str, parameters=dict)
 
 
 @contextlib.contextmanager

@@ -149,7 +149,12 @@ def _records_at_this_speed(test, most):
 
 
 def shear(test, records):
-    """Shear by a number of records; see `Biaxial.shear`."""
+    """Shear by a number of records, each of 0.1 % of strain and with a row of the history.
+
+    Records with equal wall speed and time step are one run of YADE, since each run reads all
+    bodies once. The results are those of one run per record, to the bit. A packing that has blown
+    up raises a RuntimeError.
+    """
     solver, top = test.solver, O.bodies[test.top].state
     while records > 0:
         ramp = min(1, max(test.strain, PROTOCOL.record_strain / 10) / PROTOCOL.ramp_strain)
@@ -166,13 +171,7 @@ def shear(test, records):
 
 
 def history_row(test, record):
-    """Return the row of the history of a `Record`.
-
-    Raises
-    ------
-    RuntimeError
-        If the packing has blown up.
-    """
+    """Return the row of the history of a `Record`; a RuntimeError if the packing has blown up."""
     x, y = record.stresses
     first = test.progress["first_height"]
     fraction = test.area / (record.width * record.height)
