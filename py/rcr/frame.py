@@ -103,12 +103,12 @@ class Frame:
     def of_scene(cls):
         """Return the Frame of YADE's present scene."""
         try:
-            from rcr._yade import yade_scene as _yade_scene
+            from rcr._yade import scene_arrays
         except ImportError as error:
             raise ValueError(
                 "no scene: this Python runs without YADE; give a rcr.Network or the path of one"
             ) from error
-        return cls(**_yade_scene.read())
+        return cls(**scene_arrays.read())
 
     @classmethod
     def of_network(cls, network):

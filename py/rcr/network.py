@@ -183,7 +183,7 @@ class Network:
         """Return n, t, and (n, t) components of branch and force between grains, (C, 2) each."""
         pick = self.between_particles
         if not pick.any():
-            raise ValueError("the network has no contact between particles")
+            raise ValueError("the network has no contact between grains")
         n = self.contacts["normal"][pick]
         t = np.column_stack([-n[:, 1], n[:, 0]])
         branch, force = self.contacts["branch"][pick], self.contacts["force"][pick]
@@ -264,7 +264,7 @@ class Network:
         force = self.local_components()[3]
         friction = self.contacts["friction"][self.between_particles]
         if not (friction > 0).any():
-            given = f"friction = {friction.max():g} between all particles"
+            given = f"friction = {friction.max():g} between all grains"
             raise ValueError(f"{given}; the mobilisation needs a coefficient > 0")
         limit = friction * force[:, 0]
         tangential = np.abs(force[:, 1])

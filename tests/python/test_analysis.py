@@ -403,7 +403,7 @@ def test_ensembles_are_of_one_kind():
     empty = packing(0.5)
     none = Network(empty.particles, {name: column[:0] for name, column in empty.contacts.items()},
                    empty.attributes)
-    with pytest.raises(ValueError, match="no contact between particles"):
+    with pytest.raises(ValueError, match="no contact between grains"):
         Ensemble([none])
 
 

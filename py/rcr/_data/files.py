@@ -12,6 +12,7 @@ import hashlib
 import io
 import json
 import os
+import shutil
 import stat
 import tempfile
 
@@ -48,17 +49,43 @@ def write(path, content):
 def atomic_path(path):
     """Yield a temporary path for libraries that write to a name; rename it to `path` at the end.
 
-    The temporary file has the same name in a hidden folder beside `path`. An exception removes it.
-    The file gets the permissions of the umask.
+    The temporary file has the same name in a hidden folder beside `path`, which is locked. An
+    exception removes it. The file gets the permissions of the umask.
     """
     check_writable(path)
     folder, name = os.path.split(os.path.realpath(path))
-    with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as hidden:
+    with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as hidden, _locked_folder(hidden):
         partial = os.path.join(hidden, name)
         yield partial
         _flush(partial)
         os.replace(partial, os.path.join(folder, name))
         _flush(folder)
+
+
+@contextlib.contextmanager
+def _locked_folder(path):
+    """Block in which this process has the lock of a folder; else a BlockingIOError."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    finally:
+        os.close(handle)
+
+
+def remove_parts(folder):
+    """Remove the partial files of killed processes; running processes keep theirs."""
+    for name in os.listdir(folder):
+        partial = os.path.join(folder, name)
+        if not name.startswith(PART):
+            continue
+        with contextlib.suppress(BlockingIOError, FileNotFoundError):
+            if os.path.isdir(partial):
+                with _locked_folder(partial):
+                    shutil.rmtree(partial)
+            else:
+                with locked(partial, wait=False):
+                    os.unlink(partial)
 
 
 def check_writable(path):

@@ -136,7 +136,7 @@ def _load_npz(path):
     checks.require(d["mu"] >= 0, "mu", d["mu"], "µ ≥ 0")
     grains = d["meta"][2]
     if not (grains == int(grains) and 0 <= grains <= nb):
-        expected = f"the number of particles, at most {nb}"
+        expected = f"the number of grains, at most {nb}"
         raise ValueError(f"meta[2] = {grains:g}; expected {expected}")
     if d["im"].shape == (nb,):
         d["im"] = np.column_stack([d["im"], d["im"]])

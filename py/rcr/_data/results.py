@@ -15,7 +15,6 @@ import hashlib
 import json
 import os
 import pathlib
-import shutil
 import subprocess
 
 from rcr._data import files
@@ -58,11 +57,11 @@ def claim_folder(
     """Block in which the folder, made if missing, belongs to this process. It yields `begin`.
 
     `begin()` removes the files of the previous run (unless the run is resumed), writes run.json and
-    returns its contents. Call it after everything that can fail early.
+    returns its contents. Call it after everything that can fail early. A ValueError says that the
+    folder holds another run, or that another process has it.
 
     Parameters
     ----------
-    folder : path
     program : str
         Name of the script.
     parameters : dict
@@ -73,24 +72,15 @@ def claim_folder(
         Names of the parameters that `resume` may change.
     checkpoint, last : str
         Name of the file from which `resume` continues, and of the last file of a complete run.
-    resume : bool
-        Continue the run in the folder.
-    overwrite : bool
-        Remove a run of other parameters, or one with a checkpoint.
+    resume, overwrite : bool
+        Continue the run in the folder; remove a run of other parameters, or one with a checkpoint.
     wait : bool
         Wait for another process that has the folder; by default raise an error.
-
-    Raises
-    ------
-    ValueError
-        If the folder holds another run, or another process has it.
-    OSError
-        If the folder cannot be written.
     """
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     with lock_folder(folder, wait=wait):
-        _remove_parts(folder)
+        files.remove_parts(folder)
         kept = read(folder)
         old = [path for pattern in made for path in sorted(folder.glob(pattern))]
         if kept is not None and kept["program"] != program:
@@ -155,16 +145,6 @@ def _record(program, parameters, free, kept):
 def _short(value):
     text = str(value)
     return text if len(text) <= 80 else f"{text[:79]}…"
-
-
-def _remove_parts(folder):
-    """Remove the partial files of killed processes; running processes keep theirs."""
-    for partial in folder.glob(files.PART + "*"):
-        if partial.is_dir():
-            shutil.rmtree(partial)
-            continue
-        with contextlib.suppress(BlockingIOError), files.locked(partial, wait=False):
-            partial.unlink()
 
 
 def _check_resumable(folder, kept, parameters, free):

@@ -9,7 +9,7 @@ from yade.wrapper import (
     Law2_RcrGeom_FrictPhys_CundallStrack, NewtonIntegrator, Omega, Rcr, Sphere,
 )  # fmt: skip
 
-from rcr._yade.yade_scene import lengths
+from rcr._yade.scene_arrays import lengths
 
 O = Omega()
 
