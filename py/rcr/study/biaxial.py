@@ -34,8 +34,8 @@ class Biaxial:
         ``phase`` ('collapse', 'relaxation' or 'shear'), counts and state of the compaction.
     rows : list of dict
         History, one row for each record: 0.1 % of strain.
-    records : list of Record
-        Intervals of the last run of steps.
+    records : list of dict
+        Intervals of the last run of steps; see `rcr.study.records.make_records`.
     mean_stresses : (2,) float array
         σ_x and σ_y on the walls, means of the last interval [Pa], compression positive.
     isotropic : Network or None
@@ -173,7 +173,8 @@ class Biaxial:
         """Make `times` intervals of `count` steps; set `records` and `mean_stresses`."""
         start = time.perf_counter()
         make_records(self, count, times)
-        self.mean_stresses = self.records[-1].stresses
+        last = self.records[-1]
+        self.mean_stresses = np.array([last["stress_x"], last["stress_y"]])
         self.progress["wall_seconds"] += time.perf_counter() - start
 
     # --- results --------------------------------------------------------------------------------

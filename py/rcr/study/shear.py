@@ -18,7 +18,7 @@ import rcr
 from rcr.network import sin_phi
 from rcr.study.compaction import rest, stress_deviation
 from rcr.study.protocol import HALF_RECORD, PROTOCOL
-from rcr.study.records import COUNTERS, Springs
+from rcr.study.records import COUNTERS, HISTORY_COLUMNS, Springs
 
 O = Omega()
 
@@ -171,20 +171,18 @@ def shear(test, records):
 
 
 def history_row(test, record):
-    """Return the row of the history of a `Record`; a RuntimeError if the packing has blown up."""
-    x, y = record.stresses
+    """Return the row of the history of a record; a RuntimeError if the packing has blown up."""
+    stresses = np.array([record["stress_x"], record["stress_y"]])
     first = test.progress["first_height"]
-    fraction = test.area / (record.width * record.height)
-    strain = (first - record.height) / first
+    fraction = test.area / (record["width"] * record["height"])
+    strain = (first - record["height"]) / first
     low, high = PROTOCOL.possible_fractions
-    if not (np.isfinite([x, y, strain]).all() and low < fraction < high):
-        stresses = " and ".join(f"{s / PROTOCOL.confining_stress:.3g}" for s in (x, y))
+    if not (np.isfinite([*stresses, strain]).all() and low < fraction < high):
+        shown = " and ".join(f"{s / PROTOCOL.confining_stress:.3g}" for s in stresses)
         raise RuntimeError(
-            f"the packing has blown up by step {record.step}, strain {strain:.4g}: "
-            f"packing fraction {fraction:.4g}, stresses of the walls {stresses} σ₀; "
+            f"the packing has blown up by step {record['step']}, strain {strain:.4g}: "
+            f"packing fraction {fraction:.4g}, stresses of the walls {shown} σ₀; "
             "take a smaller time step, inertial number or tolerance"
         )
-    return dict(step=record.step, time=record.time, strain=strain, sin_phi=sin_phi(record.stresses),
-                stress_x=x, stress_y=y, packing_fraction=fraction, points=record.points,
-                iterations=record.iterations, residual=record.residual,
-                unconverged_steps=record.unconverged, yielded_steps=record.yielded)
+    found = record | dict(strain=strain, sin_phi=sin_phi(stresses), packing_fraction=fraction)
+    return {name: found[name] for name in HISTORY_COLUMNS}
