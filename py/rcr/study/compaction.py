@@ -91,13 +91,9 @@ def _engines(walls, parameters):
                         [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
         rcr.WallStress(wall=right, start=bottom, end=top, stress=stress),
         rcr.WallStress(wall=top, start=left, end=right, stress=stress),
-        rcr.ContactDynamics(
-            maxIterations=SOLVER_ITERATIONS,
-            solver=parameters["solver"],
-            threads=parameters["threads"],
-            overdamped=True,
-            yieldCompliance=0,  # walls under stress give way, so each step has a solution
-        ),
+        rcr.ContactDynamics(  # walls under stress give way, so each step has a solution
+            maxIterations=SOLVER_ITERATIONS, solver=parameters["solver"],
+            threads=parameters["threads"], overdamped=True, yieldCompliance=0),
         NewtonIntegrator(damping=0),
     ]
 
