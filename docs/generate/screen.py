@@ -6,13 +6,13 @@ import subprocess
 
 
 @contextlib.contextmanager
-def virtual_screen(folder, size="1024x768"):
-    """Start a virtual screen of a size [pixels]; yields the environment of programs that use it.
+def virtual_screen(folder):
+    """Start a virtual screen; yields the environment of programs that use it.
 
     `folder` holds the session files of these programs.
     """
     reading, writing = os.pipe()
-    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", f"{size}x24", "-nolisten", "tcp"]
+    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1024x768x24", "-nolisten", "tcp"]
     screen = subprocess.Popen(command, pass_fds=[writing], stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL)
     os.close(writing)

@@ -110,11 +110,8 @@ class Network:
                     raise ValueError(f"it holds {sorted(file)}; expected {expected}")
                 particles = network_columns.read(file, "particles", path)
                 contacts = network_columns.read(file, "contacts", path)
-                attributes = {
-                    name: value.item() if isinstance(value, np.generic) else value
-                    for name, value in file.attrs.items()
-                    if name != "stress"
-                }
+                attributes = {name: value.item() if isinstance(value, np.generic) else value
+                              for name, value in file.attrs.items() if name != "stress"}
             return cls(particles, contacts, attributes)
 
     def save(self, path):
@@ -149,10 +146,8 @@ class Network:
             If the network has no volume.
         """
         if "volume" not in self.attributes:
-            raise ValueError(
-                "the network has no volume, which the stress needs; "
-                "give the area of the region [m²]: rcr.contact_network(volume=…)"
-            )
+            todo = "give the area of the region [m²]: rcr.contact_network(volume=…)"
+            raise ValueError(f"the network has no volume, which the stress needs; {todo}")
         return self._moments() / self.attributes["volume"]
 
     def _moments(self):

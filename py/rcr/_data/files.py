@@ -160,9 +160,6 @@ def table(columns, rows):
     return text.getvalue()
 
 
-# --- reading ------------------------------------------------------------------------------------
-
-
 @contextlib.contextmanager
 def reading(path, kind):
     """Block that reads the file `path`; every error of a damaged file becomes one ValueError.

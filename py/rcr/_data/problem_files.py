@@ -115,9 +115,6 @@ def _suffix(path, known):
     return suffix
 
 
-# --- NumPy archives -----------------------------------------------------------------------------
-
-
 def _load_npz(path):
     with zipfile.ZipFile(path) as archive:
         for member in archive.infolist():
@@ -145,9 +142,6 @@ def _load_npz(path):
     bodies = np.column_stack([checks.ids("a", d["a"], nb), checks.ids("b", d["b"], nb)])
     points = (d[name] for name in ("n", "ra", "rb", "bn", "mu", "p0"))
     return BodyProblem(inverse_mass, d["vfree"], bodies, *points)
-
-
-# --- FCLIB --------------------------------------------------------------------------------------
 
 
 def _load_fclib(path):

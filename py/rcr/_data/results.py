@@ -122,12 +122,9 @@ def lock_folder(folder, name=LOCK, wait=False):
 
 def differing(one, other, free=()):
     """Return the parameters that differ, with both values, as text; '' if none differs."""
-    names = [name for name in dict.fromkeys([*one, *other]) if name not in free]
-    return ", ".join(
-        f"{name} = {_short(one.get(name))} (here {_short(other.get(name))})"
-        for name in names
-        if one.get(name) != other.get(name)
-    )
+    return ", ".join(f"{name} = {_short(one.get(name))} (here {_short(other.get(name))})"
+                     for name in dict.fromkeys([*one, *other])
+                     if name not in free and one.get(name) != other.get(name))
 
 
 def _record(program, parameters, free, kept):

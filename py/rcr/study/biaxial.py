@@ -74,8 +74,6 @@ class Biaxial:
         progress = dict(COUNTERS, phase="collapse", iterations=0, wall_seconds=0.0)
         return cls(parameters, progress, [])
 
-    # --- measures of the sample -----------------------------------------------------------------
-
     @property
     def width(self):
         """Distance of the side walls [m]."""
@@ -143,8 +141,6 @@ class Biaxial:
                                    friction=self.parameters["friction"] if self.rows else 0.0,
                                    seed=self.parameters["seed"], run=self.run)
 
-    # --- the two stages -------------------------------------------------------------------------
-
     def compact(self, report=lambda test: None, balanced=PROTOCOL.balance_tolerance):
         """Compress without friction under σ₀ from the right and the top until all is balanced.
 
@@ -176,8 +172,6 @@ class Biaxial:
         last = self.records[-1]
         self.mean_stresses = np.array([last["stress_x"], last["stress_y"]])
         self.progress["wall_seconds"] += time.perf_counter() - start
-
-    # --- results --------------------------------------------------------------------------------
 
     @property
     def run(self):

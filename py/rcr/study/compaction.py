@@ -31,9 +31,6 @@ O = Omega()
 SOLVER_ITERATIONS = 3000  # of a step of the compaction, at most
 
 
-# --- the loose scene ---------------------------------------------------------------------------
-
-
 def random_radii(count, rng):
     """Return radii uniform in volume fraction: number density ∝ R⁻² in [R_min, 2 R_min] [m]."""
     return PROTOCOL.smallest_radius / (1 - 0.5 * rng.random(count))
@@ -98,9 +95,6 @@ def _engines(walls, parameters):
     ]
 
 
-# --- length of the relaxation steps ------------------------------------------------------------
-
-
 def relaxation_interval(solver):
     """Return the number of relaxation steps of one length; one while the unbalance is large."""
     smooth = solver.unbalancedForce < PROTOCOL.rough_unbalance
@@ -162,9 +156,6 @@ def accept_creep(state, stress_deviation):
         del state["flip_displacement"]
     state.update(displacement=longer, balanced_intervals=0)
     return False
-
-
-# --- the two phases ----------------------------------------------------------------------------
 
 
 def compact(test, balance_tolerance):

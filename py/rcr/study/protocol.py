@@ -136,10 +136,9 @@ def _check_combination(parameters):
     rigid = parameters["law"] == "cd"
     strain = parameters["inertial_number"] * parameters["time_step"]
     if rigid and strain > PROTOCOL.record_strain:
-        raise ValueError(
-            f"inertial_number × time_step = {strain:g} is the strain of a step; "
-            f"expected at most {PROTOCOL.record_strain:g}, the strain of a record"
-        )
+        expected = f"at most {PROTOCOL.record_strain:g}, the strain of a record"
+        given = f"inertial_number × time_step = {strain:g} is the strain of a step"
+        raise ValueError(f"{given}; expected {expected}")
     if rigid and parameters["stiffness"] != PROTOCOL.stiffness:
         given = f"stiffness = {parameters['stiffness']:g} with law = 'cd'"
         raise ValueError(f"{given}: rigid contacts have no stiffness; give it with law = 'smooth'")

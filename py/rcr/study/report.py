@@ -115,10 +115,8 @@ _RULE = (
 def summary(table):
     """Return the number of statements that agree, as a sentence."""
     count = {verdict: sum(row.verdict == verdict for row in table) for verdict in _CLASS}
-    return (
-        f"{count[AGREES]} of {len(table)} statements agree, {count[DIFFERS]} do not, "
-        f"{count[NOT_TESTED]} are not tested"
-    )
+    agree = f"{count[AGREES]} of {len(table)} statements agree, {count[DIFFERS]} do not"
+    return f"{agree}, {count[NOT_TESTED]} are not tested"
 
 
 def _material(runs, analysis):

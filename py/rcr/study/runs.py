@@ -161,10 +161,9 @@ def _check_network(path, network, record):
     attributes = network.attributes
     for name in ("strain", "eta", "friction", "volume"):
         if name not in attributes:
+            expected = "strain, eta, friction and volume, as scripts/biaxial.py stores them"
             raise ValueError(
-                f"{path} is a network without the attribute {name}; expected strain, eta, friction "
-                "and volume, as scripts/biaxial.py stores them"
-            )
+                f"{path} is a network without the attribute {name}; expected {expected}")
     if not record:
         return
     for name in ("eta", "seed"):

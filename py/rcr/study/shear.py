@@ -22,8 +22,6 @@ from rcr.study.records import COUNTERS, HISTORY_COLUMNS, Springs
 
 O = Omega()
 
-# --- start --------------------------------------------------------------------------------------
-
 
 def start(test):
     """Turn a compacted packing into the initial state of the shear."""
@@ -72,9 +70,6 @@ def switch_to_springs(test, stiffness):
     O.dt = PROTOCOL.smooth_time_step * rcr.critical_time_step()
     test.parameters.update(law="smooth", stiffness=stiffness)
     test.solver = Springs()
-
-
-# --- rate --------------------------------------------------------------------------------------
 
 
 def is_approaching(test, strain=None):
@@ -143,9 +138,6 @@ def _records_at_this_speed(test, most):
     end = test.strain + most * test.strain_per_record
     # the margin is for the dilation until then
     return most if test.parameters["inertial_number"] < 0.8 * largest_rate(test, end) else 1
-
-
-# --- records -----------------------------------------------------------------------------------
 
 
 def shear(test, records):

@@ -34,31 +34,31 @@ def pearson(x, y):
     return float(np.corrcoef(x, y)[0, 1])
 
 
-def exponential_rate(x, low=1.0):
-    """Return the rate α of a density ∝ e^{−αx} for x > low, and its standard error α/√n.
+def exponential_rate(x):
+    """Return the rate α of a density ∝ e^{−αx} for x > 1, and its standard error α/√n.
 
-    Maximum likelihood: 1/α = ⟨x − low⟩. Both are NaN if no x is above `low`.
+    Maximum likelihood: 1/α = ⟨x − 1⟩. Both are NaN if no x is above 1.
     """
-    x = x[x > low]
+    x = x[x > 1]
     if len(x) == 0:
         return np.nan, np.nan
-    rate = 1 / np.mean(x - low)
+    rate = 1 / np.mean(x - 1)
     return rate, rate / np.sqrt(len(x))
 
 
-def power_exponent(x, low, high=1.0):
-    """Return the exponent β of a density ∝ x^β for low < x < high, and its standard error.
+def power_exponent(x, low):
+    """Return the exponent β of a density ∝ x^β for low < x < 1, and its standard error.
 
-    Maximum likelihood: u = ln(high/x)/ln(high/low) in (0, 1) has the density ∝ e^{−κu} with
-    κ = (β + 1) ln(high/low). Its mean m(κ) = 1/κ − 1/(e^κ − 1) falls with κ, so m(κ) = ⟨u⟩ has one
-    root. The variance of u is −dm/dκ, that of κ its inverse over n. Both are NaN if fewer than two
-    x lie in the range.
+    Maximum likelihood: u = ln x/ln low in (0, 1) has the density ∝ e^{−κu} with
+    κ = −(β + 1) ln low. Its mean m(κ) = 1/κ − 1/(e^κ − 1) falls with κ, so m(κ) = ⟨u⟩ has one root.
+    The variance of u is −dm/dκ, that of κ its inverse over n. Both are NaN if fewer than two x lie
+    in the range.
     """
-    x = x[(x > low) & (x < high)]
+    x = x[(x > low) & (x < 1)]
     if len(x) < 2:
         return np.nan, np.nan
-    scale = np.log(high / low)
-    kappa = _root_of_mean(np.mean(np.log(high / x)) / scale)
+    scale = np.log(1 / low)
+    kappa = _root_of_mean(np.mean(np.log(1 / x)) / scale)
     return kappa / scale - 1, 1 / (scale * np.sqrt(len(x) * _variance(kappa)))
 
 

@@ -39,9 +39,6 @@ def claim(observables, statement, criterion, etas=None, least=1):
     return register
 
 
-# --- selection --------------------------------------------------------------------------------
-
-
 def _chosen(v, etas, least):
     if etas is None:
         return v
@@ -97,9 +94,6 @@ def is_within(deviation, tolerance, error):
     return np.abs(deviation) <= np.maximum(tolerance, SIGMAS * known(error))
 
 
-# --- trends -----------------------------------------------------------------------------------
-
-
 def slope_of(x, y):
     """Return the slope of a straight line, and its standard error from the scatter about it."""
     keep = np.isfinite(y)
@@ -133,9 +127,6 @@ def is_monotonic(v, name, sign):
     back = np.max(np.maximum.accumulate(curves, axis=1) - curves, axis=1)
     allowed = np.maximum(0.1 * np.ptp(curves, axis=1), SIGMAS * errors.max(axis=1))
     return back <= allowed, back
-
-
-# --- verdicts ---------------------------------------------------------------------------------
 
 
 def at_both_ends(v, name, low, high, tolerance):

@@ -38,9 +38,6 @@ def _draw_by_eta(value, name, ax, label=None, style="k", mark="o", **options):
     return ax
 
 
-# --- strength ------------------------------------------------------------------------------------
-
-
 def plot_strain(value, ax=None):
     """Draw sin φ against the strain [O1]."""
     ax = make_axes(ax)
@@ -60,9 +57,6 @@ def plot_strength(value, ax=None):
     ax.set(ylabel=r"$\sin\varphi$", ylim=(0, None))
     ax.legend(loc="lower right")
     return ax
-
-
-# --- forces --------------------------------------------------------------------------------------
 
 
 def _force_labels(suffix):
@@ -151,9 +145,6 @@ def plot_mobilization_pdf(value, ax=None):
     return ax
 
 
-# --- branch vectors ------------------------------------------------------------------------------
-
-
 def plot_length_pdf(value, ax=None):
     """Draw P(ℓ_r) of each elongation, except discs, where ℓ_r is 1 [O10]."""
     ax = make_axes(ax)
@@ -187,9 +178,6 @@ def plot_force_by_length(value, ax=None, length="l_r"):
     ax.set(xlabel=f"${label}$", ylabel=rf"$\langle f\rangle_{{{symbol}}}/\langle f\rangle$",
            ylim=(0, None))
     return ax
-
-
-# --- anisotropies --------------------------------------------------------------------------------
 
 
 def plot_xi(value, name, symbol, ax=None):
