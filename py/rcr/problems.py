@@ -94,19 +94,16 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     try:
         from rcr import _kernel
     except ImportError as error:
-        folder = os.path.dirname(__file__)
-        raise ImportError(
-            f"rcr in {folder} has no kernels, only the analysis: the solver has to be compiled; "
-            "from the sources: pip install . --config-settings=cmake.define.RCR_PLUGIN=OFF"
-        ) from error
+        here = f"rcr in {os.path.dirname(__file__)} has no kernels, only the analysis"
+        todo = "pip install . --config-settings=cmake.define.RCR_PLUGIN=OFF"
+        message = f"{here}: the solver has to be compiled; from the sources: {todo}"
+        raise ImportError(message) from error
     if not isinstance(solver, str):
         checks.choice("solver", solver, _kernel.solver_names())
-    most = "at least 1 and at most 2147483647"
-    settings = dict(
-        solver=solver,
-        tolerance=checks.number("tolerance", tolerance, "a residual ≥ 0", lambda v: v >= 0),
-        max_iterations=checks.integer(
-            "maxIterations", max_iterations, most, lambda v: 1 <= v < 2**31))
+    tolerance = checks.number("tolerance", tolerance, "a residual ≥ 0", lambda v: v >= 0)
+    expected = "at least 1 and at most 2147483647"
+    sweeps = checks.integer("maxIterations", max_iterations, expected, lambda v: 1 <= v < 2**31)
+    settings = dict(solver=solver, tolerance=tolerance, max_iterations=sweeps)
     if not isinstance(problem, (BodyProblem, DelassusProblem)):
         problem = load(problem)
     start = problem.impulse if warm else np.zeros((problem.contacts, 2))

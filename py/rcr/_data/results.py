@@ -85,9 +85,11 @@ def claim_folder(
         old = [path for pattern in made for path in sorted(folder.glob(pattern))]
         if kept is not None and kept["program"] != program:
             raise ValueError(f"{folder} holds results of {kept['program']}; choose another --out")
-        if resume:
-            _check_resumable(folder, kept, parameters, free)
-        elif not overwrite:
+        other = resume and kept and differing(kept["parameters"], parameters, free)
+        if other:
+            todo = "give its options, or start again with --overwrite"
+            raise ValueError(f"--resume: the run in {folder} has {other}; {todo}")
+        if not (resume or overwrite):
             _check_new(folder, kept, old, parameters, checkpoint, last)
 
         def begin():
@@ -142,13 +144,6 @@ def _record(program, parameters, free, kept):
 def _short(value):
     text = str(value)
     return text if len(text) <= 80 else f"{text[:79]}…"
-
-
-def _check_resumable(folder, kept, parameters, free):
-    other = kept and differing(kept["parameters"], parameters, free)
-    if other:
-        todo = "give its options, or start again with --overwrite"
-        raise ValueError(f"--resume: the run in {folder} has {other}; {todo}")
 
 
 def _check_new(folder, kept, old, parameters, checkpoint, last):
