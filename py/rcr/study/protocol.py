@@ -133,12 +133,12 @@ def _check_combination(parameters):
     solver, names = parameters["solver"], _kernel.solver_names()
     if solver not in names:
         raise ValueError(f"solver {solver!r} is not known; expected one of {', '.join(names)}")
-    rigid = parameters["law"] == "cd"
-    strain = parameters["inertial_number"] * parameters["time_step"]
-    if rigid and strain > PROTOCOL.record_strain:
+    law, strain = parameters["law"], parameters["inertial_number"] * parameters["time_step"]
+    if law == "cd" and strain > PROTOCOL.record_strain:
         expected = f"at most {PROTOCOL.record_strain:g}, the strain of a record"
         given = f"inertial_number × time_step = {strain:g} is the strain of a step"
         raise ValueError(f"{given}; expected {expected}")
-    if rigid and parameters["stiffness"] != PROTOCOL.stiffness:
-        given = f"stiffness = {parameters['stiffness']:g} with law = 'cd'"
-        raise ValueError(f"{given}: rigid contacts have no stiffness; give it with law = 'smooth'")
+    for name, user in dict(stiffness="smooth", time_step="cd").items():
+        if law != user and parameters[name] != getattr(PROTOCOL, name):
+            given = f"{name} = {parameters[name]:g} with law = {law!r}"
+            raise ValueError(f"{given}: the law {user!r} alone uses it; leave it out")
