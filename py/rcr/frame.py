@@ -27,10 +27,7 @@ from rcr._pictures.outlines import half_extents
 from rcr.network import Network
 
 KINDS = ("rcr", "disc", "clumped", "fixed")
-
-
-def _no_walls():
-    return dict(id=np.empty(0, int), axis=np.empty(0, int), position=np.empty(0))
+_NO_WALLS = dict(id=np.empty(0, int), axis=np.empty(0, int), position=np.empty(0))
 
 
 @dataclass
@@ -65,7 +62,7 @@ class Frame:
 
     grains: dict
     contacts: dict
-    walls: dict = field(default_factory=_no_walls)
+    walls: dict = field(default_factory=_NO_WALLS.copy)
     outlines: list = field(default_factory=list)
     cell: np.ndarray = None
     time: float = math.nan

@@ -36,28 +36,20 @@ def random_radii(count, rng):
     return PROTOCOL.smallest_radius / (1 - 0.5 * rng.random(count))
 
 
-def deposited_packing(count, rng):
-    """Return centres and radii of circles, and width and height of their box [m].
-
-    They are deposited layer by layer in a box about as high as wide (`deposition.hpp`).
-    """
-    radii = random_radii(count, rng)
-    area = math.pi * np.sum(radii**2)
-    width = max(math.sqrt(area / PROTOCOL.deposited_fraction), 2 * radii.max())
-    centres = _kernel.deposit(radii, width)
-    return centres, radii, width, (centres[:, 1] + radii).max()
-
-
 def make_scene(parameters):
     """Make the loose packing, its walls and its engines in the running YADE.
 
-    Each grain is inscribed in its circle of a deposited packing, at a random angle. The circles
-    do not depend on the elongation.
+    Each grain is inscribed in a circle, at a random angle. The circles are deposited layer by layer
+    in a box about as high as wide (`deposition.hpp`) and do not depend on the elongation.
     """
     O.reset()
     count = parameters["particles"]
     rng = np.random.default_rng(parameters["seed"])
-    centres, radii, width, height = deposited_packing(count, rng)
+    radii = random_radii(count, rng)
+    area = math.pi * np.sum(radii**2)
+    width = max(math.sqrt(area / PROTOCOL.deposited_fraction), 2 * radii.max())
+    centres = _kernel.deposit(radii, width)
+    height = (centres[:, 1] + radii).max()
     angles = rng.uniform(0, math.pi, count)
     grain, plate = (
         O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0, label=label))

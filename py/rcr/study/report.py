@@ -30,6 +30,7 @@ small { color: #666 } figure { margin: 2em 0 }
 img { max-width: 100%; height: auto } img.curve { max-height: 34em }
 </style></head><body>
 """
+_TITLES = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
 _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
 
 
@@ -85,11 +86,12 @@ def _map_networks(runs):
 
 def _page(runs, analysis, table, pictures):
     small = max(map(int, analysis["O1"]["value"]["particles"])) < FEWEST
+    rows = "".join(_row(row, small) for row in table)
     parts = [
         _HEAD, "<h1>Force networks of elongated particles</h1>",
         f"<p>{_material(runs, analysis)}</p>", "<h2>Paper against measured</h2>",
         f"<p>{_SMALL if small else ''}{summary(table)}. {_RULE}</p>",
-        _table(table, small), "<h2>Figures</h2>",
+        f"<table>{_TITLES}{rows}</table>", "<h2>Figures</h2>",
     ]  # fmt: skip
     for key, entry in analysis.items():
         images = "".join(_image(path) for path in pictures[key])
@@ -217,11 +219,6 @@ def yielded_steps(runs):
 def _by_eta(runs):
     """Return {η: its runs}, η rising."""
     return {eta: [run for run in runs if run.eta == eta] for eta in sorted({r.eta for r in runs})}
-
-
-def _table(table, grey):
-    head = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
-    return f"<table>{head}{''.join(_row(row, grey) for row in table)}</table>"
 
 
 def markdown(table):
