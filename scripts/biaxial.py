@@ -91,10 +91,8 @@ def arguments():
     if options.resume and options.overwrite:
         made.error("--resume continues the run in DIR, --overwrite removes it: give one of them")
     if options.strain < PROTOCOL.record_strain:
-        made.error(
-            f"--strain {options.strain}: expected at least {PROTOCOL.record_strain:g}, "
-            "the strain of a record of the history"
-        )
+        expected = f"at least {PROTOCOL.record_strain:g}, the strain of a record of the history"
+        made.error(f"--strain {options.strain}: expected {expected}")
     return options
 
 
@@ -122,12 +120,10 @@ class Checkpoints:
         if test.parameters["law"] != "cd" or last or not states(self.folder, stopped):
             raise error
         test.go_back(self.folder)
-        tqdm.write(
-            f"biaxial.py: the shear restarts from a strain of {test.strain:.4f} with "
-            f"1/{test.progress['divisor']} of the time step, since it stopped at {stopped:.4f}: "
-            f"{error}",
-            file=sys.stderr,
-        )
+        again = f"the shear restarts from a strain of {test.strain:.4f}"
+        step = f"with 1/{test.progress['divisor']} of the time step"
+        message = f"biaxial.py: {again} {step}, since it stopped at {stopped:.4f}: {error}"
+        tqdm.write(message, file=sys.stderr)
         self.save()
         remove_later(self.folder, test.strain)
 
@@ -159,9 +155,7 @@ def compact(test, options, checkpoints):
 
 def shear(test, options, checkpoints):
     """Shear up to the strain; save a network and a checkpoint at equal strains."""
-    def due():
-        return math.floor((test.strain + HALF_RECORD) * options.networks / options.strain)
-
+    due = lambda: math.floor((test.strain + HALF_RECORD) * options.networks / options.strain)
     most = 1  # records of a run of about RUN_SECONDS
     start, end = 100 * test.strain, 100 * options.strain
     style = dict(desc="shear", unit="%", disable=None, bar_format=BAR)
@@ -190,38 +184,26 @@ def shear(test, options, checkpoints):
 
 
 def load(options, parameters):
-    """Return the test of the folder's checkpoint.
-
-    Raises
-    ------
-    ValueError
-        If its parameters differ, or it is beyond the final strain.
-    """
-    test = Biaxial.load(options.out)
+    """Return the test of the folder's checkpoint; a ValueError if the options do not fit to it."""
+    folder, again = options.out, "start again with --overwrite"
+    test = Biaxial.load(folder)
     other = results.differing(test.parameters, parameters, FREE_PARAMETERS)
     if other:
-        raise ValueError(
-            f"--resume: the checkpoint in {options.out} has {other}; "
-            "give its options, or start again with --overwrite"
-        )
-    record = results.read(options.out)
+        given = f"--resume: the checkpoint in {folder} has {other}"
+        raise ValueError(f"{given}; give its options, or {again}")
+    record = results.read(folder)
     if record is None or "networks" not in record["parameters"]:
-        raise ValueError(
-            f"--resume: {options.out} has no run.json of this script; start again with --overwrite")
+        raise ValueError(f"--resume: {folder} has no run.json of this script; {again}")
     networks = record["parameters"]["networks"]
-    remove_later(options.out, test.strain)  # of a part that go_back abandoned before a kill
+    remove_later(folder, test.strain)  # of a part that go_back abandoned before a kill
     if test.progress["phase"] == "shear" and test.strain > options.strain - HALF_RECORD:
         if test.strain > options.strain + HALF_RECORD:
-            raise ValueError(
-                f"--resume: the test in {options.out} is at a strain of {test.strain:.4f}, beyond "
-                f"--strain {options.strain:g}; give no less than it has, or start again with "
-                "--overwrite"
-            )
+            given = f"--resume: the test in {folder} is at a strain of {test.strain:.4f}"
+            beyond = f"beyond --strain {options.strain:g}; give no less than it has"
+            raise ValueError(f"{given}, {beyond}, or {again}")
         if options.networks != networks:
-            raise ValueError(
-                f"--resume: the test in {options.out} has reached its strain with --networks "
-                f"{networks}; give that, or start again with --overwrite"
-            )
+            given = f"--resume: the test in {folder} has reached its strain"
+            raise ValueError(f"{given} with --networks {networks}; give that, or {again}")
     test.parameters["threads"] = test.solver.threads = parameters["threads"]
     return test
 
@@ -245,11 +227,10 @@ def main():
     given = {name: value for name, value in vars(options).items() if name not in no_parameters}
     parameters = check_parameters(**given)
     recorded = parameters | {name: getattr(options, name) for name in OUTPUT}
-    claim = dict(
-        free=[*FREE_PARAMETERS, *OUTPUT], checkpoint=CHECKPOINT, last="summary.json",
-        resume=options.resume, overwrite=options.overwrite,
-    )  # fmt: skip
-    folder = results.claim_folder(options.out, "biaxial.py", recorded, MADE, **claim)
+    folder = results.claim_folder(
+        options.out, "biaxial.py", recorded, MADE, free=[*FREE_PARAMETERS, *OUTPUT],
+        checkpoint=CHECKPOINT, last="summary.json", resume=options.resume,
+        overwrite=options.overwrite)
     with script.stoppable() as stop, folder as begin:
         test = load(options, parameters) if options.resume else Biaxial.prepare(**parameters)
         begin()

@@ -47,13 +47,10 @@ def show(name):
 def warn_incomplete(run):
     """Warn of a run that has not reached its final strain."""
     if run.record and run.summary is None:
-        reached = run.networks[-1].attributes["strain"]
-        end = run.record["parameters"]["strain"]
-        print(
-            f"network.py: the run in {run.folder} is not complete: its last network is at a "
-            f"strain of {reached:.4f}, its end at {end:g}",
-            file=sys.stderr,
-        )
+        reached = f"its last network is at a strain of {run.networks[-1].attributes['strain']:.4f}"
+        end = f"its end at {run.record['parameters']['strain']:g}"
+        message = f"network.py: the run in {run.folder} is not complete: {reached}, {end}"
+        print(message, file=sys.stderr)
 
 
 def main():
@@ -64,10 +61,8 @@ def main():
     by_elongation(runs)  # raises if they do not belong together
     for run in runs:
         warn_incomplete(run)
-    sources = [
-        dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"])
-        for run in runs
-    ]
+    sources = [dict(folder=os.path.abspath(run.folder), run=run.record and run.record["run"])
+               for run in runs]
     parameters = dict(selection, runs=sources)
     with results.claim_folder(options.out, "network.py", parameters, MADE,
                               overwrite=options.overwrite) as begin:

@@ -6,23 +6,13 @@ import subprocess
 
 
 @contextlib.contextmanager
-def virtual_screen(folder, size="1024x768"):
-    """Start a virtual screen; yields the environment variables of programs that use it.
+def virtual_screen(folder):
+    """Start a virtual screen; yields the environment of programs that use it.
 
-    Parameters
-    ----------
-    folder : path
-        Folder for the session files of these programs.
-    size : str
-        Width and height of the screen [pixels].
-
-    Yields
-    ------
-    dict
-        Environment of a process, as for `subprocess.run`.
+    `folder` holds the session files of these programs.
     """
     reading, writing = os.pipe()
-    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", f"{size}x24", "-nolisten", "tcp"]
+    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1024x768x24", "-nolisten", "tcp"]
     screen = subprocess.Popen(command, pass_fds=[writing], stdout=subprocess.DEVNULL,
                               stderr=subprocess.DEVNULL)
     os.close(writing)

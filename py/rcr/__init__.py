@@ -22,18 +22,10 @@ __version__ = "0.1.0"
 
 _MODULES = ("export", "measure", "plot", "script")  # imported at first use, because they are slow
 _LAZY = dict(snapshot="plot", movie="_pictures.movie", Profile="profile")  # name: its module
-_SCENE = {  # functions of a YADE session: their modules
-    "advance": "_yade.advance",
-    "clump": "scene",
-    "contact_network": "_yade.scene_network",
-    "critical_time_step": "_yade.time_step",
-    "disc": "scene",
-    "half_step_start": "_yade.time_step",
-    "mobile_wall": "scene",
-    "particle": "scene",
-    "segment": "scene",
-    "wall": "scene",
-}
+_SCENE = dict.fromkeys(  # functions of a YADE session: their modules
+    ("clump", "disc", "mobile_wall", "particle", "segment", "wall"), "scene")
+_SCENE |= dict(advance="_yade.advance", contact_network="_yade.scene_network",
+               critical_time_step="_yade.time_step", half_step_start="_yade.time_step")
 _CLASSES = re.compile(
     "(Bo1|Gl1|Ig2|Ip2|Law2)_.*|Rcr(Geom|FrictPhys)?|CdPhys|ContactDynamics|(Cell|Wall)Stress")
 

@@ -31,15 +31,25 @@ def info():
     """
     import rcr
 
-    facts = Info(rcr=rcr.__version__)
-    facts["YADE"] = sys.modules["yade"].config.version if "yade" in sys.modules else "not loaded"
-    facts["plugin"], facts["3D view"] = _plugin_facts()
-    facts |= _kernel_facts()
-    facts["threads"] = _threads()
+    yade, plugin = sys.modules.get("yade"), sys.modules.get("rcr._plugin")
+    facts = Info(rcr=rcr.__version__, YADE=yade.config.version if yade else "not loaded")
+    facts["plugin"] = facts["3D view"] = "not loaded"
+    if plugin:
+        drawn = [name for name in plugin.classes if name.startswith("Gl1_")]
+        facts["plugin"] = f"for YADE {plugin.yade_version}"
+        facts["3D view"] = ", ".join(drawn) or "left out: built without OpenGL"
+    try:
+        from rcr import _kernel
+    except ImportError:
+        facts |= dict(build="not built", lanes="not built")
+    else:
+        facts |= dict(build=_kernel.build, lanes=_kernel.lanes())
+    facts["threads"] = os.environ.get("OMP_NUM_THREADS", "as many as processors")
+    if yade:
+        facts["threads"] = sys.modules["yade.wrapper"].Omega().numThreads
     processors = f"{len(os.sched_getaffinity(0))} of {os.cpu_count()} processors"
     facts["processor"] = f"{_processor()}, {processors}"
-    facts["system"] = platform.platform()
-    facts["Python"] = platform.python_version()
+    facts["system"], facts["Python"] = platform.platform(), platform.python_version()
     facts |= {name: _library(name) for name in LIBRARIES}
     facts["ffmpeg"] = shutil.which("ffmpeg") or "not installed: films are GIFs"
     return facts
@@ -50,31 +60,6 @@ def _library(name):
         return importlib.metadata.version(name)
     except importlib.metadata.PackageNotFoundError:
         return "not installed"
-
-
-def _plugin_facts():
-    """Return the version of YADE that the plugin was built for, and its drawing classes."""
-    plugin = sys.modules.get("rcr._plugin")
-    if plugin is None:
-        return "not loaded", "not loaded"
-    drawn = [name for name in plugin.classes if name.startswith("Gl1_")]
-    return f"for YADE {plugin.yade_version}", ", ".join(drawn) or "left out: built without OpenGL"
-
-
-def _kernel_facts():
-    try:
-        from rcr import _kernel
-    except ImportError:
-        return dict(build="not built", lanes="not built")
-    return dict(build=_kernel.build, lanes=_kernel.lanes())
-
-
-def _threads():
-    if "yade" not in sys.modules:
-        return os.environ.get("OMP_NUM_THREADS", "as many as processors")
-    from yade.wrapper import Omega
-
-    return Omega().numThreads
 
 
 def _processor():

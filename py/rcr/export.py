@@ -188,12 +188,9 @@ def _contact_mesh(frame):
     (nx, ny), (fx, fy) = contacts["normal"].T, contacts["force"].T
     copied = ("body1", "body2", "type", "points", "friction")
     state = {name: contacts[name] for name in copied} | dict(
-        normal_force=normal,
-        shear_force=nx * fy - ny * fx,  # along the normal turned by +90°
-        mobilization=frame.mobilization(),
-        force=_in_space(contacts["force"]),
-        normal=_in_space(contacts["normal"]),
-    )
+        normal_force=normal, shear_force=nx * fy - ny * fx,  # along the normal turned by +90°
+        mobilization=frame.mobilization(), force=_in_space(contacts["force"]),
+        normal=_in_space(contacts["normal"]))
     first = 3 * np.arange(len(normal))
     cells = np.stack([[first, first + 1], [first + 1, first + 2]])
     cells = [("line", cells.transpose(2, 0, 1).reshape(-1, 2))]

@@ -27,10 +27,7 @@ from rcr._pictures.outlines import half_extents
 from rcr.network import Network
 
 KINDS = ("rcr", "disc", "clumped", "fixed")
-
-
-def _no_walls():
-    return dict(id=np.empty(0, int), axis=np.empty(0, int), position=np.empty(0))
+_NO_WALLS = dict(id=np.empty(0, int), axis=np.empty(0, int), position=np.empty(0))
 
 
 @dataclass
@@ -65,7 +62,7 @@ class Frame:
 
     grains: dict
     contacts: dict
-    walls: dict = field(default_factory=_no_walls)
+    walls: dict = field(default_factory=_NO_WALLS.copy)
     outlines: list = field(default_factory=list)
     cell: np.ndarray = None
     time: float = math.nan
@@ -103,12 +100,12 @@ class Frame:
     def of_scene(cls):
         """Return the Frame of YADE's present scene."""
         try:
-            from rcr._yade import yade_scene as _yade_scene
+            from rcr._yade import scene_arrays
         except ImportError as error:
             raise ValueError(
                 "no scene: this Python runs without YADE; give a rcr.Network or the path of one"
             ) from error
-        return cls(**_yade_scene.read())
+        return cls(**scene_arrays.read())
 
     @classmethod
     def of_network(cls, network):

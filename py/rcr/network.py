@@ -110,11 +110,8 @@ class Network:
                     raise ValueError(f"it holds {sorted(file)}; expected {expected}")
                 particles = network_columns.read(file, "particles", path)
                 contacts = network_columns.read(file, "contacts", path)
-                attributes = {
-                    name: value.item() if isinstance(value, np.generic) else value
-                    for name, value in file.attrs.items()
-                    if name != "stress"
-                }
+                attributes = {name: value.item() if isinstance(value, np.generic) else value
+                              for name, value in file.attrs.items() if name != "stress"}
             return cls(particles, contacts, attributes)
 
     def save(self, path):
@@ -149,10 +146,8 @@ class Network:
             If the network has no volume.
         """
         if "volume" not in self.attributes:
-            raise ValueError(
-                "the network has no volume, which the stress needs; "
-                "give the area of the region [m²]: rcr.contact_network(volume=…)"
-            )
+            todo = "give the area of the region [m²]: rcr.contact_network(volume=…)"
+            raise ValueError(f"the network has no volume, which the stress needs; {todo}")
         return self._moments() / self.attributes["volume"]
 
     def _moments(self):
@@ -183,7 +178,7 @@ class Network:
         """Return n, t, and (n, t) components of branch and force between grains, (C, 2) each."""
         pick = self.between_particles
         if not pick.any():
-            raise ValueError("the network has no contact between particles")
+            raise ValueError("the network has no contact between grains")
         n = self.contacts["normal"][pick]
         t = np.column_stack([-n[:, 1], n[:, 0]])
         branch, force = self.contacts["branch"][pick], self.contacts["force"][pick]
@@ -264,7 +259,7 @@ class Network:
         force = self.local_components()[3]
         friction = self.contacts["friction"][self.between_particles]
         if not (friction > 0).any():
-            given = f"friction = {friction.max():g} between all particles"
+            given = f"friction = {friction.max():g} between all grains"
             raise ValueError(f"{given}; the mobilisation needs a coefficient > 0")
         limit = friction * force[:, 0]
         tangential = np.abs(force[:, 1])

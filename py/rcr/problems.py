@@ -94,12 +94,16 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     try:
         from rcr import _kernel
     except ImportError as error:
-        folder = os.path.dirname(__file__)
-        raise ImportError(
-            f"rcr in {folder} has no kernels, only the analysis: the solver has to be compiled; "
-            "from the sources: pip install . --config-settings=cmake.define.RCR_PLUGIN=OFF"
-        ) from error
-    settings = _settings(solver, tolerance, max_iterations, _kernel.solver_names())
+        here = f"rcr in {os.path.dirname(__file__)} has no kernels, only the analysis"
+        todo = "pip install . --config-settings=cmake.define.RCR_PLUGIN=OFF"
+        message = f"{here}: the solver has to be compiled; from the sources: {todo}"
+        raise ImportError(message) from error
+    if not isinstance(solver, str):
+        checks.choice("solver", solver, _kernel.solver_names())
+    tolerance = checks.number("tolerance", tolerance, "a residual ≥ 0", lambda v: v >= 0)
+    expected = "at least 1 and at most 2147483647"
+    sweeps = checks.integer("maxIterations", max_iterations, expected, lambda v: 1 <= v < 2**31)
+    settings = dict(solver=solver, tolerance=tolerance, max_iterations=sweeps)
     if not isinstance(problem, (BodyProblem, DelassusProblem)):
         problem = load(problem)
     start = problem.impulse if warm else np.zeros((problem.contacts, 2))
@@ -112,25 +116,9 @@ def solve(problem, solver="auto", tolerance=1e-4, max_iterations=10000, warm=Fal
     else:
         w = problem.row_start, problem.column, problem.block.reshape(-1, 4)
         found = _kernel.solve_delassus(*w, problem.q, problem.friction, start, **settings)
-    names = ("residual", "impulse", "relative_velocity")
-    if not all(np.isfinite(found[name]).all() for name in names):
-        raise ValueError(
-            f"the result of solver {solver!r} is not finite; "
-            "masses, velocities or entries of W differ too much in size"
-        )
     names = ("iterations", "residual", "converged", "seconds", "impulse", "relative_velocity")
-    return Solution(solver, problem.contacts, *(found[name] for name in names))
-
-
-def _settings(solver, tolerance, max_iterations, known):
-    """Return the checked settings of the kernels."""
-    if not isinstance(solver, str):
-        checks.choice("solver", solver, known)
-    residual = "a residual ≥ 0"
-    sweeps, most = "at least 1 and at most 2147483647", 2**31
-    return dict(
-        solver=solver,
-        tolerance=checks.number("tolerance", tolerance, residual, lambda v: v >= 0),
-        max_iterations=checks.integer(
-            "maxIterations", max_iterations, sweeps, lambda v: 1 <= v < most),
-    )
+    results = [found[name] for name in names]
+    if not all(np.isfinite(result).all() for result in results):
+        cause = "masses, velocities or entries of W differ too much in size"
+        raise ValueError(f"the result of solver {solver!r} is not finite; {cause}")
+    return Solution(solver, problem.contacts, *results)

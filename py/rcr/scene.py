@@ -15,7 +15,7 @@ from yade.wrapper import Body, ContactDynamics, FrictMat, Omega, Rcr, Sphere
 from rcr import _kernel, _plugin, problems
 from rcr._data import checks
 from rcr._pictures import outlines as _outlines
-from rcr._yade.yade_scene import angle as angle_of, lengths
+from rcr._yade.scene_arrays import angle as angle_of, lengths
 
 O = Omega()
 _number = checks.number

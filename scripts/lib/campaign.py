@@ -25,11 +25,7 @@ FREE = ("particles", "etas", "seeds", "strain", "networks", *campaign_runs.OPTIO
 
 def numbers(kind):
     """Return a parser of lists such as 0,0.1,0.2."""
-
-    def parse(text):
-        return [kind(word) for word in text.replace(",", " ").split()]
-
-    return parse
+    return lambda text: [kind(word) for word in text.replace(",", " ").split()]
 
 
 def parser():
@@ -94,14 +90,11 @@ def text(value):
 
 def configuration(options):
     """Return the configuration of campaign.smk."""
-    config = {
-        "particles": options.particles,
-        "strain": options.strain,
-        "etas": ",".join(map(text, options.etas)),
-        "seeds": ",".join(map(str, options.seeds)),
-        "threads": min(1024, max(1, options.jobs // (len(options.etas) * len(options.seeds)))),
-        "networks": options.networks,
-    }
+    tests = len(options.etas) * len(options.seeds)
+    config = dict(
+        particles=options.particles, strain=options.strain, networks=options.networks,
+        etas=",".join(map(text, options.etas)), seeds=",".join(map(str, options.seeds)),
+        threads=min(1024, max(1, options.jobs // tests)))
     given = {name: getattr(options, name) for name in campaign_runs.OPTIONAL}
     return config | {name: text(value) for name, value in given.items() if value is not None}
 
@@ -134,11 +127,8 @@ def strain_reached(folder):
 def run_folders(out, options):
     """Return the folders of all tests."""
     config = configuration(options)
-    return [
-        out / "runs" / campaign_runs.run_name(config, text(eta), seed)
-        for eta in options.etas
-        for seed in options.seeds
-    ]
+    return [out / "runs" / campaign_runs.run_name(config, text(eta), seed)
+            for eta in options.etas for seed in options.seeds]
 
 
 def run_with_progress(words, out, options):
@@ -182,19 +172,15 @@ def check_networks(out, options):
         record = results.read(folder)
         made = record["parameters"]["networks"] if record else options.networks
         if made != options.networks:
-            raise ValueError(
-                f"{folder} has --networks {made}, this campaign --networks {options.networks}; "
-                "give the same number or another --out"
-            )
+            given = f"{folder} has --networks {made}, this campaign --networks {options.networks}"
+            raise ValueError(f"{given}; give the same number or another --out")
 
 
 def main():
     options, extra = arguments()
     if not shutil.which("snakemake"):
-        raise RuntimeError(
-            "the package snakemake is not installed; install it (apt-get install snakemake) "
-            "and run this command again"
-        )
+        todo = "install it (apt-get install snakemake) and run this command again"
+        raise RuntimeError(f"the package snakemake is not installed; {todo}")
     out = pathlib.Path(options.out)
     check_networks(out, options)
     parameters = {name: getattr(options, name) for name in FREE}

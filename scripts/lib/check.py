@@ -14,6 +14,7 @@ import re
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -27,11 +28,7 @@ RECORD, PAGE = (ROOT / "docs" / "measurements" / f"checks.{suffix}" for suffix i
 COLUMNS = ["date", "commit", "check", "options", "verdict", "seconds", "what"]
 
 # Tests that need address spaces, threads or processes without a sanitizer.
-LEFT_OUT = {
-    "asan": ["fewer_threads"],
-    "ubsan": [],
-    "tsan": ["forked", "million"],
-}
+LEFT_OUT = {"asan": ["fewer_threads"], "ubsan": [], "tsan": ["forked", "million"]}
 SANITIZERS = {
     "asan": dict(flags="-fsanitize=address -D_GLIBCXX_ASSERTIONS",
                  preload=["libasan.so", "libstdc++.so"], ASAN_OPTIONS="detect_leaks=0"),
@@ -196,12 +193,10 @@ def driven(arguments):
 KILLS = "writes", "1000", "runs", "50", "campaigns", "5"
 CHECKS = {
     "slow": (lambda arguments: script("slow", *PYTEST, "-m", "slow", *arguments), "slow tests"),
-    "asan": (lambda arguments: sanitize_kernels("asan", arguments),
+    "asan": (partial(sanitize_kernels, "asan"),
              "kernel tests under AddressSanitizer, with bounds checks"),
-    "ubsan": (lambda arguments: sanitize_kernels("ubsan", arguments),
-              "kernel tests under UndefinedBehaviorSanitizer"),
-    "tsan": (lambda arguments: sanitize_kernels("tsan", arguments),
-             "kernel tests under ThreadSanitizer"),
+    "ubsan": (partial(sanitize_kernels, "ubsan"), "kernel tests under UndefinedBehaviorSanitizer"),
+    "tsan": (partial(sanitize_kernels, "tsan"), "kernel tests under ThreadSanitizer"),
     "plugin-asan": (sanitize_plugin, "soak and scenes in YADE under AddressSanitizer and "
                     "UndefinedBehaviorSanitizer, with bounds checks"),
     "mutants": (lambda arguments: importlib.import_module("mutants").run(arguments),

@@ -16,12 +16,7 @@ sys.path[:0] = [os.path.join(ROOT, "py"), ROOT]
 def run(module, before=lambda: None):
     """Call `main` of a module; where an import fails, start again in the environment.
 
-    Parameters
-    ----------
-    module : str
-        Name of a module with a function `main`.
-    before : function
-        Called before the script starts again.
+    `before` is called before the script starts again.
     """
     try:
         main = importlib.import_module(module).main
@@ -34,14 +29,7 @@ def run(module, before=lambda: None):
 def reenter(error, before=lambda: None):
     """Start the script with its arguments again, in the environment with YADE and the packages.
 
-    In that environment already, end with the error in one line.
-
-    Parameters
-    ----------
-    error : ImportError
-        Names the missing module.
-    before : function
-        Called before the script starts again.
+    In that environment already, end with the `error` of the import in one line.
     """
     if os.environ.get("YADE_RCR_WAY"):
         sys.exit(f"{os.path.basename(SCRIPT)}: {error}")

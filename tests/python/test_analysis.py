@@ -384,6 +384,13 @@ def test_verdicts_follow_the_data(result):
     assert rows(wide, "O18", "half-sum")[0].verdict == claims.DIFFERS
 
 
+def test_a_class_without_a_number_is_not_tested(result):
+    pdf = result["O8"]["value"]["pdf"].copy()
+    pdf[0, 3] = np.nan
+    (row,) = rows(changed(result, "O8", pdf=pdf), "O8", "discs")
+    assert row.verdict == claims.NOT_TESTED and row.value == "too few contacts"
+
+
 def test_every_observable_has_a_row_and_every_verdict_a_reason(result):
     table = claims.findings(result)
     assert {row.observable for row in table} == set(STATEMENTS)
@@ -403,7 +410,7 @@ def test_ensembles_are_of_one_kind():
     empty = packing(0.5)
     none = Network(empty.particles, {name: column[:0] for name, column in empty.contacts.items()},
                    empty.attributes)
-    with pytest.raises(ValueError, match="no contact between particles"):
+    with pytest.raises(ValueError, match="no contact between grains"):
         Ensemble([none])
 
 

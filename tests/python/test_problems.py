@@ -137,7 +137,7 @@ def assert_refused(path, says):
     ("im", put(4, -1.0), r"inverse_mass\[4, 0\] = -1; expected ≥ 0"),
     ("n", put(5, 2.0), r"the length of normal\[5\] = 2.8"),
     ("n", lambda a: np.array([["x"]]), r"n does not hold numbers"),
-    ("meta", put(2, 1000.0), r"meta\[2\] = 1000; expected the number of particles"),
+    ("meta", put(2, 1000.0), r"meta\[2\] = 1000; expected the number of grains"),
     ("b", lambda a: heap(1)["a"], r"expected two different bodies"),
 ])
 def test_refuses_npz(step, tmp_path, name, change, says):

@@ -1,10 +1,7 @@
 """Exponents of known samples with their errors; densities, means, correlation."""
 
-import hypothesis.extra.numpy as hnp
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from rcr.study import statistics
 
 
@@ -76,26 +73,6 @@ def test_pearson():
     y = -0.22 * x + np.sqrt(1 - 0.22**2) * z
     assert statistics.pearson(x, y) == pytest.approx(-0.22, abs=4 / np.sqrt(100_000))
     assert np.isnan(statistics.pearson(np.ones(5), x[:5]))
-
-
-ARRAYS = hnp.arrays(st.sampled_from(["f8", "f4", "i8", "u1", "c16", "?", "U3", "M8[s]"]),
-                    hnp.array_shapes(max_dims=2, max_side=4))
-VALUES = st.one_of(st.none(), st.floats(), st.text(max_size=3), ARRAYS,
-                   st.lists(st.floats(), max_size=5))
-
-
-@pytest.mark.filterwarnings("error")
-@given(x=VALUES, y=VALUES, edges=VALUES, low=VALUES, high=VALUES)
-def test_invalid_samples_are_rejected(x, y, edges, low, high):
-    """Any values give numbers or NaN without a warning, or a ValueError."""
-    for function, *arguments in (
-            (statistics.density, x, edges), (statistics.centres, edges),
-            (statistics.class_means, x, y, edges), (statistics.pearson, x, y),
-            (statistics.exponential_rate, x, low), (statistics.power_exponent, x, low, high)):
-        try:
-            function(*arguments)
-        except ValueError as error:
-            assert str(error)
 
 
 def test_no_values_tell_nothing():

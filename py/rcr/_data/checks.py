@@ -53,7 +53,9 @@ def reals(name, value, shape=None):
     if value.dtype.kind not in "iuf" and value.size:
         kind = "complex ones" if value.dtype.kind == "c" else value.dtype
         raise ValueError(f"{name} does not hold numbers, but {kind}; expected real ones")
-    if shape is not None and not _fits(value.shape, shape):
+    fits = shape is None or len(value.shape) == len(shape) and all(
+        wanted in (None, given) for wanted, given in zip(shape, value.shape))
+    if not fits:
         given = str(tuple("any" if k is None else k for k in shape)).replace("'", "")
         raise ValueError(f"{name} has shape {value.shape}; expected {given}")
     return np.asarray(value, float, order="C")
@@ -75,10 +77,6 @@ def require(good, name, value, expected):
     index = np.unravel_index(np.argmin(good), np.shape(good))
     place = ", ".join(map(str, index))
     raise ValueError(f"{name}[{place}] = {value[index]:g}; expected {expected}")
-
-
-def _fits(shape, expected):
-    return len(shape) == len(expected) and all(k in (None, n) for k, n in zip(expected, shape))
 
 
 def _is_finite(value):

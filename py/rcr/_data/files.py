@@ -10,7 +10,9 @@ import csv
 import fcntl
 import hashlib
 import io
+import json
 import os
+import shutil
 import stat
 import tempfile
 
@@ -47,17 +49,43 @@ def write(path, content):
 def atomic_path(path):
     """Yield a temporary path for libraries that write to a name; rename it to `path` at the end.
 
-    The temporary file has the same name in a hidden folder beside `path`. An exception removes it.
-    The file gets the permissions of the umask.
+    The temporary file has the same name in a hidden folder beside `path`, which is locked. An
+    exception removes it. The file gets the permissions of the umask.
     """
     check_writable(path)
     folder, name = os.path.split(os.path.realpath(path))
-    with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as hidden:
+    with tempfile.TemporaryDirectory(prefix=PART, dir=folder) as hidden, _locked_folder(hidden):
         partial = os.path.join(hidden, name)
         yield partial
         _flush(partial)
         os.replace(partial, os.path.join(folder, name))
         _flush(folder)
+
+
+@contextlib.contextmanager
+def _locked_folder(path):
+    """Block in which this process has the lock of a folder; else a BlockingIOError."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield
+    finally:
+        os.close(handle)
+
+
+def remove_parts(folder):
+    """Remove the partial files of killed processes; running processes keep theirs."""
+    for name in os.listdir(folder):
+        partial = os.path.join(folder, name)
+        if not name.startswith(PART):
+            continue
+        with contextlib.suppress(BlockingIOError, FileNotFoundError):
+            if os.path.isdir(partial):
+                with _locked_folder(partial):
+                    shutil.rmtree(partial)
+            else:
+                with locked(partial, wait=False):
+                    os.unlink(partial)
 
 
 def check_writable(path):
@@ -132,9 +160,6 @@ def table(columns, rows):
     return text.getvalue()
 
 
-# --- reading ------------------------------------------------------------------------------------
-
-
 @contextlib.contextmanager
 def reading(path, kind):
     """Block that reads the file `path`; every error of a damaged file becomes one ValueError.
@@ -154,6 +179,24 @@ def reading(path, kind):
         raise ValueError(f"{path}: damaged, or larger than the memory") from error
     except Exception as error:  # zlib.error, BadZipFile, EOFError, KeyError, RuntimeError …
         raise ValueError(f"{path}: damaged, or not {kind} ({one_line(error)})") from error
+
+
+def read_json(path, kind, **members):
+    """Return the dict of a JSON file, None if it is missing; `members` are types by their names.
+
+    A damaged file raises a ValueError.
+    """
+    if not os.path.exists(path):
+        return None
+    with reading(path, kind), open(path, encoding="utf-8") as file:
+        found = json.load(file)
+        if not isinstance(found, dict):
+            raise ValueError("holds no keys")
+        missing = [name for name, type_ in members.items()
+                   if not isinstance(found.get(name), type_)]
+        if missing:
+            raise ValueError(f"lacks {', '.join(missing)}")
+        return found
 
 
 def check_seal(path):

@@ -74,10 +74,8 @@ class BodyProblem:
         i, j = self._coupled_sides(body)
         mass = self.inverse_mass[body[i]]
         blocks = np.einsum("kia,ka,kja->kij", jacobian[i], mass, jacobian[j])
-        row = 2 * point[i][:, None, None] + np.array([[0], [1]])
-        column = 2 * point[j][:, None, None] + np.array([0, 1])
-        row, column = (np.broadcast_to(index, blocks.shape).ravel() for index in (row, column))
-        return DelassusProblem((row, column, blocks.ravel()), q, self.friction, self.impulse)
+        entries = *_places(point[i], point[j]), blocks.ravel()
+        return DelassusProblem(entries, q, self.friction, self.impulse)
 
     def _coupled_sides(self, body):
         """Return all pairs of contact sides that share a body with a mass."""
@@ -121,9 +119,7 @@ class DelassusProblem:
         self.friction = checks.array("mu", friction, (None,))
         nc = len(self.friction)
         self.q = _pairs("q", q, nc)
-        if impulse is None:
-            impulse = np.zeros((nc, 2))
-        self.impulse = _pairs("the warm start", impulse, nc)
+        self.impulse = _pairs("the warm start", np.zeros(2 * nc) if impulse is None else impulse, nc)
         checks.require(self.friction >= 0, "mu", self.friction, "µ ≥ 0")
         try:
             row, column, value = entries
@@ -140,9 +136,7 @@ class DelassusProblem:
         size = 2 * nc
         # each entry, its mirror image, and the diagonal, with zeros for missing entries
         diagonal, zeros = np.arange(size), np.zeros(len(value) + size)
-        row, column = (
-            np.concatenate([row, column, diagonal]), np.concatenate([column, row, diagonal])
-        )  # fmt: skip
+        row, column = np.concatenate([[row, column], [column, row], [diagonal] * 2], axis=1)
         value = np.concatenate([value, zeros])
         place, at = np.unique(row * size + column, return_inverse=True)
         value = np.bincount(at.ravel(), value, len(place))
@@ -165,11 +159,7 @@ class DelassusProblem:
 
     def entries(self):
         """Return the nonzero entries of W as (rows, columns, values), sorted by row and column."""
-        shape = self.block.shape
-        rows = 2 * self._block_rows()[:, None, None] + np.array([[0], [1]])
-        columns = 2 * self.column[:, None, None] + np.array([0, 1])
-        row, column = (np.broadcast_to(index, shape).ravel() for index in (rows, columns))
-        value = self.block.ravel()
+        (row, column), value = _places(self._block_rows(), self.column), self.block.ravel()
         keep = np.flatnonzero(value)
         keep = keep[np.lexsort((column[keep], row[keep]))]
         return row[keep], column[keep], value[keep]
@@ -180,6 +170,12 @@ class DelassusProblem:
         products = np.einsum("kij,kj->ki", self.block, impulse[self.column])
         np.add.at(u, self._block_rows(), products)
         return u
+
+
+def _places(row, column):
+    """Return rows and columns of the entries of 2 × 2 blocks, (4 n,) each."""
+    rows, columns = 2 * row[:, None, None] + [[0], [1]], 2 * column[:, None, None] + [[0, 1]]
+    return [index.ravel() for index in np.broadcast_arrays(rows, columns)]
 
 
 def _check_matrix(row, column, value, size):

@@ -115,9 +115,6 @@ def _suffix(path, known):
     return suffix
 
 
-# --- NumPy archives -----------------------------------------------------------------------------
-
-
 def _load_npz(path):
     with zipfile.ZipFile(path) as archive:
         for member in archive.infolist():
@@ -136,7 +133,7 @@ def _load_npz(path):
     checks.require(d["mu"] >= 0, "mu", d["mu"], "µ ≥ 0")
     grains = d["meta"][2]
     if not (grains == int(grains) and 0 <= grains <= nb):
-        expected = f"the number of particles, at most {nb}"
+        expected = f"the number of grains, at most {nb}"
         raise ValueError(f"meta[2] = {grains:g}; expected {expected}")
     if d["im"].shape == (nb,):
         d["im"] = np.column_stack([d["im"], d["im"]])
@@ -145,9 +142,6 @@ def _load_npz(path):
     bodies = np.column_stack([checks.ids("a", d["a"], nb), checks.ids("b", d["b"], nb)])
     points = (d[name] for name in ("n", "ra", "rb", "bn", "mu", "p0"))
     return BodyProblem(inverse_mass, d["vfree"], bodies, *points)
-
-
-# --- FCLIB --------------------------------------------------------------------------------------
 
 
 def _load_fclib(path):

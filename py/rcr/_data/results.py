@@ -15,7 +15,6 @@ import hashlib
 import json
 import os
 import pathlib
-import shutil
 import subprocess
 
 from rcr._data import files
@@ -45,21 +44,9 @@ def commit():
 
 
 def read(folder):
-    """Return the contents of a folder's run.json, or None if there is none.
-
-    A damaged file raises a ValueError.
-    """
+    """Return the contents of a folder's run.json, None if there is none."""
     path = pathlib.Path(folder) / RUN
-    if not path.exists():
-        return None
-    with files.reading(path, "a run.json"):
-        found = json.loads(path.read_text(encoding="utf-8"))
-        kinds = dict(program=str, run=str, parameters=dict)
-        if not isinstance(found, dict) or not all(
-            isinstance(found.get(name), kind) for name, kind in kinds.items()
-        ):
-            raise ValueError("program, run or parameters are missing")
-        return found
+    return files.read_json(path, "a run.json", program=str, run=str, parameters=dict)
 
 
 @contextlib.contextmanager
@@ -70,11 +57,11 @@ def claim_folder(
     """Block in which the folder, made if missing, belongs to this process. It yields `begin`.
 
     `begin()` removes the files of the previous run (unless the run is resumed), writes run.json and
-    returns its contents. Call it after everything that can fail early.
+    returns its contents. Call it after everything that can fail early. A ValueError says that the
+    folder holds another run, or that another process has it.
 
     Parameters
     ----------
-    folder : path
     program : str
         Name of the script.
     parameters : dict
@@ -85,31 +72,24 @@ def claim_folder(
         Names of the parameters that `resume` may change.
     checkpoint, last : str
         Name of the file from which `resume` continues, and of the last file of a complete run.
-    resume : bool
-        Continue the run in the folder.
-    overwrite : bool
-        Remove a run of other parameters, or one with a checkpoint.
+    resume, overwrite : bool
+        Continue the run in the folder; remove a run of other parameters, or one with a checkpoint.
     wait : bool
         Wait for another process that has the folder; by default raise an error.
-
-    Raises
-    ------
-    ValueError
-        If the folder holds another run, or another process has it.
-    OSError
-        If the folder cannot be written.
     """
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     with lock_folder(folder, wait=wait):
-        _remove_parts(folder)
+        files.remove_parts(folder)
         kept = read(folder)
         old = [path for pattern in made for path in sorted(folder.glob(pattern))]
         if kept is not None and kept["program"] != program:
             raise ValueError(f"{folder} holds results of {kept['program']}; choose another --out")
-        if resume:
-            _check_resumable(folder, kept, parameters, free)
-        elif not overwrite:
+        other = resume and kept and differing(kept["parameters"], parameters, free)
+        if other:
+            todo = "give its options, or start again with --overwrite"
+            raise ValueError(f"--resume: the run in {folder} has {other}; {todo}")
+        if not (resume or overwrite):
             _check_new(folder, kept, old, parameters, checkpoint, last)
 
         def begin():
@@ -144,12 +124,9 @@ def lock_folder(folder, name=LOCK, wait=False):
 
 def differing(one, other, free=()):
     """Return the parameters that differ, with both values, as text; '' if none differs."""
-    names = [name for name in dict.fromkeys([*one, *other]) if name not in free]
-    return ", ".join(
-        f"{name} = {_short(one.get(name))} (here {_short(other.get(name))})"
-        for name in names
-        if one.get(name) != other.get(name)
-    )
+    return ", ".join(f"{name} = {_short(one.get(name))} (here {_short(other.get(name))})"
+                     for name in dict.fromkeys([*one, *other])
+                     if name not in free and one.get(name) != other.get(name))
 
 
 def _record(program, parameters, free, kept):
@@ -167,23 +144,6 @@ def _record(program, parameters, free, kept):
 def _short(value):
     text = str(value)
     return text if len(text) <= 80 else f"{text[:79]}…"
-
-
-def _remove_parts(folder):
-    """Remove the partial files of killed processes; running processes keep theirs."""
-    for partial in folder.glob(files.PART + "*"):
-        if partial.is_dir():
-            shutil.rmtree(partial)
-            continue
-        with contextlib.suppress(BlockingIOError), files.locked(partial, wait=False):
-            partial.unlink()
-
-
-def _check_resumable(folder, kept, parameters, free):
-    other = kept and differing(kept["parameters"], parameters, free)
-    if other:
-        todo = "give its options, or start again with --overwrite"
-        raise ValueError(f"--resume: the run in {folder} has {other}; {todo}")
 
 
 def _check_new(folder, kept, old, parameters, checkpoint, last):

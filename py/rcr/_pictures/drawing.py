@@ -14,29 +14,15 @@ COLUMN, PAGE = 3.4, 7.0  # widths of a figure [in]
 TALLEST = 9.0  # largest height of a picture [in]
 LEGEND = 5.5  # smallest width of a picture with a legend below [in]
 STYLE = {
-    "font.size": 8,
-    "font.family": "sans-serif",
-    "mathtext.fontset": "dejavusans",
-    "axes.labelsize": 9,
-    "axes.linewidth": 0.6,
-    "axes.grid": False,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "legend.handlelength": 1.6,
+    "font.size": 8, "font.family": "sans-serif", "mathtext.fontset": "dejavusans",
+    "axes.labelsize": 9, "axes.linewidth": 0.6, "axes.grid": False,
+    "legend.fontsize": 7, "legend.frameon": False, "legend.handlelength": 1.6,
     "legend.columnspacing": 1.2,
-    "lines.linewidth": 1.0,
-    "lines.markersize": 3,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "errorbar.capsize": 1.5,
-    "pdf.fonttype": 42,
-    "svg.fonttype": "none",
-    "savefig.dpi": 300,
-}
+    "lines.linewidth": 1.0, "lines.markersize": 3, "errorbar.capsize": 1.5,
+    "xtick.direction": "in", "xtick.top": True, "xtick.labelsize": 8,
+    "ytick.direction": "in", "ytick.right": True, "ytick.labelsize": 8,
+    "pdf.fonttype": 42, "svg.fonttype": "none", "savefig.dpi": 300,
+}  # fmt: skip
 LARGEST = 24.0  # grain radius above which line widths stop growing [pt]; wider lines hide grains
 WIDTH = 0.16  # width of a segment with the mean force, over the mean radius [-]
 WIDEST = 0.8  # largest width of a segment, over the mean radius [-]

@@ -72,14 +72,10 @@ class GrainColors:
             return cls._of_scale(frame, scale, range, cmap)
         if is_color_like(color):
             return cls(np.tile(to_rgba(color), (count, 1)))
-        given = f"an array of the shape {np.shape(color)}"
-        if isinstance(color, str):
-            given = repr(color)
+        given = repr(color) if isinstance(color, str) else f"an array of the shape {np.shape(color)}"
         names = ", ".join([*SCALES, *CATEGORIES])
-        raise ValueError(
-            f"color = {given}; expected {names}, a colour of Matplotlib, "
-            f"or a number for each of the {count} grains"
-        )
+        numbers = f"a number for each of the {count} grains"
+        raise ValueError(f"color = {given}; expected {names}, a colour of Matplotlib, or {numbers}")
 
     @classmethod
     def _of_scale(cls, frame, scale, range, cmap):

@@ -74,10 +74,8 @@ def _writer(path, fps):
     if path.suffix == ".gif":
         return PillowWriter(fps=fps)
     if not FFMpegWriter.isAvailable():
-        raise ValueError(
-            f"{path}: this format needs ffmpeg, which is not installed; "
-            "give a name that ends in .gif"
-        )
+        needed = "this format needs ffmpeg, which is not installed"
+        raise ValueError(f"{path}: {needed}; give a name that ends in .gif")
     return FFMpegWriter(fps=fps)
 
 

@@ -1,10 +1,9 @@
 """Steps of the present scene with a progress bar and a clean stop at Ctrl-C."""
 
-import time
-
 from yade.wrapper import Omega
 
 from rcr._data import checks
+from rcr._yade.session import wait_for_end
 from rcr.script import stoppable
 
 BAR_DELAY = 1.0  # time before a bar appears [s]
@@ -46,10 +45,8 @@ def advance(steps, label="steps", until=None, every=None):
     from tqdm import tqdm
 
     if Omega().running:
-        raise RuntimeError(
-            "rcr.advance: a run is active, perhaps that of the calling engine; "
-            "end it first by O.pause() or O.wait()"
-        )
+        given = "rcr.advance: a run is active, perhaps that of the calling engine"
+        raise RuntimeError(f"{given}; end it first by O.pause() or O.wait()")
     expected = "a number of steps, at least 1"
     steps = checks.integer("steps", steps, expected, lambda v: v >= 1)
     every = max(1, steps // 100) if every is None else every
@@ -73,18 +70,14 @@ def _run(count, bar, stop):
     smaller than `count` if `stop` or an engine has ended the run.
     """
     O = Omega()
-    first, shown, pause = O.iter, bar.n, 1e-4
+    first, shown = O.iter, bar.n
+
+    def check():
+        bar.update(shown + O.iter - first - bar.n)
+        if stop.asked:
+            O.pause()
+
     O.run(count)
-    try:
-        while O.running:
-            time.sleep(pause)
-            pause = min(2 * pause, LONGEST_PAUSE)
-            bar.update(shown + O.iter - first - bar.n)
-            if stop.asked:
-                O.pause()
-    except BaseException:
-        O.pause()
-        raise
-    O.wait()
+    wait_for_end(O, LONGEST_PAUSE, check)
     bar.update(shown + O.iter - first - bar.n)
     return O.iter - first

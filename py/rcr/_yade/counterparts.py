@@ -60,7 +60,7 @@ def _warning(original, name, counterpart):
         if any(isinstance(body.shape, Rcr) for body in Omega().bodies):
             fault = fault_of(*arguments, **options)
             if fault:
-                warnings.warn(f"{name} {fault}; use {counterpart}", stacklevel=2)
+                warnings.warn(f"rcr: {name} {fault}; use {counterpart}", stacklevel=2)
         return original(*arguments, **options)
 
     return wrapped

@@ -87,16 +87,11 @@ def _contacts(frame, codes):
     arm1, arm2 = swap(c["arm1"], c["arm2"]), swap(c["arm2"], c["arm1"])
     obstacles = [codes.get(int(id_), OTHER - int(id_)) for id_ in body2]
     columns = dict(
-        body1=body1,
-        body2=np.where(at_obstacle, obstacles, body2),
-        type=np.where(at_obstacle, WALL, c["type"]),
-        points=c["points"],
-        normal=sign * c["normal"],
+        body1=body1, body2=np.where(at_obstacle, obstacles, body2),
+        type=np.where(at_obstacle, WALL, c["type"]), points=c["points"], friction=c["friction"],
+        normal=sign * c["normal"], force=sign * c["force"],
         branch=np.where(at_obstacle[:, None], arm1, arm1 - arm2),
-        force=sign * c["force"],
-        position=frame.centers[frame.rows(body1)] + arm1,  # beside body 1, also across a cell edge
-        friction=c["friction"],
-    )
+        position=frame.centers[frame.rows(body1)] + arm1)  # beside body 1, also across a cell edge
     # by ids, because YADE's order changes when a scene is reloaded
     order = np.lexsort((columns["body2"], columns["body1"]))
     return {name: column[order] for name, column in columns.items()}

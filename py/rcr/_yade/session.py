@@ -92,19 +92,24 @@ def _responsive(run):
     @functools.wraps(run)
     def wrapped(omega, nSteps=-1, wait=False):
         run(omega, nSteps, False)
-        if not wait:
-            return
-        pause = 1e-4
-        try:
-            while omega.running:
-                time.sleep(pause)
-                pause = min(2 * pause, 5e-3)
-        except KeyboardInterrupt:
-            omega.pause()
-            raise
-        omega.wait()
+        if wait:
+            wait_for_end(omega, 5e-3)
 
     return wrapped
+
+
+def wait_for_end(omega, longest_pause, each=lambda: None):
+    """Wait for the end of a run and call `each` between the checks; an exception ends the run."""
+    pause = 1e-4
+    try:
+        while omega.running:
+            time.sleep(pause)
+            pause = min(2 * pause, longest_pause)
+            each()
+    except BaseException:
+        omega.pause()
+        raise
+    omega.wait()
 
 
 def _after_step(method):

@@ -9,7 +9,7 @@ from yade.wrapper import (
     Law2_RcrGeom_FrictPhys_CundallStrack, NewtonIntegrator, Omega, Rcr, Sphere,
 )  # fmt: skip
 
-from rcr._yade.yade_scene import lengths
+from rcr._yade.scene_arrays import lengths
 
 O = Omega()
 
@@ -54,10 +54,8 @@ def critical_time_step(points=6):
     laws = [law for loop in loops for law in loop.lawDispatcher.functors]
     laws = [law for law in laws if isinstance(law, Law2_RcrGeom_FrictPhys_CundallStrack)]
     if not laws:
-        raise ValueError(
-            "O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack; "
-            "rigid contacts do not bound the time step"
-        )
+        given = "O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack"
+        raise ValueError(f"{given}; rigid contacts do not bound the time step")
     stiffness_of = _stiffnesses(loops)
     steps = []
     for body in O.bodies:

@@ -53,11 +53,8 @@ def strength(runs, ensemble, grids):
     """Return sin φ of the critical state and along the strain, of the runs of one elongation."""
     late = [run.critical_stresses() for run in runs]
     seeds = [sin_phi(stresses.mean(axis=0)) for stresses in late]
-    blocks = [
-        sin_phi(block.mean(axis=0))
-        for stresses in late
-        for block in np.array_split(stresses, min(BLOCKS, len(stresses)))
-    ]
+    blocks = [sin_phi(block.mean(axis=0)) for stresses in late
+              for block in np.array_split(stresses, min(BLOCKS, len(stresses)))]
     histories = [run.history for run in runs if run.history is not None]
     curves = [along_strain(history, grids.strain) for history in histories]
     return dict(
@@ -116,50 +113,34 @@ def isotropic(network, grids):
 def analyse(runs):
     """Return every observable of runs, as analysis.json holds it.
 
-    Parameters
-    ----------
-    runs : list of Run
-        Runs of the same elongation are cumulated.
-
-    Returns
-    -------
-    dict
-        ``O1`` … ``O18``, each {value: {name: array, elongation first}, paper: statement, unit}.
-
-    Raises
-    ------
-    ValueError
-        If there is no run, or runs differ in friction or have none.
+    The result is ``O1`` … ``O18``, each {value: {name: array, elongation first}, paper: statement,
+    unit}. Runs of the same elongation are cumulated. A ValueError says that there is no run, or
+    that runs differ in friction or have none.
     """
     if not runs:
         raise ValueError("no runs: the analysis needs at least one folder")
     groups = by_elongation(runs)
-    ensembles = {
-        eta: Ensemble([network for run in group for network in run.networks])
-        for eta, group in groups.items()
-    }
+    ensembles = {eta: Ensemble([network for run in group for network in run.networks])
+                 for eta, group in groups.items()}
     last = max(float(run.networks[-1].attributes["strain"]) for run in runs)
     grids = Grids.of(ensembles.values(), last)
     named = grids.values()
     results = {eta: measures(e, grids, samples(groups[eta])) for eta, e in ensembles.items()}
     eta = np.array(list(groups))
 
-    def stacked(rows, axes):
+    def stacked(measure, axes):
+        rows = [measure(e) for e in groups]
         columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
         return dict(eta=eta) | {name: named[grid] for name, grid in axes.items()} | columns
 
-    values = {
-        key: stacked([results[e][key] for e in groups], axes) for key, (_, axes) in MEASURES.items()
-    }
-    values["O1"] = stacked(
-        [strength(groups[e], ensembles[e], grids) for e in groups], dict(strain="strain"))
-    values["O2"] = stacked([compaction(groups[e], grids) for e in groups], dict(theta="theta"))
-    values["O15"] |= stacked([drift(groups[e]) for e in groups], {})
-    values |= {key: dict(eta=eta) for key in MAPS if key not in values}
-    return {
-        key: dict(value=values[key], paper=paper, unit=unit)
-        for key, (paper, unit) in STATEMENTS.items()
-    }
+    values = {key: dict(eta=eta) for key in MAPS}
+    for key, (_, axes) in MEASURES.items():
+        values[key] = stacked(lambda e: results[e][key], axes)
+    values["O1"] = stacked(lambda e: strength(groups[e], ensembles[e], grids), dict(strain="strain"))
+    values["O2"] = stacked(lambda e: compaction(groups[e], grids), dict(theta="theta"))
+    values["O15"] |= stacked(lambda e: drift(groups[e]), {})
+    return {key: dict(value=values[key], paper=paper, unit=unit)
+            for key, (paper, unit) in STATEMENTS.items()}
 
 
 def jsonable(item):

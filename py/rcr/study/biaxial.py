@@ -34,8 +34,8 @@ class Biaxial:
         ``phase`` ('collapse', 'relaxation' or 'shear'), counts and state of the compaction.
     rows : list of dict
         History, one row for each record: 0.1 % of strain.
-    records : list of Record
-        Intervals of the last run of steps.
+    records : list of dict
+        Intervals of the last run of steps; see `rcr.study.records.make_records`.
     mean_stresses : (2,) float array
         σ_x and σ_y on the walls, means of the last interval [Pa], compression positive.
     isotropic : Network or None
@@ -65,48 +65,14 @@ class Biaxial:
     def prepare(cls, *arguments, **parameters):
         """Make a new test in a loose state, in place of YADE's scene.
 
-        Parameters
-        ----------
-        eta : float
-            Elongation, 0 ≤ eta < 1 (default 0.5).
-        particles : int
-            Number of grains, at least 10 (1000).
-        seed : int
-            Seed of radii, positions and orientations (1).
-        friction : float
-            Coefficient between grains during the shear (0.5); walls are smooth.
-        tolerance, solver, threads
-            Attributes of `ContactDynamics` (1e-4, 'auto', 0).
-        inertial_number : float
-            I of the shear, > 0 (`Protocol.inertial_number`).
-        time_step : float
-            dt/t₀ of the shear, 0 < time_step ≤ 10 (`Protocol.time_step`); not of the smooth law.
-        law : str
-            Contact law of the shear: 'cd', rigid contacts, or 'smooth', springs with
-            `Protocol.viscous_damping` along normals ('cd').
-        stiffness : float
-            k_n/σ₀ of the smooth law [-] (`Protocol.stiffness`).
-        iterations : int
-            Iterations of the solver in a step of the shear, at most
-            (`Protocol.default_iterations`).
-        approach : float
-            Strain up to which the shear is quick (`Protocol.approach`): I is at least
-            `Protocol.quick_inertial_number`, dt/t₀ at most `Protocol.quick_time_step`.
-        sample_inertia : float
-            ρ (ε̇ W)²/σ₀ beyond `approach`, at most (`Protocol.sample_inertia`): I is lowered in
-            large and wide samples.
-
-        Raises
-        ------
-        ValueError
-            If a parameter is out of its range.
+        Parameters are those of `rcr.study.protocol.check_parameters`: options of
+        scripts/biaxial.py, which docs/biaxial.md describes. A ValueError reports one out of its
+        range.
         """
         parameters = check_parameters(*arguments, **parameters)
         compaction.make_scene(parameters)
         progress = dict(COUNTERS, phase="collapse", iterations=0, wall_seconds=0.0)
         return cls(parameters, progress, [])
-
-    # --- measures of the sample -----------------------------------------------------------------
 
     @property
     def width(self):
@@ -139,14 +105,9 @@ class Biaxial:
     def sample_inertia(self, strain=None):
         """Return the inertia of the sample along its width and height, now or at a strain.
 
-        ρ (ε̇ W)²/σ₀ and ρ (ε̇ h)²/σ₀, with ε̇ = v/h and the speed v of the top wall. In the
+        ρ (ε̇ W)²/σ₀ and ρ (ε̇ h)²/σ₀ [-], with ε̇ = v/h and the speed v of the top wall. In the
         homogeneous flow u = ε̇ (x, −y), with v and the area constant, a point accelerates by
         2 ε̇² x and not along y: the fixed side wall carries ρ (ε̇ W)² more than the free one.
-
-        Returns
-        -------
-        tuple of two floats
-            [-].
         """
         width, height = shear.box(self, strain)
         rate = shear.top_speed(self, strain) / height
@@ -155,18 +116,8 @@ class Biaxial:
         return tuple(density * (rate * length) ** 2 / stress for length in (width, height))
 
     def wall_stresses(self):
-        """Return σ_x and σ_y, the mean contact forces on opposite walls over their lengths.
-
-        Returns
-        -------
-        tuple of two floats
-            [Pa], compression positive.
-        """
-        load = {
-            engine.wall: engine
-            for engine in O.engines
-            if isinstance(engine, rcr.WallStress) and not engine.dead
-        }
+        """Return σ_x and σ_y, the mean contact forces on opposite walls over their lengths [Pa]."""
+        load = {e.wall: e for e in O.engines if isinstance(e, rcr.WallStress) and not e.dead}
 
         def contact_force(wall, axis, length):
             applied = load[wall].stress * length if wall in load else 0.0
@@ -177,12 +128,9 @@ class Biaxial:
         return sum(x) / (2 * self.height), sum(y) / (2 * self.width)
 
     def overlaps(self):
-        """Return the overlap of each contact point, 0 where it is open.
+        """Return the overlap of each contact point in mean diameters [-], 0 where it is open.
 
-        Returns
-        -------
-        (points,) float array
-            In mean diameters [-], ascending: sums do not depend on the order of `O.interactions`.
+        They ascend, so that sums do not depend on the order of `O.interactions`.
         """
         gaps = [i.geom.gap[k] for i in O.interactions if i.isReal for k in range(i.geom.points)]
         return np.sort(np.maximum(0, -np.array(gaps))) / self.diameter
@@ -193,32 +141,19 @@ class Biaxial:
                                    friction=self.parameters["friction"] if self.rows else 0.0,
                                    seed=self.parameters["seed"], run=self.run)
 
-    # --- the two stages -------------------------------------------------------------------------
-
     def compact(self, report=lambda test: None, balanced=PROTOCOL.balance_tolerance):
         """Compress without friction under σ₀ from the right and the top until all is balanced.
 
-        The wall stresses are then within 1 % of σ₀, or within 3 % in a packing that creeps.
+        The mean net force of a grain over the mean contact force is then below `balanced`. The
+        wall stresses are within 1 % of σ₀, or within 3 % in a packing that creeps. `report` is
+        called with the test after every step of the collapse and every interval of the relaxation.
+        A packing that is not at rest after `Protocol.max_compaction_steps` raises a RuntimeError.
         `rcr.study.compaction` describes the phases.
-
-        Parameters
-        ----------
-        report : callable
-            Called with the test after every step of the collapse and every interval of the
-            relaxation.
-        balanced : float
-            Mean net force of a grain over the mean contact force at the end [-].
-
-        Raises
-        ------
-        RuntimeError
-            If the packing is not at rest after `Protocol.max_compaction_steps`.
         """
-        compaction.compact(self, report, balanced, lambda: shear.start(self))
-
-    switch_to_springs = shear.switch_to_springs
-
-    steps_per_record = property(shear.steps_per_record)
+        while self.progress["phase"] != "shear":
+            if compaction.compact(self, balanced):
+                shear.start(self)
+            report(self)
 
     @property
     def strain_per_record(self):
@@ -230,27 +165,13 @@ class Biaxial:
         """Shear by one record; see `shear`."""
         self.shear(1)
 
-    def shear(self, records):
-        """Shear by a number of records, each of 0.1 % of strain and with a row of the history.
-
-        Records with equal wall speed and time step are one run of YADE, since each run reads all
-        bodies once. The results are those of one run per record, to the bit.
-
-        Raises
-        ------
-        RuntimeError
-            If the packing has blown up.
-        """
-        shear.shear(self, records)
-
     def step(self, count, times=1):
         """Make `times` intervals of `count` steps; set `records` and `mean_stresses`."""
         start = time.perf_counter()
         make_records(self, count, times)
-        self.mean_stresses = self.records[-1].stresses
+        last = self.records[-1]
+        self.mean_stresses = np.array([last["stress_x"], last["stress_y"]])
         self.progress["wall_seconds"] += time.perf_counter() - start
-
-    # --- results --------------------------------------------------------------------------------
 
     @property
     def run(self):
@@ -258,20 +179,9 @@ class Biaxial:
         given = self.parameters.items()
         return results.identity({name: v for name, v in given if name not in FREE_PARAMETERS})
 
-    summary = summarize
-    save = checkpoint.save
-
     @classmethod
     def load(cls, folder):
-        """Return the test of the last checkpoint in a folder.
-
-        Raises
-        ------
-        FileNotFoundError
-            If the folder has no checkpoint.
-        ValueError
-            If the checkpoint is damaged, or not one of a biaxial test of this version.
-        """
+        """Return the test of the last checkpoint in a folder; see `checkpoint.load_file`."""
         return cls(*checkpoint.load(folder))
 
     def go_back(self, folder):
@@ -279,11 +189,6 @@ class Biaxial:
 
         The time step is dt/2, then dt/3 and so on. It stays smaller up to the first state beyond
         the strain at which the test failed.
-
-        Raises
-        ------
-        ValueError
-            If the state is damaged.
         """
         failed = max(self.strain, self.progress["failed_strain"])
         divisor = self.progress["divisor"] + 1
@@ -291,3 +196,7 @@ class Biaxial:
         self.__init__(*checkpoint.load_file(path))
         self.progress.update(divisor=divisor, failed_strain=failed,
                              repeated=self.progress["repeated"] + 1)
+
+    summary, save = summarize, checkpoint.save
+    switch_to_springs, steps_per_record = shear.switch_to_springs, property(shear.steps_per_record)
+    shear = shear.shear

@@ -12,6 +12,7 @@ from yade.wrapper import Omega
 
 from rcr._data import files
 from rcr.study.protocol import check_parameters
+from rcr.study.records import HISTORY_COLUMNS
 
 O = Omega()
 
@@ -19,10 +20,6 @@ CHECKPOINT = "checkpoint.yade.gz"
 STATES = "state-*.yade.gz"  # checkpoints to which a test returns if it jams; * is the strain
 KEPT_STATES = 2
 NETWORKS = "network-*.h5"
-HISTORY_COLUMNS = (
-    "step", "time", "strain", "sin_phi", "stress_x", "stress_y", "packing_fraction", "points",
-    "iterations", "residual", "unconverged_steps", "yielded_steps",
-)  # fmt: skip
 
 
 def save(test, folder, state=False):

@@ -31,49 +31,25 @@ O = Omega()
 SOLVER_ITERATIONS = 3000  # of a step of the compaction, at most
 
 
-# --- the loose scene ---------------------------------------------------------------------------
-
-
 def random_radii(count, rng):
-    """Return radii uniform in volume fraction: number density ∝ R⁻² in [R_min, 2 R_min].
-
-    Returns
-    -------
-    (count,) float array
-        Radii [m].
-    """
+    """Return radii uniform in volume fraction: number density ∝ R⁻² in [R_min, 2 R_min] [m]."""
     return PROTOCOL.smallest_radius / (1 - 0.5 * rng.random(count))
-
-
-def deposited_packing(count, rng):
-    """Return circles deposited layer by layer in a box about as high as wide (`deposition.hpp`).
-
-    Returns
-    -------
-    centres : (count, 2) float array
-        Centres [m].
-    radii : (count,) float array
-        Radii [m].
-    width, height : float
-        Size of the box [m].
-    """
-    radii = random_radii(count, rng)
-    area = math.pi * np.sum(radii**2)
-    width = max(math.sqrt(area / PROTOCOL.deposited_fraction), 2 * radii.max())
-    centres = _kernel.deposit(radii, width)
-    return centres, radii, width, (centres[:, 1] + radii).max()
 
 
 def make_scene(parameters):
     """Make the loose packing, its walls and its engines in the running YADE.
 
-    Each grain is inscribed in its circle of a deposited packing, at a random angle. The circles
-    do not depend on the elongation.
+    Each grain is inscribed in a circle, at a random angle. The circles are deposited layer by layer
+    in a box about as high as wide (`deposition.hpp`) and do not depend on the elongation.
     """
     O.reset()
     count = parameters["particles"]
     rng = np.random.default_rng(parameters["seed"])
-    centres, radii, width, height = deposited_packing(count, rng)
+    radii = random_radii(count, rng)
+    area = math.pi * np.sum(radii**2)
+    width = max(math.sqrt(area / PROTOCOL.deposited_fraction), 2 * radii.max())
+    centres = _kernel.deposit(radii, width)
+    height = (centres[:, 1] + radii).max()
     angles = rng.uniform(0, math.pi, count)
     grain, plate = (
         O.materials.append(FrictMat(density=PROTOCOL.density, frictionAngle=0, label=label))
@@ -83,14 +59,10 @@ def make_scene(parameters):
     O.bodies.append([rcr.particle(c, R, parameters["eta"], a, grain) for c, R, a in grains])
     mass = sum(b.state.mass for b in O.bodies)
     wall_mass = mass / math.sqrt(count)  # of a row of grains; heavier walls lag behind
-    walls = O.bodies.append(
-        [
-            rcr.wall("x", 0, +1, material=plate),
-            rcr.wall("y", 0, +1, material=plate),
-            rcr.mobile_wall("x", width, wall_mass, -1, plate),
-            rcr.mobile_wall("y", height, wall_mass, -1, plate),
-        ]
-    )
+    fixed = [rcr.wall(axis, 0, +1, material=plate) for axis in "xy"]
+    mobile = [rcr.mobile_wall(axis, at, wall_mass, -1, plate)
+              for axis, at in zip("xy", (width, height))]
+    walls = O.bodies.append([*fixed, *mobile])
     shortest, _ = PROTOCOL.relaxation_time_steps
     O.dt = shortest * math.sqrt(mass / count / PROTOCOL.confining_stress)
     O.engines = _engines(walls, parameters)
@@ -108,18 +80,11 @@ def _engines(walls, parameters):
                         [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
         rcr.WallStress(wall=right, start=bottom, end=top, stress=stress),
         rcr.WallStress(wall=top, start=left, end=right, stress=stress),
-        rcr.ContactDynamics(
-            maxIterations=SOLVER_ITERATIONS,
-            solver=parameters["solver"],
-            threads=parameters["threads"],
-            overdamped=True,
-            yieldCompliance=0,  # walls under stress give way, so each step has a solution
-        ),
+        rcr.ContactDynamics(  # walls under stress give way, so each step has a solution
+            maxIterations=SOLVER_ITERATIONS, solver=parameters["solver"],
+            threads=parameters["threads"], overdamped=True, yieldCompliance=0),
         NewtonIntegrator(damping=0),
     ]
-
-
-# --- length of the relaxation steps ------------------------------------------------------------
 
 
 def relaxation_interval(solver):
@@ -129,21 +94,10 @@ def relaxation_interval(solver):
 
 
 def relaxation_time_step(state, solver):
-    """Return the time step of the next relaxation interval.
+    """Return dt/t₀ of the next relaxation interval [-], from the unbalance of the solver.
 
-    Under the net force F ⟨f⟩ a grain moves by about F d (dt/t₀)² in a step.
-
-    Parameters
-    ----------
-    state : dict
-        State of the relaxation, empty at first; updated.
-    solver : ContactDynamics
-        Its `unbalancedForce` and `largestUnbalancedForce` are read.
-
-    Returns
-    -------
-    float
-        dt/t₀ [-].
+    Under the net force F ⟨f⟩ a grain moves by about F d (dt/t₀)² in a step. The function updates
+    the `state` of the relaxation, a dict that is empty at first.
     """
     before = state.get("steps", 0)
     steps = before + relaxation_interval(solver)
@@ -196,30 +150,29 @@ def accept_creep(state, stress_deviation):
     return False
 
 
-# --- the two phases ----------------------------------------------------------------------------
-
-
-def compact(test, report, balance_tolerance, start_shear):
-    """Collapse and relax the packing, then call `start_shear`; see `Biaxial.compact`."""
+def compact(test, balance_tolerance):
+    """Make a step of the collapse or an interval of the relaxation; return True at the end."""
     solver = test.solver
-    while test.progress["phase"] != "shear":
-        unbalance = min(0.1, max(solver.unbalancedForce, balance_tolerance))
-        solver.tolerance = PROTOCOL.relaxation_tolerance * unbalance
-        if test.progress["phase"] == "collapse":
-            _collapse(test)
-        else:
-            _relax(test)
-            if solver.unbalancedForce < balance_tolerance and _is_at_rest(test):
-                start_shear()
-        report(test)
-        if O.iter > PROTOCOL.max_compaction_steps:
-            raise RuntimeError(
-                f"the compaction has not come to rest after {O.iter} steps: mean net force of a "
-                f"grain {solver.unbalancedForce:.1e} of the mean contact force (expected "
-                f"{balance_tolerance:g}), wall stresses "
-                f"{test.mean_stresses / PROTOCOL.confining_stress} σ₀ (expected 1); "
-                "try another seed or a smaller tolerance"
-            )
+    if O.iter > PROTOCOL.max_compaction_steps:
+        raise RuntimeError(
+            f"the compaction has not come to rest after {O.iter} steps: mean net force of a "
+            f"grain {solver.unbalancedForce:.1e} of the mean contact force (expected "
+            f"{balance_tolerance:g}), wall stresses "
+            f"{test.mean_stresses / PROTOCOL.confining_stress} σ₀ (expected 1); "
+            "try another seed or a smaller tolerance"
+        )
+    unbalance = min(0.1, max(solver.unbalancedForce, balance_tolerance))
+    solver.tolerance = PROTOCOL.relaxation_tolerance * unbalance
+    if test.progress["phase"] == "collapse":
+        _collapse(test)
+        return False
+    _relax(test)
+    if solver.unbalancedForce >= balance_tolerance:
+        return False
+    deviation = stress_deviation(test)
+    if deviation < PROTOCOL.isotropy_tolerance:
+        return True
+    return accept_creep(test.progress["relaxation"], deviation)
 
 
 def rest():
@@ -231,13 +184,6 @@ def rest():
 def stress_deviation(test):
     """Return the largest deviation of the wall stresses from σ₀ [σ₀]."""
     return float(np.abs(test.mean_stresses / PROTOCOL.confining_stress - 1).max())
-
-
-def _is_at_rest(test):
-    deviation = stress_deviation(test)
-    if deviation < PROTOCOL.isotropy_tolerance:
-        return True
-    return accept_creep(test.progress["relaxation"], deviation)
 
 
 def _collapse(test):

@@ -64,8 +64,6 @@ class Ensemble:
 
     def snapshots(self):
         """Return one ensemble per snapshot."""
-        if len(self._networks) == 1:
-            return [self]
         return [Ensemble([network]) for network in self._networks]
 
     @functools.cached_property

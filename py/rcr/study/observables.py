@@ -11,6 +11,7 @@
 """
 
 import dataclasses
+import functools
 
 import numpy as np
 
@@ -23,7 +24,7 @@ NAMES = ("a_c", "a_ln", "a_lt", "a_fn", "a_ft")
 AXES = ("off_axis", "theta_sigma")  # angles with the period π
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, eq=False)
 class Grids:
     """Classes and cutoffs of all elongations; edges of classes unless stated otherwise."""
 
@@ -53,10 +54,8 @@ class Grids:
 
     def values(self):
         """Return values and centres of classes, by their names in analysis.json."""
-        middles = {
-            name: statistics.centres(getattr(self, name))
-            for name in ("mobilization", "reduced_length", "length", "theta", "strip")
-        }
+        names = ("mobilization", "reduced_length", "length", "theta", "strip")
+        middles = {name: statistics.centres(getattr(self, name)) for name in names}
         middle = np.where(self.force[1:] <= 1, np.sqrt(self.force[1:] * self.force[:-1]),
                           statistics.centres(self.force))
         return middles | dict(force=middle, strain=self.strain, xi=self.xi, xi_polar=self.xi_polar)
@@ -77,28 +76,13 @@ def force_distribution(force, edges, suffix):
     alpha, alpha_error = statistics.exponential_rate(force)
     beta, beta_error = statistics.power_exponent(force, POWER_RANGE)
     tenth, _ = statistics.power_exponent(force, 0.1)
-    return {
-        "pdf": statistics.density(force, edges),
-        f"alpha_{suffix}": alpha,
-        f"alpha_{suffix}_fit_error": alpha_error,
-        f"beta_{suffix}": beta,
-        f"beta_{suffix}_fit_error": beta_error,
-        f"beta_{suffix}_tenth": tenth,
-    }
-
-
-def normal_forces(e, grids):
-    """O3: distribution of normal forces, and the fraction of weak ones."""
-    return force_distribution(e.fn, grids.force, "n") | dict(weak_fraction=np.mean(e.fn < 1))
-
-
-def tangential_forces(e, grids):
-    """O4: distribution of tangential forces."""
-    return force_distribution(np.abs(e.ft), grids.force, "t")
+    return {"pdf": statistics.density(force, edges), f"alpha_{suffix}": alpha,
+            f"alpha_{suffix}_fit_error": alpha_error, f"beta_{suffix}": beta,
+            f"beta_{suffix}_fit_error": beta_error, f"beta_{suffix}_tenth": tenth}
 
 
 def mean_mobilization(e, grids):
-    """O5: mean of I_m, and contacts with I_m > 0.99."""
+    """Return the mean of I_m, the share of contacts with I_m > 0.99, and that of weak ones there."""
     weak = e.fn < 1
     full = e.mobilization > 0.99
     return dict(friction_mobilization=e.mobilization.mean(), mobilized_fraction=np.mean(full),
@@ -106,7 +90,7 @@ def mean_mobilization(e, grids):
 
 
 def strip_forces(e, grids):
-    """O6: mean normal force and σ_xx in vertical strips over the means of the snapshot.
+    """Return mean normal force and σ_xx in vertical strips over the means of the snapshot.
 
     σ_xx is 1 in a sample without inertia; contacts with the walls are left out.
     """
@@ -116,47 +100,24 @@ def strip_forces(e, grids):
                 strip_stress=stress / stress.mean())
 
 
-def mobilization_by_force(e, grids):
-    """O7: mean of I_m by classes of the normal force."""
-    return dict(i_mf=statistics.class_means(e.fn, e.mobilization, grids.force))
-
-
-def mobilization_distribution(e, grids):
-    """O8: distribution of I_m."""
-    return dict(pdf=statistics.density(np.minimum(e.mobilization, 1), grids.mobilization))
-
-
 def _reduced_length(e):
     """Return ℓ_r within its range; overlaps and gaps exceed it by 1e-4 at most."""
     return np.clip(e.reduced_length, 1 - e.eta + 1e-9, 1 - 1e-9)
-
-
-def length_distribution(e, grids):
-    """O10: distribution of ℓ_r."""
-    return dict(pdf=statistics.density(_reduced_length(e), grids.reduced_length))
 
 
 def _force_and_length(e):
     return np.hypot(e.fn, e.ft), np.hypot(e.ln, e.lt)
 
 
-def contact_types(e, grids):
-    """O11: fractions of cap-cap, cap-side and side-side contacts [-]."""
-    return {
-        f"fraction_{name}": np.mean(e.type == code)
-        for name, code in (("cc", CAP_CAP), ("cs", CAP_SIDE), ("ss", SIDE_SIDE))
-    }
-
-
 def correlations(e, grids):
-    """O12: C(f, ℓ_r), NaN for discs, and C(f, ℓ); f is the size of the force."""
+    """Return C(f, ℓ_r), NaN for discs, and C(f, ℓ); f is the size of the force."""
     force, length = _force_and_length(e)
     c_f_lr = np.nan if e.eta == 0 else statistics.pearson(force, e.reduced_length)
     return dict(c_f_lr=c_f_lr, c_f_l=statistics.pearson(force, length))
 
 
 def force_by_length(e, grids):
-    """O13: mean force by classes of ℓ_r and ℓ."""
+    """Return the mean force by classes of ℓ_r and ℓ."""
     force, length = _force_and_length(e)
     force = force / force.mean()
     return dict(f_l_r=statistics.class_means(_reduced_length(e), force, grids.reduced_length),
@@ -166,11 +127,8 @@ def force_by_length(e, grids):
 def angular_function(e, grids, value, form):
     """Return means of a column of contacts by the direction of their normals, and their fit.
 
-    Returns
-    -------
-    (function, mean, amplitude) : (ξ, θ), (ξ,) and (ξ,) arrays
-        For each ξ. The fit is mean + amplitude cos 2(θ − θσ) if `form` is np.cos, or
-        amplitude sin 2(θ − θσ) if it is np.sin.
+    They are the function (ξ, θ) and the mean and amplitude (ξ,) of the fit: mean + amplitude
+    cos 2(θ − θσ) if `form` is np.cos, or amplitude sin 2(θ − θσ) if it is np.sin.
     """
     function, fits = [], []
     for xi in grids.xi_polar:
@@ -183,7 +141,7 @@ def angular_function(e, grids, value, form):
 
 
 def contact_directions(e, grids):
-    """O14: P(θ, ξ), with integral 1 over [0, π], and its Fourier fit (1 + a cos 2(θ − θ_c))/π.
+    """Return P(θ, ξ), with integral 1 over [0, π], and its Fourier fit (1 + a cos 2(θ − θ_c))/π.
 
     ``amplitude`` is a cos 2 ``off_axis``, ``off_axis`` is θ_c − θσ [rad].
     """
@@ -195,62 +153,59 @@ def contact_directions(e, grids):
                 theta_sigma=e.stress_angle)
 
 
-def contact_anisotropy(e, grids):
-    """O15: a_c(ξ)."""
-    return dict(a_c=e.xi_networks.anisotropies(grids.xi)[0])
+@functools.lru_cache(maxsize=1)
+def anisotropies(e, grids):
+    """Return {name: anisotropy (ξ,)} by `NAMES`."""
+    return dict(zip(NAMES, e.xi_networks.anisotropies(grids.xi)))
 
 
-def branch_anisotropies(e, grids):
-    """O16: anisotropies and angular functions of branch vectors."""
-    return _anisotropies(e, grids, "l", e.ln, e.lt, slice(1, 3))
-
-
-def force_anisotropies(e, grids):
-    """O17: anisotropies and angular functions of forces."""
-    return _anisotropies(e, grids, "f", e.fn, e.ft, slice(3, 5))
-
-
-def _anisotropies(e, grids, vector, normal, tangential, which):
+def vector_anisotropies(e, grids, vector):
+    """Return anisotropies and angular functions of branch vectors ("l") or forces ("f")."""
+    normal, tangential = (getattr(e, f"{vector}{component}") for component in "nt")
     scale = normal.mean()
     along, mean, along_amplitude = angular_function(e, grids, normal / scale, np.cos)
     across, _, across_amplitude = angular_function(e, grids, -tangential / scale, np.sin)
-    functions = {
-        f"{vector}_n": along,
-        f"{vector}_n_mean": mean,
-        f"{vector}_n_amplitude": along_amplitude,
-        f"{vector}_t": across,
-        f"{vector}_t_amplitude": across_amplitude,
-    }
-    return dict(zip(NAMES[which], e.xi_networks.anisotropies(grids.xi)[which])) | functions
+    values = {name: value for name, value in anisotropies(e, grids).items() if vector in name}
+    functions = dict(n=along, n_mean=mean, n_amplitude=along_amplitude, t=across,
+                     t_amplitude=across_amplitude)
+    return values | {f"{vector}_{name}": value for name, value in functions.items()}
 
 
 def shear_stress(e, grids):
-    """O18: q(ξ)/p, the half-sum of the anisotropies, and their difference.
+    """Return q(ξ)/p, the half-sum of the anisotropies, and their difference.
 
     κ q(ξ)/p = half-sum + cross products exactly, with the pressure factor κ.
     """
     ratio = e.xi_networks.shear_stress_ratio(grids.xi)
-    half_sum = 0.5 * np.sum(e.xi_networks.anisotropies(grids.xi), axis=0)
+    half_sum = 0.5 * np.sum(list(anisotropies(e, grids).values()), axis=0)
     return dict(q_over_p=ratio, half_sum=half_sum, closure=half_sum - ratio,
                 cross_products=e.xi_networks.cross_products(grids.xi),
                 pressure_factor=e.xi_networks.pressure_factor())
 
 
+VECTOR_AXES = dict(xi="xi", xi_polar="xi_polar", theta="theta")
 MEASURES = dict(  # observable: (function, {name in analysis.json: grid of its arrays})
-    O3=(normal_forces, dict(f_n="force")),
-    O4=(tangential_forces, dict(f_t="force")),
+    O3=(lambda e, grids: force_distribution(e.fn, grids.force, "n")
+        | dict(weak_fraction=np.mean(e.fn < 1)), dict(f_n="force")),
+    O4=(lambda e, grids: force_distribution(np.abs(e.ft), grids.force, "t"), dict(f_t="force")),
     O5=(mean_mobilization, {}),
     O6=(strip_forces, dict(strip="strip")),
-    O7=(mobilization_by_force, dict(f_n="force")),
-    O8=(mobilization_distribution, dict(i_m="mobilization")),
-    O10=(length_distribution, dict(l_r="reduced_length")),
-    O11=(contact_types, {}),
+    O7=(lambda e, grids: dict(i_mf=statistics.class_means(e.fn, e.mobilization, grids.force)),
+        dict(f_n="force")),
+    O8=(lambda e, grids: dict(
+        pdf=statistics.density(np.minimum(e.mobilization, 1), grids.mobilization)),
+        dict(i_m="mobilization")),
+    O10=(lambda e, grids: dict(pdf=statistics.density(_reduced_length(e), grids.reduced_length)),
+         dict(l_r="reduced_length")),
+    O11=(lambda e, grids: dict(
+        fraction_cc=np.mean(e.type == CAP_CAP), fraction_cs=np.mean(e.type == CAP_SIDE),
+        fraction_ss=np.mean(e.type == SIDE_SIDE)), {}),
     O12=(correlations, {}),
     O13=(force_by_length, dict(l_r="reduced_length", l="length")),
     O14=(contact_directions, dict(theta="theta", xi="xi_polar")),
-    O15=(contact_anisotropy, dict(xi="xi")),
-    O16=(branch_anisotropies, dict(xi="xi", xi_polar="xi_polar", theta="theta")),
-    O17=(force_anisotropies, dict(xi="xi", xi_polar="xi_polar", theta="theta")),
+    O15=(lambda e, grids: dict(a_c=anisotropies(e, grids)["a_c"]), dict(xi="xi")),
+    O16=(functools.partial(vector_anisotropies, vector="l"), VECTOR_AXES),
+    O17=(functools.partial(vector_anisotropies, vector="f"), VECTOR_AXES),
     O18=(shear_stress, dict(xi="xi")),
 )
 
@@ -278,7 +233,6 @@ def measures(ensemble, grids, parts=None):
     Errors are those over its `parts`, by default its snapshots.
     """
     parts = ensemble.snapshots() if parts is None else parts
-    return {
-        key: with_errors([measure(e, grids) for e in (ensemble, *parts)])
-        for key, (measure, _) in MEASURES.items()
-    }
+    found = [{key: measure(e, grids) for key, (measure, _) in MEASURES.items()}
+             for e in (ensemble, *parts)]
+    return {key: with_errors([values[key] for values in found]) for key in MEASURES}

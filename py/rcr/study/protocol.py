@@ -88,12 +88,10 @@ def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e
                      time_step=PROTOCOL.time_step, law="cd", stiffness=PROTOCOL.stiffness,
                      iterations=None, approach=PROTOCOL.approach,
                      sample_inertia=PROTOCOL.sample_inertia):
-    """Return the parameters of a test as a dict, after a check of each; see `Biaxial.prepare`.
+    """Return the parameters of a test as a dict, after a check of each.
 
-    Raises
-    ------
-    ValueError
-        If a parameter is out of its range, or two exclude each other.
+    docs/biaxial.md and the help of scripts/biaxial.py describe them. A ValueError reports a
+    parameter out of its range, or two that exclude each other.
     """
     parameters = dict(locals())
     if iterations is None:
@@ -135,9 +133,12 @@ def _check_combination(parameters):
     solver, names = parameters["solver"], _kernel.solver_names()
     if solver not in names:
         raise ValueError(f"solver {solver!r} is not known; expected one of {', '.join(names)}")
-    strain = parameters["inertial_number"] * parameters["time_step"]
-    if parameters["law"] == "cd" and strain > PROTOCOL.record_strain:
-        raise ValueError(
-            f"inertial_number × time_step = {strain:g} is the strain of a step; "
-            f"expected at most {PROTOCOL.record_strain:g}, the strain of a record"
-        )
+    law, strain = parameters["law"], parameters["inertial_number"] * parameters["time_step"]
+    if law == "cd" and strain > PROTOCOL.record_strain:
+        expected = f"at most {PROTOCOL.record_strain:g}, the strain of a record"
+        given = f"inertial_number × time_step = {strain:g} is the strain of a step"
+        raise ValueError(f"{given}; expected {expected}")
+    for name, user in dict(stiffness="smooth", time_step="cd").items():
+        if law != user and parameters[name] != getattr(PROTOCOL, name):
+            given = f"{name} = {parameters[name]:g} with law = {law!r}"
+            raise ValueError(f"{given}: the law {user!r} alone uses it; leave it out")

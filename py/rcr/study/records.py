@@ -1,7 +1,5 @@
 """Steps of a biaxial test in intervals, and the record of each interval. Needs YADE."""
 
-import typing
-
 import numpy as np
 from yade.wrapper import Omega
 
@@ -14,6 +12,11 @@ COUNTERS = dict(  # of the shear, in `Biaxial.progress`
     divisor=1,  # of the time step
     failed_strain=0.0,  # strain up to which the divisor applies
     repeated=0,  # number of parts of the shear that a smaller time step has repeated
+)  # fmt: skip
+
+HISTORY_COLUMNS = (
+    "step", "time", "strain", "sin_phi", "stress_x", "stress_y", "packing_fraction", "points",
+    "iterations", "residual", "unconverged_steps", "yielded_steps",
 )  # fmt: skip
 
 
@@ -29,23 +32,13 @@ class Springs:
         return sum(i.geom.points for i in O.interactions if i.isReal)
 
 
-class Record(typing.NamedTuple):
-    """State of the test after an interval of steps, with means and counts of the interval."""
-
-    step: int
-    time: float  # [s]
-    width: float  # [m]
-    height: float  # [m]
-    stresses: np.ndarray  # means of σ_x and σ_y on the walls [Pa], compression positive
-    points: int  # contact points of the last step
-    iterations: int  # of the last step
-    residual: float  # of the last step [-]
-    unconverged: int = 0  # steps of the interval that missed the tolerance
-    yielded: int = 0  # steps of the interval without a solution
-
-
 def make_records(test, count, times=1):
-    """Make `times` intervals of `count` steps; set `test.records`, one for each interval."""
+    """Make `times` intervals of `count` steps; set `test.records`, one dict for each interval.
+
+    It has the state after the interval, `HISTORY_COLUMNS` that belong to it, width and height [m].
+    Wall stresses are means of the interval [Pa], compression positive. `points`, `iterations` and
+    `residual` are those of the last step.
+    """
     test.records = []
     if isinstance(test.solver, Springs):
         for _ in range(times):
@@ -60,9 +53,11 @@ def _step_smooth(test, count):
         O.step()
         if left % PROTOCOL.smooth_stride == 0:
             stresses.append(test.wall_stresses())
-    mean, solver = np.mean(stresses, axis=0), test.solver
-    state = O.iter, O.time, test.width, test.height, mean
-    test.records.append(Record(*state, solver.contactPoints, solver.iterations, solver.residual))
+    x, y = np.mean(stresses, axis=0)
+    test.records.append(dict(
+        step=O.iter, time=O.time, width=test.width, height=test.height, stress_x=x, stress_y=y,
+        points=test.solver.contactPoints, iterations=0, residual=0.0, unconverged_steps=0,
+        yielded_steps=0))
 
 
 def _step_rigid(test, count, times):
@@ -81,7 +76,7 @@ def _step_rigid(test, count, times):
         solver.observeEvery = 0
         for observation in solver.observations():
             _add_record(test, observation, width, height)
-            width, height = test.records[-1].width, test.records[-1].height
+            width, height = (test.records[-1][name] for name in ("width", "height"))
 
 
 def _add_record(test, observation, width, height):
@@ -92,15 +87,14 @@ def _add_record(test, observation, width, height):
     width = positions[right][0] - positions[left][0]
     height = positions[top][1] - positions[bottom][1]
     lengths = (before + [height, height, width, width]) / 2
-    pairs = zip(test.solver.observe, (0, 0, 1, 1))
-    force = [abs(forces[wall][axis]) for wall, axis in pairs]
-    stresses = (force / lengths).reshape(2, 2).mean(axis=1)
-    yielded = observation["yielded"]
-    test.records.append(
-        Record(observation["step"], observation["time"], width, height, stresses,
-               observation["points"], observation["last_iterations"],
-               observation["last_residual"], max(0, observation["missed"] - yielded), yielded)
-    )  # fmt: skip
+    force = [abs(forces[wall][k // 2]) for k, wall in enumerate(test.solver.observe)]
+    x, y = (force / lengths).reshape(2, 2).mean(axis=1)
+    missed, yielded = observation["missed"], observation["yielded"]
+    test.records.append(dict(
+        step=observation["step"], time=observation["time"], width=width, height=height, stress_x=x,
+        stress_y=y, points=observation["points"], iterations=observation["last_iterations"],
+        residual=observation["last_residual"], unconverged_steps=max(0, missed - yielded),
+        yielded_steps=yielded))
     progress = test.progress
     for name in ("iterations", "missed", "missed_sum", "yielded"):
         progress[name] += observation[name]

@@ -1,6 +1,7 @@
 """Files of an analysis: tables, pictures and report. Needs NumPy, h5py and Matplotlib."""
 
 import base64
+import dataclasses
 import html
 import io
 import json
@@ -29,33 +30,17 @@ small { color: #666 } figure { margin: 2em 0 }
 img { max-width: 100%; height: auto } img.curve { max-height: 34em }
 </style></head><body>
 """
+_TITLES = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
 _CLASS = {AGREES: "yes", DIFFERS: "no", NOT_TESTED: "open"}
 
 
 def write(runs, out, progress=lambda name: None, begin=lambda: None):
     """Analyse runs; write analysis.json, report.html, table.md and all figures to a folder.
 
-    Figures are PNG and PDF. No file is replaced before all files are complete.
-
-    Parameters
-    ----------
-    runs : list of Run
-    out : path
-        Folder, made if missing.
-    progress : callable
-        Called with the name of the next figure.
-    begin : callable
-        Called before the first file is replaced.
-
-    Returns
-    -------
-    list of Finding
-        The table paper against measured.
-
-    Raises
-    ------
-    ValueError
-        If the runs cannot be analysed together; nothing is written then.
+    Figures are PNG and PDF. No file is replaced before all files are complete. `progress` is called
+    with the name of the next figure, `begin` before the first file is replaced. The function
+    returns the table paper against measured, a list of `Finding`. Runs that cannot be analysed
+    together raise a ValueError.
     """
     progress("analysis")
     analysis = analyse(runs)
@@ -85,8 +70,10 @@ def write(runs, out, progress=lambda name: None, begin=lambda: None):
 
 
 def _map_networks(runs):
-    """Yield each map's observable and network: of the first seed, its isotropic state for O2, else
-    its last snapshot."""
+    """Yield each map's observable and network, of the first seed of an elongation.
+
+    O2 shows the isotropic state, other maps the last snapshot.
+    """
     etas = [run.eta for run in runs]
     for key, targets in MAPS.items():
         for eta in nearest(etas, targets):
@@ -98,16 +85,18 @@ def _map_networks(runs):
 
 
 def _page(runs, analysis, table, pictures):
-    parts = [_HEAD, "<h1>Force networks of elongated particles</h1>"]
-    parts += [f"<p>{_material(runs, analysis)}</p>", "<h2>Paper against measured</h2>"]
     small = max(map(int, analysis["O1"]["value"]["particles"])) < FEWEST
-    parts += [f"<p>{_SMALL if small else ''}{summary(table)}. {_RULE}</p>"]
-    parts += [_table(table, small), "<h2>Figures</h2>"]
+    rows = "".join(_row(row, small) for row in table)
+    parts = [
+        _HEAD, "<h1>Force networks of elongated particles</h1>",
+        f"<p>{_material(runs, analysis)}</p>", "<h2>Paper against measured</h2>",
+        f"<p>{_SMALL if small else ''}{summary(table)}. {_RULE}</p>",
+        f"<table>{_TITLES}{rows}</table>", "<h2>Figures</h2>",
+    ]  # fmt: skip
     for key, entry in analysis.items():
         images = "".join(_image(path) for path in pictures[key])
         caption = f"<b>{key}</b> Paper: {html.escape(entry['paper'])}."
-        figure = f"{images}<figcaption>{caption}</figcaption>"
-        parts.append(f"<figure id='{key}'>{figure}</figure>")
+        parts.append(f"<figure id='{key}'>{images}<figcaption>{caption}</figcaption></figure>")
     return "\n".join([*parts, f"<p><small>yade-rcr {__version__}</small></p></body></html>\n"])
 
 
@@ -128,10 +117,8 @@ _RULE = (
 def summary(table):
     """Return the number of statements that agree, as a sentence."""
     count = {verdict: sum(row.verdict == verdict for row in table) for verdict in _CLASS}
-    return (
-        f"{count[AGREES]} of {len(table)} statements agree, {count[DIFFERS]} do not, "
-        f"{count[NOT_TESTED]} are not tested"
-    )
+    agree = f"{count[AGREES]} of {len(table)} statements agree, {count[DIFFERS]} do not"
+    return f"{agree}, {count[NOT_TESTED]} are not tested"
 
 
 def _material(runs, analysis):
@@ -162,9 +149,10 @@ def _drifts(analysis):
 
 def _boxes(runs):
     """Describe the shape of the box and the inertia of the sample at the ends of the tests."""
-    widths, inertia = _of_summaries(runs, "aspect_ratio", "sample_inertia")
-    if not widths:
+    rows = _of_summaries(runs, "aspect_ratio", "sample_inertia")
+    if not rows:
         return "No summary.json has the shape of the box."
+    widths, inertia = zip(*rows)
     return (
         f"At the end the boxes are {min(widths):.1f} to {max(widths):.1f} times as wide as high, "
         f"and ρ (ε̇ W)² is at most {max(inertia):.1g} of σ₀."
@@ -173,9 +161,10 @@ def _boxes(runs):
 
 def cost(runs):
     """Describe the wall time and the memory of the tests."""
-    seconds, memory = _of_summaries(runs, "wall_seconds", "peak_memory_bytes")
-    if not seconds:
+    rows = _of_summaries(runs, "wall_seconds", "peak_memory_bytes")
+    if not rows:
         return "No summary.json has the cost of its test."
+    seconds, memory = zip(*rows)
     return (
         f"The tests took {sum(seconds) / 60:.1f} min of wall time in all and "
         f"{max(seconds) / 60:.1f} min the longest one; "
@@ -184,71 +173,52 @@ def cost(runs):
 
 
 def _of_summaries(runs, *names):
-    """Return lists of these numbers, of the runs whose summary has all of them."""
-    summaries = [run.summary for run in runs if set(names) <= set(run.summary or ())]
-    return [[summary[name] for summary in summaries] for name in names]
+    """Return these numbers of each run whose summary has all of them, [(number, …)]."""
+    rows = [tuple((run.summary or {}).get(name) for name in names) for run in runs]
+    return [row for row in rows if None not in row]
 
 
 def unconverged_steps(runs):
     """Describe the steps of the shear that missed the tolerances of the solver."""
-    found = _by_eta(runs, _missed)
-    if not found:
-        return "No summary.json counts the steps that missed the tolerance of the solver."
     parts = []
-    for eta, rows in found.items():
-        share, mean, largest = zip(*rows)
-        if not any(share):
-            parts.append(f"η = {eta:g}: none")
+    for eta, group in _by_eta(runs).items():
+        rows = _of_summaries(group, "missed_fraction", "missed_mean", "missed_max")
+        if not rows:
             continue
-        factor = sum(a * b for a, b in zip(share, mean)) / sum(share)
-        parts.append(
-            f"η = {eta:g}: {100 * sum(share) / len(share):.1f} %, by a factor of {factor:.2g} in "
-            f"the mean, {max(largest):.2g} at most"
-        )
+        share, mean, largest = zip(*rows)
+        text = "none"
+        if any(share):
+            factor = sum(a * b for a, b in zip(share, mean)) / sum(share)
+            text = (f"{100 * sum(share) / len(share):.1f} %, by a factor of {factor:.2g} in the "
+                    f"mean, {max(largest):.2g} at most")
+        parts.append(f"η = {eta:g}: {text}")
+    if not parts:
+        return "No summary.json counts the steps that missed the tolerance of the solver."
     return f"Steps that missed a tolerance of the solver: {'; '.join(parts)}."
-
-
-def _missed(run):
-    """Return share, mean factor and largest factor of the missed steps, None if not recorded."""
-    names = ("missed_fraction", "missed_mean", "missed_max")
-    numbers = [(run.summary or {}).get(name) for name in names]
-    return numbers if all(isinstance(value, (int, float)) for value in numbers) else None
 
 
 def yielded_steps(runs):
     """Describe the steps without a solution in the critical state."""
-    found = _by_eta(runs, lambda run: run.yielded)
-    if not found:
+    known = [run for run in runs if run.yielded is not None]
+    if not known:
         return "No history counts the steps without a solution."
     parts = []
-    for eta, rows in found.items():
-        steps, marked, records, snapshots = (
-            sum(getattr(row, name) for row in rows)
-            for name in ("steps", "marked", "records", "snapshots")
-        )
+    for eta, group in _by_eta(known).items():
+        steps, marked, records, snapshots, _ = map(sum, zip(*(run.yielded for run in group)))
         text = f"η = {eta:g}: {steps}"
         if steps:
             text += f", in {marked} of {records} records, with {snapshots} snapshot(s)"
         parts.append(text)
-    marked = any(row.steps for rows in found.values() for row in rows)
-    included = any(row.included for rows in found.values() for row in rows)
+    included = any(run.yielded.included for run in known)
     use = "count in the means" if included else "are left out of the means"
+    marked = any(run.yielded.steps for run in known)
     end = f" Their records and snapshots {use}." if marked else ""
     return f"Steps without a solution: {'; '.join(parts)}.{end}"
 
 
-def _by_eta(runs, value):
-    """Return {η: values of its runs}, η rising, without None."""
-    found = {}
-    for run in sorted(runs, key=lambda run: run.eta):
-        if (row := value(run)) is not None:
-            found.setdefault(run.eta, []).append(row)
-    return found
-
-
-def _table(table, grey):
-    head = "<tr><th></th><th>Paper</th><th>Measured</th><th>Error</th><th>Verdict</th></tr>"
-    return f"<table>{head}{''.join(_row(row, grey) for row in table)}</table>"
+def _by_eta(runs):
+    """Return {η: its runs}, η rising."""
+    return {eta: [run for run in runs if run.eta == eta] for eta in sorted({r.eta for r in runs})}
 
 
 def markdown(table):
@@ -261,29 +231,21 @@ def markdown(table):
 
 
 def _row(row, grey):
-    names = ("statement", "criterion", "value", "error", "verdict")
-    text = {name: html.escape(getattr(row, name)) for name in names}
-    cells = (
-        f"<td><a href='#{row.observable}'>{row.observable}</a></td>",
-        f"<td>{text['statement']}<br><small>{text['criterion']}</small></td>",
-        f"<td>{text['value']}</td>",
-        f"<td>{text['error']}</td>",
-        f"<td class='{'open' if grey else _CLASS[row.verdict]}'>{text['verdict']}</td>",
-    )
-    return f"<tr>{''.join(cells)}</tr>"
+    text = {name: html.escape(value) for name, value in dataclasses.asdict(row).items()}
+    link = "<a href='#{observable}'>{observable}</a>".format(**text)
+    said = "{statement}<br><small>{criterion}</small>".format(**text)
+    shade = "open" if grey else _CLASS[row.verdict]
+    cells = "".join(f"<td>{cell}</td>" for cell in (link, said, text["value"], text["error"]))
+    return f"<tr>{cells}<td class='{shade}'>{text['verdict']}</td></tr>"
 
 
 def _image(path):
     """Return a picture as HTML; maps as WebP, since their PNG is large."""
     kind, data, media = "curve", path.read_bytes(), "png"
     if "-" in path.stem:
-        kind, data, media = "map", _webp(path), "webp"
+        kind, media, stream = "map", "webp", io.BytesIO()
+        with Image.open(path) as image:
+            image.convert("RGB").save(stream, "webp", quality=80)
+        data = stream.getvalue()
     source = f"data:image/{media};base64,{base64.b64encode(data).decode()}"
     return f"<img class='{kind}' alt='{path.stem}' src='{source}'>"
-
-
-def _webp(path):
-    stream = io.BytesIO()
-    with Image.open(path) as image:
-        image.convert("RGB").save(stream, "webp", quality=80)
-    return stream.getvalue()

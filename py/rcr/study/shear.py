@@ -18,11 +18,9 @@ import rcr
 from rcr.network import sin_phi
 from rcr.study.compaction import rest, stress_deviation
 from rcr.study.protocol import HALF_RECORD, PROTOCOL
-from rcr.study.records import COUNTERS, Springs
+from rcr.study.records import COUNTERS, HISTORY_COLUMNS, Springs
 
 O = Omega()
-
-# --- start --------------------------------------------------------------------------------------
 
 
 def start(test):
@@ -72,9 +70,6 @@ def switch_to_springs(test, stiffness):
     O.dt = PROTOCOL.smooth_time_step * rcr.critical_time_step()
     test.parameters.update(law="smooth", stiffness=stiffness)
     test.solver = Springs()
-
-
-# --- rate --------------------------------------------------------------------------------------
 
 
 def is_approaching(test, strain=None):
@@ -145,11 +140,13 @@ def _records_at_this_speed(test, most):
     return most if test.parameters["inertial_number"] < 0.8 * largest_rate(test, end) else 1
 
 
-# --- records -----------------------------------------------------------------------------------
-
-
 def shear(test, records):
-    """Shear by a number of records; see `Biaxial.shear`."""
+    """Shear by a number of records, each of 0.1 % of strain and with a row of the history.
+
+    Records with equal wall speed and time step are one run of YADE, since each run reads all
+    bodies once. The results are those of one run per record, to the bit. A packing that has blown
+    up raises a RuntimeError.
+    """
     solver, top = test.solver, O.bodies[test.top].state
     while records > 0:
         ramp = min(1, max(test.strain, PROTOCOL.record_strain / 10) / PROTOCOL.ramp_strain)
@@ -166,26 +163,18 @@ def shear(test, records):
 
 
 def history_row(test, record):
-    """Return the row of the history of a `Record`.
-
-    Raises
-    ------
-    RuntimeError
-        If the packing has blown up.
-    """
-    x, y = record.stresses
+    """Return the row of the history of a record; a RuntimeError if the packing has blown up."""
+    stresses = np.array([record["stress_x"], record["stress_y"]])
     first = test.progress["first_height"]
-    fraction = test.area / (record.width * record.height)
-    strain = (first - record.height) / first
+    fraction = test.area / (record["width"] * record["height"])
+    strain = (first - record["height"]) / first
     low, high = PROTOCOL.possible_fractions
-    if not (np.isfinite([x, y, strain]).all() and low < fraction < high):
-        stresses = " and ".join(f"{s / PROTOCOL.confining_stress:.3g}" for s in (x, y))
+    if not (np.isfinite([*stresses, strain]).all() and low < fraction < high):
+        shown = " and ".join(f"{s / PROTOCOL.confining_stress:.3g}" for s in stresses)
         raise RuntimeError(
-            f"the packing has blown up by step {record.step}, strain {strain:.4g}: "
-            f"packing fraction {fraction:.4g}, stresses of the walls {stresses} σ₀; "
+            f"the packing has blown up by step {record['step']}, strain {strain:.4g}: "
+            f"packing fraction {fraction:.4g}, stresses of the walls {shown} σ₀; "
             "take a smaller time step, inertial number or tolerance"
         )
-    return dict(step=record.step, time=record.time, strain=strain, sin_phi=sin_phi(record.stresses),
-                stress_x=x, stress_y=y, packing_fraction=fraction, points=record.points,
-                iterations=record.iterations, residual=record.residual,
-                unconverged_steps=record.unconverged, yielded_steps=record.yielded)
+    found = record | dict(strain=strain, sin_phi=sin_phi(stresses), packing_fraction=fraction)
+    return {name: found[name] for name in HISTORY_COLUMNS}

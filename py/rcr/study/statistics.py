@@ -1,25 +1,15 @@
 """Densities, class means, correlation and exponents of samples. Needs NumPy.
 
-Samples are (n,) arrays of real numbers. Edges of classes rise. Other arguments raise a ValueError.
-Results of too few values are NaN.
+Samples are (n,) arrays of finite numbers. Edges of classes rise. Results of too few values are NaN.
 """
 
 import numpy as np
-
-from rcr._data import checks
 
 LEAST = 10  # values of a class, at least, for a mean
 
 
 def density(x, edges):
-    """Return the fraction of x in each class over the class width.
-
-    Returns
-    -------
-    (classes,) float array
-        [1/unit of x]; Σ density Δ is the fraction of x within the edges.
-    """
-    x, edges = _sample("x", x), _edges(edges)
+    """Return the fraction of x in each class over the class width, (classes,) [1/unit of x]."""
     if len(x) == 0:
         return np.full(len(edges) - 1, np.nan)
     return np.histogram(x, edges)[0] / (np.diff(edges) * len(x))
@@ -27,14 +17,11 @@ def density(x, edges):
 
 def centres(edges):
     """Return the centre of each class; (classes,)."""
-    edges = _edges(edges)
     return 0.5 * (edges[1:] + edges[:-1])
 
 
 def class_means(x, y, edges):
     """Return the mean of y by classes of x; (classes,), NaN for fewer than `LEAST` values."""
-    x, edges = _sample("x", x), _edges(edges)
-    y = _sample("y", y, len(x))
     count = np.histogram(x, edges)[0]
     total = np.histogram(x, edges, weights=y)[0]
     return np.where(count >= LEAST, total / np.maximum(count, 1), np.nan)
@@ -42,48 +29,36 @@ def class_means(x, y, edges):
 
 def pearson(x, y):
     """Return Pearson's coefficient of x and y [-; paper, eq. pearson]; NaN for a constant."""
-    x = _sample("x", x)
-    y = _sample("y", y, len(x))
     if len(x) < 2 or min(np.ptp(x), np.ptp(y)) == 0:
         return np.nan
     return float(np.corrcoef(x, y)[0, 1])
 
 
-def exponential_rate(x, low=1.0):
-    """Return the rate α of a density ∝ e^{−αx} for x > low, by maximum likelihood: 1/α = ⟨x − low⟩.
+def exponential_rate(x):
+    """Return the rate α of a density ∝ e^{−αx} for x > 1, and its standard error α/√n.
 
-    Returns
-    -------
-    (α, standard error α/√n) : floats
-        NaN if no x is above `low`.
+    Maximum likelihood: 1/α = ⟨x − 1⟩. Both are NaN if no x is above 1.
     """
-    x, low = _sample("x", x), checks.number("low", low)
-    x = x[x > low]
+    x = x[x > 1]
     if len(x) == 0:
         return np.nan, np.nan
-    rate = 1 / np.mean(x - low)
+    rate = 1 / np.mean(x - 1)
     return rate, rate / np.sqrt(len(x))
 
 
-def power_exponent(x, low, high=1.0):
-    """Return the exponent β of a density ∝ x^β for low < x < high, by maximum likelihood.
+def power_exponent(x, low):
+    """Return the exponent β of a density ∝ x^β for low < x < 1, and its standard error.
 
-    u = ln(high/x)/ln(high/low) in (0, 1) has the density ∝ e^{−κu} with κ = (β + 1) ln(high/low).
-    Its mean m(κ) = 1/κ − 1/(e^κ − 1) falls with κ, so m(κ) = ⟨u⟩ has one root. The variance of u
-    is −dm/dκ, that of κ its inverse over n.
-
-    Returns
-    -------
-    (β, standard error) : floats
-        NaN if fewer than two x lie in the range.
+    Maximum likelihood: u = ln x/ln low in (0, 1) has the density ∝ e^{−κu} with
+    κ = −(β + 1) ln low. Its mean m(κ) = 1/κ − 1/(e^κ − 1) falls with κ, so m(κ) = ⟨u⟩ has one root.
+    The variance of u is −dm/dκ, that of κ its inverse over n. Both are NaN if fewer than two x lie
+    in the range.
     """
-    x, low = _sample("x", x), checks.number("low", low, "a number > 0", lambda v: v > 0)
-    high = checks.number("high", high, f"a number > low = {low:g}", lambda v: v > low)
-    x = x[(x > low) & (x < high)]
+    x = x[(x > low) & (x < 1)]
     if len(x) < 2:
         return np.nan, np.nan
-    scale = np.log(high / low)
-    kappa = _root_of_mean(np.mean(np.log(high / x)) / scale)
+    scale = np.log(1 / low)
+    kappa = _root_of_mean(np.mean(np.log(1 / x)) / scale)
     return kappa / scale - 1, 1 / (scale * np.sqrt(len(x) * _variance(kappa)))
 
 
@@ -101,17 +76,6 @@ def mean_of_finite(values):
     """Return the mean of finite values along the first axis; NaN without any."""
     values = np.ma.masked_invalid(np.asarray(values, dtype=float))
     return np.ma.filled(values.mean(axis=0), np.nan)
-
-
-def _sample(name, values, count=None):
-    return checks.array(name, values, (count,))
-
-
-def _edges(values):
-    values = checks.array("edges", values, (None,))
-    if len(values) < 2 or not (np.diff(values) > 0).all():
-        raise ValueError(f"edges = {values}; expected at least two that rise")
-    return values
 
 
 def _mean(kappa):

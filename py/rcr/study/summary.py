@@ -13,42 +13,14 @@ O = Omega()
 
 
 def summarize(test, include_yielded=False):
-    """Return the contents of `summary.json` of a `Biaxial`.
+    """Return the contents of `summary.json` of a `Biaxial`, {key: value}.
 
     Means are those of the records in the second half of the strain. Records with a step without a
-    solution are left out, unless `include_yielded` is set.
-
-    Returns
-    -------
-    dict
-        Keys that need a note, the others being defined in docs/biaxial.md:
-
-        ``sin_phi``, ``sin_phi_std``, ``stress_x_std``
-            None if all records are left out. ``stress_x_std`` is the scatter of the lateral stress
-            between records [σ₀].
-        ``stress_deviation_initial``
-            Largest deviation of the wall stresses from σ₀ after the compaction [σ₀].
-        ``aspect_ratio``
-            Width over height at the end [-].
-        ``sample_inertia``, ``sample_inertia_height``
-            `Biaxial.sample_inertia` at the end [-].
-        ``unconverged_steps``, ``yielded_steps``
-            Steps of the shear that missed the tolerance, and those without a solution.
-        ``repeated_parts``
-            Parts of the shear that were repeated with a smaller time step.
-        ``missed_fraction``, ``missed_mean``, ``missed_max``
-            Both over all steps of the shear; mean and largest residual over tolerance, or
-            kinematic error over `kinematicTolerance` if that is larger; 0 without missed steps.
-        ``peak_memory_bytes``
-            Largest resident memory of the process [B].
+    solution are left out, unless `include_yielded` is set. docs/biaxial.md describes the keys.
     """
-    return {
-        **{name: test.parameters[name] for name in ("eta", "particles", "seed")},
-        **_strength(test, include_yielded),
-        **_structure(test),
-        **_geometry(test),
-        **_work(test),
-    }
+    parameters = {name: test.parameters[name] for name in ("eta", "particles", "seed")}
+    means = _strength(test, include_yielded)
+    return parameters | means | _structure(test) | _geometry(test) | _work(test)
 
 
 def _strength(test, include_yielded):

@@ -109,6 +109,15 @@ def test_parts_of_a_killed_process_go(tmp_path):
         assert names(tmp_path) == [".part-of-another", "run.json"]
 
 
+def test_a_file_that_another_process_writes_by_its_path_stays(tmp_path):
+    """The file of `atomic_path` is in a hidden folder, which only a killed process leaves."""
+    with files.atomic_path(tmp_path / "picture.png") as partial:
+        make(tmp_path, files=())
+        with open(partial, "w") as file:
+            file.write("drawn")
+    assert names(tmp_path) == ["picture.png", "run.json"]
+
+
 def test_two_at_once_are_refused_until_the_first_is_dead(tmp_path):
     code = (
         "import sys; from rcr._data import results\n"

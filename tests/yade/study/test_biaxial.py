@@ -427,6 +427,8 @@ OUT_OF_RANGE = dict(
 @pytest.mark.parametrize("wrong, match", [
     (dict(law="soft"), "law = 'soft'; expected one of cd, smooth"),
     (dict(law="smooth", stiffness=0), "stiffness = 0; expected a number ≥ 1"),
+    (dict(law="cd", stiffness=300), "stiffness = 300 with law = 'cd': the law 'smooth' alone"),
+    (dict(law="smooth", time_step=0.2), "time_step = 0.2 with law = 'smooth': the law 'cd' alone"),
     (dict(iterations=0), "iterations = 0; expected a whole number > 0"),
     *(({name: value}, name) for name, values in OUT_OF_RANGE.items() for value in values),
 ])  # fmt: skip

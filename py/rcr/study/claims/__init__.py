@@ -6,7 +6,7 @@ trend beyond two standard errors. Statements without the data they need are not 
 
 import dataclasses
 
-from rcr.study.claims import anisotropies, branches, forces  # noqa: F401  register
+from rcr.study.claims import statements  # noqa: F401  registers
 from rcr.study.claims.criteria import CLAIMS, NotTested
 
 AGREES, DIFFERS, NOT_TESTED = "agrees", "does not agree", "not tested"
@@ -14,48 +14,28 @@ AGREES, DIFFERS, NOT_TESTED = "agrees", "does not agree", "not tested"
 
 @dataclasses.dataclass(frozen=True)
 class Finding:
-    """One row of the table.
+    """One row of the table."""
 
-    Attributes
-    ----------
-    observable : str
-        O1 … O18.
-    statement, criterion : str
-        Statement of the paper, and the condition under which it agrees.
-    value, error : str
-        Measured value, and its standard error over seeds or snapshots; see `rcr.study.analysis`.
-    verdict : str
-        `AGREES`, `DIFFERS` or `NOT_TESTED`.
-    """
-
-    observable: str
-    statement: str
-    criterion: str
-    value: str
-    error: str
-    verdict: str
+    observable: str  # O1 … O18
+    statement: str  # of the paper
+    criterion: str  # condition under which the statement agrees
+    value: str  # measured
+    error: str  # standard error over seeds or snapshots; see `rcr.study.analysis`
+    verdict: str  # `AGREES`, `DIFFERS` or `NOT_TESTED`
 
 
 def findings(analysis):
-    """Return the table.
+    """Return a list of `Finding` in the order of the observables.
 
-    Parameters
-    ----------
-    analysis : dict
-        Result of `rcr.study.analysis.analyse`.
-
-    Returns
-    -------
-    list of Finding
-        In the order of the observables.
+    `analysis` is a result of `rcr.study.analysis.analyse`.
     """
     values = {key: entry["value"] for key, entry in analysis.items()}
     rows = []
-    for observables, statement, criterion, test in CLAIMS:
+    for observable, statement, criterion, test in CLAIMS:
         try:
-            agrees, value, error = test(*(values[key] for key in observables))
+            agrees, value, error = test(values)
             verdict = AGREES if agrees else DIFFERS
         except NotTested as reason:
             value, error, verdict = str(reason), "", NOT_TESTED
-        rows.append(Finding(observables[0], statement, criterion, value, error, verdict))
+        rows.append(Finding(observable, statement, criterion, value, error, verdict))
     return sorted(rows, key=lambda row: int(row.observable[1:]))

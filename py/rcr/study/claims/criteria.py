@@ -1,33 +1,49 @@
 """Parts of the criteria by which statements of the paper are tested. Needs NumPy.
 
 A criterion is a function of the values {name: array} of an observable. It returns whether the
-statement agrees, the measured value and its error as texts, or raises `NotTested`.
+statement agrees, the measured value and its error: texts, or arrays with a row for each elongation.
+It raises `NotTested` where the data do not suffice.
 """
 
 import numpy as np
 
+from rcr.study.observables import MEASURES
+
 SIGMAS = 2  # standard errors that a deviation may have by chance
 CLAIMS = []  # (observables, statement, criterion, function), in the order of registration
+OF_ALL = {"strain", "theta", "files"}.union(*(axes for _, axes in MEASURES.values()))
 
 
 class NotTested(Exception):
     """Raised where the data do not suffice; the message is the reason."""
 
 
-def claim(observables, statement, criterion):
+def claim(observables, statement, criterion, etas=None, least=1):
     """Return a decorator that registers a criterion as a row of the table.
 
-    The row belongs to the first of `observables`. The criterion takes the values of each.
+    The row belongs to the first of `observables`. The criterion takes the values of each: of all
+    elongations, of one (a number), or of those in a range, at least `least`.
     """
+    keys = observables.split()
 
     def register(test):
-        CLAIMS.append((observables.split(), statement, criterion, test))
-        return test
+        def verdict(values):
+            parts = [_chosen(values[key], etas, least) for key in keys]
+            agrees, value, *error = test(*parts)
+            if np.ndim(agrees):
+                return at_every_eta(parts[0]["eta"], agrees, value, *error)
+            return agrees, value, *error
+
+        CLAIMS.append((keys[0], statement, criterion, verdict))
 
     return register
 
 
-# --- selection --------------------------------------------------------------------------------
+def _chosen(v, etas, least):
+    if etas is None:
+        return v
+    rows = rows_of(v, *etas, least) if isinstance(etas, tuple) else row_of(v, etas)
+    return {name: array if name in OF_ALL else array[rows] for name, array in v.items()}
 
 
 def row_of(v, eta):
@@ -48,17 +64,17 @@ def rows_of(v, low, high, least=1):
     return rows
 
 
-def at_xi(v, name, xi, rows=slice(None)):
-    """Return values and errors at a cutoff ξ."""
-    k = int(np.argmin(np.abs(v["xi"] - xi)))
-    return v[name][rows, k], known(v[f"{name}_error"][rows, k])
+def at_xi_1(v, name):
+    """Return values and errors at ξ = 1."""
+    k = int(np.argmin(np.abs(v["xi"] - 1)))
+    return v[name][:, k], known(v[f"{name}_error"][:, k])
 
 
-def minimum(v, name, row):
-    """Return ξ, value and error of the lowest point of a function of ξ ≤ 6."""
-    keep = v["xi"] <= 6
-    k = int(np.argmin(v[name][row, keep]))
-    return v["xi"][k], v[name][row, k], known(v[f"{name}_error"][row, k])
+def minimum(v, name):
+    """Return ξ, value and error of the lowest point of each function of ξ ≤ 6."""
+    k = np.argmin(v[name][..., v["xi"] <= 6], axis=-1)
+    place = (*np.indices(k.shape, sparse=True), k)
+    return v["xi"][k], v[name][place], known(v[f"{name}_error"][place])
 
 
 def require_finite(values, reason="too few contacts"):
@@ -76,9 +92,6 @@ def known(error):
 def is_within(deviation, tolerance, error):
     """Test whether deviations are within a tolerance or two errors, whichever is wider."""
     return np.abs(deviation) <= np.maximum(tolerance, SIGMAS * known(error))
-
-
-# --- trends -----------------------------------------------------------------------------------
 
 
 def slope_of(x, y):
@@ -103,27 +116,17 @@ def trend(v, name, sign, low=0, high=1):
     return sign * slope > SIGMAS * error, value, f"slope {slope:.2g} ± {error:.1g}"
 
 
-def is_monotonic(v, name, sign, rows):
-    """Test whether a function of ξ rises (sign +1) or falls (−1) for 0.2 ≤ ξ ≤ 6.
+def is_monotonic(v, name, sign):
+    """Test whether functions of ξ rise (sign +1) or fall (−1) for 0.2 ≤ ξ ≤ 6.
 
-    Its largest step back must be below two errors or 10 % of its range.
-
-    Returns
-    -------
-    (rows,) bool array, (rows,) float array
-        The verdicts and the largest steps back.
+    The largest step back must be below two errors or 10 % of the range. Returns the verdicts and
+    the largest steps back, (η,) each.
     """
     keep = (v["xi"] >= 0.2) & (v["xi"] <= 6)
-    back, allowed = [], []
-    for row in rows:
-        curve = sign * v[name][row, keep]
-        back.append(np.max(np.maximum.accumulate(curve) - curve))
-        error = known(v[f"{name}_error"][row, keep]).max()
-        allowed.append(max(0.1 * np.ptp(curve), SIGMAS * error))
-    return np.array(back) <= np.array(allowed), np.array(back)
-
-
-# --- verdicts ---------------------------------------------------------------------------------
+    curves, errors = sign * v[name][:, keep], known(v[f"{name}_error"][:, keep])
+    back = np.max(np.maximum.accumulate(curves, axis=1) - curves, axis=1)
+    allowed = np.maximum(0.1 * np.ptp(curves, axis=1), SIGMAS * errors.max(axis=1))
+    return back <= allowed, back
 
 
 def at_both_ends(v, name, low, high, tolerance):

@@ -38,9 +38,6 @@ def _draw_by_eta(value, name, ax, label=None, style="k", mark="o", **options):
     return ax
 
 
-# --- strength ------------------------------------------------------------------------------------
-
-
 def plot_strain(value, ax=None):
     """Draw sin φ against the strain [O1]."""
     ax = make_axes(ax)
@@ -62,42 +59,31 @@ def plot_strength(value, ax=None):
     return ax
 
 
-# --- forces --------------------------------------------------------------------------------------
-
-
-def _force_labels(suffix):
-    name = "f_n" if suffix == "n" else "f_t"
-    bare = name if suffix == "n" else "|f_t|"
-    return rf"${bare}/\langle {bare}\rangle$", rf"$P({name})$"
-
-
-def _inset(value, name, symbol, ax, place):
+def _plot_forces(value, ax, suffix, exponent, place, **axes):
+    """Draw P(f), with an exponent against η inset; return Axes and inset."""
+    ax, name = make_axes(ax), f"f_{suffix}"
+    bare = name if suffix == "n" else f"|{name}|"
+    _draw_points(value, name, "pdf", ax, least=MIN_DENSITY, ms=2.5)
+    ax.set(xlabel=rf"${bare}/\langle {bare}\rangle$", ylabel=rf"$P({name})$", yscale="log", **axes)
     inset = ax.inset_axes(place)
-    _draw_by_eta(value, name, inset, ms=2, elinewidth=0.6)
-    inset.set_ylabel(symbol, labelpad=1, fontsize=8)
+    _draw_by_eta(value, f"{exponent}_{suffix}", inset, ms=2, elinewidth=0.6)
+    inset.set_ylabel(rf"$\{exponent}_{suffix}$", labelpad=1, fontsize=8)
     inset.set_xlabel(r"$\eta$", labelpad=0, fontsize=8)
     inset.tick_params(labelsize=6.5)
-    return inset
+    return ax, inset
 
 
 def plot_force_tail(value, ax=None, suffix="n"):
     """Draw P(f) in log-linear scales, with α(η) inset [O3, O4]."""
-    ax = make_axes(ax)
-    x, y = _force_labels(suffix)
-    _draw_points(value, f"f_{suffix}", "pdf", ax, least=MIN_DENSITY, ms=2.5)
-    ax.set(xlabel=x, ylabel=y, yscale="log", xlim=(0, 10), ylim=(MIN_DENSITY, 30))
-    _inset(value, f"alpha_{suffix}", rf"$\alpha_{suffix}$", ax, (0.57, 0.6, 0.4, 0.37))
-    return ax
+    limits = dict(xlim=(0, 10), ylim=(MIN_DENSITY, 30))
+    return _plot_forces(value, ax, suffix, "alpha", (0.57, 0.6, 0.4, 0.37), **limits)[0]
 
 
 def plot_force_power(value, ax=None, suffix="n"):
     """Draw P(f) in log-log scales, with β(η) inset, and as + from f = 0.1 ⟨f⟩ on [O3, O4]."""
-    ax = make_axes(ax)
-    x, y = _force_labels(suffix)
-    _draw_points(value, f"f_{suffix}", "pdf", ax, least=MIN_DENSITY, ms=2.5)
-    ax.set(xlabel=x, ylabel=y, xscale="log", yscale="log", xlim=(1e-3, 20),
-           ylim=(MIN_DENSITY, 300 if suffix == "t" else 100))
-    inset = _inset(value, f"beta_{suffix}", rf"$\beta_{suffix}$", ax, (0.2, 0.18, 0.4, 0.37))
+    limits = dict(xlim=(1e-3, 20), ylim=(MIN_DENSITY, 300 if suffix == "t" else 100))
+    place = (0.2, 0.18, 0.4, 0.37)
+    ax, inset = _plot_forces(value, ax, suffix, "beta", place, xscale="log", **limits)
     inset.plot(value["eta"], column(value, f"beta_{suffix}_tenth"), "k+", ms=3, mew=0.6)
     return ax
 
@@ -151,9 +137,6 @@ def plot_mobilization_pdf(value, ax=None):
     return ax
 
 
-# --- branch vectors ------------------------------------------------------------------------------
-
-
 def plot_length_pdf(value, ax=None):
     """Draw P(ℓ_r) of each elongation, except discs, where ℓ_r is 1 [O10]."""
     ax = make_axes(ax)
@@ -187,9 +170,6 @@ def plot_force_by_length(value, ax=None, length="l_r"):
     ax.set(xlabel=f"${label}$", ylabel=rf"$\langle f\rangle_{{{symbol}}}/\langle f\rangle$",
            ylim=(0, None))
     return ax
-
-
-# --- anisotropies --------------------------------------------------------------------------------
 
 
 def plot_xi(value, name, symbol, ax=None):

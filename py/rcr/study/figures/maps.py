@@ -115,12 +115,7 @@ MAPS = dict(  # observable: (plot, keys of its legend or None, scale of orientat
 
 
 def draw(observable, network):
-    """Make the map of an observable (a key of `MAPS`), as wide as a page, with a legend below.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Return the map of an observable (a key of `MAPS`), as wide as a page, a legend below."""
     plot, keys, oriented = MAPS[observable]
     eta = float(network.attributes["eta"])
     with matplotlib.rc_context(STYLE):

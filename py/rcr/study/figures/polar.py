@@ -19,21 +19,8 @@ def xi_label(value, xi, name):
 def plot_polar(theta, rows, fits, labels, ax=None):
     """Draw angular functions of period π and their fits as polar curves.
 
-    Open markers are the sizes of negative values.
-
-    Parameters
-    ----------
-    theta : (T,) array
-        Angles in [0, π) [rad].
-    rows : (K, T) array
-        A function for each ξ.
-    fits : iterable of callables
-        The fit of each function, of an angle [rad].
-    labels : list of str
-
-    Returns
-    -------
-    Axes
+    `rows` (K, T) has a function of `theta` (T,) in [0, π) for each ξ, `fits` the fit of each, a
+    function of an angle [rad]. Open markers are the sizes of negative values.
     """
     ax = make_axes(ax, projection="polar")
     circle, dense = np.concatenate([theta, theta + np.pi]), np.linspace(0, 2 * np.pi, 361)
