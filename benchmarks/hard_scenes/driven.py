@@ -15,6 +15,7 @@ import dataclasses
 import math
 import random
 import time
+from functools import partial
 
 import numpy as np
 from yade import O
@@ -22,8 +23,9 @@ from yade.wrapper import RotationEngine
 
 import rcr
 
-from .stage import (DT, G, R, ContactDynamics, Smooth, angle, box, build, material, open_box,
-                    positions, real_contacts, solver)
+from . import stage
+from .stage import (DT, G, R, SCENES, ContactDynamics, Smooth, angle, box, build, material,
+                    open_box, positions, real_contacts, solver)
 
 TITLES = dict(  # of the hard scenes S21 to S26, one a motion
     lid="lid driven into a bed", piston="side wall driven into a bed",
@@ -284,33 +286,30 @@ def _look(course, ids):
 # ---- one scene of each motion, for the suite of hard scenes
 
 
-class Staged:
-    """Hard scene of a motion, with the attributes of the modules of this package."""
+SECONDS = 0.5  # duration of a hard scene, in which the drive moves by 3 R
 
-    PREDICATE = "speed of the fastest grain, over ten times the drive plus free fall"
-    BOUND = 1
-    REASON = "a slow drive throws no grain"
-    SECONDS = 0.5  # duration, in which the drive moves by 3 R
 
-    def __init__(self, motion, title):
-        self.motion, self.TITLE = motion, title
+def staged(make, motion):
+    """Set up the hard scene of a motion."""
+    law, dt = make.args
+    scene = Scene(seed=0, motion=motion, eta=0.5, friction=0.5, grains=60, dt=dt,
+                  speed=3 * R / SECONDS, steps=math.ceil(SECONDS / dt))
+    ids, top = begin(scene, law, _settled(scene))
+    allowed, speeds = 10 * scene.speed + math.sqrt(2 * G * top), [0.0]
 
-    def build(self, law, dt):
-        scene = Scene(seed=0, motion=self.motion, eta=0.5, friction=0.5, grains=60, dt=dt,
-                      speed=3 * R / self.SECONDS, steps=math.ceil(self.SECONDS / dt))
-        ids, top = begin(scene, law, _settled(scene))
-        return ids, 10 * scene.speed + math.sqrt(2 * G * top)
-
-    def measure(self, built, clock):
-        ids, allowed = built
-        speeds = [0.0]
+    def measure(clock):
         look = lambda: speeds.append(max(O.bodies[i].state.vel.norm() for i in ids))
         try:
-            clock.pass_(self.SECONDS, look)
+            clock.pass_(SECONDS, look)
         except RuntimeError as stopped:
             assert "jam" in str(stopped), stopped
         return max(speeds) / allowed
 
+    return measure
 
-SCENES = {f"s{number}_driven_{motion}": Staged(motion, title)
-          for number, (motion, title) in enumerate(TITLES.items(), 21)}
+
+SCENES |= {f"s{number}_driven_{motion}": stage.Scene(
+    partial(staged, motion=motion), title,
+    "speed of the fastest grain, over ten times the drive plus free fall", 1,
+    "a slow drive throws no grain", False)
+    for number, (motion, title) in enumerate(TITLES.items(), 21)}
