@@ -17,7 +17,8 @@ import dataclasses
 import importlib
 import os
 
-from rcr._data import files
+from rcr._data import files, results
+from rcr.study.protocol import PROTOCOL
 
 GIVEN_UP = "given up after "  # status of a point that reached its time limit; seconds follow
 NAMES = dict(a="one_step", b="deterministic", c="biaxial_cost", d="stability", e="quasi_static")
@@ -43,6 +44,12 @@ def chart(letter):
 def settings(letter, options):
     """Settings that the numbers of a chart depend on, as text; part of the key of a row."""
     return ", ".join(f"{name} = {getattr(options, name)}" for name in chart(letter).DEPENDS)
+
+
+def folder(kind, name, options):
+    """Folder of files that later calls use again, as long as the protocol of the test is the same."""
+    protocol = results.identity(dataclasses.asdict(PROTOCOL))
+    return os.path.join(options.out, kind, f"{name}-{protocol}")
 
 
 def settled(status, limit, retry=False):
