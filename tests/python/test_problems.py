@@ -16,7 +16,7 @@ import pytest
 from hypothesis import strategies as st
 from damage import put, replace
 from natural_map import residual
-from problem_files import heap, write_fclib, write_siconos
+from problem_files import write_fclib, write_siconos
 from rcr import problems, solve
 
 ROOT = Path(__file__).parents[2]
@@ -138,7 +138,7 @@ def assert_refused(path, says):
     ("n", put(5, 2.0), r"the length of normal\[5\] = 2.8"),
     ("n", lambda a: np.array([["x"]]), r"n does not hold numbers"),
     ("meta", put(2, 1000.0), r"meta\[2\] = 1000; expected the number of particles"),
-    ("b", lambda a: heap(1)["a"], r"expected two different bodies"),
+    ("b", lambda b: np.append(b[-1], b[:-1]), "expected two different bodies"),
 ])
 def test_refuses_npz(step, tmp_path, name, change, says):
     arrays = dict(step[0])
@@ -197,8 +197,8 @@ def test_asymmetry_of_rounded_files_is_accepted(step, tmp_path):
     ("      0 : ", "      x : ", "line 10 is not a line of a sparse matrix"),
     ("      0 : ", "      0 : nan ", r"W\[0\] = nan; expected finite"),
     ("col 0 ", "col y ", "not a line of a sparse matrix"),
-    ("5.00000000000000000e-01 ", "0.5x ", "mu holds a word that is not a number"),
-    ("5.00000000000000000e-01 ", "-0.5 ", r"mu\[\d+\] = -0.5; expected µ ≥ 0"),
+    (" 2.99999999999999989e-01 ", " 0.3x ", "mu holds a word that is not a number"),
+    (" 2.99999999999999989e-01 ", " -0.5 ", r"mu\[\d+\] = -0.5; expected µ ≥ 0"),
 ])
 def test_refuses_siconos(step, tmp_path, old, new, says):
     arrays, w, q = step
