@@ -55,10 +55,7 @@ class Packing:
             [self.force, np.zeros(len(self.force))])
 
     def problem(self, friction, alert):
-        """Contact problem of the step, cold.
-
-        It has points with gaps up to `alert` between grains and `alert` / 2 at walls.
-        """
+        """Contact problem of the step, cold: gaps up to `alert`, at walls up to half of it."""
         from rcr import _kernel as kernel
         from rcr.problems import BodyProblem
         from scipy.spatial import cKDTree
@@ -90,15 +87,7 @@ class Packing:
 
 
 def load(path):
-    """Packing of a network: walls lie at their contacts, the stress loads the right wall.
-
-    Raises
-    ------
-    ValueError
-        If the file is no network between four walls.
-    OSError
-        If the file cannot be read.
-    """
+    """Packing of a network: walls lie at their contacts, the stress loads the right wall."""
     from rcr import Network
     from rcr import _kernel as kernel
 

@@ -66,19 +66,7 @@ def settled(status, limit, retry=False):
 class Table:
     """CSV of a chart, written after each point so that an interrupted run resumes.
 
-    Parameters
-    ----------
-    path : path
-        Read if it exists.
-    columns : list of str
-        Columns of the chart.
-    settings : str
-        Settings of the rows in use; rows of other settings stay in the file. None uses all rows.
-
-    Raises
-    ------
-    ValueError
-        If the file is damaged.
+    Rows of other `settings` stay in the file; None uses all rows.
     """
 
     def __init__(self, path, columns, settings=None):

@@ -163,20 +163,10 @@ def observed(networks):
 
 
 def limit(rows, name):
-    """Limit I → 0 of the fit y = y₀ + b √I by least squares, with a y₀ for each seed.
+    """Mean y₀, its error, b and its error of the fit y = y₀ + b √I, with a y₀ for each seed.
 
-    Parameters
-    ----------
-    rows : list of dict
-        Rows of one elongation and one size.
-    name : str
-        Name of the observable.
-
-    Returns
-    -------
-    (float, float, float, float)
-        Mean y₀, its error, b and its error; NaN for too few rows. The first error includes the
-        scatter of the seeds.
+    `rows` are those of one elongation and size; too few give NaN. The first error includes the
+    scatter of the seeds.
     """
     seeds = sorted({row["seed"] for row in rows})
     x = np.sqrt(np.array([row["inertial_number"] for row in rows], dtype=float))

@@ -49,22 +49,7 @@ class Result:
 
 
 def run(name, law=ContactDynamics(), dt=DT, **shortened):
-    """Build a scene, advance it and judge it.
-
-    Parameters
-    ----------
-    name : str
-        One of `names`.
-    law : ContactDynamics or Smooth
-    dt : float
-        Time step [s].
-    **shortened
-        ``seconds`` of long scenes.
-
-    Returns
-    -------
-    Result
-    """
+    """Result of a scene; long scenes take a number of `seconds`."""
     measure = scene(name).set_up(partial(build, law, dt), **shortened)
     if isinstance(measure, list):
         ids = measure

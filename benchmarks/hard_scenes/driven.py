@@ -61,16 +61,7 @@ class Scene:
 
 
 def draw(seed, grains=(20, 300), steps=RIGID_STEPS):
-    """Scene of a seed.
-
-    Parameters
-    ----------
-    seed : int
-    grains : (int, int)
-        Smallest and largest number of grains.
-    steps : int
-        Largest number of steps with rigid contacts.
-    """
+    """Scene of a seed, with a number of grains in this range and at most so many rigid steps."""
     dice = random.Random(seed)
     log_uniform = lambda low, high: math.exp(dice.uniform(math.log(low), math.log(high)))
     dt = log_uniform(1e-4, 1e-2)

@@ -242,18 +242,10 @@ def farthest(ids, clock, seconds):
 class Clock:
     """Advances the scene, and records the energy gain and the largest overlap.
 
-    Attributes
-    ----------
-    gain : float
-        Largest kinetic energy beyond that of the start and the work of loads and drives [J/m]. It
-        is 0 if contacts give no energy.
-    scale : float
-        Energy to compare `gain` with: kinetic energy of the start, and work of all loads over d
-        [J/m].
-    overlap : float
-        Largest overlap over the cap radius of the smaller body [-]; at 1 bodies tunnel.
-    steps : int
-        Number of steps so far.
+    `gain` [J/m] is the largest kinetic energy beyond that of the start and the work of loads and
+    drives: 0 if contacts give no energy. `scale` [J/m] is the kinetic energy of the start and the
+    work of all loads over d. `overlap` is over the cap radius of the smaller body; at 1 bodies
+    tunnel.
     """
 
     def __init__(self, samples=1000):
