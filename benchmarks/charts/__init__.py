@@ -47,7 +47,7 @@ def settings(letter, options):
 
 
 def folder(kind, name, options):
-    """Folder of files that later calls use again, as long as the protocol of the test is the same."""
+    """Folder of files that later calls use again, unless the protocol of the test has changed."""
     protocol = results.identity(dataclasses.asdict(PROTOCOL))
     return os.path.join(options.out, kind, f"{name}-{protocol}")
 

@@ -25,10 +25,7 @@ def overlapping(make):
 @hard_scene("initial overlap of 0.1 R", "largest kinetic energy in 3 s, over m g d", 1e-4,
             "work of gravity over the slop, 1e-4 (R₁ + R₂)")
 def s06_overlap(make):
-    """S6. Three discs in a column, each 0.1 R deep in the one below, the lowest in the floor.
-
-    A position correction through velocities throws them up; ours moves positions only.
-    """
+    """S6. A position correction through velocities throws them up; ours moves positions only."""
     ids = overlapping(make)
 
     def measure(clock):
@@ -80,29 +77,22 @@ CHANGES = "steps of 1000 in which a contact changes its type or points"
 
 @hard_scene("long parallel RCRs at rest", CHANGES, 0, "nothing moves, so no contact changes")
 def s07_parallel_at_rest(make):
-    """S7. Eight long RCRs (η = 0.9) lie on each other.
-
-    If an angle decides between one point and two, rounding switches the second point on and off.
-    """
+    """S7. If an angle decides between one point and two, rounding switches the second one."""
     return long_stack(make, 0.5, tilted(0), 8)
 
 
 @hard_scene("long parallel RCRs sliding", CHANGES, 0, "they slide as one block")
 def s07_parallel_sliding(make):
-    """S7. Three long RCRs (η = 0.9) on each other slide down a slope.
-
-    The floor has µ = 0.3, the RCRs have 0.5.
-    """
+    """S7. The floor has µ = 0.3, the RCRs have 0.5."""
     return long_stack(make, 0.3, tilted(math.atan(0.4)), 3)
 
 
 @hard_scene("disc rolls over the joints of a floor", "largest |v/v₀ − 1| in 1 s and 8 joints",
             reason="rounding on a floor without joints; 1e-3, as in all scenes")
 def s08_joints(make):
-    """S8. A disc rolls over the joints of a floor of boxes.
+    """S8. It can touch the two corners of a joint only from above.
 
-    The disc can touch the two corners of a joint only from above. A detector that treats them as
-    obstacles brakes the disc or makes it jump.
+    A detector that treats them as obstacles brakes the disc or makes it jump.
     """
     rough, speed = material(), 30 * R  # m/s
     floor = [box((4 * R * (k + 0.3), -R), (2 * R, R), material=rough) for k in range(-1, 11)]
@@ -142,8 +132,7 @@ def resultants(problem, **settings):
 def s09_side_contacts(make):
     """S9. Five flat RCRs on each other under oblique gravity.
 
-    A side contact has two points and one force too many. The tangential force divides between the
-    points in any ratio; the resultant and its moment are unique.
+    The tangential force divides between two points in any ratio; resultant and moment are unique.
     """
     rough = material()
     bricks = [flat((0.1 * R * k, flat_row(k)), rough) for k in range(5)]
@@ -163,10 +152,7 @@ def s09_side_contacts(make):
             "mean change of the strong forces (above the mean), over their mean", 0.05,
             "forces of two starts differ by up to 24 % at any residual, strong ones by less", True)
 def s10_shuffled(make):
-    """S10. Strong forces in a pile of 150 RCRs must not depend on the order of contacts.
-
-    The step is solved twice from a cold start, with its contacts in two orders.
-    """
+    """S10. The step is solved twice from a cold start, with its contacts in two orders."""
     rng, rough = np.random.default_rng(10), material()
     centers = [(D * 1.1 * (k % 10 + 0.5), D * 1.1 * (k // 10 + 0.5)) for k in range(150)]
     grains = [rcr.particle(c, R * rng.uniform(0.7, 1), 0.5, rng.uniform(0, np.pi), rough)
@@ -192,10 +178,9 @@ def s10_shuffled(make):
 @hard_scene("near miss of a corner and of a disc", "|change of velocity| / speed",
             reason="the exact value is 0; 1e-3, as in all scenes")
 def s16_near_miss(make):
-    """S16. A disc flies past the corner of a box, 1e-3 d above it, and past another disc.
+    """S16. A contact with a gap is a plane, the tangent at the closest point.
 
-    A contact with a gap is a plane, the tangent at the closest point. The curved path around it can
-    look like a hit.
+    The curved path around it can look like a hit.
     """
     rough, speed, clearance = material(), 100 * R, 1e-3 * D
     obstacle = stadium(0, R, (4 * R, -R), material=rough, fixed=True)
@@ -214,10 +199,7 @@ def s16_near_miss(make):
 @hard_scene("fast spin of a long particle", "deepest overlap, over the smaller cap radius", 0.5,
             "at 1 the contact reaches a centre line, beyond it the force reverses")
 def s17_fast_spin(make):
-    """S17. A long RCR (η = 0.95) spins fast in a narrow box and hits a small disc.
-
-    Its ends move by more than the cap radius in a step.
-    """
+    """S17. It hits a small disc in a narrow box. Its ends move by two cap radii a step."""
     rough, half = material(), 1.2 * R
     walls = [rcr.wall(axis, side * half, sense=-side, material=rough) for axis in "xy"
              for side in (-1, 1)]

@@ -12,10 +12,9 @@ from .stage import (D, G, R, deepest, dense_row, hard_scene, kinetic, material, 
 
 @hard_scene("light grain lands on a settled pile", "deepest overlap of the grain, in its diameters")
 def s01_grain_on_pile(make):
-    """S1. A light grain lands on a settled pile of 234 heavy ones.
+    """S1. The pile of 234 heavy grains meets a stop criterion over all contacts.
 
-    The pile meets a stop criterion over all contacts, although the impulse of the grain, 1e-3 of
-    theirs, is still wrong.
+    The impulse of the light one, 1e-3 of theirs, is then still wrong.
     """
     rough, columns, small = material(), 20, R / 5
     make(*open_box(columns * D, rough),
@@ -39,10 +38,10 @@ def s01_grain_on_pile(make):
             "|force at the far end / load − 1| after the first step", 0.01,
             "kinematic tolerance of the engine")
 def s02_chain(make):
-    """S2. A chain of 50 discs against a wall is loaded at its free end.
+    """S2. Rigid grains carry the load to the wall at once.
 
-    Rigid grains carry the load to the wall at once. Sweeps that stop early carry it part of the
-    way, as an elastic wave of the speed c = √(q N_I) d/dt (Unger, Brendel, Wolf and Kertész 2002).
+    Sweeps that stop early carry it part of the way, as an elastic wave of the speed c = √(q N_I)
+    d/dt (Unger, Brendel, Wolf and Kertész 2002).
     """
     rough, count = material(), 50
     discs = [stadium(0, R, (R + D * k, 0), material=rough) for k in range(count)]
@@ -64,8 +63,7 @@ def s02_chain(make):
 def s11_painleve(make):
     """S11. A slender rod slides on its tip against its lean, like a pushed chalk, µ = 2.
 
-    With w_nn − µ w_nt ≤ 0 sliding friction presses the tip into the floor faster than the normal
-    force lifts it: no finite force is consistent. An impact without collision is consistent. The
+    With w_nn − µ w_nt ≤ 0 no finite force is consistent, but an impact without collision is: the
     tip stops at once, p = −W⁻¹ u (Génot and Brogliato 1999).
     """
     mu, angle, a, cap, speed = 2.0, math.atan(2), 0.95 * R, 0.05 * R, 30 * R
@@ -100,10 +98,10 @@ def s11_painleve(make):
 @hard_scene("slip reversal with restitution", "largest gain of kinetic energy of a rod, relative",
             reason="contacts give no energy; the solver has an error of 1e-4 in each velocity")
 def s12_slip_reversal(make):
-    """S12. 72 rods hit a rough floor at all angles and slips, with restitution e = 1.
+    """S12. 72 rods hit a rough floor at all angles and slips, e = 1.
 
-    Newton's rule returns the normal velocity for any friction. Where the slip reverses, the impulse
-    exceeds the one that the compression has stored (Kane and Levinson 1985, Stronge 1991).
+    Where the slip reverses, the impulse of Newton's rule exceeds the one that the compression has
+    stored (Kane and Levinson 1985, Stronge 1991).
     """
     slips, speed = np.array([-4, -2, -1, -0.5, 0, 0.5, 1, 2, 4]), 10 * R  # over the approach
     rough, rods = material(0.5), []
@@ -127,10 +125,9 @@ def s12_slip_reversal(make):
 @hard_scene("Newton's cradle", "largest |kinetic energy / first − 1| in 0.5 s",
             reason="tolerance 1e-4 in each velocity, squared, over some impacts")
 def s13_cradle(make):
-    """S13. Newton's cradle: one of five discs in touch is hit, e = 1.
+    """S13. One of five discs in touch is hit, e = 1; energy and momentum must be conserved.
 
-    Newton's rule has no waves: all touching contacts get a share at once, and the last disc does
-    not get all. Energy and momentum must be conserved nevertheless.
+    Newton's rule has no waves: the last disc does not get all.
     """
     smooth = material(0)
     discs = [stadium(0, R, (D * k - (R if k == 0 else 0), 0), material=smooth) for k in range(6)]
@@ -148,10 +145,7 @@ def s13_cradle(make):
             0.2, "far below the overlap at which two discs change places",
             rigid_only=True)  # springs give way
 def s14_jam(make):
-    """S14. A lid with a prescribed velocity crushes a box of 39 discs.
-
-    Rigid grains have no solution. A solver that accepts its last sweep lets them overlap silently.
-    """
+    """S14. Rigid grains have no solution; the last sweep would let them overlap silently."""
     rough = material()
     lid = rcr.wall("y", 2 * R + 5 * math.sqrt(3) * R, sense=-1, velocity=-5 * R, material=rough)
     make(*open_box(7 * D, rough), lid,

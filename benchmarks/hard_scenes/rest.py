@@ -20,10 +20,7 @@ def pyramid(height):
 
 @hard_scene("cold dense box under a heavy lid", "displacement of the lid in 1 s, in diameters")
 def s03_cold_box(make):
-    """S3. A dense box of 95 RCRs under a heavy lid, with a cold start.
-
-    The first step must find all forces; an error lets the lid sink.
-    """
+    """S3. The first step must find all forces of 95 RCRs; an error lets the lid sink."""
     rough, count = material(), 10  # bricks of 2R by R, each on the ends of two
     bricks = [flat(center, rough) for center in rows(count, count, flat_row)]
     mass = sum(b.state.mass for b in bricks)
@@ -49,40 +46,26 @@ def tower(x):
 
 @hard_scene("heavy on light, mass ratios 1 to 10⁶")
 def s04_mass_ratio(make):
-    """S4. Heavy on light: seven columns of two RCRs, the upper one 1, 10, … 10⁶ times as heavy.
-
-    Gauss–Seidel needs about as many sweeps as the mass ratio to find the force under the light
-    body.
-    """
+    """S4. Columns of two RCRs. Gauss–Seidel needs about as many sweeps as the mass ratio."""
     return on_floor(make, material(), *columns())
 
 
 @hard_scene("tower of seven, each ten times as heavy as the one below")
 def s04_tower(make):
-    """S4. A tower of seven RCRs, each ten times as heavy as the one below.
-
-    The lowest carries 10⁶ times its weight. A solver error that is small beside the forces moves
-    the light bodies.
-    """
+    """S4. The lowest carries 10⁶ times its weight; errors beside large forces move light bodies."""
     return on_floor(make, material(), *tower(X))
 
 
 @hard_scene("all mass ratios in one scene")
 def s04_together(make):
-    """S4. The seven columns and the tower in one scene.
-
-    One stop criterion serves all: neighbours 10⁶ times as heavy hide errors in the tower.
-    """
+    """S4. One stop criterion serves all: heavy neighbours hide errors in the tower."""
     return on_floor(make, material(), *columns(), *tower(-1.0))
 
 
 @hard_scene("stack whose upper half is removed",
             "largest displacement of the rest in 1 s, in diameters")
 def s05_top_removed(make):
-    """S5. The upper half of a stack at rest is removed.
-
-    The warm start then has twice the correct forces; a solver that keeps them throws the rest up.
-    """
+    """S5. The warm start has twice the correct forces; a solver that keeps them throws the rest."""
     rough = material()
     ids = on_floor(make, rough, *stack(10, rough))
 
@@ -98,10 +81,7 @@ def s05_top_removed(make):
 
 @hard_scene("body on more contacts than it needs")
 def s15_many_supports(make):
-    """S15. A long RCR rests on seven discs, five more than it needs.
-
-    The single forces are not unique, but their sum is its weight and it must not move.
-    """
+    """S15. A long RCR on seven discs. Forces are not unique, but their sum is its weight."""
     rough = material()
     pegs = [stadium(0, R / 10, (0.25 * R * k, -R / 10), material=rough, fixed=True)
             for k in range(-3, 4)]
@@ -110,10 +90,7 @@ def s15_many_supports(make):
 
 @hard_scene("slope below the friction angle", "displacement at the end, in diameters")
 def s18_creep(make, seconds=1000.0):
-    """S18. A flat RCR on a slope at 0.95 of the friction angle, for 1000 s.
-
-    It creeps if friction slips a little in every step or if a correction moves it along the slope.
-    """
+    """S18. It creeps if friction slips in every step or a correction moves it along the slope."""
     rough = material(0.5)
     ids = on_floor(make, rough, flat((0, R / 2), rough), gravity=tilted(math.atan(0.95 * 0.5)))
     return lambda clock: farthest(ids, clock, seconds) / D
@@ -141,10 +118,7 @@ def s19_arch(make):
 
 @hard_scene("house of cards")
 def s19_card_house(make):
-    """S19. A house of cards (η = 0.95): two tents, a card across their tops, and a tent on it.
-
-    µ = 1. Every contact is cap on cap or cap on side; friction alone holds the feet.
-    """
+    """S19. Two tents, a card across their tops, and a tent on it: η = 0.95, µ = 1."""
     rough, a, cap, lean = material(1.0), 0.95 * R, 0.05 * R, math.radians(70)
     reach, height = a * math.cos(lean) + cap, a * math.sin(lean)
 
@@ -160,11 +134,10 @@ def s19_card_house(make):
 
 @hard_scene("pyramid of 210 discs")
 def s19_disc_pyramid(make):
-    """S19. A pyramid of 210 discs on a rough floor, twenty at the base, µ = 0.7.
+    """S19. Twenty discs at the base, on a rough floor, µ = 0.7.
 
     Three discs need µ > tan(π/12) = 0.27 (tests/yade/law/test_closed_forms.py). A base of ten needs
-    0.5 to 0.6, by a linear program over all forces in their cones. Below that the pyramid
-    collapses.
+    0.5 to 0.6, by a linear program; below that the pyramid collapses.
     """
     rough = material(0.7)
     return on_floor(make, rough, *[stadium(0, R, c, material=rough) for c in pyramid(dense_row)])
