@@ -24,16 +24,25 @@ def dense(problem):
     return np.transpose(columns), q + problem["bias"][:, None] * [1, 0]
 
 
-def write_fclib(path, w, q, mu, kind=-1, change=None):
-    """The local problem in FCLIB's format; nz = −1 columns, −2 rows, or "triplets".
+def write(path, step, change=None):
+    """Write a step in the format of the suffix; the stem is the storage of W. Returns the path."""
+    arrays, w, q = step
+    if path.suffix == ".npz":
+        np.savez(path, **arrays)
+    elif path.suffix == ".h5":
+        write_fclib(path, w, q, arrays["mu"], path.stem, change)
+    else:
+        write_siconos(path, w, q, arrays["mu"], path.stem)
+    return path
 
-    `change(group)` damages it.
-    """
-    outer, inner = np.nonzero(w.T if kind == -1 else w)
-    row, column = (inner, outer) if kind == -1 else (outer, inner)
-    triplets = kind == "triplets"
-    values = dict(nzmax=[len(row)], m=[len(w)], n=[len(w)], nz=[len(row) if triplets else kind],
-                  p=row if triplets else np.searchsorted(outer, np.arange(len(w) + 1)), i=inner)
+
+def write_fclib(path, w, q, mu, storage="columns", change=None):
+    """The local problem in FCLIB's format: columns, rows or triplets; `change(group)` damages it."""
+    by_columns, triplets = storage == "columns", storage == "triplets"
+    outer, inner = np.nonzero(w.T if by_columns else w)
+    row, column = (inner, outer) if by_columns else (outer, inner)
+    nz = len(row) if triplets else -1 if by_columns else -2
+    values = dict(nzmax=[len(row)], m=[len(w)], n=[len(w)], nz=[nz], p=row if triplets else np.searchsorted(outer, np.arange(len(w) + 1)), i=inner)
     with h5py.File(path, "w") as file:
         group = file.create_group("fclib_local")
         group["spacedim"] = np.array([2], np.int32)
