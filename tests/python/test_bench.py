@@ -14,6 +14,8 @@ from rcr import _kernel, problems
 from rcr.network import Network
 from scipy.sparse import csc_array
 
+from problem_files import npz
+
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
 from benchmarks import measure
@@ -36,13 +38,6 @@ def residual(problem):
     delassus = problem.delassus()
     return measure.residual(measure.matrix(delassus), delassus.q, delassus.friction,
                             problem.impulse)
-
-
-def as_npz(path, p):
-    """A step as .npz; the four walls are the last bodies."""
-    np.savez(path, a=p.bodies[:, 0], b=p.bodies[:, 1], n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias,
-             mu=p.friction, p0=p.impulse, im=p.inverse_mass[:, 0], iI=p.inverse_mass[:, 2],
-             vfree=p.free_velocity, meta=[0.01, 1, len(p.inverse_mass) - 4])
 
 
 def rows_of(path):
@@ -160,8 +155,8 @@ FAST = ["--repeats", "1", "--budget", "0"]
 @pytest.fixture
 def files(tmp_path):
     problem, _ = solved(lattice())
-    as_npz(tmp_path / "small.npz", problem)
-    as_npz(tmp_path / "larger.npz", lattice(64))
+    for name, given in dict(small=problem, larger=lattice(64)).items():
+        np.savez(tmp_path / name, **npz(given.arrays()))
     problems.save_fclib(tmp_path / "small.h5", problem)
     return tmp_path
 
