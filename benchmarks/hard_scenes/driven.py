@@ -1,14 +1,10 @@
 """Scenes with driven bodies, drawn at random, under rigid contacts and under springs.
 
-Rigid grains with friction cannot follow every prescribed motion. A step may have no solution (a
-frictional wedge), or none may exist any more (a jam).
-
-A bed of grains settles in a box, then one of `MOTIONS` begins. Rigid contacts and springs of 1e8 Pa
-run the same motion from the same bed for the same time. `violations` bounds speeds, forces and the
-time of a step of the rigid run, and checks that it stops with an error only if springs are crushed
-as well. Springs end soon after they are crushed. If the rigid run stops and springs are not
-crushed, the runs may have diverged before: springs then start from the rigid grains before the
-first step without a solution.
+Rigid grains with friction cannot follow every prescribed motion: a step may have no solution (a
+frictional wedge), or none exists any more (a jam). A bed of grains settles in a box, then one of
+`MOTIONS` begins, for the same time under both laws; springs end soon after they are crushed. If the
+rigid run stops and springs are not crushed, the runs may have diverged before: springs then start
+from the rigid grains before the first step without a solution.
 """
 
 import dataclasses
@@ -109,30 +105,17 @@ def run(scene, springs=None):
 
 
 def violations(scene, rigid, springs):
-    """Names of the bounds that the rigid run breaks.
-
-    ended
-        No exception except the error of a jam.
-    speed
-        No grain is faster than ten times the drive plus free fall.
-    force
-        No contact force exceeds a hundred times the largest one of springs.
-    time
-        No step takes more than ten times the median.
-    false_alarm, no_alarm, late_alarm
-        The error comes if and only if springs are crushed too, in either run with springs, and
-        within LATE steps after the rigid grains are crushed.
-    """
+    """Names of the bounds that the rigid run breaks."""
     late = LATE * scene.dt
+    springs_last = springs.crushed == math.inf and rigid.taken_over <= CRUSHED
+    crushed = max(rigid.crushed, springs.crushed)  # the error comes if springs are crushed too
     broken = dict(
-        ended=not rigid.ended,
+        ended=not rigid.ended,  # by an exception other than the error of a jam
         speed=rigid.fastest > 10 * scene.speed + math.sqrt(2 * G * rigid.fall),
         force=rigid.force > 100 * springs.force,
         time=rigid.slowest > 10 * rigid.median,
-        false_alarm=rigid.stopped < math.inf and springs.crushed == math.inf
-        and rigid.taken_over <= CRUSHED,
-        no_alarm=rigid.stopped == math.inf
-        and max(rigid.crushed, springs.crushed) + late < rigid.duration,
+        false_alarm=rigid.stopped < math.inf and springs_last,
+        no_alarm=rigid.stopped == math.inf and crushed + late < rigid.duration,
         late_alarm=math.inf > rigid.stopped > rigid.crushed + late,
     )  # fmt: skip
     return [name for name, is_broken in broken.items() if is_broken]
