@@ -68,6 +68,14 @@ def velocity(problem, p):
     return problem["free_velocity"] + problem["inverse_mass"] * sums
 
 
+def dense(problem):
+    """W (2 nc, 2 nc) and q (nc, 2) with b_n, by unit impulses."""
+    units = np.eye(problem["impulse"].size).reshape(-1, *problem["impulse"].shape)
+    q = jacobian_times(problem, problem["free_velocity"])
+    columns = [(jacobian_times(problem, velocity(problem, unit)) - q).ravel() for unit in units]
+    return np.transpose(columns), q + problem["bias"][:, None] * [1, 0]
+
+
 def kinetic_energy(problem, v):
     """Kinetic energy [J] of body velocities (nb, 3), without prescribed motions."""
     inverse = problem["inverse_mass"]

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from kernel.contact_problems import pile
-from problem_files import dense, npz
+from kernel.contact_problems import dense, pile
+from problem_files import npz
 
 
 @pytest.fixture(scope="session")

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-from kernel.contact_problems import jacobian_times, velocity
 
 
 def npz(problem):
@@ -14,14 +13,6 @@ def npz(problem):
                 bn=p["bias"], mu=p["friction"], gap=0.01 * p["bias"], p0=p["impulse"],
                 im=mass[:, 0], iI=mass[:, 2], vfree=p["free_velocity"],
                 vprev=p["free_velocity"], meta=np.array([0.01, 1.0, len(mass) - 4]))
-
-
-def dense(problem):
-    """W (2 nc, 2 nc) and q (nc, 2) with b_n, by unit impulses."""
-    units = np.eye(problem["impulse"].size).reshape(-1, *problem["impulse"].shape)
-    q = jacobian_times(problem, problem["free_velocity"])
-    columns = [(jacobian_times(problem, velocity(problem, unit)) - q).ravel() for unit in units]
-    return np.transpose(columns), q + problem["bias"][:, None] * [1, 0]
 
 
 def write(path, step, change=None):
