@@ -298,25 +298,22 @@ def test_film_of_pictures(tmp_path):
     assert nine.mean() < ten.mean() - 50
 
 
-def test_films_of_nothing(tmp_path, monkeypatch):
+def stop(*_, **__):
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("out, writer, method, replaced, error, says", [
+    ("a.mp4", "FFMpegWriter", "isAvailable", lambda: False, ValueError, "ffmpeg, which is not ins"),
+    (None, "PillowWriter", "grab_frame", stop, KeyboardInterrupt, ""),
+])
+def test_a_failed_film_leaves_nothing(tmp_path, monkeypatch, out, writer, method, replaced, error,
+                                      says):
     with pytest.raises(ValueError, match="no snapshots"):
         rcr.movie(tmp_path)
     packing(0.5).save(tmp_path / "network.h5")
-    monkeypatch.setattr(matplotlib.animation.FFMpegWriter, "isAvailable", lambda: False)
-    with pytest.raises(ValueError, match="ffmpeg, which is not installed"):
-        rcr.movie(tmp_path, tmp_path / "a.mp4")
-    assert [p.name for p in tmp_path.iterdir()] == ["network.h5"]
-
-
-def test_a_film_that_is_stopped_leaves_nothing(tmp_path, monkeypatch):
-    packing(0.5).save(tmp_path / "network.h5")
-
-    def stop(*_, **__):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(matplotlib.animation.PillowWriter, "grab_frame", stop)
-    with pytest.raises(KeyboardInterrupt):
-        rcr.movie(tmp_path)
+    monkeypatch.setattr(getattr(matplotlib.animation, writer), method, replaced)
+    with pytest.raises(error, match=says):
+        rcr.movie(tmp_path, out and tmp_path / out)
     assert [p.name for p in tmp_path.iterdir()] == ["network.h5"]
 
 
