@@ -98,9 +98,8 @@ def run(scene, springs=None):
     least = np.min([times[1:count], again[1:count]], axis=0)
     rigid.median, rigid.slowest = float(np.median(least)), float(least.max())
     if rigid.stopped < math.inf and springs.crushed == math.inf and wedged:
-        since, motion = wedged
-        rest = rigid.stopped - since + LATE * scene.dt
-        rigid.taken_over = _follow(scene, SPRINGS, bed, rest, start=motion)[0].overlap
+        rest = rigid.stopped - wedged.time + LATE * scene.dt
+        rigid.taken_over = _follow(scene, SPRINGS, bed, rest, start=wedged.motion)[0].overlap
     return rigid, springs
 
 
@@ -193,11 +192,24 @@ def begin(scene, law, bed):
     return ids, top
 
 
+@dataclasses.dataclass(frozen=True)
+class Moment:
+    """Time and motion of all bodies before a step."""
+
+    time: float  # [s]
+    motion: list  # position, orientation, velocity and angular velocity of each
+
+    @staticmethod
+    def now():
+        states = [body.state for body in O.bodies]
+        return Moment(O.time, [(s.pos, s.ori, s.vel, s.angVel) for s in states])
+
+
 def _follow(scene, law, bed, duration, looks=None, start=None):
     """Run a scene under a law, sampled `looks` times, by default at each rigid step.
 
     `start` replaces the initial motion of all bodies. Returns the course, the processor times of
-    the steps [s], and None or (time, motion of all bodies) before the first step without a solution.
+    the steps [s] and the `Moment` before the first step without a solution, or None.
     """
     ids, top = begin(scene, law, bed)
     for body, motion in zip(O.bodies, start or []):
@@ -209,9 +221,7 @@ def _follow(scene, law, bed, duration, looks=None, start=None):
     stride = steps + 1 if looks == 0 else max(1, steps // looks) if looks else 1
     course, times, wedged = Course(fall=top, duration=steps * O.dt), [], None
     for step in range(1, steps + 1):
-        if law is RIGID and not wedged:
-            states = [body.state for body in O.bodies]
-            before = O.time, [(s.pos, s.ori, s.vel, s.angVel) for s in states]
+        before = Moment.now() if law is RIGID and not wedged else None
         began = time.process_time()
         try:
             O.step()
