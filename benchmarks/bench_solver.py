@@ -131,15 +131,12 @@ def siconos_rows(case, warm, options):
         start = d.impulse if warm else np.zeros((case.points, 2))
         np.savez(path, rows=rows, columns=columns, values=values, q=d.q, friction=d.friction,
                  start=start)
-        for method in options.siconos_methods:
-            answer = outside.run(
-                [options.siconos, program, path, "--method", method, "--limit", str(options.limit),
-                 "--tolerances", *map(str, options.tolerances)])
-            found = json.loads(answer.splitlines()[-1])  # Siconos may print lines before
-            for row in found["rows"]:
-                reached = row["residual"] <= row["tolerance"]
-                yield dict(case.about, peer=f"Siconos {method.upper()}",
-                           start="warm" if warm else "cold", **row, reached=reached, ns=found["ns"])
+        answer = outside.run([options.siconos, program, path, "--limit", str(options.limit),
+                              "--tolerances", *map(str, options.tolerances)])
+    found = json.loads(answer.splitlines()[-1])  # Siconos may print lines before
+    for row in found["rows"]:
+        yield dict(case.about, peer="Siconos NSGS", start="warm" if warm else "cold", **row,
+                   reached=row["residual"] <= row["tolerance"], ns=found["ns"])
 
 
 def compare(rows, peers):
@@ -239,8 +236,6 @@ def arguments():
         help="largest number of iterations (default %(default)s)")
     add("--siconos", metavar="PYTHON",
         help="a Python with siconos.numerics and scipy, inside or outside the environment")
-    add("--siconos-methods", nargs="+", choices=("nsgs", "admm"), default=["nsgs"],
-        help="solvers of Siconos (default: nsgs)")
     add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=20, metavar="S",
         help="time limit of Siconos [s] (default %(default)s)")
     script.add_results(parser, "tables")

@@ -1,6 +1,6 @@
 """Time the steps of a packing in other libraries and our solver, or of a biaxial test in YADE.
 
-    python3 scripts/bench_step.py PACKING… --out DIR          step .npz with bodies, or network .h5
+    python3 scripts/bench_step.py PACKING… --out DIR                        network .h5
     scripts/yade-rcr -n -x scripts/bench_step.py FOLDER… --out DIR
 
 The first compares Chipmunk, Box2D and our solver: cost of an iteration and of a step, and errors of
@@ -235,7 +235,7 @@ def arguments():
     parser = script.Parser(prog="bench_step.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("inputs", nargs="+", metavar="PACKING|FOLDER",
-        help="step .npz or network .h5; with YADE, a folder of scripts/biaxial.py")
+        help="network .h5; with YADE, a folder of scripts/biaxial.py")
     add("--iterations", type=script.at_least(1), metavar="N",
         help="iterations of a step (default 40; in YADE: to the tolerance of the scene)")
     add("--steps", type=script.at_least(1), default=None, metavar="N",

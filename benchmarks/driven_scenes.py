@@ -5,30 +5,29 @@ Prints a table and writes it as CSV; benchmarks/hard_scenes/driven.py has the sc
     scripts/yade-rcr -n -x benchmarks/driven_scenes.py --count 200 --out driven-scenes.csv
 """
 
-import argparse
 import csv
 import dataclasses
 from collections import Counter
 
 from benchmarks.hard_scenes import driven
+from rcr import script
+from rcr._data import files
 
 SHOWN = ("seed", "motion", "µ", "η", "grains", "dt", "speed", "v/V", "F/F springs",
          "slowest/median", "without a solution", "broken")
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="driven_scenes.py", description=__doc__.splitlines()[0])
+    parser = script.Parser(prog="driven_scenes.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("--count", type=int, default=200, metavar="N",
+    add("--count", type=script.at_least(1), default=200, metavar="N",
         help="number of scenes (default %(default)s, an hour)")
-    add("--first", type=int, default=0, metavar="SEED",
+    add("--first", type=script.integer(), default=0, metavar="SEED",
         help="seed of the first scene (default %(default)s)")
     add("--out", default="driven-scenes.csv", metavar="FILE", help="CSV (default %(default)s)")
     add("--springs", metavar="FILE",
         help="CSV of an earlier run, whose runs with springs are used again to save time")
     options = parser.parse_args()
-    if options.count < 1:
-        parser.error(f"--count {options.count}: expected at least 1")
     options.known = courses(options.springs) if options.springs else {}
     return options
 
@@ -60,22 +59,17 @@ def shown(scene, rigid, springs, broken):
 
 def main():
     options = arguments()
-    counts, yielded = Counter(), 0
+    counts, rows = Counter(), []
     print("| " + " | ".join(SHOWN) + " |\n" + "|---" * len(SHOWN) + "|")
-    with open(options.out, "w", newline="") as file:
-        for seed in range(options.first, options.first + options.count):
-            scene = driven.draw(seed)
-            rigid, springs = driven.run(scene, options.known.get(seed))
-            broken = driven.violations(scene, rigid, springs)
-            counts.update(broken or ["none"])
-            yielded += rigid.yielded > 0
-            print(shown(scene, rigid, springs, broken), flush=True)
-            line = row(scene, rigid, springs, broken)
-            table = csv.DictWriter(file, line)
-            if seed == options.first:
-                table.writeheader()
-            table.writerow(line)
-            file.flush()
+    for seed in range(options.first, options.first + options.count):
+        scene = driven.draw(seed)
+        rigid, springs = driven.run(scene, options.known.get(seed))
+        broken = driven.violations(scene, rigid, springs)
+        counts.update(broken or ["none"])
+        print(shown(scene, rigid, springs, broken), flush=True)
+        rows.append(row(scene, rigid, springs, broken))
+        files.write(options.out, files.table(list(rows[0]), rows))
+    yielded = sum(row["yielded_rigid"] > 0 for row in rows)
     bounds = ", ".join(f"{name} {n}" for name, n in counts.most_common())
     print(f"{options.count} scenes, {yielded} with steps without a solution;",
           f"bounds broken: {bounds}")

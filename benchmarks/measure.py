@@ -16,16 +16,8 @@ UNITS_OF_WORK = 300_000  # points times sweeps of one timing: a few ms, often un
 def residual(matrix, q, friction, p):
     """Relative natural-map residual ‖p − P_K(p − (û + µ|u_t| n)/w_nn)‖/‖p‖, û = W p + q [-].
 
-    Parameters
-    ----------
-    matrix : (2 nc, 2 nc) SciPy sparse array
-        W in the order n₀, t₀, n₁, t₁ … [1/kg].
-    q : (nc, 2) float array
-        Velocities without impulses, b_n included, local (n, t) [m/s].
-    friction : (nc,) float array
-        Coefficients µ [-].
-    p : (nc, 2) float array
-        Impulses, local (n, t) [N s].
+    `matrix` is W (2 nc, 2 nc) in the order n₀, t₀, n₁, t₁ …; q includes b_n; q and the impulses p
+    are (nc, 2).
     """
     u = (matrix @ p.ravel()).reshape(-1, 2) + q
     w = matrix.diagonal()[::2]
@@ -52,12 +44,7 @@ def matrix(problem):
 def rounds(repeats, budget, functions):
     """Call the functions in turn and yield their results, a list for each round.
 
-    Parameters
-    ----------
-    repeats : int
-        Largest number of rounds.
-    budget : float
-        No round begins later than this [s].
+    There are at most `repeats` rounds; none begins after `budget` seconds.
     """
     start = time.perf_counter()
     for _ in range(repeats):
@@ -67,26 +54,15 @@ def rounds(repeats, budget, functions):
 
 
 def best(repeats, budget, *functions):
-    """The fastest result of each function, a number of seconds or a dict with ``seconds``.
-
-    `repeats` and `budget` are those of `rounds`.
-    """
+    """The fastest result of each function, a number of seconds or a dict with ``seconds``."""
     seconds = lambda result: result["seconds"] if isinstance(result, dict) else result
     return [min(results, key=seconds) for results in zip(*rounds(repeats, budget, functions))]
 
 
 def sweep_times(runs, repeats):
-    """Time per contact point and sweep, from the difference of many and few sweeps.
+    """Wall-clock and processor time per contact point and sweep, (runs, 2) [ns].
 
-    Parameters
-    ----------
-    runs : list of (number of points, function)
-        Each function takes settings of `rcr._kernel.solve` and returns its result.
-
-    Returns
-    -------
-    (runs, 2) float array
-        Wall-clock time and processor time [ns].
+    A run is (number of points, `solve` of settings); many sweeps are compared with few.
     """
 
     def run(solve, count):
@@ -145,20 +121,8 @@ def mirrored(problem, seed=1, change=0.05):
 
     The wall is a prescribed body whose contacts share one normal along x or y. It disappears:
     grains that touched it touch their own images, at twice the gap and without friction. The
-    solution is the solution of the problem and its mirror image.
-
-    Parameters
-    ----------
-    problem : rcr.problems.BodyProblem
-    seed : int
-    change : float
-        Standard deviation of a random relative change of the free velocities, which breaks the
-        symmetry; 0 keeps it [-].
-
-    Raises
-    ------
-    ValueError
-        If no such wall exists.
+    solution is the solution of the problem and its mirror image. Random relative changes of the
+    free velocities, of the standard deviation `change`, break the symmetry.
     """
     axis, speed, gone = _straight_wall(problem)
     flip = 1 - 2 * np.eye(2)[axis]
@@ -244,40 +208,24 @@ def with_two_points(problem):
 def lattice(count, seed=1):
     """A triangular lattice of about `count` equal discs under a load, a third of its bonds open.
 
-    It is not at rest: times of a sweep are realistic, numbers of sweeps are not.
-
-    Returns
-    -------
-    dict
-        Arrays of `rcr.problems.BodyProblem`.
+    Returns the arrays of a `BodyProblem`. It is not at rest: times of a sweep are realistic,
+    numbers of sweeps are not.
     """
+    from benchmarks.packing import Packing
+
     rng = np.random.default_rng(seed)
     side = max(2, round(np.sqrt(count)))
     discs = side * side
-    left, bottom, right, top = range(discs, discs + 4)
-    disc = np.arange(discs)
-    row, column = np.divmod(disc, side)
-    odd = row % 2  # odd rows are shifted by half a diameter
-    bonds = []  # body 1, body 2, angle of the normal, friction, closed
-    for up, across, angle in (0, 1 + 0 * odd, 0), (1, odd, np.pi / 3), (1, odd - 1, 2 * np.pi / 3):
-        there = (row + up < side) & (0 <= column + across) & (column + across < side)
-        closed = rng.random(there.sum()) < 2 / 3
-        bonds.append((disc[there], (disc + up * side + across)[there], angle, 0.5, closed))
-    walls = [(left, (column == 0) & (odd == 0), 0), (bottom, row == 0, np.pi / 2),
-             (right, (column == side - 1) & (odd == 1), np.pi), (top, row == side - 1, -np.pi / 2)]
-    for wall, there, angle in walls:
-        count = there.sum()
-        bonds.append((np.full(count, wall), disc[there], angle, 0.0, np.full(count, True)))
-    a, b, angle, friction, closed = map(
-        np.concatenate, zip(*(np.broadcast_arrays(*bond) for bond in bonds)))
-    normal = np.round(np.column_stack([np.cos(angle), np.sin(angle)]), 15) + 0.0
-    inverse_mass = np.zeros((discs + 4, 3))
-    inverse_mass[:discs] = [1, 1, 8]
-    inverse_mass[right, 0] = 1 / side
+    row, column = np.divmod(np.arange(discs), side)
+    height = np.sqrt(0.75)  # of a row; odd rows are shifted by half a diameter
+    walls = [(-0.5, 0), (0, -0.5), (side, 0), (0, height * (side - 1) + 0.5)]
+    place = np.concatenate([np.column_stack([column + 0.5 * (row % 2), height * row]), walls])
     velocity = np.zeros((discs + 4, 3))
     velocity[:discs] = rng.normal(0, 0.01, (discs, 3))
-    velocity[top, 1], velocity[right, 0] = -0.01, -0.01
-    return dict(inverse_mass=inverse_mass, free_velocity=velocity, bodies=np.column_stack([a, b]),
-                normal=normal, arm1=np.where((a >= discs)[:, None], 0, 0.5 * normal),
-                arm2=-0.5 * normal,
-                bias=np.where(closed, 0, 0.1), friction=friction, impulse=np.zeros((len(a), 2)))
+    velocity[-1, 1], velocity[-2, 0] = -0.01, -0.01
+    packing = Packing(np.column_stack([place, np.zeros(discs + 4)]), np.tile([0, 0.5], (discs, 1)),
+                      np.append(np.ones(discs), [0, 0, side, 0]), np.full(discs, 1 / 8), velocity,
+                      np.zeros((discs + 4, 2)), dt=1.0)
+    arrays = packing.problem(friction=0.5, alert=1e-6).arrays()
+    is_closed = (arrays["bodies"] >= discs).any(1) | (rng.random(len(arrays["bias"])) < 2 / 3)
+    return dict(arrays, bias=np.where(is_closed, 0, 0.1))

@@ -32,20 +32,10 @@ def pipes():
 
 
 def run(arguments, try_here=False):
-    """Output of a command, executed outside the environment.
+    """Output of a command, executed outside the environment; its paths must be absolute.
 
-    Parameters
-    ----------
-    arguments : list of str
-        The command; paths of files must be absolute.
-    try_here : bool
-        Execute it here first, and outside if it does not start: its libraries may be in either
-        place.
-
-    Raises
-    ------
-    RuntimeError
-        If it cannot be started or fails, with the last line of its standard error.
+    With `try_here`, it is executed here first, and outside if it does not start: its libraries may
+    be in either place. A RuntimeError has the last line of its standard error.
     """
     outside = _PIPES in os.environ
     answer = _execute(arguments) if try_here or not outside else _ask(arguments)

@@ -55,10 +55,7 @@ class Packing:
             [self.force, np.zeros(len(self.force))])
 
     def problem(self, friction, alert):
-        """Contact problem of the step, cold.
-
-        It has points with gaps up to `alert` between grains and `alert` / 2 at walls.
-        """
+        """Contact problem of the step, cold: gaps up to `alert`, at walls up to half of it."""
         from rcr import _kernel as kernel
         from rcr.problems import BodyProblem
         from scipy.spatial import cKDTree
@@ -90,47 +87,12 @@ class Packing:
 
 
 def load(path):
-    """Packing of a step `.npz` with its `state`, or of a network `.h5`.
-
-    Raises
-    ------
-    ValueError
-        If the file has no bodies or another format.
-    OSError
-        If the file cannot be read.
-    """
-    if path.endswith(".npz"):
-        return _from_step(path)
-    if path.endswith((".h5", ".hdf5")):
-        return _from_network(path)
-    raise ValueError(f"{path}: expected a step .npz or a network .h5")
-
-
-def _from_step(path):
-    names = "state vprev vfree im iI meta".split()
-    with np.load(path) as file:
-        missing = [name for name in names if name not in file]
-        if missing:
-            raise ValueError(f"{path}: lacks {', '.join(missing)}; "
-                             f"expected the bodies of a step, {', '.join(names)}")
-        arrays = [np.asarray(file[name], float) for name in names]
-    state, before, free, inverse_mass, inverse_inertia, (dt, _, count) = arrays
-    count, inverse_mass = int(count), inverse_mass.reshape(len(inverse_mass), -1)[:, 0]
-    if len(state) != count + 4:
-        raise ValueError(f"{path}: state has {len(state)} rows for {count} particles; "
-                         "expected four walls after them")
-    mass = np.divide(1, inverse_mass, out=np.zeros(count + 4), where=inverse_mass > 0)
-    force = (free - before)[:, :2] * mass[:, None] / dt
-    pose = state[:, :3].copy()
-    pose[count:, 2] = 0
-    return _scaled(pose, state[:count, 4:6], mass, 1 / inverse_inertia[:count], before, force, dt)
-
-
-def _from_network(path):
     """Packing of a network: walls lie at their contacts, the stress loads the right wall."""
     from rcr import Network
     from rcr import _kernel as kernel
 
+    if not path.endswith((".h5", ".hdf5")):
+        raise ValueError(f"{path}: expected a network .h5")
     network = Network.load(path)
     p, c, count = network.particles, network.contacts, len(network.particles["id"])
     stadium = np.column_stack([p["half_length"], p["cap_radius"]])
@@ -146,17 +108,8 @@ def _from_network(path):
     velocity, force = np.concatenate([p["velocity"], np.zeros((4, 3))]), np.zeros((count + 4, 2))
     height = pose[count + 3, 1] - pose[count + 1, 1]
     force[count + 2, 0] = -network.stress()[0, 0] * height
-    return _scaled(pose, stadium, mass, inertia, velocity, force, float(network.attributes["dt"]))
-
-
-def _scaled(pose, stadium, mass, inertia, velocity, force, dt):
-    length, unit = 2 * stadium.sum(1).mean(), mass[: len(stadium)].mean()
+    length, unit = 2 * stadium.sum(1).mean(), p["mass"].mean()
     per_length = np.array([1 / length, 1 / length, 1])
-    return Packing(
-        pose=pose * per_length,
-        stadium=stadium / length,
-        mass=mass / unit,
-        inertia=inertia / (unit * length**2),
-        velocity=velocity * per_length,
-        force=force / (unit * length),
-        dt=float(dt))
+    return Packing(pose=pose * per_length, stadium=stadium / length, mass=mass / unit,
+                   inertia=inertia / (unit * length**2), velocity=velocity * per_length,
+                   force=force / (unit * length), dt=float(network.attributes["dt"]))

@@ -18,17 +18,9 @@ def add_repeats(parser, repeats, budget=None):
 
 
 def store(program, options, columns, measured):
-    """Print tables, and write them as CSV into the folder of --out, if it is given.
+    """Print the tables `measured(options)`, and write them as CSV into the folder of --out.
 
-    Parameters
-    ----------
-    program : str
-        Name of the script.
-    options : argparse.Namespace
-    columns : dict
-        {name of a table: its columns}
-    measured : callable
-        Returns {name: rows (dicts)} for the options.
+    `columns` is {name of a table: its columns}; `measured` returns {name: rows (dicts)}.
     """
     given = {name: value for name, value in vars(options).items()
              if name not in ("out", "overwrite")}

@@ -17,7 +17,8 @@ import dataclasses
 import importlib
 import os
 
-from rcr._data import files
+from rcr._data import files, results
+from rcr.study.protocol import PROTOCOL
 
 GIVEN_UP = "given up after "  # status of a point that reached its time limit; seconds follow
 NAMES = dict(a="one_step", b="deterministic", c="biaxial_cost", d="stability", e="quasi_static")
@@ -45,6 +46,12 @@ def settings(letter, options):
     return ", ".join(f"{name} = {getattr(options, name)}" for name in chart(letter).DEPENDS)
 
 
+def folder(kind, name, options):
+    """Folder of files that later calls use again, unless the protocol of the test has changed."""
+    protocol = results.identity(dataclasses.asdict(PROTOCOL))
+    return os.path.join(options.out, kind, f"{name}-{protocol}")
+
+
 def settled(status, limit, retry=False):
     """True for a point that need not run again.
 
@@ -59,19 +66,7 @@ def settled(status, limit, retry=False):
 class Table:
     """CSV of a chart, written after each point so that an interrupted run resumes.
 
-    Parameters
-    ----------
-    path : path
-        Read if it exists.
-    columns : list of str
-        Columns of the chart.
-    settings : str
-        Settings of the rows in use; rows of other settings stay in the file. None uses all rows.
-
-    Raises
-    ------
-    ValueError
-        If the file is damaged.
+    Rows of other `settings` stay in the file; None uses all rows.
     """
 
     def __init__(self, path, columns, settings=None):

@@ -25,7 +25,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from yade.wrapper import Omega
 
-from benchmarks.charts import legend_handles
+from benchmarks import charts
 from benchmarks.charts.stock import Stock
 from rcr.study.statistics import standard_error
 from rcr.study.biaxial import Biaxial
@@ -61,7 +61,7 @@ SLIDING = 0.99  # smallest I_m of a sliding contact
 
 def compacted(eta, seed, options):
     """Compacted packing of an elongation and a seed, made at the first call."""
-    folder = os.path.join(options.out, "packings", f"n{options.particles}-e{eta:g}-s{seed}")
+    folder = charts.folder("packings", f"n{options.particles}-e{eta:g}-s{seed}", options)
     if not os.path.exists(os.path.join(folder, "checkpoint.yade.gz")):
         os.makedirs(folder, exist_ok=True)
         test = Biaxial.prepare(eta, options.particles, seed, threads=1, approach=0,
@@ -230,7 +230,7 @@ def plot(rows, options):
                 ax.set_ylim(bottom=1e-4)
             if name == OBSERVED[-1]:
                 ax.set_xlabel("processor time [s]")
-    handles = legend_handles(figure)
+    handles = charts.legend_handles(figure)
     figure.tight_layout(rect=(0, 0, 1, 0.95))
     figure.legend(handles.values(), handles.keys(), ncol=2, loc="upper center", fontsize=9)
     return figure

@@ -10,9 +10,8 @@ from types import SimpleNamespace
 import numpy as np
 from matplotlib.figure import Figure
 
-from benchmarks import bench_solver, bench_step, measure
+from benchmarks import bench_solver, bench_step, charts, measure
 from benchmarks import packing as packings
-from benchmarks.charts import legend_handles
 from rcr import problems
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
@@ -50,10 +49,9 @@ def _program(name, options):
 
 def _files(particles, eta, options):
     """Paths of the problem and the network of a sheared packing, made at the first call."""
-    folder = os.path.join(options.out, "problems")
-    base = os.path.join(folder, f"n{particles}_e{eta:g}")
+    base = charts.folder("problems", f"n{particles}_e{eta:g}", options)
     if not os.path.exists(base + ".h5"):
-        os.makedirs(folder, exist_ok=True)
+        os.makedirs(os.path.dirname(base), exist_ok=True)
         test = Biaxial.prepare(eta, particles, threads=1)
         test.compact()
         while test.strain < STRAIN - 0.5 * RECORD:
@@ -67,7 +65,7 @@ def run(name, options):
     count, eta, library = name.split("/")
     particles, mirror = next((n, k) for n, k in sizes(options) if n * 2**k == int(count))
     problem, network = _files(particles, float(eta), options)
-    title = os.path.basename(problem)[:-4] + (f" x{2**mirror}" if mirror else "")
+    title = f"n{particles}_e{float(eta):g}" + (f" x{2**mirror}" if mirror else "")
     about = dict(eta=float(eta), particles=int(count), problem=title)
     if library in STEPPED:
         rows = _stepped(library, network, options)
@@ -90,7 +88,7 @@ def _solved(library, problem, options):
     given = SimpleNamespace(
         repeats=3, budget=1, tolerances=[float(f"1e-{k}") for k in range(1, 11 if ours else 9)],
         max_iterations=5000 if options.quick else 10000, siconos=options.siconos,
-        siconos_methods=["nsgs"], limit=2 if options.quick else 10,
+        limit=2 if options.quick else 10,
     )  # fmt: skip
     for warm in False, True:
         if ours:
@@ -162,7 +160,7 @@ def plot(rows, options):
         line[0].set_ylabel("residual of the contact laws")
     for ax in axes[-1]:
         ax.set_xlabel("processor time [s]")
-    handles = legend_handles(figure)
+    handles = charts.legend_handles(figure)
     figure.legend(handles.values(), handles.keys(), ncol=4, loc="upper center",
                   bbox_to_anchor=(0.5, 1.0), fontsize=8)
     figure.text(0.5, 0.93, "filled, full line: cold start; open, dashed: warm start", ha="center",

@@ -28,7 +28,8 @@ from rcr.study.observables import POWER_RANGE, correlations
 from rcr.study.figures.plot_style import legend_outside
 from rcr.study.protocol import PROTOCOL
 
-from . import biaxial_cost
+from benchmarks import charts
+from benchmarks.charts import biaxial_cost
 
 O = Omega()
 RECORD = PROTOCOL.record_strain  # strain of a record
@@ -90,8 +91,7 @@ def _test(name, options, folder):
 def _set(test, setting):
     """Set rate, time step and solver."""
     rate, dt, iterations, tolerance = setting.split("/")
-    test.parameters.update(inertial_number=float(rate), time_step=float(dt), approach=APPROACH,
-                           sample_inertia=1)
+    test.parameters.update(inertial_number=float(rate), time_step=float(dt), approach=APPROACH)
     solver, change = test.solver, tolerance.removeprefix("mean-")
     plain = change != tolerance
     solver.maxIterations, solver.solver = int(iterations), "nlgs" if plain else "auto"
@@ -100,7 +100,7 @@ def _set(test, setting):
 
 
 def run(name, options):
-    folder = pathlib.Path(options.out, "rates", name.replace("/", "-"))
+    folder = pathlib.Path(charts.folder("rates", name.replace("/", "-"), options))
     folder.mkdir(parents=True, exist_ok=True)
     test, setting = _test(name, options, folder), _setting(name)
     saved = time.monotonic()
@@ -163,20 +163,10 @@ def observed(networks):
 
 
 def limit(rows, name):
-    """Limit I → 0 of the fit y = y₀ + b √I by least squares, with a y₀ for each seed.
+    """Mean y₀, its error, b and its error of the fit y = y₀ + b √I, with a y₀ for each seed.
 
-    Parameters
-    ----------
-    rows : list of dict
-        Rows of one elongation and one size.
-    name : str
-        Name of the observable.
-
-    Returns
-    -------
-    (float, float, float, float)
-        Mean y₀, its error, b and its error; NaN for too few rows. The first error includes the
-        scatter of the seeds.
+    `rows` are those of one elongation and size; too few give NaN. The first error includes the
+    scatter of the seeds.
     """
     seeds = sorted({row["seed"] for row in rows})
     x = np.sqrt(np.array([row["inertial_number"] for row in rows], dtype=float))

@@ -25,13 +25,13 @@ def points(options):
     names = [name for name in suite.names() if not options.quick or name.startswith(QUICK)]
     dts = (1e-4, 1e-3, 1e-2) if options.quick else (1e-4, 3e-4, 1e-3, 3e-3, 1e-2)
     return [f"{name}/{law}/{dt:g}" for name in names for law in LAWS for dt in dts
-            if law == "cd" or not getattr(suite.scene(name), "RIGID_ONLY", False)]
+            if law == "cd" or not suite.scene(name).RIGID_ONLY]
 
 
 def run(name, options):
     scene, law, dt = name.split("/")
     module = suite.scene(scene)
-    is_long = "seconds" in inspect.signature(module.measure).parameters
+    is_long = "seconds" in inspect.signature(module.set_up).parameters
     shortened = dict(seconds=1.0 if options.quick else 10.0) if is_long else {}
     found = suite.run(scene, LAWS[law], float(dt), **shortened)
     verdict = "blows up" if not found.stable else "holds" if found.holds else "drifts"

@@ -30,14 +30,9 @@ class StockSprings(Springs):
 
 
 class Stock(Biaxial):
-    """Biaxial test of clumps of spheres under the stock law, made from a compacted test.
+    """Biaxial test of clumps of spheres under the stock law, in place of a compacted test.
 
-    Parameters
-    ----------
-    test : Biaxial
-        Compacted test of the present scene, which this one replaces.
-    stiffness : float
-        Normal stiffness of a pair of spheres over the confining stress, k_n/σ₀ [-].
+    `stiffness` is that of a pair of spheres along the normal over the confining stress, k_n/σ₀.
     """
 
     def __init__(self, test, stiffness):

@@ -1,24 +1,16 @@
 """Scenes on which contact solvers are known to fail.
 
-A scene is a module of this package, or one of `driven.SCENES`. It has
-
-    TITLE, PREDICATE, BOUND, REASON     what must hold: measured ≤ BOUND
-    build(law, dt)                      makes the scene, returns what measure needs
-    measure(built, clock)               advances the scene, returns the measured number
-    RIGID_ONLY                          True if the predicate is meaningless for springs
-
-`law` is `ContactDynamics()` or `Smooth()`. In every scene `Clock` also checks that contacts give no
-energy and that no grain tunnels.
+`stage.hard_scene` marks the function that makes a scene. In every scene `Clock` also checks that
+contacts give no energy and that no grain tunnels.
 """
 
 import dataclasses
-import importlib
 import math
-import pkgutil
 import time
+from functools import partial
 
-from . import driven
-from .stage import COARSE, DT, Clock, ContactDynamics, Smooth
+from . import contacts, driven, impacts, rest  # noqa: F401: they fill SCENES
+from .stage import COARSE, DT, SCENES, Clock, ContactDynamics, D, Smooth, build, farthest
 
 __all__ = ["COARSE", "DT", "TIGHT", "ContactDynamics", "Result", "Smooth", "names", "run", "scene",
            "title"]  # fmt: skip
@@ -30,13 +22,12 @@ BLOW_UP = 0.05  # energy gain over the scale; time stepping gives some per cent 
 
 def names():
     """Names of all scenes, in order."""
-    modules = [name for _, name, _ in pkgutil.iter_modules(__path__) if name[1:3].isdigit()]
-    return sorted([*modules, *driven.SCENES])
+    return sorted(SCENES)
 
 
 def scene(name):
     """The scene of this name."""
-    return driven.SCENES.get(name) or importlib.import_module(f"{__name__}.{name}")
+    return SCENES[name]
 
 
 def title(name):
@@ -58,28 +49,15 @@ class Result:
 
 
 def run(name, law=ContactDynamics(), dt=DT, **shortened):
-    """Build a scene, advance it and judge it.
-
-    Parameters
-    ----------
-    name : str
-        One of `names`.
-    law : ContactDynamics or Smooth
-    dt : float
-        Time step [s].
-    **shortened
-        Passed to ``measure``: ``seconds`` of long scenes.
-
-    Returns
-    -------
-    Result
-    """
-    module = scene(name)
-    built = module.build(law, dt)
+    """Result of a scene; long scenes take a number of `seconds`."""
+    measure = scene(name).set_up(partial(build, law, dt), **shortened)
+    if isinstance(measure, list):
+        ids = measure
+        measure = lambda clock: farthest(ids, clock, 10.0) / D
     clock, start = Clock(), time.process_time()
-    measured = float(module.measure(built, clock, **shortened))
+    measured = float(measure(clock))
     return Result(
         measured=measured, gain=clock.gain / clock.scale, overlap=clock.overlap, steps=clock.steps,
-        seconds=time.process_time() - start, holds=measured <= module.BOUND,
+        seconds=time.process_time() - start, holds=measured <= scene(name).BOUND,
         stable=math.isfinite(clock.gain) and clock.gain <= BLOW_UP * clock.scale
         and clock.overlap < TUNNEL)

@@ -1,20 +1,17 @@
 """Scenes with driven bodies, drawn at random, under rigid contacts and under springs.
 
-Rigid grains with friction cannot follow every prescribed motion. A step may have no solution (a
-frictional wedge), or none may exist any more (a jam).
-
-A bed of grains settles in a box, then one of `MOTIONS` begins. Rigid contacts and springs of 1e8 Pa
-run the same motion from the same bed for the same time. `violations` bounds speeds, forces and the
-time of a step of the rigid run, and checks that it stops with an error only if springs are crushed
-as well. Springs end soon after they are crushed. If the rigid run stops and springs are not
-crushed, the runs may have diverged before: springs then start from the rigid grains before the
-first step without a solution.
+Rigid grains with friction cannot follow every prescribed motion: a step may have no solution (a
+frictional wedge), or none exists any more (a jam). A bed of grains settles in a box, then one of
+`MOTIONS` begins, for the same time under both laws; springs end soon after they are crushed. If the
+rigid run stops and springs are not crushed, the runs may have diverged before: springs then start
+from the rigid grains before the first step without a solution.
 """
 
 import dataclasses
 import math
 import random
 import time
+from functools import partial
 
 import numpy as np
 from yade import O
@@ -22,8 +19,9 @@ from yade.wrapper import RotationEngine
 
 import rcr
 
-from .stage import (DT, G, R, ContactDynamics, Smooth, angle, box, build, material, open_box,
-                    positions, real_contacts, solver)
+from . import stage
+from .stage import (DT, G, R, SCENES, ContactDynamics, Smooth, angle, box, build, material,
+                    open_box, positions, real_contacts, solver)
 
 TITLES = dict(  # of the hard scenes S21 to S26, one a motion
     lid="lid driven into a bed", piston="side wall driven into a bed",
@@ -59,16 +57,7 @@ class Scene:
 
 
 def draw(seed, grains=(20, 300), steps=RIGID_STEPS):
-    """Scene of a seed.
-
-    Parameters
-    ----------
-    seed : int
-    grains : (int, int)
-        Smallest and largest number of grains.
-    steps : int
-        Largest number of steps with rigid contacts.
-    """
+    """Scene of a seed, with a number of grains in this range and at most so many rigid steps."""
     dice = random.Random(seed)
     log_uniform = lambda low, high: math.exp(dice.uniform(math.log(low), math.log(high)))
     dt = log_uniform(1e-4, 1e-2)
@@ -115,30 +104,17 @@ def run(scene, springs=None):
 
 
 def violations(scene, rigid, springs):
-    """Names of the bounds that the rigid run breaks.
-
-    ended
-        No exception except the error of a jam.
-    speed
-        No grain is faster than ten times the drive plus free fall.
-    force
-        No contact force exceeds a hundred times the largest one of springs.
-    time
-        No step takes more than ten times the median.
-    false_alarm, no_alarm, late_alarm
-        The error comes if and only if springs are crushed too, in either run with springs, and
-        within LATE steps after the rigid grains are crushed.
-    """
+    """Names of the bounds that the rigid run breaks."""
     late = LATE * scene.dt
+    springs_last = springs.crushed == math.inf and rigid.taken_over <= CRUSHED
+    crushed = max(rigid.crushed, springs.crushed)  # the error comes if springs are crushed too
     broken = dict(
-        ended=not rigid.ended,
+        ended=not rigid.ended,  # by an exception other than the error of a jam
         speed=rigid.fastest > 10 * scene.speed + math.sqrt(2 * G * rigid.fall),
         force=rigid.force > 100 * springs.force,
         time=rigid.slowest > 10 * rigid.median,
-        false_alarm=rigid.stopped < math.inf and springs.crushed == math.inf
-        and rigid.taken_over <= CRUSHED,
-        no_alarm=rigid.stopped == math.inf
-        and max(rigid.crushed, springs.crushed) + late < rigid.duration,
+        false_alarm=rigid.stopped < math.inf and springs_last,
+        no_alarm=rigid.stopped == math.inf and crushed + late < rigid.duration,
         late_alarm=math.inf > rigid.stopped > rigid.crushed + late,
     )  # fmt: skip
     return [name for name, is_broken in broken.items() if is_broken]
@@ -284,33 +260,30 @@ def _look(course, ids):
 # ---- one scene of each motion, for the suite of hard scenes
 
 
-class Staged:
-    """Hard scene of a motion, with the attributes of the modules of this package."""
+SECONDS = 0.5  # duration of a hard scene, in which the drive moves by 3 R
 
-    PREDICATE = "speed of the fastest grain, over ten times the drive plus free fall"
-    BOUND = 1
-    REASON = "a slow drive throws no grain"
-    SECONDS = 0.5  # duration, in which the drive moves by 3 R
 
-    def __init__(self, motion, title):
-        self.motion, self.TITLE = motion, title
+def staged(make, motion):
+    """Set up the hard scene of a motion."""
+    law, dt = make.args
+    scene = Scene(seed=0, motion=motion, eta=0.5, friction=0.5, grains=60, dt=dt,
+                  speed=3 * R / SECONDS, steps=math.ceil(SECONDS / dt))
+    ids, top = begin(scene, law, _settled(scene))
+    allowed, speeds = 10 * scene.speed + math.sqrt(2 * G * top), [0.0]
 
-    def build(self, law, dt):
-        scene = Scene(seed=0, motion=self.motion, eta=0.5, friction=0.5, grains=60, dt=dt,
-                      speed=3 * R / self.SECONDS, steps=math.ceil(self.SECONDS / dt))
-        ids, top = begin(scene, law, _settled(scene))
-        return ids, 10 * scene.speed + math.sqrt(2 * G * top)
-
-    def measure(self, built, clock):
-        ids, allowed = built
-        speeds = [0.0]
+    def measure(clock):
         look = lambda: speeds.append(max(O.bodies[i].state.vel.norm() for i in ids))
         try:
-            clock.pass_(self.SECONDS, look)
+            clock.pass_(SECONDS, look)
         except RuntimeError as stopped:
             assert "jam" in str(stopped), stopped
         return max(speeds) / allowed
 
+    return measure
 
-SCENES = {f"s{number}_driven_{motion}": Staged(motion, title)
-          for number, (motion, title) in enumerate(TITLES.items(), 21)}
+
+SCENES |= {f"s{number}_driven_{motion}": stage.Scene(
+    partial(staged, motion=motion), title,
+    "speed of the fastest grain, over ten times the drive plus free fall", 1,
+    "a slow drive throws no grain", False)
+    for number, (motion, title) in enumerate(TITLES.items(), 21)}

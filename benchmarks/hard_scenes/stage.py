@@ -5,6 +5,7 @@ R = 0.01 m is the circumscribed radius of every body unless a scene states anoth
 
 import dataclasses
 import math
+from collections.abc import Callable
 
 import numpy as np
 import yade.utils
@@ -34,13 +35,13 @@ class ContactDynamics:
     options: dict = dataclasses.field(default_factory=dict)
     young = 1e9  # not used
 
-    def engines(self, gravity, restitution):
+    def parts(self, restitution):
+        """Physics, law and solver."""
         ip2 = rcr.Ip2_FrictMat_FrictMat_CdPhys()
         if restitution:
             ip2.restitution = MatchMaker(algo="val", val=restitution)
-        return [*_detection(ip2, rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()),
-                rcr.ContactDynamics(**self.options),
-                _newton(gravity)]
+        return (ip2, rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb(),
+                rcr.ContactDynamics(**self.options))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -53,49 +54,64 @@ class Smooth:
     young: float = 1e8
     damping: float = 0.2
 
-    def engines(self, gravity, restitution):
-        law2 = rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=self.damping)
-        return [*_detection(Ip2_FrictMat_FrictMat_FrictPhys(), law2), _newton(gravity)]
-
-
-def _detection(ip2, law2):
-    boxes = [rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()]
-    points = [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom()]
-    return [ForceResetter(),
-            InsertionSortCollider(boxes, verletDist=0.1 * R),
-            InteractionLoop(points, [ip2], [law2])]
-
-
-def _newton(gravity):
-    return NewtonIntegrator(gravity=gravity, damping=0)
+    def parts(self, restitution):
+        """Physics and law."""
+        return (Ip2_FrictMat_FrictMat_FrictPhys(),
+                rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=self.damping))
 
 
 def build(law, dt, *bodies, gravity=(0, -G, 0), restitution=0):
     """Reset YADE and make a scene of these bodies under the law; returns their ids.
 
-    Parameters
-    ----------
-    law : ContactDynamics or Smooth
-    dt : float
-        Time step [s].
-    *bodies : Body
-    gravity : (float, float, float)
-        Acceleration [m/s²].
-    restitution : float
-        Coefficient of restitution of all contacts [-].
+    `gravity` is in m/s²; `restitution` is the coefficient of all contacts.
     """
     for body in bodies:
         body.material.young = law.young
     O.reset()
     _pushes.clear()
     O.dt = dt
-    O.engines = law.engines(gravity, restitution)
+    ip2, law2, *solver = law.parts(restitution)
+    boxes = [rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb(), Bo1_Box_Aabb()]
+    points = [rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom()]
+    O.engines = [ForceResetter(), InsertionSortCollider(boxes, verletDist=0.1 * R),
+                 InteractionLoop(points, [ip2], [law2]), *solver,
+                 NewtonIntegrator(gravity=gravity, damping=0)]
     return [O.bodies.append(body) for body in bodies]
 
 
-def on_floor(law, dt, rough, *bodies, **options):
-    """`build` of these bodies on a floor of the material `rough`; returns the ids of the bodies."""
-    return build(law, dt, rcr.wall("y", 0, material=rough), *bodies, **options)[1:]
+def on_floor(make, rough, *bodies, **options):
+    """`make` of these bodies on a floor of the material `rough`; returns the ids of the bodies."""
+    return make(rcr.wall("y", 0, material=rough), *bodies, **options)[1:]
+
+
+@dataclasses.dataclass(frozen=True)
+class Scene:
+    """A hard scene; measured ≤ BOUND must hold.
+
+    `set_up(make)` builds it by `make`, which is `build` with a law and a time step. It returns the
+    ids of bodies that must not move in 10 s, or the function `measure(clock)`, which advances the
+    scene and returns the measured number.
+    """
+
+    set_up: Callable
+    TITLE: str
+    PREDICATE: str
+    BOUND: float
+    REASON: str
+    RIGID_ONLY: bool  # the predicate is meaningless for springs
+
+
+SCENES = {}  # by name
+
+
+def hard_scene(title, predicate="largest displacement in 10 s, in diameters", bound=1e-3,
+               reason="geometric error of 1e-3 diameters, as in all scenes", rigid_only=False):
+    """Add a function as `set_up` of a scene with its name."""
+    def add(set_up):
+        SCENES[set_up.__name__] = Scene(set_up, title, predicate, bound, reason, rigid_only)
+        return set_up
+
+    return add
 
 
 def material(friction=0.5, density=DENSITY):
@@ -106,6 +122,27 @@ def material(friction=0.5, density=DENSITY):
 def stadium(a, r, center, angle=0.0, **options):
     """Body with the half length a and the cap radius r [m]; a = 0 is a disc."""
     return rcr.particle(center, R=a + r, eta=a / (a + r), angle=angle, **options)
+
+
+def flat(center, rough):
+    """A flat RCR, 2 R long and R high."""
+    return stadium(R / 2, R / 2, center, material=rough)
+
+
+def flat_row(row):
+    """Height of the centres in a row of flat RCRs on each other."""
+    return R * (row + 0.5)
+
+
+def dense_row(row):
+    """Height of the centres in a row of discs in a dense packing."""
+    return R + row * math.sqrt(3) * R
+
+
+def rows(count, columns, height):
+    """Centres in rows, shifted in turn, of `columns` and one less; `height` is that of a row."""
+    return [(R * (1 + row % 2) + D * k, height(row)) for row in range(count)
+            for k in range(columns - row % 2)]
 
 
 def box(center, half_extent, angle=0.0, material=None):
@@ -160,10 +197,10 @@ def _free():
     return [b for b in O.bodies if b and b.state.blockedDOFs != "xyzXYZ" and b.state.mass > 0]
 
 
-def kinetic():
-    """Kinetic energy of all free bodies [J/m]."""
+def kinetic(bodies=None):
+    """Kinetic energy of these bodies, by default of all free ones [J/m]."""
     return sum(0.5 * b.state.mass * b.state.vel.squaredNorm()
-               + 0.5 * b.state.inertia[2] * b.state.angVel[2]**2 for b in _free())
+               + 0.5 * b.state.inertia[2] * b.state.angVel[2]**2 for b in bodies or _free())
 
 
 def potential():
@@ -205,18 +242,10 @@ def farthest(ids, clock, seconds):
 class Clock:
     """Advances the scene, and records the energy gain and the largest overlap.
 
-    Attributes
-    ----------
-    gain : float
-        Largest kinetic energy beyond that of the start and the work of loads and drives [J/m]. It
-        is 0 if contacts give no energy.
-    scale : float
-        Energy to compare `gain` with: kinetic energy of the start, and work of all loads over d
-        [J/m].
-    overlap : float
-        Largest overlap over the cap radius of the smaller body [-]; at 1 bodies tunnel.
-    steps : int
-        Number of steps so far.
+    `gain` [J/m] is the largest kinetic energy beyond that of the start and the work of loads and
+    drives: 0 if contacts give no energy. `scale` [J/m] is the kinetic energy of the start and the
+    work of all loads over d. `overlap` is over the cap radius of the smaller body; at 1 bodies
+    tunnel.
     """
 
     def __init__(self, samples=1000):

@@ -3,9 +3,7 @@
 
 It needs a Python with Siconos. The 2D NSGS runs in pieces, each from the end of the previous one,
 which equals one run of Gauss–Seidel. Our residual is computed between pieces, outside the timing;
-Siconos evaluates its own error once a piece. The 3D ADMM solves the same contacts with a third,
-motionless direction. It cannot be cut into pieces, so it runs with decreasing tolerances of its
-own.
+Siconos evaluates its own error once a piece.
 """
 
 import argparse
@@ -29,28 +27,17 @@ REPEATS, BUDGET = 12, 2.0  # largest number of runs; seconds after which no run 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("problem", help="arrays rows, columns, values, q, friction, start; .npz")
-    parser.add_argument("--method", choices=("nsgs", "admm"), default="nsgs")
     parser.add_argument("--tolerances", type=float, nargs="+", required=True)
     parser.add_argument("--limit", type=float, default=10, help="limit of processor time [s]")
     return parser.parse_args()
 
 
-def problem(entries, size, dimension, q, friction):
-    """(problem of Siconos, its matrix): blocks for NSGS, columns for ADMM.
-
-    The matrix must live as long as the problem.
-    """
-    matrix = csc_matrix(entries, shape=(size, size))
-    matrix.indices, matrix.indptr = matrix.indices.astype(np.int64), matrix.indptr.astype(np.int64)
-    kept = sn.SBM_from_csparse(2, matrix)[1] if dimension == 2 else matrix
-    return sn.FrictionContactProblem(dimension, len(friction), kept,
-                                     np.ascontiguousarray(q.ravel()), friction), kept
-
-
 def nsgs(data, matrix, tolerances, limit):
     """Rows of the 2D NSGS and its cost of an iteration and contact [s]."""
     friction, q, p = data["friction"], data["q"], data["start"].ravel().copy()
-    task, _kept = problem((data["values"], (data["rows"], data["columns"])), len(p), 2, q, friction)
+    blocks = sn.SBM_from_csparse(2, matrix)[1]  # it must live as long as the problem
+    task = sn.FrictionContactProblem(2, len(friction), blocks, np.ascontiguousarray(q.ravel()),
+                                     friction)
     velocity, seconds, iterations, rows = np.zeros(len(p)), 0.0, 0, []
     pending = sorted(tolerances, reverse=True)
     while pending and seconds < limit:
@@ -73,37 +60,6 @@ def nsgs(data, matrix, tolerances, limit):
     return rows, seconds / iterations / len(friction)
 
 
-def admm(data, matrix, tolerances, limit):
-    """Rows of the 3D ADMM and its cost of an iteration and contact [s]."""
-    friction, nc = data["friction"], len(data["friction"])
-    place = lambda index: index // 2 * 3 + index % 2
-    third = 3 * np.arange(nc) + 2
-    diagonal = matrix.diagonal()[1::2]
-    rows, columns = (np.concatenate([place(data[name]), third]) for name in ("rows", "columns"))
-    q = np.column_stack([data["q"], np.zeros(nc)])
-    task, _kept = problem((np.concatenate([data["values"], diagonal]), (rows, columns)), 3 * nc, 3,
-                          q, friction)
-    found, pending, own, spent, best = [], sorted(tolerances,
-                                                  reverse=True), 1e-3, 0.0, dict(residual=np.inf)
-    while pending and spent < limit and own > 1e-14:
-        options = sn.SolverOptions(sn.SICONOS_FRICTION_3D_ADMM)
-        options.iparam[sn.SICONOS_IPARAM_MAX_ITER] = max(100, int(limit / 400e-9 / nc))
-        options.dparam[sn.SICONOS_DPARAM_TOL] = own
-        p, velocity = np.column_stack([data["start"], np.zeros(nc)]).ravel(), np.zeros(3 * nc)
-        start = time.process_time()
-        sn.fc3d_driver(task, p, velocity, options)
-        seconds = time.process_time() - start
-        spent += seconds
-        reached = residual(matrix, data["q"], friction, p.reshape(-1, 3)[:, :2])
-        best = dict(iterations=int(options.iparam[sn.SICONOS_IPARAM_ITER_DONE]), seconds=seconds,
-                    residual=reached)
-        while pending and reached <= pending[0]:
-            found.append(dict(tolerance=pending.pop(0), **best))
-        own /= 10
-    found += [dict(tolerance=t, **best) for t in pending]
-    return found, best["seconds"] / max(1, best["iterations"]) / nc
-
-
 def fastest(run):
     """Rows and cost of the fastest of several runs."""
     rows, cost = run()
@@ -124,9 +80,9 @@ def main():
     data = dict(np.load(options.problem))
     size = 2 * len(data["friction"])
     matrix = csc_matrix((data["values"], (data["rows"], data["columns"])), shape=(size, size))
+    matrix.indices, matrix.indptr = matrix.indices.astype(np.int64), matrix.indptr.astype(np.int64)
     sn.numerics_set_verbose(0)
-    method = nsgs if options.method == "nsgs" else admm
-    rows, cost = fastest(lambda: method(data, matrix, options.tolerances, options.limit))
+    rows, cost = fastest(lambda: nsgs(data, matrix, options.tolerances, options.limit))
     print(json.dumps(dict(rows=rows, ns=1e9 * cost)))
 
 

@@ -3,6 +3,7 @@
 Velocities and errors are recomputed with NumPy from the impulses alone.
 """
 
+import itertools
 import os
 import subprocess
 import sys
@@ -65,6 +66,14 @@ def velocity(problem, p):
     np.add.at(sums, b, np.column_stack([f, cross(r2)]))
     np.add.at(sums, a, -np.column_stack([f, cross(r1)]))
     return problem["free_velocity"] + problem["inverse_mass"] * sums
+
+
+def dense(problem):
+    """W (2 nc, 2 nc) and q (nc, 2) with b_n, by unit impulses."""
+    units = np.eye(problem["impulse"].size).reshape(-1, *problem["impulse"].shape)
+    q = jacobian_times(problem, problem["free_velocity"])
+    columns = [(jacobian_times(problem, velocity(problem, unit)) - q).ravel() for unit in units]
+    return np.transpose(columns), q + problem["bias"][:, None] * [1, 0]
 
 
 def kinetic_energy(problem, v):
@@ -202,14 +211,9 @@ def pile(seed, columns=12, rows=9):
     def touch(a, b, angle, points):
         normal = np.array([np.cos(angle), np.sin(angle)])
         tangent = np.array([-normal[1], normal[0]])
-        for k in range(points):
-            along = 0.0 if points == 1 else (0.3 if k else -0.3)
-            arm1 = 0.5 * normal + along * tangent
-            arm2 = -0.5 * normal + (along + 0.05) * tangent
-            if a >= count:
-                arm1 = np.zeros(2) if a != spinner else arm1
-            if b >= count:
-                arm2 = np.zeros(2) if b != spinner else arm2
+        for along in ((0.0,), (-0.3, 0.3))[points - 1]:
+            arm1 = (0.5 * normal + along * tangent) * (a < count or a == spinner)
+            arm2 = ((along + 0.05) * tangent - 0.5 * normal) * (b < count or b == spinner)
             bias = rng.uniform(0, 0.1) if rng.random() < 0.2 else 0
             rows_of_points.append((a, b, *normal, *arm1, *arm2, bias, rng.choice([0.0, 0.3, 0.6])))
 
@@ -262,20 +266,30 @@ def wall_of_bricks(seed, courses=8, bricks=10, tilt=1e-3):
         if high - low < 0.05 * length:
             return
         angle = np.pi / 2 + rng.normal(0, tilt)
-        normal = [np.cos(angle), np.sin(angle)]
         for at in (low, high):
             arm1 = [0, 0] if below == floor else [at - x1, height / 2]
-            points.append((below, above, *normal, *arm1, at - x2, -height / 2, 0, 0.5))
+            points.append((below, above, np.cos(angle), np.sin(angle), *arm1, at - x2, -height / 2,
+                           0, 0.5))
 
     for k in range(bricks):
         side(floor, k, x(0, k), x(0, k))
-    for course in range(1, courses):
-        for k in range(bricks):
-            for under in (k - 1, k, k + 1):
-                if 0 <= under < bricks:
-                    below, above = (course - 1) * bricks + under, course * bricks + k
-                    side(below, above, x(course - 1, under), x(course, k))
+    for course, k in itertools.product(range(1, courses), range(bricks)):
+        for under in range(max(k - 1, 0), min(k + 2, bricks)):
+            side((course - 1) * bricks + under, course * bricks + k, x(course - 1, under),
+                 x(course, k))
     return problem_of_rows(f"bricks {seed}", m, v, points, seed)
+
+
+def square_bonds(side, left=None, floor=None, right=None, top=None):
+    """Bodies (points, 2) and normals (points, 2) of discs on a square lattice between walls."""
+    ids = np.arange(side * side).reshape(side, side)
+    walls = ((left, ids[:, 0], (-1, 0)), (floor, ids[0], (0, -1)), (right, ids[:, -1], (1, 0)),
+             (top, ids[-1], (0, 1)))
+    sides = [(ids[:, :-1].ravel(), ids[:, 1:].ravel(), (1, 0)),
+             (ids[:-1].ravel(), ids[1:].ravel(), (0, 1)),
+             *((edge, np.full(side, wall), n) for wall, edge, n in walls if wall is not None)]
+    bodies = np.concatenate([np.column_stack(part[:2]) for part in sides])
+    return bodies, np.concatenate([np.tile(np.array(n, float), (len(a), 1)) for a, _, n in sides])
 
 
 def jammed_box(seed, size=14, closing=0.0):
@@ -283,28 +297,13 @@ def jammed_box(seed, size=14, closing=0.0):
 
     The top wall moves down at the speed `closing`: then no rigid solution exists.
     """
-    rng = np.random.default_rng(seed)
     count = size * size
-    m = np.tile([1.0, 1.0, 8.0], (count + 4, 1))
-    m[count:] = 0
-    v = rng.normal(0, 0.3, (count + 4, 3))
-    v[count:] = 0
+    bodies, n = square_bonds(size, *range(count, count + 4))
+    m = np.repeat([[1.0, 1.0, 8.0], [0, 0, 0]], [count, 4], axis=0)
+    v = np.random.default_rng(seed).normal(0, 0.3, (count + 4, 3)) * (m > 0)
     v[count + 3, 1] = -closing
-    points = []
-    for i in range(size):
-        for j in range(size):
-            here = i * size + j
-            for other, normal in (
-                (here + 1 if j + 1 < size else count + 1, (1, 0)),
-                (here + size if i + 1 < size else count + 3, (0, 1)),
-                (count if j == 0 else None, (-1, 0)),
-                (count + 2 if i == 0 else None, (0, -1)),
-            ):
-                if other is not None:
-                    n = np.array(normal)
-                    arm2 = -0.5 * n if other < count else 0 * n
-                    points.append((here, other, *n, *(0.5 * n), *arm2, 0, 0.4))
-    return problem_of_rows(f"jammed box {seed}", m, v, points, seed)
+    return problem_of(f"jammed box {seed}", m, v, bodies, n, 0.5 * n,
+                      -0.5 * n * (bodies[:, 1:] < count), friction=0.4, seed=seed)
 
 
 def frictionless(problem):
@@ -319,20 +318,15 @@ def discs(problem):
 
 def square_discs(seed, side=20):
     """Discs on a square lattice: normals along the axes, so all levers are exactly 0."""
-    rng = np.random.default_rng(seed)
-    ids = np.arange(side * side).reshape(side, side)
-    floor, wall = side * side, side * side + 1
-    sides = [(ids[:, :-1].ravel(), ids[:, 1:].ravel(), (1, 0)),
-             (ids[:-1].ravel(), ids[1:].ravel(), (0, 1)),
-             (np.full(side, floor), ids[0], (0, 1)), (ids[:, -1], np.full(side, wall), (1, 0))]
-    a, b = (np.concatenate([part[k] for part in sides]) for k in (0, 1))
-    n = np.concatenate([np.tile(np.array(part[2], float), (len(part[0]), 1)) for part in sides])
+    rng, floor, wall = np.random.default_rng(seed), side * side, side * side + 1
+    bodies, n = square_bonds(side, floor=floor, right=wall)
     grains = rng.uniform(0.5, 2, (side * side, 1)) * [1, 1, 8]
     inverse_mass = np.vstack([grains, [[0, 0, 0], [0.1, 0, 0]]])
     velocity = rng.normal([0, -0.1, 0.5], 0.02, (side * side + 2, 3))
     velocity[floor], velocity[wall] = 0, (-0.3, 0, 0)
-    return problem_of(f"square discs {seed}", inverse_mass, velocity, np.column_stack([a, b]), n,
-                      0.5 * n, -0.5 * n, np.where(rng.random(len(a)) < 0.2, 0.05, 0), seed=seed)
+    bias = np.where(rng.random(len(bodies)) < 0.2, 0.05, 0)
+    return problem_of(f"square discs {seed}", inverse_mass, velocity, bodies, n, 0.5 * n, -0.5 * n,
+                      bias, seed=seed)
 
 
 def hub(count):

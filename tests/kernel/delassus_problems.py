@@ -6,6 +6,7 @@ Tests recompute velocities and residuals with NumPy on the dense W, from the imp
 import itertools
 
 import numpy as np
+from kernel.contact_problems import dense, problem_of
 from natural_map import residual
 from rcr import _kernel, problems
 
@@ -37,44 +38,32 @@ class Problem:
 
 
 def heap(seed, bodies, contacts, load=0.5):
-    """Bodies with random contact points among themselves and with the ground.
+    """Bodies with random contact points among themselves and with the ground, the last body.
 
     `load` is the mean approach speed [m/s].
     """
     rng = np.random.default_rng(seed)
-    jacobian = np.zeros((contacts, 2, bodies + 1, 3))  # the last body is the ground
-    for k in range(contacts):
-        a = k if k < bodies else rng.integers(bodies)
-        b = (rng.integers(a) if a else bodies) if k < bodies else rng.integers(bodies + 1)
-        angle = rng.uniform(0, 2 * np.pi)
-        c, s = np.cos(angle), np.sin(angle)
-        for row, d in enumerate([(c, s), (-s, c)]):
-            for body, sign in ((a, 1), (b, -1)):
-                r = rng.normal(0, 0.5, 2)
-                jacobian[k, row, body] += sign * np.array([*d, r[0] * d[1] - r[1] * d[0]])
-    inverse_mass = 1 / rng.uniform(0.5, 2, bodies + 1)
-    inverse_mass = np.repeat(inverse_mass, 3) * np.tile([1, 1, 8], bodies + 1)
-    inverse_mass[-3:] = 0
-    jacobian = jacobian.reshape(2 * contacts, -1)
+    pairs = [(k, rng.integers(k) if k else bodies) if k < bodies else
+             rng.choice(bodies + 1, 2, replace=False) for k in range(contacts)]
+    angle, mass = rng.uniform(0, 2 * np.pi, contacts), rng.uniform(0.5, 2, (bodies + 1, 1))
+    inverse_mass = [1, 1, 8] / mass * (np.arange(bodies + 1)[:, None] < bodies)
+    w, _ = dense(problem_of("heap", inverse_mass, 0 * inverse_mass, pairs,
+                            np.column_stack([np.cos(angle), np.sin(angle)]),
+                            *rng.normal(0, 0.5, (2, contacts, 2))))
     q = rng.normal(0, 0.3, (contacts, 2)) - [load, 0]
-    return Problem(jacobian * inverse_mass @ jacobian.T, q, rng.choice([0.0, 0.2, 0.4], contacts))
+    return Problem(w, q, rng.choice([0.0, 0.2, 0.4], contacts))
 
 
 def wall(seed, length=90):
     """Bodies in a row that touch their neighbours and one wall: each wall point couples to all."""
-    rng = np.random.default_rng(seed)
-    jacobian = np.zeros((2 * length - 1, 2, length + 1, 2))
-    for k in range(length):
-        jacobian[k, :, k] = np.eye(2)
-        jacobian[k, 0, length, 0] = -1  # the wall moves along n
-        if k + 1 < length:
-            jacobian[length + k, :, k] = -np.eye(2)[::-1]
-            jacobian[length + k, :, k + 1] = np.eye(2)[::-1]
-    inverse_mass = np.append(np.repeat(1 / rng.uniform(0.5, 2, length), 2), [1 / length] * 2)
-    jacobian = jacobian.reshape(4 * length - 2, -1)
+    rng, k = np.random.default_rng(seed), np.arange(length)
+    mass = rng.uniform(0.5, 2, (length, 1))
+    inverse_mass = np.vstack([[1, 1, 0] / mass, [1 / length, 0, 0]])
+    pairs = np.vstack([np.column_stack([k - k + length, k]), np.column_stack([k[:-1], k[1:]])])
+    normals = np.repeat([[1, 0], [0, 1]], [length, length - 1], axis=0)
+    w, _ = dense(problem_of("wall", inverse_mass, 0 * inverse_mass, pairs, normals))
     q = rng.normal(-0.3, 0.3, (2 * length - 1, 2))
-    friction = rng.choice([0.0, 0.3], 2 * length - 1)
-    return Problem(jacobian * inverse_mass @ jacobian.T, q, friction)
+    return Problem(w, q, rng.choice([0.0, 0.3], 2 * length - 1))
 
 
 def enumerated(problem, tolerance=1e-9):

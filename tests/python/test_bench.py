@@ -1,6 +1,7 @@
 """Benchmarks: their measures are right, and they write their columns on tiny problems."""
 
 import csv
+import dataclasses
 import json
 import os
 import subprocess
@@ -10,7 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rcr import _kernel, problems
+from rcr.network import Network
 from scipy.sparse import csc_array
+
+from problem_files import npz
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
@@ -34,13 +38,6 @@ def residual(problem):
     delassus = problem.delassus()
     return measure.residual(measure.matrix(delassus), delassus.q, delassus.friction,
                             problem.impulse)
-
-
-def as_npz(path, p):
-    """A step as .npz; the four walls are the last bodies."""
-    np.savez(path, a=p.bodies[:, 0], b=p.bodies[:, 1], n=p.normal, ra=p.arm1, rb=p.arm2, bn=p.bias,
-             mu=p.friction, p0=p.impulse, im=p.inverse_mass[:, 0], iI=p.inverse_mass[:, 2],
-             vfree=p.free_velocity, meta=[0.01, 1, len(p.inverse_mass) - 4])
 
 
 def rows_of(path):
@@ -158,8 +155,8 @@ FAST = ["--repeats", "1", "--budget", "0"]
 @pytest.fixture
 def files(tmp_path):
     problem, _ = solved(lattice())
-    as_npz(tmp_path / "small.npz", problem)
-    as_npz(tmp_path / "larger.npz", lattice(64))
+    for name, given in dict(small=problem, larger=lattice(64)).items():
+        np.savez(tmp_path / name, **npz(given.arrays()))
     problems.save_fclib(tmp_path / "small.h5", problem)
     return tmp_path
 
@@ -231,22 +228,21 @@ def test_bench_solver_reports_errors_in_a_line(files, name, options, says):
 
 @pytest.fixture
 def packing(tmp_path):
-    """Six moving discs of diameter 1, mass 1 in two rows between walls, the right one pushed."""
+    """Six moving discs of diameter 1, mass 1 in two rows between walls, under a stress of 1."""
     count, (j, i) = 6, np.divmod(np.arange(6), 3)
-    state = np.zeros((count + 4, 8))
-    state[:count, 0], state[:count, 1] = i + 0.5, j + 0.5
-    state[:count, [3, 5]] = 0.5
-    state[count + 2, 0], state[count + 3, 1] = 3, 2
-    im = np.append(np.ones(count), [0, 0, 0.5, 0])
-    iI = np.append(np.full(count, 8.0), np.zeros(4))
-    before = np.zeros((count + 4, 3))
-    before[:count] = np.random.default_rng(1).normal(0, 0.05, (count, 3))
-    free = before.copy()
-    free[count + 2, 0] -= 0.01 * 0.5 * 2  # dt, 1/m, force
-    path = tmp_path / "six.npz"
-    np.savez(path, state=state, vprev=before, vfree=free, im=im, iI=iI,
-             meta=np.array([0.01, 1, count]))
-    return path
+    half = np.full(count, 0.5)
+    velocity = np.random.default_rng(1).normal(0, 0.05, (count, 3))
+    grains = dict(id=np.arange(count), position=np.column_stack([i + 0.5, j + 0.5]), angle=0 * half,
+                  R=half, cap_radius=half, half_length=0 * half, mass=2 * half, velocity=velocity)
+    faces = (i == 0, -1, (-1, 0)), (j == 0, -2, (0, -1)), (i == 2, -3, (1, 0)), (j == 1, -4, (0, 1))
+    rows = [(k, k + 1, 0, (1, 0), 1) for k in (0, 1, 3, 4)]
+    rows += [(k, wall, 3, n, 0.5) for at, wall, n in faces for k in np.flatnonzero(at)]
+    one, two, kind, normal, length = map(np.array, zip(*rows))
+    contacts = dict(body1=one, body2=two, type=kind, normal=normal, branch=length[:, None] * normal,
+                    force=normal, position=grains["position"][one] + 0.5 * normal,
+                    points=np.ones(len(rows), int))
+    Network(grains, contacts, dict(volume=6.0, dt=0.01)).save(tmp_path / "six.h5")
+    return tmp_path / "six.h5"
 
 
 def test_packing_and_its_contacts(packing):
@@ -268,7 +264,7 @@ def test_bench_step_writes_its_table(packing, tmp_path):
     contact = [7, 0, 0, 1, 0.5, 0, 0, -0.5, 0.0, 1.0, 0.0, -0.003]
     before, after = np.zeros((10, 3)), np.zeros((10, 3))
     before[0, 1] = -1
-    after[8, 0] = -0.01  # pushed
+    after[8, 0] = -0.01 * 2 / np.sqrt(6)  # pushed: dt, force, mass
     program = answer(tmp_path / "other", library="Other 1", seconds=[1e-3] * 20,
                      contacts=[contact], before=before.tolist(), after=after.tolist())
     measured("bench_step.py", packing, "--chipmunk", program, "--box2d", program, "--repeats", 1,
@@ -299,23 +295,18 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
 
 
 @pytest.mark.parametrize("name, options, says", [
-    ("none.npz", "", "none.npz"),
-    ("six.txt", "", "expected a step .npz or a network .h5"),
+    ("none.h5", "", "none.h5"),
+    ("six.txt", "", "expected a network .h5"),
     (".", "", "a checkpoint needs YADE"),
-    ("six.npz", "--iterations 0", "--iterations 0: expected at least 1"),
-    ("six.npz", "--steps 0", "--steps 0: expected at least 1"),
-    ("six.npz", "--friction -1", "--friction -1.0: expected a coefficient ≥ 0"),
-    ("six.npz", "--chipmunk /none/program", "/none/program: No such file or directory"),
+    ("six.h5", "--iterations 0", "--iterations 0: expected at least 1"),
+    ("six.h5", "--steps 0", "--steps 0: expected at least 1"),
+    ("six.h5", "--friction -1", "--friction -1.0: expected a coefficient ≥ 0"),
+    ("six.h5", "--chipmunk /none/program", "/none/program: No such file or directory"),
 ])
 def test_bench_step_reports_errors_in_a_line(packing, tmp_path, name, options, says):
     (tmp_path / "six.txt").write_text("1 2 3\n")
     assert_refused(says, "bench_step.py", tmp_path / name, "--repeats", 1, "--out",
                    tmp_path / "out", *options.split(), beside="is left out")
-
-
-def test_a_step_without_its_bodies_is_refused(files):
-    assert_refused("small.npz: lacks state, vprev", "bench_step.py", files / "small.npz", "--out",
-                   files / "out", beside="is left out")
 
 
 # --- benchmarks/outside.py ------------------------------------------------------------------------
@@ -340,3 +331,35 @@ for command in ["/none/program"], ["sh", "-c", "echo first; echo why >&2; exit 3
                            env={**os.environ, "PYTHONIOENCODING": "utf-8"})
     expected = ["a b ü", "/none/program: No such file or directory", "sh: why"]
     assert ended.stdout.splitlines() == expected, ended.stderr
+
+
+# --- benchmarks/charts ----------------------------------------------------------------------------
+
+
+def test_charts_compact_again_under_another_protocol(tmp_path, monkeypatch):
+    """A packing is reused as long as the protocol is the same."""
+    pytest.importorskip("yade", reason="charts of the biaxial test need YADE")
+    from benchmarks import charts
+    from benchmarks.charts import biaxial_cost
+
+    class Test:
+        """Counts the tests that are prepared; a checkpoint is an empty file."""
+
+        made, load = 0, Path
+        compact = lambda self: None
+
+        @classmethod
+        def prepare(cls, *_, **__):
+            cls.made += 1
+            return cls()
+
+        def save(self, folder):
+            (Path(folder) / "checkpoint.yade.gz").touch()
+
+    monkeypatch.setattr(biaxial_cost, "Biaxial", Test)
+    options = charts.Options(str(tmp_path), True, 50, "", "", 60)
+    first, again = (biaxial_cost.compacted(0.5, 1, options) for _ in range(2))
+    assert first == again and Test.made == 1
+    changed = dataclasses.replace(charts.PROTOCOL, balance_tolerance=1e-3)
+    monkeypatch.setattr(charts, "PROTOCOL", changed)
+    assert biaxial_cost.compacted(0.5, 1, options) != first and Test.made == 2

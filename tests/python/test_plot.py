@@ -99,15 +99,17 @@ def test_every_name_of_a_colour(color):
     assert len(grains_of(plot.packing(packing(0.5), color=color)).get_facecolor()) == 200
 
 
-def test_numbers_of_the_user_as_colours():
-    colors = grains_of(plot.packing(frame(3), color=np.array([1.0, 2.0, np.nan]), cmap="gray",
-                                    range=(1, 2))).get_facecolor()
-    assert colors == pytest.approx(np.array([[0, 0, 0, 1], [1, 1, 1, 1], to_rgba(drawing.GRAIN)]))
-
-
-def test_three_numbers_for_three_grains_are_no_colour():
-    faces = grains_of(plot.packing(frame(3), color=[0.0, 0.5, 1.0], cmap="gray")).get_facecolor()
-    assert faces[:, 0] == pytest.approx([0, 0.5, 1], abs=0.01)  # one of 256 greys
+@pytest.mark.parametrize("grains, options, colors", [
+    pytest.param({}, dict(color=np.array([1.0, 2.0, np.nan]), cmap="gray", range=(1, 2)),
+                 ["black", "white", drawing.GRAIN], id="numbers of the user"),
+    pytest.param({}, dict(color=[0.0, 0.5, 1.0], cmap="gray"), ["0", "0.5", "1"],
+                 id="three numbers for three grains are no colour"),
+    pytest.param(dict(fixed=np.array([False, True, True])), dict(color="red"),
+                 ["red", drawing.OBSTACLE, drawing.OBSTACLE], id="fixed grains are grey"),
+])
+def test_colours_of_grains(grains, options, colors):
+    found = grains_of(plot.packing(frame(3, **grains), **options)).get_facecolor()
+    assert found == pytest.approx(np.array(list(map(to_rgba, colors))), abs=0.01)  # 256 greys
 
 
 def test_speed_is_that_of_the_centre():
@@ -187,12 +189,6 @@ def test_the_label_of_a_scale_has_its_power(speed, power):
     assert power in text.get_text() if power else "10" not in text.get_text()
 
 
-def test_fixed_grains_are_grey():
-    scene = frame(2, fixed=np.array([False, True]))
-    colors = grains_of(plot.packing(scene, color="red")).get_facecolor()
-    assert colors == pytest.approx(np.array([to_rgba("red"), to_rgba(drawing.OBSTACLE)]))
-
-
 def test_obstacles_are_in_the_picture_but_do_not_fill_it():
     scene = frame(3)
     floor = np.array([[-1e3, -2], [1e3, -2], [1e3, -1], [-1e3, -1]])
@@ -252,21 +248,16 @@ def test_users_axes_are_kept_and_get_no_legend():
     assert len(figure.axes) == 1 and not figure.legends
 
 
-@pytest.mark.parametrize("options, wanted", [
-    (dict(color="sped"), "orientation"),
-    (dict(color=[1, 2]), "each of the 3 grains"),
-    (dict(contacts="forces"), "'force'"),
+@pytest.mark.parametrize("scene, options, error, says", [
+    (frame(3), dict(color="sped"), ValueError, "orientation"),
+    (frame(3), dict(color=[1, 2]), ValueError, "each of the 3 grains"),
+    (frame(3), dict(contacts="forces"), ValueError, "'force'"),
+    (frame(0), {}, ValueError, "nothing to draw"),
+    (3, {}, TypeError, "Network"),
 ])
-def test_unknown_values_are_rejected(options, wanted):
-    with pytest.raises(ValueError, match=wanted):
-        plot.packing(frame(3), **options)
-
-
-def test_an_empty_scene_and_other_things_are_refused(tmp_path):
-    with pytest.raises(ValueError, match="nothing to draw"):
-        plot.packing(frame(0))
-    with pytest.raises(TypeError, match="Network"):
-        plot.packing(3)
+def test_what_is_refused(tmp_path, scene, options, error, says):
+    with pytest.raises(error, match=says):
+        plot.packing(scene, **options)
     with pytest.raises(ValueError, match="picture format"):
         plot.snapshot(tmp_path / "a.xyz", frame(1))
     assert not list(tmp_path.iterdir())
@@ -307,25 +298,22 @@ def test_film_of_pictures(tmp_path):
     assert nine.mean() < ten.mean() - 50
 
 
-def test_films_of_nothing(tmp_path, monkeypatch):
+def stop(*_, **__):
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize("out, writer, method, replaced, error, says", [
+    ("a.mp4", "FFMpegWriter", "isAvailable", lambda: False, ValueError, "ffmpeg, which is not ins"),
+    (None, "PillowWriter", "grab_frame", stop, KeyboardInterrupt, ""),
+])
+def test_a_failed_film_leaves_nothing(tmp_path, monkeypatch, out, writer, method, replaced, error,
+                                      says):
     with pytest.raises(ValueError, match="no snapshots"):
         rcr.movie(tmp_path)
     packing(0.5).save(tmp_path / "network.h5")
-    monkeypatch.setattr(matplotlib.animation.FFMpegWriter, "isAvailable", lambda: False)
-    with pytest.raises(ValueError, match="ffmpeg, which is not installed"):
-        rcr.movie(tmp_path, tmp_path / "a.mp4")
-    assert [p.name for p in tmp_path.iterdir()] == ["network.h5"]
-
-
-def test_a_film_that_is_stopped_leaves_nothing(tmp_path, monkeypatch):
-    packing(0.5).save(tmp_path / "network.h5")
-
-    def stop(*_, **__):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(matplotlib.animation.PillowWriter, "grab_frame", stop)
-    with pytest.raises(KeyboardInterrupt):
-        rcr.movie(tmp_path)
+    monkeypatch.setattr(getattr(matplotlib.animation, writer), method, replaced)
+    with pytest.raises(error, match=says):
+        rcr.movie(tmp_path, out and tmp_path / out)
     assert [p.name for p in tmp_path.iterdir()] == ["network.h5"]
 
 

@@ -89,16 +89,12 @@ def test_refuses_blocks_of_wrong_shape(name, shape):
 
 
 @pytest.mark.parametrize("size, pairs", [
-    STAR, CHAIN, (31, [((k - 1) // 2, k) for k in range(1, 31)]), (5, []), (1, []),
+    STAR, CHAIN, FULL, (31, [((k - 1) // 2, k) for k in range(1, 31)]), (5, []), (1, []),
 ])
-def test_a_tree_has_no_fill(size, pairs):
+def test_trees_and_full_matrices_have_no_fill(size, pairs):
     assert _kernel.block_fill(size, pairs) == len(pairs)
 
 
 def test_a_grid_has_little_fill():
     """20 × 20: about n^1.5 = 8000 blocks row by row, 3302 by approximate minimum degree."""
     assert 1000 < _kernel.block_fill(*grid(20, 20)) < 3500
-
-
-def test_a_full_matrix_is_full():
-    assert _kernel.block_fill(*FULL) == 66

@@ -1,5 +1,6 @@
 """ρ of proximal steps rises while they converge, falls after a failure, then waits longer."""
 
+import pytest
 from rcr import _kernel
 
 
@@ -17,14 +18,13 @@ def after(one, steps):
     return seen
 
 
-def test_rises_with_every_step_up_to_the_maximum():
-    assert after(parameter(), "+++++") == [1e3, 1e4, 1e5, 1e6, 1e6]
-    assert after(parameter(rise=4, max=1500), "+++") == [400, 1500, 1500]
-
-
-def test_falls_down_to_the_minimum():
-    assert after(parameter(), "---") == [10, 1, 1]
-    assert after(parameter(fall=16, min=0.5), "---") == [6.25, 0.5, 0.5]
+@pytest.mark.parametrize("changes, steps, expected", [
+    ({}, "+++++", [1e3, 1e4, 1e5, 1e6, 1e6]), (dict(rise=4, max=1500), "+++", [400, 1500, 1500]),
+    ({}, "---", [10, 1, 1]), (dict(fall=16, min=0.5), "---", [6.25, 0.5, 0.5]),
+    (dict(max_patience=1), "-+-+", [10, 100, 10, 100]),  # without patience every step counts
+])
+def test_rises_and_falls_within_its_limits(changes, steps, expected):
+    assert after(parameter(**changes), steps) == expected
 
 
 def test_every_failure_doubles_the_steps_before_the_next_rise():
@@ -47,7 +47,3 @@ def test_a_failed_step_restarts_the_count():
     one = parameter()
     after(one, "-+")
     assert after(one, "-++++") == [1, 1, 1, 1, 10]
-
-
-def test_without_patience_every_step_counts():
-    assert after(parameter(max_patience=1), "-+-+") == [10, 100, 10, 100]

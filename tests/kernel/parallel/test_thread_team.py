@@ -9,9 +9,6 @@ from rcr import _kernel
 
 SLICE = 2**20 - 1  # largest number of indices of one slice (shared_loop.cpp)
 
-needs_two_cores = pytest.mark.skipif(
-    len(os.sched_getaffinity(0)) < 2, reason="on one core, the waiting thread blocks the helper")
-
 
 @pytest.mark.parametrize("threads", [1, 2, 3, 8])
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 7, 511, 512, 513, 10_000])
@@ -69,16 +66,13 @@ def test_team_works_with_fewer_threads():
     assert run(code).wait() == 0
 
 
-@needs_two_cores
-def test_helper_returns_after_a_stall_within_the_run():
-    """All steps of O.run are one run of the team, so a stall must not exclude a helper for good."""
-    assert _kernel.helps_after_stalls(_kernel.ThreadTeam(), stalls=1, stall=50, rest=500)
-
-
-@needs_two_cores
-def test_short_stalls_exclude_helpers_briefly():
-    """The time without helpers must not accumulate over repeated stalls."""
-    assert _kernel.helps_after_stalls(_kernel.ThreadTeam(), stalls=8, stall=3, rest=100)
+@pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2,
+                    reason="on one core, the waiting thread blocks the helper")
+@pytest.mark.parametrize("stalls", [dict(stalls=1, stall=50, rest=500),
+                                    dict(stalls=8, stall=3, rest=100)], ids=["long", "short"])
+def test_stalls_exclude_helpers_briefly(stalls):
+    """All steps of O.run are one run of the team, so no time without helpers may accumulate."""
+    assert _kernel.helps_after_stalls(_kernel.ThreadTeam(), **stalls)
 
 
 def test_a_million_islands_and_two_threads():

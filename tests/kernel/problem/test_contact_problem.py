@@ -64,4 +64,4 @@ def test_arrays_of_inconsistent_shapes_are_rejected(name):
 
 def test_unknown_arrays_are_rejected():
     with pytest.raises(TypeError, match="'arm3' is neither a setting nor an array"):
-        Problem("wrong", **pile(1), arm3=np.zeros(2)).solve()
+        pile(1).solve(arm3=np.zeros(2))

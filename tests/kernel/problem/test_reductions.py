@@ -19,14 +19,22 @@ def assert_same_translation(one, other):
     np.testing.assert_allclose(one["velocity"][:, :2], other["velocity"][:, :2], rtol=0, atol=1e-8)
 
 
+def full_and_reduced(problem, *left_out, solver="nesterov", **settings):
+    """Results without the reductions `left_out` and with all; the models of both."""
+    chosen = without(*left_out), ALL
+    return ([problem.solve(solver, reductions=r, **settings) for r in chosen],
+            [model(problem, reductions=r) for r in chosen])
+
+
 @pytest.mark.parametrize("solver", SWEEPS)
 @pytest.mark.parametrize("make",
                          [lambda: pile(1), lambda: pile(2, 30, 12), lambda: square_discs(3)],
                          ids=["pile 1", "pile 2", "discs"])
 def test_normal_impulses_alone_change_no_bit(make, solver):
-    problem, settings = frictionless(make()), dict(tolerance=0, max_iterations=35)
-    full = problem.solve(solver, reductions=without("frictionless", "discs"), **settings)
-    reduced = problem.solve(solver, reductions=without("discs"), **settings)
+    problem = frictionless(make())
+    full, reduced = (
+        problem.solve(solver, tolerance=0, max_iterations=35, reductions=without("discs", *more))
+        for more in (("frictionless",), ()))
     assert_same_bits(full, reduced, problem.name, EQUAL)
 
 
@@ -34,26 +42,23 @@ def test_normal_impulses_alone_change_no_bit(make, solver):
 def test_some_frictionless_pairs_change_no_bit_of_a_sweep(solver):
     """Frictionless pairs have separate blocks. Momentum then sums errors in another order."""
     problem = pile(4, 30, 12)
-    first = problem["bodies"][:, 0]
-    problem["friction"] = np.where(first % 2, 0.4, 0.0)
-    full = problem.solve(solver, tolerance=0, max_iterations=20, reductions=without("frictionless"))
-    reduced = problem.solve(solver, tolerance=0, max_iterations=20)
+    problem["friction"] = np.where(problem["bodies"][:, 0] % 2, 0.4, 0.0)
+    (full, reduced), models = full_and_reduced(problem, "frictionless", solver=solver, tolerance=0,
+                                               max_iterations=20)
     if solver == "nesterov":
         np.testing.assert_allclose(reduced["velocity"], full["velocity"], rtol=0, atol=1e-12)
     else:
         assert_same_bits(full, reduced, problem.name)
     points = int(problem["inverse_mass"][problem["bodies"]].any(2).any(1).sum())
-    unknowns = [model(problem, reductions=r)["unknowns"] for r in (ALL, without("frictionless"))]
-    assert points < unknowns[0] < unknowns[1] == 2 * points
+    assert points < models[1]["unknowns"] < models[0]["unknowns"] == 2 * points
 
 
 @pytest.mark.parametrize("solver", SWEEPS)
 def test_zero_levers_without_rotations_change_no_bit(solver):
-    problem, settings = square_discs(1), dict(tolerance=0, max_iterations=35)
-    full = problem.solve(solver, reductions=without("discs", "frictionless"), **settings)
-    reduced = problem.solve(solver, reductions=ALL, **settings)
-    assert model(problem)["rotations"] == 0
-    assert model(problem, reductions=without("discs"))["rotations"] > 0
+    problem = square_discs(1)
+    (full, reduced), models = full_and_reduced(problem, "discs", "frictionless", solver=solver,
+                                               tolerance=0, max_iterations=35)
+    assert models[0]["rotations"] > 0 == models[1]["rotations"]
     assert_same_bits(full, reduced, problem.name, ("impulse", "residual"))
     np.testing.assert_array_equal(reduced["velocity"][:, :2], full["velocity"][:, :2])
     # the full model scales the spins by the radius of gyration and back
@@ -68,12 +73,10 @@ def test_discs_without_rotations_are_equal_to_rounding(make):
     """Levers of 1e-17: the same number of sweeps, equal velocities to rounding, constant spins."""
     problem = make()
     problem["impulse"] = problem["impulse"] * [1, 0]
-    settings = dict(tolerance=1e-4, max_iterations=20000)
-    full = problem.solve(reductions=without("discs"), **settings)
-    reduced = problem.solve(reductions=ALL, **settings)
+    (full, reduced), models = full_and_reduced(problem, "discs", tolerance=1e-4,
+                                               max_iterations=20000)
     assert reduced["iterations"] == full["iterations"]
-    assert model(problem)["rotations"] == 0
-    assert model(problem, reductions=without("discs"))["rotations"] > 0
+    assert models[0]["rotations"] > 0 == models[1]["rotations"]
     rounding = 1e-9 * abs(full["velocity"]).max()  # after some hundred sweeps
     np.testing.assert_allclose(reduced["velocity"], full["velocity"], rtol=0, atol=rounding)
     assert reduced["kinematic_error"] == pytest.approx(full["kinematic_error"], rel=1e-6)
@@ -137,12 +140,10 @@ def test_the_model_follows_the_problem(change):
 
 
 def test_fixed_bodies_without_unknowns():
-    problem = discs(pile(8, 40, 5))
-    reduced, full = (problem.solve(reductions=r, **FINE) for r in (ALL, without("fixed")))
+    (full, reduced), models = full_and_reduced(discs(pile(8, 40, 5)), "fixed", **FINE)
     assert_same_translation(reduced, full)
     assert reduced["converged"] and full["converged"]
-    bodies = [model(problem, reductions=r)["bodies"] for r in (ALL, without("fixed"))]
-    assert bodies[0] == bodies[1] - 2  # without floor and left wall
+    assert models[1]["bodies"] == models[0]["bodies"] - 2  # without floor and left wall
 
 
 @pytest.mark.parametrize("solver", SWEEPS)
@@ -167,8 +168,7 @@ def test_islands_are_independent(solver):
 def test_work_of_heaps_is_the_sum_of_their_work():
     problems = heaps(10)
     settings = dict(tolerance=1e-4, max_iterations=20000)
-    apart, at_once = (beside(*problems).solve(reductions=r, **settings)
-                      for r in (ALL, without("islands")))
+    (at_once, apart), _ = full_and_reduced(beside(*problems), "islands", **settings)
     points = [sum(p["inverse_mass"][p["bodies"]].any(2).any(1)) for p in problems]
     sweeps = [p.solve(**settings)["iterations"] for p in problems]
     assert apart["work"] == np.dot(points, sweeps)
@@ -180,10 +180,9 @@ def test_work_of_heaps_is_the_sum_of_their_work():
 def test_islands_are_equal_to_one_problem():
     """Velocities without friction are unique: islands and the whole give the same."""
     whole = discs(beside(pile(30, 8, 6), pile(31, 5, 9), grains_on_a_floor(25)))
-    apart, at_once = (whole.solve(reductions=r, **FINE) for r in (ALL, without("islands")))
-    assert_same_translation(apart, at_once)
-    assert model(whole)["islands"] > 25
-    assert model(whole, reductions=without("islands"))["islands"] == 1
+    results, models = full_and_reduced(whole, "islands", **FINE)
+    assert_same_translation(*results)
+    assert models[0]["islands"] == 1 and models[1]["islands"] > 25
 
 
 def test_bodies_that_connect_islands():
@@ -219,8 +218,7 @@ def test_heap_does_not_hide_the_error_of_a_grain():
     whole = beside(heap, grain)
     residual_alone = dict(tolerance=1e-4, kinematic_tolerance=np.inf)
     approach = lambda result: -result["relative_velocity"][-2:, 0].min()
-    missed = whole.solve(reductions=without("islands"), **residual_alone)
-    seen = whole.solve(reductions=ALL, **residual_alone)
+    (missed, seen), _ = full_and_reduced(whole, "islands", **residual_alone)
     # the common residual fails on this scene
     assert missed["iterations"] == 0 and missed["converged"] and approach(missed) > 0.1
     assert seen["converged"] and approach(seen) < 1e-4

@@ -1,5 +1,6 @@
 """JamDetector and MissedSteps: verdicts and warnings for given sequences of steps."""
 
+import pytest
 from rcr._kernel import JamDetector, MissedSteps
 
 CRUSHED, PATIENCE = JamDetector.crushed, JamDetector.patience
@@ -15,32 +16,22 @@ def growing(steps, start=1.1, rate=0.1):
     return [CRUSHED * (start + rate * k) for k in range(steps)]
 
 
-def test_growth_gives_a_verdict_each_patience():
-    steps = [PATIENCE - 1, 2 * PATIENCE - 1]
-    assert verdicts(JamDetector(), growing(25)) == [(step, "not converged") for step in steps]
-    assert verdicts(JamDetector(), growing(25), range(25)) == [(step, "jam") for step in steps]
-
-
-def test_one_step_without_a_solution_proves_a_jam():
-    assert verdicts(JamDetector(), growing(25), {3})[0] == (PATIENCE - 1, "jam")
-
-
-def test_shallow_overlaps_give_no_verdict():
-    assert verdicts(JamDetector(), [CRUSHED * k / 200 for k in range(200)], range(200)) == []
-
-
-def test_an_impact_that_recedes_gives_no_verdict():
-    assert verdicts(JamDetector(), [10 * CRUSHED * 0.99**k for k in range(200)], range(200)) == []
-
-
-def test_small_recessions_do_not_end_a_squeeze():
-    overlaps = [factor * overlap for overlap in growing(PATIENCE) for factor in (1, 1, 0.99, 0.98)]
-    assert verdicts(JamDetector(), overlaps) == [(4 * (PATIENCE - 1), "not converged")]
-
-
-def test_a_removed_overlap_ends_a_squeeze():
-    half = growing(PATIENCE - 1)
-    assert verdicts(JamDetector(), [*half, 0.9 * CRUSHED, *half], range(5)) == []
+@pytest.mark.parametrize("overlaps, no_solution, expected", [
+    pytest.param(growing(25), (), [(PATIENCE - 1, "not converged"),
+                                   (2 * PATIENCE - 1, "not converged")], id="growth"),
+    pytest.param(growing(25), range(25), [(PATIENCE - 1, "jam"), (2 * PATIENCE - 1, "jam")],
+                 id="growth without a solution"),
+    pytest.param(growing(15), {3}, [(PATIENCE - 1, "jam")], id="one step without a solution"),
+    pytest.param([CRUSHED * k / 200 for k in range(200)], range(200), [], id="shallow"),
+    pytest.param([10 * CRUSHED * 0.99**k for k in range(200)], range(200), [], id="impact"),
+    pytest.param([factor * overlap for overlap in growing(PATIENCE) for factor in (1, 1, .99, .98)],
+                 (), [(4 * (PATIENCE - 1), "not converged")], id="small recessions"),
+    pytest.param([*growing(PATIENCE - 1), 0.9 * CRUSHED, *growing(PATIENCE - 1)], range(5), [],
+                 id="removed overlap"),
+])
+def test_verdicts(overlaps, no_solution, expected):
+    """Overlaps that grow for `PATIENCE` steps give a verdict."""
+    assert verdicts(JamDetector(), overlaps, no_solution) == expected
 
 
 def test_a_saved_detector_gives_the_same_verdict():
@@ -57,16 +48,16 @@ def warnings(steps):
     return [(k, watch.message()) for k, step in enumerate(steps) if watch.count(*step)]
 
 
-def test_initial_overlaps_and_shallow_ones_are_silent():
-    assert warnings([(False, False, 0.1)] * 100) == []
-    assert warnings([(False, False, 4.9e-3 * k / 100) for k in range(100)]) == []
-    assert warnings([(True, False, 4.9e-3)] * 100) == []
-
-
-def test_overlaps_that_overdamped_steps_remove_are_silent():
-    assert warnings([(False, False, 0.1 * k, True) for k in range(100)]) == []
-    compaction, shear = [(False, False, 0.3, True)] * 5, [(False, False, 1e-4)] * 5
-    assert warnings([*compaction, *shear, (True, False, 1e-4)]) == []
+@pytest.mark.parametrize("steps", [
+    pytest.param([(False, False, 0.1)] * 100, id="initial overlaps"),
+    pytest.param([(False, False, 4.9e-3 * k / 100) for k in range(100)], id="shallow overlaps"),
+    pytest.param([(True, False, 4.9e-3)] * 100, id="shallow overlaps, not converged"),
+    pytest.param([(False, False, 0.1 * k, True) for k in range(100)], id="overdamped steps"),
+    pytest.param([*[(False, False, 0.3, True)] * 5, *[(False, False, 1e-4)] * 5,
+                  (True, False, 1e-4)], id="compaction, then shear"),
+])
+def test_no_warning(steps):
+    assert warnings(steps) == []
 
 
 def test_a_deep_overlap_of_a_missed_step_warns():

@@ -17,7 +17,7 @@ from rcr.study.runs import Run
 
 import synthetic
 from damage import damaged, damaged_text
-from problem_files import write_fclib, write_siconos
+from problem_files import write
 
 TIMES = int(os.environ.get("RCR_DAMAGE", 1))
 total = [0, 0]  # numbers of files read and refused
@@ -74,18 +74,13 @@ def test_npz_problems(step, tmp_path):
         assert refused > 4 * read
 
 
-@pytest.mark.parametrize("kind", [-1, -2, "triplets"])
-def test_fclib_problems(step, tmp_path, kind):
-    path = tmp_path / "x.h5"
-    write_fclib(path, step[1], step[2], step[0]["mu"], kind)
-    assert survey(path, damaged(path.read_bytes(), 150 * TIMES), read_problem)[1] > 50
-
-
-@pytest.mark.parametrize("storage", ["dense", "blocks", "columns", "triplets"])
-def test_siconos_problems(step, tmp_path, storage):
-    path = tmp_path / "x.dat"
-    write_siconos(path, step[1], step[2], step[0]["mu"], storage)
-    assert survey(path, damaged_text(path.read_text(), 60 * TIMES), read_problem)[1] > 30
+@pytest.mark.parametrize("name", ["columns.h5", "rows.h5", "triplets.h5", "dense.dat",
+                                  "blocks.dat", "columns.dat", "triplets.dat"])
+def test_problems_of_others(step, tmp_path, name):
+    path = write(tmp_path / name, step)
+    variants = (damaged_text(path.read_text(), 60 * TIMES) if path.suffix == ".dat"
+                else damaged(path.read_bytes(), 150 * TIMES))
+    assert survey(path, variants, read_problem)[1] > (30 if path.suffix == ".dat" else 50)
 
 
 @pytest.mark.parametrize("header", [
