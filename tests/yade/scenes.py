@@ -19,6 +19,7 @@ from yade.wrapper import (
 )  # fmt: skip
 
 ALL_IG2 = [name for name in dir(rcr) if name.startswith("Ig2_") and name != "Ig2_Planar_RcrGeom"]
+KN, KS = 1e6, 8e5  # of springs [N/m] a point
 # for closed forms: only rounding remains
 EXACT = dict(tolerance=1e-14, maxIterations=3000, solver="nlgs")
 
@@ -54,6 +55,16 @@ def build(*bodies, dt=1e-3, cell=None, **options):
     return [O.bodies.append(body) for body in bodies]
 
 
+def springs(*bodies, share=0.02, local_damping=0.0, **options):
+    """`build` with springs KN and KS, and a share of the critical time step; returns the ids."""
+    ids = build(*bodies, law="smooth", **options)
+    prescribe("kn", KN)
+    prescribe("ks", KS)
+    O.engines[-1].damping = local_damping
+    O.dt = share * rcr.critical_time_step()
+    return ids
+
+
 def grain_on_floor(a, friction=0.5, height=0.1, angle=0, make=build, **options):
     """A fresh scene of a grain and a floor, both of this friction; returns the grain's id, 1.
 
@@ -63,6 +74,30 @@ def grain_on_floor(a, friction=0.5, height=0.1, angle=0, make=build, **options):
     rough = material(friction)
     return make(rcr.wall("y", 0, material=rough),
                 stadium(a, 0.1, (0, height), angle, material=rough), **options)[1]
+
+
+def springy(friction=0.5, young=1e7, poisson=0.5):
+    """A material for both laws, whose springs have the stiffness `young` [Pa]."""
+    made = material(friction)
+    made.young, made.poisson = young, poisson
+    return made
+
+
+def walls(rough, x=(), y=()):
+    """Walls at these places that bear from inside only: the first from +, the second from −."""
+    return [rcr.wall(axis, at, sense, material=rough) for axis, places in (("x", x), ("y", y))
+            for at, sense in zip(places, (1, -1))]
+
+
+def set_state(body=1, **values):
+    """Set attributes of a body's state."""
+    for name, value in values.items():
+        setattr(O.bodies[body].state, name, value)
+
+
+def prescribe(name, value):
+    """Give all new contacts this stiffness, restitution or friction angle."""
+    setattr(O.engines[2].physDispatcher.functors[0], name, MatchMaker(algo="val", val=value))
 
 
 def insert(place, *new):

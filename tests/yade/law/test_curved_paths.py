@@ -7,7 +7,7 @@ import pytest
 import rcr
 from benchmarks.hard_scenes.stage import kinetic
 from rcr import particle
-from scenes import build, material, solver
+from scenes import build, material, solver, walls
 from yade import O
 
 R = 0.01
@@ -46,9 +46,7 @@ def column(rng, grain):
 
 def dropped(rng, grain):
     """500 discs and rods that fall from 1 m into a box."""
-    return [*rows(rng, grain, 500, 20, 2.1, height=1),
-            rcr.wall("x", -1.1 * R, sense=+1, material=grain),
-            rcr.wall("x", 42 * R, sense=-1, material=grain)]
+    return [*rows(rng, grain, 500, 20, 2.1, height=1), *walls(grain, x=(-1.1 * R, 42 * R))]
 
 
 @pytest.mark.parametrize("scene", [column, dropped])
@@ -70,9 +68,8 @@ def test_a_step_that_would_double_the_energy_is_refused():
         rods.append(particle((k % 5 * 3 * R, k // 5 * 3 * R), R=R, eta=0.5, angle=rng.uniform(0, 3),
                              velocity=(speed * math.cos(way), speed * math.sin(way)),
                              material=grain))
-    walls = [rcr.wall(axis, at, sense, material=grain) for axis, at, sense in
-             (("x", -2 * R, +1), ("x", 14 * R, -1), ("y", -2 * R, +1), ("y", 11 * R, -1))]
-    build(*rods, *walls, dt=dt, gravity=(0, 0, 0), restitution=0.9, tolerance=1e-4)
+    build(*rods, *walls(grain, x=(-2 * R, 14 * R), y=(-2 * R, 11 * R)), dt=dt, gravity=(0, 0, 0),
+          restitution=0.9, tolerance=1e-4)
     before = kinetic()
     with pytest.raises(RuntimeError, match="more than double the kinetic energy"):
         for _ in range(100):

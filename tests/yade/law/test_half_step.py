@@ -1,32 +1,9 @@
-"""rcr.half_step_start makes velocities those of the present time: errors fall with dt²."""
+"""rcr.half_step_start makes velocities those of the present time; test_chart.py has its order."""
 
 import pytest
 import rcr
-from benchmarks import charts
-from benchmarks.charts import deterministic
 from scenes import G, build, material, stadium
 from yade import O
-from yade.wrapper import NewtonIntegrator
-
-OPTIONS = charts.Options(out="", quick=True, particles=50, siconos="", peers="", limit=60)
-
-
-def error(name):
-    (row,) = deterministic.run(name, OPTIONS)
-    return abs(row["value"] / row["reference"] - 1)
-
-
-@pytest.mark.parametrize("scene", ["incline", "disc"])
-def test_constant_acceleration_is_exact(scene):
-    """Also under friction: the first step takes half of the acceleration."""
-    assert error(f"{scene}/half/0.02/1e-08") < 1e-6 < 0.03 < error(f"{scene}/cd/0.02/1e-08")
-
-
-def test_smooth_motion_is_of_higher_order():
-    """With dt/20 an error of first order falls by 20, of second order by 400."""
-    coarse, fine = (error(f"ladder/half/{dt}/1e-08") for dt in ("0.02", "0.001"))
-    assert fine < coarse / 80 and coarse < 0.1 * error("ladder/cd/0.02/1e-08")
-
 
 def test_gravity_and_permanent_loads_of_what_is_free():
     m = material()
@@ -58,14 +35,3 @@ def test_a_pile_at_rest_stays_at_rest():
     O.run(100, True)
     assert max(O.bodies[i].state.vel.norm() for i in ids) < 1e-6
     assert max(O.bodies[i].state.displ().norm() for i in ids) < 1e-6
-
-
-def test_what_it_needs_is_named():
-    build(stadium(0.2, 0.1, (0, 1), material=material()))
-    O.engines = [engine for engine in O.engines if not isinstance(engine, NewtonIntegrator)]
-    with pytest.raises(ValueError, match="0 NewtonIntegrators that are not dead; expected one"):
-        rcr.half_step_start()
-    build(stadium(0.2, 0.1, (0, 1), material=material()))
-    O.dt = 0
-    with pytest.raises(ValueError, match="O.dt = 0.0; expected"):
-        rcr.half_step_start()

@@ -1,23 +1,18 @@
 """`ContactDynamics.model` follows the scene: friction, a freed body, heaps that touch."""
 
-import pytest
 from benchmarks.hard_scenes.stage import box, material, stadium
 from scenes import build, solver, steps
 from yade import O, utils
 
-SOLVER = dict(tolerance=1e-6, maxIterations=5000, solver="nesterov")
 
-
-def heaps(count, friction, **options):
+def heaps(count, friction):
     """Heaps of 5 × 4 discs side by side on a fixed floor, too far apart to touch."""
     one = material(friction=friction)
-    grains = [
-        stadium(0, 0.05, (2 * heap + 0.1 * column + 0.03 * (row % 2), 0.05 + 0.09 * row),
-                material=one)
-        for heap in range(count) for row in range(4) for column in range(5)
-    ]  # fmt: skip
-    return build(box((count, -0.1), (2 * count, 0.1), material=one), *grains,
-                 **SOLVER, **options)
+    build(box((count, -0.1), (2 * count, 0.1), material=one),
+          *(stadium(0, 0.05, (2 * heap + 0.1 * column + 0.03 * (row % 2), 0.05 + 0.09 * row),
+                    material=one)
+            for heap in range(count) for row in range(4) for column in range(5)),
+          tolerance=1e-6, maxIterations=5000, solver="nesterov")
 
 
 def test_model_of_discs_without_friction():
@@ -43,9 +38,3 @@ def test_model_follows_the_scene():
     O.bodies[0].state.mass = 100.0
     O.step()
     assert solver().model["fixed"] == 0 and solver().model["islands"] == 1
-
-
-def test_unknown_reduction_is_refused():
-    heaps(1, 0, reductions=["walls"])
-    with pytest.raises(Exception, match="reduction 'walls' is not known"):
-        O.step()

@@ -4,15 +4,12 @@ import numpy as np
 import pytest
 import rcr
 from natural_map import error
-from scenes import build, material, solver as engine, stadium, steps
+from scenes import build, material, solver as engine, stadium, steps, walls
 from yade import O
 
 
 def residual():
-    """Residual of the last step from forces, geometry and velocities.
-
-    Interactions hold the geometry at the beginning of the step, bodies the velocities at its end.
-    """
+    """Residual from the geometry at the beginning of the step and the velocities at its end."""
     points = []  # (p_n, p_t, u_n + b_n, u_t, µ, w_nn)
     for i in O.interactions:
         for k in range(i.geom.points):
@@ -38,20 +35,15 @@ def residual():
 
 
 def pile(count=40):
-    rng = np.random.default_rng(1)
-    grain = material(friction=0.4)
-    walls = [rcr.wall("y", 0, +1, material=grain), rcr.wall("x", 0, +1, material=grain),
-             rcr.wall("x", 0.2, -1, material=grain)]
-    grains = [
-        stadium(0.006, 0.008, (0.03 + 0.03 * (k % 6), 0.03 + 0.03 * (k // 6)),
-                rng.uniform(0, np.pi), material=grain) for k in range(count)
-    ]
-    return [*walls, *grains]
+    rng, rough = np.random.default_rng(1), material(friction=0.4)
+    return [*walls(rough, x=(0, 0.2), y=[0]),
+            *(stadium(0.006, 0.008, (0.03 + 0.03 * (k % 6), 0.03 + 0.03 * (k // 6)),
+                      rng.uniform(0, np.pi), material=rough) for k in range(count))]
 
 
 @pytest.mark.parametrize("solver", ["nlgs", "sor", "nesterov", "exact", "auto"])
 def test_reported_residual_is_that_of_the_scene(solver):
-    # Without position correction, which moves bodies: arms are computed from final positions.
+    # Position correction would change the arms, which are computed from final positions.
     build(*pile(), dt=1e-3, solver=solver, tolerance=1e-5, maxIterations=400, correction=0)
     compared = 0
     for _ in range(30):

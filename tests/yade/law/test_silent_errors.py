@@ -5,13 +5,8 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import build, material, solver, steps
+from scenes import build, material, set_state, solver, steps, walls
 from yade import O
-from yade.minieigenHP import Vector3
-
-
-def speeds():
-    return [b.state.vel.norm() for b in O.bodies if b.state.mass > 0]
 
 
 @pytest.mark.parametrize("blocked", ["xyzXY", "yzXY", "yzXYZ", "xyzXYZ"])
@@ -22,17 +17,13 @@ def test_partly_blocked_drives_do_not_explode(blocked, seed):
     rough = material(0.5)
     grains = [rcr.particle((0.022 * (k % 3), 0.022 * (k // 3)), rng.uniform(0.007, 0.01),
                            rng.uniform(0, 0.7), rng.uniform(0, math.pi), rough) for k in range(9)]
-    walls = [rcr.wall("x", -0.012, +1, material=rough), rcr.wall("x", 0.056, -1, material=rough),
-             rcr.wall("y", -0.012, +1, material=rough)]
-    build(*grains, *walls, dt=5e-4, tolerance=1e-4)
-    driven = O.bodies[6].state
-    driven.blockedDOFs = blocked
-    driven.vel = Vector3(3 * math.cos(seed), -3, 0) if "x" in blocked else Vector3(0, -3, 0)
+    build(*grains, *walls(rough, x=(-0.012, 0.056), y=[-0.012]), dt=5e-4, tolerance=1e-4)
+    set_state(6, blockedDOFs=blocked, vel=(3 * math.cos(seed) if "x" in blocked else 0, -3, 0))
     fastest = 0
     try:
         for _ in range(300):
             O.step()
-            fastest = max(fastest, *speeds())
+            fastest = max(fastest, *(b.state.vel.norm() for b in O.bodies if b.state.mass > 0))
     except RuntimeError as error:
         assert "jam" in str(error) or "not converged" in str(error)
     assert fastest < 3 * (3 * math.sqrt(2) + 3)
@@ -49,11 +40,10 @@ def test_rods_do_not_pass_through_walls_unnoticed(radii, sense):
         start = (rng.uniform(0.5, 1.5) * radii * r + r, 0)
         rod = rcr.particle(start, r, 0.9, rng.uniform(0, math.pi), material(0.3))
         build(rod, rcr.wall("x", 0, sense, material=material(0.3)), dt=dt, gravity=(0, 0, 0))
-        state = O.bodies[0].state
-        state.vel = Vector3(-radii * r / dt, rng.uniform(-1, 1) * r / dt, 0)
-        state.angVel = Vector3(0, 0, rng.uniform(-1, 1) / dt)
+        set_state(0, vel=(-radii * r / dt, rng.uniform(-1, 1) * r / dt, 0),
+                  angVel=(0, 0, rng.uniform(-1, 1) / dt))
         steps(4)
-        if state.pos[0] < 0:
+        if rod.state.pos[0] < 0:
             passed += 1
             assert solver().missedSteps > 0
     assert passed <= 2

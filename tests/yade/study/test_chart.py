@@ -89,16 +89,20 @@ def error(name):
 
 @pytest.mark.parametrize("scene", ["incline", "disc"])
 def test_rigid_error_is_that_of_the_leapfrog(scene):
-    """x = a dt² n (n + 1)/2 is a t²/2 (1 + dt/t); the law adds no more than its tolerance."""
+    """x = a dt² n (n + 1)/2 is a t²/2 (1 + dt/t); half_step_start makes it exact."""
     found, steps = error(f"{scene}/cd/0.005/1e-08")
     assert found == pytest.approx(0.005 / 0.5, abs=1e-5) and steps == 100
+    half, whole = (abs(error(f"{scene}/{way}/0.02/1e-08")[0]) for way in ("half", "cd"))
+    assert half < 1e-6 < 0.03 < whole
 
 
 def test_errors_fall_with_dt_and_stiffness():
-    coarse, fine = (abs(error(f"ladder/cd/{dt}/1e-08")[0]) for dt in ("0.005", "0.0025"))
-    assert fine == pytest.approx(coarse / 2, rel=0.1)  # first order
-    soft, stiff = (abs(error(f"ladder/smooth/{k}")[0]) for k in ("100", "10000"))
-    assert stiff < 0.1 * soft
+    """To first order; with half_step_start nearly to second order, 400 for dt/20."""
+    size = lambda point: abs(error(f"ladder/{point}")[0])
+    assert size("cd/0.0025/1e-08") == pytest.approx(size("cd/0.005/1e-08") / 2, rel=0.1)
+    assert size("smooth/10000") < 0.1 * size("smooth/100")
+    coarse = size("half/0.02/1e-08")
+    assert size("half/0.001/1e-08") < coarse / 80 and coarse < 0.1 * size("cd/0.02/1e-08")
 
 
 @pytest.mark.parametrize("eta", [0.0, 0.5])
