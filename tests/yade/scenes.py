@@ -100,9 +100,27 @@ def prescribe(name, value):
     setattr(O.engines[2].physDispatcher.functors[0], name, MatchMaker(algo="val", val=value))
 
 
+FLOORS = {
+    "Wall": lambda m: rcr.wall("y", 0, material=m),
+    "Box": lambda m: yade.utils.box((0, -0.5, 0), (9, 0.5, 1), material=m, fixed=True),
+    "Facet": lambda m: yade.utils.facet([(-9, 0, -1), (9, 0, -1), (0, 0, 1)], material=m),
+    "Rcr": lambda m: rcr.particle((0, -0.1), 5, 0.98, fixed=True, material=m),
+}
+
+
+def without(kind):
+    """Remove the engines of a class."""
+    O.engines = [e for e in O.engines if not isinstance(e, kind)]
+
+
 def insert(place, *new):
     """Insert engines at this place of O.engines; at 3 they follow the InteractionLoop."""
     O.engines = [*O.engines[:place], *new, *O.engines[place:]]
+
+
+def resting(law="rigid"):
+    """A grain (1) at rest on a wall (0)."""
+    grain_on_floor(0.2, law=law, dt=1e-3 if law == "rigid" else 1e-5)
 
 
 def inertia(a, r, density=1000.0):

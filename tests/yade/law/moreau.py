@@ -121,7 +121,7 @@ def solve_point(w, q, friction):
 
 
 def solve(bodies, points, velocity, bias, friction, tolerance=1e-10):
-    """Velocities (N, 3) after the step, impulses (K, 2) and residual of docs/law.md, by Gauss–Seidel.
+    """Velocities (N, 3) after the step, impulses (K, 2), residual of docs/law.md, by Gauss–Seidel.
 
     Where rounding dominates grazing impulses, 1e-6 of what stops the points replaces ‖p‖.
     """

@@ -261,8 +261,7 @@ def test_plastic_disc_closes_its_gap_and_rests():
 
 @pytest.mark.parametrize("e", [0.3, 0.8, 1.0])
 def test_disc_bounces(e):
-    """v⁺ = −e v⁻ in the step of the impact; the apexes are at e^{2n} h, up to the way v dt of a step.
-    """
+    """v⁺ = −e v⁻ in the step of the impact; the apexes are at e^{2n} h, up to a step's way v dt."""
     h, R = 0.5, 0.1
     disc = grain_on_floor(0, height=R + h, restitution=e)
     count, bounces = {0.3: (500, 1), 0.8: (1300, 2), 1.0: (1000, 1)}[e]
@@ -279,3 +278,36 @@ def test_disc_bounces(e):
     assert len(apexes) >= bounces
     for n, apex in enumerate(apexes[:bounces], start=1):
         assert apex == pytest.approx(e ** (2 * n) * h, abs=2 * n * speed * DT)
+
+
+def test_half_step_start_takes_gravity_and_permanent_loads_of_what_is_free():
+    """Velocities at the present time make x = a t²/2 exact; test_chart.py has the order."""
+    m = material()
+    _, grain = build(rcr.wall("y", 0, material=m), stadium(0.2, 0.1, (0, 5), material=m), dt=1e-2)
+    clump, _ = rcr.clump([rcr.disc((3 + k, 5), 0.4, m) for k in range(2)])
+    guided = O.bodies.append(rcr.particle((8, 5), 0.2, 0.5, material=m))
+    O.bodies[guided].state.blockedDOFs = "xzXYZ"
+    wall = O.bodies.append(rcr.mobile_wall("x", 20, 2.0, material=m))  # without inertia
+    s = O.bodies[grain].state
+    O.forces.setPermF(grain, (3 * s.mass, 0, 0))
+    O.forces.setPermT(grain, (0, 0, 2 * s.inertia[2]))
+    O.forces.setPermF(guided, (1, 0, 0))
+    O.forces.setPermF(wall, (3, 0, 0))
+    starts = {i: O.bodies[i].state.pos for i in (grain, clump, guided, wall)}
+    rcr.half_step_start()
+    O.run(20, True)
+    t = 20 * O.dt
+    for i, (x, y) in {grain: (1.5 * t**2, -0.5 * G * t**2), clump: (0, -0.5 * G * t**2),
+                      guided: (0, -0.5 * G * t**2), wall: (0.75 * t**2, 0)}.items():
+        assert tuple(O.bodies[i].state.pos - starts[i]) == pytest.approx((x, y, 0), abs=1e-9), i
+    assert s.rot()[2] == pytest.approx(t**2, abs=1e-9)
+
+
+def test_half_step_start_leaves_a_pile_at_rest():
+    m = material(friction=0.5)
+    ids = build(rcr.wall("y", 0, material=m), *(stadium(0.2, 0.1, (0, 0.1 + 0.2 * k), material=m)
+                                                for k in range(5)))
+    rcr.half_step_start()
+    O.run(100, True)
+    assert max(O.bodies[i].state.vel.norm() for i in ids) < 1e-6
+    assert max(O.bodies[i].state.displ().norm() for i in ids) < 1e-6

@@ -156,7 +156,8 @@ def test_a_cloud_gains_nothing_in_a_step(restitution, friction):
                           angular_velocity=rng.uniform(-300, 300))
             grains.append(rcr.particle((0.013 + 0.026 * (i % 6), 0.013 + 0.026 * (i // 6)), half,
                                        eta, material=m, **motion))
-        build(*walls(m, x=(0, 0.156), y=(0, 0.156)), *grains, dt=5e-4, gravity=(0, 0, 0), restitution=restitution, tolerance=1e-8)
+        build(*walls(m, x=(0, 0.156), y=(0, 0.156)), *grains, dt=5e-4, gravity=(0, 0, 0),
+              restitution=restitution, tolerance=1e-8)
         kinetic = [utils.kineticEnergy()]
         for _ in range(100):
             O.step()
@@ -182,7 +183,8 @@ def test_shear_between_driven_walls():
 
 def test_position_correction_lifts():
     """The correction of overlaps lifts grains: its account balances gravity's."""
-    s = O.bodies[grain_on_floor(0, height=0.099)].state
+    disc = grain_on_floor(0, height=0.099)
+    s = O.bodies[disc].state
     off, _ = run(200)
     lifted = s.mass * G * (s.pos[1] - 0.099)
     assert lifted > 0 and off < 1e-9

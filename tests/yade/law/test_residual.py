@@ -1,11 +1,11 @@
-"""Residual of the engine against NumPy on YADE's state after the step."""
+"""Residual of the engine against NumPy on YADE's state; its model follows the scene."""
 
 import numpy as np
 import pytest
 import rcr
 from natural_map import error
-from scenes import build, material, solver as engine, stadium, steps, walls
-from yade import O
+from scenes import box, build, material, solver as engine, stadium, steps, walls
+from yade import O, utils
 
 
 def residual():
@@ -71,3 +71,38 @@ def test_an_unreachable_tolerance_gives_the_best_residual(tolerance):
         return engine().residual
 
     assert reached(tolerance) <= 10 * reached(1e-12)
+
+
+def heaps(count, friction):
+    """Heaps of 5 × 4 discs side by side on a fixed floor, too far apart to touch."""
+    one = material(friction=friction)
+    build(box((count, -0.1), (2 * count, 0.1), material=one),
+          *(stadium(0, 0.05, (2 * heap + 0.1 * column + 0.03 * (row % 2), 0.05 + 0.09 * row),
+                    material=one)
+            for heap in range(count) for row in range(4) for column in range(5)),
+          tolerance=1e-6, maxIterations=5000, solver="nesterov")
+
+
+def test_model_of_discs_without_friction():
+    heaps(3, 0)
+    steps(3)
+    model = engine().model
+    assert model["islands"] == 3 and model["fixed"] == 1
+    assert model["bodies"] == 60 and model["rotations"] == 0
+    assert model["frictionless"] and model["unknowns"] == model["points"] == engine().contactPoints
+
+
+def test_model_follows_the_scene():
+    """With friction a point has two unknowns, bodies rotate; a freed floor joins the heaps."""
+    heaps(3, 0)
+    steps(3)
+    utils.setContactFriction(0.5)
+    O.step()
+    model = engine().model
+    assert not model["frictionless"] and model["unknowns"] > model["points"]
+    assert model["rotations"] > 0 and model["islands"] == 3
+    O.bodies[0].dynamic = True
+    O.bodies[0].state.blockedDOFs = "xzXYZ"
+    O.bodies[0].state.mass = 100.0
+    O.step()
+    assert engine().model["fixed"] == 0 and engine().model["islands"] == 1

@@ -39,12 +39,7 @@ def shear(folder, threads, lanes):
 
 @pytest.mark.slow
 def test_threads_and_lanes_change_no_bit(packing):
-    """1000 steps of shear of 1000 particles (η = 0.5, friction 0.5, 5 % of strain), each compared.
-
-    The contact problem of a step holds velocities, contact points and impulses of the step before.
-    Threads that share a processor also vary the order of work. test_session.py varies YADE's own
-    threads.
-    """
+    """Velocities, contact points and impulses of each of 1000 steps of shear of 1000 particles."""
     reference = list(shear(packing, threads=1, lanes=8))
     last = snapshot()
     assert len(set(reference)) == STEPS
@@ -65,9 +60,8 @@ for _ in range(3):
     test.shear_record()
 print(O.iter, hashlib.blake2b(snapshot()[:, :13].tobytes()).hexdigest())
 """
-# Instructions that NumPy and the C library use; `lanes` sets those of the kernels. A processor
-# without FMA is left out: there sine, cosine and arctangent of the C library differ in the last bit
-# (6 of 10⁴ results, glibc 2.41).
+# Instructions that NumPy and the C library use; `lanes` sets those of the kernels. Without FMA
+# sine, cosine and arctangent of the C library differ in the last bit (6 of 10⁴, glibc 2.41).
 OLDER = dict(GLIBC_TUNABLES="glibc.cpu.hwcaps=-AVX512F,-AVX512VL",
              NPY_DISABLE_CPU_FEATURES="AVX512F AVX512CD AVX512_SKX AVX512_ICL AVX512_SPR AVX2")
 

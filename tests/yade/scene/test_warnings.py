@@ -1,23 +1,18 @@
-"""Warnings of scenes that are supported but hardly meant, and scenes that get none."""
+"""Warnings of scenes that are hardly meant, scenes that get none, and steps that miss."""
 
 import math
 import time
 import warnings
 
+import numpy as np
 import pytest
 import rcr
-from scenes import (KN, build, gaps, grain_on_floor, insert, material, solver, springs, stadium,
-                    steps)
+from scenes import (KN, build, gaps, grain_on_floor, insert, material, resting, snapshot,
+                    solver, springs, stadium, steps)
 from yade import O, utils
 from yade.wrapper import GlobalStiffnessTimeStepper, PyRunner
 
 LAWS = pytest.mark.parametrize("law", ["rigid", "smooth"])
-
-
-def resting(law="rigid"):
-    """A grain (1) at rest on a wall (0); returns their material."""
-    grain_on_floor(0.2, law=law, dt=1e-3 if law == "rigid" else 1e-5)
-    return O.bodies[1].material
 
 
 def advised():
@@ -30,7 +25,8 @@ def advised():
 
 @LAWS
 def test_initial_overlaps_warn_once(law):
-    rough = resting(law)
+    resting(law)
+    rough = O.bodies[1].material
     O.bodies.append([stadium(0.2, 0.1, (0.3, 0.15), angle=1.0, material=rough),
                      stadium(0.2, 0.1, (0, 0.26), material=rough)])
     (told,) = advised()
@@ -47,7 +43,8 @@ def test_initial_overlaps_warn_once(law):
 
 @LAWS
 def test_grains_behind_a_wall_warn(law):
-    rough = resting(law)
+    resting(law)
+    rough = O.bodies[1].material
     O.bodies.append([rcr.wall("x", -1, -1, material=rough),
                      stadium(0.2, 0.1, (3, 1), material=rough)])
     (told,) = advised()
@@ -70,7 +67,8 @@ def test_time_step_forgotten(law):
 
 
 def test_ball_among_rcrs():
-    rough = resting()
+    resting()
+    rough = O.bodies[1].material
     O.bodies.append(utils.sphere((0, 1, 0), 0.1, material=rough))
     O.bodies[2].state.blockedDOFs = "zXY"
     (told,) = advised()
@@ -78,7 +76,8 @@ def test_ball_among_rcrs():
 
 
 def test_a_scene_without_overlaps_is_not_warned_of():
-    rough = resting()
+    resting()
+    rough = O.bodies[1].material
     rcr.clump([stadium(0.2, 0.1, (2, 0.5), material=rough),
                stadium(0.2, 0.1, (2, 0.5), angle=1.5, material=rough)])
     O.bodies.append([stadium(0.2, 0.1, (0, 0.3), material=rough),
@@ -171,3 +170,23 @@ def test_new_contacts_do_not_visit_all_bodies():
     # visit of all bodies for each takes 81 times as long.
     few, many = (min(first_step(side) for _ in range(3)) for side in (15, 45))
     assert many < 27 * few
+
+
+@pytest.mark.parametrize("method", ["nlgs", "nesterov", "exact", "auto"])
+def test_a_step_without_a_finite_solution_moves_nothing_and_saves_its_problem(
+        method, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    light, heavy = (rcr.particle((0, y), 0.1, 0, material=material()) for y in (0.0999, 0.2998))
+    light.state.mass, light.state.inertia = 1e-300, (1, 1, 1e-302)
+    heavy.state.mass, heavy.state.vel = 1e300, (0, -1e300, 0)
+    build(rcr.wall("y", 0, sense=1, material=material()), light, heavy, solver=method,
+          tolerance=1e-4)
+    before = snapshot()
+    with pytest.raises(RuntimeError, match=r"would give body #\d .* Nothing has moved\. Its "
+                       r"problem is in (.*); rcr\.solve\('.*', warm=True\) replays it") as told:
+        O.step()
+    assert np.array_equal(snapshot()[:, :13], before[:, :13])
+    path = tmp_path / "not-finite-0.npz"
+    assert str(path) in str(told.value)
+    problem = rcr.problems.load(path)
+    assert problem.contacts == solver().contactPoints
