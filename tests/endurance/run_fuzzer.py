@@ -130,6 +130,7 @@ EVENTS = dict(  # each changes the scene during a run
 )  # fmt: skip
 MOTIONS = ["TranslationEngine", "RotationEngine", "HarmonicMotionEngine", "ForceEngine",
            "TorqueEngine", "LinearDragEngine", "shakers", "none", "none"]  # fmt: skip
+current = {}  # scene that runs
 
 
 def draw(seed):
@@ -211,9 +212,6 @@ def happen(k):
     EVENTS[current["events"][k]["event"]](np.random.default_rng([current["seed"], k, O.iter]))
 
 
-current = {}
-
-
 def state():
     """Step, time, motion of the bodies, and forces of the contacts; −0 is 0."""
     row = lambda *numbers: tuple(x + 0 for x in numbers)
@@ -253,13 +251,9 @@ def difference(scene):
     found, steps = play(scene, True)
     for k, (one, two) in enumerate(zip(expected, found)):
         for name in one.keys() | two.keys():
-            if not same(one.get(name), two.get(name)):
+            if repr(one.get(name)) != repr(two.get(name)):  # all digits; nan equals nan
                 return f"run {k}, to step {one['step']}: {name} differ{by(name, one, two)}", steps
     return "same", steps
-
-
-def same(one, two):
-    return repr(one) == repr(two)  # repr shows all digits; nan equals nan
 
 
 def by(name, one, two):

@@ -66,10 +66,8 @@ def springs(*bodies, share=0.02, local_damping=0.0, **options):
 
 
 def grain_on_floor(a, friction=0.5, height=0.1, angle=0, make=build, **options):
-    """A fresh scene of a grain and a floor, both of this friction; returns the grain's id, 1.
-
-    The grain has the half length `a` [m] and the cap radius 0.1 m. `height` is that of its centre
-    [m]; a flat grain touches the floor by default.
+    """A grain of the half length `a` and the cap radius 0.1 m, its centre at `height` [m], and a
+    floor, which it touches by default; returns the grain's id, 1.
     """
     rough = material(friction)
     return make(rcr.wall("y", 0, material=rough),
@@ -186,8 +184,10 @@ def environment(**changes):
 
 def python(code, **changes):
     """Run code in another Python with changed environment variables: CompletedProcess."""
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600,
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600,
                           env=environment(**changes))
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done
 
 
 def assert_refused(match, moved=False):

@@ -1,7 +1,4 @@
-"""Session of test_view.py: opens YADE's view, loads rcr, makes a scene and saves pictures of it.
-
-    yade view_session.py FOLDER
-"""
+"""Session of test_view.py: opens YADE's view, loads rcr, and saves pictures of a scene."""
 
 import os
 import sys
@@ -70,8 +67,7 @@ def save_pictures():
     picture("unmarked")
     renderer.wire = True
     picture("wire")
-    renderer.wire = False
-    renderer.intrPhys = True
+    renderer.wire, renderer.intrPhys = False, True
     for color in ("force", "type", "mobilization"):
         rcr.Gl1_CdPhys.color = color
         picture(color)
