@@ -1,7 +1,4 @@
-"""rcr loads its plugin into an imported YADE, so YADE is imported first.
-
-Tests of kernels and analysis need neither plugin nor YADE.
-"""
+"""Imports YADE before rcr, which loads its plugin into it, where both are there."""
 
 import importlib.util
 import os
@@ -23,13 +20,11 @@ else:
 if importlib.util.find_spec("hypothesis"):
     import hypothesis
 
-    # Every run has the same examples and no deadline.
-    slow = [hypothesis.HealthCheck.too_slow]
-    hypothesis.settings.register_profile("steady", deadline=None, derandomize=True,
-                                         suppress_health_check=slow)
-    # scripts/check properties
-    hypothesis.settings.register_profile("long", parent=hypothesis.settings.get_profile("steady"),
-                                         derandomize=False, max_examples=1000)
+    # Every run has the same examples and no deadline, but for `scripts/check properties`.
+    steady = hypothesis.settings(deadline=None, derandomize=True,
+                                 suppress_health_check=[hypothesis.HealthCheck.too_slow])
+    hypothesis.settings.register_profile("steady", steady)
+    hypothesis.settings.register_profile("long", steady, derandomize=False, max_examples=1000)
     hypothesis.settings.load_profile("steady")
 
 

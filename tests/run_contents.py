@@ -2,7 +2,9 @@
 
 import json
 import pathlib
+import subprocess
 import sys
+import time
 
 from rcr.network import Network
 
@@ -34,6 +36,15 @@ def campaign_contents(out):
 def different(one, other):
     """Names of entries that differ."""
     return sorted(name for name in one.keys() | other.keys() if one.get(name) != other.get(name))
+
+
+def start_until_written(path, command, **settings):
+    """Start a process; returns it once it has ended or has written this file."""
+    written = lambda: path.stat().st_mtime_ns if path.exists() else 0
+    before, process = written(), subprocess.Popen(command, **settings)
+    while process.poll() is None and written() == before:
+        time.sleep(0.01)
+    return process
 
 
 if __name__ == "__main__":  # run_contents.py CAMPAIGN CAMPAIGN

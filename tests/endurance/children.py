@@ -1,8 +1,6 @@
 """Runs random scenes in child processes, so that a crash or a hang is an outcome too.
 
-A check gives a function `outcome(seed)`, which returns a sentence that describes an error, or None,
-and numbers for the sums of the report. `check` starts the script again as its own child, and
-continues behind the scene in which a child ended.
+`outcome(seed)` of a check returns a sentence on an error, or None, and numbers for the report.
 """
 
 import argparse
@@ -27,16 +25,14 @@ def parser(description, scenes):
     made.add_argument("--scenes", type=int, default=scenes, help="at most so many")
     made.add_argument("--first", type=int, default=0, metavar="SEED",
                       help="of the first scene (default %(default)s)")
-    made.add_argument("--only", type=int, metavar="SEED", help="run this scene alone, in this "
-                      "process")
+    made.add_argument("--only", type=int, metavar="SEED", help="this scene alone, in this process")
     made.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
     return made
 
 
 def check(outcome, options, seconds=math.inf, seen=lambda seed, numbers: None):
-    """Run the scenes of the options and print each error.
+    """Run the scenes of the options and print each error; returns sums and seeds of failed scenes.
 
-    Returns the sums of all numbers, with the number of scenes, and the seeds of the failed scenes.
     `seen` receives the numbers of each scene and may remove some.
     """
     if options.child:

@@ -3,8 +3,6 @@
 
     scripts/lib/run python3 tests/endurance/kills.py writes 1000 runs 50 campaigns 5
 
-Prints a line with counts for each; ends with 1 if a file is damaged or a result differs.
-
 writes     kills a process that writes files; each file must be one of its versions
 runs       kills and resumes scripts/biaxial.py; compares the results of each complete run
 campaigns  kills scripts/campaign three times and resumes it; compares runs and analysis
@@ -42,40 +40,27 @@ def quietly(command, **settings):
                             stderr=subprocess.PIPE, text=True, **settings)
 
 
-# --- writes ---------------------------------------------------------------------------------------
+SIZES = 40, 400  # contacts and rows of the two versions of a file
 
 
-VERSIONS = 2
-SIZES = 40, 400  # contacts and rows of the versions of a file
-
-
-def _network(version):
-    return synthetic.packing(0.5, seed=version, particles_=30, contacts=SIZES[version])
-
-
-def _problem(version):
-    count = SIZES[version]
-    return problems.DelassusProblem((range(2 * count), range(2 * count), [1.0 + version]
-                                     * (2 * count)), [[-1.0, 0.0]] * count, [0.5] * count)
-
-
-def _solution(version):
-    return problems.solve(_problem(version), "nlgs")
+def problem(version):
+    rows = range(2 * SIZES[version])
+    return problems.DelassusProblem((rows, rows, [1.0 + version] * len(rows)),
+                                    [[-1.0, 0.0]] * SIZES[version], [0.5] * SIZES[version])
 
 
 def writers(folder):
-    """{path: (function that writes a version, function that reads the version's number)}."""
-    rows = [[dict(x=version)] * SIZES[version] for version in range(VERSIONS)]
-    networks, solutions = [_network(v) for v in range(VERSIONS)], [_solution(v)
-        for v in range(VERSIONS)]
-    steps = [_problem(v) for v in range(VERSIONS)]
+    """{path: (function that writes a version, function that fails on a damaged file)}."""
+    rows = [[dict(x=version)] * size for version, size in enumerate(SIZES)]
+    networks = [synthetic.packing(0.5, seed=version, particles_=30, contacts=size)
+                for version, size in enumerate(SIZES)]
+    steps = [problem(version) for version in (0, 1)]
+    solutions = [problems.solve(step, "nlgs") for step in steps]
     contacts = lambda path: SIZES.index(len(Network.load(path).contacts["body1"]))
 
     def table(path):
-        words = path.read_text().split()
-        assert words[0] == "x" and len(words) - 1 == SIZES[int(words[1])]
-        assert set(words[1:]) == {words[1]}
-        return int(words[1])
+        name, version, *more = path.read_text().split()
+        assert name == "x" and more == [version] * (SIZES[int(version)] - 1)
 
     def reaction(path):
         with np.load(path) as file:
@@ -118,11 +103,20 @@ def kill_writes(count, folder, rng):
     return f"{count} SIGKILLs, {len(made)} kinds of files, all whole"
 
 
-# --- runs -----------------------------------------------------------------------------------------
+def biaxial(out):
+    """Start a biaxial test, or resume it if its folder has a checkpoint."""
+    resume = ["--resume"] if (out / "checkpoint.yade.gz").exists() else []
+    return quietly(["yade", "-n", "-x", SCRIPTS / "biaxial.py", *TEST, "--out", out, *resume])
 
 
-def biaxial(out, *more):
-    return quietly(["yade", "-n", "-x", SCRIPTS / "biaxial.py", *TEST, "--out", out, *more])
+def killed_after(process, seconds):
+    """True if the process still ran after these seconds and was killed; it alone."""
+    try:
+        process.wait(seconds)
+        return False
+    except subprocess.TimeoutExpired:
+        process.kill()
+        return True
 
 
 def complete(process):
@@ -133,11 +127,11 @@ def complete(process):
                          f"{errors.splitlines()[-1:]}")
 
 
-def same(folder, reference, what):
-    names = different(contents(folder), reference)
+def same(found, reference, what):
+    names = different(found, reference)
     if names:
-        raise SystemExit(f"kills.py: {what} differs in {', '.join(names)} from one that was not "
-                         f"killed")
+        raise SystemExit(f"kills.py: a killed {what} differs in {', '.join(names)} from one that "
+                         f"was not killed")
 
 
 def kill_runs(count, folder, rng):
@@ -146,29 +140,18 @@ def kill_runs(count, folder, rng):
     seconds = time.monotonic() - start
     reference, out = contents(folder / "straight"), folder / "killed"
     kills = resumed = ends = 0
-    while kills < count:
-        resume = (out / "checkpoint.yade.gz").exists()
-        resumed += resume
-        process = biaxial(out, *(["--resume"] if resume else []))
-        try:
-            process.wait(rng.uniform(0, seconds))
-        except subprocess.TimeoutExpired:
-            process.kill()
+    while kills < count or out.exists():
+        process = biaxial(out)
+        resumed += "--resume" in process.args
+        if killed_after(process, rng.uniform(0, seconds) if kills < count else None):
             kills += 1
             process.communicate()
             continue
         complete(process)
-        same(out, reference, "a killed run")
+        same(contents(out), reference, "run")
         ends += 1
         shutil.rmtree(out)
-    if out.exists():
-        complete(biaxial(out, *(["--resume"] if (out / "checkpoint.yade.gz").exists() else [])))
-        same(out, reference, "a killed run")
-        ends += 1
     return f"{kills} SIGKILLs, {resumed} resumed, {ends} runs ended, all with equal results"
-
-
-# --- campaigns ------------------------------------------------------------------------------------
 
 
 def campaign(out):
@@ -184,17 +167,10 @@ def kill_campaigns(count, folder, rng, times=3):
         out = folder / f"killed-{k}"
         for _ in range(times):
             process = campaign(out)
-            try:
-                process.wait(rng.uniform(0.1, 0.7) * seconds)
-            except subprocess.TimeoutExpired:
-                process.kill()  # kill this process only; Snakemake and the tests must end with it
-                kills += 1
-            process.communicate()
+            kills += killed_after(process, rng.uniform(0.1, 0.7) * seconds)
+            process.communicate()  # Snakemake and the tests must end with it
         complete(campaign(out))
-        names = different(campaign_contents(out), reference)
-        if names:
-            raise SystemExit(f"kills.py: a killed campaign differs in {', '.join(names)} from one "
-                             f"that was not killed")
+        same(campaign_contents(out), reference, "campaign")
         shutil.rmtree(out)
     return f"{count} campaigns, {kills} SIGKILLs, all with equal results"
 

@@ -1,12 +1,9 @@
 #!/usr/bin/env python3
-"""Large scenes: 2^20 separate grains on a floor, and 10^5 grains in a pile.
+"""Large scenes: 2^20 grains at rest apart on a floor, more than one word of the shared loop, and a
+pile of 10^5 grains with finite numbers, residuals within the tolerance and small overlaps.
 
     scripts/check large
     scripts/lib/run python3 tests/endurance/large.py --grains 1048576 --pile 100000 --steps 100
-
-Each grain on the floor is an island and must come to rest; the count exceeds one word of the
-shared loop. In the pile numbers stay finite, residuals within the tolerance, overlaps small. The
-last line prints times and memory.
 """
 
 import argparse
@@ -16,41 +13,20 @@ import sys
 import time
 
 import numpy as np
-import yade  # noqa: F401  before rcr
-import rcr
-from yade import O
-from yade.wrapper import (
-    Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider, InteractionLoop,
-    NewtonIntegrator,
-)  # fmt: skip
+from scene_fuzzer import O, rcr, scenes, solver
 
 R, G, DT, THREADS = 0.01, 9.81, 1e-3, 2
 DEEPEST = 0.02  # overlap over R₁ + R₂
 
 
-def engines():
-    solver = rcr.ContactDynamics(tolerance=1e-4, maxIterations=3000, threads=THREADS)
-    O.engines = [
-        ForceResetter(),
-        InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()],
-                              verletDist=0.1 * R),
-        InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()],
-                        [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
-                        [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
-        solver,
-        NewtonIntegrator(gravity=(0, -G, 0), damping=0),
-    ]
-    O.dt = DT
-    return solver
-
-
-def scene(walls, grains):
-    O.reset()
-    material = O.materials.append(FrictMat(density=2600, frictionAngle=0.46))
-    O.bodies.append([rcr.wall(*wall, material=material) for wall in walls])
-    O.bodies.append([rcr.particle(at, R, eta, angle=angle, material=material)
-                     for at, eta, angle in grains])
-    return engines()
+def scene(grains, x=()):
+    """Grains at these places and of these elongations on a floor, between walls; its solver."""
+    rough = scenes.material(0.5)
+    scenes.build(*scenes.walls(rough, x=x, y=[0]),
+                 *(rcr.particle(at, R, eta, angle, rough) for at, eta, angle in grains), dt=DT,
+                 tolerance=1e-4, maxIterations=3000, threads=THREADS)
+    O.engines[1].verletDist = 0.1 * R
+    return solver()
 
 
 def check(right, what):
@@ -60,7 +36,7 @@ def check(right, what):
 
 def apart(count, steps=3):
     """Seconds for each step of `count` grains at rest on a floor."""
-    solver = scene([("y", 0, 1)], (((3 * R * k, R), 0, 0) for k in range(count)))
+    solver = scene((((3 * R * k, R), 0, 0) for k in range(count)))
     O.step()
     start = time.monotonic()
     for _ in range(steps - 1):
@@ -81,8 +57,8 @@ def pile(count, steps):
     columns = math.ceil(math.sqrt(count))
     width = 2.1 * R * columns
     places = ((2.1 * R * (k % columns + 0.5), 2.1 * R * (k // columns + 0.5)) for k in range(count))
-    solver = scene([("y", 0, 1), ("x", 0, 1), ("x", width, -1)],
-                   ((at, rng.choice([0, 0.5, 0.7]), rng.uniform(0, math.pi)) for at in places))
+    solver = scene(((at, rng.choice([0, 0.5, 0.7]), rng.uniform(0, math.pi)) for at in places),
+                   x=(0, width))
     start = time.monotonic()
     for _ in range(steps):
         O.step()

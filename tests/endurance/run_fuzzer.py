@@ -1,14 +1,9 @@
-"""Random runs with random changes: steps in arrays must give the bits of YADE's engines.
-
-Each scene runs twice by ``O.run``, with and without ``ContactDynamics.arrays``. PyRunners change
-the scene as users do. A difference is printed with the least scene that still shows it.
+"""Random runs, which PyRunners change as users do: steps in arrays must give the bits of YADE's
+engines. A difference is printed with the least scene that still shows it.
 
     scripts/lib/run python3 tests/endurance/run_fuzzer.py --scenes 500 [--first 0]
-
-`--only SEED` prints one scene and its result.
 """
 
-import functools
 import os
 import sys
 import tempfile
@@ -22,30 +17,16 @@ from yade.minieigenHP import Quaternion
 
 import children
 import scene_fuzzer
-from scene_fuzzer import R
+from scene_fuzzer import R, scenes
 
 RUNNERS = 3  # most PyRunners of a scene
 PLACES = ["first", "before solver", "after solver", "last"]
 COLUMNS = 7
 
 
-# --- events: each changes the scene during a run --------------------------------------------------
-
-
 def engine(kind):
     """The engine of this class."""
     return next(e for e in O.engines if type(e).__name__ == kind)
-
-
-def some_grain(rng):
-    """A grain that can move, or None."""
-    free = [b for b in O.bodies if type(b.shape).__name__ in ("Rcr", "Sphere") and b.dynamic]
-    return free[rng.integers(len(free))] if free else None
-
-
-def some_obstacle(rng):
-    held = [b for b in O.bodies if b.state.blockedDOFs == "xyzXYZ"]
-    return held[rng.integers(len(held))]
 
 
 def above(rng):
@@ -54,70 +35,23 @@ def above(rng):
     return (rng.uniform(0, COLUMNS * 2 * R), top + 3 * R, 0)
 
 
-EVENTS = {}
+def of_a_grain(change):
+    """The event of a function of a grain that can move, if there is one, and random numbers."""
+
+    def event(rng):
+        free = [b for b in O.bodies if type(b.shape).__name__ in ("Rcr", "Sphere") and b.dynamic]
+        if free:
+            change(free[rng.integers(len(free))], rng)
+
+    return event
 
 
-def event(change):
-    """Add a function of random numbers to EVENTS, in the order of the draws."""
-    EVENTS[change.__name__] = change
-    return change
+def of_a_state(**values):
+    """The event that sets attributes of a grain's state to functions of random numbers."""
+    return of_a_grain(lambda body, rng: scenes.set_state(
+        body.id, **{name: value(rng) for name, value in values.items()}))
 
 
-def event_of_a_grain(change):
-    """`event` for a function of a grain and random numbers; it needs a grain that can move."""
-
-    @event
-    @functools.wraps(change)
-    def changed(rng):
-        if body := some_grain(rng):
-            change(body, rng)
-
-    return changed
-
-
-@event
-def insert(rng):
-    kind = ["Rcr", "Sphere"][rng.integers(2)]
-    scene_fuzzer.grain(kind, above(rng)[:2], rng.uniform(0, 0.9), 1.0, O.materials[0], rng)
-
-
-@event_of_a_grain
-def erase(body, rng):
-    O.bodies.erase(body.id)
-
-
-@event_of_a_grain
-def teleport(body, rng):
-    body.state.pos = above(rng)
-
-
-@event_of_a_grain
-def kick(body, rng):
-    body.state.vel = (*rng.uniform(-8, 8, 2), 0)
-
-
-@event_of_a_grain
-def spin(body, rng):
-    body.state.angVel = (0, 0, rng.uniform(-300, 300))
-
-
-@event_of_a_grain
-def turn(body, rng):
-    body.state.ori = Quaternion((0, 0, 1), rng.uniform(0, 3))
-
-
-@event_of_a_grain
-def push(body, rng):
-    O.forces.addF(body.id, (*rng.uniform(-500, 500, 2), 0))
-    O.forces.addT(body.id, (0, 0, rng.uniform(-20, 20)))
-
-
-@event_of_a_grain
-def push_permanently(body, rng):
-    O.forces.setPermF(body.id, (*rng.uniform(-50, 50, 2), 0))
-
-
-@event
 def retune(rng):
     name = ["tolerance", "maxIterations", "solver", "correction", "threads"][rng.integers(5)]
     values = dict(tolerance=[1e-2, 1e-6], maxIterations=[10, 500], solver=["nlgs", "exact", "auto"],
@@ -125,109 +59,78 @@ def retune(rng):
     setattr(engine("ContactDynamics"), name, values[name][rng.integers(len(values[name]))])
 
 
-@event_of_a_grain
-def add_engine(body, rng):
-    load = w.ForceEngine(ids=[body.id], force=(*rng.uniform(-50, 50, 2), 0))
-    O.engines = [*O.engines[:3], load, *O.engines[3:]]
-
-
-@event
-def remove_engine(rng):
-    O.engines = [e for e in O.engines if type(e).__name__ != "ForceEngine"]
-
-
-@event
 def stop_engine(rng):
     for e in O.engines:
         if type(e).__name__ in ("ForceEngine", "TorqueEngine", "RotationEngine"):
             e.dead = not e.dead
 
 
-@event
-def time_step(rng):
-    O.dt *= [0.5, 0.9, 1.1][rng.integers(3)]
+def new_material(body, rng):
+    body.mat = w.FrictMat(density=1000, frictionAngle=rng.uniform(0, 0.8), young=1e7)
 
 
-@event
-def gravity(rng):
-    engine("NewtonIntegrator").gravity = (*rng.uniform(-10, 10, 2), 0)
-
-
-@event_of_a_grain
-def mask(body, rng):
-    body.mask = int(rng.integers(1, 4))
-
-
-@event
 def material(rng):
-    if body := some_grain(rng):
-        body.mat = w.FrictMat(density=1000, frictionAngle=rng.uniform(0, 0.8), young=1e7)
+    of_a_grain(new_material)(rng)
     O.materials[0].frictionAngle = rng.uniform(0, 0.8)
 
 
-@event
-def contact_friction(rng):
-    utils.setContactFriction(rng.uniform(0, 0.8))
-
-
-@event_of_a_grain
-def block(body, rng):
-    body.state.blockedDOFs = ["xzXY", "yzXY", "zXYZ", "xyzXYZ", "zXY"][rng.integers(5)]
-
-
-@event
 def drive(rng, speed=0.5):
-    some_obstacle(rng).state.vel = (*rng.uniform(-speed, speed, 2), 0)
+    held = [b for b in O.bodies if b.state.blockedDOFs == "xyzXYZ"]
+    held[rng.integers(len(held))].state.vel = (*rng.uniform(-speed, speed, 2), 0)
 
 
-@event
-def fast_obstacle(rng):
-    drive(rng, speed=5)
-
-
-@event
 def save(rng):
     with tempfile.TemporaryDirectory() as folder:
         O.save(os.path.join(folder, "scene.yade"), quiet=True)
 
 
-@event
-def pause(rng):
-    O.pause()
-
-
-@event
-def stop_at(rng):
-    O.stopAtIter = O.iter + int(rng.integers(1, 30))
-
-
-@event
-def clear(rng):
-    O.interactions.clear()
-
-
-@event
-def verlet(rng):
-    engine("InsertionSortCollider").verletDist *= 0.5
-
-
-@event
-def track(rng):
-    O.trackEnergy = not O.trackEnergy
-
-
-@event
 def look(rng):
     """Reads of a script change nothing."""
     sum(i.phys.force1[0] + i.geom.gap[0] for i in O.interactions)
     return [(O.forces.f(b.id), b.state.pos) for b in O.bodies]
 
 
+BLOCKED = ["xzXY", "yzXY", "zXYZ", "xyzXYZ", "zXY"]
+EVENTS = dict(  # each changes the scene during a run
+    insert=lambda rng: scene_fuzzer.grain(["Rcr", "Sphere"][rng.integers(2)], above(rng)[:2],
+                                          rng.uniform(0, 0.9), 1.0, O.materials[0], rng),
+    erase=of_a_grain(lambda body, rng: O.bodies.erase(body.id)),
+    teleport=of_a_state(pos=above),
+    kick=of_a_state(vel=lambda rng: (*rng.uniform(-8, 8, 2), 0)),
+    spin=of_a_state(angVel=lambda rng: (0, 0, rng.uniform(-300, 300))),
+    turn=of_a_state(ori=lambda rng: Quaternion((0, 0, 1), rng.uniform(0, 3))),
+    push=of_a_grain(lambda body, rng: (
+        O.forces.addF(body.id, (*rng.uniform(-500, 500, 2), 0)),
+        O.forces.addT(body.id, (0, 0, rng.uniform(-20, 20))))),
+    push_permanently=of_a_grain(
+        lambda body, rng: O.forces.setPermF(body.id, (*rng.uniform(-50, 50, 2), 0))),
+    retune=retune,
+    add_engine=of_a_grain(lambda body, rng: scenes.insert(
+        3, w.ForceEngine(ids=[body.id], force=(*rng.uniform(-50, 50, 2), 0)))),
+    remove_engine=lambda rng: setattr(
+        O, "engines", [e for e in O.engines if type(e).__name__ != "ForceEngine"]),
+    stop_engine=stop_engine,
+    time_step=lambda rng: setattr(O, "dt", O.dt * [0.5, 0.9, 1.1][rng.integers(3)]),
+    gravity=lambda rng: setattr(engine("NewtonIntegrator"), "gravity",
+                                (*rng.uniform(-10, 10, 2), 0)),
+    mask=of_a_grain(lambda body, rng: setattr(body, "mask", int(rng.integers(1, 4)))),
+    material=material,
+    contact_friction=lambda rng: utils.setContactFriction(rng.uniform(0, 0.8)),
+    block=of_a_state(blockedDOFs=lambda rng: BLOCKED[rng.integers(5)]),
+    drive=drive,
+    fast_obstacle=lambda rng: drive(rng, speed=5),
+    save=save,
+    pause=lambda rng: O.pause(),
+    stop_at=lambda rng: setattr(O, "stopAtIter", O.iter + int(rng.integers(1, 30))),
+    clear=lambda rng: O.interactions.clear(),
+    verlet=lambda rng: setattr(engine("InsertionSortCollider"), "verletDist",
+                               0.5 * engine("InsertionSortCollider").verletDist),
+    track=lambda rng: setattr(O, "trackEnergy", not O.trackEnergy),
+    look=look,
+)  # fmt: skip
 MOTIONS = ["TranslationEngine", "RotationEngine", "HarmonicMotionEngine", "ForceEngine",
            "TorqueEngine", "LinearDragEngine", "shakers", "none", "none"]  # fmt: skip
-
-
-# --- scenes ---------------------------------------------------------------------------------------
+current = {}  # scene that runs
 
 
 def draw(seed):
@@ -268,9 +171,9 @@ def build(scene):
         O.bodies.append([rcr.particle((x, height), R, 0.5, fixed=True, material=rough)
                          for x in (2 * R, 8 * R)])
     for _ in range(scene["blocked"]):
-        block(rng)
+        EVENTS["block"](rng)
     for _ in range(scene["violent"]):
-        spin(rng)
+        EVENTS["spin"](rng)
     scene_fuzzer.engines(scene)
     O.trackEnergy = False
     set_engines(scene, list(range(first, min(first + 3, len(O.bodies)))))
@@ -309,22 +212,13 @@ def happen(k):
     EVENTS[current["events"][k]["event"]](np.random.default_rng([current["seed"], k, O.iter]))
 
 
-current = {}
-
-
-# --- comparison -----------------------------------------------------------------------------------
-
-
 def state():
     """Step, time, motion of the bodies, and forces of the contacts; −0 is 0."""
     row = lambda *numbers: tuple(x + 0 for x in numbers)
     bodies = [row(b.id, *b.state.pos, *b.state.ori, *b.state.vel, *b.state.angVel)
               for b in O.bodies]
-    contacts = sorted(
-        row(i.id1, i.id2, i.phys.points, *i.phys.force1, *i.phys.force2, *i.geom.gap)
-        for i in O.interactions
-        if hasattr(i.phys, "points")
-    )
+    contacts = sorted(row(i.id1, i.id2, i.phys.points, *i.phys.force1, *i.phys.force2, *i.geom.gap)
+                      for i in O.interactions if hasattr(i.phys, "points"))
     return dict(step=O.iter, time=O.time, dt=O.dt, bodies=bodies, contacts=contacts)
 
 
@@ -357,13 +251,9 @@ def difference(scene):
     found, steps = play(scene, True)
     for k, (one, two) in enumerate(zip(expected, found)):
         for name in one.keys() | two.keys():
-            if not same(one.get(name), two.get(name)):
+            if repr(one.get(name)) != repr(two.get(name)):  # all digits; nan equals nan
                 return f"run {k}, to step {one['step']}: {name} differ{by(name, one, two)}", steps
     return "same", steps
-
-
-def same(one, two):
-    return repr(one) == repr(two)  # repr shows all digits; nan equals nan
 
 
 def by(name, one, two):
@@ -390,9 +280,6 @@ def shrink(scene):
         smaller = next((one for one in tries if difference(one)[0] != "same"), None)
         scene = smaller or scene
     return scene
-
-
-# --- main -----------------------------------------------------------------------------------------
 
 
 def outcome(seed):

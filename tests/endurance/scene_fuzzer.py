@@ -1,16 +1,12 @@
-"""Random scenes: shapes, laws, engines, their order, states of bodies, boundary conditions.
-
-A scene runs with residual, overlap and energy within their bounds, or is rejected before anything
-moves.
+"""Random scenes run with residual, overlap and energy within their bounds, or are refused before
+anything moves. Prints counts, and seed and outcome of each scene that does neither.
 
     scripts/lib/run python3 tests/endurance/scene_fuzzer.py --scenes 2000 [--first 0] [--steps 60]
-
-prints counts, and seed and outcome of each scene that does neither. `--only SEED` runs one scene in
-this process.
 """
 
 import math
 import os
+import pathlib
 import sys
 
 import numpy as np
@@ -18,10 +14,15 @@ import yade  # noqa: F401  before rcr
 import rcr
 from yade import O, utils
 from yade import wrapper as w
-from yade.minieigenHP import Matrix3, Quaternion
+from yade.minieigenHP import Quaternion
 
 import children
 
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "yade"))
+import scenes  # noqa: E402
+from scenes import insert, set_state, without  # noqa: E402
+
+NAN = math.nan
 R = 0.1  # radius of the grains [m]
 WIDTH = 24 * R  # of a periodic cell [m]
 DEEPEST = 0.05  # largest overlap of free grains over R₁ + R₂
@@ -33,55 +34,34 @@ def draw(rng):
     periodic = rng.random() < 0.2
     law = "rigid" if rng.random() < 0.7 else "smooth"
     return dict(
-        law=law,
-        periodic=periodic,
-        count=int(rng.integers(1, 25)),
-        eta=float(rng.choice([0, 0.3, 0.6, 0.9])),
-        friction=float(rng.choice([0, 0.3, 0.8])),
+        law=law, periodic=periodic, count=int(rng.integers(1, 25)),
+        eta=float(rng.choice([0, 0.3, 0.6, 0.9])), friction=float(rng.choice([0, 0.3, 0.8])),
         restitution=float(rng.choice([0, 0, 0.5, 1])),
         gravity=float(rng.choice([0, 9.81])) if not periodic else 0.0,
         dt=float(rng.choice([1e-4, 1e-3, 5e-3])) if law == "rigid" else None,
         solver=str(rng.choice(["auto", "nlgs", "sor", "nesterov", "exact"])),
-        threads=int(rng.integers(1, 4)),
-        overdamped=bool(rng.random() < 0.05),
+        threads=int(rng.integers(1, 4)), overdamped=bool(rng.random() < 0.05),
         kinds=[str(k) for k in rng.choice(["Rcr", "Sphere", "clump"], 25, p=[0.6, 0.3, 0.1])],
         floor=str(rng.choice(["Wall", "Box", "Facet", "Rcr", "none"])),
-        turning=bool(rng.random() < 0.1),
-        speed=float(rng.choice([0, 1, 20])),
+        turning=bool(rng.random() < 0.1), speed=float(rng.choice([0, 1, 20])),
         energy=bool(rng.random() < 0.3),
         gradient=[float(g) for g in rng.choice([0, 0, -0.3, 0.5], 4)] if periodic else None,
-        fault=str(rng.choice(["none"] * 12 + FAULTS)),
-        reload=bool(rng.random() < 0.1),
-        # YADE's collider fails after an erase in a cell
-        erase=bool(rng.random() < 0.2) and not periodic,
-    )
-
-
-FAULTS = [
-    "no solver", "dead solver", "two solvers", "no integrator", "two integrators", "no collider",
-    "no bound", "no resetter", "late force", "damping",
-    "solver first", "no law", "no physics", "no geometry", "stock geometry", "nan position",
-    "nan velocity", "nan orientation", "zero mass", "zero inertia",
-    "free z", "tilted", "another plane", "box out of plane", "elastic material", "nan force",
-    "huge friction", "negative restitution", "zero dt", "wall in cell",
-    "stepper", "facet out of plane", "stock clump",
-]  # fmt: skip
+        fault=str(rng.choice(["none"] * 12 + list(FAULTS))), reload=bool(rng.random() < 0.1),
+        erase=bool(rng.random() < 0.2) and not periodic,  # YADE's collider fails in a cell
+    )  # fmt: skip
 
 
 def obstacles(scene, material):
     """Append the floor, and a turning box above it if the scene has one."""
-    floors = {
-        "Wall": lambda: rcr.wall("y", 0, material=material),
-        "Box": lambda: utils.box((0, -0.5, 0), (9, 0.5, 1), material=material, fixed=True),
-        "Facet": lambda: utils.facet([(-9, 0, -1), (9, 0, -1), (0, 0, 1)], material=material),
-        "Rcr": lambda: rcr.particle((0, -0.1), 5, 0.98, fixed=True, material=material),
-    }
     if scene["floor"] != "none":
-        O.bodies.append(floors[scene["floor"]]())
+        O.bodies.append(scenes.FLOORS[scene["floor"]](material))
     if scene["turning"]:
-        box = utils.box((0.3, 0.3, 0), (0.3, 0.02, 1), material=material, fixed=True)
-        box.state.angVel = (0, 0, 5)
-        O.bodies.append(box)
+        add_turning_box((0.3, 0.3, 0), material)
+
+
+def add_turning_box(center, material):
+    box = utils.box(center, (0.3, 0.02, 1), material=material, fixed=True)
+    set_state(O.bodies.append(box), angVel=(0, 0, 5))
 
 
 def grain(kind, at, eta, speed, material, rng):
@@ -99,28 +79,12 @@ def grain(kind, at, eta, speed, material, rng):
 
 def engines(scene):
     """Put the engines of the scene's law into O, with its time step."""
-    names = [f"Ig2_{one}_{two}_RcrGeom" for two in ("Rcr", "Sphere")
-             for one in ("Wall", "Box", "Facet", "Sphere")] + ["Ig2_Rcr_Rcr_RcrGeom"]
-    ig2 = [getattr(rcr, name)() for name in names]
-    bounds = [rcr.Bo1_Rcr_Aabb(), w.Bo1_Sphere_Aabb(),
-              *([] if scene["periodic"] else [w.Bo1_Wall_Aabb(), w.Bo1_Box_Aabb(),
-                                              w.Bo1_Facet_Aabb()])]
-    newton = w.NewtonIntegrator(gravity=(0, -scene["gravity"], 0), damping=0)
-    collider = w.InsertionSortCollider(bounds, verletDist=0.1 * R)
-    if scene["law"] == "rigid":
-        ip2 = rcr.Ip2_FrictMat_FrictMat_CdPhys()
-        if scene["restitution"]:
-            ip2.restitution = w.MatchMaker(algo="val", val=scene["restitution"])
-        loop = w.InteractionLoop(ig2, [ip2], [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()])
-        solve = rcr.ContactDynamics(solver=scene["solver"], threads=scene["threads"],
-                                    overdamped=scene["overdamped"])
-        O.engines = [w.ForceResetter(), collider, loop, solve, newton]
-        O.dt = scene["dt"]
-    else:
-        loop = w.InteractionLoop(ig2, [w.Ip2_FrictMat_FrictMat_FrictPhys()],
-                                 [rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=0.3)])
-        O.engines = [w.ForceResetter(), collider, loop, newton]
-        O.dt = 2e-5
+    rigid = scene["law"] == "rigid"
+    options = {name: scene[name] for name in ("solver", "threads", "overdamped")}
+    options |= dict(restitution=scene["restitution"] or None)
+    O.engines = scenes.engines(gravity=(0, -scene["gravity"], 0), **(
+        options if rigid else dict(law="smooth", damping=0.3)))
+    O.dt = scene["dt"] if rigid else 2e-5
 
 
 def solver():
@@ -137,8 +101,7 @@ def loose_grains():
 def begin(scene):
     """An empty scene, in a cell if it is periodic; returns the material of its bodies."""
     O.reset()
-    material = w.FrictMat(density=1000, frictionAngle=math.atan(scene["friction"]), young=1e7,
-                          poisson=0.5)
+    material = scenes.springy(scene["friction"])
     O.materials.append(material)
     if scene["periodic"]:
         O.periodic = True
@@ -147,8 +110,7 @@ def begin(scene):
 
 
 def shear_cell(gradient):
-    a, b, c, d = gradient
-    O.cell.velGrad = Matrix3(a, b, 0, c, d, 0, 0, 0, 0)
+    O.cell.velGrad = scenes.plane(*gradient)
 
 
 def build(scene, rng):
@@ -169,86 +131,70 @@ def build(scene, rng):
 
 
 LATE = {"no geometry", "huge friction", "negative restitution"}  # found by the first contact
-NEED_SOLVER = {"no solver", "dead solver", "two solvers", "late force", "damping", "solver first",
-               "stepper", "huge friction", "negative restitution", "nan force"}  # fmt: skip
-NEED_BODY = {"nan position", "nan velocity", "nan orientation", "nan force", "zero mass",
-             "zero inertia", "free z", "tilted", "another plane", "elastic material"}  # fmt: skip
-NOT_IN_CELL = {"box out of plane", "facet out of plane"}
 
 
-def engine_faults():
-    """{fault: function that puts it into the engines}."""
-    engines = list(O.engines)
-    of = lambda kind: next((e for e in engines if isinstance(e, kind)), None)
-    solver, newton = of(rcr.ContactDynamics), of(w.NewtonIntegrator)
-    loop, collider = of(w.InteractionLoop), of(w.InsertionSortCollider)
-    use = lambda *changed: lambda: setattr(O, "engines", list(changed))
-    empty = lambda dispatcher: lambda: setattr(dispatcher, "functors", [])
-    spheres = [*loop.geomDispatcher.functors, w.Ig2_Sphere_Sphere_ScGeom()]
-    return {
-        "no solver": use(*(e for e in engines if e is not solver)),
-        "dead solver": lambda: setattr(solver, "dead", True),
-        "two solvers": use(*engines[:3], rcr.ContactDynamics(), *engines[3:]),
-        "no integrator": use(*engines[:-1]),
-        "two integrators": use(*engines, w.NewtonIntegrator(damping=0)),
-        "no collider": use(*(e for e in engines if e is not collider)),
-        "no bound": empty(collider.boundDispatcher),
-        "no resetter": use(*engines[1:]),
-        "late force": use(*engines[:-1], w.ForceEngine(force=(1, 0, 0), ids=[0]), newton),
-        "damping": lambda: setattr(newton, "damping", 0.3),
-        "solver first": use(engines[0], engines[1], solver, loop, newton),
-        "no law": empty(loop.lawDispatcher),
-        "no physics": empty(loop.physDispatcher),
-        "no geometry": empty(loop.geomDispatcher),
-        "stock geometry": lambda: setattr(loop.geomDispatcher, "functors", spheres),
-        "negative restitution": lambda: setattr(
-            loop.physDispatcher.functors[0], "restitution", w.MatchMaker(algo="val", val=-0.5)),
-        "zero dt": lambda: setattr(O, "dt", 0),
-        "stepper": use(w.GlobalStiffnessTimeStepper(), *engines),
-    }
+def put(functors, *new):
+    """Give a dispatcher these functors only."""
+    functors.functors = list(new)
 
 
-def body_faults(body):
-    """{fault: function that puts it into this grain or appends a faulty body}."""
-    nan, rough = math.nan, O.materials[0]
-    state = lambda name, value: lambda: setattr(body.state, name, value)
-    far = lambda x: rcr.disc((x, 50), 0.1, material=rough)
-    raised = lambda: setattr(body.state, "pos", (body.state.pos[0], body.state.pos[1], 0.7))
-    box = lambda: utils.box((0, 0, 9), (1, 1, 1), material=rough, fixed=True)
-    facet = lambda: utils.facet([(0, 0, 3), (1, 0, 3), (0, 0, 4)], material=rough)
-    return {
-        "nan position": state("pos", (nan, 0, 0)),
-        "nan velocity": state("vel", (nan, 0, 0)),
-        "nan orientation": state("ori", Quaternion(nan, nan, nan, nan)),
-        "zero mass": state("mass", 0),
-        "zero inertia": state("inertia", (1, 1, 0)),
-        "free z": state("blockedDOFs", "XY"),
-        "tilted": state("ori", Quaternion((1, 0, 0), 0.3)),
-        "another plane": raised,
-        "box out of plane": lambda: O.bodies.append(box()),
-        "facet out of plane": lambda: O.bodies.append(facet()),
-        "elastic material": lambda: setattr(body, "material", w.ElastMat(density=1000)),
-        "nan force": lambda: O.forces.setPermF(body.id, (nan, 0, 0)),
-        "huge friction": lambda: setattr(rough, "frictionAngle", math.pi / 2),
-        "wall in cell": lambda: O.bodies.append(rcr.wall("y", 0, material=rough)),
-        "stock clump": lambda: O.bodies.appendClumped([far(50), far(50.1)]),
-    }
+def put_box(make, *arguments, **options):
+    """Append an obstacle of the grains' material."""
+    O.bodies.append(make(*arguments, material=O.materials[0], **options))
+
+
+FAULTS = {  # {fault: (what the scene needs, function of the first loose grain)}
+    "no solver": ("rigid", lambda b: without(rcr.ContactDynamics)),
+    "dead solver": ("rigid", lambda b: setattr(solver(), "dead", True)),
+    "two solvers": ("rigid", lambda b: insert(3, rcr.ContactDynamics())),
+    "no integrator": ("", lambda b: without(w.NewtonIntegrator)),
+    "two integrators": ("", lambda b: insert(9, w.NewtonIntegrator(damping=0))),
+    "no collider": ("", lambda b: without(w.InsertionSortCollider)),
+    "no bound": ("", lambda b: put(O.engines[1].boundDispatcher)),
+    "no resetter": ("", lambda b: without(w.ForceResetter)),
+    "late force": ("rigid", lambda b: insert(-1, w.ForceEngine(force=(1, 0, 0), ids=[0]))),
+    "damping": ("rigid", lambda b: setattr(O.engines[-1], "damping", 0.3)),
+    "solver first": ("rigid", lambda b: setattr(
+        O, "engines", [O.engines[k] for k in (0, 1, 3, 2, 4)])),
+    "no law": ("", lambda b: put(O.engines[2].lawDispatcher)),
+    "no physics": ("", lambda b: put(O.engines[2].physDispatcher)),
+    "no geometry": ("", lambda b: put(O.engines[2].geomDispatcher)),
+    "stock geometry": ("", lambda b: put(
+        O.engines[2].geomDispatcher, *O.engines[2].geomDispatcher.functors,
+        w.Ig2_Sphere_Sphere_ScGeom())),
+    "nan position": ("grain", lambda b: set_state(b.id, pos=(NAN, 0, 0))),
+    "nan velocity": ("grain", lambda b: set_state(b.id, vel=(NAN, 0, 0))),
+    "nan orientation": ("grain", lambda b: set_state(b.id, ori=Quaternion(NAN, NAN, NAN, NAN))),
+    "zero mass": ("grain", lambda b: set_state(b.id, mass=0)),
+    "zero inertia": ("grain", lambda b: set_state(b.id, inertia=(1, 1, 0))),
+    "free z": ("grain", lambda b: set_state(b.id, blockedDOFs="XY")),
+    "tilted": ("grain", lambda b: set_state(b.id, ori=Quaternion((1, 0, 0), 0.3))),
+    "another plane": ("grain two", lambda b: set_state(b.id, pos=(*list(b.state.pos)[:2], 0.7))),
+    "box out of plane": ("open", lambda b: put_box(utils.box, (0, 0, 9), (1, 1, 1), fixed=True)),
+    "elastic material": ("grain", lambda b: setattr(b, "material", w.ElastMat(density=1000))),
+    "nan force": ("rigid grain", lambda b: O.forces.setPermF(b.id, (NAN, 0, 0))),
+    "huge friction": ("rigid", lambda b: setattr(O.materials[0], "frictionAngle", math.pi / 2)),
+    "negative restitution": ("rigid", lambda b: scenes.prescribe("restitution", -0.5)),
+    "zero dt": ("", lambda b: setattr(O, "dt", 0)),
+    "wall in cell": ("cell", lambda b: put_box(rcr.wall, "y", 0)),
+    "stepper": ("rigid", lambda b: insert(0, w.GlobalStiffnessTimeStepper())),
+    "facet out of plane": ("open", lambda b: put_box(utils.facet, [(0, 0, 3), (1, 0, 3),
+                                                                   (0, 0, 4)])),
+    "stock clump": ("", lambda b: O.bodies.appendClumped(
+        [rcr.disc((x, 50), 0.1, material=O.materials[0]) for x in (50, 50.1)])),
+}  # fmt: skip
 
 
 def spoil(scene):
     """Put the fault into the scene; False where it does not apply, "late" if a contact shows it."""
-    fault, rigid = scene["fault"], scene["law"] == "rigid"
-    body = next(iter(loose_grains()), None)
+    fault, body = scene["fault"], next(iter(loose_grains()), None)
     grains = sum(isinstance(b.shape, (rcr.Rcr, w.Sphere)) for b in O.bodies)
-    if fault == "none" or (fault in NEED_BODY and body is None):
+    there = dict(rigid=scene["law"] == "rigid", grain=body is not None, two=grains > 1,
+                 open=not scene["periodic"], cell=scene["periodic"])
+    needs, change = FAULTS.get(fault, ("none", None))
+    if not all(there.get(need) for need in needs.split()):
         return False
-    if (fault in NEED_SOLVER and not rigid) or (fault == "another plane" and grains < 2):
-        return False
-    if fault in NOT_IN_CELL and scene["periodic"]:
-        return False
-    if fault == "wall in cell" and not scene["periodic"]:
-        return False
-    {**engine_faults(), **body_faults(body)}[fault]()
+    change(body)
     return "late" if fault in LATE else True
 
 
@@ -273,8 +219,8 @@ class Bounds:
 
     def __init__(self, scene, steps):
         self.scene, self.missed, self.total = scene, False, None
-        given = scene["speed"] * 2 + 5 * 0.4 * scene["turning"] + 0.5
-        self.speed = given + scene["gravity"] * O.dt * steps
+        self.speed = (scene["speed"] * 2 + 5 * 0.4 * scene["turning"] + 0.5
+                      + scene["gravity"] * O.dt * steps)
         self.cell = np.abs(scene["gradient"]).max() * 2.4 * 1.5 if scene["periodic"] else 0
 
     def violated(self, after_first):
@@ -291,8 +237,7 @@ class Bounds:
         bound = DEEPEST if self.scene["law"] == "rigid" else 0.3
         solvers = [e for e in O.engines if isinstance(e, rcr.ContactDynamics)]
         before, self.missed = self.missed, not all(e.converged for e in solvers)
-        # contacts show an overlap one step after the step that left it
-        if deepest > bound and not before and not self.missed:
+        if deepest > bound and not before and not self.missed:  # contacts show it a step later
             return f"an overlap of {deepest:.3g} (R₁ + R₂)"
 
     def energy_violated(self):

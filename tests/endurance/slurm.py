@@ -2,9 +2,7 @@
 """A campaign on SLURM with a cancelled job gives the results of a local campaign.
 
 scripts/lib/check-slurm runs this script where SLURM, munge and Snakemake are installed. This
-machine
-is the whole cluster: its daemons listen on the loopback, run as the user, keep their files in a
-temporary folder, and end with the script. Prints a line on the result; ends with 1 on an error.
+machine is the whole cluster; the daemons keep their files in a temporary folder.
 """
 
 import contextlib
@@ -102,9 +100,7 @@ def cluster(folder):
     with contextlib.ExitStack() as stack:
 
         def start(name, *options):
-            """A daemon that Ctrl-C does not reach; it ends with this script, even if that is
-            killed.
-            """
+            """A daemon that Ctrl-C does not reach; it ends with this script, even by a kill."""
             daemon = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", name, *options],
                                       stdout=sys.stderr, process_group=0)
             stack.callback(daemon.wait)
@@ -165,8 +161,8 @@ def main():
         out, local = folder / "slurm", folder / "local"
         with cluster(folder):
             number, victim = run_on_slurm(out)
-            states = {number: (name, state) for number, name, state in jobs("%i %j %T",
-                "--states=all")}
+            states = {number: (name, state)
+                      for number, name, state in jobs("%i %j %T", "--states=all")}
             version = ask("sinfo", "--version")
         resubmitted = [other for other, (name, state) in states.items() if name == victim and state
                        == "COMPLETED"]

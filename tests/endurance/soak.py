@@ -1,19 +1,10 @@
 #!/usr/bin/env python3
-"""Soak: random scenes with repeated changes in one process.
-
-Scenes hold discs, Rcrs and clumps within walls, boxes, facets, fixed Rcrs, or in a periodic cell.
-Grains are added, erased and hit at up to 100 m/s. Friction, threads, solver and law change. Scenes
-are saved and loaded. After each step these must hold:
-
-  * all numbers are finite, and no grain has left the box
-  * no overlap is deep, unless a message says why
-  * the residual is within the tolerance
-  * rigid contacts create no energy, where the time step resolves the motion
+"""Soak: random scenes with repeated changes in one process. After each step all numbers are finite,
+no grain has left the box, no overlap is deep unless a message says why, the residual is within the
+tolerance, and rigid contacts create no energy, where the time step resolves the motion.
 
     scripts/check soak -- --minutes 20 [--first 0]
     scripts/lib/run python3 tests/endurance/soak.py --only SEED
-
-The last line prints counts, memory and the seeds. A failed scene is printed with its seed.
 """
 
 import collections
@@ -34,19 +25,15 @@ from yade.wrapper import InteractionLoop
 
 import children
 import scene_fuzzer
-from scene_fuzzer import R, WIDTH
+from scene_fuzzer import R, WIDTH, scenes
 
 EVENTS = 12  # events of a scene
 STEPS = 80  # steps between two events
 HIT = 100.0  # largest speed of a hit [m/s]
 MISSED_STEPS_HEAL = 200  # steps; overlaps may stay deep after a step that missed the tolerance
-# Displacement of a surface in a step over R. Beyond it a rod may meet the same neighbour twice in a
-# step, which its laws exclude.
-RESOLVED = 1.0
-# apparent energy gain of rigid contacts over the total: the tolerance, step after step
-ENERGY = 0.02
-# error of velocities at rest over g dt: kinematicTolerance times Settings::velocityFloor
-AT_REST = 1e-4
+RESOLVED = 1.0  # way of a surface in a step over R; beyond it a rod may meet a neighbour twice
+ENERGY = 0.02  # gain of rigid contacts over the total: the tolerance, step after step
+AT_REST = 1e-4  # error of velocities over g dt: kinematicTolerance times Settings::velocityFloor
 WARM_UP = 0.25  # share of the time after which memory stays constant
 SAME_BITS = 5  # steps that are compared after a reload
 
@@ -67,26 +54,21 @@ def draw(rng):
 
 def container(scene, material):
     """Four obstacles around |x|, |y| < WIDTH/2; some scenes have a turning box inside."""
-    half, out = WIDTH / 2, 3 * WIDTH
+    half, out, held = WIDTH / 2, 3 * WIDTH, dict(material=material, fixed=True)
     for axis in (0, 1):
-        for side in (-1, 1):
-            swap = lambda along, across: (along, across) if axis == 0 else (across, along)
-            obstacle = {
-                "Wall": lambda: rcr.wall("xy"[axis], side * half, sense=-side, material=material),
-                "Box": lambda: utils.box((*swap(side * (half + 0.5), 0), 0), (*swap(0.5, out), 1),
-                                         material=material, fixed=True),
-                "Facet": lambda: utils.facet(
-                    [(*swap(side * half, -out), -1), (*swap(side * half, out), -1),
-                     (*swap(side * half, 0), 1)], material=material),
-                "Rcr": lambda: rcr.particle(swap(side * (half + 0.1), 0), 5, 0.98,
-                                            angle=0 if axis else math.pi / 2, fixed=True,
-                                            material=material),
-            }[scene["floor"]]
-            O.bodies.append(obstacle())
+        swap = lambda along, across: (along, across) if axis == 0 else (across, along)
+        for at, side in ((-half, -1), (half, 1)):
+            O.bodies.append({
+                "Wall": lambda: rcr.wall("xy"[axis], at, sense=-side, material=material),
+                "Box": lambda: utils.box((*swap(at + 0.5 * side, 0), 0), (*swap(0.5, out), 1),
+                                         **held),
+                "Facet": lambda: utils.facet([(*swap(at, y), z) for y, z in
+                                              ((-out, -1), (out, -1), (0, 1))], material=material),
+                "Rcr": lambda: rcr.particle(swap(at + 0.1 * side, 0), 5, 0.98,
+                                            angle=0 if axis else math.pi / 2, **held),
+            }[scene["floor"]]())  # fmt: skip
     if scene["turning"]:
-        box = utils.box((0, 0, 0), (3 * R, 0.2 * R, 1), material=material, fixed=True)
-        box.state.angVel = (0, 0, 5)
-        O.bodies.append(box)
+        scene_fuzzer.add_turning_box((0, 0, 0), material)
 
 
 def movable():
@@ -123,8 +105,7 @@ def change(what, scene, material, rng):
     grains, solver = movable(), scene_fuzzer.solver()
     if what == "added":
         return add(scene, material, rng)
-    # YADE's collider fails after an erase in a cell
-    if ((what == "erased" and (scene["periodic"] or len(grains) < 2))
+    if ((what == "erased" and (scene["periodic"] or len(grains) < 2))  # collider fails in a cell
             or (what in ("threads", "solvers") and not solver)
             or (what == "gradients" and not scene["periodic"])):
         return False
@@ -146,10 +127,8 @@ def change(what, scene, material, rng):
         scene["dt"] = float(rng.choice([1e-4, 1e-3, 5e-3]))
         O.interactions.clear()
         scene_fuzzer.engines(scene)
-        if scene["law"] == "smooth":  # springs need slower grains than rigid contacts
-            for body in movable():
-                if body.state.vel.norm() > 5:
-                    body.state.vel = body.state.vel * (5 / body.state.vel.norm())
+        for state in (body.state for body in movable() if scene["law"] == "smooth"):
+            state.vel *= min(1, 5 / (state.vel.norm() or 5))  # springs need slower grains
     elif what == "gradients":
         scene["gradient"] = [-rate for rate in scene["gradient"]]
         scene_fuzzer.shear_cell(scene["gradient"])
@@ -162,20 +141,15 @@ def check_reload(scene):
     """Save and run, load and run again; both must give the same bits, with springs to rounding."""
     with tempfile.NamedTemporaryFile(suffix=".yade") as file:
         O.save(file.name)
-        run(SAME_BITS)
+        scenes.steps(SAME_BITS)
         straight = scene_fuzzer.state()
         O.load(file.name)
-        run(SAME_BITS)
+        scenes.steps(SAME_BITS)
         rounding = 1e-13 * np.abs(straight).max() if scene["law"] == "smooth" else 0
         if not np.allclose(scene_fuzzer.state(), straight, rtol=0, atol=rounding):
             raise Wrong(f"other bits after a reload: they differ by up to "
                         f"{np.abs(scene_fuzzer.state() - straight).max():.3g}")
         O.load(file.name)
-
-
-def run(steps):
-    for _ in range(steps):
-        O.step()
 
 
 class Wrong(Exception):
@@ -188,8 +162,7 @@ class Watch:
     def __init__(self, scene):
         self.scene, self.healing, self.missed, self.steps = scene, 0, 0, 0
         self.too_soft = self.astray = False
-        # overlap left by springs; rigid contacts remove it by 1e-4 R a step
-        self.inherited = 0.0
+        self.inherited = 0.0  # overlap left by springs; rigid contacts remove it by 1e-4 R a step
         self.restart()
 
     def restart(self):
@@ -245,10 +218,7 @@ class Watch:
         return self.healing or self.too_soft
 
     def no_gain(self):
-        """Kinetic energy grows by at most the work of gravity, m g v̄ dt.
-
-        v̄ is the mean of the velocities before and after the step.
-        """
+        """Kinetic energy grows by at most the work of gravity at the mean velocity of each step."""
         kinetic, work, way = self.energies()
         if self.given is None or max(way, self.way) > RESOLVED * R:
             self.given, self.reference, self.work, self.way = kinetic, kinetic, work, way
@@ -275,8 +245,7 @@ def outcome(seed, counts):
     scene_fuzzer.engines(scene)
     if scene["periodic"]:
         scene_fuzzer.shear_cell(scene["gradient"])
-    watch = Watch(scene)
-    what = "the start"
+    watch, what = Watch(scene), "the start"
     try:
         for _ in range(EVENTS):
             for _ in range(STEPS):
@@ -291,12 +260,11 @@ def outcome(seed, counts):
     except Wrong as wrong:
         return f"{wrong}, {watch.steps} steps after the start, the last event {what}, in {scene}"
     except (ValueError, RuntimeError) as error:
-        if "jam" in str(error) and (scene["turning"] or scene["periodic"]):
-            counts["jams"] += 1
-            return None
-        if "O.cell.flipCell" in str(error) and scene["periodic"]:
-            counts["sheared"] += 1
-            return None
+        for words, name, possible in (("jam", "jams", scene["turning"] or scene["periodic"]),
+                                      ("O.cell.flipCell", "sheared", scene["periodic"])):
+            if words in str(error) and possible:
+                counts[name] += 1
+                return None
         return f"refused: {error}, step {watch.steps}, the last event {what}, in {scene}"
     finally:
         counts["steps"] += watch.steps
@@ -305,11 +273,10 @@ def outcome(seed, counts):
 
 
 def let_go(held):
-    """Drop unowned references to objects that are not `held`; return their number.
+    """Drop references to objects that are not `held` and have no owner in Python; their number.
 
     YADE 2025.2 keeps a reference to each member of a list that it receives (PySequence_GetItem in
-    custom_vector_from_seq) and never frees engines and functors: plain YADE grows by 37 kB with
-    each scene of twenty spheres. Objects with an owner in Python stay.
+    custom_vector_from_seq): plain YADE grows by 37 kB with each scene of twenty spheres.
     """
     gc.collect()
     kinds = yade.wrapper.Serializable, Vector3
@@ -334,10 +301,7 @@ def resident():
 
 
 def growth(samples):
-    """Growth [%] from the first to the last quarter of the scenes after the warm-up; their sizes.
-
-    `samples` are (seconds, MB) after each scene of a process.
-    """
+    """Growth [%] from the first to the last quarter of (seconds, MB) after the warm-up; sizes."""
     sizes = [size for at, size in samples if at > WARM_UP * samples[-1][0]] or [0.0]
     if len(sizes) < 8:
         return 0.0, sizes

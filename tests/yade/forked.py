@@ -9,6 +9,7 @@ import tempfile
 import types
 
 SECONDS = 600  # only a hang takes them
+SCRIPTS = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", "..", "scripts"))
 YADE = """
 import os, runpy, sys, yade
 {}
@@ -18,7 +19,8 @@ runpy.run_path(sys.argv[0], run_name="__main__")
 
 
 def run(script, *arguments):
-    """Exit code, stdout and stderr of a script that ends before it makes threads."""
+    """Exit code, stdout and stderr of one of SCRIPTS that ends before it makes threads."""
+    script = os.path.join(SCRIPTS, script)
     with tempfile.TemporaryFile() as output, tempfile.TemporaryFile() as errors:
         child = os.fork()
         if child == 0:
@@ -48,13 +50,24 @@ def run(script, *arguments):
 
 def command(script, *arguments, before=""):
     """Command line of a new process that imports YADE, executes `before`, and runs the script."""
-    return [sys.executable, "-c", YADE.format(before), script, *map(str, arguments)]
+    return [sys.executable, "-c", YADE.format(before), os.path.join(SCRIPTS, script),
+            *map(str, arguments)]
 
 
-def yade_script(script, *arguments, before="", **settings):
-    """CompletedProcess of `command`."""
-    return subprocess.run(command(script, *arguments, before=before), capture_output=True,
-                          text=True, timeout=SECONDS, **settings)
+def yade_script(script, *arguments, before="", code=0, **settings):
+    """CompletedProcess of `command`, which must return this code."""
+    ended = subprocess.run(command(script, *arguments, before=before), capture_output=True,
+                           text=True, timeout=SECONDS, **settings)
+    assert ended.returncode == code, ended.stderr
+    return ended
+
+
+def program(folder, *command, name="yade", code=0):
+    """CompletedProcess of a program in a folder, which must return this code."""
+    ended = subprocess.run([name, *map(str, command)], capture_output=True, text=True,
+                           timeout=SECONDS, cwd=folder)
+    assert ended.returncode == code, ended.stdout + ended.stderr
+    return ended
 
 
 def complaint(ended):

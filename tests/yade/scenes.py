@@ -19,6 +19,7 @@ from yade.wrapper import (
 )  # fmt: skip
 
 ALL_IG2 = [name for name in dir(rcr) if name.startswith("Ig2_") and name != "Ig2_Planar_RcrGeom"]
+KN, KS = 1e6, 8e5  # of springs [N/m] a point
 # for closed forms: only rounding remains
 EXACT = dict(tolerance=1e-14, maxIterations=3000, solver="nlgs")
 
@@ -54,20 +55,70 @@ def build(*bodies, dt=1e-3, cell=None, **options):
     return [O.bodies.append(body) for body in bodies]
 
 
-def grain_on_floor(a, friction=0.5, height=0.1, angle=0, make=build, **options):
-    """A fresh scene of a grain and a floor, both of this friction; returns the grain's id, 1.
+def springs(*bodies, share=0.02, local_damping=0.0, **options):
+    """`build` with springs KN and KS, and a share of the critical time step; returns the ids."""
+    ids = build(*bodies, law="smooth", **options)
+    prescribe("kn", KN)
+    prescribe("ks", KS)
+    O.engines[-1].damping = local_damping
+    O.dt = share * rcr.critical_time_step()
+    return ids
 
-    The grain has the half length `a` [m] and the cap radius 0.1 m. `height` is that of its centre
-    [m]; a flat grain touches the floor by default.
+
+def grain_on_floor(a, friction=0.5, height=0.1, angle=0, make=build, **options):
+    """A grain of the half length `a` and the cap radius 0.1 m, its centre at `height` [m], and a
+    floor, which it touches by default; returns the grain's id, 1.
     """
     rough = material(friction)
     return make(rcr.wall("y", 0, material=rough),
                 stadium(a, 0.1, (0, height), angle, material=rough), **options)[1]
 
 
+def springy(friction=0.5, young=1e7, poisson=0.5):
+    """A material for both laws, whose springs have the stiffness `young` [Pa]."""
+    made = material(friction)
+    made.young, made.poisson = young, poisson
+    return made
+
+
+def walls(rough, x=(), y=()):
+    """Walls at these places that bear from inside only: the first from +, the second from −."""
+    return [rcr.wall(axis, at, sense, material=rough) for axis, places in (("x", x), ("y", y))
+            for at, sense in zip(places, (1, -1))]
+
+
+def set_state(body=1, **values):
+    """Set attributes of a body's state."""
+    for name, value in values.items():
+        setattr(O.bodies[body].state, name, value)
+
+
+def prescribe(name, value):
+    """Give all new contacts this stiffness, restitution or friction angle."""
+    setattr(O.engines[2].physDispatcher.functors[0], name, MatchMaker(algo="val", val=value))
+
+
+FLOORS = {
+    "Wall": lambda m: rcr.wall("y", 0, material=m),
+    "Box": lambda m: yade.utils.box((0, -0.5, 0), (9, 0.5, 1), material=m, fixed=True),
+    "Facet": lambda m: yade.utils.facet([(-9, 0, -1), (9, 0, -1), (0, 0, 1)], material=m),
+    "Rcr": lambda m: rcr.particle((0, -0.1), 5, 0.98, fixed=True, material=m),
+}
+
+
+def without(kind):
+    """Remove the engines of a class."""
+    O.engines = [e for e in O.engines if not isinstance(e, kind)]
+
+
 def insert(place, *new):
     """Insert engines at this place of O.engines; at 3 they follow the InteractionLoop."""
     O.engines = [*O.engines[:place], *new, *O.engines[place:]]
+
+
+def resting(law="rigid"):
+    """A grain (1) at rest on a wall (0)."""
+    grain_on_floor(0.2, law=law, dt=1e-3 if law == "rigid" else 1e-5)
 
 
 def inertia(a, r, density=1000.0):
@@ -133,8 +184,10 @@ def environment(**changes):
 
 def python(code, **changes):
     """Run code in another Python with changed environment variables: CompletedProcess."""
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600,
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=600,
                           env=environment(**changes))
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done
 
 
 def assert_refused(match, moved=False):

@@ -1,20 +1,14 @@
-"""Plain reference of a step of Contact Dynamics, for small scenes; needs NumPy only.
+"""Reference of a step of Contact Dynamics (Moreau 1988, Jean 1999) that shares no code with the
+plugin: v⁺ = v + dt g + M⁻¹ Jᵀ p, x⁺ = x + dt v⁺ for discs and rods (stadiums) in the plane, with
 
-Bodies are discs and rods (stadiums) in the plane. A step from the positions x and velocities v:
-
-    gaps g of all pairs at x
-    free velocity   v_f = v + dt g
-    find p with     0 ≤ u_n + b_n ⟂ p_n ≥ 0,   |p_t| ≤ µ p_n opposite to sliding
-                    b_n = e u_n⁻ of a gap that closes within the step, else max(g, 0)/dt
-    v⁺ = v_f + M⁻¹ Jᵀ p,   x⁺ = x + dt v⁺
-
-It follows Moreau 1988 and Jean 1999 and shares no code with the plugin. The contact search compares
-all ends of all cores. Gauss–Seidel iterates to a residual of 1e-10.
+    0 ≤ u_n + b_n ⟂ p_n ≥ 0,   |p_t| ≤ µ p_n opposite to sliding,
+    b_n = e u_n⁻ of a gap that closes within the step, else max(gap, 0)/dt.
 """
 
 import dataclasses
 
 import numpy as np
+from natural_map import error
 
 MOST_SWEEPS = 20_000
 FASTEST = 10  # m/s; gaps that no pair closes within a step are left out
@@ -22,10 +16,7 @@ FASTEST = 10  # m/s; gaps that no pair closes within a step are left out
 
 @dataclasses.dataclass
 class Body:
-    """A disc (half_length 0) or rod; without inverse mass it is an obstacle.
-
-    Lengths in m, mass in kg/m, inertia in kg m, velocity (v_x, v_y, ω) in m/s and rad/s.
-    """
+    """A disc (half_length 0) or rod; without inverse mass it is an obstacle. SI, per unit depth."""
 
     center: np.ndarray
     angle: float
@@ -37,10 +28,8 @@ class Body:
 
     @property
     def ends(self):
-        axis = np.array([np.cos(self.angle), np.sin(self.angle)])
-        if self.half_length == 0:
-            return [self.center]
-        return [self.center - self.half_length * axis, self.center + self.half_length * axis]
+        arm = self.half_length * np.array([np.cos(self.angle), np.sin(self.angle)])
+        return [self.center - arm, self.center + arm] if self.half_length else [self.center]
 
     @property
     def inverse_mass(self):
@@ -131,19 +120,10 @@ def solve_point(w, q, friction):
     return np.array([normal, slope * normal])
 
 
-def project(p, friction):
-    """The nearest point of the friction cone."""
-    if p[0] >= 0 and abs(p[1]) <= friction * p[0]:
-        return p
-    length = (p[0] + friction * abs(p[1])) / (1 + friction**2)
-    return np.array([1, np.sign(p[1]) * friction]) * max(0, length)
-
-
 def solve(bodies, points, velocity, bias, friction, tolerance=1e-10):
-    """Velocities (N, 3) after the step, impulses (K, 2) and residual, by Gauss–Seidel.
+    """Velocities (N, 3) after the step, impulses (K, 2), residual of docs/law.md, by Gauss–Seidel.
 
-    Residual: ‖p − P_K(p − (u + (b_n + µ|u_t|) n)/w_nn)‖/‖p‖, as in docs/law.md. At grazing
-    impulses rounding dominates; there ‖p‖ is replaced by 1e-6 of what stops the points.
+    Where rounding dominates grazing impulses, 1e-6 of what stops the points replaces ‖p‖.
     """
     velocity = velocity.copy()
     pairs = [[p.i, p.j] for p in points]
@@ -153,8 +133,9 @@ def solve(bodies, points, velocity, bias, friction, tolerance=1e-10):
     w = [g @ m for g, m in zip(j, minv_jt)]
     p = np.zeros((len(points), 2))
     shift = np.column_stack([bias, np.zeros(len(points))])
+    w_nn, mu = np.array([each[0, 0] for each in w]), np.full(len(points), friction)
     relative = lambda k: j[k] @ velocity[pairs[k]].ravel() + shift[k]
-    stopping = np.linalg.norm([(relative(k)[0] - bias[k]) / w[k][0, 0] for k in range(len(points))])
+    stopping = np.linalg.norm([(relative(k)[0] - bias[k]) / w_nn[k] for k in range(len(points))])
     for sweep in range(MOST_SWEEPS):
         for k, pair in enumerate(pairs):
             new = solve_point(w[k], relative(k) - w[k] @ p[k], friction)
@@ -162,14 +143,11 @@ def solve(bodies, points, velocity, bias, friction, tolerance=1e-10):
             p[k] = new
         if sweep % 10:
             continue
-        error = np.zeros_like(p)
-        for k in range(len(points)):
-            u = relative(k)
-            change = np.array([u[0] + friction * abs(u[1]), u[1]]) / w[k][0, 0]
-            error[k] = p[k] - project(p[k] - change, friction)
-        scale = max(np.linalg.norm(p), 1e-6 * stopping, 1e-300)
-        if np.linalg.norm(error) <= tolerance * scale:
-            return velocity, p, np.linalg.norm(error) / scale
+        u = np.array([relative(k) for k in range(len(points))]).reshape(-1, 2)
+        residual = np.linalg.norm(error(p, u, mu, w_nn)) / max(np.linalg.norm(p), 1e-6 * stopping,
+                                                               1e-300)
+        if residual <= tolerance:
+            return velocity, p, residual
     raise RuntimeError(f"not converged after {MOST_SWEEPS} sweeps")
 
 

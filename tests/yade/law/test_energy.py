@@ -5,15 +5,12 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import G, build, grain_on_floor, material, solver, stadium, steps
+from scenes import G, build, grain_on_floor, material, solver, springy, stadium, steps, walls
 from yade import O, utils
 
 
 def run(count):
-    """The largest change of the total, and the dissipated energy, over the steps.
-
-    The columns of the energy are friction, impact and dashpots.
-    """
+    """Largest change of the total over the steps; energy of friction, impact, dashpots, (n, 3)."""
     O.trackEnergy = True
     O.step()
     start = O.energy.total()
@@ -55,23 +52,15 @@ def test_bouncing(e):
 
 @pytest.mark.parametrize("law", ["rigid", "smooth"])
 def test_column_that_collapses(law):
-    m = material(friction=0.5)
-    m.young, m.poisson = 1e7, 0.5
-    bodies = [rcr.wall("y", 0, material=m)]
-    rng = np.random.default_rng(3)
-    bodies += [rcr.particle((0.22 * i, 0.12 + 0.24 * j), 0.1, 0.5, angle=rng.uniform(0, 3),
-                            material=m) for i in range(3) for j in range(8)]
-    if law == "rigid":
-        build(*bodies)
-        count = 1500
-    else:
-        build(*bodies, law="smooth", damping=0.3)
-        O.dt = 0.1 * rcr.critical_time_step()
-        count = int(1.0 / O.dt)
-    free = [b for b in O.bodies if isinstance(b.shape, rcr.Rcr)]
-    height = lambda: sum(b.state.mass * G * b.state.pos[1] for b in free)
+    m, rng = springy(), np.random.default_rng(3)
+    grains = [rcr.particle((0.22 * i, 0.12 + 0.24 * j), 0.1, 0.5, angle=rng.uniform(0, 3),
+                           material=m) for i in range(3) for j in range(8)]
+    build(rcr.wall("y", 0, material=m), *grains, **({} if law == "rigid" else
+                                                    dict(law=law, damping=0.3)))
+    O.dt = O.dt if law == "rigid" else 0.1 * rcr.critical_time_step()
+    height = lambda: sum(b.state.mass * G * b.state.pos[1] for b in grains)
     before = height()
-    off, dissipated = run(count)
+    off, dissipated = run(1500 if law == "rigid" else int(1.0 / O.dt))
     released = before - height()
     assert off < 0.01 * released and never_gives(dissipated, released)
 
@@ -90,11 +79,7 @@ def test_a_bounce_with_slip_reversal_never_lowers_an_account(mu, restitution):
 
 
 def test_two_fast_grains_gain_nothing_in_a_step():
-    """Random pairs, some overlapping, up to 0.4 R and 0.15 rad a step.
-
-    A contact may have other points at the end of the step than at its beginning; it must not push
-    by all of an old overlap.
-    """
+    """Random pairs, some overlapping, up to 0.4 R and 0.15 rad a step, whose points may change."""
     rng, gained = np.random.default_rng(3), []
     for _ in range(600):
         grains = []
@@ -114,14 +99,12 @@ def test_two_fast_grains_gain_nothing_in_a_step():
 @pytest.mark.parametrize("restitution", [0.9, 1])
 def test_a_thin_grain_between_two_others_is_no_lever(restitution):
     """At 0.18 rad a step a blow at one end must not throw it against the contact that opens."""
-    m = material(0)
-    one = stadium(0.0023, 0.0053, (-0.0467, -0.0212), angle=-0.13409, velocity=(0.2726, -0.2826),
-                  angular_velocity=17.16, material=m)
-    thin = stadium(0.0053, 0.0003, (-0.03757, -0.0252), angle=1.65572, velocity=(-1.918, 0.1254),
-                   angular_velocity=366.1, material=m)
-    disc = stadium(0, 0.0107, (-0.02526, -0.02173), angle=2.54758, velocity=(-0.07956, 0.08846),
-                   angular_velocity=3.954, material=m)
-    build(one, thin, disc, dt=5e-4, gravity=(0, 0, 0), restitution=restitution, tolerance=1e-8)
+    build(*(stadium(a, r, at, angle, velocity=v, angular_velocity=turn, material=material(0))
+            for a, r, at, angle, v, turn in (
+        (0.0023, 0.0053, (-0.0467, -0.0212), -0.13409, (0.2726, -0.2826), 17.16),
+        (0.0053, 0.0003, (-0.03757, -0.0252), 1.65572, (-1.918, 0.1254), 366.1),
+        (0, 0.0107, (-0.02526, -0.02173), 2.54758, (-0.07956, 0.08846), 3.954))),
+        dt=5e-4, gravity=(0, 0, 0), restitution=restitution, tolerance=1e-8)  # fmt: skip
     before = utils.kineticEnergy()
     O.step()
     assert sum(i.phys.normalForce.norm() > 0 for i in O.interactions) == 2
@@ -152,8 +135,8 @@ def test_an_elastic_impact_of_two_grains_keeps_their_energy():
 def test_a_gap_narrower_than_the_way_of_a_step_is_no_jam(restitution):
     """A disc between two walls at rest: both bounces fall into one step, which has a solution."""
     m, R, gap = material(0), 0.01, 1e-4
-    walls = [rcr.wall("x", side * (R + gap), sense=-side, material=m) for side in (-1, 1)]
-    *_, disc = build(*walls, stadium(0, R, (0, 0), velocity=(1, 0), material=m), dt=1e-3,
+    *_, disc = build(*walls(m, x=(-R - gap, R + gap)),
+                     stadium(0, R, (0, 0), velocity=(1, 0), material=m), dt=1e-3,
                      gravity=(0, 0, 0), restitution=restitution)
     steps(50)
     assert solver().yieldedSteps == 0 and solver().deepestOverlap < 1e-3
@@ -166,17 +149,15 @@ def test_a_cloud_gains_nothing_in_a_step(restitution, friction):
     """Discs to needles, up to 0.15 rad and 0.1 R a step."""
     rng, gained = np.random.default_rng(2), []
     for _ in range(4):
-        m = material(friction)
-        walls = [rcr.wall(axis, place, sense=sense, material=m) for axis in "xy"
-                 for place, sense in ((0, 1), (0.156, -1))]
-        grains = []
+        m, grains = material(friction), []
         for i in range(36):
             half, eta = rng.uniform(0.005, 0.0115), rng.choice([0, 0.3, 0.7, 0.95])
             motion = dict(angle=rng.uniform(0, math.pi), velocity=tuple(rng.uniform(-1, 1, 2)),
                           angular_velocity=rng.uniform(-300, 300))
             grains.append(rcr.particle((0.013 + 0.026 * (i % 6), 0.013 + 0.026 * (i // 6)), half,
                                        eta, material=m, **motion))
-        build(*walls, *grains, dt=5e-4, gravity=(0, 0, 0), restitution=restitution, tolerance=1e-8)
+        build(*walls(m, x=(0, 0.156), y=(0, 0.156)), *grains, dt=5e-4, gravity=(0, 0, 0),
+              restitution=restitution, tolerance=1e-8)
         kinetic = [utils.kineticEnergy()]
         for _ in range(100):
             O.step()
@@ -187,14 +168,13 @@ def test_a_cloud_gains_nothing_in_a_step(restitution, friction):
 
 def test_shear_between_driven_walls():
     """Friction and impacts take the work of two driven lids."""
-    m = material(friction=0.5)
-    rng = np.random.default_rng(5)
-    walls = [rcr.wall(axis, at, material=m) for axis, at in (("y", 0), ("x", -0.15), ("x", 1.35))]
+    m, rng = material(friction=0.5), np.random.default_rng(5)
+    box = [rcr.wall(axis, at, material=m) for axis, at in (("y", 0), ("x", -0.15), ("x", 1.35))]
     grains = [rcr.particle((0.25 * i, 0.13 + 0.26 * j), 0.1, 0.4, angle=rng.uniform(0, 3),
                            material=m) for i in range(6) for j in range(4)]
     lid = [rcr.particle((0.3 * i, 1.2), 0.15, 0, fixed=True, velocity=(0.5, 0), material=m)
            for i in range(-8, 5)]
-    build(*walls, *grains, *lid)
+    build(*box, *grains, *lid)
     off, dissipated = run(1500)
     work = -dict(O.energy.items())["driveWork"]
     given = max(work, dissipated[-1].sum())
@@ -205,9 +185,8 @@ def test_position_correction_lifts():
     """The correction of overlaps lifts grains: its account balances gravity's."""
     disc = grain_on_floor(0, height=0.099)
     s = O.bodies[disc].state
-    at = s.pos[1]
     off, _ = run(200)
-    lifted = s.mass * G * (s.pos[1] - at)
+    lifted = s.mass * G * (s.pos[1] - 0.099)
     assert lifted > 0 and off < 1e-9
     assert dict(O.energy.items())["correctionWork"] == pytest.approx(-lifted, rel=0.02)
 

@@ -1,8 +1,5 @@
-"""A pair that gains points within a step is gathered again.
-
-A brick (R = 1, η = 0.9, tilted by 0.01) rests with one end on the floor. A disc (R = 0.2) 1e-4 m
-above it falls at 50 m/s. The brick leaves its alert distance, so its second end is detected, and
-the pair grows from one point to two within the step.
+"""A pair that gains points within a step is gathered again: a disc falls at 50 m/s on a tilted
+brick that rests on one end; the second end comes within the alert distance of the floor.
 """
 
 import math

@@ -1,8 +1,5 @@
-"""Every hard scene keeps its bound at the default settings and is stable at ten times the time step.
-
-S18 and the stack of 100 of S19 are shortened to 10 s and 3 s; the benchmark hard_scenes_table runs
-all. The scenes of SLOW are slow tests; docs/hard-scenes.md explains the numbers. S20 is
-test_same_bits.py.
+"""Every hard scene (docs/hard-scenes.md) keeps its bound at the default settings and is stable at
+ten times the time step. S20 is test_same_bits.py.
 """
 
 import pytest

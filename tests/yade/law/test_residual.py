@@ -1,18 +1,15 @@
-"""Residual of the engine against NumPy on YADE's state after the step."""
+"""Residual of the engine against NumPy on YADE's state; its model follows the scene."""
 
 import numpy as np
 import pytest
 import rcr
 from natural_map import error
-from scenes import build, material, solver as engine, stadium, steps
-from yade import O
+from scenes import box, build, material, solver as engine, stadium, steps, walls
+from yade import O, utils
 
 
 def residual():
-    """Residual of the last step from forces, geometry and velocities.
-
-    Interactions hold the geometry at the beginning of the step, bodies the velocities at its end.
-    """
+    """Residual from the geometry at the beginning of the step and the velocities at its end."""
     points = []  # (p_n, p_t, u_n + b_n, u_t, µ, w_nn)
     for i in O.interactions:
         for k in range(i.geom.points):
@@ -38,20 +35,15 @@ def residual():
 
 
 def pile(count=40):
-    rng = np.random.default_rng(1)
-    grain = material(friction=0.4)
-    walls = [rcr.wall("y", 0, +1, material=grain), rcr.wall("x", 0, +1, material=grain),
-             rcr.wall("x", 0.2, -1, material=grain)]
-    grains = [
-        stadium(0.006, 0.008, (0.03 + 0.03 * (k % 6), 0.03 + 0.03 * (k // 6)),
-                rng.uniform(0, np.pi), material=grain) for k in range(count)
-    ]
-    return [*walls, *grains]
+    rng, rough = np.random.default_rng(1), material(friction=0.4)
+    return [*walls(rough, x=(0, 0.2), y=[0]),
+            *(stadium(0.006, 0.008, (0.03 + 0.03 * (k % 6), 0.03 + 0.03 * (k // 6)),
+                      rng.uniform(0, np.pi), material=rough) for k in range(count))]
 
 
 @pytest.mark.parametrize("solver", ["nlgs", "sor", "nesterov", "exact", "auto"])
 def test_reported_residual_is_that_of_the_scene(solver):
-    # Without position correction, which moves bodies: arms are computed from final positions.
+    # Position correction would change the arms, which are computed from final positions.
     build(*pile(), dt=1e-3, solver=solver, tolerance=1e-5, maxIterations=400, correction=0)
     compared = 0
     for _ in range(30):
@@ -79,3 +71,38 @@ def test_an_unreachable_tolerance_gives_the_best_residual(tolerance):
         return engine().residual
 
     assert reached(tolerance) <= 10 * reached(1e-12)
+
+
+def heaps(count, friction):
+    """Heaps of 5 × 4 discs side by side on a fixed floor, too far apart to touch."""
+    one = material(friction=friction)
+    build(box((count, -0.1), (2 * count, 0.1), material=one),
+          *(stadium(0, 0.05, (2 * heap + 0.1 * column + 0.03 * (row % 2), 0.05 + 0.09 * row),
+                    material=one)
+            for heap in range(count) for row in range(4) for column in range(5)),
+          tolerance=1e-6, maxIterations=5000, solver="nesterov")
+
+
+def test_model_of_discs_without_friction():
+    heaps(3, 0)
+    steps(3)
+    model = engine().model
+    assert model["islands"] == 3 and model["fixed"] == 1
+    assert model["bodies"] == 60 and model["rotations"] == 0
+    assert model["frictionless"] and model["unknowns"] == model["points"] == engine().contactPoints
+
+
+def test_model_follows_the_scene():
+    """With friction a point has two unknowns, bodies rotate; a freed floor joins the heaps."""
+    heaps(3, 0)
+    steps(3)
+    utils.setContactFriction(0.5)
+    O.step()
+    model = engine().model
+    assert not model["frictionless"] and model["unknowns"] > model["points"]
+    assert model["rotations"] > 0 and model["islands"] == 3
+    O.bodies[0].dynamic = True
+    O.bodies[0].state.blockedDOFs = "xzXYZ"
+    O.bodies[0].state.mass = 100.0
+    O.step()
+    assert engine().model["fixed"] == 0 and engine().model["islands"] == 1

@@ -1,6 +1,8 @@
-"""Examples run alone at their small size and leave pictures; batches, regression, Ctrl-C."""
+"""Examples, batches, and the Python code of each page, which gives a working law too."""
 
 import pathlib
+import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -8,22 +10,16 @@ import sys
 
 import numpy as np
 import pytest
+from forked import program as yade
 from matplotlib.image import imread
 from scenes import environment
 
-FOLDER = pathlib.Path(__file__).parents[3] / "examples"
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+FOLDER, BUILD = ROOT / "examples", ROOT / "build"
 EXAMPLES = sorted(FOLDER.glob("*.py"))
-
-
+PAGES = [page for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+         if "```python\n" in page.read_text()]
 QUICK = ["first_scene"]  # the others take some seconds each
-
-
-def yade(folder, *command, program="yade", code=0):
-    """The ended process of a program, which must return this code."""
-    run = subprocess.run([program, *map(str, command)], capture_output=True, text=True, timeout=300,
-                         cwd=folder)
-    assert run.returncode == code, run.stdout + run.stderr
-    return run
 
 
 @pytest.mark.parametrize("script", [
@@ -50,7 +46,7 @@ def test_a_batch_gives_the_results_of_single_runs(tmp_path):
     assert (FOLDER / "batch.table").read_text().split("eta mu\n")[1].splitlines() == lines
     small = ["eta mu wide high seconds", *(f"{line} 3 5 0.3" for line in lines)]
     (tmp_path / "small.table").write_text("\n".join(small) + "\n")
-    batch = yade(tmp_path, "-j", 4, "small.table", "batch.py", program="yade-batch")
+    batch = yade(tmp_path, "-j", 4, "small.table", "batch.py", name="yade-batch")
     assert batch.stdout.count("(exit status 0)") == 4, batch.stdout + batch.stderr
     yade(tmp_path, "-n", "-x", "batch.py", "--quick", "--out", "single")
     of_batch, single = tmp_path / "out" / "batch", tmp_path / "single"
@@ -69,10 +65,7 @@ def test_the_regression_example_reports_differences(tmp_path):
 
 
 def test_ctrl_c_ends_after_a_whole_step(tmp_path):
-    """The first Ctrl-C ends the run, and the script continues after `advance`.
-
-    The velocity is 1 and the time step a power of two, so that sums of any length are exact.
-    """
+    """The script continues after `advance`; with a power of two as time step all sums are exact."""
     code = """
 from scenes import *
 from yade.wrapper import PyRunner
@@ -89,3 +82,53 @@ print("stopped", going, O.bodies[0].state.pos[0] == O.iter * O.dt, O.iter > 10)
     run.send_signal(signal.SIGINT)
     out, err = run.communicate(timeout=60)
     assert out == "stopped False True True\n", out + err
+
+
+def blocks(page, language):
+    return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text(), re.M | re.S)
+
+
+def run(page, folder, before=""):
+    """Return the output of a page's script, which must end well."""
+    (folder / "page.py").write_text(before + "\n".join(blocks(page, "python")))
+    done = yade(folder, "-n", "-x", "page.py")
+    return done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.stem != "extending"],
+                         ids=lambda page: page.stem)
+def test_page(page, tmp_path):
+    assert "Traceback" not in run(page, tmp_path)
+
+
+def compile_command(source, folder):
+    """The build's compile command of a plugin file, for another source."""
+    listed = subprocess.run(["ninja", "-C", BUILD, "-t", "commands", "_plugin"],
+                            capture_output=True, text=True, check=True).stdout
+    words = shlex.split(next(line for line in listed.splitlines()
+                             if "/_plugin.dir/Unity/" in line and " -c " in line))
+    words = words[: words.index("-c")] + ["-c", str(source)]
+    for option in ("-o", "-MF", "-MT"):
+        if option in words:
+            words[words.index(option) + 1] = str(folder / f"law{option}")
+    return words, folder / "law-o"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not shutil.which("ninja") or not (BUILD / "build.ninja").exists(),
+                    reason="needs the build folder")
+def test_law_of_the_page(tmp_path):
+    """Compiled with the build's options and loaded before rcr; the build's files stay."""
+    page = ROOT / "docs" / "extending.md"
+    (law,) = blocks(page, "cpp")
+    assert len(law.splitlines()) < 60
+    (name,) = re.findall(r"Put this into `(pkg/dem/[\w/]+\.cpp)`", page.read_text())
+    source = tmp_path / pathlib.Path(name).name
+    source.write_text(law)
+    command, compiled = compile_command(source, tmp_path)
+    subprocess.run(command, cwd=BUILD, check=True, timeout=3600)
+    (plugin,) = (ROOT / "py" / "rcr").glob("_plugin*.so")
+    subprocess.run([command[0], "-shared", "-o", tmp_path / "law.so", compiled, plugin,
+                    f"-Wl,-rpath,{plugin.parent}"], check=True, timeout=120)
+    before = f"import ctypes; ctypes.CDLL('{tmp_path}/law.so', ctypes.RTLD_GLOBAL)\n"
+    assert "Traceback" not in run(page, tmp_path, before)

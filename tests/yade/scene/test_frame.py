@@ -1,4 +1,4 @@
-"""Frames of scenes: every kind of body, contacts of both laws, periodic cells, names."""
+"""Frames and networks of any scene: bodies, obstacles, contacts, cells, clumps, names, files."""
 
 import math
 import os
@@ -11,25 +11,26 @@ import rcr
 import yade.utils
 from rcr._yade.counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
-from scenes import build, material, plane, pressed_box, python, shrinking_cell, steps
+from rcr.network import OTHER, WALL, Network
+from scenes import (G, box, build, heap, material, plane, pressed_box, python, set_state,
+                    shrinking_cell, steps)
 from yade import O
-from yade.minieigenHP import Matrix3, Quaternion, Vector3
+from yade import wrapper as w
+from yade.minieigenHP import Matrix3
 
 
 def zoo():
     """One body of each kind without contacts; returns their ids by name."""
     rough = material()
-    turned = yade.utils.box((3, -1, 0), (1.0, 0.2, 0.5), fixed=True, material=rough)
-    turned.state.ori = Quaternion(Vector3(0, 0, 1), 0.5)
-    fixed = rcr.particle((6, 0), 0.5, 0.4, material=rough, fixed=True)
-    ids = dict(zip(("rcr", "fixed", "wall", "box", "facet", "flat", "beside"), build(
-        rcr.particle((0, 0), 1.0, 0.75, 0.3, rough), fixed, rcr.wall("y", -2, material=rough),
-        turned,
+    ids = dict(zip(("rcr", "fixed", "wall", "box", "facet", "flat", "beside", "sphere"), build(
+        rcr.particle((0, 0), 1.0, 0.75, 0.3, rough),
+        rcr.particle((6, 0), 0.5, 0.4, material=rough, fixed=True),
+        rcr.wall("y", -2, material=rough), box((3, -1), (1.0, 0.2), 0.5, rough),
         yade.utils.facet([(-3, 0, -1), (-3, 0, 1), (-2, 1, 1)], material=rough),
         yade.utils.wall(5, 2),
         yade.utils.facet([(0, 0, 1), (1, 0, 1), (0, 1, 2)], material=rough),
+        yade.utils.sphere((-1, 3, 0), 0.3, material=rough),
     )))  # fmt: skip
-    ids["sphere"] = O.bodies.append(yade.utils.sphere((-1, 3, 0), 0.3, material=rough))
     ids["clump"], ids["members"] = O.bodies.appendClumped(
         [rcr.particle((x, 5), 0.4, 0.5, angle, rough) for x, angle in ((0, 0), (0.2, math.pi / 2))])
     return ids
@@ -37,8 +38,7 @@ def zoo():
 
 def test_every_kind_of_body():
     ids = zoo()
-    O.bodies[ids["rcr"]].state.vel = (3, 4, 0)
-    O.bodies[ids["rcr"]].state.angVel = (0, 0, -2)
+    set_state(ids["rcr"], vel=(3, 4, 0), angVel=(0, 0, -2))
     frame = Frame.of()
     rows = frame.rows(np.array([ids["rcr"], ids["fixed"], ids["sphere"], *ids["members"],
                                 ids["wall"], ids["clump"]]))
@@ -53,15 +53,11 @@ def test_every_kind_of_body():
     assert frame.grains["cap_radius"][rows[2]] == 0.3 and frame.grains["half_length"][rows[2]] == 0
     assert set(frame.grains["clump"][rows[3:5]]) == {ids["clump"]}
     assert list(frame.walls["id"]) == [ids["wall"]]  # a facet parallel to the plane is left out
-    outlines = {id_: (kind, vertices) for id_, kind, vertices in frame.outlines}
-    kind, corners = outlines[ids["box"]]
+    (first, kind1, corners), (second, kind2, ends) = sorted(frame.outlines)  # no facet beside z = 0
+    assert (first, kind1, second, kind2) == (ids["box"], "box", ids["facet"], "facet")
     c, s = math.cos(0.5), math.sin(0.5)
-    assert kind == "box"
     assert corners[0] == pytest.approx(np.array([3 + c - 0.2 * s, -1 + s + 0.2 * c]))
-    kind, ends = outlines[ids["facet"]]
-    assert kind == "facet"
     assert np.sort(ends, axis=0) == pytest.approx(np.array([[-3, 0], [-2.5, 0.5]]))
-    assert len(frame.outlines) == 2  # a facet beside the plane is left out
 
 
 def test_a_picture_of_every_kind_of_body(tmp_path):
@@ -72,11 +68,8 @@ def test_a_picture_of_every_kind_of_body(tmp_path):
 
 def test_lever_arms_are_those_of_the_forces():
     """A fast disc hits a resting one: arms end at the centres of the impact, 0.05 R earlier."""
-    rough = material(0)
-    one, two = build(rcr.particle((0, 0), 1, 0, material=rough),
-                     rcr.particle((2.0, 0), 1, 0, material=rough), gravity=(0, 0, 0), dt=1e-2,
-                     restitution=0)
-    O.bodies[one].state.vel = (10, 0, 0)
+    one, _ = build(*(rcr.particle((x, 0), 1, 0, material=material(0), velocity=(v, 0))
+                     for x, v in ((0, 10), (2.0, 0))), gravity=(0, 0, 0), dt=1e-2, restitution=0)
     O.step()
     contacts = Frame.of().contacts
     sign = 1 if contacts["body1"][0] == one else -1
@@ -91,10 +84,7 @@ def test_a_frame_of_a_network_is_that_of_its_scene(tmp_path):
     steps(200)
     saved = rcr.contact_network((0, 1, 2, 3), friction=0.3)
     saved.save(tmp_path / "network.h5")
-    total = np.einsum("n,nab->ab", rcr.measure.areas()[1], rcr.measure.stress_tensors()[1])
     assert np.abs(saved.stress()).max() > 100
-    # rounding of sums
-    assert total == pytest.approx(saved.attributes["volume"] * saved.stress(), rel=1e-9)
     scene, network = Frame.of(), Frame.of(tmp_path / "network.h5")
 
     def mobilization(frame, chosen):
@@ -119,13 +109,9 @@ def test_contacts_across_the_edge_of_a_cell():
     O.step()
     frame = Frame.of()
     arm1, arm2 = frame.contacts["arm1"][0], frame.contacts["arm2"][0]
-    # they overlap by 1e-3
-    assert np.abs(arm1) == pytest.approx([0, 0.5], abs=1e-3)
+    assert np.abs(arm1) == pytest.approx([0, 0.5], abs=1e-3)  # they overlap by 1e-3
     assert arm2 == pytest.approx(-arm1, abs=2e-3)
     assert frame.cell == pytest.approx(np.array([[10, 0], [0, 8]]))
-
-
-# --- measures -------------------------------------------------------------------------------------
 
 
 def test_extent_and_porosity():
@@ -136,11 +122,13 @@ def test_extent_and_porosity():
     solid = math.pi * 0.25 + 1 + math.pi
     assert rcr.measure.porosity() == pytest.approx(1 - solid / 11)
     assert rcr.measure.porosity(volume=100) == pytest.approx(1 - solid / 100)
-    with pytest.raises(ValueError, match="area of the region"):
-        rcr.measure.porosity(volume=0)
-    with pytest.raises(ValueError, match=r"volume = 1e-09; expected the area of the region \[m²\], "
-                       r"which holds grains of 4.92"):
-        rcr.measure.porosity(volume=1e-9)
+    for volume, more in ((0, ""), (1e-9, r" \[m²\], which holds grains of 4.92")):
+        with pytest.raises(ValueError, match=f"volume = {volume:g}; expected the area of the region"
+                           + more):
+            rcr.measure.porosity(volume=volume)
+    O.reset()
+    with pytest.raises(ValueError, match="nothing to measure"):
+        rcr.measure.porosity()
 
 
 def test_a_clump_is_counted_once():
@@ -155,31 +143,27 @@ def test_a_clump_is_counted_once():
 def test_table_of_grains(tmp_path):
     ids = zoo()
     old = os.umask(0o022)
-    try:
-        assert rcr.measure.write_table(tmp_path / "grains.txt") == 5
-    finally:
-        os.umask(old)
+    count = rcr.measure.write_table(tmp_path / "grains.txt")
+    os.umask(old)
     table = np.genfromtxt(tmp_path / "grains.txt", names=True)
     assert table["id"][0] == ids["rcr"] and table["angle"][0] == pytest.approx(0.3, abs=1e-15)
-    assert table["half_length"][0] == 0.75
+    assert table["half_length"][0] == 0.75 and count == 5
     assert stat.S_IMODE(os.stat(tmp_path / "grains.txt").st_mode) == 0o644
 
 
+NETWORK = "rcr.contact_network(volume=…)."
 SPHERES_ONLY = {
-    "utils.porosity()": "rcr.measure.porosity",
-    "porosity()": "rcr.measure.porosity",
+    "utils.porosity()": "rcr.measure.porosity", "porosity()": "rcr.measure.porosity",
     "utils.aabbExtrema()": "rcr.measure.extent",
     "utils.bodyStressTensors()": "rcr.measure.stress_tensors",
     "export.text('/dev/null')": "rcr.measure.write_table",
-    "VTKRecorder()": "rcr.export.VtkSeries",
-    "utils.fabricTensor()": "rcr.contact_network(volume=…).fabric()",
-    "getStress(1)": "rcr.contact_network(volume=…).stress()",
-    "utils.avgNumInteractions()": "rcr.contact_network(volume=…).coordination()",
-    "utils.PWaveTimeStep()": "rcr.critical_time_step",
-    "utils.getSpheresMass()": "rcr.contact_network(volume=…).particles['mass']",
     "export.textExt('/dev/null')": "rcr.measure.write_table",
-    "export.VTKExporter('/dev/null')": "rcr.export.vtk",
-}
+    "export.VTKExporter('/dev/null')": "rcr.export.vtk", "VTKRecorder()": "rcr.export.VtkSeries",
+    "utils.fabricTensor()": NETWORK + "fabric()", "getStress(1)": NETWORK + "stress()",
+    "utils.avgNumInteractions()": NETWORK + "coordination()",
+    "utils.getSpheresMass()": NETWORK + "particles['mass']",
+    "utils.PWaveTimeStep()": "rcr.critical_time_step",
+}  # fmt: skip
 
 
 def test_functions_for_spheres_only_warn():
@@ -200,11 +184,10 @@ tell()
 O.bodies.append([rcr.particle((0, 5), 1, 0.5), rcr.wall("y", -9)])
 tell()
 """)
-    assert done.returncode == 0, done.stderr
-    lines = [line.strip() for line in done.stdout.splitlines() if line.startswith("told")]
-    silent, told = lines[: len(SPHERES_ONLY)], lines[len(SPHERES_ONLY) :]
-    assert silent == ["told"] * len(SPHERES_ONLY)
-    assert not [(wanted, line) for wanted, line in zip(SPHERES_ONLY.values(), told, strict=True)
+    told = [line.strip() for line in done.stdout.splitlines() if line.startswith("told")]
+    silent = ["told"] * len(SPHERES_ONLY)
+    assert told[: len(silent)] == silent and len(told) == 2 * len(silent)
+    assert not [(wanted, line) for wanted, line in zip(SPHERES_ONLY.values(), told[len(silent) :])
                 if wanted not in line]
 
 
@@ -249,15 +232,6 @@ def test_counterparts_are_there(hint):
         assert np.isfinite(value).all() and np.any(value)
 
 
-def test_measures_of_nothing():
-    O.reset()
-    with pytest.raises(ValueError, match="nothing to measure"):
-        rcr.measure.porosity()
-
-
-# --- names ----------------------------------------------------------------------------------------
-
-
 def test_import_of_all_names_shadows_none_of_yade():
     done = python("""
 from yade import *
@@ -271,7 +245,6 @@ print("changed", *(name for name in before if name != "before"
                    and without_warning(globals()[name]) is not before[name]))
 print("wall", wall is utils.wall, callable(rcr.wall), Rcr is rcr.Rcr, particle is rcr.particle)
 """)
-    assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-2:] == ["changed", "wall True True True True"]
 
 
@@ -284,9 +257,6 @@ def test_info_describes_the_build():
     assert len(lines) == len(told) and all(line.startswith(name) for line, name in zip(lines, told))
     drawn = "Gl1_Rcr" in dir(rcr)
     assert ("Gl1_Rcr" in told["3D view"]) == drawn and ("left out" in told["3D view"]) != drawn
-
-
-# --- files for ParaView ---------------------------------------------------------------------------
 
 
 def test_series_from_a_pyrunner_survives_save_and_load(tmp_path):
@@ -306,3 +276,154 @@ def test_series_from_a_pyrunner_survives_save_and_load(tmp_path):
     assert np.diff(times) == pytest.approx(10 * O.dt) and len(times) >= 5
     assert len(moments) == 3 * len(times)
     assert all((out / file).exists() for _, file in moments)
+
+
+# --- networks of any scene ------------------------------------------------------------------------
+
+@pytest.fixture(scope="module")
+def resting():
+    ids = heap()
+    steps(2500)
+    while O.engines[-2].unbalancedForce > 1e-9 and O.iter < 6000:
+        steps(100)
+    network = rcr.contact_network(volume=0.25)
+    ids["center"] = np.array(O.bodies[ids["clump"]].state.pos)[:2]
+    frame = Frame.of()
+    weight = G * (sum(O.bodies[k].state.mass for k in ids["grains"])
+                  + O.bodies[ids["clump"]].state.mass)
+    frictions = {frozenset((i.id1, i.id2)): i.phys.tangensOfFrictionAngle for i in O.interactions}
+    return ids, network, frame, weight, frictions
+
+
+def test_obstacles_are_no_grains(resting):
+    """Wall, box, facet, fixed grain are obstacles; discs are grains; no four walls needed."""
+    ids, network, *_ = resting
+    assert sorted(network.particles["id"]) == sorted([*ids["grains"], *ids["members"]])
+    at_obstacles = network.contacts["body2"] < 0
+    assert set(OTHER - network.contacts["body2"][at_obstacles]) == set(ids["obstacles"])
+    assert (network.contacts["type"][at_obstacles] == WALL).all()
+    assert (network.contacts["type"][~at_obstacles] < WALL).all()
+    assert np.isin(network.contacts["body1"], network.particles["id"]).all()
+    assert np.trace(network.fabric()) == pytest.approx(1) and network.coordination() > 2
+    assert len(network.anisotropies()) == 5
+
+
+def test_friction_is_that_of_the_contact(resting):
+    _, network, _, _, frictions = resting
+    c = network.contacts
+    for one, two, friction in zip(c["body1"], c["body2"], c["friction"]):
+        assert friction == frictions[frozenset((one, two if two >= 0 else OTHER - two))]
+    assert len(set(c["friction"])) == 2  # smaller of the pair: tan 0.5 or tan 0.1
+    assert network.friction_mobilization().max() <= 1 + 1e-6  # tolerance of the solver
+
+
+def test_obstacles_carry_the_weight(resting):
+    """The force on the obstacles is the weight of the grains, up to the remaining motion."""
+    _, network, _, weight, _ = resting
+    force = network.contacts["force"][network.contacts["body2"] < 0].sum(axis=0)
+    assert force == pytest.approx([0, -weight], abs=2e-3 * weight)
+
+
+def test_stresses_of_grains_and_of_the_scene(resting):
+    """Σ A σ = V σ, with clumps too; grain stresses of network and scene agree."""
+    _, network, frame, *_ = resting
+    areas, stresses = Frame.of_network(network).areas(), network.grain_stresses()
+    mean = np.einsum("n,nab->ab", areas, stresses) / 0.25
+    assert mean == pytest.approx(network.stress(), rel=1e-9)  # rounding of sums
+    free = ~frame.grains["fixed"]
+    assert stresses == pytest.approx(frame.stress_tensors()[free], rel=1e-9, abs=1e-9)
+    assert (network.grain_coordination() == frame.per_grain(frame.normal_force() > 0)[free]).all()
+
+
+def test_a_clump_counts_as_one(resting):
+    """The stress of a clump is symmetric up to its acceleration; arms start at its own centre."""
+    ids, network, *_ = resting
+    row, other = (list(network.particles["id"]).index(member) for member in ids["members"])
+    stress = network.grain_stresses()
+    assert np.array_equal(stress[row], stress[other])
+    assert network.grain_coordination()[row] == network.grain_coordination()[other] >= 2
+    assert stress[row][0, 1] == pytest.approx(stress[row][1, 0], abs=1e-2 * np.trace(stress[row]))
+    assert network.particles["center"][row] == pytest.approx(ids["center"], abs=1e-5)  # of a step
+    assert network.particles["clump"][row] == ids["clump"]
+
+
+def test_volume_is_asked_for_where_it_is_needed(resting, tmp_path):
+    _, network, *_ = resting
+    attributes = {name: value for name, value in network.attributes.items() if name != "volume"}
+    bare = Network(network.particles, network.contacts, attributes)
+    with pytest.raises(ValueError, match=r"no volume.*contact_network\(volume=…\)"):
+        bare.stress()
+    assert bare.sin_phi() == pytest.approx(network.sin_phi())
+    assert bare.stress_angle() == network.stress_angle()
+    bare.save(tmp_path / "bare.h5")
+    again = Network.load(tmp_path / "bare.h5")
+    assert "stress" not in again.attributes
+    assert np.array_equal(again.contacts["friction"], network.contacts["friction"])
+    assert np.array_equal(again.grain_stresses(), network.grain_stresses())
+
+
+NO_BOX = "left, bottom, right and top Wall of a box"
+ORDER = "are at x = .*; expected the order left, bottom, right, top"
+
+
+@pytest.mark.parametrize("walls, match", [
+    *((walls, NO_BOX) for walls in ((0, 1), (0, 1, 2, 99), (1, 0, 3, 2), "box", (0, 1, 2, 4))),
+    *((walls, ORDER) for walls in ((2, 1, 0, 3), (0, 3, 2, 1), (2, 3, 0, 1))),
+])  # fmt: skip
+def test_walls_that_are_no_box(walls, match):
+    build(rcr.wall("x", 0), rcr.wall("y", 0), rcr.wall("x", 1), rcr.wall("y", 2),
+          rcr.particle((0.5, 0.5), 0.1, 0.5, material=material()))
+    with pytest.raises(ValueError, match=match):
+        rcr.contact_network(walls)
+
+
+def test_scenes_without_a_free_grain_and_volumes_out_of_range():
+    build(rcr.wall("y", 0), rcr.particle((0.5, 0.5), 0.1, 0.5, fixed=True, material=material()))
+    with pytest.raises(ValueError, match="no free Rcr and no free Sphere"):
+        rcr.contact_network()
+    O.bodies.append(rcr.particle((2, 0.5), 0.1, 0.5, material=material()))
+    for volume in (0, -1, math.nan, "large"):
+        with pytest.raises(ValueError, match="volume = .*; expected the area of the region"):
+            rcr.contact_network(volume=volume)
+    assert len(rcr.contact_network().contacts["force"]) == 0
+
+
+def test_periodic_cell_needs_no_walls():
+    """The volume is that of the cell; test_frame.py compares the stress with YADE's."""
+    shrinking_cell()
+    network = rcr.contact_network()
+    volume = network.attributes["volume"]
+    assert volume == pytest.approx(np.linalg.det(np.array(O.cell.hSize)[:2, :2]))
+    assert len(network.contacts["force"]) > 10
+    assert np.hypot(*network.contacts["branch"].T).max() < 0.2  # of touching grains, no period
+    stress = network.stress()
+    total = np.einsum("n,nab->ab", rcr.measure.areas()[1], network.grain_stresses())
+    assert total / volume == pytest.approx(stress, rel=1e-9)
+    assert sum(i.phys.normalForce.norm() > 0 and tuple(i.cellDist) != (0, 0, 0)
+               for i in O.interactions) > 3
+
+
+def test_networks_of_spheres_under_a_law_of_yade():
+    m = material(math.tan(0.4))
+    m.young = 1e6
+    O.bodies.append([yade.utils.sphere((x, 0, 0), 1, material=m, fixed=x == 0)
+                     for x in (0, 1.99, 3.98)])
+    O.engines = [w.ForceResetter(), w.InsertionSortCollider([w.Bo1_Sphere_Aabb()]),
+                 w.InteractionLoop([w.Ig2_Sphere_Sphere_ScGeom()],
+                                   [w.Ip2_FrictMat_FrictMat_FrictPhys()],
+                                   [w.Law2_ScGeom_FrictPhys_CundallStrack()]),
+                 w.NewtonIntegrator()]  # fmt: skip
+    O.dt = 1e-6
+    O.step()
+    frame = Frame.of()
+    assert frame.normal_force() == pytest.approx([i.phys.normalForce.norm()
+                                                  for i in O.interactions])
+    assert frame.contacts["friction"] == pytest.approx(math.tan(0.4))
+    assert list(frame.kinds()) == [3, 1, 1]
+    network = rcr.contact_network(volume=8)
+    assert list(network.contacts["body1"]) == [1, 1]
+    assert list(network.contacts["body2"]) == [OTHER - 0, 2]
+    assert network.contacts["normal"] == pytest.approx(np.array([[-1, 0], [1, 0]]))
+    assert network.contacts["friction"] == pytest.approx(math.tan(0.4))
+    one, two = np.hypot(*network.contacts["force"].T)
+    assert network.stress()[0, 0] == pytest.approx((one * 0.995 + two * 1.99) / 8)  # f × branch

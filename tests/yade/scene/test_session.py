@@ -8,9 +8,10 @@ import rcr
 import yade
 import yade.utils
 from scenes import (G, build, contact_forces, engines, grain_on_floor, material, open_box,
-                    pressed_box, python, snapshot, solver, stadium, steps, tilted, velocity)
+                    pressed_box, python, set_state, snapshot, solver, springs, springy, stadium,
+                    steps, tilted, velocity)
 from yade import O
-from yade.wrapper import ForceEngine, MatchMaker
+from yade.wrapper import MatchMaker
 
 OURS = {
     "Shape": {"Rcr"},
@@ -27,18 +28,17 @@ OURS = {
 if hasattr(rcr, "Gl1_Rcr"):  # built with OpenGL
     OURS |= {"GlShapeFunctor": {"Gl1_Rcr"}, "GlIGeomFunctor": {"Gl1_RcrGeom"},
              "GlIPhysFunctor": {"Gl1_CdPhys", "Gl1_RcrFrictPhys"}}
+NAMES = set().union(*OURS.values())
 
 
 def test_import_prints_nothing_and_adds_only_our_classes():
     """Whole streams are compared, since C++ prints too."""
-    run = lambda code: python("import yade.wrapper, sys; before = set(dir(yade.wrapper))\n" + code)
-    plain = run("")
-    loaded = run("import rcr; sys.__stdout__.flush(); print('added', "
-                 "*sorted(set(dir(yade.wrapper)) - before))")
-    assert loaded.returncode == 0 and loaded.stderr == plain.stderr
+    plain, loaded = (python("import yade.wrapper, sys; before = set(dir(yade.wrapper))\n" + code)
+                     for code in ("", "import rcr; sys.__stdout__.flush(); print('added', "
+                                  "*set(dir(yade.wrapper)) - before)"))
+    assert loaded.stderr == plain.stderr
     said, added = loaded.stdout.split("added")
-    assert said == plain.stdout
-    assert set(added.split()) == set().union(*OURS.values())
+    assert said == plain.stdout and set(added.split()) == NAMES
 
 
 @pytest.mark.parametrize("base, ours", OURS.items())
@@ -46,7 +46,7 @@ def test_classes_are_known_to_yade(base, ours):
     assert ours <= set(yade.system.childClasses(base))
 
 
-@pytest.mark.parametrize("name", sorted(set().union(*OURS.values())))
+@pytest.mark.parametrize("name", sorted(NAMES))
 def test_classes_are_documented(name):
     assert len(getattr(rcr, name).__doc__) > 60
 
@@ -54,78 +54,68 @@ def test_classes_are_documented(name):
 def test_names_of_a_session_say_so_without_yade():
     """Names that `import rcr` adds in a session say so; unknown names are unknown."""
     without = python("import rcr; print(*rcr.__all__)").stdout.split()
-    names = sorted({*rcr.__all__, "wall"}.union(*OURS.values()).difference(without))
+    names = sorted({*rcr.__all__, "wall", *NAMES}.difference(without))
     assert {"particle", "Rcr"} < set(names)
-    code = f"""
+    *told, unknown = python(f"""
 import rcr
 for name in {names + ["partikel"]}:
     try:
         getattr(rcr, name)
     except AttributeError as error:
         print(error)
-"""
-    *told, unknown = python(code).stdout.splitlines()
-    assert [line.startswith(f"rcr.{name} needs a YADE session: ")
-            for name, line in zip(names, told, strict=True)] == [True] * len(names)
+""").stdout.splitlines()
+    assert not [name for name, line in zip(names, told, strict=True)
+                if not line.startswith(f"rcr.{name} needs a YADE session: ")]
     assert unknown == "module 'rcr' has no attribute 'partikel'"
 
-
-# --- save and load --------------------------------------------------------------------------------
 
 def pile():
     """40 falling grains of all elongations."""
     rng = np.random.default_rng(11)
     rough = material(0.5)
-    grains = [
-        rcr.particle((0.15 + 0.2 * (k % 5), 0.12 + 0.22 * (k // 5)), rng.uniform(0.06, 0.09),
-                     rng.uniform(0, 0.8), rng.uniform(0, 3), rough)
-        for k in range(40)
-    ]
+    grains = [rcr.particle((0.15 + 0.2 * (k % 5), 0.12 + 0.22 * (k // 5)), rng.uniform(0.06, 0.09),
+                           rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(40)]
     build(*open_box(1.1, rough), *grains, dt=2e-3, restitution=0.2, tolerance=1e-4)  # by sweeps
 
 
-SCENES = {"pile": pile, "pressed box": pressed_box}
+def box_of_springs():
+    pressed_box(springs, 0, share=0.3, damping=0.2)
+    steps(1300)
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("scene", [pile, pressed_box, box_of_springs])
 @pytest.mark.parametrize("suffix", ["yade", "xml.bz2"])
-def test_a_saved_scene_continues_to_the_same_bits(name, suffix, tmp_path):
-    """States, forces and starting impulses after 200 more steps."""
-    SCENES[name]()
+def test_a_saved_scene_continues_to_the_same_bits(scene, suffix, tmp_path):
+    """States, forces and starting impulses after 200 more steps; those of springs to rounding,
+    since a reload changes the order in which YADE adds their forces.
+    """
+    scene()
     steps(200)
     path = str(tmp_path / f"scene.{suffix}")
     O.save(path, quiet=True)
     saved, warm = snapshot(), contact_forces()
-    assert len(warm) > 15 and max(np.abs(f[1:]).max() for f in warm.values()) > 0
+    assert len(warm) > 15 and all(np.any([force[k] for force in warm.values()]) for k in (1, 2))
     steps(200)
     uninterrupted, last = snapshot(), contact_forces()
 
     O.reset()
     O.load(path, quiet=True)
     assert contact_forces() == warm
-    # YADE does not save the forces on the bodies
-    assert np.array_equal(snapshot()[:, :13], saved[:, :13])
+    assert np.array_equal(snapshot()[:, :13], saved[:, :13])  # YADE does not save forces on bodies
     steps(200)
+    if scene is box_of_springs:
+        assert snapshot()[:, :13] == pytest.approx(uninterrupted[:, :13], abs=1e-12)
+        return
     difference = np.abs(snapshot() - uninterrupted).max(axis=0)
     assert np.array_equal(snapshot(), uninterrupted), f"largest difference a column: {difference}"
     assert contact_forces() == last
 
 
 def test_threads_change_no_bit():
-    code = """
-import hashlib
-from scenes import snapshot, steps
-from test_session import pile
-pile()
-steps(100)
-print(hashlib.sha256(snapshot().tobytes()).hexdigest())
-"""
-    one, two = (python(code, OMP_NUM_THREADS=threads) for threads in "12")
-    assert one.returncode == two.returncode == 0, one.stderr + two.stderr
-    assert one.stdout.split()[-1] == two.stdout.split()[-1]
+    code = "from test_session import *; pile(); steps(100); print(snapshot().tobytes().hex())"
+    one, two = (python(code, OMP_NUM_THREADS=threads).stdout.split()[-1] for threads in "12")
+    assert one == two and len(one) > 1000
 
-
-# --- materials ------------------------------------------------------------------------------------
 
 def soften(angle):
     for body in O.bodies:
@@ -137,18 +127,12 @@ def exchange(angle):
         body.mat = material(math.tan(angle))
 
 
-def each_contact(angle):
-    O.interactions[0, 1].phys.tangensOfFrictionAngle = math.tan(angle)
-
-
-def made_anew(angle):
-    soften(angle)
-    O.interactions.clear()
-
-
-@pytest.mark.parametrize("change, acts",
-                         [(soften, False), (exchange, False), (yade.utils.setContactFriction, True),
-                          (each_contact, True), (made_anew, True)])
+@pytest.mark.parametrize("change, acts", [
+    (soften, False), (exchange, False), (yade.utils.setContactFriction, True),
+    (lambda angle: setattr(O.interactions[0, 1].phys, "tangensOfFrictionAngle", math.tan(angle)),
+     True),
+    (lambda angle: (soften(angle), O.interactions.clear()), True),
+], ids=["soften", "exchange", "setContactFriction", "each contact", "made anew"])  # fmt: skip
 def test_friction_that_changes_in_a_run(change, acts):
     """A contact keeps the friction of its formation (docs/law.md); a slider on a slope shows it."""
     alpha = math.atan(0.3)
@@ -171,23 +155,14 @@ def test_friction_of_two_materials(maker, expected):
     if maker:
         O.engines[2].physDispatcher.functors[0].frictAngle = MatchMaker(**maker)
     O.step()
-    # tan(atan(µ))
-    assert O.interactions[0, 1].phys.tangensOfFrictionAngle == pytest.approx(expected, rel=1e-14)
-
-
-@pytest.mark.parametrize("e", [0.0, 0.5])
-def test_restitution_by_match_maker(e):
-    disc = grain_on_floor(0, gravity=(0, 0, 0), restitution=e)
-    O.bodies[disc].state.vel = (0, -1, 0)
-    O.step()
-    assert velocity(disc)[1] == pytest.approx(e, abs=1e-12)  # rounding
+    friction = O.interactions[0, 1].phys.tangensOfFrictionAngle
+    assert friction == pytest.approx(expected, rel=1e-14)  # tan(atan(µ))
 
 
 @pytest.mark.parametrize("law", ["rigid", "smooth"])
 def test_engines_that_are_new_after_an_erase_see_the_bodies(law):
     """After an erase YADE's collider receives later bodies only; a new collider must find all."""
-    grain = material()
-    grain.young, grain.poisson = 1e7, 0.5
+    grain = springy()
     floor, first, second = build(rcr.wall("y", 0, sense=1, material=grain),
                                  *(rcr.particle((x, 0.05), 0.1, 0.5, material=grain)
                                    for x in (0, 1)))
@@ -221,18 +196,6 @@ print("ended", flush=True)
     assert done.stdout.endswith("went on\nended\n"), done.stdout[-500:] + done.stderr[-2000:]
 
 
-def test_a_waited_run_that_fails_raises_every_time():
-    """YADE's run thread loses its exception if it ends before the session waits."""
-    for _ in range(30):
-        build(rcr.particle((0, 1), 0.1, 0.5, material=material()),
-              before=[ForceEngine(force=(math.nan, 0, 0), ids=[0])])
-        with pytest.raises(RuntimeError, match="body #0 has the force"):
-            O.run(5, True)
-        with pytest.raises(RuntimeError, match="body #0 has the force"):
-            O.run(5)  # raises here if the thread has ended
-            O.wait()
-
-
 @pytest.mark.parametrize("clumped", [False, True])
 @pytest.mark.parametrize("settled", [2, 3, 4])
 def test_a_velocity_set_between_steps_meets_far_contacts(settled, clumped):
@@ -255,13 +218,10 @@ def test_a_fast_lid_meets_a_disc_that_rests(lid, free, one_by_one):
     """YADE's box of the lid reaches by verletDist; the lid moves further in a step."""
     smooth, deepest = material(0), []
     for start in np.linspace(0.045, 0.049, 14):
-        if lid == "wall":
-            body = rcr.wall("y", start - 0.005, sense=-1, material=smooth)
-        else:
-            body = yade.utils.box((0, start, 0), (0.1, 0.005, 0.01), fixed=True, material=smooth)
-        body.state.mass, body.state.blockedDOFs = 1.0, "xzXYZ" if free else "xyzXYZ"
-        body.state.vel = (0, -4, 0)
+        body = (rcr.wall("y", start - 0.005, sense=-1, material=smooth) if lid == "wall" else
+                yade.utils.box((0, start, 0), (0.1, 0.005, 0.01), fixed=True, material=smooth))
         build(rcr.disc((0, 0), 0.015, material=smooth), body, gravity=(0, 0, 0))
+        set_state(1, mass=1.0, blockedDOFs="xzXYZ" if free else "xyzXYZ", vel=(0, -4, 0))
         O.engines[1].verletDist = 0.001
         steps(12) if one_by_one else O.run(12, True)
         deepest.append(solver().deepestOverlap)

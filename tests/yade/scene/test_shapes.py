@@ -6,22 +6,15 @@ import numpy as np
 import pytest
 import rcr
 from rcr.frame import Frame
-from scenes import G, build, gaps, material, solver, steps, velocity
+from scenes import FLOORS, G, build, gaps, material, solver, springy, steps, velocity
 from yade import O, utils
 
-FLOORS = {
-    "Wall": lambda m: rcr.wall("y", 0, material=m),
-    "Box": lambda m: utils.box((0, -0.5, 0), (5, 0.5, 1), material=m, fixed=True),
-    "Facet": lambda m: utils.facet([(-9, 0, -1), (9, 0, -1), (0, 0, 1)], material=m),
-    "Rcr": lambda m: rcr.particle((0, -0.1), 5, 0.98, fixed=True, material=m),
-}
 GRAINS = {"Sphere": lambda at, m: rcr.disc(at, 0.1, material=m),
           "Rcr": lambda at, m: rcr.particle(at, 0.1, 0, material=m)}
 
 
 def test_disc_has_mass_and_inertia_of_a_disc():
-    m = material(density=2000)
-    disc, twin = rcr.disc((1, 2), 0.1, material=m), rcr.particle((1, 2), 0.1, 0, material=m)
+    disc, twin = (make((1, 2), material(density=2000)) for make in GRAINS.values())
     assert disc.state.mass == pytest.approx(2000 * math.pi * 0.01, rel=1e-15)
     assert disc.state.inertia[2] == pytest.approx(disc.state.mass * 0.01 / 2, rel=1e-15)
     assert (disc.state.mass, *disc.state.inertia) == pytest.approx(
@@ -35,8 +28,7 @@ def test_disc_has_mass_and_inertia_of_a_disc():
                          [("rigid", 0.25, 1e-3, 600, 0.1 - 1e-5, 0.1 + 1e-5),
                           ("smooth", 0.1, 2e-5, 5000, 0.09, 0.1001)], ids=["rigid", "smooth"])
 def test_a_grain_comes_to_rest_on_every_floor(floor, grain, law, height, dt, count, low, high):
-    m = material()
-    m.young, m.poisson = 1e7, 0.5
+    m = springy()
     _, top = build(FLOORS[floor](m), GRAINS[grain]((0.02, height), m), dt=dt, law=law)
     steps(count)
     assert low < O.bodies[top].state.pos[1] < high
@@ -72,33 +64,29 @@ def test_a_disc_rolls_over_a_joint_of_facets_not_under_it():
 
 def test_facet_turned_as_a_slope():
     """A slope of 45° without friction: a = g sin 45°."""
-    smoothly = material(friction=0)
-    slope = utils.facet([(-3, 3, -1), (3, -3, -1), (0, 0, 1)], material=smoothly)
+    slope = utils.facet([(-3, 3, -1), (3, -3, -1), (0, 0, 1)], material=material(0))
     at = 0.1 * math.sqrt(0.5)
-    _, grain = build(slope, rcr.disc((at, at), 0.1, material=smoothly))
+    _, grain = build(slope, rcr.disc((at, at), 0.1, material=material(0)))
     steps(200)
     assert O.bodies[grain].state.vel[0] == pytest.approx(G / 2 * 0.2, rel=1e-6)
 
 
 def test_fast_free_disc_does_not_tunnel():
-    m = material()
-    _, disc = build(FLOORS["Box"](m), rcr.disc((0, 5), 0.1, material=m, velocity=(0, -400)))
+    _, disc = build(FLOORS["Box"](material()), rcr.disc((0, 5), 0.1, velocity=(0, -400)))
     steps(40)
     assert O.bodies[disc].state.pos[1] > 0.09
 
 
 def test_spinning_box_meets_what_it_sweeps():
-    m = material()
-    box = utils.box((0, 0, 0), (1, 0.1, 1), material=m, fixed=True)
+    box = utils.box((0, 0, 0), (1, 0.1, 1), material=material(), fixed=True)
     box.state.angVel = (0, 0, 20)
-    _, disc = build(box, rcr.disc((0.8, 0.5), 0.1, material=m), gravity=(0, 0, 0), dt=5e-3)
+    _, disc = build(box, rcr.disc((0.8, 0.5), 0.1), gravity=(0, 0, 0), dt=5e-3)
     steps(40)
     assert O.bodies[disc].state.vel.norm() > 5
 
 
 def test_bound_of_a_stock_sphere_functor_looks_ahead():
-    m = material()
-    build(FLOORS["Wall"](m), rcr.disc((0, 0.1), 0.1, material=m))
+    build(FLOORS["Wall"](material()), rcr.disc((0, 0.1), 0.1))
     O.step()
     functors = [type(f).__name__ for f in O.engines[1].boundDispatcher.functors]
     assert functors.count("Bo1_Disc_Aabb") == 1
@@ -128,11 +116,15 @@ def test_a_rod_that_slides_off_a_box_stays_on_its_corner(speed):
         assert min(gaps(), default=0) > -0.02 * R
 
 
+def disc_on_disc(height, velocity):
+    """A disc of R = 0.1 above a fixed one of R = 1, without friction; returns its id."""
+    return build(rcr.disc((0, 0), 1, fixed=True, material=material(0)),
+                 rcr.disc((0, height), 0.1, velocity=velocity, material=material(0)), dt=1e-2)[1]
+
+
 def test_a_loaded_sliding_disc_needs_one_solve_a_step():
     """Its path of 1 % of ρ a step curves by half a slop, which needs no second solve."""
-    m = material(0)
-    *_, disc = build(rcr.disc((0, 0), 1, fixed=True, material=m),
-                     rcr.disc((0, 1.1), 0.1, velocity=(1.15, 0), material=m), dt=1e-2)
+    disc = disc_on_disc(1.1, (1.15, 0))
     sweeps = []
     for _ in range(8):
         O.step()
@@ -144,9 +136,7 @@ def test_a_loaded_sliding_disc_needs_one_solve_a_step():
 
 def test_a_disc_that_arrives_obliquely_needs_one_solve():
     """It closes a gap of 0.02 R to 1e-4 R, by which its path curves: no second solve."""
-    m = material(0)
-    *_, disc = build(rcr.disc((0, 0), 1, fixed=True, material=m),
-                     rcr.disc((0, 1.12), 0.1, velocity=(1.5, -2.5), material=m), dt=1e-2)
+    disc = disc_on_disc(1.12, (1.5, -2.5))
     O.step()
     assert solver().iterations == 1
     steps(2)

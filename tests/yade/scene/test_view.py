@@ -1,7 +1,4 @@
-"""YADE's 3D view draws Rcrs in a window on a virtual screen, and the session survives.
-
-view_session.py makes the scene and takes the pictures.
-"""
+"""YADE's 3D view draws Rcrs on a virtual screen; view_session.py makes scene and pictures."""
 
 import pathlib
 import shutil
@@ -11,6 +8,7 @@ import numpy as np
 import pytest
 import rcr
 from docs.generate.screen import virtual_screen
+from scenes import environment
 
 pytestmark = [
     pytest.mark.skipif(not shutil.which("Xvfb"), reason="needs a virtual screen: the package xvfb"),
@@ -23,9 +21,11 @@ def pictures(tmp_path_factory):
     matplotlib = pytest.importorskip("matplotlib.image")
     folder = tmp_path_factory.mktemp("view")
     script = pathlib.Path(__file__).with_name("view_session.py")
-    with virtual_screen(folder) as environment:
+    with virtual_screen(folder) as screen:
+        path = environment()["PYTHONPATH"]
         session = subprocess.run(["yade", str(script), str(folder)], capture_output=True, text=True,
-                                 timeout=300, env=environment, stdin=subprocess.DEVNULL)
+                                 timeout=300, env=screen | dict(PYTHONPATH=path),
+                                 stdin=subprocess.DEVNULL)
     told = session.stdout + session.stderr
     assert session.returncode == 0 and "lived 22" in session.stdout, told
     pictures = {path.stem: np.array(matplotlib.imread(path)[..., :3])
@@ -60,11 +60,10 @@ def test_grains_have_their_outlines_and_colours(pictures):
     assert width == pytest.approx(height, abs=3) and width > 40
     assert long / width == pytest.approx(2, rel=0.06)
     assert thin / width == pytest.approx(0.4, abs=0.05)
-    metre = width  # [pixels]
     for color, area, error in (((0, 1, 0), np.pi / 4, 0.06),
                                ((1, 0, 0), np.pi * 0.2**2 + 4 * 0.8 * 0.2, 0.08),
                                ((1, 1, 0), np.pi * 0.5**2 + 4 * 0.5 * 0.5, 0.06)):  # turned
-        assert seen(picture, color).sum() == pytest.approx(area * metre**2, rel=error)
+        assert seen(picture, color).sum() == pytest.approx(area * width**2, rel=error)
 
 
 def test_boxes_keep_their_colour(pictures):

@@ -1,7 +1,4 @@
-"""Session of test_view.py: opens YADE's view, loads rcr, makes a scene and saves pictures of it.
-
-    yade view_session.py FOLDER
-"""
+"""Session of test_view.py: opens YADE's view, loads rcr, and saves pictures of a scene."""
 
 import os
 import sys
@@ -21,7 +18,7 @@ def draw(seconds=0.5):
         QApplication.processEvents()
 
 
-def make_scene(rcr):
+def make_scene(rcr, scenes):
     """Grains in pure colours at rest on a grey box."""
     rough = w.FrictMat(density=1000, frictionAngle=0.4, young=1e6)
     O.bodies.append([
@@ -31,15 +28,7 @@ def make_scene(rcr):
         rcr.particle((0, 0.7), 0.3, 0, 0, rough, color=(0, 0, 1)),
         rcr.particle((3, 2.5), 1, 0.5, 0.5, rough, fixed=True, color=(1, 1, 0)),
     ])  # fmt: skip
-    O.engines = [
-        w.ForceResetter(),
-        w.InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), w.Bo1_Box_Aabb()], verletDist=0.01),
-        w.InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Box_Rcr_RcrGeom()],
-                          [rcr.Ip2_FrictMat_FrictMat_CdPhys()],
-                          [rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()]),
-        rcr.ContactDynamics(),
-        w.NewtonIntegrator(gravity=(0, -10, 0), damping=0),
-    ]
+    O.engines = scenes.engines(gravity=(0, -10, 0), tolerance=1e-4)
     O.dt = 1e-3
     O.run(20, True)
 
@@ -50,8 +39,9 @@ def save_pictures():
     view = qt.View()  # open before rcr is there: its renderer has looked for functors already
     draw()
     import rcr
+    import scenes
 
-    make_scene(rcr)
+    make_scene(rcr, scenes)
     view.axes, view.grid, view.ortho = False, (False, False, False), True
     view.viewDir, view.upVector = (0, 0, -1), (0, 1, 0)
     view.screenSize = (640, 480)
@@ -77,8 +67,7 @@ def save_pictures():
     picture("unmarked")
     renderer.wire = True
     picture("wire")
-    renderer.wire = False
-    renderer.intrPhys = True
+    renderer.wire, renderer.intrPhys = False, True
     for color in ("force", "type", "mobilization"):
         rcr.Gl1_CdPhys.color = color
         picture(color)

@@ -1,7 +1,6 @@
 """A biaxial test that jams repeats a part of the shear with a smaller time step."""
 
 import json
-import os
 import re
 
 import forked
@@ -11,7 +10,6 @@ from rcr.study.protocol import PROTOCOL
 from run_contents import contents, different
 
 KILLED = 9  # exit code
-SCRIPT = os.path.join(os.path.dirname(__file__), *[".."] * 3, "scripts", "biaxial.py")
 FAILING = """
 from rcr.study.biaxial import Biaxial
 
@@ -30,16 +28,11 @@ Biaxial.shear = failing
 
 
 def run(out, *arguments, failures=(), end=1, code=0):
-    """Run biaxial.py, by default in small; it must return this code.
-
-    `failures` are pairs of a strain and the number of failures beyond it. With a smaller time
-    step, the process is killed beyond the strain `end`.
-    """
+    """Run biaxial.py; it fails a number of times beyond a strain, and is killed beyond `end`."""
     failing = FAILING.format(failures=list(failures), end=end, killed=KILLED)
     small = ["--particles", "20", "--strain", "0.04", "--networks", "4", "--iterations", "300"]
-    ended = forked.yade_script(SCRIPT, *small, *arguments, "--out", out, before=failing)
-    assert ended.returncode == code, ended.stderr
-    return ended
+    return forked.yade_script("biaxial.py", *small, *arguments, "--out", out, before=failing,
+                              code=code)
 
 
 def assert_saved(out):

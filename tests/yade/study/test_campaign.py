@@ -4,12 +4,12 @@ import json
 import os
 import shutil
 import subprocess
-import time
 
 import pytest
-from run_contents import campaign_contents, different
+from forked import SCRIPTS
+from run_contents import campaign_contents, different, start_until_written
 
-CAMPAIGN = os.path.join(os.path.dirname(__file__), *[".."] * 3, "scripts", "campaign")
+CAMPAIGN = f"{SCRIPTS}/campaign"
 SMALL = ["--particles", "60", "--etas", "0.5", "--seeds", "2", "--strain", "0.04"]
 
 needs_snakemake = pytest.mark.skipif(
@@ -29,10 +29,6 @@ def last_line(ended):
     return ended.stderr.strip().splitlines()[-1]
 
 
-def parameters_of(folder):
-    return json.loads((folder / "run.json").read_text())["parameters"]
-
-
 @pytest.mark.slow
 @needs_snakemake
 @needs_environment
@@ -42,17 +38,10 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
     assert undisturbed.stdout.startswith(f"{report}: ") and undisturbed.stdout.count("\n") == 1
 
     folder = tmp_path / "b" / "runs" / "particles-60-strain-0.04-eta-0.5-seed-2"
-    checkpoint = folder / "checkpoint.yade.gz"
-
-    def saved():
-        return checkpoint.stat().st_mtime_ns if checkpoint.exists() else 0
-
     command, silent = [CAMPAIGN, "--out", str(tmp_path / "b"), *SMALL], subprocess.DEVNULL
     for _ in range(3):
-        before = saved()
-        process = subprocess.Popen(command, stdout=silent, stderr=silent)
-        while process.poll() is None and saved() == before:
-            time.sleep(0.01)
+        process = start_until_written(folder / "checkpoint.yade.gz", command, stdout=silent,
+                                      stderr=silent)
         process.kill()  # Snakemake and the tests must end with it
         process.wait()
     campaign(tmp_path / "b", *SMALL)
@@ -75,26 +64,19 @@ def test_quick_is_the_study_in_small(tmp_path):
     assert "class='open'" in page and "class='yes'" not in page and "class='no'" not in page
 
 
-@pytest.mark.slow
 @needs_snakemake
 @needs_environment
-def test_options_reach_the_tests(tmp_path):
-    options = ["--iterations", "500", "--time-step", "0.05", "--friction", "0.3"]
-    campaign(tmp_path / "out", *SMALL, "--strain", "0.004", *options)
-    (folder,) = (tmp_path / "out" / "runs").iterdir()
-    start = "particles-60-strain-0.004-iterations-500-time-step-0.05-friction-0.3"
-    assert folder.name == f"{start}-eta-0.5-seed-2"
-    expected = dict(iterations=500, time_step=0.05, friction=0.3)
-    assert {name: parameters_of(folder)[name] for name in expected} == expected
-
-
-@needs_snakemake
-@needs_environment
-def test_defaults_are_those_of_a_test(tmp_path):
-    campaign(tmp_path / "out", *SMALL, "--strain", "0.002")
-    parameters = parameters_of(tmp_path / "out/runs/particles-60-strain-0.002-eta-0.5-seed-2")
-    expected = dict(inertial_number=1e-4, approach=0.1, time_step=0.4, iterations=10_000,
-                    friction=0.5)
+@pytest.mark.parametrize("options, expected", [
+    ("", dict(inertial_number=1e-4, approach=0.1, time_step=0.4, iterations=10_000, friction=0.5)),
+    pytest.param(" --iterations 500 --time-step 0.05 --friction 0.3",
+                 dict(iterations=500, time_step=0.05, friction=0.3), marks=pytest.mark.slow),
+])  # fmt: skip
+def test_options_reach_the_tests(options, expected, tmp_path):
+    campaign(tmp_path, *SMALL, "--strain", "0.004", *options.split())
+    (folder,) = (tmp_path / "runs").iterdir()
+    named = options.replace(" --", "-").replace(" ", "-")
+    assert folder.name == f"particles-60-strain-0.004{named}-eta-0.5-seed-2"
+    parameters = json.loads((folder / "run.json").read_text())["parameters"]
     assert {name: parameters[name] for name in expected} == expected
 
 
@@ -112,25 +94,23 @@ def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
 
 
 @needs_environment
-@pytest.mark.parametrize(
-    "arguments, message",
-    [
-        (["--etas", "0,1"], "expected elongations 0 ≤ ETA < 1"),
-        (["--particles", "3"], "--particles 3: expected at least 10"),
-        (["--strain", "0"], "--strain 0.0: expected 0 < strain < 1"),
-        (["--jobs", "0"], "--jobs 0: expected at least 1"),
-        (["--seeds", "1,-2"], "expected seeds ≥ 0"),
-        (["--etas", ","], "--etas: expected at least one"),
-        (["--etas", "nan"], "expected elongations 0 ≤ ETA < 1"),
-        (["--iterations", "0"], "--iterations 0: expected at least 1"),
-        (["--time-step", "0"], "--time-step 0.0: expected a number > 0, at most 10"),
-        (["--friction", "0"], "--friction 0.0: expected a coefficient > 0, at most 100"),
-        (["--qui"], "unrecognized arguments: --qui"),
-        (["--out", ""], "--out '': expected a path"),
-    ],
-)
+@pytest.mark.parametrize("arguments, message", [
+    ("--etas 0,1", "expected elongations 0 ≤ ETA < 1"),
+    ("--particles 3", "--particles 3: expected at least 10"),
+    ("--strain 0", "--strain 0.0: expected 0 < strain < 1"),
+    ("--jobs 0", "--jobs 0: expected at least 1"),
+    ("--seeds 1,-2", "expected seeds ≥ 0"),
+    ("--etas ,", "--etas: expected at least one"),
+    ("--etas nan", "expected elongations 0 ≤ ETA < 1"),
+    ("--iterations 0", "--iterations 0: expected at least 1"),
+    ("--time-step 0", "--time-step 0.0: expected a number > 0, at most 10"),
+    ("--friction 0", "--friction 0.0: expected a coefficient > 0, at most 100"),
+    ("--qui", "unrecognized arguments: --qui"),
+    ("--out=", "--out '': expected a path"),
+])  # fmt: skip
 def test_refuses_bad_input(arguments, message, tmp_path):
-    assert last_line(campaign(tmp_path / "out", *arguments, fails=True)).endswith(message)
+    assert last_line(campaign(tmp_path / "out", *arguments.split(), fails=True)).endswith(
+        message)
     assert not (tmp_path / "out").exists()
 
 

@@ -4,9 +4,8 @@ import dataclasses
 import json
 import math
 import os
-import subprocess
-import sys
 
+import forked
 import numpy as np
 import pytest
 from benchmarks import charts
@@ -15,9 +14,6 @@ from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
 from yade import O
 
-import forked
-
-SCRIPT = os.path.join(os.path.dirname(__file__), *[".."] * 3, "scripts", "chart.py")
 OPTIONS = charts.Options(out="", quick=True, particles=50, siconos="", peers="", limit=60)
 
 
@@ -60,12 +56,11 @@ def test_damaged_tables_are_named(tmp_path, content):
 
 
 def test_a_point_of_one_step_runs(tmp_path):
-    """Our solver, and a program of another library with each number of iterations."""
+    """Our solver, and another program with each number of iterations: a grain that stops."""
     rows = one_step.run("250/0/auto", options(tmp_path))
     assert {row["start"] for row in rows} == {"cold", "warm"}
     assert all(row["library"] == "auto" and row["seconds"] > 0 for row in rows)
     assert min(row["residual"] for row in rows) < 1e-4
-    # A script stands for another library: a grain falls on the floor and stops.
     count = 250
     before, after = np.zeros((count + 4, 3)), np.zeros((count + 4, 3))
     before[0, 1] = -1
@@ -89,16 +84,20 @@ def error(name):
 
 @pytest.mark.parametrize("scene", ["incline", "disc"])
 def test_rigid_error_is_that_of_the_leapfrog(scene):
-    """x = a dt² n (n + 1)/2 is a t²/2 (1 + dt/t); the law adds no more than its tolerance."""
+    """x = a dt² n (n + 1)/2 is a t²/2 (1 + dt/t); half_step_start makes it exact."""
     found, steps = error(f"{scene}/cd/0.005/1e-08")
     assert found == pytest.approx(0.005 / 0.5, abs=1e-5) and steps == 100
+    half, whole = (abs(error(f"{scene}/{way}/0.02/1e-08")[0]) for way in ("half", "cd"))
+    assert half < 1e-6 < 0.03 < whole
 
 
 def test_errors_fall_with_dt_and_stiffness():
-    coarse, fine = (abs(error(f"ladder/cd/{dt}/1e-08")[0]) for dt in ("0.005", "0.0025"))
-    assert fine == pytest.approx(coarse / 2, rel=0.1)  # first order
-    soft, stiff = (abs(error(f"ladder/smooth/{k}")[0]) for k in ("100", "10000"))
-    assert stiff < 0.1 * soft
+    """To first order; with half_step_start nearly to second order, 400 for dt/20."""
+    size = lambda point: abs(error(f"ladder/{point}")[0])
+    assert size("cd/0.0025/1e-08") == pytest.approx(size("cd/0.005/1e-08") / 2, rel=0.1)
+    assert size("smooth/10000") < 0.1 * size("smooth/100")
+    coarse = size("half/0.02/1e-08")
+    assert size("half/0.001/1e-08") < coarse / 80 and coarse < 0.1 * size("cd/0.02/1e-08")
 
 
 @pytest.mark.parametrize("eta", [0.0, 0.5])
@@ -110,8 +109,7 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
     smooth = compacted()
     smooth.switch_to_springs(1e3)
     assert smooth.packing_fraction == fraction and smooth.parameters["law"] == "smooth"
-    smooth.shear_record()
-    # one record after unloading its springs
+    smooth.shear_record()  # after it has unloaded its springs
     assert smooth.mean_stresses[0] == pytest.approx(PROTOCOL.confining_stress, rel=0.3)
 
     stock = biaxial_cost.Stock(compacted(), 1e3)
@@ -121,8 +119,7 @@ def test_all_laws_shear_the_same_packing(eta, tmp_path):
     assert spheres == 50 * (1 if eta == 0 else 1 + math.ceil(4 * eta / (1 - eta)))
     for _ in range(20):
         stock.shear_record()
-    network = stock.network()
-    # Forces of one step against averages of the walls: unbalanced grains make the difference.
+    network = stock.network()  # of one step; walls give averages
     assert np.diag(network.stress()) == pytest.approx(stock.mean_stresses, rel=0.15)
     assert 0 < network.friction_mobilization().mean() <= 1
 
@@ -140,26 +137,11 @@ def test_the_work_of_the_walls_is_accounted_for(law, most, tmp_path):
     assert found["energy_error"] < most and 0.3 < found["friction_share"] < 1.2
 
 
-@pytest.mark.parametrize("arguments, message", [
-    (["--only", "x"], "--only x: say which chart it is of"),
-    (["--charts", "b", "--only", "x"], "--only x: chart b has no such point; it has "
-     "column/reference"),
-    (["--particles", "10"], "--particles 10: expected at least 50"),
-    (["--particles", "9" * 20], "expected at least 50"),
-    (["--limit", "nan"], "--limit nan: expected seconds > 0"),
-    (["--limit", "0"], "--limit 0.0: expected seconds > 0"),
-    (["--out", SCRIPT], "is not a folder"),
-])  # fmt: skip
-def test_script_refuses_bad_input(arguments, message, tmp_path):
-    assert message in forked.complaint(forked.run(SCRIPT, "--out", tmp_path, "--quick", *arguments))
-
-
 @pytest.mark.slow
 def test_script_runs_a_point_again(tmp_path):
-    command = [sys.executable, SCRIPT, "--out", str(tmp_path), "--quick", "--charts", "b", "--only",
-               "disc/cd/0.02/0.0001"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0 and '"scene": "disc"' in done.stdout, done.stderr
+    done = forked.yade_script("chart.py", "--out", tmp_path, "--quick", "--charts", "b", "--only",
+                              "disc/cd/0.02/0.0001")
+    assert '"scene": "disc"' in done.stdout, done.stderr
     pictures = {f"b-deterministic.{suffix}" for suffix in ("csv", "png", "svg")}
     assert set(os.listdir(tmp_path)) == {*pictures, "run.json"}
     (row,) = charts.Table(str(tmp_path / "b-deterministic.csv"), deterministic.COLUMNS).rows
@@ -175,14 +157,8 @@ def test_points_that_ran_out_of_time_are_repeated_with_more():
     assert settled(retry=True) == [True, False, False, False]
 
 
-# --- chart e --------------------------------------------------------------------------------------
-
-
 def test_limit_of_rates_is_found_in_pairs():
-    """y = 0.4 + 2 √I with seeds 0.05 apart: exact slope and limit, though one seed lacks a rate.
-
-    The scatter of the seeds is the error of the limit.
-    """
+    """y = 0.4 + 2 √I: the slope is exact; the scatter of the seeds is the error of the limit."""
     rates = {1: (1e-3, 3e-4, 1e-4, 3e-5), 2: (1e-3, 1e-4)}
     rows = [dict(seed=seed, inertial_number=rate, y=0.4 + 0.05 * (seed - 1) + 2 * math.sqrt(rate))
             for seed in rates for rate in rates[seed]]

@@ -1,0 +1,486 @@
+"""Faulty scenes are refused with what was given, expected and to do, before anything moves.
+
+O.step() raises the engine's ValueError. O.run(wait=True) raises a RuntimeError with the same words,
+since YADE runs it in a thread. A run in the background stops at the error and logs it.
+"""
+
+import math
+
+import numpy as np
+import pytest
+import rcr
+from scenes import (assert_refused, build, grain_on_floor, insert, material, prescribe, python,
+                    resting, set_state, snapshot, solver, stadium, steps, wait_until, without)
+from yade import O, utils
+from yade.minieigenHP import Quaternion, Vector3
+from yade.wrapper import (
+    Body, Bo1_Wall_Aabb, ElastMat, ForceEngine, ForceResetter, GlobalStiffnessTimeStepper,
+    GravityEngine, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider,
+    Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator, RotationEngine, ServoPIDController,
+    StepDisplacer, TranslationEngine,
+)  # fmt: skip
+
+NAN, INF = math.nan, math.inf
+LAWS = pytest.mark.parametrize("law", ["rigid", "smooth"])
+
+
+def grain(center=(0, 0), R=0.1, eta=0.5, **options):
+    return rcr.particle(center, R, eta, **options)
+
+
+def add(make, *arguments, **options):
+    """Append a body of the floor's material; returns it."""
+    rough = O.bodies[0].material
+    return O.bodies[O.bodies.append(make(*arguments, material=rough, **options))]
+
+
+CALLS = [  # function, words of its ValueError
+    *((lambda R=R: grain(R=R), "R = .*; expected a finite radius of the circumscribed circle > 0")
+      for R in (0, -0.1, NAN, INF, "0.1", None)),
+    *((lambda eta=eta: grain(eta=eta), "eta = .*; expected an elongation 0 ≤ eta < 1")
+      for eta in (-0.1, 1, 1.5, NAN)),
+    (lambda: grain((0, NAN)), r"center\[1\] = nan; expected a finite coordinate"),
+    (lambda: grain(angle=INF), "angle = inf; expected a finite angle"),
+    (lambda: grain(material=material(density=0)),
+     "material.density = 0.0; expected a finite density > 0"),
+    (lambda: grain(material=None), "material = None; expected a FrictMat"),
+    *((lambda given={name: value}: rcr.Rcr(**{"capRadius": 0.1, "halfLength": 0.2, **given}),
+       f"Rcr.{name} = .*; expected a finite length .* rcr.particle")
+      for name, value in (("capRadius", 0), ("capRadius", -1), ("capRadius", INF),
+                          ("halfLength", -1), ("halfLength", NAN))),
+    *((lambda axis=axis: rcr.wall(axis, 0), rf"axis = {axis!r}; expected 'x' or 'y' \(or 0 or 1\)")
+      for axis in ("z", 2, -1, 0.5, True, None)),
+    *((lambda sense=sense: rcr.wall("y", 0, sense=sense), "sense = .*; expected [+]1, −1, or 0")
+      for sense in (5, -2, 0.5, "left")),
+    (lambda: rcr.wall("x", NAN), "position = nan; expected a finite coordinate"),
+    (lambda: rcr.wall("y", 0, material=3.5), "material = 3.5; expected a FrictMat"),
+    (lambda: rcr.mobile_wall("x", 0, mass=0), "mass = 0; expected a finite mass > 0"),
+    *((lambda ends=ends: rcr.segment(*ends), "expected")
+      for ends in (((0, 0), (0, 0)), ((0, 0, 0), (1, 0, 1)), ((0, 0), (NAN, 0)))),
+    (lambda: rcr.segment((0, 0), (NAN, 1)), r"end\[0\] = nan"),
+    *((lambda members=members: rcr.clump(members), "at least one body")
+      for members in ([], ["grain"])),
+    (lambda: rcr.clump([grain()] * 2), "members holds a body twice"),
+    *((lambda damping=damping: rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=damping),
+       "CundallStrack.damping = .*; expected a fraction of the critical damping")
+      for damping in (-0.1, NAN, INF)),
+    (lambda: rcr.plot.packing(limits=((1, 1), (0, 0))), "limits = .* in this order"),
+    (lambda: rcr.contact_network(time=1.0, seed=3),
+     r"contact_network\(time=…\): the scene gives it"),
+    (lambda: rcr.critical_time_step(),
+     "O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack"),
+    (lambda: (without(NewtonIntegrator), rcr.half_step_start()),
+     "0 NewtonIntegrators that are not dead; expected one"),
+    (lambda: (setattr(O, "dt", 0), rcr.half_step_start()), "O.dt = 0.0; expected"),
+]
+
+
+@pytest.mark.parametrize("call, match", CALLS)
+def test_calls_that_are_refused(call, match):
+    build(stadium(0.2, 0.1, (0, 1), material=material()))
+    with pytest.raises(ValueError, match=match):
+        call()
+    assert len(O.bodies) == 1
+
+
+def test_a_critical_time_step_needs_a_free_grain():
+    build(law="smooth")
+    with pytest.raises(ValueError, match="no Rcr and no Sphere is free"):
+        rcr.critical_time_step()
+
+
+@pytest.mark.parametrize("name, number", [("x", 0), ("y", 1)])
+def test_axis_of_a_wall_by_its_number(name, number):
+    """Numbers as in YADE's own walls."""
+    assert rcr.wall(number, 0.5, velocity=2).state.vel == rcr.wall(name, 0.5, velocity=2).state.vel
+    one, two = (rcr.mobile_wall(axis, 0, mass=1) for axis in (name, np.int64(number)))
+    assert one.shape.axis == two.shape.axis == number
+    assert one.state.blockedDOFs == two.state.blockedDOFs
+
+
+# --- faults of a scene: a change, and words of the message ----------------------------------------
+
+def add_stock_spheres():
+    loop = O.engines[2]
+    loop.geomDispatcher.functors = [*loop.geomDispatcher.functors, Ig2_Sphere_Sphere_ScGeom()]
+    loop.lawDispatcher.functors = [*loop.lawDispatcher.functors,
+                                   Law2_ScGeom_FrictPhys_CundallStrack()]
+
+
+def add_shape_without_radius():
+    body = Body(shape=rcr.Rcr(), material=material())
+    body.state.blockedDOFs = "xyzXYZ"
+    O.bodies.append(body)
+
+
+def observe_member():
+    _, members = rcr.clump([grain((3, 3)), grain((3, 3), angle=1)])
+    solver().observe = members[:1]
+
+
+def with_functors(*names):
+    O.engines[2].geomDispatcher.functors = [getattr(rcr, name)() for name in names]
+
+
+def press(name, stiffness):
+    """A stiffness of the contact that forms as the grain is pressed into the wall."""
+    set_state(pos=(0, 0.0999, 0))
+    prescribe(name, stiffness)
+
+
+def reorder(*places):
+    """Take these engines: 3 is ContactDynamics, 4 the integrator."""
+    O.engines = [O.engines[k] for k in places]
+    O.engines[1].verletDist = 0  # otherwise the collider misses the integrator first
+
+
+SETTINGS = [
+    ("solver", "magic", "magic.*nlgs.*nesterov.*exact.*auto"),
+    ("tolerance", -1e-4, "tolerance = -0.0001"),
+    ("tolerance", NAN, "tolerance = -?nan"),
+    ("tolerance", INF, "tolerance = inf; expected a finite residual"),
+    ("meanForceChange", INF, "meanForceChange = inf: give a finite change"),
+    ("minIterations", 10**9, "minIterations = 1000000000.*at most maxIterations = "),
+    ("maxIterations", 0, "maxIterations = 0"),
+    ("maxIterations", -5, "maxIterations = -5"),
+    ("correction", -0.1, "correction = -0.1.*; expected a fraction of the overlap, 0 to 1"),
+    ("correction", 1.1, "correction = 1.1.*; expected a fraction of the overlap, 0 to 1"),
+    ("correction", NAN, "correction = nan"),
+    *(("yieldCompliance", value, f"ContactDynamics.yieldCompliance = {value:g}; expected a finite "
+       f"factor ≥ 0, 1 by default") for value in (NAN, INF, -1.0)),
+    ("observeEvery", -1, "ContactDynamics.observeEvery = -1; expected a number of steps"),
+    ("reductions", ["walls"], "reduction 'walls' is not known"),
+    ("dead", True, "O.engines holds no ContactDynamics that is not dead"),
+]
+UNSEEN = "stands after ContactDynamics, which would not see its load; put it before"
+LOST = "so its forces would be taken away"
+OUT = (r"body #1 has the velocity \(.*\) and the angular velocity \(.*\), which lead out of "
+       r"the plane; expected b.state.vel\[2\]")
+UNFIT = "contact of bodies #0 and #1 has the friction coefficient .*; expected a friction angle "
+
+RIGID = [  # under the rigid law
+    *((lambda name=name, value=value: setattr(solver(), name, value), match)
+      for name, value, match in SETTINGS),
+    # engines
+    (lambda: without(rcr.ContactDynamics), r"O.engines holds no ContactDynamics, .*put "
+     r"ContactDynamics\(\) between the InteractionLoop and the NewtonIntegrator"),
+    (lambda: insert(3, rcr.ContactDynamics()), "holds 2 of ContactDynamics; expected one"),
+    (lambda: insert(-1, ForceEngine(force=(500, 0, 0), ids=[1])), UNSEEN),
+    (lambda: insert(-1, rcr.WallStress(wall=0, start=0, end=0)), UNSEEN),
+    (lambda: insert(-1, StepDisplacer(ids=[0], mov=(1e-3, 0, 0))), "the StepDisplacer " + UNSEEN),
+    (lambda: insert(1, ServoPIDController(axis=(0, 1, 0), maxVelocity=0.1, ids=[0], target=1)),
+     "would read forces without those of contacts; put it after the NewtonIntegrator"),
+    (lambda: insert(0, GlobalStiffnessTimeStepper()),
+     "the GlobalStiffnessTimeStepper would set O.dt from stiffnesses"),
+    (lambda: setattr(O.engines[-1], "gravity", (0, 0, -9.81)), r"pulls out of the plane of the "
+     r"grains, which is x and y; set gravity=\(0, -9.81, 0\)"),
+    (lambda: setattr(O.engines[-1], "dead", True), "O.engines holds no NewtonIntegrator"),
+    (lambda: setattr(O.engines[-1], "damping", 0.2), "NewtonIntegrator.damping = 0.2.* would damp "
+     "the contact forces; set damping=0"),
+    (lambda: reorder(0, 1, 3, 4), "O.engines holds no InteractionLoop"),
+    (lambda: reorder(0, 1, 3, 2, 4), "stands before the InteractionLoop"),
+    # functors
+    (add_stock_spheres, "Ig2_Sphere_Sphere_ScGeom makes contacts that ContactDynamics does not "
+     "solve; take Ig2_Sphere_Sphere_RcrGeom instead"),
+    (lambda: (add(utils.facet, [(-1, 0.25, -1), (1, 0.25, -1), (0, 0.25, 1)]),
+              with_functors("Ig2_Wall_Rcr_RcrGeom", "Ig2_Rcr_Rcr_RcrGeom")),
+     "no Ig2 functor .* handles .*(Facet|Rcr) and (Rcr|Facet) .*Add Ig2_Facet_Rcr_RcrGeom"),
+    *((lambda e=e: prescribe("restitution", e),
+       "contact of bodies #0 and #1 has the restitution .*; expected 0 to 1")
+      for e in (-0.1, 1.1, NAN)),
+    *((lambda angle=angle: prescribe("frictAngle", angle), UNFIT + "from 0 to below π/2")
+      for angle in (-0.1, 1.6, NAN)),
+    # bodies
+    (lambda: setattr(O.bodies[1].material, "frictionAngle", math.pi / 2),
+     "has the friction angle 1.57.*; expected radians from 0 to below π/2"),
+    (lambda: setattr(O.bodies[1].material, "frictionAngle", 26),
+     "friction angle 26; expected radians"),
+    (lambda: set_state(mass=0), "#1 is free but has the mass 0; give it a mass > 0"),
+    (lambda: set_state(mass=NAN), "#1 is free but has the mass nan"),
+    (lambda: set_state(inertia=(1, 1, 0)),
+     "#1 is free to turn but has the moment of inertia 0 about z"),
+    (lambda: set_state(blockedDOFs="XY"), "#1 is free to leave the plane .blockedDOFs = 'XY'.; "
+     "expected z, X and Y blocked"),
+    (lambda: set_state(blockedDOFs=""), "#1 is free to leave the plane"),
+    (lambda: set_state(ori=Quaternion((1, 0, 0), 0.1)), "#1 is tilted out of the plane"),
+    (lambda: set_state(ori=Quaternion(NAN, NAN, NAN, NAN)),
+     "#1 has an orientation that is not finite"),
+    (lambda: set_state(pos=(NAN, 0, 0)), "#1 .*position.*nan"),
+    (lambda: set_state(pos=(0, INF, 0)), "#1 .*position.*inf"),
+    (lambda: set_state(vel=(NAN, 0, 0)), "#1 .*velocity.*nan"),
+    (lambda: set_state(angVel=(0, 0, NAN)), "#1 .*velocity.*nan"),
+    *((lambda z=z: add(rcr.disc, (0, 0.5, z), 0.1), f"#2 lies at z = {z}, other grains at z = 0")
+      for z in (3, 0.3)),
+    (add_shape_without_radius, "#2 has the cap radius -?nan; expected a length > 0"),
+    *((lambda radius=radius: setattr(add(rcr.disc, (3, 1), 0.1).shape, "radius", radius),
+       "#2 has the cap radius .*; expected a length > 0.*radius of a disc")
+      for radius in (0, -0.1, NAN)),
+    *((lambda half=half: add(utils.box, (0, -1, 0), half, fixed=True),
+       r"#2 is a Box with the extents \(.*\), so nothing would meet it")
+      for half in ((INF, 1, 1), (1, NAN, 1), (1, -1, 1))),
+    (lambda: setattr(O.bodies[0], "dynamic", True),
+     "#0 is free but has the mass 0; give it a mass > 0"),
+    (lambda: insert(3, ForceEngine(force=(NAN, 0, 0), ids=[1])), "#1 .*(force|torque).*nan"),
+    (lambda: O.forces.setPermF(1, (0, NAN, 0)), "#1 .*(force|torque).*nan"),
+    (lambda: O.forces.setPermT(1, (0, 0, NAN)), "#1 .*(force|torque).*nan"),
+    (lambda: O.bodies.appendClumped([grain((1, 1)), grain((1, 1.1))]),
+     "is (tilted out of the plane|free to leave the plane).*rcr.clump"),
+    (observe_member, r"observe holds (\d), a member of clump \d; its contacts act on the clump"),
+]
+BOTH = [  # under both laws
+    (lambda: insert(9, NewtonIntegrator(damping=0)),
+     "O.engines holds 2 of NewtonIntegrator; expected one"),
+    (lambda: without(InsertionSortCollider), "O.engines holds no collider"),
+    (lambda: without(ForceResetter), "O.engines holds no ForceResetter"),
+    (lambda: without(NewtonIntegrator), "O.engines holds no NewtonIntegrator"),
+    (lambda: setattr(O.engines[1].boundDispatcher, "functors", [Bo1_Wall_Aabb()]),
+     r"the collider has no Bo1_Rcr_Aabb, so body #1 would meet nothing; put Bo1_Rcr_Aabb\(\) into "
+     r"its list"),
+    *((lambda name=name, value=value: setattr(O.engines[-1], name, value),
+       f"NewtonIntegrator.{name} = ")
+      for name, value in (("gravity", (0, NAN, 0)), ("gravity", (INF, 0, 0)), ("damping", NAN))),
+    *((lambda dt=dt: setattr(O, "dt", dt), "O.dt = .*; expected a finite time step > 0")
+      for dt in (0, NAN, INF)),
+    *((lambda load=load: insert(9, load()), f"stands after the NewtonIntegrator, {LOST} before "
+       "they move anything; put it between the two")
+      for load in (lambda: ForceEngine(ids=[1]), GravityEngine)),
+    *((lambda load=load: insert(0, load()), f"stands before the ForceResetter, {LOST}")
+      for load in (lambda: ForceEngine(ids=[1]), GravityEngine)),
+    (lambda: insert(3, rcr.WallStress(wall=1, start=0, end=0)),
+     "WallStress.wall = 1 is not the id of a body with the shape Wall"),
+    (lambda: set_state(vel=(0, 0, 0.01)), OUT),
+    (lambda: set_state(angVel=(3, 0, 0)), OUT),
+    (lambda: set_state(angVel=(0, 1e-3, 0)), OUT),
+    (lambda: setattr(O.bodies[1], "material", ElastMat(density=1000)),
+     "#1 has the material ElastMat, which has no friction; give it a FrictMat"),
+    (lambda: add(utils.box, (0, 0, 5), (1, 1, 1), fixed=True),
+     "#2 is a Box at z = 5 that does not reach the plane z = 0"),
+    (lambda: add(utils.facet, [(0, -1, 1), (1, -1, 1), (0, -1, 2)]),
+     "#2 is a Facet that does not cut the plane z = 0"),
+]
+FAULTS = [*(("rigid", *row) for row in RIGID + BOTH), *(("smooth", *row) for row in BOTH)]
+
+
+@pytest.mark.parametrize("law, fault, match", FAULTS)
+def test_faults(law, fault, match):
+    resting(law)
+    fault()
+    assert_refused(match)
+
+
+@pytest.mark.parametrize("law, fault, match", [
+    ("rigid", lambda: reorder(0, 1, 2, 4, 3), "stands after the NewtonIntegrator"),
+    ("rigid", lambda: insert(3, RotationEngine(ids=[0], rotationAxis=(0, 0, 1), angularVelocity=1)),
+     "#0 is a Wall with the angular velocity .*use a Box or rcr.segment"),
+    ("smooth", lambda: press("kn", -1.0),
+     "bodies #0 and #1 has kn = -1; expected a stiffness > 0: set FrictMat.young"),
+    ("smooth", lambda: press("kn", NAN), "kn = -?nan"),
+    ("smooth", lambda: press("ks", -1.0), "ks = -1; expected a stiffness ≥ 0"),
+])  # fmt: skip
+def test_faults_that_show_in_the_course_of_a_step(law, fault, match):
+    resting(law)
+    fault()
+    assert_refused(match, moved=True)
+
+
+@pytest.mark.parametrize("obstacle", [
+    lambda: rcr.wall("x", -5),
+    lambda: rcr.segment((-5, 0), (-4, 1)),
+    lambda: utils.box((-5, 0, 0), (0.1, 0.1, 0.1), fixed=True),
+], ids=["wall", "segment", "box"])
+@pytest.mark.parametrize("state, match", [
+    (dict(pos=(0, NAN, 0)), "position .*nan"),
+    (dict(vel=(NAN, 0, 0)), "velocity .*nan"),
+    (dict(angVel=(0, 0, INF)), "angular velocity .*inf"),
+    (dict(ori=Quaternion(NAN, 0, 0, 0)), "orientation"),
+], ids=["position", "velocity", "spin", "orientation"])
+def test_obstacle_that_becomes_faulty_in_a_run(obstacle, state, match):
+    """A wall at NaN ended the process."""
+    resting()
+    O.bodies.append(obstacle())
+    O.run(30, True)
+    set_state(2, **state)
+    assert_refused(f"#2 has .*{match}")
+
+
+def test_negative_time_step_is_refused_by_yade():
+    with pytest.raises(RuntimeError, match="No TimeStepper"):
+        O.dt = -1e-3
+
+
+@LAWS
+@pytest.mark.parametrize("engine", [
+    lambda: TranslationEngine(ids=[0], translationAxis=(1, 0, 0), velocity=2e-3 / O.dt),
+    lambda: StepDisplacer(ids=[0], mov=(1e-3, 0, 0)),
+], ids=["motion", "displacer"])
+def test_engines_without_forces_may_follow_the_integrator(law, engine):
+    resting(law)
+    insert(9, engine())
+    steps(2)
+    assert O.bodies[0].state.pos[0] == pytest.approx(2e-3)
+
+
+def test_load_before_the_solver_is_seen():
+    resting()
+    insert(3, ForceEngine(force=(0, -500, 0), ids=[1]))
+    steps(20)
+    assert O.bodies[1].state.pos[1] == pytest.approx(0.1, abs=1e-9)
+
+
+def test_the_steppers_first_step():
+    """Without contacts YADE's stepper takes the wave speed of spheres, or 1 s without any."""
+    resting("smooth")
+    set_state(pos=Vector3(0, 0.2, 0))
+    stepper = GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4)
+    insert(0, stepper)
+    assert_refused(r"GlobalStiffnessTimeStepper.defaultDt = -1 would set O.dt = 1 s while no Rcrs "
+                   r"touch; set defaultDt = 0.5 \* rcr.critical_time_step\(\)")
+    stepper.defaultDt = 0.5 * rcr.critical_time_step()
+    steps(5)
+    assert O.dt == stepper.defaultDt
+
+
+# --- pairs that may meet --------------------------------------------------------------------------
+
+@LAWS
+def test_a_missing_ig2_is_reported_before_the_pair_meets(law):
+    """The disc is far above all other bodies."""
+    resting(law)
+    add(rcr.disc, (0, 9), 0.1)
+    with_functors("Ig2_Rcr_Rcr_RcrGeom", "Ig2_Wall_Rcr_RcrGeom")
+    assert_refused(
+        r"handles (?=.*Sphere)(?=.*Wall)(?=.*Rcr)(\w+ and \w+ \(bodies #[0-2], #[0-2]\), ){2}so "
+        r"they would pass through each other. "
+        r"Add (?=.*Ig2_Wall_Sphere_RcrGeom\(\))(?=.*Ig2_Sphere_Rcr_RcrGeom\(\)).* to its first list"
+    )
+
+
+@LAWS
+def test_pairs_that_cannot_meet_want_no_ig2(law):
+    """A grain without partner, fixed bodies, other masks and members of a clump do not meet."""
+    resting(law)
+    with_functors("Ig2_Wall_Rcr_RcrGeom")
+    O.step()
+    add(rcr.disc, (3, -1), 0.1, mask=2)
+    add(utils.box, (5, 0, 0), (0.1, 0.1, 0.1), fixed=True, mask=2)
+    with_functors("Ig2_Wall_Rcr_RcrGeom", "Ig2_Box_Sphere_RcrGeom")
+    O.step()
+    add(rcr.disc, (4, -1), 0.1, mask=2, fixed=True)
+    assert_refused(r"no Ig2 functor .* handles Sphere and Sphere \(bodies #[24], #[24]\)")
+
+
+def test_members_of_one_clump_want_no_ig2():
+    rough = material()
+    build(rcr.wall("y", 0, material=rough))
+    add_clump = lambda x: rcr.clump([stadium(0.2, 0.1, (x, 0.3), material=rough),
+                                     rcr.disc((x + 0.1, 0.4), 0.1, material=rough)])
+    add_clump(0)
+    with_functors("Ig2_Wall_Rcr_RcrGeom", "Ig2_Wall_Sphere_RcrGeom")
+    O.step()
+    add_clump(2)
+    assert_refused(
+        r"Add (?=.*Ig2_Rcr_Rcr_RcrGeom)(?=.*Ig2_Sphere_Rcr_RcrGeom)(?=.*Ig2_Sphere_Sphere_RcrGeom)")
+
+
+# --- processes that YADE alone ends ---------------------------------------------------------------
+
+@pytest.mark.parametrize("height, fault, match", [
+    *((height, fault, match) for height in (0.1, 5) for fault, match in (
+        ("O.engines[2].lawDispatcher.functors = []", "no Law2_RcrGeom_CdPhys_SignoriniCoulomb"),
+        ("O.engines[2].physDispatcher.functors = []", "no Ip2_FrictMat_FrictMat_CdPhys"),
+        ("O.engines[2].physDispatcher.functors = [Ip2_FrictMat_FrictMat_FrictPhys()]",
+         "no Ip2_FrictMat_FrictMat_CdPhys"))),
+    (0.15, "insert(5, PyRunner(iterPeriod=1, command='O.bodies[1].material = "
+     "ElastMat(density=1000)')); O.run(500, True)", "give it a FrictMat"),
+])  # fmt: skip
+def test_faults_by_which_yade_alone_ends_the_process(height, fault, match):
+    """exit(1) without a law, and exceptions without physics or in the parallel loop."""
+    result = python(f"""
+from scenes import *
+from yade.wrapper import ElastMat, PyRunner
+grain_on_floor(0.2, height={height})
+try:
+    {fault}
+    O.step()
+except (ValueError, RuntimeError) as error:
+    print(error)
+""")
+    assert match in result.stdout, result.stdout + result.stderr
+
+
+def test_plugin_of_another_version():
+    result = python("""
+import yade, yade.config
+yade.config.version = "1999.1"
+try:
+    import rcr
+except ImportError as error:
+    print(error)
+assert "Rcr" not in yade.system.childClasses("Shape")
+""")
+    for words in ("rcr was built for YADE 20",
+                  "but YADE 1999.1 is running. Start scripts/yade-rcr to rebuild it"):
+        assert words in result.stdout, result.stderr
+
+
+# --- how errors arrive ----------------------------------------------------------------------------
+
+@pytest.mark.parametrize("dt, wait", [(1e-5, True), (1e-4, False)])
+def test_a_run_stops_at_the_error(dt, wait):
+    """It comes with a contact, after √(2h/g) = 0.32 s; YADE's wait() misses earlier ones."""
+    grain_on_floor(0, height=0.6, dt=dt, restitution=2)
+    if wait:
+        with pytest.raises(RuntimeError, match="contact of bodies #0 and #1 has the restitution 2; "
+                           "expected 0 to 1"):
+            O.run(100_000, wait=True)
+    else:
+        O.run(100_000)
+        wait_until(lambda: not O.running)
+    assert 0.25 < O.iter * dt < 0.35
+
+
+def test_background_run_is_refused_before_it_begins():
+    resting()
+    set_state(mass=0)
+    with pytest.raises(ValueError, match="#1 is free but has the mass 0"):
+        O.run(1000)
+    assert not O.running and O.iter == 0
+
+
+def test_a_waited_run_that_fails_raises_every_time():
+    """YADE's run thread loses its exception if it ends before the session waits."""
+    for _ in range(30):
+        build(grain((0, 1)), before=[ForceEngine(force=(NAN, 0, 0), ids=[0])])
+        with pytest.raises(RuntimeError, match="body #0 has the force"):
+            O.run(5, True)
+        with pytest.raises(RuntimeError, match="body #0 has the force"):
+            O.run(5)  # raises here if the thread has ended
+            O.wait()
+
+
+def test_a_contact_dynamics_set_dead_is_reported():
+    """ContactDynamics checks the scene, so its absence needs another check."""
+    resting()
+    steps(2)
+    solver().dead = True
+    with pytest.raises(ValueError, match="no ContactDynamics that is not dead"):
+        steps(3)
+
+
+@pytest.mark.parametrize("fault", [dict(mass=0), dict(inertia=(1, 1, 0))], ids=str)
+def test_an_exception_leaves_no_trace(fault):
+    """A refused step, corrected and made, gives the bits of a run without the fault."""
+    def run(fault):
+        resting()
+        state = O.bodies[1].state
+        state.vel = (3.0, -2.0, 0)
+        steps(5)
+        if fault:
+            right = dict(mass=state.mass, inertia=tuple(state.inertia))
+            set_state(**fault)
+            assert_refused("mass 0|moment of inertia 0")
+            set_state(**right)
+        steps(20)
+        return snapshot()
+
+    assert np.array_equal(run({}), run(fault))

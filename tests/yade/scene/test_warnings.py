@@ -1,0 +1,192 @@
+"""Warnings of scenes that are hardly meant, scenes that get none, and steps that miss."""
+
+import math
+import time
+import warnings
+
+import numpy as np
+import pytest
+import rcr
+from scenes import (KN, build, gaps, grain_on_floor, insert, material, resting, snapshot,
+                    solver, springs, stadium, steps)
+from yade import O, utils
+from yade.wrapper import GlobalStiffnessTimeStepper, PyRunner
+
+LAWS = pytest.mark.parametrize("law", ["rigid", "smooth"])
+
+
+def advised():
+    """Warnings of the next step."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        O.step()
+    return [str(w.message) for w in caught]
+
+
+@LAWS
+def test_initial_overlaps_warn_once(law):
+    resting(law)
+    rough = O.bodies[1].material
+    O.bodies.append([stadium(0.2, 0.1, (0.3, 0.15), angle=1.0, material=rough),
+                     stadium(0.2, 0.1, (0, 0.26), material=rough)])
+    (told,) = advised()
+    assert "bodies #1 and #2 overlap by 0." in told
+    assert "of R₁ + R₂, before their first step, and 3 more pairs less deeply." in told
+    assert ("take back at most 1e-4 R" in told) == (law == "rigid")
+    assert ("Springs begin with the force of it" in told) == (law == "smooth")
+    assert advised() == []
+    O.bodies.append(stadium(0.2, 0.1, (3, 0.08), material=rough))
+    (told,) = advised()
+    assert ("bodies #0 and #4 overlap by 0.02 m, 0.0333 of R₁ + R₂, before their first "
+            "step. ") in told
+
+
+@LAWS
+def test_grains_behind_a_wall_warn(law):
+    resting(law)
+    rough = O.bodies[1].material
+    O.bodies.append([rcr.wall("x", -1, -1, material=rough),
+                     stadium(0.2, 0.1, (3, 1), material=rough)])
+    (told,) = advised()
+    assert ("body #1 and 1 more lie behind a wall, body #2, which acts towards -x only "
+            "(sense=-1): such a grain goes through it. Set sense=1, or 0") in told
+
+
+def test_overlaps_of_images_warn():
+    places = (1.95, 1.0), (2.1, 3.0), (0.5, 0.5)
+    build(*(rcr.disc(at, 0.1, material=material()) for at in places), cell=2, gravity=(0, 0, 0))
+    (told,) = advised()
+    assert "bodies #0 and #1 overlap by 0.05 m, 0.25 of R₁ + R₂, before their first step. " in told
+
+
+@LAWS
+def test_time_step_forgotten(law):
+    resting(law)
+    O.dt = 1e-8
+    assert any("O.dt = 1e-8 s is YADE's default; set it" in told for told in advised())
+
+
+def test_ball_among_rcrs():
+    resting()
+    rough = O.bodies[1].material
+    O.bodies.append(utils.sphere((0, 1, 0), 0.1, material=rough))
+    O.bodies[2].state.blockedDOFs = "zXY"
+    (told,) = advised()
+    assert "#2 is a Sphere with the mass of a ball, " in told and "make it by rcr.disc" in told
+
+
+def test_a_scene_without_overlaps_is_not_warned_of():
+    resting()
+    rough = O.bodies[1].material
+    rcr.clump([stadium(0.2, 0.1, (2, 0.5), material=rough),
+               stadium(0.2, 0.1, (2, 0.5), angle=1.5, material=rough)])
+    O.bodies.append([stadium(0.2, 0.1, (0, 0.3), material=rough),
+                     stadium(0.2, 0.1, (5, 0.1), material=rough, mask=2),
+                     stadium(0.2, 0.1, (5, 0.1), material=rough, mask=4)])
+    assert advised() == []
+
+
+def test_a_time_step_beyond_the_critical_one_warns():
+    resting("smooth")
+    O.dt = 0.9 * rcr.critical_time_step()
+    assert advised() == []
+    O.dt = 1.1 * rcr.critical_time_step()
+    (told,) = advised()
+    assert ("where springs of this stiffness become unstable; set O.dt = 0.5 * "
+            "rcr.critical_time_step()") in told
+    assert advised() == []
+    O.dt = 2
+    insert(0, GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.1, defaultDt=1e-6))
+    assert advised() == []
+
+
+@pytest.mark.parametrize("speed, through", [(0.1, False), (30, True)])
+def test_springs_too_soft_for_a_blow_warn(speed, through, capfd):
+    """A blow on a spring k_n overlaps by v √(m/k_n), after a quarter of the period."""
+    disc = grain_on_floor(0, height=0.1005, make=springs, gravity=(0, 0, 0))
+    O.bodies[disc].state.vel = (0, -speed, 0)
+    steps(math.ceil(0.5 * math.pi * math.sqrt(O.bodies[disc].state.mass / KN) / O.dt))
+    told = capfd.readouterr().err
+    assert (O.engines[2].lawDispatcher.functors[0].deepOverlapCount > 0) == through
+    assert told.count("too soft") == through
+
+
+def test_forces_after_the_solver_cause_a_warning(capfd):
+    """A PyRunner after ContactDynamics presses a grain in; only the overlap shows it."""
+    resting()
+    insert(-1, PyRunner(command="O.forces.addF(1, (0, -1e5, 0))", iterPeriod=1))
+    steps(100)
+    told = capfd.readouterr().err
+    for words in ("and grows, although all steps converged.", "forces added after ContactDynamics",
+                  "Deepest in this step: bodies #0 and #1."):
+        assert words in told
+
+
+# --- numbers of a step ----------------------------------------------------------------------------
+
+@pytest.mark.parametrize("dt", [1, 30, 1000])
+def test_step_that_ends_in_an_overlap_has_not_converged(dt):
+    rough = material()
+    build(stadium(0.2, 0.1, (0, 0), material=rough, velocity=(1.0 / dt, 0),
+                  angular_velocity=5.0 / dt),
+          stadium(0.2, 0.1, (1.0, 0.1), angle=1.0, material=rough), dt=dt, gravity=(0, 0, 0))
+    converged = True
+    for _ in range(3):
+        O.step()  # gaps are those at the beginning of the step
+        assert min(gaps(), default=0) > -0.02 * 0.6 or not converged
+        converged = solver().converged
+    assert O.bodies[1].state.vel.norm() > 0, "they missed"
+
+
+def test_missed_steps_are_counted_and_the_counts_are_saved(tmp_path):
+    rough = material()
+    pile = [stadium(0, 0.1, (0.01 * k, 0.1 + 0.2 * k), material=rough) for k in range(6)]
+    build(rcr.wall("y", 0, material=rough), *pile, tolerance=1e-13, maxIterations=1, solver="nlgs")
+    missed = lambda count: sum(not (O.step() or solver().converged) for _ in range(count))
+    counts = lambda: (solver().missedSteps, solver().yieldedSteps, solver().deepestOverlap)
+    first, saved = missed(20), counts()
+    assert saved[:2] == (first, 0) and first > 0
+    O.save(str(tmp_path / "pile.yade"))
+    O.load(str(tmp_path / "pile.yade"))
+    assert counts() == saved
+    second = missed(5)
+    assert solver().missedSteps == first + second and second > 0
+
+
+def test_new_contacts_do_not_visit_all_bodies():
+    """The time of a first step, which finds all contacts, grows with their number only."""
+    rough = material()
+
+    def first_step(side):
+        """Processor time of the first step of side² discs in contact [s]."""
+        build(*[rcr.disc((0.2 * i, 0.2 * j), 0.1, material=rough) for i in range(side)
+                for j in range(side)], gravity=(0, 0, 0), tolerance=1e-2, maxIterations=2)
+        before = time.process_time()
+        O.step()
+        assert O.interactions.countReal() > 1.9 * side * (side - 1)
+        return time.process_time() - before
+
+    # The least of three times excludes other load. Nine times the contacts take 9 times as long; a
+    # visit of all bodies for each takes 81 times as long.
+    few, many = (min(first_step(side) for _ in range(3)) for side in (15, 45))
+    assert many < 27 * few
+
+
+@pytest.mark.parametrize("method", ["nlgs", "nesterov", "exact", "auto"])
+def test_a_step_without_a_finite_solution_moves_nothing_and_saves_its_problem(
+        method, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    light, heavy = (rcr.particle((0, y), 0.1, 0, material=material()) for y in (0.0999, 0.2998))
+    light.state.mass, light.state.inertia = 1e-300, (1, 1, 1e-302)
+    heavy.state.mass, heavy.state.vel = 1e300, (0, -1e300, 0)
+    build(rcr.wall("y", 0, sense=1, material=material()), light, heavy, solver=method,
+          tolerance=1e-4)
+    before = snapshot()
+    with pytest.raises(RuntimeError, match=r"would give body #\d .* Nothing has moved\. Its "
+                       r"problem is in (.*); rcr\.solve\('.*', warm=True\) replays it") as told:
+        O.step()
+    assert np.array_equal(snapshot()[:, :13], before[:, :13])
+    path = tmp_path / "not-finite-0.npz"
+    assert str(path) in str(told.value)
+    problem = rcr.problems.load(path)
+    assert problem.contacts == solver().contactPoints

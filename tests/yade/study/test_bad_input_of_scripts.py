@@ -1,0 +1,45 @@
+"""Bad input of scripts: one clear line on stderr, a non-zero exit code, no result."""
+
+import os
+
+import forked
+import pytest
+
+REFUSED = [
+    *(("biaxial.py", *row) for row in (
+        ("--eta 1", "eta = 1.0; expected an elongation 0 ≤ eta < 1"),
+        ("--particles 3", "particles = 3; expected at least 10"),
+        (f"--particles {'9' * 30}", "expected a whole number"),
+        ("--particles abc", "--particles 'abc': expected a whole number"),
+        ("--eta nan", "--eta nan: expected a finite number"),
+        ("--time-step 1e6", "time_step = 1000000.0; expected a number > 0, at most 10"),
+        ("--inertial-number 1e9", "is the strain of a step"),
+        ("--threads 1000000", "threads = 1000000; expected 0 (as many as YADE uses)"),
+        ("--seed -1", "seed = -1; expected a whole number ≥ 0"),
+        ("--strain 1e-9", "--strain 1e-09: expected at least 0.001"),
+        ("--networks 0", "--networks 0: expected at least 1"),
+        ("--iterations 1e3", "--iterations '1e3': expected a whole number"),
+        ("--out=", "--out '': expected a path"),
+        (f"--out {__file__}", "expected a folder for the results"),
+        ("--friction -1", "friction = -1.0; expected a coefficient ≥ 0"),
+        ("--strain 2", "--strain 2.0: expected 0 < strain < 1"),
+        ("--solver magic", "solver 'magic' is not known"),
+        ("--resume", "nothing to resume"))),
+    *(("chart.py", "--quick " + arguments, message) for arguments, message in (
+        ("--only x", "--only x: say which chart it is of"),
+        ("--charts b --only x", "--only x: chart b has no such point; it has column/reference"),
+        ("--particles 10", "--particles 10: expected at least 50"),
+        (f"--particles {'9' * 20}", "expected at least 50"),
+        ("--limit nan", "--limit nan: expected seconds > 0"),
+        ("--limit 0", "--limit 0.0: expected seconds > 0"),
+        (f"--out {__file__}", "is not a folder"))),
+    ("bench_step.py", __file__, "is no folder"),
+    ("bench_step.py", os.path.dirname(__file__), "nothing to resume"),
+]
+
+
+@pytest.mark.parametrize("script, arguments, message", REFUSED)
+def test_one_line_says_what_is_wrong(script, arguments, message, tmp_path):
+    ended = forked.run(script, "--out", tmp_path / "out", *arguments.split())
+    assert message in forked.complaint(ended)
+    assert not (tmp_path / "out" / "summary.json").exists()
