@@ -142,7 +142,7 @@ def draw(seed):
     return dict(
         seed=seed, law="rigid", periodic=False,
         count=int(rng.integers(3, 40)), eta=pick(0.0, 0.3, 0.6, 0.9),
-        kinds=pick(["Rcr"], ["Rcr", "Sphere"], ["Sphere"], ["Rcr"] * 5 + ["clump"]),
+        kinds=pick(["Rcr"], ["Rcr", "Sphere"], ["Sphere"], ["Rcr"] * 5 + ["moving clump"]),
         friction=pick(0.0, 0.3, 0.8), restitution=pick(0.0, 0.0, 0.5, 1.0),
         gravity=pick(0.0, 9.81), dt=pick(2e-4, 1e-3, 2e-3), solver=pick("auto", "nlgs", "nesterov"),
         threads=pick(1, 1, 2), overdamped=pick(*[False] * 9, True),

@@ -41,7 +41,7 @@ def draw(rng):
         dt=float(rng.choice([1e-4, 1e-3, 5e-3])) if law == "rigid" else None,
         solver=str(rng.choice(["auto", "nlgs", "sor", "nesterov", "exact"])),
         threads=int(rng.integers(1, 4)), overdamped=bool(rng.random() < 0.05),
-        kinds=[str(k) for k in rng.choice(["Rcr", "Sphere", "clump"], 25, p=[0.6, 0.3, 0.1])],
+        kinds=[str(k) for k in rng.choice(["Rcr", "Sphere", "moving clump"], 25, p=[0.6, 0.3, 0.1])],
         floor=str(rng.choice(["Wall", "Box", "Facet", "Rcr", "none"])),
         turning=bool(rng.random() < 0.1), speed=float(rng.choice([0, 1, 20])),
         energy=bool(rng.random() < 0.3),
@@ -65,7 +65,7 @@ def add_turning_box(center, material):
 
 
 def grain(kind, at, eta, speed, material, rng):
-    """Append a grain of this kind with a velocity up to `speed` along each axis."""
+    """Append a grain of this kind with a velocity up to `speed` along each axis; a clump rests."""
     more = dict(material=material, velocity=tuple(rng.uniform(-1, 1, 2) * speed),
                 angular_velocity=rng.uniform(-1, 1) * speed / R)
     if kind == "Sphere":
@@ -74,7 +74,10 @@ def grain(kind, at, eta, speed, material, rng):
         O.bodies.append(rcr.particle(at, R, eta, angle=rng.uniform(0, 3), **more))
     else:
         half = R / 2
-        rcr.clump([rcr.disc((at[0] + s * half, at[1]), half, material=material) for s in (-1, 1)])
+        members = [rcr.disc((at[0] + s * half, at[1]), half, material=material) for s in (-1, 1)]
+        state = O.bodies[rcr.clump(members)[0]].state
+        if kind == "moving clump":
+            state.vel, state.angVel = (*more["velocity"], 0), (0, 0, more["angular_velocity"])
 
 
 def engines(scene):

@@ -93,7 +93,7 @@ def add(scene, material, rng):
             away = away - np.rint(away @ np.linalg.inv(cell).T) @ cell.T
         in_box = scene["turning"] and np.hypot(*at) < 4.2 * R
         if (np.hypot(*away.T) > 2.1 * R).all() and not in_box:
-            scene_fuzzer.grain(str(rng.choice(["Rcr", "Sphere", "clump"], p=[0.6, 0.3, 0.1])),
+            scene_fuzzer.grain(str(rng.choice(["Rcr", "Sphere", "moving clump"], p=[0.6, 0.3, 0.1])),
                                tuple(at), rng.choice([0, 0.3, 0.6, 0.9]), scene["speed"], material,
                                rng)
             return True
