@@ -13,7 +13,7 @@ namespace {
 	constexpr double clearance          = 0.02;
 	constexpr double loadedClearance    = 0.5; // the same for a contact that bore a force
 	// fraction of the path that a kept contact may leave open
-	constexpr double earlyArrival       = 5e-4;
+	constexpr double earlyArrival       = 1e-3;
 
 	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 

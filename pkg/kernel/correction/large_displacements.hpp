@@ -14,7 +14,7 @@
 //
 // A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
 // with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0. The gap must exceed 2 %
-// of the slop. Without restitution it must also exceed 0.05 % of its closing path, and half the slop
+// of the slop. Without restitution it must also exceed 0.1 % of its closing path, and half the slop
 // if the contact bore a force when the step began.
 //
 // Restitution is cancelled if the bodies do not meet on their paths at the initial velocities.

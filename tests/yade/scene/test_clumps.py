@@ -86,7 +86,7 @@ def test_glued_into_an_rcr_falls_as_the_rcr():
 
     clump = fall(1.0, lambda grain: glued(grain, 1.0, 22, mass=grain.state.mass,
                                           inertia=grain.state.inertia[2]))
-    assert clump == pytest.approx(fall(0, O.bodies.append), abs=0.01)
+    assert clump == pytest.approx(fall(0, lambda grain: O.bodies.append(grain)), abs=0.01)
 
 
 def test_forces_on_members_are_loads_of_the_clump():

@@ -112,7 +112,13 @@ def test_a_saved_scene_continues_to_the_same_bits(scene, suffix, tmp_path):
 
 
 def test_threads_change_no_bit():
-    code = "import yade; from test_session import *; pile(); steps(100); print(snapshot().tobytes().hex())"
+    code = """
+from scenes import *
+from test_session import pile
+pile()
+steps(100)
+print(snapshot().tobytes().hex())
+"""
     one, two = (python(code, OMP_NUM_THREADS=threads).stdout.split()[-1] for threads in "12")
     assert one == two and len(one) > 1000
 
