@@ -56,7 +56,7 @@ def parser():
         f"{PROTOCOL.quick_inertial_number:g} and --time-step at most {PROTOCOL.quick_time_step:g} "
         "(default %(default)g)")
     add("--sample-inertia", type=number, default=PROTOCOL.sample_inertia,
-        help="ρ (ε̇ W)²/σ0 beyond --approach, at most; lowers the rate of large samples "
+        help="ρ (v W/h)²/σ0 beyond --approach, at most; lowers the rate of large samples "
         "(default %(default)g)")
     add("--threads", type=integer, default=0,
         help="threads of the contact solver (default: YADE's -j)")

@@ -87,8 +87,8 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 }
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. Another pass follows if
-/// one missed a contact or a bias must change. The last pass is accepted, but has not converged if
-/// it missed a contact.
+/// one missed a contact, or if a bias or restitution must change. The last pass is accepted, but has
+/// not converged if it missed a contact.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations  = 0;
@@ -100,8 +100,9 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		});
 	const rcr::DrivenMotion driven = rcr::drivenMotionOf(step_, workspace_.team());
 	rcr::Settings           how    = settingsOfFirstPass(driven);
-	const double            compliance = how.yieldCompliance; // unless rest is a solution
-	std::vector<double>     firstBiases; // biases to which a pass may return; empty: none
+	const double            compliance = how.yieldCompliance; // 0 where zero velocity is a solution
+	// biases of the first pass, restored if changed biases have no solution; empty: none
+	std::vector<double>     firstBiases;
 	PassOutcome             outcome = PassOutcome::consistent;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
 		const bool last = pass == mostPasses || outcome == PassOutcome::biasesRestored;

@@ -17,7 +17,7 @@ public:
 		((int,wall,-1,,"Id of the wall."))
 		((int,start,-1,,"Id of the wall at one end."))
 		((int,end,-1,,"Id of the wall at the other end."))
-		((Real,stress,0,,"Force on the wall per length, along its axis [Pa per unit depth]. Use −p for a pressure p on a right or top wall, +p on a left or bottom wall."))
+		((Real,stress,0,,"Force on the wall per length, along its axis [Pa]. Use −p for a pressure p on a right or top wall, +p on a left or bottom wall."))
 	);
 	// clang-format on
 };

@@ -13,11 +13,14 @@
 // normal velocity before the step). separation.hpp removes the overlap that is left.
 //
 // A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
-// with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0. The gap must exceed 2 %
-// of the slop. Without restitution it must also exceed 0.1 % of its closing path, and half the slop
-// if the contact bore a force when the step began.
+// with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0. The gap must exceed
 //
-// Restitution is cancelled if the bodies do not meet on their paths at the initial velocities.
+//   * 2 % of the slop; half the slop if the contact bore a force when the step began
+//   * 0.1 % of its closing path
+//
+// With restitution, 2 % of the slop suffices.
+//
+// Restitution is cancelled if the bodies, at their initial velocities, would miss each other.
 //
 // Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
 #pragma once

@@ -11,8 +11,9 @@
 // α = 1/2 for large displacements, else 1. Overlaps below 10 slops start no displacement. Nonlinear
 // Gauss–Seidel solves this in the metric of the masses, with gaps detected at the displaced
 // positions, in at most 200 sweeps. A contact counts as solved within one slop. In a step with
-// large displacements, contacts that close beyond 10 slops by the tolerance of the solver are
-// included. Source: position solver of Box2D (Catto 2011); Cline and Pai 2003 (post-stabilization).
+// large displacements, contacts that the tolerance of the solver leaves with an overlap beyond 10
+// slops are included. Source: position solver of Box2D (Catto 2011); Cline and Pai 2003
+// (post-stabilization).
 #pragma once
 
 #include "step/step.hpp"
@@ -20,8 +21,8 @@
 namespace rcr {
 
 /// Adds δ to step.displacement if `displace` is true. Returns the deepest overlap at the end that
-/// the inequality above forbids, over R₁ + R₂ [-]; 1 and no displacements if a body has passed
-/// through another one. Overlaps of two prescribed bodies do not count.
+/// the inequality above forbids and that exceeds 10 slops, over R₁ + R₂ [-]; 1 and no displacements
+/// if a body has passed through another one. Overlaps of two prescribed bodies do not count.
 double separate(Step&, bool displace);
 
 } // namespace rcr

@@ -5,10 +5,11 @@
 //
 //   reach = e₁ + e₂,   e = 2 dt (|v| + |ω| R), for a grain at least 0.01 R'
 //
-// A body that is released or hit may move further. After the solve, a body whose path exceeds its
-// e gets e + 1.5 times its path. If an undetected gap then closes beyond the slop, all contacts
-// found so are added and the step is solved again. A gap closes on its tangent plane, or, with a
-// large displacement, on the curved paths of the bodies.
+// For a wall, |v| is its speed along its normal. A body that is released or hit may move further.
+// After the solve, the reach of a free body whose path exceeds its e becomes e + 1.5 path. If an
+// undetected gap then closes beyond the slop, all contacts that the wider reach finds are added.
+// The step is then solved again, up to its limit of passes. A gap closes on its tangent plane, or,
+// with a large displacement, on the curved paths of the bodies.
 #pragma once
 
 #include <functional>
@@ -29,7 +30,8 @@ inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
 	}
 }
 
-/// The rules of the simulation allow a contact of two bodies that do not touch yet.
+/// Returns true if masks, clumps and engines of the simulation allow a contact of two bodies that do
+/// not touch yet.
 using MayMeet = std::function<bool(int body1, int body2)>;
 
 /// Before the solve, detects contacts of bodies whose pairs in the simulation may be incomplete.

@@ -73,8 +73,8 @@ struct StepBody {
 	Twist        velocity;          // at the beginning of the step
 	double       radius        = 0; // PlanarShape::radius
 	double       alertDistance = 0; // distance within which its contacts were detected [m]
-	// path beyond which the body may miss contacts [m]; infinite for a prescribed motion, but not
-	// for members of clumps
+	// path beyond which the body may miss contacts [m]; infinite for a driven body, whose path is
+	// known, but not for a member of a driven clump
 	double       expected      = std::numeric_limits<double>::infinity();
 	std::int32_t owner         = 0;     // body whose motion it shares: itself or its clump
 	bool         free          = false; // at least one degree of freedom is not blocked
@@ -191,7 +191,7 @@ struct Step {
 	ContactProblem            problem;
 	std::vector<Impulse>      force;    // per point [N]: start of the solver, then its result
 	std::vector<double>       reach;    // per body: widened alert distance [m]; 0: not widened
-	// bodies whose reach the solves have widened since contacts were added; before them: none
+	// bodies whose reach was widened since contacts were last added; empty before the first solve
 	std::vector<std::int32_t> widened;
 	// contacts that the widened reach found and the step lacks
 	std::vector<UpdatedContact> updated;
