@@ -52,7 +52,14 @@ set(yade_feature_PARTIALSAT PARTIALSAT)
 set(yade_feature_SPH YADE_SPH)
 set(yade_feature_DEFORM YADE_DEFORM)
 set(yade_feature_LIQMIGRATION YADE_LIQMIGRATION)
+set(yade_feature_PROFILING USE_TIMING_DELTAS ISC_TIMING)
+set(yade_feature_VECTORIZE "")
 set(yade_definitions YADE_REAL_BIT=${yade_bits} YADE_REAL_DEC=${yade_decimals})
+if(NOT "VECTORIZE" IN_LIST yade_facts) # kernels share no Eigen type
+	list(APPEND yade_definitions
+		EIGEN_DONT_VECTORIZE EIGEN_DONT_ALIGN EIGEN_DISABLE_UNALIGNED_ARRAY_ASSERT)
+	set(yade_feature_FAST_NATIVE "") # else the processor decides the alignment of Eigen's types
+endif()
 foreach(feature IN LISTS yade_facts)
 	if(NOT DEFINED yade_feature_${feature})
 		message(FATAL_ERROR "YADE ${YADE_VERSION} has the feature ${feature}, unknown to \
@@ -60,10 +67,6 @@ cmake/FindYADE.cmake. Add its definitions from YADE's CMakeLists.txt there.")
 	endif()
 	list(APPEND yade_definitions ${yade_feature_${feature}})
 endforeach()
-if(NOT "VECTORIZE" IN_LIST yade_facts) # kernels share no Eigen type
-	list(APPEND yade_definitions
-		EIGEN_DONT_VECTORIZE EIGEN_DONT_ALIGN EIGEN_DISABLE_UNALIGNED_ARRAY_ASSERT)
-endif()
 
 if("YADE_OPENGL" IN_LIST yade_definitions)
 	set(YADE_OPENGL TRUE)

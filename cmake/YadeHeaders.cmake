@@ -3,7 +3,11 @@
 # Defines YADE_HEADERS_FOUND, yade_config, the Python file with the configuration of the installed
 # YADE, YADE_SOURCE_DIR, its sources, and yade_source_version; or YADE_HEADERS_MISSING, an error
 # message.
-set(YADE_PREFIX /usr CACHE PATH "Prefix of the installed YADE")
+set(yade_prefix /usr)
+if(DEFINED ENV{YADE_PREFIX})
+	set(yade_prefix "$ENV{YADE_PREFIX}")
+endif()
+set(YADE_PREFIX "${yade_prefix}" CACHE PATH "Prefix of the installed YADE")
 file(GLOB yade_configs ${YADE_PREFIX}/lib/*/yade*/py/yade/config.py
 	${YADE_PREFIX}/lib/yade*/py/yade/config.py)
 find_path(YADE_SOURCE_DIR core/Scene.hpp PATHS ENV YADE_SOURCE_DIR /usr/src/yade NO_DEFAULT_PATH

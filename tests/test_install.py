@@ -59,6 +59,27 @@ def test_debians_own_folder_under_usr(tmp_path):
 
 
 @needs_cmake
+@needs_build
+def test_features_of_a_yade_of_the_user_are_defined(tmp_path):
+    """They change the layouts of classes."""
+    config = tmp_path / "lib" / "yade-1.2" / "py" / "yade" / "config.py"
+    for file in (config, tmp_path / "core" / "Scene.hpp"):
+        file.parent.mkdir(parents=True)
+        file.touch()
+    (tmp_path / "RELEASE").write_text("1.2\n")
+    for features, defined in [("LOGGER", {"YADE_BOOST_LOG", "EIGEN_DONT_ALIGN"}),
+                              ("VECTORIZE PROFILING", {"USE_TIMING_DELTAS"}),
+                              ("FAST_NATIVE", {"EIGEN_DONT_ALIGN"})]:
+        config.write_text(f"version, features = '1.2', {features.split()}\n"
+                          "highPrecisionBits, highPrecisionDecimalPlaces = 64, 15\n")
+        cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path / "build", YADE_PREFIX=str(tmp_path),
+              YADE_SOURCE_DIR=str(tmp_path))
+        ninja = (tmp_path / "build" / "build.ninja").read_text()
+        words = "YADE_BOOST_LOG", "USE_TIMING_DELTAS", "EIGEN_DONT_ALIGN"
+        assert {word for word in words if f"-D{word}" in ninja} == defined
+
+
+@needs_cmake
 def test_analysis_alone_without_headers_of_yade(tmp_path):
     """pip takes this path where YADE is missing; it needs no compiler."""
     told = cmake("-G", "Ninja", "-S", ROOT, "-B", tmp_path / "build", "-DRCR_PLUGIN=AUTO",

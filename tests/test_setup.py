@@ -222,6 +222,48 @@ def test_a_failed_bootstrap_says_why_and_leaves_nothing(machine, output, words):
     assert [file.name for file in machine.cache.iterdir()] == ["log"]
 
 
+# A YADE of the user
+
+@pytest.fixture
+def own_yade(machine):
+    """YADE as its own build installs it, in ./own, built from ./trunk."""
+    python = machine.path / "own" / "lib" / "x" / "yade-1.2" / "py" / "yade"
+    for folder in (python, machine.path / "own" / "bin", machine.path / "trunk" / "core"):
+        folder.mkdir(parents=True)
+    (python / "config.py").write_text(f"version='1.2'\nsourceRoot='{machine.path}/trunk'\n")
+    (machine.path / "trunk" / "core" / "Scene.hpp").touch()
+    executable = machine.path / "own" / "bin" / "yade-1.2"
+    executable.write_text('#!/bin/sh\necho "own YADE $*: $PYTHONPATH"\n')
+    executable.chmod(0o755)
+    return machine
+
+
+def test_a_yade_of_the_user_needs_no_set_up(own_yade):
+    python = f"{own_yade.repo}/py:{own_yade.path}/own/lib/x/yade-1.2/py:{own_yade.repo}"
+    own_yade.succeeds("ready; enter yade -n", f"own YADE -n: {python}\n", YADE_PREFIX="own")
+    # a script that starts another one
+    again = f"ready; enter bash -c '. {own_yade.repo}/scripts/lib/environment.sh; ready; enter yade'"
+    assert "own YADE" in own_yade.run(again, YADE_PREFIX="own")[1]
+    assert not own_yade.called("apt-get")
+
+
+def test_a_yade_of_the_user_is_built_with_its_sources(own_yade):
+    own_yade.command("cmake", 'echo "prefix $YADE_PREFIX"')
+    for changed in "", "# another feature\n":
+        with open(own_yade.path / "own/lib/x/yade-1.2/py/yade/config.py", "a") as file:
+            file.write(changed)
+        own_yade.calls.write_text("")
+        own_yade.succeeds("ready; build", YADE_PREFIX="own")
+        configured = own_yade.called("cmake")[0]
+        assert configured.endswith(f"-DYADE_SOURCE_DIR={own_yade.path}/trunk")
+
+
+def test_a_wrong_prefix_is_refused(own_yade):
+    assert "none has no lib/yade*/py/yade" in own_yade.refuses(YADE_PREFIX="none")
+    shutil.rmtree(own_yade.path / "trunk")
+    assert "set YADE_SOURCE_DIR" in own_yade.refuses(YADE_PREFIX="own")
+
+
 # Native
 
 def test_native_takes_the_headers_from_the_source_archive_once(machine):

@@ -4,7 +4,8 @@
 #   build             brings the compiled modules up to date
 #   enter COMMAND …   becomes COMMAND in the environment (exec)
 #
-# The environment is one of two, tried in this order:
+# The environment is one of three, tried in this order:
+#   setup/prefix.sh   a YADE of the user, in YADE_PREFIX
 #   setup/native.sh   this machine, if its Debian or Ubuntu has YADE 2022.01a or later
 #   setup/rootfs.sh   a Debian 13 root file system in the user's cache
 #
@@ -79,12 +80,13 @@ lock() {
 }
 unlock() { exec 9<&-; }
 
+. "$setup/prefix.sh"
 . "$setup/native.sh"
 . "$setup/rootfs.sh"
 
 # ready_way: sets `way` to the complete environment, if one exists
 ready_way() {
-    for way in native rootfs; do
+    for way in prefix native rootfs; do
         "${way}_ready" && return
     done
     return 1

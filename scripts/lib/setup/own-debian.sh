@@ -1,7 +1,7 @@
 # A Debian 13 with packages that only checks need. Checks source this file.
 #   own_debian NAME PACKAGE …   makes it, once in build/check; exits with 77 if that is impossible
 #   in_own_debian COMMAND …     becomes COMMAND in it
-# In a native environment the machine must have the packages.
+# Outside a root file system the machine must have the packages.
 
 unavailable() {
     say "$*"
@@ -12,7 +12,7 @@ own_debian() {
     local name=$1
     shift
     packages=("$@")
-    if [ "$way" = native ]; then
+    if [ "$way" != rootfs ]; then
         dpkg-query -W "$@" >/dev/null 2>&1 || unavailable "install the packages $*"
         return
     fi
@@ -38,4 +38,4 @@ with_packages() {
     rootfs_fill "$1"
 }
 
-in_own_debian() { if [ "$way" = native ]; then enter "$@"; else rootfs_enter "$@"; fi; }
+in_own_debian() { if [ "$way" = rootfs ]; then rootfs_enter "$@"; else enter "$@"; fi; }
