@@ -19,7 +19,7 @@ from rcr._data import results
 
 HERE = pathlib.Path(__file__).resolve().parent
 CONTINUE = "continue with the same command"
-QUICK = dict(particles=300, etas=[[0, 0.4, 0.7]], strain=0.3, networks=6)  # a minute or two
+QUICK = dict(particles=300, etas=[[0, 0.4, 0.7]], strain=0.3, networks=6, out="out/quick")
 FREE = ("particles", "etas", "seeds", "strain", "networks", *campaign_runs.OPTIONAL)
 
 
@@ -61,8 +61,9 @@ def parser():
         help="between grains during the shear (default: that of scripts/biaxial.py)")
     add("--jobs", type=script.at_least(1), default=processors, metavar="N",
         help="processors to use (default all: %(default)s)")
-    add("--out", type=script.folder, required=True, metavar="DIR",
-        help="folder of the runs and the report, made if missing")
+    add("--out", type=script.folder, default="out/campaign", metavar="DIR",
+        help="folder of the runs and the report, made if missing (default %(default)s, with "
+        f"--quick {QUICK['out']})")
     return made
 
 

@@ -56,12 +56,21 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
 @needs_environment
 def test_quick_is_the_study_in_small(tmp_path):
     """Three elongations and a report whose verdicts are grey, since the tests are small."""
-    campaign(tmp_path, "--quick", "--particles", "60", "--strain", "0.02")
-    names = {folder.name.partition("-eta-")[2] for folder in (tmp_path / "runs").iterdir()}
+    command = [CAMPAIGN, "--quick", "--particles", "60", "--strain", "0.02"]
+    printed = subprocess.check_output(command, cwd=tmp_path, text=True)
+    assert printed.startswith("out/quick/report/report.html")
+    names = {folder.name.partition("-eta-")[2] for folder in tmp_path.glob("out/quick/runs/*")}
     assert names == {"0-seed-1", "0.4-seed-1", "0.7-seed-1"}
-    page = (tmp_path / "report" / "report.html").read_text()
+    page = (tmp_path / "out/quick/report/report.html").read_text()
     assert "fewer than 1000 grains" in page
     assert "class='open'" in page and "class='yes'" not in page and "class='no'" not in page
+
+
+@needs_snakemake
+@needs_environment
+def test_the_default_folder_is_out_campaign(tmp_path):
+    subprocess.check_call([CAMPAIGN, *SMALL, "--", "--dry-run"], cwd=tmp_path)
+    assert (tmp_path / "out" / "campaign").is_dir()
 
 
 @needs_snakemake
