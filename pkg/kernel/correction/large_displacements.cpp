@@ -12,8 +12,8 @@ namespace {
 	// gap over the slop that must stay open to release a contact
 	constexpr double clearance          = 0.02;
 	constexpr double loadedClearance    = 0.5; // the same for a contact that bore a force
-	// fraction of the path that a kept contact may leave open
-	constexpr double earlyArrival       = 1e-3;
+	// fraction of the path that a kept contact may leave open, up to the slop
+	constexpr double earlyArrival       = 0.01;
 
 	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
@@ -97,7 +97,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		const double open     = contact.restitution > 0
 		            ? clearance * slop
 		            : std::max((step.gap[number].carried ? loadedClearance : clearance) * slop,
-		                    -earlyArrival * path);
+		                    std::min(slop, -earlyArrival * path));
 		const bool   released = allowRelease && step.problem.impulse[number].n > 0 && least > open
 		        && std::isfinite(least);
 		// restitution from the beginning of the step

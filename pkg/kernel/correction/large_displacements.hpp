@@ -16,7 +16,7 @@
 // with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0. The gap must exceed
 //
 //   * 2 % of the slop; half the slop if the contact bore a force when the step began
-//   * 0.1 % of its closing path
+//   * 1 % of its closing path, up to the slop
 //
 // With restitution, 2 % of the slop suffices.
 //
