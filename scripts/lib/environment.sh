@@ -168,9 +168,9 @@ build() {
     unlock
 }
 
-# build_jobs: one compiler a processor, within the memory; a compiler takes up to 5 GB
+# build_jobs: one compiler a processor, within the memory; a compiler takes up to 3 GB
 build_jobs() {
-    awk -v processors="$(nproc)" '/^MemAvailable/ { jobs = int($2 / 5e6) }
+    awk -v processors="$(nproc)" '/^MemAvailable/ { jobs = int($2 / 3.5e6) }
         END { print jobs < 1 ? 1 : jobs < processors ? jobs : processors }' /proc/meminfo
 }
 

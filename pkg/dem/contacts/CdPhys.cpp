@@ -2,8 +2,6 @@
 
 namespace yade {
 
-YADE_PLUGIN((CdPhys)(Ip2_FrictMat_FrictMat_CdPhys));
-
 void Ip2_FrictMat_FrictMat_CdPhys::go(const shared_ptr<Material>& material1,
         const shared_ptr<Material>& material2, const shared_ptr<Interaction>& interaction)
 {

@@ -9,7 +9,7 @@ namespace yade {
 
 class CdPhys : public FrictPhys {
 public:
-	virtual ~CdPhys() = default;
+	~CdPhys() override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(CdPhys,FrictPhys,
 		"Rigid contact with Coulomb friction for :yref:`ContactDynamics`, without stiffness (kn = ks = 0). The forces of each point "
@@ -29,6 +29,7 @@ REGISTER_SERIALIZABLE(CdPhys);
 
 class Ip2_FrictMat_FrictMat_CdPhys : public IPhysFunctor {
 public:
+	~Ip2_FrictMat_FrictMat_CdPhys() override;
 	void go(const shared_ptr<Material>&, const shared_ptr<Material>&,
 	        const shared_ptr<Interaction>&) override;
 	FUNCTOR2D(FrictMat, FrictMat);

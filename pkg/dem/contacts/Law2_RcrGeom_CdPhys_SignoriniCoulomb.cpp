@@ -8,8 +8,6 @@
 
 namespace yade {
 
-YADE_PLUGIN((Law2_RcrGeom_CdPhys_SignoriniCoulomb));
-
 bool Law2_RcrGeom_CdPhys_SignoriniCoulomb::go(
         shared_ptr<IGeom>& igeom, shared_ptr<IPhys>& iphys, Interaction*)
 {

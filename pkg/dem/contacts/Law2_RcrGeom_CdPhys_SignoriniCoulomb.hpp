@@ -11,6 +11,7 @@ namespace yade {
 
 class Law2_RcrGeom_CdPhys_SignoriniCoulomb : public LawFunctor {
 public:
+	~Law2_RcrGeom_CdPhys_SignoriniCoulomb() override;
 	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
 	FUNCTOR2D(RcrGeom, CdPhys);
 	// clang-format off

@@ -12,8 +12,6 @@
 
 namespace yade {
 
-YADE_PLUGIN((RcrFrictPhys)(Law2_RcrGeom_FrictPhys_CundallStrack));
-
 CREATE_LOGGER(Law2_RcrGeom_FrictPhys_CundallStrack);
 
 RcrFrictPhys::RcrFrictPhys(const FrictPhys& stock)

@@ -21,7 +21,7 @@ namespace yade {
 class RcrFrictPhys : public FrictPhys {
 public:
 	RcrFrictPhys(const FrictPhys&);
-	virtual ~RcrFrictPhys() = default;
+	~RcrFrictPhys() override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RcrFrictPhys,FrictPhys,
 		"A :yref:`FrictPhys` with a force per contact point. :yref:`Law2_RcrGeom_FrictPhys_CundallStrack` creates it.",
@@ -38,6 +38,7 @@ REGISTER_SERIALIZABLE(RcrFrictPhys);
 
 class Law2_RcrGeom_FrictPhys_CundallStrack : public LawFunctor {
 public:
+	~Law2_RcrGeom_FrictPhys_CundallStrack() override;
 	void postLoad(Law2_RcrGeom_FrictPhys_CundallStrack&);
 	bool go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*) override;
 	FUNCTOR2D(RcrGeom, FrictPhys);

@@ -6,13 +6,6 @@
 
 namespace yade {
 
-// clang-format off
-YADE_PLUGIN((RcrGeom)(Ig2_Planar_RcrGeom)
-        (Ig2_Rcr_Rcr_RcrGeom)(Ig2_Wall_Rcr_RcrGeom)(Ig2_Box_Rcr_RcrGeom)(Ig2_Facet_Rcr_RcrGeom)
-        (Ig2_Sphere_Rcr_RcrGeom)(Ig2_Sphere_Sphere_RcrGeom)
-        (Ig2_Wall_Sphere_RcrGeom)(Ig2_Box_Sphere_RcrGeom)(Ig2_Facet_Sphere_RcrGeom));
-// clang-format on
-
 void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr::Pose& at1,
         const rcr::PlanarShape& two, const rcr::Pose& at2)
 {

@@ -14,7 +14,7 @@ namespace yade {
 
 class RcrGeom : public GenericSpheresContact {
 public:
-	virtual ~RcrGeom() = default;
+	~RcrGeom() override;
 
 	/// Sets the contact points of two bodies.
 	void          set(const rcr::Manifold&, const rcr::PlanarShape& one, const rcr::Pose& at1,
@@ -43,6 +43,7 @@ REGISTER_SERIALIZABLE(RcrGeom);
 /// Base of all Ig2 functors of rcr, which detect contact points in the same way.
 class Ig2_Planar_RcrGeom : public IGeomFunctor {
 public:
+	~Ig2_Planar_RcrGeom() override;
 	bool go(const shared_ptr<Shape>&, const shared_ptr<Shape>&, const State&, const State&,
 	        const Vector3r&, const bool&, const shared_ptr<Interaction>&) override;
 	bool goReverse(const shared_ptr<Shape>& shape1, const shared_ptr<Shape>& shape2,
@@ -63,6 +64,7 @@ REGISTER_SERIALIZABLE(Ig2_Planar_RcrGeom);
 #define RCR_IG2(Name, One, Two, Doc)                                                               \
 	class Name : public Ig2_Planar_RcrGeom {                                                       \
 	public:                                                                                        \
+		~Name() override;                                                                          \
 		FUNCTOR2D(One, Two);                                                                       \
 		DEFINE_FUNCTOR_ORDER_2D(One, Two);                                                         \
 		YADE_CLASS_BASE_DOC(Name, Ig2_Planar_RcrGeom, Doc);                                        \

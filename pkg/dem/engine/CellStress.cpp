@@ -6,8 +6,6 @@
 
 namespace yade {
 
-YADE_PLUGIN((CellStress));
-
 void CellStress::action()
 {
 	if (!(mass > 0 && math::isfinite(mass)))

@@ -7,8 +7,6 @@
 
 namespace yade {
 
-YADE_PLUGIN((WallStress));
-
 namespace {
 
 	const Wall* shapeOf(const Scene& scene, int id)

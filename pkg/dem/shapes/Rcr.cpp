@@ -7,8 +7,6 @@
 
 namespace yade {
 
-YADE_PLUGIN((Rcr)(Bo1_Rcr_Aabb)(Bo1_Disc_Aabb));
-
 void Rcr::postLoad(Rcr&)
 {
 	const auto refuse = [](const char* name, Real given, const char* expected) {

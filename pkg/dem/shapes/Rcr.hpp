@@ -8,7 +8,7 @@ namespace yade {
 
 class Rcr : public Shape {
 public:
-	virtual ~Rcr() = default;
+	~Rcr() override;
 	void postLoad(Rcr&); // throws if it is not a stadium
 
 	// clang-format off
@@ -26,6 +26,7 @@ REGISTER_SERIALIZABLE(Rcr);
 
 class Bo1_Rcr_Aabb : public BoundFunctor {
 public:
+	~Bo1_Rcr_Aabb() override;
 	void go(const shared_ptr<Shape>&, shared_ptr<Bound>&, const Se3r&, const Body*) override;
 	FUNCTOR1D(Rcr);
 	// clang-format off
@@ -38,6 +39,7 @@ REGISTER_SERIALIZABLE(Bo1_Rcr_Aabb);
 
 class Bo1_Disc_Aabb : public Bo1_Sphere_Aabb {
 public:
+	~Bo1_Disc_Aabb() override;
 	void go(const shared_ptr<Shape>&, shared_ptr<Bound>&, const Se3r&, const Body*) override;
 	// clang-format off
 	YADE_CLASS_BASE_DOC(Bo1_Disc_Aabb,Bo1_Sphere_Aabb,

@@ -1,0 +1,30 @@
+// All classes of pkg/dem, with their factories, serialization and Python classes: half of the plugin's
+// code, which runs once. A class's virtual functions, such as the one that makes its Python class, are
+// compiled with its first virtual function, here the destructor.
+#include "dem/contacts/CdPhys.hpp"
+#include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
+#include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
+#include "dem/contacts/RcrGeom.hpp"
+#include "dem/engine/CellStress.hpp"
+#include "dem/engine/ContactDynamics.hpp"
+#include "dem/engine/WallStress.hpp"
+#include "dem/shapes/Rcr.hpp"
+
+namespace yade {
+
+// clang-format off
+#define RCR_CLASSES                                                                                \
+	(Rcr)(Bo1_Rcr_Aabb)(Bo1_Disc_Aabb)                                                             \
+	(RcrGeom)(Ig2_Planar_RcrGeom)                                                                  \
+	(Ig2_Rcr_Rcr_RcrGeom)(Ig2_Wall_Rcr_RcrGeom)(Ig2_Box_Rcr_RcrGeom)(Ig2_Facet_Rcr_RcrGeom)        \
+	(Ig2_Sphere_Rcr_RcrGeom)(Ig2_Sphere_Sphere_RcrGeom)                                            \
+	(Ig2_Wall_Sphere_RcrGeom)(Ig2_Box_Sphere_RcrGeom)(Ig2_Facet_Sphere_RcrGeom)                    \
+	(CdPhys)(Ip2_FrictMat_FrictMat_CdPhys)(Law2_RcrGeom_CdPhys_SignoriniCoulomb)                   \
+	(RcrFrictPhys)(Law2_RcrGeom_FrictPhys_CundallStrack)
+// clang-format on
+#define RCR_DESTRUCTOR(r, data, Name) Name::~Name() = default;
+
+BOOST_PP_SEQ_FOR_EACH(RCR_DESTRUCTOR, , RCR_CLASSES)
+YADE_PLUGIN(RCR_CLASSES(ContactDynamics)(WallStress)(CellStress));
+
+} // namespace yade
