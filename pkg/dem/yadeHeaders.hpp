@@ -1,7 +1,7 @@
-// YADE's headers that the plugin includes. CMakeLists.txt precompiles them.
+// YADE's headers that the plugin includes. CMakeLists.txt includes this file first in every source.
 //
 // REGISTER_FACTORABLE makes a factory of each class, and with it the class's virtual functions. The
-// running YADE has those of its classes, so the macro is empty here.
+// running YADE has those of its own classes, so the macro is empty for YADE's headers.
 #pragma once
 
 #include <lib/factory/ClassFactory.hpp>

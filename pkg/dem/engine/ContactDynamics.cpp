@@ -12,7 +12,6 @@
 #include "kernel/step/follow_stretch.hpp"
 #include "kernel/correction/position_correction.hpp"
 #include "kernel/step/restitution.hpp"
-#include "kernel/detection/missed_contacts.hpp"
 #include "kernel/correction/separation.hpp"
 #include "kernel/sweep/sweep_solver.hpp"
 
