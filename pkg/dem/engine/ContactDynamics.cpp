@@ -3,16 +3,17 @@
 #include <core/Omega.hpp>
 #include <core/Scene.hpp>
 
-#include "dem/transfer/ArraySteps.hpp"
 #include "dem/records/failedProblem.hpp"
-#include "dem/transfer/scatter.hpp"
 #include "dem/shapes/plane.hpp"
+#include "dem/transfer/ArraySteps.hpp"
+#include "dem/transfer/scatter.hpp"
 #include "dem/validation/deferredError.hpp"
+#include "kernel/correction/position_correction.hpp"
+#include "kernel/correction/separation.hpp"
+#include "kernel/detection/missed_contacts.hpp"
 #include "kernel/step/adapt_biases.hpp"
 #include "kernel/step/follow_stretch.hpp"
-#include "kernel/correction/position_correction.hpp"
 #include "kernel/step/restitution.hpp"
-#include "kernel/correction/separation.hpp"
 #include "kernel/sweep/sweep_solver.hpp"
 
 namespace yade {
