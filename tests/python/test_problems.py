@@ -107,6 +107,17 @@ def test_save_fclib_round_trip(files, step):
         assert group["W/x"].shape == group["W/i"].shape == tuple(group["W/nzmax"][()])
 
 
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_impulses_do_not_depend_on_the_order_of_points(solver):
+    problem = problems.load(PACKINGS[1])
+    order = np.random.default_rng(10).permutation(problem.contacts)
+    arrays = {name: value if name in ("inverse_mass", "free_velocity") else value[order]
+              for name, value in vars(problem).items()}
+    settings = dict(solver=solver, max_iterations=100)
+    shuffled = solve(problems.BodyProblem(**arrays), **settings).reaction
+    np.testing.assert_array_equal(shuffled, solve(problem, **settings).reaction[order])
+
+
 def test_no_contacts(tmp_path):
     write_siconos(tmp_path / "none.dat", np.zeros((0, 0)), np.zeros((0, 2)), np.zeros(0), "dense")
     found = solve(tmp_path / "none.dat")

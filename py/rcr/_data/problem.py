@@ -50,8 +50,11 @@ class BodyProblem:
         return len(self.bodies)
 
     def order(self):
-        """Return the kernels' order of the points, with those of a pair side by side, (nc,)."""
-        return np.lexsort(self.bodies.T[::-1])
+        """Return the kernels' order of the points, (nc,): by bodies, those of a pair by arm1.
+
+        So forces of a problem do not depend on the order of its points.
+        """
+        return np.lexsort((*self.arm1.T, *self.bodies.T[::-1]))
 
     def arrays(self):
         """Return the arguments of the kernels, with the points in their `order`."""
