@@ -12,9 +12,10 @@
 #include <pkg/common/OpenGLRenderer.hpp>
 #endif
 
-#include "dem/validation/validation.hpp"
+#include "dem/records/Published.hpp"
 #include "dem/shapes/planarClump.hpp"
 #include "dem/validation/deferredError.hpp"
+#include "dem/validation/validation.hpp"
 
 namespace {
 
@@ -87,6 +88,9 @@ BOOST_PYTHON_MODULE(_plugin)
 	boost::python::scope().attr("version_error") = error;
 	if (!error.empty()) return;
 	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
+	yade::Published<bool>::registerConverters();
+	yade::Published<int>::registerConverters();
+	yade::Published<double>::registerConverters();
 	registerClasses();
 	boost::python::def(
 	        "refusal", refusal,

@@ -40,6 +40,9 @@ SANITIZERS = {
         flags="-fsanitize=address,undefined -fno-sanitize=vptr -D_GLIBCXX_ASSERTIONS",
         preload=["libasan.so", "libubsan.so", "libstdc++.so"],
         ASAN_OPTIONS="detect_leaks=0:detect_odr_violation=0", UBSAN_OPTIONS="print_stacktrace=1"),
+    # YADE, Boost and OpenMP are compiled without it, so their locks and barriers are unknown.
+    "plugin-tsan": dict(flags="-fsanitize=thread", preload=["libtsan.so"],
+                        TSAN_OPTIONS="ignore_noninstrumented_modules=1"),
 }
 
 
@@ -148,6 +151,12 @@ def sanitize_plugin(arguments):
     ], plugin=True)
 
 
+def sanitize_session(arguments):
+    """A session whose threads read and set the engine while it runs."""
+    tests = "tests/yade/run/test_arrays.py", "-k", "during_a_run or pause"
+    return sanitize("plugin-tsan", [[*PYTEST, "-p", "no:warnings", *tests, *arguments]], plugin=True)
+
+
 def script(name, *command):
     """Run a script; its exit code is the verdict, its last line the line of the check."""
     log = FOLDER / f"{name}.log"
@@ -199,6 +208,7 @@ CHECKS = {
     "tsan": (partial(sanitize_kernels, "tsan"), "kernel tests under ThreadSanitizer"),
     "plugin-asan": (sanitize_plugin, "soak and scenes in YADE under AddressSanitizer and "
                     "UndefinedBehaviorSanitizer, with bounds checks"),
+    "plugin-tsan": (sanitize_session, "a session in YADE under ThreadSanitizer"),
     "mutants": (lambda arguments: importlib.import_module("mutants").run(arguments),
                 "kernel tests against kernels with one error each"),
     "scenes": (python("scenes", FUZZER, "--scenes", "2000"),

@@ -6,6 +6,7 @@
 #include "dem/records/failedProblem.hpp"
 #include "dem/shapes/plane.hpp"
 #include "dem/transfer/ArraySteps.hpp"
+#include "dem/transfer/newContacts.hpp"
 #include "dem/transfer/scatter.hpp"
 #include "dem/validation/deferredError.hpp"
 #include "kernel/correction/position_correction.hpp"
@@ -52,7 +53,7 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 	setRestFlow(); // gather replaces it in a periodic cell
 	timed("gather", [&] {
 		gather(*scene, engines, team, handles_, step_);
-		addUnlistedContacts(engines);
+		addUnlistedContacts(*scene, engines, *this, handles_, step_);
 	});
 	try {
 		std::vector<rcr::Twist> impulses;
@@ -65,8 +66,8 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 				return arrays
 				        && arraySteps_->advance(*scene, engines, team, handles_, impulses, step_);
 			});
-			const std::lock_guard<std::mutex> lock(reading_);
-			enginesReason_ = arraySteps_->enginesReason(), stepsInArrays_ = arraySteps_->count();
+			model_.setArrays(arraySteps_->count(),
+			        arrays ? arraySteps_->enginesReason() : "ContactDynamics.arrays = False");
 		} while (advanced);
 		// YADE's objects get the state at the beginning of this step; scatter adds its results
 		timed("writeBack", [&] { arraySteps_->writeBack(*scene, team, handles_, step_); });
@@ -77,7 +78,7 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 				energy.enter(*scene->energy, step_, impulses,
 				        plane::toPlane(engines.integrator->gravity));
 			scatter(*scene, team, impulses, handles_, step_);
-			if (handles_.masksChanged) restartCollider(engines);
+			if (handles_.masksChanged) restartCollider(*scene, engines);
 		});
 	} catch (...) {
 		arraySteps_->writeBack(*scene, team, handles_, step_);
@@ -109,7 +110,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		how.yieldCompliance = rcr::restIsSolution(step_, driven) ? 0 : compliance;
 		solvePass(how);
 		if (last) {
-			if (timed("missedContacts", [&] { return findMissedContacts(engines); }))
+			if (timed("missedContacts", [&] { return findMissedContacts(*scene, engines, step_); }))
 				converged = false;
 			break;
 		}
@@ -130,9 +131,10 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		if (!converged) checkEnergy(step_, scene->iter);
 	});
 	// the overlap at the beginning of the step; throws the error of a jam
-	const std::string warning = monitor.count(step_,
-	        { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations,
-	                yade::deepestOverlap(step_, workspace_.team()) });
+	const double                      overlap = yade::deepestOverlap(step_, workspace_.team());
+	const std::lock_guard<std::mutex> lock(reading_);
+	const std::string                 warning = monitor.count(step_,
+	        { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations, overlap });
 	if (!warning.empty()) LOG_WARN(warning);
 }
 
@@ -143,11 +145,12 @@ void ContactDynamics::solvePass(const rcr::Settings& how)
 	warmStart_                    = step_.problem.impulse;
 	// biases by which contacts remove overlaps, if they yield
 	rcr::prepareRecovery(step_, double(correction), workspace_.team());
-	const rcr::Report report = timed(
-	        "solve", [&] { return rcr::solve(step_.problem, solverName(), how, workspace_); });
+	const std::string name   = get<&ContactDynamics::solver>();
+	const rcr::Report report
+	        = timed("solve", [&] { return rcr::solve(step_.problem, name, how, workspace_); });
 	const double      layout = workspace_.layoutSeconds() - layoutBefore;
 	times_.add("layout", layout), times_.add("solve", -layout);
-	iterations += report.iterations;
+	iterations = iterations + report.iterations;
 	work_ += report.work;
 	residual       = report.residual;
 	kinematicError = report.kinematicError;
@@ -164,7 +167,7 @@ void ContactDynamics::solvePass(const rcr::Settings& how)
 ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engines& engines,
         int pass, const rcr::DrivenMotion& driven, std::vector<double>& firstBiases)
 {
-	if (timed("missedContacts", [&] { return addMissedContacts(engines); })) {
+	if (timed("missedContacts", [&] { return addMissedContacts(*scene, engines, step_); })) {
 		firstBiases.clear();
 		if (pass == mostPasses - 1) rcr::removeRestitution(step_); // the last pass has no review
 		return PassOutcome::missedContact;
@@ -185,14 +188,13 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 
 void ContactDynamics::record(const std::vector<rcr::Twist>& impulses)
 {
-	const std::vector<int> ids = observedIds();
+	const std::vector<int> ids = get<&ContactDynamics::observe>();
 	StepObserver::check(ids, step_, handles_);
 	const double miss = double(std::max(residual / tolerance, kinematicError / kinematicTolerance));
 	observer_.record({ scene->iter + 1, double(scene->time + scene->dt), iterations, contactPoints,
 	                         double(residual), tolerance > 0 && !converged, yielded, miss },
 	        ids, observeEvery, impulses, step_, handles_);
-	const std::lock_guard<std::mutex> lock(reading_);
-	summary_ = workspace_.summary();
+	model_.setProblem(workspace_.summary(), work_, meanStretchRate);
 }
 
 } // namespace yade

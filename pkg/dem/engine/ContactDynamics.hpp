@@ -19,7 +19,9 @@
 #include <core/GlobalEngine.hpp>
 
 #include "dem/records/EnergyAccount.hpp"
+#include "dem/records/Published.hpp"
 #include "dem/records/StageTimes.hpp"
+#include "dem/records/StepModel.hpp"
 #include "dem/records/StepMonitor.hpp"
 #include "dem/records/StepObserver.hpp"
 #include "dem/validation/validation.hpp"
@@ -36,21 +38,26 @@ public:
 
 	std::string invalidAttribute() const; // message about the first one; empty: none
 	// Python interface. Locks guard what a script may access during a run.
-	boost::python::dict        modelDict() const;
 	boost::python::dict        problemDict() const;
 	boost::python::dict        tuningDict() const;
 	void                       setTuning(const boost::python::dict&);
 	static boost::python::list visibleNames(const boost::python::object& self);
-	boost::python::dict        takeObserved() { return observer_.takeMeans(observedIds()); }
+	boost::python::dict        takeObserved() { return observer_.takeMeans(get<&ContactDynamics::observe>()); }
 	boost::python::list        takeObservations() { return observer_.takeIntervals(*scene); }
+	boost::python::dict        modelDict() const { return model_.dict(); }
 	boost::python::dict        secondsDict() const { return times_.dict(); }
-	std::string                solverName() const { return lockedCopy(solver); }
-	void                       setSolver(const std::string& name) { lockedSet(solver, name); }
-	std::vector<int>           observedIds() const { return lockedCopy(observe); }
-	void                       setObserve(const std::vector<int>& ids) { lockedSet(observe, ids); }
-	int                        missedSteps() const { return int(monitor.steps.unconverged); }
-	int                        yieldedSteps() const { return int(monitor.steps.yielded); }
-	double                     deepestOverlap() const { return monitor.steps.deepest; }
+	/// Reads or writes an attribute that another thread may use.
+	template <auto Attribute> auto get() const -> std::decay_t<decltype(this->*Attribute)>
+	{
+		const std::lock_guard<std::mutex> lock(reading_);
+		return this->*Attribute;
+	}
+	template <auto Attribute, class Value> void set(const Value& given)
+	{
+		const std::lock_guard<std::mutex> lock(reading_);
+		this->*Attribute = given;
+	}
+	template <auto Count> auto count() const { return get<&ContactDynamics::monitor>().steps.*Count; }
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,
@@ -69,14 +76,14 @@ public:
 		((bool,trackMeanStretch,false,,"Overdamped bodies also start from the mean stretch of earlier steps, so that no drag resists it. Not in a periodic cell."))
 		((std::vector<int>,observe,,,"Ids of the observed bodies."))
 		((int,observeEvery,0,Attr::noSave,"Number of steps in each entry of :yref:`observations<ContactDynamics.observations>`; 0 keeps no entries."))
-		((bool,converged,true,Attr::readonly,"The last step met both tolerances without yielding and missed no contact. Its large displacements left no overlap beyond 0.02 (R₁ + R₂)."))
-		((int,iterations,0,Attr::readonly,"Sweeps of the last step over all passes, in the island that took most. May exceed maxIterations."))
-		((Real,residual,0,Attr::readonly,"Residual of the last step: natural map of the contact laws relative to the impulses [-]."))
-		((Real,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step, over their RMS or, if larger, 1 % of the RMS without contacts [-]."))
-		((int,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance."))
-		((bool,yielded,false,Attr::readonly,"Contacts of the last step yielded: it had no solution, or only one with impulses that its drive and loads do not explain."))
-		((Real,unbalancedForce,0,Attr::readonly,"Mean net force on a free grain or clump over the mean normal force of closed points, in the last step [-]; inf without contacts."))
-		((Real,largestUnbalancedForce,0,Attr::readonly,"Largest net force on a free grain or clump over the mean normal force of closed points, in the last step [-]; inf without contacts."))
+		((Published<bool>,converged,true,Attr::readonly,"The last step met both tolerances without yielding and missed no contact. Its large displacements left no overlap beyond 0.02 (R₁ + R₂)."))
+		((Published<int>,iterations,0,Attr::readonly,"Sweeps of the last step over all passes, in the island that took most. May exceed maxIterations."))
+		((Published<double>,residual,0,Attr::readonly,"Residual of the last step: natural map of the contact laws relative to the impulses [-]."))
+		((Published<double>,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step, over their RMS or, if larger, 1 % of the RMS without contacts [-]."))
+		((Published<int>,contactPoints,0,Attr::readonly,"Contact points of the last step, closed or within the alert distance."))
+		((Published<bool>,yielded,false,Attr::readonly,"Contacts of the last step yielded: it had no solution, or only one with impulses that its drive and loads do not explain."))
+		((Published<double>,unbalancedForce,0,Attr::readonly,"Mean net force on a free grain or clump over the mean normal force of closed points, in the last step [-]; inf without contacts."))
+		((Published<double>,largestUnbalancedForce,0,Attr::readonly,"Largest net force on a free grain or clump over the mean normal force of closed points, in the last step [-]; inf without contacts."))
 		((int,lanes,0,Attr::noSave,"Doubles per vector operation: 1, 4 or 8; 0: the processor's width. Results do not depend on it."))
 		((bool,arrays,true,,"Take steps in arrays while no engine reads YADE's objects. Results do not depend on it."))
 		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"Simplifications that the solver may use. Results agree within the tolerance."))
@@ -87,12 +94,12 @@ public:
 		((StepMonitor,monitor,,Attr::hidden,"Counts of steps and overlaps."))
 		((EnergyAccount,energy,,Attr::hidden,"Energy of the last step that O.energy does not hold yet.")),
 		/* ctor */,
-		.add_property("solver",&ContactDynamics::solverName,&ContactDynamics::setSolver,"Solver: nlgs, sor, nesterov, exact or auto.")
-		.add_property("observe",&ContactDynamics::observedIds,&ContactDynamics::setObserve,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; clumps, not their members. A change starts a new mean.")
+		.add_property("solver",&ContactDynamics::get<&ContactDynamics::solver>,&ContactDynamics::set<&ContactDynamics::solver,std::string>,"Solver: nlgs, sor, nesterov, exact or auto.")
+		.add_property("observe",&ContactDynamics::get<&ContactDynamics::observe>,&ContactDynamics::set<&ContactDynamics::observe,std::vector<int>>,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; clumps, not their members. A change starts a new mean.")
 		.add_property("tuning",&ContactDynamics::tuningDict,&ContactDynamics::setTuning,"Settings of benchmarks and tests, as a dict: lanes, arrays, reductions, minIterations, meanForceChange.")
-		.add_property("missedSteps",&ContactDynamics::missedSteps,"Number of steps so far that did not converge, those without a solution included; 0 at tolerance 0.")
-		.add_property("yieldedSteps",&ContactDynamics::yieldedSteps,"Number of steps so far in which contacts yielded.")
-		.add_property("deepestOverlap",&ContactDynamics::deepestOverlap,"Deepest overlap at the beginning of a step so far, over R₁ + R₂ [-]. Pairs of prescribed bodies do not count.")
+		.add_property("missedSteps",&ContactDynamics::count<&rcr::MissedSteps::unconverged>,"Number of steps so far that did not converge, those without a solution included; 0 at tolerance 0.")
+		.add_property("yieldedSteps",&ContactDynamics::count<&rcr::MissedSteps::yielded>,"Number of steps so far in which contacts yielded.")
+		.add_property("deepestOverlap",&ContactDynamics::count<&rcr::MissedSteps::deepest>,"Deepest overlap at the beginning of a step so far, over R₁ + R₂ [-]. Pairs of prescribed bodies do not count.")
 		.add_property("model",&ContactDynamics::modelDict,"Size of the last problem after all reductions, and how it was solved, as a dict.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by stage, as a dict [s].")
 		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, largest residual and mean contact forces since the last call. With observeEvery > 0 the last entry of observations also starts a new mean. docs/solvers.md has an example.")
@@ -109,17 +116,6 @@ private:
 	};
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
-	template <class Value> Value lockedCopy(const Value& attribute) const
-	{
-		const std::lock_guard<std::mutex> lock(reading_);
-		return attribute;
-	}
-	template <class Value> void lockedSet(Value& attribute, const Value& given)
-	{
-		const std::lock_guard<std::mutex> lock(reading_);
-		attribute = given;
-	}
-
 	int           solverThreads() const;
 	rcr::Settings settings(const rcr::DrivenMotion&) const;
 	rcr::Settings settingsOfFirstPass(const rcr::DrivenMotion&);
@@ -129,11 +125,6 @@ private:
 	void          solvePass(const rcr::Settings&);
 	PassOutcome   reviewPass(
 	          const validation::Engines&, int pass, const rcr::DrivenMotion&, std::vector<double>&);
-	bool          findMissedContacts(const validation::Engines&);
-	void          addUnlistedContacts(const validation::Engines&);
-	bool          addMissedContacts(const validation::Engines&);
-	void          addUpdatedContacts(const validation::Engines&);
-	void          restartCollider(const validation::Engines&);
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setRestFlow();
 	void          trackMeanFlow();
@@ -145,14 +136,12 @@ private:
 	rcr::Workspace               workspace_; // threads, colouring and packed arrays
 	std::shared_ptr<ArraySteps>  arraySteps_;
 	std::vector<rcr::Impulse>    warmStart_; // impulses from which the last problem was solved
-	double                       work_       = 0; // sweeps × points of the last step
+	double                       work_ = 0; // sweeps × points of the last step
 	bool                         largeDisplacements_ = false; // of this step
+	StepModel                    model_;
 	StepObserver                 observer_;
 	StageTimes                   times_;
-	mutable std::mutex           reading_; // guards what follows, and `solver` and `observe`
-	rcr::ModelSummary            summary_; // of the last step
-	std::string                  enginesReason_; // why YADE's engines take the next step
-	long                         stepsInArrays_ = 0;
+	mutable std::mutex           reading_; // guards `solver`, `observe` and `monitor`
 	std::atomic<std::thread::id> stepThread_;
 };
 REGISTER_SERIALIZABLE(ContactDynamics);

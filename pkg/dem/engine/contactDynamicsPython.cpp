@@ -49,28 +49,6 @@ py::list ContactDynamics::visibleNames(const py::object& self)
 	return visible;
 }
 
-py::dict ContactDynamics::modelDict() const
-{
-	const std::lock_guard<std::mutex> lock(reading_);
-	const rcr::ModelSummary&          m = summary_;
-	py::dict                          model;
-	model["bodies"]       = m.bodies;
-	model["rotations"]    = m.rotating;
-	model["fixed"]        = m.fixed;
-	model["pairs"]        = m.pairs;
-	model["points"]       = m.points;
-	model["unknowns"]     = m.unknowns();
-	model["frictionless"] = m.frictionalPoints == 0;
-	model["islands"]      = m.islands;
-	model["layouts"]      = m.layouts;
-	model["work"]         = work_;
-	model["mean_stretch_rate"]
-	        = py::make_tuple(double(meanStretchRate[0]), double(meanStretchRate[1]));
-	model["arrays"]  = stepsInArrays_;
-	model["engines"] = !arrays ? "ContactDynamics.arrays = False" : enginesReason_;
-	return model;
-}
-
 py::dict ContactDynamics::problemDict() const
 {
 	if (Omega::instance().isRunning() && stepThread_.load() != std::this_thread::get_id())

@@ -46,7 +46,7 @@ std::string ContactDynamics::invalidAttribute() const
 		return message("trackMeanStretch", "True",
 		        "overdamped = True: other bodies keep their velocities.");
 	try {
-		rcr::checkSettings(solverName(), settings({}));
+		rcr::checkSettings(get<&ContactDynamics::solver>(), settings({}));
 	} catch (const std::invalid_argument& error) {
 		return std::string("ContactDynamics: ") + error.what();
 	}

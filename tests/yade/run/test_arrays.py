@@ -505,6 +505,8 @@ def test_python_reads_everything_during_a_run():
         assert all(value > -1e-3 for value in seconds.values())
         assert all(entry["steps"] == 10 and set(entry["forces"]) == {30} for entry in entries)
         engine.observed()
+        results = {name: getattr(engine, name) for name in dir(engine) if name[0] != "_"}
+        assert results["residual"] >= 0 and results["missedSteps"] <= O.iter
         reads += 1
     O.pause()
     O.wait()

@@ -1,0 +1,23 @@
+// Contacts of a step that the InteractionLoop has not listed.
+#pragma once
+
+#include "dem/transfer/gather.hpp"
+
+namespace yade {
+
+/// Completes the contacts within reach, so that they do not depend on when the collider ran.
+/// `solver` is the engine that solves the step.
+void addUnlistedContacts(Scene&, const validation::Engines&, const Engine& solver, SceneHandles&,
+        rcr::Step&);
+
+/// Finds contacts that form within the step (kernel/detection/missed_contacts.hpp). Returns false
+/// if there are none.
+bool findMissedContacts(Scene&, const validation::Engines&, rcr::Step&);
+
+/// Finds them and adds them to the problem.
+bool addMissedContacts(Scene&, const validation::Engines&, rcr::Step&);
+
+/// Makes the collider list all pairs again. It checks masks only when boxes begin to overlap.
+void restartCollider(Scene&, const validation::Engines&);
+
+} // namespace yade
