@@ -48,6 +48,13 @@ def test_kernels_stand_alone():
                 if OUTSIDE.match(line)]
 
 
+def test_headers_of_yade_are_included_in_one_file():
+    """An included header that yadeHeaders.hpp lacks would make factories of YADE's classes."""
+    including = {path.name for path in CODE for line in lines(path)
+                 if re.match(r"#include <(core|lib|pkg)/", line)}
+    assert including == {"yadeHeaders.hpp"}
+
+
 def test_each_type_has_a_name_of_its_own():
     """The linker keeps one of two templates of a name, so two types `Pair` corrupt vectors."""
     names = [found[2] for path in CODE for line in lines(path)

@@ -1,4 +1,4 @@
-// YADE's headers that the plugin includes. CMakeLists.txt includes this file first in every source.
+// YADE's headers for the whole plugin; no other file includes one.
 //
 // REGISTER_FACTORABLE makes a factory of each class, and with it the class's virtual functions. The
 // running YADE has those of its own classes, so the macro is empty for YADE's headers.

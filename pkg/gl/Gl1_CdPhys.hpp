@@ -1,7 +1,5 @@
 #pragma once
 
-#include <pkg/common/GLDrawFunctors.hpp>
-
 #include "dem/contacts/CdPhys.hpp"
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <pkg/common/GLDrawFunctors.hpp>
-
 #include "dem/shapes/Rcr.hpp"
 
 namespace yade {

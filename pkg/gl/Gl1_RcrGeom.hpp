@@ -1,7 +1,5 @@
 #pragma once
 
-#include <pkg/common/GLDrawFunctors.hpp>
-
 #include "dem/contacts/RcrGeom.hpp"
 
 namespace yade {

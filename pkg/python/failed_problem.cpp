@@ -1,8 +1,5 @@
 #include "dem/records/failedProblem.hpp"
 
-#include <boost/python.hpp>
-#include <lib/pyutil/gil.hpp>
-
 #include "dem/validation/validation.hpp"
 
 namespace yade {

@@ -3,15 +3,6 @@
 // YADE loads plugins at its start and registers every name in ClassFactory::pluginClasses. A second
 // call would register all classes of YADE again. The list therefore holds only unregistered names
 // while Omega::loadPlugins runs.
-#include <boost/python.hpp>
-
-#include <core/Omega.hpp>
-#include <lib/factory/ClassFactory.hpp>
-
-#ifdef RCR_OPENGL
-#include <pkg/common/OpenGLRenderer.hpp>
-#endif
-
 #include "dem/records/Published.hpp"
 #include "dem/shapes/planarClump.hpp"
 #include "dem/validation/deferredError.hpp"

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <core/Dispatching.hpp>
-#include <pkg/common/ElastMat.hpp>
-#include <pkg/common/MatchMaker.hpp>
-#include <pkg/dem/FrictPhys.hpp>
+#include "dem/yadeHeaders.hpp"
 
 namespace yade {
 

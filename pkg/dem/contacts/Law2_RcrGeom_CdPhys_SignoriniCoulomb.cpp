@@ -1,7 +1,5 @@
 #include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
 
-#include <core/Scene.hpp>
-
 #include "dem/validation/validation.hpp"
 #include "dem/contacts/carryForces.hpp"
 #include "dem/validation/deferredError.hpp"

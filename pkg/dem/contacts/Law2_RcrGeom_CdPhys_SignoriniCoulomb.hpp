@@ -2,8 +2,6 @@
 
 #include <atomic>
 
-#include <core/Dispatching.hpp>
-
 #include "dem/contacts/CdPhys.hpp"
 #include "dem/contacts/RcrGeom.hpp"
 

@@ -1,9 +1,5 @@
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 
-#include <core/Body.hpp>
-#include <core/Scene.hpp>
-#include <lib/base/Logging.hpp>
-
 #include "dem/contacts/CdPhys.hpp"
 #include "dem/contacts/carryForces.hpp"
 #include "dem/shapes/plane.hpp"

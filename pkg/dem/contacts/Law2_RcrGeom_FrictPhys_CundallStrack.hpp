@@ -10,9 +10,6 @@
 // Source: Cundall and Strack 1979.
 #pragma once
 
-#include <core/Dispatching.hpp>
-#include <pkg/dem/FrictPhys.hpp>
-
 #include "dem/contacts/RcrGeom.hpp"
 #include "dem/shapes/plane.hpp"
 

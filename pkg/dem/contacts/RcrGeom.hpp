@@ -1,14 +1,8 @@
 #pragma once
 
-#include <core/Dispatching.hpp>
-#include <pkg/common/Box.hpp>
-#include <pkg/common/Facet.hpp>
-#include <pkg/common/Sphere.hpp>
-#include <pkg/common/Wall.hpp>
-#include <pkg/dem/DemXDofGeom.hpp>
-
 #include "kernel/geometry/planar_shape.hpp"
 #include "dem/shapes/Rcr.hpp"
+#include "dem/yadeHeaders.hpp"
 
 namespace yade {
 

@@ -1,7 +1,5 @@
 #include "dem/engine/CellStress.hpp"
 
-#include <core/Scene.hpp>
-
 #include "dem/validation/validation.hpp"
 
 namespace yade {

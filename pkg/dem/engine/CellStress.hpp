@@ -16,8 +16,7 @@
 // boundary conditions of Contact Dynamics).
 #pragma once
 
-#include <core/GlobalEngine.hpp>
-
+#include "dem/yadeHeaders.hpp"
 #include "kernel/step/step.hpp"
 
 namespace yade {

@@ -1,8 +1,5 @@
 #include "dem/engine/ContactDynamics.hpp"
 
-#include <core/Omega.hpp>
-#include <core/Scene.hpp>
-
 #include "dem/records/failedProblem.hpp"
 #include "dem/shapes/plane.hpp"
 #include "dem/transfer/ArraySteps.hpp"

@@ -16,8 +16,6 @@
 #include <atomic>
 #include <thread>
 
-#include <core/GlobalEngine.hpp>
-
 #include "dem/records/EnergyAccount.hpp"
 #include "dem/records/Published.hpp"
 #include "dem/records/StageTimes.hpp"

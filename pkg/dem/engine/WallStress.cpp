@@ -1,8 +1,5 @@
 #include "dem/engine/WallStress.hpp"
 
-#include <core/Scene.hpp>
-#include <pkg/common/Wall.hpp>
-
 #include "dem/validation/validation.hpp"
 
 namespace yade {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <core/GlobalEngine.hpp>
+#include "dem/yadeHeaders.hpp"
 
 namespace yade {
 

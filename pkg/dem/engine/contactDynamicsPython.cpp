@@ -1,8 +1,6 @@
 // Python interface of ContactDynamics: results as dicts.
 #include <array>
 
-#include <core/Omega.hpp>
-
 #include "dem/engine/ContactDynamics.hpp"
 
 namespace yade {

@@ -1,7 +1,5 @@
 #include "dem/records/EnergyAccount.hpp"
 
-#include <core/EnergyTracker.hpp>
-
 namespace yade {
 
 void EnergyAccount::enter(EnergyTracker& energy, const rcr::Step& step,

@@ -4,8 +4,7 @@
 // entered one step later.
 #pragma once
 
-#include <core/Scene.hpp>
-
+#include "dem/yadeHeaders.hpp"
 #include "kernel/step/energy.hpp"
 
 namespace yade {

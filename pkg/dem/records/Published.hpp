@@ -3,9 +3,10 @@
 
 #include <atomic>
 
-#include <boost/python.hpp>
 #include <boost/serialization/nvp.hpp>
 #include <boost/serialization/split_member.hpp>
+
+#include "dem/yadeHeaders.hpp"
 
 namespace yade {
 

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <string>
 
-#include <boost/python.hpp>
+#include "dem/yadeHeaders.hpp"
 
 namespace yade {
 

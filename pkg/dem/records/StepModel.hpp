@@ -4,8 +4,7 @@
 #include <mutex>
 #include <string>
 
-#include <boost/python.hpp>
-
+#include "dem/yadeHeaders.hpp"
 #include "kernel/problem/reductions.hpp"
 
 namespace yade {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "dem/yadeHeaders.hpp"
 #include "kernel/step/step.hpp"
 #include "kernel/watch/jam_detector.hpp"
 #include "kernel/watch/missed_steps.hpp"

@@ -1,7 +1,5 @@
 #include "dem/records/StepObserver.hpp"
 
-#include <core/Omega.hpp>
-
 #include "dem/shapes/plane.hpp"
 #include "dem/validation/validation.hpp"
 

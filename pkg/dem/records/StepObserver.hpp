@@ -10,9 +10,6 @@
 #include <optional>
 #include <vector>
 
-#include <boost/python.hpp>
-#include <core/Scene.hpp>
-
 #include "dem/transfer/gather.hpp"
 
 namespace yade {

@@ -1,7 +1,5 @@
 #include "dem/shapes/Rcr.hpp"
 
-#include <core/Aabb.hpp>
-
 #include "dem/validation/validation.hpp"
 #include "dem/shapes/planarShape.hpp"
 

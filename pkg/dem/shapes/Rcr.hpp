@@ -1,8 +1,6 @@
 #pragma once
 
-#include <core/Dispatching.hpp>
-#include <core/Shape.hpp>
-#include <pkg/common/Bo1_Aabb.hpp>
+#include "dem/yadeHeaders.hpp"
 
 namespace yade {
 

@@ -1,9 +1,5 @@
 #include "dem/shapes/planarClump.hpp"
 
-#include <core/Clump.hpp>
-#include <core/Omega.hpp>
-#include <core/Scene.hpp>
-
 namespace yade {
 
 int planarClump(const boost::python::list& ids, double x, double y, double mass, double inertia)

@@ -1,7 +1,7 @@
 // Clumps that stay in the plane.
 #pragma once
 
-#include <boost/python.hpp>
+#include "dem/yadeHeaders.hpp"
 
 namespace yade {
 

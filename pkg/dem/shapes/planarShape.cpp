@@ -1,73 +1,66 @@
 #include "dem/shapes/planarShape.hpp"
 
-#include <pkg/common/Box.hpp>
-#include <pkg/common/Facet.hpp>
-#include <pkg/common/Sphere.hpp>
-#include <pkg/common/Wall.hpp>
+namespace yade::plane {
 
-namespace yade {
-namespace plane {
+namespace {
 
-	namespace {
+	using Planar = rcr::PlanarShape;
 
-		using Planar = rcr::PlanarShape;
-
-		/// Segment in which a facet cuts the plane; kind none if it does not cut it.
-		Planar cut(const Facet& facet, const State& state, Real z)
-		{
-			rcr::Vec2 ends[2];
-			int       count = 0;
-			for (int k = 0; k < 3; ++k) {
-				const Vector3r a   = state.ori * facet.vertices[k],
-				               b   = state.ori * facet.vertices[(k + 1) % 3];
-				const double above = double(state.pos.z() + a.z() - z),
-				             below = double(state.pos.z() + b.z() - z);
-				if (above == below || above * below > 0) continue;
-				const double    t  = above / (above - below);
-				const rcr::Vec2 at = (1 - t) * toPlane(a) + t * toPlane(b);
-				if (count == 0) ends[count++] = at;
-				else if (count == 1 || norm(at - ends[0]) > norm(ends[1] - ends[0]))
-					ends[1] = at, count = 2;
-			}
-			const double length = count == 2 ? norm(ends[1] - ends[0]) : 0;
-			Planar       segment;
-			if (!(length > 0)) return segment;
-			segment.kind       = Planar::segment;
-			segment.halfLength = 0.5 * length;
-			segment.offset     = 0.5 * (ends[0] + ends[1]);
-			segment.along      = (1 / length) * (ends[1] - ends[0]);
-			return segment;
-		}
-
-	} // namespace
-
-	rcr::PlanarShape shapeOf(const Shape& shape, const State& state, Real z)
+	/// Segment in which a facet cuts the plane; kind none if it does not cut it.
+	Planar cut(const Facet& facet, const State& state, Real z)
 	{
-		const int    index = shape.getClassIndex();
-		Planar       planar;
-		if (index == Rcr::getClassIndexStatic()) {
-			const Rcr& rcr    = static_cast<const Rcr&>(shape);
-			planar.kind       = Planar::stadium;
-			planar.halfLength = double(rcr.halfLength);
-			planar.halfWidth  = double(rcr.capRadius);
-		} else if (index == Sphere::getClassIndexStatic()) {
-			planar.kind      = Planar::disc;
-			planar.halfWidth = double(static_cast<const Sphere&>(shape).radius);
-		} else if (index == Wall::getClassIndexStatic()) {
-			const Wall& wall = static_cast<const Wall&>(shape);
-			planar.kind      = wall.axis < 2 ? Planar::wall : Planar::none;
-			planar.axis      = std::int8_t(wall.axis);
-			planar.sense     = std::int8_t(wall.sense);
-		} else if (index == Box::getClassIndexStatic()) {
-			const Box& box    = static_cast<const Box&>(shape);
-			planar.kind       = Planar::box;
-			planar.halfLength = double(box.extents[0]);
-			planar.halfWidth  = double(box.extents[1]);
-		} else if (index == Facet::getClassIndexStatic()) {
-			planar = cut(static_cast<const Facet&>(shape), state, z);
+		rcr::Vec2 ends[2];
+		int       count = 0;
+		for (int k = 0; k < 3; ++k) {
+			const Vector3r a   = state.ori * facet.vertices[k],
+			               b   = state.ori * facet.vertices[(k + 1) % 3];
+			const double above = double(state.pos.z() + a.z() - z),
+			             below = double(state.pos.z() + b.z() - z);
+			if (above == below || above * below > 0) continue;
+			const double    t  = above / (above - below);
+			const rcr::Vec2 at = (1 - t) * toPlane(a) + t * toPlane(b);
+			if (count == 0) ends[count++] = at;
+			else if (count == 1 || norm(at - ends[0]) > norm(ends[1] - ends[0]))
+				ends[1] = at, count = 2;
 		}
-		return planar;
+		const double length = count == 2 ? norm(ends[1] - ends[0]) : 0;
+		Planar       segment;
+		if (!(length > 0)) return segment;
+		segment.kind       = Planar::segment;
+		segment.halfLength = 0.5 * length;
+		segment.offset     = 0.5 * (ends[0] + ends[1]);
+		segment.along      = (1 / length) * (ends[1] - ends[0]);
+		return segment;
 	}
 
-} // namespace plane
-} // namespace yade
+} // namespace
+
+rcr::PlanarShape shapeOf(const Shape& shape, const State& state, Real z)
+{
+	const int    index = shape.getClassIndex();
+	Planar       planar;
+	if (index == Rcr::getClassIndexStatic()) {
+		const Rcr& rcr    = static_cast<const Rcr&>(shape);
+		planar.kind       = Planar::stadium;
+		planar.halfLength = double(rcr.halfLength);
+		planar.halfWidth  = double(rcr.capRadius);
+	} else if (index == Sphere::getClassIndexStatic()) {
+		planar.kind      = Planar::disc;
+		planar.halfWidth = double(static_cast<const Sphere&>(shape).radius);
+	} else if (index == Wall::getClassIndexStatic()) {
+		const Wall& wall = static_cast<const Wall&>(shape);
+		planar.kind      = wall.axis < 2 ? Planar::wall : Planar::none;
+		planar.axis      = std::int8_t(wall.axis);
+		planar.sense     = std::int8_t(wall.sense);
+	} else if (index == Box::getClassIndexStatic()) {
+		const Box& box    = static_cast<const Box&>(shape);
+		planar.kind       = Planar::box;
+		planar.halfLength = double(box.extents[0]);
+		planar.halfWidth  = double(box.extents[1]);
+	} else if (index == Facet::getClassIndexStatic()) {
+		planar = cut(static_cast<const Facet&>(shape), state, z);
+	}
+	return planar;
+}
+
+} // namespace yade::plane

@@ -1,28 +1,23 @@
 // Shape of a YADE body in the plane of the grains.
 #pragma once
 
-#include <core/Body.hpp>
-#include <core/State.hpp>
-
 #include "kernel/detection/missed_contacts.hpp"
 #include "dem/shapes/Rcr.hpp"
 #include "dem/shapes/plane.hpp"
 
-namespace yade {
-namespace plane {
+namespace yade::plane {
 
-	/// Shape in the plane at height z; kind none if it is not supported or does not reach the
-	/// plane.
-	rcr::PlanarShape shapeOf(const Shape&, const State&, Real z);
+/// Shape in the plane at height z; kind none if it is not supported or does not reach the
+/// plane.
+rcr::PlanarShape shapeOf(const Shape&, const State&, Real z);
 
-	/// Rotation of a body. The end points of a segment are in the directions of space, so its
-	/// rotation is 0.
-	inline rcr::Turn turnOf(const rcr::PlanarShape& shape, const State& state)
-	{
-		return shape.kind == rcr::PlanarShape::segment
-		        ? rcr::Turn {}
-		        : rcr::Turn { double(state.ori.w()), double(state.ori.z()) };
-	}
+/// Rotation of a body. The end points of a segment are in the directions of space, so its
+/// rotation is 0.
+inline rcr::Turn turnOf(const rcr::PlanarShape& shape, const State& state)
+{
+	return shape.kind == rcr::PlanarShape::segment
+	        ? rcr::Turn {}
+	        : rcr::Turn { double(state.ori.w()), double(state.ori.z()) };
+}
 
-} // namespace plane
-} // namespace yade
+} // namespace yade::plane

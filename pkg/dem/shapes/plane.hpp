@@ -1,37 +1,32 @@
 // Conversions between YADE's three dimensions and the plane z = const.
 #pragma once
 
-#include <core/Body.hpp>
-#include <core/Scene.hpp>
-#include <core/State.hpp>
-
+#include "dem/yadeHeaders.hpp"
 #include "kernel/problem/contact_problem.hpp"
 #include "kernel/geometry/stadium.hpp"
 #include "kernel/step/leapfrog.hpp"
 
-namespace yade {
-namespace plane {
+namespace yade::plane {
 
-	inline rcr::Vec2 toPlane(const Vector3r& v) { return { double(v[0]), double(v[1]) }; }
-	inline Vector3r  toSpace(rcr::Vec2 v) { return Vector3r(v.x, v.y, 0); }
+inline rcr::Vec2 toPlane(const Vector3r& v) { return { double(v[0]), double(v[1]) }; }
+inline Vector3r  toSpace(rcr::Vec2 v) { return Vector3r(v.x, v.y, 0); }
 
-	inline rcr::Twist twist(const State& state)
-	{
-		return { double(state.vel[0]), double(state.vel[1]), double(state.angVel[2]) };
-	}
+inline rcr::Twist twist(const State& state)
+{
+	return { double(state.vel[0]), double(state.vel[1]), double(state.angVel[2]) };
+}
 
-	inline rcr::Inertia inertiaOf(const State& s)
-	{
-		const auto free = [&](unsigned dof) { return !(s.blockedDOFs & dof); };
-		return { double(s.mass), double(s.inertia[2]), free(State::DOF_X), free(State::DOF_Y),
-			free(State::DOF_RZ) };
-	}
+inline rcr::Inertia inertiaOf(const State& s)
+{
+	const auto free = [&](unsigned dof) { return !(s.blockedDOFs & dof); };
+	return { double(s.mass), double(s.inertia[2]), free(State::DOF_X), free(State::DOF_Y),
+		free(State::DOF_RZ) };
+}
 
-	inline rcr::Flow flowOf(const Matrix3r& gradient)
-	{
-		return { { { double(gradient(0, 0)), double(gradient(0, 1)) },
-			    { double(gradient(1, 0)), double(gradient(1, 1)) } } };
-	}
+inline rcr::Flow flowOf(const Matrix3r& gradient)
+{
+	return { { { double(gradient(0, 0)), double(gradient(0, 1)) },
+		    { double(gradient(1, 0)), double(gradient(1, 1)) } } };
+}
 
-} // namespace plane
-} // namespace yade
+} // namespace yade::plane

@@ -3,13 +3,6 @@
 #include <algorithm>
 #include <set>
 
-#include <core/Omega.hpp>
-#include <core/PartialEngine.hpp>
-#include <pkg/common/Collider.hpp>
-#include <pkg/common/ForceResetter.hpp>
-#include <pkg/common/KinematicEngines.hpp>
-#include <pkg/common/PeriodicEngines.hpp>
-
 #include "dem/engine/ContactDynamics.hpp"
 #include "dem/engine/WallStress.hpp"
 #include "dem/shapes/plane.hpp"

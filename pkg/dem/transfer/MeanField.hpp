@@ -1,9 +1,6 @@
 // Mean velocity field of a periodic cell.
 #pragma once
 
-#include <core/Scene.hpp>
-#include <pkg/dem/NewtonIntegrator.hpp>
-
 #include "dem/engine/CellStress.hpp"
 #include "dem/validation/validation.hpp"
 #include "kernel/step/step.hpp"

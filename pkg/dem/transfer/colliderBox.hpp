@@ -1,8 +1,7 @@
 // Bounding box of a body in the collider.
 #pragma once
 
-#include <core/Bound.hpp>
-
+#include "dem/yadeHeaders.hpp"
 #include "kernel/detection/missed_contacts.hpp"
 
 namespace yade {

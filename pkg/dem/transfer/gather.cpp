@@ -2,10 +2,6 @@
 
 #include <numeric>
 
-#include <core/Clump.hpp>
-#include <core/InteractionLoop.hpp>
-#include <pkg/common/Collider.hpp>
-
 #include "dem/engine/CellStress.hpp"
 #include "dem/validation/validation.hpp"
 #include "dem/transfer/MeanField.hpp"

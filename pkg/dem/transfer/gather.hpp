@@ -1,8 +1,6 @@
 // First stage of a step: copies YADE's bodies and contacts into the arrays of rcr::Step.
 #pragma once
 
-#include <core/Interaction.hpp>
-#include <core/Scene.hpp>
 #include "kernel/parallel/thread_team.hpp"
 #include "kernel/step/step.hpp"
 #include "dem/contacts/CdPhys.hpp"

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-#include <pkg/common/KinematicEngines.hpp>
-#include <pkg/common/PeriodicEngines.hpp>
-
 #include "kernel/detection/missed_contacts.hpp"
 
 namespace yade {

@@ -4,10 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 
-#include <core/Interaction.hpp>
-#include <core/InteractionContainer.hpp>
-#include <core/Scene.hpp>
-
 #include "dem/contacts/CdPhys.hpp"
 #include "dem/contacts/RcrGeom.hpp"
 

@@ -2,8 +2,6 @@
 
 #include <atomic>
 
-#include <core/InteractionContainer.hpp>
-
 #include "kernel/detection/missed_contacts.hpp"
 #include "dem/transfer/MeanField.hpp"
 #include "dem/transfer/colliderBox.hpp"

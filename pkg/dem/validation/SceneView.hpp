@@ -8,94 +8,92 @@
 #include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 
-namespace yade {
-namespace validation {
+namespace yade::validation {
 
-	enum Law { rigid = 1, smooth = 2, both = 3, neither = 4 };
+enum Law { rigid = 1, smooth = 2, both = 3, neither = 4 };
 
-	template <class Kind> bool is(const shared_ptr<Engine>& engine)
+template <class Kind> bool is(const shared_ptr<Engine>& engine)
+{
+	return !engine->dead && dynamic_cast<const Kind*>(engine.get());
+}
+
+template <class Functor, class List> bool has(const List& functors)
+{
+	return std::any_of(functors.begin(), functors.end(),
+	        [](const auto& f) { return bool(dynamic_cast<const Functor*>(f.get())); });
+}
+
+struct View {
+	const Scene&                           scene;
+	const std::vector<shared_ptr<Engine>>& engines;
+	const InteractionLoop*                 loop = nullptr;
+	Law                                    law  = neither;
+
+	explicit View(const Scene& s) : scene(s), engines(s.engines)
 	{
-		return !engine->dead && dynamic_cast<const Kind*>(engine.get());
+		loop = first<InteractionLoop>();
+		const bool solver = place<ContactDynamics>() >= 0;
+		const bool laws   = loop
+		        && has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(loop->lawDispatcher->functors);
+		const bool phys
+		        = loop && has<Ip2_FrictMat_FrictMat_CdPhys>(loop->physDispatcher->functors);
+		const bool springs = loop
+		        && has<Law2_RcrGeom_FrictPhys_CundallStrack>(loop->lawDispatcher->functors);
+		if (solver || laws || phys) law = springs ? both : rigid;
+		else if (springs)
+			law = smooth;
 	}
 
-	template <class Functor, class List> bool has(const List& functors)
+	template <class Kind> Kind* first() const
 	{
-		return std::any_of(functors.begin(), functors.end(),
-		        [](const auto& f) { return bool(dynamic_cast<const Functor*>(f.get())); });
+		const int at = place<Kind>();
+		return at < 0 ? nullptr : dynamic_cast<Kind*>(engines[at].get());
 	}
+	template <class Kind> int place() const
+	{
+		const auto found = std::find_if(engines.begin(), engines.end(), is<Kind>);
+		return found == engines.end() ? -1 : int(found - engines.begin());
+	}
+	template <class Kind> int count() const
+	{
+		return int(std::count_if(engines.begin(), engines.end(), is<Kind>));
+	}
+	template <class Kind> bool dead() const
+	{
+		return std::any_of(engines.begin(), engines.end(),
+		        [](const auto& e) { return e->dead && dynamic_cast<const Kind*>(e.get()); });
+	}
+	template <class Shape> const Body* body() const
+	{
+		for (const auto& b : *scene.bodies)
+			if (b && dynamic_cast<const Shape*>(b->shape.get())) return b.get();
+		return nullptr;
+	}
+};
 
-	struct View {
-		const Scene&                           scene;
-		const std::vector<shared_ptr<Engine>>& engines;
-		const InteractionLoop*                 loop = nullptr;
-		Law                                    law  = neither;
+// Rules on engines (engines.cpp). Each returns a message, or an empty text.
+std::string lateLoad(const View&);
+std::string lostLoad(const View&);
+std::string blindServo(const View&);
+std::string wrongAttributes(const View&);
+std::string timeStep(const View&);
+std::string finiteMotion(const View&);
+std::string integrator(const View&);
+std::string timeStepper(const View&);
+std::string firstTimeStep(const View&);
+std::string bounds(const View&);
 
-		explicit View(const Scene& s) : scene(s), engines(s.engines)
-		{
-			loop = first<InteractionLoop>();
-			const bool solver = place<ContactDynamics>() >= 0;
-			const bool laws   = loop
-			        && has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(loop->lawDispatcher->functors);
-			const bool phys
-			        = loop && has<Ip2_FrictMat_FrictMat_CdPhys>(loop->physDispatcher->functors);
-			const bool springs = loop
-			        && has<Law2_RcrGeom_FrictPhys_CundallStrack>(loop->lawDispatcher->functors);
-			if (solver || laws || phys) law = springs ? both : rigid;
-			else if (springs)
-				law = smooth;
-		}
+// Rules on bodies (bodyRules.cpp).
+std::string materials(const View&);
+std::string obstaclesOutOfPlane(const View&);
 
-		template <class Kind> Kind* first() const
-		{
-			const int at = place<Kind>();
-			return at < 0 ? nullptr : dynamic_cast<Kind*>(engines[at].get());
-		}
-		template <class Kind> int place() const
-		{
-			const auto found = std::find_if(engines.begin(), engines.end(), is<Kind>);
-			return found == engines.end() ? -1 : int(found - engines.begin());
-		}
-		template <class Kind> int count() const
-		{
-			return int(std::count_if(engines.begin(), engines.end(), is<Kind>));
-		}
-		template <class Kind> bool dead() const
-		{
-			return std::any_of(engines.begin(), engines.end(),
-			        [](const auto& e) { return e->dead && dynamic_cast<const Kind*>(e.get()); });
-		}
-		template <class Shape> const Body* body() const
-		{
-			for (const auto& b : *scene.bodies)
-				if (b && dynamic_cast<const Shape*>(b->shape.get())) return b.get();
-			return nullptr;
-		}
-	};
+// Rules on pairs of shapes (pairs.cpp).
+std::string unsupportedPairs(const View&);
 
-	// Rules on engines (engines.cpp). Each returns a message, or an empty text.
-	std::string lateLoad(const View&);
-	std::string lostLoad(const View&);
-	std::string blindServo(const View&);
-	std::string wrongAttributes(const View&);
-	std::string timeStep(const View&);
-	std::string finiteMotion(const View&);
-	std::string integrator(const View&);
-	std::string timeStepper(const View&);
-	std::string firstTimeStep(const View&);
-	std::string bounds(const View&);
+// Rules on the periodic cell (cell.cpp).
+std::string wallsInCell(const View&);
+std::string cellStress(const View&);
+std::string velocityGradient(const View&);
+std::string smallCell(const View&);
 
-	// Rules on bodies (bodyRules.cpp).
-	std::string materials(const View&);
-	std::string obstaclesOutOfPlane(const View&);
-
-	// Rules on pairs of shapes (pairs.cpp).
-	std::string unsupportedPairs(const View&);
-
-	// Rules on the periodic cell (cell.cpp).
-	std::string wallsInCell(const View&);
-	std::string cellStress(const View&);
-	std::string velocityGradient(const View&);
-	std::string smallCell(const View&);
-
-} // namespace validation
-} // namespace yade
+} // namespace yade::validation

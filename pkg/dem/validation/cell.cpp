@@ -1,83 +1,78 @@
 // Rules of validation on the periodic cell.
-#include <pkg/common/InsertionSortCollider.hpp>
-#include <pkg/common/Wall.hpp>
-#include <pkg/dem/PeriIsoCompressor.hpp>
 
 #include "dem/engine/CellStress.hpp"
 #include "dem/validation/SceneView.hpp"
 #include "dem/shapes/planarShape.hpp"
 #include "dem/transfer/MeanField.hpp"
 
-namespace yade {
-namespace validation {
+namespace yade::validation {
 
-	std::string wallsInCell(const View& v)
-	{
-		const Body* wall = v.scene.isPeriodic ? v.body<Wall>() : nullptr;
-		return wall ? named({ wall->getId() })
-		                + " is a Wall in a periodic cell, which has no boundary; remove it, or use "
-		                  "a Box or fixed Rcrs."
-		            : std::string();
+std::string wallsInCell(const View& v)
+{
+	const Body* wall = v.scene.isPeriodic ? v.body<Wall>() : nullptr;
+	return wall ? named({ wall->getId() })
+	                + " is a Wall in a periodic cell, which has no boundary; remove it, or use "
+	                  "a Box or fixed Rcrs."
+	            : std::string();
+}
+
+std::string cellStress(const View& v)
+{
+	if (v.law == smooth && v.place<CellStress>() >= 0)
+		return "CellStress presses the cell of ContactDynamics, and contacts are smooth; take "
+		       "PeriTriaxController(dynCell=True).";
+	if (v.place<CellStress>() >= 0 && !v.scene.isPeriodic)
+		return "CellStress has no cell to press; set O.periodic = True and O.cell.setBox(…), "
+		       "or remove it.";
+	if (v.law == rigid && v.place<PeriTriaxController>() >= 0)
+		return "PeriTriaxController moves the cell by stiffnesses or by last stresses, which "
+		       "rigid contacts do not have or answer without bound; use "
+		       "rcr.CellStress.";
+	return {};
+}
+
+std::string velocityGradient(const View& v)
+{
+	if (!v.scene.isPeriodic || math::isfinite(gradientOf(*v.scene.cell).sum())) return {};
+	return "O.cell.velGrad is not finite; expected a velocity gradient in 1/s.";
+}
+
+/// Rejects cells in which YADE's collider would end the process, since a body spans half of the
+/// cell.
+std::string smallCell(const View& v)
+{
+	if (!v.scene.isPeriodic) return {};
+	// a quarter ends the process; the rest is a margin for a cell that shrinks
+	constexpr Real most = 0.24;
+	const auto* collider = v.first<InsertionSortCollider>();
+	const Real     margin   = collider ? math::max(Real(0), collider->verletDist) : Real(0),
+	           wider        = widening(v.scene).maxCoeff();
+	const Real  size   = v.scene.cell->getSize().minCoeff();
+	for (const auto& b : *v.scene.bodies) {
+		if (!b || !b->shape || b->isClump()) continue;
+		const Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
+		if (wider * half + margin < most * size && largestShare * size + margin < most * size)
+			continue;
+		return "the periodic cell is " + text(size) + " wide at its narrowest, "
+		        + named({ b->getId() }) + " has the radius " + text(half)
+		        + " and the collider a verletDist of " + text(margin)
+		        + "; expected a cell of more than 4.2 times radius + verletDist, and 25 times "
+		          "verletDist, along all three axes: O.cell.setBox(…)."
+		        + (wider > 1 ? " The cell is sheared, so that radii count " + text(wider)
+		                                + " times: O.cell.flipCell()."
+		                     : std::string());
 	}
+	return {};
+}
 
-	std::string cellStress(const View& v)
-	{
-		if (v.law == smooth && v.place<CellStress>() >= 0)
-			return "CellStress presses the cell of ContactDynamics, and contacts are smooth; take "
-			       "PeriTriaxController(dynCell=True).";
-		if (v.place<CellStress>() >= 0 && !v.scene.isPeriodic)
-			return "CellStress has no cell to press; set O.periodic = True and O.cell.setBox(…), "
-			       "or remove it.";
-		if (v.law == rigid && v.place<PeriTriaxController>() >= 0)
-			return "PeriTriaxController moves the cell by stiffnesses or by last stresses, which "
-			       "rigid contacts do not have or answer without bound; use "
-			       "rcr.CellStress.";
-		return {};
-	}
+Vector3r widening(const Scene& scene)
+{
+	Vector3r wider = Vector3r::Ones();
+	if (!scene.isPeriodic || !scene.cell->hasShear()) return wider;
+	for (int axis = 0; axis < 3; ++axis)
+		for (int other : { (axis + 1) % 3, (axis + 2) % 3 })
+			wider[axis] += 0.5 * (1 / scene.cell->getCos()[other] - 1);
+	return wider;
+}
 
-	std::string velocityGradient(const View& v)
-	{
-		if (!v.scene.isPeriodic || math::isfinite(gradientOf(*v.scene.cell).sum())) return {};
-		return "O.cell.velGrad is not finite; expected a velocity gradient in 1/s.";
-	}
-
-	/// Rejects cells in which YADE's collider would end the process, since a body spans half of the
-	/// cell.
-	std::string smallCell(const View& v)
-	{
-		if (!v.scene.isPeriodic) return {};
-		// a quarter ends the process; the rest is a margin for a cell that shrinks
-		constexpr Real most = 0.24;
-		const auto* collider = v.first<InsertionSortCollider>();
-		const Real     margin   = collider ? math::max(Real(0), collider->verletDist) : Real(0),
-		           wider        = widening(v.scene).maxCoeff();
-		const Real  size   = v.scene.cell->getSize().minCoeff();
-		for (const auto& b : *v.scene.bodies) {
-			if (!b || !b->shape || b->isClump()) continue;
-			const Real half = plane::shapeOf(*b->shape, *b->state, b->state->pos.z()).radius();
-			if (wider * half + margin < most * size && largestShare * size + margin < most * size)
-				continue;
-			return "the periodic cell is " + text(size) + " wide at its narrowest, "
-			        + named({ b->getId() }) + " has the radius " + text(half)
-			        + " and the collider a verletDist of " + text(margin)
-			        + "; expected a cell of more than 4.2 times radius + verletDist, and 25 times "
-			          "verletDist, along all three axes: O.cell.setBox(…)."
-			        + (wider > 1 ? " The cell is sheared, so that radii count " + text(wider)
-			                                + " times: O.cell.flipCell()."
-			                     : std::string());
-		}
-		return {};
-	}
-
-	Vector3r widening(const Scene& scene)
-	{
-		Vector3r wider = Vector3r::Ones();
-		if (!scene.isPeriodic || !scene.cell->hasShear()) return wider;
-		for (int axis = 0; axis < 3; ++axis)
-			for (int other : { (axis + 1) % 3, (axis + 2) % 3 })
-				wider[axis] += 0.5 * (1 / scene.cell->getCos()[other] - 1);
-		return wider;
-	}
-
-} // namespace validation
-} // namespace yade
+} // namespace yade::validation

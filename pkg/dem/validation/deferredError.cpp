@@ -3,10 +3,7 @@
 #include <mutex>
 #include <utility>
 
-#include <boost/python.hpp>
-#include <core/Omega.hpp>
-#include <core/Scene.hpp>
-#include <core/ThreadRunner.hpp>
+#include "dem/yadeHeaders.hpp"
 
 namespace yade {
 

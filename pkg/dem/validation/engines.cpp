@@ -1,171 +1,160 @@
 // Rules of validation on engines: order of loads, attributes, time step, bounds of the collider.
-#include <core/PartialEngine.hpp>
-#include <core/TimeStepper.hpp>
-#include <pkg/common/BoundaryController.hpp>
-#include <pkg/common/Collider.hpp>
-#include <pkg/common/FieldApplier.hpp>
-#include <pkg/common/ForceResetter.hpp>
-#include <pkg/common/KinematicEngines.hpp>
-#include <pkg/common/StepDisplacer.hpp>
-#include <pkg/dem/GlobalStiffnessTimeStepper.hpp>
 
 #include "dem/validation/SceneView.hpp"
 #include "dem/shapes/Rcr.hpp"
 #include "dem/engine/WallStress.hpp"
 
-namespace yade {
-namespace validation {
+namespace yade::validation {
 
-	namespace {
+namespace {
 
-		/// The engine sets positions or velocities.
-		bool moves(const Engine& engine)
-		{
-			return dynamic_cast<const KinematicEngine*>(&engine)
-			        || dynamic_cast<const StepDisplacer*>(&engine);
-		}
-
-		/// The engine adds forces, which last until the ForceResetter.
-		bool pushes(const Engine& engine)
-		{
-			// a FieldApplier, too
-			if (moves(engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false;
-			return dynamic_cast<const PartialEngine*>(&engine)
-			        || dynamic_cast<const FieldApplier*>(&engine)
-			        || dynamic_cast<const WallStress*>(&engine);
-		}
-
-		/// The engine adds forces or prescribes motion.
-		bool loads(const Engine& engine)
-		{
-			return pushes(engine) || moves(engine)
-			        || dynamic_cast<const BoundaryController*>(&engine);
-		}
-
-	} // namespace
-
-	std::string lateLoad(const View& v)
+	/// The engine sets positions or velocities.
+	bool moves(const Engine& engine)
 	{
-		const int solver = v.place<ContactDynamics>(), integrator = v.place<NewtonIntegrator>();
-		for (int k = solver + 1; solver >= 0 && k < integrator; ++k)
-			if (!v.engines[k]->dead && loads(*v.engines[k]))
-				return "the " + v.engines[k]->getClassName()
-				        + " stands after ContactDynamics, which would not see its load; put it "
-				          "before.";
-		return {};
+		return dynamic_cast<const KinematicEngine*>(&engine)
+		        || dynamic_cast<const StepDisplacer*>(&engine);
 	}
 
-	/// Rejects load engines after the integrator or before the ForceResetter, whose forces would
-	/// have no effect.
-	std::string lostLoad(const View& v)
+	/// The engine adds forces, which last until the ForceResetter.
+	bool pushes(const Engine& engine)
 	{
-		const int resetter = v.place<ForceResetter>(), integrator = v.place<NewtonIntegrator>();
-		for (int k = 0; k < int(v.engines.size()); ++k) {
-			if (v.engines[k]->dead || !pushes(*v.engines[k]) || (resetter < k && k < integrator))
-				continue;
-			return "the " + v.engines[k]->getClassName() + " stands "
-			        + (k < resetter ? "before the ForceResetter" : "after the NewtonIntegrator")
-			        + ", so its forces would be taken away before they move anything; put it "
-			          "between the two.";
-		}
-		return {};
+		// a FieldApplier, too
+		if (moves(engine) || dynamic_cast<const NewtonIntegrator*>(&engine)) return false;
+		return dynamic_cast<const PartialEngine*>(&engine)
+		        || dynamic_cast<const FieldApplier*>(&engine)
+		        || dynamic_cast<const WallStress*>(&engine);
 	}
 
-	/// A servo reads the force on its body. ContactDynamics adds contact forces after it.
-	std::string blindServo(const View& v)
+	/// The engine adds forces or prescribes motion.
+	bool loads(const Engine& engine)
 	{
-		const int integrator = v.place<NewtonIntegrator>();
-		for (int k = 0; k < integrator; ++k)
-			if (!v.engines[k]->dead && v.engines[k]->getClassName() == "ServoPIDController")
-				return "the ServoPIDController stands before the NewtonIntegrator, so it would "
-				       "read forces without those of contacts; put it after the NewtonIntegrator.";
-		return {};
+		return pushes(engine) || moves(engine)
+		        || dynamic_cast<const BoundaryController*>(&engine);
 	}
 
-	std::string wrongAttributes(const View& v)
-	{
-		for (const auto& engine : v.engines) {
-			if (engine->dead) continue;
-			std::string message;
-			if (const auto* stress = dynamic_cast<const WallStress*>(engine.get()))
-				message = stress->invalidAttribute(v.scene);
-			if (const auto* solver = dynamic_cast<const ContactDynamics*>(engine.get()))
-				message = solver->invalidAttribute();
-			if (!message.empty()) return message;
-		}
-		return {};
-	}
+} // namespace
 
-	std::string timeStep(const View& v)
-	{
-		const Real dt = v.scene.dt;
-		return dt > 0 && math::isfinite(dt)
-		        ? std::string()
-		        : "O.dt = " + text(dt) + "; expected a finite time step > 0.";
-	}
+std::string lateLoad(const View& v)
+{
+	const int solver = v.place<ContactDynamics>(), integrator = v.place<NewtonIntegrator>();
+	for (int k = solver + 1; solver >= 0 && k < integrator; ++k)
+		if (!v.engines[k]->dead && loads(*v.engines[k]))
+			return "the " + v.engines[k]->getClassName()
+			        + " stands after ContactDynamics, which would not see its load; put it "
+			          "before.";
+	return {};
+}
 
-	std::string finiteMotion(const View& v)
-	{
-		const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
-		if (!newton) return {};
-		if (!math::isfinite(newton->gravity.sum()))
-			return "NewtonIntegrator.gravity = " + coordinates(newton->gravity)
-			        + "; expected finite accelerations, as gravity=(0, -9.81, 0).";
-		return math::isfinite(newton->damping) ? std::string()
-		                                       : "NewtonIntegrator.damping = "
-		                + text(newton->damping) + "; expected a finite share, 0 for none.";
+/// Rejects load engines after the integrator or before the ForceResetter, whose forces would
+/// have no effect.
+std::string lostLoad(const View& v)
+{
+	const int resetter = v.place<ForceResetter>(), integrator = v.place<NewtonIntegrator>();
+	for (int k = 0; k < int(v.engines.size()); ++k) {
+		if (v.engines[k]->dead || !pushes(*v.engines[k]) || (resetter < k && k < integrator))
+			continue;
+		return "the " + v.engines[k]->getClassName() + " stands "
+		        + (k < resetter ? "before the ForceResetter" : "after the NewtonIntegrator")
+		        + ", so its forces would be taken away before they move anything; put it "
+		          "between the two.";
 	}
+	return {};
+}
 
-	std::string integrator(const View& v)
-	{
-		const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
-		if (newton && newton->damping != 0)
-			return "NewtonIntegrator.damping = " + text(newton->damping)
-			        + " would damp the contact forces; set damping=0 (a restitution below 1 "
-			          "dissipates energy).";
-		if (newton && newton->densityScaling)
-			return "NewtonIntegrator.densityScaling is on; switch it off, the time step is not "
-			       "bound by a stiffness.";
-		return newton && newton->gravity[2] != 0
-		        ? "NewtonIntegrator.gravity = " + coordinates(newton->gravity)
-		                + " pulls out of the plane of the grains, which is x and y; set "
-		                  "gravity=(0, -9.81, 0)."
-		        : std::string();
+/// A servo reads the force on its body. ContactDynamics adds contact forces after it.
+std::string blindServo(const View& v)
+{
+	const int integrator = v.place<NewtonIntegrator>();
+	for (int k = 0; k < integrator; ++k)
+		if (!v.engines[k]->dead && v.engines[k]->getClassName() == "ServoPIDController")
+			return "the ServoPIDController stands before the NewtonIntegrator, so it would "
+			       "read forces without those of contacts; put it after the NewtonIntegrator.";
+	return {};
+}
+
+std::string wrongAttributes(const View& v)
+{
+	for (const auto& engine : v.engines) {
+		if (engine->dead) continue;
+		std::string message;
+		if (const auto* stress = dynamic_cast<const WallStress*>(engine.get()))
+			message = stress->invalidAttribute(v.scene);
+		if (const auto* solver = dynamic_cast<const ContactDynamics*>(engine.get()))
+			message = solver->invalidAttribute();
+		if (!message.empty()) return message;
 	}
+	return {};
+}
 
-	std::string timeStepper(const View& v)
-	{
-		const TimeStepper* stepper = v.first<TimeStepper>();
-		if (!stepper || !stepper->active) return {};
-		return "the " + stepper->getClassName()
-		        + " would set O.dt from stiffnesses, which rigid contacts do not have; remove it "
-		          "and set O.dt by the accuracy you need.";
+std::string timeStep(const View& v)
+{
+	const Real dt = v.scene.dt;
+	return dt > 0 && math::isfinite(dt)
+	        ? std::string()
+	        : "O.dt = " + text(dt) + "; expected a finite time step > 0.";
+}
+
+std::string finiteMotion(const View& v)
+{
+	const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
+	if (!newton) return {};
+	if (!math::isfinite(newton->gravity.sum()))
+		return "NewtonIntegrator.gravity = " + coordinates(newton->gravity)
+		        + "; expected finite accelerations, as gravity=(0, -9.81, 0).";
+	return math::isfinite(newton->damping) ? std::string()
+	                                       : "NewtonIntegrator.damping = "
+	                + text(newton->damping) + "; expected a finite share, 0 for none.";
+}
+
+std::string integrator(const View& v)
+{
+	const NewtonIntegrator* newton = v.first<NewtonIntegrator>();
+	if (newton && newton->damping != 0)
+		return "NewtonIntegrator.damping = " + text(newton->damping)
+		        + " would damp the contact forces; set damping=0 (a restitution below 1 "
+		          "dissipates energy).";
+	if (newton && newton->densityScaling)
+		return "NewtonIntegrator.densityScaling is on; switch it off, the time step is not "
+		       "bound by a stiffness.";
+	return newton && newton->gravity[2] != 0
+	        ? "NewtonIntegrator.gravity = " + coordinates(newton->gravity)
+	                + " pulls out of the plane of the grains, which is x and y; set "
+	                  "gravity=(0, -9.81, 0)."
+	        : std::string();
+}
+
+std::string timeStepper(const View& v)
+{
+	const TimeStepper* stepper = v.first<TimeStepper>();
+	if (!stepper || !stepper->active) return {};
+	return "the " + stepper->getClassName()
+	        + " would set O.dt from stiffnesses, which rigid contacts do not have; remove it "
+	          "and set O.dt by the accuracy you need.";
+}
+
+/// Without contacts, YADE's stepper uses the wave speed of spheres, and 1 s without spheres.
+std::string firstTimeStep(const View& v)
+{
+	const auto* stepper = v.first<GlobalStiffnessTimeStepper>();
+	if (!stepper || !stepper->active || stepper->defaultDt > 0 || !v.body<Rcr>()) return {};
+	return "GlobalStiffnessTimeStepper.defaultDt = " + text(stepper->defaultDt)
+	        + " would set O.dt = 1 s while no Rcrs touch; set defaultDt = 0.5 * "
+	          "rcr.critical_time_step().";
+}
+
+std::string bounds(const View& v)
+{
+	const Collider* collider = v.first<Collider>();
+	if (!collider) return {};
+	for (const auto& b : *v.scene.bodies) {
+		if (!b || !b->shape || b->isClump() || !b->isBounded()
+		        || collider->boundDispatcher->getFunctor1D(b->shape))
+			continue;
+		const std::string shape = b->shape->getClassName();
+		return "the collider has no Bo1_" + shape + "_Aabb, so " + named({ b->getId() })
+		        + " would meet nothing; put Bo1_" + shape + "_Aabb() into its list.";
 	}
+	return {};
+}
 
-	/// Without contacts, YADE's stepper uses the wave speed of spheres, and 1 s without spheres.
-	std::string firstTimeStep(const View& v)
-	{
-		const auto* stepper = v.first<GlobalStiffnessTimeStepper>();
-		if (!stepper || !stepper->active || stepper->defaultDt > 0 || !v.body<Rcr>()) return {};
-		return "GlobalStiffnessTimeStepper.defaultDt = " + text(stepper->defaultDt)
-		        + " would set O.dt = 1 s while no Rcrs touch; set defaultDt = 0.5 * "
-		          "rcr.critical_time_step().";
-	}
-
-	std::string bounds(const View& v)
-	{
-		const Collider* collider = v.first<Collider>();
-		if (!collider) return {};
-		for (const auto& b : *v.scene.bodies) {
-			if (!b || !b->shape || b->isClump() || !b->isBounded()
-			        || collider->boundDispatcher->getFunctor1D(b->shape))
-				continue;
-			const std::string shape = b->shape->getClassName();
-			return "the collider has no Bo1_" + shape + "_Aabb, so " + named({ b->getId() })
-			        + " would meet nothing; put Bo1_" + shape + "_Aabb() into its list.";
-		}
-		return {};
-	}
-
-} // namespace validation
-} // namespace yade
+} // namespace yade::validation

@@ -4,255 +4,249 @@
 #include <set>
 #include <tuple>
 
-#include <pkg/common/Collider.hpp>
-#include <pkg/common/Facet.hpp>
-#include <pkg/common/Wall.hpp>
-
 #include "dem/validation/SceneView.hpp"
 #include "dem/shapes/planarShape.hpp"
 
-namespace yade {
-namespace validation {
+namespace yade::validation {
 
-	namespace {
+namespace {
 
-		constexpr double deepOverlap = 0.01; // over R₁ + R₂; beds at rest and flows stay below 5e-3
+	constexpr double deepOverlap = 0.01; // over R₁ + R₂; beds at rest and flows stay below 5e-3
 
-		/// Properties of a body that decide which bodies it may meet.
-		struct Party {
-			const Body* body;
-			// loads and contacts do not move it, or it is a line, which meets grains only
-			bool        still;
-			Body::id_t  clump; // ID_NONE for a single body
-		};
+	/// Properties of a body that decide which bodies it may meet.
+	struct Party {
+		const Body* body;
+		// loads and contacts do not move it, or it is a line, which meets grains only
+		bool        still;
+		Body::id_t  clump; // ID_NONE for a single body
+	};
 
-		Party partyOf(const Body& b, const Scene& scene)
-		{
-			const Body& moved = b.isClumpMember() ? *(*scene.bodies)[b.clumpId] : b;
-			const bool  line  = !isGrain(b)
-			        && (dynamic_cast<const Wall*>(b.shape.get())
-			                || dynamic_cast<const Facet*>(b.shape.get()));
-			return { &b, line || moved.state->blockedDOFs == State::DOF_ALL,
-				b.isClumpMember() ? b.clumpId : Body::ID_NONE };
-		}
+	Party partyOf(const Body& b, const Scene& scene)
+	{
+		const Body& moved = b.isClumpMember() ? *(*scene.bodies)[b.clumpId] : b;
+		const bool  line  = !isGrain(b)
+		        && (dynamic_cast<const Wall*>(b.shape.get())
+		                || dynamic_cast<const Facet*>(b.shape.get()));
+		return { &b, line || moved.state->blockedDOFs == State::DOF_ALL,
+			b.isClumpMember() ? b.clumpId : Body::ID_NONE };
+	}
 
-		bool ofOneClump(const Party& one, const Party& two)
-		{
-			return one.clump == two.clump && one.clump != Body::ID_NONE;
-		}
+	bool ofOneClump(const Party& one, const Party& two)
+	{
+		return one.clump == two.clump && one.clump != Body::ID_NONE;
+	}
 
-		/// YADE's rule (Collider::mayCollide); in addition, one of the two must be movable.
-		bool mayMeet(const Party& one, const Party& two, const Collider* collider)
-		{
-			if ((one.still && two.still) || ofOneClump(one, two) || one.body == two.body)
-				return false;
-			const auto mask1 = one.body->groupMask, mask2 = two.body->groupMask;
-			return (mask1 & mask2) != 0
-			        && !(mask1 == mask2 && collider
-			                && (mask1 & collider->avoidSelfInteractionMask) != 0);
-		}
+	/// YADE's rule (Collider::mayCollide); in addition, one of the two must be movable.
+	bool mayMeet(const Party& one, const Party& two, const Collider* collider)
+	{
+		if ((one.still && two.still) || ofOneClump(one, two) || one.body == two.body)
+			return false;
+		const auto mask1 = one.body->groupMask, mask2 = two.body->groupMask;
+		return (mask1 & mask2) != 0
+		        && !(mask1 == mask2 && collider
+		                && (mask1 & collider->avoidSelfInteractionMask) != 0);
+	}
 
-		bool takesPart(const shared_ptr<Body>& b)
-		{
-			return b && b->shape && !b->isClump() && b->isBounded();
-		}
+	bool takesPart(const shared_ptr<Body>& b)
+	{
+		return b && b->shape && !b->isClump() && b->isBounded();
+	}
 
-		/// "Sphere and Rcr (bodies #1, #2)"
-		std::string shapesOf(const Body& one, const Body& two)
-		{
-			return one.shape->getClassName() + " and " + two.shape->getClassName() + " (bodies #"
-			        + std::to_string(one.getId()) + ", #" + std::to_string(two.getId()) + ')';
-		}
+	/// "Sphere and Rcr (bodies #1, #2)"
+	std::string shapesOf(const Body& one, const Body& two)
+	{
+		return one.shape->getClassName() + " and " + two.shape->getClassName() + " (bodies #"
+		        + std::to_string(one.getId()) + ", #" + std::to_string(two.getId()) + ')';
+	}
 
-		/// Name of the functor of rcr for two shapes in any order; empty: none.
-		std::string functorFor(std::string shape1, std::string shape2)
-		{
-			// obstacles first
-			const std::vector<std::string> supported { "Wall", "Box", "Facet", "Sphere", "Rcr" };
-			const auto                     rank = [&](const std::string& shape) {
+	/// Name of the functor of rcr for two shapes in any order; empty: none.
+	std::string functorFor(std::string shape1, std::string shape2)
+	{
+		// obstacles first
+		const std::vector<std::string> supported { "Wall", "Box", "Facet", "Sphere", "Rcr" };
+		const auto                     rank = [&](const std::string& shape) {
                 return std::find(supported.begin(), supported.end(), shape) - supported.begin();
-			};
-			if (rank(shape1) > rank(shape2)) std::swap(shape1, shape2);
-			const bool exists = rank(shape2) == 3 || rank(shape2) == 4;
-			return exists ? "Ig2_" + shape1 + '_' + shape2 + "_RcrGeom" : std::string();
+		};
+		if (rank(shape1) > rank(shape2)) std::swap(shape1, shape2);
+		const bool exists = rank(shape2) == 3 || rank(shape2) == 4;
+		return exists ? "Ig2_" + shape1 + '_' + shape2 + "_RcrGeom" : std::string();
+	}
+
+	/// A body and its position before its first step.
+	struct Placed {
+		Party            party;
+		rcr::PlanarShape shape;
+		// fractions of the edges of a periodic cell, 0 to 1; else coordinates
+		Vector3r         at;
+		double           reach; // half its largest extent along the first of these axes
+	};
+
+	/// Pairs that overlap before their first step.
+	class FirstOverlaps {
+	public:
+		FirstOverlaps(const View& v, Real z) : scene_(v.scene), collider_(v.first<Collider>())
+		{
+			if (scene_.isPeriodic) edges_ = scene_.cell->hSize;
+			const Matrix3r      inverse = edges_.inverse();
+			std::vector<Placed> grains, obstacles;
+			for (const auto& b : *scene_.bodies) {
+				if (!takesPart(b)) continue;
+				Placed p { partyOf(*b, scene_), plane::shapeOf(*b->shape, *b->state, z),
+					inverse * b->state->pos, 0 };
+				if (scene_.isPeriodic) p.at -= Vector3r(p.at.array().floor());
+				p.reach = double(inverse.row(0).norm()) * p.shape.radius();
+				if (p.shape.kind != rcr::PlanarShape::none)
+					(p.shape.grain() ? grains : obstacles).push_back(p);
+			}
+			for (const Placed& obstacle : obstacles)
+				for (const Placed& grain : grains)
+					check(obstacle, grain);
+			checkGrains(grains);
 		}
 
-		/// A body and its position before its first step.
-		struct Placed {
-			Party            party;
-			rcr::PlanarShape shape;
-			// fractions of the edges of a periodic cell, 0 to 1; else coordinates
-			Vector3r         at;
-			double           reach; // half its largest extent along the first of these axes
-		};
+		// number of pairs; of those with a grain on the inactive side of a wall
+		long       pairs = 0, behind = 0;
+		double     depth = 0, share = 0;  // deepest overlap [m]; the same over R₁ + R₂
+		Body::id_t one = 0, two = 0;      // the deepest pair
+		Body::id_t wall = 0, grain = 0;   // the first grain behind a wall
 
-		/// Pairs that overlap before their first step.
-		class FirstOverlaps {
-		public:
-			FirstOverlaps(const View& v, Real z) : scene_(v.scene), collider_(v.first<Collider>())
-			{
-				if (scene_.isPeriodic) edges_ = scene_.cell->hSize;
-				const Matrix3r      inverse = edges_.inverse();
-				std::vector<Placed> grains, obstacles;
-				for (const auto& b : *scene_.bodies) {
-					if (!takesPart(b)) continue;
-					Placed p { partyOf(*b, scene_), plane::shapeOf(*b->shape, *b->state, z),
-						inverse * b->state->pos, 0 };
-					if (scene_.isPeriodic) p.at -= Vector3r(p.at.array().floor());
-					p.reach = double(inverse.row(0).norm()) * p.shape.radius();
-					if (p.shape.kind != rcr::PlanarShape::none)
-						(p.shape.grain() ? grains : obstacles).push_back(p);
+	private:
+		/// Checks all pairs of grains, sorted along the first axis; periodic cells wrap around.
+		void checkGrains(std::vector<Placed>& grains)
+		{
+			double largest = 0;
+			for (const Placed& p : grains)
+				largest = std::max(largest, p.reach);
+			std::sort(grains.begin(), grains.end(),
+			        [](const Placed& a, const Placed& b) { return a.at[0] < b.at[0]; });
+			const std::size_t n = grains.size();
+			for (std::size_t i = 0; i < n; ++i)
+				for (std::size_t j = i + 1; j < (scene_.isPeriodic ? i + n : n); ++j) {
+					const Placed& other = grains[j % n];
+					if (double(other.at[0] - grains[i].at[0]) + (j < n ? 0 : 1)
+					        > grains[i].reach + largest)
+						break;
+					const bool ordered = grains[i].shape.kind <= other.shape.kind;
+					check(ordered ? grains[i] : other, ordered ? other : grains[i]);
 				}
-				for (const Placed& obstacle : obstacles)
-					for (const Placed& grain : grains)
-						check(obstacle, grain);
-				checkGrains(grains);
-			}
-
-			// number of pairs; of those with a grain on the inactive side of a wall
-			long       pairs = 0, behind = 0;
-			double     depth = 0, share = 0;  // deepest overlap [m]; the same over R₁ + R₂
-			Body::id_t one = 0, two = 0;      // the deepest pair
-			Body::id_t wall = 0, grain = 0;   // the first grain behind a wall
-
-		private:
-			/// Checks all pairs of grains, sorted along the first axis; periodic cells wrap around.
-			void checkGrains(std::vector<Placed>& grains)
-			{
-				double largest = 0;
-				for (const Placed& p : grains)
-					largest = std::max(largest, p.reach);
-				std::sort(grains.begin(), grains.end(),
-				        [](const Placed& a, const Placed& b) { return a.at[0] < b.at[0]; });
-				const std::size_t n = grains.size();
-				for (std::size_t i = 0; i < n; ++i)
-					for (std::size_t j = i + 1; j < (scene_.isPeriodic ? i + n : n); ++j) {
-						const Placed& other = grains[j % n];
-						if (double(other.at[0] - grains[i].at[0]) + (j < n ? 0 : 1)
-						        > grains[i].reach + largest)
-							break;
-						const bool ordered = grains[i].shape.kind <= other.shape.kind;
-						check(ordered ? grains[i] : other, ordered ? other : grains[i]);
-					}
-			}
-
-			void check(const Placed& a, const Placed& b)
-			{
-				Vector3r apart = b.at - a.at;
-				// the nearest image
-				if (scene_.isPeriodic) apart -= Vector3r(apart.array().round());
-				const rcr::Vec2 from { plane::toPlane(edges_ * a.at) },
-				        way { plane::toPlane(edges_ * apart) };
-				const double    most = a.shape.radius() + b.shape.radius();
-				if (a.shape.kind != rcr::PlanarShape::wall && dot(way, way) > most * most) return;
-				if (!mayMeet(a.party, b.party, collider_)) return;
-				const rcr::Manifold m = rcr::contactPoints(a.shape,
-				        { from, plane::turnOf(a.shape, *a.party.body->state).axis() }, b.shape,
-				        { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() }, 0);
-				const double deepest = m.deepest();
-				const double part    = deepest / rcr::contactSize(a.shape, b.shape);
-				if (part <= deepOverlap) return;
-				const shared_ptr<Interaction> known
-				        = scene_.interactions->find(a.party.body->getId(), b.party.body->getId());
-				if (known && known->isReal()) return;
-				++pairs;
-				if (isBehind(*a.party.body, way) && behind++ == 0)
-					wall = a.party.body->getId(), grain = b.party.body->getId();
-				if (part <= share) return;
-				depth = deepest, share = part;
-				one = std::min(a.party.body->getId(), b.party.body->getId()),
-				two = std::max(a.party.body->getId(), b.party.body->getId());
-			}
-
-			static bool isBehind(const Body& obstacle, rcr::Vec2 way)
-			{
-				const Wall* line = dynamic_cast<const Wall*>(obstacle.shape.get());
-				return line && line->sense * (line->axis == 0 ? way.x : way.y) < 0;
-			}
-
-			const Scene&    scene_;
-			const Collider* collider_;
-			Matrix3r        edges_ = Matrix3r::Identity();
-		};
-
-	} // namespace
-
-	std::string unsupportedPairs(const View& v)
-	{
-		if (!v.loop) return {};
-		// two bodies of each kind, not of one clump, represent all
-		std::map<std::tuple<int, bool, mask_t>, std::vector<Party>> kinds;
-		for (const auto& b : *v.scene.bodies) {
-			if (!takesPart(b)) continue;
-			const Party party = partyOf(*b, v.scene);
-			auto&       some  = kinds[{ b->shape->getClassIndex(), party.still, b->groupMask }];
-			if (some.empty() || (some.size() == 1 && !ofOneClump(some.front(), party)))
-				some.push_back(party);
 		}
-		std::string           pairs, functors;
-		std::set<std::string> reported;
-		const auto            report = [&](const Body& one, const Body& two) {
-			shared_ptr<Shape> shape1 = one.shape, shape2 = two.shape;
-			bool              swap;
-			const std::string functor = functorFor(shape1->getClassName(), shape2->getClassName());
-			if (functor.empty() || v.loop->geomDispatcher->getFunctor2D(shape1, shape2, swap)
-			        || !reported.insert(functor).second)
-				return;
-			pairs += (pairs.empty() ? "" : ", ") + shapesOf(one, two);
-			functors += (functors.empty() ? "" : ", ") + functor + "()";
-		};
-		for (auto kind = kinds.begin(); kind != kinds.end(); ++kind)
-			for (auto other = kind; other != kinds.end(); ++other)
-				for (const Party& one : kind->second)
-					for (const Party& two : other->second)
-						if (mayMeet(one, two, v.first<Collider>())) report(*one.body, *two.body);
-		if (pairs.empty()) return {};
-		return "no Ig2 functor of the InteractionLoop handles " + pairs
-		        + ", so they would pass through each other. Add " + functors
-		        + " to its first list, or give bodies that must not meet a Body.mask without a "
-		          "common bit.";
-	}
 
-	void checkSupported(const Interaction& i, const Scene& scene)
-	{
-		const Body &one = *(*scene.bodies)[i.getId1()], &two = *(*scene.bodies)[i.getId2()];
-		if (partyOf(one, scene).still && partyOf(two, scene).still) return;
-		const std::string functor
-		        = functorFor(one.shape->getClassName(), two.shape->getClassName());
-		refuse("no Ig2 functor of the InteractionLoop handles " + shapesOf(one, two)
-		        + ", so they would pass through each other. "
-		        + (functor.empty() ? "Make such shapes from Wall, Box, Facet, Sphere or Rcr; "
-		                             "obstacles meet Spheres and Rcrs."
-		                           : "Add " + functor + " to its first list."));
-	}
-
-	std::string overlapWarning(const Scene& scene)
-	{
-		const View v(scene);
-		const Real z = planeOf(scene);
-		if ((v.law != rigid && v.law != smooth) || math::isnan(z)) return {};
-		const FirstOverlaps found(v, z);
-		if (found.pairs == 0) return {};
-		if (found.behind > 0) {
-			const Wall& wall = static_cast<const Wall&>(*(*scene.bodies)[found.wall]->shape);
-			return named({ found.grain })
-			        + (found.behind > 1 ? " and " + std::to_string(found.behind - 1) + " more lie"
-			                            : " lies")
-			        + " behind a wall, " + named({ found.wall }) + ", which acts towards "
-			        + (wall.sense > 0 ? '+' : '-') + "xy"[wall.axis] + " only (sense="
-			        + std::to_string(wall.sense) + "): such a grain goes through it. Set sense="
-			        + std::to_string(-wall.sense) + ", or 0 for both sides, or move them.";
+		void check(const Placed& a, const Placed& b)
+		{
+			Vector3r apart = b.at - a.at;
+			// the nearest image
+			if (scene_.isPeriodic) apart -= Vector3r(apart.array().round());
+			const rcr::Vec2 from { plane::toPlane(edges_ * a.at) },
+			        way { plane::toPlane(edges_ * apart) };
+			const double    most = a.shape.radius() + b.shape.radius();
+			if (a.shape.kind != rcr::PlanarShape::wall && dot(way, way) > most * most) return;
+			if (!mayMeet(a.party, b.party, collider_)) return;
+			const rcr::Manifold m = rcr::contactPoints(a.shape,
+			        { from, plane::turnOf(a.shape, *a.party.body->state).axis() }, b.shape,
+			        { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() }, 0);
+			const double deepest = m.deepest();
+			const double part    = deepest / rcr::contactSize(a.shape, b.shape);
+			if (part <= deepOverlap) return;
+			const shared_ptr<Interaction> known
+			        = scene_.interactions->find(a.party.body->getId(), b.party.body->getId());
+			if (known && known->isReal()) return;
+			++pairs;
+			if (isBehind(*a.party.body, way) && behind++ == 0)
+				wall = a.party.body->getId(), grain = b.party.body->getId();
+			if (part <= share) return;
+			depth = deepest, share = part;
+			one = std::min(a.party.body->getId(), b.party.body->getId()),
+			two = std::max(a.party.body->getId(), b.party.body->getId());
 		}
-		return named({ found.one, found.two }) + " overlap by " + text(found.depth, 3) + " m, "
-		        + text(found.share, 3) + " of R₁ + R₂, before their first step"
-		        + (found.pairs > 1 ? ", and " + std::to_string(found.pairs - 1)
-		                                + " more pairs less deeply. "
-		                           : std::string(". "))
-		        + (v.law == rigid
-		                        ? "Rigid contacts take back at most 1e-4 R of it in a step"
-		                        : "Springs begin with the force of it, and throw the bodies apart")
-		        + ": place them apart, or join them by rcr.clump.";
-	}
 
-} // namespace validation
-} // namespace yade
+		static bool isBehind(const Body& obstacle, rcr::Vec2 way)
+		{
+			const Wall* line = dynamic_cast<const Wall*>(obstacle.shape.get());
+			return line && line->sense * (line->axis == 0 ? way.x : way.y) < 0;
+		}
+
+		const Scene&    scene_;
+		const Collider* collider_;
+		Matrix3r        edges_ = Matrix3r::Identity();
+	};
+
+} // namespace
+
+std::string unsupportedPairs(const View& v)
+{
+	if (!v.loop) return {};
+	// two bodies of each kind, not of one clump, represent all
+	std::map<std::tuple<int, bool, mask_t>, std::vector<Party>> kinds;
+	for (const auto& b : *v.scene.bodies) {
+		if (!takesPart(b)) continue;
+		const Party party = partyOf(*b, v.scene);
+		auto&       some  = kinds[{ b->shape->getClassIndex(), party.still, b->groupMask }];
+		if (some.empty() || (some.size() == 1 && !ofOneClump(some.front(), party)))
+			some.push_back(party);
+	}
+	std::string           pairs, functors;
+	std::set<std::string> reported;
+	const auto            report = [&](const Body& one, const Body& two) {
+		shared_ptr<Shape> shape1 = one.shape, shape2 = two.shape;
+		bool              swap;
+		const std::string functor = functorFor(shape1->getClassName(), shape2->getClassName());
+		if (functor.empty() || v.loop->geomDispatcher->getFunctor2D(shape1, shape2, swap)
+		        || !reported.insert(functor).second)
+			return;
+		pairs += (pairs.empty() ? "" : ", ") + shapesOf(one, two);
+		functors += (functors.empty() ? "" : ", ") + functor + "()";
+	};
+	for (auto kind = kinds.begin(); kind != kinds.end(); ++kind)
+		for (auto other = kind; other != kinds.end(); ++other)
+			for (const Party& one : kind->second)
+				for (const Party& two : other->second)
+					if (mayMeet(one, two, v.first<Collider>())) report(*one.body, *two.body);
+	if (pairs.empty()) return {};
+	return "no Ig2 functor of the InteractionLoop handles " + pairs
+	        + ", so they would pass through each other. Add " + functors
+	        + " to its first list, or give bodies that must not meet a Body.mask without a "
+	          "common bit.";
+}
+
+void checkSupported(const Interaction& i, const Scene& scene)
+{
+	const Body &one = *(*scene.bodies)[i.getId1()], &two = *(*scene.bodies)[i.getId2()];
+	if (partyOf(one, scene).still && partyOf(two, scene).still) return;
+	const std::string functor
+	        = functorFor(one.shape->getClassName(), two.shape->getClassName());
+	refuse("no Ig2 functor of the InteractionLoop handles " + shapesOf(one, two)
+	        + ", so they would pass through each other. "
+	        + (functor.empty() ? "Make such shapes from Wall, Box, Facet, Sphere or Rcr; "
+	                             "obstacles meet Spheres and Rcrs."
+	                           : "Add " + functor + " to its first list."));
+}
+
+std::string overlapWarning(const Scene& scene)
+{
+	const View v(scene);
+	const Real z = planeOf(scene);
+	if ((v.law != rigid && v.law != smooth) || math::isnan(z)) return {};
+	const FirstOverlaps found(v, z);
+	if (found.pairs == 0) return {};
+	if (found.behind > 0) {
+		const Wall& wall = static_cast<const Wall&>(*(*scene.bodies)[found.wall]->shape);
+		return named({ found.grain })
+		        + (found.behind > 1 ? " and " + std::to_string(found.behind - 1) + " more lie"
+		                            : " lies")
+		        + " behind a wall, " + named({ found.wall }) + ", which acts towards "
+		        + (wall.sense > 0 ? '+' : '-') + "xy"[wall.axis] + " only (sense="
+		        + std::to_string(wall.sense) + "): such a grain goes through it. Set sense="
+		        + std::to_string(-wall.sense) + ", or 0 for both sides, or move them.";
+	}
+	return named({ found.one, found.two }) + " overlap by " + text(found.depth, 3) + " m, "
+	        + text(found.share, 3) + " of R₁ + R₂, before their first step"
+	        + (found.pairs > 1 ? ", and " + std::to_string(found.pairs - 1)
+	                                + " more pairs less deeply. "
+	                           : std::string(". "))
+	        + (v.law == rigid
+	                        ? "Rigid contacts take back at most 1e-4 R of it in a step"
+	                        : "Springs begin with the force of it, and throw the bodies apart")
+	        + ": place them apart, or join them by rcr.clump.";
+}
+
+} // namespace yade::validation

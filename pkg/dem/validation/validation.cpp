@@ -1,312 +1,304 @@
 #include "dem/validation/SceneView.hpp"
 
-#include <core/TimeStepper.hpp>
-#include <pkg/common/Collider.hpp>
-#include <pkg/common/ForceResetter.hpp>
-#include <pkg/common/InsertionSortCollider.hpp>
-#include <pkg/common/Sphere.hpp>
-
 #include "dem/engine/CellStress.hpp"
 #include "dem/shapes/Rcr.hpp"
 #include "dem/contacts/RcrGeom.hpp"
 #include "dem/validation/deferredError.hpp"
 
-namespace yade {
-namespace validation {
+namespace yade::validation {
 
-	namespace {
+namespace {
 
-		// ---- engines
+	// ---- engines
 
-		template <class Kind> std::string missing(const View& v, const char* name, const char* why)
-		{
-			if (v.place<Kind>() >= 0) return {};
-			return std::string("O.engines holds no ") + name
-			        + (v.dead<Kind>() ? " that is not dead, " : ", ") + why;
-		}
-
-		template <class Kind> std::string twice(const View& v, const char* name)
-		{
-			const int count = v.count<Kind>();
-			return count < 2 ? std::string()
-			                 : "O.engines holds " + std::to_string(count) + " of " + name
-			                + "; expected one: remove the others.";
-		}
-
-		template <class Before, class After> std::string order(const View& v, const char* text)
-		{
-			const int before = v.place<Before>(), after = v.place<After>();
-			return before >= 0 && after >= 0 && before > after ? text : std::string();
-		}
-
-		// ---- functors
-
-		std::string mixedLaws(const View& v)
-		{
-			if (v.law != both) return {};
-			const char* with = v.place<ContactDynamics>() >= 0 ? "the engine ContactDynamics"
-			        : has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(v.loop->lawDispatcher->functors)
-			        ? "Law2_RcrGeom_CdPhys_SignoriniCoulomb"
-			        : "Ip2_FrictMat_FrictMat_CdPhys";
-			return std::string("O.engines mix Law2_RcrGeom_FrictPhys_CundallStrack, the smooth "
-			                   "law, with ")
-			        + with
-			        + ". Smooth contacts need Ip2_FrictMat_FrictMat_FrictPhys, this law and no "
-			          "ContactDynamics; rigid ones "
-			          "Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb and "
-			          "ContactDynamics before the NewtonIntegrator.";
-		}
-
-		std::string noLaw(const View& v)
-		{
-			if (!v.loop || !v.body<Rcr>()) return {};
-			return "the InteractionLoop has no law for Rcrs; put "
-			       "Law2_RcrGeom_CdPhys_SignoriniCoulomb (with ContactDynamics) or "
-			       "Law2_RcrGeom_FrictPhys_CundallStrack into its third list.";
-		}
-
-		std::string rigidFunctors(const View& v)
-		{
-			if (!v.loop) return {};
-			bool                 swap;
-			shared_ptr<Material> material = boost::make_shared<FrictMat>();
-			if (!dynamic_cast<Ip2_FrictMat_FrictMat_CdPhys*>(
-			            v.loop->physDispatcher->getFunctor2D(material, material, swap).get()))
-				return "the InteractionLoop has no Ip2_FrictMat_FrictMat_CdPhys for two FrictMats; "
-				       "put it into its second list.";
-			shared_ptr<IGeom> geom = boost::make_shared<RcrGeom>();
-			shared_ptr<IPhys> phys = boost::make_shared<CdPhys>();
-			if (!dynamic_cast<Law2_RcrGeom_CdPhys_SignoriniCoulomb*>(
-			            v.loop->lawDispatcher->getFunctor2D(geom, phys, swap).get()))
-				return "the InteractionLoop has no Law2_RcrGeom_CdPhys_SignoriniCoulomb; put it "
-				       "into its third list.";
-			return {};
-		}
-
-		std::string smoothFunctors(const View& v)
-		{
-			bool                 swap;
-			shared_ptr<Material> material = boost::make_shared<FrictMat>();
-			if (v.loop && !v.loop->physDispatcher->getFunctor2D(material, material, swap))
-				return "the InteractionLoop has no Ip2_FrictMat_FrictMat_FrictPhys; put it into "
-				       "its second list.";
-			return {};
-		}
-
-		/// Ig2 functors whose contacts the laws of rcr cannot solve.
-		std::string foreignGeometry(const View& v)
-		{
-			if (!v.loop) return {};
-			for (const auto& functor : v.loop->geomDispatcher->functors) {
-				if (dynamic_cast<const Ig2_Planar_RcrGeom*>(functor.get())) continue;
-				const std::string name = functor->getClassName(),
-				                  pair = name.substr(0, name.rfind('_'));
-				return name + " makes contacts that "
-				        + (v.law == rigid ? "ContactDynamics does"
-				                          : "Law2_RcrGeom_FrictPhys_CundallStrack does")
-				        + " not solve; take "
-				        + (pair.rfind("Ig2_", 0) == 0 ? pair + "_RcrGeom" : "an Ig2_…_RcrGeom")
-				        + " instead.";
-			}
-			return {};
-		}
-
-		/// A row of the table: a rule for scenes with these laws.
-		struct Rule {
-			int laws;
-			std::string (*message)(const View&);
-		};
-
-		// clang-format off
-		const Rule rules[] = {
-			{ neither, noLaw },
-			{ both,    mixedLaws },
-			{ both,    [](const View& v) { return missing<NewtonIntegrator>(v, "NewtonIntegrator", "so nothing would move; append NewtonIntegrator(damping=0)."); } },
-			{ both,    [](const View& v) { return missing<InteractionLoop>(v, "InteractionLoop", "so there are no contacts; put one after the collider."); } },
-			{ both,    [](const View& v) { return missing<Collider>(v, "collider", "so no bodies would meet; put InsertionSortCollider([Bo1_Rcr_Aabb(), …]) before the InteractionLoop."); } },
-			{ both,    [](const View& v) { return missing<ForceResetter>(v, "ForceResetter", "so forces would add up from step to step; put ForceResetter() first."); } },
-			{ rigid,   [](const View& v) { return missingSolver(v.scene); } },
-			{ both,    [](const View& v) { return twice<NewtonIntegrator>(v, "NewtonIntegrator"); } },
-			{ both,    [](const View& v) { return twice<InteractionLoop>(v, "InteractionLoop"); } },
-			{ both,    [](const View& v) { return twice<ContactDynamics>(v, "ContactDynamics"); } },
-			{ both,    [](const View& v) { return twice<Collider>(v, "the collider"); } },
-			{ both,    [](const View& v) { return twice<CellStress>(v, "CellStress"); } },
-			{ both,    [](const View& v) { return order<ForceResetter, InteractionLoop>(v, "the ForceResetter stands after the InteractionLoop, so it would take its forces away; put it first."); } },
-			{ both,    [](const View& v) { return order<Collider, InteractionLoop>(v, "the collider stands after the InteractionLoop; put it before."); } },
-			{ rigid,   [](const View& v) { return order<InteractionLoop, ContactDynamics>(v, "ContactDynamics stands before the InteractionLoop, so it would solve the contacts of the step before; put it after."); } },
-			{ rigid,   [](const View& v) { return order<ContactDynamics, NewtonIntegrator>(v, "ContactDynamics stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
-			{ smooth,  [](const View& v) { return order<InteractionLoop, NewtonIntegrator>(v, "the InteractionLoop stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
-			{ rigid,   lateLoad },
-			{ both,    lostLoad },
-			{ rigid,   blindServo },
-			{ both,    timeStep },
-			{ both,    wrongAttributes },
-			{ both,    cellStress },
-			{ rigid,   [](const View& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
-			{ both,    finiteMotion },
-			{ rigid,   integrator },
-			{ rigid,   timeStepper },
-			{ smooth,  firstTimeStep },
-			{ both,    wallsInCell },
-			{ both,    bounds },
-			{ rigid,   rigidFunctors },
-			{ smooth,  smoothFunctors },
-			{ both,    foreignGeometry },
-			{ both,    materials },
-			{ both,    velocityGradient },
-			{ both,    smallCell },
-			{ both,    [](const View& v) { return firstInvalidBody(v.scene); } },
-			{ both,    obstaclesOutOfPlane },
-			{ both,    unsupportedPairs },
-		};
-		// clang-format on
-
-		/// Objects on which the rules depend and that seldom change.
-		Signature signature(const Scene& scene)
-		{
-			Signature  now { scene.bodies->size(), scene.isPeriodic, {} };
-			const auto add    = [&](const auto& object) { now.objects.emplace_back(object); };
-			const auto addAll = [&](const auto& functors) {
-				for (const auto& f : functors)
-					add(f);
-			};
-			now.objects.emplace_back(scene.weak_from_this());
-			for (const auto& e : scene.engines) {
-				add(e->dead ? shared_ptr<Engine>() : e);
-				if (const auto* loop = dynamic_cast<const InteractionLoop*>(e.get()))
-					addAll(loop->geomDispatcher->functors), addAll(loop->physDispatcher->functors),
-					        addAll(loop->lawDispatcher->functors);
-				if (const auto* collider = dynamic_cast<const Collider*>(e.get()))
-					addAll(collider->boundDispatcher->functors);
-				if (const auto* stepper = dynamic_cast<const TimeStepper*>(e.get()))
-					add(stepper->active ? e : shared_ptr<Engine>());
-			}
-			return now;
-		}
-
-	} // namespace
-
-	bool Signature::operator==(const Signature& other) const
+	template <class Kind> std::string missing(const View& v, const char* name, const char* why)
 	{
-		const auto same = [](const Object& a, const Object& b) {
-			return !a.owner_before(b) && !b.owner_before(a);
-		};
-		return bodies == other.bodies && periodic == other.periodic
-		        && std::equal(objects.begin(), objects.end(), other.objects.begin(),
-		                other.objects.end(), same);
+		if (v.place<Kind>() >= 0) return {};
+		return std::string("O.engines holds no ") + name
+		        + (v.dead<Kind>() ? " that is not dead, " : ", ") + why;
 	}
 
-	std::string refusal(const Scene& scene)
+	template <class Kind> std::string twice(const View& v, const char* name)
 	{
-		const View view(scene);
-		for (const Rule& rule : rules) {
-			const std::string message = rule.laws & view.law ? rule.message(view) : std::string();
-			if (!message.empty()) return message;
+		const int count = v.count<Kind>();
+		return count < 2 ? std::string()
+		                 : "O.engines holds " + std::to_string(count) + " of " + name
+		                + "; expected one: remove the others.";
+	}
+
+	template <class Before, class After> std::string order(const View& v, const char* text)
+	{
+		const int before = v.place<Before>(), after = v.place<After>();
+		return before >= 0 && after >= 0 && before > after ? text : std::string();
+	}
+
+	// ---- functors
+
+	std::string mixedLaws(const View& v)
+	{
+		if (v.law != both) return {};
+		const char* with = v.place<ContactDynamics>() >= 0 ? "the engine ContactDynamics"
+		        : has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(v.loop->lawDispatcher->functors)
+		        ? "Law2_RcrGeom_CdPhys_SignoriniCoulomb"
+		        : "Ip2_FrictMat_FrictMat_CdPhys";
+		return std::string("O.engines mix Law2_RcrGeom_FrictPhys_CundallStrack, the smooth "
+		                   "law, with ")
+		        + with
+		        + ". Smooth contacts need Ip2_FrictMat_FrictMat_FrictPhys, this law and no "
+		          "ContactDynamics; rigid ones "
+		          "Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb and "
+		          "ContactDynamics before the NewtonIntegrator.";
+	}
+
+	std::string noLaw(const View& v)
+	{
+		if (!v.loop || !v.body<Rcr>()) return {};
+		return "the InteractionLoop has no law for Rcrs; put "
+		       "Law2_RcrGeom_CdPhys_SignoriniCoulomb (with ContactDynamics) or "
+		       "Law2_RcrGeom_FrictPhys_CundallStrack into its third list.";
+	}
+
+	std::string rigidFunctors(const View& v)
+	{
+		if (!v.loop) return {};
+		bool                 swap;
+		shared_ptr<Material> material = boost::make_shared<FrictMat>();
+		if (!dynamic_cast<Ip2_FrictMat_FrictMat_CdPhys*>(
+		            v.loop->physDispatcher->getFunctor2D(material, material, swap).get()))
+			return "the InteractionLoop has no Ip2_FrictMat_FrictMat_CdPhys for two FrictMats; "
+			       "put it into its second list.";
+		shared_ptr<IGeom> geom = boost::make_shared<RcrGeom>();
+		shared_ptr<IPhys> phys = boost::make_shared<CdPhys>();
+		if (!dynamic_cast<Law2_RcrGeom_CdPhys_SignoriniCoulomb*>(
+		            v.loop->lawDispatcher->getFunctor2D(geom, phys, swap).get()))
+			return "the InteractionLoop has no Law2_RcrGeom_CdPhys_SignoriniCoulomb; put it "
+			       "into its third list.";
+		return {};
+	}
+
+	std::string smoothFunctors(const View& v)
+	{
+		bool                 swap;
+		shared_ptr<Material> material = boost::make_shared<FrictMat>();
+		if (v.loop && !v.loop->physDispatcher->getFunctor2D(material, material, swap))
+			return "the InteractionLoop has no Ip2_FrictMat_FrictMat_FrictPhys; put it into "
+			       "its second list.";
+		return {};
+	}
+
+	/// Ig2 functors whose contacts the laws of rcr cannot solve.
+	std::string foreignGeometry(const View& v)
+	{
+		if (!v.loop) return {};
+		for (const auto& functor : v.loop->geomDispatcher->functors) {
+			if (dynamic_cast<const Ig2_Planar_RcrGeom*>(functor.get())) continue;
+			const std::string name = functor->getClassName(),
+			                  pair = name.substr(0, name.rfind('_'));
+			return name + " makes contacts that "
+			        + (v.law == rigid ? "ContactDynamics does"
+			                          : "Law2_RcrGeom_FrictPhys_CundallStrack does")
+			        + " not solve; take "
+			        + (pair.rfind("Ig2_", 0) == 0 ? pair + "_RcrGeom" : "an Ig2_…_RcrGeom")
+			        + " instead.";
 		}
 		return {};
 	}
 
-	std::string missingSolver(const Scene& scene)
+	/// A row of the table: a rule for scenes with these laws.
+	struct Rule {
+		int laws;
+		std::string (*message)(const View&);
+	};
+
+	// clang-format off
+	const Rule rules[] = {
+		{ neither, noLaw },
+		{ both,    mixedLaws },
+		{ both,    [](const View& v) { return missing<NewtonIntegrator>(v, "NewtonIntegrator", "so nothing would move; append NewtonIntegrator(damping=0)."); } },
+		{ both,    [](const View& v) { return missing<InteractionLoop>(v, "InteractionLoop", "so there are no contacts; put one after the collider."); } },
+		{ both,    [](const View& v) { return missing<Collider>(v, "collider", "so no bodies would meet; put InsertionSortCollider([Bo1_Rcr_Aabb(), …]) before the InteractionLoop."); } },
+		{ both,    [](const View& v) { return missing<ForceResetter>(v, "ForceResetter", "so forces would add up from step to step; put ForceResetter() first."); } },
+		{ rigid,   [](const View& v) { return missingSolver(v.scene); } },
+		{ both,    [](const View& v) { return twice<NewtonIntegrator>(v, "NewtonIntegrator"); } },
+		{ both,    [](const View& v) { return twice<InteractionLoop>(v, "InteractionLoop"); } },
+		{ both,    [](const View& v) { return twice<ContactDynamics>(v, "ContactDynamics"); } },
+		{ both,    [](const View& v) { return twice<Collider>(v, "the collider"); } },
+		{ both,    [](const View& v) { return twice<CellStress>(v, "CellStress"); } },
+		{ both,    [](const View& v) { return order<ForceResetter, InteractionLoop>(v, "the ForceResetter stands after the InteractionLoop, so it would take its forces away; put it first."); } },
+		{ both,    [](const View& v) { return order<Collider, InteractionLoop>(v, "the collider stands after the InteractionLoop; put it before."); } },
+		{ rigid,   [](const View& v) { return order<InteractionLoop, ContactDynamics>(v, "ContactDynamics stands before the InteractionLoop, so it would solve the contacts of the step before; put it after."); } },
+		{ rigid,   [](const View& v) { return order<ContactDynamics, NewtonIntegrator>(v, "ContactDynamics stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
+		{ smooth,  [](const View& v) { return order<InteractionLoop, NewtonIntegrator>(v, "the InteractionLoop stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
+		{ rigid,   lateLoad },
+		{ both,    lostLoad },
+		{ rigid,   blindServo },
+		{ both,    timeStep },
+		{ both,    wrongAttributes },
+		{ both,    cellStress },
+		{ rigid,   [](const View& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
+		{ both,    finiteMotion },
+		{ rigid,   integrator },
+		{ rigid,   timeStepper },
+		{ smooth,  firstTimeStep },
+		{ both,    wallsInCell },
+		{ both,    bounds },
+		{ rigid,   rigidFunctors },
+		{ smooth,  smoothFunctors },
+		{ both,    foreignGeometry },
+		{ both,    materials },
+		{ both,    velocityGradient },
+		{ both,    smallCell },
+		{ both,    [](const View& v) { return firstInvalidBody(v.scene); } },
+		{ both,    obstaclesOutOfPlane },
+		{ both,    unsupportedPairs },
+	};
+	// clang-format on
+
+	/// Objects on which the rules depend and that seldom change.
+	Signature signature(const Scene& scene)
 	{
-		return missing<ContactDynamics>(View(scene), "ContactDynamics",
-		        "so rigid contacts would carry nothing; put ContactDynamics() between the "
-		        "InteractionLoop and the NewtonIntegrator.");
+		Signature  now { scene.bodies->size(), scene.isPeriodic, {} };
+		const auto add    = [&](const auto& object) { now.objects.emplace_back(object); };
+		const auto addAll = [&](const auto& functors) {
+			for (const auto& f : functors)
+				add(f);
+		};
+		now.objects.emplace_back(scene.weak_from_this());
+		for (const auto& e : scene.engines) {
+			add(e->dead ? shared_ptr<Engine>() : e);
+			if (const auto* loop = dynamic_cast<const InteractionLoop*>(e.get()))
+				addAll(loop->geomDispatcher->functors), addAll(loop->physDispatcher->functors),
+				        addAll(loop->lawDispatcher->functors);
+			if (const auto* collider = dynamic_cast<const Collider*>(e.get()))
+				addAll(collider->boundDispatcher->functors);
+			if (const auto* stepper = dynamic_cast<const TimeStepper*>(e.get()))
+				add(stepper->active ? e : shared_ptr<Engine>());
+		}
+		return now;
 	}
 
-	bool usesRcrClasses(const Scene& scene) { return View(scene).law != neither; }
+} // namespace
 
-	void replaceSphereBounds(const Scene& scene)
-	{
-		if (View(scene).law != rigid) return;
-		for (const auto& e : scene.engines) {
-			Collider* collider = dynamic_cast<Collider*>(e.get());
-			if (!collider) continue;
-			auto       functors = collider->boundDispatcher->functors;
-			const auto sphere   = std::find_if(functors.begin(), functors.end(),
+bool Signature::operator==(const Signature& other) const
+{
+	const auto same = [](const Object& a, const Object& b) {
+		return !a.owner_before(b) && !b.owner_before(a);
+	};
+	return bodies == other.bodies && periodic == other.periodic
+	        && std::equal(objects.begin(), objects.end(), other.objects.begin(),
+	                other.objects.end(), same);
+}
+
+std::string refusal(const Scene& scene)
+{
+	const View view(scene);
+	for (const Rule& rule : rules) {
+		const std::string message = rule.laws & view.law ? rule.message(view) : std::string();
+		if (!message.empty()) return message;
+	}
+	return {};
+}
+
+std::string missingSolver(const Scene& scene)
+{
+	return missing<ContactDynamics>(View(scene), "ContactDynamics",
+	        "so rigid contacts would carry nothing; put ContactDynamics() between the "
+	        "InteractionLoop and the NewtonIntegrator.");
+}
+
+bool usesRcrClasses(const Scene& scene) { return View(scene).law != neither; }
+
+void replaceSphereBounds(const Scene& scene)
+{
+	if (View(scene).law != rigid) return;
+	for (const auto& e : scene.engines) {
+		Collider* collider = dynamic_cast<Collider*>(e.get());
+		if (!collider) continue;
+		auto       functors = collider->boundDispatcher->functors;
+		const auto sphere   = std::find_if(functors.begin(), functors.end(),
                     [](const auto& f) { return f->getClassName() == "Bo1_Sphere_Aabb"; });
-			if (sphere == functors.end()) continue;
-			auto disc = boost::make_shared<Bo1_Disc_Aabb>();
-			disc->aabbEnlargeFactor
-			        = static_cast<const Bo1_Sphere_Aabb&>(**sphere).aabbEnlargeFactor;
-			*sphere = disc;
-			collider->boundDispatcher->functors_set(functors);
-			for (const auto& b : *scene.bodies)
-				if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get()))
-					b->shape->boundFunctor = nullptr; // a cache
-			return;
-		}
+		if (sphere == functors.end()) continue;
+		auto disc = boost::make_shared<Bo1_Disc_Aabb>();
+		disc->aabbEnlargeFactor
+		        = static_cast<const Bo1_Sphere_Aabb&>(**sphere).aabbEnlargeFactor;
+		*sphere = disc;
+		collider->boundDispatcher->functors_set(functors);
+		for (const auto& b : *scene.bodies)
+			if (b && b->shape && dynamic_cast<const Sphere*>(b->shape.get()))
+				b->shape->boundFunctor = nullptr; // a cache
+		return;
 	}
+}
 
-	void registerBodiesWithCollider(const Scene& scene)
-	{
-		if (!usesRcrClasses(scene)) return;
-		for (const auto& e : scene.engines) {
-			const auto* collider = dynamic_cast<const InsertionSortCollider*>(e.get());
-			if (collider && collider->numAction == 0) scene.bodies->checkedByCollider = false;
-		}
+void registerBodiesWithCollider(const Scene& scene)
+{
+	if (!usesRcrClasses(scene)) return;
+	for (const auto& e : scene.engines) {
+		const auto* collider = dynamic_cast<const InsertionSortCollider*>(e.get());
+		if (collider && collider->numAction == 0) scene.bodies->checkedByCollider = false;
 	}
+}
 
-	Engines Validator::validate(const Scene& scene)
-	{
-		const View        view(scene);
-		// may change without a change of objects
-		for (const auto rule : { timeStep, integrator, velocityGradient, smallCell })
-			if (const std::string wrong = rule(view); !wrong.empty()) refuse(wrong);
-		const Signature now = signature(scene);
-		if (now == seen_) return engines_;
-		const std::string message = refusal(scene);
-		if (!message.empty()) refuse(message);
-		replaceSphereBounds(scene);
-		engines_ = { view.first<NewtonIntegrator>(), view.first<InteractionLoop>(),
-			view.first<Collider>(), view.first<CellStress>() };
-		seen_    = signature(scene);
-		return engines_;
-	}
+Engines Validator::validate(const Scene& scene)
+{
+	const View        view(scene);
+	// may change without a change of objects
+	for (const auto rule : { timeStep, integrator, velocityGradient, smallCell })
+		if (const std::string wrong = rule(view); !wrong.empty()) refuse(wrong);
+	const Signature now = signature(scene);
+	if (now == seen_) return engines_;
+	const std::string message = refusal(scene);
+	if (!message.empty()) refuse(message);
+	replaceSphereBounds(scene);
+	engines_ = { view.first<NewtonIntegrator>(), view.first<InteractionLoop>(),
+		view.first<Collider>(), view.first<CellStress>() };
+	seen_    = signature(scene);
+	return engines_;
+}
 
-	bool frictional(const Scene& scene, Body::id_t id1, Body::id_t id2)
-	{
-		for (Body::id_t id : { id1, id2 }) {
-			const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
-			if (dynamic_cast<const FrictMat*>(material.get())) continue;
-			deferError(named({ id }) + " has "
-			        + (material ? "the material " + material->getClassName()
-			                    : std::string("no material"))
-			        + " and touches #" + std::to_string(id == id1 ? id2 : id1)
-			        + "; give it a FrictMat.");
-			return false;
-		}
-		return true;
-	}
-
-	bool mayCollide(const Scene& scene, Collider& collider, Body::id_t id1, Body::id_t id2)
-	{
-		const Body *one = (*scene.bodies)[id1].get(), *two = (*scene.bodies)[id2].get();
-#ifdef YADE_MPI
-		return collider.mayCollide(one, two, scene.subdomain);
-#else
-		return collider.mayCollide(one, two);
-#endif
-	}
-
-	bool mayTouch(const Interaction& i, const Scene& scene)
-	{
-		if (!frictional(scene, i.getId1(), i.getId2())) return false;
-		// YADE checks masks only when boxes begin to overlap; here a rigid contact forms
-		const View view(scene);
-		Collider*  collider = view.law == rigid ? view.first<Collider>() : nullptr;
-		if (collider && !mayCollide(scene, *collider, i.getId1(), i.getId2())) return false;
-		thread_local Signature passed; // evaluates the rules once per change, not per contact
-		const Signature        now = signature(scene);
-		if (now == passed) return true;
-		const std::string message = refusal(scene);
-		if (message.empty()) {
-			passed = now;
-			return true;
-		}
-		// else ContactDynamics throws it later in this step
-		if (view.place<ContactDynamics>() < 0) deferError(message);
+bool frictional(const Scene& scene, Body::id_t id1, Body::id_t id2)
+{
+	for (Body::id_t id : { id1, id2 }) {
+		const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
+		if (dynamic_cast<const FrictMat*>(material.get())) continue;
+		deferError(named({ id }) + " has "
+		        + (material ? "the material " + material->getClassName()
+		                    : std::string("no material"))
+		        + " and touches #" + std::to_string(id == id1 ? id2 : id1)
+		        + "; give it a FrictMat.");
 		return false;
 	}
+	return true;
+}
 
-} // namespace validation
-} // namespace yade
+bool mayCollide(const Scene& scene, Collider& collider, Body::id_t id1, Body::id_t id2)
+{
+	const Body *one = (*scene.bodies)[id1].get(), *two = (*scene.bodies)[id2].get();
+#ifdef YADE_MPI
+	return collider.mayCollide(one, two, scene.subdomain);
+#else
+	return collider.mayCollide(one, two);
+#endif
+}
+
+bool mayTouch(const Interaction& i, const Scene& scene)
+{
+	if (!frictional(scene, i.getId1(), i.getId2())) return false;
+	// YADE checks masks only when boxes begin to overlap; here a rigid contact forms
+	const View view(scene);
+	Collider*  collider = view.law == rigid ? view.first<Collider>() : nullptr;
+	if (collider && !mayCollide(scene, *collider, i.getId1(), i.getId2())) return false;
+	thread_local Signature passed; // evaluates the rules once per change, not per contact
+	const Signature        now = signature(scene);
+	if (now == passed) return true;
+	const std::string message = refusal(scene);
+	if (message.empty()) {
+		passed = now;
+		return true;
+	}
+	// else ContactDynamics throws it later in this step
+	if (view.place<ContactDynamics>() < 0) deferError(message);
+	return false;
+}
+
+} // namespace yade::validation

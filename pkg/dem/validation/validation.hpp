@@ -19,128 +19,122 @@
 
 #include <sstream>
 
-#include <core/Interaction.hpp>
-#include <core/InteractionLoop.hpp>
-#include <core/Scene.hpp>
-#include <pkg/dem/NewtonIntegrator.hpp>
-
 #include "kernel/geometry/planar_shape.hpp"
 #include "dem/contacts/CdPhys.hpp"
 
 namespace yade {
-
 class CellStress;
 class Collider;
+}
 
-namespace validation {
+namespace yade::validation {
 
-	/// Largest half box of a body over the size of a periodic cell. YADE's collider needs boxes of
-	/// less than half a cell, with its margin (verletDist).
-	constexpr double largestShare = 0.2;
+/// Largest half box of a body over the size of a periodic cell. YADE's collider needs boxes of
+/// less than half a cell, with its margin (verletDist).
+constexpr double largestShare = 0.2;
 
-	/// Factor by which the box of a circle grows along each axis in the unsheared space of YADE's
-	/// collider; 1 without shear.
-	Vector3r widening(const Scene&);
+/// Factor by which the box of a circle grows along each axis in the unsheared space of YADE's
+/// collider; 1 without shear.
+Vector3r widening(const Scene&);
 
-	inline std::string text(Real value, int digits = 12)
-	{
-		std::ostringstream out;
-		out.precision(digits);
-		out << value;
-		return out.str();
-	}
+inline std::string text(Real value, int digits = 12)
+{
+	std::ostringstream out;
+	out.precision(digits);
+	out << value;
+	return out.str();
+}
 
-	/// "(x, y, z)"
-	std::string coordinates(const Vector3r&);
+/// "(x, y, z)"
+std::string coordinates(const Vector3r&);
 
-	/// "body #1", "bodies #1 and #2"; empty without ids.
-	std::string named(const std::vector<Body::id_t>& ids);
+/// "body #1", "bodies #1 and #2"; empty without ids.
+std::string named(const std::vector<Body::id_t>& ids);
 
-	/// Throws std::invalid_argument with this text.
-	[[noreturn]] void refuse(const std::string& message);
+/// Throws std::invalid_argument with this text.
+[[noreturn]] void refuse(const std::string& message);
 
-	/// The engines that ContactDynamics works with.
-	struct Engines {
-		const NewtonIntegrator* integrator = nullptr;
-		const InteractionLoop*  loop       = nullptr;
-		Collider*               collider   = nullptr;
-		const CellStress*       cellStress = nullptr;
-	};
+/// The engines that ContactDynamics works with.
+struct Engines {
+	const NewtonIntegrator* integrator = nullptr;
+	const InteractionLoop*  loop       = nullptr;
+	Collider*               collider   = nullptr;
+	const CellStress*       cellStress = nullptr;
+};
 
-	/// Message of the first rule that the scene breaks; empty if it is valid or has none of the
-	/// classes of rcr.
-	std::string refusal(const Scene&);
+/// Message of the first rule that the scene breaks; empty if it is valid or has none of the
+/// classes of rcr.
+std::string refusal(const Scene&);
 
-	/// Replaces Bo1_Sphere_Aabb by Bo1_Disc_Aabb in scenes with ContactDynamics, so that discs get
-	/// the same look-ahead as Rcrs.
-	void replaceSphereBounds(const Scene&);
+/// Replaces Bo1_Sphere_Aabb by Bo1_Disc_Aabb in scenes with ContactDynamics, so that discs get
+/// the same look-ahead as Rcrs.
+void replaceSphereBounds(const Scene&);
 
-	/// Registers all bodies with a collider that has not run yet. After an erasure, YADE's collider
-	/// registers only bodies that changed since the last run of any collider, so after `O.engines =
-	/// […]` it would find no contacts.
-	void registerBodiesWithCollider(const Scene&);
+/// Registers all bodies with a collider that has not run yet. After an erasure, YADE's collider
+/// registers only bodies that changed since the last run of any collider, so after `O.engines =
+/// […]` it would find no contacts.
+void registerBodiesWithCollider(const Scene&);
 
-	/// Message if rigid contacts have no active ContactDynamics; else empty.
-	std::string missingSolver(const Scene&);
+/// Message if rigid contacts have no active ContactDynamics; else empty.
+std::string missingSolver(const Scene&);
 
-	/// The scene has a law of rcr.
-	bool usesRcrClasses(const Scene&);
+/// The scene has a law of rcr.
+bool usesRcrClasses(const Scene&);
 
-	/// Warnings for suspicious scenes; empty: none. Spheres with the mass of a ball among Rcrs;
-	/// bodies that overlap by more than 1 % of R₁ + R₂ before their first step.
-	std::string massWarning(const Scene&);
-	std::string overlapWarning(const Scene&);
+/// Warnings for suspicious scenes; empty: none. Spheres with the mass of a ball among Rcrs;
+/// bodies that overlap by more than 1 % of R₁ + R₂ before their first step.
+std::string massWarning(const Scene&);
+std::string overlapWarning(const Scene&);
 
-	/// Identity of a scene's engines and functors. Weak pointers, since the address of a deleted
-	/// engine may be used again.
-	struct Signature {
-		using Object = boost::weak_ptr<const void>;
+/// Identity of a scene's engines and functors. Weak pointers, since the address of a deleted
+/// engine may be used again.
+struct Signature {
+	using Object = boost::weak_ptr<const void>;
 
-		std::size_t         bodies   = 0;
-		bool                periodic = false;
-		std::vector<Object> objects;
+	std::size_t         bodies   = 0;
+	bool                periodic = false;
+	std::vector<Object> objects;
 
-		bool operator==(const Signature&) const;
-	};
+	bool operator==(const Signature&) const;
+};
 
-	/// Validates the scene when its engines, their functors or its number of bodies changed.
-	class Validator {
-	public:
-		Engines validate(const Scene&); // throws the message of `refusal`
-	private:
-		Signature seen_;
-		Engines   engines_;
-	};
+/// Validates the scene when its engines, their functors or its number of bodies changed.
+class Validator {
+public:
+	Engines validate(const Scene&); // throws the message of `refusal`
+private:
+	Signature seen_;
+	Engines   engines_;
+};
 
-	/// YADE's rule of masks and clumps allows a contact of the two bodies.
-	bool mayCollide(const Scene&, Collider&, Body::id_t id1, Body::id_t id2);
+/// YADE's rule of masks and clumps allows a contact of the two bodies.
+bool mayCollide(const Scene&, Collider&, Body::id_t id1, Body::id_t id2);
 
-	/// Both bodies have a FrictMat. If not, Python gets an exception as soon as possible.
-	bool frictional(const Scene&, Body::id_t id1, Body::id_t id2);
-	/// The interaction may become a contact. If not, Python gets an exception as soon as possible.
-	bool mayTouch(const Interaction&, const Scene&);
+/// Both bodies have a FrictMat. If not, Python gets an exception as soon as possible.
+bool frictional(const Scene&, Body::id_t id1, Body::id_t id2);
+/// The interaction may become a contact. If not, Python gets an exception as soon as possible.
+bool mayTouch(const Interaction&, const Scene&);
 
-	/// The body is an Rcr or a disc.
-	bool isGrain(const Body&);
+/// The body is an Rcr or a disc.
+bool isGrain(const Body&);
 
-	/// Height z of the plane of the grains; NaN without grains.
-	Real planeOf(const Scene&);
+/// Height z of the plane of the grains; NaN without grains.
+Real planeOf(const Scene&);
 
-	/// Position, velocity, mass and blocked degrees of freedom of the body are valid.
-	bool isValid(const Body&, const rcr::PlanarShape&, Real z);
-	/// Message about an invalid body; empty if it is valid.
-	std::string defectOf(const Body&, Real z);
-	/// Message about the first invalid body of the scene; empty: none.
-	std::string firstInvalidBody(const Scene&);
-	/// Throws the message about an invalid body, or about a force that is not finite. Forces must
-	/// be synced.
-	[[noreturn]] void refuseBody(const Body&, Scene&, Real z);
+/// Position, velocity, mass and blocked degrees of freedom of the body are valid.
+bool isValid(const Body&, const rcr::PlanarShape&, Real z);
+/// Message about an invalid body; empty if it is valid.
+std::string defectOf(const Body&, Real z);
+/// Message about the first invalid body of the scene; empty: none.
+std::string firstInvalidBody(const Scene&);
+/// Throws the message about an invalid body, or about a force that is not finite. Forces must
+/// be synced.
+[[noreturn]] void refuseBody(const Body&, Scene&, Real z);
 
-	/// Throws if no Ig2 functor handles a pair of bodies that could overlap.
-	void checkSupported(const Interaction&, const Scene&);
+/// Throws if no Ig2 functor handles a pair of bodies that could overlap.
+void checkSupported(const Interaction&, const Scene&);
 
-	/// Throws if friction or restitution of a contact are invalid.
-	void checkPhys(const CdPhys&, Body::id_t id1, Body::id_t id2);
+/// Throws if friction or restitution of a contact are invalid.
+void checkPhys(const CdPhys&, Body::id_t id1, Body::id_t id2);
 
-} // namespace validation
-} // namespace yade
+} // namespace yade::validation

@@ -23,131 +23,130 @@
 #define RCR_LANE_NAMESPACE lanes
 #endif
 
-namespace rcr {
-namespace RCR_LANE_NAMESPACE {
+namespace rcr::RCR_LANE_NAMESPACE {
 
 #ifdef RCR_SINGLE
-	using Real = float;
-	using Bits = std::uint32_t;
-	inline float fma(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
-	inline float absolute(float a) { return __builtin_fabsf(a); }
-	inline float copySign(float a, float b) { return __builtin_copysignf(a, b); }
+using Real = float;
+using Bits = std::uint32_t;
+inline float fma(float a, float b, float c) { return __builtin_fmaf(a, b, c); }
+inline float absolute(float a) { return __builtin_fabsf(a); }
+inline float copySign(float a, float b) { return __builtin_copysignf(a, b); }
 #else
-	using Real = double;
-	using Bits = std::uint64_t;
-	inline double fma(double a, double b, double c) { return __builtin_fma(a, b, c); }
-	inline double absolute(double a) { return __builtin_fabs(a); }
-	inline double copySign(double a, double b) { return __builtin_copysign(a, b); }
+using Real = double;
+using Bits = std::uint64_t;
+inline double fma(double a, double b, double c) { return __builtin_fma(a, b, c); }
+inline double absolute(double a) { return __builtin_fabs(a); }
+inline double copySign(double a, double b) { return __builtin_copysign(a, b); }
 #endif
 
-	/// True or false in every lane.
-	template <int N> struct Mask {
-		Mask<N / 2> low, high;
-	};
+/// True or false in every lane.
+template <int N> struct Mask {
+	Mask<N / 2> low, high;
+};
 
-	/// N Reals, as two halves unless specialised below.
-	template <int N> struct Lane {
-		using Half = Lane<N / 2>;
-		Half low, high;
+/// N Reals, as two halves unless specialised below.
+template <int N> struct Lane {
+	using Half = Lane<N / 2>;
+	Half low, high;
 
-		Lane() = default;
-		Lane(Real all) : low(all), high(all) { }
-		Lane(Half l, Half h) : low(l), high(h) { }
-		static Lane load(const Real* from)
-		{
-			return { Half::load(from), Half::load(from + N / 2) };
-		}
-		template <class Number> void store(Number* to) const // rounds to floats
-		{
-			low.store(to);
-			high.store(to + N / 2);
-		}
-		friend Half lowHalf(Lane a) { return a.low; }
-		friend Half highHalf(Lane a) { return a.high; }
-		friend Lane operator+(Lane a, Lane b) { return { a.low + b.low, a.high + b.high }; }
-		friend Lane operator-(Lane a, Lane b) { return { a.low - b.low, a.high - b.high }; }
-		friend Lane operator*(Lane a, Lane b) { return { a.low * b.low, a.high * b.high }; }
-		friend Lane operator/(Lane a, Lane b) { return { a.low / b.low, a.high / b.high }; }
-		/// c + a b and c − a b, rounded once.
-		friend Lane addProduct(Lane c, Lane a, Lane b)
-		{
-			return { addProduct(c.low, a.low, b.low), addProduct(c.high, a.high, b.high) };
-		}
-		friend Lane subtractProduct(Lane c, Lane a, Lane b)
-		{
-			return { subtractProduct(c.low, a.low, b.low),
-				subtractProduct(c.high, a.high, b.high) };
-		}
-		friend Mask<N> operator<=(Lane a, Lane b) { return { a.low <= b.low, a.high <= b.high }; }
-		/// a < b ? a : b and a > b ? a : b, also for zeros of either sign.
-		friend Lane min(Lane a, Lane b) { return { min(a.low, b.low), min(a.high, b.high) }; }
-		friend Lane max(Lane a, Lane b) { return { max(a.low, b.low), max(a.high, b.high) }; }
-		friend Lane abs(Lane a) { return { abs(a.low), abs(a.high) }; }
-		/// |a| with the sign of b.
-		friend Lane copySign(Lane a, Lane b)
-		{
-			return { copySign(a.low, b.low), copySign(a.high, b.high) };
-		}
-		friend Lane select(Mask<N> m, Lane yes, Lane no)
-		{
-			return { select(m.low, yes.low, no.low), select(m.high, yes.high, no.high) };
-		}
-		/// 0 where m holds, else a.
-		friend Lane zeroWhere(Mask<N> m, Lane a)
-		{
-			return { zeroWhere(m.low, a.low), zeroWhere(m.high, a.high) };
-		}
-	};
-
-	template <> struct Mask<1> {
-		Bits value; // all bits
-	};
-
-	inline Bits bitsOf(Real a)
+	Lane() = default;
+	Lane(Real all) : low(all), high(all) { }
+	Lane(Half l, Half h) : low(l), high(h) { }
+	static Lane load(const Real* from)
 	{
-		Bits bits;
-		__builtin_memcpy(&bits, &a, sizeof bits);
-		return bits;
+		return { Half::load(from), Half::load(from + N / 2) };
 	}
-
-	inline Real fromBits(Bits bits)
+	template <class Number> void store(Number* to) const // rounds to floats
 	{
-		Real a;
-		__builtin_memcpy(&a, &bits, sizeof a);
-		return a;
+		low.store(to);
+		high.store(to + N / 2);
 	}
+	friend Half lowHalf(Lane a) { return a.low; }
+	friend Half highHalf(Lane a) { return a.high; }
+	friend Lane operator+(Lane a, Lane b) { return { a.low + b.low, a.high + b.high }; }
+	friend Lane operator-(Lane a, Lane b) { return { a.low - b.low, a.high - b.high }; }
+	friend Lane operator*(Lane a, Lane b) { return { a.low * b.low, a.high * b.high }; }
+	friend Lane operator/(Lane a, Lane b) { return { a.low / b.low, a.high / b.high }; }
+	/// c + a b and c − a b, rounded once.
+	friend Lane addProduct(Lane c, Lane a, Lane b)
+	{
+		return { addProduct(c.low, a.low, b.low), addProduct(c.high, a.high, b.high) };
+	}
+	friend Lane subtractProduct(Lane c, Lane a, Lane b)
+	{
+		return { subtractProduct(c.low, a.low, b.low),
+			subtractProduct(c.high, a.high, b.high) };
+	}
+	friend Mask<N> operator<=(Lane a, Lane b) { return { a.low <= b.low, a.high <= b.high }; }
+	/// a < b ? a : b and a > b ? a : b, also for zeros of either sign.
+	friend Lane min(Lane a, Lane b) { return { min(a.low, b.low), min(a.high, b.high) }; }
+	friend Lane max(Lane a, Lane b) { return { max(a.low, b.low), max(a.high, b.high) }; }
+	friend Lane abs(Lane a) { return { abs(a.low), abs(a.high) }; }
+	/// |a| with the sign of b.
+	friend Lane copySign(Lane a, Lane b)
+	{
+		return { copySign(a.low, b.low), copySign(a.high, b.high) };
+	}
+	friend Lane select(Mask<N> m, Lane yes, Lane no)
+	{
+		return { select(m.low, yes.low, no.low), select(m.high, yes.high, no.high) };
+	}
+	/// 0 where m holds, else a.
+	friend Lane zeroWhere(Mask<N> m, Lane a)
+	{
+		return { zeroWhere(m.low, a.low), zeroWhere(m.high, a.high) };
+	}
+};
 
-	/// Selects by bits: the processor cannot predict which contacts slide, so a branch costs more.
-	template <> struct Lane<1> {
-		Real value;
+template <> struct Mask<1> {
+	Bits value; // all bits
+};
 
-		Lane() = default;
-		Lane(Real v) : value(v) { }
-		static Lane                  load(const Real* from) { return *from; }
-		template <class Number> void store(Number* to) const { *to = Number(value); }
-		friend Lane                  operator+(Lane a, Lane b) { return a.value + b.value; }
-		friend Lane                  operator-(Lane a, Lane b) { return a.value - b.value; }
-		friend Lane                  operator*(Lane a, Lane b) { return a.value * b.value; }
-		friend Lane                  operator/(Lane a, Lane b) { return a.value / b.value; }
-		friend Lane addProduct(Lane c, Lane a, Lane b) { return fma(a.value, b.value, c.value); }
-		friend Lane subtractProduct(Lane c, Lane a, Lane b)
-		{
-			return fma(-a.value, b.value, c.value);
-		}
-		friend Mask<1> operator<=(Lane a, Lane b) { return { a.value <= b.value ? ~Bits(0) : 0 }; }
-		friend Lane    min(Lane a, Lane b) { return a.value < b.value ? a.value : b.value; }
-		friend Lane    max(Lane a, Lane b) { return a.value > b.value ? a.value : b.value; }
-		friend Lane    abs(Lane a) { return absolute(a.value); }
-		friend Lane    copySign(Lane a, Lane b)
-		{
-			return RCR_LANE_NAMESPACE::copySign(a.value, b.value);
-		}
-		friend Lane select(Mask<1> m, Lane yes, Lane no)
-		{
-			return fromBits((bitsOf(yes.value) & m.value) | (bitsOf(no.value) & ~m.value));
-		}
-		friend Lane zeroWhere(Mask<1> m, Lane a) { return fromBits(bitsOf(a.value) & ~m.value); }
-	};
+inline Bits bitsOf(Real a)
+{
+	Bits bits;
+	__builtin_memcpy(&bits, &a, sizeof bits);
+	return bits;
+}
+
+inline Real fromBits(Bits bits)
+{
+	Real a;
+	__builtin_memcpy(&a, &bits, sizeof a);
+	return a;
+}
+
+/// Selects by bits: the processor cannot predict which contacts slide, so a branch costs more.
+template <> struct Lane<1> {
+	Real value;
+
+	Lane() = default;
+	Lane(Real v) : value(v) { }
+	static Lane                  load(const Real* from) { return *from; }
+	template <class Number> void store(Number* to) const { *to = Number(value); }
+	friend Lane                  operator+(Lane a, Lane b) { return a.value + b.value; }
+	friend Lane                  operator-(Lane a, Lane b) { return a.value - b.value; }
+	friend Lane                  operator*(Lane a, Lane b) { return a.value * b.value; }
+	friend Lane                  operator/(Lane a, Lane b) { return a.value / b.value; }
+	friend Lane addProduct(Lane c, Lane a, Lane b) { return fma(a.value, b.value, c.value); }
+	friend Lane subtractProduct(Lane c, Lane a, Lane b)
+	{
+		return fma(-a.value, b.value, c.value);
+	}
+	friend Mask<1> operator<=(Lane a, Lane b) { return { a.value <= b.value ? ~Bits(0) : 0 }; }
+	friend Lane    min(Lane a, Lane b) { return a.value < b.value ? a.value : b.value; }
+	friend Lane    max(Lane a, Lane b) { return a.value > b.value ? a.value : b.value; }
+	friend Lane    abs(Lane a) { return absolute(a.value); }
+	friend Lane    copySign(Lane a, Lane b)
+	{
+		return RCR_LANE_NAMESPACE::copySign(a.value, b.value);
+	}
+	friend Lane select(Mask<1> m, Lane yes, Lane no)
+	{
+		return fromBits((bitsOf(yes.value) & m.value) | (bitsOf(no.value) & ~m.value));
+	}
+	friend Lane zeroWhere(Mask<1> m, Lane a) { return fromBits(bitsOf(a.value) & ~m.value); }
+};
 
 #if defined(__AVX2__)
 // The operations that AVX2 and AVX-512 name alike.
@@ -171,7 +170,7 @@ namespace RCR_LANE_NAMESPACE {
 		return mm##_fnmadd_##type(a.value, b.value, c.value);                                      \
 	}                                                                                              \
 	friend Lane min(Lane a, Lane b) { return mm##_min_##type(a.value, b.value); }                  \
-	friend Lane max(Lane a, Lane b) { return mm##_max_##type(a.value, b.value); }
+friend Lane max(Lane a, Lane b) { return mm##_max_##type(a.value, b.value); }
 
 // AVX2: a mask is a register. −0 has the sign bit alone.
 #define RCR_LANE_AVX2(lanes, type)                                                                 \
@@ -190,7 +189,7 @@ namespace RCR_LANE_NAMESPACE {
 	{                                                                                              \
 		return _mm256_blendv_##type(no.value, yes.value, m.value);                                 \
 	}                                                                                              \
-	friend Lane zeroWhere(Mask<lanes> m, Lane a) { return _mm256_andnot_##type(m.value, a.value); }
+friend Lane zeroWhere(Mask<lanes> m, Lane a) { return _mm256_andnot_##type(m.value, a.value); }
 #endif
 
 #if defined(__AVX512F__)
@@ -214,76 +213,75 @@ namespace RCR_LANE_NAMESPACE {
 	friend Lane zeroWhere(Mask<lanes> m, Lane a)                                                   \
 	{                                                                                              \
 		return _mm512_mask_blend_##type(m.value, a.value, _mm512_setzero_##type());                \
-	}
+}
 #endif
 
 #if defined(__AVX2__) && !defined(RCR_SINGLE)
-	template <> struct Mask<4> {
-		__m256d value;
-	};
+template <> struct Mask<4> {
+	__m256d value;
+};
 
-	template <> struct Lane<4> {
-		RCR_LANE_ARITHMETIC(__m256d, _mm256, pd)
-		RCR_LANE_AVX2(4, pd)
-		void store(float* to) const { _mm_store_ps(to, _mm256_cvtpd_ps(value)); }
-	};
+template <> struct Lane<4> {
+	RCR_LANE_ARITHMETIC(__m256d, _mm256, pd)
+	RCR_LANE_AVX2(4, pd)
+	void store(float* to) const { _mm_store_ps(to, _mm256_cvtpd_ps(value)); }
+};
 #endif
 
 #if defined(__AVX512F__) && !defined(RCR_SINGLE)
-	template <> struct Mask<8> {
-		__mmask8 value;
-	};
+template <> struct Mask<8> {
+	__mmask8 value;
+};
 
-	template <> struct Lane<8> {
-		RCR_LANE_ARITHMETIC(__m512d, _mm512, pd)
-		RCR_LANE_AVX512(8, pd, epi64)
-		Lane(Lane<4> low, Lane<4> high)
-		        : value(_mm512_insertf64x4(_mm512_castpd256_pd512(low.value), high.value, 1))
-		{
-		}
-		friend Lane<4> lowHalf(Lane a) { return _mm512_castpd512_pd256(a.value); }
-		friend Lane<4> highHalf(Lane a) { return _mm512_extractf64x4_pd(a.value, 1); }
-		void           store(float* to) const { _mm256_store_ps(to, _mm512_cvtpd_ps(value)); }
-	};
+template <> struct Lane<8> {
+	RCR_LANE_ARITHMETIC(__m512d, _mm512, pd)
+	RCR_LANE_AVX512(8, pd, epi64)
+	Lane(Lane<4> low, Lane<4> high)
+	        : value(_mm512_insertf64x4(_mm512_castpd256_pd512(low.value), high.value, 1))
+	{
+	}
+	friend Lane<4> lowHalf(Lane a) { return _mm512_castpd512_pd256(a.value); }
+	friend Lane<4> highHalf(Lane a) { return _mm512_extractf64x4_pd(a.value, 1); }
+	void           store(float* to) const { _mm256_store_ps(to, _mm512_cvtpd_ps(value)); }
+};
 #endif
 
 #if defined(__AVX2__) && defined(RCR_SINGLE)
-	template <> struct Mask<8> {
-		__m256 value;
-	};
+template <> struct Mask<8> {
+	__m256 value;
+};
 
-	template <> struct Lane<8> {
-		RCR_LANE_ARITHMETIC(__m256, _mm256, ps)
-		RCR_LANE_AVX2(8, ps)
-	};
+template <> struct Lane<8> {
+	RCR_LANE_ARITHMETIC(__m256, _mm256, ps)
+	RCR_LANE_AVX2(8, ps)
+};
 #endif
 
 #if defined(__AVX512F__) && defined(RCR_SINGLE)
-	template <> struct Mask<16> {
-		__mmask16 value;
-	};
+template <> struct Mask<16> {
+	__mmask16 value;
+};
 
-	template <> struct Lane<16> {
-		RCR_LANE_ARITHMETIC(__m512, _mm512, ps)
-		RCR_LANE_AVX512(16, ps, epi32)
-		Lane(Lane<8> low, Lane<8> high) : value(joined(low.value, high.value)) { }
-		friend Lane<8> lowHalf(Lane a) { return _mm512_castps512_ps256(a.value); }
-		friend Lane<8> highHalf(Lane a)
-		{
-			return _mm256_castpd_ps(_mm512_extractf64x4_pd(_mm512_castps_pd(a.value), 1));
-		}
+template <> struct Lane<16> {
+	RCR_LANE_ARITHMETIC(__m512, _mm512, ps)
+	RCR_LANE_AVX512(16, ps, epi32)
+	Lane(Lane<8> low, Lane<8> high) : value(joined(low.value, high.value)) { }
+	friend Lane<8> lowHalf(Lane a) { return _mm512_castps512_ps256(a.value); }
+	friend Lane<8> highHalf(Lane a)
+	{
+		return _mm256_castpd_ps(_mm512_extractf64x4_pd(_mm512_castps_pd(a.value), 1));
+	}
 
-	private:
-		static __m512 joined(__m256 low, __m256 high)
-		{
-			const __m512d whole = _mm512_castps_pd(_mm512_castps256_ps512(low));
-			return _mm512_castpd_ps(_mm512_insertf64x4(whole, _mm256_castps_pd(high), 1));
-		}
-	};
+private:
+	static __m512 joined(__m256 low, __m256 high)
+	{
+		const __m512d whole = _mm512_castps_pd(_mm512_castps256_ps512(low));
+		return _mm512_castpd_ps(_mm512_insertf64x4(whole, _mm256_castps_pd(high), 1));
+	}
+};
 #endif
 
-	/// Keeps the compiler from interleaving two calculations, which would exhaust the registers.
-	inline void separate() { __atomic_signal_fence(__ATOMIC_SEQ_CST); }
+/// Keeps the compiler from interleaving two calculations, which would exhaust the registers.
+inline void separate() { __atomic_signal_fence(__ATOMIC_SEQ_CST); }
 
-} // namespace RCR_LANE_NAMESPACE
-} // namespace rcr
+} // namespace rcr::RCR_LANE_NAMESPACE

@@ -2,276 +2,274 @@
 // Compiled like lane.hpp.
 #include "sweep/lane/pair_loops.hpp"
 
-namespace rcr {
-namespace RCR_LANE_NAMESPACE {
+namespace rcr::RCR_LANE_NAMESPACE {
 
-	namespace {
+namespace {
 
-		/// One sweep. next(point, lane, u) stores the new impulse and returns its change.
-		template <class M, int Points, class Next>
-		inline void sweepPairs(const PackedView& view, const Chunk& chunk, Next next)
+	/// One sweep. next(point, lane, u) stores the new impulse and returns its change.
+	template <class M, int Points, class Next>
+	inline void sweepPairs(const PackedView& view, const Chunk& chunk, Next next)
+	{
+		forEachPair<M>(view, chunk,
+		        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
+			        auto v1 = M::load(at1), v2 = M::load(at2);
+			        for (int i = 0; i < Points; ++i) {
+				        const auto c      = pointAt(point, i);
+				        const auto change = next(c, lane, M::velocity(c, lane, v1, v2));
+				        M::apply(c, lane, change, v1, v2);
+			        }
+			        M::store(v1, at1);
+			        M::store(v2, at2);
+		        });
+	}
+
+	template <class M, int Points, class Keep>
+	NOINLINE double sweepMomentumAs(
+	        const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
+	{
+		const L beta = Real(momentum);
+		Sum     change2;
+		sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
+			const auto p = M::impulse(c, lane),
+			           y = addProduct(p, beta, p - M::oldImpulse(c, lane));
+			const auto q = keep(c, lane, M::solve(c, lane, u, y)), change = q - y;
+			M::setOld(c, lane, p);
+			M::set(c, lane, q);
+			change2.add(lane, square(change));
+			return change;
+		});
+		return change2.total();
+	}
+
+	/// Rigid contacts keep the whole solution.
+	struct Whole {
+		template <class Point, class Impulse>
+		INLINE Impulse operator()(const Point&, int, const Impulse& p) const
 		{
-			forEachPair<M>(view, chunk,
-			        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
-				        auto v1 = M::load(at1), v2 = M::load(at2);
-				        for (int i = 0; i < Points; ++i) {
-					        const auto c      = pointAt(point, i);
-					        const auto change = next(c, lane, M::velocity(c, lane, v1, v2));
-					        M::apply(c, lane, change, v1, v2);
-				        }
-				        M::store(v1, at1);
-				        M::store(v2, at2);
-			        });
+			return p;
 		}
+	};
 
-		template <class M, int Points, class Keep>
-		NOINLINE double sweepMomentumAs(
-		        const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
-		{
-			const L beta = Real(momentum);
-			Sum     change2;
-			sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
-				const auto p = M::impulse(c, lane),
-				           y = addProduct(p, beta, p - M::oldImpulse(c, lane));
-				const auto q = keep(c, lane, M::solve(c, lane, u, y)), change = q - y;
-				M::setOld(c, lane, p);
-				M::set(c, lane, q);
-				change2.add(lane, square(change));
-				return change;
-			});
-			return change2.total();
-		}
+	template <class Keep>
+	double sweepKeeping(const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
+	{
+		double change2 = 0;
+		withModelAndPoints(chunk, [&](auto model, auto points) {
+			change2 = sweepMomentumAs<decltype(model), points.value>(
+			        view, chunk, momentum, keep);
+		});
+		return change2;
+	}
 
-		/// Rigid contacts keep the whole solution.
-		struct Whole {
-			template <class Point, class Impulse>
-			INLINE Impulse operator()(const Point&, int, const Impulse& p) const
-			{
-				return p;
-			}
-		};
+	double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
+	{
+		return sweepKeeping(view, chunk, momentum, Whole());
+	}
 
-		template <class Keep>
-		double sweepKeeping(const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
-		{
-			double change2 = 0;
-			withModelAndPoints(chunk, [&](auto model, auto points) {
-				change2 = sweepMomentumAs<decltype(model), points.value>(
-				        view, chunk, momentum, keep);
-			});
-			return change2;
-		}
+	/// b_n of the contact law; the column `bias` of floats contains u_ref too.
+	INLINE inline L lawBias(const PointColumns& c, int lane, const Column* bias, int point)
+	{
+		if constexpr (relativeToReference) return L::load(bias[point].of + lane);
+		else
+			return L::load(c.bias() + lane);
+	}
 
-		double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
-		{
-			return sweepKeeping(view, chunk, momentum, Whole());
-		}
+	Measures measure(const PackedView& view, const Chunk& chunk, const Column* bias)
+	{
+		Sum error2, impulse2, normal, kinematicError2, velocity2, stopping2, dissipated;
+		const Column* const first = view.points + chunk.firstColumn;
+		forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
+			const Vector u = wholeVelocity(c, lane, v1, v2),
+			             p { L::load(c.pn() + lane), tangential(c, lane) };
+			const int number   = chunk.firstPoint + int(c.first() - first) / c.count;
+			const L   un       = u.n + L::load(c.bias() + lane), mu = friction(c, lane);
+			const L   law      = lawBias(c, lane, bias, number);
+			const L   speed    = relativeToReference ? un - law : u.n;
+			const L   scale    = L::load(c.inverseNn() + lane),
+			          stopping = (abs(speed) + abs(law)) * scale;
+			const Vector q     = projectCone(
+			        { p.n - (un + mu * abs(u.t)) * scale, p.t - u.t * scale }, mu);
+			const L miss = (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
+			error2.add(lane, miss);
+			impulse2.add(lane, p.n * p.n + p.t * p.t);
+			normal.add(lane, p.n);
+			kinematicError2.add(
+			        lane, select(scale <= L(0.0), L(0.0), miss / (scale * scale)));
+			velocity2.add(lane, speed * speed + u.t * u.t);
+			stopping2.add(lane, stopping * stopping);
+			dissipated.add(lane, L(0.0) - (p.n * un + p.t * u.t));
+		});
+		return { error2.total(), impulse2.total(), normal.total(), kinematicError2.total(),
+			velocity2.total(), stopping2.total(), dissipated.total() };
+	}
 
-		/// b_n of the contact law; the column `bias` of floats contains u_ref too.
-		INLINE inline L lawBias(const PointColumns& c, int lane, const Column* bias, int point)
-		{
-			if constexpr (relativeToReference) return L::load(bias[point].of + lane);
-			else
-				return L::load(c.bias() + lane);
-		}
+	void extrapolate(const PackedView& view, int first, int last, double momentum)
+	{
+		const Real  beta  = Real(momentum);
+		const Real* value = view.body;
+		Real*       old   = view.oldBody;
+		for (long i = 2L * first; i < 2L * last; ++i)
+			old[i] = fma(beta, value[i] - old[i], value[i]);
+	}
 
-		Measures measure(const PackedView& view, const Chunk& chunk, const Column* bias)
-		{
-			Sum error2, impulse2, normal, kinematicError2, velocity2, stopping2, dissipated;
-			const Column* const first = view.points + chunk.firstColumn;
-			forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
-				const Vector u = wholeVelocity(c, lane, v1, v2),
-				             p { L::load(c.pn() + lane), tangential(c, lane) };
-				const int number   = chunk.firstPoint + int(c.first() - first) / c.count;
-				const L   un       = u.n + L::load(c.bias() + lane), mu = friction(c, lane);
-				const L   law      = lawBias(c, lane, bias, number);
-				const L   speed    = relativeToReference ? un - law : u.n;
-				const L   scale    = L::load(c.inverseNn() + lane),
-				          stopping = (abs(speed) + abs(law)) * scale;
-				const Vector q     = projectCone(
-				        { p.n - (un + mu * abs(u.t)) * scale, p.t - u.t * scale }, mu);
-				const L miss = (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
-				error2.add(lane, miss);
-				impulse2.add(lane, p.n * p.n + p.t * p.t);
-				normal.add(lane, p.n);
-				kinematicError2.add(
-				        lane, select(scale <= L(0.0), L(0.0), miss / (scale * scale)));
-				velocity2.add(lane, speed * speed + u.t * u.t);
-				stopping2.add(lane, stopping * stopping);
-				dissipated.add(lane, L(0.0) - (p.n * un + p.t * u.t));
-			});
-			return { error2.total(), impulse2.total(), normal.total(), kinematicError2.total(),
-				velocity2.total(), stopping2.total(), dissipated.total() };
-		}
-
-		void extrapolate(const PackedView& view, int first, int last, double momentum)
-		{
-			const Real  beta  = Real(momentum);
-			const Real* value = view.body;
-			Real*       old   = view.oldBody;
-			for (long i = 2L * first; i < 2L * last; ++i)
-				old[i] = fma(beta, value[i] - old[i], value[i]);
-		}
-
-	} // namespace
+} // namespace
 
 #ifdef RCR_SINGLE
-	extern const MomentumKernels<float> kernels;
-	const MomentumKernels<float>        kernels { sweepMomentum, measure, extrapolate };
+extern const MomentumKernels<float> kernels;
+const MomentumKernels<float>        kernels { sweepMomentum, measure, extrapolate };
 #else
-	namespace {
+namespace {
 
-		inline L inverse(L value) { return zeroWhere(value <= L(0.0), L(1.0) / value); }
+	inline L inverse(L value) { return zeroWhere(value <= L(0.0), L(1.0) / value); }
 
-		inline void preparePoint(const FrictionlessDiscColumns& c, int lane, L m1, L m2)
-		{
-			inverse(m1 + m2).store(c.inverseNn() + lane);
-		}
+	inline void preparePoint(const FrictionlessDiscColumns& c, int lane, L m1, L m2)
+	{
+		inverse(m1 + m2).store(c.inverseNn() + lane);
+	}
 
-		inline void preparePoint(const NoLeverColumns& c, int lane, L m1, L m2)
-		{
-			const L j1 = lever1t(c, lane), j2 = lever2t(c, lane);
-			inverse(m1 + m2).store(c.inverseNn() + lane);
-			inverse(m1 + m2 + (m1 * (j1 * j1) + m2 * (j2 * j2))).store(c.inverseSchur() + lane);
-		}
+	inline void preparePoint(const NoLeverColumns& c, int lane, L m1, L m2)
+	{
+		const L j1 = lever1t(c, lane), j2 = lever2t(c, lane);
+		inverse(m1 + m2).store(c.inverseNn() + lane);
+		inverse(m1 + m2 + (m1 * (j1 * j1) + m2 * (j2 * j2))).store(c.inverseSchur() + lane);
+	}
 
-		/// Computes lever arms from r/k, and 1/w_nn.
-		template <class Columns> inline void prepareLevers(const Columns& c, int lane, L m1, L m2)
-		{
-			const L nx = L::load(c.nx() + lane), ny = L::load(c.ny() + lane);
-			const L x1 = lever1n(c, lane), y1 = lever1t(c, lane), x2 = lever2n(c, lane),
-			        y2  = lever2t(c, lane);
-			const L j1n = x1 * ny - y1 * nx, j2n = x2 * ny - y2 * nx;
-			j1n.store(c.lever1n() + lane);
-			j2n.store(c.lever2n() + lane);
-			(x1 * nx + y1 * ny).store(c.lever1t() + lane);
-			(x2 * nx + y2 * ny).store(c.lever2t() + lane);
-			inverse(m1 + m2 + (m1 * (j1n * j1n) + m2 * (j2n * j2n))).store(c.inverseNn() + lane);
-		}
+	/// Computes lever arms from r/k, and 1/w_nn.
+	template <class Columns> inline void prepareLevers(const Columns& c, int lane, L m1, L m2)
+	{
+		const L nx = L::load(c.nx() + lane), ny = L::load(c.ny() + lane);
+		const L x1 = lever1n(c, lane), y1 = lever1t(c, lane), x2 = lever2n(c, lane),
+		        y2  = lever2t(c, lane);
+		const L j1n = x1 * ny - y1 * nx, j2n = x2 * ny - y2 * nx;
+		j1n.store(c.lever1n() + lane);
+		j2n.store(c.lever2n() + lane);
+		(x1 * nx + y1 * ny).store(c.lever1t() + lane);
+		(x2 * nx + y2 * ny).store(c.lever2t() + lane);
+		inverse(m1 + m2 + (m1 * (j1n * j1n) + m2 * (j2n * j2n))).store(c.inverseNn() + lane);
+	}
 
-		inline void preparePoint(const FrictionlessColumns& c, int lane, L m1, L m2)
-		{
-			prepareLevers(c, lane, m1, m2);
-		}
+	inline void preparePoint(const FrictionlessColumns& c, int lane, L m1, L m2)
+	{
+		prepareLevers(c, lane, m1, m2);
+	}
 
-		inline void preparePoint(const FrictionalColumns& c, int lane, L m1, L m2)
-		{
-			prepareLevers(c, lane, m1, m2);
-			const auto slide = [&](L with) {
-				return select(with <= L(0.0), L(unlimited<Real>), friction(c, lane) / with);
-			};
-			const L j1n = lever1n(c, lane), j1t = lever1t(c, lane), j2n = lever2n(c, lane),
-			        j2t   = lever2t(c, lane);
-			const L nt    = m1 * (j1n * j1t) + m2 * (j2n * j2t);
-			const L tt    = m1 + m2 + (m1 * (j1t * j1t) + m2 * (j2t * j2t));
-			const L ratio = nt * L::load(c.inverseNn() + lane), slope = friction(c, lane) * ratio;
-			ratio.store(c.ratio() + lane);
-			inverse(tt - nt * ratio).store(c.inverseSchur() + lane);
-			slide(L(1.0) + slope).store(c.slidePlus() + lane);
-			slide(L(1.0) - slope).store(c.slideMinus() + lane);
-		}
-
-		double prepare(const PackedView& view, const Chunk& chunk)
-		{
-			Sum velocity2;
-			forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
-				preparePoint(c, lane, v1.inverseMass, v2.inverseMass);
-				const Vector u = wholeVelocity(c, lane, v1, v2);
-				velocity2.add(lane, u.n * u.n + u.t * u.t);
-			});
-			return velocity2.total();
-		}
-
-		void apply(const PackedView& view, const Chunk& chunk)
-		{
-			withModel(chunk, [&](auto model) {
-				using M = decltype(model);
-				forEachPair<M>(view, chunk,
-				        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
-					        auto [v1, v2] = loadWhole<M>(point, lane, at1, at2);
-					        for (int i = 0; i < chunk.pointsPerPair; ++i) {
-						        const auto c = pointAt(point, i);
-						        applyImpulse(c, lane,
-						                { L::load(c.pn() + lane), tangential(c, lane) }, v1, v2);
-					        }
-					        storeWhole<M>(v1, at1);
-					        storeWhole<M>(v2, at2);
-				        });
-			});
-		}
-
-		template <class M, int Points>
-		NOINLINE void sweepAs(const PackedView& view, const Chunk& chunk)
-		{
-			sweepPairs<M, Points>(view, chunk, [](const auto& c, int lane, const auto& u) INLINE {
-				const auto p = M::impulse(c, lane), q = M::solve(c, lane, u, p);
-				M::set(c, lane, q);
-				return q - p;
-			});
-		}
-
-		void sweep(const PackedView& view, const Chunk& chunk)
-		{
-			withModelAndPoints(chunk, [&](auto model, auto points) {
-				sweepAs<decltype(model), points.value>(view, chunk);
-			});
-		}
-
-		template <class M, int Points>
-		NOINLINE void sweepRelaxedAs(const PackedView& view, const Chunk& chunk, double by)
-		{
-			const L relaxation = Real(by);
-			sweepPairs<M, Points>(view, chunk, [=](const auto& c, int lane, const auto& u) INLINE {
-				const auto p = M::impulse(c, lane), solved = M::solve(c, lane, u, p);
-				const auto q = M::project(c, lane, p + relaxation * (solved - p));
-				M::set(c, lane, q);
-				return q - p;
-			});
-		}
-
-		void sweepRelaxed(const PackedView& view, const Chunk& chunk, double relaxation)
-		{
-			withModelAndPoints(chunk, [&](auto model, auto points) {
-				sweepRelaxedAs<decltype(model), points.value>(view, chunk, relaxation);
-			});
-		}
-
-		/// Yielding contacts keep a share.
-		struct Share {
-			L compliance, leastResponse;
-
-			template <class Point, class Impulse>
-			INLINE Impulse operator()(const Point& c, int lane, const Impulse& p) const
-			{
-				const L scale = max(L(1.0), leastResponse * L::load(c.inverseNn() + lane));
-				return (L(1.0) / (L(1.0) + compliance * scale)) * p;
-			}
+	inline void preparePoint(const FrictionalColumns& c, int lane, L m1, L m2)
+	{
+		prepareLevers(c, lane, m1, m2);
+		const auto slide = [&](L with) {
+			return select(with <= L(0.0), L(unlimited<Real>), friction(c, lane) / with);
 		};
+		const L j1n = lever1n(c, lane), j1t = lever1t(c, lane), j2n = lever2n(c, lane),
+		        j2t   = lever2t(c, lane);
+		const L nt    = m1 * (j1n * j1t) + m2 * (j2n * j2t);
+		const L tt    = m1 + m2 + (m1 * (j1t * j1t) + m2 * (j2t * j2t));
+		const L ratio = nt * L::load(c.inverseNn() + lane), slope = friction(c, lane) * ratio;
+		ratio.store(c.ratio() + lane);
+		inverse(tt - nt * ratio).store(c.inverseSchur() + lane);
+		slide(L(1.0) + slope).store(c.slidePlus() + lane);
+		slide(L(1.0) - slope).store(c.slideMinus() + lane);
+	}
 
-		double sweepYielding(
-		        const PackedView& view, const Chunk& chunk, double momentum,
-		        const Yielding& yielding)
+	double prepare(const PackedView& view, const Chunk& chunk)
+	{
+		Sum velocity2;
+		forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
+			preparePoint(c, lane, v1.inverseMass, v2.inverseMass);
+			const Vector u = wholeVelocity(c, lane, v1, v2);
+			velocity2.add(lane, u.n * u.n + u.t * u.t);
+		});
+		return velocity2.total();
+	}
+
+	void apply(const PackedView& view, const Chunk& chunk)
+	{
+		withModel(chunk, [&](auto model) {
+			using M = decltype(model);
+			forEachPair<M>(view, chunk,
+			        [&](const P& at1, const P& at2, const auto& point, int lane) INLINE {
+				        auto [v1, v2] = loadWhole<M>(point, lane, at1, at2);
+				        for (int i = 0; i < chunk.pointsPerPair; ++i) {
+					        const auto c = pointAt(point, i);
+					        applyImpulse(c, lane,
+					                { L::load(c.pn() + lane), tangential(c, lane) }, v1, v2);
+				        }
+				        storeWhole<M>(v1, at1);
+				        storeWhole<M>(v2, at2);
+			        });
+		});
+	}
+
+	template <class M, int Points>
+	NOINLINE void sweepAs(const PackedView& view, const Chunk& chunk)
+	{
+		sweepPairs<M, Points>(view, chunk, [](const auto& c, int lane, const auto& u) INLINE {
+			const auto p = M::impulse(c, lane), q = M::solve(c, lane, u, p);
+			M::set(c, lane, q);
+			return q - p;
+		});
+	}
+
+	void sweep(const PackedView& view, const Chunk& chunk)
+	{
+		withModelAndPoints(chunk, [&](auto model, auto points) {
+			sweepAs<decltype(model), points.value>(view, chunk);
+		});
+	}
+
+	template <class M, int Points>
+	NOINLINE void sweepRelaxedAs(const PackedView& view, const Chunk& chunk, double by)
+	{
+		const L relaxation = Real(by);
+		sweepPairs<M, Points>(view, chunk, [=](const auto& c, int lane, const auto& u) INLINE {
+			const auto p = M::impulse(c, lane), solved = M::solve(c, lane, u, p);
+			const auto q = M::project(c, lane, p + relaxation * (solved - p));
+			M::set(c, lane, q);
+			return q - p;
+		});
+	}
+
+	void sweepRelaxed(const PackedView& view, const Chunk& chunk, double relaxation)
+	{
+		withModelAndPoints(chunk, [&](auto model, auto points) {
+			sweepRelaxedAs<decltype(model), points.value>(view, chunk, relaxation);
+		});
+	}
+
+	/// Yielding contacts keep a share.
+	struct Share {
+		L compliance, leastResponse;
+
+		template <class Point, class Impulse>
+		INLINE Impulse operator()(const Point& c, int lane, const Impulse& p) const
 		{
-			return sweepKeeping(view, chunk, momentum,
-			        Share { Real(yielding.compliance), Real(yielding.leastResponse) });
+			const L scale = max(L(1.0), leastResponse * L::load(c.inverseNn() + lane));
+			return (L(1.0) / (L(1.0) + compliance * scale)) * p;
 		}
+	};
 
-		void updateReference(const PackedView& view, const Chunk& chunk, ColumnOf<float>* points)
-		{
-			forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
-				const PointColumnsOf<float> single(points + (c.first() - view.points));
-				const Vector                u = wholeVelocity(c, lane, v1, v2);
-				(u.n + L::load(c.bias() + lane)).store(single.bias() + lane);
-				u.t.store(single.tangentialBias() + lane);
-			});
-		}
+	double sweepYielding(
+	        const PackedView& view, const Chunk& chunk, double momentum,
+	        const Yielding& yielding)
+	{
+		return sweepKeeping(view, chunk, momentum,
+		        Share { Real(yielding.compliance), Real(yielding.leastResponse) });
+	}
 
-	} // namespace
+	void updateReference(const PackedView& view, const Chunk& chunk, ColumnOf<float>* points)
+	{
+		forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
+			const PointColumnsOf<float> single(points + (c.first() - view.points));
+			const Vector                u = wholeVelocity(c, lane, v1, v2);
+			(u.n + L::load(c.bias() + lane)).store(single.bias() + lane);
+			u.t.store(single.tangentialBias() + lane);
+		});
+	}
 
-	extern const PackedKernels kernels;
-	const PackedKernels        kernels { { sweepMomentum, measure, extrapolate }, RCR_LANES,
-		prepare, apply, sweep, sweepRelaxed, sweepYielding, updateReference };
+} // namespace
+
+extern const PackedKernels kernels;
+const PackedKernels        kernels { { sweepMomentum, measure, extrapolate }, RCR_LANES,
+	prepare, apply, sweep, sweepRelaxed, sweepYielding, updateReference };
 #endif
 
-} // namespace RCR_LANE_NAMESPACE
-} // namespace rcr
+} // namespace rcr::RCR_LANE_NAMESPACE
