@@ -1,14 +1,12 @@
 """Time the contact solvers on one-step problems from files, alone and against Siconos.
 
 Prints tables and writes them as CSV: sweeps (time per contact point and sweep), tolerances (time to
-a residual, checked in NumPy), peers, growth (with the size of the problem), roofline. Times are the
-minimum of several runs. With one thread they are processor time, which other programs hardly
-change; with more they are wall-clock time.
+a residual, checked in NumPy) and peers. Times are the minimum of several runs. With one thread they
+are processor time, which other programs hardly change; with more they are wall-clock time.
 """
 
 import json
 import os
-import re
 import sys
 import tempfile
 from functools import partial
@@ -24,47 +22,29 @@ SOLVERS = "nesterov", "exact", "auto"
 SWEEPERS = "nlgs", "nesterov"
 LANES = 1, 4, 8
 
-ABOUT = ["problem", "shape", "bodies", "points"]
+ABOUT = ["problem", "bodies", "points"]
 COLUMNS = dict(
     sweeps=[*ABOUT, "solver", "lanes", "threads", "ns", "ns_by_clock", "ratio_to_one_thread"],
     tolerances=[*ABOUT, "solver", "start", "tolerance", "iterations", "seconds", "residual",
                 "residual_numpy", "reached", "siconos_seconds", "siconos_ratio"],
     peers=[*ABOUT, "peer", "start", "tolerance", "iterations", "seconds", "residual",
            "reached", "ns"],
-    growth=["shape", "solver", "start", "problems", "points_from", "points_to", "sweeps_exponent",
-            "seconds_exponent"],
-    roofline=[*ABOUT, "solver", "megabytes", "bytes_per_point", "operations_per_point",
-              "triad_gb_per_s", "ns_of_bytes", "ns_of_operations", "ns", "ns_a_point", "ns_a_pair"],
 )
-
-# Numbers that a sweep reads and writes for one contact point, and its arithmetic operations
-# (packed_blocks.hpp, packed_kernels.cpp); a product with its sum counts as one. A pair reads two
-# bodies of 4 numbers and two ids of 4 bytes, and writes the bodies. Momentum also reads and writes
-# each body and its old record, and sweeps a large island in floats.
-FIELDS_READ = dict(nlgs=14, nesterov=17)
-FIELDS_WRITTEN = dict(nlgs=2, nesterov=4)
-OPERATIONS = dict(nlgs=37, nesterov=45)
-POINT_FIELDS, BODY_FIELDS, ID_BYTES = 18, 4, 4
-REGISTER_BYTES = 64  # AVX-512, one operation a cycle
-FLOAT_PAIRS = 1024  # larger islands are swept in floats
 
 
 class Case:
     """A problem in the point order of the kernels, and its columns of the tables."""
 
     def __init__(self, name, problem):
-        self.name, self.points = name, problem.contacts
+        self.points = problem.contacts
         if isinstance(problem, problems.BodyProblem):
             self.arrays = problem.arrays()
-            self.problem = problems.BodyProblem(**self.arrays)
-            self.bodies = int((problem.inverse_mass > 0).all(1).sum())
-            self.shape = "discs" if measure.lever(problem) < 1e-6 else "long"
-            self.delassus = self.problem.delassus()
+            bodies = int((problem.inverse_mass > 0).all(1).sum())
+            self.delassus = problems.BodyProblem(**self.arrays).delassus()
         else:
-            self.problem = self.delassus = problem
-            self.arrays, self.bodies, self.shape = None, None, "unknown"
+            self.arrays, bodies, self.delassus = None, None, problem
         self.matrix = measure.matrix(self.delassus)
-        self.about = dict(problem=name, shape=self.shape, bodies=self.bodies, points=self.points)
+        self.about = dict(problem=name, bodies=bodies, points=self.points)
 
     def solve(self, warm=False, **settings):
         """Result of the kernel for this problem."""
@@ -151,66 +131,6 @@ def compare(rows, peers):
                 row["siconos_ratio"] = best["seconds"] / row["seconds"]
 
 
-def growth_rows(rows):
-    """Exponents of sweeps and seconds over contact points, at the largest tolerance.
-
-    Discs and long grains are fitted separately.
-    """
-    largest = max((row["tolerance"] for row in rows), default=None)
-    groups = {}
-    for row in rows:
-        if row["tolerance"] == largest and row["reached"] and row["iterations"]:
-            groups.setdefault((row["shape"], row["solver"], row["start"]), []).append(row)
-    for (shape, solver, start), group in groups.items():
-        points = [row["points"] for row in group]
-        if max(points) >= 2 * min(points):  # else the exponent is noise
-            yield dict(
-                shape=shape, solver=solver, start=start, problems=len(group),
-                points_from=min(points), points_to=max(points),
-                sweeps_exponent=measure.exponent(points, [row["iterations"] for row in group]),
-                seconds_exponent=measure.exponent(points, [row["seconds"] for row in group]))
-
-
-def roofline_rows(case, repeats):
-    """Time that memory traffic and arithmetic alone need, on one thread and 8 lanes.
-
-    The costs of a pair and of a point follow from the same pairs with two points each.
-    """
-    if case.arrays is None:
-        return
-    doubled = Case(case.name, measure.with_two_points(case.problem))
-    solve = lambda each, solver: partial(
-        each.solve, solver=solver, lanes=LANES[-1], workspace=kernel.Workspace())
-    runs = [(each.points, solve(each, solver)) for solver in SWEEPERS for each in (case, doubled)]
-    times = measure.sweep_times(runs, repeats)[:, 1]
-    pairs = len(np.unique(case.problem.bodies, axis=0)) / case.points
-    bodies = len(case.problem.inverse_mass) / case.points
-    for solver, ns, ns_doubled in zip(SWEEPERS, times[::2], times[1::2]):
-        size = 4 if solver == "nesterov" and pairs * case.points > FLOAT_PAIRS else 8
-        bytes_per_point = size * (POINT_FIELDS + BODY_FIELDS * bodies) + 2 * ID_BYTES * pairs
-        megabytes = 1e-6 * case.points * bytes_per_point
-        bandwidth = measure.triad_bandwidth(1e6 * megabytes)
-        of_point = (ns_doubled * doubled.points - ns * case.points) / (doubled.points - case.points)
-        volume = size * (FIELDS_READ[solver] + FIELDS_WRITTEN[solver])
-        volume += (4 * BODY_FIELDS * size + 2 * ID_BYTES) * pairs
-        volume += 4 * BODY_FIELDS * size * bodies if solver == "nesterov" else 0
-        yield dict(case.about, solver=solver, megabytes=megabytes, bytes_per_point=volume,
-                   operations_per_point=OPERATIONS[solver], triad_gb_per_s=1e-9 * bandwidth,
-                   ns_of_bytes=1e9 * volume / bandwidth,
-                   ns_of_operations=OPERATIONS[solver] * size / REGISTER_BYTES / clock_ghz(), ns=ns,
-                   ns_a_point=of_point, ns_a_pair=(ns - of_point) / pairs)
-
-
-def clock_ghz():
-    """Clock of the processor in /proc/cpuinfo [GHz]; NaN if it is missing."""
-    try:
-        with open("/proc/cpuinfo") as file:
-            found = re.search(r"cpu MHz\s*: ([\d.]+)", file.read())
-    except OSError:
-        found = None
-    return float(found[1]) / 1000 if found else float("nan")
-
-
 # ---- the script
 
 
@@ -268,7 +188,6 @@ def measured(options):
         print(f"{name}: {case.points} contact points", file=sys.stderr)
         if "sweeps" in options.only:
             made["sweeps"] += sweep_rows(case, options.repeats, options.threads)
-            made["roofline"] += roofline_rows(case, options.repeats)
         if "tolerances" in options.only:
             for warm in (False, True) if options.warm else (False,):
                 rows = [row for solver in options.solvers
@@ -277,7 +196,6 @@ def measured(options):
                 compare(rows, peers)
                 made["tolerances"] += rows
                 made["peers"] += peers
-    made["growth"] = list(growth_rows(made["tolerances"]))
     return made
 
 

@@ -77,31 +77,6 @@ def sweep_times(runs, repeats):
     return 1e9 * (least[1::2] - least[::2]) / ((many - FEW) * points)[:, None]
 
 
-def triad_bandwidth(size):
-    """Memory bandwidth of a = b + s c on arrays of `size` bytes in total [B/s].
-
-    NumPy takes two passes, which move five words an element.
-    """
-    count = max(64, int(size) // 24)
-    a, b, c = np.zeros(count), np.ones(count), np.full(count, 2.0)
-    turns = max(1, 2_000_000 // count)
-
-    def run():
-        start = time.perf_counter()
-        for _ in range(turns):
-            np.multiply(c, 0.5, out=a)
-            np.add(a, b, out=a)
-        return (time.perf_counter() - start) / turns
-
-    return 40 * count / best(10, 0.5, run)[0]
-
-
-def exponent(x, y):
-    """Slope of log y over log x by least squares; NaN for fewer than two different x."""
-    x, y = np.log(np.asarray(x, float)), np.log(np.asarray(y, float))
-    return float(np.polyfit(x, y, 1)[0]) if len(set(x)) > 1 else float("nan")
-
-
 # ---- problems
 
 
@@ -176,33 +151,6 @@ def _straight_wall(problem):
                          "give a problem with a straight wall")
     (axis, speed, _), bodies = next(iter(walls.items()))
     return axis, speed, bodies
-
-
-def lever(problem):
-    """Largest sine of the angle between arm and normal over all free bodies [-]; 0 for discs."""
-    largest = 0.0
-    for side, arm in enumerate((problem.arm1, problem.arm2)):
-        turns = problem.inverse_mass[problem.bodies[:, side], 2] > 0
-        r, n = arm[turns], problem.normal[turns]
-        size = np.hypot(*r.T)
-        across = abs(r[:, 0] * n[:, 1] - r[:, 1] * n[:, 0])
-        sine = np.divide(across, size, out=np.zeros_like(size), where=size > 0)
-        largest = max(largest, sine.max(initial=0))
-    return float(largest)
-
-
-def with_two_points(problem):
-    """The problem with two points at each pair of bodies that has one, for times of sweeps."""
-    _, pair, points = np.unique(problem.bodies, axis=0, return_inverse=True, return_counts=True)
-    single = (points[pair.ravel()] == 1)[:, None]
-    shift = 0.1 * np.hypot(*problem.arm2.T)[:, None] * np.stack(
-        [-problem.normal[:, 1], problem.normal[:, 0]], 1) * single
-    arrays = dict(vars(problem))
-    for name in "bodies", "normal", "arm1", "arm2", "bias", "friction", "impulse":
-        arrays[name] = np.concatenate([arrays[name], arrays[name][single.ravel()]])
-    for name in "arm1", "arm2":
-        arrays[name] = arrays[name] + np.concatenate([shift, -shift[single.ravel()]])
-    return type(problem)(**arrays)
 
 
 def lattice(count, seed=1):

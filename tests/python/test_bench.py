@@ -100,27 +100,6 @@ def test_lattice_is_one():
     assert (~inner).sum() == 2 * side + side // 2 + (side + 1) // 2
 
 
-def test_with_two_points():
-    problem = measure.with_two_points(lattice())
-    points = np.unique(problem.bodies, axis=0, return_counts=True)[1]
-    assert (points == 2).all() and problem.contacts == 2 * lattice().contacts
-    assert measure.with_two_points(problem).contacts == problem.contacts
-
-
-def test_levers_distinguish_discs_from_long_grains():
-    problem = lattice()
-    wall = (problem.bodies[:, 0] >= 25)[:, None]
-    # the centre of a wall is arbitrary
-    problem.arm1 = np.where(wall, [3.0, 4.0], problem.arm1)
-    assert measure.lever(problem) < 1e-14
-    assert measure.lever(measure.with_two_points(problem)) == pytest.approx(0.1 / np.hypot(1, 0.1))
-
-
-def test_exponent():
-    assert measure.exponent([1, 10, 100], [3, 30, 300]) == pytest.approx(1)
-    assert np.isnan(measure.exponent([5, 5], [1, 2]))
-
-
 # --- scripts/bench_solver.py ----------------------------------------------------------------------
 
 
@@ -176,12 +155,6 @@ def test_bench_solver_writes_its_tables(files):
         assert float(row["seconds"]) > 0 and row["siconos_seconds"] == ""
     assert {(row["solver"], row["start"]) for row in rows if row["reached"] == "True"} >= {
         ("exact", "cold"), ("exact", "warm")}
-    growth = rows_of(files / "out" / "growth.csv")
-    assert {row["shape"] for row in growth} == {"discs"}
-    assert all(np.isfinite(float(row["sweeps_exponent"])) for row in growth)
-    roofline = rows_of(files / "out" / "roofline.csv")
-    assert len(roofline) == 8
-    assert all(float(row["ns_of_bytes"]) > 0 and row["ns_a_pair"] for row in roofline)
 
 
 def test_bench_solver_compares_with_siconos(files):
