@@ -11,7 +11,7 @@ import os
 from rcr import script
 from rcr._data import results
 from rcr.study.biaxial import Biaxial
-from rcr.study.protocol import PROTOCOL, check_parameters
+from rcr.study.protocol import ONE_RATE, PROTOCOL, check_parameters
 
 RECORD = PROTOCOL.record_strain  # strain of a record
 
@@ -40,18 +40,17 @@ def arguments():
 
 def main():
     options = arguments()
-    parameters = check_parameters(options.eta, options.particles, options.seed, approach=0,
+    parameters = check_parameters(options.eta, options.particles, options.seed, **ONE_RATE,
                                   inertial_number=PROTOCOL.quick_inertial_number,
                                   time_step=options.time_step)
     given = dict(parameters, states=options.states, strain=options.strain)
     with results.claim_folder(options.out, "bench_problems.py", given, ["n*_e*.npz"],
-                       overwrite=options.overwrite) as begin:
+                              overwrite=options.overwrite) as begin:
         test = Biaxial.prepare(**parameters)
         test.compact()
         begin()
         for state in range(1, options.states + 1):
-            while test.strain < state * options.strain / options.states - 0.5 * RECORD:
-                test.shear_record()
+            test.shear_to(state * options.strain / options.states)
             name = f"n{options.particles}_e{options.eta:g}_{test.strain:.4f}.npz"
             path = os.path.join(options.out, name)
             test.solver.save(path)

@@ -160,7 +160,7 @@ def shear(test, options, checkpoints):
     start, end = 100 * test.strain, 100 * options.strain
     style = dict(desc="shear", unit="%", disable=None, bar_format=BAR)
     with tqdm(total=end, initial=start, **style) as bar:
-        while test.strain < options.strain - HALF_RECORD:
+        while not test.has_reached(options.strain):
             saved, began = due(), time.monotonic()
             target = (saved + 1) * options.strain / options.networks
             left = target - HALF_RECORD - test.strain
@@ -177,7 +177,7 @@ def shear(test, options, checkpoints):
             if due() > saved:
                 name = name_at(NETWORKS, test.strain)
                 test.network().save(os.path.join(options.out, name))
-                if test.strain > test.progress["failed_strain"] - HALF_RECORD:
+                if test.has_reached(test.progress["failed_strain"]):
                     test.progress["divisor"] = 1
                 checkpoints.save(state=True)
             checkpoints.update()
@@ -196,7 +196,7 @@ def load(options, parameters):
         raise ValueError(f"--resume: {folder} has no run.json of this script; {again}")
     networks = record["parameters"]["networks"]
     remove_later(folder, test.strain)  # of a part that go_back abandoned before a kill
-    if test.progress["phase"] == "shear" and test.strain > options.strain - HALF_RECORD:
+    if test.progress["phase"] == "shear" and test.has_reached(options.strain):
         if test.strain > options.strain + HALF_RECORD:
             given = f"--resume: the test in {folder} is at a strain of {test.strain:.4f}"
             beyond = f"beyond --strain {options.strain:g}; give no less than it has"

@@ -35,6 +35,11 @@ class Options:
     peers: str  # folder of chipmunk_step and box2d_step
     limit: float  # time limit of a point [s]
 
+    @property
+    def protocol(self):
+        """Short hash of the constants of the biaxial test."""
+        return results.identity(dataclasses.asdict(PROTOCOL))
+
 
 def chart(letter):
     """Module of a chart."""
@@ -48,8 +53,7 @@ def settings(letter, options):
 
 def folder(kind, name, options):
     """Folder of files that later calls use again, unless the protocol of the test has changed."""
-    protocol = results.identity(dataclasses.asdict(PROTOCOL))
-    return os.path.join(options.out, kind, f"{name}-{protocol}")
+    return os.path.join(options.out, kind, f"{name}-{options.protocol}")
 
 
 def settled(status, limit, retry=False):

@@ -29,10 +29,9 @@ from benchmarks import charts
 from benchmarks.charts.stock import Stock
 from rcr.study.statistics import standard_error
 from rcr.study.biaxial import Biaxial
-from rcr.study.protocol import PROTOCOL
+from rcr.study.protocol import ONE_RATE, PROTOCOL
 
 O = Omega()
-RECORD = PROTOCOL.record_strain  # strain of a record
 STRESS = PROTOCOL.confining_stress  # [Pa]
 TITLES = dict(sin_phi="q/p", packing_fraction="packing fraction", friction_mobilization="I_M",
               mobilized="share of sliding contacts (I_m > 0.99)",
@@ -43,7 +42,7 @@ OBSERVED = tuple(TITLES)
 ERRORS = "mean_overlap", "energy_error"  # errors themselves, without a reference
 SETTING = "law", "dt", "tolerance", "inertial_number", "stiffness"
 COLUMNS = ["eta", "particles", *SETTING, "seed", "steps", "seconds", *OBSERVED]
-DEPENDS = ("quick", "particles")
+DEPENDS = "quick", "particles", "protocol"
 ETAS = 0.0, 0.5
 STRAIN, FROM, LOOK, ACCOUNT = 0.2, 0.1, 0.01, 0.01
 RATE = 1e-3
@@ -64,8 +63,7 @@ def compacted(eta, seed, options):
     folder = charts.folder("packings", f"n{options.particles}-e{eta:g}-s{seed}", options)
     if not os.path.exists(os.path.join(folder, "checkpoint.yade.gz")):
         os.makedirs(folder, exist_ok=True)
-        test = Biaxial.prepare(eta, options.particles, seed, threads=1, approach=0,
-                               sample_inertia=1)
+        test = Biaxial.prepare(eta, options.particles, seed, threads=1, **ONE_RATE)
         test.compact()
         test.save(folder)
     return Biaxial.load(folder)
@@ -86,13 +84,13 @@ def rigid(test, dt, tolerance, inertial_number):
 def _sheared(test):
     """Shear to 20 % of strain; returns means over the second half."""
     seconds, networks, overlaps, look = 0.0, [], [], FROM + LOOK
-    while test.strain < STRAIN - 0.5 * RECORD:
+    while not test.has_reached(STRAIN):
         start = time.process_time()
         test.shear_record()
         seconds += time.process_time() - start
         if not (math.isfinite(test.packing_fraction) and 0.2 < test.packing_fraction < 1.5):
             raise RuntimeError(f"the packing flew apart at a strain of {test.strain:.3f}")
-        if test.strain > look - 0.5 * RECORD:
+        if test.has_reached(look):
             network = test.network()
             mobilization = network.friction_mobilization()
             networks.append((mobilization.mean(), (mobilization > SLIDING).mean(),

@@ -14,13 +14,10 @@ from benchmarks import bench_solver, bench_step, charts, measure
 from benchmarks import packing as packings
 from rcr import problems
 from rcr.study.biaxial import Biaxial
-from rcr.study.protocol import PROTOCOL
-
-RECORD = PROTOCOL.record_strain  # strain of a record
 
 COLUMNS = ("problem eta particles contacts library start tolerance iterations seconds"
            " residual").split()
-DEPENDS = ("quick",)
+DEPENDS = "quick", "protocol"
 SOLVERS = "nlgs", "sor", "nesterov", "exact", "auto"
 STEPPED = "chipmunk", "box2d"  # libraries whose steps are timed
 ETAS = 0.0, 0.4, 0.7
@@ -54,8 +51,7 @@ def _files(particles, eta, options):
         os.makedirs(os.path.dirname(base), exist_ok=True)
         test = Biaxial.prepare(eta, particles, threads=1)
         test.compact()
-        while test.strain < STRAIN - 0.5 * RECORD:
-            test.shear_record()
+        test.shear_to(STRAIN)
         test.solver.save(base + ".npz")
         test.network().save(base + ".h5")
     return base + ".npz", base + ".h5"

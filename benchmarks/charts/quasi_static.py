@@ -26,13 +26,12 @@ from rcr.study.checkpoint import CHECKPOINT
 from rcr.study.ensemble import Ensemble
 from rcr.study.observables import POWER_RANGE, correlations
 from rcr.study.figures.plot_style import legend_outside
-from rcr.study.protocol import PROTOCOL
+from rcr.study.protocol import HALF_RECORD
 
 from benchmarks import charts
 from benchmarks.charts import biaxial_cost
 
 O = Omega()
-RECORD = PROTOCOL.record_strain  # strain of a record
 APPROACH, FROM, STRAIN, LAST, LOOK = 0.1, 0.15, 0.3, 0.5, 0.01  # strains
 PAUSE = 60  # seconds between two checkpoints
 OBSERVED = dict(sin_phi="sin φ", packing_fraction="packing fraction", friction_mobilization="I_M",
@@ -43,7 +42,7 @@ OBSERVED = dict(sin_phi="sin φ", packing_fraction="packing fraction", friction_
                 sample_inertia="ρ (ε̇ W)²/σ₀ at the end", stress_scatter="scatter of σ_x/σ₀")
 METHOD = "missed", "sample_inertia", "stress_scatter"  # errors of the method, not in the figure
 COLUMNS = "eta particles inertial_number seed strain steps seconds".split() + [*OBSERVED]
-DEPENDS = ("quick",)
+DEPENDS = "quick", "protocol"
 # Settings are I/dt/iterations/tolerance. The tolerance mean-X stands for plain Gauss–Seidel that ends
 # at a relative change X of the mean force, as in the paper.
 BASE = "1e-4/0.4/300/1e-4"
@@ -105,18 +104,18 @@ def run(name, options):
     test, setting = _test(name, options, folder), _setting(name)
     saved = time.monotonic()
     end = LAST if setting == BASE else STRAIN
-    looks = lambda: math.floor((test.strain + 0.5 * RECORD) / LOOK)
-    while test.strain < end - 0.5 * RECORD:
-        approaching = test.strain < APPROACH - 0.5 * RECORD
+    looks = lambda: math.floor((test.strain + HALF_RECORD) / LOOK)
+    while not test.has_reached(end):
+        approaching = not test.has_reached(APPROACH)
         _set(test, BASE if approaching else setting)
         looked, first, start = looks(), O.iter, time.process_time()
         test.shear_record()
-        if not approaching and test.strain < STRAIN + 0.5 * RECORD:
+        if not approaching and test.strain < STRAIN + HALF_RECORD:
             test.progress["seconds"] += time.process_time() - start
             test.progress["steps"] += O.iter - first
         if looks() > looked and test.strain > FROM:
             test.network().save(folder / f"network-{test.strain:.4f}.h5")
-        if time.monotonic() > saved + PAUSE or test.strain >= end - 0.5 * RECORD:
+        if time.monotonic() > saved + PAUSE or test.has_reached(end):
             test.save(folder)
             saved = time.monotonic()
     windows = [(FROM, STRAIN), (STRAIN, LAST)] if setting == BASE else [(FROM, STRAIN)]
@@ -125,7 +124,7 @@ def run(name, options):
 
 def _row(test, folder, first, last):
     """Observables between two strains."""
-    within = lambda strain: first < strain - 0.5 * RECORD and strain < last + 0.5 * RECORD
+    within = lambda strain: first + HALF_RECORD < strain < last + HALF_RECORD
     paths = [path for path in sorted(folder.glob("network-*.h5"))
              if within(float(path.stem.split("-")[1]))]
     rows = [row for row in test.rows if within(row["strain"])]

@@ -16,7 +16,7 @@ from yade.wrapper import Omega
 import rcr
 from rcr._data import results
 from rcr.study import checkpoint, compaction, shear
-from rcr.study.protocol import FREE_PARAMETERS, PROTOCOL, check_parameters
+from rcr.study.protocol import FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_parameters
 from rcr.study.records import COUNTERS, Springs, make_records
 from rcr.study.summary import summarize
 
@@ -164,6 +164,15 @@ class Biaxial:
     def shear_record(self):
         """Shear by one record; see `shear`."""
         self.shear(1)
+
+    def has_reached(self, strain):
+        """Return whether the test is at a strain, or at most half a record before it."""
+        return self.strain >= strain - HALF_RECORD
+
+    def shear_to(self, strain):
+        """Shear by single records up to a strain."""
+        while not self.has_reached(strain):
+            self.shear_record()
 
     def step(self, count, times=1):
         """Make `times` intervals of `count` steps; set `records` and `mean_stresses`."""

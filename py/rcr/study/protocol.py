@@ -81,6 +81,7 @@ class Protocol:
 
 PROTOCOL = Protocol()
 HALF_RECORD = 0.5 * PROTOCOL.record_strain  # deviation of a saved strain, at most
+ONE_RATE = dict(approach=0, sample_inertia=1)  # parameters of a shear at one rate
 
 
 def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e-4, solver="auto",
