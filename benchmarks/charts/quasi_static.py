@@ -161,28 +161,12 @@ def observed(networks):
 # ---- limit, changes and figure
 
 
-def limit(rows, name):
-    """Mean y₀, its error, b and its error of the fit y = y₀ + b √I, with a y₀ for each seed.
-
-    `rows` are those of one elongation and size; too few give NaN. The first error includes the
-    scatter of the seeds.
-    """
-    seeds = sorted({row["seed"] for row in rows})
-    x = np.sqrt(np.array([row["inertial_number"] for row in rows], dtype=float))
-    y = np.array([row[name] for row in rows], dtype=float)
-    if len(x) == 0 or np.ptp(x) == 0:
-        return math.nan, math.nan, math.nan, math.nan
-    of_seed = [[row["seed"] == seed for seed in seeds] for row in rows]
-    design = np.column_stack([of_seed, x]).astype(float)
-    values = np.linalg.lstsq(design, y, rcond=None)[0]
-    freedom = len(y) - design.shape[1]
-    variance = np.sum((y - design @ values)**2) / freedom if freedom > 0 else math.nan
-    covariance = np.linalg.inv(design.T @ design) * variance
-    levels, slope = values[:-1], float(values[-1])
-    share = np.append(np.full(len(levels), 1 / len(levels)), 0)
-    scatter = np.var(levels, ddof=1) / len(levels) if len(levels) > 1 else 0.0
-    error = math.sqrt(max(share @ covariance @ share, scatter))
-    return float(np.mean(levels)), error, slope, math.sqrt(covariance[-1, -1])
+def slope_of_rates(rows, name):
+    """Slope b of the fit y = y₀ + b √I, with a y₀ for each seed, and its standard error."""
+    root = lambda row: math.sqrt(row["inertial_number"])
+    groups = [np.array([(root(row), row[name]) for row in rows if row["seed"] == seed]).T
+              for seed in {row["seed"] for row in rows}]
+    return statistics.common_slope(groups)
 
 
 def _with(rows, setting, strain=STRAIN):
@@ -219,7 +203,7 @@ def changes(rows, name):
     found = {label: change(base, _with(rows, setting), name)
              for setting, (label, *_) in CHANGES.items()}
     rates = [row for setting in (BASE, *RATES) for row in _with(rows, setting)]
-    *_, slope, error = limit(rates, name)
+    slope, error = slope_of_rates(rates, name)
     step = -math.sqrt(float(BASE.split("/")[0]))
     if name not in METHOD:
         found[LIMIT[0]] = slope * step, -error * step

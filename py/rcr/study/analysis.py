@@ -72,12 +72,7 @@ def drift(runs):
     """
     strains = [np.array([n.attributes["strain"] for n in run.networks]) for run in runs]
     values = [np.array([n.anisotropies()[0] for n in run.networks]) for run in runs]
-    x, y = (np.concatenate([part - part.mean() for part in parts]) for parts in (strains, values))
-    left = len(x) - len(runs) - 1
-    if left < 1 or not x.any():
-        return dict(a_c_drift=np.nan, a_c_drift_error=np.nan)
-    slope = x @ y / (x @ x)
-    error = np.sqrt(np.sum((y - slope * x) ** 2) / left / (x @ x))
+    slope, error = statistics.common_slope([*zip(strains, values)])
     length = np.ptp(np.concatenate(strains))
     return dict(a_c_drift=slope * length, a_c_drift_error=error * length)
 

@@ -62,6 +62,19 @@ def power_exponent(x, low):
     return kappa / scale - 1, 1 / (scale * np.sqrt(len(x) * _variance(kappa)))
 
 
+def common_slope(groups):
+    """Return the slope of straight lines through groups (x, y), and its standard error.
+
+    The slope is that of all groups. Both are NaN for too few points or equal x.
+    """
+    x, y = (np.concatenate([part - np.mean(part) for part in parts]) for parts in zip(*groups))
+    left = len(x) - len(groups) - 1
+    if left < 1 or not x.any():
+        return np.nan, np.nan
+    slope = x @ y / (x @ x)
+    return slope, np.sqrt(np.sum((y - slope * x) ** 2) / left / (x @ x))
+
+
 def standard_error(values):
     """Return the standard deviation over √(number) along the first axis, of finite values.
 

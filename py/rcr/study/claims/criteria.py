@@ -8,6 +8,7 @@ It raises `NotTested` where the data do not suffice.
 import numpy as np
 
 from rcr.study.observables import MEASURES
+from rcr.study.statistics import common_slope
 
 SIGMAS = 2  # standard errors that a deviation may have by chance
 CLAIMS = []  # (observables, statement, criterion, function), in the order of registration
@@ -97,13 +98,9 @@ def is_within(deviation, tolerance, error):
 def slope_of(x, y):
     """Return the slope of a straight line, and its standard error from the scatter about it."""
     keep = np.isfinite(y)
-    x, y = np.asarray(x)[keep], np.asarray(y)[keep]
-    if len(x) < 3:
-        raise NotTested(f"expected at least three values for a trend, there are {len(x)}")
-    dx = x - x.mean()
-    slope = dx @ y / (dx @ dx)
-    rest = y - y.mean() - slope * dx
-    return slope, np.sqrt(rest @ rest / (len(x) - 2) / (dx @ dx))
+    if keep.sum() < 3:
+        raise NotTested(f"expected at least three values for a trend, there are {keep.sum()}")
+    return common_slope([(x[keep], y[keep])])
 
 
 def trend(v, name, sign, low=0, high=1):
