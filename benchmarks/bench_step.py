@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 
 import rcr._kernel as kernel
-from benchmarks import ROOT, measure, outside, tables
+from benchmarks import measure, outside, tables
 from benchmarks import packing as packings
 from rcr import script
 from rcr.problems import BodyProblem
@@ -30,7 +30,7 @@ SKIN = 1e-3  # growth of the grains in other libraries, which need an overlap [m
 WAYS = dict(engines=False, arrays=True)  # ContactDynamics.arrays
 BLOCK = 50  # steps in YADE between two readings of the clock
 SETTLE = 10  # steps in YADE before the timing
-PEERS = dict(chipmunk="libchipmunk-dev", box2d="libbox2d-dev")
+PEERS = "chipmunk", "box2d"
 
 COLUMNS = dict(
     yade_engines="folder grains points threads way engine ms share".split(),
@@ -119,13 +119,10 @@ def step_times(seconds, an_iteration, options):
 
 def library_rows(name, packing, options):
     """Rows of another library; none if its program is missing."""
-    program = getattr(options, name)
-    if program is None:
-        program = os.path.join(ROOT, "build", "peers", f"{name}_step")
-        if not os.path.exists(program):
-            reason = f"install {PEERS[name]} and build benchmarks/peers"
-            print(f"bench_step.py: {name} is left out: {reason}", file=sys.stderr)
-            return []
+    program = os.path.join(options.peers, f"{name}_step")
+    if not os.path.exists(program):
+        print(f"bench_step.py: {name} is left out: {program} is missing", file=sys.stderr)
+        return []
     return list(peer_rows(name, program, packing, options))
 
 
@@ -245,9 +242,7 @@ def arguments():
     add("--threads", type=script.THREADS, default=1, metavar="N",
         help="threads of our solver in YADE (default %(default)s)")
     tables.add_repeats(parser, 5, budget=20)
-    about = "step program, inside or outside the environment (default: build/peers/{}_step)"
-    for name in PEERS:
-        add(f"--{name}", metavar="PROGRAM", help=about.format(name))
+    tables.add_peers(parser)
     script.add_results(parser, "tables")
     return parser.parse_args()
 

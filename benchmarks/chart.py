@@ -27,7 +27,7 @@ import yade  # noqa: F401
 from tqdm import tqdm
 
 matplotlib.use("Agg")
-from benchmarks import ROOT, charts, outside
+from benchmarks import charts, outside, tables
 from rcr import script
 from rcr._data import files, results
 
@@ -50,8 +50,7 @@ def arguments():
         help="grains of the biaxial tests (default 400, --quick 100)")
     add("--siconos", default="", metavar="PYTHON",
         help="a Python with siconos.numerics and scipy, inside or outside the environment")
-    add("--peers", default=os.path.join(ROOT, "build", "peers"), metavar="DIR",
-        help="folder of chipmunk_step and box2d_step (default build/peers)")
+    tables.add_peers(parser)
     add("--retry", action="store_true", help="run the points without numbers again")
     add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=None, metavar="S",
         help="time limit of a point [s] (default 200, --quick 40)")

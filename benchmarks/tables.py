@@ -3,6 +3,7 @@
 import contextlib
 import os
 
+from benchmarks import ROOT
 from rcr import script
 from rcr._data import files, results
 
@@ -15,6 +16,12 @@ def add_repeats(parser, repeats, budget=None):
         seconds = script.number("seconds ≥ 0", lambda v: v >= 0)
         parser.add_argument("--budget", type=seconds, default=budget, metavar="S",
                             help="seconds after which a run is not repeated (default %(default)s)")
+
+
+def add_peers(parser):
+    """Add the option --peers."""
+    parser.add_argument("--peers", default=os.path.join(ROOT, "build", "peers"), metavar="DIR",
+                        help="folder of chipmunk_step and box2d_step (default build/peers)")
 
 
 def store(program, options, columns, measured):

@@ -38,9 +38,7 @@ OBSERVED = dict(sin_phi="sin φ", packing_fraction="packing fraction", friction_
                 weak_fraction="share of weak contacts", beta_n="β_n", a_c_half="a_c(ξ = 0.5)",
                 a_c_weak="a_c(ξ = 1)", a_c="a_c", a_ln="a_ln", a_fn_weak="a_fn(ξ = 1)",
                 a_fn="a_fn", a_ft="a_ft", q_weak="q(ξ = 1)/p", half_sum="half-sum over q/p",
-                c_f_lr="C(f, ℓ_r)", missed="steps that missed the tolerance",
-                sample_inertia="ρ (ε̇ W)²/σ₀ at the end", stress_scatter="scatter of σ_x/σ₀")
-METHOD = "missed", "sample_inertia", "stress_scatter"  # errors of the method, not in the figure
+                c_f_lr="C(f, ℓ_r)", missed="steps that missed the tolerance")
 COLUMNS = "eta particles inertial_number seed strain steps seconds".split() + [*OBSERVED]
 DEPENDS = "quick", "protocol"
 # Settings are I/dt/iterations/tolerance. The tolerance mean-X stands for plain Gauss–Seidel that ends
@@ -135,8 +133,6 @@ def _row(test, folder, first, last):
     found = observed([Network.load(path) for path in paths])
     found |= dict(sin_phi=sin_phi([total("stress_x"), total("stress_y")]),
                   packing_fraction=total("packing_fraction") / len(rows),
-                  sample_inertia=test.sample_inertia(last)[0],
-                  stress_scatter=np.std([row["stress_x"] for row in rows]) / biaxial_cost.STRESS,
                   missed=(total("unconverged_steps") + total("yielded_steps"))
                   / (rows[-1]["step"] - rows[0]["step"]) * (1 - 1 / len(rows)))
     if test.solver.tuning["meanForceChange"]:
@@ -205,7 +201,7 @@ def changes(rows, name):
     rates = [row for setting in (BASE, *RATES) for row in _with(rows, setting)]
     slope, error = slope_of_rates(rates, name)
     step = -math.sqrt(float(BASE.split("/")[0]))
-    if name not in METHOD:
+    if name != "missed":
         found[LIMIT[0]] = slope * step, -error * step
     found[LATER[0]] = change(base, _with(rows, BASE, LAST), name)
     return {label: pair for label, pair in found.items() if not math.isnan(pair[0])}
@@ -235,7 +231,7 @@ def plot(rows, options):
     groups = {key: group for key, group in _groups(rows).items() if _with(group, BASE)}
     figure = Figure(figsize=(2 + 3 * max(1, len(groups)), 7), layout="constrained")
     axes = figure.subplots(1, max(1, len(groups)), sharex=True, sharey=True, squeeze=False)[0]
-    names = [name for name in OBSERVED if name not in METHOD]
+    names = [name for name in OBSERVED if name != "missed"]  # an error of the solver
     styles = [LIMIT, *CHANGES.values(), LATER]
     for ax, ((eta, particles), group) in zip(axes, groups.items()):
         for k, name in enumerate(names):

@@ -152,21 +152,18 @@ def test_bench_solver_writes_its_tables(files):
         reported = float(row["residual"])
         assert float(row["residual_numpy"]) == pytest.approx(reported, rel=1e-5, abs=1e-13)
         assert (row["reached"] == "True") == (reported <= float(row["tolerance"]))
-        assert float(row["seconds"]) > 0 and row["siconos_seconds"] == ""
+        assert float(row["seconds"]) > 0
     assert {(row["solver"], row["start"]) for row in rows if row["reached"] == "True"} >= {
         ("exact", "cold"), ("exact", "warm")}
 
 
 def test_bench_solver_compares_with_siconos(files):
-    """A program stands for Siconos' Python; ratios exist only where both reached the tolerance."""
+    """A program stands for Siconos' Python."""
     found = (1e-3, 10, 2.0, 5e-4), (1e-6, 20, 4.0, 2e-6)
     rows = [dict(zip(("tolerance", "iterations", "seconds", "residual"), row)) for row in found]
     siconos = answer(files / "answer", rows=rows, ns=100.0)
     measured("bench_solver.py", files / "small.npz", "--only", "tolerances", "--solvers", "exact",
              "--tolerances", "1e-3", "1e-6", "--siconos", siconos, "--out", files / "out", *FAST)
-    first, second = rows_of(files / "out" / "tolerances.csv")
-    assert float(first["siconos_ratio"]) == pytest.approx(2.0 / float(first["seconds"]))
-    assert second["siconos_ratio"] == ""
     peers = rows_of(files / "out" / "peers.csv")
     assert [row["peer"] for row in peers] == ["Siconos NSGS"] * 2
     assert [row["reached"] for row in peers] == ["True", "False"]
@@ -182,7 +179,7 @@ def test_impulses_of_siconos_have_the_residual_that_it_prints(files):
 
 @pytest.mark.parametrize("name, options, says", [
     ("none.npz", "", "none.npz"),
-    ("small.npz", "--solvers best", "--solvers best: expected some of nlgs"),
+    ("small.npz", "--solvers best", "--solvers invalid choice: 'best'"),
     ("small.npz", "--tolerances 2", "--tolerances 2.0: expected numbers between 0 and 1"),
     ("small.npz", "--mirror -1", "--mirror -1: expected at least 0"),
     ("small.npz", "--threads 0", "--threads 0: expected at least 1"),
@@ -238,10 +235,11 @@ def test_bench_step_writes_its_table(packing, tmp_path):
     before, after = np.zeros((10, 3)), np.zeros((10, 3))
     before[0, 1] = -1
     after[8, 0] = -0.01 * 2 / np.sqrt(6)  # pushed: dt, force, mass
-    program = answer(tmp_path / "other", library="Other 1", seconds=[1e-3] * 20,
-                     contacts=[contact], before=before.tolist(), after=after.tolist())
-    measured("bench_step.py", packing, "--chipmunk", program, "--box2d", program, "--repeats", 1,
-             "--out", tmp_path / "out")
+    for name in "chipmunk", "box2d":
+        answer(tmp_path / f"{name}_step", library="Other 1", seconds=[1e-3] * 20,
+               contacts=[contact], before=before.tolist(), after=after.tolist())
+    measured("bench_step.py", packing, "--peers", tmp_path, "--repeats", 1, "--out",
+             tmp_path / "out")
     ours, others = [], []
     for row in rows_of(tmp_path / "out" / "step.csv"):
         (ours if row["library"].startswith("rcr") else others).append(row)
@@ -257,8 +255,8 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
     program = ROOT / "build" / "peers" / f"{name}_step"
     if not program.exists():
         pytest.skip(f"{program.name} is not built")
-    measured("bench_step.py", packing, f"--{name}", program, "--iterations", 2000, "--repeats", 1,
-             "--out", tmp_path / "out")
+    measured("bench_step.py", packing, "--iterations", 2000, "--repeats", 1, "--out",
+             tmp_path / "out")
     cold, warm = (row for row in rows_of(tmp_path / "out" / "step.csv")
                   if row["library"].lower().startswith(name))
     rounding = 1e-12 if name == "chipmunk" else 1e-4  # Box2D computes in single precision
@@ -274,7 +272,6 @@ def test_other_libraries_obey_their_own_impulses(packing, tmp_path, name):
     ("six.h5", "--iterations 0", "--iterations 0: expected at least 1"),
     ("six.h5", "--steps 0", "--steps 0: expected at least 1"),
     ("six.h5", "--friction -1", "--friction -1.0: expected a coefficient ≥ 0"),
-    ("six.h5", "--chipmunk /none/program", "/none/program: No such file or directory"),
 ])
 def test_bench_step_reports_errors_in_a_line(packing, tmp_path, name, options, says):
     (tmp_path / "six.txt").write_text("1 2 3\n")
