@@ -27,15 +27,13 @@ from functools import partial
 import numpy as np
 from matplotlib.figure import Figure
 from yade.minieigenHP import Vector3
-from yade.wrapper import (Bo1_Wall_Aabb, ForceResetter, FrictMat, InsertionSortCollider,
-                          InteractionLoop, Ip2_FrictMat_FrictMat_FrictPhys, MatchMaker,
-                          NewtonIntegrator, Omega)
+from yade.wrapper import Omega
 
 import rcr
 from benchmarks import measure
+from benchmarks.hard_scenes.stage import G, ContactDynamics, Smooth, build, material, tilted
 
 O = Omega()
-G, DENSITY = 9.81, 1000.0
 COLUMNS = "scene law dt tolerance stiffness steps seconds value reference".split()
 DEPENDS = ("quick",)
 FINEST = dict(dt=1e-4, tolerance=1e-6)  # reference of the column
@@ -53,17 +51,11 @@ EXACT = 1e-9  # smaller relative errors are rounding
 # ---- scenes
 
 
-def _material(friction):
-    return FrictMat(density=DENSITY, frictionAngle=math.atan(friction), young=1e7, poisson=0.3)
-
-
 def _slope(body):
-    rough = _material(0.5)
-    alpha = math.atan(0.6)
+    rough, alpha = material(), math.atan(0.6)
     grain = body(rough)
     m, inertia = grain.state.mass, grain.state.inertia[2]
-    gravity = (G * math.sin(alpha), -G * math.cos(alpha), 0)
-    return [rcr.wall("y", 0, material=rough), grain], gravity, m, inertia, alpha
+    return [rcr.wall("y", 0, material=rough), grain], tilted(alpha), m, inertia, alpha
 
 
 def incline(seed):
@@ -83,7 +75,7 @@ def ladder(seed):
     from scipy.integrate import solve_ivp
 
     a, r, theta, omega, seconds = 0.5, 0.05, 1.3, -0.3, 0.4
-    smooth = _material(0)
+    smooth = material(0)
     rod = rcr.particle((r + a * math.cos(theta), r + a * math.sin(theta)), a + r, a / (a + r),
                        math.pi - theta, smooth)
     m, inertia = rod.state.mass, rod.state.inertia[2]
@@ -99,7 +91,7 @@ def ladder(seed):
 
 def column(seed):
     R, rng = 0.02, np.random.default_rng(7)
-    rough = _material(0.5)
+    rough = material()
     centers = [(R + 2.05 * R * k, R + 2.05 * R * row) for row in range(10) for k in range(6)]
     angles = rng.uniform(0, math.pi, len(centers))
     shift = np.random.default_rng(seed).uniform(-1, 1, (len(centers), 2))
@@ -115,31 +107,19 @@ def column(seed):
 SCENES = dict(incline=incline, disc=disc, ladder=ladder, column=column)
 
 
-def _engines(gravity, law, stiffness, tolerance):
-    value = lambda k: MatchMaker(algo="val", val=k)
-    grains = [b for b in O.bodies if isinstance(b.shape, rcr.Rcr)]
-    m = min(b.state.mass for b in grains)
-    R = min(b.shape.capRadius + b.shape.halfLength for b in grains)
-    if law != "smooth":
-        ip2, law2 = rcr.Ip2_FrictMat_FrictMat_CdPhys(), rcr.Law2_RcrGeom_CdPhys_SignoriniCoulomb()
-        engine = [rcr.ContactDynamics(tolerance=tolerance, maxIterations=5000, threads=1)]
-    else:
-        kn = stiffness * m * G / R
-        ip2 = Ip2_FrictMat_FrictMat_FrictPhys(kn=value(kn), ks=value(0.8 * kn))
-        law2, engine = rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=SMOOTH_DAMPING), []
-    return [ForceResetter(),
-            InsertionSortCollider([rcr.Bo1_Rcr_Aabb(), Bo1_Wall_Aabb()], verletDist=0.1 * R),
-            InteractionLoop([rcr.Ig2_Rcr_Rcr_RcrGeom(), rcr.Ig2_Wall_Rcr_RcrGeom()], [ip2], [law2]),
-            *engine,
-            NewtonIntegrator(gravity=gravity, damping=0)]
+def _law(name, bodies, stiffness, tolerance):
+    if name != "smooth":
+        return ContactDynamics(dict(tolerance=tolerance, maxIterations=5000, threads=1))
+    grains = [body for body in bodies if isinstance(body.shape, rcr.Rcr)]
+    m = min(grain.state.mass for grain in grains)
+    R = min(grain.shape.capRadius + grain.shape.halfLength for grain in grains)
+    return Smooth(damping=SMOOTH_DAMPING, kn=stiffness * m * G / R)
 
 
 def _simulate(scene, law, dt, tolerance, stiffness, seed):
     start = time.process_time()
-    O.reset()
     bodies, gravity, duration, observed, exact = SCENES[scene](seed)
-    O.bodies.append(bodies)
-    O.engines = _engines(gravity, law, stiffness, tolerance)
+    build(_law(law, bodies, stiffness, tolerance), dt or 1.0, *bodies, gravity=gravity)
     step = dt if law != "smooth" else SMOOTH_SHARE * rcr.critical_time_step()
     steps = math.ceil(duration / step - 1e-9)
     O.dt = duration / steps

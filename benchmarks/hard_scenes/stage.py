@@ -46,18 +46,21 @@ class ContactDynamics:
 
 @dataclasses.dataclass(frozen=True)
 class Smooth:
-    """Springs of the stiffness `young` [Pa] and `damping` over critical damping [-].
+    """Springs of the stiffness `young` [Pa] or `kn` [N/m], with `damping` over critical damping.
 
     The restitution of a scene is ignored.
     """
 
     young: float = 1e8
     damping: float = 0.2
+    kn: float = 0.0
 
     def parts(self, restitution):
         """Physics and law."""
-        return (Ip2_FrictMat_FrictMat_FrictPhys(),
-                rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=self.damping))
+        ip2 = Ip2_FrictMat_FrictMat_FrictPhys()
+        if self.kn:
+            ip2.kn, ip2.ks = (MatchMaker(algo="val", val=k) for k in (self.kn, 0.8 * self.kn))
+        return ip2, rcr.Law2_RcrGeom_FrictPhys_CundallStrack(damping=self.damping)
 
 
 def build(law, dt, *bodies, gravity=(0, -G, 0), restitution=0):

@@ -20,7 +20,7 @@ from rcr._data import results
 HERE = pathlib.Path(__file__).resolve().parent
 CONTINUE = "continue with the same command"
 QUICK = dict(particles=300, etas=[[0, 0.4, 0.7]], strain=0.3, networks=6, out="out/quick")
-FREE = ("particles", "etas", "seeds", "strain", "networks", *campaign_runs.OPTIONAL)
+FREE = ("particles", "etas", "seeds", "strain", *campaign_runs.OPTIONAL)
 
 
 def numbers(kind):
@@ -51,8 +51,8 @@ def parser():
         help="seeds, separated likewise (default 1)")
     add("--strain", type=strain, default=0.5, metavar="E",
         help="of the shear (default %(default)s)")
-    add("--networks", type=script.at_least(1), default=10, metavar="N",
-        help="snapshots of each test, at equal strains (default %(default)s)")
+    add("--networks", type=script.at_least(1), metavar="N",
+        help="snapshots of each test, at equal strains (default: that of scripts/biaxial.py)")
     add("--iterations", type=script.at_least(1), metavar="N",
         help="of the solver in a step of the shear, at most (default: that of scripts/biaxial.py)")
     add("--time-step", type=positive, metavar="DT",
@@ -93,7 +93,7 @@ def configuration(options):
     """Return the configuration of campaign.smk."""
     tests = len(options.etas) * len(options.seeds)
     config = dict(
-        particles=options.particles, strain=options.strain, networks=options.networks,
+        particles=options.particles, strain=options.strain,
         etas=",".join(map(text, options.etas)), seeds=",".join(map(str, options.seeds)),
         threads=min(1024, max(1, options.jobs // tests)))
     given = {name: getattr(options, name) for name in campaign_runs.OPTIONAL}
@@ -125,16 +125,11 @@ def strain_reached(folder):
         return 0.0
 
 
-def run_folders(out, options):
-    """Return the folders of all tests."""
-    config = configuration(options)
-    return [out / "runs" / campaign_runs.run_name(config, text(eta), seed)
-            for eta in options.etas for seed in options.seeds]
-
-
 def run_with_progress(words, out, options):
     """Run Snakemake; on a terminal, show the strain of all tests as a progress bar."""
-    folders = run_folders(out, options)
+    config = configuration(options)
+    folders = [out / "runs" / campaign_runs.run_name(config, text(eta), seed)
+               for eta in options.etas for seed in options.seeds]
     form = "{desc}: {percentage:3.0f} %|{bar}| {elapsed} < {remaining}"
     process = subprocess.Popen(words, stdout=sys.stderr)
     with tqdm(total=options.strain * len(folders), desc="tests", disable=None,
@@ -164,26 +159,12 @@ def failure(out):
     return f"not complete{what}; {CONTINUE}"
 
 
-def check_networks(out, options):
-    """Raise ValueError if a run of this campaign exists with another number of networks.
-
-    The name of a run does not hold that number.
-    """
-    for folder in run_folders(out, options):
-        record = results.read(folder)
-        made = record["parameters"]["networks"] if record else options.networks
-        if made != options.networks:
-            given = f"{folder} has --networks {made}, this campaign --networks {options.networks}"
-            raise ValueError(f"{given}; give the same number or another --out")
-
-
 def main():
     options, extra = arguments()
     if not shutil.which("snakemake"):
         todo = "install it (apt-get install snakemake) and run this command again"
         raise RuntimeError(f"the package snakemake is not installed; {todo}")
     out = pathlib.Path(options.out)
-    check_networks(out, options)
     parameters = {name: getattr(options, name) for name in FREE}
     claim = dict(free=list(FREE), resume=True)  # one folder may hold several campaigns
     with results.claim_folder(out, "campaign", parameters, [], **claim) as begin:

@@ -1,6 +1,6 @@
 # Workflow of scripts/campaign: a biaxial test for each elongation and seed, then their analysis.
 #
-# Config: particles, strain, etas and seeds (with commas), threads and networks of a test; optionally
+# Config: particles, strain, etas and seeds (with commas), threads of a test; optionally networks,
 # iterations, time_step and friction. The working directory gets runs/NAME/ as scripts/biaxial.py
 # writes it, with its log, and report/.
 
@@ -11,7 +11,6 @@ SCRIPTS = pathlib.Path(workflow.basedir).parent
 sys.path.insert(0, str(workflow.basedir))
 import campaign_runs
 
-config.setdefault("networks", 10)
 ETAS = str(config["etas"]).split(",")
 SEEDS = str(config["seeds"]).split(",")
 OPTIONS = campaign_runs.options(config)

@@ -125,11 +125,8 @@ def test_refuses_bad_input(arguments, message, tmp_path):
 
 @needs_snakemake
 @needs_environment
-def test_another_number_of_networks_is_refused(tmp_path):
-    """The names of the runs do not hold it."""
-    out, short = tmp_path / "out", [*SMALL, "--strain", "0.004"]
-    campaign(out, *short, "--networks", "2")
-    again = campaign(out, *short, "--networks", "3", fails=True)
-    message = "has --networks 2, this campaign --networks 3; give the same number or another --out"
-    assert message in again.stderr
-    campaign(out, *short, "--networks", "2")
+def test_another_number_of_networks_is_another_run(tmp_path):
+    for networks in "2", "3":
+        campaign(tmp_path, *SMALL, "--strain", "0.004", "--networks", networks)
+    names = sorted(folder.name for folder in (tmp_path / "runs").iterdir())
+    assert names == [f"particles-60-strain-0.004-networks-{n}-eta-0.5-seed-2" for n in (2, 3)]
