@@ -34,8 +34,8 @@ PEERS = "chipmunk", "box2d"
 
 COLUMNS = dict(
     yade_engines="folder grains points threads way engine ms share".split(),
-    yade_step=("folder eta grains points threads way steps in_arrays ms ms_least ms_processor "
-               "iterations tolerance residual_max ms_sweeps ms_rest").split(),
+    yade_step=("folder eta grains points threads way steps in_arrays ms ms_least iterations "
+               "tolerance").split(),
     step=("packing shape grains points library start iterations ns covers ms "
           "ms_without_iterations residual mean_overlap velocity_error").split(),
 )
@@ -185,13 +185,12 @@ def time_checkpoint(folder, way, options):
     scene.timingEnabled = True
     timing.reset()
     parts, in_arrays = dict(solver.seconds), solver.model["arrays"]
-    times, processor = [], time.process_time()
+    times = []
     for done in range(0, options.steps, BLOCK):
         count = min(BLOCK, options.steps - done)
         start = time.perf_counter()
         scene.run(count, True)
         times.append((time.perf_counter() - start) / count)
-    processor = time.process_time() - processor
     scene.timingEnabled = False
     seen = solver.observed()
     parts = {name: 1e3 * (seconds - parts.get(name, 0)) / options.steps
@@ -208,10 +207,8 @@ def time_checkpoint(folder, way, options):
              for name, ms in parts.items()]
     whole = dict(about, eta=test.parameters["eta"], steps=options.steps,
                  in_arrays=solver.model["arrays"] - in_arrays, ms=1e3 * float(np.mean(times)),
-                 ms_least=1e3 * min(times), ms_processor=1e3 * processor / options.steps,
-                 iterations=seen["iterations"] / options.steps, tolerance=solver.tolerance,
-                 residual_max=seen["residual"], ms_sweeps=parts["solve"],
-                 ms_rest=1e3 * float(np.mean(times)) - parts["solve"])
+                 ms_least=1e3 * min(times), iterations=seen["iterations"] / options.steps,
+                 tolerance=solver.tolerance)
     return rows, whole
 
 

@@ -5,7 +5,6 @@ Prints a table and writes it as CSV; benchmarks/hard_scenes/driven.py has the sc
     scripts/yade-rcr -n -x benchmarks/driven_scenes.py --count 200 --out driven-scenes.csv
 """
 
-import csv
 import dataclasses
 from collections import Counter
 
@@ -37,8 +36,7 @@ def courses(path):
     value = {float: float, int: int, bool: "True".__eq__}
     course = lambda row: driven.Course(*(value[field.type](row[f"{field.name}_springs"])
                                          for field in dataclasses.fields(driven.Course)))
-    with open(path, newline="") as file:
-        return {int(row["seed"]): course(row) for row in csv.DictReader(file)}
+    return {int(row["seed"]): course(row) for row in files.read_table(path, ["seed"])}
 
 
 def row(scene, rigid, springs, broken):

@@ -12,7 +12,6 @@ Each module of this package is a chart:
 `status` is 'ok', or the reason why a row has no numbers. Times are processor time of one thread.
 """
 
-import csv
 import dataclasses
 import importlib
 import os
@@ -79,20 +78,9 @@ class Table:
         self.all = self._read() if os.path.exists(path) else []
 
     def _read(self):
-        text = dict(newline="", encoding="utf-8")
-        with files.reading(self.path, "a table of a chart"), open(self.path, **text) as file:
-            reader = csv.DictReader(file, strict=True)
-            names = reader.fieldnames or ()
-            lacking = [name for name in ("point", "status") if name not in names]
-            if lacking:
-                raise ValueError(
-                    f"lacks the column {' and '.join(lacking)}; remove it to start again")
-            rows = []
-            for row in reader:
-                if None in row or None in row.values():
-                    raise ValueError(f"line {reader.line_num}: expected {len(names)} cells")
-                rows.append(dict(settings="") | {name: number(row[name]) for name in names})
-            return rows
+        with files.reading(self.path, "a table of a chart"):
+            return [dict(settings="") | {name: number(cell) for name, cell in row.items()}
+                    for row in files.read_table(self.path, ("point", "status"))]
 
     @property
     def rows(self):

@@ -66,16 +66,11 @@ def run(name, options):
     if library in STEPPED:
         rows = _stepped(library, network, options)
     else:
-        rows = _solved(library, _mirrored(problem, mirror), options)
+        problem = problems.load(problem)
+        for k in range(1, mirror + 1):
+            problem = measure.mirrored(problem, seed=k)
+        rows = _solved(library, problem, options)
     return [dict(about, **row) for row in rows]
-
-
-def _mirrored(path, times):
-    """The problem of a file, reflected several times."""
-    problem = problems.load(path)
-    for k in range(1, times + 1):
-        problem = measure.mirrored(problem, seed=k)
-    return problem
 
 
 def _solved(library, problem, options):

@@ -160,6 +160,19 @@ def table(columns, rows):
     return text.getvalue()
 
 
+def read_table(path, columns):
+    """Return the rows of a CSV file as dicts of text; a ValueError says that a column is missing.
+
+    Call it within `reading`.
+    """
+    with open(path, newline="", encoding="utf-8") as file:
+        reader = csv.DictReader(file, strict=True)
+        missing = [name for name in columns if name not in (reader.fieldnames or ())]
+        if missing:
+            raise ValueError(f"lacks the column {' and '.join(missing)}")
+        return list(reader)
+
+
 @contextlib.contextmanager
 def reading(path, kind):
     """Block that reads the file `path`; every error of a damaged file becomes one ValueError.

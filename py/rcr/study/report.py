@@ -18,6 +18,7 @@ from rcr.study.analysis import analyse, jsonable
 from rcr.study.claims import AGREES, DIFFERS, NOT_TESTED, findings
 from rcr.study.claims.paper import MAPS, nearest
 from rcr.study.figures import maps
+from rcr.study.runs import group_by_eta
 
 _HEAD = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
@@ -181,7 +182,7 @@ def _of_summaries(runs, *names):
 def unconverged_steps(runs):
     """Describe the steps of the shear that missed the tolerances of the solver."""
     parts = []
-    for eta, group in _by_eta(runs).items():
+    for eta, group in group_by_eta(runs).items():
         rows = _of_summaries(group, "missed_fraction", "missed_mean", "missed_max")
         if not rows:
             continue
@@ -203,7 +204,7 @@ def yielded_steps(runs):
     if not known:
         return "No history counts the steps without a solution."
     parts = []
-    for eta, group in _by_eta(known).items():
+    for eta, group in group_by_eta(known).items():
         steps, marked, records, snapshots, _ = map(sum, zip(*(run.yielded for run in group)))
         text = f"η = {eta:g}: {steps}"
         if steps:
@@ -214,11 +215,6 @@ def yielded_steps(runs):
     marked = any(run.yielded.steps for run in known)
     end = f" Their records and snapshots {use}." if marked else ""
     return f"Steps without a solution: {'; '.join(parts)}.{end}"
-
-
-def _by_eta(runs):
-    """Return {η: its runs}, η rising."""
-    return {eta: [run for run in runs if run.eta == eta] for eta in sorted({r.eta for r in runs})}
 
 
 def markdown(table):

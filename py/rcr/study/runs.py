@@ -3,7 +3,6 @@
 Needs NumPy and h5py.
 """
 
-import csv
 import dataclasses
 import itertools
 import os
@@ -180,17 +179,11 @@ def _history(path):
     if not path.exists():
         return None
     with files.reading(path, "a history"):
-        with open(path, newline="", encoding="utf-8") as file:
-            reader = csv.DictReader(file, strict=True)
-            present = reader.fieldnames or ()
-            missing = [name for name in _HISTORY if name not in present]
-            if missing:
-                raise ValueError(f"lacks the column {' and '.join(missing)}")
-            rows = list(reader)
+        rows = files.read_table(path, _HISTORY)
         if not rows:
             raise ValueError("holds no record; scripts/biaxial.py --resume writes it again")
         history = {name: np.array([_value(line, name, row) for line, row in enumerate(rows, 2)])
-                   for name in (*_HISTORY, _YIELDED) if name in present}
+                   for name in (*_HISTORY, _YIELDED) if name in rows[0]}
         rises = np.append(True, np.diff(history["strain"]) > 0)
         checks.require(rises, "the strain", history["strain"], "more than in the record before")
         if history["stress_x"].mean() > history["stress_y"].mean():  # σ₁ is along x
@@ -218,11 +211,15 @@ def by_elongation(runs):
     if len(frictions) > 1:
         listed = ", ".join(f"{v:g}" for v in frictions)
         raise ValueError(f"the networks have friction {listed}; expected one friction for all")
-    etas = sorted({run.eta for run in runs})
-    groups = {eta: [run for run in runs if run.eta == eta] for eta in etas}
+    groups = group_by_eta(runs)
     for group in groups.values():
         _check_seeds(group)
     return groups
+
+
+def group_by_eta(runs):
+    """Return {η: its runs}, η rising."""
+    return {eta: [run for run in runs if run.eta == eta] for eta in sorted({r.eta for r in runs})}
 
 
 def _check_seeds(runs):

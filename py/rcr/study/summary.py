@@ -41,10 +41,8 @@ def _strength(test, include_yielded):
 def _structure(test):
     """Return observables of the last contact network."""
     network = test.network()
-    between = network.between_particles
-    types = network.contacts["type"][between]
-    contacts = network.contacts
-    force = np.einsum("ca,ca->c", contacts["force"], contacts["normal"])[between]
+    types = network.contacts["type"][network.between_particles]
+    force = network.local_components()[3][:, 0]
     overlaps = test.overlaps()
     frictional = network.attributes["friction"] > 0
     mobilization = float(network.friction_mobilization().mean()) if frictional else 0.0
