@@ -149,7 +149,7 @@ def draw(letter, given, options, worker):
         figure.savefig(image, format=suffix, dpi=110, bbox_inches="tight")
         files.write(f"{base}.{suffix}", image.getvalue())
     if hasattr(module, "ratios"):
-        print("\n".join(module.ratios(table.rows)))
+        print("\n".join(map(" | ".join, module.ratios(table.rows))))
     failed = [row for row in table.rows if row["status"] != "ok"]
     print(f"{base}.png: {len(table.rows)} rows"
           + (f", {len(failed)} without numbers (column status)" if failed else ""))

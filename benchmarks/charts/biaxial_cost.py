@@ -252,10 +252,9 @@ def _formatted(name, difference, error):
 
 
 def ratios(rows):
-    """Lines of the errors of each setting, with standard errors, and its processor time."""
+    """Table of the errors of each setting, with standard errors, and its processor time."""
     rows = [row for row in rows if row["status"] == "ok"]
-    yield " | ".join(["setting", "seconds", *TITLES.values()])
-    yield "---|" * (len(OBSERVED) + 1) + "---"
+    yield ["setting", "seconds", *TITLES.values()]
     names = dict(dt="dt/t₀ = {:g}", tolerance="tolerance {:.0e}", inertial_number="I = {:g}",
                  smooth="springs, k_n/σ₀ = {:.0e}", stock="clumps, k_n/σ₀ = {:.0e}")
     for eta in ETAS:
@@ -265,4 +264,4 @@ def ratios(rows):
             for k, (value, seconds, *_) in enumerate(line):
                 cells = [_formatted(name, *of_eta[name][swept][k][2:]) for name in OBSERVED]
                 setting = f"η = {eta:g}, {names[swept].format(value)}"
-                yield " | ".join([setting, f"{seconds:.2g}", *cells])
+                yield [setting, f"{seconds:.2g}", *cells]

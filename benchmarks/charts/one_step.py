@@ -106,7 +106,7 @@ def _stepped(library, network, options):
 
 
 def ratios(rows):
-    """Lines of the time of each library over that of `auto`: least – largest (number of pairs)."""
+    """Table of the time of each library over that of `auto`: least – largest (number of pairs)."""
     least = {}  # (residual, library, problem and start): seconds
     for row in rows:
         for level in LEVELS if row["status"] == "ok" else ():
@@ -114,15 +114,14 @@ def ratios(rows):
             if row["residual"] <= level:
                 least[key] = min(row["seconds"], least.get(key, np.inf))
     others = list(dict.fromkeys(library for _, library, _ in least if library != "auto"))
-    yield "time over that of auto | " + " | ".join(others)
-    yield "---|" * len(others) + "---"
+    yield ["time over that of auto", *others]
     for level in LEVELS:
         cells = []
         for library in others:
             found = [seconds / least[level, "auto", of] for (at, who, of), seconds in least.items()
                      if (at, who) == (level, library) and (level, "auto", of) in least]
             cells.append(f"{min(found):.2g} – {max(found):.2g} ({len(found)})" if found else "")
-        yield f"{level:.0e} | " + " | ".join(cells)
+        yield [f"{level:.0e}", *cells]
 
 
 def _panel(ax, rows):

@@ -208,10 +208,9 @@ def changes(rows, name):
 
 
 def ratios(rows):
-    """Lines of the means at BASE and of the changes by other settings."""
+    """Table of the means at BASE and of the changes by other settings."""
     labels = [label for label, *_ in (LIMIT, *CHANGES.values(), LATER)]
-    yield "observable | elongation, particles | mean | " + " | ".join(labels)
-    yield "---|" * (len(labels) + 2) + "---"
+    yield ["observable", "elongation, particles", "mean", *labels]
     for name, title in OBSERVED.items():
         for (eta, particles), group in _groups(rows).items():
             values = [row[name] for row in _with(group, BASE)]
@@ -219,8 +218,7 @@ def ratios(rows):
                 continue
             found = changes(group, name)
             cells = [_cell(*found[label]) if label in found else "" for label in labels]
-            yield (f"{title} | η = {eta:g}, N = {particles:g} | {np.mean(values):.3g} | "
-                   + " | ".join(cells))
+            yield [title, f"η = {eta:g}, N = {particles:g}", f"{np.mean(values):.3g}", *cells]
 
 
 def _cell(value, error):

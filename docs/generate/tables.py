@@ -46,10 +46,9 @@ def measured(name):
 
 def ratios(chart, name, shown=lambda row: True):
     """Table of a chart, as scripts/chart.py prints it, without rows that are not `shown`."""
-    lines = charts.chart(chart).ratios(measured(name))
-    header, _, *rows = (line.split(" | ") for line in lines)
+    header, *rows = charts.chart(chart).ratios(measured(name))
     plain = lambda match: f"{float(match[0]):g}"  # 1e+03 as 1000
-    short = lambda cell: re.sub(r"(\d(?:\.\d+)?)e\+0*(\d+)", plain, cell.strip())
+    short = lambda cell: re.sub(r"(\d(?:\.\d+)?)e\+0*(\d+)", plain, cell)
     return table(header, [[short(cell) for cell in row] for row in rows if shown(row)])
 
 
