@@ -19,18 +19,13 @@ RECORD = PROTOCOL.record_strain  # strain of a record
 def arguments():
     parser = script.Parser(prog="bench_problems.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
-    add("--particles", type=script.integer(), default=2000,
-        help="number of grains (default %(default)s)")
-    add("--eta", type=script.number(), default=0.7,
-        help="elongation, 0 = disc (default %(default)s)")
-    add("--seed", type=script.integer(), default=1,
-        help="seed of the packing (default %(default)s)")
+    add("--particles", type=script.integer(), default=2000, help="number of grains")
+    add("--eta", type=script.number(), default=0.7, help="elongation, 0 = disc")
+    add("--seed", type=script.integer(), default=1, help="seed of the packing")
     add("--time-step", type=script.number(), default=PROTOCOL.quick_time_step,
-        help="time step of the shear over √(m/σ0) (default %(default)s)")
-    add("--states", type=script.at_least(1), default=5,
-        help="number of problems, at equal strains (default %(default)s)")
-    add("--strain", type=script.number(), default=0.05,
-        help="strain of the last problem (default %(default)s)")
+        help="time step of the shear over √(m/σ0)")
+    add("--states", type=script.at_least(1), default=5, help="number of problems, at equal strains")
+    add("--strain", type=script.number(), default=0.05, help="strain of the last problem")
     script.add_results(parser, "problems")
     options = parser.parse_args()
     if not options.states * RECORD <= options.strain < 1:

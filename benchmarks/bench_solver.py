@@ -141,11 +141,11 @@ def arguments():
         help="numbers of threads of the sweeps (default: 1 2)")
     tables.add_repeats(parser, 20, budget=5)
     add("--max-iterations", type=script.at_least(1), default=100000, metavar="N",
-        help="largest number of iterations (default %(default)s)")
+        help="largest number of iterations")
     add("--siconos", metavar="PYTHON",
         help="a Python with siconos.numerics and scipy, inside or outside the environment")
     add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=20, metavar="S",
-        help="time limit of Siconos [s] (default %(default)s)")
+        help="time limit of Siconos [s]")
     script.add_results(parser, "tables")
     return parser.parse_args()
 

@@ -231,13 +231,13 @@ def arguments():
     add("inputs", nargs="+", metavar="PACKING|FOLDER",
         help="network .h5; with YADE, a folder of scripts/biaxial.py")
     add("--iterations", type=script.at_least(1), metavar="N",
-        help="iterations of a step (default 40; in YADE: to the tolerance of the scene)")
+        help="iterations of a step (default: 40; in YADE: to the tolerance of the scene)")
     add("--steps", type=script.at_least(1), default=None, metavar="N",
-        help="warm steps in the libraries (default 20), steps in YADE (default 200)")
+        help="warm steps in the libraries (default: 20), steps in YADE (default: 200)")
     add("--friction", type=script.number("a coefficient ≥ 0", lambda v: v >= 0), default=0.5,
-        help="friction between grains (default %(default)s)")
+        help="friction between grains")
     add("--threads", type=script.THREADS, default=1, metavar="N",
-        help="threads of our solver in YADE (default %(default)s)")
+        help="threads of our solver in YADE")
     tables.add_repeats(parser, 5, budget=20)
     tables.add_peers(parser)
     script.add_results(parser, "tables")

@@ -35,8 +35,7 @@ MARK = "chart.py rows: "  # begins a line of results; YADE and libraries print o
 
 
 def arguments():
-    parser = script.Parser(prog="chart.py", description=__doc__,
-                           formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = script.Parser(prog="chart.py", description=__doc__)
     add = parser.add_argument
     add("--out", type=script.folder, required=True, metavar="DIR",
         help="folder of the charts, made if missing")
@@ -47,13 +46,13 @@ def arguments():
     add("--only", metavar="POINT",
         help="run this point of one chart again and print its rows; the CSV has the names")
     add("--particles", type=script.at_least(50, 10**7), default=None, metavar="N",
-        help="grains of the biaxial tests (default 400, --quick 100)")
+        help="grains of the biaxial tests (default: 400, --quick 100)")
     add("--siconos", default="", metavar="PYTHON",
         help="a Python with siconos.numerics and scipy, inside or outside the environment")
     tables.add_peers(parser)
     add("--retry", action="store_true", help="run the points without numbers again")
     add("--limit", type=script.number("seconds > 0", lambda v: v > 0), default=None, metavar="S",
-        help="time limit of a point [s] (default 200, --quick 40)")
+        help="time limit of a point [s] (default: 200, --quick 40)")
     add("--worker", action="store_true", help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.only and len(given.charts) != 1:

@@ -20,10 +20,9 @@ def arguments():
     parser = script.Parser(prog="driven_scenes.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("--count", type=script.at_least(1), default=200, metavar="N",
-        help="number of scenes (default %(default)s, an hour)")
-    add("--first", type=script.integer(), default=0, metavar="SEED",
-        help="seed of the first scene (default %(default)s)")
-    add("--out", default="driven-scenes.csv", metavar="FILE", help="CSV (default %(default)s)")
+        help="number of scenes; 200 take an hour")
+    add("--first", type=script.integer(), default=0, metavar="SEED", help="seed of the first scene")
+    add("--out", default="driven-scenes.csv", metavar="FILE", help="CSV")
     add("--springs", metavar="FILE",
         help="CSV of an earlier run, whose runs with springs are used again to save time")
     options = parser.parse_args()

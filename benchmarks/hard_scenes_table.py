@@ -23,7 +23,7 @@ def arguments():
     parser.add_argument("--only", default="", metavar="NAME,…",
                         help="prefixes of scene names (default: all, some minutes)")
     parser.add_argument("--out", type=script.new_file, default="hard-scenes.csv", metavar="FILE",
-                        help="CSV (default %(default)s)")
+                        help="CSV")
     options = parser.parse_args()
     names = hard_scenes.names()
     options.names = [name for name in names if name.startswith(tuple(options.only.split(",")))]

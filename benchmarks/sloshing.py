@@ -33,7 +33,7 @@ def arguments():
     parser = script.Parser(prog="sloshing.py", description=__doc__.splitlines()[0])
     parser.add_argument("folder", metavar="FOLDER", help="test of scripts/biaxial.py")
     parser.add_argument("--out", type=script.new_file, default="sloshing.csv", metavar="FILE",
-                        help="CSV (default %(default)s)")
+                        help="CSV")
     return parser.parse_args()
 
 

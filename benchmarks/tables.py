@@ -11,17 +11,17 @@ from rcr._data import files, results
 def add_repeats(parser, repeats, budget=None):
     """Add the options --repeats and --budget with these default values."""
     parser.add_argument("--repeats", type=script.at_least(1), default=repeats, metavar="N",
-                        help="runs; the fastest counts (default %(default)s)")
+                        help="runs; the fastest counts")
     if budget:
         seconds = script.number("seconds ≥ 0", lambda v: v >= 0)
         parser.add_argument("--budget", type=seconds, default=budget, metavar="S",
-                            help="seconds after which a run is not repeated (default %(default)s)")
+                            help="seconds after which a run is not repeated")
 
 
 def add_peers(parser):
     """Add the option --peers."""
     parser.add_argument("--peers", default=os.path.join(ROOT, "build", "peers"), metavar="DIR",
-                        help="folder of chipmunk_step and box2d_step (default build/peers)")
+                        help="folder of chipmunk_step and box2d_step (default: build/peers)")
 
 
 def store(program, options, columns, measured):

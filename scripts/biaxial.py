@@ -22,7 +22,9 @@ from rcr import script
 from rcr._data import files, results
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
-from rcr.study.protocol import FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_parameters
+from rcr.study.protocol import (
+    DEFAULTS, FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_parameters,
+)  # fmt: skip
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
 MADE = ["summary.json", CHECKPOINT, STATES, "history.csv", "isotropic.h5", NETWORKS]
@@ -37,43 +39,30 @@ def parser():
     strain = script.number("0 < strain < 1", lambda v: 0 < v < 1)
     made = script.Parser(prog="biaxial.py", description=__doc__.splitlines()[0])
     add = made.add_argument
-    add("--eta", type=number, default=0.5,
-        help="elongation (R - R')/R, 0 = disc (default %(default)s)")
-    add("--particles", type=integer, default=1000, help="number of grains (default %(default)s)")
-    add("--strain", type=strain, default=0.5,
-        help="strain of the shear, (h0 - h)/h0 (default %(default)s)")
-    add("--seed", type=integer, default=1,
-        help="seed of sizes, positions and directions (default %(default)s)")
-    add("--friction", type=number, default=0.5,
-        help="between grains during the shear (default %(default)s)")
-    add("--inertial-number", type=number, default=PROTOCOL.inertial_number,
-        help="rate of the shear beyond --approach, times √(m/σ0) (default %(default)g)")
-    add("--time-step", type=number, default=PROTOCOL.time_step,
-        help="time step of the shear beyond --approach, in √(m/σ0) (default %(default)g); not of "
-        "--law smooth")
-    add("--approach", type=number, default=PROTOCOL.approach,
+    add("--eta", type=number, help="elongation (R - R')/R, 0 = disc")
+    add("--particles", type=integer, help="number of grains")
+    add("--strain", type=strain, default=0.5, help="strain of the shear, (h0 - h)/h0")
+    add("--seed", type=integer, help="seed of sizes, positions and directions")
+    add("--friction", type=number, help="between grains during the shear")
+    add("--inertial-number", type=number, help="rate beyond --approach, times √(m/σ0)")
+    add("--time-step", type=number,
+        help="time step beyond --approach, in √(m/σ0); not of --law smooth")
+    add("--approach", type=number,
         help="strain up to which the shear is quick, with --inertial-number at least "
-        f"{PROTOCOL.quick_inertial_number:g} and --time-step at most {PROTOCOL.quick_time_step:g} "
-        "(default %(default)g)")
-    add("--sample-inertia", type=number, default=PROTOCOL.sample_inertia,
-        help="ρ (v W/h)²/σ0 beyond --approach, at most; lowers the rate of large samples "
-        "(default %(default)g)")
-    add("--threads", type=integer, default=0,
-        help="threads of the contact solver (default: YADE's -j)")
-    add("--tolerance", type=number, default=1e-4,
-        help="largest residual of the contact solver (default %(default)s)")
+        f"{PROTOCOL.quick_inertial_number:g} and --time-step at most {PROTOCOL.quick_time_step:g}")
+    add("--sample-inertia", type=number,
+        help="ρ (v W/h)²/σ0 beyond --approach, at most; lowers the rate of large samples")
+    add("--threads", type=integer, help="threads of the contact solver (default: YADE's -j)")
+    add("--tolerance", type=number, help="largest residual of the contact solver")
     add("--iterations", type=integer,
-        help="of the solver in a step of the shear, at most (default "
+        help="of the solver in a step of the shear, at most (default: "
         f"{PROTOCOL.small_iterations} up to {PROTOCOL.small_particles} grains, "
         f"else {PROTOCOL.iterations})")
-    add("--solver", default="auto",
-        help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
-    add("--law", choices=["cd", "smooth"], default="cd",
-        help="rigid contacts, or springs and dashpots (default %(default)s)")
-    add("--stiffness", type=number, default=PROTOCOL.stiffness,
-        help="kn/σ0 of --law smooth (default %(default)s)")
+    add("--solver", help="nlgs, sor, nesterov, exact or auto")
+    add("--law", choices=["cd", "smooth"], help="rigid contacts, or springs and dashpots")
+    add("--stiffness", type=number, help="kn/σ0 of --law smooth")
     add("--networks", type=script.at_least(1), default=10,
-        help="number of networks saved, at equal strains (default %(default)s)")
+        help="number of networks saved, at equal strains")
     add("--include-yielded", action="store_true",
         help="count records with a step without a solution in the means of summary.json")
     add("--out", type=script.folder, required=True, metavar="DIR",
@@ -82,6 +71,7 @@ def parser():
         help="continue from DIR's checkpoint; --strain, --networks, --include-yielded and "
         "--threads may differ")
     add("--overwrite", action="store_true", help="remove the results in DIR")
+    made.set_defaults(**DEFAULTS)
     return made
 
 

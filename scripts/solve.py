@@ -22,12 +22,11 @@ def arguments():
     parser = script.Parser(prog="solve.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("problem", metavar="PROBLEM", help="file .npz, .h5, .hdf5 or .dat")
-    add("--solver", default="auto", metavar="S",
-        help="nlgs, sor, nesterov, exact or auto (default %(default)s)")
+    add("--solver", default="auto", metavar="S", help="nlgs, sor, nesterov, exact or auto")
     add("--tolerance", type=script.number(), default=1e-4, metavar="T",
-        help="residual to reach; 0 runs all iterations (default %(default)s)")
+        help="residual to reach; 0 runs all iterations")
     add("--max-iterations", type=script.integer(), default=10000, metavar="N",
-        help="largest number of iterations (default %(default)s)")
+        help="largest number of iterations")
     add("--warm", action="store_true", help="start from the impulses in the file, not from zeros")
     add("--out", type=script.new_file, required=True, metavar="FILE",
         help="results, as .npz or .h5")

@@ -19,11 +19,23 @@ __all__ = ["Parser", "Stop", "Stopped", "at_least", "atomic_path", "folder", "in
 STOPPED = 130  # exit code after Ctrl-C, as in a shell
 
 
+class _Help(argparse.ArgumentDefaultsHelpFormatter, argparse.RawDescriptionHelpFormatter):
+    """Help that shows the default of an option, unless it is None or False or the text has it."""
+
+    def _get_help_string(self, action):
+        if action.default is None or action.default is False or "(default" in action.help:
+            return action.help
+        return super()._get_help_string(action)
+
+
 class Parser(argparse.ArgumentParser):
-    """An ArgumentParser without abbreviations, whose errors take one line, without the usage."""
+    """An ArgumentParser without abbreviations, whose errors take one line, without the usage.
+
+    The help shows the defaults of the options.
+    """
 
     def __init__(self, **keywords):
-        super().__init__(allow_abbrev=False, **keywords)
+        super().__init__(allow_abbrev=False, formatter_class=_Help, **keywords)
 
     def error(self, message):
         if message.startswith("argument "):
@@ -129,7 +141,7 @@ def options(doc, **more):
     parser = Parser(prog=name, description=doc.strip().splitlines()[0])
     default = os.path.join("out", os.path.splitext(name)[0])
     parser.add_argument("--out", type=folder, default=default, metavar="DIR",
-                        help="folder of pictures and data (default %(default)s)")  # fmt: skip
+                        help="folder of pictures and data")  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="a small scene that takes seconds")
     for option, keywords in more.items():
         parser.add_argument("--" + option.replace("_", "-"), **keywords)

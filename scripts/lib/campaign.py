@@ -4,7 +4,6 @@ After a stop or a kill the same command continues from the checkpoints, to the s
 Options after a lone -- go to Snakemake.
 """
 
-import argparse
 import os
 import pathlib
 import shutil
@@ -30,8 +29,7 @@ def numbers(kind):
 
 def parser():
     """Return the parser of the command line."""
-    formatter = argparse.RawDescriptionHelpFormatter
-    made = script.Parser(prog="campaign", description=__doc__, formatter_class=formatter)
+    made = script.Parser(prog="campaign", description=__doc__)
     elongation = script.number("elongations 0 ≤ ETA < 1", lambda v: 0 <= v < 1)
     seed = script.integer("seeds ≥ 0", lambda v: v >= 0)
     strain = script.number("0 < strain < 1", lambda v: 0 < v < 1)
@@ -43,14 +41,13 @@ def parser():
         help="the study in small, a minute or two: 300 grains, elongations 0, 0.4 and 0.7, "
         "strain 0.3, unless other options say otherwise")
     add("--particles", type=script.at_least(10), default=13000, metavar="N",
-        help="grains of each test (default %(default)s)")
+        help="grains of each test")
     add("--etas", type=numbers(elongation), nargs="+", metavar="ETA",
         default=[[0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7]],
-        help="elongations, separated by commas or spaces (default 0,0.1,…,0.7)")
+        help="elongations, separated by commas or spaces (default: 0,0.1,…,0.7)")
     add("--seeds", type=numbers(seed), nargs="+", metavar="SEED", default=[[1]],
-        help="seeds, separated likewise (default 1)")
-    add("--strain", type=strain, default=0.5, metavar="E",
-        help="of the shear (default %(default)s)")
+        help="seeds, separated likewise (default: 1)")
+    add("--strain", type=strain, default=0.5, metavar="E", help="of the shear")
     add("--networks", type=script.at_least(1), metavar="N",
         help="snapshots of each test, at equal strains (default: that of scripts/biaxial.py)")
     add("--iterations", type=script.at_least(1), metavar="N",
@@ -60,9 +57,9 @@ def parser():
     add("--friction", type=friction, metavar="MU",
         help="between grains during the shear (default: that of scripts/biaxial.py)")
     add("--jobs", type=script.at_least(1), default=processors, metavar="N",
-        help="processors to use (default all: %(default)s)")
+        help="processors to use")
     add("--out", type=script.folder, default="out/campaign", metavar="DIR",
-        help="folder of the runs and the report, made if missing (default %(default)s, with "
+        help="folder of the runs and the report, made if missing (default: %(default)s, with "
         f"--quick {QUICK['out']})")
     return made
 

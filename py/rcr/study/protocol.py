@@ -7,6 +7,7 @@ t₀ = √(m/σ₀), the inertial number I = ε̇ t₀. Every quantity is per un
 """
 
 import dataclasses
+import inspect
 
 from rcr._data import checks
 
@@ -105,6 +106,7 @@ def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e
     return parameters
 
 
+DEFAULTS = {name: p.default for name, p in inspect.signature(check_parameters).parameters.items()}
 _RANGES = dict(  # parameter: check, expected value, condition
     eta=(checks.number, "an elongation 0 ≤ eta < 1", lambda v: 0 <= v < 1),
     particles=(checks.integer, "at least 10 and at most 10 million", lambda v: 10 <= v <= 10**7),
