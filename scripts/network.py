@@ -2,7 +2,8 @@
 """Analyse the networks of biaxial tests: analysis.json, every figure of the paper, report.html.
 
 Each DIR is a folder of scripts/biaxial.py. Tests of one elongation are seeds, whose contacts are
-cumulated; each elongation is a curve of the figures. Needs NumPy, h5py and Matplotlib, not YADE.
+cumulated; each elongation is a curve of the figures. Needs NumPy, h5py, Matplotlib and tqdm, not
+YADE.
 """
 
 import os
@@ -11,6 +12,8 @@ import sys
 from lib import environment
 
 try:
+    from tqdm import tqdm
+
     from rcr import script
     from rcr._data import results
     from rcr.study import report
@@ -37,13 +40,6 @@ def arguments():
     return parser.parse_args()
 
 
-def show(name):
-    """Print the name of the next result, on a terminal."""
-    if sys.stderr.isatty():
-        line = f"\r\033[K{name} …" if name else "\r\033[K"
-        print(line, end="", file=sys.stderr, flush=True)
-
-
 def warn_incomplete(run):
     """Warn of a run that has not reached its final strain."""
     if run.record and run.summary is None:
@@ -66,8 +62,8 @@ def main():
     parameters = dict(selection, runs=sources)
     with results.claim_folder(options.out, "network.py", parameters, MADE,
                               overwrite=options.overwrite) as begin:
-        table = report.write(runs, options.out, show, begin)
-    show("")
+        with tqdm(bar_format="{desc} …", leave=False, disable=None) as bar:
+            table = report.write(runs, options.out, bar.set_description_str, begin)
     print(f"{os.path.join(options.out, 'report.html')}: {report.summary(table)}")
 
 

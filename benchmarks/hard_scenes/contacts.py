@@ -2,12 +2,10 @@
 
 import dataclasses
 import math
-import os
-import tempfile
 
 import numpy as np
 import rcr
-from rcr import problems
+from rcr.scene import last_problem
 
 from .stage import (D, G, R, X, box, deepest, flat, flat_row, hard_scene, kinetic, material,
                     on_floor, open_box, positions, real_contacts, solver, stadium, state, tilted,
@@ -107,14 +105,6 @@ def s08_joints(make):
     return measure
 
 
-def present_problem():
-    """Contact problem of the last step."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "step.npz")
-        solver().save(path)
-        return problems.load(path)
-
-
 def resultants(problem, **settings):
     """Solve; (pairs, 3): impulse (x, y) of each pair and its moment about body 2 over R [N s/m]."""
     impulse = rcr.solve(problem, max_iterations=1_000_000, **settings).reaction
@@ -140,7 +130,7 @@ def s09_side_contacts(make):
 
     def measure(clock):
         clock.step(5)
-        problem = present_problem()
+        problem = last_problem(solver())
         first, *others = [resultants(problem, solver=solver, tolerance=1e-10)
                           for solver in ("nlgs", "sor", "nesterov", "exact")]
         return max(abs(other - first).max() for other in others) / abs(first).max()
@@ -161,7 +151,7 @@ def s10_shuffled(make):
 
     def measure(clock):
         clock.pass_(2.0)
-        problem = present_problem()
+        problem = last_problem(solver())
         count, names = problem.contacts, "bodies normal arm1 arm2 bias friction impulse".split()
         forces = []
         for order in np.arange(count), np.random.default_rng(10).permutation(count):

@@ -18,7 +18,7 @@ import siconos.numerics as sn
 from scipy.sparse import csc_matrix
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
-from benchmarks.measure import residual
+from benchmarks.measure import residual, rounds
 
 FIRST, GROWTH = 20, 0.1  # iterations of the first piece; later pieces over all iterations so far
 REPEATS, BUDGET = 12, 2.0  # largest number of runs; seconds after which no run begins
@@ -62,16 +62,8 @@ def nsgs(data, matrix, tolerances, limit):
 
 def fastest(run):
     """Rows and cost of the fastest of several runs."""
-    rows, cost = run()
-    spent = rows[-1]["seconds"]
-    for _ in range(REPEATS - 1):
-        if spent > BUDGET:
-            break
-        again, other = run()
-        spent += again[-1]["seconds"]
-        rows, cost = [min(pair, key=lambda row: row["seconds"])
-                      for pair in zip(rows, again)], min(cost, other)
-    return rows, cost
+    rows, costs = zip(*(result for (result,) in rounds(REPEATS, BUDGET, [run])))
+    return [min(same, key=lambda row: row["seconds"]) for same in zip(*rows)], min(costs)
 
 
 def main():

@@ -70,9 +70,9 @@ def porosity(volume=None, what=None):
     """
     frame = _frame(what)
     filled = areas(frame)[1].sum()
-    positive = "the area of the region > 0 [m²]"
     if volume is not None:
-        volume = checks.number("volume", volume, positive, lambda v: v > 0)
+        expected = "the area of the region > 0 [m²]"
+        volume = checks.number("volume", volume, expected, lambda v: v > 0)
         if volume < filled:
             expected = f"the area of the region [m²], which holds grains of {filled:.6g} m²"
             raise checks.error("volume", volume, expected)
@@ -80,8 +80,6 @@ def porosity(volume=None, what=None):
         volume = abs(np.linalg.det(frame.cell))
     else:
         volume = np.prod(np.diff(extent(frame), axis=0))
-    if not volume > 0:
-        raise checks.error("volume", volume, positive)
     return float(1 - filled / volume)
 
 

@@ -67,7 +67,8 @@ class Network:
         self.attributes = dict(attributes)
         if "volume" in self.attributes:
             expected = "the area of the region > 0 [m²]"
-            checks.number("volume", self.attributes["volume"], expected, lambda v: v > 0)
+            volume = checks.number("volume", attributes["volume"], expected, lambda v: v > 0)
+            self.attributes["volume"] = volume
         for name in {"cell", "cell_velocity"} & set(self.attributes):
             self.attributes[name] = checks.array(name, self.attributes[name], (2, 2))
         if "position" in particles:

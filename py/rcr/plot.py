@@ -72,11 +72,11 @@ def packing(
         If the scene holds nothing to draw, or a name is unknown.
     """
     frame = Frame.of(what)
-    _check(frame, contacts, limits)
+    _check(frame, contacts)
+    limits = frame.extent() if limits is None else checks.rectangle("limits", limits)
     legend = ax is None if legend is None else legend
     colors = GrainColors.of(frame, color, range, cmap)
     with matplotlib.rc_context(STYLE):
-        limits = np.asarray(frame.extent() if limits is None else limits, float)
         keys = legend and (colors.has_key or contacts in ("type", "mobilization"))
         ax = drawing.page(limits, FOOT if keys else 0) if ax is None else drawing.canvas(limits, ax)
         radius = frame.mean_radius() if len(frame.grains["id"]) else 0.01 * np.ptp(limits)
@@ -124,17 +124,11 @@ def snapshot(path, what=None, dpi=200, **options):
     return path
 
 
-def _check(frame, contacts, limits):
+def _check(frame, contacts):
     if not (len(frame.grains["id"]) or len(frame.walls["id"]) or frame.outlines):
         raise ValueError("the scene holds no Rcr, Sphere, Wall, Box or Facet: nothing to draw")
     if contacts is not None and contacts not in CONTACTS:
         raise checks.error("contacts", contacts, f"None, {' or '.join(map(repr, CONTACTS))}")
-    if limits is None:
-        return
-    finite = np.shape(limits) == (2, 2) and np.isfinite(limits).all()
-    if not finite or not (np.diff(limits, axis=0) > 0).all():
-        expected = "((left, bottom), (right, top)) [m], finite and in this order"
-        raise checks.error("limits", limits, expected)
 
 
 def _add_grains(ax, frame, colors, unit):

@@ -54,10 +54,7 @@ class Profile:
             checks.integer(f"cells[{k}]", n, "at least 1", lambda v: v >= 1)
             for k, n in enumerate(cells)
         )
-        self._given = None if limits is None else checks.array("limits", limits, (2, 2))
-        if limits is not None and not (self._given[1] > self._given[0]).all():
-            expected = "the lower left and the upper right corner of a rectangle [m]"
-            raise checks.error("limits", limits, expected)
+        self._given = None if limits is None else checks.rectangle("limits", limits)
         self.limits = self._given
         self._sums, self._moments = None, 0
 

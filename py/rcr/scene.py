@@ -209,6 +209,19 @@ def segment(start, end, material=-1):
     return utils.facet(corners, material=_material(material))
 
 
+def last_problem(engine):
+    """Return the contact problem of the last step of a ContactDynamics, with its warm start."""
+    raw = engine._problem()
+    column = lambda name, width, kind=np.float64: np.frombuffer(raw[name], kind).reshape(-1, width)
+    inverse_mass, points = column("inverse_mass", 3), column("points", 8)
+    if not len(inverse_mass):
+        raise ValueError("ContactDynamics has solved no step yet; call O.step() before save()")
+    return problems.BodyProblem(
+        inverse_mass=inverse_mass, free_velocity=column("free_velocity", 3),
+        bodies=column("bodies", 2, np.int32), normal=points[:, 0:2], arm1=points[:, 2:4],
+        arm2=points[:, 4:6], bias=points[:, 6], friction=points[:, 7], impulse=column("impulse", 2))
+
+
 def save_problem(engine, path):
     """Save the contact problem of the last step with its warm start: ``ContactDynamics.save``.
 
@@ -223,16 +236,7 @@ def save_problem(engine, path):
         If the suffix is unknown, no step was made since the scene was made or loaded, or contacts
         cross the boundary of a deforming periodic cell.
     """
-    raw = engine._problem()
-    column = lambda name, width, kind=np.float64: np.frombuffer(raw[name], kind).reshape(-1, width)
-    inverse_mass, points = column("inverse_mass", 3), column("points", 8)
-    if not len(inverse_mass):
-        raise ValueError("ContactDynamics has solved no step yet; call O.step() before save()")
-    problem = problems.BodyProblem(
-        inverse_mass=inverse_mass, free_velocity=column("free_velocity", 3),
-        bodies=column("bodies", 2, np.int32), normal=points[:, 0:2], arm1=points[:, 2:4],
-        arm2=points[:, 4:6], bias=points[:, 6], friction=points[:, 7], impulse=column("impulse", 2))
-    problems.save(path, problem)
+    problems.save(path, last_problem(engine))
 
 
 def save_not_finite():

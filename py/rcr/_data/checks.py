@@ -61,6 +61,14 @@ def reals(name, value, shape=None):
     return np.asarray(value, float, order="C")
 
 
+def rectangle(name, value):
+    """Return the lower left and the upper right corner of a rectangle as an array, (2, 2)."""
+    corners = array(name, value, (2, 2))
+    if not (corners[1] > corners[0]).all():
+        raise error(name, value, "the lower left and the upper right corner [m], in this order")
+    return corners
+
+
 def ids(name, value, end):
     """Return `value` as an array of integers, each from 0 to `end` − 1."""
     value, expected = np.asarray(value), f"whole numbers from 0 to {end - 1}"

@@ -14,6 +14,8 @@
 `rcr.study.observables` has the rules of single observables.
 """
 
+import json
+
 import numpy as np
 
 from rcr._pictures.outlines import areas
@@ -140,11 +142,5 @@ def analyse(runs):
 
 def jsonable(item):
     """Return arrays as lists and numbers that are not finite as None, for strict JSON."""
-    if isinstance(item, dict):
-        return {key: jsonable(value) for key, value in item.items()}
-    if isinstance(item, (list, tuple, np.ndarray)):
-        values = item.tolist() if isinstance(item, np.ndarray) else item
-        return [jsonable(value) for value in values]
-    if isinstance(item, (float, np.floating)):
-        return float(item) if np.isfinite(item) else None
-    return item.item() if isinstance(item, np.generic) else item
+    text = json.dumps(item, default=lambda array: array.tolist())
+    return json.loads(text, parse_constant=lambda name: None)
