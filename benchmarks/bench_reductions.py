@@ -122,7 +122,7 @@ def main():
         "problems", nargs="*", metavar="PROBLEM",
         help="file .npz with bodies (default: lattices of 500, 2000 and 8000 discs)")
     tables.add_repeats(parser, 20)
-    script.add_results(parser, "table", required=False)
+    script.add_results(parser, "table")
     options = parser.parse_args()
     given = measure.given(options.problems)
     for name, problem in given:

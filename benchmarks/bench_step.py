@@ -225,15 +225,15 @@ def time_yade(options):
 # ---- the script
 
 
-def arguments():
+def arguments(in_yade):
     parser = script.Parser(prog="bench_step.py", description=__doc__.splitlines()[0])
     add = parser.add_argument
     add("inputs", nargs="+", metavar="PACKING|FOLDER",
         help="network .h5; with YADE, a folder of scripts/biaxial.py")
-    add("--iterations", type=script.at_least(1), metavar="N",
-        help="iterations of a step (default: 40; in YADE: to the tolerance of the scene)")
-    add("--steps", type=script.at_least(1), default=None, metavar="N",
-        help="warm steps in the libraries (default: 20), steps in YADE (default: 200)")
+    add("--iterations", type=script.at_least(1), default=None if in_yade else 40, metavar="N",
+        help="iterations of a step; without a default, to the tolerance of the scene")
+    add("--steps", type=script.at_least(1), default=200 if in_yade else 20, metavar="N",
+        help="steps in YADE, or warm steps in the libraries")
     add("--friction", type=script.number("a coefficient ≥ 0", lambda v: v >= 0), default=0.5,
         help="friction between grains")
     add("--threads", type=script.THREADS, default=1, metavar="N",
@@ -245,10 +245,6 @@ def arguments():
 
 
 def check(options, in_yade):
-    if options.iterations is None and not in_yade:
-        options.iterations = 40
-    if options.steps is None:
-        options.steps = 200 if in_yade else 20
     for path in options.inputs:
         if os.path.isdir(path) and not in_yade:
             raise ValueError(f"{path} is a folder: a checkpoint needs YADE, "
@@ -259,7 +255,7 @@ def check(options, in_yade):
 
 
 def main():
-    options = arguments()
     in_yade = "yade" in sys.modules
+    options = arguments(in_yade)
     check(options, in_yade)
     tables.store("bench_step.py", options, COLUMNS, time_yade if in_yade else compare_libraries)

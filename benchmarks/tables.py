@@ -1,6 +1,5 @@
 """Tables of the benchmarks: options, output on the terminal and CSV files."""
 
-import contextlib
 import os
 
 from benchmarks import ROOT
@@ -31,20 +30,15 @@ def store(program, options, columns, measured):
     """
     given = {name: value for name, value in vars(options).items()
              if name not in ("out", "overwrite")}
-    folder = contextlib.nullcontext()
-    if options.out:
-        folder = results.claim_folder(options.out, program, given,
-                                      [f"{name}.csv" for name in columns],
-                                      overwrite=options.overwrite)
-    with folder as begin:
+    made = [f"{name}.csv" for name in columns]
+    with results.claim_folder(options.out, program, given, made,
+                              overwrite=options.overwrite) as begin:
         tables = measured(options)
-        if begin:
-            begin()
+        begin()
         for name, rows in tables.items():
             _show(name, rows, columns[name])
-            if begin:
-                table = files.table(columns[name], rows)
-                files.write(os.path.join(options.out, f"{name}.csv"), table)
+            table = files.table(columns[name], rows)
+            files.write(os.path.join(options.out, f"{name}.csv"), table)
 
 
 def _show(title, rows, columns):

@@ -114,10 +114,10 @@ def _path(text):
         raise argparse.ArgumentTypeError(f"{text!r}: expected a path") from None
 
 
-def add_results(parser, what, required=True):
+def add_results(parser, what):
     """Add the options --out and --overwrite, which `rcr._data.results.claim_folder` takes."""
     out = f"folder of the {what}, made if missing"
-    parser.add_argument("--out", type=folder, required=required, metavar="DIR", help=out)
+    parser.add_argument("--out", type=folder, required=True, metavar="DIR", help=out)
     overwrite = f"replace {what} that were made with other options"
     parser.add_argument("--overwrite", action="store_true", help=overwrite)
 
