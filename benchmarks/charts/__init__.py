@@ -92,9 +92,11 @@ class Table:
         return any(row["point"] == point and counts(row["status"]) for row in self.rows)
 
     def put(self, point, rows):
-        """Replace the rows of a point and write the file."""
+        """Replace the rows of a point, also those of another protocol, and write the file."""
         settings = self.settings or ""
-        others = [row for row in self.all if (row["point"], row["settings"]) != (point, settings)]
+        scope = lambda text: text.partition(", protocol")[0]
+        others = [row for row in self.all
+                  if (row["point"], scope(row["settings"])) != (point, scope(settings))]
         self.all = others + [dict(row, settings=settings) for row in rows]
         files.write(self.path, files.table(self.columns, self.all))
 

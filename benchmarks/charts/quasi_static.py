@@ -1,8 +1,8 @@
 """Chart e. The biaxial test over its rate, time step and solver, in pairs of equal packings.
 
 Tests of one elongation, size and seed start from the same frictionless packing. They shear at I =
-1e-3 and dt = 0.1 t₀ to a strain of 0.1, then at the settings of the point to 0.3, and at those of
-the study to 0.5. A row has the observables of the strains from 0.15 to 0.3, or from 0.3 to 0.5:
+1e-3 and dt = 0.1 t₀ to a strain of 0.1, then at the settings of the point to 0.3. At the settings
+of the study they continue to 0.5. A row has the observables of the strains from 0.15 to 0.3, or from 0.3 to 0.5:
 stresses and packing fraction over all records, the others over one network a per cent.
 
 The limit I → 0 is that of the fit y(I) = y₀ + b √I with the same b for all seeds. A test saves a
@@ -41,8 +41,8 @@ OBSERVED = dict(sin_phi="sin φ", packing_fraction="packing fraction", friction_
                 c_f_lr="C(f, ℓ_r)", missed="steps that missed the tolerance")
 COLUMNS = "eta particles inertial_number seed strain steps seconds".split() + [*OBSERVED]
 DEPENDS = "quick", "protocol"
-# Settings are I/dt/iterations/tolerance. The tolerance mean-X stands for plain Gauss–Seidel that ends
-# at a relative change X of the mean force, as in the paper.
+# Settings are I/dt/iterations/tolerance. The tolerance mean-X is that of the paper: plain
+# Gauss–Seidel ends at a relative change X of the mean force.
 BASE = "1e-4/0.4/300/1e-4"
 RATES = "1e-3/0.4/300/1e-4", "2e-4/0.4/300/1e-4", "5e-5/0.4/300/1e-4"
 OTHERS = "1e-4/0.4/1000/1e-4", "1e-4/0.2/300/1e-4", "1e-4/0.1/300/1e-4", "1e-4/0.4/300/1e-3"

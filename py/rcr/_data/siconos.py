@@ -62,10 +62,7 @@ class _Words:
             raise ValueError(f"{what} holds a word that is not a number, {place}") from None
 
     def integer(self, what):
-        (value,) = self.numbers(what, 1)
-        if not (abs(value) < 2**31 and value == np.floor(value)):
-            raise ValueError(f"the {what} is {value:g}; expected a whole number of 32 bits")
-        return int(value)
+        return int(self.integers(what, 1)[0])
 
     def integers(self, what, count):
         value = self.numbers(what, count)

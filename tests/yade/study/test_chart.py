@@ -45,6 +45,15 @@ def test_rows_of_other_settings_are_other_rows(tmp_path):
     assert charts.settings("a", OPTIONS) != charts.settings("a", full)
 
 
+def test_rows_of_another_protocol_are_replaced(tmp_path):
+    path = str(tmp_path / "t.csv")
+    for protocol in "", ", protocol = a", ", protocol = b":
+        table = charts.Table(path, ["x"], "quick = True" + protocol)
+        assert not table.rows
+        table.put("a/1", [dict(point="a/1", status="ok", x=1.0)])
+    assert len(charts.Table(path, ["x"]).all) == 1
+
+
 @pytest.mark.parametrize("content", ["", "x\n1\n", "point,status\na\n", 'point,status\n"a',
                                      "point,status\na,ok,1\n", b"\xff\x00"])
 def test_damaged_tables_are_named(tmp_path, content):
