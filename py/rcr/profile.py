@@ -88,17 +88,15 @@ class Profile:
             If there is no grain, or the first edge of the periodic cell is not along x.
         """
         frame = Frame.of(what)
-        before = self.limits, self._sums, self._moments
+        if frame.cell is not None and frame.cell[1, 0] != 0:
+            given = "the first edge of the periodic cell is ({:g}, {:g})".format(*frame.cell[:, 0])
+            raise ValueError(f"{given}; expected one along x, as the grid's")
         if reset or self._sums is None:
             self.limits = _limits(frame) if self._given is None else self._given
             self._sums, self._moments = {}, 0
-        self._sums, self._moments = dict(self._sums), self._moments + 1
-        try:
-            self._add_grains(frame)
-            self._add_contacts(frame)
-        except ValueError:
-            self.limits, self._sums, self._moments = before
-            raise
+        self._moments += 1
+        self._add_grains(frame)
+        self._add_contacts(frame)
         return self
 
     @property
@@ -271,10 +269,7 @@ def _into_cell(frame, points):
     """Move points into the periodic cell's rectangle; return them and the velocity of the shift."""
     if frame.cell is None:
         return points, np.zeros_like(points)
-    (width, lean), (foot, height) = frame.cell
-    if foot != 0:
-        given = f"the first edge of the periodic cell is ({width:g}, {foot:g})"
-        raise ValueError(f"{given}; expected one along x, as the grid's")
+    (width, lean), (_, height) = frame.cell
     up = -np.floor(points[..., 1] / height)
     along = -np.floor((points[..., 0] + up * lean) / width)
     turns = np.stack([along, up], axis=-1)
