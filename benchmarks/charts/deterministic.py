@@ -15,9 +15,9 @@ this error dt/t. `rcr.half_step_start` removes it ("half"), shown in the three s
 motion.
 
 Springs have k_n = K m g/R, k_s = 0.8 k_n, dt = 0.2 `rcr.critical_time_step()` and ζ = 1, which
-returns e⁻² of an impact velocity; impacts of rigid contacts are plastic. The run-out of
-the column is 0.072 ± 0.007 m with ζ = 0.3 (e = 0.45) and 0.055 ± 0.002 m with ζ = 1 (K = 10⁴,
-4 runs). With rigid contacts it is 0.053 ± 0.001 m (dt = 1 ms, 8 runs).
+returns e⁻² of an impact velocity; impacts of rigid contacts are plastic. The run-out of the column
+is 0.072 ± 0.007 m with ζ = 0.3 (e = 0.45). With ζ = 1 it is 0.055 ± 0.002 m (K = 10⁴, 4 runs), with
+rigid contacts 0.053 ± 0.001 m (dt = 1 ms, 8 runs).
 """
 
 import math

@@ -133,7 +133,8 @@ def analyse(runs):
     values = {key: dict(eta=eta) for key in MAPS}
     for key, (_, axes) in MEASURES.items():
         values[key] = stacked(lambda e: results[e][key], axes)
-    values["O1"] = stacked(lambda e: strength(groups[e], ensembles[e], grids), dict(strain="strain"))
+    strain = dict(strain="strain")
+    values["O1"] = stacked(lambda e: strength(groups[e], ensembles[e], grids), strain)
     values["O2"] = stacked(lambda e: compaction(groups[e], grids), dict(theta="theta"))
     values["O15"] |= stacked(lambda e: drift(groups[e]), {})
     return {key: dict(value=values[key], paper=paper, unit=unit)

@@ -25,7 +25,7 @@ class Yielded(typing.NamedTuple):
     """Steps without a solution in the critical state of a run."""
 
     steps: int
-    marked: int  # records with such a step
+    marked: int  # records with a step without a solution
     records: int  # all records
     snapshots: int  # those that end a marked record
     included: bool  # whether they enter the means
