@@ -20,7 +20,7 @@ else:
 if importlib.util.find_spec("hypothesis"):
     import hypothesis
 
-    # Every run has the same examples and no deadline, but for `scripts/check properties`.
+    # Every run has the same examples and no deadline; `scripts/check properties` takes new ones.
     steady = hypothesis.settings(deadline=None, derandomize=True,
                                  suppress_health_check=[hypothesis.HealthCheck.too_slow])
     hypothesis.settings.register_profile("steady", steady)

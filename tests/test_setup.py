@@ -242,7 +242,8 @@ def test_a_yade_of_the_user_needs_no_set_up(own_yade):
     python = f"{own_yade.repo}/py:{own_yade.path}/own/lib/x/yade-1.2/py:{own_yade.repo}"
     own_yade.succeeds("ready; enter yade -n", f"own YADE -n: {python}\n", YADE_PREFIX="own")
     # a script that starts another one
-    again = f"ready; enter bash -c '. {own_yade.repo}/scripts/lib/environment.sh; ready; enter yade'"
+    inner = f". {own_yade.repo}/scripts/lib/environment.sh; ready; enter yade"
+    again = f"ready; enter bash -c '{inner}'"
     assert "own YADE" in own_yade.run(again, YADE_PREFIX="own")[1]
     assert not own_yade.called("apt-get")
 
@@ -530,7 +531,7 @@ case "$*" in *install*g++*) grep -q "^Pin: version 4:14.2-1+b1" $pins || {{ {HOL
                  ["python3-tqdm", "progress bars"], id="without an optional package"),
 ])
 def test_required_packages_are_installed_together(machine, apt_get, complete, words):
-    """A missing file is named and another version tried; messages tell what is lost."""
+    """A missing file is named and another version tried; messages name what is lost."""
     code, _, errors = install(machine, apt_get)
     assert (code == 0) == complete and all(word in errors for word in words), errors
     assert complete or "g++" in last_line(errors)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Large scenes: 2^20 grains at rest apart on a floor, more than one word of the shared loop, and a
-pile of 10^5 grains with finite numbers, residuals within the tolerance and small overlaps.
+"""Large scenes: 2^20 separate grains on a floor, more than one slice of the shared loop holds; and
+10^5 grains in a pile. Numbers are finite, residuals within the tolerance, overlaps small.
 
     scripts/check large
     scripts/lib/run python3 tests/endurance/large.py --grains 1048576 --pile 100000 --steps 100

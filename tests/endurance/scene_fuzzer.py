@@ -27,6 +27,7 @@ R = 0.1  # radius of the grains [m]
 WIDTH = 24 * R  # of a periodic cell [m]
 DEEPEST = 0.05  # largest overlap of free grains over R₁ + R₂
 SPEED = 3.0  # largest speed over that of start, drives and fall
+KINDS, SHARES = ["Rcr", "Sphere", "moving clump"], [0.6, 0.3, 0.1]  # of grains
 
 
 def draw(rng):
@@ -41,7 +42,7 @@ def draw(rng):
         dt=float(rng.choice([1e-4, 1e-3, 5e-3])) if law == "rigid" else None,
         solver=str(rng.choice(["auto", "nlgs", "sor", "nesterov", "exact"])),
         threads=int(rng.integers(1, 4)), overdamped=bool(rng.random() < 0.05),
-        kinds=[str(k) for k in rng.choice(["Rcr", "Sphere", "moving clump"], 25, p=[0.6, 0.3, 0.1])],
+        kinds=[str(k) for k in rng.choice(KINDS, 25, p=SHARES)],
         floor=str(rng.choice(["Wall", "Box", "Facet", "Rcr", "none"])),
         turning=bool(rng.random() < 0.1), speed=float(rng.choice([0, 1, 20])),
         energy=bool(rng.random() < 0.3),

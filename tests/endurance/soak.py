@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
-"""Soak: random scenes with repeated changes in one process. After each step all numbers are finite,
-no grain has left the box, no overlap is deep unless a message says why, the residual is within the
-tolerance, and rigid contacts create no energy, where the time step resolves the motion.
+"""Soak: random scenes with repeated changes in one process.
+
+After each step all numbers are finite, no grain has left the box, and the residual is within the
+tolerance. No overlap is deep unless a message says why. Rigid contacts create no energy where the
+time step resolves the motion.
 
     scripts/check soak -- --minutes 20 [--first 0]
     scripts/lib/run python3 tests/endurance/soak.py --only SEED
@@ -31,10 +33,10 @@ EVENTS = 12  # events of a scene
 STEPS = 80  # steps between two events
 HIT = 100.0  # largest speed of a hit [m/s]
 MISSED_STEPS_HEAL = 200  # steps; overlaps may stay deep after a step that missed the tolerance
-RESOLVED = 1.0  # way of a surface in a step over R; beyond it a rod may meet a neighbour twice
+RESOLVED = 1.0  # displacement of a surface in a step over R; a rod may meet a neighbour twice beyond
 ENERGY = 0.02  # gain of rigid contacts over the total: the tolerance, step after step
 AT_REST = 1e-4  # error of velocities over g dt: kinematicTolerance times Settings::velocityFloor
-WARM_UP = 0.25  # share of the time after which memory stays constant
+WARM_UP = 0.25  # share of the time; memory is constant afterwards
 SAME_BITS = 5  # steps that are compared after a reload
 
 
@@ -93,9 +95,9 @@ def add(scene, material, rng):
             away = away - np.rint(away @ np.linalg.inv(cell).T) @ cell.T
         in_box = scene["turning"] and np.hypot(*at) < 4.2 * R
         if (np.hypot(*away.T) > 2.1 * R).all() and not in_box:
-            scene_fuzzer.grain(str(rng.choice(["Rcr", "Sphere", "moving clump"], p=[0.6, 0.3, 0.1])),
-                               tuple(at), rng.choice([0, 0.3, 0.6, 0.9]), scene["speed"], material,
-                               rng)
+            kind = str(rng.choice(scene_fuzzer.KINDS, p=scene_fuzzer.SHARES))
+            eta = rng.choice([0, 0.3, 0.6, 0.9])
+            scene_fuzzer.grain(kind, tuple(at), eta, scene["speed"], material, rng)
             return True
     return False
 
@@ -157,7 +159,7 @@ class Wrong(Exception):
 
 
 class Watch:
-    """Conditions of a scene after each step."""
+    """Checks the conditions after each step of a scene."""
 
     def __init__(self, scene):
         self.scene, self.healing, self.missed, self.steps = scene, 0, 0, 0
@@ -196,7 +198,7 @@ class Watch:
                 raise Wrong(f"a converged step with a residual of {solver.residual:.3g}")
         if not self.scene["periodic"]:
             farthest = np.abs(places()).max()
-            self.astray = self.astray or (farthest > WIDTH / 2 and self.told())
+            self.astray = self.astray or (farthest > WIDTH / 2 and self.warned())
             if farthest > WIDTH / 2 and not self.astray:
                 raise Wrong(f"a grain at {farthest:.3g} m, outside the box of half width "
                             f"{WIDTH / 2:.3g}")
@@ -210,8 +212,8 @@ class Watch:
         if solver and not driven and not self.scene["overdamped"]:
             self.no_gain()
 
-    def told(self):
-        """True if a message has told of grains outside: missed tolerance, or too soft springs."""
+    def warned(self):
+        """True if a message explains grains outside: a missed tolerance, or too soft springs."""
         laws = [functor for e in O.engines if isinstance(e, InteractionLoop)
                 for functor in e.lawDispatcher.functors]
         self.too_soft = self.too_soft or any(getattr(law, "deepOverlapCount", 0) for law in laws)

@@ -28,12 +28,13 @@ def write(path, step, change=None):
 
 
 def write_fclib(path, w, q, mu, storage="columns", change=None):
-    """The local problem in FCLIB's format: columns, rows or triplets; `change(group)` damages it."""
+    """Write FCLIB's local problem as columns, rows or triplets; `change(group)` damages it."""
     by_columns, triplets = storage == "columns", storage == "triplets"
     outer, inner = np.nonzero(w.T if by_columns else w)
     row, column = (inner, outer) if by_columns else (outer, inner)
     nz = len(row) if triplets else -1 if by_columns else -2
-    values = dict(nzmax=[len(row)], m=[len(w)], n=[len(w)], nz=[nz], p=row if triplets else np.searchsorted(outer, np.arange(len(w) + 1)), i=inner)
+    pointers = row if triplets else np.searchsorted(outer, np.arange(len(w) + 1))
+    values = dict(nzmax=[len(row)], m=[len(w)], n=[len(w)], nz=[nz], p=pointers, i=inner)
     with h5py.File(path, "w") as file:
         group = file.create_group("fclib_local")
         group["spacedim"] = np.array([2], np.int32)

@@ -425,7 +425,7 @@ def seeds_of(ratios):
 
 
 def test_sin_phi_of_three_seeds():
-    """0.40, 0.45 and 0.50 scatter by 0.05; the curve goes on where two seeds end."""
+    """0.40, 0.45 and 0.50 scatter by 0.05; the curve continues where two seeds end."""
     runs = seeds_of((0.40, 0.45, 0.50))
     value = analysis.analyse(runs)["O1"]["value"]
     assert value["sin_phi"] == pytest.approx(0.45)

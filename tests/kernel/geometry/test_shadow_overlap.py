@@ -52,13 +52,12 @@ def axes(pose):
     return np.stack([np.cos(pose[:, 2]), np.sin(pose[:, 2])], axis=1)
 
 
-def check(fails, pairs, what, function="overlap_stadiums"):
+def assert_none(fails, pairs, what, function="overlap_stadiums"):
     """Fail on the first True of `fails`, with a call that repeats this pair."""
     bad = np.flatnonzero(fails)
-    if len(bad):
-        arrays = ", ".join(repr(np.asarray(array)[bad[:1]].tolist()) for array in pairs)
-        pytest.fail(f"{what}: {len(bad)} of {len(fails)}, first #{bad[0]}; "
-                    f"replay: _kernel.{function}({arrays}, {ALERT})")
+    arrays = ", ".join(repr(np.asarray(array)[bad[:1]].tolist()) for array in pairs)
+    assert not len(bad), (f"{what}: {len(bad)} of {len(fails)}, first #{bad[0]}; "
+                          f"replay: _kernel.{function}({arrays}, {ALERT})")
 
 
 # ---- references
@@ -153,10 +152,10 @@ def test_gap_is_the_signed_distance_of_the_cores(pairs):
     for alert in (ALERT, np.inf):
         found = _kernel.overlap_stadiums(*pairs, alert)
         seen = found["count"] > 0
-        check(seen != (gap <= alert), pairs, f"detection at the alert distance {alert}")
+        assert_none(seen != (gap <= alert), pairs, f"detection at the alert distance {alert}")
         deepest = np.nanmin(np.where(seen[:, None], found["gap"], np.inf), axis=1)
         with np.errstate(invalid="ignore"):
-            check(seen & ~(np.abs(deepest - gap) < ROUNDING), pairs, "gap of the deepest point")
+            assert_none(seen & ~(np.abs(deepest - gap) < ROUNDING), pairs, "gap of the deepest point")
 
 
 def test_points_lie_midway_between_the_surfaces(pairs):
@@ -172,7 +171,7 @@ def test_points_lie_midway_between_the_surfaces(pairs):
         x, n, half = found["position"][:, k], found["normal"][:, k], 0.5 * found["gap"][:, k, None]
         with np.errstate(invalid="ignore"):
             unit = np.abs(np.linalg.norm(n, axis=1) - 1) <= ROUNDING
-            check(used & ~unit, pairs, "normal of unit length")
+            assert_none(used & ~unit, pairs, "normal of unit length")
             for core, stadium, pose in (
                 (x - (half + stadium1[:, 1:]) * n, stadium1, pose1),
                 (x + (half + stadium2[:, 1:]) * n, stadium2, pose2),
@@ -180,7 +179,7 @@ def test_points_lie_midway_between_the_surfaces(pairs):
                 half_core = stadium[:, :1] * axes(pose)
                 center = pose[:, :2]
                 off = distance_to_segment(core, center - half_core, center + half_core)
-                check(used & ~crossed & ~(off <= ROUNDING), pairs, f"point {k} on the surface")
+                assert_none(used & ~crossed & ~(off <= ROUNDING), pairs, f"point {k} on the surface")
     assert crossed.sum() > 100
 
 
@@ -190,10 +189,10 @@ def test_second_point_follows_its_rule(pairs):
     # closer to a threshold, rounding decides
     clear = (margin > 1e-10) & (core_distance(*pairs) >= 1e-9)
     assert clear.sum() > 0.6 * PAIRS and (count[clear] == 2).sum() > 0.05 * PAIRS
-    check(clear & (found["count"] != count), pairs, "number of points")
-    check((found["type"] == SIDE_SIDE) != (found["count"] == 2), pairs, "type")
+    assert_none(clear & (found["count"] != count), pairs, "number of points")
+    assert_none((found["type"] == SIDE_SIDE) != (found["count"] == 2), pairs, "type")
     along = dot(found["position"][:, 1] - found["position"][:, 0], axes(pairs[1]))
-    check((found["count"] == 2) & ~(along >= 0), pairs, "order of points")
+    assert_none((found["count"] == 2) & ~(along >= 0), pairs, "order of points")
 
 
 def one(stadium1, stadium2, pose2):
@@ -242,7 +241,7 @@ def test_flush_equal_bodies_have_two_points():
     above = pose + np.column_stack([normal, np.zeros(n)])
     pairs = stadium, pose, stadium, above
     count = _kernel.overlap_stadiums(*pairs, ALERT)["count"]
-    check(count != 2, pairs, "one point")
+    assert_none(count != 2, pairs, "one point")
 
 
 def test_collinear_bodies_have_consistent_normals():
@@ -269,11 +268,11 @@ def moved(pairs, angle=0.0, shift=(0, 0), mirror=False):
     return (pairs[0], pose(pairs[1]), pairs[2], pose(pairs[3])), matrix
 
 
-def check_equal(found, expected, pairs, clear, tolerance):
+def assert_equal(found, expected, pairs, clear, tolerance):
     """Fail if a quantity of the contacts of clear pairs differs; unused points are NaN."""
     for name in ("count", "type", "position", "normal", "gap"):
         same = np.isclose(found[name], expected[name], rtol=0, atol=tolerance, equal_nan=True)
-        check(clear & ~same.reshape(len(clear), -1).all(axis=1), pairs, name)
+        assert_none(clear & ~same.reshape(len(clear), -1).all(axis=1), pairs, name)
 
 
 def clear_pairs(seed):
@@ -298,7 +297,7 @@ def test_manifold_moves_with_the_pair(angle, shift, mirror):
     expected["position"] = expected["position"] @ matrix.T + shift
     expected["normal"] = expected["normal"] @ matrix.T
     # normals of cap-cap contacts lose digits for close cores; their distance is at least 1e-6 here
-    check_equal(_kernel.overlap_stadiums(*pairs, ALERT), expected, pairs, clear, 1e-8)
+    assert_equal(_kernel.overlap_stadiums(*pairs, ALERT), expected, pairs, clear, 1e-8)
 
 
 def test_swapping_the_bodies_flips_the_normals():
@@ -311,7 +310,7 @@ def test_swapping_the_bodies_flips_the_normals():
     back = (expected["count"] == 2) & (along < 0)
     for name in ("position", "normal", "gap"):
         expected[name][back] = expected[name][back][:, ::-1]
-    check_equal(found, expected, pairs, clear, ROUNDING / 1e-6)
+    assert_equal(found, expected, pairs, clear, ROUNDING / 1e-6)
 
 
 @pytest.mark.parametrize("array, column", [(a, c) for a in range(4) for c in range(2 + a % 2)])
@@ -386,11 +385,11 @@ def test_box_gap_is_the_signed_distance(seed):
     clear = np.abs(gap - ALERT) > ROUNDING
     seen = found["count"] > 0
     arrays = half, box, stadium, pose
-    check(clear & (seen != (gap <= ALERT)), arrays, "detection", "overlap_box")
+    assert_none(clear & (seen != (gap <= ALERT)), arrays, "detection", "overlap_box")
     deepest = np.nanmin(np.where(seen[:, None], found["gap"], np.inf), axis=1)
     with np.errstate(invalid="ignore"):
         # the kernel prefers faces within 1e-12 (h_x + h_y) < 2e-12
-        check(seen & ~(np.abs(deepest - gap) < 3e-12), arrays, "gap", "overlap_box")
+        assert_none(seen & ~(np.abs(deepest - gap) < 3e-12), arrays, "gap", "overlap_box")
 
 
 @pytest.mark.parametrize("pose, gaps, xs", [

@@ -13,7 +13,7 @@ numbers = st.floats(-10, 10, allow_subnormal=False)
 frictions = st.one_of(st.just(0.0), st.floats(1e-3, 3))
 
 
-def check_laws(W, g, mu, p):
+def assert_laws(W, g, mu, p):
     """Check the laws above; the message contains a call that replays the case."""
     W, g, p = np.asarray(W, float), np.asarray(g, float), np.asarray(p, float)
     u = W @ p + g
@@ -49,7 +49,7 @@ def solve(W, g, mu):
 ])
 def test_one_case_per_branch(W, g, mu, expected):
     assert solve(W, g, mu) == pytest.approx(np.array(expected), rel=1e-15)
-    check_laws(W, g, mu, expected)
+    assert_laws(W, g, mu, expected)
 
 
 @settings(max_examples=400, deadline=None)
@@ -59,7 +59,7 @@ def test_laws_hold_for_any_positive_definite_block(a, b, g, mu):
     """W = A Aᵀ + 0.01 I covers weak coupling and the Painlevé case; all have a solution."""
     A = np.array([a, b])
     W = A @ A.T + 0.01 * np.eye(2)
-    check_laws(W, g, mu, solve(W, g, mu))
+    assert_laws(W, g, mu, solve(W, g, mu))
 
 
 @pytest.mark.parametrize("slip", [1e-3, 1.0, 100.0])
@@ -73,7 +73,7 @@ def test_painleve_sticks(slip):
     p = solve(W, g, mu)
     assert W @ p + g == pytest.approx(0, abs=1e-12 * slip)  # rounding of W p + g
     assert p[0] > 1e-3 / W[0, 0]
-    check_laws(W, g, mu, p)
+    assert_laws(W, g, mu, p)
 
 
 def test_painleve_without_a_solution_stays_in_the_cone():

@@ -61,9 +61,9 @@ def test_operation_on_every_number(operation, lanes):
         with np.errstate(all="ignore"):
             expected = np.array([OPERATIONS[operation](*triple) for triple in zip(a, b, c)])
         found = _kernel.apply_lanes(lanes, operation, a, b, c)
-        for k in np.flatnonzero(bits(found) != bits(expected)):
-            pytest.fail(f"seed {seed}: {operation}{(a[k], b[k], c[k])} = {found[k]!r}, "
-                        f"expected {expected[k]!r}")
+        wrong = bits(found) != bits(expected)
+        assert not wrong.any(), (f"seed {seed}: {operation}{a[wrong], b[wrong], c[wrong]} = "
+                                 f"{found[wrong]}, expected {expected[wrong]}")
 
 
 def test_a_product_with_its_sum_is_rounded_once():

@@ -1,8 +1,10 @@
-"""Reference of a step of Contact Dynamics (Moreau 1988, Jean 1999) that shares no code with the
-plugin: v⁺ = v + dt g + M⁻¹ Jᵀ p, x⁺ = x + dt v⁺ for discs and rods (stadiums) in the plane, with
+"""A step of Contact Dynamics (Moreau 1988, Jean 1999) for discs and rods (stadiums) in the plane.
 
-    0 ≤ u_n + b_n ⟂ p_n ≥ 0,   |p_t| ≤ µ p_n opposite to sliding,
-    b_n = e u_n⁻ of a gap that closes within the step, else max(gap, 0)/dt.
+The reference shares no code with the plugin.
+
+    v⁺ = v + dt g + M⁻¹ Jᵀ p,  x⁺ = x + dt v⁺
+    0 ≤ u_n + b_n ⟂ p_n ≥ 0,   |p_t| ≤ µ p_n opposite to sliding
+    b_n = e u_n⁻ if the gap closes within the step, else max(gap, 0)/dt
 """
 
 import dataclasses
@@ -68,7 +70,7 @@ def foot(x, ends):
 
 
 def points_of(i, j, one, two):
-    """Each end of each core with the foot of its perpendicular on the other core."""
+    """Contact points: each end of each core with the nearest point of the other core."""
     found = []
     if isinstance(one, Line):
         for end in two.ends:
@@ -88,7 +90,7 @@ def points_of(i, j, one, two):
 
 
 def contacts(bodies, reach):
-    """Points with gaps below `reach` of all pairs of which one body moves; lines come first."""
+    """Points with gaps below `reach` of all pairs with a body that moves; lines come first."""
     found = []
     for j, two in enumerate(bodies):
         for i, one in enumerate(bodies[:j]):
@@ -123,7 +125,7 @@ def solve_point(w, q, friction):
 def solve(bodies, points, velocity, bias, friction, tolerance=1e-10):
     """Velocities (N, 3) after the step, impulses (K, 2), residual of docs/law.md, by Gauss–Seidel.
 
-    Where rounding dominates grazing impulses, 1e-6 of what stops the points replaces ‖p‖.
+    ‖p‖ is at least 1e-6 of the impulses that stop all points, since grazing impulses are rounding.
     """
     velocity = velocity.copy()
     pairs = [[p.i, p.j] for p in points]

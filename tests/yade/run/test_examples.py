@@ -1,4 +1,4 @@
-"""Examples, batches, and the Python code of each page, which gives a working law too."""
+"""Examples, batches and the Python code of each page run; the law of a page compiles."""
 
 import pathlib
 import re
@@ -39,7 +39,7 @@ def test_example(script, tmp_path):
 
 @pytest.mark.slow
 def test_a_batch_gives_the_results_of_single_runs(tmp_path):
-    """Four jobs at the same time give what a single run with default parameters gives."""
+    """Four simultaneous jobs give the results of a single run with default parameters."""
     shutil.copy(FOLDER / "batch.py", tmp_path)
     rows = [(0, 0.2), (0, 0.5), (0.5, 0.2), (0.5, 0.5)]
     lines = [f"{eta:.1f} {mu}" for eta, mu in rows]
@@ -73,7 +73,7 @@ build(rcr.particle((0, 0), 0.1, 0.5, velocity=(1, 0)), gravity=(0, 0, 0), dt=2**
 ready = PyRunner(command="print('ready', flush=True)", iterPeriod=100, nDo=2)  # once
 O.engines = [*O.engines, ready]
 rcr.advance(10, "first")
-going = rcr.advance(10**9, "for ever")
+going = rcr.advance(10**9, "endless")
 print("stopped", going, O.bodies[0].state.pos[0] == O.iter * O.dt, O.iter > 10)
 """
     run = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True,
@@ -89,7 +89,7 @@ def blocks(page, language):
 
 
 def run(page, folder, before=""):
-    """Return the output of a page's script, which must end well."""
+    """Return the output of a page's script, which must succeed."""
     (folder / "page.py").write_text(before + "\n".join(blocks(page, "python")))
     done = yade(folder, "-n", "-x", "page.py")
     return done.stdout + done.stderr

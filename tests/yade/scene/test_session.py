@@ -205,7 +205,7 @@ print("ended", flush=True)
 @pytest.mark.parametrize("clumped", [False, True])
 @pytest.mark.parametrize("settled", [2, 3, 4])
 def test_a_velocity_set_between_steps_meets_far_contacts(settled, clumped):
-    """YADE's collider knows the earlier speed; the grain stops at a wall three radii away."""
+    """YADE's collider holds the earlier speed; the grain stops at a wall three radii away."""
     R, smooth = 0.1, material(0)
     build(rcr.wall("x", 0, material=smooth), rcr.wall("y", 0, material=smooth), dt=5e-3,
           restitution=0)

@@ -80,8 +80,10 @@ def packing(request, tmp_path_factory):
 
 
 def test_frictionless_packing_is_isostatic(packing):
-    """As many forces as equations: 2 of a disc, 3 of a long particle, 1 of a mobile wall, none of a
-    rattler; 1.5 % of them are motions along flat sides, which need no force. Walls lower Z.
+    """The number of forces is that of equations: 2 a disc, 3 a long particle, 1 a mobile wall.
+
+    Rattlers have none. Motions along flat sides, 1.5 % of the equations, need no force. Walls lower
+    the coordination number Z.
     """
     equations_of_grain, fewest, bulk = (2, 0.99, 4) if packing.eta == 0 else (3, 0.97, 6)
     force = packing.points[:, 2]
@@ -176,7 +178,7 @@ def test_creep_is_accepted_where_longer_steps_flip_grains():
 
 
 def reports(eta, particles, of, seed=1):
-    """What `of` gives at each report of a compaction."""
+    """Values of `of(test)` at all reports of a compaction."""
     found = []
     Biaxial.prepare(eta, particles, seed=seed).compact(lambda test: found.append(of(test)))
     return found
