@@ -175,11 +175,6 @@ def two_at_once(machine, code, tool, work, until, **environment):
 
 # Machines that lack something: one line that says what to do, and a non-zero exit.
 
-def without_tools(machine):
-    for name in "mmdebstrap", "bwrap", "newuidmap":
-        (machine.bin / name).unlink()
-
-
 def test_a_user_whose_system_has_yade_sees_the_missing_packages(machine):
     machine.offers("2025.2.0-1")
     machine.command("dpkg-query", """case "$*" in
@@ -193,7 +188,8 @@ esac""")
 
 
 @pytest.mark.parametrize("break_it, words", [
-    (without_tools, "apt-get install mmdebstrap bubblewrap uidmap"),
+    (lambda m: [(m.bin / name).unlink() for name in ("mmdebstrap", "bwrap", "newuidmap")],
+     "apt-get install mmdebstrap bubblewrap uidmap"),
     (lambda m: m.command("uname", "echo riscv64"), "this is riscv64"),
     (lambda m: (m.etc / "subuid").write_text("bob:1:1\n"), "usermod --add-subuids"),
     (lambda m: m.command("bwrap", "exit 1"), "user namespaces"),
@@ -324,8 +320,7 @@ def test_headers_that_the_user_names_are_used(machine):
 
 def test_a_wrong_folder_of_headers_is_refused(machine):
     machine.installed()
-    message = machine.refuses(YADE_SOURCE_DIR=str(machine.path / "none"))
-    assert "none has no core/Scene.hpp" in message
+    assert "none has no core/Scene.hpp" in machine.refuses(YADE_SOURCE_DIR=f"{machine.path}/none")
 
 
 def test_without_headers_no_package_is_installed(machine):
@@ -546,10 +541,6 @@ def build(machine, cmake, yade="2025.2.0"):
     return machine.run("ready; build", YADE_RCR_WAY="native")
 
 
-def test_a_build_with_nothing_to_do_is_silent(machine):
-    assert build(machine, 'echo "ninja: no work to do."') == (0, "", "")
-
-
 def test_a_failed_build_shows_everything(machine):
     code, _, errors = build(machine, 'case $1 in --build) echo "[1/2] CXX a.cpp"; echo '
                             '"a.cpp:1: error: x"; exit 1 ;; esac')
@@ -573,21 +564,21 @@ def test_another_environment_wipes_the_build(machine):
 
 
 def two_builds(machine, work, until):
-    """stderr of two builds at the same time."""
-    done = two_at_once(machine, "ready; build", "cmake", work, until, YADE_RCR_WAY="native")
-    return [errors for _, errors in done]
+    """(stdout, stderr) of two builds at the same time."""
+    return two_at_once(machine, "ready; build", "cmake", work, until, YADE_RCR_WAY="native")
 
 
 def test_a_second_build_waits_for_one_that_has_work(machine):
     """The first one configures, then it compiles."""
     for work in ("", 'echo "[1/2] CXX a.cpp"'):
-        errors = two_builds(machine, work, lambda flocks: "flock 9" in flocks)
-        assert sum("waiting for another build" in text for text in errors) == 1, errors
+        results = two_builds(machine, work, lambda flocks: "flock 9" in flocks)
+        assert sum("waiting for another build" in errors for _, errors in results) == 1, results
 
 
-def test_two_builds_with_nothing_to_do_are_silent(machine):
+def test_builds_with_nothing_to_do_are_silent(machine):
     """Each looks for new files in turn, which may take longer than the second one's patience."""
-    build(machine, "exit 0")
+    nothing = 'echo "ninja: no work to do."'
+    assert build(machine, nothing) == (0, "", "")
     impatient = lambda flocks: len(flocks) >= 4 or "flock 9" in flocks  # has waited twice
-    assert two_builds(machine, "", impatient) == ["", ""]
+    assert two_builds(machine, nothing, impatient) == [("", "")] * 2
     assert not (machine.repo / "build" / "working").exists()

@@ -252,11 +252,18 @@ def test_bad_runs_are_refused(tmp_path):
     packing(0.3).save(tmp_path / "a" / "network-0.5000.h5")
     with pytest.raises(ValueError, match="eta = 0.3, 0.5; expected one"):
         analysis.analyse([Run.read(tmp_path / "a")])
-    bare = packing(0.5)
-    del bare.attributes["strain"]
-    bare.save(tmp_path / "b" / "network-0.6000.h5")
-    with pytest.raises(ValueError, match="without the attribute strain"):
-        Run.read(tmp_path / "b")
+    for folder, file, name in (("b", "network-0.6000.h5", "strain"), ("c", "isotropic.h5", "volume")):
+        bare = packing(0.5)
+        del bare.attributes[name]
+        bare.save(tmp_path / folder / file)
+        with pytest.raises(ValueError, match=f"{file} is a network without the attribute {name}"):
+            Run.read(tmp_path / folder)
+    empty = packing(0.5)
+    columns = {name: column[:0] for name, column in empty.contacts.items()}
+    for networks, says in (([], "no snapshots"), (
+            [Network(empty.particles, columns, empty.attributes)], "no contact between grains")):
+        with pytest.raises(ValueError, match=says):
+            Ensemble(networks)
 
 
 def _of(change, network):
@@ -320,7 +327,6 @@ def test_runs_that_are_no_seeds_are_refused(tmp_path):
 
 
 def test_mixed_networks_are_refused(tmp_path):
-    """Two runs once wrote into one folder."""
     folder = write_run(tmp_path / "a", 0.5, strains=(0.1, 0.2))
     other = packing(0.5, strain=0.3)
     for length in ("R", "cap_radius", "half_length"):
@@ -397,22 +403,6 @@ def test_every_observable_has_a_row_and_every_verdict_a_reason(result):
     assert {row.verdict for row in table} <= {claims.AGREES, claims.DIFFERS, claims.NOT_TESTED}
 
 
-def test_one_elongation_is_enough(tmp_path):
-    result = analysis.analyse([Run.read(write_run(tmp_path / "a", 0.5, strains=(0.4,)))])
-    assert result["O15"]["value"]["a_c"].shape[0] == 1
-    assert all(isinstance(row, claims.Finding) for row in claims.findings(result))
-
-
-def test_ensembles_are_of_one_kind():
-    with pytest.raises(ValueError, match="no snapshots"):
-        Ensemble([])
-    empty = packing(0.5)
-    none = Network(empty.particles, {name: column[:0] for name, column in empty.contacts.items()},
-                   empty.attributes)
-    with pytest.raises(ValueError, match="no contact between grains"):
-        Ensemble([none])
-
-
 def seeds_of(ratios):
     """Runs of one elongation whose walls bear sin φ = `ratios`."""
     made = []
@@ -464,12 +454,3 @@ def test_the_network_at_the_edge_of_the_window_counts(tmp_path):
     """It is saved within half a record of its strain."""
     run = Run.read(write_run(tmp_path / "run", 0.5, strains=(0.1, 0.1996, 0.3, 0.4)))
     assert strains_of(run) == [0.1996, 0.3, 0.4]
-
-
-def test_an_isotropic_state_without_area_is_refused(tmp_path):
-    folder = write_run(tmp_path / "run", 0.5)
-    network = Network.load(folder / "isotropic.h5")
-    del network.attributes["volume"]
-    network.save(folder / "isotropic.h5")
-    with pytest.raises(ValueError, match="isotropic.h5 is a network without the attribute volume"):
-        Run.read(folder)

@@ -28,16 +28,6 @@ def test_half_sum_is_the_shear_stress_ratio():
     assert test.shear_stress_ratio() == pytest.approx(0.5 * sum(test.anisotropies()), rel=0.03)
 
 
-def test_all_contacts_count_without_a_cutoff():
-    """tr F(∞) = 1, and above the largest force tensors do not depend on ξ."""
-    test = random_network()
-    force = np.einsum("ca,ca->c", test.contacts["force"], test.contacts["normal"])
-    assert np.trace(test.fabric()) == pytest.approx(1, abs=1e-12)
-    above = 1.001 * force.max() / force.mean()
-    assert test.anisotropies(above) == pytest.approx(test.anisotropies(), abs=1e-12)
-    assert test.shear_stress_ratio(above) == pytest.approx(test.shear_stress_ratio(), abs=1e-12)
-
-
 def row_and_column(**columns):
     """f = 3 along x on ℓ = 2, f = 1 along y on ℓ = 4, V = 10: σ = diag(0.6, 0.4), q/p = 0.2."""
     return network(np.array([0, np.pi / 2]), np.array([[2.0, 0], [4, 0]]),
@@ -72,25 +62,18 @@ def test_walls_count_for_the_stress_only():
     assert test.fabric() == pytest.approx(np.diag([1.0, 0]), abs=1e-15)
 
 
-def test_friction_mobilization():
-    """I_m = |f_t|/(µ f_n): 0.25/(0.5 × 1) = 0.5 and 1/(0.5 × 2) = 1."""
-    test = network(np.zeros(2), np.ones((2, 2)), np.array([[1, 0.25], [2, -1]]))
-    assert test.friction_mobilization() == pytest.approx([0.5, 1])
-    with pytest.raises(ValueError, match="friction = 0"):
-        network(np.zeros(2), np.ones((2, 2)), np.ones((2, 2)), friction=0).friction_mobilization()
-
-
 def test_friction_is_that_of_each_contact():
     """I_m = |f_t|/(µ f_n) for µ = 0.5, 0.25, none and unknown: 0.5, 1, and 0 without a limit."""
     force = np.array([[1, 0.25], [2, -0.5], [1, 0], [1, 0]])
     test = network(np.zeros(4), np.ones((4, 2)), force, friction=9.0)
-    mixed = Network(test.particles, test.contacts | dict(friction=np.array([0.5, 0.25, 0, np.nan])),
-                    test.attributes)
-    assert mixed.friction_mobilization() == pytest.approx([0.5, 1, 0, 0])
+    change = lambda *friction: Network(
+        test.particles, test.contacts | dict(friction=np.array(friction)), test.attributes)
+    assert change(0.5, 0.25, 0, np.nan).friction_mobilization() == pytest.approx([0.5, 1, 0, 0])
     with pytest.raises(ValueError, match=r"contacts/friction\[1\] = -1; expected a coefficient ≥ "
                        r"0"):
-        Network(test.particles, test.contacts | dict(friction=np.array([0, -1.0, 0, 0])),
-                test.attributes)
+        change(0, -1.0, 0, 0)
+    with pytest.raises(ValueError, match="friction = 0"):
+        network(np.zeros(2), np.ones((2, 2)), np.ones((2, 2)), friction=0).friction_mobilization()
 
 
 def test_files_of_before_load(tmp_path):
@@ -107,16 +90,21 @@ def test_files_of_before_load(tmp_path):
     assert again.coordination() == test.coordination()
 
 
-def test_ratios_need_no_volume():
+def test_ratios_need_no_volume(tmp_path):
     whole = random_network()
-    test = Network(whole.particles, whole.contacts,
-                   {k: v for k, v in whole.attributes.items() if k != "volume"})
-    assert test.sin_phi() == pytest.approx(whole.sin_phi())
-    assert np.array_equal(test.fabric(), whole.fabric())
-    assert np.array_equal(test.anisotropies(), whole.anisotropies())
-    for call in (test.stress, test.principal_stresses):
-        with pytest.raises(ValueError, match="the network has no volume"):
-            call()
+    attributes = {name: value for name, value in whole.attributes.items() if name != "volume"}
+    bare = Network(whole.particles, whole.contacts, attributes)
+    bare.save(tmp_path / "bare.h5")
+    again = Network.load(tmp_path / "bare.h5")
+    assert "stress" not in again.attributes
+    for test in (bare, again):
+        assert test.sin_phi() == pytest.approx(whole.sin_phi())
+        assert test.stress_angle() == whole.stress_angle()
+        for name in ("fabric", "anisotropies", "grain_stresses"):
+            assert np.array_equal(getattr(test, name)(), getattr(whole, name)()), name
+        for call in (test.stress, test.principal_stresses):
+            with pytest.raises(ValueError, match=r"no volume.*contact_network\(volume=…\)"):
+                call()
 
 
 def test_contacts_of_a_clump_are_counted_together():

@@ -6,7 +6,7 @@ from rcr.xi_networks import XiNetworks
 
 from synthetic import random_network
 
-CUTOFFS = (0.0, 0.1, 0.5, 1.0, 1.7, 4.0, np.inf)
+CUTOFFS = (0.0, 0.1, 0.5, 1.0, 1.7, 4.0, 50.0, np.inf)  # no force is above 50
 
 
 def by_loops(network, xi):

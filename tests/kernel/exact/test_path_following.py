@@ -14,12 +14,6 @@ from rcr import _kernel
 MANY = 5000  # pivots
 
 
-def law_of(predictor, friction):
-    """Impulses of the contact law for predictors: projection onto the cone at constant n."""
-    n = np.maximum(predictor[:, 0], 0)
-    return np.column_stack([n, np.clip(predictor[:, 1], -friction * n, friction * n)])
-
-
 def softened_error(problem, p, rho):
     """Largest error of the softened law over the largest impulse [-]."""
     w = weights(problem)
@@ -27,7 +21,10 @@ def softened_error(problem, p, rho):
     k = np.where(moves, rho / np.where(moves, w, 1), 0)
     u = jacobian_times(problem, velocity(problem, p))
     u[:, 0] += problem["bias"]
-    error = (p - law_of(problem["impulse"] - k[:, None] * u, problem["friction"]))[moves]
+    predictor = problem["impulse"] - k[:, None] * u
+    n = np.maximum(predictor[:, 0], 0)  # the law projects onto the cone at constant n
+    t = np.clip(predictor[:, 1], -problem["friction"] * n, problem["friction"] * n)
+    error = (p - np.column_stack([n, t]))[moves]
     return abs(error).max() / max(abs(p).max(), 1e-300)
 
 

@@ -94,11 +94,6 @@ def core_distance(stadium1, pose1, stadium2, pose2):
     return np.where(inside, -distance, distance)
 
 
-def reference_gap(stadium1, pose1, stadium2, pose2):
-    distance = core_distance(stadium1, pose1, stadium2, pose2)
-    return distance - stadium1[:, 1] - stadium2[:, 1]
-
-
 def reference_points(stadium1, pose1, stadium2, pose2, alert):
     """Number of points by the rule of the second point, and margins of its decisions.
 
@@ -146,7 +141,7 @@ def pairs(request):
 
 
 def test_gap_is_the_signed_distance_of_the_cores(pairs):
-    gap = reference_gap(*pairs)
+    gap = core_distance(*pairs) - pairs[0][:, 1] - pairs[2][:, 1]
     assert 0.3 * PAIRS < (gap <= ALERT).sum() < 0.95 * PAIRS  # both results occur
     assert (gap < -0.2).sum() > 0.01 * PAIRS
     for alert in (ALERT, np.inf):

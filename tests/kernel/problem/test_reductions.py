@@ -225,9 +225,3 @@ def test_heap_does_not_hide_the_error_of_a_grain():
     error, size = errors(grain, seen["impulse"][-2:])
     assert np.linalg.norm(error) < 1e-4 * size
     assert seen["work"] == 2 * seen["iterations"]  # the heap is not swept
-
-
-def test_unknown_reduction_is_rejected():
-    message = "reduction 'walls' is not known: give some of frictionless discs fixed islands layout"
-    with pytest.raises(ValueError, match=message):
-        pile(1).solve(reductions=["islands", "walls"])

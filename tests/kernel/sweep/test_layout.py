@@ -49,20 +49,16 @@ def kinds(problem):
     return fixed, (m[:, 0] == m[:, 1]) & (m[:, 0] > 0)
 
 
-def joined_pairs(problem):
-    """(body 1, body 2, points): at most two consecutive points of the same bodies form a pair."""
-    pairs = []
+def test_pairs_join_neighbouring_points(case):
+    """At most two consecutive points of the same bodies form a pair."""
+    problem, layout = case
+    pairs = []  # body 1, body 2, points
     for a, b in problem["bodies"].tolist():
-        if pairs and pairs[-1][:2] == [a, b] and pairs[-1][2] == 1:
+        if pairs and pairs[-1] == [a, b, 1]:
             pairs[-1][2] = 2
         else:
             pairs.append([a, b, 1])
-    return np.array(pairs)
-
-
-def test_pairs_join_neighbouring_points(case):
-    problem, layout = case
-    np.testing.assert_array_equal(layout["pairs"][:, :3], joined_pairs(problem))
+    np.testing.assert_array_equal(layout["pairs"][:, :3], pairs)
 
 
 def islands_of(problem, pairs):

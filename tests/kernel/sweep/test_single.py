@@ -44,8 +44,8 @@ def test_floats_alone_reach_their_rounding(problem):
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
 def test_tolerances_are_met_in_doubles(problem, tolerance):
-    result = assert_solved(problem, tolerance=tolerance, max_iterations=50_000)
-    assert result["residual"] <= tolerance
+    found = assert_solved(problem, tolerance=tolerance, max_iterations=50_000)
+    assert found["residual"] <= tolerance
 
 
 @pytest.mark.parametrize("kinematic_tolerance", [0.3, 0.1, 0.03])

@@ -16,32 +16,23 @@ from rcr._data import files
 from rcr._data.files import atomic_path
 
 
-def test_writes_bytes_and_text(tmp_path):
-    path = tmp_path / "ä.txt"
+@pytest.mark.parametrize("name", ["ä.txt", "ü" * 127], ids=["short", "longest"])
+def test_writes_bytes_and_text(tmp_path, name):
+    """Files have the mode of any new file. The temporary name is not longer than names may be."""
+    path = tmp_path / name
     files.write(path, "µ = 0.5\n")
     assert path.read_text(encoding="utf-8") == "µ = 0.5\n"
     files.write(path, b"\0\1")
-    assert path.read_bytes() == b"\0\1" and [p.name for p in tmp_path.iterdir()] == ["ä.txt"]
-    assert path.stat().st_mode & 0o777 == 0o666 & ~_umask()  # the mode of any new file
-
-
-def _umask():
+    assert path.read_bytes() == b"\0\1" and [p.name for p in tmp_path.iterdir()] == [name]
     mask = os.umask(0)
     os.umask(mask)
-    return mask
+    assert path.stat().st_mode & 0o777 == 0o666 & ~mask
 
 
 def test_a_link_is_kept(tmp_path):
     (tmp_path / "link").symlink_to("behind")
     files.write(tmp_path / "link", "x")
     assert (tmp_path / "link").is_symlink() and (tmp_path / "behind").read_text() == "x"
-
-
-def test_long_names(tmp_path):
-    """The temporary name is not too long where the name itself is not."""
-    path = tmp_path / ("ü" * 127)
-    files.write(path, "x")
-    assert path.read_text() == "x"
 
 
 @pytest.mark.parametrize(
@@ -132,21 +123,18 @@ def test_errors_are_one_line(text):
 def test_every_error_of_a_reader_names_the_file(tmp_path, error):
     path = tmp_path / "x"
     path.touch()
-    with pytest.raises(ValueError) as raised:
-        with files.reading(path, "a table"):
-            raise error
+    with pytest.raises(ValueError) as raised, files.reading(path, "a table"):
+        raise error
     assert str(raised.value).startswith(f"{path}: ") and "\n" not in str(raised.value)
 
 
 def test_missing_files_and_folders_are_os_errors(tmp_path):
     for path in (tmp_path, tmp_path / "none"):
-        with pytest.raises(OSError):
-            with files.reading(path, "a table"):
-                pass
-    with pytest.raises(KeyboardInterrupt):  # no error of the file
-        (tmp_path / "x").touch()
-        with files.reading(tmp_path / "x", "a table"):
-            raise KeyboardInterrupt
+        with pytest.raises(OSError), files.reading(path, "a table"):
+            pass
+    (tmp_path / "x").touch()
+    with pytest.raises(KeyboardInterrupt), files.reading(tmp_path / "x", "a table"):
+        raise KeyboardInterrupt  # no error of the file
 
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])

@@ -347,21 +347,6 @@ def test_a_clump_counts_as_one(resting):
     assert network.particles["clump"][row] == ids["clump"]
 
 
-def test_volume_is_asked_for_where_it_is_needed(resting, tmp_path):
-    _, network, *_ = resting
-    attributes = {name: value for name, value in network.attributes.items() if name != "volume"}
-    bare = Network(network.particles, network.contacts, attributes)
-    with pytest.raises(ValueError, match=r"no volume.*contact_network\(volume=…\)"):
-        bare.stress()
-    assert bare.sin_phi() == pytest.approx(network.sin_phi())
-    assert bare.stress_angle() == network.stress_angle()
-    bare.save(tmp_path / "bare.h5")
-    again = Network.load(tmp_path / "bare.h5")
-    assert "stress" not in again.attributes
-    assert np.array_equal(again.contacts["friction"], network.contacts["friction"])
-    assert np.array_equal(again.grain_stresses(), network.grain_stresses())
-
-
 NO_BOX = "left, bottom, right and top Wall of a box"
 ORDER = "are at x = .*; expected the order left, bottom, right, top"
 
