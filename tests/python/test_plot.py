@@ -215,8 +215,7 @@ def test_a_cell_shows_grains_inside_and_their_images():
     """A grain across a corner has three images; one outside by a period is drawn inside."""
     cell = frame(2, position=np.array([[9.9, 9.9], [-5.0, 25.0]]))
     cell.cell = np.array([[10.0, 0], [0, 10.0]])
-    _, inside, images = (c for c in plot.packing(cell).collections
-                         if isinstance(c, PolyCollection))
+    _, inside, images = (c for c in plot.packing(cell).collections if isinstance(c, PolyCollection))
     centres = lambda c: np.array([path.vertices[:-1].mean(axis=0) for path in c.get_paths()])
     assert centres(inside) == pytest.approx(np.array([[9.9, 9.9], [5, 5]]))
     found = sorted(map(tuple, np.round(centres(images), 9)))

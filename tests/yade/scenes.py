@@ -132,6 +132,11 @@ def steps(n):
         O.step()
 
 
+def iterations(n):
+    """Iterations of each of the next n steps."""
+    return [(O.step(), solver().iterations)[1] for _ in range(n)]
+
+
 def wait_until(condition, limit=60):
     """Returns once the condition holds; fails after `limit` seconds, which only a hang takes."""
     end = time.monotonic() + limit
@@ -163,8 +168,7 @@ def snapshot():
 
 def contact_forces():
     """Point forces of all contacts by the ids of their bodies."""
-    return {(i.id1, i.id2): (i.phys.points, *i.phys.force1, *i.phys.force2)
-            for i in O.interactions}
+    return {(i.id1, i.id2): (i.phys.points, *i.phys.force1, *i.phys.force2) for i in O.interactions}
 
 
 def plane(xx, xy, yx, yy):

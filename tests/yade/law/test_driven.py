@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import rcr
 from benchmarks.hard_scenes import driven
-from scenes import build, heap, material, solver, steps
+from scenes import build, heap, iterations, material, solver, steps
 from yade import O
 
 # The other scenes are too slow, or too short for the message.
@@ -71,11 +71,9 @@ def test_grains_that_fly_together_are_solved(count, speed):
     struck_row(count, speed, gap=1e-4)
     O.engines[1].verletDist = 1e-3
     steps(int(1e-3 / speed / O.dt) + 20)  # the first disc is hit, and all fly
-    missed, sweeps = solver().missedSteps, []
-    for _ in range(40):
-        O.step()
-        sweeps.append(solver().iterations)
-    assert solver().missedSteps == missed and solver().yieldedSteps == 0 and np.mean(sweeps) < 20
+    missed = solver().missedSteps
+    assert np.mean(iterations(40)) < 20
+    assert solver().missedSteps == missed and solver().yieldedSteps == 0
     assert_speed_of_discs(speed)
 
 
@@ -111,8 +109,4 @@ def test_a_step_pays_no_more_than_its_iterations():
     """113 discs in a slowly turning box: no step takes much more than its iterations."""
     scene = driven.draw(28)
     driven.begin(scene, driven.RIGID, driven._settled(scene))
-    iterations = []
-    for _ in range(60):
-        O.step()
-        iterations.append(solver().iterations)
-    assert max(iterations) <= solver().maxIterations
+    assert max(iterations(60)) <= solver().maxIterations

@@ -25,7 +25,6 @@ def test_each_runs_within_bounds_or_is_refused(first):
 
 @pytest.mark.parametrize("first", range(0, 40, 10))
 def test_steps_in_arrays_and_of_engines_give_the_same_bits(first):
-    """The first scenes of tests/endurance/run_fuzzer.py."""
     found = {seed: run_fuzzer.difference(run_fuzzer.draw(seed))
              for seed in range(first, first + 10)}
     assert {what for what, _ in found.values()} == {"same"}, found
@@ -33,7 +32,6 @@ def test_steps_in_arrays_and_of_engines_give_the_same_bits(first):
 
 
 def test_a_contact_that_a_step_loses_and_finds_again_keeps_its_friction():
-    """It slid without friction in arrays."""
     scene = run_fuzzer.draw(807)
     assert run_fuzzer.difference({**scene, "runs": [22]})[0] == "same"
 

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import (G, build, insert, material, set_state, solver, springy, steps, velocity,
-                    walls)
+from scenes import (G, build, insert, material, set_state, solver, springy, steps, velocity, walls)
 from yade import O
 from yade.wrapper import ForceEngine
 

@@ -79,28 +79,6 @@ def test_lever_arms_are_those_of_the_forces():
     assert contacts["force"][0] @ contacts["normal"][0] > 0
 
 
-def test_a_frame_of_a_network_is_that_of_its_scene(tmp_path):
-    pressed_box()
-    steps(200)
-    saved = rcr.contact_network((0, 1, 2, 3), friction=0.3)
-    saved.save(tmp_path / "network.h5")
-    assert np.abs(saved.stress()).max() > 100
-    scene, network = Frame.of(), Frame.of(tmp_path / "network.h5")
-
-    def mobilization(frame, chosen):
-        """Mobilized friction of the chosen contacts, in the order of their bodies."""
-        pairs = np.sort([frame.contacts[name][chosen] for name in ("body1", "body2")], axis=0)
-        return frame.mobilization()[chosen][np.lexsort(pairs)]
-
-    assert network.per_grain(network.normal_force()) == pytest.approx(
-        scene.per_grain(scene.normal_force()))
-    assert network.stress_tensors() == pytest.approx(scene.stress_tensors())
-    bearing = scene.between_grains & (scene.normal_force() > 0)
-    assert mobilization(network, network.between_grains) == pytest.approx(
-        mobilization(scene, bearing))
-    assert scene.mobilization().max() <= 1 + 1e-6  # the law's limit, to the tolerance of the solver
-
-
 def test_contacts_across_the_edge_of_a_cell():
     """Two discs touch across the edge: arms are a radius long, not a period."""
     build(*(rcr.particle((3, y), 0.5, 0, material=material()) for y in (0.499, 7.5)), cell=2,
@@ -324,15 +302,27 @@ def test_obstacles_carry_the_weight(resting):
     assert force == pytest.approx([0, -weight], abs=2e-3 * weight)
 
 
-def test_stresses_of_grains_and_of_the_scene(resting):
-    """Σ A σ = V σ, with clumps too; grain stresses of network and scene agree."""
-    _, network, frame, *_ = resting
-    areas, stresses = Frame.of_network(network).areas(), network.grain_stresses()
-    mean = np.einsum("n,nab->ab", areas, stresses) / 0.25
+def test_a_network_has_the_stresses_and_forces_of_its_scene(resting, tmp_path):
+    """Σ A σ = V σ, with clumps too; a frame of the saved network is that of the scene."""
+    _, network, scene, *_ = resting
+    network.save(tmp_path / "network.h5")
+    saved, free = Frame.of(tmp_path / "network.h5"), ~scene.grains["fixed"]
+    mean = np.einsum("n,nab->ab", saved.areas(), network.grain_stresses()) / 0.25
     assert mean == pytest.approx(network.stress(), rel=1e-9)  # rounding of sums
-    free = ~frame.grains["fixed"]
-    assert stresses == pytest.approx(frame.stress_tensors()[free], rel=1e-9, abs=1e-9)
-    assert (network.grain_coordination() == frame.per_grain(frame.normal_force() > 0)[free]).all()
+    assert np.array_equal(saved.stress_tensors(), network.grain_stresses())
+    assert saved.stress_tensors() == pytest.approx(scene.stress_tensors()[free], rel=1e-9, abs=1e-9)
+    assert saved.per_grain(saved.normal_force()) == pytest.approx(
+        scene.per_grain(scene.normal_force())[free])
+    assert (network.grain_coordination() == scene.per_grain(scene.normal_force() > 0)[free]).all()
+
+    def mobilization(frame, chosen):
+        """Mobilized friction of the chosen contacts, in the order of their bodies."""
+        pairs = np.sort([frame.contacts[name][chosen] for name in ("body1", "body2")], axis=0)
+        return frame.mobilization()[chosen][np.lexsort(pairs)]
+
+    bearing = scene.free_ends().all(axis=0) & (scene.normal_force() > 0)
+    assert mobilization(saved, saved.between_grains) == pytest.approx(mobilization(scene, bearing))
+    assert scene.mobilization().max() <= 1 + 1e-6  # the law's limit, to the tolerance of the solver
 
 
 def test_a_clump_counts_as_one(resting):
@@ -374,7 +364,7 @@ def test_scenes_without_a_free_grain_and_volumes_out_of_range():
 
 
 def test_periodic_cell_needs_no_walls():
-    """The volume is that of the cell; test_frame.py compares the stress with YADE's."""
+    """The volume is that of the cell."""
     shrinking_cell()
     network = rcr.contact_network()
     volume = network.attributes["volume"]

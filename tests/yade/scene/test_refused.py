@@ -162,6 +162,7 @@ RIGID = [  # under the rigid law
     *((lambda name=name, value=value: setattr(solver(), name, value), match)
       for name, value, match in SETTINGS),
     # engines
+    (lambda: (steps(2), setattr(solver(), "dead", True)), "no ContactDynamics that is not dead"),
     (lambda: without(rcr.ContactDynamics), r"O.engines holds no ContactDynamics, .*put "
      r"ContactDynamics\(\) between the InteractionLoop and the NewtonIntegrator"),
     (lambda: insert(3, rcr.ContactDynamics()), "holds 2 of ContactDynamics; expected one"),
@@ -295,7 +296,6 @@ def test_faults_that_show_in_the_course_of_a_step(law, fault, match):
     (dict(ori=Quaternion(NAN, 0, 0, 0)), "orientation"),
 ], ids=["position", "velocity", "spin", "orientation"])
 def test_obstacle_that_becomes_faulty_in_a_run(obstacle, state, match):
-    """A wall at NaN ended the process."""
     resting()
     O.bodies.append(obstacle())
     O.run(30, True)
@@ -456,15 +456,6 @@ def test_a_waited_run_that_fails_raises_every_time():
         with pytest.raises(RuntimeError, match="body #0 has the force"):
             O.run(5)  # raises here if the thread has ended
             O.wait()
-
-
-def test_a_contact_dynamics_set_dead_is_reported():
-    """ContactDynamics checks the scene, so its absence needs another check."""
-    resting()
-    steps(2)
-    solver().dead = True
-    with pytest.raises(ValueError, match="no ContactDynamics that is not dead"):
-        steps(3)
 
 
 @pytest.mark.parametrize("fault", [dict(mass=0), dict(inertia=(1, 1, 0))], ids=str)

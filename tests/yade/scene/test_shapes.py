@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import rcr
 from rcr.frame import Frame
-from scenes import FLOORS, G, build, gaps, material, solver, springy, steps, velocity
+from scenes import (FLOORS, G, build, gaps, iterations, material, solver, springy, steps,
+                    velocity)
 from yade import O, utils
 
 GRAINS = {"Sphere": lambda at, m: rcr.disc(at, 0.1, material=m),
@@ -125,10 +126,7 @@ def disc_on_disc(height, velocity):
 def test_a_loaded_sliding_disc_needs_one_solve_a_step():
     """Its path of 1 % of ρ a step curves by half a slop, which needs no second solve."""
     disc = disc_on_disc(1.1, (1.15, 0))
-    sweeps = []
-    for _ in range(8):
-        O.step()
-        sweeps.append(solver().iterations)
+    sweeps = iterations(8)
     gap = np.linalg.norm(O.bodies[disc].state.pos) - 1.1
     assert abs(gap) < 1.1e-4 and O.forces.f(disc)[1] > 0, "it bears, and stays within the slop"
     assert sweeps[1:] == [1] * 7

@@ -15,6 +15,11 @@ from yade.wrapper import GlobalStiffnessTimeStepper, PyRunner
 LAWS = pytest.mark.parametrize("law", ["rigid", "smooth"])
 
 
+def add(center, **options):
+    """Append a grain that is like the one of the scene."""
+    O.bodies.append(stadium(0.2, 0.1, center, material=O.bodies[1].material, **options))
+
+
 def advised():
     """Warnings of the next step."""
     with warnings.catch_warnings(record=True) as caught:
@@ -26,16 +31,15 @@ def advised():
 @LAWS
 def test_initial_overlaps_warn_once(law):
     resting(law)
-    rough = O.bodies[1].material
-    O.bodies.append([stadium(0.2, 0.1, (0.3, 0.15), angle=1.0, material=rough),
-                     stadium(0.2, 0.1, (0, 0.26), material=rough)])
+    add((0.3, 0.15), angle=1.0)
+    add((0, 0.26))
     (told,) = advised()
     assert "bodies #1 and #2 overlap by 0." in told
     assert "of R₁ + R₂, before their first step, and 3 more pairs less deeply." in told
     assert ("take back at most 1e-4 R" in told) == (law == "rigid")
     assert ("Springs begin with the force of it" in told) == (law == "smooth")
     assert advised() == []
-    O.bodies.append(stadium(0.2, 0.1, (3, 0.08), material=rough))
+    add((3, 0.08))
     (told,) = advised()
     assert ("bodies #0 and #4 overlap by 0.02 m, 0.0333 of R₁ + R₂, before their first "
             "step. ") in told
@@ -44,9 +48,8 @@ def test_initial_overlaps_warn_once(law):
 @LAWS
 def test_grains_behind_a_wall_warn(law):
     resting(law)
-    rough = O.bodies[1].material
-    O.bodies.append([rcr.wall("x", -1, -1, material=rough),
-                     stadium(0.2, 0.1, (3, 1), material=rough)])
+    O.bodies.append(rcr.wall("x", -1, -1, material=O.bodies[1].material))
+    add((3, 1))
     (told,) = advised()
     assert ("body #1 and 1 more lie behind a wall, body #2, which acts towards -x only "
             "(sense=-1): such a grain goes through it. Set sense=1, or 0") in told
@@ -68,8 +71,7 @@ def test_time_step_forgotten(law):
 
 def test_ball_among_rcrs():
     resting()
-    rough = O.bodies[1].material
-    O.bodies.append(utils.sphere((0, 1, 0), 0.1, material=rough))
+    O.bodies.append(utils.sphere((0, 1, 0), 0.1, material=O.bodies[1].material))
     O.bodies[2].state.blockedDOFs = "zXY"
     (told,) = advised()
     assert "#2 is a Sphere with the mass of a ball, " in told and "make it by rcr.disc" in told
@@ -80,9 +82,9 @@ def test_a_scene_without_overlaps_is_not_warned_of():
     rough = O.bodies[1].material
     rcr.clump([stadium(0.2, 0.1, (2, 0.5), material=rough),
                stadium(0.2, 0.1, (2, 0.5), angle=1.5, material=rough)])
-    O.bodies.append([stadium(0.2, 0.1, (0, 0.3), material=rough),
-                     stadium(0.2, 0.1, (5, 0.1), material=rough, mask=2),
-                     stadium(0.2, 0.1, (5, 0.1), material=rough, mask=4)])
+    add((0, 0.3))
+    add((5, 0.1), mask=2)
+    add((5, 0.1), mask=4)
     assert advised() == []
 
 

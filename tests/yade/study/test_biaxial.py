@@ -334,7 +334,6 @@ def test_missed_tolerances_are_counted(packing):
 
 
 def test_records_with_yielded_steps_are_left_out_of_means(packing):
-    """Steps without a solution entered sin φ without a mark."""
     test = packing.sheared(8)
     clean = test.summary()
     assert clean["records_left_out"] == clean["yielded_steps"] == 0
@@ -464,19 +463,14 @@ def test_wide_samples_shear_more_slowly(packing):
     assert [row["stress_x"] for row in test.rows] == one  # however many records are asked for
 
 
-def test_script_overwrites_on_demand(done):
+@pytest.mark.parametrize("option, seed", [("--overwrite", 3), ("--resume", 2)])
+def test_networks_of_an_abandoned_part_are_removed(done, option, seed):
+    """--resume finds them after a kill between the checkpoint of a restart and their removal."""
     (done / "network-0.9999.h5").touch()
     (done / "notes").touch()
-    script(*SMALL, "--seed", "3", "--overwrite", "--out", done)
+    script(*SMALL, "--seed", seed, option, "--out", done)
     assert not (done / "network-0.9999.h5").exists() and (done / "notes").exists()
-    assert {Network.load(path).attributes["seed"] for path in done.glob("*.h5")} == {3}
-
-
-def test_resume_removes_networks_of_an_abandoned_part(done):
-    """A kill between the checkpoint of a restart and their removal leaves them."""
-    (done / "network-0.9999.h5").touch()
-    script(*SMALL, "--resume", "--out", done)
-    assert not (done / "network-0.9999.h5").exists()
+    assert {Network.load(path).attributes["seed"] for path in done.glob("*.h5")} == {seed}
 
 
 def test_resume_needs_the_record_of_the_run(done):

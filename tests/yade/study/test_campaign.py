@@ -92,7 +92,6 @@ def test_options_reach_the_tests(options, expected, tmp_path):
 @needs_snakemake
 @needs_environment
 def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
-    """A message of 500 characters was cut within a path."""
     out = tmp_path / "out"
     line = last_line(campaign(out, *SMALL, "--seeds", *"123456789", "--strain", "0.0005",
                               fails=True))
@@ -118,8 +117,7 @@ def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
     ("--out=", "--out '': expected a path"),
 ])  # fmt: skip
 def test_refuses_bad_input(arguments, message, tmp_path):
-    assert last_line(campaign(tmp_path / "out", *arguments.split(), fails=True)).endswith(
-        message)
+    assert last_line(campaign(tmp_path / "out", *arguments.split(), fails=True)).endswith(message)
     assert not (tmp_path / "out").exists()
 
 
