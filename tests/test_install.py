@@ -13,8 +13,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[1]
 BUILD = ROOT / "build"
 SITE = f"lib/python3.{sys.version_info.minor}/dist-packages"
 needs_cmake = pytest.mark.skipif(not shutil.which("cmake"), reason="needs cmake")
-needs_build = pytest.mark.skipif(not (BUILD / "cmake_install.cmake").exists(),
-                                 reason="needs the build folder")
+needs_build = pytest.mark.skipif(
+    not shutil.which("cmake") or not (BUILD / "cmake_install.cmake").exists(),
+    reason="needs cmake and the build folder")
 
 
 def cmake(*arguments, **environment):
@@ -30,7 +31,6 @@ def python(code, folder, *path):
     return done.stdout
 
 
-@needs_cmake
 @needs_build
 def test_installed_package_is_found_and_whole(tmp_path):
     """The install step copies all modules of the package."""
@@ -48,7 +48,6 @@ def test_installed_package_is_found_and_whole(tmp_path):
     assert modules[0] == modules[1]
 
 
-@needs_cmake
 @needs_build
 def test_debians_own_folder_under_usr(tmp_path):
     cmake("--install", BUILD, "--prefix", "/usr", DESTDIR=str(tmp_path))
@@ -58,7 +57,6 @@ def test_debians_own_folder_under_usr(tmp_path):
                         if path.suffix in (".py", ".table")}
 
 
-@needs_cmake
 @needs_build
 def test_features_of_a_yade_of_the_user_are_defined(tmp_path):
     """They change the layouts of classes."""
@@ -102,7 +100,6 @@ except ImportError as error:
     assert "has no kernels, only the analysis: the solver has to be compiled" in told
 
 
-@needs_cmake
 @needs_build
 def test_pip_compiles_outside_the_clone(tmp_path):
     """It must not replace the modules of scripts/yade-rcr."""

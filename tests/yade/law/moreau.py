@@ -18,7 +18,10 @@ FASTEST = 10  # m/s; gaps that no pair closes within a step are left out
 
 @dataclasses.dataclass
 class Body:
-    """A disc (half_length 0) or rod; without inverse mass it is an obstacle. SI, per unit depth."""
+    """A disc (half_length 0) or rod; without inverse mass it is an obstacle. SI, per unit depth.
+
+    A long rod of radius 0 is a wall.
+    """
 
     center: np.ndarray
     angle: float
@@ -36,18 +39,6 @@ class Body:
     @property
     def inverse_mass(self):
         return np.array([1 / self.mass, 1 / self.mass, 1 / self.inertia])
-
-
-@dataclasses.dataclass
-class Line:
-    """An obstacle: points x with (x − origin) · normal < 0."""
-
-    origin: np.ndarray
-    normal: np.ndarray
-    inverse_mass = np.zeros(3)
-    velocity = np.zeros(3)
-    center = np.zeros(2)
-    radius = 0.0
 
 
 @dataclasses.dataclass
@@ -72,25 +63,19 @@ def foot(x, ends):
 def points_of(i, j, one, two):
     """Contact points: each end of each core with the nearest point of the other core."""
     found = []
-    if isinstance(one, Line):
-        for end in two.ends:
-            height = (end - one.origin) @ one.normal
-            middle = end - 0.5 * (height + two.radius) * one.normal
-            found.append(Point(i, j, middle, one.normal, height - two.radius))
-        return found
     pairs = [(foot(end, one.ends), end) for end in two.ends]
     pairs += [(end, foot(end, two.ends)) for end in one.ends]
     for a, b in pairs:
         distance = np.linalg.norm(b - a)
         normal = (b - a) / distance
         middle = 0.5 * (a + one.radius * normal + b - two.radius * normal)
-        if all(np.linalg.norm(middle - p.position) > 1e-9 * one.radius for p in found):
+        if all(np.linalg.norm(middle - p.position) > 1e-9 * two.radius for p in found):
             found.append(Point(i, j, middle, normal, distance - one.radius - two.radius))
     return found
 
 
 def contacts(bodies, reach):
-    """Points with gaps below `reach` of all pairs with a body that moves; lines come first."""
+    """Points with gaps below `reach` of all pairs with a body that moves."""
     found = []
     for j, two in enumerate(bodies):
         for i, one in enumerate(bodies[:j]):
@@ -127,29 +112,26 @@ def solve(bodies, points, velocity, bias, friction, tolerance=1e-10):
 
     ‖p‖ is at least 1e-6 of the impulses that stop all points, since grazing impulses are rounding.
     """
-    velocity = velocity.copy()
-    pairs = [[p.i, p.j] for p in points]
-    j = [jacobian(p, bodies) for p in points]
-    inverse = np.array([b.inverse_mass for b in bodies])
-    minv_jt = [inverse[pair].ravel()[:, None] * g.T for pair, g in zip(pairs, j)]
-    w = [g @ m for g, m in zip(j, minv_jt)]
-    p = np.zeros((len(points), 2))
-    shift = np.column_stack([bias, np.zeros(len(points))])
-    w_nn, mu = np.array([each[0, 0] for each in w]), np.full(len(points), friction)
-    relative = lambda k: j[k] @ velocity[pairs[k]].ravel() + shift[k]
-    stopping = np.linalg.norm([(relative(k)[0] - bias[k]) / w_nn[k] for k in range(len(points))])
+    count, p = len(points), np.zeros((len(points), 2))
+    j = np.zeros((count, 2, len(bodies), 3))
+    for k, point in enumerate(points):
+        j[k][:, [point.i, point.j]] = jacobian(point, bodies).reshape(2, 2, 3)
+    j = j.reshape(2 * count, 3 * len(bodies))
+    minv_jt = np.ravel([b.inverse_mass for b in bodies])[:, None] * j.T
+    w, q = j @ minv_jt, (j @ velocity.ravel()).reshape(-1, 2)
+    w_nn, mu = np.diag(w)[::2], np.full(count, friction)
+    least = max(1e-6 * np.linalg.norm(q[:, 0] / w_nn), 1e-300)
+    q = q + np.column_stack([bias, np.zeros(count)])
     for sweep in range(MOST_SWEEPS):
-        for k, pair in enumerate(pairs):
-            new = solve_point(w[k], relative(k) - w[k] @ p[k], friction)
-            velocity[pair] += (minv_jt[k] @ (new - p[k])).reshape(2, 3)
-            p[k] = new
-        if sweep % 10:
-            continue
-        u = np.array([relative(k) for k in range(len(points))]).reshape(-1, 2)
-        residual = np.linalg.norm(error(p, u, mu, w_nn)) / max(np.linalg.norm(p), 1e-6 * stopping,
-                                                               1e-300)
-        if residual <= tolerance:
-            return velocity, p, residual
+        for k in range(count):
+            block = w[2 * k : 2 * k + 2, 2 * k : 2 * k + 2]
+            u = q[k] + w[2 * k : 2 * k + 2] @ p.ravel()
+            p[k] = solve_point(block, u - block @ p[k], friction)
+        if sweep % 10 == 0:
+            u = q + (w @ p.ravel()).reshape(-1, 2)
+            residual = np.linalg.norm(error(p, u, mu, w_nn)) / max(np.linalg.norm(p), least)
+            if residual <= tolerance:
+                return velocity + (minv_jt @ p.ravel()).reshape(-1, 3), p, residual
     raise RuntimeError(f"not converged after {MOST_SWEEPS} sweeps")
 
 

@@ -21,7 +21,8 @@ def bodies_of_scene():
     for b in O.bodies:
         center = np.array(b.state.pos)[:2]
         if hasattr(b.shape, "sense"):
-            bodies.append(moreau.Line(center, b.shape.sense * np.eye(2)[b.shape.axis]))
+            angle = 0 if b.shape.axis else math.pi / 2
+            bodies.append(moreau.Body(center, angle, half_length=100, radius=0))
             continue
         angle = 2 * math.atan2(b.state.ori[2], b.state.ori[3])
         body = moreau.Body(center, angle, b.shape.halfLength, b.shape.capRadius,

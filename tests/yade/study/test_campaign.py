@@ -12,10 +12,11 @@ from run_contents import campaign_contents, different, start_until_written
 CAMPAIGN = f"{SCRIPTS}/campaign"
 SMALL = ["--particles", "60", "--etas", "0.5", "--seeds", "2", "--strain", "0.04"]
 
+OUTSIDE = "YADE_RCR_WAY" not in os.environ
+needs_environment = pytest.mark.skipif(OUTSIDE, reason="needs the environment of scripts/test")
 needs_snakemake = pytest.mark.skipif(
-    not shutil.which("snakemake"), reason="the optional package snakemake is not installed")
-needs_environment = pytest.mark.skipif(
-    "YADE_RCR_WAY" not in os.environ, reason="needs the environment of scripts/test")
+    OUTSIDE or not shutil.which("snakemake"),
+    reason="needs the environment of scripts/test and the optional package snakemake")
 
 
 def campaign(out, *arguments, fails=False):
@@ -31,7 +32,6 @@ def last_line(ended):
 
 @pytest.mark.slow
 @needs_snakemake
-@needs_environment
 def test_killed_campaign_ends_with_the_same_results(tmp_path):
     undisturbed = campaign(tmp_path / "a", *SMALL)
     report = tmp_path / "a" / "report" / "report.html"
@@ -53,7 +53,6 @@ def test_killed_campaign_ends_with_the_same_results(tmp_path):
 
 
 @needs_snakemake
-@needs_environment
 def test_quick_is_the_study_in_small(tmp_path):
     """Three elongations and a report whose verdicts are grey, since the tests are small."""
     command = [CAMPAIGN, "--quick", "--particles", "60", "--strain", "0.02"]
@@ -67,14 +66,12 @@ def test_quick_is_the_study_in_small(tmp_path):
 
 
 @needs_snakemake
-@needs_environment
 def test_the_default_folder_is_out_campaign(tmp_path):
     subprocess.check_call([CAMPAIGN, *SMALL, "--", "--dry-run"], cwd=tmp_path)
     assert (tmp_path / "out" / "campaign").is_dir()
 
 
 @needs_snakemake
-@needs_environment
 @pytest.mark.parametrize("options, expected", [
     ("", dict(inertial_number=1e-4, approach=0.1, time_step=0.4, iterations=10_000, friction=0.5)),
     pytest.param(" --iterations 500 --time-step 0.05 --friction 0.3",
@@ -90,7 +87,6 @@ def test_options_reach_the_tests(options, expected, tmp_path):
 
 
 @needs_snakemake
-@needs_environment
 def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
     out = tmp_path / "out"
     line = last_line(campaign(out, *SMALL, "--seeds", *"123456789", "--strain", "0.0005",
@@ -122,7 +118,6 @@ def test_refuses_bad_input(arguments, message, tmp_path):
 
 
 @needs_snakemake
-@needs_environment
 def test_another_number_of_networks_is_another_run(tmp_path):
     for networks in "2", "3":
         campaign(tmp_path, *SMALL, "--strain", "0.004", "--networks", networks)
