@@ -12,7 +12,6 @@ PAGES = [ROOT / "README.md", ROOT / "pkg" / "README.md", *sorted((ROOT / "docs")
 
 
 def prose(page):
-    """A page without its blocks of code."""
     return re.sub(r"^```.*?^```$", "", page.read_text(), flags=re.M | re.S)
 
 

@@ -25,7 +25,6 @@ COLUMNS = 7
 
 
 def engine(kind):
-    """The engine of this class."""
     return next(e for e in O.engines if type(e).__name__ == kind)
 
 

@@ -118,7 +118,6 @@ def shear_cell(gradient):
 
 
 def build(scene, rng):
-    """The scene in YADE."""
     material = begin(scene)
     if not scene["periodic"]:
         obstacles(scene, material)

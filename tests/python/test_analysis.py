@@ -252,7 +252,7 @@ def test_bad_runs_are_refused(tmp_path):
     packing(0.3).save(tmp_path / "a" / "network-0.5000.h5")
     with pytest.raises(ValueError, match="eta = 0.3, 0.5; expected one"):
         analysis.analyse([Run.read(tmp_path / "a")])
-    for folder, file, name in (("b", "network-0.6000.h5", "strain"), ("c", "isotropic.h5", "volume")):
+    for folder, file, name in (("b", "network-0.6.h5", "strain"), ("c", "isotropic.h5", "volume")):
         bare = packing(0.5)
         del bare.attributes[name]
         bare.save(tmp_path / folder / file)

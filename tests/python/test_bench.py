@@ -1,8 +1,6 @@
 """Benchmarks: their measures are right, and they write their columns on tiny problems."""
 
-import csv
 import dataclasses
-import json
 import os
 import subprocess
 import sys
@@ -15,6 +13,7 @@ from rcr.network import Network
 from scipy.sparse import csc_array
 
 from problem_files import npz
+from stand_ins import answer, rows_of
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))
@@ -38,11 +37,6 @@ def residual(problem):
     delassus = problem.delassus()
     return measure.residual(measure.matrix(delassus), delassus.q, delassus.friction,
                             problem.impulse)
-
-
-def rows_of(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
 
 
 # --- what is measured with ------------------------------------------------------------------------
@@ -119,13 +113,6 @@ def assert_refused(says, script, *arguments, beside="contact points"):
     ended = bench(script, *arguments)
     complaint = [line for line in ended.stderr.splitlines() if beside not in line]
     assert ended.returncode != 0 and len(complaint) == 1 and says in complaint[0], ended.stderr
-
-
-def answer(path, **outcome):
-    """A program that prints this as JSON."""
-    path.write_text(f"#!/bin/sh\necho a line of its own\necho '{json.dumps(outcome)}'\n")
-    path.chmod(0o755)
-    return path
 
 
 FAST = ["--repeats", "1", "--budget", "0"]

@@ -56,7 +56,6 @@ def written(folders, tmp_path_factory):
 
 @pytest.fixture
 def out(written, tmp_path):
-    """A copy of that folder."""
     return shutil.copytree(written[0], tmp_path / "out")
 
 

@@ -32,7 +32,6 @@ def test_power_exponent_and_its_error(beta):
 
 @pytest.mark.parametrize("alpha", [0.6, 1.6])
 def test_exponential_rate_and_its_error(alpha):
-    """Rate of the tail above 1."""
     rng = np.random.default_rng(2)
     samples = (1 + rng.exponential(1 / alpha, 500) for _ in range(200))
     assert_fits((statistics.exponential_rate(x) for x in samples), alpha, 3 * alpha / 500)

@@ -6,7 +6,6 @@ from rcr import _kernel
 
 
 def grid(rows, columns):
-    """Number of nodes and list of edges."""
     at = lambda i, j: i * columns + j
     across = [(at(i, j), at(i, j + 1)) for i in range(rows) for j in range(columns - 1)]
     up = [(at(i + 1, j), at(i, j)) for i in range(rows - 1) for j in range(columns)]

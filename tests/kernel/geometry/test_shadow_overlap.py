@@ -150,7 +150,7 @@ def test_gap_is_the_signed_distance_of_the_cores(pairs):
         assert_none(seen != (gap <= alert), pairs, f"detection at the alert distance {alert}")
         deepest = np.nanmin(np.where(seen[:, None], found["gap"], np.inf), axis=1)
         with np.errstate(invalid="ignore"):
-            assert_none(seen & ~(np.abs(deepest - gap) < ROUNDING), pairs, "gap of the deepest point")
+            assert_none(seen & ~(np.abs(deepest - gap) < ROUNDING), pairs, "gap of deepest points")
 
 
 def test_points_lie_midway_between_the_surfaces(pairs):
@@ -174,7 +174,7 @@ def test_points_lie_midway_between_the_surfaces(pairs):
                 half_core = stadium[:, :1] * axes(pose)
                 center = pose[:, :2]
                 off = distance_to_segment(core, center - half_core, center + half_core)
-                assert_none(used & ~crossed & ~(off <= ROUNDING), pairs, f"point {k} on the surface")
+                assert_none(used & ~crossed & ~(off <= ROUNDING), pairs, f"point {k} on surfaces")
     assert crossed.sum() > 100
 
 

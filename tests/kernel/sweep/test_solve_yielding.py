@@ -132,10 +132,9 @@ def test_overlaps_recover_no_faster_than_driven(recovery, recovered):
     np.testing.assert_allclose(found["impulse"][:, 0], p, rtol=1e-6)
 
 
-@pytest.mark.parametrize(
-    "settings",
-    [dict(yield_compliance=0.1, yield_impulse=4.1), dict(yield_compliance=0, yield_impulse=1.0)],
-    ids=["less", "never"])
+@pytest.mark.parametrize("settings", [dict(yield_compliance=0.1, yield_impulse=4.1),
+                                      dict(yield_compliance=0, yield_impulse=1.0)],
+                         ids=["less", "never"])
 def test_smaller_impulses_keep_their_bits(settings):
     found, rigid = pushed_row().solve("auto", **settings), pushed_row().solve("auto")
     assert rigid["converged"] and not found["yielded"]

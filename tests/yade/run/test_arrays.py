@@ -127,18 +127,15 @@ def cell():
 
 
 def pit(seed):
-    """40 grains above a floor between walls."""
     build(*grains(40, 6, seed), *box_of(0.9), dt=1e-3, **SOLVER)
 
 
 def over_box(center, half, seed):
-    """Grains above a box between walls."""
     build(*grains(48, 12, seed, shift=(0, 2 * center[1])), *box_of(1.6),
           box(center, half, 0, material(0.5)), dt=1e-3, **SOLVER)
 
 
 def under_two_driven(seed):
-    """Grains under two driven ones."""
     driven = [rcr.particle((x, 0.75), 0.06, 0.5, material=material(0.5), fixed=True)
               for x in (0.2, 0.5)]
     build(*grains(25, 5, seed), *box_of(0.7), *driven, dt=2e-3, **SOLVER)
@@ -199,7 +196,6 @@ SCENES = [pressed, without_inertia, in_a_flow_that_follows, pile, drum, mixed, s
 
 
 def contacts():
-    """All data of the contacts, by the ids of their bodies."""
     rows = {}
     for i in O.interactions:
         geom, phys = i.geom, i.phys

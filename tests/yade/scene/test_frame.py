@@ -11,7 +11,7 @@ import rcr
 import yade.utils
 from rcr._yade.counterparts import COUNTERPARTS
 from rcr.frame import KINDS, Frame
-from rcr.network import OTHER, WALL, Network
+from rcr.network import OTHER, WALL
 from scenes import (G, box, build, heap, material, plane, pressed_box, python, set_state,
                     shrinking_cell, steps)
 from yade import O

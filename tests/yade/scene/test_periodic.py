@@ -29,7 +29,6 @@ def pair(across, eta, m):
 @pytest.mark.parametrize("eta", [0, 0.5])
 def test_pair_across_the_boundary_is_one_in_the_open(law, eta):
     def forces(across, size):
-        """Forces, torques and velocities of ten steps."""
         scene(law, *pair(across, eta, springy()), size=size, dt=4e-3 if law == "rigid" else 1e-5)
         return np.array([(O.step(), snapshot()[:, 7:])[1] for _ in range(10)])
 
@@ -109,7 +108,6 @@ def press(stress, mass=1):
 
 
 def pressed(*bodies, stress, mass=1, **options):
-    """A fresh scene in a periodic cell under a stress."""
     scene("rigid", *bodies, **options)
     press(stress, mass)
 
@@ -268,7 +266,6 @@ def test_a_loose_cell_that_falls_together_in_a_step_is_refused(overdamped):
 
 
 def test_a_cell_driven_into_its_grains_is_a_jam():
-    """A cell shrinks although its grains are jammed."""
     size, m, grains = packing(0)
     scene("rigid", *grains, size=size, **AUTO | dict(maxIterations=500))
     O.cell.velGrad = plane(-0.3, 0, 0, -0.3)

@@ -1,20 +1,15 @@
 """bench_step.py with YADE: it resumes a checkpoint and tabulates the engines' work."""
 
-import csv
 from functools import partial
 
 import forked
 import pytest
 from rcr.study.biaxial import Biaxial
+from stand_ins import rows_of
 
 bench = partial(forked.yade_script, "bench_step.py")
 ENGINES = ["ForceResetter", "InsertionSortCollider", "InteractionLoop", "WallStress", "WallStress",
            "ContactDynamics", "NewtonIntegrator"]
-
-
-def rows_of(path):
-    with open(path, newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def test_checkpoint(tmp_path):

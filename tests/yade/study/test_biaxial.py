@@ -409,7 +409,6 @@ def finished(tmp_path_factory):
 
 @pytest.fixture
 def done(finished, tmp_path):
-    """A copy of a run that is complete."""
     shutil.copytree(finished, tmp_path / "out")
     return tmp_path / "out"
 

@@ -1,7 +1,6 @@
 """Charts: tables resume, known answers are found, the stock test is the same test."""
 
 import dataclasses
-import json
 import math
 import os
 
@@ -12,6 +11,7 @@ from benchmarks import charts
 from benchmarks.charts import biaxial_cost, deterministic, one_step, quasi_static
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
+from stand_ins import answer
 from yade import O
 
 OPTIONS = charts.Options(out="", quick=True, particles=50, siconos="", peers="", limit=60)
@@ -74,11 +74,8 @@ def test_a_point_of_one_step_runs(tmp_path):
     before, after = np.zeros((count + 4, 3)), np.zeros((count + 4, 3))
     before[0, 1] = -1
     contact = [count + 1, 0, 0, 1, 0.5, 0, 0, -0.5, 0.0, 1.0, 0.0, -0.003]
-    outcome = dict(library="Other 1", seconds=[1e-3] * 20, contacts=[contact],
-                   before=before.tolist(), after=after.tolist())
-    program = tmp_path / "chipmunk_step"
-    program.write_text(f"#!/bin/sh\necho '{json.dumps(outcome)}'\n")
-    program.chmod(0o755)
+    answer(tmp_path / "chipmunk_step", library="Other 1", seconds=[1e-3] * 20, contacts=[contact],
+           before=before.tolist(), after=after.tolist())
     rows = one_step.run("250/0/chipmunk", dataclasses.replace(options(tmp_path),
                                                               peers=str(tmp_path)))
     assert {row["library"] for row in rows} == {"Other 1"}
