@@ -212,6 +212,16 @@ def shrinking_cell():
     steps(100)
 
 
+def pile(count=40, **options):
+    """Falling grains of all elongations in a box without lid, by default with restitution."""
+    rng, rough = np.random.default_rng(11), material(0.5)
+    grains = [rcr.particle((0.15 + 0.2 * (k % 5), 0.12 + 0.22 * (k // 5)), rng.uniform(0.06, 0.09),
+                           rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(count)]
+    build(*open_box(1.1, rough), *grains,
+          **options or dict(dt=2e-3, restitution=0.2, tolerance=1e-4))
+    return grains
+
+
 def pressed_box(make=build, friction=0.3, **options):
     """20 grains between walls of this friction; a stress pushes two of them."""
     rng = np.random.default_rng(12)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import rcr
 from natural_map import error
-from scenes import box, build, material, solver as engine, stadium, steps, walls
+from scenes import box, build, material, pile, solver as engine, stadium, steps
 from yade import O, utils
 
 
@@ -34,17 +34,10 @@ def residual():
     return np.linalg.norm(error(p, u, mu, w_nn)) / np.linalg.norm(p)
 
 
-def pile(count=40):
-    rng, rough = np.random.default_rng(1), material(friction=0.4)
-    return [*walls(rough, x=(0, 0.2), y=[0]),
-            *(stadium(0.006, 0.008, (0.03 + 0.03 * (k % 6), 0.03 + 0.03 * (k // 6)),
-                      rng.uniform(0, np.pi), material=rough) for k in range(count))]
-
-
 @pytest.mark.parametrize("solver", ["nlgs", "sor", "nesterov", "exact", "auto"])
 def test_reported_residual_is_that_of_the_scene(solver):
     # Position correction would change the arms, which are computed from final positions.
-    build(*pile(), dt=1e-3, solver=solver, tolerance=1e-5, maxIterations=400, correction=0)
+    pile(dt=1e-3, solver=solver, tolerance=1e-5, maxIterations=400, correction=0)
     compared = 0
     for _ in range(30):
         O.run(10, True)

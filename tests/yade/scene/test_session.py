@@ -7,9 +7,9 @@ import pytest
 import rcr
 import yade
 import yade.utils
-from scenes import (G, build, contact_forces, engines, grain_on_floor, material, open_box,
-                    pressed_box, python, set_state, snapshot, solver, springs, springy, stadium,
-                    steps, tilted, velocity)
+from scenes import (G, build, contact_forces, engines, grain_on_floor, material, pile, pressed_box,
+                    python, set_state, snapshot, solver, springs, springy, stadium, steps, tilted,
+                    velocity)
 from yade import O
 from yade.wrapper import MatchMaker
 
@@ -69,15 +69,6 @@ for name in {names + ["partikel"]}:
     assert unknown == "module 'rcr' has no attribute 'partikel'"
 
 
-def pile():
-    """40 falling grains of all elongations."""
-    rng = np.random.default_rng(11)
-    rough = material(0.5)
-    grains = [rcr.particle((0.15 + 0.2 * (k % 5), 0.12 + 0.22 * (k // 5)), rng.uniform(0.06, 0.09),
-                           rng.uniform(0, 0.8), rng.uniform(0, 3), rough) for k in range(40)]
-    build(*open_box(1.1, rough), *grains, dt=2e-3, restitution=0.2, tolerance=1e-4)  # by sweeps
-
-
 def box_of_springs():
     pressed_box(springs, 0, share=0.3, damping=0.2)
     steps(1300)
@@ -114,7 +105,6 @@ def test_a_saved_scene_continues_to_the_same_bits(scene, suffix, tmp_path):
 def test_threads_change_no_bit():
     code = """
 from scenes import *
-from test_session import pile
 pile()
 steps(100)
 print(snapshot().tobytes().hex())
