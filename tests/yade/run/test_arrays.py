@@ -14,11 +14,8 @@ import scenes
 from scenes import (box, build, contact_forces, insert, material, plane, set_state, snapshot,
                     solver, stadium, wait_until)
 from yade import O, utils
+from yade import wrapper as w
 from yade.minieigenHP import Vector3
-from yade.wrapper import (
-    ForceEngine, ForceResetter, HarmonicMotionEngine, LinearDragEngine, PyRunner, RotationEngine,
-    TorqueEngine,
-)  # fmt: skip
 
 STEPS = 600
 MOST_STEPS = 100  # steps in arrays before a step of engines updates YADE's objects
@@ -46,8 +43,8 @@ def box_of(width):
 
 def run_each(period, function, **options):
     """A PyRunner that calls a function of this module every `period` steps."""
-    return PyRunner(command=f"import {__name__}; {__name__}.{function}()", iterPeriod=period,
-                    **options)
+    return w.PyRunner(command=f"import {__name__}; {__name__}.{function}()", iterPeriod=period,
+                      **options)
 
 
 def pressed():
@@ -88,9 +85,9 @@ def drum():
     sides = [box((0.5 + 0.62 * math.cos(angle), 0.5 + 0.62 * math.sin(angle)), (0.05, 0.3), angle,
                  material(0.5)) for angle in (k * math.pi / 4 for k in range(8))]
     build(*grains(36, 6, 3, spheres=True, shift=(0.1, 0.1)), *sides, dt=1e-3,
-          before=[RotationEngine(ids=list(range(36, 44)), rotateAroundZero=True,
-                                 rotationAxis=(0, 0, 1), zeroPoint=(0.5, 0.5, 0),
-                                 angularVelocity=2)], **SOLVER)
+          before=[w.RotationEngine(ids=list(range(36, 44)), rotateAroundZero=True,
+                                   rotationAxis=(0, 0, 1), zeroPoint=(0.5, 0.5, 0),
+                                   angularVelocity=2)], **SOLVER)
 
 
 def mixed():
@@ -142,7 +139,7 @@ def under_two_driven(seed):
 
 
 def shake(*ids, A=(0, 0.02, 0), f=(0, 8, 0), fi=(0, 0, 0)):
-    return HarmonicMotionEngine(A=A, f=f, fi=fi, ids=list(ids))
+    return w.HarmonicMotionEngine(A=A, f=f, fi=fi, ids=list(ids))
 
 
 def shake_two(seed):
@@ -155,7 +152,7 @@ def shake_two(seed):
 def drag(seed):
     for k in range(0, 40, 5):
         set_state(k, vel=(8, 4, 0))
-    insert(1, LinearDragEngine(ids=list(range(0, 40, 5)), nu=0.02))
+    insert(1, w.LinearDragEngine(ids=list(range(0, 40, 5)), nu=0.02))
 
 
 def kick():
@@ -175,8 +172,8 @@ def change_masks():
 
 
 def stir_with_box(seed):
-    insert(0, RotationEngine(ids=[51], rotateAroundZero=True, rotationAxis=(0, 0, 1),
-                             zeroPoint=(0.8, 0.45, 0), angularVelocity=6))
+    insert(0, w.RotationEngine(ids=[51], rotateAroundZero=True, rotationAxis=(0, 0, 1),
+                               zeroPoint=(0.8, 0.45, 0), angularVelocity=6))
 
 
 LOW, HIGH = (functools.partial(over_box, *place) for place in (((0.8, 0.02), (0.4, 0.02)),
@@ -186,8 +183,8 @@ SEEDED = dict(  # a scene, and engines or changes of bodies
     shaken_wall=(pit, lambda seed: insert(0, shake(42))),
     shaken_box=(LOW, lambda seed: insert(0, shake(51, **SIDEWAYS))),
     shaken_box_after_the_loop=(LOW, lambda seed: insert(3, shake(51, **SIDEWAYS))),
-    torque_on_grains=(pit, lambda seed: insert(1, TorqueEngine(ids=[3, 11, 20],
-                                                               moment=(0, 0, 40)))),
+    torque_on_grains=(pit, lambda seed: insert(1, w.TorqueEngine(ids=[3, 11, 20],
+                                                                 moment=(0, 0, 40)))),
     stirrer=(HIGH, stir_with_box), drag_on_fast_grains=(pit, drag),
     kicked_before_the_collider=(pit, lambda seed: insert(0, run_each(70, "kick"))),
     masks_that_change=(pit, mask), two_shaken_grains=(under_two_driven, shake_two),
@@ -322,7 +319,7 @@ def test_a_velocity_written_during_a_run_stays():
 @pytest.mark.parametrize("change, reason", [
     (lambda: setattr(O, "trackEnergy", True), "O.trackEnergy"),
     (lambda: setattr(solver(), "arrays", False), "ContactDynamics.arrays = False"),
-    (lambda: insert(5, PyRunner(command="pass", iterPeriod=1)), "the end of the run"),
+    (lambda: insert(5, w.PyRunner(command="pass", iterPeriod=1)), "the end of the run"),
 ])  # fmt: skip
 def test_the_model_has_the_reason_for_steps_of_engines(change, reason):
     mixed()
@@ -341,7 +338,7 @@ def test_an_error_leaves_the_scene_as_the_step_began():
     """An error during steps in arrays reaches the script; the scene can continue."""
     mixed()
     O.run(50, True)
-    insert(-1, PyRunner(command="raise RuntimeError('enough')", iterPeriod=80))
+    insert(-1, w.PyRunner(command="raise RuntimeError('enough')", iterPeriod=80))
     with pytest.raises(RuntimeError, match="enough"):
         O.run(200, True)
     assert O.iter == 130 and np.isfinite(snapshot()).all() and contact_forces()
@@ -353,8 +350,8 @@ def test_forces_that_a_script_adds_now_and_then_act(period):
     speeds = []
     for arrays in (True, False):
         build(*[stadium(0.2, 0.1, (k, 5), material=material(0)) for k in range(2)],
-              before=[PyRunner(command="O.forces.addF(0, (2, 0, 0)); O.forces.addT(1, (0, 0, 1))",
-                               iterPeriod=period)])
+              before=[w.PyRunner(command="O.forces.addF(0, (2, 0, 0)); O.forces.addT(1, (0, 0, 1))",
+                                 iterPeriod=period)])
         solver().arrays = arrays
         O.run(150, True)
         speeds.append((O.bodies[0].state.vel[0], O.bodies[1].state.angVel[2]))
@@ -414,7 +411,7 @@ def test_arrays_count_steps_and_speed_as_yade_does(monkeypatch):
 
 def test_an_engine_ends_advance():
     pressed()
-    insert(9, PyRunner(iterPeriod=7, firstIterRun=7, command="O.pause()"))
+    insert(9, w.PyRunner(iterPeriod=7, firstIterRun=7, command="O.pause()"))
     assert rcr.advance(50) and O.iter == 8
 
 
@@ -450,7 +447,7 @@ def test_an_observed_body_that_is_erased():
 def test_advance_beside_another_run_is_refused():
     """It would end the other run, or wait for the run of the engine that calls it."""
     pressed()
-    insert(9, PyRunner(iterPeriod=5, firstIterRun=5, command="import rcr; rcr.advance(3)"))
+    insert(9, w.PyRunner(iterPeriod=5, firstIterRun=5, command="import rcr; rcr.advance(3)"))
     with pytest.raises(RuntimeError, match="rcr.advance: a run is active"):
         O.run(20, True)
 
@@ -463,8 +460,8 @@ def test_advance_in_a_thread():
 
 
 def add_force():
-    first = next(k for k, engine in enumerate(O.engines) if isinstance(engine, ForceResetter))
-    insert(first + 1, ForceEngine(ids=[1], force=(20, 0, 0)))
+    first = next(k for k, engine in enumerate(O.engines) if isinstance(engine, w.ForceResetter))
+    insert(first + 1, w.ForceEngine(ids=[1], force=(20, 0, 0)))
 
 
 @pytest.mark.parametrize("arrays", [False, True])

@@ -12,13 +12,8 @@ import rcr
 from scenes import (assert_refused, build, grain_on_floor, insert, material, prescribe, python,
                     resting, set_state, snapshot, solver, stadium, steps, wait_until, without)
 from yade import O, utils
+from yade import wrapper as w
 from yade.minieigenHP import Quaternion, Vector3
-from yade.wrapper import (
-    Body, Bo1_Wall_Aabb, ElastMat, ForceEngine, ForceResetter, GlobalStiffnessTimeStepper,
-    GravityEngine, Ig2_Sphere_Sphere_ScGeom, InsertionSortCollider,
-    Law2_ScGeom_FrictPhys_CundallStrack, NewtonIntegrator, RotationEngine, ServoPIDController,
-    StepDisplacer, TranslationEngine,
-)  # fmt: skip
 
 NAN, INF = math.nan, math.inf
 LAWS = pytest.mark.parametrize("law", ["rigid", "smooth"])
@@ -69,7 +64,7 @@ CALLS = [  # function, words of its ValueError
      r"contact_network\(time=…\): the scene gives it"),
     (lambda: rcr.critical_time_step(),
      "O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack"),
-    (lambda: (without(NewtonIntegrator), rcr.half_step_start()),
+    (lambda: (without(w.NewtonIntegrator), rcr.half_step_start()),
      "0 NewtonIntegrators that are not dead; expected one"),
     (lambda: (setattr(O, "dt", 0), rcr.half_step_start()), "O.dt = 0.0; expected"),
 ]
@@ -102,13 +97,13 @@ def test_axis_of_a_wall_by_its_number(name, number):
 
 def add_stock_spheres():
     loop = O.engines[2]
-    loop.geomDispatcher.functors = [*loop.geomDispatcher.functors, Ig2_Sphere_Sphere_ScGeom()]
+    loop.geomDispatcher.functors = [*loop.geomDispatcher.functors, w.Ig2_Sphere_Sphere_ScGeom()]
     loop.lawDispatcher.functors = [*loop.lawDispatcher.functors,
-                                   Law2_ScGeom_FrictPhys_CundallStrack()]
+                                   w.Law2_ScGeom_FrictPhys_CundallStrack()]
 
 
 def add_shape_without_radius():
-    body = Body(shape=rcr.Rcr(), material=material())
+    body = w.Body(shape=rcr.Rcr(), material=material())
     body.state.blockedDOFs = "xyzXYZ"
     O.bodies.append(body)
 
@@ -166,12 +161,12 @@ RIGID = [  # under the rigid law
     (lambda: without(rcr.ContactDynamics), r"O.engines holds no ContactDynamics, .*put "
      r"ContactDynamics\(\) between the InteractionLoop and the NewtonIntegrator"),
     (lambda: insert(3, rcr.ContactDynamics()), "holds 2 of ContactDynamics; expected one"),
-    (lambda: insert(-1, ForceEngine(force=(500, 0, 0), ids=[1])), UNSEEN),
+    (lambda: insert(-1, w.ForceEngine(force=(500, 0, 0), ids=[1])), UNSEEN),
     (lambda: insert(-1, rcr.WallStress(wall=0, start=0, end=0)), UNSEEN),
-    (lambda: insert(-1, StepDisplacer(ids=[0], mov=(1e-3, 0, 0))), "the StepDisplacer " + UNSEEN),
-    (lambda: insert(1, ServoPIDController(axis=(0, 1, 0), maxVelocity=0.1, ids=[0], target=1)),
+    (lambda: insert(-1, w.StepDisplacer(ids=[0], mov=(1e-3, 0, 0))), "the StepDisplacer " + UNSEEN),
+    (lambda: insert(1, w.ServoPIDController(axis=(0, 1, 0), maxVelocity=0.1, ids=[0], target=1)),
      "would read forces without those of contacts; put it after the NewtonIntegrator"),
-    (lambda: insert(0, GlobalStiffnessTimeStepper()),
+    (lambda: insert(0, w.GlobalStiffnessTimeStepper()),
      "the GlobalStiffnessTimeStepper would set O.dt from stiffnesses"),
     (lambda: setattr(O.engines[-1], "gravity", (0, 0, -9.81)), r"pulls out of the plane of the "
      r"grains, which is x and y; set gravity=\(0, -9.81, 0\)"),
@@ -221,7 +216,7 @@ RIGID = [  # under the rigid law
       for half in ((INF, 1, 1), (1, NAN, 1), (1, -1, 1))),
     (lambda: setattr(O.bodies[0], "dynamic", True),
      "#0 is free but has the mass 0; give it a mass > 0"),
-    (lambda: insert(3, ForceEngine(force=(NAN, 0, 0), ids=[1])), "#1 .*(force|torque).*nan"),
+    (lambda: insert(3, w.ForceEngine(force=(NAN, 0, 0), ids=[1])), "#1 .*(force|torque).*nan"),
     (lambda: O.forces.setPermF(1, (0, NAN, 0)), "#1 .*(force|torque).*nan"),
     (lambda: O.forces.setPermT(1, (0, 0, NAN)), "#1 .*(force|torque).*nan"),
     (lambda: O.bodies.appendClumped([grain((1, 1)), grain((1, 1.1))]),
@@ -229,12 +224,12 @@ RIGID = [  # under the rigid law
     (observe_member, r"observe holds (\d), a member of clump \d; its contacts act on the clump"),
 ]
 BOTH = [  # under both laws
-    (lambda: insert(9, NewtonIntegrator(damping=0)),
+    (lambda: insert(9, w.NewtonIntegrator(damping=0)),
      "O.engines holds 2 of NewtonIntegrator; expected one"),
-    (lambda: without(InsertionSortCollider), "O.engines holds no collider"),
-    (lambda: without(ForceResetter), "O.engines holds no ForceResetter"),
-    (lambda: without(NewtonIntegrator), "O.engines holds no NewtonIntegrator"),
-    (lambda: setattr(O.engines[1].boundDispatcher, "functors", [Bo1_Wall_Aabb()]),
+    (lambda: without(w.InsertionSortCollider), "O.engines holds no collider"),
+    (lambda: without(w.ForceResetter), "O.engines holds no ForceResetter"),
+    (lambda: without(w.NewtonIntegrator), "O.engines holds no NewtonIntegrator"),
+    (lambda: setattr(O.engines[1].boundDispatcher, "functors", [w.Bo1_Wall_Aabb()]),
      r"the collider has no Bo1_Rcr_Aabb, so body #1 would meet nothing; put Bo1_Rcr_Aabb\(\) into "
      r"its list"),
     *((lambda name=name, value=value: setattr(O.engines[-1], name, value),
@@ -244,15 +239,15 @@ BOTH = [  # under both laws
       for dt in (0, NAN, INF)),
     *((lambda load=load: insert(9, load()), f"stands after the NewtonIntegrator, {LOST} before "
        "they move anything; put it between the two")
-      for load in (lambda: ForceEngine(ids=[1]), GravityEngine)),
+      for load in (lambda: w.ForceEngine(ids=[1]), w.GravityEngine)),
     *((lambda load=load: insert(0, load()), f"stands before the ForceResetter, {LOST}")
-      for load in (lambda: ForceEngine(ids=[1]), GravityEngine)),
+      for load in (lambda: w.ForceEngine(ids=[1]), w.GravityEngine)),
     (lambda: insert(3, rcr.WallStress(wall=1, start=0, end=0)),
      "WallStress.wall = 1 is not the id of a body with the shape Wall"),
     (lambda: set_state(vel=(0, 0, 0.01)), OUT),
     (lambda: set_state(angVel=(3, 0, 0)), OUT),
     (lambda: set_state(angVel=(0, 1e-3, 0)), OUT),
-    (lambda: setattr(O.bodies[1], "material", ElastMat(density=1000)),
+    (lambda: setattr(O.bodies[1], "material", w.ElastMat(density=1000)),
      "#1 has the material ElastMat, which has no friction; give it a FrictMat"),
     (lambda: add(utils.box, (0, 0, 5), (1, 1, 1), fixed=True),
      "#2 is a Box at z = 5 that does not reach the plane z = 0"),
@@ -271,7 +266,8 @@ def test_faults(law, fault, match):
 
 @pytest.mark.parametrize("law, fault, match", [
     ("rigid", lambda: reorder(0, 1, 2, 4, 3), "stands after the NewtonIntegrator"),
-    ("rigid", lambda: insert(3, RotationEngine(ids=[0], rotationAxis=(0, 0, 1), angularVelocity=1)),
+    ("rigid",
+     lambda: insert(3, w.RotationEngine(ids=[0], rotationAxis=(0, 0, 1), angularVelocity=1)),
      "#0 is a Wall with the angular velocity .*use a Box or rcr.segment"),
     ("smooth", lambda: press("kn", -1.0),
      "bodies #0 and #1 has kn = -1; expected a stiffness > 0: set FrictMat.young"),
@@ -310,8 +306,8 @@ def test_negative_time_step_is_refused_by_yade():
 
 @LAWS
 @pytest.mark.parametrize("engine", [
-    lambda: TranslationEngine(ids=[0], translationAxis=(1, 0, 0), velocity=2e-3 / O.dt),
-    lambda: StepDisplacer(ids=[0], mov=(1e-3, 0, 0)),
+    lambda: w.TranslationEngine(ids=[0], translationAxis=(1, 0, 0), velocity=2e-3 / O.dt),
+    lambda: w.StepDisplacer(ids=[0], mov=(1e-3, 0, 0)),
 ], ids=["motion", "displacer"])
 def test_engines_without_forces_may_follow_the_integrator(law, engine):
     resting(law)
@@ -322,7 +318,7 @@ def test_engines_without_forces_may_follow_the_integrator(law, engine):
 
 def test_load_before_the_solver_is_seen():
     resting()
-    insert(3, ForceEngine(force=(0, -500, 0), ids=[1]))
+    insert(3, w.ForceEngine(force=(0, -500, 0), ids=[1]))
     steps(20)
     assert O.bodies[1].state.pos[1] == pytest.approx(0.1, abs=1e-9)
 
@@ -331,7 +327,7 @@ def test_the_steppers_first_step():
     """Without contacts YADE's stepper takes the wave speed of spheres, or 1 s without any."""
     resting("smooth")
     set_state(pos=Vector3(0, 0.2, 0))
-    stepper = GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4)
+    stepper = w.GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.4)
     insert(0, stepper)
     assert_refused(r"GlobalStiffnessTimeStepper.defaultDt = -1 would set O.dt = 1 s while no Rcrs "
                    r"touch; set defaultDt = 0.5 \* rcr.critical_time_step\(\)")
@@ -450,7 +446,7 @@ def test_background_run_is_refused_before_it_begins():
 def test_a_waited_run_that_fails_raises_every_time():
     """YADE's run thread loses its exception if it ends before the session waits."""
     for _ in range(30):
-        build(grain((0, 1)), before=[ForceEngine(force=(NAN, 0, 0), ids=[0])])
+        build(grain((0, 1)), before=[w.ForceEngine(force=(NAN, 0, 0), ids=[0])])
         with pytest.raises(RuntimeError, match="body #0 has the force"):
             O.run(5, True)
         with pytest.raises(RuntimeError, match="body #0 has the force"):
