@@ -1,4 +1,4 @@
-#include "dem/records/failedProblem.hpp"
+#include "dem/records/StepMonitor.hpp"
 
 #include "dem/validation/validation.hpp"
 

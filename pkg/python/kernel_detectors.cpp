@@ -66,10 +66,10 @@ void bindDetectors(py::module_& m)
 	        m, "MissedSteps", "Counts of steps that missed the tolerance (watch/missed_steps.hpp).")
 	        .def(py::init<>())
 	        .def_readonly("steps", &MissedSteps::steps)
-	        .def_readonly("unconverged", &MissedSteps::unconverged)
+	        .def_readonly("missed", &MissedSteps::missed)
 	        .def_readonly("yielded", &MissedSteps::yielded)
 	        .def_readonly("deepest", &MissedSteps::deepest)
-	        .def("count", &MissedSteps::count, py::arg("unconverged"), py::arg("yielded"),
+	        .def("count", &MissedSteps::count, py::arg("missed"), py::arg("yielded"),
 	             py::arg("overlap"), py::arg("removes_overlaps") = false,
 	             "Count a step. Returns true if a message is due.")
 	        .def("message", &MissedSteps::message);

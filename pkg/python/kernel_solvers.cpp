@@ -81,13 +81,10 @@ namespace {
 
 	py::dict modelOf(const Workspace& workspace)
 	{
-		const ModelSummary m = workspace.summary();
-		return py::dict(
-		        py::arg("bodies") = m.bodies, py::arg("rotations") = m.rotating,
-		        py::arg("fixed") = m.fixed, py::arg("pairs") = m.pairs,
-		        py::arg("points") = m.points, py::arg("unknowns") = m.unknowns(),
-		        py::arg("frictionless") = m.frictionalPoints == 0, py::arg("islands") = m.islands,
-		        py::arg("layouts") = m.layouts);
+		py::dict model;
+		workspace.summary().forEachEntry(
+		        [&](const char* name, auto value) { model[name] = value; });
+		return model;
 	}
 
 	py::dict solveDelassusArrays(

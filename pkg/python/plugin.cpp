@@ -4,9 +4,10 @@
 // call would register all classes of YADE again. The list therefore holds only unregistered names
 // while Omega::loadPlugins runs.
 #include "dem/records/Published.hpp"
-#include "dem/shapes/planarClump.hpp"
 #include "dem/validation/deferredError.hpp"
 #include "dem/validation/validation.hpp"
+
+namespace py = boost::python;
 
 namespace {
 
@@ -20,10 +21,10 @@ void registerClasses()
 	names = added;
 	yade::Omega::instance().loadPlugins({});
 	names = all;
-	boost::python::list classes;
+	py::list classes;
 	for (const std::string& name : added)
 		classes.append(name);
-	boost::python::scope().attr("classes") = classes;
+	py::scope().attr("classes") = classes;
 #ifdef RCR_OPENGL
 	yade::OpenGLRenderer::initDone = false; // an open view searches functors at its next frame
 #endif
@@ -33,8 +34,8 @@ void registerClasses()
 /// empty.
 std::string versionError()
 {
-	const std::string running = boost::python::extract<std::string>(
-	        boost::python::import("yade.config").attr("version"));
+	const std::string running = py::extract<std::string>(
+	        py::import("yade.config").attr("version"));
 	if (running == RCR_YADE_VERSION) return {};
 	return "rcr was built for YADE " RCR_YADE_VERSION ", but YADE " + running
 	        + " is running. Start scripts/yade-rcr to rebuild it.";
@@ -53,14 +54,42 @@ std::string refusal()
 
 bool usesRcr() { return yade::validation::usesRcrClasses(*yade::Omega::instance().getScene()); }
 
-boost::python::list advice()
+py::list advice()
 {
 	const yade::Scene&  scene = *yade::Omega::instance().getScene();
-	boost::python::list warnings;
+	py::list warnings;
 	for (const std::string& text :
 	        { yade::validation::massWarning(scene), yade::validation::overlapWarning(scene) })
 		if (!text.empty()) warnings.append(text);
 	return warnings;
+}
+
+/// Joins bodies into a clump with a centre [m], a mass [kg] and a moment of inertia about z [kg m²],
+/// per unit depth. Returns its id. YADE's own function rotates clumps to principal axes that may
+/// lie out of the plane.
+int planarClump(const py::list& ids, double x, double y, double mass, double inertia)
+{
+	yade::Scene* scene = yade::Omega::instance().getScene().get();
+	auto   body  = boost::make_shared<yade::Body>();
+	auto   clump = boost::make_shared<yade::Clump>();
+	body->shape  = clump;
+	body->setBounded(false);
+	const yade::Body::id_t id = scene->bodies->insert(body);
+	yade::State&           s  = *body->state;
+	for (int k = 0; k < py::len(ids); ++k) {
+		const yade::shared_ptr<yade::Body>& member
+		        = yade::Body::byId(py::extract<yade::Body::id_t>(ids[k])(), scene);
+		if (k == 0) s.pos = yade::Vector3r(x, y, member->state->pos.z());
+		yade::Clump::add(body, member);
+		yade::Se3r& place       = clump->members[member->getId()];
+		place.position    = member->state->pos - s.pos;
+		place.orientation = member->state->ori;
+	}
+	s.refPos      = s.pos;
+	s.mass        = mass;
+	s.inertia     = yade::Vector3r::Constant(inertia);
+	s.blockedDOFs = yade::State::DOF_Z | yade::State::DOF_RX | yade::State::DOF_RY;
+	return id;
 }
 
 void awaitEnd()
@@ -76,24 +105,24 @@ BOOST_PYTHON_MODULE(_plugin)
 {
 	// Python raises it: Boost.Python 1.74 loses exceptions of an import
 	const std::string error = versionError();
-	boost::python::scope().attr("version_error") = error;
+	py::scope().attr("version_error") = error;
 	if (!error.empty()) return;
-	boost::python::scope().attr("yade_version") = RCR_YADE_VERSION;
+	py::scope().attr("yade_version") = RCR_YADE_VERSION;
 	yade::Published<bool>::registerConverters();
 	yade::Published<int>::registerConverters();
 	yade::Published<double>::registerConverters();
 	registerClasses();
-	boost::python::def(
+	py::def(
 	        "refusal", refusal,
 	        "Reason why the scene is not supported, with a remedy; empty if it is supported.");
-	boost::python::def(
+	py::def(
 	        "take_error", yade::takeError,
 	        "Message of the error that stopped ContactDynamics, returned once; empty without "
 	        "error.");
-	boost::python::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
-	boost::python::def("usesRcr", usesRcr, "True if the scene contains a law of this plugin.");
-	boost::python::def("advice", advice, "Warnings for suspicious scenes, a list of texts.");
-	boost::python::def(
-	        "planar_clump", yade::planarClump,
+	py::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
+	py::def("usesRcr", usesRcr, "True if the scene contains a law of this plugin.");
+	py::def("advice", advice, "Warnings for suspicious scenes, a list of texts.");
+	py::def(
+	        "planar_clump", planarClump,
 	        "Join bodies to a clump (ids, x, y, mass, inertia about z); returns its id.");
 }

@@ -59,8 +59,10 @@ TABLE = {
         ("too-fine-for-sweeps", "finestForSweeps = 1e-6;", "finestForSweeps = 1e-12;"),
     ],
     "problem/contact_problem.cpp": [
+        ("one-id-unchecked", ">= bodies || std::size_t(c.body2) >= bodies", ">= bodies"),
+    ],
+    "problem/refuse.hpp": [
         ("nan-is-finite", "((values - values) + ...) == 0", "!(((values - values) + ...) > 0)"),
-        ("one-id-unchecked", ") < bodies) & (std::size_t(c.body2) < bodies)", ") < bodies)"),
     ],
     "sweep/layout/coloring.hpp": [
         ("second-body-free", "if (limits2) used_[body2] |= lowest;", ""),

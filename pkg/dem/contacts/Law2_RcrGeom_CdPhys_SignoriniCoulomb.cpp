@@ -1,7 +1,6 @@
 #include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
 
 #include "dem/validation/validation.hpp"
-#include "dem/contacts/carryForces.hpp"
 #include "dem/validation/deferredError.hpp"
 
 namespace yade {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "kernel/step/carry_forward.hpp"
 #include "kernel/geometry/planar_shape.hpp"
 #include "dem/shapes/Rcr.hpp"
 #include "dem/yadeHeaders.hpp"
@@ -33,6 +34,16 @@ public:
 	REGISTER_CLASS_INDEX(RcrGeom, GenericSpheresContact);
 };
 REGISTER_SERIALIZABLE(RcrGeom);
+
+/// Carries the forces of a contact from the points of the last step to those of this step. `Phys`:
+/// CdPhys, or RcrFrictPhys.
+template <class Phys> void carryForces(const RcrGeom& geom, Phys& phys)
+{
+	rcr::carryForward(phys.points, phys.along, geom.points, geom.along, phys.force1, phys.force2,
+	        Vector2r(Vector2r::Zero()));
+	phys.points = geom.points;
+	phys.along  = geom.along;
+}
 
 /// Base of all Ig2 functors of rcr, which detect contact points in the same way.
 class Ig2_Planar_RcrGeom : public IGeomFunctor {

@@ -3,13 +3,14 @@
 //
 //   M_a (g_a⁺ − g_a) = Σ f_a s_a dt − σ_a V dt
 //
-// | symbol | unit   | meaning                                                                              |
-// |--------|--------|--------------------------------------------------------------------------------------|
-// | g_a    | 1/s    | stretch rate along axis a, the diagonal of O.cell.velGrad                            |
-// | f, s   | N/m, m | force of a contact across the boundary on the image of its body 2; shift of the image |
-// | σ_a    | N/m    | prescribed stress, per unit depth [Pa]; compression positive                         |
-// | V      | m²     | area of the cell                                                                     |
-// | M_a    | kg m   | `mass` · Σ m L_a² / 12: `mass` times the inertia of the grains against stretching    |
+// | symbol | unit | meaning                                                                   |
+// |--------|------|---------------------------------------------------------------------------|
+// | g_a    | 1/s  | stretch rate along axis a, the diagonal of O.cell.velGrad                 |
+// | f      | N/m  | force of a contact across the boundary on the image of its body 2         |
+// | s      | m    | shift of that image                                                       |
+// | σ_a    | Pa   | prescribed stress; compression positive                                   |
+// | V      | m²   | area of the cell                                                          |
+// | M_a    | kg m | `mass` · Σ m L_a² / 12, with the inertia of the grains against stretching |
 //
 // Impulses and stretching are solved together. A cell that followed the stress of the step before
 // would oscillate, since rigid contacts bear any stress. Source: Radjaï and Voivret 2011 (periodic
@@ -31,10 +32,13 @@ public:
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(CellStress,GlobalEngine,
-		"Stresses of the periodic cell under :yref:`ContactDynamics`, per axis. ``O.cell.velGrad`` follows along these axes and prescribes "
-		"the motion of the others. Sets ``O.cell.homoDeform`` to 0. It must stand before ContactDynamics in ``O.engines``.",
-		((Vector2r,stress,Vector2r(0,0),,"Stresses along x and y, compression positive [Pa]; NaN: the motion is prescribed."))
-		((Real,mass,1,,"Inertia of the cell over Σ m L²/12, the inertia of its grains against affine stretching [-]; > 0."))
+		"Stresses of the periodic cell under :yref:`ContactDynamics`, per axis. ``O.cell.velGrad`` "
+		"follows along these axes and prescribes the motion of the others. Sets "
+		"``O.cell.homoDeform`` to 0. It must stand before ContactDynamics in ``O.engines``.",
+		((Vector2r,stress,Vector2r(0,0),,
+			"Stresses along x and y, compression positive [Pa]; NaN: the motion is prescribed."))
+		((Real,mass,1,,
+			"Inertia of the cell over Σ m L²/12, that of its grains against stretching [-]; > 0."))
 	);
 	// clang-format on
 };

@@ -1,6 +1,5 @@
 #include "dem/engine/ContactDynamics.hpp"
 
-#include "dem/records/failedProblem.hpp"
 #include "dem/shapes/plane.hpp"
 #include "dem/transfer/ArraySteps.hpp"
 #include "dem/transfer/newContacts.hpp"
@@ -187,9 +186,12 @@ void ContactDynamics::record(const std::vector<rcr::Twist>& impulses)
 {
 	const std::vector<int> ids = get<&ContactDynamics::observe>();
 	StepObserver::check(ids, step_, handles_);
-	const double miss = double(std::max(residual / tolerance, kinematicError / kinematicTolerance));
+	const bool   missed = tolerance > 0 && !converged;
+	const double miss   = missed
+	          ? double(std::max(residual / tolerance, kinematicError / kinematicTolerance))
+	          : 0;
 	observer_.record({ scene->iter + 1, double(scene->time + scene->dt), iterations, contactPoints,
-	                         double(residual), tolerance > 0 && !converged, yielded, miss },
+	                         double(residual), missed, yielded, miss },
 	        ids, observeEvery, impulses, step_, handles_);
 	model_.setProblem(workspace_.summary(), work_, meanStretchRate);
 }

@@ -40,7 +40,7 @@ public:
 	boost::python::dict        tuningDict() const;
 	void                       setTuning(const boost::python::dict&);
 	static boost::python::list visibleNames(const boost::python::object& self);
-	boost::python::dict        takeObserved() { return observer_.takeMeans(get<&ContactDynamics::observe>()); }
+	boost::python::dict        takeObserved();
 	boost::python::list        takeObservations() { return observer_.takeIntervals(*scene); }
 	boost::python::dict        modelDict() const { return model_.dict(); }
 	boost::python::dict        secondsDict() const { return times_.dict(); }
@@ -95,7 +95,7 @@ public:
 		.add_property("solver",&ContactDynamics::get<&ContactDynamics::solver>,&ContactDynamics::set<&ContactDynamics::solver,std::string>,"Solver: nlgs, sor, nesterov, exact or auto.")
 		.add_property("observe",&ContactDynamics::get<&ContactDynamics::observe>,&ContactDynamics::set<&ContactDynamics::observe,std::vector<int>>,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; clumps, not their members. A change starts a new mean.")
 		.add_property("tuning",&ContactDynamics::tuningDict,&ContactDynamics::setTuning,"Settings of benchmarks and tests, as a dict: lanes, arrays, reductions, minIterations, meanForceChange.")
-		.add_property("missedSteps",&ContactDynamics::count<&rcr::MissedSteps::unconverged>,"Number of steps so far that did not converge, those without a solution included; 0 at tolerance 0.")
+		.add_property("missedSteps",&ContactDynamics::count<&rcr::MissedSteps::missed>,"Number of steps so far that did not converge, those without a solution included; 0 at tolerance 0.")
 		.add_property("yieldedSteps",&ContactDynamics::count<&rcr::MissedSteps::yielded>,"Number of steps so far in which contacts yielded.")
 		.add_property("deepestOverlap",&ContactDynamics::count<&rcr::MissedSteps::deepest>,"Deepest overlap at the beginning of a step so far, over R₁ + R₂ [-]. Pairs of prescribed bodies do not count.")
 		.add_property("model",&ContactDynamics::modelDict,"Size of the last problem after all reductions, and how it was solved, as a dict.")

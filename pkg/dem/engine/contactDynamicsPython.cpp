@@ -47,6 +47,11 @@ py::list ContactDynamics::visibleNames(const py::object& self)
 	return visible;
 }
 
+py::dict ContactDynamics::takeObserved()
+{
+	return observer_.takeMeans(get<&ContactDynamics::observe>());
+}
+
 py::dict ContactDynamics::problemDict() const
 {
 	if (Omega::instance().isRunning() && stepThread_.load() != std::this_thread::get_id())

@@ -18,17 +18,8 @@ void StepModel::setArrays(long stepsInArrays, const std::string& reason)
 boost::python::dict StepModel::dict() const
 {
 	const std::lock_guard<std::mutex> lock(mutex_);
-	const rcr::ModelSummary&          m = summary_;
 	boost::python::dict               model;
-	model["bodies"]       = m.bodies;
-	model["rotations"]    = m.rotating;
-	model["fixed"]        = m.fixed;
-	model["pairs"]        = m.pairs;
-	model["points"]       = m.points;
-	model["unknowns"]     = m.unknowns();
-	model["frictionless"] = m.frictionalPoints == 0;
-	model["islands"]      = m.islands;
-	model["layouts"]      = m.layouts;
+	summary_.forEachEntry([&](const char* name, auto value) { model[name] = value; });
 	model["work"]         = work_;
 	model["mean_stretch_rate"]
 	        = boost::python::make_tuple(double(meanStretchRate_[0]), double(meanStretchRate_[1]));

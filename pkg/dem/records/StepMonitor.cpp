@@ -76,7 +76,7 @@ std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)
 {
 	const double overlap = outcome.overlap;
 	std::string  warning;
-	if (steps.count(outcome.unconverged, outcome.yielded, overlap, outcome.overdamped)) {
+	if (steps.count(outcome.missed, outcome.yielded, overlap, outcome.overdamped)) {
 		warning = "step " + std::to_string(outcome.number) + ": " + steps.message();
 		if (overlap > rcr::MissedSteps::reportedOverlap)
 			warning += " Deepest in this step: " + deepestPair(step, overlap) + ".";

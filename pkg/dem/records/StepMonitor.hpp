@@ -18,7 +18,7 @@ public:
 	/// Outcome of a step as the solver reports it.
 	struct Outcome {
 		long   number;      // O.iter
-		bool   unconverged; // at a tolerance > 0
+		bool   missed; // at a tolerance > 0
 		bool   yielded;
 		bool   overdamped; // the step removes overlaps whole
 		int    iterations;
@@ -32,7 +32,7 @@ public:
 	template <class Archive> void serialize(Archive& archive, unsigned)
 	{
 		using boost::serialization::make_nvp;
-		archive& make_nvp("steps", steps.steps) & make_nvp("missed", steps.unconverged)
+		archive& make_nvp("steps", steps.steps) & make_nvp("missed", steps.missed)
 		        & make_nvp("yielded", steps.yielded);
 		archive& make_nvp("deepest", steps.deepest) & make_nvp("warnedYielded", steps.warnedYielded)
 		        & make_nvp("warnedDepth", steps.warnedDepth);
@@ -50,6 +50,10 @@ double deepestOverlap(const rcr::Step&, rcr::ThreadTeam&);
 
 /// Number of the first body whose solved velocity is not finite; −1: none.
 int firstNotFinite(const rcr::Step&);
+
+/// Saves the problem to a file. Returns a message that names the file and the body `id`, whose
+/// velocity is not finite. Defined in python/failed_problem.cpp, since it calls Python.
+std::string failureMessage(const rcr::Step&, int id, long number);
 
 /// Throws std::runtime_error if contacts have added more energy than T(v⁻) + T(v_free), the kinetic
 /// energies before the step and at its end without contacts. Steps with driven bodies are exempt.

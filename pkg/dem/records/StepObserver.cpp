@@ -46,15 +46,14 @@ void StepObserver::record(const Result& result, const std::vector<int>& ids, int
 	sums_.iterations += result.iterations;
 	sums_.yielded += result.yielded;
 	sums_.residual = std::max(sums_.residual, result.residual);
-	if (result.unconverged) {
-		++sums_.unconverged;
+	if (result.missed) {
+		++sums_.missed;
 		sums_.missSum += result.miss;
 		sums_.largestMiss = std::max(sums_.largestMiss, result.miss);
 	}
 	for (int id : ids) {
 		rcr::Twist& sum = sums_.force[id];
-		sum             = { sum.x + impulses[id].x / step.dt, sum.y + impulses[id].y / step.dt,
-			            sum.rotation + impulses[id].rotation / step.dt };
+		sum             = sum + impulses[id] / step.dt;
 	}
 	if (interval == 0 || sums_.steps < interval) return;
 	intervals_.push_back({ std::exchange(sums_, {}), result, {}, false });
@@ -105,7 +104,7 @@ py::dict StepObserver::dictOf(const Sums& sums, const std::vector<int>& ids)
 	observed["steps"]          = sums.steps;
 	observed["iterations"]     = sums.iterations;
 	observed["residual"]       = sums.residual;
-	observed["missed"]         = sums.unconverged;
+	observed["missed"]         = sums.missed;
 	observed["yielded"]        = sums.yielded;
 	observed["missed_sum"]     = sums.missSum;
 	observed["missed_largest"] = sums.largestMiss;

@@ -22,8 +22,8 @@ public:
 		double time; // O.time at its end [s]
 		int    iterations, points;
 		double residual;
-		bool   unconverged, yielded;
-		double miss; // residual or kinematic error over its tolerance, the larger of both [-]
+		bool   missed, yielded;
+		double miss; // larger of residual and kinematic error over its tolerance; 0: met [-]
 	};
 
 	/// Throws std::invalid_argument if an id is not that of a body or clump of the scene.
@@ -44,7 +44,7 @@ public:
 private:
 	struct Sums {
 		std::vector<int>          ids;
-		long                      steps = 0, iterations = 0, unconverged = 0, yielded = 0;
+		long                      steps = 0, iterations = 0, missed = 0, yielded = 0;
 		double                    residual = 0, missSum = 0, largestMiss = 0;
 		std::map<int, rcr::Twist> force; // by body [N, N m]
 	};

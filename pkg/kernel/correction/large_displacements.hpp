@@ -1,27 +1,23 @@
 // Contacts whose bodies pass each other or rotate far within one step.
 //
 // The law describes a contact by its tangent plane at the beginning of the step: g + dt u_n ≥ 0.
-// The gap at the end differs from this by the curvature of the path, about s²/2ρ for a relative
-// displacement s. A disc that passes a corner would be deflected by a plane that it never meets,
+// The gap at the end differs from this by the curvature of the path, about ℓ²/2ρ for a relative
+// displacement ℓ. A disc that passes a corner would be deflected by a plane that it never meets,
 // and a spinning rod would end inside a body. After each solve, the gap of a large displacement is
 // therefore measured at four instants of the step. If it ends below min(0, g) by more than the
 // slop, its difference c from the plane enters the bias, and the step is solved again:
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
-// The bias is at least min(0, u_n⁻), so the contact pushes no harder than an elastic impact (u_n⁻:
-// normal velocity before the step). separation.hpp removes the overlap that is left.
+// The bias is at least min(0, u_n⁻), with the normal velocity u_n⁻ before the step. The contact then
+// pushes no harder than an elastic impact. separation.hpp removes the overlap that is left.
 //
 // A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
-// with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0. The gap must exceed
+// with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0.
+// The gap must exceed 2 % of the slop, or half the slop if the contact bore a force before the step.
+// Without restitution, it must also exceed 1 % of the closing path, up to the slop.
 //
-//   * 2 % of the slop; half the slop if the contact bore a force when the step began
-//   * 1 % of its closing path, up to the slop
-//
-// With restitution, 2 % of the slop suffices.
-//
-// Restitution is cancelled if the bodies, at their initial velocities, would miss each other.
-//
+// Restitution is cancelled if the bodies would miss each other at their initial velocities.
 // Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
 #pragma once
 
@@ -30,7 +26,7 @@
 
 namespace rcr {
 
-/// Relative displacement s per step over √((R₁ + R₂) ρ) [-] at which the deviation s²/2ρ from the
+/// Relative displacement ℓ per step over √((R₁ + R₂) ρ) [-] at which the deviation ℓ²/2ρ from the
 /// tangent plane is half the slop; ρ = R₁' + R₂' is the sum of the cap radii.
 constexpr double largeDisplacement = 0.01;
 

@@ -9,15 +9,19 @@ namespace rcr {
 namespace {
 	constexpr double largestShift = 1e-4; // over the radius of a grain
 	constexpr int    sweeps       = 10;
+
+	/// u_n at which a point removes the fraction β of its overlap beyond the slop [m/s].
+	double recoveryVelocity(const Step& step, std::size_t k, double beta)
+	{
+		return std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt);
+	}
 }
 
 void prepareRecovery(Step& step, double beta, ThreadTeam& team)
 {
 	step.problem.recovery.resize(step.gap.size());
-	team.forEach(step.gap.size(), [&](std::size_t k) {
-		step.problem.recovery[k]
-		        = std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt);
-	});
+	team.forEach(step.gap.size(),
+	        [&](std::size_t k) { step.problem.recovery[k] = recoveryVelocity(step, k, beta); });
 }
 
 void correctPositions(Step& step, double beta, Workspace& workspace)
@@ -29,23 +33,19 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 	            [](const Gap& gap) { return gap.now < gap.allowed; }))
 		return;
 	const ContactProblem& problem = step.problem;
+	ThreadTeam&           team    = workspace.team();
 	std::vector<double>   bias(step.gap.size());
-	workspace.team().forEach(bias.size(), [&](int k) {
-		const double excess = step.gap[k].now - step.gap[k].allowed, law = problem.points[k].bias;
-		bias[k]             = excess < 0 ? std::min(law, beta * excess / step.dt) : law;
+	team.forEach(bias.size(), [&](std::size_t k) {
+		const double law = problem.points[k].bias, recovery = recoveryVelocity(step, k, beta);
+		bias[k]          = recovery < 0 ? std::min(law, recovery) : law;
 	});
 	sweepWithBias(problem, bias, sweeps, step.displacement, step.strain, workspace);
-	ThreadTeam&        team     = workspace.team();
 	// displacement over the radius
 	const double farthest = team.maximum(step.bodies.size(), [&](std::size_t id) {
 		const StepBody& body = step.bodies[id];
-		const Twist &   v = problem.velocity[id], &with = step.displacement[id];
-		step.displacement[id] = body.free ? Twist { step.dt * (with.x - v.x),
-			step.dt * (with.y - v.y), step.dt * (with.rotation - v.rotation) }
-		                                  : Twist {};
-		return body.free && body.radius > 0
-		        ? speed(step.displacement[id], body.radius) / body.radius
-		        : 0;
+		Twist&          d    = step.displacement[id];
+		d                    = body.free ? step.dt * (d - problem.velocity[id]) : Twist {};
+		return body.free && body.radius > 0 ? speed(d, body.radius) / body.radius : 0;
 	});
 	const double share = std::min(1.0, largestShift / farthest);
 	team.forEach(step.bodies.size(), [&](std::size_t id) {

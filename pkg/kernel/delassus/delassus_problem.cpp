@@ -10,13 +10,6 @@ namespace rcr {
 
 namespace {
 
-	bool finite(Impulse p) { return std::isfinite(p.n) && std::isfinite(p.t); }
-	bool finite(const DelassusBlock& w)
-	{
-		return std::isfinite(w.nn) && std::isfinite(w.nt) && std::isfinite(w.tn)
-		        && std::isfinite(w.tt);
-	}
-
 	void checkSizes(const DelassusProblem& problem)
 	{
 		const std::size_t count = problem.free.size(), blocks = problem.column.size();
@@ -65,12 +58,13 @@ namespace {
 			for (std::int32_t e = problem.rowStart[k]; e < problem.rowStart[k + 1]; ++e) {
 				const std::int32_t   j = problem.column[e];
 				const DelassusBlock& w = problem.block[e];
-				if (!finite(w)) refuse("block (", k, ", ", j, ") of W is not finite");
+				if (!finite(w.nn, w.nt, w.tn, w.tt)) refuse("block (", k, ", ", j, ") of W is not finite");
 				if (j == std::int32_t(k) && (w.nn < 0 || w.tt < 0))
 					refuse("W has a negative diagonal at contact ", k,
 					        "; expected a positive semi-definite matrix");
 			}
-			if (!finite(problem.free[k]) || !finite(problem.impulse[k]))
+			const Impulse q = problem.free[k], p = problem.impulse[k];
+			if (!finite(q.n, q.t, p.n, p.t))
 				refuse("contact ", k, ": q or the impulse is not finite");
 			if (!(problem.friction[k] >= 0 && std::isfinite(problem.friction[k])))
 				refuse("contact ", k, ": µ = ", problem.friction[k], "; expected µ ≥ 0");

@@ -1,6 +1,7 @@
 #include "detection/missed_contacts.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -230,13 +231,13 @@ namespace {
 		bool    carried = false;
 	};
 
-	/// Sets the starts of the points that a contact has now (null: unchanged) from those it had.
-	void transferStarts(
-	        const Step& step, const StepContact& old, const Manifold* now, Start (&start)[2])
+	/// Starts of the points that a contact has now (null: unchanged), from those that it had.
+	std::array<Start, 2> startsOf(const Step& step, const StepContact& old, const Manifold* now)
 	{
+		std::array<Start, 2> start;
 		for (int k = 0; k < old.count; ++k)
 			start[k] = { step.force[old.first + k], step.gap[old.first + k].carried };
-		if (!now || old.count == now->count) return;
+		if (!now || old.count == now->count) return start;
 		const StepBody &one = step.bodies[old.body1], &two = step.bodies[old.body2];
 		const auto      along = [&](Vec2 position) {
             return positionAlong(one.shape, one.pose(), shifted(two.pose(), old.shift), position);
@@ -247,6 +248,7 @@ namespace {
 		for (int k = 0; k < now->count; ++k)
 			after[k] = along(now->points[k].position);
 		carryForward(old.count, before, now->count, after, start[0], start[1], Start {});
+		return start;
 	}
 
 	struct Entry {
@@ -262,11 +264,9 @@ namespace {
 		for (const StepContact& c : step.contacts)
 			all.push_back({ c, nullptr });
 		for (const UpdatedContact& g : step.updated) {
-			if (g.known) {
-				all[step.find(g.body1, g.body2) - step.contacts.data()].updated = &g;
-				continue;
-			}
-			all.push_back({ newContact(step, g), &g });
+			if (g.known) all[step.find(g.body1, g.body2) - step.contacts.data()].updated = &g;
+			else
+				all.push_back({ newContact(step, g), &g });
 		}
 		std::sort(all.begin(), all.end(),
 		        [](const Entry& a, const Entry& b) { return precedes(a.contact, b.contact); });
@@ -283,31 +283,23 @@ void addUpdatedContacts(Step& step)
 		restarted[id] = true;
 	std::vector<StepContact>  contacts;
 	std::vector<ContactPoint> points;
-	std::vector<Impulse>      forces;
+	std::vector<Impulse>      forces, impulses;
 	std::vector<Gap>          gaps;
-	for (const Entry& entry : entries(step)) {
-		const StepContact&  old   = entry.contact;
-		const UpdatedContact* updated = entry.updated;
-		StepContact         c     = old;
-		c.first                   = int(points.size());
-		c.count                   = updated ? updated->manifold.count : old.count;
-		Start start[2];
-		transferStarts(step, old, updated ? &updated->manifold : nullptr, start);
+	for (const auto& [old, updated] : entries(step)) {
+		StepContact c = old;
+		c.first       = int(points.size());
+		c.count       = updated ? updated->manifold.count : old.count;
+		const std::array<Start, 2> start
+		        = startsOf(step, old, updated ? &updated->manifold : nullptr);
 		for (int k = 0; k < c.count; ++k) {
-			const int           number   = old.first + k;
-			const double        friction = updated && !updated->known
-			               ? updated->friction
-			               : step.problem.points[old.first].friction;
+			const double friction  = updated && !updated->known
+			         ? updated->friction
+			         : step.problem.points[old.first].friction;
 			const ManifoldPoint at = updated ? updated->manifold.points[k] : step.point(old, k);
-			ContactPoint        point    = step.contactPoint(c, at, friction);
-			if (!updated) {
-				const double bias   = restarted[c.body1] || restarted[c.body2]
-				          ? point.bias
-				          : step.problem.points[number].bias;
-				point             = step.problem.points[number];
-				point.bias        = bias;
-			}
-			points.push_back(point);
+			const ContactPoint  initial = step.contactPoint(c, at, friction);
+			points.push_back(updated ? initial : step.problem.points[old.first + k]);
+			if (restarted[c.body1] || restarted[c.body2]) points.back().bias = initial.bias;
+			impulses.push_back(step.dt * start[k].force);
 			forces.push_back(start[k].force);
 			// before the first solve, no body was widened
 			const bool carried = step.widened.empty() ? start[k].force.n > 0 : start[k].carried;
@@ -317,10 +309,10 @@ void addUpdatedContacts(Step& step)
 	}
 	step.contacts.swap(contacts);
 	step.problem.points.swap(points);
+	step.problem.impulse.swap(impulses);
 	step.force.swap(forces);
 	step.gap.swap(gaps);
 	step.indexContacts();
-	step.startFromForces();
 	step.added.insert(step.added.end(), step.updated.begin(), step.updated.end());
 	step.updated.clear();
 	step.widened.clear();

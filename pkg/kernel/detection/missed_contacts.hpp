@@ -1,12 +1,12 @@
 // Contacts that form within a step although its detection did not find them.
 //
-// Detection covers gaps up to the reach of a pair, which follows from the velocities at the
-// beginning of the step:
+// Detection covers gaps up to e₁ + e₂, the reaches of the two bodies. The reach of a body is its
+// alert distance, which follows from its velocity at the beginning of the step:
 //
-//   reach = e₁ + e₂,   e = 2 dt (|v| + |ω| R), for a grain at least 0.01 R'
+//   e = 2 dt (|v| + |ω| R), for a grain at least 0.01 R'
 //
 // For a wall, |v| is its speed along its normal. A body that is released or hit may move further.
-// After the solve, the reach of a free body whose path exceeds its e becomes e + 1.5 path. If an
+// After the solve, the reach of a free body whose path exceeds e is widened to e + 1.5 path. If an
 // undetected gap then closes beyond the slop, all contacts that the wider reach finds are added.
 // The step is then solved again, up to its limit of passes. A gap closes on its tangent plane, or,
 // with a large displacement, on the curved paths of the bodies.
@@ -39,7 +39,7 @@ using MayMeet = std::function<bool(int body1, int body2)>;
 /// follow.
 bool findUnlistedContacts(Step&, const std::vector<std::int32_t>& bodies, const MayMeet&);
 
-/// Distance within which contacts of a body were detected in this step so far [m].
+/// Reach of a body in this step so far [m].
 double reachOf(const Step&, std::size_t id);
 
 /// Collects in step.updated the contacts that the solved step finds with a widened reach. Returns

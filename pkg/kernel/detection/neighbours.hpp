@@ -1,12 +1,12 @@
 // List of all pairs of bodies that may touch within some steps (Verlet list).
 //
-// A step has a contact where the gap of a pair is within the reach of both bodies, e₁ + e₂
-// (detection/missed_contacts.hpp). The list holds all pairs with a gap up to e₁ + e₂ + 2 s. It is
-// valid while every body satisfies
+// A step has a contact where the gap of a pair is at most e₁ + e₂, the reaches of its bodies
+// (detection/missed_contacts.hpp). The list holds all pairs with a gap up to e₁ + e₂ + 2 margin. It
+// is valid while every body satisfies
 //
-//   |x − x₀| + a |t − t₀| + e − e₀ ≤ s     a |t − t₀|: displacement of the ends of its core
+//   |x − x₀| + a |t − t₀| + e − e₀ ≤ margin   a |t − t₀|: displacement of the ends of its core
 //
-// The margin s is the path of all but the fastest bodies in 12 steps, within 0.05 to 0.4 mean cap
+// The margin is the path of all but the fastest bodies in 12 steps, within 0.05 to 0.4 mean cap
 // radii. Candidates come from a grid. A cell is as wide as the search circles of all but the widest
 // grains. Wide grains and obstacles search their surroundings. If few bodies violate the condition,
 // the list is repaired: only their pairs are searched again.
@@ -20,13 +20,13 @@
 
 namespace rcr {
 
-/// Sufficient test, by centres, that two surfaces are further apart than `reach` [m]; false for
-/// boxes and segments.
-inline bool apart(const PlanarShape& one, Vec2 at1, const PlanarShape& two, Vec2 at2, double reach)
+/// Sufficient test, by centres, that the gap of two surfaces exceeds `gap` [m]; false for boxes and
+/// segments.
+inline bool apart(const PlanarShape& one, Vec2 at1, const PlanarShape& two, Vec2 at2, double gap)
 {
 	const Vec2   between = at2 - at1;
 	// the margin is for rounding
-	const double most    = 1.000001 * (one.radius() + two.radius() + reach);
+	const double most    = 1.000001 * (one.radius() + two.radius() + gap);
 	if (one.kind == PlanarShape::wall)
 		return std::abs(one.axis == 0 ? between.x : between.y) > most;
 	return one.grain() && dot(between, between) > most * most;
@@ -67,7 +67,7 @@ private:
 	void   searchNarrow(const Step&, ThreadTeam&);
 	void   searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam&);
 
-	double             margin_ = 0; // s [m]
+	double             margin_ = 0; // [m]
 	std::vector<Place> at_;
 	List               list_;
 	// the grid

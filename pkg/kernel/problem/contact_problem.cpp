@@ -18,63 +18,33 @@ namespace {
 			refuse(what, " holds ", given, " entries; expected ", expected);
 	}
 
-	/// Free of branches: x − x is 0, or NaN if x is not finite.
-	template <class... Values> bool finite(Values... values)
+	/// What is wrong with a body; null: nothing.
+	const char* defect(const InverseMass& m, const Twist& v)
 	{
-		return ((values - values) + ...) == 0;
+		if (!finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation))
+			return ": a mass or velocity is not finite";
+		if (m.x < 0 || m.y < 0 || m.rotation < 0)
+			return ": an inverse mass is negative; expected 1/m > 0, or 0 for prescribed motion";
+		return nullptr;
 	}
 
-	bool isFinite(const InverseMass& m, const Twist& v)
-	{
-		return finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation);
-	}
-
-	bool isValid(const InverseMass& m, const Twist& v)
-	{
-		return isFinite(m, v) & (m.x >= 0) & (m.y >= 0) & (m.rotation >= 0);
-	}
-
-	bool idsInRange(const ContactPoint& c, std::size_t bodies)
+	/// What is wrong with a contact point; null: nothing.
+	const char* defect(const ContactPoint& c, const Impulse& p, std::size_t bodies)
 	{
 		// a negative id becomes huge
-		return (std::size_t(c.body1) < bodies) & (std::size_t(c.body2) < bodies);
-	}
-
-	bool isUnit(Vec2 normal) { return std::abs(dot(normal, normal) - 1) <= normalTolerance; }
-
-	bool isFinite(const ContactPoint& c, const Impulse& p)
-	{
-		return finite(
-		        c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias, c.friction,
-		        c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t);
-	}
-
-	bool isValid(const ContactPoint& c, const Impulse& p, std::size_t bodies)
-	{
-		return idsInRange(c, bodies) & (c.body1 != c.body2) & isUnit(c.normal) & (c.friction >= 0)
-		        & (c.friction <= maxFriction) & isFinite(c, p);
-	}
-
-	[[noreturn]] void refuseBody(std::size_t i, const InverseMass& m, const Twist& v)
-	{
-		if (!isFinite(m, v))
-			refuse("body ", i, ": a mass or velocity is not finite");
-		refuse("body ", i,
-		       ": an inverse mass is negative; expected 1/m > 0, or 0 for prescribed motion");
-	}
-
-	[[noreturn]] void refusePoint(
-	        std::size_t k, const ContactPoint& c, const Impulse& p, std::size_t bodies)
-	{
-		if (!idsInRange(c, bodies)) refuse("contact point ", k, ": body id out of range");
-		if (c.body1 == c.body2) refuse("contact point ", k, ": both bodies are the same");
-		if (!isFinite(c, p)) refuse("contact point ", k, ": a number is not finite");
-		if (!isUnit(c.normal)) refuse("contact point ", k, ": the normal is not of unit length");
-		if (c.friction < 0)
-			refuse("contact point ", k, ": the friction coefficient is negative; expected µ ≥ 0");
-		refuse("contact point ", k,
-		       ": the friction coefficient is above 1000, too large to measure errors; give a "
-		       "friction angle of at most 89.9°");
+		if (std::size_t(c.body1) >= bodies || std::size_t(c.body2) >= bodies)
+			return ": body id out of range";
+		if (c.body1 == c.body2) return ": both bodies are the same";
+		if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
+		            c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t))
+			return ": a number is not finite";
+		if (!(std::abs(dot(c.normal, c.normal) - 1) <= normalTolerance))
+			return ": the normal is not of unit length";
+		if (c.friction < 0) return ": the friction coefficient is negative; expected µ ≥ 0";
+		if (c.friction > maxFriction)
+			return ": the friction coefficient is above 1000, too large to measure errors; give a "
+			       "friction angle of at most 89.9°";
+		return nullptr;
 	}
 
 } // namespace
@@ -133,14 +103,14 @@ void checkProblem(const ContactProblem& problem, ThreadTeam& team)
 		checkSize("recovery", problem.recovery.size(), problem.points.size());
 	const Vec2 m = problem.inverseStretchMass, g = problem.stretch;
 	if (!finite(m.x, m.y, g.x, g.y) || m.x < 0 || m.y < 0)
-		throw std::invalid_argument("the cell: an inverse mass or stretch rate is not finite, or "
-		                            "an inverse mass is negative");
+		refuse("the cell: an inverse mass or stretch rate is not finite, or an inverse mass is "
+		       "negative");
 	for (std::size_t i = 0; i < bodies; ++i)
-		if (!isValid(problem.inverseMass[i], problem.freeVelocity[i]))
-			refuseBody(i, problem.inverseMass[i], problem.freeVelocity[i]);
+		if (const char* wrong = defect(problem.inverseMass[i], problem.freeVelocity[i]))
+			refuse("body ", i, wrong);
 	team.forEach(problem.points.size(), [&](std::size_t k) {
-		if (!isValid(problem.points[k], problem.impulse[k], bodies))
-			refusePoint(k, problem.points[k], problem.impulse[k], bodies);
+		if (const char* wrong = defect(problem.points[k], problem.impulse[k], bodies))
+			refuse("contact point ", k, wrong);
 	});
 }
 

@@ -53,6 +53,10 @@ inline Twist operator+(const Twist& a, const Twist& b)
 {
 	return { a.x + b.x, a.y + b.y, a.rotation + b.rotation };
 }
+inline Twist operator-(const Twist& a, const Twist& b)
+{
+	return { a.x - b.x, a.y - b.y, a.rotation - b.rotation };
+}
 inline Twist operator*(double s, const Twist& a) { return { s * a.x, s * a.y, s * a.rotation }; }
 inline Twist operator/(const Twist& a, double s) { return { a.x / s, a.y / s, a.rotation / s }; }
 

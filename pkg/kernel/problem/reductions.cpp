@@ -6,45 +6,27 @@
 
 namespace rcr {
 
-namespace {
-
-	struct Named {
-		const char* name;
-		bool Reductions::*flag;
-	};
-
-	constexpr Named all[] = { { "frictionless", &Reductions::frictionless },
-		                      { "discs", &Reductions::discs },
-		                      { "fixed", &Reductions::fixed },
-		                      { "islands", &Reductions::islands },
-		                      { "layout", &Reductions::layout } };
-
-} // namespace
-
 const std::vector<std::string>& Reductions::names()
 {
-	static const std::vector<std::string> names = [] {
-		std::vector<std::string> list;
-		for (const Named& one : all)
-			list.push_back(one.name);
-		return list;
-	}();
+	static const std::vector<std::string> names { "frictionless", "discs", "fixed", "islands",
+		"layout" };
 	return names;
 }
 
 Reductions Reductions::of(const std::vector<std::string>& wanted)
 {
-	Reductions result;
-	for (const Named& one : all)
-		result.*one.flag = std::find(wanted.begin(), wanted.end(), one.name) != wanted.end();
+	const auto has = [](const std::vector<std::string>& list, const std::string& name) {
+		return std::find(list.begin(), list.end(), name) != list.end();
+	};
 	for (const std::string& name : wanted) {
-		if (std::find(names().begin(), names().end(), name) != names().end()) continue;
+		if (has(names(), name)) continue;
 		std::string known;
 		for (const std::string& one : names())
 			known += ' ' + one;
 		refuse("reduction '", name, "' is not known: give some of", known, ", or none");
 	}
-	return result;
+	return { has(wanted, "frictionless"), has(wanted, "discs"), has(wanted, "fixed"),
+		has(wanted, "islands"), has(wanted, "layout") };
 }
 
 } // namespace rcr

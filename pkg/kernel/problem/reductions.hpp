@@ -38,7 +38,15 @@ struct ModelSummary {
 	int islands          = 0;
 	int layouts          = 0; // number of times that the layout was built
 
-	int unknowns() const { return points + frictionalPoints; }
+	/// Calls visit(name, value) for the entries of the model in Python.
+	template <class Visit> void forEachEntry(Visit visit) const
+	{
+		visit("bodies", bodies), visit("rotations", rotating), visit("fixed", fixed);
+		visit("pairs", pairs), visit("points", points);
+		visit("unknowns", points + frictionalPoints);
+		visit("frictionless", frictionalPoints == 0);
+		visit("islands", islands), visit("layouts", layouts);
+	}
 };
 
 } // namespace rcr

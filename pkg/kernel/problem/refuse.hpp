@@ -1,4 +1,4 @@
-// Exceptions with a composed message.
+// Checks of input, and exceptions with a composed message.
 #pragma once
 
 #include <sstream>
@@ -12,6 +12,12 @@ template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
 	std::ostringstream text;
 	(text << ... << parts);
 	throw std::invalid_argument(text.str());
+}
+
+/// True if all values are finite, without a branch: x − x is 0, or NaN if x is not finite.
+template <class... Values> bool finite(Values... values)
+{
+	return ((values - values) + ...) == 0;
 }
 
 } // namespace rcr

@@ -19,7 +19,7 @@ namespace {
 
 	/// Length of the longest of all shortest chains of contacts that begin at a driven body
 	/// (breadth-first search).
-	int reachOfDrive(const ContactProblem& problem)
+	int longestChain(const ContactProblem& problem)
 	{
 		const std::size_t         count = problem.inverseMass.size();
 		std::vector<std::int32_t> layer, next;
@@ -45,8 +45,8 @@ namespace {
 			other[--first[body1]] = body2;
 			other[--first[body2]] = body1;
 		}
-		int reach = -1;
-		for (; !layer.empty(); ++reach) {
+		int length = -1;
+		for (; !layer.empty(); ++length) {
 			next.clear();
 			for (std::int32_t id : layer)
 				for (std::int32_t k = first[id]; k < first[id + 1]; ++k) {
@@ -55,7 +55,7 @@ namespace {
 				}
 			layer.swap(next);
 		}
-		return std::max(reach, 0);
+		return std::max(length, 0);
 	}
 
 } // namespace
@@ -64,9 +64,9 @@ DrivenMotion drivenMotionOf(
         const ContactProblem& problem, const std::vector<Twist>& before, ThreadTeam& team)
 {
 	DrivenMotion drive;
-	int   reach = 0;
+	int          chain = 0;
 	team.parallelFor(0, 2, [&](int part) {
-		if (part == 0) reach = reachOfDrive(problem);
+		if (part == 0) chain = longestChain(problem);
 		else
 			drive.speed = drivenSpeed(problem);
 	});
@@ -87,7 +87,7 @@ DrivenMotion drivenMotionOf(
 		load += free({ v.x - before[id].x, v.y - before[id].y }) / largest;
 	}
 	if (bodies == 0) return drive;
-	const double rows = bodies / std::max(std::sqrt(bodies), double(reach));
+	const double rows = bodies / std::max(std::sqrt(bodies), double(chain));
 	drive.compliance
 	        = std::max(stiffest, drive.speed * (total / bodies) * rows / (momentum + loads * load));
 	drive.leastResponse = response * bodies / total;

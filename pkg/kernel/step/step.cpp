@@ -60,7 +60,7 @@ void Step::setPoints(
 		problem.points[c.first + k]  = contactPoint(c, manifold.points[k], friction);
 		gap[c.first + k]             = { manifold.points[k].gap, -c.slop(), from[k].n > 0 };
 		force[c.first + k]           = from[k];
-		problem.impulse[c.first + k] = { dt * from[k].n, dt * from[k].t };
+		problem.impulse[c.first + k] = dt * from[k];
 	}
 }
 
@@ -97,20 +97,11 @@ double Step::rounding(ThreadTeam& team) const
 	});
 }
 
-void Step::startFromForces()
-{
-	problem.impulse.resize(force.size());
-	for (std::size_t k = 0; k < force.size(); ++k)
-		problem.impulse[k] = { dt * force[k].n, dt * force[k].t };
-}
-
 void Step::keepForces(ThreadTeam& team)
 {
 	const double inverseDt = 1 / dt;
 	force.resize(problem.impulse.size());
-	team.forEach(force.size(), [&](std::size_t k) {
-		force[k] = { inverseDt * problem.impulse[k].n, inverseDt * problem.impulse[k].t };
-	});
+	team.forEach(force.size(), [&](std::size_t k) { force[k] = inverseDt * problem.impulse[k]; });
 }
 
 } // namespace rcr

@@ -2,18 +2,20 @@
 //
 //   stage                result                               file
 //   gather               bodies, contact points, loads        (simulation)
+//   drive                bounds of the contact impulses       step/drive.hpp
 //   solve                impulses and velocities              problem/solver.hpp
 //   missed contacts      contacts that form undetected        detection/missed_contacts.hpp
-//   large displacements  gaps at the displaced positions      correction/large_displacements.hpp
-//   restitution          restitution that adds no energy      step/restitution.hpp
+//   adapt biases         biases of the next solve             step/adapt_biases.hpp
+//     displacements      gaps at the displaced positions      correction/large_displacements.hpp
+//     restitution        restitution that adds no energy      step/restitution.hpp
 //   follow stretch       mean stretch of overdamped bodies    step/follow_stretch.hpp
 //   position correction  displacements that remove overlaps   correction/position_correction.hpp
 //   separation           the same for overlaps by curves      correction/separation.hpp
 //   scatter              forces, displacements, new contacts  (simulation)
 //
-// The stages in between work on these arrays alone, so an error in them leaves the simulation as it
-// was. Bodies keep the numbers that they have in the simulation. A contact stores these numbers.
-// Its points store the bodies that their impulses move: the clumps of clump members.
+// The stages in between work on these arrays alone, so an error in them changes nothing in the
+// simulation. Bodies have the same numbers as in the simulation. A contact stores these numbers. A
+// point stores the bodies that its impulse moves, for a clump member its clump.
 //
 // | symbol | field         | unit | meaning                                               |
 // |--------|---------------|------|-------------------------------------------------------|
@@ -52,7 +54,7 @@ struct Turn {
 	Vec2 axis() const { return { 1 - 2 * z * z, 2 * w * z }; }
 };
 
-/// The same rotation with a quaternion of length 1.
+/// Scales the quaternion to length 1.
 inline Turn scaled(const Turn& t)
 {
 	const double length = std::sqrt(t.z * t.z + t.w * t.w);
@@ -231,8 +233,7 @@ struct Step {
 	/// Rounding error of the velocities of a step [m/s].
 	double rounding(ThreadTeam&) const;
 
-	/// Compute impulses from forces, and forces from impulses.
-	void startFromForces();
+	/// Sets the forces of the points from the impulses.
 	void keepForces(ThreadTeam&);
 
 	/// Updates the gradient of the cell and the drifts after a solve. `before`: stretch rate before

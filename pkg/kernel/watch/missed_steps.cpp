@@ -10,14 +10,14 @@ namespace {
 	constexpr double none = std::numeric_limits<double>::infinity();
 }
 
-bool MissedSteps::count(bool notConverged, bool hasYielded, double overlap, bool removesOverlaps)
+bool MissedSteps::count(bool hasMissed, bool hasYielded, double overlap, bool removesOverlaps)
 {
 	++steps;
-	if (steps == 1 && !notConverged) warnedDepth = overlap;
-	unconverged += notConverged;
+	if (steps == 1 && !hasMissed) warnedDepth = overlap;
+	missed += hasMissed;
 	yielded += hasYielded;
-	if (!removesOverlaps || notConverged) deepest = std::max(deepest, overlap);
-	const bool deeper = deepest > (unconverged == 0 && removesOverlaps ? none : reportedOverlap)
+	if (!removesOverlaps || hasMissed) deepest = std::max(deepest, overlap);
+	const bool deeper = deepest > (missed == 0 && removesOverlaps ? none : reportedOverlap)
 	        && deepest >= 2 * warnedDepth;
 	const bool moreOften = yielded > 0 && yielded >= 10 * warnedYielded;
 	if (!deeper && !moreOften) return false;
@@ -30,7 +30,7 @@ std::string MissedSteps::message() const
 	std::ostringstream text;
 	text.precision(2);
 	const auto deepestText = [&] { text << "the deepest overlap is " << deepest << " of R₁ + R₂"; };
-	if (unconverged == 0) {
+	if (missed == 0) {
 		deepestText();
 		text << " and grows, although all steps converged. Positions and forces are wrong to that "
 		        "extent. Something moves the bodies beside the "
@@ -39,7 +39,7 @@ std::string MissedSteps::message() const
 		     << "in a step that are too large; remove it, or take a smaller O.dt.";
 		return text.str();
 	}
-	text << unconverged << " of " << steps << (steps == 1 ? " step has" : " steps have")
+	text << missed << " of " << steps << (steps == 1 ? " step has" : " steps have")
 	     << " not converged";
 	if (yielded > 0) text << ", " << yielded << " of them without a solution";
 	text << "; ";

@@ -23,8 +23,8 @@ public:
 
 	// Plain numbers, saved with the scene.
 	long   steps         = 0; // all steps
-	long   unconverged   = 0; // steps that did not converge
-	long   yielded       = 0; // steps without a solution, included in `unconverged`
+	long   missed        = 0; // steps that did not converge
+	long   yielded       = 0; // steps without a solution, included in `missed`
 	// deepest overlap over R₁ + R₂; overlaps that an overdamped step removes do not count
 	double deepest       = 0;
 	long   warnedYielded = 0; // steps without a solution at the last warning
@@ -32,7 +32,7 @@ public:
 
 	/// Counts a step; returns true if a warning is due. `overlap`: its deepest overlap over R₁ +
 	/// R₂; `removesOverlaps`: the step is overdamped, so overlaps of its beginning are not its own.
-	bool count(bool unconverged, bool yielded, double overlap, bool removesOverlaps = false);
+	bool count(bool hasMissed, bool hasYielded, double overlap, bool removesOverlaps = false);
 
 	/// The warning: finding, effect on results, remedy.
 	std::string message() const;

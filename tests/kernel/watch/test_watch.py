@@ -43,7 +43,7 @@ def test_a_saved_detector_gives_the_same_verdict():
 
 
 def warnings(steps):
-    """(step, message) of all warnings for (unconverged, yielded, overlap) of each step."""
+    """(step, message) of all warnings for (missed, yielded, overlap) of each step."""
     watch = MissedSteps()
     return [(k, watch.message()) for k, step in enumerate(steps) if watch.count(*step)]
 
@@ -93,4 +93,4 @@ def test_counts_of_steps():
     watch = MissedSteps()
     for step in [(False, False, 0.01), (True, False, 0.02), (True, True, 0.0), (False, False, 0.0)]:
         watch.count(*step)
-    assert (watch.steps, watch.unconverged, watch.yielded, watch.deepest) == (4, 2, 1, 0.02)
+    assert (watch.steps, watch.missed, watch.yielded, watch.deepest) == (4, 2, 1, 0.02)

@@ -32,7 +32,7 @@
 // | w      |                | 1/kg | Delassus block of the point                             |
 // | 1/w_nn | inverseNn      | kg   | 0 in empty slots                                        |
 // | r      | ratio          | –    | w_nt / w_nn                                             |
-// | 1/s    | inverseSchur   | kg   | s = w_tt − w_nt²/w_nn                                   |
+// | 1/z    | inverseSchur   | kg   | z = w_tt − w_nt²/w_nn                                   |
 // | d±     | slide…         | –    | µ/(1 ± µ r), largest ±p_t/n₀; unlimited if 1 ± µ r ≤ 0  |
 #pragma once
 

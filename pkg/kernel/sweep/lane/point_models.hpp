@@ -4,7 +4,7 @@
 // The solution of problem/coulomb.hpp, with û_n = u_n + b_n:
 //
 //   n₀ = max(p_n + r p_t − û_n / w_nn, 0)    normal impulse without friction; 0 if the point opens
-//   t₀ = p_t − (u_t − r û_n) / s             tangential impulse that stops the slip
+//   t₀ = p_t − (u_t − r û_n) / z             tangential impulse that stops the slip
 //   p_t = t₀ clamped to n₀ [−d₋, d₊],   p_n = n₀ − r p_t
 //
 // The cone |t| ≤ µ (n₀ − r t) is the range −n₀ d₋ ≤ t ≤ n₀ d₊. A sliding point is at its end.
