@@ -37,7 +37,6 @@ struct MeanField {
 
 	rcr::Twist added(const State& s, double dt) const
 	{
-		if (!periodic) return {};
 		const Vector3r v = change * s.pos + Real(dt) * (convection * s.vel);
 		return { double(v[0]), double(v[1]), 0.5 * double(change(1, 0) - change(0, 1)) };
 	}

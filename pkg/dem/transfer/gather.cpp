@@ -38,7 +38,7 @@ namespace {
 		void gatherBody(Body::id_t);
 
 		void                  body(const Body&);
-		bool isUnlisted(const Body&, const rcr::Twist& velocity, const rcr::StepBody&) const;
+		bool                  isUnlisted(const Body&, const rcr::StepBody&) const;
 		void                  move(const Body&, const State&, rcr::StepBody&);
 		rcr::Twist            externalForce(const Body&) const;
 		SceneHandles::Contact contactOf(Interaction&) const;
@@ -110,8 +110,8 @@ namespace {
 		rcr::StepBody&   body  = step_.bodies[id];
 		const bool       clump = b.isClump();
 		if (b.shape && !clump) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
-		if (!validation::isValid(b, body.shape, handles_.z))
-			validation::refuseBody(b, scene_, handles_.z);
+		if (const std::string wrong = validation::defectOf(b, body.shape, handles_.z); !wrong.empty())
+			validation::refuse(wrong);
 		handles_.state[id]    = b.state.get();
 		body.center        = plane::toPlane(s.pos);
 		body.turn          = plane::turnOf(body.shape, s);
@@ -128,12 +128,11 @@ namespace {
 			const double detected   = body.alertDistance + 1e-9 * body.radius;
 			body.alertDistance      = rcr::alertDistance(body.shape, body.velocity, step_.dt);
 			body.expected           = body.alertDistance;
-			handles_.isUnlisted[id] = body.alertDistance > detected
-			        || isUnlisted(b, body.velocity, body);
+			handles_.isUnlisted[id] = body.alertDistance > detected || isUnlisted(b, body);
 		} else {
 			body.free = s.blockedDOFs != State::DOF_ALL;
 			if (body.free) body.expected = body.alertDistance;
-			handles_.isUnlisted[id] = isUnlisted(b, body.velocity, body);
+			handles_.isUnlisted[id] = isUnlisted(b, body);
 			move(b, s, body);
 		}
 		handles_.bound[id] = b.bound.get();
@@ -142,23 +141,21 @@ namespace {
 	/// The collider may miss contacts of a body that reaches out of its box with its alert
 	/// distance, for example after a script has set its velocity. The box of an obstacle has no
 	/// alert distance. In a cell, boxes move with the cell.
-	bool Gatherer::isUnlisted(
-	        const Body& b, const rcr::Twist& velocity, const rcr::StepBody& body) const
+	bool Gatherer::isUnlisted(const Body& b, const rcr::StepBody& body) const
 	{
 		if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
-		if (!scene_.isPeriodic && body.shape.grain())
-			return grainLeavesBox(body, b.state->pos, velocity, step_.dt, *b.bound);
-		if (!scene_.isPeriodic) {
-			// margin for rounding
-			const double reach = body.alertDistance * (1 - 1e-9) - 1e-9 * body.radius;
-			return obstacleLeavesBox(body.shape, body.pose(), reach, *b.bound);
+		if (scene_.isPeriodic) {
+			const rcr::Vec2  flow = step_.cell.drift(body.center);
+			const rcr::Twist v    = body.velocity - rcr::Twist { flow.x, flow.y, 0 };
+			const double     path = body.shape.grain() ? step_.dt * rcr::speed(v, body.radius)
+			                                           : body.alertDistance;
+			return path > double(b.bound->sweepLength);
 		}
-		if (!body.shape.grain()) return body.alertDistance > double(b.bound->sweepLength);
-		const rcr::Vec2 flow = step_.cell.drift(body.center);
-		return step_.dt
-		        * rcr::speed({ velocity.x - flow.x, velocity.y - flow.y, velocity.rotation },
-		                body.radius)
-		        > double(b.bound->sweepLength);
+		if (body.shape.grain())
+			return grainLeavesBox(body, b.state->pos, body.velocity, step_.dt, *b.bound);
+		// margin for rounding
+		const double reach = body.alertDistance * (1 - 1e-9) - 1e-9 * body.radius;
+		return obstacleLeavesBox(body.shape, body.pose(), reach, *b.bound);
 	}
 
 	/// Sets the inverse mass, and the velocity that NewtonIntegrator would compute without
@@ -176,8 +173,7 @@ namespace {
 		        plane::toPlane(newton_.gravity), dt);
 		step_.problem.inverseMass[b.getId()] = { inertia.x ? 1 / inertia.mass : 0,
 			inertia.y ? 1 / inertia.mass : 0, inertia.rotation ? 1 / inertia.moment : 0 };
-		if (!field_.periodic) return;
-		v = v + field_.added(s, dt);
+		if (field_.periodic) v = v + field_.added(s, dt);
 	}
 
 	/// Force and torque on a body; those on the members of a clump included.
@@ -188,7 +184,12 @@ namespace {
 		if (b.isClump())
 			static_cast<Clump&>(*b.shape).addForceTorqueFromMembers(
 			        b.state.get(), &scene_, force, torque);
-		if (!math::isfinite(force.sum() + torque[2])) validation::refuseBody(b, scene_, handles_.z);
+		if (!math::isfinite(force.sum() + torque[2]))
+			validation::refuse(validation::named({ b.getId() }) + " has the force "
+			        + validation::coordinates(force) + " and the torque "
+			        + validation::coordinates(torque)
+			        + "; expected finite numbers: find the engine, or the O.forces of a script, "
+			          "that gave them.");
 		return { double(force[0]), double(force[1]), double(torque[2]) };
 	}
 

@@ -83,7 +83,8 @@ std::string timeStepper(const View&);
 std::string firstTimeStep(const View&);
 std::string bounds(const View&);
 
-// Rules on bodies (bodyRules.cpp).
+// Rules on bodies (bodies.cpp, bodyRules.cpp).
+std::string invalidBodies(const View&);
 std::string materials(const View&);
 std::string obstaclesOutOfPlane(const View&);
 

@@ -36,15 +36,11 @@ namespace {
 		return one.clump == two.clump && one.clump != Body::ID_NONE;
 	}
 
-	/// YADE's rule (Collider::mayCollide); in addition, one of the two must be movable.
-	bool mayMeet(const Party& one, const Party& two, const Collider* collider)
+	/// YADE allows a contact, and one of the two is movable.
+	bool mayMeet(const Scene& scene, Collider* collider, const Party& one, const Party& two)
 	{
-		if ((one.still && two.still) || ofOneClump(one, two) || one.body == two.body)
-			return false;
-		const auto mask1 = one.body->groupMask, mask2 = two.body->groupMask;
-		return (mask1 & mask2) != 0
-		        && !(mask1 == mask2 && collider
-		                && (mask1 & collider->avoidSelfInteractionMask) != 0);
+		return collider && one.body != two.body && !(one.still && two.still)
+		        && mayCollide(scene, *collider, one.body->getId(), two.body->getId());
 	}
 
 	bool takesPart(const shared_ptr<Body>& b)
@@ -140,7 +136,7 @@ namespace {
 			        way { plane::toPlane(edges_ * apart) };
 			const double    most = a.shape.radius() + b.shape.radius();
 			if (a.shape.kind != rcr::PlanarShape::wall && dot(way, way) > most * most) return;
-			if (!mayMeet(a.party, b.party, collider_)) return;
+			if (!mayMeet(scene_, collider_, a.party, b.party)) return;
 			const rcr::Manifold m = rcr::contactPoints(a.shape,
 			        { from, plane::turnOf(a.shape, *a.party.body->state).axis() }, b.shape,
 			        { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() }, 0);
@@ -166,7 +162,7 @@ namespace {
 		}
 
 		const Scene&    scene_;
-		const Collider* collider_;
+		Collider*       collider_;
 		Matrix3r        edges_ = Matrix3r::Identity();
 	};
 
@@ -200,7 +196,7 @@ std::string unsupportedPairs(const View& v)
 		for (auto other = kind; other != kinds.end(); ++other)
 			for (const Party& one : kind->second)
 				for (const Party& two : other->second)
-					if (mayMeet(one, two, v.first<Collider>())) report(*one.body, *two.body);
+					if (mayMeet(v.scene, v.first<Collider>(), one, two)) report(*one.body, *two.body);
 	if (pairs.empty()) return {};
 	return "no Ig2 functor of the InteractionLoop handles " + pairs
 	        + ", so they would pass through each other. Add " + functors

@@ -148,7 +148,7 @@ namespace {
 		{ both,    materials },
 		{ both,    velocityGradient },
 		{ both,    smallCell },
-		{ both,    [](const View& v) { return firstInvalidBody(v.scene); } },
+		{ both,    invalidBodies },
 		{ both,    obstaclesOutOfPlane },
 		{ both,    unsupportedPairs },
 	};

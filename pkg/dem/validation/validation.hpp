@@ -3,16 +3,18 @@
 // Supported in the plane z = const and per unit depth:
 //
 //   grains     Rcr, Sphere (a disc), and clumps of them
-//   obstacles  Wall normal to x or y, Box rotated about z, Facet that cuts the plane in a segment; a Box may be free
+//   obstacles  Wall normal to x or y, Box rotated about z, Facet that cuts the plane in a segment
 //   cell       open, or periodic without walls; rigid law: stresses by CellStress
 //   material   FrictMat
-//   engines    ForceResetter, a collider with a Bo1 for every shape, loads, InteractionLoop with an Ig2_…_RcrGeom for every pair,
-//     rigid    Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb; loads and kinematic engines; ContactDynamics;
-//              NewtonIntegrator(damping=0)
-//     smooth   Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack; NewtonIntegrator
+//   engines    ForceResetter, a collider with a Bo1 for every shape, loads, InteractionLoop with an
+//              Ig2_…_RcrGeom for every pair, then by law
+//     rigid    Ip2_FrictMat_FrictMat_CdPhys, Law2_RcrGeom_CdPhys_SignoriniCoulomb;
+//              ContactDynamics; NewtonIntegrator(damping=0)
+//     smooth   Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack;
+//              NewtonIntegrator
 //
-// validation.cpp holds the table of rules. It is evaluated when a run starts (rcr._yade.session), by
-// ContactDynamics when engines or the number of bodies change, and by the Ig2 functors for a new
+// validation.cpp holds the table of rules. Python evaluates it when a run starts, ContactDynamics
+// when engines or the number of bodies change, and the Ig2 functors for a new
 // contact. Properties that may change in each step are checked in transfer/gather.cpp. Each message
 // says what was given, what is expected and what to do.
 #pragma once
@@ -121,15 +123,9 @@ bool isGrain(const Body&);
 /// Height z of the plane of the grains; NaN without grains.
 Real planeOf(const Scene&);
 
-/// Position, velocity, mass and blocked degrees of freedom of the body are valid.
-bool isValid(const Body&, const rcr::PlanarShape&, Real z);
-/// Message about an invalid body; empty if it is valid.
-std::string defectOf(const Body&, Real z);
-/// Message about the first invalid body of the scene; empty: none.
-std::string firstInvalidBody(const Scene&);
-/// Throws the message about an invalid body, or about a force that is not finite. Forces must
-/// be synced.
-[[noreturn]] void refuseBody(const Body&, Scene&, Real z);
+/// Message about an invalid position, velocity, mass or blocked degree of freedom of a body; empty:
+/// all are valid. `shape`: none for a clump.
+std::string defectOf(const Body&, const rcr::PlanarShape& shape, Real z);
 
 /// Throws if no Ig2 functor handles a pair of bodies that could overlap.
 void checkSupported(const Interaction&, const Scene&);
