@@ -52,7 +52,7 @@ std::vector<Row> rowsFrom(const Array& array, const char* name, py::ssize_t coun
 	else
 		requireShape(array, name, { count });
 	std::vector<Row> rows(count);
-	if (count > 0) std::memcpy(rows.data(), array.data(), count * sizeof(Row));
+	if (count > 0) std::memcpy(static_cast<void*>(rows.data()), array.data(), count * sizeof(Row));
 	return rows;
 }
 

@@ -85,7 +85,8 @@ TABLE = {
     ],
     "sweep/layout/partitions.cpp": [
         ("partitions-of-one-level", "minLevels = 2", "minLevels = 1"),
-        ("neighbours-of-one-side", "for (int side : { 0, 1 })", "for (int side : { 0, 0 })"),
+        ("neighbours-of-one-side", "add(edge[0], edge[1]), add(edge[1], edge[0]);",
+         "add(edge[0], edge[1]);"),
     ],
     "sweep/momentum.hpp": [
         ("never-restarts", "if (error <= (1 + growth_) * least_)", "if (true)"),

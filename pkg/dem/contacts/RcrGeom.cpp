@@ -43,10 +43,10 @@ bool Ig2_Planar_RcrGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Sh
 	prefetchPair(*scene, interaction->linIx); // for pairs to come
 	const rcr::PlanarShape one = plane::shapeOf(*shape1, state1, state2.pos.z()),
 	                       two = plane::shapeOf(*shape2, state2, state2.pos.z());
-	rcr::Manifold          manifold;
-	const rcr::Pose        at1 { plane::toPlane(state1.pos), plane::turnOf(one, state1).axis() };
-	rcr::Pose              at2 { plane::toPlane(state2.pos), plane::turnOf(two, state2).axis() };
-	at2.center             = at2.center + plane::toPlane(shift2);
+	const rcr::Pose        at1 { plane::toPlane(state1.pos), plane::turnOf(one, state1).axis() },
+	        at2 { plane::toPlane(state2.pos) + plane::toPlane(shift2),
+		        plane::turnOf(two, state2).axis() };
+	rcr::Manifold manifold;
 	if (rcr::canTouch(one.kind, two.kind)) {
 		const auto alert = [&](const rcr::PlanarShape& shape, const State& s) {
 			return rcr::alertDistance(shape, plane::twist(s), double(scene->dt));

@@ -1,13 +1,12 @@
 #include "dem/transfer/gather.hpp"
 
-#include <numeric>
-
 #include "dem/engine/CellStress.hpp"
 #include "dem/validation/validation.hpp"
 #include "dem/transfer/MeanField.hpp"
 #include "dem/transfer/colliderBox.hpp"
 #include "dem/shapes/planarShape.hpp"
 #include "dem/transfer/prefetch.hpp"
+#include "kernel/problem/list_by_key.hpp"
 
 namespace yade {
 
@@ -213,18 +212,14 @@ namespace {
 	}
 
 	/// Sorts contacts by ids, since YADE's container changes its order when a scene is reloaded.
-	/// Counting sort by the first id, then the contacts of one body by the second.
+	/// Lists them by the first id, and sorts the list of each body by the second.
 	void Gatherer::sort()
 	{
 		std::vector<int>& first = step_.firstOf;
-		first.assign(step_.bodies.size() + 1, 0);
-		for (const SceneHandles::Contact& contact : handles_.found)
-			if (contact.points > 0) ++first[contact.id1 + 1];
-		std::partial_sum(first.begin(), first.end(), first.begin());
-		handles_.sorted.resize(first.back());
-		std::vector<int> next = first;
-		for (const SceneHandles::Contact& contact : handles_.found)
-			if (contact.points > 0) handles_.sorted[next[contact.id1]++] = contact;
+		rcr::listByKey(step_.bodies.size(), first, handles_.sorted, [&](auto add) {
+			for (const SceneHandles::Contact& contact : handles_.found)
+				if (contact.points > 0) add(contact.id1, contact);
+		});
 		team_.forEach(step_.bodies.size(), [&](Body::id_t id) {
 			const auto begin = handles_.sorted.begin();
 			std::sort(begin + first[id], begin + first[id + 1],

@@ -39,9 +39,8 @@ namespace {
 			pair.friction = grown.friction, pair.restitution = grown.restitution;
 			pair.since    = scene.iter;
 		}
-		rcr::Pose at2 = step.bodies[grown.body2].pose();
-		at2.center    = at2.center + grown.shift;
-		return writeContact(i, pair, grown.manifold, step, at2);
+		return writeContact(i, pair, grown.manifold, step,
+		        shifted(step.bodies[grown.body2].pose(), grown.shift));
 	}
 
 	void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)

@@ -13,7 +13,7 @@ namespace {
 	constexpr double   tilted     = 1e-9;
 	constexpr double   sameHeight = 1e-9; // difference of z over 1 m + |z|
 
-	/// What is not finite in the state of a body; empty: nothing.
+	/// Message about a state that is not finite; empty: it is finite.
 	std::string notFinite(const Body& b)
 	{
 		const State& s = *b.state;
@@ -30,7 +30,7 @@ namespace {
 		          "angle).";
 	}
 
-	/// Why the mass or the moment of inertia of a free body is invalid; empty: it is valid.
+	/// Message about an invalid mass or moment of inertia of a free body; empty: both are valid.
 	std::string wrongInertia(const Body& b)
 	{
 		const State&       s     = *b.state;

@@ -3,8 +3,8 @@
 // The velocities of a step satisfy 0 ≤ u_n + b_n ⟂ p_n ≥ 0 at the tangent planes of its beginning
 // (contact_problem.hpp). A rod that is spun up in the step rolls over the body that it touches. It
 // then ends inside that body, by the curvature ℓ²/2ρ of its path (large_displacements.hpp). A
-// velocity that avoids this overlap would act like an elastic impact. Bodies are instead
-// displaced by δ, without a change of velocity, until
+// velocity that avoids this overlap would act like an elastic impact. Bodies are displaced by δ
+// instead, and keep their velocities. The displacements satisfy
 //
 //   g(x + dt v + δ) ≥ α min(g(x), 0) − slop        at all contacts of bodies with δ ≠ 0
 //

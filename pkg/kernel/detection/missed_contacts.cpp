@@ -225,7 +225,7 @@ bool findMissedContacts(Step& step, const MayMeet& mayMeet)
 
 namespace {
 
-	/// What a point starts with: its force, and whether it bore one when the step began.
+	/// Force from which a point starts. `carried`: it bore a force when the step began.
 	struct Start {
 		Impulse force;
 		bool    carried = false;

@@ -4,7 +4,8 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <numeric>
+
+#include "problem/list_by_key.hpp"
 
 namespace rcr {
 
@@ -168,7 +169,6 @@ void Neighbours::sortIntoCells(const Step& step)
 	columns_ = int(size.x / width_) + 1;
 	rows_    = int(size.y / width_) + 1;
 	std::vector<std::int32_t> cell(grains.size());
-	firstIn_.assign(std::size_t(columns_) * rows_ + 1, 0);
 	for (std::size_t k = 0; k < grains.size(); ++k) {
 		if (extents[k] > widest) {
 			wide_.push_back(grains[k]);
@@ -178,13 +178,11 @@ void Neighbours::sortIntoCells(const Step& step)
 		isWide_[grains[k]] = false;
 		const Vec2 c = at_[grains[k]].pose.center;
 		cell[k]      = row(c.y) * columns_ + column(c.x);
-		++firstIn_[cell[k] + 1];
 	}
-	std::partial_sum(firstIn_.begin(), firstIn_.end(), firstIn_.begin());
-	inCells_.resize(firstIn_.back());
-	std::vector<std::int32_t> place = firstIn_;
-	for (std::size_t k = 0; k < grains.size(); ++k)
-		if (cell[k] >= 0) inCells_[place[cell[k]]++] = grains[k];
+	listByKey(std::size_t(columns_) * rows_, firstIn_, inCells_, [&](auto add) {
+		for (std::size_t k = 0; k < grains.size(); ++k)
+			if (cell[k] >= 0) add(cell[k], grains[k]);
+	});
 }
 
 bool Neighbours::near(std::int32_t body1, std::int32_t body2) const

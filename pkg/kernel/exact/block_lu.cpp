@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
-#include <numeric>
+
+#include "problem/list_by_key.hpp"
 
 // Clones for wider registers, chosen at load time. Products and sums stay separate
 // (-ffp-contract=off), so all clones give the same bits. ThreadSanitizer does not support clones.
@@ -108,19 +109,17 @@ namespace {
 
 BlockLu::BlockLu(std::int32_t size, const std::vector<Pair>& pairs) : size_(size)
 {
-	std::vector<std::int32_t> begin(size + 1, 0), neighbours(2 * pairs.size());
-	for (const Pair& pair : pairs) {
-		++begin[pair.first + 1];
-		++begin[pair.second + 1];
-	}
-	std::partial_sum(begin.begin(), begin.end(), begin.begin());
-	std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
-	for (const Pair& pair : pairs) {
-		neighbours[next[pair.first]++]  = pair.second;
-		neighbours[next[pair.second]++] = pair.first;
-	}
+	std::vector<std::int32_t> begin, neighbours;
+	listByKey(size, begin, neighbours, [&](auto add) {
+		for (const Pair& pair : pairs)
+			add(pair.first, pair.second), add(pair.second, pair.first);
+	});
 	findPattern(begin, neighbours);
-	transposePattern();
+	listByKey(size, leftStart_, left_, [&](auto add) {
+		for (std::int32_t k = 0; k < size; ++k)
+			for (std::int32_t m = start_[k]; m < start_[k + 1]; ++m)
+				add(rows_[m], Left { m, start_[k + 1] });
+	});
 	for (const Pair& pair : pairs) {
 		const std::int32_t i = place_[pair.first], j = place_[pair.second], k = std::min(i, j);
 		const auto         entry = std::lower_bound(
@@ -167,23 +166,6 @@ void BlockLu::findPattern(
 	}
 }
 
-void BlockLu::transposePattern()
-{
-	leftStart_.assign(size_ + 1, 0);
-	for (std::int32_t row : rows_)
-		++leftStart_[row + 1];
-	std::partial_sum(leftStart_.begin(), leftStart_.end(), leftStart_.begin());
-	leftEntry_.resize(rows_.size());
-	leftEnd_.resize(rows_.size());
-	std::vector<std::int32_t> next(leftStart_.begin(), leftStart_.end() - 1);
-	for (std::int32_t k = 0; k < size_; ++k)
-		for (std::int32_t m = start_[k]; m < start_[k + 1]; ++m) {
-			const std::int32_t place = next[rows_[m]]++;
-			leftEntry_[place]        = m;
-			leftEnd_[place]          = start_[k + 1];
-		}
-}
-
 void BlockLu::setIdentity()
 {
 	Block one;
@@ -201,10 +183,10 @@ RCR_CLONES void BlockLu::eliminate(std::int32_t step)
 	for (std::int32_t m = start_[step]; m < start_[step + 1]; ++m)
 		entryOfRow_[rows_[m]] = m;
 	for (std::int32_t place = leftStart_[step]; place < leftStart_[step + 1]; ++place) {
-		const std::int32_t first = leftEntry_[place];
-		const Block        l = lower_[first], u = upper_[first];
+		const Left  left = left_[place];
+		const Block l = lower_[left.entry], u = upper_[left.entry];
 		subtractProduct(diagonal_[step], l, u);
-		for (std::int32_t m = first + 1; m < leftEnd_[place]; ++m) {
+		for (std::int32_t m = left.entry + 1; m < left.end; ++m) {
 			const std::int32_t entry = entryOfRow_[rows_[m]];
 			subtractProduct(lower_[entry], lower_[m], u);
 			subtractProduct(upper_[entry], l, upper_[m]);

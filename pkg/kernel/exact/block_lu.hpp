@@ -57,6 +57,11 @@ public:
 	std::size_t fill() const { return rows_.size(); }
 
 private:
+	/// Entry of L, and the end of its column.
+	struct Left {
+		std::int32_t entry, end;
+	};
+
 	struct Slot {
 		std::int32_t entry;
 		bool         below; // A_ij lies below the diagonal
@@ -64,14 +69,13 @@ private:
 
 	void findPattern(
 	        const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbours);
-	void transposePattern();
 	void eliminate(std::int32_t step);
 
 	std::int32_t              size_ = 0;
 	std::vector<std::int32_t> order_, place_; // elimination step → row; row → elimination step
 	std::vector<std::int32_t> start_, rows_;  // column k of L and row k of U: rows_[start_[k]] …
-	std::vector<std::int32_t> leftStart_, leftEntry_; // row k of L: entries in lower_, by column
-	std::vector<std::int32_t> leftEnd_;               // end of the column of each of these entries
+	std::vector<std::int32_t> leftStart_;     // row k of L: left_[leftStart_[k]] …, by column
+	std::vector<Left>         left_;
 	std::vector<std::int32_t> entryOfRow_; // scratch of `factor`: row → entry of the present column
 	std::vector<Slot>         slots_;      // blocks of each pair
 	std::vector<Block>        diagonal_;   // D; after `factor` its inverse

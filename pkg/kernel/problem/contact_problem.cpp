@@ -18,7 +18,7 @@ namespace {
 			refuse(what, " holds ", given, " entries; expected ", expected);
 	}
 
-	/// What is wrong with a body; null: nothing.
+	/// Error of a body; null: none.
 	const char* defect(const InverseMass& m, const Twist& v)
 	{
 		if (!finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation))
@@ -28,7 +28,7 @@ namespace {
 		return nullptr;
 	}
 
-	/// What is wrong with a contact point; null: nothing.
+	/// Error of a contact point; null: none.
 	const char* defect(const ContactPoint& c, const Impulse& p, std::size_t bodies)
 	{
 		// a negative id becomes huge

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "parallel/thread_team.hpp"
+#include "problem/list_by_key.hpp"
 
 namespace rcr {
 
@@ -31,20 +31,15 @@ namespace {
 		}
 		if (layer.empty()) return 0;
 		std::vector<std::array<std::int32_t, 2>> pairs;
-		std::vector<std::int32_t>                first(count + 1);
 		pairs.reserve(problem.points.size());
-		for (const ContactPoint& c : problem.points) {
-			if (!pairs.empty() && pairs.back()[0] == c.body1 && pairs.back()[1] == c.body2)
-				continue;
-			pairs.push_back({ c.body1, c.body2 });
-			++first[c.body1], ++first[c.body2];
-		}
-		std::partial_sum(first.begin(), first.end(), first.begin());
-		std::vector<std::int32_t> other(2 * pairs.size());
-		for (const auto& [body1, body2] : pairs) {
-			other[--first[body1]] = body2;
-			other[--first[body2]] = body1;
-		}
+		for (const ContactPoint& c : problem.points)
+			if (pairs.empty() || pairs.back()[0] != c.body1 || pairs.back()[1] != c.body2)
+				pairs.push_back({ c.body1, c.body2 });
+		std::vector<std::int32_t> first, other;
+		listByKey(count, first, other, [&](auto add) {
+			for (const auto& [body1, body2] : pairs)
+				add(body1, body2), add(body2, body1);
+		});
 		int length = -1;
 		for (; !layer.empty(); ++length) {
 			next.clear();

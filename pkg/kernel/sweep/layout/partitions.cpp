@@ -1,6 +1,6 @@
 #include "sweep/layout/partitions.hpp"
 
-#include <numeric>
+#include "problem/list_by_key.hpp"
 
 namespace rcr {
 
@@ -15,25 +15,19 @@ void Partitions::connect(const std::vector<Edge>& edges)
 {
 	body_.clear();
 	renumbered_ = edges;
-	begin_.clear();
 	for (Edge& edge : renumbered_)
 		for (std::int32_t& body : edge) {
 			if (partition_[body] == none) {
 				partition_[body] = 0;
 				local_[body]     = int(body_.size());
 				body_.push_back(body);
-				begin_.push_back(0);
 			}
 			body = local_[body];
-			++begin_[body];
 		}
-	std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-	begin_.push_back(begin_.empty() ? 0 : begin_.back());
-	neighbor_.resize(2 * edges.size());
-	// backwards: begin_ is the end of each list until the list is filled
-	for (auto edge = renumbered_.rbegin(); edge != renumbered_.rend(); ++edge)
-		for (int side : { 0, 1 })
-			neighbor_[--begin_[(*edge)[side]]] = (*edge)[1 - side];
+	listByKey(body_.size(), begin_, neighbor_, [&](auto add) {
+		for (const Edge& edge : renumbered_)
+			add(edge[0], edge[1]), add(edge[1], edge[0]);
+	});
 }
 
 /// Adds all bodies connected with the root to the order, level after level. Writes each neighbour
