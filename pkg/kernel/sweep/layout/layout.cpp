@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "parallel/thread_team.hpp"
+#include "problem/list_by_key.hpp"
 
 namespace rcr {
 
@@ -40,16 +41,14 @@ namespace {
 		                                           : Model::frictionless;
 	}
 
-	/// Turns the counts in pairs.end into empty, consecutive ranges. Returns the sum of the counts.
-	template <class Items> int beginRanges(Items& items)
+	/// Lists pairs by island or section, and sets the range of each in the list.
+	template <class Part, class ForEach>
+	void listPairs(std::vector<Part>& parts, std::vector<std::int32_t>& pairs, ForEach forEach)
 	{
-		int next = 0;
-		for (auto& item : items) {
-			const int count  = item.pairs.end;
-			item.pairs.begin = item.pairs.end = next;
-			next += count;
-		}
-		return next;
+		std::vector<std::int32_t> begin;
+		listByKey(parts.size(), begin, pairs, forEach);
+		for (std::size_t k = 0; k < parts.size(); ++k)
+			parts[k].pairs = { begin[k], begin[k + 1] };
 	}
 
 } // namespace
@@ -153,12 +152,12 @@ bool Layout::packable(const PackedPair& pair) const
 /// Sorts the pairs by island. Pairs of two prescribed bodies belong to none.
 void Layout::sortPairs()
 {
-	byIsland_.resize(beginRanges(islands_));
-	for (std::size_t k = 0; k < pairs_.size(); ++k) {
-		pairs_[k].slot   = PackedPair::noSlot;
-		const int island = islandOf(pairs_[k]);
-		if (island != none) byIsland_[islands_[island].pairs.end++] = int(k);
-	}
+	for (PackedPair& pair : pairs_)
+		pair.slot = PackedPair::noSlot;
+	listPairs(islands_, byIsland_, [&](auto add) {
+		for (std::size_t k = 0; k < pairs_.size(); ++k)
+			if (const int island = islandOf(pairs_[k]); island != none) add(island, int(k));
+	});
 }
 
 /// Cuts an island into partitions: at least two if several threads may sweep it. A small island has
@@ -212,13 +211,12 @@ void Layout::makeSections()
 		island.interfaces.end = int(sections_.size());
 	}
 	std::vector<std::int32_t> section(byIsland_.size());
-	for (std::size_t k = 0; k < byIsland_.size(); ++k) {
-		section[k] = sectionOf(pairs_[byIsland_[k]]);
-		if (section[k] != none) ++sections_[section[k]].pairs.end;
-	}
-	bySection_.resize(beginRanges(sections_));
 	for (std::size_t k = 0; k < byIsland_.size(); ++k)
-		if (section[k] != none) bySection_[sections_[section[k]].pairs.end++] = byIsland_[k];
+		section[k] = sectionOf(pairs_[byIsland_[k]]);
+	listPairs(sections_, bySection_, [&](auto add) {
+		for (std::size_t k = 0; k < byIsland_.size(); ++k)
+			if (section[k] != none) add(section[k], byIsland_[k]);
+	});
 }
 
 /// Numbers the records of bodies: island after island, partition after partition. Bodies without an

@@ -32,7 +32,6 @@ void Layout::findIslands()
 		for (int one : { pair.body1, pair.body2 })
 			if (moves(one)) island_[one] = island;
 		islands_[island].cell |= stretches_ && pair.drifts;
-		++islands_[island].pairs.end;
 		islands_[island].points += pair.points;
 	}
 }
