@@ -42,7 +42,7 @@ SANITIZERS = {
         ASAN_OPTIONS="detect_leaks=0:detect_odr_violation=0", UBSAN_OPTIONS="print_stacktrace=1"),
     # YADE, Boost and OpenMP are compiled without it, so their locks and barriers are unknown.
     "plugin-tsan": dict(flags="-fsanitize=thread", preload=["libtsan.so"],
-                        TSAN_OPTIONS="ignore_noninstrumented_modules=1"),
+                        TSAN_OPTIONS="ignore_noninstrumented_modules=1:report_thread_leaks=0"),
 }
 
 

@@ -50,11 +50,10 @@ class BodyProblem:
         return len(self.bodies)
 
     def order(self):
-        """Return the kernels' order of the points, (nc,): by bodies, those of a pair by arm1.
-
-        So forces of a problem do not depend on the order of its points.
+        """Return the kernels' order of the points, (nc,): by bodies, so that the points of a
+        contact are side by side and forces do not depend on the order of contacts.
         """
-        return np.lexsort((*self.arm1.T, *self.bodies.T[::-1]))
+        return np.lexsort(self.bodies.T[::-1])
 
     def arrays(self):
         """Return the arguments of the kernels, with the points in their `order`."""

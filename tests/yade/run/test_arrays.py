@@ -490,7 +490,7 @@ def test_python_reads_everything_during_a_run():
     engine.observe, engine.observeEvery = [30], 10
     O.run()
     reads = 0
-    while reads < 100 or O.iter < 4000:
+    while reads < 100 or O.iter < 1000:
         assert O.running
         engine.solver = ("auto", "nesterov")[reads % 2]
         assert engine.solver in ("auto", "nesterov") and engine.model["bodies"] <= 31

@@ -479,6 +479,17 @@ def test_resume_needs_the_record_of_the_run(done):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("particles", [2000, 8000])
+def test_memory_is_linear_in_the_grains(particles, tmp_path):
+    """The collapse of discs has the most points; YADE itself takes 270 MB."""
+    test = forked.command(SCRIPT, "--eta", "0", "--particles", particles, "--strain", "0.001",
+                          "--networks", "1", "--out", tmp_path / "out")
+    subprocess.run(test, check=True, capture_output=True)
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["peak_memory_bytes"] < 270e6 + 20e3 * particles
+
+
+@pytest.mark.slow
 def test_script_continues_to_a_larger_strain(done, tmp_path):
     """The results are those of one run; the number of threads may change."""
     further = [*SMALL, "--strain", "0.02"]
