@@ -478,8 +478,7 @@ def test_resume_needs_the_record_of_the_run(done):
     assert "has no run.json of this script" in run.stderr
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("particles", [2000, 8000])
+@pytest.mark.parametrize("particles", [2000, pytest.param(8000, marks=pytest.mark.slow)])
 def test_memory_is_linear_in_the_grains(particles, tmp_path):
     """The collapse of discs has the most points; YADE itself takes 270 MB."""
     test = forked.command(SCRIPT, "--eta", "0", "--particles", particles, "--strain", "0.001",
