@@ -5,6 +5,7 @@
 #include "dem/transfer/newContacts.hpp"
 #include "dem/transfer/scatter.hpp"
 #include "dem/validation/deferredError.hpp"
+#include "kernel/correction/large_displacements.hpp"
 #include "kernel/correction/position_correction.hpp"
 #include "kernel/correction/separation.hpp"
 #include "kernel/detection/missed_contacts.hpp"
@@ -28,7 +29,7 @@ void ContactDynamics::action()
 		const std::string invalid = invalidAttribute();
 		if (!invalid.empty()) validation::refuse(invalid);
 		const validation::Engines engines = validator_.validate(*scene);
-		// gather, not NewtonIntegrator, adds the mean velocity field of the cell to bodies
+		// gather gives overdamped bodies the mean flow of the cell, so NewtonIntegrator must not
 		if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0;
 		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();
 		scene->forces.sync();
@@ -84,8 +85,8 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 }
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. Another pass follows if
-/// one missed a contact, or if a bias or restitution must change. The last pass is accepted, but has
-/// not converged if it missed a contact.
+/// one missed a contact, or if a bias or restitution must change. The last pass, the tenth or the
+/// one after restored biases, is accepted, but has not converged if it missed a contact.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations  = 0;
@@ -93,45 +94,43 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	largeDisplacements_ = false;
 	if (tracksStretch())
 		timed("biasUpdate", [&] {
-			rcr::removeMomentum(step_, { double(stretchChange[0]), double(stretchChange[1]) });
+			rcr::removeDragImpulses(step_, { double(stretchChange[0]), double(stretchChange[1]) });
 		});
-	const rcr::DrivenMotion driven = rcr::drivenMotionOf(step_, workspace_.team());
-	rcr::Settings           how    = settingsOfFirstPass(driven);
-	const double            compliance = how.yieldCompliance; // 0 where zero velocity is a solution
+	rcr::DrivenMotion   driven = rcr::drivenMotionOf(step_, workspace_.team());
+	rcr::Settings       how    = settingsOfPass(driven);
 	// biases of the first pass, restored if changed biases have no solution; empty: none
-	std::vector<double>     firstBiases;
-	PassOutcome             outcome = PassOutcome::consistent;
+	std::vector<double> firstBiases;
+	PassOutcome         outcome = PassOutcome::consistent;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
 		const bool last = pass == mostPasses || outcome == PassOutcome::biasesRestored;
-		how.yieldCompliance = rcr::restIsSolution(step_, driven) ? 0 : compliance;
+		if (rcr::restIsSolution(step_, driven)) how.yieldCompliance = 0, how.yieldedBefore = false;
 		solvePass(how);
 		if (last) {
 			if (timed("missedContacts", [&] { return findMissedContacts(*scene, engines, step_); }))
 				converged = false;
+			if (!overdamped) largeDisplacements_ |= rcr::displaceFar(step_);
 			break;
 		}
 		outcome = reviewPass(engines, pass, driven, firstBiases);
 		if (outcome == PassOutcome::consistent) break;
-		how = settingsOfNextPass(how, outcome);
+		// a contact that was missed may be the first one with a driven body
+		if (outcome == PassOutcome::missedContact && driven.speed == 0)
+			driven = rcr::drivenMotionOf(step_, workspace_.team());
+		how = settingsOfNextPass(driven, outcome);
 	}
 	if (rcr::mayMeetTwice(step_)) converged = false;
-	if (tracksStretch()) timed("biasUpdate", [&] { trackMeanFlow(); });
 	if (const int id = firstNotFinite(step_); id >= 0)
 		throw std::runtime_error(failureMessage(step_, id, scene->iter));
 	checkStretch(step_, scene->iter);
 	timed("correct", [&] {
-		correctPositions(step_, double(correction), workspace_); // scatter moves the bodies
+		rcr::correctPositions(step_, double(correction), workspace_);
 		if (!largeDisplacements_) return;
 		const double overlap = rcr::separate(step_, correction > 0 && !yielded);
 		if (overlap > rcr::MissedSteps::deep) converged = false;
 		if (!converged) checkEnergy(step_, scene->iter);
 	});
-	// the overlap at the beginning of the step; throws the error of a jam
-	const double                      overlap = yade::deepestOverlap(step_, workspace_.team());
-	const std::lock_guard<std::mutex> lock(reading_);
-	const std::string                 warning = monitor.count(step_,
-	        { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations, overlap });
-	if (!warning.empty()) LOG_WARN(warning);
+	countStep();
+	if (tracksStretch()) timed("biasUpdate", [&] { trackMeanFlow(); });
 }
 
 void ContactDynamics::solvePass(const rcr::Settings& how)
@@ -139,13 +138,13 @@ void ContactDynamics::solvePass(const rcr::Settings& how)
 	const double    layoutBefore  = workspace_.layoutSeconds();
 	const rcr::Vec2 stretchBefore = step_.problem.stretch;
 	warmStart_                    = step_.problem.impulse;
-	// biases by which contacts remove overlaps, if they yield
+	// biases by which yielding contacts remove overlaps
 	rcr::prepareRecovery(step_, double(correction), workspace_.team());
 	const std::string name   = get<&ContactDynamics::solver>();
 	const rcr::Report report
 	        = timed("solve", [&] { return rcr::solve(step_.problem, name, how, workspace_); });
 	const double      layout = workspace_.layoutSeconds() - layoutBefore;
-	times_.add("layout", layout), times_.add("solve", -layout);
+	times_.add("layout", layout), times_.add("solve", -layout); // the solve contains it
 	iterations = iterations + report.iterations;
 	work_ += report.work;
 	residual       = report.residual;
@@ -165,7 +164,8 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 {
 	if (timed("missedContacts", [&] { return addMissedContacts(*scene, engines, step_); })) {
 		firstBiases.clear();
-		if (pass == mostPasses - 1) rcr::removeRestitution(step_); // the last pass has no review
+		// the last pass has no review; overlaps of overdamped bodies have biases of their own
+		if (pass == mostPasses - 1 && !overdamped) rcr::removeRestitution(step_);
 		return PassOutcome::missedContact;
 	}
 	if (overdamped) return PassOutcome::consistent;
@@ -173,27 +173,13 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 		const bool nextIsLast = pass == mostPasses - 1;
 		if (yielded && rcr::limitRestitution(step_, nextIsLast))
 			return PassOutcome::restitutionLowered;
-		// only changed biases may have no solution
+		// without driven bodies, the first biases have a solution
 		if (yielded && rcr::restoreBiases(step_, firstBiases)) return PassOutcome::biasesRestored;
 		if (pass == 1 && driven.speed == 0) firstBiases = rcr::biases(step_.problem);
 		const bool changed = rcr::adaptBiases(step_, pass <= mostPasses / 2, nextIsLast,
 		        double(tolerance), largeDisplacements_, workspace_.team());
 		return changed ? PassOutcome::biasChanged : PassOutcome::consistent;
 	});
-}
-
-void ContactDynamics::record(const std::vector<rcr::Twist>& impulses)
-{
-	const std::vector<int> ids = get<&ContactDynamics::observe>();
-	StepObserver::check(ids, step_, handles_);
-	const bool   missed = tolerance > 0 && !converged;
-	const double miss   = missed
-	          ? double(std::max(residual / tolerance, kinematicError / kinematicTolerance))
-	          : 0;
-	observer_.record({ scene->iter + 1, double(scene->time + scene->dt), iterations, contactPoints,
-	                         double(residual), missed, yielded, miss },
-	        ids, observeEvery, impulses, step_, handles_);
-	model_.setProblem(workspace_.summary(), work_, meanStretchRate);
 }
 
 } // namespace yade

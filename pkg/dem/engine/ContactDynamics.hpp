@@ -116,11 +116,12 @@ private:
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 	int           solverThreads() const;
 	rcr::Settings settings(const rcr::DrivenMotion&) const;
-	rcr::Settings settingsOfFirstPass(const rcr::DrivenMotion&);
-	rcr::Settings settingsOfNextPass(rcr::Settings, PassOutcome) const;
+	rcr::Settings settingsOfPass(const rcr::DrivenMotion&);
+	rcr::Settings settingsOfNextPass(const rcr::DrivenMotion&, PassOutcome);
 	void          runStep(const validation::Engines&);
 	void          solveStep(const validation::Engines&);
 	void          solvePass(const rcr::Settings&);
+	void          countStep();
 	PassOutcome   reviewPass(
 	          const validation::Engines&, int pass, const rcr::DrivenMotion&, std::vector<double>&);
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }

@@ -1,7 +1,7 @@
 // Means of forces and counts of steps that a script reads after a run, or as a history of equal
 // intervals.
 //
-// All functions lock, so Python may call them during a run.
+// `record` and the take functions lock, so Python may call them during a run.
 #pragma once
 
 #include <functional>

@@ -31,8 +31,8 @@ namespace yade {
 class ArraySteps {
 public:
 	/// Advances from a solved step to the next one, gathered. `impulses`: sum of the contact
-	/// impulses on each body. Returns false without a change if YADE's engines must take the next
-	/// step; enginesReason() is then the reason.
+	/// impulses on each body. Returns false, without a change of bodies or step, if YADE's engines
+	/// must take the next step; enginesReason() is then the reason.
 	bool advance(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&,
 	        const std::vector<rcr::Twist>& impulses, rcr::Step&);
 

@@ -24,8 +24,8 @@ Interaction& interactionOf(Scene&, const rcr::Pair&, rcr::Vec2 shift);
 SceneHandles::Contact writeContact(Interaction&, const rcr::Pair&, const rcr::Manifold&,
         const rcr::Step&, const rcr::Pose& at2);
 
-/// Writes contact forces, forces on bodies, missed contacts, displacements, and the start
-/// velocities of overdamped bodies.
+/// Writes contact forces, forces on bodies, missed contacts, displacements, start velocities of
+/// overdamped bodies, and the stretch of the cell. Requests the collider if bodies need it.
 void scatter(Scene&, rcr::ThreadTeam&, const std::vector<rcr::Twist>& impulses, SceneHandles&,
         rcr::Step&);
 

@@ -14,12 +14,14 @@
 //
 // A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
 // with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0.
-// The gap must exceed 2 % of the slop, or half the slop if the contact bore a force before the step.
-// Without restitution, it must also exceed 1 % of the closing path, up to the slop.
+// The gap must exceed 2 % of the slop. Without restitution, it must also exceed 1 % of the closing
+// path, up to the slop, and half the slop if the contact bore a force before the step.
 //
 // Restitution is cancelled if the bodies would miss each other at their initial velocities.
 // Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
 #pragma once
+
+#include <algorithm>
 
 #include "detection/missed_contacts.hpp"
 #include "step/step.hpp"
@@ -46,6 +48,13 @@ inline bool displacesFar(const Step& step, const StepContact& c, const Twist& v1
 inline bool displacesFar(const Step& step, const StepContact& c)
 {
 	return displacesFar(step, c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
+}
+
+/// The bodies of a contact displace far in the solved step.
+inline bool displaceFar(const Step& step)
+{
+	return std::any_of(step.contacts.begin(), step.contacts.end(),
+	        [&](const StepContact& contact) { return displacesFar(step, contact); });
 }
 
 /// Contact points of the bodies after `time`, detected with the reach of the step.

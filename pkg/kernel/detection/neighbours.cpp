@@ -266,7 +266,7 @@ void Neighbours::find(const Step& step, ThreadTeam& team)
 	sortIntoCells(step);
 	searchNarrow(step, team);
 	wideAtFirst_ = wide_.size();
-	isMoved_ = isWide_;
+	isMoved_ = isWide_; // each pair of two wide bodies is found once
 	searchAround(wide_, team);
 }
 

@@ -4,7 +4,7 @@
 // (detection/missed_contacts.hpp). The list holds all pairs with a gap up to e₁ + e₂ + 2 margin. It
 // is valid while every body satisfies
 //
-//   |x − x₀| + a |t − t₀| + e − e₀ ≤ margin   a |t − t₀|: displacement of the ends of its core
+//   |x − x₀| + a |τ − τ₀| + e − e₀ ≤ margin   τ: unit axis of its core, a: half length of the core
 //
 // The margin is the path of all but the fastest bodies in 12 steps, within 0.05 to 0.4 mean cap
 // radii. Candidates come from a grid. A cell is as wide as the search circles of all but the widest

@@ -44,7 +44,7 @@ bool mayExceedEnergyBound(const ContactProblem&, double energy, double freeSpeed
 constexpr int    probeSweeps = 100;  // sweeps over which the growth of impulses is measured
 constexpr double minGrowth   = 0.03; // relative growth of diverging impulses; others grow less
 
-/// True if the impulses grew by minGrowth since `before` at least, and if this growth requires a
+/// True if the impulses grew by at least minGrowth since `before`, and if this growth requires a
 /// velocity change of more than 3 V.
 bool isDivergent(const ContactProblem&, const std::vector<Impulse>& before);
 

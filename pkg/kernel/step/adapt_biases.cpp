@@ -24,6 +24,7 @@ bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double toleranc
 	std::vector<Change> change(step.contacts.size());
 	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
+		if (contact.count == 0) return; // out of reach
 		change[k] = { displacesFar(step, contact), false, contact.restitution > 0 };
 		if (!change[k].far) return;
 		// no push is added that no solve would follow to check its energy
@@ -35,7 +36,7 @@ bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double toleranc
 	far          = false;
 	for (std::size_t k = 0; k < change.size(); ++k) {
 		far |= change[k].far, changed |= change[k].changed, pushes |= change[k].pushes;
-		if (step.contacts[k].restitution > 0)
+		if (step.contacts[k].count > 0 && step.contacts[k].restitution > 0)
 			changed |= (allowRelease && cancelRestitution(step, step.contacts[k]))
 			        || lowerRestitution(step, step.contacts[k]);
 	}

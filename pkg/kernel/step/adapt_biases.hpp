@@ -16,7 +16,7 @@ bool restIsSolution(const Step&, const DrivenMotion&);
 
 /// Adapts the biases; returns true if one changed. `allowRelease`: contacts may be released;
 /// `nextIsLast`: one solve follows, so restitution that adds energy is removed and no bias becomes
-/// a push; `tolerance`: of the solver; `far`: set to true if a contact has a large displacement.
+/// a push; `tolerance`: of the solver; `far`: out, a contact has a large displacement.
 bool adaptBiases(
         Step&, bool allowRelease, bool nextIsLast, double tolerance, bool& far, ThreadTeam&);
 

@@ -81,7 +81,7 @@ namespace {
 		std::vector<double> value_;
 	};
 
-	void removeMomentum(Step& step, const Axis& axis, double stretch)
+	void removeDragImpulses(Step& step, const Axis& axis, double stretch)
 	{
 		double low = std::numeric_limits<double>::infinity(), high = -low;
 		forEachFree(step, axis, [&](std::size_t, double r, double) {
@@ -120,10 +120,10 @@ Vec2 meanStretch(const Step& step)
 	return { meanStretch(step, xAxis), meanStretch(step, yAxis) };
 }
 
-void removeMomentum(Step& step, Vec2 stretch)
+void removeDragImpulses(Step& step, Vec2 stretch)
 {
-	removeMomentum(step, xAxis, stretch.x);
-	removeMomentum(step, yAxis, stretch.y);
+	removeDragImpulses(step, xAxis, stretch.x);
+	removeDragImpulses(step, yAxis, stretch.y);
 }
 
 } // namespace rcr

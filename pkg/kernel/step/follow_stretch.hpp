@@ -17,8 +17,8 @@ namespace rcr {
 /// velocities, about the origin: Σ m r (v − v_start) / Σ m r² [1/s].
 Vec2 meanStretch(const Step&);
 
-/// Removes the momentum m r e of all bodies from the start impulses, with the stretch rate e [1/s].
-/// The impulse transmitted through a section at r falls by Σ m r e of the bodies farther out.
-void removeMomentum(Step&, Vec2 stretch);
+/// Lowers the start impulses by the drag of the earlier flow: the impulse transmitted through a
+/// section at r falls by Σ m r e of the bodies farther out, with the stretch rate e [1/s].
+void removeDragImpulses(Step&, Vec2 stretch);
 
 } // namespace rcr

@@ -13,8 +13,8 @@
 //   separation           the same for overlaps by curves      correction/separation.hpp
 //   scatter              forces, displacements, new contacts  (simulation)
 //
-// The stages in between work on these arrays alone, so an error in them changes nothing in the
-// simulation. Bodies have the same numbers as in the simulation. A contact stores these numbers. A
+// The stages in between change these arrays alone, so an error in them changes nothing in the
+// simulation. They ask it only whether bodies may meet, and for the law of new contacts. Bodies have the same numbers as in the simulation. A contact stores these numbers. A
 // point stores the bodies that its impulse moves, for a clump member its clump.
 //
 // | symbol | field         | unit | meaning                                               |
@@ -73,10 +73,9 @@ struct StepBody {
 	Vec2         center;
 	Turn         turn;
 	Twist        velocity;          // at the beginning of the step
-	double       radius        = 0; // PlanarShape::radius
+	double       radius        = 0; // of the shape; of a clump, distance of its farthest point [m]
 	double       alertDistance = 0; // distance within which its contacts were detected [m]
-	// path beyond which the body may miss contacts [m]; infinite for a driven body, whose path is
-	// known, but not for a member of a driven clump
+	// a longer path may miss contacts [m]; infinite for driven bodies except members of clumps
 	double       expected      = std::numeric_limits<double>::infinity();
 	std::int32_t owner         = 0;     // body whose motion it shares: itself or its clump
 	bool         free          = false; // at least one degree of freedom is not blocked
@@ -98,7 +97,7 @@ inline Twist memberVelocity(const StepBody& body, const StepBody& owner, const T
 struct StepContact {
 	std::int32_t body1 = 0, body2 = 0;
 	std::int32_t first = 0, count = 0;
-	std::int32_t source      = -1; // its number in the simulation; −1: new
+	std::int32_t source      = -1; // its number in the list of the simulation; −1: new
 	double       restitution = 0;
 	double       size        = 0; // R₁ + R₂ [m]
 	// shift of the image of body 2 [m], and its velocity relative to body 2 [m/s]
@@ -107,7 +106,8 @@ struct StepContact {
 	double slop() const { return contactSlop * size; }
 };
 
-/// Gap of a point [m]. The position correction acts on gaps below `allowed`.
+/// Gap of a point at the beginning of the step, `now`, and −slop, `allowed` [m]. The position
+/// correction acts on gaps below `allowed`.
 struct Gap {
 	double now, allowed;
 	bool   carried; // the point bore a force when the step began

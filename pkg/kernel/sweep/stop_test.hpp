@@ -29,7 +29,7 @@ class StopTest {
 public:
 	explicit StopTest(const Settings& settings) : settings_(settings) { }
 
-	/// Call before each sweep. `measure()` returns the criteria. `early` evaluates them now.
+	/// Call before each sweep. `measure()` returns the criteria. `early`: evaluate them before this sweep too.
 	template <class Measure> bool reached(bool early, Measure measure)
 	{
 		if (sweeps_ >= settings_.maxIterations) return true;

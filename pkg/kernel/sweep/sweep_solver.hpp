@@ -47,7 +47,7 @@ private:
 struct IslandEnd {
 	int    sweeps;
 	double meanForceChange; // of the last evaluation [-]
-	double change2; // ‖Δp‖² of the last `probeSweeps` of maxIterations sweeps; infinite: unknown
+	double change2; // ‖Δp‖² over the last `probeSweeps` sweeps; infinite before maxIterations
 };
 
 /// The report of the stored solution. It has converged if each island meets the criteria.

@@ -30,7 +30,7 @@ std::string MissedSteps::message() const
 	std::ostringstream text;
 	text.precision(2);
 	const auto deepestText = [&] { text << "the deepest overlap is " << deepest << " of R₁ + R₂"; };
-	if (missed == 0) {
+	if (missed == 0 && yielded == 0) {
 		deepestText();
 		text << " and grows, although all steps converged. Positions and forces are wrong to that "
 		        "extent. Something moves the bodies beside the "
@@ -39,9 +39,12 @@ std::string MissedSteps::message() const
 		     << "in a step that are too large; remove it, or take a smaller O.dt.";
 		return text.str();
 	}
-	text << missed << " of " << steps << (steps == 1 ? " step has" : " steps have")
-	     << " not converged";
-	if (yielded > 0) text << ", " << yielded << " of them without a solution";
+	text << (missed > 0 ? missed : yielded) << " of " << steps
+	     << (steps == 1 ? " step has" : " steps have");
+	if (missed == 0) text << " no solution"; // at tolerance 0
+	else
+		text << " not converged";
+	if (missed > 0 && yielded > 0) text << ", " << yielded << " of them without a solution";
 	text << "; ";
 	deepestText();
 	text << ". ";

@@ -24,7 +24,7 @@ public:
 	// Plain numbers, saved with the scene.
 	long   steps         = 0; // all steps
 	long   missed        = 0; // steps that did not converge
-	long   yielded       = 0; // steps without a solution, included in `missed`
+	long   yielded       = 0; // steps without a solution; `missed` includes them at a tolerance > 0
 	// deepest overlap over R₁ + R₂; overlaps that an overdamped step removes do not count
 	double deepest       = 0;
 	long   warnedYielded = 0; // steps without a solution at the last warning

@@ -89,6 +89,13 @@ def test_steps_without_a_solution_warn_at_each_tenfold():
     assert "leave these steps out of averages" in messages[0][1]
 
 
+def test_steps_without_a_solution_warn_at_tolerance_0():
+    """No step counts as missed then."""
+    ((_, message),) = warnings([(False, True, 0.01)])
+    assert message.startswith("1 of 1 step has no solution; the deepest overlap is 0.01")
+    assert "leave these steps out of averages" in message
+
+
 def test_counts_of_steps():
     watch = MissedSteps()
     for step in [(False, False, 0.01), (True, False, 0.02), (True, True, 0.0), (False, False, 0.0)]:

@@ -174,6 +174,21 @@ def test_new_contacts_do_not_visit_all_bodies():
     assert many < 27 * few
 
 
+def test_a_step_without_a_finite_solution_does_not_change_the_mean_stretch(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    light, heavy = (rcr.particle((0, y), 0.1, 0, material=material()) for y in (0.0999, 0.2998))
+    light.state.mass, light.state.inertia, heavy.state.mass = 1e-300, (1, 1, 1e-302), 1e300
+    build(rcr.wall("y", 0, sense=1, material=material()), light, heavy, tolerance=1e-4,
+          overdamped=True, trackMeanStretch=True, gravity=(0, -1e300, 0))
+    with pytest.raises(RuntimeError, match="would give body #1"):
+        O.step()
+    for grain in light, heavy:
+        grain.state.mass, grain.state.inertia = 1, (1, 1, 1)
+    O.engines[-1].gravity = (0, -10, 0)
+    O.step()
+    assert math.isfinite(solver().model["mean_stretch_rate"][1])
+
+
 @pytest.mark.parametrize("method", ["nlgs", "nesterov", "exact", "auto"])
 def test_a_step_without_a_finite_solution_moves_nothing_and_saves_its_problem(
         method, tmp_path, monkeypatch):

@@ -121,7 +121,7 @@ template <class Real> struct FrictionlessDiscColumnsOf : PointColumnsOf<Real> {
 	Real* inverseMass2() const { return this->column(8); }
 };
 
-/// The levers hold r/k as (x, y) until `prepare`.
+/// Until `prepare`, lever…n and lever…t hold x and y of r/k.
 template <class Real> struct FrictionlessColumnsOf : PointColumnsOf<Real> {
 	static constexpr int count = 11;
 	using PointColumnsOf<Real>::PointColumnsOf;

@@ -1,4 +1,4 @@
-// Islands of a layout: sets of bodies that no pair joins.
+// Islands of a layout: sets of bodies that pairs connect.
 #include "problem/disjoint_sets.hpp"
 #include "sweep/layout/layout.hpp"
 

@@ -1,0 +1,30 @@
+// What ContactDynamics counts and records of a step.
+#include "dem/engine/ContactDynamics.hpp"
+
+namespace yade {
+
+/// Counts the step with its overlap at the beginning. Throws the error of a jam.
+void ContactDynamics::countStep()
+{
+	const double                      overlap = yade::deepestOverlap(step_, workspace_.team());
+	const std::lock_guard<std::mutex> lock(reading_);
+	const std::string                 warning = monitor.count(step_,
+	        { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations, overlap });
+	if (!warning.empty()) LOG_WARN(warning);
+}
+
+void ContactDynamics::record(const std::vector<rcr::Twist>& impulses)
+{
+	const std::vector<int> ids = get<&ContactDynamics::observe>();
+	StepObserver::check(ids, step_, handles_);
+	const bool   missed = tolerance > 0 && !converged;
+	const double miss   = missed
+	          ? double(std::max(residual / tolerance, kinematicError / kinematicTolerance))
+	          : 0;
+	observer_.record({ scene->iter + 1, double(scene->time + scene->dt), iterations, contactPoints,
+	                         double(residual), missed, yielded, miss },
+	        ids, observeEvery, impulses, step_, handles_);
+	model_.setProblem(workspace_.summary(), work_, meanStretchRate);
+}
+
+} // namespace yade
