@@ -57,6 +57,14 @@ namespace {
 		          "smaller O.dt.";
 	}
 
+	std::string growingMessage(const std::string& pair, double overlap)
+	{
+		return "ContactDynamics: " + pair + " overlap by " + validation::text(overlap, 2)
+		        + " of R₁ + R₂, and the overlap grows, although this step has converged. Positions and "
+		          "forces are wrong. The bodies may have passed through each other before: place "
+		          "them apart, or take a smaller O.dt from the start.";
+	}
+
 } // namespace
 
 double overlapOf(const rcr::Step& step, std::size_t k)
@@ -86,9 +94,11 @@ std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)
 	const std::string driven = drivenParts(step);
 	if (driven.empty()) return warning;
 	const std::string pair = deepestPair(step, overlap);
-	throw std::runtime_error(verdict == rcr::JamDetector::Verdict::jam
-	                ? jamMessage(pair, overlap, driven)
-	                : notConvergedMessage(pair, overlap, outcome.iterations));
+	if (verdict == rcr::JamDetector::Verdict::jam)
+		throw std::runtime_error(jamMessage(pair, overlap, driven));
+	throw std::runtime_error(
+	        outcome.missed ? notConvergedMessage(pair, overlap, outcome.iterations)
+	                       : growingMessage(pair, overlap));
 }
 
 int firstNotFinite(const rcr::Step& step)
