@@ -10,6 +10,7 @@ namespace rcr {
 class JamDetector {
 public:
 	static constexpr double crushed  = 0.02; // overlap over R₁ + R₂ at which a squeeze begins
+	static constexpr double growth   = 1e-4; // of that overlap; less may be the solver's tolerance
 	static constexpr int    patience = 10;   // steps of growth up to a verdict
 
 	// Plain numbers, saved with the scene.
@@ -28,7 +29,7 @@ public:
 			return Verdict::none;
 		}
 		unsolvable += noSolution;
-		if (overlap <= deepest) return Verdict::none;
+		if (overlap <= deepest + growth) return Verdict::none;
 		deepest = overlap;
 		if (++grown < patience) return Verdict::none;
 		grown = 0;

@@ -23,6 +23,7 @@ def growing(steps, start=1.1, rate=0.1):
                  id="growth without a solution"),
     pytest.param(growing(15), {3}, [(PATIENCE - 1, "jam")], id="one step without a solution"),
     pytest.param([CRUSHED * k / 200 for k in range(200)], range(200), [], id="shallow"),
+    pytest.param([1.4 * CRUSHED + 4e-6 * k for k in range(200)], (), [], id="drift of a tolerance"),
     pytest.param([10 * CRUSHED * 0.99**k for k in range(200)], range(200), [], id="impact"),
     pytest.param([factor * overlap for overlap in growing(PATIENCE) for factor in (1, 1, .99, .98)],
                  (), [(4 * (PATIENCE - 1), "not converged")], id="small recessions"),
