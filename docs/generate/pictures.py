@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Make the pictures in docs/pictures: of each example, the scene of the README, and YADE's 3D view.
+"""Make the pictures in docs/pictures: of each example, scene and grain of the README, 3D view.
 
 scripts/lib/run python3 docs/generate/pictures.py [NAME …]
 """
@@ -38,6 +38,8 @@ def make(name, folder):
         page = (ROOT / "README.md").read_text()
         script.write_text(re.search(r"```python\n(.*?)```", page, re.S)[1])
         run("yade", "-n", "-x", str(script))
+    elif name == "grain":
+        run(sys.executable, str(HERE / "grain.py"), folder)
     elif name == "batch":
         files = str(examples / "batch.table"), str(examples / "batch.py")
         run("yade-batch", "-j", "4", "--log", f"{folder}/@.log", *files)
@@ -47,7 +49,7 @@ def make(name, folder):
 
 def main():
     examples = sorted(path.stem for path in (ROOT / "examples").glob("*.py"))
-    for name in sys.argv[1:] or ["scene", "view", *examples]:
+    for name in sys.argv[1:] or ["scene", "grain", "view", *examples]:
         with tempfile.TemporaryDirectory() as folder:
             make(name, folder)
             made = sorted(pathlib.Path(folder).rglob("*.png"))
