@@ -1,6 +1,7 @@
 """Contents of `summary.json` of a biaxial test. Needs YADE."""
 
-import resource
+import pathlib
+import re
 
 import numpy as np
 from yade.wrapper import Omega
@@ -80,5 +81,11 @@ def _work(test):
         missed_fraction=missed / max(1, O.iter - progress["first_step"]),
         missed_mean=progress["missed_sum"] / max(1, missed), missed_max=progress["missed_max"],
         tolerance=test.parameters["tolerance"], run=test.run, wall_seconds=progress["wall_seconds"],
-        peak_memory_bytes=1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+        peak_memory_bytes=_peak_memory(),
         threads=test.solver.threads or O.numThreads, version=rcr.__version__)
+
+
+def _peak_memory():
+    """Return the peak memory of this process [B]; `getrusage` would include that of its parent."""
+    status = pathlib.Path("/proc/self/status").read_text()
+    return 1024 * int(re.search(r"VmHWM:\s*(\d+) kB", status)[1])
