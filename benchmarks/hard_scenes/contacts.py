@@ -105,6 +105,11 @@ def s08_joints(make):
     return measure
 
 
+def pairs_of(problem):
+    """Number of the pair of bodies of each point, (nc,)."""
+    return np.unique(problem.bodies, axis=0, return_inverse=True)[1].ravel()
+
+
 def resultants(problem, **settings):
     """Solve; (pairs, 3): impulse (x, y) of each pair and its moment about body 2 over R [N s/m]."""
     impulse = rcr.solve(problem, max_iterations=1_000_000, **settings).reaction
@@ -112,8 +117,8 @@ def resultants(problem, **settings):
     t = np.column_stack((-n[:, 1], n[:, 0]))
     p = impulse[:, :1] * n + impulse[:, 1:] * t
     moment = (problem.arm2[:, 0] * p[:, 1] - problem.arm2[:, 1] * p[:, 0]) / R
-    _, pair = np.unique(problem.bodies, axis=0, return_inverse=True)
-    return np.array([np.bincount(pair.ravel(), column) for column in (*p.T, moment)]).T
+    pair = pairs_of(problem)
+    return np.array([np.bincount(pair, column) for column in (*p.T, moment)]).T
 
 
 @hard_scene("indeterminate side contacts",
@@ -140,7 +145,8 @@ def s09_side_contacts(make):
 
 @hard_scene("contacts in a shuffled order",
             "largest change of a force, over the mean force", 1e-12,
-            "contacts are sorted, so sums are equal; other starts change forces by up to 24 %", True)
+            "contacts are sorted, so sums are equal; other starts change forces by up to 24 %",
+            True)
 def s10_shuffled(make):
     """S10. The step is solved twice from a cold start, with its contacts in two orders."""
     rng, rough = np.random.default_rng(10), material()
@@ -153,10 +159,10 @@ def s10_shuffled(make):
         clock.pass_(2.0)
         problem = last_problem(solver())
         names = "bodies normal arm1 arm2 bias friction impulse".split()
-        contact = np.unique(problem.bodies, axis=0, return_inverse=True)[1].ravel()
-        shuffled = np.random.default_rng(10).permutation(contact.max() + 1)[contact]
+        pair = pairs_of(problem)
+        shuffled = np.random.default_rng(10).permutation(pair.max() + 1)[pair]
         forces = []
-        for order in np.arange(len(contact)), np.argsort(shuffled, kind="stable"):
+        for order in np.arange(len(pair)), np.argsort(shuffled, kind="stable"):
             arrays = {name: getattr(problem, name)[order] for name in names}
             found = resultants(dataclasses.replace(problem, **arrays), solver="auto",
                                tolerance=1e-8)

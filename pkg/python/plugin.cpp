@@ -34,8 +34,8 @@ void registerClasses()
 /// empty.
 std::string versionError()
 {
-	const std::string running = py::extract<std::string>(
-	        py::import("yade.config").attr("version"));
+	const std::string running
+	        = py::extract<std::string>(py::import("yade.config").attr("version"));
 	if (running == RCR_YADE_VERSION) return {};
 	return "rcr was built for YADE " RCR_YADE_VERSION ", but YADE " + running
 	        + " is running. Start scripts/yade-rcr to rebuild it.";
@@ -64,15 +64,15 @@ py::list advice()
 	return warnings;
 }
 
-/// Joins bodies into a clump with a centre [m], a mass [kg] and a moment of inertia about z [kg m²],
-/// per unit depth. Returns its id. YADE's own function rotates clumps to principal axes that may
-/// lie out of the plane.
+/// Joins bodies into a clump with a centre [m], a mass [kg] and a moment of inertia about z
+/// [kg m²], per unit depth. Returns its id. YADE's own function rotates clumps to principal axes
+/// that may lie out of the plane.
 int planarClump(const py::list& ids, double x, double y, double mass, double inertia)
 {
 	yade::Scene* scene = yade::Omega::instance().getScene().get();
-	auto   body  = boost::make_shared<yade::Body>();
-	auto   clump = boost::make_shared<yade::Clump>();
-	body->shape  = clump;
+	auto         body  = boost::make_shared<yade::Body>();
+	auto         clump = boost::make_shared<yade::Clump>();
+	body->shape        = clump;
 	body->setBounded(false);
 	const yade::Body::id_t id = scene->bodies->insert(body);
 	yade::State&           s  = *body->state;
@@ -81,7 +81,7 @@ int planarClump(const py::list& ids, double x, double y, double mass, double ine
 		        = yade::Body::byId(py::extract<yade::Body::id_t>(ids[k])(), scene);
 		if (k == 0) s.pos = yade::Vector3r(x, y, member->state->pos.z());
 		yade::Clump::add(body, member);
-		yade::Se3r& place       = clump->members[member->getId()];
+		yade::Se3r& place = clump->members[member->getId()];
 		place.position    = member->state->pos - s.pos;
 		place.orientation = member->state->ori;
 	}

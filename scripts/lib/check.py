@@ -154,7 +154,8 @@ def sanitize_plugin(arguments):
 def sanitize_session(arguments):
     """A session whose threads read and set the engine while it runs."""
     tests = "tests/yade/run/test_arrays.py", "-k", "during_a_run or pause"
-    return sanitize("plugin-tsan", [[*PYTEST, "-p", "no:warnings", *tests, *arguments]], plugin=True)
+    command = [*PYTEST, "-p", "no:warnings", *tests, *arguments]
+    return sanitize("plugin-tsan", [command], plugin=True)
 
 
 def script(name, *command):

@@ -97,7 +97,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 			rcr::removeDragImpulses(step_, { double(stretchChange[0]), double(stretchChange[1]) });
 		});
 	rcr::DrivenMotion   driven = rcr::drivenMotionOf(step_, workspace_.team());
-	rcr::Settings       how    = settingsOfPass(driven);
+	rcr::Settings       first = settingsOfFirstPass(driven), how = first;
 	// biases of the first pass, restored if changed biases have no solution; empty: none
 	std::vector<double> firstBiases;
 	PassOutcome         outcome = PassOutcome::consistent;
@@ -108,15 +108,17 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		if (last) {
 			if (timed("missedContacts", [&] { return findMissedContacts(*scene, engines, step_); }))
 				converged = false;
-			if (!overdamped) largeDisplacements_ |= rcr::displaceFar(step_);
+			if (!overdamped) largeDisplacements_ |= rcr::anyDisplacesFar(step_);
 			break;
 		}
 		outcome = reviewPass(engines, pass, driven, firstBiases);
 		if (outcome == PassOutcome::consistent) break;
 		// a contact that was missed may be the first one with a driven body
-		if (outcome == PassOutcome::missedContact && driven.speed == 0)
+		if (outcome == PassOutcome::missedContact && driven.speed == 0) {
 			driven = rcr::drivenMotionOf(step_, workspace_.team());
-		how = settingsOfNextPass(driven, outcome);
+			if (driven.speed > 0) first = settingsOfFirstPass(driven);
+		}
+		how = settingsOfNextPass(first, outcome);
 	}
 	if (rcr::mayMeetTwice(step_)) converged = false;
 	if (const int id = firstNotFinite(step_); id >= 0)

@@ -55,7 +55,7 @@ public:
 		const std::lock_guard<std::mutex> lock(reading_);
 		this->*Attribute = given;
 	}
-	template <auto Count> auto count() const { return get<&ContactDynamics::monitor>().steps.*Count; }
+	template <auto N> auto count() const { return get<&ContactDynamics::monitor>().steps.*N; }
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(ContactDynamics,GlobalEngine,
@@ -116,11 +116,12 @@ private:
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 	int           solverThreads() const;
 	rcr::Settings settings(const rcr::DrivenMotion&) const;
-	rcr::Settings settingsOfPass(const rcr::DrivenMotion&);
-	rcr::Settings settingsOfNextPass(const rcr::DrivenMotion&, PassOutcome);
+	rcr::Settings settingsOfFirstPass(const rcr::DrivenMotion&);
+	rcr::Settings settingsOfNextPass(rcr::Settings first, PassOutcome) const;
 	void          runStep(const validation::Engines&);
 	void          solveStep(const validation::Engines&);
 	void          solvePass(const rcr::Settings&);
+	bool          hasMissed() const { return tolerance > 0 && !converged; }
 	void          countStep();
 	PassOutcome   reviewPass(
 	          const validation::Engines&, int pass, const rcr::DrivenMotion&, std::vector<double>&);

@@ -9,7 +9,7 @@ void ContactDynamics::countStep()
 	const double                      overlap = yade::deepestOverlap(step_, workspace_.team());
 	const std::lock_guard<std::mutex> lock(reading_);
 	const std::string                 warning = monitor.count(step_,
-	        { scene->iter, !converged && tolerance > 0, yielded, overdamped, iterations, overlap });
+	        { scene->iter, hasMissed(), yielded, overdamped, iterations, overlap });
 	if (!warning.empty()) LOG_WARN(warning);
 }
 
@@ -17,12 +17,11 @@ void ContactDynamics::record(const std::vector<rcr::Twist>& impulses)
 {
 	const std::vector<int> ids = get<&ContactDynamics::observe>();
 	StepObserver::check(ids, step_, handles_);
-	const bool   missed = tolerance > 0 && !converged;
-	const double miss   = missed
-	          ? double(std::max(residual / tolerance, kinematicError / kinematicTolerance))
-	          : 0;
+	const double miss = hasMissed()
+	        ? double(std::max(residual / tolerance, kinematicError / kinematicTolerance))
+	        : 0;
 	observer_.record({ scene->iter + 1, double(scene->time + scene->dt), iterations, contactPoints,
-	                         double(residual), missed, yielded, miss },
+	                         double(residual), hasMissed(), yielded, miss },
 	        ids, observeEvery, impulses, step_, handles_);
 	model_.setProblem(workspace_.summary(), work_, meanStretchRate);
 }

@@ -72,7 +72,7 @@ rcr::Settings ContactDynamics::settings(const rcr::DrivenMotion& driven) const
 	return s;
 }
 
-rcr::Settings ContactDynamics::settingsOfPass(const rcr::DrivenMotion& driven)
+rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::DrivenMotion& driven)
 {
 	rcr::Settings s    = settings(driven);
 	s.roundingVelocity = step_.rounding(workspace_.team());
@@ -83,11 +83,9 @@ rcr::Settings ContactDynamics::settingsOfPass(const rcr::DrivenMotion& driven)
 /// A further pass corrects a few contacts. The residual over all contacts would not show them, so
 /// the pass runs at least ten sweeps. All passes share the iterations of the step, except for fine
 /// tolerances.
-rcr::Settings ContactDynamics::settingsOfNextPass(
-        const rcr::DrivenMotion& driven, PassOutcome outcome)
+rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome outcome) const
 {
-	rcr::Settings s           = settingsOfPass(driven);
-	const bool    newContacts = outcome == PassOutcome::missedContact;
+	const bool newContacts = outcome == PassOutcome::missedContact;
 	if (tolerance >= fineTolerance)
 		s.maxIterations = std::max(s.maxIterations - iterations, sweepsOfNextPass);
 	s.minIterations = std::min(std::max(minIterations, sweepsOfNextPass), s.maxIterations);

@@ -34,35 +34,35 @@ namespace {
 		return parts;
 	}
 
-	std::string jamMessage(const std::string& pair, double overlap, const std::string& driven)
+	/// `overlaps`: the deepest pair and its overlap.
+	std::string jamMessage(const std::string& overlaps, const std::string& driven)
 	{
-		return "ContactDynamics: jam: " + pair + " overlap by " + validation::text(overlap, 2)
-		        + " of R₁ + R₂, and the overlap grows from step to step. These steps have no "
-		          "solution, since the motion prescribed to "
+		return "ContactDynamics: jam: " + overlaps
+		        + ", and the overlap grows from step to step. These steps have no solution, since "
+		          "the motion prescribed to "
 		        + driven
 		        + " presses rigid grains together. Stop or reverse that motion (b.state.vel, "
 		          "O.cell.velGrad), or press by a force (WallStress, "
 		          "CellStress).";
 	}
 
-	std::string notConvergedMessage(const std::string& pair, double overlap, int iterations)
+	std::string notConvergedMessage(const std::string& overlaps, int iterations)
 	{
-		return "ContactDynamics: not converged: " + pair + " overlap by "
-		        + validation::text(overlap, 2)
-		        + " of R₁ + R₂, and the overlap grows from step to step. The solver found neither "
-		          "a solution in "
+		return "ContactDynamics: not converged: " + overlaps
+		        + ", and the overlap grows from step to step. The solver found neither a solution "
+		          "in "
 		        + std::to_string(iterations)
 		        + " sweeps nor a proof that none exists, so positions and forces are wrong. Set a "
 		          "larger ContactDynamics.maxIterations or a "
 		          "smaller O.dt.";
 	}
 
-	std::string growingMessage(const std::string& pair, double overlap)
+	std::string growingMessage(const std::string& overlaps)
 	{
-		return "ContactDynamics: " + pair + " overlap by " + validation::text(overlap, 2)
-		        + " of R₁ + R₂, and the overlap grows, although this step has converged. Positions and "
-		          "forces are wrong. The bodies may have passed through each other before: place "
-		          "them apart, or take a smaller O.dt from the start.";
+		return "ContactDynamics: " + overlaps
+		        + ", and the overlap grows, although this step has converged. Positions and forces "
+		          "are wrong. The bodies may have passed through each other before: place them "
+		          "apart, or take a smaller O.dt from the start.";
 	}
 
 } // namespace
@@ -93,12 +93,12 @@ std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)
 	if (verdict == rcr::JamDetector::Verdict::none) return warning;
 	const std::string driven = drivenParts(step);
 	if (driven.empty()) return warning;
-	const std::string pair = deepestPair(step, overlap);
-	if (verdict == rcr::JamDetector::Verdict::jam)
-		throw std::runtime_error(jamMessage(pair, overlap, driven));
+	const std::string overlaps = deepestPair(step, overlap) + " overlap by "
+	        + validation::text(overlap, 2) + " of R₁ + R₂";
 	throw std::runtime_error(
-	        outcome.missed ? notConvergedMessage(pair, overlap, outcome.iterations)
-	                       : growingMessage(pair, overlap));
+	        verdict == rcr::JamDetector::Verdict::jam ? jamMessage(overlaps, driven)
+	                : outcome.missed ? notConvergedMessage(overlaps, outcome.iterations)
+	                                 : growingMessage(overlaps));
 }
 
 int firstNotFinite(const rcr::Step& step)

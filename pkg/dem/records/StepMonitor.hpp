@@ -18,7 +18,7 @@ public:
 	/// Outcome of a step as the solver reports it.
 	struct Outcome {
 		long   number;      // O.iter
-		bool   missed; // at a tolerance > 0
+		bool   missed;      // at a tolerance > 0
 		bool   yielded;
 		bool   overdamped; // the step removes overlaps whole
 		int    iterations;

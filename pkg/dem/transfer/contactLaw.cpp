@@ -1,5 +1,4 @@
 // Law of a contact that the InteractionLoop has not made.
-
 #include "dem/transfer/gather.hpp"
 #include "dem/validation/validation.hpp"
 

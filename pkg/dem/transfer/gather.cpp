@@ -109,8 +109,8 @@ namespace {
 		rcr::StepBody&   body  = step_.bodies[id];
 		const bool       clump = b.isClump();
 		if (b.shape && !clump) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
-		if (const std::string wrong = validation::defectOf(b, body.shape, handles_.z); !wrong.empty())
-			validation::refuse(wrong);
+		const std::string wrong = validation::defectOf(b, body.shape, handles_.z);
+		if (!wrong.empty()) validation::refuse(wrong);
 		handles_.state[id]    = b.state.get();
 		body.center        = plane::toPlane(s.pos);
 		body.turn          = plane::turnOf(body.shape, s);

@@ -1,5 +1,4 @@
 // Rules of validation on bodies: materials, and obstacles that reach the plane of the grains.
-
 #include "dem/shapes/planarShape.hpp"
 #include "dem/validation/SceneView.hpp"
 

@@ -196,7 +196,8 @@ std::string unsupportedPairs(const View& v)
 		for (auto other = kind; other != kinds.end(); ++other)
 			for (const Party& one : kind->second)
 				for (const Party& two : other->second)
-					if (mayMeet(v.scene, v.first<Collider>(), one, two)) report(*one.body, *two.body);
+					if (mayMeet(v.scene, v.first<Collider>(), one, two))
+						report(*one.body, *two.body);
 	if (pairs.empty()) return {};
 	return "no Ig2 functor of the InteractionLoop handles " + pairs
 	        + ", so they would pass through each other. Add " + functors

@@ -14,9 +14,9 @@
 //              NewtonIntegrator
 //
 // validation.cpp holds the table of rules. Python evaluates it when a run starts, ContactDynamics
-// when engines or the number of bodies change, and the Ig2 functors for a new contact. It checks the
-// time step, the integrator and the cell in each step; gather checks each body. Each message says
-// what was given, what is expected and what to do.
+// when engines or the number of bodies change, and the Ig2 functors for a new contact.
+// ContactDynamics checks the time step, the integrator and the cell in each step; gather checks
+// each body. Each message says what was given, what is expected and what to do.
 #pragma once
 
 #include <sstream>

@@ -9,8 +9,8 @@
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
-// The bias is at least min(0, u_n⁻), with the normal velocity u_n⁻ before the step. The contact then
-// pushes no harder than an elastic impact. separation.hpp removes the overlap that is left.
+// The bias is at least min(0, u_n⁻), with the normal velocity u_n⁻ before the step. The contact
+// then pushes no harder than an elastic impact. separation.hpp removes the overlap that is left.
 //
 // A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
 // with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0.
@@ -50,8 +50,8 @@ inline bool displacesFar(const Step& step, const StepContact& c)
 	return displacesFar(step, c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
 }
 
-/// The bodies of a contact displace far in the solved step.
-inline bool displaceFar(const Step& step)
+/// Some contact displaces far in the solved step.
+inline bool anyDisplacesFar(const Step& step)
 {
 	return std::any_of(step.contacts.begin(), step.contacts.end(),
 	        [&](const StepContact& contact) { return displacesFar(step, contact); });

@@ -58,7 +58,8 @@ namespace {
 			for (std::int32_t e = problem.rowStart[k]; e < problem.rowStart[k + 1]; ++e) {
 				const std::int32_t   j = problem.column[e];
 				const DelassusBlock& w = problem.block[e];
-				if (!finite(w.nn, w.nt, w.tn, w.tt)) refuse("block (", k, ", ", j, ") of W is not finite");
+				if (!finite(w.nn, w.nt, w.tn, w.tt))
+					refuse("block (", k, ", ", j, ") of W is not finite");
 				if (j == std::int32_t(k) && (w.nn < 0 || w.tt < 0))
 					refuse("W has a negative diagonal at contact ", k,
 					        "; expected a positive semi-definite matrix");

@@ -30,8 +30,8 @@ inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
 	}
 }
 
-/// Returns true if masks, clumps and engines of the simulation allow a contact of two bodies that do
-/// not touch yet.
+/// Returns true if masks, clumps and engines of the simulation allow a contact of two bodies that
+/// do not touch yet.
 using MayMeet = std::function<bool(int body1, int body2)>;
 
 /// Before the solve, detects contacts of bodies whose pairs in the simulation may be incomplete.

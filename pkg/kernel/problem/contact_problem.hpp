@@ -18,7 +18,7 @@
 // | b_n    | bias               | m/s       | gap/dt if open, or velocity of restitution          |
 // | µ      | friction           | –         | Coulomb coefficient                                 |
 // | d      | drift              | m/s       | velocity of the periodic image of body 2, relative  |
-// | s      | shift              | m         | from body 2 to that image; 0 unless stress stretches the cell |
+// | s      | shift              | m         | from body 2 to that image; 0 without CellStress     |
 // | M_c⁻¹  | inverseStretchMass | 1/(kg m²) | 0: the motion of the cell is prescribed             |
 // | δg     | stretch            | 1/s       | out: change of the stretch rates by contacts        |
 // | p      | Impulse            | N s       | on body 2, reaction on body 1; p_n ≥ 0 pushes apart |

@@ -14,8 +14,9 @@
 //   scatter              forces, displacements, new contacts  (simulation)
 //
 // The stages in between change these arrays alone, so an error in them changes nothing in the
-// simulation. They ask it only whether bodies may meet, and for the law of new contacts. Bodies have the same numbers as in the simulation. A contact stores these numbers. A
-// point stores the bodies that its impulse moves, for a clump member its clump.
+// simulation. They ask it only whether bodies may meet, and for the law of new contacts. Bodies
+// have the same numbers as in the simulation. A contact stores these numbers. A point stores the
+// bodies that its impulse moves, for a clump member its clump.
 //
 // | symbol | field         | unit | meaning                                               |
 // |--------|---------------|------|-------------------------------------------------------|

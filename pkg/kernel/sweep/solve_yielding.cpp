@@ -4,8 +4,9 @@
 //
 //   ε' = ε max(1, w₀/w_nn),   W = Delassus block of the point (components w_nn, w_nt, w_tt)
 //
-// Existence: let A = J M⁻¹Jᵀ ≥ 0, q = u_free + b_n n, and u' = (A + ε' W) p + q. Then p · u' = −µ p_n |u'_t| ≤ 0 bounds
-// the impulses, ε' pᵀWp ≤ −pᵀq. So a solution exists for any motion of driven bodies.
+// Existence: let A = J M⁻¹Jᵀ ≥ 0, q = u_free + b_n n, and u' = (A + ε' W) p + q. Then p · u' =
+// −µ p_n |u'_t| ≤ 0 bounds the impulses, ε' pᵀWp ≤ −pᵀq. So a solution exists for any motion of
+// driven bodies.
 // Energy: p · u = p · u' − ε' pᵀWp ≤ 0, so contacts add no energy.
 // A body that can only turn has a singular block, W = j jᵀ/I: its points yield without
 // friction.

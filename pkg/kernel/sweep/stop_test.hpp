@@ -29,7 +29,8 @@ class StopTest {
 public:
 	explicit StopTest(const Settings& settings) : settings_(settings) { }
 
-	/// Call before each sweep. `measure()` returns the criteria. `early`: evaluate them before this sweep too.
+	/// Call before each sweep. `measure()` returns the criteria. `early`: evaluate them before this
+	/// sweep too.
 	template <class Measure> bool reached(bool early, Measure measure)
 	{
 		if (sweeps_ >= settings_.maxIterations) return true;

@@ -10,13 +10,14 @@ namespace rcr {
 class JamDetector {
 public:
 	static constexpr double crushed  = 0.02; // overlap over R₁ + R₂ at which a squeeze begins
-	static constexpr double growth   = 1e-4; // of that overlap; less may be the solver's tolerance
+	// least growth of that overlap that counts; the solver's tolerance may cause less
+	static constexpr double growth   = 1e-4;
 	static constexpr int    patience = 10;   // steps of growth up to a verdict
 
 	// Plain numbers, saved with the scene.
-	int    grown      = 0; // steps in which the overlap of this squeeze reached a new maximum
+	int    grown      = 0; // steps in which the overlap of this squeeze exceeded `deepest` so
 	int    unsolvable = 0; // steps of this squeeze that had no solution
-	double deepest    = 0; // deepest overlap of this squeeze over R₁ + R₂
+	double deepest    = 0; // overlap at the last of these steps, over R₁ + R₂
 
 	enum class Verdict { none, jam, notConverged };
 

@@ -40,10 +40,8 @@ std::string MissedSteps::message() const
 		return text.str();
 	}
 	text << (missed > 0 ? missed : yielded) << " of " << steps
-	     << (steps == 1 ? " step has" : " steps have");
-	if (missed == 0) text << " no solution"; // at tolerance 0
-	else
-		text << " not converged";
+	     << (steps == 1 ? " step has" : " steps have")
+	     << (missed > 0 ? " not converged" : " no solution");
 	if (missed > 0 && yielded > 0) text << ", " << yielded << " of them without a solution";
 	text << "; ";
 	deepestText();

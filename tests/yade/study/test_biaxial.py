@@ -481,9 +481,8 @@ def test_resume_needs_the_record_of_the_run(done):
 @pytest.mark.parametrize("particles", [2000, pytest.param(8000, marks=pytest.mark.slow)])
 def test_memory_is_linear_in_the_grains(particles, tmp_path):
     """The collapse of discs has the most points; YADE itself takes 270 MB."""
-    test = forked.command(SCRIPT, "--eta", "0", "--particles", particles, "--strain", "0.001",
-                          "--networks", "1", "--out", tmp_path / "out")
-    subprocess.run(test, check=True, capture_output=True)
+    script("--eta", "0", "--particles", particles, "--strain", "0.001", "--networks", "1",
+           "--out", tmp_path / "out")
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["peak_memory_bytes"] < 270e6 + 20e3 * particles
 
