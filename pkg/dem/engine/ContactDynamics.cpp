@@ -19,8 +19,7 @@ namespace yade {
 CREATE_LOGGER(ContactDynamics);
 
 namespace {
-	// missed contacts and large displacements settle in two or three passes
-	constexpr int mostPasses = 10;
+	constexpr int mostPasses = 10; // most steps need one, others two or three
 }
 
 void ContactDynamics::action()
@@ -29,7 +28,7 @@ void ContactDynamics::action()
 		const std::string invalid = invalidAttribute();
 		if (!invalid.empty()) validation::refuse(invalid);
 		const validation::Engines engines = validator_.validate(*scene);
-		// gather gives overdamped bodies the mean flow of the cell, so NewtonIntegrator must not
+		// gather adds the mean flow of the cell to overdamped bodies; NewtonIntegrator would add it again
 		if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0;
 		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();
 		scene->forces.sync();
@@ -41,13 +40,14 @@ void ContactDynamics::action()
 	}
 }
 
-/// Solves this step and all following ones that need none of YADE's objects.
+/// Solves this step. Also takes all following steps in arrays, as long as no engine and no setting
+/// needs YADE's objects.
 void ContactDynamics::runStep(const validation::Engines& engines)
 {
 	rcr::ThreadTeam& team  = workspace_.team();
 	step_.overdamped = overdamped;
 	if (!tracksStretch()) meanStretchRate = stretchChange = Vector2r::Zero();
-	setRestFlow(); // gather replaces it in a periodic cell
+	setStartFlow(); // gather replaces it in a periodic cell
 	timed("gather", [&] {
 		gather(*scene, engines, team, handles_, step_);
 		addUnlistedContacts(*scene, engines, *this, handles_, step_);
@@ -66,7 +66,7 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 			model_.setArrays(arraySteps_->count(),
 			        arrays ? arraySteps_->enginesReason() : "ContactDynamics.arrays = False");
 		} while (advanced);
-		// YADE's objects get the state at the beginning of this step; scatter adds its results
+		// YADE's objects get the state at the beginning of the last step; scatter adds its forces
 		timed("writeBack", [&] { arraySteps_->writeBack(*scene, team, handles_, step_); });
 		timed("scatter", [&] {
 			const UnbalancedForce unbalanced = unbalancedForceOf(step_);
@@ -84,9 +84,10 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 	timed("gather", [&] { sortInteractions(*scene, handles_); });
 }
 
-/// Solves the contact problem of the step in at most `mostPasses` passes. Another pass follows if
-/// one missed a contact, or if a bias or restitution must change. The last pass, the tenth or the
-/// one after restored biases, is accepted, but has not converged if it missed a contact.
+/// Solves the contact problem of the step in at most `mostPasses` passes. A further pass follows if
+/// the bodies meet at contacts that the pass did not have, or if a bias or restitution must change.
+/// The pass after restored biases is the last one. The last pass is accepted, but the step has not
+/// converged if bodies meet at contacts that it did not have.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations  = 0;
@@ -98,7 +99,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		});
 	rcr::DrivenMotion   driven = rcr::drivenMotionOf(step_, workspace_.team());
 	rcr::Settings       first = settingsOfFirstPass(driven), how = first;
-	// biases of the first pass, restored if changed biases have no solution; empty: none
+	// biases of the first pass, restored if contacts yield with changed ones; empty: none saved
 	std::vector<double> firstBiases;
 	PassOutcome         outcome = PassOutcome::consistent;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
@@ -113,14 +114,14 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		}
 		outcome = reviewPass(engines, pass, driven, firstBiases);
 		if (outcome == PassOutcome::consistent) break;
-		// a contact that was missed may be the first one with a driven body
+		// only contacts tell which bodies are driven, and the missed one may be the first of these
 		if (outcome == PassOutcome::missedContact && driven.speed == 0) {
 			driven = rcr::drivenMotionOf(step_, workspace_.team());
 			if (driven.speed > 0) first = settingsOfFirstPass(driven);
 		}
 		how = settingsOfNextPass(first, outcome);
 	}
-	if (rcr::mayMeetTwice(step_)) converged = false;
+	if (rcr::mayMeetTwoImages(step_)) converged = false;
 	if (const int id = firstNotFinite(step_); id >= 0)
 		throw std::runtime_error(failureMessage(step_, id, scene->iter));
 	checkStretch(step_, scene->iter);
@@ -140,13 +141,13 @@ void ContactDynamics::solvePass(const rcr::Settings& how)
 	const double    layoutBefore  = workspace_.layoutSeconds();
 	const rcr::Vec2 stretchBefore = step_.problem.stretch;
 	warmStart_                    = step_.problem.impulse;
-	// biases by which yielding contacts remove overlaps
+	// velocities at which contacts remove overlaps, if they yield
 	rcr::prepareRecovery(step_, double(correction), workspace_.team());
 	const std::string name   = get<&ContactDynamics::solver>();
 	const rcr::Report report
 	        = timed("solve", [&] { return rcr::solve(step_.problem, name, how, workspace_); });
 	const double      layout = workspace_.layoutSeconds() - layoutBefore;
-	times_.add("layout", layout), times_.add("solve", -layout); // the solve contains it
+	times_.add("layout", layout), times_.add("solve", -layout); // it is part of the solve
 	iterations = iterations + report.iterations;
 	work_ += report.work;
 	residual       = report.residual;
@@ -166,7 +167,7 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 {
 	if (timed("missedContacts", [&] { return addMissedContacts(*scene, engines, step_); })) {
 		firstBiases.clear();
-		// the last pass has no review; overlaps of overdamped bodies have biases of their own
+		// no review would follow restitution; negative biases of overdamped bodies remove overlaps
 		if (pass == mostPasses - 1 && !overdamped) rcr::removeRestitution(step_);
 		return PassOutcome::missedContact;
 	}
@@ -175,8 +176,8 @@ ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engin
 		const bool nextIsLast = pass == mostPasses - 1;
 		if (yielded && rcr::limitRestitution(step_, nextIsLast))
 			return PassOutcome::restitutionLowered;
-		// without driven bodies, the first biases have a solution
 		if (yielded && rcr::restoreBiases(step_, firstBiases)) return PassOutcome::biasesRestored;
+		// without driven bodies, the problem of the first pass has a solution
 		if (pass == 1 && driven.speed == 0) firstBiases = rcr::biases(step_.problem);
 		const bool changed = rcr::adaptBiases(step_, pass <= mostPasses / 2, nextIsLast,
 		        double(tolerance), largeDisplacements_, workspace_.team());

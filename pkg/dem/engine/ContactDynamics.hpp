@@ -126,7 +126,7 @@ private:
 	PassOutcome   reviewPass(
 	          const validation::Engines&, int pass, const rcr::DrivenMotion&, std::vector<double>&);
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
-	void          setRestFlow();
+	void          setStartFlow();
 	void          trackMeanFlow();
 	void          record(const std::vector<rcr::Twist>& impulses);
 

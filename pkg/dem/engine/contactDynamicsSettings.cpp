@@ -94,11 +94,11 @@ rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome o
 	return s;
 }
 
-void ContactDynamics::setRestFlow()
+void ContactDynamics::setStartFlow()
 {
-	step_.restFlow = plane::flowOf(flow);
-	step_.restFlow.gradient[0][0] += double(meanStretchRate[0]);
-	step_.restFlow.gradient[1][1] += double(meanStretchRate[1]);
+	step_.startFlow = plane::flowOf(flow);
+	step_.startFlow.gradient[0][0] += double(meanStretchRate[0]);
+	step_.startFlow.gradient[1][1] += double(meanStretchRate[1]);
 }
 
 /// Adds the mean stretch of the step to the flow from which the next step starts.
@@ -107,7 +107,7 @@ void ContactDynamics::trackMeanFlow()
 	const rcr::Vec2 change = rcr::meanStretch(step_);
 	stretchChange          = Vector2r(change.x, change.y);
 	meanStretchRate += stretchChange;
-	setRestFlow();
+	setStartFlow();
 }
 
 } // namespace yade

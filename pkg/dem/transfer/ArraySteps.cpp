@@ -293,7 +293,7 @@ void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadT
 		if (step.overdamped) {
 			endVelocity_[id]  = body.velocity;
 			body.velocity
-			        = restVelocity(body.velocity, inertia_[id], step.restFlow.at(body.center));
+			        = startVelocity(body.velocity, inertia_[id], step.startFlow.at(body.center));
 		}
 		step.problem.freeVelocity[id]
 		        = rcr::accelerated(body.velocity, inertia_[id], {}, gravity, step.dt);

@@ -20,7 +20,7 @@ struct MeanField {
 	bool     periodic = false;
 	Matrix3r gradient = Matrix3r::Zero(), change = Matrix3r::Zero(),
 	         convection = Matrix3r::Zero();
-	Matrix3r rest = Matrix3r::Zero(); // prescribed gradient, which overdamped bodies follow
+	Matrix3r prescribed = Matrix3r::Zero(); // overdamped bodies follow it
 
 	MeanField(const Scene& scene, const validation::Engines& engines)
 	{
@@ -31,8 +31,8 @@ struct MeanField {
 		gradient         = gradientOf(cell);
 		if (cell.homoDeform > 0) change = gradient - newton.prevVelGrad;
 		if (cell.homoDeform > 1) convection = newton.prevVelGrad;
-		rest = gradient;
-		if (engines.cellStress) engines.cellStress->release(rest);
+		prescribed = gradient;
+		if (engines.cellStress) engines.cellStress->release(prescribed);
 	}
 
 	rcr::Twist added(const State& s, double dt) const

@@ -58,7 +58,7 @@ namespace {
 		const std::size_t    count  = bodies.size();
 		step_.dt                    = double(scene_.dt);
 		step_.cell                  = cellOf(scene_, field_.gradient);
-		if (field_.periodic) step_.restFlow = plane::flowOf(field_.rest);
+		if (field_.periodic) step_.startFlow = plane::flowOf(field_.prescribed);
 		step_.problem.inverseMass.resize(count);
 		step_.problem.freeVelocity.resize(count);
 		step_.bodies.resize(count);
@@ -165,7 +165,7 @@ namespace {
 		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) return;
 		const rcr::Inertia inertia = plane::inertiaOf(s);
 		if (step_.overdamped)
-			body.velocity = restVelocity(body.velocity, inertia, step_.restFlow.at(body.center));
+			body.velocity = startVelocity(body.velocity, inertia, step_.startFlow.at(body.center));
 		const double dt = step_.dt;
 		rcr::Twist&  v  = step_.problem.freeVelocity[b.getId()];
 		v = rcr::accelerated(body.velocity, inertia, externalForce(b),

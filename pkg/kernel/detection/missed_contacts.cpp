@@ -178,7 +178,7 @@ namespace {
 
 } // namespace
 
-bool mayMeetTwice(const Step& step)
+bool mayMeetTwoImages(const Step& step)
 {
 	if (!step.cell.periodic) return false;
 	double widest = 0, second = 0;

@@ -48,7 +48,7 @@ bool findMissedContacts(Step&, const MayMeet&);
 
 /// In the solved step, two bodies may meet at two places of a periodic cell: their radii and paths
 /// exceed half of its smallest height. Only the contact of the nearest images is detected.
-bool mayMeetTwice(const Step&);
+bool mayMeetTwoImages(const Step&);
 
 /// Adds step.updated to the contacts, points and forces of the step, and moves it to step.added.
 /// The caller sets friction and restitution of new contacts before.

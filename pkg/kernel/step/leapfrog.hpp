@@ -23,13 +23,13 @@ inline Twist accelerated(
 	return v;
 }
 
-/// Velocity of an overdamped body at the beginning of a step: `rest` in its free degrees of
+/// Velocity of an overdamped body at the beginning of a step: `start` in its free degrees of
 /// freedom.
-inline Twist restVelocity(Twist v, const Inertia& inertia, const Twist& rest)
+inline Twist startVelocity(Twist v, const Inertia& inertia, const Twist& start)
 {
-	if (inertia.x) v.x = rest.x;
-	if (inertia.y) v.y = rest.y;
-	if (inertia.rotation) v.rotation = rest.rotation;
+	if (inertia.x) v.x = start.x;
+	if (inertia.y) v.y = start.y;
+	if (inertia.rotation) v.rotation = start.rotation;
 	return v;
 }
 

@@ -181,9 +181,9 @@ struct Flow {
 
 struct Step {
 	double                    dt         = 0; // [s]
-	// bodies start from restFlow; the step removes overlaps whole
+	// bodies start from startFlow; the step removes overlaps whole
 	bool                      overdamped = false;
-	Flow                      restFlow;
+	Flow                      startFlow;
 	PeriodicCell              cell;
 	std::vector<StepBody>     bodies;
 	std::vector<std::int32_t> members;  // clump members
