@@ -104,7 +104,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 	PassOutcome         outcome = PassOutcome::consistent;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
 		const bool last = pass == mostPasses || outcome == PassOutcome::biasesRestored;
-		if (rcr::restIsSolution(step_, driven)) how.yieldCompliance = 0, how.yieldedBefore = false;
+		if (rcr::restIsSolution(step_, driven)) how.yieldCompliance = 0;
 		solvePass(how);
 		if (last) {
 			if (timed("missedContacts", [&] { return findMissedContacts(*scene, engines, step_); }))

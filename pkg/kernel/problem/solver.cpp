@@ -128,7 +128,7 @@ namespace {
 	        ContactProblem& problem, const std::string& solver, const Settings& settings,
 	        Workspace& workspace)
 	{
-		if (settings.yieldedBefore) {
+		if (settings.yieldedBefore && settings.yieldCompliance > 0) {
 			Settings few      = settings;
 			few.maxIterations = std::min(settings.maxIterations, sweepsAfterYield);
 			return solveNesterov(problem, few, workspace);

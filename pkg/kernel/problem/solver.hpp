@@ -49,7 +49,8 @@ struct Settings {
 	/// (step/drive.hpp) [N s].
 	double yieldImpulse = std::numeric_limits<double>::infinity();
 
-	/// An earlier pass of this step has yielded. This pass yields too unless a few sweeps solve it.
+	/// An earlier pass of this step has yielded. With ε > 0, this pass yields too unless a few sweeps
+	/// solve it.
 	bool yieldedBefore = false;
 
 	/// Stop criterion of the paper: relative change of the mean normal impulse between two

@@ -215,3 +215,21 @@ def test_rods_do_not_pass_through_walls_unnoticed(radii, sense):
             passed += 1
             assert solver().missedSteps > 0
     assert passed <= 2
+
+
+def test_the_last_pass_of_a_step_is_separated_too():
+    """Discs at 5 R a step and a driven rod: a step whose tenth pass still changes."""
+    grain = material(0)
+    disc = lambda x, y, *v: particle((x * R, y * R), R, 0, velocity=[1000 * R * u for u in v],
+                                     material=grain)
+    driven = particle((2.3 * R, 2.3 * R), R, 0.7, angle=1.4, velocity=(-100 * R, 100 * R),
+                      material=grain)
+    driven.state.blockedDOFs = "xyzXYZ"
+    build(disc(0, 2.3, 0.3, 5.6), driven, disc(0, 6.9, 0, 0),
+          particle((4.6 * R, 6.9 * R), R, 0.9, material=grain),
+          particle((0, 9.2 * R), 0.8 * R, 0, material=grain), disc(2.3, 9.2, 5.1, -2.3),
+          disc(4.6, 9.2, -5.2, -1.9), *walls(grain, x=(-1.2 * R, 8.1 * R)),
+          rcr.wall("y", 12.7 * R, -1, material=grain), gravity=(0, 0, 0), restitution=1.0,
+          tolerance=1e-4, maxIterations=300)
+    steps(2)
+    assert solver().deepestOverlap < 5e-3

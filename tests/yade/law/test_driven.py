@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import rcr
 from benchmarks.hard_scenes import driven
-from scenes import build, heap, iterations, material, solver, steps
+from rcr import particle
+from scenes import build, heap, iterations, material, set_state, solver, steps
 from yade import O
 
 # The other scenes are too slow, or too short for the message.
@@ -110,3 +111,31 @@ def test_a_step_pays_no_more_than_its_iterations():
     scene = driven.draw(28)
     driven.begin(scene, driven.RIGID, driven._settled(scene))
     assert max(iterations(60)) <= solver().maxIterations
+
+
+def test_a_first_driven_contact_that_was_missed_yields_too():
+    """A heavy disc turns a rod, which then meets a driven disc at a lever of 0.01 of its length."""
+    R, smooth = 0.01, material(0)
+    rod, driven = particle((0, 0), 10 * R, 0.9, material=smooth), rcr.disc((0.4 * R, -2.05 * R), R,
+                                                                           material=smooth)
+    rod.state.blockedDOFs, driven.state.blockedDOFs = "xyzXY", "xyzXYZ"
+    driven.state.vel = (0, 5 * R, 0)
+    build(rod, driven, rcr.disc((8 * R, 2.02 * R), R, velocity=(0, -2000 * R),
+                                material=material(0, density=1e5)),
+          gravity=(0, 0, 0), tolerance=1e-4)
+    O.step()
+    assert solver().yielded
+
+
+def test_all_passes_of_a_squeeze_have_ten_times_the_sweeps():
+    """A disc hits a row, which takes several passes, while two other discs overlap or do not."""
+    R, smooth, taken = 0.01, material(0), {}
+    for second in (1.9, 2.1):
+        build(*(rcr.disc((x * R, y * R), R, material=smooth)
+                for x, y in ((0, 10), (second, 10), (0, 0), (2.5, 0), (4.7, 0))),
+              gravity=(0, 0, 0), tolerance=0, maxIterations=10, solver="nlgs", correction=0)
+        O.step()
+        set_state(2, vel=(1000 * R, 0, 0))
+        taken[second], = iterations(1)
+    assert taken[2.1] > 10, "the step has one pass: the test tests nothing"
+    assert taken[1.9] == 10 * taken[2.1]

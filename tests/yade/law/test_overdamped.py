@@ -92,3 +92,15 @@ def test_a_flow_that_cannot_be_is_refused(overdamped, track, rate, message):
     with pytest.raises(ValueError, match=message):
         O.step()
     assert tuple(body.state.pos) == (1, 2, 0)
+
+
+def test_a_last_pass_still_removes_overlaps():
+    """A disc pushes a row together, one contact in each pass; two discs elsewhere overlap."""
+    smooth, R = material(0), 0.01
+    disc = lambda x, y: rcr.disc((x * R, y * R), R, material=smooth)
+    bodies, _ = flowing(*(disc(2.2 * k, 0) for k in range(25)), disc(0, 10), disc(1.9, 10), dt=1e-3)
+    O.forces.setPermF(0, (20 * bodies[0].state.mass * R / O.dt**2, 0, 0))
+    O.step()
+    assert not solver().converged, "no contact is missing in the last pass: the test tests nothing"
+    left, right = (b.state.pos[0] for b in bodies[-2:])
+    assert right - left == pytest.approx(2 * R, rel=1e-6)
