@@ -1,4 +1,4 @@
-"""Runs one row of a table of parameters with yade-batch.
+"""Runs a table of parameters with yade-batch, each row as one scene.
 
 A column of grains collapses on a floor. The table varies the elongation and the friction. The
 script draws the run-out of all finished rows.

@@ -191,8 +191,8 @@ def _sign_change(v, name):
     return at_every_eta(v["eta"][rows], agrees, value, error)
 
 
-SIGN = "its sign, within two errors, at every η (discs have no ℓ_r)"
-claim("O12", "C(f, ℓ_r) is positive for η ≤ 0.3, negative above", SIGN)(
+SIGN = "its sign, within two errors, at every η"
+claim("O12", "C(f, ℓ_r) is positive for η ≤ 0.3, negative above", f"{SIGN} (discs have no ℓ_r)")(
     lambda v: _sign_change(v, "c_f_lr"))
 claim("O12", "C(f, ℓ) is positive for η ≤ 0.3, negative above", SIGN)(
     lambda v: _sign_change(v, "c_f_l"))
