@@ -8,7 +8,7 @@ import sys
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-PAGES = [ROOT / "README.md", ROOT / "pkg" / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "pkg" / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 def prose(page):
@@ -45,8 +45,10 @@ def test_links_resolve(page):
 
 
 def test_every_page_is_in_the_contents():
-    contents = re.findall(r"^([\w-]+)(?:\*\*)?$", (ROOT / "docs" / "index.md").read_text(), re.M)
-    pages = {page.stem for page in (ROOT / "docs").glob("*.md")}
+    docs = ROOT / "docs"
+    contents = re.findall(r"^([\w/-]+)$", (docs / "index.md").read_text(), re.M)
+    pages = {str(page.relative_to(docs).with_suffix("")) for page in docs.rglob("*.md")
+             if not page.is_relative_to(docs / "results")}
     assert pages - {"index", *contents} == set()
 
 

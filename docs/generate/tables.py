@@ -211,7 +211,7 @@ def main():
                         help="write nothing; exit with 1 if a page is out of date")
     check = parser.parse_args().check
     stale = []
-    for page in [ROOT / "README.md", *sorted(DOCS.glob("*.md"))]:
+    for page in [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]:
         text = page.read_text()
         if (new := updated(text)) != text:
             stale.append(page.name)

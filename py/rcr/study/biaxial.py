@@ -66,8 +66,8 @@ class Biaxial:
         """Make a new test in a loose state, in place of YADE's scene.
 
         Parameters are those of `rcr.study.protocol.check_parameters`: options of
-        scripts/biaxial.py, which docs/biaxial.md describes. A ValueError reports one out of its
-        range.
+        scripts/biaxial.py, which docs/study/biaxial.md describes. A ValueError reports one out of
+        its range.
         """
         parameters = check_parameters(*arguments, **parameters)
         compaction.make_scene(parameters)

@@ -18,7 +18,7 @@ FREE_PARAMETERS = ("threads",)  # parameters that do not change the results
 class Protocol:
     """Constants of the biaxial test; `PROTOCOL` holds the defaults.
 
-    The tests of docs/measurements.md chose these values, or they set a scale.
+    The tests of docs/measurements/index.md chose these values, or they set a scale.
     """
 
     # Grains and load
@@ -61,7 +61,7 @@ class Protocol:
     quick_time_step: float = 0.1  # dt of quick shear, at most [t₀]
     quick_inertial_number: float = 1e-3  # I of quick shear, at least [-]
     iterations: int = 300  # of the solver in a step, at most
-    small_iterations: int = 10_000  # the same of small packings (docs/biaxial.md)
+    small_iterations: int = 10_000  # the same of small packings (docs/study/biaxial.md)
     small_particles: int = 2000  # grains of a small packing, at most
     yield_compliance: float = 0.01  # `ContactDynamics.yieldCompliance`
     most_divisor: int = 5  # of the time step where the shear is repeated
@@ -92,7 +92,7 @@ def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e
                      sample_inertia=PROTOCOL.sample_inertia):
     """Return the parameters of a test as a dict, after a check of each.
 
-    docs/biaxial.md and the help of scripts/biaxial.py describe them. A ValueError reports a
+    docs/study/biaxial.md and the help of scripts/biaxial.py describe them. A ValueError reports a
     parameter out of its range, or two that exclude each other.
     """
     parameters = dict(locals())

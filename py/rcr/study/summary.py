@@ -17,7 +17,8 @@ def summarize(test, include_yielded=False):
     """Return the contents of `summary.json` of a `Biaxial`, {key: value}.
 
     Means are those of the records in the second half of the strain. Records with a step without a
-    solution are left out, unless `include_yielded` is set. docs/biaxial.md describes the keys.
+    solution are left out, unless `include_yielded` is set. docs/study/biaxial.md describes the
+    keys.
     """
     parameters = {name: test.parameters[name] for name in ("eta", "particles", "seed")}
     means = _strength(test, include_yielded)

@@ -1,5 +1,6 @@
-"""Every hard scene (docs/hard-scenes.md) keeps its bound at the default settings and is stable at
-ten times the time step. S20 is test_same_bits.py.
+"""Every hard scene keeps its bound at the default settings and is stable at ten times the time step.
+
+docs/measurements/hard-scenes.md describes the scenes. S20 is test_same_bits.py.
 """
 
 import pytest
@@ -9,9 +10,9 @@ from benchmarks.hard_scenes import COARSE
 SLOW = ("s01_grain_on_pile", "s03_cold_box", "s04_together", "s10_shuffled", "s19_pyramid",
         "s19_disc_pyramid", "s19_tall_stack", "s04_mass_ratio")
 SHORTENED = dict(s18_creep=10.0, s19_tall_stack=3.0)  # seconds of simulated time
-# Known failures, with their figures in docs/hard-scenes.md; update both when a test of these fails.
+# Known failures; the page has their figures. Update both when a test of these fails.
 FAILS = {"s19_disc_pyramid": "rest and collapse both satisfy the laws, and ours collapses"}
-# Scenes that drift at ten times the time step, as docs/hard-scenes.md explains.
+# Scenes that drift at ten times the time step, as the page explains.
 DRIFTS = ("s06_overlap_heals", "s08_joints", "s11_painleve", "s19_disc_pyramid")
 
 

@@ -17,7 +17,7 @@ from scenes import environment
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 FOLDER, BUILD = ROOT / "examples", ROOT / "build"
 EXAMPLES = sorted(FOLDER.glob("*.py"))
-PAGES = [page for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [page for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
          if "```python\n" in page.read_text()]
 QUICK = ["first_scene"]  # the others take some seconds each
 
