@@ -112,12 +112,17 @@ def clump(members, mass=None, inertia=None):
     Raises
     ------
     ValueError
-        If there is no member, one has another shape, or a number is outside its range.
+        If there is no member, one has another shape, is fixed or moves, or a number is outside
+        its range.
     """
     members = list(members)
     grains = [isinstance(b, Body) and isinstance(b.shape, (Rcr, Sphere)) for b in members]
     if not members or not all(grains):
         raise checks.error("members", members, "at least one body of rcr.particle or rcr.disc")
+    for number, state in enumerate(b.state for b in members):
+        if state.blockedDOFs != "zXY" or any(state.vel) or any(state.angVel):
+            raise ValueError(f"members[{number}] is fixed or moves; expected a free body at rest. "
+                             "Block or move the clump instead: O.bodies[id].state")
     if len({id(b) for b in members}) < len(members):
         raise ValueError("members holds a body twice; expected each body once")
     area, (x, y), polar_moment = _outlines.union(_outlines_of(members))

@@ -141,7 +141,13 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 	const auto apply = [&](Body::id_t id, const State& s, const rcr::Twist& force) {
 		scene->forces.addForce(id, Vector3r(force.x, force.y, 0));
 		scene->forces.addTorque(id, Vector3r(0, 0, force.rotation));
-		if (scene->trackEnergy && !Body::byId(id, scene)->isClumpMember()) trackDrive(s, force, dt);
+		if (!scene->trackEnergy) return;
+		const Body&  body  = *Body::byId(id, scene);
+		const State& owner = body.isClumpMember() ? *Body::byId(body.clumpId, scene)->state : s;
+		rcr::Twist   onOwner = force;
+		onOwner.rotation += cross(
+		        plane::toPlane(s.pos - owner.pos), rcr::Vec2 { force.x, force.y });
+		trackDrive(owner, onOwner, dt);
 	};
 	apply(id1, state1, onBody1), apply(id2, state2, onBody2);
 	return true;

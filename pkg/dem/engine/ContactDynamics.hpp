@@ -74,7 +74,7 @@ public:
 		((bool,trackMeanStretch,false,,"Overdamped bodies also start from the mean stretch of earlier steps, so that no drag resists it. Not in a periodic cell."))
 		((std::vector<int>,observe,,,"Ids of the observed bodies."))
 		((int,observeEvery,0,Attr::noSave,"Number of steps in each entry of :yref:`observations<ContactDynamics.observations>`; 0 keeps no entries."))
-		((Published<bool>,converged,true,Attr::readonly,"The last step met both tolerances without yielding and missed no contact. Its large displacements left no overlap beyond 0.02 (R₁ + R₂)."))
+		((Published<bool>,converged,true,Attr::readonly,"The last step met both tolerances without yielding and missed no contact. With inertia, its large displacements left no overlap beyond 0.02 (R₁ + R₂)."))
 		((Published<int>,iterations,0,Attr::readonly,"Sweeps of the last step over all passes, in the island that took most. May exceed maxIterations."))
 		((Published<double>,residual,0,Attr::readonly,"Residual of the last step: natural map of the contact laws relative to the impulses [-]."))
 		((Published<double>,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step, over their RMS or, if larger, 1 % of the RMS without contacts [-]."))

@@ -82,23 +82,23 @@ double deepestOverlap(const rcr::Step& step, rcr::ThreadTeam& team)
 
 std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)
 {
-	const double overlap = outcome.overlap;
-	std::string  warning;
-	if (steps.count(outcome.missed, outcome.yielded, overlap, outcome.overdamped)) {
-		warning = "step " + std::to_string(outcome.number) + ": " + steps.message();
-		if (overlap > rcr::MissedSteps::reportedOverlap)
-			warning += " Deepest in this step: " + deepestPair(step, overlap) + ".";
+	const double      overlap = outcome.overlap;
+	const auto        verdict = jam.update(overlap, outcome.yielded);
+	const std::string driven
+	        = verdict == rcr::JamDetector::Verdict::none ? "" : drivenParts(step);
+	if (!driven.empty()) {
+		const std::string overlaps = deepestPair(step, overlap) + " overlap by "
+		        + validation::text(overlap, 2) + " of R₁ + R₂";
+		throw std::runtime_error(
+		        verdict == rcr::JamDetector::Verdict::jam ? jamMessage(overlaps, driven)
+		                : outcome.missed ? notConvergedMessage(overlaps, outcome.iterations)
+		                                 : growingMessage(overlaps));
 	}
-	const auto verdict = jam.update(overlap, outcome.yielded);
-	if (verdict == rcr::JamDetector::Verdict::none) return warning;
-	const std::string driven = drivenParts(step);
-	if (driven.empty()) return warning;
-	const std::string overlaps = deepestPair(step, overlap) + " overlap by "
-	        + validation::text(overlap, 2) + " of R₁ + R₂";
-	throw std::runtime_error(
-	        verdict == rcr::JamDetector::Verdict::jam ? jamMessage(overlaps, driven)
-	                : outcome.missed ? notConvergedMessage(overlaps, outcome.iterations)
-	                                 : growingMessage(overlaps));
+	if (!steps.count(outcome.missed, outcome.yielded, overlap, outcome.overdamped)) return {};
+	std::string warning = "step " + std::to_string(outcome.number) + ": " + steps.message();
+	if (overlap > rcr::MissedSteps::reportedOverlap)
+		warning += " Deepest in this step: " + deepestPair(step, overlap) + ".";
+	return warning;
 }
 
 int firstNotFinite(const rcr::Step& step)

@@ -51,7 +51,7 @@ void StepObserver::record(const Result& result, const std::vector<int>& ids, int
 		sums_.missSum += result.miss;
 		sums_.largestMiss = std::max(sums_.largestMiss, result.miss);
 	}
-	for (int id : ids) {
+	for (int id : std::set<int>(ids.begin(), ids.end())) {
 		rcr::Twist& sum = sums_.force[id];
 		sum             = sum + impulses[id] / step.dt;
 	}

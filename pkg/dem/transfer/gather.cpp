@@ -241,7 +241,7 @@ namespace {
 		for (std::size_t k = 0; k < handles_.sorted.size(); ++k) {
 			const SceneHandles::Contact& source = handles_.sorted[k];
 			step_.contacts[k]
-			        = { source.id1, source.id2, points, source.points, int(k), 0, 0, {}, {} };
+			        = { source.id1, source.id2, points, source.points, int(k), 0, 0, 0, {}, {} };
 			points += source.points;
 		}
 		step_.begin(points);
@@ -260,6 +260,7 @@ namespace {
 		const SceneHandles::Contact& source  = handles_.sorted[number];
 		const CdPhys&               phys    = *source.phys;
 		validation::checkPhys(phys, contact.body1, contact.body2);
+		contact.friction    = double(phys.tangensOfFrictionAngle);
 		contact.restitution = double(phys.restitution);
 		contact.size        = double(source.geom->refR1 + source.geom->refR2);
 		if (scene_.isPeriodic) {
@@ -268,8 +269,7 @@ namespace {
 		}
 		const rcr::Impulse force[2] = { { double(phys.force1[0]), double(phys.force1[1]) },
 			{ double(phys.force2[0]), double(phys.force2[1]) } };
-		step_.setPoints(
-		        contact, source.geom->manifold(), double(phys.tangensOfFrictionAngle), force);
+		step_.setPoints(contact, source.geom->manifold(), force);
 	}
 
 } // namespace

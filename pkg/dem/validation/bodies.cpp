@@ -159,10 +159,11 @@ void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)
 		refuse("contact of " + named({ id1, id2 }) + " has the friction coefficient "
 		        + text(friction)
 		        + "; expected a friction angle from 0 to below π/2, and a coefficient of at most "
-		        + text(rcr::maxFriction) + ".");
+		        + text(rcr::maxFriction)
+		        + ". Mend the material or Ip2 functor, then call O.interactions.clear().");
 	if (!(restitution >= 0 && restitution <= 1))
 		refuse("contact of " + named({ id1, id2 }) + " has the restitution " + text(restitution)
-		        + "; expected 0 to 1.");
+		        + "; expected 0 to 1. Mend the Ip2 functor, then call O.interactions.clear().");
 }
 
 } // namespace yade::validation

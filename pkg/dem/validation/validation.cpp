@@ -239,11 +239,25 @@ void registerBodiesWithCollider(const Scene& scene)
 	}
 }
 
+/// ContactDynamics divides impulses by its time step, and NewtonIntegrator multiplies these forces
+/// by its own. YADE advances the time by the one at the end of the step.
+void Validator::checkTimeStep(const View& v)
+{
+	const Real change = v.scene.iter == nextStep_ ? math::abs(v.scene.time - nextTime_) : 0;
+	nextStep_ = v.scene.iter + 1, nextTime_ = v.scene.time + v.scene.dt;
+	if (change > 1e-6 * v.scene.dt + 1e-12 * v.scene.time
+	        && v.place<NewtonIntegrator>() > v.place<ContactDynamics>() + 1)
+		refuse("O.dt changed after ContactDynamics in the last step, so NewtonIntegrator applied "
+		       "wrong forces; change O.dt by an engine before ContactDynamics or after "
+		       "NewtonIntegrator.");
+}
+
 Engines Validator::validate(const Scene& scene)
 {
 	const View        view(scene);
+	checkTimeStep(view);
 	// may change without a change of objects
-	for (const auto rule : { timeStep, integrator, velocityGradient, smallCell })
+	for (const auto rule : { timeStep, finiteMotion, integrator, velocityGradient, smallCell })
 		if (const std::string wrong = rule(view); !wrong.empty()) refuse(wrong);
 	const Signature now = signature(scene);
 	if (now == seen_) return engines_;

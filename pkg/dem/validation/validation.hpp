@@ -100,13 +100,19 @@ struct Signature {
 	bool operator==(const Signature&) const;
 };
 
+struct View;
+
 /// Validates the scene when its engines, their functors or its number of bodies changed.
 class Validator {
 public:
 	Engines validate(const Scene&); // throws the message of `refusal`
 private:
+	void checkTimeStep(const View&);
+
 	Signature seen_;
 	Engines   engines_;
+	long      nextStep_ = -1; // expected number and time of the next step
+	Real      nextTime_ = 0;
 };
 
 /// YADE's rule of masks and clumps allows a contact of the two bodies.

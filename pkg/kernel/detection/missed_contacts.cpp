@@ -103,8 +103,8 @@ namespace {
 	{
 		const double size
 		        = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
-		return { pair.body1, pair.body2, 0, 0, -1, pair.restitution, size, pair.shift,
-			step.cell.drift(pair.shift) };
+		return { pair.body1, pair.body2, 0, 0, -1, pair.friction, pair.restitution, size,
+			pair.shift, step.cell.drift(pair.shift) };
 	}
 
 	/// A point of the contact closes beyond the slop at the solved velocities. A new contact with a
@@ -292,11 +292,8 @@ void addUpdatedContacts(Step& step)
 		const std::array<Start, 2> start
 		        = startsOf(step, old, updated ? &updated->manifold : nullptr);
 		for (int k = 0; k < c.count; ++k) {
-			const double friction  = updated && !updated->known
-			         ? updated->friction
-			         : step.problem.points[old.first].friction;
 			const ManifoldPoint at = updated ? updated->manifold.points[k] : step.point(old, k);
-			const ContactPoint  initial = step.contactPoint(c, at, friction);
+			const ContactPoint  initial = step.contactPoint(c, at);
 			points.push_back(updated ? initial : step.problem.points[old.first + k]);
 			if (restarted[c.body1] || restarted[c.body2]) points.back().bias = initial.bias;
 			impulses.push_back(step.dt * start[k].force);

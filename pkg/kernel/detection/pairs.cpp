@@ -117,8 +117,8 @@ void Pairs::writeContacts(Step& step, ThreadTeam& team) const
 		const double       size
 		        = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
 		step.contacts[k] = { pair.body1, pair.body2, first[k], pair.points, number,
-			pair.restitution, size, {}, {} };
-		step.setPoints(step.contacts[k], manifold[number], pair.friction, pair.force);
+			pair.friction, pair.restitution, size, {}, {} };
+		step.setPoints(step.contacts[k], manifold[number], pair.force);
 	});
 	step.indexContacts();
 }

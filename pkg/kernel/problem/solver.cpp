@@ -1,5 +1,6 @@
 #include "problem/solver.hpp"
 
+#include "problem/coulomb.hpp"
 #include "problem/infeasibility.hpp"
 #include "problem/refuse.hpp"
 #include "problem/residual.hpp"
@@ -54,6 +55,18 @@ namespace {
 		return std::any_of(problem.impulse.begin(), problem.impulse.end(), exceeds);
 	}
 
+	/// A prescribed motion closes a contact that no impulse can open, since it also blocks its
+	/// normal direction.
+	bool closesBlockedContact(const ContactProblem& problem, double roundingVelocity)
+	{
+		return std::any_of(
+		        problem.points.begin(), problem.points.end(), [&](const ContactPoint& c) {
+			        return delassus(problem, c).nn <= 0
+			                && !(problem.prescribed(c.body1) && problem.prescribed(c.body2))
+			                && relativeVelocity(problem, c).n + c.bias < -roundingVelocity;
+		        });
+	}
+
 	/// True if contacts must yield. Also tests converged solutions: a wedge can have impulses so
 	/// large that both relative errors are small.
 	bool mustYield(
@@ -63,6 +76,7 @@ namespace {
 		if (settings.yieldCompliance == 0) return false;
 		if (report.yielded) return true;
 		if (exceedsYieldImpulse(problem, settings)) return true;
+		if (closesBlockedContact(problem, settings.roundingVelocity)) return true;
 		if (mayExceedEnergyBound(problem, report.dissipated, report.freeSpeed)
 		    && exceedsEnergyBound(problem))
 			return true;

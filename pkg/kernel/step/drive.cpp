@@ -66,7 +66,7 @@ DrivenMotion drivenMotionOf(
 			drive.speed = drivenSpeed(problem);
 	});
 	if (drive.speed == 0 || problem.stretches()) return drive;
-	double total = 0, momentum = 0, load = 0;
+	double total = 0, momentum = 0, largestMomentum = 0, load = 0;
 	int    bodies = 0;
 	for (std::size_t id = 0; id < before.size(); ++id) {
 		const InverseMass& inverse = problem.inverseMass[id];
@@ -78,7 +78,8 @@ DrivenMotion drivenMotionOf(
 		};
 		++bodies;
 		total += 1 / largest;
-		momentum += (drive.speed + free({ v.x, v.y })) / largest;
+		const double own = (drive.speed + free({ v.x, v.y })) / largest;
+		momentum += own, largestMomentum = std::max(largestMomentum, own);
 		load += free({ v.x - before[id].x, v.y - before[id].y }) / largest;
 	}
 	if (bodies == 0) return drive;
@@ -86,7 +87,8 @@ DrivenMotion drivenMotionOf(
 	drive.compliance
 	        = std::max(stiffest, drive.speed * (total / bodies) * rows / (momentum + loads * load));
 	drive.leastResponse = response * bodies / total;
-	drive.yieldImpulse  = (mostMomenta * momentum + mostLoads * load) / rows;
+	drive.yieldImpulse  = mostMomenta * std::max(momentum / rows, largestMomentum)
+	        + mostLoads * load / rows;
 	return drive;
 }
 

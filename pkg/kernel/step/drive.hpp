@@ -17,8 +17,9 @@
 //
 // A contact with w_nn < w₀ = 0.1/m̄ yields as if w_nn = w₀, so it bears at most ten times P + 10 L.
 // A contact of the mass m̄ that bears L closes slower than V/10. A driven step with a contact beyond
-// 3 P + 200 L yields although it has a rigid solution: a struck row bears P, a contact in a sheared
-// packing up to 40 L.
+// P_y = 3 max(P, P₁) + 200 L yields although it has a rigid solution. P₁ is the largest m (V +
+// |v_free|) of one body, which a single impact transfers. A struck row bears P, a contact in a
+// sheared packing up to 40 L.
 //
 // | symbol      | field         | unit | meaning                                              |
 // |-------------|---------------|------|------------------------------------------------------|
@@ -26,7 +27,7 @@
 // | V           | speed         | m/s  | fastest driven motion at a contact                   |
 // | ε           | compliance    | –    | yielding velocity of a contact over its own response |
 // | w₀          | leastResponse | 1/kg | least response w_nn of a yielding contact            |
-// | 3 P + 200 L | yieldImpulse  | N s  | largest impulse of a contact that stays rigid        |
+// | P_y         | yieldImpulse  | N s  | largest impulse of a contact that stays rigid        |
 //
 // The stress on a stretching cell is unknown here. Such a cell keeps the default ε and an infinite
 // yieldImpulse.

@@ -21,8 +21,7 @@ Pose moved(const StepBody& body, const StepBody& owner, const Twist& v, double t
 	return { center, turn.axis() };
 }
 
-ContactPoint Step::contactPoint(
-        const StepContact& c, const ManifoldPoint& at, double friction) const
+ContactPoint Step::contactPoint(const StepContact& c, const ManifoldPoint& at) const
 {
 	ContactPoint p;
 	p.body1    = bodies[c.body1].owner;
@@ -30,7 +29,7 @@ ContactPoint Step::contactPoint(
 	p.normal   = at.normal;
 	p.arm1     = at.position - bodies[p.body1].center;
 	p.arm2     = at.position - (bodies[p.body2].center + c.shift);
-	p.friction = friction;
+	p.friction = c.friction;
 	p.drift    = c.drift;
 	p.shift    = cell.stretches() ? c.shift : Vec2 {};
 	p.bias     = overdamped
@@ -53,11 +52,10 @@ void Step::begin(int points)
 	strain = {};
 }
 
-void Step::setPoints(
-        const StepContact& c, const Manifold& manifold, double friction, const Impulse* from)
+void Step::setPoints(const StepContact& c, const Manifold& manifold, const Impulse* from)
 {
 	for (int k = 0; k < c.count; ++k) {
-		problem.points[c.first + k]  = contactPoint(c, manifold.points[k], friction);
+		problem.points[c.first + k]  = contactPoint(c, manifold.points[k]);
 		gap[c.first + k]             = { manifold.points[k].gap, -c.slop(), from[k].n > 0 };
 		force[c.first + k]           = from[k];
 		problem.impulse[c.first + k] = dt * from[k];

@@ -99,7 +99,7 @@ struct StepContact {
 	std::int32_t body1 = 0, body2 = 0;
 	std::int32_t first = 0, count = 0;
 	std::int32_t source      = -1; // its number in the list of the simulation; −1: new
-	double       restitution = 0;
+	double       friction = 0, restitution = 0;
 	double       size        = 0; // R₁ + R₂ [m]
 	// shift of the image of body 2 [m], and its velocity relative to body 2 [m/s]
 	Vec2         shift, drift;
@@ -217,13 +217,13 @@ struct Step {
 
 	/// A detected point as a point of the problem. Its bias follows from the velocities at the
 	/// beginning of the step.
-	ContactPoint contactPoint(const StepContact&, const ManifoldPoint&, double friction) const;
+	ContactPoint contactPoint(const StepContact&, const ManifoldPoint&) const;
 
 	/// Allocates the points of the contacts and clears the results of the last step.
 	void begin(int points);
 
 	/// Sets the points of a contact and the forces from which the solver starts.
-	void setPoints(const StepContact&, const Manifold&, double friction, const Impulse* force);
+	void setPoints(const StepContact&, const Manifold&, const Impulse* force);
 
 	/// Computes firstOf from contacts.
 	void indexContacts();

@@ -90,6 +90,7 @@ Report solveYielding(ContactProblem& problem,
 	for (Impulse& p : problem.impulse)
 		if (p.n > settings.yieldImpulse) p = settings.yieldImpulse / p.n * p;
 	for (std::size_t k = 0; k < problem.recovery.size(); ++k) {
+		if (!(problem.recovery[k] < 0)) continue; // no overlap
 		// correct overlaps no faster than the driven motion
 		const double recovery  = std::max(problem.recovery[k], -fastest);
 		problem.points[k].bias = std::min(problem.points[k].bias, recovery);

@@ -59,9 +59,9 @@ def test_violent_scenes_end_their_steps_without_overlap(scene, seed):
 
 
 def test_a_step_that_would_double_the_energy_is_refused():
-    """Twenty rods at 20 radii a step in a box, restitution 0.9."""
-    rng, dt = np.random.default_rng(1), 1e-3
-    speed, grain = 20 * R / dt, material(0.3)
+    """Twenty rods at 40 radii a step in a box, restitution 0.9."""
+    rng, dt = np.random.default_rng(20), 1e-3
+    speed, grain = 40 * R / dt, material(0.3)
     rods = []
     for k in range(20):
         way = rng.uniform(0, 2 * math.pi)

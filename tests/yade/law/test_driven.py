@@ -1,5 +1,7 @@
 """Driven scenes, small and short, and a recorded step that once diverged."""
 
+import math
+
 import numpy as np
 import pytest
 import rcr
@@ -139,3 +141,62 @@ def test_all_passes_of_a_squeeze_have_ten_times_the_sweeps():
         taken[second], = iterations(1)
     assert taken[2.1] > 10, "the step has one pass: the test tests nothing"
     assert taken[1.9] == 10 * taken[2.1]
+
+
+def squeezed(*others, **options):
+    """Discs of R = 0.1 m: a driven one presses another on a fixed one; `others` lie apart."""
+    rough = material(0.3)
+    disc = lambda x, y, **more: rcr.disc((x, y), 0.1, material=rough, **more)
+    build(disc(0, 0, fixed=True), disc(0, 0.2), disc(0, 0.4, fixed=True, velocity=(0, -0.1)),
+          *(disc(*at, velocity=velocity) for at, velocity in others), gravity=(0, 0, 0),
+          tolerance=1e-4, **options)
+
+
+def test_yielding_contacts_push_no_bodies_that_do_not_meet():
+    """Two discs approach each other by 0.3 mm across a gap of 0.9 mm, far from a squeeze."""
+    squeezed(((5, 0), (0, 0)), ((5.2009, 0), (-0.3, 0)))
+    O.step()
+    assert solver().yielded
+    assert [O.bodies[k].state.vel[0] for k in (3, 4)] == pytest.approx([0, -0.3], abs=1e-9)
+
+
+def test_an_impact_is_no_jam_of_a_slow_drive():
+    """A fast disc of a long row hits a wall while the last disc is driven slowly."""
+    smooth = material(0.3)
+    discs = [rcr.disc((0.25 * k, 0), 0.1, smooth) for k in range(30)]
+    build(rcr.wall("x", -1, 1, material=smooth), *discs,
+          rcr.disc((-0.899, 0), 0.1, smooth, velocity=(-2, 0)),
+          rcr.disc((7.45, 0), 0.1, smooth, fixed=True, velocity=(-1e-3, 0)), gravity=(0, 0, 0),
+          dt=2e-3, tolerance=1e-4)
+    O.step()
+    assert not solver().yielded
+    assert O.bodies[31].state.vel[0] == pytest.approx(-0.5, rel=1e-6)  # closes the gap of 1 mm
+
+
+@pytest.mark.parametrize("eta, angle, blocked", [(0, 0, "yzXY"), (0.6, 0.3, "yzXYZ")])
+def test_a_prescribed_component_that_closes_a_contact_is_a_jam(eta, angle, blocked):
+    """The floor stops a grain whose velocity along y is prescribed, but free along x."""
+    rough = material(0.3)
+    build(rcr.wall("y", 0, 1, material=rough), particle((0, 0.1), 0.1, eta, angle, rough),
+          gravity=(0, 0, 0), tolerance=1e-4)
+    lowest = 0.1 * (1 - eta + eta * math.sin(angle))
+    set_state(1, blockedDOFs=blocked, vel=(0, -1, 0), pos=(0, lowest + 1e-3, 0))
+    steps(1)
+    assert not solver().yielded  # the gap closes
+    steps(2)
+    assert solver().yieldedSteps >= 1
+    with pytest.raises(RuntimeError, match="jam.*body #1"):
+        steps(40)
+
+
+def test_a_jam_that_is_tried_again_counts_no_step():
+    squeezed()
+    with pytest.raises(RuntimeError, match="jam"):
+        steps(100)
+    assert solver().yieldedSteps == O.iter
+    for _ in range(3):
+        try:
+            O.step()
+        except RuntimeError:
+            pass
+    assert solver().yieldedSteps == O.iter

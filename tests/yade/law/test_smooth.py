@@ -9,7 +9,8 @@ import rcr
 import yade.utils
 from rcr.study.biaxial import Biaxial
 from scenes import (G, KN, KS, build, engines, gaps, grain_on_floor, inertia, insert, material,
-                    point_forces, pressed_box, springs, stadium, steps, velocity, walls)
+                    point_forces, pressed_box, set_state, springs, springy, stadium, steps, velocity,
+                    walls)
 from yade import O
 from yade.wrapper import FrictMat, GlobalStiffnessTimeStepper
 
@@ -316,3 +317,18 @@ def test_the_critical_time_step_of_a_clump_follows_its_mass():
         rcr.clump([rcr.disc((x, 0), 0.1, material=material()) for x in (-0.1, 0.1)], mass=mass)
         found.append(rcr.critical_time_step())
     assert found[0] == pytest.approx(10 * found[1], rel=1e-9)
+
+
+@pytest.mark.parametrize("clumped", [False, True])
+def test_the_drive_of_springs_is_booked(clumped):
+    """A driven disc, or clump of two, pushes a free disc: the drive gives its kinetic energy."""
+    rough = springy()
+    springs(rcr.disc((0.2001, 0), 0.1, rough), gravity=(0, 0, 0))
+    discs = [rcr.disc((x, 0), 0.1, rough) for x in ((0, -0.15) if clumped else (0,))]
+    driven = rcr.clump(discs)[0] if clumped else O.bodies.append(discs[0])
+    set_state(driven, vel=(0.1, 0, 0), blockedDOFs="xyzXYZ")
+    O.trackEnergy = True
+    while O.bodies[0].state.vel[0] < 0.19:  # it leaves at twice the velocity of the drive
+        O.step()
+    O.run(20, True)
+    assert O.energy["driveWork"] == pytest.approx(-0.5 * O.bodies[0].state.mass * 0.2**2, rel=0.02)

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import rcr
 import scenes
-from scenes import (box, build, contact_forces, insert, material, plane, set_state, snapshot,
-                    solver, stadium, wait_until)
+from scenes import (G, box, build, contact_forces, grain_on_floor, insert, material, plane,
+                    set_state, snapshot, solver, stadium, steps, wait_until)
 from yade import O, utils
 from yade import wrapper as w
 from yade.minieigenHP import Vector3
@@ -503,3 +503,11 @@ def test_python_reads_everything_during_a_run():
         reads += 1
     O.pause()
     O.wait()
+
+
+def test_a_body_that_is_observed_twice_counts_once():
+    grain_on_floor(0)
+    watched = solver()
+    watched.observe = [0, 0]
+    steps(20)
+    assert watched.observed()["forces"][0][1] == pytest.approx(-O.bodies[1].state.mass * G)

@@ -133,3 +133,12 @@ def test_fast_crosses_do_not_pass_through_each_other(seed):
         set_state(clump, vel=(*rng.uniform(-30, 30, 2), 0), angVel=(0, 0, rng.uniform(-100, 100)))
     O.run(40, True)
     assert solver().deepestOverlap < 0.005
+
+
+@pytest.mark.parametrize("options", [dict(fixed=True), dict(velocity=(1, 0)),
+                                     dict(angular_velocity=1.0)])
+def test_members_that_are_fixed_or_move_are_refused(options):
+    O.reset()
+    with pytest.raises(ValueError, match=r"members\[1\] is fixed or moves"):
+        rcr.clump([rcr.disc((0, 0), 0.1), rcr.disc((0.2, 0), 0.1, **options)])
+    assert len(O.bodies) == 0

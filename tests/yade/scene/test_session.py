@@ -7,11 +7,11 @@ import pytest
 import rcr
 import yade
 import yade.utils
-from scenes import (G, build, contact_forces, engines, grain_on_floor, material, pile, pressed_box,
-                    python, set_state, snapshot, solver, springs, springy, stadium, steps, tilted,
-                    velocity)
+from scenes import (G, build, contact_forces, engines, grain_on_floor, insert, material, pile,
+                    pressed_box, python, resting, set_state, snapshot, solver, springs, springy,
+                    stadium, steps, tilted, velocity)
 from yade import O
-from yade.wrapper import MatchMaker
+from yade.wrapper import MatchMaker, PyRunner
 
 OURS = {
     "Shape": {"Rcr"},
@@ -222,3 +222,14 @@ def test_a_fast_lid_meets_a_disc_that_rests(lid, free, one_by_one):
         steps(12) if one_by_one else O.run(12, True)
         deepest.append(solver().deepestOverlap)
     assert max(deepest) < 1e-3
+
+
+def test_a_time_step_that_changes_before_the_integrator_is_refused():
+    """Impulses of one time step must not move bodies by another."""
+    resting()
+    insert(4, PyRunner(command="O.dt *= 2", iterPeriod=1, firstIterRun=3))
+    with pytest.raises(ValueError, match="O.dt changed after ContactDynamics in the last step"):
+        steps(6)
+    assert O.iter == 4
+    O.engines = [*O.engines[:4], O.engines[5], O.engines[4]]
+    steps(3)
