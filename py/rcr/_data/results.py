@@ -56,9 +56,9 @@ def claim_folder(
 ):  # fmt: skip
     """Block in which the folder, made if missing, belongs to this process. It yields `begin`.
 
-    `begin()` removes the files of the previous run (unless the run is resumed), writes run.json and
-    returns its contents. Call it after everything that can fail early. A ValueError says that the
-    folder holds another run, or that another process has it.
+    `begin()` removes the files of the previous run (of a resumed run only `last`), writes run.json
+    and returns its contents. Call it after everything that can fail early. A ValueError says that
+    the folder holds another run, or that another process has it.
 
     Parameters
     ----------
@@ -94,8 +94,9 @@ def claim_folder(
 
         def begin():
             record = _record(program, parameters, free, kept if resume else None)
-            for path in [] if resume else old:
-                path.unlink()
+            for path in old:
+                if not resume or path.name == last:
+                    path.unlink()
             text = json.dumps(record, indent=2, ensure_ascii=False)
             files.write(folder / RUN, text + "\n")
             return record

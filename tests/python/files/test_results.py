@@ -90,6 +90,13 @@ def test_resume_keeps_files_and_may_change_free_options(tmp_path):
     assert len(record["continued"]) == 1
 
 
+def test_a_complete_run_that_resumes_is_not_complete(tmp_path):
+    """A stop on the way to a larger strain would else leave the summary of the smaller one."""
+    make(tmp_path)
+    make(tmp_path, files=(), resume=True)
+    assert names(tmp_path) == ["checkpoint", "data-1.txt", "run.json"]
+
+
 def test_results_of_nobody_or_of_another_script_are_kept(tmp_path):
     (tmp_path / "data-old.txt").touch()
     with pytest.raises(ValueError, match="holds data-old.txt of an unknown run"):
