@@ -97,6 +97,15 @@ def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
     assert line.endswith("continue with the same command")
 
 
+@needs_snakemake
+def test_the_last_line_leaves_out_other_campaigns_of_the_folder(tmp_path):
+    for name in "runs/particles-60-strain-0.3-eta-0.5-seed-2", "report":
+        (tmp_path / name).mkdir(parents=True)
+        (tmp_path / name / "log").write_text("an earlier campaign")
+    ended = campaign(tmp_path, *SMALL, "--", "--unknown-option", fails=True)
+    assert last_line(ended) == "campaign.py: not complete, see above; continue with the same command"
+
+
 @needs_environment
 @pytest.mark.parametrize("arguments, message", [
     ("--etas 0,1", "expected elongations 0 ≤ ETA < 1"),
