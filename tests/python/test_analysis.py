@@ -335,8 +335,19 @@ def test_mixed_networks_are_refused(tmp_path):
     with pytest.raises(ValueError, match="network-0.3000.h5 and network-0.1000.h5 hold different "
                        "grains: the folder mixes"):
         Run.read(folder)
-    packing(0.5, strain=0.1).save(folder / "network-0.3000.h5")
-    with pytest.raises(ValueError, match="have the same strain"):
+    for strain in 0.1, 0.2:
+        packing(0.5, strain=strain).save(folder / "network-0.3000.h5")
+        with pytest.raises(ValueError, match=f"network-{strain:.4f}.h5 have the same strain"):
+            Run.read(folder)
+
+
+@pytest.mark.parametrize("eta, grains, says", [
+    (0.0, 200, "have eta = 0, 0.5"), (0.5, 199, "isotropic.h5 and .* hold different grains"),
+])
+def test_the_isotropic_state_of_another_packing_is_refused(eta, grains, says, tmp_path):
+    folder = write_run(tmp_path / "a", 0.5)
+    packing(eta, particles_=grains, strain=0, friction=0).save(folder / "isotropic.h5")
+    with pytest.raises(ValueError, match=says):
         Run.read(folder)
 
 
