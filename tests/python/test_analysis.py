@@ -278,6 +278,14 @@ def _of(change, network):
     return network
 
 
+def test_angular_functions_without_contacts_are_unknown():
+    """Equal forces: no contact is below half the mean."""
+    equal = Ensemble([_of("equal", packing(0.5, contacts=60))])
+    found = observables.measures(equal, observables.Grids.of([equal], 0.4))["O17"]
+    for name in "f_n_mean", "f_n_amplitude", "f_t_amplitude":
+        assert np.isnan(found[name][0]) and np.isfinite(found[name][2:]).all()
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("change", ["none", "frictionless", "equal", "mobilised", "walls"])
 @pytest.mark.parametrize("particles, contacts", [(2, 1), (3, 2), (10, 15), (30, 60)])
