@@ -286,6 +286,14 @@ def test_angular_functions_without_contacts_are_unknown():
         assert np.isnan(found[name][0]) and np.isfinite(found[name][2:]).all()
 
 
+def test_strips_of_a_periodic_cell_do_not_depend_on_images():
+    network = packing(0.5, contacts=60)
+    network.attributes["cell"] = np.array([[30.0, 5], [0, 30]])
+    before = Ensemble([network]).across
+    network.contacts["position"] += np.outer(np.arange(60) % 3 - 1, [35, 30])
+    assert Ensemble([network]).across == pytest.approx(before)
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("change", ["none", "frictionless", "equal", "mobilised", "walls"])
 @pytest.mark.parametrize("particles, contacts", [(2, 1), (3, 2), (10, 15), (30, 60)])
