@@ -452,6 +452,16 @@ def test_sin_phi_of_three_seeds():
     assert analysis.analyse(runs)["O1"]["value"]["sin_phi_strain"][0, -1] == pytest.approx(0.5)
 
 
+def test_the_packing_fraction_counts_overlaps_in_a_clump_once():
+    one, two = (packing(0.5, particles_=20, contacts=60) for _ in range(2))
+    two.particles["clump"][:2] = 99
+    for name in "position", "angle":
+        two.particles[name][:2] = 0
+    grids = observables.Grids.of([Ensemble([one])], 0.4)
+    apart, joined = (analysis.isotropic(n, grids)["packing_fraction"] for n in (one, two))
+    assert joined == pytest.approx(19 / 20 * apart, rel=1e-5)
+
+
 def test_many_isotropic_seeds_are_isotropic():
     """|a_c| of ten packings of 700 contacts falls as that of 7000 contacts."""
     states = [packing(0.5, seed=seed, contacts=700, a_c=0, a_fn=0) for seed in range(10)]
