@@ -34,11 +34,13 @@ def commit():
     stated = os.environ.get("YADE_RCR_COMMIT")
     if stated:
         return stated
-    here = os.path.dirname(os.path.realpath(__file__))
+    clone = pathlib.Path(__file__).resolve().parents[3]
+    if not (clone / ".git").exists():  # an installed package may lie in another repository
+        return "unknown"
     options = ["--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
     with contextlib.suppress(OSError):
         done = subprocess.run(
-            ["git", "-C", here, "describe", *options], capture_output=True, text=True)
+            ["git", "-C", clone, "describe", *options], capture_output=True, text=True)
         return done.stdout.strip() or "unknown"
     return "unknown"
 

@@ -2,6 +2,8 @@
 
 import json
 import os
+import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -175,3 +177,18 @@ def test_commit_is_stated_or_asked(monkeypatch):
     monkeypatch.delenv("YADE_RCR_COMMIT")
     assert results.commit() == "unknown"
     results.commit.cache_clear()
+
+
+def test_the_commit_of_another_repository_is_not_that_of_the_package(tmp_path):
+    """A virtual environment may lie in a clone of another project."""
+    site = tmp_path / "venv" / "lib" / "python3" / "site-packages"
+    package = pathlib.Path(results.__file__).parents[1]
+    shutil.copytree(package, site / "rcr", ignore=shutil.ignore_patterns("*.so"))
+    author = ["-c", "user.name=a", "-c", "user.email=a@b"]
+    for words in ["init", "-q"], [*author, "commit", "-q", "--allow-empty", "-m", "other"]:
+        subprocess.check_call(["git", "-C", tmp_path, *words])
+    variables = {name: value for name, value in os.environ.items() if name != "YADE_RCR_COMMIT"}
+    code = "from rcr._data import results; print(results.commit())"
+    found = subprocess.check_output([sys.executable, "-c", code], text=True,
+                                    env=variables | {"PYTHONPATH": str(site)})
+    assert found == "unknown\n"
