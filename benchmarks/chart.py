@@ -17,6 +17,7 @@ import argparse
 import io
 import json
 import os
+import shlex
 import subprocess
 import sys
 import threading
@@ -66,10 +67,11 @@ def arguments():
 def command(letter, point, given):
     """Command that runs a point again."""
     flags = ["--quick"] if given.quick else []
-    flags += [word for name in ("particles", "siconos", "limit") if getattr(given, name)
-              for word in (f"--{name}", str(getattr(given, name)))]
-    return " ".join(["python3 scripts/chart.py --out", given.out, *flags, "--charts", letter,
-                     "--only", f"'{point}'"])
+    flags += [word for name in ("particles", "siconos", "peers", "limit")
+              if getattr(given, name) not in (None, "", tables.PEERS)
+              for word in (f"--{name}", shlex.quote(str(getattr(given, name))))]
+    return " ".join(["python3 scripts/chart.py --out", shlex.quote(given.out), *flags, "--charts",
+                     letter, "--only", f"'{point}'"])
 
 
 # ---- the process that computes

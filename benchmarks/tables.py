@@ -7,6 +7,9 @@ from rcr import script
 from rcr._data import files, results
 
 
+PEERS = os.path.join(ROOT, "build", "peers")  # default folder of the programs of other libraries
+
+
 def add_repeats(parser, repeats, budget=None):
     """Add the options --repeats and --budget with these default values."""
     parser.add_argument("--repeats", type=script.at_least(1), default=repeats, metavar="N",
@@ -19,7 +22,7 @@ def add_repeats(parser, repeats, budget=None):
 
 def add_peers(parser):
     """Add the option --peers."""
-    parser.add_argument("--peers", default=os.path.join(ROOT, "build", "peers"), metavar="DIR",
+    parser.add_argument("--peers", default=PEERS, metavar="DIR",
                         help="folder of chipmunk_step and box2d_step (default: build/peers)")
 
 

@@ -224,7 +224,7 @@ class Profile:
         """Add values (…, shape) at places (…, 2) to the sums of their cells."""
         low, high = self.limits
         scaled = (place.reshape(-1, 2) - low) / (high - low)
-        cell = np.floor(scaled * self.cells).astype(np.int64)
+        cell = np.floor(scaled * self.cells).astype(np.int64) - (scaled == 1)
         inside = ((cell >= 0) & (cell < self.cells)).all(axis=1)
         row = cell[inside, 0] * self.cells[1] + cell[inside, 1]
         count = self.cells[0] * self.cells[1]

@@ -122,11 +122,15 @@ def strain_reached(folder):
         return 0.0
 
 
-def run_with_progress(words, out, options):
-    """Run Snakemake; on a terminal, show the strain of all tests as a progress bar."""
+def run_folders(out, options):
+    """Return the folders of the tests."""
     config = configuration(options)
-    folders = [out / "runs" / campaign_runs.run_name(config, text(eta), seed)
-               for eta in options.etas for seed in options.seeds]
+    return [out / "runs" / campaign_runs.run_name(config, text(eta), seed)
+            for eta in options.etas for seed in options.seeds]
+
+
+def run_with_progress(words, folders, options):
+    """Run Snakemake; on a terminal, show the strain of all tests as a progress bar."""
     form = "{desc}: {percentage:3.0f} %|{bar}| {elapsed} < {remaining}"
     process = subprocess.Popen(words, stdout=sys.stderr)
     with tqdm(total=options.strain * len(folders), desc="tests", disable=None,
@@ -142,14 +146,12 @@ def last_line(path):
     return (path.read_text(errors="replace").strip().splitlines() or [""])[-1]
 
 
-def failure(out):
+def failure(out, folders):
     """Return one line with the reason of each failed run: the last line of its log."""
-    logs = sorted(out.glob("runs/*/log"))
-    failed = [path for path in logs if not (path.parent / "summary.json").exists()]
-    report = out / "report" / "log"
-    if not failed and report.exists():
-        failed = [report]
-    reasons = "; ".join(f"{path.resolve()}: {last_line(path)}" for path in failed)
+    missing = ([folder for folder in folders if not (folder / "summary.json").exists()]
+               or [out / "report"] * (not (out / "report" / "report.html").exists()))
+    logs = [folder / "log" for folder in missing if (folder / "log").exists()]
+    reasons = "; ".join(f"{path.resolve()}: {last_line(path)}" for path in logs)
     what = ", see above"
     if reasons:
         what = f": {reasons}; scripts/network.py analyses the tests that are complete"
@@ -162,16 +164,17 @@ def main():
         todo = "install it (apt-get install snakemake) and run this command again"
         raise RuntimeError(f"the package snakemake is not installed; {todo}")
     out = pathlib.Path(options.out)
+    folders = run_folders(out, options)
     parameters = {name: getattr(options, name) for name in FREE}
     claim = dict(free=list(FREE), resume=True)  # one folder may hold several campaigns
     with results.claim_folder(out, "campaign", parameters, [], **claim) as begin:
         begin()
         try:
-            failed = run_with_progress(command(options, extra), out, options)
+            failed = run_with_progress(command(options, extra), folders, options)
         except KeyboardInterrupt:
             raise script.Stopped(f"stopped; {CONTINUE}") from None
     if failed:
-        sys.exit(failure(out))  # in full: script.run shortens the messages of exceptions
+        sys.exit(failure(out, folders))  # in full: script.run shortens the messages of exceptions
     if "--dry-run" not in extra:
         print(out / last_line(out / "report" / "log"))
 

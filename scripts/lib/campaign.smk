@@ -31,7 +31,7 @@ rule report:
     log:
         "report/log",
     shell:
-        "{SCRIPTS}/network.py {params.runs} --out report --overwrite >{log} 2>&1"
+        "{SCRIPTS:q}/network.py {params.runs} --out report --overwrite >{log} 2>&1"
 
 
 # Each elongation has a rule, since a priority belongs to a rule: the tests of long particles take
@@ -58,7 +58,7 @@ for eta in ETAS:
             flock $lock
             resume=
             [ ! -e {params.folder}/checkpoint.yade.gz ] || resume=--resume
-            exec setpriv --pdeathsig KILL {SCRIPTS}/yade-rcr -n -x -j {threads} {SCRIPTS}/biaxial.py \
-                --eta {params.eta} --seed {wildcards.seed} {OPTIONS} --threads {threads} \
-                --out {params.folder} $resume >{params.folder}/log 2>&1
+            exec setpriv --pdeathsig KILL {SCRIPTS:q}/yade-rcr -n -x -j {threads} \
+                {SCRIPTS:q}/biaxial.py --eta {params.eta} --seed {wildcards.seed} {OPTIONS} \
+                --threads {threads} --out {params.folder} $resume >{params.folder}/log 2>&1
             """

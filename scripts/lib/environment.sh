@@ -142,7 +142,8 @@ enter() {
 
 # commit: of the repository, with + if files differ from it; empty outside a clone
 commit() {
-    git -C "$repo" describe --always --dirty=+ --abbrev=12 --exclude='*' 2>/dev/null || true
+    [ ! -e "$repo/.git" ] ||
+        git -C "$repo" describe --always --dirty=+ --abbrev=12 --exclude='*' 2>/dev/null || true
 }
 
 build() {

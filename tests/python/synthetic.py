@@ -89,8 +89,8 @@ def write_run(folder, eta, seed=0, strains=(0.1, 0.2, 0.3, 0.4), **options):
     for k, strain in enumerate(strains):
         moment = packing(eta, seed=100 * seed + k, strain=strain, **options)
         moment.save(folder / f"network-{strain:.4f}.h5")
-    isotropic = packing(eta, 100 * seed + 99, strain=0.0, friction=0.0, a_c=0, a_fn=0, a_ft=0)
-    isotropic.save(folder / "isotropic.h5")
+    at_rest = options | dict(strain=0.0, friction=0.0, a_c=0, a_fn=0, a_ft=0)
+    packing(eta, 100 * seed + 99, **at_rest).save(folder / "isotropic.h5")
     ratios = [0.3 + 0.3 * eta + 0.01 * (-1) ** k for k in range(101)]
     rows = [f"{strain},{1 - ratio},{1 + ratio}"
             for strain, ratio in zip(np.linspace(0, strains[-1], 101), ratios)]

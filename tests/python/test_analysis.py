@@ -278,6 +278,22 @@ def _of(change, network):
     return network
 
 
+def test_angular_functions_without_contacts_are_unknown():
+    """Equal forces: no contact is below half the mean."""
+    equal = Ensemble([_of("equal", packing(0.5, contacts=60))])
+    found = observables.measures(equal, observables.Grids.of([equal], 0.4))["O17"]
+    for name in "f_n_mean", "f_n_amplitude", "f_t_amplitude":
+        assert np.isnan(found[name][0]) and np.isfinite(found[name][2:]).all()
+
+
+def test_strips_of_a_periodic_cell_do_not_depend_on_images():
+    network = packing(0.5, contacts=60)
+    network.attributes["cell"] = np.array([[30.0, 5], [0, 30]])
+    before = Ensemble([network]).across
+    network.contacts["position"] += np.outer(np.arange(60) % 3 - 1, [35, 30])
+    assert Ensemble([network]).across == pytest.approx(before)
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("change", ["none", "frictionless", "equal", "mobilised", "walls"])
 @pytest.mark.parametrize("particles, contacts", [(2, 1), (3, 2), (10, 15), (30, 60)])
@@ -335,8 +351,19 @@ def test_mixed_networks_are_refused(tmp_path):
     with pytest.raises(ValueError, match="network-0.3000.h5 and network-0.1000.h5 hold different "
                        "grains: the folder mixes"):
         Run.read(folder)
-    packing(0.5, strain=0.1).save(folder / "network-0.3000.h5")
-    with pytest.raises(ValueError, match="have the same strain"):
+    for strain in 0.1, 0.2:
+        packing(0.5, strain=strain).save(folder / "network-0.3000.h5")
+        with pytest.raises(ValueError, match=f"network-{strain:.4f}.h5 have the same strain"):
+            Run.read(folder)
+
+
+@pytest.mark.parametrize("eta, grains, says", [
+    (0.0, 200, "have eta = 0, 0.5"), (0.5, 199, "isotropic.h5 and .* hold different grains"),
+])
+def test_the_isotropic_state_of_another_packing_is_refused(eta, grains, says, tmp_path):
+    folder = write_run(tmp_path / "a", 0.5)
+    packing(eta, particles_=grains, strain=0, friction=0).save(folder / "isotropic.h5")
+    with pytest.raises(ValueError, match=says):
         Run.read(folder)
 
 
@@ -423,6 +450,16 @@ def test_sin_phi_of_three_seeds():
     for run in runs[:2]:
         run.history = {name: column[:10] for name, column in run.history.items()}
     assert analysis.analyse(runs)["O1"]["value"]["sin_phi_strain"][0, -1] == pytest.approx(0.5)
+
+
+def test_the_packing_fraction_counts_overlaps_in_a_clump_once():
+    one, two = (packing(0.5, particles_=20, contacts=60) for _ in range(2))
+    two.particles["clump"][:2] = 99
+    for name in "position", "angle":
+        two.particles[name][:2] = 0
+    grids = observables.Grids.of([Ensemble([one])], 0.4)
+    apart, joined = (analysis.isotropic(n, grids)["packing_fraction"] for n in (one, two))
+    assert joined == pytest.approx(19 / 20 * apart, rel=1e-5)
 
 
 def test_many_isotropic_seeds_are_isotropic():

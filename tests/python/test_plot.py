@@ -288,6 +288,18 @@ def test_film_of_networks(tmp_path, names, timed):
     assert middles[0] < middles[1]
 
 
+def test_defaults_of_a_film_may_be_given(tmp_path):
+    """One scale for all networks, and one legend."""
+    for k in (1, 2):
+        network = packing(0.5, particles_=5, contacts=20)
+        network.particles["velocity"][:, 0] = k * np.arange(1, 6)
+        network.save(tmp_path / f"network-{k}.h5")
+    given = dict(color="speed", range=None, limits=None, legend=True)
+    one, two = (rcr.movie(tmp_path, tmp_path / f"{len(options)}.gif", **options)
+                for options in (dict(color="speed"), given))
+    assert one.read_bytes() == two.read_bytes()
+
+
 def test_film_of_pictures(tmp_path):
     """Picture 9 comes before picture 10."""
     for k in (10, 9):

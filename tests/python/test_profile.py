@@ -89,6 +89,14 @@ def test_images_in_a_periodic_cell_are_one(seed, cells, turns):
         assert field(again).sum(axis=(0, 1)) == pytest.approx(total, abs=1e-8)
 
 
+def test_a_contact_at_the_edge_of_the_periodic_cell_counts():
+    """Its place −1e-17 + 10 is rounded to 10, the upper end of the last cells."""
+    network = scene(1, cell=np.diag([10.0, 6.0]))
+    network.contacts["position"][0] = -1e-17
+    profile = rcr.Profile((3, 4)).compute(network)
+    assert profile._sum("contacts").sum() == network.between_particles.sum()
+
+
 def test_layers_are_means_of_a_map():
     network = scene(1)
     layers, map_ = (rcr.Profile(cells, BOX).compute(network) for cells in ((1, 6), (5, 6)))

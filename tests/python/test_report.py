@@ -217,6 +217,20 @@ def test_maps_are_a_few_collections():
         assert len(plot(network).collections) <= 5
 
 
+def test_maps_move_a_periodic_packing_into_its_cell():
+    """YADE lets grains leave the cell."""
+    network = packing(0.5, particles_=50, contacts=200)
+    network.attributes["cell"] = np.diag([30.0, 30.0])
+    places = lambda: [np.array([path.vertices.mean(axis=0) for path in collection.get_paths()])
+                      for collection in maps.plot_types(network).collections]
+    before = places()
+    particles, contacts = network.particles, network.contacts
+    for columns, name in (particles, "position"), (particles, "center"), (contacts, "position"):
+        columns[name] = columns[name] + [60, -30]
+    for moved, place in zip(places(), before):
+        assert moved == pytest.approx(place)
+
+
 def test_outlines_are_those_of_rounded_cap_rectangles():
     """Vertices have the distance R' from the core; area and extent are those of the shape."""
     network = packing(0.6, particles_=20)

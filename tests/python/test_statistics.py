@@ -79,3 +79,5 @@ def test_no_values_tell_nothing():
     assert np.isnan(statistics.density(np.zeros(0), edges)).all()
     assert np.isnan(statistics.class_means(np.zeros(0), np.zeros(0), edges)).all()
     assert np.isnan(statistics.pearson([], []))
+    equal = np.full(3, 0.1)  # its mean is 0.10000000000000002
+    assert np.isnan(statistics.common_slope([(equal, np.arange(3)), (equal, np.ones(3))])).all()

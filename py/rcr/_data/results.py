@@ -34,11 +34,13 @@ def commit():
     stated = os.environ.get("YADE_RCR_COMMIT")
     if stated:
         return stated
-    here = os.path.dirname(os.path.realpath(__file__))
+    clone = pathlib.Path(__file__).resolve().parents[3]
+    if not (clone / ".git").exists():  # an installed package may lie in another repository
+        return "unknown"
     options = ["--always", "--dirty=+", "--abbrev=12", "--exclude=*"]
     with contextlib.suppress(OSError):
         done = subprocess.run(
-            ["git", "-C", here, "describe", *options], capture_output=True, text=True)
+            ["git", "-C", clone, "describe", *options], capture_output=True, text=True)
         return done.stdout.strip() or "unknown"
     return "unknown"
 
@@ -56,9 +58,9 @@ def claim_folder(
 ):  # fmt: skip
     """Block in which the folder, made if missing, belongs to this process. It yields `begin`.
 
-    `begin()` removes the files of the previous run (unless the run is resumed), writes run.json and
-    returns its contents. Call it after everything that can fail early. A ValueError says that the
-    folder holds another run, or that another process has it.
+    `begin()` removes the files of the previous run (of a resumed run only `last`), writes run.json
+    and returns its contents. Call it after everything that can fail early. A ValueError says that
+    the folder holds another run, or that another process has it.
 
     Parameters
     ----------
@@ -94,8 +96,9 @@ def claim_folder(
 
         def begin():
             record = _record(program, parameters, free, kept if resume else None)
-            for path in [] if resume else old:
-                path.unlink()
+            for path in old:
+                if not resume or path.name == last:
+                    path.unlink()
             text = json.dumps(record, indent=2, ensure_ascii=False)
             files.write(folder / RUN, text + "\n")
             return record

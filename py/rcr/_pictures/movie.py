@@ -89,7 +89,7 @@ def _film_networks(paths, options):
         limits = np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
     color = options.get("color", "orientation")
     scale = SCALES.get(color) if isinstance(color, str) else None
-    if scale is not None and scale.range is None and "range" not in options:
+    if scale is not None and scale.range is None and options.get("range") is None:
         values = np.concatenate([scale.values(frame) for frame in frames])
         options["range"] = (values.min(), values.max())
     figure = packing(frames[0], limits=limits, **options).figure
@@ -97,7 +97,7 @@ def _film_networks(paths, options):
     def draw(frame):
         ax = figure.axes[0]
         ax.clear()
-        packing(frame, ax=ax, limits=limits, **options)
+        packing(frame, ax=ax, limits=limits, **options | dict(legend=False))
 
     return figure, [lambda frame=frame: draw(frame) for frame in frames]
 

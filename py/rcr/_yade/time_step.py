@@ -147,8 +147,10 @@ def half_step_start():
         if body.isClumpMember or state.blockedDOFs == "xyzXYZ":
             continue
         force, torque = Vector3.Zero, Vector3.Zero
-        if loaded:
-            force, torque = O.forces.permF(body.id), O.forces.permT(body.id)
+        for id_ in [body.id, *(body.shape.members if body.isClump else ())] if loaded else []:
+            arm = O.bodies[id_].state.pos - state.pos
+            force += O.forces.permF(id_)
+            torque += O.forces.permT(id_) + arm.cross(O.forces.permF(id_))
         free = [name not in state.blockedDOFs for name in "xyzXYZ"]
         linear = [gravity[k] + force[k] / state.mass if free[k] else 0 for k in range(3)]
         angular = [torque[k] / state.inertia[k] if free[3 + k] else 0 for k in range(3)]

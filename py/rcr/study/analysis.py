@@ -18,7 +18,7 @@ import json
 
 import numpy as np
 
-from rcr._pictures.outlines import areas
+from rcr._pictures.grain_sums import areas
 from rcr.network import sin_phi
 from rcr.study import statistics
 from rcr.study.ensemble import Ensemble

@@ -200,10 +200,10 @@ class Biaxial:
         the strain at which the test failed.
         """
         failed = max(self.strain, self.progress["failed_strain"])
-        divisor = self.progress["divisor"] + 1
+        divisor, seconds = self.progress["divisor"] + 1, self.progress["wall_seconds"]
         path = checkpoint.states(folder, self.strain)[-checkpoint.KEPT_STATES:][0]
         self.__init__(*checkpoint.load_file(path))
-        self.progress.update(divisor=divisor, failed_strain=failed,
+        self.progress.update(divisor=divisor, failed_strain=failed, wall_seconds=seconds,
                              repeated=self.progress["repeated"] + 1)
 
     summary, save = summarize, checkpoint.save

@@ -92,8 +92,12 @@ def _contacts(network):
 def _across(network):
     """Return x of each contact over the width; (C,) in [0, 1].
 
-    The width is that between the contacts at the side walls, or between the outermost contacts.
+    The width is that between the contacts at the side walls, or between the outermost contacts. In
+    a periodic cell, x is along the first edge.
     """
+    if "cell" in network.attributes:
+        inverse = np.linalg.inv(network.attributes["cell"])
+        return network.contacts["position"] @ inverse[0] % 1
     x, body = network.contacts["position"][:, 0], network.contacts["body2"]
     left, right = (
         x[body == wall].mean() if (body == wall).any() else end

@@ -128,7 +128,8 @@ def angular_function(e, grids, value, form):
     """Return means of a column of contacts by the direction of their normals, and their fit.
 
     They are the function (ξ, θ) and the mean and amplitude (ξ,) of the fit: mean + amplitude
-    cos 2(θ − θσ) if `form` is np.cos, or amplitude sin 2(θ − θσ) if it is np.sin.
+    cos 2(θ − θσ) if `form` is np.cos, or amplitude sin 2(θ − θσ) if it is np.sin; NaN without any
+    contact.
     """
     function, fits = [], []
     for xi in grids.xi_polar:
@@ -136,7 +137,8 @@ def angular_function(e, grids, value, form):
         wave = form(2 * e.theta[pick])
         constant = np.full_like(wave, form is np.cos)
         function.append(statistics.class_means(e.angle[pick], value[pick], grids.theta))
-        fits.append(np.linalg.lstsq(np.column_stack([constant, wave]), value[pick], rcond=None)[0])
+        fit = np.linalg.lstsq(np.column_stack([constant, wave]), value[pick], rcond=None)[0]
+        fits.append(fit if pick.any() else np.full(2, np.nan))
     return np.array(function), *np.array(fits).T
 
 

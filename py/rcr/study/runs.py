@@ -140,19 +140,22 @@ def _check_one_run(networks, record):
     for path, network in networks.items():
         _check_network(path, network, record)
     snapshots = [item for item in networks.items() if item[0].name != "isotropic.h5"]
-    (first_path, first), *others = snapshots
-    for name in ("eta", "friction"):
-        found = sorted({float(network.attributes[name]) for _, network in snapshots})
+    first_path, first = snapshots[0]
+    for name, equal in dict(eta=networks.items(), friction=snapshots).items():
+        found = sorted({float(network.attributes[name]) for _, network in equal})
         if len(found) > 1:
             listed = ", ".join(f"{value:g}" for value in found)
             given = f"the networks in {first_path.parent} have {name} = {listed}"
             raise ValueError(f"{given}; expected one value: {_TWO_RUNS}")
-    for path, network in others:
+    for path, network in networks.items():
         pairs = ((network.particles[name], first.particles[name]) for name in ("id", "R", "mass"))
         if not all(np.array_equal(*pair) for pair in pairs):
             raise ValueError(f"{path} and {first_path.name} hold different grains: {_TWO_RUNS}")
-        if _strain(network) == _strain(first):
-            raise ValueError(f"{path} and {first_path.name} have the same strain: {_TWO_RUNS}")
+    paths = {}  # by strain
+    for path, network in snapshots:
+        if paths.setdefault(_strain(network), path) != path:
+            other = paths[_strain(network)].name
+            raise ValueError(f"{path} and {other} have the same strain: {_TWO_RUNS}")
 
 
 def _check_network(path, network, record):

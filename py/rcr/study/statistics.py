@@ -67,9 +67,10 @@ def common_slope(groups):
 
     The slope is that of all groups. Both are NaN for too few points or equal x.
     """
+    varies = any(np.ptp(x) > 0 for x, _ in groups)  # the mean of equal numbers is rounded
     x, y = (np.concatenate([part - np.mean(part) for part in parts]) for parts in zip(*groups))
     left = len(x) - len(groups) - 1
-    if left < 1 or not x.any():
+    if left < 1 or not varies:
         return np.nan, np.nan
     slope = x @ y / (x @ x)
     return slope, np.sqrt(np.sum((y - slope * x) ** 2) / left / (x @ x))

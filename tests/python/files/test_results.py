@@ -2,6 +2,8 @@
 
 import json
 import os
+import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -90,6 +92,13 @@ def test_resume_keeps_files_and_may_change_free_options(tmp_path):
     assert len(record["continued"]) == 1
 
 
+def test_a_complete_run_that_resumes_is_not_complete(tmp_path):
+    """A stop on the way to a larger strain would else leave the summary of the smaller one."""
+    make(tmp_path)
+    make(tmp_path, files=(), resume=True)
+    assert names(tmp_path) == ["checkpoint", "data-1.txt", "run.json"]
+
+
 def test_results_of_nobody_or_of_another_script_are_kept(tmp_path):
     (tmp_path / "data-old.txt").touch()
     with pytest.raises(ValueError, match="holds data-old.txt of an unknown run"):
@@ -168,3 +177,18 @@ def test_commit_is_stated_or_asked(monkeypatch):
     monkeypatch.delenv("YADE_RCR_COMMIT")
     assert results.commit() == "unknown"
     results.commit.cache_clear()
+
+
+def test_the_commit_of_another_repository_is_not_that_of_the_package(tmp_path):
+    """A virtual environment may lie in a clone of another project."""
+    site = tmp_path / "venv" / "lib" / "python3" / "site-packages"
+    package = pathlib.Path(results.__file__).parents[1]
+    shutil.copytree(package, site / "rcr", ignore=shutil.ignore_patterns("*.so"))
+    author = ["-c", "user.name=a", "-c", "user.email=a@b"]
+    for words in ["init", "-q"], [*author, "commit", "-q", "--allow-empty", "-m", "other"]:
+        subprocess.check_call(["git", "-C", tmp_path, *words])
+    variables = {name: value for name, value in os.environ.items() if name != "YADE_RCR_COMMIT"}
+    code = "from rcr._data import results; print(results.commit())"
+    found = subprocess.check_output([sys.executable, "-c", code], text=True,
+                                    env=variables | {"PYTHONPATH": str(site)})
+    assert found == "unknown\n"

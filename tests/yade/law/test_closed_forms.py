@@ -279,7 +279,7 @@ def test_half_step_start_takes_gravity_and_permanent_loads_of_what_is_free():
     """Velocities at the present time make x = a t²/2 exact; test_chart.py has the order."""
     m = material()
     _, grain = build(rcr.wall("y", 0, material=m), stadium(0.2, 0.1, (0, 5), material=m), dt=1e-2)
-    clump, _ = rcr.clump([rcr.disc((3 + k, 5), 0.4, m) for k in range(2)])
+    clump, members = rcr.clump([rcr.disc((3 + k, 5), 0.4, m) for k in range(2)])
     guided = O.bodies.append(rcr.particle((8, 5), 0.2, 0.5, material=m))
     O.bodies[guided].state.blockedDOFs = "xzXYZ"
     wall = O.bodies.append(rcr.mobile_wall("x", 20, 2.0, material=m))  # without inertia
@@ -288,14 +288,19 @@ def test_half_step_start_takes_gravity_and_permanent_loads_of_what_is_free():
     O.forces.setPermT(grain, (0, 0, 2 * s.inertia[2]))
     O.forces.setPermF(guided, (1, 0, 0))
     O.forces.setPermF(wall, (3, 0, 0))
+    c = O.bodies[clump].state
+    for member, turn in zip(members, (-1, 1)):  # forces make half of the torque
+        O.forces.setPermF(member, (c.mass, turn * c.inertia[2] / 2, 0))
+        O.forces.setPermT(member, (0, 0, c.inertia[2] / 4))
     starts = {i: O.bodies[i].state.pos for i in (grain, clump, guided, wall)}
     rcr.half_step_start()
     O.run(20, True)
     t = 20 * O.dt
-    for i, (x, y) in {grain: (1.5 * t**2, -0.5 * G * t**2), clump: (0, -0.5 * G * t**2),
+    for i, (x, y) in {grain: (1.5 * t**2, -0.5 * G * t**2), clump: (t**2, -0.5 * G * t**2),
                       guided: (0, -0.5 * G * t**2), wall: (0.75 * t**2, 0)}.items():
         assert tuple(O.bodies[i].state.pos - starts[i]) == pytest.approx((x, y, 0), abs=1e-9), i
     assert s.rot()[2] == pytest.approx(t**2, abs=1e-9)
+    assert c.rot()[2] == pytest.approx(0.5 * t**2, abs=1e-5)  # the arms turn with the clump
 
 
 def test_half_step_start_leaves_a_pile_at_rest():

@@ -6,6 +6,7 @@ import re
 import forked
 import numpy as np
 import pytest
+from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
 from run_contents import contents, different
 
@@ -77,6 +78,14 @@ def test_a_repeated_part_continues_to_the_same_bits_after_a_kill(tmp_path):
     run(tmp_path / "out", failures=failures, end=0.015, code=KILLED)
     run(tmp_path / "out", "--resume")
     assert not different(contents(tmp_path / "out"), contents(tmp_path / "straight"))
+
+
+def test_the_time_of_an_abandoned_part_counts(tmp_path):
+    run(tmp_path / "out")
+    test = Biaxial.load(tmp_path / "out")
+    test.progress["wall_seconds"] = 1e6
+    test.go_back(tmp_path / "out")
+    assert test.strain < 0.035 and test.progress["wall_seconds"] == 1e6
 
 
 @pytest.mark.slow

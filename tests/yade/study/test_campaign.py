@@ -97,6 +97,15 @@ def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
     assert line.endswith("continue with the same command")
 
 
+@needs_snakemake
+def test_the_last_line_leaves_out_other_campaigns_of_the_folder(tmp_path):
+    for name in "runs/particles-60-strain-0.3-eta-0.5-seed-2", "report":
+        (tmp_path / name).mkdir(parents=True)
+        (tmp_path / name / "log").write_text("an earlier campaign")
+    ended = campaign(tmp_path, *SMALL, "--", "--unknown-option", fails=True)
+    assert last_line(ended).startswith("campaign.py: not complete, see above; continue with")
+
+
 @needs_environment
 @pytest.mark.parametrize("arguments, message", [
     ("--etas 0,1", "expected elongations 0 ≤ ETA < 1"),
@@ -115,6 +124,22 @@ def test_the_last_line_has_the_reason_of_every_failed_test(tmp_path):
 def test_refuses_bad_input(arguments, message, tmp_path):
     assert last_line(campaign(tmp_path / "out", *arguments.split(), fails=True)).endswith(message)
     assert not (tmp_path / "out").exists()
+
+
+@needs_snakemake
+def test_the_clone_may_have_spaces_in_its_path(tmp_path):
+    """Scripts that do nothing take the place of the real ones."""
+    scripts, out = tmp_path / "a clone" / "scripts", tmp_path / "out"
+    shutil.copytree(f"{SCRIPTS}/lib", scripts / "lib")
+    (scripts / "yade-rcr").write_text('#!/bin/sh\nwhile [ "$1" != --out ]; do shift; done\n'
+                                      'touch "$2/summary.json"\n')
+    (scripts / "network.py").write_text("#!/bin/sh\ncd report\ntouch analysis.json report.html\n")
+    for path in scripts.iterdir():
+        path.chmod(0o755)
+    subprocess.check_call([
+        "snakemake", "--snakefile", scripts / "lib" / "campaign.smk", "--directory", out, "--cores",
+        "1", "--quiet", "--config", "particles=60", "strain=0.04", "etas=0.5", "seeds=2"])
+    assert (out / "report" / "report.html").exists()
 
 
 @needs_snakemake

@@ -3,11 +3,12 @@
 import dataclasses
 import math
 import os
+import shlex
 
 import forked
 import numpy as np
 import pytest
-from benchmarks import charts
+from benchmarks import chart, charts
 from benchmarks.charts import biaxial_cost, deterministic, one_step, quasi_static
 from rcr.study.biaxial import Biaxial
 from rcr.study.protocol import PROTOCOL
@@ -153,6 +154,16 @@ def test_script_runs_a_point_again(tmp_path):
     (row,) = charts.Table(str(tmp_path / "b-deterministic.csv"), deterministic.COLUMNS).rows
     assert row["command"].endswith("--quick --charts b --only 'disc/cd/0.02/0.0001'")
     assert row["settings"] == "quick = True"
+
+
+def test_the_command_of_a_point_has_its_options(monkeypatch):
+    """Paths may have spaces; the default of --peers is left out."""
+    words = "chart.py", "--out", "my charts", "--quick", "--charts", "a", "--peers", "my peers"
+    for given, expected in (words, words), (words[:-2], words[:-2]):
+        monkeypatch.setattr("sys.argv", [*given])
+        found = shlex.split(chart.command("a", "250/0/chipmunk", chart.arguments()[0]))
+        assert found[:2] == ["python3", "scripts/chart.py"]
+        assert sorted(found[2:]) == sorted([*expected[1:], "--only", "250/0/chipmunk"])
 
 
 def test_points_that_ran_out_of_time_are_repeated_with_more():

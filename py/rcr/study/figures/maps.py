@@ -19,8 +19,10 @@ from rcr.network import SIDE_SIDE
 
 
 def _canvas(network, ax):
-    """Return the network as a frame, and Axes with its extent."""
+    """Return the network as a frame, within its periodic cell, and Axes with its extent."""
     frame = Frame.of(network)
+    for columns in frame.grains, frame.contacts:
+        columns["position"] = columns["position"] + frame.wrap(columns["position"])
     limits = frame.extent()
     return frame, drawing.page(limits) if ax is None else drawing.canvas(limits, ax)
 
