@@ -4,6 +4,7 @@
 #include "kernel/parallel/thread_team.hpp"
 #include "kernel/step/step.hpp"
 #include "dem/contacts/CdPhys.hpp"
+#include "dem/transfer/PairRules.hpp"
 #include "dem/validation/validation.hpp"
 #include "dem/contacts/RcrGeom.hpp"
 
@@ -23,9 +24,8 @@ struct SceneHandles {
 
 	std::vector<State*>       state; // per body; null: no body
 	std::vector<const Bound*> bound; // per body
-	std::vector<std::pair<const Body*, mask_t>> mask; // per body: groupMask
 	std::vector<char>         isUnlisted; // per body: the collider may miss contacts of this step
-	bool                      masksChanged = false; // the collider lists pairs by old masks
+	PairRules                 pairRules;
 	// in the order of YADE's container; 0 points: not a contact of this law
 	std::vector<Contact>      found;
 	std::vector<Contact>      sorted; // by body 1, then body 2

@@ -72,10 +72,9 @@ std::string refusal(const Scene&);
 /// the same look-ahead as Rcrs.
 void replaceSphereBounds(const Scene&);
 
-/// Registers all bodies with a collider that has not run yet. After an erasure, YADE's collider
-/// registers only bodies that changed since the last run of any collider, so after `O.engines =
-/// […]` it would find no contacts.
-void registerBodiesWithCollider(const Scene&);
+/// Restarts the collider of springs if a script has changed PairRules between runs.
+/// ContactDynamics does so in its steps.
+void relistPairs(Scene&);
 
 /// Message if rigid contacts have no active ContactDynamics; else empty.
 std::string missingSolver(const Scene&);
@@ -128,7 +127,7 @@ Real planeOf(const Scene&);
 std::string defectOf(const Body&, const rcr::PlanarShape& shape, Real z);
 
 /// Throws if no Ig2 functor handles a pair of bodies that could overlap.
-void checkSupported(const Interaction&, const Scene&);
+void checkSupported(const Scene&, Body::id_t id1, Body::id_t id2);
 
 /// Throws if friction or restitution of a contact are invalid.
 void checkPhys(const CdPhys&, Body::id_t id1, Body::id_t id2);
