@@ -14,9 +14,9 @@ namespace yade {
 
 class PairRules {
 public:
-	/// Returns the bodies that have changed since the last call, or all bodies if the collider or
-	/// its mask has. Their contacts of this step may be unlisted; the next run of the collider
-	/// lists all pairs.
+	/// Returns the bodies whose properties have changed since the last call, or all bodies if the
+	/// collider or its mask has. Their contacts of this step may be unlisted; the next run of the
+	/// collider lists all pairs.
 	std::vector<Body::id_t> update(Scene&, Collider&);
 
 private:

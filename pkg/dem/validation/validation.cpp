@@ -235,7 +235,7 @@ void relistPairs(Scene& scene)
 {
 	static PairRules last; // of the scene that a script has run last
 	const View       view(scene);
-	if (view.law == smooth) last.update(scene, *view.first<Collider>());
+	if (view.law != neither) last.update(scene, *view.first<Collider>());
 }
 
 Engines Validator::validate(const Scene& scene)
