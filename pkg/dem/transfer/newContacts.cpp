@@ -31,7 +31,10 @@ bool findMissedContacts(Scene& scene, const validation::Engines& engines, rcr::S
 void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const Engine& solver,
         SceneHandles& handles, rcr::Step& step)
 {
-	for (Body::id_t id : handles.pairRules.update(scene, *engines.collider))
+	const std::vector<Body::id_t> changed = handles.pairRules.update(scene, *engines.collider);
+	const std::string wrong = changed.empty() ? std::string() : validation::refusal(scene);
+	if (!wrong.empty()) validation::refuse(wrong);
+	for (Body::id_t id : changed)
 		handles.isUnlisted[id] = true;
 	// Ig2 functors have used the velocities before these engines and scripts set them.
 	bool       afterLoop = false;

@@ -6,7 +6,8 @@
 namespace yade {
 
 /// Completes the contacts within reach, so that they do not depend on when the collider ran.
-/// Restarts the collider after a change of PairRules. `solver` is the engine that solves the step.
+/// After a change of PairRules, restarts the collider and validates the scene. `solver` is the
+/// engine that solves the step.
 void addUnlistedContacts(Scene&, const validation::Engines&, const Engine& solver, SceneHandles&,
         rcr::Step&);
 

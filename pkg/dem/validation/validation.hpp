@@ -14,7 +14,7 @@
 //              NewtonIntegrator
 //
 // validation.cpp holds the table of rules. Python evaluates it when a run starts, ContactDynamics
-// when engines or the number of bodies change, and the Ig2 functors for a new contact.
+// when engines, the number of bodies or PairRules change, and the Ig2 functors for a new contact.
 // ContactDynamics checks the time step, the integrator and the cell in each step; gather checks
 // each body. Each message says what was given, what is expected and what to do.
 #pragma once
@@ -72,8 +72,8 @@ std::string refusal(const Scene&);
 /// the same look-ahead as Rcrs.
 void replaceSphereBounds(const Scene&);
 
-/// Restarts the collider of springs if a script has changed PairRules between runs.
-/// ContactDynamics does so in its steps.
+/// Restarts the collider if a script has changed PairRules between runs. ContactDynamics also
+/// does so in its steps.
 void relistPairs(Scene&);
 
 /// Message if rigid contacts have no active ContactDynamics; else empty.

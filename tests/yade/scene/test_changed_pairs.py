@@ -11,23 +11,46 @@ from scenes import build, engines, insert, material, set_state, snapshot, solver
 LOWER, UPPER = 1, 2  # discs of the radius 0.1 m; the upper one falls onto the lower one
 
 
+def once(function, step):
+    """A PyRunner that calls a function of this module at this step."""
+    return w.PyRunner(command=f"import {__name__}; {__name__}.{function}()", iterPeriod=step,
+                      firstIterRun=step, nDo=1)
+
+
 def stack(mask=2):
     """A floor and two discs, which do not meet; the boxes of all overlap."""
     rough = material(0.5)
-    build(rcr.wall("y", 0, 1, material=rough), rcr.disc((0, 0.1), 0.1, rough),
-          rcr.disc((0, 0.35), 0.1, rough, mask=mask), tolerance=1e-4)
+    build(rcr.wall("y", 0, 1, material=rough), rcr.disc((0, 0.1), 0.1, rough), tolerance=1e-4)
     O.bodies[0].mask = 3
+    if mask:
+        add_upper(mask)
     O.engines[1].verletDist = 0.4
+
+
+def add_upper(mask):
+    O.bodies.append(rcr.disc((0, 0.35), 0.1, material(0.5), mask=mask))
+
+
+def refuse_a_step():
+    solver().observe = [99]
+    with pytest.raises(ValueError, match="observe"):
+        O.step()
+    solver().observe = []
 
 
 def mask_before_a_refused_step():
     stack()
     yield 2
     O.bodies[UPPER].mask = 1
-    solver().observe = [99]
-    with pytest.raises(ValueError, match="observe"):
-        O.step()
-    solver().observe = []
+    refuse_a_step()
+
+
+def mask_of_a_new_body_after_a_refused_step():
+    stack(mask=None)
+    yield 2
+    add_upper(mask=2)
+    refuse_a_step()
+    O.bodies[UPPER].mask = 1
 
 
 def mask_before_a_new_solver():
@@ -78,16 +101,14 @@ def collider_after_an_erasure():
     O.engines[1].verletDist = 0.01
     O.bodies.append(rcr.disc((1, 0.1), 0.1, material(0.5)))
     set_state(UPPER, pos=(0, 0.6, 0))
-    command = "import {} as test; test.{}()".format
-    insert(5, *(w.PyRunner(command=command(__name__, act), iterPeriod=at, firstIterRun=at, nDo=1)
-                for act, at in (("erase", 20), ("exchange", 60))))
+    insert(5, once("erase", 20), once("exchange", 60))
     yield 0
 
 
 @pytest.mark.parametrize("scene", [
-    mask_before_a_refused_step, mask_before_a_new_solver, mask_of_the_collider, unbounded,
-    lambda: clumps(tolerance=1e-4), collider_after_an_erasure,
-], ids=["refused step", "new solver", "avoidSelfInteractionMask", "bounded", "clump",
+    mask_before_a_refused_step, mask_of_a_new_body_after_a_refused_step, mask_before_a_new_solver,
+    mask_of_the_collider, unbounded, lambda: clumps(tolerance=1e-4), collider_after_an_erasure,
+], ids=["refused step", "new body", "new solver", "avoidSelfInteractionMask", "bounded", "clump",
         "new collider"])  # fmt: skip
 def test_pairs_meet_after_a_change(scene):
     """In arrays and by YADE's engines alike."""
@@ -132,23 +153,22 @@ def release():
 def released_box():
     loose_box()
     set_state(9, blockedDOFs="xyzXYZ")
-    command = f"import {__name__} as test; test.release()"
-    insert(5, w.PyRunner(command=command, iterPeriod=50, firstIterRun=50, nDo=1))
+    insert(5, once("release", 50))
 
 
-def discs_below_rods():
-    """Without Ig2_Sphere_Rcr_RcrGeom; a run gives both one mask."""
+def discs_below_rods(act, mask=1, **options):
+    """No functor handles these pairs; in a run, a change lets them meet."""
     rough = material(0.5)
     build(rcr.wall("y", 0, 1, material=rough),
-          *(rcr.disc((0.3 * k, 0.1), 0.1, rough) for k in range(8)),
-          *(rcr.particle((0.3 * k, 0.6), 0.1, 0.3, 0, rough, mask=2) for k in range(8)),
+          *(rcr.disc((0.3 * k, 0.1), 0.1, rough, **options) for k in range(8)),
+          *(rcr.particle((0.3 * k, 0.6), 0.1, 0.3, 0, rough, mask=mask, **options)
+            for k in range(8)),
           tolerance=1e-4)
     O.bodies[0].mask = 3
     geometry = O.engines[2].geomDispatcher
     geometry.functors = [f for f in geometry.functors
                          if not isinstance(f, rcr.Ig2_Sphere_Rcr_RcrGeom)]
-    command = f"import {__name__} as test; test.unite()"
-    insert(5, w.PyRunner(command=command, iterPeriod=50, firstIterRun=50, nDo=1))
+    insert(5, once(act, 50))
 
 
 def unite():
@@ -157,13 +177,15 @@ def unite():
 
 
 @pytest.mark.parametrize("arrays", [True, False])
-@pytest.mark.parametrize("scene, shapes", [
-    (loose_box, "Wall and Box"), (released_box, "Wall and Box"), (discs_below_rods, "Sphere and Rcr"),
-])  # fmt: skip
-def test_pairs_without_ig2_are_refused_before_they_overlap(scene, shapes, arrays):
+@pytest.mark.parametrize("scene, shapes, last, lowest", [
+    (loose_box, "Wall and Box", 221, 0.05), (released_box, "Wall and Box", 272, 0.05),
+    (lambda: discs_below_rods("unite", mask=2), "Sphere and Rcr", 51, 0.5),
+    (lambda: discs_below_rods("release", fixed=True), "Sphere and Rcr", 400, 0.2),
+], ids=["loose Box", "released Box", "mask", "released rod"])
+def test_pairs_without_ig2_are_refused_before_they_overlap(scene, shapes, last, lowest, arrays):
+    """At the latest in this step, and above this height [m]."""
     scene()
     solver().arrays = arrays
-    with pytest.raises(ValueError, match=f"no Ig2 functor .* handles {shapes} .* pass through"):
+    with pytest.raises(RuntimeError, match=f"no Ig2 functor .* handles {shapes} .* pass through"):
         O.run(400, True)
-    heights = [b.state.pos[1] for b in O.bodies]
-    assert heights[9] > (0.05 if "Wall" in shapes else 0.2)
+    assert O.iter <= last and O.bodies[9].state.pos[1] > lowest
