@@ -43,11 +43,11 @@ std::string versionError()
 
 std::string refusal()
 {
-	const yade::Scene& scene  = *yade::Omega::instance().getScene();
-	const std::string  reason = yade::validation::refusal(scene);
+	yade::Scene&      scene  = *yade::Omega::instance().getScene();
+	const std::string reason = yade::validation::refusal(scene);
 	if (reason.empty()) {
 		yade::validation::replaceSphereBounds(scene);
-		yade::validation::registerBodiesWithCollider(scene);
+		yade::validation::relistPairs(scene);
 	}
 	return reason;
 }

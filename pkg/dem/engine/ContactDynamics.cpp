@@ -75,7 +75,6 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 				energy.enter(*scene->energy, step_, impulses,
 				        plane::toPlane(engines.integrator->gravity));
 			scatter(*scene, team, impulses, handles_, step_);
-			if (handles_.masksChanged) restartCollider(*scene, engines);
 		});
 	} catch (...) {
 		arraySteps_->writeBack(*scene, team, handles_, step_);

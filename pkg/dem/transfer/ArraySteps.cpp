@@ -140,7 +140,10 @@ std::string ArraySteps::selectBodies(const Scene& scene, const rcr::Step& step)
 		if (id >= 0 && std::size_t(id) < isByYade_.size()) isByYade_[id] = true;
 	std::size_t grains = 0;
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
-		const bool grain = step.bodies[id].shape.grain();
+		const rcr::StepBody& body  = step.bodies[id];
+		const bool           grain = body.shape.grain();
+		// the collider reports obstacles through which it would pass
+		if (body.free && body.shape.kind == rcr::PlanarShape::box) return "a Box that can move";
 		isByYade_[id] |= !grain && (*scene.bodies)[id];
 		grains += grain && !isByYade_[id];
 	}

@@ -27,10 +27,12 @@ bool mayMeet(Scene& scene, const validation::Engines& engines, Body::id_t id1, B
 {
 	if (!validation::mayCollide(scene, *engines.collider, id1, id2)) return false;
 	Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
-	bool  swap;
-	return one.isBounded() && two.isBounded()
-	        && engines.loop->geomDispatcher->getFunctor2D(one.shape, two.shape, swap)
-	        && dynamic_cast<const FrictMat*>(one.material.get())
+	if (!one.isBounded() || !two.isBounded()) return false;
+	bool       swap;
+	const bool supported
+	        = bool(engines.loop->geomDispatcher->getFunctor2D(one.shape, two.shape, swap));
+	if (!supported) validation::checkSupported(scene, id1, id2);
+	return supported && dynamic_cast<const FrictMat*>(one.material.get())
 	        && dynamic_cast<const FrictMat*>(two.material.get());
 }
 

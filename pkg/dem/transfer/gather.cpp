@@ -64,9 +64,7 @@ namespace {
 		step_.bodies.resize(count);
 		handles_.state.resize(count);
 		handles_.bound.resize(count);
-		handles_.mask.resize(count);
 		handles_.isUnlisted.assign(count, false);
-		handles_.masksChanged = false;
 		handles_.z = validation::planeOf(scene_);
 		team_.forEach(count, [&](Body::id_t id) {
 			if (id + 2 * prefetchAhead < count) {
@@ -77,11 +75,6 @@ namespace {
 		});
 		step_.members.clear();
 		for (std::size_t id = 0; id < count; ++id) {
-			const Body* b = bodies[id].get();
-			const auto  before = handles_.mask[id];
-			handles_.mask[id]  = { b, b ? b->groupMask : 0 };
-			if (b && before.first == b && before.second != b->groupMask)
-				handles_.isUnlisted[id] = handles_.masksChanged = true;
 			const int owner = step_.bodies[id].owner;
 			if (owner == int(id)) continue;
 			step_.members.push_back(int(id));
@@ -194,7 +187,7 @@ namespace {
 
 	SceneHandles::Contact Gatherer::contactOf(Interaction& i) const
 	{
-		if (!i.functorCache.geomExists) validation::checkSupported(i, scene_);
+		if (!i.functorCache.geomExists) validation::checkSupported(scene_, i.getId1(), i.getId2());
 		if (!i.isReal()) return {};
 		CdPhys*  phys = dynamic_cast<CdPhys*>(i.phys.get());
 		RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic()

@@ -4,6 +4,7 @@
 #include "kernel/parallel/thread_team.hpp"
 #include "kernel/step/step.hpp"
 #include "dem/contacts/CdPhys.hpp"
+#include "dem/transfer/PairRules.hpp"
 #include "dem/validation/validation.hpp"
 #include "dem/contacts/RcrGeom.hpp"
 
@@ -23,9 +24,8 @@ struct SceneHandles {
 
 	std::vector<State*>       state; // per body; null: no body
 	std::vector<const Bound*> bound; // per body
-	std::vector<std::pair<const Body*, mask_t>> mask; // per body: groupMask
 	std::vector<char>         isUnlisted; // per body: the collider may miss contacts of this step
-	bool                      masksChanged = false; // the collider lists pairs by old masks
+	PairRules                 pairRules; // of the last step
 	// in the order of YADE's container; 0 points: not a contact of this law
 	std::vector<Contact>      found;
 	std::vector<Contact>      sorted; // by body 1, then body 2
@@ -46,7 +46,8 @@ struct ContactLaw {
 /// Friction and restitution of a new contact, by the Ip2 functor of the scene.
 ContactLaw contactLaw(Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2);
 
-/// The collider and the functors of the scene allow a contact of the two bodies.
+/// The collider and the functors of the scene allow a contact of the two bodies. Throws if bodies
+/// that may meet have no Ig2 functor.
 bool mayMeet(Scene&, const validation::Engines&, Body::id_t id1, Body::id_t id2);
 
 } // namespace yade

@@ -31,6 +31,11 @@ bool findMissedContacts(Scene& scene, const validation::Engines& engines, rcr::S
 void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const Engine& solver,
         SceneHandles& handles, rcr::Step& step)
 {
+	const std::vector<Body::id_t> changed = handles.pairRules.update(scene, *engines.collider);
+	const std::string wrong = changed.empty() ? std::string() : validation::refusal(scene);
+	if (!wrong.empty()) validation::refuse(wrong);
+	for (Body::id_t id : changed)
+		handles.isUnlisted[id] = true;
 	// Ig2 functors have used the velocities before these engines and scripts set them.
 	bool       afterLoop = false;
 	const auto complete  = [&](Body::id_t id) {
@@ -61,12 +66,6 @@ bool addMissedContacts(Scene& scene, const validation::Engines& engines, rcr::St
 	if (!findMissedContacts(scene, engines, step)) return false;
 	addUpdatedContacts(scene, engines, step);
 	return true;
-}
-
-void restartCollider(Scene& scene, const validation::Engines& engines)
-{
-	engines.collider->invalidatePersistentData();
-	scene.doSort = true;
 }
 
 } // namespace yade

@@ -6,7 +6,8 @@
 namespace yade {
 
 /// Completes the contacts within reach, so that they do not depend on when the collider ran.
-/// `solver` is the engine that solves the step.
+/// After a change of PairRules, restarts the collider and validates the scene. `solver` is the
+/// engine that solves the step.
 void addUnlistedContacts(Scene&, const validation::Engines&, const Engine& solver, SceneHandles&,
         rcr::Step&);
 
@@ -16,8 +17,5 @@ bool findMissedContacts(Scene&, const validation::Engines&, rcr::Step&);
 
 /// Finds them and adds them to the problem.
 bool addMissedContacts(Scene&, const validation::Engines&, rcr::Step&);
-
-/// Makes the collider list all pairs again. It checks masks only when boxes begin to overlap.
-void restartCollider(Scene&, const validation::Engines&);
 
 } // namespace yade

@@ -205,9 +205,9 @@ std::string unsupportedPairs(const View& v)
 	          "common bit.";
 }
 
-void checkSupported(const Interaction& i, const Scene& scene)
+void checkSupported(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
-	const Body &one = *(*scene.bodies)[i.getId1()], &two = *(*scene.bodies)[i.getId2()];
+	const Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
 	if (partyOf(one, scene).still && partyOf(two, scene).still) return;
 	const std::string functor
 	        = functorFor(one.shape->getClassName(), two.shape->getClassName());

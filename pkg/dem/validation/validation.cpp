@@ -3,6 +3,7 @@
 #include "dem/engine/CellStress.hpp"
 #include "dem/shapes/Rcr.hpp"
 #include "dem/contacts/RcrGeom.hpp"
+#include "dem/transfer/PairRules.hpp"
 #include "dem/validation/deferredError.hpp"
 
 namespace yade::validation {
@@ -230,13 +231,11 @@ void replaceSphereBounds(const Scene& scene)
 	}
 }
 
-void registerBodiesWithCollider(const Scene& scene)
+void relistPairs(Scene& scene)
 {
-	if (!usesRcrClasses(scene)) return;
-	for (const auto& e : scene.engines) {
-		const auto* collider = dynamic_cast<const InsertionSortCollider*>(e.get());
-		if (collider && collider->numAction == 0) scene.bodies->checkedByCollider = false;
-	}
+	static PairRules last; // of the scene that a script has run last
+	const View       view(scene);
+	if (view.law != neither) last.update(scene, *view.first<Collider>());
 }
 
 /// ContactDynamics divides impulses by its time step, and NewtonIntegrator multiplies these forces

@@ -14,7 +14,7 @@
 //              NewtonIntegrator
 //
 // validation.cpp holds the table of rules. Python evaluates it when a run starts, ContactDynamics
-// when engines or the number of bodies change, and the Ig2 functors for a new contact.
+// when engines, the number of bodies or PairRules change, and the Ig2 functors for a new contact.
 // ContactDynamics checks the time step, the integrator and the cell in each step; gather checks
 // each body. Each message says what was given, what is expected and what to do.
 #pragma once
@@ -72,10 +72,9 @@ std::string refusal(const Scene&);
 /// the same look-ahead as Rcrs.
 void replaceSphereBounds(const Scene&);
 
-/// Registers all bodies with a collider that has not run yet. After an erasure, YADE's collider
-/// registers only bodies that changed since the last run of any collider, so after `O.engines =
-/// […]` it would find no contacts.
-void registerBodiesWithCollider(const Scene&);
+/// Restarts the collider if a script has changed PairRules between runs. ContactDynamics also
+/// does so in its steps.
+void relistPairs(Scene&);
 
 /// Message if rigid contacts have no active ContactDynamics; else empty.
 std::string missingSolver(const Scene&);
@@ -134,7 +133,7 @@ Real planeOf(const Scene&);
 std::string defectOf(const Body&, const rcr::PlanarShape& shape, Real z);
 
 /// Throws if no Ig2 functor handles a pair of bodies that could overlap.
-void checkSupported(const Interaction&, const Scene&);
+void checkSupported(const Scene&, Body::id_t id1, Body::id_t id2);
 
 /// Throws if friction or restitution of a contact are invalid.
 void checkPhys(const CdPhys&, Body::id_t id1, Body::id_t id2);

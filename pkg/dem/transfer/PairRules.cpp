@@ -1,0 +1,27 @@
+#include "dem/transfer/PairRules.hpp"
+
+namespace yade {
+
+std::vector<Body::id_t> PairRules::update(Scene& scene, Collider& collider)
+{
+	const mask_t avoided = collider.avoidSelfInteractionMask;
+	const bool   all     = collider_.lock().get() != &collider || avoided != avoided_;
+	collider_ = collider.weak_from_this(), avoided_ = avoided;
+	bodies_.resize(scene.bodies->size());
+	std::vector<Body::id_t> changed;
+	for (const auto& b : *scene.bodies) {
+		if (!b) continue;
+		const Properties now { b.get(), b->groupMask, b->clumpId, b->isBounded() };
+		Properties&      last = bodies_[b->getId()];
+		// the collider lists the pairs of a new body
+		if (all || (std::get<0>(last) == b.get() && now != last)) changed.push_back(b->getId());
+		last = now;
+	}
+	if (changed.empty()) return changed;
+	collider.invalidatePersistentData();
+	scene.bodies->checkedByCollider = false;
+	scene.doSort                    = true;
+	return changed;
+}
+
+} // namespace yade
