@@ -14,6 +14,7 @@ YADE = """
 import os, runpy, sys, yade
 {}
 sys.argv = sys.argv[1:]
+sys.path.insert(0, os.path.dirname(sys.argv[0]))
 runpy.run_path(sys.argv[0], run_name="__main__")
 """
 

@@ -34,6 +34,7 @@ void ContactDynamics::action()
 		scene->forces.sync();
 		stepThread_ = std::this_thread::get_id();
 		workspace_.team().run(solverThreads(), [&] { runStep(engines); });
+		validator_.expectNext(*scene);
 	} catch (const std::exception& error) {
 		rememberError(error.what());
 		throw;

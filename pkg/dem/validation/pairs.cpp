@@ -1,5 +1,6 @@
 // Rules of validation on pairs of bodies: a functor for each pair that may meet, and overlaps
 // before the first step.
+#include <limits>
 #include <map>
 #include <set>
 #include <tuple>
@@ -135,11 +136,13 @@ namespace {
 			const rcr::Vec2 from { plane::toPlane(edges_ * a.at) },
 			        way { plane::toPlane(edges_ * apart) };
 			const double    most = a.shape.radius() + b.shape.radius();
-			if (a.shape.kind != rcr::PlanarShape::wall && dot(way, way) > most * most) return;
+			const bool      isWall = a.shape.kind == rcr::PlanarShape::wall;
+			if (!isWall && dot(way, way) > most * most) return;
 			if (!mayMeet(scene_, collider_, a.party, b.party)) return;
 			const rcr::Manifold m = rcr::contactPoints(a.shape,
 			        { from, plane::turnOf(a.shape, *a.party.body->state).axis() }, b.shape,
-			        { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() }, 0);
+			        { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() },
+			        isWall ? std::numeric_limits<double>::max() : 0); // also far behind it
 			const double deepest = m.deepest();
 			const double part    = deepest / rcr::contactSize(a.shape, b.shape);
 			if (part <= deepOverlap) return;
@@ -232,7 +235,7 @@ std::string overlapWarning(const Scene& scene)
 		                            : " lies")
 		        + " behind a wall, " + named({ found.wall }) + ", which acts towards "
 		        + (wall.sense > 0 ? '+' : '-') + "xy"[wall.axis] + " only (sense="
-		        + std::to_string(wall.sense) + "): such a grain goes through it. Set sense="
+		        + std::to_string(wall.sense) + "): it does not hold such a grain, or pushes it across. Set sense="
 		        + std::to_string(-wall.sense) + ", or 0 for both sides, or move them.";
 	}
 	return named({ found.one, found.two }) + " overlap by " + text(found.depth, 3) + " m, "

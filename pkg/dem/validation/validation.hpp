@@ -105,6 +105,7 @@ struct View;
 class Validator {
 public:
 	Engines validate(const Scene&); // throws the message of `refusal`
+	void    expectNext(const Scene&); // after ContactDynamics: time of the next step
 private:
 	void checkTimeStep(const View&);
 

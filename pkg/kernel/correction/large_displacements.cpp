@@ -17,14 +17,25 @@ namespace {
 
 	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
-	/// Gap of the point that was number k of `count`, or the smallest gap if their number changed;
-	/// inf: out of reach; −inf: the point is on the far side of the body.
-	double gapOf(const Manifold& now, int k, int count, Vec2 normal)
+	/// The two points have the other order than at the beginning of the step, since the first body
+	/// has turned against the second one.
+	bool isReversed(const Step& step, const StepContact& c, const Manifold& now)
+	{
+		return dot(now.points[1].position - now.points[0].position,
+		               step.point(c, 1).position - step.point(c, 0).position)
+		        < 0;
+	}
+
+	/// Gap of the point that is number k of the contact, or the smallest gap if their number
+	/// changed; inf: out of reach; −inf: the point is on the far side of the body.
+	double gapOf(const Step& step, const StepContact& c, int k, const Manifold& now)
 	{
 		if (now.count == 0) return infinity;
-		const int at = now.count == count                                 ? k
-		        : now.count == 2 && now.points[1].gap < now.points[0].gap ? 1
-		                                                                  : 0;
+		const Vec2 normal = step.problem.points[c.first + k].normal;
+		const bool closer = now.count == 2 && now.points[1].gap < now.points[0].gap;
+		const int  at     = now.count != c.count           ? closer
+		        : now.count == 2 && isReversed(step, c, now) ? 1 - k
+		                                                     : k;
 		return dot(now.points[at].normal, normal) > 0 ? now.points[at].gap : -infinity;
 	}
 
@@ -87,9 +98,9 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		const double  path   = dt * relativeVelocity(step.problem, c).n;
 		double        least  = infinity;
 		for (const Manifold& now : at)
-			least = std::min(least, gapOf(now, k, contact.count, c.normal));
+			least = std::min(least, gapOf(step, contact, k, now));
 		const double share = double(last) / samples,
-		             end   = gapOf(at[last - 1], k, contact.count, c.normal);
+		             end   = gapOf(step, contact, k, at[last - 1]);
 		// the contact has moved round the body; `separate` removes its overlap
 		if (end == -infinity) continue;
 		const bool sinks
@@ -133,8 +144,7 @@ bool cancelRestitution(Step& step, const StepContact& contact)
 		const Manifold now = pointsAfter(step, contact, step.dt * sample / restitutionSamples,
 		        [&](int id) { return initial(step, id); });
 		for (int k = 0; k < contact.count; ++k)
-			least[k] = std::min(least[k],
-			        gapOf(now, k, contact.count, step.problem.points[contact.first + k].normal));
+			least[k] = std::min(least[k], gapOf(step, contact, k, now));
 	}
 	bool changed = false;
 	for (int k = 0; k < contact.count; ++k) {

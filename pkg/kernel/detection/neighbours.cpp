@@ -189,7 +189,6 @@ bool Neighbours::near(std::int32_t body1, std::int32_t body2) const
 {
 	const Place &one = at_[body1], &two = at_[body2];
 	const double reach = one.reach + two.reach + 2 * margin_;
-	if (apart(one.shape, one.pose.center, two.shape, two.pose.center, reach)) return false;
 	return contactPoints(one.shape, one.pose, two.shape, two.pose, reach * (1 + 1e-9)).count > 0;
 }
 

@@ -20,18 +20,6 @@
 
 namespace rcr {
 
-/// Sufficient test, by centres, that the gap of two surfaces exceeds `gap` [m]; false for boxes and
-/// segments.
-inline bool apart(const PlanarShape& one, Vec2 at1, const PlanarShape& two, Vec2 at2, double gap)
-{
-	const Vec2   between = at2 - at1;
-	// the margin is for rounding
-	const double most    = 1.000001 * (one.radius() + two.radius() + gap);
-	if (one.kind == PlanarShape::wall)
-		return std::abs(one.axis == 0 ? between.x : between.y) > most;
-	return one.grain() && dot(between, between) > most * most;
-}
-
 class Neighbours {
 public:
 	using List = std::vector<std::pair<std::int32_t, std::int32_t>>; // (body 1, body 2)

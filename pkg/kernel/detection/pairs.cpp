@@ -39,8 +39,7 @@ void Pairs::detect(const Step& step, ThreadTeam& team, bool again)
 		const double    reach = one.alertDistance + two.alertDistance;
 		const Pose      at1 = one.pose(), at2 = two.pose();
 		Manifold        found;
-		if (!apart(one.shape, one.center, two.shape, two.center, reach)
-		        && canTouch(one.shape.kind, two.shape.kind))
+		if (canTouch(one.shape.kind, two.shape.kind))
 			found = contactPoints(one.shape, at1, two.shape, at2, reach);
 		pair.fresh = found.count > 0 && pair.points == 0;
 		if (found.count == 0) {

@@ -1,5 +1,7 @@
 #include "geometry/planar_shape.hpp"
 
+#include <cmath>
+
 namespace rcr {
 
 namespace {
@@ -11,6 +13,8 @@ namespace {
 	        double alertDistance)
 	{
 		const double ahead  = wall.axis == 0 ? at.center.x - origin.x : at.center.y - origin.y;
+		// a one-sided wall does not bear what is far behind it; the margin is for rounding
+		if (std::abs(ahead) > 1.000001 * (grain.radius() + alertDistance)) return {};
 		const double side   = wall.sense != 0 ? wall.sense : ahead < 0 ? -1 : 1;
 		const Vec2   normal = wall.axis == 0 ? Vec2 { side, 0 } : Vec2 { 0, side };
 		return shadowOverlap(HalfPlane { origin, normal }, stadiumOf(grain), at, alertDistance);

@@ -215,7 +215,12 @@ Manifold shadowOverlap(
 		if (separation <= 0 || s.halfLength == 0) break;
 		const double along = dot(corner - q, e), across = cross(e, corner - q);
 		if (std::abs(along) > sideReach * s.halfLength) continue;
-		facing[count++] = { corner, corner - across * perp(e), -sign(across) * perp(e),
+		const Vec2 normal = -sign(across) * perp(e);
+		// the core must be beyond the face on which the corner lies
+		if (std::abs(normal.x) > std::abs(normal.y) ? normal.x * corner.x < 0
+		                                            : normal.y * corner.y < 0)
+			continue;
+		facing[count++] = { corner, corner - across * perp(e), normal,
 			                std::abs(across), true };
 	}
 	if (count == 0) return {};

@@ -172,3 +172,28 @@ def test_a_rod_glides_over_the_joints_of_a_floor(eta, dt):
     O.engines[1].verletDist = 2e-3
     steps(round(0.2 / dt))
     assert O.bodies[rod].state.vel[0] == pytest.approx(1, abs=1.5e-3)
+
+
+@pytest.mark.parametrize("make", [
+    lambda m: utils.box((0, -0.001, 0), (0.05, 0.001, 0.1), fixed=True, material=m),
+    lambda m: utils.box((0, -0.5, 0), (0.05, 0.5, 0.1), fixed=True, material=m),
+    lambda m: rcr.segment((-0.05, 0), (0.05, 0), m),
+], ids=["thin box", "box", "segment"])
+def test_a_rod_bounces_flat_off_a_short_obstacle(make):
+    """It reaches beyond both ends. Corners of the far face of a box are no contact points."""
+    rough = material(0.3)
+    build(make(rough), rcr.particle((0, 0.0205), 0.2, 0.9, material=rough, velocity=(0, -1)),
+          gravity=(0, 0, 0), restitution=0.5, tolerance=1e-10)
+    O.step()
+    assert velocity(1) == pytest.approx([0, 0.5, 0], abs=1e-9)
+
+
+@pytest.mark.parametrize("arrays", [False, True])
+def test_a_grain_far_behind_a_one_sided_wall_falls_freely(arrays):
+    rough = material(0.3)
+    build(rcr.wall("y", 0, 1, material=rough), rcr.disc((3, 0.1), 0.1, rough),
+          rcr.particle((0, -5), 0.2, 0.8, material=rough, velocity=(0, -30)), tolerance=1e-10)
+    solver().arrays = arrays
+    O.run(300, True)
+    assert velocity(2)[1] == pytest.approx(-30 - 0.3 * G)
+    assert solver().missedSteps == 0
