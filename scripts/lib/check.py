@@ -254,7 +254,7 @@ def record(rows):
 def page(rows):
     """The table of these rows in Markdown."""
     lines = ["# Checks", "", "Last run of each check of `scripts/check`, by its options.",
-             "`checks.csv` holds all runs; `scripts/check --record` writes both files.", "",
+             "`scripts/check --record` writes this page and `checks.csv`.", "",
              "| check | what it does | verdict | found | date, commit | s |", "|---" * 6 + "|"]
     cell = lambda text: text.replace("|", "\\|")
     for row in rows:
