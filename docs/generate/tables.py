@@ -98,7 +98,8 @@ def sloshing():
     rows = [[f"{row['eta']:g}", f"{row['sample_inertia']:.0e}", f"{row['time_step']:g}",
              f"{row['iterations']:.0f}", f"{row['scatter']:.2g}", f"{row['missed']:.2f}"]
             for row in measured("sloshing")]
-    return table(["η", "ρ (v W/h)²/σ₀", "dt/t₀", "sweeps", "scatter of σ_x/σ₀", "missed steps"], rows)
+    header = ["η", "ρ (v W/h)²/σ₀", "dt/t₀", "sweeps", "scatter of σ_x/σ₀", "missed steps"]
+    return table(header, rows)
 
 
 def step_threads():

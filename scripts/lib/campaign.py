@@ -148,8 +148,9 @@ def last_line(path):
 
 def failure(out, folders):
     """Return one line with the reason of each failed run: the last line of its log."""
-    missing = ([folder for folder in folders if not (folder / "summary.json").exists()]
-               or [out / "report"] * (not (out / "report" / "report.html").exists()))
+    missing = [folder for folder in folders if not (folder / "summary.json").exists()]
+    if not missing and not (out / "report" / "report.html").exists():
+        missing = [out / "report"]
     logs = [folder / "log" for folder in missing if (folder / "log").exists()]
     reasons = "; ".join(f"{path.resolve()}: {last_line(path)}" for path in logs)
     what = ", see above"

@@ -28,7 +28,8 @@ void ContactDynamics::action()
 		const std::string invalid = invalidAttribute();
 		if (!invalid.empty()) validation::refuse(invalid);
 		const validation::Engines engines = validator_.validate(*scene);
-		// gather adds the mean flow of the cell to overdamped bodies; NewtonIntegrator would add it again
+		// gather adds the mean flow of the cell to overdamped bodies, which NewtonIntegrator must
+		// not add again
 		if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0;
 		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();
 		scene->forces.sync();

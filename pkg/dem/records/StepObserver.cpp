@@ -40,8 +40,12 @@ void StepObserver::record(const Result& result, const std::vector<int>& ids, int
 		if (std::size_t(id) >= step.bodies.size() || !handles.state[id]) return {};
 		return step.bodies[id].center;
 	});
-	if (sums_.ids != ids) sums_ = {};
-	sums_.ids = ids;
+	if (sums_.ids != ids) {
+		sums_     = {};
+		sums_.ids = ids;
+		for (int id : ids)
+			sums_.force[id] = {};
+	}
 	++sums_.steps;
 	sums_.iterations += result.iterations;
 	sums_.yielded += result.yielded;
@@ -51,10 +55,8 @@ void StepObserver::record(const Result& result, const std::vector<int>& ids, int
 		sums_.missSum += result.miss;
 		sums_.largestMiss = std::max(sums_.largestMiss, result.miss);
 	}
-	for (int id : std::set<int>(ids.begin(), ids.end())) {
-		rcr::Twist& sum = sums_.force[id];
-		sum             = sum + impulses[id] / step.dt;
-	}
+	for (auto& [id, sum] : sums_.force)
+		sum = sum + impulses[id] / step.dt;
 	if (interval == 0 || sums_.steps < interval) return;
 	intervals_.push_back({ std::exchange(sums_, {}), result, {}, false });
 }

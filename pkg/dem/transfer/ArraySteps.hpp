@@ -11,7 +11,8 @@
 //
 //   * at the end of a run, and every 100 steps, so that YADE's objects follow;
 //   * if an engine is due that may read any object: a PyRunner, a recorder, any engine not named below;
-//   * in scenes with clumps, a Box that can move, a periodic cell, energy tracking or permanent forces;
+//   * in scenes with clumps, a Box that can move, a periodic cell, energy tracking or permanent
+//     forces;
 //   * if an Ig2, Ip2 or Law2 functor is not one of this plugin's own, or the loop has callbacks.
 //
 // `reason` has the complete list.

@@ -235,7 +235,8 @@ std::string overlapWarning(const Scene& scene)
 		                            : " lies")
 		        + " behind a wall, " + named({ found.wall }) + ", which acts towards "
 		        + (wall.sense > 0 ? '+' : '-') + "xy"[wall.axis] + " only (sense="
-		        + std::to_string(wall.sense) + "): it does not hold such a grain, or pushes it across. Set sense="
+		        + std::to_string(wall.sense)
+		        + "): it does not hold such a grain, or pushes it across. Set sense="
 		        + std::to_string(-wall.sense) + ", or 0 for both sides, or move them.";
 	}
 	return named({ found.one, found.two }) + " overlap by " + text(found.depth, 3) + " m, "

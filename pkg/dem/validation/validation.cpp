@@ -244,10 +244,10 @@ void Validator::checkTimeStep(const View& v)
 {
 	const Real change = v.scene.iter == nextStep_ ? math::abs(v.scene.time - nextTime_) : 0;
 	nextStep_ = -1; // the next attempt is accepted
-	const int  integrator = v.place<NewtonIntegrator>();
+	if (change <= 1e-6 * v.scene.dt + 1e-12 * v.scene.time) return;
+	const int integrator = v.place<NewtonIntegrator>();
 	// an engine after the integrator may change the time step
-	if (change > 1e-6 * v.scene.dt + 1e-12 * v.scene.time
-	        && integrator > v.place<ContactDynamics>() + 1
+	if (integrator > v.place<ContactDynamics>() + 1
 	        && integrator == int(v.scene.engines.size()) - 1)
 		refuse("O.dt changed after ContactDynamics in the last step, so NewtonIntegrator applied "
 		       "wrong forces; change O.dt by an engine before ContactDynamics or after "

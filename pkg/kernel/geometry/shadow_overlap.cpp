@@ -220,8 +220,7 @@ Manifold shadowOverlap(
 		if (std::abs(normal.x) > std::abs(normal.y) ? normal.x * corner.x < 0
 		                                            : normal.y * corner.y < 0)
 			continue;
-		facing[count++] = { corner, corner - across * perp(e), normal,
-			                std::abs(across), true };
+		facing[count++] = { corner, corner - across * perp(e), normal, std::abs(across), true };
 	}
 	if (count == 0) return {};
 	for (int k = 0; k < count; ++k) { // from the frame of the box to the plane

@@ -59,9 +59,13 @@ namespace {
 	/// normal direction.
 	bool closesBlockedContact(const ContactProblem& problem, double roundingVelocity)
 	{
+		const auto translates = [&](int body) {
+			return problem.inverseMass[body].x > 0 && problem.inverseMass[body].y > 0;
+		};
 		return std::any_of(
 		        problem.points.begin(), problem.points.end(), [&](const ContactPoint& c) {
-			        return delassus(problem, c).nn <= 0
+			        return !translates(c.body1) && !translates(c.body2)
+			                && delassus(problem, c).nn <= 0
 			                && !(problem.prescribed(c.body1) && problem.prescribed(c.body2))
 			                && relativeVelocity(problem, c).n + c.bias < -roundingVelocity;
 		        });

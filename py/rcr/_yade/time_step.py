@@ -147,10 +147,11 @@ def half_step_start():
         if body.isClumpMember or state.blockedDOFs == "xyzXYZ":
             continue
         force, torque = Vector3.Zero, Vector3.Zero
-        for id_ in [body.id, *(body.shape.members if body.isClump else ())] if loaded else []:
-            arm = O.bodies[id_].state.pos - state.pos
-            force += O.forces.permF(id_)
-            torque += O.forces.permT(id_) + arm.cross(O.forces.permF(id_))
+        parts = [body.id, *body.shape.members] if body.isClump else [body.id]
+        for part in parts if loaded else []:
+            load, arm = O.forces.permF(part), O.bodies[part].state.pos - state.pos
+            force += load
+            torque += O.forces.permT(part) + arm.cross(load)
         free = [name not in state.blockedDOFs for name in "xyzXYZ"]
         linear = [gravity[k] + force[k] / state.mass if free[k] else 0 for k in range(3)]
         angular = [torque[k] / state.inertia[k] if free[3 + k] else 0 for k in range(3)]

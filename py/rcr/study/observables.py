@@ -82,7 +82,7 @@ def force_distribution(force, edges, suffix):
 
 
 def mean_mobilization(e, grids):
-    """Return the mean of I_m, the share of contacts with I_m > 0.99, and the weak share of these."""
+    """Return the mean of I_m, the share of contacts with I_m > 0.99, and their weak share."""
     weak = e.fn < 1
     full = e.mobilization > 0.99
     return dict(friction_mobilization=e.mobilization.mean(), mobilized_fraction=np.mean(full),

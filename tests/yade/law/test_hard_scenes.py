@@ -1,4 +1,4 @@
-"""Every hard scene keeps its bound at the default settings and is stable at ten times the time step.
+"""Hard scenes keep their bounds at default settings and are stable at ten times the time step.
 
 docs/measurements/hard-scenes.md describes the scenes. S20 is test_same_bits.py.
 """

@@ -9,8 +9,8 @@ import rcr
 import yade.utils
 from rcr.study.biaxial import Biaxial
 from scenes import (G, KN, KS, build, engines, gaps, grain_on_floor, inertia, insert, material,
-                    point_forces, pressed_box, set_state, springs, springy, stadium, steps, velocity,
-                    walls)
+                    point_forces, pressed_box, set_state, springs, springy, stadium, steps,
+                    velocity, walls)
 from yade import O
 from yade.wrapper import FrictMat, GlobalStiffnessTimeStepper
 

@@ -51,8 +51,8 @@ def test_grains_behind_a_wall_warn(law):
     O.bodies.append(rcr.wall("x", -1, -1, material=O.bodies[1].material))
     add((3, 1))
     (told,) = advised()
-    assert ("body #1 and 1 more lie behind a wall, body #2, which acts towards -x only "
-            "(sense=-1): it does not hold such a grain, or pushes it across. Set sense=1, or 0") in told
+    assert ("body #1 and 1 more lie behind a wall, body #2, which acts towards -x only (sense=-1): "
+            "it does not hold such a grain, or pushes it across. Set sense=1, or 0") in told
 
 
 def test_overlaps_of_images_warn():
