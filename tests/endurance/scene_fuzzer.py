@@ -221,7 +221,7 @@ class Bounds:
     """Bounds of speed, overlap and energy of a scene; `violated` returns a sentence or None."""
 
     def __init__(self, scene, steps):
-        self.scene, self.missed, self.total = scene, False, None
+        self.scene, self.missed, self.total, self.deepest = scene, False, None, 0
         self.speed = (scene["speed"] * 2 + 5 * 0.4 * scene["turning"] + 0.5
                       + scene["gravity"] * O.dt * steps)
         self.cell = np.abs(scene["gradient"]).max() * 2.4 * 1.5 if scene["periodic"] else 0
@@ -236,8 +236,9 @@ class Bounds:
         return self.overlap_violated() or (self.energy_violated() if after_first else None)
 
     def overlap_violated(self):
-        deepest = deepest_overlap()
-        bound = DEEPEST if self.scene["law"] == "rigid" else 0.3
+        """Only steps that have not converged may deepen an overlap beyond the bound."""
+        bound = max(DEEPEST if self.scene["law"] == "rigid" else 0.3, self.deepest)
+        self.deepest = deepest = deepest_overlap()
         solvers = [e for e in O.engines if isinstance(e, rcr.ContactDynamics)]
         before, self.missed = self.missed, not all(e.converged for e in solvers)
         if deepest > bound and not before and not self.missed:  # contacts show it a step later

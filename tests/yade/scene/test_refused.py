@@ -404,6 +404,13 @@ except (ValueError, RuntimeError) as error:
     assert match in result.stdout, result.stdout + result.stderr
 
 
+def test_discs_without_a_law_are_refused():
+    """YADE ends the process at the first contact."""
+    build(rcr.disc((0, 0), 0.1), rcr.disc((0, 1), 0.1), law="smooth")
+    O.engines[2].lawDispatcher.functors = []
+    assert_refused("no law for contacts of rcr; put Law2_RcrGeom_CdPhys_SignoriniCoulomb")
+
+
 def test_plugin_of_another_version():
     result = python("""
 import yade, yade.config
