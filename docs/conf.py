@@ -37,4 +37,8 @@ def setup(app):
     def escape(app, what, name, thing, options, lines):
         lines[:] = escaped("\n".join(lines)).splitlines()
 
+    def link_design(app, page, source):
+        source[0] = source[0].replace("../pkg/README.md", "design.md")
+
     app.connect("autodoc-process-docstring", escape, priority=400)  # before napoleon
+    app.connect("source-read", link_design)

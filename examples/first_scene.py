@@ -7,7 +7,6 @@ Run it with YADE:  scripts/yade-rcr -n -x examples/first_scene.py
 Writes DIR/first_scene.png and DIR/grains.csv, one row per grain.
 """
 
-import math
 import os
 
 import numpy as np
@@ -18,9 +17,9 @@ from rcr import script
 
 options = script.options(__doc__)
 
-rough = O.materials.append(FrictMat(density=2600, frictionAngle=math.atan(0.5)))
+rough = O.materials.append(FrictMat(density=2600, frictionAngle=0.46))
 O.bodies.append(rcr.wall("y", 0, sense=+1, material=rough))  # `wall` is YADE's function
-O.bodies.append([particle((0.03 * i, 0.02 + 0.03 * j), R=0.01, eta=0.5, angle=i + j, material=rough)
+O.bodies.append([particle((0.03 * i, 0.05 + 0.03 * j), R=0.01, eta=0.5, angle=i + j, material=rough)
                  for i in range(8) for j in range(8)])
 O.engines = [
     ForceResetter(),

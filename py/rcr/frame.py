@@ -24,7 +24,7 @@ import numpy as np
 
 from rcr._pictures import grain_sums
 from rcr._pictures.outlines import half_extents
-from rcr.network import Network
+from rcr.network import WALL, Network
 
 KINDS = ("rcr", "disc", "clumped", "fixed")
 _NO_WALLS = dict(id=np.empty(0, int), axis=np.empty(0, int), position=np.empty(0))
@@ -42,9 +42,9 @@ class Frame:
         [m], ``mass`` (N,) [kg/m], ``velocity`` (N, 3) [m/s, m/s, 1/s], ``color`` (N, 3) in YADE's
         view.
     contacts : dict of arrays
-        ``body1``, ``body2``, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 wall, ``points`` (C,) 1 or 2,
-        ``position`` (C, 2) of the resultant [m], ``normal`` (C, 2), ``force`` (C, 2) [N/m],
-        ``friction`` (C,) µ or NaN if unknown, ``arm1``, ``arm2`` (C, 2) from the centre of mass of
+        ``body1``, ``body2``, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 with an obstacle or
+        fixed grain, ``points`` (C,) 1 or 2, ``position`` (C, 2) of the resultant [m], ``normal``
+        (C, 2), ``force`` (C, 2) [N/m], ``friction`` (C,) µ or NaN if unknown, ``arm1``, ``arm2`` (C, 2) from the centre of mass of
         the body or its clump to the position, 0 for obstacles [m].
     walls : dict of arrays
         ``id``, ``axis`` 0 or 1 of the normal, ``position`` along it [m].
@@ -105,7 +105,10 @@ class Frame:
             raise ValueError(
                 "no scene: this Python runs without YADE; give a rcr.Network or the path of one"
             ) from error
-        return cls(**scene_arrays.read())
+        frame = cls(**scene_arrays.read())
+        free1, free2 = frame.free_ends()
+        frame.contacts["type"][~(free1 & free2)] = WALL
+        return frame
 
     @classmethod
     def of_network(cls, network):

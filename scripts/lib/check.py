@@ -2,7 +2,7 @@
 
 A check is a function that returns a verdict (True, False, or None if it cannot run) and a line
 about it. Builds are in build/check/NAME, logs in build/check/NAME.log. `--record` adds the rows to
-docs/measurements/checks.csv and writes docs/measurements/checks.md from it.
+docs/measurements/checks.csv.
 """
 
 import argparse
@@ -24,7 +24,7 @@ PYTEST = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
 WITHOUT_YADE = [f"--confcutdir={TESTS}"]
 SOAK, FUZZER, RUNS, LARGE = (f"tests/endurance/{name}.py"
                              for name in ("soak", "scene_fuzzer", "run_fuzzer", "large"))
-RECORD, PAGE = (ROOT / "docs" / "measurements" / f"checks.{suffix}" for suffix in ("csv", "md"))
+RECORD = ROOT / "docs" / "measurements" / "checks.csv"
 COLUMNS = ["date", "commit", "check", "options", "verdict", "seconds", "what"]
 
 # Tests that need address spaces, threads or processes without a sanitizer.
@@ -237,7 +237,7 @@ VERDICTS = {True: "clean", False: "FAILS", None: "left out"}
 
 
 def record(rows):
-    """Add rows to checks.csv and write the page: the last row of each check and its options."""
+    """Add rows to checks.csv."""
     RECORD.parent.mkdir(parents=True, exist_ok=True)
     new = not RECORD.exists()
     with open(RECORD, "a", newline="") as file:
@@ -245,24 +245,6 @@ def record(rows):
         if new:
             table.writeheader()
         table.writerows(rows)
-    with open(RECORD, newline="") as file:
-        last = {(row["check"], row["options"]): row for row in csv.DictReader(file)}
-    rows = [row for name in CHECKS for (check, _), row in last.items() if check == name]
-    PAGE.write_text(page(rows))
-
-
-def page(rows):
-    """The table of these rows in Markdown."""
-    lines = ["# Checks", "", "Last run of each check of `scripts/check`, by its options.",
-             "`scripts/check --record` writes this page and `checks.csv`.", "",
-             "| check | what it does | verdict | found | date, commit | s |", "|---" * 6 + "|"]
-    cell = lambda text: text.replace("|", "\\|")
-    for row in rows:
-        options = f" `{row['options']}`" if row["options"] else ""
-        cells = [f"{row['check']}{options}", CHECKS[row["check"]][1], row["verdict"],
-                 cell(row["what"]), f"{row['date']}, {row['commit']}", row["seconds"]]
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
 
 
 def options():

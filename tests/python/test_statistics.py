@@ -61,7 +61,7 @@ def test_density_and_class_means():
     x, edges = np.array([0.1, 0.2, 0.6, 5.0]), np.array([0.0, 0.5, 1.0])
     assert statistics.density(x, edges) == pytest.approx([1.0, 0.5])
     x = np.repeat([0.1, 0.6], [statistics.LEAST, statistics.LEAST - 1])
-    means = statistics.class_means(x, 2 * x, edges)
+    means = statistics.bin_means(x, 2 * x, edges)
     assert means[0] == pytest.approx(0.2) and np.isnan(means[1])  # too few for a mean
 
 
@@ -77,7 +77,7 @@ def test_pearson():
 def test_no_values_tell_nothing():
     edges = np.array([0.0, 1, 2])
     assert np.isnan(statistics.density(np.zeros(0), edges)).all()
-    assert np.isnan(statistics.class_means(np.zeros(0), np.zeros(0), edges)).all()
+    assert np.isnan(statistics.bin_means(np.zeros(0), np.zeros(0), edges)).all()
     assert np.isnan(statistics.pearson([], []))
     equal = np.full(3, 0.1)  # its mean is 0.10000000000000002
     assert np.isnan(statistics.common_slope([(equal, np.arange(3)), (equal, np.ones(3))])).all()

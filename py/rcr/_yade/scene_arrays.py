@@ -9,7 +9,7 @@ from yade.wrapper import (
 )  # fmt: skip
 
 from rcr._pictures import grain_sums
-from rcr.network import CAP_CAP, WALL
+from rcr.network import CAP_CAP
 
 _GRAINS = dict(
     id=int, clump=int, fixed=bool, position=(float, 2), angle=float, half_length=float,
@@ -136,7 +136,6 @@ def _contacts(O, ids, centers, cell):
     centers = np.append(centers, [[math.nan] * 2], axis=0)  # the last row is for obstacles
     columns["arm1"] = np.nan_to_num(columns["position"] - centers[at1])
     columns["arm2"] = np.nan_to_num(columns["position"] - centers[at2] - shift)
-    columns["type"] = np.where((at1 < 0) | (at2 < 0), WALL, columns["type"])
     return columns
 
 

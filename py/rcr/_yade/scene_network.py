@@ -5,7 +5,7 @@ from yade.wrapper import Omega
 
 from rcr._data import checks
 from rcr.frame import Frame
-from rcr.network import BOTTOM, LEFT, OTHER, RIGHT, TOP, WALL, Network
+from rcr.network import BOTTOM, LEFT, OTHER, RIGHT, TOP, Network
 
 O = Omega()
 
@@ -87,7 +87,7 @@ def _contacts(frame, codes):
     obstacles = [codes.get(int(id_), OTHER - int(id_)) for id_ in body2]
     columns = dict(
         body1=body1, body2=np.where(at_obstacle, obstacles, body2),
-        type=np.where(at_obstacle, WALL, c["type"]), points=c["points"], friction=c["friction"],
+        type=c["type"], points=c["points"], friction=c["friction"],
         normal=sign * c["normal"], force=sign * c["force"],
         branch=np.where(at_obstacle[:, None], arm1, arm1 - arm2),
         position=frame.centers[frame.rows(body1)] + arm1)  # beside body 1, also across a cell edge

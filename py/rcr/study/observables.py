@@ -26,7 +26,7 @@ AXES = ("off_axis", "theta_sigma")  # angles with the period π
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Grids:
-    """Classes and cutoffs of all elongations; edges of classes unless stated otherwise."""
+    """Bins and cutoffs of all elongations; edges of bins unless stated otherwise."""
 
     force: np.ndarray  # of f/⟨f⟩: geometric below the mean, 0.25 wide above
     mobilization: np.ndarray  # of I_m
@@ -53,7 +53,7 @@ class Grids:
             xi_polar=np.array([0.5, 1, 2, top]))
 
     def values(self):
-        """Return values and centres of classes, by their names in analysis.json."""
+        """Return values and centres of bins, by their names in analysis.json."""
         names = ("mobilization", "reduced_length", "length", "theta", "strip")
         middles = {name: statistics.centres(getattr(self, name)) for name in names}
         middle = np.where(self.force[1:] <= 1, np.sqrt(self.force[1:] * self.force[:-1]),
@@ -96,7 +96,7 @@ def strip_forces(e, grids):
     """
     f_x, l_x = (n * np.cos(e.angle) - t * np.sin(e.angle) for n, t in ((e.fn, e.ft), (e.ln, e.lt)))
     stress = np.histogram(e.across, grids.strip, weights=f_x * l_x)[0]
-    return dict(strip_force=statistics.class_means(e.across, e.fn, grids.strip),
+    return dict(strip_force=statistics.bin_means(e.across, e.fn, grids.strip),
                 strip_stress=stress / stress.mean())
 
 
@@ -117,11 +117,11 @@ def correlations(e, grids):
 
 
 def force_by_length(e, grids):
-    """Return the mean force by classes of ℓ_r and ℓ."""
+    """Return the mean force by bins of ℓ_r and ℓ."""
     force, length = _force_and_length(e)
     force = force / force.mean()
-    return dict(f_l_r=statistics.class_means(_reduced_length(e), force, grids.reduced_length),
-                f_l=statistics.class_means(length, force, grids.length))
+    return dict(f_l_r=statistics.bin_means(_reduced_length(e), force, grids.reduced_length),
+                f_l=statistics.bin_means(length, force, grids.length))
 
 
 def angular_function(e, grids, value, form):
@@ -136,7 +136,7 @@ def angular_function(e, grids, value, form):
         pick = e.fn <= xi
         wave = form(2 * e.theta[pick])
         constant = np.full_like(wave, form is np.cos)
-        function.append(statistics.class_means(e.angle[pick], value[pick], grids.theta))
+        function.append(statistics.bin_means(e.angle[pick], value[pick], grids.theta))
         fit = np.linalg.lstsq(np.column_stack([constant, wave]), value[pick], rcond=None)[0]
         fits.append(fit if pick.any() else np.full(2, np.nan))
     return np.array(function), *np.array(fits).T
@@ -192,7 +192,7 @@ MEASURES = dict(  # observable: (function, {name in analysis.json: grid of its a
     O4=(lambda e, grids: force_distribution(np.abs(e.ft), grids.force, "t"), dict(f_t="force")),
     O5=(mean_mobilization, {}),
     O6=(strip_forces, dict(strip="strip")),
-    O7=(lambda e, grids: dict(i_mf=statistics.class_means(e.fn, e.mobilization, grids.force)),
+    O7=(lambda e, grids: dict(i_mf=statistics.bin_means(e.fn, e.mobilization, grids.force)),
         dict(f_n="force")),
     O8=(lambda e, grids: dict(
         pdf=statistics.density(np.minimum(e.mobilization, 1), grids.mobilization)),

@@ -1,27 +1,27 @@
 """Densities, class means, correlation and exponents of samples. Needs NumPy.
 
-Samples are (n,) arrays of finite numbers. Edges of classes rise. Results of too few values are NaN.
+Samples are (n,) arrays of finite numbers. Edges of bins rise. Results of too few values are NaN.
 """
 
 import numpy as np
 
-LEAST = 10  # values of a class, at least, for a mean
+LEAST = 10  # values of a bin, at least, for a mean
 
 
 def density(x, edges):
-    """Return the fraction of x in each class over the class width, (classes,) [1/unit of x]."""
+    """Return the fraction of x in each bin over the bin width, (bins,) [1/unit of x]."""
     if len(x) == 0:
         return np.full(len(edges) - 1, np.nan)
     return np.histogram(x, edges)[0] / (np.diff(edges) * len(x))
 
 
 def centres(edges):
-    """Return the centre of each class; (classes,)."""
+    """Return the centre of each bin; (bins,)."""
     return 0.5 * (edges[1:] + edges[:-1])
 
 
-def class_means(x, y, edges):
-    """Return the mean of y by classes of x; (classes,), NaN for fewer than `LEAST` values."""
+def bin_means(x, y, edges):
+    """Return the mean of y by bins of x; (bins,), NaN for fewer than `LEAST` values."""
     count = np.histogram(x, edges)[0]
     total = np.histogram(x, edges, weights=y)[0]
     return np.where(count >= LEAST, total / np.maximum(count, 1), np.nan)

@@ -24,15 +24,15 @@ STATEMENTS = dict(  # observable: (the paper's statement, unit)
     O5=("mean friction mobilisation I_M = ⟨|f_t|/(µ f_n)⟩ from 0.4 (η = 0) to 0.6 (η = 0.7)", "-"),
     O6=("map of forces and friction mobilisation: mobilised contacts belong mostly to the weak "
         "network", "-"),
-    O7=("mean I_m of a force class falls with f_n and rises with η at every force", "-"),
-    O8=("P(I_m): discs a nearly linear decrease, then uniform, then a class close to I_m = 1", "-"),
+    O7=("mean I_m of a bin of f_n falls with f_n and rises with η at every force", "-"),
+    O8=("P(I_m): discs a nearly linear decrease, then uniform, then a bin close to I_m = 1", "-"),
     O9=("map of the long axes of particles with a side-side contact: nematic chains at η = 0.7",
         "-"),
     O10=("P(ℓ_r) has modes at 1 − η (grows with η), near 1 − η/2 (shrinks) and near 1", "-"),
     O11=("map of contact types: layers of side-side contacts, whose share grows with η", "-"),
     O12=("correlations C(f, ℓ_r) and C(f, ℓ) fall with η, positive for η ≤ 0.3, negative above, "
          "down to −0.22", "-"),
-    O13=("mean force of a class of ℓ_r near the mean, but above it for side-side and well below "
+    O13=("mean force of a bin of ℓ_r near the mean, but above it for side-side and well below "
          "for aligned cap-cap; with ℓ it rises for η ≤ 0.3, falls above", "-"),
     O14=("P(θ, ξ) at η = 0.5: the same axis for every ξ, that of σ₁, and an anisotropy that grows "
          "with ξ", "θ in rad, pdf in 1/rad, the rest -"),

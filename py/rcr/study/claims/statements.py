@@ -67,7 +67,7 @@ def _saturates(v, name):
     return falls and saturates, value, error
 
 
-SATURATES = "falls beyond two errors to 0.4; changes by less than half of that to 0.7"
+SATURATES = "falls by more than two errors up to η = 0.4; beyond it changes by less than half as much"
 claim("O4", "α_t falls with η and saturates beyond 0.4", SATURATES)(
     lambda v: _saturates(v, "alpha_t"))
 claim("O4", "β_t falls with η and saturates beyond 0.4", SATURATES)(
@@ -84,7 +84,7 @@ def _(_, v, forces):
 
 
 def _force_levels(v):
-    """Return mean I_mf of the weak classes, f_n in [0.1, 1], and the strong ones, [1, 4]; (2, η)."""
+    """Return mean I_mf of the weak bins, f_n in [0.1, 1], and the strong ones, [1, 4]; (2, η)."""
     levels = [(v["f_n"] > 0.1) & (v["f_n"] < 1), (v["f_n"] > 1) & (v["f_n"] < 4)]
     used = [np.isfinite(v["i_mf"]) & level for level in levels]
     count = require_finite(np.where(np.array(used).any(axis=2), np.sum(used, axis=2), np.nan))
@@ -92,14 +92,14 @@ def _force_levels(v):
 
 
 @claim("O7", "I_mf falls with f_n",
-       "I_mf of strong classes below that of weak ones, at every η (difference given)")
+       "I_mf of strong bins below that of weak bins, at every η (difference given)")
 def _(v):
     weak, strong = _force_levels(v)
     return strong < weak, strong - weak
 
 
 @claim("O7", "I_mf rises with η at every force",
-       "slope with η positive beyond two errors, for weak and for strong classes")
+       "slope with η positive beyond two errors, for weak and for strong bins")
 def _(v):
     slopes, errors = np.transpose([slope_of(v["eta"], level) for level in _force_levels(v)])
     value = "slope {:.2g} (weak), {:.2g} (strong)".format(*slopes)
@@ -107,18 +107,18 @@ def _(v):
 
 
 @claim("O8", "discs: P(I_m) falls nearly linearly",
-       "straight line through all classes: slope negative, r² ≥ 0.8", etas=0)
+       "straight line through all bins: slope negative, r² ≥ 0.8", etas=0)
 def _(v):
     i_m, pdf = v["i_m"], v["pdf"]
     r2, inner_r2 = (require_finite(pearson(i_m[:end], pdf[:end])) ** 2 for end in (None, -1))
     (slope, error), (inner, _) = slope_of(i_m, pdf), slope_of(i_m[:-1], pdf[:-1])
-    without = f"without the last class {inner:.2f}, {inner_r2:.2f}; last class {pdf[-1]:.2f}"
+    without = f"without the last bin {inner:.2f}, {inner_r2:.2f}; last bin {pdf[-1]:.2f}"
     value = f"slope {slope:.2f}, r² {r2:.2f}; {without}"
     return slope < 0 and r2 >= 0.8, value, f"slope {error:.1g}"
 
 
-@claim("O8", "long particles: a class of contacts close to I_m = 1 stands out",
-       "at the largest η ≥ 0.5 P(I_m) of the last class is over twice the mean of the others",
+@claim("O8", "long particles: a bin of contacts close to I_m = 1 stands out",
+       "at the largest η ≥ 0.5 P of the last bin is over twice the mean of the others",
        etas=(0.5, 1))
 def _(v):
     last, others = v["pdf"][-1, -1], v["pdf"][-1, :-1].mean()
@@ -207,19 +207,19 @@ def _(v):
 
 
 @claim("O13", "force above the mean for side-side contacts, well below it for aligned cap-cap ones",
-       "first class of ℓ_r above 1, last below 0.8, at every η ≥ 0.4", etas=(0.4, 1))
+       "first bin of ℓ_r above 1, last below 0.8, at every η ≥ 0.4", etas=(0.4, 1))
 def _(v):
-    classes = [means[np.isfinite(means)] for means in v["f_l_r"]]
-    if not all(map(len, classes)):
+    bins = [means[np.isfinite(means)] for means in v["f_l_r"]]
+    if not all(map(len, bins)):
         raise NotTested("too few contacts")
-    first, last = np.transpose([means[[0, -1]] for means in classes])
+    first, last = np.transpose([means[[0, -1]] for means in bins])
     columns = zip(v["eta"], first, last)
     value = ", ".join(f"{one:.2f} and {two:.2f} ({eta:g})" for eta, one, two in columns)
     return ((first > 1) & (last < 0.8)).all(), value, ""
 
 
 @claim("O13", "mean force rises with ℓ for η ≤ 0.3 and falls above",
-       "sign of the slope over the classes of ℓ, at every η")
+       "sign of the slope over the bins of ℓ, at every η")
 def _(v):
     sign = _sign_up_to_0_3(v["eta"])
     slopes, errors = np.transpose([slope_of(v["l"], means) for means in v["f_l"]])

@@ -162,7 +162,7 @@ def plot_correlation(value, ax=None):
 
 
 def plot_force_by_length(value, ax=None, length="l_r"):
-    """Draw the mean force of classes of ℓ_r or ℓ [O13]."""
+    """Draw the mean force of bins of ℓ_r or ℓ [O13]."""
     ax = make_axes(ax)
     ax.axhline(1, color="0.7", lw=0.6)
     _draw_points(value, length, f"f_{length}", ax, line="-", ms=2, lw=0.6)
