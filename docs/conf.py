@@ -10,6 +10,8 @@ from rcr import __version__ as release
 sys.path.insert(0, str(pathlib.Path(__file__).parent / "generate"))
 from reference import escaped
 
+DESIGN = pathlib.Path(__file__).parents[1] / "pkg" / "README.md"
+
 project = "yade-rcr"
 author = "the authors of yade-rcr"
 
@@ -37,8 +39,10 @@ def setup(app):
     def escape(app, what, name, thing, options, lines):
         lines[:] = escaped("\n".join(lines)).splitlines()
 
-    def link_design(app, page, source):
+    def insert_design(app, page, source):
+        if page == "design":
+            source[0] = DESIGN.read_text().replace("](../docs/", "](")
         source[0] = source[0].replace("../pkg/README.md", "design.md")
 
     app.connect("autodoc-process-docstring", escape, priority=400)  # before napoleon
-    app.connect("source-read", link_design)
+    app.connect("source-read", insert_design)
