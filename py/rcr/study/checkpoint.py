@@ -3,10 +3,12 @@
 import contextlib
 import glob
 import gzip
+import io
 import json
 import math
 import os
 import re
+import shutil
 
 from yade.wrapper import Omega
 
@@ -32,8 +34,7 @@ def save(test, folder, state=False):
     files.write(os.path.join(folder, "history.csv"), files.table(HISTORY_COLUMNS, test.rows))
     with _memory_file() as (handle, name):
         O.save(name, quiet=True)  # in memory: YADE does not end when it compresses to a full disk
-        scene = handle.read()
-    content = gzip.compress(scene, compresslevel=3, mtime=0)
+        content = _compressed(handle)
     if state:
         files.write(os.path.join(folder, name_at(STATES, test.strain)), content)
     files.write(os.path.join(folder, CHECKPOINT), content)
@@ -81,11 +82,19 @@ def load_file(path):
     """Load the scene of a checkpoint; return parameters, progress and rows."""
     with files.reading(path, "a checkpoint of a biaxial test"), _memory_file() as (handle, name):
         with gzip.open(path) as file:
-            handle.write(file.read())  # the check sum detects every flipped bit
+            shutil.copyfileobj(file, handle)  # the check sum detects every flipped bit
             handle.flush()
         O.load(name, quiet=True)
         state = json.loads(O.tags["biaxial"])
         return check_parameters(**state["parameters"]), state["progress"], state["rows"]
+
+
+def _compressed(file):
+    """Return the rest of a file, compressed by parts, which take less memory."""
+    content = io.BytesIO()
+    with gzip.GzipFile("", "wb", compresslevel=3, fileobj=content, mtime=0) as compressed:
+        shutil.copyfileobj(file, compressed)
+    return content.getvalue()
 
 
 @contextlib.contextmanager
