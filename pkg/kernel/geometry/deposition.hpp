@@ -1,7 +1,7 @@
 // Geometric deposition of discs in a box, layer by layer.
 //
-// Each disc takes the lowest free position: it touches two of the discs, the floor and the side
-// walls, and overlaps nothing. A pore that no disc of a whole layer enters stays empty.
+// Each disc takes the lowest free position. It touches two discs or walls and overlaps nothing. A
+// pore that no disc of a whole layer enters stays empty.
 // Source: paper, sec. II B; Bratberg et al. 2002; Voivret et al. 2007.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace rcr {
 
-/// Centres [m] of discs deposited one by one in the box 0 ≤ x ≤ width, y ≥ 0. Requires
+/// Centers [m] of discs deposited one by one in the box 0 ≤ x ≤ width, y ≥ 0. Requires
 /// 0 < 2 radius ≤ width for each disc. Discs overlap by rounding at most.
 std::vector<Vec2> deposit(const std::vector<double>& radii, double width);
 

@@ -3,7 +3,7 @@
 // The shadow of one core segment on the other is the part where they face each other. Each of its
 // two ends is an end of one segment, projected into the interior of the other. The manifold holds
 // the closest point of the two cores. Along a side, it also holds the other end of the shadow, if
-// the gap there is within the alert distance. No angle is tested: points appear and vanish with
+// its gap is at most the largest gap of the pair. No angle is tested: points appear and vanish with
 // their gaps, so a side contact tips over its edge without a jump.
 //
 //   gap g      distance of the surfaces along the normal [m]; negative: overlap
@@ -55,11 +55,11 @@ struct Rectangle {
 	Vec2 halfExtent;
 };
 
-/// Points with gaps up to `alertDistance` [m].
+/// Points with gaps up to `maxGap` [m].
 Manifold shadowOverlap(
-        const Stadium&, const Pose&, const Stadium&, const Pose&, double alertDistance);
-Manifold shadowOverlap(const HalfPlane&, const Stadium&, const Pose&, double alertDistance);
+        const Stadium&, const Pose&, const Stadium&, const Pose&, double maxGap);
+Manifold shadowOverlap(const HalfPlane&, const Stadium&, const Pose&, double maxGap);
 Manifold shadowOverlap(
-        const Rectangle&, const Pose&, const Stadium&, const Pose&, double alertDistance);
+        const Rectangle&, const Pose&, const Stadium&, const Pose&, double maxGap);
 
 } // namespace rcr

@@ -1,10 +1,11 @@
-// Kernels work on the pairs that have slots; the code below works on the overflow.
+// Kernels sweep the pairs with slots; the code below sweeps the overflow.
 #include "sweep/packed_island.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <type_traits>
 #include <utility>
+
+#include "problem/residual.hpp"
 
 namespace rcr {
 
@@ -34,7 +35,7 @@ Impulse PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoi
 template <class Real>
 void PackedIsland::applyImpulse(const View<Real>& view, const OverflowPoint& c, const Impulse& p)
 {
-	const Vec2 f    = inPlane(c.normal, p);
+	const Vec2 f    = toCartesian(c.normal, p);
 	const auto push = [&](int number, const InverseMass& mass, double sign, double torque) {
 		// islands may share a prescribed body: do not write to it
 		if (mass.prescribed()) return;
@@ -175,13 +176,13 @@ double PackedIsland::sweepMomentum(View<Real>& view,
 		});
 	};
 	if (island_.shared)
-		packed_.team.runAdaptive(packed_.sweepTrial_, island_.points, sweepSections);
+		packed_.team.runAdaptive(packed_.sweepChoice_, island_.points, sweepSections);
 	else
 		sweepSections();
 	double change2 = sum(packed_.sum_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		const Impulse from = c.p + momentum * (c.p - c.old);
-		const Impulse next = yielding.kept(c.w.nn) * solve(view, c, from);
+		const Impulse next = yielding.yieldFactor(c.w.nn) * solve(view, c, from);
 		applyImpulse(view, c, next - from);
 		c.old = c.p;
 		c.p   = next;
@@ -208,12 +209,7 @@ Measures PackedIsland::measure(
 	});
 	Measures total = sum(packed_.partial_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
-		const Impulse u        = relativeVelocity(view, c);
-		const double  un       = u.n + c.bias;
-		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
-		const double  miss     = square(lawError(c.p, { un, u.t }, c.friction, c.w.nn));
-		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping,
-			-(c.p.n * un + c.p.t * u.t) };
+		total += measuresOf(c.p, relativeVelocity(view, c), c.bias, c.friction, c.w.nn);
 	});
 	return total;
 }

@@ -15,8 +15,8 @@ namespace {
 			to.of[lane] = float(std::min(from.of[lane], double(unlimited<float>)));
 	}
 
-	/// True if the number and its square are far from the limits of floats. Zero means an empty
-	/// slot or no impulse.
+	/// Returns true if the number and its square are far from the limits of floats. Zero means an
+	/// empty slot or no impulse.
 	bool fitsFloat(double value)
 	{
 		return value == 0 || (std::abs(value) > 1e-12 && std::abs(value) < 1e12);
@@ -143,7 +143,7 @@ void PackedIsland::endMixedPrecision()
 	copyToDoubles();
 }
 
-/// Momentum in doubles starts at rest after sweeps in floats.
+/// Resets the momentum in doubles after sweeps in floats.
 void PackedIsland::resetMomentum()
 {
 	sweepsSinceReference_ = 0;

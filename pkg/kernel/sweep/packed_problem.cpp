@@ -43,10 +43,10 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	kernels_         = &packedKernels(lanes);
 	singleKernels_   = &singleKernels(lanes);
 	const auto start = std::chrono::steady_clock::now();
-	const bool fresh = layout_.update(problem, reductions, team);
+	const bool isNew = layout_.update(problem, reductions, team);
 	layoutSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
 	                          .count();
-	if (fresh) {
+	if (isNew) {
 		const int layouts = summary_.layouts + 1;
 		summary_          = layout_.summary();
 		summary_.layouts  = layouts;

@@ -1,4 +1,4 @@
-#include "step/follow_stretch.hpp"
+#include "step/mean_stretch.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -50,7 +50,7 @@ namespace {
 		}
 
 		double& at(double r) { return value_[number(r)]; }
-		/// Adds to each slice f times its fraction between two positions; −f if the second lies
+		/// Adds to each slice f times its fraction between two positions, or −f if the second lies
 		/// below the first.
 		void addBetween(double from, double to, double f)
 		{
@@ -60,8 +60,7 @@ namespace {
 				value_[k] += (to < from ? -f : f)
 				        * std::max(0.0, std::min(high, k + 1.0) - std::max(low, double(k)));
 		}
-		/// Sums the slices from the outside towards the origin; with a negative sign below the
-		/// origin.
+		/// Sums the slices from the outside towards the origin, with a negative sign below it.
 		void sumTowardsOrigin()
 		{
 			const int first = number(0);
@@ -98,7 +97,7 @@ namespace {
 		};
 		for (std::size_t k = 0; k < problem.points.size(); ++k) {
 			const ContactPoint& c   = problem.points[k];
-			const Vec2          f   = inPlane(c.normal, problem.impulse[k]);
+			const Vec2          f   = toCartesian(c.normal, problem.impulse[k]);
 			const auto end = [&](int id) {
 				return problem.inverseMass[id].*axis.inverse > 0 ? step.bodies[id].center.*axis.of
 				                                                 : place(c);

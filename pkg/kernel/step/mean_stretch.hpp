@@ -5,8 +5,8 @@
 // the drag adds up over the sample. The mean stretch of a step therefore enters the flow of the
 // next step.
 //
-// The start impulses of that step contain the drag of the earlier flow. Sweeps would remove it
-// slowly, so it is removed from the start impulses.
+// The start impulses of that step contain the drag of the earlier flow. They are corrected, since
+// sweeps would remove the drag slowly.
 #pragma once
 
 #include "step/step.hpp"
@@ -17,8 +17,9 @@ namespace rcr {
 /// velocities, about the origin: Σ m r (v − v_start) / Σ m r² [1/s].
 Vec2 meanStretch(const Step&);
 
-/// Lowers the start impulses by the drag of the earlier flow: the impulse transmitted through a
-/// section at r falls by Σ m r e of the bodies farther out, with the stretch rate e [1/s].
+/// Lowers the start impulses by the drag of the earlier flow. The drag through a section at r is
+/// Σ m r ė over the bodies farther out, with the stretch rate ė [1/s]. At most half of the impulses
+/// is removed.
 void removeDragImpulses(Step&, Vec2 stretch);
 
 } // namespace rcr
