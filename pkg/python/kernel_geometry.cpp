@@ -134,7 +134,7 @@ void bindGeometry(py::module_& m)
 	      py::arg("stadium"), py::arg("pose"), py::arg("max_gap"), manifold);
 
 	m.def("deposit", depositArrays, py::arg("radii"), py::arg("width"),
-	      "Centers (n, 2) [m] of discs deposited one by one, each at the lowest free\n"
+	      "Centres (n, 2) [m] of discs deposited one by one, each at the lowest free\n"
 	      "position in the box 0 <= x <= width, y >= 0.");
 }
 

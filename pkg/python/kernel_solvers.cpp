@@ -68,7 +68,7 @@ namespace {
 		results["impulse"]           = arrayOf(problem.impulse);
 		results["relative_velocity"] = arrayOf(relative);
 		results["velocity"]          = arrayOf(problem.velocity);
-		results["stretch"]           = py::make_tuple(problem.stretch.x, problem.stretch.y);
+		results["stretch_rate"]      = py::make_tuple(problem.stretchRate.x, problem.stretchRate.y);
 		results["kinematic_error"]   = report.kinematicError;
 		results["yielded"]           = report.yielded;
 		results["dissipated"]        = report.dissipated;
@@ -157,7 +157,7 @@ void bindSolvers(py::module_& m)
 	      "inverse_stretch_mass (2,), recovery_bias (nc,).\n"
 	      "\n"
 	      "Returns a dict: impulse (nc, 2) [N s], relative_velocity (nc, 2) [m/s], velocity\n"
-	      "(nb, 3) [m/s, 1/s], stretch (2,) [1/s], iterations, residual [-], converged,\n"
+	      "(nb, 3) [m/s, 1/s], stretch_rate (2,) [1/s], iterations, residual [-], converged,\n"
 	      "kinematic_error [-], yielded, dissipated [J/m], impulse_growth over the last 100 sweeps\n"
 	      "[-], work (sweeps × points), seconds, processor_seconds (of the calling thread).\n"
 	      "Raises ValueError for arrays of inconsistent shapes and settings out of range.");

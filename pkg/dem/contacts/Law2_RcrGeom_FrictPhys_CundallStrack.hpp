@@ -6,7 +6,7 @@
 //   c   = 2 ζ √(k_n m₁m₂/(m₁ + m₂))      ζ = `damping`; a fixed body has an infinite mass
 //
 // Forces act on body 2; the tangent is the normal rotated by +90°. k_n, k_s [N/m] and µ come from
-// FrictPhys and apply to each point, so a side-side contact with two points is twice as stiff.
+// FrictPhys. They apply to each point, so a side-side contact with two points is twice as stiff.
 // Source: Cundall and Strack 1979.
 #pragma once
 

@@ -141,7 +141,7 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 {
 	const double    layoutBefore  = workspace_.layoutSeconds();
-	const rcr::Vec2 stretchBefore = step_.problem.stretch;
+	const rcr::Vec2 stretchBefore = step_.problem.stretchRate;
 	warmStart_                    = step_.problem.impulse;
 	// velocities at which contacts remove overlaps, if they yield
 	rcr::setRecoveryBias(step_, double(correction), workspace_.team());

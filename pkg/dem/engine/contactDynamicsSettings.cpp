@@ -99,7 +99,7 @@ void ContactDynamics::setStartFlow()
 /// Adds the mean stretch of the step to the flow from which the next step starts.
 void ContactDynamics::updateMeanStretch()
 {
-	const rcr::Vec2 change = rcr::meanStretch(step_);
+	const rcr::Vec2 change = rcr::meanStretchRate(step_);
 	stretchChange          = Vector2r(change.x, change.y);
 	meanStretchRate += stretchChange;
 	setStartFlow();

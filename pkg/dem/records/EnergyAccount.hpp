@@ -1,5 +1,5 @@
-// Enters the energies of each step into O.energy, one step later, since YADE computes the kinetic
-// energy at the beginning of a step.
+// Enters the energies of each step into O.energy, one step later. YADE computes the kinetic energy
+// at the beginning of a step.
 #pragma once
 
 #include "dem/yadeHeaders.hpp"

@@ -12,7 +12,7 @@ namespace yade {
 
 class StepMonitor {
 public:
-	rcr::StepCounts steps;
+	rcr::StepCounts  steps;
 	rcr::JamDetector jam;
 
 	/// Outcome of a step as the solver reports it.

@@ -73,7 +73,7 @@ private:
 	std::vector<Motion>       written_;        // per body: as in YADE's objects
 	// per body: velocity at the end of the last overdamped step
 	std::vector<rcr::Twist>   endVelocity_;
-	rcr::Neighbors           neighbors_;
+	rcr::Neighbors            neighbors_;
 	rcr::Pairs                pairs_;
 };
 

@@ -130,8 +130,8 @@ namespace {
 		handles_.bound[id] = b.bound.get();
 	}
 
-	/// Returns true if a body, enlarged by its alert distance, leaves its box, for example after a
-	/// script has set its velocity. The collider may then not list all its contacts. The box of an
+	/// Returns true if a body, enlarged by its alert distance, leaves its box. The collider may
+	/// then not list all its contacts. An example is a velocity set by a script. The box of an
 	/// obstacle has no alert distance. In a periodic cell, boxes move with the cell.
 	bool Gatherer::mayLackContacts(const Body& b, const rcr::StepBody& body) const
 	{
@@ -272,7 +272,7 @@ void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& t
 {
 	Gatherer gatherer { scene, *engines.integrator, team, handles, step, { scene, engines } };
 	gatherer.bodies();
-	step.problem.inverseStretchMass = step.problem.stretch = {};
+	step.problem.inverseStretchMass = step.problem.stretchRate = {};
 	if (engines.cellStress) engines.cellStress->gatherCell(step);
 	gatherer.contacts();
 }

@@ -85,8 +85,8 @@ namespace {
 		return step.dt * farthest;
 	}
 
-	/// Requests a run of the collider if a grain, enlarged by its present alert distance, or a
-	/// rotating obstacle leaves its box. YADE checks displacements only.
+	/// Requests a run of the collider if a grain, enlarged by its alert distance, or a rotating
+	/// obstacle leaves its box. YADE checks displacements only.
 	void requestCollider(
 	        Scene& scene, rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
 	{

@@ -31,8 +31,8 @@ SceneHandles::Contact writeContact(Interaction&, const rcr::Pair&, const rcr::Ma
 void scatter(Scene&, rcr::ThreadTeam&, const std::vector<rcr::Twist>& impulses, SceneHandles&,
         rcr::Step&);
 
-/// Sorts YADE's interactions by bodies if many are out of order, so that bodies stay in the cache
-/// of loops over interactions.
+/// Sorts YADE's interactions by bodies if many are out of order. Loops over interactions then find
+/// bodies in the cache.
 void sortInteractions(Scene&, const SceneHandles&);
 
 } // namespace yade

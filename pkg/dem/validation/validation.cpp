@@ -239,9 +239,9 @@ void relistPairs(Scene& scene)
 	if (view.law != neither) last.restartIfChanged(scene, *view.first<Collider>());
 }
 
-/// Rejects a change of the time step between ContactDynamics, which divides impulses by it, and
-/// NewtonIntegrator, which multiplies the forces by it. YADE advances the time by O.dt at the end
-/// of the step.
+/// Rejects a change of the time step between ContactDynamics and NewtonIntegrator. The former
+/// divides impulses by it, the latter multiplies forces by it. YADE advances the time by O.dt at
+/// the end of the step.
 void Validator::checkTimeStep(const View& v)
 {
 	const Real change = v.scene.iter == nextStep_ ? math::abs(v.scene.time - nextTime_) : 0;

@@ -127,8 +127,8 @@ bool mayCollide(const Scene&, Collider&, Body::id_t id1, Body::id_t id2);
 
 /// Returns true if both bodies have a FrictMat; otherwise defers an error to Python.
 bool requireFrictMat(const Scene&, Body::id_t id1, Body::id_t id2);
-/// Returns true if the interaction may become a contact: its bodies have a FrictMat, YADE allows
-/// the pair, and the scene is valid. Defers errors of materials, and of scenes without
+/// Returns true if the interaction may become a contact. Its bodies must have a FrictMat, YADE must
+/// allow the pair, and the scene must be valid. Defers errors of materials, and of scenes without
 /// ContactDynamics, to Python.
 bool acceptContact(const Interaction&, const Scene&);
 

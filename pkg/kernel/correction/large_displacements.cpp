@@ -17,8 +17,8 @@ namespace {
 
 	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
-	/// Returns true if the points have changed their order since the beginning of the step, because
-	/// the first body has turned against the second one.
+	/// Returns true if the points have changed their order since the beginning of the step. The
+	/// first body has then turned against the second one.
 	bool isReversed(const Step& step, const StepContact& c, const Manifold& now)
 	{
 		return dot(now.points[1].position - now.points[0].position,

@@ -2,20 +2,20 @@
 //
 // The law describes a contact by its tangent plane at the beginning of the step: g + dt u_n ≥ 0.
 // The gap at the end differs from this by the curvature of the path, about λ²/2ρ for a relative
-// displacement λ. A disc that passes a corner would be deflected by a plane that it never meets,
-// and a spinning rod would end inside a body. After each solve, the gap of a large displacement is
+// displacement λ. A disc that passes a corner would be deflected by a plane that it never meets. A
+// spinning rod would end inside a body. After each solve, the gap of a large displacement is
 // therefore measured at four instants of the step. If it ends below min(0, g) by more than the
-// slop, its difference c from the plane enters the bias, and the step is solved again:
+// slop, its difference c from the plane enters the bias. The step is then solved again:
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
 // The bias is at least min(0, u_n⁻), with the normal velocity u_n⁻ before the step. The contact
 // then pushes no harder than an elastic impact. separation.hpp removes the remaining overlap.
 //
-// A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
-// with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0.
-// The gap must exceed 2 % of the slop. Without restitution, it must also exceed 1 % of the closing
-// path, up to the slop, and half the slop if the contact bore a force before the step.
+// A loaded contact whose gap stays open along the path is released. With the smallest measured gap
+// g_min, its bias rises by 2 g_min/dt, and by |g|/dt at an overlap g < 0. The gap must exceed 2 %
+// of the slop. Without restitution, it must also exceed 1 % of the closing path, up to the slop. If
+// the contact bore a force before the step, the gap must exceed half the slop.
 //
 // A contact with restitution is released if the bodies would miss each other at their initial
 // velocities. Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
@@ -84,8 +84,8 @@ Manifold solvedPointsAfter(const Step&, const StepContact&, double time);
 bool passedThrough(const Step&, const StepContact&, Vec2 normalBefore, const Manifold& now,
         double time);
 
-/// Returns true if the bodies meet on their paths at the solved velocities: an overlap exceeds the
-/// slop at one of four instants of the step, or one body has passed through the other.
+/// Returns true if the bodies meet on their paths at the solved velocities. An overlap then exceeds
+/// the slop at one of four instants, or one body has passed through the other.
 bool meetOnPaths(const Step&, const StepContact&, Vec2 normalBefore);
 
 /// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias

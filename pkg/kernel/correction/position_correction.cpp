@@ -51,7 +51,7 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
 		step.displacement[id] = share * step.displacement[id];
 	});
-	step.strain = (share * step.dt) * (step.strain - problem.stretch);
+	step.strain = (share * step.dt) * (step.strain - problem.stretchRate);
 }
 
 } // namespace rcr

@@ -1,9 +1,9 @@
 // Removes overlaps by displacements that never become velocities (split impulses).
 //
 // The tolerance of the solver and the curvature of paths leave overlaps. The step is solved once
-// more from its own impulses, with u_n ≥ β |g|/dt at overlaps, and the bodies are displaced by dt
-// (v_β − v). Both solves contain the loads of the step, so a displacement does not open contacts
-// that the next step would close with an impact.
+// more from its own impulses, with u_n ≥ β |g|/dt at overlaps. The bodies are displaced by dt (v_β
+// − v). Both solves contain the loads of the step. So a displacement opens no contact that the next
+// step would close with an impact.
 //
 // Only the overlap beyond the slop counts. In a marginal packing, a contact opens only if other
 // bodies move far and then overlap again. The largest displacement is therefore bounded, and all

@@ -1,8 +1,8 @@
 // List of all pairs of bodies that may touch within some steps (Verlet list).
 //
-// A step has a contact where the gap of a pair is at most ℓ₁ + ℓ₂, the alert distances of its
-// bodies (detection/undetected_contacts.hpp). The list holds all pairs with a gap up to ℓ₁ + ℓ₂ + 2
-// margin. It is valid while every body satisfies
+// A pair has a contact if its gap is at most ℓ₁ + ℓ₂, the alert distances of its bodies
+// (undetected_contacts.hpp). The list holds all pairs with a gap up to ℓ₁ + ℓ₂ + 2 margin. It is
+// valid while every body satisfies
 //
 //   |x − x₀| + a |τ − τ₀| + ℓ − ℓ₀ ≤ margin
 //

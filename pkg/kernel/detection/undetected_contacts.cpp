@@ -107,8 +107,8 @@ namespace {
 			size, detected.shift, step.cell.drift(detected.shift) };
 	}
 
-	/// Returns true if a point closes beyond the slop at the solved velocities, or if the bodies of
-	/// a new contact with a large displacement meet on their curved paths.
+	/// Returns true if a point closes beyond the slop at the solved velocities. A new contact with
+	/// a large displacement also closes if its bodies meet on their curved paths.
 	bool closes(const Step& step, const DetectedContact& detected)
 	{
 		if (detected.manifold.count == 0) return false;

@@ -86,7 +86,7 @@ namespace {
 		return true;
 	}
 
-	/// Elimination order of a graph. Node i has the neighbors neighbors[begin[i]] …
+	/// Elimination order of a graph. Node i has the neighbours neighbors[begin[i]] …
 	/// neighbors[begin[i + 1] − 1].
 	std::vector<std::int32_t> minimumDegreeOrder(std::int32_t size,
 	        const std::vector<std::int32_t>&                  begin,
@@ -134,7 +134,7 @@ BlockLu::BlockLu(std::int32_t size, const std::vector<Pair>& pairs) : size_(size
 	entryOfRow_.resize(size);
 }
 
-/// Column k of L has the later neighbors of row k and the columns of its children in the
+/// Column k of L has the later neighbours of row k and the columns of its children in the
 /// elimination tree.
 void BlockLu::findPattern(
         const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbors)

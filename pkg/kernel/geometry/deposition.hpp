@@ -11,7 +11,7 @@
 
 namespace rcr {
 
-/// Centers [m] of discs deposited one by one in the box 0 ≤ x ≤ width, y ≥ 0. Requires
+/// Centres [m] of discs deposited one by one in the box 0 ≤ x ≤ width, y ≥ 0. Requires
 /// 0 < 2 radius ≤ width for each disc. Discs overlap by rounding at most.
 std::vector<Vec2> deposit(const std::vector<double>& radii, double width);
 

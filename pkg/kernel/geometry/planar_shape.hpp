@@ -8,8 +8,8 @@
 // | disc    | stadium whose core is a point                 | all           |
 // | stadium | rounded-cap rectangle                         | all           |
 //
-// Walls, boxes and segments are obstacles; discs and stadia are grains. Body 1 of a pair is the
-// kind that comes first in this table: normals point from an obstacle to a grain.
+// Walls, boxes and segments are obstacles; discs and stadia are grains. The kind of body 1 comes
+// first in this table, so normals point from an obstacle to a grain.
 #pragma once
 
 #include <cstdint>
@@ -90,8 +90,8 @@ Manifold contactPoints(
         const PlanarShape& one, const Pose& at1, const PlanarShape& two, const Pose& at2,
         double maxGap);
 
-/// Position along the axis that orders the points of a pair [m]: that of body 1 if it is a stadium,
-/// else that of body 2.
+/// Position along the axis that orders the points of a pair [m]. This is the axis of body 1 if it
+/// is a stadium, else of body 2.
 inline double positionAlong(
         const PlanarShape& one, const Pose& at1, const Pose& at2, Vec2 position)
 {

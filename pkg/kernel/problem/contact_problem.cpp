@@ -49,11 +49,11 @@ namespace {
 
 } // namespace
 
-void ContactProblem::setStretch(Vec2 now)
+void ContactProblem::setStretchRate(Vec2 now)
 {
 	for (ContactPoint& c : points)
-		c.drift = c.freeDrift(stretch) + componentwise(now, c.shift);
-	stretch = now;
+		c.drift = c.freeDrift(stretchRate) + componentwise(now, c.shift);
+	stretchRate = now;
 }
 
 void updateVelocity(ContactProblem& problem)
@@ -68,7 +68,7 @@ void updateVelocity(ContactProblem& problem)
 		stretching = stretching + componentwise(c.shift, toCartesian(c.normal, problem.impulse[k]));
 	}
 	if (problem.stretches())
-		problem.setStretch(componentwise(problem.inverseStretchMass, stretching));
+		problem.setStretchRate(componentwise(problem.inverseStretchMass, stretching));
 }
 
 std::vector<double> biases(const ContactProblem& problem)
@@ -110,7 +110,7 @@ void checkProblem(const ContactProblem& problem, ThreadTeam& team)
 	checkSize("impulse", problem.impulse.size(), problem.points.size());
 	if (!problem.recoveryBias.empty())
 		checkSize("recoveryBias", problem.recoveryBias.size(), problem.points.size());
-	const Vec2 m = problem.inverseStretchMass, g = problem.stretch;
+	const Vec2 m = problem.inverseStretchMass, g = problem.stretchRate;
 	if (!finite(m.x, m.y, g.x, g.y) || m.x < 0 || m.y < 0)
 		refuse("the cell: an inverse mass or stretch rate is not finite, or an inverse mass is "
 		       "negative");

@@ -20,7 +20,7 @@
 // | d      | drift              | m/s       | velocity of the periodic image of body 2, relative  |
 // | s      | shift              | m         | from body 2 to that image; 0 without CellStress     |
 // | M_c⁻¹  | inverseStretchMass | 1/(kg m²) | 0: the motion of the cell is prescribed             |
-// | δg     | stretch            | 1/s       | out: change of the stretch rates by contacts        |
+// | δg     | stretchRate        | 1/s       | out: change of the stretch rates by contacts        |
 // | p      | Impulse            | N s       | on body 2, reaction on body 1; p_n ≥ 0 pushes apart |
 //
 // Masses, impulses and forces are per unit depth of the plane.
@@ -84,8 +84,8 @@ struct ContactPoint {
 	{
 		return drift.x != 0 || drift.y != 0 || shift.x != 0 || shift.y != 0;
 	}
-	/// d without the contribution δg ∘ s of the stretch.
-	Vec2 freeDrift(Vec2 stretch) const { return drift - componentwise(stretch, shift); }
+	/// d without the contribution δg ∘ s of the stretch rate.
+	Vec2 freeDrift(Vec2 stretchRate) const { return drift - componentwise(stretchRate, shift); }
 };
 
 struct ContactProblem {
@@ -101,11 +101,11 @@ struct ContactProblem {
 	std::vector<double>       recoveryBias;
 
 	Vec2 inverseStretchMass;
-	Vec2 stretch; // included in the drifts of the points
+	Vec2 stretchRate; // included in the drifts of the points
 
 	bool stretches() const { return inverseStretchMass.x > 0 || inverseStretchMass.y > 0; }
-	/// Sets the stretch and updates the drifts of all points.
-	void setStretch(Vec2);
+	/// Sets the stretch rate and updates the drifts of all points.
+	void setStretchRate(Vec2);
 
 	bool prescribed(int body) const { return inverseMass[body].prescribed(); }
 
@@ -152,7 +152,7 @@ inline Impulse relativeVelocity(const ContactProblem& problem, const ContactPoin
 inline Impulse freeRelativeVelocity(const ContactProblem& problem, const ContactPoint& c)
 {
 	ContactPoint free = c;
-	free.drift        = c.freeDrift(problem.stretch);
+	free.drift        = c.freeDrift(problem.stretchRate);
 	return relativeVelocity(free, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
 }
 
@@ -173,7 +173,7 @@ inline void applyImpulse(
 	v2.rotation += m2.rotation * cross(c.arm2, f);
 }
 
-/// Writes v_free + M⁻¹ Jᵀ p to `velocity`, and sets the stretch if the cell can stretch.
+/// Writes v_free + M⁻¹ Jᵀ p to `velocity`, and sets the stretch rate if the cell can stretch.
 void updateVelocity(ContactProblem&);
 
 /// Throws std::invalid_argument that names the body or point. Rejects arrays of different lengths,

@@ -12,8 +12,8 @@
 //   slide   p_t = s µ p_n,  p_n = −g_n / (w_nn + s µ w_nt),  s = ±1 against u_t
 //
 // If µ |w_nt| < w_nn, exactly one case holds. Otherwise (Painlevé) sliding is inconsistent on the
-// side where w_nn + s µ w_nt ≤ 0, and the other side is taken: an impact without collision.
-// Source: Moreau 1988; Jean 1999, §4; Génot and Brogliato 1999 (Painlevé case).
+// side where w_nn + s µ w_nt ≤ 0. The solution then slides to the other side: an impact without
+// collision. Source: Moreau 1988; Jean 1999, §4; Génot and Brogliato 1999 (Painlevé case).
 #pragma once
 
 #include <cmath>

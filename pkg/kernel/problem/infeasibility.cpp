@@ -61,14 +61,14 @@ namespace {
 			        change[c.body1], change[c.body2]);
 			stretchImpulse = stretchImpulse + componentwise(c.shift, toCartesian(c.normal, d[k]));
 		}
-		const Vec2 stretch = componentwise(problem.inverseStretchMass, stretchImpulse);
+		const Vec2 stretchRate = componentwise(problem.inverseStretchMass, stretchImpulse);
 		double     closing = 0, norm2 = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
 		for (std::size_t k = 0; k < d.size(); ++k) {
 			const ContactPoint& c = problem.points[k];
 			closing -= work(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
 			// impulses move the image of body 2 through the stretch of the cell only
 			ContactPoint response = c;
-			response.drift        = componentwise(stretch, c.shift);
+			response.drift        = componentwise(stretchRate, c.shift);
 			norm2 += work(d[k], relativeVelocity(response, change[c.body1], change[c.body2]));
 		}
 		if (!(closing > 0)) return 0;

@@ -54,8 +54,8 @@ namespace {
 		return std::any_of(problem.impulse.begin(), problem.impulse.end(), exceeds);
 	}
 
-	/// Returns true if a prescribed motion closes a contact and also blocks its normal direction,
-	/// so that no impulse can open it.
+	/// Returns true if a prescribed motion closes a contact and also blocks its normal direction.
+	/// No impulse can open such a contact.
 	bool closesBlockedContact(const ContactProblem& problem, double roundingVelocity)
 	{
 		const auto translates = [&](int body) {

@@ -26,8 +26,8 @@ struct Settings {
 	int    stallSweeps   = 0; // sweeps without a new lowest residual to stop at; 0: never
 
 	/// Kinematic error at which to stop, together with the residual (residual.hpp) [-]. The
-	/// residual weighs errors by forces: in slow flow, with large steps or with long particles,
-	/// velocity errors at a residual of 1e-4 can be as large as the flow. Infinity: no test.
+	/// residual weighs errors by forces. Velocity errors at a residual of 1e-4 can be as large as
+	/// the flow. Examples are slow flow, large steps and long particles. Infinity: no test.
 	double kinematicTolerance = 0.01;
 
 	/// Lower bound of the velocity scale of the kinematic error, over the RMS relative velocity
@@ -151,10 +151,10 @@ bool probeDivergence(const ContactProblem&, const Settings&, Workspace&);
 Report solve(ContactProblem&, const std::string& solver, const Settings&, Workspace&);
 
 /// Sweeps with momentum from the last solution of the workspace, with other biases. Keeps the
-/// impulses of the problem; returns velocities and stretch only.
+/// impulses of the problem; returns velocities and stretch rate only.
 void sweepWithBias(
         const ContactProblem&, const std::vector<double>& bias, int sweeps,
-        std::vector<Twist>& velocity, Vec2& stretch, Workspace&);
+        std::vector<Twist>& velocity, Vec2& stretchRate, Workspace&);
 
 const std::vector<std::string>& solverNames();
 

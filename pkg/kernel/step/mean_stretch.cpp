@@ -27,7 +27,7 @@ namespace {
 				visit(id, step.bodies[id].center.*axis.of, 1 / w);
 	}
 
-	double meanStretch(const Step& step, const Axis& axis)
+	double meanStretchRate(const Step& step, const Axis& axis)
 	{
 		double moment = 0, inertia = 0;
 		forEachFree(step, axis, [&](std::size_t id, double r, double mass) {
@@ -80,16 +80,16 @@ namespace {
 		std::vector<double> value_;
 	};
 
-	void removeDragImpulses(Step& step, const Axis& axis, double stretch)
+	void removeDragImpulses(Step& step, const Axis& axis, double stretchRate)
 	{
 		double low = std::numeric_limits<double>::infinity(), high = -low;
 		forEachFree(step, axis, [&](std::size_t, double r, double) {
 			low = std::min(low, r), high = std::max(high, r);
 		});
-		if (stretch == 0 || !(high > low)) return;
+		if (stretchRate == 0 || !(high > low)) return;
 		Slices beyond(low, high), through(low, high);
 		forEachFree(step, axis,
-		        [&](std::size_t, double r, double mass) { beyond.at(r) += mass * stretch * r; });
+		        [&](std::size_t, double r, double mass) { beyond.at(r) += mass * stretchRate * r; });
 		beyond.sumTowardsOrigin();
 		ContactProblem& problem = step.problem;
 		const auto      place   = [&](const ContactPoint& c) {
@@ -114,15 +114,15 @@ namespace {
 
 } // namespace
 
-Vec2 meanStretch(const Step& step)
+Vec2 meanStretchRate(const Step& step)
 {
-	return { meanStretch(step, xAxis), meanStretch(step, yAxis) };
+	return { meanStretchRate(step, xAxis), meanStretchRate(step, yAxis) };
 }
 
-void removeDragImpulses(Step& step, Vec2 stretch)
+void removeDragImpulses(Step& step, Vec2 stretchRate)
 {
-	removeDragImpulses(step, xAxis, stretch.x);
-	removeDragImpulses(step, yAxis, stretch.y);
+	removeDragImpulses(step, xAxis, stretchRate.x);
+	removeDragImpulses(step, yAxis, stretchRate.y);
 }
 
 } // namespace rcr

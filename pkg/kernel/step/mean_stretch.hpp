@@ -13,13 +13,13 @@
 
 namespace rcr {
 
-/// Mean stretch rate of the bodies in a solved step along each axis, relative to their start
-/// velocities, about the origin: Σ m r (v − v_start) / Σ m r² [1/s].
-Vec2 meanStretch(const Step&);
+/// Mean stretch rate of the bodies in a solved step along each axis, about the origin: Σ m r (v −
+/// v_start) / Σ m r² [1/s]. It is relative to the start velocities.
+Vec2 meanStretchRate(const Step&);
 
 /// Lowers the start impulses by the drag of the earlier flow. The drag through a section at r is
 /// Σ m r ė over the bodies farther out, with the stretch rate ė [1/s]. At most half of the impulses
 /// is removed.
-void removeDragImpulses(Step&, Vec2 stretch);
+void removeDragImpulses(Step&, Vec2 stretchRate);
 
 } // namespace rcr

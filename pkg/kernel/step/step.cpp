@@ -65,8 +65,8 @@ void Step::setPoints(const StepContact& c, const Manifold& manifold, const Impul
 void Step::updateGradient(Vec2 before)
 {
 	if (!cell.stretches()) return;
-	cell.gradient[0][0] += problem.stretch.x - before.x;
-	cell.gradient[1][1] += problem.stretch.y - before.y;
+	cell.gradient[0][0] += problem.stretchRate.x - before.x;
+	cell.gradient[1][1] += problem.stretchRate.y - before.y;
 	for (StepContact& c : contacts)
 		c.drift = cell.drift(c.shift);
 }

@@ -245,8 +245,8 @@ struct Step {
 	/// it [1/s].
 	void updateGradient(Vec2 before);
 
-	/// Upper bound of the path of all points of a body in the step, if its centre now moves at the
-	/// velocity v [m]. A clump member turns about the centre of its clump, at the distance r. Its
+	/// Upper bound of the path of all points of a body in the step [m]. Its centre now moves at the
+	/// velocity v. A clump member turns about the centre of its clump, at the distance r. Its
 	/// velocity changes by up to |ω| min(|ω| dt, 2) r.
 	double pathOf(int id, const Twist& v) const
 	{

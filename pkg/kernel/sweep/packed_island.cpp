@@ -21,10 +21,11 @@ Impulse PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoi
 {
 	const Real *   v1 = view.recordAt(c.record1), *v2 = view.recordAt(c.record2);
 	constexpr bool whole = std::is_same_v<Real, double>; // or relative to the reference
-	const Vec2 stretch   = whole ? packed_.stretch_ : packed_.stretch_ - packed_.referenceStretch_;
-	const Vec2 u         = Vec2 {
+	const Vec2 rate = whole ? packed_.stretchRate_
+	                        : packed_.stretchRate_ - packed_.referenceStretchRate_;
+	const Vec2 u    = Vec2 {
         double(v2[record::x]) - v1[record::x], double(v2[record::y]) - v1[record::y]
-	} + componentwise(stretch, c.shift);
+	} + componentwise(rate, c.shift);
 	const double   spin1 = c.wholeRecords ? v1[record::spin] : 0;
 	const double   spin2 = c.wholeRecords ? v2[record::spin] : 0;
 	const Impulse& rest  = whole ? c.drift : c.reference;
@@ -49,7 +50,8 @@ void PackedIsland::applyImpulse(const View<Real>& view, const OverflowPoint& c, 
 	push(c.record2, c.mass2, +1, p.n * c.lever2n + p.t * c.lever2t);
 	if (stretches()) {
 		const Vec2 moment = componentwise(c.shift, f);
-		packed_.stretch_  = packed_.stretch_ + componentwise(packed_.inverseStretchMass_, moment);
+		packed_.stretchRate_
+		        = packed_.stretchRate_ + componentwise(packed_.inverseStretchMass_, moment);
 	}
 }
 
@@ -80,7 +82,7 @@ void PackedIsland::recomputeVelocities()
 {
 	if (packed_.velocityRecomputed_[number_]) return;
 	const double* const free = packed_.freeBody_.data();
-	if (stretches()) packed_.stretch_ = {};
+	if (stretches()) packed_.stretchRate_ = {};
 	forEachRecords([&](const Range& records) {
 		std::copy(free + offsetOf(records.begin), free + offsetOf(records.end),
 		        view_.recordAt(records.begin));
@@ -152,7 +154,7 @@ double PackedIsland::sweepYielding(double momentum, const Yielding& yielding)
 }
 
 /// Each partition extrapolates the velocities of its bodies, v_old ← v + β (v − v_old), and sweeps
-/// these: v and v_old change places.
+/// with these. v and v_old change places.
 template <class Real, class Kernel>
 double PackedIsland::sweepMomentum(View<Real>& view,
         Extrapolate<Real>                      extrapolate,
@@ -164,9 +166,9 @@ double PackedIsland::sweepMomentum(View<Real>& view,
 	std::swap(view.body, view.oldBody);
 	extrapolate(before, island_.overflowRecords.begin, island_.overflowRecords.end, momentum);
 	if (stretches()) {
-		const Vec2 now      = packed_.stretch_;
-		packed_.stretch_    = now + momentum * (now - packed_.oldStretch_);
-		packed_.oldStretch_ = now;
+		const Vec2 now          = packed_.stretchRate_;
+		packed_.stretchRate_    = now + momentum * (now - packed_.oldStretchRate_);
+		packed_.oldStretchRate_ = now;
 	}
 	const auto sweepSections = [&] {
 		forEachSection([&](const Section& section) {

@@ -124,7 +124,7 @@ void PackedIsland::updateReference()
 		packed_.kernels_->updateReference(view_, chunk, singleView_.points);
 	});
 	forEachOverflowPoint([&](OverflowPoint& c) { c.reference = relativeVelocity(view_, c); });
-	if (stretches()) packed_.referenceStretch_ = packed_.stretch_;
+	if (stretches()) packed_.referenceStretchRate_ = packed_.stretchRate_;
 	forEachRecords([&](const Range& records) {
 		float *const body = singleView_.body, *const old = singleView_.oldBody;
 		for (std::uint32_t i = offsetOf(records.begin); i < offsetOf(records.end); ++i) {
@@ -159,7 +159,7 @@ void PackedIsland::resetMomentum()
 		});
 	});
 	forEachOverflowPoint([](OverflowPoint& c) { c.old = c.p; });
-	if (stretches()) packed_.oldStretch_ = packed_.stretch_;
+	if (stretches()) packed_.oldStretchRate_ = packed_.stretchRate_;
 }
 
 } // namespace rcr

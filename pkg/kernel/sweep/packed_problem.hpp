@@ -54,7 +54,7 @@ public:
 	template <class Work> void forEachIsland(Work work);
 
 	/// Stretch rate of the cell that the impulses cause [1/s].
-	Vec2 stretch() const { return stretch_; }
+	Vec2 stretchRate() const { return stretchRate_; }
 	/// The model of the last problem.
 	const ModelSummary& summary() const { return summary_; }
 	/// Time of all layouts so far, checks included [s].
@@ -128,7 +128,7 @@ private:
 	std::vector<double>   sum_;
 
 	// of the cell, whose points all belong to one island
-	Vec2 inverseStretchMass_, stretch_, oldStretch_, referenceStretch_;
+	Vec2 inverseStretchMass_, stretchRate_, oldStretchRate_, referenceStretchRate_;
 
 	ParallelChoice sweepChoice_; // of large islands
 	ModelSummary   summary_;

@@ -32,7 +32,7 @@ Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspac
 }
 
 void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bias, int sweeps,
-        std::vector<Twist>& velocity, Vec2& stretch, Workspace& workspace)
+        std::vector<Twist>& velocity, Vec2& stretchRate, Workspace& workspace)
 {
 	PackedProblem& packed = workspace.packed();
 	packed.setBiases(problem, bias);
@@ -44,7 +44,7 @@ void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bia
 		island.endMixedPrecision();
 	});
 	packed.storeVelocity(problem, velocity);
-	stretch = packed.stretch();
+	stretchRate = packed.stretchRate();
 }
 
 } // namespace rcr

@@ -13,10 +13,9 @@
 // any force at a contact whose lever is tiny. A wedged body shares the imposed motion among its
 // contacts, as dashpots with the coefficient 1/(ε' w_nn dt) would. The solution of one point is
 // 1/(1 + ε') of the rigid one, because the laws are homogeneous. Sweeps with momentum converge in
-// about 1/√ε sweeps. Overlaps are corrected no faster than the driven motion, so the force of a
-// contact grows with its overlap, as with springs.
-// Source: Acary, Cadoux, Lemaréchal and Malick 2011 (existence); Castro et al. 2022 (near-rigid
-// regime of a convex relative).
+// about 1/√ε sweeps. Overlaps are corrected no faster than the driven motion. So the force of a
+// contact grows with its overlap, as with springs. Source: Acary, Cadoux, Lemaréchal and Malick
+// 2011 (existence); Castro et al. 2022 (near-rigid regime of a convex relative).
 #include "problem/coulomb.hpp"
 #include "problem/infeasibility.hpp"
 #include "sweep/momentum.hpp"

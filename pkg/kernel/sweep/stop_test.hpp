@@ -21,8 +21,8 @@ struct Criteria {
 };
 
 /// Counts sweeps. Evaluates the criteria before the first and after every `checkInterval`. Sweeps
-/// must stop if the criteria are met, after `maxIterations`, or if the residual has had no new
-/// minimum in `stallSweeps` sweeps.
+/// must stop if the criteria are met, or after `maxIterations`. They also stop if the residual has
+/// had no new minimum in `stallSweeps` sweeps.
 class StopTest {
 public:
 	explicit StopTest(const Settings& settings) : settings_(settings) { }

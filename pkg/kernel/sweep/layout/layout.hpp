@@ -1,9 +1,8 @@
 // The layout of a problem: islands, the model of each pair and its place in the packed arrays.
 //
-// The layout is a function of the present problem alone: of its pairs in order, their required
-// models and the kinds of its bodies. So a simulation that is saved and loaded continues with the
-// same bits. A layout is kept until one of these changes; a new layout takes as long as twenty
-// sweeps in floats.
+// The layout depends on the present problem alone: on its pairs in order, their required models and
+// the kinds of bodies. So a simulation that is saved and loaded continues with the same bits. A
+// layout is kept until one of these changes; a new layout takes as long as twenty sweeps in floats.
 //
 // Islands are the connected parts of the graph of bodies; prescribed bodies do not connect. A
 // large island is cut into partitions (partitions.hpp). Its pairs form sections: those within a
@@ -12,8 +11,8 @@
 // interfaces.
 //
 // The overflow is solved pair after pair. It contains pairs without a colour, pairs of special
-// bodies, pairs across the boundary of a moving cell, and all pairs of a small island. A small
-// island would leave most slots empty.
+// bodies, and pairs across the boundary of a moving cell. All pairs of a small island belong to it.
+// A small island would leave most slots empty.
 #pragma once
 
 #include <vector>
