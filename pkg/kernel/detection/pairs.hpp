@@ -1,6 +1,6 @@
 // Neighbouring pairs with the data that their contacts carry from step to step.
 //
-// ArraySteps keeps these data while YADE's interactions are out of date.
+// Steps in arrays use these data while the interactions of the simulation are out of date.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// Contacts that form within a step although its detection did not find them.
+// Finds contacts that close within a step but were not detected before the solve.
 //
 // Detection covers gaps up to ℓ₁ + ℓ₂, the sum of the detection reaches of the two bodies. The
 // reach is the alert distance, which follows from the velocity at the beginning of the step:

@@ -144,8 +144,7 @@ namespace {
 			const Vec2   n        = axes[k];
 			const double nearest  = std::min(dot(c.ends[0], n), dot(c.ends[1], n));
 			const double distance = nearest - std::abs(c.half.x * n.x) - std::abs(c.half.y * n.y);
-			// A core parallel to a face gives the same axis up to rounding. The face has two
-			// points.
+			// rounding must not prefer the side of a core parallel to a face, which has two points
 			if (distance > best.distance + (k < 4 ? 0 : 1e-12 * (c.half.x + c.half.y)))
 				best = { distance, n, k < 4 };
 		}

@@ -101,7 +101,7 @@ inline Twist memberVelocity(const StepBody& body, const StepBody& owner, const T
 struct StepContact {
 	std::int32_t body1 = 0, body2 = 0;
 	std::int32_t first = 0, count = 0;
-	// its number in SceneHandles::sorted, or in Pairs::all for steps in arrays; −1: new
+	// its number in the list of the simulation, or in Pairs::all for steps in arrays; −1: new
 	std::int32_t listIndex   = -1;
 	double       friction = 0, restitution = 0;
 	double       size        = 0; // R₁ + R₂ [m]
