@@ -16,11 +16,11 @@ public:
 		((std::string,color,"force",,"Quantity shown by the colour: ``force`` (blue to red, up to "
 				":yref:`maxForce<Gl1_CdPhys.maxForce>`), ``type`` (cap-cap blue, cap-side green, "
 				"side-side red, obstacles light grey) or ``mobilization`` ($|f_t|/\\mu f_n$, blue "
-				"to red)"))
+				"to red)."))
 		((Real,maxForce,0,,"Normal force of the thickest line [N]; larger forces raise it. Set 0 "
-				"to reset it"))
+				"to reset it."))
 		((Real,width,0.2,,"Half thickness of the thickest line over the smaller of the "
-				"circumscribed radii [-]"))
+				"circumscribed radii [-]."))
 	);
 	// clang-format on
 	RENDERS(CdPhys);

@@ -18,7 +18,7 @@ void Gl1_RcrGeom::go(
 	if (geom.points == 0) return;
 	const overlay::Flat flat;
 	const Vector3r      shift = overlay::intoCell(*scene, geom.contactPoint);
-	const Real          reach = length * math::min(geom.refR1, geom.refR2);
+	const Real          arrowLength = length * math::min(geom.refR1, geom.refR2);
 	overlay::colorOfType(geom.type);
 	glPointSize(float(pointSize));
 	for (int k = 0; k < geom.points; ++k) {
@@ -30,7 +30,8 @@ void Gl1_RcrGeom::go(
 		if (!normals) continue;
 		glBegin(GL_LINES);
 		overlay::vertex(at);
-		overlay::vertex(at + reach * overlay::inSpace(k == 0 ? geom.normal1 : geom.normal2, 0));
+		const Vector2r& normal = k == 0 ? geom.normal1 : geom.normal2;
+		overlay::vertex(at + arrowLength * overlay::inSpace(normal, 0));
 		glEnd();
 	}
 }

@@ -1,6 +1,6 @@
-// All classes of pkg/dem, with their factories, serialization and Python classes: half of the
-// plugin's code, which runs once. The compiler puts a class's virtual functions, such as the one
-// that makes its Python class, beside its first one, here the destructor.
+// All classes of pkg/dem, with their factories, serialization and Python classes. This is half of
+// the plugin's code, and it runs once. The compiler emits the virtual functions of a class beside
+// its first virtual function, here the destructor.
 #include "dem/contacts/CdPhys.hpp"
 #include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"

@@ -52,7 +52,7 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 {
 	static const std::set<std::string> names { "inverse_mass", "free_velocity", "bodies", "normal",
 		"arm1", "arm2", "bias", "friction", "impulse", "drift", "shift", "inverse_stretch_mass",
-		"recovery" };
+		"recovery_bias" };
 	for (const auto& item : arrays)
 		if (const std::string name = py::str(item.first); !names.count(name))
 			throw py::type_error("'" + name + "' is neither a setting nor an array of a problem");
@@ -83,7 +83,7 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 		requireShape(mass, "inverse_stretch_mass", { 2 });
 		problem.inverseStretchMass = { mass.at(0), mass.at(1) };
 	}
-	if (has("recovery")) problem.recovery = numbers("recovery");
+	if (has("recovery_bias")) problem.recoveryBias = numbers("recovery_bias");
 	ThreadTeam team;
 	checkProblem(problem, team);
 	return problem;
@@ -101,10 +101,10 @@ DelassusProblem delassusFrom(
 	DelassusProblem problem;
 	problem.rowStart.assign(rowStart.data(), rowStart.data() + nc + 1);
 	problem.column.assign(column.data(), column.data() + entries);
-	problem.block    = rowsFrom<DelassusBlock>(block, "block", entries);
-	problem.free     = rowsFrom<Impulse>(free, "free", nc);
-	problem.friction = rowsFrom<double>(friction, "friction", nc);
-	problem.impulse  = rowsFrom<Impulse>(impulse, "impulse", nc);
+	problem.block        = rowsFrom<DelassusBlock>(block, "block", entries);
+	problem.freeVelocity = rowsFrom<Impulse>(free, "free_velocity", nc);
+	problem.friction     = rowsFrom<double>(friction, "friction", nc);
+	problem.impulse      = rowsFrom<Impulse>(impulse, "impulse", nc);
 	return problem;
 }
 

@@ -9,7 +9,7 @@
 #include "sweep/momentum.hpp"
 #include "sweep/stop_test.hpp"
 #include "watch/jam_detector.hpp"
-#include "watch/missed_steps.hpp"
+#include "watch/step_counts.hpp"
 
 namespace rcr {
 
@@ -48,41 +48,41 @@ void bindDetectors(py::module_& m)
 	        .def("advance", &Momentum::advance, py::arg("error"));
 	py::class_<JamDetector>(m, "JamDetector", "Detector of jams (watch/jam_detector.hpp).")
 	        .def(py::init<>())
-	        .def_readwrite("grown", &JamDetector::grown)
+	        .def_readwrite("new_maxima", &JamDetector::newMaxima)
 	        .def_readwrite("deepest", &JamDetector::deepest)
-	        .def_readwrite("unsolvable", &JamDetector::unsolvable)
-	        .def_readonly_static("crushed", &JamDetector::crushed)
+	        .def_readwrite("yielded", &JamDetector::yielded)
+	        .def_readonly_static("jam_overlap", &JamDetector::jamOverlap)
 	        .def_readonly_static("patience", &JamDetector::patience)
 	        .def(
 	                "update",
-	                [](JamDetector& detector, double overlap, bool noSolution) {
+	                [](JamDetector& detector, double overlap, bool yielded) {
 		                constexpr const char* names[] = { "none", "jam", "not converged" };
-		                return names[int(detector.update(overlap, noSolution))];
+		                return names[int(detector.update(overlap, yielded))];
 	                },
-	                py::arg("overlap"), py::arg("no_solution") = false,
+	                py::arg("overlap"), py::arg("yielded") = false,
 	                "Add the deepest overlap of a step over R₁ + R₂ [-]. Returns 'none', 'jam' or\n"
 	                "'not converged'.");
-	py::class_<MissedSteps>(
-	        m, "MissedSteps", "Counts of steps that missed the tolerance (watch/missed_steps.hpp).")
+	py::class_<StepCounts>(
+	        m, "StepCounts", "Counts of steps and their warnings (watch/step_counts.hpp).")
 	        .def(py::init<>())
-	        .def_readonly("steps", &MissedSteps::steps)
-	        .def_readonly("missed", &MissedSteps::missed)
-	        .def_readonly("yielded", &MissedSteps::yielded)
-	        .def_readonly("deepest", &MissedSteps::deepest)
-	        .def("count", &MissedSteps::count, py::arg("missed"), py::arg("yielded"),
+	        .def_readonly("steps", &StepCounts::steps)
+	        .def_readonly("missed", &StepCounts::missed)
+	        .def_readonly("yielded", &StepCounts::yielded)
+	        .def_readonly("deepest", &StepCounts::deepest)
+	        .def("count", &StepCounts::count, py::arg("missed"), py::arg("yielded"),
 	             py::arg("overlap"), py::arg("removes_overlaps") = false,
 	             "Count a step. Returns true if a message is due.")
-	        .def("message", &MissedSteps::message);
+	        .def("message", &StepCounts::message);
 	py::class_<OwnStopTest>(m, "StopTest", "Stop criteria of sweeps; settings as in `solve`.")
 	        .def(py::init<double, double, double, int, int, int, int>(), py::arg("tolerance") = 1e-4,
 	             py::arg("kinematic_tolerance") = 0.01, py::arg("mean_force_change") = 0,
 	             py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
 	             py::arg("max_iterations") = 1000, py::arg("stall_sweeps") = 0)
 	        .def(
-	                "reached",
+	                "must_stop",
 	                [](OwnStopTest& own, const std::function<std::array<double, 3>()>& measure,
 	                   bool early) {
-		                return own.test.reached(early, [&] {
+		                return own.test.mustStop(early, [&] {
 			                const auto [residual, kinematicError, change] = measure();
 			                return Criteria { residual, kinematicError, change };
 		                });

@@ -48,7 +48,7 @@ namespace {
 
 	py::dict overlapStadiums(
 	        const Array& stadium1, const Array& pose1, const Array& stadium2, const Array& pose2,
-	        double alertDistance)
+	        double maxGap)
 	{
 		const py::ssize_t n      = rowsOf(stadium1);
 		const auto        shape1 = rowsFrom<Stadium>(stadium1, "stadium1", n);
@@ -56,13 +56,13 @@ namespace {
 		const auto        shape2 = rowsFrom<Stadium>(stadium2, "stadium2", n);
 		const auto        at2    = posesFrom(pose2, "pose2", n);
 		return manifolds(n, [&](py::ssize_t i) {
-			return shadowOverlap(shape1[i], at1[i], shape2[i], at2[i], alertDistance);
+			return shadowOverlap(shape1[i], at1[i], shape2[i], at2[i], maxGap);
 		});
 	}
 
 	py::dict overlapWall(
 	        const Array& origin, const Array& normal, const Array& stadium, const Array& pose,
-	        double alertDistance)
+	        double maxGap)
 	{
 		const py::ssize_t n       = rowsOf(stadium);
 		const auto        origins = rowsFrom<Vec2>(origin, "origin", n);
@@ -71,13 +71,13 @@ namespace {
 		const auto        poses   = posesFrom(pose, "pose", n);
 		return manifolds(n, [&](py::ssize_t i) {
 			const HalfPlane wall { origins[i], normals[i] };
-			return shadowOverlap(wall, shapes[i], poses[i], alertDistance);
+			return shadowOverlap(wall, shapes[i], poses[i], maxGap);
 		});
 	}
 
 	py::dict overlapBox(
 	        const Array& halfExtent, const Array& boxPose, const Array& stadium, const Array& pose,
-	        double alertDistance)
+	        double maxGap)
 	{
 		const py::ssize_t n        = rowsOf(stadium);
 		const auto        boxes    = rowsFrom<Rectangle>(halfExtent, "half_extent", n);
@@ -85,7 +85,7 @@ namespace {
 		const auto        shapes   = rowsFrom<Stadium>(stadium, "stadium", n);
 		const auto        poses    = posesFrom(pose, "pose", n);
 		return manifolds(n, [&](py::ssize_t i) {
-			return shadowOverlap(boxes[i], boxPoses[i], shapes[i], poses[i], alertDistance);
+			return shadowOverlap(boxes[i], boxPoses[i], shapes[i], poses[i], maxGap);
 		});
 	}
 
@@ -127,11 +127,11 @@ void bindGeometry(py::module_& m)
 	          "position and normal (N, 2, 2), gap (N, 2) [m]. Unused points are NaN. A stadium is\n"
 	          "(half length, cap radius), a pose (x, y, angle).";
 	m.def("overlap_stadiums", overlapStadiums, py::arg("stadium1"), py::arg("pose1"),
-	      py::arg("stadium2"), py::arg("pose2"), py::arg("alert_distance"), manifold);
+	      py::arg("stadium2"), py::arg("pose2"), py::arg("max_gap"), manifold);
 	m.def("overlap_wall", overlapWall, py::arg("origin"), py::arg("normal"), py::arg("stadium"),
-	      py::arg("pose"), py::arg("alert_distance"), manifold);
+	      py::arg("pose"), py::arg("max_gap"), manifold);
 	m.def("overlap_box", overlapBox, py::arg("half_extent"), py::arg("box_pose"),
-	      py::arg("stadium"), py::arg("pose"), py::arg("alert_distance"), manifold);
+	      py::arg("stadium"), py::arg("pose"), py::arg("max_gap"), manifold);
 
 	m.def("deposit", depositArrays, py::arg("radii"), py::arg("width"),
 	      "Centres (n, 2) [m] of discs deposited one by one, each at the lowest free\n"

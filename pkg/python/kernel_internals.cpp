@@ -9,7 +9,7 @@
 #include "kernel_arrays.hpp"
 #include "parallel/thread_team.hpp"
 #include "problem/residual.hpp"
-#include "step/drive.hpp"
+#include "step/yield_bounds.hpp"
 #include "sweep/lane/lane_check.hpp"
 #include "sweep/layout/layout.hpp"
 #include "sweep/packed_problem.hpp"
@@ -18,13 +18,13 @@ namespace rcr {
 
 namespace {
 
-	py::tuple driveFrom(const Array& before, const py::kwargs& arrays)
+	py::tuple yieldBoundsFrom(const Array& before, const py::kwargs& arrays)
 	{
 		const ContactProblem problem = problemFrom(arrays);
-		const auto   twists = rowsFrom<Twist>(before, "before", problem.freeVelocity.size());
-		ThreadTeam   alone;
-		const DrivenMotion drive = drivenMotionOf(problem, twists, alone);
-		return py::make_tuple(drive.speed, drive.compliance, drive.yieldImpulse);
+		const auto twists = rowsFrom<Twist>(before, "before", problem.freeVelocity.size());
+		ThreadTeam alone;
+		const auto [driveSpeed, yielding] = yieldBoundsOf(problem, twists, alone);
+		return py::make_tuple(driveSpeed, yielding.compliance, yielding.yieldImpulse);
 	}
 
 	// ---- linear algebra
@@ -206,7 +206,7 @@ namespace {
 			places.body2[lane] = offsetOf(to.at(lane));
 		}
 		const LaneCheck& check = laneCheck(lanes);
-		(whole ? check.moveBodies : check.moveCentres)(body.data(), places.body1, places.body2);
+		(whole ? check.moveBodies : check.moveCenters)(body.data(), places.body1, places.body2);
 		Array result({ py::ssize_t(count), py::ssize_t(2) });
 		std::copy_n(body.begin(), 2 * count, result.mutable_data());
 		return result;
@@ -220,8 +220,8 @@ void bindInternals(py::module_& m)
 	m.def(
 	        "residual", [](const py::kwargs& arrays) { return residual(problemFrom(arrays)); },
 	        "Residual [-] of a problem; arrays as in `solve`.");
-	m.def("drive", driveFrom, py::arg("before"),
-	      "(speed, compliance, yield_impulse) of a problem, for previous velocities of the\n"
+	m.def("yield_bounds", yieldBoundsFrom, py::arg("before"),
+	      "(drive speed, compliance, yield impulse) of a problem, for previous velocities of the\n"
 	      "bodies; arrays as in `solve`.");
 	m.def(
 	        "kinematic_error",
@@ -236,13 +236,6 @@ void bindInternals(py::module_& m)
 	      "Solve A x = b, b (n, 3), for a sparse matrix of 3×3 blocks: diagonal (n, 3, 3), and\n"
 	      "for the pairs (i, j), (np, 2): upper = A_ij, lower = A_ji, both (np, 3, 3). Raises\n"
 	      "ValueError for invalid or repeated pairs, and if a diagonal block becomes singular.");
-	m.def(
-	        "block_fill",
-	        [](std::int32_t size, const py::object& pairs) {
-		        return BlockLu(size, pairsFrom(pairs, size)).fill();
-	        },
-	        py::arg("size"), py::arg("pairs"),
-	        "Number of blocks of L below the diagonal for a matrix with these pairs of rows.");
 	m.def("follow_path", followPathFrom, py::arg("rho"), py::arg("max_pivots"),
 	      "One proximal step about the impulses of a problem; arrays as in `solve`.\n"
 	      "Returns a dict: impulse, complete, pivots, unstable.");

@@ -52,11 +52,10 @@ namespace {
 		Settings       settings = stopSettings(
                 tolerance, kinematicTolerance, meanForceChange, checkInterval, minIterations,
                 maxIterations, stallSweeps);
-		settings.threads         = threads;
-		settings.lanes           = lanes;
-		settings.yieldCompliance = yieldCompliance;
-		settings.yieldImpulse    = yieldImpulse;
-		settings.reductions      = Reductions::of(reductions);
+		settings.threads    = threads;
+		settings.lanes      = lanes;
+		settings.yielding   = { yieldCompliance, 0, yieldImpulse };
+		settings.reductions = Reductions::of(reductions);
 		Workspace    own;
 		py::dict     results;
 		const Report report = timed(results, [&] {
@@ -69,11 +68,10 @@ namespace {
 		results["impulse"]           = arrayOf(problem.impulse);
 		results["relative_velocity"] = arrayOf(relative);
 		results["velocity"]          = arrayOf(problem.velocity);
-		results["stretch"]           = py::make_tuple(problem.stretch.x, problem.stretch.y);
+		results["stretch_rate"]      = py::make_tuple(problem.stretchRate.x, problem.stretchRate.y);
 		results["kinematic_error"]   = report.kinematicError;
 		results["yielded"]           = report.yielded;
 		results["dissipated"]        = report.dissipated;
-		results["closing_speed"]     = report.closingSpeed;
 		results["impulse_growth"]    = report.impulseGrowth;
 		results["work"]              = report.work;
 		return results;
@@ -150,30 +148,29 @@ void bindSolvers(py::module_& m)
 	      py::arg("stall_sweeps")        = 0,
 	      py::arg("kinematic_tolerance") = Settings().kinematicTolerance,
 	      py::arg("mean_force_change") = 0, py::arg("yield_compliance") = 0,
-	      py::arg("yield_impulse") = Settings().yieldImpulse,
+	      py::arg("yield_impulse") = Yielding().yieldImpulse,
 	      py::arg("reductions") = Reductions::names(), py::arg("workspace") = nullptr,
 	      "Solve one contact problem (contact_problem.hpp); settings as in solver.hpp.\n"
 	      "\n"
 	      "Arrays by keyword: inverse_mass and free_velocity (nb, 3), bodies, normal, arm1, arm2\n"
 	      "and impulse (nc, 2), bias and friction (nc,); optional: drift and shift (nc, 2),\n"
-	      "inverse_stretch_mass (2,), recovery (nc,).\n"
+	      "inverse_stretch_mass (2,), recovery_bias (nc,).\n"
 	      "\n"
 	      "Returns a dict: impulse (nc, 2) [N s], relative_velocity (nc, 2) [m/s], velocity\n"
-	      "(nb, 3) [m/s, 1/s], stretch (2,) [1/s], iterations, residual [-], converged,\n"
-	      "kinematic_error [-], yielded, dissipated [J/m], closing_speed [m/s], impulse_growth\n"
-	      "over the last 100 sweeps [-], work (sweeps × points), seconds, processor_seconds (of\n"
-	      "the calling thread).\n"
+	      "(nb, 3) [m/s, 1/s], stretch_rate (2,) [1/s], iterations, residual [-], converged,\n"
+	      "kinematic_error [-], yielded, dissipated [J/m], impulse_growth over the last 100 sweeps\n"
+	      "[-], work (sweeps × points), seconds, processor_seconds (of the calling thread).\n"
 	      "Raises ValueError for arrays of inconsistent shapes and settings out of range.");
 	m.def("solve_delassus", solveDelassusArrays, py::arg("row_start"), py::arg("column"),
-	      py::arg("block"), py::arg("free"), py::arg("friction"), py::arg("impulse"),
+	      py::arg("block"), py::arg("free_velocity"), py::arg("friction"), py::arg("impulse"),
 	      py::arg("solver") = "auto", py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000,
 	      py::arg("check_interval") = 10,
 	      "Solve one problem of W and q (delassus_problem.hpp).\n"
 	      "\n"
 	      "W is given by rows of blocks: row_start (nc + 1,), column (nb,), block (nb, 4) as\n"
-	      "(nn, nt, tn, tt) [1/kg]; free = q (nc, 2) [m/s]. Returns a dict: impulse (nc, 2)\n"
-	      "[N s], relative_velocity (nc, 2) [m/s], iterations, residual [-], converged, seconds,\n"
-	      "processor_seconds.");
+	      "(nn, nt, tn, tt) [1/kg]; free_velocity = q (nc, 2) [m/s]. Returns a dict: impulse\n"
+	      "(nc, 2) [N s], relative_velocity (nc, 2) [m/s], iterations, residual [-], converged,\n"
+	      "seconds, processor_seconds.");
 }
 
 } // namespace rcr

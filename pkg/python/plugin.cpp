@@ -30,8 +30,8 @@ void registerClasses()
 #endif
 }
 
-/// Error if another version of YADE is running, since its class layouts would corrupt memory; else
-/// empty.
+/// Error if another version of YADE is running; empty: none. Its class layouts would corrupt
+/// memory.
 std::string versionError()
 {
 	const std::string running
@@ -41,15 +41,17 @@ std::string versionError()
 	        + " is running. Start scripts/yade-rcr to rebuild it.";
 }
 
-std::string refusal()
+/// Prepares the scene of a supported run: replaces Bo1 functors of spheres and restarts the
+/// collider after a change of PairExclusions.
+std::string prepareRun()
 {
 	yade::Scene&      scene  = *yade::Omega::instance().getScene();
-	const std::string reason = yade::validation::refusal(scene);
-	if (reason.empty()) {
+	const std::string error = yade::validation::sceneError(scene);
+	if (error.empty()) {
 		yade::validation::replaceSphereBounds(scene);
 		yade::validation::relistPairs(scene);
 	}
-	return reason;
+	return error;
 }
 
 bool usesRcr() { return yade::validation::usesRcrClasses(*yade::Omega::instance().getScene()); }
@@ -103,7 +105,7 @@ void awaitEnd()
 
 BOOST_PYTHON_MODULE(_plugin)
 {
-	// Python raises it: Boost.Python 1.74 loses exceptions of an import
+	// Python raises it, since Boost.Python 1.74 loses exceptions of an import
 	const std::string error = versionError();
 	py::scope().attr("version_error") = error;
 	if (!error.empty()) return;
@@ -113,14 +115,14 @@ BOOST_PYTHON_MODULE(_plugin)
 	yade::Published<double>::registerConverters();
 	registerClasses();
 	py::def(
-	        "refusal", refusal,
-	        "Reason why the scene is not supported, with a remedy; empty if it is supported.");
+	        "prepare_run", prepareRun,
+	        "Prepare a run. Returns the error of an unsupported scene, with a remedy; else ''.");
 	py::def(
 	        "take_error", yade::takeError,
 	        "Message of the error that stopped ContactDynamics, returned once; empty without "
 	        "error.");
 	py::def("await_end", awaitEnd, "Wait until a paused run has stopped.");
-	py::def("usesRcr", usesRcr, "True if the scene contains a law of this plugin.");
+	py::def("uses_rcr", usesRcr, "True if the scene contains a law of this plugin.");
 	py::def("advice", advice, "Warnings for suspicious scenes, a list of texts.");
 	py::def(
 	        "planar_clump", planarClump,

@@ -27,7 +27,7 @@ class Problem:
         self.rows = dict(row_start=sparse.row_start, column=sparse.column, block=block)
 
     def solve(self, solver="nesterov", **settings):
-        arrays = dict(self.rows, free=self.q, friction=self.friction, impulse=self.impulse)
+        arrays = dict(self.rows, free_velocity=self.q, friction=self.friction, impulse=self.impulse)
         return _kernel.solve_delassus(**arrays, solver=solver, **settings)
 
     def velocity(self, p):

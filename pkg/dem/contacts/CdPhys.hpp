@@ -11,12 +11,12 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(CdPhys,FrictPhys,
 		"Rigid contact with Coulomb friction for :yref:`ContactDynamics`, without stiffness (kn = ks = 0). The forces of each point "
 		"start the next step. normalForce and shearForce are the sums over the points.",
-		((Real,restitution,0,,"Newton's coefficient of restitution, 0 (plastic) to 1 (elastic) [-]"))
-		((int,points,0,Attr::readonly,"Number of contact points that carry the forces"))
-		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point, as :yref:`RcrGeom.along` [m]"))
-		((Vector2r,force1,Vector2r::Zero(),Attr::readonly,"Force at the first point on body 2, (normal, tangential) [N]; the tangent is the normal rotated by +90°"))
-		((Vector2r,force2,Vector2r::Zero(),Attr::readonly,"Force at the second point [N]"))
-		((Vector2r,bias,Vector2r::Zero(),Attr::readonly,"Bias b_n of each point in 0 ≤ u_n + b_n ⟂ f_n ≥ 0 [m/s]")),
+		((Real,restitution,0,,"Newton's coefficient of restitution, 0 (plastic) to 1 (elastic) [-]."))
+		((int,points,0,Attr::readonly,"Number of contact points that carry the forces."))
+		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point, as :yref:`RcrGeom.along` [m]."))
+		((Vector2r,force1,Vector2r::Zero(),Attr::readonly,"Force at the first point on body 2, (normal, tangential) [N]; the tangent is the normal rotated by +90°."))
+		((Vector2r,force2,Vector2r::Zero(),Attr::readonly,"Force at the second point [N]."))
+		((Vector2r,bias,Vector2r::Zero(),Attr::readonly,"Bias b_n of each point in 0 ≤ u_n + b_n ⟂ f_n ≥ 0 [m/s].")),
 		createIndex();
 	);
 	// clang-format on
@@ -34,8 +34,8 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS(Ip2_FrictMat_FrictMat_CdPhys,IPhysFunctor,
 		"Creates a :yref:`CdPhys` from two :yref:`FrictMats<FrictMat>` when a contact forms. Friction is the smaller of the two "
 		"friction angles unless frictAngle is set; young and poisson are not used.",
-		((shared_ptr<MatchMaker>,frictAngle,,,":yref:`MatchMaker` of the friction angle [rad]; ``None``: the smaller one"))
-		((shared_ptr<MatchMaker>,restitution,,,":yref:`MatchMaker` of the coefficient of restitution, 0 to 1 [-]; a number applies to all pairs; ``None``: 0"))
+		((shared_ptr<MatchMaker>,frictAngle,,,":yref:`MatchMaker` of the friction angle [rad]; ``None``: the smaller one."))
+		((shared_ptr<MatchMaker>,restitution,,,":yref:`MatchMaker` of the coefficient of restitution, 0 to 1 [-]; a number applies to all pairs; ``None``: 0."))
 	);
 	// clang-format on
 };

@@ -18,9 +18,8 @@ RcrFrictPhys::RcrFrictPhys(const FrictPhys& stock)
 void Law2_RcrGeom_FrictPhys_CundallStrack::postLoad(Law2_RcrGeom_FrictPhys_CundallStrack&)
 {
 	if (damping >= 0 && math::isfinite(damping)) return;
-	throw std::invalid_argument("Law2_RcrGeom_FrictPhys_CundallStrack.damping = "
-	        + validation::text(damping)
-	        + "; expected a fraction of the critical damping, 0 (none) or more.");
+	rcr::refuse("Law2_RcrGeom_FrictPhys_CundallStrack.damping = ", validation::text(damping),
+	        "; expected a fraction of the critical damping, 0 (none) or more.");
 }
 
 namespace {
@@ -33,7 +32,7 @@ namespace {
 		return s.blockedDOFs == State::DOF_ALL || s.mass == 0 ? 0 : 1 / double(s.mass);
 	}
 
-	std::string wrong(const FrictPhys& phys)
+	std::string physError(const FrictPhys& phys)
 	{
 		const auto number = [](const char* name, Real value) {
 			return std::string(name) + " = " + validation::text(value);
@@ -55,9 +54,8 @@ namespace {
 		return {};
 	}
 
-	constexpr double checkedOverlap = 0.02; // over R₁ + R₂: shallower overlaps are not checked
-	// of the radius of the thinner body: a deeper overlap counts
-	constexpr double deepFraction   = 0.5;
+	constexpr double checkedOverlap = 0.02; // least overlap that is checked, over R₁ + R₂
+	constexpr double deepFraction   = 0.5;  // least overlap that counts, over a cap radius
 
 	/// Half the smallest width of a grain; infinite for an obstacle.
 	double halfWidth(const Shape& shape)
@@ -73,13 +71,13 @@ namespace {
 	{
 		if (dynamic_cast<RcrFrictPhys*>(phys.get())) return true;
 		const FrictPhys&  stock   = static_cast<const FrictPhys&>(*phys);
-		const std::string message = wrong(stock);
+		const std::string message = physError(stock);
 		if (message.empty())
 			phys = boost::make_shared<RcrFrictPhys>(stock);
 		else
 			deferError("Law2_RcrGeom_FrictPhys_CundallStrack: the contact of "
-			        + validation::named({ interaction.getId1(), interaction.getId2() }) + " has "
-			        + message);
+			        + validation::bodyNames({ interaction.getId1(), interaction.getId2() })
+			        + " has " + message);
 		return message.empty();
 	}
 
@@ -96,8 +94,6 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 	const Body::id_t    id1 = interaction->getId1(), id2 = interaction->getId2();
 	const State &state1 = *Body::byId(id1, scene)->state, &state2 = *Body::byId(id2, scene)->state;
 	const rcr::Manifold manifold = geom.manifold();
-	const double        dt = double(scene->dt), kn = double(phys.kn), ks = double(phys.ks),
-	             mu              = double(phys.tangensOfFrictionAngle);
 	const double        inverse = inverseMass(id1, scene) + inverseMass(id2, scene);
 	const bool          periodic = scene->isPeriodic;
 	const rcr::Vec2     shift    = periodic
@@ -106,8 +102,9 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 	const rcr::Vec2     drift    = periodic
 	               ? plane::toPlane(scene->cell->intrShiftVel(interaction->cellDist))
 	               : rcr::Vec2 {};
-	const double        dashpot
-	        = damping > 0 && inverse > 0 ? 2 * double(damping) * std::sqrt(kn / inverse) : 0;
+	const double        dashpot  = damping > 0 && inverse > 0
+	               ? 2 * double(damping) * std::sqrt(double(phys.kn) / inverse)
+	               : 0;
 
 	rcr::Twist onBody1, onBody2; // forces and moments
 	rcr::Vec2  normalForce, shearForce;
@@ -123,34 +120,49 @@ bool Law2_RcrGeom_FrictPhys_CundallStrack::go(
 		point.arm1              = at.position - plane::toPlane(state1.pos);
 		point.arm2              = at.position - (plane::toPlane(state2.pos) + shift);
 		point.drift             = drift;
-		const rcr::Impulse u = relativeVelocity(point, plane::twist(state1), plane::twist(state2));
-		const double       n    = std::max(0.0, -kn * at.gap - dashpot * u.n);
-		const double       free = double(force[1]) - ks * u.t * dt;
-		const double       t    = std::max(-mu * n, std::min(free, mu * n));
-		if (scene->trackEnergy)
-			trackEnergy(phys, -at.gap, (-kn * at.gap - n) * u.n * dt, t,
-			        ks > 0 ? (free - t) / ks : -u.t * dt);
-		force       = Vector2r(n, t);
-		normalForce = normalForce + n * at.normal;
-		shearForce  = shearForce + t * perp(at.normal);
-		applyImpulse(point, { n, t }, { 1, 1, 1 }, { 1, 1, 1 }, onBody1, onBody2);
+		const rcr::Impulse u
+		        = relativeVelocity(point, plane::twistOf(state1), plane::twistOf(state2));
+		const rcr::Impulse f = pointForce(phys, dashpot, -at.gap, u, double(force[1]));
+		force                = Vector2r(f.n, f.t);
+		normalForce          = normalForce + f.n * at.normal;
+		shearForce           = shearForce + f.t * perp(at.normal);
+		applyImpulse(point, f, { 1, 1, 1 }, { 1, 1, 1 }, onBody1, onBody2);
 	}
 	watchOverlap(geom, phys, *interaction);
 	phys.normalForce = plane::toSpace(normalForce);
 	phys.shearForce  = plane::toSpace(shearForce);
-	const auto apply = [&](Body::id_t id, const State& s, const rcr::Twist& force) {
-		scene->forces.addForce(id, Vector3r(force.x, force.y, 0));
-		scene->forces.addTorque(id, Vector3r(0, 0, force.rotation));
-		if (!scene->trackEnergy) return;
-		const Body&  body  = *Body::byId(id, scene);
-		const State& owner = body.isClumpMember() ? *Body::byId(body.clumpId, scene)->state : s;
-		rcr::Twist   onOwner = force;
-		onOwner.rotation += cross(
-		        plane::toPlane(s.pos - owner.pos), rcr::Vec2 { force.x, force.y });
-		trackDrive(owner, onOwner, dt);
-	};
-	apply(id1, state1, onBody1), apply(id2, state2, onBody2);
+	applyForce(id1, onBody1), applyForce(id2, onBody2);
 	return true;
+}
+
+/// Force at a point with this overlap [m] and relative velocity. `tangential`: force before the
+/// step.
+rcr::Impulse Law2_RcrGeom_FrictPhys_CundallStrack::pointForce(const FrictPhys& phys, double dashpot,
+        double overlap, const rcr::Impulse& u, double tangential)
+{
+	const double dt = double(scene->dt), kn = double(phys.kn), ks = double(phys.ks),
+	             mu   = double(phys.tangensOfFrictionAngle);
+	const double n    = std::max(0.0, kn * overlap - dashpot * u.n);
+	const double free = tangential - ks * u.t * dt;
+	const double t    = std::max(-mu * n, std::min(free, mu * n));
+	if (scene->trackEnergy)
+		trackEnergy(phys, overlap, (kn * overlap - n) * u.n * dt, t,
+		        ks > 0 ? (free - t) / ks : -u.t * dt);
+	return { n, t };
+}
+
+void Law2_RcrGeom_FrictPhys_CundallStrack::applyForce(Body::id_t id, const rcr::Twist& force)
+{
+	scene->forces.addForce(id, Vector3r(force.x, force.y, 0));
+	scene->forces.addTorque(id, Vector3r(0, 0, force.rotation));
+	if (!scene->trackEnergy) return;
+	const Body&  body = *Body::byId(id, scene);
+	const State &s    = *body.state,
+	            &owner = body.isClumpMember() ? *Body::byId(body.clumpId, scene)->state : s;
+	rcr::Twist onOwner = force;
+	onOwner.rotation
+	        += cross(plane::toPlane(s.pos - owner.pos), rcr::Vec2 { force.x, force.y });
+	trackDrive(owner, onOwner, double(scene->dt));
 }
 
 /// Counts contacts that overlap by more than half the radius of the thinner body. The first one
@@ -188,11 +200,11 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::trackEnergy(
 	scene->energy->add(dashpotWork, "viscDissip", viscousIx, false);
 }
 
-/// Work that a contact does on prescribed motion [J]; negative where that drives.
+/// Work that a contact does on prescribed motion [J]; negative if that motion drives the grains.
 void Law2_RcrGeom_FrictPhys_CundallStrack::trackDrive(
         const State& s, const rcr::Twist& force, double dt)
 {
-	const rcr::Twist v    = plane::twist(s);
+	const rcr::Twist v    = plane::twistOf(s);
 	double           work = 0;
 	if (s.blockedDOFs & State::DOF_X) work += force.x * v.x * dt;
 	if (s.blockedDOFs & State::DOF_Y) work += force.y * v.y * dt;

@@ -6,7 +6,7 @@
 //   c   = 2 ζ √(k_n m₁m₂/(m₁ + m₂))      ζ = `damping`; a fixed body has an infinite mass
 //
 // Forces act on body 2; the tangent is the normal rotated by +90°. k_n, k_s [N/m] and µ come from
-// FrictPhys and belong to one point, so a side-side contact with two points is twice as stiff.
+// FrictPhys. They apply to each point, so a side-side contact with two points is twice as stiff.
 // Source: Cundall and Strack 1979.
 #pragma once
 
@@ -22,10 +22,10 @@ public:
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RcrFrictPhys,FrictPhys,
 		"A :yref:`FrictPhys` with a force per contact point. :yref:`Law2_RcrGeom_FrictPhys_CundallStrack` creates it.",
-		((int,points,0,Attr::readonly,"Number of contact points that carry the forces"))
-		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point, as :yref:`RcrGeom.along` [m]"))
-		((Vector2r,force1,Vector2r::Zero(),Attr::readonly,"Force at the first point on body 2, (normal, tangential) [N]; the tangent is the normal rotated by +90°"))
-		((Vector2r,force2,Vector2r::Zero(),Attr::readonly,"Force at the second point [N]")),
+		((int,points,0,Attr::readonly,"Number of contact points that carry the forces."))
+		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point, as :yref:`RcrGeom.along` [m]."))
+		((Vector2r,force1,Vector2r::Zero(),Attr::readonly,"Force at the first point on body 2, (normal, tangential) [N]; the tangent is the normal rotated by +90°."))
+		((Vector2r,force2,Vector2r::Zero(),Attr::readonly,"Force at the second point [N].")),
 		createIndex();
 	);
 	// clang-format on
@@ -45,15 +45,18 @@ public:
 		"$k_s$. Stiffnesses come from :yref:`Ip2_FrictMat_FrictMat_FrictPhys`. ``rcr.critical_time_step()`` bounds the time step.",
 		((Real,damping,0,Attr::triggerPostLoad,"Fraction ζ of the critical damping [-]: dashpot $c=2\\zeta\\sqrt{k_n m_1m_2/(m_1+m_2)}$ along the normal; 0: none."))
 		((int,deepOverlapCount,0,Attr::readonly,"Number of contacts and steps with an overlap beyond half the radius of the thinner body. The first one prints a warning."))
-		((int,elasticIx,-1,(Attr::hidden|Attr::noSave),"Index of elastPotential"))
-		((int,plasticIx,-1,(Attr::hidden|Attr::noSave),"Index of plastDissip"))
-		((int,viscousIx,-1,(Attr::hidden|Attr::noSave),"Index of viscDissip"))
-		((int,driveIx,-1,(Attr::hidden|Attr::noSave),"Index of driveWork"))
+		((int,elasticIx,-1,(Attr::hidden|Attr::noSave),"Index of elastPotential."))
+		((int,plasticIx,-1,(Attr::hidden|Attr::noSave),"Index of plastDissip."))
+		((int,viscousIx,-1,(Attr::hidden|Attr::noSave),"Index of viscDissip."))
+		((int,driveIx,-1,(Attr::hidden|Attr::noSave),"Index of driveWork."))
 	);
 	// clang-format on
 
 private:
 	DECLARE_LOGGER;
+	rcr::Impulse pointForce(const FrictPhys&, double dashpot, double overlap, const rcr::Impulse& u,
+	        double tangential);
+	void         applyForce(Body::id_t, const rcr::Twist& force);
 	void watchOverlap(const RcrGeom&, const FrictPhys&, const Interaction&);
 	void trackDrive(const State&, const rcr::Twist& force, double dt);
 	void trackEnergy(

@@ -40,7 +40,7 @@ bool Ig2_Planar_RcrGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Sh
         const State& state1, const State& state2, const Vector3r& shift2, const bool& force,
         const shared_ptr<Interaction>& interaction)
 {
-	prefetchPair(*scene, interaction->linIx); // for pairs to come
+	prefetchPair(*scene, interaction->linIx);
 	const rcr::PlanarShape one = plane::shapeOf(*shape1, state1, state2.pos.z()),
 	                       two = plane::shapeOf(*shape2, state2, state2.pos.z());
 	const rcr::Pose        at1 { plane::toPlane(state1.pos), plane::turnOf(one, state1).axis() },
@@ -49,14 +49,14 @@ bool Ig2_Planar_RcrGeom::go(const shared_ptr<Shape>& shape1, const shared_ptr<Sh
 	rcr::Manifold manifold;
 	if (rcr::canTouch(one.kind, two.kind)) {
 		const auto alert = [&](const rcr::PlanarShape& shape, const State& s) {
-			return rcr::alertDistance(shape, plane::twist(s), double(scene->dt));
+			return rcr::alertDistance(shape, plane::twistOf(s), double(scene->dt));
 		};
-		const double reach = force ? std::numeric_limits<double>::max()
-		                           : alert(one, state1) + alert(two, state2);
-		manifold           = rcr::contactPoints(one, at1, two, at2, reach);
+		const double maxGap = force ? std::numeric_limits<double>::max()
+		                            : alert(one, state1) + alert(two, state2);
+		manifold            = rcr::contactPoints(one, at1, two, at2, maxGap);
 	}
 	if (!interaction->geom) {
-		if (manifold.count == 0 || !validation::mayTouch(*interaction, *scene)) return false;
+		if (manifold.count == 0 || !validation::acceptContact(*interaction, *scene)) return false;
 		interaction->geom = boost::make_shared<RcrGeom>();
 	}
 	static_cast<RcrGeom&>(*interaction->geom).set(manifold, one, at1, two, at2);

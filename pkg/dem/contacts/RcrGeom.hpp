@@ -20,14 +20,14 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(RcrGeom,GenericSpheresContact,
 		"Contact points of two bodies in the plane (shadow overlap): 0, 1 or 2. Normals point from body 1 to body 2. "
 		":yref:`normal<GenericSpheresContact.normal>` and :yref:`contactPoint<GenericSpheresContact.contactPoint>` belong to the deepest point.",
-		((int,points,0,Attr::readonly,"Number of contact points: 0 (about to be erased), 1 or 2"))
-		((int,type,0,Attr::readonly,"0 cap-cap, 1 cap-side, 2 side-side, 3 obstacle (wall, box, facet)"))
-		((Vector2r,gap,Vector2r::Zero(),Attr::readonly,"Gap of each point [m]; negative = overlap"))
-		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point along the axis of body 1, or of body 2 if body 1 is no Rcr, from its centre [m]"))
-		((Vector2r,position1,Vector2r::Zero(),Attr::readonly,"First point [m]"))
-		((Vector2r,position2,Vector2r::Zero(),Attr::readonly,"Second point [m]"))
-		((Vector2r,normal1,Vector2r::Zero(),Attr::readonly,"Normal at the first point [-]"))
-		((Vector2r,normal2,Vector2r::Zero(),Attr::readonly,"Normal at the second point [-]")),
+		((int,points,0,Attr::readonly,"Number of contact points: 0 (about to be erased), 1 or 2."))
+		((int,type,0,Attr::readonly,"0 cap-cap, 1 cap-side, 2 side-side, 3 obstacle (wall, box, facet)."))
+		((Vector2r,gap,Vector2r::Zero(),Attr::readonly,"Gap of each point [m]; negative = overlap."))
+		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point along the axis of body 1, or of body 2 if body 1 is no Rcr, from its centre [m]."))
+		((Vector2r,position1,Vector2r::Zero(),Attr::readonly,"First point [m]."))
+		((Vector2r,position2,Vector2r::Zero(),Attr::readonly,"Second point [m]."))
+		((Vector2r,normal1,Vector2r::Zero(),Attr::readonly,"Normal at the first point [-]."))
+		((Vector2r,normal2,Vector2r::Zero(),Attr::readonly,"Normal at the second point [-].")),
 		createIndex();
 	);
 	// clang-format on
@@ -77,7 +77,7 @@ REGISTER_SERIALIZABLE(Ig2_Planar_RcrGeom);
 	REGISTER_SERIALIZABLE(Name);
 
 RCR_IG2(Ig2_Rcr_Rcr_RcrGeom, Rcr, Rcr, "Contact points of two :yref:`Rcrs<Rcr>`: the closest one, and the other end of the shadow of facing sides.")
-RCR_IG2(Ig2_Wall_Rcr_RcrGeom, Wall, Rcr, "Contact points of an :yref:`Rcr` on a :yref:`Wall`: one per cap within reach. With sense 0, the wall acts on the side of the centre.")
+RCR_IG2(Ig2_Wall_Rcr_RcrGeom, Wall, Rcr, "Contact points of an :yref:`Rcr` on a :yref:`Wall`: one per cap within the alert distance. With sense 0, the wall acts on the side of the centre.")
 RCR_IG2(Ig2_Box_Rcr_RcrGeom, Box, Rcr, "Contact points of an :yref:`Rcr` and a :yref:`Box`, a rectangle in the plane.")
 RCR_IG2(Ig2_Facet_Rcr_RcrGeom, Facet, Rcr, "Contact points of an :yref:`Rcr` and a :yref:`Facet`, a segment in the plane; both sides act.")
 RCR_IG2(Ig2_Sphere_Rcr_RcrGeom, Sphere, Rcr, "Contact point of a disc (:yref:`Sphere`) and an :yref:`Rcr`. ``rcr.disc`` sets mass and inertia of a disc.")

@@ -7,22 +7,22 @@ namespace yade {
 void CellStress::action()
 {
 	if (!(mass > 0 && math::isfinite(mass)))
-		validation::refuse("CellStress.mass = " + validation::text(mass)
-		        + "; expected a finite factor > 0 of the inertia of the grains.");
+		validation::refuse("CellStress.mass = ", validation::text(mass),
+		        "; expected a finite factor > 0 of the inertia of the grains.");
 	for (int axis = 0; axis < 2; ++axis)
 		if (math::isinf(stress[axis]))
 			validation::refuse("CellStress.stress is infinite; expected a finite stress, or NaN "
 			                   "for an axis whose motion is prescribed.");
 	for (int axis = 0; axis < 2; ++axis)
 		if (stress[axis] < 0)
-			validation::refuse("CellStress.stress = (" + validation::text(stress[0]) + ", "
-			        + validation::text(stress[1])
-			        + ") would pull the cell apart; expected compressions ≥ 0, or NaN for an axis "
-			          "whose motion is prescribed.");
+			validation::refuse("CellStress.stress = (", validation::text(stress[0]), ", ",
+			        validation::text(stress[1]),
+			        ") would pull the cell apart; expected compressions ≥ 0, or NaN for an axis "
+			        "whose motion is prescribed.");
 	if (scene->isPeriodic) scene->cell->homoDeform = 0;
 }
 
-void CellStress::release(Matrix3r& gradient) const
+void CellStress::clearStressedAxes(Matrix3r& gradient) const
 {
 	for (int axis = 0; axis < 2; ++axis)
 		if (!math::isnan(stress[axis])) gradient(axis, axis) = 0;

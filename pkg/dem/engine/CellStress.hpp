@@ -6,14 +6,15 @@
 // | symbol | unit | meaning                                                                   |
 // |--------|------|---------------------------------------------------------------------------|
 // | g_a    | 1/s  | stretch rate along axis a, the diagonal of O.cell.velGrad                 |
-// | f      | N/m  | force of a contact across the boundary on the image of its body 2         |
+// | f      | N    | force of a contact across the boundary on the image of its body 2         |
 // | s      | m    | shift of that image                                                       |
 // | σ_a    | Pa   | prescribed stress; compression positive                                   |
 // | V      | m²   | area of the cell                                                          |
-// | M_a    | kg m | `mass` · Σ m L_a² / 12, with the inertia of the grains against stretching |
+// | M_a    | kg m² | `mass` · Σ m L_a² / 12, with the inertia of the grains against stretching |
 //
-// Impulses and stretching are solved together. A cell that followed the stress of the step before
-// would oscillate, since rigid contacts bear any stress. Source: Radjaï and Voivret 2011 (periodic
+// Masses and forces are per unit depth of the plane, as in contact_problem.hpp. Impulses and
+// stretching are solved together. A cell that followed the stress of the step before would
+// oscillate, since rigid contacts bear any stress. Source: Radjaï and Voivret 2011 (periodic
 // boundary conditions of Contact Dynamics).
 #pragma once
 
@@ -26,7 +27,7 @@ class CellStress : public GlobalEngine {
 public:
 	void action() override;
 	/// Sets the diagonal entries of a velocity gradient to 0 along axes with a stress.
-	void release(Matrix3r& gradient) const;
+	void clearStressedAxes(Matrix3r& gradient) const;
 	/// Sets inertia and load of the cell of a step.
 	void gatherCell(rcr::Step&) const;
 

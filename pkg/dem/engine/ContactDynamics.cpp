@@ -8,24 +8,23 @@
 #include "kernel/correction/large_displacements.hpp"
 #include "kernel/correction/position_correction.hpp"
 #include "kernel/correction/separation.hpp"
-#include "kernel/detection/missed_contacts.hpp"
+#include "kernel/detection/undetected_contacts.hpp"
 #include "kernel/step/adapt_biases.hpp"
-#include "kernel/step/follow_stretch.hpp"
+#include "kernel/step/mean_stretch.hpp"
 #include "kernel/step/restitution.hpp"
-#include "kernel/sweep/sweep_solver.hpp"
 
 namespace yade {
 
 CREATE_LOGGER(ContactDynamics);
 
 namespace {
-	constexpr int mostPasses = 10; // most steps need one, others two or three
+	constexpr int mostPasses = 10; // most steps need one to three
 }
 
 void ContactDynamics::action()
 {
 	try {
-		const std::string invalid = invalidAttribute();
+		const std::string invalid = attributeError();
 		if (!invalid.empty()) validation::refuse(invalid);
 		const validation::Engines engines = validator_.validate(*scene);
 		// gather adds the mean flow of the cell to overdamped bodies, which NewtonIntegrator must
@@ -35,15 +34,15 @@ void ContactDynamics::action()
 		scene->forces.sync();
 		stepThread_ = std::this_thread::get_id();
 		workspace_.team().run(solverThreads(), [&] { runStep(engines); });
-		validator_.expectNext(*scene);
+		validator_.recordNextStep(*scene);
 	} catch (const std::exception& error) {
 		rememberError(error.what());
 		throw;
 	}
 }
 
-/// Solves this step. Also takes all following steps in arrays, as long as no engine and no setting
-/// needs YADE's objects.
+/// Solves this step, and all following steps in arrays until an engine or a setting requires YADE's
+/// objects.
 void ContactDynamics::runStep(const validation::Engines& engines)
 {
 	rcr::ThreadTeam& team  = workspace_.team();
@@ -86,9 +85,9 @@ void ContactDynamics::runStep(const validation::Engines& engines)
 }
 
 /// Solves the contact problem of the step in at most `mostPasses` passes. A further pass follows if
-/// the bodies meet at contacts that the pass did not have, or if a bias or restitution must change.
-/// The pass after restored biases is the last one. The last pass is accepted, but the step has not
-/// converged if bodies meet at contacts that it did not have.
+/// an undetected contact closes, or if a bias or restitution must change. The pass after restored
+/// biases is the last one. The last pass is accepted, but the step has not converged if an
+/// undetected contact closes.
 void ContactDynamics::solveStep(const validation::Engines& engines)
 {
 	iterations  = 0;
@@ -98,31 +97,33 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		timed("biasUpdate", [&] {
 			rcr::removeDragImpulses(step_, { double(stretchChange[0]), double(stretchChange[1]) });
 		});
-	rcr::DrivenMotion   driven = rcr::drivenMotionOf(step_, workspace_.team());
-	rcr::Settings       first = settingsOfFirstPass(driven), how = first;
+	rcr::YieldBounds bounds = rcr::yieldBoundsOf(step_, workspace_.team());
+	rcr::Settings    first = settingsOfFirstPass(bounds), passSettings = first;
 	// biases of the first pass, restored if contacts yield with changed ones; empty: none saved
 	std::vector<double> firstBiases;
 	PassOutcome         outcome = PassOutcome::consistent;
 	for (int pass = 1; pass <= mostPasses; ++pass) {
 		const bool last = pass == mostPasses || outcome == PassOutcome::biasesRestored;
-		if (rcr::restIsSolution(step_, driven)) how.yieldCompliance = 0;
-		solvePass(how);
+		if (rcr::restIsSolution(step_, bounds.driveSpeed)) passSettings.yielding.compliance = 0;
+		solvePass(passSettings);
 		if (last) {
-			if (timed("missedContacts", [&] { return findMissedContacts(*scene, engines, step_); }))
+			if (timed("undetectedContacts",
+			            [&] { return findUndetectedContacts(*scene, engines, step_); }))
 				converged = false;
-			if (!overdamped) largeDisplacements_ |= rcr::anyDisplacesFar(step_);
+			if (!overdamped) largeDisplacements_ |= rcr::anyLargeDisplacement(step_);
 			break;
 		}
-		outcome = reviewPass(engines, pass, driven, firstBiases);
+		outcome = reviewPass(engines, pass, bounds.driveSpeed, firstBiases);
 		if (outcome == PassOutcome::consistent) break;
-		// only contacts tell which bodies are driven, and the missed one may be the first of these
-		if (outcome == PassOutcome::missedContact && driven.speed == 0) {
-			driven = rcr::drivenMotionOf(step_, workspace_.team());
-			if (driven.speed > 0) first = settingsOfFirstPass(driven);
+		// The drive is measured at contact points. The added contact may be the first one of a
+		// driven body.
+		if (outcome == PassOutcome::undetectedContact && bounds.driveSpeed == 0) {
+			bounds = rcr::yieldBoundsOf(step_, workspace_.team());
+			if (bounds.driveSpeed > 0) first = settingsOfFirstPass(bounds);
 		}
-		how = settingsOfNextPass(first, outcome);
+		passSettings = settingsOfNextPass(first, outcome);
 	}
-	if (rcr::mayMeetTwoImages(step_)) converged = false;
+	if (rcr::spansHalfCell(step_)) converged = false;
 	if (const int id = firstNotFinite(step_); id >= 0)
 		throw std::runtime_error(failureMessage(step_, id, scene->iter));
 	checkStretch(step_, scene->iter);
@@ -130,25 +131,26 @@ void ContactDynamics::solveStep(const validation::Engines& engines)
 		rcr::correctPositions(step_, double(correction), workspace_);
 		if (!largeDisplacements_) return;
 		const double overlap = rcr::separate(step_, correction > 0 && !yielded);
-		if (overlap > rcr::MissedSteps::deep) converged = false;
+		if (overlap > rcr::JamDetector::jamOverlap) converged = false;
 		if (!converged) checkEnergy(step_, scene->iter);
 	});
 	countStep();
-	if (tracksStretch()) timed("biasUpdate", [&] { trackMeanFlow(); });
+	if (tracksStretch()) timed("biasUpdate", [&] { updateMeanStretch(); });
 }
 
-void ContactDynamics::solvePass(const rcr::Settings& how)
+void ContactDynamics::solvePass(const rcr::Settings& passSettings)
 {
 	const double    layoutBefore  = workspace_.layoutSeconds();
-	const rcr::Vec2 stretchBefore = step_.problem.stretch;
+	const rcr::Vec2 stretchBefore = step_.problem.stretchRate;
 	warmStart_                    = step_.problem.impulse;
 	// velocities at which contacts remove overlaps, if they yield
-	rcr::prepareRecovery(step_, double(correction), workspace_.team());
+	rcr::setRecoveryBias(step_, double(correction), workspace_.team());
 	const std::string name   = get<&ContactDynamics::solver>();
-	const rcr::Report report
-	        = timed("solve", [&] { return rcr::solve(step_.problem, name, how, workspace_); });
-	const double      layout = workspace_.layoutSeconds() - layoutBefore;
-	times_.add("layout", layout), times_.add("solve", -layout); // it is part of the solve
+	const rcr::Report report = timed(
+	        "solve", [&] { return rcr::solve(step_.problem, name, passSettings, workspace_); });
+	const double layout = workspace_.layoutSeconds() - layoutBefore;
+	// the solve contains the layout, which is listed apart
+	times_.add("layout", layout), times_.add("solve", -layout);
 	iterations = iterations + report.iterations;
 	work_ += report.work;
 	residual       = report.residual;
@@ -157,29 +159,31 @@ void ContactDynamics::solvePass(const rcr::Settings& how)
 	yielded        = report.yielded;
 	contactPoints  = int(step_.problem.points.size());
 	timed("scatter", [&] {
-		step_.moveMembers();
+		step_.setMemberVelocities();
 		step_.updateGradient(stretchBefore);
 		step_.keepForces(workspace_.team());
 	});
 }
 
 ContactDynamics::PassOutcome ContactDynamics::reviewPass(const validation::Engines& engines,
-        int pass, const rcr::DrivenMotion& driven, std::vector<double>& firstBiases)
+        int pass, double driveSpeed, std::vector<double>& firstBiases)
 {
-	if (timed("missedContacts", [&] { return addMissedContacts(*scene, engines, step_); })) {
+	if (timed("undetectedContacts",
+	            [&] { return addUndetectedContacts(*scene, engines, step_); })) {
 		firstBiases.clear();
-		// no review would follow restitution; negative biases of overdamped bodies remove overlaps
+		// The last pass is not reviewed, so restitution could add energy. Overdamped steps need
+		// negative biases to remove overlaps.
 		if (pass == mostPasses - 1 && !overdamped) rcr::removeRestitution(step_);
-		return PassOutcome::missedContact;
+		return PassOutcome::undetectedContact;
 	}
 	if (overdamped) return PassOutcome::consistent;
 	return timed("biasUpdate", [&] {
 		const bool nextIsLast = pass == mostPasses - 1;
 		if (yielded && rcr::limitRestitution(step_, nextIsLast))
-			return PassOutcome::restitutionLowered;
+			return PassOutcome::restitutionLimited;
 		if (yielded && rcr::restoreBiases(step_, firstBiases)) return PassOutcome::biasesRestored;
-		// without driven bodies, the problem of the first pass has a solution
-		if (pass == 1 && driven.speed == 0) firstBiases = rcr::biases(step_.problem);
+		// restoring these biases helps only if no body is driven
+		if (pass == 1 && driveSpeed == 0) firstBiases = rcr::biases(step_.problem);
 		const bool changed = rcr::adaptBiases(step_, pass <= mostPasses / 2, nextIsLast,
 		        double(tolerance), largeDisplacements_, workspace_.team());
 		return changed ? PassOutcome::biasChanged : PassOutcome::consistent;

@@ -8,9 +8,9 @@
 //
 //   gather → [ solve → review ] repeated → correct positions → monitor → record → scatter
 //
-// All but the first and the last work on arrays (kernel/step/step.hpp). If no engine reads YADE's
-// objects, ArraySteps advances from record to the next solve without them. NewtonIntegrator moves
-// the bodies by the added forces p/dt. Source: Moreau 1988, 1999; Jean 1999.
+// The stages between gather and scatter work on arrays (kernel/step/step.hpp). If no engine reads
+// YADE's objects, ArraySteps advances from record to the next solve without them. NewtonIntegrator
+// moves the bodies by the added forces p/dt. Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
 #include <atomic>
@@ -24,7 +24,7 @@
 #include "dem/records/StepObserver.hpp"
 #include "dem/validation/validation.hpp"
 #include "kernel/problem/solver.hpp"
-#include "kernel/step/drive.hpp"
+#include "kernel/step/yield_bounds.hpp"
 
 namespace yade {
 
@@ -34,11 +34,11 @@ class ContactDynamics : public GlobalEngine {
 public:
 	void action() override;
 
-	std::string invalidAttribute() const; // message about the first one; empty: none
+	std::string attributeError() const; // message about the first invalid attribute; empty: none
 	// Python interface. Locks guard what a script may access during a run.
 	boost::python::dict        problemDict() const;
-	boost::python::dict        tuningDict() const;
-	void                       setTuning(const boost::python::dict&);
+	boost::python::object      tuning() const;
+	void                       setTuning(const boost::python::object&);
 	static boost::python::list visibleNames(const boost::python::object& self);
 	boost::python::dict        takeObserved();
 	boost::python::list        takeObservations() { return observer_.takeIntervals(*scene); }
@@ -65,16 +65,16 @@ public:
 		((Real,tolerance,1e-4,,"Residual at which the solver stops [-]; 0 runs all iterations."))
 		((Real,kinematicTolerance,0.01,,"Largest :yref:`kinematicError<ContactDynamics.kinematicError>` at which the solver stops [-]; tolerance must be met too. inf switches it off."))
 		((int,maxIterations,1000,,"Sweeps after which a solve stops. Further passes, yielding contacts and squeezed grains may take more."))
-		((std::string,solver,"auto",,"Name of the solver."))
+		((std::string,solver,"auto",,""))
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)."))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that a step removes, by shifts of at most 1e-4 R [-]. 0 also keeps the overlaps of curved paths."))
 		((Real,yieldCompliance,1,,"Compliance of yielding contacts over its default [-]. With a larger value, driven contacts yield at smaller impulses; 0: contacts never yield."))
-		((bool,overdamped,false,,"Motion without inertia: free bodies start each step from rest, or from :yref:`flow<ContactDynamics.flow>`, and overlaps are removed whole. Sets O.cell.homoDeform = 0 in a periodic cell."))
+		((bool,overdamped,false,,"Motion without inertia: free bodies start each step from rest, or from :yref:`flow<ContactDynamics.flow>`, and overlaps are removed completely. Sets O.cell.homoDeform = 0 in a periodic cell."))
 		((Matrix3r,flow,Matrix3r::Zero(),,"Velocity gradient of the flow from which overdamped bodies start a step [1/s]. A periodic cell uses its velGrad instead."))
 		((bool,trackMeanStretch,false,,"Overdamped bodies also start from the mean stretch of earlier steps, so that no drag resists it. Not in a periodic cell."))
-		((std::vector<int>,observe,,,"Ids of the observed bodies."))
+		((std::vector<int>,observe,,,""))
 		((int,observeEvery,0,Attr::noSave,"Number of steps in each entry of :yref:`observations<ContactDynamics.observations>`; 0 keeps no entries."))
-		((Published<bool>,converged,true,Attr::readonly,"The last step met both tolerances without yielding and missed no contact. With inertia, its large displacements left no overlap beyond 0.02 (R₁ + R₂)."))
+		((Published<bool>,converged,true,Attr::readonly,"The last step met both tolerances, or meanForceChange, without yielding, and no undetected contact closed. False also if two bodies span half of a periodic cell, or if large displacements of bodies with inertia left an overlap beyond 0.02 (R₁ + R₂)."))
 		((Published<int>,iterations,0,Attr::readonly,"Sweeps of the last step over all passes, in the island that took most. May exceed maxIterations."))
 		((Published<double>,residual,0,Attr::readonly,"Residual of the last step: natural map of the contact laws relative to the impulses [-]."))
 		((Published<double>,kinematicError,0,Attr::readonly,"RMS error of the contact velocities of the last step, over their RMS or, if larger, 1 % of the RMS without contacts [-]."))
@@ -84,8 +84,6 @@ public:
 		((Published<double>,largestUnbalancedForce,0,Attr::readonly,"Largest net force on a free grain or clump over the mean normal force of closed points, in the last step [-]; inf without contacts."))
 		((int,lanes,0,Attr::noSave,"Doubles per vector operation: 1, 4 or 8; 0: the processor's width. Results do not depend on it."))
 		((bool,arrays,true,,"Take steps in arrays while no engine reads YADE's objects. Results do not depend on it."))
-		((std::vector<std::string>,reductions,rcr::Reductions::names(),,"Simplifications that the solver may use. Results agree within the tolerance."))
-		((int,minIterations,0,,"Smallest number of sweeps per pass."))
 		((Real,meanForceChange,0,,"Also ends the solver, as converged, once the mean normal force changes relatively less than this in 10 sweeps [-]; 0: not used."))
 		((Vector2r,meanStretchRate,Vector2r::Zero(),Attr::hidden,"Stretch rates along x and y that trackMeanStretch adds to the flow [1/s]."))
 		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"Change of meanStretchRate in the last step [1/s]."))
@@ -94,10 +92,10 @@ public:
 		/* ctor */,
 		.add_property("solver",&ContactDynamics::get<&ContactDynamics::solver>,&ContactDynamics::set<&ContactDynamics::solver,std::string>,"Solver: nlgs, sor, nesterov, exact or auto.")
 		.add_property("observe",&ContactDynamics::get<&ContactDynamics::observe>,&ContactDynamics::set<&ContactDynamics::observe,std::vector<int>>,"Ids of bodies whose mean contact forces :yref:`observed<ContactDynamics.observed>` returns; clumps, not their members. A change starts a new mean.")
-		.add_property("tuning",&ContactDynamics::tuningDict,&ContactDynamics::setTuning,"Settings of benchmarks and tests, as a dict: lanes, arrays, reductions, minIterations, meanForceChange.")
-		.add_property("missedSteps",&ContactDynamics::count<&rcr::MissedSteps::missed>,"Number of steps so far that did not converge, those without a solution included; 0 at tolerance 0.")
-		.add_property("yieldedSteps",&ContactDynamics::count<&rcr::MissedSteps::yielded>,"Number of steps so far in which contacts yielded.")
-		.add_property("deepestOverlap",&ContactDynamics::count<&rcr::MissedSteps::deepest>,"Deepest overlap at the beginning of a step so far, over R₁ + R₂ [-]. Pairs of prescribed bodies do not count.")
+		.add_property("tuning",&ContactDynamics::tuning,&ContactDynamics::setTuning,"Settings of benchmarks and tests, as a read-only mapping: lanes, arrays, meanForceChange. Assign a dict to change them.")
+		.add_property("missedSteps",&ContactDynamics::count<&rcr::StepCounts::missed>,"Number of steps so far that did not converge, those without a solution included; 0 at tolerance 0.")
+		.add_property("yieldedSteps",&ContactDynamics::count<&rcr::StepCounts::yielded>,"Number of steps so far in which contacts yielded.")
+		.add_property("deepestOverlap",&ContactDynamics::count<&rcr::StepCounts::deepest>,"Deepest overlap at the beginning of a step so far, over R₁ + R₂ [-]. Pairs of prescribed bodies and overlaps that overdamped steps remove do not count.")
 		.add_property("model",&ContactDynamics::modelDict,"Size of the last problem after all reductions, and how it was solved, as a dict.")
 		.add_property("seconds",&ContactDynamics::secondsDict,"Wall time of all steps so far by stage, as a dict [s].")
 		.def("observed",&ContactDynamics::takeObserved,"observed() → dict: counts, largest residual and mean contact forces since the last call. With observeEvery > 0 the last entry of observations also starts a new mean. docs/solvers.md has an example.")
@@ -108,15 +106,15 @@ public:
 	// clang-format on
 	DECLARE_LOGGER;
 private:
-	// Result of a pass. All but `consistent` require a further pass.
+	// Result of a pass. All outcomes but `consistent` require a further pass.
 	enum class PassOutcome {
-		consistent, missedContact, restitutionLowered, biasesRestored, biasChanged
+		consistent, undetectedContact, restitutionLimited, biasesRestored, biasChanged
 	};
 
 	template <class Work> auto timed(const char* stage, Work w) { return times_.measure(stage, w); }
 	int           solverThreads() const;
-	rcr::Settings settings(const rcr::DrivenMotion&) const;
-	rcr::Settings settingsOfFirstPass(const rcr::DrivenMotion&);
+	rcr::Settings settings(const rcr::YieldBounds&) const;
+	rcr::Settings settingsOfFirstPass(const rcr::YieldBounds&);
 	rcr::Settings settingsOfNextPass(rcr::Settings first, PassOutcome) const;
 	void          runStep(const validation::Engines&);
 	void          solveStep(const validation::Engines&);
@@ -124,14 +122,14 @@ private:
 	bool          hasMissed() const { return tolerance > 0 && !converged; }
 	void          countStep();
 	PassOutcome   reviewPass(
-	          const validation::Engines&, int pass, const rcr::DrivenMotion&, std::vector<double>&);
+	          const validation::Engines&, int pass, double driveSpeed, std::vector<double>&);
 	bool tracksStretch() const { return overdamped && trackMeanStretch && !scene->isPeriodic; }
 	void          setStartFlow();
-	void          trackMeanFlow();
+	void          updateMeanStretch();
 	void          record(const std::vector<rcr::Twist>& impulses);
 
 	validation::Validator        validator_;
-	rcr::Step                    step_; // the last step; keeps its memory
+	rcr::Step                    step_; // the last step
 	SceneHandles                 handles_;
 	rcr::Workspace               workspace_; // threads, colouring and packed arrays
 	std::shared_ptr<ArraySteps>  arraySteps_;

@@ -15,7 +15,7 @@ namespace {
 
 } // namespace
 
-std::string WallStress::invalidAttribute(const Scene& in) const
+std::string WallStress::attributeError(const Scene& in) const
 {
 	for (const auto& [name, id] :
 	        { std::pair("wall", wall), std::pair("start", start), std::pair("end", end) })
@@ -42,7 +42,7 @@ std::string WallStress::invalidAttribute(const Scene& in) const
 
 void WallStress::action()
 {
-	const std::string message = invalidAttribute(*scene);
+	const std::string message = attributeError(*scene);
 	if (!message.empty()) throw std::invalid_argument(message);
 	const int  bounds = shapeOf(*scene, start)->axis;
 	const auto place  = [&](int id) { return (*scene->bodies)[id]->state->pos[bounds]; };

@@ -8,8 +8,8 @@ class WallStress : public GlobalEngine {
 public:
 	void action() override;
 
-	/// Message about invalid walls in a scene; empty if they are valid.
-	std::string invalidAttribute(const Scene&) const;
+	/// Message about an invalid attribute in a scene; empty: all are valid.
+	std::string attributeError(const Scene&) const;
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS(WallStress,GlobalEngine,
 		"Constant stress on a mobile :yref:`Wall`, made by ``rcr.mobile_wall``. The force is stress × distance of the two walls that "

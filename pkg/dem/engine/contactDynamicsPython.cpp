@@ -2,34 +2,34 @@
 #include <array>
 
 #include "dem/engine/ContactDynamics.hpp"
+#include "kernel/problem/refuse.hpp"
 
 namespace yade {
 
 namespace py = boost::python;
 
 namespace {
-	const std::array<const char*, 5> tuningNames { "lanes", "arrays", "reductions", "minIterations",
-		"meanForceChange" };
+	const std::vector<std::string> tuningNames { "lanes", "arrays", "meanForceChange" };
 }
 
-py::dict ContactDynamics::tuningDict() const
+/// A read-only mapping, since a change of one entry would have no effect.
+py::object ContactDynamics::tuning() const
 {
 	py::dict       tuning;
 	const py::dict all = pyDict();
-	for (const char* name : tuningNames)
+	for (const std::string& name : tuningNames)
 		tuning[name] = all[name];
-	return tuning;
+	return py::import("types").attr("MappingProxyType")(tuning);
 }
 
-void ContactDynamics::setTuning(const py::dict& tuning)
+void ContactDynamics::setTuning(const py::object& tuning)
 {
-	const py::list given = tuning.keys();
-	for (int k = 0; k < py::len(given); ++k) {
-		const std::string name = py::extract<std::string>(given[k]);
-		if (std::find(tuningNames.begin(), tuningNames.end(), name) == tuningNames.end())
-			throw std::invalid_argument("ContactDynamics.tuning has no setting '" + name
-			        + "'; expected lanes, arrays, reductions, minIterations or meanForceChange.");
-		pySetAttr(name, py::object(tuning[name]));
+	const py::dict given(tuning);
+	const py::list names = given.keys();
+	for (int k = 0; k < py::len(names); ++k) {
+		const std::string name = py::extract<std::string>(names[k]);
+		rcr::requireKnown("setting of ContactDynamics.tuning", name, tuningNames);
+		pySetAttr(name, py::object(given[name]));
 	}
 }
 

@@ -2,18 +2,18 @@
 #include "dem/engine/ContactDynamics.hpp"
 
 #include "dem/shapes/plane.hpp"
-#include "kernel/step/follow_stretch.hpp"
+#include "kernel/step/mean_stretch.hpp"
 
 namespace yade {
 
 namespace {
-	constexpr int    sweepsOfNextPass = 10;   // of a further pass, at least
-	constexpr double fineTolerance    = 1e-6; // below it, a further pass has all iterations
+	constexpr int    sweepsOfNextPass = 10;   // least number of sweeps of a further pass
+	constexpr double fineTolerance    = 1e-6; // below it, a further pass may use all iterations
 	// factor of maxIterations while grains are squeezed: a lack of sweeps must not look like a jam
 	constexpr int    squeezedEffort   = 10;
 }
 
-std::string ContactDynamics::invalidAttribute() const
+std::string ContactDynamics::attributeError() const
 {
 	const auto message = [](const char* name, const std::string& given, const char* expected) {
 		return std::string("ContactDynamics.") + name + " = " + given + "; expected " + expected;
@@ -27,9 +27,6 @@ std::string ContactDynamics::invalidAttribute() const
 	if (!math::isfinite(tolerance))
 		return message("tolerance", text(tolerance),
 		        "a finite residual, 1e-4 by default; 0 runs maxIterations.");
-	if (minIterations > maxIterations)
-		return message("minIterations", std::to_string(minIterations), "at most maxIterations = ")
-		        + std::to_string(maxIterations) + ".";
 	if (observeEvery < 0)
 		return message("observeEvery", std::to_string(observeEvery),
 		        "a number of steps, or 0 for no entries.");
@@ -55,27 +52,25 @@ std::string ContactDynamics::invalidAttribute() const
 
 int ContactDynamics::solverThreads() const { return threads > 0 ? threads : omp_get_max_threads(); }
 
-rcr::Settings ContactDynamics::settings(const rcr::DrivenMotion& driven) const
+rcr::Settings ContactDynamics::settings(const rcr::YieldBounds& bounds) const
 {
 	rcr::Settings s;
 	s.tolerance          = double(tolerance);
 	s.maxIterations      = maxIterations;
-	s.minIterations      = minIterations;
 	s.kinematicTolerance = double(kinematicTolerance);
 	s.meanForceChange    = double(meanForceChange);
 	s.threads            = solverThreads();
 	s.lanes              = lanes;
-	s.yieldCompliance    = double(yieldCompliance) * driven.compliance;
-	s.leastResponse      = driven.leastResponse;
-	s.yieldImpulse       = driven.yieldImpulse / double(yieldCompliance); // 0: infinite
-	s.reductions         = rcr::Reductions::of(reductions);
+	s.yielding           = bounds.yielding;
+	s.yielding.compliance *= double(yieldCompliance);
+	s.yielding.yieldImpulse /= double(yieldCompliance); // infinite for 0
 	return s;
 }
 
-rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::DrivenMotion& driven)
+rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::YieldBounds& bounds)
 {
-	rcr::Settings s    = settings(driven);
-	s.roundingVelocity = step_.rounding(workspace_.team());
+	rcr::Settings s    = settings(bounds);
+	s.roundingVelocity = step_.roundingVelocity(workspace_.team());
 	if (monitor.jam.active()) s.maxIterations *= squeezedEffort;
 	return s;
 }
@@ -85,10 +80,10 @@ rcr::Settings ContactDynamics::settingsOfFirstPass(const rcr::DrivenMotion& driv
 /// tolerances.
 rcr::Settings ContactDynamics::settingsOfNextPass(rcr::Settings s, PassOutcome outcome) const
 {
-	const bool newContacts = outcome == PassOutcome::missedContact;
+	const bool newContacts = outcome == PassOutcome::undetectedContact;
 	if (tolerance >= fineTolerance)
 		s.maxIterations = std::max(s.maxIterations - iterations, sweepsOfNextPass);
-	s.minIterations = std::min(std::max(minIterations, sweepsOfNextPass), s.maxIterations);
+	s.minIterations = std::min(sweepsOfNextPass, s.maxIterations);
 	s.sameProblem   = !newContacts && !yielded; // yielding may change friction
 	s.yieldedBefore = yielded && (newContacts || outcome == PassOutcome::biasChanged);
 	return s;
@@ -102,9 +97,9 @@ void ContactDynamics::setStartFlow()
 }
 
 /// Adds the mean stretch of the step to the flow from which the next step starts.
-void ContactDynamics::trackMeanFlow()
+void ContactDynamics::updateMeanStretch()
 {
-	const rcr::Vec2 change = rcr::meanStretch(step_);
+	const rcr::Vec2 change = rcr::meanStretchRate(step_);
 	stretchChange          = Vector2r(change.x, change.y);
 	meanStretchRate += stretchChange;
 	setStartFlow();

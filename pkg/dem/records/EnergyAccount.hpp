@@ -1,7 +1,5 @@
-// Enters the energies of each step into O.energy.
-//
-// YADE computes the kinetic energy at the beginning of a step, so the energies of a step are
-// entered one step later.
+// Enters the energies of each step into O.energy, one step later. YADE computes the kinetic energy
+// at the beginning of a step.
 #pragma once
 
 #include "dem/yadeHeaders.hpp"
@@ -11,8 +9,8 @@ namespace yade {
 
 class EnergyAccount {
 public:
-	/// Enters the energies of the step before this one and computes those of this step.
-	/// `impulses`: sum of the contact impulses on each body [N s, N m s].
+	/// Enters the energies of the last step and computes the energies of this step. `impulses`: sum
+	/// of the contact impulses on each body [N s, N m s].
 	void enter(EnergyTracker&, const rcr::Step&, const std::vector<rcr::Twist>& impulses,
 	        rcr::Vec2 gravity);
 

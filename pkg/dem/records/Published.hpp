@@ -1,4 +1,4 @@
-// A number that an engine changes and Python may read at any time.
+// A number that an engine changes and that Python may read at any time.
 #pragma once
 
 #include <atomic>
@@ -35,7 +35,7 @@ public:
 	}
 	BOOST_SERIALIZATION_SPLIT_MEMBER()
 
-	/// Makes it a number in Python.
+	/// Converts it to a number in Python.
 	static void registerConverters()
 	{
 		boost::python::to_python_converter<Published, Published>();

@@ -13,7 +13,7 @@ class StepModel {
 public:
 	/// `work`: sweeps × points of the step. `meanStretchRate`: along x and y [1/s].
 	void setProblem(const rcr::ModelSummary&, double work, const Vector2r& meanStretchRate);
-	/// `reason`: why YADE's engines take the next step; empty: they do not.
+	/// `reason`: reason for which YADE's engines take the next step; empty: none.
 	void setArrays(long stepsInArrays, const std::string& reason);
 
 	boost::python::dict dict() const; // Python may call it during a run

@@ -13,7 +13,7 @@ namespace yade {
 
 namespace {
 
-	// strain of a cell per step; beyond it, bodies pass contacts that the step does not detect
+	// largest strain of a cell per step; beyond it, contacts may stay undetected
 	constexpr double largestStretch = 0.02;
 
 	std::string deepestPair(const rcr::Step& step, double overlap)
@@ -21,13 +21,14 @@ namespace {
 		std::size_t k = 0;
 		while (overlapOf(step, k) != overlap)
 			++k;
-		return validation::named({ step.problem.points[k].body1, step.problem.points[k].body2 });
+		const rcr::ContactPoint& c = step.problem.points[k];
+		return validation::bodyNames({ c.body1, c.body2 });
 	}
 
-	/// Bodies and cell whose motion is prescribed, in words; empty: none.
+	/// Names of the driven bodies and cell; empty: none.
 	std::string drivenParts(const rcr::Step& step)
 	{
-		std::string parts = validation::named(rcr::drivenBodies(step.problem));
+		std::string parts = validation::bodyNames(rcr::drivenBodies(step.problem));
 		if (step.cell.driven())
 			parts += std::string(parts.empty() ? "" : " and ")
 			        + "the velocity gradient of the cell";
@@ -95,8 +96,8 @@ std::string StepMonitor::count(const rcr::Step& step, const Outcome& outcome)
 		                                 : growingMessage(overlaps));
 	}
 	if (!steps.count(outcome.missed, outcome.yielded, overlap, outcome.overdamped)) return {};
-	std::string warning = "step " + std::to_string(outcome.number) + ": " + steps.message();
-	if (overlap > rcr::MissedSteps::reportedOverlap)
+	std::string warning = "step " + std::to_string(outcome.iteration) + ": " + steps.message();
+	if (overlap > rcr::StepCounts::reportedOverlap)
 		warning += " Deepest in this step: " + deepestPair(step, overlap) + ".";
 	return warning;
 }
@@ -111,7 +112,7 @@ int firstNotFinite(const rcr::Step& step)
 	return -1;
 }
 
-void checkEnergy(const rcr::Step& step, long number)
+void checkEnergy(const rcr::Step& step, long iteration)
 {
 	double       kinetic = 0, farthest = 0;
 	std::size_t  fastest = 0;
@@ -127,19 +128,19 @@ void checkEnergy(const rcr::Step& step, long number)
 		        * (twice(body.velocity, problem.inverseMass[id])
 		                + twice(problem.freeVelocity[id], problem.inverseMass[id]));
 		if (!body.free || body.radius == 0) continue;
-		const double path = step.dt * speed(body.velocity, body.radius) / body.radius;
+		const double path = step.dt * maxSpeed(body.velocity, body.radius) / body.radius;
 		if (path > farthest) farthest = path, fastest = id;
 	}
 	const rcr::StepEnergy energy = stepEnergy(step, {}, {});
 	if (!(-energy.friction - energy.impact > kinetic)) return;
-	throw std::runtime_error("ContactDynamics: step " + std::to_string(number)
+	throw std::runtime_error("ContactDynamics: step " + std::to_string(iteration)
 	        + " has not converged, and its contacts would more than double the kinetic energy. "
 	          "Body #"
 	        + std::to_string(fastest) + " moves " + validation::text(farthest, 2)
 	        + " of its radii in this step. Nothing has moved. Take a smaller O.dt.");
 }
 
-void checkStretch(const rcr::Step& step, long number)
+void checkStretch(const rcr::Step& step, long iteration)
 {
 	const double inverse[2] = { step.cell.inverseMass.x, step.cell.inverseMass.y };
 	for (int axis = 0; axis < 2; ++axis) {
@@ -148,7 +149,8 @@ void checkStretch(const rcr::Step& step, long number)
 		if (strain > largestStretch)
 			throw std::runtime_error("ContactDynamics: CellStress would stretch the cell by "
 			        + validation::text(100 * strain) + " % along " + "xy"[axis] + " in step "
-			        + std::to_string(number) + ", so contacts would be missed; expected at most "
+			        + std::to_string(iteration)
+			        + ", so contacts would stay undetected; expected at most "
 			        + validation::text(100 * largestStretch)
 			        + " %. Nothing has moved. Set a smaller O.dt or a larger CellStress.mass, or "
 			          "compress a loose cell by O.cell.velGrad first.");

@@ -1,4 +1,4 @@
-// Checks each solved step and counts those that did not converge.
+// Checks each solved step and counts steps by their outcome.
 #pragma once
 
 #include <string>
@@ -6,23 +6,23 @@
 #include "dem/yadeHeaders.hpp"
 #include "kernel/step/step.hpp"
 #include "kernel/watch/jam_detector.hpp"
-#include "kernel/watch/missed_steps.hpp"
+#include "kernel/watch/step_counts.hpp"
 
 namespace yade {
 
 class StepMonitor {
 public:
-	rcr::MissedSteps steps;
+	rcr::StepCounts  steps;
 	rcr::JamDetector jam;
 
 	/// Outcome of a step as the solver reports it.
 	struct Outcome {
-		long   number;      // O.iter
-		bool   missed;      // at a tolerance > 0
+		long   iteration;  // O.iter
+		bool   missed;     // it did not converge, at a tolerance > 0
 		bool   yielded;
-		bool   overdamped; // the step removes overlaps whole
-		int    iterations;
-		double overlap; // deepest at the beginning of the step, over R₁ + R₂ [-]
+		bool   overdamped; // the step removes overlaps completely
+		int    iterations; // of the solver
+		double overlap;    // deepest at the beginning of the step, over R₁ + R₂ [-]
 	};
 
 	/// Counts the step. Returns a warning, or an empty text. Throws std::runtime_error if overlaps
@@ -36,13 +36,12 @@ public:
 		        & make_nvp("yielded", steps.yielded);
 		archive& make_nvp("deepest", steps.deepest) & make_nvp("warnedYielded", steps.warnedYielded)
 		        & make_nvp("warnedDepth", steps.warnedDepth);
-		archive& make_nvp("jamGrown", jam.grown) & make_nvp("jamCertified", jam.unsolvable)
+		archive& make_nvp("jamGrown", jam.newMaxima) & make_nvp("jamCertified", jam.yielded)
 		        & make_nvp("jamDeepest", jam.deepest);
 	}
 };
 
-/// Overlap of a point at the beginning of the step over R₁ + R₂; 0 between two bodies of prescribed
-/// motion.
+/// Overlap of a point at the beginning of the step over R₁ + R₂; 0 between two prescribed bodies.
 double overlapOf(const rcr::Step&, std::size_t point);
 
 /// Deepest overlap at the beginning of the step over R₁ + R₂.
@@ -51,16 +50,17 @@ double deepestOverlap(const rcr::Step&, rcr::ThreadTeam&);
 /// Number of the first body whose solved velocity is not finite; −1: none.
 int firstNotFinite(const rcr::Step&);
 
-/// Saves the problem to a file. Returns a message that names the file and the body `id`, whose
-/// velocity is not finite. Defined in python/failed_problem.cpp, since it calls Python.
-std::string failureMessage(const rcr::Step&, int id, long number);
+/// Saves the problem to a file. Returns a message about the body `id`, whose velocity is not
+/// finite, and the file. python/failed_problem.cpp defines it, since it calls Python.
+std::string failureMessage(const rcr::Step&, int id, long iteration);
 
-/// Throws std::runtime_error if contacts have added more energy than T(v⁻) + T(v_free), the kinetic
-/// energies before the step and at its end without contacts. Steps with driven bodies are exempt.
-void checkEnergy(const rcr::Step&, long number);
+/// Throws std::runtime_error if contacts have added more energy than T(v⁻) + T(v_free). These are
+/// the kinetic energies before the step and at its end without contacts. Steps with driven bodies
+/// are exempt.
+void checkEnergy(const rcr::Step&, long iteration);
 
 /// Throws std::runtime_error if a stress would stretch the cell by more than 2 % in the step.
-void checkStretch(const rcr::Step&, long number);
+void checkStretch(const rcr::Step&, long iteration);
 
 /// Mean and largest net force on a free grain or clump over the mean normal force of closed points
 /// [-]; inf without contacts.

@@ -24,7 +24,8 @@ void StepObserver::check(
 	}
 }
 
-void StepObserver::placeLast(const std::function<std::optional<rcr::Vec2>(int id)>& positionOf)
+void StepObserver::setLastPositions(
+        const std::function<std::optional<rcr::Vec2>(int id)>& positionOf)
 {
 	if (intervals_.empty() || std::exchange(intervals_.back().placed, true)) return;
 	for (int id : intervals_.back().sums.ids)
@@ -36,7 +37,7 @@ void StepObserver::record(const Result& result, const std::vector<int>& ids, int
         const std::vector<rcr::Twist>& impulses, const rcr::Step& step, const SceneHandles& handles)
 {
 	const std::lock_guard<std::mutex> lock(mutex_);
-	placeLast([&](int id) -> std::optional<rcr::Vec2> {
+	setLastPositions([&](int id) -> std::optional<rcr::Vec2> {
 		if (std::size_t(id) >= step.bodies.size() || !handles.state[id]) return {};
 		return step.bodies[id].center;
 	});
@@ -52,8 +53,8 @@ void StepObserver::record(const Result& result, const std::vector<int>& ids, int
 	sums_.residual = std::max(sums_.residual, result.residual);
 	if (result.missed) {
 		++sums_.missed;
-		sums_.missSum += result.miss;
-		sums_.largestMiss = std::max(sums_.largestMiss, result.miss);
+		sums_.ratioSum += result.toleranceRatio;
+		sums_.largestRatio = std::max(sums_.largestRatio, result.toleranceRatio);
 	}
 	for (auto& [id, sum] : sums_.force)
 		sum = sum + impulses[id] / step.dt;
@@ -71,7 +72,7 @@ py::list StepObserver::takeIntervals(const Scene& scene)
 {
 	const std::lock_guard<std::mutex> lock(mutex_);
 	if (!Omega::instance().isRunning())
-		placeLast([&](int id) -> std::optional<rcr::Vec2> {
+		setLastPositions([&](int id) -> std::optional<rcr::Vec2> {
 			if (!scene.bodies->exists(id)) return {};
 			return plane::toPlane((*scene.bodies)[id]->state->pos);
 		});
@@ -82,7 +83,7 @@ py::list StepObserver::takeIntervals(const Scene& scene)
 		py::dict entry = dictOf(interval->sums, interval->sums.ids), positions;
 		for (const auto& [id, at] : interval->position)
 			positions[id] = py::make_tuple(at.x, at.y);
-		entry["step"]            = interval->last.step;
+		entry["step"]            = interval->last.iteration;
 		entry["time"]            = interval->last.time;
 		entry["points"]          = interval->last.points;
 		entry["last_iterations"] = interval->last.iterations;
@@ -108,8 +109,8 @@ py::dict StepObserver::dictOf(const Sums& sums, const std::vector<int>& ids)
 	observed["residual"]       = sums.residual;
 	observed["missed"]         = sums.missed;
 	observed["yielded"]        = sums.yielded;
-	observed["missed_sum"]     = sums.missSum;
-	observed["missed_largest"] = sums.largestMiss;
+	observed["missed_sum"]     = sums.ratioSum;
+	observed["missed_largest"] = sums.largestRatio;
 	observed["forces"]         = forces;
 	return observed;
 }

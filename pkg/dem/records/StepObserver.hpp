@@ -1,5 +1,4 @@
-// Means of forces and counts of steps that a script reads after a run, or as a history of equal
-// intervals.
+// Records mean forces and counts of steps for a script, over a run or in equal intervals.
 //
 // `record` and the take functions lock, so Python may call them during a run.
 #pragma once
@@ -18,12 +17,14 @@ class StepObserver {
 public:
 	/// Results of one step.
 	struct Result {
-		long   step; // O.iter at its end
+		long   iteration; // O.iter at its end
 		double time; // O.time at its end [s]
 		int    iterations, points;
 		double residual;
 		bool   missed, yielded;
-		double miss; // larger of residual and kinematic error over its tolerance; 0: met [-]
+		// of a missed step: larger ratio of residual or kinematic error to its tolerance [-]; else
+		// 0
+		double toleranceRatio;
 	};
 
 	/// Throws std::invalid_argument if an id is not that of a body or clump of the scene.
@@ -45,7 +46,7 @@ private:
 	struct Sums {
 		std::vector<int>          ids;
 		long                      steps = 0, iterations = 0, missed = 0, yielded = 0;
-		double                    residual = 0, missSum = 0, largestMiss = 0;
+		double                    residual = 0, ratioSum = 0, largestRatio = 0;
 		std::map<int, rcr::Twist> force; // by body [N, N m]
 	};
 
@@ -53,13 +54,12 @@ private:
 		Sums                     sums;
 		Result                   last; // its last step
 		std::map<int, rcr::Vec2> position; // at its end, by body [m]
-		bool                     placed = false; // positions are known, as the next step has begun
+		bool                     placed = false; // positions are known: the next step has begun
 	};
 
 	static boost::python::dict dictOf(const Sums&, const std::vector<int>& ids);
-	/// Sets the positions of the last interval. `positionOf` returns nothing for a body that was
-	/// erased.
-	void placeLast(const std::function<std::optional<rcr::Vec2>(int id)>& positionOf);
+	/// Sets the positions of the last interval. `positionOf` returns nothing for an erased body.
+	void setLastPositions(const std::function<std::optional<rcr::Vec2>(int id)>& positionOf);
 
 	std::mutex            mutex_;
 	Sums                  sums_;

@@ -7,24 +7,23 @@ namespace yade {
 
 void Rcr::postLoad(Rcr&)
 {
-	const auto refuse = [](const char* name, Real given, const char* expected) {
-		throw std::invalid_argument(std::string("Rcr.") + name + " = "
-		        + validation::text(given) + "; expected " + expected
-		        + ". rcr.particle(center, R, eta) computes both from the circumscribed radius and "
-		          "the elongation.");
+	const auto reject = [](const char* name, Real given, const char* expected) {
+		rcr::refuse("Rcr.", name, " = ", validation::text(given), "; expected ", expected,
+		        ". rcr.particle(center, R, eta) computes both from the circumscribed radius and "
+		        "the elongation.");
 	};
 	const bool unset = math::isnan(capRadius) && halfLength == 0; // as constructed
 	if (!unset && !(capRadius > 0 && math::isfinite(capRadius)))
-		refuse("capRadius", capRadius, "a finite length > 0");
+		reject("capRadius", capRadius, "a finite length > 0");
 	if (!(halfLength >= 0 && math::isfinite(halfLength)))
-		refuse("halfLength", halfLength, "a finite length ≥ 0");
+		reject("halfLength", halfLength, "a finite length ≥ 0");
 }
 
 namespace {
 
 	/// Box of a circle; in a sheared cell, the box in unsheared space. YADE's collider ends the
-	/// process if a box spans half of a cell, so the look-ahead is limited there, and the step
-	/// finds missed contacts itself.
+	/// process if a box spans half of a cell, so the look-ahead is limited there. The step then
+	/// detects the other contacts.
 	void setBox(
 	        shared_ptr<Bound>& bound, const Se3r& se3, Real radius, Real ahead, const Scene& scene)
 	{
@@ -47,7 +46,7 @@ namespace {
 	{
 		const rcr::PlanarShape planar = plane::shapeOf(shape, *body.state, body.state->pos.z());
 		setBox(bound, se3, factor * planar.radius(),
-		        factor * rcr::alertDistance(planar, plane::twist(*body.state), double(scene.dt)),
+		        factor * rcr::alertDistance(planar, plane::twistOf(*body.state), double(scene.dt)),
 		        scene);
 	}
 

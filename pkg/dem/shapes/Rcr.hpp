@@ -7,14 +7,14 @@ namespace yade {
 class Rcr : public Shape {
 public:
 	~Rcr() override;
-	void postLoad(Rcr&); // throws if it is not a stadium
+	void postLoad(Rcr&); // throws if an attribute is invalid
 
 	// clang-format off
 	YADE_CLASS_BASE_DOC_ATTRS_CTOR(Rcr,Shape,
 		"Rounded-cap rectangle in the plane z = const: all points within capRadius of a core segment along the local x axis. "
 		"``rcr.particle`` makes a body from the circumscribed radius $R=a+R'$ and the elongation $\\eta=a/R$.",
-		((Real,capRadius,NaN,Attr::triggerPostLoad,"Radius R' of the caps [m]; > 0"))
-		((Real,halfLength,0,Attr::triggerPostLoad,"Half length a of the core segment [m]; ≥ 0")),
+		((Real,capRadius,NaN,Attr::triggerPostLoad,"Radius R' of the caps [m]; > 0."))
+		((Real,halfLength,0,Attr::triggerPostLoad,"Half length a of the core segment [m]; ≥ 0.")),
 		createIndex();
 	);
 	// clang-format on

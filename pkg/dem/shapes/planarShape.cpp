@@ -29,7 +29,7 @@ namespace {
 		segment.kind       = Planar::segment;
 		segment.halfLength = 0.5 * length;
 		segment.offset     = 0.5 * (ends[0] + ends[1]);
-		segment.along      = (1 / length) * (ends[1] - ends[0]);
+		segment.direction      = (1 / length) * (ends[1] - ends[0]);
 		return segment;
 	}
 

@@ -11,7 +11,7 @@ namespace yade::plane {
 inline rcr::Vec2 toPlane(const Vector3r& v) { return { double(v[0]), double(v[1]) }; }
 inline Vector3r  toSpace(rcr::Vec2 v) { return Vector3r(v.x, v.y, 0); }
 
-inline rcr::Twist twist(const State& state)
+inline rcr::Twist twistOf(const State& state)
 {
 	return { double(state.vel[0]), double(state.vel[1]), double(state.angVel[2]) };
 }

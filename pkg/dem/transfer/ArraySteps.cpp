@@ -6,6 +6,7 @@
 #include "dem/engine/ContactDynamics.hpp"
 #include "dem/engine/WallStress.hpp"
 #include "dem/shapes/plane.hpp"
+#include "dem/transfer/contactLaw.hpp"
 #include "dem/transfer/prefetch.hpp"
 #include "dem/transfer/scatter.hpp"
 
@@ -15,11 +16,11 @@ namespace {
 
 	constexpr long stepsBetweenUpdates = 100; // a fixed number, so that a run repeats its bits
 
-	/// A PeriodicEngine will act at this iteration and time. Its own isActivated() would count the
-	/// call.
-	bool due(const PeriodicEngine& engine, long iter, Real time)
+	/// Returns true if a PeriodicEngine will act at this iteration and time. Its own isActivated()
+	/// would count the call.
+	bool isDue(const PeriodicEngine& engine, long iter, Real time)
 	{
-		// its first call starts its counting
+		// the first call starts the counts of the engine
 		if (engine.nDone == 0) return engine.firstIterRun <= 0 || engine.firstIterRun == iter;
 		if (iter < engine.iterLast) return true;
 		if (engine.nDo >= 0 && engine.nDone >= engine.nDo) return false;
@@ -30,7 +31,7 @@ namespace {
 	}
 
 	/// Adds the bodies that an engine loads or drives; returns false if it may read other bodies.
-	bool addActedOn(const Engine& engine, std::vector<Body::id_t>& ids)
+	bool addLoadedBodies(const Engine& engine, std::vector<Body::id_t>& ids)
 	{
 		if (const auto* stress = dynamic_cast<const WallStress*>(&engine)) {
 			ids.insert(ids.end(), { stress->wall, stress->start, stress->end });
@@ -46,7 +47,7 @@ namespace {
 		return true;
 	}
 
-	bool core(const Engine& engine)
+	bool isCoreEngine(const Engine& engine)
 	{
 		return dynamic_cast<const ForceResetter*>(&engine) || dynamic_cast<const Collider*>(&engine)
 		        || dynamic_cast<const InteractionLoop*>(&engine)
@@ -68,7 +69,7 @@ namespace {
 
 	/// Advances iteration and time, and updates O.speed and the counts of O.timingEnabled, as
 	/// Scene::moveToNextTimeStep does.
-	void countStep(Scene& scene)
+	void advanceTime(Scene& scene)
 	{
 		const auto now      = boost::posix_time::microsec_clock::local_time();
 		const long duration = (now - scene.prevTime).total_microseconds();
@@ -120,16 +121,17 @@ std::string ArraySteps::reason(
 		if (engine->dead || dynamic_cast<const PeriodicEngine*>(engine.get())) continue;
 		looped |= engine.get() == engines.loop;
 		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
-		if (core(*engine)) continue;
-		if (solved || !addActedOn(*engine, byYade_)) return "the engine " + engine->getClassName();
+		if (isCoreEngine(*engine)) continue;
+		if (solved || !addLoadedBodies(*engine, byYade_))
+			return "the engine " + engine->getClassName();
 		(looped ? enginesAfter_ : enginesBefore_).push_back(engine.get());
 		movesAfter_ |= looped && dynamic_cast<const KinematicEngine*>(engine.get());
 	}
 	return {};
 }
 
-/// Selects the bodies that are read and written in each step. Returns why contacts require YADE's
-/// engines; empty: they do not.
+/// Selects the bodies that are read and written in each step. Returns the reason for which bodies
+/// or contacts require YADE's engines; empty: none.
 std::string ArraySteps::selectBodies(const Scene& scene, const rcr::Step& step)
 {
 	for (const rcr::StepContact& c : step.contacts)
@@ -142,7 +144,7 @@ std::string ArraySteps::selectBodies(const Scene& scene, const rcr::Step& step)
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
 		const rcr::StepBody& body  = step.bodies[id];
 		const bool           grain = body.shape.grain();
-		// the collider reports obstacles through which it would pass
+		// gather rejects obstacles that a free Box would pass through
 		if (body.free && body.shape.kind == rcr::PlanarShape::box) return "a Box that can move";
 		isByYade_[id] |= !grain && (*scene.bodies)[id];
 		grains += grain && !isByYade_[id];
@@ -153,7 +155,7 @@ std::string ArraySteps::selectBodies(const Scene& scene, const rcr::Step& step)
 	return grains < byYade_.size() ? "more obstacles and loaded bodies than other grains" : "";
 }
 
-/// Reason of this moment for which YADE's engines must take the next step; empty: none.
+/// Present reason for which YADE's engines must take the next step; empty: none.
 std::string ArraySteps::momentaryReason(const Scene& scene) const
 {
 	if (!Omega::instance().isRunning() || scene.subStepping) return "a single step";
@@ -173,7 +175,7 @@ std::string ArraySteps::momentaryReason(const Scene& scene) const
 		const auto* periodic
 		        = engine->dead ? nullptr : dynamic_cast<const PeriodicEngine*>(engine.get());
 		if (periodic
-		        && (solved ? due(*periodic, scene.iter, scene.time) : due(*periodic, iter, time)))
+		        && isDue(*periodic, solved ? scene.iter : iter, solved ? scene.time : time))
 			return "the engine " + engine->getClassName();
 	}
 	return {};
@@ -189,20 +191,20 @@ bool ArraySteps::advance(Scene& scene, const validation::Engines& engines, rcr::
 	if (!reason_.empty()) return false;
 	const bool first = !active_;
 	if (first) begin(team, handles, step);
-	pairs_.addFound(step, scene.iter);
+	pairs_.addDetected(step, scene.iter);
 	if (first || !step.added.empty()) pairs_.numberContacts(step);
 	pairs_.keepForces(step, team);
 	move(scene, *engines.integrator, team, handles, impulses, step);
-	countStep(scene);
+	advanceTime(scene);
 	++count_;
 	scene.forces.reset(scene.iter);
 	runEngines(scene, enginesBefore_);
 	regatherBodies(scene, engines, team, byYade_, handles, step);
-	const auto detect = [&](bool listAll, bool again) {
-		const bool changed = neighbours_.update(step, team);
-		if (listAll || changed) pairs_.assign(neighbours_.list(), again);
-		pairs_.detect(step, team, again);
-		setPhysics(scene, engines);
+	const auto detect = [&](bool listAll, bool keepContacts) {
+		const bool changed = neighbors_.update(step, team);
+		if (listAll || changed) pairs_.assign(neighbors_.list(), keepContacts);
+		pairs_.detect(step, team, keepContacts);
+		acceptNewContacts(scene, engines);
 	};
 	detect(first, false);
 	if (!enginesAfter_.empty()) {
@@ -222,7 +224,7 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 	const std::size_t count = step.bodies.size();
 	inertia_.resize(count), written_.resize(count), endVelocity_.resize(count);
 	team.forEach(count, [&](std::size_t id) {
-		prefetch<State>(handles.state[turnAhead(id, count)]);
+		prefetch<State>(handles.state[indexAhead(id, count)]);
 		inertia_[id]   = {};
 		const State* s = handles.state[id];
 		if (!s) return;
@@ -231,17 +233,18 @@ void ArraySteps::begin(rcr::ThreadTeam& team, const SceneHandles& handles, const
 	});
 	pairs_.all.clear();
 	for (const rcr::StepContact& contact : step.contacts) {
-		if (contact.source < 0) continue;
+		if (contact.listIndex < 0) continue;
 		rcr::Pair pair;
-		pair.body1 = contact.body1, pair.body2 = contact.body2, pair.source = contact.source;
+		pair.body1 = contact.body1, pair.body2 = contact.body2;
+		pair.interactionIndex = contact.listIndex;
 		pairs_.all.push_back(pair);
 	}
 	pairs_.manifold.resize(pairs_.all.size());
 	team.forEach(pairs_.all.size(), [&](std::size_t k) {
 		rcr::Pair&       pair  = pairs_.all[k];
-		const rcr::Pair& later = pairs_.all[turnAhead(k, pairs_.all.size())];
-		prefetch<CdPhys>(handles.sorted[later.source].phys);
-		const CdPhys& phys = *handles.sorted[pair.source].phys;
+		const rcr::Pair& later = pairs_.all[indexAhead(k, pairs_.all.size())];
+		prefetch<CdPhys>(handles.sorted[later.interactionIndex].phys);
+		const CdPhys& phys = *handles.sorted[pair.interactionIndex].phys;
 		pair.points        = phys.points;
 		pair.friction      = double(phys.tangensOfFrictionAngle),
 		pair.restitution   = double(phys.restitution);
@@ -261,7 +264,7 @@ void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadT
 		        = scene.forces.getForce(id) + 1 / step.dt * Vector3r(p.x, p.y, 0);
 		const Vector3r    torque
 		        = scene.forces.getTorque(id) + 1 / step.dt * Vector3r(0, 0, p.rotation);
-		if (step.overdamped) resetVelocity(s, step.bodies[id].velocity);
+		if (step.overdamped) setFreeVelocity(s, step.bodies[id].velocity);
 		if (!step.displacement.empty() && step.bodies[id].free)
 			applyCorrection(s, step.displacement[id]);
 		for (int axis = 0; axis < 3; ++axis) {
@@ -284,15 +287,15 @@ void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadT
 		if (!step.displacement.empty() && body.free) {
 			const rcr::Twist& by = step.displacement[id];
 			body.center          = { body.center.x + by.x, body.center.y + by.y };
-			if (by.rotation != 0) body.turn = rcr::scaled(rcr::turned(body.turn, by.rotation));
+			if (by.rotation != 0) body.turn = rcr::normalized(rcr::turned(body.turn, by.rotation));
 		}
 		body.velocity = rcr::accelerated(
 		        body.velocity, inertia_[id], inverseDt * impulses[id], gravity, before);
 		body.center         = { body.center.x + body.velocity.x * before,
 			        body.center.y + body.velocity.y * before };
-		body.turn     = rcr::integrated(body.turn, body.velocity.rotation, before);
+		body.turn     = rcr::turnAfter(body.turn, body.velocity.rotation, before);
 		body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step.dt);
-		if (body.free) body.expected = body.alertDistance;
+		if (body.free) body.coveredPath = body.alertDistance;
 		if (step.overdamped) {
 			endVelocity_[id]  = body.velocity;
 			body.velocity
@@ -312,18 +315,19 @@ void ArraySteps::runEngines(Scene& scene, const std::vector<Engine*>& engines) c
 	scene.forces.sync();
 }
 
-void ArraySteps::setPhysics(Scene& scene, const validation::Engines& engines)
+/// Sets friction and restitution of new contacts. Removes contacts that the scene does not allow.
+void ArraySteps::acceptNewContacts(Scene& scene, const validation::Engines& engines)
 {
 	for (rcr::Pair& pair : pairs_.all) {
-		if (!pair.fresh) continue;
-		if (!validation::frictional(scene, pair.body1, pair.body2)
-		        || !mayMeet(scene, engines, pair.body1, pair.body2)) {
+		if (!pair.isNew) continue;
+		if (!validation::requireFrictMat(scene, pair.body1, pair.body2)
+		        || !allowsContact(scene, engines, pair.body1, pair.body2)) {
 			pair.points = 0;
 			continue;
 		}
 		const ContactLaw law = contactLaw(scene, *engines.loop, pair.body1, pair.body2);
 		pair.friction = law.friction, pair.restitution = law.restitution;
-		pair.since    = scene.iter;
+		pair.formedAt = scene.iter;
 	}
 }
 

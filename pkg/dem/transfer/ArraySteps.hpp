@@ -1,16 +1,15 @@
 // Takes steps in flat arrays, without YADE's objects.
 //
 // YADE allocates bodies, shapes, states and interactions one by one, and a loop over them takes
-// longer than a solve. While no engine reads these objects, `advance` moves the bodies like
-// NewtonIntegrator, applies the loads of the scene, detects contacts like the collider and
-// InteractionLoop, and returns the next step gathered. `writeBack` then copies the state at the
-// beginning of the last step to YADE's objects. Results have the same bits as steps by YADE's
-// engines.
+// longer than a solve. While no engine reads these objects, `advance` takes the next step in
+// arrays. It moves bodies like NewtonIntegrator and applies the loads. It detects contacts like the
+// collider and InteractionLoop. `writeBack` then copies the state at the beginning of the last step
+// to YADE's objects. Results have the same bits as steps by YADE's engines.
 //
 // YADE's engines take a step
 //
-//   * at the end of a run, and every 100 steps, so that YADE's objects follow;
-//   * if an engine is due that may read any object: a PyRunner, a recorder, any engine not named below;
+//   * at the end of a run, and every 100 steps, which updates YADE's objects;
+//   * if an engine is due that may read any object: a PyRunner, a recorder, an engine not named here;
 //   * in scenes with clumps, a Box that can move, a periodic cell, energy tracking or permanent
 //     forces;
 //   * if an Ig2, Ip2 or Law2 functor is not one of this plugin's own, or the loop has callbacks.
@@ -31,17 +30,17 @@ namespace yade {
 
 class ArraySteps {
 public:
-	/// Advances from a solved step to the next one, gathered. `impulses`: sum of the contact
-	/// impulses on each body. Returns false, without a change of bodies or step, if YADE's engines
-	/// must take the next step; enginesReason() is then the reason.
+	/// Advances from a solved step to the next one and gathers it. `impulses`: sum of the contact
+	/// impulses on each body. If YADE's engines must take the next step, returns false and changes
+	/// neither bodies nor step; enginesReason() is then the reason.
 	bool advance(Scene&, const validation::Engines&, rcr::ThreadTeam&, SceneHandles&,
 	        const std::vector<rcr::Twist>& impulses, rcr::Step&);
 
-	/// Copies the state at the beginning of the step to YADE's objects, so that the step can be
-	/// scattered. Does nothing if no step was taken in arrays since the last call.
+	/// Copies the state at the beginning of the step to YADE's objects, as `scatter` requires. Does
+	/// nothing if no step was taken in arrays since the last call.
 	void writeBack(Scene&, rcr::ThreadTeam&, SceneHandles&, const rcr::Step&);
 
-	/// Why YADE's engines take the next step; empty: they do not.
+	/// Reason for which YADE's engines take the next step; empty: none.
 	const std::string& enginesReason() const { return reason_; }
 	/// Number of steps taken in arrays so far.
 	long               count() const { return count_; }
@@ -60,7 +59,7 @@ private:
 	void move(Scene&, const NewtonIntegrator&, rcr::ThreadTeam&, const SceneHandles&,
 	        const std::vector<rcr::Twist>& impulses, rcr::Step&);
 	void                 runEngines(Scene&, const std::vector<Engine*>&) const;
-	void                 setPhysics(Scene&, const validation::Engines&);
+	void                 acceptNewContacts(Scene&, const validation::Engines&);
 
 	long                      count_ = 0, first_ = 0;
 	bool                      active_ = false; // YADE's objects are out of date since step first_
@@ -74,7 +73,7 @@ private:
 	std::vector<Motion>       written_;        // per body: as in YADE's objects
 	// per body: velocity at the end of the last overdamped step
 	std::vector<rcr::Twist>   endVelocity_;
-	rcr::Neighbours           neighbours_;
+	rcr::Neighbors            neighbors_;
 	rcr::Pairs                pairs_;
 };
 

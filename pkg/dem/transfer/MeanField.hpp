@@ -7,8 +7,8 @@
 
 namespace yade {
 
-/// Velocity gradient that a cell will have in the next step [1/s].
-inline Matrix3r gradientOf(const Cell& cell)
+/// Velocity gradient that NewtonIntegrator will apply next [1/s].
+inline Matrix3r nextGradient(const Cell& cell)
 {
 	return cell.velGradChanged || cell.nextVelGrad != Matrix3r::Zero() ? cell.nextVelGrad
 	                                                                   : cell.velGrad;
@@ -20,7 +20,7 @@ struct MeanField {
 	bool     periodic = false;
 	Matrix3r gradient = Matrix3r::Zero(), change = Matrix3r::Zero(),
 	         convection = Matrix3r::Zero();
-	Matrix3r prescribed = Matrix3r::Zero(); // overdamped bodies follow it
+	Matrix3r startGradient = Matrix3r::Zero(); // of the flow from which overdamped bodies start
 
 	MeanField(const Scene& scene, const validation::Engines& engines)
 	{
@@ -28,14 +28,15 @@ struct MeanField {
 		const NewtonIntegrator& newton = *engines.integrator;
 		const Cell& cell = *scene.cell;
 		periodic         = true;
-		gradient         = gradientOf(cell);
+		gradient         = nextGradient(cell);
 		if (cell.homoDeform > 0) change = gradient - newton.prevVelGrad;
 		if (cell.homoDeform > 1) convection = newton.prevVelGrad;
-		prescribed = gradient;
-		if (engines.cellStress) engines.cellStress->release(prescribed);
+		startGradient = gradient;
+		if (engines.cellStress) engines.cellStress->clearStressedAxes(startGradient);
 	}
 
-	rcr::Twist added(const State& s, double dt) const
+	/// Sum of these terms for a body.
+	rcr::Twist velocityChange(const State& s, double dt) const
 	{
 		const Vector3r v = change * s.pos + Real(dt) * (convection * s.vel);
 		return { double(v[0]), double(v[1]), 0.5 * double(change(1, 0) - change(0, 1)) };

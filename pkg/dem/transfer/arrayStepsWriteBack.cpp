@@ -12,12 +12,12 @@ void ArraySteps::writeBack(
 	active_       = false;
 	scene.doSort = true; // the collider has not run during the steps in arrays
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
-		prefetch<State>(handles.state[turnAhead(id, step.bodies.size())]);
+		prefetch<State>(handles.state[indexAhead(id, step.bodies.size())]);
 		State* s = handles.state[id];
 		if (!s || isByYade_[id]) return;
 		const rcr::StepBody& body = step.bodies[id];
 		const rcr::Twist&    v      = step.overdamped ? endVelocity_[id] : body.velocity;
-		// keeps what a script has written meanwhile
+		// a state that a script has written meanwhile stays
 		const Motion         before = written_[id], now = motionOf(*s);
 		if (now.center == before.center) s->pos[0] = body.center.x, s->pos[1] = body.center.y;
 		if (now.turn == before.turn) s->ori.w() = body.turn.w, s->ori.z() = body.turn.z;
@@ -27,14 +27,15 @@ void ArraySteps::writeBack(
 
 	std::vector<Interaction*> interaction(pairs_.all.size());
 	std::vector<char>         lasts(handles.sorted.size());
+	// false for a new pair after an error
 	const auto                made = [](const rcr::Pair& pair) {
-        return pair.points > 0 && (pair.source >= 0 || pair.since >= 0);
-	}; // false after an error
+        return pair.points > 0 && (pair.interactionIndex >= 0 || pair.formedAt >= 0);
+	};
 	for (std::size_t k = 0; k < interaction.size(); ++k) {
-		const int source = pairs_.all[k].source;
-		if (!made(pairs_.all[k]) || source < 0) continue;
-		lasts[source]  = true;
-		interaction[k] = handles.sorted[source].interaction;
+		const int index = pairs_.all[k].interactionIndex;
+		if (!made(pairs_.all[k]) || index < 0) continue;
+		lasts[index]   = true;
+		interaction[k] = handles.sorted[index].interaction;
 	}
 	for (std::size_t k = 0; k < lasts.size(); ++k)
 		if (!lasts[k] && handles.sorted[k].interaction) handles.sorted[k].interaction->reset();
@@ -43,7 +44,7 @@ void ArraySteps::writeBack(
 			interaction[k] = &interactionOf(scene, pairs_.all[k], {});
 	std::vector<SceneHandles::Contact> contacts(interaction.size());
 	team.forEach(interaction.size(), [&](std::size_t k) {
-		if (const Interaction* later = interaction[turnAhead(k, interaction.size())]) {
+		if (const Interaction* later = interaction[indexAhead(k, interaction.size())]) {
 			prefetch<RcrGeom>(later->geom.get());
 			prefetch<CdPhys>(later->phys.get());
 		}

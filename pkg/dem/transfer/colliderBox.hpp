@@ -2,33 +2,30 @@
 #pragma once
 
 #include "dem/yadeHeaders.hpp"
-#include "kernel/detection/missed_contacts.hpp"
+#include "kernel/detection/undetected_contacts.hpp"
 
 namespace yade {
 
-/// A grain at this position reaches out of its box with the alert distance of this velocity, so the
-/// collider may miss contacts.
+/// Returns true if a grain at this position, enlarged by the alert distance of this velocity,
+/// leaves its box. The collider may then not list all its contacts.
 inline bool grainLeavesBox(const rcr::StepBody& b, const Vector3r& at, const rcr::Twist& v,
         double dt, const Bound& bound)
 {
-	const double   reach = b.radius + rcr::alertDistance(b.shape, v, dt);
-	const Vector3r moved = at - bound.refPos;
-	const double   half  = 0.5 * double(bound.max[0] - bound.min[0]);
-	return std::max(std::abs(double(moved[0])), std::abs(double(moved[1]))) + reach > half;
+	const double   extent = b.radius + rcr::alertDistance(b.shape, v, dt);
+	const Vector3r moved  = at - bound.refPos;
+	const double   half   = 0.5 * double(bound.max[0] - bound.min[0]);
+	return std::max(std::abs(double(moved[0])), std::abs(double(moved[1]))) + extent > half;
 }
 
-/// An obstacle at this pose reaches out of its box with this distance.
+/// Returns true if an obstacle at this pose, enlarged by `margin` [m], leaves its box.
 inline bool obstacleLeavesBox(
-        const rcr::PlanarShape& shape, rcr::Pose at, double reach, const Bound& bound)
+        const rcr::PlanarShape& shape, rcr::Pose at, double margin, const Bound& bound)
 {
-	constexpr double infinite = std::numeric_limits<double>::infinity();
 	if (shape.kind == rcr::PlanarShape::segment) at = rcr::segmentPose(shape, at);
-	rcr::Vec2 half = rcr::halfExtent(shape, at.axis);
-	if (shape.kind == rcr::PlanarShape::wall)
-		half = shape.axis == 0 ? rcr::Vec2 { 0, -infinite } : rcr::Vec2 { -infinite, 0 };
-	const auto out = [&](int axis, double center, double extent) {
-		return center + extent + reach > double(bound.max[axis])
-		        || center - extent - reach < double(bound.min[axis]);
+	const rcr::Vec2 half = rcr::halfExtent(shape, at.axis);
+	const auto      out  = [&](int axis, double center, double extent) {
+        return center + extent + margin > double(bound.max[axis])
+                || center - extent - margin < double(bound.min[axis]);
 	};
 	return out(0, at.center.x, half.x) || out(1, at.center.y, half.y);
 }

@@ -1,6 +1,4 @@
-// Law of a contact that the InteractionLoop has not made.
-#include "dem/transfer/gather.hpp"
-#include "dem/validation/validation.hpp"
+#include "dem/transfer/contactLaw.hpp"
 
 namespace yade {
 
@@ -13,17 +11,17 @@ ContactLaw contactLaw(Scene& scene, const InteractionLoop& loop, Body::id_t id1,
 	loop.physDispatcher->getFunctor2D(one, two, swap)->go(one, two, scratch);
 	const CdPhys* phys = dynamic_cast<const CdPhys*>(scratch->phys.get());
 	if (!phys)
-		validation::refuse("the contact of " + validation::named({ id1, id2 })
-		        + " gets the physics "
-		        + (scratch->phys ? scratch->phys->getClassName() : std::string("None"))
-		        + " from the Ip2 functor of the materials " + one->getClassName() + " and "
-		        + two->getClassName()
-		        + "; expected CdPhys: use Ip2_FrictMat_FrictMat_CdPhys for these materials.");
+		validation::refuse("the contact of ", validation::bodyNames({ id1, id2 }),
+		        " gets the physics ",
+		        scratch->phys ? scratch->phys->getClassName() : std::string("None"),
+		        " from the Ip2 functor of the materials ", one->getClassName(), " and ",
+		        two->getClassName(),
+		        "; expected CdPhys: use Ip2_FrictMat_FrictMat_CdPhys for these materials.");
 	validation::checkPhys(*phys, id1, id2);
 	return { double(phys->tangensOfFrictionAngle), double(phys->restitution) };
 }
 
-bool mayMeet(Scene& scene, const validation::Engines& engines, Body::id_t id1, Body::id_t id2)
+bool allowsContact(Scene& scene, const validation::Engines& engines, Body::id_t id1, Body::id_t id2)
 {
 	if (!validation::mayCollide(scene, *engines.collider, id1, id2)) return false;
 	Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];

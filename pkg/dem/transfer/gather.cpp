@@ -12,8 +12,7 @@ namespace yade {
 
 namespace {
 
-	/// The periodic cell of the scene with the velocity gradient that NewtonIntegrator will apply
-	/// in this step.
+	/// The periodic cell with the velocity gradient that NewtonIntegrator will apply next.
 	rcr::PeriodicCell cellOf(const Scene& scene, const Matrix3r& gradient)
 	{
 		rcr::PeriodicCell cell;
@@ -37,12 +36,12 @@ namespace {
 		void gatherBody(Body::id_t);
 
 		void                  body(const Body&);
-		bool                  isUnlisted(const Body&, const rcr::StepBody&) const;
+		bool                  mayLackContacts(const Body&, const rcr::StepBody&) const;
 		void                  move(const Body&, const State&, rcr::StepBody&);
 		rcr::Twist            externalForce(const Body&) const;
 		SceneHandles::Contact contactOf(Interaction&) const;
 		void                  sort();
-		void                  points(std::size_t number);
+		void                  gatherPoints(std::size_t number);
 
 		Scene&                  scene_;
 		const NewtonIntegrator& newton_;
@@ -58,13 +57,13 @@ namespace {
 		const std::size_t    count  = bodies.size();
 		step_.dt                    = double(scene_.dt);
 		step_.cell                  = cellOf(scene_, field_.gradient);
-		if (field_.periodic) step_.startFlow = plane::flowOf(field_.prescribed);
+		if (field_.periodic) step_.startFlow = plane::flowOf(field_.startGradient);
 		step_.problem.inverseMass.resize(count);
 		step_.problem.freeVelocity.resize(count);
 		step_.bodies.resize(count);
 		handles_.state.resize(count);
 		handles_.bound.resize(count);
-		handles_.isUnlisted.assign(count, false);
+		handles_.mayLackContacts.assign(count, false);
 		handles_.z = validation::planeOf(scene_);
 		team_.forEach(count, [&](Body::id_t id) {
 			if (id + 2 * prefetchAhead < count) {
@@ -78,9 +77,9 @@ namespace {
 			const int owner = step_.bodies[id].owner;
 			if (owner == int(id)) continue;
 			step_.members.push_back(int(id));
-			const double reach = norm(step_.bodies[id].center - step_.bodies[owner].center)
+			const double radius = norm(step_.bodies[id].center - step_.bodies[owner].center)
 			        + step_.bodies[id].radius;
-			step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, reach);
+			step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, radius);
 		}
 	}
 
@@ -102,12 +101,12 @@ namespace {
 		rcr::StepBody&   body  = step_.bodies[id];
 		const bool       clump = b.isClump();
 		if (b.shape && !clump) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
-		const std::string wrong = validation::defectOf(b, body.shape, handles_.z);
-		if (!wrong.empty()) validation::refuse(wrong);
+		const std::string error = validation::bodyError(b, body.shape, handles_.z);
+		if (!error.empty()) validation::refuse(error);
 		handles_.state[id]    = b.state.get();
 		body.center        = plane::toPlane(s.pos);
 		body.turn          = plane::turnOf(body.shape, s);
-		body.velocity      = plane::twist(s);
+		body.velocity      = plane::twistOf(s);
 		body.radius        = body.shape.radius();
 		body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step_.dt);
 		if (b.isClumpMember()) {
@@ -115,39 +114,40 @@ namespace {
 			const State& moving = *(*scene_.bodies)[b.clumpId]->state;
 			rcr::StepBody owner;
 			owner.center       = plane::toPlane(moving.pos);
-			body.velocity = memberVelocity(body, owner, plane::twist(moving));
-			// YADE sets the velocity of a member, which the Ig2 functors read, when it moves the clump
-			const double detected   = body.alertDistance + 1e-9 * body.radius;
-			body.alertDistance      = rcr::alertDistance(body.shape, body.velocity, step_.dt);
-			body.expected           = body.alertDistance;
-			handles_.isUnlisted[id] = body.alertDistance > detected || isUnlisted(b, body);
+			body.velocity = memberVelocity(body, owner, plane::twistOf(moving));
+			// Ig2 functors read the velocity of a member, which YADE sets when it moves the clump
+			const double detected = body.alertDistance + 1e-9 * body.radius;
+			body.alertDistance    = rcr::alertDistance(body.shape, body.velocity, step_.dt);
+			body.coveredPath      = body.alertDistance;
+			handles_.mayLackContacts[id]
+			        = body.alertDistance > detected || mayLackContacts(b, body);
 		} else {
 			body.free = s.blockedDOFs != State::DOF_ALL;
-			if (body.free) body.expected = body.alertDistance;
-			handles_.isUnlisted[id] = isUnlisted(b, body);
+			if (body.free) body.coveredPath = body.alertDistance;
+			handles_.mayLackContacts[id] = mayLackContacts(b, body);
 			move(b, s, body);
 		}
 		handles_.bound[id] = b.bound.get();
 	}
 
-	/// The collider may miss contacts of a body that reaches out of its box with its alert
-	/// distance, for example after a script has set its velocity. The box of an obstacle has no
-	/// alert distance. In a cell, boxes move with the cell.
-	bool Gatherer::isUnlisted(const Body& b, const rcr::StepBody& body) const
+	/// Returns true if a body, enlarged by its alert distance, leaves its box. The collider may
+	/// then not list all its contacts. An example is a velocity set by a script. The box of an
+	/// obstacle has no alert distance. In a periodic cell, boxes move with the cell.
+	bool Gatherer::mayLackContacts(const Body& b, const rcr::StepBody& body) const
 	{
 		if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
 		if (scene_.isPeriodic) {
 			const rcr::Vec2  flow = step_.cell.drift(body.center);
 			const rcr::Twist v    = body.velocity - rcr::Twist { flow.x, flow.y, 0 };
-			const double     path = body.shape.grain() ? step_.dt * rcr::speed(v, body.radius)
+			const double     path = body.shape.grain() ? step_.dt * rcr::maxSpeed(v, body.radius)
 			                                           : body.alertDistance;
 			return path > double(b.bound->sweepLength);
 		}
 		if (body.shape.grain())
 			return grainLeavesBox(body, b.state->pos, body.velocity, step_.dt, *b.bound);
-		// margin for rounding
-		const double reach = body.alertDistance * (1 - 1e-9) - 1e-9 * body.radius;
-		return obstacleLeavesBox(body.shape, body.pose(), reach, *b.bound);
+		// reduced by rounding
+		const double margin = body.alertDistance * (1 - 1e-9) - 1e-9 * body.radius;
+		return obstacleLeavesBox(body.shape, body.pose(), margin, *b.bound);
 	}
 
 	/// Sets the inverse mass, and the velocity that NewtonIntegrator would compute without
@@ -165,10 +165,10 @@ namespace {
 		        plane::toPlane(newton_.gravity), dt);
 		step_.problem.inverseMass[b.getId()] = { inertia.x ? 1 / inertia.mass : 0,
 			inertia.y ? 1 / inertia.mass : 0, inertia.rotation ? 1 / inertia.moment : 0 };
-		if (field_.periodic) v = v + field_.added(s, dt);
+		if (field_.periodic) v = v + field_.velocityChange(s, dt);
 	}
 
-	/// Force and torque on a body; those on the members of a clump included.
+	/// Force and torque on a body, or on a clump and its members.
 	rcr::Twist Gatherer::externalForce(const Body& b) const
 	{
 		Vector3r force  = scene_.forces.getForce(b.getId()),
@@ -177,11 +177,11 @@ namespace {
 			static_cast<Clump&>(*b.shape).addForceTorqueFromMembers(
 			        b.state.get(), &scene_, force, torque);
 		if (!math::isfinite(force.sum() + torque[2]))
-			validation::refuse(validation::named({ b.getId() }) + " has the force "
-			        + validation::coordinates(force) + " and the torque "
-			        + validation::coordinates(torque)
-			        + "; expected finite numbers: find the engine, or the O.forces of a script, "
-			          "that gave them.");
+			validation::refuse(validation::bodyNames({ b.getId() }), " has the force ",
+			        validation::coordinates(force), " and the torque ",
+			        validation::coordinates(torque),
+			        "; expected finite numbers: find the engine, or the O.forces of a script, "
+			        "that gave them.");
 		return { double(force[0]), double(force[1]), double(torque[2]) };
 	}
 
@@ -195,12 +195,12 @@ namespace {
 		        : nullptr;
 		if (!phys && !geom) return {};
 		if (!phys || !geom)
-			validation::refuse("the contact of " + validation::named({ i.getId1(), i.getId2() })
-			        + " has the geometry " + i.geom->getClassName() + " and the physics "
-			        + i.phys->getClassName()
-			        + "; expected RcrGeom and CdPhys: use only Ig2_…_RcrGeom and "
-			          "Ip2_FrictMat_FrictMat_CdPhys, and call "
-			          "O.interactions.clear() after a change of functors.");
+			validation::refuse("the contact of ", validation::bodyNames({ i.getId1(), i.getId2() }),
+			        " has the geometry ", i.geom->getClassName(), " and the physics ",
+			        i.phys->getClassName(),
+			        "; expected RcrGeom and CdPhys: use only Ig2_…_RcrGeom and "
+			        "Ip2_FrictMat_FrictMat_CdPhys, and call O.interactions.clear() after a change "
+			        "of functors.");
 		return { geom, phys, &i, i.getId1(), i.getId2(), geom->points };
 	}
 
@@ -208,7 +208,7 @@ namespace {
 	/// Lists them by the first id, and sorts the list of each body by the second.
 	void Gatherer::sort()
 	{
-		std::vector<int>& first = step_.firstOf;
+		std::vector<int>& first = step_.firstContact;
 		rcr::listByKey(step_.bodies.size(), first, handles_.sorted, [&](auto add) {
 			for (const SceneHandles::Contact& contact : handles_.found)
 				if (contact.points > 0) add(contact.id1, contact);
@@ -237,17 +237,17 @@ namespace {
 			        = { source.id1, source.id2, points, source.points, int(k), 0, 0, 0, {}, {} };
 			points += source.points;
 		}
-		step_.begin(points);
+		step_.resizePoints(points);
 		team_.forEach(step_.contacts.size(), [&](std::size_t k) {
 			const SceneHandles::Contact& later
-			        = handles_.sorted[turnAhead(k, handles_.sorted.size())];
+			        = handles_.sorted[indexAhead(k, handles_.sorted.size())];
 			prefetch<RcrGeom>(later.geom);
 			prefetch<CdPhys>(later.phys);
-			this->points(k);
+			gatherPoints(k);
 		});
 	}
 
-	void Gatherer::points(std::size_t number)
+	void Gatherer::gatherPoints(std::size_t number)
 	{
 		rcr::StepContact&           contact = step_.contacts[number];
 		const SceneHandles::Contact& source  = handles_.sorted[number];
@@ -272,7 +272,7 @@ void gather(Scene& scene, const validation::Engines& engines, rcr::ThreadTeam& t
 {
 	Gatherer gatherer { scene, *engines.integrator, team, handles, step, { scene, engines } };
 	gatherer.bodies();
-	step.problem.inverseStretchMass = step.problem.stretch = {};
+	step.problem.inverseStretchMass = step.problem.stretchRate = {};
 	if (engines.cellStress) engines.cellStress->gatherCell(step);
 	gatherer.contacts();
 }

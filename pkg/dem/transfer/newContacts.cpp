@@ -2,69 +2,71 @@
 
 #include <algorithm>
 
-#include "kernel/detection/missed_contacts.hpp"
+#include "dem/transfer/contactLaw.hpp"
+#include "kernel/detection/undetected_contacts.hpp"
 
 namespace yade {
 
 namespace {
-	rcr::MayMeet ruleOfMeeting(Scene& scene, const validation::Engines& engines)
+	rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engines)
 	{
-		return [&](int id1, int id2) { return mayMeet(scene, engines, id1, id2); };
+		return [&](int id1, int id2) { return allowsContact(scene, engines, id1, id2); };
 	}
 
-	void addUpdatedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
+	void addDetectedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 	{
-		for (rcr::UpdatedContact& contact : step.updated) {
-			if (contact.known) continue;
-			const ContactLaw law = contactLaw(scene, *engines.loop, contact.body1, contact.body2);
-			contact.friction = law.friction, contact.restitution = law.restitution;
+		for (rcr::DetectedContact& detected : step.detected) {
+			if (detected.known) continue;
+			const ContactLaw law = contactLaw(scene, *engines.loop, detected.body1, detected.body2);
+			detected.friction = law.friction, detected.restitution = law.restitution;
 		}
-		rcr::addUpdatedContacts(step);
+		rcr::addDetectedContacts(step);
 	}
 } // namespace
 
-bool findMissedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
+bool findUndetectedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {
-	return rcr::findMissedContacts(step, ruleOfMeeting(scene, engines));
+	return rcr::findUndetectedContacts(step, contactFilter(scene, engines));
 }
 
 void addUnlistedContacts(Scene& scene, const validation::Engines& engines, const Engine& solver,
         SceneHandles& handles, rcr::Step& step)
 {
-	const std::vector<Body::id_t> changed = handles.pairRules.update(scene, *engines.collider);
-	const std::string wrong = changed.empty() ? std::string() : validation::refusal(scene);
-	if (!wrong.empty()) validation::refuse(wrong);
+	const std::vector<Body::id_t> changed
+	        = handles.pairExclusions.restartIfChanged(scene, *engines.collider);
+	const std::string error = changed.empty() ? std::string() : validation::sceneError(scene);
+	if (!error.empty()) validation::refuse(error);
 	for (Body::id_t id : changed)
-		handles.isUnlisted[id] = true;
-	// Ig2 functors have used the velocities before these engines and scripts set them.
+		handles.mayLackContacts[id] = true;
+	// engines and scripts after the InteractionLoop may have set velocities
 	bool       afterLoop = false;
-	const auto complete  = [&](Body::id_t id) {
-        if (id >= 0 && std::size_t(id) < handles.isUnlisted.size())
-            handles.isUnlisted[id] = bool(handles.state[id]);
+	const auto markUnlisted  = [&](Body::id_t id) {
+        if (id >= 0 && std::size_t(id) < handles.mayLackContacts.size())
+            handles.mayLackContacts[id] = bool(handles.state[id]);
 	};
 	for (const auto& engine : scene.engines) {
 		if (engine.get() == &solver) break;
 		afterLoop |= engine.get() == engines.loop;
 		if (!afterLoop || engine->dead) continue;
 		if (const auto* kinematic = dynamic_cast<const KinematicEngine*>(engine.get()))
-			std::for_each(kinematic->ids.begin(), kinematic->ids.end(), complete);
+			std::for_each(kinematic->ids.begin(), kinematic->ids.end(), markUnlisted);
 		const auto* script = dynamic_cast<const PeriodicEngine*>(engine.get());
 		if (script && script->nDone > 0 && script->iterLast == scene.iter)
-			for (std::size_t id = 0; id < handles.isUnlisted.size(); ++id)
-				complete(Body::id_t(id));
+			for (std::size_t id = 0; id < handles.mayLackContacts.size(); ++id)
+				markUnlisted(Body::id_t(id));
 	}
 	std::vector<std::int32_t> unlisted;
-	for (std::size_t id = 0; id < handles.isUnlisted.size(); ++id)
-		if (handles.isUnlisted[id]) unlisted.push_back(std::int32_t(id));
+	for (std::size_t id = 0; id < handles.mayLackContacts.size(); ++id)
+		if (handles.mayLackContacts[id]) unlisted.push_back(std::int32_t(id));
 	if (unlisted.empty()) return;
-	if (rcr::findUnlistedContacts(step, unlisted, ruleOfMeeting(scene, engines)))
-		addUpdatedContacts(scene, engines, step);
+	if (rcr::findUnlistedContacts(step, unlisted, contactFilter(scene, engines)))
+		addDetectedContacts(scene, engines, step);
 }
 
-bool addMissedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
+bool addUndetectedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {
-	if (!findMissedContacts(scene, engines, step)) return false;
-	addUpdatedContacts(scene, engines, step);
+	if (!findUndetectedContacts(scene, engines, step)) return false;
+	addDetectedContacts(scene, engines, step);
 	return true;
 }
 

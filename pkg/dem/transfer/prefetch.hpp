@@ -9,10 +9,10 @@
 
 namespace yade {
 
-constexpr std::size_t prefetchAhead = 8; // turns of a loop that cover the latency of memory
+constexpr std::size_t prefetchAhead = 8; // iterations of a loop that cover the latency of memory
 
-/// The turn whose memory a loop of `count` turns prefetches in turn k.
-inline std::size_t turnAhead(std::size_t k, std::size_t count)
+/// Index that a loop over `count` objects prefetches at index k.
+inline std::size_t indexAhead(std::size_t k, std::size_t count)
 {
 	return std::min(k + prefetchAhead, count - 1);
 }
@@ -36,7 +36,7 @@ inline void prefetchBody(const Body* later)
 	prefetch<Rcr>(later->shape.get());
 }
 
-/// In a loop over interactions, at number k: prefetches later interactions and their contacts.
+/// Prefetches later interactions and their contacts in a loop over interactions at index k.
 inline void prefetchContact(
         const InteractionContainer& interactions, std::size_t count, std::size_t k)
 {
@@ -56,10 +56,10 @@ inline void prefetchPair(const Scene& scene, std::size_t k)
 	if (k + 2 * prefetchAhead >= count) return;
 	prefetchContact(interactions, count, k);
 	const BodyContainer& bodies = *scene.bodies;
-	const auto           both   = [&](std::size_t turns, auto ask) {
-                const Interaction& later = *interactions[k + turns];
-                ask(bodies[later.getId1()].get());
-                ask(bodies[later.getId2()].get());
+	const auto           both   = [&](std::size_t ahead, auto fetch) {
+                const Interaction& later = *interactions[k + ahead];
+                fetch(bodies[later.getId1()].get());
+                fetch(bodies[later.getId2()].get());
 	};
 	both(prefetchAhead, prefetch<Body>);
 	both(prefetchAhead / 2, prefetchBody);

@@ -2,7 +2,7 @@
 
 #include <atomic>
 
-#include "kernel/detection/missed_contacts.hpp"
+#include "kernel/detection/undetected_contacts.hpp"
 #include "dem/transfer/MeanField.hpp"
 #include "dem/transfer/colliderBox.hpp"
 #include "dem/shapes/plane.hpp"
@@ -28,50 +28,50 @@ namespace {
 		phys.shearForce  = plane::toSpace(shear);
 	}
 
-	/// Writes a missed contact as InteractionLoop would have made it.
-	SceneHandles::Contact writeMissedContact(
-	        Scene& scene, const rcr::Step& step, const rcr::UpdatedContact& grown)
+	/// Writes an added contact as InteractionLoop would have made it.
+	SceneHandles::Contact writeAddedContact(
+	        Scene& scene, const rcr::Step& step, const rcr::DetectedContact& detected)
 	{
 		rcr::Pair pair;
-		pair.body1 = grown.body1, pair.body2 = grown.body2;
-		Interaction& i = interactionOf(scene, pair, grown.shift);
+		pair.body1 = detected.body1, pair.body2 = detected.body2;
+		Interaction& i = interactionOf(scene, pair, detected.shift);
 		if (!i.phys) {
-			pair.friction = grown.friction, pair.restitution = grown.restitution;
-			pair.since    = scene.iter;
+			pair.friction = detected.friction, pair.restitution = detected.restitution;
+			pair.formedAt = scene.iter;
 		}
-		return writeContact(i, pair, grown.manifold, step,
-		        shifted(step.bodies[grown.body2].pose(), grown.shift));
+		return writeContact(i, pair, detected.manifold, step,
+		        shifted(step.bodies[detected.body2].pose(), detected.shift));
 	}
 
 	void addContacts(Scene& scene, SceneHandles& handles, rcr::Step& step)
 	{
-		for (const rcr::UpdatedContact& grown : step.added) {
-			step.contacts[step.find(grown.body1, grown.body2) - step.contacts.data()].source
-			        = int(handles.sorted.size());
-			handles.sorted.push_back(writeMissedContact(scene, step, grown));
+		for (const rcr::DetectedContact& detected : step.added) {
+			const auto k = step.find(detected.body1, detected.body2) - step.contacts.data();
+			step.contacts[k].listIndex = int(handles.sorted.size());
+			handles.sorted.push_back(writeAddedContact(scene, step, detected));
 		}
 	}
 
 	/// Applies strain and velocity gradient to the cell.
-	void stretch(Cell& cell, const rcr::PeriodicCell& now, rcr::Vec2 strain)
+	void deformCell(Cell& cell, const rcr::PeriodicCell& now, rcr::Vec2 strain)
 	{
 		Matrix3r displaced = Matrix3r::Identity();
 		displaced(0, 0) += strain.x, displaced(1, 1) += strain.y;
 		cell.hSize = displaced * cell.hSize;
 		cell.trsf  = displaced * cell.trsf;
-		cell.integrateAndUpdate(0); // what it keeps of both
-		Matrix3r gradient = gradientOf(cell);
+		cell.integrateAndUpdate(0); // updates its derived data
+		Matrix3r gradient = nextGradient(cell);
 		for (int axis = 0; axis < 2; ++axis)
 			gradient(axis, axis) = now.gradient[axis][axis];
 		cell.setVelGrad(gradient);
 	}
 
-	/// A rotating obstacle reaches out of its box. YADE checks displacements only.
+	/// Returns true if a rotating obstacle leaves its box. YADE checks displacements only.
 	bool rotatesOutOfBox(const rcr::StepBody& b, const rcr::StepBody& owner, const rcr::Twist& v,
 	        double dt, const Bound& bound)
 	{
 		return v.rotation != 0 && b.shape.kind >= rcr::PlanarShape::box
-		        && obstacleLeavesBox(b.shape, rcr::moved(b, owner, v, dt), 0, bound);
+		        && obstacleLeavesBox(b.shape, rcr::poseAfter(b, owner, v, dt), 0, bound);
 	}
 
 	/// Largest displacement of an image relative to its body in a step [m].
@@ -85,20 +85,20 @@ namespace {
 		return step.dt * farthest;
 	}
 
-	// Requests a run of the collider if a body reaches out of its box with its present alert
-	// distance, or an obstacle by rotation. YADE itself checks displacements only.
+	/// Requests a run of the collider if a grain, enlarged by its alert distance, or a rotating
+	/// obstacle leaves its box. YADE checks displacements only.
 	void requestCollider(
 	        Scene& scene, rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
 	{
 		const Real widest = scene.isPeriodic
 		        ? 0.45 * scene.cell->getSize().minCoeff()
 		        : std::numeric_limits<Real>::infinity(); // YADE ends with 0.5
-		// boxes do not follow images whose bodies stay
+		// boxes do not follow images of bodies at rest
 		const double imageStep = largestImageDisplacement(step);
 		std::atomic<bool> out { false };
 		team.forEach(step.bodies.size(), [&](Body::id_t id) {
 			const Bound* bound = handles.bound[id];
-			prefetch<Bound>(handles.bound[turnAhead(id, step.bodies.size())]);
+			prefetch<Bound>(handles.bound[indexAhead(id, step.bodies.size())]);
 			if (!bound) return;
 			const rcr::StepBody& b = step.bodies[id];
 			const rcr::Twist&    v = step.problem.velocity[id];
@@ -118,11 +118,11 @@ namespace {
 
 } // namespace
 
-void resetVelocity(State& s, const rcr::Twist& rest)
+void setFreeVelocity(State& s, const rcr::Twist& velocity)
 {
-	const Vector3r velocity(rest.x, rest.y, 0), spin(0, 0, rest.rotation);
+	const Vector3r vel(velocity.x, velocity.y, 0), spin(0, 0, velocity.rotation);
 	for (int axis = 0; axis < 3; ++axis) {
-		if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] = velocity[axis];
+		if (!(s.blockedDOFs & State::axisDOF(axis))) s.vel[axis] = vel[axis];
 		if (!(s.blockedDOFs & State::axisDOF(axis, true))) s.angVel[axis] = spin[axis];
 	}
 }
@@ -167,12 +167,12 @@ SceneHandles::Contact writeContact(Interaction& i, const rcr::Pair& pair,
         const rcr::Manifold& manifold, const rcr::Step& step, const rcr::Pose& at2)
 {
 	if (!i.geom) i.geom = boost::make_shared<RcrGeom>();
-	if (pair.since >= 0) {
+	if (pair.formedAt >= 0) {
 		auto phys                    = boost::make_shared<CdPhys>();
 		phys->tangensOfFrictionAngle = pair.friction;
 		phys->restitution            = pair.restitution;
 		i.phys                       = phys;
-		i.iterMadeReal               = pair.since;
+		i.iterMadeReal               = pair.formedAt;
 	}
 	RcrGeom&             geom = static_cast<RcrGeom&>(*i.geom);
 	CdPhys&              phys = static_cast<CdPhys&>(*i.phys);
@@ -189,27 +189,27 @@ void scatter(Scene& scene, rcr::ThreadTeam& team, const std::vector<rcr::Twist>&
 	addContacts(scene, handles, step);
 	team.forEach(step.contacts.size(), [&](std::size_t k) {
 		const auto physOf = [&](std::size_t number) {
-			return handles.sorted[step.contacts[number].source].phys;
+			return handles.sorted[step.contacts[number].listIndex].phys;
 		};
-		prefetch<CdPhys>(physOf(turnAhead(k, step.contacts.size())));
+		prefetch<CdPhys>(physOf(indexAhead(k, step.contacts.size())));
 		writeForces(step, step.contacts[k], *physOf(k));
 	});
 	const double inverseDt = 1 / step.dt;
 	team.forEach(step.bodies.size(), [&](Body::id_t id) {
 		const rcr::StepBody& body = step.bodies[id];
 		if (!step.displacement.empty())
-			prefetch<State>(handles.state[turnAhead(id, step.bodies.size())]);
+			prefetch<State>(handles.state[indexAhead(id, step.bodies.size())]);
 		const rcr::Twist& p = impulses[id];
 		if (p.x != 0 || p.y != 0 || p.rotation != 0) {
 			scene.forces.addForceUnsynced(id, inverseDt * Vector3r(p.x, p.y, 0));
 			scene.forces.addTorqueUnsynced(id, inverseDt * Vector3r(0, 0, p.rotation));
 		}
 		if (!handles.state[id] || body.owner != id) return;
-		if (step.overdamped) resetVelocity(*handles.state[id], body.velocity);
+		if (step.overdamped) setFreeVelocity(*handles.state[id], body.velocity);
 		if (!step.displacement.empty() && body.free)
 			applyCorrection(*handles.state[id], step.displacement[id]);
 	});
-	if (step.cell.stretches()) stretch(*scene.cell, step.cell, step.strain);
+	if (step.cell.stretches()) deformCell(*scene.cell, step.cell, step.strain);
 	requestCollider(scene, team, handles, step);
 }
 

@@ -12,7 +12,7 @@ namespace yade::validation {
 
 enum Law { rigid = 1, smooth = 2, both = 3, neither = 4 };
 
-template <class Kind> bool is(const shared_ptr<Engine>& engine)
+template <class Kind> bool isLive(const shared_ptr<Engine>& engine)
 {
 	return !engine->dead && dynamic_cast<const Kind*>(engine.get());
 }
@@ -32,7 +32,7 @@ struct View {
 	explicit View(const Scene& s) : scene(s), engines(s.engines)
 	{
 		loop = first<InteractionLoop>();
-		const bool solver = place<ContactDynamics>() >= 0;
+		const bool solver = indexOf<ContactDynamics>() >= 0;
 		const bool laws   = loop
 		        && has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(loop->lawDispatcher->functors);
 		const bool phys
@@ -46,17 +46,17 @@ struct View {
 
 	template <class Kind> Kind* first() const
 	{
-		const int at = place<Kind>();
+		const int at = indexOf<Kind>();
 		return at < 0 ? nullptr : dynamic_cast<Kind*>(engines[at].get());
 	}
-	template <class Kind> int place() const
+	template <class Kind> int indexOf() const
 	{
-		const auto found = std::find_if(engines.begin(), engines.end(), is<Kind>);
+		const auto found = std::find_if(engines.begin(), engines.end(), isLive<Kind>);
 		return found == engines.end() ? -1 : int(found - engines.begin());
 	}
 	template <class Kind> int count() const
 	{
-		return int(std::count_if(engines.begin(), engines.end(), is<Kind>));
+		return int(std::count_if(engines.begin(), engines.end(), isLive<Kind>));
 	}
 	template <class Kind> bool dead() const
 	{
@@ -71,11 +71,11 @@ struct View {
 	}
 };
 
-// Rules on engines (engines.cpp). Each returns a message, or an empty text.
-std::string lateLoad(const View&);
-std::string lostLoad(const View&);
-std::string blindServo(const View&);
-std::string wrongAttributes(const View&);
+// Rules on engines (engines.cpp). Each returns an error message, or an empty text.
+std::string loadAfterSolver(const View&);
+std::string loadWithoutEffect(const View&);
+std::string servoBeforeIntegrator(const View&);
+std::string attributeErrors(const View&);
 std::string timeStep(const View&);
 std::string finiteMotion(const View&);
 std::string integrator(const View&);

@@ -9,38 +9,37 @@ namespace yade::validation {
 namespace {
 
 	constexpr unsigned outOfPlane = State::DOF_Z | State::DOF_RX | State::DOF_RY;
-	// x, y components of a quaternion from which on a body is tilted
-	constexpr double   tilted     = 1e-9;
+	constexpr double   tilted     = 1e-9; // least x or y of the quaternion of a tilted body
 	constexpr double   sameHeight = 1e-9; // difference of z over 1 m + |z|
 
-	/// Message about a state that is not finite; empty: it is finite.
-	std::string notFinite(const Body& b)
+	/// Message about a position or velocity that is not finite; empty: all are finite.
+	std::string motionError(const Body& b)
 	{
 		const State& s = *b.state;
 		const auto message = [&](const char* what, const Vector3r& v, const char* name) {
-			return named({ b.getId() }) + " has the " + what + ' ' + coordinates(v)
+			return bodyNames({ b.getId() }) + " has the " + what + ' ' + coordinates(v)
 			        + "; expected finite numbers: set b.state." + name + '.';
 		};
 		if (!s.pos.allFinite()) return message("position", s.pos, "pos");
 		if (!s.vel.allFinite()) return message("velocity", s.vel, "vel");
 		if (!s.angVel.allFinite()) return message("angular velocity", s.angVel, "angVel");
 		if (s.ori.coeffs().allFinite()) return {};
-		return named({ b.getId() })
+		return bodyNames({ b.getId() })
 		        + " has an orientation that is not finite; set b.state.ori = Quaternion((0, 0, 1), "
 		          "angle).";
 	}
 
 	/// Message about an invalid mass or moment of inertia of a free body; empty: both are valid.
-	std::string wrongInertia(const Body& b)
+	std::string inertiaError(const Body& b)
 	{
 		const State&       s     = *b.state;
 		constexpr unsigned shift = State::DOF_X | State::DOF_Y;
 		const auto         valid = [](Real m) { return m > 0 && math::isfinite(m); };
 		if ((s.blockedDOFs & shift) != shift && !valid(s.mass))
-			return named({ b.getId() }) + " is free but has the mass " + text(s.mass)
+			return bodyNames({ b.getId() }) + " is free but has the mass " + text(s.mass)
 			        + "; give it a mass > 0 or block its degrees of freedom.";
 		if (!(s.blockedDOFs & State::DOF_RZ) && !valid(s.inertia[2]))
-			return named({ b.getId() }) + " is free to turn but has the moment of inertia "
+			return bodyNames({ b.getId() }) + " is free to turn but has the moment of inertia "
 			        + text(s.inertia[2]) + " about z; give it one > 0 or block Z.";
 		return {};
 	}
@@ -52,7 +51,7 @@ std::string coordinates(const Vector3r& v)
 	return '(' + text(v[0]) + ", " + text(v[1]) + ", " + text(v[2]) + ')';
 }
 
-std::string named(const std::vector<Body::id_t>& ids)
+std::string bodyNames(const std::vector<Body::id_t>& ids)
 {
 	if (ids.empty()) return {};
 	std::string list = ids.size() == 1 ? "body" : "bodies";
@@ -61,8 +60,6 @@ std::string named(const std::vector<Body::id_t>& ids)
 		        + std::to_string(ids[k]);
 	return list;
 }
-
-void refuse(const std::string& message) { throw std::invalid_argument("rcr: " + message); }
 
 bool isGrain(const Body& b)
 {
@@ -78,14 +75,14 @@ Real planeOf(const Scene& scene)
 	return std::numeric_limits<Real>::quiet_NaN();
 }
 
-std::string defectOf(const Body& b, const rcr::PlanarShape& shape, Real z)
+std::string bodyError(const Body& b, const rcr::PlanarShape& shape, Real z)
 {
 	const State& s    = *b.state;
-	const auto   name = [&] { return named({ b.getId() }); };
+	const auto   name = [&] { return bodyNames({ b.getId() }); };
 	if (shape.grain() && !(shape.halfWidth > 0))
 		return name() + " has the cap radius " + text(shape.halfWidth)
 		        + "; expected a length > 0: set b.shape.capRadius, or radius of a disc.";
-	if (const std::string wrong = notFinite(b); !wrong.empty()) return wrong;
+	if (const std::string error = motionError(b); !error.empty()) return error;
 	// the shape turns with its body about z only; Walls never turn, Facets may be tilted
 	const bool flat = b.isClump() || shape.grain() || shape.kind == rcr::PlanarShape::box;
 	if (flat && (math::abs(s.ori.x()) > tilted || math::abs(s.ori.y()) > tilted))
@@ -113,7 +110,7 @@ std::string defectOf(const Body& b, const rcr::PlanarShape& shape, Real z)
 		        + coordinates(s.angVel)
 		        + ", which lead out of the plane; expected b.state.vel[2], b.state.angVel[0] and "
 		          "b.state.angVel[1] to be 0.";
-	return wrongInertia(b);
+	return inertiaError(b);
 }
 
 std::string invalidBodies(const View& v)
@@ -124,7 +121,7 @@ std::string invalidBodies(const View& v)
 		const rcr::PlanarShape shape
 		        = b->shape && !b->isClump() ? plane::shapeOf(*b->shape, *b->state, z)
 		                                    : rcr::PlanarShape {};
-		if (const std::string wrong = defectOf(*b, shape, z); !wrong.empty()) return wrong;
+		if (const std::string error = bodyError(*b, shape, z); !error.empty()) return error;
 	}
 	return {};
 }
@@ -146,7 +143,7 @@ std::string massWarning(const Scene& scene)
 		if (math::abs(b->state->mass - mass) <= 1e-9 * mass && !ball) ball = b.get();
 	}
 	if (!rcrs || !ball) return {};
-	return named({ ball->getId() }) + " is a Sphere with the mass of a ball, "
+	return bodyNames({ ball->getId() }) + " is a Sphere with the mass of a ball, "
 	        + text(ball->state->mass)
 	        + " kg, among Rcrs, whose masses are per unit depth; make it by rcr.disc(center, "
 	          "R), which sets the mass of a disc.";
@@ -156,14 +153,14 @@ void checkPhys(const CdPhys& phys, Body::id_t id1, Body::id_t id2)
 {
 	const Real friction = phys.tangensOfFrictionAngle, restitution = phys.restitution;
 	if (!(friction >= 0 && friction <= rcr::maxFriction))
-		refuse("contact of " + named({ id1, id2 }) + " has the friction coefficient "
-		        + text(friction)
-		        + "; expected a friction angle from 0 to below π/2, and a coefficient of at most "
-		        + text(rcr::maxFriction)
-		        + ". Mend the material or Ip2 functor, then call O.interactions.clear().");
+		refuse("contact of ", bodyNames({ id1, id2 }), " has the friction coefficient ",
+		        text(friction),
+		        "; expected a friction angle from 0 to below π/2, and a coefficient of at most ",
+		        text(rcr::maxFriction),
+		        ". Mend the material or Ip2 functor, then call O.interactions.clear().");
 	if (!(restitution >= 0 && restitution <= 1))
-		refuse("contact of " + named({ id1, id2 }) + " has the restitution " + text(restitution)
-		        + "; expected 0 to 1. Mend the Ip2 functor, then call O.interactions.clear().");
+		refuse("contact of ", bodyNames({ id1, id2 }), " has the restitution ", text(restitution),
+		        "; expected 0 to 1. Mend the Ip2 functor, then call O.interactions.clear().");
 }
 
 } // namespace yade::validation

@@ -13,10 +13,10 @@ std::string materials(const View& v)
 		if (!material || material == valid) continue;
 		const FrictMat* rough = dynamic_cast<const FrictMat*>(material);
 		if (!rough)
-			return named({ b->getId() }) + " has the material " + material->getClassName()
+			return bodyNames({ b->getId() }) + " has the material " + material->getClassName()
 			        + ", which has no friction; give it a FrictMat.";
 		if (!(rough->frictionAngle >= 0 && rough->frictionAngle < 0.5 * Mathr::PI))
-			return named({ b->getId() }) + " has the friction angle "
+			return bodyNames({ b->getId() }) + " has the friction angle "
 			        + text(rough->frictionAngle)
 			        + "; expected radians from 0 to below π/2, such as radians(26).";
 		valid = material;
@@ -34,17 +34,17 @@ std::string obstaclesOutOfPlane(const View& v)
 		if (const Box* box = dynamic_cast<const Box*>(b->shape.get())) {
 			const Vector3r& half = box->extents;
 			if (!(half[0] >= 0 && half[1] >= 0 && math::isfinite(half[0] + half[1])))
-				return named({ b->getId() }) + " is a Box with the extents " + coordinates(half)
+				return bodyNames({ b->getId() }) + " is a Box with the extents " + coordinates(half)
 				        + ", so nothing would meet it; expected finite half widths ≥ 0.";
 			if (!(math::abs(b->state->pos.z() - z) <= half[2]))
-				return named({ b->getId() }) + " is a Box at z = " + text(b->state->pos.z())
+				return bodyNames({ b->getId() }) + " is a Box at z = " + text(b->state->pos.z())
 				        + " that does not reach the plane z = " + text(z)
 				        + " of the grains, so nothing would meet it; set its z, or its "
 				          "extents.";
 		}
 		if (dynamic_cast<const Facet*>(b->shape.get())
 		        && plane::shapeOf(*b->shape, *b->state, z).kind == rcr::PlanarShape::none)
-			return named({ b->getId() }) + " is a Facet that does not cut the plane z = "
+			return bodyNames({ b->getId() }) + " is a Facet that does not cut the plane z = "
 			        + text(z)
 			        + " of the grains; a Facet is the segment in which it does: put a "
 			          "corner on either side, or remove it.";

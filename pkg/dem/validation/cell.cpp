@@ -9,7 +9,7 @@ namespace yade::validation {
 std::string wallsInCell(const View& v)
 {
 	const Body* wall = v.scene.isPeriodic ? v.body<Wall>() : nullptr;
-	return wall ? named({ wall->getId() })
+	return wall ? bodyNames({ wall->getId() })
 	                + " is a Wall in a periodic cell, which has no boundary; remove it, or use "
 	                  "a Box or fixed Rcrs."
 	            : std::string();
@@ -17,13 +17,13 @@ std::string wallsInCell(const View& v)
 
 std::string cellStress(const View& v)
 {
-	if (v.law == smooth && v.place<CellStress>() >= 0)
+	if (v.law == smooth && v.indexOf<CellStress>() >= 0)
 		return "CellStress presses the cell of ContactDynamics, and contacts are smooth; take "
 		       "PeriTriaxController(dynCell=True).";
-	if (v.place<CellStress>() >= 0 && !v.scene.isPeriodic)
+	if (v.indexOf<CellStress>() >= 0 && !v.scene.isPeriodic)
 		return "CellStress has no cell to press; set O.periodic = True and O.cell.setBox(…), "
 		       "or remove it.";
-	if (v.law == rigid && v.place<PeriTriaxController>() >= 0)
+	if (v.law == rigid && v.indexOf<PeriTriaxController>() >= 0)
 		return "PeriTriaxController moves the cell by stiffnesses or by last stresses, which "
 		       "rigid contacts do not have or answer without bound; use "
 		       "rcr.CellStress.";
@@ -32,7 +32,7 @@ std::string cellStress(const View& v)
 
 std::string velocityGradient(const View& v)
 {
-	if (!v.scene.isPeriodic || math::isfinite(gradientOf(*v.scene.cell).sum())) return {};
+	if (!v.scene.isPeriodic || math::isfinite(nextGradient(*v.scene.cell).sum())) return {};
 	return "O.cell.velGrad is not finite; expected a velocity gradient in 1/s.";
 }
 
@@ -53,7 +53,7 @@ std::string smallCell(const View& v)
 		if (wider * half + margin < most * size && largestShare * size + margin < most * size)
 			continue;
 		return "the periodic cell is " + text(size) + " wide at its narrowest, "
-		        + named({ b->getId() }) + " has the radius " + text(half)
+		        + bodyNames({ b->getId() }) + " has the radius " + text(half)
 		        + " and the collider a verletDist of " + text(margin)
 		        + "; expected a cell of more than 4.2 times radius + verletDist, and 25 times "
 		          "verletDist, along all three axes: O.cell.setBox(…)."

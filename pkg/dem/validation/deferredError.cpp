@@ -40,7 +40,7 @@ void deferError(const std::string& message)
 {
 	const std::lock_guard<std::mutex> lock(mutex);
 	if (!pending.empty()) return;
-	// the queue is full; a later step finds the error again
+	// if the queue is full, a later step finds the error again
 	if (Py_AddPendingCall(raise, nullptr) != 0) return;
 	pending = message;
 	Omega::instance().getScene()->stopAtIter = Omega::instance().getScene()->iter + 1;

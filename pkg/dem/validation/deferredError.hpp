@@ -5,8 +5,8 @@
 
 namespace yade {
 
-/// Raises a ValueError in Python as soon as its main thread runs, that is right after O.step().
-/// Stops a run.
+/// Stops the run. Raises a ValueError in Python as soon as its main thread runs, right after
+/// O.step().
 void deferError(const std::string& message);
 
 /// Stores the message of an exception that ended a step. YADE's run thread discards it if nobody

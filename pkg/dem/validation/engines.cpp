@@ -7,14 +7,14 @@ namespace yade::validation {
 
 namespace {
 
-	/// The engine sets positions or velocities.
+	/// Returns true if the engine sets positions or velocities.
 	bool moves(const Engine& engine)
 	{
 		return dynamic_cast<const KinematicEngine*>(&engine)
 		        || dynamic_cast<const StepDisplacer*>(&engine);
 	}
 
-	/// The engine adds forces, which last until the ForceResetter.
+	/// Returns true if the engine adds forces, which last until the ForceResetter.
 	bool pushes(const Engine& engine)
 	{
 		// a FieldApplier, too
@@ -24,7 +24,7 @@ namespace {
 		        || dynamic_cast<const WallStress*>(&engine);
 	}
 
-	/// The engine adds forces or prescribes motion.
+	/// Returns true if the engine adds forces or prescribes motion.
 	bool loads(const Engine& engine)
 	{
 		return pushes(engine) || moves(engine)
@@ -33,9 +33,9 @@ namespace {
 
 } // namespace
 
-std::string lateLoad(const View& v)
+std::string loadAfterSolver(const View& v)
 {
-	const int solver = v.place<ContactDynamics>(), integrator = v.place<NewtonIntegrator>();
+	const int solver = v.indexOf<ContactDynamics>(), integrator = v.indexOf<NewtonIntegrator>();
 	for (int k = solver + 1; solver >= 0 && k < integrator; ++k)
 		if (!v.engines[k]->dead && loads(*v.engines[k]))
 			return "the " + v.engines[k]->getClassName()
@@ -46,9 +46,9 @@ std::string lateLoad(const View& v)
 
 /// Rejects load engines after the integrator or before the ForceResetter, whose forces would
 /// have no effect.
-std::string lostLoad(const View& v)
+std::string loadWithoutEffect(const View& v)
 {
-	const int resetter = v.place<ForceResetter>(), integrator = v.place<NewtonIntegrator>();
+	const int resetter = v.indexOf<ForceResetter>(), integrator = v.indexOf<NewtonIntegrator>();
 	for (int k = 0; k < int(v.engines.size()); ++k) {
 		if (v.engines[k]->dead || !pushes(*v.engines[k]) || (resetter < k && k < integrator))
 			continue;
@@ -61,9 +61,9 @@ std::string lostLoad(const View& v)
 }
 
 /// A servo reads the force on its body. ContactDynamics adds contact forces after it.
-std::string blindServo(const View& v)
+std::string servoBeforeIntegrator(const View& v)
 {
-	const int integrator = v.place<NewtonIntegrator>();
+	const int integrator = v.indexOf<NewtonIntegrator>();
 	for (int k = 0; k < integrator; ++k)
 		if (!v.engines[k]->dead && v.engines[k]->getClassName() == "ServoPIDController")
 			return "the ServoPIDController stands before the NewtonIntegrator, so it would "
@@ -71,15 +71,15 @@ std::string blindServo(const View& v)
 	return {};
 }
 
-std::string wrongAttributes(const View& v)
+std::string attributeErrors(const View& v)
 {
 	for (const auto& engine : v.engines) {
 		if (engine->dead) continue;
 		std::string message;
 		if (const auto* stress = dynamic_cast<const WallStress*>(engine.get()))
-			message = stress->invalidAttribute(v.scene);
+			message = stress->attributeError(v.scene);
 		if (const auto* solver = dynamic_cast<const ContactDynamics*>(engine.get()))
-			message = solver->invalidAttribute();
+			message = solver->attributeError();
 		if (!message.empty()) return message;
 	}
 	return {};
@@ -150,7 +150,7 @@ std::string bounds(const View& v)
 		        || collider->boundDispatcher->getFunctor1D(b->shape))
 			continue;
 		const std::string shape = b->shape->getClassName();
-		return "the collider has no Bo1_" + shape + "_Aabb, so " + named({ b->getId() })
+		return "the collider has no Bo1_" + shape + "_Aabb, so " + bodyNames({ b->getId() })
 		        + " would meet nothing; put Bo1_" + shape + "_Aabb() into its list.";
 	}
 	return {};

@@ -1,4 +1,4 @@
-// Rules of validation on pairs of bodies: a functor for each pair that may meet, and overlaps
+// Rules of validation on pairs of bodies: functors of all pairs that could collide, and overlaps
 // before the first step.
 #include <limits>
 #include <map>
@@ -14,11 +14,11 @@ namespace {
 
 	constexpr double deepOverlap = 0.01; // over R₁ + R₂; beds at rest and flows stay below 5e-3
 
-	/// Properties of a body that decide which bodies it may meet.
+	/// Properties of a body that decide which bodies it could collide with.
 	struct Party {
 		const Body* body;
-		// loads and contacts do not move it, or it is a line, which meets grains only
-		bool        still;
+		// loads and contacts do not move it, or it is a line, which touches grains only
+		bool        immovable;
 		Body::id_t  clump; // ID_NONE for a single body
 	};
 
@@ -37,10 +37,10 @@ namespace {
 		return one.clump == two.clump && one.clump != Body::ID_NONE;
 	}
 
-	/// YADE allows a contact, and one of the two is movable.
-	bool mayMeet(const Scene& scene, Collider* collider, const Party& one, const Party& two)
+	/// Returns true if YADE allows a contact and one of the bodies is movable.
+	bool couldCollide(const Scene& scene, Collider* collider, const Party& one, const Party& two)
 	{
-		return collider && one.body != two.body && !(one.still && two.still)
+		return collider && one.body != two.body && !(one.immovable && two.immovable)
 		        && mayCollide(scene, *collider, one.body->getId(), two.body->getId());
 	}
 
@@ -69,19 +69,19 @@ namespace {
 		return exists ? "Ig2_" + shape1 + '_' + shape2 + "_RcrGeom" : std::string();
 	}
 
-	/// A body and its position before its first step.
+	/// A body before its first step.
 	struct Placed {
 		Party            party;
 		rcr::PlanarShape shape;
 		// fractions of the edges of a periodic cell, 0 to 1; else coordinates
 		Vector3r         at;
-		double           reach; // half its largest extent along the first of these axes
+		double           halfExtent; // along the first of these axes
 	};
 
 	/// Pairs that overlap before their first step.
-	class FirstOverlaps {
+	class InitialOverlaps {
 	public:
-		FirstOverlaps(const View& v, Real z) : scene_(v.scene), collider_(v.first<Collider>())
+		InitialOverlaps(const View& v, Real z) : scene_(v.scene), collider_(v.first<Collider>())
 		{
 			if (scene_.isPeriodic) edges_ = scene_.cell->hSize;
 			const Matrix3r      inverse = edges_.inverse();
@@ -91,7 +91,7 @@ namespace {
 				Placed p { partyOf(*b, scene_), plane::shapeOf(*b->shape, *b->state, z),
 					inverse * b->state->pos, 0 };
 				if (scene_.isPeriodic) p.at -= Vector3r(p.at.array().floor());
-				p.reach = double(inverse.row(0).norm()) * p.shape.radius();
+				p.halfExtent = double(inverse.row(0).norm()) * p.shape.radius();
 				if (p.shape.kind != rcr::PlanarShape::none)
 					(p.shape.grain() ? grains : obstacles).push_back(p);
 			}
@@ -113,7 +113,7 @@ namespace {
 		{
 			double largest = 0;
 			for (const Placed& p : grains)
-				largest = std::max(largest, p.reach);
+				largest = std::max(largest, p.halfExtent);
 			std::sort(grains.begin(), grains.end(),
 			        [](const Placed& a, const Placed& b) { return a.at[0] < b.at[0]; });
 			const std::size_t n = grains.size();
@@ -121,7 +121,7 @@ namespace {
 				for (std::size_t j = i + 1; j < (scene_.isPeriodic ? i + n : n); ++j) {
 					const Placed& other = grains[j % n];
 					if (double(other.at[0] - grains[i].at[0]) + (j < n ? 0 : 1)
-					        > grains[i].reach + largest)
+					        > grains[i].halfExtent + largest)
 						break;
 					const bool ordered = grains[i].shape.kind <= other.shape.kind;
 					check(ordered ? grains[i] : other, ordered ? other : grains[i]);
@@ -138,7 +138,7 @@ namespace {
 			const double    most = a.shape.radius() + b.shape.radius();
 			const bool      isWall = a.shape.kind == rcr::PlanarShape::wall;
 			if (!isWall && dot(way, way) > most * most) return;
-			if (!mayMeet(scene_, collider_, a.party, b.party)) return;
+			if (!couldCollide(scene_, collider_, a.party, b.party)) return;
 			const rcr::Manifold m = rcr::contactPoints(a.shape,
 			        { from, plane::turnOf(a.shape, *a.party.body->state).axis() }, b.shape,
 			        { from + way, plane::turnOf(b.shape, *b.party.body->state).axis() },
@@ -179,7 +179,7 @@ std::string unsupportedPairs(const View& v)
 	for (const auto& b : *v.scene.bodies) {
 		if (!takesPart(b)) continue;
 		const Party party = partyOf(*b, v.scene);
-		auto&       some  = kinds[{ b->shape->getClassIndex(), party.still, b->groupMask }];
+		auto&       some  = kinds[{ b->shape->getClassIndex(), party.immovable, b->groupMask }];
 		if (some.empty() || (some.size() == 1 && !ofOneClump(some.front(), party)))
 			some.push_back(party);
 	}
@@ -199,7 +199,7 @@ std::string unsupportedPairs(const View& v)
 		for (auto other = kind; other != kinds.end(); ++other)
 			for (const Party& one : kind->second)
 				for (const Party& two : other->second)
-					if (mayMeet(v.scene, v.first<Collider>(), one, two))
+					if (couldCollide(v.scene, v.first<Collider>(), one, two))
 						report(*one.body, *two.body);
 	if (pairs.empty()) return {};
 	return "no Ig2 functor of the InteractionLoop handles " + pairs
@@ -211,14 +211,14 @@ std::string unsupportedPairs(const View& v)
 void checkSupported(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
 	const Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
-	if (partyOf(one, scene).still && partyOf(two, scene).still) return;
+	if (partyOf(one, scene).immovable && partyOf(two, scene).immovable) return;
 	const std::string functor
 	        = functorFor(one.shape->getClassName(), two.shape->getClassName());
-	refuse("no Ig2 functor of the InteractionLoop handles " + shapesOf(one, two)
-	        + ", so they would pass through each other. "
-	        + (functor.empty() ? "Make such shapes from Wall, Box, Facet, Sphere or Rcr; "
-	                             "obstacles meet Spheres and Rcrs."
-	                           : "Add " + functor + " to its first list."));
+	refuse("no Ig2 functor of the InteractionLoop handles ", shapesOf(one, two),
+	        ", so they would pass through each other. ",
+	        functor.empty() ? "Make such shapes from Wall, Box, Facet, Sphere or Rcr; "
+	                          "obstacles meet Spheres and Rcrs."
+	                        : "Add " + functor + " to its first list.");
 }
 
 std::string overlapWarning(const Scene& scene)
@@ -226,20 +226,20 @@ std::string overlapWarning(const Scene& scene)
 	const View v(scene);
 	const Real z = planeOf(scene);
 	if ((v.law != rigid && v.law != smooth) || math::isnan(z)) return {};
-	const FirstOverlaps found(v, z);
+	const InitialOverlaps found(v, z);
 	if (found.pairs == 0) return {};
 	if (found.behind > 0) {
 		const Wall& wall = static_cast<const Wall&>(*(*scene.bodies)[found.wall]->shape);
-		return named({ found.grain })
+		return bodyNames({ found.grain })
 		        + (found.behind > 1 ? " and " + std::to_string(found.behind - 1) + " more lie"
 		                            : " lies")
-		        + " behind a wall, " + named({ found.wall }) + ", which acts towards "
+		        + " behind a wall, " + bodyNames({ found.wall }) + ", which acts towards "
 		        + (wall.sense > 0 ? '+' : '-') + "xy"[wall.axis] + " only (sense="
 		        + std::to_string(wall.sense)
 		        + "): it does not hold such a grain, or pushes it across. Set sense="
 		        + std::to_string(-wall.sense) + ", or 0 for both sides, or move them.";
 	}
-	return named({ found.one, found.two }) + " overlap by " + text(found.depth, 3) + " m, "
+	return bodyNames({ found.one, found.two }) + " overlap by " + text(found.depth, 3) + " m, "
 	        + text(found.share, 3) + " of R₁ + R₂, before their first step"
 	        + (found.pairs > 1 ? ", and " + std::to_string(found.pairs - 1)
 	                                + " more pairs less deeply. "

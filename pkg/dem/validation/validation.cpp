@@ -3,7 +3,7 @@
 #include "dem/engine/CellStress.hpp"
 #include "dem/shapes/Rcr.hpp"
 #include "dem/contacts/RcrGeom.hpp"
-#include "dem/transfer/PairRules.hpp"
+#include "dem/transfer/PairExclusions.hpp"
 #include "dem/validation/deferredError.hpp"
 
 namespace yade::validation {
@@ -14,7 +14,7 @@ namespace {
 
 	template <class Kind> std::string missing(const View& v, const char* name, const char* why)
 	{
-		if (v.place<Kind>() >= 0) return {};
+		if (v.indexOf<Kind>() >= 0) return {};
 		return std::string("O.engines holds no ") + name
 		        + (v.dead<Kind>() ? " that is not dead, " : ", ") + why;
 	}
@@ -29,7 +29,7 @@ namespace {
 
 	template <class Before, class After> std::string order(const View& v, const char* text)
 	{
-		const int before = v.place<Before>(), after = v.place<After>();
+		const int before = v.indexOf<Before>(), after = v.indexOf<After>();
 		return before >= 0 && after >= 0 && before > after ? text : std::string();
 	}
 
@@ -38,7 +38,7 @@ namespace {
 	std::string mixedLaws(const View& v)
 	{
 		if (v.law != both) return {};
-		const char* with = v.place<ContactDynamics>() >= 0 ? "the engine ContactDynamics"
+		const char* with = v.indexOf<ContactDynamics>() >= 0 ? "the engine ContactDynamics"
 		        : has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(v.loop->lawDispatcher->functors)
 		        ? "Law2_RcrGeom_CdPhys_SignoriniCoulomb"
 		        : "Ip2_FrictMat_FrictMat_CdPhys";
@@ -131,11 +131,11 @@ namespace {
 		{ rigid,   [](const View& v) { return order<InteractionLoop, ContactDynamics>(v, "ContactDynamics stands before the InteractionLoop, so it would solve the contacts of the step before; put it after."); } },
 		{ rigid,   [](const View& v) { return order<ContactDynamics, NewtonIntegrator>(v, "ContactDynamics stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
 		{ smooth,  [](const View& v) { return order<InteractionLoop, NewtonIntegrator>(v, "the InteractionLoop stands after the NewtonIntegrator, so its forces would come too late; put it before."); } },
-		{ rigid,   lateLoad },
-		{ both,    lostLoad },
-		{ rigid,   blindServo },
+		{ rigid,   loadAfterSolver },
+		{ both,    loadWithoutEffect },
+		{ rigid,   servoBeforeIntegrator },
 		{ both,    timeStep },
-		{ both,    wrongAttributes },
+		{ both,    attributeErrors },
 		{ both,    cellStress },
 		{ rigid,   [](const View& v) { return order<CellStress, ContactDynamics>(v, "CellStress stands after ContactDynamics, which would not see its load; put it before."); } },
 		{ both,    finiteMotion },
@@ -191,7 +191,7 @@ bool Signature::operator==(const Signature& other) const
 	                other.objects.end(), same);
 }
 
-std::string refusal(const Scene& scene)
+std::string sceneError(const Scene& scene)
 {
 	const View view(scene);
 	for (const Rule& rule : rules) {
@@ -234,28 +234,29 @@ void replaceSphereBounds(const Scene& scene)
 
 void relistPairs(Scene& scene)
 {
-	static PairRules last; // of the scene that a script has run last
+	static PairExclusions last; // of the last run
 	const View       view(scene);
-	if (view.law != neither) last.update(scene, *view.first<Collider>());
+	if (view.law != neither) last.restartIfChanged(scene, *view.first<Collider>());
 }
 
-/// ContactDynamics divides impulses by its time step, and NewtonIntegrator multiplies these forces
-/// by its own. YADE advances the time by the one at the end of the step.
+/// Rejects a change of the time step between ContactDynamics and NewtonIntegrator. The former
+/// divides impulses by it, the latter multiplies forces by it. YADE advances the time by O.dt at
+/// the end of the step.
 void Validator::checkTimeStep(const View& v)
 {
 	const Real change = v.scene.iter == nextStep_ ? math::abs(v.scene.time - nextTime_) : 0;
 	nextStep_ = -1; // the next attempt is accepted
 	if (change <= 1e-6 * v.scene.dt + 1e-12 * v.scene.time) return;
-	const int integrator = v.place<NewtonIntegrator>();
+	const int integrator = v.indexOf<NewtonIntegrator>();
 	// an engine after the integrator may change the time step
-	if (integrator > v.place<ContactDynamics>() + 1
+	if (integrator > v.indexOf<ContactDynamics>() + 1
 	        && integrator == int(v.scene.engines.size()) - 1)
 		refuse("O.dt changed after ContactDynamics in the last step, so NewtonIntegrator applied "
 		       "wrong forces; change O.dt by an engine before ContactDynamics or after "
 		       "NewtonIntegrator.");
 }
 
-void Validator::expectNext(const Scene& scene)
+void Validator::recordNextStep(const Scene& scene)
 {
 	nextStep_ = scene.iter + 1, nextTime_ = scene.time + scene.dt;
 }
@@ -266,10 +267,10 @@ Engines Validator::validate(const Scene& scene)
 	checkTimeStep(view);
 	// may change without a change of objects
 	for (const auto rule : { timeStep, finiteMotion, integrator, velocityGradient, smallCell })
-		if (const std::string wrong = rule(view); !wrong.empty()) refuse(wrong);
+		if (const std::string error = rule(view); !error.empty()) refuse(error);
 	const Signature now = signature(scene);
 	if (now == seen_) return engines_;
-	const std::string message = refusal(scene);
+	const std::string message = sceneError(scene);
 	if (!message.empty()) refuse(message);
 	replaceSphereBounds(scene);
 	engines_ = { view.first<NewtonIntegrator>(), view.first<InteractionLoop>(),
@@ -278,12 +279,12 @@ Engines Validator::validate(const Scene& scene)
 	return engines_;
 }
 
-bool frictional(const Scene& scene, Body::id_t id1, Body::id_t id2)
+bool requireFrictMat(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
 	for (Body::id_t id : { id1, id2 }) {
 		const shared_ptr<Material>& material = (*scene.bodies)[id]->material;
 		if (dynamic_cast<const FrictMat*>(material.get())) continue;
-		deferError(named({ id }) + " has "
+		deferError(bodyNames({ id }) + " has "
 		        + (material ? "the material " + material->getClassName()
 		                    : std::string("no material"))
 		        + " and touches #" + std::to_string(id == id1 ? id2 : id1)
@@ -303,23 +304,23 @@ bool mayCollide(const Scene& scene, Collider& collider, Body::id_t id1, Body::id
 #endif
 }
 
-bool mayTouch(const Interaction& i, const Scene& scene)
+bool acceptContact(const Interaction& i, const Scene& scene)
 {
-	if (!frictional(scene, i.getId1(), i.getId2())) return false;
+	if (!requireFrictMat(scene, i.getId1(), i.getId2())) return false;
 	// YADE checks masks only when boxes begin to overlap; here a rigid contact forms
 	const View view(scene);
 	Collider*  collider = view.law == rigid ? view.first<Collider>() : nullptr;
 	if (collider && !mayCollide(scene, *collider, i.getId1(), i.getId2())) return false;
-	thread_local Signature passed; // evaluates the rules once per change, not per contact
+	thread_local Signature passed; // of the last valid scene
 	const Signature        now = signature(scene);
 	if (now == passed) return true;
-	const std::string message = refusal(scene);
+	const std::string message = sceneError(scene);
 	if (message.empty()) {
 		passed = now;
 		return true;
 	}
-	// else ContactDynamics throws it later in this step
-	if (view.place<ContactDynamics>() < 0) deferError(message);
+	// an active ContactDynamics throws it later in this step
+	if (view.indexOf<ContactDynamics>() < 0) deferError(message);
 	return false;
 }
 

@@ -1,4 +1,4 @@
-// Validation of scenes: what both laws support, and the messages that reject the rest.
+// Validation of scenes: checks that the laws support a scene and explains rejections.
 //
 // Supported in the plane z = const and per unit depth:
 //
@@ -13,15 +13,17 @@
 //     smooth   Ip2_FrictMat_FrictMat_FrictPhys, Law2_RcrGeom_FrictPhys_CundallStrack;
 //              NewtonIntegrator
 //
-// validation.cpp holds the table of rules. Python evaluates it when a run starts, ContactDynamics
-// when engines, the number of bodies or PairRules change, and the Ig2 functors for a new contact.
-// ContactDynamics checks the time step, the integrator and the cell in each step; gather checks
-// each body. Each message says what was given, what is expected and what to do.
+// validation.cpp holds the table of rules. Python evaluates it when a run starts. ContactDynamics
+// evaluates it when engines, the number of bodies or PairExclusions change. Ig2 functors evaluate
+// it for a new contact. ContactDynamics also checks the time step, the integrator and the cell in
+// each step; gather checks each body. Each message has the given value, the expected value and a
+// remedy.
 #pragma once
 
 #include <sstream>
 
 #include "kernel/geometry/planar_shape.hpp"
+#include "kernel/problem/refuse.hpp"
 #include "dem/contacts/CdPhys.hpp"
 
 namespace yade {
@@ -51,12 +53,15 @@ inline std::string text(Real value, int digits = 12)
 std::string coordinates(const Vector3r&);
 
 /// "body #1", "bodies #1 and #2"; empty without ids.
-std::string named(const std::vector<Body::id_t>& ids);
+std::string bodyNames(const std::vector<Body::id_t>& ids);
 
-/// Throws std::invalid_argument with this text.
-[[noreturn]] void refuse(const std::string& message);
+/// Throws std::invalid_argument with all parts as one text.
+template <class... Parts> [[noreturn]] void refuse(const Parts&... parts)
+{
+	rcr::refuse("rcr: ", parts...);
+}
 
-/// The engines that ContactDynamics works with.
+/// The engines of a scene that ContactDynamics needs.
 struct Engines {
 	const NewtonIntegrator* integrator = nullptr;
 	const InteractionLoop*  loop       = nullptr;
@@ -64,22 +69,21 @@ struct Engines {
 	const CellStress*       cellStress = nullptr;
 };
 
-/// Message of the first rule that the scene breaks; empty if it is valid or has none of the
-/// classes of rcr.
-std::string refusal(const Scene&);
+/// Message of the first rule that the scene breaks; empty if it is valid or has no class of rcr.
+std::string sceneError(const Scene&);
 
 /// Replaces Bo1_Sphere_Aabb by Bo1_Disc_Aabb in scenes with ContactDynamics, so that discs get
 /// the same look-ahead as Rcrs.
 void replaceSphereBounds(const Scene&);
 
-/// Restarts the collider if a script has changed PairRules between runs. ContactDynamics also
-/// does so in its steps.
+/// Restarts the collider if a script has changed PairExclusions between runs. ContactDynamics does
+/// the same in its steps.
 void relistPairs(Scene&);
 
 /// Message if rigid contacts have no active ContactDynamics; else empty.
 std::string missingSolver(const Scene&);
 
-/// The scene has a law of rcr.
+/// Returns true if the scene has a law of rcr.
 bool usesRcrClasses(const Scene&);
 
 /// Warnings for suspicious scenes; empty: none. Spheres with the mass of a ball among Rcrs;
@@ -87,8 +91,8 @@ bool usesRcrClasses(const Scene&);
 std::string massWarning(const Scene&);
 std::string overlapWarning(const Scene&);
 
-/// Identity of a scene's engines and functors. Weak pointers, since the address of a deleted
-/// engine may be used again.
+/// Identity of a scene's engines and functors. The pointers are weak, since a new engine may have
+/// the address of a deleted one.
 struct Signature {
 	using Object = boost::weak_ptr<const void>;
 
@@ -104,8 +108,11 @@ struct View;
 /// Validates the scene when its engines, their functors or its number of bodies changed.
 class Validator {
 public:
-	Engines validate(const Scene&); // throws the message of `refusal`
-	void    expectNext(const Scene&); // after ContactDynamics: time of the next step
+	/// Throws the message of sceneError if the scene is invalid.
+	Engines validate(const Scene&);
+	/// Records number and time of the next step, after a step of ContactDynamics.
+	void    recordNextStep(const Scene&);
+
 private:
 	void checkTimeStep(const View&);
 
@@ -115,23 +122,25 @@ private:
 	Real      nextTime_ = 0;
 };
 
-/// YADE's rule of masks and clumps allows a contact of the two bodies.
+/// Returns true if YADE's rules of masks and clumps allow a contact of the two bodies.
 bool mayCollide(const Scene&, Collider&, Body::id_t id1, Body::id_t id2);
 
-/// Both bodies have a FrictMat. If not, Python gets an exception as soon as possible.
-bool frictional(const Scene&, Body::id_t id1, Body::id_t id2);
-/// The interaction may become a contact. If not, Python gets an exception as soon as possible.
-bool mayTouch(const Interaction&, const Scene&);
+/// Returns true if both bodies have a FrictMat; otherwise defers an error to Python.
+bool requireFrictMat(const Scene&, Body::id_t id1, Body::id_t id2);
+/// Returns true if the interaction may become a contact. Its bodies must have a FrictMat, YADE must
+/// allow the pair, and the scene must be valid. Defers errors of materials, and of scenes without
+/// ContactDynamics, to Python.
+bool acceptContact(const Interaction&, const Scene&);
 
-/// The body is an Rcr or a disc.
+/// Returns true if the body is an Rcr or a disc.
 bool isGrain(const Body&);
 
 /// Height z of the plane of the grains; NaN without grains.
 Real planeOf(const Scene&);
 
 /// Message about an invalid position, velocity, mass or blocked degree of freedom of a body; empty:
-/// all are valid. `shape`: none for a clump.
-std::string defectOf(const Body&, const rcr::PlanarShape& shape, Real z);
+/// all are valid. The `shape` of a clump is none.
+std::string bodyError(const Body&, const rcr::PlanarShape& shape, Real z);
 
 /// Throws if no Ig2 functor handles a pair of bodies that could overlap.
 void checkSupported(const Scene&, Body::id_t id1, Body::id_t id2);

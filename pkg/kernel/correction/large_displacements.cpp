@@ -6,19 +6,19 @@ namespace rcr {
 
 namespace {
 
-	constexpr double infinity  = std::numeric_limits<double>::infinity();
-	constexpr int    samples            = 4; // times within the step at which gaps are measured
-	constexpr int    restitutionSamples = 8; // the same to cancel restitution
-	// gap over the slop that must stay open to release a contact
-	constexpr double clearance          = 0.02;
-	constexpr double loadedClearance    = 0.5; // the same for a contact that bore a force
+	constexpr double infinity = std::numeric_limits<double>::infinity();
+	constexpr int    samples         = 4; // times within the step at which gaps are measured
+	constexpr int    nearMissSamples = 8; // times at which contacts with restitution are measured
+	// least gap over the slop of a contact that is released
+	constexpr double clearance       = 0.02;
+	constexpr double loadedClearance = 0.5; // its value if the contact bore a force before the step
 	// fraction of the path that a kept contact may leave open, up to the slop
-	constexpr double earlyArrival       = 0.01;
+	constexpr double earlyArrival    = 0.01;
 
 	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
-	/// The two points have the other order than at the beginning of the step, since the first body
-	/// has turned against the second one.
+	/// Returns true if the points have changed their order since the beginning of the step. The
+	/// first body has then turned against the second one.
 	bool isReversed(const Step& step, const StepContact& c, const Manifold& now)
 	{
 		return dot(now.points[1].position - now.points[0].position,
@@ -26,8 +26,8 @@ namespace {
 		        < 0;
 	}
 
-	/// Gap of the point that is number k of the contact, or the smallest gap if their number
-	/// changed; inf: out of reach; −inf: the point is on the far side of the body.
+	/// Gap of point k of the contact, or the smallest gap if the number of points changed; inf: out
+	/// of reach; −inf: the point is on the far side of the body.
 	double gapOf(const Step& step, const StepContact& c, int k, const Manifold& now)
 	{
 		if (now.count == 0) return infinity;
@@ -107,7 +107,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		        = (end < std::min(0.0, gap) - slop || last < samples) && std::isfinite(end);
 		const double open     = contact.restitution > 0
 		            ? clearance * slop
-		            : std::max((step.gap[number].carried ? loadedClearance : clearance) * slop,
+		            : std::max((step.gap[number].loadedBefore ? loadedClearance : clearance) * slop,
 		                    std::min(slop, -earlyArrival * path));
 		const bool   released = allowRelease && step.problem.impulse[number].n > 0 && least > open
 		        && std::isfinite(least);
@@ -133,15 +133,16 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 	return changed;
 }
 
-bool cancelRestitution(Step& step, const StepContact& contact)
+bool releaseNearMiss(Step& step, const StepContact& contact)
 {
 	const auto bounces = [&](int k) { return step.problem.points[contact.first + k].bias < 0; };
 	if (!(bounces(0) || (contact.count == 2 && bounces(1)))) return false;
-	if (!displacesFar(step, contact, initial(step, contact.body1), initial(step, contact.body2)))
+	if (!hasLargeDisplacement(
+	            step, contact, initial(step, contact.body1), initial(step, contact.body2)))
 		return false;
 	double least[2] = { infinity, infinity };
-	for (int sample = 1; sample <= restitutionSamples; ++sample) {
-		const Manifold now = pointsAfter(step, contact, step.dt * sample / restitutionSamples,
+	for (int sample = 1; sample <= nearMissSamples; ++sample) {
+		const Manifold now = pointsAfter(step, contact, step.dt * sample / nearMissSamples,
 		        [&](int id) { return initial(step, id); });
 		for (int k = 0; k < contact.count; ++k)
 			least[k] = std::min(least[k], gapOf(step, contact, k, now));

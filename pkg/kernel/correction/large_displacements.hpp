@@ -1,39 +1,40 @@
 // Contacts whose bodies pass each other or rotate far within one step.
 //
 // The law describes a contact by its tangent plane at the beginning of the step: g + dt u_n ≥ 0.
-// The gap at the end differs from this by the curvature of the path, about ℓ²/2ρ for a relative
-// displacement ℓ. A disc that passes a corner would be deflected by a plane that it never meets,
-// and a spinning rod would end inside a body. After each solve, the gap of a large displacement is
+// The gap at the end differs from this by the curvature of the path, about λ²/2ρ for a relative
+// displacement λ. A disc that passes a corner would be deflected by a plane that it never meets. A
+// spinning rod would end inside a body. After each solve, the gap of a large displacement is
 // therefore measured at four instants of the step. If it ends below min(0, g) by more than the
-// slop, its difference c from the plane enters the bias, and the step is solved again:
+// slop, its difference c from the plane enters the bias. The step is then solved again:
 //
 //   g_end(v) = g + dt u_n + c  ⟹  b_n = (max(g, 0) + c)/dt
 //
 // The bias is at least min(0, u_n⁻), with the normal velocity u_n⁻ before the step. The contact
-// then pushes no harder than an elastic impact. separation.hpp removes the overlap that is left.
+// then pushes no harder than an elastic impact. separation.hpp removes the remaining overlap.
 //
-// A loaded contact whose gap stays open along the path is released: its bias rises by 2 g_min/dt,
-// with the smallest measured gap g_min, and by |g|/dt at an overlap g < 0.
-// The gap must exceed 2 % of the slop. Without restitution, it must also exceed 1 % of the closing
-// path, up to the slop, and half the slop if the contact bore a force before the step.
+// A loaded contact whose gap stays open along the path is released. With the smallest measured gap
+// g_min, its bias rises by 2 g_min/dt, and by |g|/dt at an overlap g < 0. The gap must exceed 2 %
+// of the slop. Without restitution, it must also exceed 1 % of the closing path, up to the slop. If
+// the contact bore a force before the step, the gap must exceed half the slop.
 //
-// Restitution is cancelled if the bodies would miss each other at their initial velocities.
-// Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
+// A contact with restitution is released if the bodies would miss each other at their initial
+// velocities. Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
 #pragma once
 
 #include <algorithm>
 
-#include "detection/missed_contacts.hpp"
+#include "detection/undetected_contacts.hpp"
 #include "step/step.hpp"
 
 namespace rcr {
 
-/// Relative displacement ℓ per step over √((R₁ + R₂) ρ) [-] at which the deviation ℓ²/2ρ from the
+/// Relative displacement λ per step over √((R₁ + R₂) ρ) [-] at which the deviation λ²/2ρ from the
 /// tangent plane is half the slop; ρ = R₁' + R₂' is the sum of the cap radii.
 constexpr double largeDisplacement = 0.01;
 
-/// The contact has a large displacement at these velocities of its bodies.
-inline bool displacesFar(const Step& step, const StepContact& c, const Twist& v1, const Twist& v2)
+/// Returns true if the contact has a large displacement at these velocities of its bodies.
+inline bool hasLargeDisplacement(
+        const Step& step, const StepContact& c, const Twist& v1, const Twist& v2)
 {
 	const StepBody &one = step.bodies[c.body1], &two = step.bodies[c.body2];
 	const auto      cap = [](const StepBody& b) { return b.shape.grain() ? b.shape.halfWidth : 0; };
@@ -44,54 +45,55 @@ inline bool displacesFar(const Step& step, const StepContact& c, const Twist& v1
 	return path * path > largeDisplacement * largeDisplacement * c.size * (cap(one) + cap(two));
 }
 
-/// The contact has a large displacement at the solved velocities.
-inline bool displacesFar(const Step& step, const StepContact& c)
+/// Returns true if the contact has a large displacement at the solved velocities.
+inline bool hasLargeDisplacement(const Step& step, const StepContact& c)
 {
-	return displacesFar(step, c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
+	return hasLargeDisplacement(
+	        step, c, step.problem.velocity[c.body1], step.problem.velocity[c.body2]);
 }
 
-/// Some contact displaces far in the solved step.
-inline bool anyDisplacesFar(const Step& step)
+/// Returns true if a contact has a large displacement at the solved velocities.
+inline bool anyLargeDisplacement(const Step& step)
 {
 	return std::any_of(step.contacts.begin(), step.contacts.end(),
-	        [&](const StepContact& contact) { return displacesFar(step, contact); });
+	        [&](const StepContact& contact) { return hasLargeDisplacement(step, contact); });
 }
 
-/// Contact points of the bodies after `time`, detected with the reach of the step.
-/// velocityOf(id): velocity of a body.
+/// Contact points of the bodies after `time`, within their detection reach. velocityOf(id) returns
+/// the velocity of a body.
 template <class VelocityOf>
 Manifold pointsAfter(const Step& step, const StepContact& c, double time, VelocityOf velocityOf)
 {
 	const auto at = [&](int id) {
 		const StepBody& body = step.bodies[id];
-		return moved(body, step.bodies[body.owner], velocityOf(body.owner), time);
+		return poseAfter(body, step.bodies[body.owner], velocityOf(body.owner), time);
 	};
 	Pose at2   = at(c.body2);
 	at2.center = at2.center + c.shift + time * c.drift;
 	return contactPoints(step.bodies[c.body1].shape, at(c.body1), step.bodies[c.body2].shape, at2,
-	        reachOf(step, c.body1) + reachOf(step, c.body2));
+	        detectionReach(step, c.body1) + detectionReach(step, c.body2));
 }
 
 /// Contact points after `time` at the solved velocities.
 Manifold solvedPointsAfter(const Step&, const StepContact&, double time);
 
-/// A body has passed through the other one up to `time`, when its contact points are `now`.
-/// Otherwise it is on its original side, or has moved around the other body. Bisection in time
-/// finds the change of the normal: continuous around a body, a jump through it.
-/// normalBefore: that at the beginning of the step.
+/// Returns true if a body has passed through the other one at `time`, when the contact points are
+/// `now`. Otherwise it is on its original side, or has moved around the other body. Bisection in
+/// time finds the change of the normal: it is continuous around a body and jumps through it.
+/// `normalBefore`: contact normal at the beginning of the step.
 bool passedThrough(const Step&, const StepContact&, Vec2 normalBefore, const Manifold& now,
         double time);
 
-/// The bodies meet on their paths at the solved velocities: an overlap exceeds the slop at one of
-/// four instants of the step, or one body has passed through the other.
+/// Returns true if the bodies meet on their paths at the solved velocities. An overlap then exceeds
+/// the slop at one of four instants, or one body has passed through the other.
 bool meetOnPaths(const Step&, const StepContact&, Vec2 normalBefore);
 
 /// Enters the gaps at the end of the step into the biases of the contact. Returns true if a bias
-/// changed. `allowRelease`: contacts whose gap stays open along the path may be released.
+/// changed. `allowRelease`: a contact whose gap stays open along the path may be released.
 bool adaptToDisplacement(Step&, const StepContact&, bool allowRelease);
 
-/// Cancels the restitution of a contact whose bodies do not meet at the initial velocities. Returns
-/// true if a bias changed.
-bool cancelRestitution(Step&, const StepContact&);
+/// Releases a contact with restitution whose bodies do not meet at their initial velocities. The
+/// bodies then keep these velocities. Returns true if a bias changed.
+bool releaseNearMiss(Step&, const StepContact&);
 
 } // namespace rcr

@@ -17,11 +17,11 @@ namespace {
 	}
 }
 
-void prepareRecovery(Step& step, double beta, ThreadTeam& team)
+void setRecoveryBias(Step& step, double beta, ThreadTeam& team)
 {
-	step.problem.recovery.resize(step.gap.size());
+	step.problem.recoveryBias.resize(step.gap.size());
 	team.forEach(step.gap.size(),
-	        [&](std::size_t k) { step.problem.recovery[k] = recoveryVelocity(step, k, beta); });
+	        [&](std::size_t k) { step.problem.recoveryBias[k] = recoveryVelocity(step, k, beta); });
 }
 
 void correctPositions(Step& step, double beta, Workspace& workspace)
@@ -45,13 +45,13 @@ void correctPositions(Step& step, double beta, Workspace& workspace)
 		const StepBody& body = step.bodies[id];
 		Twist&          d    = step.displacement[id];
 		d                    = body.free ? step.dt * (d - problem.velocity[id]) : Twist {};
-		return body.free && body.radius > 0 ? speed(d, body.radius) / body.radius : 0;
+		return body.free && body.radius > 0 ? maxSpeed(d, body.radius) / body.radius : 0;
 	});
 	const double share = std::min(1.0, largestShift / farthest);
 	team.forEach(step.bodies.size(), [&](std::size_t id) {
 		step.displacement[id] = share * step.displacement[id];
 	});
-	step.strain = (share * step.dt) * (step.strain - problem.stretch);
+	step.strain = (share * step.dt) * (step.strain - problem.stretchRate);
 }
 
 } // namespace rcr

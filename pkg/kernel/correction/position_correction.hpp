@@ -1,14 +1,14 @@
 // Removes overlaps by displacements that never become velocities (split impulses).
 //
 // The tolerance of the solver and the curvature of paths leave overlaps. The step is solved once
-// more from its own impulses, with u_n ≥ β |g|/dt at overlaps, and the bodies are displaced by dt
-// (v_β − v). Both solves contain the loads of the step, so a displacement does not open contacts
-// that the next step would close with an impact.
+// more from its own impulses, with u_n ≥ β |g|/dt at overlaps. The bodies are displaced by dt (v_β
+// − v). Both solves contain the loads of the step. So a displacement opens no contact that the next
+// step would close with an impact.
 //
-// Only the overlap beyond the slop counts. In a marginal packing, one contact opens only if others
-// move far, and they then overlap again. The largest displacement is therefore bounded, and all are
-// scaled by the same factor. A cell that stretches is displaced with its bodies. Source: Jourdan,
-// Alart and Jean 1998.
+// Only the overlap beyond the slop counts. In a marginal packing, a contact opens only if other
+// bodies move far and then overlap again. The largest displacement is therefore bounded, and all
+// displacements are scaled by the same factor. A cell that stretches is displaced with its bodies.
+// Source: Jourdan, Alart and Jean 1998.
 #pragma once
 
 #include "problem/solver.hpp"
@@ -20,8 +20,8 @@ namespace rcr {
 /// workspace must hold the solved step.
 void correctPositions(Step&, double beta, Workspace&);
 
-/// Computes problem.recovery: the velocities at which yielding contacts remove the fraction β of
-/// their overlaps, at finite forces.
-void prepareRecovery(Step&, double beta, ThreadTeam&);
+/// Computes problem.recoveryBias: the normal velocities at which yielding contacts remove the
+/// fraction β of their overlaps.
+void setRecoveryBias(Step&, double beta, ThreadTeam&);
 
 } // namespace rcr

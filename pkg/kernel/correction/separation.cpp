@@ -10,7 +10,7 @@ namespace rcr {
 namespace {
 
 	constexpr int    mostSweeps = 200;
-	constexpr double trigger    = 10;  // overlap over the slop from which bodies are separated
+	constexpr double trigger    = 10;  // least overlap over the slop at which bodies are separated
 	constexpr double tolerance  = 1;   // of an overlap, over the slop
 	constexpr double kept       = 0.5; // share of an overlap that a large displacement may keep
 
@@ -27,10 +27,10 @@ namespace {
 			double deepest = 0;
 			for (std::size_t k = 0; k < step_.contacts.size(); ++k) {
 				const StepContact& c = step_.contacts[k];
-				if (isFixed(c)) continue;
-				const bool far = displacesFar(step_, c);
-				if (!far && !closes(c)) continue;
-				if (far
+				if (isPrescribed(c)) continue;
+				const bool isLarge = hasLargeDisplacement(step_, c);
+				if (!isLarge && !closes(c)) continue;
+				if (isLarge
 				        && passedThrough(step_, c, step_.problem.points[c.first].normal,
 				                solvedPointsAfter(step_, c, step_.dt), step_.dt))
 					return 1;
@@ -54,7 +54,7 @@ namespace {
 			deepest = 0;
 			for (std::size_t k = 0; k < touched_.size(); ++k) {
 				const StepContact& c = step_.contacts[k];
-				if (isFixed(c) || !(touched_[k] || displacesFar(step_, c))) continue;
+				if (isPrescribed(c) || !(touched_[k] || hasLargeDisplacement(step_, c))) continue;
 				deepest = std::max(deepest, excess(c));
 			}
 			return deepest;
@@ -83,22 +83,22 @@ namespace {
 			}
 		}
 
-		/// The motion of both bodies is prescribed.
-		bool isFixed(const StepContact& c) const
+		/// Returns true if the motion of both bodies is prescribed.
+		bool isPrescribed(const StepContact& c) const
 		{
-			const auto fixed
+			const auto prescribed
 			        = [&](int id) { return step_.problem.prescribed(step_.bodies[id].owner); };
-			return fixed(c.body1) && fixed(c.body2);
+			return prescribed(c.body1) && prescribed(c.body2);
 		}
 
-		/// Overlap over R₁ + R₂ if it is one that the step must not leave [-]; else 0.
+		/// Overlap at the end over R₁ + R₂ if it exceeds 10 slops and its bound [-]; else 0.
 		double excess(const StepContact& c) const
 		{
 			const double at = pointsAtEnd(c).deepest();
 			return at > std::max(allowed(c), trigger * c.slop()) ? at / c.size : 0;
 		}
 
-		/// A point of the contact ends with an overlap, by its velocity.
+		/// Returns true if a point of the contact ends with an overlap at its velocity.
 		bool closes(const StepContact& c) const
 		{
 			for (int k = c.first; k < c.first + c.count; ++k) {
@@ -126,7 +126,7 @@ namespace {
 			double deepest = 0;
 			for (int k = 0; k < c.count; ++k)
 				deepest = std::max(deepest, -step_.gap[c.first + k].now);
-			return (displacesFar(step_, c) ? kept : 1) * deepest + c.slop();
+			return (hasLargeDisplacement(step_, c) ? kept : 1) * deepest + c.slop();
 		}
 
 		void separate(int number)

@@ -1,19 +1,18 @@
-// Curved paths leave overlaps at the end of a step. This file removes them.
+// Removes overlaps that curved paths leave at the end of a step.
 //
 // The velocities of a step satisfy 0 ≤ u_n + b_n ⟂ p_n ≥ 0 at the tangent planes of its beginning
 // (contact_problem.hpp). A rod that is spun up in the step rolls over the body that it touches. It
-// then ends inside that body, by the curvature ℓ²/2ρ of its path (large_displacements.hpp). A
+// then ends inside that body, by the curvature λ²/2ρ of its path (large_displacements.hpp). A
 // velocity that avoids this overlap would act like an elastic impact. Bodies are displaced by δ
 // instead, and keep their velocities. The displacements satisfy
 //
 //   g(x + dt v + δ) ≥ α min(g(x), 0) − slop        at all contacts of bodies with δ ≠ 0
 //
 // α = 1/2 for large displacements, else 1. Overlaps below 10 slops start no displacement. Nonlinear
-// Gauss–Seidel solves this in the metric of the masses, with gaps detected at the displaced
-// positions, in at most 200 sweeps. A contact counts as solved within one slop. In a step with
-// large displacements, contacts that the tolerance of the solver leaves with an overlap beyond 10
-// slops are included. Source: position solver of Box2D (Catto 2011); Cline and Pai 2003
-// (post-stabilization).
+// Gauss–Seidel solves this in the metric of the masses, in at most 200 sweeps. Gaps are detected at
+// the displaced positions. A contact counts as solved within one slop. Other contacts of such a
+// step are included if the tolerance of the solver leaves overlaps beyond 10 slops. Source:
+// position solver of Box2D (Catto 2011); Cline and Pai 2003 (post-stabilization).
 #pragma once
 
 #include "step/step.hpp"
@@ -21,8 +20,8 @@
 namespace rcr {
 
 /// Adds δ to step.displacement if `displace` is true. Returns the deepest overlap at the end that
-/// the inequality above forbids and that exceeds 10 slops, over R₁ + R₂ [-]; 1 and no displacements
-/// if a body has passed through another one. Overlaps of two prescribed bodies do not count.
+/// exceeds 10 slops and the bound above, over R₁ + R₂ [-]. Returns 1, without displacements, if a
+/// body has passed through another one. Overlaps of two prescribed bodies do not count.
 double separate(Step&, bool displace);
 
 } // namespace rcr

@@ -12,7 +12,7 @@ namespace {
 
 	void checkSizes(const DelassusProblem& problem)
 	{
-		const std::size_t count = problem.free.size(), blocks = problem.column.size();
+		const std::size_t count = problem.freeVelocity.size(), blocks = problem.column.size();
 		const std::size_t rows = problem.rowStart.size();
 		if (problem.friction.size() != count || problem.impulse.size() != count
 		        || rows != count + 1)
@@ -29,7 +29,7 @@ namespace {
 	/// Columns ascend and stay in range; each row has its diagonal; the pattern is symmetric.
 	void checkPattern(const DelassusProblem& problem)
 	{
-		const std::int32_t count = std::int32_t(problem.free.size());
+		const std::int32_t count = std::int32_t(problem.freeVelocity.size());
 		for (std::int32_t k = 0; k < count; ++k) {
 			bool diagonal = false;
 			for (std::int32_t e = problem.rowStart[k], last = -1; e < problem.rowStart[k + 1];
@@ -54,7 +54,7 @@ namespace {
 
 	void checkNumbers(const DelassusProblem& problem)
 	{
-		for (std::size_t k = 0; k < problem.free.size(); ++k) {
+		for (std::size_t k = 0; k < problem.freeVelocity.size(); ++k) {
 			for (std::int32_t e = problem.rowStart[k]; e < problem.rowStart[k + 1]; ++e) {
 				const std::int32_t   j = problem.column[e];
 				const DelassusBlock& w = problem.block[e];
@@ -64,7 +64,7 @@ namespace {
 					refuse("W has a negative diagonal at contact ", k,
 					        "; expected a positive semi-definite matrix");
 			}
-			const Impulse q = problem.free[k], p = problem.impulse[k];
+			const Impulse q = problem.freeVelocity[k], p = problem.impulse[k];
 			if (!finite(q.n, q.t, p.n, p.t))
 				refuse("contact ", k, ": q or the impulse is not finite");
 			if (!(problem.friction[k] >= 0 && std::isfinite(problem.friction[k])))

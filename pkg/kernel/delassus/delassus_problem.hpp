@@ -3,13 +3,13 @@
 //
 //   u = W p + q,   0 ≤ u_n ⟂ p_n ≥ 0,   |p_t| ≤ µ p_n,   p_t = −µ p_n sign(u_t) where u_t ≠ 0
 //
-// | symbol | field    | unit | meaning                                                      |
-// |--------|----------|------|--------------------------------------------------------------|
-// | W      | block    | 1/kg | J M⁻¹ Jᵀ: positive semi-definite, 2×2 blocks in (n, t)        |
-// | q      | free     | m/s  | relative velocity without contact impulses, b_n included     |
-// | µ      | friction | –    | Coulomb coefficient                                          |
-// | p      | impulse  | N s  | p_n ≥ 0 pushes apart                                         |
-// | u      | velocity | m/s  | u_n > 0 opens the contact                                    |
+// | symbol | field        | unit | meaning                                                  |
+// |--------|--------------|------|----------------------------------------------------------|
+// | W      | block        | 1/kg | J M⁻¹ Jᵀ: positive semi-definite, 2×2 blocks in (n, t)    |
+// | q      | freeVelocity | m/s  | relative velocity without contact impulses, b_n included |
+// | µ      | friction     | –    | Coulomb coefficient                                      |
+// | p      | impulse      | N s  | p_n ≥ 0 pushes apart                                     |
+// | u      | velocity     | m/s  | u_n > 0 opens the contact                                |
 //
 // These problems come from files (FCLIB, Siconos). With bodies, contact_problem.hpp is faster.
 // Source: Jean 1999; Acary, Brémond and Huber 2018 (FCLIB).
@@ -39,13 +39,13 @@ struct DelassusProblem {
 	std::vector<std::int32_t> rowStart; // row k has the blocks rowStart[k] … rowStart[k + 1] − 1
 	std::vector<std::int32_t>  column;  // of each block
 	std::vector<DelassusBlock> block;
-	std::vector<Impulse>       free;
+	std::vector<Impulse>       freeVelocity;
 	std::vector<double>        friction;
 	std::vector<Impulse>       impulse;  // in: initial guess; out: solution
 	std::vector<Impulse>       velocity; // out: u of the solution
 };
 
-/// Checks array lengths, the pattern of W and every number; diagonals must be ≥ 0 and friction
+/// Checks array lengths, the pattern of W and every number. Diagonals must be ≥ 0 and friction
 /// within 0 … 1000. Throws std::invalid_argument.
 void checkProblem(const DelassusProblem&);
 

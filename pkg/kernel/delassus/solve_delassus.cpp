@@ -8,7 +8,7 @@
 // | sor                   | over-relaxed sweeps: p ← P_K(p + 1.3 (solution − p))             |
 // | nesterov, exact, auto | sweeps with momentum and restart (sweep/momentum.hpp)            |
 //
-// Stiff problems may stall above the tolerance; the report then says so.
+// Stiff problems may stall above the tolerance; `converged` of the report is then false.
 // Source: Jean 1999; Nesterov 1983.
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ namespace {
 	public:
 		explicit Sweeps(DelassusProblem& problem)
 		        : problem_(problem)
-		        , diagonal_(problem.free.size())
+		        , diagonal_(problem.freeVelocity.size())
 		{
 			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
 				const auto row = problem.column.begin() + problem.rowStart[k];
@@ -95,7 +95,7 @@ namespace {
 		/// g of the header.
 		Impulse velocityWithoutOwn(std::size_t k) const
 		{
-			Impulse    g   = problem_.free[k];
+			Impulse    g   = problem_.freeVelocity[k];
 			const auto add = [&](std::int32_t begin, std::int32_t end) {
 				for (std::int32_t e = begin; e < end; ++e)
 					g = g + problem_.block[e] * problem_.impulse[problem_.column[e]];
@@ -133,7 +133,7 @@ Report solve(DelassusProblem& problem, const std::string& solver, const Settings
 	Sweeps   sweeps(problem);
 	Momentum momentum; // β = 0 in the first sweep
 	StopTest stop(settings);
-	while (!stop.reached(false, [&] { return Criteria { sweeps.measure() }; })) {
+	while (!stop.mustStop(false, [&] { return Criteria { sweeps.measure() }; })) {
 		if (solver == "nlgs") sweeps.plain();
 		else if (solver == "sor")
 			sweeps.relaxed();
@@ -142,9 +142,9 @@ Report solve(DelassusProblem& problem, const std::string& solver, const Settings
 	}
 	Report report;
 	report.iterations = stop.sweeps();
-	report.work       = double(report.iterations) * double(problem.free.size());
+	report.work       = double(report.iterations) * double(problem.freeVelocity.size());
 	report.residual   = sweeps.measure();
-	report.converged  = report.reached(settings) || report.residual == 0;
+	report.converged  = report.meetsResidual(settings) || report.residual == 0;
 	return report;
 }
 

@@ -7,7 +7,7 @@
 
 namespace rcr {
 
-void Pairs::assign(const Neighbours::List& list, bool again)
+void Pairs::assign(const Neighbors::List& list, bool keepContacts)
 {
 	Pairs now;
 	now.all.reserve(list.size()), now.manifold.reserve(list.size());
@@ -19,70 +19,70 @@ void Pairs::assign(const Neighbours::List& list, bool again)
 		Pair pair;
 		pair.body1 = one, pair.body2 = two;
 		for (; old < all.size() && precedes(all[old], pair); ++old)
-			if (again && all[old].points > 0) keep(old);
+			if (keepContacts && all[old].points > 0) keep(old);
 		if (old < all.size() && !precedes(pair, all[old]))
 			keep(old++);
 		else
 			now.all.push_back(pair), now.manifold.emplace_back();
 	}
-	for (; again && old < all.size(); ++old)
+	for (; keepContacts && old < all.size(); ++old)
 		if (all[old].points > 0) keep(old);
 	std::swap(*this, now);
 }
 
-void Pairs::detect(const Step& step, ThreadTeam& team, bool again)
+void Pairs::detect(const Step& step, ThreadTeam& team, bool keepContacts)
 {
 	manifold.resize(all.size());
 	team.forEach(all.size(), [&](std::size_t k) {
 		Pair&           pair = all[k];
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
-		const double    reach = one.alertDistance + two.alertDistance;
+		const double    maxGap = one.alertDistance + two.alertDistance;
 		const Pose      at1 = one.pose(), at2 = two.pose();
-		Manifold        found;
+		Manifold        detected;
 		if (canTouch(one.shape.kind, two.shape.kind))
-			found = contactPoints(one.shape, at1, two.shape, at2, reach);
-		pair.fresh = found.count > 0 && pair.points == 0;
-		if (found.count == 0) {
-			if (!again) pair.points = 0;
+			detected = contactPoints(one.shape, at1, two.shape, at2, maxGap);
+		pair.isNew = detected.count > 0 && pair.points == 0;
+		if (detected.count == 0) {
+			if (!keepContacts) pair.points = 0;
 			return;
 		}
-		if (pair.fresh) pair.force[0] = pair.force[1] = {};
+		if (pair.isNew) pair.force[0] = pair.force[1] = {};
 		double along[2];
 		for (int point = 0; point < 2; ++point)
-			along[point] = positionAlong(one.shape, at1, at2, found.points[point].position);
-		carryForward(pair.points, pair.along, found.count, along, pair.force[0], pair.force[1],
+			along[point] = positionAlong(one.shape, at1, at2, detected.points[point].position);
+		carryForward(pair.points, pair.along, detected.count, along, pair.force[0], pair.force[1],
 		        Impulse {});
-		manifold[k] = found;
-		pair.points = found.count;
+		manifold[k] = detected;
+		pair.points = detected.count;
 		std::copy_n(along, 2, pair.along);
 	});
 }
 
-void Pairs::addFound(const Step& step, long iteration)
+void Pairs::addDetected(const Step& step, long iteration)
 {
 	if (step.added.empty()) return;
-	Neighbours::List list;
+	Neighbors::List list;
 	list.reserve(all.size() + step.added.size());
 	for (const Pair& pair : all)
 		list.emplace_back(pair.body1, pair.body2);
-	for (const UpdatedContact& found : step.added)
-		list.emplace_back(found.body1, found.body2);
+	for (const DetectedContact& detected : step.added)
+		list.emplace_back(detected.body1, detected.body2);
 	std::sort(list.begin() + all.size(), list.end());
 	std::inplace_merge(list.begin(), list.begin() + all.size(), list.end());
 	list.erase(std::unique(list.begin(), list.end()), list.end());
 	assign(list);
-	for (const UpdatedContact& found : step.added) {
-		Pair& pair = *std::lower_bound(all.begin(), all.end(), found, precedes);
-		if (!found.known) {
-			pair.friction = found.friction, pair.restitution = found.restitution;
-			pair.since = iteration;
+	for (const DetectedContact& detected : step.added) {
+		Pair& pair = *std::lower_bound(all.begin(), all.end(), detected, precedes);
+		if (!detected.known) {
+			pair.friction = detected.friction, pair.restitution = detected.restitution;
+			pair.formedAt = iteration;
 		}
-		manifold[&pair - all.data()] = found.manifold;
-		pair.points                  = found.manifold.count;
+		manifold[&pair - all.data()] = detected.manifold;
+		pair.points                  = detected.manifold.count;
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		for (int k = 0; k < 2; ++k)
 			pair.along[k] = positionAlong(
-			        one.shape, one.pose(), two.pose(), found.manifold.points[k].position);
+			        one.shape, one.pose(), two.pose(), detected.manifold.points[k].position);
 	}
 }
 
@@ -92,7 +92,7 @@ void Pairs::numberContacts(Step& step) const
 	for (StepContact& contact : step.contacts) {
 		while (precedes(*pair, contact))
 			++pair;
-		contact.source = int(pair - all.begin());
+		contact.listIndex = int(pair - all.begin());
 	}
 }
 
@@ -109,7 +109,7 @@ void Pairs::writeContacts(Step& step, ThreadTeam& team) const
 		points += all[k].points;
 	}
 	step.contacts.resize(touching.size());
-	step.begin(points);
+	step.resizePoints(points);
 	team.forEach(touching.size(), [&](std::size_t k) {
 		const std::int32_t number = touching[k];
 		const Pair&        pair   = all[number];
@@ -126,7 +126,7 @@ void Pairs::keepForces(const Step& step, ThreadTeam& team)
 {
 	team.forEach(step.contacts.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
-		std::copy_n(&step.force[contact.first], contact.count, all[contact.source].force);
+		std::copy_n(&step.force[contact.first], contact.count, all[contact.listIndex].force);
 	});
 }
 

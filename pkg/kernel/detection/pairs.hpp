@@ -1,23 +1,23 @@
 // Neighbouring pairs with the data that their contacts carry from step to step.
 //
-// With them, steps follow each other without access to the simulation.
+// Steps in arrays use these data while the interactions of the simulation are out of date.
 #pragma once
 
 #include <vector>
 
-#include "detection/neighbours.hpp"
+#include "detection/neighbors.hpp"
 
 namespace rcr {
 
 struct Pair {
 	std::int32_t body1 = 0, body2 = 0;
 	std::int32_t points   = 0;     // contact points; 0: no contact
-	std::int32_t source   = -1;    // number of the contact in the simulation; −1: none
-	bool         fresh    = false; // new contact, whose friction and restitution the caller sets
-	// iteration in which the contact formed; −1: stored in the simulation
-	long         since    = -1;
+	std::int32_t interactionIndex = -1; // number of the contact in the simulation; −1: none
+	bool         isNew    = false; // its friction and restitution are not set yet
+	// iteration in which the contact formed; −1: it is stored in the simulation
+	long         formedAt = -1;
 	double       friction = 0, restitution = 0;
-	// position of each point along the body by whose axis points are sorted [m]
+	// position of each point along the axis that orders the points [m]
 	double       along[2] {};
 	Impulse      force[2];         // of each point [N]
 };
@@ -26,18 +26,18 @@ struct Pairs {
 	std::vector<Pair>     all;      // sorted by body1, then body2
 	std::vector<Manifold> manifold; // per pair, if it touches
 
-	/// Replaces the pairs by those of the list; known pairs keep their data. `again`: contacts
-	/// remain that the list does not hold any more.
-	void assign(const Neighbours::List&, bool again = false);
+	/// Replaces the pairs by those of the list; known pairs keep their data. `keepContacts`:
+	/// contacts that the list lacks remain.
+	void assign(const Neighbors::List&, bool keepContacts = false);
 
 	/// Detects the contact points of every pair at the poses of the step and carries their forces
-	/// forward. `again`: engines have changed velocities; contacts beyond the new reach remain.
-	void detect(const Step&, ThreadTeam&, bool again = false);
+	/// forward. `keepContacts`: contacts beyond the present reach remain.
+	void detect(const Step&, ThreadTeam&, bool keepContacts = false);
 
-	/// Adds the contacts that the step found after its detection.
-	void addFound(const Step&, long iteration);
+	/// Adds the contacts that the step has added (Step::added).
+	void addDetected(const Step&, long iteration);
 
-	/// Sets StepContact::source of the contacts to the numbers of their pairs.
+	/// Sets StepContact::listIndex of the contacts to the numbers of their pairs.
 	void numberContacts(Step&) const;
 
 	/// Sets the contacts of the step and the forces from which they start.

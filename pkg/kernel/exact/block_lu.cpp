@@ -54,7 +54,8 @@ namespace {
 		column(y.entry) -= product;
 	}
 
-	/// Inverts a block by Gauss–Jordan elimination with row exchanges. False if it is singular.
+	/// Inverts a block by Gauss–Jordan elimination with row exchanges. Returns false if it is
+	/// singular.
 	bool invert(Block& block)
 	{
 		double a[3][6];
@@ -85,15 +86,15 @@ namespace {
 		return true;
 	}
 
-	/// Elimination order of a graph. Node i has the neighbours neighbours[begin[i]] …
-	/// neighbours[begin[i + 1] − 1].
+	/// Elimination order of a graph. Node i has the neighbours neighbors[begin[i]] …
+	/// neighbors[begin[i + 1] − 1].
 	std::vector<std::int32_t> minimumDegreeOrder(std::int32_t size,
 	        const std::vector<std::int32_t>&                  begin,
-	        const std::vector<std::int32_t>&                  neighbours)
+	        const std::vector<std::int32_t>&                  neighbors)
 	{
 		const std::vector<std::int32_t> none(1); // AMD needs an array even without edges
 		std::vector<std::int32_t>       order(size);
-		const std::int32_t* const       list = (neighbours.empty() ? none : neighbours).data();
+		const std::int32_t* const       list = (neighbors.empty() ? none : neighbors).data();
 		if (size > 0
 		        && amd_order(size, begin.data(), list, order.data(), nullptr, nullptr) < AMD_OK)
 			throw std::bad_alloc();
@@ -109,12 +110,12 @@ namespace {
 
 BlockLu::BlockLu(std::int32_t size, const std::vector<Pair>& pairs) : size_(size)
 {
-	std::vector<std::int32_t> begin, neighbours;
-	listByKey(size, begin, neighbours, [&](auto add) {
+	std::vector<std::int32_t> begin, neighbors;
+	listByKey(size, begin, neighbors, [&](auto add) {
 		for (const Pair& pair : pairs)
 			add(pair.first, pair.second), add(pair.second, pair.first);
 	});
-	findPattern(begin, neighbours);
+	findPattern(begin, neighbors);
 	listByKey(size, leftStart_, left_, [&](auto add) {
 		for (std::int32_t k = 0; k < size; ++k)
 			for (std::int32_t m = start_[k]; m < start_[k + 1]; ++m)
@@ -136,9 +137,9 @@ BlockLu::BlockLu(std::int32_t size, const std::vector<Pair>& pairs) : size_(size
 /// Column k of L has the later neighbours of row k and the columns of its children in the
 /// elimination tree.
 void BlockLu::findPattern(
-        const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbours)
+        const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbors)
 {
-	order_ = minimumDegreeOrder(size_, begin, neighbours);
+	order_ = minimumDegreeOrder(size_, begin, neighbors);
 	place_.resize(size_);
 	for (std::int32_t k = 0; k < size_; ++k)
 		place_[order_[k]] = k;
@@ -152,7 +153,7 @@ void BlockLu::findPattern(
 		};
 		column.clear();
 		for (std::int32_t m = begin[order_[k]]; m < begin[order_[k] + 1]; ++m)
-			add(place_[neighbours[m]]);
+			add(place_[neighbors[m]]);
 		for (std::int32_t child = firstChild[k]; child >= 0; child = sibling[child])
 			for (std::int32_t m = start_[child]; m < start_[child + 1]; ++m)
 				add(rows_[m]);

@@ -3,10 +3,10 @@
 //   A = L D U,   L and U unit triangular, D block diagonal
 //
 // A_ij ≠ 0 only if bodies i and j share a contact. The pattern is symmetric; the values need not
-// be. Rows are ordered once by approximate minimum degree (AMD of SuiteSparse), without pivoting
-// across blocks: blocks of A = I + Ĵᵀ K Ĵ are singular only by coincidence, which `factor` reports.
-// Source: Amestoy, Davis and Duff 1996 (order); Duff, Erisman and Reid 2017, ch. 5 and 12; Davis
-// 2006, ch. 4 and 6 (left-looking factorisation).
+// be. Rows are ordered once by approximate minimum degree (AMD of SuiteSparse). There is no
+// pivoting across blocks: blocks of A = I + Ĵᵀ K Ĵ are singular only by coincidence, which `factor`
+// reports. Source: Amestoy, Davis and Duff 1996 (order); Duff, Erisman and Reid 2017, ch. 5 and 12;
+// Davis 2006, ch. 4 and 6 (left-looking factorisation).
 #pragma once
 
 #include <cstddef>
@@ -53,9 +53,6 @@ public:
 	/// b ← A⁻¹ b. Call `factor` before.
 	void solve(std::vector<BlockVector>& b) const;
 
-	/// Number of blocks of L below the diagonal, fill-in included.
-	std::size_t fill() const { return rows_.size(); }
-
 private:
 	/// Entry of L, and the end of its column.
 	struct Left {
@@ -68,7 +65,7 @@ private:
 	};
 
 	void findPattern(
-	        const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbours);
+	        const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbors);
 	void eliminate(std::int32_t step);
 
 	std::int32_t              size_ = 0;

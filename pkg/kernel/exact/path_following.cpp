@@ -85,7 +85,8 @@ namespace {
 			}
 		}
 
-		/// dy/dt = (I + Ĵᵀ K Ĵ)⁻¹ Ĵᵀ K e with a new factorisation. False if the matrix is singular.
+		/// dy/dt = (I + Ĵᵀ K Ĵ)⁻¹ Ĵᵀ K e with a new factorisation. Returns false if the matrix is
+		/// singular.
 		bool findDirection()
 		{
 			updates_.clear();
@@ -153,7 +154,8 @@ namespace {
 				velocity_[i] = velocity_[i] + distance * rate_[i];
 		}
 
-		/// Changes the piece of the contact at an edge and updates the direction. False at a fold.
+		/// Changes the piece of the contact at an edge and updates the direction. Returns false at
+		/// a fold.
 		bool cross(const Edge& edge)
 		{
 			const RankOne        change = changeOf(edge);

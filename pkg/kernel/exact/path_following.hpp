@@ -1,4 +1,5 @@
-// Solves a proximal problem by following the path of its solution from a problem with a known one.
+// Solves a proximal problem by following the path of its solution from a problem whose solution is
+// known.
 //
 //   the contact law between p and u + (p − p_ref)/k + (1 − t) e,   t = 0 … 1
 //
@@ -19,14 +20,14 @@
 namespace rcr {
 
 struct PathEnd {
-	bool complete = false; // t = 1 reached; otherwise a fold, or `maxPivots`
+	bool complete = false; // the path has reached t = 1; otherwise a fold, or `maxPivots`
 	int  pivots   = 0;
 
 	/// Contacts that move in the state that becomes unstable at a fold; empty without a fold.
 	std::vector<std::size_t> unstable;
 };
 
-/// Leaves the predictors of the last point of the path; at t = 1 those of the solution.
+/// Sets the predictors of the last point of the path; at t = 1, these give the solution.
 PathEnd followPath(ProximalProblem&, int maxPivots);
 
 } // namespace rcr

@@ -3,7 +3,7 @@
 //   y = Ĵᵀ (p − p_ref),   u = u_ref + b_n n + Ĵ y,   Ĵ = J M^(−1/2)
 //   the contact law between p and u + (p − p_ref)/k,   k = ρ/w_nn
 //
-// y = M^(1/2) (v − v_ref), so the matrix of the problem is I + Ĵᵀ K Ĵ, and Ĵ is zero for prescribed
+// y = M^(1/2) (v − v_ref), so the matrix of the problem is I + Ĵᵀ K Ĵ. Ĵ is zero for prescribed
 // degrees of freedom. All quantities are increments about the reference: near the solution they and
 // their rounding errors are small. With π = p_ref − k u, the law is explicit in pieces:
 //

@@ -109,10 +109,10 @@ Report solveExact(ContactProblem& problem,
 {
 	std::vector<Impulse> before; // impulses before the last sweeps or step, to detect divergence
 	const auto           remember = [&] {
-        if (settings.yieldCompliance > 0) before = problem.impulse;
+        if (settings.yielding.compliance > 0) before = problem.impulse;
 	};
 	const auto hasNoSolution = [&] {
-		return settings.yieldCompliance > 0
+		return settings.yielding.compliance > 0
 		        && (exceedsEnergyBound(problem) || isDivergent(problem, before));
 	};
 	remember();
@@ -123,7 +123,7 @@ Report solveExact(ContactProblem& problem,
 		report.iterations = 0, report.work = 0;
 	} else {
 		report           = begin(problem, settings, workspace);
-		report.converged = report.accurate(settings);
+		report.converged = report.meetsTolerances(settings);
 		if (report.converged || report.iterations >= settings.maxIterations) return report;
 		report.yielded = hasNoSolution();
 		if (report.yielded) return report;

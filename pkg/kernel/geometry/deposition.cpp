@@ -26,15 +26,15 @@ namespace {
 			offer({ r, r });
 			offer({ width_ - r, r });
 			for (auto a = discs_.begin(); a != discs_.end(); ++a) {
-				const double reach = a->radius + r;
+				const double distance = a->radius + r;
 				for (const double x : { r, width_ - r })
-					if (std::abs(x - a->center.x) < reach)
-						offer({ x, a->center.y + leg(reach, x - a->center.x) });
-				if (a->center.y - r < reach)
+					if (std::abs(x - a->center.x) < distance)
+						offer({ x, a->center.y + leg(distance, x - a->center.x) });
+				if (a->center.y - r < distance)
 					for (const double side : { -1, 1 })
-						offer({ a->center.x + side * leg(reach, a->center.y - r), r });
+						offer({ a->center.x + side * leg(distance, a->center.y - r), r });
 				for (auto b = a + 1;
-				     b != discs_.end() && b->center.x - a->center.x < reach + r + largest_; ++b)
+				     b != discs_.end() && b->center.x - a->center.x < distance + r + largest_; ++b)
 					offerBetween(*a, *b, r, offer);
 			}
 			return lowest;
@@ -82,11 +82,11 @@ namespace {
 		static void offerBetween(const Disc& a, const Disc& b, double r, Offer offer)
 		{
 			const Vec2   ab = b.center - a.center;
-			const double d = norm(ab), reachA = a.radius + r, reachB = b.radius + r;
-			if (d >= reachA + reachB) return;
-			const double along = (d * d + reachA * reachA - reachB * reachB) / (2 * d);
+			const double d = norm(ab), distanceA = a.radius + r, distanceB = b.radius + r;
+			if (d >= distanceA + distanceB) return;
+			const double along = (d * d + distanceA * distanceA - distanceB * distanceB) / (2 * d);
 			const Vec2   unit  = (1 / d) * ab;
-			offer(a.center + along * unit + leg(reachA, along) * perp(unit));
+			offer(a.center + along * unit + leg(distanceA, along) * perp(unit));
 		}
 
 		double            width_, largest_, sealed_ = 0;

@@ -10,24 +10,24 @@ namespace {
 
 	Manifold wallContact(
 	        const PlanarShape& wall, Vec2 origin, const PlanarShape& grain, const Pose& at,
-	        double alertDistance)
+	        double maxGap)
 	{
 		const double ahead  = wall.axis == 0 ? at.center.x - origin.x : at.center.y - origin.y;
-		// a one-sided wall does not bear what is far behind it; the margin is for rounding
-		if (std::abs(ahead) > 1.000001 * (grain.radius() + alertDistance)) return {};
+		// a one-sided wall does not bear grains far behind it; the margin is for rounding
+		if (std::abs(ahead) > 1.000001 * (grain.radius() + maxGap)) return {};
 		const double side   = wall.sense != 0 ? wall.sense : ahead < 0 ? -1 : 1;
 		const Vec2   normal = wall.axis == 0 ? Vec2 { side, 0 } : Vec2 { 0, side };
-		return shadowOverlap(HalfPlane { origin, normal }, stadiumOf(grain), at, alertDistance);
+		return shadowOverlap(HalfPlane { origin, normal }, stadiumOf(grain), at, maxGap);
 	}
 
 	/// A segment is a stadium of cap radius 0.
 	Manifold segmentContact(
 	        const PlanarShape& segment, const Pose& body, const PlanarShape& grain, const Pose& at,
-	        double alertDistance)
+	        double maxGap)
 	{
 		Manifold result = shadowOverlap(
 		        stadiumOf(segment), segmentPose(segment, body), stadiumOf(grain), at,
-		        alertDistance);
+		        maxGap);
 		if (result.count == 2
 		    && dot(result.points[1].position - result.points[0].position, at.axis) < 0)
 			std::swap(result.points[0], result.points[1]);
@@ -39,16 +39,16 @@ namespace {
 
 Manifold contactPoints(
         const PlanarShape& one, const Pose& at1, const PlanarShape& two, const Pose& at2,
-        double alertDistance)
+        double maxGap)
 {
 	switch (one.kind) {
-		case PlanarShape::wall: return wallContact(one, at1.center, two, at2, alertDistance);
+		case PlanarShape::wall: return wallContact(one, at1.center, two, at2, maxGap);
 		case PlanarShape::box:
 			return shadowOverlap(
 			        Rectangle { { one.halfLength, one.halfWidth } }, at1, stadiumOf(two), at2,
-			        alertDistance);
-		case PlanarShape::segment: return segmentContact(one, at1, two, at2, alertDistance);
-		default: return shadowOverlap(stadiumOf(one), at1, stadiumOf(two), at2, alertDistance);
+			        maxGap);
+		case PlanarShape::segment: return segmentContact(one, at1, two, at2, maxGap);
+		default: return shadowOverlap(stadiumOf(one), at1, stadiumOf(two), at2, maxGap);
 	}
 }
 

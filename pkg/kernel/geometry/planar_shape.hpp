@@ -8,11 +8,12 @@
 // | disc    | stadium whose core is a point                 | all           |
 // | stadium | rounded-cap rectangle                         | all           |
 //
-// Walls, boxes and segments are obstacles; discs and stadia are grains. Body 1 of a pair is the
-// kind that comes first in this table: normals point from an obstacle to a grain.
+// Walls, boxes and segments are obstacles; discs and stadia are grains. The kind of body 1 comes
+// first in this table, so normals point from an obstacle to a grain.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "geometry/shadow_overlap.hpp"
 
@@ -27,7 +28,7 @@ struct PlanarShape {
 	double      halfLength = 0; // stadium: a; disc: 0; box: half extent; segment: half length [m]
 	double      halfWidth  = 0; // stadium: R'; disc: R; box: half extent; segment: 0 [m]
 	Vec2        offset;         // segment: its midpoint in the frame of the body [m]
-	Vec2        along { 1, 0 }; // segment: its unit direction in the frame of the body
+	Vec2        direction { 1, 0 }; // segment: its unit vector in the frame of the body
 
 	bool grain() const { return kind >= disc; }
 
@@ -47,9 +48,12 @@ struct PlanarShape {
 	double contactRadius() const { return grain() ? halfLength + halfWidth : 0; }
 };
 
-/// Half widths of the axis-aligned bounding box of a box, grain or segment [m].
+/// Half widths of the axis-aligned bounding box [m]. A wall is infinite along its line.
 inline Vec2 halfExtent(const PlanarShape& s, Vec2 axis)
 {
+	constexpr double infinite = std::numeric_limits<double>::infinity();
+	if (s.kind == PlanarShape::wall)
+		return s.axis == 0 ? Vec2 { 0, infinite } : Vec2 { infinite, 0 };
 	if (s.grain()) return halfExtent(Stadium { s.halfLength, s.halfWidth }, axis);
 	return { std::abs(axis.x) * s.halfLength + std::abs(axis.y) * s.halfWidth,
 		     std::abs(axis.y) * s.halfLength + std::abs(axis.x) * s.halfWidth };
@@ -59,36 +63,35 @@ inline Vec2 halfExtent(const PlanarShape& s, Vec2 axis)
 inline Pose segmentPose(const PlanarShape& segment, const Pose& body)
 {
 	const auto rotated = [&](Vec2 v) { return v.x * body.axis + v.y * perp(body.axis); };
-	return { body.center + rotated(segment.offset), rotated(segment.along) };
+	return { body.center + rotated(segment.offset), rotated(segment.direction) };
 }
 
-/// R₁ + R₂ of a pair [m], the scale of overlaps. An obstacle counts with the radius of the grain.
+/// R₁ + R₂ of a pair [m], the scale of overlaps. An obstacle has the radius of the grain.
 inline double contactSize(const PlanarShape& one, const PlanarShape& two)
 {
 	const double r1 = one.contactRadius(), r2 = two.contactRadius();
 	return (r1 > 0 ? r1 : r2) + (r2 > 0 ? r2 : r1);
 }
 
-/// True if a body 1 of kind `one` can contact a body 2 of kind `two`; false in the other order of
-/// kinds.
+/// Returns true if shapes of these kinds may be body 1 and body 2 of a pair.
 inline bool canTouch(PlanarShape::Kind one, PlanarShape::Kind two)
 {
 	return one != PlanarShape::none && two >= PlanarShape::disc && one <= two;
 }
 
-/// True if a body comes first in a pair: by its kind, then by its number.
+/// Returns true if the first body is body 1 of the pair: by its kind, then by its number.
 inline bool comesFirst(const PlanarShape& one, int id1, const PlanarShape& two, int id2)
 {
 	return one.kind != two.kind ? one.kind < two.kind : id1 < id2;
 }
 
-/// Contact points of two bodies with gaps up to `alertDistance` [m]. Requires canTouch.
+/// Contact points of two bodies with gaps up to `maxGap` [m]. Requires canTouch.
 Manifold contactPoints(
         const PlanarShape& one, const Pose& at1, const PlanarShape& two, const Pose& at2,
-        double alertDistance);
+        double maxGap);
 
-/// Position along the axis that orders the points of a pair [m]: of body 1 for two grains, else of
-/// the grain.
+/// Position along the axis that orders the points of a pair [m]. This is the axis of body 1 if it
+/// is a stadium, else of body 2.
 inline double positionAlong(
         const PlanarShape& one, const Pose& at1, const Pose& at2, Vec2 position)
 {

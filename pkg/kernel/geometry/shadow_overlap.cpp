@@ -1,6 +1,7 @@
 #include "geometry/shadow_overlap.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -67,8 +68,8 @@ namespace {
 			return std::max(std::max(along1, across1), std::max(along2, across2));
 		}
 
-		/// True if the ends of each segment lie strictly on both sides of the other segment. For
-		/// collinear segments the sides are rounding, so `along1` is tested too.
+		/// Returns true if the ends of each segment lie strictly on both sides of the other
+		/// segment. Rounding decides the sides of collinear segments, so `along1` is tested too.
 		bool crossing() const { return across1 < 0 && across2 < 0 && along1 < 0; }
 	};
 
@@ -78,10 +79,10 @@ namespace {
 		return { 0.5 * (surface1 + surface2), f.normal, f.distance - radius1 - radius2 };
 	}
 
-	/// The closest pair of facing points, and the pair along a side that is farthest from it within
-	/// the alert distance.
+	/// The closest pair of facing points, and the farthest one from it along a side with a gap up
+	/// to `maxGap`.
 	Manifold manifold(
-	        const Facing* facing, int count, double radius1, double radius2, double alertDistance,
+	        const Facing* facing, int count, double radius1, double radius2, double maxGap,
 	        Vec2 axis)
 	{
 		int closest = 0;
@@ -89,18 +90,18 @@ namespace {
 			if (facing[k].distance < facing[closest].distance) closest = k;
 		Manifold result;
 		result.points[0] = manifoldPoint(facing[closest], radius1, radius2);
-		if (!(result.points[0].gap <= alertDistance)) return result;
+		if (!(result.points[0].gap <= maxGap)) return result;
 		result.count = 1;
 		result.type  = facing[closest].side ? ContactType::capSide : ContactType::capCap;
 
 		const ManifoldPoint& first = result.points[0];
-		double               reach = 1e-9 * (radius1 + radius2); // closer points are the same point
+		double farthest = 1e-9 * (radius1 + radius2); // closer points are the same point
 		for (int k = 0; k < count; ++k) {
 			if (!facing[k].side || dot(facing[k].normal, first.normal) <= 0) continue;
 			const ManifoldPoint other    = manifoldPoint(facing[k], radius1, radius2);
 			const double        distance = norm(other.position - first.position);
-			if (other.gap > alertDistance || distance <= reach) continue;
-			reach            = distance;
+			if (other.gap > maxGap || distance <= farthest) continue;
+			farthest         = distance;
 			result.points[1] = other;
 			result.count     = 2;
 			result.type      = ContactType::sideSide;
@@ -111,18 +112,104 @@ namespace {
 		return result;
 	}
 
+	// ---- boxes
+
+	/// A box and the core of a stadium, in the frame of the box.
+	struct CoreAtBox {
+		Vec2   half;         // half extents of the box
+		Vec2   center, axis; // of the core
+		double halfLength;   // of the core
+		Vec2   ends[2];      // of the core
+
+		std::array<Vec2, 4> corners() const
+		{
+			return { { { -half.x, -half.y }, { half.x, -half.y }, half, { -half.x, half.y } } };
+		}
+	};
+
+	/// Axis of the largest distance between box and core, from the box to the core.
+	struct SeparatingAxis {
+		double distance = -std::numeric_limits<double>::infinity(); // negative: overlap
+		Vec2   axis;
+		bool   face = true; // normal to a face of the box, else to the core
+	};
+
+	/// Compares the four faces of the box, then the two sides of the core segment.
+	SeparatingAxis separatingAxis(const CoreAtBox& c)
+	{
+		const Vec2 side    = perp(c.axis);
+		const Vec2 axes[6] = { { 1, 0 }, { 0, 1 }, { -1, 0 }, { 0, -1 }, side, -side };
+		SeparatingAxis best;
+		for (int k = 0; k < (c.halfLength > 0 ? 6 : 4); ++k) {
+			const Vec2   n        = axes[k];
+			const double nearest  = std::min(dot(c.ends[0], n), dot(c.ends[1], n));
+			const double distance = nearest - std::abs(c.half.x * n.x) - std::abs(c.half.y * n.y);
+			// rounding must not prefer the side of a core parallel to a face, which has two points
+			if (distance > best.distance + (k < 4 ? 0 : 1e-12 * (c.half.x + c.half.y)))
+				best = { distance, n, k < 4 };
+		}
+		return best;
+	}
+
+	/// Points of a core that overlaps the box, pushed out along the separating axis.
+	int overlappingPoints(const CoreAtBox& c, const SeparatingAxis& out, Facing* facing)
+	{
+		if (!out.face) {
+			const auto corners = c.corners();
+			const Vec2 corner  = *std::max_element(corners.begin(), corners.end(),
+			         [&](Vec2 a, Vec2 b) { return dot(a, out.axis) < dot(b, out.axis); });
+			facing[0] = { corner, corner + out.distance * out.axis, out.axis, out.distance, true };
+			return 1;
+		}
+		int count = 0;
+		for (Vec2 end : c.ends) {
+			const double depth = dot(end, out.axis) - std::abs(c.half.x * out.axis.x)
+			        - std::abs(c.half.y * out.axis.y);
+			facing[count++] = { end - depth * out.axis, end, out.axis, depth, true };
+			if (c.halfLength == 0) break;
+		}
+		return count;
+	}
+
+	/// Ends of a core beside the box, then corners of the box that face the core.
+	int separatedPoints(const CoreAtBox& c, Vec2 separatingAxis, Facing* facing)
+	{
+		int count = 0;
+		for (Vec2 end : c.ends) {
+			const Vec2 foot { std::clamp(end.x, -c.half.x, c.half.x),
+				              std::clamp(end.y, -c.half.y, c.half.y) };
+			const Vec2 gap   = end - foot;
+			const bool faced = (foot.x == end.x) != (foot.y == end.y);
+			facing[count++]  = { foot, end, direction(gap, separatingAxis), norm(gap), faced };
+			if (c.halfLength == 0) return count;
+		}
+		for (Vec2 corner : c.corners()) {
+			const double along  = dot(corner - c.center, c.axis),
+			             across = cross(c.axis, corner - c.center);
+			if (std::abs(along) > sideReach * c.halfLength) continue;
+			const Vec2 normal = -sign(across) * perp(c.axis);
+			// the core must be beyond the face on which the corner lies
+			if (std::abs(normal.x) > std::abs(normal.y) ? normal.x * corner.x < 0
+			                                            : normal.y * corner.y < 0)
+				continue;
+			facing[count++]
+			        = { corner, corner - across * perp(c.axis), normal, std::abs(across), true };
+		}
+		return count;
+	}
+
 } // namespace
 
 Manifold shadowOverlap(
         const Stadium& s1, const Pose& at1, const Stadium& s2, const Pose& at2,
-        double alertDistance)
+        double maxGap)
 {
 	const Vec2   d = at2.center - at1.center;
-	const double reach
-	        = s1.halfLength + s1.capRadius + s2.halfLength + s2.capRadius + alertDistance;
-	if (dot(d, d) > reach * reach) return {};
+	const double maxDistance
+	        = s1.halfLength + s1.capRadius + s2.halfLength + s2.capRadius + maxGap;
+	if (dot(d, d) > maxDistance * maxDistance) return {};
 	const Separation separation(d, at1.axis, s1.halfLength, at2.axis, s2.halfLength);
-	if (separation.lowerBound() > s1.capRadius + s2.capRadius + alertDistance) return {};
+	if (separation.lowerBound() > s1.capRadius + s2.capRadius + maxGap) return {};
 
 	const Vec2 core1 = s1.halfLength * at1.axis, core2 = s2.halfLength * at2.axis;
 	Facing     facing[4] = {
@@ -145,20 +232,20 @@ Manifold shadowOverlap(
 			const Facing back { end - h * side, end, -sign(h) * side, -std::abs(h), true };
 			least = k < 2 ? back : swapped(back);
 		}
-		return manifold(&least, 1, s1.capRadius, s2.capRadius, alertDistance, at1.axis);
+		return manifold(&least, 1, s1.capRadius, s2.capRadius, maxGap, at1.axis);
 	}
-	return manifold(facing, 4, s1.capRadius, s2.capRadius, alertDistance, at1.axis);
+	return manifold(facing, 4, s1.capRadius, s2.capRadius, maxGap, at1.axis);
 }
 
 Manifold shadowOverlap(
-        const HalfPlane& wall, const Stadium& s, const Pose& at, double alertDistance)
+        const HalfPlane& wall, const Stadium& s, const Pose& at, double maxGap)
 {
 	Manifold result;
 	result.type = ContactType::wall;
 	for (double end : { -s.halfLength, s.halfLength }) {
 		const Vec2   core = at.center + end * at.axis;
 		const double gap  = dot(core - wall.origin, wall.normal) - s.capRadius;
-		if (gap <= alertDistance)
+		if (gap <= maxGap)
 			result.points[result.count++]
 			        = { core - (s.capRadius + gap / 2) * wall.normal, wall.normal, gap };
 		if (s.halfLength == 0) break;
@@ -167,69 +254,24 @@ Manifold shadowOverlap(
 }
 
 Manifold shadowOverlap(
-        const Rectangle& box, const Pose& boxAt, const Stadium& s, const Pose& at,
-        double alertDistance)
+        const Rectangle& box, const Pose& boxAt, const Stadium& s, const Pose& at, double maxGap)
 {
-	const Vec2 x = boxAt.axis, y = perp(x), h = box.halfExtent;
-	const Vec2 d = at.center - boxAt.center;
-	// centre and axis of the stadium in the frame of the box
+	const Vec2 x = boxAt.axis, y = perp(x), d = at.center - boxAt.center;
 	const Vec2 q { dot(d, x), dot(d, y) }, e { dot(at.axis, x), dot(at.axis, y) };
-	const Vec2 ends[2]    = { q - s.halfLength * e, q + s.halfLength * e };
-	const Vec2 corners[4] = { { -h.x, -h.y }, { h.x, -h.y }, { h.x, h.y }, { -h.x, h.y } };
+	const CoreAtBox core { box.halfExtent, q, e, s.halfLength,
+		                   { q - s.halfLength * e, q + s.halfLength * e } };
+	const SeparatingAxis separating = separatingAxis(core);
 
-	// Separating axes: the four faces of the box, then the two sides of the core segment.
-	const Vec2 axes[6]    = { { 1, 0 }, { 0, 1 }, { -1, 0 }, { 0, -1 }, perp(e), -perp(e) };
-	double     separation = -std::numeric_limits<double>::infinity();
-	Vec2       axis;
-	bool       face = true;
-	for (int k = 0; k < (s.halfLength > 0 ? 6 : 4); ++k) {
-		const Vec2   n       = axes[k];
-		const double nearest = std::min(dot(ends[0], n), dot(ends[1], n));
-		const double along   = nearest - std::abs(h.x * n.x) - std::abs(h.y * n.y);
-		// A core parallel to a face gives the same axis up to rounding. The face wins: two points.
-		if (along > separation + (k < 4 ? 0 : 1e-12 * (h.x + h.y))) {
-			separation = along, axis = n, face = k < 4;
-		}
-	}
-
-	Facing facing[6];
-	int    count = 0;
-	for (Vec2 end : ends) {
-		Vec2 foot { std::clamp(end.x, -h.x, h.x), std::clamp(end.y, -h.y, h.y) };
-		if (separation <= 0) { // core within the box: pushed out through the nearest face
-			if (!face) break;
-			const double depth = dot(end, axis) - std::abs(h.x * axis.x) - std::abs(h.y * axis.y);
-			facing[count++]    = { end - depth * axis, end, axis, depth, true };
-		} else {
-			const bool faced = (foot.x == end.x) != (foot.y == end.y);
-			facing[count++]  = { foot, end, direction(end - foot, axis), norm(end - foot), faced };
-		}
-		if (s.halfLength == 0) break;
-	}
-	if (separation <= 0 && !face) { // pushed out along the normal of the core
-		const Vec2 corner = *std::max_element(
-		        corners, corners + 4, [&](Vec2 a, Vec2 b) { return dot(a, axis) < dot(b, axis); });
-		facing[count++] = { corner, corner + separation * axis, axis, separation, true };
-	}
-	for (Vec2 corner : corners) {
-		if (separation <= 0 || s.halfLength == 0) break;
-		const double along = dot(corner - q, e), across = cross(e, corner - q);
-		if (std::abs(along) > sideReach * s.halfLength) continue;
-		const Vec2 normal = -sign(across) * perp(e);
-		// the core must be beyond the face on which the corner lies
-		if (std::abs(normal.x) > std::abs(normal.y) ? normal.x * corner.x < 0
-		                                            : normal.y * corner.y < 0)
-			continue;
-		facing[count++] = { corner, corner - across * perp(e), normal, std::abs(across), true };
-	}
-	if (count == 0) return {};
+	Facing    facing[6];
+	const int count = separating.distance > 0 ? separatedPoints(core, separating.axis, facing)
+	                                          : overlappingPoints(core, separating, facing);
 	for (int k = 0; k < count; ++k) { // from the frame of the box to the plane
 		const auto toPlane = [&](Vec2 v) { return v.x * x + v.y * y; };
 		facing[k].core1    = boxAt.center + toPlane(facing[k].core1);
 		facing[k].core2    = boxAt.center + toPlane(facing[k].core2);
 		facing[k].normal   = toPlane(facing[k].normal);
 	}
-	Manifold result = manifold(facing, count, 0, s.capRadius, alertDistance, at.axis);
+	Manifold result = manifold(facing, count, 0, s.capRadius, maxGap, at.axis);
 	result.type     = ContactType::wall;
 	return result;
 }

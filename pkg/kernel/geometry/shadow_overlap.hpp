@@ -3,18 +3,18 @@
 // The shadow of one core segment on the other is the part where they face each other. Each of its
 // two ends is an end of one segment, projected into the interior of the other. The manifold holds
 // the closest point of the two cores. Along a side, it also holds the other end of the shadow, if
-// the gap there is within the alert distance. No angle is tested: points appear and vanish with
-// their gaps, so a side contact tips over its edge without a jump.
+// the gap there is at most `maxGap`. No angle is tested: points appear and vanish with their gaps,
+// so a side contact tips over its edge without a jump.
 //
 //   gap g      distance of the surfaces along the normal [m]; negative: overlap
 //   normal n   unit, from body 1 to body 2
 //   position   midway between the surfaces: both bodies feel the impulse on one line
 //
 // Crossing cores have the gap −depth − R'₁ − R'₂, where depth is the smallest translation that
-// separates the segments. The points are ordered along the axis of the stadium (of body 1 for two
-// stadia), so they keep their order from step to step.
-// Source: Saussine et al. 2006; Radjaï and Dubois 2011 (shadow overlap after Moreau). The rule of
-// the second point is new, see pkg/README.md.
+// separates the segments. The points are ordered along the axis of the stadium, or of body 1 of two
+// stadia. So they keep their order from step to step. Source: Saussine et al. 2006; Radjaï and
+// Dubois 2011 (shadow overlap after Moreau). The rule of the second point is new, see
+// pkg/README.md.
 #pragma once
 
 #include <algorithm>
@@ -55,11 +55,11 @@ struct Rectangle {
 	Vec2 halfExtent;
 };
 
-/// Points with gaps up to `alertDistance` [m].
+/// Points with gaps up to `maxGap` [m].
 Manifold shadowOverlap(
-        const Stadium&, const Pose&, const Stadium&, const Pose&, double alertDistance);
-Manifold shadowOverlap(const HalfPlane&, const Stadium&, const Pose&, double alertDistance);
+        const Stadium&, const Pose&, const Stadium&, const Pose&, double maxGap);
+Manifold shadowOverlap(const HalfPlane&, const Stadium&, const Pose&, double maxGap);
 Manifold shadowOverlap(
-        const Rectangle&, const Pose&, const Stadium&, const Pose&, double alertDistance);
+        const Rectangle&, const Pose&, const Stadium&, const Pose&, double maxGap);
 
 } // namespace rcr

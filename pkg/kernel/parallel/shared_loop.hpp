@@ -1,4 +1,4 @@
-// A loop shared among threads by work stealing: each thread takes indices from its own part, then
+// A loop shared among threads by work stealing. Each thread takes indices from its own part, then
 // from the parts of other threads.
 //
 // One thread leads, the others help. A thread has the same part in every loop, so its data stay in

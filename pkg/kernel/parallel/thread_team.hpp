@@ -37,8 +37,8 @@ public:
 		lead();
 	}
 
-	/// Within run: calls work(i) once for each begin ≤ i < end, on any thread and in any order, and
-	/// returns when all calls are done. Rethrows the exception of the smallest i.
+	/// Within run: calls work(i) once for each begin ≤ i < end, on any thread and in any order.
+	/// Returns when all calls are done. Rethrows the exception of the smallest i.
 	template <class Work> void parallelFor(int begin, int end, Work work)
 	{
 		if (!helped_ || end - begin < 2) {
@@ -74,8 +74,8 @@ public:
 		return *std::max_element(ofChunk.begin(), ofChunk.end());
 	}
 
-	/// Within run: calls lead() with or without helpers, as `choice` decides, and records the time
-	/// per unit of `work`, the amount of work done.
+	/// Within run: calls lead() with or without helpers, as `choice` decides. Records the time over
+	/// `work`, the amount of work done.
 	template <class Lead> void runAdaptive(ParallelChoice& choice, double work, Lead lead)
 	{
 		if (!helped_) return lead();

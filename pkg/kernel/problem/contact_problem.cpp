@@ -19,7 +19,7 @@ namespace {
 	}
 
 	/// Error of a body; null: none.
-	const char* defect(const InverseMass& m, const Twist& v)
+	const char* bodyError(const InverseMass& m, const Twist& v)
 	{
 		if (!finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation))
 			return ": a mass or velocity is not finite";
@@ -29,7 +29,7 @@ namespace {
 	}
 
 	/// Error of a contact point; null: none.
-	const char* defect(const ContactPoint& c, const Impulse& p, std::size_t bodies)
+	const char* pointError(const ContactPoint& c, const Impulse& p, std::size_t bodies)
 	{
 		// a negative id becomes huge
 		if (std::size_t(c.body1) >= bodies || std::size_t(c.body2) >= bodies)
@@ -49,11 +49,11 @@ namespace {
 
 } // namespace
 
-void ContactProblem::setStretch(Vec2 now)
+void ContactProblem::setStretchRate(Vec2 now)
 {
 	for (ContactPoint& c : points)
-		c.drift = c.freeDrift(stretch) + componentwise(now, c.shift);
-	stretch = now;
+		c.drift = c.freeDrift(stretchRate) + componentwise(now, c.shift);
+	stretchRate = now;
 }
 
 void updateVelocity(ContactProblem& problem)
@@ -65,10 +65,19 @@ void updateVelocity(ContactProblem& problem)
 		applyImpulse(
 		        c, problem.impulse[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
 		        problem.velocity[c.body1], problem.velocity[c.body2]);
-		stretching = stretching + componentwise(c.shift, inPlane(c.normal, problem.impulse[k]));
+		stretching = stretching + componentwise(c.shift, toCartesian(c.normal, problem.impulse[k]));
 	}
 	if (problem.stretches())
-		problem.setStretch(componentwise(problem.inverseStretchMass, stretching));
+		problem.setStretchRate(componentwise(problem.inverseStretchMass, stretching));
+}
+
+std::vector<double> biases(const ContactProblem& problem)
+{
+	std::vector<double> bias;
+	bias.reserve(problem.points.size());
+	for (const ContactPoint& point : problem.points)
+		bias.push_back(point.bias);
+	return bias;
 }
 
 std::vector<int> drivenBodies(const ContactProblem& problem)
@@ -99,18 +108,18 @@ void checkProblem(const ContactProblem& problem, ThreadTeam& team)
 	const std::size_t bodies = problem.inverseMass.size();
 	checkSize("freeVelocity", problem.freeVelocity.size(), bodies);
 	checkSize("impulse", problem.impulse.size(), problem.points.size());
-	if (!problem.recovery.empty())
-		checkSize("recovery", problem.recovery.size(), problem.points.size());
-	const Vec2 m = problem.inverseStretchMass, g = problem.stretch;
+	if (!problem.recoveryBias.empty())
+		checkSize("recoveryBias", problem.recoveryBias.size(), problem.points.size());
+	const Vec2 m = problem.inverseStretchMass, g = problem.stretchRate;
 	if (!finite(m.x, m.y, g.x, g.y) || m.x < 0 || m.y < 0)
 		refuse("the cell: an inverse mass or stretch rate is not finite, or an inverse mass is "
 		       "negative");
 	for (std::size_t i = 0; i < bodies; ++i)
-		if (const char* wrong = defect(problem.inverseMass[i], problem.freeVelocity[i]))
-			refuse("body ", i, wrong);
+		if (const char* error = bodyError(problem.inverseMass[i], problem.freeVelocity[i]))
+			refuse("body ", i, error);
 	team.forEach(problem.points.size(), [&](std::size_t k) {
-		if (const char* wrong = defect(problem.points[k], problem.impulse[k], bodies))
-			refuse("contact point ", k, wrong);
+		if (const char* error = pointError(problem.points[k], problem.impulse[k], bodies))
+			refuse("contact point ", k, error);
 	});
 }
 

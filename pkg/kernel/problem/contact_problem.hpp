@@ -6,7 +6,7 @@
 //   |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) where u_t ≠ 0    Coulomb
 //
 // A periodic cell that may stretch has two more degrees of freedom, its stretch rates along x and
-// y. Contacts change them by δg = M_c⁻¹ Σ f ∘ s, with f the impulse of a point in x and y; d
+// y. Contacts change them by δg = M_c⁻¹ Σ f ∘ s, with the impulse f of a point in x and y. d
 // includes δg ∘ s.
 //
 // | symbol | field              | unit      | meaning                                             |
@@ -20,7 +20,7 @@
 // | d      | drift              | m/s       | velocity of the periodic image of body 2, relative  |
 // | s      | shift              | m         | from body 2 to that image; 0 without CellStress     |
 // | M_c⁻¹  | inverseStretchMass | 1/(kg m²) | 0: the motion of the cell is prescribed             |
-// | δg     | stretch            | 1/s       | out: change of the stretch rates by contacts        |
+// | δg     | stretchRate        | 1/s       | out: change of the stretch rates by contacts        |
 // | p      | Impulse            | N s       | on body 2, reaction on body 1; p_n ≥ 0 pushes apart |
 //
 // Masses, impulses and forces are per unit depth of the plane.
@@ -40,7 +40,7 @@ struct InverseMass {
 	double x = 0, y = 0; // 1/m along each axis; a mobile wall is free along one axis
 	double rotation = 0; // 1/I
 
-	/// True if no impulse changes the motion of the body.
+	/// Returns true if no impulse changes the motion of the body.
 	bool prescribed() const { return x == 0 && y == 0 && rotation == 0; }
 };
 
@@ -79,9 +79,13 @@ struct ContactPoint {
 	Vec2         drift;
 	Vec2         shift;
 
-	bool drifts() const { return drift.x != 0 || drift.y != 0 || shift.x != 0 || shift.y != 0; }
-	/// d without the contribution δg ∘ s of the stretch.
-	Vec2 freeDrift(Vec2 stretch) const { return drift - componentwise(stretch, shift); }
+	/// Returns true if body 2 is an image of a cell that moves or may move.
+	bool crossesMovingCell() const
+	{
+		return drift.x != 0 || drift.y != 0 || shift.x != 0 || shift.y != 0;
+	}
+	/// d without the contribution δg ∘ s of the stretch rate.
+	Vec2 freeDrift(Vec2 stretchRate) const { return drift - componentwise(stretchRate, shift); }
 };
 
 struct ContactProblem {
@@ -93,14 +97,15 @@ struct ContactProblem {
 	// per contact point; the points of a pair are adjacent
 	std::vector<ContactPoint> points;
 	std::vector<Impulse>      impulse; // in: warm start; out: solution
-	std::vector<double> recovery; // bias ≤ 0 of yielding contacts, corrects overlaps; or empty
+	// bias of a yielding contact that removes its overlap, ≤ 0 [m/s]; may be empty
+	std::vector<double>       recoveryBias;
 
 	Vec2 inverseStretchMass;
-	Vec2 stretch; // included in the drifts of the points
+	Vec2 stretchRate; // included in the drifts of the points
 
 	bool stretches() const { return inverseStretchMass.x > 0 || inverseStretchMass.y > 0; }
-	/// Sets the stretch and updates the drifts of all points.
-	void setStretch(Vec2);
+	/// Sets the stretch rate and updates the drifts of all points.
+	void setStretchRate(Vec2);
 
 	bool prescribed(int body) const { return inverseMass[body].prescribed(); }
 
@@ -112,7 +117,7 @@ struct ContactProblem {
 		return { m.x == 0 ? v.x : 0, m.y == 0 ? v.y : 0, m.rotation == 0 ? v.rotation : 0 };
 	}
 
-	/// A driven body has a prescribed velocity component that is not zero.
+	/// Returns true if a prescribed velocity component of the body is not zero.
 	bool driven(int body) const
 	{
 		const Twist v = prescribedMotion(body);
@@ -122,6 +127,9 @@ struct ContactProblem {
 
 /// Numbers of the driven bodies.
 std::vector<int> drivenBodies(const ContactProblem&);
+
+/// b_n of all points [m/s].
+std::vector<double> biases(const ContactProblem&);
 
 /// Largest speed of driven motion at a contact point, of bodies and of periodic images [m/s].
 double drivenSpeed(const ContactProblem&);
@@ -144,19 +152,19 @@ inline Impulse relativeVelocity(const ContactProblem& problem, const ContactPoin
 inline Impulse freeRelativeVelocity(const ContactProblem& problem, const ContactPoint& c)
 {
 	ContactPoint free = c;
-	free.drift        = c.freeDrift(problem.stretch);
+	free.drift        = c.freeDrift(problem.stretchRate);
 	return relativeVelocity(free, problem.freeVelocity[c.body1], problem.freeVelocity[c.body2]);
 }
 
 /// Components along x and y of an impulse (n, t) at a point with this normal.
-inline Vec2 inPlane(Vec2 normal, Impulse p) { return p.n * normal + p.t * perp(normal); }
+inline Vec2 toCartesian(Vec2 normal, Impulse p) { return p.n * normal + p.t * perp(normal); }
 
 /// Adds M⁻¹ Jᵀ p of one point to the velocities of its two bodies.
 inline void applyImpulse(
         const ContactPoint& c, const Impulse& p, const InverseMass& m1, const InverseMass& m2,
         Twist& v1, Twist& v2)
 {
-	const Vec2 f = inPlane(c.normal, p);
+	const Vec2 f = toCartesian(c.normal, p);
 	v1.x -= m1.x * f.x;
 	v1.y -= m1.y * f.y;
 	v1.rotation -= m1.rotation * cross(c.arm1, f);
@@ -165,12 +173,12 @@ inline void applyImpulse(
 	v2.rotation += m2.rotation * cross(c.arm2, f);
 }
 
-/// Writes v_free + M⁻¹ Jᵀ p to `velocity`, and sets the stretch if the cell can stretch.
+/// Writes v_free + M⁻¹ Jᵀ p to `velocity`, and sets the stretch rate if the cell can stretch.
 void updateVelocity(ContactProblem&);
 
-/// Throws std::invalid_argument, naming the body or point, for arrays of different lengths, an id
-/// out of range, a number that is not finite, or a negative mass. Also for a negative friction or
-/// one above 1000, and for a normal whose length is not 1.
+/// Throws std::invalid_argument that names the body or point. Rejects arrays of different lengths,
+/// ids out of range, numbers that are not finite, negative masses, and friction outside 0 … 1000.
+/// Normals must have the length 1.
 void checkProblem(const ContactProblem&, ThreadTeam&);
 
 } // namespace rcr

@@ -12,8 +12,8 @@
 //   slide   p_t = s µ p_n,  p_n = −g_n / (w_nn + s µ w_nt),  s = ±1 against u_t
 //
 // If µ |w_nt| < w_nn, exactly one case holds. Otherwise (Painlevé) sliding is inconsistent on the
-// side where w_nn + s µ w_nt ≤ 0, and the other side is taken: an impact without collision.
-// Source: Moreau 1988; Jean 1999, §4; Génot and Brogliato 1999 (Painlevé case).
+// side where w_nn + s µ w_nt ≤ 0. The solution then slides to the other side: an impact without
+// collision. Source: Moreau 1988; Jean 1999, §4; Génot and Brogliato 1999 (Painlevé case).
 #pragma once
 
 #include <cmath>
@@ -59,15 +59,16 @@ inline Impulse solveCoulomb(const Delassus& w, double gn, double gt, double fric
 		const double t = -slip / schur, n = -(gn + w.nt * t) / w.nn;
 		if (std::abs(t) <= friction * n) return { n, t };
 	}
-	const double s     = slip > 0 ? -friction : friction;
-	const double slide = w.nn + s * w.nt > 0 ? s : -s; // Painlevé: opposing slip is inconsistent
-	const double n     = -gn / (w.nn + slide * w.nt);
-	return { n, slide * n };
+	const double opposing = slip > 0 ? -friction : friction;
+	// p_t/p_n; Painlevé: sliding against the slip is inconsistent
+	const double ratio = w.nn + opposing * w.nt > 0 ? opposing : -opposing;
+	const double n     = -gn / (w.nn + ratio * w.nt);
+	return { n, ratio * n };
 }
 
-/// Largest factor φ ≤ 1 of the restitution bias b_n < 0 for which one point adds no energy:
-/// p · (u + u⁻) ≤ 0, with p and u the solution for φ b_n and all other impulses fixed [-].
-/// Returns 1 if the gain is below 1e-3 |p| |u⁻|, the error of the solver.
+/// Largest factor φ ≤ 1 of the restitution bias b_n < 0 for which one point adds no energy [-]:
+/// p · (u + u⁻) ≤ 0. p and u solve the point for φ b_n with all other impulses fixed. Returns 1 if
+/// the gain is below 1e-3 |p| |u⁻|, the error of the solver.
 inline double passiveRestitutionFactor(
         const Delassus& w, Impulse p, Impulse before, Impulse after, double bias, double friction)
 {

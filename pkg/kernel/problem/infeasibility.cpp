@@ -10,7 +10,7 @@ namespace rcr {
 
 namespace {
 
-	constexpr double maxChange  = 3;    // velocity change over V that no solution requires
+	constexpr double maxChange  = 3;    // velocity change over V_s that no solution requires
 	constexpr double noiseShare = 1e-3; // impulses below this share of the largest one are noise
 
 	double mass(const InverseMass& m)
@@ -21,7 +21,7 @@ namespace {
 
 	double work(const Impulse& p, const Impulse& u) { return p.n * u.n + p.t * u.t; }
 
-	/// V of a direction.
+	/// V_s of a direction.
 	double velocityScale(const ContactProblem& problem, const std::vector<Impulse>& d)
 	{
 		double largest = 0, speed2 = 0, opening = 0, total = 0;
@@ -46,8 +46,8 @@ namespace {
 		return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * velocityScale;
 	}
 
-	/// The bound of the header over V [-], for impulses projected onto their cones. Infinity: no
-	/// velocities are admissible. 0: this direction proves nothing.
+	/// The bound of the header over V_s [-], for impulses projected onto their cones. Infinity: no
+	/// velocities are admissible. 0: this direction gives no bound.
 	double velocityChangeBound(const ContactProblem& problem, const std::vector<Impulse>& direction)
 	{
 		std::vector<Impulse> d(direction.size());
@@ -59,16 +59,16 @@ namespace {
 			applyImpulse(
 			        c, d[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
 			        change[c.body1], change[c.body2]);
-			stretchImpulse = stretchImpulse + componentwise(c.shift, inPlane(c.normal, d[k]));
+			stretchImpulse = stretchImpulse + componentwise(c.shift, toCartesian(c.normal, d[k]));
 		}
-		const Vec2 stretch = componentwise(problem.inverseStretchMass, stretchImpulse);
+		const Vec2 stretchRate = componentwise(problem.inverseStretchMass, stretchImpulse);
 		double     closing = 0, norm2 = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
 		for (std::size_t k = 0; k < d.size(); ++k) {
 			const ContactPoint& c = problem.points[k];
 			closing -= work(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
 			// impulses move the image of body 2 through the stretch of the cell only
 			ContactPoint response = c;
-			response.drift        = componentwise(stretch, c.shift);
+			response.drift        = componentwise(stretchRate, c.shift);
 			norm2 += work(d[k], relativeVelocity(response, change[c.body1], change[c.body2]));
 		}
 		if (!(closing > 0)) return 0;

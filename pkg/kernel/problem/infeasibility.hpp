@@ -11,12 +11,13 @@
 // (Jᵀ d → 0), and are pressed together. An example is a wedge between driven walls. Solvers diverge
 // along such directions in a step without a solution.
 //
-// The scale of a velocity change is V = √(Σ m) (max |u_free| + Σ max(0, −b_n)) over the bodies and
-// points where d acts: overlaps push a row of bodies apart at the sum of their speeds.
-// Measured with 20 to 2000 grains at rest, in flow, and driven: solved steps need at most 1.0 V and
-// dissipate at most 0.2 V². Further sweeps after a missed tolerance prove at most 0.2 V. In steps
-// without a solution all of these grow without bound.
-// Source: Acary, Cadoux, Lemaréchal and Malick 2011 (criterion); Farkas' lemma (its dual).
+// The scale of a velocity change is V_s = √(Σ m) (max |u_free| + Σ max(0, −b_n)) over the bodies
+// and points where d acts. The sum includes all biases, because overlaps push a row of bodies apart
+// at the sum of their speeds. Measurements cover 20 to 2000 grains at rest, in flow, and driven.
+// Solved steps need at most 1.0 V_s and dissipate at most 0.2 V_s². In feasible steps that miss the
+// tolerance, growing impulses imply at most 0.2 V_s. All three grow without bound in steps without
+// a solution. Source: Acary, Cadoux, Lemaréchal and Malick 2011 (criterion); Farkas' lemma (its
+// dual).
 #pragma once
 
 #include "problem/contact_problem.hpp"
@@ -27,25 +28,25 @@ namespace rcr {
 /// friction, and of points that still close.
 double dissipatedEnergy(const ContactProblem&);
 
-/// True if the cost ½ pᵀWp + p · (u_free + b_n n) is positive or NaN. Frictionless solutions
-/// minimise it; zero impulses cost 0. Impulses of positive cost would add energy to the step:
-/// solvers that start far from the solution can end there.
+/// Returns true if the cost ½ pᵀWp + p · (u_free + b_n n) is positive or NaN. Frictionless
+/// solutions minimise it; zero impulses cost 0. Impulses of positive cost would add energy to the
+/// step. Solvers that start far from the solution can end with such impulses.
 bool hasPositiveCost(const ContactProblem&);
 
-/// True if 2 √E > 3 V, E being the dissipated energy. With d = p and N² = pᵀWp, the bound above is
-/// (E + N²)/N ≥ 2 √E: the velocities would have to change by more than 3 V.
-/// Detects steps without a solution whose impulses are so large that their relative error is small.
+/// Returns true if 2 √E > 3 V_s, with the dissipated energy E. With d = p and N² = pᵀWp, the bound
+/// above is (E + N²)/N ≥ 2 √E. The velocities would then have to change by more than 3 V_s. This
+/// detects steps without a solution whose impulses are so large that their relative error is small.
 bool exceedsEnergyBound(const ContactProblem&);
 
 /// Heuristic filter before exceedsEnergyBound: one pass over the bodies. It uses the masses of all
-/// bodies and the RMS |u_free| of all points, so it may miss a wedge in a large scene.
+/// bodies and the RMS |u_free| of all points. So it may overlook a wedge in a large scene.
 bool mayExceedEnergyBound(const ContactProblem&, double energy, double freeSpeed);
 
 constexpr int    probeSweeps = 100;  // sweeps over which the growth of impulses is measured
-constexpr double minGrowth   = 0.03; // relative growth of diverging impulses; others grow less
+constexpr double minGrowth   = 0.03; // least relative growth of diverging impulses
 
-/// True if the impulses grew by at least minGrowth since `before`, and if this growth requires a
-/// velocity change of more than 3 V.
+/// Returns true if the impulses grew by at least minGrowth since `before`. The growth must also
+/// require a velocity change of more than 3 V_s.
 bool isDivergent(const ContactProblem&, const std::vector<Impulse>& before);
 
 } // namespace rcr

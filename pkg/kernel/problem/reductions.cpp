@@ -15,18 +15,12 @@ const std::vector<std::string>& Reductions::names()
 
 Reductions Reductions::of(const std::vector<std::string>& wanted)
 {
-	const auto has = [](const std::vector<std::string>& list, const std::string& name) {
-		return std::find(list.begin(), list.end(), name) != list.end();
+	const auto has = [&](const char* name) {
+		return std::find(wanted.begin(), wanted.end(), name) != wanted.end();
 	};
-	for (const std::string& name : wanted) {
-		if (has(names(), name)) continue;
-		std::string known;
-		for (const std::string& one : names())
-			known += ' ' + one;
-		refuse("reduction '", name, "' is not known: give some of", known, ", or none");
-	}
-	return { has(wanted, "frictionless"), has(wanted, "discs"), has(wanted, "fixed"),
-		has(wanted, "islands"), has(wanted, "layout") };
+	for (const std::string& name : wanted)
+		requireKnown("reduction", name, names());
+	return { has("frictionless"), has("discs"), has("fixed"), has("islands"), has("layout") };
 }
 
 } // namespace rcr

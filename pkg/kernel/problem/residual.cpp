@@ -1,56 +1,43 @@
 #include "problem/residual.hpp"
 
-#include "problem/coulomb.hpp"
-
 namespace rcr {
 
 namespace {
 
-	struct Point {
-		const ContactProblem& problem;
-		const ContactPoint&   c;
-		Delassus              w;
-		Impulse               p, u, error;
+	struct Sums {
+		Measures measures;
+		double   freeVelocity2 = 0; // Σ |u_free|² [(m/s)²]
 	};
 
-	/// Calls visit(point) for every point with w_nn > 0. Velocities are recomputed from impulses.
-	template <class Visit> void forEachPoint(const ContactProblem& given, Visit visit)
+	/// Sums over all points with w_nn > 0. Velocities are recomputed from impulses.
+	Sums sumsOf(const ContactProblem& given)
 	{
 		ContactProblem problem = given;
 		updateVelocity(problem);
+		Sums sums;
 		for (std::size_t k = 0; k < problem.points.size(); ++k) {
 			const ContactPoint& c = problem.points[k];
-			const Delassus      w = delassus(problem, c);
-			if (w.nn <= 0) continue;
-			const Impulse p = problem.impulse[k], u = relativeVelocity(problem, c);
-			visit(Point { problem, c, w, p, u,
-			        lawError(p, { u.n + c.bias, u.t }, c.friction, w.nn) });
+			const double        w = delassus(problem, c).nn;
+			if (w <= 0) continue;
+			sums.measures += measuresOf(
+			        problem.impulse[k], relativeVelocity(problem, c), c.bias, c.friction, w);
+			sums.freeVelocity2 += square(freeRelativeVelocity(problem, c));
 		}
+		return sums;
 	}
 
 } // namespace
 
 double residual(const ContactProblem& problem)
 {
-	double error2 = 0, impulse2 = 0, stopping2 = 0;
-	forEachPoint(problem, [&](const Point& point) {
-		error2 += square(point.error);
-		impulse2 += square(point.p);
-		const double stopping = (std::abs(point.u.n) + std::abs(point.c.bias)) / point.w.nn;
-		stopping2 += stopping * stopping;
-	});
-	return residualFromSums(error2, impulse2, stopping2);
+	const Measures m = sumsOf(problem).measures;
+	return residualFromSums(m.error2, m.impulse2, m.stopping2);
 }
 
 double kinematicError(const ContactProblem& problem, double velocityFloor)
 {
-	double error2 = 0, velocity2 = 0, freeVelocity2 = 0;
-	forEachPoint(problem, [&](const Point& point) {
-		error2 += point.w.nn * point.w.nn * square(point.error);
-		velocity2 += square(point.u);
-		freeVelocity2 += square(freeRelativeVelocity(point.problem, point.c));
-	});
-	return kinematicErrorFromSums(error2, velocity2, freeVelocity2, velocityFloor);
+	const auto [m, freeVelocity2] = sumsOf(problem);
+	return kinematicErrorFromSums(m.kinematicError2, m.velocity2, freeVelocity2, velocityFloor);
 }
 
 } // namespace rcr

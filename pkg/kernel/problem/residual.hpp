@@ -5,21 +5,22 @@
 #include <cmath>
 #include <limits>
 
-#include "problem/contact_problem.hpp"
+#include "problem/coulomb.hpp"
+#include "problem/measures.hpp"
 
 namespace rcr {
 
-/// Largest friction coefficient [-]. A point that closes and slips has a residual of about 1/µ,
-/// because µ |u_t| exceeds u_n. For µ > 1e4 it would meet the default tolerance. 1e3 is an angle of
-/// 89.94°: points stick.
+/// Largest friction coefficient [-], an angle of 89.94°. A point that closes and slips has a
+/// residual of about 1/µ, because µ |u_t| exceeds u_n. For µ > 1e4 it would meet the default
+/// tolerance.
 constexpr double maxFriction = 1e3;
 
 /// Relative natural-map residual of De Saxcé's form of the contact laws [-]:
 ///
 ///   ‖p − P_K(p − (u + (b_n + µ|u_t|) n) / w_nn)‖ / ‖p‖,   K = { |p_t| ≤ µ p_n }
 ///
-/// It is 0 if and only if the laws hold exactly. The velocities u follow from `impulse`; `velocity`
-/// is not read. Points between two prescribed bodies (w_nn = 0) do not count.
+/// It is 0 if and only if the laws hold exactly. The velocities u are recomputed from `impulse`.
+/// Points between two prescribed bodies (w_nn = 0) do not count.
 /// Source: De Saxcé and Feng 1998; Acary, Brémond and Huber 2018, §4 (natural map).
 double residual(const ContactProblem&);
 
@@ -34,6 +35,16 @@ inline double relative(double error2, double scale2)
 	if (error2 == 0) return 0;
 	return scale2 <= std::numeric_limits<double>::max() ? std::sqrt(error2 / scale2)
 	                                                    : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Terms of one point in the sums. `u`: without the bias; `wnn` > 0.
+inline Measures measuresOf(Impulse p, Impulse u, double bias, double friction, double wnn)
+{
+	const double un       = u.n + bias;
+	const double error2   = square(lawError(p, { un, u.t }, friction, wnn));
+	const double stopping = (std::abs(u.n) + std::abs(bias)) / wnn;
+	return { error2, square(p), p.n, wnn * wnn * error2, square(u), stopping * stopping,
+		     -(p.n * un + p.t * u.t) };
 }
 
 /// Kinematic error from sums of squares over the points: error, |u| and |u_free|.

@@ -18,21 +18,20 @@ namespace {
 	constexpr int leastPatience = 300;
 	/// Exact iterations whose cost equals the patience of the sweeps.
 	constexpr int exactIterations = 10;
-	/// Sweeps of a further pass of a step that has yielded.
+	/// Sweeps of a later pass of a step that has yielded.
 	constexpr int sweepsAfterYield = 50;
 	/// Points of a small problem. Its exact steps cost no more than some hundred sweeps.
 	constexpr int smallProblem = 1000;
 	/// Cost of an exact iteration of a small problem, in sweeps; larger problems pay more.
 	constexpr int sweepsPerExact = 20;
-	/// Least maxIterations for a test of divergence. Shorter passes run ten sweeps: too few to
-	/// judge.
+	/// Least maxIterations for a test of divergence. Shorter passes run ten sweeps, too few for it.
 	constexpr int minIterationsToProbe = 20;
-	/// Sweeps from zero of a step whose impulses have positive cost. A few remove most of it.
+	/// Sweeps from zero for a step whose impulses have positive cost. A few remove most of the
+	/// cost.
 	constexpr int sweepsFromZero = 100;
-	/// Factor of velocityFloor for small problems: tall stacks drift with the velocities left at
-	/// rest.
+	/// Factor of velocityFloor for small problems: velocity errors at rest make tall stacks drift.
 	constexpr double fineFloor = 1e-3;
-	/// Exact iterations × points that are spent at most on this finer floor.
+	/// Upper bound of exact iterations × points for this finer floor.
 	constexpr int maxFineWork = 15000;
 
 	bool frictionless(const ContactProblem& problem)
@@ -51,12 +50,12 @@ namespace {
 
 	bool exceedsYieldImpulse(const ContactProblem& problem, const Settings& settings)
 	{
-		const auto exceeds = [&](const Impulse& p) { return p.n > settings.yieldImpulse; };
+		const auto exceeds = [&](const Impulse& p) { return p.n > settings.yielding.yieldImpulse; };
 		return std::any_of(problem.impulse.begin(), problem.impulse.end(), exceeds);
 	}
 
-	/// A prescribed motion closes a contact that no impulse can open, since it also blocks its
-	/// normal direction.
+	/// Returns true if a prescribed motion closes a contact and also blocks its normal direction.
+	/// No impulse can open such a contact.
 	bool closesBlockedContact(const ContactProblem& problem, double roundingVelocity)
 	{
 		const auto translates = [&](int body) {
@@ -71,13 +70,13 @@ namespace {
 		        });
 	}
 
-	/// True if contacts must yield. Also tests converged solutions: a wedge can have impulses so
-	/// large that both relative errors are small.
+	/// Returns true if contacts must yield. Also tests converged solutions: a wedge can have
+	/// impulses so large that both relative errors are small.
 	bool mustYield(
 	        const Report& report, const ContactProblem& problem, const Settings& settings,
 	        Workspace& workspace)
 	{
-		if (settings.yieldCompliance == 0) return false;
+		if (settings.yielding.compliance == 0) return false;
 		if (report.yielded) return true;
 		if (exceedsYieldImpulse(problem, settings)) return true;
 		if (closesBlockedContact(problem, settings.roundingVelocity)) return true;
@@ -88,7 +87,7 @@ namespace {
 		if (settings.yieldedBefore) return true;
 		if (report.impulseGrowth <= minGrowth) return false;
 		return settings.maxIterations >= minIterationsToProbe
-		        && isDivergent(problem, settings, workspace);
+		        && probeDivergence(problem, settings, workspace);
 	}
 
 	Report solveAuto(ContactProblem& problem, Settings settings, Workspace& workspace)
@@ -107,7 +106,7 @@ namespace {
 		if (report.converged || settings.tolerance == 0) return report;
 		const auto left      = [&] { return most - report.iterations; };
 		const auto converged = [&] {
-			return report.reached(settings)
+			return report.meetsResidual(settings)
 			        && kinematicError(problem, floor) <= settings.kinematicTolerance;
 		};
 		const auto runExact = [&](int iterations, double velocityFloor, int cost) {
@@ -120,12 +119,12 @@ namespace {
 		};
 		if (left() > 0) {
 			report.yielded = mustYield(report, problem, settings, workspace);
-			if (report.yielded) return report; // exact steps take long and find no solution either
+			if (report.yielded) return report; // exact steps would take long and find no solution
 		}
 		const int  cost        = small ? sweepsPerExact : 1;
-		const bool forcesKnown = small && report.reached(settings);
+		const bool forcesKnown = small && report.meetsResidual(settings);
 		int        fine        = left();
-		if (forcesKnown) { // only velocities are missing: limits the work of exact steps on them
+		if (forcesKnown) { // limits the work of exact steps, which improve the velocities only
 			fine = std::min(left(), maxFineWork / int(problem.points.size()));
 			if (left() > fine && !converged()) {
 				sweeps.sameProblem   = true;
@@ -137,16 +136,17 @@ namespace {
 		if (fine > 0) runExact(fine, settings.velocityFloor, forcesKnown ? 1 : cost);
 		if (small && !report.yielded && left() > 0 && !converged()) runExact(left(), floor, cost);
 		if (small) report.kinematicError = kinematicError(problem, floor);
-		report.converged = report.converged || report.accurate(settings);
+		report.converged = report.converged || report.meetsTolerances(settings);
 		return report;
 	}
 
-	/// Solves with rigid contacts. `yielded` in the report means that no rigid solution exists.
+	/// Solves with rigid contacts. The report has `yielded` if it found that no rigid solution
+	/// exists.
 	Report solveRigid(
 	        ContactProblem& problem, const std::string& solver, const Settings& settings,
 	        Workspace& workspace)
 	{
-		if (settings.yieldedBefore && settings.yieldCompliance > 0) {
+		if (settings.yieldedBefore && settings.yielding.compliance > 0) {
 			Settings few      = settings;
 			few.maxIterations = std::min(settings.maxIterations, sweepsAfterYield);
 			return solveNesterov(problem, few, workspace);
@@ -179,13 +179,7 @@ const std::vector<std::string>& solverNames()
 
 void checkSettings(const std::string& solver, const Settings& s)
 {
-	const std::vector<std::string>& names = solverNames();
-	if (std::find(names.begin(), names.end(), solver) == names.end()) {
-		std::string known;
-		for (const std::string& name : names)
-			known += " " + name;
-		refuse("solver '", solver, "' is not known: give one of", known);
-	}
+	requireKnown("solver", solver, solverNames());
 	if (!(s.tolerance >= 0 && std::isfinite(s.tolerance)))
 		refuse("tolerance = ", s.tolerance, ": give a finite residual ≥ 0; 0 runs all iterations");
 	if (s.maxIterations < 1) refuse("maxIterations = ", s.maxIterations, ": give at least 1");
@@ -201,11 +195,12 @@ void checkSettings(const std::string& solver, const Settings& s)
 	if (!(s.kinematicTolerance >= 0))
 		refuse("kinematicTolerance = ", s.kinematicTolerance,
 		       ": give a fraction ≥ 0; infinity disables the test");
-	if (!(s.yieldCompliance >= 0))
-		refuse("yieldCompliance = ", s.yieldCompliance,
+	if (!(s.yielding.compliance >= 0))
+		refuse("yieldCompliance = ", s.yielding.compliance,
 		       ": give a fraction ≥ 0 of the response of a contact; 0 keeps contacts rigid");
-	if (!(s.yieldImpulse > 0))
-		refuse("yieldImpulse = ", s.yieldImpulse, ": give an impulse > 0; infinity sets no bound");
+	if (!(s.yielding.yieldImpulse > 0))
+		refuse("yieldImpulse = ", s.yielding.yieldImpulse,
+		       ": give an impulse > 0; infinity sets no bound");
 	if (!(s.meanForceChange >= 0 && std::isfinite(s.meanForceChange)))
 		refuse("meanForceChange = ", s.meanForceChange,
 		       ": give a finite change ≥ 0; 0 disables the criterion");

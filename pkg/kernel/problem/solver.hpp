@@ -12,6 +12,7 @@
 
 #include "problem/contact_problem.hpp"
 #include "problem/reductions.hpp"
+#include "problem/yielding.hpp"
 
 namespace rcr {
 
@@ -25,8 +26,8 @@ struct Settings {
 	int    stallSweeps   = 0; // sweeps without a new lowest residual to stop at; 0: never
 
 	/// Kinematic error at which to stop, together with the residual (residual.hpp) [-]. The
-	/// residual weighs errors by forces: in slow flow, with large steps or with long particles,
-	/// velocity errors at a residual of 1e-4 can be as large as the flow. Infinity: no test.
+	/// residual weighs errors by forces. Velocity errors at a residual of 1e-4 can be as large as
+	/// the flow. Examples are slow flow, large steps and long particles. Infinity: no test.
 	double kinematicTolerance = 0.01;
 
 	/// Lower bound of the velocity scale of the kinematic error, over the RMS relative velocity
@@ -37,25 +38,20 @@ struct Settings {
 	/// counts as solved, for example bodies that fly together.
 	double roundingVelocity = 0;
 
-	/// Sweeps that an iteration of the exact solver counts for, in maxIterations and Report [-].
+	/// Cost of an exact iteration in sweeps, for maxIterations and Report [-].
 	int exactCost = 1;
 
-	/// Compliance ε of yielding contacts, and their least response w₀ [-, 1/kg]
-	/// (solve_yielding.cpp). Contacts yield if the step has no solution, or if an impulse exceeds
-	/// yieldImpulse. ε = 0: contacts never yield.
-	double yieldCompliance = 0, leastResponse = 0;
+	/// Contacts yield if the step has no solution, or if an impulse exceeds the yield impulse
+	/// (step/yield_bounds.hpp). Compliance 0: contacts never yield.
+	Yielding yielding;
 
-	/// Normal impulse beyond which contacts yield even if the step has a solution
-	/// (step/drive.hpp) [N s].
-	double yieldImpulse = std::numeric_limits<double>::infinity();
-
-	/// An earlier pass of this step has yielded. With ε > 0, this pass yields too unless a few sweeps
-	/// solve it.
+	/// An earlier pass of this step has yielded. If contacts may yield, this pass yields too unless
+	/// a few sweeps solve it.
 	bool yieldedBefore = false;
 
 	/// Stop criterion of the paper: relative change of the mean normal impulse between two
-	/// evaluations [-]. The solver stops at the criterion that is met first. It is lax: a warm
-	/// start meets 1e-3 at a residual of 1e-2. 0: not used.
+	/// evaluations [-]. The solver stops at the criterion that is met first. A warm start meets
+	/// 1e-3 already at a residual of 1e-2. 0: not used.
 	double meanForceChange = 0;
 
 	Reductions reductions;
@@ -63,6 +59,13 @@ struct Settings {
 	/// The workspace solved this problem last; only biases and impulses may differ. Its packed data
 	/// are reused, and the problem is not checked.
 	bool sameProblem = false;
+
+	/// Returns true if residual and kinematic error meet their tolerances. Tolerance 0 is never
+	/// met.
+	bool accept(double residual, double error) const
+	{
+		return tolerance > 0 && residual <= tolerance && error <= kinematicTolerance;
+	}
 };
 
 struct Report {
@@ -70,25 +73,24 @@ struct Report {
 	double residual       = 0;     // [-]
 	bool   converged      = true;  // every island has met a stop criterion
 	double kinematicError = 0;     // [-]
-	bool   yielded        = false; // contacts yielded, or must since the step has no solution
+	bool   yielded        = false; // contacts yielded, or the rigid step was found to be infeasible
 	double dissipated     = 0;     // energy dissipated by contacts, −Σ p · (u + b_n n) [J/m]
 	double freeSpeed      = 0;     // RMS relative velocity without contact impulses [m/s]
-	double closingSpeed   = 0;     // after yielding: largest −(u_n + b_n) [m/s]
 	double work           = 0; // Σ sweeps × points over islands, without sweeps after exact steps
 
 	/// ‖Δp‖ over the last probeSweeps sweeps, relative to ‖p‖ [-]; infinity if not measured.
 	double impulseGrowth = std::numeric_limits<double>::infinity();
 
-	/// The residual meets the tolerance. A tolerance of 0 is never met.
-	bool reached(const Settings& settings) const
+	/// Returns true if the residual meets the tolerance. Tolerance 0 is never met.
+	bool meetsResidual(const Settings& settings) const
 	{
 		return settings.tolerance > 0 && residual <= settings.tolerance;
 	}
 
-	/// Residual and kinematic error meet their tolerances.
-	bool accurate(const Settings& settings) const
+	/// Returns true if residual and kinematic error meet their tolerances.
+	bool meetsTolerances(const Settings& settings) const
 	{
-		return reached(settings) && kinematicError <= settings.kinematicTolerance;
+		return settings.accept(residual, kinematicError);
 	}
 
 	/// This report with the iterations and the work of an earlier solver added.
@@ -124,35 +126,35 @@ Report solveNlgs(ContactProblem&, const Settings&, Workspace&);     // plain Gau
 Report solveSor(ContactProblem&, const Settings&, Workspace&);      // over-relaxed by 1.3
 Report solveNesterov(ContactProblem&, const Settings&, Workspace&); // momentum and restart
 
-/// Exact steps (exact/). Reaches 1e-8 where sweeps stall. Starts with sweeps, unless `swept` holds
-/// the report of earlier sweeps.
+/// Exact steps (exact/). They reach 1e-8 where sweeps stall. Starts with sweeps unless `swept`
+/// holds the report of earlier sweeps.
 Report solveExact(ContactProblem&, const Settings&, Workspace&, const Report* swept = nullptr);
 
 /// Solves with yielding contacts (sweep/solve_yielding.cpp). The workspace must hold this problem.
 /// `rigid` is the report of the rigid solve.
 Report solveYielding(ContactProblem&, const Settings&, const Report& rigid, Workspace&);
 
-/// Runs probeSweeps further sweeps on the problem that the workspace holds; returns true if the
+/// Runs probeSweeps sweeps on a copy of the problem that the workspace holds. Returns true if the
 /// impulses diverge (infeasibility.hpp).
-bool isDivergent(const ContactProblem&, const Settings&, Workspace&);
+bool probeDivergence(const ContactProblem&, const Settings&, Workspace&);
 
 /// Runs a solver by name: nlgs, sor, nesterov, exact or auto. Lets contacts yield if required.
 ///
 /// `auto` sweeps with momentum, and runs exact steps where sweeps stall. With friction and a
 /// tolerance below 1e-6, exact steps follow sweeps to 1e-5. A problem of up to 1000 points gets
-/// exact steps after 300 sweeps; an exact iteration counts as 20 sweeps there. Such problems also
-/// aim at a velocityFloor smaller by 1000, at limited cost; `converged` refers to the given
-/// settings. A stretching cell is swept with momentum, unless nlgs or sor is named.
+/// exact steps after 300 sweeps; an exact iteration counts as 20 sweeps there. It is also solved
+/// with a velocityFloor smaller by 1000, at limited cost; `converged` refers to the given settings.
+/// A stretching cell is swept with momentum, unless nlgs or sor is named.
 ///
 /// Throws std::invalid_argument for an unknown name, settings out of range, or a problem that
 /// checkProblem rejects.
 Report solve(ContactProblem&, const std::string& solver, const Settings&, Workspace&);
 
 /// Sweeps with momentum from the last solution of the workspace, with other biases. Keeps the
-/// impulses of the problem; returns velocities and stretch only.
+/// impulses of the problem; returns velocities and stretch rate only.
 void sweepWithBias(
         const ContactProblem&, const std::vector<double>& bias, int sweeps,
-        std::vector<Twist>& velocity, Vec2& stretch, Workspace&);
+        std::vector<Twist>& velocity, Vec2& stretchRate, Workspace&);
 
 const std::vector<std::string>& solverNames();
 

@@ -7,37 +7,38 @@
 
 namespace rcr {
 
-bool restIsSolution(const Step& step, const DrivenMotion& drive)
+bool restIsSolution(const Step& step, double driveSpeed)
 {
 	const std::vector<ContactPoint>& points = step.problem.points;
-	return drive.speed == 0
+	return driveSpeed == 0
 	        && std::all_of(points.begin(), points.end(),
 	                [](const ContactPoint& point) { return point.bias >= 0; });
 }
 
-bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double tolerance, bool& far,
-        ThreadTeam& team)
+bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double tolerance,
+        bool& largeDisplacements, ThreadTeam& team)
 {
 	struct Change {
-		bool far, changed, pushes;
+		bool isLarge, changed, pushes;
 	};
 	std::vector<Change> change(step.contacts.size());
 	team.forEach(change.size(), [&](std::size_t k) {
 		const StepContact& contact = step.contacts[k];
-		if (contact.count == 0) return; // out of reach
-		change[k] = { displacesFar(step, contact), false, contact.restitution > 0 };
-		if (!change[k].far) return;
-		// no push is added that no solve would follow to check its energy
+		if (contact.count == 0) return;
+		change[k] = { hasLargeDisplacement(step, contact), false, contact.restitution > 0 };
+		if (!change[k].isLarge) return;
+		// no later pass would check the energy of a new push
 		if (!nextIsLast) change[k].changed = adaptToDisplacement(step, contact, allowRelease);
 		for (int point = contact.first; point < contact.first + contact.count; ++point)
 			change[k].pushes |= step.problem.points[point].bias < 0;
 	});
 	bool changed = false, pushes = false;
-	far          = false;
+	largeDisplacements = false;
 	for (std::size_t k = 0; k < change.size(); ++k) {
-		far |= change[k].far, changed |= change[k].changed, pushes |= change[k].pushes;
+		largeDisplacements |= change[k].isLarge;
+		changed |= change[k].changed, pushes |= change[k].pushes;
 		if (step.contacts[k].count > 0 && step.contacts[k].restitution > 0)
-			changed |= (allowRelease && cancelRestitution(step, step.contacts[k]))
+			changed |= (allowRelease && releaseNearMiss(step, step.contacts[k]))
 			        || lowerRestitution(step, step.contacts[k]);
 	}
 	if (pushes && (nextIsLast || !changed))

@@ -1,24 +1,26 @@
 // Corrects the biases of contacts after a solve.
 //
-// After a large displacement, the gap differs from the one in the bias, and restitution may add
+// After a large displacement, the gap differs from the gap in the bias, and restitution may add
 // energy. The biases are then adapted and the step is solved again. The adapted problem may have no
 // solution. The biases of the first solve are then restored, unless a body is driven.
 #pragma once
 
 #include "parallel/thread_team.hpp"
-#include "step/drive.hpp"
+#include "step/step.hpp"
 
 namespace rcr {
 
-/// Rest satisfies the contact laws: no body is driven and no contact must open. The step then has a
-/// solution.
-bool restIsSolution(const Step&, const DrivenMotion&);
+/// Returns true if rest satisfies the contact laws: no body is driven and no contact must open. The
+/// step then has a solution.
+bool restIsSolution(const Step&, double driveSpeed);
 
-/// Adapts the biases; returns true if one changed. `allowRelease`: contacts may be released;
-/// `nextIsLast`: one solve follows, so restitution that adds energy is removed and no bias becomes
-/// a push; `tolerance`: of the solver; `far`: out, a contact has a large displacement.
-bool adaptBiases(
-        Step&, bool allowRelease, bool nextIsLast, double tolerance, bool& far, ThreadTeam&);
+/// Adapts the biases. Returns true if one changed.
+///   allowRelease        contacts may be released
+///   nextIsLast          only one solve follows: removes restitution that adds energy, adds no push
+///   tolerance           of the solver [-]
+///   largeDisplacements  out: a contact has a large displacement
+bool adaptBiases(Step&, bool allowRelease, bool nextIsLast, double tolerance,
+        bool& largeDisplacements, ThreadTeam&);
 
 /// Restores biases and clears `before`; returns false if `before` is empty.
 bool restoreBiases(Step&, std::vector<double>& before);

@@ -5,9 +5,9 @@
 
 namespace rcr {
 
-/// Two points keep their order. If one point becomes two or two become one, the nearest point keeps
-/// the force and the other one has just opened or closed. `along`: position of each point along its
-/// body [m]; `none`: a force of zero.
+/// Two points keep their order. If their number changes, the nearest point keeps the force.
+/// `along`: position of each point along the axis that orders the points [m]. `none`: a force of
+/// zero.
 template <class Along, class Force>
 inline void carryForward(int before, const Along& alongBefore, int now, const Along& alongNow,
         Force& force1, Force& force2, const Force& none)

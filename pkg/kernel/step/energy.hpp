@@ -1,12 +1,11 @@
-// Energy that the contacts of a step dissipate or transfer, from the mean of the velocities before
-// and after the step, summed over the points:
+// Energy that the contacts of a step dissipate or transfer. It follows from the mean of the
+// velocities before and after the step, summed over the points:
 //
 //   T⁺ − T⁻ = Σ p · ½ (u⁻ + u⁺) − Σ p · d + external work      exact for any impulses
 //
-// d is the velocity of the periodic image of body 2 relative to the body.
-//
-// The tangential part is friction, the normal part impact. Prescribed degrees of freedom take part
-// of this work or supply it. Source: Moreau 1999; Kane and Levinson 1985.
+// d is the velocity of the periodic image of body 2 relative to the body. The tangential part is
+// friction, the normal part impact. Prescribed degrees of freedom take or supply a part of this
+// work. Source: Moreau 1999; Kane and Levinson 1985.
 #pragma once
 
 #include "step/step.hpp"
@@ -16,7 +15,7 @@ namespace rcr {
 /// Energies of one step [J], per unit depth.
 struct StepEnergy {
 	double friction = 0, impact = 0; // dissipated
-	// work of contacts on prescribed motion; negative if that motion drives
+	// work of contacts on prescribed motion; negative if that motion drives the grains
 	double driven   = 0;
 	double lifted   = 0;             // potential energy added by the position correction
 };

@@ -34,9 +34,9 @@ inline Twist startVelocity(Twist v, const Inertia& inertia, const Twist& start)
 }
 
 /// Rotation after the time dt at an angular velocity [rad/s].
-inline Turn integrated(const Turn& turn, double rotation, double dt)
+inline Turn turnAfter(const Turn& turn, double rotation, double dt)
 {
-	return scaled(rotation != 0 ? turned(turn, rotation * dt) : turn);
+	return normalized(rotation != 0 ? turned(turn, rotation * dt) : turn);
 }
 
 } // namespace rcr

@@ -9,7 +9,7 @@ namespace rcr {
 
 namespace {
 
-	constexpr double reached = 0.99; // fraction of the restitution that counts as reached
+	constexpr double fullRestitution = 0.99; // share of the restitution that counts as full
 
 	/// Sets of bodies that impulses of the solved step join. Prescribed bodies join none.
 	class Collisions {
@@ -37,8 +37,8 @@ namespace {
 		DisjointSets          sets_;
 	};
 
-	/// Twice the energies of a collision: growth, loss without restitution, and work of all points
-	/// as absolute values.
+	/// Twice the energies of a collision: growth, loss without restitution, and absolute work of
+	/// all points.
 	struct Energy {
 		double gain = 0, plasticLoss = 0, work = 0;
 	};
@@ -69,7 +69,7 @@ bool limitRestitution(Step& step, bool plastic)
 			ContactPoint& c = step.problem.points[k];
 			if (!(c.bias < 0)) continue;
 			const double leaves = relativeVelocity(step.problem, c).n;
-			if (leaves >= -reached * c.bias) continue;
+			if (leaves >= -fullRestitution * c.bias) continue;
 			c.bias  = leaves > 0 && !plastic ? -leaves : std::max(step.gap[k].now, 0.0) / step.dt;
 			lowered = true;
 		}

@@ -1,10 +1,10 @@
 // Sets the bias b_n of a point. Lowers restitution that would add energy.
 //
-//   b_n = g/dt    open gap: it may close within the step
+//   b_n = g/dt    open gap, which may close within the step
 //   b_n = e u_n⁻  restitution within the step: Newton's rule with the coefficient e
 //   b_n = 0       lasting contact
 //
-// Newton's rule adds energy in two cases. Friction may reverse the slip at a point: its restitution
+// Newton's rule adds energy in two cases. Friction may reverse the slip at a point. Its restitution
 // is then lowered to the value that keeps the energy (passiveRestitutionFactor in
 // problem/coulomb.hpp). In a collision of several bodies, a light body between two heavy ones acts
 // as a lever. A collision is a set of bodies joined by impulses of the step. Its energy grows by
@@ -14,17 +14,17 @@
 // over its points. Without restitution it would lose about the energy L = ½ Σ p_n |u_n⁻| / (1 + e)
 // over the points with restitution. All their biases are multiplied by L / (L + 3/2 ΔE) until
 // ΔE ≤ 0. The law may have no solution if one body collides twice in a step. The restitution of a
-// point is then limited to the normal velocity that the solver reached. A contact that pushes
-// because of a large displacement is treated as one with restitution. Source: Newton's rule after
-// Moreau 1999; Kane and Levinson 1985 (its energy).
+// point is then limited to its solved normal velocity. A contact that pushes because of a large
+// displacement is treated like a contact with restitution. Source: Newton's rule after Moreau 1999;
+// Kane and Levinson 1985 (its energy).
 #pragma once
 
 #include "step/step.hpp"
 
 namespace rcr {
 
-/// Bias b_n of a point with this gap [m/s]. normalVelocity(): its u_n at the beginning of the step;
-/// called only if e > 0.
+/// Bias b_n of a point with this gap [m/s]. normalVelocity() returns its u_n at the beginning of
+/// the step; it is called only if e > 0.
 template <class NormalVelocity>
 double lawBias(double gap, double restitution, double dt, NormalVelocity normalVelocity)
 {

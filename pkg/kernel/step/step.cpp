@@ -8,7 +8,7 @@
 
 namespace rcr {
 
-Pose moved(const StepBody& body, const StepBody& owner, const Twist& v, double time)
+Pose poseAfter(const StepBody& body, const StepBody& owner, const Twist& v, double time)
 {
 	const Turn turn   = v.rotation == 0 ? body.turn : turned(body.turn, time * v.rotation);
 	Vec2       center = { body.center.x + time * v.x, body.center.y + time * v.y };
@@ -21,31 +21,31 @@ Pose moved(const StepBody& body, const StepBody& owner, const Twist& v, double t
 	return { center, turn.axis() };
 }
 
-ContactPoint Step::contactPoint(const StepContact& c, const ManifoldPoint& at) const
+ContactPoint Step::contactPoint(const StepContact& contact, const ManifoldPoint& at) const
 {
-	ContactPoint p;
-	p.body1    = bodies[c.body1].owner;
-	p.body2    = bodies[c.body2].owner;
-	p.normal   = at.normal;
-	p.arm1     = at.position - bodies[p.body1].center;
-	p.arm2     = at.position - (bodies[p.body2].center + c.shift);
-	p.friction = c.friction;
-	p.drift    = c.drift;
-	p.shift    = cell.stretches() ? c.shift : Vec2 {};
-	p.bias     = overdamped
+	ContactPoint c;
+	c.body1    = bodies[contact.body1].owner;
+	c.body2    = bodies[contact.body2].owner;
+	c.normal   = at.normal;
+	c.arm1     = at.position - bodies[c.body1].center;
+	c.arm2     = at.position - (bodies[c.body2].center + contact.shift);
+	c.friction = contact.friction;
+	c.drift    = contact.drift;
+	c.shift    = cell.stretches() ? contact.shift : Vec2 {};
+	c.bias     = overdamped
 	            ? at.gap / dt
-	            : lawBias(at.gap, c.restitution, dt, [&] { return initialVelocity(p).n; });
-	return p;
+	            : lawBias(at.gap, contact.restitution, dt, [&] { return initialVelocity(c).n; });
+	return c;
 }
 
-void Step::begin(int points)
+void Step::resizePoints(int points)
 {
 	problem.points.resize(points);
 	problem.impulse.resize(points);
 	gap.resize(points);
 	force.resize(points);
-	reach.assign(reach.size(), 0);
-	updated.clear();
+	widenedReach.assign(widenedReach.size(), 0);
+	detected.clear();
 	widened.clear();
 	added.clear();
 	displacement.clear();
@@ -65,33 +65,33 @@ void Step::setPoints(const StepContact& c, const Manifold& manifold, const Impul
 void Step::updateGradient(Vec2 before)
 {
 	if (!cell.stretches()) return;
-	cell.gradient[0][0] += problem.stretch.x - before.x;
-	cell.gradient[1][1] += problem.stretch.y - before.y;
+	cell.gradient[0][0] += problem.stretchRate.x - before.x;
+	cell.gradient[1][1] += problem.stretchRate.y - before.y;
 	for (StepContact& c : contacts)
 		c.drift = cell.drift(c.shift);
 }
 
 void Step::indexContacts()
 {
-	firstOf.assign(bodies.size() + 1, 0);
+	firstContact.assign(bodies.size() + 1, 0);
 	for (const StepContact& c : contacts)
-		++firstOf[c.body1 + 1];
-	std::partial_sum(firstOf.begin(), firstOf.end(), firstOf.begin());
+		++firstContact[c.body1 + 1];
+	std::partial_sum(firstContact.begin(), firstContact.end(), firstContact.begin());
 }
 
 const StepContact* Step::find(int body1, int body2) const
 {
-	const auto begin = contacts.begin() + firstOf[body1],
-	           end   = contacts.begin() + firstOf[body1 + 1];
+	const auto begin = contacts.begin() + firstContact[body1],
+	           end   = contacts.begin() + firstContact[body1 + 1];
 	const auto found = std::lower_bound(
 	        begin, end, body2, [](const StepContact& c, int body) { return c.body2 < body; });
 	return found != end && found->body2 == body2 ? &*found : nullptr;
 }
 
-double Step::rounding(ThreadTeam& team) const
+double Step::roundingVelocity(ThreadTeam& team) const
 {
 	return 1e-12 * team.maximum(bodies.size(), [&](std::size_t id) {
-		return speed(bodies[id].velocity, bodies[id].radius);
+		return maxSpeed(bodies[id].velocity, bodies[id].radius);
 	});
 }
 

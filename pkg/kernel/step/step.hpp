@@ -1,26 +1,27 @@
 // One time step of rigid contacts: all data that its stages read and write, in flat arrays.
 //
-//   stage                result                               file
-//   gather               bodies, contact points, loads        (simulation)
-//   drive                bounds of the contact impulses       step/drive.hpp
-//   solve                impulses and velocities              problem/solver.hpp
-//   missed contacts      contacts that form undetected        detection/missed_contacts.hpp
-//   adapt biases         biases of the next solve             step/adapt_biases.hpp
-//     displacements      gaps at the displaced positions      correction/large_displacements.hpp
-//     restitution        restitution that adds no energy      step/restitution.hpp
-//   follow stretch       mean stretch of overdamped bodies    step/follow_stretch.hpp
-//   position correction  displacements that remove overlaps   correction/position_correction.hpp
-//   separation           the same for overlaps by curves      correction/separation.hpp
-//   scatter              forces, displacements, new contacts  (simulation)
+//   stage                result                                file
+//   gather               bodies, contact points, loads         (simulation)
+//   yield bounds         bounds of the contact impulses        step/yield_bounds.hpp
+//   solve                impulses and velocities               problem/solver.hpp
+//   undetected contacts  contacts that close within the step   detection/undetected_contacts.hpp
+//   adapt biases         biases of the next solve              step/adapt_biases.hpp
+//     displacements      gaps at the displaced positions       correction/large_displacements.hpp
+//     restitution        restitution that adds no energy       step/restitution.hpp
+//   mean stretch         stretch rate of overdamped bodies     step/mean_stretch.hpp
+//   position correction  displacements that remove overlaps    correction/position_correction.hpp
+//   separation           displacements that remove overlaps    correction/separation.hpp
+//                        left by curved paths
+//   scatter              forces, displacements, new contacts   (simulation)
 //
 // The stages in between change these arrays alone, so an error in them changes nothing in the
-// simulation. They ask it only whether bodies may meet, and for the law of new contacts. Bodies
-// have the same numbers as in the simulation. A contact stores these numbers. A point stores the
-// bodies that its impulse moves, for a clump member its clump.
+// simulation. They call the simulation only to filter new contacts and to obtain their friction and
+// restitution. Bodies have the same numbers as in the simulation. A contact stores these numbers. A
+// point stores the bodies that its impulse moves, for a clump member its clump.
 //
 // | symbol | field         | unit | meaning                                               |
 // |--------|---------------|------|-------------------------------------------------------|
-// | e      | alertDistance | m    | distance within which contacts of a body are detected |
+// | ℓ      | alertDistance | m    | distance within which contacts of a body are detected |
 // | g      | gap           | m    | gap of a point; negative: overlap                     |
 // | b_n    | bias          | m/s  | bias of a point in 0 ≤ u_n + b_n ⟂ p_n ≥ 0            |
 // | s      | shift         | m    | from body 2 to its image that meets body 1            |
@@ -43,7 +44,7 @@ class ThreadTeam;
 constexpr double contactSlop = 1e-4;
 
 /// Upper bound of the speed of all points of a body [m/s].
-inline double speed(const Twist& v, double radius)
+inline double maxSpeed(const Twist& v, double radius)
 {
 	return norm(Vec2 { v.x, v.y }) + std::abs(v.rotation) * radius;
 }
@@ -56,7 +57,7 @@ struct Turn {
 };
 
 /// Scales the quaternion to length 1.
-inline Turn scaled(const Turn& t)
+inline Turn normalized(const Turn& t)
 {
 	const double length = std::sqrt(t.z * t.z + t.w * t.w);
 	return { t.w / length, t.z / length };
@@ -76,8 +77,9 @@ struct StepBody {
 	Twist        velocity;          // at the beginning of the step
 	double       radius        = 0; // of the shape; of a clump, distance of its farthest point [m]
 	double       alertDistance = 0; // distance within which its contacts were detected [m]
-	// a longer path may miss contacts [m]; infinite for driven bodies except members of clumps
-	double       expected      = std::numeric_limits<double>::infinity();
+	// longest path whose contacts are detected [m]; infinite for bodies whose motion is prescribed,
+	// except clump members
+	double       coveredPath   = std::numeric_limits<double>::infinity();
 	std::int32_t owner         = 0;     // body whose motion it shares: itself or its clump
 	bool         free          = false; // at least one degree of freedom is not blocked
 
@@ -85,7 +87,8 @@ struct StepBody {
 };
 
 /// Pose of a body after `time` [s]. A clump member rotates about the centre of its clump, `owner`.
-Pose moved(const StepBody& body, const StepBody& owner, const Twist& velocityOfOwner, double time);
+Pose poseAfter(
+        const StepBody& body, const StepBody& owner, const Twist& velocityOfOwner, double time);
 
 /// Velocity of a clump member, from that of its clump.
 inline Twist memberVelocity(const StepBody& body, const StepBody& owner, const Twist& v)
@@ -98,7 +101,8 @@ inline Twist memberVelocity(const StepBody& body, const StepBody& owner, const T
 struct StepContact {
 	std::int32_t body1 = 0, body2 = 0;
 	std::int32_t first = 0, count = 0;
-	std::int32_t source      = -1; // its number in the list of the simulation; −1: new
+	// its number in the list of the simulation, or in Pairs::all for steps in arrays; −1: new
+	std::int32_t listIndex   = -1;
 	double       friction = 0, restitution = 0;
 	double       size        = 0; // R₁ + R₂ [m]
 	// shift of the image of body 2 [m], and its velocity relative to body 2 [m/s]
@@ -111,11 +115,11 @@ struct StepContact {
 /// correction acts on gaps below `allowed`.
 struct Gap {
 	double now, allowed;
-	bool   carried; // the point bore a force when the step began
+	bool   loadedBefore; // the point bore a force at the beginning of the step
 };
 
-/// Contact that is new, or whose points changed in a later detection of the step.
-struct UpdatedContact {
+/// Contact that a later detection of the step has found: new, or with other points.
+struct DetectedContact {
 	std::int32_t body1 = 0, body2 = 0;
 	Vec2         shift;
 	Manifold     manifold;
@@ -135,15 +139,15 @@ inline Vec2 product(const double (&m)[2][2], Vec2 v)
 }
 
 /// Periodic cell: base vectors as columns of h [m], and the velocity gradient of its images [1/s].
-/// All zero in an open scene. The cell stretches along an axis with an inverse mass, as stress and
-/// contacts drive it. Before the solve, the gradient is that without contacts.
+/// All numbers are zero in an open scene. Stress and contacts stretch the cell along an axis with
+/// an inverse mass. Before the solve, the gradient has no contribution of contacts.
 struct PeriodicCell {
 	bool   periodic = false;
 	double h[2][2] {}, inverse[2][2] {}, gradient[2][2] {};
 	Vec2   inverseMass; // of stretching [1/(kg m²)]
 
 	bool stretches() const { return inverseMass.x > 0 || inverseMass.y > 0; }
-	/// Its motion is prescribed and not zero.
+	/// Returns true if a prescribed component of its motion is not zero.
 	bool driven() const
 	{
 		return gradient[0][1] != 0 || gradient[1][0] != 0
@@ -181,7 +185,7 @@ struct Flow {
 
 struct Step {
 	double                    dt         = 0; // [s]
-	// bodies start from startFlow; the step removes overlaps whole
+	// bodies start from startFlow; the step removes overlaps completely
 	bool                      overdamped = false;
 	Flow                      startFlow;
 	PeriodicCell              cell;
@@ -189,16 +193,16 @@ struct Step {
 	std::vector<std::int32_t> members;  // clump members
 	std::vector<StepContact>  contacts; // sorted by body1, then body2
 	// per body: its first contact as body 1; one more entry: the end
-	std::vector<std::int32_t> firstOf;
+	std::vector<std::int32_t> firstContact;
 	std::vector<Gap>          gap;      // per point
 	ContactProblem            problem;
 	std::vector<Impulse>      force;    // per point [N]: start of the solver, then its result
-	std::vector<double>       reach;    // per body: widened alert distance [m]; 0: not widened
+	// per body: widened alert distance [m]; 0: not widened
+	std::vector<double>       widenedReach;
 	// bodies whose reach was widened since contacts were last added; empty before the first solve
 	std::vector<std::int32_t> widened;
-	// contacts that the widened reach found and the step lacks
-	std::vector<UpdatedContact> updated;
-	std::vector<UpdatedContact> added;    // contacts that were added to the step
+	std::vector<DetectedContact> detected; // contacts that may be added to the step
+	std::vector<DetectedContact> added;    // contacts that were added to the step
 	std::vector<Twist>        displacement; // per body: position correction [m, rad]; empty: none
 	Vec2                      strain;       // of the cell, from the position correction [-]
 
@@ -219,20 +223,20 @@ struct Step {
 	/// beginning of the step.
 	ContactPoint contactPoint(const StepContact&, const ManifoldPoint&) const;
 
-	/// Allocates the points of the contacts and clears the results of the last step.
-	void begin(int points);
+	/// Sets the number of contact points and clears the results of the last step.
+	void resizePoints(int points);
 
 	/// Sets the points of a contact and the forces from which the solver starts.
 	void setPoints(const StepContact&, const Manifold&, const Impulse* force);
 
-	/// Computes firstOf from contacts.
+	/// Computes firstContact.
 	void indexContacts();
 
-	/// Contact of two bodies; null if there is none.
+	/// Contact of two bodies; null: none.
 	const StepContact* find(int body1, int body2) const;
 
 	/// Rounding error of the velocities of a step [m/s].
-	double rounding(ThreadTeam&) const;
+	double roundingVelocity(ThreadTeam&) const;
 
 	/// Sets the forces of the points from the impulses.
 	void keepForces(ThreadTeam&);
@@ -241,20 +245,20 @@ struct Step {
 	/// it [1/s].
 	void updateGradient(Vec2 before);
 
-	/// Upper bound of the path of all points of a body in the step, if its centre moves at the
-	/// velocity v from now on [m]. The centre of a clump member turns about that of its clump: its
-	/// velocity changes by up to |ω| min(|ω| dt, 2) of their distance.
+	/// Upper bound of the path of all points of a body in the step [m]. Its centre now moves at the
+	/// velocity v. A clump member turns about the centre of its clump, at the distance r. Its
+	/// velocity changes by up to |ω| min(|ω| dt, 2) r.
 	double pathOf(int id, const Twist& v) const
 	{
 		const StepBody& body = bodies[id];
 		const double    spin = std::abs(v.rotation);
-		if (body.owner == id) return dt * speed(v, body.radius);
+		if (body.owner == id) return dt * maxSpeed(v, body.radius);
 		const double arm = norm(body.center - bodies[body.owner].center);
-		return dt * (speed(v, body.radius) + arm * spin * std::min(dt * spin, 2.0));
+		return dt * (maxSpeed(v, body.radius) + arm * spin * std::min(dt * spin, 2.0));
 	}
 
 	/// Sets the velocities of clump members after a solve.
-	void moveMembers()
+	void setMemberVelocities()
 	{
 		for (std::int32_t id : members)
 			problem.velocity[id] = memberVelocity(

@@ -17,7 +17,8 @@
 namespace rcr {
 
 /// τ and its restart. Some growth of the error is allowed, because waves due to momentum decay. The
-/// allowed growth shrinks when a run ends no lower than the last; otherwise the restart may cycle.
+/// allowed growth shrinks when a run has no lower minimum than the last one. Otherwise the restart
+/// may cycle.
 class Momentum {
 public:
 	double beta() const { return (tau_ - 1) / next(); }

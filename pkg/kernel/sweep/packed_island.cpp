@@ -1,10 +1,11 @@
-// Kernels work on the pairs that have slots; the code below works on the overflow.
+// Kernels sweep the pairs with slots; the code below sweeps the overflow.
 #include "sweep/packed_island.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <type_traits>
 #include <utility>
+
+#include "problem/residual.hpp"
 
 namespace rcr {
 
@@ -20,10 +21,11 @@ Impulse PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoi
 {
 	const Real *   v1 = view.recordAt(c.record1), *v2 = view.recordAt(c.record2);
 	constexpr bool whole = std::is_same_v<Real, double>; // or relative to the reference
-	const Vec2 stretch   = whole ? packed_.stretch_ : packed_.stretch_ - packed_.referenceStretch_;
-	const Vec2 u         = Vec2 {
+	const Vec2 rate = whole ? packed_.stretchRate_
+	                        : packed_.stretchRate_ - packed_.referenceStretchRate_;
+	const Vec2 u    = Vec2 {
         double(v2[record::x]) - v1[record::x], double(v2[record::y]) - v1[record::y]
-	} + componentwise(stretch, c.shift);
+	} + componentwise(rate, c.shift);
 	const double   spin1 = c.wholeRecords ? v1[record::spin] : 0;
 	const double   spin2 = c.wholeRecords ? v2[record::spin] : 0;
 	const Impulse& rest  = whole ? c.drift : c.reference;
@@ -34,7 +36,7 @@ Impulse PackedIsland::relativeVelocity(const View<Real>& view, const OverflowPoi
 template <class Real>
 void PackedIsland::applyImpulse(const View<Real>& view, const OverflowPoint& c, const Impulse& p)
 {
-	const Vec2 f    = inPlane(c.normal, p);
+	const Vec2 f    = toCartesian(c.normal, p);
 	const auto push = [&](int number, const InverseMass& mass, double sign, double torque) {
 		// islands may share a prescribed body: do not write to it
 		if (mass.prescribed()) return;
@@ -48,7 +50,8 @@ void PackedIsland::applyImpulse(const View<Real>& view, const OverflowPoint& c, 
 	push(c.record2, c.mass2, +1, p.n * c.lever2n + p.t * c.lever2t);
 	if (stretches()) {
 		const Vec2 moment = componentwise(c.shift, f);
-		packed_.stretch_  = packed_.stretch_ + componentwise(packed_.inverseStretchMass_, moment);
+		packed_.stretchRate_
+		        = packed_.stretchRate_ + componentwise(packed_.inverseStretchMass_, moment);
 	}
 }
 
@@ -79,7 +82,7 @@ void PackedIsland::recomputeVelocities()
 {
 	if (packed_.velocityRecomputed_[number_]) return;
 	const double* const free = packed_.freeBody_.data();
-	if (stretches()) packed_.stretch_ = {};
+	if (stretches()) packed_.stretchRate_ = {};
 	forEachRecords([&](const Range& records) {
 		std::copy(free + offsetOf(records.begin), free + offsetOf(records.end),
 		        view_.recordAt(records.begin));
@@ -151,7 +154,7 @@ double PackedIsland::sweepYielding(double momentum, const Yielding& yielding)
 }
 
 /// Each partition extrapolates the velocities of its bodies, v_old ← v + β (v − v_old), and sweeps
-/// these: v and v_old change places.
+/// with these. v and v_old change places.
 template <class Real, class Kernel>
 double PackedIsland::sweepMomentum(View<Real>& view,
         Extrapolate<Real>                      extrapolate,
@@ -163,9 +166,9 @@ double PackedIsland::sweepMomentum(View<Real>& view,
 	std::swap(view.body, view.oldBody);
 	extrapolate(before, island_.overflowRecords.begin, island_.overflowRecords.end, momentum);
 	if (stretches()) {
-		const Vec2 now      = packed_.stretch_;
-		packed_.stretch_    = now + momentum * (now - packed_.oldStretch_);
-		packed_.oldStretch_ = now;
+		const Vec2 now          = packed_.stretchRate_;
+		packed_.stretchRate_    = now + momentum * (now - packed_.oldStretchRate_);
+		packed_.oldStretchRate_ = now;
 	}
 	const auto sweepSections = [&] {
 		forEachSection([&](const Section& section) {
@@ -175,13 +178,13 @@ double PackedIsland::sweepMomentum(View<Real>& view,
 		});
 	};
 	if (island_.shared)
-		packed_.team.runAdaptive(packed_.sweepTrial_, island_.points, sweepSections);
+		packed_.team.runAdaptive(packed_.sweepChoice_, island_.points, sweepSections);
 	else
 		sweepSections();
 	double change2 = sum(packed_.sum_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
 		const Impulse from = c.p + momentum * (c.p - c.old);
-		const Impulse next = yielding.kept(c.w.nn) * solve(view, c, from);
+		const Impulse next = yielding.yieldFactor(c.w.nn) * solve(view, c, from);
 		applyImpulse(view, c, next - from);
 		c.old = c.p;
 		c.p   = next;
@@ -208,12 +211,7 @@ Measures PackedIsland::measure(
 	});
 	Measures total = sum(packed_.partial_);
 	forEachOverflowPoint([&](OverflowPoint& c) {
-		const Impulse u        = relativeVelocity(view, c);
-		const double  un       = u.n + c.bias;
-		const double  stopping = (std::abs(u.n) + std::abs(c.bias)) / c.w.nn;
-		const double  miss     = square(lawError(c.p, { un, u.t }, c.friction, c.w.nn));
-		total += { miss, square(c.p), c.p.n, c.w.nn * c.w.nn * miss, square(u), stopping * stopping,
-			-(c.p.n * un + c.p.t * u.t) };
+		total += measuresOf(c.p, relativeVelocity(view, c), c.bias, c.friction, c.w.nn);
 	});
 	return total;
 }

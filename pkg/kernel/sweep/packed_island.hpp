@@ -26,7 +26,7 @@ public:
 
 	/// Computes lever arms, Delassus coefficients and freeVelocity2.
 	void prepare();
-	/// v ← v_free + M⁻¹Jᵀp, unless v is that already.
+	/// v ← v_free + M⁻¹Jᵀp, unless v has been recomputed from these impulses.
 	void recomputeVelocities();
 	/// Sweeps of PackedKernels over the pairs with slots, then over the overflow.
 	void   sweep();
@@ -34,10 +34,10 @@ public:
 	double sweepMomentum(double momentum);
 	double sweepYielding(double momentum, const Yielding&);
 
-	/// Lets `sweepMomentum` and `measure` work on floats. Does nothing if the island is small, or
-	/// if its numbers or their squares leave the range of floats.
+	/// Makes `sweepMomentum` and `measure` use floats. Does nothing if the island is small, or if
+	/// its numbers or their squares leave the range of floats.
 	void beginMixedPrecision();
-	/// Returns to doubles: the present impulses, and velocities recomputed from them.
+	/// Returns to doubles: copies the impulses and recomputes the velocities from them.
 	void endMixedPrecision();
 	bool mixedPrecision() const { return mixedPrecision_; }
 
@@ -69,7 +69,7 @@ private:
 	Impulse solve(const View<Real>&, const OverflowPoint&, const Impulse& from) const;
 
 	void applyImpulses();
-	/// Before the velocities change: they are no longer recomputed or measured.
+	/// Call before the velocities change. Invalidates cached velocities and measures.
 	void invalidate()
 	{
 		packed_.velocityRecomputed_[number_] = false;

@@ -15,8 +15,8 @@ namespace {
 			to.of[lane] = float(std::min(from.of[lane], double(unlimited<float>)));
 	}
 
-	/// True if the number and its square are far from the limits of floats. Zero means an empty
-	/// slot or no impulse.
+	/// Returns true if the number and its square are far from the limits of floats. Zero means an
+	/// empty slot or no impulse.
 	bool fitsFloat(double value)
 	{
 		return value == 0 || (std::abs(value) > 1e-12 && std::abs(value) < 1e12);
@@ -124,7 +124,7 @@ void PackedIsland::updateReference()
 		packed_.kernels_->updateReference(view_, chunk, singleView_.points);
 	});
 	forEachOverflowPoint([&](OverflowPoint& c) { c.reference = relativeVelocity(view_, c); });
-	if (stretches()) packed_.referenceStretch_ = packed_.stretch_;
+	if (stretches()) packed_.referenceStretchRate_ = packed_.stretchRate_;
 	forEachRecords([&](const Range& records) {
 		float *const body = singleView_.body, *const old = singleView_.oldBody;
 		for (std::uint32_t i = offsetOf(records.begin); i < offsetOf(records.end); ++i) {
@@ -143,7 +143,7 @@ void PackedIsland::endMixedPrecision()
 	copyToDoubles();
 }
 
-/// Momentum in doubles starts at rest after sweeps in floats.
+/// Resets the momentum in doubles after sweeps in floats.
 void PackedIsland::resetMomentum()
 {
 	sweepsSinceReference_ = 0;
@@ -159,7 +159,7 @@ void PackedIsland::resetMomentum()
 		});
 	});
 	forEachOverflowPoint([](OverflowPoint& c) { c.old = c.p; });
-	if (stretches()) packed_.oldStretch_ = packed_.stretch_;
+	if (stretches()) packed_.oldStretchRate_ = packed_.stretchRate_;
 }
 
 } // namespace rcr

@@ -43,10 +43,10 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	kernels_         = &packedKernels(lanes);
 	singleKernels_   = &singleKernels(lanes);
 	const auto start = std::chrono::steady_clock::now();
-	const bool fresh = layout_.update(problem, reductions, team);
+	const bool isNew = layout_.update(problem, reductions, team);
 	layoutSeconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start)
 	                          .count();
-	if (fresh) {
+	if (isNew) {
 		const int layouts = summary_.layouts + 1;
 		summary_          = layout_.summary();
 		summary_.layouts  = layouts;
@@ -76,7 +76,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	});
 	freeBody_           = body_;
 	inverseStretchMass_ = problem.inverseStretchMass;
-	stretch_            = {};
+	stretchRate_            = {};
 	overflow_.clear();
 	overflowOf_.clear();
 	for (const Island& island : layout_.islands()) {
@@ -93,7 +93,7 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 		island.recomputeVelocities();
 	});
 	oldBody_    = body_;
-	oldStretch_ = stretch_;
+	oldStretchRate_ = stretchRate_;
 }
 
 void PackedProblem::loadBody(const ContactProblem& problem, int body, int number, bool half)
@@ -173,7 +173,7 @@ void PackedProblem::addToOverflow(
 		const ContactPoint& c  = problem.points[k];
 		const InverseMass & m1 = problem.inverseMass[c.body1], &m2 = problem.inverseMass[c.body2];
 		const Delassus      w     = delassus(problem, c);
-		const Vec2          drift = c.freeDrift(problem.stretch), t = perp(c.normal);
+		const Vec2          drift = c.freeDrift(problem.stretchRate), t = perp(c.normal);
 		if (w.nn <= 0) continue;
 		OverflowPoint to {};
 		to.record1      = layout_.record(c.body1);
@@ -257,7 +257,7 @@ void PackedProblem::store(ContactProblem& problem)
 	for (const OverflowPoint& c : overflow_)
 		problem.impulse[c.point] = c.p;
 	storeVelocity(problem, problem.velocity);
-	if (problem.stretches()) problem.setStretch(stretch_);
+	if (problem.stretches()) problem.setStretchRate(stretchRate_);
 }
 
 void PackedProblem::storeVelocity(const ContactProblem& problem, std::vector<Twist>& velocity)

@@ -1,4 +1,4 @@
-// The contact problem of a step as the sweeps need it: in islands, coloured and packed.
+// The contact problem of a step in the form of the sweeps: in islands, coloured and packed.
 //
 // The order of operations, and so every bit of the result, depends on the present problem alone. It
 // does not depend on earlier problems, on the lane width or on the number of threads. The result of
@@ -43,18 +43,18 @@ public:
 	void load(const ContactProblem&, int lanes, const Reductions&);
 	/// Sets new biases [m/s] of the loaded problem, and loads its present impulses.
 	void setBiases(const ContactProblem&, const std::vector<double>& bias);
-	/// Writes impulses and the velocities recomputed from them. `measure` then measures these.
+	/// Writes the impulses and the velocities recomputed from them.
 	void store(ContactProblem&);
 	/// Writes the velocities recomputed from the impulses.
 	void storeVelocity(const ContactProblem&, std::vector<Twist>& velocity);
 
 	int islands() const { return int(layout_.islands().size()); }
-	/// Calls work(island) for each island. One thread works on a small island, all on a large one.
-	/// Include packed_island.hpp to use it.
+	/// Calls work(island) for each island. One thread sweeps a small island, all threads share a
+	/// large one. Include packed_island.hpp to use it.
 	template <class Work> void forEachIsland(Work work);
 
 	/// Stretch rate of the cell that the impulses cause [1/s].
-	Vec2 stretch() const { return stretch_; }
+	Vec2 stretchRate() const { return stretchRate_; }
 	/// The model of the last problem.
 	const ModelSummary& summary() const { return summary_; }
 	/// Time of all layouts so far, checks included [s].
@@ -128,9 +128,9 @@ private:
 	std::vector<double>   sum_;
 
 	// of the cell, whose points all belong to one island
-	Vec2 inverseStretchMass_, stretch_, oldStretch_, referenceStretch_;
+	Vec2 inverseStretchMass_, stretchRate_, oldStretchRate_, referenceStretchRate_;
 
-	ParallelChoice sweepTrial_; // of large islands
+	ParallelChoice sweepChoice_; // of large islands
 	ModelSummary   summary_;
 	double         layoutSeconds_ = 0;
 };

@@ -1,7 +1,7 @@
 // Gauss–Seidel sweeps with Nesterov momentum on the impulses (momentum.hpp), with restart.
 //
 // Velocities are linear in the impulses and are extrapolated with them. Large islands are swept in
-// mixed precision (packed_island.hpp); doubles confirm the end.
+// mixed precision (packed_island.hpp). The stop criteria are confirmed in doubles.
 #include "problem/infeasibility.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/sweep_solver.hpp"
@@ -22,7 +22,7 @@ Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspac
 	return solveBySweeps(problem, settings, workspace, [&](PackedIsland& island, IslandStop& stop) {
 		Momentum momentum;
 		island.beginMixedPrecision();
-		while (!stop.reached()) {
+		while (!stop.mustStop()) {
 			// stop.sweeps() is 1 before the first sweep
 			if (stop.sweeps() == settings.maxIterations - probeSweeps + 1) island.saveImpulses();
 			sweep(island, momentum);
@@ -32,7 +32,7 @@ Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspac
 }
 
 void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bias, int sweeps,
-        std::vector<Twist>& velocity, Vec2& stretch, Workspace& workspace)
+        std::vector<Twist>& velocity, Vec2& stretchRate, Workspace& workspace)
 {
 	PackedProblem& packed = workspace.packed();
 	packed.setBiases(problem, bias);
@@ -44,7 +44,7 @@ void sweepWithBias(const ContactProblem& problem, const std::vector<double>& bia
 		island.endMixedPrecision();
 	});
 	packed.storeVelocity(problem, velocity);
-	stretch = packed.stretch();
+	stretchRate = packed.stretchRate();
 }
 
 } // namespace rcr

@@ -12,7 +12,7 @@ namespace {
 Report solveNlgs(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
 	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, IslandStop& stop) {
-		while (!stop.reached())
+		while (!stop.mustStop())
 			island.sweep();
 	});
 }
@@ -20,7 +20,7 @@ Report solveNlgs(ContactProblem& problem, const Settings& settings, Workspace& w
 Report solveSor(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
 	return solveBySweeps(problem, settings, workspace, [](PackedIsland& island, IslandStop& stop) {
-		while (!stop.reached())
+		while (!stop.mustStop())
 			island.sweepRelaxed(relaxation);
 	});
 }

@@ -5,19 +5,17 @@
 //   ε' = ε max(1, w₀/w_nn),   W = Delassus block of the point (components w_nn, w_nt, w_tt)
 //
 // Existence: let A = J M⁻¹Jᵀ ≥ 0, q = u_free + b_n n, and u' = (A + ε' W) p + q. Then p · u' =
-// −µ p_n |u'_t| ≤ 0 bounds the impulses, ε' pᵀWp ≤ −pᵀq. So a solution exists for any motion of
+// −µ p_n |u'_t| ≤ 0 bounds the impulses: ε' pᵀWp ≤ −pᵀq. So a solution exists for any motion of
 // driven bodies.
 // Energy: p · u = p · u' − ε' pᵀWp ≤ 0, so contacts add no energy.
-// A body that can only turn has a singular block, W = j jᵀ/I: its points yield without
-// friction.
+// A body that can only turn has a singular block, W = j jᵀ/I: its points yield without friction.
 // Forces: a point closes at ε max(w_nn, w₀) p_n. Without w₀, a body that can only turn would bear
 // any force at a contact whose lever is tiny. A wedged body shares the imposed motion among its
 // contacts, as dashpots with the coefficient 1/(ε' w_nn dt) would. The solution of one point is
 // 1/(1 + ε') of the rigid one, because the laws are homogeneous. Sweeps with momentum converge in
-// about 1/√ε sweeps. Overlaps are corrected no faster than the driven motion, so the force of a
-// contact grows with its overlap, as with springs.
-// Source: Acary, Cadoux, Lemaréchal and Malick 2011 (existence); Castro et al. 2022 (near-rigid
-// regime of a convex relative).
+// about 1/√ε sweeps. Overlaps are corrected no faster than the driven motion. So the force of a
+// contact grows with its overlap, as with springs. Source: Acary, Cadoux, Lemaréchal and Malick
+// 2011 (existence); Castro et al. 2022 (near-rigid regime of a convex relative).
 #include "problem/coulomb.hpp"
 #include "problem/infeasibility.hpp"
 #include "sweep/momentum.hpp"
@@ -30,7 +28,7 @@ namespace {
 	/// A solved island stays rigid if it dissipates less than this share of all contacts [-].
 	constexpr double negligible = 0.01;
 
-	/// The bodies of the point can only turn about one axis, or not move at all.
+	/// Returns true if the bodies of the point can only turn about one axis, or not move at all.
 	bool isSingular(const Delassus& w) { return w.nn * w.tt - w.nt * w.nt <= 1e-9 * w.nn * w.tt; }
 
 	/// Sweeps until the relative change of the impulses is below `tolerance`, or the settings stop.
@@ -39,7 +37,7 @@ namespace {
 	{
 		constexpr int interval = 10;
 		Momentum      momentum;
-		while (!stop.reached()) {
+		while (!stop.mustStop()) {
 			const double change2 = island.sweepYielding(momentum.beta(), yielding);
 			momentum.advance(change2);
 			if (stop.sweeps() % interval == 0
@@ -50,7 +48,7 @@ namespace {
 
 } // namespace
 
-bool isDivergent(const ContactProblem& problem, const Settings& settings, Workspace& workspace)
+bool probeDivergence(const ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {
 	Settings sweeps      = settings;
 	sweeps.sameProblem   = true;
@@ -76,7 +74,7 @@ Report solveYielding(ContactProblem& problem,
 	sweeps.checkInterval    = maxSweeps;
 	sweeps.maxIterations    = maxSweeps;
 	const double tolerance  = settings.tolerance > 0 ? settings.tolerance : Settings().tolerance;
-	const double fastest    = drivenSpeed(problem);
+	const double fastest = drivenSpeed(problem), yieldImpulse = settings.yielding.yieldImpulse;
 	const std::vector<ContactPoint> given = problem.points;
 	// without friction, the law of a point bounds its impulse even if its block is singular
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
@@ -88,11 +86,11 @@ Report solveYielding(ContactProblem& problem,
 	}
 	// rounding errors of larger impulses would hide those of other contacts
 	for (Impulse& p : problem.impulse)
-		if (p.n > settings.yieldImpulse) p = settings.yieldImpulse / p.n * p;
-	for (std::size_t k = 0; k < problem.recovery.size(); ++k) {
-		if (!(problem.recovery[k] < 0)) continue; // no overlap
+		if (p.n > yieldImpulse) p = yieldImpulse / p.n * p;
+	for (std::size_t k = 0; k < problem.recoveryBias.size(); ++k) {
+		if (!(problem.recoveryBias[k] < 0)) continue; // no overlap
 		// correct overlaps no faster than the driven motion
-		const double recovery  = std::max(problem.recovery[k], -fastest);
+		const double recovery  = std::max(problem.recoveryBias[k], -fastest);
 		problem.points[k].bias = std::min(problem.points[k].bias, recovery);
 	}
 	Report report = solveBySweeps(
@@ -100,10 +98,8 @@ Report solveYielding(ContactProblem& problem,
 		        const Measures measures    = island.measure();
 		        const bool     rigidEnough = stop.meets(settings)
 		                && measures.dissipated <= negligible * rigid.dissipated
-		                && measures.impulse2 <= settings.yieldImpulse * settings.yieldImpulse;
-		        if (!rigidEnough)
-			        sweepToRest(island, stop, { settings.yieldCompliance, settings.leastResponse },
-			                tolerance);
+		                && measures.impulse2 <= yieldImpulse * yieldImpulse;
+		        if (!rigidEnough) sweepToRest(island, stop, settings.yielding, tolerance);
 	        });
 	report.yielded   = true;
 	report.converged = false;
@@ -111,9 +107,6 @@ Report solveYielding(ContactProblem& problem,
 		problem.points[k].bias     = given[k].bias;
 		problem.points[k].friction = given[k].friction;
 	}
-	for (const ContactPoint& c : problem.points)
-		report.closingSpeed
-		        = std::max(report.closingSpeed, -c.bias - relativeVelocity(problem, c).n);
 	return report;
 }
 

@@ -13,25 +13,23 @@ struct Criteria {
 	double kinematicError  = 0;
 	double meanForceChange = std::numeric_limits<double>::infinity();
 
-	/// Tolerance 0 runs all iterations.
 	bool met(const Settings& settings) const
 	{
-		const bool accurate = settings.tolerance > 0 && residual <= settings.tolerance
-		        && kinematicError <= settings.kinematicTolerance;
-		return accurate || meanForceChange < settings.meanForceChange;
+		return settings.accept(residual, kinematicError)
+		        || meanForceChange < settings.meanForceChange;
 	}
 };
 
-/// Counts sweeps. Evaluates the criteria before the first and after every `checkInterval`. Stops if
-/// they are met, if the residual has reached no new minimum in `stallSweeps` sweeps, or after
-/// `maxIterations`.
+/// Counts sweeps. Evaluates the criteria before the first and after every `checkInterval`. Sweeps
+/// must stop if the criteria are met, or after `maxIterations`. They also stop if the residual has
+/// had no new minimum in `stallSweeps` sweeps.
 class StopTest {
 public:
 	explicit StopTest(const Settings& settings) : settings_(settings) { }
 
-	/// Call before each sweep. `measure()` returns the criteria. `early`: evaluate them before this
-	/// sweep too.
-	template <class Measure> bool reached(bool early, Measure measure)
+	/// Call before each sweep. Returns true if the sweeps must stop. `measure()` returns the
+	/// criteria. `early`: evaluates them before this sweep too.
+	template <class Measure> bool mustStop(bool early, Measure measure)
 	{
 		if (sweeps_ >= settings_.maxIterations) return true;
 		if (sweeps_ >= settings_.minIterations

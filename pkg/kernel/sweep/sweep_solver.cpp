@@ -53,15 +53,6 @@ Criteria IslandStop::evaluate()
 	return criteria;
 }
 
-std::vector<double> biases(const ContactProblem& problem)
-{
-	std::vector<double> bias;
-	bias.reserve(problem.points.size());
-	for (const ContactPoint& point : problem.points)
-		bias.push_back(point.bias);
-	return bias;
-}
-
 Report reportOf(PackedProblem& packed, const Settings& settings, const std::vector<IslandEnd>& ends)
 {
 	struct Part {

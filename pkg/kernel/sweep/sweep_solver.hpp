@@ -21,13 +21,14 @@ public:
 	{
 	}
 
-	/// Call before each sweep. One sweep solves an island of one point.
-	bool reached()
+	/// Call before each sweep. Returns true if the sweeps must stop. An island of one point is
+	/// measured after its first sweep, which solves it.
+	bool mustStop()
 	{
-		return stop_.reached(
+		return stop_.mustStop(
 		        stop_.sweeps() == 1 && island_.points() == 1, [this] { return measure(); });
 	}
-	/// True if the island meets the criteria of these settings now.
+	/// Returns true if the island meets the criteria of these settings now.
 	bool   meets(const Settings& settings) { return measure().met(settings); }
 	int    sweeps() const { return stop_.sweeps(); }
 	double meanForceChange() const { return stop_.criteria().meanForceChange; }
@@ -52,9 +53,6 @@ struct IslandEnd {
 
 /// The report of the stored solution. It has converged if each island meets the criteria.
 Report reportOf(PackedProblem&, const Settings&, const std::vector<IslandEnd>&);
-
-/// b_n of all points [m/s].
-std::vector<double> biases(const ContactProblem&);
 
 /// Loads the problem, calls iterate(island, stop) for each island in parallel, and stores the
 /// solution.

@@ -36,9 +36,9 @@ def _guarded(method):
 
     @functools.wraps(method)
     def run(omega, *arguments, **keywords):
-        refusal = _plugin.refusal()
-        if refusal:
-            raise ValueError("rcr: " + refusal)
+        error = _plugin.prepare_run()
+        if error:
+            raise ValueError("rcr: " + error)
         _advise(omega)
         _plugin.take_error()
         return _raising(method)(omega, *arguments, **keywords)
@@ -55,7 +55,7 @@ def _advise(omega):
         return
     same_bodies = omega.iter > 0 and before and present[0] == before[0]
     texts = [] if same_bodies else _plugin.advice()
-    if _plugin.usesRcr():
+    if _plugin.uses_rcr():
         texts += _time_step_advice(omega)
     for text in texts:
         warnings.warn("rcr: " + text, stacklevel=3)
@@ -159,7 +159,7 @@ def _checked_erase(erase):
     @functools.wraps(erase)
     def wrapped(bodies, id, *arguments, **keywords):
         omega = Omega()
-        if omega.periodic and _plugin.usesRcr():
+        if omega.periodic and _plugin.uses_rcr():
             colliders = (e for e in omega.engines if isinstance(e, InsertionSortCollider))
             if any(collider.numReinit > 0 for collider in colliders):
                 raise ValueError(

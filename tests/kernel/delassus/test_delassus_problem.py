@@ -8,7 +8,7 @@ from rcr import _kernel
 def arrays():
     """Three contacts; the first two are coupled."""
     return dict(row_start=[0, 2, 4, 5], column=[0, 1, 0, 1, 2],
-                block=np.tile([1.0, 0, 0, 1], (5, 1)), free=np.zeros((3, 2)),
+                block=np.tile([1.0, 0, 0, 1], (5, 1)), free_velocity=np.zeros((3, 2)),
                 friction=np.zeros(3), impulse=np.zeros((3, 2)))
 
 

@@ -12,11 +12,10 @@ def grid(rows, columns):
     return rows * columns, across + up
 
 
-STAR = 31, [(0, k) for k in range(1, 31)]
-CHAIN = 40, [(i, i + 1) for i in range(39)]
-FULL = 12, [(i, j) for i in range(12) for j in range(i)]
-GRAPHS = {"one row": (1, []), "two rows": (2, [(1, 0)]), "diagonal": (7, []), "star": STAR,
-          "grid": grid(9, 13), "chain": CHAIN, "full": FULL}
+GRAPHS = {"one row": (1, []), "two rows": (2, [(1, 0)]), "diagonal": (7, []),
+          "star": (31, [(0, k) for k in range(1, 31)]), "grid": grid(9, 13),
+          "chain": (40, [(i, i + 1) for i in range(39)]),
+          "full": (12, [(i, j) for i in range(12) for j in range(i)])}
 
 
 @pytest.mark.parametrize("size, pairs", GRAPHS.values(), ids=GRAPHS)
@@ -72,8 +71,6 @@ def test_refuses_wrong_pairs(pairs, says):
     with pytest.raises(ValueError, match=says):
         _kernel.solve_blocks(
             np.array(pairs), np.tile(np.eye(3), (3, 1, 1)), blocks, blocks, np.ones((3, 3)))
-    with pytest.raises(ValueError, match=says):
-        _kernel.block_fill(3, np.array(pairs))
 
 
 @pytest.mark.parametrize("name, shape", [
@@ -85,15 +82,3 @@ def test_refuses_blocks_of_wrong_shape(name, shape):
                   lower=np.ones((1, 3, 3)), b=np.ones((3, 3)))
     with pytest.raises(ValueError, match=f"{name} has shape"):
         _kernel.solve_blocks(**{**arrays, name: np.ones(shape)})
-
-
-@pytest.mark.parametrize("size, pairs", [
-    STAR, CHAIN, FULL, (31, [((k - 1) // 2, k) for k in range(1, 31)]), (5, []), (1, []),
-])
-def test_trees_and_full_matrices_have_no_fill(size, pairs):
-    assert _kernel.block_fill(size, pairs) == len(pairs)
-
-
-def test_a_grid_has_little_fill():
-    """20 × 20: about n^1.5 = 8000 blocks row by row, 3302 by approximate minimum degree."""
-    assert 1000 < _kernel.block_fill(*grid(20, 20)) < 3500

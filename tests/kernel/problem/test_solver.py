@@ -14,7 +14,7 @@ from kernel.contact_problems import (assert_laws, assert_same_bits, assert_solve
     ({"threads": 0}, "threads = 0"),
     ({"lanes": 3}, "lanes = 3"),
     ({"reductions": ["islands", "walls"]},
-     "reduction 'walls' is not known: give some of frictionless discs fixed islands layout"),
+     "reduction 'walls' is not known; expected one of frictionless, discs, fixed, islands"),
 ])
 def test_invalid_settings_are_rejected(change, message):
     with pytest.raises(ValueError, match=message):

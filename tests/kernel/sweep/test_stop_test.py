@@ -19,7 +19,7 @@ def run(residual, error=0.0, change=math.inf, early=(), **settings):
         measured.append(sweep)
         return at(residual), at(error), at(change)
 
-    while not test.reached(measure, early=sweep in early):
+    while not test.must_stop(measure, early=sweep in early):
         sweep += 1
         assert sweep < 10_000
     assert test.sweeps == sweep

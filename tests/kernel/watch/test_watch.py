@@ -1,51 +1,52 @@
-"""JamDetector and MissedSteps: verdicts and warnings for given sequences of steps."""
+"""JamDetector and StepCounts: verdicts and warnings for given sequences of steps."""
 
 import pytest
-from rcr._kernel import JamDetector, MissedSteps
+from rcr._kernel import JamDetector, StepCounts
 
-CRUSHED, PATIENCE = JamDetector.crushed, JamDetector.patience
+JAM_OVERLAP, PATIENCE = JamDetector.jam_overlap, JamDetector.patience
 
 
-def verdicts(detector, overlaps, no_solution=()):
-    """(step, verdict) of all verdicts; `no_solution` holds the steps without a solution."""
-    found = [detector.update(overlap, step in no_solution) for step, overlap in enumerate(overlaps)]
+def verdicts(detector, overlaps, yielded=()):
+    """(step, verdict) of all verdicts; `yielded` holds the steps that yielded."""
+    found = [detector.update(overlap, step in yielded) for step, overlap in enumerate(overlaps)]
     return [(step, verdict) for step, verdict in enumerate(found) if verdict != "none"]
 
 
 def growing(steps, start=1.1, rate=0.1):
-    return [CRUSHED * (start + rate * k) for k in range(steps)]
+    return [JAM_OVERLAP * (start + rate * k) for k in range(steps)]
 
 
-@pytest.mark.parametrize("overlaps, no_solution, expected", [
+@pytest.mark.parametrize("overlaps, yielded, expected", [
     pytest.param(growing(25), (), [(PATIENCE - 1, "not converged"),
                                    (2 * PATIENCE - 1, "not converged")], id="growth"),
     pytest.param(growing(25), range(25), [(PATIENCE - 1, "jam"), (2 * PATIENCE - 1, "jam")],
                  id="growth without a solution"),
     pytest.param(growing(15), {3}, [(PATIENCE - 1, "jam")], id="one step without a solution"),
-    pytest.param([CRUSHED * k / 200 for k in range(200)], range(200), [], id="shallow"),
-    pytest.param([1.4 * CRUSHED + 4e-6 * k for k in range(200)], (), [], id="drift of a tolerance"),
-    pytest.param([10 * CRUSHED * 0.99**k for k in range(200)], range(200), [], id="impact"),
+    pytest.param([JAM_OVERLAP * k / 200 for k in range(200)], range(200), [], id="shallow"),
+    pytest.param([1.4 * JAM_OVERLAP + 4e-6 * k for k in range(200)], (), [],
+                 id="drift of a tolerance"),
+    pytest.param([10 * JAM_OVERLAP * 0.99**k for k in range(200)], range(200), [], id="impact"),
     pytest.param([factor * overlap for overlap in growing(PATIENCE) for factor in (1, 1, .99, .98)],
                  (), [(4 * (PATIENCE - 1), "not converged")], id="small recessions"),
-    pytest.param([*growing(PATIENCE - 1), 0.9 * CRUSHED, *growing(PATIENCE - 1)], range(5), [],
+    pytest.param([*growing(PATIENCE - 1), 0.9 * JAM_OVERLAP, *growing(PATIENCE - 1)], range(5), [],
                  id="removed overlap"),
 ])
-def test_verdicts(overlaps, no_solution, expected):
+def test_verdicts(overlaps, yielded, expected):
     """Overlaps that grow for `PATIENCE` steps give a verdict."""
-    assert verdicts(JamDetector(), overlaps, no_solution) == expected
+    assert verdicts(JamDetector(), overlaps, yielded) == expected
 
 
 def test_a_saved_detector_gives_the_same_verdict():
     overlaps = growing(PATIENCE)
     first, again = JamDetector(), JamDetector()
     assert verdicts(first, overlaps[:4], {0}) == []
-    again.grown, again.deepest, again.unsolvable = first.grown, first.deepest, first.unsolvable
+    again.new_maxima, again.deepest, again.yielded = first.new_maxima, first.deepest, first.yielded
     assert verdicts(again, overlaps[4:]) == [(PATIENCE - 1 - 4, "jam")]
 
 
 def warnings(steps):
     """(step, message) of all warnings for (missed, yielded, overlap) of each step."""
-    watch = MissedSteps()
+    watch = StepCounts()
     return [(k, watch.message()) for k, step in enumerate(steps) if watch.count(*step)]
 
 
@@ -98,7 +99,7 @@ def test_steps_without_a_solution_warn_at_tolerance_0():
 
 
 def test_counts_of_steps():
-    watch = MissedSteps()
+    watch = StepCounts()
     for step in [(False, False, 0.01), (True, False, 0.02), (True, True, 0.0), (False, False, 0.0)]:
         watch.count(*step)
     assert (watch.steps, watch.missed, watch.yielded, watch.deepest) == (4, 2, 1, 0.02)

@@ -505,6 +505,17 @@ def test_python_reads_everything_during_a_run():
     O.wait()
 
 
+def test_tuning_is_changed_as_a_whole():
+    """An entry of `tuning` cannot be set: the engine would not see the change."""
+    engine = rcr.ContactDynamics()
+    with pytest.raises(TypeError):
+        engine.tuning["arrays"] = False
+    engine.tuning = dict(arrays=False, lanes=4)
+    assert not engine.arrays and engine.tuning == dict(arrays=False, lanes=4, meanForceChange=0)
+    with pytest.raises(ValueError, match="setting .* 'reductions' is not known"):
+        engine.tuning = dict(reductions=[])
+
+
 def test_a_body_that_is_observed_twice_counts_once():
     grain_on_floor(0)
     watched = solver()

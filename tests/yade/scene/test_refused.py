@@ -135,7 +135,6 @@ SETTINGS = [
     ("tolerance", NAN, "tolerance = -?nan"),
     ("tolerance", INF, "tolerance = inf; expected a finite residual"),
     ("meanForceChange", INF, "meanForceChange = inf: give a finite change"),
-    ("minIterations", 10**9, "minIterations = 1000000000.*at most maxIterations = "),
     ("maxIterations", 0, "maxIterations = 0"),
     ("maxIterations", -5, "maxIterations = -5"),
     ("correction", -0.1, "correction = -0.1.*; expected a fraction of the overlap, 0 to 1"),
@@ -144,7 +143,6 @@ SETTINGS = [
     *(("yieldCompliance", value, f"ContactDynamics.yieldCompliance = {value:g}; expected a finite "
        f"factor ≥ 0, 1 by default") for value in (NAN, INF, -1.0)),
     ("observeEvery", -1, "ContactDynamics.observeEvery = -1; expected a number of steps"),
-    ("reductions", ["walls"], "reduction 'walls' is not known"),
     ("dead", True, "O.engines holds no ContactDynamics that is not dead"),
 ]
 UNSEEN = "stands after ContactDynamics, which would not see its load; put it before"

@@ -4,8 +4,8 @@
 // Real is double, or float if RCR_SINGLE is defined. Lane<1> is one Real. AVX2 registers are
 // Lane<4> of doubles and Lane<8> of floats; AVX-512 registers are Lane<8> and Lane<16>, if the
 // compiler may use them. Any other width consists of two halves. Each operation is one IEEE
-// operation per lane, a fused product and sum (FMA) included. So the bits do not depend on the
-// width, given -ffp-contract=off. Without FMA in hardware, the C library computes the same bits
+// operation per lane; a fused product and sum (FMA) is one operation. So the bits do not depend on
+// the width, given -ffp-contract=off. Without FMA in hardware, the C library computes the same bits
 // slowly.
 //
 // CMake compiles this source once per width and Real, each with its own flags. RCR_LANE_NAMESPACE
@@ -281,7 +281,7 @@ private:
 };
 #endif
 
-/// Keeps the compiler from interleaving two calculations, which would exhaust the registers.
-inline void separate() { __atomic_signal_fence(__ATOMIC_SEQ_CST); }
+/// Prevents the compiler from interleaving two calculations, which would exhaust the registers.
+inline void scheduleBarrier() { __atomic_signal_fence(__ATOMIC_SEQ_CST); }
 
 } // namespace rcr::RCR_LANE_NAMESPACE

@@ -42,16 +42,16 @@ namespace {
 			        loadBodies<RCR_LANES>({ records, from + lane }), { records, to + lane });
 	}
 
-	void moveCentres(double* records, const std::uint32_t* from, const std::uint32_t* to)
+	void moveCenters(double* records, const std::uint32_t* from, const std::uint32_t* to)
 	{
 		for (int lane = 0; lane < blockWidth; lane += RCR_LANES)
-			storeCentres<RCR_LANES>(
-			        loadCentres<RCR_LANES>({ records, from + lane }), { records, to + lane });
+			storeCenters<RCR_LANES>(
+			        loadCenters<RCR_LANES>({ records, from + lane }), { records, to + lane });
 	}
 
 } // namespace
 
 extern const LaneCheck check;
-const LaneCheck        check { apply, moveBodies, moveCentres };
+const LaneCheck        check { apply, moveBodies, moveCenters };
 
 } // namespace rcr::RCR_LANE_NAMESPACE

@@ -17,7 +17,7 @@ struct LaneCheck {
 	void (*apply)(LaneOperation, const double* a, const double* b, const double* c, double* out);
 	/// Copies records, whole or halves, from the offsets `from` to the offsets `to`.
 	void (*moveBodies)(double* records, const std::uint32_t* from, const std::uint32_t* to);
-	void (*moveCentres)(double* records, const std::uint32_t* from, const std::uint32_t* to);
+	void (*moveCenters)(double* records, const std::uint32_t* from, const std::uint32_t* to);
 };
 
 /// The check for the lanes that packedKernels(lanes) chooses.

@@ -14,7 +14,7 @@ template <int N> struct Bodies {
 };
 
 /// Half records.
-template <int N> struct Centres {
+template <int N> struct Centers {
 	Lane<N> x, y;
 };
 
@@ -41,12 +41,12 @@ template <int N> inline Bodies<N> loadBodies(const Places<N>& at)
 	}
 }
 
-template <int N> inline Centres<N> loadCentres(const Places<N>& at)
+template <int N> inline Centers<N> loadCenters(const Places<N>& at)
 {
 	if constexpr (N == 1) return { at[0][record::x], at[0][record::y] };
 	else {
-		const Centres<N / 2> low  = loadCentres<N / 2>(at.low()),
-		                     high = loadCentres<N / 2>(at.high());
+		const Centers<N / 2> low  = loadCenters<N / 2>(at.low()),
+		                     high = loadCenters<N / 2>(at.high());
 		return { { low.x, high.x }, { low.y, high.y } };
 	}
 }
@@ -69,12 +69,12 @@ template <int N> inline void storeBodies(const Bodies<N>& v, const Places<N>& at
 	}
 }
 
-template <int N> inline void storeCentres(const Centres<N>& v, const Places<N>& at)
+template <int N> inline void storeCenters(const Centers<N>& v, const Places<N>& at)
 {
 	if constexpr (N == 1) at[0][record::x] = v.x.value, at[0][record::y] = v.y.value;
 	else {
-		storeCentres<N / 2>({ lowHalf(v.x), lowHalf(v.y) }, at.low());
-		storeCentres<N / 2>({ highHalf(v.x), highHalf(v.y) }, at.high());
+		storeCenters<N / 2>({ lowHalf(v.x), lowHalf(v.y) }, at.low());
+		storeCenters<N / 2>({ highHalf(v.x), highHalf(v.y) }, at.high());
 	}
 }
 
@@ -93,13 +93,13 @@ inline __attribute__((always_inline)) void storeTwo(
 	_mm_store_pd(at[i + 2] + part, _mm256_extractf128_pd(numbers, 1));
 }
 
-template <> inline Centres<4> loadCentres<4>(const Places<4>& at)
+template <> inline Centers<4> loadCenters<4>(const Places<4>& at)
 {
 	const __m256d v02 = loadTwo(at, 0, 0), v13 = loadTwo(at, 1, 0);
 	return { _mm256_unpacklo_pd(v02, v13), _mm256_unpackhi_pd(v02, v13) };
 }
 
-template <> inline void storeCentres<4>(const Centres<4>& v, const Places<4>& at)
+template <> inline void storeCenters<4>(const Centers<4>& v, const Places<4>& at)
 {
 	storeTwo(_mm256_unpacklo_pd(v.x.value, v.y.value), at, 0, 0);
 	storeTwo(_mm256_unpackhi_pd(v.x.value, v.y.value), at, 1, 0);
@@ -196,7 +196,7 @@ template <> inline void storeBodies<8>(const Bodies<8>& v, const Places<8>& at)
 	put(_mm256_shuffle_ps(xy23, sm23, 0xee), 3);
 }
 
-template <> inline Centres<8> loadCentres<8>(const Places<8>& at)
+template <> inline Centers<8> loadCenters<8>(const Places<8>& at)
 {
 	const auto two = [&](int i) __attribute__((always_inline))
 	{
@@ -210,7 +210,7 @@ template <> inline Centres<8> loadCentres<8>(const Places<8>& at)
 	return { _mm256_shuffle_ps(xy01, xy23, 0x88), _mm256_shuffle_ps(xy01, xy23, 0xdd) };
 }
 
-template <> inline void storeCentres<8>(const Centres<8>& v, const Places<8>& at)
+template <> inline void storeCenters<8>(const Centers<8>& v, const Places<8>& at)
 {
 	const auto put = [&](__m128 two, int i) __attribute__((always_inline))
 	{

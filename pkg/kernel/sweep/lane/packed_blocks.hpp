@@ -1,7 +1,7 @@
 // Memory layout of the packed contact problem, and the kernels that work on it.
 //
 // A block holds sixteen pairs of bodies that share no free body, so sixteen lanes may solve them at
-// once. Sixteen are two AVX-512 registers: the point solution is a long chain of operations, and
+// once. Sixteen are two AVX-512 registers. The point solution is a long chain of operations, and
 // the second register fills the waits of the first. A pair has one or two contact points. An empty
 // slot holds zeros, which change nothing.
 //
@@ -36,32 +36,23 @@
 // | d±     | slide…         | –    | µ/(1 ± µ r), largest ±p_t/n₀; unlimited if 1 ± µ r ≤ 0  |
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
+
+#include "problem/measures.hpp"
+#include "problem/yielding.hpp"
 
 namespace rcr {
 
 constexpr int blockWidth = 16;
 
-/// Stands for infinity. It is finite, so 0 · unlimited = 0.
+/// Stands for infinity, but 0 · unlimited = 0.
 template <class Real>
 constexpr Real unlimited = sizeof(Real) == sizeof(double) ? Real(1e300) : Real(1e30);
-
-/// Law of yielding contacts (solve_yielding.cpp).
-struct Yielding {
-	double compliance = 0, leastResponse = 0; // ε [-], w₀ [1/kg]
-
-	/// Share of the rigid solution that a contact keeps.
-	double kept(double responseNn) const
-	{
-		return 1 / (1 + compliance * std::max(1.0, leastResponse / responseNn));
-	}
-};
 
 enum class Model : std::uint8_t { frictional, noLever, frictionless, frictionlessDisc };
 constexpr int models = 4;
 
-/// True if the points of this model have a tangential impulse.
+/// Returns true if the points of this model have a tangential impulse.
 constexpr bool hasFriction(Model model) { return model <= Model::noLever; }
 
 // ---- records of bodies
@@ -185,25 +176,6 @@ template <class Real> struct PackedViewOf {
 	Real* recordAt(std::int32_t record) const { return body + offsetOf(record); }
 };
 using PackedView = PackedViewOf<double>;
-
-/// Sums over contact points for the stop criteria.
-struct Measures {
-	double error2          = 0; // ‖p − P_K(…)‖², the numerator of the residual [(N s)²]
-	double impulse2        = 0; // ‖p‖² [(N s)²]
-	double normal          = 0; // Σ p_n [N s]
-	double kinematicError2 = 0; // Σ w_nn² |p − P_K(…)|² [(m/s)²]
-	double velocity2       = 0; // Σ |u|² [(m/s)²]
-	double stopping2       = 0; // Σ ((|u_n| + |b_n|)/w_nn)² [(N s)²]
-	double dissipated      = 0; // −Σ p · (u + b_n n) [J/m]
-
-	Measures& operator+=(const Measures& other)
-	{
-		error2 += other.error2, impulse2 += other.impulse2, normal += other.normal;
-		kinematicError2 += other.kinematicError2, velocity2 += other.velocity2;
-		stopping2 += other.stopping2, dissipated += other.dissipated;
-		return *this;
-	}
-};
 
 /// The kernels of sweeps with momentum, in doubles or floats. Each works on one chunk.
 template <class Real> struct MomentumKernels {

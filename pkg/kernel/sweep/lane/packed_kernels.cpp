@@ -89,12 +89,12 @@ namespace {
 			          stopping = (abs(speed) + abs(law)) * scale;
 			const Vector q     = projectCone(
 			        { p.n - (un + mu * abs(u.t)) * scale, p.t - u.t * scale }, mu);
-			const L miss = (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
-			error2.add(lane, miss);
+			const L pointError2 = (p.n - q.n) * (p.n - q.n) + (p.t - q.t) * (p.t - q.t);
+			error2.add(lane, pointError2);
 			impulse2.add(lane, p.n * p.n + p.t * p.t);
 			normal.add(lane, p.n);
 			kinematicError2.add(
-			        lane, select(scale <= L(0.0), L(0.0), miss / (scale * scale)));
+			        lane, select(scale <= L(0.0), L(0.0), pointError2 / (scale * scale)));
 			velocity2.add(lane, speed * speed + u.t * u.t);
 			stopping2.add(lane, stopping * stopping);
 			dissipated.add(lane, L(0.0) - (p.n * un + p.t * u.t));

@@ -27,7 +27,7 @@ using FrictionalColumns       = FrictionalColumnsOf<Real>;
 using Column                  = ColumnOf<Real>;
 using PackedView              = PackedViewOf<Real>;
 
-/// True for floats: their records are relative to a reference, so sweeps need `tangentialBias`.
+/// True for floats. Their records are relative to a reference, so sweeps need `tangentialBias`.
 constexpr bool relativeToReference = sizeof(Real) < sizeof(double);
 
 inline L square(L a) { return a * a; }
@@ -142,7 +142,7 @@ struct Frictional : WithFriction {
 	}
 	static void apply(const Columns& c, int lane, const Impulse& p, B& v1, B& v2)
 	{
-		if (RCR_LANES > 8) separate();
+		if (RCR_LANES > 8) scheduleBarrier();
 		applyImpulse(c, lane, p, v1, v2);
 	}
 };
@@ -168,7 +168,7 @@ struct NoLever : WithFriction {
 	}
 	static void apply(const Columns& c, int lane, const Impulse& p, B& v1, B& v2)
 	{
-		if (RCR_LANES > 8) separate();
+		if (RCR_LANES > 8) scheduleBarrier();
 		const L nx = L::load(c.nx() + lane), ny = L::load(c.ny() + lane);
 		const L fx = subtractProduct(p.n * nx, p.t, ny), fy = addProduct(p.n * ny, p.t, nx);
 		v1.x    = subtractProduct(v1.x, v1.inverseMass, fx);
@@ -222,10 +222,10 @@ struct Frictionless : Normal {
 
 struct FrictionlessDisc : Normal {
 	using Columns = FrictionlessDiscColumns;
-	using C       = Centres<RCR_LANES>;
+	using C       = Centers<RCR_LANES>;
 
-	static C    load(const P& at) { return loadCentres<RCR_LANES>(at); }
-	static void store(const C& v, const P& at) { storeCentres<RCR_LANES>(v, at); }
+	static C    load(const P& at) { return loadCenters<RCR_LANES>(at); }
+	static void store(const C& v, const P& at) { storeCenters<RCR_LANES>(v, at); }
 	static L    velocity(const Columns& c, int lane, const C& v1, const C& v2)
 	{
 		return addProduct(

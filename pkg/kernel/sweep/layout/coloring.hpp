@@ -1,4 +1,4 @@
-// Greedy graph colouring: pairs of one colour share no free body, so lanes may solve them at once.
+// Greedy graph colouring: pairs of one colour share no free body, so lanes can solve them at once.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ public:
 
 	void reset(std::size_t bodies) { used_.assign(bodies, 0); }
 
-	/// Frees all colours of a body, for pairs that are swept at another time.
+	/// Frees all colours of a body for pairs that are swept at another time.
 	void free(int body) { used_[body] = 0; }
 
 	/// Returns the colour of a pair, or none. `limits1`, `limits2`: false for a prescribed body,

@@ -13,7 +13,7 @@ namespace {
 	constexpr int maxSerialIsland   = 1024; // pairs of an island for one thread
 	constexpr int partitionPairs = 2048; // mean of a partition: twenty times those of an interface
 	constexpr int maxPartitions  = 16;   // of an island
-	constexpr int sectionInterfaces = 4; // fewer would leave too many slots empty
+	constexpr int sectionInterfaces = 4; // a smaller number would leave too many slots empty
 	constexpr int minModelShare     = 4; // a model needs 1/4 of the pairs of an island
 
 	/// Lever over arm [-] that counts as zero: rounding of positions far from the origin.
@@ -25,7 +25,7 @@ namespace {
 		return m.x == m.y && m.x > 0 ? BodyKind::regular : BodyKind::special;
 	}
 
-	/// True if the normal velocity at a point depends on the rotation of a body.
+	/// Returns true if the normal velocity at a point depends on the rotation of a body.
 	bool hasLever(const InverseMass& m, const Twist& v, Vec2 arm, Vec2 normal)
 	{
 		const double lever = cross(arm, normal);
@@ -118,7 +118,7 @@ bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 	kinds_.resize(points);
 	team.forEach(points, [&](std::size_t k) {
 		const ContactPoint& c = problem.points[k];
-		kinds_[k]             = { c.body1, c.body2, requiredModel(problem, c), c.drifts() };
+		kinds_[k] = { c.body1, c.body2, requiredModel(problem, c), c.crossesMovingCell() };
 	});
 	std::size_t count = 0;
 	bool        same  = true;
@@ -127,12 +127,13 @@ bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 		const bool       joins = k + 1 < points && next.body1 == c.body1 && next.body2 == c.body2;
 		const Model      required = joins ? common(c.required, next.required) : c.required;
 		const PackedPair pair { c.body1, c.body2, std::int32_t(k), joins ? 2 : 1, required,
-			required, c.drifts || (joins && next.drifts), PackedPair::noSlot, 0 };
+			required, c.crossesMovingCell || (joins && next.crossesMovingCell),
+			PackedPair::noSlot, 0 };
 		if (count == pairs_.size()) pairs_.push_back(pair);
 		PackedPair& old = pairs_[count];
 		// firstPoint follows from the earlier pairs
 		if (old.body1 != pair.body1 || old.body2 != pair.body2 || old.points != pair.points
-		        || old.required != required || old.drifts != pair.drifts)
+		        || old.required != required || old.crossesMovingCell != pair.crossesMovingCell)
 			same = false;
 		if (!same) old = pair;
 		k += pair.points;
@@ -144,7 +145,7 @@ bool Layout::findPairs(const ContactProblem& problem, ThreadTeam& team)
 bool Layout::packable(const PackedPair& pair) const
 {
 	const BodyKind a = kind_[pair.body1], b = kind_[pair.body2];
-	if (pair.drifts) return false;
+	if (pair.crossesMovingCell) return false;
 	return (a == BodyKind::regular && b != BodyKind::special)
 	        || (b == BodyKind::regular && a != BodyKind::special);
 }

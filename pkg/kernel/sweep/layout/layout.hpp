@@ -1,8 +1,8 @@
 // The layout of a problem: islands, the model of each pair and its place in the packed arrays.
 //
-// The layout is a function of the present problem alone: of its pairs in order, their required
-// models and the kinds of its bodies. So a simulation that is saved and loaded continues with the
-// same bits. A layout stays while these stay; a new one takes as long as twenty sweeps in floats.
+// The layout depends on the present problem alone: on its pairs in order, their required models and
+// the kinds of bodies. So a simulation that is saved and loaded continues with the same bits. A
+// layout is kept until one of these changes; a new layout takes as long as twenty sweeps in floats.
 //
 // Islands are the connected parts of the graph of bodies; prescribed bodies do not connect. A
 // large island is cut into partitions (partitions.hpp). Its pairs form sections: those within a
@@ -10,8 +10,9 @@
 // sweeps a section colour after colour; all partitions may be swept at once, and then all
 // interfaces.
 //
-// The overflow is solved pair after pair: pairs that found no colour, pairs of special bodies, and
-// all pairs of a small island, which would leave most slots empty.
+// The overflow is solved pair after pair. It contains pairs without a colour, pairs of special
+// bodies, and pairs across the boundary of a moving cell. All pairs of a small island belong to it.
+// A small island would leave most slots empty.
 #pragma once
 
 #include <vector>
@@ -33,9 +34,9 @@ struct PackedPair {
 	static constexpr std::int32_t noSlot = -1; // overflow, or a pair of two prescribed bodies
 
 	std::int32_t body1, body2, firstPoint, points;
-	Model        required; // the cheapest that holds
-	Model        model;    // the one that it has
-	bool         drifts;   // lies across a periodic boundary: overflow
+	Model        required; // the cheapest model that holds
+	Model        model;    // the model in use
+	bool         crossesMovingCell; // its image moves or may move (CellStress): overflow
 	std::int32_t slot;     // blockWidth · block + lane, or noSlot
 	std::int32_t column;   // first column of its first point; those of the second follow
 };
@@ -55,8 +56,8 @@ struct Section {
 	Range        records; // of the bodies of a partition
 	Range        pairs;   // in Layout::bySection
 	Row          rows[Coloring::colors][models][2];
-	std::int32_t sides      = 0; // prescribed bodies, counted per pair: each has a record
-	std::int32_t nextRecord = 0; // of these
+	std::int32_t prescribedRecords = 0; // prescribed bodies, counted per pair
+	std::int32_t nextRecord        = 0; // of these
 
 	Row& row(int color, const PackedPair& pair)
 	{
@@ -87,7 +88,7 @@ public:
 	int                            pointBlocks() const { return pointBlocks_; }
 	BodyKind                       kind(int body) const { return kind_[body]; }
 
-	/// Number of half records: of bodies, then of `sides` of sections and of empty slots.
+	/// Number of half records: of bodies, then of prescribed bodies of sections and of empty slots.
 	int records() const { return records_; }
 	/// Record of a body. Order: island after island, partition after partition, then other bodies.
 	int  record(int body) const { return record_[body]; }
@@ -108,7 +109,7 @@ private:
 	struct Kind {
 		std::int32_t body1, body2;
 		Model        required;
-		bool         drifts;
+		bool         crossesMovingCell;
 	};
 
 	bool  classifyBodies(const ContactProblem&);

@@ -20,7 +20,7 @@ void Layout::color(Section& section)
 		color_[number]  = static_cast<signed char>(color);
 		if (color == Coloring::none) continue;
 		++section.row(color, pair).pairs;
-		section.sides += !moves1 + !moves2;
+		section.prescribedRecords += !moves1 + !moves2;
 	}
 }
 
@@ -33,7 +33,7 @@ void Layout::makeBlocks(Section& section)
 				if (ofColor[m][points - 1].pairs > 0)
 					makeBlocks(ofColor[m][points - 1], Model(m), points);
 	section.chunks.end = int(chunks_.size());
-	section.nextRecord = appendRecords(section.sides);
+	section.nextRecord = appendRecords(section.prescribedRecords);
 }
 
 /// Makes the blocks of a row. Its last slots may stay empty.

@@ -13,7 +13,7 @@ void Layout::findIslands()
 	int                       cell  = none; // a body at the boundary of a stretching cell
 	for (const PackedPair& pair : pairs_) {
 		if (moves(pair.body1) && moves(pair.body2)) sets.join(pair.body1, pair.body2);
-		if (!stretches_ || !pair.drifts) continue;
+		if (!stretches_ || !pair.crossesMovingCell) continue;
 		const int body = movingBodies(pair)[0];
 		if (!moves(body)) continue;
 		if (cell != none) sets.join(cell, body);
@@ -31,7 +31,7 @@ void Layout::findIslands()
 		}
 		for (int one : { pair.body1, pair.body2 })
 			if (moves(one)) island_[one] = island;
-		islands_[island].cell |= stretches_ && pair.drifts;
+		islands_[island].cell |= stretches_ && pair.crossesMovingCell;
 		islands_[island].points += pair.points;
 	}
 }

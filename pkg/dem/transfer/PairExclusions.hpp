@@ -1,8 +1,8 @@
 // Properties of a scene by which YADE's collider excludes pairs of bodies.
 //
 // The collider checks them only when two boxes begin to overlap. It never lists a pair that a later
-// change allows, and after an erasure a new collider registers later bodies only. A change therefore
-// restarts the collider.
+// change allows. If a body was erased before, a new collider registers only bodies inserted after
+// it. A change therefore restarts the collider.
 #pragma once
 
 #include <tuple>
@@ -12,12 +12,12 @@
 
 namespace yade {
 
-class PairRules {
+class PairExclusions {
 public:
-	/// Returns the bodies whose properties have changed since the last call, or all bodies if the
-	/// collider or its mask has. Their contacts of this step may be unlisted; the next run of the
-	/// collider lists all pairs.
-	std::vector<Body::id_t> update(Scene&, Collider&);
+	/// Restarts the collider if properties have changed since the last call. Returns the changed
+	/// bodies, or all bodies if the collider or its mask has changed. The collider may not have
+	/// listed their contacts of this step; its next run lists all pairs.
+	std::vector<Body::id_t> restartIfChanged(Scene&, Collider&);
 
 private:
 	using Properties = std::tuple<const Body*, mask_t, Body::id_t, bool>; // mask, clump, bounded

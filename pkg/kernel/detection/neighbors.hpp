@@ -1,15 +1,18 @@
 // List of all pairs of bodies that may touch within some steps (Verlet list).
 //
-// A step has a contact where the gap of a pair is at most e₁ + e₂, the reaches of its bodies
-// (detection/missed_contacts.hpp). The list holds all pairs with a gap up to e₁ + e₂ + 2 margin. It
-// is valid while every body satisfies
+// A pair has a contact if its gap is at most ℓ₁ + ℓ₂, the alert distances of its bodies
+// (undetected_contacts.hpp). The list holds all pairs with a gap up to ℓ₁ + ℓ₂ + 2 margin. It is
+// valid while every body satisfies
 //
-//   |x − x₀| + a |τ − τ₀| + e − e₀ ≤ margin   τ: unit axis of its core, a: half length of the core
+//   |x − x₀| + a |τ − τ₀| + ℓ − ℓ₀ ≤ margin
+//
+// Its core has the unit axis τ and the half length a; the index 0 marks values at the time of the
+// list.
 //
 // The margin is the path of all but the fastest bodies in 12 steps, within 0.05 to 0.4 mean cap
 // radii. Candidates come from a grid. A cell is as wide as the search circles of all but the widest
 // grains. Wide grains and obstacles search their surroundings. If few bodies violate the condition,
-// the list is repaired: only their pairs are searched again.
+// only their pairs are searched again.
 #pragma once
 
 #include <utility>
@@ -20,7 +23,7 @@
 
 namespace rcr {
 
-class Neighbours {
+class Neighbors {
 public:
 	using List = std::vector<std::pair<std::int32_t, std::int32_t>>; // (body 1, body 2)
 
@@ -32,10 +35,10 @@ public:
 	const List& list() const { return list_; }
 
 private:
-	struct Place { // state of a body when the list was made
+	struct Reference { // state of a body at the time of the list
 		PlanarShape shape;
 		Pose        pose;
-		double      reach; // e₀
+		double      alertDistance; // ℓ₀
 	};
 	struct Box {
 		Vec2 low, high;
@@ -44,8 +47,8 @@ private:
 	void  find(const Step&, ThreadTeam&);
 	void  repair(const Step&, ThreadTeam&);
 	bool  findMovedBodies(const Step&, ThreadTeam&);
-	Place placeOf(const StepBody&) const;
-	Box    box(std::size_t id, double more) const;
+	Reference referenceOf(const StepBody&) const;
+	Box       box(std::size_t id, double more) const;
 	int    column(double x) const;
 	int    row(double y) const;
 	void   chooseMargin(const Step&);
@@ -55,9 +58,9 @@ private:
 	void   searchNarrow(const Step&, ThreadTeam&);
 	void   searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam&);
 
-	double             margin_ = 0; // [m]
-	std::vector<Place> at_;
-	List               list_;
+	double                 margin_ = 0; // [m]
+	std::vector<Reference> reference_;
+	List                   list_;
 	// the grid
 	Vec2                           origin_;
 	double                         width_ = 1; // of a cell [m]

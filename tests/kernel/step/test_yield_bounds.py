@@ -1,4 +1,5 @@
-"""Yielding of driven scenes (drive.hpp): compliance V m̄/(P + 10 L), most impulse 3 P + 200 L.
+"""Yielding of driven scenes (yield_bounds.hpp): compliance V m̄/(P + 10 L) and yield impulse
+3 P + 200 L.
 
 P = r/N Σ m (V + |v_free|), L = r/N Σ m |v_free − v⁻|; r = N in a row.
 """
@@ -18,7 +19,7 @@ def scale(masses, before, free, wall=(0.0, V, 0.0), inverse=None, below=None):
     below = points if below is None else below
     problem = problem_of("row", np.vstack([np.zeros(3), inverse]), np.vstack([wall, free]),
                          np.stack([below, points + 1], axis=1), normal=(0, 1), friction=0.5)
-    return _kernel.drive(np.vstack([wall, before]), **problem)
+    return _kernel.yield_bounds(np.vstack([wall, before]), **problem)
 
 
 def test_closed_form():
@@ -35,7 +36,7 @@ def test_closed_form():
 def test_turning_obstacles_drive_by_the_speed_of_their_points():
     problem = problem_of("drum", [[0, 0, 0], [1, 1, 1]], [[0, 0, 0.5], [0, 0, 0]], [[0, 1]],
                          normal=(0, 1), arm1=(2, 0))
-    speed, _, _ = _kernel.drive(np.zeros((2, 3)), **problem)
+    speed, _, _ = _kernel.yield_bounds(np.zeros((2, 3)), **problem)
     assert speed == 1.0
 
 

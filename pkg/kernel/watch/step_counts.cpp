@@ -1,4 +1,4 @@
-#include "watch/missed_steps.hpp"
+#include "watch/step_counts.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -10,7 +10,7 @@ namespace {
 	constexpr double none = std::numeric_limits<double>::infinity();
 }
 
-bool MissedSteps::count(bool hasMissed, bool hasYielded, double overlap, bool removesOverlaps)
+bool StepCounts::count(bool hasMissed, bool hasYielded, double overlap, bool removesOverlaps)
 {
 	++steps;
 	if (steps == 1 && !hasMissed) warnedDepth = overlap;
@@ -25,7 +25,7 @@ bool MissedSteps::count(bool hasMissed, bool hasYielded, double overlap, bool re
 	return true;
 }
 
-std::string MissedSteps::message() const
+std::string StepCounts::message() const
 {
 	std::ostringstream text;
 	text.precision(2);

@@ -1,8 +1,8 @@
-#include "dem/transfer/PairRules.hpp"
+#include "dem/transfer/PairExclusions.hpp"
 
 namespace yade {
 
-std::vector<Body::id_t> PairRules::update(Scene& scene, Collider& collider)
+std::vector<Body::id_t> PairExclusions::restartIfChanged(Scene& scene, Collider& collider)
 {
 	const mask_t avoided = collider.avoidSelfInteractionMask;
 	const bool   all     = collider_.lock().get() != &collider || avoided != avoided_;

@@ -1,4 +1,4 @@
-#include "detection/neighbours.hpp"
+#include "detection/neighbors.hpp"
 
 #include <algorithm>
 #include <atomic>
@@ -28,12 +28,12 @@ namespace {
 		const double arm = now.kind == PlanarShape::box ? now.radius() : now.halfLength;
 		double       sum = norm(to.center - from.center) + arm * norm(to.axis - from.axis);
 		if (now.kind == PlanarShape::segment)
-			sum += norm(now.offset - before.offset) + arm * norm(now.along - before.along)
+			sum += norm(now.offset - before.offset) + arm * norm(now.direction - before.direction)
 			        + std::abs(now.halfLength - before.halfLength);
 		return sum;
 	}
 
-	/// The value that `count` smaller ones precede in order; 0 without values.
+	/// The value with `count` smaller or equal ones; 0 without values.
 	double ranked(std::vector<double>& values, std::size_t count)
 	{
 		if (values.empty()) return 0;
@@ -41,14 +41,13 @@ namespace {
 		return values[count];
 	}
 
-	/// The value that `count` larger ones follow in order; 0 without values.
+	/// The value with `count` larger or equal ones; 0 without values.
 	double rankedFromTop(std::vector<double>& values, std::size_t count)
 	{
 		return ranked(values, values.size() - 1 - count);
 	}
 
-	/// Interval that holds all but 1 % of the values, so that a few distant grains do not enlarge
-	/// the grid.
+	/// Interval of all but 1 % of the values, so that a few distant grains do not enlarge the grid.
 	std::pair<double, double> bulk(std::vector<double>& x)
 	{
 		const std::size_t few = x.size() / 200;
@@ -59,28 +58,28 @@ namespace {
 
 } // namespace
 
-Neighbours::Place Neighbours::placeOf(const StepBody& body) const
+Neighbors::Reference Neighbors::referenceOf(const StepBody& body) const
 {
 	return { body.shape, body.pose(), body.alertDistance };
 }
 
 /// Lists the bodies that violate the condition; returns false if the shape of a body changed.
-bool Neighbours::findMovedBodies(const Step& step, ThreadTeam& team)
+bool Neighbors::findMovedBodies(const Step& step, ThreadTeam& team)
 {
 	moved_.clear();
-	if (at_.size() != step.bodies.size()) return false;
+	if (reference_.size() != step.bodies.size()) return false;
 	std::atomic<bool> same { true };
-	isMoved_.assign(at_.size(), false);
-	team.forEach(at_.size(), [&](std::size_t id) {
+	isMoved_.assign(reference_.size(), false);
+	team.forEach(reference_.size(), [&](std::size_t id) {
 		const StepBody& body = step.bodies[id];
-		const Place&    at   = at_[id];
+		const Reference& at   = reference_[id];
 		if (body.shape.kind == PlanarShape::none && at.shape.kind == PlanarShape::none) return;
 		if (body.shape.kind != at.shape.kind || body.shape.radius() != at.shape.radius()
 		        || body.shape.halfWidth != at.shape.halfWidth)
 			same.store(false, std::memory_order_relaxed);
 		else
 			isMoved_[id] = displacement(at.shape, at.pose, body.shape, body.pose())
-			                + body.alertDistance - at.reach
+			                + body.alertDistance - at.alertDistance
 			        > margin_;
 	});
 	if (!same) return false;
@@ -89,11 +88,11 @@ bool Neighbours::findMovedBodies(const Step& step, ThreadTeam& team)
 	return true;
 }
 
-bool Neighbours::update(const Step& step, ThreadTeam& team)
+bool Neighbors::update(const Step& step, ThreadTeam& team)
 {
 	const bool same = findMovedBodies(step, team);
 	if (same && moved_.empty()) return false;
-	const std::size_t few   = at_.size() / repairFraction,
+	const std::size_t few   = reference_.size() / repairFraction,
 	                  leave = std::count_if(moved_.begin(), moved_.end(),
 	                          [&](std::int32_t id) { return !isWide_[id]; });
 	if (same && moved_.size() <= few && wide_.size() + leave <= wideAtFirst_ + few)
@@ -103,22 +102,18 @@ bool Neighbours::update(const Step& step, ThreadTeam& team)
 	return true;
 }
 
-/// Bounding box of a body, enlarged by its reach, the margin and `more` [m].
-Neighbours::Box Neighbours::box(std::size_t id, double more) const
+/// Bounding box of a body, enlarged by its alert distance, the margin and `more` [m].
+Neighbors::Box Neighbors::box(std::size_t id, double more) const
 {
-	const Place& at = at_[id];
+	const Reference& at = reference_[id];
 	Pose         pose = at.pose;
 	if (at.shape.kind == PlanarShape::segment) pose = segmentPose(at.shape, pose);
-	constexpr double infinite = std::numeric_limits<double>::infinity();
-	Vec2             half     = halfExtent(at.shape, pose.axis);
-	if (at.shape.kind == PlanarShape::wall)
-		half = at.shape.axis == 0 ? Vec2 { at.reach, infinite } : Vec2 { infinite, at.reach };
-	const double round = at.reach + margin_ + more;
-	half               = half + Vec2 { round, round };
+	const double round = at.alertDistance + margin_ + more;
+	const Vec2   half  = halfExtent(at.shape, pose.axis) + Vec2 { round, round };
 	return { pose.center - half, pose.center + half };
 }
 
-void Neighbours::chooseMargin(const Step& step)
+void Neighbors::chooseMargin(const Step& step)
 {
 	std::vector<double> paths;
 	double              radii = 0;
@@ -138,21 +133,21 @@ void Neighbours::chooseMargin(const Step& step)
 }
 
 /// Sorts grains into cells, except for the widest, which search their surroundings.
-void Neighbours::sortIntoCells(const Step& step)
+void Neighbors::sortIntoCells(const Step& step)
 {
 	std::vector<double>       extents, x, y;
 	std::vector<std::int32_t> grains;
 	isWide_.assign(step.bodies.size(), true);
 	wide_.clear();
 	for (std::size_t id = 0; id < step.bodies.size(); ++id) {
-		if (at_[id].shape.kind == PlanarShape::none) continue;
-		if (!at_[id].shape.grain()) {
+		if (reference_[id].shape.kind == PlanarShape::none) continue;
+		if (!reference_[id].shape.grain()) {
 			wide_.push_back(std::int32_t(id));
 			continue;
 		}
-		x.push_back(at_[id].pose.center.x), y.push_back(at_[id].pose.center.y);
+		x.push_back(reference_[id].pose.center.x), y.push_back(reference_[id].pose.center.y);
 		grains.push_back(std::int32_t(id));
-		extents.push_back(at_[id].shape.radius() + at_[id].reach + margin_);
+		extents.push_back(reference_[id].shape.radius() + reference_[id].alertDistance + margin_);
 	}
 	std::vector<double> ordered = extents;
 	const std::size_t   exempt
@@ -176,7 +171,7 @@ void Neighbours::sortIntoCells(const Step& step)
 			continue;
 		}
 		isWide_[grains[k]] = false;
-		const Vec2 c = at_[grains[k]].pose.center;
+		const Vec2 c = reference_[grains[k]].pose.center;
 		cell[k]      = row(c.y) * columns_ + column(c.x);
 	}
 	listByKey(std::size_t(columns_) * rows_, firstIn_, inCells_, [&](auto add) {
@@ -185,18 +180,18 @@ void Neighbours::sortIntoCells(const Step& step)
 	});
 }
 
-bool Neighbours::near(std::int32_t body1, std::int32_t body2) const
+bool Neighbors::near(std::int32_t body1, std::int32_t body2) const
 {
-	const Place &one = at_[body1], &two = at_[body2];
-	const double reach = one.reach + two.reach + 2 * margin_;
-	return contactPoints(one.shape, one.pose, two.shape, two.pose, reach * (1 + 1e-9)).count > 0;
+	const Reference &one = reference_[body1], &two = reference_[body2];
+	const double maxGap = one.alertDistance + two.alertDistance + 2 * margin_;
+	return contactPoints(one.shape, one.pose, two.shape, two.pose, maxGap * (1 + 1e-9)).count > 0;
 }
 
-int Neighbours::column(double x) const { return clipped((x - origin_.x) / width_, columns_); }
-int Neighbours::row(double y) const { return clipped((y - origin_.y) / width_, rows_); }
+int Neighbors::column(double x) const { return clipped((x - origin_.x) / width_, columns_); }
+int Neighbors::row(double y) const { return clipped((y - origin_.y) / width_, rows_); }
 
 /// Calls visit(grain) for all grains in the cells that a box touches.
-template <class Visit> void Neighbours::forEachGrain(const Box& box, Visit visit) const
+template <class Visit> void Neighbors::forEachGrain(const Box& box, Visit visit) const
 {
 	const int left = column(box.low.x), right = column(box.high.x);
 	for (int row = this->row(box.low.y); row <= this->row(box.high.y); ++row)
@@ -205,7 +200,7 @@ template <class Visit> void Neighbours::forEachGrain(const Box& box, Visit visit
 			visit(inCells_[k]);
 }
 
-void Neighbours::searchNarrow(const Step& step, ThreadTeam& team)
+void Neighbors::searchNarrow(const Step& step, ThreadTeam& team)
 {
 	const int parts = int((step.bodies.size() + bodiesPerPart - 1) / bodiesPerPart);
 	found_.resize(parts);
@@ -216,9 +211,9 @@ void Neighbours::searchNarrow(const Step& step, ThreadTeam& team)
 		        id < std::min(step.bodies.size(), std::size_t(part + 1) * bodiesPerPart); ++id) {
 			if (isWide_[id]) continue;
 			const std::size_t begin = found.size();
-			const Vec2        c     = at_[id].pose.center, around { width_, width_ };
+			const Vec2        c     = reference_[id].pose.center, around { width_, width_ };
 			forEachGrain({ c - around, c + around }, [&](std::int32_t other) {
-				if (comesFirst(at_[id].shape, int(id), at_[other].shape, other)
+				if (comesFirst(reference_[id].shape, int(id), reference_[other].shape, other)
 				        && near(std::int32_t(id), other))
 					found.push_back({ std::int32_t(id), other });
 			});
@@ -230,17 +225,18 @@ void Neighbours::searchNarrow(const Step& step, ThreadTeam& team)
 		list_.insert(list_.end(), found.begin(), found.end());
 }
 
-/// Adds the pairs of some of the wide bodies; a pair of two of them once.
-void Neighbours::searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam& team)
+/// Adds the pairs of some wide bodies, each pair once.
+void Neighbors::searchAround(const std::vector<std::int32_t>& bodies, ThreadTeam& team)
 {
 	found_.resize(bodies.size());
 	team.parallelFor(0, int(bodies.size()), [&](int k) {
 		const std::int32_t id = bodies[k];
 		found_[k].clear();
 		const auto take = [&](std::int32_t other) {
-			const bool ordered = comesFirst(at_[id].shape, id, at_[other].shape, other);
+			const bool ordered
+			        = comesFirst(reference_[id].shape, id, reference_[other].shape, other);
 			const auto pair    = ordered ? std::make_pair(id, other) : std::make_pair(other, id);
-			if (canTouch(at_[pair.first].shape.kind, at_[pair.second].shape.kind)
+			if (canTouch(reference_[pair.first].shape.kind, reference_[pair.second].shape.kind)
 			        && near(pair.first, pair.second))
 				found_[k].push_back(pair);
 		};
@@ -257,10 +253,11 @@ void Neighbours::searchAround(const std::vector<std::int32_t>& bodies, ThreadTea
 	std::inplace_merge(list_.begin(), list_.begin() + before, list_.end());
 }
 
-void Neighbours::find(const Step& step, ThreadTeam& team)
+void Neighbors::find(const Step& step, ThreadTeam& team)
 {
-	at_.resize(step.bodies.size());
-	team.forEach(at_.size(), [&](std::size_t id) { at_[id] = placeOf(step.bodies[id]); });
+	reference_.resize(step.bodies.size());
+	team.forEach(reference_.size(),
+	        [&](std::size_t id) { reference_[id] = referenceOf(step.bodies[id]); });
 	chooseMargin(step);
 	sortIntoCells(step);
 	searchNarrow(step, team);
@@ -270,10 +267,10 @@ void Neighbours::find(const Step& step, ThreadTeam& team)
 }
 
 /// Removes moved bodies from their cells and searches their pairs again.
-void Neighbours::repair(const Step& step, ThreadTeam& team)
+void Neighbors::repair(const Step& step, ThreadTeam& team)
 {
 	for (std::int32_t id : moved_) {
-		at_[id] = placeOf(step.bodies[id]);
+		reference_[id] = referenceOf(step.bodies[id]);
 		if (!isWide_[id]) wide_.push_back(id);
 		isWide_[id] = true;
 	}

@@ -1,4 +1,4 @@
-#include "detection/missed_contacts.hpp"
+#include "detection/undetected_contacts.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,13 +12,13 @@ namespace rcr {
 
 namespace {
 
-	// widened reach over the path; a further solve may lengthen the path
-	constexpr double      reachFactor = 1.5;
-	// up to this number of widened bodies, a linear search beats sorting
-	constexpr std::size_t fewBodies   = 16;
+	// widening over the path; a further solve may lengthen the path
+	constexpr double      wideningFactor = 1.5;
+	// up to this number of widened bodies, a linear search is faster than sorting
+	constexpr std::size_t fewBodies      = 16;
 
-	/// Candidates for contacts of widened bodies. Grains are sorted by x if many bodies are widened
-	/// and the scene is open.
+	/// Candidates for contacts of widened bodies. In an open scene with many widened bodies, grains
+	/// are sorted by x.
 	class Candidates {
 	public:
 		Candidates(const Step& step, const std::vector<std::int32_t>& widened)
@@ -73,7 +73,7 @@ namespace {
 
 	private:
 		/// Radius of the circle in which contacts of a grain are detected.
-		double extent(int id) const { return step_.bodies[id].radius + reachOf(step_, id); }
+		double extent(int id) const { return step_.bodies[id].radius + detectionReach(step_, id); }
 
 		const Step&       step_;
 		std::vector<bool> fast_;
@@ -83,7 +83,7 @@ namespace {
 		std::vector<std::pair<double, int>> grains_; // x and number
 	};
 
-	/// Widens the reach of bodies whose path exceeds it, and returns these bodies.
+	/// Widens the reach of bodies with longer paths and returns these bodies.
 	std::vector<std::int32_t> widenReach(Step& step)
 	{
 		std::vector<std::int32_t> widened;
@@ -91,58 +91,58 @@ namespace {
 			const StepBody& b = step.bodies[id];
 			if (b.shape.kind == PlanarShape::none) continue;
 			const double path = step.pathOf(int(id), step.problem.velocity[id]);
-			if (!(path > b.expected) || path <= step.reach[id]) continue;
-			step.reach[id] = std::max(b.alertDistance, step.reach[id]) + reachFactor * path;
+			if (!(path > b.coveredPath) || path <= step.widenedReach[id]) continue;
+			step.widenedReach[id] = detectionReach(step, id) + wideningFactor * path;
 			widened.push_back(std::int32_t(id));
 		}
 		return widened;
 	}
 
-	/// A new contact of the step.
-	StepContact newContact(const Step& step, const UpdatedContact& pair)
+	/// A detected contact as a contact of the step without points.
+	StepContact newContact(const Step& step, const DetectedContact& detected)
 	{
-		const double size
-		        = contactSize(step.bodies[pair.body1].shape, step.bodies[pair.body2].shape);
-		return { pair.body1, pair.body2, 0, 0, -1, pair.friction, pair.restitution, size,
-			pair.shift, step.cell.drift(pair.shift) };
+		const double size = contactSize(
+		        step.bodies[detected.body1].shape, step.bodies[detected.body2].shape);
+		return { detected.body1, detected.body2, 0, 0, -1, detected.friction, detected.restitution,
+			size, detected.shift, step.cell.drift(detected.shift) };
 	}
 
-	/// A point of the contact closes beyond the slop at the solved velocities. A new contact with a
-	/// large displacement also closes if its bodies meet on their curved paths.
-	bool closes(const Step& step, const UpdatedContact& pair)
+	/// Returns true if a point closes beyond the slop at the solved velocities. A new contact with
+	/// a large displacement also closes if its bodies meet on their curved paths.
+	bool closes(const Step& step, const DetectedContact& detected)
 	{
-		if (pair.manifold.count == 0) return false;
-		const StepContact contact = newContact(step, pair);
-		if (!pair.known && displacesFar(step, contact)
-		        && meetOnPaths(step, contact, pair.manifold.points[0].normal))
+		if (detected.manifold.count == 0) return false;
+		const StepContact contact = newContact(step, detected);
+		if (!detected.known && hasLargeDisplacement(step, contact)
+		        && meetOnPaths(step, contact, detected.manifold.points[0].normal))
 			return true;
-		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
-		for (int k = 0; k < pair.manifold.count; ++k) {
-			ContactPoint c;
-			c.normal         = pair.manifold.points[k].normal;
-			c.arm1           = pair.manifold.points[k].position - one.center;
-			c.arm2           = pair.manifold.points[k].position - (two.center + pair.shift);
-			c.drift          = contact.drift;
-			const double gap = pair.manifold.points[k].gap,
-			             u   = relativeVelocity(c, step.problem.velocity[pair.body1],
-			                       step.problem.velocity[pair.body2])
-			                         .n;
-			if (gap + step.dt * u < -contact.slop()) return true;
+		const int body1 = detected.body1, body2 = detected.body2;
+		for (int k = 0; k < detected.manifold.count; ++k) {
+			const ManifoldPoint& at = detected.manifold.points[k];
+			ContactPoint         c;
+			c.normal       = at.normal;
+			c.arm1         = at.position - step.bodies[body1].center;
+			c.arm2         = at.position - (step.bodies[body2].center + detected.shift);
+			c.drift        = contact.drift;
+			const double u = relativeVelocity(
+			        c, step.problem.velocity[body1], step.problem.velocity[body2]).n;
+			if (at.gap + step.dt * u < -contact.slop()) return true;
 		}
 		return false;
 	}
 
 	/// Sorts by bodies and keeps the last entry of each pair.
-	void keepLastOfEach(std::vector<UpdatedContact>& updated)
+	void keepLastOfEach(std::vector<DetectedContact>& contacts)
 	{
-		const auto same = [](const UpdatedContact& a, const UpdatedContact& b) {
+		const auto same = [](const DetectedContact& a, const DetectedContact& b) {
 			return a.body1 == b.body1 && a.body2 == b.body2;
 		};
-		std::stable_sort(updated.begin(), updated.end(), precedes);
-		updated.erase(updated.begin(), std::unique(updated.rbegin(), updated.rend(), same).base());
+		std::stable_sort(contacts.begin(), contacts.end(), precedes);
+		contacts.erase(
+		        contacts.begin(), std::unique(contacts.rbegin(), contacts.rend(), same).base());
 	}
 
-	/// The contact has as many points as the manifold; `exact`: and the same gaps.
+	/// Returns true if the contact has as many points as the manifold; `exact`: with the same gaps.
 	bool isKnown(const Step& step, const StepContact* contact, const Manifold& now, bool exact)
 	{
 		if (now.count != (contact ? contact->count : 0)) return false;
@@ -151,8 +151,9 @@ namespace {
 		return true;
 	}
 
-	/// Detects a pair with its present reach and collects it if it is not known so (isKnown).
-	void checkPair(Step& step, int id, int other, const MayMeet& mayMeet, bool exact = false)
+	/// Detects a pair within its present reach and collects it unless isKnown.
+	void checkPair(
+	        Step& step, int id, int other, const ContactFilter& allowsContact, bool exact = false)
 	{
 		if (step.bodies[id].owner == step.bodies[other].owner) return;
 		const auto shape = [&](int body) -> const PlanarShape& { return step.bodies[body].shape; };
@@ -162,23 +163,24 @@ namespace {
 		if (!canTouch(shape(id).kind, shape(other).kind)) return;
 		const StepBody &   one = step.bodies[id], &two = step.bodies[other];
 		const StepContact* contact = step.find(id, other);
-		UpdatedContact     pair;
-		pair.body1 = id;
-		pair.body2 = other;
-		pair.shift = contact ? contact->shift : step.cell.nearestShift(two.center - one.center);
-		pair.known = contact;
-		pair.manifold = contactPoints(one.shape, one.pose(), two.shape,
-		        shifted(two.pose(), pair.shift), reachOf(step, id) + reachOf(step, other));
-		if (isKnown(step, contact, pair.manifold, exact)) return;
+		DetectedContact    found;
+		found.body1    = id;
+		found.body2    = other;
+		found.shift    = contact ? contact->shift : step.cell.nearestShift(two.center - one.center);
+		found.known    = contact;
+		found.manifold = contactPoints(one.shape, one.pose(), two.shape,
+		        shifted(two.pose(), found.shift),
+		        detectionReach(step, id) + detectionReach(step, other));
+		if (isKnown(step, contact, found.manifold, exact)) return;
 		// keeps a contact beyond a smaller reach
-		if (exact && pair.manifold.count == 0) return;
-		if (!contact && !mayMeet(id, other)) return;
-		step.updated.push_back(pair);
+		if (exact && found.manifold.count == 0) return;
+		if (!contact && !allowsContact(id, other)) return;
+		step.detected.push_back(found);
 	}
 
 } // namespace
 
-bool mayMeetTwoImages(const Step& step)
+bool spansHalfCell(const Step& step)
 {
 	if (!step.cell.periodic) return false;
 	double widest = 0, second = 0;
@@ -192,51 +194,52 @@ bool mayMeetTwoImages(const Step& step)
 	return widest + second > 0.5 * step.cell.smallestHeight();
 }
 
-double reachOf(const Step& step, std::size_t id)
+double detectionReach(const Step& step, std::size_t id)
 {
-	return std::max(step.bodies[id].alertDistance, id < step.reach.size() ? step.reach[id] : 0);
+	const double widened = id < step.widenedReach.size() ? step.widenedReach[id] : 0;
+	return std::max(step.bodies[id].alertDistance, widened);
 }
 
 bool findUnlistedContacts(
-        Step& step, const std::vector<std::int32_t>& bodies, const MayMeet& mayMeet)
+        Step& step, const std::vector<std::int32_t>& bodies, const ContactFilter& allowsContact)
 {
 	const Candidates candidates(step, bodies);
 	for (int id : bodies)
-		candidates.forEach(id, [&](int other) { checkPair(step, id, other, mayMeet, true); });
-	keepLastOfEach(step.updated);
-	return !step.updated.empty();
+		candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact, true); });
+	keepLastOfEach(step.detected);
+	return !step.detected.empty();
 }
 
-bool findMissedContacts(Step& step, const MayMeet& mayMeet)
+bool findUndetectedContacts(Step& step, const ContactFilter& allowsContact)
 {
-	step.reach.resize(step.bodies.size());
+	step.widenedReach.resize(step.bodies.size());
 	const std::vector<std::int32_t> widened = widenReach(step);
 	if (!widened.empty()) {
 		const Candidates candidates(step, widened);
 		for (int id : widened)
-			candidates.forEach(id, [&](int other) { checkPair(step, id, other, mayMeet); });
-		keepLastOfEach(step.updated);
+			candidates.forEach(id, [&](int other) { checkPair(step, id, other, allowsContact); });
+		keepLastOfEach(step.detected);
 		step.widened.insert(step.widened.end(), widened.begin(), widened.end());
 	}
-	// those of earlier solves may close at the present velocities
-	return std::any_of(step.updated.begin(), step.updated.end(),
-	        [&](const UpdatedContact& pair) { return closes(step, pair); });
+	// contacts detected after earlier solves may close at the present velocities
+	return std::any_of(step.detected.begin(), step.detected.end(),
+	        [&](const DetectedContact& detected) { return closes(step, detected); });
 }
 
 namespace {
 
-	/// Force from which a point starts. `carried`: it bore a force when the step began.
+	/// Force from which a point starts, and Gap::loadedBefore.
 	struct Start {
 		Impulse force;
-		bool    carried = false;
+		bool    loadedBefore = false;
 	};
 
-	/// Starts of the points that a contact has now (null: unchanged), from those that it had.
+	/// Starts of the points `now` (null: unchanged) from the points of the old contact.
 	std::array<Start, 2> startsOf(const Step& step, const StepContact& old, const Manifold* now)
 	{
 		std::array<Start, 2> start;
 		for (int k = 0; k < old.count; ++k)
-			start[k] = { step.force[old.first + k], step.gap[old.first + k].carried };
+			start[k] = { step.force[old.first + k], step.gap[old.first + k].loadedBefore };
 		if (!now || old.count == now->count) return start;
 		const StepBody &one = step.bodies[old.body1], &two = step.bodies[old.body2];
 		const auto      along = [&](Vec2 position) {
@@ -252,21 +255,21 @@ namespace {
 	}
 
 	struct Entry {
-		StepContact           contact; // with its old number of the first point
-		const UpdatedContact* updated; // null: unchanged
+		StepContact            contact; // with its old number of the first point
+		const DetectedContact* detected; // null: unchanged
 	};
 
 	/// Old and new contacts, sorted by bodies.
 	std::vector<Entry> entries(const Step& step)
 	{
 		std::vector<Entry> all;
-		all.reserve(step.contacts.size() + step.updated.size());
+		all.reserve(step.contacts.size() + step.detected.size());
 		for (const StepContact& c : step.contacts)
 			all.push_back({ c, nullptr });
-		for (const UpdatedContact& g : step.updated) {
-			if (g.known) all[step.find(g.body1, g.body2) - step.contacts.data()].updated = &g;
+		for (const DetectedContact& c : step.detected) {
+			if (c.known) all[step.find(c.body1, c.body2) - step.contacts.data()].detected = &c;
 			else
-				all.push_back({ newContact(step, g), &g });
+				all.push_back({ newContact(step, c), &c });
 		}
 		std::sort(all.begin(), all.end(),
 		        [](const Entry& a, const Entry& b) { return precedes(a.contact, b.contact); });
@@ -275,7 +278,7 @@ namespace {
 
 } // namespace
 
-void addUpdatedContacts(Step& step)
+void addDetectedContacts(Step& step)
 {
 	// bodies whose contacts start with their initial bias
 	std::vector<char> restarted(step.bodies.size());
@@ -285,22 +288,22 @@ void addUpdatedContacts(Step& step)
 	std::vector<ContactPoint> points;
 	std::vector<Impulse>      forces, impulses;
 	std::vector<Gap>          gaps;
-	for (const auto& [old, updated] : entries(step)) {
+	for (const auto& [old, detected] : entries(step)) {
 		StepContact c = old;
 		c.first       = int(points.size());
-		c.count       = updated ? updated->manifold.count : old.count;
+		c.count       = detected ? detected->manifold.count : old.count;
 		const std::array<Start, 2> start
-		        = startsOf(step, old, updated ? &updated->manifold : nullptr);
+		        = startsOf(step, old, detected ? &detected->manifold : nullptr);
 		for (int k = 0; k < c.count; ++k) {
-			const ManifoldPoint at = updated ? updated->manifold.points[k] : step.point(old, k);
+			const ManifoldPoint at = detected ? detected->manifold.points[k] : step.point(old, k);
 			const ContactPoint  initial = step.contactPoint(c, at);
-			points.push_back(updated ? initial : step.problem.points[old.first + k]);
+			points.push_back(detected ? initial : step.problem.points[old.first + k]);
 			if (restarted[c.body1] || restarted[c.body2]) points.back().bias = initial.bias;
 			impulses.push_back(step.dt * start[k].force);
 			forces.push_back(start[k].force);
 			// before the first solve, no body was widened
-			const bool carried = step.widened.empty() ? start[k].force.n > 0 : start[k].carried;
-			gaps.push_back({ at.gap, -c.slop(), carried });
+			const bool loaded = step.widened.empty() ? start[k].force.n > 0 : start[k].loadedBefore;
+			gaps.push_back({ at.gap, -c.slop(), loaded });
 		}
 		contacts.push_back(c);
 	}
@@ -310,8 +313,8 @@ void addUpdatedContacts(Step& step)
 	step.force.swap(forces);
 	step.gap.swap(gaps);
 	step.indexContacts();
-	step.added.insert(step.added.end(), step.updated.begin(), step.updated.end());
-	step.updated.clear();
+	step.added.insert(step.added.end(), step.detected.begin(), step.detected.end());
+	step.detected.clear();
 	step.widened.clear();
 }
 

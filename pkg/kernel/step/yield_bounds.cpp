@@ -1,4 +1,4 @@
-#include "step/drive.hpp"
+#include "step/yield_bounds.hpp"
 
 #include <algorithm>
 #include <array>
@@ -55,17 +55,17 @@ namespace {
 
 } // namespace
 
-DrivenMotion drivenMotionOf(
+YieldBounds yieldBoundsOf(
         const ContactProblem& problem, const std::vector<Twist>& before, ThreadTeam& team)
 {
-	DrivenMotion drive;
-	int          chain = 0;
+	YieldBounds bounds;
+	int         chain = 0;
 	team.parallelFor(0, 2, [&](int part) {
 		if (part == 0) chain = longestChain(problem);
 		else
-			drive.speed = drivenSpeed(problem);
+			bounds.driveSpeed = drivenSpeed(problem);
 	});
-	if (drive.speed == 0 || problem.stretches()) return drive;
+	if (bounds.driveSpeed == 0 || problem.stretches()) return bounds;
 	double total = 0, momentum = 0, largestMomentum = 0, load = 0;
 	int    bodies = 0;
 	for (std::size_t id = 0; id < before.size(); ++id) {
@@ -78,27 +78,27 @@ DrivenMotion drivenMotionOf(
 		};
 		++bodies;
 		total += 1 / largest;
-		const double own = (drive.speed + free({ v.x, v.y })) / largest;
+		const double own = (bounds.driveSpeed + free({ v.x, v.y })) / largest;
 		momentum += own, largestMomentum = std::max(largestMomentum, own);
 		load += free({ v.x - before[id].x, v.y - before[id].y }) / largest;
 	}
-	if (bodies == 0) return drive;
+	if (bodies == 0) return bounds;
 	const double rows = bodies / std::max(std::sqrt(bodies), double(chain));
-	drive.compliance
-	        = std::max(stiffest, drive.speed * (total / bodies) * rows / (momentum + loads * load));
-	drive.leastResponse = response * bodies / total;
-	drive.yieldImpulse  = mostMomenta * std::max(momentum / rows, largestMomentum)
-	        + mostLoads * load / rows;
-	return drive;
+	bounds.yielding = {
+		std::max(stiffest, bounds.driveSpeed * (total / bodies) * rows / (momentum + loads * load)),
+		response * bodies / total,
+		mostMomenta * std::max(momentum / rows, largestMomentum) + mostLoads * load / rows
+	};
+	return bounds;
 }
 
-DrivenMotion drivenMotionOf(const Step& step, ThreadTeam& team)
+YieldBounds yieldBoundsOf(const Step& step, ThreadTeam& team)
 {
 	std::vector<Twist> before;
 	before.reserve(step.bodies.size());
 	for (const StepBody& body : step.bodies)
 		before.push_back(body.velocity);
-	return drivenMotionOf(step.problem, before, team);
+	return yieldBoundsOf(step.problem, before, team);
 }
 
 } // namespace rcr

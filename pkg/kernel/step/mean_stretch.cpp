@@ -1,4 +1,4 @@
-#include "step/follow_stretch.hpp"
+#include "step/mean_stretch.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -27,7 +27,7 @@ namespace {
 				visit(id, step.bodies[id].center.*axis.of, 1 / w);
 	}
 
-	double meanStretch(const Step& step, const Axis& axis)
+	double meanStretchRate(const Step& step, const Axis& axis)
 	{
 		double moment = 0, inertia = 0;
 		forEachFree(step, axis, [&](std::size_t id, double r, double mass) {
@@ -50,7 +50,7 @@ namespace {
 		}
 
 		double& at(double r) { return value_[number(r)]; }
-		/// Adds to each slice f times its fraction between two positions; −f if the second lies
+		/// Adds to each slice f times its fraction between two positions, or −f if the second lies
 		/// below the first.
 		void addBetween(double from, double to, double f)
 		{
@@ -60,8 +60,7 @@ namespace {
 				value_[k] += (to < from ? -f : f)
 				        * std::max(0.0, std::min(high, k + 1.0) - std::max(low, double(k)));
 		}
-		/// Sums the slices from the outside towards the origin; with a negative sign below the
-		/// origin.
+		/// Sums the slices from the outside towards the origin, with a negative sign below it.
 		void sumTowardsOrigin()
 		{
 			const int first = number(0);
@@ -81,16 +80,16 @@ namespace {
 		std::vector<double> value_;
 	};
 
-	void removeDragImpulses(Step& step, const Axis& axis, double stretch)
+	void removeDragImpulses(Step& step, const Axis& axis, double stretchRate)
 	{
 		double low = std::numeric_limits<double>::infinity(), high = -low;
 		forEachFree(step, axis, [&](std::size_t, double r, double) {
 			low = std::min(low, r), high = std::max(high, r);
 		});
-		if (stretch == 0 || !(high > low)) return;
+		if (stretchRate == 0 || !(high > low)) return;
 		Slices beyond(low, high), through(low, high);
 		forEachFree(step, axis,
-		        [&](std::size_t, double r, double mass) { beyond.at(r) += mass * stretch * r; });
+		        [&](std::size_t, double r, double mass) { beyond.at(r) += mass * stretchRate * r; });
 		beyond.sumTowardsOrigin();
 		ContactProblem& problem = step.problem;
 		const auto      place   = [&](const ContactPoint& c) {
@@ -98,7 +97,7 @@ namespace {
 		};
 		for (std::size_t k = 0; k < problem.points.size(); ++k) {
 			const ContactPoint& c   = problem.points[k];
-			const Vec2          f   = inPlane(c.normal, problem.impulse[k]);
+			const Vec2          f   = toCartesian(c.normal, problem.impulse[k]);
 			const auto end = [&](int id) {
 				return problem.inverseMass[id].*axis.inverse > 0 ? step.bodies[id].center.*axis.of
 				                                                 : place(c);
@@ -115,15 +114,15 @@ namespace {
 
 } // namespace
 
-Vec2 meanStretch(const Step& step)
+Vec2 meanStretchRate(const Step& step)
 {
-	return { meanStretch(step, xAxis), meanStretch(step, yAxis) };
+	return { meanStretchRate(step, xAxis), meanStretchRate(step, yAxis) };
 }
 
-void removeDragImpulses(Step& step, Vec2 stretch)
+void removeDragImpulses(Step& step, Vec2 stretchRate)
 {
-	removeDragImpulses(step, xAxis, stretch.x);
-	removeDragImpulses(step, yAxis, stretch.y);
+	removeDragImpulses(step, xAxis, stretchRate.x);
+	removeDragImpulses(step, yAxis, stretchRate.y);
 }
 
 } // namespace rcr

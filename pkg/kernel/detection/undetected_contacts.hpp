@@ -1,0 +1,55 @@
+// Finds contacts that close within a step but were not detected before the solve.
+//
+// Detection covers gaps up to ℓ₁ + ℓ₂, the sum of the detection reaches of the two bodies. The
+// reach is the alert distance, which follows from the velocity at the beginning of the step:
+//
+//   ℓ = 2 dt (|v| + |ω| R), for a grain at least 0.01 R'
+//
+// For a wall, |v| is its speed along its normal. A body that is released or hit may move further.
+// After the solve, the reach of a free body whose path exceeds ℓ is widened to ℓ + 1.5 path. If an
+// undetected gap then closes beyond the slop, all contacts within the widened reach are added. The
+// step is then solved again, up to its limit of passes. A gap closes on its tangent plane. With a
+// large displacement, it may also close on the curved paths of the bodies.
+#pragma once
+
+#include <functional>
+
+#include "step/step.hpp"
+
+namespace rcr {
+
+/// Alert distance ℓ of a body with this velocity [m].
+inline double alertDistance(const PlanarShape& shape, const Twist& v, double dt)
+{
+	switch (shape.kind) {
+		case PlanarShape::wall: return 2 * dt * std::abs(shape.axis == 0 ? v.x : v.y);
+		case PlanarShape::disc:
+		case PlanarShape::stadium:
+			return std::max(0.01 * shape.halfWidth, 2 * dt * maxSpeed(v, shape.radius()));
+		default: return 2 * dt * maxSpeed(v, shape.radius());
+	}
+}
+
+/// Returns true if masks, clumps and engines of the simulation allow a new contact of two bodies.
+using ContactFilter = std::function<bool(int body1, int body2)>;
+
+/// Before the solve, detects contacts of bodies whose pairs in the simulation may be incomplete.
+/// Collects them in step.detected and returns true if there are any. Call addDetectedContacts then.
+bool findUnlistedContacts(Step&, const std::vector<std::int32_t>& bodies, const ContactFilter&);
+
+/// Distance within which contacts of a body are detected, with its widening in this step [m].
+double detectionReach(const Step&, std::size_t id);
+
+/// Collects in step.detected the contacts within the widened reach of the solved step. Returns true
+/// if one of them closes beyond the slop. A further solve requires addDetectedContacts.
+bool findUndetectedContacts(Step&, const ContactFilter&);
+
+/// Returns true if radii and paths of two bodies exceed half of the smallest height of the cell.
+/// Such bodies may meet at two images, and only the contact of the nearest images is detected.
+bool spansHalfCell(const Step&);
+
+/// Adds step.detected to the contacts, points and forces of the step, and moves it to step.added.
+/// Requires friction and restitution of new contacts.
+void addDetectedContacts(Step&);
+
+} // namespace rcr

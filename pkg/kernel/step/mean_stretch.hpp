@@ -1,0 +1,25 @@
+// Mean stretch of overdamped bodies.
+//
+// An overdamped body starts a step with the velocity of a homogeneous flow. A drag m Δv/dt resists
+// its motion relative to the flow. Where the mean strain rate of the bodies differs from the flow,
+// the drag adds up over the sample. The mean stretch of a step therefore enters the flow of the
+// next step.
+//
+// The start impulses of that step contain the drag of the earlier flow. They are corrected, since
+// sweeps would remove the drag slowly.
+#pragma once
+
+#include "step/step.hpp"
+
+namespace rcr {
+
+/// Mean stretch rate of the bodies in a solved step along each axis, about the origin: Σ m r (v −
+/// v_start) / Σ m r² [1/s]. It is relative to the start velocities.
+Vec2 meanStretchRate(const Step&);
+
+/// Lowers the start impulses by the drag of the earlier flow. The drag through a section at r is
+/// Σ m r ė over the bodies farther out, with the stretch rate ė [1/s]. At most half of the impulses
+/// is removed.
+void removeDragImpulses(Step&, Vec2 stretchRate);
+
+} // namespace rcr

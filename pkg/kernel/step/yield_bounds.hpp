@@ -1,0 +1,50 @@
+// Bounds of contact forces in scenes with driven bodies.
+//
+// A rigid contact bears any impulse that a driven body of speed V causes. In a wedge, only the
+// geometry bounds impulses. Grains are ejected at many times V, where springs would have yielded. A
+// row of r bodies sets the scale of contact impulses. P and L are r times the means over the N free
+// bodies:
+//
+//   momentum   P = r/N Σ m (V + |v_free|)
+//   loads      L = r/N Σ m |v_free − v⁻|
+//
+// with r = max(√N, contacts in the chain from the drive to the farthest body).
+//
+// In a step without a solution, contacts yield (solve_yielding.cpp). A contact of the mean mass m̄
+// that closes at V then bears P + 10 L:
+//
+//   ε = V m̄/(P + 10 L) ≤ 1/r, at least 1e-4
+//
+// A contact with w_nn < w₀ = 0.1/m̄ yields as if w_nn = w₀, so it bears at most ten times P + 10 L.
+// A contact of the mass m̄ that bears L closes slower than V/10. A driven step with a contact
+// beyond P_y = 3 max(P, P₁) + 200 L yields although it has a rigid solution. P₁ is the largest
+// m (V + |v_free|) of one body, which a single impact transfers. A struck row bears P, a contact in
+// a sheared packing up to 40 L.
+//
+// | symbol | field         | unit | meaning                                                  |
+// |--------|---------------|------|----------------------------------------------------------|
+// | v⁻     | before        | m/s  | velocities at the beginning of the step (argument)       |
+// | V      | driveSpeed    | m/s  | fastest driven motion at a contact                       |
+// | ε      | compliance    | –    | yielding velocity of a contact over its own response     |
+// | w₀     | leastResponse | 1/kg | least response w_nn of a yielding contact                |
+// | P_y    | yieldImpulse  | N s  | largest impulse of a contact that stays rigid            |
+//
+// The stress on a stretching cell is unknown here. Such a cell keeps the default ε and an infinite
+// P_y.
+#pragma once
+
+#include "problem/yielding.hpp"
+#include "step/step.hpp"
+
+namespace rcr {
+
+struct YieldBounds {
+	double   driveSpeed = 0; // 0: no body is driven
+	Yielding yielding { 0.01 }; // default ε: for steps without a solution and without driven bodies
+};
+
+/// Bounds of a problem whose bodies had the velocities `before`.
+YieldBounds yieldBoundsOf(const ContactProblem&, const std::vector<Twist>& before, ThreadTeam&);
+YieldBounds yieldBoundsOf(const Step&, ThreadTeam&);
+
+} // namespace rcr
