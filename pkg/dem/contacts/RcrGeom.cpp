@@ -18,7 +18,7 @@ void RcrGeom::set(const rcr::Manifold& m, const rcr::PlanarShape& one, const rcr
 	const auto vector = [](rcr::Vec2 v) { return Vector2r(v.x, v.y); };
 	for (int k = 0; k < 2; ++k) {
 		gap[k]   = m.points[k].gap;
-		along[k] = rcr::positionAlong(one, at1, at2, m.points[k].position);
+		along[k] = rcr::positionAlong(one, at1, at2, m.points[k]);
 	}
 	position1 = vector(m.points[0].position), normal1 = vector(m.points[0].normal);
 	position2 = vector(m.points[1].position), normal2 = vector(m.points[1].normal);

@@ -23,7 +23,7 @@ public:
 		((int,points,0,Attr::readonly,"Number of contact points: 0 (about to be erased), 1 or 2."))
 		((int,type,0,Attr::readonly,"0 cap-cap, 1 cap-side, 2 side-side, 3 obstacle (wall, box, facet)."))
 		((Vector2r,gap,Vector2r::Zero(),Attr::readonly,"Gap of each point [m]; negative = overlap."))
-		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point along the axis of body 1, or of body 2 if body 1 is no Rcr, from its centre [m]."))
+		((Vector2r,along,Vector2r::Zero(),Attr::readonly,"Position of each point along the tangent, from the middle between the centres, at an obstacle from the centre of the grain [m]."))
 		((Vector2r,position1,Vector2r::Zero(),Attr::readonly,"First point [m]."))
 		((Vector2r,position2,Vector2r::Zero(),Attr::readonly,"Second point [m]."))
 		((Vector2r,normal1,Vector2r::Zero(),Attr::readonly,"Normal at the first point [-]."))

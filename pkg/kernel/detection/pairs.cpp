@@ -49,7 +49,7 @@ void Pairs::detect(const Step& step, ThreadTeam& team, bool keepContacts)
 		if (pair.isNew) pair.force[0] = pair.force[1] = {};
 		double along[2];
 		for (int point = 0; point < 2; ++point)
-			along[point] = positionAlong(one.shape, at1, at2, detected.points[point].position);
+			along[point] = positionAlong(one.shape, at1, at2, detected.points[point]);
 		carryForward(pair.points, pair.along, detected.count, along, pair.force[0], pair.force[1],
 		        Impulse {});
 		manifold[k] = detected;
@@ -82,7 +82,7 @@ void Pairs::addDetected(const Step& step, long iteration)
 		const StepBody &one = step.bodies[pair.body1], &two = step.bodies[pair.body2];
 		for (int k = 0; k < 2; ++k)
 			pair.along[k] = positionAlong(
-			        one.shape, one.pose(), two.pose(), detected.manifold.points[k].position);
+			        one.shape, one.pose(), two.pose(), detected.manifold.points[k]);
 	}
 }
 

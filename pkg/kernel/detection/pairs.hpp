@@ -17,7 +17,7 @@ struct Pair {
 	// iteration in which the contact formed; −1: it is stored in the simulation
 	long         formedAt = -1;
 	double       friction = 0, restitution = 0;
-	// position of each point along the axis that orders the points [m]
+	// positionAlong of each point [m]
 	double       along[2] {};
 	Impulse      force[2];         // of each point [N]
 };

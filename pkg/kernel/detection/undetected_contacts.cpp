@@ -240,16 +240,16 @@ namespace {
 		std::array<Start, 2> start;
 		for (int k = 0; k < old.count; ++k)
 			start[k] = { step.force[old.first + k], step.gap[old.first + k].loadedBefore };
-		if (!now || old.count == now->count) return start;
+		if (!now) return start;
 		const StepBody &one = step.bodies[old.body1], &two = step.bodies[old.body2];
-		const auto      along = [&](Vec2 position) {
-            return positionAlong(one.shape, one.pose(), shifted(two.pose(), old.shift), position);
+		const auto      along = [&](const ManifoldPoint& point) {
+            return positionAlong(one.shape, one.pose(), shifted(two.pose(), old.shift), point);
 		};
 		double before[2] {}, after[2] {};
 		for (int k = 0; k < old.count; ++k)
-			before[k] = along(step.point(old, k).position);
+			before[k] = along(step.point(old, k));
 		for (int k = 0; k < now->count; ++k)
-			after[k] = along(now->points[k].position);
+			after[k] = along(now->points[k]);
 		carryForward(old.count, before, now->count, after, start[0], start[1], Start {});
 		return start;
 	}

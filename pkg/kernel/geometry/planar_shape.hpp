@@ -90,13 +90,13 @@ Manifold contactPoints(
         const PlanarShape& one, const Pose& at1, const PlanarShape& two, const Pose& at2,
         double maxGap);
 
-/// Position along the axis that orders the points of a pair [m]. This is the axis of body 1 if it
-/// is a stadium, else of body 2.
+/// Position of a contact point along its tangent [m], from the middle between the centres. At an
+/// obstacle it starts at the centre of the grain.
 inline double positionAlong(
-        const PlanarShape& one, const Pose& at1, const Pose& at2, Vec2 position)
+        const PlanarShape& one, const Pose& at1, const Pose& at2, const ManifoldPoint& point)
 {
-	const Pose& by = one.kind == PlanarShape::stadium ? at1 : at2;
-	return dot(position - by.center, by.axis);
+	const Vec2 from = one.kind < PlanarShape::disc ? at2.center : 0.5 * (at1.center + at2.center);
+	return cross(point.normal, point.position - from);
 }
 
 } // namespace rcr

@@ -37,10 +37,10 @@ bool adaptBiases(Step& step, bool allowRelease, bool nextIsLast, double toleranc
 	for (std::size_t k = 0; k < change.size(); ++k) {
 		largeDisplacements |= change[k].isLarge;
 		changed |= change[k].changed, pushes |= change[k].pushes;
-		if (step.contacts[k].count > 0 && step.contacts[k].restitution > 0)
-			changed |= (allowRelease && releaseNearMiss(step, step.contacts[k]))
-			        || lowerRestitution(step, step.contacts[k]);
+		if (allowRelease && step.contacts[k].count > 0 && step.contacts[k].restitution > 0)
+			changed |= releaseNearMiss(step, step.contacts[k]);
 	}
+	changed |= lowerRestitution(step);
 	if (pushes && (nextIsLast || !changed))
 		changed |= lowerCollisionRestitution(step, nextIsLast, tolerance);
 	return changed;

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cmath>
+#include <utility>
 
 namespace rcr {
 
-/// Two points keep their order. If their number changes, the nearest point keeps the force.
-/// `along`: position of each point along the axis that orders the points [m]. `none`: a force of
-/// zero.
+/// The nearest point keeps the force; of two points, the order along the tangent counts. `along`:
+/// position of each point along the tangent [m]. `none`: a force of zero.
 template <class Along, class Force>
 inline void carryForward(int before, const Along& alongBefore, int now, const Along& alongNow,
         Force& force1, Force& force2, const Force& none)
@@ -21,6 +21,9 @@ inline void carryForward(int before, const Along& alongBefore, int now, const Al
 		if (std::abs(alongBefore[1] - alongNow[0]) < std::abs(alongBefore[0] - alongNow[0]))
 			force1 = force2;
 		force2 = none;
+	} else if (before == 2 && now == 2
+	        && (alongBefore[0] < alongBefore[1]) != (alongNow[0] < alongNow[1])) {
+		std::swap(force1, force2);
 	}
 }
 

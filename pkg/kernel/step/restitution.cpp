@@ -43,19 +43,70 @@ namespace {
 		double gain = 0, plasticLoss = 0, work = 0;
 	};
 
+	/// Adds those of a point.
+	void add(Energy& of, const Step& step, std::size_t k)
+	{
+		const ContactPoint& c = step.problem.points[k];
+		const Impulse       p = step.problem.impulse[k];
+		const Impulse       u = step.initialVelocity(c), left = relativeVelocity(step.problem, c);
+		of.gain += p.n * (u.n + left.n) + p.t * (u.t + left.t);
+		of.work += std::hypot(p.n, p.t) * std::hypot(u.n, u.t);
+		// b_n = e u_n⁻
+		if (c.bias < 0 && u.n < 0) of.plasticLoss -= p.n * u.n * u.n / (u.n + c.bias);
+	}
+
+	/// Factor of the biases of a pair of bodies or a collision, below 1 if its gain exceeds the
+	/// error of the solver.
+	double passiveFactor(const Energy& of, double energyTolerance)
+	{
+		if (of.gain <= energyTolerance * of.work) return 1;
+		return of.plasticLoss / (of.plasticLoss + 1.5 * of.gain);
+	}
+
+	/// Points with impulses of contacts with restitution, those of a pair of bodies one after the
+	/// other.
+	std::vector<int> pointsByBodies(const Step& step)
+	{
+		std::vector<int> points;
+		for (const StepContact& contact : step.contacts)
+			if (contact.restitution > 0)
+				for (int k = contact.first; k < contact.first + contact.count; ++k)
+					if (step.problem.impulse[k].n > 0) points.push_back(k);
+		const auto bodies = [&](int k) {
+			const ContactPoint& c = step.problem.points[k];
+			return std::minmax(c.body1, c.body2);
+		};
+		std::stable_sort(points.begin(), points.end(),
+		        [&](int a, int b) { return bodies(a) < bodies(b); });
+		return points;
+	}
+
 } // namespace
 
-bool lowerRestitution(Step& step, const StepContact& contact)
+bool lowerRestitution(Step& step)
 {
-	bool changed = false;
-	for (int k = contact.first; k < contact.first + contact.count; ++k) {
-		ContactPoint& c = step.problem.points[k];
-		if (!(c.bias < 0)) continue; // no restitution
-		const double share = passiveRestitutionFactor(delassus(step.problem, c),
-		        step.problem.impulse[k], step.initialVelocity(c), relativeVelocity(step.problem, c),
-		        c.bias, c.friction);
-		c.bias *= share;
-		changed |= share < 1;
+	bool                   changed = false;
+	const std::vector<int> points  = pointsByBodies(step);
+	for (auto begin = points.begin(), end = begin; begin != points.end(); begin = end) {
+		const ContactPoint& first = step.problem.points[*begin];
+		end = std::find_if(begin, points.end(), [&](int k) {
+			const ContactPoint& c = step.problem.points[k];
+			return std::minmax(c.body1, c.body2) != std::minmax(first.body1, first.body2);
+		});
+		Energy energy;
+		for (auto k = begin; k != end; ++k)
+			add(energy, step, *k);
+		for (auto k = begin; k != end; ++k) {
+			ContactPoint& c = step.problem.points[*k];
+			if (!(c.bias < 0)) continue; // no restitution
+			const double share = end - begin == 1
+			        ? passiveRestitutionFactor(delassus(step.problem, c), step.problem.impulse[*k],
+			                step.initialVelocity(c), relativeVelocity(step.problem, c), c.bias,
+			                c.friction)
+			        : passiveFactor(energy, 1e-3);
+			c.bias *= share;
+			changed |= share < 1;
+		}
 	}
 	return changed;
 }
@@ -93,24 +144,17 @@ bool lowerCollisionRestitution(Step& step, bool plastic, double tolerance)
 	Collisions          collisions(step);
 	std::vector<Energy> energy(step.bodies.size());
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
-		const ContactPoint& c = problem.points[k];
-		const Impulse       p = problem.impulse[k];
-		if (!(p.n > 0)) continue;
-		const Impulse u = step.initialVelocity(c), left = relativeVelocity(problem, c);
-		Energy&       of = energy[collisions.of(c)];
-		of.gain += p.n * (u.n + left.n) + p.t * (u.t + left.t);
-		of.work += std::hypot(p.n, p.t) * std::hypot(u.n, u.t);
-		// b_n = e u_n⁻
-		if (c.bias < 0 && u.n < 0) of.plasticLoss -= p.n * u.n * u.n / (u.n + c.bias);
+		if (problem.impulse[k].n > 0)
+			add(energy[collisions.of(problem.points[k])], step, k);
 	}
 	bool changed = false;
 	for (const StepContact& contact : step.contacts) {
 		for (int k = contact.first; k < contact.first + contact.count; ++k) {
 			ContactPoint& c = problem.points[k];
 			if (!(c.bias < 0 && problem.impulse[k].n > 0)) continue;
-			const Energy& of = energy[collisions.of(c)];
-			if (of.gain <= energyTolerance * of.work) continue;
-			c.bias *= plastic ? 0 : of.plasticLoss / (of.plasticLoss + 1.5 * of.gain);
+			const double factor = passiveFactor(energy[collisions.of(c)], energyTolerance);
+			if (factor == 1) continue;
+			c.bias *= plastic ? 0 : factor;
 			changed = true;
 		}
 	}

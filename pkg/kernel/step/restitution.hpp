@@ -6,7 +6,8 @@
 //
 // Newton's rule adds energy in two cases. Friction may reverse the slip at a point. Its restitution
 // is then lowered to the value that keeps the energy (passiveRestitutionFactor in
-// problem/coulomb.hpp). In a collision of several bodies, a light body between two heavy ones acts
+// problem/coulomb.hpp). The points of one pair of bodies count together, because the split of their
+// friction is not determined. In a collision of several bodies, a light body between two heavy ones acts
 // as a lever. A collision is a set of bodies joined by impulses of the step. Its energy grows by
 //
 //   ΔE = ½ Σ p · (u + u⁻)
@@ -35,9 +36,9 @@ double lawBias(double gap, double restitution, double dt, NormalVelocity normalV
 	return gap > 0 ? gap / dt : 0;
 }
 
-/// Lowers the restitution e > 0 of a contact if its points add energy in the solved step. Returns
-/// true if a bias changed.
-bool lowerRestitution(Step&, const StepContact&);
+/// Lowers the restitution of two bodies if their contact points together add energy in the solved
+/// step. Returns true if a bias changed.
+bool lowerRestitution(Step&);
 
 /// In a step without a solution, limits restitution to the solved velocity of each point;
 /// `plastic`: removes it. Returns true if a bias changed.

@@ -34,8 +34,17 @@ ContactPoint Step::contactPoint(const StepContact& contact, const ManifoldPoint&
 	c.shift    = cell.stretches() ? contact.shift : Vec2 {};
 	c.bias     = overdamped
 	            ? at.gap / dt
-	            : lawBias(at.gap, contact.restitution, dt, [&] { return initialVelocity(c).n; });
+	            : lawBias(at.gap, contact.restitution, dt, [&] { return closingVelocity(c); });
 	return c;
+}
+
+double Step::closingVelocity(const ContactPoint& c) const
+{
+	constexpr double rounding = 1e-9; // of velocities, relative
+	const StepBody & one = bodies[c.body1], &two = bodies[c.body2];
+	const double fastest = maxSpeed(one.velocity, one.radius) + maxSpeed(two.velocity, two.radius);
+	const double u       = initialVelocity(c).n;
+	return u < -rounding * fastest ? u : 0;
 }
 
 void Step::resizePoints(int points)

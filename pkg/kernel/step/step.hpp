@@ -219,6 +219,10 @@ struct Step {
 		return relativeVelocity(c, bodies[c.body1].velocity, bodies[c.body2].velocity);
 	}
 
+	/// u_n at the beginning of the step if the point closes faster than rounding errors, else 0
+	/// [m/s].
+	double closingVelocity(const ContactPoint&) const;
+
 	/// A detected point as a point of the problem. Its bias follows from the velocities at the
 	/// beginning of the step.
 	ContactPoint contactPoint(const StepContact&, const ManifoldPoint&) const;
