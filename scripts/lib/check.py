@@ -22,8 +22,9 @@ FOLDER = ROOT / "build" / "check"
 TESTS = "tests/kernel"
 PYTEST = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
 WITHOUT_YADE = [f"--confcutdir={TESTS}"]
-SOAK, FUZZER, RUNS, LARGE = (f"tests/endurance/{name}.py"
-                             for name in ("soak", "scene_fuzzer", "run_fuzzer", "large"))
+SOAK, FUZZER, RUNS, SYMMETRIES, LARGE = (
+    f"tests/endurance/{name}.py"
+    for name in ("soak", "scene_fuzzer", "run_fuzzer", "symmetries", "large"))
 RECORD = ROOT / "docs" / "measurements" / "checks.csv"
 COLUMNS = ["date", "commit", "check", "options", "verdict", "seconds", "what"]
 
@@ -216,6 +217,9 @@ CHECKS = {
                "random scenes: each keeps its bounds or is rejected before the first step"),
     "runs": (python("runs", RUNS, "--scenes", "1000"),
              "random runs with changes by PyRunners: arrays give the bits of engines"),
+    "symmetries": (python("symmetries", SYMMETRIES, "--scenes", "3000"),
+                   "random small scenes: steps commute with mirrors, turns, shifts, orders and "
+                   "units"),
     "soak": (python("soak", SOAK), "random scenes with repeated changes; memory stays constant"),
     "driven": (driven, "random driven scenes, rigid contacts against springs"),
     "large": (python("large", LARGE), "2^20 separate grains, 10^5 grains in a pile"),

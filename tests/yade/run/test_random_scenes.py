@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 import run_fuzzer
 import scene_fuzzer
+import small_scenes
 import soak
+import symmetries
 from scenes import steps
 from yade import O, wrapper
 
@@ -34,6 +36,19 @@ def test_steps_in_arrays_and_of_engines_give_the_same_bits(first):
 def test_a_contact_that_a_step_loses_and_finds_again_keeps_its_friction():
     scene = run_fuzzer.draw(807)
     assert run_fuzzer.difference({**scene, "runs": [22]})[0] == "same"
+
+
+@pytest.mark.parametrize("first", range(0, 20, 10))
+def test_steps_commute_with_symmetries(first):
+    outcomes = {seed: symmetries.outcome(seed) for seed in range(first, first + 10)}
+    assert not {seed: what for seed, (what, _) in outcomes.items() if what}
+    assert sum(counts.get("compared", 0) for _, counts in outcomes.values()) > 200
+
+
+def test_a_transform_that_changes_the_gaps_alone_is_an_error():
+    stretch = dict(turn=1.01)
+    found = [symmetries.broken(small_scenes.random_scene(seed), stretch) for seed in range(20)]
+    assert sum(map(bool, found)) >= 5
 
 
 class MallInfo(ctypes.Structure):
