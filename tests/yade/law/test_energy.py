@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import G, build, grain_on_floor, material, solver, springy, stadium, steps, walls
+from scenes import (G, build, grain_on_floor, material, solver, springy, stadium, steps, velocity,
+                    walls)
 from yade import O, utils
 
 
@@ -94,6 +95,30 @@ def test_two_fast_grains_gain_nothing_in_a_step():
         O.step()
         gained.append(utils.kineticEnergy() / before - 1)
     assert max(gained) < 1e-6 and min(gained) < -0.1
+
+
+@pytest.mark.parametrize("solver_name", ["auto", "nlgs"])
+@pytest.mark.parametrize("slip", [0.5, -0.5])
+def test_two_points_that_stick_bounce_as_one(slip, solver_name):
+    """Only the sum of their tangential impulses is determined; it stops the slip, e = 1."""
+    rough = material(0.3)
+    _, rod = build(rcr.wall("y", 0, +1, material=rough),
+                   rcr.particle((0, 0.05), 0.1, 0.5, material=rough, velocity=(slip, -3)),
+                   gravity=(0, 0, 0), restitution=1, solver=solver_name)  # fmt: skip
+    O.step()
+    assert velocity(rod) == pytest.approx([0, 3, 0], abs=1e-3)
+
+
+@pytest.mark.parametrize("rounding", [-1e-12, 1e-12])
+def test_a_closing_speed_of_rounding_is_no_impact(rounding):
+    """A disc rolls over the end of a segment, e = 0.5."""
+    def end(speed):
+        build(rcr.segment((-0.5, 0), (0.5, 0)), rcr.disc((0.5, 0.1), 0.1, velocity=(6, speed)),
+              gravity=(0, -300, 0), dt=5e-3, restitution=0.5)
+        O.step()
+        return velocity(1)
+
+    assert end(rounding) == pytest.approx(end(0), abs=1e-9)
 
 
 @pytest.mark.parametrize("restitution", [0.9, 1])

@@ -45,6 +45,11 @@ def test_steps_commute_with_symmetries(first):
     assert sum(counts.get("compared", 0) for _, counts in outcomes.values()) > 200
 
 
+@pytest.mark.parametrize("seed", [22325, 30078, 30624, 30940])
+def test_scenes_that_once_broke_a_symmetry(seed):
+    assert symmetries.outcome(seed)[0] is None
+
+
 def test_a_transform_that_changes_the_gaps_alone_is_an_error():
     stretch = dict(turn=1.01)
     found = [symmetries.broken(small_scenes.random_scene(seed), stretch) for seed in range(20)]
