@@ -39,7 +39,7 @@ class Solution:
     contacts: int
     iterations: int
     residual: float  # natural map, relative [-]
-    converged: bool  # the residual is within the tolerance
+    converged: bool  # residual within the tolerance; no point closes that none can open
     seconds: float  # of the solver alone
     reaction: np.ndarray  # (nc, 2) impulses, local (n, t)
     velocity: np.ndarray  # (nc, 2) without b_n for a BodyProblem, else u = W p + q; local (n, t)

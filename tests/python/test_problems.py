@@ -126,6 +126,18 @@ def test_no_contacts(tmp_path):
     assert found.contacts == 0 and found.residual == 0 and found.converged
 
 
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_a_contact_that_no_impulse_can_open_does_not_converge(solver):
+    """W_nn = 0: the residual omits the contact."""
+    closing = [-1, 0]
+    assert not solve(problems.DelassusProblem(([0], [0], [0.0]), closing, [0.5]), solver).converged
+    assert solve(problems.DelassusProblem(([0], [0], [0.0]), [1, 0], [0.5]), solver).converged
+    for bias in (-1, 1):  # the second body moves along x only, the normal is y
+        bodies = problems.BodyProblem([[0, 0, 0], [1, 0, 0]], np.zeros((2, 3)), [[0, 1]], [[0, 1]],
+                                      [[0, 0]], [[0, 0]], [bias], [0.5], [[0, 0]])
+        assert solve(bodies, solver).converged == (bias > 0)
+
+
 # --- malformed files ------------------------------------------------------------------------------
 
 

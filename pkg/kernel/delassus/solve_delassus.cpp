@@ -89,6 +89,17 @@ namespace {
 			return residualFromSums(error2, impulse2, stopping2);
 		}
 
+		/// Returns true if a point closes that no impulse can open. The residual omits it.
+		bool closesBlockedPoint() const
+		{
+			double largest = 0, closing = 0;
+			for (std::size_t k = 0; k < diagonal_.size(); ++k) {
+				largest = std::max(largest, std::abs(problem_.freeVelocity[k].n));
+				if (block(k).nn <= 0) closing = std::max(closing, -problem_.velocity[k].n);
+			}
+			return closing > 1e-12 * largest;
+		}
+
 	private:
 		const DelassusBlock& block(std::size_t k) const { return problem_.block[diagonal_[k]]; }
 
@@ -144,7 +155,8 @@ Report solve(DelassusProblem& problem, const std::string& solver, const Settings
 	report.iterations = stop.sweeps();
 	report.work       = double(report.iterations) * double(problem.freeVelocity.size());
 	report.residual   = sweeps.measure();
-	report.converged  = report.meetsResidual(settings) || report.residual == 0;
+	report.converged  = (report.meetsResidual(settings) || report.residual == 0)
+	        && !sweeps.closesBlockedPoint();
 	return report;
 }
 

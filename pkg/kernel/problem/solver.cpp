@@ -212,9 +212,11 @@ Report solve(
 {
 	if (!settings.sameProblem) checkProblem(problem, workspace.team()); // bad input before settings
 	checkSettings(solver, settings);
-	const Report rigid = solveRigid(problem, solver, settings, workspace);
+	Report rigid = solveRigid(problem, solver, settings, workspace);
 	if (mustYield(rigid, problem, settings, workspace))
 		return solveYielding(problem, settings, rigid, workspace).after(rigid);
+	const double rounding = std::max(settings.roundingVelocity, 1e-12 * drivenSpeed(problem));
+	if (closesBlockedContact(problem, rounding)) rigid.converged = false; // the residual omits it
 	if (rigid.converged || !hasPositiveCost(problem)) return rigid;
 	return solveFromZero(problem, settings, workspace).after(rigid);
 }

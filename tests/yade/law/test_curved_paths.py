@@ -60,7 +60,7 @@ def test_violent_scenes_end_their_steps_without_overlap(scene, seed):
 
 def test_a_step_that_would_double_the_energy_is_refused():
     """Twenty rods at 20 radii a step in a box, restitution 0.9."""
-    rng, dt = np.random.default_rng(17), 1e-3
+    rng, dt = np.random.default_rng(29), 1e-3
     speed, grain = 20 * R / dt, material(0.3)
     rods = []
     for k in range(20):
