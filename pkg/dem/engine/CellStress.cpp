@@ -4,6 +4,27 @@
 
 namespace yade {
 
+namespace {
+
+	/// Lengths of the cell along x and y [m]. They do not depend on the choice of its edges, which
+	/// O.cell.flipCell changes: the shortest lattice vector along x, and the area over it.
+	rcr::Vec2 lengths(const double (&h)[2][2])
+	{
+		if (h[1][0] == 0) return { h[0][0], h[1][1] };
+		constexpr int most = 4; // edges in this vector
+		const double  area = std::abs(h[0][0] * h[1][1] - h[0][1] * h[1][0]);
+		double        x    = 0;
+		for (int i = -most; i <= most; ++i)
+			for (int j = -most; j <= most; ++j) {
+				const rcr::Vec2 v = rcr::product(h, { double(i), double(j) });
+				if (v.x > 0 && std::abs(v.y) < 1e-9 * v.x && (x == 0 || v.x < x)) x = v.x;
+			}
+		if (x == 0) x = std::sqrt(area); // prescribed motion has turned all lattice vectors
+		return { x, area / x };
+	}
+
+} // namespace
+
 void CellStress::action()
 {
 	if (!(mass > 0 && math::isfinite(mass)))
@@ -36,15 +57,15 @@ void CellStress::gatherCell(rcr::Step& step) const
 	if (grains == 0) return;
 	rcr::PeriodicCell& cell   = step.cell;
 	const double       area   = std::abs(cell.h[0][0] * cell.h[1][1] - cell.h[0][1] * cell.h[1][0]);
-	const auto         free   = [&](int axis, double& inverse) {
+	const rcr::Vec2    size   = lengths(cell.h);
+	const auto         free   = [&](int axis, double length, double& inverse) {
                 if (math::isnan(stress[axis])) return;
-                const double size = cell.h[axis][axis];
-                inverse           = 12 / (double(mass) * grains * size * size);
+                inverse = 12 / (double(mass) * grains * length * length);
                 if (step.overdamped) cell.gradient[axis][axis] = 0;
                 cell.gradient[axis][axis] -= inverse * step.dt * double(stress[axis]) * area;
 	};
-	free(0, cell.inverseMass.x);
-	free(1, cell.inverseMass.y);
+	free(0, size.x, cell.inverseMass.x);
+	free(1, size.y, cell.inverseMass.y);
 	step.problem.inverseStretchMass = cell.inverseMass;
 }
 

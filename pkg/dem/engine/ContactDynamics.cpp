@@ -45,6 +45,7 @@ void ContactDynamics::action()
 /// objects.
 void ContactDynamics::runStep(const validation::Engines& engines)
 {
+	if (scene->iter == 0) energy = {}; // of another scene
 	rcr::ThreadTeam& team  = workspace_.team();
 	step_.overdamped = overdamped;
 	if (!tracksStretch()) meanStretchRate = stretchChange = Vector2r::Zero();

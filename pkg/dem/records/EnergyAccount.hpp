@@ -22,13 +22,7 @@ public:
 	}
 
 private:
-	/// Numbers of the entries in O.energy.
-	struct Indices {
-		int friction = -1, impact = -1, drive = -1, correction = -1, gravity = -1;
-	};
-
 	rcr::StepEnergy pending_;
-	Indices         index_;
 };
 
 } // namespace yade

@@ -41,12 +41,14 @@ void StepObserver::record(const Result& result, const std::vector<int>& ids, int
 		if (std::size_t(id) >= step.bodies.size() || !handles.state[id]) return {};
 		return step.bodies[id].center;
 	});
-	if (sums_.ids != ids) {
+	// an engine may go on in another scene
+	if (sums_.ids != ids || result.iteration <= sums_.iteration) {
 		sums_     = {};
 		sums_.ids = ids;
 		for (int id : ids)
 			sums_.force[id] = {};
 	}
+	sums_.iteration = result.iteration;
 	++sums_.steps;
 	sums_.iterations += result.iterations;
 	sums_.yielded += result.yielded;

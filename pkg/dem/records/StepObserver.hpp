@@ -45,6 +45,7 @@ public:
 private:
 	struct Sums {
 		std::vector<int>          ids;
+		long                      iteration = 0; // of the last step
 		long                      steps = 0, iterations = 0, missed = 0, yielded = 0;
 		double                    residual = 0, ratioSum = 0, largestRatio = 0;
 		std::map<int, rcr::Twist> force; // by body [N, N m]

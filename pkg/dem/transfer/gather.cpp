@@ -154,8 +154,10 @@ namespace {
 	/// contacts.
 	void Gatherer::move(const Body& b, const State& s, rcr::StepBody& body)
 	{
-		// the integrator does not move it
-		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) return;
+		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) {
+			body.velocity = {}; // the integrator does not move it
+			return;
+		}
 		const rcr::Inertia inertia = plane::inertiaOf(s);
 		if (step_.overdamped)
 			body.velocity = startVelocity(body.velocity, inertia, step_.startFlow.at(body.center));

@@ -11,7 +11,7 @@ std::string wallsInCell(const View& v)
 	const Body* wall = v.scene.isPeriodic ? v.body<Wall>() : nullptr;
 	return wall ? bodyNames({ wall->getId() })
 	                + " is a Wall in a periodic cell, which has no boundary; remove it, or use "
-	                  "a Box or fixed Rcrs."
+	                  "rcr.segment or fixed Rcrs."
 	            : std::string();
 }
 
@@ -32,8 +32,17 @@ std::string cellStress(const View& v)
 
 std::string velocityGradient(const View& v)
 {
-	if (!v.scene.isPeriodic || math::isfinite(nextGradient(*v.scene.cell).sum())) return {};
-	return "O.cell.velGrad is not finite; expected a velocity gradient in 1/s.";
+	if (!v.scene.isPeriodic) return {};
+	const Matrix3r gradient = nextGradient(*v.scene.cell);
+	if (!math::isfinite(gradient.sum()))
+		return "O.cell.velGrad is not finite; expected a velocity gradient in 1/s.";
+	const bool sheared = v.scene.cell->hasShear()
+	        || gradient != Matrix3r(gradient.diagonal().asDiagonal());
+	const Body* box = sheared ? v.body<Box>() : nullptr; // YADE ends the process
+	return box ? bodyNames({ box->getId() })
+	                + " is a Box in a sheared periodic cell; use rcr.segment or fixed Rcrs, or "
+	                  "leave the cell rectangular."
+	           : std::string();
 }
 
 /// Rejects cells in which YADE's collider would end the process, since a body spans half of the

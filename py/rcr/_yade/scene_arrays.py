@@ -45,7 +45,7 @@ def _columns(kinds, rows):
 def _grains(O):
     """Return the grains, their centres of mass at the time of the forces, and their z."""
     prescribed = {"x", "y", "Z"}.issubset
-    clumps = {}  # by id: motion prescribed, centre
+    clumps = {}  # by id: motion prescribed, centre, mass over the area of all members
     rows, centers, z = [], [], 0.0
     for body in O.bodies:
         shape, state, clump = body.shape, body.state, body.clumpId
@@ -55,18 +55,28 @@ def _grains(O):
         pos, vel = state.pos, state.vel
         if clump >= 0:
             if clump not in clumps:
-                whole = O.bodies[clump].state
-                clumps[clump] = prescribed(whole.blockedDOFs), whole.pos - O.dt * whole.vel
-            fixed, center = clumps[clump]
+                whole, members = O.bodies[clump], O.bodies[clump].shape.members
+                area = sum(_area(O.bodies[k].shape) for k in members)
+                whole = whole.state
+                clumps[clump] = (prescribed(whole.blockedDOFs), whole.pos - O.dt * whole.vel,
+                                 whole.mass / area)
+            fixed, center, density = clumps[clump]
+            mass = density * _area(shape)
         else:
             clump, fixed, center = -1, prescribed(state.blockedDOFs), pos - O.dt * vel
+            mass = state.mass
         centers.append((center[0], center[1]))
         z = pos[2]
         velocity = (vel[0], vel[1], state.angVel[2])
         place = pos[0], pos[1]
-        row = (body.id, clump, fixed, place, angle(state.ori), half, cap, state.mass, velocity)
+        row = (body.id, clump, fixed, place, angle(state.ori), half, cap, mass, velocity)
         rows.append((*row, tuple(shape.color)))
     return _columns(_GRAINS, rows), np.array(centers).reshape(-1, 2), z
+
+
+def _area(shape):
+    half, cap = lengths(shape)
+    return 4 * half * cap + math.pi * cap**2
 
 
 def _obstacles(O, z):

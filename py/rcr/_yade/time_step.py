@@ -23,7 +23,8 @@ def critical_time_step(points=6):
         ω_n² = 2 z k_n max(1/m, a²/I),   ω_s² = 2 z k_s max(1/m, R²/I),   z = `points`.
 
     A clump has mass and inertia of its own, `points` contact points of each member, and a and R up
-    to its furthest core end and surface.
+    to its furthest core end and surface. A wall, box or facet that can move counts as a body of its
+    mass with √N contact points, N being the number of grains, or as many as it has now.
 
     The leapfrog is stable for dt ω < 2 (√(1 + ζ²) − ζ). ζ is the damping ratio of this motion: the
     law's ratio, which belongs to one point between two bodies (ω² = 2 k_n/m), times the ratio of
@@ -57,16 +58,23 @@ def critical_time_step(points=6):
         given = "O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack"
         raise ValueError(f"{given}; rigid contacts do not bound the time step")
     stiffness_of = _stiffnesses(loops)
-    steps = []
+    steps, plates, stiffest, heaviest = [], [], 0.0, 0.0
     for body in O.bodies:
         members = [O.bodies[k] for k in body.shape.members] if body.isClump else [body]
         grain = all(isinstance(member.shape, (Rcr, Sphere)) for member in members)
-        if grain and not body.isClumpMember and body.state.blockedDOFs != "xyzXYZ":
+        if body.isClumpMember or body.state.blockedDOFs == "xyzXYZ":
+            continue
+        if grain:
             stiffness = np.max([stiffness_of(member) for member in members], axis=0)
             steps.append(_stable_step(body, members, *stiffness, points, laws[0].damping))
+            stiffest, heaviest = max(stiffest, *stiffness), max(heaviest, body.state.mass)
+        else:
+            plates.append(body)
     if not steps:
         raise ValueError("no Rcr and no Sphere is free to move: nothing bounds the time step")
-    return min(steps)
+    row = math.sqrt(len(steps))
+    return min(steps + [_stable_step_of_plate(plate, row, stiffest, heaviest, laws[0].damping)
+                        for plate in plates])
 
 
 def _stiffnesses(loops):
@@ -111,6 +119,15 @@ def _stable_step(body, members, kn, ks, points, damping):
     return min(step, 2 / shear if shear > 0 else math.inf)
 
 
+def _stable_step_of_plate(body, row, stiffness, grain_mass, damping):
+    """Return the stable time step of a wall, box or facet [s]; see `critical_time_step`."""
+    contacts = sum(i.geom.points for i in body.intrs() if i.isReal)
+    z, m = max(row, contacts), body.state.mass
+    frequency = math.sqrt(2 * z * stiffness / m)
+    ratio = damping * math.sqrt(z * min(grain_mass, m) / (2 * m))
+    return 2 / frequency * (math.sqrt(1 + ratio**2) - ratio)
+
+
 def half_step_start():
     """Make the present velocities those of the present time, for second-order accuracy in dt.
 
@@ -121,9 +138,10 @@ def half_step_start():
     from the velocities, and the first step adds it again. Contact forces of the first step count
     half, too. Velocities that a script reads stay half a step behind.
 
-    Call it once, after setting bodies, gravity, permanent forces and ``O.dt``. Call it again after
-    a change of ``O.dt``, or of velocities in a stopped motion. It does not improve impacts, whose
-    times are known to one step, nor springs that are already loaded.
+    Call it once, after setting bodies, gravity, permanent forces and ``O.dt``, or again after
+    setting all velocities. After steps, velocities lag half a step already: a second call would
+    double the error. It does not improve impacts, whose times are known to one step, nor springs
+    that are already loaded.
 
     Raises
     ------

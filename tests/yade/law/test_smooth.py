@@ -319,6 +319,20 @@ def test_the_critical_time_step_of_a_clump_follows_its_mass():
     assert found[0] == pytest.approx(10 * found[1], rel=1e-9)
 
 
+def test_the_critical_time_step_counts_a_light_lid():
+    """A lid of the mass of a hundredth of a grain presses six grains."""
+    rough = springy(0.3)
+    grains = [rcr.disc((0.1 + 0.2 * k, 0.1), 0.1, rough) for k in range(6)]
+    mass = 0.01 * grains[0].state.mass
+    build(rcr.wall("y", 0, +1, material=rough), *grains,
+          rcr.mobile_wall("y", 0.2, mass, -1, material=rough), law="smooth", gravity=(0, 0, 0))
+    lid = len(O.bodies) - 1
+    O.forces.setPermF(lid, (0, -100, 0))
+    O.dt = 0.5 * rcr.critical_time_step()
+    O.run(3000, True)
+    assert O.bodies[lid].state.pos[1] == pytest.approx(0.2, abs=1e-3)
+
+
 @pytest.mark.parametrize("clumped", [False, True])
 def test_the_drive_of_springs_is_booked(clumped):
     """A driven disc, or clump of two, pushes a free disc: the drive gives its kinetic energy."""

@@ -516,6 +516,32 @@ def test_tuning_is_changed_as_a_whole():
         engine.tuning = dict(reductions=[])
 
 
+def test_an_engine_begins_anew_in_another_scene():
+    """Its means and its energies belong to one scene; YADE's account is that of the new one."""
+    grain_on_floor(0, restitution=0.5, height=0.2)
+    watched = solver()
+    watched.observe = [0]
+    O.trackEnergy = True
+    steps(200)
+    O.reset()
+    grain_on_floor(0)
+    O.engines = [watched if isinstance(e, rcr.ContactDynamics) else e for e in O.engines]
+    O.trackEnergy = True
+    steps(20)
+    assert watched.observed()["steps"] == 20
+    assert O.energy["impactDissip"] == pytest.approx(0, abs=1e-9)
+
+
+def test_a_body_that_the_integrator_leaves_out_is_at_rest():
+    """Its state keeps a velocity; a disc with e = 0.5 bounces off it as off a wall."""
+    build(rcr.disc((0, 0), 0.1, material(0), velocity=(-3, 0), mask=2),
+          rcr.disc((0.25, 0), 0.1, material(0), velocity=(-1, 0), mask=3),
+          gravity=(0, 0, 0), restitution=0.5)
+    O.engines[-1].mask = 1
+    steps(200)
+    assert O.bodies[1].state.vel[0] == pytest.approx(0.5)
+
+
 def test_a_body_that_is_observed_twice_counts_once():
     grain_on_floor(0)
     watched = solver()

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 import rcr
-from scenes import (G, build, insert, material, set_state, solver, springy, steps, velocity, walls)
+from scenes import (G, build, insert, material, set_state, solver, springy, stadium, steps,
+                    velocity, walls)
 from yade import O
 from yade.wrapper import ForceEngine
 
@@ -41,6 +42,18 @@ def test_union_of_overlapping_members_is_counted_once():
     s = O.bodies[glued(grain, 0.4, 60)].state
     assert s.mass == pytest.approx(grain.state.mass, rel=1e-3)
     assert s.inertia[2] == pytest.approx(grain.state.inertia[2], rel=2e-3)
+
+
+def test_means_of_velocities_weigh_a_clump_by_its_mass():
+    build(gravity=(0, 0, 0))
+    rods = [stadium(0.08, 0.02, (0, 0), angle, material=material()) for angle in (0, math.pi / 2)]
+    clump, _ = rcr.clump(rods, mass=100)
+    set_state(clump, vel=(1, 0, 0))
+    disc = O.bodies.append(rcr.disc((0.3, 0), 0.1, material()))
+    O.step()
+    profile = rcr.Profile(cells=(1, 1), limits=((-1, -1), (1, 1))).compute()
+    share = 100 / (100 + O.bodies[disc].state.mass)
+    assert profile.velocity[0, 0, 0] == pytest.approx(share, rel=1e-6)
 
 
 def test_falls_freely():

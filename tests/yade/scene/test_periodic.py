@@ -7,7 +7,7 @@ import pytest
 import rcr
 from scenes import (assert_refused, build, gaps, insert, material, plane, shrinking_cell, snapshot,
                     solver, springy, steps)
-from yade import O
+from yade import O, utils
 from yade.minieigenHP import Matrix3
 from yade.wrapper import InsertionSortCollider, PeriTriaxController
 
@@ -143,6 +143,9 @@ def test_problems_of_a_deforming_cell_are_not_saved(tmp_path):
      "O.cell.velGrad is not finite"),
     (lambda: (steps(1), setattr(O.cell, "hSize", Matrix3(2, 8, 0, 0, 2, 0, 0, 0, 2))),
      r"sheared, so that radii count [89][\d.]* times: O\.cell\.flipCell"),
+    (lambda: (O.bodies.append(utils.box((1, 0.2, 0), (0.1, 0.1, 0.1), fixed=True)), steps(1),
+              setattr(O.cell, "velGrad", plane(0, 0.1, 0, 0))),
+     "#1 is a Box in a sheared periodic cell; use rcr.segment or fixed Rcrs"),
     (lambda: scene("rigid", rcr.disc((0.3, 0.3), 0.2, material=material()), size=0.7),
      "the periodic cell is 0.7 wide at its narrowest, body #0 has the radius 0.2"),
     (lambda: insert(3, PeriTriaxController(dynCell=True, mass=1, goal=(-1, -1, 0), stressMask=3)),
@@ -191,6 +194,23 @@ def pressed_row(size):
     """Ten discs of R = 0.1 that fill the cell along x, which a stress presses."""
     pressed(*[rcr.disc((size / 10 * (k + 0.5), 1), 0.1, material=material()) for k in range(10)],
             size=size, stress=(50, math.nan), tolerance=1e-8, maxIterations=5000)
+
+
+@pytest.mark.parametrize("overdamped", [False, True])
+def test_a_flipped_cell_answers_a_stress_as_before(overdamped):
+    """YADE's flip chooses other edges of the same lattice, here a first edge with a slope."""
+    def rates(flip):
+        discs = [rcr.disc((0.1 + 0.15 * k, 0.05), 0.05, material()) for k in range(4)]
+        scene("rigid", *discs, overdamped=overdamped, tolerance=1e-10)
+        O.cell.hSize = Matrix3(1, 0.6, 0, 0, 0.6, 0, 0, 0, 2)
+        press((10, 10))
+        if flip:
+            O.cell.flipCell()
+            assert O.cell.hSize[1, 0] != 0
+        steps(20)
+        return O.cell.velGrad[0, 0], O.cell.velGrad[1, 1]
+
+    assert rates(True) == pytest.approx(rates(False), rel=1e-6)
 
 
 def test_row_of_discs_carries_the_stress_of_its_cell():
