@@ -52,12 +52,7 @@ def critical_time_step(points=6):
         stiffness is outside its range.
     """
     loops = [e for e in O.engines if isinstance(e, InteractionLoop) and not e.dead]
-    laws = [law for loop in loops for law in loop.lawDispatcher.functors]
-    laws = [law for law in laws if isinstance(law, Law2_RcrGeom_FrictPhys_CundallStrack)]
-    if not laws:
-        given = "O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack"
-        raise ValueError(f"{given}; rigid contacts do not bound the time step")
-    stiffness_of = _stiffnesses(loops)
+    damping, stiffness_of = _damping(loops), _stiffnesses(loops)
     steps, plates, stiffest, heaviest = [], [], 0.0, 0.0
     for body in O.bodies:
         members = [O.bodies[k] for k in body.shape.members] if body.isClump else [body]
@@ -66,15 +61,25 @@ def critical_time_step(points=6):
             continue
         if grain:
             stiffness = np.max([stiffness_of(member) for member in members], axis=0)
-            steps.append(_stable_step(body, members, *stiffness, points, laws[0].damping))
+            steps.append(_stable_step(body, members, *stiffness, points, damping))
             stiffest, heaviest = max(stiffest, *stiffness), max(heaviest, body.state.mass)
         else:
             plates.append(body)
     if not steps:
         raise ValueError("no Rcr and no Sphere is free to move: nothing bounds the time step")
     row = math.sqrt(len(steps))
-    return min(steps + [_stable_step_of_plate(plate, row, stiffest, heaviest, laws[0].damping)
+    return min(steps + [_stable_step_of_plate(plate, row, stiffest, heaviest, damping)
                         for plate in plates])
+
+
+def _damping(loops):
+    """Return the damping ratio of the smooth law."""
+    laws = [law for loop in loops for law in loop.lawDispatcher.functors]
+    laws = [law for law in laws if isinstance(law, Law2_RcrGeom_FrictPhys_CundallStrack)]
+    if not laws:
+        given = "O.engines holds no Law2_RcrGeom_FrictPhys_CundallStrack"
+        raise ValueError(f"{given}; rigid contacts do not bound the time step")
+    return laws[0].damping
 
 
 def _stiffnesses(loops):
