@@ -151,16 +151,13 @@ def shear(test, options, checkpoints):
     style = dict(desc="shear", unit="%", disable=None, bar_format=BAR)
     with tqdm(total=end, initial=start, **style) as bar:
         while not test.has_reached(options.strain):
-            saved, began = due(), time.monotonic()
-            target = (saved + 1) * options.strain / options.networks
-            left = target - HALF_RECORD - test.strain
-            records = max(1, min(most, math.ceil(left / test.strain_per_record - 1e-6)))
+            saved, began, before = due(), time.monotonic(), len(test.rows)
             try:
-                test.shear(records)
+                test.shear(most, (saved + 1) * options.strain / options.networks)
             except RuntimeError as error:
                 checkpoints.go_back(error)
                 continue
-            seconds = time.monotonic() - began
+            seconds, records = time.monotonic() - began, len(test.rows) - before
             most = max(1, min(2 * records, int(records * RUN_SECONDS / seconds)))
             bar.n, row = 100 * test.strain, test.rows[-1]
             bar.set_postfix_str(f"q/p {row['sin_phi']:.3f}, {row['iterations']} iterations")

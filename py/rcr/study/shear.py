@@ -128,11 +128,16 @@ def steps_per_record(test):
     return max(1, round(PROTOCOL.record_strain * test.time_unit / (rate * O.dt)))
 
 
+def _records_to(test, strain):
+    """Return the number of records at the present speed until the test has reached a strain."""
+    left = strain - HALF_RECORD - test.strain
+    return max(1, math.ceil(left / test.strain_per_record - 1e-6))
+
+
 def _records_at_this_speed(test, most):
     """Return the number of records, at most `most`, in which the top wall keeps its speed."""
     if is_approaching(test):
-        left = test.parameters["approach"] - HALF_RECORD - test.strain
-        return max(1, min(most, math.ceil(left / test.strain_per_record)))
+        return min(most, _records_to(test, test.parameters["approach"]))
     if _slowed(test) < 1:
         return 1
     end = test.strain + most * test.strain_per_record
@@ -140,9 +145,11 @@ def _records_at_this_speed(test, most):
     return most if test.parameters["inertial_number"] < 0.8 * largest_rate(test, end) else 1
 
 
-def shear(test, records):
+def shear(test, records, end=1):
     """Shear by a number of records, each of 0.1 % of strain and with a row of the history.
 
+    The shear stops at the first record, of this call, at which the test has reached the strain
+    `end`.
     Records with equal wall speed and time step are one run of YADE, since each run reads all
     bodies once. The results are those of one run per record, to the bit. A packing that has blown
     up raises a RuntimeError.
@@ -153,13 +160,14 @@ def shear(test, records):
         top.vel = Vector3(0, -ramp * top_speed(test), 0)
         if not isinstance(solver, Springs):
             O.dt = rate_and_step(test)[1] * test.time_unit
-        together = _records_at_this_speed(test, records) if ramp == 1 else 1
+        most = min(records, _records_to(test, end))
+        together = _records_at_this_speed(test, most) if ramp == 1 else 1
         try:
             test.step(steps_per_record(test), together)
         finally:
             for record in test.records:
                 test.rows.append(history_row(test, record))
-        records -= together
+        records = 0 if test.has_reached(end) else records - together
 
 
 def history_row(test, record):

@@ -521,6 +521,15 @@ def test_script_stops_cleanly_and_continues_to_the_same_results(tmp_path):
     assert not different(contents(out), contents(tmp_path / "straight"))
 
 
+def test_results_do_not_depend_on_the_speed_of_the_machine(tmp_path):
+    """Runs of one record, as on a slow machine, and of many records, while the rate falls."""
+    arguments = "--eta 0.6 --particles 40 --approach 0.015 --strain 0.03 --networks 1".split()
+    slow = "import time; clock = time.monotonic; time.monotonic = lambda: 1e6 * clock()"
+    for name, before in dict(slow=slow, fast="").items():
+        script(*arguments, "--iterations", 300, "--out", tmp_path / name, before=before)
+    assert not different(contents(tmp_path / "slow"), contents(tmp_path / "fast"))
+
+
 def test_script_with_the_smooth_law(tmp_path):
     script(*SMALL, "--law", "smooth", "--stiffness", "300", "--out", tmp_path / "out")
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())

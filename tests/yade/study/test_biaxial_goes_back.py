@@ -16,8 +16,8 @@ from rcr.study.biaxial import Biaxial
 
 failures, shear = dict({failures}), Biaxial.shear
 
-def failing(test, records):
-    shear(test, records)
+def failing(test, *until):
+    shear(test, *until)
     for strain in [s for s in failures if test.strain > s and failures[s] > 0]:
         failures[strain] -= 1
         raise RuntimeError("jam of the test")
