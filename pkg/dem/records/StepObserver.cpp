@@ -41,7 +41,7 @@ void StepObserver::record(const Result& result, const std::vector<int>& ids, int
 		if (std::size_t(id) >= step.bodies.size() || !handles.state[id]) return {};
 		return step.bodies[id].center;
 	});
-	// an engine may go on in another scene
+	// the engine may be in another scene now
 	if (sums_.ids != ids || result.iteration <= sums_.iteration) {
 		sums_     = {};
 		sums_.ids = ids;

@@ -23,8 +23,8 @@ def critical_time_step(points=6):
         ω_n² = 2 z k_n max(1/m, a²/I),   ω_s² = 2 z k_s max(1/m, R²/I),   z = `points`.
 
     A clump has mass and inertia of its own, `points` contact points of each member, and a and R up
-    to its furthest core end and surface. A wall, box or facet that can move counts as a body of its
-    mass with √N contact points, N being the number of grains, or as many as it has now.
+    to its furthest core end and surface. A wall, box or facet that can move has √N contact points,
+    with N the number of grains, or its present number if that is larger.
 
     The leapfrog is stable for dt ω < 2 (√(1 + ζ²) − ζ). ζ is the damping ratio of this motion: the
     law's ratio, which belongs to one point between two bodies (ω² = 2 k_n/m), times the ratio of
