@@ -230,6 +230,9 @@ def _check_seeds(runs):
     for one, two in itertools.combinations(runs, 2):
         if os.path.realpath(one.folder) == os.path.realpath(two.folder):
             raise ValueError(f"{two.folder} is given twice; expected every run once")
+        if _are_one_packing(one.networks, two.networks):
+            given = f"{two.folder} and {one.folder} hold networks of the same packing"
+            raise ValueError(f"{given}; expected packings of different seeds: leave one out")
         if not (one.record and two.record):
             continue
         if one.record["run"] == two.record["run"]:
@@ -239,3 +242,11 @@ def _check_seeds(runs):
         if different:
             given = f"{one.folder} has {different.replace('(here ', f'({two.folder} ')}"
             raise ValueError(f"{given}; expected runs that differ in their seed alone")
+
+
+def _are_one_packing(one, two):
+    """Return whether two lists of networks share a seed, a run, or the positions of a snapshot."""
+    share = lambda of: any(np.array_equal(of(a), of(b)) for a in one for b in two)
+    named = any(name in one[0].attributes and one[0].attributes[name] == two[0].attributes.get(name)
+                for name in ("seed", "run"))
+    return named or share(lambda network: network.particles["position"])
