@@ -255,10 +255,14 @@ class Network:
         Raises
         ------
         ValueError
-            If no contact between grains has a friction coefficient > 0.
+            If no contact between grains has a friction coefficient > 0, or one has an unknown one.
         """
         force = self.local_components()[3]
         friction = self.contacts["friction"][self.between_particles]
+        if np.isnan(friction).any():
+            given = f"{np.isnan(friction).sum()} of {len(friction)} contacts between grains"
+            raise ValueError(f"contacts/friction is NaN for {given}; the mobilisation needs a "
+                             "coefficient of each: give this column or the attribute friction")
         if not (friction > 0).any():
             given = f"friction = {friction.max():g} between all grains"
             raise ValueError(f"{given}; the mobilisation needs a coefficient > 0")
