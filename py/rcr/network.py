@@ -333,10 +333,9 @@ class Network:
         two = body[np.where(inner, self.contacts["body2"], 0)]
         while True:
             kept = alive[one] & (alive[two] | ~inner)
-            both = kept & inner
-            total = np.bincount(one[kept], weights=weight[kept], minlength=size)
-            total += np.bincount(two[both], weights=weight[both], minlength=size)
-            rattlers = alive & (total < 2)
+            ends = np.concatenate([one[kept], two[kept & inner]])
+            rattlers = alive & (np.bincount(ends, minlength=size) < 2)
             if not rattlers.any():
-                return alive, kept, total
+                weights = np.concatenate([weight[kept], weight[kept & inner]])
+                return alive, kept, np.bincount(ends, weights, size)
             alive &= ~rattlers

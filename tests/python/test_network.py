@@ -137,6 +137,9 @@ def test_coordination_leaves_rattlers_out():
     test = of_pairs((0, 1), (1, 2), (2, 0), (2, 3), grains=4, points=np.array([2, 1, 1, 1]))
     assert test.coordination() == pytest.approx(2)
     assert test.coordination(count_side_contacts_twice=True) == pytest.approx(8 / 3)
+    # a rattler on one side contact has one contact too
+    on_side = of_pairs((0, 1), (1, 2), (2, 0), (2, 3), grains=4, points=np.array([1, 1, 1, 2]))
+    assert on_side.coordination(count_side_contacts_twice=True) == pytest.approx(2)
     alive, kept, total = test.backbone()
     assert list(alive) == [True, True, True, False] and list(kept) == [True, True, True, False]
     assert list(total[alive]) == [2, 2, 2]
