@@ -286,6 +286,15 @@ def test_angular_functions_without_contacts_are_unknown():
         assert np.isnan(found[name][0]) and np.isfinite(found[name][2:]).all()
 
 
+@pytest.mark.parametrize("least, first", [(0.5, 0.5), (0.496, 0.5), (0.15, 0.15)])
+def test_the_bins_of_lengths_hold_small_grains(least, first):
+    """They start at 1 − η = 0.5, up to overlaps, or at the least ℓ/R_max of smaller grains."""
+    network = packing(0.5)
+    network.contacts["branch"] *= least / np.hypot(*network.contacts["branch"].T)[:, None]
+    grids = observables.Grids.of([Ensemble([network])], 0.4)
+    assert grids.length[[0, -1]] == pytest.approx([first, 2])
+
+
 def test_strips_of_a_periodic_cell_do_not_depend_on_images():
     network = packing(0.5, contacts=60)
     network.attributes["cell"] = np.array([[30.0, 5], [0, 30]])
