@@ -258,6 +258,12 @@ def test_bad_runs_are_refused(tmp_path):
         bare.save(tmp_path / folder / file)
         with pytest.raises(ValueError, match=f"{file} is a network without the attribute {name}"):
             Run.read(tmp_path / folder)
+    wrong = packing(0.5)
+    wrong.attributes["eta"] = 0.4
+    wrong.save(tmp_path / "b" / "network-0.6.h5")
+    with pytest.raises(ValueError, match="0.6.h5 has eta = 0.4 and a grain with half_length/R = "
+                       "0.5; expected at most eta"):
+        Run.read(tmp_path / "b")
     empty = packing(0.5)
     columns = {name: column[:0] for name, column in empty.contacts.items()}
     for networks, says in (([], "no snapshots"), (
@@ -293,6 +299,19 @@ def test_the_bins_of_lengths_hold_small_grains(least, first):
     network.contacts["branch"] *= least / np.hypot(*network.contacts["branch"].T)[:, None]
     grids = observables.Grids.of([Ensemble([network])], 0.4)
     assert grids.length[[0, -1]] == pytest.approx([first, 2])
+
+
+def test_contacts_outside_the_range_of_lengths_are_left_out():
+    """Branches of clumps; overlaps count as contacts at the end of the range."""
+    network = packing(0.5, contacts=60)
+    branch = network.contacts["branch"]
+    branch *= (2 * np.repeat([0.3, 0.498, 1.3], 20) / np.hypot(*branch.T))[:, None]
+    ensemble = Ensemble([network])
+    grids = observables.Grids.of([ensemble], 0.4)
+    found = observables.measures(ensemble, grids)
+    assert found["O10"]["pdf"] == pytest.approx([100] + 49 * [0])
+    mean = np.hypot(ensemble.fn, ensemble.ft)
+    assert found["O13"]["f_l_r"][0] == pytest.approx(mean[20:40].mean() / mean.mean())
 
 
 def test_strips_of_a_periodic_cell_do_not_depend_on_images():

@@ -104,8 +104,13 @@ def strip_forces(e, grids):
 
 
 def _reduced_length(e):
-    """Return ℓ_r within its range; overlaps and gaps exceed it by 1e-4 at most."""
-    return np.clip(e.reduced_length, 1 - e.eta + 1e-9, 1 - 1e-9)
+    """Return ℓ_r clipped to its range, and the mask of its contacts, (C,) bool.
+
+    The mask leaves out contacts that exceed the range by more than `SLACK`, as those of clumps.
+    """
+    low, high = 1 - e.eta, 1
+    pick = (e.reduced_length > low - SLACK) & (e.reduced_length < high + SLACK)
+    return np.clip(e.reduced_length[pick], low + 1e-9, high - 1e-9), pick
 
 
 def _force_and_length(e):
@@ -123,7 +128,8 @@ def force_by_length(e, grids):
     """Return the mean force by bins of ℓ_r and ℓ."""
     force, length = _force_and_length(e)
     force = force / force.mean()
-    return dict(f_l_r=statistics.bin_means(_reduced_length(e), force, grids.reduced_length),
+    reduced_length, pick = _reduced_length(e)
+    return dict(f_l_r=statistics.bin_means(reduced_length, force[pick], grids.reduced_length),
                 f_l=statistics.bin_means(length, force, grids.length))
 
 
@@ -200,7 +206,7 @@ MEASURES = dict(  # observable: (function, {name in analysis.json: grid of its a
     O8=(lambda e, grids: dict(
         pdf=statistics.density(np.minimum(e.mobilization, 1), grids.mobilization)),
         dict(i_m="mobilization")),
-    O10=(lambda e, grids: dict(pdf=statistics.density(_reduced_length(e), grids.reduced_length)),
+    O10=(lambda e, grids: dict(pdf=statistics.density(_reduced_length(e)[0], grids.reduced_length)),
          dict(l_r="reduced_length")),
     O11=(lambda e, grids: dict(
         fraction_cc=np.mean(e.type == CAP_CAP), fraction_cs=np.mean(e.type == CAP_SIDE),

@@ -166,6 +166,10 @@ def _check_network(path, network, record):
             expected = "strain, eta, friction and volume, as scripts/biaxial.py stores them"
             raise ValueError(
                 f"{path} is a network without the attribute {name}; expected {expected}")
+    found = (network.particles["half_length"] / network.particles["R"]).max(initial=0)
+    if found > attributes["eta"] + 1e-6:
+        given = f"{path} has eta = {attributes['eta']:g} and a grain with half_length/R = {found:g}"
+        raise ValueError(f"{given}; expected at most eta: correct the attribute")
     if not record:
         return
     for name in ("eta", "seed"):
