@@ -529,3 +529,5 @@ def test_the_network_at_the_edge_of_the_window_counts(tmp_path):
     """It is saved within half a record of its strain."""
     run = Run.read(write_run(tmp_path / "run", 0.5, strains=(0.1, 0.1996, 0.3, 0.4)))
     assert strains_of(run) == [0.1996, 0.3, 0.4]
+    run = Run.read(run.folder, from_strain=0.2, to_strain=0.2996)
+    assert strains_of(run) == [0.1996, 0.3]

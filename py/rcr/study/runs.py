@@ -13,7 +13,7 @@ import numpy as np
 
 from rcr._data import checks, files, results
 from rcr.network import Network
-from rcr.study.protocol import HALF_RECORD
+from rcr.study.protocol import critical_start, is_critical
 
 _TWO_RUNS = "the folder mixes two runs; remove the files of one"
 _HISTORY = "strain", "stress_x", "stress_y"
@@ -54,8 +54,8 @@ class Run:
     def read(cls, folder, from_strain=None, to_strain=None, include_yielded=False):
         """Read the run in a folder.
 
-        The critical state is by default the second half up to the largest strain saved, with half
-        a record more. `include_yielded` keeps records and snapshots whose interval has a step
+        The critical state is by default the second half up to the largest strain saved. It has half
+        a record more at both ends. `include_yielded` keeps records and snapshots whose interval has a step
         without a solution. A ValueError reports a damaged file, networks of several runs, or no
         network in the critical state.
         """
@@ -66,7 +66,7 @@ class Run:
         ordered = sorted(networks.values(), key=_strain)
         to_strain = np.inf if to_strain is None else checks.number("to_strain", to_strain)
         if from_strain is None:
-            from_strain = 0.5 * min(to_strain, _strain(ordered[-1])) - HALF_RECORD
+            from_strain = critical_start(min(to_strain, _strain(ordered[-1])))
         from_strain = checks.number("from_strain", from_strain)
         run = cls(folder, ordered, from_strain, to_strain, next(iter(isotropic.values()), None),
                   _history(folder / "history.csv"), record,
@@ -104,7 +104,7 @@ class Run:
 
     def is_critical(self, strain):
         """Return whether a strain, or each of an array, belongs to the critical state."""
-        return (strain >= self.from_strain) & (strain <= self.to_strain)
+        return is_critical(strain, self.from_strain, self.to_strain)
 
     def critical_stresses(self):
         """Return σ₂ and σ₁ of the records in the critical state, (rows, 2) [Pa].
