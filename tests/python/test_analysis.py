@@ -423,6 +423,17 @@ def test_bad_histories_are_refused(tmp_path, text, says):
         Run.read(folder)
 
 
+@pytest.mark.parametrize("rows", [80, 30])
+def test_a_history_that_ends_before_the_networks_is_refused(tmp_path, rows):
+    """It has records up to a strain of 0.316 or 0.116; the critical state is from 0.2 to 0.4."""
+    folder = write_run(tmp_path / "a", 0.5)
+    lines = (folder / "history.csv").read_text().splitlines()
+    (folder / "history.csv").write_text("\n".join(lines[: rows + 1]))
+    with pytest.raises(ValueError, match="history.csv ends at a strain of 0...60 and the networks "
+                       "at 0.4000; expected records up to there"):
+        Run.read(folder)
+
+
 # --- verdicts ----------------------------------------------------------------------------------
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from rcr._data import checks, files, results
 from rcr.network import Network
-from rcr.study.protocol import critical_start, is_critical
+from rcr.study.protocol import HALF_RECORD, critical_start, is_critical
 
 _TWO_RUNS = "the folder mixes two runs; remove the files of one"
 _HISTORY = "strain", "stress_x", "stress_y"
@@ -83,6 +83,7 @@ class Run:
             raise ValueError(f"{self.folder} has no network at a strain {window}; "
                              f"they are at {first:.4f} to {last:.4f}")
         self.networks = critical
+        self._check_history()
         if self.history is None or _YIELDED not in self.history:
             return
         steps = self.history.pop(_YIELDED)
@@ -95,12 +96,23 @@ class Run:
             return
         self.networks = valid
         self.history = {name: column[steps == 0] for name, column in self.history.items()}
-        if not valid or not len(self.history["strain"]):
+        if not valid or not self.is_critical(self.history["strain"]).any():
             raise ValueError(
-                f"{self.folder}: every network at a strain {window} ends a record with a step "
-                "without a solution; include them with --include-yielded, or run the test with "
-                "more --iterations or a smaller --time-step"
+                f"{self.folder}: every record at a strain {window}, or that of every network, has "
+                "a step without a solution; include them with --include-yielded, or run the test "
+                "with more --iterations or a smaller --time-step"
             )
+
+    def _check_history(self):
+        """Raise ValueError if the history ends before the snapshots of the critical state."""
+        if self.history is None:
+            return
+        end, last = self.history["strain"][-1], _strain(self.networks[-1])
+        if end < last - HALF_RECORD or not self.is_critical(self.history["strain"]).any():
+            raise ValueError(
+                f"{self.folder / 'history.csv'} ends at a strain of {end:.4f} and the networks at "
+                f"{last:.4f}; expected records up to there: write it again with scripts/biaxial.py "
+                "--resume, or remove it to take sin φ from the networks")
 
     def is_critical(self, strain):
         """Return whether a strain, or each of an array, belongs to the critical state."""
@@ -111,12 +123,10 @@ class Run:
 
         They are σ_x and σ_y of the walls, or those of the networks without a history.
         """
-        if self.history is not None:
-            late = self.is_critical(self.history["strain"])
-            if late.any():
-                columns = self.history["stress_x"], self.history["stress_y"]
-                return np.column_stack(columns)[late]
-        return np.array([network.principal_stresses() for network in self.networks])
+        if self.history is None:
+            return np.array([network.principal_stresses() for network in self.networks])
+        columns = self.history["stress_x"], self.history["stress_y"]
+        return np.column_stack(columns)[self.is_critical(self.history["strain"])]
 
 
 def _networks(folder):
