@@ -23,7 +23,7 @@ from rcr._data import files, results
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, NETWORKS, STATES, name_at, remove_later, states
 from rcr.study.protocol import (
-    DEFAULTS, FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_parameters,
+    DEFAULTS, FREE_PARAMETERS, HALF_RECORD, PROTOCOL, check_networks, check_parameters,
 )  # fmt: skip
 
 BAR = "{l_bar}{bar}| {n:.1f}/{total:.1f} % [{elapsed}<{remaining}{postfix}]"
@@ -83,6 +83,7 @@ def arguments():
     if options.strain < PROTOCOL.record_strain:
         expected = f"at least {PROTOCOL.record_strain:g}, the strain of a record of the history"
         made.error(f"--strain {options.strain}: expected {expected}")
+    check_networks(options.networks, options.strain)
     return options
 
 

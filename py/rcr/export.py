@@ -168,7 +168,7 @@ def _grain_mesh(frame):
     outline = polygons(grains | dict(position=at))
     stress = frame.stress_tensors()
     normal = frame.normal_force()
-    radius, velocity = frame.radius, grains["velocity"]
+    radius, velocity = frame.radius, frame.velocities()
     copied = ("id", "clump", "angle", "half_length", "cap_radius", "mass", "color")
     state = {name: grains[name] for name in copied} | dict(
         fixed=grains["fixed"].astype(int), kind=frame.kinds(), R=radius,

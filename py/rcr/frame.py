@@ -199,10 +199,25 @@ class Frame:
 
     def wrap(self, points):
         """Return the shifts that move points into the periodic cell, (n, 2) [m]; 0 without one."""
+        return self._wrapping(points)[0]
+
+    def velocities(self):
+        """Return the velocity of each grain's image in the periodic cell, (N, 3)."""
+        velocity = self.grains["velocity"].copy()
+        velocity[:, :2] += self._wrapping(self.grains["position"])[1]
+        return velocity
+
+    def _wrapping(self, points):
+        """Return shifts into the periodic cell [m] and their velocities [m/s], (n, 2) each."""
         points = np.asarray(points, float)
         if self.cell is None:
-            return np.zeros_like(points)
-        return -np.floor(points @ np.linalg.inv(self.cell).T) @ self.cell.T
+            return np.zeros_like(points), np.zeros_like(points)
+        return self.shifts(-np.floor(points @ np.linalg.inv(self.cell).T))
+
+    def shifts(self, turns):
+        """Return shifts by edges of the periodic cell [m] and their velocities [m/s], (…, 2)."""
+        velocity = np.zeros((2, 2)) if self.cell_velocity is None else self.cell_velocity
+        return turns @ self.cell.T, turns @ velocity.T
 
     def segments(self):
         """Return the polyline centre 1, contact, centre 2 of each contact, (C, 3, 2) [m].

@@ -255,10 +255,14 @@ class Network:
         Raises
         ------
         ValueError
-            If no contact between grains has a friction coefficient > 0.
+            If no contact between grains has a friction coefficient > 0, or one has an unknown one.
         """
         force = self.local_components()[3]
         friction = self.contacts["friction"][self.between_particles]
+        if np.isnan(friction).any():
+            given = f"{np.isnan(friction).sum()} of {len(friction)} contacts between grains"
+            raise ValueError(f"contacts/friction is NaN for {given}; the mobilisation needs a "
+                             "coefficient of each: give this column or the attribute friction")
         if not (friction > 0).any():
             given = f"friction = {friction.max():g} between all grains"
             raise ValueError(f"{given}; the mobilisation needs a coefficient > 0")
@@ -329,10 +333,9 @@ class Network:
         two = body[np.where(inner, self.contacts["body2"], 0)]
         while True:
             kept = alive[one] & (alive[two] | ~inner)
-            both = kept & inner
-            total = np.bincount(one[kept], weights=weight[kept], minlength=size)
-            total += np.bincount(two[both], weights=weight[both], minlength=size)
-            rattlers = alive & (total < 2)
+            ends = np.concatenate([one[kept], two[kept & inner]])
+            rattlers = alive & (np.bincount(ends, minlength=size) < 2)
             if not rattlers.any():
-                return alive, kept, total
+                weights = np.concatenate([weight[kept], weight[kept & inner]])
+                return alive, kept, np.bincount(ends, weights, size)
             alive &= ~rattlers

@@ -272,8 +272,5 @@ def _into_cell(frame, points):
     (width, lean), (_, height) = frame.cell
     up = -np.floor(points[..., 1] / height)
     along = -np.floor((points[..., 0] + up * lean) / width)
-    turns = np.stack([along, up], axis=-1)
-    drift = np.zeros_like(points)
-    if frame.cell_velocity is not None:
-        drift = turns @ frame.cell_velocity.T
-    return points + turns @ frame.cell.T, drift
+    shift, drift = frame.shifts(np.stack([along, up], axis=-1))
+    return points + shift, drift

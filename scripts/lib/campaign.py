@@ -15,6 +15,7 @@ from tqdm import tqdm
 import campaign_runs
 from rcr import script
 from rcr._data import results
+from rcr.study.protocol import check_networks
 
 HERE = pathlib.Path(__file__).resolve().parent
 CONTINUE = "continue with the same command"
@@ -78,6 +79,8 @@ def arguments():
         if not values:
             made.error(f"--{name}: expected at least one")
         setattr(options, name, values)
+    if options.networks is not None:
+        check_networks(options.networks, options.strain)
     return options, extra
 
 

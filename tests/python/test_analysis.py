@@ -258,6 +258,12 @@ def test_bad_runs_are_refused(tmp_path):
         bare.save(tmp_path / folder / file)
         with pytest.raises(ValueError, match=f"{file} is a network without the attribute {name}"):
             Run.read(tmp_path / folder)
+    wrong = packing(0.5)
+    wrong.attributes["eta"] = 0.4
+    wrong.save(tmp_path / "b" / "network-0.6.h5")
+    with pytest.raises(ValueError, match="0.6.h5 has eta = 0.4 and a grain with half_length/R = "
+                       "0.5; expected at most eta"):
+        Run.read(tmp_path / "b")
     empty = packing(0.5)
     columns = {name: column[:0] for name, column in empty.contacts.items()}
     for networks, says in (([], "no snapshots"), (
@@ -284,6 +290,28 @@ def test_angular_functions_without_contacts_are_unknown():
     found = observables.measures(equal, observables.Grids.of([equal], 0.4))["O17"]
     for name in "f_n_mean", "f_n_amplitude", "f_t_amplitude":
         assert np.isnan(found[name][0]) and np.isfinite(found[name][2:]).all()
+
+
+@pytest.mark.parametrize("least, first", [(0.5, 0.5), (0.496, 0.5), (0.15, 0.15)])
+def test_the_bins_of_lengths_hold_small_grains(least, first):
+    """They start at 1 − η = 0.5, up to overlaps, or at the least ℓ/R_max of smaller grains."""
+    network = packing(0.5)
+    network.contacts["branch"] *= least / np.hypot(*network.contacts["branch"].T)[:, None]
+    grids = observables.Grids.of([Ensemble([network])], 0.4)
+    assert grids.length[[0, -1]] == pytest.approx([first, 2])
+
+
+def test_contacts_outside_the_range_of_lengths_are_left_out():
+    """Branches of clumps; overlaps count as contacts at the end of the range."""
+    network = packing(0.5, contacts=60)
+    branch = network.contacts["branch"]
+    branch *= (2 * np.repeat([0.3, 0.498, 1.3], 20) / np.hypot(*branch.T))[:, None]
+    ensemble = Ensemble([network])
+    grids = observables.Grids.of([ensemble], 0.4)
+    found = observables.measures(ensemble, grids)
+    assert found["O10"]["pdf"] == pytest.approx([100] + 49 * [0])
+    mean = np.hypot(ensemble.fn, ensemble.ft)
+    assert found["O13"]["f_l_r"][0] == pytest.approx(mean[20:40].mean() / mean.mean())
 
 
 def test_strips_of_a_periodic_cell_do_not_depend_on_images():
@@ -342,6 +370,16 @@ def test_runs_that_are_no_seeds_are_refused(tmp_path):
         Run.read(folders[1])
 
 
+def test_copies_of_a_packing_are_no_seeds(tmp_path):
+    """Copies share the attribute seed; without it the positions of the snapshots."""
+    one, copy = (Run.read(write_run(tmp_path / name, 0.5, 1, (0.1, 0.2))) for name in "ab")
+    for _ in range(2):
+        with pytest.raises(ValueError, match="b and .*a hold networks of the same packing"):
+            analysis.analyse([one, copy])
+        for network in one.networks:
+            network.attributes.pop("seed", None)
+
+
 def test_mixed_networks_are_refused(tmp_path):
     folder = write_run(tmp_path / "a", 0.5, strains=(0.1, 0.2))
     other = packing(0.5, strain=0.3)
@@ -382,6 +420,17 @@ def test_bad_histories_are_refused(tmp_path, text, says):
     folder = write_run(tmp_path / "a", 0.5, strains=(0.1, 0.2))
     (folder / "history.csv").write_text(text)
     with pytest.raises(ValueError, match=f"history.csv: {says}"):
+        Run.read(folder)
+
+
+@pytest.mark.parametrize("rows", [80, 30])
+def test_a_history_that_ends_before_the_networks_is_refused(tmp_path, rows):
+    """It has records up to a strain of 0.316 or 0.116; the critical state is from 0.2 to 0.4."""
+    folder = write_run(tmp_path / "a", 0.5)
+    lines = (folder / "history.csv").read_text().splitlines()
+    (folder / "history.csv").write_text("\n".join(lines[: rows + 1]))
+    with pytest.raises(ValueError, match="history.csv ends at a strain of 0...60 and the networks "
+                       "at 0.4000; expected records up to there"):
         Run.read(folder)
 
 
@@ -491,3 +540,5 @@ def test_the_network_at_the_edge_of_the_window_counts(tmp_path):
     """It is saved within half a record of its strain."""
     run = Run.read(write_run(tmp_path / "run", 0.5, strains=(0.1, 0.1996, 0.3, 0.4)))
     assert strains_of(run) == [0.1996, 0.3, 0.4]
+    run = Run.read(run.folder, from_strain=0.2, to_strain=0.2996)
+    assert strains_of(run) == [0.1996, 0.3]

@@ -63,12 +63,15 @@ def test_walls_count_for_the_stress_only():
 
 
 def test_friction_is_that_of_each_contact():
-    """I_m = |f_t|/(µ f_n) for µ = 0.5, 0.25, none and unknown: 0.5, 1, and 0 without a limit."""
+    """I_m = |f_t|/(µ f_n) for µ = 0.5, 0.25 and none: 0.5, 1, and 0 without a limit."""
     force = np.array([[1, 0.25], [2, -0.5], [1, 0], [1, 0]])
     test = network(np.zeros(4), np.ones((4, 2)), force, friction=9.0)
     change = lambda *friction: Network(
         test.particles, test.contacts | dict(friction=np.array(friction)), test.attributes)
-    assert change(0.5, 0.25, 0, np.nan).friction_mobilization() == pytest.approx([0.5, 1, 0, 0])
+    assert change(0.5, 0.25, 0, 0).friction_mobilization() == pytest.approx([0.5, 1, 0, 0])
+    with pytest.raises(ValueError, match="friction is NaN for 1 of 4 contacts between grains; .*: "
+                       "give this column or the attribute"):
+        change(0.5, 0.25, 0, np.nan).friction_mobilization()
     with pytest.raises(ValueError, match=r"contacts/friction\[1\] = -1; expected a coefficient ≥ "
                        r"0"):
         change(0, -1.0, 0, 0)
@@ -134,6 +137,9 @@ def test_coordination_leaves_rattlers_out():
     test = of_pairs((0, 1), (1, 2), (2, 0), (2, 3), grains=4, points=np.array([2, 1, 1, 1]))
     assert test.coordination() == pytest.approx(2)
     assert test.coordination(count_side_contacts_twice=True) == pytest.approx(8 / 3)
+    # a rattler on one side contact has one contact too
+    on_side = of_pairs((0, 1), (1, 2), (2, 0), (2, 3), grains=4, points=np.array([1, 1, 1, 2]))
+    assert on_side.coordination(count_side_contacts_twice=True) == pytest.approx(2)
     alive, kept, total = test.backbone()
     assert list(alive) == [True, True, True, False] and list(kept) == [True, True, True, False]
     assert list(total[alive]) == [2, 2, 2]

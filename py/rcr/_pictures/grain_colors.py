@@ -32,7 +32,7 @@ def _orientation(frame):
 ANGLES = (0, 45, 90, 135, 180)
 SCALES = dict(
     orientation=Scale("long axis from $x$ [°]", _orientation, "hsv", (0, 180), ANGLES),
-    speed=Scale("speed [m/s]", lambda f: np.hypot(*f.grains["velocity"][:, :2].T)),
+    speed=Scale("speed [m/s]", lambda f: np.hypot(*f.velocities()[:, :2].T)),
     spin=Scale("angular velocity [1/s]", lambda f: f.grains["velocity"][:, 2], "coolwarm"),
     load=Scale("sum of normal forces [N/m]", lambda f: f.per_grain(f.normal_force()), "magma_r"),
     pressure=Scale("pressure in the grain [Pa]",

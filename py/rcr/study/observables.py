@@ -19,6 +19,7 @@ from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE
 from rcr.study import statistics
 
 POWER_RANGE = 0.01  # least force of the fit of β over the mean; the tolerance hides smaller forces
+SLACK = 0.01  # of the ranges of ℓ_r and ℓ/R_max, which overlaps and gaps exceed
 STRIPS = 5  # vertical strips from wall to wall
 NAMES = ("a_c", "a_ln", "a_lt", "a_fn", "a_ft")
 AXES = ("off_axis", "theta_sigma")  # angles with the period π
@@ -43,11 +44,13 @@ class Grids:
         """Return grids that contain every force of the ensembles, up to a strain."""
         top = float(np.ceil(max(max(e.fn.max(), over_mean(np.abs(e.ft)).max()) for e in ensembles)))
         shortest = 1 - max(e.eta for e in ensembles)
+        least = min(np.hypot(e.ln, e.lt).min() for e in ensembles)
+        least = least if least < shortest - SLACK else shortest
         steps = int(np.ceil((1 - shortest) / 0.01 - 1e-9)) or 1
         return cls(
             force=np.append(np.geomspace(1e-3, 1, 25), np.arange(1.25, top + 0.125, 0.25)),
             mobilization=np.linspace(0, 1, 21), reduced_length=1 + 0.01 * np.arange(-steps, 1),
-            length=np.arange(np.floor(shortest / 0.05 + 1e-9), 41) * 0.05,
+            length=np.arange(np.floor(least / 0.05 + 1e-9), 41) * 0.05,
             theta=np.linspace(0, np.pi, 37), strip=np.linspace(0, 1, STRIPS + 1),
             strain=np.linspace(0, strain, 201), xi=np.append(np.arange(0, min(8, top), 0.05), top),
             xi_polar=np.array([0.5, 1, 2, top]))
@@ -101,8 +104,13 @@ def strip_forces(e, grids):
 
 
 def _reduced_length(e):
-    """Return ℓ_r within its range; overlaps and gaps exceed it by 1e-4 at most."""
-    return np.clip(e.reduced_length, 1 - e.eta + 1e-9, 1 - 1e-9)
+    """Return ℓ_r clipped to its range, and the mask of its contacts, (C,) bool.
+
+    The mask leaves out contacts that exceed the range by more than `SLACK`, as those of clumps.
+    """
+    low, high = 1 - e.eta, 1
+    pick = (e.reduced_length > low - SLACK) & (e.reduced_length < high + SLACK)
+    return np.clip(e.reduced_length[pick], low + 1e-9, high - 1e-9), pick
 
 
 def _force_and_length(e):
@@ -120,7 +128,8 @@ def force_by_length(e, grids):
     """Return the mean force by bins of ℓ_r and ℓ."""
     force, length = _force_and_length(e)
     force = force / force.mean()
-    return dict(f_l_r=statistics.bin_means(_reduced_length(e), force, grids.reduced_length),
+    reduced_length, pick = _reduced_length(e)
+    return dict(f_l_r=statistics.bin_means(reduced_length, force[pick], grids.reduced_length),
                 f_l=statistics.bin_means(length, force, grids.length))
 
 
@@ -197,7 +206,7 @@ MEASURES = dict(  # observable: (function, {name in analysis.json: grid of its a
     O8=(lambda e, grids: dict(
         pdf=statistics.density(np.minimum(e.mobilization, 1), grids.mobilization)),
         dict(i_m="mobilization")),
-    O10=(lambda e, grids: dict(pdf=statistics.density(_reduced_length(e), grids.reduced_length)),
+    O10=(lambda e, grids: dict(pdf=statistics.density(_reduced_length(e)[0], grids.reduced_length)),
          dict(l_r="reduced_length")),
     O11=(lambda e, grids: dict(
         fraction_cc=np.mean(e.type == CAP_CAP), fraction_cs=np.mean(e.type == CAP_SIDE),

@@ -8,6 +8,7 @@ t₀ = √(m/σ₀), the inertial number I = ε̇ t₀. Every quantity is per un
 
 import dataclasses
 import inspect
+import math
 
 from rcr._data import checks
 
@@ -83,6 +84,25 @@ class Protocol:
 PROTOCOL = Protocol()
 HALF_RECORD = 0.5 * PROTOCOL.record_strain  # deviation of a saved strain, at most
 ONE_RATE = dict(approach=0, sample_inertia=1)  # parameters of a shear at one rate
+
+
+def check_networks(networks, strain):
+    """Raise ValueError for more networks than records of the history."""
+    most = math.floor(strain / PROTOCOL.record_strain + 1e-6)
+    if networks > most:
+        expected = f"at most {most}, one for each record of {PROTOCOL.record_strain:g}"
+        raise ValueError(f"--networks {networks} up to --strain {strain:g}: expected {expected}; "
+                         "give fewer networks or a larger strain")
+
+
+def is_critical(strain, start, end=math.inf):
+    """Return whether a strain, or each of an array, is in the critical state, to half a record."""
+    return (strain >= start - HALF_RECORD) & (strain <= end + HALF_RECORD)
+
+
+def critical_start(end):
+    """Return the strain at which the critical state starts by default: the second half."""
+    return 0.5 * end
 
 
 def check_parameters(eta=0.5, particles=1000, seed=1, friction=0.5, tolerance=1e-4, solver="auto",

@@ -13,7 +13,7 @@ import numpy as np
 
 from rcr._data import checks, files, results
 from rcr.network import Network
-from rcr.study.protocol import HALF_RECORD
+from rcr.study.protocol import HALF_RECORD, critical_start, is_critical
 
 _TWO_RUNS = "the folder mixes two runs; remove the files of one"
 _HISTORY = "strain", "stress_x", "stress_y"
@@ -54,8 +54,8 @@ class Run:
     def read(cls, folder, from_strain=None, to_strain=None, include_yielded=False):
         """Read the run in a folder.
 
-        The critical state is by default the second half up to the largest strain saved, with half
-        a record more. `include_yielded` keeps records and snapshots whose interval has a step
+        The critical state is by default the second half up to the largest strain saved. It has half
+        a record more at both ends. `include_yielded` keeps records and snapshots whose interval has a step
         without a solution. A ValueError reports a damaged file, networks of several runs, or no
         network in the critical state.
         """
@@ -66,7 +66,7 @@ class Run:
         ordered = sorted(networks.values(), key=_strain)
         to_strain = np.inf if to_strain is None else checks.number("to_strain", to_strain)
         if from_strain is None:
-            from_strain = 0.5 * min(to_strain, _strain(ordered[-1])) - HALF_RECORD
+            from_strain = critical_start(min(to_strain, _strain(ordered[-1])))
         from_strain = checks.number("from_strain", from_strain)
         run = cls(folder, ordered, from_strain, to_strain, next(iter(isotropic.values()), None),
                   _history(folder / "history.csv"), record,
@@ -83,6 +83,7 @@ class Run:
             raise ValueError(f"{self.folder} has no network at a strain {window}; "
                              f"they are at {first:.4f} to {last:.4f}")
         self.networks = critical
+        self._check_history()
         if self.history is None or _YIELDED not in self.history:
             return
         steps = self.history.pop(_YIELDED)
@@ -95,28 +96,37 @@ class Run:
             return
         self.networks = valid
         self.history = {name: column[steps == 0] for name, column in self.history.items()}
-        if not valid or not len(self.history["strain"]):
+        if not valid or not self.is_critical(self.history["strain"]).any():
             raise ValueError(
-                f"{self.folder}: every network at a strain {window} ends a record with a step "
-                "without a solution; include them with --include-yielded, or run the test with "
-                "more --iterations or a smaller --time-step"
+                f"{self.folder}: every record at a strain {window}, or that of every network, has "
+                "a step without a solution; include them with --include-yielded, or run the test "
+                "with more --iterations or a smaller --time-step"
             )
+
+    def _check_history(self):
+        """Raise ValueError if the history ends before the snapshots of the critical state."""
+        if self.history is None:
+            return
+        end, last = self.history["strain"][-1], _strain(self.networks[-1])
+        if end < last - HALF_RECORD or not self.is_critical(self.history["strain"]).any():
+            raise ValueError(
+                f"{self.folder / 'history.csv'} ends at a strain of {end:.4f} and the networks at "
+                f"{last:.4f}; expected records up to there: write it again with scripts/biaxial.py "
+                "--resume, or remove it to take sin φ from the networks")
 
     def is_critical(self, strain):
         """Return whether a strain, or each of an array, belongs to the critical state."""
-        return (strain >= self.from_strain) & (strain <= self.to_strain)
+        return is_critical(strain, self.from_strain, self.to_strain)
 
     def critical_stresses(self):
         """Return σ₂ and σ₁ of the records in the critical state, (rows, 2) [Pa].
 
         They are σ_x and σ_y of the walls, or those of the networks without a history.
         """
-        if self.history is not None:
-            late = self.is_critical(self.history["strain"])
-            if late.any():
-                columns = self.history["stress_x"], self.history["stress_y"]
-                return np.column_stack(columns)[late]
-        return np.array([network.principal_stresses() for network in self.networks])
+        if self.history is None:
+            return np.array([network.principal_stresses() for network in self.networks])
+        columns = self.history["stress_x"], self.history["stress_y"]
+        return np.column_stack(columns)[self.is_critical(self.history["strain"])]
 
 
 def _networks(folder):
@@ -166,6 +176,10 @@ def _check_network(path, network, record):
             expected = "strain, eta, friction and volume, as scripts/biaxial.py stores them"
             raise ValueError(
                 f"{path} is a network without the attribute {name}; expected {expected}")
+    found = (network.particles["half_length"] / network.particles["R"]).max(initial=0)
+    if found > attributes["eta"] + 1e-6:
+        given = f"{path} has eta = {attributes['eta']:g} and a grain with half_length/R = {found:g}"
+        raise ValueError(f"{given}; expected at most eta: correct the attribute")
     if not record:
         return
     for name in ("eta", "seed"):
@@ -230,6 +244,9 @@ def _check_seeds(runs):
     for one, two in itertools.combinations(runs, 2):
         if os.path.realpath(one.folder) == os.path.realpath(two.folder):
             raise ValueError(f"{two.folder} is given twice; expected every run once")
+        if _are_one_packing(one.networks, two.networks):
+            given = f"{two.folder} and {one.folder} hold networks of the same packing"
+            raise ValueError(f"{given}; expected packings of different seeds: leave one out")
         if not (one.record and two.record):
             continue
         if one.record["run"] == two.record["run"]:
@@ -239,3 +256,11 @@ def _check_seeds(runs):
         if different:
             given = f"{one.folder} has {different.replace('(here ', f'({two.folder} ')}"
             raise ValueError(f"{given}; expected runs that differ in their seed alone")
+
+
+def _are_one_packing(one, two):
+    """Return whether two lists of networks share a seed, a run, or the positions of a snapshot."""
+    share = lambda of: any(np.array_equal(of(a), of(b)) for a in one for b in two)
+    named = any(name in one[0].attributes and one[0].attributes[name] == two[0].attributes.get(name)
+                for name in ("seed", "run"))
+    return named or share(lambda network: network.particles["position"])

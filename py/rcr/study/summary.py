@@ -8,7 +8,7 @@ from yade.wrapper import Omega
 
 import rcr
 from rcr.network import CAP_CAP, CAP_SIDE, SIDE_SIDE, sin_phi
-from rcr.study.protocol import PROTOCOL
+from rcr.study.protocol import PROTOCOL, critical_start, is_critical
 
 O = Omega()
 
@@ -27,7 +27,8 @@ def summarize(test, include_yielded=False):
 
 def _strength(test, include_yielded):
     """Return the strain and the means of the wall stresses."""
-    late = [row for row in test.rows if row["strain"] >= 0.5 * test.strain]
+    start = critical_start(test.strain)
+    late = [row for row in test.rows if is_critical(row["strain"], start)]
     used = [row for row in late if include_yielded or row["yielded_steps"] == 0]
     found = dict(strain=test.strain, sin_phi=None, sin_phi_std=None, stress_x_std=None)
     if used:

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 meshio = pytest.importorskip("meshio")
+pytest.importorskip("matplotlib")
 
 from rcr import export
+from rcr._pictures import grain_colors
 from rcr.export import KINDS, VtkSeries, vtk
 from rcr.frame import Frame
 
@@ -84,6 +86,20 @@ def test_obstacles(tmp_path):
     assert (lines[1, :, 1] == -1).all()
     assert lines[2:, 0] == pytest.approx(np.array([[0, 0], [40, 0], [45, 40], [5, 40]]))
     assert quads[0] == pytest.approx(np.array([[0, 0], [2, 0], [2, 1], [0, 1]]))
+
+
+def test_grains_have_the_velocity_of_their_image_in_a_sheared_cell(tmp_path):
+    """The upper edge moves at 3 along x: images a period below are slower by 3."""
+    frame = scene()
+    frame.cell, frame.cell_velocity = np.diag([40.0, 40]), np.array([[0, 3.0], [0, 0]])
+    frame.grains["velocity"] = np.tile([5.0, 1, 0.2], (200, 1))
+    speed = grain_colors.SCALES["speed"].values(frame)
+    frame.grains["position"][::2] += [0, 40]
+    frame.grains["velocity"][::2, 0] += 3
+    grains = meshio.read(vtk(tmp_path / "pile.vtm", frame)[0])
+    assert data(grains, "velocity") == pytest.approx(np.tile([5, 1, 0], (200, 1)))
+    assert data(grains, "speed") == pytest.approx(speed)
+    assert grain_colors.SCALES["speed"].values(frame) == pytest.approx(speed)
 
 
 def test_index_names_the_three_files(tmp_path):

@@ -18,6 +18,7 @@ REFUSED = [
         ("--seed -1", "seed = -1; expected a whole number ≥ 0"),
         ("--strain 1e-9", "--strain 1e-09: expected at least 0.001"),
         ("--networks 0", "--networks 0: expected at least 1"),
+        ("--networks 11 --strain 0.01", "--networks 11 up to --strain 0.01: expected at most 10"),
         ("--iterations 1e3", "--iterations '1e3': expected a whole number"),
         ("--out=", "--out '': expected a path"),
         (f"--out {__file__}", "expected a folder for the results"),

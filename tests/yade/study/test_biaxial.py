@@ -22,6 +22,7 @@ from rcr.study import compaction
 from rcr.study.biaxial import Biaxial
 from rcr.study.checkpoint import CHECKPOINT, HISTORY_COLUMNS
 from rcr.study.protocol import PROTOCOL
+from rcr.study.runs import Run
 from run_contents import COST, contents, different, start_until_written
 from scenes import set_state, without
 from yade import O
@@ -421,6 +422,7 @@ def test_script_leaves_an_identity(done):
     assert {"version", "commit", "date"} <= set(record)
     runs = {Network.load(path).attributes["run"] for path in done.glob("*.h5")}
     assert runs == {record["run"]} == {summary["run"]}
+    assert summary["records"] == Run.read(done).yielded.records  # one rule for the second half
     assert summary["peak_memory_bytes"] > 1e7
     assert summary["unconverged_steps"] == summary["yielded_steps"] == 0
     assert not list(done.glob(".part-*"))

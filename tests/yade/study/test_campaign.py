@@ -78,10 +78,10 @@ def test_the_default_folder_is_out_campaign(tmp_path):
                  dict(iterations=500, time_step=0.05, friction=0.3), marks=pytest.mark.slow),
 ])  # fmt: skip
 def test_options_reach_the_tests(options, expected, tmp_path):
-    campaign(tmp_path, *SMALL, "--strain", "0.004", *options.split())
+    campaign(tmp_path, *SMALL, "--strain", "0.01", *options.split())
     (folder,) = (tmp_path / "runs").iterdir()
     named = options.replace(" --", "-").replace(" ", "-")
-    assert folder.name == f"particles-60-strain-0.004{named}-eta-0.5-seed-2"
+    assert folder.name == f"particles-60-strain-0.01{named}-eta-0.5-seed-2"
     parameters = json.loads((folder / "run.json").read_text())["parameters"]
     assert {name: parameters[name] for name in expected} == expected
 
@@ -111,6 +111,7 @@ def test_the_last_line_leaves_out_other_campaigns_of_the_folder(tmp_path):
     ("--etas 0,1", "expected elongations 0 ≤ ETA < 1"),
     ("--particles 3", "--particles 3: expected at least 10"),
     ("--strain 0", "--strain 0.0: expected 0 < strain < 1"),
+    ("--networks 41 --strain 0.04", "give fewer networks or a larger strain"),
     ("--jobs 0", "--jobs 0: expected at least 1"),
     ("--seeds 1,-2", "expected seeds ≥ 0"),
     ("--etas ,", "--etas: expected at least one"),
