@@ -34,7 +34,7 @@ def rows(row_start, column):
     (dict(row_start=[0, 2, 4, 4]), "the rows of W do not fit its 5 blocks"),
     (put("block", (3, 2), np.nan), r"block \(1, 1\) of W is not finite"),
     (put("block", (4, 0), -1), "W has a negative diagonal at contact 2"),
-    (put("free", (1, 0), np.inf), "contact 1: q or the impulse is not finite"),
+    (put("free_velocity", (1, 0), np.inf), "contact 1: q or the impulse is not finite"),
     (put("impulse", (2, 1), np.nan), "contact 2: q or the impulse is not finite"),
     (put("friction", 1, -0.5), "contact 1: µ = -0.5; expected µ ≥ 0"),
     (put("friction", 0, np.inf), "contact 0: µ = inf; expected µ ≥ 0"),
