@@ -40,7 +40,6 @@ void CellStress::action()
 			        validation::text(stress[1]),
 			        ") would pull the cell apart; expected compressions ≥ 0, or NaN for an axis "
 			        "whose motion is prescribed.");
-	if (scene->isPeriodic) scene->cell->homoDeform = 0;
 }
 
 void CellStress::clearStressedAxes(Matrix3r& gradient) const

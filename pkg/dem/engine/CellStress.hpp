@@ -35,7 +35,7 @@ public:
 	YADE_CLASS_BASE_DOC_ATTRS(CellStress,GlobalEngine,
 		"Stresses of the periodic cell under :yref:`ContactDynamics`, per axis. ``O.cell.velGrad`` "
 		"follows along these axes and prescribes the motion of the others. Sets "
-		"``O.cell.homoDeform`` to 0. It must stand before ContactDynamics in ``O.engines``.",
+		"``O.cell.homoDeform`` to 0 meanwhile. It must stand before ContactDynamics in ``O.engines``.",
 		((Vector2r,stress,Vector2r(0,0),,
 			"Stresses along x and y, compression positive [Pa]; NaN: the motion is prescribed."))
 		((Real,mass,1,,

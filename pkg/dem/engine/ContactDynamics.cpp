@@ -27,9 +27,7 @@ void ContactDynamics::action()
 		const std::string invalid = attributeError();
 		if (!invalid.empty()) validation::refuse(invalid);
 		const validation::Engines engines = validator_.validate(*scene);
-		// gather adds the mean flow of the cell to overdamped bodies, which NewtonIntegrator must
-		// not add again
-		if (overdamped && scene->isPeriodic) scene->cell->homoDeform = 0;
+		if (scene->isPeriodic) setHomoDeform(overdamped || engines.cellStress);
 		if (!arraySteps_) arraySteps_ = std::make_shared<ArraySteps>();
 		scene->forces.sync();
 		stepThread_ = std::this_thread::get_id();

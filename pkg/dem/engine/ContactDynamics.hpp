@@ -69,7 +69,7 @@ public:
 		((int,threads,0,,"Threads of the solver; 0: as many as YADE has (-j)."))
 		((Real,correction,0.1,,"Share of an overlap beyond 1e-4 (R₁ + R₂) that a step removes, by shifts of at most 1e-4 R [-]. 0 also keeps the overlaps of curved paths."))
 		((Real,yieldCompliance,1,,"Compliance of yielding contacts over its default [-]. With a larger value, driven contacts yield at smaller impulses; 0: contacts never yield."))
-		((bool,overdamped,false,,"Motion without inertia: free bodies start each step from rest, or from :yref:`flow<ContactDynamics.flow>`, and overlaps are removed completely. Sets O.cell.homoDeform = 0 in a periodic cell."))
+		((bool,overdamped,false,,"Motion without inertia: free bodies start each step from rest, or from :yref:`flow<ContactDynamics.flow>`, and overlaps are removed completely. O.cell.homoDeform is 0 meanwhile in a periodic cell."))
 		((Matrix3r,flow,Matrix3r::Zero(),,"Velocity gradient of the flow from which overdamped bodies start a step [1/s]. A periodic cell uses its velGrad instead."))
 		((bool,trackMeanStretch,false,,"Overdamped bodies also start from the mean stretch of earlier steps, so that no drag resists it. Not in a periodic cell."))
 		((std::vector<int>,observe,,,""))
@@ -87,6 +87,7 @@ public:
 		((Real,meanForceChange,0,,"Also ends the solver, as converged, once the mean normal force changes relatively less than this in 10 sweeps [-]; 0: not used."))
 		((Vector2r,meanStretchRate,Vector2r::Zero(),Attr::hidden,"Stretch rates along x and y that trackMeanStretch adds to the flow [1/s]."))
 		((Vector2r,stretchChange,Vector2r::Zero(),Attr::hidden,"Change of meanStretchRate in the last step [1/s]."))
+		((int,homoDeformBefore,0,Attr::hidden,"O.cell.homoDeform before this engine set it to 0; 0: it did not."))
 		((StepMonitor,monitor,,Attr::hidden,"Counts of steps and overlaps."))
 		((EnergyAccount,energy,,Attr::hidden,"Energy of the last step that O.energy does not hold yet.")),
 		/* ctor */,
@@ -116,6 +117,7 @@ private:
 	rcr::Settings settings(const rcr::YieldBounds&) const;
 	rcr::Settings settingsOfFirstPass(const rcr::YieldBounds&);
 	rcr::Settings settingsOfNextPass(rcr::Settings first, PassOutcome) const;
+	void          setHomoDeform(bool gatherAddsFlow);
 	void          runStep(const validation::Engines&);
 	void          solveStep(const validation::Engines&);
 	void          solvePass(const rcr::Settings&);

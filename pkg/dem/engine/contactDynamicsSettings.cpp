@@ -105,4 +105,13 @@ void ContactDynamics::updateMeanStretch()
 	setStartFlow();
 }
 
+/// Without inertia and under CellStress, gather adds the mean flow of the cell, and NewtonIntegrator
+/// must not. Other steps get the earlier setting back.
+void ContactDynamics::setHomoDeform(bool gatherAddsFlow)
+{
+	int& present = scene->cell->homoDeform;
+	if (gatherAddsFlow && present != 0) homoDeformBefore = std::exchange(present, 0);
+	if (!gatherAddsFlow && homoDeformBefore != 0) present = std::exchange(homoDeformBefore, 0);
+}
+
 } // namespace yade

@@ -213,6 +213,21 @@ def test_a_flipped_cell_answers_a_stress_as_before(overdamped):
     assert rates(True) == pytest.approx(rates(False), rel=1e-6)
 
 
+@pytest.mark.parametrize("overdamped", [False, True])
+def test_a_cell_shears_its_grains_after_a_compression(overdamped):
+    """CellStress, and steps without inertia, take over the mean flow only for as long as they act."""
+    upper, lower = (rcr.disc((1, y), 0.1, material()) for y in (0.5, 1.5))
+    scene("rigid", upper, lower, overdamped=overdamped)
+    if not overdamped:
+        press((1, 1))
+    steps(1)
+    solver().overdamped = False
+    O.engines = [e for e in O.engines if not isinstance(e, rcr.CellStress)]
+    O.cell.velGrad = plane(0, 0.5, 0, 0)
+    steps(2)
+    assert O.bodies[1].state.vel[0] - O.bodies[0].state.vel[0] == pytest.approx(0.5, rel=1e-3)
+
+
 def test_row_of_discs_carries_the_stress_of_its_cell():
     """Each contact carries stress × height from step one."""
     pressed_row(2.0)
