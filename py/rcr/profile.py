@@ -24,7 +24,8 @@ QUANTITIES = dict(
     solid_fraction=("solid fraction", lambda p: p.solid_fraction, "Blues"),
     velocity_x=("$v_x$ [m/s]", lambda p: p.velocity[..., 0], "coolwarm"),
     velocity_y=("$v_y$ [m/s]", lambda p: p.velocity[..., 1], "coolwarm"),
-    speed=("speed [m/s]", lambda p: np.hypot(p.velocity[..., 0], p.velocity[..., 1]), "viridis"),
+    speed=("size of the mean velocity [m/s]",
+           lambda p: np.hypot(p.velocity[..., 0], p.velocity[..., 1]), "viridis"),
     pressure=("pressure [Pa]", lambda p: p.pressure, "magma_r"),
     shear_stress=(r"$\sigma_{xy}$ [Pa]", lambda p: p.stress[..., 0, 1], "coolwarm"),
     coordination=("contacts a grain", lambda p: p.coordination, "YlGnBu"))
