@@ -4,6 +4,7 @@ pkg/dem/validation holds the rules that reject a scene. This module adds warning
 scenes. Scenes without classes of rcr are not checked.
 """
 
+import difflib
 import functools
 import threading
 import time
@@ -170,3 +171,22 @@ def _checked_erase(erase):
         return erase(bodies, id, *arguments, **keywords)
 
     return wrapped
+
+
+def refuse_unknown_attributes(classes):
+    """Make an assignment to an unknown attribute of these classes an error.
+
+    YADE accepts it: a misspelt setting would have no effect.
+    """
+    classes = set(classes)
+
+    def set_attribute(self, name, value):
+        kind = type(self)
+        if kind in classes and not hasattr(kind, name):
+            near = difflib.get_close_matches(name, dir(kind), 1)
+            hint = f"; expected {near[0]!r}?" if near else ""
+            raise AttributeError(f"{kind.__name__} has no attribute {name!r}{hint}")
+        object.__setattr__(self, name, value)
+
+    for kind in classes:
+        kind.__setattr__ = set_attribute

@@ -234,3 +234,16 @@ def test_a_time_step_that_changes_before_the_integrator_is_refused():
         assert O.iter == 4
         insert(6, PyRunner(command="O.dt *= 2", iterPeriod=1, nDo=2))
         take(6)
+
+
+@pytest.mark.parametrize("made, name, near", [
+    (lambda: rcr.ContactDynamics(), "tolerence", "tolerance"),
+    (lambda: rcr.Law2_RcrGeom_FrictPhys_CundallStrack(), "damp", "damping"),
+    (lambda: rcr.particle((0, 0), 0.1, 0.5).shape, "cap_radius", "capRadius")])  # fmt: skip
+def test_a_misspelt_attribute_is_refused(made, name, near):
+    """YADE accepts it without effect."""
+    thing = made()
+    with pytest.raises(AttributeError, match=f"has no attribute '{name}'; expected '{near}'"):
+        setattr(thing, name, 1)
+    setattr(thing, near, 0.01)
+    assert getattr(thing, near) == 0.01
