@@ -42,10 +42,10 @@ class Frame:
         [m], ``mass`` (N,) [kg/m], ``velocity`` (N, 3) [m/s, m/s, 1/s], ``color`` (N, 3) in YADE's
         view.
     contacts : dict of arrays
-        ``body1``, ``body2``, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 with an obstacle or
-        fixed grain, ``points`` (C,) 1 or 2, ``position`` (C, 2) of the resultant [m], ``normal``
-        (C, 2), ``force`` (C, 2) [N/m], ``friction`` (C,) µ or NaN if unknown, ``arm1``, ``arm2`` (C, 2) from the centre of mass of
-        the body or its clump to the position, 0 for obstacles [m].
+        ``body1``, ``body2``, ``type`` (C,) 0 cc, 1 cs, 2 ss, 3 with an obstacle or fixed grain,
+        ``points`` (C,) 1 or 2, ``position`` (C, 2) of the resultant [m], ``normal`` (C, 2),
+        ``force`` (C, 2) [N/m], ``friction`` (C,) µ or NaN if unknown, ``arm1``, ``arm2`` (C, 2)
+        from the centre of mass of the body or its clump to the position, 0 for obstacles [m].
     walls : dict of arrays
         ``id``, ``axis`` 0 or 1 of the normal, ``position`` along it [m].
     outlines : list of (id, kind, (k, 2) array)

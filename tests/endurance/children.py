@@ -55,6 +55,12 @@ def check(outcome, options, seconds=math.inf, seen=lambda seed, numbers: None):
     return counts, wrong
 
 
+def finish(counts, wrong):
+    """Print how many scenes passed and failed, and end the process."""
+    print(f"{counts['scenes'] - len(wrong)} passed, {len(wrong)} failed")
+    sys.exit(bool(wrong))
+
+
 def _serve(outcome, seeds):
     """Print the outcomes for the parent, and end the process."""
     warnings.simplefilter("ignore")

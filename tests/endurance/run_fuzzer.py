@@ -297,8 +297,7 @@ def main():
         print(draw(options.only))
     counts, wrong = children.check(outcome, options)
     print(f"{counts['steps']} steps in arrays")
-    print(f"{counts['scenes'] - len(wrong)} passed, {len(wrong)} failed")
-    sys.exit(bool(wrong))
+    children.finish(counts, wrong)
 
 
 if __name__ == "__main__":

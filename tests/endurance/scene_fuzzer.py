@@ -308,8 +308,7 @@ def main():
 
     counts, wrong = children.check(of_seed, options)
     print(dict(counts))
-    print(f"{counts['ran'] + counts['refused']} passed, {len(wrong)} failed")
-    sys.exit(bool(wrong))
+    children.finish(counts, wrong)
 
 
 if __name__ == "__main__":

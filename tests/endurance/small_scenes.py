@@ -9,6 +9,7 @@ import math
 import numpy as np
 import yade  # noqa: F401  before rcr
 import rcr
+from rcr._yade import scene_arrays
 from yade import O, utils
 from yade import wrapper as w
 from yade.minieigenHP import Matrix3, Quaternion
@@ -162,8 +163,7 @@ def center(body):
 
 
 def angle(body):
-    ori = O.bodies[body].state.ori
-    return 2 * math.atan2(ori[2], ori[3])
+    return scene_arrays.angle(O.bodies[body].state.ori)
 
 
 def advance(scene, steps):

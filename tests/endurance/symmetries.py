@@ -8,7 +8,6 @@ give the bits of engines. An error is printed with the least scene that still sh
 
 import cmath
 import collections
-import sys
 
 import numpy as np
 
@@ -121,8 +120,7 @@ def main():
     options = children.parser(__doc__, scenes=3000).parse_args()
     counts, wrong = children.check(outcome, options)
     print(dict(counts))
-    print(f"{counts['scenes'] - len(wrong)} passed, {len(wrong)} failed")
-    sys.exit(bool(wrong))
+    children.finish(counts, wrong)
 
 
 if __name__ == "__main__":

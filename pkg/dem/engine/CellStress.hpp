@@ -3,13 +3,13 @@
 //
 //   M_a (g_a⁺ − g_a) = Σ f_a s_a dt − σ_a V dt
 //
-// | symbol | unit | meaning                                                                   |
-// |--------|------|---------------------------------------------------------------------------|
-// | g_a    | 1/s  | stretch rate along axis a, the diagonal of O.cell.velGrad                 |
-// | f      | N    | force of a contact across the boundary on the image of its body 2         |
-// | s      | m    | shift of that image                                                       |
-// | σ_a    | Pa   | prescribed stress; compression positive                                   |
-// | V      | m²   | area of the cell                                                          |
+// | symbol | unit  | meaning                                                                   |
+// |--------|-------|---------------------------------------------------------------------------|
+// | g_a    | 1/s   | stretch rate along axis a, the diagonal of O.cell.velGrad                 |
+// | f      | N     | force of a contact across the boundary on the image of its body 2         |
+// | s      | m     | shift of that image                                                       |
+// | σ_a    | Pa    | prescribed stress; compression positive                                   |
+// | V      | m²    | area of the cell                                                          |
 // | M_a    | kg m² | `mass` · Σ m L_a² / 12, with the inertia of the grains against stretching |
 //
 // Masses and forces are per unit depth of the plane, as in contact_problem.hpp. Impulses and

@@ -105,8 +105,8 @@ void ContactDynamics::updateMeanStretch()
 	setStartFlow();
 }
 
-/// Without inertia and under CellStress, gather adds the mean flow of the cell, and NewtonIntegrator
-/// must not. Other steps get the earlier setting back.
+/// Without inertia and under CellStress, gather adds the mean flow of the cell. NewtonIntegrator
+/// must not add it again. Other steps get the earlier setting back.
 void ContactDynamics::setHomoDeform(bool gatherAddsFlow)
 {
 	int& present = scene->cell->homoDeform;

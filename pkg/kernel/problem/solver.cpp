@@ -215,8 +215,10 @@ Report solve(
 	Report rigid = solveRigid(problem, solver, settings, workspace);
 	if (mustYield(rigid, problem, settings, workspace))
 		return solveYielding(problem, settings, rigid, workspace).after(rigid);
-	const double rounding = std::max(settings.roundingVelocity, 1e-12 * drivenSpeed(problem));
-	if (closesBlockedContact(problem, rounding)) rigid.converged = false; // the residual omits it
+	if (settings.yielding.compliance == 0 // else mustYield has tested it
+	        && closesBlockedContact(problem, settings.roundingVelocity)
+	        && closesBlockedContact(problem, 1e-12 * drivenSpeed(problem)))
+		rigid.converged = false; // the residual omits such a contact
 	if (rigid.converged || !hasPositiveCost(problem)) return rigid;
 	return solveFromZero(problem, settings, workspace).after(rigid);
 }

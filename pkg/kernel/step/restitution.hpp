@@ -4,11 +4,12 @@
 //   b_n = e u_n⁻  restitution within the step: Newton's rule with the coefficient e
 //   b_n = 0       lasting contact
 //
-// Newton's rule adds energy in two cases. Friction may reverse the slip at a point. Its restitution
-// is then lowered to the value that keeps the energy (passiveRestitutionFactor in
-// problem/coulomb.hpp). The points of one pair of bodies count together, because the split of their
-// friction is not determined. In a collision of several bodies, a light body between two heavy ones acts
-// as a lever. A collision is a set of bodies joined by impulses of the step. Its energy grows by
+// Newton's rule adds energy in two cases. Friction may reverse the slip at a point. Its
+// restitution is then lowered to the value that keeps the energy (passiveRestitutionFactor in
+// problem/coulomb.hpp). The points of one pair of bodies count together, because the split of
+// their friction is not determined. In a collision of several bodies, a light body between two
+// heavy ones acts as a lever. A collision is a set of bodies joined by impulses of the step. Its
+// energy grows by
 //
 //   ΔE = ½ Σ p · (u + u⁻)
 //

@@ -9,6 +9,7 @@ from yade.wrapper import (
 )  # fmt: skip
 
 from rcr._pictures import grain_sums
+from rcr._pictures.outlines import areas
 from rcr.network import CAP_CAP
 
 _GRAINS = dict(
@@ -45,7 +46,7 @@ def _columns(kinds, rows):
 def _grains(O):
     """Return the grains, their centres of mass at the time of the forces, and their z."""
     prescribed = {"x", "y", "Z"}.issubset
-    clumps = {}  # by id: motion prescribed, centre, mass over the area of all members
+    clumps = {}  # by id: motion prescribed, centre, mass
     rows, centers, z = [], [], 0.0
     for body in O.bodies:
         shape, state, clump = body.shape, body.state, body.clumpId
@@ -55,13 +56,10 @@ def _grains(O):
         pos, vel = state.pos, state.vel
         if clump >= 0:
             if clump not in clumps:
-                whole, members = O.bodies[clump], O.bodies[clump].shape.members
-                area = sum(_area(O.bodies[k].shape) for k in members)
-                whole = whole.state
+                whole = O.bodies[clump].state
                 clumps[clump] = (prescribed(whole.blockedDOFs), whole.pos - O.dt * whole.vel,
-                                 whole.mass / area)
-            fixed, center, density = clumps[clump]
-            mass = density * _area(shape)
+                                 whole.mass)
+            fixed, center, mass = clumps[clump]
         else:
             clump, fixed, center = -1, prescribed(state.blockedDOFs), pos - O.dt * vel
             mass = state.mass
@@ -71,12 +69,16 @@ def _grains(O):
         place = pos[0], pos[1]
         row = (body.id, clump, fixed, place, angle(state.ori), half, cap, mass, velocity)
         rows.append((*row, tuple(shape.color)))
-    return _columns(_GRAINS, rows), np.array(centers).reshape(-1, 2), z
+    grains = _columns(_GRAINS, rows)
+    _share_masses(grains)
+    return grains, np.array(centers).reshape(-1, 2), z
 
 
-def _area(shape):
-    half, cap = lengths(shape)
-    return 4 * half * cap + math.pi * cap**2
+def _share_masses(grains):
+    """Give clump members, which have the mass of their clump, their share of it by area."""
+    member = grains["clump"] >= 0
+    area, clump = areas(grains)[member], grains["clump"][member]
+    grains["mass"][member] *= area / np.bincount(clump, area)[clump]
 
 
 def _obstacles(O, z):

@@ -120,8 +120,7 @@ def _stable_step(body, members, kn, ks, points, damping):
     normal = math.sqrt(2 * z * kn * max(1 / m, a * a / inertia))
     shear = math.sqrt(2 * z * ks * max(1 / m, R * R / inertia))
     ratio = damping * normal / math.sqrt(2 * kn / m)
-    step = 2 / normal * (math.sqrt(1 + ratio**2) - ratio)
-    return min(step, 2 / shear if shear > 0 else math.inf)
+    return min(_leapfrog_step(normal, ratio), 2 / shear if shear > 0 else math.inf)
 
 
 def _stable_step_of_plate(body, row, stiffness, grain_mass, damping):
@@ -130,6 +129,11 @@ def _stable_step_of_plate(body, row, stiffness, grain_mass, damping):
     z, m = max(row, contacts), body.state.mass
     frequency = math.sqrt(2 * z * stiffness / m)
     ratio = damping * math.sqrt(z * min(grain_mass, m) / (2 * m))
+    return _leapfrog_step(frequency, ratio)
+
+
+def _leapfrog_step(frequency, ratio):
+    """Return the stable time step of an oscillation with this damping ratio [s]."""
     return 2 / frequency * (math.sqrt(1 + ratio**2) - ratio)
 
 

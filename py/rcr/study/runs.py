@@ -55,9 +55,9 @@ class Run:
         """Read the run in a folder.
 
         The critical state is by default the second half up to the largest strain saved. It has half
-        a record more at both ends. `include_yielded` keeps records and snapshots whose interval has a step
-        without a solution. A ValueError reports a damaged file, networks of several runs, or no
-        network in the critical state.
+        a record more at both ends. `include_yielded` keeps records and snapshots whose interval has
+        a step without a solution. A ValueError reports a damaged file, networks of several runs, or
+        no network in the critical state.
         """
         folder = pathlib.Path(files.path_of("the folder", folder))
         networks, isotropic = _networks(folder)
