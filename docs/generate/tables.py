@@ -76,7 +76,7 @@ def hard_scenes():
         rows.append([suite.title(name), scene.PREDICATE, f"{scene.BOUND:g}",
                      result(name, "cd", 1e-3), result(name, "cd", 1e-2),
                      result(name, "smooth", 1e-4)])
-    header = ["scene", "must hold", "bound", "rigid, 1 ms", "rigid, 10 ms", "springs, 0.1 ms"]
+    header = ["scene", "measure", "bound", "rigid, 1 ms", "rigid, 10 ms", "springs, 0.1 ms"]
     return table(header, rows)
 
 

@@ -6,6 +6,8 @@
     W = J M⁻¹ Jᵀ,  q = J v_free + b_n n
     0 ≤ u_n + b_n ⟂ p_n ≥ 0,  |p_t| ≤ µ p_n,  p_t = −µ p_n sign(u_t) for sliding contacts
 
+Without bodies b_n is 0, since q contains it.
+
 ========  =======================================================================================
 ``.npz``  BodyProblem: arrays a, b, n, ra, rb, bn, mu, p0, im, iI, vfree, meta
 ``.h5``   FCLIB, group ``fclib_local``: spacedim = 2, W (m, n, nz, nzmax, p, i, x), vectors/q,

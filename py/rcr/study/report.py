@@ -110,7 +110,7 @@ _SMALL = (
 
 _RULE = (
     "A value agrees within its tolerance or two standard errors. A trend must exceed two standard "
-    "errors. Errors belong to the mean over seeds, or over snapshots of fewer than three seeds. "
+    "errors. Errors are those over seeds, or over networks with fewer than three seeds. "
     "The small print under each statement is its criterion."
 )
 

@@ -458,10 +458,14 @@ def test_wide_samples_shear_more_slowly(packing):
         test.shear_record()
         inertias += [test.sample_inertia()[0]] if slow else []
     assert inertias == pytest.approx([2e-5] * len(inertias), rel=1e-3) and len(inertias) > 5
+    final = test.summary()["inertial_number_final"]
     one = [row["stress_x"] for row in test.rows]
     test = packing.sheared(0, **parameters)
     test.shear(len(one))
     assert [row["stress_x"] for row in test.rows] == one  # however many records are asked for
+    test.shear_record()  # at the rate that the summary had before
+    rate = -O.bodies[test.top].state.vel[1] / test.progress["first_height"] * test.time_unit
+    assert final == pytest.approx(rate, rel=1e-9) and rate < 0.5 * parameters["inertial_number"]
 
 
 @pytest.mark.parametrize("option, seed", [("--overwrite", 3), ("--resume", 2)])
