@@ -27,7 +27,6 @@ class Protocol:
     density: float = 2600.0  # mass density of grains [kg/m³]
     confining_stress: float = 1e4  # σ₀ on the right and the top wall [Pa]
     deposited_fraction: float = 0.82  # packing fraction of the deposited circles [-]
-    possible_fractions: tuple = (0.5, 1.5)  # packing fractions of a test that has not blown up [-]
 
     # Collapse: homogeneous contraction until the contacts carry the load
     max_contraction: float = 0.005  # strain of a step, at most [-]
@@ -68,6 +67,7 @@ class Protocol:
     most_divisor: int = 5  # of the time step where the shear is repeated
     ramp_strain: float = 0.002  # strain in which the top wall reaches its speed [-]
     record_strain: float = 1e-3  # strain of a record of the history [-]
+    fraction_ratios: tuple = (0.5, 1.5)  # packing fraction over its first value; beyond: blown up
 
     # Smooth law
     stiffness: float = 1e3  # k_n [σ₀]: mean overlaps of about 1e-3 d

@@ -176,8 +176,9 @@ def history_row(test, record):
     first = test.progress["first_height"]
     fraction = test.area / (record["width"] * record["height"])
     strain = (first - record["height"]) / first
-    low, high = PROTOCOL.possible_fractions
-    if not (np.isfinite([*stresses, strain]).all() and low < fraction < high):
+    low, high = PROTOCOL.fraction_ratios
+    ratio = fraction / test.progress["packing_fraction_initial"]
+    if not (np.isfinite([*stresses, strain]).all() and low < ratio < high):
         shown = " and ".join(f"{s / PROTOCOL.confining_stress:.3g}" for s in stresses)
         raise RuntimeError(
             f"the packing has blown up by step {record['step']}, strain {strain:.4g}: "

@@ -484,6 +484,13 @@ def test_resume_needs_the_record_of_the_run(done):
     assert "has no run.json of this script" in run.stderr
 
 
+def test_needles_pack_loosely_and_have_not_blown_up(tmp_path):
+    script("--eta", "0.99", "--particles", "30", "--strain", "0.002", "--networks", "1",
+           "--out", tmp_path / "out")
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["packing_fraction_initial"] < 0.5
+
+
 @pytest.mark.parametrize("particles", [2000, pytest.param(8000, marks=pytest.mark.slow)])
 def test_memory_is_linear_in_the_grains(particles, tmp_path):
     """The collapse of discs has the most points; YADE itself takes 270 MB."""
