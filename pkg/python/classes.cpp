@@ -1,14 +1,11 @@
 // All classes of pkg/dem, with their factories, serialization and Python classes. This is half of
 // the plugin's code, and it runs once. The compiler emits the virtual functions of a class beside
 // its first virtual function, here the destructor.
-#include "dem/contacts/CdPhys.hpp"
 #include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
-#include "dem/contacts/RcrGeom.hpp"
 #include "dem/engine/CellStress.hpp"
 #include "dem/engine/ContactDynamics.hpp"
 #include "dem/engine/WallStress.hpp"
-#include "dem/shapes/Rcr.hpp"
 
 namespace yade {
 

@@ -1,7 +1,5 @@
 #include "kernel_arrays.hpp"
 
-#include <algorithm>
-#include <limits>
 #include <set>
 #include <sstream>
 

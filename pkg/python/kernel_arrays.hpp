@@ -4,15 +4,10 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include <cstdint>
 #include <cstring>
 #include <initializer_list>
-#include <string>
-#include <vector>
 
 #include "delassus/delassus_problem.hpp"
-#include "problem/contact_problem.hpp"
-#include "problem/solver.hpp"
 
 namespace rcr {
 

@@ -1,6 +1,5 @@
 // Bindings of stadium, shadow overlap and deposition.
 #include <array>
-#include <cmath>
 #include <sstream>
 
 #include "geometry/deposition.hpp"

@@ -1,17 +1,13 @@
 // Bindings of kernel internals for tests: error measures, layout, exact steps, lanes.
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <set>
 
-#include "exact/block_lu.hpp"
 #include "exact/path_following.hpp"
 #include "kernel_arrays.hpp"
-#include "parallel/thread_team.hpp"
 #include "problem/residual.hpp"
 #include "step/yield_bounds.hpp"
 #include "sweep/lane/lane_check.hpp"
-#include "sweep/layout/layout.hpp"
 #include "sweep/packed_problem.hpp"
 
 namespace rcr {

@@ -4,10 +4,8 @@
 #include <array>
 #include <ctime>
 
-#include "delassus/delassus_problem.hpp"
 #include "kernel_arrays.hpp"
 #include "problem/coulomb.hpp"
-#include "problem/solver.hpp"
 
 namespace rcr {
 

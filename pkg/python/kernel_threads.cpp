@@ -1,14 +1,10 @@
 // Bindings of the thread team, for tests.
 #include <pybind11/stl.h>
 
-#include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <stdexcept>
 #include <thread>
 
 #include "kernel_arrays.hpp"
-#include "parallel/parallel_choice.hpp"
 #include "parallel/thread_pool.hpp"
 #include "parallel/thread_team.hpp"
 

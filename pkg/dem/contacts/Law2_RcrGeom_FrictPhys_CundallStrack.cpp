@@ -1,7 +1,5 @@
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 
-#include "dem/contacts/CdPhys.hpp"
-#include "dem/shapes/plane.hpp"
 #include "dem/validation/deferredError.hpp"
 #include "dem/validation/validation.hpp"
 

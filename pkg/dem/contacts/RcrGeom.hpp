@@ -3,7 +3,6 @@
 #include "kernel/step/carry_forward.hpp"
 #include "kernel/geometry/planar_shape.hpp"
 #include "dem/shapes/Rcr.hpp"
-#include "dem/yadeHeaders.hpp"
 
 namespace yade {
 

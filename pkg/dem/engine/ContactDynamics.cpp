@@ -8,7 +8,6 @@
 #include "kernel/correction/large_displacements.hpp"
 #include "kernel/correction/position_correction.hpp"
 #include "kernel/correction/separation.hpp"
-#include "kernel/detection/undetected_contacts.hpp"
 #include "kernel/step/adapt_biases.hpp"
 #include "kernel/step/mean_stretch.hpp"
 #include "kernel/step/restitution.hpp"

@@ -13,7 +13,6 @@
 // moves the bodies by the added forces p/dt. Source: Moreau 1988, 1999; Jean 1999.
 #pragma once
 
-#include <atomic>
 #include <thread>
 
 #include "dem/records/EnergyAccount.hpp"
@@ -22,7 +21,6 @@
 #include "dem/records/StepModel.hpp"
 #include "dem/records/StepMonitor.hpp"
 #include "dem/records/StepObserver.hpp"
-#include "dem/validation/validation.hpp"
 #include "kernel/problem/solver.hpp"
 #include "kernel/step/yield_bounds.hpp"
 

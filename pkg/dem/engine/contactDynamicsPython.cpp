@@ -2,7 +2,6 @@
 #include <array>
 
 #include "dem/engine/ContactDynamics.hpp"
-#include "kernel/problem/refuse.hpp"
 
 namespace yade {
 

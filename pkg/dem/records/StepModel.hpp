@@ -2,7 +2,6 @@
 #pragma once
 
 #include <mutex>
-#include <string>
 
 #include "dem/yadeHeaders.hpp"
 #include "kernel/problem/reductions.hpp"

@@ -1,9 +1,5 @@
 #include "dem/records/StepMonitor.hpp"
 
-#include <algorithm>
-#include <limits>
-#include <sstream>
-#include <stdexcept>
 
 #include "dem/validation/validation.hpp"
 #include "kernel/parallel/thread_team.hpp"

@@ -1,7 +1,6 @@
 #include "dem/records/StepObserver.hpp"
 
 #include "dem/shapes/plane.hpp"
-#include "dem/validation/validation.hpp"
 
 namespace yade {
 

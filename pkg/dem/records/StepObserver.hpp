@@ -5,9 +5,7 @@
 
 #include <functional>
 #include <map>
-#include <mutex>
 #include <optional>
-#include <vector>
 
 #include "dem/transfer/gather.hpp"
 

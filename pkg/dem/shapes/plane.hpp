@@ -2,8 +2,6 @@
 #pragma once
 
 #include "dem/yadeHeaders.hpp"
-#include "kernel/problem/contact_problem.hpp"
-#include "kernel/geometry/stadium.hpp"
 #include "kernel/step/leapfrog.hpp"
 
 namespace yade::plane {

@@ -1,6 +1,5 @@
 #include "dem/transfer/ArraySteps.hpp"
 
-#include <algorithm>
 #include <set>
 
 #include "dem/engine/ContactDynamics.hpp"

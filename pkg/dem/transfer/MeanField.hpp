@@ -3,7 +3,6 @@
 
 #include "dem/engine/CellStress.hpp"
 #include "dem/validation/validation.hpp"
-#include "kernel/step/step.hpp"
 
 namespace yade {
 

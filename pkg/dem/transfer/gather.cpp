@@ -1,7 +1,5 @@
 #include "dem/transfer/gather.hpp"
 
-#include "dem/engine/CellStress.hpp"
-#include "dem/validation/validation.hpp"
 #include "dem/transfer/MeanField.hpp"
 #include "dem/transfer/colliderBox.hpp"
 #include "dem/shapes/planarShape.hpp"

@@ -3,7 +3,6 @@
 
 #include "kernel/parallel/thread_team.hpp"
 #include "kernel/step/step.hpp"
-#include "dem/contacts/CdPhys.hpp"
 #include "dem/transfer/PairExclusions.hpp"
 #include "dem/validation/validation.hpp"
 #include "dem/contacts/RcrGeom.hpp"

@@ -1,6 +1,5 @@
 #include "dem/transfer/newContacts.hpp"
 
-#include <algorithm>
 
 #include "dem/transfer/contactLaw.hpp"
 #include "kernel/detection/undetected_contacts.hpp"

@@ -1,7 +1,6 @@
 // Prefetching for loops over YADE's objects, which lie scattered in memory.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 
 #include "dem/contacts/CdPhys.hpp"

@@ -1,8 +1,6 @@
 #include "dem/transfer/scatter.hpp"
 
-#include <atomic>
 
-#include "kernel/detection/undetected_contacts.hpp"
 #include "dem/transfer/MeanField.hpp"
 #include "dem/transfer/colliderBox.hpp"
 #include "dem/shapes/plane.hpp"

@@ -1,10 +1,8 @@
 // View of a scene for the rules of validation: engines by kind and order, law, bodies by shape.
 #pragma once
 
-#include <algorithm>
 
 #include "dem/engine/ContactDynamics.hpp"
-#include "dem/validation/validation.hpp"
 #include "dem/contacts/Law2_RcrGeom_CdPhys_SignoriniCoulomb.hpp"
 #include "dem/contacts/Law2_RcrGeom_FrictPhys_CundallStrack.hpp"
 

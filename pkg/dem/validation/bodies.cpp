@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include "dem/shapes/planarShape.hpp"
 #include "dem/validation/SceneView.hpp"

@@ -1,5 +1,4 @@
 // Rules of validation on the periodic cell.
-#include "dem/engine/CellStress.hpp"
 #include "dem/validation/SceneView.hpp"
 #include "dem/shapes/planarShape.hpp"
 #include "dem/transfer/MeanField.hpp"

@@ -1,6 +1,5 @@
 // Rules of validation on engines: order of loads, attributes, time step, bounds of the collider.
 #include "dem/validation/SceneView.hpp"
-#include "dem/shapes/Rcr.hpp"
 #include "dem/engine/WallStress.hpp"
 
 namespace yade::validation {

@@ -1,9 +1,6 @@
 // Rules of validation on pairs of bodies: functors of all pairs that could collide, and overlaps
 // before the first step.
-#include <limits>
-#include <map>
 #include <set>
-#include <tuple>
 
 #include "dem/validation/SceneView.hpp"
 #include "dem/shapes/planarShape.hpp"

@@ -1,9 +1,6 @@
 #include "dem/validation/SceneView.hpp"
 
 #include "dem/engine/CellStress.hpp"
-#include "dem/shapes/Rcr.hpp"
-#include "dem/contacts/RcrGeom.hpp"
-#include "dem/transfer/PairExclusions.hpp"
 #include "dem/validation/deferredError.hpp"
 
 namespace yade::validation {

@@ -20,7 +20,6 @@
 // remedy.
 #pragma once
 
-#include <sstream>
 
 #include "kernel/geometry/planar_shape.hpp"
 #include "kernel/problem/refuse.hpp"

@@ -1,6 +1,5 @@
 #include "correction/large_displacements.hpp"
 
-#include <algorithm>
 
 namespace rcr {
 

@@ -21,10 +21,8 @@
 // velocities. Quasi-static flow has no large displacements: its paths are 1e-3 radii per step.
 #pragma once
 
-#include <algorithm>
 
 #include "detection/undetected_contacts.hpp"
-#include "step/step.hpp"
 
 namespace rcr {
 

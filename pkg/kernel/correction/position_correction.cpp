@@ -1,6 +1,5 @@
 #include "correction/position_correction.hpp"
 
-#include <algorithm>
 
 #include "parallel/thread_team.hpp"
 

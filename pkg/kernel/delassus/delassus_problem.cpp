@@ -1,7 +1,5 @@
 #include "delassus/delassus_problem.hpp"
 
-#include <algorithm>
-#include <cmath>
 
 #include "problem/refuse.hpp"
 #include "problem/residual.hpp"

@@ -15,11 +15,7 @@
 // Source: Jean 1999; Acary, Brémond and Huber 2018 (FCLIB).
 #pragma once
 
-#include <cstdint>
-#include <string>
-#include <vector>
 
-#include "problem/contact_problem.hpp"
 #include "problem/solver.hpp"
 
 namespace rcr {

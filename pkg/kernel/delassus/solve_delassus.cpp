@@ -10,11 +10,8 @@
 //
 // Stiff problems may stall above the tolerance; `converged` of the report is then false.
 // Source: Jean 1999; Nesterov 1983.
-#include <algorithm>
-#include <cmath>
 
 #include "delassus/delassus_problem.hpp"
-#include "problem/coulomb.hpp"
 #include "problem/residual.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/stop_test.hpp"

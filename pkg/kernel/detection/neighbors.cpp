@@ -1,9 +1,5 @@
 #include "detection/neighbors.hpp"
 
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <limits>
 
 #include "problem/list_by_key.hpp"
 

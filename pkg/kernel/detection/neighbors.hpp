@@ -16,7 +16,6 @@
 #pragma once
 
 #include <utility>
-#include <vector>
 
 #include "parallel/thread_team.hpp"
 #include "step/step.hpp"

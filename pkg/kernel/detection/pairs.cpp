@@ -1,7 +1,5 @@
 #include "detection/pairs.hpp"
 
-#include <algorithm>
-#include <utility>
 
 #include "step/carry_forward.hpp"
 

@@ -1,9 +1,6 @@
 #include "detection/undetected_contacts.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <utility>
 
 #include "correction/large_displacements.hpp"
 #include "step/carry_forward.hpp"

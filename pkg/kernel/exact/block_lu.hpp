@@ -9,7 +9,6 @@
 // Davis 2006, ch. 4 and 6 (left-looking factorisation).
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <utility>
 #include <vector>

@@ -1,7 +1,6 @@
 #include "exact/path_following.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace rcr {
 

@@ -24,8 +24,6 @@
 // Source: Rockafellar 1976 (proximal point); Alart and Curnier 1991 (the pieces).
 #pragma once
 
-#include <cstdint>
-#include <vector>
 
 #include "exact/block_lu.hpp"
 #include "problem/contact_problem.hpp"

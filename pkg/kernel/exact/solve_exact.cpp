@@ -8,13 +8,9 @@
 // Then smaller ρ at the contacts concerned, and sweeps, leave the unstable state. Meanwhile the
 // residual rises; the best iterate is kept.
 // Source: Rockafellar 1976; Acary, Brémond and Huber 2018, §5 (proximal point for friction).
-#include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "exact/path_following.hpp"
 #include "exact/proximal_parameter.hpp"
-#include "exact/proximal_problem.hpp"
 #include "problem/infeasibility.hpp"
 #include "problem/residual.hpp"
 #include "problem/solver.hpp"

@@ -1,6 +1,5 @@
 #include "geometry/planar_shape.hpp"
 
-#include <cmath>
 
 namespace rcr {
 

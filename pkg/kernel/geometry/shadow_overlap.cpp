@@ -1,6 +1,5 @@
 #include "geometry/shadow_overlap.hpp"
 
-#include <algorithm>
 #include <array>
 #include <limits>
 #include <utility>

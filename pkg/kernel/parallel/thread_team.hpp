@@ -5,11 +5,9 @@
 // long wait for a helper that lost its core during its work.
 #pragma once
 
-#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <exception>
-#include <memory>
 #include <mutex>
 #include <vector>
 

@@ -1,6 +1,5 @@
 #include "problem/contact_problem.hpp"
 
-#include <algorithm>
 
 #include "parallel/thread_team.hpp"
 #include "problem/refuse.hpp"

@@ -1,7 +1,6 @@
 #include "problem/infeasibility.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "problem/coulomb.hpp"

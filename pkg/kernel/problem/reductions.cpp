@@ -1,6 +1,5 @@
 #include "problem/reductions.hpp"
 
-#include <algorithm>
 
 #include "problem/refuse.hpp"
 

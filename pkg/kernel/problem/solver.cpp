@@ -1,12 +1,9 @@
 #include "problem/solver.hpp"
 
-#include "problem/coulomb.hpp"
 #include "problem/infeasibility.hpp"
 #include "problem/refuse.hpp"
 #include "problem/residual.hpp"
 
-#include <algorithm>
-#include <cmath>
 
 namespace rcr {
 

@@ -5,10 +5,7 @@
 // (residual.hpp) of exactly these impulses.
 #pragma once
 
-#include <limits>
 #include <memory>
-#include <string>
-#include <vector>
 
 #include "problem/contact_problem.hpp"
 #include "problem/reductions.hpp"

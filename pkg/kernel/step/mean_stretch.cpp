@@ -1,7 +1,5 @@
 #include "step/mean_stretch.hpp"
 
-#include <algorithm>
-#include <limits>
 
 namespace rcr {
 

@@ -1,6 +1,5 @@
 #include "step/step.hpp"
 
-#include <algorithm>
 #include <numeric>
 
 #include "parallel/thread_team.hpp"

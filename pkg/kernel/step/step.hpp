@@ -27,10 +27,6 @@
 // | s      | shift         | m    | from body 2 to its image that meets body 1            |
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <vector>
 
 #include "geometry/planar_shape.hpp"
 #include "problem/contact_problem.hpp"

@@ -1,8 +1,6 @@
 #include "step/yield_bounds.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "parallel/thread_team.hpp"
 #include "problem/list_by_key.hpp"

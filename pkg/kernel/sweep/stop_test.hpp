@@ -1,7 +1,6 @@
 // The stop test of all sweep solvers.
 #pragma once
 
-#include <limits>
 
 #include "problem/solver.hpp"
 

@@ -1,7 +1,5 @@
 #include "sweep/sweep_solver.hpp"
 
-#include <algorithm>
-#include <cmath>
 
 #include "problem/residual.hpp"
 

@@ -1,12 +1,8 @@
 // Common parts of the sweep solvers: loading, storing, the stop test of an island, the report.
 #pragma once
 
-#include <limits>
-#include <vector>
 
-#include "problem/solver.hpp"
 #include "sweep/packed_island.hpp"
-#include "sweep/packed_problem.hpp"
 #include "sweep/stop_test.hpp"
 
 namespace rcr {

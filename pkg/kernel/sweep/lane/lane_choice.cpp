@@ -1,6 +1,5 @@
 // Chooses the compiled lane width that runs on this processor.
 #include "sweep/lane/lane_check.hpp"
-#include "sweep/lane/packed_blocks.hpp"
 
 namespace rcr {
 
