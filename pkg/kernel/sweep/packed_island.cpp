@@ -1,7 +1,6 @@
 // Kernels sweep the pairs with slots; the code below sweeps the overflow.
 #include "sweep/packed_island.hpp"
 
-#include <algorithm>
 #include <type_traits>
 #include <utility>
 
@@ -75,12 +74,12 @@ void PackedIsland::prepare()
 	double velocity2 = sum(packed_.sum_);
 	forEachOverflowPoint(
 	        [&](OverflowPoint& c) { velocity2 += square(relativeVelocity(view_, c)); });
-	packed_.freeVelocity2_[number_] = velocity2;
+	state_.freeVelocity2 = velocity2;
 }
 
 void PackedIsland::recomputeVelocities()
 {
-	if (packed_.velocityRecomputed_[number_]) return;
+	if (state_.velocityRecomputed) return;
 	const double* const free = packed_.freeBody_.data();
 	if (stretches()) packed_.stretchRate_ = {};
 	forEachRecords([&](const Range& records) {
@@ -88,8 +87,8 @@ void PackedIsland::recomputeVelocities()
 		        view_.recordAt(records.begin));
 	});
 	applyImpulses();
-	packed_.measures_[number_].reset();
-	packed_.velocityRecomputed_[number_] = true;
+	state_.measures.reset();
+	state_.velocityRecomputed = true;
 }
 
 /// v ← v + M⁻¹Jᵀp
@@ -124,47 +123,33 @@ void PackedIsland::sweepRelaxed(double relaxation)
 	});
 }
 
-double PackedIsland::sweepMomentum(double momentum)
+double PackedIsland::sweepMomentum(double momentum, const Yielding& yielding)
 {
 	if (!mixedPrecision_) {
 		if (sweepsSinceReference_ > 0) resetMomentum();
 		invalidate();
-		const PackedKernels& kernels = *packed_.kernels_;
-		return sweepMomentum(view_, kernels.extrapolate, momentum, {},
-		        [&](const Chunk& chunk) { return kernels.sweepMomentum(view_, chunk, momentum); });
+		return sweepMomentum<double>(view_, *packed_.kernels_, momentum, yielding);
 	}
 	if (sweepsSinceReference_ == sweepsPerReference) {
 		copyToDoubles();
 		updateReference();
 	}
 	++sweepsSinceReference_;
-	const MomentumKernels<float>& kernels = *packed_.singleKernels_;
-	return sweepMomentum(singleView_, kernels.extrapolate, momentum, {}, [&](const Chunk& chunk) {
-		return kernels.sweepMomentum(singleView_, chunk, momentum);
-	});
-}
-
-double PackedIsland::sweepYielding(double momentum, const Yielding& yielding)
-{
-	invalidate();
-	const PackedKernels& kernels = *packed_.kernels_;
-	return sweepMomentum(view_, kernels.extrapolate, momentum, yielding, [&](const Chunk& chunk) {
-		return kernels.sweepYielding(view_, chunk, momentum, yielding);
-	});
+	return sweepMomentum<float>(singleView_, *packed_.singleKernels_, momentum, yielding);
 }
 
 /// Each partition extrapolates the velocities of its bodies, v_old ← v + β (v − v_old), and sweeps
 /// with these. v and v_old change places.
-template <class Real, class Kernel>
-double PackedIsland::sweepMomentum(View<Real>& view,
-        Extrapolate<Real>                      extrapolate,
-        double                                 momentum,
-        const Yielding&                        yielding,
-        Kernel                                 sweepChunk)
+template <class Real>
+double PackedIsland::sweepMomentum(View<Real>& view, const MomentumKernels<Real>& kernels,
+        double momentum, const Yielding& yielding)
 {
-	const View<Real> before = view;
+	const View<Real> before      = view;
+	const auto       extrapolate = [&](const Range& records) {
+		kernels.extrapolate(before, records.begin, records.end, momentum);
+	};
 	std::swap(view.body, view.oldBody);
-	extrapolate(before, island_.overflowRecords.begin, island_.overflowRecords.end, momentum);
+	extrapolate(island_.overflowRecords);
 	if (stretches()) {
 		const Vec2 now          = packed_.stretchRate_;
 		packed_.stretchRate_    = now + momentum * (now - packed_.oldStretchRate_);
@@ -172,9 +157,10 @@ double PackedIsland::sweepMomentum(View<Real>& view,
 	}
 	const auto sweepSections = [&] {
 		forEachSection([&](const Section& section) {
-			extrapolate(before, section.records.begin, section.records.end, momentum);
-			forEachChunk(section,
-			        [&](const Chunk& chunk, int k) { packed_.sum_[k] = sweepChunk(chunk); });
+			extrapolate(section.records);
+			forEachChunk(section, [&](const Chunk& chunk, int k) {
+				packed_.sum_[k] = kernels.sweepMomentum(view, chunk, momentum, yielding);
+			});
 		});
 	};
 	if (island_.shared)
@@ -197,9 +183,8 @@ Measures PackedIsland::measure()
 {
 	if (mixedPrecision_)
 		return measure<float>(singleView_, *packed_.singleKernels_, packed_.singleBias_.data());
-	std::optional<Measures>& cached = packed_.measures_[number_];
-	if (!cached) cached = measure<double>(view_, *packed_.kernels_, nullptr);
-	return *cached;
+	if (!state_.measures) state_.measures = measure<double>(view_, *packed_.kernels_, nullptr);
+	return *state_.measures;
 }
 
 template <class Real>

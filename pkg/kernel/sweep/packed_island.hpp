@@ -4,7 +4,6 @@
 // is updated every few hundred sweeps; then rounding of floats does not accumulate.
 #pragma once
 
-#include <vector>
 
 #include "sweep/packed_problem.hpp"
 
@@ -16,6 +15,7 @@ public:
 	        : packed_(packed)
 	        , number_(number)
 	        , island_(packed.layout_.islands()[number])
+	        , state_(packed.states_[number])
 	        , view_(packed.view())
 	        , singleView_(packed.singleView())
 	{
@@ -31,8 +31,7 @@ public:
 	/// Sweeps of PackedKernels over the pairs with slots, then over the overflow.
 	void   sweep();
 	void   sweepRelaxed(double relaxation);
-	double sweepMomentum(double momentum);
-	double sweepYielding(double momentum, const Yielding&);
+	double sweepMomentum(double momentum, const Yielding& = {});
 
 	/// Makes `sweepMomentum` and `measure` use floats. Does nothing if the island is small, or if
 	/// its numbers or their squares leave the range of floats.
@@ -50,16 +49,15 @@ public:
 	/// Sums for the stop criteria at the present impulses and velocities.
 	Measures measure();
 	/// Σ |u|² over the points without impulses [(m/s)²].
-	double freeVelocity2() const { return packed_.freeVelocity2_[number_]; }
+	double freeVelocity2() const { return state_.freeVelocity2; }
 
 private:
-	using OverflowPoint                     = PackedProblem::OverflowPoint;
-	template <class Real> using View        = PackedViewOf<Real>;
-	template <class Real> using Extrapolate = void (*)(const View<Real>&, int, int, double);
+	using OverflowPoint              = PackedProblem::OverflowPoint;
+	template <class Real> using View = PackedViewOf<Real>;
 
-	template <class Real, class Kernel>
+	template <class Real>
 	double sweepMomentum(
-	        View<Real>&, Extrapolate<Real>, double momentum, const Yielding&, Kernel sweepChunk);
+	        View<Real>&, const MomentumKernels<Real>&, double momentum, const Yielding&);
 	template <class Real>
 	Measures measure(const View<Real>&, const MomentumKernels<Real>&, const ColumnOf<Real>* bias);
 	template <class Real> Impulse relativeVelocity(const View<Real>&, const OverflowPoint&) const;
@@ -72,8 +70,8 @@ private:
 	/// Call before the velocities change. Invalidates cached velocities and measures.
 	void invalidate()
 	{
-		packed_.velocityRecomputed_[number_] = false;
-		packed_.measures_[number_].reset();
+		state_.velocityRecomputed = false;
+		state_.measures.reset();
 	}
 	bool stretches() const
 	{
@@ -135,18 +133,18 @@ private:
 	}
 	template <class Visit> void forEachOverflowPoint(Visit visit)
 	{
-		const Range overflow = packed_.overflowOf_[number_];
-		for (int k = overflow.begin; k < overflow.end; ++k)
+		for (int k = state_.overflow.begin; k < state_.overflow.end; ++k)
 			visit(packed_.overflow_[k]);
 	}
 
-	PackedProblem& packed_;
-	const int      number_;
-	const Island&  island_;
-	PackedView     view_;
-	View<float>    singleView_;
-	bool           mixedPrecision_ = false, hasSavedImpulses_ = false;
-	int            sweepsSinceReference_ = 0;
+	PackedProblem&              packed_;
+	const int                   number_;
+	const Island&               island_;
+	PackedProblem::IslandState& state_;
+	PackedView                  view_;
+	View<float>                 singleView_;
+	bool                        mixedPrecision_ = false, hasSavedImpulses_ = false;
+	int                         sweepsSinceReference_ = 0;
 };
 
 template <class Work> void PackedProblem::forEachIsland(Work work)

@@ -1,8 +1,6 @@
 // Mixed precision of an island: sweeps in floats about a reference in doubles.
 #include "sweep/packed_island.hpp"
 
-#include <algorithm>
-#include <cmath>
 
 namespace rcr {
 
@@ -50,7 +48,7 @@ void PackedIsland::beginMixedPrecision()
 		bool fits  = true;
 		int  point = chunk.firstPoint;
 		forEachPointBlock(chunk, [&](int first) {
-			if (packed_.singleFilled_[number_])
+			if (state_.singleFilled)
 				copyImpulses(view_.points + first, singleView_.points + first, chunk.model);
 			else
 				for (int k = first; k < first + columnsOf(chunk.model); ++k)
@@ -67,8 +65,8 @@ void PackedIsland::beginMixedPrecision()
 	double misfits = sum(packed_.sum_);
 	forEachOverflowPoint([&](const OverflowPoint& c) { misfits += !fitsFloat(c.w.nn); });
 	if (misfits > 0) return;
-	packed_.singleFilled_[number_] = true;
-	mixedPrecision_                = true;
+	state_.singleFilled = true;
+	mixedPrecision_     = true;
 	updateReference();
 }
 

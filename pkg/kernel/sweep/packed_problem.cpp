@@ -1,9 +1,5 @@
 #include "sweep/packed_problem.hpp"
 
-#include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <cmath>
 
 #include "sweep/packed_island.hpp"
 
@@ -63,7 +59,6 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	}
 	partial_.resize(layout_.chunks().size());
 	sum_.resize(layout_.chunks().size());
-	freeVelocity2_.resize(islands());
 
 	const std::vector<PackedPair>& pairs = layout_.pairs();
 	inverseGyration_.resize(problem.inverseMass.size());
@@ -78,16 +73,14 @@ void PackedProblem::load(const ContactProblem& problem, int lanes, const Reducti
 	inverseStretchMass_ = problem.inverseStretchMass;
 	stretchRate_            = {};
 	overflow_.clear();
-	overflowOf_.clear();
-	for (const Island& island : layout_.islands()) {
-		const int begin = int(overflow_.size());
+	states_.assign(islands(), {});
+	for (int number = 0; number < islands(); ++number) {
+		const Island& island          = layout_.islands()[number];
+		states_[number].overflow.begin = int(overflow_.size());
 		for (int k = island.overflow.begin; k < island.overflow.end; ++k)
 			addToOverflow(problem, pairs[layout_.overflow()[k]], island.halfRecords);
-		overflowOf_.push_back({ begin, int(overflow_.size()) });
+		states_[number].overflow.end = int(overflow_.size());
 	}
-	velocityRecomputed_.assign(islands(), false);
-	measures_.assign(islands(), std::nullopt);
-	singleFilled_.assign(islands(), false);
 	forEachIsland([](PackedIsland&& island) {
 		island.prepare();
 		island.recomputeVelocities();
@@ -229,8 +222,10 @@ void PackedProblem::setBiases(const ContactProblem& problem, const std::vector<d
 		load(c.p.n, p.n);
 		load(c.p.t, p.t);
 	}
-	if (changed) velocityRecomputed_.assign(islands(), false);
-	measures_.assign(islands(), std::nullopt);
+	for (IslandState& state : states_) {
+		if (changed) state.velocityRecomputed = false;
+		state.measures.reset();
+	}
 	recomputeVelocities();
 }
 

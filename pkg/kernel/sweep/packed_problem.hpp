@@ -8,12 +8,9 @@
 
 #include <new>
 #include <optional>
-#include <vector>
 
 #include "parallel/thread_team.hpp"
-#include "problem/contact_problem.hpp"
 #include "problem/coulomb.hpp"
-#include "sweep/lane/packed_blocks.hpp"
 #include "sweep/layout/layout.hpp"
 
 namespace rcr {
@@ -116,12 +113,14 @@ private:
 
 	std::vector<OverflowPoint> overflow_;
 
-	// of each island
-	std::vector<Range>  overflowOf_;
-	std::vector<double> freeVelocity2_;             // Σ |u|² without impulses [(m/s)²]
-	std::vector<char>   velocityRecomputed_;        // body_ is v_free + M⁻¹Jᵀp to the bit
-	std::vector<char>   singleFilled_;              // floats hold all but impulses and biases
-	std::vector<std::optional<Measures>> measures_; // cached, of doubles
+	struct IslandState {
+		Range                   overflow;                   // in overflow_
+		double                  freeVelocity2      = 0;     // Σ |u|² without impulses [(m/s)²]
+		bool                    velocityRecomputed = false; // body_ is v_free + M⁻¹Jᵀp to the bit
+		bool                    singleFilled = false; // floats hold all but impulses and biases
+		std::optional<Measures> measures;             // cached, of doubles
+	};
+	std::vector<IslandState> states_; // of each island
 
 	// of each chunk
 	std::vector<Measures> partial_;

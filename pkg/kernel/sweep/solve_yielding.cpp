@@ -16,7 +16,6 @@
 // about 1/√ε sweeps. Overlaps are corrected no faster than the driven motion. So the force of a
 // contact grows with its overlap, as with springs. Source: Acary, Cadoux, Lemaréchal and Malick
 // 2011 (existence); Castro et al. 2022 (near-rigid regime of a convex relative).
-#include "problem/coulomb.hpp"
 #include "problem/infeasibility.hpp"
 #include "sweep/momentum.hpp"
 #include "sweep/sweep_solver.hpp"
@@ -38,7 +37,7 @@ namespace {
 		constexpr int interval = 10;
 		Momentum      momentum;
 		while (!stop.mustStop()) {
-			const double change2 = island.sweepYielding(momentum.beta(), yielding);
+			const double change2 = island.sweepMomentum(momentum.beta(), yielding);
 			momentum.advance(change2);
 			if (stop.sweeps() % interval == 0
 			        && change2 <= tolerance * tolerance * island.measure().impulse2)

@@ -181,8 +181,9 @@ using PackedView = PackedViewOf<double>;
 template <class Real> struct MomentumKernels {
 	using View = PackedViewOf<Real>;
 
-	/// Sweeps from y = p + β (p − p_old). Returns ‖p − y‖².
-	double (*sweepMomentum)(const View&, const Chunk&, double momentum);
+	/// Sweeps from y = p + β (p − p_old). Returns ‖p − y‖². Yielding contacts, those with a
+	/// compliance ε > 0, take solution/(1 + ε max(1, w₀/w_nn)).
+	double (*sweepMomentum)(const View&, const Chunk&, double momentum, const Yielding&);
 	/// Sums for the stop criteria at the present impulses and velocities. Floats need `bias`, b_n
 	/// of the contact law in one column per point block: their own bias contains u_ref.
 	Measures (*measure)(const View&, const Chunk&, const ColumnOf<Real>* bias);
@@ -201,8 +202,6 @@ struct PackedKernels : MomentumKernels<double> {
 	void (*sweep)(const View&, const Chunk&);
 	/// p ← P_K(p + relaxation (solution − p))
 	void (*sweepRelaxed)(const View&, const Chunk&, double relaxation);
-	/// As sweepMomentum, for yielding contacts: p ← solution/(1 + ε max(1, w₀/w_nn)).
-	double (*sweepYielding)(const View&, const Chunk&, double momentum, const Yielding&);
 	/// Writes (u_n + b_n, u_t) to `bias` and `tangentialBias` of the columns of floats.
 	void (*updateReference)(const View&, const Chunk&, ColumnOf<float>* points);
 };

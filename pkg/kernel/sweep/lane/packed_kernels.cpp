@@ -23,16 +23,16 @@ namespace {
 		        });
 	}
 
-	template <class M, int Points, class Keep>
+	template <class M, int Points, class NewImpulse>
 	NOINLINE double sweepMomentumAs(
-	        const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
+	        const PackedView& view, const Chunk& chunk, double momentum, NewImpulse newImpulse)
 	{
 		const L beta = Real(momentum);
 		Sum     change2;
 		sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
 			const auto p = M::impulse(c, lane),
 			           y = addProduct(p, beta, p - M::oldImpulse(c, lane));
-			const auto q = keep(c, lane, M::solve(c, lane, u, y)), change = q - y;
+			const auto q = newImpulse(c, lane, M::solve(c, lane, u, y)), change = q - y;
 			M::setOld(c, lane, p);
 			M::set(c, lane, q);
 			change2.add(lane, square(change));
@@ -41,33 +41,43 @@ namespace {
 		return change2.total();
 	}
 
-	/// Rigid contacts keep the whole solution.
-	struct Whole {
+	/// A rigid contact takes the whole solution of its point.
+	struct RigidImpulse {
 		template <class Point, class Impulse>
-		INLINE Impulse operator()(const Point&, int, const Impulse& p) const
+		INLINE Impulse operator()(const Point&, int, const Impulse& p) const { return p; }
+	};
+
+	/// A yielding contact takes a share of it (problem/yielding.hpp).
+	struct YieldingImpulse {
+		L compliance, leastResponse;
+
+		template <class Point, class Impulse>
+		INLINE Impulse operator()(const Point& c, int lane, const Impulse& p) const
 		{
-			return p;
+			const L scale = max(L(1.0), leastResponse * L::load(c.inverseNn() + lane));
+			return (L(1.0) / (L(1.0) + compliance * scale)) * p;
 		}
 	};
 
-	template <class Keep>
-	double sweepKeeping(const PackedView& view, const Chunk& chunk, double momentum, Keep keep)
+	double sweepMomentum(
+	        const PackedView& view, const Chunk& chunk, double momentum, const Yielding& yielding)
 	{
 		double change2 = 0;
 		withModelAndPoints(chunk, [&](auto model, auto points) {
-			change2 = sweepMomentumAs<decltype(model), points.value>(
-			        view, chunk, momentum, keep);
+			const auto sweep = [&](auto impulse) {
+				return sweepMomentumAs<decltype(model), points.value>(
+				        view, chunk, momentum, impulse);
+			};
+			change2 = yielding.compliance == 0
+			        ? sweep(RigidImpulse())
+			        : sweep(YieldingImpulse { Real(yielding.compliance),
+			                Real(yielding.leastResponse) });
 		});
 		return change2;
 	}
 
-	double sweepMomentum(const PackedView& view, const Chunk& chunk, double momentum)
-	{
-		return sweepKeeping(view, chunk, momentum, Whole());
-	}
-
 	/// b_n of the contact law; the column `bias` of floats contains u_ref too.
-	INLINE inline L lawBias(const PointColumns& c, int lane, const Column* bias, int point)
+	INLINE inline L contactBias(const PointColumns& c, int lane, const Column* bias, int point)
 	{
 		if constexpr (relativeToReference) return L::load(bias[point].of + lane);
 		else
@@ -83,7 +93,7 @@ namespace {
 			             p { L::load(c.pn() + lane), tangential(c, lane) };
 			const int number   = chunk.firstPoint + int(c.first() - first) / c.count;
 			const L   un       = u.n + L::load(c.bias() + lane), mu = friction(c, lane);
-			const L   law      = lawBias(c, lane, bias, number);
+			const L   law      = contactBias(c, lane, bias, number);
 			const L   speed    = relativeToReference ? un - law : u.n;
 			const L   scale    = L::load(c.inverseNn() + lane),
 			          stopping = (abs(speed) + abs(law)) * scale;
@@ -235,26 +245,6 @@ namespace {
 		});
 	}
 
-	/// Yielding contacts keep a share.
-	struct Share {
-		L compliance, leastResponse;
-
-		template <class Point, class Impulse>
-		INLINE Impulse operator()(const Point& c, int lane, const Impulse& p) const
-		{
-			const L scale = max(L(1.0), leastResponse * L::load(c.inverseNn() + lane));
-			return (L(1.0) / (L(1.0) + compliance * scale)) * p;
-		}
-	};
-
-	double sweepYielding(
-	        const PackedView& view, const Chunk& chunk, double momentum,
-	        const Yielding& yielding)
-	{
-		return sweepKeeping(view, chunk, momentum,
-		        Share { Real(yielding.compliance), Real(yielding.leastResponse) });
-	}
-
 	void updateReference(const PackedView& view, const Chunk& chunk, ColumnOf<float>* points)
 	{
 		forEachPoint(view, chunk, [&](const auto& c, int lane, const B& v1, const B& v2) INLINE {
@@ -269,7 +259,7 @@ namespace {
 
 extern const PackedKernels kernels;
 const PackedKernels        kernels { { sweepMomentum, measure, extrapolate }, RCR_LANES,
-	prepare, apply, sweep, sweepRelaxed, sweepYielding, updateReference };
+	prepare, apply, sweep, sweepRelaxed, updateReference };
 #endif
 
 } // namespace rcr::RCR_LANE_NAMESPACE
