@@ -33,8 +33,7 @@ namespace {
 	}
 
 	template <class Phys>
-	void drawForce(
-	        const Phys& phys, const Interaction& i, const Body* one, const Body* two,
+	void drawForce(const Phys& phys, const Interaction& i, const Body* one, const Body* two,
 	        const Scene& scene)
 	{
 		const RcrGeom* geom   = dynamic_cast<const RcrGeom*>(i.geom.get());
@@ -57,15 +56,13 @@ namespace {
 
 } // namespace
 
-void Gl1_CdPhys::go(
-        const shared_ptr<IPhys>& phys, const shared_ptr<Interaction>& i,
+void Gl1_CdPhys::go(const shared_ptr<IPhys>& phys, const shared_ptr<Interaction>& i,
         const shared_ptr<Body>& one, const shared_ptr<Body>& two, bool)
 {
 	drawForce(static_cast<const CdPhys&>(*phys), *i, one.get(), two.get(), *scene);
 }
 
-void Gl1_RcrFrictPhys::go(
-        const shared_ptr<IPhys>& phys, const shared_ptr<Interaction>& i,
+void Gl1_RcrFrictPhys::go(const shared_ptr<IPhys>& phys, const shared_ptr<Interaction>& i,
         const shared_ptr<Body>& one, const shared_ptr<Body>& two, bool)
 {
 	drawForce(static_cast<const RcrFrictPhys&>(*phys), *i, one.get(), two.get(), *scene);

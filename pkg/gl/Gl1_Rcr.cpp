@@ -69,8 +69,7 @@ namespace {
 
 } // namespace
 
-void Gl1_Rcr::go(
-        const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool wireOfView,
+void Gl1_Rcr::go(const shared_ptr<Shape>& shape, const shared_ptr<State>&, bool wireOfView,
         const GLViewInfo&)
 {
 	const Rcr&                      grain  = static_cast<const Rcr&>(*shape);

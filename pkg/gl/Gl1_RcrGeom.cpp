@@ -10,9 +10,8 @@ bool Gl1_RcrGeom::normals;
 Real Gl1_RcrGeom::length;
 Real Gl1_RcrGeom::pointSize;
 
-void Gl1_RcrGeom::go(
-        const shared_ptr<IGeom>& ig, const shared_ptr<Interaction>&, const shared_ptr<Body>&,
-        const shared_ptr<Body>&, bool)
+void Gl1_RcrGeom::go(const shared_ptr<IGeom>& ig, const shared_ptr<Interaction>&,
+        const shared_ptr<Body>&, const shared_ptr<Body>&, bool)
 {
 	const RcrGeom& geom = static_cast<const RcrGeom&>(*ig);
 	if (geom.points == 0) return;

@@ -34,9 +34,7 @@ inline void colorOfType(int type)
 inline void colorOfNumber(double x)
 {
 	x = std::min(std::max(x, 0.0), 1.0);
-	glColor3d(
-	        std::min(2 * x, 1.0), x < 0.5 ? 0.4 + 1.2 * x : 2 - 2 * x,
-	        std::max(1 - 2 * x, 0.0));
+	glColor3d(std::min(2 * x, 1.0), x < 0.5 ? 0.4 + 1.2 * x : 2 - 2 * x, std::max(1 - 2 * x, 0.0));
 }
 
 /// Shift of a contact into the periodic cell.

@@ -87,9 +87,8 @@ ContactProblem problemFrom(const py::kwargs& arrays)
 	return problem;
 }
 
-DelassusProblem delassusFrom(
-        const py::object& givenRowStart, const py::object& givenColumn, const Array& block,
-        const Array& free, const Array& friction, const Array& impulse)
+DelassusProblem delassusFrom(const py::object& givenRowStart, const py::object& givenColumn,
+        const Array& block, const Array& free, const Array& friction, const Array& impulse)
 {
 	const Ids rowStart   = idsFrom(givenRowStart, "row_start"),
 	          column     = idsFrom(givenColumn, "column");
@@ -106,9 +105,8 @@ DelassusProblem delassusFrom(
 	return problem;
 }
 
-Settings stopSettings(
-        double tolerance, double kinematicTolerance, double meanForceChange, int checkInterval,
-        int minIterations, int maxIterations, int stallSweeps)
+Settings stopSettings(double tolerance, double kinematicTolerance, double meanForceChange,
+        int checkInterval, int minIterations, int maxIterations, int stallSweeps)
 {
 	Settings settings;
 	settings.tolerance          = tolerance;

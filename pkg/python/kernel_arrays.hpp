@@ -26,14 +26,12 @@ Ids idsFrom(const py::object&, const char* name);
 ContactProblem problemFrom(const py::kwargs& arrays);
 
 /// A problem of W and q from arrays. Checks the shapes; the solver checks the values.
-DelassusProblem delassusFrom(
-        const py::object& rowStart, const py::object& column, const Array& block, const Array& free,
-        const Array& friction, const Array& impulse);
+DelassusProblem delassusFrom(const py::object& rowStart, const py::object& column,
+        const Array& block, const Array& free, const Array& friction, const Array& impulse);
 
 /// Default settings except those of the stop test (sweep/stop_test.hpp).
-Settings stopSettings(
-        double tolerance, double kinematicTolerance, double meanForceChange, int checkInterval,
-        int minIterations, int maxIterations, int stallSweeps);
+Settings stopSettings(double tolerance, double kinematicTolerance, double meanForceChange,
+        int checkInterval, int minIterations, int maxIterations, int stallSweeps);
 
 inline py::ssize_t rowsOf(const py::array& array) { return array.ndim() ? array.shape(0) : 0; }
 

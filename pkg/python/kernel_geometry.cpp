@@ -45,9 +45,8 @@ namespace {
 		return poses;
 	}
 
-	py::dict overlapStadiums(
-	        const Array& stadium1, const Array& pose1, const Array& stadium2, const Array& pose2,
-	        double maxGap)
+	py::dict overlapStadiums(const Array& stadium1, const Array& pose1, const Array& stadium2,
+	        const Array& pose2, double maxGap)
 	{
 		const py::ssize_t n      = rowsOf(stadium1);
 		const auto        shape1 = rowsFrom<Stadium>(stadium1, "stadium1", n);
@@ -59,9 +58,8 @@ namespace {
 		});
 	}
 
-	py::dict overlapWall(
-	        const Array& origin, const Array& normal, const Array& stadium, const Array& pose,
-	        double maxGap)
+	py::dict overlapWall(const Array& origin, const Array& normal, const Array& stadium,
+	        const Array& pose, double maxGap)
 	{
 		const py::ssize_t n       = rowsOf(stadium);
 		const auto        origins = rowsFrom<Vec2>(origin, "origin", n);
@@ -74,9 +72,8 @@ namespace {
 		});
 	}
 
-	py::dict overlapBox(
-	        const Array& halfExtent, const Array& boxPose, const Array& stadium, const Array& pose,
-	        double maxGap)
+	py::dict overlapBox(const Array& halfExtent, const Array& boxPose, const Array& stadium,
+	        const Array& pose, double maxGap)
 	{
 		const py::ssize_t n        = rowsOf(stadium);
 		const auto        boxes    = rowsFrom<Rectangle>(halfExtent, "half_extent", n);

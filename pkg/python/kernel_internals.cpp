@@ -49,8 +49,7 @@ namespace {
 
 	/// x of A x = b for a matrix of 3×3 blocks: diagonal (n, 3, 3), A_ij and A_ji of every pair (i,
 	/// j), b (n, 3).
-	Array solveBlocks(
-	        const py::object& givenPairs, const Array& diagonal, const Array& upper,
+	Array solveBlocks(const py::object& givenPairs, const Array& diagonal, const Array& upper,
 	        const Array& lower, const Array& b)
 	{
 		const py::ssize_t                n     = rowsOf(b);
@@ -123,8 +122,7 @@ namespace {
 			islands.push_back({ island.points, island.shared, island.halfRecords,
 			                    island.partitions.begin, island.partitions.end,
 			                    island.interfaces.begin, island.interfaces.end });
-			overflow.emplace_back(
-			        layout.overflow().begin() + island.overflow.begin,
+			overflow.emplace_back(layout.overflow().begin() + island.overflow.begin,
 			        layout.overflow().begin() + island.overflow.end);
 		}
 		for (const Section& section : layout.sections()) {
@@ -182,8 +180,7 @@ namespace {
 	}
 
 	/// Half records (n, 2) after copies of whole or half records from places to places, in halves.
-	Array moveLanes(
-	        int lanes, bool whole, const Array& records, const py::object& givenFrom,
+	Array moveLanes(int lanes, bool whole, const Array& records, const py::object& givenFrom,
 	        const py::object& givenTo)
 	{
 		const Ids from = idsFrom(givenFrom, "from"), to = idsFrom(givenTo, "to");

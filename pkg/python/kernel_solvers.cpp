@@ -39,11 +39,10 @@ namespace {
 		return report;
 	}
 
-	py::dict solveArrays(
-	        const std::string& solver, double tolerance, int maxIterations, int threads, int lanes,
-	        int checkInterval, int minIterations, int stallSweeps, double kinematicTolerance,
-	        double meanForceChange, double yieldCompliance, double yieldImpulse,
-	        const std::vector<std::string>& reductions, Workspace* workspace,
+	py::dict solveArrays(const std::string& solver, double tolerance, int maxIterations,
+	        int threads, int lanes, int checkInterval, int minIterations, int stallSweeps,
+	        double kinematicTolerance, double meanForceChange, double yieldCompliance,
+	        double yieldImpulse, const std::vector<std::string>& reductions, Workspace* workspace,
 	        const py::kwargs& arrays)
 	{
 		ContactProblem problem  = problemFrom(arrays);
@@ -83,9 +82,8 @@ namespace {
 		return model;
 	}
 
-	py::dict solveDelassusArrays(
-	        const py::object& rowStart, const py::object& column, const Array& block,
-	        const Array& free, const Array& friction, const Array& impulse,
+	py::dict solveDelassusArrays(const py::object& rowStart, const py::object& column,
+	        const Array& block, const Array& free, const Array& friction, const Array& impulse,
 	        const std::string& solver, double tolerance, int maxIterations, int checkInterval)
 	{
 		DelassusProblem problem = delassusFrom(rowStart, column, block, free, friction, impulse);

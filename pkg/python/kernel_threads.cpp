@@ -13,9 +13,8 @@ namespace rcr {
 namespace {
 
 	/// Number of calls for each index after `loops` loops. Indices in `failing` throw their number.
-	std::vector<int> loopCounts(
-	        ThreadTeam& team, int threads, int count, int loops, const std::vector<int>& failing,
-	        bool chunks, bool nested)
+	std::vector<int> loopCounts(ThreadTeam& team, int threads, int count, int loops,
+	        const std::vector<int>& failing, bool chunks, bool nested)
 	{
 		const py::gil_scoped_release  release;
 		std::vector<std::atomic<int>> counts(count);

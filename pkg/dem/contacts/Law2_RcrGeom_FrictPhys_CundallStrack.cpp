@@ -7,8 +7,7 @@ namespace yade {
 
 CREATE_LOGGER(Law2_RcrGeom_FrictPhys_CundallStrack);
 
-RcrFrictPhys::RcrFrictPhys(const FrictPhys& stock)
-        : RcrFrictPhys()
+RcrFrictPhys::RcrFrictPhys(const FrictPhys& stock) : RcrFrictPhys()
 {
 	FrictPhys::operator=(stock);
 }
@@ -158,8 +157,7 @@ void Law2_RcrGeom_FrictPhys_CundallStrack::applyForce(Body::id_t id, const rcr::
 	const State &s    = *body.state,
 	            &owner = body.isClumpMember() ? *Body::byId(body.clumpId, scene)->state : s;
 	rcr::Twist onOwner = force;
-	onOwner.rotation
-	        += cross(plane::toPlane(s.pos - owner.pos), rcr::Vec2 { force.x, force.y });
+	onOwner.rotation += cross(plane::toPlane(s.pos - owner.pos), rcr::Vec2 { force.x, force.y });
 	trackDrive(owner, onOwner, double(scene->dt));
 }
 

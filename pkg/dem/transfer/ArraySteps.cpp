@@ -173,8 +173,7 @@ std::string ArraySteps::momentaryReason(const Scene& scene) const
 		solved |= bool(dynamic_cast<const ContactDynamics*>(engine.get()));
 		const auto* periodic
 		        = engine->dead ? nullptr : dynamic_cast<const PeriodicEngine*>(engine.get());
-		if (periodic
-		        && isDue(*periodic, solved ? scene.iter : iter, solved ? scene.time : time))
+		if (periodic && isDue(*periodic, solved ? scene.iter : iter, solved ? scene.time : time))
 			return "the engine " + engine->getClassName();
 	}
 	return {};
@@ -259,8 +258,7 @@ void ArraySteps::move(Scene& scene, const NewtonIntegrator& newton, rcr::ThreadT
 	for (Body::id_t id : byYade_) {
 		State&            s = *handles.state[id];
 		const rcr::Twist& p = impulses[id];
-		const Vector3r    force
-		        = scene.forces.getForce(id) + 1 / step.dt * Vector3r(p.x, p.y, 0);
+		const Vector3r force = scene.forces.getForce(id) + 1 / step.dt * Vector3r(p.x, p.y, 0);
 		const Vector3r    torque
 		        = scene.forces.getTorque(id) + 1 / step.dt * Vector3r(0, 0, p.rotation);
 		if (step.overdamped) setFreeVelocity(s, step.bodies[id].velocity);

@@ -17,8 +17,7 @@ inline Matrix3r nextGradient(const Cell& cell)
 /// field, and its convection.
 struct MeanField {
 	bool     periodic = false;
-	Matrix3r gradient = Matrix3r::Zero(), change = Matrix3r::Zero(),
-	         convection = Matrix3r::Zero();
+	Matrix3r gradient = Matrix3r::Zero(), change = Matrix3r::Zero(), convection = Matrix3r::Zero();
 	Matrix3r startGradient = Matrix3r::Zero(); // of the flow from which overdamped bodies start
 
 	MeanField(const Scene& scene, const validation::Engines& engines)

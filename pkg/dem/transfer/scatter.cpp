@@ -88,9 +88,8 @@ namespace {
 	void requestCollider(
 	        Scene& scene, rcr::ThreadTeam& team, const SceneHandles& handles, const rcr::Step& step)
 	{
-		const Real widest = scene.isPeriodic
-		        ? 0.45 * scene.cell->getSize().minCoeff()
-		        : std::numeric_limits<Real>::infinity(); // YADE ends with 0.5
+		const Real widest = scene.isPeriodic ? 0.45 * scene.cell->getSize().minCoeff() // YADE: 0.5
+		                                     : std::numeric_limits<Real>::infinity();
 		// boxes do not follow images of bodies at rest
 		const double imageStep = largestImageDisplacement(step);
 		std::atomic<bool> out { false };

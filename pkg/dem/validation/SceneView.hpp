@@ -33,8 +33,7 @@ struct View {
 		const bool solver = indexOf<ContactDynamics>() >= 0;
 		const bool laws   = loop
 		        && has<Law2_RcrGeom_CdPhys_SignoriniCoulomb>(loop->lawDispatcher->functors);
-		const bool phys
-		        = loop && has<Ip2_FrictMat_FrictMat_CdPhys>(loop->physDispatcher->functors);
+		const bool phys = loop && has<Ip2_FrictMat_FrictMat_CdPhys>(loop->physDispatcher->functors);
 		const bool springs = loop
 		        && has<Law2_RcrGeom_FrictPhys_CundallStrack>(loop->lawDispatcher->functors);
 		if (solver || laws || phys) law = springs ? both : rigid;

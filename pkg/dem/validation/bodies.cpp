@@ -137,8 +137,7 @@ std::string massWarning(const Scene& scene)
 		        ? nullptr
 		        : dynamic_cast<const Sphere*>(b->shape.get());
 		if (!sphere) continue;
-		const Real mass
-		        = 4 * Mathr::PI / 3 * math::pow(sphere->radius, 3) * b->material->density;
+		const Real mass = 4 * Mathr::PI / 3 * math::pow(sphere->radius, 3) * b->material->density;
 		if (math::abs(b->state->mass - mass) <= 1e-9 * mass && !ball) ball = b.get();
 	}
 	if (!rcrs || !ball) return {};

@@ -8,8 +8,7 @@ std::string materials(const View& v)
 {
 	const Material* valid = nullptr; // material of the last body; most bodies share one
 	for (const auto& b : *v.scene.bodies) {
-		const Material* material
-		        = b && b->shape && !b->isClump() ? b->material.get() : nullptr;
+		const Material* material = b && b->shape && !b->isClump() ? b->material.get() : nullptr;
 		if (!material || material == valid) continue;
 		const FrictMat* rough = dynamic_cast<const FrictMat*>(material);
 		if (!rough)

@@ -26,8 +26,7 @@ namespace {
 	/// Returns true if the engine adds forces or prescribes motion.
 	bool loads(const Engine& engine)
 	{
-		return pushes(engine) || moves(engine)
-		        || dynamic_cast<const BoundaryController*>(&engine);
+		return pushes(engine) || moves(engine) || dynamic_cast<const BoundaryController*>(&engine);
 	}
 
 } // namespace

@@ -209,8 +209,7 @@ void checkSupported(const Scene& scene, Body::id_t id1, Body::id_t id2)
 {
 	const Body &one = *(*scene.bodies)[id1], &two = *(*scene.bodies)[id2];
 	if (partyOf(one, scene).immovable && partyOf(two, scene).immovable) return;
-	const std::string functor
-	        = functorFor(one.shape->getClassName(), two.shape->getClassName());
+	const std::string functor = functorFor(one.shape->getClassName(), two.shape->getClassName());
 	refuse("no Ig2 functor of the InteractionLoop handles ", shapesOf(one, two),
 	        ", so they would pass through each other. ",
 	        functor.empty() ? "Make such shapes from Wall, Box, Facet, Sphere or Rcr; "

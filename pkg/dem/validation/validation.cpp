@@ -183,9 +183,9 @@ bool Signature::operator==(const Signature& other) const
 	const auto same = [](const Object& a, const Object& b) {
 		return !a.owner_before(b) && !b.owner_before(a);
 	};
+	const auto &a = objects, &b = other.objects;
 	return bodies == other.bodies && periodic == other.periodic
-	        && std::equal(objects.begin(), objects.end(), other.objects.begin(),
-	                other.objects.end(), same);
+	        && std::equal(a.begin(), a.end(), b.begin(), b.end(), same);
 }
 
 std::string sceneError(const Scene& scene)
@@ -218,8 +218,7 @@ void replaceSphereBounds(const Scene& scene)
                     [](const auto& f) { return f->getClassName() == "Bo1_Sphere_Aabb"; });
 		if (sphere == functors.end()) continue;
 		auto disc = boost::make_shared<Bo1_Disc_Aabb>();
-		disc->aabbEnlargeFactor
-		        = static_cast<const Bo1_Sphere_Aabb&>(**sphere).aabbEnlargeFactor;
+		disc->aabbEnlargeFactor = static_cast<const Bo1_Sphere_Aabb&>(**sphere).aabbEnlargeFactor;
 		*sphere = disc;
 		collider->boundDispatcher->functors_set(functors);
 		for (const auto& b : *scene.bodies)

@@ -21,8 +21,7 @@ namespace {
 	bool isReversed(const Step& step, const StepContact& c, const Manifold& now)
 	{
 		return dot(now.points[1].position - now.points[0].position,
-		               step.point(c, 1).position - step.point(c, 0).position)
-		        < 0;
+		        step.point(c, 1).position - step.point(c, 0).position) < 0;
 	}
 
 	/// Gap of point k of the contact, or the smallest gap if the number of points changed; inf: out
@@ -71,8 +70,7 @@ bool meetOnPaths(const Step& step, const StepContact& contact, Vec2 normalBefore
 	for (int sample = 1; sample <= samples; ++sample) {
 		const double   time = step.dt * sample / samples;
 		const Manifold now  = solvedPointsAfter(step, contact, time);
-		if (now.deepest() > contact.slop()
-		        || passedThrough(step, contact, normalBefore, now, time))
+		if (now.deepest() > contact.slop() || passedThrough(step, contact, normalBefore, now, time))
 			return true;
 	}
 	return false;
@@ -98,8 +96,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 		double        least  = infinity;
 		for (const Manifold& now : at)
 			least = std::min(least, gapOf(step, contact, k, now));
-		const double share = double(last) / samples,
-		             end   = gapOf(step, contact, k, at[last - 1]);
+		const double share = double(last) / samples, end = gapOf(step, contact, k, at[last - 1]);
 		// the contact has moved round the body; `separate` removes its overlap
 		if (end == -infinity) continue;
 		const bool sinks
@@ -120,8 +117,7 @@ bool adaptToDisplacement(Step& step, const StepContact& contact, bool allowRelea
 			changed = true;
 			continue;
 		}
-		const double curve = sinks
-		        ? (end - gap - share * path) / (share * share)
+		const double curve = sinks ? (end - gap - share * path) / (share * share)
 		        : 2 * least - gap - path; // 2: also releases one of two loaded contacts
 		// at most an elastic impact
 		const double bias   = std::max((std::max(gap, 0.0) + curve) / dt, std::min(0.0, before));

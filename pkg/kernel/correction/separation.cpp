@@ -15,9 +15,7 @@ namespace {
 
 	class Separation {
 	public:
-		explicit Separation(Step& step)
-		        : step_(step)
-		        , queued_(step.contacts.size())
+		explicit Separation(Step& step) : step_(step), queued_(step.contacts.size())
 		{
 		}
 
@@ -149,8 +147,7 @@ namespace {
 				};
 				point.arm1 = at.points[k].position - center(id1);
 				point.arm2 = at.points[k].position - (center(id2) + c.shift + step_.dt * c.drift);
-				const double gap
-				        = at.points[k].gap + relativeVelocity(point, moved1, moved2).n;
+				const double gap = at.points[k].gap + relativeVelocity(point, moved1, moved2).n;
 				const double excess = -gap - allowed(c);
 				if (excess <= tolerance * c.slop()) continue;
 				const double compliance = delassus(point, m1, m2).nn;

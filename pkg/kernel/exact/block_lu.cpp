@@ -89,8 +89,7 @@ namespace {
 	/// Elimination order of a graph. Node i has the neighbours neighbors[begin[i]] …
 	/// neighbors[begin[i + 1] − 1].
 	std::vector<std::int32_t> minimumDegreeOrder(std::int32_t size,
-	        const std::vector<std::int32_t>&                  begin,
-	        const std::vector<std::int32_t>&                  neighbors)
+	        const std::vector<std::int32_t>& begin, const std::vector<std::int32_t>& neighbors)
 	{
 		const std::vector<std::int32_t> none(1); // AMD needs an array even without edges
 		std::vector<std::int32_t>       order(size);

@@ -77,10 +77,8 @@ namespace {
 	}
 
 	/// One proximal step about the present impulses.
-	PathEnd step(ContactProblem&            problem,
-	        ProximalProblem&                proximal,
-	        std::vector<ProximalParameter>& rho,
-	        int                             maxIterations)
+	PathEnd step(ContactProblem& problem, ProximalProblem& proximal,
+	        std::vector<ProximalParameter>& rho, int maxIterations)
 	{
 		proximal.setReference(problem);
 		for (std::size_t i = 0; i < proximal.size(); ++i)
@@ -98,10 +96,8 @@ namespace {
 
 } // namespace
 
-Report solveExact(ContactProblem& problem,
-        const Settings&           settings,
-        Workspace&                workspace,
-        const Report*             swept)
+Report solveExact(ContactProblem& problem, const Settings& settings, Workspace& workspace,
+        const Report* swept)
 {
 	std::vector<Impulse> before; // impulses before the last sweeps or step, to detect divergence
 	const auto           remember = [&] {

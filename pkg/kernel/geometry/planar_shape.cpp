@@ -7,9 +7,8 @@ namespace {
 
 	Stadium stadiumOf(const PlanarShape& s) { return { s.halfLength, s.halfWidth }; }
 
-	Manifold wallContact(
-	        const PlanarShape& wall, Vec2 origin, const PlanarShape& grain, const Pose& at,
-	        double maxGap)
+	Manifold wallContact(const PlanarShape& wall, Vec2 origin, const PlanarShape& grain,
+	        const Pose& at, double maxGap)
 	{
 		const double ahead  = wall.axis == 0 ? at.center.x - origin.x : at.center.y - origin.y;
 		// a one-sided wall does not bear grains far behind it; the margin is for rounding
@@ -20,13 +19,11 @@ namespace {
 	}
 
 	/// A segment is a stadium of cap radius 0.
-	Manifold segmentContact(
-	        const PlanarShape& segment, const Pose& body, const PlanarShape& grain, const Pose& at,
-	        double maxGap)
+	Manifold segmentContact(const PlanarShape& segment, const Pose& body, const PlanarShape& grain,
+	        const Pose& at, double maxGap)
 	{
-		Manifold result = shadowOverlap(
-		        stadiumOf(segment), segmentPose(segment, body), stadiumOf(grain), at,
-		        maxGap);
+		Manifold result = shadowOverlap(stadiumOf(segment), segmentPose(segment, body),
+		        stadiumOf(grain), at, maxGap);
 		if (result.count == 2
 		    && dot(result.points[1].position - result.points[0].position, at.axis) < 0)
 			std::swap(result.points[0], result.points[1]);
@@ -36,16 +33,14 @@ namespace {
 
 } // namespace
 
-Manifold contactPoints(
-        const PlanarShape& one, const Pose& at1, const PlanarShape& two, const Pose& at2,
-        double maxGap)
+Manifold contactPoints(const PlanarShape& one, const Pose& at1, const PlanarShape& two,
+        const Pose& at2, double maxGap)
 {
 	switch (one.kind) {
 		case PlanarShape::wall: return wallContact(one, at1.center, two, at2, maxGap);
 		case PlanarShape::box:
-			return shadowOverlap(
-			        Rectangle { { one.halfLength, one.halfWidth } }, at1, stadiumOf(two), at2,
-			        maxGap);
+			return shadowOverlap(Rectangle { { one.halfLength, one.halfWidth } }, at1,
+			        stadiumOf(two), at2, maxGap);
 		case PlanarShape::segment: return segmentContact(one, at1, two, at2, maxGap);
 		default: return shadowOverlap(stadiumOf(one), at1, stadiumOf(two), at2, maxGap);
 	}

@@ -86,9 +86,8 @@ inline bool comesFirst(const PlanarShape& one, int id1, const PlanarShape& two, 
 }
 
 /// Contact points of two bodies with gaps up to `maxGap` [m]. Requires canTouch.
-Manifold contactPoints(
-        const PlanarShape& one, const Pose& at1, const PlanarShape& two, const Pose& at2,
-        double maxGap);
+Manifold contactPoints(const PlanarShape& one, const Pose& at1, const PlanarShape& two,
+        const Pose& at2, double maxGap);
 
 /// Position of a contact point along its tangent [m], from the middle between the centres. At an
 /// obstacle it starts at the centre of the grain.

@@ -80,9 +80,8 @@ namespace {
 
 	/// The closest pair of facing points, and the farthest one from it along a side with a gap up
 	/// to `maxGap`.
-	Manifold manifold(
-	        const Facing* facing, int count, double radius1, double radius2, double maxGap,
-	        Vec2 axis)
+	Manifold manifold(const Facing* facing, int count, double radius1, double radius2,
+	        double maxGap, Vec2 axis)
 	{
 		int closest = 0;
 		for (int k = 1; k < count; ++k)
@@ -199,13 +198,11 @@ namespace {
 
 } // namespace
 
-Manifold shadowOverlap(
-        const Stadium& s1, const Pose& at1, const Stadium& s2, const Pose& at2,
+Manifold shadowOverlap(const Stadium& s1, const Pose& at1, const Stadium& s2, const Pose& at2,
         double maxGap)
 {
 	const Vec2   d = at2.center - at1.center;
-	const double maxDistance
-	        = s1.halfLength + s1.capRadius + s2.halfLength + s2.capRadius + maxGap;
+	const double maxDistance = s1.halfLength + s1.capRadius + s2.halfLength + s2.capRadius + maxGap;
 	if (dot(d, d) > maxDistance * maxDistance) return {};
 	const Separation separation(d, at1.axis, s1.halfLength, at2.axis, s2.halfLength);
 	if (separation.lowerBound() > s1.capRadius + s2.capRadius + maxGap) return {};
@@ -236,8 +233,7 @@ Manifold shadowOverlap(
 	return manifold(facing, 4, s1.capRadius, s2.capRadius, maxGap, at1.axis);
 }
 
-Manifold shadowOverlap(
-        const HalfPlane& wall, const Stadium& s, const Pose& at, double maxGap)
+Manifold shadowOverlap(const HalfPlane& wall, const Stadium& s, const Pose& at, double maxGap)
 {
 	Manifold result;
 	result.type = ContactType::wall;

@@ -56,10 +56,8 @@ struct Rectangle {
 };
 
 /// Points with gaps up to `maxGap` [m].
-Manifold shadowOverlap(
-        const Stadium&, const Pose&, const Stadium&, const Pose&, double maxGap);
+Manifold shadowOverlap(const Stadium&, const Pose&, const Stadium&, const Pose&, double maxGap);
 Manifold shadowOverlap(const HalfPlane&, const Stadium&, const Pose&, double maxGap);
-Manifold shadowOverlap(
-        const Rectangle&, const Pose&, const Stadium&, const Pose&, double maxGap);
+Manifold shadowOverlap(const Rectangle&, const Pose&, const Stadium&, const Pose&, double maxGap);
 
 } // namespace rcr

@@ -61,9 +61,8 @@ void updateVelocity(ContactProblem& problem)
 	Vec2 stretching; // M_c δg
 	for (std::size_t k = 0; k < problem.points.size(); ++k) {
 		const ContactPoint& c = problem.points[k];
-		applyImpulse(
-		        c, problem.impulse[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
-		        problem.velocity[c.body1], problem.velocity[c.body2]);
+		applyImpulse(c, problem.impulse[k], problem.inverseMass[c.body1],
+		        problem.inverseMass[c.body2], problem.velocity[c.body1], problem.velocity[c.body2]);
 		stretching = stretching + componentwise(c.shift, toCartesian(c.normal, problem.impulse[k]));
 	}
 	if (problem.stretches())

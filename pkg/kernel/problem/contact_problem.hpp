@@ -160,9 +160,8 @@ inline Impulse freeRelativeVelocity(const ContactProblem& problem, const Contact
 inline Vec2 toCartesian(Vec2 normal, Impulse p) { return p.n * normal + p.t * perp(normal); }
 
 /// Adds M⁻¹ Jᵀ p of one point to the velocities of its two bodies.
-inline void applyImpulse(
-        const ContactPoint& c, const Impulse& p, const InverseMass& m1, const InverseMass& m2,
-        Twist& v1, Twist& v2)
+inline void applyImpulse(const ContactPoint& c, const Impulse& p, const InverseMass& m1,
+        const InverseMass& m2, Twist& v1, Twist& v2)
 {
 	const Vec2 f = toCartesian(c.normal, p);
 	v1.x -= m1.x * f.x;

@@ -55,8 +55,7 @@ namespace {
 		for (std::size_t k = 0; k < d.size(); ++k) {
 			const ContactPoint& c = problem.points[k];
 			d[k]                  = projectCone(direction[k], c.friction);
-			applyImpulse(
-			        c, d[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
+			applyImpulse(c, d[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
 			        change[c.body1], change[c.body2]);
 			stretchImpulse = stretchImpulse + componentwise(c.shift, toCartesian(c.normal, d[k]));
 		}

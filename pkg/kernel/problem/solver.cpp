@@ -69,8 +69,7 @@ namespace {
 
 	/// Returns true if contacts must yield. Also tests converged solutions: a wedge can have
 	/// impulses so large that both relative errors are small.
-	bool mustYield(
-	        const Report& report, const ContactProblem& problem, const Settings& settings,
+	bool mustYield(const Report& report, const ContactProblem& problem, const Settings& settings,
 	        Workspace& workspace)
 	{
 		if (settings.yielding.compliance == 0) return false;
@@ -139,8 +138,7 @@ namespace {
 
 	/// Solves with rigid contacts. The report has `yielded` if it found that no rigid solution
 	/// exists.
-	Report solveRigid(
-	        ContactProblem& problem, const std::string& solver, const Settings& settings,
+	Report solveRigid(ContactProblem& problem, const std::string& solver, const Settings& settings,
 	        Workspace& workspace)
 	{
 		if (settings.yieldedBefore && settings.yielding.compliance > 0) {
@@ -203,8 +201,7 @@ void checkSettings(const std::string& solver, const Settings& s)
 		       ": give a finite change ≥ 0; 0 disables the criterion");
 }
 
-Report solve(
-        ContactProblem& problem, const std::string& solver, const Settings& settings,
+Report solve(ContactProblem& problem, const std::string& solver, const Settings& settings,
         Workspace& workspace)
 {
 	if (!settings.sameProblem) checkProblem(problem, workspace.team()); // bad input before settings

@@ -149,8 +149,7 @@ Report solve(ContactProblem&, const std::string& solver, const Settings&, Worksp
 
 /// Sweeps with momentum from the last solution of the workspace, with other biases. Keeps the
 /// impulses of the problem; returns velocities and stretch rate only.
-void sweepWithBias(
-        const ContactProblem&, const std::vector<double>& bias, int sweeps,
+void sweepWithBias(const ContactProblem&, const std::vector<double>& bias, int sweeps,
         std::vector<Twist>& velocity, Vec2& stretchRate, Workspace&);
 
 const std::vector<std::string>& solverNames();

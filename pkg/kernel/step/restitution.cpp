@@ -13,9 +13,7 @@ namespace {
 	/// Sets of bodies that impulses of the solved step join. Prescribed bodies join none.
 	class Collisions {
 	public:
-		explicit Collisions(const Step& step)
-		        : problem_(step.problem)
-		        , sets_(step.bodies.size())
+		explicit Collisions(const Step& step) : problem_(step.problem), sets_(step.bodies.size())
 		{
 			for (std::size_t k = 0; k < problem_.points.size(); ++k) {
 				const ContactPoint& c = problem_.points[k];

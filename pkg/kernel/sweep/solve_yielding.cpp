@@ -58,10 +58,8 @@ bool probeDivergence(const ContactProblem& problem, const Settings& settings, Wo
 	return isDivergent(probe, problem.impulse);
 }
 
-Report solveYielding(ContactProblem& problem,
-        const Settings&              settings,
-        const Report&                rigid,
-        Workspace&                   workspace)
+Report solveYielding(ContactProblem& problem, const Settings& settings, const Report& rigid,
+        Workspace& workspace)
 {
 	constexpr int maxSweeps = 1000;
 	Settings      sweeps    = settings;

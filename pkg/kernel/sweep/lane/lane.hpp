@@ -74,8 +74,7 @@ template <int N> struct Lane {
 	}
 	friend Lane subtractProduct(Lane c, Lane a, Lane b)
 	{
-		return { subtractProduct(c.low, a.low, b.low),
-			subtractProduct(c.high, a.high, b.high) };
+		return { subtractProduct(c.low, a.low, b.low), subtractProduct(c.high, a.high, b.high) };
 	}
 	friend Mask<N> operator<=(Lane a, Lane b) { return { a.low <= b.low, a.high <= b.high }; }
 	/// a < b ? a : b and a > b ? a : b, also for zeros of either sign.

@@ -34,8 +34,7 @@ template <int N> inline Bodies<N> loadBodies(const Places<N>& at)
 		return { at[0][record::x], at[0][record::y], at[0][record::spin],
 			at[0][record::inverseMass] };
 	else {
-		const Bodies<N / 2> low  = loadBodies<N / 2>(at.low()),
-		                    high = loadBodies<N / 2>(at.high());
+		const Bodies<N / 2> low = loadBodies<N / 2>(at.low()), high = loadBodies<N / 2>(at.high());
 		return { { low.x, high.x }, { low.y, high.y }, { low.spin, high.spin },
 			{ low.inverseMass, high.inverseMass } };
 	}
@@ -60,8 +59,7 @@ template <int N> inline void storeBodies(const Bodies<N>& v, const Places<N>& at
 		at[0][record::spin]        = v.spin.value;
 		at[0][record::inverseMass] = v.inverseMass.value;
 	} else {
-		storeBodies<N / 2>(
-		        { lowHalf(v.x), lowHalf(v.y), lowHalf(v.spin), lowHalf(v.inverseMass) },
+		storeBodies<N / 2>({ lowHalf(v.x), lowHalf(v.y), lowHalf(v.spin), lowHalf(v.inverseMass) },
 		        at.low());
 		storeBodies<N / 2>(
 		        { highHalf(v.x), highHalf(v.y), highHalf(v.spin), highHalf(v.inverseMass) },

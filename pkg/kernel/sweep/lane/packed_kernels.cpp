@@ -30,8 +30,7 @@ namespace {
 		const L beta = Real(momentum);
 		Sum     change2;
 		sweepPairs<M, Points>(view, chunk, [&](const auto& c, int lane, const auto& u) INLINE {
-			const auto p = M::impulse(c, lane),
-			           y = addProduct(p, beta, p - M::oldImpulse(c, lane));
+			const auto p = M::impulse(c, lane), y = addProduct(p, beta, p - M::oldImpulse(c, lane));
 			const auto q = newImpulse(c, lane, M::solve(c, lane, u, y)), change = q - y;
 			M::setOld(c, lane, p);
 			M::set(c, lane, q);

@@ -190,8 +190,7 @@ struct Normal {
 	static void setOld(const PointColumns& c, int lane, L p) { p.store(c.oldPn() + lane); }
 	static L    solve(const PointColumns& c, int lane, L un, L p)
 	{
-		return max(subtractProduct(
-		                   p, L::load(c.inverseNn() + lane), un + L::load(c.bias() + lane)),
+		return max(subtractProduct(p, L::load(c.inverseNn() + lane), un + L::load(c.bias() + lane)),
 		        L(0.0));
 	}
 	static L project(const PointColumns&, int, L p) { return max(p, L(0.0)); }
