@@ -1,9 +1,9 @@
 #include "kernel_arrays.hpp"
 
 #include <set>
-#include <sstream>
 
 #include "parallel/thread_team.hpp"
+#include "problem/refuse.hpp"
 
 namespace rcr {
 
@@ -18,9 +18,8 @@ void requireShape(
 			list += (k ? ", " : "") + std::to_string(sizes[k]);
 		return '(' + list + ')';
 	};
-	throw py::value_error(
-	        std::string(name) + " has shape " + listed(given, array.ndim()) + "; expected "
-	        + listed(shape.begin(), shape.size()));
+	refuse(name, " has shape ", listed(given, array.ndim()), "; expected ",
+	        listed(shape.begin(), shape.size()));
 }
 
 Ids idsFrom(const py::object& given, const char* name)
@@ -29,19 +28,12 @@ Ids idsFrom(const py::object& given, const char* name)
 	if (!array) throw py::error_already_set();
 	const char kind = array.dtype().kind();
 	if (array.size() > 0 && kind != 'i' && kind != 'u')
-		throw py::value_error(
-		        std::string(name) + " holds " + std::string(py::str(array.dtype()))
-		        + "; expected integers");
+		refuse(name, " holds ", std::string(py::str(array.dtype())), "; expected integers");
 	const auto wide
 	        = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>::ensure(array);
 	for (py::ssize_t k = 0; k < wide.size(); ++k) {
 		const std::int64_t id = wide.data()[k];
-		if (id < std::numeric_limits<std::int32_t>::min()
-		    || id > std::numeric_limits<std::int32_t>::max()) {
-			std::ostringstream message;
-			message << name << " holds " << id << "; expected integers of 32 bits";
-			throw py::value_error(message.str());
-		}
+		if (id != std::int32_t(id)) refuse(name, " holds ", id, "; expected integers of 32 bits");
 	}
 	return Ids::ensure(array);
 }

@@ -12,6 +12,7 @@
 namespace rcr {
 
 namespace py = pybind11;
+using namespace py::literals;
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Ids   = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;

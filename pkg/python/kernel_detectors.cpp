@@ -13,39 +13,21 @@
 
 namespace rcr {
 
-namespace {
-
-	/// A stop test that owns its settings.
-	struct OwnStopTest {
-		Settings settings;
-		StopTest test;
-
-		template <class... Given>
-		explicit OwnStopTest(Given... given) : settings(stopSettings(given...)), test(settings)
-		{
-		}
-		OwnStopTest(const OwnStopTest&) = delete;
-	};
-
-} // namespace
-
 void bindDetectors(py::module_& m)
 {
 	py::class_<ProximalParameter>(m, "ProximalParameter", "ρ of proximal steps.")
 	        .def(py::init([](double start, double min, double max, double rise, double fall,
-	                         int maxPatience) {
-		             return ProximalParameter({ start, min, max, rise, fall, maxPatience });
-	             }),
-	             py::arg("start"), py::arg("min"), py::arg("max"), py::arg("rise"), py::arg("fall"),
-	             py::arg("max_patience"))
+	                              int maxPatience) {
+		        return ProximalParameter({ start, min, max, rise, fall, maxPatience });
+	        }),
+	                "start"_a, "min"_a, "max"_a, "rise"_a, "fall"_a, "max_patience"_a)
 	        .def_property_readonly("rho", &ProximalParameter::rho)
 	        .def("step_converged", &ProximalParameter::stepConverged)
 	        .def("step_failed", &ProximalParameter::stepFailed);
-
 	py::class_<Momentum>(m, "Momentum", "Nesterov momentum and its restart.")
 	        .def(py::init<>())
 	        .def_property_readonly("beta", &Momentum::beta)
-	        .def("advance", &Momentum::advance, py::arg("error"));
+	        .def("advance", &Momentum::advance, "error"_a);
 	py::class_<JamDetector>(m, "JamDetector", "Detector of jams (watch/jam_detector.hpp).")
 	        .def(py::init<>())
 	        .def_readwrite("new_maxima", &JamDetector::newMaxima)
@@ -59,7 +41,7 @@ void bindDetectors(py::module_& m)
 		                constexpr const char* names[] = { "none", "jam", "not converged" };
 		                return names[int(detector.update(overlap, yielded))];
 	                },
-	                py::arg("overlap"), py::arg("yielded") = false,
+	                "overlap"_a, "yielded"_a = false,
 	                "Add the deepest overlap of a step over R₁ + R₂ [-]. Returns 'none', 'jam' or\n"
 	                "'not converged'.");
 	py::class_<StepCounts>(
@@ -69,28 +51,32 @@ void bindDetectors(py::module_& m)
 	        .def_readonly("missed", &StepCounts::missed)
 	        .def_readonly("yielded", &StepCounts::yielded)
 	        .def_readonly("deepest", &StepCounts::deepest)
-	        .def("count", &StepCounts::count, py::arg("missed"), py::arg("yielded"),
-	             py::arg("overlap"), py::arg("removes_overlaps") = false,
-	             "Count a step. Returns true if a message is due.")
+	        .def("count", &StepCounts::count, "missed"_a, "yielded"_a, "overlap"_a,
+	                "removes_overlaps"_a = false,
+	                "Count a step. Returns true if a message is due.")
 	        .def("message", &StepCounts::message);
-	py::class_<OwnStopTest>(m, "StopTest", "Stop criteria of sweeps; settings as in `solve`.")
-	        .def(py::init<double, double, double, int, int, int, int>(), py::arg("tolerance") = 1e-4,
-	             py::arg("kinematic_tolerance") = 0.01, py::arg("mean_force_change") = 0,
-	             py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
-	             py::arg("max_iterations") = 1000, py::arg("stall_sweeps") = 0)
+	py::class_<StopTest>(m, "StopTest", "Stop criteria of sweeps; settings as in `solve`.")
+	        .def(py::init([](double tolerance, double kinematicTolerance, double meanForceChange,
+	                              int checkInterval, int minIterations, int maxIterations,
+	                              int stallSweeps) {
+		        return StopTest(stopSettings(tolerance, kinematicTolerance, meanForceChange,
+		                checkInterval, minIterations, maxIterations, stallSweeps));
+	        }),
+	                "tolerance"_a = 1e-4, "kinematic_tolerance"_a = 0.01, "mean_force_change"_a = 0,
+	                "check_interval"_a = 10, "min_iterations"_a = 0, "max_iterations"_a = 1000,
+	                "stall_sweeps"_a = 0)
 	        .def(
 	                "must_stop",
-	                [](OwnStopTest& own, const std::function<std::array<double, 3>()>& measure,
-	                   bool early) {
-		                return own.test.mustStop(early, [&] {
+	                [](StopTest& test, const std::function<std::array<double, 3>()>& measure,
+	                        bool early) {
+		                return test.mustStop(early, [&] {
 			                const auto [residual, kinematicError, change] = measure();
 			                return Criteria { residual, kinematicError, change };
 		                });
 	                },
-	                py::arg("measure"), py::arg("early") = false,
+	                "measure"_a, "early"_a = false,
 	                "`measure()` returns (residual, kinematic error, mean force change).")
-	        .def_property_readonly(
-	                "sweeps", [](const OwnStopTest& own) { return own.test.sweeps(); });
+	        .def_property_readonly("sweeps", &StopTest::sweeps);
 }
 
 } // namespace rcr

@@ -1,10 +1,10 @@
 // Bindings of stadium, shadow overlap and deposition.
 #include <array>
-#include <sstream>
 
 #include "geometry/deposition.hpp"
 #include "geometry/shadow_overlap.hpp"
 #include "kernel_arrays.hpp"
+#include "problem/refuse.hpp"
 
 namespace rcr {
 
@@ -14,9 +14,8 @@ namespace {
 	template <class Overlap> py::dict manifolds(py::ssize_t n, Overlap overlap)
 	{
 		Ids   count(n), type(n);
-		Array position({ n, py::ssize_t(2), py::ssize_t(2) }),
-		        normal({ n, py::ssize_t(2), py::ssize_t(2) });
-		Array gap({ n, py::ssize_t(2) });
+		const py::ssize_t two = 2;
+		Array position({ n, two, two }), normal({ n, two, two }), gap({ n, two });
 		for (py::ssize_t i = 0; i < n; ++i) {
 			const Manifold manifold = overlap(i);
 			count.mutable_at(i)     = manifold.count;
@@ -31,9 +30,8 @@ namespace {
 				gap.mutable_at(i, k)         = used ? p.gap : NAN;
 			}
 		}
-		return py::dict(
-		        py::arg("count") = count, py::arg("type") = type, py::arg("position") = position,
-		        py::arg("normal") = normal, py::arg("gap") = gap);
+		return py::dict("count"_a = count, "type"_a = type, "position"_a = position,
+		        "normal"_a = normal, "gap"_a = gap);
 	}
 
 	/// Poses from rows (x, y, angle).
@@ -45,17 +43,24 @@ namespace {
 		return poses;
 	}
 
-	py::dict overlapStadiums(const Array& stadium1, const Array& pose1, const Array& stadium2,
-	        const Array& pose2, double maxGap)
+	/// Binds the manifolds of bodies of shape One and stadia; `names`: of both shapes and poses.
+	template <class One>
+	void bindOverlap(py::module_& m, const char* function, const std::array<const char*, 4>& names,
+	        const char* text)
 	{
-		const py::ssize_t n      = rowsOf(stadium1);
-		const auto        shape1 = rowsFrom<Stadium>(stadium1, "stadium1", n);
-		const auto        at1    = posesFrom(pose1, "pose1", n);
-		const auto        shape2 = rowsFrom<Stadium>(stadium2, "stadium2", n);
-		const auto        at2    = posesFrom(pose2, "pose2", n);
-		return manifolds(n, [&](py::ssize_t i) {
-			return shadowOverlap(shape1[i], at1[i], shape2[i], at2[i], maxGap);
-		});
+		const auto overlap = [names](const Array& one, const Array& pose1, const Array& two,
+		                             const Array& pose2, double maxGap) {
+			const py::ssize_t n      = rowsOf(two);
+			const auto        shape1 = rowsFrom<One>(one, names[0], n);
+			const auto        at1    = posesFrom(pose1, names[1], n);
+			const auto        shape2 = rowsFrom<Stadium>(two, names[2], n);
+			const auto        at2    = posesFrom(pose2, names[3], n);
+			return manifolds(n, [&](py::ssize_t i) {
+				return shadowOverlap(shape1[i], at1[i], shape2[i], at2[i], maxGap);
+			});
+		};
+		m.def(function, overlap, py::arg(names[0]), py::arg(names[1]), py::arg(names[2]),
+		        py::arg(names[3]), "max_gap"_a, text);
 	}
 
 	py::dict overlapWall(const Array& origin, const Array& normal, const Array& stadium,
@@ -72,29 +77,13 @@ namespace {
 		});
 	}
 
-	py::dict overlapBox(const Array& halfExtent, const Array& boxPose, const Array& stadium,
-	        const Array& pose, double maxGap)
-	{
-		const py::ssize_t n        = rowsOf(stadium);
-		const auto        boxes    = rowsFrom<Rectangle>(halfExtent, "half_extent", n);
-		const auto        boxPoses = posesFrom(boxPose, "box_pose", n);
-		const auto        shapes   = rowsFrom<Stadium>(stadium, "stadium", n);
-		const auto        poses    = posesFrom(pose, "pose", n);
-		return manifolds(n, [&](py::ssize_t i) {
-			return shadowOverlap(boxes[i], boxPoses[i], shapes[i], poses[i], maxGap);
-		});
-	}
-
 	Array depositArrays(const Array& radii, double width)
 	{
 		const auto rows = rowsFrom<double>(radii, "radii", rowsOf(radii));
 		for (std::size_t i = 0; i < rows.size(); ++i)
-			if (!(rows[i] > 0 && 2 * rows[i] <= width && std::isfinite(width))) {
-				std::ostringstream message;
-				message << "radii[" << i << "] = " << rows[i] << " in a box of width " << width
-				        << "; expected 0 < 2 radius <= width";
-				throw py::value_error(message.str());
-			}
+			if (!(rows[i] > 0 && 2 * rows[i] <= width && std::isfinite(width)))
+				refuse("radii[", i, "] = ", rows[i], " in a box of width ", width,
+				        "; expected 0 < 2 radius <= width");
 		return arrayOf(deposit(rows, width));
 	}
 
@@ -102,36 +91,31 @@ namespace {
 
 void bindGeometry(py::module_& m)
 {
-	m.def(
-	        "area", [](double a, double r) { return area(Stadium { a, r }); },
-	        py::arg("half_length"), py::arg("cap_radius"), "Area of a stadium [m²].");
-	m.def(
-	        "polar_moment", [](double a, double r) { return polarMoment(Stadium { a, r }); },
-	        py::arg("half_length"), py::arg("cap_radius"),
-	        "∫ |x|² dA of a stadium about its centre [m⁴].");
+	m.def("area", [](double a, double r) { return area(Stadium { a, r }); }, "half_length"_a,
+	        "cap_radius"_a, "Area of a stadium [m²].");
+	m.def("polar_moment", [](double a, double r) { return polarMoment(Stadium { a, r }); },
+	        "half_length"_a, "cap_radius"_a, "∫ |x|² dA of a stadium about its centre [m⁴].");
 	m.def(
 	        "half_extent",
 	        [](double a, double r, double angle) {
 		        const Vec2 h = halfExtent(Stadium { a, r }, pose({}, angle).axis);
 		        return py::make_tuple(h.x, h.y);
 	        },
-	        py::arg("half_length"), py::arg("cap_radius"), py::arg("angle"),
+	        "half_length"_a, "cap_radius"_a, "angle"_a,
 	        "Half widths of the axis-aligned bounding box [m].");
-
 	const char* manifold
 	        = "Manifolds of N pairs: dict of count (N,), type (N,) with 0 cc, 1 cs, 2 ss, 3 wall,\n"
 	          "position and normal (N, 2, 2), gap (N, 2) [m]. Unused points are NaN. A stadium is\n"
 	          "(half length, cap radius), a pose (x, y, angle).";
-	m.def("overlap_stadiums", overlapStadiums, py::arg("stadium1"), py::arg("pose1"),
-	      py::arg("stadium2"), py::arg("pose2"), py::arg("max_gap"), manifold);
-	m.def("overlap_wall", overlapWall, py::arg("origin"), py::arg("normal"), py::arg("stadium"),
-	      py::arg("pose"), py::arg("max_gap"), manifold);
-	m.def("overlap_box", overlapBox, py::arg("half_extent"), py::arg("box_pose"),
-	      py::arg("stadium"), py::arg("pose"), py::arg("max_gap"), manifold);
-
-	m.def("deposit", depositArrays, py::arg("radii"), py::arg("width"),
-	      "Centres (n, 2) [m] of discs deposited one by one, each at the lowest free\n"
-	      "position in the box 0 <= x <= width, y >= 0.");
+	bindOverlap<Stadium>(
+	        m, "overlap_stadiums", { "stadium1", "pose1", "stadium2", "pose2" }, manifold);
+	bindOverlap<Rectangle>(
+	        m, "overlap_box", { "half_extent", "box_pose", "stadium", "pose" }, manifold);
+	m.def("overlap_wall", overlapWall, "origin"_a, "normal"_a, "stadium"_a, "pose"_a, "max_gap"_a,
+	        manifold);
+	m.def("deposit", depositArrays, "radii"_a, "width"_a,
+	        "Centres (n, 2) [m] of discs deposited one by one, each at the lowest free\n"
+	        "position in the box 0 <= x <= width, y >= 0.");
 }
 
 } // namespace rcr

@@ -5,6 +5,7 @@
 
 #include "exact/path_following.hpp"
 #include "kernel_arrays.hpp"
+#include "problem/refuse.hpp"
 #include "problem/residual.hpp"
 #include "step/yield_bounds.hpp"
 #include "sweep/lane/lane_check.hpp"
@@ -37,11 +38,10 @@ namespace {
 			const std::string  what = "pairs[" + std::to_string(k) + "] = (" + std::to_string(i)
 			        + ", " + std::to_string(j) + ")";
 			if (std::min(i, j) < 0 || std::max(i, j) >= size)
-				throw py::value_error(
-				        what + "; expected rows from 0 to " + std::to_string(size - 1));
-			if (i == j) throw py::value_error(what + "; expected two different rows");
+				refuse(what, "; expected rows from 0 to ", size - 1);
+			if (i == j) refuse(what, "; expected two different rows");
 			if (!seen.insert(std::minmax(i, j)).second)
-				throw py::value_error(what + " is given twice; expected each pair once");
+				refuse(what, " is given twice; expected each pair once");
 			pairs.emplace_back(i, j);
 		}
 		return pairs;
@@ -72,8 +72,7 @@ namespace {
 			copy(upper, k, matrix.pairBlock(std::int32_t(k), false));
 			copy(lower, k, matrix.pairBlock(std::int32_t(k), true));
 		}
-		if (!matrix.factor())
-			throw py::value_error("the matrix is singular: a diagonal block cannot be inverted");
+		if (!matrix.factor()) refuse("the matrix is singular: a diagonal block cannot be inverted");
 		std::vector<BlockVector> x(n);
 		for (py::ssize_t i = 0; i < n; ++i)
 			for (int j = 0; j < 3; ++j)
@@ -98,9 +97,8 @@ namespace {
 			proximal.stiffness[i] = rho / proximal.contacts[i].wnn;
 		const PathEnd end = followPath(proximal, maxPivots);
 		proximal.store(problem);
-		return py::dict(
-		        py::arg("impulse") = arrayOf(problem.impulse), py::arg("complete") = end.complete,
-		        py::arg("pivots") = end.pivots, py::arg("unstable") = end.unstable);
+		return py::dict("impulse"_a = arrayOf(problem.impulse), "complete"_a = end.complete,
+		        "pivots"_a = end.pivots, "unstable"_a = end.unstable);
 	}
 
 	// ---- sweeps
@@ -143,12 +141,9 @@ namespace {
 		std::vector<std::int32_t> records;
 		for (std::size_t body = 0; body < problem.inverseMass.size(); ++body)
 			records.push_back(layout.record(int(body)));
-		return py::dict(
-		        py::arg("pairs") = pairs, py::arg("islands") = islands,
-		        py::arg("overflow") = overflow, py::arg("sections") = sections,
-		        py::arg("chunks") = chunks, py::arg("blocks1") = blocks1,
-		        py::arg("blocks2") = blocks2, py::arg("records") = records,
-		        py::arg("record_count") = layout.records());
+		return py::dict("pairs"_a = pairs, "islands"_a = islands, "overflow"_a = overflow,
+		        "sections"_a = sections, "chunks"_a = chunks, "blocks1"_a = blocks1,
+		        "blocks2"_a = blocks2, "records"_a = records, "record_count"_a = layout.records());
 	}
 
 	// ---- lanes
@@ -168,8 +163,7 @@ namespace {
 		        = { "add", "subtract", "multiply", "divide",    "add_product", "subtract_product",
 			        "min", "max",      "abs",      "copy_sign", "select",      "zero_where" };
 		const auto found = std::find(std::begin(names), std::end(names), name);
-		if (found == std::end(names))
-			throw py::value_error("operation '" + name + "' is not known");
+		if (found == std::end(names)) refuse("operation '", name, "' is not known");
 		for (const Array* array : { &a, &b, &c })
 			requireShape(*array, "operand", { blockWidth });
 		const Operand x(a), y(b), z(c);
@@ -194,7 +188,7 @@ namespace {
 		for (int lane = 0; lane < blockWidth; ++lane) {
 			for (const int place : { from.at(lane), to.at(lane) })
 				if (place < 0 || place + whole >= count || (whole && place % 2))
-					throw py::value_error("a place is out of range");
+					refuse("a place is out of range");
 			places.body1[lane] = offsetOf(from.at(lane));
 			places.body2[lane] = offsetOf(to.at(lane));
 		}
@@ -210,49 +204,40 @@ namespace {
 void bindInternals(py::module_& m)
 {
 	bindDetectors(m);
-	m.def(
-	        "residual", [](const py::kwargs& arrays) { return residual(problemFrom(arrays)); },
+	m.def("residual", [](const py::kwargs& arrays) { return residual(problemFrom(arrays)); },
 	        "Residual [-] of a problem; arrays as in `solve`.");
-	m.def("yield_bounds", yieldBoundsFrom, py::arg("before"),
-	      "(drive speed, compliance, yield impulse) of a problem, for previous velocities of the\n"
-	      "bodies; arrays as in `solve`.");
+	m.def("yield_bounds", yieldBoundsFrom, "before"_a,
+	        "(drive speed, compliance, yield impulse) of a problem, for previous velocities of the\n"
+	        "bodies; arrays as in `solve`.");
 	m.def(
 	        "kinematic_error",
 	        [](double velocityFloor, const py::kwargs& arrays) {
 		        return kinematicError(problemFrom(arrays), velocityFloor);
 	        },
-	        py::arg("velocity_floor"),
+	        "velocity_floor"_a,
 	        "Kinematic error [-] of a problem (residual.hpp); arrays as in `solve`.");
 
-	m.def("solve_blocks", solveBlocks, py::arg("pairs"), py::arg("diagonal"), py::arg("upper"),
-	      py::arg("lower"), py::arg("b"),
-	      "Solve A x = b, b (n, 3), for a sparse matrix of 3×3 blocks: diagonal (n, 3, 3), and\n"
-	      "for the pairs (i, j), (np, 2): upper = A_ij, lower = A_ji, both (np, 3, 3). Raises\n"
-	      "ValueError for invalid or repeated pairs, and if a diagonal block becomes singular.");
-	m.def("follow_path", followPathFrom, py::arg("rho"), py::arg("max_pivots"),
-	      "One proximal step about the impulses of a problem; arrays as in `solve`.\n"
-	      "Returns a dict: impulse, complete, pivots, unstable.");
+	m.def("solve_blocks", solveBlocks, "pairs"_a, "diagonal"_a, "upper"_a, "lower"_a, "b"_a,
+	        "Solve A x = b, b (n, 3), for a sparse matrix of 3×3 blocks: diagonal (n, 3, 3), and\n"
+	        "for the pairs (i, j), (np, 2): upper = A_ij, lower = A_ji, both (np, 3, 3). Raises\n"
+	        "ValueError for invalid or repeated pairs, and if a diagonal block becomes singular.");
+	m.def("follow_path", followPathFrom, "rho"_a, "max_pivots"_a,
+	        "One proximal step about the impulses of a problem; arrays as in `solve`.\n"
+	        "Returns a dict: impulse, complete, pivots, unstable.");
 	py::class_<Coloring>(m, "Coloring", "Greedy colouring of pairs.")
-	        .def(py::init([](std::size_t bodies) {
-		             Coloring coloring;
-		             coloring.reset(bodies);
-		             return coloring;
-	             }),
-	             py::arg("bodies"))
-	        .def("take", &Coloring::take, py::arg("body1"), py::arg("limits1"), py::arg("body2"),
-	             py::arg("limits2"), "Assign a colour; −1: overflow.")
-	        .def_property_readonly_static(
-	                "colors", [](const py::object&) { return Coloring::colors; });
-	m.def("layout", layoutOf, py::arg("reductions"), "Layout of a problem; arrays as in `solve`.");
+	        .def(py::init<std::size_t>(), "bodies"_a)
+	        .def("take", &Coloring::take, "body1"_a, "limits1"_a, "body2"_a, "limits2"_a,
+	                "Assign a colour; −1: overflow.")
+	        .def_property_readonly_static("colors",
+	                [](const py::object&) { return Coloring::colors; });
+	m.def("layout", layoutOf, "reductions"_a, "Layout of a problem; arrays as in `solve`.");
 
-	m.def(
-	        "lane_width", [](int lanes) { return packedKernels(lanes).width; }, py::arg("lanes"),
+	m.def("lane_width", [](int lanes) { return packedKernels(lanes).width; }, "lanes"_a,
 	        "Vector width that runs for `lanes`.");
-	m.def("apply_lanes", applyLanes, py::arg("lanes"), py::arg("operation"), py::arg("a"),
-	      py::arg("b"), py::arg("c"), "Apply an operation of lane.hpp to 16 numbers.");
-	m.def("move_lanes", moveLanes, py::arg("lanes"), py::arg("whole"), py::arg("records"),
-	      py::arg("source"), py::arg("target"),
-	      "Copy records through the registers of lane_records.hpp.");
+	m.def("apply_lanes", applyLanes, "lanes"_a, "operation"_a, "a"_a, "b"_a, "c"_a,
+	        "Apply an operation of lane.hpp to 16 numbers.");
+	m.def("move_lanes", moveLanes, "lanes"_a, "whole"_a, "records"_a, "source"_a, "target"_a,
+	        "Copy records through the registers of lane_records.hpp.");
 }
 
 } // namespace rcr

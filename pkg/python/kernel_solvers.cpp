@@ -108,8 +108,8 @@ void bindSolvers(py::module_& m)
 		        const Impulse p = solveCoulomb({ nn, nt, tt }, gn, gt, friction);
 		        return py::make_tuple(p.n, p.t);
 	        },
-	        py::arg("w_nn"), py::arg("w_nt"), py::arg("w_tt"), py::arg("g_n"), py::arg("g_t"),
-	        py::arg("friction"), "Impulse (p_n, p_t) of one contact point.");
+	        "w_nn"_a, "w_nt"_a, "w_tt"_a, "g_n"_a, "g_t"_a, "friction"_a,
+	        "Impulse (p_n, p_t) of one contact point.");
 	m.def(
 	        "passive_restitution_factor",
 	        [](double nn, double nt, double tt, const std::array<double, 2>& p,
@@ -119,8 +119,7 @@ void bindSolvers(py::module_& m)
 		                { nn, nt, tt }, { p[0], p[1] }, { before[0], before[1] },
 		                { after[0], after[1] }, bias, friction);
 	        },
-	        py::arg("w_nn"), py::arg("w_nt"), py::arg("w_tt"), py::arg("impulse"),
-	        py::arg("before"), py::arg("after"), py::arg("bias"), py::arg("friction"),
+	        "w_nn"_a, "w_nt"_a, "w_tt"_a, "impulse"_a, "before"_a, "after"_a, "bias"_a, "friction"_a,
 	        "Largest factor of the restitution `bias` < 0 for which one point adds no energy [-].");
 	m.def(
 	        "project_cone",
@@ -128,45 +127,42 @@ void bindSolvers(py::module_& m)
 		        const Impulse p = projectCone({ n, t }, friction);
 		        return py::make_tuple(p.n, p.t);
 	        },
-	        py::arg("n"), py::arg("t"), py::arg("friction"), "Projection onto |t| ≤ µ n.");
+	        "n"_a, "t"_a, "friction"_a, "Projection onto |t| ≤ µ n.");
 
 	py::class_<Workspace>(
 	        m, "Workspace",
 	        "Data of the sweep solvers between problems. Use one for all steps of a simulation.")
 	        .def(py::init<>())
-	        .def_property_readonly(
-	                "model", modelOf, "Model of the last problem, as in ContactDynamics.model.");
+	        .def_property_readonly("model", modelOf,
+	                "Model of the last problem, as in ContactDynamics.model.");
 
 	m.def("solver_names", solverNames, "Names of the solvers of `solve`.");
-	m.def("solve", solveArrays, py::arg("solver") = "auto", py::arg("tolerance") = 1e-4,
-	      py::arg("max_iterations") = 1000, py::arg("threads") = 1, py::arg("lanes") = 0,
-	      py::arg("check_interval") = 10, py::arg("min_iterations") = 0,
-	      py::arg("stall_sweeps")        = 0,
-	      py::arg("kinematic_tolerance") = Settings().kinematicTolerance,
-	      py::arg("mean_force_change") = 0, py::arg("yield_compliance") = 0,
-	      py::arg("yield_impulse") = Yielding().yieldImpulse,
-	      py::arg("reductions") = Reductions::names(), py::arg("workspace") = nullptr,
-	      "Solve one contact problem (contact_problem.hpp); settings as in solver.hpp.\n"
-	      "\n"
-	      "Arrays by keyword: inverse_mass and free_velocity (nb, 3), bodies, normal, arm1, arm2\n"
-	      "and impulse (nc, 2), bias and friction (nc,); optional: drift and shift (nc, 2),\n"
-	      "inverse_stretch_mass (2,), recovery_bias (nc,).\n"
-	      "\n"
-	      "Returns a dict: impulse (nc, 2) [N s], relative_velocity (nc, 2) [m/s], velocity\n"
-	      "(nb, 3) [m/s, 1/s], stretch_rate (2,) [1/s], iterations, residual [-], converged,\n"
-	      "kinematic_error [-], yielded, dissipated [J/m], impulse_growth over the last 100 sweeps\n"
-	      "[-], work (sweeps × points), seconds, processor_seconds (of the calling thread).\n"
-	      "Raises ValueError for arrays of inconsistent shapes and settings out of range.");
-	m.def("solve_delassus", solveDelassusArrays, py::arg("row_start"), py::arg("column"),
-	      py::arg("block"), py::arg("free_velocity"), py::arg("friction"), py::arg("impulse"),
-	      py::arg("solver") = "auto", py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 1000,
-	      py::arg("check_interval") = 10,
-	      "Solve one problem of W and q (delassus_problem.hpp).\n"
-	      "\n"
-	      "W is given by rows of blocks: row_start (nc + 1,), column (nb,), block (nb, 4) as\n"
-	      "(nn, nt, tn, tt) [1/kg]; free_velocity = q (nc, 2) [m/s]. Returns a dict: impulse\n"
-	      "(nc, 2) [N s], relative_velocity (nc, 2) [m/s], iterations, residual [-], converged,\n"
-	      "seconds, processor_seconds.");
+	m.def("solve", solveArrays, "solver"_a = "auto", "tolerance"_a = 1e-4,
+	        "max_iterations"_a = 1000, "threads"_a = 1, "lanes"_a = 0, "check_interval"_a = 10,
+	        "min_iterations"_a = 0, "stall_sweeps"_a = 0,
+	        "kinematic_tolerance"_a = Settings().kinematicTolerance, "mean_force_change"_a = 0,
+	        "yield_compliance"_a = 0, "yield_impulse"_a = Yielding().yieldImpulse,
+	        "reductions"_a = Reductions::names(), "workspace"_a = nullptr,
+	        "Solve one contact problem (contact_problem.hpp); settings as in solver.hpp.\n"
+	        "\n"
+	        "Arrays by keyword: inverse_mass and free_velocity (nb, 3), bodies, normal, arm1, arm2\n"
+	        "and impulse (nc, 2), bias and friction (nc,); optional: drift and shift (nc, 2),\n"
+	        "inverse_stretch_mass (2,), recovery_bias (nc,).\n"
+	        "\n"
+	        "Returns a dict: impulse (nc, 2) [N s], relative_velocity (nc, 2) [m/s], velocity\n"
+	        "(nb, 3) [m/s, 1/s], stretch_rate (2,) [1/s], iterations, residual [-], converged,\n"
+	        "kinematic_error [-], yielded, dissipated [J/m], impulse_growth over the last 100 sweeps\n"
+	        "[-], work (sweeps × points), seconds, processor_seconds (of the calling thread).\n"
+	        "Raises ValueError for arrays of inconsistent shapes and settings out of range.");
+	m.def("solve_delassus", solveDelassusArrays, "row_start"_a, "column"_a, "block"_a,
+	        "free_velocity"_a, "friction"_a, "impulse"_a, "solver"_a = "auto", "tolerance"_a = 1e-4,
+	        "max_iterations"_a = 1000, "check_interval"_a = 10,
+	        "Solve one problem of W and q (delassus_problem.hpp).\n"
+	        "\n"
+	        "W is given by rows of blocks: row_start (nc + 1,), column (nb,), block (nb, 4) as\n"
+	        "(nn, nt, tn, tt) [1/kg]; free_velocity = q (nc, 2) [m/s]. Returns a dict: impulse\n"
+	        "(nc, 2) [N s], relative_velocity (nc, 2) [m/s], iterations, residual [-], converged,\n"
+	        "seconds, processor_seconds.");
 }
 
 } // namespace rcr

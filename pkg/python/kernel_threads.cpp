@@ -72,17 +72,15 @@ void bindThreads(py::module_& m)
 	py::class_<ParallelChoice>(m, "ParallelChoice", "Serial or parallel execution by timing.")
 	        .def(py::init<>())
 	        .def_property_readonly("parallel", &ParallelChoice::parallel, "Mode of the next round.")
-	        .def("record", &ParallelChoice::record, py::arg("time"), "Add the time of a round.");
+	        .def("record", &ParallelChoice::record, "time"_a, "Add the time of a round.");
 	py::class_<ThreadTeam>(m, "ThreadTeam", "Threads for parallel loops.")
 	        .def(py::init<>())
-	        .def("loop_counts", loopCounts, py::arg("threads"), py::arg("count"),
-	             py::arg("loops") = 1, py::arg("failing") = std::vector<int>(),
-	             py::arg("chunks") = false, py::arg("nested") = false,
-	             "Number of calls for each index of a loop; indices in `failing` throw.");
-	m.def("helps_after_stalls", helpsAfterStalls, py::arg("team"), py::arg("stalls"),
-	      py::arg("stall"), py::arg("rest"),
-	      "True if a helper takes part again after it has stalled the leader `stalls` times for\n"
-	      "`stall` ms, with `rest` ms after each stall.");
+	        .def("loop_counts", loopCounts, "threads"_a, "count"_a, "loops"_a = 1,
+	                "failing"_a = std::vector<int>(), "chunks"_a = false, "nested"_a = false,
+	                "Number of calls for each index of a loop; indices in `failing` throw.");
+	m.def("helps_after_stalls", helpsAfterStalls, "team"_a, "stalls"_a, "stall"_a, "rest"_a,
+	        "True if a helper takes part again after it has stalled the leader `stalls` times for\n"
+	        "`stall` ms, with `rest` ms after each stall.");
 	m.def("helper_count", helperCount, "Number of helper threads of the process.");
 }
 

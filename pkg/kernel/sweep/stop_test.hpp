@@ -41,6 +41,7 @@ public:
 	}
 
 	int             sweeps() const { return sweeps_; }
+	const Settings& settings() const { return settings_; }
 	const Criteria& criteria() const { return criteria_; } // of the last evaluation
 
 private:
@@ -53,10 +54,10 @@ private:
 		return settings_.stallSweeps > 0 && sweeps_ - lowestAt_ >= settings_.stallSweeps;
 	}
 
-	const Settings& settings_;
-	Criteria        criteria_;
-	double          lowest_ = std::numeric_limits<double>::infinity(); // residual
-	int             sweeps_ = 0, lowestAt_ = 0;
+	Settings settings_;
+	Criteria criteria_;
+	double   lowest_ = std::numeric_limits<double>::infinity(); // residual
+	int      sweeps_ = 0, lowestAt_ = 0;
 };
 
 } // namespace rcr

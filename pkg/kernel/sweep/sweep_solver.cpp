@@ -32,7 +32,7 @@ Criteria IslandStop::measure()
 {
 	const Criteria criteria = evaluate();
 	if (!island_.mixedPrecision()
-	        || !(criteria.met(settings_) || criteria.residual <= minSingleResidual))
+	        || !(criteria.met(stop_.settings()) || criteria.residual <= minSingleResidual))
 		return criteria;
 	island_.endMixedPrecision();
 	measured_ = false;
@@ -41,11 +41,11 @@ Criteria IslandStop::measure()
 
 Criteria IslandStop::evaluate()
 {
-	const Measures m        = island_.measure();
-	Criteria       criteria = criteriaOf(m, island_.freeVelocity2(), island_.points(), settings_);
-	if (measured_)
-		criteria.meanForceChange = std::abs(m.normal - normal_)
-		        / m.normal; // NaN without forces: not met
+	const Measures m = island_.measure();
+	Criteria       criteria
+	        = criteriaOf(m, island_.freeVelocity2(), island_.points(), stop_.settings());
+	// NaN without forces: not met
+	if (measured_) criteria.meanForceChange = std::abs(m.normal - normal_) / m.normal;
 	normal_   = m.normal;
 	measured_ = true;
 	return criteria;

@@ -10,12 +10,7 @@ namespace rcr {
 /// The stop test of an island.
 class IslandStop {
 public:
-	IslandStop(PackedIsland& island, const Settings& settings)
-	        : island_(island)
-	        , settings_(settings)
-	        , stop_(settings)
-	{
-	}
+	IslandStop(PackedIsland& island, const Settings& settings) : island_(island), stop_(settings) { }
 
 	/// Call before each sweep. Returns true if the sweeps must stop. An island of one point is
 	/// measured after its first sweep, which solves it.
@@ -33,11 +28,10 @@ private:
 	Criteria measure(); // confirms floats by doubles
 	Criteria evaluate();
 
-	PackedIsland&   island_;
-	const Settings& settings_;
-	StopTest        stop_;
-	double          normal_   = 0; // Σ p_n at the last evaluation
-	bool            measured_ = false;
+	PackedIsland& island_;
+	StopTest      stop_;
+	double        normal_   = 0; // Σ p_n at the last evaluation
+	bool          measured_ = false;
 };
 
 /// The state of an island after its last sweep.

@@ -12,7 +12,7 @@ public:
 	static constexpr int colors = 16;
 	static constexpr int none   = -1; // overflow: all colours are taken at a body
 
-	void reset(std::size_t bodies) { used_.assign(bodies, 0); }
+	explicit Coloring(std::size_t bodies = 0) : used_(bodies) { }
 
 	/// Frees all colours of a body for pairs that are swept at another time.
 	void free(int body) { used_[body] = 0; }

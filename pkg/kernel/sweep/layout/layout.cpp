@@ -71,7 +71,7 @@ bool Layout::update(const ContactProblem& problem, const Reductions& reductions,
 	pairBlocks_.clear();
 	overflow_.clear();
 	columns_ = pointBlocks_ = 0;
-	coloring_.reset(records_);
+	coloring_ = Coloring(records_);
 	color_.resize(pairs_.size());
 	const auto colorSection = [&](int k) { color(sections_[k]); };
 	team.parallelFor(0, partitionCount_, colorSection);
