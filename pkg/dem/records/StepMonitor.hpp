@@ -50,7 +50,7 @@ double deepestOverlap(const rcr::Step&, rcr::ThreadTeam&);
 int firstNotFinite(const rcr::Step&);
 
 /// Saves the problem to a file. Returns a message about the body `id`, whose velocity is not
-/// finite, and the file. python/failed_problem.cpp defines it, since it calls Python.
+/// finite, and the file. Calls Python (engine/contactDynamicsResults.cpp).
 std::string failureMessage(const rcr::Step&, int id, long iteration);
 
 /// Throws std::runtime_error if contacts have added more energy than T(v⁻) + T(v_free). These are

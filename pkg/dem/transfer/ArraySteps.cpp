@@ -5,7 +5,7 @@
 #include "dem/engine/ContactDynamics.hpp"
 #include "dem/engine/WallStress.hpp"
 #include "dem/shapes/plane.hpp"
-#include "dem/transfer/contactLaw.hpp"
+#include "dem/transfer/newContacts.hpp"
 #include "dem/transfer/prefetch.hpp"
 #include "dem/transfer/scatter.hpp"
 
@@ -322,7 +322,7 @@ void ArraySteps::acceptNewContacts(Scene& scene, const validation::Engines& engi
 			pair.points = 0;
 			continue;
 		}
-		const ContactLaw law = contactLaw(scene, *engines.loop, pair.body1, pair.body2);
+		const auto law = coefficientsOf(scene, *engines.loop, pair.body1, pair.body2);
 		pair.friction = law.friction, pair.restitution = law.restitution;
 		pair.formedAt = scene.iter;
 	}

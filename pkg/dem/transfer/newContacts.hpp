@@ -5,6 +5,17 @@
 
 namespace yade {
 
+struct ContactCoefficients {
+	double friction, restitution;
+};
+/// Friction and restitution of a new contact, by the Ip2 functor of the scene.
+ContactCoefficients coefficientsOf(
+        Scene&, const InteractionLoop&, Body::id_t id1, Body::id_t id2);
+
+/// Returns true if the collider and the functors of the scene allow a contact of the two bodies.
+/// Throws if no Ig2 functor handles bodies that could overlap.
+bool allowsContact(Scene&, const validation::Engines&, Body::id_t id1, Body::id_t id2);
+
 /// Detects contacts of bodies that may lack contacts and adds them to the step. So the contacts do
 /// not depend on the last run of the collider. After a change of PairExclusions, restarts the
 /// collider and validates the scene. `solver`: the engine that solves the step.

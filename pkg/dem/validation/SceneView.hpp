@@ -80,7 +80,7 @@ std::string timeStepper(const View&);
 std::string firstTimeStep(const View&);
 std::string bounds(const View&);
 
-// Rules on bodies (bodies.cpp, bodyRules.cpp).
+// Rules on bodies (bodies.cpp).
 std::string invalidBodies(const View&);
 std::string materials(const View&);
 std::string obstaclesOutOfPlane(const View&);

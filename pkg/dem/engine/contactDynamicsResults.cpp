@@ -1,4 +1,4 @@
-// Python interface of ContactDynamics: results as dicts.
+// Counts and records the steps of ContactDynamics, and its results as dicts of Python.
 #include <array>
 
 #include "dem/engine/ContactDynamics.hpp"
@@ -7,9 +7,42 @@ namespace yade {
 
 namespace py = boost::python;
 
-namespace {
-	const std::vector<std::string> tuningNames { "lanes", "arrays", "meanForceChange" };
+/// Counts the step with its overlap at the beginning. Throws the error of a jam.
+void ContactDynamics::countStep()
+{
+	const double                      overlap = deepestOverlap(step_, workspace_.team());
+	const std::lock_guard<std::mutex> lock(reading_);
+	const std::string                 warning = monitor.count(step_,
+	        { scene->iter, hasMissed(), yielded, overdamped, iterations, overlap });
+	if (!warning.empty()) LOG_WARN(warning);
 }
+
+void ContactDynamics::record(const std::vector<rcr::Twist>& impulses)
+{
+	const std::vector<int> ids = get<&ContactDynamics::observe>();
+	StepObserver::check(ids, step_, handles_);
+	const double toleranceRatio = hasMissed()
+	        ? double(std::max(residual / tolerance, kinematicError / kinematicTolerance))
+	        : 0;
+	observer_.record({ scene->iter + 1, double(scene->time + scene->dt), iterations, contactPoints,
+	                         double(residual), hasMissed(), yielded, toleranceRatio },
+	        ids, observeEvery, impulses, step_, handles_);
+	model_.setProblem(workspace_.summary(), work_, meanStretchRate);
+}
+
+std::string failureMessage(const rcr::Step& step, int id, long iteration)
+{
+	const gilLock     lock;
+	const std::string saved = py::extract<std::string>(
+	        py::import("rcr.scene").attr("save_not_finite")());
+	const rcr::Twist& v = step.problem.velocity[id];
+	return "ContactDynamics: step " + std::to_string(iteration) + " would give "
+	        + validation::bodyNames({ id }) + " the velocity (" + validation::text(v.x) + ", "
+	        + validation::text(v.y) + ") and the angular velocity " + validation::text(v.rotation)
+	        + ". Nothing has moved. " + saved;
+}
+
+static const std::vector<std::string> tuningNames { "lanes", "arrays", "meanForceChange" };
 
 /// A read-only mapping, since a change of one entry would have no effect.
 py::object ContactDynamics::tuning() const
