@@ -4,26 +4,22 @@
 
 namespace yade {
 
-namespace {
-
-	/// Lengths of the cell along x and y [m]. They do not depend on the choice of its edges, which
-	/// O.cell.flipCell changes: the shortest lattice vector along x, and the area over it.
-	rcr::Vec2 lengths(const double (&h)[2][2])
-	{
-		if (h[1][0] == 0) return { h[0][0], h[1][1] };
-		constexpr int most = 4; // edges in this vector
-		const double  area = std::abs(h[0][0] * h[1][1] - h[0][1] * h[1][0]);
-		double        x    = 0;
-		for (int i = -most; i <= most; ++i)
-			for (int j = -most; j <= most; ++j) {
-				const rcr::Vec2 v = rcr::product(h, { double(i), double(j) });
-				if (v.x > 0 && std::abs(v.y) < 1e-9 * v.x && (x == 0 || v.x < x)) x = v.x;
-			}
-		if (x == 0) x = std::sqrt(area); // prescribed motion has turned all lattice vectors
-		return { x, area / x };
-	}
-
-} // namespace
+/// Lengths of the cell along x and y [m]. They do not depend on the choice of its edges, which
+/// O.cell.flipCell changes: the shortest lattice vector along x, and the area over it.
+static rcr::Vec2 lengths(const double (&h)[2][2])
+{
+	if (h[1][0] == 0) return { h[0][0], h[1][1] };
+	constexpr int most = 4; // edges in this vector
+	const double  area = std::abs(h[0][0] * h[1][1] - h[0][1] * h[1][0]);
+	double        x    = 0;
+	for (int i = -most; i <= most; ++i)
+		for (int j = -most; j <= most; ++j) {
+			const rcr::Vec2 v = rcr::product(h, { double(i), double(j) });
+			if (v.x > 0 && std::abs(v.y) < 1e-9 * v.x && (x == 0 || v.x < x)) x = v.x;
+		}
+	if (x == 0) x = std::sqrt(area); // prescribed motion has turned all lattice vectors
+	return { x, area / x };
+}
 
 void CellStress::action()
 {

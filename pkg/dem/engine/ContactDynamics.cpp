@@ -16,9 +16,7 @@ namespace yade {
 
 CREATE_LOGGER(ContactDynamics);
 
-namespace {
-	constexpr int mostPasses = 10; // most steps need one to three
-}
+constexpr int mostPasses = 10; // most steps need one to three
 
 void ContactDynamics::action()
 {

@@ -4,16 +4,12 @@
 
 namespace yade {
 
-namespace {
-
-	const Wall* shapeOf(const Scene& scene, int id)
-	{
-		return scene.bodies->exists(id)
-		        ? dynamic_cast<const Wall*>((*scene.bodies)[id]->shape.get())
-		        : nullptr;
-	}
-
-} // namespace
+static const Wall* shapeOf(const Scene& scene, int id)
+{
+	return scene.bodies->exists(id)
+	        ? dynamic_cast<const Wall*>((*scene.bodies)[id]->shape.get())
+	        : nullptr;
+}
 
 std::string WallStress::attributeError(const Scene& in) const
 {

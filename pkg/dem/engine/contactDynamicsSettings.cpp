@@ -6,12 +6,10 @@
 
 namespace yade {
 
-namespace {
-	constexpr int    sweepsOfNextPass = 10;   // least number of sweeps of a further pass
-	constexpr double fineTolerance    = 1e-6; // below it, a further pass may use all iterations
-	// factor of maxIterations while grains are squeezed: a lack of sweeps must not look like a jam
-	constexpr int    squeezedEffort   = 10;
-}
+constexpr int    sweepsOfNextPass = 10;   // least number of sweeps of a further pass
+constexpr double fineTolerance    = 1e-6; // below it, a further pass may use all iterations
+// factor of maxIterations while grains are squeezed: a lack of sweeps must not look like a jam
+constexpr int    squeezedEffort   = 10;
 
 std::string ContactDynamics::attributeError() const
 {

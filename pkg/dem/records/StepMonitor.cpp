@@ -39,8 +39,7 @@ namespace {
 		          "the motion prescribed to "
 		        + driven
 		        + " presses rigid grains together. Stop or reverse that motion (b.state.vel, "
-		          "O.cell.velGrad), or press by a force (WallStress, "
-		          "CellStress).";
+		          "O.cell.velGrad), or press by a force (WallStress, CellStress).";
 	}
 
 	std::string notConvergedMessage(const std::string& overlaps, int iterations)
@@ -50,8 +49,7 @@ namespace {
 		          "in "
 		        + std::to_string(iterations)
 		        + " sweeps nor a proof that none exists, so positions and forces are wrong. Set a "
-		          "larger ContactDynamics.maxIterations or a "
-		          "smaller O.dt.";
+		          "larger ContactDynamics.maxIterations or a smaller O.dt.";
 	}
 
 	std::string growingMessage(const std::string& overlaps)

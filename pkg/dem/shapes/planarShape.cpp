@@ -2,38 +2,34 @@
 
 namespace yade::plane {
 
-namespace {
+using Planar = rcr::PlanarShape;
 
-	using Planar = rcr::PlanarShape;
-
-	/// Segment in which a facet cuts the plane; kind none if it does not cut it.
-	Planar cut(const Facet& facet, const State& state, Real z)
-	{
-		rcr::Vec2 ends[2];
-		int       count = 0;
-		for (int k = 0; k < 3; ++k) {
-			const Vector3r a   = state.ori * facet.vertices[k],
-			               b   = state.ori * facet.vertices[(k + 1) % 3];
-			const double above = double(state.pos.z() + a.z() - z),
-			             below = double(state.pos.z() + b.z() - z);
-			if (above == below || above * below > 0) continue;
-			const double    t  = above / (above - below);
-			const rcr::Vec2 at = (1 - t) * toPlane(a) + t * toPlane(b);
-			if (count == 0) ends[count++] = at;
-			else if (count == 1 || norm(at - ends[0]) > norm(ends[1] - ends[0]))
-				ends[1] = at, count = 2;
-		}
-		const double length = count == 2 ? norm(ends[1] - ends[0]) : 0;
-		Planar       segment;
-		if (!(length > 0)) return segment;
-		segment.kind       = Planar::segment;
-		segment.halfLength = 0.5 * length;
-		segment.offset     = 0.5 * (ends[0] + ends[1]);
-		segment.direction      = (1 / length) * (ends[1] - ends[0]);
-		return segment;
+/// Segment in which a facet cuts the plane; kind none if it does not cut it.
+static Planar cut(const Facet& facet, const State& state, Real z)
+{
+	rcr::Vec2 ends[2];
+	int       count = 0;
+	for (int k = 0; k < 3; ++k) {
+		const Vector3r a   = state.ori * facet.vertices[k],
+		               b   = state.ori * facet.vertices[(k + 1) % 3];
+		const double above = double(state.pos.z() + a.z() - z),
+		             below = double(state.pos.z() + b.z() - z);
+		if (above == below || above * below > 0) continue;
+		const double    t  = above / (above - below);
+		const rcr::Vec2 at = (1 - t) * toPlane(a) + t * toPlane(b);
+		if (count == 0) ends[count++] = at;
+		else if (count == 1 || norm(at - ends[0]) > norm(ends[1] - ends[0]))
+			ends[1] = at, count = 2;
 	}
-
-} // namespace
+	const double length = count == 2 ? norm(ends[1] - ends[0]) : 0;
+	Planar       segment;
+	if (!(length > 0)) return segment;
+	segment.kind       = Planar::segment;
+	segment.halfLength = 0.5 * length;
+	segment.offset     = 0.5 * (ends[0] + ends[1]);
+	segment.direction      = (1 / length) * (ends[1] - ends[0]);
+	return segment;
+}
 
 rcr::PlanarShape shapeOf(const Shape& shape, const State& state, Real z)
 {

@@ -29,241 +29,225 @@ namespace {
 	}
 
 	struct Gatherer {
-		void bodies();
-		void contacts();
-		void gatherBody(Body::id_t);
-
-		void                  body(const Body&);
-		bool                  mayLackContacts(const Body&, const rcr::StepBody&) const;
-		void                  move(const Body&, const State&, rcr::StepBody&);
-		rcr::Twist            externalForce(const Body&) const;
-		SceneHandles::Contact contactOf(Interaction&) const;
-		void                  sort();
-		void                  gatherPoints(std::size_t number);
-
 		Scene&                  scene_;
 		const NewtonIntegrator& newton_;
 		rcr::ThreadTeam&        team_;
 		SceneHandles&           handles_;
 		rcr::Step&              step_;
 		MeanField               field_;
-	};
 
-	void Gatherer::bodies()
-	{
-		const BodyContainer& bodies = *scene_.bodies;
-		const std::size_t    count  = bodies.size();
-		step_.dt                    = double(scene_.dt);
-		step_.cell                  = cellOf(scene_, field_.gradient);
-		if (field_.periodic) step_.startFlow = plane::flowOf(field_.startGradient);
-		step_.problem.inverseMass.resize(count);
-		step_.problem.freeVelocity.resize(count);
-		step_.bodies.resize(count);
-		handles_.state.resize(count);
-		handles_.bound.resize(count);
-		handles_.mayLackContacts.assign(count, false);
-		handles_.z = validation::planeOf(scene_);
-		team_.forEach(count, [&](Body::id_t id) {
-			if (id + 2 * prefetchAhead < count) {
-				prefetch<Body>(bodies[id + 2 * prefetchAhead].get());
-				prefetchBody(bodies[id + prefetchAhead].get());
+		void bodies()
+		{
+			const BodyContainer& bodies = *scene_.bodies;
+			const std::size_t    count  = bodies.size();
+			step_.dt                    = double(scene_.dt);
+			step_.cell                  = cellOf(scene_, field_.gradient);
+			if (field_.periodic) step_.startFlow = plane::flowOf(field_.startGradient);
+			step_.problem.inverseMass.resize(count);
+			step_.problem.freeVelocity.resize(count);
+			step_.bodies.resize(count);
+			handles_.state.resize(count);
+			handles_.bound.resize(count);
+			handles_.mayLackContacts.assign(count, false);
+			handles_.z = validation::planeOf(scene_);
+			team_.forEach(count, [&](Body::id_t id) {
+				if (id + 2 * prefetchAhead < count) {
+					prefetch<Body>(bodies[id + 2 * prefetchAhead].get());
+					prefetchBody(bodies[id + prefetchAhead].get());
+				}
+				gatherBody(id);
+			});
+			step_.members.clear();
+			for (std::size_t id = 0; id < count; ++id) {
+				const int owner = step_.bodies[id].owner;
+				if (owner == int(id)) continue;
+				step_.members.push_back(int(id));
+				const double radius = norm(step_.bodies[id].center - step_.bodies[owner].center)
+				        + step_.bodies[id].radius;
+				step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, radius);
 			}
-			gatherBody(id);
-		});
-		step_.members.clear();
-		for (std::size_t id = 0; id < count; ++id) {
-			const int owner = step_.bodies[id].owner;
-			if (owner == int(id)) continue;
-			step_.members.push_back(int(id));
-			const double radius = norm(step_.bodies[id].center - step_.bodies[owner].center)
-			        + step_.bodies[id].radius;
-			step_.bodies[owner].radius = std::max(step_.bodies[owner].radius, radius);
 		}
-	}
 
-	void Gatherer::gatherBody(Body::id_t id)
-	{
-		step_.problem.inverseMass[id]  = {};
-		step_.problem.freeVelocity[id] = {};
-		step_.bodies[id]               = {};
-		step_.bodies[id].owner         = id;
-		handles_.state[id]                = nullptr;
-		handles_.bound[id]                = nullptr;
-		if (const Body* b = (*scene_.bodies)[id].get()) body(*b);
-	}
-
-	void Gatherer::body(const Body& b)
-	{
-		const Body::id_t id    = b.getId();
-		const State&     s     = *b.state;
-		rcr::StepBody&   body  = step_.bodies[id];
-		const bool       clump = b.isClump();
-		if (b.shape && !clump) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
-		const std::string error = validation::bodyError(b, body.shape, handles_.z);
-		if (!error.empty()) validation::refuse(error);
-		handles_.state[id]    = b.state.get();
-		body.center        = plane::toPlane(s.pos);
-		body.turn          = plane::turnOf(body.shape, s);
-		body.velocity      = plane::twistOf(s);
-		body.radius        = body.shape.radius();
-		body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step_.dt);
-		if (b.isClumpMember()) {
-			body.owner          = b.clumpId;
-			const State& moving = *(*scene_.bodies)[b.clumpId]->state;
-			rcr::StepBody owner;
-			owner.center       = plane::toPlane(moving.pos);
-			body.velocity = memberVelocity(body, owner, plane::twistOf(moving));
-			// Ig2 functors read the velocity of a member, which YADE sets when it moves the clump
-			const double detected = body.alertDistance + 1e-9 * body.radius;
-			body.alertDistance    = rcr::alertDistance(body.shape, body.velocity, step_.dt);
-			body.coveredPath      = body.alertDistance;
-			handles_.mayLackContacts[id]
-			        = body.alertDistance > detected || mayLackContacts(b, body);
-		} else {
-			body.free = s.blockedDOFs != State::DOF_ALL;
-			if (body.free) body.coveredPath = body.alertDistance;
-			handles_.mayLackContacts[id] = mayLackContacts(b, body);
-			move(b, s, body);
+		void gatherBody(Body::id_t id)
+		{
+			rcr::StepBody& body            = step_.bodies[id];
+			step_.problem.inverseMass[id]  = {};
+			step_.problem.freeVelocity[id] = {};
+			body                           = {};
+			body.owner                     = id;
+			const Body* const there        = (*scene_.bodies)[id].get();
+			handles_.state[id]             = there ? there->state.get() : nullptr;
+			handles_.bound[id]             = there ? there->bound.get() : nullptr;
+			if (!there) return;
+			const Body&  b = *there;
+			const State& s = *b.state;
+			if (b.shape && !b.isClump()) body.shape = plane::shapeOf(*b.shape, s, handles_.z);
+			const std::string error = validation::bodyError(b, body.shape, handles_.z);
+			if (!error.empty()) validation::refuse(error);
+			body.center        = plane::toPlane(s.pos);
+			body.turn          = plane::turnOf(body.shape, s);
+			body.velocity      = plane::twistOf(s);
+			body.radius        = body.shape.radius();
+			body.alertDistance = rcr::alertDistance(body.shape, body.velocity, step_.dt);
+			if (b.isClumpMember()) {
+				const State& clump = *(*scene_.bodies)[b.clumpId]->state;
+				body.owner         = b.clumpId;
+				body.velocity      = rcr::memberVelocity(
+				        body, plane::toPlane(clump.pos), plane::twistOf(clump));
+				// Ig2 functors read the velocity of a member as of the last motion of its clump
+				const double detected = body.alertDistance + 1e-9 * body.radius;
+				body.alertDistance    = rcr::alertDistance(body.shape, body.velocity, step_.dt);
+				body.coveredPath      = body.alertDistance;
+				handles_.mayLackContacts[id]
+				        = body.alertDistance > detected || mayLackContacts(b, body);
+			} else {
+				body.free = s.blockedDOFs != State::DOF_ALL;
+				if (body.free) body.coveredPath = body.alertDistance;
+				handles_.mayLackContacts[id] = mayLackContacts(b, body);
+				move(b, s, body);
+			}
 		}
-		handles_.bound[id] = b.bound.get();
-	}
 
-	/// Returns true if a body, enlarged by its alert distance, leaves its box. The collider may
-	/// then not list all its contacts. An example is a velocity set by a script. The box of an
-	/// obstacle has no alert distance. In a periodic cell, boxes move with the cell.
-	bool Gatherer::mayLackContacts(const Body& b, const rcr::StepBody& body) const
-	{
-		if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
-		if (scene_.isPeriodic) {
-			const rcr::Vec2  flow = step_.cell.drift(body.center);
-			const rcr::Twist v    = body.velocity - rcr::Twist { flow.x, flow.y, 0 };
-			const double     path = body.shape.grain() ? step_.dt * rcr::maxSpeed(v, body.radius)
-			                                           : body.alertDistance;
-			return path > double(b.bound->sweepLength);
+		/// Returns true if a body, enlarged by its alert distance, leaves its box. The collider may
+		/// then not list all its contacts. An example is a velocity set by a script. The box of an
+		/// obstacle has no alert distance. In a periodic cell, boxes move with the cell.
+		bool mayLackContacts(const Body& b, const rcr::StepBody& body) const
+		{
+			if (!b.bound || body.shape.kind == rcr::PlanarShape::none) return false;
+			if (scene_.isPeriodic) {
+				const rcr::Vec2  flow = step_.cell.drift(body.center);
+				const rcr::Twist v    = body.velocity - rcr::Twist { flow.x, flow.y, 0 };
+				const double     path = body.shape.grain()
+				            ? step_.dt * rcr::maxSpeed(v, body.radius)
+				            : body.alertDistance;
+				return path > double(b.bound->sweepLength);
+			}
+			if (body.shape.grain())
+				return grainLeavesBox(body, b.state->pos, body.velocity, step_.dt, *b.bound);
+			// reduced by rounding
+			const double margin = body.alertDistance * (1 - 1e-9) - 1e-9 * body.radius;
+			return obstacleLeavesBox(body.shape, body.pose(), margin, *b.bound);
 		}
-		if (body.shape.grain())
-			return grainLeavesBox(body, b.state->pos, body.velocity, step_.dt, *b.bound);
-		// reduced by rounding
-		const double margin = body.alertDistance * (1 - 1e-9) - 1e-9 * body.radius;
-		return obstacleLeavesBox(body.shape, body.pose(), margin, *b.bound);
-	}
 
-	/// Sets the inverse mass, and the velocity that NewtonIntegrator would compute without
-	/// contacts.
-	void Gatherer::move(const Body& b, const State& s, rcr::StepBody& body)
-	{
-		if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) {
-			body.velocity = {}; // the integrator does not move it
-			return;
+		/// Sets the inverse mass, and the velocity that NewtonIntegrator would compute without
+		/// contacts.
+		void move(const Body& b, const State& s, rcr::StepBody& body)
+		{
+			if (newton_.mask > 0 && !b.maskCompatible(newton_.mask)) {
+				body.velocity = {}; // the integrator does not move it
+				return;
+			}
+			const rcr::Inertia inertia = plane::inertiaOf(s);
+			if (step_.overdamped)
+				body.velocity
+				        = startVelocity(body.velocity, inertia, step_.startFlow.at(body.center));
+			rcr::Twist& v = step_.problem.freeVelocity[b.getId()];
+			v = rcr::accelerated(body.velocity, inertia, externalForce(b),
+			        plane::toPlane(newton_.gravity), step_.dt);
+			step_.problem.inverseMass[b.getId()] = { inertia.x ? 1 / inertia.mass : 0,
+				inertia.y ? 1 / inertia.mass : 0, inertia.rotation ? 1 / inertia.moment : 0 };
+			if (field_.periodic) v = v + field_.velocityChange(s, step_.dt);
 		}
-		const rcr::Inertia inertia = plane::inertiaOf(s);
-		if (step_.overdamped)
-			body.velocity = startVelocity(body.velocity, inertia, step_.startFlow.at(body.center));
-		const double dt = step_.dt;
-		rcr::Twist&  v  = step_.problem.freeVelocity[b.getId()];
-		v = rcr::accelerated(body.velocity, inertia, externalForce(b),
-		        plane::toPlane(newton_.gravity), dt);
-		step_.problem.inverseMass[b.getId()] = { inertia.x ? 1 / inertia.mass : 0,
-			inertia.y ? 1 / inertia.mass : 0, inertia.rotation ? 1 / inertia.moment : 0 };
-		if (field_.periodic) v = v + field_.velocityChange(s, dt);
-	}
 
-	/// Force and torque on a body, or on a clump and its members.
-	rcr::Twist Gatherer::externalForce(const Body& b) const
-	{
-		Vector3r force  = scene_.forces.getForce(b.getId()),
-		         torque = scene_.forces.getTorque(b.getId());
-		if (b.isClump())
-			static_cast<Clump&>(*b.shape).addForceTorqueFromMembers(
-			        b.state.get(), &scene_, force, torque);
-		if (!math::isfinite(force.sum() + torque[2]))
-			validation::refuse(validation::bodyNames({ b.getId() }), " has the force ",
-			        validation::coordinates(force), " and the torque ",
-			        validation::coordinates(torque),
-			        "; expected finite numbers: find the engine, or the O.forces of a script, "
-			        "that gave them.");
-		return { double(force[0]), double(force[1]), double(torque[2]) };
-	}
-
-	SceneHandles::Contact Gatherer::contactOf(Interaction& i) const
-	{
-		if (!i.functorCache.geomExists) validation::checkSupported(scene_, i.getId1(), i.getId2());
-		if (!i.isReal()) return {};
-		CdPhys*  phys = dynamic_cast<CdPhys*>(i.phys.get());
-		RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic()
-		        ? static_cast<RcrGeom*>(i.geom.get())
-		        : nullptr;
-		if (!phys && !geom) return {};
-		if (!phys || !geom)
-			validation::refuse("the contact of ", validation::bodyNames({ i.getId1(), i.getId2() }),
-			        " has the geometry ", i.geom->getClassName(), " and the physics ",
-			        i.phys->getClassName(),
-			        "; expected RcrGeom and CdPhys: use only Ig2_…_RcrGeom and "
-			        "Ip2_FrictMat_FrictMat_CdPhys, and call O.interactions.clear() after a change "
-			        "of functors.");
-		return { geom, phys, &i, i.getId1(), i.getId2(), geom->points };
-	}
-
-	/// Sorts contacts by ids, since YADE's container changes its order when a scene is reloaded.
-	/// Lists them by the first id, and sorts the list of each body by the second.
-	void Gatherer::sort()
-	{
-		std::vector<int>& first = step_.firstContact;
-		rcr::listByKey(step_.bodies.size(), first, handles_.sorted, [&](auto add) {
-			for (const SceneHandles::Contact& contact : handles_.found)
-				if (contact.points > 0) add(contact.id1, contact);
-		});
-		team_.forEach(step_.bodies.size(), [&](Body::id_t id) {
-			const auto begin = handles_.sorted.begin();
-			std::sort(begin + first[id], begin + first[id + 1],
-			        [](const auto& a, const auto& b) { return a.id2 < b.id2; });
-		});
-	}
-
-	void Gatherer::contacts()
-	{
-		InteractionContainer& interactions = *scene_.interactions;
-		handles_.found.resize(interactions.size());
-		team_.forEach(handles_.found.size(), [&](int k) {
-			prefetchContact(interactions, handles_.found.size(), k);
-			handles_.found[k] = contactOf(*interactions[k]);
-		});
-		sort();
-		step_.contacts.resize(handles_.sorted.size());
-		int points = 0;
-		for (std::size_t k = 0; k < handles_.sorted.size(); ++k) {
-			const SceneHandles::Contact& source = handles_.sorted[k];
-			step_.contacts[k]
-			        = { source.id1, source.id2, points, source.points, int(k), 0, 0, 0, {}, {} };
-			points += source.points;
+		/// Force and torque on a body, or on a clump and its members.
+		rcr::Twist externalForce(const Body& b) const
+		{
+			Vector3r force  = scene_.forces.getForce(b.getId()),
+			         torque = scene_.forces.getTorque(b.getId());
+			if (b.isClump())
+				static_cast<Clump&>(*b.shape).addForceTorqueFromMembers(
+				        b.state.get(), &scene_, force, torque);
+			if (!math::isfinite(force.sum() + torque[2]))
+				validation::refuse(validation::bodyNames({ b.getId() }), " has the force ",
+				        validation::coordinates(force), " and the torque ",
+				        validation::coordinates(torque),
+				        "; expected finite numbers: find the engine, or the O.forces of a script, "
+				        "that gave them.");
+			return { double(force[0]), double(force[1]), double(torque[2]) };
 		}
-		step_.resizePoints(points);
-		team_.forEach(step_.contacts.size(), [&](std::size_t k) {
-			const SceneHandles::Contact& later
-			        = handles_.sorted[indexAhead(k, handles_.sorted.size())];
-			prefetch<RcrGeom>(later.geom);
-			prefetch<CdPhys>(later.phys);
-			gatherPoints(k);
-		});
-	}
 
-	void Gatherer::gatherPoints(std::size_t number)
-	{
-		rcr::StepContact&           contact = step_.contacts[number];
-		const SceneHandles::Contact& source  = handles_.sorted[number];
-		const CdPhys&               phys    = *source.phys;
-		validation::checkPhys(phys, contact.body1, contact.body2);
-		contact.friction    = double(phys.tangensOfFrictionAngle);
-		contact.restitution = double(phys.restitution);
-		contact.size        = double(source.geom->refR1 + source.geom->refR2);
-		if (scene_.isPeriodic) {
-			contact.shift = plane::toPlane(scene_.cell->intrShiftPos(source.interaction->cellDist));
-			contact.drift = step_.cell.drift(contact.shift);
+		SceneHandles::Contact contactOf(Interaction& i) const
+		{
+			const Body::id_t id1 = i.getId1(), id2 = i.getId2();
+			if (!i.functorCache.geomExists) validation::checkSupported(scene_, id1, id2);
+			if (!i.isReal()) return {};
+			CdPhys*  phys = dynamic_cast<CdPhys*>(i.phys.get());
+			RcrGeom* geom = i.geom->getClassIndex() == RcrGeom::getClassIndexStatic()
+			        ? static_cast<RcrGeom*>(i.geom.get())
+			        : nullptr;
+			if (!phys && !geom) return {};
+			if (!phys || !geom)
+				validation::refuse("the contact of ", validation::bodyNames({ id1, id2 }),
+				        " has the geometry ", i.geom->getClassName(), " and the physics ",
+				        i.phys->getClassName(),
+				        "; expected RcrGeom and CdPhys: use only Ig2_…_RcrGeom and "
+				        "Ip2_FrictMat_FrictMat_CdPhys, and call O.interactions.clear() after a "
+				        "change of functors.");
+			return { geom, phys, &i, id1, id2, geom->points };
 		}
-		const rcr::Impulse force[2] = { { double(phys.force1[0]), double(phys.force1[1]) },
-			{ double(phys.force2[0]), double(phys.force2[1]) } };
-		step_.setPoints(contact, source.geom->manifold(), force);
-	}
+
+		/// Sorts contacts by body 1, then body 2: YADE's container changes its order when a scene is
+		/// reloaded.
+		void sort()
+		{
+			std::vector<int>& first = step_.firstContact;
+			rcr::listByKey(step_.bodies.size(), first, handles_.sorted, [&](auto add) {
+				for (const SceneHandles::Contact& contact : handles_.found)
+					if (contact.points > 0) add(contact.id1, contact);
+			});
+			team_.forEach(step_.bodies.size(), [&](Body::id_t id) {
+				const auto begin = handles_.sorted.begin();
+				std::sort(begin + first[id], begin + first[id + 1],
+				        [](const auto& a, const auto& b) { return a.id2 < b.id2; });
+			});
+		}
+
+		void contacts()
+		{
+			InteractionContainer& interactions = *scene_.interactions;
+			handles_.found.resize(interactions.size());
+			team_.forEach(handles_.found.size(), [&](int k) {
+				prefetchContact(interactions, handles_.found.size(), k);
+				handles_.found[k] = contactOf(*interactions[k]);
+			});
+			sort();
+			step_.contacts.resize(handles_.sorted.size());
+			int points = 0;
+			for (std::size_t k = 0; k < handles_.sorted.size(); ++k) {
+				const SceneHandles::Contact& source = handles_.sorted[k];
+				step_.contacts[k]            = { source.id1, source.id2, points, source.points,
+					           int(k), 0, 0, 0, {}, {} };
+				points += source.points;
+			}
+			step_.resizePoints(points);
+			team_.forEach(step_.contacts.size(), [&](std::size_t k) {
+				const SceneHandles::Contact& later
+				        = handles_.sorted[indexAhead(k, handles_.sorted.size())];
+				prefetch<RcrGeom>(later.geom);
+				prefetch<CdPhys>(later.phys);
+				gatherPoints(k);
+			});
+		}
+
+		void gatherPoints(std::size_t number)
+		{
+			rcr::StepContact&            contact = step_.contacts[number];
+			const SceneHandles::Contact& source  = handles_.sorted[number];
+			const CdPhys&                phys    = *source.phys;
+			validation::checkPhys(phys, contact.body1, contact.body2);
+			contact.friction    = double(phys.tangensOfFrictionAngle);
+			contact.restitution = double(phys.restitution);
+			contact.size        = double(source.geom->refR1 + source.geom->refR2);
+			if (scene_.isPeriodic) {
+				const Vector3i& cells = source.interaction->cellDist;
+				contact.shift         = plane::toPlane(scene_.cell->intrShiftPos(cells));
+				contact.drift         = step_.cell.drift(contact.shift);
+			}
+			const rcr::Impulse force[2] = { { double(phys.force1[0]), double(phys.force1[1]) },
+				{ double(phys.force2[0]), double(phys.force2[1]) } };
+			step_.setPoints(contact, source.geom->manifold(), force);
+		}
+	};
 
 } // namespace
 

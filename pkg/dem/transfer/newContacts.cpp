@@ -37,23 +37,20 @@ bool allowsContact(Scene& scene, const validation::Engines& engines, Body::id_t 
 	        && dynamic_cast<const FrictMat*>(two.material.get());
 }
 
-namespace {
-	rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engines)
-	{
-		return [&](int id1, int id2) { return allowsContact(scene, engines, id1, id2); };
-	}
+static rcr::ContactFilter contactFilter(Scene& scene, const validation::Engines& engines)
+{
+	return [&](int id1, int id2) { return allowsContact(scene, engines, id1, id2); };
+}
 
-	void addDetectedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
-	{
-		for (rcr::DetectedContact& detected : step.detected) {
-			if (detected.known) continue;
-			const auto law
-			        = coefficientsOf(scene, *engines.loop, detected.body1, detected.body2);
-			detected.friction = law.friction, detected.restitution = law.restitution;
-		}
-		rcr::addDetectedContacts(step);
+static void addDetectedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
+{
+	for (rcr::DetectedContact& detected : step.detected) {
+		if (detected.known) continue;
+		const auto law = coefficientsOf(scene, *engines.loop, detected.body1, detected.body2);
+		detected.friction = law.friction, detected.restitution = law.restitution;
 	}
-} // namespace
+	rcr::addDetectedContacts(step);
+}
 
 bool findUndetectedContacts(Scene& scene, const validation::Engines& engines, rcr::Step& step)
 {

@@ -196,8 +196,7 @@ std::string obstaclesOutOfPlane(const View& v)
 			if (!(math::abs(b->state->pos.z() - z) <= half[2]))
 				return bodyNames({ b->getId() }) + " is a Box at z = " + text(b->state->pos.z())
 				        + " that does not reach the plane z = " + text(z)
-				        + " of the grains, so nothing would meet it; set its z, or its "
-				          "extents.";
+				        + " of the grains, so nothing would meet it; set its z, or its extents.";
 		}
 		if (dynamic_cast<const Facet*>(b->shape.get())
 		        && plane::shapeOf(*b->shape, *b->state, z).kind == rcr::PlanarShape::none)

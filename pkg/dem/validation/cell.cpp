@@ -23,9 +23,8 @@ std::string cellStress(const View& v)
 		return "CellStress has no cell to press; set O.periodic = True and O.cell.setBox(…), "
 		       "or remove it.";
 	if (v.law == rigid && v.indexOf<PeriTriaxController>() >= 0)
-		return "PeriTriaxController moves the cell by stiffnesses or by last stresses, which "
-		       "rigid contacts do not have or answer without bound; use "
-		       "rcr.CellStress.";
+		return "PeriTriaxController moves the cell by stiffnesses or by last stresses, which rigid "
+		       "contacts do not have or answer without bound; use rcr.CellStress.";
 	return {};
 }
 

@@ -37,8 +37,7 @@ std::string loadAfterSolver(const View& v)
 	for (int k = solver + 1; solver >= 0 && k < integrator; ++k)
 		if (!v.engines[k]->dead && loads(*v.engines[k]))
 			return "the " + v.engines[k]->getClassName()
-			        + " stands after ContactDynamics, which would not see its load; put it "
-			          "before.";
+			        + " stands after ContactDynamics, which would not see its load; put it before.";
 	return {};
 }
 

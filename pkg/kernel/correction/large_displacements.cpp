@@ -3,41 +3,37 @@
 
 namespace rcr {
 
-namespace {
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr int    samples         = 4; // times within the step at which gaps are measured
+constexpr int    nearMissSamples = 8; // times at which contacts with restitution are measured
+// least gap over the slop of a contact that is released
+constexpr double clearance       = 0.02;
+constexpr double loadedClearance = 0.5; // its value if the contact bore a force before the step
+// fraction of the path that a kept contact may leave open, up to the slop
+constexpr double earlyArrival    = 0.01;
 
-	constexpr double infinity = std::numeric_limits<double>::infinity();
-	constexpr int    samples         = 4; // times within the step at which gaps are measured
-	constexpr int    nearMissSamples = 8; // times at which contacts with restitution are measured
-	// least gap over the slop of a contact that is released
-	constexpr double clearance       = 0.02;
-	constexpr double loadedClearance = 0.5; // its value if the contact bore a force before the step
-	// fraction of the path that a kept contact may leave open, up to the slop
-	constexpr double earlyArrival    = 0.01;
+static const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
 
-	const Twist& initial(const Step& step, int id) { return step.bodies[id].velocity; }
+/// Returns true if the points have changed their order since the beginning of the step. The
+/// first body has then turned against the second one.
+static bool isReversed(const Step& step, const StepContact& c, const Manifold& now)
+{
+	return dot(now.points[1].position - now.points[0].position,
+	        step.point(c, 1).position - step.point(c, 0).position) < 0;
+}
 
-	/// Returns true if the points have changed their order since the beginning of the step. The
-	/// first body has then turned against the second one.
-	bool isReversed(const Step& step, const StepContact& c, const Manifold& now)
-	{
-		return dot(now.points[1].position - now.points[0].position,
-		        step.point(c, 1).position - step.point(c, 0).position) < 0;
-	}
-
-	/// Gap of point k of the contact, or the smallest gap if the number of points changed; inf: out
-	/// of reach; −inf: the point is on the far side of the body.
-	double gapOf(const Step& step, const StepContact& c, int k, const Manifold& now)
-	{
-		if (now.count == 0) return infinity;
-		const Vec2 normal = step.problem.points[c.first + k].normal;
-		const bool closer = now.count == 2 && now.points[1].gap < now.points[0].gap;
-		const int  at     = now.count != c.count           ? closer
-		        : now.count == 2 && isReversed(step, c, now) ? 1 - k
-		                                                     : k;
-		return dot(now.points[at].normal, normal) > 0 ? now.points[at].gap : -infinity;
-	}
-
-} // namespace
+/// Gap of point k of the contact, or the smallest gap if the number of points changed; inf: out
+/// of reach; −inf: the point is on the far side of the body.
+static double gapOf(const Step& step, const StepContact& c, int k, const Manifold& now)
+{
+	if (now.count == 0) return infinity;
+	const Vec2 normal = step.problem.points[c.first + k].normal;
+	const bool closer = now.count == 2 && now.points[1].gap < now.points[0].gap;
+	const int  at     = now.count != c.count           ? closer
+	        : now.count == 2 && isReversed(step, c, now) ? 1 - k
+	                                                     : k;
+	return dot(now.points[at].normal, normal) > 0 ? now.points[at].gap : -infinity;
+}
 
 Manifold solvedPointsAfter(const Step& step, const StepContact& c, double time)
 {

@@ -5,15 +5,13 @@
 
 namespace rcr {
 
-namespace {
-	constexpr double largestShift = 1e-4; // over the radius of a grain
-	constexpr int    sweeps       = 10;
+constexpr double largestShift = 1e-4; // over the radius of a grain
+constexpr int    sweeps       = 10;
 
-	/// u_n at which a point removes the fraction β of its overlap beyond the slop [m/s].
-	double recoveryVelocity(const Step& step, std::size_t k, double beta)
-	{
-		return std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt);
-	}
+/// u_n at which a point removes the fraction β of its overlap beyond the slop [m/s].
+static double recoveryVelocity(const Step& step, std::size_t k, double beta)
+{
+	return std::min(0.0, beta * (step.gap[k].now - step.gap[k].allowed) / step.dt);
 }
 
 void setRecoveryBias(Step& step, double beta, ThreadTeam& team)

@@ -3,35 +3,31 @@
 
 namespace rcr {
 
-namespace {
+static Stadium stadiumOf(const PlanarShape& s) { return { s.halfLength, s.halfWidth }; }
 
-	Stadium stadiumOf(const PlanarShape& s) { return { s.halfLength, s.halfWidth }; }
+static Manifold wallContact(const PlanarShape& wall, Vec2 origin, const PlanarShape& grain,
+        const Pose& at, double maxGap)
+{
+	const double ahead  = wall.axis == 0 ? at.center.x - origin.x : at.center.y - origin.y;
+	// a one-sided wall does not bear grains far behind it; the margin is for rounding
+	if (std::abs(ahead) > 1.000001 * (grain.radius() + maxGap)) return {};
+	const double side   = wall.sense != 0 ? wall.sense : ahead < 0 ? -1 : 1;
+	const Vec2   normal = wall.axis == 0 ? Vec2 { side, 0 } : Vec2 { 0, side };
+	return shadowOverlap(HalfPlane { origin, normal }, stadiumOf(grain), at, maxGap);
+}
 
-	Manifold wallContact(const PlanarShape& wall, Vec2 origin, const PlanarShape& grain,
-	        const Pose& at, double maxGap)
-	{
-		const double ahead  = wall.axis == 0 ? at.center.x - origin.x : at.center.y - origin.y;
-		// a one-sided wall does not bear grains far behind it; the margin is for rounding
-		if (std::abs(ahead) > 1.000001 * (grain.radius() + maxGap)) return {};
-		const double side   = wall.sense != 0 ? wall.sense : ahead < 0 ? -1 : 1;
-		const Vec2   normal = wall.axis == 0 ? Vec2 { side, 0 } : Vec2 { 0, side };
-		return shadowOverlap(HalfPlane { origin, normal }, stadiumOf(grain), at, maxGap);
-	}
-
-	/// A segment is a stadium of cap radius 0.
-	Manifold segmentContact(const PlanarShape& segment, const Pose& body, const PlanarShape& grain,
-	        const Pose& at, double maxGap)
-	{
-		Manifold result = shadowOverlap(stadiumOf(segment), segmentPose(segment, body),
-		        stadiumOf(grain), at, maxGap);
-		if (result.count == 2
-		    && dot(result.points[1].position - result.points[0].position, at.axis) < 0)
-			std::swap(result.points[0], result.points[1]);
-		result.type = ContactType::wall;
-		return result;
-	}
-
-} // namespace
+/// A segment is a stadium of cap radius 0.
+static Manifold segmentContact(const PlanarShape& segment, const Pose& body,
+        const PlanarShape& grain, const Pose& at, double maxGap)
+{
+	Manifold result = shadowOverlap(stadiumOf(segment), segmentPose(segment, body),
+	        stadiumOf(grain), at, maxGap);
+	if (result.count == 2
+	    && dot(result.points[1].position - result.points[0].position, at.axis) < 0)
+		std::swap(result.points[0], result.points[1]);
+	result.type = ContactType::wall;
+	return result;
+}
 
 Manifold contactPoints(const PlanarShape& one, const Pose& at1, const PlanarShape& two,
         const Pose& at2, double maxGap)

@@ -7,46 +7,42 @@
 
 namespace rcr {
 
-namespace {
+constexpr double normalTolerance = 2e-6; // deviation of |n|² from 1 [-]
 
-	constexpr double normalTolerance = 2e-6; // deviation of |n|² from 1 [-]
+static void checkSize(const char* what, std::size_t given, std::size_t expected)
+{
+	if (given != expected)
+		refuse(what, " holds ", given, " entries; expected ", expected);
+}
 
-	void checkSize(const char* what, std::size_t given, std::size_t expected)
-	{
-		if (given != expected)
-			refuse(what, " holds ", given, " entries; expected ", expected);
-	}
+/// Error of a body; null: none.
+static const char* bodyError(const InverseMass& m, const Twist& v)
+{
+	if (!finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation))
+		return ": a mass or velocity is not finite";
+	if (m.x < 0 || m.y < 0 || m.rotation < 0)
+		return ": an inverse mass is negative; expected 1/m > 0, or 0 for prescribed motion";
+	return nullptr;
+}
 
-	/// Error of a body; null: none.
-	const char* bodyError(const InverseMass& m, const Twist& v)
-	{
-		if (!finite(m.x, m.y, m.rotation, v.x, v.y, v.rotation))
-			return ": a mass or velocity is not finite";
-		if (m.x < 0 || m.y < 0 || m.rotation < 0)
-			return ": an inverse mass is negative; expected 1/m > 0, or 0 for prescribed motion";
-		return nullptr;
-	}
-
-	/// Error of a contact point; null: none.
-	const char* pointError(const ContactPoint& c, const Impulse& p, std::size_t bodies)
-	{
-		// a negative id becomes huge
-		if (std::size_t(c.body1) >= bodies || std::size_t(c.body2) >= bodies)
-			return ": body id out of range";
-		if (c.body1 == c.body2) return ": both bodies are the same";
-		if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
-		            c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t))
-			return ": a number is not finite";
-		if (!(std::abs(dot(c.normal, c.normal) - 1) <= normalTolerance))
-			return ": the normal is not of unit length";
-		if (c.friction < 0) return ": the friction coefficient is negative; expected µ ≥ 0";
-		if (c.friction > maxFriction)
-			return ": the friction coefficient is above 1000, too large to measure errors; give a "
-			       "friction angle of at most 89.9°";
-		return nullptr;
-	}
-
-} // namespace
+/// Error of a contact point; null: none.
+static const char* pointError(const ContactPoint& c, const Impulse& p, std::size_t bodies)
+{
+	// a negative id becomes huge
+	if (std::size_t(c.body1) >= bodies || std::size_t(c.body2) >= bodies)
+		return ": body id out of range";
+	if (c.body1 == c.body2) return ": both bodies are the same";
+	if (!finite(c.normal.x, c.normal.y, c.arm1.x, c.arm1.y, c.arm2.x, c.arm2.y, c.bias,
+	            c.friction, c.drift.x, c.drift.y, c.shift.x, c.shift.y, p.n, p.t))
+		return ": a number is not finite";
+	if (!(std::abs(dot(c.normal, c.normal) - 1) <= normalTolerance))
+		return ": the normal is not of unit length";
+	if (c.friction < 0) return ": the friction coefficient is negative; expected µ ≥ 0";
+	if (c.friction > maxFriction)
+		return ": the friction coefficient is above 1000, too large to measure errors; give a "
+		       "friction angle of at most 89.9°";
+	return nullptr;
+}
 
 void ContactProblem::setStretchRate(Vec2 now)
 {

@@ -7,74 +7,71 @@
 
 namespace rcr {
 
-namespace {
+constexpr double maxChange  = 3;    // velocity change over V_s that no solution requires
+constexpr double noiseShare = 1e-3; // impulses below this share of the largest one are noise
 
-	constexpr double maxChange  = 3;    // velocity change over V_s that no solution requires
-	constexpr double noiseShare = 1e-3; // impulses below this share of the largest one are noise
+static double mass(const InverseMass& m)
+{
+	const double inverse = std::max(m.x, m.y);
+	return inverse > 0 ? 1 / inverse : 0;
+}
 
-	double mass(const InverseMass& m)
-	{
-		const double inverse = std::max(m.x, m.y);
-		return inverse > 0 ? 1 / inverse : 0;
+static double work(const Impulse& p, const Impulse& u) { return p.n * u.n + p.t * u.t; }
+
+/// V_s of a direction.
+static double velocityScale(const ContactProblem& problem, const std::vector<Impulse>& d)
+{
+	double largest = 0, speed2 = 0, opening = 0, total = 0;
+	for (const Impulse& one : d)
+		largest = std::max(largest, one.n);
+	std::vector<bool> acts(problem.inverseMass.size());
+	for (std::size_t k = 0; k < d.size(); ++k) {
+		if (d[k].n <= noiseShare * largest) continue;
+		const ContactPoint& c = problem.points[k];
+		const Impulse       u = freeRelativeVelocity(problem, c);
+		speed2                = std::max(speed2, work(u, u));
+		opening += std::max(0.0, -c.bias);
+		acts[c.body1] = acts[c.body2] = true;
 	}
+	for (std::size_t i = 0; i < acts.size(); ++i)
+		if (acts[i]) total += mass(problem.inverseMass[i]);
+	return std::sqrt(total) * (std::sqrt(speed2) + opening);
+}
 
-	double work(const Impulse& p, const Impulse& u) { return p.n * u.n + p.t * u.t; }
+static bool exceeds(double energy, double velocityScale)
+{
+	return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * velocityScale;
+}
 
-	/// V_s of a direction.
-	double velocityScale(const ContactProblem& problem, const std::vector<Impulse>& d)
-	{
-		double largest = 0, speed2 = 0, opening = 0, total = 0;
-		for (const Impulse& one : d)
-			largest = std::max(largest, one.n);
-		std::vector<bool> acts(problem.inverseMass.size());
-		for (std::size_t k = 0; k < d.size(); ++k) {
-			if (d[k].n <= noiseShare * largest) continue;
-			const ContactPoint& c = problem.points[k];
-			const Impulse       u = freeRelativeVelocity(problem, c);
-			speed2                = std::max(speed2, work(u, u));
-			opening += std::max(0.0, -c.bias);
-			acts[c.body1] = acts[c.body2] = true;
-		}
-		for (std::size_t i = 0; i < acts.size(); ++i)
-			if (acts[i]) total += mass(problem.inverseMass[i]);
-		return std::sqrt(total) * (std::sqrt(speed2) + opening);
+/// The bound of the header over V_s [-], for impulses projected onto their cones. Infinity: no
+/// velocities are admissible. 0: this direction gives no bound.
+static double velocityChangeBound(
+        const ContactProblem& problem, const std::vector<Impulse>& direction)
+{
+	std::vector<Impulse> d(direction.size());
+	std::vector<Twist>   change(problem.inverseMass.size()); // M⁻¹Jᵀd
+	Vec2                 stretchImpulse;
+	for (std::size_t k = 0; k < d.size(); ++k) {
+		const ContactPoint& c = problem.points[k];
+		d[k]                  = projectCone(direction[k], c.friction);
+		applyImpulse(c, d[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
+		        change[c.body1], change[c.body2]);
+		stretchImpulse = stretchImpulse + componentwise(c.shift, toCartesian(c.normal, d[k]));
 	}
-
-	bool exceeds(double energy, double velocityScale)
-	{
-		return 2 * std::sqrt(std::max(energy, 0.0)) > maxChange * velocityScale;
+	const Vec2 stretchRate = componentwise(problem.inverseStretchMass, stretchImpulse);
+	double     closing = 0, norm2 = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
+	for (std::size_t k = 0; k < d.size(); ++k) {
+		const ContactPoint& c = problem.points[k];
+		closing -= work(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
+		// impulses move the image of body 2 through the stretch of the cell only
+		ContactPoint response = c;
+		response.drift        = componentwise(stretchRate, c.shift);
+		norm2 += work(d[k], relativeVelocity(response, change[c.body1], change[c.body2]));
 	}
-
-	/// The bound of the header over V_s [-], for impulses projected onto their cones. Infinity: no
-	/// velocities are admissible. 0: this direction gives no bound.
-	double velocityChangeBound(const ContactProblem& problem, const std::vector<Impulse>& direction)
-	{
-		std::vector<Impulse> d(direction.size());
-		std::vector<Twist>   change(problem.inverseMass.size()); // M⁻¹Jᵀd
-		Vec2                 stretchImpulse;
-		for (std::size_t k = 0; k < d.size(); ++k) {
-			const ContactPoint& c = problem.points[k];
-			d[k]                  = projectCone(direction[k], c.friction);
-			applyImpulse(c, d[k], problem.inverseMass[c.body1], problem.inverseMass[c.body2],
-			        change[c.body1], change[c.body2]);
-			stretchImpulse = stretchImpulse + componentwise(c.shift, toCartesian(c.normal, d[k]));
-		}
-		const Vec2 stretchRate = componentwise(problem.inverseStretchMass, stretchImpulse);
-		double     closing = 0, norm2 = 0; // −d · (u_free + b_n n) and dᵀJ M⁻¹Jᵀd
-		for (std::size_t k = 0; k < d.size(); ++k) {
-			const ContactPoint& c = problem.points[k];
-			closing -= work(d[k], freeRelativeVelocity(problem, c)) + d[k].n * c.bias;
-			// impulses move the image of body 2 through the stretch of the cell only
-			ContactPoint response = c;
-			response.drift        = componentwise(stretchRate, c.shift);
-			norm2 += work(d[k], relativeVelocity(response, change[c.body1], change[c.body2]));
-		}
-		if (!(closing > 0)) return 0;
-		return norm2 > 0 ? closing / (std::sqrt(norm2) * velocityScale(problem, d))
-		                 : std::numeric_limits<double>::infinity();
-	}
-
-} // namespace
+	if (!(closing > 0)) return 0;
+	return norm2 > 0 ? closing / (std::sqrt(norm2) * velocityScale(problem, d))
+	                 : std::numeric_limits<double>::infinity();
+}
 
 double dissipatedEnergy(const ContactProblem& problem)
 {

@@ -86,10 +86,10 @@ struct StepBody {
 Pose poseAfter(
         const StepBody& body, const StepBody& owner, const Twist& velocityOfOwner, double time);
 
-/// Velocity of a clump member, from that of its clump.
-inline Twist memberVelocity(const StepBody& body, const StepBody& owner, const Twist& v)
+/// Velocity of a clump member, from centre and velocity of its clump.
+inline Twist memberVelocity(const StepBody& body, Vec2 center, const Twist& v)
 {
-	const Vec2 round = cross(v.rotation, body.center - owner.center);
+	const Vec2 round = cross(v.rotation, body.center - center);
 	return { v.x + round.x, v.y + round.y, v.rotation };
 }
 
@@ -260,9 +260,11 @@ struct Step {
 	/// Sets the velocities of clump members after a solve.
 	void setMemberVelocities()
 	{
-		for (std::int32_t id : members)
+		for (std::int32_t id : members) {
+			const int owner      = bodies[id].owner;
 			problem.velocity[id] = memberVelocity(
-			        bodies[id], bodies[bodies[id].owner], problem.velocity[bodies[id].owner]);
+			        bodies[id], bodies[owner].center, problem.velocity[owner]);
+		}
 	}
 };
 

@@ -8,10 +8,8 @@
 
 namespace rcr {
 
-namespace {
-	/// A new reference takes as long as four sweeps. With 1000, the residual is the same.
-	constexpr int sweepsPerReference = 400;
-}
+/// A new reference takes as long as four sweeps. With 1000, the residual is the same.
+constexpr int sweepsPerReference = 400;
 
 // ---- points of the overflow
 

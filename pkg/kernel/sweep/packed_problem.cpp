@@ -5,32 +5,28 @@
 
 namespace rcr {
 
-namespace {
+/// Radius of gyration of a body that cannot turn [m]. Large, but its square is finite.
+constexpr double blockedGyration = 1e30;
 
-	/// Radius of gyration of a body that cannot turn [m]. Large, but its square is finite.
-	constexpr double blockedGyration = 1e30;
+static double inverseGyration(const InverseMass& m)
+{
+	if (m.x != m.y || m.x <= 0) return 1; // prescribed or special bodies: any scale is valid
+	return m.rotation > 0 ? std::sqrt(m.rotation / m.x) : 1 / blockedGyration;
+}
 
-	double inverseGyration(const InverseMass& m)
-	{
-		if (m.x != m.y || m.x <= 0) return 1; // prescribed or special bodies: any scale is valid
-		return m.rotation > 0 ? std::sqrt(m.rotation / m.x) : 1 / blockedGyration;
-	}
+/// The initial impulse. Without friction, the tangential impulse is zero.
+static Impulse initialImpulse(const ContactProblem& problem, int point)
+{
+	const Impulse p = problem.impulse[point];
+	return { p.n, problem.points[point].friction == 0 ? 0 : p.t };
+}
 
-	/// The initial impulse. Without friction, the tangential impulse is zero.
-	Impulse initialImpulse(const ContactProblem& problem, int point)
-	{
-		const Impulse p = problem.impulse[point];
-		return { p.n, problem.points[point].friction == 0 ? 0 : p.t };
-	}
-
-	/// Tangential velocity due to constant spins, which half records do not hold [m/s].
-	double spinSlip(const ContactProblem& problem, const ContactPoint& c)
-	{
-		return problem.freeVelocity[c.body2].rotation * dot(c.arm2, c.normal)
-		        - problem.freeVelocity[c.body1].rotation * dot(c.arm1, c.normal);
-	}
-
-} // namespace
+/// Tangential velocity due to constant spins, which half records do not hold [m/s].
+static double spinSlip(const ContactProblem& problem, const ContactPoint& c)
+{
+	return problem.freeVelocity[c.body2].rotation * dot(c.arm2, c.normal)
+	        - problem.freeVelocity[c.body1].rotation * dot(c.arm1, c.normal);
+}
 
 // ---- input
 

@@ -8,14 +8,10 @@
 
 namespace rcr {
 
-namespace {
-
-	void sweep(PackedIsland& island, Momentum& momentum)
-	{
-		momentum.advance(island.sweepMomentum(momentum.beta()));
-	}
-
-} // namespace
+static void sweep(PackedIsland& island, Momentum& momentum)
+{
+	momentum.advance(island.sweepMomentum(momentum.beta()));
+}
 
 Report solveNesterov(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {

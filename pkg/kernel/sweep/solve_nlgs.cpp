@@ -4,10 +4,8 @@
 
 namespace rcr {
 
-namespace {
-	/// Saves a third of the sweeps in dense packings; 1.6 cycles.
-	constexpr double relaxation = 1.3; // [-]
-}
+/// Saves a third of the sweeps in dense packings; 1.6 cycles.
+constexpr double relaxation = 1.3; // [-]
 
 Report solveNlgs(ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {

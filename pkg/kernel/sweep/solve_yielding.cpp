@@ -22,30 +22,29 @@
 
 namespace rcr {
 
-namespace {
+/// A solved island stays rigid if it dissipates less than this share of all contacts [-].
+constexpr double negligible = 0.01;
 
-	/// A solved island stays rigid if it dissipates less than this share of all contacts [-].
-	constexpr double negligible = 0.01;
+/// Returns true if the bodies of the point can only turn about one axis, or not move at all.
+static bool isSingular(const Delassus& w)
+{
+	return w.nn * w.tt - w.nt * w.nt <= 1e-9 * w.nn * w.tt;
+}
 
-	/// Returns true if the bodies of the point can only turn about one axis, or not move at all.
-	bool isSingular(const Delassus& w) { return w.nn * w.tt - w.nt * w.nt <= 1e-9 * w.nn * w.tt; }
-
-	/// Sweeps until the relative change of the impulses is below `tolerance`, or the settings stop.
-	void sweepToRest(
-	        PackedIsland& island, IslandStop& stop, const Yielding& yielding, double tolerance)
-	{
-		constexpr int interval = 10;
-		Momentum      momentum;
-		while (!stop.mustStop()) {
-			const double change2 = island.sweepMomentum(momentum.beta(), yielding);
-			momentum.advance(change2);
-			if (stop.sweeps() % interval == 0
-			        && change2 <= tolerance * tolerance * island.measure().impulse2)
-				break;
-		}
+/// Sweeps until the relative change of the impulses is below `tolerance`, or the settings stop.
+static void sweepToRest(
+        PackedIsland& island, IslandStop& stop, const Yielding& yielding, double tolerance)
+{
+	constexpr int interval = 10;
+	Momentum      momentum;
+	while (!stop.mustStop()) {
+		const double change2 = island.sweepMomentum(momentum.beta(), yielding);
+		momentum.advance(change2);
+		if (stop.sweeps() % interval == 0
+		        && change2 <= tolerance * tolerance * island.measure().impulse2)
+			break;
 	}
-
-} // namespace
+}
 
 bool probeDivergence(const ContactProblem& problem, const Settings& settings, Workspace& workspace)
 {

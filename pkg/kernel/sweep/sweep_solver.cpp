@@ -11,22 +11,18 @@ ThreadTeam&         Workspace::team() { return packed_->team; }
 const ModelSummary& Workspace::summary() const { return packed_->summary(); }
 double              Workspace::layoutSeconds() const { return packed_->layoutSeconds(); }
 
-namespace {
+/// Least residual in floats, which round impulses to 6e-8.
+constexpr double minSingleResidual = 1e-6;
 
-	/// Least residual in floats, which round impulses to 6e-8.
-	constexpr double minSingleResidual = 1e-6;
-
-	Criteria criteriaOf(
-	        const Measures& m, double freeVelocity2, int points, const Settings& settings)
-	{
-		if (m.kinematicError2 < points * settings.roundingVelocity * settings.roundingVelocity)
-			return {};
-		return { residualFromSums(m.error2, m.impulse2, m.stopping2),
-			kinematicErrorFromSums(
-			        m.kinematicError2, m.velocity2, freeVelocity2, settings.velocityFloor) };
-	}
-
-} // namespace
+static Criteria criteriaOf(
+        const Measures& m, double freeVelocity2, int points, const Settings& settings)
+{
+	if (m.kinematicError2 < points * settings.roundingVelocity * settings.roundingVelocity)
+		return {};
+	return { residualFromSums(m.error2, m.impulse2, m.stopping2),
+		kinematicErrorFromSums(
+		        m.kinematicError2, m.velocity2, freeVelocity2, settings.velocityFloor) };
+}
 
 Criteria IslandStop::measure()
 {
@@ -42,8 +38,7 @@ Criteria IslandStop::measure()
 Criteria IslandStop::evaluate()
 {
 	const Measures m = island_.measure();
-	Criteria       criteria
-	        = criteriaOf(m, island_.freeVelocity2(), island_.points(), stop_.settings());
+	Criteria criteria = criteriaOf(m, island_.freeVelocity2(), island_.points(), stop_.settings());
 	// NaN without forces: not met
 	if (measured_) criteria.meanForceChange = std::abs(m.normal - normal_) / m.normal;
 	normal_   = m.normal;

@@ -6,9 +6,7 @@
 
 namespace rcr {
 
-namespace {
-	constexpr double none = std::numeric_limits<double>::infinity();
-}
+constexpr double none = std::numeric_limits<double>::infinity();
 
 bool StepCounts::count(bool hasMissed, bool hasYielded, double overlap, bool removesOverlaps)
 {
